@@ -22,7 +22,7 @@ FloatArray = NDArray[np.float64]
 
 _MODELS = {"elastica": 0.0, "cable": 1.0, "hybrid": 2.0}
 _OUT_OF_PLANE = 1e-12
-TIME_TOLERANCE = 0.3
+TIME_TOLERANCE = 0.15
 """Local error allowed in a step, in units of tau L; calibrated, see docs/engine.md."""
 
 
