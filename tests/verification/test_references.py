@@ -5,7 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.verification.references import catenary, elastica, modes, motion, static_cable
+from tests.verification.references import (
+    catenary,
+    elastica,
+    lumped_cable,
+    modes,
+    motion,
+    static_cable,
+)
 
 GRAVITY = 9.80665
 
@@ -81,7 +88,7 @@ def test_depressor_tow_is_independent_of_the_integrator():
     cable = static_cable.CableProperties(
         1000.0, 8.0, static_cable.linear_strain(5e6), 0.025, 1.2, 0.02
     )
-    body = static_cable.EndBody(5000.0, 0.4)
+    body = static_cable.EndBody(5000.0, 0.4, 0.1)
     fine, coarse = (
         static_cable.steady_shape(cable, body, lambda z: np.array([-2.0, 0, 0]), rtol=rtol)
         for rtol in (1e-12, 1e-9)
@@ -100,7 +107,7 @@ def test_depressor_tow_is_independent_of_the_integrator():
     drag = cable.normal_drag * np.linalg.norm(across, axis=1)[:, None] * across
     drag += cable.tangential_drag * (np.abs(along) * along)[:, None] * tangent
     drag *= np.sqrt(1.0 + tension / 5e6)[:, None]
-    total = np.trapezoid(drag, s, axis=0) - np.array([0, 0, 8000.0]) + body.load(flow)
+    total = np.trapezoid(drag, s, axis=0) - np.array([0, 0, 8000.0]) - body.cable_force(flow)
     assert fine.top_force == pytest.approx(-total, abs=1e-3)
     assert x[-1] < -300.0
     assert z[-1] < -400.0
@@ -225,3 +232,40 @@ def test_stretched_hanging_length():
     """For a linear cable: W L/EA + w L^2/(2 EA)."""
     length = static_cable.hanging_length(100.0, 5.0, 200.0, [1e-6])
     assert length - 100.0 == pytest.approx(1e-6 * (200.0 * 100.0 + 5.0 * 100.0**2 / 2), rel=1e-12)
+
+
+def test_lumped_chain_hangs_like_a_cable():
+    """At rest: tension w L at the top, the end w L^2 / (2 EA) below its unstretched place."""
+    cable = cable_k()
+    segments = 10
+    s = np.linspace(0.0, 30.0, segments + 1)
+    start = np.column_stack((0 * s, 0 * s, -s - 2.33333 * (30.0 * s - s**2 / 2) / 1e6))
+    still = (np.zeros(3), np.zeros(3))
+    tip, top = lumped_cable.towed_cable(
+        cable, 1e6, 0.4613, 0.2234, lambda t: still, start, [0.0, 5.0], [5.0]
+    )
+    assert tip[0] == pytest.approx([0.0, 0.0, -30.0 - 2.33333 * 450.0 / 1e6], abs=1e-6)
+    assert top[0] == pytest.approx(70.0, abs=0.01)
+
+
+@pytest.mark.slow
+def test_stretch_in_the_drag_moves_the_released_cable_as_the_tables_have_it():
+    """The corrections of `tables`, on their cheapest scene; 1 % of them with 20 segments."""
+    s = np.linspace(0.0, 10.0, 21)
+    start = np.column_stack((s, 0 * s, 0 * s))
+    still = (np.zeros(3), np.zeros(3))
+    added = 1025.0 * np.pi / 4 * 0.01666**2
+    with_factor, without = (
+        lumped_cable.towed_cable(
+            replace(cable_k(10.0), drag_exponent=p),
+            1e6,
+            0.4613,
+            added,
+            lambda t: still,
+            start,
+            [0.0, 10.0],
+            [10.0],
+        )[0]
+        for p in (0.5, 0.0)
+    )
+    assert with_factor[0] - without[0] == pytest.approx([1.93e-6, 0.0, 0.67e-6], abs=2e-8)

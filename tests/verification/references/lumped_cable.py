@@ -5,6 +5,7 @@ It is for *differences*: what a term of the equations changes, to a few parts in
 """
 
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -77,7 +78,7 @@ def towed_cable(
     times = np.asarray(times, float)
     y = np.hstack((start[1:], np.tile(motion(0.0)[1], (count, 1)))).ravel()
     tip, top = np.empty((len(times), 3)), np.empty(len(times))
-    for a, b in zip(marks[:-1], marks[1:], strict=True):
+    for a, b in pairwise(marks):
         inside = np.flatnonzero((times > a) & (times <= b))
         solution = solve_ivp(
             slope,

@@ -50,16 +50,35 @@ class CableProperties:
 
 @dataclass(frozen=True)
 class EndBody:
-    """A point body at the far end: submerged weight [N], drag area times coefficient [m2]."""
+    """A point body at the far end: submerged weight [N], drag area times coefficient [m2].
+
+    Its axis is the cable's tangent there; drag across and along it is each quadratic by itself.
+    """
 
     weight: float
-    drag: float = 0.0
+    drag_normal: float = 0.0
+    drag_axial: float = 0.0
     water_density: float = 1025.0
 
-    def load(self, water: Array) -> Array:
-        """Weight and isotropic drag [N] in water of velocity `water` relative to the body."""
-        drag = 0.5 * self.water_density * self.drag * np.linalg.norm(water) * water
-        return drag - np.array([0.0, 0.0, self.weight])
+    def cable_force(self, water: Array) -> Array:
+        """Force of the cable on the body at rest in water of relative velocity `water` (3,) [N].
+
+        Weight and drag are balanced by a force along the axis, which turns until that is so.
+        """
+
+        def balance(force: Array) -> Array:
+            tangent = force / np.linalg.norm(force)
+            along = water @ tangent
+            across = water - along * tangent
+            drag = self.drag_normal * np.linalg.norm(across) * across
+            drag = drag + self.drag_axial * abs(along) * along * tangent
+            drag = 0.5 * self.water_density * drag
+            return force + drag - np.array([0.0, 0.0, self.weight])
+
+        found = root(balance, np.array([0.0, 0.0, self.weight]), tol=1e-14)
+        if np.linalg.norm(balance(found.x)) > 1e-9 * self.weight:
+            raise ArithmeticError(found.message)
+        return found.x
 
 
 @dataclass(frozen=True)
@@ -160,7 +179,7 @@ def steady_shape(
             y = _free_end_start(cable, velocity, start)
         else:
             start = 0.0
-            y = np.r_[np.zeros(3), -body.load(velocity)]
+            y = np.r_[np.zeros(3), body.cable_force(velocity)]
         y[2] += end_depth
         return solve_ivp(
             lambda _, state: _slope(cable, state, water),
