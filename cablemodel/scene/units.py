@@ -288,4 +288,7 @@ def _registry() -> UnitRegistry[Any]:
     """Pint's registry: half a second, so only for scenes that spell units."""
     import pint
 
-    return pint.UnitRegistry()
+    units: UnitRegistry[Any] = pint.UnitRegistry()
+    if "kn" not in units:  # pint before 0.25 knows only knot and kt
+        units.define("@alias knot = kn")
+    return units
