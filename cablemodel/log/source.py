@@ -9,7 +9,12 @@ from numpy.typing import NDArray
 
 from cablemodel import variables
 from cablemodel.errors import LogError
-from cablemodel.log.messages import ODOMETRY_FLOATS, ODOMETRY_TWIST, POSE_FLOATS
+from cablemodel.log.messages import (
+    ODOMETRY_FLOATS,
+    ODOMETRY_TWIST,
+    POSE_FLOATS,
+    direction_of,
+)
 from cablemodel.log.reader import LogFile
 from cablemodel.states import States, by_label
 
@@ -81,10 +86,7 @@ class LogSource:
         poses = poses.reshape(-1, bodies, POSE_FLOATS)
         if variable.python == "bodies.position":
             return poses[:, :, :3]
-        x, y, z, w = np.moveaxis(poses[:, :, 3:], -1, 0)
-        return np.stack(
-            [1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)], axis=-1
-        )
+        return direction_of(poses[:, :, 3:])
 
     def applied_inputs(self) -> dict[str, Floats]:
         """Applied inputs of every step by label: ``time``, ``step``, ``payout_rate``, ..."""
