@@ -458,7 +458,11 @@ class CableModel:
         """
         stiffness = self._effective(0.0, 0.0)
         damping = self._effective(1.0, 0.0) - stiffness
-        mass = self._effective(0.0, 1.0) - stiffness
+        # A large factor keeps the mass from drowning in the axial stiffness.
+        guess = self._effective(0.0, 1.0) - stiffness
+        factor = float(np.abs(np.diag(stiffness)).max() / max(np.abs(np.diag(guess)).max(), 1e-30))
+        factor = max(1.0, factor)
+        mass = (self._effective(0.0, factor) - stiffness) / factor
         basis = self._free_basis()
         return basis.T @ mass @ basis, basis.T @ damping @ basis, basis.T @ stiffness @ basis
 
