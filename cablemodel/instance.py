@@ -183,9 +183,11 @@ def _strain_range(coefficients: tuple[float, ...]) -> tuple[float, float]:
     """
     if len(coefficients) == 1:
         return -math.inf, math.inf
-    slope = np.polynomial.Polynomial([(n + 1) * c for n, c in enumerate(coefficients)])
-    falls = (slope - 0.1 * coefficients[0]).roots()
-    real = [root.real for root in falls if abs(root.imag) < 1e-9 * abs(root) and root.real > 0.0]
+    slope = np.array([(n + 1) * c for n, c in enumerate(coefficients)])
+    slope[0] *= 0.9
+    roots = np.asarray(np.polynomial.polynomial.polyroots(slope), dtype=np.complex128)
+    real = [float(root.real) for root in roots if abs(root.imag) < 1e-9 * abs(root)]
+    real = [tension for tension in real if tension > 0.0]
     return 0.0, min(real, default=math.inf)
 
 

@@ -473,7 +473,7 @@ class CableModel:
         mass, _, stiffness = self.linearise()
         symmetric = 0.5 * (stiffness + stiffness.T), 0.5 * (mass + mass.T)
         values = eigh(*symmetric, eigvals_only=True)
-        return np.sqrt(np.maximum(values[:count], 0.0))
+        return np.asarray(np.sqrt(np.maximum(values[:count], 0.0)), dtype=np.float64)
 
     def _effective(self, cv: float, ca: float) -> FloatArray:
         from cablemodel.kernels import entry
@@ -522,4 +522,4 @@ class CableModel:
             above = slice(int(parent[node]) * size, int(parent[node]) * size + dimension)
             basis[own, above] = np.eye(dimension)
             drop += range(own.start, own.stop)
-        return np.delete(basis, drop, axis=1)
+        return np.asarray(np.delete(basis, drop, axis=1), dtype=np.float64)
