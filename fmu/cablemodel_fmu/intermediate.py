@@ -31,13 +31,53 @@ PORTABLE = {
 """Environment in which numba makes code for every processor of an architecture."""
 
 ALLOWED_SYMBOLS = frozenset(
-    "sin cos tan asin acos atan atan2 exp log sqrt hypot pow memcpy memmove memset".split()
+    [
+        "sin",
+        "cos",
+        "tan",
+        "asin",
+        "acos",
+        "atan",
+        "atan2",
+        "exp",
+        "log",
+        "sqrt",
+        "hypot",
+        "pow",
+        "memcpy",
+        "memmove",
+        "memset",
+    ]
 )
 """What kernels may ask of the C library."""
 
 _NO_SYMBOL = frozenset(
-    "fabs copysign smax smin umax umin abs ctpop ctlz cttz fshl minnum maxnum sqrt lifetime assume "
-    "uadd usub umul sadd ssub smul vector masked".split()
+    [
+        "fabs",
+        "copysign",
+        "smax",
+        "smin",
+        "umax",
+        "umin",
+        "abs",
+        "ctpop",
+        "ctlz",
+        "cttz",
+        "fshl",
+        "minnum",
+        "maxnum",
+        "sqrt",
+        "lifetime",
+        "assume",
+        "uadd",
+        "usub",
+        "umul",
+        "sadd",
+        "ssub",
+        "smul",
+        "vector",
+        "masked",
+    ]
 )
 """LLVM intrinsics that compile to instructions."""
 
