@@ -25,6 +25,8 @@ SIZES = {
     "strain_words": at.I_STRAIN,
     "bodies": at.I_BODIES,
     "constraints": at.I_CONSTRAINTS,
+    "rates": at.I_RATES,
+    "cables": at.I_CABLES,
 }
 
 Arrays = list[tuple[int, Any]]
@@ -46,6 +48,8 @@ class Block:
         strain_words: Any,
         bodies: Any,
         constraints: Any,
+        rates: Any,
+        cables: Any,
     ) -> tuple[Arrays, Arrays]:
         """Arrays of the image in order, then those of the workspace: (header word, length).
 
@@ -57,6 +61,8 @@ class Block:
             (at.O_TIMES, times),
             (at.O_CURRENT, depths * times * 3),
             (at.O_STRAIN, strain_words),
+            (at.O_RATES, rates * at.RATE_WORDS),
+            (at.O_CABLES, cables * at.CABLE_WORDS),
             (at.O_PARENT, capacity),
             (at.O_JOINT, capacity),
             (at.O_EDGE, capacity * at.EDGE_WORDS),
@@ -92,6 +98,7 @@ class Block:
             (at.O_PROFILE, depths * 3),
             (at.O_GAUSS, GAUSS_WORDS),
             (at.O_MOTION, MOTION_WORDS),
+            (at.O_TOP, 24),
         ]
         return image, workspace
 
@@ -105,6 +112,8 @@ class Block:
         strain_words: int,
         bodies: int,
         constraints: int,
+        rates: int,
+        cables: int,
     ) -> None:
         sizes = {
             "capacity": capacity,
@@ -114,6 +123,8 @@ class Block:
             "strain_words": strain_words,
             "bodies": bodies,
             "constraints": constraints,
+            "rates": rates,
+            "cables": cables,
         }
         image, workspace = self.arrays(**sizes)
         words = at.HEADER_WORDS + at.SCALAR_WORDS
