@@ -421,6 +421,7 @@ def _edge_row(
     row[at.E_BENDING] = row[at.E_BENDING_FULL]
     row[at.E_MODEL] = _MODELS[cable.model]
     row[at.E_SEGMENT] = segment
+    row[at.E_TYPE] = list(scene.cable_types).index(cable.type)
     return row
 
 

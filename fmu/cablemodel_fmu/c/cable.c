@@ -76,10 +76,16 @@ static void collect_inputs(const Cable *cable, double dt, double *inputs) {
     }
     inputs[IN_CURRENT] = 1.0;
     for (int i = 0; i < 3; i++) inputs[IN_CURRENT + 1 + i] = at_end(cable, VR_CURRENT + i, dt);
-    if (cable->flags & FLAG_PAYOUT) {
-        inputs[IN_PAYOUT] = 1.0;
-        inputs[IN_PAYOUT + 1] = at_end(cable, VR_PAYOUT, dt);
-    }
+    inputs[IN_PAYOUT] = 1.0;
+    inputs[IN_PAYOUT + 1] = at_end(cable, VR_PAYOUT, dt);
+}
+
+/* Arc length of a node from the vessel; in the words of CableModel._node_arcs. */
+static double arc_of(const Cable *cable, int64_t node) {
+    const double *edge = cable->M + cable->I[O_EDGE] + node * EDGE_WORDS;
+    if (node <= 0) return 0.0;
+    if (node == 1) return edge[E_LENGTH];
+    return edge[E_START] + edge[E_LENGTH] + cable->M[S_PAID];
 }
 
 static void explain(const Cable *cable, int64_t status, char *message, size_t size) {
@@ -93,13 +99,16 @@ static void explain(const Cable *cable, int64_t status, char *message, size_t si
     } else if (status == SINGULAR) {
         problem = "the equations are singular";
         advice = "give the cable bending stiffness";
+    } else if (status == NO_CAPACITY) {
+        problem = "more elements are needed than were set aside for the drum's cable";
+        advice = "give the line fewer or more even elements";
     } else if (status == NOT_FINITE) {
         problem = "an input or the step is not finite";
         advice = "check the inputs";
     }
-    const int64_t node = cable->I[I_FAILED_NODE];
-    const double *edge = cable->M + cable->I[O_EDGE] + (node > 1 ? node : 1) * EDGE_WORDS;
-    const double arc = edge[E_START] + (node > 0 ? edge[E_LENGTH] : 0.0);
+    const int64_t last = cable->I[I_NODES] - 1;
+    const int64_t node = cable->I[I_FAILED_NODE] < last ? cable->I[I_FAILED_NODE] : last;
+    const double arc = arc_of(cable, node);
     snprintf(message, size, "at t = %g s, %g m along the cable: %s; %s", cable_time(cable), arc,
              problem, advice);
 }
@@ -108,12 +117,6 @@ static void explain(const Cable *cable, int64_t status, char *message, size_t si
 int64_t step_cable(Cable *cable, double t_end, double dt, char *message, size_t size) {
     double inputs[INPUT_WORDS];
     collect_inputs(cable, dt, inputs);
-    if (!cable->now.use_scene_inputs && !(cable->flags & FLAG_PAYOUT) &&
-        at_end(cable, VR_PAYOUT, dt) != 0.0) {
-        snprintf(message, size, "payout.rate is %g: this cable cannot be paid out; give 0",
-                 at_end(cable, VR_PAYOUT, dt));
-        return -1;
-    }
     const int64_t status =
         cablemodel_step(cable->I, cable->block_words, t_end, inputs, INPUT_WORDS);
     if (status != OK) {
@@ -142,9 +145,10 @@ static const double *rows(Cable *cable) {
         const int64_t n = cable->stations, last = n - 1;
         for (int64_t k = 0; k < n; k++) cable->arcs[k] = length * (double)k / (double)last;
         for (int64_t j = 0; j < cable->bodies; j++) {
+            /* A body on the drum (node -1) is at the tow point. */
             const int64_t node = (int64_t)cable->M[cable->I[O_BODY] + j * BODY_WORDS + B_NODE];
-            const double *edge = cable->M + cable->I[O_EDGE] + node * EDGE_WORDS;
-            cable->arcs[n + j] = edge[E_START] + edge[E_LENGTH];
+            const double arc = arc_of(cable, node);
+            cable->arcs[n + j] = arc < length ? arc : length;
         }
         cablemodel_sample(cable->I, cable->block_words, cable->arcs, n + cable->bodies,
                           cable->rows, STATION_WORDS * (n + cable->bodies));
@@ -183,21 +187,26 @@ const char *read_value(Cable *cable, unsigned vr, double *value) {
     return NULL;
 }
 
+static void tune_edge(double *edge, const Parameter *p, double value) {
+    if (edge[E_TYPE] != (double)p->index) return;
+    const double before = edge[p->word];
+    edge[p->word] = p->factor * value;
+    if (p->word == E_ADDED) edge[E_MASS] += edge[p->word] - before; /* in E_MASS too */
+}
+
 static void tune(Cable *cable, unsigned index, double value) {
     const Parameter *p = &cable->parameters[index];
     if (value == cable->values[index]) return;
     double *M = cable->M;
     const int64_t *I = cable->I;
-    if (p->kind == K_BODY) {
+    if (p->kind == OF_BODY) {
         M[I[O_BODY] + p->index * BODY_WORDS + p->word] = p->factor * value;
     } else {
-        const int64_t *joint = I + I[O_JOINT];
-        for (int64_t node = 1; node < I[I_NODES]; node++) {
-            double *edge = M + I[O_EDGE] + node * EDGE_WORDS;
-            if (joint[node] != 0 || edge[E_SEGMENT] != (double)p->index) continue;
-            if (p->kind == K_ADDED_MASS) edge[E_MASS] += p->factor * value - edge[p->word];
-            edge[p->word] = p->factor * value;
-        }
+        /* Elements that are out, and the rows from which elements are made as cable is paid out. */
+        for (int64_t node = 1; node < I[I_NODES]; node++)
+            if (I[I[O_JOINT] + node] == 0) tune_edge(M + I[O_EDGE] + node * EDGE_WORDS, p, value);
+        for (int64_t n = 0; n < I[I_CABLES]; n++)
+            tune_edge(M + I[O_CABLES] + n * CABLE_WORDS + K_EDGE, p, value);
     }
     cable->values[index] = value;
     cable->I[I_FACTORED] = 0;

@@ -31,15 +31,16 @@ enum {
     F_FRAME = F_INPUTS + VR_INPUTS,
     F_HEADER_WORDS = 32
 };
-enum { FLAG_SCENE_INPUTS = 1, FLAG_STATIC = 2, FLAG_PINNED = 4, FLAG_PAYOUT = 8 };
+enum { FLAG_SCENE_INPUTS = 1, FLAG_STATIC = 2, FLAG_PINNED = 4 };
 #define FILE_MAGIC INT64_C(0x554d46454c424143) /* "CABLEFMU" */
 #define STATE_MAGIC INT64_C(0x5441545346434243)
 #define FILE_FORMAT 1
 
-/* A tunable coefficient: block word = offset + factor * value, in rows of one cable or one body. */
-enum { K_CABLE, K_BODY, K_ADDED_MASS };
+/* A tunable coefficient: word = factor * value in the edges of a cable type or in one body. */
+enum { OF_CABLES, OF_BODY };
 typedef struct {
-    int64_t kind, word, index;
+    int64_t kind, word;
+    int64_t index; /* of the cable type, or row of the body table */
     double factor, start, minimum, maximum, reserved;
 } Parameter;
 

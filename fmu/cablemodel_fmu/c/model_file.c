@@ -107,6 +107,16 @@ static int within(int64_t value, int64_t low, int64_t high) {
     return value >= low && value <= high;
 }
 
+/* The strain curve of a row of the edge table lies in its table, its cable in the cable table. */
+static int check_edge(const int64_t *I, const double *edge) {
+    const double first = (double)I[O_STRAIN], last = (double)(I[O_STRAIN] + I[I_STRAIN]);
+    return whole(edge[E_STRAIN_TERMS], 1, I[I_STRAIN]) &&
+           whole(edge[E_STRAIN_OFFSET], I[O_STRAIN], I[O_STRAIN] + I[I_STRAIN]) &&
+           edge[E_STRAIN_OFFSET] >= first &&
+           edge[E_STRAIN_OFFSET] + edge[E_STRAIN_TERMS] <= last &&
+           whole(edge[E_SEGMENT], 0, I[I_CABLES] - 1);
+}
+
 const char *check_block(const int64_t *I, int64_t image_words, int64_t block_words) {
     const double *M = (const double *)I;
     int64_t expected[HEADER_WORDS] = {0};
@@ -114,7 +124,8 @@ const char *check_block(const int64_t *I, int64_t image_words, int64_t block_wor
     if (image_words < HEADER_WORDS + SCALAR_WORDS) return "the model's image is too short";
     if (I[I_MAGIC] != MAGIC || I[I_VERSION] != VERSION) return "not a model of this version";
     if (!sizes_within(I, LARGEST_COUNT)) return "a size in the model is out of range";
-    if (I[I_CAPACITY] < 2 || I[I_PIECES] < 2 || I[I_DEPTHS] < 1 || I[I_TIMES] < 1)
+    if (I[I_CAPACITY] < 2 || I[I_PIECES] < 2 || I[I_DEPTHS] < 1 || I[I_TIMES] < 1 ||
+        I[I_CABLES] < 1)
         return "a size in the model is out of range";
     arrange(I, expected, &image, &words);
     if (image != image_words || words != block_words || I[I_IMAGE_WORDS] != image ||
@@ -128,7 +139,9 @@ const char *check_block(const int64_t *I, int64_t image_words, int64_t block_wor
         !within(I[I_PIECE], 1, I[I_PIECES] - 1) || !within(I[I_LIVE], 0, 1) ||
         !within(I[I_CURRENT], 0, 2) || !within(I[I_ORDER], 3, 4) ||
         !within(I[I_FAILED_NODE], 0, I[I_CAPACITY] - 1) ||
-        !within(I[I_MAXIMUM_STEPS], 1, 100000000))
+        !within(I[I_TOP_CABLE], 0, I[I_CABLES] - 1) || !within(I[I_PAYOUT], 0, 1) ||
+        !within(I[I_RATE_LIVE], 0, 1) || !within(I[I_CLAMPED], -1, 1) ||
+        !within(I[I_MAXIMUM_STEPS], 1, 10000000))
         return "a counter in the model is out of range";
     if (I[I_CURRENT] == 1 && I[I_DEPTHS] != 1) return "a counter in the model is out of range";
     if (!(fabs(M[S_TIME]) < 1e300) || !(M[S_STEP] > 0.0) || !(M[S_SMALLEST_STEP] > 0.0) ||
@@ -139,16 +152,17 @@ const char *check_block(const int64_t *I, int64_t image_words, int64_t block_wor
         const double *edge = M + I[O_EDGE] + node * EDGE_WORDS;
         if (!within(parent[node], 0, node - 1) || !within(joint[node], 0, 1))
             return "the model's line is not connected";
-        if (joint[node] == 0 && !(edge[E_LENGTH] > 0.0)) return "an element has no length";
-        if (!whole(edge[E_STRAIN_TERMS], 0, I[I_STRAIN]) ||
-            !whole(edge[E_STRAIN_OFFSET], 0, block_words) ||
-            (joint[node] == 0 &&
-             (edge[E_STRAIN_OFFSET] < (double)I[O_STRAIN] ||
-              edge[E_STRAIN_OFFSET] + edge[E_STRAIN_TERMS] > (double)(I[O_STRAIN] + I[I_STRAIN]))))
-            return "an element's strain curve lies outside its table";
+        if (joint[node] != 0) continue;
+        if (!(edge[E_LENGTH] > 0.0) || !check_edge(I, edge)) return "an element is out of range";
+    }
+    for (int64_t n = 0; n < I[I_CABLES]; n++) {
+        const double *row = M + I[O_CABLES] + n * CABLE_WORDS;
+        if (!whole(row[K_BODY], -1, I[I_BODIES] - 1) || !(row[K_NOMINAL] > 0.0) ||
+            !check_edge(I, row + K_EDGE))
+            return "a cable is out of range";
     }
     for (int64_t n = 0; n < I[I_BODIES]; n++)
-        if (!whole(M[I[O_BODY] + n * BODY_WORDS + B_NODE], 0, nodes - 1))
+        if (!whole(M[I[O_BODY] + n * BODY_WORDS + B_NODE], -1, nodes - 1))
             return "a body is at no node";
     for (int64_t n = 0; n < I[I_CONSTRAINTS]; n++) {
         const double *row = M + I[O_CONSTRAINT] + n * CONSTRAINT_WORDS;
@@ -161,15 +175,13 @@ const char *check_block(const int64_t *I, int64_t image_words, int64_t block_wor
 static const char *check_parameters(const Cable *cable, const int64_t *I) {
     for (int64_t n = 0; n < cable->parameter_count; n++) {
         const Parameter *p = &cable->parameters[n];
-        const int64_t words = p->kind == K_BODY ? BODY_WORDS : EDGE_WORDS;
-        const int64_t rows = p->kind == K_BODY ? I[I_BODIES] : I[I_CAPACITY];
-        if (!within(p->kind, K_CABLE, K_ADDED_MASS) || !within(p->word, 0, words - 1) ||
-            !within(p->index, 0, rows - 1) || !(fabs(p->factor) < 1e300) ||
+        if (!within(p->kind, OF_CABLES, OF_BODY) || !(fabs(p->factor) < 1e300) ||
+            !within(p->index, 0, p->kind == OF_BODY ? I[I_BODIES] - 1 : INT64_MAX) ||
             !(p->minimum <= p->start && p->start <= p->maximum))
             return "a parameter in resources/model.bin is out of range";
         /* What is no coefficient, such as a length or an index, must stay out of reach. */
         const int coefficient =
-            p->kind == K_BODY
+            p->kind == OF_BODY
                 ? p->word == B_DRAG || p->word == B_DRAG_AXIAL || p->word == B_WEIGHT
                 : p->word == E_DRAG_NORMAL || p->word == E_DRAG_TANGENTIAL || p->word == E_WEIGHT ||
                       p->word == E_ADDED;

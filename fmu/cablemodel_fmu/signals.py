@@ -1,0 +1,213 @@
+"""The FMU's variables: names from cablemodel/variables.py, value references as in c/cable.h."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from cablemodel.kernels import layout as at
+from cablemodel.variables import INPUTS, Variable, outputs_of
+
+if TYPE_CHECKING:
+    from cablemodel.block import Block
+    from cablemodel.scene import Scene
+    from cablemodel.scene.line import Body
+
+VR_INPUT = 0
+VR_PARAMETER = 100
+VR_ZERO = 900
+VR_SUMMARY = 1000
+VR_STATION = 10000
+VR_BODY = 20000000
+STATION_WORDS = 12
+
+# First word of a quantity in kernels/outputs.py: of the summary, or of a row of the stations.
+_SUMMARY = {
+    "top_force": 0,
+    "top_moment": 3,
+    "top_tension": 6,
+    "tension_min": 7,
+    "tension_max": 8,
+    "tip_position": 9,
+    "tip_velocity": 12,
+    "line_length": 21,
+    "payout_rate": 22,
+    "drum_length": 23,
+}
+_STATION = {"state.position": 0, "state.tension": 9, "state.curvature": 10}
+_BODY = {"bodies.position": 0, "bodies.direction": 3}
+
+OF_CABLES, OF_BODY = 0, 1  # a coefficient of a cable type, or of a body
+
+
+@dataclass(frozen=True)
+class Signal:
+    """A scalar variable of the FMU."""
+
+    name: str
+    reference: int
+    kind: str
+    """Real, Boolean or Enumeration."""
+    causality: str
+    variability: str
+    unit: str
+    description: str
+    start: float | None = None
+    minimum: float | None = None
+
+
+@dataclass(frozen=True)
+class Coefficient:
+    """A tunable parameter, and what it is in the block: word = factor times value."""
+
+    signal: Signal
+    kind: int
+    word: int
+    index: int
+    factor: float
+
+
+def inputs(starts: list[float]) -> list[Signal]:
+    """vessel.velocity, vessel.position, payout.rate, current.velocity: references 0 to 9."""
+    signals = []
+    for item in INPUTS:
+        names = [item.fmu.replace("[i]", f"[{i}]") for i in (1, 2, 3)] if item.shape else [item.fmu]
+        for name in names:
+            reference = VR_INPUT + len(signals)
+            signals.append(
+                Signal(
+                    name,
+                    reference,
+                    "Real",
+                    "input",
+                    "continuous",
+                    item.unit,
+                    f"{item.quantity}, reached at the end of a step",
+                    starts[reference],
+                )
+            )
+    return signals
+
+
+def outputs(scene: Scene, stations: int, bodies: int) -> list[Signal]:
+    """Every output that the scene has, in the table's order."""
+    return [
+        Signal(name, reference, "Real", "output", "continuous", variable.unit, variable.quantity)
+        for variable in outputs_of(scene)
+        for name, reference in _references(variable, stations, bodies)
+    ]
+
+
+def _references(variable: Variable, stations: int, bodies: int) -> list[tuple[str, int]]:
+    names = list(variable.fmu_names(bodies=bodies, stations=stations))
+    width = variable.shape[-1] if variable.shape and isinstance(variable.shape[-1], int) else 1
+    key = variable.python
+    if not names:
+        return []
+    if key in _SUMMARY:
+        return [(name, VR_SUMMARY + _SUMMARY[key] + i) for i, name in enumerate(names)]
+    tables = {**dict.fromkeys(_STATION, VR_STATION), **dict.fromkeys(_BODY, VR_BODY)}
+    if key not in tables:
+        raise KeyError(f"the FMU does not give {key} yet")
+    word = {**_STATION, **_BODY}[key]
+    return [
+        (name, tables[key] + STATION_WORDS * (n // width) + word + n % width)
+        for n, name in enumerate(names)
+    ]
+
+
+def controls(scheduled: bool) -> list[Signal]:
+    """What decides who drives."""
+    return [
+        Signal(
+            "use_scene_inputs",
+            0,
+            "Boolean",
+            "parameter",
+            "fixed",
+            "",
+            "true: the scene's own schedules drive and the inputs are ignored",
+            float(scheduled),
+        ),
+        Signal(
+            "vessel.input",
+            0,
+            "Enumeration",
+            "parameter",
+            "fixed",
+            "",
+            "which inputs move the tow point",
+            1.0,
+        ),
+    ]
+
+
+def coefficients(scene: Scene, block: Block) -> list[Coefficient]:
+    """Tunable coefficients of cable types and bodies."""
+    found: list[Coefficient] = []
+    rho = scene.environment.water_density
+
+    def add(
+        name: str, words: str, unit: str, value: float, kind: int, word: int, index: int,
+        factor: float, least: float | None = 0.0,
+    ) -> None:  # fmt: skip
+        signal = Signal(
+            name,
+            VR_PARAMETER + len(found),
+            "Real",
+            "parameter",
+            "tunable",
+            unit,
+            words,
+            value,
+            least,
+        )
+        found.append(Coefficient(signal, kind, word, index, factor))
+
+    used = {cable.type for cable in scene.cables}
+    used |= {item.cable.type for item in scene.payout.drum if item.cable is not None}
+    for index, (name, kind) in enumerate(scene.cable_types.items()):
+        if name not in used:
+            continue
+        prefix = f"cable_types.{_identifier(name)}."
+        half = 0.5 * rho * kind.diameter
+        area = 0.25 * math.pi * kind.diameter**2
+        if rho > 0.0:
+            add(prefix + "drag_normal", "coefficient of normal drag", "", kind.drag_normal,
+                OF_CABLES, at.E_DRAG_NORMAL, index, half)  # fmt: skip
+            add(prefix + "drag_tangential", "coefficient of tangential drag, times pi diameter",
+                "", kind.drag_tangential, OF_CABLES, at.E_DRAG_TANGENTIAL, index,
+                half * math.pi)  # fmt: skip
+            add(prefix + "added_mass", "coefficient of added mass", "", kind.added_mass,
+                OF_CABLES, at.E_ADDED, index, rho * area)  # fmt: skip
+        add(prefix + "submerged_weight", "weight in water", "N/m", kind.submerged_weight,
+            OF_CABLES, at.E_WEIGHT, index, 1.0, None)  # fmt: skip
+    for row, body in enumerate(bodies_of(scene, block)):
+        prefix = f"body[{row + 1}]."
+        if rho > 0.0 and body.drag_area > 0.0:
+            add(prefix + "drag_coefficient", "drag across the axis", "", body.drag_coefficient,
+                OF_BODY, at.B_DRAG, row, 0.5 * rho * body.drag_area)  # fmt: skip
+        if rho > 0.0 and body.drag_area_axial > 0.0:
+            add(prefix + "drag_coefficient_axial", "drag along the axis", "",
+                body.drag_coefficient_axial, OF_BODY, at.B_DRAG_AXIAL, row,
+                0.5 * rho * body.drag_area_axial)  # fmt: skip
+        add(prefix + "submerged_weight", "weight in water", "N", body.submerged_weight,
+            OF_BODY, at.B_WEIGHT, row, 1.0, None)  # fmt: skip
+    return found
+
+
+def bodies_of(scene: Scene, block: Block) -> list[Body]:
+    """The scene's bodies in the order of the block's table: those on the line, then the drum's."""
+    items = [*scene.line, *scene.payout.drum]
+    rows = block.array(at.O_BODY, int(block.ints[at.I_BODIES]), at.BODY_WORDS)
+    bodies = [items[int(row[at.B_ITEM])].body for row in rows]
+    return [body for body in bodies if body is not None]
+
+
+def _identifier(name: str) -> str:
+    """A cable type's name as FMI's structured names allow it: quoted unless it is an identifier."""
+    if re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name):
+        return name
+    return "'" + re.sub(r"['\\]", "_", name) + "'"
