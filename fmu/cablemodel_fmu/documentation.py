@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from cablemodel.scene import Scene
     from cablemodel_fmu.signals import Signal
 
-OSP_NAME = "OspModelDescription.xml"
 _OSP = "http://opensimulationplatform.com/MSMI/OSPModelDescription"
 
 _STYLE = """

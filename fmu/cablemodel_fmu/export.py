@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import re
 import uuid
 import zipfile
 from collections.abc import Callable, Iterable
@@ -17,7 +18,7 @@ from cablemodel.instance import local
 from cablemodel.library import BINARIES, description, kernel_hash
 from cablemodel.scene import Scene
 from cablemodel_fmu.description import model_description
-from cablemodel_fmu.documentation import OSP_NAME, index_html, licences, osp_description, picture
+from cablemodel_fmu.documentation import index_html, licences, osp_description, picture
 from cablemodel_fmu.model_file import ModelFile
 from cablemodel_fmu.signals import Coefficient, Signal, coefficients, controls, inputs, outputs
 
@@ -36,6 +37,7 @@ class ExportError(CableModelError):
 class Contents:
     """An FMU before it is packed."""
 
+    name: str
     guid: str
     signals: list[Signal]
     model: bytes
@@ -50,7 +52,7 @@ def export_fmu(
     stations: int = 11,
     progress: Callable[[str], None] = lambda line: None,
 ) -> Path:
-    """Write the FMU of a scene.
+    """Write the FMU of a scene, and its ports for the Open Simulation Platform next to it.
 
     Args:
         path: file to write, usually with the suffix .fmu.
@@ -82,7 +84,6 @@ def export_fmu(
         "resources/model.bin": contents.model,
         "resources/scene.yaml": scene.to_yaml().encode(),
         "documentation/index.html": index_html(scene, contents.signals).encode(),
-        f"documentation/{OSP_NAME}": osp_description(contents.signals),
         **{f"documentation/licenses/{name}": text for name, text in licences().items()},
         **libraries,
     }
@@ -94,6 +95,9 @@ def export_fmu(
             entry.external_attr = (0o755 if name.startswith("binaries/") else 0o644) << 16
             archive.writestr(entry, data)
     partial.replace(target)
+    # The Open Simulation Platform looks for a model's ports next to its FMU, under this name.
+    ports = target.with_name(f"{contents.name}_OspModelDescription.xml")
+    ports.write_bytes(osp_description(contents.signals))
     return target
 
 
@@ -126,8 +130,9 @@ def contents_of(scene: Scene, stations: int) -> Contents:
         static=static,
         pinned=scene.vessel.connection.kind == "pinned",
     )
+    name = re.sub(r"\W+", "_", scene.title or "").strip("_") or "Cable"
     xml = model_description(
-        name=scene.title or "Cable",
+        name=name,
         guid=guid,
         description="Ocean cable hung from a vessel: " + (scene.title or "untitled scene"),
         version=cablemodel.__version__,
@@ -137,7 +142,7 @@ def contents_of(scene: Scene, stations: int) -> Contents:
         stop=scene.run.duration,
         tolerance=scene.solver.tolerance,
     )
-    return Contents(guid, signals, model.to_bytes(), xml)
+    return Contents(name, guid, signals, model.to_bytes(), xml)
 
 
 def scheduled(scene: Scene) -> bool:
