@@ -26,9 +26,14 @@ PORTABLE = {
     "NUMBA_DISABLE_INTEL_SVML": "1",
     "NUMBA_CPU_NAME": "generic",
     "NUMBA_CPU_FEATURES": "",
+    "NUMBA_OPT": "0",
     "PYTHONHASHSEED": "0",
 }
-"""Environment in which numba makes code for every processor of an architecture."""
+"""Environment in which numba makes code for every processor of an architecture.
+
+Optimising is left to the build, once for all entry points together: numba would do it for each one
+with all that it calls, which makes a library half as large again, and no faster.
+"""
 
 ALLOWED_SYMBOLS = frozenset(
     [
