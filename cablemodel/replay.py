@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from cablemodel import variables
 from cablemodel.errors import LogError, StepError
+from cablemodel.states import bodies_in_columns
 
 if TYPE_CHECKING:
     from cablemodel.model import CableModel, CableState
@@ -236,14 +237,15 @@ class _Comparison:
         now = model.time
         if self.samples < len(self.run.time) and _same(now, self.run.time[self.samples]):
             for name, difference in self._outputs.items():
-                difference.take(self.run[name][self.samples], _output(model, name), now)
+                logged = self.run[name][self.samples]
+                difference.take(logged, _output(model, name, logged), now)
             self.samples += 1
         times = self.run.states.time
         if self._states < len(times) and _same(now, times[self._states]):
-            logged = self.run.states[self._states]
-            again = _state_at(model, logged.s)
+            state = self.run.states[self._states]
+            again = _state_at(model, state.s)
             for name, difference in self._along.items():
-                difference.take(getattr(logged, name), getattr(again, name), now, logged.s)
+                difference.take(getattr(state, name), getattr(again, name), now, state.s)
             self._states += 1
 
 
@@ -251,17 +253,20 @@ def _same(one: float, other: float) -> bool:
     return abs(one - other) <= _SAME_TIME
 
 
-def _output(model: CableModel, name: str) -> Any:
+def _output(model: CableModel, name: str, logged: Any) -> Any:
+    """An output of the model, in the shape of what was logged."""
     owner, _, attribute = name.rpartition(".")
     if owner != "bodies":
         return getattr(model, name)
-    values = np.array([getattr(body, attribute) for body in model.bodies])
+    values = np.array([getattr(body, attribute) for body in model.bodies], float).reshape(-1, 3)
     if attribute == "direction":
         # The log has a direction as a quaternion, whose round-off is not the model's.
         from cablemodel.log.messages import through_quaternion
 
-        return np.array([through_quaternion(value) for value in values])
-    return values
+        values = np.array([through_quaternion(value) for value in values]).reshape(-1, 3)
+    if len(values) > len(logged):  # a body that the log has not is no number of its own
+        return np.full_like(logged, np.inf)
+    return bodies_in_columns([values], len(logged))[0]
 
 
 def _state_at(model: CableModel, s: Floats) -> CableState:
