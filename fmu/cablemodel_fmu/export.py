@@ -114,7 +114,7 @@ def contents_of(scene: Scene, stations: int) -> Contents:
         *controls(scheduled(scene)),
         *inputs(starts),
         *(item.signal for item in constants),
-        *outputs(scene, stations, len(scene.bodies) + _drum_bodies(scene)),
+        *outputs(scene, block, stations),
     ]
     text = f"{scene.to_yaml()}\n{stations}\n{kernel_hash()}\n{cablemodel.__version__}"
     guid = "{" + str(uuid.UUID(bytes=hashlib.sha256(text.encode()).digest()[:16])) + "}"
@@ -149,10 +149,6 @@ def scheduled(scene: Scene) -> bool:
     """Whether the scene says how the vessel moves or the drum turns."""
     moves = len(scene.motion().pieces) > 1 or bool(np.any(scene.motion().evaluate(0.0)[1] != 0.0))
     return moves or any(row.rate != 0.0 for row in scene.payout.rate)
-
-
-def _drum_bodies(scene: Scene) -> int:
-    return sum(item.body is not None for item in scene.payout.drum)
 
 
 def _libraries(names: tuple[str, ...], progress: Callable[[str], None]) -> dict[str, bytes]:

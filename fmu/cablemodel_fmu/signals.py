@@ -13,7 +13,6 @@ from cablemodel.variables import INPUTS, Variable, outputs_of
 if TYPE_CHECKING:
     from cablemodel.block import Block
     from cablemodel.scene import Scene
-    from cablemodel.scene.line import Body
 
 VR_INPUT = 0
 VR_PARAMETER = 100
@@ -91,17 +90,18 @@ def inputs(starts: list[float]) -> list[Signal]:
     return signals
 
 
-def outputs(scene: Scene, stations: int, bodies: int) -> list[Signal]:
+def outputs(scene: Scene, block: Block, stations: int) -> list[Signal]:
     """Every output that the scene has, in the table's order."""
+    rows = body_rows(scene, block)
     return [
         Signal(name, reference, "Real", "output", "continuous", variable.unit, variable.quantity)
         for variable in outputs_of(scene)
-        for name, reference in _references(variable, stations, bodies)
+        for name, reference in _references(variable, stations, rows)
     ]
 
 
-def _references(variable: Variable, stations: int, bodies: int) -> list[tuple[str, int]]:
-    names = list(variable.fmu_names(bodies=bodies, stations=stations))
+def _references(variable: Variable, stations: int, rows: list[int]) -> list[tuple[str, int]]:
+    names = list(variable.fmu_names(bodies=len(rows), stations=stations))
     width = variable.shape[-1] if variable.shape and isinstance(variable.shape[-1], int) else 1
     key = variable.python
     if not names:
@@ -112,8 +112,9 @@ def _references(variable: Variable, stations: int, bodies: int) -> list[tuple[st
     if key not in tables:
         raise KeyError(f"the FMU does not give {key} yet")
     word = {**_STATION, **_BODY}[key]
+    places = rows if key in _BODY else range(stations)
     return [
-        (name, tables[key] + STATION_WORDS * (n // width) + word + n % width)
+        (name, tables[key] + STATION_WORDS * places[n // width] + word + n % width)
         for n, name in enumerate(names)
     ]
 
@@ -184,8 +185,11 @@ def coefficients(scene: Scene, block: Block) -> list[Coefficient]:
                 OF_CABLES, at.E_ADDED, index, rho * area)  # fmt: skip
         add(prefix + "submerged_weight", "weight in water", "N/m", kind.submerged_weight,
             OF_CABLES, at.E_WEIGHT, index, 1.0, None)  # fmt: skip
-    for row, body in enumerate(bodies_of(scene, block)):
-        prefix = f"body[{row + 1}]."
+    items = [*scene.line, *scene.payout.drum]
+    for number, row in enumerate(body_rows(scene, block), start=1):
+        prefix = f"body[{number}]."
+        body = items[_items(block)[row]].body
+        assert body is not None
         if rho > 0.0 and body.drag_area > 0.0:
             add(prefix + "drag_coefficient", "drag across the axis", "", body.drag_coefficient,
                 OF_BODY, at.B_DRAG, row, 0.5 * rho * body.drag_area)  # fmt: skip
@@ -198,12 +202,21 @@ def coefficients(scene: Scene, block: Block) -> list[Coefficient]:
     return found
 
 
-def bodies_of(scene: Scene, block: Block) -> list[Body]:
-    """The scene's bodies in the order of the block's table: those on the line, then the drum's."""
-    items = [*scene.line, *scene.payout.drum]
+def body_rows(scene: Scene, block: Block) -> list[int]:
+    """Rows of the block's body table in the order of body[1], body[2], ...: from the vessel
+    outwards as if all were out, so that the drum's, which come off nearest the vessel, are first."""
+    items = _items(block)
+    line = [row for row, item in enumerate(items) if item < len(scene.line)]
+    drum = [row for row, item in enumerate(items) if item >= len(scene.line)]
+    line.sort(key=lambda row: items[row])
+    drum.sort(key=lambda row: -items[row])
+    return drum + line
+
+
+def _items(block: Block) -> list[int]:
+    """Place of each body of the block's table in the scene: in its line, then in its drum."""
     rows = block.array(at.O_BODY, int(block.ints[at.I_BODIES]), at.BODY_WORDS)
-    bodies = [items[int(row[at.B_ITEM])].body for row in rows]
-    return [body for body in bodies if body is not None]
+    return [int(row[at.B_ITEM]) for row in rows]
 
 
 def _identifier(name: str) -> str:

@@ -152,7 +152,9 @@ def python_outputs(model, stations: int) -> dict[str, np.ndarray]:
         "line.tension": state.tension,
         "line.curvature": state.curvature,
     }
-    for j, body in enumerate(model.bodies, start=1):
+    items = [*model.scene.line, *model.scene.payout.drum]
+    inside = sum(item.body is not None for item in items) - len(model.bodies)
+    for j, body in enumerate(model.bodies, start=1 + inside):
         found[f"body[{j}].position"] = body.position
         found[f"body[{j}].direction"] = body.direction
     if model.scene.payout.drum:

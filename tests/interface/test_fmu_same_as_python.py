@@ -99,6 +99,28 @@ def test_the_scenes_own_schedule(name, tmp_path):
         slave.close()
 
 
+def test_a_body_that_comes_off_the_drum(tmp_path):
+    """It is at the tow point until then; bodies are numbered from the vessel outwards."""
+    scene = still_scene()
+    data = scene.to_dict()
+    body = data["line"][1]
+    cable = {"cable": {"type": "K", "length": 8}}
+    data["payout"] = {"drum": [{"cable": {"type": "K", "length": 2}}, body, cable]}
+    scene = cm.load_scene(data)
+    with unpacked(scene, tmp_path, stations=STATIONS) as (place, description):
+        slave, model = Slave(place, description), cm.CableModel(scene)
+        assert slave.get("body[1].position").tolist() == [5, 3, 0]
+        assert slave.get("body[2].position")[2] < -15
+        for _ in range(20):
+            slave.set("payout.rate", 0.5)
+            slave.step(0.5)
+            model.step(0.5, (0, 0, 0), payout_rate=0.5, current=(0, 0, 0))
+            compare_exactly(slave, model, STATIONS)
+        assert len(model.bodies) == 2
+        assert slave.get("body[1].position")[2] < -1
+        slave.close()
+
+
 def test_start_time_shifts_the_scene(still):
     scene, place, description = still
     slave, model = Slave(place, description, start=64.0), cm.CableModel(scene)
