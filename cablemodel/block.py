@@ -99,6 +99,7 @@ class Block:
             (at.O_GAUSS, GAUSS_WORDS),
             (at.O_MOTION, MOTION_WORDS),
             (at.O_TOP, 24),
+            (at.O_END_FORCE, capacity * 6),
         ]
         return image, workspace
 

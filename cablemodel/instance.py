@@ -22,6 +22,8 @@ FloatArray = NDArray[np.float64]
 
 _MODELS = {"elastica": 0.0, "cable": 1.0, "hybrid": 2.0}
 _OUT_OF_PLANE = 1e-12
+STABILISATION = 3.0
+"""Stiffness of the stabilised tangential mode, in units of a typical tension."""
 SHORTEST_LINE = 0.01
 """Of the initial length: what reel-in leaves out."""
 SHORTEST_PIECE = 0.1
@@ -416,7 +418,7 @@ def _edge_row(
     row[at.E_STRAIN_TERMS] = len(kind.strain_coefficients)
     row[at.E_STRAIN_OFFSET] = strain_offset
     row[at.E_TENSION_LOW : at.E_TENSION_HIGH + 1] = _strain_range(kind.strain_coefficients)
-    row[at.E_STABILISATION] = min(3.0 * scale, 1.0 / kind.strain_coefficients[0])
+    row[at.E_STABILISATION] = min(STABILISATION * scale, 1.0 / kind.strain_coefficients[0])
     row[at.E_BENDING_FULL] = 0.0 if cable.model == "cable" else kind.bending_stiffness
     row[at.E_BENDING] = row[at.E_BENDING_FULL]
     row[at.E_MODEL] = _MODELS[cable.model]
@@ -580,6 +582,25 @@ def _fill_positions(block: Block, line: _Line, points: FloatArray, length: float
             q[node, dimension:] = stretch * row[at.C_DIRECTION : at.C_DIRECTION + dimension]
 
 
+def _stabilise(block: Block) -> None:
+    """Stabilise the tangential modes by the tension found at the start, if that is larger.
+
+    The scale guessed from weights is too small where a line is taut without being heavy, or
+    weightless and held by its bending stiffness.
+    """
+    nodes = int(block.ints[at.I_NODES])
+    tension = float(np.max(np.abs(block.array(at.O_TENSION, nodes, 2)[:, 0])))
+    for rows in (
+        block.array(at.O_EDGE, nodes, at.EDGE_WORDS)[1:],
+        block.array(at.O_CABLES, int(block.ints[at.I_CABLES]), at.CABLE_WORDS)[:, at.K_EDGE :],
+    ):
+        for row in rows:
+            if row[at.E_COMPLIANCE] > 0.0:
+                bending = 10.0 * row[at.E_BENDING_FULL] / block.reals[at.S_LENGTH] ** 2
+                wanted = max(row[at.E_STABILISATION], STABILISATION * tension, bending)
+                row[at.E_STABILISATION] = min(wanted, 1.0 / row[at.E_COMPLIANCE])
+
+
 def _start_flowing(block: Block, scene: Scene) -> None:
     """Material velocity of a cable that is paid out from t = 0 on: the rate, along itself.
 
@@ -624,6 +645,6 @@ def _find_initial_state(block: Block, scene: Scene, velocity: FloatArray) -> Non
     for counter in (at.I_STEPS, at.I_REJECTED, at.I_FACTORISATIONS, at.I_ITERATIONS):
         ints[counter] = 0
     ints[at.I_FACTORED] = 0
-    assert dimension in (2, 3)
+    _stabilise(block)
     if ints[at.I_HYBRID]:
         entry.choose_bending(ints, reals)

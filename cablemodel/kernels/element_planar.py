@@ -31,6 +31,7 @@ from .layout import (
     O_COMPLIANCE,
     O_DIAGONAL,
     O_EDGE,
+    O_END_FORCE,
     O_GAUSS,
     O_GRADIENT,
     O_JOINT,
@@ -203,6 +204,7 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
     drag = I[I_DRAG]
     payout = I[I_PAYOUT]
     sheared = I[I_DEPTHS] > 1
+    ends = M[I[O_END_FORCE] : I[O_END_FORCE] + 4 * nodes]
     out[0 : 4 * nodes] = 0.0
     for node in range(1, nodes):
         if I[I[O_JOINT] + node] != 0:
@@ -308,6 +310,8 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
             out[4 * parent + 2 + i] += h * r[1]
             out[4 * node + i] += r[2]
             out[4 * node + 2 + i] += h * r[3]
+            ends[4 * node + i] = -r[0]
+            ends[4 * node + 2 + i] = r[2]
 
 
 @inlined

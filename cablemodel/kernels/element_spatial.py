@@ -35,6 +35,7 @@ from .layout import (
     O_COMPLIANCE,
     O_DIAGONAL,
     O_EDGE,
+    O_END_FORCE,
     O_GAUSS,
     O_GRADIENT,
     O_JOINT,
@@ -247,6 +248,7 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
     drag = I[I_DRAG]
     payout = I[I_PAYOUT]
     sheared = I[I_DEPTHS] > 1
+    ends = M[I[O_END_FORCE] : I[O_END_FORCE] + 6 * nodes]
     out[0 : 6 * nodes] = 0.0
     for node in range(1, nodes):
         if I[I[O_JOINT] + node] != 0:
@@ -355,6 +357,8 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
             out[6 * parent + 3 + i] += h * R[1]
             out[6 * node + i] += R[2]
             out[6 * node + 3 + i] += h * R[3]
+            ends[6 * node + i] = -R[0]
+            ends[6 * node + 3 + i] = R[2]
 
 
 @inlined
