@@ -150,7 +150,7 @@ class CableModel:
         current: ArrayLike | None = None,
     ) -> None:
         """Advance to a time [s] exactly; otherwise like `step`."""
-        from cablemodel.kernels import entry
+        from cablemodel import library as entry
 
         end = self._number("time", time)
         if not end > self.time:
@@ -249,7 +249,7 @@ class CableModel:
 
     def _numbers(self) -> FloatArray:
         if not self._summary_current:
-            from cablemodel.kernels import entry
+            from cablemodel import library as entry
 
             entry.summary(self._ints, self._reals, self._summary)
             self._summary_current = True
@@ -414,7 +414,7 @@ class CableModel:
         Raises:
             ValueError: an arc length lies outside the line; names it and the range.
         """
-        from cablemodel.kernels import entry
+        from cablemodel import library as entry
 
         stations = np.atleast_1d(np.array(s, dtype=np.float64))
         if stations.ndim != 1:
@@ -443,7 +443,7 @@ class CableModel:
     def energy(self) -> dict[str, float]:
         """Energies [J]: kinetic (with added mass), axial, bending, potential (of the submerged
         weight, zero at z = 0); powers [W]: of the vessel on the cable, lost to drag."""
-        from cablemodel.kernels import entry
+        from cablemodel import library as entry
 
         out = np.zeros(6)
         entry.energy(self._ints, self._reals, out)
@@ -476,7 +476,7 @@ class CableModel:
         return np.asarray(np.sqrt(np.maximum(values[:count], 0.0)), dtype=np.float64)
 
     def _effective(self, cv: float, ca: float) -> FloatArray:
-        from cablemodel.kernels import entry
+        from cablemodel import library as entry
 
         ints = self._ints
         kept = self._block.image.copy()
