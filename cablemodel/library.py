@@ -93,7 +93,7 @@ def load(path: Path, arguments: dict[str, list[str]]) -> dict[str, Kernel]:
     import ctypes
 
     library = ctypes.CDLL(str(path))
-    types = {
+    types: dict[str, list[Any]] = {
         "block": [ctypes.c_void_p, ctypes.c_int64],
         "array": [ctypes.c_void_p, ctypes.c_int64],
         "float64": [ctypes.c_double],

@@ -406,7 +406,7 @@ class CableModel:
         arcs = edges[:, at.E_START] + edges[:, at.E_LENGTH] + self._reals[at.S_PAID]
         arcs[0] = 0.0
         arcs[1] = edges[1, at.E_LENGTH]
-        return np.minimum(arcs, self.line_length)
+        return np.asarray(np.minimum(arcs, self.line_length), dtype=np.float64)
 
     def sample(self, s: ArrayLike) -> CableState:
         """The cable at any arc lengths s (n,) [m], 0 at the vessel.
