@@ -127,9 +127,7 @@ def measure(
         costs = [spent]
         if spent < LONG_RUN_SECONDS:
             costs = []
-            while len(costs) < max_repeats and (
-                len(costs) < 3 or sum(costs) < ENOUGH_CPU_SECONDS
-            ):
+            while len(costs) < max_repeats and (len(costs) < 3 or sum(costs) < ENOUGH_CPU_SECONDS):
                 spent, tips, tensions, counts = run_once(contestant, scene, reference)
                 costs.append(spent)
     except Exception as error:  # noqa: BLE001 - a peer may fail in any way; that is a result

@@ -95,14 +95,14 @@ class BenchmarkScene:
         """
         length = self.cable.length
         if self.start == "straight":
-            return np.linspace(0.0, length, segments + 1)[:, None] * np.array([1.0, 0.0, 0.0])
+            return np.outer(np.linspace(0.0, length, segments + 1), (1.0, 0.0, 0.0))
         angle, tangential_load = steady_tow(self)
         step = length / segments
         tension = tangential_load * step * (segments - 0.5 - np.arange(segments))
         along = np.concatenate(
             [[0.0], np.cumsum(step * (1.0 + tension / self.cable.axial_stiffness))]
         )
-        return along[:, None] * np.array([-math.cos(angle), 0.0, -math.sin(angle)])
+        return np.outer(along, (-math.cos(angle), 0.0, -math.sin(angle)))
 
 
 def steady_tow(scene: BenchmarkScene) -> tuple[float, float]:
@@ -118,9 +118,7 @@ def steady_tow(scene: BenchmarkScene) -> tuple[float, float]:
     if speed != 0.0:
         normal = pressure * cable.drag_normal
         angle = float(
-            brentq(
-                lambda a: weight * math.cos(a) - normal * math.sin(a) ** 2, 1e-6, math.pi / 2.0
-            )
+            brentq(lambda a: weight * math.cos(a) - normal * math.sin(a) ** 2, 1e-6, math.pi / 2.0)
         )
     tangential = pressure * cable.drag_tangential * math.pi * math.cos(angle) ** 2
     return angle, weight * math.sin(angle) + tangential

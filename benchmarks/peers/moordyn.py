@@ -128,9 +128,7 @@ def _silence() -> Iterator[None]:
 class MoorDynRunner:
     """One MoorDyn system at the scene's initial state."""
 
-    def __init__(
-        self, scene: BenchmarkScene, times: Sequence[float], settings: Settings
-    ) -> None:
+    def __init__(self, scene: BenchmarkScene, times: Sequence[float], settings: Settings) -> None:
         import moordyn
 
         self._api: Any = moordyn
@@ -148,7 +146,7 @@ class MoorDynRunner:
         self._line = moordyn.GetLine(self._system, 1)
         self._write_state(scene)
         self._plan = self._plan_inputs(scene, times, settings)
-        self._top = np.array(start)
+        self._top = np.array(start, dtype=np.float64)
         self._force: tuple[float, ...] = (0.0, 0.0, 0.0)
         self._steps = 0
 
@@ -221,7 +219,8 @@ class MoorDynRunner:
 
     def tip(self) -> NDArray[np.float64]:
         """Free end relative to the vessel (3,) [m]."""
-        return np.array(self._api.GetLineNodePos(self._line, 0)) - self._top
+        node = np.array(self._api.GetLineNodePos(self._line, 0), dtype=np.float64)
+        return node - self._top
 
     def top_tension(self) -> float:
         """Magnitude of the net force on the coupled point [N]."""
