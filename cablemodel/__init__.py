@@ -1,0 +1,81 @@
+"""Simulate ocean cables with bodies on them: towing, laying, anchoring, recovering.
+
+Public names load on first use, so that ``import cablemodel`` is quick and pulls in neither the
+compiler (numba) nor the unit, log and plot libraries.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from cablemodel.errors import (
+        CableModelError,
+        LogError,
+        SceneError,
+        StaticsError,
+        StepError,
+    )
+    from cablemodel.model import CableModel, CableState
+    from cablemodel.run import Run, open_run, simulate
+    from cablemodel.scene import Scene, load_scene
+
+    __version__: str
+
+_HOME = {
+    "CableModelError": "cablemodel.errors",
+    "LogError": "cablemodel.errors",
+    "SceneError": "cablemodel.errors",
+    "StaticsError": "cablemodel.errors",
+    "StepError": "cablemodel.errors",
+    "CableModel": "cablemodel.model",
+    "CableState": "cablemodel.model",
+    "Run": "cablemodel.run",
+    "open_run": "cablemodel.run",
+    "simulate": "cablemodel.run",
+    "Scene": "cablemodel.scene",
+    "load_scene": "cablemodel.scene",
+}
+
+__all__ = [
+    "CableModel",
+    "CableModelError",
+    "CableState",
+    "LogError",
+    "Run",
+    "Scene",
+    "SceneError",
+    "StaticsError",
+    "StepError",
+    "__version__",
+    "load_scene",
+    "open_run",
+    "simulate",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Import the home of a public name when the name is first used (PEP 562)."""
+    if name == "__version__":
+        value: Any = _version()
+    elif name in _HOME:
+        value = getattr(importlib.import_module(_HOME[name]), name)
+    else:
+        raise AttributeError(f"module 'cablemodel' has no attribute {name!r}")
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(set(globals()) | set(__all__))
+
+
+def _version() -> str:
+    """Version of the installed distribution; ``0+unknown`` in a tree that is not installed."""
+    from importlib import metadata
+
+    try:
+        return metadata.version("cablemodel")
+    except metadata.PackageNotFoundError:
+        return "0+unknown"

@@ -1,0 +1,119 @@
+"""The errors that users see. Everything that this package raises on purpose is one of these."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+_LONGEST_VALUE = 60
+
+
+class CableModelError(Exception):
+    """Base of all errors of this package."""
+
+
+@dataclass(frozen=True)
+class SceneProblem:
+    """One thing that is wrong with a scene."""
+
+    path: str
+    """Where, in the words of the file: ``line.0.cable.length``; empty for the scene as a whole."""
+    value: Any
+    """What stands there (None where a key is missing)."""
+    problem: str
+    """What is wrong with it, in plain words."""
+    allowed: str = ""
+    """What may stand there."""
+
+    def __str__(self) -> str:
+        where = f"{self.path}: " if self.path else ""
+        allowed = f"; allowed: {self.allowed}" if self.allowed else ""
+        return f"{where}{self.problem}{allowed}"
+
+
+class SceneError(CableModelError, ValueError):
+    """A scene that cannot be used; names every problem with its path, value and what is allowed.
+
+    ``path``, ``value`` and ``allowed`` are those of the first problem; ``problems`` holds all.
+    """
+
+    def __init__(self, problems: Sequence[SceneProblem], source: str = "") -> None:
+        if not problems:
+            raise ValueError("a SceneError needs at least one problem")
+        super().__init__(tuple(problems), source)
+        self.problems = tuple(problems)
+        self.source = source
+
+    @classmethod
+    def at(cls, path: str, value: Any, problem: str, allowed: str = "") -> SceneError:
+        """An error with a single problem."""
+        return cls([SceneProblem(path, value, problem, allowed)])
+
+    @property
+    def path(self) -> str:
+        return self.problems[0].path
+
+    @property
+    def value(self) -> Any:
+        return self.problems[0].value
+
+    @property
+    def allowed(self) -> str:
+        return self.problems[0].allowed
+
+    def __str__(self) -> str:
+        source = f"{self.source}: " if self.source else ""
+        if len(self.problems) == 1:
+            return f"{source}{self.problems[0]}"
+        lines = "\n".join(f"  {problem}" for problem in self.problems)
+        return f"{source}{len(self.problems)} problems in the scene\n{lines}"
+
+
+class StaticsError(CableModelError):
+    """No static equilibrium was found for the start of a run."""
+
+
+class StepError(CableModelError):
+    """A step that could not be made. The model stands as it was before the step.
+
+    Attributes: ``time`` [s] at which the step failed, ``arc_length`` [m] of the place along the
+    cable (None where no place is to blame), ``advice`` what to try.
+    """
+
+    def __init__(
+        self, problem: str, *, time: float, arc_length: float | None = None, advice: str = ""
+    ) -> None:
+        super().__init__(problem)
+        self.problem = problem
+        self.time = time
+        self.arc_length = arc_length
+        self.advice = advice
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        state = {"time": self.time, "arc_length": self.arc_length, "advice": self.advice}
+        return _rebuild_step_error, (self.problem, state)
+
+    def __str__(self) -> str:
+        place = "" if self.arc_length is None else f", {self.arc_length:g} m along the cable"
+        advice = f"; {self.advice}" if self.advice else ""
+        return f"at t = {self.time:g} s{place}: {self.problem}{advice}"
+
+
+def _rebuild_step_error(problem: str, state: dict[str, Any]) -> StepError:
+    """Unpickle (keyword-only arguments are beyond the default of Exception)."""
+    return StepError(problem, **state)
+
+
+class LogError(CableModelError):
+    """A log that cannot be written or read."""
+
+
+def shown(value: Any) -> str:
+    """A value as an error message quotes it: on one line, and short."""
+    try:
+        text = repr(value)
+    except Exception:  # a foreign object's repr may do anything; the message must still come out
+        text = f"<{type(value).__name__}>"
+    text = " ".join(text.split())
+    return text if len(text) <= _LONGEST_VALUE else text[: _LONGEST_VALUE - 3] + "..."

@@ -1,0 +1,262 @@
+"""The environment of a scene: gravity, water, current, waves, sea floor."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Annotated, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
+from pydantic.config import JsonDict
+
+from cablemodel.scene.base import (
+    Angle,
+    Coefficient,
+    Duration,
+    Length,
+    Metres,
+    SceneModel,
+    Seconds,
+    Vector2,
+    Velocity,
+)
+from cablemodel.scene.tables import table_from_file
+from cablemodel.scene.units import Count, Quantity, Vector, rejection
+
+FloatArray = NDArray[np.float64]
+
+
+class CurrentPoint(SceneModel):
+    """Velocity of the water at one depth and time."""
+
+    z: Metres = Field(description="height above the still water surface (negative below)")
+    t: Seconds = Field(default=0.0, description="time")
+    velocity: Velocity = Field(description="velocity of the water")
+
+
+class Current(SceneModel):
+    """Current over depth and time: linear between the points, constant beyond them."""
+
+    table: tuple[CurrentPoint, ...] = Field(
+        description="points; with times, every depth must be given at every time"
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _from_vector(cls, value: Any) -> Any:
+        if isinstance(value, (list, tuple, np.ndarray)):
+            return {"table": [{"z": 0.0, "velocity": Vector("m/s")(value)}]}
+        return value
+
+    @field_validator("table")
+    @classmethod
+    def _full_grid(cls, table: tuple[CurrentPoint, ...]) -> tuple[CurrentPoint, ...]:
+        if not table:
+            raise rejection("the table is empty", "at least one row", table)
+        places = [(point.t, point.z) for point in table]
+        known: set[tuple[float, float]] = set()
+        for index, place in enumerate(places):
+            if place in known:
+                problem = f"z = {place[1]:g} m at t = {place[0]:g} s is given twice"
+                raise rejection(problem, "each depth once at each time", at=(index,))
+            known.add(place)
+        times, depths = {t for t, _ in places}, {z for _, z in places}
+        if len(known) < len(times) * len(depths):
+            t, z = next(
+                (t, z) for t in sorted(times) for z in sorted(depths) if (t, z) not in known
+            )
+            problem = f"z = {z:g} m is missing at t = {t:g} s"
+            raise rejection(problem, "every depth at every time", table)
+        return tuple(sorted(table, key=lambda point: (point.t, point.z)))
+
+    @cached_property
+    def z(self) -> FloatArray:
+        """Heights, ascending, (nz,) [m]."""
+        return _fixed(sorted({point.z for point in self.table}))
+
+    @cached_property
+    def t(self) -> FloatArray:
+        """Times, ascending, (nt,) [s]."""
+        return _fixed(sorted({point.t for point in self.table}))
+
+    @cached_property
+    def velocity(self) -> FloatArray:
+        """Velocities, (nt, nz, 3) [m/s], ENU."""
+        rows = _fixed([point.velocity for point in self.table])
+        return rows.reshape(len(self.t), len(self.z), 3)
+
+
+class RegularWave(SceneModel):
+    """A single Airy wave."""
+
+    height: Length = Field(description="crest to trough")
+    period: Duration = Field(description="wave period")
+    direction: Angle = Field(
+        default=0.0, description="direction of travel, from x counter-clockwise"
+    )
+    phase: Angle = Field(default=0.0, description="phase at the origin at t = 0 (0: a crest)")
+
+
+class JonswapWaves(SceneModel):
+    """A long-crested irregular sea."""
+
+    hs: Length = Field(description="significant wave height")
+    tp: Duration = Field(description="peak period")
+    direction: Angle = Field(
+        default=0.0, description="direction of travel, from x counter-clockwise"
+    )
+    seed: Annotated[int, Count(0, 2**32 - 1)] = Field(
+        default=0, description="seed of the random phases"
+    )
+    gamma: Annotated[float, Quantity(at_least=1, at_most=10)] = Field(
+        default=3.3, description="peak enhancement"
+    )
+
+
+class Waves(SceneModel):
+    """Surface waves: one of the two kinds."""
+
+    regular: RegularWave | None = Field(default=None, description="a single Airy wave")
+    jonswap: JonswapWaves | None = Field(default=None, description="an irregular sea")
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> Waves:
+        if (self.regular is None) == (self.jonswap is None):
+            raise rejection("not exactly one kind of waves", "either regular or jonswap")
+        return self
+
+
+class FloorPoint(SceneModel):
+    """Height of the sea floor at one place."""
+
+    x: Metres = Field(description="east")
+    y: Metres = Field(default=0.0, description="north")
+    z: Metres = Field(description="height of the floor (negative below the surface)")
+
+
+_FILE_OR_ROWS: JsonDict = {
+    "anyOf": [
+        {"type": "null"},
+        {"type": "string"},
+        {"type": "array", "items": {"$ref": "#/$defs/FloorPoint"}},
+    ]
+}
+
+
+def _floor_rows(value: Any, info: ValidationInfo) -> Any:
+    if isinstance(value, str):
+        return table_from_file(value, info.context, columns=("x", "z"), optional=("y",))
+    return value
+
+
+class Floor(SceneModel):
+    """The sea floor: a plane, or a table of heights."""
+
+    z: Metres | None = Field(default=None, description="height of the plane at the point `at`")
+    slope: Annotated[Vector2, Vector("", "xy")] = Field(
+        default=(0.0, 0.0), description="rise of the plane per metre towards x and y"
+    )
+    at: Annotated[Vector2, Vector("m", "xy")] = Field(
+        default=(0.0, 0.0), description="point [x, y] where the plane has the height z"
+    )
+    depth_table: Annotated[
+        tuple[FloorPoint, ...] | None,
+        BeforeValidator(_floor_rows),
+    ] = Field(
+        default=None,
+        description="instead of z: a CSV file with the columns x, y, z (a full grid; y may be left "
+        "out for a profile along x), or its rows",
+        json_schema_extra=_FILE_OR_ROWS,
+    )
+    friction: Coefficient = Field(default=0.0, description="Coulomb friction coefficient")
+
+    @model_validator(mode="after")
+    def _plane_or_table(self) -> Floor:
+        if (self.z is None) == (self.depth_table is None):
+            raise rejection("not exactly one of z and depth_table", "either z or depth_table")
+        if self.depth_table is not None:
+            _check_grid(self.depth_table)
+            if {"slope", "at"} & self.model_fields_set and any((*self.slope, *self.at)):
+                raise rejection(
+                    "slope and at belong to a plane", "depth_table without slope and at"
+                )
+        return self
+
+    def height(self, x: float, y: float) -> float:
+        """Height of the floor at a place [m]; beyond a table's edge that of the edge."""
+        if self.z is not None:
+            return self.z + self.slope[0] * (x - self.at[0]) + self.slope[1] * (y - self.at[1])
+        along_y = [np.interp(x, self.grid_x, column) for column in self.grid_z.T]
+        return float(np.interp(y, self.grid_y, along_y))
+
+    @cached_property
+    def grid_x(self) -> FloatArray:
+        """East coordinates of the table, ascending, (nx,) [m]; empty for a plane."""
+        return _fixed(sorted({point.x for point in self.depth_table or ()}))
+
+    @cached_property
+    def grid_y(self) -> FloatArray:
+        """North coordinates of the table, ascending, (ny,) [m]; empty for a plane."""
+        return _fixed(sorted({point.y for point in self.depth_table or ()}))
+
+    @cached_property
+    def grid_z(self) -> FloatArray:
+        """Heights of the table, (nx, ny) [m]; empty for a plane."""
+        rows = sorted(self.depth_table or (), key=lambda point: (point.x, point.y))
+        return _fixed([point.z for point in rows]).reshape(len(self.grid_x), len(self.grid_y))
+
+
+def _check_grid(points: tuple[FloorPoint, ...]) -> None:
+    allowed = "a full grid: every x with every y, each once, at least two different x"
+    places = {(point.x, point.y) for point in points}
+    columns, rows = {x for x, _ in places}, {y for _, y in places}
+    if len(places) < len(points):
+        raise rejection("a place is given twice", allowed, at=("depth_table",))
+    if len(places) < len(columns) * len(rows):
+        raise rejection("the grid has holes", allowed, at=("depth_table",))
+    if len(columns) < 2:
+        raise rejection("the table is too short", allowed, at=("depth_table",))
+
+
+def _none(value: Any) -> Any:
+    """``none`` as a word means what YAML's null means."""
+    return None if isinstance(value, str) and value == "none" else value
+
+
+_VECTOR_OR_TABLE: JsonDict = {
+    "anyOf": [
+        {"type": "null"},
+        Vector("m/s").json_schema(),
+        {"$ref": "#/$defs/Current"},
+    ]
+}
+
+
+class Environment(SceneModel):
+    """What surrounds the cable. Axes: x east, y north, z up, still water at z = 0."""
+
+    gravity: Annotated[float, Quantity("m/s**2", at_least=0)] = Field(
+        default=9.80665, description="acceleration of gravity"
+    )
+    water_density: Annotated[float, Quantity("kg/m**3", at_least=0)] = Field(
+        default=1025.0, description="density of the water; 0 is vacuum"
+    )
+    current: Annotated[Current | None, BeforeValidator(_none)] = Field(
+        default=None,
+        description="velocity of the water: none, one vector, or a table over depth and time",
+        json_schema_extra=_VECTOR_OR_TABLE,
+    )
+    waves: Annotated[Waves | None, BeforeValidator(_none)] = Field(
+        default=None,
+        description="surface waves; none: there is water everywhere, also above z = 0",
+    )
+    floor: Annotated[Floor | None, BeforeValidator(_none)] = Field(
+        default=None, description="the sea floor; none: water without bottom"
+    )
+
+
+def _fixed(values: Any) -> FloatArray:
+    array = np.asarray(values, dtype=np.float64)
+    array.flags.writeable = False
+    return array

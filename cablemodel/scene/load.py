@@ -1,0 +1,150 @@
+"""Reading a scene: from a file, YAML text or a mapping, with overrides by path."""
+
+from __future__ import annotations
+
+import copy
+import os
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from cablemodel.errors import SceneError, shown
+from cablemodel.scene.problems import problems_of
+from cablemodel.scene.schema import Scene
+from cablemodel.scene.text import parse_yaml
+
+SceneSource = str | os.PathLike[str] | Mapping[str, Any]
+
+
+def load_scene(
+    source: SceneSource,
+    overrides: Iterable[str] = (),
+    folder: str | os.PathLike[str] | None = None,
+) -> Scene:
+    """Read and check a scene.
+
+    Args:
+        source: a file, YAML text (text with a line break), or a mapping as YAML would give.
+        overrides: ``"line.0.cable.length=50"``: values in YAML put in place before the check.
+        folder: where files that the scene names are; by default that of the scene's own file,
+            else the working directory.
+
+    Returns:
+        The scene, all numbers in SI.
+
+    Raises:
+        SceneError: naming every problem with its path, its value and what is allowed.
+    """
+    text, name, data = _content(source)
+    if folder is None:
+        folder = Path(name).parent if name is not None else Path()
+    overrides = list(overrides)
+    try:
+        data = apply_overrides(data, overrides)
+        scene = _validated(data, Path(folder))
+    except SceneError as error:
+        error.source = error.source or name or ""
+        raise
+    # The text tells what was read only if nothing was changed on the way.
+    scene._source_text = None if overrides else text
+    scene._source_path = name
+    return scene
+
+
+def apply_overrides(data: Mapping[str, Any], overrides: Iterable[str]) -> dict[str, Any]:
+    """A copy of a scene's data with values replaced.
+
+    Args:
+        data: the scene as plain data.
+        overrides: ``path=value`` with the path in dots (numbers count list items from 0) and the
+            value in YAML. Mappings on the way are made where they are missing.
+
+    Raises:
+        SceneError: not ``path=value``, or no such place.
+    """
+    changed = dict(data)
+    for override in overrides:
+        path, equals, text = override.partition("=")
+        if not equals or not path.strip():
+            raise SceneError.at("", override, f"{shown(override)} is no override", "path=value")
+        if changed is not data:
+            changed = copy.deepcopy(changed)
+        _put(changed, path.strip(), parse_yaml(text, source=override))
+    return changed
+
+
+def scene_json_schema() -> dict[str, Any]:
+    """JSON schema of a scene, for editors."""
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        **Scene.model_json_schema(mode="validation"),
+    }
+
+
+def _content(source: SceneSource) -> tuple[str | None, str | None, Mapping[str, Any]]:
+    """Text, file name and data of a source."""
+    if isinstance(source, Mapping):
+        return None, None, source
+    if isinstance(source, str) and "\n" in source:
+        return source, None, _mapping(parse_yaml(source), "")
+    if not isinstance(source, (str, os.PathLike)):
+        allowed = "a file, YAML text with line breaks, or a mapping"
+        raise SceneError.at("", source, f"{shown(source)} is no scene", allowed)
+    name = os.fspath(source)
+    try:
+        raw = Path(name).read_bytes()
+        text = raw.decode("utf-8-sig")
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        error_ = SceneError.at("", name, f"cannot be read ({reason})", "a scene file in UTF-8")
+        error_.source = str(name)
+        raise error_ from None
+    return text, str(name), _mapping(parse_yaml(text, source=str(name)), str(name))
+
+
+def _mapping(data: Any, source: str) -> Mapping[str, Any]:
+    if not isinstance(data, dict):
+        error = SceneError.at(
+            "", data, f"{shown(data)} is not a mapping", "a mapping such as {line: ..., ...}"
+        )
+        error.source = source
+        raise error
+    return data
+
+
+def _validated(data: Mapping[str, Any], folder: Path) -> Scene:
+    try:
+        return Scene.model_validate(dict(data), context={"folder": folder})
+    except ValidationError as error:
+        raise SceneError(problems_of(error, Scene)) from None
+    except RecursionError:
+        raise SceneError.at("", None, "nested too deeply", "a finite tree of data") from None
+
+
+def _put(data: dict[str, Any], path: str, value: Any) -> None:
+    parts = path.split(".")
+    here: Any = data
+    for depth, part in enumerate(parts):
+        last = depth == len(parts) - 1
+        reached = ".".join(parts[: depth + 1])
+        if isinstance(here, list):
+            if not part.isdecimal() or int(part) >= len(here):
+                allowed = f"0 to {len(here) - 1}" if here else "nothing: the list is empty"
+                raise SceneError.at(reached, part, "no such list item", allowed)
+            if last:
+                here[int(part)] = value
+            else:
+                here = here[int(part)]
+        elif isinstance(here, dict):
+            if last:
+                here[part] = value
+            else:
+                if here.get(part) is None:
+                    here[part] = {}
+                here = here[part]
+        else:
+            above = ".".join(parts[:depth])
+            problem = f"{above} is {shown(here)}: it has no parts to set"
+            raise SceneError.at(reached, here, problem, f"{above}=...")

@@ -1,0 +1,233 @@
+"""The scene as a whole: its parts together, and what must hold between them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal
+
+import yaml
+from pydantic import Field, PrivateAttr, ValidationInfo, field_validator, model_validator
+
+from cablemodel.errors import SceneProblem, shown
+from cablemodel.scene.base import Duration, Length, SceneModel, Vector3
+from cablemodel.scene.environment import Environment
+from cablemodel.scene.line import Body, Cable, CableType, End, Initial, LineItem
+from cablemodel.scene.motion import VesselMotion
+from cablemodel.scene.text import SceneDumper
+from cablemodel.scene.units import Quantity, rejection, several
+from cablemodel.scene.vessel import Payout, Vessel
+
+_SAME_PLACE = 1e-3
+"""Of the line's length: a start that misses the tow point or anchor by more is a mistake."""
+
+_DIRECT_ONLY = ("time_step", "node_spacing", "alpha", "relative_tolerance", "joint")
+
+
+class Solver(SceneModel):
+    """How the scene is computed."""
+
+    method: Literal["finite_element", "direct_integration"] = Field(
+        default="finite_element",
+        description="finite_element for all scenes, or direct_integration, the method of 1998",
+    )
+    tolerance: Annotated[float, Quantity(above=0, below=1)] = Field(
+        default=1e-3,
+        description="finite_element: positions are right within this times the line's length, "
+        "tensions within ten times this times the largest",
+    )
+    time_step: Duration = Field(default=1.0, description="direct_integration: time step")
+    node_spacing: Length = Field(default=1.0, description="direct_integration: distance of nodes")
+    alpha: Annotated[float, Quantity(at_least=0.5, at_most=1)] = Field(
+        default=1.0,
+        description="direct_integration: 1 is backward Euler, 0.5 the trapezoidal rule",
+    )
+    relative_tolerance: Annotated[float, Quantity(above=0, below=1)] = Field(
+        default=0.01, description="direct_integration: of the Newton iteration"
+    )
+    joint: Literal["paper", "moment_free"] = Field(
+        default="moment_free",
+        description="direct_integration: condition at the joint of the hybrid model",
+    )
+
+    @model_validator(mode="after")
+    def _settings_of_the_method(self) -> Solver:
+        direct = self.method == "direct_integration"
+        for key in ("tolerance",) if direct else _DIRECT_ONLY:
+            if key in self.model_fields_set:
+                problem = f"{self.method} has no such setting"
+                allowed = ", ".join(_DIRECT_ONLY if direct else ("tolerance",))
+                raise rejection(problem, allowed, getattr(self, key), (key,))
+        return self
+
+    def as_written(self) -> dict[str, Any]:
+        """The settings of the chosen method only."""
+        keys = _DIRECT_ONLY if self.method == "direct_integration" else ("tolerance",)
+        return {"method": self.method, **{key: getattr(self, key) for key in keys}}
+
+
+class RunSettings(SceneModel):
+    """How long a run takes and how often its state is kept."""
+
+    duration: Duration = Field(default=60.0, description="simulated time")
+    output_interval: Duration = Field(default=0.5, description="time between logged states")
+
+
+class Scene(SceneModel):
+    """A scene: everything that a simulation needs, in SI units, checked and unchangeable."""
+
+    title: Annotated[str, Field(strict=True)] = Field(default="", description="what it shows")
+    environment: Environment = Field(default=Environment(), description="what surrounds the cable")
+    cable_types: dict[str, CableType] = Field(
+        min_length=1, description="kinds of cable by name: what a metre of each is like"
+    )
+    line: tuple[LineItem, ...] = Field(description="cables and bodies from the vessel outwards")
+    end: End = Field(default=End.model_validate("free"), description="the far end of the line")
+    initial: Initial = Field(
+        default=Initial.model_validate("static"), description="the cable at t = 0"
+    )
+    vessel: Vessel = Field(default=Vessel(), description="the motion of the tow point")
+    payout: Payout = Field(default=Payout(), description="the winch")
+    solver: Solver = Field(default=Solver(), description="how the scene is computed")
+    run: RunSettings = Field(default=RunSettings(), description="length of a run and its output")
+
+    _source_text: str | None = PrivateAttr(default=None)
+    _source_path: str | None = PrivateAttr(default=None)
+
+    @field_validator("cable_types")
+    @classmethod
+    def _with_submerged_weight(
+        cls, types: dict[str, CableType], info: ValidationInfo
+    ) -> dict[str, CableType]:
+        environment = info.data.get("environment")
+        if environment is None:  # it has an error of its own, which is reported
+            return types
+        density, gravity = environment.water_density, environment.gravity
+        return {name: kind.resolved(density, gravity) for name, kind in types.items()}
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Scene:
+        problems = [
+            *self._line_problems(),
+            *self._start_problems(),
+            *self._floor_problems(),
+        ]
+        if problems:
+            raise several(problems)
+        return self
+
+    def _line_problems(self) -> Iterator[SceneProblem]:
+        known = ", ".join(self.cable_types)
+        for part, items in (("line", self.line), ("payout.drum", self.payout.drum)):
+            for index, item in enumerate(items):
+                if item.cable is not None and item.cable.type not in self.cable_types:
+                    problem = f"{shown(item.cable.type)} is not one of the cable types"
+                    path = f"{part}.{index}.cable.type"
+                    yield SceneProblem(path, item.cable.type, problem, known)
+                if index > 0 and item.body is not None and items[index - 1].body is not None:
+                    problem = "two bodies in a row"
+                    yield SceneProblem(f"{part}.{index}", None, problem, "a cable between them")
+        if not any(item.cable is not None for item in self.line):
+            yield SceneProblem("line", None, "there is no cable in the line", "at least one cable")
+        elif self.line[0].body is not None:
+            allowed = "a cable first: a body at the tow point cannot move"
+            yield SceneProblem("line.0", None, "the line begins with a body", allowed)
+        if self.end.anchor is not None and self.line and self.line[-1].body is not None:
+            allowed = "a cable last, or end: free"
+            yield SceneProblem("end", None, "the last body would be anchored", allowed)
+
+    def _start_problems(self) -> Iterator[SceneProblem]:
+        start, anchor = self.vessel.position, self.end.anchor
+        reach = _SAME_PLACE * max(self._span, 1e-9)
+        if self.initial.points is not None:
+            ends = [("0", self.initial.points[0], start, "the tow point, vessel.position")]
+            if anchor is not None:
+                last = str(len(self.initial.points) - 1)
+                ends.append((last, self.initial.points[-1], anchor, "the anchor, end.anchor"))
+            for index, point, place, name in ends:
+                if math.dist(point, place) > reach:
+                    problem = f"the shape is {math.dist(point, place):g} m away from its end"
+                    yield SceneProblem(f"initial.points.{index}", point, problem, name)
+        if self.initial.straight is not None and anchor is not None:
+            along = self.initial.straight
+            far = tuple(s + self._span * a for s, a in zip(start, along, strict=True))
+            if math.dist(far, anchor) > reach:
+                problem = f"a straight line would end {math.dist(far, anchor):g} m from the anchor"
+                yield SceneProblem("initial.straight", along, problem, "a line that ends there")
+
+    def _floor_problems(self) -> Iterator[SceneProblem]:
+        floor = self.environment.floor
+        if floor is None:
+            return
+        places: list[tuple[str, Vector3]] = [("vessel.position", self.vessel.position)]
+        if self.end.anchor is not None:
+            places.append(("end.anchor", self.end.anchor))
+        places += [
+            (f"initial.points.{index}", point)
+            for index, point in enumerate(self.initial.points or ())
+        ]
+        reach = _SAME_PLACE * max(self._span, 1e-9)
+        for path, (x, y, z) in places:
+            depth = floor.height(x, y) - z
+            if depth > reach:
+                problem = f"{depth:g} m below the sea floor"
+                yield SceneProblem(path, (x, y, z), problem, f"z of at least {z + depth:g} m")
+
+    @property
+    def _span(self) -> float:
+        """Unstretched length of cables and bodies together [m]."""
+        return self.line_length + sum(2 * body.half_length for body in self.bodies)
+
+    @property
+    def cables(self) -> list[Cable]:
+        """The cables that are out at t = 0, from the vessel outwards."""
+        return [item.cable for item in self.line if item.cable is not None]
+
+    @property
+    def bodies(self) -> list[Body]:
+        """The bodies that are out at t = 0, from the vessel outwards."""
+        return [item.body for item in self.line if item.body is not None]
+
+    @property
+    def line_length(self) -> float:
+        """Total unstretched length of the cables that are out at t = 0 [m]."""
+        return math.fsum(cable.length for cable in self.cables)
+
+    @property
+    def source_text(self) -> str | None:
+        """The YAML text as it was read, before any override; None for a scene from a mapping."""
+        return self._source_text
+
+    @property
+    def source_path(self) -> str | None:
+        """The file that it was read from; None for a scene from text or a mapping."""
+        return self._source_path
+
+    def motion(self) -> VesselMotion:
+        """The prescribed motion of the tow point."""
+        vessel = self.vessel
+        if vessel.path is not None:
+            return VesselMotion.from_path(vessel.path, vessel.position)
+        if vessel.velocity is None:
+            return VesselMotion.from_table([0.0], [(0.0, 0.0, 0.0)], vessel.position)
+        times = [row.t for row in vessel.velocity]
+        velocities = [row.velocity for row in vessel.velocity]
+        return VesselMotion.from_table(times, velocities, vessel.position, vessel.interpolation)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The scene in SI as plain data, files resolved; it loads again to an equal scene."""
+        data = self.model_dump(mode="json", exclude_none=True)
+        data["solver"] = self.solver.as_written()
+        return data
+
+    def to_yaml(self) -> str:
+        """The scene in SI as YAML text, files resolved; it loads again to an equal scene."""
+        return yaml.dump(
+            self.to_dict(), Dumper=SceneDumper, sort_keys=False, default_flow_style=None
+        )
+
+    def __eq__(self, other: object) -> bool:
+        """Equal content, wherever it was read from."""
+        return isinstance(other, Scene) and self.to_dict() == other.to_dict()
+
+    __hash__ = None  # type: ignore[assignment]

@@ -1,0 +1,201 @@
+"""Tables that a scene names by file: CSV of any kind, and vessel velocity from an MCAP log."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from cablemodel.errors import shown
+from cablemodel.scene.units import rejection
+
+if TYPE_CHECKING:
+    from rosbags.typesys.store import Typestore
+
+_VELOCITY_TYPES = ("nav_msgs/msg/Odometry", "geometry_msgs/msg/TwistStamped")
+
+
+def velocity_from_file(
+    name: str, context: Any, topic: str | None, at: tuple[str, ...]
+) -> list[dict[str, Any]]:
+    """Rows of vessel velocity, ``{t, velocity}`` in SI and ENU, from a CSV or MCAP file.
+
+    Args:
+        name: the file, relative to the folder of the scene.
+        context: validation context; ``context["folder"]`` is that folder.
+        topic: of the MCAP file; None where it holds only one that fits.
+        at: place of the file's name below the validated value, for messages.
+
+    Raises:
+        PydanticCustomError: no such file, or not a table of velocities.
+    """
+    path = _found(name, context, at)
+    if path.suffix.lower() == ".mcap":
+        return _velocity_from_mcap(path, topic, at)
+    if topic is not None:
+        allowed = "no topic with a CSV file"
+        raise rejection("only an MCAP file has topics", allowed, topic, (*at[:-1], "topic"))
+    rows = _rows_from_csv(path, ("t", "vx", "vy", "vz"), (), at)
+    return [{"t": row["t"], "velocity": (row["vx"], row["vy"], row["vz"])} for row in rows]
+
+
+def table_from_file(
+    name: str, context: Any, columns: Sequence[str], optional: Sequence[str] = ()
+) -> list[dict[str, float]]:
+    """Rows of a CSV file with a header, SI, by column name; other columns are left out.
+
+    Raises:
+        PydanticCustomError: no such file, a missing column, or a cell that is not a number.
+    """
+    return _rows_from_csv(_found(name, context, ()), columns, optional, ())
+
+
+def _found(name: str, context: Any, at: tuple[str, ...]) -> Path:
+    folder = Path((context or {}).get("folder", "."))
+    path = folder / name
+    try:
+        exists = path.is_file()
+    except (OSError, ValueError):  # a name too long, or with a zero byte
+        exists = False
+    if not exists:
+        allowed = f"a file, relative to {folder}"
+        raise rejection(f"there is no file {shown(name)}", allowed, name, at)
+    return path
+
+
+def _rows_from_csv(
+    path: Path, columns: Sequence[str], optional: Sequence[str], at: tuple[str, ...]
+) -> list[dict[str, float]]:
+    allowed = f"a CSV file with the header {','.join((*columns, *optional))} and numbers in SI"
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as stream:
+            lines = list(csv.reader(stream))
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise rejection(f"{path.name} cannot be read ({error})", allowed, path.name, at) from None
+    numbered = [(number, line) for number, line in enumerate(lines, 1) if "".join(line).strip()]
+    header = [cell.strip() for cell in numbered[0][1]] if numbered else []
+    for column in columns:
+        if column not in header:
+            raise rejection(f"{path.name} has no column {column}", allowed, path.name, at)
+    places = {column: header.index(column) for column in (*columns, *optional) if column in header}
+    rows = []
+    for number, line in numbered[1:]:
+        try:
+            row = {column: float(line[place]) for column, place in places.items()}
+        except (ValueError, IndexError):
+            row = {}
+        if not row or not all(map(math.isfinite, row.values())):
+            problem = f"line {number} of {path.name} is not all finite numbers"
+            raise rejection(problem, allowed, ",".join(line), at)
+        rows.append(row)
+    if not rows:
+        raise rejection(f"{path.name} has no rows", allowed, path.name, at)
+    return rows
+
+
+def _velocity_from_mcap(path: Path, topic: str | None, at: tuple[str, ...]) -> list[dict[str, Any]]:
+    """Velocity over time from Odometry or TwistStamped messages; t = 0 is the first one's stamp.
+
+    Odometry gives its twist in the child frame, so it is turned by the pose; TwistStamped is taken
+    to be in the map frame.
+    """
+    from mcap.reader import make_reader
+    from rosbags.typesys import Stores, get_typestore
+
+    allowed = f"an MCAP file with a topic of {' or '.join(_VELOCITY_TYPES)} in CDR"
+    try:
+        with path.open("rb") as stream:
+            reader = make_reader(stream)
+            summary = reader.get_summary()
+            offered = _velocity_topics(summary)
+            chosen = _chosen(offered, topic, path, allowed, at)
+            types = get_typestore(Stores.ROS2_JAZZY)
+            rows = [
+                _row(types, offered[chosen], message.data)
+                for _, _, message in reader.iter_messages(topics=[chosen])
+            ]
+    except _RefusedError as refused:
+        raise refused.rejection from None
+    except Exception as error:  # a damaged file makes the libraries fail in any of many ways
+        problem = f"{path.name} cannot be read ({type(error).__name__}: {error})"
+        raise rejection(problem, allowed, path.name, at) from None
+    if not rows:
+        raise rejection(f"{path.name} has no message on {chosen}", allowed, path.name, at)
+    start = rows[0][0]
+    table: list[dict[str, Any]] = []
+    for stamp, velocity in rows:
+        seconds = (stamp - start) * 1e-9
+        if not all(map(math.isfinite, velocity)) or (table and seconds <= table[-1]["t"]):
+            problem = f"{chosen} in {path.name}, {seconds:g} s after its start: "
+            problem += "the velocity is not finite, or the time stamp does not rise"
+            raise rejection(problem, allowed, path.name, at)
+        table.append({"t": seconds, "velocity": velocity})
+    return table
+
+
+class _RefusedError(Exception):
+    """Carries a rejection past the net for damaged files."""
+
+    def __init__(self, problem: str, allowed: str, value: Any, at: tuple[str, ...]) -> None:
+        super().__init__(problem)
+        self.rejection = rejection(problem, allowed, value, at)
+
+
+def _velocity_topics(summary: Any) -> dict[str, str]:
+    """Message type by topic, for the topics that can give a velocity."""
+    topics = {}
+    for channel in summary.channels.values() if summary is not None else ():
+        schema = summary.schemas.get(channel.schema_id)
+        if channel.message_encoding == "cdr" and schema and schema.name in _VELOCITY_TYPES:
+            topics[channel.topic] = schema.name
+    return topics
+
+
+def _chosen(
+    offered: dict[str, str], topic: str | None, path: Path, allowed: str, at: tuple[str, ...]
+) -> str:
+    names = ", ".join(sorted(offered)) or "none"
+    if topic is None and len(offered) == 1:
+        return next(iter(offered))
+    if topic is None:
+        problem = f"{path.name} has {len(offered)} topics with velocities ({names})"
+        raise _RefusedError(problem, "topic: one of them" if offered else allowed, path.name, at)
+    if topic not in offered:
+        where = (*at[:-1], "topic")
+        raise _RefusedError(f"{path.name} has no such topic with velocities", names, topic, where)
+    return topic
+
+
+def _row(types: Typestore, type_name: str, data: bytes) -> tuple[int, tuple[float, float, float]]:
+    """Time stamp [ns] and velocity (3,) [m/s] in the fixed frame of one message."""
+    message: Any = types.deserialize_cdr(data, type_name)
+    stamp = message.header.stamp.sec * 1_000_000_000 + message.header.stamp.nanosec
+    if type_name == "geometry_msgs/msg/TwistStamped":
+        linear = message.twist.linear
+        return stamp, (linear.x, linear.y, linear.z)
+    linear = message.twist.twist.linear
+    velocity = (linear.x, linear.y, linear.z)
+    if message.child_frame_id in ("", message.header.frame_id):
+        return stamp, velocity
+    turn = message.pose.pose.orientation
+    return stamp, _turned(velocity, (turn.x, turn.y, turn.z, turn.w))
+
+
+def _turned(
+    vector: tuple[float, float, float], quaternion: tuple[float, float, float, float]
+) -> tuple[float, float, float]:
+    """A vector turned by a quaternion (x, y, z, w) of any length."""
+    x, y, z, w = quaternion
+    norm = x * x + y * y + z * z + w * w
+    if norm == 0.0:  # a message whose orientation was never filled in
+        return vector
+    a, b, c = vector
+    # t = 2 q x v; v' = v + (w t + q x t)/|q|^2
+    t = (2 * (y * c - z * b), 2 * (z * a - x * c), 2 * (x * b - y * a))
+    return (
+        a + (w * t[0] + y * t[2] - z * t[1]) / norm,
+        b + (w * t[1] + z * t[0] - x * t[2]) / norm,
+        c + (w * t[2] + x * t[1] - y * t[0]) / norm,
+    )

@@ -1,0 +1,142 @@
+"""YAML text as scenes use it: numbers as in YAML 1.2, no duplicate keys, no surprises.
+
+YAML 1.1, which PyYAML follows, reads ``1e6`` as text, ``010`` as eight, ``1:30`` as ninety, and
+``on`` as true. A scene must not be misread that quietly.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import yaml
+
+from cablemodel.errors import SceneError, shown
+
+_INT = re.compile(r"[-+]?[0-9]+$")
+_FLOAT = re.compile(
+    r"(?:[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?"
+    r"|[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN))$"
+)
+_BOOL = re.compile(r"(?:true|True|TRUE|false|False|FALSE)$")
+_REPLACED = {f"tag:yaml.org,2002:{name}" for name in ("bool", "int", "float", "timestamp")}
+_LARGEST = 5_000_000
+"""Values in a scene, aliases written out: more is a mistake, or an attack."""
+
+
+def _resolvers() -> dict[str | None, list[tuple[str, re.Pattern[str]]]]:
+    """PyYAML's rules for what plain text means, with those of YAML 1.2 for numbers and booleans."""
+    rules: dict[str | None, list[tuple[str, re.Pattern[str]]]] = {
+        first: [rule for rule in old if rule[0] not in _REPLACED]
+        for first, old in yaml.SafeLoader.yaml_implicit_resolvers.items()
+    }
+    for tag, pattern, firsts in (
+        ("bool", _BOOL, "tTfF"),
+        ("int", _INT, "-+0123456789"),
+        ("float", _FLOAT, "-+0123456789."),
+    ):
+        for first in firsts:
+            rules.setdefault(first, []).append((f"tag:yaml.org,2002:{tag}", pattern))
+    return rules
+
+
+class SceneLoader(yaml.SafeLoader):
+    """Safe loader with the numbers and booleans of YAML 1.2."""
+
+    yaml_implicit_resolvers = _resolvers()
+
+
+def _decimal(loader: SceneLoader, node: yaml.ScalarNode) -> int | float:
+    # Python refuses to read integers of thousands of digits; as a float they are infinite.
+    text = node.value
+    return int(text) if len(text) <= 300 else float(text)
+
+
+SceneLoader.add_constructor("tag:yaml.org,2002:int", _decimal)
+
+
+def _both_resolvers() -> dict[str | None, list[tuple[str, re.Pattern[str]]]]:
+    """The rules of both versions: text that either takes for something else gets quotes."""
+    new, old = SceneLoader.yaml_implicit_resolvers, yaml.SafeDumper.yaml_implicit_resolvers
+    return {first: [*new.get(first, []), *old.get(first, [])] for first in {*new, *old}}
+
+
+class SceneDumper(yaml.SafeDumper):
+    """Safe dumper whose text means the same to `SceneLoader` and to a YAML 1.1 reader."""
+
+    yaml_implicit_resolvers = _both_resolvers()
+
+    def ignore_aliases(self, data: Any) -> bool:
+        """No anchors: a scene is to be read by people."""
+        return True
+
+
+def parse_yaml(text: str | bytes, source: str = "") -> Any:
+    """The data of a YAML text.
+
+    Raises:
+        SceneError: not YAML, a key twice, or an alias that contains itself or grows beyond reason.
+    """
+    try:
+        loader = SceneLoader(text)
+        try:
+            node = loader.get_single_node()
+            if node is None:
+                return None
+            _check_tree(node)
+            return loader.construct_document(node)
+        finally:
+            loader.dispose()
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark
+        where = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
+        problem = f"{where}{error.problem or error.context or 'not YAML'}"
+        raise _not_yaml(problem, source) from None
+    except (yaml.YAMLError, UnicodeError, ValueError, OverflowError) as error:
+        raise _not_yaml(" ".join(str(error).split()), source) from None
+    except RecursionError:
+        raise _not_yaml("nested too deeply", source) from None
+
+
+def _not_yaml(problem: str, source: str) -> SceneError:
+    error = SceneError.at("", None, problem, "YAML with every key once")
+    error.source = source
+    return error
+
+
+def _check_tree(root: yaml.Node) -> None:
+    """Refuse duplicate keys, and aliases that make a document endless or huge.
+
+    Done on the tree, before merge keys (``<<``) are resolved: those may override.
+    """
+    sizes: dict[int, int] = {}
+    open_nodes: set[int] = set()
+
+    def size(node: yaml.Node) -> int:
+        key = id(node)
+        if key in open_nodes:
+            raise ValueError("an alias contains itself")
+        if key not in sizes:
+            open_nodes.add(key)
+            children: list[yaml.Node] = []
+            if isinstance(node, yaml.MappingNode):
+                _check_keys(node)
+                children = [part for pair in node.value for part in pair]
+            elif isinstance(node, yaml.SequenceNode):
+                children = node.value
+            sizes[key] = 1 + sum(size(child) for child in children)
+            open_nodes.discard(key)
+        return sizes[key]
+
+    if size(root) > _LARGEST:
+        raise ValueError(f"more than {_LARGEST} values")
+
+
+def _check_keys(node: yaml.MappingNode) -> None:
+    seen: set[str] = set()
+    for key, _ in node.value:
+        if isinstance(key, yaml.ScalarNode):
+            if key.value in seen:
+                problem = f"the key {shown(key.value)} is there twice"
+                raise yaml.constructor.ConstructorError(None, None, problem, key.start_mark)
+            seen.add(key.value)

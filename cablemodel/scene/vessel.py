@@ -1,0 +1,242 @@
+"""The vessel of a scene: where the tow point is, how it moves, and what its drum pays out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Field,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
+from pydantic.config import JsonDict
+
+from cablemodel.errors import shown
+from cablemodel.scene.base import (
+    Angle,
+    Duration,
+    Length,
+    Position,
+    SceneModel,
+    Seconds,
+    Speed,
+    Velocity,
+    in_order_of,
+)
+from cablemodel.scene.line import Connection, LineItem
+from cablemodel.scene.tables import velocity_from_file
+from cablemodel.scene.units import Quantity, Vector, rejection
+
+_SAME_HEADING = 1e-6
+_STANDSTILL = 1e-9
+
+
+class VelocityPoint(SceneModel):
+    """Velocity of the tow point at one time."""
+
+    t: Seconds = Field(description="time")
+    velocity: Velocity = Field(description="velocity of the tow point")
+
+
+def _velocity_rows(value: Any, info: ValidationInfo) -> Any:
+    """Rows of a table from its short forms: one vector, or a file."""
+    if isinstance(value, np.ndarray) or (
+        isinstance(value, (list, tuple))
+        and value
+        and not any(isinstance(item, (Mapping, SceneModel)) for item in value)
+    ):
+        return [{"t": 0.0, "velocity": Vector("m/s")(value)}]
+    if not isinstance(value, Mapping):
+        return value
+    allowed = "a vector, a list of {t, velocity}, or {file: NAME} with an optional topic"
+    if set(value) - {"file", "topic"} or not isinstance(value.get("file"), str):
+        raise rejection(f"{shown(value)} is not understood", allowed, value)
+    topic = value.get("topic")
+    if topic is not None and not isinstance(topic, str):
+        raise rejection(f"{shown(topic)} is not a text", "name of a topic", topic, ("topic",))
+    return velocity_from_file(value["file"], info.context, topic, ("file",))
+
+
+_VELOCITY_FORMS: JsonDict = {
+    "anyOf": [
+        {"type": "null"},
+        Vector("m/s").json_schema(),
+        {"type": "array", "items": {"$ref": "#/$defs/VelocityPoint"}, "minItems": 1},
+        {
+            "type": "object",
+            "properties": {"file": {"type": "string"}, "topic": {"type": "string"}},
+            "required": ["file"],
+            "additionalProperties": False,
+        },
+    ]
+}
+
+
+class Straight(SceneModel):
+    """A straight leg at constant height."""
+
+    duration: Duration | None = Field(default=None, description="how long; this or length")
+    length: Length | None = Field(default=None, description="how far; this or duration")
+    speed: Speed | None = Field(
+        default=None,
+        description="speed reached at the end of the leg, changing uniformly from that of the leg "
+        "before; the first leg must have one and keeps it; later ones keep the last",
+    )
+    heading: Angle | None = Field(
+        default=None,
+        description="direction of travel, from x counter-clockwise; 0 in the first leg, else as "
+        "the leg before ends (it may only be another one from standstill)",
+    )
+
+    @model_validator(mode="after")
+    def _one_extent(self) -> Straight:
+        if (self.duration is None) == (self.length is None):
+            raise rejection("not exactly one of duration and length", "either duration or length")
+        return self
+
+
+class Turn(SceneModel):
+    """A leg on a circle at constant height."""
+
+    angle: Angle = Field(description="change of heading; positive turns to port")
+    radius: Length = Field(description="radius of the circle")
+    speed: Speed | None = Field(default=None, description="as for a straight leg")
+    heading: Angle | None = Field(default=None, description="heading at its start, as for straight")
+
+    @field_validator("angle")
+    @classmethod
+    def _not_zero(cls, angle: float) -> float:
+        if angle == 0.0:
+            raise rejection("a turn by nothing", "an angle other than 0", angle)
+        return angle
+
+
+class Leg(SceneModel):
+    """A leg of the vessel's path: straight or turn."""
+
+    straight: Straight | None = Field(default=None, description="a straight leg")
+    turn: Turn | None = Field(default=None, description="a leg on a circle")
+
+    @model_validator(mode="after")
+    def _one_of_them(self) -> Leg:
+        if (self.straight is None) == (self.turn is None):
+            raise rejection("not exactly one of straight and turn", "either straight or turn")
+        return self
+
+
+def _continuous(legs: tuple[Leg, ...]) -> tuple[Leg, ...]:
+    """Refuse a path whose velocity would jump, or that never ends a leg."""
+    if not legs:
+        raise rejection("the path is empty", "at least one leg", legs)
+    heading, speed = 0.0, 0.0
+    for index, leg in enumerate(legs):
+        kind = "straight" if leg.straight is not None else "turn"
+        move = leg.straight or leg.turn
+        assert move is not None
+        first = index == 0
+        if first and move.speed is None:
+            raise rejection(
+                "is missing", "the speed of the first leg", None, (index, kind, "speed")
+            )
+        if move.heading is not None:
+            off = math.remainder(move.heading - heading, 2 * math.pi)
+            if not first and speed > 0 and abs(off) > _SAME_HEADING:
+                problem = (
+                    f"heading {move.heading:g} rad, but the leg before ends at {heading:g} rad"
+                )
+                allowed = "the same heading, or none; turn changes it"
+                raise rejection(problem, allowed, move.heading, (index, kind, "heading"))
+            heading = move.heading if first or speed == 0 else heading
+        reached = speed if move.speed is None else move.speed
+        started = reached if first else speed
+        timed = leg.straight is not None and leg.straight.duration is not None
+        if not timed and started + reached < _STANDSTILL:
+            problem = "a leg without speed never ends"
+            allowed = "a speed above 0, or a straight with a duration"
+            raise rejection(problem, allowed, reached, (index, kind))
+        heading += leg.turn.angle if leg.turn is not None else 0.0
+        speed = reached
+    return legs
+
+
+class Vessel(SceneModel):
+    """The vessel, seen from the cable: a tow point that moves as prescribed."""
+
+    position: Position = Field(
+        default=(0.0, 0.0, 0.0), description="position of the tow point at t = 0"
+    )
+    connection: Connection = Field(
+        default=Connection.model_validate("pinned"),
+        description="how the cable is held: pinned, or clamped in a direction",
+    )
+    velocity: Annotated[
+        tuple[VelocityPoint, ...] | None,
+        AfterValidator(lambda rows: rows if rows is None else in_order_of("t")(rows)),
+        BeforeValidator(_velocity_rows),
+    ] = Field(
+        default=None,
+        description="velocity of the tow point: one vector, a table over time that holds its first "
+        "and last value, or a file: CSV with the columns t, vx, vy, vz in SI, or MCAP with an "
+        "Odometry or TwistStamped topic; none: at rest",
+        json_schema_extra=_VELOCITY_FORMS,
+    )
+    interpolation: Literal["linear", "cubic"] = Field(
+        default="linear",
+        description="between the rows of velocity; cubic has a continuous acceleration",
+    )
+    path: Annotated[tuple[Leg, ...], AfterValidator(_continuous)] | None = Field(
+        default=None,
+        description="instead of velocity: legs of a track at constant height; the velocity of its "
+        "end goes on",
+    )
+
+    @model_validator(mode="after")
+    def _one_motion(self) -> Vessel:
+        if self.velocity is not None and self.path is not None:
+            raise rejection("velocity and path exclude each other", "velocity or path")
+        return self
+
+
+class RatePoint(SceneModel):
+    """Pay-out rate at one time."""
+
+    t: Seconds = Field(description="time")
+    rate: Annotated[float, Quantity("m/s")] = Field(
+        description="unstretched cable a second; positive out, negative in"
+    )
+
+
+def _rate_rows(value: Any) -> Any:
+    if isinstance(value, (int, float, str)):
+        return [{"t": 0.0, "rate": Quantity("m/s")(value)}]
+    return value
+
+
+_RATE_FORMS: JsonDict = {
+    "anyOf": [
+        Quantity("m/s").json_schema(),
+        {"type": "array", "items": {"$ref": "#/$defs/RatePoint"}, "minItems": 1},
+    ]
+}
+
+
+class Payout(SceneModel):
+    """The winch: how fast it pays out, and what its drum still holds."""
+
+    rate: Annotated[
+        tuple[RatePoint, ...], AfterValidator(in_order_of("t")), BeforeValidator(_rate_rows)
+    ] = Field(
+        default=(RatePoint(t=0.0, rate=0.0),),
+        description="pay-out rate: one number, or a table over time, linear between its rows, that "
+        "holds its first and last value",
+        json_schema_extra=_RATE_FORMS,
+    )
+    drum: tuple[LineItem, ...] = Field(
+        default=(), description="cables and bodies on the drum, as in line, vessel end first"
+    )
