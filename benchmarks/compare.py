@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -42,7 +43,7 @@ def cost_at(points: Sequence[Point], error: float) -> tuple[float, bool] | None:
         return points[0][1], False
     logs = [(math.log(e), math.log(c)) for e, c in points]
     wanted = math.log(error)
-    for (e1, c1), (e2, c2) in zip(logs[:-1], logs[1:], strict=True):
+    for (e1, c1), (e2, c2) in itertools.pairwise(logs):
         if e2 <= wanted <= e1:
             return math.exp(c1 + (c2 - c1) * (wanted - e1) / (e2 - e1)), False
     if len(logs) < 2:

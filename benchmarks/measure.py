@@ -130,7 +130,7 @@ def measure(
             while len(costs) < max_repeats and (len(costs) < 3 or sum(costs) < ENOUGH_CPU_SECONDS):
                 spent, tips, tensions, counts = run_once(contestant, scene, reference)
                 costs.append(spent)
-    except Exception as error:  # noqa: BLE001 - a peer may fail in any way; that is a result
+    except Exception as error:  # a peer may fail in any way, and that is a result
         return Measurement(
             scene=scene.name,
             contestant=contestant.name,

@@ -223,8 +223,10 @@ def write(
         "## Ratio to MoorDyn at equal tip error\n\n" + ratio_table(scenes, results),
         "## Work against precision\n",
     ]
-    for scene in scenes:
-        parts.append(scene_section(scene, [m for m in results if m.scene == scene.name], figures))
+    parts.extend(
+        scene_section(scene, [m for m in results if m.scene == scene.name], figures)
+        for scene in scenes
+    )
     if scaling:
         parts.append(scaling_section(scaling))
     if start_up is not None:
