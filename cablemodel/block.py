@@ -1,0 +1,112 @@
+"""Allocation of the instance block: the Python side of kernels/layout.py."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cablemodel.kernels import layout as at
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+GAUSS_WORDS = 512
+MOTION_WORDS = 64
+
+
+class Block:
+    """One contiguous piece of memory, seen as int64 (``ints``) and as float64 (``reals``).
+
+    Sizes are capacities that stay as they are for the life of the block.
+    """
+
+    def __init__(
+        self,
+        *,
+        capacity: int,
+        pieces: int,
+        depths: int,
+        times: int,
+        strain_words: int,
+        bodies: int,
+        constraints: int,
+    ) -> None:
+        # Arrays of the image in order, then those of the workspace: (header word, length).
+        image = [
+            (at.O_PIECES, pieces * at.PIECE_WORDS),
+            (at.O_DEPTHS, depths),
+            (at.O_TIMES, times),
+            (at.O_CURRENT, depths * times * 3),
+            (at.O_STRAIN, strain_words),
+            (at.O_PARENT, capacity),
+            (at.O_JOINT, capacity),
+            (at.O_EDGE, capacity * at.EDGE_WORDS),
+            (at.O_BODY, bodies * at.BODY_WORDS),
+            (at.O_CONSTRAINT, constraints * at.CONSTRAINT_WORDS),
+            (at.O_POSITION, capacity * 6),
+            (at.O_VELOCITY, capacity * 6),
+            (at.O_ACCELERATION, capacity * 6),
+            (at.O_TENSION, capacity * 2),
+            (at.O_DIAGONAL, capacity * 36),
+            (at.O_UPPER, capacity * 36),
+            (at.O_LOWER, capacity * 36),
+            (at.O_GRADIENT, capacity * 24),
+            (at.O_COMPLIANCE, capacity * 3),
+        ]
+        words = at.HEADER_WORDS + at.SCALAR_WORDS
+        offsets = {}
+        for place, length in image:
+            offsets[place] = words
+            words += length
+        image_words = words
+        workspace = [
+            (at.O_BACKUP, image_words),
+            (at.O_STAGE_V, capacity * 36),
+            (at.O_STAGE_A, capacity * 36),
+            (at.O_BASE_Q, capacity * 6),
+            (at.O_BASE_V, capacity * 6),
+            (at.O_TRIAL_Q, capacity * 6),
+            (at.O_TRIAL_V, capacity * 6),
+            (at.O_TRIAL_A, capacity * 6),
+            (at.O_TRIAL_T, capacity * 2),
+            (at.O_RESIDUAL, capacity * 6),
+            (at.O_CONSTRAINT_RESIDUAL, capacity * 2),
+            (at.O_INCREMENT, capacity * 6),
+            (at.O_PROFILE, depths * 3),
+            (at.O_GAUSS, GAUSS_WORDS),
+            (at.O_MOTION, MOTION_WORDS),
+        ]
+        for place, length in workspace:
+            offsets[place] = words
+            words += length
+        self.ints: IntArray = np.zeros(words, dtype=np.int64)
+        self.reals: FloatArray = self.ints.view(np.float64)
+        header = self.ints
+        header[at.I_MAGIC] = at.MAGIC
+        header[at.I_VERSION] = at.VERSION
+        header[at.I_BYTES] = 8 * words
+        header[at.I_IMAGE_WORDS] = image_words
+        header[at.I_CAPACITY] = capacity
+        header[at.I_PIECES] = pieces
+        header[at.I_DEPTHS] = depths
+        header[at.I_TIMES] = times
+        header[at.I_STRAIN] = strain_words
+        header[at.I_BODIES] = bodies
+        header[at.I_CONSTRAINTS] = constraints
+        for place, offset in offsets.items():
+            header[place] = offset
+
+    def array(self, place: int, *shape: int) -> FloatArray:
+        """A view of an array of the block, by its header word."""
+        start = int(self.ints[place])
+        return self.reals[start : start + int(np.prod(shape))].reshape(shape)
+
+    def integers(self, place: int, length: int) -> IntArray:
+        """A view of an integer array of the block."""
+        start = int(self.ints[place])
+        return self.ints[start : start + length]
+
+    @property
+    def image(self) -> IntArray:
+        """All that a snapshot keeps: everything before the workspace."""
+        return self.ints[: int(self.ints[at.I_IMAGE_WORDS])]

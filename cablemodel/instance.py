@@ -1,0 +1,456 @@
+"""From a scene to an instance block at its initial state."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cablemodel.block import Block
+from cablemodel.errors import SceneError, SceneProblem, StaticsError
+from cablemodel.kernels import layout as at
+from cablemodel.mesh import line_nodes
+
+if TYPE_CHECKING:
+    from cablemodel.scene import Scene
+    from cablemodel.scene.line import Body, Cable, CableType
+
+FloatArray = NDArray[np.float64]
+
+_MODELS = {"elastica": 0.0, "cable": 1.0, "hybrid": 2.0}
+_OUT_OF_PLANE = 1e-12
+TIME_TOLERANCE = 0.3
+"""Local error allowed in a step, in units of tau L; calibrated, see docs/engine.md."""
+
+
+def refuse_unsupported(scene: Scene) -> None:
+    """Raise a SceneError for parts of a scene that this engine does not simulate."""
+    problems: list[SceneProblem] = []
+
+    def refuse(path: str, value: object, what: str, allowed: str) -> None:
+        problems.append(SceneProblem(path, value, f"{what} not supported yet", allowed))
+
+    environment = scene.environment
+    if environment.floor is not None:
+        refuse("environment.floor", "a floor", "a sea floor is", "no floor (null)")
+    if environment.waves is not None:
+        refuse("environment.waves", "waves", "waves are", "no waves (null)")
+    for index, row in enumerate(scene.payout.rate):
+        if row.rate != 0.0:
+            refuse(f"payout.rate.{index}.rate", row.rate, "pay-out is", "0")
+            break
+    if scene.payout.drum:
+        refuse("payout.drum", scene.payout.drum, "a drum is", "an empty drum")
+    for index, item in enumerate(scene.line):
+        if item.body is not None and item.body.half_length > 0.0:
+            path = f"line.{index}.body.half_length"
+            refuse(path, item.body.half_length, "a body of finite length is", "0 (a point body)")
+    if scene.solver.method != "finite_element":
+        refuse("solver.method", scene.solver.method, "this method is", "finite_element")
+    if problems:
+        raise SceneError(problems)
+
+
+@dataclass
+class _Line:
+    """The line as nodes and edges, before it goes into a block."""
+
+    parent: list[int]
+    joint: list[int]
+    length: list[float]
+    start: list[float]
+    cable: list[int]
+    bodies: list[tuple[int, Body, int]]
+    """Node, body, its place in the scene's line."""
+
+    @property
+    def nodes(self) -> int:
+        return len(self.parent)
+
+
+def _mesh(scene: Scene) -> _Line:
+    """Nodes, joints and bodies of the scene's line, vessel first."""
+    items = list(scene.line)
+    cables = [item.cable for item in items if item.cable is not None]
+    spaced = line_nodes(
+        [cable.length for cable in cables],
+        [cable.elements for cable in cables],
+        scene.solver.tolerance,
+    )
+    line = _Line([-1], [0], [0.0], [0.0], [0], [])
+    arc = 0.0
+    index = -1
+    previous: Cable | None = None
+    after_body = False
+    for place, item in enumerate(items):
+        if item.body is not None:
+            line.bodies.append((line.nodes - 1, item.body, place))
+            after_body = True
+            continue
+        cable = item.cable
+        assert cable is not None
+        index += 1
+        if previous is not None:
+            flexible = "cable" in (previous.model, cable.model)
+            if flexible or (after_body and "hybrid" in (previous.model, cable.model)):
+                line.parent.append(line.nodes - 1)
+                line.joint.append(1)
+                line.length.append(0.0)
+                line.start.append(arc)
+                line.cable.append(index)
+        nodes = spaced[index]
+        for left, right in zip(nodes[:-1], nodes[1:], strict=True):
+            line.parent.append(line.nodes - 1)
+            line.joint.append(0)
+            line.length.append(float(right - left))
+            line.start.append(arc + float(left))
+            line.cable.append(index)
+        arc += cable.length
+        previous = cable
+        after_body = False
+    return line
+
+
+def _strain_range(coefficients: tuple[float, ...]) -> tuple[float, float]:
+    """Tensions [N] between which the curve is used as it is; its tangents continue it outside.
+
+    A polynomial is fitted to pulls: below zero its tangent there is taken, and above, the curve
+    ends where its slope has fallen to a tenth of the slope at rest.
+    """
+    if len(coefficients) == 1:
+        return -math.inf, math.inf
+    slope = np.polynomial.Polynomial([(n + 1) * c for n, c in enumerate(coefficients)])
+    falls = (slope - 0.1 * coefficients[0]).roots()
+    real = [root.real for root in falls if abs(root.imag) < 1e-9 * abs(root) and root.real > 0.0]
+    return 0.0, min(real, default=math.inf)
+
+
+def _tension_scale(scene: Scene, types: list[CableType]) -> float:
+    """A tension [N] that is typical of the line: what the stabilisation is measured by.
+
+    Weight of all that hangs, and the drag of the line broadside to the fastest relative flow.
+    """
+    rho = scene.environment.water_density
+    gravity = scene.environment.gravity
+    pieces = scene.motion().pieces
+    speed = 0.0
+    for t in [*pieces[:, 0], *np.minimum(pieces[:, 1], pieces[:, 0] + 1.0)]:
+        speed = max(speed, float(np.linalg.norm(scene.motion().evaluate(float(t))[1])))
+    if scene.environment.current is not None:
+        speed += float(np.max(np.linalg.norm(scene.environment.current.velocity, axis=-1)))
+    scale = 0.0
+    for cable, kind in zip(scene.cables, types, strict=True):
+        weight = max(abs(kind.submerged_weight), 1e-3 * kind.mass * gravity)
+        scale += cable.length * weight
+        scale += cable.length * 0.5 * rho * kind.drag_normal * kind.diameter * speed**2 * 0.1
+    for body in scene.bodies:
+        scale += abs(body.submerged_weight)
+    return scale
+
+
+def _vertical_plane(scene: Scene, directions: list[FloatArray]) -> FloatArray | None:
+    """Horizontal direction of the vertical plane that holds all of the scene, or None."""
+    motion = scene.motion()
+    if not motion.is_planar():
+        return None
+    moving = motion.horizontal_direction()
+    candidates = [] if moving is None else [np.asarray(moving, dtype=float)]
+    candidates += [np.asarray(d[:2], dtype=float) for d in directions]
+    if scene.environment.current is not None:
+        candidates += list(scene.environment.current.velocity.reshape(-1, 3)[:, :2])
+    plane: FloatArray | None = None
+    for vector in candidates:
+        size = float(np.hypot(*vector))
+        if size == 0.0:
+            continue
+        unit = vector / size
+        if plane is None:
+            plane = unit
+        elif abs(plane[0] * unit[1] - plane[1] * unit[0]) > _OUT_OF_PLANE:
+            return None
+    return np.array([1.0, 0.0]) if plane is None else plane
+
+
+def build(scene: Scene, *, planar: bool | None = None) -> Block:
+    """A block at the scene's initial state, t = 0.
+
+    ``planar``: False forces three dimensions; None and True choose a vertical plane where the
+    scene lies in one.
+
+    Raises SceneError (not supported, inconsistent), StaticsError (no equilibrium found).
+    """
+    refuse_unsupported(scene)
+    line = _mesh(scene)
+    types = [scene.cable_types[cable.type] for cable in scene.cables]
+    motion = scene.motion()
+    position, velocity, _ = motion.evaluate(0.0)
+    points = _initial_points(scene, position)
+
+    directions = [p - position for p in points]
+    for connection in (scene.vessel.connection, scene.end.connection):
+        if connection.kind == "clamped":
+            directions.append(np.asarray(connection.direction, dtype=float))
+    plane = None if planar is False else _vertical_plane(scene, directions)
+
+    current = scene.environment.current
+    depths = 1 if current is None else len(current.z)
+    times = 1 if current is None else len(current.t)
+    constraints = 2 if scene.end.kind == "anchor" else 1
+    block = Block(
+        capacity=line.nodes,
+        pieces=1 + len(motion.pieces),
+        depths=depths,
+        times=times,
+        strain_words=sum(len(kind.strain_coefficients) for kind in types),
+        bodies=len(line.bodies),
+        constraints=constraints,
+    )
+    ints, reals = block.ints, block.reals
+    dimension = 3 if plane is None else 2
+    ints[at.I_NODES] = line.nodes
+    ints[at.I_DIMENSION] = dimension
+    ints[at.I_PIECE] = 1
+    ints[at.I_ORDER] = 4
+    ints[at.I_MAXIMUM_STEPS] = 2_000_000
+    rho = scene.environment.water_density
+    ints[at.I_DRAG] = int(rho > 0.0)
+    length = scene.line_length
+    tolerance = scene.solver.tolerance
+    reals[at.S_TOLERANCE] = tolerance
+    reals[at.S_TIME_TOLERANCE] = TIME_TOLERANCE * tolerance * length
+    reals[at.S_LENGTH] = length
+    reals[at.S_BASE : at.S_BASE + 3] = position
+    reals[at.S_PLANE : at.S_PLANE + 2] = (1.0, 0.0) if plane is None else plane
+    reals[at.S_GRAVITY] = scene.environment.gravity
+    reals[at.S_WATER_DENSITY] = rho
+
+    _fill_motion(block, motion.pieces)
+    if current is not None:
+        ints[at.I_CURRENT] = 1 if depths == 1 else 2
+        block.array(at.O_DEPTHS, depths)[:] = current.z
+        block.array(at.O_TIMES, times)[:] = current.t
+        block.array(at.O_CURRENT, times, depths, 3)[:] = current.velocity
+    scale = _tension_scale(scene, types)
+    _fill_line(block, scene, line, types, scale)
+    _fill_constraints(block, scene, line)
+    _fill_positions(block, line, points, length)
+    _find_initial_state(block, scene, velocity)
+    return block
+
+
+def local(block: Block, vector: FloatArray, *, point: bool) -> FloatArray:
+    """An earth-frame point or vector in the block's coordinates, (dimension,)."""
+    value = np.asarray(vector, dtype=float)
+    if point:
+        value = value - block.reals[at.S_BASE : at.S_BASE + 3]
+    if block.ints[at.I_DIMENSION] == 3:
+        return value
+    plane = block.reals[at.S_PLANE : at.S_PLANE + 2]
+    return np.array([plane @ value[:2], value[2]])
+
+
+def _fill_motion(block: Block, pieces: FloatArray) -> None:
+    """The scene's pieces from row 1 on (row 0 is the caller's live motion), and their kinks."""
+    from cablemodel.scene.motion import VesselMotion
+
+    table = block.array(at.O_PIECES, len(pieces) + 1, at.PIECE_WORDS)
+    table[1:] = pieces
+    table[1:, at.P_ACCELERATION_JUMP] = 0.0
+    table[1:, at.P_VELOCITY_JUMP] = 0.0
+    for k in range(1, len(pieces)):
+        t = float(pieces[k, 0])
+        before = VesselMotion(pieces[k - 1 : k]).evaluate(t)
+        after = VesselMotion(pieces[k : k + 1]).evaluate(t)
+        jump = float(np.linalg.norm(after[1] - before[1]))
+        scale = float(np.linalg.norm(after[1]) + np.linalg.norm(before[1]))
+        table[1 + k, at.P_VELOCITY_JUMP] = jump if jump > 1e-9 * scale else 0.0
+        table[1 + k, at.P_ACCELERATION_JUMP] = np.linalg.norm(after[2] - before[2])
+
+
+def _fill_line(
+    block: Block, scene: Scene, line: _Line, types: list[CableType], scale: float
+) -> None:
+    rho = scene.environment.water_density
+    strain = block.array(at.O_STRAIN, int(block.ints[at.I_STRAIN]))
+    offsets = []
+    used = 0
+    for kind in types:
+        terms = len(kind.strain_coefficients)
+        strain[used : used + terms] = kind.strain_coefficients
+        offsets.append(int(block.ints[at.O_STRAIN]) + used)
+        used += terms
+    block.integers(at.O_PARENT, line.nodes)[:] = line.parent
+    block.integers(at.O_JOINT, line.nodes)[:] = line.joint
+    edges = block.array(at.O_EDGE, line.nodes, at.EDGE_WORDS)
+    cables = scene.cables
+    for node in range(1, line.nodes):
+        row = edges[node]
+        index = line.cable[node]
+        cable, kind = cables[index], types[index]
+        area = 0.25 * math.pi * kind.diameter**2
+        added = rho * area * kind.added_mass
+        row[at.E_LENGTH] = line.length[node]
+        row[at.E_START] = line.start[node]
+        row[at.E_MASS] = kind.mass + added
+        row[at.E_ADDED] = added
+        row[at.E_WEIGHT] = kind.submerged_weight
+        row[at.E_DRAG_NORMAL] = 0.5 * rho * kind.drag_normal * kind.diameter
+        row[at.E_DRAG_TANGENTIAL] = 0.5 * rho * kind.drag_tangential * math.pi * kind.diameter
+        row[at.E_COMPLIANCE] = kind.strain_coefficients[0]
+        row[at.E_STRAIN_TERMS] = len(kind.strain_coefficients)
+        row[at.E_STRAIN_OFFSET] = offsets[index]
+        row[at.E_TENSION_LOW : at.E_TENSION_HIGH + 1] = _strain_range(kind.strain_coefficients)
+        row[at.E_STABILISATION] = min(3.0 * scale, 1.0 / kind.strain_coefficients[0])
+        row[at.E_BENDING_FULL] = 0.0 if cable.model == "cable" else kind.bending_stiffness
+        row[at.E_BENDING] = row[at.E_BENDING_FULL]
+        row[at.E_MODEL] = _MODELS[cable.model]
+        row[at.E_SEGMENT] = index
+        if cable.model == "hybrid" and kind.bending_stiffness > 0.0:
+            block.ints[at.I_HYBRID] = 1
+    table = block.array(at.O_BODY, len(line.bodies), at.BODY_WORDS)
+    for body_row, (node, body, place) in zip(table, line.bodies, strict=True):
+        body_row[at.B_NODE] = node
+        body_row[at.B_MASS] = body.mass
+        body_row[at.B_WEIGHT] = body.submerged_weight
+        body_row[at.B_ADDED] = body.added_mass
+        body_row[at.B_ADDED_AXIAL] = body.added_mass_axial
+        body_row[at.B_DRAG] = 0.5 * rho * body.drag_coefficient * body.drag_area
+        body_row[at.B_DRAG_AXIAL] = 0.5 * rho * body.drag_coefficient_axial * body.drag_area_axial
+        body_row[at.B_ITEM] = place
+    # A start that the user would not notice: it grows fourfold a step.
+    block.reals[at.S_TENSION_SCALE] = scale
+    period = math.sqrt(scene.line_length / max(scene.environment.gravity, 1e-3))
+    block.reals[at.S_FIRST_STEP] = 0.02 * period
+    block.reals[at.S_STEP] = 1e-2 * math.sqrt(max(scene.solver.tolerance, 1e-12)) * period
+    block.reals[at.S_SMALLEST_STEP] = 1e-10 * period
+
+
+def _fill_constraints(block: Block, scene: Scene, line: _Line) -> None:
+    table = block.array(at.O_CONSTRAINT, int(block.ints[at.I_CONSTRAINTS]), at.CONSTRAINT_WORDS)
+    ends = [(0, at.C_VESSEL, scene.vessel.connection)]
+    if scene.end.kind == "anchor":
+        ends.append((line.nodes - 1, at.C_ANCHOR, scene.end.connection))
+    dimension = int(block.ints[at.I_DIMENSION])
+    for row, (node, kind, connection) in zip(table, ends, strict=True):
+        row[at.C_NODE] = node
+        row[at.C_KIND] = kind
+        if kind == at.C_ANCHOR:
+            place = local(block, np.asarray(scene.end.position), point=True)
+            row[at.C_POSITION : at.C_POSITION + dimension] = place
+        if connection.kind == "clamped":
+            row[at.C_CLAMPED] = 1.0
+            direction = np.asarray(connection.direction, dtype=float)
+            unit = direction / np.linalg.norm(direction)
+            row[at.C_DIRECTION : at.C_DIRECTION + dimension] = local(block, unit, point=False)
+
+
+def _initial_points(scene: Scene, start: FloatArray) -> FloatArray:
+    """A polyline from the tow point outwards that the first shape follows, (n, 3)."""
+    length = scene.line_length
+    if scene.initial.kind == "straight":
+        direction = np.asarray(scene.initial.direction, dtype=float)
+        return np.array([start, start + length * direction / np.linalg.norm(direction)])
+    if scene.initial.kind == "points":
+        return np.asarray(scene.initial.points, dtype=float)
+    if scene.end.kind == "anchor":
+        return _sagging(start, np.asarray(scene.end.position, dtype=float), length, _sinks(scene))
+    if scene.vessel.connection.kind == "clamped":
+        direction = np.asarray(scene.vessel.connection.direction, dtype=float)
+        return np.array([start, start + length * direction / np.linalg.norm(direction)])
+    return np.array([start, start + np.array([0.0, 0.0, -length if _sinks(scene) else length])])
+
+
+def _sinks(scene: Scene) -> bool:
+    weight = math.fsum(
+        cable.length * scene.cable_types[cable.type].submerged_weight for cable in scene.cables
+    )
+    return weight + math.fsum(body.submerged_weight for body in scene.bodies) >= 0.0
+
+
+def _sagging(start: FloatArray, end: FloatArray, length: float, sinks: bool) -> FloatArray:
+    """A parabola of the given length between two points: the first guess of a hanging cable."""
+    chord = float(np.linalg.norm(end - start))
+    if chord >= length * (1.0 - 1e-6):
+        return np.array([start, end])
+    x = np.linspace(0.0, 1.0, 201)
+    bow = np.zeros(3)
+    bow[2] = -1.0 if sinks else 1.0
+    if abs(float((end - start) @ bow)) > 0.999 * max(chord, 1e-12):
+        bow = np.array([1.0, 0.0, 0.0])  # one end above the other: the slack goes aside
+
+    def curve(sag: float) -> FloatArray:
+        return start + np.outer(x, end - start) + np.outer(4.0 * x * (1.0 - x) * sag, bow)
+
+    low, high = 0.0, length
+    for _ in range(60):
+        sag = 0.5 * (low + high)
+        if np.linalg.norm(np.diff(curve(sag), axis=0), axis=1).sum() < length:
+            low = sag
+        else:
+            high = sag
+    return curve(0.5 * (low + high))
+
+
+def _fill_positions(block: Block, line: _Line, points: FloatArray, length: float) -> None:
+    """Nodes along the polyline, at their share of its length, with slopes along it."""
+    from scipy.interpolate import PchipInterpolator
+
+    chords = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    arc = np.concatenate([[0.0], np.cumsum(chords)])
+    stretch = arc[-1] / length
+    where = np.zeros(line.nodes)
+    for node in range(1, line.nodes):
+        where[node] = line.start[node] + line.length[node]
+    where *= stretch
+    where = np.minimum(where, arc[-1])
+    smooth = PchipInterpolator(arc, points, axis=0)
+    places = smooth(where)
+    slopes = smooth.derivative()(where)
+    slopes *= stretch / np.linalg.norm(slopes, axis=1)[:, None]
+    dimension = int(block.ints[at.I_DIMENSION])
+    q = block.array(at.O_POSITION, line.nodes, 2 * dimension)
+    for node in range(line.nodes):
+        q[node, :dimension] = local(block, places[node], point=True)
+        q[node, dimension:] = local(block, slopes[node], point=False)
+    table = block.array(at.O_CONSTRAINT, int(block.ints[at.I_CONSTRAINTS]), at.CONSTRAINT_WORDS)
+    for row in table:
+        if row[at.C_CLAMPED] != 0.0:
+            node = int(row[at.C_NODE])
+            q[node, dimension:] = stretch * row[at.C_DIRECTION : at.C_DIRECTION + dimension]
+
+
+def _find_initial_state(block: Block, scene: Scene, velocity: FloatArray) -> None:
+    from cablemodel.kernels import entry
+
+    ints, reals = block.ints, block.reals
+    entry.place_supports(ints, reals)
+    dimension = int(ints[at.I_DIMENSION])
+    if scene.initial.kind != "static":
+        entry.tension_from_stretch(ints, reals)
+    else:
+        frame = local(block, velocity, point=False)
+        if scene.end.kind == "anchor" and np.any(frame != 0.0):
+            raise SceneError.at(
+                "initial",
+                "static",
+                "an anchored cable has no steady state while the vessel moves",
+                "a vessel at rest at t = 0, or initial: {points: [...]}",
+            )
+        moves = entry.equilibrium(ints, reals, np.ascontiguousarray(frame))
+        if moves != at.OK:
+            node = int(ints[at.I_FAILED_NODE])
+            arc = block.array(at.O_EDGE, int(ints[at.I_NODES]), at.EDGE_WORDS)[node, at.E_START]
+            raise StaticsError(
+                f"no static equilibrium was found; what moved last is {arc:g} m along the cable. "
+                "Check weights, ends and current, or start from initial: {straight: ...}"
+            )
+        entry.place_supports(ints, reals)
+    for counter in (at.I_STEPS, at.I_REJECTED, at.I_FACTORISATIONS, at.I_ITERATIONS):
+        ints[counter] = 0
+    ints[at.I_FACTORED] = 0
+    assert dimension in (2, 3)
+    if ints[at.I_HYBRID]:
+        entry.choose_bending(ints, reals)

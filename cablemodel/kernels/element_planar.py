@@ -1,0 +1,590 @@
+"""Mixed cubic Hermite element in a vertical plane: residual and Jacobian of a whole line.
+
+The same formulas as in element_spatial.py, in the tangent t and the normal n = (-t_z, t_x): the
+curvature k is a number and P = n n^T, which saves a root and most of the products. Node vector
+(x, z, x', z').
+"""
+
+import math
+
+from .compile import inlined, kernel
+from .environment import current_at
+from .layout import (
+    E_ADDED,
+    E_BENDING,
+    E_COMPLIANCE,
+    E_DRAG_NORMAL,
+    E_DRAG_TANGENTIAL,
+    E_LENGTH,
+    E_MASS,
+    E_STABILISATION,
+    E_STRAIN_OFFSET,
+    E_STRAIN_TERMS,
+    E_TENSION_HIGH,
+    E_TENSION_LOW,
+    E_WEIGHT,
+    EDGE_WORDS,
+    I_DEPTHS,
+    I_DRAG,
+    I_NODES,
+    O_COMPLIANCE,
+    O_DIAGONAL,
+    O_EDGE,
+    O_GAUSS,
+    O_GRADIENT,
+    O_JOINT,
+    O_LOWER,
+    O_MOTION,
+    O_PARENT,
+    O_UPPER,
+)
+from .strain import strain_and_slope
+from .tables import (
+    D0,
+    D1,
+    D2,
+    D3,
+    E0,
+    E1,
+    E2,
+    E3,
+    H0,
+    H1,
+    H2,
+    H3,
+    LOAD,
+    MASS,
+    MASS_PAIRS,
+    P1,
+    P2,
+    S00,
+    S01,
+    S11,
+    S12,
+    S21,
+    S22,
+    WD,
+    WE,
+    WEIGHT,
+    WEIGHT_P1,
+    WEIGHT_P2,
+    WH,
+)
+
+# Slots of four words in the Gauss workspace.
+CX, CZ = 0, 4  # water velocity
+G, TX, TZ = 12, 16, 20
+FX, FZ = 28, 32  # conjugate to r
+PX, PZ = 40, 44  # conjugate to r'
+QX, QZ = 52, 56  # conjugate to r''
+R = 64  # element vector
+TT, TN, NT, NN = 0, 4, 8, 12  # components of a tangent matrix in (t, n)
+JACOBIAN = 80  # 6 groups of 4 slots of 4: A00, A01, A11, A12, A21, A22
+BLOCK = JACOBIAN + 96
+
+
+@inlined
+def element_current(I, M, W, x0, x1, h):
+    """Water velocity at the Gauss points of an element, when it varies over depth."""
+    motion = I[O_MOTION] + 9
+    z = M[motion : motion + 3]
+    for g in range(3):
+        height = x0[1] * H0[g] + h * x0[3] * H1[g] + x1[1] * H2[g] + h * x1[3] * H3[g]
+        current_at(I, M, height, z)
+        W[CX + g] = z[0]
+        W[CZ + g] = z[1]
+
+
+@inlined
+def geometry(W, x0, x1, h):
+    """Stretch g and tangent t at the Gauss points."""
+    ih = 1.0 / h
+    ax = x0[0] * ih
+    az = x0[1] * ih
+    bx = x0[2]
+    bz = x0[3]
+    cx = x1[0] * ih
+    cz = x1[1] * ih
+    dx = x1[2]
+    dz = x1[3]
+    for g in range(4):
+        px = ax * D0[g] + bx * D1[g] + cx * D2[g] + dx * D3[g]
+        pz = az * D0[g] + bz * D1[g] + cz * D2[g] + dz * D3[g]
+        s = math.sqrt(px * px + pz * pz)
+        i = 1.0 / s
+        W[G + g] = s
+        W[TX + g] = px * i
+        W[TZ + g] = pz * i
+
+
+@inlined
+def axial_forces(W, t0, t1, stabilisation):
+    """Forces T t at the Gauss points, with the stabilising mode along P2."""
+    e2 = 0.0
+    for g in range(3):
+        e2 += WEIGHT_P2[g] * (W[G + g] - 1.0)
+    t2 = 5.0 * stabilisation * e2
+    for g in range(4):
+        tension = t0 + t1 * P1[g] + t2 * P2[g]
+        W[PX + g] = tension * W[TX + g]
+        W[PZ + g] = tension * W[TZ + g]
+
+
+@inlined
+def add_bending_forces(W, x0, x1, h, bending):
+    """dW/dr' and dW/dr'' of the bending energy at the Gauss points."""
+    ih2 = 1.0 / (h * h)
+    ih = 1.0 / h
+    ax = x0[0] * ih2
+    az = x0[1] * ih2
+    bx = x0[2] * ih
+    bz = x0[3] * ih
+    cx = x1[0] * ih2
+    cz = x1[1] * ih2
+    dx = x1[2] * ih
+    dz = x1[3] * ih
+    for g in range(4):
+        yx = ax * E0[g] + bx * E1[g] + cx * E2[g] + dx * E3[g]
+        yz = az * E0[g] + bz * E1[g] + cz * E2[g] + dz * E3[g]
+        tx = W[TX + g]
+        tz = W[TZ + g]
+        ig = 1.0 / W[G + g]
+        beta = (yx * tx + yz * tz) * ig
+        k = (yz * tx - yx * tz) * ig
+        c = bending * ig * k
+        W[PX + g] -= c * (k * tx - beta * tz)
+        W[PZ + g] -= c * (k * tz + beta * tx)
+        W[QX + g] = -c * tz
+        W[QZ + g] = c * tx
+
+
+@inlined
+def load_forces(W, v0, v1, a0, a1, h, cn, ct, added):
+    """Minus the drag (eq. 23), minus the tangential part of the added mass, per unit length."""
+    ax = v0[0]
+    az = v0[1]
+    bx = h * v0[2]
+    bz = h * v0[3]
+    cx = v1[0]
+    cz = v1[1]
+    dx = h * v1[2]
+    dz = h * v1[3]
+    ex = a0[0]
+    ez = a0[1]
+    fx = h * a0[2]
+    fz = h * a0[3]
+    gx = a1[0]
+    gz = a1[1]
+    hx = h * a1[2]
+    hz = h * a1[3]
+    for g in range(4):
+        tx = W[TX + g]
+        tz = W[TZ + g]
+        ux = W[CX + g] - (ax * H0[g] + bx * H1[g] + cx * H2[g] + dx * H3[g])
+        uz = W[CZ + g] - (az * H0[g] + bz * H1[g] + cz * H2[g] + dz * H3[g])
+        wx = ex * H0[g] + fx * H1[g] + gx * H2[g] + hx * H3[g]
+        wz = ez * H0[g] + fz * H1[g] + gz * H2[g] + hz * H3[g]
+        root = math.sqrt(W[G + g])
+        ut = ux * tx + uz * tz
+        un = uz * tx - ux * tz
+        along = root * ct * abs(ut) * ut + added * (wx * tx + wz * tz)
+        across = root * cn * abs(un) * un
+        W[FX + g] = across * tz - along * tx
+        W[FZ + g] = -across * tx - along * tz
+
+
+@kernel
+def residual_planar(I, M, q, v, a, tension, out, out_constraint):
+    """Residual of all elements: out (nodes, 4), out_constraint (nodes, 2); see residual_spatial."""
+    W = M[I[O_GAUSS] : I[O_GAUSS] + 512]
+    nodes = I[I_NODES]
+    drag = I[I_DRAG]
+    sheared = I[I_DEPTHS] > 1
+    out[0 : 4 * nodes] = 0.0
+    for node in range(1, nodes):
+        if I[I[O_JOINT] + node] != 0:
+            out_constraint[2 * node] = 0.0
+            out_constraint[2 * node + 1] = 0.0
+            continue
+        parent = I[I[O_PARENT] + node]
+        e = I[O_EDGE] + node * EDGE_WORDS
+        h = M[e + E_LENGTH]
+        bending = M[e + E_BENDING]
+        x0 = q[4 * parent : 4 * parent + 4]
+        x1 = q[4 * node : 4 * node + 4]
+        a0 = a[4 * parent : 4 * parent + 4]
+        a1 = a[4 * node : 4 * node + 4]
+        geometry(W, x0, x1, h)
+        t0 = tension[2 * node]
+        t1 = tension[2 * node + 1]
+        axial_forces(W, t0, t1, M[e + E_STABILISATION])
+
+        r0 = 0.0
+        r1 = 0.0
+        if M[e + E_STRAIN_TERMS] == 1.0:
+            for g in range(3):
+                r0 += WEIGHT[g] * (W[G + g] - 1.0)
+                r1 += WEIGHT_P1[g] * (W[G + g] - 1.0)
+            c = M[e + E_COMPLIANCE]
+            r0 -= c * t0
+            r1 -= c * t1 / 3.0
+        else:
+            for g in range(3):
+                strain, slope = strain_and_slope(
+                    M,
+                    t0 + t1 * P1[g],
+                    M[e + E_TENSION_LOW],
+                    M[e + E_TENSION_HIGH],
+                    int(M[e + E_STRAIN_OFFSET]),
+                    int(M[e + E_STRAIN_TERMS]),
+                )
+                r0 += WEIGHT[g] * (W[G + g] - 1.0 - strain)
+                r1 += WEIGHT_P1[g] * (W[G + g] - 1.0 - strain)
+        out_constraint[2 * node] = h * r0
+        out_constraint[2 * node + 1] = h * r1
+
+        if bending != 0.0:
+            add_bending_forces(W, x0, x1, h, bending)
+        if drag != 0:
+            if sheared:
+                element_current(I, M, W, x0, x1, h)
+            v0 = v[4 * parent : 4 * parent + 4]
+            v1 = v[4 * node : 4 * node + 4]
+            load_forces(
+                W,
+                v0,
+                v1,
+                a0,
+                a1,
+                h,
+                M[e + E_DRAG_NORMAL],
+                M[e + E_DRAG_TANGENTIAL],
+                M[e + E_ADDED],
+            )
+
+        mass = M[e + E_MASS] * h
+        weight = M[e + E_WEIGHT] * h
+        for i in range(2):
+            p = W[PX + 4 * i : PX + 4 * i + 4]
+            a0i = a0[i] * mass
+            a1i = a0[2 + i] * mass * h
+            a2i = a1[i] * mass
+            a3i = a1[2 + i] * mass * h
+            r = W[R : R + 4]
+            for k in range(4):
+                r[k] = (
+                    a0i * MASS[0, k]
+                    + a1i * MASS[1, k]
+                    + a2i * MASS[2, k]
+                    + a3i * MASS[3, k]
+                    + p[0] * WD[0, k]
+                    + p[1] * WD[1, k]
+                    + p[2] * WD[2, k]
+                )
+            if drag != 0:
+                f = W[FX + 4 * i : FX + 4 * i + 4]
+                f0 = h * f[0]
+                f1 = h * f[1]
+                f2 = h * f[2]
+                for k in range(4):
+                    r[k] += f0 * WH[0, k] + f1 * WH[1, k] + f2 * WH[2, k]
+            if bending != 0.0:
+                y = W[QX + 4 * i : QX + 4 * i + 4]
+                y0 = y[0] / h
+                y1 = y[1] / h
+                y2 = y[2] / h
+                for k in range(4):
+                    r[k] += y0 * WE[0, k] + y1 * WE[1, k] + y2 * WE[2, k]
+            if i == 1:
+                for k in range(4):
+                    r[k] += weight * LOAD[k]
+            out[4 * parent + i] += r[0]
+            out[4 * parent + 2 + i] += h * r[1]
+            out[4 * node + i] += r[2]
+            out[4 * node + 2 + i] += h * r[3]
+
+
+@inlined
+def tangent_matrices(
+    W, x0, x1, v0, v1, a0, a1, h, tension0, tension1, eas, bending, drag, cn, ct, added, ca, cv
+):
+    """Jacobians of the forces at the Gauss points, components along (t, n)."""
+    e2 = 0.0
+    for g in range(3):
+        e2 += WEIGHT_P2[g] * (W[G + g] - 1.0)
+    t2 = 5.0 * eas * e2
+    ih = 1.0 / h
+    ih2 = ih * ih
+    ax = x0[0] * ih2
+    az = x0[1] * ih2
+    bx = x0[2] * ih
+    bz = x0[3] * ih
+    cx = x1[0] * ih2
+    cz = x1[1] * ih2
+    dx = x1[2] * ih
+    dz = x1[3] * ih
+    for g in range(4):
+        ig = 1.0 / W[G + g]
+        tx = W[TX + g]
+        tz = W[TZ + g]
+        tension = tension0 + tension1 * P1[g] + t2 * P2[g]
+        yx = ax * E0[g] + bx * E1[g] + cx * E2[g] + dx * E3[g]
+        yz = az * E0[g] + bz * E1[g] + cz * E2[g] + dz * E3[g]
+        beta = (yx * tx + yz * tz) * ig
+        k = (yz * tx - yx * tz) * ig
+        c = bending * ig * ig
+        j = JACOBIAN + 32 + g
+        W[j + TT] = 3.0 * c * k * k
+        W[j + TN] = 3.0 * c * beta * k
+        W[j + NT] = 3.0 * c * beta * k
+        W[j + NN] = tension * ig + c * (beta * beta - 2.0 * k * k)
+        W[j + 16 + TT] = 0.0
+        W[j + 16 + TN] = -2.0 * c * k
+        W[j + 16 + NT] = -c * k
+        W[j + 16 + NN] = -c * beta
+        W[j + 32 + TT] = 0.0
+        W[j + 32 + TN] = -c * k
+        W[j + 32 + NT] = -2.0 * c * k
+        W[j + 32 + NN] = -c * beta
+        W[j + 48 + TT] = 0.0
+        W[j + 48 + TN] = 0.0
+        W[j + 48 + NT] = 0.0
+        W[j + 48 + NN] = c
+    if drag == 0:
+        for n in range(32):
+            W[JACOBIAN + n] = 0.0
+        return
+    for g in range(4):
+        ig = 1.0 / W[G + g]
+        tx = W[TX + g]
+        tz = W[TZ + g]
+        ux = W[CX + g] - (v0[0] * H0[g] + v1[0] * H2[g] + h * (v0[2] * H1[g] + v1[2] * H3[g]))
+        uz = W[CZ + g] - (v0[1] * H0[g] + v1[1] * H2[g] + h * (v0[3] * H1[g] + v1[3] * H3[g]))
+        wx = a0[0] * H0[g] + a1[0] * H2[g] + h * (a0[2] * H1[g] + a1[2] * H3[g])
+        wz = a0[1] * H0[g] + a1[1] * H2[g] + h * (a0[3] * H1[g] + a1[3] * H3[g])
+        root = math.sqrt(W[G + g])
+        ut = ux * tx + uz * tz
+        un = uz * tx - ux * tz
+        at = wx * tx + wz * tz
+        an = wz * tx - wx * tz
+        fn = root * cn * abs(un)
+        ft = root * ct * abs(ut)
+        j = JACOBIAN + g
+        W[j + TT] = 2.0 * cv * ft - ca * added
+        W[j + TN] = 0.0
+        W[j + NT] = 0.0
+        W[j + NN] = 2.0 * cv * fn
+        W[j + 16 + TT] = -0.5 * ig * ft * ut
+        W[j + 16 + TN] = -ig * ((2.0 * ft - fn) * un + added * an)
+        W[j + 16 + NT] = -0.5 * ig * fn * un
+        W[j + 16 + NN] = -ig * (ft * ut - 2.0 * fn * ut + added * at)
+
+
+@kernel
+def jacobian_planar(I, M, q, v, a, tension, ca, cv):
+    """Blocks of the effective Jacobian with T condensed out; see jacobian_spatial."""
+    W = M[I[O_GAUSS] : I[O_GAUSS] + 512]
+    nodes = I[I_NODES]
+    drag = I[I_DRAG]
+    sheared = I[I_DEPTHS] > 1
+    diagonal = M[I[O_DIAGONAL] : I[O_DIAGONAL] + 16 * nodes]
+    upper = M[I[O_UPPER] : I[O_UPPER] + 16 * nodes]
+    lower = M[I[O_LOWER] : I[O_LOWER] + 16 * nodes]
+    diagonal[:] = 0.0
+    for node in range(1, nodes):
+        if I[I[O_JOINT] + node] != 0:
+            continue
+        parent = I[I[O_PARENT] + node]
+        e = I[O_EDGE] + node * EDGE_WORDS
+        h = M[e + E_LENGTH]
+        bending = M[e + E_BENDING]
+        x0 = q[4 * parent : 4 * parent + 4]
+        x1 = q[4 * node : 4 * node + 4]
+        a0 = a[4 * parent : 4 * parent + 4]
+        a1 = a[4 * node : 4 * node + 4]
+        v0 = v[4 * parent : 4 * parent + 4]
+        v1 = v[4 * node : 4 * node + 4]
+        geometry(W, x0, x1, h)
+        if drag != 0 and sheared:
+            element_current(I, M, W, x0, x1, h)
+        t0 = tension[2 * node]
+        t1 = tension[2 * node + 1]
+        eas = M[e + E_STABILISATION]
+        tangent_matrices(
+            W,
+            x0,
+            x1,
+            v0,
+            v1,
+            a0,
+            a1,
+            h,
+            t0,
+            t1,
+            eas,
+            bending,
+            drag,
+            M[e + E_DRAG_NORMAL],
+            M[e + E_DRAG_TANGENTIAL],
+            M[e + E_ADDED],
+            ca,
+            cv,
+        )
+
+        B = M[I[O_GRADIENT] + 16 * node : I[O_GRADIENT] + 16 * node + 16]
+        B2 = W[R : R + 8]
+        for i in range(2):
+            for k in range(4):
+                w0 = W[TX + 4 * i] * WD[0, k]
+                w1 = W[TX + 4 * i + 1] * WD[1, k]
+                w2 = W[TX + 4 * i + 2] * WD[2, k]
+                B[4 * i + k] = w0 + w1 + w2
+                B[8 + 4 * i + k] = w0 * P1[0] + w1 * P1[1] + w2 * P1[2]
+                B2[4 * i + k] = w0 * P2[0] + w1 * P2[1] + w2 * P2[2]
+        c00 = 0.0
+        c01 = 0.0
+        c11 = 0.0
+        if M[e + E_STRAIN_TERMS] == 1.0:
+            c00 = h * M[e + E_COMPLIANCE]
+            c11 = c00 / 3.0
+        else:
+            for g in range(3):
+                strain, slope = strain_and_slope(
+                    M,
+                    t0 + t1 * P1[g],
+                    M[e + E_TENSION_LOW],
+                    M[e + E_TENSION_HIGH],
+                    int(M[e + E_STRAIN_OFFSET]),
+                    int(M[e + E_STRAIN_TERMS]),
+                )
+                c00 += h * WEIGHT[g] * slope
+                c01 += h * WEIGHT_P1[g] * slope
+                c11 += h * WEIGHT_P1[g] * P1[g] * slope
+        determinant = 1.0 / (c00 * c11 - c01 * c01)
+        s00 = c11 * determinant
+        s01 = -c01 * determinant
+        s11 = c00 * determinant
+        stiffness = I[O_COMPLIANCE] + 3 * node
+        M[stiffness] = s00
+        M[stiffness + 1] = s01
+        M[stiffness + 2] = s11
+        s22 = 5.0 * eas / h
+
+        mass = ca * M[e + E_MASS] * h
+        ih = 1.0 / h
+        ih2 = ih * ih
+        ih3 = ih * ih2
+        r = W[BLOCK : BLOCK + 16]
+        at = 16 * node
+        above = 16 * parent
+        for i in range(2):
+            for j in range(2):
+                if i == j:
+                    for n in range(16):
+                        r[n] = mass * MASS_PAIRS[n]
+                else:
+                    for n in range(16):
+                        r[n] = 0.0
+                for g in range(3):
+                    tx = W[TX + g]
+                    tz = W[TZ + g]
+                    ti = tx if i == 0 else tz
+                    tj = tx if j == 0 else tz
+                    ni = -tz if i == 0 else tx
+                    nj = -tz if j == 0 else tx
+                    tt = ti * tj
+                    tn = ti * nj
+                    nt = ni * tj
+                    nn = ni * nj
+                    s = JACOBIAN + g
+                    f11 = ih * (tt * W[s + 32] + tn * W[s + 36] + nt * W[s + 40] + nn * W[s + 44])
+                    for n in range(16):
+                        r[n] += f11 * S11[g, n]
+                    if drag != 0:
+                        f00 = h * (tt * W[s] + nn * W[s + 12])
+                        f01 = tt * W[s + 16] + tn * W[s + 20] + nt * W[s + 24] + nn * W[s + 28]
+                        for n in range(16):
+                            r[n] += f00 * S00[g, n] + f01 * S01[g, n]
+                    if bending != 0.0:
+                        f12 = ih2 * (tn * W[s + 52] + nt * W[s + 56] + nn * W[s + 60])
+                        f21 = ih2 * (tn * W[s + 68] + nt * W[s + 72] + nn * W[s + 76])
+                        f22 = ih3 * nn * W[s + 92]
+                        for n in range(16):
+                            r[n] += f12 * S12[g, n] + f21 * S21[g, n] + f22 * S22[g, n]
+                for k in range(4):
+                    b0 = s00 * B[4 * i + k] + s01 * B[8 + 4 * i + k]
+                    b1 = s01 * B[4 * i + k] + s11 * B[8 + 4 * i + k]
+                    b2 = s22 * B2[4 * i + k]
+                    for l in range(4):
+                        r[4 * k + l] += (
+                            b0 * B[4 * j + l] + b1 * B[8 + 4 * j + l] + b2 * B2[4 * j + l]
+                        )
+                rr = 4 * i + j
+                rd = 4 * i + 2 + j
+                dr = 4 * (2 + i) + j
+                dd = 4 * (2 + i) + 2 + j
+                diagonal[above + rr] += r[0]
+                diagonal[above + rd] += h * r[1]
+                diagonal[above + dr] += h * r[4]
+                diagonal[above + dd] += h * h * r[5]
+                upper[at + rr] = r[2]
+                upper[at + rd] = h * r[3]
+                upper[at + dr] = h * r[6]
+                upper[at + dd] = h * h * r[7]
+                lower[at + rr] = r[8]
+                lower[at + rd] = h * r[9]
+                lower[at + dr] = h * r[12]
+                lower[at + dd] = h * h * r[13]
+                diagonal[at + rr] += r[10]
+                diagonal[at + rd] += h * r[11]
+                diagonal[at + dr] += h * r[14]
+                diagonal[at + dd] += h * h * r[15]
+
+
+@kernel
+def condense_planar(I, M, out_constraint, out):
+    """Add B^T S (constraint residual) of every element to the forces: T condensed out."""
+    for node in range(1, I[I_NODES]):
+        if I[I[O_JOINT] + node] != 0:
+            continue
+        parent = I[I[O_PARENT] + node]
+        h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
+        B = M[I[O_GRADIENT] + 16 * node : I[O_GRADIENT] + 16 * node + 16]
+        s = I[O_COMPLIANCE] + 3 * node
+        r0 = out_constraint[2 * node]
+        r1 = out_constraint[2 * node + 1]
+        z0 = M[s] * r0 + M[s + 1] * r1
+        z1 = M[s + 1] * r0 + M[s + 2] * r1
+        for i in range(2):
+            out[4 * parent + i] += z0 * B[4 * i] + z1 * B[8 + 4 * i]
+            out[4 * parent + 2 + i] += h * (z0 * B[4 * i + 1] + z1 * B[9 + 4 * i])
+            out[4 * node + i] += z0 * B[4 * i + 2] + z1 * B[10 + 4 * i]
+            out[4 * node + 2 + i] += h * (z0 * B[4 * i + 3] + z1 * B[11 + 4 * i])
+
+
+@kernel
+def recover_planar(I, M, out_constraint, x, tension):
+    """Tension increments from the increments x of (r, d); returns the largest of them."""
+    largest = 0.0
+    for node in range(1, I[I_NODES]):
+        if I[I[O_JOINT] + node] != 0:
+            continue
+        parent = I[I[O_PARENT] + node]
+        h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
+        B = M[I[O_GRADIENT] + 16 * node : I[O_GRADIENT] + 16 * node + 16]
+        r0 = out_constraint[2 * node]
+        r1 = out_constraint[2 * node + 1]
+        for i in range(2):
+            y0 = x[4 * parent + i]
+            y1 = h * x[4 * parent + 2 + i]
+            y2 = x[4 * node + i]
+            y3 = h * x[4 * node + 2 + i]
+            r0 += B[4 * i] * y0 + B[4 * i + 1] * y1 + B[4 * i + 2] * y2 + B[4 * i + 3] * y3
+            r1 += B[8 + 4 * i] * y0 + B[9 + 4 * i] * y1 + B[10 + 4 * i] * y2 + B[11 + 4 * i] * y3
+        s = I[O_COMPLIANCE] + 3 * node
+        d0 = M[s] * r0 + M[s + 1] * r1
+        d1 = M[s + 1] * r0 + M[s + 2] * r1
+        tension[2 * node] += d0
+        tension[2 * node + 1] += d1
+        largest = max(largest, abs(d0), abs(d1))
+    return largest

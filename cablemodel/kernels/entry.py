@@ -1,0 +1,126 @@
+"""The kernels' entry points: all that Python, the FMU and the ROS 2 node call.
+
+Each takes the instance block twice, as int64 (I) and as float64 (M), and returns an int status or
+a count; see layout.py for the codes.
+"""
+
+from numba import float64, int64
+
+from . import outputs, promote, statics, stepping, system, time_stepping
+from .compile import INTEGERS, REALS, entry_point
+from .layout import (
+    I_BODIES,
+    I_CONSTRAINTS,
+    I_DIMENSION,
+    I_NODES,
+    O_ACCELERATION,
+    O_POSITION,
+    O_TENSION,
+    O_VELOCITY,
+    S_TIME,
+)
+
+
+@entry_point(int64(INTEGERS, REALS, float64, REALS))
+def step(I, M, t_end, inputs):
+    """Step to t_end [s] with the inputs of stepping.take_step (14 words). Returns the status.
+
+    On failure the block's image is as it was.
+    """
+    return stepping.take_step(I, M, t_end, inputs)
+
+
+@entry_point(int64(INTEGERS, REALS, REALS))
+def equilibrium(I, M, frame):
+    """Static equilibrium in a frame moving at `frame` (dimension words). Returns the status."""
+    return statics.find_equilibrium(I, M, frame)
+
+
+@entry_point(int64(INTEGERS, REALS))
+def tension_from_stretch(I, M):
+    """Set the tensions that belong to the stretch of the block's positions."""
+    statics.stretch_to_tension(I, M)
+    return 0
+
+
+@entry_point(int64(INTEGERS, REALS))
+def choose_bending(I, M):
+    """Hybrid model: decide element by element whether bending is kept."""
+    time_stepping.update_bending(I, M)
+    return 0
+
+
+@entry_point(int64(INTEGERS, REALS))
+def place_supports(I, M):
+    """Write the prescribed motion at the present time into the state."""
+    count = 2 * I[I_DIMENSION] * I[I_NODES]
+    system.set_time(I, M, M[S_TIME])
+    system.impose_motion(
+        I,
+        M,
+        M[S_TIME],
+        M[I[O_POSITION] : I[O_POSITION] + count],
+        M[I[O_VELOCITY] : I[O_VELOCITY] + count],
+        M[I[O_ACCELERATION] : I[O_ACCELERATION] + count],
+    )
+    return I[I_CONSTRAINTS]
+
+
+@entry_point(int64(INTEGERS, REALS, REALS, REALS))
+def sample(I, M, stations, out):
+    """State at arc lengths [m]; out: rows of 12 words. Returns how many stations were on the line."""
+    return outputs.sample_stations(I, M, stations, out)
+
+
+@entry_point(int64(INTEGERS, REALS, REALS))
+def summary(I, M, out):
+    """The numbers of outputs.summarise (24 words)."""
+    outputs.summarise(I, M, out)
+    return 0
+
+
+@entry_point(int64(INTEGERS, REALS, REALS))
+def energy(I, M, out):
+    """The numbers of outputs.energies (6 words)."""
+    outputs.energies(I, M, out)
+    return I[I_BODIES]
+
+
+@entry_point(int64(INTEGERS, REALS, float64, float64))
+def assemble(I, M, cv, ca):
+    """Effective Jacobian K + cv C + ca M at the present state into the block's matrix arrays."""
+    size = 2 * I[I_DIMENSION]
+    count = size * I[I_NODES]
+    system.set_time(I, M, M[S_TIME])
+    system.jacobian(
+        I,
+        M,
+        M[I[O_POSITION] : I[O_POSITION] + count],
+        M[I[O_VELOCITY] : I[O_VELOCITY] + count],
+        M[I[O_ACCELERATION] : I[O_ACCELERATION] + count],
+        M[I[O_TENSION] : I[O_TENSION] + 2 * I[I_NODES]],
+        ca,
+        cv,
+    )
+    return 0
+
+
+@entry_point(int64(INTEGERS, REALS))
+def to_three_dimensions(I, M):
+    """Turn a planar model into a three-dimensional one, in place."""
+    promote.promote(I, M)
+    return 0
+
+
+ENTRY_POINTS = {
+    "step": step,
+    "equilibrium": equilibrium,
+    "tension_from_stretch": tension_from_stretch,
+    "choose_bending": choose_bending,
+    "place_supports": place_supports,
+    "sample": sample,
+    "summary": summary,
+    "energy": energy,
+    "assemble": assemble,
+    "to_three_dimensions": to_three_dimensions,
+}

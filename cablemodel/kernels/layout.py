@@ -1,0 +1,92 @@
+"""The instance block: one contiguous piece of memory that holds everything of one model.
+
+    header (int64) | scalars | parameters | state | factorisation || workspace
+
+Every array is found through a word offset in the header, never a pointer, so the block can be
+copied, saved and mapped by another process. All before the workspace is the *image*: a snapshot,
+the FMU's state and its serialisation are a copy of it.
+"""
+
+MAGIC = 0x4C45444F4D454C42  # "BLEMODEL", little endian
+VERSION = 1
+HEADER_WORDS = 96
+SCALAR_WORDS = 96
+
+# Header: identity, sizes, state counters.
+I_MAGIC, I_VERSION, I_BYTES, I_IMAGE_WORDS = 0, 1, 2, 3
+I_CAPACITY, I_NODES, I_DIMENSION = 4, 5, 6
+I_BODIES, I_CONSTRAINTS, I_PIECES, I_DEPTHS, I_TIMES, I_STRAIN = 7, 8, 9, 10, 11, 12
+I_LIVE = 13  # 1: the live motion piece (row 0) drives the vessel, 0: the scene's own pieces
+I_PIECE = 14  # the scene's piece that holds the present time
+I_CURRENT = 15  # 0 none, 1 uniform over depth, 2 a table over depth
+I_FACTORED = 16  # 1 while the stored factorisation may be used
+I_FRESH = 17  # 1 while that factorisation was made at the present step
+I_ORDER = 18  # 3 or 4: order of the time integrator
+I_GROWTH_BARRED = 19  # 1 after a rejection: the next step may not grow
+I_STEPS, I_REJECTED, I_FACTORISATIONS, I_ITERATIONS = 20, 21, 22, 23
+I_FAILED_NODE = 24
+I_MAXIMUM_STEPS = 25
+I_DRAG = 26  # 0 in vacuum: no water terms
+I_HYBRID = 27
+
+# Header: word offsets of the arrays.
+O_PIECES, O_DEPTHS, O_TIMES, O_CURRENT, O_STRAIN = 32, 33, 34, 35, 36
+O_PARENT, O_JOINT, O_EDGE, O_ARC, O_BODY, O_CONSTRAINT = 37, 38, 39, 40, 41, 42
+O_POSITION, O_VELOCITY, O_ACCELERATION, O_TENSION = 43, 44, 45, 46
+O_DIAGONAL, O_UPPER, O_LOWER, O_GRADIENT, O_COMPLIANCE = 47, 48, 49, 50, 51
+O_BACKUP, O_STAGE_V, O_STAGE_A, O_BASE_Q, O_BASE_V = 52, 53, 54, 55, 56
+O_TRIAL_Q, O_TRIAL_V, O_TRIAL_A, O_TRIAL_T = 57, 58, 59, 60
+O_RESIDUAL, O_CONSTRAINT_RESIDUAL, O_INCREMENT = 61, 62, 63
+O_PROFILE, O_GAUSS, O_MOTION = 64, 65, 66
+
+# Scalars, at HEADER_WORDS.
+_S = HEADER_WORDS
+S_TIME, S_STEP, S_FACTORED_STEP = _S, _S + 1, _S + 2
+S_TOLERANCE = _S + 3  # tau, the accuracy that the user asked for
+S_TIME_TOLERANCE = _S + 4  # local error allowed in a step [m]
+S_LENGTH = _S + 5
+S_SMALLEST_STEP = _S + 6
+S_TENSION_SCALE = _S + 7
+S_BASE = _S + 8  # 3 words: origin of the coordinates in the block [m]
+S_PLANE = _S + 11  # 2 words: horizontal direction of the plane of a planar model
+S_SHIFT = _S + 13  # 3 words: vessel position minus that of the scene's own motion
+S_LIVE_CURRENT = _S + 16  # 8 words: t0, t1, velocity at t0 (3), at t1 (3)
+S_GRAVITY = _S + 24
+S_WATER_DENSITY = _S + 25
+S_FIRST_STEP = _S + 26
+S_RATIO = _S + 27  # Newton's last convergence ratio
+
+# Rows of the motion table: see cablemodel/scene/motion.py.
+PIECE_WORDS = 24
+P_START, P_END, P_KIND, P_DATA = 0, 1, 2, 3
+P_ACCELERATION_JUMP, P_VELOCITY_JUMP = 22, 23
+
+# Rows of the edge table: the element (or joint) that ties a node to its parent.
+EDGE_WORDS = 20
+E_LENGTH, E_MASS, E_ADDED, E_WEIGHT, E_BENDING = 0, 1, 2, 3, 4
+E_DRAG_NORMAL, E_DRAG_TANGENTIAL = 5, 6
+E_COMPLIANCE = 7  # c_1 of the strain curve
+E_STRAIN_TERMS, E_STRAIN_OFFSET = 8, 9  # number of coefficients, place in the strain table
+E_TENSION_LOW, E_TENSION_HIGH = 10, 11  # the curve is continued by its tangent outside
+E_STABILISATION = 12
+E_BENDING_FULL, E_MODEL, E_TYPE, E_SEGMENT, E_START = 13, 14, 15, 16, 17
+MODEL_ELASTICA, MODEL_CABLE, MODEL_HYBRID = 0, 1, 2
+
+# Rows of the body table.
+BODY_WORDS = 10
+B_NODE, B_MASS, B_WEIGHT, B_ADDED, B_ADDED_AXIAL, B_DRAG, B_DRAG_AXIAL, B_ITEM = range(8)
+
+# Rows of the constraint table: nodes with a prescribed position or tangent.
+CONSTRAINT_WORDS = 10
+C_NODE, C_KIND, C_POSITION, C_CLAMPED, C_DIRECTION = (
+    0,
+    1,
+    2,
+    5,
+    6,
+)  # 3 words of position, 3 of direction
+C_VESSEL, C_ANCHOR = 1, 2
+
+# Status codes of the kernels.
+OK = 0
+NOT_CONVERGED, NOT_FINITE, TOO_MANY_STEPS, SINGULAR, STATICS_FAILED = 1, 2, 3, 4, 5

@@ -1,0 +1,418 @@
+"""What is read off a state: stations along the cable, forces at the ends, energies, extremes."""
+
+import math
+
+from .compile import kernel
+from .environment import current_at
+from .layout import (
+    B_NODE,
+    B_WEIGHT,
+    BODY_WORDS,
+    B_MASS,
+    E_ADDED,
+    E_BENDING,
+    E_DRAG_NORMAL,
+    E_DRAG_TANGENTIAL,
+    E_LENGTH,
+    E_MASS,
+    E_STABILISATION,
+    E_START,
+    E_STRAIN_OFFSET,
+    E_STRAIN_TERMS,
+    E_TENSION_HIGH,
+    E_TENSION_LOW,
+    E_WEIGHT,
+    EDGE_WORDS,
+    I_BODIES,
+    I_DIMENSION,
+    I_DRAG,
+    I_NODES,
+    O_ACCELERATION,
+    O_BODY,
+    O_CONSTRAINT_RESIDUAL,
+    O_EDGE,
+    O_JOINT,
+    O_MOTION,
+    O_PARENT,
+    O_POSITION,
+    O_RESIDUAL,
+    O_TENSION,
+    O_VELOCITY,
+    S_BASE,
+    S_PLANE,
+    S_TIME,
+)
+from .strain import strain_and_slope
+from .system import residual, set_time
+
+STATION_WORDS = 12  # x y z, tangent, velocity, tension, curvature, bending moment
+
+
+@kernel
+def to_earth(I, M, local, at, out, to, origin):
+    """A vector (or with origin = 1 a point) in the block's coordinates into the earth frame."""
+    if I[I_DIMENSION] == 3:
+        out[to] = local[at]
+        out[to + 1] = local[at + 1]
+        out[to + 2] = local[at + 2]
+    else:
+        out[to] = M[S_PLANE] * local[at]
+        out[to + 1] = M[S_PLANE + 1] * local[at]
+        out[to + 2] = local[at + 1]
+    if origin != 0:
+        for i in range(3):
+            out[to + i] += M[S_BASE + i]
+
+
+@kernel
+def end_forces(I, M):
+    """Residual of the present state into the workspace: the supports' forces at their nodes."""
+    count = 2 * I[I_DIMENSION] * I[I_NODES]
+    set_time(I, M, M[S_TIME])
+    residual(
+        I,
+        M,
+        M[I[O_POSITION] : I[O_POSITION] + count],
+        M[I[O_VELOCITY] : I[O_VELOCITY] + count],
+        M[I[O_ACCELERATION] : I[O_ACCELERATION] + count],
+        M[I[O_TENSION] : I[O_TENSION] + 2 * I[I_NODES]],
+        M[I[O_RESIDUAL] : I[O_RESIDUAL] + count],
+        M[I[O_CONSTRAINT_RESIDUAL] : I[O_CONSTRAINT_RESIDUAL] + 2 * I[I_NODES]],
+    )
+
+
+@kernel
+def support_force(I, M, node, out):
+    """Force and moment (6 words, earth frame) that the support exerts on the cable at a node.
+
+    `end_forces` has been called. The moment is r' x (force conjugate to r').
+    """
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    w = M[I[O_MOTION] + 16 : I[O_MOTION] + 28]
+    forces = M[I[O_RESIDUAL] + size * node : I[O_RESIDUAL] + size * (node + 1)]
+    q = M[I[O_POSITION] + size * node : I[O_POSITION] + size * (node + 1)]
+    to_earth(I, M, forces, 0, out, 0, 0)
+    to_earth(I, M, q, dimension, w, 0, 0)
+    to_earth(I, M, forces, dimension, w, 3, 0)
+    out[3] = w[1] * w[5] - w[2] * w[4]
+    out[4] = w[2] * w[3] - w[0] * w[5]
+    out[5] = w[0] * w[4] - w[1] * w[3]
+
+
+@kernel
+def pull_along(I, M, node, sign):
+    """Component along the tangent of the support's force at an end node: the tension there [N]."""
+    dimension = I[I_DIMENSION]
+    at = 2 * dimension * node
+    q = I[O_POSITION] + at + dimension
+    f = I[O_RESIDUAL] + at
+    norm = 0.0
+    along = 0.0
+    for i in range(dimension):
+        norm += M[q + i] * M[q + i]
+        along += M[q + i] * M[f + i]
+    return sign * along / math.sqrt(norm)
+
+
+@kernel
+def carries_body(I, M, node):
+    """Whether tension may jump at a node."""
+    for body in range(I[I_BODIES]):
+        if int(M[I[O_BODY] + body * BODY_WORDS + B_NODE]) == node:
+            return True
+    return False
+
+
+@kernel
+def node_tension(I, M, node, side, top, tip):
+    """Tension at an end of element `side` (its child node), by the means of its neighbours.
+
+    node: 0 for the parent end, 1 for the child end. Means are interpolated between midpoints
+    where the cable goes on; `top` and `tip` are the forces at the line's two ends.
+    """
+    edge = I[O_EDGE] + side * EDGE_WORDS
+    mean = M[I[O_TENSION] + 2 * side]
+    slope = M[I[O_TENSION] + 2 * side + 1]
+    other = side
+    at = side
+    if node == 0:
+        at = I[I[O_PARENT] + side]
+        if at == 0:
+            return top
+        other = at
+        if I[I[O_JOINT] + at] != 0 or carries_body(I, M, at):
+            return mean - slope
+    else:
+        if side == I[I_NODES] - 1:
+            return tip
+        other = side + 1
+        if I[I[O_JOINT] + other] != 0 or carries_body(I, M, at):
+            return mean + slope
+    h = M[edge + E_LENGTH]
+    h_other = M[I[O_EDGE] + other * EDGE_WORDS + E_LENGTH]
+    return (h_other * mean + h * M[I[O_TENSION] + 2 * other]) / (h + h_other)
+
+
+@kernel
+def sample_stations(I, M, stations, out):
+    """State at arc lengths `stations` (ascending or not): rows of STATION_WORDS into out.
+
+    Returns the index of the first station that lies outside the line (then nothing more is
+    written), or the number of stations.
+    """
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    nodes = I[I_NODES]
+    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
+    end_forces(I, M)
+    top = pull_along(I, M, 0, -1.0)
+    tip = pull_along(I, M, nodes - 1, 1.0)
+    total = M[I[O_EDGE] + (nodes - 1) * EDGE_WORDS + E_START]
+    total += M[I[O_EDGE] + (nodes - 1) * EDGE_WORDS + E_LENGTH]
+    for n in range(len(stations)):
+        s = stations[n]
+        if not (s >= -1e-9 * total and s <= total * (1.0 + 1e-9)):
+            return n
+        low = 1
+        high = nodes
+        while high - low > 1:
+            middle = (low + high) // 2
+            if s >= M[I[O_EDGE] + middle * EDGE_WORDS + E_START]:
+                low = middle
+            else:
+                high = middle
+        if I[I[O_JOINT] + low] != 0:
+            low = max(1, low - 1)
+        edge = I[O_EDGE] + low * EDGE_WORDS
+        parent = I[I[O_PARENT] + low]
+        h = M[edge + E_LENGTH]
+        x = min(1.0, max(0.0, (s - M[edge + E_START]) / h))
+        y = 1.0 - x
+        n0 = y * y * (1.0 + 2.0 * x)
+        n1 = h * x * y * y
+        n2 = x * x * (3.0 - 2.0 * x)
+        n3 = -h * x * x * y
+        d0 = -6.0 * x * y / h
+        d1 = y * (1.0 - 3.0 * x)
+        d3 = x * (3.0 * x - 2.0)
+        e0 = (12.0 * x - 6.0) / (h * h)
+        e1 = (6.0 * x - 4.0) / h
+        e3 = (6.0 * x - 2.0) / h
+        q0 = I[O_POSITION] + size * parent
+        q1 = I[O_POSITION] + size * low
+        v0 = I[O_VELOCITY] + size * parent
+        v1 = I[O_VELOCITY] + size * low
+        g2 = 0.0
+        for i in range(dimension):
+            a = M[q0 + i]
+            b = M[q0 + dimension + i]
+            c = M[q1 + i]
+            d = M[q1 + dimension + i]
+            w[i] = n0 * a + n1 * b + n2 * c + n3 * d
+            w[3 + i] = d0 * (a - c) + d1 * b + d3 * d
+            w[6 + i] = e0 * (a - c) + e1 * b + e3 * d
+            w[9 + i] = (
+                n0 * M[v0 + i]
+                + n1 * M[v0 + dimension + i]
+                + n2 * M[v1 + i]
+                + n3 * M[v1 + dimension + i]
+            )
+            g2 += w[3 + i] * w[3 + i]
+        g = math.sqrt(g2)
+        along = 0.0
+        for i in range(dimension):
+            w[3 + i] /= g
+            along += w[6 + i] * w[3 + i]
+        curvature = 0.0
+        for i in range(dimension):
+            curvature += ((w[6 + i] - along * w[3 + i]) / g) ** 2
+        curvature = math.sqrt(curvature)
+        left = node_tension(I, M, 0, low, top, tip)
+        right = node_tension(I, M, 1, low, top, tip)
+        row = STATION_WORDS * n
+        to_earth(I, M, w, 0, out, row, 1)
+        to_earth(I, M, w, 3, out, row + 3, 0)
+        to_earth(I, M, w, 9, out, row + 6, 0)
+        mean = M[I[O_TENSION] + 2 * low]
+        if x < 0.5:
+            out[row + 9] = left + 2.0 * x * (mean - left)
+        else:
+            out[row + 9] = mean + (2.0 * x - 1.0) * (right - mean)
+        out[row + 10] = curvature
+        out[row + 11] = M[edge + E_BENDING] * curvature
+    return len(stations)
+
+
+@kernel
+def summarise(I, M, out):
+    """Numbers of the present state that logs and co-simulation ask for at every step.
+
+    out: 0-5 force and moment of the cable on the vessel, 6 top tension, 7, 8 lowest and highest
+    tension, 9-11 end position, 12-14 end velocity, 15-17 vessel position, 18-20 vessel velocity,
+    21 line length.
+    """
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    nodes = I[I_NODES]
+    end_forces(I, M)
+    support_force(I, M, 0, out)
+    for i in range(6):
+        out[i] = -out[i]
+    top = pull_along(I, M, 0, -1.0)
+    tip = pull_along(I, M, nodes - 1, 1.0)
+    out[6] = top
+    lowest = min(top, tip)
+    highest = max(top, tip)
+    for node in range(1, nodes):
+        if I[I[O_JOINT] + node] == 0:
+            for side in range(2):
+                value = node_tension(I, M, side, node, top, tip)
+                lowest = min(lowest, value)
+                highest = max(highest, value)
+    out[7] = lowest
+    out[8] = highest
+    last = size * (nodes - 1)
+    q = M[I[O_POSITION] : I[O_POSITION] + size * nodes]
+    v = M[I[O_VELOCITY] : I[O_VELOCITY] + size * nodes]
+    to_earth(I, M, q, last, out, 9, 1)
+    to_earth(I, M, v, last, out, 12, 0)
+    to_earth(I, M, q, 0, out, 15, 1)
+    to_earth(I, M, v, 0, out, 18, 0)
+    edge = I[O_EDGE] + (nodes - 1) * EDGE_WORDS
+    out[21] = M[edge + E_START] + M[edge + E_LENGTH]
+
+
+@kernel
+def energies(I, M, out):
+    """Energies [J] and powers [W] of the present state, by Gauss quadrature of order 9.
+
+    out: 0 kinetic (with added mass), 1 axial strain, 2 bending, 3 potential of the submerged
+    weight (zero at z = 0), 4 power of the supports on the cable, 5 power lost to drag.
+    """
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    nodes = I[I_NODES]
+    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
+    for i in range(6):
+        out[i] = 0.0
+    end_forces(I, M)
+    for node in range(1, nodes):
+        if I[I[O_JOINT] + node] != 0:
+            continue
+        parent = I[I[O_PARENT] + node]
+        edge = I[O_EDGE] + node * EDGE_WORDS
+        h = M[edge + E_LENGTH]
+        q0 = I[O_POSITION] + size * parent
+        q1 = I[O_POSITION] + size * node
+        v0 = I[O_VELOCITY] + size * parent
+        v1 = I[O_VELOCITY] + size * node
+        mean = M[I[O_TENSION] + 2 * node]
+        slope = M[I[O_TENSION] + 2 * node + 1]
+        e2 = 0.0
+        for p in range(5):
+            x, weight = gauss5(p)
+            y = 1.0 - x
+            g2 = 0.0
+            along = 0.0
+            speed = 0.0
+            vt = 0.0
+            height = 0.0
+            for i in range(dimension):
+                a = M[q0 + i]
+                b = M[q0 + dimension + i]
+                c = M[q1 + i]
+                d = M[q1 + dimension + i]
+                height = (
+                    y * y * (1.0 + 2.0 * x) * a
+                    + h * x * y * y * b
+                    + x * x * (3.0 - 2.0 * x) * c
+                    - h * x * x * y * d
+                )
+                w[i] = -6.0 * x * y / h * (a - c) + y * (1.0 - 3.0 * x) * b
+                w[i] += x * (3.0 * x - 2.0) * d
+                w[3 + i] = (12.0 * x - 6.0) / (h * h) * (a - c) + (6.0 * x - 4.0) / h * b
+                w[3 + i] += (6.0 * x - 2.0) / h * d
+                w[6 + i] = (
+                    y * y * (1.0 + 2.0 * x) * M[v0 + i]
+                    + h * x * y * y * M[v0 + dimension + i]
+                    + x * x * (3.0 - 2.0 * x) * M[v1 + i]
+                    - h * x * x * y * M[v1 + dimension + i]
+                )
+                g2 += w[i] * w[i]
+            g = math.sqrt(g2)
+            current_at(I, M, height, w[12:15])
+            ut = 0.0
+            for i in range(dimension):
+                w[i] /= g
+                along += w[3 + i] * w[i]
+                speed += w[6 + i] * w[6 + i]
+                vt += w[6 + i] * w[i]
+                w[9 + i] = w[12 + i] - w[6 + i]
+                ut += w[9 + i] * w[i]
+            curvature = 0.0
+            un2 = 0.0
+            for i in range(dimension):
+                curvature += ((w[3 + i] - along * w[i]) / g) ** 2
+                un2 += (w[9 + i] - ut * w[i]) ** 2
+            un = math.sqrt(un2)
+            weight *= h
+            out[0] += 0.5 * weight * (M[edge + E_MASS] * speed - M[edge + E_ADDED] * vt * vt)
+            tension = mean + slope * (2.0 * x - 1.0)
+            # Complementary energy subtracted from T strain: exact for a curved law too.
+            out[1] += weight * strain_energy(M, edge, tension)
+            out[2] += 0.5 * weight * M[edge + E_BENDING] * curvature
+            out[3] += weight * M[edge + E_WEIGHT] * (height + M[S_BASE + 2])
+            if I[I_DRAG] != 0:
+                root = math.sqrt(g)
+                fn = root * M[edge + E_DRAG_NORMAL] * un
+                ft = root * M[edge + E_DRAG_TANGENTIAL] * abs(ut) * ut
+                for i in range(dimension):
+                    force = fn * (w[9 + i] - ut * w[i]) + ft * w[i]
+                    out[5] -= weight * force * w[6 + i]
+            e2 += weight / h * (6.0 * x * x - 6.0 * x + 1.0) * (g - 1.0)
+        e2 *= 5.0
+        out[1] += 0.1 * h * M[edge + E_STABILISATION] * e2 * e2
+    for body in range(I[I_BODIES]):
+        row = I[O_BODY] + body * BODY_WORDS
+        at = size * int(M[row + B_NODE])
+        speed = 0.0
+        for i in range(dimension):
+            speed += M[I[O_VELOCITY] + at + i] ** 2
+        out[0] += 0.5 * M[row + B_MASS] * speed
+        height = M[I[O_POSITION] + at + dimension - 1] + M[S_BASE + 2]
+        out[3] += M[row + B_WEIGHT] * height
+    for i in range(dimension):
+        out[4] += M[I[O_RESIDUAL] + i] * M[I[O_VELOCITY] + i]
+
+
+@kernel
+def gauss5(p):
+    """Abscissa on [0, 1] and weight of the five-point Gauss rule."""
+    if p == 0:
+        return 0.046910077030668004, 0.11846344252809454
+    if p == 1:
+        return 0.23076534494715845, 0.23931433524968324
+    if p == 2:
+        return 0.5, 0.28444444444444444
+    if p == 3:
+        return 0.7692346550528415, 0.23931433524968324
+    return 0.953089922969332, 0.11846344252809454
+
+
+@kernel
+def strain_energy(M, edge, tension):
+    """Strain energy per unit length [J/m]: T strain(T) minus the integral of strain dT."""
+    low = M[edge + E_TENSION_LOW]
+    high = M[edge + E_TENSION_HIGH]
+    offset = int(M[edge + E_STRAIN_OFFSET])
+    terms = int(M[edge + E_STRAIN_TERMS])
+    strain, slope = strain_and_slope(M, tension, low, high, offset, terms)
+    t = min(max(tension, low), high)
+    at_limit, slope = strain_and_slope(M, t, low, high, offset, terms)
+    integral = 0.0
+    for n in range(terms - 1, -1, -1):
+        integral = (integral + M[offset + n] / (n + 2)) * t
+    integral *= t
+    beyond = tension - t
+    return tension * strain - integral - beyond * (at_limit + 0.5 * slope * beyond)

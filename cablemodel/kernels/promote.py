@@ -1,0 +1,62 @@
+"""A planar model becomes three-dimensional when something leaves its plane."""
+
+from .compile import kernel
+from .layout import (
+    C_CLAMPED,
+    C_DIRECTION,
+    C_POSITION,
+    CONSTRAINT_WORDS,
+    I_CONSTRAINTS,
+    I_DIMENSION,
+    I_FACTORED,
+    I_NODES,
+    O_ACCELERATION,
+    O_CONSTRAINT,
+    O_POSITION,
+    O_VELOCITY,
+    S_PLANE,
+)
+
+
+@kernel
+def unfold(M, at, px, py):
+    """(h, z) at `at` becomes (x, y, z) there."""
+    h = M[at]
+    z = M[at + 1]
+    M[at] = px * h
+    M[at + 1] = py * h
+    M[at + 2] = z
+
+
+@kernel
+def promote(I, M):
+    """Rewrite positions, velocities, accelerations and constraints from 4 to 6 words a node."""
+    if I[I_DIMENSION] == 3:
+        return
+    px = M[S_PLANE]
+    py = M[S_PLANE + 1]
+    for array in range(3):
+        start = I[O_POSITION]
+        if array == 1:
+            start = I[O_VELOCITY]
+        elif array == 2:
+            start = I[O_ACCELERATION]
+        for node in range(I[I_NODES] - 1, -1, -1):
+            h = M[start + 4 * node]
+            z = M[start + 4 * node + 1]
+            dh = M[start + 4 * node + 2]
+            dz = M[start + 4 * node + 3]
+            to = start + 6 * node
+            M[to] = px * h
+            M[to + 1] = py * h
+            M[to + 2] = z
+            M[to + 3] = px * dh
+            M[to + 4] = py * dh
+            M[to + 5] = dz
+    for n in range(I[I_CONSTRAINTS]):
+        row = I[O_CONSTRAINT] + n * CONSTRAINT_WORDS
+        unfold(M, row + C_POSITION, px, py)
+        if M[row + C_CLAMPED] != 0.0:
+            unfold(M, row + C_DIRECTION, px, py)
+    I[I_DIMENSION] = 3
+    I[I_FACTORED] = 0

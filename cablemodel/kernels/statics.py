@@ -1,0 +1,164 @@
+"""Equilibrium in a frame that moves with the vessel, by pseudo-transient continuation.
+
+Backward Euler, which damps everything, with steps that grow until inertia has no part left: the
+limit is Newton's method on the static equations, reached from any guess.
+"""
+
+from .compile import kernel
+from .layout import (
+    I_DIMENSION,
+    I_FACTORISATIONS,
+    I_FACTORED,
+    I_FAILED_NODE,
+    I_ITERATIONS,
+    I_NODES,
+    O_ACCELERATION,
+    O_COMPLIANCE,
+    O_CONSTRAINT_RESIDUAL,
+    O_INCREMENT,
+    O_POSITION,
+    O_RESIDUAL,
+    O_TENSION,
+    O_TRIAL_A,
+    O_TRIAL_Q,
+    O_TRIAL_T,
+    O_TRIAL_V,
+    O_VELOCITY,
+    OK,
+    S_FIRST_STEP,
+    S_LENGTH,
+    S_TIME,
+    STATICS_FAILED,
+)
+from .system import factorise, jacobian, newton_increment, recover_tension, residual, set_time
+from .time_stepping import increment_norm
+
+LARGEST_STEPS = 2000
+LONGEST_STEP = 1e7
+NEWTON_LIMIT = 12
+
+
+@kernel
+def find_equilibrium(I, M, frame):
+    """Equilibrium from the positions in the block; frame: velocity of the frame (dimension words).
+
+    On success the state is at rest in that frame: v = frame, a = 0.
+    """
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    nodes = I[I_NODES]
+    count = size * nodes
+    q0 = M[I[O_POSITION] : I[O_POSITION] + count]
+    w0 = M[I[O_VELOCITY] : I[O_VELOCITY] + count]
+    a0 = M[I[O_ACCELERATION] : I[O_ACCELERATION] + count]
+    t0 = M[I[O_TENSION] : I[O_TENSION] + 2 * nodes]
+    q = M[I[O_TRIAL_Q] : I[O_TRIAL_Q] + count]
+    v = M[I[O_TRIAL_V] : I[O_TRIAL_V] + count]
+    a = M[I[O_TRIAL_A] : I[O_TRIAL_A] + count]
+    tension = M[I[O_TRIAL_T] : I[O_TRIAL_T] + 2 * nodes]
+    forces = M[I[O_RESIDUAL] : I[O_RESIDUAL] + count]
+    constraint = M[I[O_CONSTRAINT_RESIDUAL] : I[O_CONSTRAINT_RESIDUAL] + 2 * nodes]
+    x = M[I[O_INCREMENT] : I[O_INCREMENT] + count]
+    length = M[S_LENGTH]
+    set_time(I, M, M[S_TIME])
+    w0[:] = 0.0
+    a0[:] = 0.0
+    dt = M[S_FIRST_STEP]
+    calm = 0
+    status = STATICS_FAILED
+    for _step in range(LARGEST_STEPS):
+        inverse = 1.0 / dt
+        for n in range(count):
+            q[n] = q0[n]
+        for n in range(2 * nodes):
+            tension[n] = t0[n]
+        converged = False
+        used = 0
+        for iteration in range(NEWTON_LIMIT):
+            used = iteration + 1
+            for node in range(nodes):
+                for i in range(size):
+                    n = size * node + i
+                    w = (q[n] - q0[n]) * inverse
+                    a[n] = (w - w0[n]) * inverse
+                    v[n] = w
+                    if i < dimension:
+                        v[n] += frame[i]
+            if factorise(I, M, q, v, a, tension, inverse * inverse, inverse) != 0:
+                break
+            I[I_FACTORISATIONS] += 1
+            I[I_ITERATIONS] += 1
+            residual(I, M, q, v, a, tension, forces, constraint)
+            newton_increment(I, M, forces, constraint, x)
+            change, where = increment_norm(I, M, x)
+            I[I_FAILED_NODE] = where
+            if not change < 10.0 * length:
+                break
+            for n in range(count):
+                q[n] += x[n]
+            tension_change = recover_tension(I, M, constraint, x, tension)
+            largest = 1e-30
+            for n in range(1, nodes):
+                largest = max(largest, abs(tension[2 * n]))
+            if change <= 1e-11 * length or (
+                change <= 1e-8 * length and tension_change <= 1e-8 * largest
+            ):
+                converged = True
+                break
+        if not converged:
+            dt *= 0.25
+            if dt < 1e-9 * M[S_FIRST_STEP]:
+                break
+            continue
+        for n in range(count):
+            x[n] = q[n] - q0[n]
+        moved, where = increment_norm(I, M, x)
+        for n in range(count):
+            w0[n] = x[n] * inverse
+            q0[n] = q[n]
+        for n in range(2 * nodes):
+            t0[n] = tension[n]
+        if moved <= 1e-10 * length and dt > 1e3 * M[S_FIRST_STEP]:
+            calm += 1
+            if calm >= 2:
+                status = OK
+                break
+        else:
+            calm = 0
+        if moved < 0.2 * length and used <= 8:
+            dt = min(dt * (2.5 if used <= 5 else 1.3), LONGEST_STEP)
+        elif moved > 0.5 * length:
+            dt *= 0.5
+    for node in range(nodes):
+        for i in range(size):
+            n = size * node + i
+            w0[n] = 0.0
+            if i < dimension:
+                w0[n] = frame[i]
+            a0[n] = 0.0
+    I[I_FACTORED] = 0
+    return status
+
+
+@kernel
+def stretch_to_tension(I, M):
+    """Tensions that belong to the stretch of the positions in the block (at rest)."""
+    count = 2 * I[I_DIMENSION] * I[I_NODES]
+    nodes = I[I_NODES]
+    q = M[I[O_POSITION] : I[O_POSITION] + count]
+    v = M[I[O_VELOCITY] : I[O_VELOCITY] + count]
+    a = M[I[O_ACCELERATION] : I[O_ACCELERATION] + count]
+    tension = M[I[O_TENSION] : I[O_TENSION] + 2 * nodes]
+    forces = M[I[O_RESIDUAL] : I[O_RESIDUAL] + count]
+    constraint = M[I[O_CONSTRAINT_RESIDUAL] : I[O_CONSTRAINT_RESIDUAL] + 2 * nodes]
+    set_time(I, M, M[S_TIME])
+    for _iteration in range(30):
+        residual(I, M, q, v, a, tension, forces, constraint)
+        jacobian(I, M, q, v, a, tension, 1.0, 1.0)
+        for node in range(1, nodes):
+            s = I[O_COMPLIANCE] + 3 * node
+            r0 = constraint[2 * node]
+            r1 = constraint[2 * node + 1]
+            tension[2 * node] += M[s] * r0 + M[s + 1] * r1
+            tension[2 * node + 1] += M[s + 1] * r0 + M[s + 2] * r1
+    I[I_FACTORED] = 0

@@ -1,0 +1,195 @@
+"""One step of the model as its callers see it: inputs in, time reached or nothing changed.
+
+An input is the value reached at the step's end; it varies linearly from its present value. A
+position given with a velocity makes the motion the cubic that meets both; a position alone takes
+the mean velocity of the step as the final one. Inputs that are not given follow the scene.
+"""
+
+import math
+
+from .compile import kernel
+from .environment import evaluate_piece, find_piece, vessel_motion
+from .layout import (
+    I_CURRENT,
+    I_DIMENSION,
+    I_FAILED_NODE,
+    I_IMAGE_WORDS,
+    I_LIVE,
+    I_NODES,
+    NOT_FINITE,
+    O_ACCELERATION,
+    O_BACKUP,
+    O_MOTION,
+    O_PIECES,
+    O_POSITION,
+    O_VELOCITY,
+    OK,
+    P_DATA,
+    P_END,
+    P_KIND,
+    P_START,
+    PIECE_WORDS,
+    S_LENGTH,
+    S_LIVE_CURRENT,
+    S_PLANE,
+    S_SHIFT,
+    S_TIME,
+)
+from .promote import promote
+from .time_stepping import advance_to
+
+# Words of the input vector: a flag (0: not given) before each group.
+IN_VELOCITY, IN_POSITION, IN_CURRENT, IN_PAYOUT = 0, 4, 8, 12
+INPUT_WORDS = 14
+
+
+@kernel
+def set_live_motion(I, M, t_end, inputs):
+    """Make row 0 of the motion table the polynomial that the inputs ask for."""
+    time = M[S_TIME]
+    dt = t_end - time
+    motion = I[O_MOTION]
+    target = M[motion + 32 : motion + 41]
+    if inputs[IN_VELOCITY] == 0.0 and inputs[IN_POSITION] == 0.0:
+        # Back to the scene's motion: its velocity at the step's end, then its own course, shifted.
+        k = find_piece(I, M, t_end)
+        evaluate_piece(M, I[O_PIECES] + k * PIECE_WORDS, t_end, target)
+    vessel_motion(I, M, time)
+    row = I[O_PIECES]
+    for i in range(3):
+        p0 = M[motion + i]
+        v0 = M[motion + 3 + i]
+        c2 = 0.0
+        c3 = 0.0
+        if inputs[IN_POSITION] != 0.0:
+            mean = (inputs[IN_POSITION + 1 + i] - p0) / dt
+            v1 = mean
+            if inputs[IN_VELOCITY] != 0.0:
+                v1 = inputs[IN_VELOCITY + 1 + i]
+            c2 = (3.0 * mean - 2.0 * v0 - v1) / dt
+            c3 = (v0 + v1 - 2.0 * mean) / (dt * dt)
+        elif inputs[IN_VELOCITY] != 0.0:
+            c2 = 0.5 * (inputs[IN_VELOCITY + 1 + i] - v0) / dt
+        else:
+            c2 = 0.5 * (target[3 + i] - v0) / dt
+            M[S_SHIFT + i] = p0 + 0.5 * (v0 + target[3 + i]) * dt - target[i]
+        M[row + P_DATA + i] = p0
+        M[row + P_DATA + 3 + i] = v0
+        M[row + P_DATA + 6 + i] = c2
+        M[row + P_DATA + 9 + i] = c3
+        M[row + P_DATA + 12 + i] = 0.0
+    M[row + P_START] = time
+    M[row + P_END] = t_end
+    M[row + P_KIND] = 0.0
+
+
+@kernel
+def set_live_current(I, M, t_end, inputs):
+    """The caller's current, added to the scene's: linear from its present value."""
+    at = S_LIVE_CURRENT
+    time = M[S_TIME]
+    span = M[at + 1] - M[at]
+    fraction = 1.0
+    if span > 0.0:
+        fraction = min(1.0, max(0.0, (time - M[at]) / span))
+    flows = False
+    for i in range(3):
+        start = M[at + 2 + i] + fraction * (M[at + 5 + i] - M[at + 2 + i])
+        end = inputs[IN_CURRENT + 1 + i] if inputs[IN_CURRENT] != 0.0 else 0.0
+        M[at + 2 + i] = start
+        M[at + 5 + i] = end
+        if start != 0.0 or end != 0.0:
+            flows = True
+    M[at] = time
+    M[at + 1] = t_end
+    if flows and I[I_CURRENT] == 0:
+        I[I_CURRENT] = 1
+
+
+@kernel
+def out_of_plane(I, M, x, y):
+    """Whether a horizontal vector leaves the plane of a planar model."""
+    across = M[S_PLANE] * y - M[S_PLANE + 1] * x
+    return abs(across) > 1e-12 * (abs(x) + abs(y))
+
+
+@kernel
+def leave_plane(I, M, x, y):
+    """Turn the plane to (x, y) where the cable is vertical and still, else leave the plane."""
+    nodes = I[I_NODES]
+    largest = 0.0
+    for n in range(nodes):
+        for k in range(2):
+            at = 4 * n + 2 * k
+            largest = max(
+                largest,
+                abs(M[I[O_POSITION] + at]) / M[S_LENGTH],
+                abs(M[I[O_VELOCITY] + at]),
+                abs(M[I[O_ACCELERATION] + at]),
+            )
+    if largest <= 1e-12 and I[I_CURRENT] == 0:
+        size = math.hypot(x, y)
+        M[S_PLANE] = x / size
+        M[S_PLANE + 1] = y / size
+    else:
+        promote(I, M)
+
+
+@kernel
+def keep_plane(I, M):
+    """Promote a planar model whose live inputs leave its plane."""
+    if I[I_DIMENSION] == 3:
+        return
+    if I[I_LIVE] == 1:
+        for k in range(1, 4):
+            at = I[O_PIECES] + P_DATA + 3 * k
+            if I[I_DIMENSION] == 2 and out_of_plane(I, M, M[at], M[at + 1]):
+                leave_plane(I, M, M[at], M[at + 1])
+    for k in range(2):
+        at = S_LIVE_CURRENT + 2 + 3 * k
+        if I[I_DIMENSION] == 2 and out_of_plane(I, M, M[at], M[at + 1]):
+            leave_plane(I, M, M[at], M[at + 1])
+    if I[I_DIMENSION] == 2:
+        # A plane that was turned for one input must hold for all of them.
+        for k in range(1, 4):
+            at = I[O_PIECES] + P_DATA + 3 * k
+            if I[I_LIVE] == 1 and out_of_plane(I, M, M[at], M[at + 1]):
+                promote(I, M)
+                return
+        for k in range(2):
+            at = S_LIVE_CURRENT + 2 + 3 * k
+            if out_of_plane(I, M, M[at], M[at + 1]):
+                promote(I, M)
+                return
+
+
+@kernel
+def take_step(I, M, t_end, inputs):
+    """Step to t_end [s] with the given inputs (INPUT_WORDS); on failure nothing has changed."""
+    if not abs(t_end) < 1e300 or not t_end > M[S_TIME]:
+        return NOT_FINITE
+    for n in range(INPUT_WORDS):
+        if not abs(inputs[n]) < 1e100:
+            return NOT_FINITE
+    words = I[I_IMAGE_WORDS]
+    backup = I[O_BACKUP]
+    for n in range(words):
+        I[backup + n] = I[n]
+    returning = False
+    given = inputs[IN_VELOCITY] != 0.0 or inputs[IN_POSITION] != 0.0
+    if given or I[I_LIVE] == 1:
+        set_live_motion(I, M, t_end, inputs)
+        I[I_LIVE] = 1
+        returning = not given
+    if inputs[IN_CURRENT] != 0.0 or I[I_CURRENT] != 0:
+        set_live_current(I, M, t_end, inputs)
+    keep_plane(I, M)
+    status = advance_to(I, M, t_end)
+    if status != OK:
+        failed = I[I_FAILED_NODE]
+        for n in range(words):
+            I[n] = I[backup + n]
+        I[I_FAILED_NODE] = failed
+    elif returning:
+        I[I_LIVE] = 0
+    return status

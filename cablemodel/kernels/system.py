@@ -1,0 +1,189 @@
+"""The whole line as one system of equations: residual, Newton matrix, Newton increments.
+
+Everything that depends on the dimension (planar or three-dimensional) is chosen here, once a call.
+"""
+
+from .block_solver import factor_planar, factor_spatial, solve_planar, solve_spatial
+from .bodies import body_jacobian, body_residual
+from .compile import kernel
+from .element_planar import condense_planar, jacobian_planar, recover_planar, residual_planar
+from .element_spatial import condense_spatial, jacobian_spatial, recover_spatial, residual_spatial
+from .environment import current_profile, prescribed_motion, vessel_motion
+from .layout import (
+    C_CLAMPED,
+    C_DIRECTION,
+    C_NODE,
+    CONSTRAINT_WORDS,
+    I_BODIES,
+    I_CONSTRAINTS,
+    I_DIMENSION,
+    I_NODES,
+    O_CONSTRAINT,
+    O_DIAGONAL,
+    O_LOWER,
+    O_MOTION,
+    O_PARENT,
+    O_UPPER,
+)
+
+
+@kernel
+def residual(I, M, q, v, a, tension, out, out_constraint):
+    """Forces conjugate to (r, d) that the equations of motion leave, and constraint residuals."""
+    if I[I_DIMENSION] == 2:
+        residual_planar(I, M, q, v, a, tension, out, out_constraint)
+    else:
+        residual_spatial(I, M, q, v, a, tension, out, out_constraint)
+    if I[I_BODIES] > 0:
+        body_residual(I, M, q, v, a, out)
+
+
+@kernel
+def set_time(I, M, t):
+    """Evaluate what depends on time alone: vessel motion and current profile."""
+    vessel_motion(I, M, t)
+    current_profile(I, M, t)
+
+
+@kernel
+def impose_motion(I, M, t, q, v, a):
+    """Write the prescribed position, velocity and acceleration into the state."""
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    out = M[I[O_MOTION] + 16 : I[O_MOTION] + 25]
+    for n in range(I[I_CONSTRAINTS]):
+        row = I[O_CONSTRAINT] + n * CONSTRAINT_WORDS
+        prescribed_motion(I, M, row, t, out)
+        at = size * int(M[row + C_NODE])
+        for i in range(dimension):
+            q[at + i] = out[i]
+            v[at + i] = out[dimension + i]
+            a[at + i] = out[2 * dimension + i]
+
+
+@kernel
+def project_rows(I, M, row, at):
+    """Left-multiply a block by the constraint's projector: no r, d only along the clamp."""
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    for j in range(size):
+        for i in range(dimension):
+            M[at + size * i + j] = 0.0
+        if M[row + C_CLAMPED] != 0.0:
+            value = 0.0
+            for i in range(dimension):
+                value += M[row + C_DIRECTION + i] * M[at + size * (dimension + i) + j]
+            for i in range(dimension):
+                M[at + size * (dimension + i) + j] = M[row + C_DIRECTION + i] * value
+
+
+@kernel
+def project_columns(I, M, row, at):
+    """Right-multiply a block by the constraint's projector."""
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    for i in range(size):
+        for j in range(dimension):
+            M[at + size * i + j] = 0.0
+        if M[row + C_CLAMPED] != 0.0:
+            value = 0.0
+            for j in range(dimension):
+                value += M[row + C_DIRECTION + j] * M[at + size * i + dimension + j]
+            for j in range(dimension):
+                M[at + size * i + dimension + j] = M[row + C_DIRECTION + j] * value
+
+
+@kernel
+def constrain_matrix(I, M):
+    """Fix the prescribed unknowns in the Newton matrix: A K A + (1 - A) with A the projector."""
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    area = size * size
+    for n in range(I[I_CONSTRAINTS]):
+        row = I[O_CONSTRAINT] + n * CONSTRAINT_WORDS
+        node = int(M[row + C_NODE])
+        at = I[O_DIAGONAL] + area * node
+        project_rows(I, M, row, at)
+        project_columns(I, M, row, at)
+        for i in range(dimension):
+            M[at + size * i + i] += 1.0
+        if M[row + C_CLAMPED] != 0.0:
+            for i in range(dimension):
+                for j in range(dimension):
+                    value = -M[row + C_DIRECTION + i] * M[row + C_DIRECTION + j]
+                    if i == j:
+                        value += 1.0
+                    M[at + size * (dimension + i) + dimension + j] += value
+        if node > 0:
+            project_rows(I, M, row, I[O_LOWER] + area * node)
+            project_columns(I, M, row, I[O_UPPER] + area * node)
+        for child in range(node + 1, I[I_NODES]):
+            if I[I[O_PARENT] + child] == node:
+                project_rows(I, M, row, I[O_UPPER] + area * child)
+                project_columns(I, M, row, I[O_LOWER] + area * child)
+
+
+@kernel
+def constrain_vector(I, M, x):
+    """Remove the prescribed components of a right-hand side."""
+    dimension = I[I_DIMENSION]
+    for n in range(I[I_CONSTRAINTS]):
+        row = I[O_CONSTRAINT] + n * CONSTRAINT_WORDS
+        at = 2 * dimension * int(M[row + C_NODE])
+        for i in range(dimension):
+            x[at + i] = 0.0
+        if M[row + C_CLAMPED] != 0.0:
+            value = 0.0
+            for i in range(dimension):
+                value += M[row + C_DIRECTION + i] * x[at + dimension + i]
+            for i in range(dimension):
+                x[at + dimension + i] = M[row + C_DIRECTION + i] * value
+
+
+@kernel
+def jacobian(I, M, q, v, a, tension, ca, cv):
+    """Assemble the effective Jacobian (not constrained, not factored)."""
+    if I[I_DIMENSION] == 2:
+        jacobian_planar(I, M, q, v, a, tension, ca, cv)
+    else:
+        jacobian_spatial(I, M, q, v, a, tension, ca, cv)
+    if I[I_BODIES] > 0:
+        body_jacobian(I, M, q, v, a, ca, cv)
+
+
+@kernel
+def factorise(I, M, q, v, a, tension, ca, cv):
+    """Assemble, constrain and factor; returns 0, or 1 + the node whose pivot vanished."""
+    jacobian(I, M, q, v, a, tension, ca, cv)
+    constrain_matrix(I, M)
+    if I[I_DIMENSION] == 2:
+        return factor_planar(I, M)
+    return factor_spatial(I, M)
+
+
+@kernel
+def newton_increment(I, M, forces, constraint, x):
+    """x = increments of (r, d) from the residuals, with the stored factorisation.
+
+    `forces` is overwritten by its condensed form.
+    """
+    count = 2 * I[I_DIMENSION] * I[I_NODES]
+    if I[I_DIMENSION] == 2:
+        condense_planar(I, M, constraint, forces)
+    else:
+        condense_spatial(I, M, constraint, forces)
+    for n in range(count):
+        x[n] = -forces[n]
+    constrain_vector(I, M, x)
+    if I[I_DIMENSION] == 2:
+        solve_planar(I, M, x)
+    else:
+        solve_spatial(I, M, x)
+
+
+@kernel
+def recover_tension(I, M, constraint, x, tension):
+    """Add the tension increments that belong to x; returns the largest [N]."""
+    if I[I_DIMENSION] == 2:
+        return recover_planar(I, M, constraint, x, tension)
+    return recover_spatial(I, M, constraint, x, tension)

@@ -1,0 +1,125 @@
+"""Constant tables of the cubic Hermite element on x in [0, 1] and of the time integrators.
+
+Shape functions act on the element vector (r0, h d0, r1, h d1): slopes are scaled by the element
+length h, so every table is free of h. Gauss tables have three points, padded to four with weight
+zero, so that loops over Gauss points vectorise.
+"""
+
+import numpy as np
+
+_POINTS = np.array([0.5 - np.sqrt(0.15), 0.5, 0.5 + np.sqrt(0.15), 0.5])
+_WEIGHTS = np.array([5.0, 8.0, 5.0, 0.0]) / 18.0
+
+
+def _shape(x):
+    return np.array(
+        [1 - 3 * x**2 + 2 * x**3, x - 2 * x**2 + x**3, 3 * x**2 - 2 * x**3, x**3 - x**2]
+    )
+
+
+def _slope(x):
+    return np.array([6 * x**2 - 6 * x, 1 - 4 * x + 3 * x**2, 6 * x - 6 * x**2, 3 * x**2 - 2 * x])
+
+
+def _second(x):
+    return np.array([12 * x - 6, 6 * x - 4, 6 - 12 * x, 6 * x - 2])
+
+
+def _pairs(rows, columns):
+    """(4 Gauss points, 16 pairs of shape functions) of weight * row_k * column_l."""
+    return np.ascontiguousarray(np.einsum("g,kg,lg->gkl", _WEIGHTS, rows, columns).reshape(4, 16))
+
+
+_H, _D, _E = _shape(_POINTS), _slope(_POINTS), _second(_POINTS)
+
+# Values at the Gauss points, one array of four a shape function: r, h r', h^2 r''.
+H0, H1, H2, H3 = (np.ascontiguousarray(row) for row in _H)
+D0, D1, D2, D3 = (np.ascontiguousarray(row) for row in _D)
+E0, E1, E2, E3 = (np.ascontiguousarray(row) for row in _E)
+
+# Legendre polynomials of the tension modes: T(x) = T0 + T1 P1(x) (+ the stabilising mode P2).
+P1 = 2 * _POINTS - 1
+P2 = 6 * _POINTS**2 - 6 * _POINTS + 1
+WEIGHT = _WEIGHTS
+WEIGHT_P1 = _WEIGHTS * P1
+WEIGHT_P2 = _WEIGHTS * P2
+
+# Weighted tables (4 Gauss points, 4 shape functions) for residuals.
+WH = np.ascontiguousarray((_WEIGHTS * _H).T)
+WD = np.ascontiguousarray((_WEIGHTS * _D).T)
+WE = np.ascontiguousarray((_WEIGHTS * _E).T)
+
+# Weighted tables of pairs for the Jacobian: row function, column function.
+S00, S01, S11 = _pairs(_H, _H), _pairs(_H, _D), _pairs(_D, _D)
+S12, S21, S22 = _pairs(_D, _E), _pairs(_E, _D), _pairs(_E, _E)
+
+# Exact consistent mass and load.
+MASS = (
+    np.array([[156.0, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]]) / 420
+)
+MASS_PAIRS = np.ascontiguousarray(MASS.reshape(16))
+LOAD = np.array([1 / 2, 1 / 12, 1 / 2, -1 / 12])
+
+
+def _tableau(gamma, rows, embedded, stages):
+    """Rows of an ESDIRK tableau in six columns; the last row is the solution (stiffly accurate)."""
+    a = np.zeros((6, 6))
+    for i, row in enumerate(rows, start=1):
+        a[i, : len(row)] = row
+        a[i, i] = gamma
+    error = a[stages - 1].copy()
+    error[: len(embedded)] -= embedded
+    return a, a.sum(axis=1), error
+
+
+# ESDIRK3(2)4L[2]SA and the implicit part of ARK4(3)6L[2]SA, Kennedy & Carpenter 2003, appendix C:
+# L-stable, stiffly accurate, stage order 2. Index 0 is the scheme of order 3, index 1 of order 4.
+_G3 = 1767732205903 / 4055673282236
+_A3, _C3, _ERR3 = _tableau(
+    _G3,
+    [
+        [_G3],
+        [2746238789719 / 10658868560708, -640167445237 / 6845629431997],
+        [
+            1471266399579 / 7840856788654,
+            -4482444167858 / 7529755066697,
+            11266239266428 / 11593286722821,
+        ],
+    ],
+    [
+        2756255671327 / 12835298489170,
+        -10771552573575 / 22201958757719,
+        9247589265047 / 10645013368117,
+        2193209047091 / 5459859503100,
+    ],
+    4,
+)
+_A4, _C4, _ERR4 = _tableau(
+    0.25,
+    [
+        [1 / 4],
+        [8611 / 62500, -1743 / 31250],
+        [5012029 / 34652500, -654441 / 2922500, 174375 / 388108],
+        [
+            15267082809 / 155376265600,
+            -71443401 / 120774400,
+            730878875 / 902184768,
+            2285395 / 8070912,
+        ],
+        [82889 / 524892, 0.0, 15625 / 83664, 69875 / 102672, -2260 / 8211],
+    ],
+    [
+        4586570599 / 29645900160,
+        0.0,
+        178811875 / 945068544,
+        814220225 / 1159782912,
+        -3700637 / 11593932,
+        61727 / 225920,
+    ],
+    6,
+)
+STAGES = np.array([4, 6])
+GAMMA = np.array([_G3, 0.25])
+STAGE_A = np.stack([_A3, _A4])
+STAGE_C = np.stack([_C3, _C4])
+STAGE_ERROR = np.stack([_ERR3, _ERR4])

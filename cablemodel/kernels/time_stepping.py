@@ -1,0 +1,363 @@
+"""Adaptive time integration: ESDIRK of order 3 or 4 with a simplified Newton method.
+
+Unknown of a stage is the acceleration a_i, through q_i = q^ + (gamma dt)^2 a_i and
+v_i = v^ + gamma dt a_i; prescribed nodes are imposed exactly in every stage. Tension is algebraic:
+neither the error estimate nor Newton's test looks at it, but for the last stage before an output.
+"""
+
+from .compile import inlined, kernel
+from .layout import (
+    E_BENDING,
+    E_BENDING_FULL,
+    E_LENGTH,
+    E_MODEL,
+    EDGE_WORDS,
+    I_DIMENSION,
+    I_FACTORED,
+    I_FACTORISATIONS,
+    I_FAILED_NODE,
+    I_FRESH,
+    I_GROWTH_BARRED,
+    I_HYBRID,
+    I_ITERATIONS,
+    I_LIVE,
+    I_MAXIMUM_STEPS,
+    I_NODES,
+    I_ORDER,
+    I_PIECE,
+    I_PIECES,
+    I_REJECTED,
+    I_STEPS,
+    I_TIMES,
+    MODEL_HYBRID,
+    NOT_CONVERGED,
+    O_ACCELERATION,
+    O_BASE_Q,
+    O_BASE_V,
+    O_CONSTRAINT_RESIDUAL,
+    O_EDGE,
+    O_INCREMENT,
+    O_PIECES,
+    O_POSITION,
+    O_RESIDUAL,
+    O_STAGE_A,
+    O_STAGE_V,
+    O_TENSION,
+    O_TIMES,
+    O_TRIAL_A,
+    O_TRIAL_Q,
+    O_TRIAL_T,
+    O_TRIAL_V,
+    O_VELOCITY,
+    OK,
+    P_ACCELERATION_JUMP,
+    P_START,
+    P_VELOCITY_JUMP,
+    PIECE_WORDS,
+    S_FACTORED_STEP,
+    S_SMALLEST_STEP,
+    S_STEP,
+    S_TIME,
+    S_TIME_TOLERANCE,
+    TOO_MANY_STEPS,
+)
+from .environment import find_piece
+from .system import (
+    factorise,
+    impose_motion,
+    newton_increment,
+    recover_tension,
+    residual,
+    set_time,
+)
+from .tables import GAMMA, STAGE_A, STAGE_C, STAGE_ERROR, STAGES
+
+LARGEST_ITERATIONS = 10
+SLOPE_WEIGHT = 0.3  # weight of h |d| in norms, against |r|
+BENDING_ON, BENDING_OFF = 0.01, 0.005  # hybrid: (EI/T)/h^2 above which bending is kept
+
+
+@kernel
+def increment_norm(I, M, x):
+    """max(|dr|, 0.3 h |dd|) over the nodes [m], and the node where it is reached."""
+    dimension = I[I_DIMENSION]
+    largest = 0.0
+    where = 0
+    for node in range(I[I_NODES]):
+        h = M[I[O_EDGE] + max(node, 1) * EDGE_WORDS + E_LENGTH]
+        at = 2 * dimension * node
+        size = 0.0
+        for i in range(dimension):
+            size = max(size, abs(x[at + i]), SLOPE_WEIGHT * h * abs(x[at + dimension + i]))
+        if not size <= largest:
+            largest = size
+            where = node
+        if size != size:
+            break
+    return largest, where
+
+
+@inlined
+def refactor(I, M, q, v, a, tension, gamma_dt):
+    """Factor the Newton matrix of a stage at the given iterate; 0 on success."""
+    inverse = 1.0 / gamma_dt
+    failed = factorise(I, M, q, v, a, tension, inverse * inverse, inverse)
+    I[I_FACTORISATIONS] += 1
+    I[I_FRESH] = 1
+    I[I_FACTORED] = 1 if failed == 0 else 0
+    M[S_FACTORED_STEP] = gamma_dt
+    return failed
+
+
+@kernel
+def solve_stage(I, M, t, gamma_dt, tolerance, to_output):
+    """Newton for one stage; on entry the trial holds the predicted a and T. Returns a status."""
+    count = 2 * I[I_DIMENSION] * I[I_NODES]
+    nodes = I[I_NODES]
+    q = M[I[O_TRIAL_Q] : I[O_TRIAL_Q] + count]
+    v = M[I[O_TRIAL_V] : I[O_TRIAL_V] + count]
+    a = M[I[O_TRIAL_A] : I[O_TRIAL_A] + count]
+    tension = M[I[O_TRIAL_T] : I[O_TRIAL_T] + 2 * nodes]
+    forces = M[I[O_RESIDUAL] : I[O_RESIDUAL] + count]
+    constraint = M[I[O_CONSTRAINT_RESIDUAL] : I[O_CONSTRAINT_RESIDUAL] + 2 * nodes]
+    x = M[I[O_INCREMENT] : I[O_INCREMENT] + count]
+    base_q = M[I[O_BASE_Q] : I[O_BASE_Q] + count]
+    base_v = M[I[O_BASE_V] : I[O_BASE_V] + count]
+    gamma2 = gamma_dt * gamma_dt
+    inverse = 1.0 / gamma_dt
+    inverse2 = inverse * inverse
+    set_time(I, M, t)
+    for n in range(count):
+        q[n] = base_q[n] + gamma2 * a[n]
+        v[n] = base_v[n] + gamma_dt * a[n]
+    impose_motion(I, M, t, q, v, a)
+    if I[I_FACTORED] == 0 or abs(M[S_FACTORED_STEP] - gamma_dt) > 1e-6 * gamma_dt:
+        if refactor(I, M, q, v, a, tension, gamma_dt) != 0:
+            return NOT_CONVERGED
+    previous = 0.0
+    good = 0.02 if to_output else 0.1
+    for iteration in range(LARGEST_ITERATIONS):
+        residual(I, M, q, v, a, tension, forces, constraint)
+        newton_increment(I, M, forces, constraint, x)
+        I[I_ITERATIONS] += 1
+        size, where = increment_norm(I, M, x)
+        if not size < 1e30:
+            I[I_FAILED_NODE] = where
+            I[I_FACTORED] = 0
+            return NOT_CONVERGED
+        for n in range(count):
+            q[n] += x[n]
+            v[n] += inverse * x[n]
+            a[n] += inverse2 * x[n]
+        tension_change = recover_tension(I, M, constraint, x, tension)
+        settled = True
+        if to_output:
+            largest = 0.0
+            for n in range(1, nodes):
+                largest = max(largest, abs(tension[2 * n]))
+            settled = tension_change <= 1e-4 * largest
+        if settled and size <= 0.01 * tolerance:
+            return OK
+        if iteration > 0:
+            ratio = size / previous
+            if settled and ratio < 1.0 and ratio / (1.0 - ratio) * size <= good * tolerance:
+                return OK
+            if ratio > 2.0 and I[I_FRESH] == 1 and size > tolerance:
+                I[I_FAILED_NODE] = where
+                return NOT_CONVERGED
+            if ratio > 0.2 and I[I_FRESH] == 0:
+                if refactor(I, M, q, v, a, tension, gamma_dt) != 0:
+                    return NOT_CONVERGED
+        previous = size
+        I[I_FAILED_NODE] = where
+    return NOT_CONVERGED
+
+
+@kernel
+def try_step(I, M, dt, scheme, to_output):
+    """One ESDIRK step from the state to the trial; returns (status, error / tolerance)."""
+    count = 2 * I[I_DIMENSION] * I[I_NODES]
+    nodes = I[I_NODES]
+    stages = STAGES[scheme]
+    gamma_dt = GAMMA[scheme] * dt
+    time = M[S_TIME]
+    tolerance = M[S_TIME_TOLERANCE]
+    q = M[I[O_POSITION] : I[O_POSITION] + count]
+    v = M[I[O_VELOCITY] : I[O_VELOCITY] + count]
+    a = M[I[O_ACCELERATION] : I[O_ACCELERATION] + count]
+    base_q = M[I[O_BASE_Q] : I[O_BASE_Q] + count]
+    base_v = M[I[O_BASE_V] : I[O_BASE_V] + count]
+    trial_v = M[I[O_TRIAL_V] : I[O_TRIAL_V] + count]
+    trial_a = M[I[O_TRIAL_A] : I[O_TRIAL_A] + count]
+    first_v = M[I[O_STAGE_V] : I[O_STAGE_V] + count]
+    first_a = M[I[O_STAGE_A] : I[O_STAGE_A] + count]
+    I[I_FRESH] = 0
+    for n in range(count):
+        first_v[n] = v[n]
+        first_a[n] = a[n]
+        trial_a[n] = a[n]
+    for n in range(2 * nodes):
+        M[I[O_TRIAL_T] + n] = M[I[O_TENSION] + n]
+    for i in range(1, stages):
+        for n in range(count):
+            base_v[n] = v[n]
+            base_q[n] = q[n]
+        for j in range(i):
+            weight = dt * STAGE_A[scheme, i, j]
+            if weight != 0.0:
+                stage_v = M[I[O_STAGE_V] + j * count : I[O_STAGE_V] + (j + 1) * count]
+                stage_a = M[I[O_STAGE_A] + j * count : I[O_STAGE_A] + (j + 1) * count]
+                for n in range(count):
+                    base_v[n] += weight * stage_a[n]
+                    base_q[n] += weight * stage_v[n]
+        for n in range(count):
+            base_q[n] += gamma_dt * base_v[n]
+        last = i == stages - 1
+        stage_time = time + dt if last else time + STAGE_C[scheme, i] * dt
+        status = solve_stage(I, M, stage_time, gamma_dt, tolerance, to_output and last)
+        if status != OK:
+            return status, 0.0
+        stage_v = M[I[O_STAGE_V] + i * count : I[O_STAGE_V] + (i + 1) * count]
+        stage_a = M[I[O_STAGE_A] + i * count : I[O_STAGE_A] + (i + 1) * count]
+        for n in range(count):
+            stage_v[n] = trial_v[n]
+            stage_a[n] = trial_a[n]
+    for n in range(count):
+        base_q[n] = 0.0
+    for i in range(stages):
+        weight = dt * STAGE_ERROR[scheme, i]
+        stage_v = M[I[O_STAGE_V] + i * count : I[O_STAGE_V] + (i + 1) * count]
+        for n in range(count):
+            base_q[n] += weight * stage_v[n]
+    error, where = increment_norm(I, M, base_q)
+    I[I_FAILED_NODE] = where
+    return OK, error / tolerance
+
+
+@kernel
+def accept_trial(I, M):
+    """The trial becomes the state."""
+    count = 2 * I[I_DIMENSION] * I[I_NODES]
+    for n in range(count):
+        M[I[O_POSITION] + n] = M[I[O_TRIAL_Q] + n]
+        M[I[O_VELOCITY] + n] = M[I[O_TRIAL_V] + n]
+        M[I[O_ACCELERATION] + n] = M[I[O_TRIAL_A] + n]
+    for n in range(2 * I[I_NODES]):
+        M[I[O_TENSION] + n] = M[I[O_TRIAL_T] + n]
+
+
+@kernel
+def update_bending(I, M):
+    """Hybrid model: bending is kept where sqrt(EI/T) is long enough for the mesh to see it."""
+    for node in range(1, I[I_NODES]):
+        e = I[O_EDGE] + node * EDGE_WORDS
+        if M[e + E_MODEL] != MODEL_HYBRID:
+            continue
+        h = M[e + E_LENGTH]
+        stiffness = M[e + E_BENDING_FULL]
+        pull = h * h * (M[I[O_TENSION] + 2 * node] - abs(M[I[O_TENSION] + 2 * node + 1]))
+        if M[e + E_BENDING] == 0.0:
+            if stiffness > BENDING_ON * pull:
+                M[e + E_BENDING] = stiffness
+                I[I_FACTORED] = 0
+        elif stiffness < BENDING_OFF * pull:
+            M[e + E_BENDING] = 0.0
+            I[I_FACTORED] = 0
+
+
+@kernel
+def next_stop(I, M, t_end, dt):
+    """The time to land on exactly: t_end, or an input's kink before it that matters.
+
+    A jump of the vessel's acceleration that a step of dt smears over makes an error of about
+    jump dt^2 / 8; below a tenth of the tolerance it is not worth a step.
+    """
+    time = M[S_TIME]
+    stop = t_end
+    if I[I_LIVE] == 0:
+        count = I[I_PIECES]
+        for k in range(find_piece(I, M, time), count):
+            row = I[O_PIECES] + k * PIECE_WORDS
+            start = M[row + P_START]
+            if start <= time:
+                continue
+            if start >= stop or start > time + dt:
+                break
+            if (
+                M[row + P_VELOCITY_JUMP] > 0.0
+                or M[row + P_ACCELERATION_JUMP] * dt * dt > 0.8 * M[S_TIME_TOLERANCE]
+            ):
+                stop = start
+                break
+    times = I[I_TIMES]
+    if times > 1:
+        for k in range(times):
+            start = M[I[O_TIMES] + k]
+            if start > time and start < stop:
+                stop = start
+    return stop
+
+
+@kernel
+def advance_to(I, M, t_end):
+    """Integrate to t_end exactly; on failure the status says why and the state is of no use."""
+    status = OK
+    taken = 0
+    while M[S_TIME] < t_end:
+        natural = M[S_STEP]
+        stop = next_stop(I, M, t_end, natural)
+        remaining = stop - M[S_TIME]
+        dt = natural
+        landing = False
+        if dt >= remaining * 0.999:
+            dt = remaining
+            landing = True
+        elif dt > 0.5 * remaining:
+            dt = 0.5 * remaining
+        # Steps that the caller limits need no high order: three stages instead of five.
+        scheme = 1 if I[I_ORDER] == 4 and dt > 0.25 * natural else 0
+        to_output = landing and stop == t_end
+        status, error = try_step(I, M, dt, scheme, to_output)
+        if status != OK or not error <= 1.0:
+            I[I_REJECTED] += 1
+            I[I_GROWTH_BARRED] = 1
+            if status != OK:
+                factor = 0.4
+            else:
+                factor = max(0.3, 0.9 * error ** (-0.25 if scheme == 1 else -1.0 / 3.0))
+                if not factor < 0.9:
+                    factor = 0.3 if error != error else 0.9
+            M[S_STEP] = factor * dt
+            if M[S_STEP] < M[S_SMALLEST_STEP]:
+                status = NOT_CONVERGED
+                break
+            status = OK
+        else:
+            if landing:
+                M[S_TIME] = stop
+            else:
+                M[S_TIME] += dt
+            accept_trial(I, M)
+            if I[I_HYBRID] == 1:
+                update_bending(I, M)
+            if I[I_LIVE] == 0:
+                I[I_PIECE] = find_piece(I, M, M[S_TIME])
+            I[I_STEPS] += 1
+            factor = 4.0
+            if error > 1e-12:
+                factor = 0.9 * error ** (-0.25 if scheme == 1 else -1.0 / 3.0)
+                factor = min(4.0, max(0.3, factor))
+            if I[I_GROWTH_BARRED] == 1:
+                factor = min(factor, 1.0)
+                I[I_GROWTH_BARRED] = 0
+            if 0.95 <= factor and factor <= 1.3:
+                factor = 1.0
+            if factor >= 1.0:
+                M[S_STEP] = max(natural, factor * dt)
+            else:
+                M[S_STEP] = factor * dt
+        taken += 1
+        if taken > I[I_MAXIMUM_STEPS]:
+            status = TOO_MANY_STEPS
+            break
+    return status

@@ -1,0 +1,503 @@
+"""The stepping model: a cable that is moved, step by step, by whoever calls it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cablemodel.errors import SceneError, StepError
+from cablemodel.instance import build
+from cablemodel.kernels import layout as at
+
+if TYPE_CHECKING:
+    from cablemodel.scene import Scene
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+_ADVICE = {
+    at.NOT_CONVERGED: (
+        "no step was small enough for Newton's method to converge",
+        "look for a jump in the inputs, or a stiffness far from the others",
+    ),
+    at.TOO_MANY_STEPS: (
+        "the step needs more internal steps than allowed",
+        "ask for a shorter step or a looser tolerance",
+    ),
+    at.SINGULAR: ("the equations are singular", "give the cable bending stiffness"),
+    at.NOT_FINITE: ("an input is not finite", "check the inputs"),
+}
+_INPUT_WORDS = 14
+
+
+@dataclass(frozen=True)
+class CableState:
+    """The cable at one instant, at n arc lengths; SI units, earth frame (x east, y north, z up)."""
+
+    time: float
+    """[s]"""
+    s: FloatArray
+    """Unstretched arc length from the vessel (n,) [m]."""
+    position: FloatArray
+    """(n, 3) [m]."""
+    tangent: FloatArray
+    """Unit vector away from the vessel (n, 3)."""
+    velocity: FloatArray
+    """Of the material (n, 3) [m/s]."""
+    tension: FloatArray
+    """(n,) [N]."""
+    curvature: FloatArray
+    """|dt/ds| (n,) [1/m]."""
+    bending_moment: FloatArray
+    """EI times the curvature where bending is kept (n,) [N m]."""
+    on_floor: BoolArray
+    """(n,)."""
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """A model's whole state: what restore brings back bit by bit."""
+
+    image: bytes
+
+    def __len__(self) -> int:
+        return len(self.image)
+
+
+@dataclass(frozen=True)
+class BodyState:
+    """A body on the cable."""
+
+    name: str | None
+    position: FloatArray
+    """(3,) [m]."""
+    velocity: FloatArray
+    """(3,) [m/s]."""
+    direction: FloatArray
+    """Unit vector along its axis, away from the vessel (3,)."""
+
+
+class CableModel:
+    """A cable hung from a vessel, at the scene's initial state until it is stepped.
+
+    Args:
+        scene: what to simulate.
+        planar: False forces three dimensions where the scene lies in one vertical plane (the
+            default, None, takes advantage of that).
+
+    Raises:
+        SceneError: the scene asks for something that this engine does not support.
+        StaticsError: no static equilibrium was found for its start.
+    """
+
+    def __init__(self, scene: Scene, *, planar: bool | None = None) -> None:
+        self.scene = scene
+        self._block = build(scene, planar=planar)
+        self._ints, self._reals = self._block.ints, self._block.reals
+        self._initial = self._block.image.copy()
+        self._inputs: FloatArray = np.zeros(_INPUT_WORDS)
+        self._summary: FloatArray = np.zeros(24)
+        self._summary_current = False
+
+    # -- stepping -------------------------------------------------------------------------------
+
+    def step(
+        self,
+        dt: float,
+        vessel_velocity: ArrayLike | None = None,
+        vessel_position: ArrayLike | None = None,
+        payout_rate: float | None = None,
+        current: ArrayLike | None = None,
+    ) -> None:
+        """Advance by dt [s], of any length.
+
+        An input is the value reached at the end of the step; it varies linearly from its present
+        value. None: the scene's own schedule. A position with a velocity makes the motion the
+        cubic that meets both; a position alone ends with the mean velocity of the step.
+
+        Args:
+            vessel_velocity: of the tow point (3,) [m/s].
+            vessel_position: of the tow point (3,) [m].
+            payout_rate: unstretched [m/s], positive out; only 0 is supported yet.
+            current: water velocity (3,) [m/s], added to the scene's at every depth.
+
+        Raises:
+            StepError: an input is not finite or not allowed, or no step could be made; the model
+                is as it was.
+        """
+        self.step_to(
+            self.time + self._number("dt", dt),
+            vessel_velocity,
+            vessel_position,
+            payout_rate,
+            current,
+        )
+
+    def step_to(
+        self,
+        time: float,
+        vessel_velocity: ArrayLike | None = None,
+        vessel_position: ArrayLike | None = None,
+        payout_rate: float | None = None,
+        current: ArrayLike | None = None,
+    ) -> None:
+        """Advance to a time [s] exactly; otherwise like `step`."""
+        from cablemodel.kernels import entry
+
+        end = self._number("time", time)
+        if not end > self.time:
+            raise StepError(
+                f"a step must go forward in time, not by {end - self.time:g} s",
+                time=self.time,
+                advice="give a positive step",
+            )
+        inputs = self._inputs
+        inputs[:] = 0.0
+        self._take_vector(0, "vessel_velocity", vessel_velocity)
+        self._take_vector(4, "vessel_position", vessel_position)
+        self._take_vector(8, "current", current)
+        if payout_rate is not None and self._number("payout_rate", payout_rate) != 0.0:
+            raise StepError(
+                f"payout_rate is {payout_rate}: pay-out is not supported yet",
+                time=self.time,
+                advice="give 0 or None",
+            )
+        status = entry.step(self._ints, self._reals, end, inputs)
+        if status != at.OK:
+            problem, advice = _ADVICE[status]
+            node = int(self._ints[at.I_FAILED_NODE])
+            edge = self._edges[max(node, 1)]
+            place = float(edge[at.E_START]) + (float(edge[at.E_LENGTH]) if node else 0.0)
+            raise StepError(problem, time=self.time, arc_length=place, advice=advice)
+        self._summary_current = False
+
+    def _number(self, name: str, value: Any) -> float:
+        try:
+            number = float(value)
+        except (TypeError, ValueError):
+            raise StepError(
+                f"{name} is {value!r}, not a number", time=self.time, advice="give a number"
+            ) from None
+        if not np.isfinite(number):
+            raise StepError(
+                f"{name} is {number}: not finite", time=self.time, advice="give a finite number"
+            )
+        return number
+
+    def _take_vector(self, place: int, name: str, value: ArrayLike | None) -> None:
+        if value is None:
+            return
+        try:
+            vector = np.asarray(value, dtype=np.float64)
+        except (TypeError, ValueError):
+            vector = np.empty(0)
+        if vector.shape != (3,):
+            raise StepError(
+                f"{name} is {value!r}", time=self.time, advice="give three numbers (x, y, z)"
+            )
+        if not np.isfinite(vector).all():
+            raise StepError(
+                f"{name} is {vector.tolist()}: not finite",
+                time=self.time,
+                advice="give finite numbers",
+            )
+        self._inputs[place] = 1.0
+        self._inputs[place + 1 : place + 4] = vector
+
+    def reset(self) -> None:
+        """Back to the scene's initial state, t = 0."""
+        self._block.image[:] = self._initial
+        self._summary_current = False
+
+    def snapshot(self) -> Snapshot:
+        """The whole state: a model that restores it goes on bit by bit as this one does."""
+        return Snapshot(self._block.image.tobytes())
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Take over a snapshot of a model of the same scene.
+
+        Raises:
+            SceneError: the snapshot does not belong to this scene; the model is as it was.
+        """
+        image = np.frombuffer(snapshot.image, dtype=np.int64)
+        own = self._block.image
+        fixed = [at.I_MAGIC, at.I_VERSION, at.I_BYTES, at.I_IMAGE_WORDS, at.I_CAPACITY]
+        if len(image) != len(own) or any(image[k] != own[k] for k in fixed):
+            raise SceneError.at(
+                "snapshot",
+                f"{len(snapshot.image)} bytes",
+                "it belongs to another scene or version",
+                f"a snapshot of {8 * len(own)} bytes of this scene",
+            )
+        own[:] = image
+        self._summary_current = False
+
+    # -- what the model says --------------------------------------------------------------------
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return float(self._reals[at.S_TIME])
+
+    @property
+    def _edges(self) -> FloatArray:
+        return self._block.array(at.O_EDGE, int(self._ints[at.I_NODES]), at.EDGE_WORDS)
+
+    def _numbers(self) -> FloatArray:
+        if not self._summary_current:
+            from cablemodel.kernels import entry
+
+            entry.summary(self._ints, self._reals, self._summary)
+            self._summary_current = True
+        return self._summary
+
+    @property
+    def top_force(self) -> FloatArray:
+        """Force of the cable on the vessel (3,) [N]."""
+        return self._numbers()[0:3].copy()
+
+    @property
+    def top_moment(self) -> FloatArray:
+        """Moment of the cable on the vessel, where it is clamped (3,) [N m]."""
+        if self.scene.vessel.connection.kind == "pinned":
+            return np.zeros(3)
+        return self._numbers()[3:6].copy()
+
+    @property
+    def top_tension(self) -> float:
+        """Tension at the tow point: the force there along the cable [N]."""
+        return float(self._numbers()[6])
+
+    @property
+    def tension_min(self) -> float:
+        """Lowest tension in the cable [N]."""
+        return float(self._numbers()[7])
+
+    @property
+    def tension_max(self) -> float:
+        """Highest tension in the cable [N]."""
+        return float(self._numbers()[8])
+
+    @property
+    def tip_position(self) -> FloatArray:
+        """Far end (3,) [m]."""
+        return self._numbers()[9:12].copy()
+
+    @property
+    def tip_velocity(self) -> FloatArray:
+        """Velocity of the far end (3,) [m/s]."""
+        return self._numbers()[12:15].copy()
+
+    @property
+    def vessel_position(self) -> FloatArray:
+        """Tow point (3,) [m]."""
+        return self._numbers()[15:18].copy()
+
+    @property
+    def vessel_velocity(self) -> FloatArray:
+        """Velocity of the tow point (3,) [m/s]."""
+        return self._numbers()[18:21].copy()
+
+    @property
+    def line_length(self) -> float:
+        """Unstretched length of cable that is out [m]."""
+        return float(self._numbers()[21])
+
+    @property
+    def drum_length(self) -> float:
+        """Unstretched length of cable on the drum [m]."""
+        return 0.0
+
+    @property
+    def payout_rate(self) -> float:
+        """Applied pay-out rate, unstretched [m/s]."""
+        return 0.0
+
+    @property
+    def floor_force(self) -> FloatArray:
+        """Total force of the sea floor on the cable (3,) [N]."""
+        return np.zeros(3)
+
+    @property
+    def floor_length(self) -> float:
+        """Length of cable on the sea floor [m]."""
+        return 0.0
+
+    @property
+    def touchdown_position(self) -> FloatArray:
+        """Touchdown point (3,) [m]; not a number where nothing touches."""
+        return np.full(3, np.nan)
+
+    @property
+    def touchdown_reaction(self) -> float:
+        """Concentrated floor reaction at the touchdown point [N]."""
+        return 0.0
+
+    @property
+    def bodies(self) -> list[BodyState]:
+        """The bodies on the cable, from the vessel outwards."""
+        count = int(self._ints[at.I_BODIES])
+        rows = self._block.array(at.O_BODY, count, at.BODY_WORDS)
+        states = []
+        for row in rows:
+            node = int(row[at.B_NODE])
+            body = self.scene.line[int(row[at.B_ITEM])].body
+            assert body is not None
+            edge = self._edges[node]
+            arc = float(edge[at.E_START] + edge[at.E_LENGTH])
+            state = self.sample([arc])
+            states.append(
+                BodyState(body.name, state.position[0], state.velocity[0], state.tangent[0])
+            )
+        return states
+
+    @property
+    def planar(self) -> bool:
+        """Whether the cable is computed in a vertical plane."""
+        return bool(self._ints[at.I_DIMENSION] == 2)
+
+    @property
+    def statistics(self) -> dict[str, int]:
+        """Counters since the start: steps, rejected, factorisations, iterations, elements."""
+        joints = self._block.integers(at.O_JOINT, int(self._ints[at.I_NODES]))
+        return {
+            "steps": int(self._ints[at.I_STEPS]),
+            "rejected": int(self._ints[at.I_REJECTED]),
+            "factorisations": int(self._ints[at.I_FACTORISATIONS]),
+            "iterations": int(self._ints[at.I_ITERATIONS]),
+            "elements": int(np.count_nonzero(joints[1:] == 0)),
+        }
+
+    @property
+    def applied_inputs(self) -> dict[str, Any]:
+        """What drives the model at the present time: vessel motion, pay-out, live current."""
+        live = self._reals[at.S_LIVE_CURRENT : at.S_LIVE_CURRENT + 8]
+        return {
+            "vessel_position": self.vessel_position,
+            "vessel_velocity": self.vessel_velocity,
+            "payout_rate": self.payout_rate,
+            "current": live[5:8].copy(),
+        }
+
+    def state(self) -> CableState:
+        """The cable at its nodes."""
+        nodes = int(self._ints[at.I_NODES])
+        joints = self._block.integers(at.O_JOINT, nodes)
+        edges = self._edges
+        ends = edges[:, at.E_START] + edges[:, at.E_LENGTH]
+        return self.sample(ends[joints == 0])
+
+    def sample(self, s: ArrayLike) -> CableState:
+        """The cable at any arc lengths s (n,) [m], 0 at the vessel.
+
+        Raises:
+            ValueError: an arc length lies outside the line; names it and the range.
+        """
+        from cablemodel.kernels import entry
+
+        stations = np.atleast_1d(np.array(s, dtype=np.float64))
+        if stations.ndim != 1:
+            raise ValueError(f"arc lengths must be one number or a list, not {stations.shape}")
+        out = np.empty(12 * len(stations))
+        done = entry.sample(self._ints, self._reals, stations, out)
+        if done != len(stations):
+            raise ValueError(
+                f"s = {stations[done]} m is not on the line; allowed: 0 to {self.line_length} m"
+            )
+        rows = out.reshape(-1, 12)
+        return CableState(
+            time=self.time,
+            s=stations,
+            position=rows[:, 0:3].copy(),
+            tangent=rows[:, 3:6].copy(),
+            velocity=rows[:, 6:9].copy(),
+            tension=rows[:, 9].copy(),
+            curvature=rows[:, 10].copy(),
+            bending_moment=rows[:, 11].copy(),
+            on_floor=np.zeros(len(stations), dtype=bool),
+        )
+
+    # -- analysis -------------------------------------------------------------------------------
+
+    def energy(self) -> dict[str, float]:
+        """Energies [J]: kinetic (with added mass), axial, bending, potential (of the submerged
+        weight, zero at z = 0); powers [W]: of the vessel on the cable, lost to drag."""
+        from cablemodel.kernels import entry
+
+        out = np.zeros(6)
+        entry.energy(self._ints, self._reals, out)
+        names = ["kinetic", "axial", "bending", "potential", "vessel_power", "drag_power"]
+        return dict(zip(names, out.tolist(), strict=True))
+
+    def linearise(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Mass, damping and stiffness of small motions about the present state, (n, n) each.
+
+        Over the free unknowns of all nodes, position and slope, tension condensed out; meant for
+        a state at rest. Dense: for studies of natural frequencies, not for long lines.
+        """
+        stiffness = self._effective(0.0, 0.0)
+        damping = self._effective(1.0, 0.0) - stiffness
+        mass = self._effective(0.0, 1.0) - stiffness
+        basis = self._free_basis()
+        return basis.T @ mass @ basis, basis.T @ damping @ basis, basis.T @ stiffness @ basis
+
+    def natural_frequencies(self, count: int = 5) -> FloatArray:
+        """The lowest natural frequencies about the present state [rad/s], (count,)."""
+        from scipy.linalg import eigh
+
+        mass, _, stiffness = self.linearise()
+        symmetric = 0.5 * (stiffness + stiffness.T), 0.5 * (mass + mass.T)
+        values = eigh(*symmetric, eigvals_only=True)
+        return np.sqrt(np.maximum(values[:count], 0.0))
+
+    def _effective(self, cv: float, ca: float) -> FloatArray:
+        from cablemodel.kernels import entry
+
+        ints = self._ints
+        kept = self._block.image.copy()
+        entry.assemble(ints, self._reals, cv, ca)
+        nodes, size = int(ints[at.I_NODES]), 2 * int(ints[at.I_DIMENSION])
+        diagonal = self._block.array(at.O_DIAGONAL, nodes, size, size).copy()
+        upper = self._block.array(at.O_UPPER, nodes, size, size).copy()
+        lower = self._block.array(at.O_LOWER, nodes, size, size).copy()
+        parent = self._block.integers(at.O_PARENT, nodes)
+        joint = self._block.integers(at.O_JOINT, nodes)
+        matrix = np.zeros((nodes * size, nodes * size))
+        for node in range(nodes):
+            rows = slice(node * size, (node + 1) * size)
+            matrix[rows, rows] += diagonal[node]
+            if node and not joint[node]:
+                above = slice(int(parent[node]) * size, (int(parent[node]) + 1) * size)
+                matrix[above, rows] += upper[node]
+                matrix[rows, above] += lower[node]
+        self._block.image[:] = kept
+        return matrix
+
+    def _free_basis(self) -> FloatArray:
+        """Columns that span the motions which supports and joints allow."""
+        ints = self._ints
+        nodes, dimension = int(ints[at.I_NODES]), int(ints[at.I_DIMENSION])
+        size = 2 * dimension
+        basis = np.eye(nodes * size)
+        drop: list[int] = []
+        for row in self._block.array(
+            at.O_CONSTRAINT, int(ints[at.I_CONSTRAINTS]), at.CONSTRAINT_WORDS
+        ):
+            first = int(row[at.C_NODE]) * size
+            drop += range(first, first + dimension)
+            if row[at.C_CLAMPED]:
+                direction = row[at.C_DIRECTION : at.C_DIRECTION + dimension]
+                slopes = slice(first + dimension, first + size)
+                basis[slopes, slopes] = 0.0
+                basis[slopes, first + dimension] = direction
+                drop += range(first + dimension + 1, first + size)
+        parent = self._block.integers(at.O_PARENT, nodes)
+        for node in np.flatnonzero(self._block.integers(at.O_JOINT, nodes)):
+            own = slice(int(node) * size, int(node) * size + dimension)
+            above = slice(int(parent[node]) * size, int(parent[node]) * size + dimension)
+            basis[own, above] = np.eye(dimension)
+            drop += range(own.start, own.stop)
+        return np.delete(basis, drop, axis=1)
