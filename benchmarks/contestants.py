@@ -78,7 +78,7 @@ def cablemodel_contestants(
         def make(scene: BenchmarkScene, _times: Sequence[float]) -> Runner:
             return CableModelRunner(cablemodel_scene(scene, tolerance, model))
 
-        return Contestant(f"{OURS} {model}", f"tau={tolerance:g}", make, "fine")
+        return Contestant(f"{OURS} {model}", f"tau={tolerance:g}", make, "fine", compiles=True)
 
     return [contestant(model, tolerance) for model in models for tolerance in tolerances]
 
