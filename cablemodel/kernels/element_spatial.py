@@ -629,28 +629,26 @@ def condense_spatial(I, M, out_constraint, out):
 
 
 @kernel
-def recover_spatial(I, M, out_constraint, x, tension):
-    """Tension increments from the increments x of (r, d); returns the largest of them."""
-    largest = 0.0
+def stretch_rate_spatial(I, M, x, out):
+    """Gradient B of the constraints times a vector x (nodes, 6): out (nodes, 2)."""
     for node in range(1, I[I_NODES]):
+        out[2 * node] = 0.0
+        out[2 * node + 1] = 0.0
         if I[I[O_JOINT] + node] != 0:
             continue
         parent = I[I[O_PARENT] + node]
         h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
         B = M[I[O_GRADIENT] + 24 * node : I[O_GRADIENT] + 24 * node + 24]
-        r0 = out_constraint[2 * node]
-        r1 = out_constraint[2 * node + 1]
+        r0 = 0.0
+        r1 = 0.0
         for i in range(3):
             y0 = x[6 * parent + i]
             y1 = h * x[6 * parent + 3 + i]
             y2 = x[6 * node + i]
             y3 = h * x[6 * node + 3 + i]
-            r0 += B[4 * i] * y0 + B[4 * i + 1] * y1 + B[4 * i + 2] * y2 + B[4 * i + 3] * y3
-            r1 += B[12 + 4 * i] * y0 + B[13 + 4 * i] * y1 + B[14 + 4 * i] * y2 + B[15 + 4 * i] * y3
-        s = I[O_COMPLIANCE] + 3 * node
-        d0 = M[s] * r0 + M[s + 1] * r1
-        d1 = M[s + 1] * r0 + M[s + 2] * r1
-        tension[2 * node] += d0
-        tension[2 * node + 1] += d1
-        largest = max(largest, abs(d0), abs(d1))
-    return largest
+            b = 4 * i
+            c = 12 + 4 * i
+            r0 += B[b] * y0 + B[b + 1] * y1 + B[b + 2] * y2 + B[b + 3] * y3
+            r1 += B[c] * y0 + B[c + 1] * y1 + B[c + 2] * y2 + B[c + 3] * y3
+        out[2 * node] = r0
+        out[2 * node + 1] = r1

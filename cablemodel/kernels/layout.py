@@ -38,6 +38,7 @@ O_BACKUP, O_STAGE_V, O_STAGE_A, O_BASE_Q, O_BASE_V = 52, 53, 54, 55, 56
 O_TRIAL_Q, O_TRIAL_V, O_TRIAL_A, O_TRIAL_T = 57, 58, 59, 60
 O_RESIDUAL, O_CONSTRAINT_RESIDUAL, O_INCREMENT = 61, 62, 63
 O_PROFILE, O_GAUSS, O_MOTION = 64, 65, 66
+O_TENSION_RATE, O_STAGE_T, O_STRETCH = 67, 68, 69
 
 # Scalars, at HEADER_WORDS.
 _S = HEADER_WORDS
@@ -54,7 +55,7 @@ S_LIVE_CURRENT = _S + 16  # 8 words: t0, t1, velocity at t0 (3), at t1 (3)
 S_GRAVITY = _S + 24
 S_WATER_DENSITY = _S + 25
 S_FIRST_STEP = _S + 26
-S_RATIO = _S + 27  # Newton's last convergence ratio
+S_LAST_STEP = _S + 27  # length of the last accepted step [s]
 
 # Rows of the motion table: see cablemodel/scene/motion.py.
 PIECE_WORDS = 24

@@ -6,8 +6,18 @@ Everything that depends on the dimension (planar or three-dimensional) is chosen
 from .block_solver import factor_planar, factor_spatial, solve_planar, solve_spatial
 from .bodies import body_jacobian, body_residual
 from .compile import kernel
-from .element_planar import condense_planar, jacobian_planar, recover_planar, residual_planar
-from .element_spatial import condense_spatial, jacobian_spatial, recover_spatial, residual_spatial
+from .element_planar import (
+    condense_planar,
+    jacobian_planar,
+    residual_planar,
+    stretch_rate_planar,
+)
+from .element_spatial import (
+    condense_spatial,
+    jacobian_spatial,
+    residual_spatial,
+    stretch_rate_spatial,
+)
 from .environment import current_profile, prescribed_motion, vessel_motion
 from .layout import (
     C_CLAMPED,
@@ -18,11 +28,14 @@ from .layout import (
     I_CONSTRAINTS,
     I_DIMENSION,
     I_NODES,
+    O_COMPLIANCE,
     O_CONSTRAINT,
     O_DIAGONAL,
+    O_JOINT,
     O_LOWER,
     O_MOTION,
     O_PARENT,
+    O_STRETCH,
     O_UPPER,
 )
 
@@ -182,8 +195,47 @@ def newton_increment(I, M, forces, constraint, x):
 
 
 @kernel
-def recover_tension(I, M, constraint, x, tension):
-    """Add the tension increments that belong to x; returns the largest [N]."""
+def stretch_rate(I, M, x, out):
+    """B x: what a motion x of the nodes adds to the constraint residuals."""
     if I[I_DIMENSION] == 2:
-        return recover_planar(I, M, constraint, x, tension)
-    return recover_spatial(I, M, constraint, x, tension)
+        stretch_rate_planar(I, M, x, out)
+    else:
+        stretch_rate_spatial(I, M, x, out)
+
+
+@kernel
+def recover_tension(I, M, constraint, x, tension):
+    """Add the tension increments S (constraint + B x) that belong to x; returns the largest [N]."""
+    work = M[I[O_STRETCH] : I[O_STRETCH] + 2 * I[I_NODES]]
+    stretch_rate(I, M, x, work)
+    largest = 0.0
+    for node in range(1, I[I_NODES]):
+        if I[I[O_JOINT] + node] != 0:
+            continue
+        s = I[O_COMPLIANCE] + 3 * node
+        r0 = constraint[2 * node] + work[2 * node]
+        r1 = constraint[2 * node + 1] + work[2 * node + 1]
+        d0 = M[s] * r0 + M[s + 1] * r1
+        d1 = M[s + 1] * r0 + M[s + 2] * r1
+        tension[2 * node] += d0
+        tension[2 * node + 1] += d1
+        largest = max(largest, abs(d0), abs(d1))
+    return largest
+
+
+@kernel
+def elongation_rate(I, M, v, tension_rate, out):
+    """Time derivative of the constraint residual: B v - C dT/dt, with the stored gradient B.
+
+    With tension_rate the solution of the projected system, out is what is left of the constraint.
+    """
+    stretch_rate(I, M, v, out)
+    for node in range(1, I[I_NODES]):
+        s = I[O_COMPLIANCE] + 3 * node
+        determinant = M[s] * M[s + 2] - M[s + 1] * M[s + 1]
+        if determinant == 0.0:
+            continue
+        t0 = tension_rate[2 * node]
+        t1 = tension_rate[2 * node + 1]
+        out[2 * node] -= (M[s + 2] * t0 - M[s + 1] * t1) / determinant
+        out[2 * node + 1] -= (M[s] * t1 - M[s + 1] * t0) / determinant

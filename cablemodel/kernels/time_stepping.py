@@ -41,8 +41,10 @@ from .layout import (
     O_POSITION,
     O_RESIDUAL,
     O_STAGE_A,
+    O_STAGE_T,
     O_STAGE_V,
     O_TENSION,
+    O_TENSION_RATE,
     O_TIMES,
     O_TRIAL_A,
     O_TRIAL_Q,
@@ -55,6 +57,7 @@ from .layout import (
     P_VELOCITY_JUMP,
     PIECE_WORDS,
     S_FACTORED_STEP,
+    S_LAST_STEP,
     S_SMALLEST_STEP,
     S_STEP,
     S_TIME,
@@ -66,6 +69,7 @@ from .system import (
     factorise,
     impose_motion,
     newton_increment,
+    elongation_rate,
     recover_tension,
     residual,
     set_time,
@@ -222,6 +226,9 @@ def try_step(I, M, dt, scheme, to_output):
         for n in range(count):
             stage_v[n] = trial_v[n]
             stage_a[n] = trial_a[n]
+        if i == stages - 2:
+            for n in range(2 * nodes):
+                M[I[O_STAGE_T] + n] = M[I[O_TRIAL_T] + n]
     for n in range(count):
         base_q[n] = 0.0
     for i in range(stages):
@@ -235,15 +242,63 @@ def try_step(I, M, dt, scheme, to_output):
 
 
 @kernel
-def accept_trial(I, M):
-    """The trial becomes the state."""
+def accept_trial(I, M, dt, scheme):
+    """The trial becomes the state; the tension's rate is that of a parabola through the step."""
     count = 2 * I[I_DIMENSION] * I[I_NODES]
+    c = STAGE_C[scheme, STAGES[scheme] - 2]
+    w0 = (1.0 - c) / (c * dt)
+    wc = -1.0 / (c * (1.0 - c) * dt)
+    w1 = (2.0 - c) / ((1.0 - c) * dt)
+    for n in range(2 * I[I_NODES]):
+        M[I[O_TENSION_RATE] + n] = (
+            w0 * M[I[O_TENSION] + n] + wc * M[I[O_STAGE_T] + n] + w1 * M[I[O_TRIAL_T] + n]
+        )
+    M[S_LAST_STEP] = dt
     for n in range(count):
         M[I[O_POSITION] + n] = M[I[O_TRIAL_Q] + n]
         M[I[O_VELOCITY] + n] = M[I[O_TRIAL_V] + n]
         M[I[O_ACCELERATION] + n] = M[I[O_TRIAL_A] + n]
     for n in range(2 * I[I_NODES]):
         M[I[O_TENSION] + n] = M[I[O_TRIAL_T] + n]
+
+
+@kernel
+def make_consistent(I, M):
+    """Remove what a step much shorter than the last one would answer with huge tensions.
+
+    A step leaves the constraint |r'| = 1 + strain(T) and its time derivative met to Newton's and
+    the integrator's tolerance. A following step of dt turns such an error of d (in r) or w (in v)
+    into forces of m d / dt^2 and m w / dt. Both are projected out here in the norm of the last
+    step's matrix: slow modes, which that step resolved, are left as they are.
+    """
+    count = 2 * I[I_DIMENSION] * I[I_NODES]
+    nodes = I[I_NODES]
+    q = M[I[O_POSITION] : I[O_POSITION] + count]
+    v = M[I[O_VELOCITY] : I[O_VELOCITY] + count]
+    a = M[I[O_ACCELERATION] : I[O_ACCELERATION] + count]
+    tension = M[I[O_TENSION] : I[O_TENSION] + 2 * nodes]
+    rate = M[I[O_TENSION_RATE] : I[O_TENSION_RATE] + 2 * nodes]
+    forces = M[I[O_RESIDUAL] : I[O_RESIDUAL] + count]
+    constraint = M[I[O_CONSTRAINT_RESIDUAL] : I[O_CONSTRAINT_RESIDUAL] + 2 * nodes]
+    x = M[I[O_INCREMENT] : I[O_INCREMENT] + count]
+    set_time(I, M, M[S_TIME])
+    if refactor(I, M, q, v, a, tension, GAMMA[0] * M[S_LAST_STEP]) == 0:
+        for _iteration in range(3):
+            residual(I, M, q, v, a, tension, forces, constraint)
+            forces[:] = 0.0
+            newton_increment(I, M, forces, constraint, x)
+            for n in range(count):
+                q[n] += x[n]
+            recover_tension(I, M, constraint, x, tension)
+        for _iteration in range(2):
+            elongation_rate(I, M, v, rate, constraint)
+            forces[:] = 0.0
+            newton_increment(I, M, forces, constraint, x)
+            for n in range(count):
+                v[n] += x[n]
+            recover_tension(I, M, constraint, x, rate)
+    I[I_FACTORED] = 0
+    M[S_LAST_STEP] = 0.0
 
 
 @kernel
@@ -317,6 +372,8 @@ def advance_to(I, M, t_end):
         # Steps that the caller limits need no high order: three stages instead of five.
         scheme = 1 if I[I_ORDER] == 4 and dt > 0.25 * natural else 0
         to_output = landing and stop == t_end
+        if dt < 0.2 * M[S_LAST_STEP]:
+            make_consistent(I, M)
         status, error = try_step(I, M, dt, scheme, to_output)
         if status != OK or not error <= 1.0:
             I[I_REJECTED] += 1
@@ -337,7 +394,7 @@ def advance_to(I, M, t_end):
                 M[S_TIME] = stop
             else:
                 M[S_TIME] += dt
-            accept_trial(I, M)
+            accept_trial(I, M, dt, scheme)
             if I[I_HYBRID] == 1:
                 update_bending(I, M)
             if I[I_LIVE] == 0:
