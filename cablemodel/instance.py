@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cablemodel.block import Block
 from cablemodel.errors import SceneError, SceneProblem, StaticsError
 from cablemodel.kernels import layout as at
-from cablemodel.mesh import line_nodes
+from cablemodel.mesh import Span, Start, line_nodes
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
@@ -22,7 +22,7 @@ FloatArray = NDArray[np.float64]
 
 _MODELS = {"elastica": 0.0, "cable": 1.0, "hybrid": 2.0}
 _OUT_OF_PLANE = 1e-12
-TIME_TOLERANCE = 0.3
+TIME_TOLERANCE = 0.15
 """Local error allowed in a step, in units of tau L; calibrated, see docs/engine.md."""
 
 
@@ -71,15 +71,55 @@ class _Line:
         return len(self.parent)
 
 
-def _mesh(scene: Scene) -> _Line:
+def _start(scene: Scene) -> Start:
+    """What the mesh rules ask about the line as a whole."""
+    rho = scene.environment.water_density
+    drag = mass = 0.0
+    for cable in scene.cables:
+        kind = scene.cable_types[cable.type]
+        drag += rho * kind.drag_normal * kind.diameter * cable.length
+        mass += kind.mass * cable.length
+    return Start(
+        slack=scene.initial.kind != "static",
+        damping=drag * scene.line_length / mass,
+        free_end=scene.end.kind == "free",
+    )
+
+
+def _spans(scene: Scene, scale: float) -> list[Span]:
+    """The cables as the mesh sees them: bending layers at clamps, and at bodies of an elastica."""
+    spans = []
+    items = list(scene.line)
+    clamped = scene.vessel.connection.kind == "clamped"
+    for place, item in enumerate(items):
+        if item.cable is None:
+            clamped = item.body is not None
+            continue
+        cable = item.cable
+        kind = scene.cable_types[cable.type]
+        layer = math.inf if cable.model == "cable" else math.sqrt(kind.bending_stiffness / scale)
+        last = place == len(items) - 1
+        ends_clamped = scene.end.connection.kind == "clamped" if last else False
+        before_body = not last and items[place + 1].body is not None and place + 2 < len(items)
+        body_layer = cable.model == "elastica"
+        at_start = clamped and (place == 0 or body_layer)
+        at_end = ends_clamped or (before_body and body_layer)
+        spans.append(
+            Span(
+                cable.length,
+                cable.elements,
+                layer if at_start else math.inf,
+                layer if at_end else math.inf,
+            )
+        )
+        clamped = False
+    return spans
+
+
+def _mesh(scene: Scene, scale: float) -> _Line:
     """Nodes, joints and bodies of the scene's line, vessel first."""
     items = list(scene.line)
-    cables = [item.cable for item in items if item.cable is not None]
-    spaced = line_nodes(
-        [cable.length for cable in cables],
-        [cable.elements for cable in cables],
-        scene.solver.tolerance,
-    )
+    spaced = line_nodes(_spans(scene, scale), scene.solver.tolerance, _start(scene))
     line = _Line([-1], [0], [0.0], [0.0], [0], [])
     arc = 0.0
     index = -1
@@ -183,8 +223,9 @@ def build(scene: Scene, *, planar: bool | None = None) -> Block:
     Raises SceneError (not supported, inconsistent), StaticsError (no equilibrium found).
     """
     refuse_unsupported(scene)
-    line = _mesh(scene)
     types = [scene.cable_types[cable.type] for cable in scene.cables]
+    scale = _tension_scale(scene, types)
+    line = _mesh(scene, scale)
     motion = scene.motion()
     position, velocity, _ = motion.evaluate(0.0)
     points = _initial_points(scene, position)
@@ -233,7 +274,6 @@ def build(scene: Scene, *, planar: bool | None = None) -> Block:
         block.array(at.O_DEPTHS, depths)[:] = current.z
         block.array(at.O_TIMES, times)[:] = current.t
         block.array(at.O_CURRENT, times, depths, 3)[:] = current.velocity
-    scale = _tension_scale(scene, types)
     _fill_line(block, scene, line, types, scale)
     _fill_constraints(block, scene, line)
     _fill_positions(block, line, points, length)

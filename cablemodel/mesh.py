@@ -1,34 +1,121 @@
-"""Where the nodes of a line lie: from the accuracy that is asked for, or an element count."""
+"""Where the nodes of a line lie: from the accuracy that is asked for, or an element count.
+
+The rules are measured (docs/engine.md): how many elements a line needs at an accuracy, where they
+must be small. A cubic element's error falls like h^4, so counts grow like tau^(-1/4).
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
 
+_STEADY = 4.0
+"""Elements at tau = 1e-3 of a line that starts under tension."""
+_SLACK = 10.0
+"""The same for a line that starts without: it folds at its ends."""
+_WHIP = 20.0
+"""The same where drag is too small to damp the waves that run along it."""
+_LIGHT_DAMPING = 10.0
+"""rho Cdn d L / m below which a line counts as hardly damped."""
+_LAYER_GROWTH = 2.0
+"""Ratio of neighbouring elements next to a bending layer."""
+FEWEST = 2
+"""Elements of a cable between two bodies."""
 
-def uniform_nodes(length: float, elements: int) -> FloatArray:
-    """Arc lengths of the nodes of one cable [m], (elements + 1,)."""
-    return np.linspace(0.0, length, elements + 1)
+
+@dataclass(frozen=True)
+class Span:
+    """One cable of a line as the mesh sees it."""
+
+    length: float
+    """Unstretched [m]."""
+    elements: int | None = None
+    """A count that overrides the rules: equal elements, for studies."""
+    layer_start: float = math.inf
+    """Thickness sqrt(EI/T) of a bending layer at its end towards the vessel [m]; inf: none."""
+    layer_end: float = math.inf
+    """The same at its far end."""
 
 
-def element_count(tolerance: float) -> int:
-    """Elements of a line for an accuracy tau."""
-    return max(4, math.ceil(4.0 * (1e-2 / tolerance) ** 0.25))
+@dataclass(frozen=True)
+class Start:
+    """What the whole line is like at t = 0."""
+
+    slack: bool
+    """It starts without tension."""
+    damping: float
+    """rho Cdn d L / m of the line, dimensionless."""
+    free_end: bool
 
 
-def line_nodes(
-    lengths: Sequence[float], elements: Sequence[int | None], tolerance: float
-) -> list[FloatArray]:
-    """Nodes of every cable of a line, each from 0 to its length."""
-    total = math.fsum(lengths)
-    count = element_count(tolerance)
+def element_count(tolerance: float, start: Start) -> int:
+    """Elements of a whole line for an accuracy tau."""
+    if not start.slack:
+        at_thousandth = _STEADY
+    elif start.damping >= _LIGHT_DAMPING:
+        at_thousandth = _SLACK
+    else:
+        at_thousandth = _WHIP
+    return max(4, math.ceil(at_thousandth * (1e-3 / tolerance) ** 0.25 - 1e-9))
+
+
+def relative_size(x: float, start: Start) -> float:
+    """Element size, relative, at a fraction x of the line from the vessel.
+
+    A towed line bends most at its free end, a line that starts slack where it is held, a whip at
+    its tip.
+    """
+    if not start.slack:
+        return 2.0 ** (-x) if start.free_end else 1.0
+    if start.damping >= _LIGHT_DAMPING:
+        return 4.0 ** (-abs(2.0 * x - 1.0))
+    return 4.0 ** (-x) if start.free_end else 4.0 ** (-abs(2.0 * x - 1.0))
+
+
+def line_nodes(spans: list[Span], tolerance: float, start: Start) -> list[FloatArray]:
+    """Arc lengths of the nodes of every cable [m], each from 0 to its length."""
+    total = math.fsum(span.length for span in spans)
+    count = element_count(tolerance, start)
+    # Nodes at equal steps of the integral of 1 / size over the line.
+    x = np.linspace(0.0, 1.0, 2001)
+    density = np.array([1.0 / relative_size(float(value), start) for value in x])
+    integral = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(x))])
+    integral *= count / integral[-1]
     nodes = []
-    for length, wanted in zip(lengths, elements, strict=True):
-        n = wanted if wanted is not None else max(2, round(count * length / total))
-        nodes.append(uniform_nodes(length, n))
+    arc = 0.0
+    for span in spans:
+        if span.elements is not None:
+            nodes.append(np.linspace(0.0, span.length, span.elements + 1))
+        else:
+            first, last = np.interp([arc / total, (arc + span.length) / total], x, integral)
+            n = max(FEWEST, round(last - first))
+            places = np.interp(np.linspace(first, last, n + 1), integral, x) * total - arc
+            places[0], places[-1] = 0.0, span.length
+            nodes.append(with_layers(places, span, tolerance))
+        arc += span.length
     return nodes
+
+
+def with_layers(nodes: FloatArray, span: Span, tolerance: float) -> FloatArray:
+    """Split the elements next to bending layers, so that sizes grow from the layer outwards."""
+    smallest = 2.0 * min(1.0, (tolerance / 1e-3) ** 0.25)
+    places = list(nodes)
+    for layer, at_end in ((span.layer_start, False), (span.layer_end, True)):
+        if not math.isfinite(layer) or layer <= 0.0:
+            continue
+        target = max(layer * smallest, 1e-4 * span.length)
+        size = abs(places[-1] - places[-2]) if at_end else places[1] - places[0]
+        new = []
+        while size > target * 1.5:
+            size /= _LAYER_GROWTH
+            new.append(size)
+        if at_end:
+            places[-1:] = [span.length - value for value in new] + [span.length]
+        else:
+            places[:1] = [0.0, *reversed(new)]
+    return np.array(places)

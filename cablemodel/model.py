@@ -268,7 +268,11 @@ class CableModel:
 
     @property
     def top_tension(self) -> float:
-        """Tension at the tow point: the force there along the cable [N]."""
+        """Tension at the tow point, as a load cell there reads it [N].
+
+        The size of `top_force`, negative where the cable pushes. It differs from the axial
+        tension, `sample(0).tension`, by the shear force of a cable that bends there.
+        """
         return float(self._numbers()[6])
 
     @property

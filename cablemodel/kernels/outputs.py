@@ -248,8 +248,8 @@ def sample_stations(I, M, stations, out):
 def summarise(I, M, out):
     """Numbers of the present state that logs and co-simulation ask for at every step.
 
-    out: 0-5 force and moment of the cable on the vessel, 6 top tension, 7, 8 lowest and highest
-    tension, 9-11 end position, 12-14 end velocity, 15-17 vessel position, 18-20 vessel velocity,
+    out: 0-5 force and moment of the cable on the vessel, 6 top tension (size of that force,
+    negative where the cable pushes), 7, 8 lowest and highest tension in the cable, 9-11 end position, 12-14 end velocity, 15-17 vessel position, 18-20 vessel velocity,
     21 line length.
     """
     dimension = I[I_DIMENSION]
@@ -261,7 +261,7 @@ def summarise(I, M, out):
         out[i] = -out[i]
     top = pull_along(I, M, 0, -1.0)
     tip = pull_along(I, M, nodes - 1, 1.0)
-    out[6] = top
+    out[6] = math.copysign(math.sqrt(out[0] ** 2 + out[1] ** 2 + out[2] ** 2), top)
     lowest = min(top, tip)
     highest = max(top, tip)
     for node in range(1, nodes):

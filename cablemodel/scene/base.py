@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Annotated, Any, ClassVar, TypeVar
 
 from pydantic import BaseModel, ConfigDict, GetJsonSchemaHandler, model_validator
+from pydantic.config import JsonDict
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
 
@@ -69,6 +70,20 @@ class WordOrMapping(SceneModel):
         schema["description"] = mapping.pop("description")
         schema["anyOf"] = [{"const": cls.word}, mapping]
         return schema
+
+
+def also(*forms: JsonDict) -> Callable[[JsonDict], None]:
+    """``json_schema_extra`` of a field that has short forms next to its own."""
+
+    def extend(schema: JsonDict) -> None:
+        own = schema.pop("anyOf", None)
+        if own is None:
+            words = ("type", "items", "minItems", "$ref")
+            own = [{word: schema.pop(word) for word in words if word in schema}]
+        assert isinstance(own, list)
+        schema["anyOf"] = [*forms, *own]
+
+    return extend
 
 
 _CLOSEST = 1e-9

@@ -8,7 +8,6 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
-from pydantic.config import JsonDict
 
 from cablemodel.scene.base import (
     Angle,
@@ -20,6 +19,7 @@ from cablemodel.scene.base import (
     Seconds,
     Vector2,
     Velocity,
+    also,
 )
 from cablemodel.scene.tables import table_from_file
 from cablemodel.scene.units import Count, Quantity, Vector, rejection
@@ -135,15 +135,6 @@ class FloorPoint(SceneModel):
     z: Metres = Field(description="height of the floor (negative below the surface)")
 
 
-_FILE_OR_ROWS: JsonDict = {
-    "anyOf": [
-        {"type": "null"},
-        {"type": "string"},
-        {"type": "array", "items": {"$ref": "#/$defs/FloorPoint"}},
-    ]
-}
-
-
 def _floor_rows(value: Any, info: ValidationInfo) -> Any:
     if isinstance(value, str):
         return table_from_file(value, info.context, columns=("x", "z"), optional=("y",))
@@ -167,7 +158,7 @@ class Floor(SceneModel):
         default=None,
         description="instead of z: a CSV file with the columns x, y, z (a full grid; y may be left "
         "out for a profile along x), or its rows",
-        json_schema_extra=_FILE_OR_ROWS,
+        json_schema_extra=also({"type": "string"}),
     )
     friction: Coefficient = Field(default=0.0, description="Coulomb friction coefficient")
 
@@ -224,15 +215,6 @@ def _none(value: Any) -> Any:
     return None if isinstance(value, str) and value == "none" else value
 
 
-_VECTOR_OR_TABLE: JsonDict = {
-    "anyOf": [
-        {"type": "null"},
-        Vector("m/s").json_schema(),
-        {"$ref": "#/$defs/Current"},
-    ]
-}
-
-
 class Environment(SceneModel):
     """What surrounds the cable. Axes: x east, y north, z up, still water at z = 0."""
 
@@ -245,7 +227,7 @@ class Environment(SceneModel):
     current: Annotated[Current | None, BeforeValidator(_none)] = Field(
         default=None,
         description="velocity of the water: none, one vector, or a table over depth and time",
-        json_schema_extra=_VECTOR_OR_TABLE,
+        json_schema_extra=also(Vector("m/s").json_schema()),
     )
     waves: Annotated[Waves | None, BeforeValidator(_none)] = Field(
         default=None,

@@ -23,11 +23,11 @@ if TYPE_CHECKING:
     from pint import UnitRegistry
 
 _NUMBER = r"[-+]?(?:\d[\d_]*\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
-_FACTOR = r"(?:[A-Za-z_µμΩ°%]+)(?:\s*(?:\*\*|\^)?\s*-?\d)?"
+_FACTOR = r"(?:[A-Za-z_µμΩ°%]+)(?:\s*(?:\*\*|\^)?\s*-?[1-9])?"
 _QUANTITY = re.compile(
     rf"\s*(?P<number>{_NUMBER})\s*(?P<unit>(?:/\s*)?{_FACTOR}(?:\s*[*/·]?\s*{_FACTOR})*)\s*"
 )
-_EXPONENT = re.compile(r"(?<=[A-Za-z_µμΩ°%])\s*(?:\*\*|\^)?\s*(-?\d)")
+_EXPONENT = re.compile(r"(?<=[A-Za-z_µμΩ°%])\s*(?:\*\*|\^)?\s*(-?[1-9])")
 _LONGEST_TEXT = 80
 
 # Numbers outside this range overflow in a product or quotient of a few; no cable has them.
@@ -133,12 +133,12 @@ class Quantity:
             spelled = "1" + spelled
         try:
             given = units.parse_units(spelled)
-        except (PintError, ValueError, TypeError):
+        except (PintError, ValueError, TypeError, KeyError):
             problem = f"{shown(text)}: unknown unit {shown(unit)}"
             raise rejection(problem, self.allowed, text) from None
         try:
             converted = units.Quantity(number, given).to(self.unit or "dimensionless").magnitude
-        except (PintError, OverflowError):
+        except (PintError, ArithmeticError, KeyError):
             target = plain_unit(self.unit) or "a plain number"
             problem = f"{shown(text)} cannot be converted to {target}"
             raise rejection(problem, self.allowed, text) from None
@@ -288,4 +288,7 @@ def _registry() -> UnitRegistry[Any]:
     """Pint's registry: half a second, so only for scenes that spell units."""
     import pint
 
-    return pint.UnitRegistry()
+    units: UnitRegistry[Any] = pint.UnitRegistry()
+    if "kn" not in units:  # pint before 0.25 knows only knot and kt
+        units.define("@alias knot = kn")
+    return units

@@ -27,6 +27,7 @@ from cablemodel.scene.base import (
     Seconds,
     Speed,
     Velocity,
+    also,
     in_order_of,
 )
 from cablemodel.scene.line import Connection, LineItem
@@ -63,18 +64,11 @@ def _velocity_rows(value: Any, info: ValidationInfo) -> Any:
     return velocity_from_file(value["file"], info.context, topic, ("file",))
 
 
-_VELOCITY_FORMS: JsonDict = {
-    "anyOf": [
-        {"type": "null"},
-        Vector("m/s").json_schema(),
-        {"type": "array", "items": {"$ref": "#/$defs/VelocityPoint"}, "minItems": 1},
-        {
-            "type": "object",
-            "properties": {"file": {"type": "string"}, "topic": {"type": "string"}},
-            "required": ["file"],
-            "additionalProperties": False,
-        },
-    ]
+_FILE_FORM: JsonDict = {
+    "type": "object",
+    "properties": {"file": {"type": "string"}, "topic": {"type": "string"}},
+    "required": ["file"],
+    "additionalProperties": False,
 }
 
 
@@ -184,7 +178,7 @@ class Vessel(SceneModel):
         description="velocity of the tow point: one vector, a table over time that holds its first "
         "and last value, or a file: CSV with the columns t, vx, vy, vz in SI, or MCAP with an "
         "Odometry or TwistStamped topic; none: at rest",
-        json_schema_extra=_VELOCITY_FORMS,
+        json_schema_extra=also(Vector("m/s").json_schema(), _FILE_FORM),
     )
     interpolation: Literal["linear", "cubic"] = Field(
         default="linear",
@@ -218,14 +212,6 @@ def _rate_rows(value: Any) -> Any:
     return value
 
 
-_RATE_FORMS: JsonDict = {
-    "anyOf": [
-        Quantity("m/s").json_schema(),
-        {"type": "array", "items": {"$ref": "#/$defs/RatePoint"}, "minItems": 1},
-    ]
-}
-
-
 class Payout(SceneModel):
     """The winch: how fast it pays out, and what its drum still holds."""
 
@@ -235,7 +221,7 @@ class Payout(SceneModel):
         default=(RatePoint(t=0.0, rate=0.0),),
         description="pay-out rate: one number, or a table over time, linear between its rows, that "
         "holds its first and last value",
-        json_schema_extra=_RATE_FORMS,
+        json_schema_extra=also(Quantity("m/s").json_schema()),
     )
     drum: tuple[LineItem, ...] = Field(
         default=(), description="cables and bodies on the drum, as in line, vessel end first"

@@ -1,0 +1,41 @@
+"""What the README shows of scenes is what the code does."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+import cablemodel as cm
+
+ROOT = Path(__file__).parents[2]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def blocks(language: str) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", README, flags=re.DOTALL)
+
+
+def test_scene_of_the_readme_loads() -> None:
+    (text,) = blocks("yaml")
+    scene = cm.load_scene(text)
+    assert scene.run.duration == 600
+    assert scene.vessel.velocity is not None
+    assert scene.vessel.velocity[1].t == 60
+    assert scene.vessel.velocity[1].velocity[0] == pytest.approx(2 * 1852 / 3600)
+
+
+def test_messages_of_the_readme_are_those_of_the_code() -> None:
+    (text,) = blocks("yaml")
+    for override in ("line.0.cable.lenght=1", "vessel.velocity.1.t=1 m"):
+        data = cm.load_scene(text).to_dict()
+        with pytest.raises(cm.SceneError) as caught:
+            cm.load_scene(data, [override])
+        assert f"\n{caught.value}\n" in README
+
+
+def test_make_commands_of_the_readme_exist() -> None:
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    for target in re.findall(r"^make ([a-z-]+)", README, flags=re.MULTILINE):
+        assert re.search(rf"^{target}:", makefile, flags=re.MULTILINE)

@@ -1,0 +1,226 @@
+"""Tables from files: CSV, and velocity from MCAP logs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from mcap.writer import Writer
+from rosbags.typesys import Stores, get_typestore
+from scene_examples import minimal
+
+import cablemodel as cm
+
+ODOMETRY = "nav_msgs/msg/Odometry"
+TWIST = "geometry_msgs/msg/TwistStamped"
+
+
+def scene_with(folder: Path, **velocity: str) -> cm.Scene:
+    data = minimal() | {"vessel": {"velocity": velocity}}
+    return cm.load_scene(data, folder=folder)
+
+
+def refusal(folder: Path, **velocity: str) -> cm.SceneError:
+    with pytest.raises(cm.SceneError) as caught:
+        scene_with(folder, **velocity)
+    return caught.value
+
+
+def rows(scene: cm.Scene) -> list[tuple[float, tuple[float, ...]]]:
+    assert scene.vessel.velocity is not None
+    return [(row.t, row.velocity) for row in scene.vessel.velocity]
+
+
+def test_velocity_from_csv_by_column_names(tmp_path: Path) -> None:
+    (tmp_path / "log.csv").write_text("\ufefft, vy,vx,note,vz\n0,2,1,a,3\n\n1.5,5,4,b,6\n")
+    scene = scene_with(tmp_path, file="log.csv")
+    assert rows(scene) == [(0, (1, 2, 3)), (1.5, (4, 5, 6))]
+    # Written, the scene no longer needs the file.
+    assert cm.load_scene(scene.to_yaml()) == scene
+
+
+def test_files_are_found_next_to_the_scene(tmp_path: Path) -> None:
+    (tmp_path / "log.csv").write_text("t,vx,vy,vz\n0,1,2,3\n")
+    path = tmp_path / "scene.yaml"
+    path.write_text(
+        "cable_types: {K: {diameter: 1, mass: 1, axial_stiffness: 1}}\n"
+        "line: [{cable: {type: K, length: 1}}]\n"
+        "vessel: {velocity: {file: log.csv}}\n"
+    )
+    assert rows(cm.load_scene(path)) == [(0, (1, 2, 3))]
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "no column t"),
+        ("t,vx,vy\n0,1,2\n", "no column vz"),
+        ("t,vx,vy,vz\n", "no rows"),
+        ("t,vx,vy,vz\n0,1,2\n", "line 2"),
+        ("t,vx,vy,vz\n0,1,2,3\n1,x,2,3\n", "line 3"),
+        ("t,vx,vy,vz\n0,1,2,nan\n", "line 2"),
+        ("t,vx,vy,vz\n0,1,2,3\n0,1,2,3\n", "twice the same t"),
+        ("t,vx,vy,vz\n1,1,2,3\n0,1,2,3\n", "out of order"),
+    ],
+)
+def test_bad_csv_is_refused(tmp_path: Path, text: str, words: str) -> None:
+    (tmp_path / "log.csv").write_text(text)
+    error = refusal(tmp_path, file="log.csv")
+    assert error.path.startswith("vessel.velocity")
+    assert words in str(error)
+
+
+def test_missing_and_odd_files_are_refused(tmp_path: Path) -> None:
+    assert "no file 'none.csv'" in str(refusal(tmp_path, file="none.csv"))
+    assert "no file" in str(refusal(tmp_path, file="x" * 5000))
+    assert "no file" in str(refusal(tmp_path, file="\0"))
+    assert "no file" in str(refusal(tmp_path, file="."))
+    (tmp_path / "binary.csv").write_bytes(bytes(range(256)))
+    assert "cannot be read" in str(refusal(tmp_path, file="binary.csv"))
+    (tmp_path / "log.csv").write_text("t,vx,vy,vz\n0,1,2,3\n")
+    assert refusal(tmp_path, file="log.csv", topic="/odom").path == "vessel.velocity.topic"
+
+
+def write_log(path: Path, topics: dict[str, tuple[str, list[Any]]]) -> None:
+    """Write messages, given as (stamp [ns], message), to an MCAP file."""
+    types = get_typestore(Stores.ROS2_JAZZY)
+    with path.open("wb") as stream:
+        writer = Writer(stream)
+        writer.start(profile="ros2")
+        for topic, (name, messages) in topics.items():
+            text, _ = types.generate_msgdef(name, ros_version=2)
+            schema = writer.register_schema(name, "ros2msg", text.encode())
+            channel = writer.register_channel(topic, "cdr", schema)
+            for stamp, message in messages:
+                data = bytes(types.serialize_cdr(message, name))
+                writer.add_message(channel, stamp, data, stamp)
+        writer.finish()
+
+
+def header(stamp: int, frame: str = "map") -> Any:
+    types = get_typestore(Stores.ROS2_JAZZY).types
+    time = types["builtin_interfaces/msg/Time"](sec=stamp // 10**9, nanosec=stamp % 10**9)
+    return types["std_msgs/msg/Header"](stamp=time, frame_id=frame)
+
+
+def twist(velocity: tuple[float, float, float]) -> Any:
+    types = get_typestore(Stores.ROS2_JAZZY).types
+    vector = types["geometry_msgs/msg/Vector3"]
+    return types["geometry_msgs/msg/Twist"](linear=vector(*velocity), angular=vector(0, 0, 0))
+
+
+def twist_message(stamp: int, velocity: tuple[float, float, float]) -> tuple[int, Any]:
+    types = get_typestore(Stores.ROS2_JAZZY).types
+    return stamp, types[TWIST](header=header(stamp), twist=twist(velocity))
+
+
+def odometry_message(
+    stamp: int, velocity: tuple[float, float, float], yaw: float, child: str = "vessel"
+) -> tuple[int, Any]:
+    import numpy as np
+
+    types = get_typestore(Stores.ROS2_JAZZY).types
+    covariance = np.zeros(36)
+    pose = types["geometry_msgs/msg/Pose"](
+        position=types["geometry_msgs/msg/Point"](0, 0, 0),
+        orientation=types["geometry_msgs/msg/Quaternion"](
+            0, 0, math.sin(yaw / 2), math.cos(yaw / 2)
+        ),
+    )
+    return stamp, types[ODOMETRY](
+        header=header(stamp),
+        child_frame_id=child,
+        pose=types["geometry_msgs/msg/PoseWithCovariance"](pose=pose, covariance=covariance),
+        twist=types["geometry_msgs/msg/TwistWithCovariance"](
+            twist=twist(velocity), covariance=covariance
+        ),
+    )
+
+
+START = 1_700_000_000_000_000_000
+SECOND = 1_000_000_000
+
+
+def test_velocity_from_twist_stamped(tmp_path: Path) -> None:
+    messages = [
+        twist_message(START, (1, 2, 3)),
+        twist_message(START + SECOND // 2, (4, 5, 6)),
+    ]
+    write_log(tmp_path / "run.mcap", {"/cmd_vel": (TWIST, messages)})
+    expected = [(0, (1, 2, 3)), (0.5, (4, 5, 6))]
+    assert rows(scene_with(tmp_path, file="run.mcap")) == expected
+    assert rows(scene_with(tmp_path, file="run.mcap", topic="/cmd_vel")) == expected
+
+
+def test_odometry_is_turned_from_the_vessel_frame_into_the_map(tmp_path: Path) -> None:
+    messages = [
+        odometry_message(START, (1, 0, 0.5), 0.0),
+        odometry_message(START + SECOND, (1, 0, 0.5), math.pi / 2),
+        odometry_message(START + 2 * SECOND, (1, 0, 0.5), math.pi / 2, child="map"),
+    ]
+    write_log(tmp_path / "run.mcap", {"/odom": (ODOMETRY, messages)})
+    (_, ahead), (_, turned), (_, same) = rows(scene_with(tmp_path, file="run.mcap"))
+    assert ahead == pytest.approx((1, 0, 0.5))
+    assert turned == pytest.approx((0, 1, 0.5))
+    assert same == (1, 0, 0.5)
+
+
+def test_the_topic_must_be_clear(tmp_path: Path) -> None:
+    two = {
+        "/a": (TWIST, [twist_message(START, (1, 0, 0))]),
+        "/b": (TWIST, [twist_message(START, (2, 0, 0))]),
+    }
+    write_log(tmp_path / "run.mcap", two)
+    assert "(/a, /b)" in str(refusal(tmp_path, file="run.mcap"))
+    assert refusal(tmp_path, file="run.mcap", topic="/c").allowed == "/a, /b"
+    assert rows(scene_with(tmp_path, file="run.mcap", topic="/b")) == [(0, (2, 0, 0))]
+    write_log(tmp_path / "empty.mcap", {})
+    assert "0 topics" in str(refusal(tmp_path, file="empty.mcap"))
+
+
+def test_stamps_must_rise(tmp_path: Path) -> None:
+    messages = [twist_message(START, (1, 0, 0)), twist_message(START, (2, 0, 0))]
+    write_log(tmp_path / "run.mcap", {"/a": (TWIST, messages)})
+    assert "does not rise" in str(refusal(tmp_path, file="run.mcap"))
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda data: b"",
+        lambda data: b"not a log",
+        lambda data: data[: len(data) // 2],
+        lambda data: data[:60] + b"\xff" * 40 + data[100:],
+    ],
+    ids=["empty", "other", "cut", "corrupt"],
+)
+def test_damaged_logs_are_refused(tmp_path: Path, damage: Callable[[bytes], bytes]) -> None:
+    path = tmp_path / "run.mcap"
+    write_log(path, {"/a": (TWIST, [twist_message(START, (1, 0, 0))])})
+    path.write_bytes(damage(path.read_bytes()))
+    assert refusal(tmp_path, file="run.mcap").path == "vessel.velocity.file"
+
+
+def test_floor_from_csv(tmp_path: Path) -> None:
+    (tmp_path / "grid.csv").write_text("x,y,z\n0,0,-10\n0,10,-20\n10,0,-30\n10,10,-40\n")
+    (tmp_path / "line.csv").write_text("x,z\n0,-10\n10,-30\n")
+    (tmp_path / "holes.csv").write_text("x,y,z\n0,0,-10\n0,10,-20\n10,0,-30\n")
+    data = minimal() | {"environment": {"floor": {"depth_table": "grid.csv"}}}
+    scene = cm.load_scene(data, folder=tmp_path)
+    floor = scene.environment.floor
+    assert floor is not None
+    assert floor.grid_z.tolist() == [[-10, -20], [-30, -40]]
+    assert floor.height(5, 5) == -25
+    assert floor.height(-100, 100) == -20
+    assert cm.load_scene(scene.to_yaml()) == scene
+    data["environment"]["floor"]["depth_table"] = "line.csv"
+    floor = cm.load_scene(data, folder=tmp_path).environment.floor
+    assert floor is not None
+    assert floor.height(5, 1234) == -20
+    for name, words in (("holes.csv", "holes"), ("none.csv", "no file")):
+        data["environment"]["floor"]["depth_table"] = name
+        with pytest.raises(cm.SceneError, match=words):
+            cm.load_scene(data, folder=tmp_path)

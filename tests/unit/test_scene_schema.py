@@ -1,0 +1,89 @@
+"""The JSON schema and the reference page say what the code does."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+import yaml
+from jsonschema import Draft202012Validator
+from scene_examples import full, minimal
+
+import cablemodel as cm
+from cablemodel.scene import scene_json_schema
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture(scope="module")
+def validator() -> Draft202012Validator:
+    schema = json.loads(json.dumps(scene_json_schema(), allow_nan=False))
+    Draft202012Validator.check_schema(schema)
+    return Draft202012Validator(schema)
+
+
+@pytest.mark.parametrize("data", [minimal(), full()], ids=["minimal", "full"])
+def test_schema_accepts_what_loads(validator: Draft202012Validator, data: dict[str, Any]) -> None:
+    validator.validate(data)
+    validator.validate(cm.load_scene(data).to_dict())
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "scenes").glob("*.yaml")), ids=lambda p: p.stem)
+def test_schema_accepts_the_ready_scenes(validator: Draft202012Validator, path: Path) -> None:
+    validator.validate(yaml.safe_load(path.read_text(encoding="utf-8")))
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"zzz": 1},
+        {"line": 5},
+        {"end": "fixed"},
+        {"end": {}},
+        {"environment": {"gravity": True}},
+        {"environment": {"gravity": -1}},
+        {"environment": {"current": [1, 2]}},
+        {"vessel": {"velocity": {"fil": "x"}}},
+        {"solver": {"method": "fem"}},
+    ],
+)
+def test_schema_refuses_what_does_not_load(
+    validator: Draft202012Validator, change: dict[str, Any]
+) -> None:
+    assert not validator.is_valid(minimal() | change)
+    with pytest.raises(cm.SceneError):
+        cm.load_scene(minimal() | change)
+
+
+def test_schema_names_unit_and_meaning_of_every_key() -> None:
+    schema = scene_json_schema()
+    for name, definition in {**schema["$defs"], "Scene": schema}.items():
+        mapping = definition["anyOf"][1] if "anyOf" in definition else definition
+        for key, field in mapping["properties"].items():
+            assert field.get("description"), f"{name}.{key} has no description"
+
+
+def page_writer() -> ModuleType:
+    path = ROOT / "docs" / "write_scene_reference.py"
+    spec = importlib.util.spec_from_file_location("write_scene_reference", path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_reference_page_is_up_to_date() -> None:
+    written = (ROOT / "docs" / "scene.md").read_text(encoding="utf-8")
+    assert written == page_writer().scene_reference(), "run `make docs`"
+
+
+def test_example_on_the_reference_page_loads() -> None:
+    text = page_writer().INTRODUCTION.split("```yaml\n")[1].split("```")[0]
+    scene = cm.load_scene(text)
+    assert scene.cable_types["rope"].diameter == 0.012
+    assert scene.cable_types["rope"].axial_stiffness == 1e6
