@@ -27,15 +27,18 @@ from .layout import (
     I_DEPTHS,
     I_DRAG,
     I_NODES,
+    I_PAYOUT,
     O_COMPLIANCE,
     O_DIAGONAL,
     O_EDGE,
+    O_END_FORCE,
     O_GAUSS,
     O_GRADIENT,
     O_JOINT,
     O_LOWER,
     O_MOTION,
     O_PARENT,
+    O_TOP,
     O_UPPER,
 )
 from .strain import strain_and_slope
@@ -199,7 +202,9 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
     W = M[I[O_GAUSS] : I[O_GAUSS] + 512]
     nodes = I[I_NODES]
     drag = I[I_DRAG]
+    payout = I[I_PAYOUT]
     sheared = I[I_DEPTHS] > 1
+    ends = M[I[O_END_FORCE] : I[O_END_FORCE] + 4 * nodes]
     out[0 : 4 * nodes] = 0.0
     for node in range(1, nodes):
         if I[I[O_JOINT] + node] != 0:
@@ -212,8 +217,13 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
         bending = M[e + E_BENDING]
         x0 = q[4 * parent : 4 * parent + 4]
         x1 = q[4 * node : 4 * node + 4]
+        v0 = v[4 * parent : 4 * parent + 4]
+        v1 = v[4 * node : 4 * node + 4]
         a0 = a[4 * parent : 4 * parent + 4]
         a1 = a[4 * node : 4 * node + 4]
+        if parent == 0 and payout != 0:
+            v0 = M[I[O_TOP] : I[O_TOP] + 4]
+            a0 = M[I[O_TOP] + 6 : I[O_TOP] + 6 + 4]
         geometry(W, x0, x1, h)
         t0 = tension[2 * node]
         t1 = tension[2 * node + 1]
@@ -248,8 +258,6 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
         if drag != 0:
             if sheared:
                 element_current(I, M, W, x0, x1, h)
-            v0 = v[4 * parent : 4 * parent + 4]
-            v1 = v[4 * node : 4 * node + 4]
             load_forces(
                 W,
                 v0,
@@ -302,6 +310,8 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
             out[4 * parent + 2 + i] += h * r[1]
             out[4 * node + i] += r[2]
             out[4 * node + 2 + i] += h * r[3]
+            ends[4 * node + i] = -r[0]
+            ends[4 * node + 2 + i] = r[2]
 
 
 @inlined
@@ -386,6 +396,7 @@ def jacobian_planar(I, M, q, v, a, tension, ca, cv):
     W = M[I[O_GAUSS] : I[O_GAUSS] + 512]
     nodes = I[I_NODES]
     drag = I[I_DRAG]
+    payout = I[I_PAYOUT]
     sheared = I[I_DEPTHS] > 1
     diagonal = M[I[O_DIAGONAL] : I[O_DIAGONAL] + 16 * nodes]
     upper = M[I[O_UPPER] : I[O_UPPER] + 16 * nodes]
@@ -404,6 +415,9 @@ def jacobian_planar(I, M, q, v, a, tension, ca, cv):
         a1 = a[4 * node : 4 * node + 4]
         v0 = v[4 * parent : 4 * parent + 4]
         v1 = v[4 * node : 4 * node + 4]
+        if parent == 0 and payout != 0:
+            v0 = M[I[O_TOP] : I[O_TOP] + 4]
+            a0 = M[I[O_TOP] + 6 : I[O_TOP] + 6 + 4]
         geometry(W, x0, x1, h)
         if drag != 0 and sheared:
             element_current(I, M, W, x0, x1, h)

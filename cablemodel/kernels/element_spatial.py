@@ -31,15 +31,18 @@ from .layout import (
     I_DEPTHS,
     I_DRAG,
     I_NODES,
+    I_PAYOUT,
     O_COMPLIANCE,
     O_DIAGONAL,
     O_EDGE,
+    O_END_FORCE,
     O_GAUSS,
     O_GRADIENT,
     O_JOINT,
     O_LOWER,
     O_MOTION,
     O_PARENT,
+    O_TOP,
     O_UPPER,
 )
 from .strain import strain_and_slope
@@ -243,7 +246,9 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
     W = M[I[O_GAUSS] : I[O_GAUSS] + 512]
     nodes = I[I_NODES]
     drag = I[I_DRAG]
+    payout = I[I_PAYOUT]
     sheared = I[I_DEPTHS] > 1
+    ends = M[I[O_END_FORCE] : I[O_END_FORCE] + 6 * nodes]
     out[0 : 6 * nodes] = 0.0
     for node in range(1, nodes):
         if I[I[O_JOINT] + node] != 0:
@@ -256,8 +261,13 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
         bending = M[e + E_BENDING]
         x0 = q[6 * parent : 6 * parent + 6]
         x1 = q[6 * node : 6 * node + 6]
+        v0 = v[6 * parent : 6 * parent + 6]
+        v1 = v[6 * node : 6 * node + 6]
         a0 = a[6 * parent : 6 * parent + 6]
         a1 = a[6 * node : 6 * node + 6]
+        if parent == 0 and payout != 0:
+            v0 = M[I[O_TOP] : I[O_TOP] + 6]
+            a0 = M[I[O_TOP] + 6 : I[O_TOP] + 6 + 6]
         geometry(W, x0, x1, h)
         t0 = tension[2 * node]
         t1 = tension[2 * node + 1]
@@ -294,8 +304,6 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
         if drag != 0:
             if sheared:
                 element_current(I, M, W, x0, x1, h)
-            v0 = v[6 * parent : 6 * parent + 6]
-            v1 = v[6 * node : 6 * node + 6]
             load_forces(
                 W,
                 v0,
@@ -349,6 +357,8 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
             out[6 * parent + 3 + i] += h * R[1]
             out[6 * node + i] += R[2]
             out[6 * node + 3 + i] += h * R[3]
+            ends[6 * node + i] = -R[0]
+            ends[6 * node + 3 + i] = R[2]
 
 
 @inlined
@@ -456,6 +466,7 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
     W = M[I[O_GAUSS] : I[O_GAUSS] + 512]
     nodes = I[I_NODES]
     drag = I[I_DRAG]
+    payout = I[I_PAYOUT]
     sheared = I[I_DEPTHS] > 1
     diagonal = M[I[O_DIAGONAL] : I[O_DIAGONAL] + 36 * nodes]
     upper = M[I[O_UPPER] : I[O_UPPER] + 36 * nodes]
@@ -474,6 +485,9 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
         a1 = a[6 * node : 6 * node + 6]
         v0 = v[6 * parent : 6 * parent + 6]
         v1 = v[6 * node : 6 * node + 6]
+        if parent == 0 and payout != 0:
+            v0 = M[I[O_TOP] : I[O_TOP] + 6]
+            a0 = M[I[O_TOP] + 6 : I[O_TOP] + 6 + 6]
         geometry(W, x0, x1, h)
         if drag != 0 and sheared:
             element_current(I, M, W, x0, x1, h)

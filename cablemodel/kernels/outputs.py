@@ -5,10 +5,10 @@ import math
 from .compile import kernel
 from .environment import current_at
 from .layout import (
+    B_MASS,
     B_NODE,
     B_WEIGHT,
     BODY_WORDS,
-    B_MASS,
     E_ADDED,
     E_BENDING,
     E_DRAG_NORMAL,
@@ -27,19 +27,25 @@ from .layout import (
     I_DIMENSION,
     I_DRAG,
     I_NODES,
+    I_PAYOUT,
     O_ACCELERATION,
     O_BODY,
     O_CONSTRAINT_RESIDUAL,
     O_EDGE,
+    O_END_FORCE,
     O_JOINT,
     O_MOTION,
     O_PARENT,
     O_POSITION,
     O_RESIDUAL,
     O_TENSION,
+    O_TOP,
     O_VELOCITY,
     S_BASE,
+    S_PAID,
+    S_PAID_MOST,
     S_PLANE,
+    S_STAGE_RATE,
     S_TIME,
 )
 from .strain import strain_and_slope
@@ -116,42 +122,33 @@ def pull_along(I, M, node, sign):
 
 
 @kernel
-def carries_body(I, M, node):
-    """Whether tension may jump at a node."""
-    for body in range(I[I_BODIES]):
-        if int(M[I[O_BODY] + body * BODY_WORDS + B_NODE]) == node:
-            return True
-    return False
+def end_tension(I, M, element, side):
+    """Tension at the parent (side 0) or child (1) end of an element: its end force along r'.
+
+    The end forces are the weak form's own reactions, inertia and loads included: they are as
+    accurate inside the line as the force at its top, where the element's T is only its mean.
+    """
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    node = element if side == 1 else I[I[O_PARENT] + element]
+    q = I[O_POSITION] + size * node + dimension
+    f = I[O_END_FORCE] + size * element + dimension * side
+    norm = 0.0
+    along = 0.0
+    for i in range(dimension):
+        norm += M[q + i] * M[q + i]
+        along += M[q + i] * M[f + i]
+    return along / math.sqrt(norm)
 
 
 @kernel
-def node_tension(I, M, node, side, top, tip):
-    """Tension at an end of element `side` (its child node), by the means of its neighbours.
-
-    node: 0 for the parent end, 1 for the child end. Means are interpolated between midpoints
-    where the cable goes on; `top` and `tip` are the forces at the line's two ends.
-    """
-    edge = I[O_EDGE] + side * EDGE_WORDS
-    mean = M[I[O_TENSION] + 2 * side]
-    slope = M[I[O_TENSION] + 2 * side + 1]
-    other = side
-    at = side
-    if node == 0:
-        at = I[I[O_PARENT] + side]
-        if at == 0:
-            return top
-        other = at
-        if I[I[O_JOINT] + at] != 0 or carries_body(I, M, at):
-            return mean - slope
-    else:
-        if side == I[I_NODES] - 1:
-            return tip
-        other = side + 1
-        if I[I[O_JOINT] + other] != 0 or carries_body(I, M, at):
-            return mean + slope
-    h = M[edge + E_LENGTH]
-    h_other = M[I[O_EDGE] + other * EDGE_WORDS + E_LENGTH]
-    return (h_other * mean + h * M[I[O_TENSION] + 2 * other]) / (h + h_other)
+def line_length(I, M):
+    """Unstretched length of the cable that is out [m]."""
+    last = I[I_NODES] - 1
+    edge = I[O_EDGE] + last * EDGE_WORDS
+    if last == 1:
+        return M[edge + E_LENGTH]
+    return M[edge + E_START] + M[edge + E_LENGTH] + M[S_PAID]
 
 
 @kernel
@@ -166,10 +163,7 @@ def sample_stations(I, M, stations, out):
     nodes = I[I_NODES]
     w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
     end_forces(I, M)
-    top = pull_along(I, M, 0, -1.0)
-    tip = pull_along(I, M, nodes - 1, 1.0)
-    total = M[I[O_EDGE] + (nodes - 1) * EDGE_WORDS + E_START]
-    total += M[I[O_EDGE] + (nodes - 1) * EDGE_WORDS + E_LENGTH]
+    total = line_length(I, M)
     for n in range(len(stations)):
         s = stations[n]
         if not (s >= -1e-9 * total and s <= total * (1.0 + 1e-9)):
@@ -178,7 +172,7 @@ def sample_stations(I, M, stations, out):
         high = nodes
         while high - low > 1:
             middle = (low + high) // 2
-            if s >= M[I[O_EDGE] + middle * EDGE_WORDS + E_START]:
+            if s - M[S_PAID] >= M[I[O_EDGE] + middle * EDGE_WORDS + E_START]:
                 low = middle
             else:
                 high = middle
@@ -187,7 +181,8 @@ def sample_stations(I, M, stations, out):
         edge = I[O_EDGE] + low * EDGE_WORDS
         parent = I[I[O_PARENT] + low]
         h = M[edge + E_LENGTH]
-        x = min(1.0, max(0.0, (s - M[edge + E_START]) / h))
+        start = M[edge + E_START] + M[S_PAID] if parent > 0 else 0.0
+        x = min(1.0, max(0.0, (s - start) / h))
         y = 1.0 - x
         n0 = y * y * (1.0 + 2.0 * x)
         n1 = h * x * y * y
@@ -203,6 +198,8 @@ def sample_stations(I, M, stations, out):
         q1 = I[O_POSITION] + size * low
         v0 = I[O_VELOCITY] + size * parent
         v1 = I[O_VELOCITY] + size * low
+        if parent == 0 and I[I_PAYOUT] != 0:
+            v0 = I[O_TOP]
         g2 = 0.0
         for i in range(dimension):
             a = M[q0 + i]
@@ -228,17 +225,16 @@ def sample_stations(I, M, stations, out):
         for i in range(dimension):
             curvature += ((w[6 + i] - along * w[3 + i]) / g) ** 2
         curvature = math.sqrt(curvature)
-        left = node_tension(I, M, 0, low, top, tip)
-        right = node_tension(I, M, 1, low, top, tip)
+        left = end_tension(I, M, low, 0)
+        right = end_tension(I, M, low, 1)
         row = STATION_WORDS * n
         to_earth(I, M, w, 0, out, row, 1)
         to_earth(I, M, w, 3, out, row + 3, 0)
         to_earth(I, M, w, 9, out, row + 6, 0)
         mean = M[I[O_TENSION] + 2 * low]
-        if x < 0.5:
-            out[row + 9] = left + 2.0 * x * (mean - left)
-        else:
-            out[row + 9] = mean + (2.0 * x - 1.0) * (right - mean)
+        # The parabola through both end tensions that has the element's mean.
+        bow = 6.0 * mean - 3.0 * (left + right)
+        out[row + 9] = left + x * (right - left) + bow * x * y
         out[row + 10] = curvature
         out[row + 11] = M[edge + E_BENDING] * curvature
     return len(stations)
@@ -250,7 +246,7 @@ def summarise(I, M, out):
 
     out: 0-5 force and moment of the cable on the vessel, 6 top tension (size of that force,
     negative where the cable pushes), 7, 8 lowest and highest tension in the cable, 9-11 end position, 12-14 end velocity, 15-17 vessel position, 18-20 vessel velocity,
-    21 line length.
+    21 line length, 22 applied pay-out rate, 23 cable on the drum.
     """
     dimension = I[I_DIMENSION]
     size = 2 * dimension
@@ -260,14 +256,13 @@ def summarise(I, M, out):
     for i in range(6):
         out[i] = -out[i]
     top = pull_along(I, M, 0, -1.0)
-    tip = pull_along(I, M, nodes - 1, 1.0)
     out[6] = math.copysign(math.sqrt(out[0] ** 2 + out[1] ** 2 + out[2] ** 2), top)
-    lowest = min(top, tip)
-    highest = max(top, tip)
+    lowest = end_tension(I, M, 1, 0)
+    highest = lowest
     for node in range(1, nodes):
         if I[I[O_JOINT] + node] == 0:
             for side in range(2):
-                value = node_tension(I, M, side, node, top, tip)
+                value = end_tension(I, M, node, side)
                 lowest = min(lowest, value)
                 highest = max(highest, value)
     out[7] = lowest
@@ -279,8 +274,9 @@ def summarise(I, M, out):
     to_earth(I, M, v, last, out, 12, 0)
     to_earth(I, M, q, 0, out, 15, 1)
     to_earth(I, M, v, 0, out, 18, 0)
-    edge = I[O_EDGE] + (nodes - 1) * EDGE_WORDS
-    out[21] = M[edge + E_START] + M[edge + E_LENGTH]
+    out[21] = line_length(I, M)
+    out[22] = M[S_STAGE_RATE] if I[I_PAYOUT] != 0 else 0.0
+    out[23] = M[S_PAID_MOST] - M[S_PAID]
 
 
 @kernel
@@ -307,6 +303,8 @@ def energies(I, M, out):
         q1 = I[O_POSITION] + size * node
         v0 = I[O_VELOCITY] + size * parent
         v1 = I[O_VELOCITY] + size * node
+        if parent == 0 and I[I_PAYOUT] != 0:
+            v0 = I[O_TOP]
         mean = M[I[O_TENSION] + 2 * node]
         slope = M[I[O_TENSION] + 2 * node + 1]
         e2 = 0.0
@@ -375,6 +373,8 @@ def energies(I, M, out):
         out[1] += 0.1 * h * M[edge + E_STABILISATION] * e2 * e2
     for body in range(I[I_BODIES]):
         row = I[O_BODY] + body * BODY_WORDS
+        if M[row + B_NODE] < 0.0:
+            continue
         at = size * int(M[row + B_NODE])
         speed = 0.0
         for i in range(dimension):

@@ -6,6 +6,7 @@ neither the error estimate nor Newton's test looks at it, but for the last stage
 """
 
 from .compile import inlined, kernel
+from .environment import find_piece
 from .layout import (
     E_BENDING,
     E_BENDING_FULL,
@@ -24,6 +25,7 @@ from .layout import (
     I_MAXIMUM_STEPS,
     I_NODES,
     I_ORDER,
+    I_PAYOUT,
     I_PIECE,
     I_PIECES,
     I_REJECTED,
@@ -58,18 +60,20 @@ from .layout import (
     PIECE_WORDS,
     S_FACTORED_STEP,
     S_LAST_STEP,
+    S_PAID,
     S_SMALLEST_STEP,
     S_STEP,
     S_TIME,
     S_TIME_TOLERANCE,
+    S_TOP_LENGTH,
     TOO_MANY_STEPS,
 )
-from .environment import find_piece
+from .payout import adapt_top, begin_payout, longest_payout_step, paid_since
 from .system import (
+    elongation_rate,
     factorise,
     impose_motion,
     newton_increment,
-    elongation_rate,
     recover_tension,
     residual,
     set_time,
@@ -139,6 +143,8 @@ def solve_stage(I, M, t, gamma_dt, tolerance, to_output):
         if refactor(I, M, q, v, a, tension, gamma_dt) != 0:
             return NOT_CONVERGED
     previous = 0.0
+    since = 0  # iterations with a factorisation made in this stage
+    growing = 0
     good = 0.02 if to_output else 0.1
     for iteration in range(LARGEST_ITERATIONS):
         residual(I, M, q, v, a, tension, forces, constraint)
@@ -166,12 +172,15 @@ def solve_stage(I, M, t, gamma_dt, tolerance, to_output):
             ratio = size / previous
             if settled and ratio < 1.0 and ratio / (1.0 - ratio) * size <= good * tolerance:
                 return OK
-            if ratio > 2.0 and I[I_FRESH] == 1 and size > tolerance:
+            growing = growing + 1 if ratio > 2.0 else 0
+            if growing == 2 and size > tolerance:
                 I[I_FAILED_NODE] = where
                 return NOT_CONVERGED
-            if ratio > 0.2 and I[I_FRESH] == 0:
+            if ratio > (0.2 if I[I_FRESH] == 0 else 0.4) and since > 0:
                 if refactor(I, M, q, v, a, tension, gamma_dt) != 0:
                     return NOT_CONVERGED
+                since = 0
+        since += 1
         previous = size
         I[I_FAILED_NODE] = where
     return NOT_CONVERGED
@@ -277,6 +286,8 @@ def make_consistent(I, M):
     v = M[I[O_VELOCITY] : I[O_VELOCITY] + count]
     a = M[I[O_ACCELERATION] : I[O_ACCELERATION] + count]
     tension = M[I[O_TENSION] : I[O_TENSION] + 2 * nodes]
+    if M[S_LAST_STEP] == 0.0:
+        return
     rate = M[I[O_TENSION_RATE] : I[O_TENSION_RATE] + 2 * nodes]
     forces = M[I[O_RESIDUAL] : I[O_RESIDUAL] + count]
     constraint = M[I[O_CONSTRAINT_RESIDUAL] : I[O_CONSTRAINT_RESIDUAL] + 2 * nodes]
@@ -291,6 +302,8 @@ def make_consistent(I, M):
                 q[n] += x[n]
             recover_tension(I, M, constraint, x, tension)
         for _iteration in range(2):
+            if I[I_PAYOUT] != 0:
+                residual(I, M, q, v, a, tension, forces, constraint)
             elongation_rate(I, M, v, rate, constraint)
             forces[:] = 0.0
             newton_increment(I, M, forces, constraint, x)
@@ -361,6 +374,9 @@ def advance_to(I, M, t_end):
     while M[S_TIME] < t_end:
         natural = M[S_STEP]
         stop = next_stop(I, M, t_end, natural)
+        if I[I_PAYOUT] != 0:
+            stop = begin_payout(I, M, stop)
+            natural = longest_payout_step(I, M, natural)
         remaining = stop - M[S_TIME]
         dt = natural
         landing = False
@@ -390,11 +406,21 @@ def advance_to(I, M, t_end):
                 break
             status = OK
         else:
+            accept_trial(I, M, dt, scheme)
+            if I[I_PAYOUT] != 0:
+                paid = paid_since(M, dt)
+                M[S_PAID] += paid
+                M[S_TOP_LENGTH] += paid
             if landing:
                 M[S_TIME] = stop
             else:
                 M[S_TIME] += dt
-            accept_trial(I, M, dt, scheme)
+            if I[I_PAYOUT] != 0:
+                status, removed = adapt_top(I, M)
+                if status != OK:
+                    break
+                if removed:
+                    make_consistent(I, M)
             if I[I_HYBRID] == 1:
                 update_bending(I, M)
             if I[I_LIVE] == 0:
@@ -410,7 +436,7 @@ def advance_to(I, M, t_end):
             if 0.95 <= factor and factor <= 1.3:
                 factor = 1.0
             if factor >= 1.0:
-                M[S_STEP] = max(natural, factor * dt)
+                M[S_STEP] = max(M[S_STEP], factor * dt)
             else:
                 M[S_STEP] = factor * dt
         taken += 1
