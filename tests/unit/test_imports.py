@@ -24,7 +24,7 @@ LAYERS = (
     ("cablemodel.instance",),
     ("cablemodel.model",),
     ("cablemodel.variables",),
-    ("cablemodel.states",),
+    ("cablemodel.states", "cablemodel.cadence"),
     ("cablemodel.log",),
     ("cablemodel.run",),
     ("cablemodel.replay",),
