@@ -61,7 +61,7 @@ def _round(excess: float) -> int:
     """The least of 1, 2, 5, 10, 20, 50, ... that is not below a ratio."""
     if excess <= 1.0:
         return 1
-    decade = 10 ** math.floor(math.log10(excess))
+    decade = int(10 ** math.floor(math.log10(excess)))
     return next(step * decade for step in (1, 2, 5, 10) if step * decade >= excess)
 
 

@@ -27,7 +27,9 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-SAME_BITS = ("cablemodel", "git", "python", "numpy", "numba", "llvmlite", "machine", "cpu_target")
+SAME_BITS = (
+    "engine", "python", "numpy", "scipy", "numba", "llvmlite", "libc", "machine", "cpu_target",
+)  # fmt: skip
 """What must be the same for values to be the same to the last bit."""
 
 _STATE_UNITS = {

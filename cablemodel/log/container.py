@@ -174,7 +174,7 @@ class Container:
         offset_start = start + summary.count
         for record in offsets:
             record.write(summary)
-        data = summary.end()
+        data = _content(summary)
         head = struct.pack("<BQQQ", Opcode.FOOTER, 20, start, offset_start)
         footer = Footer(start, offset_start, zlib.crc32(head, zlib.crc32(data)))
         self._put(data + _bytes([footer]) + MAGIC)
@@ -255,4 +255,9 @@ def _bytes(records: Iterable[McapRecord]) -> bytes:
     builder = RecordBuilder()
     for record in records:
         record.write(builder)
-    return builder.end()
+    return _content(builder)
+
+
+def _content(builder: RecordBuilder) -> bytes:
+    found: bytes = builder.end()  # type: ignore[no-untyped-call]
+    return found
