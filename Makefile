@@ -10,7 +10,7 @@ SCENE := scenes/towed_cable.yaml
 RUN := out/towed_cable.mcap
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint types bench bench-quick stress docs clean
+.PHONY: help demo test lint types bench bench-quick stress golden docs clean
 
 help:  ## list what make can do
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -39,6 +39,9 @@ bench-quick: $(READY_DEV)  ## measure a few scenes only
 
 stress: $(READY_DEV)  ## run the stress scenes (long)
 	$(BIN)/python -m pytest tests/stress -m "slow or not slow"
+
+golden: $(READY_DEV)  ## make the golden logs of tests/replay anew, where results have changed
+	$(BIN)/python tests/replay/make_golden.py
 
 docs: $(READY_DEV)  ## write the generated pages of docs/ anew
 	$(BIN)/python docs/write_scene_reference.py

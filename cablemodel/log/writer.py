@@ -155,14 +155,16 @@ class LogWriter:
         """Time stamp [ns] of a simulated time [s]."""
         return self.epoch + round(simulated_time * 1e9)
 
-    def write_step(self, model: CableModel, step: float, given: Collection[str] = ()) -> None:
+    def write_step(
+        self, model: CableModel, step: float, given: Collection[str] | Mapping[str, Any] = ()
+    ) -> None:
         """Log what the step that was just made applied.
 
         Args:
             model: the model after the step.
             step: length of the step [s].
-            given: names of the inputs that the caller gave to ``step`` (the others came from the
-                scene); replay gives the same ones again.
+            given: the inputs that the caller gave to ``step`` (the others came from the scene), by
+                name; replay gives the same ones again. For an exact replay, with their values.
         """
         values = applied_values(model, step, given)
         self.write(self.stamp(model.time), [(_INPUTS, self._messages.applied_inputs(values))])

@@ -27,6 +27,7 @@ LAYERS = (
     ("cablemodel.states", "cablemodel.cadence"),
     ("cablemodel.log",),
     ("cablemodel.run",),
+    ("cablemodel.compare",),
     ("cablemodel.replay",),
     ("cablemodel.plot", "cablemodel.report"),
     ("cablemodel.cli", "cablemodel.__main__"),
