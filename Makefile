@@ -54,11 +54,11 @@ clean:  ## remove environments, builds, caches and output
 # The stamps keep a second call from installing again; a change of pyproject.toml does.
 $(READY): pyproject.toml
 	@$(MAKE) --no-print-directory $(BIN)/python
-	$(BIN)/python -m pip install --quiet --editable '.[plot,fmu]'
+	$(BIN)/python -m pip install --quiet --editable '.[plot,analysis,export,fmu]'
 	@touch $@
 
 $(READY_DEV): pyproject.toml $(READY)
-	$(BIN)/python -m pip install --quiet --editable '.[plot,fmu,dev]'
+	$(BIN)/python -m pip install --quiet --editable '.[plot,analysis,export,fmu,dev]'
 	@touch $@
 
 $(BIN)/python:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from cablemodel import variables
 from cablemodel.cadence import Cadence, output_times
-from cablemodel.errors import CableModelError, LogError, SceneError
+from cablemodel.errors import LogError, SceneError
 from cablemodel.states import States, applied_values, bodies_in_columns, by_label, matrix_of
 
 if TYPE_CHECKING:
@@ -99,6 +99,10 @@ class Run:
             self._columns[name] = self._source.column(variable)
         return self._columns[name]
 
+    def variable(self, name: str) -> variables.Variable:
+        """The row of the table of variables of an output: its unit, its description, ..."""
+        return self._variables[name]
+
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the outputs over time."""
@@ -160,54 +164,17 @@ class Run:
         return {key: _finite(value) for key, value in found.items()}
 
     def to_xarray(self) -> xarray.Dataset:
-        """All outputs and states as an :class:`xarray.Dataset` with units.
+        """Everything in the run as an :class:`xarray.Dataset` with units and descriptions.
 
-        Dimensions: time, axis (x, y, z), body, node. States whose number of nodes changes are at
-        evenly spaced stations (see :class:`~cablemodel.states.States`).
+        See :func:`cablemodel.dataset.dataset`. States whose number of nodes changes are at evenly
+        spaced stations (see :class:`~cablemodel.states.States`).
 
         Raises:
             CableModelError: xarray is not installed.
         """
-        try:
-            import xarray
-        except ImportError as error:
-            raise CableModelError(
-                "to_xarray needs the package xarray: pip install 'cablemodel[plot]'"
-            ) from error
-        data: dict[str, Any] = {}
-        for name in self.names:
-            variable = self._variables[name]
-            dimensions = ["time"]
-            dimensions += ["body" if length == "bodies" else "axis" for length in variable.shape]
-            attributes = {"units": variable.unit, "long_name": variable.quantity}
-            data[name.replace(".", "_")] = (dimensions, self[name], attributes)
-        for name, components in variables.STATE_FIELDS:
-            dimensions = (
-                ["output_time", "node", "axis"] if components == 3 else ["output_time", "node"]
-            )
-            data[name] = (dimensions, getattr(self.states, name), _STATE_ATTRIBUTES[name])
-        seconds = {"units": "s"}
-        return xarray.Dataset(
-            data,
-            coords={
-                "time": ("time", self.time, seconds),
-                "output_time": ("output_time", self.states.time, seconds),
-                "axis": ["x", "y", "z"],
-            },
-            attrs={"title": self.scene.title or ""},
-        )
+        from cablemodel.dataset import dataset
 
-
-_STATE_ATTRIBUTES = {
-    "s": {"units": "m", "long_name": "unstretched arc length from the vessel"},
-    "position": {"units": "m", "long_name": "position along the cable"},
-    "tangent": {"units": "1", "long_name": "unit tangent away from the vessel"},
-    "velocity": {"units": "m/s", "long_name": "velocity of the material"},
-    "tension": {"units": "N", "long_name": "tension along the cable"},
-    "curvature": {"units": "1/m", "long_name": "curvature along the cable"},
-    "bending_moment": {"units": "N.m", "long_name": "bending moment along the cable"},
-    "on_floor": {"units": "1", "long_name": "whether the node touches the floor"},
-}
+        return dataset(self)
 
 
 def _finite(value: Any) -> Any:

@@ -72,8 +72,8 @@ def run(
     from cablemodel.scene import load_scene
 
     loaded = load_scene(scene, overrides or ())
-    end = None if until is None else _seconds("--until", until)
-    interval = None if state_interval is None else _seconds("--state-interval", state_interval)
+    end = None if until is None else seconds_of("--until", until)
+    interval = None if state_interval is None else seconds_of("--state-interval", state_interval)
     reached = [math.nan]
     with _progress(quiet or as_json) as show:
 
@@ -104,7 +104,8 @@ def _expected(error: Exception) -> bool:
     return isinstance(error, CableModelError)
 
 
-def _seconds(option: str, text: str) -> float:
+def seconds_of(option: str, text: str) -> float:
+    """A time [s] that an option gives, with or without a unit."""
     from pydantic import TypeAdapter, ValidationError
 
     from cablemodel.scene.base import Duration

@@ -13,9 +13,9 @@ from pathlib import Path
 _PACKAGES = ("numpy", "numba", "scipy", "llvmlite")
 
 _AROUND_THE_ENGINE = frozenset({
-    "__init__.py", "__main__.py", "analysis.py", "cadence.py", "cli", "compare.py", "errors.py",
-    "export.py", "log", "plot.py", "replay.py", "report", "report.py", "run.py", "states.py",
-    "tables.py", "variables.py",
+    "__init__.py", "__main__.py", "analysis.py", "cadence.py", "cli", "columns.py", "compare.py",
+    "dataset.py", "errors.py", "export.py", "extras.py", "log", "plot.py", "replay.py", "report",
+    "report.py", "run.py", "states.py", "variables.py",
 })  # fmt: skip
 """Parts of the package that look at results and cannot change them."""
 

@@ -16,7 +16,7 @@ from cablemodel.log.reader import LogFile
 from cablemodel.log.writer import LogWriter
 from cablemodel.replay import replay
 from cablemodel.run import Progress, Run
-from cablemodel.scene import Scene
+from cablemodel.scene import Scene, load_scene
 
 SUMMARY = [
     "time", "top_tension", "tip_position", "min_tension", "max_curvature",
@@ -231,23 +231,36 @@ def test_outputs_at_other_times_than_states(
     assert run.states.position.shape == (3, 9, 3)
 
 
-def test_to_xarray_has_units_and_equal_values(log: Path) -> None:
+def test_to_xarray_has_everything_with_units_and_equal_values(log: Path) -> None:
     pytest.importorskip("xarray")
     run = cm.open_run(log)
     data = run.to_xarray()
-    assert data["top_tension"].attrs["units"] == "N"
+    assert data["top_tension"].attrs == {"units": "N", "long_name": "tension at the tow point"}
     assert same(data["top_tension"].values, run.top_tension)
     assert data["top_force"].dims == ("time", "axis")
     assert data["bodies_position"].dims == ("time", "body", "axis")
     assert same(data["position"].sel(axis="z").values, run.states.position[..., 2])
     assert float(data["tip_position"].sel(axis="x", time=10.0)) == run.tip_position[-1, 0]
+    assert same(data["applied_vessel_velocity"].sel(axis="x").values,
+                run.applied_inputs["vessel_velocity.x"])  # fmt: skip
+    assert data["applied_payout_rate"].attrs["units"] == "m/s"
+    assert data["applied_payout_rate_given"].dtype == bool
+    outputs = {name.replace(".", "_") for name in run.names}
+    fields = {name for name, _ in variables.STATE_FIELDS}
+    inputs = {f"applied_{name}" for name, _ in variables.APPLIED_INPUT_FIELDS if name != "time"}
+    assert set(data.data_vars) == outputs | fields | inputs
+    for name in [*data.data_vars, "time", "state_time", "step_time"]:
+        assert data[name].attrs["units"], name
+        assert data[name].attrs["long_name"], name
+    assert load_scene(data.attrs["scene"]) == run.scene
+    assert data.attrs["complete"] == "yes"
 
 
 def test_to_xarray_without_xarray_says_what_to_install(
     log: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(__import__("sys").modules, "xarray", None)
-    with pytest.raises(cm.CableModelError, match=r"cablemodel\[plot\]"):
+    with pytest.raises(cm.CableModelError, match=r"cablemodel\[export\]"):
         cm.open_run(log).to_xarray()
 
 
