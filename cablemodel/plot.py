@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel.errors import CableModelError
+from cablemodel.extras import require
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -73,12 +74,7 @@ def save_figure(run: Run, path: str | PathLike[str], *, dpi: int = 200) -> None:
 
 def import_matplotlib() -> None:
     """Raise a CableModelError that says what to install, if matplotlib is missing."""
-    try:
-        import matplotlib  # noqa: F401
-    except ImportError as error:
-        raise CableModelError(
-            "figures need the package matplotlib: pip install 'cablemodel[plot]'"
-        ) from error
+    require("matplotlib", extra="plot", what="a figure")
 
 
 def draw(run: Run, *, times: int = TIMES) -> Figure:

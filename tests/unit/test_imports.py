@@ -16,7 +16,7 @@ HEAVY = ["numba", "pint", "matplotlib", "mcap", "rosbags", "typer", "rich", "sci
 
 # Layers from the inside out: a module may import from its own layer and from those before it.
 LAYERS = (
-    ("cablemodel.errors",),
+    ("cablemodel.errors", "cablemodel.extras"),
     ("cablemodel.kernels",),
     ("cablemodel.scene",),
     ("cablemodel.block",),
@@ -24,11 +24,12 @@ LAYERS = (
     ("cablemodel.instance",),
     ("cablemodel.model",),
     ("cablemodel.variables",),
-    ("cablemodel.states",),
+    ("cablemodel.states", "cablemodel.cadence"),
     ("cablemodel.log",),
-    ("cablemodel.run",),
+    ("cablemodel.run", "cablemodel.columns", "cablemodel.dataset"),
+    ("cablemodel.compare",),
     ("cablemodel.replay",),
-    ("cablemodel.plot", "cablemodel.report"),
+    ("cablemodel.plot", "cablemodel.report", "cablemodel.analysis", "cablemodel.export"),
     ("cablemodel.cli", "cablemodel.__main__"),
 )
 
