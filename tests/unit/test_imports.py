@@ -12,7 +12,18 @@ import pytest
 import cablemodel
 
 PACKAGE = Path(cablemodel.__file__).parent
-HEAVY = ["numba", "pint", "matplotlib", "mcap", "rosbags", "typer", "rich", "scipy", "pandas"]
+HEAVY = [
+    "numba",
+    "pint",
+    "matplotlib",
+    "mcap",
+    "rosbags",
+    "typer",
+    "rich",
+    "scipy",
+    "pandas",
+    "plotly",
+]
 
 # Layers from the inside out: a module may import from its own layer and from those before it.
 LAYERS = (
@@ -28,7 +39,8 @@ LAYERS = (
     ("cablemodel.log",),
     ("cablemodel.run",),
     ("cablemodel.replay",),
-    ("cablemodel.plot", "cablemodel.report"),
+    ("cablemodel.plot",),
+    ("cablemodel.animate", "cablemodel.report"),
     ("cablemodel.cli", "cablemodel.__main__"),
 )
 
