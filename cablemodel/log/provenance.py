@@ -1,0 +1,76 @@
+"""Where a run comes from: versions, revision, machine. Written into every log."""
+
+from __future__ import annotations
+
+import platform
+import subprocess
+import sys
+from functools import cache
+from importlib import import_module, metadata
+from pathlib import Path
+
+_PACKAGES = ("numpy", "numba", "scipy", "llvmlite")
+
+
+def provenance() -> dict[str, str]:
+    """Versions of everything that can change a result, git revision when known, and the machine.
+
+    ``cpu_target`` is what the compiler compiles for: two machines with the same one compute the
+    same bits.
+    """
+    import cablemodel
+
+    found = {
+        "cablemodel": cablemodel.__version__,
+        "python": platform.python_version(),
+        "platform": platform.platform(),
+        "machine": platform.machine(),
+        "cpu": _cpu(),
+        "cpu_target": _cpu_target(),
+        "git": _git_revision(),
+    }
+    for package in _PACKAGES:
+        try:
+            found[package] = metadata.version(package)
+        except metadata.PackageNotFoundError:
+            continue
+    return {key: value for key, value in found.items() if value}
+
+
+@cache
+def _cpu() -> str:
+    """Name of the processor, as the system tells it."""
+    try:
+        for line in Path("/proc/cpuinfo").read_text().splitlines():
+            if line.startswith("model name"):
+                return line.split(":", 1)[1].strip()
+    except OSError:
+        pass  # not Linux
+    return platform.processor()
+
+
+def _cpu_target() -> str:
+    """Processor that the compiler compiles for; empty while no compiler is loaded."""
+    if "llvmlite" not in sys.modules:
+        return ""
+    return str(import_module("llvmlite.binding").get_host_cpu_name())
+
+
+@cache
+def _git_revision() -> str:
+    """Commit of the working tree that this package is in; empty when it is installed elsewhere."""
+    root = Path(__file__).resolve().parents[2]
+    if not (root / ".git").exists():  # not a checkout, or inside another project's
+        return ""
+    try:
+        answer = subprocess.run(
+            ["git", "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"],
+            cwd=root,
+            capture_output=True,
+            text=True,
+            timeout=5,
+            check=True,
+        )
+    except (OSError, subprocess.SubprocessError):
+        return ""
+    return answer.stdout.strip()

@@ -1,0 +1,94 @@
+"""The columns of a run, gathered from its log."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cablemodel import variables
+from cablemodel.errors import LogError
+from cablemodel.log.messages import ODOMETRY_FLOATS, ODOMETRY_TWIST, POSE_FLOATS
+from cablemodel.log.reader import LogFile
+from cablemodel.states import States, by_label
+
+Floats = NDArray[np.float64]
+
+_STATE = variables.resolved(variables.STATE_TOPIC)
+_INPUTS = variables.resolved(variables.APPLIED_INPUTS_TOPIC)
+
+_TAIL: dict[str, tuple[int, int]] = {
+    "top_force": (6, 0),
+    "top_moment": (6, 3),
+    "tip_position": (ODOMETRY_FLOATS, 0),
+    "tip_velocity": (ODOMETRY_FLOATS, ODOMETRY_TWIST),
+    "touchdown_position": (3, 0),
+    "floor_force": (6, 0),
+}
+"""Of every vector: how many floats its message ends in, and where among them the vector begins."""
+
+
+class LogSource:
+    """Values over time from a log; each topic is read when it is asked for."""
+
+    def __init__(self, log: LogFile) -> None:
+        self.log = log
+
+    def times(self) -> Floats:
+        """Output times (n,) [s]: exact where states were logged along, else to a nanosecond."""
+        stamps = self.log.stamps(variables.OUTPUTS[0].resolved_topic)
+        if np.array_equal(stamps, self.log.stamps(_STATE)):
+            return self.state_times
+        return 1e-9 * (stamps - self.log.epoch).astype(np.float64)
+
+    @cached_property
+    def state_times(self) -> Floats:
+        return np.array([values[0] for values in self._state_values])
+
+    @cached_property
+    def _state_values(self) -> list[Floats]:
+        labels, values = self.log.arrays(_STATE)
+        if values and labels != variables.STATE_LABELS:
+            raise LogError(f"{self.log.path}: states have other fields than this version knows")
+        return values
+
+    def states(self) -> States:
+        return States(self.state_times, self._matrices)
+
+    def _matrices(self) -> list[Floats]:
+        rows = len(variables.STATE_LABELS)
+        return [values[1:].reshape(rows, -1) for values in self._state_values]
+
+    def column(self, variable: variables.Variable) -> Floats:
+        topic = variable.resolved_topic
+        if variable.message == variables.FLOAT64:
+            return self.log.trailing_floats(topic, 1)[:, 0]
+        if variable.message == variables.POSES:
+            return self._bodies(variable)
+        count, first = _TAIL[variable.python]
+        return self.log.trailing_floats(topic, count)[:, first : first + 3]
+
+    def _bodies(self, variable: variables.Variable) -> Floats:
+        """Positions or directions of the bodies (n, bodies, 3)."""
+        topic = variable.resolved_topic
+        found = self.log.messages(topic).data
+        if not found:
+            return np.empty((0, 0, 3))
+        # 4 bytes CDR, stamp, "map", then the number of poses.
+        bodies = int.from_bytes(found[0][20:24], "little")
+        poses = self.log.trailing_floats(topic, POSE_FLOATS * bodies)
+        poses = poses.reshape(-1, bodies, POSE_FLOATS)
+        if variable.python == "bodies.position":
+            return poses[:, :, :3]
+        x, y, z, w = np.moveaxis(poses[:, :, 3:], -1, 0)
+        return np.stack(
+            [1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)], axis=-1
+        )
+
+    def applied_inputs(self) -> dict[str, Floats]:
+        """Applied inputs of every step by label: ``time``, ``step``, ``payout_rate``, ..."""
+        labels, values = self.log.arrays(_INPUTS)
+        if values and labels != variables.APPLIED_INPUT_LABELS:
+            raise LogError(f"{self.log.path}: inputs have other fields than this version knows")
+        return by_label(values)

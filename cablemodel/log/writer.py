@@ -1,0 +1,345 @@
+"""Write the log of a run as it goes.
+
+The file is worth something at every moment: scene and versions are in it before the first sample,
+and what has been written is on its way to the disk at the latest after one simulated second,
+64 kB, or one second by the clock.
+"""
+
+from __future__ import annotations
+
+import json
+import threading
+import time
+from collections.abc import Callable, Collection, Mapping
+from contextlib import suppress
+from os import PathLike
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+import yaml
+
+from cablemodel import variables
+from cablemodel.errors import LogError
+from cablemodel.log.messages import Messages, definition, type_hash
+from cablemodel.log.provenance import provenance
+from cablemodel.states import applied_values
+
+if TYPE_CHECKING:
+    from cablemodel.model import CableModel, CableState
+    from cablemodel.scene import Scene
+
+SCHEMA_VERSION = "1"
+"""Version of what this project adds to MCAP and ROS 2: names, layouts, metadata."""
+
+METADATA_START = "cablemodel"
+METADATA_END = "cablemodel_end"
+SCENE_ATTACHMENT = "scene.yaml"
+SOURCE_ATTACHMENT = "scene_as_written.yaml"
+
+CHUNK_BYTES = 64 * 1024
+CHUNK_SIMULATED_SECONDS = 1.0
+CHUNK_WALL_SECONDS = 1.0
+
+_RECORD_OVERHEAD = 31
+"""Bytes of an MCAP message record before its data."""
+
+# As rosbag2 writes it for a publisher with the default profile (metadata version 9, ROS 2 Jazzy).
+_QOS = yaml.safe_dump(
+    [
+        {
+            "history": "keep_last",
+            "depth": 10,
+            "reliability": "reliable",
+            "durability": "volatile",
+            "deadline": {"sec": 9223372036, "nsec": 854775807},
+            "lifespan": {"sec": 9223372036, "nsec": 854775807},
+            "liveliness": "automatic",
+            "liveliness_lease_duration": {"sec": 9223372036, "nsec": 854775807},
+            "avoid_ros_namespace_conventions": False,
+        }
+    ],
+    sort_keys=False,
+).strip()
+
+
+class LogWriter:
+    """Writes one run to one MCAP file; use it as a context manager.
+
+    Leaving the ``with`` block by an exception closes the file properly and records why it ended
+    early; a run is complete only after :meth:`close` was told so.
+
+    Args:
+        path: file to write; an existing one is replaced.
+        scene: scene of the run; attached to the file with all its values in SI.
+        epoch: time that stands for t = 0 [ns since 1970]; now (whole seconds) if not given.
+
+    Raises:
+        LogError: the file cannot be written.
+    """
+
+    def __init__(
+        self, path: str | PathLike[str], scene: Scene, *, epoch: int | None = None
+    ) -> None:
+        from mcap.writer import CompressionType, Writer
+
+        self.path = Path(path)
+        self.epoch = int(time.time()) * 1_000_000_000 if epoch is None else int(epoch)
+        try:
+            self._file = self.path.open("wb")
+        except OSError as error:
+            raise LogError(f"cannot write the log {self.path}: {error.strerror}") from error
+        # Chunks are closed here, by all three limits, so the library's own limit is out of reach.
+        self._mcap: Any = Writer(  # partly without types
+            self._file,
+            chunk_size=2**62,
+            compression=CompressionType.ZSTD,
+            enable_crcs=True,
+            enable_data_crcs=True,
+        )
+        self._messages = Messages()
+        self._topics = variables.topics_of(scene)
+        self._channels: dict[str, int] = {}
+        self._sequence: dict[str, int] = {}
+        self._lock = threading.Lock()
+        self._failure: OSError | None = None
+        self._closed = False
+        self._pending_bytes = 0
+        self._pending_since = 0.0
+        self._chunk_start = 0
+        try:
+            self._begin(scene)
+        except OSError as error:
+            self._close_file()
+            raise self._write_error(error) from error
+        self._wake = threading.Event()
+        self._timer = threading.Thread(
+            target=self._flush_by_the_clock, name=f"log {self.path.name}", daemon=True
+        )
+        self._timer.start()
+
+    def _begin(self, scene: Scene) -> None:
+        """Header, scene and versions, and the channels of everything that may follow."""
+        self._mcap.start(profile="ros2", library=f"cablemodel {_package_version()}")
+        self._attach(SCENE_ATTACHMENT, scene.to_yaml())
+        if scene.source_text is not None:
+            self._attach(SOURCE_ATTACHMENT, scene.source_text)
+        solver = scene.to_dict().get("solver", {})
+        self._mcap.add_metadata(
+            METADATA_START,
+            {
+                "schema_version": SCHEMA_VERSION,
+                "epoch_ns": str(self.epoch),
+                "title": scene.title or "",
+                "solver": json.dumps(solver),
+                **provenance(),
+            },
+        )
+        self._file.flush()
+        schemas: dict[str, int] = {}
+        every = {**self._topics, _INPUTS: variables.ARRAY, _STATE: variables.ARRAY}
+        for topic, message in every.items():
+            if message not in schemas:
+                schemas[message] = self._mcap.register_schema(
+                    message, "ros2msg", definition(message).encode()
+                )
+            self._channels[topic] = self._mcap.register_channel(
+                topic,
+                "cdr",
+                schemas[message],
+                {"offered_qos_profiles": _QOS, "topic_type_hash": type_hash(message)},
+            )
+        self._sequence = dict.fromkeys(every, 0)
+
+    def _attach(self, name: str, text: str) -> None:
+        self._mcap.add_attachment(
+            create_time=self.epoch,
+            log_time=self.epoch,
+            name=name,
+            media_type="application/yaml",
+            data=text.encode(),
+        )
+
+    def stamp(self, simulated_time: float) -> int:
+        """Time stamp [ns] of a simulated time [s]."""
+        return self.epoch + round(simulated_time * 1e9)
+
+    def write_step(self, model: CableModel, step: float, given: Collection[str] = ()) -> None:
+        """Log what the step that was just made applied.
+
+        Args:
+            model: the model after the step.
+            step: length of the step [s].
+            given: names of the inputs that the caller gave to ``step`` (the others came from the
+                scene); replay gives the same ones again.
+        """
+        values = applied_values(model, step, given)
+        with self._lock:
+            stamp = self.stamp(model.time)
+            self._begin_sample(stamp)
+            self._put(_INPUTS, stamp, self._messages.applied_inputs(values))
+            self._end_sample()
+
+    def write_outputs(
+        self, model: CableModel, state: CableState | None = None, *, exact_state: bool = True
+    ) -> None:
+        """Log all outputs of the table and the exact state at the model's time.
+
+        Args:
+            model: the model at an output time.
+            state: ``model.state()`` if the caller has it already.
+            exact_state: False leaves out the state in 64-bit floats, most of a log's size, for
+                outputs more frequent than states are wanted.
+        """
+        if state is None:
+            state = model.state()
+        time_now = model.time
+        stamp = self.stamp(time_now)
+        messages = self._messages
+        with self._lock:
+            self._begin_sample(stamp)
+            for topic in self._topics:
+                self._put(topic, stamp, _ENCODE[topic](messages, stamp, model, state))
+            if exact_state:
+                self._put(_STATE, stamp, messages.state(time_now, state))
+            self._end_sample()
+
+    def close(self, statistics: Mapping[str, Any] | None = None) -> None:
+        """Finish the file of a run that went to its end; ``statistics`` are kept with it."""
+        self._finish("complete", "", statistics)
+
+    def fail(self, reason: str, statistics: Mapping[str, Any] | None = None) -> None:
+        """Finish the file of a run that ended early, and say in it why."""
+        self._finish("failed", reason, statistics)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if self._closed:
+            return
+        if error is None:
+            self._finish("stopped", "the log was closed before the run was at its end", None)
+        else:
+            self.fail(str(error) or type(error).__name__)
+
+    def _begin_sample(self, stamp: int) -> None:
+        """Close the chunk if this sample would make it longer than a simulated second."""
+        if self._closed:
+            raise LogError(f"the log {self.path} is closed")
+        if self._failure is not None:
+            raise self._write_error(self._failure) from self._failure
+        if self._pending_bytes and stamp - self._chunk_start >= _CHUNK_NANOSECONDS:
+            self._flush()
+        if not self._pending_bytes:
+            self._chunk_start = stamp
+            self._pending_since = time.monotonic()
+
+    def _put(self, topic: str, stamp: int, data: bytes) -> None:
+        sequence = self._sequence[topic]
+        self._mcap.add_message(self._channels[topic], stamp, data, stamp, sequence)
+        self._sequence[topic] = sequence + 1
+        self._pending_bytes += len(data) + _RECORD_OVERHEAD
+
+    def _end_sample(self) -> None:
+        if self._pending_bytes >= CHUNK_BYTES:
+            self._flush()
+
+    def _flush(self) -> None:
+        """Close the chunk and hand it to the operating system."""
+        try:
+            self._mcap.flush()
+        except OSError as error:
+            self._failure = error
+            raise self._write_error(error) from error
+        self._pending_bytes = 0
+
+    def _flush_by_the_clock(self) -> None:
+        """Flush what is a second old even while a long step is being computed."""
+        while not self._wake.wait(0.25 * CHUNK_WALL_SECONDS):
+            with self._lock:
+                age = time.monotonic() - self._pending_since
+                if self._pending_bytes and age >= 0.75 * CHUNK_WALL_SECONDS:
+                    try:
+                        self._flush()
+                    except LogError:
+                        return  # the next write raises it where the caller can see it
+
+    def _finish(self, status: str, reason: str, statistics: Mapping[str, Any] | None) -> None:
+        """Write how the run ended, statistics, indexes and the summary, and close the file."""
+        if self._closed:
+            return
+        self._closed = True
+        self._wake.set()
+        self._timer.join()
+        end = {"status": status, "reason": reason}
+        if statistics is not None:
+            end["statistics"] = json.dumps({key: _plain(v) for key, v in statistics.items()})
+        try:
+            if self._failure is not None:
+                raise self._failure
+            self._mcap.flush()
+            self._mcap.add_metadata(METADATA_END, end)
+            self._mcap.finish()
+        except OSError as error:
+            raise self._write_error(error) from error
+        finally:
+            self._close_file()
+
+    def _close_file(self) -> None:
+        with suppress(OSError):  # what could not be written was reported where it happened
+            self._file.close()
+
+    def _write_error(self, error: OSError) -> LogError:
+        return LogError(f"cannot write the log {self.path}: {error.strerror or error}")
+
+
+_CHUNK_NANOSECONDS = round(CHUNK_SIMULATED_SECONDS * 1e9)
+_INPUTS = variables.resolved(variables.APPLIED_INPUTS_TOPIC)
+_STATE = variables.resolved(variables.STATE_TOPIC)
+
+_Encode = Callable[[Messages, int, Any, Any], bytes]
+
+
+def _float64(name: str) -> _Encode:
+    return lambda messages, stamp, model, state: messages.float64(getattr(model, name))
+
+
+def _encoders() -> dict[str, _Encode]:
+    """How the message of each output topic is made from a model and its state."""
+    special: dict[str, _Encode] = {
+        "~/top_wrench": lambda m, t, model, state: m.wrench(t, model.top_force, model.top_moment),
+        "~/end_odom": lambda m, t, model, state: m.odometry(
+            t, model.tip_position, model.tip_velocity
+        ),
+        "~/bodies": lambda m, t, model, state: m.poses(
+            t, [b.position for b in model.bodies], [b.direction for b in model.bodies]
+        ),
+        "~/nodes": lambda m, t, model, state: m.cloud(t, state),
+        "~/touchdown": lambda m, t, model, state: m.point(t, model.touchdown_position),
+        "~/floor_force": lambda m, t, model, state: m.wrench(t, model.floor_force),
+    }
+    return {
+        variable.resolved_topic: special.get(variable.topic) or _float64(variable.python)
+        for variable in variables.OUTPUTS
+    }
+
+
+_ENCODE = _encoders()
+
+
+def _plain(value: Any) -> Any:
+    """A NumPy number as Python's own, for JSON."""
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _package_version() -> str:
+    import cablemodel
+
+    return cablemodel.__version__

@@ -1,0 +1,380 @@
+"""A run: a scene simulated to its end, or read back from a log."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from os import PathLike
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cablemodel import variables
+from cablemodel.errors import CableModelError, LogError, SceneError
+from cablemodel.states import States, applied_values, by_label, matrix_of
+
+if TYPE_CHECKING:
+    import xarray
+
+    from cablemodel.log.writer import LogWriter
+    from cablemodel.model import CableModel
+    from cablemodel.scene import Scene
+
+Floats = NDArray[np.float64]
+
+
+class Source(Protocol):
+    """Where a run's values come from: memory or a log."""
+
+    def times(self) -> Floats: ...
+    def column(self, variable: variables.Variable) -> Floats: ...
+    def states(self) -> States: ...
+    def applied_inputs(self) -> dict[str, Floats]: ...
+
+
+class Run:
+    """Results over time. ``run[name]`` gives any output of the table of variables by its Python
+    name, with time as the first axis.
+
+    Attributes: ``scene``; ``statistics`` (of the solver: steps, rejected, factorisations,
+    elements, wall_time [s], ...); ``complete`` and, if it is not, ``reason``; ``metadata`` (of a
+    log: versions, revision, machine; else empty); ``wall_time`` [s].
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        source: Source,
+        *,
+        statistics: dict[str, Any],
+        complete: bool = True,
+        reason: str = "",
+        metadata: dict[str, str] | None = None,
+    ) -> None:
+        self.scene = scene
+        self.statistics = statistics
+        self.complete = complete
+        self.reason = reason
+        self.metadata = metadata or {}
+        self._source = source
+        self._columns: dict[str, Floats] = {}
+        self._variables = {variable.python: variable for variable in variables.outputs_of(scene)}
+
+    @cached_property
+    def time(self) -> Floats:
+        """Output times (n,) [s]."""
+        return self._source.times()
+
+    @cached_property
+    def states(self) -> States:
+        """Shape, tension, ... along the cable at the output times."""
+        return self._source.states()
+
+    @cached_property
+    def applied_inputs(self) -> dict[str, Floats]:
+        """What every step applied, by the labels of ``variables.APPLIED_INPUT_LABELS``: ``time``
+        (end of the step) and ``step`` [s], ``vessel_velocity.x``, ..., each (steps,)."""
+        return self._source.applied_inputs()
+
+    def __getitem__(self, name: str) -> Floats:
+        """Values over time of an output: ``run["tension_max"]`` (n,), ``run["top_force"]`` (n, 3).
+
+        Raises:
+            KeyError: the scene has no such output.
+        """
+        if name not in self._columns:
+            variable = self._variables.get(name)
+            if variable is None or name.startswith("state."):
+                known = ", ".join(self.names)
+                raise KeyError(f"{name} is no output of this run; it has {known}")
+            self._columns[name] = self._source.column(variable)
+        return self._columns[name]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the outputs over time."""
+        return tuple(name for name in self._variables if not name.startswith("state."))
+
+    @property
+    def top_tension(self) -> Floats:
+        """Tension at the tow point (n,) [N]."""
+        return self["top_tension"]
+
+    @property
+    def tension_min(self) -> Floats:
+        """Lowest tension along the cable (n,) [N]."""
+        return self["tension_min"]
+
+    @property
+    def tension_max(self) -> Floats:
+        """Highest tension along the cable (n,) [N]."""
+        return self["tension_max"]
+
+    @property
+    def tip_position(self) -> Floats:
+        """Position of the far end (n, 3) [m]."""
+        return self["tip_position"]
+
+    @property
+    def wall_time(self) -> float:
+        """Computing time of the run [s]; NaN when not known."""
+        return float(self.statistics.get("wall_time", math.nan))
+
+    def summary(self) -> dict[str, Any]:
+        """What ``cablemodel run --json`` prints: the end of the run and its extremes.
+
+        ``time`` [s], ``top_tension`` [N] and ``tip_position`` [m] are those at the end;
+        ``min_tension`` [N] and ``max_curvature`` [1/m] the extremes over the cable and all output
+        times; ``wall_time`` [s], ``steps``, ``rejected``, ``factorisations``, ``elements`` are of
+        the solver. None where a value is not known or not finite.
+        """
+        if len(self.time):
+            found: dict[str, Any] = {
+                "time": float(self.time[-1]),
+                "top_tension": float(self.top_tension[-1]),
+                "tip_position": [_finite(value) for value in self.tip_position[-1]],
+                "min_tension": float(np.min(self.tension_min)),
+                "max_curvature": self.states.max_curvature,
+            }
+        else:
+            names = ("time", "top_tension", "tip_position", "min_tension", "max_curvature")
+            found = dict.fromkeys(names)
+        for name in ("wall_time", "steps", "rejected", "factorisations", "elements"):
+            found[name] = self.statistics.get(name)
+        return {key: _finite(value) for key, value in found.items()}
+
+    def to_xarray(self) -> xarray.Dataset:
+        """All outputs and states as an :class:`xarray.Dataset` with units.
+
+        Dimensions: time, axis (x, y, z), body, node. States whose number of nodes changes are at
+        evenly spaced stations (see :class:`~cablemodel.states.States`).
+
+        Raises:
+            CableModelError: xarray is not installed.
+        """
+        try:
+            import xarray
+        except ImportError as error:
+            raise CableModelError(
+                "to_xarray needs the package xarray: pip install 'cablemodel[plot]'"
+            ) from error
+        data: dict[str, Any] = {}
+        for name in self.names:
+            variable = self._variables[name]
+            dimensions = ["time"]
+            dimensions += ["body" if length == "bodies" else "axis" for length in variable.shape]
+            attributes = {"units": variable.unit, "long_name": variable.quantity}
+            data[name.replace(".", "_")] = (dimensions, self[name], attributes)
+        for name, components in variables.STATE_FIELDS:
+            dimensions = (
+                ["output_time", "node", "axis"] if components == 3 else ["output_time", "node"]
+            )
+            data[name] = (dimensions, getattr(self.states, name), _STATE_ATTRIBUTES[name])
+        seconds = {"units": "s"}
+        return xarray.Dataset(
+            data,
+            coords={
+                "time": ("time", self.time, seconds),
+                "output_time": ("output_time", self.states.time, seconds),
+                "axis": ["x", "y", "z"],
+            },
+            attrs={"title": self.scene.title or ""},
+        )
+
+
+_STATE_ATTRIBUTES = {
+    "s": {"units": "m", "long_name": "unstretched arc length from the vessel"},
+    "position": {"units": "m", "long_name": "position along the cable"},
+    "tangent": {"units": "1", "long_name": "unit tangent away from the vessel"},
+    "velocity": {"units": "m/s", "long_name": "velocity of the material"},
+    "tension": {"units": "N", "long_name": "tension along the cable"},
+    "curvature": {"units": "1/m", "long_name": "curvature along the cable"},
+    "bending_moment": {"units": "N.m", "long_name": "bending moment along the cable"},
+    "on_floor": {"units": "1", "long_name": "whether the node touches the floor"},
+}
+
+
+def _finite(value: Any) -> Any:
+    """NumPy's numbers as Python's, and None for what JSON has no number for."""
+    value = value.item() if isinstance(value, np.generic) else value
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a simulation is, for ``simulate(progress=...)``."""
+
+    time: float
+    """Simulated time [s]."""
+    until: float
+    """End of the run [s]."""
+    wall_time: float
+    """Computing time so far [s]."""
+    top_tension: float
+    """[N]"""
+    statistics: dict[str, Any]
+    """Of the model: steps, iterations, ..."""
+
+
+def simulate(
+    scene: Scene,
+    *,
+    log: str | PathLike[str] | None = None,
+    until: float | None = None,
+    progress: Callable[[Progress], None] | None = None,
+    model: CableModel | None = None,
+) -> Run:
+    """Run a scene from its initial state to its end.
+
+    Args:
+        scene: what to simulate.
+        log: file to write the log to (MCAP); the states are then read from it, not kept.
+        until: end of the run [s] instead of the scene's duration.
+        progress: called at every output.
+        model: a model of this scene to go on with, from its present time.
+
+    Raises:
+        StepError: a step could not be made; a log keeps what was reached.
+        StaticsError, SceneError: the model cannot be made.
+        LogError: the log cannot be written.
+        ValueError: ``until`` is not a positive number.
+    """
+    end = scene.run.duration if until is None else float(until)
+    if not (math.isfinite(end) and end > 0.0):
+        raise ValueError(f"until is {end}, it must be a positive time in seconds")
+    if model is None:
+        from cablemodel.model import CableModel
+
+        model = CableModel(scene)
+    if log is None:
+        recorder = _Recorder(scene)
+        statistics = _advance(model, end, recorder, None, progress)
+        return Run(scene, recorder, statistics=statistics)
+
+    from cablemodel.log.writer import LogWriter
+
+    with LogWriter(log, scene) as writer:
+        try:
+            statistics = _advance(model, end, None, writer, progress)
+        except BaseException as error:
+            reason = "interrupted" if isinstance(error, KeyboardInterrupt) else str(error)
+            writer.fail(reason or type(error).__name__, dict(model.statistics))
+            raise
+        writer.close(statistics)
+    return open_run(log)
+
+
+def _advance(
+    model: CableModel,
+    end: float,
+    recorder: _Recorder | None,
+    writer: LogWriter | None,
+    progress: Callable[[Progress], None] | None,
+) -> dict[str, Any]:
+    """Step a model from output to output to the end; gives its statistics."""
+    begin = time.perf_counter()
+
+    def output() -> None:
+        state = model.state()
+        if recorder is not None:
+            recorder.record(model, state)
+        if writer is not None:
+            writer.write_outputs(model, state)
+        if progress is not None:
+            wall = time.perf_counter() - begin
+            now = Progress(model.time, end, wall, model.top_tension, dict(model.statistics))
+            progress(now)
+
+    output()
+    for target in output_times(model.time, end, model.scene.run.output_interval):
+        step = target - model.time
+        model.step(step)
+        if recorder is not None:
+            recorder.record_step(model, step)
+        if writer is not None:
+            writer.write_step(model, step)
+        output()
+    return {**model.statistics, "wall_time": time.perf_counter() - begin}
+
+
+def output_times(start: float, end: float, interval: float) -> list[float]:
+    """Multiples of the interval after ``start``, and the end: never a sum of steps, whose
+    round-off would grow. A last step shorter than a millionth of the interval is merged."""
+    first = math.floor(start / interval * (1.0 + 1e-12)) + 1
+    times = []
+    k = first
+    while k * interval < end - 1e-6 * interval:
+        times.append(k * interval)
+        k += 1
+    return [*times, end] if end > start else times
+
+
+class _Recorder:
+    """Keeps a run in memory."""
+
+    def __init__(self, scene: Scene) -> None:
+        self._times: list[float] = []
+        self._states: list[Floats] = []
+        self._inputs: list[Floats] = []
+        self._values: dict[str, list[Any]] = {
+            variable.python: []
+            for variable in variables.outputs_of(scene)
+            if not variable.python.startswith("state.")
+        }
+
+    def record(self, model: Any, state: Any) -> None:
+        self._times.append(model.time)
+        self._states.append(matrix_of(state))
+        for name, values in self._values.items():
+            owner, _, attribute = name.rpartition(".")
+            if owner == "bodies":
+                values.append([np.array(getattr(body, attribute)) for body in model.bodies])
+            else:
+                values.append(np.array(getattr(model, name), float))
+
+    def record_step(self, model: Any, step: float) -> None:
+        self._inputs.append(applied_values(model, step, ()))
+
+    def times(self) -> Floats:
+        return np.array(self._times)
+
+    def column(self, variable: variables.Variable) -> Floats:
+        return np.array(self._values[variable.python], float)
+
+    def states(self) -> States:
+        return States(self.times(), self._states)
+
+    def applied_inputs(self) -> dict[str, Floats]:
+        return by_label(self._inputs)
+
+
+def open_run(path: str | PathLike[str]) -> Run:
+    """Read a run from its log.
+
+    A log that was cut off gives everything before its last flush; ``run.complete`` is then False
+    and ``run.reason`` says why. Values are those that were computed, to the last bit.
+
+    Raises:
+        LogError: no log of this project, damaged, or of another version.
+    """
+    from cablemodel.log.reader import LogFile
+    from cablemodel.log.source import LogSource
+    from cablemodel.scene import load_scene
+
+    log = LogFile(path)
+    try:
+        scene = load_scene(log.scene_text)
+    except SceneError as error:
+        raise LogError(f"{path}: this version cannot read the scene in the log: {error}") from error
+    return Run(
+        scene,
+        LogSource(log),
+        statistics=log.statistics,
+        complete=log.complete,
+        reason=log.reason,
+        metadata=log.metadata,
+    )

@@ -1,0 +1,191 @@
+"""States of a run at its output times, and applied inputs of its steps, as rows of numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cablemodel.variables import (
+    APPLIED_INPUT_FIELDS,
+    APPLIED_INPUT_LABELS,
+    INPUTS,
+    STATE_FIELDS,
+    STATE_LABELS,
+    span,
+)
+
+if TYPE_CHECKING:
+    from cablemodel.model import CableState
+
+Floats = NDArray[np.float64]
+
+_ROW = {name: span(STATE_FIELDS, name) for name, _ in STATE_FIELDS}
+
+
+def matrix_of(state: Any) -> Floats:
+    """All fields of a state, (fields, nodes), in the order of ``variables.STATE_LABELS``."""
+    matrix = np.empty((len(STATE_LABELS), len(state.s)))
+    for name, _ in STATE_FIELDS:
+        matrix[_ROW[name]] = np.asarray(getattr(state, name), float).T
+    return matrix
+
+
+def applied_values(model: Any, step: float, given: Collection[str]) -> Floats:
+    """What a step applied, in the order of ``APPLIED_INPUT_LABELS``."""
+    values = np.full(len(APPLIED_INPUT_LABELS), np.nan)
+    values[0], values[1] = model.time, step
+    applied = model.applied_inputs
+    for name, place in _APPLIED:
+        value = applied.get(name)
+        if value is not None:
+            values[place] = value
+    for name, at in _GIVEN:
+        values[at] = name in given
+    return values
+
+
+_APPLIED = [
+    (name, span(APPLIED_INPUT_FIELDS, name))
+    for name, _ in APPLIED_INPUT_FIELDS[2:]
+    if not name.endswith("_given")
+]
+_GIVEN = [(item.python, APPLIED_INPUT_LABELS.index(f"{item.python}_given")) for item in INPUTS]
+
+
+def by_label(rows: list[Floats]) -> dict[str, Floats]:
+    """Applied inputs of all steps: label to values (steps,)."""
+    table = np.array(rows).reshape(len(rows), len(APPLIED_INPUT_LABELS))
+    return {label: table[:, index] for index, label in enumerate(APPLIED_INPUT_LABELS)}
+
+
+class States(Sequence["CableState"]):
+    """States at the output times: ``states[i]`` is a :class:`~cablemodel.CableState`.
+
+    ``states.position`` and the like are arrays over time and nodes. Nodes come and go while cable
+    is paid out or a mesh adapts; where their number is not the same at all times, the arrays are
+    at stations spaced evenly along the cable that is out at each time (as many as the most nodes).
+    """
+
+    def __init__(self, time: Floats, matrices: list[Floats] | Callable[[], list[Floats]]) -> None:
+        self.time = time
+        """Times (nt,) [s]."""
+        self._given = matrices
+
+    @cached_property
+    def _matrices(self) -> list[Floats]:
+        return self._given() if callable(self._given) else self._given
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    @overload
+    def __getitem__(self, index: int) -> CableState: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[CableState]: ...
+    def __getitem__(self, index: int | slice) -> CableState | list[CableState]:
+        if isinstance(index, slice):
+            return [self[i] for i in range(*index.indices(len(self)))]
+        from cablemodel.model import CableState
+
+        matrix = self._matrices[index]
+        fields: dict[str, Any] = {name: _field(matrix, name) for name, _ in STATE_FIELDS}
+        fields["on_floor"] = fields["on_floor"] > 0.5
+        return CableState(time=float(self.time[index]), **fields)
+
+    def __iter__(self) -> Iterator[CableState]:
+        return (self[i] for i in range(len(self)))
+
+    @property
+    def s(self) -> Floats:
+        """Unstretched arc length from the vessel (nt, n) [m]."""
+        return self._array("s")
+
+    @property
+    def position(self) -> Floats:
+        """Position (nt, n, 3) [m], east, north, up."""
+        return self._array("position")
+
+    @property
+    def tangent(self) -> Floats:
+        """Unit tangent away from the vessel (nt, n, 3)."""
+        return self._array("tangent")
+
+    @property
+    def velocity(self) -> Floats:
+        """Velocity of the material (nt, n, 3) [m/s]."""
+        return self._array("velocity")
+
+    @property
+    def tension(self) -> Floats:
+        """Tension (nt, n) [N]."""
+        return self._array("tension")
+
+    @property
+    def curvature(self) -> Floats:
+        """Curvature (nt, n) [1/m]."""
+        return self._array("curvature")
+
+    @property
+    def bending_moment(self) -> Floats:
+        """Bending moment (nt, n) [N m]."""
+        return self._array("bending_moment")
+
+    @property
+    def on_floor(self) -> NDArray[np.bool_]:
+        """Whether a node touches the floor (nt, n)."""
+        return self._array("on_floor") > 0.5
+
+    @property
+    def max_curvature(self) -> float:
+        """Largest curvature of all nodes and times [1/m]; NaN without states."""
+        largest = [np.max(matrix[_ROW["curvature"]]) for matrix in self._matrices]
+        return float(max(largest, default=np.nan))
+
+    def resampled(self, stations: int) -> States:
+        """The states at ``stations`` points spaced evenly in s at each time.
+
+        Positions by the cubic through nodes and tangents, all else linear between nodes.
+        """
+        return States(self.time, [_resampled(matrix, stations) for matrix in self._matrices])
+
+    def _array(self, name: str) -> Floats:
+        counts = {matrix.shape[1] for matrix in self._matrices}
+        if len(counts) > 1:
+            return self.resampled(max(counts))._array(name)
+        if not counts:
+            return np.empty((0, 0, 3) if _ROW[name].stop - _ROW[name].start == 3 else (0, 0))
+        return np.stack([_field(matrix, name) for matrix in self._matrices])
+
+
+def _field(matrix: Floats, name: str) -> Floats:
+    rows = matrix[_ROW[name]]
+    return rows[0] if len(rows) == 1 else rows.T
+
+
+def _resampled(matrix: Floats, stations: int) -> Floats:
+    s = matrix[0]
+    at = np.linspace(s[0], s[-1], stations)
+    result = np.stack([np.interp(at, s, row) for row in matrix])
+    # A mesh may have two nodes at one s (either side of a body); the cubic needs s to increase.
+    keep = np.concatenate([[True], np.diff(s) > 0.0])
+    if np.count_nonzero(keep) > 1:
+        s, position, tangent = s[keep], matrix[_ROW["position"]], matrix[_ROW["tangent"]]
+        result[_ROW["position"]] = _hermite(at, s, position[:, keep], tangent[:, keep])
+    length = np.linalg.norm(result[_ROW["tangent"]], axis=0)
+    result[_ROW["tangent"]] /= np.where(length > 0.0, length, 1.0)
+    result[_ROW["on_floor"]] = result[_ROW["on_floor"]] > 0.5
+    return result
+
+
+def _hermite(at: Floats, s: Floats, value: Floats, slope: Floats) -> Floats:
+    """Cubic Hermite interpolation of (3, n) values and slopes."""
+    k = np.clip(np.searchsorted(s, at, side="right") - 1, 0, len(s) - 2)
+    h = s[k + 1] - s[k]
+    x = (at - s[k]) / h
+    left: Floats = (1 + 2 * x) * (1 - x) ** 2 * value[:, k] + x * (1 - x) ** 2 * h * slope[:, k]
+    right: Floats = x**2 * (3 - 2 * x) * value[:, k + 1] + x**2 * (x - 1) * h * slope[:, k + 1]
+    return left + right

@@ -1,0 +1,314 @@
+"""The one table of variables: what a run gives, and its name in every interface.
+
+The FMU's description, the ROS 2 topics, the channels of the log and ``docs/variables.md`` are all
+generated from this table, so that a name is written once. Units are SI; axes are east, north, up.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, Literal
+
+Present = Literal["always", "bodies", "drum", "floor"]
+"""When a scene has a variable: in every scene, or only with bodies, a drum or a sea floor."""
+
+FLOAT64 = "std_msgs/msg/Float64"
+WRENCH = "geometry_msgs/msg/WrenchStamped"
+ODOMETRY = "nav_msgs/msg/Odometry"
+POSES = "geometry_msgs/msg/PoseArray"
+POINT = "geometry_msgs/msg/PointStamped"
+CLOUD = "sensor_msgs/msg/PointCloud2"
+ARRAY = "std_msgs/msg/Float64MultiArray"
+
+NODE_NAME = "cable"
+"""Name of the ROS 2 node: the ``~`` of a topic stands for ``/cable``."""
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One quantity, and what it is called in each interface."""
+
+    quantity: str
+    """What it is, in words."""
+    unit: str
+    """SI unit as written in FMI and in docs; empty for a pure number."""
+    python: str
+    """Attribute of :class:`~cablemodel.CableModel`; ``bodies.position`` is that of each body and
+    ``state.position`` that of the state along the cable."""
+    fmu: str
+    """Name in the FMU, all indices from 1: i over x, y, z; j over bodies; k over stations."""
+    topic: str
+    """ROS 2 topic and channel of the log, relative to the node (``~/...``)."""
+    message: str
+    """ROS 2 message type."""
+    shape: tuple[int | Literal["bodies", "stations"], ...] = ()
+    """Shape of one sample; a word stands for a count that the scene or the export decides."""
+    present: Present = "always"
+    """In which scenes it exists."""
+    member: str = ""
+    """Where in the message it stands, if the message holds more than one quantity."""
+
+    @property
+    def resolved_topic(self) -> str:
+        """Topic with ``~`` replaced by the node's name: ``/cable/tension_top``."""
+        return resolved(self.topic)
+
+    def in_scene(self, scene: Any) -> bool:
+        """Whether a scene has this variable."""
+        return self.present in features(scene)
+
+    def fmu_names(self, *, bodies: int = 0, stations: int = 0) -> Iterator[str]:
+        """Every scalar name in the FMU: ``line.position[2,3]``, in the order of a C array."""
+        counts: dict[str, int] = {"bodies": bodies, "stations": stations}
+        names = [self.fmu]
+        for letter, length in zip(self._index_letters(), self.shape, strict=True):
+            count = counts[length] if isinstance(length, str) else length
+            names = [
+                _with_index(name, letter, index) for name in names for index in range(1, count + 1)
+            ]
+        yield from names if self.fmu else ()
+
+    def _index_letters(self) -> tuple[str, ...]:
+        letter = {"bodies": "j", "stations": "k"}
+        return tuple(letter.get(str(length), "i") for length in self.shape)
+
+
+def _with_index(name: str, letter: str, index: int) -> str:
+    """Replace an index letter inside brackets: (``body[j].position[i]``, ``j``, 2)."""
+    for before, after in ((f"[{letter}]", f"[{index}]"), (f"[{letter},", f"[{index},")):
+        if before in name:
+            return name.replace(before, after)
+    return name.replace(f",{letter}]", f",{index}]")
+
+
+OUTPUTS: tuple[Variable, ...] = (
+    Variable("tension at the tow point", "N", "top_tension", "tension.top",
+             "~/tension_top", FLOAT64),
+    Variable("lowest tension along the cable", "N", "tension_min", "tension.min",
+             "~/tension_min", FLOAT64),
+    Variable("highest tension along the cable", "N", "tension_max", "tension.max",
+             "~/tension_max", FLOAT64),
+    Variable("force of the cable on the vessel", "N", "top_force", "force.top[i]",
+             "~/top_wrench", WRENCH, (3,), member="wrench.force"),
+    Variable("moment of the cable on the vessel, when clamped", "N.m", "top_moment",
+             "moment.top[i]", "~/top_wrench", WRENCH, (3,), member="wrench.torque"),
+    Variable("position of the far end", "m", "tip_position", "end.position[i]",
+             "~/end_odom", ODOMETRY, (3,), member="pose.pose.position"),
+    Variable("velocity of the far end", "m/s", "tip_velocity", "end.velocity[i]",
+             "~/end_odom", ODOMETRY, (3,), member="twist.twist.linear"),
+    Variable("position of a body", "m", "bodies.position", "body[j].position[i]",
+             "~/bodies", POSES, ("bodies", 3), "bodies", member="poses[j].position"),
+    Variable("direction of a body, away from the vessel", "", "bodies.direction",
+             "body[j].direction[i]", "~/bodies", POSES, ("bodies", 3), "bodies",
+             member="poses[j].orientation (turns x onto it)"),
+    Variable("cable that is out, unstretched", "m", "line_length", "line.length",
+             "~/line_length", FLOAT64),
+    Variable("cable on the drum, unstretched", "m", "drum_length", "drum.length",
+             "~/drum_length", FLOAT64, present="drum"),
+    Variable("applied pay-out rate, unstretched, positive out", "m/s", "payout_rate",
+             "payout.applied", "~/payout_rate", FLOAT64),
+    Variable("position along the cable", "m", "state.position", "line.position[k,i]",
+             "~/nodes", CLOUD, ("stations", 3), member="x y z"),
+    Variable("tension along the cable", "N", "state.tension", "line.tension[k]",
+             "~/nodes", CLOUD, ("stations",), member="tension"),
+    Variable("curvature along the cable", "1/m", "state.curvature", "line.curvature[k]",
+             "~/nodes", CLOUD, ("stations",), member="curvature"),
+    Variable("unstretched arc length from the vessel", "m", "state.s", "",
+             "~/nodes", CLOUD, ("stations",), member="s"),
+    Variable("touchdown point (NaN when the cable is clear of the floor)", "m",
+             "touchdown_position", "touchdown.position[i]", "~/touchdown", POINT, (3,), "floor"),
+    Variable("concentrated reaction at the touchdown point", "N", "touchdown_reaction",
+             "touchdown.reaction", "~/touchdown_reaction", FLOAT64, present="floor"),
+    Variable("total force of the floor on the cable", "N", "floor_force", "floor.force[i]",
+             "~/floor_force", WRENCH, (3,), "floor", member="wrench.force"),
+    Variable("length of cable on the floor", "m", "floor_length", "floor.length",
+             "~/floor_length", FLOAT64, present="floor"),
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Input:
+    """One input of a step, and what it is called in each interface."""
+
+    quantity: str
+    unit: str
+    python: str
+    """Argument of ``CableModel.step``."""
+    fmu: str
+    topic: str
+    """ROS 2 source; empty where the node has none."""
+    message: str
+    shape: tuple[int, ...] = ()
+
+
+INPUTS: tuple[Input, ...] = (
+    Input("velocity of the tow point", "m/s", "vessel_velocity", "vessel.velocity[i]",
+          "~/odom or cmd_vel", "nav_msgs/msg/Odometry or geometry_msgs/msg/TwistStamped", (3,)),
+    Input("position of the tow point", "m", "vessel_position", "vessel.position[i]",
+          "~/odom", "nav_msgs/msg/Odometry", (3,)),
+    Input("pay-out rate, unstretched, positive out", "m/s", "payout_rate", "payout.rate",
+          "~/payout_rate_cmd", FLOAT64),
+    Input("current, added to the scene's", "m/s", "current", "current.velocity[i]", "", "", (3,)),
+)  # fmt: skip
+
+
+APPLIED_INPUTS_TOPIC = "~/applied_inputs"
+STATE_TOPIC = "~/state"
+
+STATE_FIELDS: tuple[tuple[str, int], ...] = (
+    ("s", 1),
+    ("position", 3),
+    ("tangent", 3),
+    ("velocity", 3),
+    ("tension", 1),
+    ("curvature", 1),
+    ("bending_moment", 1),
+    ("on_floor", 1),
+)
+"""Fields of a logged state and their components, in the order of the rows of ``~/state``."""
+
+
+def _labels(fields: tuple[tuple[str, int], ...]) -> tuple[str, ...]:
+    """Name of every component: position.x, position.y, position.z, tension, ..."""
+    return tuple(
+        name if count == 1 else f"{name}.{axis}"
+        for name, count in fields
+        for axis in ("xyz"[:count] if count > 1 else " ")
+    )
+
+
+def span(fields: tuple[tuple[str, int], ...], name: str) -> slice:
+    """Where a field's components stand among the labels of all fields."""
+    first = 0
+    for field, count in fields:
+        if field == name:
+            return slice(first, first + count)
+        first += count
+    raise KeyError(name)
+
+
+STATE_LABELS: tuple[str, ...] = _labels(STATE_FIELDS)
+
+APPLIED_INPUT_FIELDS: tuple[tuple[str, int], ...] = (
+    ("time", 1),
+    ("step", 1),
+    ("vessel_position", 3),
+    ("vessel_velocity", 3),
+    ("payout_rate", 1),
+    ("current", 3),
+    *((f"{item.python}_given", 1) for item in INPUTS),
+)
+"""Fields of a logged step: its end and length [s], the values reached at its end, and for every
+input whether the caller gave it (1) or the scene's own table drove it (0)."""
+
+APPLIED_INPUT_LABELS: tuple[str, ...] = _labels(APPLIED_INPUT_FIELDS)
+
+
+def resolved(topic: str) -> str:
+    """Topic with a leading ``~`` replaced by the node's name."""
+    return f"/{NODE_NAME}{topic[1:]}" if topic.startswith("~") else topic
+
+
+def features(scene: Any) -> frozenset[str]:
+    """What a scene has, in the words of :attr:`Variable.present`."""
+    found = {"always"}
+    if any(getattr(item, "body", None) is not None for item in (*scene.line, *_drum(scene))):
+        found.add("bodies")
+    if _drum(scene):
+        found.add("drum")
+    if scene.environment.floor is not None:
+        found.add("floor")
+    return frozenset(found)
+
+
+def _drum(scene: Any) -> tuple[Any, ...]:
+    payout = getattr(scene, "payout", None)
+    return tuple(payout.drum) if payout is not None else ()
+
+
+def outputs_of(scene: Any) -> tuple[Variable, ...]:
+    """The rows of the table that a scene has."""
+    return tuple(variable for variable in OUTPUTS if variable.in_scene(scene))
+
+
+def topics_of(scene: Any) -> dict[str, str]:
+    """Output topics (resolved) of a scene, in the table's order, and their message types."""
+    return {variable.resolved_topic: variable.message for variable in outputs_of(scene)}
+
+
+_WHEN: dict[str, str] = {
+    "always": "",
+    "bodies": "scenes with bodies",
+    "drum": "scenes with a drum",
+    "floor": "scenes with a floor",
+}
+
+
+def document() -> str:
+    """The table as a page of the docs (Markdown)."""
+    lines = [
+        "# Variables",
+        "",
+        "Generated from `cablemodel/variables.py` by `python -m cablemodel.variables "
+        "docs/variables.md`; do not edit.",
+        "",
+        "Units are SI. Axes are x east, y north, z up; arc length s is unstretched and counts from",
+        "the vessel. FMU indices count from 1: i over x, y, z; j over bodies; k over stations. "
+        f"`~` is `/{NODE_NAME}`.",
+        "",
+        "## Outputs",
+        "",
+        "| quantity | unit | Python | FMU | ROS 2 and log | message | in it | only in |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    for row in OUTPUTS:
+        cells = (
+            row.quantity, row.unit or "-", f"`{_python_text(row.python)}`",
+            f"`{row.fmu}`" if row.fmu else "-", f"`{row.topic}`", row.message,
+            row.member, _WHEN[row.present],
+        )  # fmt: skip
+        lines.append("| " + " | ".join(cells) + " |")
+    lines += [
+        "",
+        "## Inputs",
+        "",
+        "| quantity | unit | Python: `step(...)` | FMU | ROS 2 | message |",
+        "|---|---|---|---|---|---|",
+    ]
+    for item in INPUTS:
+        entries = (
+            item.quantity, item.unit, f"`{item.python}`", f"`{item.fmu}`",
+            f"`{item.topic}`" if item.topic else "-", item.message or "-",
+        )  # fmt: skip
+        lines.append("| " + " | ".join(entries) + " |")
+    lines += [
+        "",
+        "## Only in the log: what replay needs, exact",
+        "",
+        f"Both are `{ARRAY}`, in 64-bit floats.",
+        "",
+        f"- `{APPLIED_INPUTS_TOPIC}`, one for every step: "
+        + ", ".join(f"`{label}`" for label in APPLIED_INPUT_LABELS)
+        + ". `time` is the end of the step, values are those reached there; an input that was",
+        "  neither given nor reported is NaN; `..._given` is 1 where the caller gave the input and",
+        "  0 where the scene's own table drove it.",
+        f"- `{STATE_TOPIC}`, at every output: the time [s] first (`data_offset` is 1), then a",
+        "  matrix with a row for each of "
+        + ", ".join(f"`{label}`" for label in STATE_LABELS)
+        + " and a column for each node from the vessel to the far end.",
+        "",
+    ]
+    return "\n".join(lines)
+
+
+def _python_text(name: str) -> str:
+    """Attribute as a user types it."""
+    return name.replace("bodies.", "bodies[j].").replace("state.", "state().")
+
+
+if __name__ == "__main__":
+    import sys
+    from pathlib import Path
+
+    Path(sys.argv[1]).write_text(document(), encoding="utf-8")
