@@ -292,7 +292,7 @@ def _advance(
     output()
     for target in output_times(model.time, end, model.scene.run.output_interval):
         step = target - model.time
-        model.step(step)
+        model.step_to(target)
         if recorder is not None:
             recorder.record_step(model, step)
         if writer is not None:

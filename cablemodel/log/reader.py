@@ -165,6 +165,29 @@ class LogFile:
             parts.append(content[start[:, None] + np.arange(8 * count)].view("<f8"))
         return np.concatenate([np.empty((0, count)), *parts])
 
+    def first_floats(self, topic: str) -> NDArray[np.float64]:
+        """The first value (n,) of every ``Float64MultiArray`` of a topic.
+
+        The labels in front of it are as long in every message of a topic.
+        """
+        parts = [np.empty(0)]
+        before = -1
+        for chunk, index in self._indexes(topic):
+            content = np.frombuffer(self._content(chunk), np.uint8)
+            at = index[:, 1].astype(np.int64)
+            if before < 0:
+                before = self._before_data(memoryview(self._content(chunk)), int(at[0]))
+            start = at + _MESSAGE_DATA + before
+            parts.append(content[start[:, None] + np.arange(8)].view("<f8")[:, 0])
+        return np.concatenate(parts)
+
+    def _before_data(self, content: memoryview, at: int) -> int:
+        """Bytes before the values of the ``Float64MultiArray`` of the record at an offset."""
+        end = at + 9 + _RECORD_HEADER.unpack_from(content, at)[1]
+        message = content[at + _MESSAGE_DATA : end]
+        decoded: Any = typestore().deserialize_cdr(message, variables.ARRAY)
+        return len(message) - 8 * len(decoded.data)
+
     def arrays(self, topic: str) -> tuple[tuple[str, ...], list[NDArray[np.float64]]]:
         """Labels and values of every ``Float64MultiArray`` of a topic."""
         found = self.messages(topic).data

@@ -44,7 +44,7 @@ class LogSource:
 
     @cached_property
     def state_times(self) -> Floats:
-        return np.array([values[0] for values in self._state_values])
+        return self.log.first_floats(_STATE)
 
     @cached_property
     def _state_values(self) -> list[Floats]:

@@ -6,11 +6,7 @@ output of the table, with numbers that no rounding survives unnoticed.
 
 from __future__ import annotations
 
-import importlib.util
 import math
-import sys
-import types
-from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any
 
@@ -18,6 +14,7 @@ import numpy as np
 import pytest
 
 from cablemodel.errors import StepError
+from cablemodel.model import CableState
 from cablemodel.scene import Scene, load_scene
 
 CABLE_TYPE = {
@@ -63,27 +60,6 @@ FULL: dict[str, Any] = {
 }
 
 
-@dataclass
-class State:
-    """What ``CableModel.state()`` gives, without the engine."""
-
-    time: float
-    s: np.ndarray
-    position: np.ndarray
-    tangent: np.ndarray
-    velocity: np.ndarray
-    tension: np.ndarray
-    curvature: np.ndarray
-    bending_moment: np.ndarray
-    on_floor: np.ndarray
-
-
-if importlib.util.find_spec("cablemodel.model") is None:
-    # Until the engine is there, a stand-in for the one class of it that reading a log needs.
-    sys.modules["cablemodel.model"] = types.ModuleType("cablemodel.model")
-    sys.modules["cablemodel.model"].CableState = State  # type: ignore[attr-defined]
-
-
 class SwingingCable:
     """The interface of CableModel with the motion of a stiff pendulum of 60 degrees.
 
@@ -102,9 +78,21 @@ class SwingingCable:
         self, dt: float, vessel_velocity: Any = None, vessel_position: Any = None,
         payout_rate: float | None = None, current: Any = None,
     ) -> None:  # fmt: skip
-        if self.time + dt > self._fail_at:
+        self.step_to(
+            self.time + dt,
+            vessel_velocity,
+            vessel_position,
+            payout_rate=payout_rate,
+            current=current,
+        )
+
+    def step_to(
+        self, time: float, vessel_velocity: Any = None, vessel_position: Any = None,
+        payout_rate: float | None = None, current: Any = None,
+    ) -> None:  # fmt: skip
+        if time > self._fail_at:
             raise StepError("no convergence", time=self.time, arc_length=3.0, advice="try less")
-        self.time += dt
+        self.time = time
         self._steps += 1
         given = vessel_velocity is not None
         self.applied_inputs = {
@@ -127,13 +115,13 @@ class SwingingCable:
         across = np.array([math.cos(angle), 0.0, math.sin(angle)])
         return s * tangent, tangent + 0 * s, s * rate * across
 
-    def state(self) -> State:
+    def state(self) -> CableState:
         s = np.linspace(0.0, self.line_length, self._nodes(self.time))
         position, tangent, velocity = self._swing(s)
         tension = 70.0 + math.pi * (self.line_length - s) + math.sin(self.time)
         curvature = 1e-3 * (1 + np.sin(s + self.time))
         on_floor = (s > 25.0) & (self.time > 1.0)
-        return State(
+        return CableState(
             self.time, s, position, tangent, velocity, tension, curvature, 0.1 * curvature, on_floor
         )
 

@@ -9,6 +9,7 @@ import textwrap
 import time
 import zlib
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -367,3 +368,26 @@ def test_limits_are_those_of_the_contract() -> None:
     assert writer_module.CHUNK_BYTES == 64 * 1024
     assert writer_module.CHUNK_SIMULATED_SECONDS == 1.0
     assert writer_module.CHUNK_WALL_SECONDS == 1.0
+
+
+def test_logging_costs_at_most_100_microseconds_a_sample(
+    simple_scene: Scene, swinging_cable: Any, tmp_path: Path
+) -> None:
+    """64 stations at 20 Hz, step and outputs; the fastest of some batches, for other loads."""
+    source = swinging_cable(simple_scene, nodes=64)
+    source.step(0.05)
+    state = source.state()
+    names = [row.python for row in variables.outputs_of(simple_scene) if "." not in row.python]
+    values = {name: getattr(source, name) for name in [*names, "applied_inputs"]}
+    model: Any = SimpleNamespace(**values, time=0.0)
+    costs = []
+    with LogWriter(tmp_path / "run.mcap", simple_scene) as writer:
+        for _ in range(10):
+            begin = time.process_time()
+            for _ in range(200):
+                model.time += 0.05
+                writer.write_step(model, 0.05)
+                writer.write_outputs(model, state)
+            costs.append((time.process_time() - begin) / 200)
+        writer.close()
+    assert min(costs) <= 100e-6

@@ -22,6 +22,7 @@ LAYERS = (
     ("cablemodel.mesh",),
     ("cablemodel.model",),
     ("cablemodel.variables",),
+    ("cablemodel.states",),
     ("cablemodel.log",),
     ("cablemodel.run",),
     ("cablemodel.plot", "cablemodel.report"),

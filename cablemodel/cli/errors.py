@@ -1,0 +1,76 @@
+"""Errors on the command line: one clear message and an exit status, never a traceback."""
+
+from __future__ import annotations
+
+import functools
+import os
+import sys
+from collections.abc import Callable
+from typing import ParamSpec
+
+import typer
+
+from cablemodel.errors import CableModelError, LogError, SceneError
+
+BAD_INPUT = 2
+FAILED = 1
+INTERRUPTED = 130
+
+Parameters = ParamSpec("Parameters")
+
+_tracebacks = False
+
+
+def show_tracebacks(show: bool) -> None:
+    """Whether errors come with their traceback from now on."""
+    global _tracebacks
+    _tracebacks = show
+
+
+class FailedRunError(Exception):
+    """A run that began and failed; its message is complete, its cause the error behind it."""
+
+
+def reported(command: Callable[Parameters, None]) -> Callable[Parameters, None]:
+    """A command whose errors end in a message on standard error and an exit status."""
+
+    @functools.wraps(command)
+    def guarded(*args: Parameters.args, **kwargs: Parameters.kwargs) -> None:
+        try:
+            command(*args, **kwargs)
+        except (typer.Exit, typer.BadParameter):
+            raise  # typer knows what to do
+        except KeyboardInterrupt:
+            _end("interrupted", INTERRUPTED)
+        except BrokenPipeError:
+            # The reader of our output (head, less) has gone; there is nobody to tell.
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            raise typer.Exit(FAILED) from None
+        except (SceneError, LogError) as error:
+            _end(str(error), BAD_INPUT, error)
+        except (CableModelError, FailedRunError) as error:
+            _end(str(error), FAILED, error)
+        except Exception as error:
+            message = (
+                f"internal error: {type(error).__name__}: {error}\n"
+                "This is a defect of cablemodel. Please report it with the output of the same "
+                "command and --traceback."
+            )
+            _end(message, FAILED, error)
+
+    return guarded
+
+
+def bad_option(name: str, problem: str) -> typer.BadParameter:
+    """A wrong value of an option: typer shows it with the command's usage, exit status 2."""
+    return typer.BadParameter(problem, param_hint=name)
+
+
+def _end(message: str, status: int, error: BaseException | None = None) -> None:
+    if _tracebacks and error is not None:
+        import traceback
+
+        traceback.print_exception(error)
+    sys.stdout.flush()
+    typer.echo(f"cablemodel: {message}", err=True)
+    raise typer.Exit(status)

@@ -1,0 +1,101 @@
+"""``cablemodel info`` and ``cablemodel plot``: look at a run."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from cablemodel.cli.errors import bad_option, reported
+
+RunArgument = Annotated[Path, typer.Argument(help="Log of a run (MCAP).", show_default=False)]
+
+_FORMATS = (".png", ".pdf", ".svg")
+
+
+@reported
+def plot(
+    run: RunArgument,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            help="File to write: .png, .pdf or .svg; by default the run's name with .png.",
+            show_default=False,
+        ),
+    ] = None,
+) -> None:
+    """Draw the shape of the cable and its tension, as for a paper."""
+    from cablemodel.plot import save_figure
+    from cablemodel.run import open_run
+
+    target = output or run.with_suffix(".png")
+    if target.suffix.lower() not in _FORMATS:
+        raise bad_option("--output", f"{target} must end in .png, .pdf or .svg")
+    if not target.parent.is_dir():
+        raise bad_option("--output", f"there is no folder {target.parent}")
+    opened = open_run(run)
+    if len(opened.states) == 0:
+        raise typer.BadParameter(f"{run} holds no states: there is nothing to draw")
+    save_figure(opened, target)
+    _say_incomplete(opened.reason)
+    typer.echo(f"Picture: {target}")
+
+
+@reported
+def info(
+    run: RunArgument,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+) -> None:
+    """Say what a log holds, where it comes from, and whether it is complete."""
+    from cablemodel.log.reader import LogFile
+
+    log = LogFile(run)
+    report = {
+        "file": str(run),
+        "bytes": run.stat().st_size,
+        "complete": log.complete,
+        "reason": log.reason,
+        "metadata": log.metadata,
+        "statistics": log.statistics,
+        "channels": [
+            {"topic": topic, "type": log.topics[topic], "messages": count}
+            for topic, count in log.counts().items()
+        ],
+    }
+    if as_json:
+        typer.echo(json.dumps(report))
+    else:
+        _print_info(report)
+
+
+def _print_info(report: dict[str, Any]) -> None:
+    from rich.console import Console
+    from rich.markup import escape
+    from rich.table import Table
+
+    console = Console(highlight=False)
+    table = Table(title=escape(report["file"]), title_justify="left", show_header=False)
+    table.add_column(style="dim")
+    table.add_column(overflow="fold")
+    table.add_row("complete", "yes" if report["complete"] else f"no: {escape(report['reason'])}")
+    table.add_row("size", f"{report['bytes'] / 1e6:.3f} MB")
+    for section in ("metadata", "statistics"):
+        for key, value in report[section].items():
+            table.add_row(key.replace("_", " "), escape(str(value)))
+    console.print(table)
+    channels = Table()
+    channels.add_column("topic")
+    channels.add_column("type")
+    channels.add_column("messages", justify="right")
+    for channel in report["channels"]:
+        channels.add_row(channel["topic"], channel["type"], f"{channel['messages']:,}")
+    console.print(channels)
+
+
+def _say_incomplete(reason: str) -> None:
+    if reason:
+        typer.echo(f"cablemodel: the run is not complete: {reason}", err=True)

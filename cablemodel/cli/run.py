@@ -1,0 +1,238 @@
+"""``cablemodel run``: simulate a scene, show how it goes, and sum it up."""
+
+from __future__ import annotations
+
+import json
+import math
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from cablemodel.cli.errors import INTERRUPTED, FailedRunError, bad_option, reported
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from cablemodel.run import Progress, Run
+
+SceneArgument = Annotated[Path, typer.Argument(help="Scene file (YAML).", show_default=False)]
+SetOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="PATH=VALUE",
+        help="Change a value of the scene, e.g. line.0.cable.length=50; may be repeated.",
+        show_default=False,
+    ),
+]
+
+_LONG_START = 2.0
+"""Seconds after which a start is said to be compiling: a warm one takes less."""
+_REFRESH = 0.05
+"""Least time between updates of the progress line [s]."""
+
+
+@reported
+def run(
+    scene: SceneArgument,
+    log: Annotated[
+        Path | None,
+        typer.Option(help="Write the run to this file (MCAP).", show_default=False),
+    ] = None,
+    until: Annotated[
+        str | None,
+        typer.Option(
+            metavar="T",
+            help='End of the run, in seconds or with a unit ("3 min"), instead of the scene\'s.',
+            show_default=False,
+        ),
+    ] = None,
+    overrides: SetOption = None,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print the summary as one JSON object.")
+    ] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress.")] = False,
+) -> None:
+    """Simulate a scene to its end."""
+    from cablemodel.run import simulate
+    from cablemodel.scene import load_scene
+
+    loaded = load_scene(scene, overrides or ())
+    end = None if until is None else _seconds(until)
+    reached = [math.nan]
+    with _progress(quiet or as_json) as show:
+
+        def progress(now: Progress) -> None:
+            reached[0] = now.time
+            show(now)
+
+        try:
+            result = simulate(loaded, log=log, until=end, progress=progress)
+        except KeyboardInterrupt:
+            typer.echo(f"cablemodel: interrupted{_kept(reached[0], log)}", err=True)
+            raise typer.Exit(INTERRUPTED) from None
+        except Exception as error:
+            if math.isnan(reached[0]) or not _expected(error):
+                raise
+            raise FailedRunError(f"{error}{_kept(reached[0], log)}") from error
+    if as_json:
+        typer.echo(json.dumps(result.summary()))
+    else:
+        _print_summary(result, log)
+
+
+def _expected(error: Exception) -> bool:
+    from cablemodel.errors import CableModelError
+
+    return isinstance(error, CableModelError)
+
+
+def _seconds(text: str) -> float:
+    from pydantic import TypeAdapter, ValidationError
+
+    from cablemodel.scene.base import Duration
+
+    try:
+        return TypeAdapter(Duration).validate_python(text if _has_unit(text) else float(text))
+    except (ValidationError, ValueError):
+        raise bad_option(
+            "--until", f"{text!r} is no time above 0, such as 200 or '3 min'"
+        ) from None
+
+
+def _has_unit(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return True
+    return False
+
+
+def _kept(reached: float, log: Path | None) -> str:
+    """What is left of a run that ended early."""
+    if log is None or math.isnan(reached):
+        return ""
+    return f"\nWhat was reached, up to t = {reached:g} s, is in {log}"
+
+
+@contextmanager
+def _progress(quiet: bool) -> Iterator[Callable[[Progress], None]]:
+    """A function that shows progress on a terminal; elsewhere, and when quiet, it shows nothing."""
+    from rich.console import Console
+
+    console = Console(stderr=True)
+    with explained_start(quiet, console) as started:
+        if console.is_terminal and not quiet:
+            with _bar(console, started) as show:
+                yield show
+        else:
+            yield lambda now: started() if now.time > 0.0 else None
+
+
+@contextmanager
+def explained_start(quiet: bool, console: Console | None = None) -> Iterator[Callable[[], None]]:
+    """Say why a start takes long, lest users think that it hangs.
+
+    Gives a function to call when the start is over (the end of the block is, at the latest).
+    """
+
+    def say() -> None:
+        text = "Compiling the solver for this machine: once after an installation, about a minute."
+        if console is not None:
+            console.print(text, highlight=False)
+        else:
+            typer.echo(text, err=True)
+
+    timer = threading.Timer(_LONG_START, say)
+    timer.daemon = True
+    if not quiet:
+        timer.start()
+    try:
+        yield timer.cancel
+    finally:
+        timer.cancel()
+
+
+@contextmanager
+def _bar(console: Console, started: Callable[[], None]) -> Iterator[Callable[[Progress], None]]:
+    from rich import progress as rich_progress
+
+    bar = rich_progress.Progress(
+        rich_progress.BarColumn(bar_width=24),
+        rich_progress.TextColumn("{task.description}"),
+        console=console,
+        transient=True,
+    )
+    with bar:
+        task = bar.add_task("starting", total=None)
+        last = -math.inf
+        # The clock of the first step: a first start spends its time before it, compiling.
+        began = [math.nan, 0.0]
+
+        def show(now: Progress) -> None:
+            nonlocal last
+            clock = time.perf_counter()
+            if now.time > 0.0:
+                started()
+            if math.isnan(began[0]):
+                began[:] = [clock, now.time]
+            if clock - last < _REFRESH and now.time < now.until:
+                return
+            last = clock
+            elapsed = clock - began[0]
+            rate = (now.time - began[1]) / elapsed if elapsed > 0.0 else 0.0
+            steps, iterations = (now.statistics.get(key, 0) for key in ("steps", "iterations"))
+            text = (
+                f"t = {now.time:.1f} of {now.until:g} s · {rate:,.0f} × real time · "
+                f"top tension {now.top_tension:,.1f} N · {steps:,} steps · "
+                f"{iterations:,} iterations"
+            )
+            bar.update(task, description=text, completed=now.time, total=now.until)
+
+        yield show
+
+
+def _print_summary(result: Run, log: Path | None) -> None:
+    """The end of the run as a table."""
+    from rich.console import Console
+    from rich.table import Table
+
+    summary = result.summary()
+    table = Table(title=result.scene.title or "Run", title_justify="left", show_header=False)
+    table.add_column(style="dim")
+    table.add_column(justify="right")
+    for row in _rows(summary):
+        table.add_row(*row)
+    console = Console()
+    console.print(table)
+    if log is not None:
+        size = log.stat().st_size
+        console.print(f"Log: {log} ({size / 1e6:.2f} MB)", highlight=False, soft_wrap=True)
+
+
+def _rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
+    end = summary["time"]
+    wall = summary["wall_time"]
+    rows = [
+        ("simulated time", f"{end:g} s"),
+        ("top tension at the end", f"{summary['top_tension']:,.3f} N"),
+        ("far end at the end (x, y, z)", _vector(summary["tip_position"])),
+        ("lowest tension of the run", f"{round(summary['min_tension'], 3) + 0.0:,.3f} N"),
+        ("largest curvature of the run", f"{summary['max_curvature']:.4g} 1/m"),
+    ]
+    if wall:
+        rows.append(("computing time", f"{wall:.3g} s ({end / wall:,.0f} × real time)"))
+    for key in ("steps", "rejected", "factorisations", "elements"):
+        if summary[key] is not None:
+            name = "rejected steps" if key == "rejected" else key
+            rows.append((name, f"{summary[key]:,}"))
+    return rows
+
+
+def _vector(values: list[float]) -> str:
+    return "(" + ", ".join(f"{value:.3f}" for value in values) + ") m"

@@ -1,0 +1,262 @@
+"""Figures of a run for papers: shape, top tension, tension along the cable."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from os import PathLike
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cablemodel.errors import CableModelError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from cablemodel.run import Run
+
+Floats = NDArray[np.float64]
+
+TIMES = 6
+"""Instants at which the shape is drawn."""
+
+_STYLE: Any = {
+    "font.size": 9,
+    "axes.labelsize": 9,
+    "axes.titlesize": 9,
+    "xtick.labelsize": 8,
+    "ytick.labelsize": 8,
+    "legend.fontsize": 8,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.linewidth": 0.7,
+    "xtick.major.width": 0.7,
+    "ytick.major.width": 0.7,
+    "axes.grid": True,
+    "grid.color": "0.9",
+    "grid.linewidth": 0.6,
+    "axes.axisbelow": True,
+    "lines.linewidth": 1.4,
+    "lines.solid_capstyle": "round",
+    "legend.frameon": False,
+    "svg.fonttype": "none",
+    "pdf.fonttype": 42,
+}
+
+_STATIONS = 101
+"""Points of a shape at least."""
+_OUT_OF_PLANE = 1e-6
+"""Part of the line's length by which a shape may leave a plane and still count as plane."""
+_WIDEST = 4.0
+"""Largest ratio of sides at which a view is drawn to scale."""
+
+
+def save_figure(run: Run, path: str | PathLike[str], *, dpi: int = 200) -> None:
+    """Draw a run and write it as PNG, PDF or SVG, by the file's ending.
+
+    Raises:
+        CableModelError: matplotlib is not installed, the run has no states, or no such format.
+        OSError: the file cannot be written.
+    """
+    import_matplotlib()
+    import matplotlib
+
+    with matplotlib.rc_context(_STYLE):
+        try:
+            draw(run).savefig(path, dpi=dpi)
+        except ValueError as error:
+            raise CableModelError(f"cannot write {path}: {error}") from error
+
+
+def import_matplotlib() -> None:
+    """Raise a CableModelError that says what to install, if matplotlib is missing."""
+    try:
+        import matplotlib  # noqa: F401
+    except ImportError as error:
+        raise CableModelError(
+            "figures need the package matplotlib: pip install 'cablemodel[plot]'"
+        ) from error
+
+
+def draw(run: Run, *, times: int = TIMES) -> Figure:
+    """A figure of the cable's shape at some times, the top tension over time, and the tension
+    along the cable at the same times.
+
+    Args:
+        run: a run with states.
+        times: number of instants; they are chosen so that the shapes differ about equally.
+
+    Raises:
+        CableModelError: matplotlib is not installed, or the run has no states.
+    """
+    import_matplotlib()
+    from matplotlib.figure import Figure
+
+    if len(run.states) == 0:
+        raise CableModelError("the run has no states: there is nothing to draw")
+    view = _View.of(run)
+    chosen = _instants(view.shape, times)
+    colours = _colours(len(chosen))
+    spatial = view.along is None
+
+    figure = Figure(figsize=(7.2, 6.4 if spatial else 4.4), layout="constrained")
+    grid = figure.add_gridspec(2, 2, width_ratios=(1.25, 1.0))
+    side = figure.add_subplot(grid[0, 0] if spatial else grid[:, 0])
+    panels = [side]
+    _draw_side(side, view, chosen, colours)
+    if spatial:
+        plan = figure.add_subplot(grid[1, 0])
+        _draw_plan(plan, view, chosen, colours)
+        panels.append(plan)
+    top, along = figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1])
+    _draw_top_tension(top, run, chosen, colours)
+    _draw_tension_along(along, run, chosen, colours)
+    for letter, axes in zip("abcd", [*panels, top, along], strict=False):
+        axes.set_title(f"({letter})", loc="left", fontweight="bold")
+    _label_times(figure, run.states.time[chosen], colours)
+    return figure
+
+
+@dataclass(frozen=True)
+class _View:
+    """Shapes (nt, n, 3) [m] as they are drawn, and how."""
+
+    shape: Floats
+    relative: bool
+    """Whether they are drawn relative to the tow point, because it travels far."""
+    along: Floats | None
+    """Horizontal unit vector (2,) of the vertical plane that they stay in; None if in none."""
+
+    @classmethod
+    def of(cls, run: Run) -> _View:
+        # Nodes are the ends of cubics, not of straight lines.
+        shape = run.states.resampled(max(_STATIONS, run.states.s.shape[1])).position
+        top = shape[:, :1]
+        length = float(np.max(run.states.s[:, -1] - run.states.s[:, 0]))
+        travel = float(np.max(np.linalg.norm(top - top[:1], axis=-1)))
+        relative = travel > 0.5 * length
+        shape = shape - top if relative else shape
+        across = shape[..., :2] - shape[:1, :1, :2]
+        directions = np.linalg.svd(across.reshape(-1, 2), full_matrices=False)[2]
+        off = float(np.max(np.abs(across @ directions[1])))
+        along = None
+        if off <= _OUT_OF_PLANE * length:
+            # The axis nearest to the plane's own direction keeps its sign, so that x is x.
+            leading = directions[0][np.argmax(np.abs(directions[0]))]
+            along = directions[0] * math.copysign(1.0, leading)
+        return cls(shape, relative, along)
+
+    def horizontal(self) -> tuple[Floats, str]:
+        """Abscissa of the side view, and its label."""
+        after = " from the tow point" if self.relative else ""
+        if self.along is None or abs(self.along[0]) > 1.0 - 1e-9:
+            return self.shape[..., 0], f"x{after} [m]"
+        if abs(self.along[1]) > 1.0 - 1e-9:
+            return self.shape[..., 1], f"y{after} [m]"
+        heading = math.degrees(math.atan2(self.along[1], self.along[0]))
+        return self.shape[..., :2] @ self.along, f"distance along {heading:.0f}° from x{after} [m]"
+
+
+def _instants(shape: Floats, count: int) -> list[int]:
+    """Indices of times, first and last included, between which the cable moves about equally."""
+    moved = np.max(np.linalg.norm(np.diff(shape, axis=0), axis=-1), axis=1, initial=0.0)
+    way = np.concatenate([[0.0], np.cumsum(moved)])
+    if way[-1] == 0.0:
+        return [0]
+    wanted = np.linspace(0.0, way[-1], count)
+    return sorted({int(np.argmin(np.abs(way - value))) for value in wanted})
+
+
+def _colours(count: int) -> list[Any]:
+    """Colours from early to late: even in lightness, and told apart by the colour-blind."""
+    import matplotlib
+
+    viridis = matplotlib.colormaps["viridis"]
+    return [viridis(value) for value in np.linspace(0.0, 0.88, max(count, 1))]
+
+
+def _draw_side(axes: Axes, view: _View, chosen: list[int], colours: list[Any]) -> None:
+    across, label = view.horizontal()
+    for index, colour in zip(chosen, colours, strict=True):
+        axes.plot(across[index], view.shape[index, :, 2], color=colour)
+    axes.plot(across[chosen, 0], view.shape[chosen, 0, 2], "o", color="0.15", markersize=4)
+    axes.set_xlabel(label)
+    axes.set_ylabel("z from the tow point [m]" if view.relative else "z [m]")
+    _scale(axes)
+
+
+def _draw_plan(axes: Axes, view: _View, chosen: list[int], colours: list[Any]) -> None:
+    for index, colour in zip(chosen, colours, strict=True):
+        axes.plot(view.shape[index, :, 0], view.shape[index, :, 1], color=colour)
+    axes.plot(view.shape[chosen, 0, 0], view.shape[chosen, 0, 1], "o", color="0.15", markersize=4)
+    after = " from the tow point" if view.relative else ""
+    axes.set_xlabel(f"x{after} [m]")
+    axes.set_ylabel(f"y{after} [m]")
+    _scale(axes)
+
+
+def _scale(axes: Axes) -> None:
+    """Both axes to one scale where the shape allows it; say so where it does not."""
+    axes.margins(0.06)
+    left, right = axes.get_xlim()
+    low, high = axes.get_ylim()
+    ratio = (right - left) / (high - low)
+    if 1.0 / _WIDEST <= ratio <= _WIDEST:
+        axes.set_aspect("equal", adjustable="datalim")
+    else:
+        axes.set_title("axes not to one scale", loc="right", color="0.4", fontsize=8)
+
+
+def _draw_top_tension(axes: Axes, run: Run, chosen: list[int], colours: list[Any]) -> None:
+    seconds, time_unit = _time_scale(run.time)
+    newtons, unit = _tension_scale(run)
+    axes.plot(run.time / seconds, run.top_tension / newtons, color="0.25", linewidth=1.1)
+    at = run.states.time[chosen]
+    values = np.interp(at, run.time, run.top_tension) / newtons
+    axes.scatter(
+        at / seconds, values, c=colours, s=22, zorder=3, edgecolors="white", linewidths=0.6
+    )
+    axes.set_xlabel(f"time [{time_unit}]")
+    axes.set_ylabel(f"top tension [{unit}]")
+    axes.margins(x=0.03)
+
+
+def _draw_tension_along(axes: Axes, run: Run, chosen: list[int], colours: list[Any]) -> None:
+    newtons, unit = _tension_scale(run)
+    for index, colour in zip(chosen, colours, strict=True):
+        state = run.states[index]
+        axes.plot(state.s, state.tension / newtons, color=colour)
+    axes.set_xlabel("arc length from the vessel [m]")
+    axes.set_ylabel(f"tension [{unit}]")
+    axes.margins(x=0.03)
+
+
+def _tension_scale(run: Run) -> tuple[float, str]:
+    largest = float(np.nanmax(np.abs(run.tension_max), initial=0.0))
+    return (1e3, "kN") if largest >= 2e4 else (1.0, "N")
+
+
+def _time_scale(time: Floats) -> tuple[float, str]:
+    return (3600.0, "h") if time[-1] >= 3 * 3600.0 else (1.0, "s")
+
+
+def _label_times(figure: Figure, times: Floats, colours: list[Any]) -> None:
+    """One key for all panels: the colours' times."""
+    from matplotlib.lines import Line2D
+
+    seconds, unit = _time_scale(times)
+    handles = [Line2D([], [], linestyle="none", label="time:")]
+    handles += [
+        Line2D([], [], color=colour, label=f"{time / seconds:.4g} {unit}")
+        for time, colour in zip(times, colours, strict=True)
+    ]
+    figure.legend(
+        handles=handles,
+        loc="outside lower center",
+        ncols=len(handles),
+        columnspacing=1.4,
+        handlelength=1.6,
+    )

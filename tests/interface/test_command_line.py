@@ -1,0 +1,354 @@
+"""The command line: what it prints, its exit status, and its errors."""
+
+import json
+import os
+import pty
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner, Result
+
+import cablemodel as cm
+from cablemodel.cli import app
+
+ROOT = Path(__file__).parents[2]
+SCENE = ROOT / "scenes" / "towed_cable.yaml"
+SUMMARY = [
+    "time", "top_tension", "tip_position", "min_tension", "max_curvature",
+    "wall_time", "steps", "rejected", "factorisations", "elements",
+]  # fmt: skip
+
+
+def invoke(*arguments: str | Path) -> Result:
+    return CliRunner().invoke(app, [str(item) for item in arguments])
+
+
+def command(*arguments: str | Path, **options: Any) -> "subprocess.CompletedProcess[str]":
+    """The command in a process of its own."""
+    return subprocess.run(
+        [sys.executable, "-m", "cablemodel", *map(str, arguments)],
+        capture_output=True, text=True, check=False, **options,
+    )  # fmt: skip
+
+
+@pytest.fixture
+def stand_in(monkeypatch: pytest.MonkeyPatch, swinging_cable: Any) -> Any:
+    """Commands run the stand-in for the engine, which fails at a time of choice."""
+
+    def use(**options: Any) -> None:
+        monkeypatch.setattr(
+            "cablemodel.model.CableModel", lambda scene: swinging_cable(scene, **options)
+        )
+
+    return use
+
+
+@pytest.fixture
+def log(tmp_path: Path) -> Path:
+    path = tmp_path / "run.mcap"
+    cm.simulate(cm.load_scene(SCENE), log=path, until=20.0)
+    return path
+
+
+def test_run_ends_with_a_summary(tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    result = invoke("run", SCENE, "--log", path, "--until", "10")
+    assert result.exit_code == 0, result.output
+    run = cm.open_run(path)
+    assert run.complete
+    assert f"{run.top_tension[-1]:.3f} N" in result.stdout
+    assert str(path) in result.stdout.replace("\n", "")
+    assert result.stderr == ""
+
+
+def test_run_as_json_is_one_object_with_the_promised_keys() -> None:
+    done = command("run", SCENE, "--until", "10", "--json")
+    assert done.returncode == 0, done.stderr
+    summary = json.loads(done.stdout)
+    assert list(summary) == SUMMARY
+    assert summary["time"] == 10.0
+    # verification.md, S1 at t = 10
+    assert summary["top_tension"] == pytest.approx(70.0005, abs=0.7)
+    assert summary["tip_position"][2] == pytest.approx(-29.97556, abs=0.03)
+    assert done.stderr == ""
+
+
+def test_values_can_be_set() -> None:
+    result = invoke(
+        "run", SCENE, "--set", "line.0.cable.length=10", "--set", "run.duration=1", "--json"
+    )
+    summary = json.loads(result.stdout)
+    assert summary["time"] == 1.0
+    assert summary["top_tension"] == pytest.approx(23.3333, abs=0.1)
+
+
+def test_until_takes_units() -> None:
+    result = invoke("run", SCENE, "--until", "0.05 min", "--json")
+    assert json.loads(result.stdout)["time"] == pytest.approx(3.0)
+
+
+@pytest.mark.parametrize("until", ["0", "-3", "nan", "soon", "5 kg", "inf"])
+def test_a_wrong_until_is_bad_input(until: str) -> None:
+    result = invoke("run", SCENE, "--until", until)
+    assert result.exit_code == 2
+    assert "--until" in result.stderr
+    assert "Traceback" not in result.output
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["run", "missing.yaml"], ["missing.yaml", "cannot be read"]),
+        (["run", str(SCENE), "--set", "line.0.cable.length=-5"], ["line.0.cable.length", "-5"]),
+        (["run", str(SCENE), "--set", "line.0.cable.lenght=5"], ["lenght"]),
+        (["run", str(SCENE), "--set", "nonsense"], ["path=value"]),
+        (["run", str(SCENE), "--log", "no/such/folder/run.mcap"], ["cannot write the log"]),
+        (["check", str(SCENE), "--set", "environment.floor={z: -70}"], ["floor"]),
+        (["check", "missing.yaml"], ["missing.yaml"]),
+        (["info", "missing.mcap"], ["missing.mcap"]),
+        (["info", str(SCENE)], ["no MCAP file"]),
+        (["plot", str(SCENE), "-o", "figure.png"], ["no MCAP file"]),
+        (["plot", str(SCENE), "-o", "figure.doc"], [".svg"]),
+        (["plot", str(SCENE), "-o", "no/such/figure.png"], ["no folder"]),
+        (["run"], ["Missing argument"]),
+        (["dance"], ["dance"]),
+    ],
+)
+def test_bad_input_is_one_message_and_status_2(arguments: list[str], words: list[str]) -> None:
+    result = invoke(*arguments)
+    assert result.exit_code == 2, result.output
+    for word in words:
+        assert word in result.stderr
+    assert "Traceback" not in result.output
+    assert result.stdout == ""
+
+
+def test_a_failed_run_has_status_1_and_keeps_its_log(tmp_path: Path, stand_in: Any) -> None:
+    stand_in(fail_at=5.2)
+    path = tmp_path / "run.mcap"
+    result = invoke("run", SCENE, "--log", path)
+    assert result.exit_code == 1
+    assert "no convergence" in result.stderr
+    assert "3 m along the cable" in result.stderr
+    assert f"up to t = 5 s, is in {path}" in result.stderr
+    assert "Traceback" not in result.output
+    assert result.stdout == ""
+    assert cm.open_run(path).time[-1] == 5.0
+
+
+def test_a_failed_run_without_a_log_claims_none(stand_in: Any) -> None:
+    stand_in(fail_at=5.2)
+    result = invoke("run", SCENE)
+    assert result.exit_code == 1
+    assert "is in" not in result.stderr
+
+
+def test_a_defect_is_said_to_be_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(scene: Any) -> None:
+        raise ZeroDivisionError("oops")
+
+    monkeypatch.setattr("cablemodel.model.CableModel", broken)
+    result = invoke("run", SCENE)
+    assert result.exit_code == 1
+    assert "internal error: ZeroDivisionError: oops" in result.stderr
+    assert "Traceback" not in result.stderr
+
+
+def test_a_traceback_can_be_asked_for() -> None:
+    done = command("run", "missing.yaml", "--traceback")
+    assert done.returncode == 2
+    assert "Traceback" in done.stderr
+    assert "SceneError" in done.stderr
+
+
+def test_an_interrupted_run_keeps_its_log(
+    tmp_path: Path, stand_in: Any, monkeypatch: pytest.MonkeyPatch, swinging_cable: Any
+) -> None:
+    class Interrupted(swinging_cable):  # type: ignore[misc]
+        def step_to(self, time: float, *args: Any, **kwargs: Any) -> None:
+            if time > 3.0:
+                raise KeyboardInterrupt
+            super().step_to(time, *args, **kwargs)
+
+    monkeypatch.setattr("cablemodel.model.CableModel", Interrupted)
+    path = tmp_path / "run.mcap"
+    result = invoke("run", SCENE, "--log", path)
+    assert result.exit_code == 130
+    assert f"up to t = 3 s, is in {path}" in result.stderr
+    assert cm.open_run(path).reason == "interrupted"
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
+def test_a_full_disk_is_said() -> None:
+    result = invoke("run", SCENE, "--log", "/dev/full")
+    assert result.exit_code == 2
+    assert "No space left" in result.stderr
+
+
+def test_check_says_what_a_scene_holds() -> None:
+    result = invoke("check", SCENE)
+    assert result.exit_code == 0, result.output
+    words = " ".join(result.stdout.replace("│", " ").split())
+    assert "30 m of cable K (elastica), 70 N in water" in words
+    assert "70.000 N" in words
+    assert "the third dimension" in words
+    assert "No warnings." in words
+
+
+def test_check_as_json() -> None:
+    report = json.loads(invoke("check", SCENE, "--json").stdout)
+    assert report["line_length"] == 30.0
+    assert report["planar"] is True
+    assert report["start"]["top_tension"] == pytest.approx(70.0, abs=1e-3)
+    assert report["start"]["tip_position"] == pytest.approx([0.0, 0.0, -30.001], abs=2e-3)
+    assert report["warnings"] == []
+    assert any(item.startswith("current") for item in report["skipped"])
+
+
+def test_check_names_what_is_not_skipped() -> None:
+    report = json.loads(
+        invoke(
+            "check",
+            ROOT / "scenes" / "turn.yaml",
+            "--set",
+            "environment.current=[0, 0.5, 0]",
+            "--json",
+        ).stdout
+    )
+    assert report["planar"] is False
+    assert not any(item.startswith(("current", "the third")) for item in report["skipped"])
+
+
+@pytest.mark.parametrize(
+    ("overrides", "words"),
+    [
+        (["run.output_interval=1000"], "only the start and the end"),
+        (["cable_types.K.submerged_weight=-1"], "floats"),
+        (["cable_types.K.axial_stiffness=1000"], "stretch"),
+        (
+            ["cable_types.K.bending_stiffness=0", "vessel.connection={clamped: [0, 0, -1]}"],
+            "no effect",
+        ),
+        (["vessel.position=[0, 0, 5]"], "above z = 0"),
+    ],
+)
+def test_check_warns(overrides: list[str], words: str) -> None:
+    options = [item for override in overrides for item in ("--set", override)]
+    report = json.loads(invoke("check", SCENE, *options, "--json").stdout)
+    assert any(words in warning for warning in report["warnings"]), report["warnings"]
+
+
+def test_schema_is_a_json_schema() -> None:
+    schema = json.loads(invoke("schema").stdout)
+    assert schema["$schema"].startswith("https://json-schema.org/")
+    assert {"line", "cable_types", "environment"} <= set(schema["properties"])
+
+
+def test_info_says_what_a_log_holds(log: Path) -> None:
+    result = invoke("info", log)
+    assert result.exit_code == 0, result.output
+    assert "/cable/tension_top" in result.stdout
+    report = json.loads(invoke("info", log, "--json").stdout)
+    assert report["complete"] is True
+    counts = {channel["topic"]: channel["messages"] for channel in report["channels"]}
+    assert counts["/cable/tension_top"] == counts["/cable/state"] == 41
+    assert counts["/cable/applied_inputs"] == 40
+    assert report["metadata"]["cablemodel"] == cm.__version__
+
+
+def test_info_says_that_a_log_was_cut(log: Path) -> None:
+    log.write_bytes(log.read_bytes()[:-2000])
+    result = invoke("info", log)
+    assert result.exit_code == 0
+    assert "end of the file is missing" in " ".join(result.stdout.replace("│", " ").split())
+
+
+def test_plot_draws_a_picture(log: Path, tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    assert invoke("plot", log).exit_code == 0
+    assert log.with_suffix(".png").read_bytes().startswith(b"\x89PNG")
+    result = invoke("plot", log, "-o", tmp_path / "figure.svg")
+    assert str(tmp_path / "figure.svg") in result.stdout
+    assert (tmp_path / "figure.svg").read_bytes().startswith(b"<?xml")
+
+
+def test_plot_of_a_cut_run_says_so(log: Path) -> None:
+    pytest.importorskip("matplotlib")
+    log.write_bytes(log.read_bytes()[:-2000])
+    result = invoke("plot", log)
+    assert result.exit_code == 0
+    assert "not complete" in result.stderr
+
+
+def test_version() -> None:
+    assert invoke("--version").stdout == f"cablemodel {cm.__version__}\n"
+
+
+def test_later_commands_are_not_announced() -> None:
+    text = invoke("--help").stdout
+    for name in ("run", "check", "plot", "info", "schema"):
+        assert name in text
+    for name in ("report", "animate", "diff", "sweep", "fmu"):
+        assert invoke(name).exit_code == 2
+
+
+def test_help_comes_at_once() -> None:
+    fastest = min(_seconds("--help") for _ in range(3))
+    assert fastest < 0.7
+
+
+def _seconds(*arguments: str) -> float:
+    start = time.perf_counter()
+    assert command(*arguments).returncode == 0
+    return time.perf_counter() - start
+
+
+def test_a_terminal_sees_progress(tmp_path: Path) -> None:
+    leader, follower = pty.openpty()
+    environment = {**os.environ, "TERM": "xterm", "COLUMNS": "160"}
+    with subprocess.Popen(
+        [sys.executable, "-m", "cablemodel", "run", str(SCENE)],
+        stdout=subprocess.PIPE, stderr=follower, env=environment,
+    ) as process:  # fmt: skip
+        os.close(follower)
+        seen = b""
+        while True:
+            try:
+                part = os.read(leader, 65536)
+            except OSError:  # Linux's way of saying that the other side is closed
+                break
+            if not part:
+                break
+            seen += part
+        assert process.stdout is not None
+        summary = process.stdout.read().decode()
+    os.close(leader)
+    text = seen.decode(errors="replace")
+    assert process.returncode == 0
+    for words in ("of 200 s", "× real time", "top tension 94.6 N", "steps", "iterations"):
+        assert words in text
+    assert "simulated time" in summary
+
+
+def test_the_example_of_the_readme_agrees_with_the_closed_form(tmp_path: Path) -> None:
+    log = tmp_path / "tow.mcap"
+    assert command("run", SCENE, "--log", log, "--quiet").returncode == 0
+    done = subprocess.run(
+        [sys.executable, ROOT / "examples" / "towed_cable.py", log],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert "94.6082" in done.stdout
+
+
+def test_the_example_refuses_a_run_that_is_not_steady(log: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, ROOT / "examples" / "towed_cable.py", log],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode != 0
+    assert "not that of the closed form" in done.stderr
