@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import threading
 import time
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from contextlib import suppress
 from os import PathLike
 from pathlib import Path
@@ -175,11 +175,7 @@ class LogWriter:
                 scene); replay gives the same ones again.
         """
         values = applied_values(model, step, given)
-        with self._lock:
-            stamp = self.stamp(model.time)
-            self._begin_sample(stamp)
-            self._put(_INPUTS, stamp, self._messages.applied_inputs(values))
-            self._end_sample()
+        self.write(self.stamp(model.time), [(_INPUTS, self._messages.applied_inputs(values))])
 
     def write_outputs(
         self, model: CableModel, state: CableState | None = None, *, exact_state: bool = True
@@ -194,16 +190,41 @@ class LogWriter:
         """
         if state is None:
             state = model.state()
-        time_now = model.time
-        stamp = self.stamp(time_now)
-        messages = self._messages
+        stamp = self.stamp(model.time)
+        found = encode_outputs(self._messages, self._topics, stamp, model, state)
+        if exact_state:
+            found.append((_STATE, self._messages.state(model.time, state)))
+        self.write(stamp, found)
+
+    def write(self, stamp: int, messages: Iterable[tuple[str, bytes]]) -> None:
+        """Log messages that are serialised already, all of one time.
+
+        Args:
+            stamp: their time [ns], see :meth:`stamp`.
+            messages: topics of this log (``~`` may stand for the node's name) and CDR bytes.
+        """
         with self._lock:
             self._begin_sample(stamp)
-            for topic in self._topics:
-                self._put(topic, stamp, _ENCODE[topic](messages, stamp, model, state))
-            if exact_state:
-                self._put(_STATE, stamp, messages.state(time_now, state))
+            for topic, data in messages:
+                self._put(variables.resolved(topic), stamp, data)
             self._end_sample()
+
+    def attach(self, name: str, media_type: str, data: bytes) -> None:
+        """Attach a file, such as the state that this log begins at."""
+        with self._lock:
+            self._mcap.add_attachment(
+                create_time=self.epoch,
+                log_time=self.epoch,
+                name=name,
+                media_type=media_type,
+                data=data,
+            )
+
+    def flush(self) -> None:
+        """Hand all that was written to the operating system: no kill of this process loses it."""
+        with self._lock:
+            if self._pending_bytes and not self._closed:
+                self._flush()
 
     def close(self, statistics: Mapping[str, Any] | None = None) -> None:
         """Finish the file of a run that went to its end; ``statistics`` are kept with it."""
@@ -309,6 +330,16 @@ _Encode = Callable[[Messages, int, Any, Any], bytes]
 
 def _float64(name: str) -> _Encode:
     return lambda messages, stamp, model, state: messages.float64(getattr(model, name))
+
+
+def encode_outputs(
+    messages: Messages, topics: Iterable[str], stamp: int, model: CableModel, state: CableState
+) -> list[tuple[str, bytes]]:
+    """Messages of output topics (the table's or resolved names) of a model at a stamp [ns]."""
+    return [
+        (topic, _ENCODE[variables.resolved(topic)](messages, stamp, model, state))
+        for topic in topics
+    ]
 
 
 def _encoders() -> dict[str, _Encode]:
