@@ -30,6 +30,8 @@ class Block:
         strain_words: int,
         bodies: int,
         constraints: int,
+        rates: int,
+        cables: int,
     ) -> None:
         # Arrays of the image in order, then those of the workspace: (header word, length).
         image = [
@@ -38,6 +40,8 @@ class Block:
             (at.O_TIMES, times),
             (at.O_CURRENT, depths * times * 3),
             (at.O_STRAIN, strain_words),
+            (at.O_RATES, rates * at.RATE_WORDS),
+            (at.O_CABLES, cables * at.CABLE_WORDS),
             (at.O_PARENT, capacity),
             (at.O_JOINT, capacity),
             (at.O_EDGE, capacity * at.EDGE_WORDS),
@@ -78,6 +82,7 @@ class Block:
             (at.O_PROFILE, depths * 3),
             (at.O_GAUSS, GAUSS_WORDS),
             (at.O_MOTION, MOTION_WORDS),
+            (at.O_TOP, 24),
         ]
         for place, length in workspace:
             offsets[place] = words
@@ -96,6 +101,8 @@ class Block:
         header[at.I_STRAIN] = strain_words
         header[at.I_BODIES] = bodies
         header[at.I_CONSTRAINTS] = constraints
+        header[at.I_RATES] = rates
+        header[at.I_CABLES] = cables
         for place, offset in offsets.items():
             header[place] = offset
 

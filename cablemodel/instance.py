@@ -22,6 +22,10 @@ FloatArray = NDArray[np.float64]
 
 _MODELS = {"elastica": 0.0, "cable": 1.0, "hybrid": 2.0}
 _OUT_OF_PLANE = 1e-12
+SHORTEST_LINE = 0.01
+"""Of the initial length: what reel-in leaves out."""
+SHORTEST_PIECE = 0.1
+"""Of an element: cable that must be out before the joint below it leaves the drum."""
 TIME_TOLERANCE = 0.15
 """Local error allowed in a step, in units of tau L; calibrated, see docs/engine.md."""
 
@@ -38,16 +42,24 @@ def refuse_unsupported(scene: Scene) -> None:
         refuse("environment.floor", "a floor", "a sea floor is", "no floor (null)")
     if environment.waves is not None:
         refuse("environment.waves", "waves", "waves are", "no waves (null)")
-    for index, row in enumerate(scene.payout.rate):
-        if row.rate != 0.0:
-            refuse(f"payout.rate.{index}.rate", row.rate, "pay-out is", "0")
-            break
-    if scene.payout.drum:
-        refuse("payout.drum", scene.payout.drum, "a drum is", "an empty drum")
-    for index, item in enumerate(scene.line):
-        if item.body is not None and item.body.half_length > 0.0:
-            path = f"line.{index}.body.half_length"
-            refuse(path, item.body.half_length, "a body of finite length is", "0 (a point body)")
+    for part, items in (("line", scene.line), ("payout.drum", scene.payout.drum)):
+        for index, item in enumerate(items):
+            if item.body is not None and item.body.half_length > 0.0:
+                path = f"{part}.{index}.body.half_length"
+                length = item.body.half_length
+                refuse(path, length, "a body of finite length is", "0 (a point body)")
+    if scene.payout.drum and scene.payout.drum[-1].body is not None:
+        path = f"payout.drum.{len(scene.payout.drum) - 1}"
+        what = "a body at the inner end of the drum never leaves it: this is"
+        refuse(path, "body", what, "a cable last")
+    rates = scene.payout.rate
+    if rates and rates[0].rate != 0.0 and rates[0].t <= 0.0 and scene.initial.kind == "static":
+        refuse(
+            "payout.rate.0.rate",
+            rates[0].rate,
+            "a steady state with pay-out is",
+            "0 at t = 0, or initial: {straight: ...}",
+        )
     if scene.solver.method != "finite_element":
         refuse("solver.method", scene.solver.method, "this method is", "finite_element")
     if problems:
@@ -64,7 +76,9 @@ class _Line:
     start: list[float]
     cable: list[int]
     bodies: list[tuple[int, Body, int]]
-    """Node, body, its place in the scene's line."""
+    """Node (-1: on the drum), body, its place in the scene's line and drum."""
+    nominal: list[float]
+    """Length of an element of every cable of the line [m]."""
 
     @property
     def nodes(self) -> int:
@@ -120,7 +134,7 @@ def _mesh(scene: Scene, scale: float) -> _Line:
     """Nodes, joints and bodies of the scene's line, vessel first."""
     items = list(scene.line)
     spaced = line_nodes(_spans(scene, scale), scene.solver.tolerance, _start(scene))
-    line = _Line([-1], [0], [0.0], [0.0], [0], [])
+    line = _Line([-1], [0], [0.0], [0.0], [0], [], [])
     arc = 0.0
     index = -1
     previous: Cable | None = None
@@ -142,6 +156,7 @@ def _mesh(scene: Scene, scale: float) -> _Line:
                 line.start.append(arc)
                 line.cable.append(index)
         nodes = spaced[index]
+        line.nominal.append(float(np.max(np.diff(nodes))))
         for left, right in zip(nodes[:-1], nodes[1:], strict=True):
             line.parent.append(line.nodes - 1)
             line.joint.append(0)
@@ -226,6 +241,7 @@ def build(scene: Scene, *, planar: bool | None = None) -> Block:
     types = [scene.cable_types[cable.type] for cable in scene.cables]
     scale = _tension_scale(scene, types)
     line = _mesh(scene, scale)
+    winch = _winch(scene, line)
     motion = scene.motion()
     position, velocity, _ = motion.evaluate(0.0)
     points = _initial_points(scene, position)
@@ -241,13 +257,17 @@ def build(scene: Scene, *, planar: bool | None = None) -> Block:
     times = 1 if current is None else len(current.t)
     constraints = 2 if scene.end.kind == "anchor" else 1
     block = Block(
-        capacity=line.nodes,
+        capacity=line.nodes + winch.extra_nodes,
         pieces=1 + len(motion.pieces),
         depths=depths,
         times=times,
-        strain_words=sum(len(kind.strain_coefficients) for kind in types),
+        strain_words=sum(
+            len(scene.cable_types[cable.type].strain_coefficients) for cable in winch.cables
+        ),
         bodies=len(line.bodies),
         constraints=constraints,
+        rates=len(scene.payout.rate),
+        cables=len(winch.cables),
     )
     ints, reals = block.ints, block.reals
     dimension = 3 if plane is None else 2
@@ -274,7 +294,7 @@ def build(scene: Scene, *, planar: bool | None = None) -> Block:
         block.array(at.O_DEPTHS, depths)[:] = current.z
         block.array(at.O_TIMES, times)[:] = current.t
         block.array(at.O_CURRENT, times, depths, 3)[:] = current.velocity
-    _fill_line(block, scene, line, types, scale)
+    _fill_line(block, scene, line, winch, scale)
     _fill_constraints(block, scene, line)
     _fill_positions(block, line, points, length)
     _find_initial_state(block, scene, velocity)
@@ -310,46 +330,138 @@ def _fill_motion(block: Block, pieces: FloatArray) -> None:
         table[1 + k, at.P_ACCELERATION_JUMP] = np.linalg.norm(after[2] - before[2])
 
 
-def _fill_line(
-    block: Block, scene: Scene, line: _Line, types: list[CableType], scale: float
-) -> None:
+@dataclass
+class _Winch:
+    """The cables of line and drum in the order in which they leave, and what lies between them."""
+
+    cables: list[Cable]
+    leaves: list[float]
+    """Pay-out at which each one's vessel end passes the tow point [m]."""
+    nominal: list[float]
+    bodies: list[int]
+    """Row of the body at each one's lower end, -1: none."""
+    hinges: list[bool]
+    extra_nodes: int
+    most: float
+    least: float
+
+
+def _hinged(lower: Cable, upper: Cable, body: bool) -> bool:
+    """Whether a joint of two cables lets the slope jump.
+
+    A flexible cable passes no moment. A hybrid is flexible at a body, where its tension jumps.
+    """
+    models = (lower.model, upper.model)
+    return "cable" in models or (body and "hybrid" in models)
+
+
+def _winch(scene: Scene, line: _Line) -> _Winch:
+    """The cable table; bodies on the drum are added to the line's bodies."""
+    total = scene.line_length
+    elements = sum(1 for joint in line.joint[1:] if joint == 0)
+    usual = total / elements
+    winch = _Winch([], [], [], [], [], 8, 0.0, 0.0)
+    rows = {place: row for row, (_, _, place) in enumerate(line.bodies)}
+    below = total
+    body = -1
+    nominal = list(reversed(line.nominal))
+    for place in range(len(scene.line) - 1, -1, -1):
+        item = scene.line[place]
+        if item.cable is None:
+            body = rows[place] if winch.cables else -1
+            continue
+        below -= item.cable.length
+        _add_cable(winch, item.cable, -below, nominal[len(winch.cables)], body)
+        body = -1
+    for index, item in enumerate(scene.payout.drum):
+        if item.body is not None:
+            line.bodies.append((-1, item.body, len(scene.line) + index))
+            body = len(line.bodies) - 1
+            continue
+        assert item.cable is not None
+        winch.most += item.cable.length
+        top = winch.cables[-1]
+        winch.extra_nodes += math.ceil(item.cable.length / usual) + 6
+        if body < 0 and (top.type, top.model) == (item.cable.type, item.cable.model):
+            winch.leaves[-1] = winch.most
+        else:
+            _add_cable(winch, item.cable, winch.most, usual, body)
+        body = -1
+    winch.least = -(total - SHORTEST_LINE * total)
+    return winch
+
+
+def _add_cable(winch: _Winch, cable: Cable, leaves: float, nominal: float, body: int) -> None:
+    winch.hinges.append(bool(winch.cables) and _hinged(winch.cables[-1], cable, body >= 0))
+    winch.cables.append(cable)
+    winch.leaves.append(leaves)
+    winch.nominal.append(nominal)
+    winch.bodies.append(body)
+
+
+def _edge_row(
+    scene: Scene, cable: Cable, segment: int, strain_offset: int, scale: float
+) -> FloatArray:
+    """A row of the edge table for elements of a cable, without length and place."""
     rho = scene.environment.water_density
-    strain = block.array(at.O_STRAIN, int(block.ints[at.I_STRAIN]))
-    offsets = []
+    kind = scene.cable_types[cable.type]
+    row = np.zeros(at.EDGE_WORDS)
+    added = rho * 0.25 * math.pi * kind.diameter**2 * kind.added_mass
+    row[at.E_MASS] = kind.mass + added
+    row[at.E_ADDED] = added
+    row[at.E_WEIGHT] = kind.submerged_weight
+    row[at.E_DRAG_NORMAL] = 0.5 * rho * kind.drag_normal * kind.diameter
+    row[at.E_DRAG_TANGENTIAL] = 0.5 * rho * kind.drag_tangential * math.pi * kind.diameter
+    row[at.E_COMPLIANCE] = kind.strain_coefficients[0]
+    row[at.E_STRAIN_TERMS] = len(kind.strain_coefficients)
+    row[at.E_STRAIN_OFFSET] = strain_offset
+    row[at.E_TENSION_LOW : at.E_TENSION_HIGH + 1] = _strain_range(kind.strain_coefficients)
+    row[at.E_STABILISATION] = min(3.0 * scale, 1.0 / kind.strain_coefficients[0])
+    row[at.E_BENDING_FULL] = 0.0 if cable.model == "cable" else kind.bending_stiffness
+    row[at.E_BENDING] = row[at.E_BENDING_FULL]
+    row[at.E_MODEL] = _MODELS[cable.model]
+    row[at.E_SEGMENT] = segment
+    return row
+
+
+def _fill_line(block: Block, scene: Scene, line: _Line, winch: _Winch, scale: float) -> None:
+    rho = scene.environment.water_density
+    ints, reals = block.ints, block.reals
+    strain = block.array(at.O_STRAIN, int(ints[at.I_STRAIN]))
     used = 0
-    for kind in types:
-        terms = len(kind.strain_coefficients)
-        strain[used : used + terms] = kind.strain_coefficients
-        offsets.append(int(block.ints[at.O_STRAIN]) + used)
-        used += terms
+    table = block.array(at.O_CABLES, len(winch.cables), at.CABLE_WORDS)
+    for index, (cable, row) in enumerate(zip(winch.cables, table, strict=True)):
+        coefficients = scene.cable_types[cable.type].strain_coefficients
+        strain[used : used + len(coefficients)] = coefficients
+        offset = int(ints[at.O_STRAIN]) + used
+        used += len(coefficients)
+        row[at.K_LEAVES] = winch.leaves[index]
+        row[at.K_NOMINAL] = winch.nominal[index]
+        row[at.K_SHORTEST] = SHORTEST_PIECE * winch.nominal[index]
+        row[at.K_HINGE] = float(winch.hinges[index])
+        row[at.K_BODY] = winch.bodies[index]
+        row[at.K_EDGE :] = _edge_row(scene, cable, index, offset, scale)
+        if cable.model == "hybrid" and row[at.K_EDGE + at.E_BENDING_FULL] > 0.0:
+            ints[at.I_HYBRID] = 1
     block.integers(at.O_PARENT, line.nodes)[:] = line.parent
     block.integers(at.O_JOINT, line.nodes)[:] = line.joint
     edges = block.array(at.O_EDGE, line.nodes, at.EDGE_WORDS)
-    cables = scene.cables
+    outermost = len(scene.cables) - 1
     for node in range(1, line.nodes):
-        row = edges[node]
-        index = line.cable[node]
-        cable, kind = cables[index], types[index]
-        area = 0.25 * math.pi * kind.diameter**2
-        added = rho * area * kind.added_mass
-        row[at.E_LENGTH] = line.length[node]
-        row[at.E_START] = line.start[node]
-        row[at.E_MASS] = kind.mass + added
-        row[at.E_ADDED] = added
-        row[at.E_WEIGHT] = kind.submerged_weight
-        row[at.E_DRAG_NORMAL] = 0.5 * rho * kind.drag_normal * kind.diameter
-        row[at.E_DRAG_TANGENTIAL] = 0.5 * rho * kind.drag_tangential * math.pi * kind.diameter
-        row[at.E_COMPLIANCE] = kind.strain_coefficients[0]
-        row[at.E_STRAIN_TERMS] = len(kind.strain_coefficients)
-        row[at.E_STRAIN_OFFSET] = offsets[index]
-        row[at.E_TENSION_LOW : at.E_TENSION_HIGH + 1] = _strain_range(kind.strain_coefficients)
-        row[at.E_STABILISATION] = min(3.0 * scale, 1.0 / kind.strain_coefficients[0])
-        row[at.E_BENDING_FULL] = 0.0 if cable.model == "cable" else kind.bending_stiffness
-        row[at.E_BENDING] = row[at.E_BENDING_FULL]
-        row[at.E_MODEL] = _MODELS[cable.model]
-        row[at.E_SEGMENT] = index
-        if cable.model == "hybrid" and kind.bending_stiffness > 0.0:
-            block.ints[at.I_HYBRID] = 1
+        edges[node] = table[outermost - line.cable[node], at.K_EDGE :]
+        edges[node, at.E_LENGTH] = line.length[node]
+        edges[node, at.E_START] = line.start[node]
+    ints[at.I_TOP_CABLE] = outermost
+    ints[at.I_PAYOUT] = int(any(row.rate != 0.0 for row in scene.payout.rate))
+    reals[at.S_TOP_LENGTH] = line.length[1]
+    reals[at.S_PAID_MOST] = winch.most
+    reals[at.S_PAID_LEAST] = winch.least
+    for row, point in zip(
+        block.array(at.O_RATES, len(scene.payout.rate), at.RATE_WORDS),
+        scene.payout.rate,
+        strict=True,
+    ):
+        row[:] = point.t, point.rate
     table = block.array(at.O_BODY, len(line.bodies), at.BODY_WORDS)
     for body_row, (node, body, place) in zip(table, line.bodies, strict=True):
         body_row[at.B_NODE] = node
@@ -462,6 +574,20 @@ def _fill_positions(block: Block, line: _Line, points: FloatArray, length: float
             q[node, dimension:] = stretch * row[at.C_DIRECTION : at.C_DIRECTION + dimension]
 
 
+def _start_flowing(block: Block, scene: Scene) -> None:
+    """Material velocity of a cable that is paid out from t = 0 on: the rate, along itself.
+
+    A cable at rest would answer with an axial shock of EA rate / c.
+    """
+    rates = scene.payout.rate
+    if not rates or rates[0].t > 0.0 or rates[0].rate == 0.0:
+        return
+    nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
+    q = block.array(at.O_POSITION, nodes, 2 * dimension)
+    v = block.array(at.O_VELOCITY, nodes, 2 * dimension)
+    v[1:, :dimension] = rates[0].rate * q[1:, dimension:]
+
+
 def _find_initial_state(block: Block, scene: Scene, velocity: FloatArray) -> None:
     from cablemodel.kernels import entry
 
@@ -469,6 +595,7 @@ def _find_initial_state(block: Block, scene: Scene, velocity: FloatArray) -> Non
     entry.place_supports(ints, reals)
     dimension = int(ints[at.I_DIMENSION])
     if scene.initial.kind != "static":
+        _start_flowing(block, scene)
         entry.tension_from_stretch(ints, reals)
     else:
         frame = local(block, velocity, point=False)

@@ -28,6 +28,10 @@ _ADVICE = {
         "ask for a shorter step or a looser tolerance",
     ),
     at.SINGULAR: ("the equations are singular", "give the cable bending stiffness"),
+    at.NO_CAPACITY: (
+        "more elements are needed than were set aside for the drum's cable",
+        "give the line fewer or more even elements",
+    ),
     at.NOT_FINITE: ("an input is not finite", "check the inputs"),
 }
 _INPUT_WORDS = 14
@@ -99,7 +103,7 @@ class CableModel:
         self._ints, self._reals = self._block.ints, self._block.reals
         self._initial = self._block.image.copy()
         self._inputs: FloatArray = np.zeros(_INPUT_WORDS)
-        self._summary: FloatArray = np.zeros(24)
+        self._summary: FloatArray = np.zeros(40)
         self._summary_current = False
 
     # -- stepping -------------------------------------------------------------------------------
@@ -121,7 +125,8 @@ class CableModel:
         Args:
             vessel_velocity: of the tow point (3,) [m/s].
             vessel_position: of the tow point (3,) [m].
-            payout_rate: unstretched [m/s], positive out; only 0 is supported yet.
+            payout_rate: unstretched [m/s], positive out. It is clamped to zero where the drum is
+                empty or the shortest length is reached; `payout_rate` and `winch` say so.
             current: water velocity (3,) [m/s], added to the scene's at every depth.
 
         Raises:
@@ -159,18 +164,14 @@ class CableModel:
         self._take_vector(0, "vessel_velocity", vessel_velocity)
         self._take_vector(4, "vessel_position", vessel_position)
         self._take_vector(8, "current", current)
-        if payout_rate is not None and self._number("payout_rate", payout_rate) != 0.0:
-            raise StepError(
-                f"payout_rate is {payout_rate}: pay-out is not supported yet",
-                time=self.time,
-                advice="give 0 or None",
-            )
+        if payout_rate is not None:
+            inputs[13] = self._number("payout_rate", payout_rate)
+            inputs[12] = 1.0
         status = entry.step(self._ints, self._reals, end, inputs)
         if status != at.OK:
             problem, advice = _ADVICE[status]
             node = int(self._ints[at.I_FAILED_NODE])
-            edge = self._edges[max(node, 1)]
-            place = float(edge[at.E_START]) + (float(edge[at.E_LENGTH]) if node else 0.0)
+            place = float(self._node_arcs()[min(node, int(self._ints[at.I_NODES]) - 1)])
             raise StepError(problem, time=self.time, arc_length=place, advice=advice)
         self._summary_current = False
 
@@ -313,12 +314,17 @@ class CableModel:
     @property
     def drum_length(self) -> float:
         """Unstretched length of cable on the drum [m]."""
-        return 0.0
+        return float(self._numbers()[23])
 
     @property
     def payout_rate(self) -> float:
-        """Applied pay-out rate, unstretched [m/s]."""
-        return 0.0
+        """Applied pay-out rate, unstretched [m/s]; differs from the command when clamped."""
+        return float(self._numbers()[22])
+
+    @property
+    def winch(self) -> str:
+        """``free``, ``drum empty`` or ``shortest length``: what clamps the pay-out rate."""
+        return {0: "free", 1: "drum empty", -1: "shortest length"}[int(self._ints[at.I_CLAMPED])]
 
     @property
     def floor_force(self) -> FloatArray:
@@ -342,17 +348,19 @@ class CableModel:
 
     @property
     def bodies(self) -> list[BodyState]:
-        """The bodies on the cable, from the vessel outwards."""
+        """The bodies that are out, from the vessel outwards."""
         count = int(self._ints[at.I_BODIES])
         rows = self._block.array(at.O_BODY, count, at.BODY_WORDS)
         states = []
-        for row in rows:
+        items = [*self.scene.line, *self.scene.payout.drum]
+        arcs = self._node_arcs()
+        for row in sorted(rows, key=lambda row: float(row[at.B_NODE])):
             node = int(row[at.B_NODE])
-            body = self.scene.line[int(row[at.B_ITEM])].body
+            if node < 0:
+                continue
+            body = items[int(row[at.B_ITEM])].body
             assert body is not None
-            edge = self._edges[node]
-            arc = float(edge[at.E_START] + edge[at.E_LENGTH])
-            state = self.sample([arc])
+            state = self.sample([arcs[node]])
             states.append(
                 BodyState(body.name, state.position[0], state.velocity[0], state.tangent[0])
             )
@@ -390,9 +398,15 @@ class CableModel:
         """The cable at its nodes."""
         nodes = int(self._ints[at.I_NODES])
         joints = self._block.integers(at.O_JOINT, nodes)
+        return self.sample(self._node_arcs()[joints == 0])
+
+    def _node_arcs(self) -> FloatArray:
+        """Arc lengths of the nodes from the vessel (nodes,) [m]."""
         edges = self._edges
-        ends = edges[:, at.E_START] + edges[:, at.E_LENGTH]
-        return self.sample(ends[joints == 0])
+        arcs = edges[:, at.E_START] + edges[:, at.E_LENGTH] + self._reals[at.S_PAID]
+        arcs[0] = 0.0
+        arcs[1] = edges[1, at.E_LENGTH]
+        return np.minimum(arcs, self.line_length)
 
     def sample(self, s: ArrayLike) -> CableState:
         """The cable at any arc lengths s (n,) [m], 0 at the vessel.

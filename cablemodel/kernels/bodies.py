@@ -55,6 +55,8 @@ def body_residual(I, M, q, v, a, out):
     for body in range(I[I_BODIES]):
         row = I[O_BODY] + body * BODY_WORDS
         node = int(M[row + B_NODE])
+        if node < 0:  # still on the drum
+            continue
         body_kinematics(I, M, node, q, v, a, w)
         at = 2 * dimension * node
         ut = 0.0
@@ -84,6 +86,8 @@ def body_jacobian(I, M, q, v, a, ca, cv):
     for body in range(I[I_BODIES]):
         row = I[O_BODY] + body * BODY_WORDS
         node = int(M[row + B_NODE])
+        if node < 0:  # still on the drum
+            continue
         ig = body_kinematics(I, M, node, q, v, a, w)
         D = M[I[O_DIAGONAL] + size * size * node : I[O_DIAGONAL] + size * size * (node + 1)]
         ut = 0.0

@@ -27,6 +27,7 @@ from .layout import (
     I_DEPTHS,
     I_DRAG,
     I_NODES,
+    I_PAYOUT,
     O_COMPLIANCE,
     O_DIAGONAL,
     O_EDGE,
@@ -36,6 +37,7 @@ from .layout import (
     O_LOWER,
     O_MOTION,
     O_PARENT,
+    O_TOP,
     O_UPPER,
 )
 from .strain import strain_and_slope
@@ -199,6 +201,7 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
     W = M[I[O_GAUSS] : I[O_GAUSS] + 512]
     nodes = I[I_NODES]
     drag = I[I_DRAG]
+    payout = I[I_PAYOUT]
     sheared = I[I_DEPTHS] > 1
     out[0 : 4 * nodes] = 0.0
     for node in range(1, nodes):
@@ -212,8 +215,13 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
         bending = M[e + E_BENDING]
         x0 = q[4 * parent : 4 * parent + 4]
         x1 = q[4 * node : 4 * node + 4]
+        v0 = v[4 * parent : 4 * parent + 4]
+        v1 = v[4 * node : 4 * node + 4]
         a0 = a[4 * parent : 4 * parent + 4]
         a1 = a[4 * node : 4 * node + 4]
+        if parent == 0 and payout != 0:
+            v0 = M[I[O_TOP] : I[O_TOP] + 4]
+            a0 = M[I[O_TOP] + 6 : I[O_TOP] + 6 + 4]
         geometry(W, x0, x1, h)
         t0 = tension[2 * node]
         t1 = tension[2 * node + 1]
@@ -248,8 +256,6 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
         if drag != 0:
             if sheared:
                 element_current(I, M, W, x0, x1, h)
-            v0 = v[4 * parent : 4 * parent + 4]
-            v1 = v[4 * node : 4 * node + 4]
             load_forces(
                 W,
                 v0,
@@ -386,6 +392,7 @@ def jacobian_planar(I, M, q, v, a, tension, ca, cv):
     W = M[I[O_GAUSS] : I[O_GAUSS] + 512]
     nodes = I[I_NODES]
     drag = I[I_DRAG]
+    payout = I[I_PAYOUT]
     sheared = I[I_DEPTHS] > 1
     diagonal = M[I[O_DIAGONAL] : I[O_DIAGONAL] + 16 * nodes]
     upper = M[I[O_UPPER] : I[O_UPPER] + 16 * nodes]
@@ -404,6 +411,9 @@ def jacobian_planar(I, M, q, v, a, tension, ca, cv):
         a1 = a[4 * node : 4 * node + 4]
         v0 = v[4 * parent : 4 * parent + 4]
         v1 = v[4 * node : 4 * node + 4]
+        if parent == 0 and payout != 0:
+            v0 = M[I[O_TOP] : I[O_TOP] + 4]
+            a0 = M[I[O_TOP] + 6 : I[O_TOP] + 6 + 4]
         geometry(W, x0, x1, h)
         if drag != 0 and sheared:
             element_current(I, M, W, x0, x1, h)

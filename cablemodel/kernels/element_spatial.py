@@ -31,6 +31,7 @@ from .layout import (
     I_DEPTHS,
     I_DRAG,
     I_NODES,
+    I_PAYOUT,
     O_COMPLIANCE,
     O_DIAGONAL,
     O_EDGE,
@@ -40,6 +41,7 @@ from .layout import (
     O_LOWER,
     O_MOTION,
     O_PARENT,
+    O_TOP,
     O_UPPER,
 )
 from .strain import strain_and_slope
@@ -243,6 +245,7 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
     W = M[I[O_GAUSS] : I[O_GAUSS] + 512]
     nodes = I[I_NODES]
     drag = I[I_DRAG]
+    payout = I[I_PAYOUT]
     sheared = I[I_DEPTHS] > 1
     out[0 : 6 * nodes] = 0.0
     for node in range(1, nodes):
@@ -256,8 +259,13 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
         bending = M[e + E_BENDING]
         x0 = q[6 * parent : 6 * parent + 6]
         x1 = q[6 * node : 6 * node + 6]
+        v0 = v[6 * parent : 6 * parent + 6]
+        v1 = v[6 * node : 6 * node + 6]
         a0 = a[6 * parent : 6 * parent + 6]
         a1 = a[6 * node : 6 * node + 6]
+        if parent == 0 and payout != 0:
+            v0 = M[I[O_TOP] : I[O_TOP] + 6]
+            a0 = M[I[O_TOP] + 6 : I[O_TOP] + 6 + 6]
         geometry(W, x0, x1, h)
         t0 = tension[2 * node]
         t1 = tension[2 * node + 1]
@@ -294,8 +302,6 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
         if drag != 0:
             if sheared:
                 element_current(I, M, W, x0, x1, h)
-            v0 = v[6 * parent : 6 * parent + 6]
-            v1 = v[6 * node : 6 * node + 6]
             load_forces(
                 W,
                 v0,
@@ -456,6 +462,7 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
     W = M[I[O_GAUSS] : I[O_GAUSS] + 512]
     nodes = I[I_NODES]
     drag = I[I_DRAG]
+    payout = I[I_PAYOUT]
     sheared = I[I_DEPTHS] > 1
     diagonal = M[I[O_DIAGONAL] : I[O_DIAGONAL] + 36 * nodes]
     upper = M[I[O_UPPER] : I[O_UPPER] + 36 * nodes]
@@ -474,6 +481,9 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
         a1 = a[6 * node : 6 * node + 6]
         v0 = v[6 * parent : 6 * parent + 6]
         v1 = v[6 * node : 6 * node + 6]
+        if parent == 0 and payout != 0:
+            v0 = M[I[O_TOP] : I[O_TOP] + 6]
+            a0 = M[I[O_TOP] + 6 : I[O_TOP] + 6 + 6]
         geometry(W, x0, x1, h)
         if drag != 0 and sheared:
             element_current(I, M, W, x0, x1, h)

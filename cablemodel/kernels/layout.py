@@ -29,6 +29,14 @@ I_MAXIMUM_STEPS = 25
 I_DRAG = 26  # 0 in vacuum: no water terms
 I_HYBRID = 27
 
+# Pay-out.
+I_PAYOUT = 70  # 1 where cable may pass the tow point: the top element's length varies
+I_RATES, I_CABLES = 71, 72  # rows of the rate table and of the cable table
+I_TOP_CABLE = 73  # row of the cable that passes the tow point
+I_RATE_LIVE = 74  # 1: the caller's rate drives, 0: the scene's table
+I_CLAMPED = 75  # +1 the drum is empty, -1 the shortest length is reached, 0 neither
+O_RATES, O_CABLES, O_TOP = 76, 77, 78
+
 # Header: word offsets of the arrays.
 O_PIECES, O_DEPTHS, O_TIMES, O_CURRENT, O_STRAIN = 32, 33, 34, 35, 36
 O_PARENT, O_JOINT, O_EDGE, O_ARC, O_BODY, O_CONSTRAINT = 37, 38, 39, 40, 41, 42
@@ -56,6 +64,24 @@ S_GRAVITY = _S + 24
 S_WATER_DENSITY = _S + 25
 S_FIRST_STEP = _S + 26
 S_LAST_STEP = _S + 27  # length of the last accepted step [s]
+
+# Pay-out: paid(t) = S_PAID + rate tau + slope tau^2 / 2, tau = t - S_TIME, within one step.
+S_PAID, S_PAYOUT_RATE, S_PAYOUT_SLOPE = _S + 28, _S + 29, _S + 30
+S_TOP_LENGTH = _S + 31  # length of the top element at S_TIME [m]
+S_PAID_MOST, S_PAID_LEAST = _S + 32, _S + 33
+S_LIVE_RATE = _S + 34  # 4 words: t0, t1, rate at t0, at t1
+S_STAGE_RATE, S_STAGE_SLOPE = _S + 38, _S + 39  # at the time of the last set_time
+
+# Rows of the rate table: time, rate. Rows of the cable table: the cables of the line and of the
+# drum in the order in which they pass the tow point on the way out.
+RATE_WORDS = 2
+CABLE_WORDS = 25
+K_LEAVES = 0  # pay-out at which its vessel end passes the tow point [m]
+K_NOMINAL = 1  # length of its elements [m]
+K_SHORTEST = 2  # length below which its lower end stays on the drum [m]
+K_HINGE = 3  # 1: its lower end is a hinge, 0: the slope is shared
+K_BODY = 4  # row of the body at its lower end, -1: none
+K_EDGE = 5  # a row of the edge table for its elements: EDGE_WORDS
 
 # Rows of the motion table: see cablemodel/scene/motion.py.
 PIECE_WORDS = 24
@@ -91,3 +117,4 @@ C_VESSEL, C_ANCHOR = 1, 2
 # Status codes of the kernels.
 OK = 0
 NOT_CONVERGED, NOT_FINITE, TOO_MANY_STEPS, SINGULAR, STATICS_FAILED = 1, 2, 3, 4, 5
+NO_CAPACITY = 6

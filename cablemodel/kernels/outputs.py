@@ -27,6 +27,7 @@ from .layout import (
     I_DIMENSION,
     I_DRAG,
     I_NODES,
+    I_PAYOUT,
     O_ACCELERATION,
     O_BODY,
     O_CONSTRAINT_RESIDUAL,
@@ -37,9 +38,13 @@ from .layout import (
     O_POSITION,
     O_RESIDUAL,
     O_TENSION,
+    O_TOP,
     O_VELOCITY,
     S_BASE,
+    S_PAID,
+    S_PAID_MOST,
     S_PLANE,
+    S_STAGE_RATE,
     S_TIME,
 )
 from .strain import strain_and_slope
@@ -155,6 +160,16 @@ def node_tension(I, M, node, side, top, tip):
 
 
 @kernel
+def line_length(I, M):
+    """Unstretched length of the cable that is out [m]."""
+    last = I[I_NODES] - 1
+    edge = I[O_EDGE] + last * EDGE_WORDS
+    if last == 1:
+        return M[edge + E_LENGTH]
+    return M[edge + E_START] + M[edge + E_LENGTH] + M[S_PAID]
+
+
+@kernel
 def sample_stations(I, M, stations, out):
     """State at arc lengths `stations` (ascending or not): rows of STATION_WORDS into out.
 
@@ -168,8 +183,7 @@ def sample_stations(I, M, stations, out):
     end_forces(I, M)
     top = pull_along(I, M, 0, -1.0)
     tip = pull_along(I, M, nodes - 1, 1.0)
-    total = M[I[O_EDGE] + (nodes - 1) * EDGE_WORDS + E_START]
-    total += M[I[O_EDGE] + (nodes - 1) * EDGE_WORDS + E_LENGTH]
+    total = line_length(I, M)
     for n in range(len(stations)):
         s = stations[n]
         if not (s >= -1e-9 * total and s <= total * (1.0 + 1e-9)):
@@ -178,7 +192,7 @@ def sample_stations(I, M, stations, out):
         high = nodes
         while high - low > 1:
             middle = (low + high) // 2
-            if s >= M[I[O_EDGE] + middle * EDGE_WORDS + E_START]:
+            if s - M[S_PAID] >= M[I[O_EDGE] + middle * EDGE_WORDS + E_START]:
                 low = middle
             else:
                 high = middle
@@ -187,7 +201,8 @@ def sample_stations(I, M, stations, out):
         edge = I[O_EDGE] + low * EDGE_WORDS
         parent = I[I[O_PARENT] + low]
         h = M[edge + E_LENGTH]
-        x = min(1.0, max(0.0, (s - M[edge + E_START]) / h))
+        start = M[edge + E_START] + M[S_PAID] if parent > 0 else 0.0
+        x = min(1.0, max(0.0, (s - start) / h))
         y = 1.0 - x
         n0 = y * y * (1.0 + 2.0 * x)
         n1 = h * x * y * y
@@ -203,6 +218,8 @@ def sample_stations(I, M, stations, out):
         q1 = I[O_POSITION] + size * low
         v0 = I[O_VELOCITY] + size * parent
         v1 = I[O_VELOCITY] + size * low
+        if parent == 0 and I[I_PAYOUT] != 0:
+            v0 = I[O_TOP]
         g2 = 0.0
         for i in range(dimension):
             a = M[q0 + i]
@@ -250,7 +267,7 @@ def summarise(I, M, out):
 
     out: 0-5 force and moment of the cable on the vessel, 6 top tension (size of that force,
     negative where the cable pushes), 7, 8 lowest and highest tension in the cable, 9-11 end position, 12-14 end velocity, 15-17 vessel position, 18-20 vessel velocity,
-    21 line length.
+    21 line length, 22 applied pay-out rate, 23 cable on the drum.
     """
     dimension = I[I_DIMENSION]
     size = 2 * dimension
@@ -279,8 +296,9 @@ def summarise(I, M, out):
     to_earth(I, M, v, last, out, 12, 0)
     to_earth(I, M, q, 0, out, 15, 1)
     to_earth(I, M, v, 0, out, 18, 0)
-    edge = I[O_EDGE] + (nodes - 1) * EDGE_WORDS
-    out[21] = M[edge + E_START] + M[edge + E_LENGTH]
+    out[21] = line_length(I, M)
+    out[22] = M[S_STAGE_RATE] if I[I_PAYOUT] != 0 else 0.0
+    out[23] = M[S_PAID_MOST] - M[S_PAID]
 
 
 @kernel
@@ -307,6 +325,8 @@ def energies(I, M, out):
         q1 = I[O_POSITION] + size * node
         v0 = I[O_VELOCITY] + size * parent
         v1 = I[O_VELOCITY] + size * node
+        if parent == 0 and I[I_PAYOUT] != 0:
+            v0 = I[O_TOP]
         mean = M[I[O_TENSION] + 2 * node]
         slope = M[I[O_TENSION] + 2 * node + 1]
         e2 = 0.0
@@ -375,6 +395,8 @@ def energies(I, M, out):
         out[1] += 0.1 * h * M[edge + E_STABILISATION] * e2 * e2
     for body in range(I[I_BODIES]):
         row = I[O_BODY] + body * BODY_WORDS
+        if M[row + B_NODE] < 0.0:
+            continue
         at = size * int(M[row + B_NODE])
         speed = 0.0
         for i in range(dimension):

@@ -16,6 +16,8 @@ from .layout import (
     I_IMAGE_WORDS,
     I_LIVE,
     I_NODES,
+    I_PAYOUT,
+    I_RATE_LIVE,
     NOT_FINITE,
     O_ACCELERATION,
     O_BACKUP,
@@ -31,10 +33,12 @@ from .layout import (
     PIECE_WORDS,
     S_LENGTH,
     S_LIVE_CURRENT,
+    S_LIVE_RATE,
     S_PLANE,
     S_SHIFT,
     S_TIME,
 )
+from .payout import commanded_rate
 from .promote import promote
 from .time_stepping import advance_to
 
@@ -104,6 +108,23 @@ def set_live_current(I, M, t_end, inputs):
     M[at + 1] = t_end
     if flows and I[I_CURRENT] == 0:
         I[I_CURRENT] = 1
+
+
+@kernel
+def set_live_rate(I, M, t_end, inputs):
+    """The caller's pay-out rate, or back to the scene's: linear from the present command."""
+    present, slope, until = commanded_rate(I, M, M[S_TIME])
+    target = inputs[IN_PAYOUT + 1]
+    if inputs[IN_PAYOUT] == 0.0:
+        I[I_RATE_LIVE] = 0
+        target, slope, until = commanded_rate(I, M, t_end)
+    I[I_RATE_LIVE] = 1
+    M[S_LIVE_RATE] = M[S_TIME]
+    M[S_LIVE_RATE + 1] = t_end
+    M[S_LIVE_RATE + 2] = present
+    M[S_LIVE_RATE + 3] = target
+    if present != 0.0 or target != 0.0:
+        I[I_PAYOUT] = 1
 
 
 @kernel
@@ -183,6 +204,10 @@ def take_step(I, M, t_end, inputs):
         returning = not given
     if inputs[IN_CURRENT] != 0.0 or I[I_CURRENT] != 0:
         set_live_current(I, M, t_end, inputs)
+    given_rate = inputs[IN_PAYOUT] != 0.0
+    returning_rate = I[I_RATE_LIVE] == 1 and not given_rate
+    if given_rate or returning_rate:
+        set_live_rate(I, M, t_end, inputs)
     keep_plane(I, M)
     status = advance_to(I, M, t_end)
     if status != OK:
@@ -190,6 +215,9 @@ def take_step(I, M, t_end, inputs):
         for n in range(words):
             I[n] = I[backup + n]
         I[I_FAILED_NODE] = failed
-    elif returning:
+        return status
+    if returning:
         I[I_LIVE] = 0
+    if returning_rate:
+        I[I_RATE_LIVE] = 0
     return status

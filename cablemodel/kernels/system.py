@@ -28,6 +28,7 @@ from .layout import (
     I_CONSTRAINTS,
     I_DIMENSION,
     I_NODES,
+    I_PAYOUT,
     O_COMPLIANCE,
     O_CONSTRAINT,
     O_DIAGONAL,
@@ -36,13 +37,17 @@ from .layout import (
     O_MOTION,
     O_PARENT,
     O_STRETCH,
+    O_TOP,
     O_UPPER,
 )
+from .payout import material_top, set_top_length
 
 
 @kernel
 def residual(I, M, q, v, a, tension, out, out_constraint):
     """Forces conjugate to (r, d) that the equations of motion leave, and constraint residuals."""
+    if I[I_PAYOUT] != 0:
+        material_top(I, M, q, v, a)
     if I[I_DIMENSION] == 2:
         residual_planar(I, M, q, v, a, tension, out, out_constraint)
     else:
@@ -53,7 +58,9 @@ def residual(I, M, q, v, a, tension, out, out_constraint):
 
 @kernel
 def set_time(I, M, t):
-    """Evaluate what depends on time alone: vessel motion and current profile."""
+    """Evaluate what depends on time alone: vessel motion, current profile, cable paid out."""
+    if I[I_PAYOUT] != 0:
+        set_top_length(I, M, t)
     vessel_motion(I, M, t)
     current_profile(I, M, t)
 
@@ -156,6 +163,8 @@ def constrain_vector(I, M, x):
 @kernel
 def jacobian(I, M, q, v, a, tension, ca, cv):
     """Assemble the effective Jacobian (not constrained, not factored)."""
+    if I[I_PAYOUT] != 0:
+        material_top(I, M, q, v, a)
     if I[I_DIMENSION] == 2:
         jacobian_planar(I, M, q, v, a, tension, ca, cv)
     else:
@@ -229,7 +238,18 @@ def elongation_rate(I, M, v, tension_rate, out):
 
     With tension_rate the solution of the projected system, out is what is left of the constraint.
     """
-    stretch_rate(I, M, v, out)
+    if I[I_PAYOUT] != 0:
+        # Material velocities, which the last residual left in O_TOP, in place of the mesh's.
+        size = 2 * I[I_DIMENSION]
+        kept = M[I[O_TOP] + 12 : I[O_TOP] + 12 + size]
+        for n in range(size):
+            kept[n] = v[n]
+            v[n] = M[I[O_TOP] + n]
+        stretch_rate(I, M, v, out)
+        for n in range(size):
+            v[n] = kept[n]
+    else:
+        stretch_rate(I, M, v, out)
     for node in range(1, I[I_NODES]):
         s = I[O_COMPLIANCE] + 3 * node
         determinant = M[s] * M[s + 2] - M[s + 1] * M[s + 1]

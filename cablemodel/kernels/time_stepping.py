@@ -24,6 +24,7 @@ from .layout import (
     I_MAXIMUM_STEPS,
     I_NODES,
     I_ORDER,
+    I_PAYOUT,
     I_PIECE,
     I_PIECES,
     I_REJECTED,
@@ -58,13 +59,16 @@ from .layout import (
     PIECE_WORDS,
     S_FACTORED_STEP,
     S_LAST_STEP,
+    S_PAID,
     S_SMALLEST_STEP,
     S_STEP,
     S_TIME,
     S_TIME_TOLERANCE,
+    S_TOP_LENGTH,
     TOO_MANY_STEPS,
 )
 from .environment import find_piece
+from .payout import adapt_top, begin_payout, longest_payout_step, paid_since
 from .system import (
     factorise,
     impose_motion,
@@ -277,6 +281,8 @@ def make_consistent(I, M):
     v = M[I[O_VELOCITY] : I[O_VELOCITY] + count]
     a = M[I[O_ACCELERATION] : I[O_ACCELERATION] + count]
     tension = M[I[O_TENSION] : I[O_TENSION] + 2 * nodes]
+    if M[S_LAST_STEP] == 0.0:
+        return
     rate = M[I[O_TENSION_RATE] : I[O_TENSION_RATE] + 2 * nodes]
     forces = M[I[O_RESIDUAL] : I[O_RESIDUAL] + count]
     constraint = M[I[O_CONSTRAINT_RESIDUAL] : I[O_CONSTRAINT_RESIDUAL] + 2 * nodes]
@@ -291,6 +297,8 @@ def make_consistent(I, M):
                 q[n] += x[n]
             recover_tension(I, M, constraint, x, tension)
         for _iteration in range(2):
+            if I[I_PAYOUT] != 0:
+                residual(I, M, q, v, a, tension, forces, constraint)
             elongation_rate(I, M, v, rate, constraint)
             forces[:] = 0.0
             newton_increment(I, M, forces, constraint, x)
@@ -361,6 +369,9 @@ def advance_to(I, M, t_end):
     while M[S_TIME] < t_end:
         natural = M[S_STEP]
         stop = next_stop(I, M, t_end, natural)
+        if I[I_PAYOUT] != 0:
+            stop = begin_payout(I, M, stop)
+            natural = longest_payout_step(I, M, natural)
         remaining = stop - M[S_TIME]
         dt = natural
         landing = False
@@ -390,11 +401,21 @@ def advance_to(I, M, t_end):
                 break
             status = OK
         else:
+            accept_trial(I, M, dt, scheme)
+            if I[I_PAYOUT] != 0:
+                paid = paid_since(M, dt)
+                M[S_PAID] += paid
+                M[S_TOP_LENGTH] += paid
             if landing:
                 M[S_TIME] = stop
             else:
                 M[S_TIME] += dt
-            accept_trial(I, M, dt, scheme)
+            if I[I_PAYOUT] != 0:
+                status, removed = adapt_top(I, M)
+                if status != OK:
+                    break
+                if removed:
+                    make_consistent(I, M)
             if I[I_HYBRID] == 1:
                 update_bending(I, M)
             if I[I_LIVE] == 0:
@@ -410,7 +431,7 @@ def advance_to(I, M, t_end):
             if 0.95 <= factor and factor <= 1.3:
                 factor = 1.0
             if factor >= 1.0:
-                M[S_STEP] = max(natural, factor * dt)
+                M[S_STEP] = max(M[S_STEP], factor * dt)
             else:
                 M[S_STEP] = factor * dt
         taken += 1

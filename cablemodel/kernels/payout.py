@@ -1,0 +1,481 @@
+"""Pay-out and reel-in: cable passes the tow point, the top element's length varies with it.
+
+All nodes but the vessel's are material points; the mesh moves along the cable in the top element
+only. A material point that passes the tow point sees d/dt + v_p d/ds, so the material velocity and
+acceleration of the top element are cubics again, with the Hermite data at the vessel's end
+
+    v   = r_t + v_p r',              v'  = r'_t + v_p r''
+    a   = r_tt + 2 v_p r'_t + v_p_dot r' + v_p^2 r''
+    a'  = r'_tt + 2 v_p (r'')_t + v_p_dot r'' + v_p^2 r'''
+
+(Sun & Leonard 1998, eq. 16, with the factors of stretch that it lacks). With these in place of
+the nodal rates the element is computed like any other one. Elements are split and joined between
+steps; splitting a cubic is exact, in position, velocity, acceleration and tension.
+"""
+
+from .compile import kernel
+from .layout import (
+    B_NODE,
+    BODY_WORDS,
+    C_NODE,
+    CABLE_WORDS,
+    CONSTRAINT_WORDS,
+    E_LENGTH,
+    E_SEGMENT,
+    E_START,
+    EDGE_WORDS,
+    I_BODIES,
+    I_CABLES,
+    I_CAPACITY,
+    I_CLAMPED,
+    I_CONSTRAINTS,
+    I_DIMENSION,
+    I_FACTORED,
+    I_NODES,
+    I_PAYOUT,
+    I_RATE_LIVE,
+    I_RATES,
+    I_TOP_CABLE,
+    K_BODY,
+    K_EDGE,
+    K_HINGE,
+    K_LEAVES,
+    K_NOMINAL,
+    K_SHORTEST,
+    NO_CAPACITY,
+    O_ACCELERATION,
+    O_BODY,
+    O_CABLES,
+    O_CONSTRAINT,
+    O_EDGE,
+    O_JOINT,
+    O_MOTION,
+    O_PARENT,
+    O_POSITION,
+    O_RATES,
+    O_TENSION,
+    O_TENSION_RATE,
+    O_TOP,
+    O_VELOCITY,
+    OK,
+    S_LIVE_RATE,
+    S_PAID,
+    S_PAID_LEAST,
+    S_PAID_MOST,
+    S_PAYOUT_RATE,
+    S_PAYOUT_SLOPE,
+    S_STAGE_RATE,
+    S_STAGE_SLOPE,
+    S_TIME,
+    S_TOP_LENGTH,
+)
+
+FEWEST_ELEMENTS = 4
+SPLIT, JOIN = 2.0, 0.5  # of the nominal length of the top element
+
+
+@kernel
+def commanded_rate(I, M, t):
+    """Commanded rate just after t, its slope, and the time until which they hold."""
+    if I[I_RATE_LIVE] == 1:
+        t0 = M[S_LIVE_RATE]
+        t1 = M[S_LIVE_RATE + 1]
+        if t < t1:
+            slope = (M[S_LIVE_RATE + 3] - M[S_LIVE_RATE + 2]) / (t1 - t0)
+            return M[S_LIVE_RATE + 2] + slope * (t - t0), slope, t1
+        return M[S_LIVE_RATE + 3], 0.0, 1e300
+    table = I[O_RATES]
+    count = I[I_RATES]
+    if count == 0:
+        return 0.0, 0.0, 1e300
+    if t < M[table]:
+        return M[table + 1], 0.0, M[table]
+    for k in range(count - 1):
+        t1 = M[table + 2 * k + 2]
+        if t < t1:
+            t0 = M[table + 2 * k]
+            r0 = M[table + 2 * k + 1]
+            slope = (M[table + 2 * k + 3] - r0) / (t1 - t0)
+            return r0 + slope * (t - t0), slope, t1
+    return M[table + 2 * count - 1], 0.0, 1e300
+
+
+@kernel
+def first_crossing(gap, rate, slope):
+    """Smallest tau > 0 at which rate tau + slope tau^2 / 2 = gap (gap > 0); 1e300: never."""
+    if slope == 0.0:
+        if rate > 0.0:
+            return gap / rate
+        return 1e300
+    inside = rate * rate + 2.0 * slope * gap
+    if inside < 0.0:
+        return 1e300
+    root = inside**0.5
+    if rate + root <= 0.0:
+        return 1e300
+    return 2.0 * gap / (rate + root)
+
+
+@kernel
+def begin_payout(I, M, stop):
+    """Set the rate of the next step; returns the time by which the step must end.
+
+    Rates hold until the next kink of the command, and not beyond the end of the drum or the
+    shortest length: there the rate is clamped to zero until the command turns round.
+    """
+    time = M[S_TIME]
+    rate, slope, until = commanded_rate(I, M, time)
+    stop = min(stop, until)
+    if rate == 0.0:
+        sign = slope
+    else:
+        sign = rate
+        if rate * slope < 0.0:
+            zero = time - rate / slope
+            if zero > time * (1.0 + 1e-15) and zero < stop:
+                stop = zero
+            elif abs(rate) <= 1e-15 * abs(slope):
+                sign = slope
+    most = M[S_PAID_MOST] - M[S_PAID]
+    least = M[S_PAID] - M[S_PAID_LEAST]
+    I[I_CLAMPED] = 0
+    if sign > 0.0 and most <= 1e-12 * (1.0 + abs(M[S_PAID_MOST])):
+        I[I_CLAMPED] = 1
+    elif sign < 0.0 and least <= 1e-12 * (1.0 + abs(M[S_PAID_LEAST])):
+        I[I_CLAMPED] = -1
+    if I[I_CLAMPED] != 0:
+        M[S_PAYOUT_RATE] = 0.0
+        M[S_PAYOUT_SLOPE] = 0.0
+        return stop
+    M[S_PAYOUT_RATE] = rate
+    M[S_PAYOUT_SLOPE] = slope
+    tau = 1e300
+    if sign > 0.0:
+        tau = first_crossing(most, rate, slope)
+    elif sign < 0.0:
+        tau = first_crossing(least, -rate, -slope)
+    if tau < 1e299:
+        stop = min(stop, time + tau)
+    return stop
+
+
+@kernel
+def longest_payout_step(I, M, dt):
+    """A step that changes the top element by at most its nominal length, or half of its own."""
+    row = I[O_CABLES] + I[I_TOP_CABLE] * CABLE_WORDS
+    rate = abs(M[S_PAYOUT_RATE] + 0.5 * M[S_PAYOUT_SLOPE] * dt)
+    rate = max(rate, abs(M[S_PAYOUT_RATE]))
+    if rate == 0.0:
+        return dt
+    room = M[row + K_NOMINAL]
+    if M[S_PAYOUT_RATE] < 0.0 or (M[S_PAYOUT_RATE] == 0.0 and M[S_PAYOUT_SLOPE] < 0.0):
+        room = 0.5 * M[S_TOP_LENGTH]
+    return min(dt, room / rate)
+
+
+@kernel
+def paid_since(M, tau):
+    """Cable paid out in tau since S_TIME, at the step's rate [m]."""
+    return tau * (M[S_PAYOUT_RATE] + 0.5 * M[S_PAYOUT_SLOPE] * tau)
+
+
+@kernel
+def set_top_length(I, M, t):
+    """Length of the top element and the rate at time t."""
+    tau = t - M[S_TIME]
+    M[I[O_EDGE] + EDGE_WORDS + E_LENGTH] = M[S_TOP_LENGTH] + paid_since(M, tau)
+    M[S_STAGE_RATE] = M[S_PAYOUT_RATE] + M[S_PAYOUT_SLOPE] * tau
+    M[S_STAGE_SLOPE] = M[S_PAYOUT_SLOPE]
+
+
+@kernel
+def material_top(I, M, q, v, a):
+    """Material velocity and acceleration of the vessel's node into the O_TOP words (12)."""
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    out = I[O_TOP]
+    rate = M[S_STAGE_RATE]
+    slope = M[S_STAGE_SLOPE]
+    h = M[I[O_EDGE] + EDGE_WORDS + E_LENGTH]
+    ih = 1.0 / h
+    for i in range(dimension):
+        r0 = q[i]
+        d0 = q[dimension + i]
+        r1 = q[size + i]
+        d1 = q[size + dimension + i]
+        second = (6.0 * (r1 - r0) * ih - 4.0 * d0 - 2.0 * d1) * ih
+        third = (12.0 * (r0 - r1) * ih + 6.0 * d0 + 6.0 * d1) * ih * ih
+        v0 = v[i]
+        w0 = v[dimension + i]
+        v1 = v[size + i]
+        w1 = v[size + dimension + i]
+        # Time derivative of r''(0): h grows at the rate, which acts on the difference of r only.
+        second_rate = (6.0 * (v1 - v0) * ih - 4.0 * w0 - 2.0 * w1) * ih
+        second_rate -= rate * ih * (12.0 * (r1 - r0) * ih - 4.0 * d0 - 2.0 * d1) * ih
+        M[out + i] = v0 + rate * d0
+        M[out + dimension + i] = w0 + rate * second
+        M[out + 6 + i] = a[i] + 2.0 * rate * w0 + slope * d0 + rate * rate * second
+        M[out + 6 + dimension + i] = (
+            a[dimension + i] + 2.0 * rate * second_rate + slope * second + rate * rate * third
+        )
+
+
+@kernel
+def open_gap(I, M, at, count):
+    """Move nodes from `at` on by `count` places and renumber all that points to them."""
+    size = 2 * I[I_DIMENSION]
+    nodes = I[I_NODES]
+    for node in range(nodes - 1, at - 1, -1):
+        to = node + count
+        for k in range(size):
+            M[I[O_POSITION] + size * to + k] = M[I[O_POSITION] + size * node + k]
+            M[I[O_VELOCITY] + size * to + k] = M[I[O_VELOCITY] + size * node + k]
+            M[I[O_ACCELERATION] + size * to + k] = M[I[O_ACCELERATION] + size * node + k]
+        for k in range(2):
+            M[I[O_TENSION] + 2 * to + k] = M[I[O_TENSION] + 2 * node + k]
+            M[I[O_TENSION_RATE] + 2 * to + k] = M[I[O_TENSION_RATE] + 2 * node + k]
+        for k in range(EDGE_WORDS):
+            M[I[O_EDGE] + EDGE_WORDS * to + k] = M[I[O_EDGE] + EDGE_WORDS * node + k]
+        I[I[O_JOINT] + to] = I[I[O_JOINT] + node]
+    renumber(I, M, at, count)
+
+
+@kernel
+def close_gap(I, M, at, count):
+    """Remove nodes at ... at + count - 1."""
+    size = 2 * I[I_DIMENSION]
+    for node in range(at + count, I[I_NODES]):
+        to = node - count
+        for k in range(size):
+            M[I[O_POSITION] + size * to + k] = M[I[O_POSITION] + size * node + k]
+            M[I[O_VELOCITY] + size * to + k] = M[I[O_VELOCITY] + size * node + k]
+            M[I[O_ACCELERATION] + size * to + k] = M[I[O_ACCELERATION] + size * node + k]
+        for k in range(2):
+            M[I[O_TENSION] + 2 * to + k] = M[I[O_TENSION] + 2 * node + k]
+            M[I[O_TENSION_RATE] + 2 * to + k] = M[I[O_TENSION_RATE] + 2 * node + k]
+        for k in range(EDGE_WORDS):
+            M[I[O_EDGE] + EDGE_WORDS * to + k] = M[I[O_EDGE] + EDGE_WORDS * node + k]
+        I[I[O_JOINT] + to] = I[I[O_JOINT] + node]
+    renumber(I, M, at + count, -count)
+
+
+@kernel
+def renumber(I, M, first, count):
+    """Node numbers >= first change by count, in bodies, constraints and parents (a chain)."""
+    for body in range(I[I_BODIES]):
+        row = I[O_BODY] + body * BODY_WORDS + B_NODE
+        if M[row] >= first:
+            M[row] += count
+    for n in range(I[I_CONSTRAINTS]):
+        row = I[O_CONSTRAINT] + n * CONSTRAINT_WORDS + C_NODE
+        if M[row] >= first:
+            M[row] += count
+    I[I_NODES] += count
+    for node in range(1, I[I_NODES]):
+        I[I[O_PARENT] + node] = node - 1
+    I[I_FACTORED] = 0
+
+
+@kernel
+def hermite(M, p0, p1, dimension, h, x, out):
+    """Value and derivative at x of the cubic with data (r, d) at words p0 and p1."""
+    y = 1.0 - x
+    for i in range(dimension):
+        a = M[p0 + i]
+        b = M[p0 + dimension + i]
+        c = M[p1 + i]
+        d = M[p1 + dimension + i]
+        out[i] = y * y * (1.0 + 2.0 * x) * a + h * x * y * y * b
+        out[i] += x * x * (3.0 - 2.0 * x) * c - h * x * x * y * d
+        out[dimension + i] = -6.0 * x * y / h * (a - c) + y * (1.0 - 3.0 * x) * b
+        out[dimension + i] += x * (3.0 * x - 2.0) * d
+
+
+@kernel
+def split_edge(I, M, edge, x, hinge):
+    """Split an element at a fraction x from its parent end by one node, or by a hinge (two).
+
+    All fields stay as they were, exactly. The new elements have the old one's properties.
+    """
+    count = 2 if hinge else 1
+    if I[I_NODES] + count > I[I_CAPACITY]:
+        return NO_CAPACITY
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    w = I[O_MOTION] + 28
+    row = I[O_EDGE] + edge * EDGE_WORDS
+    h = M[row + E_LENGTH]
+    p = I[I[O_PARENT] + edge]
+    v0 = I[O_VELOCITY] + size * p
+    a0 = I[O_ACCELERATION] + size * p
+    if edge == 1 and I[I_PAYOUT] == 1:
+        set_top_length(I, M, M[S_TIME])
+        material_top(
+            I,
+            M,
+            M[I[O_POSITION] : I[O_POSITION] + 2 * size],
+            M[I[O_VELOCITY] : I[O_VELOCITY] + 2 * size],
+            M[I[O_ACCELERATION] : I[O_ACCELERATION] + 2 * size],
+        )
+        v0 = I[O_TOP]
+        a0 = I[O_TOP] + 6
+    hermite(
+        M, I[O_POSITION] + size * p, I[O_POSITION] + size * edge, dimension, h, x, M[w : w + size]
+    )
+    hermite(M, v0, I[O_VELOCITY] + size * edge, dimension, h, x, M[w + 6 : w + 6 + size])
+    hermite(M, a0, I[O_ACCELERATION] + size * edge, dimension, h, x, M[w + 12 : w + 12 + size])
+    open_gap(I, M, edge, count)
+    lower = edge + count
+    for node in range(edge, lower):
+        for k in range(size):
+            M[I[O_POSITION] + size * node + k] = M[w + k]
+            M[I[O_VELOCITY] + size * node + k] = M[w + 6 + k]
+            M[I[O_ACCELERATION] + size * node + k] = M[w + 12 + k]
+        for k in range(EDGE_WORDS):
+            M[I[O_EDGE] + EDGE_WORDS * node + k] = M[I[O_EDGE] + EDGE_WORDS * lower + k]
+        for k in range(2):
+            M[I[O_TENSION] + 2 * node + k] = 0.0
+            M[I[O_TENSION_RATE] + 2 * node + k] = 0.0
+        I[I[O_JOINT] + node] = 0
+    if hinge:
+        I[I[O_JOINT] + edge + 1] = 1
+        M[I[O_EDGE] + EDGE_WORDS * (edge + 1) + E_LENGTH] = 0.0
+        M[I[O_EDGE] + EDGE_WORDS * (edge + 1) + E_START] += x * h
+    for array in range(2):
+        t = I[O_TENSION] if array == 0 else I[O_TENSION_RATE]
+        mean = M[t + 2 * lower]
+        slope = M[t + 2 * lower + 1]
+        M[t + 2 * edge] = mean + slope * (x - 1.0)
+        M[t + 2 * edge + 1] = slope * x
+        M[t + 2 * lower] = mean + slope * x
+        M[t + 2 * lower + 1] = slope * (1.0 - x)
+    M[I[O_EDGE] + EDGE_WORDS * edge + E_LENGTH] = x * h
+    M[I[O_EDGE] + EDGE_WORDS * lower + E_LENGTH] = h - x * h
+    M[I[O_EDGE] + EDGE_WORDS * lower + E_START] += x * h
+    if edge == 1 and I[I_PAYOUT] == 1:
+        M[S_TOP_LENGTH] = M[I[O_EDGE] + EDGE_WORDS + E_LENGTH]
+        # The lower part begins where the cable is that is out now, less the new top element.
+        M[I[O_EDGE] + EDGE_WORDS * lower + E_START] = x * h - M[S_PAID]
+        if hinge:
+            M[I[O_EDGE] + EDGE_WORDS * 2 + E_START] = x * h - M[S_PAID]
+    return OK
+
+
+@kernel
+def join_at(I, M, node, count):
+    """Remove an inner node (count 1) or a hinge (count 2): its two elements become one.
+
+    What the merged cubic cannot hold is lost; the caller makes the state consistent.
+    """
+    upper = node
+    lower = node + count
+    h1 = M[I[O_EDGE] + EDGE_WORDS * upper + E_LENGTH]
+    h2 = M[I[O_EDGE] + EDGE_WORDS * lower + E_LENGTH]
+    h = h1 + h2
+    start = M[I[O_EDGE] + EDGE_WORDS * upper + E_START]
+    for array in range(2):
+        t = I[O_TENSION] if array == 0 else I[O_TENSION_RATE]
+        top = M[t + 2 * upper] - M[t + 2 * upper + 1]
+        bottom = M[t + 2 * lower] + M[t + 2 * lower + 1]
+        M[t + 2 * lower] = (h1 * M[t + 2 * upper] + h2 * M[t + 2 * lower]) / h
+        M[t + 2 * lower + 1] = 0.5 * (bottom - top)
+    M[I[O_EDGE] + EDGE_WORDS * lower + E_LENGTH] = h
+    M[I[O_EDGE] + EDGE_WORDS * lower + E_START] = start
+    close_gap(I, M, node, count)
+    if node == 1:
+        M[S_TOP_LENGTH] = h
+
+
+@kernel
+def give_properties(I, M, edge, cable):
+    """Make an element one of another cable: all of the row but its length and place."""
+    row = I[O_EDGE] + EDGE_WORDS * edge
+    h = M[row + E_LENGTH]
+    start = M[row + E_START]
+    for k in range(EDGE_WORDS):
+        M[row + k] = M[I[O_CABLES] + cable * CABLE_WORDS + K_EDGE + k]
+    M[row + E_LENGTH] = h
+    M[row + E_START] = start
+
+
+@kernel
+def element_number(I, M):
+    """Elements of the line."""
+    count = 0
+    for node in range(1, I[I_NODES]):
+        if I[I[O_JOINT] + node] == 0:
+            count += 1
+    return count
+
+
+@kernel
+def adapt_top(I, M):
+    """After a step: let joints and bodies pass the tow point, split or join the top element.
+
+    Returns (status, whether nodes were removed).
+    """
+    removed = False
+    for _pass in range(64):
+        cable = I[I_TOP_CABLE]
+        row = I[O_CABLES] + cable * CABLE_WORDS
+        changed = False
+        # A joint leaves the vessel once enough of the next cable is out.
+        if cable + 1 < I[I_CABLES]:
+            above = row + CABLE_WORDS
+            out = M[S_PAID] - M[row + K_LEAVES]
+            if out >= M[above + K_SHORTEST] and out < M[S_TOP_LENGTH]:
+                hinge = M[above + K_HINGE] != 0.0
+                if split_edge(I, M, 1, out / M[S_TOP_LENGTH], hinge) != OK:
+                    return NO_CAPACITY, removed
+                give_properties(I, M, 1, cable + 1)
+                if M[above + K_BODY] >= 0.0:
+                    M[I[O_BODY] + int(M[above + K_BODY]) * BODY_WORDS + B_NODE] = 1.0
+                I[I_TOP_CABLE] = cable + 1
+                changed = True
+                continue
+        # A joint is taken back when less than half of that is left.
+        if cable > 0:
+            below = row - CABLE_WORDS
+            out = M[S_PAID] - M[below + K_LEAVES]
+            if out <= 0.5 * M[row + K_SHORTEST]:
+                if M[row + K_BODY] >= 0.0:
+                    M[I[O_BODY] + int(M[row + K_BODY]) * BODY_WORDS + B_NODE] = -1.0
+                # All of the upper cable's elements go: normally the top one is the only one.
+                hinge = 1
+                if M[row + K_HINGE] != 0.0:
+                    hinge = 2
+                join_at(I, M, 1, hinge)
+                give_properties(I, M, 1, cable - 1)
+                M[I[O_EDGE] + EDGE_WORDS + E_LENGTH] = M[S_TOP_LENGTH]
+                I[I_TOP_CABLE] = cable - 1
+                removed = True
+                continue
+        nominal = M[row + K_NOMINAL]
+        if M[S_TOP_LENGTH] > SPLIT * nominal:
+            pieces = int(M[S_TOP_LENGTH] / nominal)
+            if split_edge(I, M, 1, 1.0 - 1.0 / pieces, False) != OK:
+                return NO_CAPACITY, removed
+            changed = True
+        elif M[S_TOP_LENGTH] < JOIN * nominal and I[I_NODES] > 2:
+            if (
+                M[I[O_EDGE] + 2 * EDGE_WORDS + E_SEGMENT] == M[I[O_EDGE] + EDGE_WORDS + E_SEGMENT]
+                and I[I[O_JOINT] + 2] == 0
+            ):
+                join_at(I, M, 1, 1)
+                M[I[O_EDGE] + EDGE_WORDS + E_LENGTH] = M[S_TOP_LENGTH]
+                removed = True
+                changed = True
+                if element_number(I, M) < FEWEST_ELEMENTS:
+                    longest = 1
+                    for node in range(1, I[I_NODES]):
+                        if (
+                            M[I[O_EDGE] + EDGE_WORDS * node + E_LENGTH]
+                            > M[I[O_EDGE] + EDGE_WORDS * longest + E_LENGTH]
+                        ):
+                            longest = node
+                    if split_edge(I, M, longest, 0.5, False) != OK:
+                        return NO_CAPACITY, removed
+                    return OK, removed
+        if not changed:
+            break
+    return OK, removed
