@@ -47,7 +47,7 @@ class WaypointController:
     slack: float = 0.6
     proportional: float = 0.007
     """[m/s per N]"""
-    derivative: float = 0.0004
+    derivative: float = 0.0002
     """[m/s per N/s]"""
     rate_limit: float = 1.0
     """[m/s]"""

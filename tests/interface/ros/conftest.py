@@ -35,15 +35,16 @@ os.environ["ROS_DOMAIN_ID"] = str(1 + os.getpid() % 100)
 class NodeProcess:
     """The node `cable`, started and stopped by its process id."""
 
-    def __init__(self, folder: Path, **parameters: Any) -> None:
+    def __init__(self, folder: Path, program: str = "", **parameters: Any) -> None:
         self.output = folder / "node.txt"
         arguments = []
         for name, value in parameters.items():
             text = str(value).lower() if isinstance(value, bool) else str(value)
             arguments += ["-p", f"{name.replace('__', '.')}:={text}"]
+        run = ["-c", program] if program else ["-m", "cablemodel_ros.node"]
         self._file = self.output.open("w")
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "cablemodel_ros.node", "--ros-args", *arguments],
+            [sys.executable, *run, "--ros-args", *arguments],
             stdout=self._file,
             stderr=subprocess.STDOUT,
             env={**os.environ, "ROS_LOG_DIR": str(folder / "ros_log")},
