@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from cablemodel import variables
 from cablemodel.errors import CableModelError, LogError, SceneError
-from cablemodel.states import States, applied_values, by_label, matrix_of
+from cablemodel.states import States, applied_values, bodies_in_columns, by_label, matrix_of
 
 if TYPE_CHECKING:
     import xarray
@@ -82,6 +82,9 @@ class Run:
 
     def __getitem__(self, name: str) -> Floats:
         """Values over time of an output: ``run["tension_max"]`` (n,), ``run["top_force"]`` (n, 3).
+
+        ``run["bodies.position"]`` is (n, bodies, 3), from the vessel outwards, the last one always
+        the outermost; NaN while a body is on the drum.
 
         Raises:
             KeyError: the scene has no such output.
@@ -332,7 +335,8 @@ class _Recorder:
         for name, values in self._values.items():
             owner, _, attribute = name.rpartition(".")
             if owner == "bodies":
-                values.append([np.array(getattr(body, attribute)) for body in model.bodies])
+                vectors = [getattr(body, attribute) for body in model.bodies]
+                values.append(np.array(vectors, float).reshape(-1, 3))
             else:
                 values.append(np.array(getattr(model, name), float))
 
@@ -343,7 +347,10 @@ class _Recorder:
         return np.array(self._times)
 
     def column(self, variable: variables.Variable) -> Floats:
-        return np.array(self._values[variable.python], float)
+        values = self._values[variable.python]
+        if variable.present == "bodies":
+            return bodies_in_columns(values)
+        return np.array(values, float)
 
     def states(self) -> States:
         return States(self.times(), self._states)

@@ -62,6 +62,21 @@ def by_label(rows: list[Floats]) -> dict[str, Floats]:
     return {label: table[:, index] for index, label in enumerate(APPLIED_INPUT_LABELS)}
 
 
+def bodies_in_columns(samples: list[Floats], columns: int | None = None) -> Floats:
+    """Vectors (bodies, 3) of the bodies that are out at each time, as one array (n, columns, 3).
+
+    A body keeps its column: bodies come off the drum and go back onto it at the vessel, so that
+    the last column is always the outermost one. NaN while a body is on the drum. ``columns`` is
+    the most bodies of all samples if not given.
+    """
+    if columns is None:
+        columns = max((len(sample) for sample in samples), default=0)
+    table = np.full((len(samples), columns, 3), np.nan)
+    for row, sample in zip(table, samples, strict=True):
+        row[columns - len(sample) :] = sample
+    return table
+
+
 class States(Sequence["CableState"]):
     """States at the output times: ``states[i]`` is a :class:`~cablemodel.CableState`.
 

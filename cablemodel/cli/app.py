@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from cablemodel.cli import check, inspect, run
+from cablemodel.cli import check, inspect, replay, run
 from cablemodel.cli.errors import show_tracebacks
 
 app = typer.Typer(
@@ -46,6 +46,7 @@ def _options(
 app.command("run")(run.run)
 app.command("check")(check.check)
 app.command("plot")(inspect.plot)
+app.command("replay")(replay.replay)
 app.command("info")(inspect.info)
 app.command("schema")(check.schema)
 

@@ -41,7 +41,7 @@ def plot(
     if len(opened.states) == 0:
         raise typer.BadParameter(f"{run} holds no states: there is nothing to draw")
     save_figure(opened, target)
-    _say_incomplete(opened.reason)
+    say_incomplete(opened.reason)
     typer.echo(f"Picture: {target}")
 
 
@@ -96,6 +96,7 @@ def _print_info(report: dict[str, Any]) -> None:
     console.print(channels)
 
 
-def _say_incomplete(reason: str) -> None:
+def say_incomplete(reason: str) -> None:
+    """Warn that a run ended early or was cut, if there is a reason to give."""
     if reason:
         typer.echo(f"cablemodel: the run is not complete: {reason}", err=True)

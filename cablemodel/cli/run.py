@@ -31,7 +31,7 @@ SetOption = Annotated[
     ),
 ]
 
-_LONG_START = 2.0
+_LONG_START = 3.0
 """Seconds after which a start is said to be compiling: a warm one takes less."""
 _REFRESH = 0.05
 """Least time between updates of the progress line [s]."""

@@ -143,6 +143,8 @@ def solve_stage(I, M, t, gamma_dt, tolerance, to_output):
         if refactor(I, M, q, v, a, tension, gamma_dt) != 0:
             return NOT_CONVERGED
     previous = 0.0
+    since = 0  # iterations with a factorisation made in this stage
+    growing = 0
     good = 0.02 if to_output else 0.1
     for iteration in range(LARGEST_ITERATIONS):
         residual(I, M, q, v, a, tension, forces, constraint)
@@ -170,12 +172,15 @@ def solve_stage(I, M, t, gamma_dt, tolerance, to_output):
             ratio = size / previous
             if settled and ratio < 1.0 and ratio / (1.0 - ratio) * size <= good * tolerance:
                 return OK
-            if ratio > 2.0 and I[I_FRESH] == 1 and size > tolerance:
+            growing = growing + 1 if ratio > 2.0 else 0
+            if growing == 2 and size > tolerance:
                 I[I_FAILED_NODE] = where
                 return NOT_CONVERGED
-            if ratio > 0.2 and I[I_FRESH] == 0:
+            if ratio > (0.2 if I[I_FRESH] == 0 else 0.4) and since > 0:
                 if refactor(I, M, q, v, a, tension, gamma_dt) != 0:
                     return NOT_CONVERGED
+                since = 0
+        since += 1
         previous = size
         I[I_FAILED_NODE] = where
     return NOT_CONVERGED

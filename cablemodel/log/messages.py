@@ -72,6 +72,17 @@ def quaternion_onto(direction: Floats) -> tuple[float, float, float, float]:
     return 0.0, -0.5 * z / w, 0.5 * y / w, w
 
 
+def direction_of(quaternions: Floats) -> Floats:
+    """Where quaternions (..., 4) in the order x, y, z, w turn the x axis to, (..., 3)."""
+    x, y, z, w = np.moveaxis(quaternions, -1, 0)
+    return np.stack([1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)], axis=-1)
+
+
+def through_quaternion(direction: Floats) -> Floats:
+    """A unit vector (3,) as it comes back from a log, with the round-off of its quaternion."""
+    return direction_of(np.array(quaternion_onto(direction)))
+
+
 class Messages:
     """Makes the messages of one log (not thread-safe). Every method returns CDR bytes; ``stamp``
     is in nanoseconds since 1970, vectors are in the map's axes."""

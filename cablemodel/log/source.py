@@ -9,9 +9,14 @@ from numpy.typing import NDArray
 
 from cablemodel import variables
 from cablemodel.errors import LogError
-from cablemodel.log.messages import ODOMETRY_FLOATS, ODOMETRY_TWIST, POSE_FLOATS
+from cablemodel.log.messages import (
+    ODOMETRY_FLOATS,
+    ODOMETRY_TWIST,
+    POSE_FLOATS,
+    direction_of,
+)
 from cablemodel.log.reader import LogFile
-from cablemodel.states import States, by_label
+from cablemodel.states import States, bodies_in_columns, by_label
 
 Floats = NDArray[np.float64]
 
@@ -71,20 +76,15 @@ class LogSource:
 
     def _bodies(self, variable: variables.Variable) -> Floats:
         """Positions or directions of the bodies (n, bodies, 3)."""
-        topic = variable.resolved_topic
-        found = self.log.messages(topic).data
-        if not found:
-            return np.empty((0, 0, 3))
-        # 4 bytes CDR, stamp, "map", then the number of poses.
-        bodies = int.from_bytes(found[0][20:24], "little")
-        poses = self.log.trailing_floats(topic, POSE_FLOATS * bodies)
-        poses = poses.reshape(-1, bodies, POSE_FLOATS)
-        if variable.python == "bodies.position":
-            return poses[:, :, :3]
-        x, y, z, w = np.moveaxis(poses[:, :, 3:], -1, 0)
-        return np.stack(
-            [1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)], axis=-1
-        )
+        samples = []
+        for message in self.log.messages(variable.resolved_topic).data:
+            # 4 bytes CDR, stamp, "map", then the number of poses, and at the end the poses.
+            count = POSE_FLOATS * int.from_bytes(message[20:24], "little")
+            poses = np.frombuffer(message[len(message) - 8 * count :], "<f8")
+            poses = poses.reshape(-1, POSE_FLOATS)
+            position = variable.python == "bodies.position"
+            samples.append(poses[:, :3] if position else direction_of(poses[:, 3:]))
+        return bodies_in_columns(samples)
 
     def applied_inputs(self) -> dict[str, Floats]:
         """Applied inputs of every step by label: ``time``, ``step``, ``payout_rate``, ..."""

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from cablemodel.errors import StepError
-from cablemodel.model import CableState
+from cablemodel.model import CableModel, CableState
 from cablemodel.scene import Scene, load_scene
 
 CABLE_TYPE = {
@@ -116,7 +116,10 @@ class SwingingCable:
         return s * tangent, tangent + 0 * s, s * rate * across
 
     def state(self) -> CableState:
-        s = np.linspace(0.0, self.line_length, self._nodes(self.time))
+        return self.sample(np.linspace(0.0, self.line_length, self._nodes(self.time)))
+
+    def sample(self, s: Any) -> CableState:
+        s = np.asarray(s, float)
         position, tangent, velocity = self._swing(s)
         tension = 70.0 + math.pi * (self.line_length - s) + math.sin(self.time)
         curvature = 1e-3 * (1 + np.sin(s + self.time))
@@ -203,6 +206,14 @@ class SwingingCable:
             "steps": self._steps, "rejected": 1, "factorisations": np.int64(2),
             "iterations": 3 * self._steps, "elements": 8,
         }  # fmt: skip
+
+
+@pytest.fixture(autouse=True, scope="session")
+def compiled_engine() -> None:
+    """Compile before the first test, so that no command says that it takes long to start."""
+    model = CableModel(load_scene(SIMPLE))
+    model.step(0.1)
+    model.state()
 
 
 @pytest.fixture

@@ -31,7 +31,7 @@ def command(*arguments: str | Path, **options: Any) -> "subprocess.CompletedProc
     """The command in a process of its own."""
     return subprocess.run(
         [sys.executable, "-m", "cablemodel", *map(str, arguments)],
-        capture_output=True, text=True, check=False, **options,
+        capture_output=True, text=True, check=False, cwd=ROOT, **options,
     )  # fmt: skip
 
 
@@ -290,7 +290,7 @@ def test_version() -> None:
 
 def test_later_commands_are_not_announced() -> None:
     text = invoke("--help").stdout
-    for name in ("run", "check", "plot", "info", "schema"):
+    for name in ("run", "check", "plot", "replay", "info", "schema"):
         assert name in text
     for name in ("report", "animate", "diff", "sweep", "fmu"):
         assert invoke(name).exit_code == 2
@@ -339,7 +339,7 @@ def test_the_example_of_the_readme_agrees_with_the_closed_form(tmp_path: Path) -
     assert command("run", SCENE, "--log", log, "--quiet").returncode == 0
     done = subprocess.run(
         [sys.executable, ROOT / "examples" / "towed_cable.py", log],
-        capture_output=True, text=True, check=False,
+        capture_output=True, text=True, check=False, env={**os.environ, "PYTHONPATH": str(ROOT)},
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert "94.6082" in done.stdout
@@ -348,7 +348,7 @@ def test_the_example_of_the_readme_agrees_with_the_closed_form(tmp_path: Path) -
 def test_the_example_refuses_a_run_that_is_not_steady(log: Path) -> None:
     done = subprocess.run(
         [sys.executable, ROOT / "examples" / "towed_cable.py", log],
-        capture_output=True, text=True, check=False,
+        capture_output=True, text=True, check=False, env={**os.environ, "PYTHONPATH": str(ROOT)},
     )  # fmt: skip
     assert done.returncode != 0
     assert "not that of the closed form" in done.stderr

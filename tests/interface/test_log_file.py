@@ -19,8 +19,6 @@ from mcap.reader import make_reader
 from mcap.records import Chunk, MessageIndex
 from mcap.stream_reader import StreamReader
 from rosbags.highlevel import AnyReader
-from rosbags.rosbag2 import StoragePlugin
-from rosbags.rosbag2 import Writer as Rosbag2Writer
 from rosbags.typesys import Stores, get_typestore
 
 import cablemodel as cm
@@ -225,25 +223,16 @@ def test_mcap_ros2_support_decodes_every_message(log: Path) -> None:
     assert np.array_equal(tensions, cm.open_run(log).top_tension)
 
 
-def test_messages_are_byte_for_byte_those_of_a_rosbag2_writer(log: Path, tmp_path: Path) -> None:
-    """Written anew by rosbags' own writer and serialiser, every message has the same bytes."""
-    copy = tmp_path / "copy"
-    with (
-        Rosbag2Writer(copy, version=9, storage_plugin=StoragePlugin.MCAP) as bag,
-        log.open("rb") as file,
-    ):
-        connections: dict[str, Any] = {}
+def test_messages_are_byte_for_byte_those_of_a_serialiser(log: Path) -> None:
+    """Templates with numbers put in are what serialising a message object would have given."""
+    topics = set()
+    with log.open("rb") as file:
         for schema, channel, message in make_reader(file).iter_messages():
             assert schema is not None
-            if channel.topic not in connections:
-                connections[channel.topic] = bag.add_connection(
-                    channel.topic, schema.name, typestore=STORE
-                )
-            again = STORE.serialize_cdr(
-                STORE.deserialize_cdr(message.data, schema.name), schema.name
-            )
-            assert bytes(again) == message.data, channel.topic
-            bag.write(connections[channel.topic], message.log_time, again)
+            decoded_message = STORE.deserialize_cdr(message.data, schema.name)
+            assert bytes(STORE.serialize_cdr(decoded_message, schema.name)) == message.data
+            topics.add(channel.topic)
+    assert len(topics) == len(variables.topics_of(cm.open_run(log).scene)) + 2
 
 
 def test_a_chunk_lasts_at_most_one_simulated_second(

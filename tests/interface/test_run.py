@@ -13,6 +13,7 @@ import cablemodel as cm
 from cablemodel import variables
 from cablemodel.log.reader import LogFile
 from cablemodel.log.writer import LogWriter
+from cablemodel.replay import replay
 from cablemodel.run import Progress, Run, output_times
 from cablemodel.scene import Scene
 
@@ -170,6 +171,36 @@ def test_nodes_may_come_and_go(simple_scene: Scene, swinging_cable: Any, tmp_pat
     assert [len(state.s) for state in run.states] == [nodes(t) for t in run.time]
     assert run.states.position.shape == (35, 15, 3)
     assert np.allclose(run.states.position[:, -1], run.tip_position, rtol=0, atol=1e-13)
+
+
+def test_bodies_may_come_off_the_drum(
+    full_scene: Scene, swinging_cable: Any, tmp_path: Path
+) -> None:
+    """The inner body appears after 5 s: before, its column holds no numbers."""
+
+    class Paying(swinging_cable):  # type: ignore[misc]
+        @property
+        def bodies(self) -> list[Any]:
+            inner, outer = super().bodies
+            found = [inner, outer] if self.time > 5.0 else [outer]
+            return found if self.time > 1.0 else []
+
+    path = tmp_path / "run.mcap"
+    cm.simulate(full_scene, log=path, model=Paying(full_scene))
+    run = cm.open_run(path)
+    memory = cm.simulate(full_scene, model=Paying(full_scene))
+    position = run["bodies.position"]
+    assert position.shape == (35, 2, 3)
+    assert same(position, memory["bodies.position"])
+    assert np.array_equal(np.isnan(position[:, 0, 0]), run.time <= 5.0)
+    assert np.array_equal(np.isnan(position[:, 1, 0]), run.time <= 1.0)
+    late = position[run.time > 5.0]
+    assert np.all(np.linalg.norm(late[:, 1], axis=1) > np.linalg.norm(late[:, 0], axis=1))
+    assert np.allclose(
+        run["bodies.direction"], memory["bodies.direction"], rtol=0, atol=1e-14, equal_nan=True
+    )
+    assert replay(run, make_model=Paying, tolerance=0.0).exact
+    assert not replay(run, make_model=swinging_cable, tolerance=1.0).passed
 
 
 def test_an_unknown_output_names_those_that_exist(simple_scene: Scene, swinging_cable: Any) -> None:

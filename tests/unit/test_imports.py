@@ -19,12 +19,15 @@ LAYERS = (
     ("cablemodel.errors",),
     ("cablemodel.kernels",),
     ("cablemodel.scene",),
+    ("cablemodel.block",),
     ("cablemodel.mesh",),
+    ("cablemodel.instance",),
     ("cablemodel.model",),
     ("cablemodel.variables",),
     ("cablemodel.states",),
     ("cablemodel.log",),
     ("cablemodel.run",),
+    ("cablemodel.replay",),
     ("cablemodel.plot", "cablemodel.report"),
     ("cablemodel.cli", "cablemodel.__main__"),
 )
@@ -52,8 +55,10 @@ def imported(path: Path) -> list[str]:
         if isinstance(node, ast.Import):
             names += [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
-            assert node.level == 0, f"{path} imports relatively"
-            names += [f"{node.module}.{alias.name}" for alias in node.names]
+            within = path.relative_to(PACKAGE.parent).parts
+            above = within[: len(within) - node.level] if node.level else ()
+            home = ".".join([*above, *([node.module] if node.module else [])])
+            names += [f"{home}.{alias.name}" for alias in node.names]
     return [name for name in names if name.split(".")[0] == "cablemodel"]
 
 

@@ -1,0 +1,119 @@
+"""``cablemodel replay``: a log as a test."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from cablemodel.cli.errors import FAILED, bad_option, reported
+from cablemodel.cli.inspect import RunArgument, say_incomplete
+from cablemodel.cli.run import explained_start
+
+if TYPE_CHECKING:
+    from cablemodel.replay import Difference, Replay
+
+
+@reported
+def replay(
+    run: RunArgument,
+    tolerance: Annotated[
+        float | None,
+        typer.Option(
+            help="Allowed difference: this part of the line's length for lengths; of the largest "
+            "value, ten times it for tensions and all else, a hundred times it for curvatures and "
+            "moments. By default 0 on the version and processor of the "
+            "log, else the tolerance of the scene's solver.",
+            show_default=False,
+        ),
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+) -> None:
+    """Run a log again from its scene and inputs, and compare; status 0 if it agrees, else 1."""
+    from cablemodel.replay import replay as replayed
+    from cablemodel.run import open_run
+
+    if tolerance is not None and not (math.isfinite(tolerance) and tolerance >= 0.0):
+        raise bad_option("--tolerance", f"{tolerance} is no number of at least 0")
+    opened = open_run(run)
+    with explained_start(quiet=as_json) as started:
+        result = replayed(opened, tolerance=tolerance, progress=lambda time: started())
+    if as_json:
+        typer.echo(json.dumps(_report(result)))
+    else:
+        say_incomplete(opened.reason)
+        _print_report(result, run)
+    if not result.passed:
+        raise typer.Exit(FAILED)
+
+
+def _report(result: Replay) -> dict[str, Any]:
+    return {
+        "passed": result.passed,
+        "exact": result.exact,
+        "expected_exact": result.expected_exact,
+        "failure": result.failure,
+        "tolerance": result.tolerance,
+        "steps": result.steps,
+        "samples": result.samples,
+        "changed": result.changed,
+        "differences": [_difference(item) for item in result.differences],
+    }
+
+
+def _difference(item: Difference) -> dict[str, Any]:
+    return {
+        "name": item.name,
+        "unit": item.unit,
+        "largest": item.largest if math.isfinite(item.largest) else None,
+        "allowed": item.allowed,
+        "within": item.within,
+        "time": item.time if math.isfinite(item.time) else None,
+        "arc_length": item.arc_length,
+    }
+
+
+def _print_report(result: Replay, path: Path) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console(highlight=False)
+    table = Table(title=f"{result.samples} outputs of {result.steps} steps", title_justify="left")
+    for heading, justify in (
+        ("quantity", "left"), ("largest difference", "right"), ("allowed", "right"),
+        ("at t", "right"), ("at s", "right"), ("", "left"),
+    ):  # fmt: skip
+        table.add_column(heading, justify=justify)  # type: ignore[arg-type]
+    for item in sorted(result.differences, key=_seriousness, reverse=True):
+        table.add_row(
+            item.name,
+            f"{item.largest:.2e} {item.unit}" if item.largest else "0",
+            f"{item.allowed:.2e} {item.unit}" if item.allowed else "0",
+            "" if math.isnan(item.time) else f"{item.time:g} s",
+            "" if item.arc_length is None else f"{item.arc_length:g} m",
+            "" if item.within else "too much",
+        )
+    console.print(table)
+    for name, (before, now) in result.changed.items():
+        console.print(f"{name} was {before or 'unknown'}, is {now or 'unknown'}", soft_wrap=True)
+    console.print(f"{path}: {_verdict(result)}", soft_wrap=True)
+
+
+def _seriousness(item: Difference) -> float:
+    if item.largest == 0.0:
+        return 0.0
+    return item.largest / item.allowed if item.allowed > 0.0 else math.inf
+
+
+def _verdict(result: Replay) -> str:
+    if result.failure:
+        return f"differs: {result.failure}"
+    if result.exact:
+        return "replays exactly, to the last bit"
+    if not result.passed:
+        because = " although version and processor are the same" if result.expected_exact else ""
+        return f"differs{because}"
+    return f"replays within a tolerance of {result.tolerance:g}"

@@ -1,0 +1,275 @@
+"""Replay: run a logged run again from its scene and inputs, and compare every output.
+
+A run is a pure function of its scene and of what was applied in each step, so that a log is a
+test: on the same version and the same kind of processor all values come out to the last bit.
+Elsewhere round-off differs, may now and then change the size of a step, and the values agree to
+the accuracy that the scene asks for.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cablemodel import variables
+from cablemodel.errors import LogError, StepError
+from cablemodel.states import bodies_in_columns
+
+if TYPE_CHECKING:
+    from cablemodel.model import CableModel, CableState
+    from cablemodel.run import Run
+    from cablemodel.scene import Scene
+
+Floats = NDArray[np.float64]
+
+SAME_BITS = ("cablemodel", "git", "python", "numpy", "numba", "llvmlite", "machine", "cpu_target")
+"""What must be the same for values to be the same to the last bit."""
+
+_STATE_UNITS = {
+    "position": "m", "tangent": "", "velocity": "m/s", "tension": "N", "curvature": "1/m",
+    "bending_moment": "N.m", "on_floor": "",
+}  # fmt: skip
+
+_LOOSE = {"m": 1.0, "1/m": 100.0, "N.m": 100.0}
+"""Multiples of the tolerance by unit. It is the accuracy of positions; tensions and all else are
+as accurate as 10 times it, and curvatures, being second derivatives, as 100 times it."""
+_LOOSE_OTHERWISE = 10.0
+_SAME_TIME = 2e-9
+"""Stamps are whole nanoseconds [s]."""
+
+
+@dataclass
+class Difference:
+    """The largest difference of one quantity between a log and its replay."""
+
+    name: str
+    unit: str
+    allowed: float
+    """In the quantity's unit."""
+    largest: float = 0.0
+    time: float = math.nan
+    """Where it occurred [s]."""
+    arc_length: float | None = None
+    """And at which place of the cable [m], for quantities along it."""
+
+    @property
+    def within(self) -> bool:
+        return self.largest <= self.allowed
+
+    def take(self, logged: Any, again: Any, time: float, s: Floats | None = None) -> None:
+        """Compare one sample; values that are NaN in both are equal."""
+        one, other = np.atleast_1d(np.asarray(logged, float), np.asarray(again, float))
+        off = np.abs(one - other)
+        off[np.isnan(one) & np.isnan(other) | (one == other)] = 0.0
+        off = np.where(np.isnan(off), np.inf, off)
+        worst = float(np.max(off, initial=0.0))
+        if worst > self.largest:
+            self.largest, self.time = worst, time
+            if s is not None:
+                node = np.unravel_index(int(np.argmax(off)), off.shape)[0]
+                self.arc_length = float(s[node])
+
+
+@dataclass
+class Replay:
+    """How a replay compares with its log."""
+
+    differences: list[Difference]
+    expected_exact: bool
+    """Whether version and processor are those of the log."""
+    changed: dict[str, tuple[str, str]]
+    """What is not: name to what it was and what it is."""
+    tolerance: float
+    """Allowed: this part of the line's length for lengths; of the largest value in the same unit,
+    a hundred times it for curvatures and moments and ten times it for all else; 0 where the values
+    must be the same to the last bit."""
+    steps: int = 0
+    samples: int = 0
+    failure: str = ""
+    """Why the replay could not follow the log to its end."""
+
+    @property
+    def exact(self) -> bool:
+        return not self.failure and all(item.largest == 0.0 for item in self.differences)
+
+    @property
+    def passed(self) -> bool:
+        return not self.failure and all(item.within for item in self.differences)
+
+
+def replay(
+    run: Run,
+    *,
+    tolerance: float | None = None,
+    progress: Callable[[float], None] | None = None,
+    make_model: Callable[[Scene], CableModel] | None = None,
+) -> Replay:
+    """Run a logged run again and compare.
+
+    Args:
+        run: from :func:`~cablemodel.open_run`; one that was cut is compared as far as it goes.
+        tolerance: see :attr:`Replay.tolerance`; by default 0 on the version and processor of the
+            log, else the tolerance of the scene's solver.
+        progress: called with the simulated time [s] after every step.
+        make_model: makes the model of a scene; :class:`~cablemodel.CableModel` by default.
+
+    Raises:
+        LogError: the log does not begin at t = 0, or holds no outputs.
+        ValueError: ``tolerance`` is negative or not finite.
+    """
+    if tolerance is not None and not (math.isfinite(tolerance) and tolerance >= 0.0):
+        raise ValueError(f"tolerance is {tolerance}, it must be a number of at least 0")
+    if not len(run.time):
+        raise LogError("the log holds no outputs: there is nothing to compare")
+    inputs = run.applied_inputs
+    _check_begin(run, inputs)
+    if make_model is None:
+        from cablemodel.model import CableModel
+
+        make_model = CableModel
+    model = make_model(run.scene)
+    changed = changes(run.metadata)
+    if tolerance is None:
+        tolerance = run.scene.solver.tolerance if changed else 0.0
+    result = Replay([], not changed, changed, tolerance)
+    comparison = _Comparison(run, tolerance)
+    result.differences = comparison.differences
+    comparison.take(model)
+    for step in range(len(inputs["time"])):
+        if comparison.done:
+            break
+        try:
+            model.step_to(float(inputs["time"][step]), **_given(inputs, step))
+        except StepError as error:
+            result.failure = f"a step that the log has cannot be made again: {error}"
+            break
+        result.steps += 1
+        comparison.take(model)
+        if progress is not None:
+            progress(model.time)
+    result.samples = comparison.samples
+    if not result.failure and not comparison.done:
+        result.failure = "the log has outputs at times that its steps do not reach"
+    return result
+
+
+def changes(logged: dict[str, str]) -> dict[str, tuple[str, str]]:
+    """What has changed since a log was written, of that which decides the bits of a result."""
+    import cablemodel.kernels.entry  # noqa: F401  (the processor is known once a compiler is loaded)
+    from cablemodel.log.provenance import provenance
+
+    now = provenance()
+    pairs = {name: (logged.get(name, ""), now.get(name, "")) for name in SAME_BITS}
+    return {name: pair for name, pair in pairs.items() if pair[0] != pair[1]}
+
+
+def _check_begin(run: Run, inputs: dict[str, Floats]) -> None:
+    if len(inputs["time"]):
+        begin = float(inputs["time"][0] - inputs["step"][0])
+    else:
+        begin = float(run.time[0])
+    if abs(begin) > _SAME_TIME:
+        raise LogError(f"the log begins at t = {begin:g} s: only a run from t = 0 can be replayed")
+
+
+def _given(inputs: dict[str, Floats], step: int) -> dict[str, Any]:
+    """The inputs that the caller of a step gave; the others come from the scene again."""
+    given: dict[str, Any] = {}
+    for item in variables.INPUTS:
+        if inputs[f"{item.python}_given"][step] > 0.5:
+            place = variables.span(variables.APPLIED_INPUT_FIELDS, item.python)
+            values = [float(inputs[label][step]) for label in variables.APPLIED_INPUT_LABELS[place]]
+            given[item.python] = values if item.shape else values[0]
+    return given
+
+
+@dataclass
+class _Comparison:
+    """Takes a model through the output times of a run."""
+
+    run: Run
+    tolerance: float
+    samples: int = 0
+    _states: int = 0
+    _outputs: dict[str, Difference] = field(default_factory=dict)
+    _along: dict[str, Difference] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        rows = {row.python: row for row in variables.outputs_of(self.run.scene)}
+        largest = {"m": self.run.scene.line_length}
+
+        def note(unit: str, values: Floats) -> None:
+            finite = np.abs(values[np.isfinite(values)])
+            if unit != "m":
+                largest[unit] = float(np.max(finite, initial=largest.get(unit, 0.0)))
+
+        for name in self.run.names:
+            note(rows[name].unit, self.run[name])
+        for state in self.run.states:
+            for name, unit in _STATE_UNITS.items():
+                note(unit, np.asarray(getattr(state, name), float))
+
+        def difference(name: str, unit: str) -> Difference:
+            loose = _LOOSE.get(unit, _LOOSE_OTHERWISE)
+            return Difference(name, unit, loose * self.tolerance * largest.get(unit, 0.0))
+
+        self._outputs = {name: difference(name, rows[name].unit) for name in self.run.names}
+        self._along = {
+            name: difference(f"state.{name}", unit) for name, unit in _STATE_UNITS.items()
+        }
+
+    @property
+    def differences(self) -> list[Difference]:
+        return [*self._outputs.values(), *self._along.values()]
+
+    @property
+    def done(self) -> bool:
+        """Whether all outputs and states of the log were met."""
+        return self.samples == len(self.run.time) and self._states == len(self.run.states)
+
+    def take(self, model: CableModel) -> None:
+        """Compare at the model's time, if the log has an output there."""
+        now = model.time
+        if self.samples < len(self.run.time) and _same(now, self.run.time[self.samples]):
+            for name, difference in self._outputs.items():
+                logged = self.run[name][self.samples]
+                difference.take(logged, _output(model, name, logged), now)
+            self.samples += 1
+        times = self.run.states.time
+        if self._states < len(times) and _same(now, times[self._states]):
+            state = self.run.states[self._states]
+            again = _state_at(model, state.s)
+            for name, difference in self._along.items():
+                difference.take(getattr(state, name), getattr(again, name), now, state.s)
+            self._states += 1
+
+
+def _same(one: float, other: float) -> bool:
+    return abs(one - other) <= _SAME_TIME
+
+
+def _output(model: CableModel, name: str, logged: Any) -> Any:
+    """An output of the model, in the shape of what was logged."""
+    owner, _, attribute = name.rpartition(".")
+    if owner != "bodies":
+        return getattr(model, name)
+    values = np.array([getattr(body, attribute) for body in model.bodies], float).reshape(-1, 3)
+    if attribute == "direction":
+        # The log has a direction as a quaternion, whose round-off is not the model's.
+        from cablemodel.log.messages import through_quaternion
+
+        values = np.array([through_quaternion(value) for value in values]).reshape(-1, 3)
+    if len(values) > len(logged):  # a body that the log has not is no number of its own
+        return np.full_like(logged, np.inf)
+    return bodies_in_columns([values], len(logged))[0]
+
+
+def _state_at(model: CableModel, s: Floats) -> CableState:
+    """The model's state at the nodes of a log, which another version may mesh differently."""
+    state = model.state()
+    return state if np.array_equal(state.s, s) else model.sample(s)
