@@ -19,7 +19,9 @@ setup(
     python_requires=">=3.11",
     install_requires=["setuptools", "cablemodel"],
     # rclpy comes with ROS 2 on a robot; elsewhere the wheels of PyPI do.
-    extras_require={"wheels": ["ros-jazzy-rclpy[fastrtps]==7.1.6", "ros-jazzy-common-interfaces"]},
+    extras_require={
+        "wheels": ["ros-jazzy-rclpy[fastrtps]==7.1.6", "ros-jazzy-common-interfaces==5.3.6"]
+    },
     zip_safe=True,
     description="ROS 2 node of cablemodel, an ocean-cable simulator",
     license="Apache-2.0",

@@ -95,11 +95,13 @@ class Diagnostics:
         }
         for name, times in (("step", session.step_times), ("cycle", session.cycle_times)):
             milliseconds = {
-                "mean": times.mean, "99 %": times.percentile(99.0),
+                "mean": times.mean, "50 %": times.percentile(50.0), "99 %": times.percentile(99.0),
                 "99.9 %": times.percentile(99.9), "largest": times.largest,
             }  # fmt: skip
             for key, value in milliseconds.items():
                 status.values[f"{name} time {key} [ms]"] = f"{1e3 * value:.4f}"
+            counts = (f"{span}: {count}" for span, count in times.table().items())
+            status.values[f"{name} times [ms]"] = ", ".join(counts)
         return status
 
     def _commands(self) -> Status:

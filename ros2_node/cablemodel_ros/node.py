@@ -69,6 +69,8 @@ class CableNode(LifecycleNode):
         self._diagnostics_publisher = self.create_publisher(
             DiagnosticArray, "/diagnostics", messages.qos(interface.DIAGNOSTICS)
         )
+        self._trouble = ""
+        self.create_timer(1.0, self._repeat_trouble, clock=self._steady)
 
     # -- parameters -----------------------------------------------------------------------------
 
@@ -119,6 +121,7 @@ class CableNode(LifecycleNode):
         # What lives now lives long: it need not be searched for garbage again and again.
         gc.collect()
         gc.freeze()
+        self._trouble = ""
         self.get_logger().info(f"configured: {self._session.scene.title or 'untitled scene'}")
         return SUCCESS
 
@@ -359,7 +362,12 @@ class CableNode(LifecycleNode):
 
     def _report(self, message: str) -> None:
         self.get_logger().error(message)
-        self._send([Status("simulation", ERROR, [message])])
+        self._trouble = message
+
+    def _repeat_trouble(self) -> None:
+        """Tell why the node is not configured, until it is."""
+        if self._trouble and self._session is None:
+            self._send([Status("simulation", ERROR, [self._trouble])])
 
 
 def main(args: list[str] | None = None) -> int:

@@ -45,3 +45,16 @@ class Durations:
             return 0.0
         reached = np.cumsum(self.counts) >= share / 100.0 * self.count
         return min(float(self.edges()[int(np.argmax(reached)) + 1]), self.largest)
+
+    def table(self) -> dict[str, int]:
+        """Counts between round durations, in milliseconds: ``{"0.1-0.2": 12, ...}``; bins that
+        lie across two of them count where they begin. Empty ones are left out."""
+        starts = 1e3 * self.edges()[:-1] * (1.0 + 1e-9)
+        rounds = [m * 10.0**e for e in range(-3, 5) for m in (1, 2, 5)]
+        places = np.searchsorted(rounds, starts, side="right") - 1
+        sums = np.bincount(places, weights=self.counts, minlength=len(rounds))
+        return {
+            f"{rounds[k]:g}-{rounds[k + 1]:g}": int(count)
+            for k, count in enumerate(sums[:-1])
+            if count
+        }

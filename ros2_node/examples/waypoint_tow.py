@@ -43,7 +43,11 @@ def simulate(folder: Path, factor: float, patience: float) -> Path:
         node_command += ["-p", f"{name}:={value}"]
     controller_command = [sys.executable, str(HERE / "waypoint_controller.py"), "--ros-args",
                           "-p", "use_sim_time:=true"]  # fmt: skip
-    environment = {**os.environ, "ROS_LOG_DIR": str(folder / "ros_log")}
+    environment = {
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",  # both are on this machine
+        **os.environ,
+        "ROS_LOG_DIR": str(folder / "ros_log"),
+    }
     with (folder / "node.txt").open("w") as output:
         node = subprocess.Popen(node_command, stderr=output, stdout=output, env=environment)
         controller = subprocess.Popen(controller_command, env=environment)

@@ -270,5 +270,3 @@ def test_plain_twist_on_request(start_node: Start, talker: Talker) -> None:
     message.linear.x = 0.3
     talker.repeat(20.0, lambda: publisher.publish(message))
     wait_until(lambda: watch.velocity == pytest.approx([0.0, 0.3, 0.0], abs=1e-6))
-
-

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import TwistStamped
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64
@@ -88,9 +88,7 @@ def test_following_a_foreign_clock_its_pauses_and_its_jumps(
     count = len(applied)
     time.sleep(0.5)  # a pause
     assert len(applied) == count
-    wait_until(
-        lambda: any("time stands still" in s.message for a in diagnostics for s in a.status)
-    )
+    wait_until(lambda: any("time stands still" in s.message for a in diagnostics for s in a.status))
     for k in range(30):
         tick(5.0 + 0.02 * k)
         time.sleep(0.01)
@@ -166,7 +164,7 @@ def test_a_model_that_fails_leads_through_error_processing(
     node = start_node(**FREE_RUN, program=FAILING, log__folder=tmp_path / "log")
     wait_until(
         lambda: any(
-            "the simulation stopped" in s.message and s.level == b"\x02"
+            "the simulation stopped" in s.message and s.level == DiagnosticStatus.ERROR
             for a in diagnostics
             for s in a.status
         ),

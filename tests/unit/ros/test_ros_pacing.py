@@ -102,3 +102,11 @@ def test_percentiles_of_durations_are_within_a_bin() -> None:
     durations.add(1e9)
     assert durations.largest == 1e9
     assert durations.percentile(100.0) == pytest.approx(100.0, rel=0.05)  # the last bin's edge
+
+
+def test_the_table_of_durations_counts_everything_once() -> None:
+    durations = Durations()
+    for duration, count in ((1.5e-4, 3), (3e-4, 5), (7e-3, 1)):
+        for _ in range(count):
+            durations.add(duration)
+    assert durations.table() == {"0.1-0.2": 3, "0.2-0.5": 5, "5-10": 1}
