@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from cablemodel_ros.frames import rotation
 from cablemodel_ros.settings import Settings
@@ -94,7 +94,7 @@ class Commands:
     Every ``take`` returns an empty text, or why it refused.
     """
 
-    def __init__(self, settings: Settings, origin: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
+    def __init__(self, settings: Settings, origin: ArrayLike = (0.0, 0.0, 0.0)) -> None:
         self._settings = settings
         self._origin = np.array(origin, dtype=np.float64)
         self._shift: Floats | None = None if settings.odom_relative else np.zeros(3)

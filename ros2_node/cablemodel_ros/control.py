@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 
 from cablemodel_ros.pacing import MERGE, ClockPacer, FreePacer, Pacer, WallPacer
-from cablemodel_ros.session import Cycle, Session, SessionFailed
+from cablemodel_ros.session import Cycle, Session, SessionError
 from cablemodel_ros.settings import Settings
 
 _LONGEST_WAIT = 0.1
@@ -145,7 +145,7 @@ class ControlLoop:
                     time.sleep(min(plan.wait, _LONGEST_WAIT))
                 elif plan.target is not None:
                     self._cycle(plan.target)
-        except SessionFailed as failure:
+        except SessionError as failure:
             self._failed(str(failure))
         except Exception as error:
             self._failed(f"{type(error).__name__}: {error}")

@@ -78,6 +78,8 @@ class Diagnostics:
             status.add(WARN, f"{shed:g} publications left out to keep up")
         if self._new("resets", self._loop.resets):
             status.add(WARN, "the foreign clock jumped: reset")
+        if model.winch != "free":
+            status.add(WARN, f"the winch stands: {model.winch}")
         if self._loop.running and not speed:
             status.add(WARN, "time stands still: waiting for /clock?")
         statistics = model.statistics

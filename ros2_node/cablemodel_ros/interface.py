@@ -92,7 +92,8 @@ OTHERS: tuple[Topic, ...] = (
 ODOM = Topic("~/odom", "nav_msgs/msg/Odometry", COMMAND,
              "motion of the vessel: pose in `odom_frame`, twist in vessel axes")  # fmt: skip
 CMD_VEL = Topic("cmd_vel", TWIST, COMMAND,
-                "velocity of the vessel in map or vessel axes (`header.frame_id`), rate of turn")  # fmt: skip
+                "velocity of the vessel in map or vessel axes (`header.frame_id`), "
+                "rate of turn")  # fmt: skip
 PAYOUT_RATE = Topic("~/payout_rate_cmd", variables.FLOAT64, PAYOUT,
                     "pay-out rate, unstretched, positive out [m/s]")  # fmt: skip
 FOREIGN_CLOCK = Topic("/clock", "rosgraph_msgs/msg/Clock", CLOCK,
@@ -114,14 +115,15 @@ def topics_of(scene: Any) -> tuple[Topic, ...]:
 def document() -> str:
     """Topics and services as Markdown tables."""
     lines = ["| published | message | QoS | when | |", "|---|---|---|---|---|"]
-    for topic in (*OUTPUTS, *APPLIED, *OTHERS):
-        lines.append(
-            f"| `{topic.name}` | {topic.message} | {topic.quality} | {topic.rate} | "
-            f"{topic.meaning} |"
-        )
+    lines += [
+        f"| `{topic.name}` | {topic.message} | {topic.quality} | {topic.rate} | {topic.meaning} |"
+        for topic in (*OUTPUTS, *APPLIED, *OTHERS)
+    ]
     lines += ["", "| subscribed | message | QoS | |", "|---|---|---|---|"]
-    for topic in INPUTS:
-        lines.append(f"| `{topic.name}` | {topic.message} | {topic.quality} | {topic.meaning} |")
+    lines += [
+        f"| `{topic.name}` | {topic.message} | {topic.quality} | {topic.meaning} |"
+        for topic in INPUTS
+    ]
     lines += ["", "| service | type | |", "|---|---|---|"]
     lines += [f"| `{name}` | std_srvs/srv/Trigger | {text} |" for name, text in SERVICES.items()]
     return "\n".join(lines) + "\n"

@@ -8,6 +8,7 @@ import json
 import sys
 import threading
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -165,7 +166,7 @@ class CableNode(LifecycleNode):
         rclpy's own handler lets the error out into the executor, which ends the process.
         """
         try:
-            return super()._LifecycleNodeMixin__on_change_state(request, response)  # type: ignore[misc]
+            return super()._LifecycleNodeMixin__on_change_state(request, response)
         except Exception as error:
             self.get_logger().error(f"transition refused: {error}")
             response.success = False
@@ -188,7 +189,7 @@ class CableNode(LifecycleNode):
             quality = messages.qos(topic.quality)
             publisher = self.create_lifecycle_publisher(kind, topic.name, quality)
             self._publishers_by_topic[topic.name] = publisher
-            self._entities.append(lambda p=publisher: self.destroy_lifecycle_publisher(p))
+            self._entities.append(partial(self.destroy_lifecycle_publisher, publisher))
         self._foreign = ForeignClock() if follows else None
         self._loop = ControlLoop(
             session,
@@ -214,7 +215,7 @@ class CableNode(LifecycleNode):
             self._subscribe(interface.FOREIGN_CLOCK, Clock, self._on_clock)
         for name, call in (("~/reset", self._on_reset), ("~/save", self._on_save)):
             service = self.create_service(Trigger, name, call)
-            self._entities.append(lambda s=service: self.destroy_service(s))
+            self._entities.append(partial(self.destroy_service, service))
         self._repeat(settings.diagnostics_rate, self._publish_diagnostics)
         if settings.markers_rate > 0.0:
             self._repeat(settings.markers_rate, self._publish_markers)
@@ -293,7 +294,7 @@ class CableNode(LifecycleNode):
         session = self._session
         if session is not None and session.settings.publishes_clock:
             return 1e-9 * self._last_stamp
-        return 1e-9 * self.get_clock().now().nanoseconds
+        return float(1e-9 * self.get_clock().now().nanoseconds)
 
     def _tell(self, refusal: str) -> None:
         if refusal:
@@ -377,7 +378,7 @@ def main(args: list[str] | None = None) -> int:
     try:
         node = CableNode()
     except (SettingsError, ParameterException) as error:
-        print(f"cable: {error}", file=sys.stderr)
+        sys.stderr.write(f"cable: {error}\n")
         rclpy.shutdown()
         return 2
     executor = SingleThreadedExecutor()

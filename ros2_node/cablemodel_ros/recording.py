@@ -28,7 +28,7 @@ SNAPSHOT_ATTACHMENT = "snapshot.bin"
 """State that a file begins at (`CableModel.snapshot`); missing where that is the initial one."""
 
 _PAUSE = 0.05
-"""Between two turns of the writing thread [s]; wakes for every step would cost more than writing."""
+"""Between two turns of the writing thread [s]; waking for every step would cost more."""
 _FLUSH = 0.4
 """At most this long [s] does a message stay in this process."""
 
@@ -54,8 +54,8 @@ class Recorder:
     """Writes logs of a scene into a folder.
 
     Attributes: ``path`` (file being written, or None), ``error`` (why writing stopped, or empty),
-    ``dropped`` outputs and ``gaps`` (steps left out, each of which begins a new file), ``wants_file``
-    (the file is full: call `begin` at the next step).
+    ``dropped`` outputs and ``gaps`` (steps left out, each of which begins a new file),
+    ``wants_file`` (the file is full: call `begin` at the next step).
     """
 
     def __init__(

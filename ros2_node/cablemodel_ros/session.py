@@ -37,7 +37,7 @@ class Cycle:
     """All outputs; empty where publication was shed."""
 
 
-class SessionFailed(Exception):
+class SessionError(Exception):
     """The model cannot go on."""
 
 
@@ -140,7 +140,7 @@ class Session:
             publish: asked after the step; False makes no outputs, to save the time.
 
         Raises:
-            SessionFailed: the step cannot be made; the model stands as it was.
+            SessionError: the step cannot be made; the model stands as it was.
         """
         if now is None:
             now = 1e-9 * self.epoch + target
@@ -205,7 +205,7 @@ class Session:
         self.failure = str(error)
         if self.recorder is not None:
             self.recorder.end(self.failure)
-        raise SessionFailed(self.failure) from error
+        raise SessionError(self.failure) from error
 
     # -- services -------------------------------------------------------------------------------
 

@@ -34,8 +34,10 @@ class WaypointController:
 
     The law acts on the tension behind a low-pass filter. A stiff cable answers the winch by axial
     waves, 680 N for 1 m/s here, and rings at 5 Hz; a law that is quick at that frequency drives
-    the ringing instead of damping it (derivative / smoothing must stay below 1 / 680). Above `start` of the limit the winch pays
-    out, below `slack` of it it reels in again, down to `length` [m].
+    the ringing instead of damping it (derivative / smoothing must stay below 1 / 680).
+
+    Above `start` of the limit the winch pays out, below `slack` of it it reels in again, down to
+    `length` [m].
     """
 
     course: tuple[Leg, ...] = COURSE

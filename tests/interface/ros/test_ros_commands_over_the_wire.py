@@ -6,8 +6,6 @@ import math
 import threading
 import time
 from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -207,8 +205,8 @@ def test_a_storm_of_messages_does_not_hold_up_the_cable(
 
 
 def test_odometry_is_followed_without_drift(start_node: Start, talker: Talker) -> None:
-    start_node(vessel_input="odom", odom_relative=True, autostart=True, tow_point="[-2.0, 0.0, 0.0]",
-               limits__acceleration=1.0)  # fmt: skip
+    start_node(vessel_input="odom", odom_relative=True, autostart=True,
+               tow_point="[-2.0, 0.0, 0.0]", limits__acceleration=1.0)  # fmt: skip
     motion = talker.listen("/cable/applied_odom", Odometry)
     nodes = talker.listen("/cable/nodes", PointCloud2)
     wait_until(lambda: len(motion) > 3, 300)

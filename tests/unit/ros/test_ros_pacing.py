@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import pytest
 from cablemodel_ros.pacing import MERGE, ClockPacer, FreePacer, WallPacer
 from cablemodel_ros.timing import Durations
@@ -37,7 +39,7 @@ def test_a_hiccup_is_counted_and_made_up_by_longer_steps() -> None:
     targets, elapsed = run(pacer, lambda k: 0.1 if k == 50 else 1e-4, 2.0)
     assert pacer.missed == 9
     assert pacer.slipped == 0
-    assert max(b - a for a, b in zip(targets, targets[1:], strict=False)) == pytest.approx(0.1)
+    assert max(b - a for a, b in pairwise(targets)) == pytest.approx(0.1)
     assert targets[-1] == pytest.approx(elapsed, abs=0.02)
 
 
@@ -48,7 +50,7 @@ def test_a_model_that_is_too_slow_slips_instead_of_falling_ever_further_behind()
     assert pacer.behind <= 0.3
     assert pacer.slipped > 5.0
     assert targets[-1] + pacer.slipped == pytest.approx(elapsed, abs=0.5)
-    assert max(b - a for a, b in zip(targets, targets[1:], strict=False)) <= MERGE * 0.01 + 1e-9
+    assert max(b - a for a, b in pairwise(targets)) <= MERGE * 0.01 + 1e-9
 
 
 def test_publication_is_shed_only_when_the_next_deadline_has_passed() -> None:

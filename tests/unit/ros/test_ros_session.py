@@ -13,7 +13,7 @@ import pytest
 from cablemodel_ros.control import ControlLoop, ForeignClock
 from cablemodel_ros.diagnostics import ERROR, OK, WARN, Diagnostics
 from cablemodel_ros.recording import PATTERN, SNAPSHOT_ATTACHMENT, Recorder
-from cablemodel_ros.session import Session, SessionFailed
+from cablemodel_ros.session import Session, SessionError
 from cablemodel_ros.settings import Settings
 from mcap.reader import make_reader
 
@@ -111,7 +111,7 @@ def test_a_step_that_cannot_be_made_fails_the_session_and_is_logged(tmp_path: Pa
         raise cm.StepError("no convergence", time=session.model.time, arc_length=3.0)
 
     session.model.step_to = failing  # type: ignore[method-assign]
-    with pytest.raises(SessionFailed, match="no convergence"):
+    with pytest.raises(SessionError, match="no convergence"):
         drive(session, 1)
     assert "3 m along the cable" in session.failure
     session.close()
