@@ -107,6 +107,13 @@ class ControlLoop:
         """Whether the thread runs."""
         return self._thread is not None and self._thread.is_alive()
 
+    def update(self, settings: Settings) -> None:
+        """Take over parameters that may change at any time."""
+        with self._lock:
+            self.session.update(settings)
+            if isinstance(self.pacer, WallPacer):
+                self.pacer.lag_limit = settings.lag_limit
+
     def reset(self) -> None:
         """The session back to its initial state; time goes on from now."""
         with self._lock:

@@ -93,9 +93,8 @@ class CableNode(LifecycleNode):
         return SetParametersResult(successful=True)
 
     def _apply_parameters(self, parameters: list[RclpyParameter]) -> None:
-        if self._session is not None:
-            with self._lock:
-                self._session.update(self._settings())
+        if self._loop is not None:
+            self._loop.update(self._settings())
 
     # -- transitions ----------------------------------------------------------------------------
 

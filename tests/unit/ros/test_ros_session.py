@@ -357,6 +357,16 @@ def test_a_failure_ends_the_loop_and_is_told_once(session: Session) -> None:
     loop.stop()
 
 
+def test_limits_may_change_while_it_runs(session: Session) -> None:
+    loop, _ = loop_of(session)
+    drive(session, 100)
+    assert session.model.vessel_velocity[0] == pytest.approx(0.8)
+    loop.update(settings(limits__speed=0.3, lag_limit=0.1))
+    drive(session, 50)
+    assert session.model.vessel_velocity[0] == pytest.approx(0.3)
+    assert loop.pacer.lag_limit == 0.1
+
+
 def test_diagnostics_say_what_is_stale_and_what_is_missing(session: Session) -> None:
     loop, _ = loop_of(session)
     diagnostics = Diagnostics(session, loop)
