@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from cablemodel.cli import check, inspect, replay, run
+from cablemodel.cli import check, fmu, inspect, replay, run
 from cablemodel.cli.errors import show_tracebacks
 
 app = typer.Typer(
@@ -49,6 +49,7 @@ app.command("plot")(inspect.plot)
 app.command("replay")(replay.replay)
 app.command("info")(inspect.info)
 app.command("schema")(check.schema)
+app.command("fmu")(fmu.fmu)
 
 
 def main() -> None:

@@ -13,11 +13,9 @@ import numpy as np
 import pytest
 from cablemodel_ros.session import Session
 from cablemodel_ros.settings import Settings
+from fmu_tools import Slave, python_outputs, unpacked
 
 import cablemodel as cm
-
-pytest.importorskip("fmpy")
-pytest.importorskip("cablemodel_fmu")
 
 ROOT = Path(__file__).parents[2]
 STATIONS = 7
@@ -26,8 +24,6 @@ DT = 0.02
 
 @pytest.mark.slow
 def test_node_library_and_fmu_give_the_same_states(tmp_path: Path) -> None:
-    from fmu_tools import Slave, python_outputs, unpacked
-
     scene = cm.load_scene(ROOT / "ros2_node/scenes/waypoint_tow.yaml")
     settings = Settings.of(
         {"scene": scene.to_yaml(), "vessel_input": "cmd_vel", "rate": 1 / DT,
