@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,26 +16,45 @@ GAUSS_WORDS = 512
 MOTION_WORDS = 64
 
 
+# Sizes of a block, each with the header word that holds it.
+SIZES = {
+    "capacity": at.I_CAPACITY,
+    "pieces": at.I_PIECES,
+    "depths": at.I_DEPTHS,
+    "times": at.I_TIMES,
+    "strain_words": at.I_STRAIN,
+    "bodies": at.I_BODIES,
+    "constraints": at.I_CONSTRAINTS,
+    "rates": at.I_RATES,
+    "cables": at.I_CABLES,
+}
+
+Arrays = list[tuple[int, Any]]
+
+
 class Block:
     """One contiguous piece of memory, seen as int64 (``ints``) and as float64 (``reals``).
 
     Sizes are capacities that stay as they are for the life of the block.
     """
 
-    def __init__(
-        self,
+    @staticmethod
+    def arrays(
         *,
-        capacity: int,
-        pieces: int,
-        depths: int,
-        times: int,
-        strain_words: int,
-        bodies: int,
-        constraints: int,
-        rates: int,
-        cables: int,
-    ) -> None:
-        # Arrays of the image in order, then those of the workspace: (header word, length).
+        capacity: Any,
+        pieces: Any,
+        depths: Any,
+        times: Any,
+        strain_words: Any,
+        bodies: Any,
+        constraints: Any,
+        rates: Any,
+        cables: Any,
+    ) -> tuple[Arrays, Arrays]:
+        """Arrays of the image in order, then those of the workspace: (header word, length).
+
+        Sizes are numbers, or the symbols from which the FMU's C code of the same rule is written.
+        """
         image = [
             (at.O_PIECES, pieces * at.PIECE_WORDS),
             (at.O_DEPTHS, depths),
@@ -58,12 +79,7 @@ class Block:
             (at.O_GRADIENT, capacity * 24),
             (at.O_COMPLIANCE, capacity * 3),
         ]
-        words = at.HEADER_WORDS + at.SCALAR_WORDS
-        offsets = {}
-        for place, length in image:
-            offsets[place] = words
-            words += length
-        image_words = words
+        image_words = at.HEADER_WORDS + at.SCALAR_WORDS + sum(length for _, length in image)
         workspace = [
             (at.O_BACKUP, image_words),
             (at.O_STAGE_V, capacity * 36),
@@ -83,8 +99,39 @@ class Block:
             (at.O_GAUSS, GAUSS_WORDS),
             (at.O_MOTION, MOTION_WORDS),
             (at.O_TOP, 24),
+            (at.O_END_FORCE, capacity * 6),
         ]
-        for place, length in workspace:
+        return image, workspace
+
+    def __init__(
+        self,
+        *,
+        capacity: int,
+        pieces: int,
+        depths: int,
+        times: int,
+        strain_words: int,
+        bodies: int,
+        constraints: int,
+        rates: int,
+        cables: int,
+    ) -> None:
+        sizes = {
+            "capacity": capacity,
+            "pieces": pieces,
+            "depths": depths,
+            "times": times,
+            "strain_words": strain_words,
+            "bodies": bodies,
+            "constraints": constraints,
+            "rates": rates,
+            "cables": cables,
+        }
+        image, workspace = self.arrays(**sizes)
+        words = at.HEADER_WORDS + at.SCALAR_WORDS
+        image_words = words + sum(length for _, length in image)
+        offsets = {}
+        for place, length in image + workspace:
             offsets[place] = words
             words += length
         self.ints: IntArray = np.zeros(words, dtype=np.int64)
@@ -94,15 +141,8 @@ class Block:
         header[at.I_VERSION] = at.VERSION
         header[at.I_BYTES] = 8 * words
         header[at.I_IMAGE_WORDS] = image_words
-        header[at.I_CAPACITY] = capacity
-        header[at.I_PIECES] = pieces
-        header[at.I_DEPTHS] = depths
-        header[at.I_TIMES] = times
-        header[at.I_STRAIN] = strain_words
-        header[at.I_BODIES] = bodies
-        header[at.I_CONSTRAINTS] = constraints
-        header[at.I_RATES] = rates
-        header[at.I_CABLES] = cables
+        for name, size in sizes.items():
+            header[SIZES[name]] = size
         for place, offset in offsets.items():
             header[place] = offset
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, overload
 
@@ -173,6 +173,12 @@ class States(Sequence["CableState"]):
         """Largest curvature of all nodes and times [1/m]; NaN without states."""
         largest = [np.max(matrix[_ROW["curvature"]]) for matrix in self._matrices]
         return float(max(largest, default=np.nan))
+
+    def chosen(self, indices: Iterable[int]) -> States:
+        """The states of some of the times only."""
+        at = np.fromiter(indices, int)
+        matrices = self._matrices
+        return States(self.time[at], [matrices[index] for index in at])
 
     def resampled(self, stations: int) -> States:
         """The states at ``stations`` points spaced evenly in s at each time.

@@ -31,6 +31,7 @@ from .layout import (
     O_COMPLIANCE,
     O_DIAGONAL,
     O_EDGE,
+    O_END_FORCE,
     O_GAUSS,
     O_GRADIENT,
     O_JOINT,
@@ -203,6 +204,7 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
     drag = I[I_DRAG]
     payout = I[I_PAYOUT]
     sheared = I[I_DEPTHS] > 1
+    ends = M[I[O_END_FORCE] : I[O_END_FORCE] + 4 * nodes]
     out[0 : 4 * nodes] = 0.0
     for node in range(1, nodes):
         if I[I[O_JOINT] + node] != 0:
@@ -238,7 +240,7 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
             r1 -= c * t1 / 3.0
         else:
             for g in range(3):
-                strain, slope = strain_and_slope(
+                strain, _slope = strain_and_slope(
                     M,
                     t0 + t1 * P1[g],
                     M[e + E_TENSION_LOW],
@@ -308,6 +310,8 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
             out[4 * parent + 2 + i] += h * r[1]
             out[4 * node + i] += r[2]
             out[4 * node + 2 + i] += h * r[3]
+            ends[4 * node + i] = -r[0]
+            ends[4 * node + 2 + i] = r[2]
 
 
 @inlined
@@ -459,7 +463,7 @@ def jacobian_planar(I, M, q, v, a, tension, ca, cv):
             c11 = c00 / 3.0
         else:
             for g in range(3):
-                strain, slope = strain_and_slope(
+                _strain, slope = strain_and_slope(
                     M,
                     t0 + t1 * P1[g],
                     M[e + E_TENSION_LOW],

@@ -47,6 +47,7 @@ O_TRIAL_Q, O_TRIAL_V, O_TRIAL_A, O_TRIAL_T = 57, 58, 59, 60
 O_RESIDUAL, O_CONSTRAINT_RESIDUAL, O_INCREMENT = 61, 62, 63
 O_PROFILE, O_GAUSS, O_MOTION = 64, 65, 66
 O_TENSION_RATE, O_STAGE_T, O_STRETCH = 67, 68, 69
+O_END_FORCE = 79  # internal force at both ends of each element: parent's end, child's end
 
 # Scalars, at HEADER_WORDS.
 _S = HEADER_WORDS

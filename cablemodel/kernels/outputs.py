@@ -5,10 +5,10 @@ import math
 from .compile import kernel
 from .environment import current_at
 from .layout import (
+    B_MASS,
     B_NODE,
     B_WEIGHT,
     BODY_WORDS,
-    B_MASS,
     E_ADDED,
     E_BENDING,
     E_DRAG_NORMAL,
@@ -32,6 +32,7 @@ from .layout import (
     O_BODY,
     O_CONSTRAINT_RESIDUAL,
     O_EDGE,
+    O_END_FORCE,
     O_JOINT,
     O_MOTION,
     O_PARENT,
@@ -121,42 +122,23 @@ def pull_along(I, M, node, sign):
 
 
 @kernel
-def carries_body(I, M, node):
-    """Whether tension may jump at a node."""
-    for body in range(I[I_BODIES]):
-        if int(M[I[O_BODY] + body * BODY_WORDS + B_NODE]) == node:
-            return True
-    return False
+def end_tension(I, M, element, side):
+    """Tension at the parent (side 0) or child (1) end of an element: its end force along r'.
 
-
-@kernel
-def node_tension(I, M, node, side, top, tip):
-    """Tension at an end of element `side` (its child node), by the means of its neighbours.
-
-    node: 0 for the parent end, 1 for the child end. Means are interpolated between midpoints
-    where the cable goes on; `top` and `tip` are the forces at the line's two ends.
+    The end forces are the weak form's own reactions, inertia and loads included: they are as
+    accurate inside the line as the force at its top, where the element's T is only its mean.
     """
-    edge = I[O_EDGE] + side * EDGE_WORDS
-    mean = M[I[O_TENSION] + 2 * side]
-    slope = M[I[O_TENSION] + 2 * side + 1]
-    other = side
-    at = side
-    if node == 0:
-        at = I[I[O_PARENT] + side]
-        if at == 0:
-            return top
-        other = at
-        if I[I[O_JOINT] + at] != 0 or carries_body(I, M, at):
-            return mean - slope
-    else:
-        if side == I[I_NODES] - 1:
-            return tip
-        other = side + 1
-        if I[I[O_JOINT] + other] != 0 or carries_body(I, M, at):
-            return mean + slope
-    h = M[edge + E_LENGTH]
-    h_other = M[I[O_EDGE] + other * EDGE_WORDS + E_LENGTH]
-    return (h_other * mean + h * M[I[O_TENSION] + 2 * other]) / (h + h_other)
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    node = element if side == 1 else I[I[O_PARENT] + element]
+    q = I[O_POSITION] + size * node + dimension
+    f = I[O_END_FORCE] + size * element + dimension * side
+    norm = 0.0
+    along = 0.0
+    for i in range(dimension):
+        norm += M[q + i] * M[q + i]
+        along += M[q + i] * M[f + i]
+    return along / math.sqrt(norm)
 
 
 @kernel
@@ -181,8 +163,6 @@ def sample_stations(I, M, stations, out):
     nodes = I[I_NODES]
     w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
     end_forces(I, M)
-    top = pull_along(I, M, 0, -1.0)
-    tip = pull_along(I, M, nodes - 1, 1.0)
     total = line_length(I, M)
     for n in range(len(stations)):
         s = stations[n]
@@ -245,17 +225,16 @@ def sample_stations(I, M, stations, out):
         for i in range(dimension):
             curvature += ((w[6 + i] - along * w[3 + i]) / g) ** 2
         curvature = math.sqrt(curvature)
-        left = node_tension(I, M, 0, low, top, tip)
-        right = node_tension(I, M, 1, low, top, tip)
+        left = end_tension(I, M, low, 0)
+        right = end_tension(I, M, low, 1)
         row = STATION_WORDS * n
         to_earth(I, M, w, 0, out, row, 1)
         to_earth(I, M, w, 3, out, row + 3, 0)
         to_earth(I, M, w, 9, out, row + 6, 0)
         mean = M[I[O_TENSION] + 2 * low]
-        if x < 0.5:
-            out[row + 9] = left + 2.0 * x * (mean - left)
-        else:
-            out[row + 9] = mean + (2.0 * x - 1.0) * (right - mean)
+        # The parabola through both end tensions that has the element's mean.
+        bow = 6.0 * mean - 3.0 * (left + right)
+        out[row + 9] = left + x * (right - left) + bow * x * y
         out[row + 10] = curvature
         out[row + 11] = M[edge + E_BENDING] * curvature
     return len(stations)
@@ -266,7 +245,8 @@ def summarise(I, M, out):
     """Numbers of the present state that logs and co-simulation ask for at every step.
 
     out: 0-5 force and moment of the cable on the vessel, 6 top tension (size of that force,
-    negative where the cable pushes), 7, 8 lowest and highest tension in the cable, 9-11 end position, 12-14 end velocity, 15-17 vessel position, 18-20 vessel velocity,
+    negative where the cable pushes), 7, 8 lowest and highest tension in the cable,
+    9-11 end position, 12-14 end velocity, 15-17 vessel position, 18-20 vessel velocity,
     21 line length, 22 applied pay-out rate, 23 cable on the drum.
     """
     dimension = I[I_DIMENSION]
@@ -277,14 +257,13 @@ def summarise(I, M, out):
     for i in range(6):
         out[i] = -out[i]
     top = pull_along(I, M, 0, -1.0)
-    tip = pull_along(I, M, nodes - 1, 1.0)
     out[6] = math.copysign(math.sqrt(out[0] ** 2 + out[1] ** 2 + out[2] ** 2), top)
-    lowest = min(top, tip)
-    highest = max(top, tip)
+    lowest = end_tension(I, M, 1, 0)
+    highest = lowest
     for node in range(1, nodes):
         if I[I[O_JOINT] + node] == 0:
             for side in range(2):
-                value = node_tension(I, M, side, node, top, tip)
+                value = end_tension(I, M, node, side)
                 lowest = min(lowest, value)
                 highest = max(highest, value)
     out[7] = lowest

@@ -7,8 +7,8 @@ limit is Newton's method on the static equations, reached from any guess.
 from .compile import kernel
 from .layout import (
     I_DIMENSION,
-    I_FACTORISATIONS,
     I_FACTORED,
+    I_FACTORISATIONS,
     I_FAILED_NODE,
     I_ITERATIONS,
     I_NODES,

@@ -6,6 +6,7 @@ neither the error estimate nor Newton's test looks at it, but for the last stage
 """
 
 from .compile import inlined, kernel
+from .environment import find_piece
 from .layout import (
     E_BENDING,
     E_BENDING_FULL,
@@ -67,13 +68,12 @@ from .layout import (
     S_TOP_LENGTH,
     TOO_MANY_STEPS,
 )
-from .environment import find_piece
 from .payout import adapt_top, begin_payout, longest_payout_step, paid_since
 from .system import (
+    elongation_rate,
     factorise,
     impose_motion,
     newton_increment,
-    elongation_rate,
     recover_tension,
     residual,
     set_time,

@@ -12,7 +12,18 @@ import pytest
 import cablemodel
 
 PACKAGE = Path(cablemodel.__file__).parent
-HEAVY = ["numba", "pint", "matplotlib", "mcap", "rosbags", "typer", "rich", "scipy", "pandas"]
+HEAVY = [
+    "numba",
+    "pint",
+    "matplotlib",
+    "mcap",
+    "rosbags",
+    "typer",
+    "rich",
+    "scipy",
+    "pandas",
+    "plotly",
+]
 
 # Layers from the inside out: a module may import from its own layer and from those before it.
 LAYERS = (
@@ -29,7 +40,8 @@ LAYERS = (
     ("cablemodel.run", "cablemodel.columns", "cablemodel.dataset"),
     ("cablemodel.compare",),
     ("cablemodel.replay",),
-    ("cablemodel.plot", "cablemodel.report", "cablemodel.analysis", "cablemodel.export"),
+    ("cablemodel.plot", "cablemodel.analysis", "cablemodel.export"),
+    ("cablemodel.animate", "cablemodel.report"),
     ("cablemodel.cli", "cablemodel.__main__"),
 )
 

@@ -1,0 +1,51 @@
+"""``cablemodel fmu``: a scene as a Functional Mock-up Unit."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from cablemodel.cli.errors import reported
+from cablemodel.cli.run import SceneArgument, SetOption
+
+
+@reported
+def fmu(
+    scene: SceneArgument,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="File to write; else SCENE.fmu here.",
+                     show_default=False),
+    ] = None,
+    platform: Annotated[
+        str,
+        typer.Option(
+            help="Platforms, with commas: linux64, win64, darwin64 (Intel and ARM); or "
+            "aarch64-linux alone."
+        ),
+    ] = "linux64,win64,darwin64",
+    stations: Annotated[
+        int, typer.Option(min=2, help="Points along the cable that are outputs.")
+    ] = 11,
+    overrides: SetOption = None,
+) -> None:  # fmt: skip
+    """Export a scene as an FMU (FMI 2.0 co-simulation) that needs no Python."""
+    from cablemodel.errors import CableModelError
+    from cablemodel.scene import load_scene
+
+    try:
+        from cablemodel_fmu.export import export_fmu
+    except ModuleNotFoundError as error:
+        raise CableModelError(f"the package cablemodel_fmu is not installed: {error}") from error
+
+    loaded = load_scene(scene, overrides or ())
+    target = output or Path(scene.with_suffix(".fmu").name)
+
+    def say(line: str) -> None:
+        typer.echo(f"cablemodel: {line}", err=True)
+
+    names = [name.strip() for name in platform.split(",") if name.strip()]
+    export_fmu(loaded, target, platforms=names, stations=stations, progress=say)
+    typer.echo(f"{target}  {target.stat().st_size / 1e3:.0f} kB  {', '.join(names)}")

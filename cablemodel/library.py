@@ -1,0 +1,147 @@
+"""The kernels' entry points: from the compiled library where it fits, else by numba.
+
+`cablemodel/binaries` may hold a shared library that was made ahead of time from the same kernels
+(`python -m cablemodel_fmu.build`); it is the one inside an exported FMU. When its hash is that of
+the kernel sources next to it, it is loaded and nothing is compiled. Otherwise, as after an edit of
+a kernel, numba compiles. Both give the same bits.
+
+Every entry point of kernels/entry.py is a function of this module with the same arguments:
+``library.step(ints, reals, t_end, inputs)``. Set CABLEMODEL_KERNELS=numba to leave the library
+aside.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import platform
+import sys
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+PREFIX = "cablemodel_"
+BINARIES = Path(__file__).parent / "binaries"
+
+Kernel = Callable[..., int]
+
+
+@cache
+def kernel_hash() -> str:
+    """Hash of the kernel sources: a library with another hash does not belong to them."""
+    digest = hashlib.sha256()
+    for path in sorted((Path(__file__).parent / "kernels").glob("*.py")):
+        digest.update(path.name.encode())
+        digest.update(path.read_bytes().replace(b"\r\n", b"\n"))
+    return digest.hexdigest()
+
+
+def platform_name() -> str | None:
+    """Folder of this machine's library, in the words of FMI; None where there is none."""
+    machine = platform.machine().lower()
+    if sys.platform == "darwin":
+        return "darwin64"
+    if machine in ("x86_64", "amd64"):
+        return {"linux": "linux64", "win32": "win64"}.get(sys.platform)
+    if machine in ("aarch64", "arm64") and sys.platform == "linux":
+        return "aarch64-linux"
+    return None
+
+
+def description(name: str) -> dict[str, Any] | None:
+    """What is known of a platform's library: kernels (hash), file, arguments; None if not built."""
+    try:
+        text = (BINARIES / name / "library.json").read_text(encoding="utf-8")
+    except OSError:
+        return None
+    found: dict[str, Any] = json.loads(text)
+    return found
+
+
+@cache
+def library_path() -> Path | None:
+    """The library that will be used here; None: numba compiles the kernels."""
+    name = platform_name()
+    if name is None or os.environ.get("CABLEMODEL_KERNELS") == "numba":
+        return None
+    found = description(name)
+    if found is None or found["kernels"] != kernel_hash():
+        return None
+    path = BINARIES / name / found["file"]
+    return path if path.exists() else None
+
+
+@cache
+def entry_points() -> dict[str, Kernel]:
+    """All entry points by name."""
+    path = library_path()
+    if path is not None:
+        name = platform_name()
+        assert name is not None
+        found = description(name)
+        assert found is not None
+        return load(path, found["arguments"])
+    from cablemodel.kernels.entry import ENTRY_POINTS
+
+    return dict(ENTRY_POINTS)
+
+
+def load(path: Path, arguments: dict[str, list[str]]) -> dict[str, Kernel]:
+    """Entry points of a library; arguments: kinds of arguments of each, as its JSON file says."""
+    import ctypes
+
+    library = ctypes.CDLL(str(path))
+    types: dict[str, list[Any]] = {
+        "block": [ctypes.c_void_p, ctypes.c_int64],
+        "array": [ctypes.c_void_p, ctypes.c_int64],
+        "float64": [ctypes.c_double],
+    }
+    kernels = {}
+    for name, kinds in arguments.items():
+        function = getattr(library, PREFIX + name)
+        function.restype = ctypes.c_int64
+        function.argtypes = [kind for word in kinds for kind in types[word]]
+        kernels[name] = _kernel(function, tuple(kinds))
+    return kernels
+
+
+def _kernel(function: Any, kinds: tuple[str, ...]) -> Kernel:
+    """A C function with the arguments of the Python kernel: ints, reals (one block), and more.
+
+    Arrays must be contiguous and of 64-bit words, as for numba; they are not checked here.
+    """
+    from ctypes import c_int64, c_void_p
+
+    # Looking up an array's address costs as much as a short kernel: those of the last call are
+    # kept, one tuple a place, so that threads at worst look up again.
+    last: list[tuple[Any, Any, Any]] = [(None, None, None)] * len(kinds)
+    arrays = [kind != "float64" for kind in kinds]
+
+    def call(ints: Any, reals: Any, *values: Any) -> int:
+        flat: list[Any] = []
+        for place, value in enumerate((ints, *values)):
+            if arrays[place]:
+                known = last[place]
+                if known[0] is not value:
+                    known = (value, c_void_p(value.ctypes.data), c_int64(value.size))
+                    last[place] = known
+                flat += known[1:]
+            else:
+                flat.append(value)
+        result: int = function(*flat)
+        return result
+
+    return call
+
+
+def __getattr__(name: str) -> Any:
+    """An entry point, loaded or compiled when first asked for."""
+    if name.startswith("_"):
+        raise AttributeError(name)
+    found = entry_points().get(name)
+    if found is None:
+        raise AttributeError(f"the kernels have no entry point {name!r}")
+    globals()[name] = found
+    return found

@@ -1,0 +1,235 @@
+/* Inputs, coefficients, steps and outputs of one cable, in the words of the value references. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "cable.h"
+
+static const int64_t *initial_image(const Cable *cable) {
+    return cable->file + F_HEADER_WORDS +
+           cable->parameter_count * (int64_t)(sizeof(Parameter) / 8);
+}
+
+static void outputs_changed(Cable *cable) {
+    cable->summary_current = cable->stations_current = 0;
+}
+
+double cable_time(const Cable *cable) { return cable->M[S_TIME] + cable->now.start_time; }
+
+/* Start values everywhere, the block at the scene's initial state. */
+void restart_cable(Cable *cable) {
+    memcpy(cable->I, initial_image(cable), 8 * (size_t)cable->image_words);
+    memcpy(cable->now.input, cable->file + F_INPUTS, sizeof cable->now.input);
+    for (int64_t n = 0; n < cable->parameter_count; n++)
+        cable->values[n] = cable->parameters[n].start;
+    cable->now.phase = INSTANTIATED;
+    cable->now.use_scene_inputs = (cable->flags & FLAG_SCENE_INPUTS) != 0;
+    cable->now.vessel_input = BY_VELOCITY;
+    cable->now.unsettled = 0;
+    cable->now.start_time = 0.0;
+    cable->has_slope = 0;
+    memset(cable->slope, 0, sizeof cable->slope);
+    outputs_changed(cable);
+}
+
+/* Find the static equilibrium again where a coefficient was set before the start: the same calls
+   in the same order as cablemodel/instance.py. */
+const char *settle_cable(Cable *cable) {
+    if (!cable->now.unsettled) return NULL;
+    cable->now.unsettled = 0;
+    outputs_changed(cable);
+    if ((cable->flags & FLAG_STATIC) == 0) return NULL;
+    const int64_t words = cable->block_words;
+    double frame[3];
+    memcpy(frame, cable->file + F_FRAME, sizeof frame);
+    const int64_t status =
+        cablemodel_equilibrium(cable->I, words, frame, cable->I[I_DIMENSION]);
+    if (status != OK) {
+        cable->now.unsettled = 1;
+        return "no static equilibrium was found for these coefficients";
+    }
+    cablemodel_place_supports(cable->I, words);
+    cable->I[I_STEPS] = cable->I[I_REJECTED] = 0;
+    cable->I[I_FACTORISATIONS] = cable->I[I_ITERATIONS] = 0;
+    cable->I[I_FACTORED] = 0;
+    if (cable->I[I_HYBRID]) cablemodel_choose_bending(cable->I, words);
+    return NULL;
+}
+
+static double at_end(const Cable *cable, int n, double dt) {
+    if (!cable->has_slope) return cable->now.input[n];
+    const double *slope = cable->slope[n];
+    return cable->now.input[n] + dt * (slope[0] + dt * (slope[1] / 2.0 + dt * slope[2] / 6.0));
+}
+
+static void collect_inputs(const Cable *cable, double dt, double *inputs) {
+    memset(inputs, 0, INPUT_WORDS * sizeof(double));
+    if (cable->now.use_scene_inputs) return;
+    const int64_t by = cable->now.vessel_input;
+    if (by != BY_POSITION) {
+        inputs[IN_VELOCITY] = 1.0;
+        for (int i = 0; i < 3; i++) inputs[IN_VELOCITY + 1 + i] = at_end(cable, VR_VELOCITY + i, dt);
+    }
+    if (by != BY_VELOCITY) {
+        inputs[IN_POSITION] = 1.0;
+        for (int i = 0; i < 3; i++) inputs[IN_POSITION + 1 + i] = at_end(cable, VR_POSITION + i, dt);
+    }
+    inputs[IN_CURRENT] = 1.0;
+    for (int i = 0; i < 3; i++) inputs[IN_CURRENT + 1 + i] = at_end(cable, VR_CURRENT + i, dt);
+    inputs[IN_PAYOUT] = 1.0;
+    inputs[IN_PAYOUT + 1] = at_end(cable, VR_PAYOUT, dt);
+}
+
+/* Arc length of a node from the vessel; in the words of CableModel._node_arcs. */
+static double arc_of(const Cable *cable, int64_t node) {
+    const double *edge = cable->M + cable->I[O_EDGE] + node * EDGE_WORDS;
+    if (node <= 0) return 0.0;
+    if (node == 1) return edge[E_LENGTH];
+    return edge[E_START] + edge[E_LENGTH] + cable->M[S_PAID];
+}
+
+static void explain(const Cable *cable, int64_t status, char *message, size_t size) {
+    const char *problem = "the step cannot be made", *advice = "ask for another step";
+    if (status == NOT_CONVERGED) {
+        problem = "no step was small enough for Newton's method to converge";
+        advice = "look for a jump in the inputs, or a stiffness far from the others";
+    } else if (status == TOO_MANY_STEPS) {
+        problem = "the step needs more internal steps than allowed";
+        advice = "ask for a shorter step or a looser tolerance";
+    } else if (status == SINGULAR) {
+        problem = "the equations are singular";
+        advice = "give the cable bending stiffness";
+    } else if (status == NO_CAPACITY) {
+        problem = "more elements are needed than were set aside for the drum's cable";
+        advice = "give the line fewer or more even elements";
+    } else if (status == NOT_FINITE) {
+        problem = "an input or the step is not finite";
+        advice = "check the inputs";
+    }
+    const int64_t last = cable->I[I_NODES] - 1;
+    const int64_t node = cable->I[I_FAILED_NODE] < last ? cable->I[I_FAILED_NODE] : last;
+    const double arc = arc_of(cable, node);
+    snprintf(message, size, "at t = %g s, %g m along the cable: %s; %s", cable_time(cable), arc,
+             problem, advice);
+}
+
+/* To the instance's own time t_end; on failure the message says why and nothing has changed. */
+int64_t step_cable(Cable *cable, double t_end, double dt, char *message, size_t size) {
+    double inputs[INPUT_WORDS];
+    collect_inputs(cable, dt, inputs);
+    const int64_t status =
+        cablemodel_step(cable->I, cable->block_words, t_end, inputs, INPUT_WORDS);
+    if (status != OK) {
+        explain(cable, status, message, size);
+        return status;
+    }
+    cable->has_slope = 0;
+    outputs_changed(cable);
+    return OK;
+}
+
+static const double *summary(Cable *cable) {
+    if (!cable->summary_current) {
+        cablemodel_summary(cable->I, cable->block_words, cable->summary, SUMMARY_LIMIT);
+        if (cable->flags & FLAG_PINNED)
+            for (int i = 3; i < 6; i++) cable->summary[i] = 0.0;
+        cable->summary_current = 1;
+    }
+    return cable->summary;
+}
+
+/* States at the stations, then at the bodies, in rows of STATION_WORDS. */
+static const double *rows(Cable *cable) {
+    if (!cable->stations_current) {
+        const double length = summary(cable)[21];
+        const int64_t n = cable->stations, last = n - 1;
+        for (int64_t k = 0; k < n; k++) cable->arcs[k] = length * (double)k / (double)last;
+        for (int64_t j = 0; j < cable->bodies; j++) {
+            /* A body on the drum (node -1) is at the tow point. */
+            const int64_t node = (int64_t)cable->M[cable->I[O_BODY] + j * BODY_WORDS + B_NODE];
+            const double arc = arc_of(cable, node);
+            cable->arcs[n + j] = arc < length ? arc : length;
+        }
+        cablemodel_sample(cable->I, cable->block_words, cable->arcs, n + cable->bodies,
+                          cable->rows, STATION_WORDS * (n + cable->bodies));
+        cable->stations_current = 1;
+    }
+    return cable->rows;
+}
+
+static int is_parameter(const Cable *cable, unsigned vr) {
+    return vr >= VR_PARAMETER && vr < VR_PARAMETER + (unsigned)cable->parameter_count;
+}
+
+const char *read_value(Cable *cable, unsigned vr, double *value) {
+    if (vr < VR_INPUTS) {
+        *value = cable->now.input[vr];
+        return NULL;
+    }
+    if (is_parameter(cable, vr)) {
+        *value = cable->values[vr - VR_PARAMETER];
+        return NULL;
+    }
+    if (vr == VR_ZERO) {
+        *value = 0.0;
+        return NULL;
+    }
+    const char *problem = settle_cable(cable);
+    if (problem != NULL) return problem;
+    if (vr >= VR_SUMMARY && vr < VR_SUMMARY + SUMMARY_ROWS)
+        *value = summary(cable)[vr - VR_SUMMARY];
+    else if (vr >= VR_STATION && vr < VR_STATION + STATION_WORDS * (unsigned)cable->stations)
+        *value = rows(cable)[vr - VR_STATION];
+    else if (vr >= VR_BODY && vr < VR_BODY + STATION_WORDS * (unsigned)cable->bodies)
+        *value = rows(cable)[STATION_WORDS * cable->stations + (vr - VR_BODY)];
+    else
+        return "unknown value reference";
+    return NULL;
+}
+
+static void tune_edge(double *edge, const Parameter *p, double value) {
+    if (edge[E_TYPE] != (double)p->index) return;
+    const double before = edge[p->word];
+    edge[p->word] = p->factor * value;
+    if (p->word == E_ADDED) edge[E_MASS] += edge[p->word] - before; /* in E_MASS too */
+}
+
+static void tune(Cable *cable, unsigned index, double value) {
+    const Parameter *p = &cable->parameters[index];
+    if (value == cable->values[index]) return;
+    double *M = cable->M;
+    const int64_t *I = cable->I;
+    if (p->kind == OF_BODY) {
+        M[I[O_BODY] + p->index * BODY_WORDS + p->word] = p->factor * value;
+    } else {
+        /* Elements that are out, and the rows from which elements are made as cable is paid out. */
+        for (int64_t node = 1; node < I[I_NODES]; node++)
+            if (I[I[O_JOINT] + node] == 0) tune_edge(M + I[O_EDGE] + node * EDGE_WORDS, p, value);
+        for (int64_t n = 0; n < I[I_CABLES]; n++)
+            tune_edge(M + I[O_CABLES] + n * CABLE_WORDS + K_EDGE, p, value);
+    }
+    cable->values[index] = value;
+    cable->I[I_FACTORED] = 0;
+    if (cable->now.phase == STEPPING) outputs_changed(cable);
+    else cable->now.unsettled = 1;
+}
+
+const char *check_value(Cable *cable, unsigned vr, double value) {
+    if (vr < VR_INPUTS) return fabs(value) < 1e100 ? NULL : "the value is not finite";
+    if (is_parameter(cable, vr)) {
+        const Parameter *p = &cable->parameters[vr - VR_PARAMETER];
+        if (value >= p->minimum && value <= p->maximum) return NULL;
+        return "the value is out of range";
+    }
+    double ignored;
+    return read_value(cable, vr, &ignored) == NULL ? "an output cannot be set"
+                                                   : "unknown value reference";
+}
+
+/* Of a value that check_value has passed. */
+void write_value(Cable *cable, unsigned vr, double value) {
+    if (is_parameter(cable, vr))
+        tune(cable, vr - VR_PARAMETER, value);
+    else
+        cable->now.input[vr] = value;
+}

@@ -1,0 +1,100 @@
+/* The cable behind the FMI functions: one instance block, its inputs, parameters and outputs. */
+#ifndef CABLE_H
+#define CABLE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "layout.h" /* generated from cablemodel/kernels/layout.py and cablemodel/block.py */
+
+/* Value references of real variables; see cablemodel_fmu/variables.py, which writes the same. */
+enum {
+    VR_VELOCITY = 0, VR_POSITION = 3, VR_PAYOUT = 6, VR_CURRENT = 7, VR_INPUTS = 10,
+    VR_PARAMETER = 100,
+    VR_ZERO = 900,
+    VR_SUMMARY = 1000, SUMMARY_ROWS = 24, SUMMARY_LIMIT = 64,
+    VR_STATION = 10000,
+    VR_BODY = 20000000,
+    STATION_WORDS = 12
+};
+enum { VR_USE_SCENE_INPUTS = 0 };  /* the only Boolean */
+enum { VR_VESSEL_INPUT = 0 };      /* the only Integer, an enumeration */
+enum { BY_VELOCITY = 1, BY_POSITION = 2, BY_BOTH = 3 };
+enum { INSTANTIATED = 1, INITIALISING, STEPPING, TERMINATED };
+
+/* Words of resources/model.bin, all 64 bits, little endian; see cablemodel_fmu/model_file.py. */
+enum {
+    F_MAGIC, F_FORMAT, F_WORDS, F_CHECKSUM, F_KERNELS,
+    F_GUID, /* 40 characters, padded with zeros */
+    F_FLAGS = F_GUID + 5, F_IMAGE_WORDS, F_BLOCK_WORDS, F_STATIONS, F_PARAMETERS,
+    F_INPUTS = 16,
+    F_FRAME = F_INPUTS + VR_INPUTS,
+    F_HEADER_WORDS = 32
+};
+enum { FLAG_SCENE_INPUTS = 1, FLAG_STATIC = 2, FLAG_PINNED = 4 };
+#define FILE_MAGIC INT64_C(0x554d46454c424143) /* "CABLEFMU" */
+#define STATE_MAGIC INT64_C(0x5441545346434243)
+#define FILE_FORMAT 1
+
+/* A tunable coefficient: word = factor * value in the edges of a cable type or in one body. */
+enum { OF_CABLES, OF_BODY };
+typedef struct {
+    int64_t kind, word;
+    int64_t index; /* of the cable type, or row of the body table */
+    double factor, start, minimum, maximum, reserved;
+} Parameter;
+
+/* Everything of an instance that a saved state holds, apart from the block's image. */
+typedef struct {
+    int64_t magic, words, checksum, kernels;
+    char guid[40];
+    int64_t phase, use_scene_inputs, vessel_input, unsettled;
+    double start_time;
+    double input[VR_INPUTS];
+} Controls;
+
+typedef struct {
+    int64_t *file; /* model.bin as read */
+    int64_t *I;    /* the block, as integers and as reals */
+    double *M;
+    const Parameter *parameters;
+    double *values; /* of the parameters */
+    int64_t stations, bodies, parameter_count, image_words, block_words, flags;
+    Controls now;
+    double slope[VR_INPUTS][3]; /* derivatives of the inputs, for the next step only */
+    int has_slope;
+    int summary_current, stations_current;
+    double summary[SUMMARY_LIMIT];
+    double *arcs, *rows;
+} Cable;
+
+/* The kernels, compiled ahead of time. */
+int64_t cablemodel_step(void *block, int64_t words, double t_end, double *inputs, int64_t n);
+int64_t cablemodel_equilibrium(void *block, int64_t words, double *frame, int64_t n);
+int64_t cablemodel_choose_bending(void *block, int64_t words);
+int64_t cablemodel_place_supports(void *block, int64_t words);
+int64_t cablemodel_sample(void *block, int64_t words, double *s, int64_t n, double *out, int64_t m);
+int64_t cablemodel_summary(void *block, int64_t words, double *out, int64_t n);
+
+/* model_file.c: every function returns NULL or a message. */
+const char *load_cable(Cable *cable, const char *resource_location, const char *guid);
+void free_cable(Cable *cable);
+const char *check_block(const int64_t *I, int64_t image_words, int64_t block_words);
+uint32_t checksum(const void *data, size_t bytes);
+
+/* cable.c */
+void restart_cable(Cable *cable);
+const char *settle_cable(Cable *cable);
+double cable_time(const Cable *cable);
+int64_t step_cable(Cable *cable, double t_end, double dt, char *message, size_t size);
+const char *read_value(Cable *cable, unsigned vr, double *value);
+const char *check_value(Cable *cable, unsigned vr, double value);
+void write_value(Cable *cable, unsigned vr, double value);
+
+/* saved_state.c */
+size_t state_bytes(const Cable *cable);
+void save_state(const Cable *cable, void *to);
+const char *check_state(const Cable *cable, const void *from, size_t bytes);
+const char *restore_state(Cable *cable, const void *from);
+
+#endif

@@ -1,0 +1,259 @@
+/* resources/model.bin: found, read, and not believed until every size and offset is checked. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cable.h"
+
+#ifdef _WIN32
+#define WIN32_LEAN_AND_MEAN
+#include <windows.h>
+#endif
+
+#define LARGEST_COUNT (INT64_C(1) << 22)
+#define LARGEST_FILE (INT64_C(1) << 33)
+
+/* CRC-32 of IEEE 802.3, as zlib computes it. */
+uint32_t checksum(const void *data, size_t bytes) {
+    static const uint32_t table[16] = {
+        0x00000000, 0x1db71064, 0x3b6e20c8, 0x26d930ac, 0x76dc4190, 0x6b6b51f4, 0x4db26158,
+        0x5005713c, 0xedb88320, 0xf00f9344, 0xd6d6a3e8, 0xcb61b38c, 0x9b64c2b0, 0x86d3d2d4,
+        0xa00ae278, 0xbdbdf21c};
+    const unsigned char *byte = data;
+    uint32_t crc = 0xffffffffu;
+    for (size_t n = 0; n < bytes; n++) {
+        crc ^= byte[n];
+        crc = table[crc & 15] ^ (crc >> 4);
+        crc = table[crc & 15] ^ (crc >> 4);
+    }
+    return ~crc;
+}
+
+static int hex(char c) {
+    if (c >= '0' && c <= '9') return c - '0';
+    if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+    if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+    return -1;
+}
+
+/* Path of model.bin in the folder that a file URI (or, leniently, a path) names; to be freed. */
+static char *model_path(const char *location) {
+    static const char name[] = "/model.bin";
+    const int uri = strncmp(location, "file:", 5) == 0;
+    const char *from = uri ? location + 5 : location;
+    if (uri && strncmp(from, "//", 2) == 0) {
+        from += 2;
+        if (strncmp(from, "localhost/", 10) == 0) from += 9;
+    }
+#ifdef _WIN32
+    if (from[0] == '/' && from[1] != 0 && from[2] == ':') from++;
+#endif
+    char *path = malloc(strlen(from) + sizeof name);
+    if (path == NULL) return NULL;
+    size_t length = 0;
+    while (*from != 0) {
+        if (uri && from[0] == '%' && hex(from[1]) >= 0 && hex(from[2]) >= 0) {
+            path[length++] = (char)(16 * hex(from[1]) + hex(from[2]));
+            from += 3;
+        } else {
+            path[length++] = *from++;
+        }
+    }
+    while (length > 1 && path[length - 1] == '/') length--;
+    memcpy(path + length, name, sizeof name);
+    return path;
+}
+
+static FILE *open_file(const char *path) {
+#ifdef _WIN32
+    const int count = MultiByteToWideChar(CP_UTF8, 0, path, -1, NULL, 0);
+    wchar_t *wide = malloc(sizeof(wchar_t) * (size_t)(count > 0 ? count : 1));
+    if (wide == NULL) return NULL;
+    FILE *file = NULL;
+    if (MultiByteToWideChar(CP_UTF8, 0, path, -1, wide, count) > 0) file = _wfopen(wide, L"rb");
+    free(wide);
+    return file;
+#else
+    return fopen(path, "rb");
+#endif
+}
+
+static const char *read_file(const char *path, int64_t **words, int64_t *count) {
+    FILE *file = open_file(path);
+    if (file == NULL) return "resources/model.bin cannot be opened";
+    const char *problem = "resources/model.bin cannot be read";
+    if (fseek(file, 0, SEEK_END) == 0) {
+        const int64_t size = ftell(file);
+        if (size < 8 * F_HEADER_WORDS || size % 8 != 0 || size > LARGEST_FILE) {
+            problem = "resources/model.bin is truncated or not a model";
+        } else if (fseek(file, 0, SEEK_SET) == 0) {
+            *words = malloc((size_t)size);
+            *count = size / 8;
+            if (*words == NULL) problem = "out of memory";
+            else if (fread(*words, 1, (size_t)size, file) == (size_t)size) problem = NULL;
+        }
+    }
+    fclose(file);
+    return problem;
+}
+
+/* Whether a real of the block holds a whole number from low to high. */
+static int whole(double value, int64_t low, int64_t high) {
+    return value >= (double)low && value <= (double)high && value == floor(value);
+}
+
+static int within(int64_t value, int64_t low, int64_t high) {
+    return value >= low && value <= high;
+}
+
+/* The strain curve of a row of the edge table lies in its table, its cable in the cable table. */
+static int check_edge(const int64_t *I, const double *edge) {
+    const double first = (double)I[O_STRAIN], last = (double)(I[O_STRAIN] + I[I_STRAIN]);
+    return whole(edge[E_STRAIN_TERMS], 1, I[I_STRAIN]) &&
+           whole(edge[E_STRAIN_OFFSET], I[O_STRAIN], I[O_STRAIN] + I[I_STRAIN]) &&
+           edge[E_STRAIN_OFFSET] >= first &&
+           edge[E_STRAIN_OFFSET] + edge[E_STRAIN_TERMS] <= last &&
+           whole(edge[E_SEGMENT], 0, I[I_CABLES] - 1);
+}
+
+const char *check_block(const int64_t *I, int64_t image_words, int64_t block_words) {
+    const double *M = (const double *)I;
+    int64_t expected[HEADER_WORDS] = {0};
+    int64_t image = 0, words = 0;
+    if (image_words < HEADER_WORDS + SCALAR_WORDS) return "the model's image is too short";
+    if (I[I_MAGIC] != MAGIC || I[I_VERSION] != VERSION) return "not a model of this version";
+    if (!sizes_within(I, LARGEST_COUNT)) return "a size in the model is out of range";
+    if (I[I_CAPACITY] < 2 || I[I_PIECES] < 2 || I[I_DEPTHS] < 1 || I[I_TIMES] < 1 ||
+        I[I_CABLES] < 1)
+        return "a size in the model is out of range";
+    arrange(I, expected, &image, &words);
+    if (image != image_words || words != block_words || I[I_IMAGE_WORDS] != image ||
+        I[I_BYTES] != 8 * words)
+        return "the model's sizes do not agree";
+    for (int n = 0; n < HEADER_WORDS; n++)
+        if (expected[n] != 0 && I[n] != expected[n]) return "an offset in the model is wrong";
+
+    const int64_t nodes = I[I_NODES];
+    if (!within(nodes, 2, I[I_CAPACITY]) || !within(I[I_DIMENSION], 2, 3) ||
+        !within(I[I_PIECE], 1, I[I_PIECES] - 1) || !within(I[I_LIVE], 0, 1) ||
+        !within(I[I_CURRENT], 0, 2) || !within(I[I_ORDER], 3, 4) ||
+        !within(I[I_FAILED_NODE], 0, I[I_CAPACITY] - 1) ||
+        !within(I[I_TOP_CABLE], 0, I[I_CABLES] - 1) || !within(I[I_PAYOUT], 0, 1) ||
+        !within(I[I_RATE_LIVE], 0, 1) || !within(I[I_CLAMPED], -1, 1) ||
+        !within(I[I_MAXIMUM_STEPS], 1, 10000000))
+        return "a counter in the model is out of range";
+    if (I[I_CURRENT] == 1 && I[I_DEPTHS] != 1) return "a counter in the model is out of range";
+    if (!(fabs(M[S_TIME]) < 1e300) || !(M[S_STEP] > 0.0) || !(M[S_SMALLEST_STEP] > 0.0) ||
+        !(M[S_TIME_TOLERANCE] > 0.0))
+        return "a time in the model is out of range";
+    const int64_t *parent = I + I[O_PARENT], *joint = I + I[O_JOINT];
+    for (int64_t node = 1; node < nodes; node++) {
+        const double *edge = M + I[O_EDGE] + node * EDGE_WORDS;
+        if (!within(parent[node], 0, node - 1) || !within(joint[node], 0, 1))
+            return "the model's line is not connected";
+        if (joint[node] != 0) continue;
+        if (!(edge[E_LENGTH] > 0.0) || !check_edge(I, edge)) return "an element is out of range";
+    }
+    for (int64_t n = 0; n < I[I_CABLES]; n++) {
+        const double *row = M + I[O_CABLES] + n * CABLE_WORDS;
+        if (!whole(row[K_BODY], -1, I[I_BODIES] - 1) || !(row[K_NOMINAL] > 0.0) ||
+            !check_edge(I, row + K_EDGE))
+            return "a cable is out of range";
+    }
+    for (int64_t n = 0; n < I[I_BODIES]; n++)
+        if (!whole(M[I[O_BODY] + n * BODY_WORDS + B_NODE], -1, nodes - 1))
+            return "a body is at no node";
+    for (int64_t n = 0; n < I[I_CONSTRAINTS]; n++) {
+        const double *row = M + I[O_CONSTRAINT] + n * CONSTRAINT_WORDS;
+        if (!whole(row[C_NODE], 0, nodes - 1) || !whole(row[C_KIND], C_VESSEL, C_ANCHOR))
+            return "a constraint is at no node";
+    }
+    return NULL;
+}
+
+static const char *check_parameters(const Cable *cable, const int64_t *I) {
+    for (int64_t n = 0; n < cable->parameter_count; n++) {
+        const Parameter *p = &cable->parameters[n];
+        if (!within(p->kind, OF_CABLES, OF_BODY) || !(fabs(p->factor) < 1e300) ||
+            !within(p->index, 0, p->kind == OF_BODY ? I[I_BODIES] - 1 : INT64_MAX) ||
+            !(p->minimum <= p->start && p->start <= p->maximum))
+            return "a parameter in resources/model.bin is out of range";
+        /* What is no coefficient, such as a length or an index, must stay out of reach. */
+        const int coefficient =
+            p->kind == OF_BODY
+                ? p->word == B_DRAG || p->word == B_DRAG_AXIAL || p->word == B_WEIGHT
+                : p->word == E_DRAG_NORMAL || p->word == E_DRAG_TANGENTIAL || p->word == E_WEIGHT ||
+                      p->word == E_ADDED;
+        if (!coefficient) return "a parameter in resources/model.bin is out of range";
+    }
+    return NULL;
+}
+
+static const char *check_file(Cable *cable, int64_t count, const char *guid) {
+    const int64_t *file = cable->file;
+    if (file[F_MAGIC] != FILE_MAGIC || file[F_FORMAT] != FILE_FORMAT)
+        return "resources/model.bin is not a model of this version";
+    if (file[F_WORDS] != count) return "resources/model.bin is truncated or too long";
+    if ((uint32_t)file[F_CHECKSUM] != checksum(file + F_KERNELS, 8 * (size_t)(count - F_KERNELS)))
+        return "resources/model.bin is corrupted (checksum)";
+    if (file[F_KERNELS] != KERNEL_HASH)
+        return "resources/model.bin was made for another version of this library";
+    const char *own = (const char *)(file + F_GUID);
+    if (guid == NULL || strlen(guid) > 39 || strncmp(own, guid, 40) != 0)
+        return "the GUID is not that of this FMU";
+    cable->flags = file[F_FLAGS];
+    cable->stations = file[F_STATIONS];
+    cable->parameter_count = file[F_PARAMETERS];
+    cable->image_words = file[F_IMAGE_WORDS];
+    cable->block_words = file[F_BLOCK_WORDS];
+    if (!within(cable->stations, 2, 100000) || !within(cable->parameter_count, 0, VR_ZERO - VR_PARAMETER) ||
+        !within(cable->image_words, 1, count) || !within(cable->block_words, 1, LARGEST_FILE / 8))
+        return "a size in resources/model.bin is out of range";
+    const int64_t row = (int64_t)(sizeof(Parameter) / 8);
+    if (F_HEADER_WORDS + row * cable->parameter_count + cable->image_words != count)
+        return "the sizes in resources/model.bin do not agree";
+    for (int n = 0; n < VR_INPUTS + 3; n++)
+        if (!(fabs(((const double *)file)[F_INPUTS + n]) < 1e100))
+            return "a start value in resources/model.bin is not finite";
+    cable->parameters = (const Parameter *)(file + F_HEADER_WORDS);
+    const int64_t *image = file + F_HEADER_WORDS + row * cable->parameter_count;
+    const char *problem = check_block(image, cable->image_words, cable->block_words);
+    if (problem != NULL) return problem;
+    cable->bodies = image[I_BODIES];
+    return check_parameters(cable, image);
+}
+
+const char *load_cable(Cable *cable, const char *resource_location, const char *guid) {
+    memset(cable, 0, sizeof *cable);
+    if (resource_location == NULL) return "the resource location is missing";
+    char *path = model_path(resource_location);
+    if (path == NULL) return "out of memory";
+    int64_t count = 0;
+    const char *problem = read_file(path, &cable->file, &count);
+    free(path);
+    if (problem == NULL) problem = check_file(cable, count, guid);
+    if (problem != NULL) return problem;
+    const size_t samples = (size_t)(cable->stations + cable->bodies);
+    cable->I = calloc((size_t)cable->block_words, 8);
+    cable->M = (double *)cable->I;
+    cable->values = calloc((size_t)cable->parameter_count + 1, sizeof(double));
+    cable->arcs = calloc(samples, sizeof(double));
+    cable->rows = calloc(samples * STATION_WORDS, sizeof(double));
+    if (cable->I == NULL || cable->values == NULL || cable->arcs == NULL || cable->rows == NULL)
+        return "out of memory";
+    cable->now.magic = STATE_MAGIC;
+    cable->now.words = (int64_t)(state_bytes(cable) / 8);
+    cable->now.kernels = KERNEL_HASH;
+    memcpy(cable->now.guid, cable->file + F_GUID, sizeof cable->now.guid);
+    restart_cable(cable);
+    return NULL;
+}
+
+void free_cable(Cable *cable) {
+    free(cable->file);
+    free(cable->I);
+    free(cable->values);
+    free(cable->arcs);
+    free(cable->rows);
+}

@@ -1,0 +1,60 @@
+/* The state of an instance as one piece of memory: controls, parameters, image of the block. */
+#include <math.h>
+#include <string.h>
+
+#include "cable.h"
+
+size_t state_bytes(const Cable *cable) {
+    return sizeof(Controls) + 8 * (size_t)(cable->parameter_count + cable->image_words);
+}
+
+static uint32_t state_checksum(const void *state, size_t bytes) {
+    const size_t skip = offsetof(Controls, kernels);
+    return checksum((const char *)state + skip, bytes - skip);
+}
+
+void save_state(const Cable *cable, void *to) {
+    char *at = to;
+    const size_t parameters = 8 * (size_t)cable->parameter_count;
+    memcpy(at, &cable->now, sizeof(Controls));
+    memcpy(at + sizeof(Controls), cable->values, parameters);
+    memcpy(at + sizeof(Controls) + parameters, cable->I, 8 * (size_t)cable->image_words);
+    ((Controls *)to)->checksum = state_checksum(to, state_bytes(cable));
+}
+
+/* NULL if a saved state is whole and of this FMU. */
+const char *check_state(const Cable *cable, const void *from, size_t bytes) {
+    Controls then;
+    if (bytes != state_bytes(cable)) return "the state has a wrong size";
+    memcpy(&then, from, sizeof then);
+    if (then.magic != STATE_MAGIC || then.words != cable->now.words) return "not a state of this FMU";
+    if (then.kernels != cable->now.kernels || memcmp(then.guid, cable->now.guid, sizeof then.guid))
+        return "the state belongs to another FMU";
+    if (then.checksum != (int64_t)state_checksum(from, bytes)) return "the state is corrupted";
+    if (then.vessel_input < BY_VELOCITY || then.vessel_input > BY_BOTH ||
+        (then.use_scene_inputs | 1) != 1 || (then.unsettled | 1) != 1 ||
+        then.phase < INSTANTIATED || then.phase > TERMINATED || !(fabs(then.start_time) < 1e300))
+        return "the state is corrupted";
+    for (int n = 0; n < VR_INPUTS; n++)
+        if (!(fabs(then.input[n]) < 1e100)) return "the state is corrupted";
+    const double *values = (const double *)((const char *)from + sizeof then);
+    for (int64_t n = 0; n < cable->parameter_count; n++)
+        if (!(values[n] >= cable->parameters[n].minimum && values[n] <= cable->parameters[n].maximum))
+            return "the state is corrupted";
+    return check_block((const int64_t *)(values + cable->parameter_count), cable->image_words,
+                       cable->block_words);
+}
+
+/* Take over a saved state; if it is refused nothing changes. */
+const char *restore_state(Cable *cable, const void *from) {
+    const char *problem = check_state(cable, from, state_bytes(cable));
+    if (problem != NULL) return problem;
+    const char *at = from;
+    const size_t parameters = 8 * (size_t)cable->parameter_count;
+    memcpy(&cable->now, at, sizeof(Controls));
+    memcpy(cable->values, at + sizeof(Controls), parameters);
+    memcpy(cable->I, at + sizeof(Controls) + parameters, 8 * (size_t)cable->image_words);
+    cable->has_slope = 0;
+    cable->summary_current = cable->stations_current = 0;
+    return NULL;
+}

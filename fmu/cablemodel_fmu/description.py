@@ -1,0 +1,170 @@
+"""``modelDescription.xml`` of an FMU (FMI 2.0.4, co-simulation)."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Sequence
+
+from cablemodel_fmu.signals import Signal
+
+MODEL_IDENTIFIER = "cablemodel"
+
+# Units and their exponents of kg, m, s.
+UNITS = {
+    "N": (1, 1, -2),
+    "N.m": (1, 2, -2),
+    "N/m": (1, 0, -2),
+    "m": (0, 1, 0),
+    "m/s": (0, 1, -1),
+    "1/m": (0, -1, 0),
+    "s": (0, 0, 1),
+    "1": (0, 0, 0),
+}
+
+LOG_CATEGORIES = {
+    "logStatusError": "refused calls",
+    "logStatusFatal": "failures after which the instance is of no use (there are none)",
+    "logStatusWarning": "warnings",
+    "logStatusDiscard": "steps that could not be made, and why",
+    "logEvents": "instantiation, initialization, termination",
+    "logAll": "everything",
+}
+
+VESSEL_INPUT = (
+    ("velocity", "vessel.velocity, reached at the end of each step"),
+    ("position", "vessel.position, at the mean velocity of each step"),
+    ("position and velocity", "both: the cubic that meets them"),
+)
+
+
+def model_description(
+    *,
+    name: str,
+    guid: str,
+    description: str,
+    version: str,
+    generation_time: str,
+    signals: Sequence[Signal],
+    step: float,
+    stop: float,
+    tolerance: float,
+) -> bytes:
+    """The XML file. Signals in the order in which tools show them."""
+    root = ElementTree.Element(
+        "fmiModelDescription",
+        {
+            "fmiVersion": "2.0",
+            "modelName": name,
+            "guid": guid,
+            "description": description,
+            "version": version,
+            "generationTool": f"cablemodel {version}",
+            "generationDateAndTime": generation_time,
+            "variableNamingConvention": "structured",
+            "numberOfEventIndicators": "0",
+            "license": "Apache-2.0",
+        },
+    )
+    ElementTree.SubElement(
+        root,
+        "CoSimulation",
+        {
+            "modelIdentifier": MODEL_IDENTIFIER,
+            "needsExecutionTool": "false",
+            "canHandleVariableCommunicationStepSize": "true",
+            "canInterpolateInputs": "true",
+            "maxOutputDerivativeOrder": "0",
+            "canRunAsynchronuously": "false",
+            "canBeInstantiatedOnlyOncePerProcess": "false",
+            "canNotUseMemoryManagementFunctions": "true",
+            "canGetAndSetFMUstate": "true",
+            "canSerializeFMUstate": "true",
+            "providesDirectionalDerivative": "false",
+        },
+    )
+    _units(root, {signal.unit or "1" for signal in signals if signal.kind == "Real"})
+    types = ElementTree.SubElement(root, "TypeDefinitions")
+    simple = ElementTree.SubElement(types, "SimpleType", {"name": "VesselInput"})
+    enumeration = ElementTree.SubElement(simple, "Enumeration")
+    for value, (word, meaning) in enumerate(VESSEL_INPUT, start=1):
+        attributes = {"name": word, "value": str(value), "description": meaning}
+        ElementTree.SubElement(enumeration, "Item", attributes)
+    logs = ElementTree.SubElement(root, "LogCategories")
+    for category, meaning in LOG_CATEGORIES.items():
+        ElementTree.SubElement(logs, "Category", {"name": category, "description": meaning})
+    ElementTree.SubElement(
+        root,
+        "DefaultExperiment",
+        {
+            "startTime": "0",
+            "stopTime": repr(stop),
+            "stepSize": repr(step),
+            "tolerance": repr(tolerance),
+        },
+    )
+    variables = ElementTree.SubElement(root, "ModelVariables")
+    for signal in signals:
+        _variable(variables, signal)
+    _structure(root, signals)
+    ElementTree.indent(root)
+    text: bytes = ElementTree.tostring(root, encoding="UTF-8", xml_declaration=True)
+    return text + b"\n"
+
+
+def _units(root: ElementTree.Element, used: set[str]) -> None:
+    definitions = ElementTree.SubElement(root, "UnitDefinitions")
+    for unit, exponents in UNITS.items():
+        if unit in used:
+            element = ElementTree.SubElement(definitions, "Unit", {"name": unit})
+            pairs = zip(("kg", "m", "s"), exponents, strict=True)
+            base = {letter: str(power) for letter, power in pairs if power}
+            ElementTree.SubElement(element, "BaseUnit", base)
+
+
+def _variable(parent: ElementTree.Element, signal: Signal) -> None:
+    element = ElementTree.SubElement(
+        parent,
+        "ScalarVariable",
+        {
+            "name": signal.name,
+            "valueReference": str(signal.reference),
+            "description": signal.description,
+            "causality": signal.causality,
+            "variability": signal.variability,
+        },
+    )
+    if signal.causality == "output":
+        element.set("initial", "calculated")
+    elif signal.causality == "parameter":
+        element.set("initial", "exact")
+    attributes: dict[str, str] = {}
+    if signal.kind == "Enumeration":
+        attributes = {"declaredType": "VesselInput", "min": "1", "max": str(len(VESSEL_INPUT))}
+    elif signal.kind == "Real":
+        attributes = {"unit": signal.unit or "1"}
+        if signal.minimum is not None:
+            attributes["min"] = repr(signal.minimum)
+    if signal.start is not None:
+        attributes["start"] = {
+            "Real": repr,
+            "Boolean": lambda value: "true" if value else "false",
+            "Enumeration": lambda value: str(int(value)),
+        }[signal.kind](signal.start)
+    ElementTree.SubElement(element, signal.kind, attributes)
+
+
+def _structure(root: ElementTree.Element, signals: Sequence[Signal]) -> None:
+    """An output depends on no input: inputs act through the next step. At the start it depends on
+    the coefficients, for which the static equilibrium is found."""
+    structure = ElementTree.SubElement(root, "ModelStructure")
+    tunable = [n for n, signal in enumerate(signals, start=1) if signal.variability == "tunable"]
+    at_start = {
+        "dependencies": " ".join(str(n) for n in tunable),
+        "dependenciesKind": " ".join("dependent" for _ in tunable),
+    }
+    always = {"dependencies": "", "dependenciesKind": ""}
+    for list_name, attributes in (("Outputs", always), ("InitialUnknowns", at_start)):
+        element = ElementTree.SubElement(structure, list_name)
+        for n, signal in enumerate(signals, start=1):
+            if signal.causality == "output":
+                ElementTree.SubElement(element, "Unknown", {"index": str(n), **attributes})

@@ -1,0 +1,155 @@
+"""What an FMU says about itself: a page, licences, a picture, and its ports for OSP."""
+
+from __future__ import annotations
+
+import struct
+import xml.etree.ElementTree as ElementTree
+import zlib
+from collections.abc import Sequence
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from cablemodel.scene import Scene
+    from cablemodel_fmu.signals import Signal
+
+_OSP = "http://opensimulationplatform.com/MSMI/OSPModelDescription"
+
+_STYLE = """
+body { font: 16px/1.5 sans-serif; max-width: 60em; margin: 2em auto; padding: 0 1em; }
+table { border-collapse: collapse; } th, td { text-align: left; padding: .2em .8em .2em 0;
+border-bottom: 1px solid #ddd; vertical-align: top; } pre { background: #f4f4f4; padding: 1em;
+overflow-x: auto; }
+"""
+
+_NOTES = """
+<p>An ocean cable that hangs from a vessel, for co-simulation (FMI 2.0). Units are SI; axes are
+x east, y north, z up, with still water at z = 0. It needs no Python and no other software.</p>
+<h2>Inputs</h2>
+<ul>
+<li><code>use_scene_inputs</code> true: the schedules in the scene below drive, inputs are ignored.
+False: the inputs drive.</li>
+<li>A value is the one reached at the end of a communication step; it varies linearly from its
+present value. With input derivatives set, the value at the end of the step follows from them; they
+hold for one step.</li>
+<li><code>vessel.input</code>: 1 velocity, 2 position (no drift against the vessel's own model),
+3 both.</li>
+<li><code>current.velocity</code> is added to the scene's current at every depth.</li>
+<li><code>payout.rate</code> is clamped to zero where the drum is empty or the shortest length is
+reached; <code>payout.applied</code> is what the winch does.</li>
+</ul>
+<h2>Parameters</h2>
+<p>Coefficients are tunable: before the start they change the static equilibrium, later they take
+effect at the next communication step. The tolerance is that of the scene.</p>
+<h2>Steps</h2>
+<p>Of any length. A step that cannot be made is discarded with a message; the state is then as
+before the step. State can be saved, restored, and moved to another process.</p>
+"""
+
+
+def index_html(scene: Scene, signals: Sequence[Signal]) -> str:
+    """documentation/index.html: what it is, how to use it, all variables, the scene, licences."""
+    title = escape(scene.title or "Cable")
+    rows = "\n".join(
+        "<tr><td><code>{}</code></td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>".format(
+            escape(signal.name),
+            signal.causality if signal.variability != "tunable" else "tunable parameter",
+            escape(signal.unit or "-"),
+            "" if signal.start is None else f"{signal.start:g}",
+            escape(signal.description),
+        )
+        for signal in signals
+    )
+    return (
+        f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{title}</title>'
+        f"<style>{_STYLE}</style></head><body>\n<h1>{title}</h1>\n{_NOTES}"
+        "<h2>Variables</h2>\n<table><tr><th>name</th><th>kind</th><th>unit</th><th>start</th>"
+        f"<th>meaning</th></tr>\n{rows}\n</table>\n"
+        f"<h2>Scene</h2>\n<pre>{escape(scene.to_yaml())}</pre>\n"
+        "<h2>Licences</h2>\n<p>cablemodel: Apache License 2.0. FMI header files: copyright "
+        "MODELISAR consortium and Modelica Association Project FMI, 2-Clause BSD License. The full "
+        'texts are in <a href="licenses/">licenses</a>.</p>\n</body></html>\n'
+    )
+
+
+def licences() -> dict[str, bytes]:
+    """Texts of the licences of all that the FMU's libraries are made from."""
+    folder = Path(__file__).parent / "licenses"
+    return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
+
+
+def osp_description(signals: Sequence[Signal]) -> bytes:
+    """The ports of the Open Simulation Platform (OSP-IS 1.0): force out, velocity in at the tow point.
+
+    Only names that the FMU has are written.
+    """
+    names = {signal.name for signal in signals}
+    ElementTree.register_namespace("", _OSP)
+    root = ElementTree.Element(f"{{{_OSP}}}OspModelDescription", {"version": "1.0"})
+    groups = ElementTree.SubElement(root, f"{{{_OSP}}}VariableGroups")
+    port = ElementTree.SubElement(
+        groups, f"{{{_OSP}}}LinearMechanicalPort", {"name": "tow point"}
+    )
+    _group(port, "Force", "cable force on the vessel", "force.top", names)
+    _group(port, "LinearVelocity", "vessel velocity", "vessel.velocity", names)
+    _group(groups, "LinearDisplacement", "vessel position", "vessel.position", names)
+    _group(groups, "LinearVelocity", "current", "current.velocity", names)
+    ElementTree.indent(root)
+    text: bytes = ElementTree.tostring(root, encoding="UTF-8", xml_declaration=True)
+    return text + b"\n"
+
+
+def _group(
+    parent: ElementTree.Element, kind: str, name: str, variable: str, names: set[str]
+) -> None:
+    group = ElementTree.SubElement(parent, f"{{{_OSP}}}{kind}", {"name": name})
+    for i in (1, 2, 3):
+        reference = f"{variable}[{i}]"
+        if reference not in names:
+            raise KeyError(reference)
+        ElementTree.SubElement(group, f"{{{_OSP}}}Variable", {"ref": reference})
+
+
+def picture(scene: Scene, width: int = 200, height: int = 200) -> bytes:
+    """model.png: the cable at its start, seen from the side, on water."""
+    from cablemodel.model import CableModel
+
+    model = CableModel(scene)
+    points = model.sample(np.linspace(0.0, model.line_length, 400)).position
+    along = points[:, :2] - points[0, :2]
+    spread = along[np.argmax(np.linalg.norm(along, axis=1))]
+    direction = spread / max(float(np.linalg.norm(spread)), 1e-12)
+    x, z = along @ direction, points[:, 2] - points[0, 2]
+    image = np.full((height, width, 3), (232, 243, 250), dtype=np.uint8)
+    image[: height // 8] = 255
+    image[height // 8] = (120, 170, 200)
+    size = max(float(np.ptp(x)), float(np.ptp(z)), 1e-9)
+    scale = 0.75 * min(width, height) / size
+    columns = width / 2 + scale * (x - 0.5 * (x.min() + x.max()))
+    rows = height / 8 + scale * (z.max() - z)
+    for dx, dy in ((0, 0), (1, 0), (0, 1), (1, 1)):
+        r = np.clip(np.rint(rows).astype(int) + dy, 0, height - 1)
+        c = np.clip(np.rint(columns).astype(int) + dx, 0, width - 1)
+        image[r, c] = (20, 40, 60)
+    return _png(image)
+
+
+def _png(image: NDArray[np.uint8]) -> bytes:
+    """An 8-bit RGB image (rows, columns, 3) as a PNG file."""
+
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        body = kind + data
+        return struct.pack(">I", len(data)) + body + struct.pack(">I", zlib.crc32(body))
+
+    rows, columns, _ = image.shape
+    lines = np.concatenate([np.zeros((rows, 1), np.uint8), image.reshape(rows, -1)], axis=1)
+    return (
+        b"\x89PNG\r\n\x1a\n"
+        + chunk(b"IHDR", struct.pack(">IIBBBBB", columns, rows, 8, 2, 0, 0, 0))
+        + chunk(b"IDAT", zlib.compress(lines.tobytes(), 9))
+        + chunk(b"IEND", b"")
+    )

@@ -1,0 +1,177 @@
+"""Pack a scene into an FMU: libraries, model, description, documentation. Needs no compiler."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import uuid
+import zipfile
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from cablemodel.errors import CableModelError
+from cablemodel.instance import build as build_block
+from cablemodel.instance import local
+from cablemodel.library import BINARIES, description, kernel_hash
+from cablemodel.scene import Scene
+from cablemodel_fmu.description import model_description
+from cablemodel_fmu.documentation import index_html, licences, osp_description, picture
+from cablemodel_fmu.model_file import ModelFile
+from cablemodel_fmu.signals import Coefficient, Signal, coefficients, controls, inputs, outputs
+
+DESKTOP = ("linux64", "win64", "darwin64")
+"""What an FMU holds unless asked otherwise."""
+# Importers on Linux on ARM look in linux64 too: an FMU is for one of the two.
+_FOLDER = {name: name for name in DESKTOP} | {"aarch64-linux": "linux64"}
+_EPOCH = (2020, 1, 1, 0, 0, 0)  # the same scene gives the same file, whenever it is exported
+
+
+class ExportError(CableModelError):
+    """An FMU cannot be made as asked."""
+
+
+@dataclass(frozen=True)
+class Contents:
+    """An FMU before it is packed."""
+
+    name: str
+    guid: str
+    signals: list[Signal]
+    model: bytes
+    description: bytes
+
+
+def export_fmu(
+    scene: Scene,
+    path: str | Path,
+    *,
+    platforms: Iterable[str] = DESKTOP,
+    stations: int = 11,
+    progress: Callable[[str], None] = lambda line: None,
+) -> Path:
+    """Write the FMU of a scene, and its ports for the Open Simulation Platform next to it.
+
+    Args:
+        path: file to write, usually with the suffix .fmu.
+        platforms: of linux64, win64, darwin64 (universal), or aarch64-linux alone.
+        stations: points along the cable whose position, tension and curvature are outputs, evenly
+            spaced from the vessel to the far end; at least 2.
+
+    Raises:
+        ExportError: unknown platforms, or too few stations.
+        SceneError, StaticsError: as CableModel.
+    """
+    names = tuple(dict.fromkeys(platforms))
+    unknown = [name for name in names if name not in _FOLDER]
+    if unknown or not names:
+        wanted = ", ".join(unknown) or "none"
+        raise ExportError(f"platform {wanted}: there are {', '.join(_FOLDER)}")
+    if len({_FOLDER[name] for name in names}) < len(names):
+        raise ExportError(
+            "linux64 and aarch64-linux share a folder in an FMU: export one for each of them"
+        )
+    if not 2 <= stations <= 10000:
+        raise ExportError(f"stations is {stations}: allowed are 2 to 10000")
+    libraries = _libraries(names, progress)
+    contents = contents_of(scene, stations)
+    target = Path(path)
+    files = {
+        "modelDescription.xml": contents.description,
+        "model.png": picture(scene),
+        "resources/model.bin": contents.model,
+        "resources/scene.yaml": scene.to_yaml().encode(),
+        "documentation/index.html": index_html(scene, contents.signals).encode(),
+        **{f"documentation/licenses/{name}": text for name, text in licences().items()},
+        **libraries,
+    }
+    partial = target.with_name(target.name + ".part")
+    with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
+        for name, data in files.items():
+            entry = zipfile.ZipInfo(name, _EPOCH)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.external_attr = (0o755 if name.startswith("binaries/") else 0o644) << 16
+            archive.writestr(entry, data)
+    partial.replace(target)
+    # The Open Simulation Platform looks for a model's ports next to its FMU, under this name.
+    ports = target.with_name(f"{contents.name}_OspModelDescription.xml")
+    ports.write_bytes(osp_description(contents.signals))
+    return target
+
+
+def contents_of(scene: Scene, stations: int) -> Contents:
+    """Model, variables and description of a scene's FMU."""
+    import cablemodel
+
+    block = build_block(scene)
+    position, velocity, _ = scene.motion().evaluate(0.0)
+    rate = float(scene.payout.rate[0].rate) if scene.payout.rate else 0.0
+    starts = [*map(float, velocity), *map(float, position), rate, 0.0, 0.0, 0.0]
+    constants: list[Coefficient] = coefficients(scene, block)
+    signals = [
+        *controls(scheduled(scene)),
+        *inputs(starts),
+        *(item.signal for item in constants),
+        *outputs(scene, block, stations),
+    ]
+    text = f"{scene.to_yaml()}\n{stations}\n{kernel_hash()}\n{cablemodel.__version__}"
+    guid = "{" + str(uuid.UUID(bytes=hashlib.sha256(text.encode()).digest()[:16])) + "}"
+    static = scene.initial.kind == "static"
+    model = ModelFile(
+        guid=guid,
+        block=block,
+        stations=stations,
+        starts=starts,
+        frame=local(block, velocity, point=False) if static else np.zeros(3),
+        coefficients=constants,
+        scheduled=scheduled(scene),
+        static=static,
+        pinned=scene.vessel.connection.kind == "pinned",
+    )
+    name = re.sub(r"\W+", "_", scene.title or "").strip("_") or "Cable"
+    xml = model_description(
+        name=name,
+        guid=guid,
+        description="Ocean cable hung from a vessel: " + (scene.title or "untitled scene"),
+        version=cablemodel.__version__,
+        generation_time="{:04}-{:02}-{:02}T{:02}:{:02}:{:02}Z".format(*_EPOCH),
+        signals=signals,
+        step=scene.run.output_interval,
+        stop=scene.run.duration,
+        tolerance=scene.solver.tolerance,
+    )
+    return Contents(name, guid, signals, model.to_bytes(), xml)
+
+
+def scheduled(scene: Scene) -> bool:
+    """Whether the scene says how the vessel moves or the drum turns."""
+    moves = len(scene.motion().pieces) > 1 or bool(np.any(scene.motion().evaluate(0.0)[1] != 0.0))
+    return moves or any(row.rate != 0.0 for row in scene.payout.rate)
+
+
+def _libraries(names: tuple[str, ...], progress: Callable[[str], None]) -> dict[str, bytes]:
+    """The platforms' libraries; built here only in a source tree that has none that fit."""
+    stale = [
+        name
+        for name in names
+        if (found := description(name)) is None or found["kernels"] != kernel_hash()
+    ]
+    if stale:
+        try:
+            from cablemodel_fmu.build import build
+
+            build(stale, progress=progress)
+        except (ImportError, RuntimeError) as error:
+            raise ExportError(
+                f"there is no library for {', '.join(stale)} that fits the kernels, and building "
+                f"one failed; `python -m cablemodel_fmu.build` needs the extra [fmu]: {error}"
+            ) from error
+    found_files = {}
+    for name in names:
+        found = description(name)
+        assert found is not None
+        data = (BINARIES / name / found["file"]).read_bytes()
+        found_files[f"binaries/{_FOLDER[name]}/{found['file']}"] = data
+    return found_files

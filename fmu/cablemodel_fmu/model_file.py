@@ -1,0 +1,71 @@
+"""``resources/model.bin``: what the shared library needs to know of one scene.
+
+64-bit little-endian words; the C side (c/cable.h, c/model_file.c) checks all of them.
+"""
+
+from __future__ import annotations
+
+import zlib
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cablemodel.block import Block
+from cablemodel.kernels import layout as at
+from cablemodel.library import kernel_hash
+from cablemodel_fmu.c_layout import hash_number
+from cablemodel_fmu.signals import Coefficient
+
+MAGIC = 0x554D46454C424143  # "CABLEFMU"
+FORMAT = 1
+HEADER_WORDS = 32
+_CHECKSUM, _KERNELS, _GUID, _FLAGS, _INPUTS, _FRAME = 3, 4, 5, 10, 16, 26
+SCENE_INPUTS, STATIC, PINNED = 1, 2, 4
+LARGEST = 1e30
+"""Bound of a coefficient that has none."""
+
+
+@dataclass(frozen=True)
+class ModelFile:
+    """The contents of a model file."""
+
+    guid: str
+    block: Block
+    stations: int
+    starts: list[float]
+    """Start values of the ten inputs."""
+    frame: NDArray[np.float64]
+    """Velocity of the static equilibrium in the block's coordinates (2 or 3 words) [m/s]."""
+    coefficients: list[Coefficient]
+    scheduled: bool
+    static: bool
+    pinned: bool
+
+    def to_bytes(self) -> bytes:
+        """The file, with its checksum."""
+        image = self.block.image
+        header = np.zeros(HEADER_WORDS, dtype="<i8")
+        reals = header.view("<f8")
+        header[:2] = MAGIC, FORMAT
+        header[_KERNELS] = hash_number(kernel_hash())
+        header[_GUID : _GUID + 5] = np.frombuffer(self.guid.encode().ljust(40, b"\0"), "<i8")
+        header[_FLAGS] = SCENE_INPUTS * self.scheduled + STATIC * self.static + PINNED * self.pinned
+        header[_FLAGS + 1 : _FLAGS + 5] = (
+            len(image),
+            int(self.block.ints[at.I_BYTES]) // 8,
+            self.stations,
+            len(self.coefficients),
+        )
+        reals[_INPUTS : _INPUTS + 10] = self.starts
+        reals[_FRAME : _FRAME + len(self.frame)] = self.frame
+        rows = np.zeros((len(self.coefficients), 8), dtype="<i8")
+        values = rows.view("<f8")
+        for row, value, item in zip(rows, values, self.coefficients, strict=True):
+            row[:3] = item.kind, item.word, item.index
+            least = -LARGEST if item.signal.minimum is None else item.signal.minimum
+            value[3:7] = item.factor, item.signal.start, least, LARGEST
+        header[2] = HEADER_WORDS + rows.size + len(image)
+        body = header[_KERNELS:].tobytes() + rows.tobytes() + image.astype("<i8").tobytes()
+        header[_CHECKSUM] = zlib.crc32(body)
+        return header[:_KERNELS].tobytes() + body

@@ -1,0 +1,226 @@
+"""The FMU's variables: names from cablemodel/variables.py, value references as in c/cable.h."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from cablemodel.kernels import layout as at
+from cablemodel.variables import INPUTS, Variable, outputs_of
+
+if TYPE_CHECKING:
+    from cablemodel.block import Block
+    from cablemodel.scene import Scene
+
+VR_INPUT = 0
+VR_PARAMETER = 100
+VR_ZERO = 900
+VR_SUMMARY = 1000
+VR_STATION = 10000
+VR_BODY = 20000000
+STATION_WORDS = 12
+
+# First word of a quantity in kernels/outputs.py: of the summary, or of a row of the stations.
+_SUMMARY = {
+    "top_force": 0,
+    "top_moment": 3,
+    "top_tension": 6,
+    "tension_min": 7,
+    "tension_max": 8,
+    "tip_position": 9,
+    "tip_velocity": 12,
+    "line_length": 21,
+    "payout_rate": 22,
+    "drum_length": 23,
+}
+_STATION = {"state.position": 0, "state.tension": 9, "state.curvature": 10}
+_BODY = {"bodies.position": 0, "bodies.direction": 3}
+
+OF_CABLES, OF_BODY = 0, 1  # a coefficient of a cable type, or of a body
+
+
+@dataclass(frozen=True)
+class Signal:
+    """A scalar variable of the FMU."""
+
+    name: str
+    reference: int
+    kind: str
+    """Real, Boolean or Enumeration."""
+    causality: str
+    variability: str
+    unit: str
+    description: str
+    start: float | None = None
+    minimum: float | None = None
+
+
+@dataclass(frozen=True)
+class Coefficient:
+    """A tunable parameter, and what it is in the block: word = factor times value."""
+
+    signal: Signal
+    kind: int
+    word: int
+    index: int
+    factor: float
+
+
+def inputs(starts: list[float]) -> list[Signal]:
+    """vessel.velocity, vessel.position, payout.rate, current.velocity: references 0 to 9."""
+    signals = []
+    for item in INPUTS:
+        names = [item.fmu.replace("[i]", f"[{i}]") for i in (1, 2, 3)] if item.shape else [item.fmu]
+        for name in names:
+            reference = VR_INPUT + len(signals)
+            signals.append(
+                Signal(
+                    name,
+                    reference,
+                    "Real",
+                    "input",
+                    "continuous",
+                    item.unit,
+                    f"{item.quantity}, reached at the end of a step",
+                    starts[reference],
+                )
+            )
+    return signals
+
+
+def outputs(scene: Scene, block: Block, stations: int) -> list[Signal]:
+    """Every output that the scene has, in the table's order."""
+    rows = body_rows(scene, block)
+    return [
+        Signal(name, reference, "Real", "output", "continuous", variable.unit, variable.quantity)
+        for variable in outputs_of(scene)
+        for name, reference in _references(variable, stations, rows)
+    ]
+
+
+def _references(variable: Variable, stations: int, rows: list[int]) -> list[tuple[str, int]]:
+    names = list(variable.fmu_names(bodies=len(rows), stations=stations))
+    width = variable.shape[-1] if variable.shape and isinstance(variable.shape[-1], int) else 1
+    key = variable.python
+    if not names:
+        return []
+    if key in _SUMMARY:
+        return [(name, VR_SUMMARY + _SUMMARY[key] + i) for i, name in enumerate(names)]
+    tables = {**dict.fromkeys(_STATION, VR_STATION), **dict.fromkeys(_BODY, VR_BODY)}
+    if key not in tables:
+        raise KeyError(f"the FMU does not give {key} yet")
+    word = {**_STATION, **_BODY}[key]
+    places = rows if key in _BODY else range(stations)
+    return [
+        (name, tables[key] + STATION_WORDS * places[n // width] + word + n % width)
+        for n, name in enumerate(names)
+    ]
+
+
+def controls(scheduled: bool) -> list[Signal]:
+    """What decides who drives."""
+    return [
+        Signal(
+            "use_scene_inputs",
+            0,
+            "Boolean",
+            "parameter",
+            "fixed",
+            "",
+            "true: the scene's own schedules drive and the inputs are ignored",
+            float(scheduled),
+        ),
+        Signal(
+            "vessel.input",
+            0,
+            "Enumeration",
+            "parameter",
+            "fixed",
+            "",
+            "which inputs move the tow point",
+            1.0,
+        ),
+    ]
+
+
+def coefficients(scene: Scene, block: Block) -> list[Coefficient]:
+    """Tunable coefficients of cable types and bodies."""
+    found: list[Coefficient] = []
+    rho = scene.environment.water_density
+
+    def add(
+        name: str, words: str, unit: str, value: float, kind: int, word: int, index: int,
+        factor: float, least: float | None = 0.0,
+    ) -> None:  # fmt: skip
+        signal = Signal(
+            name,
+            VR_PARAMETER + len(found),
+            "Real",
+            "parameter",
+            "tunable",
+            unit,
+            words,
+            value,
+            least,
+        )
+        found.append(Coefficient(signal, kind, word, index, factor))
+
+    used = {cable.type for cable in scene.cables}
+    used |= {item.cable.type for item in scene.payout.drum if item.cable is not None}
+    for index, (name, kind) in enumerate(scene.cable_types.items()):
+        if name not in used:
+            continue
+        prefix = f"cable_types.{_identifier(name)}."
+        half = 0.5 * rho * kind.diameter
+        area = 0.25 * math.pi * kind.diameter**2
+        if rho > 0.0:
+            add(prefix + "drag_normal", "coefficient of normal drag", "", kind.drag_normal,
+                OF_CABLES, at.E_DRAG_NORMAL, index, half)  # fmt: skip
+            add(prefix + "drag_tangential", "coefficient of tangential drag, times pi diameter",
+                "", kind.drag_tangential, OF_CABLES, at.E_DRAG_TANGENTIAL, index,
+                half * math.pi)  # fmt: skip
+            add(prefix + "added_mass", "coefficient of added mass", "", kind.added_mass,
+                OF_CABLES, at.E_ADDED, index, rho * area)  # fmt: skip
+        add(prefix + "submerged_weight", "weight in water", "N/m", kind.submerged_weight,
+            OF_CABLES, at.E_WEIGHT, index, 1.0, None)  # fmt: skip
+    items = [*scene.line, *scene.payout.drum]
+    for number, row in enumerate(body_rows(scene, block), start=1):
+        prefix = f"body[{number}]."
+        body = items[_items(block)[row]].body
+        assert body is not None
+        if rho > 0.0 and body.drag_area > 0.0:
+            add(prefix + "drag_coefficient", "drag across the axis", "", body.drag_coefficient,
+                OF_BODY, at.B_DRAG, row, 0.5 * rho * body.drag_area)  # fmt: skip
+        if rho > 0.0 and body.drag_area_axial > 0.0:
+            add(prefix + "drag_coefficient_axial", "drag along the axis", "",
+                body.drag_coefficient_axial, OF_BODY, at.B_DRAG_AXIAL, row,
+                0.5 * rho * body.drag_area_axial)  # fmt: skip
+        add(prefix + "submerged_weight", "weight in water", "N", body.submerged_weight,
+            OF_BODY, at.B_WEIGHT, row, 1.0, None)  # fmt: skip
+    return found
+
+
+def body_rows(scene: Scene, block: Block) -> list[int]:
+    """Rows of the block's body table in the order of body[1], body[2], ...: from the vessel
+    outwards as if all were out, so that the drum's, which come off nearest the vessel, are first."""
+    items = _items(block)
+    line = [row for row, item in enumerate(items) if item < len(scene.line)]
+    drum = [row for row, item in enumerate(items) if item >= len(scene.line)]
+    line.sort(key=lambda row: items[row])
+    drum.sort(key=lambda row: -items[row])
+    return drum + line
+
+
+def _items(block: Block) -> list[int]:
+    """Place of each body of the block's table in the scene: in its line, then in its drum."""
+    rows = block.array(at.O_BODY, int(block.ints[at.I_BODIES]), at.BODY_WORDS)
+    return [int(row[at.B_ITEM]) for row in rows]
+
+
+def _identifier(name: str) -> str:
+    """A cable type's name as FMI's structured names allow it: quoted unless it is an identifier."""
+    if re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name):
+        return name
+    return "'" + re.sub(r"['\\]", "_", name) + "'"
