@@ -6,11 +6,13 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 READY_DEV := $(VENV)/.ready-dev
+VENV_ROS := .venv-ros
+READY_ROS := $(VENV_ROS)/.ready
 SCENE := scenes/towed_cable.yaml
 RUN := out/towed_cable.mcap
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint types bench bench-quick stress golden docs clean
+.PHONY: help demo demo-ros test test-ros lint types bench bench-quick bench-ros stress golden docs clean
 
 help:  ## list what make can do
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -21,8 +23,19 @@ demo: $(READY)  ## simulate a towed cable: log, picture, and comparison with the
 	$(BIN)/cablemodel plot $(RUN) --output out/towed_cable.png
 	$(BIN)/python examples/towed_cable.py
 
-test: lint types  ## check style and types, then run all tests
+test: lint types $(READY_ROS)  ## check style and types, then run all tests
 	$(BIN)/python -m pytest
+	$(VENV_ROS)/bin/python -m pytest tests/interface/ros
+
+test-ros: $(READY_ROS)  ## run the tests of the ROS 2 node only
+	$(VENV_ROS)/bin/python -m pytest tests/interface/ros
+
+demo-ros: $(READY_ROS)  ## tow along way-points: the ROS 2 node, and a controller with a winch
+	@mkdir -p out
+	$(VENV_ROS)/bin/python ros2_node/examples/waypoint_tow.py --plot out/waypoint_tow.png
+
+bench-ros: $(READY_ROS)  ## measure the ROS 2 node: ten minutes live, an hour accelerated
+	$(VENV_ROS)/bin/python ros2_node/measure.py
 
 lint: $(READY_DEV)  ## check style with ruff
 	$(BIN)/ruff check .
@@ -45,11 +58,20 @@ golden: $(READY_DEV)  ## make the golden logs of tests/replay anew, where result
 
 docs: $(READY_DEV)  ## write the generated pages of docs/ anew
 	$(BIN)/python docs/write_scene_reference.py
+	$(BIN)/python docs/write_ros2_tables.py
 
 clean:  ## remove environments, builds, caches and output
 	rm -rf .venv .venv-ros build dist out *.egg-info
 	rm -rf .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+# The wheels of rclpy re-execute every start of Python in their environment: they get their own.
+$(READY_ROS): pyproject.toml ros2_node/setup.py
+	@$(MAKE) --no-print-directory $(BIN)/python
+	$(PYTHON) -m venv $(VENV_ROS)
+	$(VENV_ROS)/bin/python -m pip install --quiet --quiet --editable . \
+		--editable './ros2_node[wheels]' 'matplotlib>=3.8,<4' 'pytest>=8,<10'
+	@touch $@
 
 # The stamps keep a second call from installing again; a change of pyproject.toml does.
 $(READY): pyproject.toml
