@@ -13,9 +13,9 @@ from pathlib import Path
 _PACKAGES = ("numpy", "numba", "scipy", "llvmlite")
 
 _AROUND_THE_ENGINE = frozenset({
-    "__init__.py", "__main__.py", "analysis.py", "cadence.py", "cli", "columns.py", "compare.py",
-    "dataset.py", "errors.py", "export.py", "extras.py", "log", "plot.py", "replay.py", "report",
-    "report.py", "run.py", "states.py", "variables.py",
+    "__init__.py", "__main__.py", "analysis.py", "animate.py", "cadence.py", "cli", "columns.py",
+    "compare.py", "dataset.py", "errors.py", "export.py", "extras.py", "log", "plot.py",
+    "replay.py", "report", "run.py", "states.py", "variables.py",
 })  # fmt: skip
 """Parts of the package that look at results and cannot change them."""
 
@@ -74,7 +74,12 @@ def _cpu() -> str:
 
 
 def _cpu_target() -> str:
-    """Processor that the compiler compiles for; empty while no compiler is loaded."""
+    """Processor that the kernels are compiled for: that of the library made ahead of time where it
+    is used, else this one; empty while no compiler is loaded."""
+    from cablemodel import library
+
+    if library.library_path() is not None:
+        return f"{library.platform_name()} library"
     if "llvmlite" not in sys.modules:
         return ""
     return str(import_module("llvmlite.binding").get_host_cpu_name())

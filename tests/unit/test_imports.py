@@ -29,6 +29,7 @@ HEAVY = [
 LAYERS = (
     ("cablemodel.errors", "cablemodel.extras"),
     ("cablemodel.kernels",),
+    ("cablemodel.library",),
     ("cablemodel.scene",),
     ("cablemodel.block",),
     ("cablemodel.mesh",),
