@@ -12,18 +12,19 @@ SCENE := scenes/towed_cable.yaml
 RUN := out/towed_cable.mcap
 
 .DEFAULT_GOAL := help
-.PHONY: help demo demo-ros test test-ros lint types bench bench-quick bench-ros stress golden docs clean
+.PHONY: help demo demo-ros test test-ros lint types bench bench-quick bench-ros stress golden docs clean browser
 
 help:  ## list what make can do
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
-demo: $(READY)  ## simulate a towed cable: log, picture, and comparison with the closed form
+demo: $(READY)  ## simulate a towed cable: log, picture, report, and comparison with the closed form
 	@mkdir -p out
 	$(BIN)/cablemodel run $(SCENE) --log $(RUN)
 	$(BIN)/cablemodel plot $(RUN) --output out/towed_cable.png
+	$(BIN)/cablemodel report $(RUN) --output out/towed_cable.html
 	$(BIN)/python examples/towed_cable.py
 
-test: lint types $(READY_ROS)  ## check style and types, then run all tests
+test: lint types browser $(READY_ROS)  ## check style and types, then run all tests
 	$(BIN)/python -m pytest
 	$(VENV_ROS)/bin/python -m pytest tests/interface/ros
 
@@ -43,6 +44,12 @@ lint: $(READY_DEV)  ## check style with ruff
 
 types: $(READY_DEV)  ## check types with mypy
 	$(BIN)/mypy
+
+browser:  ## install Chromium, with which tests look at the report (Debian, as root)
+	@command -v chromedriver >/dev/null || { [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null \
+		&& apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq \
+			--no-install-recommends chromium chromium-driver >/dev/null; } \
+		|| echo "No Chromium: the tests that look at the report in a browser will be skipped."
 
 bench: $(READY_DEV)  ## measure run time against error (long)
 	$(BIN)/python -m benchmarks
