@@ -12,7 +12,7 @@ SCENE := scenes/towed_cable.yaml
 RUN := out/towed_cable.mcap
 
 .DEFAULT_GOAL := help
-.PHONY: help demo demo-ros test test-ros bench-ros lint types bench bench-quick stress docs clean
+.PHONY: help demo demo-ros test test-ros lint types bench bench-quick bench-ros stress golden docs clean
 
 help:  ## list what make can do
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -53,6 +53,9 @@ bench-quick: $(READY_DEV)  ## measure a few scenes only
 stress: $(READY_DEV)  ## run the stress scenes (long)
 	$(BIN)/python -m pytest tests/stress -m "slow or not slow"
 
+golden: $(READY_DEV)  ## make the golden logs of tests/replay anew, where results have changed
+	$(BIN)/python tests/replay/make_golden.py
+
 docs: $(READY_DEV)  ## write the generated pages of docs/ anew
 	$(BIN)/python docs/write_scene_reference.py
 	$(BIN)/python docs/write_ros2_tables.py
@@ -73,11 +76,11 @@ $(READY_ROS): pyproject.toml ros2_node/setup.py
 # The stamps keep a second call from installing again; a change of pyproject.toml does.
 $(READY): pyproject.toml
 	@$(MAKE) --no-print-directory $(BIN)/python
-	$(BIN)/python -m pip install --quiet --editable '.[plot,fmu]'
+	$(BIN)/python -m pip install --quiet --editable '.[plot,analysis,export,fmu]'
 	@touch $@
 
 $(READY_DEV): pyproject.toml $(READY)
-	$(BIN)/python -m pip install --quiet --editable '.[plot,fmu,dev]'
+	$(BIN)/python -m pip install --quiet --editable '.[plot,analysis,export,fmu,dev]'
 	@touch $@
 
 $(BIN)/python:
