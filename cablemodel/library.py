@@ -93,7 +93,7 @@ def load(path: Path, arguments: dict[str, list[str]]) -> dict[str, Kernel]:
     import ctypes
 
     library = ctypes.CDLL(str(path))
-    types = {
+    types: dict[str, list[Any]] = {
         "block": [ctypes.c_void_p, ctypes.c_int64],
         "array": [ctypes.c_void_p, ctypes.c_int64],
         "float64": [ctypes.c_double],
@@ -127,7 +127,7 @@ def _kernel(function: Any, kinds: tuple[str, ...]) -> Kernel:
                 if known[0] is not value:
                     known = (value, c_void_p(value.ctypes.data), c_int64(value.size))
                     last[place] = known
-                flat += known[1:]
+                flat += (known[1], known[2])
             else:
                 flat.append(value)
         result: int = function(*flat)

@@ -18,6 +18,7 @@ HEAVY = ["numba", "pint", "matplotlib", "mcap", "rosbags", "typer", "rich", "sci
 LAYERS = (
     ("cablemodel.errors",),
     ("cablemodel.kernels",),
+    ("cablemodel.library",),
     ("cablemodel.scene",),
     ("cablemodel.block",),
     ("cablemodel.mesh",),

@@ -5,11 +5,11 @@ import math
 
 import numba
 import pytest
-from cablemodel_fmu import intermediate
 from numba import float64, int64
 
 from cablemodel.kernels.compile import INTEGERS, OPTIONS, REALS
 from cablemodel.kernels.entry import ENTRY_POINTS
+from cablemodel_fmu import intermediate
 
 
 @pytest.fixture(scope="module")
