@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -24,6 +25,10 @@ _MODELS = {"elastica": 0.0, "cable": 1.0, "hybrid": 2.0}
 _OUT_OF_PLANE = 1e-12
 STABILISATION = 3.0
 """Stiffness of the stabilised tangential mode, in units of a typical tension."""
+REFINEMENTS = 14
+BENT = 10.0
+"""Of tau L: what h^2 times the jump of curvature may be in a static shape."""
+LARGEST_STATIC_MESH = 4000
 SHORTEST_LINE = 0.01
 """Of the initial length: what reel-in leaves out."""
 SHORTEST_PIECE = 0.1
@@ -132,10 +137,9 @@ def _spans(scene: Scene, scale: float) -> list[Span]:
     return spans
 
 
-def _mesh(scene: Scene, scale: float) -> _Line:
-    """Nodes, joints and bodies of the scene's line, vessel first."""
+def _mesh(scene: Scene, spaced: list[FloatArray]) -> _Line:
+    """Joints and bodies of the scene's line on the nodes of its cables, vessel first."""
     items = list(scene.line)
-    spaced = line_nodes(_spans(scene, scale), scene.solver.tolerance, _start(scene))
     line = _Line([-1], [0], [0.0], [0.0], [0], [], [])
     arc = 0.0
     index = -1
@@ -159,7 +163,7 @@ def _mesh(scene: Scene, scale: float) -> _Line:
                 line.cable.append(index)
         nodes = spaced[index]
         line.nominal.append(float(np.max(np.diff(nodes))))
-        for left, right in zip(nodes[:-1], nodes[1:], strict=True):
+        for left, right in itertools.pairwise(nodes):
             line.parent.append(line.nodes - 1)
             line.joint.append(0)
             line.length.append(float(right - left))
@@ -179,9 +183,11 @@ def _strain_range(coefficients: tuple[float, ...]) -> tuple[float, float]:
     """
     if len(coefficients) == 1:
         return -math.inf, math.inf
-    slope = np.polynomial.Polynomial([(n + 1) * c for n, c in enumerate(coefficients)])
-    falls = (slope - 0.1 * coefficients[0]).roots()
-    real = [root.real for root in falls if abs(root.imag) < 1e-9 * abs(root) and root.real > 0.0]
+    slope = np.array([(n + 1) * c for n, c in enumerate(coefficients)])
+    slope[0] *= 0.9
+    roots = np.asarray(np.polynomial.polynomial.polyroots(slope), dtype=np.complex128)
+    real = [float(root.real) for root in roots if abs(root.imag) < 1e-9 * abs(root)]
+    real = [tension for tension in real if tension > 0.0]
     return 0.0, min(real, default=math.inf)
 
 
@@ -235,23 +241,114 @@ def build(scene: Scene, *, planar: bool | None = None) -> Block:
     """A block at the scene's initial state, t = 0.
 
     ``planar``: False forces three dimensions; None and True choose a vertical plane where the
-    scene lies in one.
+    scene lies in one. A static start refines the mesh until its shape is accurate.
 
     Raises SceneError (not supported, inconsistent), StaticsError (no equilibrium found).
     """
     refuse_unsupported(scene)
     types = [scene.cable_types[cable.type] for cable in scene.cables]
     scale = _tension_scale(scene, types)
-    line = _mesh(scene, scale)
+    position = scene.motion().evaluate(0.0)[0]
+    points = _initial_points(scene, position)
+    nodes = line_nodes(_spans(scene, scale), scene.solver.tolerance, _start(scene))
+    block = _build_on(scene, nodes, points, scale, planar)
+    if scene.initial.kind != "static":
+        return block
+    fixed = [cable.elements is not None for cable in scene.cables]
+    for _round in range(REFINEMENTS):
+        finer = _refined(block, scene, nodes, fixed)
+        if finer is None:
+            break
+        nodes = finer
+        block = _build_on(scene, nodes, _shape(block), scale, planar)
+    return block
+
+
+def _shape(block: Block) -> FloatArray:
+    """The block's present shape as a fine polyline, (n, 3): the guess on a finer mesh."""
+    from cablemodel.kernels import entry
+
+    count = int(block.ints[at.I_NODES])
+    edges = block.array(at.O_EDGE, count, at.EDGE_WORDS)[1:]
+    ends = np.concatenate([[0.0], edges[:, at.E_START] + edges[:, at.E_LENGTH]])
+    stations = np.unique(np.interp(np.arange(8 * count - 7) / 8.0, np.arange(count), ends))
+    out = np.empty(12 * len(stations))
+    entry.sample(block.ints, block.reals, stations, out)
+    return out.reshape(-1, 12)[:, :3].copy()
+
+
+def _refined(
+    block: Block, scene: Scene, nodes: list[FloatArray], fixed: list[bool]
+) -> list[FloatArray] | None:
+    """Cables' nodes with those elements halved that a static shape bends too much; None: done.
+
+    The curvature of a cubic element changes by D over its length h and jumps by J at its nodes;
+    what it cannot follow misplaces the cable by a fraction of h^2 J.
+    """
+    count = int(block.ints[at.I_NODES])
+    dimension = int(block.ints[at.I_DIMENSION])
+    q = block.array(at.O_POSITION, count, 2 * dimension)
+    edges = block.array(at.O_EDGE, count, at.EDGE_WORDS)
+    joints = block.integers(at.O_JOINT, count)
+    start = np.zeros((count, dimension))
+    end = np.zeros((count, dimension))
+    h = edges[:, at.E_LENGTH]
+    for node in range(1, count):
+        if joints[node]:
+            continue
+        r0, d0 = q[node - 1, :dimension], q[node - 1, dimension:]
+        r1, d1 = q[node, :dimension], q[node, dimension:]
+        chord = (r1 - r0) / h[node]
+        start[node] = (6.0 * chord - 4.0 * d0 - 2.0 * d1) / h[node]
+        end[node] = (2.0 * d0 + 4.0 * d1 - 6.0 * chord) / h[node]
+    jump = np.zeros(count)  # at the child end of each element
+    for node in range(1, count - 1):
+        if not joints[node] and not joints[node + 1]:
+            jump[node] = float(np.linalg.norm(start[node + 1] - end[node]))
+    # Flexible ends have no neighbour to compare with: half of the change inside stands for it.
+    inside = np.linalg.norm(start - end, axis=1)
+    indicator = h**2 * np.maximum(jump, np.concatenate([[0.0], jump[:-1]]))
+    indicator[1] = max(indicator[1], 0.25 * h[1] ** 2 * inside[1])
+    indicator[-1] = max(indicator[-1], 0.25 * h[-1] ** 2 * inside[-1])
+    split = indicator > BENT * scene.solver.tolerance * scene.line_length
+    if not split.any() or count > LARGEST_STATIC_MESH:
+        return None
+    finer = []
+    node = 1
+    changed = False
+    for index, places in enumerate(nodes):
+        while joints[node]:
+            node += 1
+        new = [float(places[0])]
+        for left, right in itertools.pairwise(places):
+            if split[node] and not fixed[index]:
+                new.append(0.5 * (left + right))
+                changed = True
+            new.append(float(right))
+            node += 1
+        finer.append(np.array(new))
+    return finer if changed else None
+
+
+def _build_on(
+    scene: Scene,
+    nodes: list[FloatArray],
+    points: FloatArray,
+    scale: float,
+    planar: bool | None,
+) -> Block:
+    """A block on given nodes, from a polyline as the first guess of its shape."""
+    line = _mesh(scene, nodes)
     winch = _winch(scene, line)
     motion = scene.motion()
     position, velocity, _ = motion.evaluate(0.0)
-    points = _initial_points(scene, position)
 
     directions = [p - position for p in points]
-    for connection in (scene.vessel.connection, scene.end.connection):
-        if connection.kind == "clamped":
-            directions.append(np.asarray(connection.direction, dtype=float))
+    directions += [
+        np.asarray(connection.direction, dtype=float)
+        for connection in (scene.vessel.connection, scene.end.connection)
+        if connection.kind == "clamped"
+    ]
     plane = None if planar is False else _vertical_plane(scene, directions)
 
     current = scene.environment.current
@@ -620,7 +717,6 @@ def _find_initial_state(block: Block, scene: Scene, velocity: FloatArray) -> Non
 
     ints, reals = block.ints, block.reals
     entry.place_supports(ints, reals)
-    dimension = int(ints[at.I_DIMENSION])
     if scene.initial.kind != "static":
         _start_flowing(block, scene)
         entry.tension_from_stretch(ints, reals)

@@ -61,7 +61,7 @@ def element_count(tolerance: float, start: Start) -> int:
         at_thousandth = _SLACK
     else:
         at_thousandth = _WHIP
-    return max(4, math.ceil(at_thousandth * (1e-3 / tolerance) ** 0.25 - 1e-9))
+    return max(4, math.ceil(at_thousandth * math.pow(1e-3 / tolerance, 0.25) - 1e-9))
 
 
 def relative_size(x: float, start: Start) -> float:
@@ -71,10 +71,10 @@ def relative_size(x: float, start: Start) -> float:
     its tip.
     """
     if not start.slack:
-        return 2.0 ** (-x) if start.free_end else 1.0
+        return math.pow(2.0, -x) if start.free_end else 1.0
     if start.damping >= _LIGHT_DAMPING:
-        return 4.0 ** (-abs(2.0 * x - 1.0))
-    return 4.0 ** (-x) if start.free_end else 4.0 ** (-abs(2.0 * x - 1.0))
+        return math.pow(4.0, -abs(2.0 * x - 1.0))
+    return math.pow(4.0, -x if start.free_end else -abs(2.0 * x - 1.0))
 
 
 def line_nodes(spans: list[Span], tolerance: float, start: Start) -> list[FloatArray]:
@@ -103,7 +103,7 @@ def line_nodes(spans: list[Span], tolerance: float, start: Start) -> list[FloatA
 
 def with_layers(nodes: FloatArray, span: Span, tolerance: float) -> FloatArray:
     """Split the elements next to bending layers, so that sizes grow from the layer outwards."""
-    smallest = 2.0 * min(1.0, (tolerance / 1e-3) ** 0.25)
+    smallest = 2.0 * min(1.0, math.pow(tolerance / 1e-3, 0.25))
     places = list(nodes)
     for layer, at_end in ((span.layer_start, False), (span.layer_end, True)):
         if not math.isfinite(layer) or layer <= 0.0:

@@ -406,7 +406,7 @@ class CableModel:
         arcs = edges[:, at.E_START] + edges[:, at.E_LENGTH] + self._reals[at.S_PAID]
         arcs[0] = 0.0
         arcs[1] = edges[1, at.E_LENGTH]
-        return np.minimum(arcs, self.line_length)
+        return np.asarray(np.minimum(arcs, self.line_length), dtype=np.float64)
 
     def sample(self, s: ArrayLike) -> CableState:
         """The cable at any arc lengths s (n,) [m], 0 at the vessel.
@@ -458,7 +458,11 @@ class CableModel:
         """
         stiffness = self._effective(0.0, 0.0)
         damping = self._effective(1.0, 0.0) - stiffness
-        mass = self._effective(0.0, 1.0) - stiffness
+        # A large factor keeps the mass from drowning in the axial stiffness.
+        guess = self._effective(0.0, 1.0) - stiffness
+        factor = float(np.abs(np.diag(stiffness)).max() / max(np.abs(np.diag(guess)).max(), 1e-30))
+        factor = max(1.0, factor)
+        mass = (self._effective(0.0, factor) - stiffness) / factor
         basis = self._free_basis()
         return basis.T @ mass @ basis, basis.T @ damping @ basis, basis.T @ stiffness @ basis
 
@@ -469,7 +473,7 @@ class CableModel:
         mass, _, stiffness = self.linearise()
         symmetric = 0.5 * (stiffness + stiffness.T), 0.5 * (mass + mass.T)
         values = eigh(*symmetric, eigvals_only=True)
-        return np.sqrt(np.maximum(values[:count], 0.0))
+        return np.asarray(np.sqrt(np.maximum(values[:count], 0.0)), dtype=np.float64)
 
     def _effective(self, cv: float, ca: float) -> FloatArray:
         from cablemodel import library as entry
@@ -518,4 +522,4 @@ class CableModel:
             above = slice(int(parent[node]) * size, int(parent[node]) * size + dimension)
             basis[own, above] = np.eye(dimension)
             drop += range(own.start, own.stop)
-        return np.delete(basis, drop, axis=1)
+        return np.asarray(np.delete(basis, drop, axis=1), dtype=np.float64)

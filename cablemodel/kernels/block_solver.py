@@ -8,11 +8,13 @@ stiffness that is nearly symmetric and positive; a vanishing pivot is reported a
 takes a smaller step.
 """
 
+from typing import Any
+
 from .compile import kernel
 from .layout import I_NODES, O_DIAGONAL, O_JOINT, O_LOWER, O_PARENT, O_UPPER
 
 
-def make_block_solver(size: int):
+def make_block_solver(size: int) -> tuple[Any, Any]:
     """factor(I, M) -> status and solve(I, M, x) for nodes of `size` unknowns (4 or 6)."""
     half = size // 2
     area = size * size

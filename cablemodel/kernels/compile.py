@@ -65,12 +65,13 @@ def entry_point(signature: Any) -> Callable[[Callable[..., Any]], Any]:
     """
 
     def decorate(function: Callable[..., Any]) -> Any:
-        previous = numba.config.CACHE_DIR
-        numba.config.CACHE_DIR = str(cache_folder())
+        config: Any = numba.config
+        previous = config.CACHE_DIR
+        config.CACHE_DIR = str(cache_folder())
         try:
             dispatcher = numba.jit(**OPTIONS, cache=True)(function)
         finally:
-            numba.config.CACHE_DIR = previous
+            config.CACHE_DIR = previous
         dispatcher.entry_signature = signature
         return dispatcher
 

@@ -240,7 +240,7 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
             r1 -= c * t1 / 3.0
         else:
             for g in range(3):
-                strain, slope = strain_and_slope(
+                strain, _slope = strain_and_slope(
                     M,
                     t0 + t1 * P1[g],
                     M[e + E_TENSION_LOW],
@@ -463,7 +463,7 @@ def jacobian_planar(I, M, q, v, a, tension, ca, cv):
             c11 = c00 / 3.0
         else:
             for g in range(3):
-                strain, slope = strain_and_slope(
+                _strain, slope = strain_and_slope(
                     M,
                     t0 + t1 * P1[g],
                     M[e + E_TENSION_LOW],

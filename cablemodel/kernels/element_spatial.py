@@ -238,7 +238,9 @@ def load_forces(W, v0, v1, a0, a1, h, cn, ct, added):
 
 @kernel
 def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
-    """Residual of all elements: out (nodes, 6) forces conjugate to (r, d), out_constraint (nodes, 2).
+    """Residual of all elements: forces conjugate to (r, d) and constraint residuals.
+
+    out: (nodes, 6); out_constraint: (nodes, 2).
 
     out is set to zero first; residual = inertia + internal forces - loads, so the force that a
     support must exert is the residual at its node.
@@ -286,7 +288,7 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
             r0 = 0.0
             r1 = 0.0
             for g in range(3):
-                strain, slope = strain_and_slope(
+                strain, _slope = strain_and_slope(
                     M,
                     t0 + t1 * P1[g],
                     M[e + E_TENSION_LOW],
@@ -318,7 +320,6 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
 
         mass = M[e + E_MASS] * h
         weight = M[e + E_WEIGHT] * h
-        ih2 = 1.0 / (h * h)
         for i in range(3):
             p = W[PX + 4 * i : PX + 4 * i + 4]
             a0i = a0[i] * mass
@@ -534,7 +535,7 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
             c11 = c00 / 3.0
         else:
             for g in range(3):
-                strain, slope = strain_and_slope(
+                _strain, slope = strain_and_slope(
                     M,
                     t0 + t1 * P1[g],
                     M[e + E_TENSION_LOW],

@@ -68,7 +68,7 @@ def place_supports(I, M):
 
 @entry_point(int64(INTEGERS, REALS, REALS, REALS))
 def sample(I, M, stations, out):
-    """State at arc lengths [m]; out: rows of 12 words. Returns how many stations were on the line."""
+    """State at arc lengths [m]; out: rows of 12 words. Returns how many are on it."""
     return outputs.sample_stations(I, M, stations, out)
 
 

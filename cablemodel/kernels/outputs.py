@@ -245,7 +245,8 @@ def summarise(I, M, out):
     """Numbers of the present state that logs and co-simulation ask for at every step.
 
     out: 0-5 force and moment of the cable on the vessel, 6 top tension (size of that force,
-    negative where the cable pushes), 7, 8 lowest and highest tension in the cable, 9-11 end position, 12-14 end velocity, 15-17 vessel position, 18-20 vessel velocity,
+    negative where the cable pushes), 7, 8 lowest and highest tension in the cable,
+    9-11 end position, 12-14 end velocity, 15-17 vessel position, 18-20 vessel velocity,
     21 line length, 22 applied pay-out rate, 23 cable on the drum.
     """
     dimension = I[I_DIMENSION]

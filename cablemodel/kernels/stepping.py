@@ -113,11 +113,11 @@ def set_live_current(I, M, t_end, inputs):
 @kernel
 def set_live_rate(I, M, t_end, inputs):
     """The caller's pay-out rate, or back to the scene's: linear from the present command."""
-    present, slope, until = commanded_rate(I, M, M[S_TIME])
+    present, _slope, _until = commanded_rate(I, M, M[S_TIME])
     target = inputs[IN_PAYOUT + 1]
     if inputs[IN_PAYOUT] == 0.0:
         I[I_RATE_LIVE] = 0
-        target, slope, until = commanded_rate(I, M, t_end)
+        target, _slope, _until = commanded_rate(I, M, t_end)
     I[I_RATE_LIVE] = 1
     M[S_LIVE_RATE] = M[S_TIME]
     M[S_LIVE_RATE + 1] = t_end

@@ -1,0 +1,1 @@
+"""Other simulators, each driven as its own documentation recommends."""

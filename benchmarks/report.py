@@ -1,0 +1,237 @@
+"""The report: measurements as Markdown tables, with figures beside them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from benchmarks.compare import Ratio, cheapest_within, ratio
+from benchmarks.contestants import MOORDYN_CURVES, OURS
+from benchmarks.figures import work_precision_figure
+from benchmarks.measure import Measurement
+from benchmarks.references import load as load_references
+from benchmarks.scaling import ScalingPoint, exponent
+from benchmarks.scenes import SCENES, BenchmarkScene
+from benchmarks.startup import StartUp
+
+HEADER = """# Run time against error
+
+Written by `make bench` (`python -m benchmarks`); the raw numbers are in
+[benchmarks/results.json](benchmarks/results.json). Cost is CPU seconds of stepping per simulated
+second, in one process on one core, after a warm-up, median of the repeats; making the scene and
+its initial statics is not in it. Tip error is the largest distance of the free end from the
+reference over the length, tension error the largest error of the top tension over its largest
+value, both over the instants listed below.
+"""
+
+MOORDYN_NOTES = """## MoorDyn: how it was driven
+
+- Version as listed above, through its Python API; only the calls of `Step` are timed. BA = 0 and
+  RK4 at 2.7/omega_max is the setting that the project's targets are stated against;
+  omega_max = 2N/L sqrt(EA/m) (bending never decides it on these scenes). RK2 with 0.6 of the
+  critical damping of the shortest axial mode at 2.0/omega_max is the cheapest stable setting that
+  the search below found; MoorDyn's own guide recommends damping near critical. Both have the same
+  tip error at the same N: the segments decide it.
+- Tangential drag: MoorDyn takes 1/2 rho Cdt (pi d) u_t^2 per length, as cablemodel does, so Cdt
+  is passed on unchanged (read in its source, `Line.cpp`).
+- The top is 100 m below the surface and gravity is adjusted, so that the submerged weight is exact.
+- The starting shape (straight and unstretched, or the exact steady line) is written into its
+  serialised state.
+- A coupled point moves with constant velocity during a coupling step, so that a moving vessel
+  needs short ones (5 ms here) for its top tension; they cost nothing next to its own steps.
+- Not like for like: MoorDyn has no factor sqrt(e) on the drag (it is compared with references
+  without it; the factor moves S1 by 5e-6 L), and its segments never push.
+"""
+
+
+def number(value: float | None, digits: int = 2) -> str:
+    """A number in scientific notation, or a dash."""
+    return "-" if value is None or value != value else f"{value:.{digits - 1}e}"
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A Markdown table."""
+    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
+    lines += ["| " + " | ".join(row) + " |" for row in rows]
+    return "\n".join(lines) + "\n"
+
+
+def is_ours(measurement: Measurement) -> bool:
+    """Whether cablemodel made it."""
+    return measurement.contestant.startswith(OURS)
+
+
+def targets_table(scenes: Sequence[BenchmarkScene], results: Sequence[Measurement]) -> str:
+    """What was asked of each scene, and the cheapest of our settings that keeps both errors."""
+    rows = []
+    for scene in scenes:
+        target = scene.target
+        best = cheapest_within([m for m in results if m.scene == scene.name and is_ours(m)], scene)
+        asked = f"tip {number(target.tip_error, 1)} L"
+        if target.tension_error is not None:
+            asked += f", T {number(target.tension_error, 1)}"
+        rows.append(
+            (
+                scene.name,
+                asked,
+                number(target.cost, 1),
+                number(best.cost) if best else "none",
+                f"{best.contestant}, {best.setting}" if best else "-",
+                "yes" if best and best.cost <= target.cost else "no",
+            )
+        )
+    return table(("scene", "error asked", "at most [s/s]", "measured [s/s]", "by", "met"), rows)
+
+
+def ratios(scenes: Sequence[BenchmarkScene], results: Sequence[Measurement]) -> list[Ratio]:
+    """Our cheapest curve against each MoorDyn curve, at the tip error that the scene asks for."""
+    found = []
+    for scene in scenes:
+        mine = [m for m in results if m.scene == scene.name and is_ours(m)]
+        for peer, *_ in MOORDYN_CURVES:
+            theirs = [m for m in results if m.scene == scene.name and m.contestant == peer]
+            for error in (scene.target.tip_error * 10.0, scene.target.tip_error):
+                one = ratio(scene.name, peer, error, mine, theirs)
+                if one is not None:
+                    found.append(one)
+    return found
+
+
+def ratio_table(scenes: Sequence[BenchmarkScene], results: Sequence[Measurement]) -> str:
+    """Ratios at equal tip error; what was extrapolated is marked."""
+    rows = []
+    for one in ratios(scenes, results):
+        target = SCENES[one.scene].target
+        asked = (
+            f"{target.ratio:.0f}"
+            if one.tip_error == target.tip_error and one.peer == MOORDYN_CURVES[0][0]
+            else ""
+        )
+        rows.append(
+            (
+                one.scene,
+                one.peer,
+                number(one.tip_error, 1),
+                number(one.theirs) + (" (extrapolated)" if one.theirs_extrapolated else ""),
+                number(one.ours) + (" (extrapolated)" if one.ours_extrapolated else ""),
+                f"{one.ratio:.0f}",
+                asked,
+            )
+        )
+    return table(
+        ("scene", "peer", "tip error / L", "peer [s/s]", "cablemodel [s/s]", "ratio", "asked"),
+        rows,
+    )
+
+
+def scene_section(scene: BenchmarkScene, results: Sequence[Measurement], figures: Path) -> str:
+    """Figure and table of one scene."""
+    picture = figures / f"work_precision_{scene.name}.png"
+    work_precision_figure(scene, results, picture)
+    rows = [
+        (
+            m.contestant,
+            m.setting,
+            number(m.cost),
+            number(m.tip_error) if m.failure is None else m.failure,
+            number(m.tension_error),
+            f"{m.statistics.get('elements', float('nan')):.0f}",
+            f"{m.statistics.get('steps', float('nan')):.0f}",
+        )
+        for m in results
+    ]
+    sets = load_references()[scene.name]
+    made = "\n".join(
+        f"- reference `{name}` at t = {', '.join(f'{t:g}' for t in reference.times)} s: "
+        f"{reference.made} (tip within {reference.tip_uncertainty:.0e} m"
+        + (
+            f", tension within {reference.tension_uncertainty:.0e} N).\n"
+            if reference.tension is not None
+            else ").\n"
+        )
+        for name, reference in sets.items()
+    )
+    head = ("contestant", "setting", "s/s", "tip error / L", "T error", "elements", "steps")
+    return (
+        f"### {scene.title}\n\n![{scene.name}]({figures.name}/{picture.name})\n\n"
+        f"{table(head, rows)}\n{made}"
+    )
+
+
+def scaling_section(points: Sequence[ScalingPoint]) -> str:
+    """Cost against elements, and the fitted exponents."""
+    whole, per_step = exponent(points)
+    rows = [
+        (str(p.elements), number(p.cost), f"{p.steps:.0f}", number(p.cost / p.steps / p.elements))
+        for p in points
+    ]
+    return (
+        "## Work against the number of elements\n\n"
+        "First ten seconds of S1, elastica, tau = 1e-3, with a fixed number of elements.\n\n"
+        + table(("elements", "CPU s", "steps", "CPU s per step and element"), rows)
+        + f"\nExponent from 100 elements on: {whole:.2f} (per step {per_step:.2f}); "
+        "asked: at most 1.1.\n"
+    )
+
+
+def start_up_section(start_up: StartUp) -> str:
+    """Import, warm start and first start against what was asked."""
+    rows = [
+        ("import cablemodel", f"{start_up.import_time:.2f}", "0.5"),
+        ("import to the end of a first step, kernels cached", f"{start_up.warm_start:.2f}", "1.5"),
+    ]
+    if start_up.first_start is not None:
+        rows.append(("the same with an empty kernel cache", f"{start_up.first_start:.1f}", "60"))
+    return "## Start-up\n\n" + table(("what", "wall s", "asked"), rows)
+
+
+def search_section(found: Sequence[Measurement]) -> str:
+    """The search for MoorDyn's best stable settings."""
+    rows = [
+        (
+            m.contestant,
+            m.setting,
+            number(m.cost),
+            number(m.tip_error) if m.failure is None else m.failure.split(":")[0],
+            number(m.tension_error),
+        )
+        for m in found
+    ]
+    return (
+        "### Settings tried\n\nS1, 20 segments. A stable run has the tip error of the segments "
+        "alone (the first rows); more means that time integration adds to it.\n\n"
+        + table(("scheme", "setting", "s/s", "tip error / L", "T error"), rows)
+    )
+
+
+def write(
+    path: Path,
+    machine: dict[str, str],
+    results: Sequence[Measurement],
+    scaling: Sequence[ScalingPoint] = (),
+    start_up: StartUp | None = None,
+    searched: Sequence[Measurement] = (),
+) -> None:
+    """Write the report to ``path`` and its figures beside it."""
+    figures = path.parent / path.stem
+    names = {m.scene for m in results}
+    scenes = [scene for name, scene in SCENES.items() if name in names]
+    parts = [
+        HEADER,
+        "## Machine\n\n" + table(("what", "value"), machine.items()),
+        "## What was asked\n\n" + targets_table(scenes, results),
+        "## Ratio to MoorDyn at equal tip error\n\n" + ratio_table(scenes, results),
+        "## Work against precision\n",
+    ]
+    parts.extend(
+        scene_section(scene, [m for m in results if m.scene == scene.name], figures)
+        for scene in scenes
+    )
+    if scaling:
+        parts.append(scaling_section(scaling))
+    if start_up is not None:
+        parts.append(start_up_section(start_up))
+    parts.append(MOORDYN_NOTES)
+    if searched:
+        parts.append(search_section(searched))
+    path.write_text("\n".join(parts))

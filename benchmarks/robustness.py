@@ -1,0 +1,298 @@
+"""The robustness matrix: stiffnesses over many decades, hard starts, any step of the caller.
+
+Three scenes that break explicit and naive implicit integrators, each for every pair of bending
+and axial stiffness, each stepped by the caller with 1 ms, 0.1 s and 2 s:
+
+zero tension: a horizontal cable, unstretched and at rest in water, is released;
+whip: the same in air, whose free end cracks after 1.3 s;
+inverted column: the cable stands on the vessel, tilted by 0.01 rad, and falls over in water.
+
+A run is ``completed`` when every step was made and everything it reports is finite, and the
+largest stretch is what the tensions allow. Runs that differ in the caller's step only must agree
+at the instants that they share. ``python -m benchmarks.robustness`` writes ``docs/stress.md``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import math
+import time
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.scenes import GRAVITY, Cable
+
+BENDING_STIFFNESSES = (0.0, 1e-3, 0.1, 1.0, 10.0)
+AXIAL_STIFFNESSES = (1e4, 1e5, 1e6, 1e7, 1e9)
+CALLER_STEPS = (0.001, 0.1, 2.0)
+SHORT_STEP_DURATION = 0.2
+"""How long the run with 1 ms steps lasts [s]."""
+TOLERANCE = 1e-3
+"""The scenes' tolerance tau: positions within tau L."""
+LENGTH = 10.0
+TILT = 0.01
+
+
+@dataclass(frozen=True)
+class HardScene:
+    """A scene of the matrix.
+
+    agreement: how far apart two runs may be, in units of tau L, at instants up to
+    ``predictable`` seconds. Later the motion multiplies every difference (a whip that has
+    cracked, a column that has buckled), and only completion and finiteness are asked.
+    """
+
+    name: str
+    in_water: bool
+    direction: tuple[float, float, float]
+    duration: float
+    predictable: float
+    agreement: float = 2.0
+
+
+HARD_SCENES = (
+    HardScene("zero tension", True, (1.0, 0.0, 0.0), 6.0, 6.0),
+    HardScene("whip", False, (1.0, 0.0, 0.0), 4.0, 1.25),
+    HardScene("inverted column", True, (math.sin(TILT), 0.0, math.cos(TILT)), 10.0, 0.5),
+)
+
+
+@dataclass
+class Outcome:
+    """What came out of one run.
+
+    tips: time [s] -> free end (3,) [m] at the end of the steps where runs are compared.
+    """
+
+    scene: str
+    bending_stiffness: float
+    axial_stiffness: float
+    caller_step: float
+    completed: bool
+    message: str = ""
+    wall_time: float = 0.0
+    largest_stretch: float = math.nan
+    tips: dict[float, NDArray[np.float64]] = field(default_factory=dict)
+    statistics: dict[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Disagreement:
+    """Largest distance between runs of the same scene with different caller steps [tau L]."""
+
+    distance: float
+    instant: float
+    within: bool
+
+
+def scene_dict(
+    scene: HardScene, bending_stiffness: float, axial_stiffness: float, model: str = "elastica"
+) -> dict[str, Any]:
+    """The scene in the project's schema. EI = 0 takes the flexible model."""
+    cable = Cable(
+        length=LENGTH,
+        bending_stiffness=bending_stiffness,
+        axial_stiffness=axial_stiffness,
+        submerged_weight=2.33333 if scene.in_water else 0.4613 * GRAVITY,
+    )
+    return {
+        "title": f"robustness: {scene.name}",
+        "environment": {
+            "gravity": GRAVITY,
+            "water_density": 1025.0 if scene.in_water else 1.2,
+        },
+        "cable_types": {"K": cable.cable_type()},
+        "line": [
+            {
+                "cable": {
+                    "type": "K",
+                    "length": LENGTH,
+                    "model": model if bending_stiffness > 0.0 else "cable",
+                }
+            }
+        ],
+        "end": "free",
+        "initial": {"straight": list(scene.direction)},
+        "vessel": {"position": [0.0, 0.0, 0.0], "velocity": [{"t": 0.0, "velocity": [0, 0, 0]}]},
+        "solver": {"method": "finite_element", "tolerance": TOLERANCE},
+        "run": {"duration": scene.duration, "output_interval": scene.duration},
+    }
+
+
+def _is_finite(state: Any) -> bool:
+    return all(
+        bool(np.all(np.isfinite(getattr(state, name))))
+        for name in ("position", "velocity", "tension", "tangent")
+    )
+
+
+def run_one(
+    scene: HardScene,
+    bending_stiffness: float,
+    axial_stiffness: float,
+    caller_step: float,
+    model: str = "elastica",
+) -> Outcome:
+    """Step one scene to its end with one caller step; never raises for a failing run."""
+    import cablemodel as cm
+
+    outcome = Outcome(scene.name, bending_stiffness, axial_stiffness, caller_step, completed=False)
+    duration = SHORT_STEP_DURATION if caller_step < 0.01 else scene.duration
+    count = round(duration / caller_step)
+    started = time.perf_counter()
+    try:
+        instance = cm.CableModel(
+            cm.load_scene(scene_dict(scene, bending_stiffness, axial_stiffness, model))
+        )
+        for index in range(1, count + 1):
+            # From the target time, so that the instants of all runs are the same numbers.
+            instance.step(index * caller_step - instance.time)
+            instant = round(index * caller_step, 6)
+            outcome.tips[instant] = np.array(instance.tip_position, dtype=np.float64)
+            if not np.all(np.isfinite(outcome.tips[instant])):
+                outcome.message = f"tip not finite at {instant:g} s"
+                return outcome
+        state = instance.state()
+        if not _is_finite(state):
+            outcome.message = "state not finite"
+            return outcome
+        chords = np.linalg.norm(np.diff(state.position, axis=0), axis=1)
+        outcome.largest_stretch = float(np.max(chords / np.diff(state.s)))
+        outcome.statistics = {
+            key: float(value)
+            for key, value in instance.statistics.items()
+            if isinstance(value, int | float)
+        }
+    except (cm.CableModelError, ArithmeticError, ValueError) as error:
+        outcome.message = f"{type(error).__name__}: {error}".splitlines()[0][:160]
+        return outcome
+    finally:
+        outcome.wall_time = time.perf_counter() - started
+    outcome.completed = True
+    return outcome
+
+
+def compare(scene: HardScene, outcomes: Sequence[Outcome]) -> Disagreement:
+    """Largest distance between completed runs at the instants that two of them share."""
+    worst, instant_of_worst = 0.0, 0.0
+    for one, other in itertools.combinations([o for o in outcomes if o.completed], 2):
+        for instant in one.tips.keys() & other.tips.keys():
+            if instant > scene.predictable:
+                continue
+            distance = float(np.linalg.norm(one.tips[instant] - other.tips[instant]))
+            if distance > worst:
+                worst, instant_of_worst = distance, instant
+    scaled = worst / (TOLERANCE * LENGTH)
+    return Disagreement(scaled, instant_of_worst, scaled <= scene.agreement)
+
+
+@dataclass
+class Row:
+    """One scene and one pair of stiffnesses: a run per caller step, and how they agree."""
+
+    scene: str
+    bending_stiffness: float
+    axial_stiffness: float
+    outcomes: list[Outcome]
+    disagreement: Disagreement
+
+    @property
+    def passed(self) -> bool:
+        """All runs completed and agreed."""
+        return all(o.completed for o in self.outcomes) and self.disagreement.within
+
+
+def run_matrix(
+    scenes: Iterable[HardScene] = HARD_SCENES,
+    bending_stiffnesses: Sequence[float] = BENDING_STIFFNESSES,
+    axial_stiffnesses: Sequence[float] = AXIAL_STIFFNESSES,
+    caller_steps: Sequence[float] = CALLER_STEPS,
+    report: Callable[[Row], None] = lambda _row: None,
+) -> list[Row]:
+    """Every combination; ``report`` is called with every row as it comes."""
+    rows = []
+    for scene, bending, axial in itertools.product(scenes, bending_stiffnesses, axial_stiffnesses):
+        outcomes = [run_one(scene, bending, axial, step) for step in caller_steps]
+        row = Row(scene.name, bending, axial, outcomes, compare(scene, outcomes))
+        rows.append(row)
+        report(row)
+    return rows
+
+
+def describe_row(row: Row) -> tuple[str, ...]:
+    """A row of the outcome table."""
+    cells = [
+        f"ok, {outcome.statistics.get('steps', math.nan):.0f} steps, {outcome.wall_time:.2f} s"
+        if outcome.completed
+        else outcome.message
+        for outcome in row.outcomes
+    ]
+    agreement = f"{row.disagreement.distance:.2g} at {row.disagreement.instant:g} s"
+    return (
+        row.scene,
+        f"{row.bending_stiffness:g}",
+        f"{row.axial_stiffness:g}",
+        *cells,
+        agreement,
+        "passed" if row.passed else "**failed**",
+    )
+
+
+def write_report(path: Path, rows: Sequence[Row], machine: dict[str, str]) -> None:
+    """The outcome table as Markdown."""
+    passed = sum(row.passed for row in rows)
+    runs = sum(len(row.outcomes) for row in rows)
+    head = ("scene", "EI", "EA", *(f"caller {step:g} s" for step in CALLER_STEPS))
+    head += ("apart [tau L]", "outcome")
+    lines = [
+        "# Robustness matrix\n",
+        "Written by `make stress` (`python -m benchmarks.robustness`). "
+        f"{passed} of {len(rows)} rows passed ({runs} runs); tau = {TOLERANCE:g}, "
+        f"L = {LENGTH:g} m; EI = 0 takes the flexible model, the others the elastica.\n",
+        "Scenes: " + "; ".join(_describe_scene(scene) for scene in HARD_SCENES) + ".\n",
+        f"Runs with 1 ms steps last {SHORT_STEP_DURATION:g} s. A row passes when all its runs "
+        "complete with finite results and agree with each other, whatever the caller's step, at "
+        "the instants that they share up to the given one; later the motion multiplies every "
+        "difference, and only completion is asked.\n",
+        f"Machine: {machine['processor']}, revision {machine['revision']}.\n",
+        "| " + " | ".join(head) + " |",
+        "|" + "---|" * len(head),
+    ]
+    lines += ["| " + " | ".join(describe_row(row)) + " |" for row in rows]
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text("\n".join(lines) + "\n")
+
+
+def _describe_scene(scene: HardScene) -> str:
+    medium = "water" if scene.in_water else "air"
+    return (
+        f"{scene.name} (in {medium}, {scene.duration:g} s, agreement within "
+        f"{scene.agreement:g} tau L asked up to {scene.predictable:g} s)"
+    )
+
+
+def main(given: Sequence[str] | None = None) -> None:
+    """Run the matrix, or a part of it, and write the table."""
+    from benchmarks import machine
+
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.robustness")
+    parser.add_argument("--only", default="", help="part of a scene's name")
+    parser.add_argument("--output", type=Path, default=Path("docs/stress.md"))
+    chosen = parser.parse_args(given)
+    scenes = [scene for scene in HARD_SCENES if chosen.only in scene.name]
+    rows = run_matrix(scenes, report=lambda row: print(" | ".join(describe_row(row)), flush=True))
+    write_report(chosen.output, rows, machine.describe())
+    failed = [row for row in rows if not row.passed]
+    print(f"{len(rows) - len(failed)} of {len(rows)} passed; wrote {chosen.output}")
+    if failed:
+        raise SystemExit(1)
+
+
+if __name__ == "__main__":
+    main()

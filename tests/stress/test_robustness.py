@@ -1,0 +1,26 @@
+"""A small part of the robustness matrix: the corners, with the caller steps 0.1 and 2 s."""
+
+from __future__ import annotations
+
+import pytest
+
+from benchmarks.robustness import HARD_SCENES, HardScene, compare, run_one
+
+CORNERS = [(0.0, 1e4), (0.0, 1e9), (0.1, 1e6), (10.0, 1e4), (10.0, 1e9)]
+
+
+@pytest.mark.parametrize(("bending_stiffness", "axial_stiffness"), CORNERS)
+@pytest.mark.parametrize("scene", HARD_SCENES, ids=lambda scene: scene.name)
+def test_completes_and_agrees_whatever_step_the_caller_takes(
+    scene: HardScene, bending_stiffness: float, axial_stiffness: float
+) -> None:
+    outcomes = [
+        run_one(scene, bending_stiffness, axial_stiffness, step) for step in (0.001, 0.1, 2.0)
+    ]
+
+    for outcome in outcomes:
+        assert outcome.completed, f"caller step {outcome.caller_step} s: {outcome.message}"
+    disagreement = compare(scene, outcomes)
+    assert disagreement.within, (
+        f"runs are {disagreement.distance:.3g} tau L apart at {disagreement.instant} s"
+    )

@@ -1,0 +1,90 @@
+"""Scenes of the verification, as plain data: what `load_scene` reads from YAML."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import cablemodel as cm
+
+CABLE_K = {
+    "diameter": 0.01666,
+    "mass": 0.4613,
+    "submerged_weight": 2.33333,
+    "axial_stiffness": 1.0e6,
+    "bending_stiffness": 0.1,
+    "drag_normal": 1.0,
+    "drag_tangential": 0.1586,
+    "added_mass": 1.0,
+}
+IDEAL = {
+    "diameter": 0.01,
+    "mass": 1.0,
+    "submerged_weight": 0.0,
+    "axial_stiffness": 1.0e9,
+    "bending_stiffness": 0.0,
+    "drag_normal": 0.0,
+    "drag_tangential": 0.0,
+    "added_mass": 0.0,
+}
+"""A cable without loads: a test adds the few that it is about."""
+
+
+def scene(
+    length: float,
+    cable: dict[str, Any],
+    *,
+    model: str = "elastica",
+    elements: int | None = None,
+    tolerance: float = 1e-4,
+    body: dict[str, Any] | None = None,
+    end: Any = "free",
+    initial: Any = "static",
+    vessel: dict[str, Any] | None = None,
+    density: float = 1025.0,
+    gravity: float = 9.80665,
+    current: Any = None,
+) -> cm.Scene:
+    """One cable from the vessel, perhaps a body at its end."""
+    piece: dict[str, Any] = {"type": "C", "length": length, "model": model}
+    if elements is not None:
+        piece["elements"] = elements
+    line: list[dict[str, Any]] = [{"cable": piece}]
+    if body is not None:
+        line.append({"body": {"half_length": 0.0, **body}})
+    return cm.load_scene(
+        {
+            "environment": {"gravity": gravity, "water_density": density, "current": current},
+            "cable_types": {"C": cable},
+            "line": line,
+            "end": end,
+            "initial": initial,
+            "vessel": vessel or {"position": [0.0, 0.0, 0.0]},
+            "solver": {"tolerance": tolerance},
+        }
+    )
+
+
+def towed(**settings: Any) -> cm.Scene:
+    """S1: hanging at rest, the vessel goes to 0.8 m/s in 30 s."""
+    ramp = [{"t": 0, "velocity": [0, 0, 0]}, {"t": 30, "velocity": [0.8, 0, 0]}]
+    return scene(30.0, CABLE_K, vessel={"velocity": ramp}, **settings)
+
+
+def released_in_water(**settings: Any) -> cm.Scene:
+    """S2w: straight, horizontal, unstretched and at rest; pinned at the origin and let go."""
+    return scene(10.0, CABLE_K, initial={"straight": [1, 0, 0]}, **settings)
+
+
+def released_in_air(**settings: Any) -> cm.Scene:
+    """S2a: the same in air, where it whips."""
+    cable = {**CABLE_K, "submerged_weight": CABLE_K["mass"] * 9.80665}
+    return scene(10.0, cable, initial={"straight": [1, 0, 0]}, density=1.2, **settings)
+
+
+def turned(angle: str = "180 deg", **settings: Any) -> cm.Scene:
+    """S4: steady at 0.8 m/s along x, the vessel turns to port on a radius of 10 m."""
+    legs = [
+        {"turn": {"angle": angle, "radius": 10.0, "speed": 0.8}},
+        {"straight": {"duration": 1000.0, "speed": 0.8}},
+    ]
+    return scene(30.0, CABLE_K, vessel={"path": legs}, **settings)
