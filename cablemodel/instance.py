@@ -266,7 +266,7 @@ def build(scene: Scene, *, planar: bool | None = None) -> Block:
 
 def _shape(block: Block) -> FloatArray:
     """The block's present shape as a fine polyline, (n, 3): the guess on a finer mesh."""
-    from cablemodel.kernels import entry
+    from cablemodel import library as entry
 
     count = int(block.ints[at.I_NODES])
     edges = block.array(at.O_EDGE, count, at.EDGE_WORDS)[1:]
