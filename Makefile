@@ -12,18 +12,20 @@ SCENE := scenes/towed_cable.yaml
 RUN := out/towed_cable.mcap
 
 .DEFAULT_GOAL := help
-.PHONY: help demo demo-ros test test-ros lint types bench bench-quick bench-ros stress golden docs clean
+.PHONY: help demo demo-ros test test-ros lint types browser native libraries wheel test-tools
+.PHONY: bench bench-quick bench-ros stress golden docs clean
 
 help:  ## list what make can do
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
-demo: $(READY)  ## simulate a towed cable: log, picture, and comparison with the closed form
+demo: $(READY) native  ## simulate a towed cable: log, picture, report, and comparison with the closed form
 	@mkdir -p out
 	$(BIN)/cablemodel run $(SCENE) --log $(RUN)
 	$(BIN)/cablemodel plot $(RUN) --output out/towed_cable.png
+	$(BIN)/cablemodel report $(RUN) --output out/towed_cable.html
 	$(BIN)/python examples/towed_cable.py
 
-test: lint types $(READY_ROS)  ## check style and types, then run all tests
+test: lint types libraries test-tools browser $(READY_ROS)  ## check style and types, then run all tests
 	$(BIN)/python -m pytest
 	$(VENV_ROS)/bin/python -m pytest tests/interface/ros
 
@@ -44,8 +46,35 @@ lint: $(READY_DEV)  ## check style with ruff
 types: $(READY_DEV)  ## check types with mypy
 	$(BIN)/mypy
 
+browser:  ## install Chromium, with which tests look at the report (Debian, as root)
+	@command -v chromedriver >/dev/null || { [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null \
+		&& apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq \
+			--no-install-recommends chromium chromium-driver >/dev/null; } \
+		|| echo "No Chromium: the tests that look at the report in a browser will be skipped."
+
+native: $(READY)  ## build this machine's library, if the kernels have changed
+	@$(BIN)/python -m cablemodel_fmu.build native
+
+libraries: $(READY_DEV)  ## build the libraries of all platforms, if the kernels have changed
+	@$(BIN)/python -m cablemodel_fmu.build
+
+wheel: libraries  ## build a wheel that holds the libraries of all platforms
+	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir dist .
+
+# Wine and QEMU run the libraries of Windows and of Linux on ARM; without them those tests skip.
+test-tools:
+	@if [ "$$(uname -sm)" = "Linux x86_64" ] && [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null \
+	&& ! { [ -e /usr/lib/wine/wine64 ] && command -v qemu-aarch64 >/dev/null \
+	&& [ -e /usr/aarch64-linux-gnu ]; }; then \
+		echo "installing wine64 and qemu-user for the tests of other platforms"; \
+		{ apt-get update && apt-get install --yes --no-install-recommends \
+			wine64 qemu-user libc6-arm64-cross; } >/dev/null 2>&1 \
+			|| echo "that failed: the tests of other platforms will be skipped"; \
+	fi
+
 bench: $(READY_DEV)  ## measure run time against error (long)
 	$(BIN)/python -m benchmarks
+	$(BIN)/python -m benchmarks.fmu
 
 bench-quick: $(READY_DEV)  ## measure a few scenes only
 	$(BIN)/python -m benchmarks --quick

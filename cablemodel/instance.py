@@ -266,7 +266,7 @@ def build(scene: Scene, *, planar: bool | None = None) -> Block:
 
 def _shape(block: Block) -> FloatArray:
     """The block's present shape as a fine polyline, (n, 3): the guess on a finer mesh."""
-    from cablemodel.kernels import entry
+    from cablemodel import library as entry
 
     count = int(block.ints[at.I_NODES])
     edges = block.array(at.O_EDGE, count, at.EDGE_WORDS)[1:]
@@ -743,12 +743,12 @@ def _find_initial_state(block: Block, scene: Scene, velocity: FloatArray) -> Non
                 "Check weights, ends and current, or start from initial: {straight: ...}"
             )
         entry.place_supports(ints, reals)
-    for counter in (at.I_STEPS, at.I_REJECTED, at.I_FACTORISATIONS, at.I_ITERATIONS):
-        ints[counter] = 0
-    ints[at.I_FACTORED] = 0
     if _stabilise(block) and scene.initial.kind == "static":
         # The new stiffness changes the forces by a little: the state must meet them.
         entry.equilibrium(ints, reals, np.ascontiguousarray(frame))
         entry.place_supports(ints, reals)
+    for counter in (at.I_STEPS, at.I_REJECTED, at.I_FACTORISATIONS, at.I_ITERATIONS):
+        ints[counter] = 0
+    ints[at.I_FACTORED] = 0
     if ints[at.I_HYBRID]:
         entry.choose_bending(ints, reals)

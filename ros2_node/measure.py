@@ -134,7 +134,8 @@ def real_time(minutes: float) -> dict[str, Any]:
 def accelerated(hours: float) -> dict[str, Any]:
     """Memory over hours of simulated time, as fast as possible."""
     with tempfile.TemporaryDirectory() as folder:
-        node = Measured(Path(folder), vessel_input="scene", real_time_factor=0.0)
+        node = Measured(Path(folder), vessel_input="scene", real_time_factor=0.0,
+                        **{"log.max_size": 3.0})  # fmt: skip
         samples = []
         begin = time.monotonic()
         try:

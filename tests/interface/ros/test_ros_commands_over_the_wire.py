@@ -104,7 +104,7 @@ def test_commands_are_followed_within_limits_and_stale_ones_ramp_to_zero(
     running: tuple[NodeProcess, Watch], talker: Talker
 ) -> None:
     _, watch = running
-    assert watch.said("commands", "no cmd_vel yet")
+    wait_until(lambda: watch.said("commands", "no cmd_vel yet"))
     helmsman = Helmsman(talker)
     helmsman.velocity, helmsman.rate = [0.8, 0.6, 0.0], 0.5
     wait_until(lambda: watch.velocity == pytest.approx([0.8, 0.6, 0.0], abs=1e-9))
