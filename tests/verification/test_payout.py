@@ -1,0 +1,97 @@
+"""Pay-out and reel-in against closed forms, and what must be conserved."""
+
+import numpy as np
+import pytest
+
+import cablemodel as cm
+
+MASS, GRAVITY, LENGTH, STIFFNESS = 1000.0, 9.80665, 10.0, 1e9
+ANGLE = 1e-3  # small: at 1e-2 the amplitude itself shifts the body by 1.3e-5 m in 10 s
+
+
+def pendulum(rate, tolerance):
+    """A heavy point body on a massless, hardly stretching cable in vacuum, released at ANGLE."""
+    stretched = LENGTH * (1.0 + MASS * GRAVITY * np.cos(ANGLE) / STIFFNESS)
+    end = [stretched * np.sin(ANGLE), 0.0, -stretched * np.cos(ANGLE)]
+    return cm.load_scene(
+        {
+            "environment": {"water_density": 0},
+            "cable_types": {"c": {"diameter": 0.01, "mass": 1e-4, "axial_stiffness": STIFFNESS}},
+            "line": [
+                {"cable": {"type": "c", "length": LENGTH, "model": "cable", "elements": 4}},
+                {"body": {"mass": MASS, "submerged_weight": MASS * GRAVITY}},
+            ],
+            "initial": {"points": [[0, 0, 0], end]},
+            "payout": {
+                "rate": [{"t": 0, "rate": rate}],
+                "drum": [{"cable": {"type": "c", "length": 20, "model": "cable"}}],
+            },
+            "solver": {"tolerance": tolerance},
+        }
+    )
+
+
+@pytest.mark.parametrize("planar", [None, False])
+@pytest.mark.parametrize(
+    ("rate", "expected"),
+    [(0.5, (-0.0640678512, -0.6247651622)), (-0.4, (0.6125181420, 0.2817748820))],
+)
+def test_pendulum_whose_length_changes(rate, expected, planar):
+    """Closed form in Bessel functions; the body is right within tau L at both times."""
+    tolerance = 1e-6
+    model = cm.CableModel(pendulum(rate, tolerance), planar=planar)
+    for time, share in zip((5.0, 10.0), expected, strict=True):
+        model.step_to(time)
+        length = LENGTH + rate * time
+        x, _, z = model.tip_position
+        assert length * np.arctan2(x, -z) == pytest.approx(
+            length * ANGLE * share, abs=tolerance * LENGTH
+        )
+        assert model.line_length == pytest.approx(length, abs=1e-12 * 30)
+
+
+def winch_scene(model="hybrid"):
+    scene = cm.load_scene("scenes/payout_with_bodies.yaml").to_dict()
+    for item in [*scene["line"], *scene["payout"]["drum"]]:
+        if "cable" in item:
+            item["cable"]["model"] = model
+    return cm.load_scene(scene)
+
+
+@pytest.mark.parametrize("model", ["hybrid", "cable", "elastica"])
+def test_cable_is_conserved_and_bodies_come_and_go(model):
+    """40 m out and 32 m on the drum: out to the end of the drum, and back to less than a metre."""
+    simulated = cm.CableModel(winch_scene(model))
+    seen = []
+    for time in np.arange(2.0, 170.1, 2.0):
+        simulated.step_to(time)
+        assert simulated.line_length + simulated.drum_length == pytest.approx(72.0, abs=1e-10)
+        seen.append((len(simulated.bodies), simulated.winch))
+    assert max(bodies for bodies, _ in seen) == 3
+    assert ("drum empty") in {winch for _, winch in seen}
+    assert seen[-1] == (0, "shortest length")
+    assert simulated.line_length == pytest.approx(0.4)
+    assert simulated.payout_rate == 0.0
+
+
+def test_rate_is_reported_at_the_present_time():
+    simulated = cm.CableModel(winch_scene())
+    simulated.step_to(20.5)
+    assert simulated.payout_rate == pytest.approx(0.35, abs=1e-12)
+    simulated.step(0.5, payout_rate=0.1)
+    assert simulated.payout_rate == pytest.approx(0.1, abs=1e-12)
+
+
+def test_results_converge_with_the_tolerance():
+    """Bodies leaving the drum and taken back: positions within tau L of a run 30 times finer."""
+    runs = []
+    for tolerance in (1e-3, 3e-5):
+        scene = winch_scene().to_dict()
+        scene["solver"]["tolerance"] = tolerance
+        simulated = cm.CableModel(cm.load_scene(scene))
+        tips = []
+        for time in (30.0, 50.0, 60.0, 90.0, 110.0, 130.0):
+            simulated.step_to(time)
+            tips.append(simulated.tip_position)
+        runs.append(np.array(tips))
+    assert np.abs(runs[0] - runs[1]).max() <= 1e-3 * 72.0
