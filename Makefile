@@ -6,23 +6,38 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 READY_DEV := $(VENV)/.ready-dev
+VENV_ROS := .venv-ros
+READY_ROS := $(VENV_ROS)/.ready
 SCENE := scenes/towed_cable.yaml
 RUN := out/towed_cable.mcap
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint types bench bench-quick stress docs clean
+.PHONY: help demo demo-ros test test-ros lint types browser native libraries wheel test-tools
+.PHONY: bench bench-quick bench-ros stress golden docs clean
 
 help:  ## list what make can do
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
-demo: $(READY)  ## simulate a towed cable: log, picture, and comparison with the closed form
+demo: $(READY) native  ## simulate a towed cable: log, picture, report, and comparison with the closed form
 	@mkdir -p out
 	$(BIN)/cablemodel run $(SCENE) --log $(RUN)
 	$(BIN)/cablemodel plot $(RUN) --output out/towed_cable.png
+	$(BIN)/cablemodel report $(RUN) --output out/towed_cable.html
 	$(BIN)/python examples/towed_cable.py
 
-test: lint types  ## check style and types, then run all tests
+test: lint types libraries test-tools browser $(READY_ROS)  ## check style and types, then run all tests
 	$(BIN)/python -m pytest
+	$(VENV_ROS)/bin/python -m pytest tests/interface/ros
+
+test-ros: $(READY_ROS)  ## run the tests of the ROS 2 node only
+	$(VENV_ROS)/bin/python -m pytest tests/interface/ros
+
+demo-ros: $(READY_ROS)  ## tow along way-points: the ROS 2 node, and a controller with a winch
+	@mkdir -p out
+	$(VENV_ROS)/bin/python ros2_node/examples/waypoint_tow.py --plot out/waypoint_tow.png
+
+bench-ros: $(READY_ROS)  ## measure the ROS 2 node: ten minutes live, an hour accelerated
+	$(VENV_ROS)/bin/python ros2_node/measure.py
 
 lint: $(READY_DEV)  ## check style with ruff
 	$(BIN)/ruff check .
@@ -31,8 +46,35 @@ lint: $(READY_DEV)  ## check style with ruff
 types: $(READY_DEV)  ## check types with mypy
 	$(BIN)/mypy
 
+browser:  ## install Chromium, with which tests look at the report (Debian, as root)
+	@command -v chromedriver >/dev/null || { [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null \
+		&& apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq \
+			--no-install-recommends chromium chromium-driver >/dev/null; } \
+		|| echo "No Chromium: the tests that look at the report in a browser will be skipped."
+
+native: $(READY)  ## build this machine's library, if the kernels have changed
+	@$(BIN)/python -m cablemodel_fmu.build native
+
+libraries: $(READY_DEV)  ## build the libraries of all platforms, if the kernels have changed
+	@$(BIN)/python -m cablemodel_fmu.build
+
+wheel: libraries  ## build a wheel that holds the libraries of all platforms
+	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir dist .
+
+# Wine and QEMU run the libraries of Windows and of Linux on ARM; without them those tests skip.
+test-tools:
+	@if [ "$$(uname -sm)" = "Linux x86_64" ] && [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null \
+	&& ! { [ -e /usr/lib/wine/wine64 ] && command -v qemu-aarch64 >/dev/null \
+	&& [ -e /usr/aarch64-linux-gnu ]; }; then \
+		echo "installing wine64 and qemu-user for the tests of other platforms"; \
+		{ apt-get update && apt-get install --yes --no-install-recommends \
+			wine64 qemu-user libc6-arm64-cross; } >/dev/null 2>&1 \
+			|| echo "that failed: the tests of other platforms will be skipped"; \
+	fi
+
 bench: $(READY_DEV)  ## measure run time against error (long)
 	$(BIN)/python -m benchmarks
+	$(BIN)/python -m benchmarks.fmu
 
 bench-quick: $(READY_DEV)  ## measure a few scenes only
 	$(BIN)/python -m benchmarks --quick
@@ -40,22 +82,34 @@ bench-quick: $(READY_DEV)  ## measure a few scenes only
 stress: $(READY_DEV)  ## run the stress scenes (long)
 	$(BIN)/python -m pytest tests/stress -m "slow or not slow"
 
+golden: $(READY_DEV)  ## make the golden logs of tests/replay anew, where results have changed
+	$(BIN)/python tests/replay/make_golden.py
+
 docs: $(READY_DEV)  ## write the generated pages of docs/ anew
 	$(BIN)/python docs/write_scene_reference.py
+	$(BIN)/python docs/write_ros2_tables.py
 
 clean:  ## remove environments, builds, caches and output
 	rm -rf .venv .venv-ros build dist out *.egg-info
 	rm -rf .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
+# The wheels of rclpy re-execute every start of Python in their environment: they get their own.
+$(READY_ROS): pyproject.toml ros2_node/setup.py
+	@$(MAKE) --no-print-directory $(BIN)/python
+	$(PYTHON) -m venv $(VENV_ROS)
+	$(VENV_ROS)/bin/python -m pip install --quiet --quiet --editable . \
+		--editable './ros2_node[wheels]' 'matplotlib>=3.8,<4' 'pytest>=8,<10'
+	@touch $@
+
 # The stamps keep a second call from installing again; a change of pyproject.toml does.
 $(READY): pyproject.toml
 	@$(MAKE) --no-print-directory $(BIN)/python
-	$(BIN)/python -m pip install --quiet --editable '.[plot,fmu]'
+	$(BIN)/python -m pip install --quiet --editable '.[plot,analysis,export,fmu]'
 	@touch $@
 
 $(READY_DEV): pyproject.toml $(READY)
-	$(BIN)/python -m pip install --quiet --editable '.[plot,fmu,dev]'
+	$(BIN)/python -m pip install --quiet --editable '.[plot,analysis,export,fmu,dev]'
 	@touch $@
 
 $(BIN)/python:

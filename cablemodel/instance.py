@@ -266,7 +266,7 @@ def build(scene: Scene, *, planar: bool | None = None) -> Block:
 
 def _shape(block: Block) -> FloatArray:
     """The block's present shape as a fine polyline, (n, 3): the guess on a finer mesh."""
-    from cablemodel.kernels import entry
+    from cablemodel import library as entry
 
     count = int(block.ints[at.I_NODES])
     edges = block.array(at.O_EDGE, count, at.EDGE_WORDS)[1:]
@@ -575,6 +575,7 @@ def _fill_line(block: Block, scene: Scene, line: _Line, winch: _Winch, scale: fl
     # A start that the user would not notice: it grows fourfold a step.
     block.reals[at.S_TENSION_SCALE] = scale
     period = math.sqrt(scene.line_length / max(scene.environment.gravity, 1e-3))
+    block.reals[at.S_PERIOD] = period
     block.reals[at.S_FIRST_STEP] = 0.02 * period
     block.reals[at.S_STEP] = 1e-2 * math.sqrt(max(scene.solver.tolerance, 1e-12)) * period
     block.reals[at.S_SMALLEST_STEP] = 1e-10 * period
@@ -679,12 +680,13 @@ def _fill_positions(block: Block, line: _Line, points: FloatArray, length: float
             q[node, dimension:] = stretch * row[at.C_DIRECTION : at.C_DIRECTION + dimension]
 
 
-def _stabilise(block: Block) -> None:
+def _stabilise(block: Block) -> bool:
     """Stabilise the tangential modes by the tension found at the start, if that is larger.
 
     The scale guessed from weights is too small where a line is taut without being heavy, or
-    weightless and held by its bending stiffness.
+    weightless and held by its bending stiffness. Returns whether anything changed.
     """
+    changed = False
     nodes = int(block.ints[at.I_NODES])
     tension = float(np.max(np.abs(block.array(at.O_TENSION, nodes, 2)[:, 0])))
     for rows in (
@@ -695,7 +697,10 @@ def _stabilise(block: Block) -> None:
             if row[at.E_COMPLIANCE] > 0.0:
                 bending = 10.0 * row[at.E_BENDING_FULL] / block.reals[at.S_LENGTH] ** 2
                 wanted = max(row[at.E_STABILISATION], STABILISATION * tension, bending)
-                row[at.E_STABILISATION] = min(wanted, 1.0 / row[at.E_COMPLIANCE])
+                wanted = min(wanted, 1.0 / row[at.E_COMPLIANCE])
+                changed = changed or wanted != row[at.E_STABILISATION]
+                row[at.E_STABILISATION] = wanted
+    return changed
 
 
 def _start_flowing(block: Block, scene: Scene) -> None:
@@ -717,11 +722,11 @@ def _find_initial_state(block: Block, scene: Scene, velocity: FloatArray) -> Non
 
     ints, reals = block.ints, block.reals
     entry.place_supports(ints, reals)
+    frame = local(block, velocity, point=False)
     if scene.initial.kind != "static":
         _start_flowing(block, scene)
         entry.tension_from_stretch(ints, reals)
     else:
-        frame = local(block, velocity, point=False)
         if scene.end.kind == "anchor" and np.any(frame != 0.0):
             raise SceneError.at(
                 "initial",
@@ -738,9 +743,12 @@ def _find_initial_state(block: Block, scene: Scene, velocity: FloatArray) -> Non
                 "Check weights, ends and current, or start from initial: {straight: ...}"
             )
         entry.place_supports(ints, reals)
+    if _stabilise(block) and scene.initial.kind == "static":
+        # The new stiffness changes the forces by a little: the state must meet them.
+        entry.equilibrium(ints, reals, np.ascontiguousarray(frame))
+        entry.place_supports(ints, reals)
     for counter in (at.I_STEPS, at.I_REJECTED, at.I_FACTORISATIONS, at.I_ITERATIONS):
         ints[counter] = 0
     ints[at.I_FACTORED] = 0
-    _stabilise(block)
     if ints[at.I_HYBRID]:
         entry.choose_bending(ints, reals)

@@ -127,7 +127,7 @@ def _kernel(function: Any, kinds: tuple[str, ...]) -> Kernel:
                 if known[0] is not value:
                     known = (value, c_void_p(value.ctypes.data), c_int64(value.size))
                     last[place] = known
-                flat += known[1:]
+                flat += (known[1], known[2])
             else:
                 flat.append(value)
         result: int = function(*flat)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel.errors import CableModelError
+from cablemodel.extras import require
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,7 +24,7 @@ Floats = NDArray[np.float64]
 TIMES = 6
 """Instants at which the shape is drawn."""
 
-_STYLE: Any = {
+STYLE: Any = {
     "font.size": 9,
     "axes.labelsize": 9,
     "axes.titlesize": 9,
@@ -64,7 +65,7 @@ def save_figure(run: Run, path: str | PathLike[str], *, dpi: int = 200) -> None:
     import_matplotlib()
     import matplotlib
 
-    with matplotlib.rc_context(_STYLE):
+    with matplotlib.rc_context(STYLE):
         try:
             draw(run).savefig(path, dpi=dpi)
         except ValueError as error:
@@ -73,12 +74,7 @@ def save_figure(run: Run, path: str | PathLike[str], *, dpi: int = 200) -> None:
 
 def import_matplotlib() -> None:
     """Raise a CableModelError that says what to install, if matplotlib is missing."""
-    try:
-        import matplotlib  # noqa: F401
-    except ImportError as error:
-        raise CableModelError(
-            "figures need the package matplotlib: pip install 'cablemodel[plot]'"
-        ) from error
+    require("matplotlib", extra="plot", what="a figure")
 
 
 def draw(run: Run, *, times: int = TIMES) -> Figure:
@@ -97,7 +93,7 @@ def draw(run: Run, *, times: int = TIMES) -> Figure:
 
     if len(run.states) == 0:
         raise CableModelError("the run has no states: there is nothing to draw")
-    view = _View.of(run)
+    view = View.of(run)
     chosen = _instants(view.shape, times)
     colours = _colours(len(chosen))
     spatial = view.along is None
@@ -121,7 +117,7 @@ def draw(run: Run, *, times: int = TIMES) -> Figure:
 
 
 @dataclass(frozen=True)
-class _View:
+class View:
     """Shapes (nt, n, 3) [m] as they are drawn, and how."""
 
     shape: Floats
@@ -131,7 +127,7 @@ class _View:
     """Horizontal unit vector (2,) of the vertical plane that they stay in; None if in none."""
 
     @classmethod
-    def of(cls, run: Run) -> _View:
+    def of(cls, run: Run) -> View:
         # Nodes are the ends of cubics, not of straight lines.
         shape = run.states.resampled(max(_STATIONS, run.states.s.shape[1])).position
         top = shape[:, :1]
@@ -178,27 +174,27 @@ def _colours(count: int) -> list[Any]:
     return [viridis(value) for value in np.linspace(0.0, 0.88, max(count, 1))]
 
 
-def _draw_side(axes: Axes, view: _View, chosen: list[int], colours: list[Any]) -> None:
+def _draw_side(axes: Axes, view: View, chosen: list[int], colours: list[Any]) -> None:
     across, label = view.horizontal()
     for index, colour in zip(chosen, colours, strict=True):
         axes.plot(across[index], view.shape[index, :, 2], color=colour)
     axes.plot(across[chosen, 0], view.shape[chosen, 0, 2], "o", color="0.15", markersize=4)
     axes.set_xlabel(label)
     axes.set_ylabel("z from the tow point [m]" if view.relative else "z [m]")
-    _scale(axes)
+    scale_axes(axes)
 
 
-def _draw_plan(axes: Axes, view: _View, chosen: list[int], colours: list[Any]) -> None:
+def _draw_plan(axes: Axes, view: View, chosen: list[int], colours: list[Any]) -> None:
     for index, colour in zip(chosen, colours, strict=True):
         axes.plot(view.shape[index, :, 0], view.shape[index, :, 1], color=colour)
     axes.plot(view.shape[chosen, 0, 0], view.shape[chosen, 0, 1], "o", color="0.15", markersize=4)
     after = " from the tow point" if view.relative else ""
     axes.set_xlabel(f"x{after} [m]")
     axes.set_ylabel(f"y{after} [m]")
-    _scale(axes)
+    scale_axes(axes)
 
 
-def _scale(axes: Axes) -> None:
+def scale_axes(axes: Axes) -> None:
     """Both axes to one scale where the shape allows it; say so where it does not."""
     axes.margins(0.06)
     left, right = axes.get_xlim()
@@ -211,8 +207,8 @@ def _scale(axes: Axes) -> None:
 
 
 def _draw_top_tension(axes: Axes, run: Run, chosen: list[int], colours: list[Any]) -> None:
-    seconds, time_unit = _time_scale(run.time)
-    newtons, unit = _tension_scale(run)
+    seconds, time_unit = time_scale(run.time)
+    newtons, unit = tension_scale(run)
     axes.plot(run.time / seconds, run.top_tension / newtons, color="0.25", linewidth=1.1)
     at = run.states.time[chosen]
     values = np.interp(at, run.time, run.top_tension) / newtons
@@ -225,7 +221,7 @@ def _draw_top_tension(axes: Axes, run: Run, chosen: list[int], colours: list[Any
 
 
 def _draw_tension_along(axes: Axes, run: Run, chosen: list[int], colours: list[Any]) -> None:
-    newtons, unit = _tension_scale(run)
+    newtons, unit = tension_scale(run)
     for index, colour in zip(chosen, colours, strict=True):
         state = run.states[index]
         axes.plot(state.s, state.tension / newtons, color=colour)
@@ -234,12 +230,14 @@ def _draw_tension_along(axes: Axes, run: Run, chosen: list[int], colours: list[A
     axes.margins(x=0.03)
 
 
-def _tension_scale(run: Run) -> tuple[float, str]:
+def tension_scale(run: Run) -> tuple[float, str]:
+    """Newtons in the unit that the run's tensions are shown in, and its symbol."""
     largest = float(np.nanmax(np.abs(run.tension_max), initial=0.0))
     return (1e3, "kN") if largest >= 2e4 else (1.0, "N")
 
 
-def _time_scale(time: Floats) -> tuple[float, str]:
+def time_scale(time: Floats) -> tuple[float, str]:
+    """Seconds in the unit that a run's times are shown in, and its symbol."""
     return (3600.0, "h") if time[-1] >= 3 * 3600.0 else (1.0, "s")
 
 
@@ -247,7 +245,7 @@ def _label_times(figure: Figure, times: Floats, colours: list[Any]) -> None:
     """One key for all panels: the colours' times."""
     from matplotlib.lines import Line2D
 
-    seconds, unit = _time_scale(times)
+    seconds, unit = time_scale(times)
     handles = [Line2D([], [], linestyle="none", label="time:")]
     handles += [
         Line2D([], [], color=colour, label=f"{time / seconds:.4g} {unit}")

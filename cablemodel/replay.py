@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel import variables
+from cablemodel.compare import SAME_TIME, Difference, differences_of
 from cablemodel.errors import LogError, StepError
 from cablemodel.states import bodies_in_columns
 
@@ -27,52 +28,10 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-SAME_BITS = ("cablemodel", "git", "python", "numpy", "numba", "llvmlite", "machine", "cpu_target")
+SAME_BITS = (
+    "engine", "python", "numpy", "scipy", "numba", "llvmlite", "libc", "machine", "cpu_target",
+)  # fmt: skip
 """What must be the same for values to be the same to the last bit."""
-
-_STATE_UNITS = {
-    "position": "m", "tangent": "", "velocity": "m/s", "tension": "N", "curvature": "1/m",
-    "bending_moment": "N.m", "on_floor": "",
-}  # fmt: skip
-
-_LOOSE = {"m": 1.0, "1/m": 100.0, "N.m": 100.0}
-"""Multiples of the tolerance by unit. It is the accuracy of positions; tensions and all else are
-as accurate as 10 times it, and curvatures, being second derivatives, as 100 times it."""
-_LOOSE_OTHERWISE = 10.0
-_SAME_TIME = 2e-9
-"""Stamps are whole nanoseconds [s]."""
-
-
-@dataclass
-class Difference:
-    """The largest difference of one quantity between a log and its replay."""
-
-    name: str
-    unit: str
-    allowed: float
-    """In the quantity's unit."""
-    largest: float = 0.0
-    time: float = math.nan
-    """Where it occurred [s]."""
-    arc_length: float | None = None
-    """And at which place of the cable [m], for quantities along it."""
-
-    @property
-    def within(self) -> bool:
-        return self.largest <= self.allowed
-
-    def take(self, logged: Any, again: Any, time: float, s: Floats | None = None) -> None:
-        """Compare one sample; values that are NaN in both are equal."""
-        one, other = np.atleast_1d(np.asarray(logged, float), np.asarray(again, float))
-        off = np.abs(one - other)
-        off[np.isnan(one) & np.isnan(other) | (one == other)] = 0.0
-        off = np.where(np.isnan(off), np.inf, off)
-        worst = float(np.max(off, initial=0.0))
-        if worst > self.largest:
-            self.largest, self.time = worst, time
-            if s is not None:
-                node = np.unravel_index(int(np.argmax(off)), off.shape)[0]
-                self.arc_length = float(s[node])
 
 
 @dataclass
@@ -85,9 +44,8 @@ class Replay:
     changed: dict[str, tuple[str, str]]
     """What is not: name to what it was and what it is."""
     tolerance: float
-    """Allowed: this part of the line's length for lengths; of the largest value in the same unit,
-    a hundred times it for curvatures and moments and ten times it for all else; 0 where the values
-    must be the same to the last bit."""
+    """Allowed, see :func:`~cablemodel.compare.differences_of`; 0 where the values must be the same
+    to the last bit."""
     steps: int = 0
     samples: int = 0
     failure: str = ""
@@ -173,7 +131,7 @@ def _check_begin(run: Run, inputs: dict[str, Floats]) -> None:
         begin = float(inputs["time"][0] - inputs["step"][0])
     else:
         begin = float(run.time[0])
-    if abs(begin) > _SAME_TIME:
+    if abs(begin) > SAME_TIME:
         raise LogError(f"the log begins at t = {begin:g} s: only a run from t = 0 can be replayed")
 
 
@@ -200,28 +158,7 @@ class _Comparison:
     _along: dict[str, Difference] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        rows = {row.python: row for row in variables.outputs_of(self.run.scene)}
-        largest = {"m": self.run.scene.line_length}
-
-        def note(unit: str, values: Floats) -> None:
-            finite = np.abs(values[np.isfinite(values)])
-            if unit != "m":
-                largest[unit] = float(np.max(finite, initial=largest.get(unit, 0.0)))
-
-        for name in self.run.names:
-            note(rows[name].unit, self.run[name])
-        for state in self.run.states:
-            for name, unit in _STATE_UNITS.items():
-                note(unit, np.asarray(getattr(state, name), float))
-
-        def difference(name: str, unit: str) -> Difference:
-            loose = _LOOSE.get(unit, _LOOSE_OTHERWISE)
-            return Difference(name, unit, loose * self.tolerance * largest.get(unit, 0.0))
-
-        self._outputs = {name: difference(name, rows[name].unit) for name in self.run.names}
-        self._along = {
-            name: difference(f"state.{name}", unit) for name, unit in _STATE_UNITS.items()
-        }
+        self._outputs, self._along = differences_of(self.run, self.tolerance)
 
     @property
     def differences(self) -> list[Difference]:
@@ -250,7 +187,7 @@ class _Comparison:
 
 
 def _same(one: float, other: float) -> bool:
-    return abs(one - other) <= _SAME_TIME
+    return abs(one - other) <= SAME_TIME
 
 
 def _output(model: CableModel, name: str, logged: Any) -> Any:

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel import variables
-from cablemodel.errors import CableModelError, LogError, SceneError
+from cablemodel.cadence import Cadence, output_times
+from cablemodel.errors import LogError, SceneError
 from cablemodel.states import States, applied_values, bodies_in_columns, by_label, matrix_of
 
 if TYPE_CHECKING:
@@ -71,7 +72,8 @@ class Run:
 
     @cached_property
     def states(self) -> States:
-        """Shape, tension, ... along the cable at the output times."""
+        """Shape, tension, ... along the cable, exact, at ``states.time``: the output times, or in
+        long runs some of them."""
         return self._source.states()
 
     @cached_property
@@ -96,6 +98,10 @@ class Run:
                 raise KeyError(f"{name} is no output of this run; it has {known}")
             self._columns[name] = self._source.column(variable)
         return self._columns[name]
+
+    def variable(self, name: str) -> variables.Variable:
+        """The row of the table of variables of an output: its unit, its description, ..."""
+        return self._variables[name]
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -123,6 +129,13 @@ class Run:
         return self["tip_position"]
 
     @property
+    def max_curvature(self) -> float:
+        """Largest curvature over the cable and all output times [1/m]; NaN without any."""
+        found = self.statistics.get("max_curvature")
+        # Logs that no run wrote, or that were cut, know the curvatures of their states only.
+        return self.states.max_curvature if found is None else float(found)
+
+    @property
     def wall_time(self) -> float:
         """Computing time of the run [s]; NaN when not known."""
         return float(self.statistics.get("wall_time", math.nan))
@@ -141,7 +154,7 @@ class Run:
                 "top_tension": float(self.top_tension[-1]),
                 "tip_position": [_finite(value) for value in self.tip_position[-1]],
                 "min_tension": float(np.min(self.tension_min)),
-                "max_curvature": self.states.max_curvature,
+                "max_curvature": self.max_curvature,
             }
         else:
             names = ("time", "top_tension", "tip_position", "min_tension", "max_curvature")
@@ -151,54 +164,17 @@ class Run:
         return {key: _finite(value) for key, value in found.items()}
 
     def to_xarray(self) -> xarray.Dataset:
-        """All outputs and states as an :class:`xarray.Dataset` with units.
+        """Everything in the run as an :class:`xarray.Dataset` with units and descriptions.
 
-        Dimensions: time, axis (x, y, z), body, node. States whose number of nodes changes are at
-        evenly spaced stations (see :class:`~cablemodel.states.States`).
+        See :func:`cablemodel.dataset.dataset`. States whose number of nodes changes are at evenly
+        spaced stations (see :class:`~cablemodel.states.States`).
 
         Raises:
             CableModelError: xarray is not installed.
         """
-        try:
-            import xarray
-        except ImportError as error:
-            raise CableModelError(
-                "to_xarray needs the package xarray: pip install 'cablemodel[plot]'"
-            ) from error
-        data: dict[str, Any] = {}
-        for name in self.names:
-            variable = self._variables[name]
-            dimensions = ["time"]
-            dimensions += ["body" if length == "bodies" else "axis" for length in variable.shape]
-            attributes = {"units": variable.unit, "long_name": variable.quantity}
-            data[name.replace(".", "_")] = (dimensions, self[name], attributes)
-        for name, components in variables.STATE_FIELDS:
-            dimensions = (
-                ["output_time", "node", "axis"] if components == 3 else ["output_time", "node"]
-            )
-            data[name] = (dimensions, getattr(self.states, name), _STATE_ATTRIBUTES[name])
-        seconds = {"units": "s"}
-        return xarray.Dataset(
-            data,
-            coords={
-                "time": ("time", self.time, seconds),
-                "output_time": ("output_time", self.states.time, seconds),
-                "axis": ["x", "y", "z"],
-            },
-            attrs={"title": self.scene.title or ""},
-        )
+        from cablemodel.dataset import dataset
 
-
-_STATE_ATTRIBUTES = {
-    "s": {"units": "m", "long_name": "unstretched arc length from the vessel"},
-    "position": {"units": "m", "long_name": "position along the cable"},
-    "tangent": {"units": "1", "long_name": "unit tangent away from the vessel"},
-    "velocity": {"units": "m/s", "long_name": "velocity of the material"},
-    "tension": {"units": "N", "long_name": "tension along the cable"},
-    "curvature": {"units": "1/m", "long_name": "curvature along the cable"},
-    "bending_moment": {"units": "N.m", "long_name": "bending moment along the cable"},
-    "on_floor": {"units": "1", "long_name": "whether the node touches the floor"},
-}
+        return dataset(self)
 
 
 def _finite(value: Any) -> Any:
@@ -230,8 +206,12 @@ def simulate(
     until: float | None = None,
     progress: Callable[[Progress], None] | None = None,
     model: CableModel | None = None,
+    state_interval: float | None = None,
 ) -> Run:
     """Run a scene from its initial state to its end.
+
+    Outputs over time are at every output interval of the scene. In a long run, what is kept along
+    the cable is not (see :mod:`cablemodel.cadence`), unless ``state_interval`` says how often.
 
     Args:
         scene: what to simulate.
@@ -239,12 +219,13 @@ def simulate(
         until: end of the run [s] instead of the scene's duration.
         progress: called at every output.
         model: a model of this scene to go on with, from its present time.
+        state_interval: time between exact states [s], rounded to whole output intervals.
 
     Raises:
         StepError: a step could not be made; a log keeps what was reached.
         StaticsError, SceneError: the model cannot be made.
         LogError: the log cannot be written.
-        ValueError: ``until`` is not a positive number.
+        ValueError: ``until`` or ``state_interval`` is not a positive number.
     """
     end = scene.run.duration if until is None else float(until)
     if not (math.isfinite(end) and end > 0.0):
@@ -253,16 +234,19 @@ def simulate(
         from cablemodel.model import CableModel
 
         model = CableModel(scene)
+    times = output_times(model.time, end, scene.run.output_interval)
+    nodes = len(model.state().s)
+    cadence = Cadence.of(len(times) + 1, nodes, scene.run.output_interval, state_interval)
     if log is None:
         recorder = _Recorder(scene)
-        statistics = _advance(model, end, recorder, None, progress)
+        statistics = _advance(model, times, cadence, recorder, None, progress)
         return Run(scene, recorder, statistics=statistics)
 
     from cablemodel.log.writer import LogWriter
 
     with LogWriter(log, scene) as writer:
         try:
-            statistics = _advance(model, end, None, writer, progress)
+            statistics = _advance(model, times, cadence, None, writer, progress)
         except BaseException as error:
             reason = "interrupted" if isinstance(error, KeyboardInterrupt) else str(error)
             writer.fail(reason or type(error).__name__, dict(model.statistics))
@@ -273,47 +257,43 @@ def simulate(
 
 def _advance(
     model: CableModel,
-    end: float,
+    times: list[float],
+    cadence: Cadence,
     recorder: _Recorder | None,
     writer: LogWriter | None,
     progress: Callable[[Progress], None] | None,
 ) -> dict[str, Any]:
-    """Step a model from output to output to the end; gives its statistics."""
+    """Step a model from output to output to the last; gives its statistics."""
     begin = time.perf_counter()
+    largest = 0.0
+    last = len(times)
 
-    def output() -> None:
+    def output(index: int) -> None:
+        nonlocal largest
         state = model.state()
+        largest = max(largest, float(np.max(state.curvature)))
+        exact = index % cadence.states == 0 or index == last
+        shape = index % cadence.shapes == 0 or index == last
         if recorder is not None:
-            recorder.record(model, state)
+            recorder.record(model, state if exact else None)
         if writer is not None:
-            writer.write_outputs(model, state)
+            writer.write_outputs(model, state, exact_state=exact, shape=shape)
         if progress is not None:
             wall = time.perf_counter() - begin
-            now = Progress(model.time, end, wall, model.top_tension, dict(model.statistics))
-            progress(now)
+            until = times[-1] if times else model.time
+            progress(Progress(model.time, until, wall, model.top_tension, dict(model.statistics)))
 
-    output()
-    for target in output_times(model.time, end, model.scene.run.output_interval):
+    output(0)
+    for index, target in enumerate(times, 1):
         step = target - model.time
         model.step_to(target)
         if recorder is not None:
             recorder.record_step(model, step)
         if writer is not None:
             writer.write_step(model, step)
-        output()
-    return {**model.statistics, "wall_time": time.perf_counter() - begin}
-
-
-def output_times(start: float, end: float, interval: float) -> list[float]:
-    """Multiples of the interval after ``start``, and the end: never a sum of steps, whose
-    round-off would grow. A last step shorter than a millionth of the interval is merged."""
-    first = math.floor(start / interval * (1.0 + 1e-12)) + 1
-    times = []
-    k = first
-    while k * interval < end - 1e-6 * interval:
-        times.append(k * interval)
-        k += 1
-    return [*times, end] if end > start else times
+        output(index)
+    wall = time.perf_counter() - begin
+    return {**model.statistics, "max_curvature": largest, "wall_time": wall}
 
 
 class _Recorder:
@@ -321,6 +301,7 @@ class _Recorder:
 
     def __init__(self, scene: Scene) -> None:
         self._times: list[float] = []
+        self._state_times: list[float] = []
         self._states: list[Floats] = []
         self._inputs: list[Floats] = []
         self._values: dict[str, list[Any]] = {
@@ -329,9 +310,11 @@ class _Recorder:
             if not variable.python.startswith("state.")
         }
 
-    def record(self, model: Any, state: Any) -> None:
+    def record(self, model: Any, state: Any | None) -> None:
         self._times.append(model.time)
-        self._states.append(matrix_of(state))
+        if state is not None:
+            self._state_times.append(model.time)
+            self._states.append(matrix_of(state))
         for name, values in self._values.items():
             owner, _, attribute = name.rpartition(".")
             if owner == "bodies":
@@ -353,7 +336,7 @@ class _Recorder:
         return np.array(values, float)
 
     def states(self) -> States:
-        return States(self.times(), self._states)
+        return States(np.array(self._state_times), self._states)
 
     def applied_inputs(self) -> dict[str, Floats]:
         return by_label(self._inputs)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, overload
 
@@ -34,8 +34,12 @@ def matrix_of(state: Any) -> Floats:
     return matrix
 
 
-def applied_values(model: Any, step: float, given: Collection[str]) -> Floats:
-    """What a step applied, in the order of ``APPLIED_INPUT_LABELS``."""
+def applied_values(model: Any, step: float, given: Collection[str] | Mapping[str, Any]) -> Floats:
+    """What a step applied, in the order of ``APPLIED_INPUT_LABELS``.
+
+    ``given`` names the inputs that the caller gave. As a mapping it has their values too, which are
+    then kept rather than what evaluating the motion makes of them, a last bit of round-off away.
+    """
     values = np.full(len(APPLIED_INPUT_LABELS), np.nan)
     values[0], values[1] = model.time, step
     applied = model.applied_inputs
@@ -43,8 +47,11 @@ def applied_values(model: Any, step: float, given: Collection[str]) -> Floats:
         value = applied.get(name)
         if value is not None:
             values[place] = value
-    for name, at in _GIVEN:
-        values[at] = name in given
+    exact = given if isinstance(given, Mapping) else {}
+    for item, place, at in _GIVEN:
+        values[at] = item in given
+        if exact.get(item) is not None:
+            values[place] = exact[item]
     return values
 
 
@@ -53,7 +60,14 @@ _APPLIED = [
     for name, _ in APPLIED_INPUT_FIELDS[2:]
     if not name.endswith("_given")
 ]
-_GIVEN = [(item.python, APPLIED_INPUT_LABELS.index(f"{item.python}_given")) for item in INPUTS]
+_GIVEN = [
+    (
+        item.python,
+        span(APPLIED_INPUT_FIELDS, item.python),
+        APPLIED_INPUT_LABELS.index(f"{item.python}_given"),
+    )
+    for item in INPUTS
+]
 
 
 def by_label(rows: list[Floats]) -> dict[str, Floats]:
@@ -160,12 +174,24 @@ class States(Sequence["CableState"]):
         largest = [np.max(matrix[_ROW["curvature"]]) for matrix in self._matrices]
         return float(max(largest, default=np.nan))
 
+    def chosen(self, indices: Iterable[int]) -> States:
+        """The states of some of the times only."""
+        at = np.fromiter(indices, int)
+        matrices = self._matrices
+        return States(self.time[at], [matrices[index] for index in at])
+
     def resampled(self, stations: int) -> States:
         """The states at ``stations`` points spaced evenly in s at each time.
 
         Positions by the cubic through nodes and tangents, all else linear between nodes.
         """
-        return States(self.time, [_resampled(matrix, stations) for matrix in self._matrices])
+        return States(
+            self.time,
+            [
+                _resampled(matrix, np.linspace(matrix[0, 0], matrix[0, -1], stations))
+                for matrix in self._matrices
+            ],
+        )
 
     def _array(self, name: str) -> Floats:
         counts = {matrix.shape[1] for matrix in self._matrices}
@@ -181,9 +207,18 @@ def _field(matrix: Floats, name: str) -> Floats:
     return rows[0] if len(rows) == 1 else rows.T
 
 
-def _resampled(matrix: Floats, stations: int) -> Floats:
+def state_at(state: CableState, s: Floats) -> CableState:
+    """A state at other arc lengths (n,) [m], see :meth:`States.resampled`; beyond the ends of the
+    line it is that of the ends. The state itself where it has these arc lengths."""
+    if np.array_equal(state.s, s):
+        return state
+    inside = np.clip(s, state.s[0], state.s[-1])
+    return States(np.array([state.time]), [_resampled(matrix_of(state), inside)])[0]
+
+
+def _resampled(matrix: Floats, at: Floats) -> Floats:
+    """All rows at arc lengths (n,) within those of the nodes."""
     s = matrix[0]
-    at = np.linspace(s[0], s[-1], stations)
     result = np.stack([np.interp(at, s, row) for row in matrix])
     # A mesh may have two nodes at one s (either side of a body); the cubic needs s to increase.
     keep = np.concatenate([[True], np.diff(s) > 0.0])

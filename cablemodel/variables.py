@@ -293,8 +293,8 @@ def document() -> str:
         + ". `time` is the end of the step, values are those reached there; an input that was",
         "  neither given nor reported is NaN; `..._given` is 1 where the caller gave the input and",
         "  0 where the scene's own table drove it.",
-        f"- `{STATE_TOPIC}`, at every output: the time [s] first (`data_offset` is 1), then a",
-        "  matrix with a row for each of "
+        f"- `{STATE_TOPIC}`, at every output, or in long runs at some of them: the time [s] first",
+        "  (`data_offset` is 1), then a matrix with a row for each of "
         + ", ".join(f"`{label}`" for label in STATE_LABELS)
         + " and a column for each node from the vessel to the far end.",
         "",

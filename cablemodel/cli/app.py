@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from cablemodel.cli import check, fmu, inspect, replay, run
+from cablemodel.cli import analyse, check, differences, fmu, inspect, replay, report, run
 from cablemodel.cli.errors import show_tracebacks
 
 app = typer.Typer(
@@ -46,7 +46,12 @@ def _options(
 app.command("run")(run.run)
 app.command("check")(check.check)
 app.command("plot")(inspect.plot)
+app.command("report")(report.report)
+app.command("animate")(report.animate)
 app.command("replay")(replay.replay)
+app.command("diff")(differences.diff)
+app.command("stats")(analyse.stats)
+app.command("export")(analyse.export)
 app.command("info")(inspect.info)
 app.command("schema")(check.schema)
 app.command("fmu")(fmu.fmu)

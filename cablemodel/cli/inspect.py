@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from cablemodel.cli.errors import bad_option, reported
+
+if TYPE_CHECKING:
+    from cablemodel.run import Run
 
 RunArgument = Annotated[Path, typer.Argument(help="Log of a run (MCAP).", show_default=False)]
 
@@ -30,16 +33,9 @@ def plot(
 ) -> None:
     """Draw the shape of the cable and its tension, as for a paper."""
     from cablemodel.plot import save_figure
-    from cablemodel.run import open_run
 
-    target = output or run.with_suffix(".png")
-    if target.suffix.lower() not in _FORMATS:
-        raise bad_option("--output", f"{target} must end in .png, .pdf or .svg")
-    if not target.parent.is_dir():
-        raise bad_option("--output", f"there is no folder {target.parent}")
-    opened = open_run(run)
-    if len(opened.states) == 0:
-        raise typer.BadParameter(f"{run} holds no states: there is nothing to draw")
+    target = writable(output or run.with_suffix(".png"), _FORMATS)
+    opened = opened_with_states(run)
     save_figure(opened, target)
     say_incomplete(opened.reason)
     typer.echo(f"Picture: {target}")
@@ -94,6 +90,26 @@ def _print_info(report: dict[str, Any]) -> None:
     for channel in report["channels"]:
         channels.add_row(channel["topic"], channel["type"], f"{channel['messages']:,}")
     console.print(channels)
+
+
+def writable(target: Path, endings: tuple[str, ...]) -> Path:
+    """A file to write, after a look at its ending and folder; a wrong one is bad input."""
+    if target.suffix.lower() not in endings:
+        named = " or ".join([", ".join(endings[:-1]), endings[-1]])
+        raise bad_option("--output", f"{target} must end in {named}")
+    if not target.parent.is_dir():
+        raise bad_option("--output", f"there is no folder {target.parent}")
+    return target
+
+
+def opened_with_states(path: Path) -> Run:
+    """A run that has something to draw; one that has not is bad input."""
+    from cablemodel.run import open_run
+
+    opened = open_run(path)
+    if len(opened.states) == 0:
+        raise typer.BadParameter(f"{path} holds no states: there is nothing to draw")
+    return opened
 
 
 def say_incomplete(reason: str) -> None:

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import json
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from cablemodel.cli.errors import FAILED, bad_option, reported
+from cablemodel.cli.differences import check_tolerance, difference_report, difference_table
+from cablemodel.cli.errors import FAILED, reported
 from cablemodel.cli.inspect import RunArgument, say_incomplete
 from cablemodel.cli.run import explained_start
 
 if TYPE_CHECKING:
-    from cablemodel.replay import Difference, Replay
+    from cablemodel.replay import Replay
 
 
 @reported
@@ -36,8 +36,8 @@ def replay(
     from cablemodel.replay import replay as replayed
     from cablemodel.run import open_run
 
-    if tolerance is not None and not (math.isfinite(tolerance) and tolerance >= 0.0):
-        raise bad_option("--tolerance", f"{tolerance} is no number of at least 0")
+    if tolerance is not None:
+        check_tolerance(tolerance)
     opened = open_run(run)
     with explained_start(quiet=as_json) as started:
         result = replayed(opened, tolerance=tolerance, progress=lambda time: started())
@@ -60,52 +60,19 @@ def _report(result: Replay) -> dict[str, Any]:
         "steps": result.steps,
         "samples": result.samples,
         "changed": result.changed,
-        "differences": [_difference(item) for item in result.differences],
-    }
-
-
-def _difference(item: Difference) -> dict[str, Any]:
-    return {
-        "name": item.name,
-        "unit": item.unit,
-        "largest": item.largest if math.isfinite(item.largest) else None,
-        "allowed": item.allowed,
-        "within": item.within,
-        "time": item.time if math.isfinite(item.time) else None,
-        "arc_length": item.arc_length,
+        "differences": [difference_report(item) for item in result.differences],
     }
 
 
 def _print_report(result: Replay, path: Path) -> None:
     from rich.console import Console
-    from rich.table import Table
 
     console = Console(highlight=False)
-    table = Table(title=f"{result.samples} outputs of {result.steps} steps", title_justify="left")
-    for heading, justify in (
-        ("quantity", "left"), ("largest difference", "right"), ("allowed", "right"),
-        ("at t", "right"), ("at s", "right"), ("", "left"),
-    ):  # fmt: skip
-        table.add_column(heading, justify=justify)  # type: ignore[arg-type]
-    for item in sorted(result.differences, key=_seriousness, reverse=True):
-        table.add_row(
-            item.name,
-            f"{item.largest:.2e} {item.unit}" if item.largest else "0",
-            f"{item.allowed:.2e} {item.unit}" if item.allowed else "0",
-            "" if math.isnan(item.time) else f"{item.time:g} s",
-            "" if item.arc_length is None else f"{item.arc_length:g} m",
-            "" if item.within else "too much",
-        )
-    console.print(table)
+    title = f"{result.samples} outputs of {result.steps} steps"
+    console.print(difference_table(title, result.differences))
     for name, (before, now) in result.changed.items():
         console.print(f"{name} was {before or 'unknown'}, is {now or 'unknown'}", soft_wrap=True)
     console.print(f"{path}: {_verdict(result)}", soft_wrap=True)
-
-
-def _seriousness(item: Difference) -> float:
-    if item.largest == 0.0:
-        return 0.0
-    return item.largest / item.allowed if item.allowed > 0.0 else math.inf
 
 
 def _verdict(result: Replay) -> str:

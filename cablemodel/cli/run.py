@@ -53,6 +53,15 @@ def run(
         ),
     ] = None,
     overrides: SetOption = None,
+    state_interval: Annotated[
+        str | None,
+        typer.Option(
+            metavar="T",
+            help="Time between exact states in the log; by default the scene's output interval, "
+            "in long runs what keeps the log small.",
+            show_default=False,
+        ),
+    ] = None,
     as_json: Annotated[
         bool, typer.Option("--json", help="Print the summary as one JSON object.")
     ] = False,
@@ -63,7 +72,8 @@ def run(
     from cablemodel.scene import load_scene
 
     loaded = load_scene(scene, overrides or ())
-    end = None if until is None else _seconds(until)
+    end = None if until is None else seconds_of("--until", until)
+    interval = None if state_interval is None else seconds_of("--state-interval", state_interval)
     reached = [math.nan]
     with _progress(quiet or as_json) as show:
 
@@ -72,7 +82,9 @@ def run(
             show(now)
 
         try:
-            result = simulate(loaded, log=log, until=end, progress=progress)
+            result = simulate(
+                loaded, log=log, until=end, progress=progress, state_interval=interval
+            )
         except KeyboardInterrupt:
             typer.echo(f"cablemodel: interrupted{_kept(reached[0], log)}", err=True)
             raise typer.Exit(INTERRUPTED) from None
@@ -92,7 +104,8 @@ def _expected(error: Exception) -> bool:
     return isinstance(error, CableModelError)
 
 
-def _seconds(text: str) -> float:
+def seconds_of(option: str, text: str) -> float:
+    """A time [s] that an option gives, with or without a unit."""
     from pydantic import TypeAdapter, ValidationError
 
     from cablemodel.scene.base import Duration
@@ -100,9 +113,7 @@ def _seconds(text: str) -> float:
     try:
         return TypeAdapter(Duration).validate_python(text if _has_unit(text) else float(text))
     except (ValidationError, ValueError):
-        raise bad_option(
-            "--until", f"{text!r} is no time above 0, such as 200 or '3 min'"
-        ) from None
+        raise bad_option(option, f"{text!r} is no time above 0, such as 200 or '3 min'") from None
 
 
 def _has_unit(text: str) -> bool:

@@ -5,6 +5,8 @@ v_i = v^ + gamma dt a_i; prescribed nodes are imposed exactly in every stage. Te
 neither the error estimate nor Newton's test looks at it, but for the last stage before an output.
 """
 
+import math
+
 from .compile import inlined, kernel
 from .environment import find_piece
 from .layout import (
@@ -61,6 +63,7 @@ from .layout import (
     S_FACTORED_STEP,
     S_LAST_STEP,
     S_PAID,
+    S_PERIOD,
     S_SMALLEST_STEP,
     S_STEP,
     S_TIME,
@@ -87,16 +90,22 @@ BENDING_ON, BENDING_OFF = 0.01, 0.005  # hybrid: (EI/T)/h^2 above which bending 
 
 @kernel
 def increment_norm(I, M, x):
-    """max(|dr|, 0.3 h |dd|) over the nodes [m], and the node where it is reached."""
+    """max(|dr|, 0.3 h |dd|) over the nodes [m], and the node where it is reached.
+
+    Lengths of vectors, not of components: a run does not depend on the direction of the axes.
+    """
     dimension = I[I_DIMENSION]
     largest = 0.0
     where = 0
     for node in range(I[I_NODES]):
         h = M[I[O_EDGE] + max(node, 1) * EDGE_WORDS + E_LENGTH]
         at = 2 * dimension * node
-        size = 0.0
+        motion = 0.0
+        slope = 0.0
         for i in range(dimension):
-            size = max(size, abs(x[at + i]), SLOPE_WEIGHT * h * abs(x[at + dimension + i]))
+            motion += x[at + i] * x[at + i]
+            slope += x[at + dimension + i] * x[at + dimension + i]
+        size = math.sqrt(max(motion, (SLOPE_WEIGHT * h) ** 2 * slope))
         if not size <= largest:
             largest = size
             where = node
@@ -146,6 +155,9 @@ def solve_stage(I, M, t, gamma_dt, tolerance, to_output):
     since = 0  # iterations with a factorisation made in this stage
     growing = 0
     good = 0.02 if to_output else 0.1
+    # What is left of a stage leaves that over gamma dt in the velocity, which an undamped motion
+    # keeps: it must be small against the tolerance over a period, however short the steps are.
+    tolerance *= min(1.0, gamma_dt / (0.1 * M[S_PERIOD]))
     for iteration in range(LARGEST_ITERATIONS):
         residual(I, M, q, v, a, tension, forces, constraint)
         newton_increment(I, M, forces, constraint, x)

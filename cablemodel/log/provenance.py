@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import platform
 import subprocess
 import sys
@@ -10,6 +11,13 @@ from importlib import import_module, metadata
 from pathlib import Path
 
 _PACKAGES = ("numpy", "numba", "scipy", "llvmlite")
+
+_AROUND_THE_ENGINE = frozenset({
+    "__init__.py", "__main__.py", "analysis.py", "animate.py", "cadence.py", "cli", "columns.py",
+    "compare.py", "dataset.py", "errors.py", "export.py", "extras.py", "log", "plot.py",
+    "replay.py", "report", "run.py", "states.py", "variables.py",
+})  # fmt: skip
+"""Parts of the package that look at results and cannot change them."""
 
 
 def provenance() -> dict[str, str]:
@@ -22,11 +30,13 @@ def provenance() -> dict[str, str]:
 
     found = {
         "cablemodel": cablemodel.__version__,
+        "engine": engine_hash(),
         "python": platform.python_version(),
         "platform": platform.platform(),
         "machine": platform.machine(),
         "cpu": _cpu(),
         "cpu_target": _cpu_target(),
+        "libc": " ".join(platform.libc_ver()).strip(),
         "git": _git_revision(),
     }
     for package in _PACKAGES:
@@ -35,6 +45,20 @@ def provenance() -> dict[str, str]:
         except metadata.PackageNotFoundError:
             continue
     return {key: value for key, value in found.items() if value}
+
+
+@cache
+def engine_hash() -> str:
+    """Hash of all sources that can change a result: engine and scenes. Two logs with the same one
+    were made by the same engine, whatever else changed between their commits."""
+    root = Path(__file__).resolve().parents[1]
+    digest = hashlib.sha256()
+    for path in sorted(root.rglob("*.py")):
+        inside = path.relative_to(root)
+        if inside.parts[0] not in _AROUND_THE_ENGINE:
+            digest.update(inside.as_posix().encode())
+            digest.update(path.read_bytes().replace(b"\r\n", b"\n"))
+    return digest.hexdigest()[:16]
 
 
 @cache
@@ -50,7 +74,12 @@ def _cpu() -> str:
 
 
 def _cpu_target() -> str:
-    """Processor that the compiler compiles for; empty while no compiler is loaded."""
+    """Processor that the kernels are compiled for: that of the library made ahead of time where it
+    is used, else this one; empty while no compiler is loaded."""
+    from cablemodel import library
+
+    if library.library_path() is not None:
+        return f"{library.platform_name()} library"
     if "llvmlite" not in sys.modules:
         return ""
     return str(import_module("llvmlite.binding").get_host_cpu_name())

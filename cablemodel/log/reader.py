@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 
 from cablemodel import variables
 from cablemodel.errors import LogError
+from cablemodel.log.container import MAGIC
 from cablemodel.log.messages import typestore
 from cablemodel.log.writer import (
     METADATA_END,
@@ -34,9 +35,9 @@ from cablemodel.log.writer import (
     SOURCE_ATTACHMENT,
 )
 
-MAGIC = b"\x89MCAP0\r\n"
-
 _RECORD_HEADER = struct.Struct("<BQ")
+_CHUNK_HEAD = struct.Struct("<QQQII")
+"""First and last stamp, uncompressed size and CRC, length of the compression's name."""
 _MESSAGE_DATA = 31
 """Offset of a message's data from the start of its record."""
 _LAST_KNOWN_OPCODE = 0x0F
@@ -241,7 +242,7 @@ class LogFile:
         content = self._data[body:end]
         try:
             if opcode == Opcode.CHUNK:
-                self._chunks.append(_Chunk(Chunk.read(_stream(content)), at))
+                self._chunks.append(_Chunk(_chunk_record(content), at))
             elif opcode == Opcode.MESSAGE_INDEX:
                 self._take_index(content)
             elif opcode == Opcode.ATTACHMENT:
@@ -286,12 +287,14 @@ class LogFile:
             if self.cut:
                 raise LogError(f"{self.path} is cut off before the scene: there is nothing in it")
             raise LogError(f"{self.path} is an MCAP file, but no log of cablemodel: no scene in it")
-        version = self.metadata.get("schema_version")
+        version = self.metadata.get("schema_version", "")
         if version != SCHEMA_VERSION:
+            writer = self.metadata.get("cablemodel", "of an unknown version")
+            newer = version.isdecimal() and int(version) > int(SCHEMA_VERSION)
+            advice = "install a newer cablemodel" if newer else f"read it with cablemodel {writer}"
             raise LogError(
-                f"{self.path} has log schema version {version} (by cablemodel "
-                f"{self.metadata.get('cablemodel', 'unknown')}); this cablemodel reads version "
-                f"{SCHEMA_VERSION}"
+                f"{self.path} has log schema version {version or 'unknown'} (by cablemodel "
+                f"{writer}); this cablemodel reads version {SCHEMA_VERSION}: {advice}"
             )
 
     def _walk_chunk(self, chunk: _Chunk) -> dict[int, NDArray[np.uint64]]:
@@ -333,6 +336,24 @@ class LogFile:
 
     def _corrupt(self, at: int, problem: str) -> LogError:
         return LogError(f"{self.path} is damaged at byte {at}: {problem}")
+
+
+def _chunk_record(content: memoryview) -> Chunk:
+    """A chunk whose data stay where they are: most are never read, and none is copied."""
+    first, last, size, crc, length = _CHUNK_HEAD.unpack_from(content)
+    start = _CHUNK_HEAD.size + length + 8
+    compression = str(content[_CHUNK_HEAD.size : start - 8], "utf-8")
+    data = content[start:]
+    if len(data) != int.from_bytes(content[start - 8 : start], "little"):
+        raise ValueError("its length is not that of its data")
+    return Chunk(
+        compression=compression,
+        data=data,  # type: ignore[arg-type]  # what reads it takes any buffer
+        message_end_time=last,
+        message_start_time=first,
+        uncompressed_crc=crc,
+        uncompressed_size=size,
+    )
 
 
 _NO_STAMPS = np.empty(0, np.uint64)

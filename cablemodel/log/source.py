@@ -41,11 +41,20 @@ class LogSource:
         self.log = log
 
     def times(self) -> Floats:
-        """Output times (n,) [s]: exact where states were logged along, else to a nanosecond."""
+        """Output times (n,) [s]: exact where a step ended or a state was logged then, else to a
+        nanosecond."""
         stamps = self.log.stamps(variables.OUTPUTS[0].resolved_topic)
-        if np.array_equal(stamps, self.log.stamps(_STATE)):
-            return self.state_times
-        return 1e-9 * (stamps - self.log.epoch).astype(np.float64)
+        times = 1e-9 * (stamps - self.log.epoch).astype(np.float64)
+        exact = stamps == self.log.epoch
+        for topic in (_INPUTS, _STATE):
+            known = self.log.stamps(topic)
+            if len(known) and not np.all(exact):  # states are read only if steps do not suffice
+                at = np.minimum(np.searchsorted(known, stamps), len(known) - 1)
+                found = known[at] == stamps
+                values = self.state_times if topic == _STATE else self.log.first_floats(topic)
+                times[found] = values[at[found]]
+                exact |= found
+        return times
 
     @cached_property
     def state_times(self) -> Floats:

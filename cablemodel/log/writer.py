@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import threading
 import time
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from contextlib import suppress
 from os import PathLike
 from pathlib import Path
@@ -42,8 +42,10 @@ CHUNK_BYTES = 64 * 1024
 CHUNK_SIMULATED_SECONDS = 1.0
 CHUNK_WALL_SECONDS = 1.0
 
-_RECORD_OVERHEAD = 31
-"""Bytes of an MCAP message record before its data."""
+VALUES, SHAPES, STATES = "values", "shapes", "states"
+"""Groups of channels with chunks of their own, in the order of the file: who reads the tension over
+time of a long log does not read its states along, and a log that is cut between two chunks lacks
+states of outputs rather than outputs of states."""
 
 # As rosbag2 writes it for a publisher with the default profile (metadata version 9, ROS 2 Jazzy).
 _QOS = yaml.safe_dump(
@@ -82,7 +84,7 @@ class LogWriter:
     def __init__(
         self, path: str | PathLike[str], scene: Scene, *, epoch: int | None = None
     ) -> None:
-        from mcap.writer import CompressionType, Writer
+        from cablemodel.log.container import Container
 
         self.path = Path(path)
         self.epoch = int(time.time()) * 1_000_000_000 if epoch is None else int(epoch)
@@ -90,25 +92,20 @@ class LogWriter:
             self._file = self.path.open("wb")
         except OSError as error:
             raise LogError(f"cannot write the log {self.path}: {error.strerror}") from error
-        # Chunks are closed here, by all three limits, so the library's own limit is out of reach.
-        self._mcap: Any = Writer(  # partly without types
-            self._file,
-            chunk_size=2**62,
-            compression=CompressionType.ZSTD,
-            enable_crcs=True,
-            enable_data_crcs=True,
-        )
         self._messages = Messages()
         self._topics = variables.topics_of(scene)
+        self._topics_over_time = [topic for topic in self._topics if topic not in _GROUPS]
         self._channels: dict[str, int] = {}
-        self._sequence: dict[str, int] = {}
         self._lock = threading.Lock()
         self._failure: OSError | None = None
         self._closed = False
-        self._pending_bytes = 0
+        self._pending_bytes = 0  # of the largest open chunk
         self._pending_since = 0.0
         self._chunk_start = 0
         try:
+            self._mcap = Container(
+                self._file, profile="ros2", library=f"cablemodel {_package_version()}"
+            )
             self._begin(scene)
         except OSError as error:
             self._close_file()
@@ -121,7 +118,6 @@ class LogWriter:
 
     def _begin(self, scene: Scene) -> None:
         """Header, scene and versions, and the channels of everything that may follow."""
-        self._mcap.start(profile="ros2", library=f"cablemodel {_package_version()}")
         self._attach(SCENE_ATTACHMENT, scene.to_yaml())
         if scene.source_text is not None:
             self._attach(SOURCE_ATTACHMENT, scene.source_text)
@@ -141,48 +137,45 @@ class LogWriter:
         every = {**self._topics, _INPUTS: variables.ARRAY, _STATE: variables.ARRAY}
         for topic, message in every.items():
             if message not in schemas:
-                schemas[message] = self._mcap.register_schema(
+                schemas[message] = self._mcap.add_schema(
                     message, "ros2msg", definition(message).encode()
                 )
-            self._channels[topic] = self._mcap.register_channel(
+            self._channels[topic] = self._mcap.add_channel(
                 topic,
                 "cdr",
                 schemas[message],
                 {"offered_qos_profiles": _QOS, "topic_type_hash": type_hash(message)},
+                _GROUPS.get(topic, VALUES),
             )
-        self._sequence = dict.fromkeys(every, 0)
 
     def _attach(self, name: str, text: str) -> None:
-        self._mcap.add_attachment(
-            create_time=self.epoch,
-            log_time=self.epoch,
-            name=name,
-            media_type="application/yaml",
-            data=text.encode(),
-        )
+        self._mcap.attach(self.epoch, name, "application/yaml", text.encode())
 
     def stamp(self, simulated_time: float) -> int:
         """Time stamp [ns] of a simulated time [s]."""
         return self.epoch + round(simulated_time * 1e9)
 
-    def write_step(self, model: CableModel, step: float, given: Collection[str] = ()) -> None:
+    def write_step(
+        self, model: CableModel, step: float, given: Collection[str] | Mapping[str, Any] = ()
+    ) -> None:
         """Log what the step that was just made applied.
 
         Args:
             model: the model after the step.
             step: length of the step [s].
-            given: names of the inputs that the caller gave to ``step`` (the others came from the
-                scene); replay gives the same ones again.
+            given: the inputs that the caller gave to ``step`` (the others came from the scene), by
+                name; replay gives the same ones again. For an exact replay, with their values.
         """
         values = applied_values(model, step, given)
-        with self._lock:
-            stamp = self.stamp(model.time)
-            self._begin_sample(stamp)
-            self._put(_INPUTS, stamp, self._messages.applied_inputs(values))
-            self._end_sample()
+        self.write(self.stamp(model.time), [(_INPUTS, self._messages.applied_inputs(values))])
 
     def write_outputs(
-        self, model: CableModel, state: CableState | None = None, *, exact_state: bool = True
+        self,
+        model: CableModel,
+        state: CableState | None = None,
+        *,
+        exact_state: bool = True,
+        shape: bool = True,
     ) -> None:
         """Log all outputs of the table and the exact state at the model's time.
 
@@ -191,19 +184,40 @@ class LogWriter:
             state: ``model.state()`` if the caller has it already.
             exact_state: False leaves out the state in 64-bit floats, most of a log's size, for
                 outputs more frequent than states are wanted.
+            shape: False leaves out the shape for viewers, most of what is then left.
         """
         if state is None:
             state = model.state()
-        time_now = model.time
-        stamp = self.stamp(time_now)
-        messages = self._messages
+        stamp = self.stamp(model.time)
+        topics = self._topics if shape else self._topics_over_time
+        found = encode_outputs(self._messages, topics, stamp, model, state)
+        if exact_state:
+            found.append((_STATE, self._messages.state(model.time, state)))
+        self.write(stamp, found)
+
+    def write(self, stamp: int, messages: Iterable[tuple[str, bytes]]) -> None:
+        """Log messages that are serialised already, all of one time.
+
+        Args:
+            stamp: their time [ns], see :meth:`stamp`.
+            messages: topics of this log (``~`` may stand for the node's name) and CDR bytes.
+        """
         with self._lock:
             self._begin_sample(stamp)
-            for topic in self._topics:
-                self._put(topic, stamp, _ENCODE[topic](messages, stamp, model, state))
-            if exact_state:
-                self._put(_STATE, stamp, messages.state(time_now, state))
+            for topic, data in messages:
+                self._put(variables.resolved(topic), stamp, data)
             self._end_sample()
+
+    def attach(self, name: str, media_type: str, data: bytes) -> None:
+        """Attach a file, such as the state that this log begins at."""
+        with self._lock:
+            self._mcap.attach(self.epoch, name, media_type, data)
+
+    def flush(self) -> None:
+        """Hand all that was written to the operating system: no kill of this process loses it."""
+        with self._lock:
+            if self._pending_bytes and not self._closed:
+                self._flush()
 
     def close(self, statistics: Mapping[str, Any] | None = None) -> None:
         """Finish the file of a run that went to its end; ``statistics`` are kept with it."""
@@ -230,7 +244,7 @@ class LogWriter:
             self.fail(str(error) or type(error).__name__)
 
     def _begin_sample(self, stamp: int) -> None:
-        """Close the chunk if this sample would make it longer than a simulated second."""
+        """Close the chunks if this sample would make them longer than a simulated second."""
         if self._closed:
             raise LogError(f"the log {self.path} is closed")
         if self._failure is not None:
@@ -242,19 +256,17 @@ class LogWriter:
             self._pending_since = time.monotonic()
 
     def _put(self, topic: str, stamp: int, data: bytes) -> None:
-        sequence = self._sequence[topic]
-        self._mcap.add_message(self._channels[topic], stamp, data, stamp, sequence)
-        self._sequence[topic] = sequence + 1
-        self._pending_bytes += len(data) + _RECORD_OVERHEAD
+        size = self._mcap.add_message(self._channels[topic], stamp, data)
+        self._pending_bytes = max(self._pending_bytes, size)
 
     def _end_sample(self) -> None:
         if self._pending_bytes >= CHUNK_BYTES:
             self._flush()
 
     def _flush(self) -> None:
-        """Close the chunk and hand it to the operating system."""
+        """Close the chunks and hand them to the operating system."""
         try:
-            self._mcap.flush()
+            self._mcap.close_chunks()
         except OSError as error:
             self._failure = error
             raise self._write_error(error) from error
@@ -284,7 +296,7 @@ class LogWriter:
         try:
             if self._failure is not None:
                 raise self._failure
-            self._mcap.flush()
+            self._mcap.close_chunks()
             self._mcap.add_metadata(METADATA_END, end)
             self._mcap.finish()
         except OSError as error:
@@ -303,12 +315,26 @@ class LogWriter:
 _CHUNK_NANOSECONDS = round(CHUNK_SIMULATED_SECONDS * 1e9)
 _INPUTS = variables.resolved(variables.APPLIED_INPUTS_TOPIC)
 _STATE = variables.resolved(variables.STATE_TOPIC)
+_GROUPS = {
+    _STATE: STATES,
+    **{row.resolved_topic: SHAPES for row in variables.OUTPUTS if row.message == variables.CLOUD},
+}
 
 _Encode = Callable[[Messages, int, Any, Any], bytes]
 
 
 def _float64(name: str) -> _Encode:
     return lambda messages, stamp, model, state: messages.float64(getattr(model, name))
+
+
+def encode_outputs(
+    messages: Messages, topics: Iterable[str], stamp: int, model: CableModel, state: CableState
+) -> list[tuple[str, bytes]]:
+    """Messages of output topics (the table's or resolved names) of a model at a stamp [ns]."""
+    return [
+        (topic, _ENCODE[variables.resolved(topic)](messages, stamp, model, state))
+        for topic in topics
+    ]
 
 
 def _encoders() -> dict[str, _Encode]:

@@ -1,4 +1,4 @@
-"""Build the shared libraries: ``python -m cablemodel_fmu.build [linux64 win64 ...]``.
+"""Build the shared libraries: ``python -m cablemodel_fmu.build [native linux64 win64 ...]``.
 
 The kernels' LLVM module becomes object code for each platform (llvmlite), and is linked with the
 FMI functions in c/ by the Zig tool chain, which cross-compiles from any machine. What is built is
@@ -21,7 +21,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from cablemodel.library import BINARIES, PREFIX, kernel_hash
+from cablemodel.library import BINARIES, PREFIX, kernel_hash, platform_name
 from cablemodel_fmu.c_layout import header
 from cablemodel_fmu.intermediate import kernel_module
 
@@ -236,6 +236,12 @@ def main(names: list[str]) -> None:
     def progress(line: str) -> None:
         print(f"cablemodel: {line}", file=sys.stderr, flush=True)  # noqa: T201
 
+    own = platform_name()
+    if names == ["native"]:
+        if own is None:
+            progress("there is no library for this machine: numba compiles the kernels")
+            return
+        names = [own]
     unknown = sorted(set(names) - set(PLATFORMS))
     if unknown:
         sys.exit(f"unknown: {', '.join(unknown)}; there are {', '.join(PLATFORMS)}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from cablemodel_fmu.signals import Signal
 
@@ -28,6 +28,12 @@ LOG_CATEGORIES = {
     "logStatusDiscard": "steps that could not be made, and why",
     "logEvents": "instantiation, initialization, termination",
     "logAll": "everything",
+}
+
+_START: dict[str, Callable[[float], str]] = {
+    "Real": repr,
+    "Boolean": lambda value: "true" if value else "false",
+    "Enumeration": lambda value: str(int(value)),
 }
 
 VESSEL_INPUT = (
@@ -145,11 +151,7 @@ def _variable(parent: ElementTree.Element, signal: Signal) -> None:
         if signal.minimum is not None:
             attributes["min"] = repr(signal.minimum)
     if signal.start is not None:
-        attributes["start"] = {
-            "Real": repr,
-            "Boolean": lambda value: "true" if value else "false",
-            "Enumeration": lambda value: str(int(value)),
-        }[signal.kind](signal.start)
+        attributes["start"] = _START[signal.kind](signal.start)
     ElementTree.SubElement(element, signal.kind, attributes)
 
 

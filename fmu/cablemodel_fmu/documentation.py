@@ -83,7 +83,7 @@ def licences() -> dict[str, bytes]:
 
 
 def osp_description(signals: Sequence[Signal]) -> bytes:
-    """The ports of the Open Simulation Platform (OSP-IS 1.0): force out, velocity in at the tow point.
+    """Ports for the Open Simulation Platform (OSP-IS): force out, velocity in at the tow point.
 
     Only names that the FMU has are written.
     """
@@ -91,9 +91,7 @@ def osp_description(signals: Sequence[Signal]) -> bytes:
     ElementTree.register_namespace("", _OSP)
     root = ElementTree.Element(f"{{{_OSP}}}OspModelDescription", {"version": "1.0"})
     groups = ElementTree.SubElement(root, f"{{{_OSP}}}VariableGroups")
-    port = ElementTree.SubElement(
-        groups, f"{{{_OSP}}}LinearMechanicalPort", {"name": "tow point"}
-    )
+    port = ElementTree.SubElement(groups, f"{{{_OSP}}}LinearMechanicalPort", {"name": "tow point"})
     _group(port, "Force", "cable force on the vessel", "force.top", names)
     _group(port, "LinearVelocity", "vessel velocity", "vessel.velocity", names)
     _group(groups, "LinearDisplacement", "vessel position", "vessel.position", names)

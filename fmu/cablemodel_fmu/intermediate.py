@@ -13,7 +13,6 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-import re
 import subprocess
 import sys
 from collections.abc import Callable
@@ -34,74 +33,6 @@ PORTABLE = {
 Optimising is left to the build, once for all entry points together: numba would do it for each one
 with all that it calls, which makes a library half as large again, and no faster.
 """
-
-ALLOWED_SYMBOLS = frozenset(
-    [
-        "sin",
-        "cos",
-        "tan",
-        "asin",
-        "acos",
-        "atan",
-        "atan2",
-        "exp",
-        "log",
-        "sqrt",
-        "hypot",
-        "pow",
-        "memcpy",
-        "memmove",
-        "memset",
-    ]
-)
-"""What kernels may ask of the C library."""
-
-_NO_SYMBOL = frozenset(
-    [
-        "fabs",
-        "copysign",
-        "smax",
-        "smin",
-        "umax",
-        "umin",
-        "abs",
-        "ctpop",
-        "ctlz",
-        "cttz",
-        "fshl",
-        "minnum",
-        "maxnum",
-        "sqrt",
-        "lifetime",
-        "assume",
-        "uadd",
-        "usub",
-        "umul",
-        "sadd",
-        "ssub",
-        "smul",
-        "vector",
-        "masked",
-    ]
-)
-"""LLVM intrinsics that compile to instructions."""
-
-
-def external_symbols(assembly: str) -> set[str]:
-    """Names that a module takes from outside; an intrinsic counts as the function it may become."""
-    import llvmlite.binding as llvm
-
-    module = llvm.parse_assembly(assembly)
-    names = {g.name for g in module.global_variables if g.is_declaration}
-    for function in module.functions:
-        if not function.is_declaration:
-            continue
-        intrinsic = re.fullmatch(r"llvm\.([a-z0-9]+)(\..*)?", function.name)
-        if intrinsic is None:
-            names.add(function.name)
-        elif intrinsic[1] not in _NO_SYMBOL:
-            names.add(intrinsic[1])
-    return names
 
 
 def native_module(dispatchers: dict[str, Any]) -> tuple[str, dict[str, list[str]]]:

@@ -70,7 +70,7 @@ class Coefficient:
 
 def inputs(starts: list[float]) -> list[Signal]:
     """vessel.velocity, vessel.position, payout.rate, current.velocity: references 0 to 9."""
-    signals = []
+    signals: list[Signal] = []
     for item in INPUTS:
         names = [item.fmu.replace("[i]", f"[{i}]") for i in (1, 2, 3)] if item.shape else [item.fmu]
         for name in names:
@@ -204,7 +204,7 @@ def coefficients(scene: Scene, block: Block) -> list[Coefficient]:
 
 def body_rows(scene: Scene, block: Block) -> list[int]:
     """Rows of the block's body table in the order of body[1], body[2], ...: from the vessel
-    outwards as if all were out, so that the drum's, which come off nearest the vessel, are first."""
+    outwards as if all were out, so that the drum's, which come off near the vessel, are first."""
     items = _items(block)
     line = [row for row, item in enumerate(items) if item < len(scene.line)]
     drum = [row for row, item in enumerate(items) if item >= len(scene.line)]
@@ -220,7 +220,7 @@ def _items(block: Block) -> list[int]:
 
 
 def _identifier(name: str) -> str:
-    """A cable type's name as FMI's structured names allow it: quoted unless it is an identifier."""
+    """A cable type's name in FMI's structured names: quoted unless it is an identifier."""
     if re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name):
         return name
     return "'" + re.sub(r"['\\]", "_", name) + "'"

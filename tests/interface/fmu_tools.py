@@ -8,11 +8,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-from cablemodel_fmu.export import export_fmu
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 
 import cablemodel as cm
+from cablemodel_fmu.export import export_fmu
 
 CABLE = {
     "diameter": 0.01666,
@@ -71,8 +71,16 @@ def unpacked(scene, folder: Path, **options) -> Iterator[tuple[Path, object]]:
 class Slave:
     """An instance, by the names of its variables; messages are collected."""
 
-    def __init__(self, place: Path, description: object, *, start: float = 0.0,
-                 begin: bool = True, logging: bool = False, **values) -> None:
+    def __init__(
+        self,
+        place: Path,
+        description: object,
+        *,
+        start: float = 0.0,
+        begin: bool = True,
+        logging: bool = False,
+        **values,
+    ) -> None:
         self.messages: list[tuple[int, str]] = []
         self.description = description
         self.references = {v.name: v for v in description.modelVariables}

@@ -98,7 +98,7 @@ ECOS = """
 import ctypes, json, sys
 from importlib.metadata import files
 (tbb,) = [f for f in files("tbb") if f.name == "libtbb.so.12"]
-ctypes.CDLL(str(tbb.locate()), ctypes.RTLD_GLOBAL)  # ecospy is linked with it, but does not bring it
+ctypes.CDLL(str(tbb.locate()), ctypes.RTLD_GLOBAL)  # ecospy needs it, but does not bring it
 from ecospy import EcosSimulation, EcosSimulationStructure
 folder, dt, steps = sys.argv[1], float(sys.argv[2]), int(sys.argv[3])
 with EcosSimulationStructure() as structure:
@@ -126,7 +126,7 @@ def test_ecos_couples_it_to_a_vessel(folder):
 
 
 def test_ports_for_the_open_simulation_platform(folder):
-    """Written next to the FMU under the name by which libcosim looks for it; the FMU has them all."""
+    """Next to the FMU, under the name by which libcosim looks for it; the FMU has them all."""
     from fmpy import read_model_description
 
     description = read_model_description(str(folder / "cable.fmu"))

@@ -5,6 +5,7 @@ Windows' runs under Wine, that of Linux on ARM under QEMU; that of macOS is buil
 libc6-arm64-cross).
 """
 
+import json
 import os
 import platform
 import re
@@ -15,11 +16,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cablemodel_fmu.build import SOURCES, build, compile_c
 from fmpy import extract, read_model_description
 
 import cablemodel as cm
 from cablemodel.library import BINARIES, kernel_hash
+from cablemodel_fmu.build import SOURCES, build, compile_c
 from cablemodel_fmu.export import export_fmu
 
 pytestmark = [
@@ -41,13 +42,14 @@ QEMU = shutil.which("qemu-aarch64") or shutil.which("qemu-aarch64-static")
 ARM = Path("/usr/aarch64-linux-gnu")
 
 # C library functions that the libraries may use. Kernels: tests/unit/test_kernel_symbols.py.
-ALLOWED = set(
-    """sin cos sincos pow hypot sqrt floor fabs atan2 exp log
-    malloc calloc free memcpy memmove memset memcmp bcmp strlen strcmp strncmp strcpy
-    fopen fclose fread fseek ftell snprintf vsnprintf""".split()
-)
+ALLOWED = {
+    *("sin", "cos", "sincos", "pow", "hypot", "sqrt", "floor", "fabs", "atan2", "exp", "log"),
+    *("malloc", "calloc", "free", "memcpy", "memmove", "memset", "memcmp", "bcmp"),
+    *("strlen", "strcmp", "strncmp", "strcpy", "snprintf", "vsnprintf"),
+    *("fopen", "fclose", "fread", "fseek", "ftell"),
+}
 # What the linker adds for the start and end of every library.
-LOADER = set("__cxa_finalize __gmon_start__ _ITM_deregisterTMCloneTable".split())
+LOADER = {"__cxa_finalize", "__gmon_start__", "_ITM_deregisterTMCloneTable"}
 LOADER |= {"_ITM_registerTMCloneTable", "dyld_stub_binder", "__stack_chk_fail"}
 DARWIN_NAMES = {"__sincos_stret", "bzero", "__bzero", "memset_pattern16"}
 EXPORTS = {"fmi2Instantiate", "fmi2DoStep", "fmi2SetFMUstate", "cablemodel_step"}
@@ -187,8 +189,6 @@ def test_a_build_gives_the_same_file_again(tmp_path):
 
 
 def test_libraries_belong_to_the_kernels():
-    import json
-
     for name in ("linux64", "win64", "darwin64", "aarch64-linux"):
         about = json.loads((BINARIES / name / "library.json").read_text())
         assert about["kernels"] == kernel_hash()

@@ -213,9 +213,10 @@ def _with_model(still, tmp_path, data: bytes):
         (resources / "model.bin").write_bytes(data)
         try:
             slave = Slave(place, description)
-        except (FMICallException, Exception) as error:  # fmpy raises a bare Exception
-            assert "nstantiate" in str(error) or "Initialization" in str(error), error
-            return False
+        except Exception as error:  # fmpy raises nothing more special
+            if "instantiate" in str(error) or "Initialization" in str(error):
+                return False
+            raise
         for dt in (0.01, 0.5):
             try:
                 slave.step(dt)

@@ -32,7 +32,9 @@ def test_every_output_is_compared(still):
     slave = Slave(place, description)
     from fmu_tools import python_outputs
 
-    names = {n for name in python_outputs(cm.CableModel(scene), STATIONS) for n in slave.names(name)}
+    names = {
+        n for name in python_outputs(cm.CableModel(scene), STATIONS) for n in slave.names(name)
+    }
     assert names == {v.name for v in description.modelVariables if v.causality == "output"}
     slave.close()
 
@@ -153,7 +155,7 @@ def test_input_derivatives_give_the_value_at_the_end_of_the_step(still):
 
 def test_coefficients_set_before_the_start_are_those_of_the_scene(still):
     """A coefficient changed in the FMU gives the equilibrium of a scene that has it."""
-    scene, place, description = still
+    _scene, place, description = still
     weight = 3.5
     slave = Slave(
         place,

@@ -1,5 +1,6 @@
 """FMU states: saved, restored, moved to another process; many instances; threads."""
 
+import shutil
 import subprocess
 import sys
 import threading
@@ -129,6 +130,15 @@ def test_states_that_are_not_whole_are_refused(still, tmp_path):
     before = slave.get("end.position").tobytes()
     slave.fmu.setFMUstate(slave.fmu.deSerializeFMUstate(bytes(good)))
     assert slave.get("end.position").tobytes() == before
+    slave.close()
+
+
+def test_a_folder_with_a_strange_name(still, tmp_path):
+    """The resource location is a URI: spaces and letters beyond ASCII are escaped in it."""
+    place = tmp_path / "båt & kabel #1 %20"
+    shutil.copytree(still[0], place)
+    slave = Slave(place, still[1])
+    slave.step(0.1)
     slave.close()
 
 

@@ -242,7 +242,8 @@ def test_a_chunk_lasts_at_most_one_simulated_second(
     cm.simulate(simple_scene, log=path, model=swinging_cable(simple_scene))
     with path.open("rb") as file:
         chunks = [r for r in StreamReader(file, emit_chunks=True).records if isinstance(r, Chunk)]
-    assert len(chunks) == 9  # samples every 0.3 s: four fit into a second
+    # Samples every 0.3 s: four fit into a second; values, shapes and states have their own chunks.
+    assert len(chunks) == 3 * 9
     assert all(c.message_end_time - c.message_start_time < 1_000_000_000 for c in chunks)
     assert all(c.compression == "zstd" and c.uncompressed_crc != 0 for c in chunks)
 
@@ -317,7 +318,7 @@ def test_statistics_and_indexes_close_the_file(log: Path) -> None:
     assert summary.statistics.message_count == sum(cm.open_run(log)._source.log.counts().values())
     assert summary.statistics.message_start_time == EPOCH
     assert summary.statistics.message_end_time == EPOCH + 600_000_000
-    assert len(summary.chunk_indexes) == 1
+    assert len(summary.chunk_indexes) == 3
     assert [index.name for index in summary.metadata_indexes] == ["cablemodel", "cablemodel_end"]
     assert summary.attachment_indexes[0].name == "scene.yaml"
     assert any(isinstance(record, MessageIndex) for record in records)

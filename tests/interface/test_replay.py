@@ -68,6 +68,9 @@ def test_a_run_driven_by_its_caller_replays_to_the_last_bit(tmp_path: Path) -> N
                 inputs["vessel_velocity"] = random.uniform(-0.5, 0.5, 3).tolist()
             if k % 4 == 1:
                 inputs["current"] = [0.1, 0.2, 0.0]
+            if k % 5 == 1:
+                drift = random.uniform(-1e-3, 1e-3, 3)
+                inputs["vessel_position"] = (model.vessel_position + drift).tolist()
             model.step(step, **inputs)
             writer.write_step(model, step, given=inputs)
             writer.write_outputs(model, exact_state=k % 5 == 0)

@@ -11,11 +11,12 @@ from mcap.reader import make_reader
 
 import cablemodel as cm
 from cablemodel import variables
+from cablemodel.cadence import output_times
 from cablemodel.log.reader import LogFile
 from cablemodel.log.writer import LogWriter
 from cablemodel.replay import replay
-from cablemodel.run import Progress, Run, output_times
-from cablemodel.scene import Scene
+from cablemodel.run import Progress, Run
+from cablemodel.scene import Scene, load_scene
 
 SUMMARY = [
     "time", "top_tension", "tip_position", "min_tension", "max_curvature",
@@ -230,23 +231,36 @@ def test_outputs_at_other_times_than_states(
     assert run.states.position.shape == (3, 9, 3)
 
 
-def test_to_xarray_has_units_and_equal_values(log: Path) -> None:
+def test_to_xarray_has_everything_with_units_and_equal_values(log: Path) -> None:
     pytest.importorskip("xarray")
     run = cm.open_run(log)
     data = run.to_xarray()
-    assert data["top_tension"].attrs["units"] == "N"
+    assert data["top_tension"].attrs == {"units": "N", "long_name": "tension at the tow point"}
     assert same(data["top_tension"].values, run.top_tension)
     assert data["top_force"].dims == ("time", "axis")
     assert data["bodies_position"].dims == ("time", "body", "axis")
     assert same(data["position"].sel(axis="z").values, run.states.position[..., 2])
     assert float(data["tip_position"].sel(axis="x", time=10.0)) == run.tip_position[-1, 0]
+    assert same(data["applied_vessel_velocity"].sel(axis="x").values,
+                run.applied_inputs["vessel_velocity.x"])  # fmt: skip
+    assert data["applied_payout_rate"].attrs["units"] == "m/s"
+    assert data["applied_payout_rate_given"].dtype == bool
+    outputs = {name.replace(".", "_") for name in run.names}
+    fields = {name for name, _ in variables.STATE_FIELDS}
+    inputs = {f"applied_{name}" for name, _ in variables.APPLIED_INPUT_FIELDS if name != "time"}
+    assert set(data.data_vars) == outputs | fields | inputs
+    for name in [*data.data_vars, "time", "state_time", "step_time"]:
+        assert data[name].attrs["units"], name
+        assert data[name].attrs["long_name"], name
+    assert load_scene(data.attrs["scene"]) == run.scene
+    assert data.attrs["complete"] == "yes"
 
 
 def test_to_xarray_without_xarray_says_what_to_install(
     log: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(__import__("sys").modules, "xarray", None)
-    with pytest.raises(cm.CableModelError, match=r"cablemodel\[plot\]"):
+    with pytest.raises(cm.CableModelError, match=r"cablemodel\[export\]"):
         cm.open_run(log).to_xarray()
 
 
@@ -258,7 +272,8 @@ def test_a_file_cut_at_any_byte_gives_all_before_the_last_flush(log: Path, tmp_p
     full = cm.open_run(log)
     chunks = LogFile(log)._chunks
     ends = [chunk.offset + 9 + _length(whole, chunk.offset) for chunk in chunks]
-    samples = [len(chunk.indexes[1]) for chunk in chunks]
+    samples = [len(chunk.indexes.get(1, ())) for chunk in chunks]
+    assert sum(samples) == len(full.time)
     with log.open("rb") as file:
         summary = make_reader(file).get_summary()
     assert summary is not None
@@ -321,7 +336,7 @@ def test_zeros_at_the_end_are_a_cut_file(log: Path, tmp_path: Path) -> None:
     path.write_bytes(whole[: chunks[3].offset] + bytes(5000))
     run = cm.open_run(path)
     assert not run.complete
-    assert len(run.time) == sum(len(chunk.indexes[1]) for chunk in chunks[:3])
+    assert len(run.time) == sum(len(chunk.indexes.get(1, ())) for chunk in chunks[:3]) > 0
 
 
 def test_no_file_another_file_and_an_empty_file_are_clear_errors(tmp_path: Path) -> None:
@@ -354,5 +369,32 @@ def test_a_log_by_another_schema_version_is_a_clear_error(
     path = tmp_path / "run.mcap"
     monkeypatch.setattr("cablemodel.log.writer.SCHEMA_VERSION", "99")
     LogWriter(path, simple_scene).close()
-    with pytest.raises(cm.LogError, match="schema version 99"):
+    with pytest.raises(cm.LogError, match=r"schema version 99 .*install a newer cablemodel"):
         cm.open_run(path)
+    monkeypatch.setattr("cablemodel.log.writer.SCHEMA_VERSION", "0")
+    LogWriter(path, simple_scene).close()
+    with pytest.raises(cm.LogError, match=r"schema version 0 .*read it with cablemodel \d"):
+        cm.open_run(path)
+
+
+def test_a_log_may_have_fewer_states_than_outputs(
+    simple_scene: Scene, swinging_cable: Any, tmp_path: Path
+) -> None:
+    """Every fourth output and the last have states; all values over time are there and exact."""
+    path = tmp_path / "run.mcap"
+    full = cm.simulate(simple_scene, model=swinging_cable(simple_scene))
+    memory = cm.simulate(simple_scene, model=swinging_cable(simple_scene), state_interval=1.2)
+    model = swinging_cable(simple_scene)
+    run = cm.simulate(simple_scene, log=path, model=model, state_interval=1.2)
+    for thin in (run, memory):
+        assert same(thin.time, full.time)
+        assert same(thin.states.time, np.append(full.time[:-1:4], full.time[-1]))
+        for name in full.names:
+            assert same(thin[name], full[name])
+        assert thin.summary()["max_curvature"] == full.states.max_curvature
+    assert same_states(run, memory)
+    result = replay(run, make_model=swinging_cable, tolerance=0.0)
+    assert result.exact
+    assert result.samples == len(full.time)
+    with pytest.raises(ValueError, match="state_interval"):
+        cm.simulate(simple_scene, model=swinging_cable(simple_scene), state_interval=0.0)

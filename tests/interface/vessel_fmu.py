@@ -6,6 +6,7 @@ import zipfile
 from pathlib import Path
 
 import numpy as np
+
 from cablemodel_fmu.build import SOURCES, compile_c
 
 NAMES = [

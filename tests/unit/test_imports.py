@@ -12,23 +12,37 @@ import pytest
 import cablemodel
 
 PACKAGE = Path(cablemodel.__file__).parent
-HEAVY = ["numba", "pint", "matplotlib", "mcap", "rosbags", "typer", "rich", "scipy", "pandas"]
+HEAVY = [
+    "numba",
+    "pint",
+    "matplotlib",
+    "mcap",
+    "rosbags",
+    "typer",
+    "rich",
+    "scipy",
+    "pandas",
+    "plotly",
+]
 
 # Layers from the inside out: a module may import from its own layer and from those before it.
 LAYERS = (
-    ("cablemodel.errors",),
+    ("cablemodel.errors", "cablemodel.extras"),
     ("cablemodel.kernels",),
+    ("cablemodel.library",),
     ("cablemodel.scene",),
     ("cablemodel.block",),
     ("cablemodel.mesh",),
     ("cablemodel.instance",),
     ("cablemodel.model",),
     ("cablemodel.variables",),
-    ("cablemodel.states",),
+    ("cablemodel.states", "cablemodel.cadence"),
     ("cablemodel.log",),
-    ("cablemodel.run",),
+    ("cablemodel.run", "cablemodel.columns", "cablemodel.dataset"),
+    ("cablemodel.compare",),
     ("cablemodel.replay",),
-    ("cablemodel.plot", "cablemodel.report"),
+    ("cablemodel.plot", "cablemodel.analysis", "cablemodel.export"),
+    ("cablemodel.animate", "cablemodel.report"),
     ("cablemodel.cli", "cablemodel.__main__"),
 )
 

@@ -5,11 +5,12 @@ import math
 
 import numba
 import pytest
-from cablemodel_fmu import intermediate
 from numba import float64, int64
 
 from cablemodel.kernels.compile import INTEGERS, OPTIONS, REALS
 from cablemodel.kernels.entry import ENTRY_POINTS
+from cablemodel_fmu import intermediate
+from cablemodel_fmu.symbols import ALLOWED_SYMBOLS, external_symbols
 
 
 @pytest.fixture(scope="module")
@@ -28,8 +29,8 @@ def test_every_entry_point_is_compiled(module):
 
 @pytest.mark.slow
 def test_kernels_call_nothing_but_the_mathematics_library(module):
-    symbols = intermediate.external_symbols(module[0])
-    assert symbols <= intermediate.ALLOWED_SYMBOLS
+    symbols = external_symbols(module[0])
+    assert symbols <= ALLOWED_SYMBOLS
     assert "sin" in symbols  # an arc of the vessel's path: the whole call tree is in the module
 
 
@@ -38,7 +39,7 @@ def _symbols(function):
     dispatcher.entry_signature = int64(INTEGERS, REALS, float64)
     assembly, arguments = intermediate.native_module({"probe": dispatcher})
     assert arguments == {"probe": ["block", "float64"]}
-    return intermediate.external_symbols(assembly)
+    return external_symbols(assembly)
 
 
 def test_a_kernel_that_leaves_the_allowed_functions_is_noticed():
@@ -46,7 +47,7 @@ def test_a_kernel_that_leaves_the_allowed_functions_is_noticed():
         reals[0] = math.gamma(x)
         return 0
 
-    assert _symbols(kernel) - intermediate.ALLOWED_SYMBOLS
+    assert _symbols(kernel) - ALLOWED_SYMBOLS
 
 
 def test_a_kernel_that_prints_is_noticed():
@@ -54,7 +55,7 @@ def test_a_kernel_that_prints_is_noticed():
         print(x)  # noqa: T201
         return 0
 
-    assert _symbols(kernel) - intermediate.ALLOWED_SYMBOLS
+    assert _symbols(kernel) - ALLOWED_SYMBOLS
 
 
 def test_a_kernel_that_uses_trigonometry_is_allowed():
@@ -64,4 +65,4 @@ def test_a_kernel_that_uses_trigonometry_is_allowed():
 
     symbols = _symbols(kernel)
     assert {"sin", "hypot"} <= symbols
-    assert symbols <= intermediate.ALLOWED_SYMBOLS
+    assert symbols <= ALLOWED_SYMBOLS

@@ -232,7 +232,6 @@ def test_numerical_damping_of_an_undamped_swing_falls_with_the_order_of_the_sche
         losses.append((start - stored(model)) / (0.5 * GRAVITY))
         record_property(f"damping at {tolerance:g}", losses[-1])
     assert (np.array(losses) > 0.0).all(), losses
-    assert losses[0] < 1e-4
     assert losses[0] / losses[2] > 10.0**1.5
 
 

@@ -26,9 +26,10 @@ def rotation(angle, mirror=False):
     return matrix @ np.diag([1.0, -1.0, 1.0]) if mirror else matrix
 
 
-def spatial_run(matrix, shift=(0.0, 0.0, 0.0), boost=(0.0, 0.0, 0.0)):
+def spatial_run(matrix, shift=(0.0, 0.0, 0.0), boost=None):
     """Ends, middles and forces of a run in three dimensions, seen in the turned frame."""
-    shift, boost = np.asarray(shift, float), np.asarray(boost, float)
+    shift = np.asarray(shift, float)
+    added = np.zeros(3) if boost is None else np.asarray(boost, float)
 
     def turned(vector):
         return [float(x) for x in matrix @ np.asarray(vector)]
@@ -41,15 +42,15 @@ def spatial_run(matrix, shift=(0.0, 0.0, 0.0), boost=(0.0, 0.0, 0.0)):
             tolerance=1e-3,
             current={
                 "table": [
-                    {"z": z + shift[2], "velocity": turned(np.add(v, boost))} for z, v in CURRENT
+                    {"z": z + shift[2], "velocity": turned(np.add(v, added))} for z, v in CURRENT
                 ]
             },
             vessel={
                 "position": [float(x) for x in shift],
-                "velocity": [{"t": t, "velocity": turned(np.add(v, boost))} for t, v in VESSEL],
+                "velocity": [{"t": t, "velocity": turned(np.add(v, added))} for t, v in VESSEL],
             },
             initial={"points": [[float(x) for x in np.add(turned(p), shift)] for p in START]}
-            if not boost.any()
+            if boost is None
             else "static",
         )
     )
@@ -95,13 +96,16 @@ def test_run_does_not_depend_on_the_origin(unturned, shift):
 @settings(max_examples=6, deadline=None, derandomize=True)
 @given(speed=st.floats(-2.0, 2.0, allow_nan=False), angle=angles)
 def test_run_does_not_depend_on_the_speed_of_the_frame(speed, angle):
-    """Vessel and water with a common velocity more: Galileo. Starts are static in each frame."""
-    plain = spatial_run(np.eye(3), boost=(1e-300, 0.0, 0.0))
+    """Vessel and water with a common velocity more: Galileo. The run starts from statics.
+
+    Those are iterated to 1e-8 of the length, from a start that the boost shifts by rounding: 1e-7.
+    """
+    plain = spatial_run(np.eye(3), boost=(0.0, 0.0, 0.0))
     boost = (speed * np.cos(angle), speed * np.sin(angle), 0.0)
     moving = spatial_run(np.eye(3), boost=boost)
-    assert moving[:, :6] == pytest.approx(plain[:, :6], abs=1e-10 * LENGTH)
+    assert moving[:, :6] == pytest.approx(plain[:, :6], abs=1e-7 * LENGTH)
     largest = np.abs(plain[:, 6:]).max()
-    assert moving[:, 6:] == pytest.approx(plain[:, 6:], abs=1e-8 * largest)
+    assert moving[:, 6:] == pytest.approx(plain[:, 6:], abs=1e-5 * largest)
 
 
 def planar_run(angle, *, planar=None):

@@ -74,7 +74,8 @@ def test_cantilever():
     errors = [
         frequencies(beam(n, 0.0, clamped_start=True, anchor=False), 2) - expected for n in (8, 16)
     ]
-    assert observed_order(errors) == pytest.approx(4.0, abs=0.3)
+    # The first one is right to rounding already: EA = 1e9 beside frequencies of 1.
+    assert observed_order(errors)[1] == pytest.approx(4.0, abs=0.3)
     assert errors[1] / expected == pytest.approx(0.0, abs=1e-5)
 
 
@@ -87,7 +88,7 @@ def test_tensioned_beam(clamped):
         - expected
         for n in (8, 16)
     ]
-    assert observed_order(errors) == pytest.approx(4.0, abs=0.3)
+    assert observed_order(errors)[1] == pytest.approx(4.0, abs=0.3)
     assert errors[1] / expected == pytest.approx(0.0, abs=5e-5)
 
 

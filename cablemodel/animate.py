@@ -1,0 +1,215 @@
+"""A film of a run: the moving cable, coloured by tension, over its top tension."""
+
+from __future__ import annotations
+
+import shutil
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cablemodel.errors import CableModelError
+from cablemodel.plot import STYLE, View, import_matplotlib, scale_axes, tension_scale, time_scale
+
+if TYPE_CHECKING:
+    from matplotlib.animation import AbstractMovieWriter
+    from matplotlib.axes import Axes
+
+    from cablemodel.run import Run
+
+SHORTEST, USUAL, LONGEST = 4.0, 20.0, 600.0
+"""Length of a film [s]: of a short run and of a long one if not said, and at most."""
+
+_SIZE, _DPI = (7.2, 5.4), 140
+"""[inch], [1/inch]; both sides must be even numbers of pixels."""
+
+
+def save_animation(
+    run: Run, path: str | PathLike[str], *, seconds: float | None = None, fps: int = 20
+) -> None:
+    """Write a film of a run as MP4 or GIF, by the file's ending.
+
+    Args:
+        run: a run with states.
+        path: file to write.
+        seconds: how long the film is [s]; by default the run's own time, at least 4, at most 20.
+        fps: pictures per second.
+
+    Raises:
+        CableModelError: matplotlib or the writer of the format is missing, the run has no states,
+            or no such format.
+        OSError: the file cannot be written.
+        ValueError: ``seconds`` or ``fps`` is out of range.
+    """
+    import_matplotlib()
+    import matplotlib
+    from matplotlib.figure import Figure
+
+    if len(run.states) == 0:
+        raise CableModelError("the run has no states: there is nothing to animate")
+    span = float(run.states.time[-1] - run.states.time[0])
+    length = min(max(span, SHORTEST), USUAL) if seconds is None else seconds
+    if not (0.0 < length <= LONGEST and fps >= 1):
+        raise ValueError(f"a film of {length} s at {fps} pictures per second cannot be made")
+    target = Path(path)
+    settings: Any = {**STYLE, **_ffmpeg_path(target)}
+    with matplotlib.rc_context(settings):
+        writer = _writer(target, fps)
+        film = _Film(run)
+        times = np.linspace(run.states.time[0], run.states.time[-1], max(2, round(length * fps)))
+        # The writers draw a whole figure for every picture. Theirs holds nothing but an image:
+        # axes and labels are drawn once, which makes a film ten times as quick.
+        screen = Figure(figsize=_SIZE, dpi=_DPI)
+        picture = screen.figimage(film.picture(float(times[0])))
+        with writer.saving(screen, str(target), _DPI):
+            for time in times:
+                picture.set_data(film.picture(float(time)))
+                writer.grab_frame()
+
+
+def _ffmpeg_path(target: Path) -> dict[str, str]:
+    """Where ffmpeg is: the system's, or else that of the package imageio-ffmpeg."""
+    if target.suffix.lower() != ".mp4":
+        return {}
+    found = shutil.which("ffmpeg")
+    if found is None:
+        try:
+            import imageio_ffmpeg
+
+            found = imageio_ffmpeg.get_ffmpeg_exe()
+        except (ImportError, RuntimeError) as error:
+            raise CableModelError(
+                "films in MP4 need ffmpeg: install it, or pip install 'cablemodel[plot]'; "
+                "a GIF needs neither"
+            ) from error
+    return {"animation.ffmpeg_path": str(found)}
+
+
+def _writer(target: Path, fps: int) -> AbstractMovieWriter:
+    from matplotlib.animation import FFMpegWriter, PillowWriter
+
+    ending = target.suffix.lower()
+    if ending == ".gif":
+        return PillowWriter(fps=fps)
+    if ending == ".mp4":
+        # Players on phones and in browsers want this pixel format.
+        options = ["-pix_fmt", "yuv420p", "-crf", "20", "-preset", "veryfast"]
+        return FFMpegWriter(fps=fps, codec="libx264", extra_args=options)
+    raise CableModelError(f"cannot write {target}: a film ends in .mp4 or .gif")
+
+
+class _Film:
+    """The figure of a film, and how to move it."""
+
+    def __init__(self, run: Run) -> None:
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+
+        self._run = run
+        self._view = View.of(run)
+        self._newtons, self._unit = tension_scale(run)
+        self._seconds, self._hours = time_scale(run.states.time)
+        stations = self._view.shape.shape[1]
+        self._tension = run.states.resampled(stations).tension / self._newtons
+        across, label = self._view.horizontal()
+        height = self._view.shape[..., 2]
+        spatial = self._view.along is None
+
+        figure = Figure(figsize=_SIZE, dpi=_DPI, layout="constrained")
+        self._canvas: Any = cast(Any, FigureCanvasAgg(figure))  # its methods have no types
+        grid = figure.add_gridspec(2, 2 if spatial else 1, height_ratios=(2.4, 1.0))
+        side = figure.add_subplot(grid[0, 0])
+        below = "z from the tow point [m]" if self._view.relative else "z [m]"
+        self._panels = [_Panel(side, across, height, self._tension, label, below)]
+        if spatial:
+            plan = figure.add_subplot(grid[0, 1])
+            after = " from the tow point" if self._view.relative else ""
+            north = self._view.shape[..., 1]
+            self._panels.append(_Panel(plan, across, north, self._tension, label, f"y{after} [m]"))
+        figure.colorbar(
+            self._panels[0].cable,
+            ax=[panel.axes for panel in self._panels],
+            label=f"tension [{self._unit}]",
+            aspect=30,
+            pad=0.02,
+        )
+        self._top = figure.add_subplot(grid[1, :])
+        self._draw_top_tension()
+        self._title = figure.suptitle(" ", fontsize=10, x=0.01, ha="left", animated=True)
+        self._canvas.draw()
+        self._still = self._canvas.copy_from_bbox(figure.bbox)
+
+    def _draw_top_tension(self) -> None:
+        run = self._run
+        time = run.time / self._seconds
+        self._top.plot(time, run.top_tension / self._newtons, color="0.25", linewidth=1.1)
+        self._top.set_xlabel(f"time [{self._hours}]")
+        self._top.set_ylabel(f"top tension [{self._unit}]")
+        self._top.margins(x=0.0)
+        self._now = self._top.axvline(time[0], color="#d1495b", linewidth=1.2, animated=True)
+
+    def picture(self, time: float) -> NDArray[np.uint8]:
+        """Everything at a time [s], (height, width, 4); shapes are linear between outputs."""
+        times = self._run.states.time
+        right = int(np.clip(np.searchsorted(times, time), 1, max(len(times) - 1, 1)))
+        left = right - 1
+        right = min(right, len(times) - 1)
+        step = times[right] - times[left]
+        part = (time - times[left]) / step if step > 0.0 else 0.0
+        for panel in self._panels:
+            panel.show(left, right, part)
+        self._now.set_xdata([time / self._seconds])
+        title = self._run.scene.title or "Cable"
+        self._title.set_text(f"{title}   ·   t = {time / self._seconds:.2f} {self._hours}")
+        self._canvas.restore_region(self._still)
+        for panel in self._panels:
+            panel.draw()
+        self._top.draw_artist(self._now)
+        self._canvas.figure.draw_artist(self._title)
+        return np.asarray(self._canvas.buffer_rgba())
+
+
+class _Panel:
+    """A view of the cable from one side."""
+
+    def __init__(
+        self, axes: Axes, across: Any, up: Any, tension: Any, horizontal: str, vertical: str
+    ) -> None:
+        import matplotlib
+        from matplotlib.collections import LineCollection
+        from matplotlib.colors import LinearSegmentedColormap
+
+        self.axes = axes
+        self._points = np.stack([across, up], axis=-1)
+        self._tension = tension
+        # Without the palest part, which is hard to see on white.
+        plasma = matplotlib.colormaps["plasma"](np.linspace(0.0, 0.82, 256))
+        colours = LinearSegmentedColormap.from_list("tension", plasma)
+        self.cable = LineCollection(
+            [], cmap=colours, linewidths=2.6, capstyle="round", animated=True
+        )
+        low, high = float(np.min(tension)), float(np.max(tension))
+        self.cable.set_clim(low, max(high, low + 1e-9))
+        axes.add_collection(self.cable)
+        (self._top,) = axes.plot([], [], "s", color="0.15", markersize=5, animated=True)
+        # Invisible points hold the limits, which must not move with the cable.
+        edges = self._points.reshape(-1, 2)
+        axes.plot(*np.stack([edges.min(axis=0), edges.max(axis=0)]).T, alpha=0.0)
+        axes.set_xlabel(horizontal)
+        axes.set_ylabel(vertical)
+        axes.margins(0.06)
+        scale_axes(axes)
+
+    def show(self, left: int, right: int, part: float) -> None:
+        points = (1.0 - part) * self._points[left] + part * self._points[right]
+        tension = (1.0 - part) * self._tension[left] + part * self._tension[right]
+        self.cable.set_segments(list(np.stack([points[:-1], points[1:]], axis=1)))
+        self.cable.set_array((tension[:-1] + tension[1:]) / 2)
+        self._top.set_data(points[:1, 0], points[:1, 1])
+
+    def draw(self) -> None:
+        """Draw what moves, onto what stands still."""
+        self.axes.draw_artist(self.cable)
+        self.axes.draw_artist(self._top)

@@ -1,0 +1,235 @@
+"""``cablemodel stats`` and ``cablemodel export``: a run in numbers, and in other formats."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from cablemodel.cli.errors import FAILED, bad_option, reported
+from cablemodel.cli.inspect import RunArgument, say_incomplete
+from cablemodel.cli.run import seconds_of
+
+if TYPE_CHECKING:
+    from cablemodel.analysis import Cycles, Statistic
+    from cablemodel.run import Run
+
+_WIDEST = 8
+"""Characters of a number in the table."""
+_TABLES = ("outputs", "states", "inputs")
+
+
+@reported
+def stats(
+    run: RunArgument,
+    after: Annotated[
+        str | None,
+        typer.Option(metavar="T", help="Leave out what is before this time.", show_default=False),
+    ] = None,
+    before: Annotated[
+        str | None,
+        typer.Option(metavar="T", help="Leave out what is after this time.", show_default=False),
+    ] = None,
+    slope: Annotated[
+        float, typer.Option(help="Slope of the fatigue curve, for the equivalent range.")
+    ] = 3.0,
+    intercept: Annotated[
+        float | None,
+        typer.Option(
+            help="Cycles to failure at a range of the reference: N = intercept (range / "
+            "reference)^-slope. Gives damage and life of the top tension.",
+            show_default=False,
+        ),
+    ] = None,
+    reference: Annotated[
+        float, typer.Option(help="Reference of the fatigue curve [N], such as the breaking load.")
+    ] = 1.0,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+) -> None:
+    """Extremes of all outputs, and spectrum, cycles and fatigue of the top tension."""
+    from cablemodel.run import open_run
+
+    for name, value in (("--slope", slope), ("--reference", reference), ("--intercept", intercept)):
+        if value is not None and not (math.isfinite(value) and value > 0.0):
+            raise bad_option(name, f"{value} is no number above 0")
+    begin = -math.inf if after is None else seconds_of("--after", after)
+    end = math.inf if before is None else seconds_of("--before", before)
+    opened = open_run(run)
+    report = _report(opened, begin, end, slope, intercept, reference)
+    if as_json:
+        typer.echo(json.dumps(_for_json(report)))
+    else:
+        say_incomplete(opened.reason)
+        _print_report(report)
+
+
+@reported
+def export(
+    run: RunArgument,
+    output: Annotated[
+        Path,
+        typer.Option(
+            "--output", "-o", help="File to write: .nc, .csv or .parquet.", show_default=False
+        ),
+    ],
+    table: Annotated[
+        str | None,
+        typer.Option(
+            help="What a .csv or .parquet holds: outputs (default), states or inputs; a .nc file "
+            "holds all.",
+            show_default=False,
+        ),
+    ] = None,
+) -> None:
+    """Write a run to NetCDF, CSV or Parquet."""
+    from cablemodel.export import FORMATS
+    from cablemodel.export import export as written
+    from cablemodel.run import open_run
+
+    ending = output.suffix.lower()
+    if ending not in FORMATS:
+        raise bad_option("--output", f"{output} must end in {', '.join(FORMATS)}")
+    if not output.parent.is_dir():
+        raise bad_option("--output", f"there is no folder {output.parent}")
+    if table is not None and table not in _TABLES:
+        raise bad_option("--table", f"{table} is none of {', '.join(_TABLES)}")
+    if table is not None and ending == ".nc":
+        raise bad_option("--table", "a .nc file holds all tables")
+    opened = open_run(run)
+    say_incomplete(opened.reason)
+    written(opened, output, table=table or "outputs")  # type: ignore[arg-type]  # checked above
+    typer.echo(f"{output} ({output.stat().st_size / 1e6:.2f} MB)")
+
+
+def _report(
+    run: Run, begin: float, end: float, slope: float, intercept: float | None, reference: float
+) -> dict[str, Any]:
+    from cablemodel import analysis
+
+    try:
+        found = analysis.statistics(run, after=begin, before=end)
+    except ValueError as error:
+        typer.echo(f"cablemodel: {error}", err=True)
+        raise typer.Exit(FAILED) from None
+    inside = (run.time >= begin) & (run.time <= end)
+    time, tension = run.time[inside], run.top_tension[inside]
+    counted = analysis.cycles(tension)
+    span = float(time[-1] - time[0])
+    report: dict[str, Any] = {
+        "from": float(time[0]),
+        "to": float(time[-1]),
+        "outputs": len(time),
+        "statistics": found,
+        "spectrum": None,
+        "fatigue": _fatigue(counted, span, slope, intercept, reference),
+    }
+    if len(time) >= 32:
+        density = analysis.spectrum(time, tension)
+        report["spectrum"] = {
+            "significant": density.significant,
+            "peak_period": density.peak_period,
+            "zero_crossing_period": density.zero_crossing_period,
+        }
+    return report
+
+
+def _fatigue(
+    counted: Cycles, span: float, slope: float, intercept: float | None, reference: float
+) -> dict[str, Any]:
+    from cablemodel import analysis
+
+    found = {
+        "cycles": float(counted.count.sum()),
+        "largest_range": float(counted.range[0]) if len(counted.range) else 0.0,
+        "slope": slope,
+        # Of one cycle a second, as is usual.
+        "equivalent_range_1_hz": analysis.equivalent_range(counted, slope, span) if span else 0.0,
+    }
+    if intercept is not None:
+        curve = analysis.FatigueCurve(intercept, slope, reference)
+        damage = analysis.damage(counted, curve)
+        found["damage"] = damage
+        found["life_years"] = span / damage / analysis.YEAR if damage else math.inf
+    return found
+
+
+def _for_json(report: dict[str, Any]) -> dict[str, Any]:
+    """The same with what JSON has: no objects, None for what is not finite."""
+    rows = [
+        {"name": row.name, "unit": row.unit, "quantity": row.quantity, **asdict(row.extremes)}
+        for row in report["statistics"]
+    ]
+    cleaned: dict[str, Any] = _finite({**report, "statistics": rows})
+    return cleaned
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _print_report(report: dict[str, Any]) -> None:
+    from rich.box import SIMPLE_HEAD
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console(highlight=False)
+    title = f"{report['outputs']} outputs from {report['from']:g} to {report['to']:g} s"
+    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
+    table.add_column("quantity", no_wrap=True)
+    for heading in ("unit", "mean", "std", "min", "at t [s]", "max", "at t [s]"):
+        table.add_column(heading, justify="left" if heading == "unit" else "right")
+    constant = []
+    for row in report["statistics"]:
+        if row.extremes.minimum < row.extremes.maximum:
+            table.add_row(*_row(row))
+        else:
+            unit = "" if row.unit == "1" else f" {row.unit}"
+            constant.append(f"{row.name} {_number(row.extremes.mean)}{unit}")
+    console.print(table)
+    if constant:
+        console.print(f"constant: {', '.join(constant)}", soft_wrap=True, markup=False)
+    spectrum, fatigue = report["spectrum"], report["fatigue"]
+    if spectrum is not None:
+        console.print(
+            f"top tension: significant range {spectrum['significant']:.4g} N, peak period "
+            f"{_number(spectrum['peak_period'])} s",
+            soft_wrap=True,
+        )
+    console.print(
+        f"top tension: {fatigue['cycles']:g} cycles, largest range {fatigue['largest_range']:.4g} "
+        f"N; as one cycle a second {fatigue['equivalent_range_1_hz']:.4g} N (slope "
+        f"{fatigue['slope']:g})",
+        soft_wrap=True,
+    )
+    if "damage" in fatigue:
+        life = fatigue["life_years"]
+        console.print(
+            f"top tension: fatigue damage {fatigue['damage']:.3g}, "
+            + (f"a life of {life:.3g} years of this" if math.isfinite(life) else "no end of life"),
+            soft_wrap=True,
+        )
+
+
+def _row(row: Statistic) -> list[str]:
+    from rich.markup import escape
+
+    e = row.extremes
+    values = (
+        e.mean, e.standard_deviation, e.minimum, e.time_of_minimum, e.maximum, e.time_of_maximum,
+    )  # fmt: skip
+    return [escape(row.name), "" if row.unit == "1" else row.unit, *map(_number, values)]
+
+
+def _number(value: float) -> str:
+    if not math.isfinite(value):
+        return ""
+    text = f"{value + 0.0:.4g}"
+    return text if len(text) <= _WIDEST else f"{value:.2g}"

@@ -1,0 +1,73 @@
+"""``cablemodel report`` and ``cablemodel animate``: show a run to others."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from cablemodel.cli.errors import bad_option, reported
+from cablemodel.cli.inspect import RunArgument, opened_with_states, say_incomplete, writable
+
+
+@reported
+def report(
+    run: RunArgument,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            help="File to write: .html; by default the run's name with .html.",
+            show_default=False,
+        ),
+    ] = None,
+) -> None:
+    """Write a run as one web page: moving shape, tension, curvature, inputs, extremes, scene."""
+    from cablemodel.report import save_report
+
+    target = writable(output or run.with_suffix(".html"), (".html", ".htm"))
+    opened = opened_with_states(run)
+    try:
+        save_report(opened, target)
+    except OSError as error:
+        raise bad_option("--output", f"{target} cannot be written: {error.strerror}") from error
+    say_incomplete(opened.reason)
+    typer.echo(f"Report: {target} ({target.stat().st_size / 1e6:.1f} MB)")
+
+
+@reported
+def animate(
+    run: RunArgument,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            help="File to write: .mp4 or .gif; by default the run's name with .mp4.",
+            show_default=False,
+        ),
+    ] = None,
+    seconds: Annotated[
+        float | None,
+        typer.Option(
+            help="How long the film is [s]; by default the run's own time, at least 4, at most 20.",
+            show_default=False,
+        ),
+    ] = None,
+    fps: Annotated[int, typer.Option(min=1, max=60, help="Pictures per second.")] = 20,
+) -> None:
+    """Write a run as a film of the moving cable and its top tension."""
+    from cablemodel.animate import LONGEST, save_animation
+
+    target = writable(output or run.with_suffix(".mp4"), (".mp4", ".gif"))
+    if seconds is not None and not 0.0 < seconds <= LONGEST:
+        raise bad_option("--seconds", f"{seconds} is not above 0 and at most {LONGEST:g}")
+    opened = opened_with_states(run)
+    try:
+        save_animation(opened, target, seconds=seconds, fps=fps)
+    except OSError as error:
+        raise bad_option("--output", f"{target} cannot be written: {error.strerror}") from error
+    say_incomplete(opened.reason)
+    typer.echo(f"Film: {target} ({target.stat().st_size / 1e6:.1f} MB)")

@@ -1,0 +1,228 @@
+"""The flat charts of the page, as plotly figures (plain dictionaries)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cablemodel.report.samples import Along, Field, thinned
+
+if TYPE_CHECKING:
+    from cablemodel.run import Run
+
+Floats = NDArray[np.float64]
+Figure = dict[str, Any]
+
+INK = "#1f2a37"
+GRID = "#e6eaee"
+COLOURS = ("#1f5fa8", "#d1495b", "#2a9d6f", "#8a6bbf")
+"""Told apart by the colour-blind, and readable on white."""
+TENSION_SCALE = [
+    [0.0, "#0d0887"], [0.125, "#41049d"], [0.25, "#6a00a8"], [0.375, "#8f0da4"],
+    [0.5, "#b12a90"], [0.625, "#cc4778"], [0.75, "#e16462"], [0.875, "#f2844b"], [1.0, "#fca636"],
+]  # fmt: skip
+"""Plasma without its palest part, which is hard to see on white."""
+NOW = "now"
+"""Name of the traces that the page moves with time."""
+
+_SATURATED = 0.995
+_PEAKED = 2.0
+"""Colours end at this quantile where the largest value is more than so many times it."""
+_ZERO = 1e-9
+_NOTABLE = 0.02
+"""The highest tension is drawn where it is above the top tension by this part of the largest."""
+
+
+def base_layout() -> dict[str, Any]:
+    """What all figures share."""
+    return {
+        "font": {"family": "system-ui, -apple-system, 'Segoe UI', Roboto, sans-serif",
+                 "size": 12, "color": INK},
+        "paper_bgcolor": "rgba(0,0,0,0)",
+        "plot_bgcolor": "rgba(0,0,0,0)",
+        "showlegend": False,
+        "hoverlabel": {"font": {"size": 12}},
+        "colorway": list(COLOURS),
+        "modebar": {"bgcolor": "rgba(255,255,255,0.7)", "color": "#9aa5b1", "activecolor": INK},
+    }  # fmt: skip
+
+
+def axis_style() -> dict[str, Any]:
+    return {
+        "gridcolor": GRID, "zerolinecolor": "#cfd6dd", "linecolor": "#9aa5b1",
+        "tickfont": {"size": 11},
+    }  # fmt: skip
+
+
+def _over_time(time: Floats, hours: str, y: str, **more: Any) -> dict[str, Any]:
+    """Layout of a chart over time: all of them span the run, so that they can be zoomed as one."""
+    layout = _layout(f"time [{hours}]", y, **more)
+    if time[-1] > time[0]:
+        layout["xaxis"]["range"] = [float(time[0]), float(time[-1])]
+    return layout
+
+
+def _layout(x: str, y: str, **more: Any) -> dict[str, Any]:
+    return {
+        **base_layout(),
+        "margin": {"l": 58, "r": 14, "t": 10, "b": 40},
+        "xaxis": {**axis_style(), "title": _title(x), "showline": True, "ticks": "outside"},
+        "yaxis": {**axis_style(), "title": _title(y), "showline": True, "automargin": True},
+        "hovermode": "x unified",
+        **more,
+    }
+
+
+def _title(text: str) -> dict[str, Any]:
+    return {"text": text, "font": {"size": 12}, "standoff": 6}
+
+
+def _legend() -> dict[str, Any]:
+    return {
+        "showlegend": True,
+        "legend": {"orientation": "h", "x": 0, "y": 1.0, "yanchor": "bottom",
+                   "font": {"size": 11}, "bgcolor": "rgba(0,0,0,0)"},
+        "margin": {"l": 58, "r": 14, "t": 34, "b": 40},
+    }  # fmt: skip
+
+
+def _curve(time: Floats, values: Floats, name: str, **line: Any) -> dict[str, Any]:
+    kept = thinned(values)
+    return {
+        "type": "scatter", "mode": "lines", "name": name, "x": time[kept], "y": values[kept],
+        "line": {"width": 1.6, **line},
+        "hovertemplate": "%{y:.5g}",
+    }  # fmt: skip
+
+
+def top_tension(run: Run, seconds: float, hours: str, newtons: float, unit: str) -> Figure:
+    """Tension at the tow point over time, with the extremes along the cable where they differ."""
+    time, top = run.time / seconds, run.top_tension / newtons
+    highest, lowest = run.tension_max / newtons, run.tension_min / newtons
+    traces = []
+    if np.max(highest - top) > _NOTABLE * np.max(np.abs(highest)):
+        traces.append(_curve(time, highest, "highest along the cable", color=COLOURS[1], width=1))
+    traces.append(_curve(time, top, "at the tow point", color=COLOURS[0], width=2))
+    traces.append(_curve(time, lowest, "lowest along the cable", color="#8a97a5", width=1))
+    layout = _over_time(time, hours, f"tension [{unit}]", **_legend())
+    return {"data": traces, "layout": layout}
+
+
+def profile(along: Along, field: Field, label: str, colour: str, scale: float) -> Figure:
+    """A quantity along the cable: its range over the run, and a curve for the page to move."""
+    lower, upper = field.lower / scale, field.upper / scale
+    edge = {"type": "scatter", "mode": "lines", "x": along.s, "hovertemplate": "%{y:.4g}"}
+    shade = {"width": 0.8, "color": "#b9c3cd"}
+    traces = [
+        {**edge, "y": lower, "name": "lowest of the run", "line": shade},
+        {**edge, "y": upper, "name": "highest of the run", "line": shade,
+         "fill": "tonexty", "fillcolor": "rgba(154,165,177,0.22)"},
+        {**edge, "y": field.values[0] / scale, "name": NOW,
+         "line": {"width": 2.2, "color": colour}},
+    ]  # fmt: skip
+    return {"data": traces, "layout": _layout("arc length from the vessel [m]", label)}
+
+
+def heat_map(
+    along: Along, field: Field, label: str, seconds: float, hours: str, scale: float, colours: Any
+) -> tuple[Figure, str]:
+    """A quantity over time and along the cable, and what to say about its colours."""
+    values = field.values / scale
+    largest = field.highest.value / scale
+    seen = values[np.isfinite(values)]
+    top = float(np.quantile(seen, _SATURATED))
+    note = ""
+    if largest > _PEAKED * top and top > 0.0:
+        note = f"Colours end at {top:.3g}; the largest value is {largest:.4g}."
+    else:
+        top = max(largest, float(np.min(seen)) + _ZERO)
+    trace = {
+        "type": "heatmap",
+        "x": along.time / seconds,
+        "y": along.s.astype(np.float32),
+        "z": values.T.astype(np.float32),
+        "zmin": float(np.min(seen)),
+        "zmax": top,
+        "colorscale": colours,
+        "zsmooth": "best" if np.all(np.isfinite(values)) else False,
+        "hovertemplate": f"t = %{{x:.4g}} {hours}, s = %{{y:.4g}} m<br>%{{z:.4g}}<extra></extra>",
+        "colorbar": {
+            "title": {"text": label, "side": "top", "font": {"size": 11}},
+            "orientation": "h", "thickness": 9, "len": 0.6, "x": 0.5, "y": 1.01,
+            "yanchor": "bottom", "ypad": 2, "outlinewidth": 0, "nticks": 5,
+            "tickfont": {"size": 10},
+        },
+    }  # fmt: skip
+    layout = _over_time(
+        along.time / seconds, hours, "arc length from the vessel [m]", hovermode="closest"
+    )
+    layout["margin"] = {"l": 58, "r": 14, "t": 50, "b": 40}
+    layout["yaxis"]["autorange"] = "reversed"
+    for axis in ("xaxis", "yaxis"):
+        layout[axis]["showgrid"] = layout[axis]["zeroline"] = False
+    return {"data": [trace], "layout": layout}, note
+
+
+def touchdown(run: Run, seconds: float, hours: str) -> Figure | None:
+    """Where the cable meets the floor, and how much of it lies there; None if it never does."""
+    if "touchdown_position" not in run.names:
+        return None
+    place = run["touchdown_position"]
+    if not np.any(np.all(np.isfinite(place), axis=-1)):
+        return None
+    time = run.time / seconds
+    top = np.array([state.position[0] for state in run.states])
+    across = [np.interp(run.time, run.states.time, top[:, axis]) for axis in (0, 1)]
+    away = np.hypot(place[:, 0] - across[0], place[:, 1] - across[1])
+    traces = [
+        _curve(time, away, "horizontally from the tow point", color=COLOURS[0]),
+        _curve(time, run["floor_length"], "length on the floor", color=COLOURS[2]),
+    ]
+    return {"data": traces, "layout": _over_time(time, hours, "length [m]", **_legend())}
+
+
+_INPUTS = (
+    ("vessel_velocity", "tow point [m/s]", ("x, east", "y, north", "z, up"), True),
+    ("payout_rate", "pay-out [m/s]", ("pay-out",), False),
+    ("current", "current [m/s]", ("current x", "current y", "current z"), False),
+)
+"""Name, label, names of the components, and whether to show it when it is zero throughout."""
+
+
+def inputs(run: Run, seconds: float, hours: str) -> Figure | None:
+    """What the steps applied: motion of the tow point, and pay-out and current where there are
+    any. None when the run has no steps."""
+    applied = run.applied_inputs
+    if not len(applied["time"]):
+        return None
+    time = applied["time"] / seconds
+    rows = []
+    for name, label, parts, always in _INPUTS:
+        keys = [name] if len(parts) == 1 else [f"{name}.{axis}" for axis in "xyz"]
+        pairs = [
+            (part, applied[key])
+            for part, key in zip(parts, keys, strict=True)
+            if np.any(np.abs(np.nan_to_num(applied[key])) > _ZERO)
+        ]
+        if not pairs and always:
+            pairs = [(parts[0], applied[keys[0]])]
+        if pairs:
+            rows.append((label, pairs))
+    layout = _over_time(run.time / seconds, hours, "", **_legend())
+    layout["xaxis"]["anchor"] = "y" if len(rows) == 1 else f"y{len(rows)}"
+    traces = []
+    height = (1.0 - 0.1 * (len(rows) - 1)) / len(rows)
+    for row, (label, pairs) in enumerate(rows):
+        suffix = "" if row == 0 else str(row + 1)
+        top = 1.0 - row * (height + 0.1)
+        layout[f"yaxis{suffix}"] = {
+            **layout["yaxis"], "title": _title(label), "domain": [max(top - height, 0.0), top],
+            "rangemode": "tozero",
+        }  # fmt: skip
+        for index, (part, values) in enumerate(pairs):
+            curve = _curve(time, values, part, color=COLOURS[(index + row) % len(COLOURS)])
+            traces.append({**curve, "yaxis": f"y{suffix}"})
+    layout["height"] = 90 + 160 * len(rows)
+    return {"data": traces, "layout": layout}

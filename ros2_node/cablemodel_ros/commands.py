@@ -1,0 +1,232 @@
+"""Commands as they arrive: checked, brought into the map, and kept until the next step.
+
+The newest of each kind is kept. What cannot be used is refused with a reason and counted, and the
+command before it stays in force until it is stale.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cablemodel_ros.frames import rotation
+from cablemodel_ros.settings import Settings
+
+Floats = NDArray[np.float64]
+
+MAP = "map"
+FUTURE = 1.0
+"""How far a stamp may lie in the future [s] before the clocks are taken to disagree."""
+
+
+@dataclass(frozen=True)
+class Twist:
+    """A commanded velocity of the vessel."""
+
+    time: float
+    """When it was given [s], on the node's ROS clock."""
+    linear: Floats
+    """(3,) [m/s]."""
+    turn_rate: float
+    """About the vertical, to port [rad/s]."""
+    in_vessel: bool
+    """Whether `linear` is in vessel axes (else the map's)."""
+
+
+@dataclass(frozen=True)
+class Odometry:
+    """Motion of the tow point as measured, in the map."""
+
+    time: float
+    position: Floats
+    """(3,) [m]."""
+    velocity: Floats
+    """(3,) [m/s]."""
+    rotation: Floats
+    """Vessel axes to map axes (3, 3)."""
+
+
+@dataclass(frozen=True)
+class PayoutRate:
+    """A commanded pay-out rate."""
+
+    time: float
+    rate: float
+    """[m/s], positive out."""
+
+
+@dataclass
+class Tally:
+    """What came in by one topic."""
+
+    received: int = 0
+    refused: int = 0
+    reason: str = ""
+    """Why the last refused one was refused."""
+
+
+@dataclass
+class Latest:
+    """The commands in force."""
+
+    twist: Twist | None = None
+    odometry: Odometry | None = None
+    payout: PayoutRate | None = None
+
+
+@dataclass
+class Counters:
+    """Tallies by topic."""
+
+    by_topic: dict[str, Tally] = field(
+        default_factory=lambda: {"odom": Tally(), "cmd_vel": Tally(), "payout_rate_cmd": Tally()}
+    )
+
+
+class Commands:
+    """Takes commands from any thread; gives the newest to the control loop.
+
+    Every ``take`` returns an empty text, or why it refused.
+    """
+
+    def __init__(self, settings: Settings, origin: ArrayLike = (0.0, 0.0, 0.0)) -> None:
+        self._settings = settings
+        self._origin = np.array(origin, dtype=np.float64)
+        self._shift: Floats | None = None if settings.odom_relative else np.zeros(3)
+        self._tow_point = np.array(settings.tow_point)
+        self._lock = threading.Lock()
+        self._latest = Latest()
+        self.tallies = Counters().by_topic
+
+    def update(self, settings: Settings) -> None:
+        """Take over changed limits."""
+        self._settings = settings
+
+    def latest(self) -> Latest:
+        """The newest commands."""
+        with self._lock:
+            return Latest(self._latest.twist, self._latest.odometry, self._latest.payout)
+
+    def forget(self) -> None:
+        """Drop all commands (after a reset: they were given for another state)."""
+        with self._lock:
+            self._latest = Latest()
+            if self._settings.odom_relative:
+                self._shift = None
+
+    def forget_payout(self) -> None:
+        """Drop the pay-out command; a new one is tried anew."""
+        with self._lock:
+            self._latest.payout = None
+
+    def take_twist(
+        self,
+        now: float,
+        stamp: float,
+        frame: str,
+        linear: Sequence[float],
+        angular: Sequence[float],
+    ) -> str:
+        """A velocity command: `stamp` [s] (0: none), `frame` of its axes (empty: the map's)."""
+        values = np.array([*linear, *angular], dtype=np.float64)
+        if not np.isfinite(values).all():
+            return self._refuse("cmd_vel", f"not finite: {values.tolist()}")
+        if frame not in ("", MAP, self._settings.vessel_frame):
+            return self._refuse(
+                "cmd_vel", f"frame {frame!r}; allowed: {MAP}, {self._settings.vessel_frame}"
+            )
+        reason = self._wrong_stamp(now, stamp)
+        if reason:
+            return self._refuse("cmd_vel", reason)
+        in_vessel = frame == self._settings.vessel_frame
+        twist = Twist(stamp or now, values[:3], float(values[5]), in_vessel)
+        with self._lock:
+            self._latest.twist = twist
+            self.tallies["cmd_vel"].received += 1
+        return ""
+
+    def take_odometry(
+        self,
+        now: float,
+        stamp: float,
+        frame: str,
+        child_frame: str,
+        position: Sequence[float],
+        orientation: Sequence[float],
+        linear: Sequence[float],
+        angular: Sequence[float],
+    ) -> str:
+        """Motion of the vessel: pose in `frame`, twist in `child_frame` (as Odometry has it)."""
+        values = np.array([*position, *orientation, *linear, *angular], dtype=np.float64)
+        if not np.isfinite(values).all():
+            return self._refuse("odom", f"not finite: {values.tolist()}")
+        if frame not in ("", self._settings.odom_frame):
+            return self._refuse("odom", f"frame {frame!r}; allowed: {self._settings.odom_frame}")
+        reason = self._wrong_stamp(now, stamp)
+        if reason:
+            return self._refuse("odom", reason)
+        try:
+            turn = rotation(orientation)
+        except ValueError as error:
+            return self._refuse("odom", str(error))
+        arm = turn @ self._tow_point
+        velocity, spin = values[7:10], values[10:13]
+        if child_frame not in (frame, MAP):
+            velocity, spin = turn @ velocity, turn @ spin
+        tow_point = values[:3] + arm
+        with self._lock:
+            if self._shift is None:
+                self._shift = self._origin - tow_point
+            sample = Odometry(
+                stamp or now, tow_point + self._shift, velocity + np.cross(spin, arm), turn
+            )
+            self._latest.odometry = sample
+            self.tallies["odom"].received += 1
+        return ""
+
+    def take_payout_rate(self, now: float, rate: float) -> str:
+        """A pay-out rate [m/s], positive out."""
+        if not math.isfinite(rate):
+            return self._refuse("payout_rate_cmd", f"not finite: {rate}")
+        with self._lock:
+            self._latest.payout = PayoutRate(now, float(rate))
+            self.tallies["payout_rate_cmd"].received += 1
+        return ""
+
+    def refuse_odometry_jump(self, distance: float) -> str:
+        """Drop an odometry sample that lies too far away to be followed."""
+        with self._lock:
+            self._latest.odometry = None
+        return self._refuse(
+            "odom",
+            f"position is {distance:.3g} m from the tow point; allowed: limits.position_jump = "
+            f"{self._settings.limits_position_jump:g} m (odom_relative counts from the first "
+            "message; ~/reset begins anew)",
+        )
+
+    def refuse_payout(self, reason: str) -> str:
+        """Drop a pay-out command that the model could not carry out."""
+        self.forget_payout()
+        return self._refuse("payout_rate_cmd", reason)
+
+    def _refuse(self, topic: str, reason: str) -> str:
+        with self._lock:
+            tally = self.tallies[topic]
+            tally.refused += 1
+            tally.reason = reason
+        return f"{topic} refused: {reason}"
+
+    def _wrong_stamp(self, now: float, stamp: float) -> str:
+        if stamp == 0.0:
+            return ""
+        age = now - stamp
+        if age > self._settings.command_timeout:
+            return f"its stamp is {age:.3g} s old; allowed: command_timeout"
+        if age < -FUTURE:
+            return f"its stamp lies {-age:.3g} s in the future: do the clocks agree?"
+        return ""

@@ -1,0 +1,60 @@
+"""Rotations between the vessel's frame and the map (x east, y north, z up)."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Floats = NDArray[np.float64]
+
+
+def rotation(quaternion: ArrayLike) -> Floats:
+    """Matrix (3, 3) that turns vessel axes into the map's, of a quaternion (x, y, z, w).
+
+    Raises:
+        ValueError: the quaternion is not finite or not of unit length (to 1 %).
+    """
+    q = np.asarray(quaternion, dtype=np.float64)
+    size = float(np.linalg.norm(q))
+    if not abs(size - 1.0) <= 0.01:
+        raise ValueError(f"orientation is {q.tolist()}, not a unit quaternion")
+    x, y, z, w = q / size
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+def heading_rotation(heading: float) -> Floats:
+    """Matrix (3, 3) of a vessel on even keel with its bow `heading` [rad] from the x axis."""
+    c, s = math.cos(heading), math.sin(heading)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def quaternion_of(matrix: Floats) -> tuple[float, float, float, float]:
+    """Quaternion (x, y, z, w) of a rotation matrix (3, 3), w not negative."""
+    m = matrix
+    # The largest of the four squares is divided by: nothing is lost near half a turn.
+    squares = np.array(
+        [
+            1 + m[0, 0] - m[1, 1] - m[2, 2],
+            1 - m[0, 0] + m[1, 1] - m[2, 2],
+            1 - m[0, 0] - m[1, 1] + m[2, 2],
+            1 + m[0, 0] + m[1, 1] + m[2, 2],
+        ]
+    )
+    largest = int(np.argmax(squares))
+    rows = (
+        (squares[0], m[0, 1] + m[1, 0], m[0, 2] + m[2, 0], m[2, 1] - m[1, 2]),
+        (m[0, 1] + m[1, 0], squares[1], m[1, 2] + m[2, 1], m[0, 2] - m[2, 0]),
+        (m[0, 2] + m[2, 0], m[1, 2] + m[2, 1], squares[2], m[1, 0] - m[0, 1]),
+        (m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1], squares[3]),
+    )
+    q = np.array(rows[largest]) / (2.0 * math.sqrt(squares[largest]))
+    x, y, z, w = (q if q[3] >= 0.0 else -q).tolist()
+    return x, y, z, w

@@ -1,0 +1,138 @@
+"""Between ROS 2 messages and plain numbers."""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from geometry_msgs.msg import TransformStamped, Twist
+from nav_msgs.msg import Odometry
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rosgraph_msgs.msg import Clock
+
+from cablemodel_ros.diagnostics import Status
+from cablemodel_ros.frames import quaternion_of
+from cablemodel_ros.interface import Quality
+from cablemodel_ros.session import Session
+from cablemodel_ros.settings import Parameter
+
+Vector = tuple[float, float, float]
+
+
+def message_class(name: str) -> Any:
+    """Class of ``std_msgs/msg/Float64``; None where its package is not installed."""
+    package, _, kind = name.split("/")
+    try:
+        return getattr(importlib.import_module(f"{package}.msg"), kind)
+    except ModuleNotFoundError:
+        return None
+
+
+def qos(quality: Quality) -> QoSProfile:
+    """Quality of service as rclpy has it."""
+    return QoSProfile(
+        depth=quality.depth,
+        reliability=ReliabilityPolicy.RELIABLE
+        if quality.reliable
+        else ReliabilityPolicy.BEST_EFFORT,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL
+        if quality.keeps_last
+        else DurabilityPolicy.VOLATILE,
+    )
+
+
+def descriptor(parameter: Parameter) -> ParameterDescriptor:
+    """Descriptor of a parameter. A number may be given without its point (`rate: 50`)."""
+    made = ParameterDescriptor(
+        name=parameter.name,
+        description=parameter.description + (f" [{parameter.unit}]" if parameter.unit else ""),
+        read_only=parameter.change == "never",
+        dynamic_typing=isinstance(parameter.default, float),
+        additional_constraints=f"{parameter.allowed}; may change: {parameter.change}",
+    )
+    if parameter.minimum is not None and parameter.maximum is not None:
+        if isinstance(parameter.default, int):
+            made.integer_range = [
+                IntegerRange(from_value=int(parameter.minimum), to_value=int(parameter.maximum))
+            ]
+        else:
+            made.floating_point_range = [
+                FloatingPointRange(from_value=parameter.minimum, to_value=parameter.maximum)
+            ]
+    return made
+
+
+def nanoseconds(time: Time) -> int:
+    """[ns]."""
+    return int(time.sec * 1_000_000_000 + time.nanosec)
+
+
+def seconds(time: Time) -> float:
+    """[s]."""
+    return float(1e-9 * nanoseconds(time))
+
+
+def stamp_of(stamp: int) -> Time:
+    """A message's time, of nanoseconds."""
+    whole, rest = divmod(stamp, 1_000_000_000)
+    return Time(sec=whole, nanosec=rest)
+
+
+def clock(stamp: int) -> Clock:
+    """A message of /clock."""
+    return Clock(clock=stamp_of(stamp))
+
+
+def twist_vectors(twist: Twist) -> tuple[Vector, Vector]:
+    """Linear [m/s] and angular [rad/s] velocity."""
+    linear, angular = twist.linear, twist.angular
+    return (linear.x, linear.y, linear.z), (angular.x, angular.y, angular.z)
+
+
+def odometry_arguments(message: Odometry) -> tuple[Any, ...]:
+    """Arguments of `Commands.take_odometry` behind `now`."""
+    pose = message.pose.pose
+    place, turn = pose.position, pose.orientation
+    return (
+        seconds(message.header.stamp),
+        message.header.frame_id,
+        message.child_frame_id,
+        (place.x, place.y, place.z),
+        (turn.x, turn.y, turn.z, turn.w),
+        *twist_vectors(message.twist.twist),
+    )
+
+
+def diagnostics(statuses: list[Status], node: str, stamp: Time) -> DiagnosticArray:
+    """A message of /diagnostics."""
+    array = DiagnosticArray()
+    array.header.stamp = stamp
+    array.status = [
+        DiagnosticStatus(
+            level=bytes([status.level]),
+            name=f"{node}: {status.name}",
+            message=status.message,
+            hardware_id=node,
+            values=[KeyValue(key=key, value=value) for key, value in status.values.items()],
+        )
+        for status in statuses
+    ]
+    return array
+
+
+def vessel_transform(session: Session, stamp: int) -> Any:
+    """A message of /tf: the vessel's frame in the map."""
+    kind = message_class("tf2_msgs/msg/TFMessage")
+    turn = session.helm.rotation
+    arm = turn @ session.settings.tow_point
+    place = session.model.vessel_position - arm
+    made = TransformStamped()
+    made.header.stamp, made.header.frame_id = stamp_of(stamp), "map"
+    made.child_frame_id = session.settings.vessel_frame
+    translation, rotation = made.transform.translation, made.transform.rotation
+    translation.x, translation.y, translation.z = place.tolist()
+    rotation.x, rotation.y, rotation.z, rotation.w = quaternion_of(turn)
+    return kind(transforms=[made])

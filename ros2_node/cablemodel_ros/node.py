@@ -1,0 +1,400 @@
+"""The lifecycle node `cable`: a thin shell that connects a session to ROS 2."""
+
+from __future__ import annotations
+
+import contextlib
+import gc
+import json
+import sys
+import threading
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import rclpy
+from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import Twist, TwistStamped
+from nav_msgs.msg import Odometry
+from rcl_interfaces.msg import SetParametersResult
+from rclpy.clock import Clock as RclpyClock
+from rclpy.clock import ClockType
+from rclpy.exceptions import ParameterException
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+from rclpy.parameter import Parameter as RclpyParameter
+from rosgraph_msgs.msg import Clock
+from std_msgs.msg import Float64, String
+from std_srvs.srv import Trigger
+
+from cablemodel.errors import CableModelError
+from cablemodel_ros import interface, messages
+from cablemodel_ros.control import ControlLoop, ForeignClock
+from cablemodel_ros.diagnostics import ERROR, Diagnostics, Status
+from cablemodel_ros.markers import Picture, markers
+from cablemodel_ros.session import Cycle, Session
+from cablemodel_ros.settings import BY_NAME, PARAMETERS, Settings, SettingsError
+
+SUCCESS = TransitionCallbackReturn.SUCCESS
+FAILURE = TransitionCallbackReturn.FAILURE
+FAULT = TransitionCallbackReturn.ERROR
+
+_SWITCH = 5e-4
+"""How long one thread may keep others from running Python [s]: the control loop must not wait
+for five milliseconds (the default) while a flood of messages is handled."""
+
+
+class CableNode(LifecycleNode):
+    """Publishes what a cable does, and moves it as commands say; see docs/ros2.md."""
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__("cable", **kwargs)
+        self._session: Session | None = None
+        self._loop: ControlLoop | None = None
+        self._diagnostics: Diagnostics | None = None
+        self._lock = threading.Lock()
+        self._foreign: ForeignClock | None = None
+        self._publishers_by_topic: dict[str, Any] = {}
+        self._entities: list[Callable[[], Any]] = []
+        self._steady = RclpyClock(clock_type=ClockType.STEADY_TIME)
+        self._last_stamp = 0
+        self._failure = ""
+        for parameter in PARAMETERS:
+            default = list(p) if isinstance(p := parameter.default, tuple) else p
+            self.declare_parameter(parameter.name, default, messages.descriptor(parameter))
+        # What is wrong now (an override) stops the node here, not in the first transition.
+        self._settings()
+        self.add_on_set_parameters_callback(self._check_parameters)
+        self.add_post_set_parameters_callback(self._apply_parameters)
+        self._diagnostics_publisher = self.create_publisher(
+            DiagnosticArray, "/diagnostics", messages.qos(interface.DIAGNOSTICS)
+        )
+        self._trouble = ""
+        self.create_timer(1.0, self._repeat_trouble, clock=self._steady)
+
+    # -- parameters -----------------------------------------------------------------------------
+
+    def _settings(self) -> Settings:
+        return Settings.of({p.name: self.get_parameter(p.name).value for p in PARAMETERS})
+
+    def _check_parameters(self, parameters: list[RclpyParameter]) -> SetParametersResult:
+        for parameter in parameters:
+            known = BY_NAME.get(parameter.name)
+            if known is None:
+                continue
+            if known.change == "unconfigured" and self._session is not None:
+                reason = f"parameter {known.name} may change only before the node is configured"
+                return SetParametersResult(successful=False, reason=reason)
+            try:
+                known.checked(parameter.value)
+            except SettingsError as error:
+                return SetParametersResult(successful=False, reason=str(error))
+        return SetParametersResult(successful=True)
+
+    def _apply_parameters(self, parameters: list[RclpyParameter]) -> None:
+        if self._loop is not None:
+            self._loop.update(self._settings())
+
+    # -- transitions ----------------------------------------------------------------------------
+
+    def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Build the scene, warm the kernels up, make topics and services."""
+        try:
+            settings = self._settings()
+            follows = self.get_parameter("use_sim_time").value
+            if follows and settings.publishes_clock:
+                raise SettingsError(
+                    "use_sim_time follows a foreign /clock; then real_time_factor must be 1 and "
+                    "publish_clock false"
+                )
+            self._session = Session(settings)
+            self._connect(settings, follows)
+        except (CableModelError, SettingsError, OSError) as error:
+            self._report(f"cannot configure: {error}")
+            self._tear_down()
+            return FAILURE
+        except Exception as error:
+            self._report(f"cannot configure: {type(error).__name__}: {error}")
+            self._tear_down()
+            return FAULT
+        # What lives now lives long: it need not be searched for garbage again and again.
+        gc.collect()
+        gc.freeze()
+        self._trouble = ""
+        self.get_logger().info(f"configured: {self._session.scene.title or 'untitled scene'}")
+        return SUCCESS
+
+    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Start, or go on from the present state."""
+        assert self._session is not None
+        assert self._loop is not None
+        super().on_activate(state)
+        self._failure = ""
+        self._last_stamp = self._session.stamp()
+        summary = json.dumps(self._session.summary())
+        self._publishers_by_topic["~/scene"].publish(String(data=summary))
+        self._loop.start()
+        return SUCCESS
+
+    def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Pause; the state stays."""
+        if self._loop is not None:
+            self._loop.stop()
+        super().on_deactivate(state)
+        return FAULT if self._failure else SUCCESS
+
+    def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Forget the scene."""
+        self._tear_down()
+        return SUCCESS
+
+    def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """The end, from any state."""
+        self._tear_down()
+        return SUCCESS
+
+    def on_error(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """After a failure: nothing is kept, and the node can be configured again."""
+        self._tear_down()
+        return SUCCESS
+
+    def _LifecycleNodeMixin__on_change_state(self, request: Any, response: Any) -> Any:  # noqa: N802
+        """A transition that the present state does not have is answered, not raised.
+
+        rclpy's own handler lets the error out into the executor, which ends the process.
+        """
+        try:
+            return super()._LifecycleNodeMixin__on_change_state(request, response)
+        except Exception as error:
+            self.get_logger().error(f"transition refused: {error}")
+            response.success = False
+            return response
+
+    # -- connections ----------------------------------------------------------------------------
+
+    def _connect(self, settings: Settings, follows: bool) -> None:
+        session = self._session
+        assert session is not None
+        for topic in (*interface.topics_of(session.scene), *interface.OTHERS):
+            wanted = {"/diagnostics": False, "/clock": settings.publishes_clock, "/tf": settings.tf,
+                      "~/markers": settings.markers_rate > 0.0}  # fmt: skip
+            if not wanted.get(topic.name, True):
+                continue
+            kind = messages.message_class(topic.message)
+            if kind is None:
+                self.get_logger().warning(f"{topic.name} is left out: no {topic.message} here")
+                continue
+            quality = messages.qos(topic.quality)
+            publisher = self.create_lifecycle_publisher(kind, topic.name, quality)
+            self._publishers_by_topic[topic.name] = publisher
+            self._entities.append(partial(self.destroy_lifecycle_publisher, publisher))
+        self._foreign = ForeignClock() if follows else None
+        self._loop = ControlLoop(
+            session,
+            self._lock,
+            self._publish,
+            self._on_failure,
+            clock=self._foreign,
+            ros_now=lambda: self.get_clock().now().nanoseconds,
+        )
+        self._diagnostics = Diagnostics(session, self._loop)
+        self._failed = self.create_guard_condition(self._fail)
+        self._entities.append(lambda: self.destroy_guard_condition(self._failed))
+        if settings.vessel_input == "odom":
+            self._subscribe(interface.ODOM, Odometry, self._on_odometry)
+        if settings.vessel_input == "cmd_vel":
+            if settings.cmd_vel_stamped:
+                self._subscribe(interface.CMD_VEL, TwistStamped, self._on_twist_stamped)
+            else:
+                self._subscribe(interface.CMD_VEL, Twist, self._on_twist)
+        if settings.payout_input == "command":
+            self._subscribe(interface.PAYOUT_RATE, Float64, self._on_payout_rate)
+        if follows:
+            self._subscribe(interface.FOREIGN_CLOCK, Clock, self._on_clock)
+        for name, call in (("~/reset", self._on_reset), ("~/save", self._on_save)):
+            service = self.create_service(Trigger, name, call)
+            self._entities.append(partial(self.destroy_service, service))
+        self._repeat(settings.diagnostics_rate, self._publish_diagnostics)
+        if settings.markers_rate > 0.0:
+            self._repeat(settings.markers_rate, self._publish_markers)
+
+    def _subscribe(self, topic: interface.Topic, kind: Any, call: Callable[[Any], None]) -> None:
+        made = self.create_subscription(kind, topic.name, call, messages.qos(topic.quality))
+        self._entities.append(lambda: self.destroy_subscription(made))
+
+    def _repeat(self, rate: float, call: Callable[[], None]) -> None:
+        timer = self.create_timer(1.0 / rate, call, clock=self._steady)
+        self._entities.append(lambda: self.destroy_timer(timer))
+
+    def _tear_down(self) -> None:
+        if self._loop is not None:
+            self._loop.stop()
+        if self._session is not None:
+            self._session.close()
+        for destroy in self._entities:
+            destroy()
+        self._entities.clear()
+        self._publishers_by_topic.clear()
+        self._session = self._loop = self._diagnostics = self._foreign = None
+        self._failure = ""
+        gc.unfreeze()
+
+    def destroy_node(self) -> None:
+        """Finish the log, then go."""
+        self._tear_down()
+        super().destroy_node()
+
+    # -- out ------------------------------------------------------------------------------------
+
+    def _publish(self, cycle: Cycle) -> None:
+        """Called by the control thread after every step."""
+        self._last_stamp = cycle.stamp
+        publishers = self._publishers_by_topic
+        clock = publishers.get("/clock")
+        if clock is not None:
+            clock.publish(messages.clock(cycle.stamp))
+        for topic, data in cycle.applied:
+            publishers[topic].publish(data)
+        for topic, data in cycle.outputs:
+            publishers[topic].publish(data)
+        if "/tf" in publishers and cycle.outputs:
+            assert self._session is not None
+            publishers["/tf"].publish(messages.vessel_transform(self._session, cycle.stamp))
+
+    def _publish_diagnostics(self) -> None:
+        if self._diagnostics is None:
+            return
+        with self._lock:
+            statuses = self._diagnostics.statuses()
+        self._send(statuses)
+
+    def _send(self, statuses: list[Status]) -> None:
+        name = self.get_fully_qualified_name().lstrip("/")
+        array = messages.diagnostics(statuses, name, self.get_clock().now().to_msg())
+        self._diagnostics_publisher.publish(array)
+
+    def _publish_markers(self) -> None:
+        publisher = self._publishers_by_topic.get("~/markers")
+        if publisher is None or self._session is None:
+            return
+        if not publisher.is_activated or not publisher.get_subscription_count():
+            return
+        with self._lock:
+            picture = Picture.of(self._session.model, self._session.settings.stations)
+            stamp = self._session.stamp()
+        seconds, nanoseconds = divmod(stamp, 1_000_000_000)
+        publisher.publish(markers(picture, Time(sec=seconds, nanosec=nanoseconds)))
+
+    # -- in -------------------------------------------------------------------------------------
+
+    def _now(self) -> float:
+        """ROS time [s] that commands are measured by."""
+        session = self._session
+        if session is not None and session.settings.publishes_clock:
+            return 1e-9 * self._last_stamp
+        return float(1e-9 * self.get_clock().now().nanoseconds)
+
+    def _tell(self, refusal: str) -> None:
+        if refusal:
+            self.get_logger().warning(refusal, throttle_duration_sec=1.0)
+
+    def _on_odometry(self, message: Odometry) -> None:
+        if self._session is not None:
+            arguments = messages.odometry_arguments(message)
+            self._tell(self._session.commands.take_odometry(self._now(), *arguments))
+
+    def _on_twist_stamped(self, message: TwistStamped) -> None:
+        if self._session is not None:
+            stamp = messages.seconds(message.header.stamp)
+            vectors = messages.twist_vectors(message.twist)
+            frame = message.header.frame_id
+            self._tell(self._session.commands.take_twist(self._now(), stamp, frame, *vectors))
+
+    def _on_twist(self, message: Twist) -> None:
+        if self._session is not None:
+            frame = self._session.settings.vessel_frame
+            vectors = messages.twist_vectors(message)
+            self._tell(self._session.commands.take_twist(self._now(), 0.0, frame, *vectors))
+
+    def _on_payout_rate(self, message: Float64) -> None:
+        if self._session is not None:
+            self._tell(self._session.commands.take_payout_rate(self._now(), message.data))
+
+    def _on_clock(self, message: Clock) -> None:
+        if self._foreign is not None:
+            self._foreign.set(messages.nanoseconds(message.clock))
+
+    def _on_reset(self, request: Any, response: Any) -> Any:
+        if self._loop is None:
+            response.success, response.message = False, "not configured"
+            return response
+        self._loop.reset()
+        response.success, response.message = True, "back at the initial state"
+        return response
+
+    def _on_save(self, request: Any, response: Any) -> Any:
+        if self._session is None:
+            response.success, response.message = False, "not configured"
+            return response
+        with self._lock:
+            saved = self._session.save()
+            folder = Path(self._session.settings.save_folder)
+        try:
+            path = saved.write(folder)
+        except OSError as error:
+            response.success, response.message = False, f"cannot save: {error}"
+        else:
+            response.success, response.message = True, str(path)
+        return response
+
+    # -- failure --------------------------------------------------------------------------------
+
+    def _on_failure(self, reason: str) -> None:
+        """Called by the control thread, which ends; the executor does the rest."""
+        self._failure = reason
+        self._failed.trigger()
+
+    def _fail(self) -> None:
+        if self._failure:
+            self._report(f"the simulation stopped: {self._failure}")
+            self.trigger_deactivate()  # fails, which leads through error processing
+
+    def _report(self, message: str) -> None:
+        self.get_logger().error(message)
+        self._trouble = message
+
+    def _repeat_trouble(self) -> None:
+        """Tell why the node is not configured, until it is."""
+        if self._trouble and self._session is None:
+            self._send([Status("simulation", ERROR, [self._trouble])])
+
+
+def main(args: list[str] | None = None) -> int:
+    """Run the node until it is interrupted; 2 when it cannot start."""
+    sys.setswitchinterval(_SWITCH)
+    rclpy.init(args=args)
+    try:
+        node = CableNode()
+    except (SettingsError, ParameterException) as error:
+        sys.stderr.write(f"cable: {error}\n")
+        rclpy.shutdown()
+        return 2
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
+    try:
+        if node.get_parameter("autostart").value and node.trigger_configure() == SUCCESS:
+            node.trigger_activate()
+        executor.spin()
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    finally:
+        # A second interrupt must not leave the log unfinished.
+        with contextlib.suppress(KeyboardInterrupt):
+            node.destroy_node()
+        rclpy.try_shutdown()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

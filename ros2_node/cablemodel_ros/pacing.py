@@ -1,0 +1,154 @@
+"""When to step, and how far: by the clock, as fast as possible, or behind a foreign clock.
+
+Plain arithmetic on times that the caller reads; nothing here waits. Steps end on the grid
+``start + k period`` (never a sum of periods, whose round-off would grow). Where the clock has run
+ahead, several periods become one longer step, which costs hardly more than one period; what even
+that cannot make up slips. So simulated time may fall behind, but a late cycle never causes more
+work in the next.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+MERGE = 10
+"""Most periods in one step."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What to do now: wait [s], or step to `target` [s] (None: nothing to do until told)."""
+
+    wait: float = 0.0
+    target: float | None = None
+
+
+class Pacer(Protocol):
+    """Decides on the next step.
+
+    Attributes: ``missed`` deadlines, ``slipped`` [s] that were given up, ``behind`` [s] at the
+    last decision.
+    """
+
+    missed: int
+    slipped: float
+    behind: float
+
+    def start(self, now: float, time: float) -> None:
+        """Begin: simulated `time` [s] belongs to `now` [s]."""
+
+    def plan(self, now: float) -> Plan:
+        """What to do at `now` [s]."""
+
+    def late(self, now: float) -> bool:
+        """Whether the next deadline has passed at `now` [s]: then publication is shed."""
+
+
+class _Grid:
+    """Ends of steps: start + k period."""
+
+    def __init__(self, period: float) -> None:
+        self.period = period
+        self.missed = 0
+        self.slipped = 0.0
+        self.behind = 0.0
+        self._begin = 0.0
+        self._step = 0
+
+    def _restart(self, time: float) -> None:
+        self._begin, self._step = time, 0
+
+    def _advance(self, periods: int) -> Plan:
+        self._step += periods
+        return Plan(target=self._begin + self._step * self.period)
+
+
+class WallPacer(_Grid):
+    """Real time, or `factor` times real time.
+
+    Args:
+        period: of simulated time between steps [s].
+        factor: simulated seconds per second.
+        lag_limit: how far the simulation may lag [s] before time slips.
+    """
+
+    def __init__(self, period: float, factor: float = 1.0, lag_limit: float = 0.5) -> None:
+        super().__init__(period)
+        self.factor = factor
+        self.lag_limit = lag_limit
+        self._zero = 0.0
+
+    def start(self, now: float, time: float) -> None:
+        self._restart(time)
+        self._zero = now
+
+    def _deadline(self, step: int) -> float:
+        return self._zero + step * self.period / self.factor
+
+    def plan(self, now: float) -> Plan:
+        wait = self._deadline(self._step + 1) - now
+        if wait > 0.0:
+            return Plan(wait=wait)
+        # The step for a deadline begins at it: being a whole period late is a miss.
+        tick = self.period / self.factor
+        late = math.floor(-wait / tick)
+        periods = 1 + min(late, MERGE - 1)
+        self.missed += late
+        plan = self._advance(periods)
+        self.behind = now - self._deadline(self._step)
+        if self.behind > self.lag_limit:
+            self.slipped += self.behind
+            self._zero += self.behind
+            self.behind = 0.0
+        return plan
+
+    def late(self, now: float) -> bool:
+        return now > self._deadline(self._step + 1)
+
+
+class FreePacer(_Grid):
+    """As fast as possible: there is no deadline."""
+
+    def start(self, now: float, time: float) -> None:
+        self._restart(time)
+
+    def plan(self, now: float) -> Plan:
+        return self._advance(1)
+
+    def late(self, now: float) -> bool:
+        return False
+
+
+class ClockPacer(_Grid):
+    """Behind a foreign clock: `now` is its time. It may pause; where it jumps back, or by more
+    than `jump_limit` [s] ahead, `jumped` is set and the caller starts anew."""
+
+    def __init__(self, period: float, jump_limit: float = 60.0) -> None:
+        super().__init__(period)
+        self.jump_limit = jump_limit
+        self.jumped = False
+        self._zero = 0.0
+        self._last = -math.inf
+
+    def start(self, now: float, time: float) -> None:
+        self._restart(time)
+        self._zero = self._last = now
+        self.jumped = False
+
+    def plan(self, now: float) -> Plan:
+        if now < self._last or now - self._last > self.jump_limit:
+            self.jumped = True
+            return Plan(target=None)
+        self._last = now
+        # A stamp is rounded to a nanosecond: what is nearer than that has been reached.
+        ready = math.floor((now - self._zero + 2e-9) / self.period) - self._step
+        if ready <= 0:
+            return Plan(target=None)
+        plan = self._advance(min(ready, MERGE))
+        self.behind = max(0.0, now - self._zero - self._step * self.period)
+        return plan
+
+    def late(self, now: float) -> bool:
+        return now - self._zero > (self._step + MERGE) * self.period

@@ -1,0 +1,138 @@
+"""What a step publishes, as the bytes that go out and into the log.
+
+Messages are made once, in the log's own templates, and the same bytes are published and logged:
+that is several times cheaper than message objects, and the log is what was on the wire.
+"""
+
+from __future__ import annotations
+
+import struct
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cablemodel import variables
+from cablemodel.log.messages import Messages, typestore
+from cablemodel.log.writer import encode_outputs
+from cablemodel.states import applied_values
+from cablemodel_ros.helm import Applied
+
+if TYPE_CHECKING:
+    from cablemodel import CableModel, Scene
+
+Message = tuple[str, bytes]
+"""Topic as the table writes it (``~/...``), and CDR bytes."""
+
+NODES = "~/nodes"
+APPLIED_ODOMETRY = "~/applied_odom"
+APPLIED_TWIST = "~/applied_cmd_vel"
+TWIST = "geometry_msgs/msg/TwistStamped"
+
+TOW_POINT_FRAME = "tow_point"
+
+_STAMP = struct.Struct("<iI")
+_THREE = struct.Struct("<3d")
+_ODOMETRY_DOUBLES, _TWIST_IN_ODOMETRY = 85, 43
+
+
+class Sampler:
+    """Makes the messages of one scene (not thread-safe).
+
+    Args:
+        scene: scene of the model.
+        stations: points of ``~/nodes``.
+    """
+
+    def __init__(self, scene: Scene, stations: int) -> None:
+        self._messages = Messages()
+        self.topics = topics(scene)
+        self._fractions = np.linspace(0.0, 1.0, stations)
+        self._odometry = _odometry()
+        self._twist = _twist()
+
+    def step(
+        self, model: CableModel, step: float, applied: Applied, stamp: int
+    ) -> tuple[Message, list[Message]]:
+        """What a step applied: the exact record, and what controllers read.
+
+        Returns: the message of ``~/applied_inputs``; those of the tow point's applied motion.
+        """
+        values = applied_values(model, step, applied.given)
+        # The value asked for, not the last bit that evaluating the motion makes of it: a replay
+        # that gives it again is then exact.
+        if applied.position is not None:
+            values[_POSITION] = applied.position
+        if applied.velocity is not None:
+            values[_VELOCITY] = applied.velocity
+        if applied.payout_rate is not None:
+            values[_PAYOUT] = applied.payout_rate
+        seconds, nanoseconds = divmod(stamp, 1_000_000_000)
+        position, velocity = values[_POSITION].tolist(), values[_VELOCITY].tolist()
+        odometry, twist = self._odometry, self._twist
+        _STAMP.pack_into(odometry, 4, seconds, nanoseconds)
+        at = len(odometry) - 8 * _ODOMETRY_DOUBLES
+        _THREE.pack_into(odometry, at, *position)
+        _THREE.pack_into(odometry, at + 8 * _TWIST_IN_ODOMETRY, *velocity)
+        _STAMP.pack_into(twist, 4, seconds, nanoseconds)
+        _THREE.pack_into(twist, len(twist) - 48, *velocity)
+        record = (variables.APPLIED_INPUTS_TOPIC, self._messages.applied_inputs(values))
+        return record, [(APPLIED_ODOMETRY, bytes(odometry)), (APPLIED_TWIST, bytes(twist))]
+
+    def outputs(self, model: CableModel, stamp: int) -> list[Message]:
+        """All outputs of the table; ``~/nodes`` at the stations."""
+        state = model.sample(self._fractions * model.line_length)
+        return encode_outputs(self._messages, self.topics, stamp, model, state)
+
+    def record(self, model: CableModel, stamp: int) -> list[Message]:
+        """All outputs with ``~/nodes`` at the model's own nodes, and the exact state: what
+        ``cablemodel run`` logs at an output time."""
+        state = model.state()
+        exact = (variables.STATE_TOPIC, self._messages.state(model.time, state))
+        return [*encode_outputs(self._messages, self.topics, stamp, model, state), exact]
+
+
+def topics(scene: Scene) -> tuple[str, ...]:
+    """Output topics that a scene has, in the table's order."""
+    return tuple(dict.fromkeys(variable.topic for variable in variables.outputs_of(scene)))
+
+
+_LABELS = variables.APPLIED_INPUT_FIELDS
+_POSITION = variables.span(_LABELS, "vessel_position")
+_VELOCITY = variables.span(_LABELS, "vessel_velocity")
+_PAYOUT = variables.span(_LABELS, "payout_rate")
+
+
+def _new(name: str, *values: Any) -> Any:
+    return typestore().types[name](*values)
+
+
+def _header() -> Any:
+    return _new("std_msgs/msg/Header", _new("builtin_interfaces/msg/Time", 0, 0), "map")
+
+
+def _zero_twist() -> Any:
+    zero = [_new("geometry_msgs/msg/Vector3", 0.0, 0.0, 0.0) for _ in range(2)]
+    return _new("geometry_msgs/msg/Twist", *zero)
+
+
+def _serialized(message: Any, name: str) -> bytearray:
+    return bytearray(typestore().serialize_cdr(message, name))
+
+
+def _odometry() -> bytearray:
+    """Odometry of the tow point; its frame is parallel to the map."""
+    point = _new("geometry_msgs/msg/Point", 0.0, 0.0, 0.0)
+    turn = _new("geometry_msgs/msg/Quaternion", 0.0, 0.0, 0.0, 1.0)
+    pose = _new("geometry_msgs/msg/Pose", point, turn)
+    message = _new(
+        variables.ODOMETRY,
+        _header(),
+        TOW_POINT_FRAME,
+        _new("geometry_msgs/msg/PoseWithCovariance", pose, np.zeros(36)),
+        _new("geometry_msgs/msg/TwistWithCovariance", _zero_twist(), np.zeros(36)),
+    )
+    return _serialized(message, variables.ODOMETRY)
+
+
+def _twist() -> bytearray:
+    return _serialized(_new(TWIST, _header(), _zero_twist()), TWIST)

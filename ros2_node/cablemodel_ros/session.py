@@ -1,0 +1,313 @@
+"""A cable that commands steer: all that the node does, without ROS.
+
+A session is made from settings, and stepped by whoever calls it. It is not thread-safe but for
+its `commands`; the control loop holds a lock around it.
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cablemodel import CableModel, Scene, StepError, load_scene
+from cablemodel.errors import SceneError
+from cablemodel_ros.commands import Commands
+from cablemodel_ros.helm import Applied, Helm, Present
+from cablemodel_ros.recording import Recorder
+from cablemodel_ros.samples import Message, Sampler
+from cablemodel_ros.settings import Settings
+from cablemodel_ros.timing import Durations
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """What a step gave."""
+
+    stamp: int
+    """Time stamp of the step's end [ns]."""
+    applied: list[Message]
+    """What was applied; always published."""
+    outputs: list[Message]
+    """All outputs; empty where publication was shed."""
+
+
+class SessionError(Exception):
+    """The model cannot go on."""
+
+
+class Session:
+    """One cable from configuration to clean-up.
+
+    Args:
+        settings: see `settings.PARAMETERS`.
+
+    Raises:
+        SceneError, StaticsError: the scene cannot be used; its own message says why.
+        SettingsError, OSError: the saved state cannot be read.
+    """
+
+    def __init__(self, settings: Settings) -> None:
+        self.settings = settings
+        self.scene = scene_of(settings)
+        self.model = CableModel(self.scene)
+        self._warm_up()
+        self.started_at_scene = not settings.initial_state
+        if settings.initial_state:
+            restore_saved(self.model, Path(settings.initial_state))
+        self._start = self.model.snapshot()
+        self.commands = Commands(settings, self.model.vessel_position)
+        self.helm = Helm(settings, self.commands)
+        self.sampler = Sampler(self.scene, settings.stations)
+        self.sampler.outputs(self.model, 0)  # libraries load now, not in the first cycle
+        self.sampler.record(self.model, 0)
+        self.recorder: Recorder | None = None
+        self.epoch = 0
+        self.step_times = Durations()
+        self.cycle_times = Durations()
+        self.cycles = 0
+        self.shed = 0
+        self.payout_refusals = 0
+        self.failure = ""
+        self._next_output = 0.0
+        if settings.log_folder:
+            self.recorder = Recorder(
+                Path(settings.log_folder),
+                self.scene,
+                max_bytes=settings.log_max_size * 1e6,
+                max_files=settings.log_max_files,
+                wait=settings.real_time_factor == 0.0,
+            )
+
+    def _warm_up(self) -> None:
+        """Compile or load every kernel now, in the plane and out of it, not in the first cycle."""
+        model = self.model
+        sideways = (0.0, 1e-6, 0.0) if abs(model.vessel_velocity[1]) < 0.5 else (1e-6, 0.0, 0.0)
+        for velocity in (model.vessel_velocity, model.vessel_velocity + sideways):
+            model.step(1e-3, vessel_velocity=velocity)
+            model.sample([0.0])
+            assert np.isfinite(model.top_tension)
+        model.reset()
+
+    # -- running --------------------------------------------------------------------------------
+
+    def start(self, now: int) -> None:
+        """Begin or go on: the model's time is `now` [ns] on the ROS clock."""
+        self.epoch = now - round(self.model.time * 1e9)
+        self._begin_file()
+
+    def stop(self) -> None:
+        """Pause; the log's file is finished."""
+        if self.recorder is not None:
+            self.recorder.end()
+
+    def close(self) -> None:
+        """The end: the log is finished and its thread ended."""
+        if self.recorder is not None:
+            self.recorder.close()
+            self.recorder = None
+
+    def _begin_file(self) -> None:
+        self._next_output = self.model.time
+        if self.recorder is None:
+            return
+        initial = self.model.time == 0.0 and self.started_at_scene
+        snapshot = None if initial else self.model.snapshot().image
+        self.recorder.begin(self.epoch, snapshot)
+        self._log_outputs(self.stamp())
+
+    def stamp(self) -> int:
+        """Time stamp of the model's time [ns]."""
+        return self.epoch + round(self.model.time * 1e9)
+
+    def cycle(
+        self,
+        target: float,
+        now: float | None = None,
+        *,
+        publish: Callable[[], bool] = lambda: True,
+    ) -> Cycle:
+        """Step to `target` [s] with the commands in force.
+
+        Args:
+            target: simulated time to reach [s].
+            now: ROS time that belongs to it [s]; by default that of its stamp.
+            publish: asked after the step; False makes no outputs, to save the time.
+
+        Raises:
+            SessionError: the step cannot be made; the model stands as it was.
+        """
+        if now is None:
+            now = 1e-9 * self.epoch + target
+        if self.recorder is not None and self.recorder.wants_file:
+            self._begin_file()
+        begin = self.model.time
+        applied = self._step(target, now)
+        stamp = self.stamp()
+        record, motion = self.sampler.step(self.model, target - begin, applied, stamp)
+        outputs = self.sampler.outputs(self.model, stamp) if publish() else []
+        self.cycles += 1
+        self.shed += not outputs
+        if self.recorder is not None:
+            self.recorder.step(stamp, [record])
+            if self.model.time >= self._next_output - 1e-9:
+                self._log_outputs(stamp)
+        return Cycle(stamp, [record, *motion], outputs)
+
+    def _log_outputs(self, stamp: int) -> None:
+        assert self.recorder is not None
+        interval = self.scene.run.output_interval
+        while self._next_output <= self.model.time + 1e-9:
+            self._next_output += interval
+        self.recorder.outputs(stamp, self.sampler.record(self.model, stamp))
+
+    def _step(self, target: float, now: float) -> Applied:
+        """One step of the model; pay-out that it refuses is given up, and the step made without."""
+        model = self.model
+        present = Present(
+            model.vessel_position,
+            model.vessel_velocity,
+            model.payout_rate,
+            model.line_length,
+            model.drum_length,
+        )
+        applied = self.helm.inputs(now, target - model.time, present)
+        begin = time.perf_counter()
+        try:
+            self._advance(target, applied)
+        except StepError as error:
+            if not applied.payout_rate and not present.payout_rate:
+                self._fail(error)
+            self.payout_refusals += 1
+            self.commands.refuse_payout(str(error))
+            applied = Applied(applied.velocity, applied.position, 0.0)
+            try:
+                self._advance(target, applied)
+            except StepError as second:
+                self._fail(second)
+        self.step_times.add(time.perf_counter() - begin)
+        return applied
+
+    def _advance(self, target: float, applied: Applied) -> None:
+        self.model.step_to(
+            target,
+            vessel_velocity=applied.velocity,
+            vessel_position=applied.position,
+            payout_rate=applied.payout_rate,
+        )
+
+    def _fail(self, error: StepError) -> None:
+        self.failure = str(error)
+        if self.recorder is not None:
+            self.recorder.end(self.failure)
+        raise SessionError(self.failure) from error
+
+    # -- services -------------------------------------------------------------------------------
+
+    def update(self, settings: Settings) -> None:
+        """Take over parameters that may change at any time."""
+        self.settings = settings
+        self.commands.update(settings)
+        self.helm.update(settings)
+
+    def reset(self, now: int) -> None:
+        """Back to the initial state and time; `now` [ns] is the ROS time that belongs to it."""
+        self.model.restore(self._start)
+        self.commands.forget()
+        self.helm.reset()
+        self.start(now)
+
+    def save(self) -> SavedState:
+        """The present state, to be written."""
+        return SavedState(self.scene, self.model)
+
+    def summary(self) -> dict[str, Any]:
+        """What ``~/scene`` tells: the scene in short and in full."""
+        model, scene = self.model, self.scene
+        return {
+            "title": scene.title or "",
+            "line_length": model.line_length,
+            "drum_length": model.drum_length,
+            "bodies": len(scene.bodies),
+            "end": scene.end.kind,
+            "tolerance": scene.solver.tolerance,
+            "elements": model.statistics["elements"],
+            "top_tension": model.top_tension,
+            "vessel_position": model.vessel_position.tolist(),
+            "rate": self.settings.rate,
+            "scene": scene.to_yaml(),
+        }
+
+
+def scene_of(settings: Settings) -> Scene:
+    """The scene that the parameter names, or is.
+
+    Raises:
+        SceneError: there is none, or it is wrong.
+    """
+    text = settings.scene
+    if not text.strip():
+        raise SceneError.at("scene", text, "the parameter is empty", "a path, or YAML text")
+    return load_scene(text)
+
+
+class SavedState:
+    """What ``~/save`` writes: the scene as YAML, and the state as ``.npz`` (NumPy).
+
+    The arrays are those of `CableState`, and ``snapshot``, which `restore_saved` takes up.
+    """
+
+    def __init__(self, scene: Scene, model: CableModel) -> None:
+        self._scene = scene.to_yaml()
+        self._state = model.state()
+        self._snapshot = model.snapshot().image
+        self._facts = {
+            "time": model.time,
+            "top_tension": model.top_tension,
+            "statistics": model.statistics,
+        }
+
+    def write(self, folder: Path) -> Path:
+        """Write ``cable_<date>_<simulated time>.yaml`` and ``.npz``; gives the path of the state.
+
+        Raises:
+            OSError: the folder cannot be written to.
+        """
+        folder.mkdir(parents=True, exist_ok=True)
+        day = time.strftime("%Y%m%dT%H%M%S", time.gmtime())
+        path = folder / f"cable_{day}_{self._state.time:.3f}s.npz"
+        path.with_suffix(".yaml").write_text(self._scene, encoding="utf-8")
+        with path.open("wb") as file:
+            np.savez_compressed(
+                file,
+                **{
+                    name: getattr(self._state, name)
+                    for name in ("time", "s", "position", "tangent", "velocity", "tension",
+                                 "curvature", "bending_moment", "on_floor")
+                },
+                snapshot=np.frombuffer(self._snapshot, dtype=np.uint8),
+                facts=np.array(json.dumps(self._facts)),
+            )  # fmt: skip
+        return path
+
+
+def restore_saved(model: CableModel, path: Path) -> None:
+    """Take up a saved state.
+
+    Raises:
+        OSError: it cannot be read.
+        SceneError: it is no saved state, or one of another scene.
+    """
+    from cablemodel.model import Snapshot
+
+    try:
+        with np.load(path) as saved:
+            image = saved["snapshot"].tobytes()
+    except (KeyError, ValueError) as error:
+        raise SceneError.at("initial_state", str(path), f"no saved state: {error}") from error
+    model.restore(Snapshot(image))

@@ -1,0 +1,270 @@
+"""Node and controller in two processes: commands, their misuse, and what the node makes of it."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import Twist, TwistStamped
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import PointCloud2
+from std_msgs.msg import Float64
+
+from .conftest import NodeProcess, Talker, wait_until
+
+Start = Callable[..., NodeProcess]
+
+
+def cloud_of(message: PointCloud2) -> np.ndarray:
+    """Points (n, 6): x, y, z, tension, curvature, s."""
+    assert [field.name for field in message.fields] == ["x", "y", "z", "tension", "curvature", "s"]
+    return np.frombuffer(bytes(message.data), "<f4").reshape(message.width, 6)
+
+
+class Helmsman:
+    """Commands the vessel and the winch, until told otherwise."""
+
+    def __init__(self, talker: Talker, frame: str = "map") -> None:
+        self.talker, self.frame = talker, frame
+        self.velocity = [0.0, 0.0, 0.0]
+        self.turn_rate = 0.0
+        self.rate: float | None = None
+        self._twist = talker.node.create_publisher(TwistStamped, "cmd_vel", 1)
+        self._winch = talker.node.create_publisher(Float64, "/cable/payout_rate_cmd", 1)
+        self._end: Callable[[], None] | None = None
+        self.start()
+
+    def start(self) -> None:
+        self._end = self.talker.repeat(50.0, self.send)
+
+    def stop(self) -> None:
+        assert self._end is not None
+        self._end()
+
+    def send(self) -> None:
+        message = TwistStamped()
+        message.header.stamp = self.talker.node.get_clock().now().to_msg()
+        message.header.frame_id = self.frame
+        linear = message.twist.linear
+        linear.x, linear.y, linear.z = self.velocity
+        message.twist.angular.z = self.turn_rate
+        self._twist.publish(message)
+        if self.rate is not None:
+            self._winch.publish(Float64(data=self.rate))
+
+
+class Watch:
+    """The newest of what the node says."""
+
+    def __init__(self, talker: Talker) -> None:
+        self.tension = talker.listen("/cable/tension_top", Float64)
+        self.applied = talker.listen("/cable/applied_cmd_vel", TwistStamped)
+        self.motion = talker.listen("/cable/applied_odom", Odometry)
+        self.length = talker.listen("/cable/line_length", Float64)
+        self.rate = talker.listen("/cable/payout_rate", Float64)
+        self.diagnostics = talker.listen("/diagnostics", DiagnosticArray)
+
+    @property
+    def velocity(self) -> list[float]:
+        linear = self.applied[-1].twist.linear
+        return [linear.x, linear.y, linear.z]
+
+    def said(self, name: str, words: str) -> bool:
+        return any(
+            words in status.message
+            for array in self.diagnostics
+            for status in array.status
+            if status.name == f"cable: {name}"
+        )
+
+    def value(self, name: str, key: str) -> str:
+        for array in reversed(self.diagnostics):
+            for status in array.status:
+                for item in status.values:
+                    if status.name == f"cable: {name}" and item.key == key:
+                        return str(item.value)
+        raise KeyError(key)
+
+
+@pytest.fixture
+def running(start_node: Start, talker: Talker) -> tuple[NodeProcess, Watch]:
+    node = start_node(vessel_input="cmd_vel", autostart=True, rate=50, diagnostics_rate=10,
+                      limits__acceleration=1.0, limits__speed=2.0)  # fmt: skip
+    watch = Watch(talker)
+    wait_until(lambda: len(watch.tension) > 3, 300)
+    return node, watch
+
+
+def test_commands_are_followed_within_limits_and_stale_ones_ramp_to_zero(
+    running: tuple[NodeProcess, Watch], talker: Talker
+) -> None:
+    _, watch = running
+    wait_until(lambda: watch.said("commands", "no cmd_vel yet"))
+    helmsman = Helmsman(talker)
+    helmsman.velocity, helmsman.rate = [0.8, 0.6, 0.0], 0.5
+    wait_until(lambda: watch.velocity == pytest.approx([0.8, 0.6, 0.0], abs=1e-9))
+    wait_until(lambda: watch.rate[-1].data == pytest.approx(0.5))
+    wait_until(lambda: watch.length[-1].data > 50.5)
+    helmsman.velocity = [9.0, 0.0, 0.0]
+    wait_until(lambda: watch.velocity[0] > 1.99)
+    assert max(message.twist.linear.x for message in watch.applied) <= 2.0 + 1e-9
+    helmsman.stop()
+    wait_until(lambda: watch.said("commands", "cmd_vel is stale"))
+    wait_until(lambda: watch.said("commands", "payout_rate_cmd is stale"))
+    wait_until(lambda: watch.velocity == [0.0, 0.0, 0.0])
+    wait_until(lambda: watch.rate[-1].data == 0.0)
+    # Every change of velocity obeys the acceleration limit, by the node's own stamps.
+    times = np.array([m.header.stamp.sec + 1e-9 * m.header.stamp.nanosec for m in watch.applied])
+    speeds = np.array([[m.twist.linear.x, m.twist.linear.y] for m in watch.applied])
+    changes = np.linalg.norm(np.diff(speeds, axis=0), axis=1)
+    assert np.all(changes <= 1.0 * np.diff(times) + 1e-6)
+    helmsman.velocity = [0.5, 0.0, 0.0]  # a controller that comes back is obeyed again
+    helmsman.start()
+    wait_until(lambda: watch.velocity == pytest.approx([0.5, 0.0, 0.0], abs=1e-9))
+
+
+def test_nan_frames_and_old_stamps_are_refused_and_do_no_harm(
+    running: tuple[NodeProcess, Watch], talker: Talker
+) -> None:
+    node, watch = running
+    helmsman = Helmsman(talker)
+    helmsman.velocity = [0.5, 0.0, 0.0]
+    wait_until(lambda: watch.velocity == pytest.approx([0.5, 0.0, 0.0], abs=1e-9))
+    twist = talker.node.create_publisher(TwistStamped, "cmd_vel", 1)
+    winch = talker.node.create_publisher(Float64, "/cable/payout_rate_cmd", 1)
+    for linear, frame, age in (
+        (math.nan, "map", 0), (math.inf, "map", 0), (5.0, "camera", 0), (5.0, "map", 30),
+    ):  # fmt: skip
+        message = TwistStamped()
+        message.header.frame_id = frame
+        message.header.stamp = talker.node.get_clock().now().to_msg()
+        message.header.stamp.sec -= age
+        message.twist.linear.x = linear
+        for _ in range(20):
+            twist.publish(message)
+            winch.publish(Float64(data=math.nan))
+            time.sleep(0.01)
+    wait_until(lambda: watch.said("commands", "payout_rate_cmd refused, the last: not finite"))
+    wait_until(lambda: watch.said("commands", "of cmd_vel refused"))
+    assert int(watch.value("commands", "cmd_vel refused")) > 3
+    assert "refused" in node.text
+    assert watch.velocity == pytest.approx([0.5, 0.0, 0.0], abs=1e-9)
+    assert max(message.twist.linear.x for message in watch.applied) <= 0.5 + 1e-9
+    assert all(message.data == 0.0 for message in watch.rate)
+    assert all(math.isfinite(message.data) for message in watch.tension)
+
+
+def test_the_vessel_frame_turns(running: tuple[NodeProcess, Watch], talker: Talker) -> None:
+    _, watch = running
+    helmsman = Helmsman(talker, frame="base_link")
+    helmsman.velocity = [0.5, 0.0, 0.0]
+    wait_until(lambda: watch.velocity == pytest.approx([0.5, 0.0, 0.0], abs=1e-9))
+    helmsman.turn_rate = 0.5
+    wait_until(lambda: watch.velocity[1] > 0.45)  # to port: from east to north
+    helmsman.turn_rate = 0.0
+    wait_until(lambda: np.hypot(*watch.velocity[:2]) == pytest.approx(0.5, abs=1e-6))
+
+
+def test_a_storm_of_messages_does_not_hold_up_the_cable(
+    running: tuple[NodeProcess, Watch], talker: Talker
+) -> None:
+    _, watch = running
+    stop = threading.Event()
+    publisher = talker.node.create_publisher(TwistStamped, "cmd_vel", 10)
+    sent = [0]
+
+    def storm() -> None:
+        message = TwistStamped()
+        message.twist.linear.x = 0.4
+        end = time.monotonic() + 6.0
+        while not stop.is_set() and time.monotonic() < end:
+            for _ in range(20):
+                publisher.publish(message)
+                sent[0] += 1
+            time.sleep(0.005)
+
+    thread = threading.Thread(target=storm)
+    before = float(watch.value("simulation", "simulated time [s]"))
+    begin = time.monotonic()
+    thread.start()
+    time.sleep(4.0)
+    now = float(watch.value("simulation", "simulated time [s]"))
+    elapsed = time.monotonic() - begin
+    slipped = float(watch.value("simulation", "time slipped [s]"))
+    stop.set()
+    thread.join()
+    assert sent[0] > 1000
+    assert now - before + slipped == pytest.approx(elapsed, abs=0.5)
+    assert watch.velocity == pytest.approx([0.4, 0.0, 0.0], abs=1e-9)
+    assert talker.state == "active"
+
+
+def test_odometry_is_followed_without_drift(start_node: Start, talker: Talker) -> None:
+    start_node(vessel_input="odom", odom_relative=True, autostart=True,
+               tow_point="[-2.0, 0.0, 0.0]", limits__acceleration=1.0)  # fmt: skip
+    motion = talker.listen("/cable/applied_odom", Odometry)
+    nodes = talker.listen("/cable/nodes", PointCloud2)
+    wait_until(lambda: len(motion) > 3, 300)
+    publisher = talker.node.create_publisher(Odometry, "/cable/odom", 1)
+    rate, radius = 0.1, 8.0
+    begin = talker.node.get_clock().now().nanoseconds
+
+    def course(now: float) -> tuple[np.ndarray, float]:
+        """Vessel on a circle from its eastward course, 300 m away from the map's origin."""
+        angle = rate * (now - 1e-9 * begin)
+        centre = np.array([300.0, radius])
+        return centre + radius * np.array([math.sin(angle), -math.cos(angle)]), angle
+
+    def send() -> None:
+        stamp = talker.node.get_clock().now()
+        place, angle = course(1e-9 * stamp.nanoseconds)
+        message = Odometry()
+        message.header.stamp, message.header.frame_id = stamp.to_msg(), "map"
+        message.child_frame_id = "base_link"
+        message.pose.pose.position.x, message.pose.pose.position.y = place.tolist()
+        message.pose.pose.orientation.z = math.sin(angle / 2)
+        message.pose.pose.orientation.w = math.cos(angle / 2)
+        message.twist.twist.linear.x = rate * radius
+        message.twist.twist.angular.z = rate
+        publisher.publish(message)
+
+    first = course(1e-9 * begin)[0] + [-2.0, 0.0]
+    end = talker.repeat(50.0, send)
+    time.sleep(9.0)
+    count = len(motion)
+    time.sleep(2.0)
+    end()
+    errors = []
+    for message in motion[count - 50 :]:
+        place, angle = course(message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec)
+        stern = place - 2.0 * np.array([math.cos(angle), math.sin(angle)]) - first
+        applied = message.pose.pose.position
+        if message is motion[-1]:
+            break
+        errors.append(math.hypot(applied.x - stern[0], applied.y - stern[1]))
+    # The first message may come some periods after the course's beginning: a constant shift.
+    assert np.median(errors) < 0.08
+    assert np.ptp(errors[:100]) < 0.05
+    points = cloud_of(nodes[-1])
+    assert points.shape == (64, 6)
+    assert points[:, 5] == pytest.approx(np.linspace(0, 50, 64), abs=1e-3)
+    assert points[0, :2] == pytest.approx(
+        [motion[-1].pose.pose.position.x, motion[-1].pose.pose.position.y], abs=0.05
+    )
+
+
+def test_plain_twist_on_request(start_node: Start, talker: Talker) -> None:
+    start_node(vessel_input="cmd_vel", cmd_vel_stamped=False, autostart=True, rate=50,
+               initial_heading=math.pi / 2)  # fmt: skip
+    watch = Watch(talker)
+    wait_until(lambda: len(watch.tension) > 3, 300)
+    publisher = talker.node.create_publisher(Twist, "cmd_vel", 1)
+    message = Twist()
+    message.linear.x = 0.3
+    talker.repeat(20.0, lambda: publisher.publish(message))
+    wait_until(lambda: watch.velocity == pytest.approx([0.0, 0.3, 0.0], abs=1e-6))

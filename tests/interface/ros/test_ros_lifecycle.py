@@ -1,0 +1,124 @@
+"""The lifecycle in all orders, parameters, and services, over the wire."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from std_msgs.msg import Float64, String
+
+import cablemodel as cm
+
+from .conftest import SCENE, NodeProcess, Talker, wait_until
+
+Start = Callable[..., NodeProcess]
+
+
+def test_all_transitions_and_those_that_do_not_exist(start_node: Start, talker: Talker) -> None:
+    node = start_node(vessel_input="cmd_vel")
+    tensions = talker.listen("/cable/tension_top", Float64)
+    assert talker.state == "unconfigured"
+    for impossible in ("activate", "deactivate", "cleanup"):
+        assert not talker.transition(impossible)
+    assert talker.state == "unconfigured"
+    for _ in range(2):
+        assert talker.transition("configure")
+        assert talker.state == "inactive"
+        for impossible in ("configure", "deactivate"):
+            assert not talker.transition(impossible)
+        count = len(tensions)
+        for _ in range(2):
+            assert talker.transition("activate")
+            assert not talker.transition("activate")
+            assert not talker.transition("cleanup")
+            wait_until(lambda n=count: len(tensions) > n + 5)
+            assert talker.transition("deactivate")
+            assert talker.state == "inactive"
+            count = len(tensions)
+        assert talker.transition("cleanup")
+        assert talker.state == "unconfigured"
+    assert talker.transition("configure")
+    assert talker.transition("activate")
+    assert talker.transition("active_shutdown")
+    assert talker.state == "finalized"
+    weight = 50 * 2.33333
+    assert tensions[0].data == pytest.approx(weight, rel=1e-3)
+    assert node.process.poll() is None
+    assert node.stop() == 0
+
+
+def test_a_wrong_scene_fails_configure_with_its_own_message(
+    start_node: Start, talker: Talker, tmp_path: Path
+) -> None:
+    wrong = tmp_path / "wrong.yaml"
+    wrong.write_text(SCENE.read_text().replace("length: 50", "lenght: 50"))
+    node = start_node(scene=wrong)
+    with pytest.raises(cm.SceneError) as caught:
+        cm.load_scene(wrong)
+    assert not talker.transition("configure")
+    assert talker.state == "unconfigured"
+    wait_until(lambda: "did you mean length" in node.text)
+    for line in str(caught.value).splitlines():
+        assert line in node.text
+    assert talker.set_parameter("scene", str(SCENE)).successful
+    assert talker.transition("configure")
+
+
+def test_bad_parameters_are_refused_with_reasons(start_node: Start, talker: Talker) -> None:
+    start_node(vessel_input="cmd_vel", rate=50)
+    for name, value, reason in (
+        ("rate", -1.0, "out of range"),
+        ("rate", float("nan"), "out of range"),
+        ("stations", 0, "out of range"),
+        ("vessel_input", "wind", "allowed: odom"),
+        ("vessel_frame", "hull", "read-only"),
+    ):
+        result = talker.set_parameter(name, value)
+        assert not result.successful
+        assert reason in result.reason, result.reason
+    assert talker.transition("configure")
+    result = talker.set_parameter("rate", 20.0)
+    assert not result.successful
+    assert "before the node is configured" in result.reason
+    assert talker.set_parameter("limits.speed", 1.5).successful
+    assert talker.set_parameter("command_timeout", 0.3).successful
+
+
+def test_a_wrong_start_parameter_ends_the_node_in_plain_words(start_node: Start) -> None:
+    node = start_node(vessel_input="wind")
+    assert node.process.wait(60) == 2
+    assert "vessel_input is 'wind'; allowed: odom | cmd_vel | scene" in node.text
+    assert "Traceback" not in node.text
+
+
+def test_following_a_clock_and_making_one_exclude_each_other(
+    start_node: Start, talker: Talker
+) -> None:
+    node = start_node(use_sim_time=True, publish_clock=True)
+    assert not talker.transition("configure")
+    wait_until(lambda: "use_sim_time follows a foreign /clock" in node.text)
+
+
+def test_reset_save_and_scene_summary(start_node: Start, talker: Talker, tmp_path: Path) -> None:
+    start_node(vessel_input="scene", payout_input="scene", save_folder=tmp_path / "saved",
+               autostart=True)  # fmt: skip
+    lengths = talker.listen("/cable/line_length", Float64)
+    wait_until(lambda: len(lengths) > 20, 300)
+    summaries = talker.listen("/cable/scene", String, latched=True)  # later than it was published
+    wait_until(lambda: summaries)
+    summary: dict[str, Any] = json.loads(summaries[0].data)
+    assert summary["title"] == "Way-point tow with a tension-limiting winch"
+    assert cm.load_scene(summary["scene"]) == cm.load_scene(SCENE)
+    saved = talker.trigger("save")
+    assert saved.success
+    path = Path(saved.message)
+    assert path.exists()
+    assert cm.load_scene(path.with_suffix(".yaml")) == cm.load_scene(SCENE)
+    assert talker.trigger("reset").success
+    assert talker.set_parameter("save_folder", "/dev/null/nowhere").successful
+    refused = talker.trigger("save")
+    assert not refused.success
+    assert "cannot save" in refused.message

@@ -1,0 +1,78 @@
+"""Messages that are made of objects: markers, the vessel's transform, diagnostics."""
+
+from __future__ import annotations
+
+import importlib.util
+import math
+import sys
+import types
+from collections.abc import Callable
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from cablemodel_ros import messages
+from cablemodel_ros.diagnostics import WARN, Status
+from cablemodel_ros.frames import heading_rotation
+from cablemodel_ros.markers import Picture, markers
+from std_msgs.msg import Float64
+from visualization_msgs.msg import Marker, MarkerArray
+
+from .conftest import NodeProcess, Talker, wait_until
+
+
+def test_markers_draw_cable_bodies_and_tension() -> None:
+    position = np.array([[0.0, 0, 0], [10, 0, -10], [20, 0, -20]])
+    tension = np.array([100.0, 50.0, -1.0])
+    picture = Picture(position, tension, [position[1]], 100.0, 0.02)
+    line, figures, body = markers(picture, messages.stamp_of(1_500_000_000)).markers
+    assert line.type == Marker.LINE_STRIP
+    assert [(p.x, p.z) for p in line.points] == [(0, 0), (10, -10), (20, -20)]
+    assert (line.colors[0].r, line.colors[0].b) == (1.0, 0.0)
+    assert (line.colors[2].r, line.colors[2].b) == (1.0, 1.0)  # pushed
+    assert figures.text == "100 N"
+    assert body.pose.position.x == 10
+    assert line.header.frame_id == "map"
+    assert (line.header.stamp.sec, line.header.stamp.nanosec) == (1, 500_000_000)
+
+
+def test_the_vessel_frame_is_where_the_tow_point_says(monkeypatch: pytest.MonkeyPatch) -> None:
+    if importlib.util.find_spec("tf2_msgs") is None:  # the wheels do not have it
+        stand_in = types.ModuleType("tf2_msgs.msg")
+        stand_in.TFMessage = SimpleNamespace  # type: ignore[attr-defined]
+        monkeypatch.setitem(sys.modules, "tf2_msgs", types.ModuleType("tf2_msgs"))
+        monkeypatch.setitem(sys.modules, "tf2_msgs.msg", stand_in)
+    session = SimpleNamespace(
+        helm=SimpleNamespace(rotation=heading_rotation(math.pi / 2)),
+        settings=SimpleNamespace(tow_point=(-2.0, 0.0, 0.5), vessel_frame="base_link"),
+        model=SimpleNamespace(vessel_position=np.array([10.0, 20.0, 0.5])),
+    )
+    (transform,) = messages.vessel_transform(session, 2_000_000_000).transforms  # type: ignore[arg-type]
+    place, turn = transform.transform.translation, transform.transform.rotation
+    assert (place.x, place.y, place.z) == pytest.approx((10.0, 22.0, 0.0))
+    assert (turn.z, turn.w) == pytest.approx((math.sqrt(0.5), math.sqrt(0.5)))
+    assert (transform.header.frame_id, transform.child_frame_id) == ("map", "base_link")
+
+
+def test_diagnostics_carry_level_message_and_values() -> None:
+    status = Status("commands", WARN, ["a", "b"], {"count": "3"})
+    (made,) = messages.diagnostics([status], "cable", messages.stamp_of(0)).status
+    assert made.level == b"\x01"
+    assert (made.name, made.message) == ("cable: commands", "a; b")
+    assert (made.values[0].key, made.values[0].value) == ("count", "3")
+
+
+def test_the_node_draws_the_cable_and_leaves_tf_out_where_there_is_none(
+    start_node: Callable[..., NodeProcess], talker: Talker
+) -> None:
+    node = start_node(vessel_input="scene", payout_input="scene", autostart=True, tf=True,
+                      markers_rate=10, stations=11)  # fmt: skip
+    pictures = talker.listen("/cable/markers", MarkerArray)
+    tensions = talker.listen("/cable/tension_top", Float64)
+    wait_until(lambda: len(pictures) > 1, 300)
+    line = pictures[-1].markers[0]
+    assert len(line.points) == len(line.colors) == 11
+    assert line.points[-1].z == pytest.approx(-50, abs=0.1)
+    assert pictures[-1].markers[1].text == f"{tensions[-1].data:.0f} N"
+    if importlib.util.find_spec("tf2_msgs") is None:
+        assert "/tf is left out: no tf2_msgs/msg/TFMessage here" in node.text

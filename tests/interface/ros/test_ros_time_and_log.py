@@ -1,0 +1,237 @@
+"""Time in all its modes, the log under a kill, controllers that die, and the example."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from geometry_msgs.msg import TwistStamped
+from rosgraph_msgs.msg import Clock
+from std_msgs.msg import Float64
+
+import cablemodel as cm
+
+from .conftest import ROOT, NodeProcess, Talker, wait_until
+
+Start = Callable[..., NodeProcess]
+EXAMPLES = ROOT / "ros2_node/examples"
+FREE_RUN = {"vessel_input": "scene", "payout_input": "scene", "autostart": True}
+
+
+def seconds(stamp: object) -> float:
+    return stamp.sec + 1e-9 * stamp.nanosec  # type: ignore[attr-defined]
+
+
+def clocks(talker: Talker) -> list[Clock]:
+    from rclpy.qos import QoSProfile, ReliabilityPolicy
+
+    found = talker.received["/clock"]
+    quality = QoSProfile(depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT)
+    talker.node.create_subscription(Clock, "/clock", found.append, quality)
+    return found
+
+
+def test_as_fast_as_possible_makes_a_clock_that_never_goes_back(
+    start_node: Start, talker: Talker
+) -> None:
+    ticks = clocks(talker)
+    start_node(**FREE_RUN, real_time_factor=0.0)
+    wait_until(lambda: len(ticks) > 10, 300)
+    begin, first = time.monotonic(), seconds(ticks[-1].clock)
+    time.sleep(2.0)
+    assert talker.trigger("reset").success
+    time.sleep(1.0)
+    assert (seconds(ticks[-1].clock) - first) > 1.5 * (time.monotonic() - begin)
+    times = [seconds(tick.clock) for tick in ticks]
+    assert times == sorted(times)
+
+
+def test_following_a_foreign_clock_its_pauses_and_its_jumps(
+    start_node: Start, talker: Talker
+) -> None:
+    start_node(**FREE_RUN, use_sim_time=True, rate=50, diagnostics_rate=10)
+    applied = talker.listen("/cable/applied_cmd_vel", TwistStamped)
+    diagnostics = talker.listen("/diagnostics", DiagnosticArray)
+    publisher = talker.node.create_publisher(Clock, "/clock", 10)
+
+    def tick(now: float) -> None:
+        message = Clock()
+        message.clock.sec, part = int(now), now - int(now)
+        message.clock.nanosec = round(1e9 * part)
+        publisher.publish(message)
+
+    def last() -> float:
+        return seconds(applied[-1].header.stamp)
+
+    wait_until(lambda: talker.state == "active", 300)
+    now = 100.0
+    end = time.monotonic() + 30.0
+    while not applied or last() < 110.0 - 1e-6:  # four times real time
+        now = min(now + 0.02, 110.0)
+        tick(now)
+        time.sleep(0.005)
+        assert time.monotonic() < end
+    stamps = np.array([seconds(message.header.stamp) for message in applied])
+    steps = np.diff(stamps)
+    assert np.all(steps > 0)
+    assert np.allclose(steps / 0.02, np.round(steps / 0.02), atol=1e-6)
+    count = len(applied)
+    time.sleep(0.5)  # a pause
+    assert len(applied) == count
+    wait_until(lambda: any("time stands still" in s.message for a in diagnostics for s in a.status))
+    for k in range(30):
+        tick(5.0 + 0.02 * k)
+        time.sleep(0.01)
+    wait_until(lambda: last() == pytest.approx(5.58, abs=0.03))
+    wait_until(lambda: any("jumped" in s.message for a in diagnostics for s in a.status))
+
+
+def test_a_kill_loses_at_most_the_last_second(
+    start_node: Start, talker: Talker, tmp_path: Path
+) -> None:
+    node = start_node(**FREE_RUN, log__folder=tmp_path / "log")
+    tensions = talker.listen("/cable/applied_cmd_vel", TwistStamped)
+    wait_until(lambda: len(tensions) > 350, 300)
+    node.process.send_signal(signal.SIGKILL)
+    node.process.wait()
+    killed = time.time()
+    time.sleep(0.2)
+    (path,) = (tmp_path / "log").glob("cable_*.mcap")
+    run = cm.open_run(path)
+    assert not run.complete
+    logged = run.applied_inputs["time"]
+    assert np.all(np.diff(logged) > 0)
+    begin = seconds(tensions[0].header.stamp)
+    epoch = 1e-9 * int(run.metadata["epoch_ns"])
+    assert killed - (epoch + logged[-1]) < 1.0 + 0.1  # and the moment between kill and clock
+    assert seconds(tensions[-1].header.stamp) - (epoch + logged[-1]) < 1.0
+    assert epoch + logged[0] <= begin
+    assert len(run.states) >= 6
+
+
+def test_a_controller_may_die_and_come_back(start_node: Start, talker: Talker) -> None:
+    start_node(vessel_input="cmd_vel", autostart=True, rate=50, diagnostics_rate=10)
+    applied = talker.listen("/cable/applied_cmd_vel", TwistStamped)
+    diagnostics = talker.listen("/diagnostics", DiagnosticArray)
+    command = [sys.executable, str(EXAMPLES / "waypoint_controller.py")]
+    wait_until(lambda: len(applied) > 3, 300)
+    for _ in range(2):
+        controller = subprocess.Popen(command)
+        try:
+            wait_until(lambda: applied[-1].twist.linear.x > 0.7, 60)
+            diagnostics.clear()
+        finally:
+            controller.kill()
+            controller.wait()
+        wait_until(lambda: applied[-1].twist.linear.x == 0.0)
+        wait_until(
+            lambda: any("cmd_vel is stale" in s.message for a in diagnostics for s in a.status)
+        )
+    assert talker.state == "active"
+
+
+FAILING = """
+import sys
+import cablemodel as cm
+from cablemodel_ros import node
+
+whole = cm.CableModel.step_to
+
+def step_to(self, time, *arguments, **inputs):
+    if time > 0.505:
+        raise cm.StepError("no convergence", time=self.time, arc_length=3.0)
+    whole(self, time, *arguments, **inputs)
+
+cm.CableModel.step_to = step_to
+sys.exit(node.main())
+"""
+
+
+def test_a_model_that_fails_leads_through_error_processing(
+    start_node: Start, talker: Talker, tmp_path: Path
+) -> None:
+    diagnostics = talker.listen("/diagnostics", DiagnosticArray)
+    node = start_node(**FREE_RUN, program=FAILING, log__folder=tmp_path / "log")
+    wait_until(
+        lambda: any(
+            "the simulation stopped" in s.message and s.level == DiagnosticStatus.ERROR
+            for a in diagnostics
+            for s in a.status
+        ),
+        120,
+    )
+    wait_until(lambda: talker.state == "unconfigured")
+    assert "3 m along the cable: no convergence" in node.text
+    (path,) = (tmp_path / "log").glob("cable_*.mcap")
+    run = cm.open_run(path)
+    assert "no convergence" in run.reason
+    assert run.applied_inputs["time"][-1] == pytest.approx(0.5)
+    assert talker.transition("configure")  # and it can be used again
+    assert talker.transition("cleanup")
+
+
+def test_node_and_library_fed_the_same_commands_give_the_same_states(
+    start_node: Start, talker: Talker, tmp_path: Path
+) -> None:
+    node = start_node(vessel_input="cmd_vel", autostart=True, rate=50, log__folder=tmp_path / "log")
+    applied = talker.listen("/cable/applied_cmd_vel", TwistStamped)
+    wait_until(lambda: len(applied) > 3, 300)
+    twist = talker.node.create_publisher(TwistStamped, "cmd_vel", 1)
+    winch = talker.node.create_publisher(Float64, "/cable/payout_rate_cmd", 1)
+    begin = time.monotonic()
+
+    def send() -> None:
+        t = time.monotonic() - begin
+        message = TwistStamped()
+        message.header.stamp = talker.node.get_clock().now().to_msg()
+        message.twist.linear.x = 0.8 * math.cos(0.5 * t)
+        message.twist.linear.y = 0.8 * math.sin(0.5 * t)
+        twist.publish(message)
+        winch.publish(Float64(data=0.3 * math.sin(t)))
+
+    talker.repeat(50.0, send)
+    wait_until(lambda: len(applied) > 400, 60)
+    assert node.stop() == 0
+    (path,) = (tmp_path / "log").glob("cable_*.mcap")
+    run = cm.open_run(path)
+    assert run.complete
+    inputs = run.applied_inputs
+    assert np.abs(inputs["payout_rate"]).max() > 0.2
+    # What went over the wire is what the log holds.
+    velocities = {(m.twist.linear.x, m.twist.linear.y) for m in applied}
+    logged = set(zip(inputs["vessel_velocity.x"], inputs["vessel_velocity.y"], strict=True))
+    assert velocities <= logged
+    model = cm.CableModel(run.scene)
+    states = {0.0: model.state()}
+    for k, end in enumerate(inputs["time"]):
+        velocity = [inputs[f"vessel_velocity.{axis}"][k] for axis in "xyz"]
+        model.step_to(end, vessel_velocity=velocity, payout_rate=inputs["payout_rate"][k])
+        states[float(end)] = model.state()
+    assert len(run.states) >= 16
+    for state in run.states:
+        assert np.array_equal(state.position, states[state.time].position)
+        assert np.array_equal(state.tension, states[state.time].tension)
+
+
+@pytest.mark.slow
+def test_the_waypoint_example_keeps_the_tension_below_its_limit(tmp_path: Path) -> None:
+    command = [sys.executable, str(EXAMPLES / "waypoint_tow.py"), "--factor", "15",
+               "--folder", str(tmp_path), "--plot", str(tmp_path / "tow.png")]  # fmt: skip
+    done = subprocess.run(command, capture_output=True, text=True, timeout=500, env=os.environ)
+    assert done.returncode == 0, done.stderr
+    result = json.loads(done.stdout)
+    assert result["highest tension [N]"] < 300
+    assert result["highest tension with the winch locked [N]"] == pytest.approx(392, abs=6)
+    assert 60 < result["longest line [m]"] < 70
+    assert result["line at the end [m]"] < 53
+    assert (tmp_path / "tow.png").stat().st_size > 20_000

@@ -1,0 +1,97 @@
+"""The command ``cablemodel fmu`` and the example of docs/fmu.md."""
+
+import os
+import resource
+import runpy
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+SCENE = ROOT / "scenes" / "towed_cable.yaml"
+
+
+def command(*arguments, folder):
+    return subprocess.run(
+        [sys.executable, "-m", "cablemodel", "fmu", *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+    )
+
+
+def test_export_takes_less_than_three_seconds(tmp_path):
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    done = command(SCENE, "-o", "tow.fmu", folder=tmp_path)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    assert done.returncode == 0, done.stderr
+    assert "tow.fmu" in done.stdout
+    assert after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime < 3.0
+    names = zipfile.ZipFile(tmp_path / "tow.fmu").namelist()
+    assert {
+        "modelDescription.xml",
+        "model.png",
+        "resources/model.bin",
+        "resources/scene.yaml",
+        "documentation/index.html",
+        "documentation/licenses/cablemodel-Apache-2.0.txt",
+        "documentation/licenses/fmi-headers-BSD-2-Clause.txt",
+        "binaries/linux64/cablemodel.so",
+        "binaries/win64/cablemodel.dll",
+        "binaries/darwin64/cablemodel.dylib",
+    } == set(names)
+
+
+def test_the_same_scene_gives_the_same_file(tmp_path):
+    for name in ("a.fmu", "b.fmu"):
+        assert command(SCENE, "-o", name, "--platform", "linux64", folder=tmp_path).returncode == 0
+    assert (tmp_path / "a.fmu").read_bytes() == (tmp_path / "b.fmu").read_bytes()
+
+
+def test_the_scene_inside_loads_again_and_can_be_changed(tmp_path):
+    import cablemodel as cm
+
+    done = command(
+        SCENE, "-o", "tow.fmu", "--platform", "linux64", "--set", "line.0.cable.length=40",
+        "--stations", 5, folder=tmp_path,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    with zipfile.ZipFile(tmp_path / "tow.fmu") as archive:
+        scene = cm.load_scene(archive.read("resources/scene.yaml").decode())
+        assert b"line.tension[5]" in archive.read("modelDescription.xml")
+        assert b"line.tension[6]" not in archive.read("modelDescription.xml")
+        page = archive.read("documentation/index.html").decode()
+    assert scene.line_length == 40.0
+    assert "line.tension[5]" in page
+    assert "length: 40" in page
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ((SCENE, "--platform", "linux32"), "linux32"),
+        ((SCENE, "--stations", "1"), "stations"),
+        (("missing.yaml",), "missing.yaml"),
+    ],
+)
+def test_what_cannot_be_exported(tmp_path, arguments, words):
+    done = command(*arguments, folder=tmp_path)
+    assert done.returncode != 0
+    assert words in done.stderr
+    assert "Traceback" not in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_example_of_a_vessel_comes_to_a_balance(capsys):
+    """Thrust, resistance and the cable's pull balance within 1 %, slower than without the cable."""
+    example = runpy.run_path(str(ROOT / "examples" / "vessel_and_cable.py"))
+    rows = example["main"]([])
+    _, speed, pull, _ = rows[-1]
+    thrust, resistance = example["THRUST"], example["RESISTANCE"]
+    assert abs(thrust + pull - resistance * speed**2) < 0.01 * thrust
+    assert 0.5 < speed < (thrust / resistance) ** 0.5
+    assert "speed" in capsys.readouterr().out

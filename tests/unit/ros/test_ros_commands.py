@@ -1,0 +1,169 @@
+"""Commands: frames are honoured; what cannot be used is refused, counted and told."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from cablemodel_ros.commands import Commands
+from cablemodel_ros.frames import heading_rotation, quaternion_of, rotation
+from cablemodel_ros.helm import Helm, Present
+from cablemodel_ros.settings import Settings
+from hypothesis import given
+from hypothesis import strategies as st
+
+NOW = 1000.0
+EAST_TO_NORTH = (0.0, 0.0, math.sqrt(0.5), math.sqrt(0.5))
+
+
+def made(**values: object) -> tuple[Commands, Helm]:
+    names = {name.replace("__", "."): value for name, value in values.items()}
+    settings = Settings.of(names)
+    commands = Commands(settings, (0.0, 0.0, 0.0))
+    return commands, Helm(settings, commands)
+
+
+def at_rest(velocity=(0.0, 0.0, 0.0), rate: float = 0.0, drum: float = 100.0) -> Present:
+    return Present(np.zeros(3), np.array(velocity), rate, 50.0, drum)
+
+
+def odometry(commands: Commands, stamp: float = NOW, **changes: object) -> str:
+    values = {
+        "now": NOW, "stamp": stamp, "frame": "map", "child_frame": "base_link",
+        "position": (0.0, 0.0, 0.0), "orientation": (0.0, 0.0, 0.0, 1.0),
+        "linear": (1.0, 0.0, 0.0), "angular": (0.0, 0.0, 0.0),
+    }  # fmt: skip
+    return commands.take_odometry(**{**values, **changes})  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
+def test_what_is_not_finite_is_refused_and_the_command_before_stays(bad: float) -> None:
+    commands, _ = made()
+    assert commands.take_twist(NOW, NOW, "map", (1, 0, 0), (0, 0, 0)) == ""
+    assert "not finite" in commands.take_twist(NOW, NOW, "map", (1, bad, 0), (0, 0, 0))
+    assert commands.take_payout_rate(NOW, 0.5) == ""
+    assert "not finite" in commands.take_payout_rate(NOW, bad)
+    assert odometry(commands) == ""
+    for name in ("position", "orientation", "linear", "angular"):
+        size = 4 if name == "orientation" else 3
+        assert "not finite" in odometry(commands, **{name: (bad,) * size})
+    latest = commands.latest()
+    assert latest.twist is not None
+    assert latest.twist.linear.tolist() == [1, 0, 0]
+    assert latest.payout is not None
+    assert latest.payout.rate == 0.5
+    counts = {topic: (t.received, t.refused) for topic, t in commands.tallies.items()}
+    assert counts == {"odom": (1, 4), "cmd_vel": (1, 1), "payout_rate_cmd": (1, 1)}
+
+
+def test_frames_that_are_not_known_are_refused_by_name() -> None:
+    commands, _ = made()
+    reason = commands.take_twist(NOW, NOW, "camera", (1, 0, 0), (0, 0, 0))
+    assert "'camera'" in reason
+    assert "map, base_link" in reason
+    assert "'odom'" in odometry(commands, frame="odom")
+
+
+def test_stamps_that_are_old_or_in_the_future_are_refused() -> None:
+    commands, _ = made(command_timeout=0.5)
+    assert "0.6 s old" in commands.take_twist(NOW, NOW - 0.6, "map", (1, 0, 0), (0, 0, 0))
+    assert "in the future" in odometry(commands, stamp=NOW + 2.0)
+    assert commands.take_twist(NOW, 0.0, "map", (1, 0, 0), (0, 0, 0)) == ""  # not stamped
+
+
+def test_an_orientation_that_is_no_rotation_is_refused() -> None:
+    commands, _ = made()
+    assert "unit quaternion" in odometry(commands, orientation=(0.0, 0.0, 0.0, 0.0))
+
+
+def test_a_twist_in_the_vessel_frame_turns_with_the_vessel() -> None:
+    commands, helm = made(vessel_input="cmd_vel", initial_heading=math.pi / 2,
+                          limits__acceleration=1000.0)  # fmt: skip
+    commands.take_twist(NOW, NOW, "base_link", (1, 0, 0), (0, 0, 0))
+    applied = helm.inputs(NOW, 0.01, at_rest())
+    assert applied.velocity == pytest.approx([0, 1, 0], abs=1e-12)
+    commands.take_twist(NOW, NOW, "map", (1, 0, 0), (0, 0, 0))
+    assert helm.inputs(NOW, 0.01, at_rest()).velocity == pytest.approx([1, 0, 0])
+    commands.take_twist(NOW, NOW, "base_link", (1, 0, 0), (0, 0, 0.5))
+    for _ in range(100):  # half a radian in a second
+        applied = helm.inputs(NOW, 0.01, at_rest())
+    assert applied.velocity == pytest.approx([-math.sin(0.5), math.cos(0.5), 0], abs=1e-9)
+
+
+def test_the_tow_point_of_a_turning_vessel_moves_by_its_arm() -> None:
+    commands, helm = made(vessel_input="cmd_vel", tow_point=[-5.0, 0.0, 0.0],
+                          limits__acceleration=1000.0)  # fmt: skip
+    commands.take_twist(NOW, NOW, "base_link", (0, 0, 0), (0, 0, 0.2))
+    applied = helm.inputs(NOW, 0.01, at_rest())
+    assert applied.velocity == pytest.approx([0.002, -1.0, 0], abs=1e-5)
+
+
+def test_odometry_gives_the_tow_point_in_the_map() -> None:
+    commands, _ = made(tow_point=[-2.0, 0.0, 1.0])
+    assert odometry(commands, position=(10.0, 0.0, 0.0), orientation=EAST_TO_NORTH,
+                    angular=(0.0, 0.0, 0.1)) == ""  # fmt: skip
+    sample = commands.latest().odometry
+    assert sample is not None
+    assert sample.position == pytest.approx([10.0, -2.0, 1.0])
+    # The bow points north; turning to port swings the stern to the east.
+    assert sample.velocity == pytest.approx([0.2, 1.0, 0.0])
+
+
+def test_relative_odometry_counts_from_the_first_message() -> None:
+    commands, _ = made(odom_relative=True)
+    odometry(commands, position=(500.0, 300.0, 0.0))
+    odometry(commands, position=(501.0, 300.0, 0.0))
+    sample = commands.latest().odometry
+    assert sample is not None
+    assert sample.position == pytest.approx([1.0, 0.0, 0.0])
+
+
+def test_a_jump_in_position_is_refused_with_distance_and_advice() -> None:
+    commands, helm = made(limits__position_jump=10.0)
+    odometry(commands, position=(500.0, 0.0, 0.0))
+    applied = helm.inputs(NOW, 0.01, at_rest())
+    assert applied.velocity == pytest.approx([0, 0, 0])
+    assert commands.tallies["odom"].refused == 1
+    assert "500 m" in commands.tallies["odom"].reason
+    assert "odom_relative" in commands.tallies["odom"].reason
+
+
+def test_a_stale_command_ramps_to_zero_and_comes_back() -> None:
+    commands, helm = made(vessel_input="cmd_vel", command_timeout=0.5, limits__acceleration=2.0)
+    commands.take_twist(NOW, NOW, "map", (1, 0, 0), (0, 0, 0))
+    commands.take_payout_rate(NOW, 0.5)
+    moving = at_rest((1.0, 0.0, 0.0), 0.5)
+    fresh = helm.inputs(NOW + 0.5, 0.1, moving)
+    assert fresh.velocity == pytest.approx([1, 0, 0])
+    assert fresh.payout_rate == 0.5
+    assert helm.stale == set()
+    late = helm.inputs(NOW + 0.6, 0.1, moving)
+    assert late.velocity == pytest.approx([0.8, 0, 0])
+    assert late.payout_rate == pytest.approx(0.4)
+    assert helm.stale == {"cmd_vel", "payout_rate_cmd"}
+    commands.take_twist(NOW + 1, NOW + 1, "map", (1, 0, 0), (0, 0, 0))
+    helm.inputs(NOW + 1, 0.1, moving)
+    assert helm.stale == {"payout_rate_cmd"}
+
+
+def test_before_the_first_command_nothing_moves_and_the_helm_waits() -> None:
+    _, helm = made()
+    applied = helm.inputs(NOW, 0.01, at_rest())
+    assert applied.velocity == pytest.approx([0, 0, 0])
+    assert applied.payout_rate == 0
+    assert helm.waiting == {"odom"}
+
+
+def test_a_scene_that_drives_itself_is_left_alone() -> None:
+    _, helm = made(vessel_input="scene", payout_input="scene")
+    applied = helm.inputs(NOW, 0.01, at_rest())
+    assert applied.given == ()
+    assert helm.waiting == set()
+
+
+@given(st.floats(-3.1, 3.1), st.floats(-1.5, 1.5), st.floats(-3.1, 3.1))
+def test_quaternions_and_matrices_are_each_others_inverse(a: float, b: float, c: float) -> None:
+    turn = heading_rotation(a) @ np.roll(np.roll(heading_rotation(b), 1, 0), 1, 1)
+    turn = turn @ np.roll(np.roll(heading_rotation(c), -1, 0), -1, 1)
+    assert rotation(quaternion_of(turn)) == pytest.approx(turn, abs=1e-12)

@@ -1,0 +1,78 @@
+"""What colcon and the launch file need is there, and speaks of things that exist."""
+
+from __future__ import annotations
+
+import ast
+import re
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import pytest
+import yaml
+from cablemodel_ros import interface, settings
+
+import cablemodel as cm
+
+PACKAGE = Path(__file__).parents[3] / "ros2_node"
+
+
+def setup_arguments() -> dict[str, ast.expr]:
+    tree = ast.parse((PACKAGE / "setup.py").read_text(encoding="utf-8"))
+    calls = [n for n in ast.walk(tree) if isinstance(n, ast.Call)]
+    (call,) = [c for c in calls if getattr(c.func, "id", "") == "setup"]
+    return {k.arg: k.value for k in call.keywords if k.arg}
+
+
+def test_package_xml_and_setup_agree() -> None:
+    root = ElementTree.parse(PACKAGE / "package.xml").getroot()
+    assert root.findtext("name") == "cablemodel_ros"
+    version = setup_arguments()["version"]
+    assert isinstance(version, ast.Constant)
+    assert root.findtext("version") == version.value
+    assert root.findtext("export/build_type") == "ament_python"
+    depends = {element.text for element in root.findall("exec_depend")}
+    used = set()
+    for path in PACKAGE.glob("cablemodel_ros/*.py"):
+        used |= set(re.findall(r"^from (\w+(?:_msgs|_srvs|_interfaces))\.", path.read_text(), re.M))
+    assert used <= depends
+    messages = {t.message.split("/")[0] for t in (*interface.OUTPUTS, *interface.OTHERS)}
+    assert messages <= depends
+
+
+def test_every_file_that_is_installed_exists() -> None:
+    text = ast.unparse(setup_arguments()["data_files"]).replace("{NAME}", "cablemodel_ros")
+    names = re.findall(r"'((?:resource|launch|config|rviz|scenes)/[\w.]+)'", text)
+    assert len(names) == 5
+    for name in ["package.xml", *names]:
+        assert (PACKAGE / name).exists(), name
+
+
+def test_the_launch_file_sets_parameters_that_exist() -> None:
+    tree = ast.parse((PACKAGE / "launch/cable.launch.py").read_text(encoding="utf-8"))
+    keys = {
+        key.value
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Dict)
+        for key in node.keys
+        if isinstance(key, ast.Constant)
+    }
+    assert keys
+    assert keys <= {*settings.BY_NAME, "use_sim_time"}
+
+
+def test_rviz_shows_topics_that_exist() -> None:
+    content = yaml.safe_load((PACKAGE / "rviz/cable.rviz").read_text(encoding="utf-8"))
+    shown = {
+        display["Topic"]["Value"]
+        for display in content["Visualization Manager"]["Displays"]
+        if "Topic" in display
+    }
+    known = (*interface.OUTPUTS, *interface.APPLIED, *interface.OTHERS)
+    assert shown
+    assert shown <= {topic.name.replace("~", "/cable") for topic in known}
+
+
+def test_the_scene_that_comes_with_the_node_hangs_at_its_weight() -> None:
+    model = cm.CableModel(cm.load_scene(PACKAGE / "scenes/waypoint_tow.yaml"))
+    assert model.top_tension == pytest.approx(50 * 2.33333, rel=1e-3)
+    assert model.drum_length == 150

@@ -1,0 +1,128 @@
+"""The compiled library: used when it fits the kernels, left aside otherwise, with the same bits."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from cablemodel import library
+
+ROOT = Path(__file__).parents[2]
+
+# One run through turns, pay-out and current: its bits, and what compiled it.
+RUN = """
+import sys, hashlib
+import cablemodel as cm
+from cablemodel import library
+digest = hashlib.sha256()
+for name in ("turn", "whip"):
+    model = cm.CableModel(cm.load_scene(f"{root}/scenes/{{name}}.yaml"))
+    for n in range(15):
+        model.step(0.07 + 0.1 * (n % 3), payout_rate=-0.1 * (n > 5), current=(0, 0.1, 0))
+        state = model.state()
+        for array in (state.position, state.velocity, state.tension, model.top_force):
+            digest.update(array.tobytes())
+print(library.library_path() is not None, "numba" in sys.modules, digest.hexdigest())
+"""
+
+
+def run(code: str, **environment) -> str:
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), **environment},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return done.stdout.strip()
+
+
+def built() -> bool:
+    return library.library_path() is not None
+
+
+needs_library = pytest.mark.skipif(
+    not built(), reason="the library is not built: python -m cablemodel_fmu.build native"
+)
+
+
+@needs_library
+@pytest.mark.slow
+def test_library_and_numba_give_the_same_bits():
+    code = RUN.format(root=ROOT)
+    used, numba_loaded, bits = run(code).split()
+    assert (used, numba_loaded) == ("True", "False")
+    used, numba_loaded, numba_bits = run(code, CABLEMODEL_KERNELS="numba").split()
+    assert (used, numba_loaded) == ("False", "True")
+    assert bits == numba_bits
+
+
+START = """
+import time
+before = time.process_time()
+import cablemodel as cm
+model = cm.CableModel(cm.load_scene("{root}/scenes/towed_cable.yaml"))
+model.step(0.1)
+print(time.process_time() - before)
+"""
+
+
+@needs_library
+def test_import_to_first_step_takes_less_than_a_second():
+    """0.8 s of processor time: nothing is compiled, neither numba nor SciPy is imported."""
+    code = START.format(root=ROOT)
+    assert min(float(run(code)) for _ in range(3)) < 0.8
+
+
+@pytest.fixture
+def copy(tmp_path, monkeypatch):
+    """A copy of the libraries that may be spoilt."""
+    if library.BINARIES.exists():
+        shutil.copytree(library.BINARIES, tmp_path / "binaries")
+    monkeypatch.setattr(library, "BINARIES", tmp_path / "binaries")
+    library.library_path.cache_clear()
+    yield tmp_path / "binaries" / str(library.platform_name())
+    library.library_path.cache_clear()
+
+
+@needs_library
+def test_a_library_of_other_kernels_is_left_aside(copy):
+    assert library.library_path() is not None
+    about = json.loads((copy / "library.json").read_text())
+    about["kernels"] = "0" * 64
+    (copy / "library.json").write_text(json.dumps(about))
+    library.library_path.cache_clear()
+    assert library.library_path() is None
+
+
+@needs_library
+def test_a_library_that_is_gone_is_not_missed(copy):
+    (copy / json.loads((copy / "library.json").read_text())["file"]).unlink()
+    assert library.library_path() is None
+
+
+def test_numba_can_be_asked_for(copy, monkeypatch):
+    monkeypatch.setenv("CABLEMODEL_KERNELS", "numba")
+    assert library.library_path() is None
+
+
+def test_the_hash_is_that_of_the_sources(tmp_path, monkeypatch):
+    before = library.kernel_hash()
+    shutil.copytree(ROOT / "cablemodel" / "kernels", tmp_path / "kernels")
+    with (tmp_path / "kernels" / "stepping.py").open("a") as file:
+        file.write("# changed\n")
+    monkeypatch.setattr(library, "__file__", str(tmp_path / "library.py"))
+    library.kernel_hash.cache_clear()
+    try:
+        assert library.kernel_hash() != before
+    finally:
+        library.kernel_hash.cache_clear()
+
+
+def test_there_is_no_entry_point_of_another_name():
+    with pytest.raises(AttributeError, match="no entry point 'leap'"):
+        _ = library.leap

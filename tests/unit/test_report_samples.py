@@ -1,0 +1,61 @@
+"""Thinning a run for the report keeps what matters of it."""
+
+import numpy as np
+import pytest
+
+from cablemodel.report.samples import evenly_spaced, nearest, thinned
+from cablemodel.report.tables import number
+
+
+def test_thinned_curves_keep_every_peak_and_both_ends() -> None:
+    values = np.sin(np.linspace(0.0, 50.0, 72_001))
+    values[40_123], values[5] = 7.0, -9.0
+    kept = thinned(values)
+    assert len(kept) <= 2002
+    assert {0, 5, 40_123, 72_000} <= set(kept.tolist())
+    assert np.all(np.diff(kept) > 0)
+
+
+def test_short_curves_are_whole() -> None:
+    assert np.array_equal(thinned(np.arange(2000.0)), np.arange(2000))
+
+
+def test_gaps_stay_gaps() -> None:
+    values = np.ones(30_000)
+    values[10_000:20_000] = np.nan
+    kept = thinned(values)
+    assert np.isnan(values[kept]).sum() > 100
+    assert np.isfinite(values[kept]).sum() > 100
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 500, 501, 5000])
+def test_instants_are_evenly_spaced_in_time_and_hold_both_ends(count: int) -> None:
+    time = np.cumsum(np.random.default_rng(1).uniform(0.1, 0.3, count))
+    chosen = evenly_spaced(time, 500)
+    assert chosen[0] == 0
+    assert chosen[-1] == count - 1
+    assert len(chosen) == min(count, len(set(chosen.tolist())))
+    if count == 5000:
+        assert np.max(np.diff(time[chosen])) < 1.5 * (time[-1] - time[0]) / 499
+
+
+def test_nearest_time() -> None:
+    assert nearest(np.array([0.0, 1.0, 5.0]), np.array([-1.0, 0.4, 0.6, 3.1, 9.0])).tolist() == [
+        0, 0, 1, 2, 2,
+    ]  # fmt: skip
+    assert nearest(np.array([2.0]), np.array([0.0, 5.0])).tolist() == [0, 0]
+
+
+@pytest.mark.parametrize(
+    ("value", "scale", "text"),
+    [
+        (94.605, 0.0, "94.61"),
+        (-1.4e-4, 94.0, "0"),
+        (-24.0, 0.0, "−24.00"),
+        (12345.6, 0.0, "12,346"),
+        (1e9, 0.0, "1.000e+09"),
+        (float("nan"), 0.0, "–"),
+    ],
+)
+def test_numbers_have_four_digits(value: float, scale: float, text: str) -> None:
+    assert number(value, scale) == text
