@@ -186,7 +186,13 @@ def start_up_section(start_up: StartUp) -> str:
         ("import to the end of a first step, kernels cached", f"{start_up.warm_start:.2f}", "1.5"),
     ]
     if start_up.first_start is not None:
-        rows.append(("the same with an empty kernel cache", f"{start_up.first_start:.1f}", "60"))
+        rows.append(
+            (
+                "the same without a compiled library or cached kernels",
+                f"{start_up.first_start:.1f}",
+                "60",
+            )
+        )
     return "## Start-up\n\n" + table(("what", "wall s", "asked"), rows)
 
 
