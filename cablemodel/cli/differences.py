@@ -65,7 +65,7 @@ def difference_table(title: str, differences: Iterable[Difference]) -> Table:
         ("quantity", "left"), ("largest difference", "right"), ("allowed", "right"),
         ("at t", "right"), ("at s", "right"), ("", "left"),
     ):  # fmt: skip
-        table.add_column(heading, justify=justify)  # type: ignore[arg-type]
+        table.add_column(heading, justify=justify, no_wrap=heading == "quantity")  # type: ignore[arg-type]
     for item in sorted(differences, key=lambda item: item.share, reverse=True):
         table.add_row(
             item.name,

@@ -63,6 +63,8 @@ from .layout import (
     S_FACTORED_STEP,
     S_LAST_STEP,
     S_PAID,
+    S_PAYOUT_RATE,
+    S_PAYOUT_SLOPE,
     S_PERIOD,
     S_SMALLEST_STEP,
     S_STEP,
@@ -423,6 +425,7 @@ def advance_to(I, M, t_end):
                 paid = paid_since(M, dt)
                 M[S_PAID] += paid
                 M[S_TOP_LENGTH] += paid
+                M[S_PAYOUT_RATE] += M[S_PAYOUT_SLOPE] * dt
             if landing:
                 M[S_TIME] = stop
             else:

@@ -1,5 +1,6 @@
 """Films: they are what they should be, and a missing writer is said."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -46,11 +47,13 @@ def test_a_gif_has_the_pictures_asked_for_and_they_move(log: Path) -> None:
 def test_an_mp4_plays_on_phones(log: Path) -> None:
     imageio_ffmpeg = pytest.importorskip("imageio_ffmpeg")
     assert animate(log, "--seconds", "1", "--fps", "10").exit_code == 0
-    frames = imageio_ffmpeg.read_frames(str(log.with_suffix(".mp4")))
-    facts = next(frames)
-    assert (facts["codec"], facts["fps"]) == ("h264", 10.0)
-    assert facts["pix_fmt"].startswith("yuv420p")
-    assert len(list(frames)) == 10
+    film = str(log.with_suffix(".mp4"))
+    done = subprocess.run(
+        [imageio_ffmpeg.get_ffmpeg_exe(), "-i", film, "-f", "null", "-"],
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    assert re.search(r"Video: h264.*yuv420p.* 10 fps", done.stderr)
+    assert re.findall(r"frame= *(\d+)", done.stderr)[-1] == "10"
 
 
 @pytest.mark.parametrize(

@@ -42,15 +42,22 @@ def pendulum(tolerance, *, axial_stiffness=1e5, ratio=1e-5, elements=2):
     return model, place
 
 
+def swing(place, times, ratio=1e-5):
+    """What `pendulum` must do, (n, 2)."""
+    mass, weight = 1.0 + ratio / 3.0, GRAVITY * (1.0 + ratio / 2.0)
+    return motion.spring_pendulum(1.0, 1e5, mass, weight, (place[0], place[2]), times)
+
+
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-4, 1e-5])
 def test_pendulum(tolerance):
-    """One period on an elastic line, exactly; the cable's own mass shifts it by 1e-6."""
+    """One period on an elastic line, exactly: a straight cable adds a third of its mass and half
+    of its weight to the bob's."""
     times = np.linspace(0.0, PERIOD, 9)[1:]
     model, place = pendulum(tolerance)
-    exact = motion.spring_pendulum(1.0, 1e5, 1.0, GRAVITY, (place[0], place[2]), times)
+    exact = swing(place, times)
     for time, position in zip(times, exact, strict=True):
         model.step_to(time)
-        assert model.tip_position[[0, 2]] == pytest.approx(position, abs=tolerance + 2e-6)
+        assert model.tip_position[[0, 2]] == pytest.approx(position, abs=tolerance)
 
 
 def test_pendulum_period():
@@ -71,7 +78,7 @@ def test_pendulum_stepped_by_its_caller(interval):
     """However short the caller's steps: the error is that of the tolerance."""
     tolerance = 1e-4
     model, place = pendulum(tolerance)
-    exact = motion.spring_pendulum(1.0, 1e5, 1.0, GRAVITY, (place[0], place[2]), [2.0])[0]
+    exact = swing(place, [2.0])[0]
     for k in range(round(2.0 / interval)):
         model.step_to((k + 1) * interval)
     assert model.tip_position[[0, 2]] == pytest.approx(exact, abs=tolerance)
@@ -108,11 +115,11 @@ def test_rigid_rod_in_gusts(added_mass):
     exact = motion.rigid_rod(
         1.0, 0.4613, 2.33333, DRAG, ADDED * added_mass, gust, [t for t, _ in GUSTS], times
     )
-    model = cm.CableModel(scene(1.0, cable, elements=16, tolerance=1e-6, current=current_table()))
+    model = cm.CableModel(scene(1.0, cable, elements=16, tolerance=1e-5, current=current_table()))
     for time, angle in zip(times, exact, strict=True):
         model.step_to(time)
         tip = model.tip_position
-        assert np.arctan2(tip[0], -tip[2]) == pytest.approx(angle, abs=5e-6)
+        assert np.arctan2(tip[0], -tip[2]) == pytest.approx(angle, abs=1e-5)
 
 
 @pytest.mark.parametrize("added_mass", [0.0, 1.0])
@@ -134,7 +141,7 @@ def test_cable_adrift_in_gusts(added_mass):
             5.0,
             cable,
             elements=8,
-            tolerance=1e-6,
+            tolerance=1e-5,
             current=current_table(),
             vessel={"velocity": rows, "interpolation": "cubic"},
             initial={"straight": [0.0, 1.0, 0.0]},
@@ -143,7 +150,7 @@ def test_cable_adrift_in_gusts(added_mass):
     for time in (0.5, 1.0, 2.0, 3.0):
         model.step_to(time)
         _, moved = drift(time)
-        assert model.tip_position == pytest.approx([moved[0], 5.0, 0.0], abs=5e-6)
+        assert model.tip_position == pytest.approx([moved[0], 5.0, 0.0], abs=5e-5)
         assert model.top_tension < 1e-4 * DRAG * 5.0  # of what holds it in a current of 1 m/s
 
 
@@ -241,17 +248,15 @@ def test_axial_wave_doubles_at_the_free_end():
 
 
 def test_sudden_stop_sends_a_front_of_minus_v_sqrt_ea_m():
-    """A vessel that stops in 5 ms drops the tension by V sqrt(EA m), here by 3/4 of it.
+    """A load is hoisted at 1 m/s and stopped within 50 ms: T falls by V sqrt(EA m), here by 40 %.
 
-    1 km of cable is pulled along with its vessel at V, under a steady drag of its length.
+    In vacuum; 1 km of cable hangs with 8 kN at its end, and its echo returns after 0.63 s.
     """
-    speed = 1.0
-    cable = {**IDEAL, "axial_stiffness": 1e7, "diameter": 0.02, "drag_tangential": 0.05}
-    steady = 0.5 * 1025.0 * 0.05 * np.pi * 0.02 * 1000.0 * (2.0 * speed) ** 2
+    cable = {**IDEAL, "axial_stiffness": 1e7}
     rows = [
-        {"t": 0.0, "velocity": [2.0 * speed, 0, 0]},
-        {"t": 0.05, "velocity": [2.0 * speed, 0, 0]},
-        {"t": 0.055, "velocity": [speed, 0, 0]},
+        {"t": 0.0, "velocity": [0, 0, 1.0]},
+        {"t": 0.1, "velocity": [0, 0, 1.0]},
+        {"t": 0.15, "velocity": [0, 0, 0.0]},
     ]
     model = cm.CableModel(
         scene(
@@ -259,16 +264,17 @@ def test_sudden_stop_sends_a_front_of_minus_v_sqrt_ea_m():
             cable,
             model="cable",
             elements=128,
+            density=0.0,
             tolerance=1e-8,
+            body={"mass": 8000.0 / GRAVITY, "submerged_weight": 8000.0},
             vessel={"velocity": rows},
-            initial={"points": [[0, 0, 0], [-1000.0, 0, 0]]},
         )
     )
-    assert steady > 0.0
-    model.step_to(0.05)
-    before = model.top_tension
-    model.step_to(0.056)
-    assert before - model.top_tension == pytest.approx(speed * IMPEDANCE, rel=0.03)
+    assert model.top_tension == pytest.approx(8000.0, rel=1e-9)
+    for time in (0.1, 0.125, 0.15, 0.3, 0.5, 0.65):
+        model.step_to(time)
+        lost = IMPEDANCE * np.clip((time - 0.1) / 0.05, 0.0, 1.0)
+        assert model.top_tension == pytest.approx(8000.0 - lost, abs=0.01 * IMPEDANCE)
 
 
 def test_axial_oscillation_of_an_end_mass():
@@ -319,44 +325,42 @@ def test_axial_oscillation_of_an_end_mass():
 
 
 @pytest.mark.slow
-def test_folded_chain_falls_faster_than_free():
-    """Pinned at one end, let go beside it; 0.84721 sqrt(2L/g) in the limit of no separation.
+@pytest.mark.parametrize(("separation", "bending"), [(0.04, 1e-6), (0.02, 1.25e-7)])
+def test_folded_chain_falls_faster_than_free(separation, bending):
+    """Pinned at one end, let go beside it; 0.84721 sqrt(2L/g) in the limit of no separation b.
 
-    Energy alone gives the fall x of the end. The separation b/L and the mesh round the fold: the
-    fall is late by a term of the order b/L, so that two separations extrapolate to the limit.
+    Energy alone gives the fall x of the end. The fold is b wide, so that what is neglected is of
+    the order b: a tenth of it is allowed. A trace of bending stiffness, smaller with b^3, keeps
+    the fold from crumpling.
     """
     length = 1.0
     duration = motion.folded_chain_fall_time(length)
-    times = np.array([0.6, 0.8, 0.9]) * duration
-    exact = motion.folded_chain_fall(length, times)
-    fallen = []
-    for separation in (0.04, 0.02):
-        arm = (length - np.pi * separation / 2.0) / 2.0
-        arc = np.linspace(0.0, np.pi, 41)
-        points = [[0.0, 0.0, 0.0]]
-        points += [
-            [separation / 2 * (1 - np.cos(a)), 0.0, -arm - separation / 2 * np.sin(a)] for a in arc
-        ]
-        points.append([separation, 0.0, 0.0])
-        cable = {**IDEAL, "submerged_weight": GRAVITY, "axial_stiffness": 1e5}
-        model = cm.CableModel(
-            scene(
-                length,
-                cable,
-                model="cable",
-                elements=200,
-                density=0.0,
-                tolerance=1e-5,
-                initial={"points": points},
-            )
+    times = np.array([0.3, 0.6, 0.8, 0.9]) * duration
+    arm = (length - np.pi * separation / 2.0) / 2.0
+    half = separation / 2.0
+    points = [[0.0, 0.0, 0.0]]
+    points += [
+        [half * (1 - np.cos(a)), 0.0, -arm - half * np.sin(a)] for a in np.linspace(0, np.pi, 41)
+    ]
+    points.append([separation, 0.0, 0.0])
+    cable = {
+        **IDEAL,
+        "submerged_weight": GRAVITY,
+        "axial_stiffness": 1e5,
+        "bending_stiffness": bending,
+    }
+    model = cm.CableModel(
+        scene(
+            length,
+            cable,
+            elements=400,
+            density=0.0,
+            tolerance=1e-6,
+            initial={"points": points},
         )
-        row = []
-        for time in times:
-            model.step_to(time)
-            row.append(-model.tip_position[2])
-        fallen.append(row)
-    wide, narrow = np.array(fallen)
-    assert (np.abs(narrow - exact) < np.abs(wide - exact)).all()
-    assert 2.0 * narrow - wide == pytest.approx(exact, abs=5e-3)
-    free_fall = GRAVITY * times**2 / 2.0
-    assert (narrow[1:] > free_fall[1:]).all()
+    )
+    exact = motion.folded_chain_fall(length, times)
+    for time, fall in zip(times, exact, strict=True):
+        model.step_to(time)
+        assert -model.tip_position[2] == pytest.approx(fall, abs=separation / 10.0)
+    assert -model.tip_position[2] > GRAVITY * model.time**2 / 2.0 + separation
