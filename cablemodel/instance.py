@@ -33,7 +33,7 @@ SHORTEST_LINE = 0.01
 """Of the initial length: what reel-in leaves out."""
 SHORTEST_PIECE = 0.1
 """Of an element: cable that must be out before the joint below it leaves the drum."""
-TIME_TOLERANCE = 0.15
+TIME_TOLERANCE = 0.04
 """Local error allowed in a step, in units of tau L; calibrated, see docs/engine.md."""
 
 
@@ -662,9 +662,10 @@ def _fill_positions(block: Block, line: _Line, points: FloatArray, length: float
         places = points[0] + np.outer(where, direction)
         slopes = np.tile(direction, (line.nodes, 1))
     else:
-        from scipy.interpolate import PchipInterpolator
+        from scipy.interpolate import CubicHermiteSpline
 
-        smooth = PchipInterpolator(arc, points, axis=0)
+        # Linear in the points, so that a turned polyline gives the turned shape (PCHIP does not).
+        smooth = CubicHermiteSpline(arc, points, np.gradient(points, arc, axis=0))
         places = smooth(where)
         slopes = smooth.derivative()(where)
     slopes *= stretch / np.linalg.norm(slopes, axis=1)[:, None]
