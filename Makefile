@@ -6,6 +6,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 READY_DEV := $(VENV)/.ready-dev
+READY_BENCH := $(VENV)/.ready-bench
 VENV_ROS := .venv-ros
 READY_ROS := $(VENV_ROS)/.ready
 SCENE := scenes/towed_cable.yaml
@@ -72,15 +73,16 @@ test-tools:
 			|| echo "that failed: the tests of other platforms will be skipped"; \
 	fi
 
-bench: $(READY_DEV)  ## measure run time against error (long)
+bench: $(READY_BENCH)  ## measure run time against error (long)
 	$(BIN)/python -m benchmarks
 	$(BIN)/python -m benchmarks.fmu
 
-bench-quick: $(READY_DEV)  ## measure a few scenes only
+bench-quick: $(READY_BENCH)  ## measure a few scenes only
 	$(BIN)/python -m benchmarks --quick
 
 stress: $(READY_DEV)  ## run the stress scenes (long)
 	$(BIN)/python -m pytest tests/stress -m "slow or not slow"
+	$(BIN)/python -m benchmarks.robustness
 
 golden: $(READY_DEV)  ## make the golden logs of tests/replay anew, where results have changed
 	$(BIN)/python tests/replay/make_golden.py
@@ -110,6 +112,10 @@ $(READY): pyproject.toml
 
 $(READY_DEV): pyproject.toml $(READY)
 	$(BIN)/python -m pip install --quiet --editable '.[plot,analysis,export,fmu,dev]'
+	@touch $@
+
+$(READY_BENCH): pyproject.toml $(READY_DEV)
+	$(BIN)/python -m pip install --quiet --editable '.[bench]'
 	@touch $@
 
 $(BIN)/python:

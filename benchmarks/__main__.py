@@ -61,6 +61,10 @@ def main(given: Sequence[str] | None = None) -> None:
     store = chosen.output.parent / chosen.output.stem / "results.json"
     stored: dict[str, Any] = json.loads(store.read_text()) if store.exists() else {}
     described = machine.describe()
+    # Parts may be measured at different times: each keeps the load that it ran under.
+    loads: dict[str, str] = stored.get("loads", {})
+    for part in parts:
+        loads[part] = described["load"]
 
     fresh: list[Measurement] = []
     if "ours" in parts:
@@ -88,6 +92,7 @@ def main(given: Sequence[str] | None = None) -> None:
         json.dumps(
             {
                 "machine": described,
+                "loads": loads,
                 "measurements": [asdict(m) for m in results],
                 "search": [asdict(m) for m in searched],
                 "scaling": [asdict(p) for p in scaling],
@@ -97,6 +102,7 @@ def main(given: Sequence[str] | None = None) -> None:
         )
         + "\n"
     )
+    described["load"] = "; ".join(f"{part}: {load}" for part, load in loads.items())
     report.write(chosen.output, described, results, scaling, start_up, searched)
     print(f"wrote {chosen.output}")
 

@@ -38,7 +38,7 @@ def _revision() -> str:
 
 
 def describe() -> dict[str, str]:
-    """Processor, cores, load (1, 5, 15 min), versions and revision, as text to print."""
+    """Processor, cores, load (mean of 1, 5, 15 min), versions and revision, as text to print."""
     described = {
         "processor": f"{_processor()}, {os.cpu_count()} cores",
         "system": f"{platform.system()} {platform.machine()}",

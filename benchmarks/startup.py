@@ -44,7 +44,9 @@ def _seconds(program: str, argument: str | None = None, cache: Path | None = Non
     command = [sys.executable, "-c", program] + ([argument] if argument is not None else [])
     environment = dict(os.environ)
     if cache is not None:
-        environment["NUMBA_CACHE_DIR"] = str(cache)
+        # As on a machine that has neither the compiled library nor a cache of kernels.
+        environment["CABLEMODEL_KERNELS"] = "numba"
+        environment["CABLEMODEL_CACHE_DIR"] = str(cache)
     done = subprocess.run(command, capture_output=True, text=True, check=True, env=environment)
     return float(done.stdout.strip().splitlines()[-1])
 

@@ -28,3 +28,17 @@ def test_completes_and_agrees_whatever_step_the_caller_takes(
         f"energy at most {outcomes[-1].most_energy:.3g} of the start's, "
         f"{outcomes[-1].energy_left:.3g} of it left at {scene.settled} s"
     )
+
+
+@pytest.mark.xfail(
+    strict=False,
+    reason="at tau >= 1e-4 a nearly inextensible whip gains energy: with 0.02 s steps or "
+    "tau = 1e-5 it does not",
+)
+def test_a_nearly_inextensible_whip_with_bending_comes_to_rest() -> None:
+    whip = next(scene for scene in HARD_SCENES if scene.name == "whip")
+
+    outcome = run_one(whip, bending_stiffness=1.0, axial_stiffness=1e9, caller_step=2.0)
+
+    assert outcome.completed, outcome.message
+    assert energy_is_right(whip, outcome)
