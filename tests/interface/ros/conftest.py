@@ -108,6 +108,9 @@ class Talker:
     def call(self, name: str, kind: Any, request: Any = None, patience: float = ANSWERS_IN) -> Any:
         if name not in self._clients:
             self._clients[name] = self.node.create_client(kind, name)
+            assert self._clients[name].wait_for_service(patience), f"{name} is not there"
+            # A service can be seen before its answers find the way back: they would be lost.
+            time.sleep(0.7)
         client = self._clients[name]
         assert client.wait_for_service(patience), f"{name} is not there"
         answer = client.call_async(request or kind.Request())
@@ -126,7 +129,15 @@ class Talker:
     def state(self) -> str:
         from lifecycle_msgs.srv import GetState
 
-        return str(self.call("/cable/get_state", GetState).current_state.label)
+        for patience in (3.0, 6.0, ANSWERS_IN):  # asking again changes nothing
+            try:
+                return str(
+                    self.call("/cable/get_state", GetState, None, patience).current_state.label
+                )
+            except AssertionError:
+                if patience == ANSWERS_IN:
+                    raise
+        raise AssertionError("no state")
 
     def trigger(self, name: str) -> Any:
         from std_srvs.srv import Trigger
