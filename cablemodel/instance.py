@@ -198,10 +198,11 @@ def _tension_scale(scene: Scene, types: list[CableType]) -> float:
     """
     rho = scene.environment.water_density
     gravity = scene.environment.gravity
-    pieces = scene.motion().pieces
+    motion = scene.motion()
+    pieces = motion.pieces
     speed = 0.0
     for t in [*pieces[:, 0], *np.minimum(pieces[:, 1], pieces[:, 0] + 1.0)]:
-        speed = max(speed, float(np.linalg.norm(scene.motion().evaluate(float(t))[1])))
+        speed = max(speed, float(np.linalg.norm(motion.evaluate(float(t))[1])))
     if scene.environment.current is not None:
         speed += float(np.max(np.linalg.norm(scene.environment.current.velocity, axis=-1)))
     scale = 0.0
