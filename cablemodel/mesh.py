@@ -52,15 +52,18 @@ class Start:
     """rho Cdn d L / m of the line, dimensionless."""
     free_end: bool
 
+    @property
+    def lightly_damped(self) -> bool:
+        """A whip, or a swing that goes on: drag takes little of the motion."""
+        return self.damping < _LIGHT_DAMPING
+
 
 def element_count(tolerance: float, start: Start) -> int:
     """Elements of a whole line for an accuracy tau."""
     if not start.slack:
         at_thousandth = _STEADY
-    elif start.damping >= _LIGHT_DAMPING:
-        at_thousandth = _SLACK
     else:
-        at_thousandth = _WHIP
+        at_thousandth = _WHIP if start.lightly_damped else _SLACK
     return max(4, math.ceil(at_thousandth * math.pow(1e-3 / tolerance, 0.25) - 1e-9))
 
 
@@ -72,9 +75,9 @@ def relative_size(x: float, start: Start) -> float:
     """
     if not start.slack:
         return math.pow(2.0, -x) if start.free_end else 1.0
-    if start.damping >= _LIGHT_DAMPING:
-        return math.pow(4.0, -abs(2.0 * x - 1.0))
-    return math.pow(4.0, -x if start.free_end else -abs(2.0 * x - 1.0))
+    if start.lightly_damped and start.free_end:
+        return math.pow(4.0, -x)
+    return math.pow(4.0, -abs(2.0 * x - 1.0))
 
 
 def line_nodes(spans: list[Span], tolerance: float, start: Start) -> list[FloatArray]:

@@ -72,6 +72,7 @@ S_TOP_LENGTH = _S + 31  # length of the top element at S_TIME [m]
 S_PAID_MOST, S_PAID_LEAST = _S + 32, _S + 33
 S_LIVE_RATE = _S + 34  # 4 words: t0, t1, rate at t0, at t1
 S_PERIOD = _S + 40  # sqrt(L/g) [s]
+S_AXIAL = _S + 41  # stiffness of the whole line over its mass [1/s2]; 0 where drag damps it
 S_STAGE_RATE, S_STAGE_SLOPE = _S + 38, _S + 39  # at the time of the last set_time
 
 # Rows of the rate table: time, rate. Rows of the cable table: the cables of the line and of the

@@ -60,6 +60,7 @@ from .layout import (
     P_START,
     P_VELOCITY_JUMP,
     PIECE_WORDS,
+    S_AXIAL,
     S_FACTORED_STEP,
     S_LAST_STEP,
     S_PAID,
@@ -87,6 +88,7 @@ from .tables import GAMMA, STAGE_A, STAGE_C, STAGE_ERROR, STAGES
 
 LARGEST_ITERATIONS = 10
 SLOPE_WEIGHT = 0.3  # weight of h |d| in norms, against |r|
+AXIAL_RESOLVED = 5.0  # (axial frequency x gamma dt)^2 below which velocities are not projected
 BENDING_ON, BENDING_OFF = 0.01, 0.005  # hybrid: (EI/T)/h^2 above which bending is kept
 
 
@@ -286,6 +288,43 @@ def accept_trial(I, M, dt, scheme):
 
 
 @kernel
+def project_velocity(I, M, gamma_dt):
+    """Remove from the velocity what stretches a line too stiff to be stretched.
+
+    A step meets |r'| = 1 + strain(T) in the positions; velocities are left with an error along
+    the constraint (index 3: order 2) that is always of one sign where the cable swings, and feeds
+    energy into a nearly inextensible whip. It is projected out in the norm of the coming step's
+    matrix, which that step then starts with. Where the line is soft enough for its axial motion
+    to be resolved, this would replace that motion by an estimate from the rate of T: the share of
+    the correction fades with the line's axial frequency times the step.
+    """
+    count = 2 * I[I_DIMENSION] * I[I_NODES]
+    nodes = I[I_NODES]
+    stiffness = M[S_AXIAL] * gamma_dt * gamma_dt
+    share = stiffness / (stiffness + AXIAL_RESOLVED)
+    if share < 0.1:
+        return
+    q = M[I[O_POSITION] : I[O_POSITION] + count]
+    v = M[I[O_VELOCITY] : I[O_VELOCITY] + count]
+    a = M[I[O_ACCELERATION] : I[O_ACCELERATION] + count]
+    tension = M[I[O_TENSION] : I[O_TENSION] + 2 * nodes]
+    rate = M[I[O_TENSION_RATE] : I[O_TENSION_RATE] + 2 * nodes]
+    forces = M[I[O_RESIDUAL] : I[O_RESIDUAL] + count]
+    constraint = M[I[O_CONSTRAINT_RESIDUAL] : I[O_CONSTRAINT_RESIDUAL] + 2 * nodes]
+    x = M[I[O_INCREMENT] : I[O_INCREMENT] + count]
+    set_time(I, M, M[S_TIME])
+    if refactor(I, M, q, v, a, tension, gamma_dt) != 0:
+        return
+    elongation_rate(I, M, v, rate, constraint)
+    for n in range(2 * nodes):
+        constraint[n] *= share
+    forces[:] = 0.0
+    newton_increment(I, M, forces, constraint, x)
+    for n in range(count):
+        v[n] += x[n]
+
+
+@kernel
 def make_consistent(I, M):
     """Remove what a step much shorter than the last one would answer with huge tensions.
 
@@ -385,6 +424,7 @@ def advance_to(I, M, t_end):
     """Integrate to t_end exactly; on failure the status says why and the state is of no use."""
     status = OK
     taken = 0
+    unprojected = False
     while M[S_TIME] < t_end:
         natural = M[S_STEP]
         stop = next_stop(I, M, t_end, natural)
@@ -404,6 +444,9 @@ def advance_to(I, M, t_end):
         to_output = landing and stop == t_end
         if dt < 0.2 * M[S_LAST_STEP]:
             make_consistent(I, M)
+        elif unprojected:
+            project_velocity(I, M, GAMMA[scheme] * dt)
+        unprojected = False
         status, error = try_step(I, M, dt, scheme, to_output)
         if status != OK or not error <= 1.0:
             I[I_REJECTED] += 1
@@ -430,6 +473,7 @@ def advance_to(I, M, t_end):
                 M[S_TIME] = stop
             else:
                 M[S_TIME] += dt
+            unprojected = scheme == 1
             if I[I_PAYOUT] != 0:
                 status, removed = adapt_top(I, M)
                 if status != OK:
