@@ -103,7 +103,7 @@ class CableModel:
         self._ints, self._reals = self._block.ints, self._block.reals
         self._initial = self._block.image.copy()
         self._inputs: FloatArray = np.zeros(_INPUT_WORDS)
-        self._summary: FloatArray = np.zeros(40)
+        self._summary: FloatArray = np.zeros(at.SUMMARY_WORDS)
         self._summary_current = False
 
     # -- stepping -------------------------------------------------------------------------------
@@ -328,23 +328,26 @@ class CableModel:
 
     @property
     def floor_force(self) -> FloatArray:
-        """Total force of the sea floor on the cable (3,) [N]."""
-        return np.zeros(3)
+        """Total force of the sea floor on cable and bodies, friction included (3,) [N]."""
+        return self._numbers()[24:27].copy()
 
     @property
     def floor_length(self) -> float:
         """Length of cable on the sea floor [m]."""
-        return 0.0
+        return float(self._numbers()[27])
 
     @property
     def touchdown_position(self) -> FloatArray:
-        """Touchdown point (3,) [m]; not a number where nothing touches."""
-        return np.full(3, np.nan)
+        """Touchdown point nearest the vessel (3,) [m]; not a number where nothing touches."""
+        return self._numbers()[28:31].copy()
 
     @property
     def touchdown_reaction(self) -> float:
-        """Concentrated floor reaction at the touchdown point [N]."""
-        return 0.0
+        """Concentrated floor reaction at the touchdown point, that bending causes [N].
+
+        What the floor bears beyond the cable's weight within four lengths (EI/w)^(1/3) of it.
+        """
+        return float(self._numbers()[31])
 
     @property
     def bodies(self) -> list[BodyState]:
@@ -419,13 +422,13 @@ class CableModel:
         stations = np.atleast_1d(np.array(s, dtype=np.float64))
         if stations.ndim != 1:
             raise ValueError(f"arc lengths must be one number or a list, not {stations.shape}")
-        out = np.empty(12 * len(stations))
+        out = np.empty(at.STATION_WORDS * len(stations))
         done = entry.sample(self._ints, self._reals, stations, out)
         if done != len(stations):
             raise ValueError(
                 f"s = {stations[done]} m is not on the line; allowed: 0 to {self.line_length} m"
             )
-        rows = out.reshape(-1, 12)
+        rows = out.reshape(-1, at.STATION_WORDS)
         return CableState(
             time=self.time,
             s=stations,
@@ -435,19 +438,21 @@ class CableModel:
             tension=rows[:, 9].copy(),
             curvature=rows[:, 10].copy(),
             bending_moment=rows[:, 11].copy(),
-            on_floor=np.zeros(len(stations), dtype=bool),
+            on_floor=rows[:, 12] > 0.5,
         )
 
     # -- analysis -------------------------------------------------------------------------------
 
     def energy(self) -> dict[str, float]:
         """Energies [J]: kinetic (with added mass), axial, bending, potential (of the submerged
-        weight, zero at z = 0); powers [W]: of the vessel on the cable, lost to drag."""
+        weight, zero at z = 0), floor (its contact springs); powers [W]: of the vessel on the
+        cable, lost to drag, lost to friction and damping on the floor."""
         from cablemodel import library as entry
 
-        out = np.zeros(6)
+        out = np.zeros(at.ENERGY_WORDS)
         entry.energy(self._ints, self._reals, out)
         names = ["kinetic", "axial", "bending", "potential", "vessel_power", "drag_power"]
+        names += ["floor", "floor_power"]
         return dict(zip(names, out.tolist(), strict=True))
 
     def linearise(self) -> tuple[FloatArray, FloatArray, FloatArray]:
