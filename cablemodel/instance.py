@@ -60,14 +60,6 @@ def refuse_unsupported(scene: Scene) -> None:
         path = f"payout.drum.{len(scene.payout.drum) - 1}"
         what = "a body at the inner end of the drum never leaves it: this is"
         refuse(path, "body", what, "a cable last")
-    rates = scene.payout.rate
-    if rates and rates[0].rate != 0.0 and rates[0].t <= 0.0 and scene.initial.kind == "static":
-        refuse(
-            "payout.rate.0.rate",
-            rates[0].rate,
-            "a steady state with pay-out is",
-            "0 at t = 0, or initial: {straight: ...}",
-        )
     if scene.solver.method != "finite_element":
         refuse("solver.method", scene.solver.method, "this method is", "finite_element")
     if problems:
@@ -261,6 +253,7 @@ def build(scene: Scene, *, planar: bool | None = None) -> Block:
     points = sea_floor.on_floor(scene, _initial_points(scene, position))
     sea_floor.check(scene, points)
     nodes = line_nodes(_spans(scene, scale), scene.solver.tolerance, _start(scene))
+    nodes = sea_floor.refine_guess(scene, nodes, points)
     block = _build_on(scene, nodes, points, scale, planar)
     if scene.initial.kind != "static":
         return block
@@ -745,18 +738,27 @@ def _stabilise(block: Block) -> bool:
     return changed
 
 
-def _start_flowing(block: Block, scene: Scene) -> None:
-    """Material velocity of a cable that is paid out from t = 0 on: the rate, along itself.
-
-    A cable at rest would answer with an axial shock of EA rate / c.
-    """
+def _rate_at_start(scene: Scene) -> float:
+    """Pay-out rate just after t = 0 [m/s]; a table holds its first value before it begins."""
     rates = scene.payout.rate
-    if not rates or rates[0].t > 0.0 or rates[0].rate == 0.0:
+    if not rates:
+        return 0.0
+    return float(np.interp(0.0, [row.t for row in rates], [row.rate for row in rates]))
+
+
+def _start_flowing(block: Block, scene: Scene) -> None:
+    """Material velocity of a cable that is paid out from t = 0 on: with the vessel, along itself.
+
+    A cable at rest would answer with an axial shock of EA rate / c. Where it is laid at the rate
+    of the vessel's speed, what lies on the floor is at rest.
+    """
+    rate = _rate_at_start(scene)
+    if rate == 0.0:
         return
     nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
     q = block.array(at.O_POSITION, nodes, 2 * dimension)
     v = block.array(at.O_VELOCITY, nodes, 2 * dimension)
-    v[1:, :dimension] = rates[0].rate * q[1:, dimension:]
+    v[1:, :dimension] = v[0, :dimension] + rate * q[1:, dimension:]
 
 
 def _find_initial_state(block: Block, scene: Scene, velocity: FloatArray) -> None:
@@ -765,6 +767,8 @@ def _find_initial_state(block: Block, scene: Scene, velocity: FloatArray) -> Non
     ints, reals = block.ints, block.reals
     entry.place_supports(ints, reals)
     frame = np.ascontiguousarray(local(block, velocity, point=False))
+    if ints[at.I_PAYOUT]:
+        reals[at.S_PAYOUT_RATE] = _rate_at_start(scene)
     if scene.initial.kind != "static":
         _start_flowing(block, scene)
         entry.tension_from_stretch(ints, reals)
@@ -794,7 +798,7 @@ def _solve_static(block: Block, frame: FloatArray) -> None:
         arc = block.array(at.O_EDGE, int(ints[at.I_NODES]), at.EDGE_WORDS)[node, at.E_START]
         raise StaticsError(
             f"no static equilibrium was found; what moved last is {arc:g} m along the cable. "
-            "Check weights, ends and current, or start from initial: {straight: ...}"
+            "Check weights, ends and current, or start from initial: {straight: ...} or {points: ...}"
         )
     entry.place_supports(ints, reals)
 

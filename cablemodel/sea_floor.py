@@ -37,16 +37,20 @@ def spare_nodes(scene: Scene) -> int:
     """Nodes that refinement at the touchdown may need."""
     if scene.environment.floor is None:
         return 0
-    accuracy = scene.solver.tolerance * scene.line_length
-    finest = math.inf
-    for kind in scene.cable_types.values():
-        weight = contact_weight(kind, scene.environment.gravity)
-        layer = (kind.bending_stiffness / weight) ** (1.0 / 3.0)
-        finest = min(finest, LAYER * max(layer, SHARPEST * accuracy))
     longest = scene.line_length + sum(
         item.cable.length for item in scene.payout.drum if item.cable is not None
     )
-    return SPARE[0] + SPARE[1] * math.ceil(math.log2(max(2.0, longest / finest)))
+    return SPARE[0] + SPARE[1] * math.ceil(math.log2(max(2.0, longest / finest_element(scene))))
+
+
+def finest_element(scene: Scene) -> float:
+    """Length of the smallest element that the touchdown may ask for [m]."""
+    accuracy = scene.solver.tolerance * scene.line_length
+    layers = []
+    for kind in scene.cable_types.values():
+        weight = contact_weight(kind, scene.environment.gravity)
+        layers.append(max((kind.bending_stiffness / weight) ** (1.0 / 3.0), SHARPEST * accuracy))
+    return LAYER * min(layers)
 
 
 def table_words(floor: Floor | None) -> int:
@@ -130,14 +134,69 @@ def on_floor(scene: Scene, points: FloatArray) -> FloatArray:
     height = start[2] - floor.height(float(start[0]), float(start[1]))
     if length <= height or not points[-1][2] < start[2]:
         return points
-    # Straight down, and the rest away from where the vessel goes.
+    # Straight down at the angle of a steady tow, and the rest away from where the vessel goes.
     way = scene.motion().horizontal_direction()
     back = np.array([-1.0, 0.0]) if way is None else -np.asarray(way, dtype=float)
-    steps = np.linspace(0.0, length - height, 65)
+    velocity = scene.motion().evaluate(0.0)[1]
+    angle = critical_angle(scene, float(np.hypot(*velocity[:2])))
+    hang = min(length, height / math.sin(angle))
+    if hang == length:
+        return np.array(
+            [start, start + length * np.array([*(math.cos(angle) * back), -math.sin(angle)])]
+        )
+    steps = np.linspace(0.0, length - hang, 65)
     laid = np.empty((len(steps), 3))
-    laid[:, :2] = start[:2] + np.outer(steps, back)
+    laid[:, :2] = start[:2] + np.outer(hang * math.cos(angle) + steps, back)
     laid[:, 2] = [floor.height(float(a), float(b)) for a, b in laid[:, :2]]
     return np.vstack([start, laid])
+
+
+def critical_angle(scene: Scene, speed: float) -> float:
+    """Angle from the horizontal of a straight cable towed or laid at a speed [rad].
+
+    w cos a = 1/2 rho Cdn d U^2 sin^2 a, with the line's mean weight and drag (Zajac 1957).
+    """
+    weight = drag = 0.0
+    for cable in scene.cables:
+        kind = scene.cable_types[cable.type]
+        weight += cable.length * contact_weight(kind, scene.environment.gravity)
+        drag += cable.length * kind.drag_normal * kind.diameter
+    ratio = 0.5 * scene.environment.water_density * drag * speed**2 / weight
+    return math.acos(2.0 * ratio / (1.0 + math.sqrt(1.0 + 4.0 * ratio**2)))
+
+
+def refine_guess(scene: Scene, nodes: list[FloatArray], points: FloatArray) -> list[FloatArray]:
+    """Nodes graded towards where a first shape comes to lie on the floor, for a static start.
+
+    nodes: arc lengths of the nodes of every cable [m], each from 0 to its length. Elsewhere than
+    at that kink a coarse mesh finds its shape from anywhere.
+    """
+    if scene.environment.floor is None or scene.initial.kind != "static" or len(points) < 4:
+        return nodes
+    chords = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    touchdown = float(chords[0] / chords.sum() * scene.line_length)
+    smallest = finest_element(scene)
+    finer = []
+    arc = 0.0
+    for cable, places in zip(scene.cables, nodes, strict=True):
+        new = list(places)
+        while cable.elements is None:
+            ends = list(zip(new[:-1], new[1:], strict=True))
+            split = [
+                0.5 * (a + b)
+                for a, b in ends
+                if b - a > max(2.0 * smallest, _distance(arc + a, arc + b, touchdown))
+            ]
+            if not split:
+                break
+            new = sorted([*new, *split])
+        finer.append(np.array(new))
+        arc += cable.length
+    return finer
+
+
+def _distance(start: float, end: float, place: float) -> float:
+    return max(start - place, place - end, 0.0)
 
 
 def _laid_to(

@@ -471,7 +471,6 @@ def settle(I, M):
                 M[rest + i] = w[i] - w[6 + i] * (limit / length)
 
 
-
 @kernel
 def hermite_point(I, M, node, x, w):
     """Position at a fraction x of an element into w[0:3]."""
