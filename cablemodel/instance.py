@@ -793,7 +793,16 @@ def _solve_static(block: Block, frame: FloatArray) -> None:
     from cablemodel import library as entry
 
     ints, reals = block.ints, block.reals
-    if entry.equilibrium(ints, reals, frame) != at.OK:
+    held = ints[at.I_CONSTRAINTS] > 1
+    friction = reals[at.S_FRICTION]
+    if not held:
+        # A free end comes to rest without friction; it holds the line from there.
+        reals[at.S_FRICTION] = 0.0
+    status = entry.equilibrium(ints, reals, frame)
+    reals[at.S_FRICTION] = friction
+    if not held:
+        sea_floor.rest_where_it_is(block)
+    if status != at.OK:
         node = int(ints[at.I_FAILED_NODE])
         arc = block.array(at.O_EDGE, int(ints[at.I_NODES]), at.EDGE_WORDS)[node, at.E_START]
         raise StaticsError(

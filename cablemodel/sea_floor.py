@@ -49,7 +49,8 @@ def finest_element(scene: Scene) -> float:
     layers = []
     for kind in scene.cable_types.values():
         weight = contact_weight(kind, scene.environment.gravity)
-        layers.append(max((kind.bending_stiffness / weight) ** (1.0 / 3.0), SHARPEST * accuracy))
+        layer = (kind.bending_stiffness / weight) ** (1.0 / 3.0)
+        layers.append(layer if layer > 0.0 else SHARPEST * accuracy)
     return LAYER * min(layers)
 
 
@@ -228,7 +229,7 @@ def place_of_rest(block: Block, scene: Scene) -> None:
     nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
     q = block.array(at.O_POSITION, nodes, 2 * dimension)
     rest = block.array(at.O_REST, nodes, 3)
-    rest[:, :dimension] = q[:, :dimension]
+    rest_where_it_is(block)
     if scene.end.kind != "anchor" or scene.initial.kind != "static":
         return
     edges = block.array(at.O_EDGE, nodes, at.EDGE_WORDS)
@@ -238,6 +239,13 @@ def place_of_rest(block: Block, scene: Scene) -> None:
     size = float(np.linalg.norm(way))
     if size > 0.0:
         rest[1:, :dimension] = q[-1, :dimension] + np.outer(arcs[-1] - arcs[1:], way / size)
+
+
+def rest_where_it_is(block: Block) -> None:
+    """Make the present positions the places of rest: no friction yet."""
+    nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
+    q = block.array(at.O_POSITION, nodes, 2 * dimension)
+    block.array(at.O_REST, nodes, 3)[:, :dimension] = q[:, :dimension]
 
 
 def check(scene: Scene, points: FloatArray) -> None:

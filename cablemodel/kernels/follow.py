@@ -1,6 +1,6 @@
 """The mesh follows the touchdown: elements are halved ahead of contact, joined behind it.
 
-An element may be as long as the touchdown layer allows, plus its gap above the floor, or plus half
+An element may be as long as the touchdown layer allows, plus half its gap above the floor, or half
 its distance from the nearest cable that hangs; and as its own curvature allows, near the floor.
 Splitting is exact; only what is straight is joined. See docs/engine.md, "Sea floor".
 """
@@ -43,7 +43,9 @@ from .layout import (
 from .payout import hermite, join_at, split_edge
 
 LAYER = 0.4  # smallest element in units of the touchdown layer (EI/w)^(1/3)
-SHARPEST = 2.0  # smallest layer that is resolved, in units of tau L
+SHARPEST = 2.0  # layer of a cable without bending, in units of tau L
+AHEAD = 0.5  # growth of the wanted length per height above the floor
+TURN = 0.5  # largest angle that an element may turn at a touchdown
 BENT = 1.0  # of tau L: what h^2 times the jump of curvature may be near the floor
 STRAIGHT = 0.15  # of tau L: the same for two elements that are joined
 SPLIT_ABOVE, JOIN_BELOW = 1.6, 0.8  # of the length wanted
@@ -51,9 +53,10 @@ SPLIT_ABOVE, JOIN_BELOW = 1.6, 0.8  # of the length wanted
 
 @kernel
 def touchdown_layer(M, edge):
-    """Length over which bending spreads a touchdown, or the shortest that matters [m]."""
-    accuracy = M[S_TOLERANCE] * M[S_LENGTH]
-    return max((M[edge + E_BENDING_FULL] / M[edge + E_CONTACT]) ** (1.0 / 3.0), SHARPEST * accuracy)
+    """Length over which bending spreads a touchdown; without bending what matters at all [m]."""
+    if M[edge + E_BENDING_FULL] == 0.0:
+        return SHARPEST * M[S_TOLERANCE] * M[S_LENGTH]
+    return (M[edge + E_BENDING_FULL] / M[edge + E_CONTACT]) ** (1.0 / 3.0)
 
 
 @kernel
@@ -130,11 +133,16 @@ def wanted_length(I, M, node, gaps, behind, jumps):
     accuracy = M[S_TOLERANCE] * M[S_LENGTH]
     depth = M[S_FLOOR_DEPTH]
     layer = touchdown_layer(M, edge)
-    pull = max(0.0, M[I[O_TENSION] + 2 * node]) / M[edge + E_CONTACT]
+    # T - w z hardly changes along a hanging cable: the tension that it will land with.
+    at = I[O_TENSION] + 2 * node
+    radius = (M[at] - abs(M[at + 1])) / M[edge + E_CONTACT] - max(0.0, gaps[node])
+    radius = layer + max(0.0, radius)
     shortest = LAYER * layer
-    finest = max(shortest, math.sqrt(2.0 * accuracy * (pull + layer)))
+    # By the place of the cable, and by the angle that an element turns: what it misses of its
+    # length when it lands strains the laid cable.
+    finest = max(shortest, min(TURN * radius, math.sqrt(2.0 * accuracy * radius)))
     if gaps[node] >= depth:
-        wanted = finest + gaps[node] - depth
+        wanted = finest + AHEAD * (gaps[node] - depth)
         near = gaps[node] < 4.0 * finest
     else:
         wanted = finest + 0.5 * max(0.0, behind[node] - 2.0 * finest)

@@ -33,8 +33,8 @@ I_HYBRID = 27
 I_FLOOR, I_FLOOR_X, I_FLOOR_Y = 28, 29, 30  # FLOOR_...; columns and rows of the table
 I_FLOOR_WORDS = 31
 FLOOR_NONE, FLOOR_PLANE, FLOOR_TABLE = 0, 1, 2
-O_FLOOR = 90  # x (nx), y (ny), then z, z_x, z_y, z_xy of every place, x slowest
-O_REST = 91  # places of rest of the friction bristles (capacity, 3)
+O_FLOOR = 92  # x (nx), y (ny), then z, z_x, z_y, z_xy of every place, x slowest
+O_REST = 93  # places of rest of the friction bristles (capacity, 3)
 
 # Pay-out.
 I_PAYOUT = 70  # 1 where cable may pass the tow point: the top element's length varies

@@ -104,7 +104,7 @@ def find_equilibrium(I, M, frame):
                 break
             if flow != 0.0:
                 M[S_STAGE_RATE] = flow
-                add_flow(I, M, flow, q, v, a)
+                add_flow(I, M, flow, q, v)
             I[I_FACTORISATIONS] += 1
             I[I_ITERATIONS] += 1
             residual(I, M, q, v, a, tension, forces, constraint)
@@ -156,17 +156,19 @@ def find_equilibrium(I, M, frame):
                 w0[n] = frame[i]
             a0[n] = 0.0
     if flow != 0.0:
-        add_flow(I, M, flow, q0, w0, a0)
+        add_flow(I, M, flow, q0, w0)
     I[I_FACTORED] = 0
     return status
 
 
 @kernel
-def add_flow(I, M, flow, q, v, a):
-    """Material velocity and acceleration of cable that runs along its own shape at the rate `flow`.
+def add_flow(I, M, flow, q, v):
+    """Material velocity of cable that runs along its own shape at the rate `flow`.
 
-    v = flow r', v' = flow r'', a = flow^2 r'' (eq. 16 with d/dt = 0 at fixed s). r'' at a node is
-    the mean of both sides. The vessel's node gets its own by the pay-out terms of the top element.
+    v = flow r', v' = flow r'' (eq. 16 with d/dt = 0 at fixed s). r'' at a node is the mean of both
+    sides. The vessel's node gets its own by the pay-out terms of the top element. The acceleration
+    flow^2 r'' is left out: it takes (m + ma) flow^2 from the tension, a few newtons, and where the
+    cable bends without tension it would keep the iteration from converging.
     """
     dimension = I[I_DIMENSION]
     size = 2 * dimension
@@ -192,7 +194,6 @@ def add_flow(I, M, flow, q, v, a):
             second /= max(sides, 1.0)
             v[n] += flow * q[n + dimension]
             v[n + dimension] += flow * second
-            a[n] += flow * flow * second
 
 
 @kernel
