@@ -44,7 +44,7 @@ def vertical_plane(scene: Scene) -> Plane:
         candidates += list(scene.environment.current.velocity.reshape(-1, 3)[:, :2])
     if scene.environment.floor is not None:
         candidates.append(np.asarray(scene.environment.floor.slope, dtype=float))
-    flat = motion.is_planar() is not None
+    flat = bool(motion.is_planar())
     plane: FloatArray | None = None
     for vector in candidates:
         size = float(np.hypot(*vector))

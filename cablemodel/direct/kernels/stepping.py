@@ -46,7 +46,7 @@ from cablemodel.kernels.stepping import (
 )
 
 from .axes import leave_plane, turn_axes
-from .compile import kernel
+from .compile import kernel, merged
 from .frame import from_earth
 from .geometry import last_node
 from .history import keep_past, set_rates
@@ -116,7 +116,7 @@ def pay_out(I, M, t, dt):
     M[X_PAID_IN_STEP] = paid
 
 
-@kernel
+@merged
 def one_step(I, M, dt):
     """One implicit step of dt from S_TIME. On failure the iterate is that of the start."""
     t = M[S_TIME]
@@ -193,7 +193,7 @@ def next_kink(I, M, t_end):
     return nearest, jump
 
 
-@kernel
+@merged
 def advance(I, M, t_end):
     """Step to t_end in equal sub-steps between kinks; halved where one does not converge."""
     share = 1.0
@@ -227,7 +227,7 @@ def advance(I, M, t_end):
     return OK
 
 
-@kernel
+@merged
 def take_step(I, M, t_end, inputs):
     """Step to t_end [s] with the given inputs (INPUT_WORDS); on failure nothing has changed."""
     if not abs(t_end) < 1e300 or not t_end > M[S_TIME]:

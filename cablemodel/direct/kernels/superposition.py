@@ -15,7 +15,7 @@ import math
 from cablemodel.kernels.layout import OK, SINGULAR
 
 from .assembly import RHS_WORDS
-from .compile import kernel
+from .compile import kernel, merged
 from .layout import (
     BLOCK,
     D_MEETING,
@@ -363,7 +363,7 @@ def return_sweep(I, M, node, last, step, z, store):
         node += step
 
 
-@kernel
+@merged
 def superpose(I, M, slots, store):
     """Solve all slots; store: word offset of slots x SWEEP_WORDS. Returns the status."""
     sides = I[D_RIGHT_SIDES]
