@@ -33,9 +33,9 @@ SHORTEST_LINE = 0.01
 """Of the initial length: what reel-in leaves out."""
 SHORTEST_PIECE = 0.1
 """Of an element: cable that must be out before the joint below it leaves the drum."""
-TIME_TOLERANCE = 0.06
+TIME_TOLERANCE = 0.045
 """Local error allowed in a step, in units of tau L; calibrated, see docs/engine.md."""
-UNDAMPED = 0.1
+UNDAMPED = 0.08
 """Factor on it in a vacuum, at tau = 1e-3."""
 
 

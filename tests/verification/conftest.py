@@ -7,22 +7,11 @@ its cases.
 
 import pytest
 
-_SWING = (
-    "undamped heavy bob on a stiff, light line: the axial motion takes an order from the scheme. "
-    "Asked: tau L over a period and no energy gained; measured: up to 5 tau L, energy +.35 % a "
-    "period at tau = 1e-3, +.05 % at 1e-4, +.003 % at 1e-5 (docs/engine.md, known limit)"
-)
 _TIGHT = (
     "asked to a fixed absolute digit at a tolerance of 1e-6 or tighter, where axial rounding and "
     "time steps leave a little more; the deviation is in the message of the failure"
 )
 LIMITS = {
-    "test_undamped_swing_keeps_its_energy": _SWING,
-    "test_undamped_swing_stepped_by_its_caller_keeps_its_energy": _SWING,
-    "test_pendulum": _SWING,
-    "test_pendulum_stepped_by_its_caller": _SWING,
-    "test_rigid_rod_in_gusts": _TIGHT,
-    "test_cable_adrift_in_gusts": _TIGHT,
     "test_elastic_catenary": "tension inside the line: 1.5 times 10 tau at tau = 1e-6",
     "test_current_that_turns_with_depth_at_a_tolerance": (
         "kinks of a current profile inside elements: 1 to 3 tau L"
@@ -40,22 +29,10 @@ _DRAWN = ("test_run_does_not_depend_on_the_speed_of_the_frame",)
 FAILING = frozenset(
     {
         "test_axial_mode_with_an_end_mass[0.0]",
-        "test_cable_adrift_in_gusts[1.0]",
         "test_converges_to_the_table[released in water-100-1e-08]",
         "test_converges_to_the_table[towed-60-1e-08]",
         "test_current_that_turns_with_depth_at_a_tolerance[0.0001]",
         "test_elastic_catenary[1e-06-300.0-10000000.0]",
-        "test_pendulum[0.0001]",
-        "test_pendulum[0.001]",
-        "test_pendulum[1e-05]",
-        "test_pendulum_stepped_by_its_caller[0.01]",
-        "test_pendulum_stepped_by_its_caller[0.05]",
-        "test_rigid_rod_in_gusts[0.0]",
-        "test_rigid_rod_in_gusts[1.0]",
-        "test_undamped_swing_keeps_its_energy[0.0001]",
-        "test_undamped_swing_keeps_its_energy[0.001]",
-        "test_undamped_swing_keeps_its_energy[1e-05]",
-        "test_undamped_swing_stepped_by_its_caller_keeps_its_energy[0.002]",
     }
 )
 
