@@ -50,6 +50,8 @@ from .superposition import superpose
 MOST_ITERATIONS = 30
 LARGEST_TURN = 0.7
 """An iteration that would turn the cable by more is shortened [rad]."""
+ROUND_OFF = 1e-6
+"""Relative changes below this may be round-off."""
 
 
 @kernel
@@ -112,6 +114,7 @@ def solve_level(I, M):
     I[D_RIGHT_SIDES] = 2 if floor else 1
     sides = I[D_RIGHT_SIDES]
     set_flow(I, M)
+    previous = 1e300
     for _iteration in range(MOST_ITERATIONS):
         I[I_ITERATIONS] += 1
         set_strains(I, M)
@@ -179,7 +182,10 @@ def solve_level(I, M):
             else:
                 error = max(error, abs(change) / largest_v)
         set_flow(I, M)
-        if factor == 1.0 and error <= M[X_TOLERANCE]:
+        # Where round-off keeps a change from shrinking further, it has converged too.
+        stalled = error <= ROUND_OFF and error > 0.25 * previous
+        previous = error
+        if factor == 1.0 and (error <= M[X_TOLERANCE] or stalled):
             set_strains(I, M)
             set_places(I, M)
             return OK

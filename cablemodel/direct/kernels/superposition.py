@@ -39,6 +39,9 @@ from .layout import (
 
 COLUMNS = 2 * WIDTH + 4
 HALF = WIDTH // 2
+NEARLY_SINGULAR = 1e-7
+"""Pivot of a transfer (its rows have entries of at most one) below which no initial value problem
+is solved: the midpoint rule has a pole where h sqrt(T/EI) = 2, and at a flexible free end."""
 
 
 @kernel
@@ -113,7 +116,7 @@ def transfer(M, slot, matrix, far, n, p, sides, work):
             if size > largest:
                 largest = size
                 pivot = i
-        if not largest > 1e-300:
+        if not largest > NEARLY_SINGULAR:
             return SINGULAR
         if pivot != k:
             for j in range(COLUMNS):
@@ -243,7 +246,11 @@ def sweep(I, M, first, last, step, store):
         source_terms(I, M, slot, behind, near, n_near, p, sides, rows, work)
         if I[shape + 3] != 0:
             status = transfer(M, slot, towards, far, n, p, sides, work)
-        else:
+            if status == SINGULAR:
+                # Any solution will do, not only one that starts from the near side: as at a joint.
+                I[shape + 3] = 0
+                source_terms(I, M, slot, behind, near, n_near, p, sides, rows, work)
+        if I[shape + 3] == 0:
             status = cross(I, M, slot, towards, far, n, p, sides, rows, work)
         if status != OK:
             return status
