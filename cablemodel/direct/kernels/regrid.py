@@ -61,6 +61,8 @@ SPLIT, JOIN = 1.5, 0.5
 """Of the node spacing: an interval that grows beyond is split, one that shrinks below is joined."""
 FIRST_PIECE = 0.25
 """Of the node spacing: cable that must be out before the joint below it leaves the drum."""
+SHORTEST = 0.5
+"""Of the node spacing: cable between the touchdown point and the joint above it."""
 
 
 @kernel
@@ -199,9 +201,50 @@ def regrid_section(I, M, index):
             return split(I, M, section, last - 1)
         if h < JOIN * spacing and count > 2:
             return join(I, M, section, last - 1)
+        if h < JOIN * spacing and index > 0 and index == I[D_SECTIONS] - 2:
+            return absorb(I, M, index)
         if h < 0.05 * spacing:
             return SHORT_SECTION
+    elif index == I[D_SECTIONS] - 1 and M[share + last] == 1.0 and M[share + first] == 0.0:
+        total = 0.0
+        for node in range(first + 1, last + 1):
+            total += M[I[O_LENGTH] + node]
+        if total < SHORTEST * spacing:
+            return SHORT_SECTION
     return OK
+
+
+@kernel
+def absorb(I, M, index):
+    """What is left of the part above the one that bends becomes part of it. Returns a status.
+
+    The joint above it is then that of the last section, whose mesh shrinks evenly from now on.
+    """
+    above = I[O_SECTION] + SECTION_WORDS * index
+    last = above + SECTION_WORDS
+    first = I[above + N_FIRST]
+    extra = M[I[O_LENGTH] + first + 1]
+    I[last + N_POINT] = I[above + N_POINT]
+    I[last + N_HINGE] = I[above + N_HINGE]
+    for k in range(2 * SECTION_WORDS):
+        I[above + k] = I[last + k]
+    I[D_SECTIONS] -= 1
+    # The last section's first node now stands at the joint: its first interval is longer.
+    status = shift_nodes(I, M, first + 2, -2)
+    M[I[O_LENGTH] + first] = 0.0
+    M[I[O_LENGTH] + first + 1] += extra
+    count = I[above + N_COUNT]
+    total = 0.0
+    for node in range(first + 1, first + count):
+        total += M[I[O_LENGTH] + node]
+    arc = 0.0
+    for node in range(first, first + count):
+        if node > first:
+            arc += M[I[O_LENGTH] + node]
+        M[I[O_SHARE] + node] = arc / total
+    M[I[O_SHARE] + first + count - 1] = 1.0
+    I[D_RESTART] = 1
+    return status
 
 
 @kernel

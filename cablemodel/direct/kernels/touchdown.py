@@ -92,6 +92,8 @@ def change_end(I, M):
         return OK
     end = I[D_END]
     spacing = M[X_SPACING]
+    restart = I[D_RESTART]
+    I[D_RESTART] = 0
     if end == END_FREE:
         if gap(I, M) <= TOUCHES * spacing:
             I[D_END] = END_CONTACT
@@ -125,6 +127,10 @@ def change_end(I, M):
                 I[D_STICKS] = 0
         elif end_component(I, M, 0, 0) < STOPS:
             I[D_STICKS] = 1
+    if I[D_RESTART] != 0:
+        # What has just changed shows in the next step: a node may still be below the floor.
+        return OK
+    I[D_RESTART] = restart
     for node in range(last_node(I)):
         at = I[O_PLACE] + 3 * node
         g1, g2, g3 = from_earth(M, M[at], M[at + 1], M[at + 2])
