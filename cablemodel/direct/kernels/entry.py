@@ -1,4 +1,8 @@
-"""The direct solver's entry points, with the arguments and results of cablemodel/kernels/entry.py."""
+"""The direct solver's entry points.
+
+Most of the time of compiling goes into what lies below a Newton iteration. All that needs it is
+one entry point, `work`, with a task; cablemodel/direct/library.py gives the tasks names.
+"""
 
 from numba import float64, int64
 
@@ -7,17 +11,25 @@ from .assembly import fill_system, set_strains
 from .compile import INTEGERS, REALS, entry_point
 from .newton import solve_linear
 
-
-@entry_point(int64(INTEGERS, REALS, float64, REALS))
-def step(I, M, t_end, inputs):
-    """Step to t_end [s] with 14 words of inputs. Returns the status; on failure nothing changes."""
-    return stepping.take_step(I, M, t_end, inputs)
+STEP, EQUILIBRIUM, ASSEMBLE, SOLVE = 0, 1, 2, 3
 
 
-@entry_point(int64(INTEGERS, REALS))
-def equilibrium(I, M):
-    """The steady state for the vessel's velocity and the current at the block's time."""
-    return statics.find_steady_state(I, M)
+@entry_point(int64(INTEGERS, REALS, int64, float64, REALS))
+def work(I, M, task, number, inputs):
+    """Do a task; returns its status or count.
+
+    STEP: to the time `number` [s] with 14 words of inputs; on failure nothing changes.
+    EQUILIBRIUM: the steady state for the vessel's velocity and the current at the block's time.
+    ASSEMBLE: the slots of the Newton system at the present state; their number.
+    SOLVE: `number` assembled slots by the block's method.
+    """
+    if task == STEP:
+        return stepping.take_step(I, M, number, inputs)
+    if task == EQUILIBRIUM:
+        return statics.find_steady_state(I, M)
+    if task == ASSEMBLE:
+        return fill_system(I, M, 0)
+    return solve_linear(I, M, int(number))
 
 
 @entry_point(int64(INTEGERS, REALS, float64))
@@ -42,24 +54,4 @@ def summary(I, M, out):
     return 0
 
 
-@entry_point(int64(INTEGERS, REALS))
-def assemble(I, M):
-    """The slots of the Newton system at the present state; returns their number."""
-    return fill_system(I, M, 0)
-
-
-@entry_point(int64(INTEGERS, REALS, int64))
-def solve(I, M, slots):
-    """Solve the assembled slots by the block's method. Returns the status."""
-    return solve_linear(I, M, slots)
-
-
-ENTRY_POINTS = {
-    "step": step,
-    "equilibrium": equilibrium,
-    "place": place,
-    "sample": sample,
-    "summary": summary,
-    "assemble": assemble,
-    "solve": solve,
-}
+ENTRY_POINTS = {"work": work, "place": place, "sample": sample, "summary": summary}
