@@ -97,7 +97,13 @@ def find_initial_state(block: DirectBlock, scene: Scene, sections: list[Section]
             length = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
             y[:, own.F3] = _tension_of(scene, sections, length / scene.line_length - 1.0)
             _curvatures(y, sections)
+        rates = scene.payout.rate
+        if rates and rates[0].t <= 0.0:
+            # Cable that is paid out from the start on moves along itself: at rest it would answer
+            # with an axial shock of EA rate / c.
+            y[:, own.V3] = rates[0].rate
         entry.place(ints, reals, 0.0)
+        entry.assemble(ints, reals)  # gives the bodies their velocities
         status = at.OK
     for counter in (at.I_STEPS, at.I_REJECTED, at.I_FACTORISATIONS, at.I_ITERATIONS):
         ints[counter] = 0
