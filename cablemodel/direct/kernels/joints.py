@@ -68,6 +68,9 @@ from .layout import (
     X_VESSEL,
 )
 
+CREEP = 1e-3
+"""Slip at which friction has half of its force [m/s]: Coulomb's law without its jump."""
+
 
 @kernel
 def material_of(I, section):
@@ -313,7 +316,7 @@ def floor_rows(I, M, y, end, f1, f2, out):
         out[F3] = along
         out[F2] = aside
     else:
-        speed = math.sqrt(along * along + aside * aside) + 1e-6
+        speed = math.sqrt(along * along + aside * aside) + CREEP
         friction = M[X_FRICTION_FORCE]
         out[F3] = g1 * p1 + g2 * p2 + g3 * p3 + friction * along / speed
         out[F2] = g1 * b1 + g2 * b2 + g3 * b3 + friction * aside / speed

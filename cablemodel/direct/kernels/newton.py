@@ -39,8 +39,6 @@ from .layout import (
     V3,
     WIDTH,
     X_FLOW_END,
-    X_FRICTION,
-    X_FRICTION_FORCE,
     X_REACTION,
     X_SCALE,
     X_TOLERANCE,
@@ -178,7 +176,6 @@ def solve_level(I, M):
             M[word] += factor * change
             if word == X_REACTION:
                 error = max(error, abs(change) / largest_f)
-                M[X_FRICTION_FORCE] = M[X_FRICTION] * max(0.0, M[X_REACTION])
             else:
                 error = max(error, abs(change) / largest_v)
         set_flow(I, M)

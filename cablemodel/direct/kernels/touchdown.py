@@ -3,7 +3,8 @@
 A free end that reaches the floor is carried by it (contact: reaction normal to the floor, no
 moment) until its tangent lies in the floor; from then on cable is laid and the end of the mesh is
 the touchdown point, which moves along the cable (eq. 34). What has been laid rests; it pulls with
-its friction at most.
+its friction at most. An end in contact slides without friction: its landing is a blow, whose
+friction would be another one along a stiff cable.
 """
 
 import math
@@ -52,7 +53,7 @@ TOUCHES = 1e-4
 """Of the node spacing: a free end nearer to the floor than this is on it."""
 DEEP = 0.05
 """Of the node spacing: how far a node between the ends may be below the floor."""
-STOPS = 1e-3
+STOPS = 2e-3
 """Slip that is slower than this sticks [m/s]."""
 
 
@@ -97,7 +98,8 @@ def change_end(I, M):
     if end == END_FREE:
         if gap(I, M) <= TOUCHES * spacing:
             I[D_END] = END_CONTACT
-            I[D_STICKS] = 1 if M[X_FRICTION] > 0.0 else 0
+            I[D_STICKS] = 0
+            M[X_FRICTION_FORCE] = 0.0
             M[X_REACTION] = 0.0
             I[D_RESTART] = 1
     elif end == END_CONTACT:
@@ -118,7 +120,7 @@ def change_end(I, M):
             M[X_FLOW_END] = 0.0
             I[D_END] = END_CONTACT
             I[D_RESTART] = 1
-    if I[D_END] != END_FREE and M[X_FRICTION] > 0.0:
+    if I[D_END] == END_TOUCHDOWN and M[X_FRICTION] > 0.0:
         section = I[O_SECTION] + SECTION_WORDS * (I[D_SECTIONS] - 1)
         weight = M[material_of(I, section) + T_WEIGHT] * M[X_LAID] + max(0.0, M[X_REACTION])
         M[X_FRICTION_FORCE] = M[X_FRICTION] * max(0.0, weight)
