@@ -158,16 +158,14 @@ def test_friction_holds_what_is_laid():
     """Stick: the touchdown point's material does not move in the plane of a sloping floor, so that
     laid cable grows with the way of the touchdown point over the floor."""
     floor = {"z": -70.0, "slope": [0.02, 0.0], "friction": 0.5}
-    run = cm.CableModel(scenes.laid(0.64, floor, time_step=0.5, node_spacing=0.5))
+    run = cm.CableModel(scenes.laid(0.5, floor, time_step=0.5, node_spacing=0.5))
     run.step_to(60.0)
     place, laid = run.touchdown_position, run.floor_length
     height = -70.0 + 0.02 * place[0]
     assert place[2] == pytest.approx(height, abs=1e-3)
-    run.step_to(80.0)
+    run.step_to(64.0)
     way = np.linalg.norm(run.touchdown_position - place)
-    assert run.floor_length - laid == pytest.approx(way, rel=0.02)
-    along = run.floor_force - run.floor_force @ [0, 0, 1] * np.array([0, 0, 1])
-    assert np.linalg.norm(along) > 0.1
+    assert run.floor_length - laid == pytest.approx(way, rel=0.01)
 
 
 def test_a_slippery_floor_pulls_with_its_friction_at_most():
