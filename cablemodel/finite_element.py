@@ -63,7 +63,7 @@ class FiniteElementSolver:
 
     def node_arcs(self) -> FloatArray:
         joints = self.memory.integers(at.O_JOINT, int(self._ints[at.I_NODES]))
-        return self._all_arcs()[joints == 0]
+        return np.asarray(self._all_arcs()[joints == 0], dtype=np.float64)
 
     def _all_arcs(self) -> FloatArray:
         """Arc lengths of all nodes from the vessel (nodes,) [m]."""

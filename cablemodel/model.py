@@ -468,9 +468,7 @@ class CableModel:
         size = 2 * dimension
         basis = np.eye(nodes * size)
         drop: list[int] = []
-        for row in block.array(
-            at.O_CONSTRAINT, int(ints[at.I_CONSTRAINTS]), at.CONSTRAINT_WORDS
-        ):
+        for row in block.array(at.O_CONSTRAINT, int(ints[at.I_CONSTRAINTS]), at.CONSTRAINT_WORDS):
             first = int(row[at.C_NODE]) * size
             drop += range(first, first + dimension)
             if row[at.C_CLAMPED]:

@@ -65,7 +65,7 @@ class Solver(Protocol):
     def memory(self) -> Memory: ...
 
     def step(self, end: float, inputs: FloatArray) -> int:
-        """Step to a time with the 14 words of kernels/stepping.py; a status, 0 where all is well."""
+        """Step to a time with the 14 words of kernels/stepping.py; 0, or a status of failure."""
 
     def explain(self, status: int) -> tuple[str, str]:
         """Problem and advice of a status."""

@@ -62,7 +62,7 @@ def _refuse_floor(scene: Scene, refuse: object) -> None:
         refuse(
             f"line.{len(scene.line) - 1}.cable.model",
             last.cable.model,
-            "a perfectly flexible cable has no tension, and so no equations, at the touchdown point",
+            "a perfectly flexible cable has no tension, so no equations, at the touchdown point",
             "hybrid or elastica, with bending_stiffness above 0",
         )
     if scene.end.kind == "anchor":

@@ -112,9 +112,7 @@ def sections_of(scene: Scene) -> list[Section]:
                     1.0 / 3.0
                 )
                 lengths = graded(length, spacing, FINEST * layer)
-            found.append(
-                Section(kind, cable, lengths, point=point, hinge=hinge, follows=follows)
-            )
+            found.append(Section(kind, cable, lengths, point=point, hinge=hinge, follows=follows))
             point, hinge = -1, False
     return found
 
@@ -132,9 +130,7 @@ def _parts(scene: Scene, cable: Cable, *, first: bool, last: bool) -> list[tuple
         # An unstretched line has no tension anywhere: a hybrid bends throughout.
         return [(own.ELASTICA, cable.length)]
     part = scene.solver.bending_length
-    at_end = last and (
-        scene.end.kind == "free" or scene.end.connection.kind == "clamped"
-    )
+    at_end = last and (scene.end.kind == "free" or scene.end.connection.kind == "clamped")
     at_start = first and scene.vessel.connection.kind == "clamped"
     ends = int(at_end) + int(at_start)
     if ends == 0:

@@ -162,12 +162,10 @@ def _node_arcs(sections: list[Section]) -> FloatArray:
     return np.concatenate(arcs)
 
 
-def _hanging_tension(
-    scene: Scene, sections: list[Section], *, signed: bool = False
-) -> FloatArray:
+def _hanging_tension(scene: Scene, sections: list[Section], *, signed: bool = False) -> FloatArray:
     """Tension of every node of the line hanging straight down (or up) at rest [N]."""
     tensions: list[FloatArray] = []
-    points = [body for body in scene.bodies]
+    points = list(scene.bodies)
     total = 0.0
     if scene.line[-1].body is not None and scene.line[-1].body.half_length == 0.0:
         total = points[-1].submerged_weight

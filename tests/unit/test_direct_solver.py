@@ -45,7 +45,9 @@ LINES: dict[str, list[dict[str, Any]]] = {
         {"body": RIGID},
     ],
 }
-CURRENT = {"current": {"table": [{"z": -20, "velocity": [0, 0, 0]}, {"z": 0, "velocity": [0.3, 0, 0]}]}}
+CURRENT = {
+    "current": {"table": [{"z": -20, "velocity": [0, 0, 0]}, {"z": 0, "velocity": [0.3, 0, 0]}]}
+}
 
 
 def disturbed(line, planar, **settings):
@@ -61,7 +63,11 @@ def disturbed(line, planar, **settings):
     )
     block = build(scene, planar=planar)
     random = np.random.default_rng(7)
-    nodes = int(block.integers(own.O_SECTION, block.ints[own.D_SECTIONS], own.SECTION_WORDS)[:, own.N_COUNT].sum())
+    nodes = int(
+        block.integers(own.O_SECTION, block.ints[own.D_SECTIONS], own.SECTION_WORDS)[
+            :, own.N_COUNT
+        ].sum()
+    )
     used = [own.V1, own.V3, own.PHI, own.F1, own.F3, own.K2] if planar else range(own.WIDTH)
     y = block.array(own.O_Y, nodes, own.WIDTH)
     for unknown in used:
@@ -115,7 +121,11 @@ def test_superposition_and_elimination_solve_the_same_system(name, planar):
     rows = block.array(own.O_RHS, slots, RHS_WORDS)
     rows[:, :10] = np.random.default_rng(3).normal(size=(slots, 10))
     found = []
-    for method, meeting in ((own.ELIMINATION, 0), (own.SUPERPOSITION, 0), (own.SUPERPOSITION, None)):
+    for method, meeting in (
+        (own.ELIMINATION, 0),
+        (own.SUPERPOSITION, 0),
+        (own.SUPERPOSITION, None),
+    ):
         if meeting is not None:
             block.ints[own.D_MEETING] = meeting
         else:
@@ -210,7 +220,10 @@ REFUSED = [
     ({"environment": {"waves": {"regular": {"height": 1, "period": 6}}}}, "environment.waves"),
     ({"line": [{"cable": {"type": "K", "length": 30, "elements": 4}}]}, "line.0.cable.elements"),
     (ANCHOR, "end"),
-    ({"initial": {"straight": [1, 0, 0]}, "line": [scenes.cable(30, "cable")]}, "line.0.cable.model"),
+    (
+        {"initial": {"straight": [1, 0, 0]}, "line": [scenes.cable(30, "cable")]},
+        "line.0.cable.model",
+    ),
     ({**FLOOR, "line": [scenes.cable(30, "cable")]}, "line.0.cable.model"),
     ({**FLOOR, "line": [scenes.cable(30), {"body": scenes.POINT_BODY}]}, "line.1"),
     (

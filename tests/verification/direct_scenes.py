@@ -75,9 +75,7 @@ def laid(rate: float = 0.7, floor: dict[str, Any] | None = None, **settings: Any
     """S3, after the paper's example 3: pay-out and touchdown, a body 10 m below the vessel."""
     return direct(
         [cable(10.0, "cable"), {"body": POINT_BODY}, cable(50.0, "hybrid")],
-        vessel={
-            "velocity": [{"t": 0, "velocity": [0, 0, 0]}, {"t": 20, "velocity": [0.65, 0, 0]}]
-        },
+        vessel={"velocity": [{"t": 0, "velocity": [0, 0, 0]}, {"t": 20, "velocity": [0.65, 0, 0]}]},
         environment={"floor": floor or {"z": -70.0}},
         payout={
             "rate": [{"t": 0, "rate": 0}, {"t": 20, "rate": 0}, {"t": 21, "rate": rate}],

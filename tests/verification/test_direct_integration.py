@@ -1,5 +1,6 @@
 """The 1998 method against closed forms, the converged tables, and its own theory."""
 
+import itertools
 import math
 
 import numpy as np
@@ -44,7 +45,7 @@ def run_to(scene, times):
 
 def orders(values):
     """Observed orders from runs with halved steps."""
-    changes = [np.linalg.norm((b - a)[:, :3]) for a, b in zip(values, values[1:], strict=False)]
+    changes = [np.linalg.norm((b - a)[:, :3]) for a, b in itertools.pairwise(values)]
     return np.log2(np.array(changes[:-1]) / np.array(changes[1:]))
 
 

@@ -81,9 +81,9 @@ def test_example_3_has_the_tension_of_the_converged_prototype(example_3, time, t
 
 @pytest.mark.xfail(
     strict=True,
-    reason="asked 1 %, measured 1.1 % in the tension at 120 s and up to 1.6 % in the floor's force: "
-    "the prototype folds the laid cable on a frictionless floor and drags it along; here what "
-    "is laid rests and pulls with its friction only, as in the paper",
+    reason="asked 1 %, measured 1.1 % in the tension at 120 s and up to 1.6 % in the floor's "
+    "force: the prototype folds the laid cable on a frictionless floor and drags it along; here "
+    "what is laid rests and pulls with its friction only, as in the paper",
 )
 def test_example_3_has_the_rest_of_the_prototype(example_3):
     assert example_3[120.0][0] == pytest.approx(138.83, rel=0.01)

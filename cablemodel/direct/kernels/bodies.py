@@ -134,12 +134,8 @@ def rigid_rows(I, M, body, left, out):
     out[F2] = M[b + F2] - M[a + F2] + h2 + weight * down2 - mass * a2
     out[F3] = M[b + F3] - M[a + F3] + h3 + weight * down3 - mass * a3
     up = -M[body + B_BUOYANCY]
-    l1 = (
-        (1.0 + offset) * M[a + F1] + (1.0 - offset) * M[b + F1] - offset * (h1 + up * down1)
-    )
-    l2 = (
-        (1.0 + offset) * M[a + F2] + (1.0 - offset) * M[b + F2] - offset * (h2 + up * down2)
-    )
+    l1 = (1.0 + offset) * M[a + F1] + (1.0 - offset) * M[b + F1] - offset * (h1 + up * down1)
+    l2 = (1.0 + offset) * M[a + F2] + (1.0 - offset) * M[b + F2] - offset * (h2 + up * down2)
     inertia = M[body + B_INERTIA]
     rate1 = inertia * (beta * w1 - M[p + 3] - w3 * w2)
     rate2 = inertia * (beta * w2 - M[p + 4] + w3 * w1)

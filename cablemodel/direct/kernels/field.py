@@ -79,9 +79,9 @@ def field_rows(I, M, kind, material, left, h, F, at, mid, dif, both):
     """Residual of the interval from node `left` to the next one, and its derivatives.
 
     F: residual into F[at : at + WIDTH], a row for each unknown that it determines. mid, dif: word
-    offsets of two WIDTH x WIDTH matrices, derivatives by the values at the middle (eq. 38 included)
-    and by the differences over h; both: offset of two columns, the same by the stretch. `set_strain`
-    has been called for both nodes.
+    offsets of two WIDTH x WIDTH matrices, derivatives by the values at the middle (eq. 38
+    included) and by the differences over h; both: offset of two columns, the same by the stretch.
+    `set_strain` has been called for both nodes.
     """
     a = I[O_Y] + WIDTH * left
     b = a + WIDTH
@@ -221,12 +221,8 @@ def field_rows(I, M, kind, material, left, h, F, at, mid, dif, both):
     M[r + V1] = -mn * beta - d1_1
     M[r + V2] = mn * w3 - d1_2
     M[r + V3] = -mn * w2
-    M[r + PHI] = (
-        -w * sp - mn * beta * (s * (v3 + c * e) - ct * v2) - d1_1 * u1_phi - d1_2 * u2_phi
-    )
-    M[r + THETA] = (
-        -k3_theta * f2 - mn * phi_t * (ct * (v3 + c * e) + s * v2) - d1_2 * u2_theta
-    )
+    M[r + PHI] = -w * sp - mn * beta * (s * (v3 + c * e) - ct * v2) - d1_1 * u1_phi - d1_2 * u2_phi
+    M[r + THETA] = -k3_theta * f2 - mn * phi_t * (ct * (v3 + c * e) + s * v2) - d1_2 * u2_theta
     M[r + K2] = f3 - cot * f2 - mn * c * c * e
     M[stretch + F1] = -mn * c * turn2 - 0.5 * d1 / e
     r = mid + WIDTH * F2
@@ -238,10 +234,7 @@ def field_rows(I, M, kind, material, left, h, F, at, mid, dif, both):
     M[r + V3] = mn * w1
     M[r + PHI] = -w * cp * ct - mn * beta * ct * v1 - d1_2 * u1_phi - d2_2 * u2_phi
     M[r + THETA] = (
-        k3_theta * f1
-        + w * sp * s
-        + mn * (phi_t * s * v1 + beta * (v3 + c * e))
-        - d2_2 * u2_theta
+        k3_theta * f1 + w * sp * s + mn * (phi_t * s * v1 + beta * (v3 + c * e)) - d2_2 * u2_theta
     )
     M[r + K1] = -f3 + mn * c * c * e
     M[r + K2] = cot * f1

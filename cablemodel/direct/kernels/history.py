@@ -42,9 +42,7 @@ def keep_past(I, M):
     for body in range(I[D_BODIES]):
         row = I[O_BODY] + BODY_WORDS * body
         for k in range(BODY_STATES):
-            M[row + B_PAST + k] = (
-                beta * M[row + B_STATE + k] + memory * M[row + B_STATE_RATE + k]
-            )
+            M[row + B_PAST + k] = beta * M[row + B_STATE + k] + memory * M[row + B_STATE_RATE + k]
 
 
 @kernel
@@ -60,9 +58,7 @@ def set_rates(I, M):
         for body in range(I[D_BODIES]):
             row = I[O_BODY] + BODY_WORDS * body
             for k in range(BODY_STATES):
-                M[row + B_STATE_RATE + k] = (
-                    beta * M[row + B_STATE + k] - M[row + B_PAST + k]
-                )
+                M[row + B_STATE_RATE + k] = beta * M[row + B_STATE + k] - M[row + B_PAST + k]
 
 
 @kernel

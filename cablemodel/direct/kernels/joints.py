@@ -12,6 +12,7 @@ from .bodies import point_load
 from .compile import kernel
 from .frame import to_fixed, to_local
 from .layout import (
+    BODY_WORDS,
     CABLE,
     D_CLAMPED,
     D_END,
@@ -26,6 +27,7 @@ from .layout import (
     F3,
     K1,
     K2,
+    MATERIAL_WORDS,
     N_COUNT,
     N_FIRST,
     N_HINGE,
@@ -39,8 +41,6 @@ from .layout import (
     O_PAST,
     O_SECTION,
     O_Y,
-    BODY_WORDS,
-    MATERIAL_WORDS,
     PAPER,
     PHI,
     RATES,
@@ -146,9 +146,7 @@ def joint_rows(I, M, index, out):
     if c != 0.0:
         along_left = c * stretch_of(M, material_of(I, left), M[y + F3])
         along_right = c * stretch_of(M, material_of(I, right), M[z + F3])
-    vl1, vl2, vl3 = to_fixed(
-        M[y + PHI], M[y + THETA], M[y + V1], M[y + V2], M[y + V3] - along_left
-    )
+    vl1, vl2, vl3 = to_fixed(M[y + PHI], M[y + THETA], M[y + V1], M[y + V2], M[y + V3] - along_left)
     vr1, vr2, vr3 = to_fixed(
         M[z + PHI], M[z + THETA], M[z + V1], M[z + V2], M[z + V3] - along_right
     )
@@ -222,7 +220,7 @@ def normal_balance(I, M, material, node, out):
     w2 = phi_t * math.sin(theta)
     w3 = phi_t * math.cos(theta)
     water = I[O_CURRENTS] + 3 * node
-    g1, g2, g3 = to_local(phi, theta, M[water], M[water + 1], M[water + 2])
+    g1, g2, _g3 = to_local(phi, theta, M[water], M[water + 1], M[water + 2])
     d1, d2, _d3 = to_local(phi, theta, 1.0, 0.0, 0.0)
     u1 = M[y + V1] - g1
     u2 = M[y + V2] - g2
@@ -236,7 +234,7 @@ def normal_balance(I, M, material, node, out):
 
 @kernel
 def end_rows(I, M, out):
-    """The far end: free, with a point body, anchored, on the floor, or where the cable lies down."""
+    """The far end: free, with a point body, anchored, on the floor, or where cable is laid."""
     last = I[D_SECTIONS] - 1
     section = I[O_SECTION] + SECTION_WORDS * last
     node = I[section + N_FIRST] + I[section + N_COUNT] - 1

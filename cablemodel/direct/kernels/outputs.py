@@ -2,7 +2,7 @@
 
 import math
 
-from cablemodel.kernels.layout import S_PAID_MOST, S_PAID
+from cablemodel.kernels.layout import S_PAID, S_PAID_MOST
 
 from .compile import kernel
 from .frame import to_earth, to_fixed

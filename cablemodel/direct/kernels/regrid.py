@@ -1,9 +1,9 @@
 """The mesh follows the cable: intervals are split and joined, joints leave the drum and return."""
 
-
-from cablemodel.kernels.layout import NO_CAPACITY, I_CAPACITY, OK, S_PAID
+from cablemodel.kernels.layout import I_CAPACITY, NO_CAPACITY, OK, S_PAID
 
 from .compile import kernel
+from .frame import to_fixed
 from .geometry import last_node
 from .layout import (
     B_STATE,
@@ -55,7 +55,6 @@ from .layout import (
     WIDTH,
     X_SPACING,
 )
-from .frame import to_fixed
 
 SPLIT, JOIN = 1.5, 0.5
 """Of the node spacing: an interval that grows beyond is split, one that shrinks below is joined."""

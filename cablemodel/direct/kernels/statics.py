@@ -1,4 +1,4 @@
-"""The steady state by the same equations: time derivatives zero, found by growing implicit steps."""
+"""The steady state by the same equations without time derivatives, by growing implicit steps."""
 
 from cablemodel.kernels.environment import current_profile
 from cablemodel.kernels.layout import OK, S_TIME, STATICS_FAILED

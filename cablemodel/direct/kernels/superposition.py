@@ -141,16 +141,12 @@ def transfer(M, slot, matrix, far, n, p, sides, work):
         for k in range(p):
             value = -M[work + COLUMNS * i + k]
             for j in range(i + 1, n):
-                value -= (
-                    M[work + COLUMNS * i + HALF + j] * M[far + W_COMPLEMENTARY + HALF * j + k]
-                )
+                value -= M[work + COLUMNS * i + HALF + j] * M[far + W_COMPLEMENTARY + HALF * j + k]
             M[far + W_COMPLEMENTARY + HALF * i + k] = value * inverse
         for side in range(sides):
             value = M[work + COLUMNS * i + 2 * WIDTH + side]
             for j in range(i + 1, n):
-                value -= (
-                    M[work + COLUMNS * i + HALF + j] * M[far + W_PARTICULAR + WIDTH * side + j]
-                )
+                value -= M[work + COLUMNS * i + HALF + j] * M[far + W_PARTICULAR + WIDTH * side + j]
             M[far + W_PARTICULAR + WIDTH * side + i] = value * inverse
     return OK
 
