@@ -70,7 +70,12 @@ def refuse_unsupported(scene: Scene) -> None:
             "0 at t = 0, or initial: {straight: ...}",
         )
     if scene.solver.method != "finite_element":
-        refuse("solver.method", scene.solver.method, "this method is", "finite_element")
+        method = scene.solver.method
+        problems.append(
+            SceneProblem(
+                "solver.method", method, f"{method} has no finite elements", "finite_element"
+            )
+        )
     if problems:
         raise SceneError(problems)
 

@@ -114,9 +114,9 @@ def deployed() -> None:
             model.step_to(time)
         p = model.state().position
         bodies = np.array([body.position for body in model.bodies])
-        for axis, k in ((axes[0], 1), (axes[1], 2)):
-            axis.plot(p[:, 0], p[:, k], "k", lw=0.7)
-            axis.plot(bodies[:, 0], bodies[:, k], "C3.", ms=4)
+        for axis, i, k in ((axes[0], 1, 0), (axes[1], 1, 2)):
+            axis.plot(p[:, i], p[:, k], "k", lw=0.7)
+            axis.plot(bodies[:, i], bodies[:, k], "C3.", ms=4)
     flexible = cm.CableModel(scenes.deployed("cable"))
     while True:
         try:
@@ -124,13 +124,13 @@ def deployed() -> None:
         except cm.StepError:
             break
     p = flexible.state().position
-    for axis, k in ((axes[0], 1), (axes[1], 2)):
-        axis.plot(p[:, 0], p[:, k], "C0", lw=2.0, label=f"flexible: fails at {flexible.time:.1f} s")
+    for axis, i, k in ((axes[0], 1, 0), (axes[1], 1, 2)):
+        axis.plot(p[:, i], p[:, k], "C0", lw=2.0, label=f"flexible: ends at {flexible.time:.1f} s")
         axis.set_aspect("equal")
-        axis.set_xlabel("x [m]")
-    axes[0].set(ylabel="y [m]", title="plan, every 20 s")
+        axis.set_xlabel("y [m]")
+    axes[0].set(ylabel="x [m]", title="plan, every 20 s")
     axes[1].set(ylabel="z [m]", title="elevation")
-    axes[1].legend()
+    axes[0].legend()
     save(figure, "theory_deployed.png")
 
 
