@@ -27,6 +27,7 @@ SIZES = {
     "constraints": at.I_CONSTRAINTS,
     "rates": at.I_RATES,
     "cables": at.I_CABLES,
+    "floor_words": at.I_FLOOR_WORDS,
 }
 
 Arrays = list[tuple[int, Any]]
@@ -50,6 +51,7 @@ class Block:
         constraints: Any,
         rates: Any,
         cables: Any,
+        floor_words: Any,
     ) -> tuple[Arrays, Arrays]:
         """Arrays of the image in order, then those of the workspace: (header word, length).
 
@@ -63,6 +65,7 @@ class Block:
             (at.O_STRAIN, strain_words),
             (at.O_RATES, rates * at.RATE_WORDS),
             (at.O_CABLES, cables * at.CABLE_WORDS),
+            (at.O_FLOOR, floor_words),
             (at.O_PARENT, capacity),
             (at.O_JOINT, capacity),
             (at.O_EDGE, capacity * at.EDGE_WORDS),
@@ -73,6 +76,7 @@ class Block:
             (at.O_ACCELERATION, capacity * 6),
             (at.O_TENSION, capacity * 2),
             (at.O_TENSION_RATE, capacity * 2),
+            (at.O_REST, capacity * 3),
             (at.O_DIAGONAL, capacity * 36),
             (at.O_UPPER, capacity * 36),
             (at.O_LOWER, capacity * 36),
@@ -115,6 +119,7 @@ class Block:
         constraints: int,
         rates: int,
         cables: int,
+        floor_words: int,
     ) -> None:
         sizes = {
             "capacity": capacity,
@@ -126,6 +131,7 @@ class Block:
             "constraints": constraints,
             "rates": rates,
             "cables": cables,
+            "floor_words": floor_words,
         }
         image, workspace = self.arrays(**sizes)
         words = at.HEADER_WORDS + at.SCALAR_WORDS

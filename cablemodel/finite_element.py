@@ -11,7 +11,7 @@ from cablemodel import library as entry
 from cablemodel.block import Block
 from cablemodel.instance import build
 from cablemodel.kernels import layout as at
-from cablemodel.solver import CLEAR, BoolArray, FloatArray, FloorState, PlacedBody
+from cablemodel.solver import FloatArray, PlacedBody
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
@@ -58,9 +58,6 @@ class FiniteElementSolver:
     def sample(self, stations: FloatArray, out: FloatArray) -> int:
         return int(entry.sample(self._ints, self._reals, stations, out))
 
-    def on_floor(self, stations: FloatArray) -> BoolArray:
-        return np.zeros(len(stations), dtype=bool)
-
     def node_arcs(self) -> FloatArray:
         joints = self.memory.integers(at.O_JOINT, int(self._ints[at.I_NODES]))
         return np.asarray(self._all_arcs()[joints == 0], dtype=np.float64)
@@ -72,7 +69,7 @@ class FiniteElementSolver:
         arcs = edges[:, at.E_START] + edges[:, at.E_LENGTH] + self._reals[at.S_PAID]
         arcs[0] = 0.0
         arcs[1] = edges[1, at.E_LENGTH]
-        out = np.zeros(40)
+        out = np.zeros(at.SUMMARY_WORDS)
         self.summary(out)
         return np.asarray(np.minimum(arcs, out[21]), dtype=np.float64)
 
@@ -89,13 +86,10 @@ class FiniteElementSolver:
                 continue
             body = items[int(row[at.B_ITEM])].body
             assert body is not None
-            out = np.empty(12)
+            out = np.empty(at.STATION_WORDS)
             self.sample(arcs[node : node + 1].copy(), out)
             placed.append(PlacedBody(body.name, out[0:3].copy(), out[6:9].copy(), out[3:6].copy()))
         return placed
-
-    def floor(self) -> FloorState:
-        return CLEAR
 
     @property
     def planar(self) -> bool:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from cablemodel import sea_floor
 from cablemodel.block import Block
 from cablemodel.errors import SceneError, SceneProblem, StaticsError
 from cablemodel.kernels import layout as at
@@ -47,8 +48,6 @@ def refuse_unsupported(scene: Scene) -> None:
         problems.append(SceneProblem(path, value, f"{what} not supported yet", allowed))
 
     environment = scene.environment
-    if environment.floor is not None:
-        refuse("environment.floor", "a floor", "a sea floor is", "no floor (null)")
     if environment.waves is not None:
         refuse("environment.waves", "waves", "waves are", "no waves (null)")
     for part, items in (("line", scene.line), ("payout.drum", scene.payout.drum)):
@@ -61,14 +60,6 @@ def refuse_unsupported(scene: Scene) -> None:
         path = f"payout.drum.{len(scene.payout.drum) - 1}"
         what = "a body at the inner end of the drum never leaves it: this is"
         refuse(path, "body", what, "a cable last")
-    rates = scene.payout.rate
-    if rates and rates[0].rate != 0.0 and rates[0].t <= 0.0 and scene.initial.kind == "static":
-        refuse(
-            "payout.rate.0.rate",
-            rates[0].rate,
-            "a steady state with pay-out is",
-            "0 at t = 0, or initial: {straight: ...}",
-        )
     if scene.solver.method != "finite_element":
         method = scene.solver.method
         problems.append(
@@ -230,6 +221,13 @@ def _vertical_plane(scene: Scene, directions: list[FloatArray]) -> FloatArray | 
     moving = motion.horizontal_direction()
     candidates = [] if moving is None else [np.asarray(moving, dtype=float)]
     candidates += [np.asarray(d[:2], dtype=float) for d in directions]
+    floor = scene.environment.floor
+    if floor is not None and floor.z is not None:
+        candidates.append(np.asarray(floor.slope, dtype=float))
+    elif floor is not None:
+        candidates.append(np.array([1.0, 0.0]))
+        if np.ptp(floor.grid_z, axis=1).any():
+            return None
     if scene.environment.current is not None:
         candidates += list(scene.environment.current.velocity.reshape(-1, 3)[:, :2])
     plane: FloatArray | None = None
@@ -257,8 +255,10 @@ def build(scene: Scene, *, planar: bool | None = None) -> Block:
     types = [scene.cable_types[cable.type] for cable in scene.cables]
     scale = _tension_scale(scene, types)
     position = scene.motion().evaluate(0.0)[0]
-    points = _initial_points(scene, position)
+    points = sea_floor.on_floor(scene, _initial_points(scene, position))
+    sea_floor.check(scene, points)
     nodes = line_nodes(_spans(scene, scale), scene.solver.tolerance, _start(scene))
+    nodes = sea_floor.refine_guess(scene, nodes, points)
     block = _build_on(scene, nodes, points, scale, planar)
     if scene.initial.kind != "static":
         return block
@@ -269,7 +269,21 @@ def build(scene: Scene, *, planar: bool | None = None) -> Block:
             break
         nodes = finer
         block = _build_on(scene, nodes, _shape(block), scale, planar)
+    _refine_touchdown(block, scene)
     return block
+
+
+def _refine_touchdown(block: Block, scene: Scene) -> None:
+    """Refine a static shape where it meets the floor, and solve again from its own shape."""
+    from cablemodel import library as entry
+
+    _position, velocity, _ = scene.motion().evaluate(0.0)
+    frame = np.ascontiguousarray(local(block, velocity, point=False))
+    for _round in range(REFINEMENTS):
+        if not entry.refine_at_floor(block.ints, block.reals):
+            break
+        _solve_static(block, frame)
+    _count_from_zero(block)
 
 
 def _shape(block: Block) -> FloatArray:
@@ -280,9 +294,9 @@ def _shape(block: Block) -> FloatArray:
     edges = block.array(at.O_EDGE, count, at.EDGE_WORDS)[1:]
     ends = np.concatenate([[0.0], edges[:, at.E_START] + edges[:, at.E_LENGTH]])
     stations = np.unique(np.interp(np.arange(8 * count - 7) / 8.0, np.arange(count), ends))
-    out = np.empty(12 * len(stations))
+    out = np.empty(at.STATION_WORDS * len(stations))
     entry.sample(block.ints, block.reals, stations, out)
-    return out.reshape(-1, 12)[:, :3].copy()
+    return out.reshape(-1, at.STATION_WORDS)[:, :3].copy()
 
 
 def _refined(
@@ -364,7 +378,7 @@ def _build_on(
     times = 1 if current is None else len(current.t)
     constraints = 2 if scene.end.kind == "anchor" else 1
     block = Block(
-        capacity=line.nodes + winch.extra_nodes,
+        capacity=line.nodes + winch.extra_nodes + sea_floor.spare_nodes(scene),
         pieces=1 + len(motion.pieces),
         depths=depths,
         times=times,
@@ -375,6 +389,7 @@ def _build_on(
         constraints=constraints,
         rates=len(scene.payout.rate),
         cables=len(winch.cables),
+        floor_words=sea_floor.table_words(scene.environment.floor),
     )
     ints, reals = block.ints, block.reals
     dimension = 3 if plane is None else 2
@@ -408,6 +423,8 @@ def _build_on(
     _fill_line(block, scene, line, winch, scale)
     _fill_constraints(block, scene, line)
     _fill_positions(block, line, points, length)
+    sea_floor.fill(block, scene)
+    sea_floor.place_of_rest(block, scene)
     _find_initial_state(block, scene, velocity)
     return block
 
@@ -521,6 +538,7 @@ def _edge_row(
     row[at.E_MASS] = kind.mass + added
     row[at.E_ADDED] = added
     row[at.E_WEIGHT] = kind.submerged_weight
+    row[at.E_CONTACT] = sea_floor.contact_weight(kind, scene.environment.gravity)
     row[at.E_DRAG_NORMAL] = 0.5 * rho * kind.drag_normal * kind.diameter
     row[at.E_DRAG_TANGENTIAL] = 0.5 * rho * kind.drag_tangential * math.pi * kind.diameter
     row[at.E_COMPLIANCE] = kind.strain_coefficients[0]
@@ -553,6 +571,7 @@ def _fill_line(block: Block, scene: Scene, line: _Line, winch: _Winch, scale: fl
         row[at.K_HINGE] = float(winch.hinges[index])
         row[at.K_BODY] = winch.bodies[index]
         row[at.K_EDGE :] = _edge_row(scene, cable, index, offset, scale)
+        row[at.K_EDGE + at.E_NOMINAL] = winch.nominal[index]
         if cable.model == "hybrid" and row[at.K_EDGE + at.E_BENDING_FULL] > 0.0:
             ints[at.I_HYBRID] = 1
     block.integers(at.O_PARENT, line.nodes)[:] = line.parent
@@ -724,18 +743,27 @@ def _stabilise(block: Block) -> bool:
     return changed
 
 
-def _start_flowing(block: Block, scene: Scene) -> None:
-    """Material velocity of a cable that is paid out from t = 0 on: the rate, along itself.
-
-    A cable at rest would answer with an axial shock of EA rate / c.
-    """
+def _rate_at_start(scene: Scene) -> float:
+    """Pay-out rate just after t = 0 [m/s]; a table holds its first value before it begins."""
     rates = scene.payout.rate
-    if not rates or rates[0].t > 0.0 or rates[0].rate == 0.0:
+    if not rates:
+        return 0.0
+    return float(np.interp(0.0, [row.t for row in rates], [row.rate for row in rates]))
+
+
+def _start_flowing(block: Block, scene: Scene) -> None:
+    """Material velocity of a cable that is paid out from t = 0 on: with the vessel, along itself.
+
+    A cable at rest would answer with an axial shock of EA rate / c. Where it is laid at the rate
+    of the vessel's speed, what lies on the floor is at rest.
+    """
+    rate = _rate_at_start(scene)
+    if rate == 0.0:
         return
     nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
     q = block.array(at.O_POSITION, nodes, 2 * dimension)
     v = block.array(at.O_VELOCITY, nodes, 2 * dimension)
-    v[1:, :dimension] = rates[0].rate * q[1:, dimension:]
+    v[1:, :dimension] = v[0, :dimension] + rate * q[1:, dimension:]
 
 
 def _find_initial_state(block: Block, scene: Scene, velocity: FloatArray) -> None:
@@ -743,7 +771,9 @@ def _find_initial_state(block: Block, scene: Scene, velocity: FloatArray) -> Non
 
     ints, reals = block.ints, block.reals
     entry.place_supports(ints, reals)
-    frame = local(block, velocity, point=False)
+    frame = np.ascontiguousarray(local(block, velocity, point=False))
+    if ints[at.I_PAYOUT]:
+        reals[at.S_PAYOUT_RATE] = _rate_at_start(scene)
     if scene.initial.kind != "static":
         _start_flowing(block, scene)
         entry.tension_from_stretch(ints, reals)
@@ -755,21 +785,30 @@ def _find_initial_state(block: Block, scene: Scene, velocity: FloatArray) -> Non
                 "an anchored cable has no steady state while the vessel moves",
                 "a vessel at rest at t = 0, or initial: {points: [...]}",
             )
-        moves = entry.equilibrium(ints, reals, np.ascontiguousarray(frame))
-        if moves != at.OK:
-            node = int(ints[at.I_FAILED_NODE])
-            arc = block.array(at.O_EDGE, int(ints[at.I_NODES]), at.EDGE_WORDS)[node, at.E_START]
-            raise StaticsError(
-                f"no static equilibrium was found; what moved last is {arc:g} m along the cable. "
-                "Check weights, ends and current, or start from initial: {straight: ...}"
-            )
-        entry.place_supports(ints, reals)
+        _solve_static(block, frame)
     if _stabilise(block) and scene.initial.kind == "static":
         # The new stiffness changes the forces by a little: the state must meet them.
-        entry.equilibrium(ints, reals, np.ascontiguousarray(frame))
-        entry.place_supports(ints, reals)
-    for counter in (at.I_STEPS, at.I_REJECTED, at.I_FACTORISATIONS, at.I_ITERATIONS):
-        ints[counter] = 0
-    ints[at.I_FACTORED] = 0
+        _solve_static(block, frame)
+    _count_from_zero(block)
     if ints[at.I_HYBRID]:
         entry.choose_bending(ints, reals)
+
+
+def _solve_static(block: Block, frame: FloatArray) -> None:
+    from cablemodel import library as entry
+
+    ints, reals = block.ints, block.reals
+    if entry.equilibrium(ints, reals, frame) != at.OK:
+        node = int(ints[at.I_FAILED_NODE])
+        arc = block.array(at.O_EDGE, int(ints[at.I_NODES]), at.EDGE_WORDS)[node, at.E_START]
+        raise StaticsError(
+            f"no static equilibrium was found; what moved last is {arc:g} m along the cable. "
+            "Check weights, ends and current, or start from initial: {straight: ...} or {points: ...}"
+        )
+    entry.place_supports(ints, reals)
+
+
+def _count_from_zero(block: Block) -> None:
+    for counter in (at.I_STEPS, at.I_REJECTED, at.I_FACTORISATIONS, at.I_ITERATIONS):
+        block.ints[counter] = 0
+    block.ints[at.I_FACTORED] = 0

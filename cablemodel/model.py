@@ -89,7 +89,7 @@ class CableModel:
         self._ints, self._reals, self._image = memory.ints, memory.reals, memory.image
         self._initial = self._image.copy()
         self._inputs: FloatArray = np.zeros(_INPUT_WORDS)
-        self._summary: FloatArray = np.zeros(40)
+        self._summary: FloatArray = np.zeros(at.SUMMARY_WORDS)
         self._summary_current = False
 
     # -- stepping -------------------------------------------------------------------------------
@@ -305,23 +305,26 @@ class CableModel:
 
     @property
     def floor_force(self) -> FloatArray:
-        """Total force of the sea floor on the cable (3,) [N]."""
-        return self._solver.floor().force.copy()
+        """Total force of the sea floor on cable and bodies, friction included (3,) [N]."""
+        return self._numbers()[24:27].copy()
 
     @property
     def floor_length(self) -> float:
         """Length of cable on the sea floor [m]."""
-        return self._solver.floor().length
+        return float(self._numbers()[27])
 
     @property
     def touchdown_position(self) -> FloatArray:
-        """Touchdown point (3,) [m]; not a number where nothing touches."""
-        return self._solver.floor().touchdown.copy()
+        """Touchdown point nearest the vessel (3,) [m]; not a number where nothing touches."""
+        return self._numbers()[28:31].copy()
 
     @property
     def touchdown_reaction(self) -> float:
-        """Concentrated floor reaction at the touchdown point [N]."""
-        return self._solver.floor().reaction
+        """Concentrated floor reaction at the touchdown point, that bending causes [N].
+
+        What the floor bears beyond the cable's weight within four lengths (EI/w)^(1/3) of it.
+        """
+        return float(self._numbers()[31])
 
     @property
     def bodies(self) -> list[BodyState]:
@@ -371,13 +374,13 @@ class CableModel:
         stations = np.atleast_1d(np.array(s, dtype=np.float64))
         if stations.ndim != 1:
             raise ValueError(f"arc lengths must be one number or a list, not {stations.shape}")
-        out = np.empty(12 * len(stations))
+        out = np.empty(at.STATION_WORDS * len(stations))
         done = self._solver.sample(stations, out)
         if done != len(stations):
             raise ValueError(
                 f"s = {stations[done]} m is not on the line; allowed: 0 to {self.line_length} m"
             )
-        rows = out.reshape(-1, 12)
+        rows = out.reshape(-1, at.STATION_WORDS)
         return CableState(
             time=self.time,
             s=stations,
@@ -387,20 +390,22 @@ class CableModel:
             tension=rows[:, 9].copy(),
             curvature=rows[:, 10].copy(),
             bending_moment=rows[:, 11].copy(),
-            on_floor=self._solver.on_floor(stations),
+            on_floor=rows[:, 12] > 0.5,
         )
 
     # -- analysis -------------------------------------------------------------------------------
 
     def energy(self) -> dict[str, float]:
         """Energies [J]: kinetic (with added mass), axial, bending, potential (of the submerged
-        weight, zero at z = 0); powers [W]: of the vessel on the cable, lost to drag."""
+        weight, zero at z = 0), floor (its contact springs); powers [W]: of the vessel on the
+        cable, lost to drag, lost to friction and damping on the floor."""
         from cablemodel import library as entry
 
         self._finite_elements("energy")
-        out = np.zeros(6)
+        out = np.zeros(at.ENERGY_WORDS)
         entry.energy(self._ints, self._reals, out)
         names = ["kinetic", "axial", "bending", "potential", "vessel_power", "drag_power"]
+        names += ["floor", "floor_power"]
         return dict(zip(names, out.tolist(), strict=True))
 
     def linearise(self) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -408,6 +413,9 @@ class CableModel:
 
         Over the free unknowns of all nodes, position and slope, tension condensed out; meant for
         a state at rest. Dense: for studies of natural frequencies, not for long lines.
+
+        Raises:
+            CableModelError: the solver is not that of the finite elements.
         """
         stiffness = self._effective(0.0, 0.0)
         damping = self._effective(1.0, 0.0) - stiffness
@@ -468,7 +476,9 @@ class CableModel:
         size = 2 * dimension
         basis = np.eye(nodes * size)
         drop: list[int] = []
-        for row in block.array(at.O_CONSTRAINT, int(ints[at.I_CONSTRAINTS]), at.CONSTRAINT_WORDS):
+        for row in block.array(
+            at.O_CONSTRAINT, int(ints[at.I_CONSTRAINTS]), at.CONSTRAINT_WORDS
+        ):
             first = int(row[at.C_NODE]) * size
             drop += range(first, first + dimension)
             if row[at.C_CLAMPED]:

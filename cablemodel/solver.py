@@ -13,25 +13,6 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
-
-
-@dataclass(frozen=True)
-class FloorState:
-    """What the sea floor does to the line."""
-
-    force: FloatArray
-    """On the cable in all (3,) [N]."""
-    length: float
-    """Of cable that lies on it [m]."""
-    touchdown: FloatArray
-    """Touchdown point (3,) [m]; not a number where nothing touches."""
-    reaction: float
-    """Concentrated at the touchdown point [N]."""
-
-
-CLEAR = FloorState(np.zeros(3), 0.0, np.full(3, np.nan), 0.0)
-"""A line that does not touch the floor."""
 
 
 @dataclass(frozen=True)
@@ -77,19 +58,13 @@ class Solver(Protocol):
         """The numbers of kernels/outputs.py: summarise."""
 
     def sample(self, stations: FloatArray, out: FloatArray) -> int:
-        """Rows of 12 words at arc lengths; how many stations are on the line."""
-
-    def on_floor(self, stations: FloatArray) -> BoolArray:
-        """Which of the stations lie on the sea floor."""
+        """Rows of STATION_WORDS at arc lengths; how many stations are on the line."""
 
     def node_arcs(self) -> FloatArray:
         """Arc lengths of the nodes, without those that share a place [m]."""
 
     def bodies(self) -> list[PlacedBody]:
         """The bodies that are out, from the vessel outwards."""
-
-    def floor(self) -> FloorState:
-        """What the sea floor does."""
 
     @property
     def planar(self) -> bool: ...

@@ -53,10 +53,10 @@ def place(ints: IntArray, reals: FloatArray, time: float) -> None:
 
 
 def sample(ints: IntArray, reals: FloatArray, stations: FloatArray, out: FloatArray) -> int:
-    """State at arc lengths [m]; out: rows of 12 words. How many are on the line."""
+    """State at arc lengths [m]; out: rows of STATION_WORDS. How many are on the line."""
     return int(_kernels().sample(ints, reals, stations, out))
 
 
 def summary(ints: IntArray, reals: FloatArray, out: FloatArray) -> None:
-    """The numbers of kernels/outputs.py: summarise (24 words)."""
+    """The numbers of kernels/outputs.py: summarise."""
     _kernels().summary(ints, reals, out)

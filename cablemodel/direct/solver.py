@@ -12,7 +12,7 @@ from cablemodel.direct.build import build
 from cablemodel.direct.failures import explain
 from cablemodel.direct.kernels import layout as own
 from cablemodel.kernels import layout as at
-from cablemodel.solver import CLEAR, BoolArray, FloatArray, FloorState, IntArray, PlacedBody
+from cablemodel.solver import FloatArray, IntArray, PlacedBody
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
@@ -44,12 +44,6 @@ class DirectSolver:
 
     def sample(self, stations: FloatArray, out: FloatArray) -> int:
         return int(entry.sample(self._ints, self._reals, stations, out))
-
-    def on_floor(self, stations: FloatArray) -> BoolArray:
-        laid = float(self._reals[own.X_LAID])
-        if laid <= 0.0:
-            return np.zeros(len(stations), dtype=bool)
-        return np.asarray(stations >= self._all_arcs()[-1] - 1e-12)
 
     def node_arcs(self) -> FloatArray:
         arcs = np.unique(self._all_arcs())
@@ -105,27 +99,6 @@ class DirectSolver:
         """e1, e2, e3 in the earth frame, (3, 3)."""
         px, py = self._reals[at.S_PLANE : at.S_PLANE + 2]
         return np.array([[0.0, 0.0, -1.0], [px, py, 0.0], [py, -px, 0.0]])
-
-    def floor(self) -> FloorState:
-        reals = self._reals
-        if self._ints[own.D_END] not in (own.END_CONTACT, own.END_TOUCHDOWN):
-            return CLEAR
-        normal = reals[own.X_FLOOR : own.X_FLOOR + 3] @ self._earth
-        laid = float(reals[own.X_LAID])
-        last = self._nodes - 1
-        y = self.memory.array(own.O_Y, self._nodes, own.WIDTH)[last]
-        force = y[own.F1 : own.F3 + 1] @ self._axes(y[own.PHI], y[own.THETA])
-        cable = self.scene.line[-1].cable
-        assert cable is not None
-        weight = self.scene.cable_types[cable.type].submerged_weight
-        # What lies on the floor rests there: its weight is carried, whatever the friction.
-        force = force + np.array([0.0, 0.0, weight * laid])
-        return FloorState(
-            force,
-            laid,
-            self.memory.array(own.O_PLACE, self._nodes, 3)[last].copy(),
-            float(y[own.F1 : own.F3 + 1] @ self._axes(y[own.PHI], y[own.THETA]) @ normal),
-        )
 
     @property
     def planar(self) -> bool:

@@ -6,12 +6,13 @@ a count; see layout.py for the codes.
 
 from numba import float64, int64
 
-from . import outputs, promote, statics, stepping, system, time_stepping
+from . import follow, outputs, promote, statics, stepping, system, time_stepping
 from .compile import INTEGERS, REALS, entry_point
 from .layout import (
     I_BODIES,
     I_CONSTRAINTS,
     I_DIMENSION,
+    I_FLOOR,
     I_NODES,
     O_ACCELERATION,
     O_POSITION,
@@ -48,6 +49,14 @@ def choose_bending(I, M):
     """Hybrid model: decide element by element whether bending is kept."""
     time_stepping.update_bending(I, M)
     return 0
+
+
+@entry_point(int64(INTEGERS, REALS))
+def refine_at_floor(I, M):
+    """Adapt the mesh to the floor once; returns 1 if it changed."""
+    if I[I_FLOOR] == 0:
+        return 0
+    return 1 if follow.follow_floor(I, M) else 0
 
 
 @entry_point(int64(INTEGERS, REALS))
@@ -117,6 +126,7 @@ ENTRY_POINTS = {
     "equilibrium": equilibrium,
     "tension_from_stretch": tension_from_stretch,
     "choose_bending": choose_bending,
+    "refine_at_floor": refine_at_floor,
     "place_supports": place_supports,
     "sample": sample,
     "summary": summary,

@@ -29,6 +29,13 @@ I_MAXIMUM_STEPS = 25
 I_DRAG = 26  # 0 in vacuum: no water terms
 I_HYBRID = 27
 
+# Sea floor.
+I_FLOOR, I_FLOOR_X, I_FLOOR_Y = 28, 29, 30  # FLOOR_...; columns and rows of the table
+I_FLOOR_WORDS = 31
+FLOOR_NONE, FLOOR_PLANE, FLOOR_TABLE = 0, 1, 2
+O_FLOOR = 90  # x (nx), y (ny), then z, z_x, z_y, z_xy of every place, x slowest
+O_REST = 91  # places of rest of the friction bristles (capacity, 3)
+
 # Pay-out.
 I_PAYOUT = 70  # 1 where cable may pass the tow point: the top element's length varies
 I_RATES, I_CABLES = 71, 72  # rows of the rate table and of the cable table
@@ -73,6 +80,12 @@ S_PAID_MOST, S_PAID_LEAST = _S + 32, _S + 33
 S_LIVE_RATE = _S + 34  # 4 words: t0, t1, rate at t0, at t1
 S_PERIOD = _S + 40  # sqrt(L/g) [s]
 S_AXIAL = _S + 41  # stiffness of the whole line over its mass [1/s2]; 0 where drag damps it
+S_FLOOR_DEPTH = _S + 48  # delta: the gap below which the floor pushes [m]
+S_FRICTION, S_BRISTLE = _S + 49, _S + 50  # Coulomb coefficient; length of a bristle [m]
+S_FLOOR_DAMPING = _S + 51  # force grows by this per speed of approach [s/m]
+S_FLOOR_PLANE = _S + 52  # 5 words: z, slopes towards x and y, place x, y where the height is z
+S_FLOOR_TOP = _S + 57  # highest point of the floor that can be reached [m]
+S_FLOOR_BEND = _S + 58  # a bound on 1/8 of the floor's second derivatives [1/m]
 S_STAGE_RATE, S_STAGE_SLOPE = _S + 38, _S + 39  # at the time of the last set_time
 
 # Rows of the rate table: time, rate. Rows of the cable table: the cables of the line and of the
@@ -100,6 +113,8 @@ E_STRAIN_TERMS, E_STRAIN_OFFSET = 8, 9  # number of coefficients, place in the s
 E_TENSION_LOW, E_TENSION_HIGH = 10, 11  # the curve is continued by its tangent outside
 E_STABILISATION = 12
 E_BENDING_FULL, E_MODEL, E_TYPE, E_SEGMENT, E_START = 13, 14, 15, 16, 17
+E_CONTACT = 18  # weight per length that the floor's preload carries [N/m]
+E_NOMINAL = 19  # length up to which elements in free water are joined again [m]
 MODEL_ELASTICA, MODEL_CABLE, MODEL_HYBRID = 0, 1, 2
 
 # Rows of the body table.
@@ -116,6 +131,9 @@ C_NODE, C_KIND, C_POSITION, C_CLAMPED, C_DIRECTION = (
     6,
 )  # 3 words of position, 3 of direction
 C_VESSEL, C_ANCHOR = 1, 2
+
+# What is read off a state, in words: the rows of outputs.sample_stations, outputs.summarise.
+STATION_WORDS, SUMMARY_WORDS, ENERGY_WORDS = 13, 32, 8
 
 # Status codes of the kernels.
 OK = 0

@@ -4,6 +4,7 @@ import math
 
 from .compile import kernel
 from .environment import current_at
+from .floor import LYING, floor_energy, floor_summary, gap_at
 from .layout import (
     B_MASS,
     B_NODE,
@@ -23,9 +24,11 @@ from .layout import (
     E_TENSION_LOW,
     E_WEIGHT,
     EDGE_WORDS,
+    ENERGY_WORDS,
     I_BODIES,
     I_DIMENSION,
     I_DRAG,
+    I_FLOOR,
     I_NODES,
     I_PAYOUT,
     O_ACCELERATION,
@@ -42,16 +45,17 @@ from .layout import (
     O_TOP,
     O_VELOCITY,
     S_BASE,
+    S_FLOOR_DEPTH,
     S_PAID,
     S_PAID_MOST,
     S_PLANE,
     S_STAGE_RATE,
     S_TIME,
+    STATION_WORDS,
+    SUMMARY_WORDS,
 )
 from .strain import strain_and_slope
 from .system import residual, set_time
-
-STATION_WORDS = 12  # x y z, tangent, velocity, tension, curvature, bending moment
 
 
 @kernel
@@ -155,6 +159,8 @@ def line_length(I, M):
 def sample_stations(I, M, stations, out):
     """State at arc lengths `stations` (ascending or not): rows of STATION_WORDS into out.
 
+    A row: position, tangent, velocity (3 each), tension, curvature, bending moment, 1 on the floor.
+
     Returns the index of the first station that lies outside the line (then nothing more is
     written), or the number of stations.
     """
@@ -228,6 +234,9 @@ def sample_stations(I, M, stations, out):
         left = end_tension(I, M, low, 0)
         right = end_tension(I, M, low, 1)
         row = STATION_WORDS * n
+        out[row + 12] = 0.0
+        if I[I_FLOOR] != 0 and gap_at(I, M, w, w[12:15]) < LYING * M[S_FLOOR_DEPTH]:
+            out[row + 12] = 1.0
         to_earth(I, M, w, 0, out, row, 1)
         to_earth(I, M, w, 3, out, row + 3, 0)
         to_earth(I, M, w, 9, out, row + 6, 0)
@@ -247,7 +256,8 @@ def summarise(I, M, out):
     out: 0-5 force and moment of the cable on the vessel, 6 top tension (size of that force,
     negative where the cable pushes), 7, 8 lowest and highest tension in the cable,
     9-11 end position, 12-14 end velocity, 15-17 vessel position, 18-20 vessel velocity,
-    21 line length, 22 applied pay-out rate, 23 cable on the drum.
+    21 line length, 22 applied pay-out rate, 23 cable on the drum, 24-26 force of the floor on the
+    cable, 27 length on the floor, 28-30 touchdown point (not a number: none), 31 its reaction.
     """
     dimension = I[I_DIMENSION]
     size = 2 * dimension
@@ -278,6 +288,15 @@ def summarise(I, M, out):
     out[21] = line_length(I, M)
     out[22] = M[S_STAGE_RATE] if I[I_PAYOUT] != 0 else 0.0
     out[23] = M[S_PAID_MOST] - M[S_PAID]
+    for k in range(24, SUMMARY_WORDS):
+        out[k] = 0.0
+    if I[I_FLOOR] != 0:
+        w = M[I[O_MOTION] + 16 : I[O_MOTION] + 24]
+        floor_summary(I, M, w)
+        to_earth(I, M, w, 0, out, 24, 0)
+        to_earth(I, M, w, 4, out, 28, 1)
+        out[27] = w[3]
+        out[31] = w[7]
 
 
 @kernel
@@ -285,15 +304,18 @@ def energies(I, M, out):
     """Energies [J] and powers [W] of the present state, by Gauss quadrature of order 9.
 
     out: 0 kinetic (with added mass), 1 axial strain, 2 bending, 3 potential of the submerged
-    weight (zero at z = 0), 4 power of the supports on the cable, 5 power lost to drag.
+    weight (zero at z = 0), 4 power of the supports on the cable, 5 power lost to drag, 6 what the
+    floor's springs hold, 7 power lost to friction and damping on the floor.
     """
     dimension = I[I_DIMENSION]
     size = 2 * dimension
     nodes = I[I_NODES]
     w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
-    for i in range(6):
+    for i in range(ENERGY_WORDS):
         out[i] = 0.0
     end_forces(I, M)
+    if I[I_FLOOR] != 0:
+        floor_energy(I, M, out)
     for node in range(1, nodes):
         if I[I[O_JOINT] + node] != 0:
             continue

@@ -53,6 +53,7 @@ from .layout import (
     O_PARENT,
     O_POSITION,
     O_RATES,
+    O_REST,
     O_TENSION,
     O_TENSION_RATE,
     O_TOP,
@@ -221,41 +222,36 @@ def material_top(I, M, q, v, a):
 
 
 @kernel
+def move_node(I, M, node, to):
+    """Copy all that belongs to a node and to the element above it to another place."""
+    size = 2 * I[I_DIMENSION]
+    for k in range(size):
+        M[I[O_POSITION] + size * to + k] = M[I[O_POSITION] + size * node + k]
+        M[I[O_VELOCITY] + size * to + k] = M[I[O_VELOCITY] + size * node + k]
+        M[I[O_ACCELERATION] + size * to + k] = M[I[O_ACCELERATION] + size * node + k]
+    for k in range(3):
+        M[I[O_REST] + 3 * to + k] = M[I[O_REST] + 3 * node + k]
+    for k in range(2):
+        M[I[O_TENSION] + 2 * to + k] = M[I[O_TENSION] + 2 * node + k]
+        M[I[O_TENSION_RATE] + 2 * to + k] = M[I[O_TENSION_RATE] + 2 * node + k]
+    for k in range(EDGE_WORDS):
+        M[I[O_EDGE] + EDGE_WORDS * to + k] = M[I[O_EDGE] + EDGE_WORDS * node + k]
+    I[I[O_JOINT] + to] = I[I[O_JOINT] + node]
+
+
+@kernel
 def open_gap(I, M, at, count):
     """Move nodes from `at` on by `count` places and renumber all that points to them."""
-    size = 2 * I[I_DIMENSION]
-    nodes = I[I_NODES]
-    for node in range(nodes - 1, at - 1, -1):
-        to = node + count
-        for k in range(size):
-            M[I[O_POSITION] + size * to + k] = M[I[O_POSITION] + size * node + k]
-            M[I[O_VELOCITY] + size * to + k] = M[I[O_VELOCITY] + size * node + k]
-            M[I[O_ACCELERATION] + size * to + k] = M[I[O_ACCELERATION] + size * node + k]
-        for k in range(2):
-            M[I[O_TENSION] + 2 * to + k] = M[I[O_TENSION] + 2 * node + k]
-            M[I[O_TENSION_RATE] + 2 * to + k] = M[I[O_TENSION_RATE] + 2 * node + k]
-        for k in range(EDGE_WORDS):
-            M[I[O_EDGE] + EDGE_WORDS * to + k] = M[I[O_EDGE] + EDGE_WORDS * node + k]
-        I[I[O_JOINT] + to] = I[I[O_JOINT] + node]
+    for node in range(I[I_NODES] - 1, at - 1, -1):
+        move_node(I, M, node, node + count)
     renumber(I, M, at, count)
 
 
 @kernel
 def close_gap(I, M, at, count):
     """Remove nodes at ... at + count - 1."""
-    size = 2 * I[I_DIMENSION]
     for node in range(at + count, I[I_NODES]):
-        to = node - count
-        for k in range(size):
-            M[I[O_POSITION] + size * to + k] = M[I[O_POSITION] + size * node + k]
-            M[I[O_VELOCITY] + size * to + k] = M[I[O_VELOCITY] + size * node + k]
-            M[I[O_ACCELERATION] + size * to + k] = M[I[O_ACCELERATION] + size * node + k]
-        for k in range(2):
-            M[I[O_TENSION] + 2 * to + k] = M[I[O_TENSION] + 2 * node + k]
-            M[I[O_TENSION_RATE] + 2 * to + k] = M[I[O_TENSION_RATE] + 2 * node + k]
-        for k in range(EDGE_WORDS):
-            M[I[O_EDGE] + EDGE_WORDS * to + k] = M[I[O_EDGE] + EDGE_WORDS * node + k]
-        I[I[O_JOINT] + to] = I[I[O_JOINT] + node]
+        move_node(I, M, node, node - count)
     renumber(I, M, at + count, -count)
 
 
@@ -324,6 +320,11 @@ def split_edge(I, M, edge, x, hinge):
     )
     hermite(M, v0, I[O_VELOCITY] + size * edge, dimension, h, x, M[w + 6 : w + 6 + size])
     hermite(M, a0, I[O_ACCELERATION] + size * edge, dimension, h, x, M[w + 12 : w + 12 + size])
+    # The bristle of friction is linear between the nodes: it stays as it was there too.
+    for i in range(dimension):
+        above = M[I[O_POSITION] + size * p + i] - M[I[O_REST] + 3 * p + i]
+        below = M[I[O_POSITION] + size * edge + i] - M[I[O_REST] + 3 * edge + i]
+        M[w + 18 + i] = M[w + i] - ((1.0 - x) * above + x * below)
     open_gap(I, M, edge, count)
     lower = edge + count
     for node in range(edge, lower):
@@ -331,6 +332,8 @@ def split_edge(I, M, edge, x, hinge):
             M[I[O_POSITION] + size * node + k] = M[w + k]
             M[I[O_VELOCITY] + size * node + k] = M[w + 6 + k]
             M[I[O_ACCELERATION] + size * node + k] = M[w + 12 + k]
+        for k in range(dimension):
+            M[I[O_REST] + 3 * node + k] = M[w + 18 + k]
         for k in range(EDGE_WORDS):
             M[I[O_EDGE] + EDGE_WORDS * node + k] = M[I[O_EDGE] + EDGE_WORDS * lower + k]
         for k in range(2):
@@ -352,7 +355,7 @@ def split_edge(I, M, edge, x, hinge):
     M[I[O_EDGE] + EDGE_WORDS * edge + E_LENGTH] = x * h
     M[I[O_EDGE] + EDGE_WORDS * lower + E_LENGTH] = h - x * h
     M[I[O_EDGE] + EDGE_WORDS * lower + E_START] += x * h
-    if edge == 1 and I[I_PAYOUT] == 1:
+    if edge == 1:
         M[S_TOP_LENGTH] = M[I[O_EDGE] + EDGE_WORDS + E_LENGTH]
         # The lower part begins where the cable is that is out now, less the new top element.
         M[I[O_EDGE] + EDGE_WORDS * lower + E_START] = x * h - M[S_PAID]

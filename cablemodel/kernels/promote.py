@@ -13,6 +13,7 @@ from .layout import (
     O_ACCELERATION,
     O_CONSTRAINT,
     O_POSITION,
+    O_REST,
     O_VELOCITY,
     S_PLANE,
 )
@@ -53,6 +54,8 @@ def promote(I, M):
             M[to + 3] = px * dh
             M[to + 4] = py * dh
             M[to + 5] = dz
+    for node in range(I[I_NODES]):
+        unfold(M, I[O_REST] + 3 * node, px, py)
     for n in range(I[I_CONSTRAINTS]):
         row = I[O_CONSTRAINT] + n * CONSTRAINT_WORDS
         unfold(M, row + C_POSITION, px, py)

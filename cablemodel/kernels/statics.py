@@ -6,16 +6,22 @@ limit is Newton's method on the static equations, reached from any guess.
 
 from .compile import kernel
 from .layout import (
+    E_LENGTH,
+    EDGE_WORDS,
     I_DIMENSION,
     I_FACTORED,
     I_FACTORISATIONS,
     I_FAILED_NODE,
     I_ITERATIONS,
     I_NODES,
+    I_PAYOUT,
     O_ACCELERATION,
     O_COMPLIANCE,
     O_CONSTRAINT_RESIDUAL,
+    O_EDGE,
     O_INCREMENT,
+    O_JOINT,
+    O_PARENT,
     O_POSITION,
     O_RESIDUAL,
     O_TENSION,
@@ -27,6 +33,8 @@ from .layout import (
     OK,
     S_FIRST_STEP,
     S_LENGTH,
+    S_PAYOUT_RATE,
+    S_STAGE_RATE,
     S_TIME,
     STATICS_FAILED,
 )
@@ -42,7 +50,8 @@ NEWTON_LIMIT = 12
 def find_equilibrium(I, M, frame):
     """Equilibrium from the positions in the block; frame: velocity of the frame (dimension words).
 
-    On success the state is at rest in that frame: v = frame, a = 0.
+    On success the state is at rest in that frame: v = frame, a = 0; with pay-out at S_TIME the
+    shape is at rest and the cable runs along it.
     """
     dimension = I[I_DIMENSION]
     size = 2 * dimension
@@ -60,6 +69,10 @@ def find_equilibrium(I, M, frame):
     constraint = M[I[O_CONSTRAINT_RESIDUAL] : I[O_CONSTRAINT_RESIDUAL] + 2 * nodes]
     x = M[I[O_INCREMENT] : I[O_INCREMENT] + count]
     length = M[S_LENGTH]
+    flow = M[S_PAYOUT_RATE] if I[I_PAYOUT] != 0 else 0.0
+    # The derivatives of the flow's own terms are left out: Newton is linear with them.
+    patience = 1 if flow == 0.0 else 5
+    limit = NEWTON_LIMIT * patience
     set_time(I, M, M[S_TIME])
     w0[:] = 0.0
     a0[:] = 0.0
@@ -74,7 +87,7 @@ def find_equilibrium(I, M, frame):
             tension[n] = t0[n]
         converged = False
         used = 0
-        for iteration in range(NEWTON_LIMIT):
+        for iteration in range(limit):
             used = iteration + 1
             for node in range(nodes):
                 for i in range(size):
@@ -84,8 +97,14 @@ def find_equilibrium(I, M, frame):
                     v[n] = w
                     if i < dimension:
                         v[n] += frame[i]
+            # Flow along the cable has no part in the normal drag, however it turns: without it
+            # the derivatives of the drag are right where they matter.
+            M[S_STAGE_RATE] = 0.0
             if factorise(I, M, q, v, a, tension, inverse * inverse, inverse) != 0:
                 break
+            if flow != 0.0:
+                M[S_STAGE_RATE] = flow
+                add_flow(I, M, flow, q, v, a)
             I[I_FACTORISATIONS] += 1
             I[I_ITERATIONS] += 1
             residual(I, M, q, v, a, tension, forces, constraint)
@@ -125,8 +144,8 @@ def find_equilibrium(I, M, frame):
                 break
         else:
             calm = 0
-        if moved < 0.2 * length and used <= 8:
-            dt = min(dt * (2.5 if used <= 5 else 1.3), LONGEST_STEP)
+        if moved < 0.2 * length and used <= 8 * patience:
+            dt = min(dt * (2.5 if used <= 5 * patience else 1.3), LONGEST_STEP)
         elif moved > 0.5 * length:
             dt *= 0.5
     for node in range(nodes):
@@ -136,8 +155,44 @@ def find_equilibrium(I, M, frame):
             if i < dimension:
                 w0[n] = frame[i]
             a0[n] = 0.0
+    if flow != 0.0:
+        add_flow(I, M, flow, q0, w0, a0)
     I[I_FACTORED] = 0
     return status
+
+
+@kernel
+def add_flow(I, M, flow, q, v, a):
+    """Material velocity and acceleration of cable that runs along its own shape at the rate `flow`.
+
+    v = flow r', v' = flow r'', a = flow^2 r'' (eq. 16 with d/dt = 0 at fixed s). r'' at a node is
+    the mean of both sides. The vessel's node gets its own by the pay-out terms of the top element.
+    """
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    nodes = I[I_NODES]
+    for node in range(1, nodes):
+        for i in range(dimension):
+            n = size * node + i
+            second = 0.0
+            sides = 0.0
+            for side in range(2):
+                edge = node + side
+                if edge >= nodes or I[I[O_JOINT] + edge] != 0:
+                    continue
+                h = M[I[O_EDGE] + edge * EDGE_WORDS + E_LENGTH]
+                p = size * I[I[O_PARENT] + edge] + i
+                c = size * edge + i
+                chord = (q[c] - q[p]) / h
+                if side == 0:
+                    second += (2.0 * q[p + dimension] + 4.0 * q[c + dimension] - 6.0 * chord) / h
+                else:
+                    second += (6.0 * chord - 4.0 * q[p + dimension] - 2.0 * q[c + dimension]) / h
+                sides += 1.0
+            second /= max(sides, 1.0)
+            v[n] += flow * q[n + dimension]
+            v[n + dimension] += flow * second
+            a[n] += flow * flow * second
 
 
 @kernel

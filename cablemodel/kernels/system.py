@@ -19,6 +19,7 @@ from .element_spatial import (
     stretch_rate_spatial,
 )
 from .environment import current_profile, prescribed_motion, vessel_motion
+from .floor import floor_jacobian, floor_residual
 from .layout import (
     C_CLAMPED,
     C_DIRECTION,
@@ -27,6 +28,7 @@ from .layout import (
     I_BODIES,
     I_CONSTRAINTS,
     I_DIMENSION,
+    I_FLOOR,
     I_NODES,
     I_PAYOUT,
     O_COMPLIANCE,
@@ -54,6 +56,8 @@ def residual(I, M, q, v, a, tension, out, out_constraint):
         residual_spatial(I, M, q, v, a, tension, out, out_constraint)
     if I[I_BODIES] > 0:
         body_residual(I, M, q, v, a, out)
+    if I[I_FLOOR] != 0:
+        floor_residual(I, M, q, v, out)
 
 
 @kernel
@@ -171,6 +175,8 @@ def jacobian(I, M, q, v, a, tension, ca, cv):
         jacobian_spatial(I, M, q, v, a, tension, ca, cv)
     if I[I_BODIES] > 0:
         body_jacobian(I, M, q, v, a, ca, cv)
+    if I[I_FLOOR] != 0:
+        floor_jacobian(I, M, q, v, cv)
 
 
 @kernel

@@ -60,6 +60,12 @@ MASS = (
 MASS_PAIRS = np.ascontiguousarray(MASS.reshape(16))
 LOAD = np.array([1 / 2, 1 / 12, 1 / 2, -1 / 12])
 
+# Contact with the sea floor: four points, shape functions (4 points, 4 functions).
+_CONTACT = np.polynomial.legendre.leggauss(4)
+CONTACT_POINTS = 0.5 + 0.5 * _CONTACT[0]
+CONTACT_WEIGHTS = 0.5 * _CONTACT[1]
+CONTACT_H = np.ascontiguousarray(_shape(CONTACT_POINTS).T)
+
 
 def _tableau(gamma, rows, embedded, stages):
     """Rows of an ESDIRK tableau in six columns; the last row is the solution (stiffly accurate)."""

@@ -9,6 +9,8 @@ import math
 
 from .compile import inlined, kernel
 from .environment import find_piece
+from .floor import settle
+from .follow import follow_floor
 from .layout import (
     E_BENDING,
     E_BENDING_FULL,
@@ -19,6 +21,7 @@ from .layout import (
     I_FACTORED,
     I_FACTORISATIONS,
     I_FAILED_NODE,
+    I_FLOOR,
     I_FRESH,
     I_GROWTH_BARRED,
     I_HYBRID,
@@ -479,6 +482,11 @@ def advance_to(I, M, t_end):
                 if status != OK:
                     break
                 if removed:
+                    make_consistent(I, M)
+            if I[I_FLOOR] != 0:
+                settle(I, M)
+                if follow_floor(I, M):
+                    M[S_LAST_STEP] = max(M[S_LAST_STEP], dt)
                     make_consistent(I, M)
             if I[I_HYBRID] == 1:
                 update_bending(I, M)

@@ -20,7 +20,6 @@ VR_ZERO = 900
 VR_SUMMARY = 1000
 VR_STATION = 10000
 VR_BODY = 20000000
-STATION_WORDS = 12
 
 # First word of a quantity in kernels/outputs.py: of the summary, or of a row of the stations.
 _SUMMARY = {
@@ -34,6 +33,10 @@ _SUMMARY = {
     "line_length": 21,
     "payout_rate": 22,
     "drum_length": 23,
+    "floor_force": 24,
+    "floor_length": 27,
+    "touchdown_position": 28,
+    "touchdown_reaction": 31,
 }
 _STATION = {"state.position": 0, "state.tension": 9, "state.curvature": 10}
 _BODY = {"bodies.position": 0, "bodies.direction": 3}
@@ -114,7 +117,7 @@ def _references(variable: Variable, stations: int, rows: list[int]) -> list[tupl
     word = {**_STATION, **_BODY}[key]
     places = rows if key in _BODY else range(stations)
     return [
-        (name, tables[key] + STATION_WORDS * places[n // width] + word + n % width)
+        (name, tables[key] + at.STATION_WORDS * places[n // width] + word + n % width)
         for n, name in enumerate(names)
     ]
 

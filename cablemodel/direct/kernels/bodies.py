@@ -2,6 +2,8 @@
 
 What eq. 38 needs of a body's past stands in its row: of a point its velocity in the fixed axes, of
 a rigid body the velocity of its centre of gravity and its angular velocity in the local axes.
+
+Drag is 1/2 rho |u| (CdA_n u_n + CdA_a u_a), as for the finite elements.
 """
 
 import math
@@ -60,13 +62,13 @@ def point_load(I, M, body, node, out):
     # Along the local axes the third component is the axial one.
     u1, u2, u3 = to_local(phi, theta, vx - M[water], vy - M[water + 1], vz - M[water + 2])
     a1, a2, a3 = to_local(phi, theta, ax, ay, az)
-    un = math.sqrt(u1 * u1 + u2 * u2)
+    speed = math.sqrt(u1 * u1 + u2 * u2 + u3 * u3)
     inertia = M[body + B_MASS] + M[body + B_ADDED]
     axial = M[body + B_MASS] + M[body + B_ADDED_AXIAL]
-    drag = M[body + B_DRAG] * un
+    drag = M[body + B_DRAG] * speed
     l1 = inertia * a1 + drag * u1
     l2 = inertia * a2 + drag * u2
-    l3 = axial * a3 + M[body + B_DRAG_AXIAL] * abs(u3) * u3
+    l3 = axial * a3 + M[body + B_DRAG_AXIAL] * speed * u3
     gx, gy, gz = to_fixed(phi, theta, l1, l2, l3)
     out[0] = gx - M[body + B_WEIGHT]
     out[1] = gy
@@ -122,11 +124,11 @@ def rigid_rows(I, M, body, left, out):
     u1 = c1 - g1
     u2 = c2 - g2
     u3 = c3 - g3
-    un = math.sqrt(u1 * u1 + u2 * u2)
+    speed = math.sqrt(u1 * u1 + u2 * u2 + u3 * u3)
     # h: drag and added mass; W along e1.
-    h1 = -M[body + B_DRAG] * un * u1 - M[body + B_ADDED] * a1
-    h2 = -M[body + B_DRAG] * un * u2 - M[body + B_ADDED] * a2
-    h3 = -M[body + B_DRAG_AXIAL] * abs(u3) * u3 - M[body + B_ADDED_AXIAL] * a3
+    h1 = -M[body + B_DRAG] * speed * u1 - M[body + B_ADDED] * a1
+    h2 = -M[body + B_DRAG] * speed * u2 - M[body + B_ADDED] * a2
+    h3 = -M[body + B_DRAG_AXIAL] * speed * u3 - M[body + B_ADDED_AXIAL] * a3
     down1, down2, down3 = to_local(phi, theta, 1.0, 0.0, 0.0)
     weight = M[body + B_WEIGHT]
     mass = M[body + B_MASS]

@@ -43,13 +43,13 @@ def place(I, M, time):
 
 @entry_point(int64(INTEGERS, REALS, REALS, REALS))
 def sample(I, M, stations, out):
-    """State at arc lengths [m]; out: rows of 12 words. Returns how many are on the line."""
+    """State at arc lengths [m]; out: rows of STATION_WORDS. Returns how many are on the line."""
     return outputs.sample_stations(I, M, stations, out)
 
 
 @entry_point(int64(INTEGERS, REALS, REALS))
 def summary(I, M, out):
-    """The numbers of outputs.summarise (24 words)."""
+    """The numbers of outputs.summarise."""
     outputs.summarise(I, M, out)
     return 0
 

@@ -2,15 +2,18 @@
 
 import math
 
-from cablemodel.kernels.layout import S_PAID, S_PAID_MOST
+from cablemodel.kernels.layout import S_PAID, S_PAID_MOST, STATION_WORDS
 
 from .compile import kernel
 from .frame import to_earth, to_fixed
 from .geometry import last_node, line_out
-from .joints import bending_of
+from .joints import bending_of, material_of
 from .layout import (
     CABLE,
+    D_END,
     D_SECTIONS,
+    END_CONTACT,
+    END_TOUCHDOWN,
     F1,
     F2,
     F3,
@@ -27,17 +30,17 @@ from .layout import (
     PHI,
     RIGID,
     SECTION_WORDS,
+    T_WEIGHT,
     THETA,
     V1,
     V2,
     V3,
     WIDTH,
+    X_FLOOR,
     X_LAID,
     X_RATE,
     X_VESSEL,
 )
-
-STATION_WORDS = 12
 
 
 @kernel
@@ -150,12 +153,13 @@ def sample_stations(I, M, stations, out):
             out[row + 2] += beyond * tz
             for k in range(6, 12):
                 out[row + k] = 0.0
+        out[row + 12] = 1.0 if M[X_LAID] > 0.0 and beyond >= 0.0 else 0.0
     return len(stations)
 
 
 @kernel
 def summarise(I, M, out):
-    """The numbers of cablemodel/kernels/outputs.py, words 0 to 23, in the same order."""
+    """The numbers of cablemodel/kernels/outputs.py, in the same order."""
     fx, fy, fz = node_vector(I, M, 0, 1)
     out[0] = fx
     out[1] = fy
@@ -200,3 +204,20 @@ def summarise(I, M, out):
     out[21] = line_out(I, M) + laid
     out[22] = M[X_RATE]
     out[23] = M[S_PAID_MOST] - M[S_PAID]
+    for k in range(24, 32):
+        out[k] = 0.0
+    for k in range(28, 31):
+        out[k] = math.nan
+    if I[D_END] != END_CONTACT and I[D_END] != END_TOUCHDOWN:
+        return
+    # The force at the end is the floor's; what lies beyond rests there with its weight.
+    fx, fy, fz = node_vector(I, M, last, 1)
+    section = I[O_SECTION] + SECTION_WORDS * (I[D_SECTIONS] - 1)
+    out[24] = fx
+    out[25] = fy
+    out[26] = fz + M[material_of(I, section) + T_WEIGHT] * laid
+    out[27] = laid
+    for k in range(3):
+        out[28 + k] = M[I[O_PLACE] + 3 * last + k]
+    nx, ny, nz = to_earth(M, M[X_FLOOR], M[X_FLOOR + 1], M[X_FLOOR + 2])
+    out[31] = fx * nx + fy * ny + fz * nz

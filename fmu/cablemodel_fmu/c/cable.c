@@ -131,7 +131,7 @@ int64_t step_cable(Cable *cable, double t_end, double dt, char *message, size_t 
 
 static const double *summary(Cable *cable) {
     if (!cable->summary_current) {
-        cablemodel_summary(cable->I, cable->block_words, cable->summary, SUMMARY_LIMIT);
+        cablemodel_summary(cable->I, cable->block_words, cable->summary, SUMMARY_WORDS);
         if (cable->flags & FLAG_PINNED)
             for (int i = 3; i < 6; i++) cable->summary[i] = 0.0;
         cable->summary_current = 1;
@@ -177,7 +177,7 @@ const char *read_value(Cable *cable, unsigned vr, double *value) {
     }
     const char *problem = settle_cable(cable);
     if (problem != NULL) return problem;
-    if (vr >= VR_SUMMARY && vr < VR_SUMMARY + SUMMARY_ROWS)
+    if (vr >= VR_SUMMARY && vr < VR_SUMMARY + SUMMARY_WORDS)
         *value = summary(cable)[vr - VR_SUMMARY];
     else if (vr >= VR_STATION && vr < VR_STATION + STATION_WORDS * (unsigned)cable->stations)
         *value = rows(cable)[vr - VR_STATION];

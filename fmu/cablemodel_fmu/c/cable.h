@@ -12,10 +12,9 @@ enum {
     VR_VELOCITY = 0, VR_POSITION = 3, VR_PAYOUT = 6, VR_CURRENT = 7, VR_INPUTS = 10,
     VR_PARAMETER = 100,
     VR_ZERO = 900,
-    VR_SUMMARY = 1000, SUMMARY_ROWS = 24, SUMMARY_LIMIT = 64,
+    VR_SUMMARY = 1000,
     VR_STATION = 10000,
-    VR_BODY = 20000000,
-    STATION_WORDS = 12
+    VR_BODY = 20000000
 };
 enum { VR_USE_SCENE_INPUTS = 0 };  /* the only Boolean */
 enum { VR_VESSEL_INPUT = 0 };      /* the only Integer, an enumeration */
@@ -64,7 +63,7 @@ typedef struct {
     double slope[VR_INPUTS][3]; /* derivatives of the inputs, for the next step only */
     int has_slope;
     int summary_current, stations_current;
-    double summary[SUMMARY_LIMIT];
+    double summary[SUMMARY_WORDS];
     double *arcs, *rows;
 } Cable;
 

@@ -144,6 +144,12 @@ const char *check_block(const int64_t *I, int64_t image_words, int64_t block_wor
         !within(I[I_MAXIMUM_STEPS], 1, 10000000))
         return "a counter in the model is out of range";
     if (I[I_CURRENT] == 1 && I[I_DEPTHS] != 1) return "a counter in the model is out of range";
+    if (!within(I[I_FLOOR], FLOOR_NONE, FLOOR_TABLE) || !within(I[I_FLOOR_X], 0, LARGEST_COUNT) ||
+        !within(I[I_FLOOR_Y], 0, LARGEST_COUNT) ||
+        (I[I_FLOOR] == FLOOR_TABLE &&
+         (I[I_FLOOR_X] < 2 || I[I_FLOOR_Y] < 1 ||
+          I[I_FLOOR_X] + I[I_FLOOR_Y] + 4 * I[I_FLOOR_X] * I[I_FLOOR_Y] != I[I_FLOOR_WORDS])))
+        return "the model's floor is out of range";
     if (!(fabs(M[S_TIME]) < 1e300) || !(M[S_STEP] > 0.0) || !(M[S_SMALLEST_STEP] > 0.0) ||
         !(M[S_TIME_TOLERANCE] > 0.0))
         return "a time in the model is out of range";

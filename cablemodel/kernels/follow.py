@@ -1,0 +1,221 @@
+"""The mesh follows the touchdown: elements are halved ahead of contact, joined behind it.
+
+An element may be as long as the touchdown layer allows, plus its gap above the floor, or plus half
+its distance from the nearest cable that hangs; and as its own curvature allows, near the floor.
+Splitting is exact; only what is straight is joined. See docs/engine.md, "Sea floor".
+"""
+
+import math
+
+from .compile import kernel
+from .floor import lowest_gap
+from .layout import (
+    B_NODE,
+    BODY_WORDS,
+    C_NODE,
+    CONSTRAINT_WORDS,
+    E_BENDING_FULL,
+    E_CONTACT,
+    E_LENGTH,
+    E_NOMINAL,
+    E_SEGMENT,
+    EDGE_WORDS,
+    I_BODIES,
+    I_CAPACITY,
+    I_CONSTRAINTS,
+    I_DIMENSION,
+    I_NODES,
+    I_PAYOUT,
+    O_BODY,
+    O_CONSTRAINT,
+    O_EDGE,
+    O_JOINT,
+    O_MOTION,
+    O_PARENT,
+    O_POSITION,
+    O_STAGE_V,
+    O_TENSION,
+    OK,
+    S_FLOOR_DEPTH,
+    S_LENGTH,
+    S_TOLERANCE,
+)
+from .payout import hermite, join_at, split_edge
+
+LAYER = 0.4  # smallest element in units of the touchdown layer (EI/w)^(1/3)
+SHARPEST = 2.0  # smallest layer that is resolved, in units of tau L
+BENT = 1.0  # of tau L: what h^2 times the jump of curvature may be near the floor
+STRAIGHT = 0.15  # of tau L: the same for two elements that are joined
+SPLIT_ABOVE, JOIN_BELOW = 1.6, 0.8  # of the length wanted
+
+
+@kernel
+def touchdown_layer(M, edge):
+    """Length over which bending spreads a touchdown, or the shortest that matters [m]."""
+    accuracy = M[S_TOLERANCE] * M[S_LENGTH]
+    return max((M[edge + E_BENDING_FULL] / M[edge + E_CONTACT]) ** (1.0 / 3.0), SHARPEST * accuracy)
+
+
+@kernel
+def second_derivative(I, M, node, side, out):
+    """r'' at the parent's (side 0) or the child's end of an element, (dimension,) [1/m]."""
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
+    p = I[O_POSITION] + size * I[I[O_PARENT] + node]
+    q = I[O_POSITION] + size * node
+    for i in range(dimension):
+        chord = (M[q + i] - M[p + i]) / h
+        d0 = M[p + dimension + i]
+        d1 = M[q + dimension + i]
+        if side == 0:
+            out[i] = (6.0 * chord - 4.0 * d0 - 2.0 * d1) / h
+        else:
+            out[i] = (2.0 * d0 + 4.0 * d1 - 6.0 * chord) / h
+
+
+@kernel
+def measure(I, M, gaps, behind, jumps):
+    """Gap of every element, its distance from hanging cable, jump of r'' at its child end.
+
+    Returns the smallest gap.
+    """
+    nodes = I[I_NODES]
+    dimension = I[I_DIMENSION]
+    depth = M[S_FLOOR_DEPTH]
+    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
+    q = M[I[O_POSITION] : I[O_POSITION] + 2 * dimension * nodes]
+    nearest = 1e300
+    way = 1e300
+    for node in range(1, nodes):
+        gaps[node] = 1e300
+        behind[node] = way
+        jumps[node] = 0.0
+        if I[I[O_JOINT] + node] != 0:
+            continue
+        gaps[node] = lowest_gap(I, M, q, node, w)
+        nearest = min(nearest, gaps[node])
+        if gaps[node] >= depth:
+            way = 0.0
+            behind[node] = 0.0
+        else:
+            way += M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
+        second_derivative(I, M, node, 1, w[0:3])
+        for i in range(3):
+            w[3 + i] = 0.0
+        if node + 1 < nodes:
+            if I[I[O_JOINT] + node + 1] != 0:
+                continue
+            second_derivative(I, M, node + 1, 0, w[3:6])
+        square = 0.0
+        for i in range(dimension):
+            square += (w[3 + i] - w[i]) ** 2
+        jumps[node] = math.sqrt(square)
+    way = 1e300
+    for node in range(nodes - 1, 0, -1):
+        if I[I[O_JOINT] + node] != 0:
+            continue
+        behind[node] = min(behind[node], way)
+        if gaps[node] >= depth:
+            way = 0.0
+        else:
+            way += M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
+    return nearest
+
+
+@kernel
+def wanted_length(I, M, node, gaps, behind, jumps):
+    """The length that an element should have where it is [m]."""
+    edge = I[O_EDGE] + node * EDGE_WORDS
+    accuracy = M[S_TOLERANCE] * M[S_LENGTH]
+    depth = M[S_FLOOR_DEPTH]
+    layer = touchdown_layer(M, edge)
+    pull = max(0.0, M[I[O_TENSION] + 2 * node]) / M[edge + E_CONTACT]
+    shortest = LAYER * layer
+    finest = max(shortest, math.sqrt(2.0 * accuracy * (pull + layer)))
+    if gaps[node] >= depth:
+        wanted = finest + gaps[node] - depth
+        near = gaps[node] < 4.0 * finest
+    else:
+        wanted = finest + 0.5 * max(0.0, behind[node] - 2.0 * finest)
+        near = True
+    if near:
+        bend = max(jumps[node], jumps[node - 1])
+        if bend * wanted * wanted > BENT * accuracy:
+            wanted = max(shortest, math.sqrt(BENT * accuracy / bend))
+    return wanted
+
+
+@kernel
+def holds_something(I, M, node):
+    """Whether a body, a prescribed end or a joint sits at a node."""
+    for body in range(I[I_BODIES]):
+        if M[I[O_BODY] + body * BODY_WORDS + B_NODE] == node:
+            return True
+    for n in range(I[I_CONSTRAINTS]):
+        if M[I[O_CONSTRAINT] + n * CONSTRAINT_WORDS + C_NODE] == node:
+            return True
+    return I[I[O_JOINT] + node] != 0 or I[I[O_JOINT] + node + 1] != 0
+
+
+@kernel
+def is_straight(I, M, node, jump):
+    """Whether one cubic does for the elements on both sides of a node."""
+    accuracy = M[S_TOLERANCE] * M[S_LENGTH]
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    h1 = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
+    h = h1 + M[I[O_EDGE] + (node + 1) * EDGE_WORDS + E_LENGTH]
+    if jump * h * h > STRAIGHT * accuracy:
+        return False
+    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 34]
+    at = I[O_POSITION] + size * node
+    hermite(M, at - size, at + size, dimension, h, h1 / h, w)
+    off = 0.0
+    turn = 0.0
+    for i in range(dimension):
+        off += (w[i] - M[at + i]) ** 2
+        turn += (w[dimension + i] - M[at + dimension + i]) ** 2
+    return off <= (0.02 * accuracy) ** 2 and turn <= 1e-4
+
+
+@kernel
+def follow_floor(I, M):
+    """Halve and join elements where the floor asks for it; returns whether the mesh changed."""
+    capacity = I[I_CAPACITY]
+    work = I[O_STAGE_V]
+    gaps = M[work : work + capacity]
+    behind = M[work + capacity : work + 2 * capacity]
+    jumps = M[work + 2 * capacity : work + 3 * capacity]
+    wanted = M[work + 3 * capacity : work + 4 * capacity]
+    measure(I, M, gaps, behind, jumps)
+    first = 2 if I[I_PAYOUT] != 0 else 1
+    for node in range(1, I[I_NODES]):
+        if I[I[O_JOINT] + node] == 0:
+            wanted[node] = wanted_length(I, M, node, gaps, behind, jumps)
+    changed = False
+    node = I[I_NODES] - 1
+    while node >= first:
+        if I[I[O_JOINT] + node] == 0:
+            h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
+            if h > SPLIT_ABOVE * wanted[node]:
+                if I[I_NODES] + 1 < capacity and split_edge(I, M, node, 0.5, False) == OK:
+                    changed = True
+            elif node > first and not holds_something(I, M, node - 1):
+                # Join with the element before it. (Nodes after this one may have been split.)
+                upper = I[O_EDGE] + (node - 1) * EDGE_WORDS
+                total = h + M[upper + E_LENGTH]
+                aim = JOIN_BELOW * min(wanted[node - 1], wanted[node])
+                laid = max(gaps[node - 1], gaps[node]) < M[S_FLOOR_DEPTH]
+                if not laid:
+                    aim = min(aim, M[upper + E_NOMINAL])
+                if (
+                    total < aim
+                    and M[upper + E_SEGMENT] == M[I[O_EDGE] + node * EDGE_WORDS + E_SEGMENT]
+                    and is_straight(I, M, node - 1, jumps[node - 1])
+                ):
+                    join_at(I, M, node - 1, 1)
+                    changed = True
+                    node -= 1
+        node -= 1
+    return changed

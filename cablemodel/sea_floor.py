@@ -1,0 +1,289 @@
+"""A scene's sea floor for the kernels: heights, stiffness, first shapes that lie on it, checks."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cablemodel.block import Block
+from cablemodel.errors import SceneError
+from cablemodel.kernels import layout as at
+from cablemodel.kernels.follow import LAYER, SHARPEST
+
+if TYPE_CHECKING:
+    from cablemodel.scene import Scene
+    from cablemodel.scene.environment import Floor
+    from cablemodel.scene.line import CableType
+
+FloatArray = NDArray[np.float64]
+
+DEPTH = 0.03
+"""Gap below which the floor pushes, in units of tau L: the deepest that cable at rest sinks."""
+BRISTLE = 0.02
+"""Way along the floor after which friction is mobilised, in units of tau L."""
+SPARE = 40, 30
+"""Nodes kept for refinement: a constant, and one for each halving down to the finest element."""
+
+
+def contact_weight(kind: CableType, gravity: float) -> float:
+    """Weight per length that the floor's preload carries [N/m]; small for a cable that floats."""
+    return max(kind.submerged_weight, 1e-3 * kind.mass * gravity, 1e-9)
+
+
+def spare_nodes(scene: Scene) -> int:
+    """Nodes that refinement at the touchdown may need."""
+    if scene.environment.floor is None:
+        return 0
+    longest = scene.line_length + sum(
+        item.cable.length for item in scene.payout.drum if item.cable is not None
+    )
+    return SPARE[0] + SPARE[1] * math.ceil(math.log2(max(2.0, longest / finest_element(scene))))
+
+
+def finest_element(scene: Scene) -> float:
+    """Length of the smallest element that the touchdown may ask for [m]."""
+    accuracy = scene.solver.tolerance * scene.line_length
+    layers = []
+    for kind in scene.cable_types.values():
+        weight = contact_weight(kind, scene.environment.gravity)
+        layers.append(max((kind.bending_stiffness / weight) ** (1.0 / 3.0), SHARPEST * accuracy))
+    return LAYER * min(layers)
+
+
+def table_words(floor: Floor | None) -> int:
+    """Words of the floor's table in a block."""
+    if floor is None or floor.z is not None:
+        return 0
+    nx, ny = len(floor.grid_x), len(floor.grid_y)
+    return nx + ny + 4 * nx * ny
+
+
+def fill(block: Block, scene: Scene) -> None:
+    """Write floor, contact and friction into a block."""
+    floor = scene.environment.floor
+    if floor is None:
+        return
+    ints, reals = block.ints, block.reals
+    accuracy = scene.solver.tolerance * scene.line_length
+    reals[at.S_FLOOR_DEPTH] = DEPTH * accuracy
+    reals[at.S_BRISTLE] = BRISTLE * accuracy
+    reals[at.S_FRICTION] = floor.friction
+    reals[at.S_FLOOR_DAMPING] = _damping(scene)
+    if floor.z is not None:
+        ints[at.I_FLOOR] = at.FLOOR_PLANE
+        reals[at.S_FLOOR_PLANE : at.S_FLOOR_PLANE + 5] = (floor.z, *floor.slope, *floor.at)
+        reals[at.S_FLOOR_TOP] = 1e300 if any(floor.slope) else floor.z
+        return
+    ints[at.I_FLOOR] = at.FLOOR_TABLE
+    x, y, z = floor.grid_x, floor.grid_y, floor.grid_z
+    ints[at.I_FLOOR_X], ints[at.I_FLOOR_Y] = len(x), len(y)
+    along_x = _slopes(x, z)
+    along_y = _slopes(y, z.T).T
+    both = _slopes(y, along_x.T).T
+    words = block.array(at.O_FLOOR, table_words(floor))
+    words[:] = np.concatenate([x, y, np.stack([z, along_x, along_y, both], axis=-1).ravel()])
+    reals[at.S_FLOOR_TOP] = float(z.max() + 0.05 * np.ptp(z))
+    bend = _sharpest(x, z, along_x) + _sharpest(y, z.T, along_y.T)
+    reals[at.S_FLOOR_BEND] = bend / 8.0
+
+
+def _slopes(x: FloatArray, z: FloatArray) -> FloatArray:
+    """Slopes of a C1 cubic through the rows of z over x that overshoots nowhere (PCHIP)."""
+    if len(x) < 2:
+        return np.zeros_like(z)
+    from scipy.interpolate import PchipInterpolator
+
+    return np.asarray(PchipInterpolator(x, z, axis=0).derivative()(x), dtype=np.float64)
+
+
+def _sharpest(x: FloatArray, z: FloatArray, slope: FloatArray) -> float:
+    """Largest second derivative along x of the cubics with these values and slopes."""
+    if len(x) < 2:
+        return 0.0
+    h = np.diff(x)[:, None]
+    chord = np.diff(z, axis=0) / h
+    first = (6.0 * chord - 4.0 * slope[:-1] - 2.0 * slope[1:]) / h
+    last = (2.0 * slope[:-1] + 4.0 * slope[1:] - 6.0 * chord) / h
+    return float(max(np.abs(first).max(), np.abs(last).max()))
+
+
+def _damping(scene: Scene) -> float:
+    """One over the speed at which the cable sinks: it rings little when it lands [s/m]."""
+    rho = scene.environment.water_density
+    speeds = []
+    for cable in scene.cables:
+        kind = scene.cable_types[cable.type]
+        weight = contact_weight(kind, scene.environment.gravity)
+        drag = rho * kind.drag_normal * kind.diameter
+        speeds.append(math.sqrt(2.0 * weight / drag) if drag > 0.0 else 1.0)
+    return 1.0 / max(speeds)
+
+
+def on_floor(scene: Scene, points: FloatArray) -> FloatArray:
+    """A first shape for a static start with what lies below the floor laid on it, (n, 3)."""
+    floor = scene.environment.floor
+    if floor is None or scene.initial.kind != "static":
+        return points
+    start = points[0]
+    length = scene.line_length
+    if scene.end.kind == "anchor":
+        return _laid_to(floor, start, np.asarray(scene.end.position, dtype=float), length, points)
+    height = start[2] - floor.height(float(start[0]), float(start[1]))
+    if length <= height or not points[-1][2] < start[2]:
+        return points
+    # Straight down at the angle of a steady tow, and the rest away from where the vessel goes.
+    way = scene.motion().horizontal_direction()
+    back = np.array([-1.0, 0.0]) if way is None else -np.asarray(way, dtype=float)
+    velocity = scene.motion().evaluate(0.0)[1]
+    angle = critical_angle(scene, float(np.hypot(*velocity[:2])))
+    hang = min(length, height / math.sin(angle))
+    if hang == length:
+        return np.array(
+            [start, start + length * np.array([*(math.cos(angle) * back), -math.sin(angle)])]
+        )
+    steps = np.linspace(0.0, length - hang, 65)
+    laid = np.empty((len(steps), 3))
+    laid[:, :2] = start[:2] + np.outer(hang * math.cos(angle) + steps, back)
+    laid[:, 2] = [floor.height(float(a), float(b)) for a, b in laid[:, :2]]
+    return np.vstack([start, laid])
+
+
+def critical_angle(scene: Scene, speed: float) -> float:
+    """Angle from the horizontal of a straight cable towed or laid at a speed [rad].
+
+    w cos a = 1/2 rho Cdn d U^2 sin^2 a, with the line's mean weight and drag (Zajac 1957).
+    """
+    weight = drag = 0.0
+    for cable in scene.cables:
+        kind = scene.cable_types[cable.type]
+        weight += cable.length * contact_weight(kind, scene.environment.gravity)
+        drag += cable.length * kind.drag_normal * kind.diameter
+    ratio = 0.5 * scene.environment.water_density * drag * speed**2 / weight
+    return math.acos(2.0 * ratio / (1.0 + math.sqrt(1.0 + 4.0 * ratio**2)))
+
+
+def refine_guess(scene: Scene, nodes: list[FloatArray], points: FloatArray) -> list[FloatArray]:
+    """Nodes graded towards where a first shape comes to lie on the floor, for a static start.
+
+    nodes: arc lengths of the nodes of every cable [m], each from 0 to its length. Elsewhere than
+    at that kink a coarse mesh finds its shape from anywhere.
+    """
+    if scene.environment.floor is None or scene.initial.kind != "static" or len(points) < 4:
+        return nodes
+    chords = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    touchdown = float(chords[0] / chords.sum() * scene.line_length)
+    smallest = finest_element(scene)
+    finer = []
+    arc = 0.0
+    for cable, places in zip(scene.cables, nodes, strict=True):
+        new = list(places)
+        while cable.elements is None:
+            ends = list(zip(new[:-1], new[1:], strict=True))
+            split = [
+                0.5 * (a + b)
+                for a, b in ends
+                if b - a > max(2.0 * smallest, _distance(arc + a, arc + b, touchdown))
+            ]
+            if not split:
+                break
+            new = sorted([*new, *split])
+        finer.append(np.array(new))
+        arc += cable.length
+    return finer
+
+
+def _distance(start: float, end: float, place: float) -> float:
+    return max(start - place, place - end, 0.0)
+
+
+def _laid_to(
+    floor: Floor, start: FloatArray, end: FloatArray, length: float, hanging: FloatArray
+) -> FloatArray:
+    """A cable to an anchor: as it hangs where that is clear of the floor, else straight and laid."""
+    if all(p[2] > floor.height(float(p[0]), float(p[1])) for p in hanging[1:-1]):
+        return hanging
+    across = float(np.hypot(*(start - end)[:2]))
+    rise = float(start[2] - end[2])
+    # sqrt(x^2 + rise^2) + (across - x) = length, with x the part of the way that hangs.
+    slack = length - across
+    hang = 0.0 if slack <= 0.0 else min(across, max(0.0, (rise**2 - slack**2) / (2.0 * slack)))
+    way = (end - start)[:2] / max(across, 1e-12)
+    steps = np.linspace(hang, across, 65)
+    laid = np.empty((len(steps), 3))
+    laid[:, :2] = start[:2] + np.outer(steps, way)
+    laid[:, 2] = [floor.height(float(a), float(b)) for a, b in laid[:, :2]]
+    laid[-1] = end
+    return np.vstack([start, laid])
+
+
+def place_of_rest(block: Block, scene: Scene) -> None:
+    """Where friction holds the cable at the start: where it was laid, without tension.
+
+    An anchored cable was laid from its anchor towards the vessel, and then pulled: friction holds
+    back what has stretched. Elsewhere the first shape is the place of rest.
+    """
+    nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
+    q = block.array(at.O_POSITION, nodes, 2 * dimension)
+    rest = block.array(at.O_REST, nodes, 3)
+    rest[:, :dimension] = q[:, :dimension]
+    if scene.end.kind != "anchor" or scene.initial.kind != "static":
+        return
+    edges = block.array(at.O_EDGE, nodes, at.EDGE_WORDS)
+    arcs = edges[:, at.E_START] + edges[:, at.E_LENGTH]
+    way = q[0, :dimension] - q[-1, :dimension]
+    way[dimension - 1] = 0.0
+    size = float(np.linalg.norm(way))
+    if size > 0.0:
+        rest[1:, :dimension] = q[-1, :dimension] + np.outer(arcs[-1] - arcs[1:], way / size)
+
+
+def check(scene: Scene, points: FloatArray) -> None:
+    """Refuse what is below the floor at the start, or beyond the edge of its table.
+
+    Raises SceneError naming the place, its height and that of the floor.
+    """
+    floor = scene.environment.floor
+    if floor is None:
+        return
+    margin = 1e-6 * scene.line_length
+    if floor.z is None:
+        _check_cover(scene, floor, points)
+    _check_above(floor, "vessel.position", points[0], margin)
+    if scene.end.kind == "anchor":
+        _check_above(floor, "end.anchor", np.asarray(scene.end.position, dtype=float), margin)
+    if scene.initial.kind != "static":
+        for point in points:
+            _check_above(floor, "initial", np.asarray(point), margin)
+
+
+def _check_above(floor: Floor, path: str, point: FloatArray, margin: float) -> None:
+    height = floor.height(float(point[0]), float(point[1]))
+    if point[2] < height - margin:
+        raise SceneError.at(
+            path,
+            [round(float(value), 6) for value in point],
+            "it lies below the sea floor",
+            f"z of at least {height:g} m there",
+        )
+
+
+def _check_cover(scene: Scene, floor: Floor, points: FloatArray) -> None:
+    """The table must hold the vessel's track over the run, the first shape and the anchor."""
+    motion = scene.motion()
+    times = np.linspace(0.0, scene.run.duration, 201)
+    track = [motion.evaluate(float(t))[0] for t in times]
+    places = np.array([*track, *points])
+    for axis, name, grid in ((0, "x", floor.grid_x), (1, "y", floor.grid_y)):
+        if len(grid) < 2:
+            continue
+        low, high = float(places[:, axis].min()), float(places[:, axis].max())
+        if low < grid[0] or high > grid[-1]:
+            raise SceneError.at(
+                "environment.floor.depth_table",
+                f"{name} from {grid[0]:g} to {grid[-1]:g} m",
+                "it does not cover the run",
+                f"{name} from {low:g} to {high:g} m at least: the vessel and the cable go there",
+            )
