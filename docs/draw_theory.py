@@ -16,7 +16,7 @@ import cablemodel as cm
 from tests.verification import direct_scenes as scenes
 
 matplotlib.use("Agg")
-from matplotlib import pyplot as plt  # noqa: E402
+from matplotlib import pyplot as plt
 
 FOLDER = Path(__file__).parent / "images"
 STYLE = {"elastica": "-", "hybrid": "--", "cable": ":"}
@@ -97,7 +97,9 @@ def laid() -> None:
                 axis.plot(end - layer.s, values, "k")
                 axis.axhline(0.0, color="0.7", lw=0.8)
                 axis.set(xlabel="s above the touchdown point [m]", ylabel=name)
-            axes[1, 0].set_title(f"reaction at the touchdown point {model.touchdown_reaction:.2f} N")
+            axes[1, 0].set_title(
+                f"reaction at the touchdown point {model.touchdown_reaction:.2f} N"
+            )
     axes[0, 0].axhline(-70.0, color="C0", lw=1.0)
     axes[0, 0].set(xlabel="x [m]", ylabel="z [m]", title="every 6 s from 30 to 120 s")
     axes[0, 0].set_aspect("equal")

@@ -81,7 +81,7 @@ def test_example_3_has_the_tension_of_the_converged_prototype(example_3, time, t
 
 @pytest.mark.xfail(
     strict=True,
-    reason="asked 1 %, measured 1.1 % in the tension at 120 s and up to 1.6 % in the floor's "
+    reason="asked 1 %, measured 1.02 % in the tension at 120 s, 1.8 % in the floor's "
     "force: the prototype folds the laid cable on a frictionless floor and drags it along; here "
     "what is laid rests and pulls with its friction only, as in the paper",
 )
@@ -96,15 +96,20 @@ def test_example_3_touches_down_when_the_prototype_does(example_3):
     assert first == pytest.approx(38.778, abs=0.5)
 
 
+def run_through(model, end):
+    """Steps of a second."""
+    while model.time < end:
+        model.step(1.0)
+
+
 def test_flexible_model_fails_in_example_1_where_the_elastica_goes_on():
-    """On the assumed data the perfectly flexible cable loses its tension when pay-out begins."""
+    """On the assumed data the perfectly flexible cable loses its tension soon after pay-out begins
+    at 70 s: at 76 s with steps of 1 s, at once with shorter ones."""
     flexible = cm.CableModel(scenes.deployed("cable"))
     with pytest.raises(cm.StepError, match="lost its tension") as failure:
-        flexible.step_to(200.0)
+        run_through(flexible, 200.0)
+    assert 69.0 <= failure.value.time <= 77.0
     assert "elastica" in failure.value.advice
-    flexible.step_to(69.0)
-    with pytest.raises(cm.StepError):
-        flexible.step_to(72.0)
     stiff = cm.CableModel(scenes.deployed("elastica"))
     stiff.step_to(200.0)
     assert stiff.line_length == pytest.approx(30.0 + 0.75 * 129.5, abs=1e-9)
