@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import pickle
+import struct
+import sys
 from typing import Any
 
 import numpy as np
@@ -13,8 +15,10 @@ from cablemodel.direct import library
 from cablemodel.direct.build import build
 from cablemodel.direct.kernels import layout as own
 from cablemodel.direct.kernels.assembly import RHS_WORDS
+from cablemodel.direct.kernels.entry import ENTRY_POINTS
 from cablemodel.kernels import layout as at
 from cablemodel.kernels.compile import OPTIONS
+from cablemodel_fmu.symbols import ALLOWED_SYMBOLS
 from tests.verification import direct_scenes as scenes
 
 RIGID = {
@@ -302,10 +306,43 @@ def test_energy_is_for_the_finite_elements():
         model.energy()
 
 
+def undefined_symbols(program: bytes) -> set[str]:
+    """Names that an object file (ELF, 64 bits) expects from outside."""
+    assert program[:5] == b"\x7fELF\x02"
+    (table,) = struct.unpack_from("<Q", program, 0x28)
+    size, count = struct.unpack_from("<HH", program, 0x3A)
+    sections = [struct.unpack_from("<IIQQQQIIQQ", program, table + size * k) for k in range(count)]
+    names = set()
+    for section in sections:
+        if section[1] != 2:  # SHT_SYMTAB
+            continue
+        strings = sections[section[6]][4]
+        for place in range(section[4], section[4] + section[5], 24):
+            name, _info, _other, home = struct.unpack_from("<IBBH", program, place)
+            if home == 0 and name:
+                end = program.index(b"\0", strings + name)
+                names.add(program[strings + name : end].decode())
+    return names
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="reads object files of Linux")
+def test_kernels_can_leave_python():
+    """As they are compiled for Python they call nothing but the C mathematics library, numba's own
+    entry wrapper left aside: no allocation, no exceptions."""
+    build(scenes.towed("cable"))
+    work: Any = ENTRY_POINTS["work"]
+    ((signature, compiled),) = work.overloads.items()
+    key = work._cache._index_key(signature, compiled.library.codegen)
+    program = work._cache._cache_file.load(key)[0][2][0]
+    wrapper = ("Py", "numba_")
+    called = {name for name in undefined_symbols(program) if not name.startswith(wrapper)}
+    # The compiler joins a sine and a cosine of one angle.
+    assert called - {"sincos"} <= ALLOWED_SYMBOLS
+    assert called & {"sin", "sincos"}
+
+
 def test_kernels_are_compiled_by_the_rules_of_all_kernels():
     """No runtime, no fastmath, so that they can leave Python like the others."""
-    from cablemodel.direct.kernels.entry import ENTRY_POINTS
-
     for entry in ENTRY_POINTS.values():
         options = {key: entry.targetoptions[key] for key in OPTIONS if key in entry.targetoptions}
         assert options.items() <= OPTIONS.items()
