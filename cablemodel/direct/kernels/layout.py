@@ -30,11 +30,9 @@ D_STICKS = _D + 13  # 1 while friction holds the touchdown point
 D_MEETING = _D + 14  # slot at which the two sweeps of a superposition meet
 D_RIGHT_SIDES = _D + 15  # 1, or 2 where the line ends on the floor
 D_TURNED = _D + 16  # how often the frame was turned away from its singularity
-D_FAILURE = _D + 17  # FAILED_...: why the last step could not be made
-D_REGULAR = _D + 18  # 1 once the far end has been on the floor
 
 # Header: word offsets of arrays.
-O_SECTION, O_MATERIAL, O_BODY, O_DRUM, O_ACTIVE = _D + 30, _D + 31, _D + 32, _D + 33, _D + 34
+O_SECTION, O_MATERIAL, O_BODY, O_DRUM = _D + 30, _D + 31, _D + 32, _D + 33
 O_Y, O_RATE, O_LENGTH, O_FLOW, O_SHARE, O_PLACE = (
     _D + 35,
     _D + 36,
@@ -45,7 +43,7 @@ O_Y, O_RATE, O_LENGTH, O_FLOW, O_SHARE, O_PLACE = (
 )
 O_PAST, O_START, O_CURRENTS, O_STRAINS = _D + 41, _D + 42, _D + 43, _D + 44
 O_LEFT, O_RIGHT, O_RHS, O_SHAPE = _D + 45, _D + 46, _D + 47, _D + 48
-O_SWEEP, O_WORK, O_DELTA, O_HELD, O_OLD_LENGTH = _D + 49, _D + 50, _D + 51, _D + 52, _D + 53
+O_SWEEP, O_WORK, O_DELTA, O_OLD_LENGTH = _D + 49, _D + 50, _D + 51, _D + 53
 
 # Scalars (float64).
 _X = _D + OWN_WORDS
@@ -60,19 +58,14 @@ X_FLOW_END = _X + 10  # cable that passes the touchdown point [m/s]
 X_REACTION = _X + 11  # of the floor on the line's end, normal to the floor [N]
 X_VESSEL = _X + 12  # 6 words: tow point, its velocity, in the paper's axes at the end of the step
 X_SCALE = _X + 18  # 10 words: size of each unknown
-X_LAID_AT_START = _X + 28
 X_FLOOR = _X + 29  # 4 words: unit normal n (paper's axes), and n.x of the plane
 X_FRICTION = _X + 33
 X_CLAMP = _X + 34  # 4 words: phi, theta of a clamp at the vessel, at the anchor
 X_ANCHOR = _X + 38  # 3 words, earth frame
 X_DRIFT = _X + 41  # how far a held end may drift [m]
 X_FRICTION_FORCE = _X + 42
-X_LAID_WEIGHT = _X + 43
-X_SLIP_SIGN = _X + 44
 X_LOWEST = _X + 45  # tension below which a flexible section counts as slack [N]
-X_PARAMETER_STEP = _X + 46
 X_PAID_IN_STEP = _X + 47  # cable paid out within the step [m]
-X_PSEUDO = _X + 48
 
 FIRST_FREE = _X + OWN_WORDS
 
@@ -89,7 +82,6 @@ N_FIRST, N_COUNT, N_KIND, N_MATERIAL, N_BODY = 0, 1, 2, 3, 4
 N_POINT = 5  # row of the point body at its start, -1: none
 N_HINGE = 6  # 1: the joint at its start is a hinge even between two elasticas
 N_ITEM = 7  # which cable of line and drum it belongs to
-N_FIXED = 8  # 1: its mesh keeps its lengths (the part with bending that follows the touchdown)
 CABLE, ELASTICA, RIGID = 0, 1, 2
 
 # Rows of the material table.
