@@ -82,7 +82,7 @@ def iterations() -> list[str]:
     cases: list[tuple[str, str, float, Callable[..., cm.Scene]]] = [
         ("1 (assumed data)", "0.05: 3 to 5", 200.0, lambda **k: direct_scenes.deployed("elastica")),
         ("2", "3 to 5", 200.0, lambda **k: direct_scenes.towed("elastica", **k)),
-        ("3", "0.01: 2 to 6", 125.0, lambda **k: direct_scenes.laid(**k)),
+        ("3, to 110 s", "0.01: 2 to 6", 110.0, lambda **k: direct_scenes.laid(**k)),
     ]
     rows = []
     for name, paper, until, make in cases:
