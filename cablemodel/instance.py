@@ -61,7 +61,12 @@ def refuse_unsupported(scene: Scene) -> None:
         what = "a body at the inner end of the drum never leaves it: this is"
         refuse(path, "body", what, "a cable last")
     if scene.solver.method != "finite_element":
-        refuse("solver.method", scene.solver.method, "this method is", "finite_element")
+        method = scene.solver.method
+        problems.append(
+            SceneProblem(
+                "solver.method", method, f"{method} has no finite elements", "finite_element"
+            )
+        )
     if problems:
         raise SceneError(problems)
 

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cablemodel.errors import SceneError, StepError
-from cablemodel.instance import build
+from cablemodel.block import Block
+from cablemodel.errors import CableModelError, SceneError, StepError
 from cablemodel.kernels import layout as at
+from cablemodel.solver import choose
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
@@ -18,22 +19,6 @@ if TYPE_CHECKING:
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
-_ADVICE = {
-    at.NOT_CONVERGED: (
-        "no step was small enough for Newton's method to converge",
-        "look for a jump in the inputs, or a stiffness far from the others",
-    ),
-    at.TOO_MANY_STEPS: (
-        "the step needs more internal steps than allowed",
-        "ask for a shorter step or a looser tolerance",
-    ),
-    at.SINGULAR: ("the equations are singular", "give the cable bending stiffness"),
-    at.NO_CAPACITY: (
-        "more elements are needed than were set aside for the drum's cable",
-        "give the line fewer or more even elements",
-    ),
-    at.NOT_FINITE: ("an input is not finite", "check the inputs"),
-}
 _INPUT_WORDS = 14
 
 
@@ -93,15 +78,16 @@ class CableModel:
             default, None, takes advantage of that).
 
     Raises:
-        SceneError: the scene asks for something that this engine does not support.
+        SceneError: the scene asks for something that its solver does not support.
         StaticsError: no static equilibrium was found for its start.
     """
 
     def __init__(self, scene: Scene, *, planar: bool | None = None) -> None:
         self.scene = scene
-        self._block = build(scene, planar=planar)
-        self._ints, self._reals = self._block.ints, self._block.reals
-        self._initial = self._block.image.copy()
+        self._solver = choose(scene, planar=planar)
+        memory = self._solver.memory
+        self._ints, self._reals, self._image = memory.ints, memory.reals, memory.image
+        self._initial = self._image.copy()
         self._inputs: FloatArray = np.zeros(_INPUT_WORDS)
         self._summary: FloatArray = np.zeros(at.SUMMARY_WORDS)
         self._summary_current = False
@@ -150,8 +136,6 @@ class CableModel:
         current: ArrayLike | None = None,
     ) -> None:
         """Advance to a time [s] exactly; otherwise like `step`."""
-        from cablemodel import library as entry
-
         end = self._number("time", time)
         if not end > self.time:
             raise StepError(
@@ -167,11 +151,10 @@ class CableModel:
         if payout_rate is not None:
             inputs[13] = self._number("payout_rate", payout_rate)
             inputs[12] = 1.0
-        status = entry.step(self._ints, self._reals, end, inputs)
+        status = self._solver.step(end, inputs)
         if status != at.OK:
-            problem, advice = _ADVICE[status]
-            node = int(self._ints[at.I_FAILED_NODE])
-            place = float(self._node_arcs()[min(node, int(self._ints[at.I_NODES]) - 1)])
+            problem, advice = self._solver.explain(status)
+            place = self._solver.failed_arc()
             raise StepError(problem, time=self.time, arc_length=place, advice=advice)
         self._summary_current = False
 
@@ -210,12 +193,12 @@ class CableModel:
 
     def reset(self) -> None:
         """Back to the scene's initial state, t = 0."""
-        self._block.image[:] = self._initial
+        self._image[:] = self._initial
         self._summary_current = False
 
     def snapshot(self) -> Snapshot:
         """The whole state: a model that restores it goes on bit by bit as this one does."""
-        return Snapshot(self._block.image.tobytes())
+        return Snapshot(self._image.tobytes())
 
     def restore(self, snapshot: Snapshot) -> None:
         """Take over a snapshot of a model of the same scene.
@@ -224,7 +207,7 @@ class CableModel:
             SceneError: the snapshot does not belong to this scene; the model is as it was.
         """
         image = np.frombuffer(snapshot.image, dtype=np.int64)
-        own = self._block.image
+        own = self._image
         fixed = [at.I_MAGIC, at.I_VERSION, at.I_BYTES, at.I_IMAGE_WORDS, at.I_CAPACITY]
         if len(image) != len(own) or any(image[k] != own[k] for k in fixed):
             raise SceneError.at(
@@ -243,15 +226,9 @@ class CableModel:
         """Simulated time [s]."""
         return float(self._reals[at.S_TIME])
 
-    @property
-    def _edges(self) -> FloatArray:
-        return self._block.array(at.O_EDGE, int(self._ints[at.I_NODES]), at.EDGE_WORDS)
-
     def _numbers(self) -> FloatArray:
         if not self._summary_current:
-            from cablemodel import library as entry
-
-            entry.summary(self._ints, self._reals, self._summary)
+            self._solver.summary(self._summary)
             self._summary_current = True
         return self._summary
 
@@ -352,38 +329,25 @@ class CableModel:
     @property
     def bodies(self) -> list[BodyState]:
         """The bodies that are out, from the vessel outwards."""
-        count = int(self._ints[at.I_BODIES])
-        rows = self._block.array(at.O_BODY, count, at.BODY_WORDS)
-        states = []
-        items = [*self.scene.line, *self.scene.payout.drum]
-        arcs = self._node_arcs()
-        for row in sorted(rows, key=lambda row: float(row[at.B_NODE])):
-            node = int(row[at.B_NODE])
-            if node < 0:
-                continue
-            body = items[int(row[at.B_ITEM])].body
-            assert body is not None
-            state = self.sample([arcs[node]])
-            states.append(
-                BodyState(body.name, state.position[0], state.velocity[0], state.tangent[0])
-            )
-        return states
+        return [
+            BodyState(body.name, body.position, body.velocity, body.direction)
+            for body in self._solver.bodies()
+        ]
 
     @property
     def planar(self) -> bool:
         """Whether the cable is computed in a vertical plane."""
-        return bool(self._ints[at.I_DIMENSION] == 2)
+        return self._solver.planar
 
     @property
     def statistics(self) -> dict[str, int]:
         """Counters since the start: steps, rejected, factorisations, iterations, elements."""
-        joints = self._block.integers(at.O_JOINT, int(self._ints[at.I_NODES]))
         return {
             "steps": int(self._ints[at.I_STEPS]),
             "rejected": int(self._ints[at.I_REJECTED]),
             "factorisations": int(self._ints[at.I_FACTORISATIONS]),
             "iterations": int(self._ints[at.I_ITERATIONS]),
-            "elements": int(np.count_nonzero(joints[1:] == 0)),
+            "elements": self._solver.elements,
         }
 
     @property
@@ -399,17 +363,7 @@ class CableModel:
 
     def state(self) -> CableState:
         """The cable at its nodes."""
-        nodes = int(self._ints[at.I_NODES])
-        joints = self._block.integers(at.O_JOINT, nodes)
-        return self.sample(self._node_arcs()[joints == 0])
-
-    def _node_arcs(self) -> FloatArray:
-        """Arc lengths of the nodes from the vessel (nodes,) [m]."""
-        edges = self._edges
-        arcs = edges[:, at.E_START] + edges[:, at.E_LENGTH] + self._reals[at.S_PAID]
-        arcs[0] = 0.0
-        arcs[1] = edges[1, at.E_LENGTH]
-        return np.asarray(np.minimum(arcs, self.line_length), dtype=np.float64)
+        return self.sample(self._solver.node_arcs())
 
     def sample(self, s: ArrayLike) -> CableState:
         """The cable at any arc lengths s (n,) [m], 0 at the vessel.
@@ -417,13 +371,11 @@ class CableModel:
         Raises:
             ValueError: an arc length lies outside the line; names it and the range.
         """
-        from cablemodel import library as entry
-
         stations = np.atleast_1d(np.array(s, dtype=np.float64))
         if stations.ndim != 1:
             raise ValueError(f"arc lengths must be one number or a list, not {stations.shape}")
         out = np.empty(at.STATION_WORDS * len(stations))
-        done = entry.sample(self._ints, self._reals, stations, out)
+        done = self._solver.sample(stations, out)
         if done != len(stations):
             raise ValueError(
                 f"s = {stations[done]} m is not on the line; allowed: 0 to {self.line_length} m"
@@ -449,6 +401,7 @@ class CableModel:
         cable, lost to drag, lost to friction and damping on the floor."""
         from cablemodel import library as entry
 
+        self._finite_elements("energy")
         out = np.zeros(at.ENERGY_WORDS)
         entry.energy(self._ints, self._reals, out)
         names = ["kinetic", "axial", "bending", "potential", "vessel_power", "drag_power"]
@@ -460,6 +413,9 @@ class CableModel:
 
         Over the free unknowns of all nodes, position and slope, tension condensed out; meant for
         a state at rest. Dense: for studies of natural frequencies, not for long lines.
+
+        Raises:
+            CableModelError: the solver is not that of the finite elements.
         """
         stiffness = self._effective(0.0, 0.0)
         damping = self._effective(1.0, 0.0) - stiffness
@@ -480,18 +436,27 @@ class CableModel:
         values = eigh(*symmetric, eigvals_only=True)
         return np.asarray(np.sqrt(np.maximum(values[:count], 0.0)), dtype=np.float64)
 
+    def _finite_elements(self, what: str) -> Block:
+        """The block of the finite elements; other solvers have no such analysis."""
+        memory = self._solver.memory
+        if not isinstance(memory, Block):
+            method = self.scene.solver.method
+            raise CableModelError(f"{what}: not with method {method}, use finite_element")
+        return memory
+
     def _effective(self, cv: float, ca: float) -> FloatArray:
         from cablemodel import library as entry
 
+        block = self._finite_elements("linearise")
         ints = self._ints
-        kept = self._block.image.copy()
+        kept = block.image.copy()
         entry.assemble(ints, self._reals, cv, ca)
         nodes, size = int(ints[at.I_NODES]), 2 * int(ints[at.I_DIMENSION])
-        diagonal = self._block.array(at.O_DIAGONAL, nodes, size, size).copy()
-        upper = self._block.array(at.O_UPPER, nodes, size, size).copy()
-        lower = self._block.array(at.O_LOWER, nodes, size, size).copy()
-        parent = self._block.integers(at.O_PARENT, nodes)
-        joint = self._block.integers(at.O_JOINT, nodes)
+        diagonal = block.array(at.O_DIAGONAL, nodes, size, size).copy()
+        upper = block.array(at.O_UPPER, nodes, size, size).copy()
+        lower = block.array(at.O_LOWER, nodes, size, size).copy()
+        parent = block.integers(at.O_PARENT, nodes)
+        joint = block.integers(at.O_JOINT, nodes)
         matrix = np.zeros((nodes * size, nodes * size))
         for node in range(nodes):
             rows = slice(node * size, (node + 1) * size)
@@ -500,17 +465,18 @@ class CableModel:
                 above = slice(int(parent[node]) * size, (int(parent[node]) + 1) * size)
                 matrix[above, rows] += upper[node]
                 matrix[rows, above] += lower[node]
-        self._block.image[:] = kept
+        block.image[:] = kept
         return matrix
 
     def _free_basis(self) -> FloatArray:
         """Columns that span the motions which supports and joints allow."""
+        block = self._finite_elements("linearise")
         ints = self._ints
         nodes, dimension = int(ints[at.I_NODES]), int(ints[at.I_DIMENSION])
         size = 2 * dimension
         basis = np.eye(nodes * size)
         drop: list[int] = []
-        for row in self._block.array(
+        for row in block.array(
             at.O_CONSTRAINT, int(ints[at.I_CONSTRAINTS]), at.CONSTRAINT_WORDS
         ):
             first = int(row[at.C_NODE]) * size
@@ -521,8 +487,8 @@ class CableModel:
                 basis[slopes, slopes] = 0.0
                 basis[slopes, first + dimension] = direction
                 drop += range(first + dimension + 1, first + size)
-        parent = self._block.integers(at.O_PARENT, nodes)
-        for node in np.flatnonzero(self._block.integers(at.O_JOINT, nodes)):
+        parent = block.integers(at.O_PARENT, nodes)
+        for node in np.flatnonzero(block.integers(at.O_JOINT, nodes)):
             own = slice(int(node) * size, int(node) * size + dimension)
             above = slice(int(parent[node]) * size, int(parent[node]) * size + dimension)
             basis[own, above] = np.eye(dimension)

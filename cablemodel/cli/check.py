@@ -60,7 +60,7 @@ def _report(scene: Scene, model: CableModel) -> dict[str, Any]:
         "initial": scene.initial.kind,
         "duration": scene.run.duration,
         "output_interval": scene.run.output_interval,
-        "tolerance": scene.solver.tolerance,
+        "solver": scene.solver.as_written(),
         "elements": model.statistics["elements"],
         "planar": model.planar,
         "skipped": _skipped(scene, model),
@@ -175,7 +175,7 @@ def _print_report(report: dict[str, Any]) -> None:
     table.add_row("line, from the vessel", "\n".join(escape(_words(i)) for i in report["line"]))
     table.add_row("far end", report["end"])
     table.add_row("run", f"{report['duration']:g} s, output every {report['output_interval']:g} s")
-    table.add_row("elements", f"{report['elements']} for a tolerance of {report['tolerance']:g}")
+    table.add_row("elements", _accuracy(report["elements"], report["solver"]))
     table.add_row("skipped", "\n".join(report["skipped"]) or "nothing")
     table.add_row("start", kind)
     table.add_row("  top tension", f"{start['top_tension']:,.3f} N")
@@ -188,6 +188,14 @@ def _print_report(report: dict[str, Any]) -> None:
         console.print(f"[yellow]warning:[/yellow] {escape(warning)}", soft_wrap=True)
     if not report["warnings"]:
         console.print("No warnings.")
+
+
+def _accuracy(elements: int, solver: dict[str, Any]) -> str:
+    """How many elements there are, and what they are for."""
+    if solver["method"] == "direct_integration":
+        spacing, step = solver["node_spacing"], solver["time_step"]
+        return f"{elements} intervals of {spacing:g} m, steps of {step:g} s (direct integration)"
+    return f"{elements} for a tolerance of {solver['tolerance']:g}"
 
 
 def _words(item: dict[str, Any]) -> str:

@@ -21,7 +21,15 @@ from cablemodel.scene.vessel import Payout, Vessel
 _SAME_PLACE = 1e-3
 """Of the line's length: a start that misses the tow point or anchor by more is a mistake."""
 
-_DIRECT_ONLY = ("time_step", "node_spacing", "alpha", "relative_tolerance", "joint")
+_DIRECT_ONLY = (
+    "time_step",
+    "node_spacing",
+    "alpha",
+    "relative_tolerance",
+    "joint",
+    "bending_length",
+    "linear_solver",
+)
 
 
 class Solver(SceneModel):
@@ -48,6 +56,16 @@ class Solver(SceneModel):
     joint: Literal["paper", "moment_free"] = Field(
         default="moment_free",
         description="direct_integration: condition at the joint of the hybrid model",
+    )
+    bending_length: Length = Field(
+        default=5.0,
+        description="direct_integration: length of the part of a hybrid that bends, at a free end, "
+        "on the floor or at a clamp",
+    )
+    linear_solver: Literal["superposition", "elimination"] = Field(
+        default="superposition",
+        description="direct_integration: how the linear systems along the cable are solved, by the "
+        "superposition of initial value problems as in 1998 or by elimination",
     )
 
     @model_validator(mode="after")

@@ -75,8 +75,8 @@ def export_fmu(
         )
     if not 2 <= stations <= 10000:
         raise ExportError(f"stations is {stations}: allowed are 2 to 10000")
-    libraries = _libraries(names, progress)
     contents = contents_of(scene, stations)
+    libraries = _libraries(names, progress)
     target = Path(path)
     files = {
         "modelDescription.xml": contents.description,

@@ -34,6 +34,7 @@ LAYERS = (
     ("cablemodel.block",),
     ("cablemodel.mesh",),
     ("cablemodel.instance",),
+    ("cablemodel.direct", "cablemodel.finite_element", "cablemodel.solver"),
     ("cablemodel.model",),
     ("cablemodel.variables",),
     ("cablemodel.states", "cablemodel.cadence"),

@@ -1,0 +1,305 @@
+"""From a scene to the direct solver's block at its initial state."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cablemodel.direct.block import DirectBlock
+from cablemodel.direct.checks import refuse_unsupported
+from cablemodel.direct.kernels import layout as own
+from cablemodel.direct.sections import Section, drum_kind, even, sections_of
+from cablemodel.direct.start import find_initial_state, vertical_plane
+from cablemodel.errors import StaticsError
+from cablemodel.instance import _strain_range
+from cablemodel.kernels import layout as at
+
+if TYPE_CHECKING:
+    from cablemodel.scene import Scene
+    from cablemodel.scene.line import Body
+
+FloatArray = NDArray[np.float64]
+
+SHORTEST_LINE = 0.01
+"""Of the initial length: what reel-in leaves out."""
+SPARE_NODES = 24
+DRIFT = 1e-3
+"""Of the line's length: how far a held end may drift before the run is stopped."""
+SLACK = 1e-4
+"""Of a typical tension: what a flexible section may be below zero."""
+
+
+def build(scene: Scene, *, planar: bool | None = None) -> DirectBlock:
+    """A block at the scene's initial state, t = 0.
+
+    ``planar``: False forces three dimensions; else a scene in one vertical plane is planar.
+
+    Raises SceneError (not supported), StaticsError (no steady state found).
+    """
+    refuse_unsupported(scene)
+    sections = sections_of(scene)
+    motion = scene.motion()
+    current = scene.environment.current
+    floor = scene.environment.floor
+    spacing = scene.solver.node_spacing
+    of_drum = [item.cable for item in scene.payout.drum if item.cable is not None]
+    joints = sum(1 for section in sections[1:] if section.kind != own.RIGID) + len(of_drum)
+    nodes = sum(len(section.lengths) + 1 for section in sections) + SPARE_NODES
+    for cable in of_drum:
+        nodes += 2 * len(even(cable.length, spacing)) + 6
+    if floor is not None:
+        nodes += 2 * math.ceil(scene.line_length / spacing)
+    bodies: list[Body] = [
+        item.body for item in (*scene.line, *scene.payout.drum) if item.body is not None
+    ]
+    types = list(scene.cable_types)
+    block = DirectBlock(
+        nodes=nodes,
+        sections=len(sections) + 2 * len(of_drum) + 2,
+        materials=len(types),
+        bodies=len(bodies),
+        drum=joints,
+        pieces=1 + len(motion.pieces),
+        depths=1 if current is None else len(current.z),
+        times=1 if current is None else len(current.t),
+        strain_words=sum(len(kind.strain_coefficients) for kind in scene.cable_types.values()),
+        rates=len(scene.payout.rate),
+    )
+    ints, reals = block.ints, block.reals
+    plane = vertical_plane(scene)
+    ints[own.D_PLANAR] = int(plane.flat and planar is not False)
+    ints[own.D_JOINT] = own.PAPER if scene.solver.joint == "paper" else own.MOMENT_FREE
+    ints[own.D_METHOD] = (
+        own.ELIMINATION if scene.solver.linear_solver == "elimination" else own.SUPERPOSITION
+    )
+    ints[own.D_END] = own.END_ANCHOR if scene.end.kind == "anchor" else own.END_FREE
+    ints[own.D_RESTART] = 1
+    ints[at.I_PIECE] = 1
+    reals[at.S_PLANE : at.S_PLANE + 2] = plane.direction
+    reals[at.S_WATER_DENSITY] = scene.environment.water_density
+    reals[at.S_GRAVITY] = scene.environment.gravity
+    reals[own.X_TIME_STEP] = scene.solver.time_step
+    reals[own.X_SPACING] = spacing
+    reals[own.X_ALPHA] = scene.solver.alpha
+    reals[own.X_TOLERANCE] = scene.solver.relative_tolerance
+    reals[own.X_SHARE] = 1.0
+    reals[own.X_DRIFT] = DRIFT * scene.line_length
+    _fill_motion(block, motion.pieces)
+    if current is not None:
+        ints[at.I_CURRENT] = 1 if len(current.z) == 1 else 2
+        block.array(at.O_DEPTHS, len(current.z))[:] = current.z
+        block.array(at.O_TIMES, len(current.t))[:] = current.t
+        block.array(at.O_CURRENT, len(current.t), len(current.z), 3)[:] = current.velocity
+    _fill_materials(block, scene)
+    _fill_bodies(block, scene, bodies)
+    _fill_sections(block, scene, sections)
+    _fill_drum(block, scene, sections)
+    if floor is not None:
+        _fill_floor(block, scene)
+    scale = _tension_scale(scene)
+    reals[own.X_SCALE : own.X_SCALE + own.WIDTH] = 1.0
+    speed = float(np.max(np.linalg.norm(_velocities(scene), axis=1), initial=0.1))
+    reals[own.X_SCALE : own.X_SCALE + 3] = speed
+    reals[own.X_SCALE + own.F1 : own.X_SCALE + own.F3 + 1] = scale
+    reals[own.X_LOWEST] = SLACK * scale
+    status = find_initial_state(block, scene, sections)
+    if status != at.OK:
+        from cablemodel.direct.failures import explain
+
+        problem, advice = explain(status)
+        raise StaticsError(f"no steady state was found: {problem}; {advice}")
+    return block
+
+
+def _velocities(scene: Scene) -> FloatArray:
+    """Velocities of the tow point at the ends of the pieces of its motion (n, 3) [m/s]."""
+    motion = scene.motion()
+    pieces = motion.pieces
+    times = [*pieces[:, 0], *np.minimum(pieces[:, 1], pieces[:, 0] + 1.0)]
+    return np.array([motion.evaluate(float(t))[1] for t in times])
+
+
+def _tension_scale(scene: Scene) -> float:
+    """A tension [N] that is typical of the line: what hangs on it, and some of its drag."""
+    rho, gravity = scene.environment.water_density, scene.environment.gravity
+    speed = float(np.max(np.linalg.norm(_velocities(scene), axis=1)))
+    scale = sum(abs(body.submerged_weight) for body in scene.bodies)
+    for cable in scene.cables:
+        kind = scene.cable_types[cable.type]
+        weight = max(abs(kind.submerged_weight), 1e-3 * kind.mass * gravity)
+        drag = 0.05 * rho * kind.drag_normal * kind.diameter * speed**2
+        scale += cable.length * (weight + drag)
+    return scale
+
+
+def _fill_motion(block: DirectBlock, pieces: FloatArray) -> None:
+    """The scene's pieces from row 1 on (row 0 is the caller's live motion), and their kinks."""
+    from cablemodel.scene.motion import VesselMotion
+
+    table = block.array(at.O_PIECES, len(pieces) + 1, at.PIECE_WORDS)
+    table[1:] = pieces
+    table[1:, at.P_ACCELERATION_JUMP] = 0.0
+    for k in range(1, len(pieces)):
+        t = float(pieces[k, 0])
+        before = VesselMotion(pieces[k - 1 : k]).evaluate(t)
+        after = VesselMotion(pieces[k : k + 1]).evaluate(t)
+        jump = np.linalg.norm(after[2] - before[2]) + np.linalg.norm(after[1] - before[1])
+        table[1 + k, at.P_ACCELERATION_JUMP] = jump if jump > 1e-12 else 0.0
+
+
+def _fill_materials(block: DirectBlock, scene: Scene) -> None:
+    rho = scene.environment.water_density
+    rows = block.array(own.O_MATERIAL, len(scene.cable_types), own.MATERIAL_WORDS)
+    used = int(block.ints[at.O_STRAIN])
+    for row, kind in zip(rows, scene.cable_types.values(), strict=True):
+        coefficients = kind.strain_coefficients
+        block.reals[used : used + len(coefficients)] = coefficients
+        row[own.T_MASS] = kind.mass
+        row[own.T_ADDED] = rho * 0.25 * math.pi * kind.diameter**2 * kind.added_mass
+        row[own.T_WEIGHT] = kind.submerged_weight
+        row[own.T_NORMAL] = 0.5 * rho * kind.drag_normal * kind.diameter
+        row[own.T_TANGENTIAL] = 0.5 * rho * kind.drag_tangential * math.pi * kind.diameter
+        row[own.T_BENDING] = kind.bending_stiffness
+        row[own.T_TERMS] = len(coefficients)
+        row[own.T_OFFSET] = used
+        row[own.T_LOW : own.T_HIGH + 1] = _strain_range(coefficients)
+        used += len(coefficients)
+
+
+def _fill_bodies(block: DirectBlock, scene: Scene, bodies: list[Body]) -> None:
+    rho, gravity = scene.environment.water_density, scene.environment.gravity
+    rows = block.array(own.O_BODY, len(bodies), own.BODY_WORDS)
+    for index, (row, body) in enumerate(zip(rows, bodies, strict=True)):
+        row[own.B_MASS] = body.mass
+        row[own.B_WEIGHT] = body.submerged_weight
+        row[own.B_ADDED] = body.added_mass
+        row[own.B_ADDED_AXIAL] = body.added_mass_axial
+        row[own.B_DRAG] = 0.5 * rho * body.drag_coefficient * body.drag_area
+        row[own.B_DRAG_AXIAL] = 0.5 * rho * body.drag_coefficient_axial * body.drag_area_axial
+        row[own.B_HALF] = body.half_length
+        row[own.B_OFFSET] = body.centre_offset
+        row[own.B_INERTIA] = body.rotary_inertia
+        row[own.B_BUOYANCY] = body.mass * gravity - body.submerged_weight
+        row[own.B_ITEM] = index
+
+
+def _fill_sections(block: DirectBlock, scene: Scene, sections: list[Section]) -> None:
+    table = block.integers(own.O_SECTION, len(sections) + 1, own.SECTION_WORDS)
+    types = list(scene.cable_types)
+    table[:, own.N_BODY] = -1
+    table[:, own.N_POINT] = -1
+    length, share = int(block.ints[own.O_LENGTH]), int(block.ints[own.O_SHARE])
+    node = 0
+    material = 0
+    cables = [section.cable for section in sections]
+    for index, (row, section) in enumerate(zip(table, sections, strict=False)):
+        if section.cable is not None:
+            material = types.index(section.cable.type)
+        row[own.N_FIRST] = node
+        row[own.N_COUNT] = len(section.lengths) + 1
+        row[own.N_KIND] = section.kind
+        row[own.N_MATERIAL] = material
+        row[own.N_BODY] = section.body
+        row[own.N_POINT] = section.point
+        row[own.N_HINGE] = int(section.hinge)
+        row[own.N_ITEM] = index
+        block.reals[length + node + 1 : length + node + len(section.lengths) + 1] = section.lengths
+        if section.follows:
+            shares = block.reals[share + node : share + node + len(section.lengths) + 1]
+            if index > 0 and cables[index - 1] is section.cable:
+                # The part before it takes up the change of length in its last interval.
+                shares[:] = 1.0
+                block.reals[share + node - 1] = 1.0
+            else:
+                shares[1:] = np.cumsum(section.lengths) / section.length
+        node += len(section.lengths) + 1
+    block.ints[own.D_SECTIONS] = len(sections)
+    if scene.line[-1].body is not None and scene.line[-1].body.half_length == 0.0:
+        table[len(sections), own.N_POINT] = len(scene.bodies) - 1
+    for index in range(1, len(sections)):
+        if (sections[index].kind == own.CABLE) != (sections[index - 1].kind == own.CABLE):
+            block.ints[own.D_MEETING] = table[index, own.N_FIRST]
+
+
+def _fill_drum(block: DirectBlock, scene: Scene, sections: list[Section]) -> None:
+    """Rows of the joints in the order in which they pass the tow point; those of the line first."""
+    ints, reals = block.ints, block.reals
+    types = list(scene.cable_types)
+    rows: list[tuple[int, int, int, int, float, int, int]] = []
+    below = scene.line_length
+    for index in range(len(sections) - 1, 0, -1):
+        section = sections[index]
+        below -= section.length
+        if section.kind == own.RIGID:
+            continue
+        above = sections[index - 1]
+        rigid = above.body
+        joint = above if rigid >= 0 else section
+        if rigid >= 0:
+            above = sections[index - 2]
+        assert above.cable is not None
+        material = types.index(above.cable.type)
+        rows.append((material, above.kind, joint.point, index, -below, int(joint.hinge), rigid))
+    ints[own.D_DRUM_USED] = len(rows)
+    out = 0.0
+    body = len(scene.bodies) - 1
+    pending = -1
+    half = 0.0
+    for index, item in enumerate(scene.payout.drum):
+        if item.body is not None:
+            body += 1
+            pending, half = body, item.body.half_length
+            continue
+        cable = item.cable
+        assert cable is not None
+        kind, material = drum_kind(scene, cable), types.index(cable.type)
+        top = sections[0]
+        assert top.cable is not None
+        previous = (
+            (rows[-1][0], rows[-1][1])
+            if len(rows) > ints[own.D_DRUM_USED]
+            else (types.index(top.cable.type), top.kind)
+        )
+        if pending >= 0 or previous != (material, kind):
+            point, rigid = (-1, pending) if half > 0.0 else (pending, -1)
+            hinge = int(cable.model != "elastica")
+            rows.append((material, kind, point, 100 + index, out, hinge, rigid))
+        pending, half = -1, 0.0
+        out += cable.length
+    ints[own.D_DRUM] = len(rows)
+    table = block.integers(own.O_DRUM, len(rows), own.DRUM_WORDS)
+    for row, values in zip(table, rows, strict=True):
+        row[own.R_MATERIAL], row[own.R_KIND], row[own.R_POINT], row[own.R_ITEM] = values[:4]
+        row[own.R_HINGE], row[own.R_RIGID] = values[5:]
+        row.view(np.float64)[own.R_LEAVES] = values[4]
+    reals[at.S_PAID_MOST] = out
+    total = scene.line_length
+    reals[at.S_PAID_LEAST] = -(total - SHORTEST_LINE * total)
+    for rate_row, point_of_rate in zip(
+        block.array(at.O_RATES, len(scene.payout.rate), at.RATE_WORDS),
+        scene.payout.rate,
+        strict=True,
+    ):
+        rate_row[:] = point_of_rate.t, point_of_rate.rate
+
+
+def _fill_floor(block: DirectBlock, scene: Scene) -> None:
+    """The plane n.x = d of the floor, n pointing up, along the paper's axes."""
+    floor = scene.environment.floor
+    assert floor is not None
+    assert floor.z is not None
+    reals = block.reals
+    normal = np.array([-floor.slope[0], -floor.slope[1], 1.0])
+    normal /= np.linalg.norm(normal)
+    px, py = reals[at.S_PLANE : at.S_PLANE + 2]
+    reals[own.X_FLOOR : own.X_FLOOR + 3] = (
+        -normal[2],
+        px * normal[0] + py * normal[1],
+        py * normal[0] - px * normal[1],
+    )
+    reals[own.X_FLOOR + 3] = normal @ np.array([floor.at[0], floor.at[1], floor.z])
+    reals[own.X_FRICTION] = floor.friction
+    block.ints[own.D_FLOOR] = 1

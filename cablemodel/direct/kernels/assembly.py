@@ -1,0 +1,321 @@
+"""The linear system of a Newton step: a chain of slots, each with a left and a right matrix.
+
+Slot 0 holds the conditions at the vessel, slot j the equations that tie node j to node j - 1 (field
+equations inside a section, conditions at a joint), the last one the conditions at the far end:
+
+    L_j x_(j-1) + R_j x_j = rhs_j,      x: change of the unknowns, each over its own scale
+
+Rows are divided by their largest entry. Conditions at ends and joints are few: their derivatives
+are taken by differences; those of the field equations are exact.
+"""
+
+from .bodies import rigid_rows
+from .compile import kernel
+from .field import field_rows, set_strain
+from .joints import end_rows, joint_rows, material_of, vessel_rows
+from .layout import (
+    BLOCK,
+    BODY_WORDS,
+    CABLE,
+    D_END,
+    D_PLANAR,
+    D_SECTIONS,
+    END_ANCHOR,
+    F1,
+    F2,
+    F3,
+    K1,
+    K2,
+    N_BODY,
+    N_COUNT,
+    N_FIRST,
+    N_KIND,
+    N_POINT,
+    O_BODY,
+    O_LEFT,
+    O_LENGTH,
+    O_RHS,
+    O_RIGHT,
+    O_SECTION,
+    O_SHAPE,
+    O_STRAINS,
+    O_WORK,
+    O_Y,
+    PHI,
+    RIGID,
+    SECTION_WORDS,
+    SHAPE_WORDS,
+    THETA,
+    V1,
+    V2,
+    V3,
+    WIDTH,
+    X_SCALE,
+)
+
+RHS_WORDS = 30
+"""Of a slot: two right-hand sides and the scales of its rows."""
+_DIFFERENCE = 1e-7
+_FULL = (1 << WIDTH) - 1
+_FLEXIBLE = (1 << V1) | (1 << V2) | (1 << V3) | (1 << PHI) | (1 << THETA) | (1 << F3)
+_PLANAR = (1 << V1) | (1 << V3) | (1 << PHI) | (1 << F1) | (1 << F3) | (1 << K2)
+_VELOCITIES = (1 << V1) | (1 << V2) | (1 << V3)
+_FORCES = (1 << F1) | (1 << F2) | (1 << F3)
+_ANGLES = (1 << PHI) | (1 << THETA)
+_CURVATURES = (1 << K1) | (1 << K2)
+
+
+@kernel
+def unknowns(I, kind):
+    """Bit set of a node's unknowns in a section of that kind."""
+    active = _FLEXIBLE if kind == CABLE else _FULL
+    if I[D_PLANAR] != 0:
+        active &= _PLANAR
+    return active
+
+
+@kernel
+def rows_of_joint(I, left, right):
+    """Bit set of the rows of joint_rows between two kinds of section."""
+    rows = _VELOCITIES | _FORCES
+    if left != CABLE or right != CABLE:
+        rows |= _CURVATURES
+    if left != CABLE and right != CABLE:
+        rows |= _ANGLES
+    if I[D_PLANAR] != 0:
+        rows &= _PLANAR
+    return rows
+
+
+@kernel
+def rows_of_end(I, kind, point):
+    """Bit set of the rows of end_rows."""
+    end = I[D_END]
+    if end == END_ANCHOR:
+        rows = _VELOCITIES
+        if kind != CABLE:
+            rows |= _CURVATURES
+    elif kind == CABLE:
+        rows = _ANGLES | (1 << F3)
+    else:
+        rows = _FORCES | _CURVATURES
+    if I[D_PLANAR] != 0:
+        rows &= _PLANAR
+    return rows
+
+
+@kernel
+def count_bits(mask):
+    """How many unknowns or rows a bit set has."""
+    total = 0
+    for n in range(WIDTH):
+        total += (mask >> n) & 1
+    return total
+
+
+@kernel
+def residual_of(I, M, slot_kind, index, out):
+    """Rows of a slot that is not an interval: 0 vessel, 1 joint, 2 far end, 3 rigid body."""
+    if slot_kind == 0:
+        vessel_rows(I, M, out)
+    elif slot_kind == 1:
+        joint_rows(I, M, index, out)
+    elif slot_kind == 2:
+        end_rows(I, M, out)
+    else:
+        section = I[O_SECTION] + SECTION_WORDS * index
+        body = I[O_BODY] + BODY_WORDS * I[section + N_BODY]
+        rigid_rows(I, M, body, I[section + N_FIRST], out)
+
+
+@kernel
+def differences(I, M, slot_kind, index, node, active, rows, out, at):
+    """Derivatives of such a slot by the unknowns of one node, scaled by them, into M[at:]."""
+    base = M[I[O_WORK] : I[O_WORK] + 16]
+    residual_of(I, M, slot_kind, index, base)
+    y = I[O_Y] + WIDTH * node
+    column = 0
+    for j in range(WIDTH):
+        if (active >> j) & 1 == 0:
+            continue
+        kept = M[y + j]
+        scale = M[X_SCALE + j]
+        step = _DIFFERENCE * max(abs(kept), scale)
+        M[y + j] = kept + step
+        step = M[y + j] - kept
+        residual_of(I, M, slot_kind, index, out)
+        M[y + j] = kept
+        row = 0
+        for i in range(WIDTH):
+            if (rows >> i) & 1:
+                M[at + WIDTH * row + column] = (out[i] - base[i]) * scale / step
+                row += 1
+        column += 1
+
+
+@kernel
+def scale_rows(I, M, slot, rows, left, right):
+    """Divide the rows of a slot by their largest entry; the divisors are kept."""
+    at = I[O_RHS] + RHS_WORDS * slot
+    for i in range(rows):
+        largest = 0.0
+        for j in range(left):
+            largest = max(largest, abs(M[I[O_LEFT] + BLOCK * slot + WIDTH * i + j]))
+        for j in range(right):
+            largest = max(largest, abs(M[I[O_RIGHT] + BLOCK * slot + WIDTH * i + j]))
+        if largest == 0.0:
+            largest = 1.0
+        M[at + 2 * WIDTH + i] = largest
+        for j in range(left):
+            M[I[O_LEFT] + BLOCK * slot + WIDTH * i + j] /= largest
+        for j in range(right):
+            M[I[O_RIGHT] + BLOCK * slot + WIDTH * i + j] /= largest
+        M[at + i] /= largest
+
+
+@kernel
+def special_slot(I, M, slot_kind, index, slot, rows, left_node, left, right_node, right, column):
+    """Fill a slot of the vessel, a joint, the far end or a rigid body; see `fill_system`."""
+    out = M[I[O_WORK] + 16 : I[O_WORK] + 32]
+    at = I[O_RHS] + RHS_WORDS * slot
+    if column == 0:
+        if left != 0:
+            place = I[O_LEFT] + BLOCK * slot
+            differences(I, M, slot_kind, index, left_node, left, rows, out, place)
+        if right != 0:
+            place = I[O_RIGHT] + BLOCK * slot
+            differences(I, M, slot_kind, index, right_node, right, rows, out, place)
+    residual_of(I, M, slot_kind, index, out)
+    count = 0
+    for i in range(WIDTH):
+        if (rows >> i) & 1:
+            M[at + WIDTH * column + count] = -out[i]
+            count += 1
+    if column == 0:
+        shape = I[O_SHAPE] + SHAPE_WORDS * slot
+        I[shape] = count
+        I[shape + 1] = count_bits(left)
+        I[shape + 2] = count_bits(right)
+        I[shape + 3] = 1 if slot_kind == 3 else 0
+        scale_rows(I, M, slot, count, I[shape + 1], I[shape + 2])
+    else:
+        for i in range(count):
+            M[at + WIDTH * column + i] /= M[at + 2 * WIDTH + i]
+
+
+@kernel
+def interval_slot(I, M, kind, material, active, slot, column):
+    """Fill the slot of an interval of a cable or an elastica; see `fill_system`."""
+    left = slot - 1
+    h = M[I[O_LENGTH] + slot]
+    work = I[O_WORK]
+    mid = work + 32
+    dif = mid + BLOCK
+    both = dif + BLOCK
+    F = M[work : work + WIDTH]
+    field_rows(I, M, kind, material, left, h, F, 0, mid, dif, both)
+    at = I[O_RHS] + RHS_WORDS * slot
+    if column != 0:
+        row = 0
+        for i in range(WIDTH):
+            if (active >> i) & 1:
+                scale = M[at + 2 * WIDTH + row]
+                M[at + WIDTH * column + row] = -F[i] / scale
+                row += 1
+        return
+    slope_left = M[I[O_STRAINS] + 2 * left + 1]
+    slope_right = M[I[O_STRAINS] + 2 * left + 3]
+    for i in range(WIDTH):
+        # The stretch at the middle and its difference follow the tensions at both nodes.
+        half = 0.5 * M[both + i]
+        steep = M[both + WIDTH + i] / h
+        M[both + i] = slope_left * (half - steep)
+        M[both + WIDTH + i] = slope_right * (half + steep)
+    left_at = I[O_LEFT] + BLOCK * slot
+    right_at = I[O_RIGHT] + BLOCK * slot
+    row = 0
+    for i in range(WIDTH):
+        if (active >> i) & 1 == 0:
+            continue
+        column_at = 0
+        for j in range(WIDTH):
+            if (active >> j) & 1 == 0:
+                continue
+            half = 0.5 * M[mid + WIDTH * i + j]
+            steep = M[dif + WIDTH * i + j] / h
+            by_left = half - steep
+            by_right = half + steep
+            if j == F3:
+                by_left += M[both + i]
+                by_right += M[both + WIDTH + i]
+            scale = M[X_SCALE + j]
+            M[left_at + WIDTH * row + column_at] = by_left * scale
+            M[right_at + WIDTH * row + column_at] = by_right * scale
+            column_at += 1
+        M[at + row] = -F[i]
+        row += 1
+    shape = I[O_SHAPE] + SHAPE_WORDS * slot
+    I[shape] = row
+    I[shape + 1] = row
+    I[shape + 2] = row
+    I[shape + 3] = 1
+    scale_rows(I, M, slot, row, row, row)
+
+
+@kernel
+def set_strains(I, M):
+    """Strains of all nodes at their tensions; none in a rigid body."""
+    for index in range(I[D_SECTIONS]):
+        section = I[O_SECTION] + SECTION_WORDS * index
+        first = I[section + N_FIRST]
+        for node in range(first, first + I[section + N_COUNT]):
+            if I[section + N_KIND] == RIGID:
+                M[I[O_STRAINS] + 2 * node] = 0.0
+                M[I[O_STRAINS] + 2 * node + 1] = 0.0
+            else:
+                tension = M[I[O_Y] + WIDTH * node + F3]
+                set_strain(M, I[O_STRAINS], node, material_of(I, section), tension)
+
+
+@kernel
+def fill_system(I, M, column):
+    """All slots at the present iterate; returns the number of slots.
+
+    column 0: matrices and minus the residual as the first right-hand side. column 1: minus the
+    residual alone, as the second one, with the matrices and row scales of an earlier call.
+    """
+    set_strains(I, M)
+    sections = I[D_SECTIONS]
+    previous = 0
+    kind = 0
+    node = 0
+    for index in range(sections):
+        section = I[O_SECTION] + SECTION_WORDS * index
+        kind = I[section + N_KIND]
+        active = unknowns(I, kind)
+        first = I[section + N_FIRST]
+        node = first
+        if index == 0:
+            rows = _VELOCITIES
+            if kind != CABLE:
+                rows |= _CURVATURES
+            if I[D_PLANAR] != 0:
+                rows &= _PLANAR
+            special_slot(I, M, 0, 0, 0, rows, 0, 0, 0, active, column)
+        else:
+            left = unknowns(I, previous)
+            rows = rows_of_joint(I, previous, kind)
+            special_slot(I, M, 1, index, first, rows, first - 1, left, first, active, column)
+        if kind == RIGID:
+            node = first + 1
+            special_slot(I, M, 3, index, node, active, first, active, node, active, column)
+        else:
+            material = material_of(I, section)
+            for node in range(first + 1, first + I[section + N_COUNT]):
+                interval_slot(I, M, kind, material, active, node, column)
+            node = first + I[section + N_COUNT] - 1
+        previous = kind
+    point = I[I[O_SECTION] + SECTION_WORDS * sections + N_POINT]
+    rows = rows_of_end(I, kind, point)
+    special_slot(I, M, 2, 0, node + 1, rows, node, unknowns(I, kind), 0, 0, column)
+    return node + 2

@@ -1,0 +1,145 @@
+"""Bodies (eqs. 28 to 31): point bodies at a joint, and rigid ones of finite length between nodes.
+
+What eq. 38 needs of a body's past stands in its row: of a point its velocity in the fixed axes, of
+a rigid body the velocity of its centre of gravity and its angular velocity in the local axes.
+
+Drag is 1/2 rho |u| (CdA_n u_n + CdA_a u_a), as for the finite elements.
+"""
+
+import math
+
+from .compile import kernel
+from .frame import to_fixed, to_local
+from .layout import (
+    B_ADDED,
+    B_ADDED_AXIAL,
+    B_BUOYANCY,
+    B_DRAG,
+    B_DRAG_AXIAL,
+    B_HALF,
+    B_INERTIA,
+    B_MASS,
+    B_OFFSET,
+    B_PAST,
+    B_STATE,
+    B_WEIGHT,
+    F1,
+    F2,
+    F3,
+    K1,
+    K2,
+    O_CURRENTS,
+    O_PAST,
+    O_Y,
+    PHI,
+    RATES,
+    THETA,
+    V1,
+    V2,
+    V3,
+    WIDTH,
+    X_BETA,
+)
+
+
+@kernel
+def point_load(I, M, body, node, out):
+    """Force that a point body takes out of the cable, M a - h - W (eq. 28), along e1, e2, e3.
+
+    Its velocity and axis are those of `node`, at its vessel side.
+    """
+    y = I[O_Y] + WIDTH * node
+    phi = M[y + PHI]
+    theta = M[y + THETA]
+    vx, vy, vz = to_fixed(phi, theta, M[y + V1], M[y + V2], M[y + V3])
+    M[body + B_STATE] = vx
+    M[body + B_STATE + 1] = vy
+    M[body + B_STATE + 2] = vz
+    ax = M[X_BETA] * vx - M[body + B_PAST]
+    ay = M[X_BETA] * vy - M[body + B_PAST + 1]
+    az = M[X_BETA] * vz - M[body + B_PAST + 2]
+    water = I[O_CURRENTS] + 3 * node
+    # Along the local axes the third component is the axial one.
+    u1, u2, u3 = to_local(phi, theta, vx - M[water], vy - M[water + 1], vz - M[water + 2])
+    a1, a2, a3 = to_local(phi, theta, ax, ay, az)
+    speed = math.sqrt(u1 * u1 + u2 * u2 + u3 * u3)
+    inertia = M[body + B_MASS] + M[body + B_ADDED]
+    axial = M[body + B_MASS] + M[body + B_ADDED_AXIAL]
+    drag = M[body + B_DRAG] * speed
+    l1 = inertia * a1 + drag * u1
+    l2 = inertia * a2 + drag * u2
+    l3 = axial * a3 + M[body + B_DRAG_AXIAL] * speed * u3
+    gx, gy, gz = to_fixed(phi, theta, l1, l2, l3)
+    out[0] = gx - M[body + B_WEIGHT]
+    out[1] = gy
+    out[2] = gz
+
+
+@kernel
+def rigid_rows(I, M, body, left, out):
+    """Residual of a rigid body between node `left` and the next one: ten rows.
+
+    Rows of the velocities: v_after = v_before + 2 R1 omega x a3; of the angles: equal; of the
+    forces: eq. 28; of the curvatures, which are moments here: eq. 31 with omega x H.
+    """
+    a = I[O_Y] + WIDTH * left
+    b = a + WIDTH
+    past = I[O_PAST] + RATES * left
+    beta = M[X_BETA]
+    phi = M[a + PHI]
+    theta = M[a + THETA]
+    w1 = beta * theta - M[past + 4]
+    phi_t = beta * phi - M[past + 3]
+    w2 = phi_t * math.sin(theta)
+    w3 = phi_t * math.cos(theta)
+    half = M[body + B_HALF]
+    offset = M[body + B_OFFSET]
+    out[PHI] = M[b + PHI] - phi
+    out[THETA] = M[b + THETA] - theta
+    out[V1] = M[b + V1] - M[a + V1] - 2.0 * half * w2
+    out[V2] = M[b + V2] - M[a + V2] + 2.0 * half * w1
+    out[V3] = M[b + V3] - M[a + V3]
+    arm = (1.0 + offset) * half
+    state = body + B_STATE
+    M[state] = M[a + V1] + arm * w2
+    M[state + 1] = M[a + V2] - arm * w1
+    M[state + 2] = M[a + V3]
+    M[state + 3] = w1
+    M[state + 4] = w2
+    c1 = M[state]
+    c2 = M[state + 1]
+    c3 = M[state + 2]
+    p = body + B_PAST
+    a1 = beta * c1 - M[p] + w2 * c3 - w3 * c2
+    a2 = beta * c2 - M[p + 1] + w3 * c1 - w1 * c3
+    a3 = beta * c3 - M[p + 2] + w1 * c2 - w2 * c1
+    water = I[O_CURRENTS] + 3 * left
+    g1, g2, g3 = to_local(
+        phi,
+        theta,
+        0.5 * (M[water] + M[water + 3]),
+        0.5 * (M[water + 1] + M[water + 4]),
+        0.5 * (M[water + 2] + M[water + 5]),
+    )
+    u1 = c1 - g1
+    u2 = c2 - g2
+    u3 = c3 - g3
+    speed = math.sqrt(u1 * u1 + u2 * u2 + u3 * u3)
+    # h: drag and added mass; W along e1.
+    h1 = -M[body + B_DRAG] * speed * u1 - M[body + B_ADDED] * a1
+    h2 = -M[body + B_DRAG] * speed * u2 - M[body + B_ADDED] * a2
+    h3 = -M[body + B_DRAG_AXIAL] * speed * u3 - M[body + B_ADDED_AXIAL] * a3
+    down1, down2, down3 = to_local(phi, theta, 1.0, 0.0, 0.0)
+    weight = M[body + B_WEIGHT]
+    mass = M[body + B_MASS]
+    out[F1] = M[b + F1] - M[a + F1] + h1 + weight * down1 - mass * a1
+    out[F2] = M[b + F2] - M[a + F2] + h2 + weight * down2 - mass * a2
+    out[F3] = M[b + F3] - M[a + F3] + h3 + weight * down3 - mass * a3
+    up = -M[body + B_BUOYANCY]
+    l1 = (1.0 + offset) * M[a + F1] + (1.0 - offset) * M[b + F1] - offset * (h1 + up * down1)
+    l2 = (1.0 + offset) * M[a + F2] + (1.0 - offset) * M[b + F2] - offset * (h2 + up * down2)
+    inertia = M[body + B_INERTIA]
+    rate1 = inertia * (beta * w1 - M[p + 3] - w3 * w2)
+    rate2 = inertia * (beta * w2 - M[p + 4] + w3 * w1)
+    out[K1] = M[b + K1] - M[a + K1] - half * l2 - rate1
+    out[K2] = M[b + K2] - M[a + K2] + half * l1 - rate2

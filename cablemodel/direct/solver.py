@@ -1,0 +1,109 @@
+"""The method of 1998 as a solver: its block, and what is read off it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from cablemodel.direct import library as entry
+from cablemodel.direct.block import DirectBlock
+from cablemodel.direct.build import build
+from cablemodel.direct.failures import explain
+from cablemodel.direct.kernels import layout as own
+from cablemodel.kernels import layout as at
+from cablemodel.solver import FloatArray, IntArray, PlacedBody
+
+if TYPE_CHECKING:
+    from cablemodel.scene import Scene
+    from cablemodel.scene.line import Body
+
+
+class DirectSolver:
+    """Direct integration after Sun & Leonard 1998: docs/theory.md."""
+
+    def __init__(self, scene: Scene, *, planar: bool | None = None) -> None:
+        self.scene = scene
+        self.memory: DirectBlock = build(scene, planar=planar)
+        self._ints, self._reals = self.memory.ints, self.memory.reals
+        items = (*scene.line, *scene.payout.drum)
+        self._bodies: list[Body] = [item.body for item in items if item.body is not None]
+
+    def step(self, end: float, inputs: FloatArray) -> int:
+        return int(entry.step(self._ints, self._reals, end, inputs))
+
+    def explain(self, status: int) -> tuple[str, str]:
+        return explain(status)
+
+    def failed_arc(self) -> float:
+        arcs = self._all_arcs()
+        return float(arcs[min(int(self._ints[at.I_FAILED_NODE]), len(arcs) - 1)])
+
+    def summary(self, out: FloatArray) -> None:
+        entry.summary(self._ints, self._reals, out)
+
+    def sample(self, stations: FloatArray, out: FloatArray) -> int:
+        return int(entry.sample(self._ints, self._reals, stations, out))
+
+    def node_arcs(self) -> FloatArray:
+        arcs = np.unique(self._all_arcs())
+        laid = float(self._reals[own.X_LAID])
+        return np.append(arcs, arcs[-1] + laid) if laid > 0.0 else arcs
+
+    @property
+    def _sections(self) -> IntArray:
+        """Rows of the sections, and the one behind the last that names the body at the end."""
+        count = int(self._ints[own.D_SECTIONS])
+        return self.memory.integers(own.O_SECTION, count + 1, own.SECTION_WORDS)
+
+    @property
+    def _nodes(self) -> int:
+        return int(self._sections[:-1, own.N_COUNT].sum())
+
+    def _all_arcs(self) -> FloatArray:
+        """Arc lengths of all nodes of the mesh from the vessel (nodes,) [m]."""
+        lengths = self.memory.array(own.O_LENGTH, self._nodes).copy()
+        lengths[self._sections[:-1, own.N_FIRST]] = 0.0
+        return np.asarray(np.cumsum(lengths), dtype=np.float64)
+
+    def bodies(self) -> list[PlacedBody]:
+        placed = []
+        for row in self._sections:
+            if row[own.N_POINT] >= 0:
+                node = int(row[own.N_FIRST]) - 1 if row[own.N_COUNT] else self._nodes - 1
+                placed.append(self._placed(int(row[own.N_POINT]), node))
+            elif row[own.N_COUNT] and row[own.N_KIND] == own.RIGID:
+                placed.append(self._placed(int(row[own.N_BODY]), int(row[own.N_FIRST])))
+        return placed
+
+    def _placed(self, index: int, node: int) -> PlacedBody:
+        body = self._bodies[index]
+        row = self.memory.array(own.O_BODY, len(self._bodies), own.BODY_WORDS)[index]
+        y = self.memory.array(own.O_Y, self._nodes, own.WIDTH)[node]
+        position = self.memory.array(own.O_PLACE, self._nodes, 3)[node].copy()
+        axes = self._axes(y[own.PHI], y[own.THETA])
+        velocity = y[own.V1 : own.V3 + 1] @ axes
+        if body.half_length > 0.0:
+            position += (1.0 + body.centre_offset) * body.half_length * axes[2]
+            velocity = row[own.B_STATE : own.B_STATE + 3] @ axes
+        return PlacedBody(body.name, position, velocity, axes[2])
+
+    def _axes(self, phi: float, theta: float) -> FloatArray:
+        """a1, a2, a3 in the earth frame, (3, 3)."""
+        sp, cp, st, ct = np.sin(phi), np.cos(phi), np.sin(theta), np.cos(theta)
+        local = np.array([[cp, sp, 0.0], [-sp * ct, cp * ct, st], [sp * st, -cp * st, ct]])
+        return np.asarray(local @ self._earth, dtype=np.float64)
+
+    @property
+    def _earth(self) -> FloatArray:
+        """e1, e2, e3 in the earth frame, (3, 3)."""
+        px, py = self._reals[at.S_PLANE : at.S_PLANE + 2]
+        return np.array([[0.0, 0.0, -1.0], [px, py, 0.0], [py, -px, 0.0]])
+
+    @property
+    def planar(self) -> bool:
+        return bool(self._ints[own.D_PLANAR])
+
+    @property
+    def elements(self) -> int:
+        return self._nodes - int(self._ints[own.D_SECTIONS])

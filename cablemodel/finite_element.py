@@ -1,0 +1,101 @@
+"""The finite elements as a solver: their block, and what is read off it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cablemodel import library as entry
+from cablemodel.block import Block
+from cablemodel.instance import build
+from cablemodel.kernels import layout as at
+from cablemodel.solver import FloatArray, PlacedBody
+
+if TYPE_CHECKING:
+    from cablemodel.scene import Scene
+
+_MEANING = {
+    at.NOT_CONVERGED: (
+        "no step was small enough for Newton's method to converge",
+        "look for a jump in the inputs, or a stiffness far from the others",
+    ),
+    at.TOO_MANY_STEPS: (
+        "the step needs more internal steps than allowed",
+        "ask for a shorter step or a looser tolerance",
+    ),
+    at.SINGULAR: ("the equations are singular", "give the cable bending stiffness"),
+    at.NO_CAPACITY: (
+        "more elements are needed than were set aside for the drum's cable",
+        "give the line fewer or more even elements",
+    ),
+    at.NOT_FINITE: ("an input is not finite", "check the inputs"),
+}
+
+
+class FiniteElementSolver:
+    """Mixed cubic elements, adaptive in time: docs/engine.md."""
+
+    def __init__(self, scene: Scene, *, planar: bool | None = None) -> None:
+        self.scene = scene
+        self.memory: Block = build(scene, planar=planar)
+        self._ints, self._reals = self.memory.ints, self.memory.reals
+
+    def step(self, end: float, inputs: FloatArray) -> int:
+        return int(entry.step(self._ints, self._reals, end, inputs))
+
+    def explain(self, status: int) -> tuple[str, str]:
+        return _MEANING[status]
+
+    def failed_arc(self) -> float:
+        node = int(self._ints[at.I_FAILED_NODE])
+        return float(self._all_arcs()[min(node, int(self._ints[at.I_NODES]) - 1)])
+
+    def summary(self, out: FloatArray) -> None:
+        entry.summary(self._ints, self._reals, out)
+
+    def sample(self, stations: FloatArray, out: FloatArray) -> int:
+        return int(entry.sample(self._ints, self._reals, stations, out))
+
+    def node_arcs(self) -> FloatArray:
+        joints = self.memory.integers(at.O_JOINT, int(self._ints[at.I_NODES]))
+        return np.asarray(self._all_arcs()[joints == 0], dtype=np.float64)
+
+    def _all_arcs(self) -> FloatArray:
+        """Arc lengths of all nodes from the vessel (nodes,) [m]."""
+        nodes = int(self._ints[at.I_NODES])
+        edges = self.memory.array(at.O_EDGE, nodes, at.EDGE_WORDS)
+        arcs = edges[:, at.E_START] + edges[:, at.E_LENGTH] + self._reals[at.S_PAID]
+        arcs[0] = 0.0
+        arcs[1] = edges[1, at.E_LENGTH]
+        out = np.zeros(at.SUMMARY_WORDS)
+        self.summary(out)
+        return np.asarray(np.minimum(arcs, out[21]), dtype=np.float64)
+
+    def bodies(self) -> list[PlacedBody]:
+        rows: NDArray[np.float64] = self.memory.array(
+            at.O_BODY, int(self._ints[at.I_BODIES]), at.BODY_WORDS
+        )
+        items = [*self.scene.line, *self.scene.payout.drum]
+        arcs = self._all_arcs()
+        placed = []
+        for row in sorted(rows, key=lambda row: float(row[at.B_NODE])):
+            node = int(row[at.B_NODE])
+            if node < 0:
+                continue
+            body = items[int(row[at.B_ITEM])].body
+            assert body is not None
+            out = np.empty(at.STATION_WORDS)
+            self.sample(arcs[node : node + 1].copy(), out)
+            placed.append(PlacedBody(body.name, out[0:3].copy(), out[6:9].copy(), out[3:6].copy()))
+        return placed
+
+    @property
+    def planar(self) -> bool:
+        return bool(self._ints[at.I_DIMENSION] == 2)
+
+    @property
+    def elements(self) -> int:
+        joints = self.memory.integers(at.O_JOINT, int(self._ints[at.I_NODES]))
+        return int(np.count_nonzero(joints[1:] == 0))

@@ -1,0 +1,84 @@
+"""What the façade asks of a solver: one protocol, with an implementation for each method."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from cablemodel.scene import Scene
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class PlacedBody:
+    """A body that is out."""
+
+    name: str | None
+    position: FloatArray
+    """Of its centre of gravity (3,) [m]."""
+    velocity: FloatArray
+    """(3,) [m/s]."""
+    direction: FloatArray
+    """Unit vector along its axis, away from the vessel (3,)."""
+
+
+class Memory(Protocol):
+    """An instance block: one piece of memory, whose words of cablemodel/kernels/layout.py that
+    hold identity, time, counters, vessel motion, current and pay-out are the same for all."""
+
+    ints: IntArray
+    reals: FloatArray
+
+    @property
+    def image(self) -> IntArray: ...
+
+
+class Solver(Protocol):
+    """One line at one instant, and how it goes on."""
+
+    @property
+    def memory(self) -> Memory: ...
+
+    def step(self, end: float, inputs: FloatArray) -> int:
+        """Step to a time with the 14 words of kernels/stepping.py; 0, or a status of failure."""
+
+    def explain(self, status: int) -> tuple[str, str]:
+        """Problem and advice of a status."""
+
+    def failed_arc(self) -> float:
+        """Arc length of the place that the last failure points to [m]."""
+
+    def summary(self, out: FloatArray) -> None:
+        """The numbers of kernels/outputs.py: summarise."""
+
+    def sample(self, stations: FloatArray, out: FloatArray) -> int:
+        """Rows of STATION_WORDS at arc lengths; how many stations are on the line."""
+
+    def node_arcs(self) -> FloatArray:
+        """Arc lengths of the nodes, without those that share a place [m]."""
+
+    def bodies(self) -> list[PlacedBody]:
+        """The bodies that are out, from the vessel outwards."""
+
+    @property
+    def planar(self) -> bool: ...
+
+    @property
+    def elements(self) -> int: ...
+
+
+def choose(scene: Scene, *, planar: bool | None = None) -> Solver:
+    """The solver that the scene asks for, at the scene's initial state."""
+    if scene.solver.method == "direct_integration":
+        from cablemodel.direct.solver import DirectSolver
+
+        return DirectSolver(scene, planar=planar)
+    from cablemodel.finite_element import FiniteElementSolver
+
+    return FiniteElementSolver(scene, planar=planar)

@@ -1,0 +1,190 @@
+"""Touchdown with a moving end, deployment with bodies: the paper's examples 3 and 1."""
+
+import math
+
+import numpy as np
+import pytest
+
+import cablemodel as cm
+from tests.verification import direct_scenes as scenes
+
+RATE, SPEED, DEPTH = 0.7, 0.65, 70.0
+
+
+def steady_lay(**settings):
+    """Cable K, nearly inextensible and with EI = 1, laid at 0.65 m/s until nothing changes."""
+    kind = {**scenes.CABLE_K, "bending_stiffness": 1.0, "axial_stiffness": 1e9}
+    scene = scenes.direct(
+        [scenes.cable(101.0, "hybrid")],
+        vessel={"velocity": [{"t": 0, "velocity": [SPEED, 0, 0]}]},
+        environment={"floor": {"z": -DEPTH}},
+        payout={
+            "rate": [{"t": 0, "rate": 0}, {"t": 10, "rate": RATE}],
+            "drum": [scenes.cable(300.0, "cable")],
+        },
+        types={"K": kind},
+        **settings,
+    )
+    run = cm.CableModel(scene)
+    run.step_to(300.0)
+    return run
+
+
+@pytest.fixture(scope="module")
+def lay():
+    return steady_lay(bending_length=8.0)
+
+
+def test_touchdown_layer_is_that_of_the_boundary_value_problem(lay):
+    """Concentrated reaction, largest curvature and tension at the top of the steady lay (two
+    independent boundary value problems: 1.81364 N, 0.67798 1/m, 140.895 N), within 1 %, 1 % and
+    2e-4; 0.05 m a second more than needed is laid."""
+    state = lay.state()
+    assert lay.touchdown_reaction == pytest.approx(1.81364, rel=0.01)
+    assert state.curvature.max() == pytest.approx(0.67798, rel=0.01)
+    assert lay.top_tension == pytest.approx(140.895, rel=2e-4)
+    before = lay.floor_length
+    lay.step(10.0)
+    assert lay.floor_length - before == pytest.approx(10.0 * RATE, abs=1e-4)
+
+
+def test_tension_vanishes_above_the_touchdown(lay):
+    """Compression below: T = 0 at 0.7754 m above the touchdown point."""
+    end = lay.line_length - lay.floor_length
+    stations = end - np.linspace(2.0, 0.05, 400)
+    tension = lay.sample(stations).tension
+    crossing = np.interp(0.0, -tension, end - stations)
+    assert crossing == pytest.approx(0.7754, rel=0.02)
+
+
+def test_steady_lay_is_straight_at_the_critical_angle(lay):
+    """w cos a = rho Cdn d U^2 sin^2 a / 2: 43.315 degrees."""
+    tangent = lay.sample([20.0]).tangent[0]
+    assert math.degrees(math.asin(-tangent[2])) == pytest.approx(43.31542, abs=0.02)
+
+
+@pytest.fixture(scope="module")
+def example_3():
+    run = cm.CableModel(scenes.laid(time_step=0.5, node_spacing=0.5))
+    found = {}
+    while run.time < 125.0:
+        run.step(0.5)
+        found[run.time] = (run.top_tension, float(run.floor_force[2]), run.floor_length)
+        assert run.line_length == pytest.approx(60.0 + max(0.0, 0.7 * (run.time - 20.5)), abs=0.2)
+    return found
+
+
+@pytest.mark.parametrize(("time", "tension"), [(60.0, 117.21), (96.0, 134.98)])
+def test_example_3_has_the_tension_of_the_converged_prototype(example_3, time, tension):
+    assert example_3[time][0] == pytest.approx(tension, rel=0.01)
+
+
+@pytest.mark.xfail(
+    strict=True,
+    reason="asked 1 %, measured 1.02 % in the tension at 120 s, 1.8 % in the floor's "
+    "force: the prototype folds the laid cable on a frictionless floor and drags it along; here "
+    "what is laid rests and pulls with its friction only, as in the paper",
+)
+def test_example_3_has_the_rest_of_the_prototype(example_3):
+    assert example_3[120.0][0] == pytest.approx(138.83, rel=0.01)
+    for time, force in ((60.0, 28.0), (96.0, 71.2), (120.0, 103.7)):
+        assert example_3[time][1] == pytest.approx(force, rel=0.01)
+
+
+def test_example_3_touches_down_when_the_prototype_does(example_3):
+    first = min(time for time, values in example_3.items() if values[1] > 0.0)
+    assert first == pytest.approx(38.778, abs=0.5)
+
+
+def run_through(model, end):
+    """Steps of a second."""
+    while model.time < end:
+        model.step(1.0)
+
+
+def test_flexible_model_fails_in_example_1_where_the_elastica_goes_on():
+    """On the assumed data the perfectly flexible cable loses its tension soon after pay-out begins
+    at 70 s: at 76 s with steps of 1 s, at once with shorter ones."""
+    flexible = cm.CableModel(scenes.deployed("cable"))
+    with pytest.raises(cm.StepError, match="lost its tension") as failure:
+        run_through(flexible, 200.0)
+    assert 69.0 <= failure.value.time <= 77.0
+    assert "elastica" in failure.value.advice
+    stiff = cm.CableModel(scenes.deployed("elastica"))
+    stiff.step_to(200.0)
+    assert stiff.line_length == pytest.approx(30.0 + 0.75 * 129.5, abs=1e-9)
+    assert len(stiff.bodies) == 3 + 10
+    assert stiff.drum_length == pytest.approx(100.0 - 0.75 * 129.5, abs=1e-9)
+
+
+def test_reel_in_takes_bodies_back():
+    """Out and in again: the line and its bodies are those of the start."""
+    scene = scenes.direct(
+        [scenes.cable(20.0, "cable"), {"body": scenes.POINT_BODY}, scenes.cable(10.0, "cable")],
+        vessel={"velocity": [{"t": 0, "velocity": [0.5, 0, 0]}]},
+        payout={
+            "rate": [
+                {"t": 0, "rate": 0},
+                {"t": 2, "rate": 0.5},
+                {"t": 22, "rate": 0.5},
+                {"t": 26, "rate": -0.5},
+                {"t": 46, "rate": -0.5},
+                {"t": 48, "rate": 0.0},
+            ],
+            "drum": [{"body": scenes.POINT_BODY}, scenes.cable(20.0, "cable")],
+        },
+        time_step=0.5,
+    )
+    run = cm.CableModel(scene)
+    tension, tip = run.top_tension, run.tip_position
+    run.step_to(24.0)
+    assert len(run.bodies) == 2
+    run.step_to(200.0)
+    assert len(run.bodies) == 1
+    assert run.line_length == pytest.approx(30.0, abs=1e-9)
+    assert run.top_tension == pytest.approx(tension, rel=1e-3)
+    assert run.tip_position - run.vessel_position == pytest.approx(tip, abs=0.03)
+
+
+def test_line_reeled_in_stops_at_its_shortest_length():
+    scene = scenes.direct(
+        [scenes.cable(20.0, "cable")],
+        payout={"rate": [{"t": 0, "rate": 0}, {"t": 2, "rate": -1.0}], "drum": []},
+        time_step=0.25,
+    )
+    run = cm.CableModel(scene)
+    run.step_to(30.0)
+    assert run.winch == "shortest length"
+    assert run.payout_rate == 0.0
+    assert run.line_length == pytest.approx(0.2, abs=1e-9)
+
+
+def test_friction_holds_what_is_laid():
+    """Stick: the touchdown point's material does not move in the plane of a sloping floor, so that
+    laid cable grows with the way of the touchdown point over the floor."""
+    floor = {"z": -70.0, "slope": [0.02, 0.0], "friction": 0.5}
+    run = cm.CableModel(scenes.laid(0.5, floor, time_step=0.5, node_spacing=0.5))
+    run.step_to(60.0)
+    place, laid = run.touchdown_position, run.floor_length
+    height = -70.0 + 0.02 * place[0]
+    assert place[2] == pytest.approx(height, abs=1e-3)
+    run.step_to(64.0)
+    way = np.linalg.norm(run.touchdown_position - place)
+    assert run.floor_length - laid == pytest.approx(way, rel=0.01)
+
+
+def test_a_slippery_floor_pulls_with_its_friction_at_most():
+    floor = {"z": -70.0, "friction": 0.02}
+    run = cm.CableModel(scenes.laid(0.7, floor, time_step=0.5, node_spacing=0.5))
+    run.step_to(60.0)
+    force = run.floor_force
+    assert np.hypot(force[0], force[1]) == pytest.approx(0.02 * force[2], rel=0.03)
+
+
+def test_slack_that_friction_holds_back_ends_the_run():
+    """More is paid out than is towed away and what is laid does not yield: the cable comes down
+    before its end, which this method cannot follow."""
+    floor = {"z": -70.0, "friction": 0.3}
+    run = cm.CableModel(scenes.laid(0.7, floor, time_step=0.5, node_spacing=0.5))
+    with pytest.raises(cm.StepError, match="touches the floor before its end"):
+        run.step_to(60.0)
