@@ -77,9 +77,9 @@ class BodyState:
 
     name: str | None
     position: FloatArray
-    """(3,) [m]."""
+    """Of its centre of gravity (3,) [m]."""
     velocity: FloatArray
-    """(3,) [m/s]."""
+    """Of its centre of gravity (3,) [m/s]."""
     direction: FloatArray
     """Unit vector along its axis, away from the vessel (3,)."""
 
@@ -288,7 +288,7 @@ class CableModel:
 
     @property
     def tip_position(self) -> FloatArray:
-        """Far end (3,) [m]."""
+        """Far end of the line (3,) [m]: the outer end of a body there, else the cable's."""
         return self._numbers()[9:12].copy()
 
     @property
@@ -360,11 +360,36 @@ class CableModel:
                 continue
             body = items[int(row[at.B_ITEM])].body
             assert body is not None
+            if row[at.B_LENGTH] > 0.0:
+                states.append(self._rigid_body(row, body.name))
+                continue
             state = self.sample([arcs[node]])
             states.append(
                 BodyState(body.name, state.position[0], state.velocity[0], state.tangent[0])
             )
         return states
+
+    def _rigid_body(self, row: FloatArray, name: str | None) -> BodyState:
+        """A body of finite length from the motion of its two attachments."""
+        ints, reals = self._ints, self._reals
+        dimension = int(ints[at.I_DIMENSION])
+        count = int(ints[at.I_NODES])
+        node = int(row[at.B_NODE])
+        ends = [int(self._block.integers(at.O_PARENT, count)[node]), node]
+        to_earth = np.eye(3)
+        if dimension == 2:
+            plane = reals[at.S_PLANE : at.S_PLANE + 2]
+            to_earth = np.array([[plane[0], plane[1], 0.0], [0.0, 0.0, 1.0]])
+        position = self._block.array(at.O_POSITION, count, 2 * dimension)[ends, :dimension]
+        velocity = self._block.array(at.O_VELOCITY, count, 2 * dimension)[ends, :dimension]
+        shares = 0.5 * np.array([1.0 - row[at.B_OFFSET], 1.0 + row[at.B_OFFSET]])
+        axis = position[1] - position[0]
+        return BodyState(
+            name,
+            shares @ position @ to_earth + reals[at.S_BASE : at.S_BASE + 3],
+            shares @ velocity @ to_earth,
+            axis / np.linalg.norm(axis) @ to_earth,
+        )
 
     @property
     def planar(self) -> bool:
@@ -491,7 +516,7 @@ class CableModel:
         for node in range(nodes):
             rows = slice(node * size, (node + 1) * size)
             matrix[rows, rows] += diagonal[node]
-            if node and not joint[node]:
+            if node and joint[node] != at.JOINT_HINGE:
                 above = slice(int(parent[node]) * size, (int(parent[node]) + 1) * size)
                 matrix[above, rows] += upper[node]
                 matrix[rows, above] += lower[node]
@@ -517,7 +542,8 @@ class CableModel:
                 basis[slopes, first + dimension] = direction
                 drop += range(first + dimension + 1, first + size)
         parent = self._block.integers(at.O_PARENT, nodes)
-        for node in np.flatnonzero(self._block.integers(at.O_JOINT, nodes)):
+        hinged = self._block.integers(at.O_JOINT, nodes) == at.JOINT_HINGE
+        for node in np.flatnonzero(hinged):
             own = slice(int(node) * size, int(node) * size + dimension)
             above = slice(int(parent[node]) * size, int(parent[node]) * size + dimension)
             basis[own, above] = np.eye(dimension)
