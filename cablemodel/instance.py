@@ -36,7 +36,9 @@ SHORTEST_PIECE = 0.1
 TIME_TOLERANCE = 0.045
 """Local error allowed in a step, in units of tau L; calibrated, see docs/engine.md."""
 RIGID = 1e7
-"""Axial stiffness of a body of finite length, in units of a typical tension."""
+"""Least axial stiffness of a body of finite length, in units of a typical tension."""
+SOFTEST = 3e-5
+"""Its largest axial compliance, in units of that of the line."""
 UNDAMPED = 0.08
 """Factor on it in a vacuum, at tau = 1e-3."""
 
@@ -292,7 +294,24 @@ def _shape(block: Block) -> FloatArray:
     stations = np.unique(np.interp(np.arange(8 * count - 7) / 8.0, np.arange(count), ends))
     out = np.empty(12 * len(stations))
     entry.sample(block.ints, block.reals, stations, out)
-    return out.reshape(-1, 12)[:, :3].copy()
+    points = out.reshape(-1, 12)[:, :3]
+    bodies = np.flatnonzero(block.integers(at.O_JOINT, count) == at.JOINT_BODY)
+    places = _node_places(block) if len(bodies) else points
+    for node in reversed(bodies):
+        # Both ends of a body have the same arc length: one station, or the line's last one.
+        here = int(np.searchsorted(stations, ends[node] - 1e-9 * ends[-1]))
+        points = np.vstack([points[:here], places[node - 1 : node + 1], points[here + 1 :]])
+    return points.copy()
+
+
+def _node_places(block: Block) -> FloatArray:
+    """Positions of the nodes in the earth frame, (n, 3) [m]."""
+    count, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
+    places = block.array(at.O_POSITION, count, 2 * dimension)[:, :dimension]
+    if dimension == 2:
+        plane = block.reals[at.S_PLANE : at.S_PLANE + 2]
+        places = places @ np.array([[plane[0], plane[1], 0.0], [0.0, 0.0, 1.0]])
+    return places + block.reals[at.S_BASE : at.S_BASE + 3]
 
 
 def _refined(
@@ -633,8 +652,11 @@ def _fill_rigid(row: FloatArray, body: Body, scene: Scene, scale: float) -> None
     row[at.B_OFFSET] = body.centre_offset
     row[at.B_INERTIA] = body.rotary_inertia
     row[at.B_BUOYANCY] = body.mass * scene.environment.gravity - body.submerged_weight
-    stiffness = max(1.0 / kind.strain_coefficients[0] for kind in scene.cable_types.values())
-    row[at.B_COMPLIANCE] = row[at.B_LENGTH] / max(stiffness, RIGID * scale)
+    stretch = math.fsum(
+        scene.cable_types[cable.type].strain_coefficients[0] * cable.length
+        for cable in scene.cables
+    )
+    row[at.B_COMPLIANCE] = min(row[at.B_LENGTH] / (RIGID * scale), SOFTEST * stretch)
 
 
 def _fill_constraints(block: Block, scene: Scene, line: _Line) -> None:
@@ -832,5 +854,5 @@ def _find_initial_state(block: Block, scene: Scene, velocity: FloatArray) -> Non
     for counter in (at.I_STEPS, at.I_REJECTED, at.I_FACTORISATIONS, at.I_ITERATIONS):
         ints[counter] = 0
     ints[at.I_FACTORED] = 0
-    if ints[at.I_HYBRID]:
+    if ints[at.I_HYBRID] or ints[at.I_RIGID]:
         entry.choose_bending(ints, reals)

@@ -6,7 +6,7 @@ a count; see layout.py for the codes.
 
 from numba import float64, int64
 
-from . import outputs, promote, statics, stepping, system, time_stepping
+from . import outputs, promote, rigid, statics, stepping, system, time_stepping
 from .compile import INTEGERS, REALS, entry_point
 from .layout import (
     I_BODIES,
@@ -45,8 +45,9 @@ def tension_from_stretch(I, M):
 
 @entry_point(int64(INTEGERS, REALS))
 def choose_bending(I, M):
-    """Hybrid model: decide element by element whether bending is kept."""
+    """Decide whether a hybrid's elements keep bending, and how bodies are clamped."""
     time_stepping.update_bending(I, M)
+    rigid.update_clamps(I, M)
     return 0
 
 

@@ -118,6 +118,7 @@ B_OFFSET = 9  # centre of gravity, in half lengths from the middle
 B_INERTIA = 10  # rotary inertia about the centre of gravity [kg m2]
 B_BUOYANCY = 11  # weight in air minus submerged weight [N]
 B_COMPLIANCE = 12  # of its length [m/N]
+B_CLAMP = 14  # 2 words: stiffness of the clamps to the cables before and beyond [N m]
 B_TIE = 13  # at the line's end: stiffness that ties the outer node's slope to its axis [N m]
 
 # Rows of the constraint table: nodes with a prescribed position or tangent.

@@ -27,6 +27,7 @@ from .layout import (
     B_ADDED,
     B_ADDED_AXIAL,
     B_BUOYANCY,
+    B_CLAMP,
     B_COMPLIANCE,
     B_DRAG,
     B_DRAG_AXIAL,
@@ -52,6 +53,7 @@ from .layout import (
     O_LOWER,
     O_MOTION,
     O_PARENT,
+    O_TENSION,
     O_UPPER,
     S_BASE,
 )
@@ -126,21 +128,27 @@ def clamp_stiffness(M, edge, pull, length):
 
 
 @kernel
-def inner_clamp(I, M, row, node, tension):
-    """Stiffness of the clamp to the cable on the vessel's side of the body at a node [N m]."""
-    edge = I[I[O_PARENT] + node]
-    pull = tension[2 * edge] + tension[2 * edge + 1]
-    return clamp_stiffness(M, I[O_EDGE] + edge * EDGE_WORDS, pull, M[row + B_LENGTH])
+def update_clamps(I, M):
+    """Clamps' stiffnesses by the present tensions; they hold until the next step is made.
 
-
-@kernel
-def outer_clamp(I, M, row, node, tension):
-    """Stiffness of the clamp to the cable beyond the body [N m]; 0 at the line's end."""
-    if M[row + B_TIE] != 0.0:
-        return 0.0
-    edge = node + 1
-    pull = tension[2 * edge] - tension[2 * edge + 1]
-    return clamp_stiffness(M, I[O_EDGE] + edge * EDGE_WORDS, pull, M[row + B_LENGTH])
+    Within a step a clamp conserves energy: with a stiffness that followed the tension, axial
+    vibrations would feed it.
+    """
+    tension = I[O_TENSION]
+    for body in range(I[I_BODIES]):
+        row = rigid_row(I, M, body)
+        if row < 0:
+            continue
+        node = int(M[row + B_NODE])
+        length = M[row + B_LENGTH]
+        edge = I[I[O_PARENT] + node]
+        pull = M[tension + 2 * edge] + M[tension + 2 * edge + 1]
+        M[row + B_CLAMP] = clamp_stiffness(M, I[O_EDGE] + edge * EDGE_WORDS, pull, length)
+        M[row + B_CLAMP + 1] = 0.0
+        if M[row + B_TIE] == 0.0:
+            edge = node + 1
+            pull = M[tension + 2 * edge] - M[tension + 2 * edge + 1]
+            M[row + B_CLAMP + 1] = clamp_stiffness(M, I[O_EDGE] + edge * EDGE_WORDS, pull, length)
 
 
 @kernel
@@ -193,13 +201,9 @@ def rigid_residual(I, M, q, v, a, tension, out, out_constraint):
         out_constraint[2 * node] = reach - length - M[row + B_COMPLIANCE] * bar
         out_constraint[2 * node + 1] = 0.0
         for side in range(2):
-            if side == 0:
-                k = inner_clamp(I, M, row, node, tension)
-                at = inner + dimension
-            else:
-                k = outer_clamp(I, M, row, node, tension)
-                at = outer + dimension
+            k = M[row + B_CLAMP + side]
             if k != 0.0:
+                at = dimension + (inner if side == 0 else outer)
                 clamp_forces(dimension, k, q, at, inner, outer, reach, w, out)
         near = 0.5 * (1.0 - M[row + B_OFFSET])
         far = 0.5 * (1.0 + M[row + B_OFFSET])
@@ -299,10 +303,10 @@ def rigid_jacobian(I, M, q, v, a, tension, ca, cv):
         L[:] = 0.0
         length = M[row + B_LENGTH]
         reach = axis_of(dimension, q, inner, outer, w)
-        k = inner_clamp(I, M, row, node, tension)
+        k = M[row + B_CLAMP]
         if k != 0.0:
             add_clamp(dimension, k, q, inner + dimension, True, reach, w, D_inner, D_outer, U, L)
-        k = outer_clamp(I, M, row, node, tension)
+        k = M[row + B_CLAMP + 1]
         if k != 0.0:
             add_clamp(dimension, k, q, outer + dimension, False, reach, w, D_inner, D_outer, U, L)
         stiffness = 1.0 / M[row + B_COMPLIANCE]
@@ -398,11 +402,11 @@ def rigid_energy(I, M, row, q, v, a, tension, out):
     reach = axis_of(dimension, q, inner, outer, w)
     bar = tension[2 * node]
     out[1] += 0.5 * M[row + B_COMPLIANCE] * bar * bar
-    k = inner_clamp(I, M, row, node, tension)
+    k = M[row + B_CLAMP]
     if k != 0.0:
         _length, cosine = slope_direction(dimension, q, inner + dimension, w)
         out[2] += k * (1.0 - cosine)
-    k = outer_clamp(I, M, row, node, tension)
+    k = M[row + B_CLAMP + 1]
     if k != 0.0:
         _length, cosine = slope_direction(dimension, q, outer + dimension, w)
         out[2] += k * (1.0 - cosine)

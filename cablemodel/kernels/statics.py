@@ -12,6 +12,7 @@ from .layout import (
     I_FAILED_NODE,
     I_ITERATIONS,
     I_NODES,
+    I_RIGID,
     O_ACCELERATION,
     O_COMPLIANCE,
     O_CONSTRAINT_RESIDUAL,
@@ -30,6 +31,7 @@ from .layout import (
     S_TIME,
     STATICS_FAILED,
 )
+from .rigid import update_clamps
 from .system import factorise, jacobian, newton_increment, recover_tension, residual, set_time
 from .time_stepping import increment_norm
 
@@ -63,6 +65,8 @@ def find_equilibrium(I, M, frame):
     set_time(I, M, M[S_TIME])
     w0[:] = 0.0
     a0[:] = 0.0
+    if I[I_RIGID] > 0:
+        update_clamps(I, M)
     dt = M[S_FIRST_STEP]
     calm = 0
     status = STATICS_FAILED
@@ -118,6 +122,8 @@ def find_equilibrium(I, M, frame):
             q0[n] = q[n]
         for n in range(2 * nodes):
             t0[n] = tension[n]
+        if I[I_RIGID] > 0:
+            update_clamps(I, M)
         if moved <= 1e-10 * length and dt > 1e3 * M[S_FIRST_STEP]:
             calm += 1
             if calm >= 2:
