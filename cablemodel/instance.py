@@ -651,7 +651,7 @@ def _fill_rigid(row: FloatArray, body: Body, scene: Scene, scale: float) -> None
     row[at.B_LENGTH] = 2.0 * body.half_length
     row[at.B_OFFSET] = body.centre_offset
     row[at.B_INERTIA] = body.rotary_inertia
-    row[at.B_BUOYANCY] = body.mass * scene.environment.gravity - body.submerged_weight
+    row[at.B_DRY_WEIGHT] = body.mass * scene.environment.gravity
     stretch = math.fsum(
         scene.cable_types[cable.type].strain_coefficients[0] * cable.length
         for cable in scene.cables

@@ -349,47 +349,32 @@ class CableModel:
     @property
     def bodies(self) -> list[BodyState]:
         """The bodies that are out, from the vessel outwards."""
+        from cablemodel import library as entry
+
         count = int(self._ints[at.I_BODIES])
         rows = self._block.array(at.O_BODY, count, at.BODY_WORDS)
         states = []
         items = [*self.scene.line, *self.scene.payout.drum]
         arcs = self._node_arcs()
-        for row in sorted(rows, key=lambda row: float(row[at.B_NODE])):
+        motion = np.zeros((count, 12))
+        if self._ints[at.I_RIGID] > 0:
+            entry.bodies(self._ints, self._reals, motion.reshape(-1))
+        for index in np.argsort(rows[:, at.B_NODE], kind="stable"):
+            row = rows[index]
             node = int(row[at.B_NODE])
             if node < 0:
                 continue
             body = items[int(row[at.B_ITEM])].body
             assert body is not None
             if row[at.B_LENGTH] > 0.0:
-                states.append(self._rigid_body(row, body.name))
+                place = motion[index]
+                states.append(BodyState(body.name, place[0:3], place[6:9], place[3:6]))
                 continue
             state = self.sample([arcs[node]])
             states.append(
                 BodyState(body.name, state.position[0], state.velocity[0], state.tangent[0])
             )
         return states
-
-    def _rigid_body(self, row: FloatArray, name: str | None) -> BodyState:
-        """A body of finite length from the motion of its two attachments."""
-        ints, reals = self._ints, self._reals
-        dimension = int(ints[at.I_DIMENSION])
-        count = int(ints[at.I_NODES])
-        node = int(row[at.B_NODE])
-        ends = [int(self._block.integers(at.O_PARENT, count)[node]), node]
-        to_earth = np.eye(3)
-        if dimension == 2:
-            plane = reals[at.S_PLANE : at.S_PLANE + 2]
-            to_earth = np.array([[plane[0], plane[1], 0.0], [0.0, 0.0, 1.0]])
-        position = self._block.array(at.O_POSITION, count, 2 * dimension)[ends, :dimension]
-        velocity = self._block.array(at.O_VELOCITY, count, 2 * dimension)[ends, :dimension]
-        shares = 0.5 * np.array([1.0 - row[at.B_OFFSET], 1.0 + row[at.B_OFFSET]])
-        axis = position[1] - position[0]
-        return BodyState(
-            name,
-            shares @ position @ to_earth + reals[at.S_BASE : at.S_BASE + 3],
-            shares @ velocity @ to_earth,
-            axis / np.linalg.norm(axis) @ to_earth,
-        )
 
     @property
     def planar(self) -> bool:

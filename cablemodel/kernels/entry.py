@@ -13,6 +13,7 @@ from .layout import (
     I_CONSTRAINTS,
     I_DIMENSION,
     I_NODES,
+    I_RIGID,
     O_ACCELERATION,
     O_POSITION,
     O_TENSION,
@@ -74,6 +75,13 @@ def sample(I, M, stations, out):
 
 
 @entry_point(int64(INTEGERS, REALS, REALS))
+def bodies(I, M, out):
+    """Motion of the bodies of finite length; out: rows of 12 words, see outputs.body_stations."""
+    outputs.body_stations(I, M, out)
+    return I[I_RIGID]
+
+
+@entry_point(int64(INTEGERS, REALS, REALS))
 def summary(I, M, out):
     """The numbers of outputs.summarise (24 words)."""
     outputs.summarise(I, M, out)
@@ -120,6 +128,7 @@ ENTRY_POINTS = {
     "choose_bending": choose_bending,
     "place_supports": place_supports,
     "sample": sample,
+    "bodies": bodies,
     "summary": summary,
     "energy": energy,
     "assemble": assemble,

@@ -9,6 +9,7 @@ from .layout import (
     B_LENGTH,
     B_MASS,
     B_NODE,
+    B_OFFSET,
     B_WEIGHT,
     BODY_WORDS,
     E_ADDED,
@@ -50,7 +51,7 @@ from .layout import (
     S_STAGE_RATE,
     S_TIME,
 )
-from .rigid import flow_energy, rigid_energy
+from .rigid import axis_of, flow_energy, rigid_energy, rigid_row
 from .strain import strain_and_slope
 from .system import residual, set_time
 
@@ -241,6 +242,37 @@ def sample_stations(I, M, stations, out):
         out[row + 10] = curvature
         out[row + 11] = M[edge + E_BENDING] * curvature
     return len(stations)
+
+
+@kernel
+def body_stations(I, M, out):
+    """Bodies of finite length that are out: position, axis and velocity of the centre of gravity.
+
+    out: the first 9 words of rows of STATION_WORDS, one for each body of the table; those of other
+    bodies stay as they are (they move with the cable: see sample_stations).
+    """
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    count = size * I[I_NODES]
+    q = M[I[O_POSITION] : I[O_POSITION] + count]
+    v = M[I[O_VELOCITY] : I[O_VELOCITY] + count]
+    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
+    for body in range(I[I_BODIES]):
+        row = rigid_row(I, M, body)
+        if row < 0:
+            continue
+        node = int(M[row + B_NODE])
+        outer = size * node
+        inner = size * I[I[O_PARENT] + node]
+        axis_of(dimension, q, inner, outer, w)
+        near = 0.5 * (1.0 - M[row + B_OFFSET])
+        far = 0.5 * (1.0 + M[row + B_OFFSET])
+        for i in range(dimension):
+            w[3 + i] = near * q[inner + i] + far * q[outer + i]
+            w[6 + i] = near * v[inner + i] + far * v[outer + i]
+        to_earth(I, M, w, 3, out, STATION_WORDS * body, 1)
+        to_earth(I, M, w, 0, out, STATION_WORDS * body + 3, 0)
+        to_earth(I, M, w, 6, out, STATION_WORDS * body + 6, 0)
 
 
 @kernel

@@ -26,11 +26,11 @@ from .environment import current_at
 from .layout import (
     B_ADDED,
     B_ADDED_AXIAL,
-    B_BUOYANCY,
     B_CLAMP,
     B_COMPLIANCE,
     B_DRAG,
     B_DRAG_AXIAL,
+    B_DRY_WEIGHT,
     B_INERTIA,
     B_LENGTH,
     B_MASS,
@@ -210,11 +210,11 @@ def rigid_residual(I, M, q, v, a, tension, out, out_constraint):
         turning = M[row + B_INERTIA] / (length * length)
         middle_flow(I, M, q, v, a, inner, outer, w)
         flow_force(M, row, dimension, M[row + B_ADDED], w)
-        w[12 + dimension - 1] -= M[row + B_BUOYANCY]
+        w[12 + dimension - 1] -= M[row + B_DRY_WEIGHT] - M[row + B_WEIGHT]  # buoyancy
         for i in range(dimension):
             centre = M[row + B_MASS] * (near * a[inner + i] + far * a[outer + i])
             if i == dimension - 1:
-                centre += M[row + B_WEIGHT] + M[row + B_BUOYANCY]
+                centre += M[row + B_DRY_WEIGHT]
             pair = bar * w[i] + turning * (a[outer + i] - a[inner + i])
             out[inner + i] += near * centre + 0.5 * w[12 + i] - pair
             out[outer + i] += far * centre + 0.5 * w[12 + i] + pair
@@ -415,8 +415,8 @@ def rigid_energy(I, M, row, q, v, a, tension, out):
     up = dimension - 1
     low = q[inner + up] + M[S_BASE + 2]
     high = q[outer + up] + M[S_BASE + 2]
-    weight = M[row + B_WEIGHT] + M[row + B_BUOYANCY]
-    out[3] += weight * (near * low + far * high) - 0.5 * M[row + B_BUOYANCY] * (low + high)
+    weight = M[row + B_DRY_WEIGHT]
+    out[3] += weight * (near * low + far * high) - 0.5 * (weight - M[row + B_WEIGHT]) * (low + high)
     speed = 0.0
     turn = 0.0
     for i in range(dimension):

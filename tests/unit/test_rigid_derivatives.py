@@ -18,15 +18,15 @@ BODY = {
 
 
 @numba.jit(**OPTIONS)
-def forces(I, M, q, v, a, tension, out, constraint):
-    current_profile(I, M, 0.0)
-    rigid_residual(I, M, q, v, a, tension, out, constraint)
+def forces(ints, reals, q, v, a, tension, out, constraint):
+    current_profile(ints, reals, 0.0)
+    rigid_residual(ints, reals, q, v, a, tension, out, constraint)
 
 
 @numba.jit(**OPTIONS)
-def matrix(I, M, q, v, a, tension, ca, cv):
-    current_profile(I, M, 0.0)
-    rigid_jacobian(I, M, q, v, a, tension, ca, cv)
+def matrix(ints, reals, q, v, a, tension, ca, cv):
+    current_profile(ints, reals, 0.0)
+    rigid_jacobian(ints, reals, q, v, a, tension, ca, cv)
 
 
 def line(at_end):

@@ -70,7 +70,7 @@ def chain(bodies, lengths, stiffness, start, times):
             force[2] = across @ (2.0 * body.half_length * below)
             force[2] += across[1] * (body.half_length * body.buoyancy - arm * mass * GRAVITY)
             acceleration[k] = np.linalg.solve(matrix, force)
-        return np.concatenate([y[3 * count :], acceleration.ravel()])
+        return np.array([*y[3 * count :], *acceleration.ravel()])
 
     y0 = np.concatenate([np.ravel(start), np.zeros(3 * count)])
     solution = solve_ivp(
@@ -88,9 +88,9 @@ def centre_and_end(body, state):
 def towed_below(body, cable, length, speed, bending=0.0):
     """A body at the end of a cable towed at a constant speed along x.
 
-    The body's attitude by moments about its attachment; where the cable bends, the moment of its
-    layer 2 sqrt(EI T) sin(angle / 2), and that layer's offset. Then the cable from the body
-    upwards as an ODE of internal force and position (rtol 1e-12).
+    The body's attitude by moments about its attachment, with that of a cable that bends, whose
+    elastica is integrated through its layer of sqrt(EI/T). Then the cable from there upwards as an
+    ODE of internal force and position (rtol 1e-12).
 
     Returns centre of gravity and axis (3,) relative to the tow point, and the top force's size.
     """
@@ -107,26 +107,15 @@ def towed_below(body, cable, length, speed, bending=0.0):
         return np.array([np.sin(angle), -np.cos(angle)])
 
     def pull(angle):
-        return drag(attitude(angle), normal, axial) - [0.0, body.submerged_weight]
-
-    def bend(angle):
-        force = pull(angle)
-        return np.arctan2(force[0], -force[1]) - angle  # of the cable against the body
+        return drag(attitude(angle), normal, axial) - np.array([0.0, body.submerged_weight])
 
     def moment(angle):
+        """Of all loads about the attachment; the cable must hold it [N m]."""
         across = np.array([np.cos(angle), np.sin(angle)])
-        water = drag(attitude(angle), normal, axial) + [0.0, body.buoyancy]
+        water = drag(attitude(angle), normal, axial) + np.array([0.0, body.buoyancy])
         weight = np.array([0.0, -body.mass * GRAVITY])
-        turning = across @ (body.half_length * water + body.arm * weight)
-        tension = np.linalg.norm(pull(angle))
-        return turning + 2.0 * np.sqrt(bending * tension) * np.sin(0.5 * bend(angle))
+        return float(across @ (body.half_length * water + body.arm * weight))
 
-    angle = brentq(moment, -2.0, 0.5, xtol=1e-15)
-    axis, force = attitude(angle), pull(angle)
-    tension = np.linalg.norm(force)
-    layer = np.sqrt(bending / tension)
-    turned = np.array([-force[1], force[0]]) / tension  # the cable's direction, turned to port
-    offset = -layer * 2.0 * np.sin(0.5 * bend(angle)) * turned
     diameter, stiffness = cable["diameter"], cable["axial_stiffness"]
     across = 0.5 * DENSITY * cable["drag_normal"] * diameter
     along = 0.5 * DENSITY * cable["drag_tangential"] * np.pi * diameter
@@ -138,10 +127,44 @@ def towed_below(body, cable, length, speed, bending=0.0):
         load[1] -= cable["submerged_weight"]
         return [*load, *(stretch * tangent)]
 
-    solution = solve_ivp(
-        rate, (0.0, length), [*force, 0.0, 0.0], method="DOP853", rtol=1e-12, atol=1e-12
-    )
-    end = solution.y[2:, -1] + offset
+    def layer(_s, y):
+        """The same for an elastica: y = (force, position, angle, d(angle)/ds)."""
+        size = np.linalg.norm(y[:2])
+        tangent, stretch = attitude(y[4]), 1.0 + (y[:2] @ attitude(y[4])) / stiffness
+        load = np.sqrt(stretch) * drag(tangent, across, along)
+        load[1] -= cable["submerged_weight"]
+        turn = np.arctan2(y[0], -y[1]) - y[4]
+        return [*load, *(stretch * tangent), y[5], -stretch * size * np.sin(turn) / bending]
+
+    if bending == 0.0:
+        angle = brentq(moment, -2.0, 0.5, xtol=1e-15)
+        start, begin = np.array([*pull(angle), 0.0, 0.0]), 0.0
+    else:
+        # The layer grows like exp(s / sqrt(EI/T)) unless it starts at the right angle: bisection
+        # on the side to which it diverges, from where the cable alone would hold the body.
+        def ends(angle):
+            first = [*pull(angle), 0.0, 0.0, angle, -moment(angle) / bending]
+            reach = 16.0 * np.sqrt(bending / np.linalg.norm(pull(angle)))
+            away = lambda _s, y: abs(np.arctan2(y[0], -y[1]) - y[4]) - 1.0  # noqa: E731
+            away.terminal = True
+            found = solve_ivp(layer, (0.0, reach), first, rtol=1e-11, atol=1e-13, events=away)
+            return np.arctan2(found.y[0, -1], -found.y[1, -1]) - found.y[4, -1], found
+
+        low, high = -1.5, 0.5
+        sign = ends(low)[0]
+        for _ in range(60):
+            angle = 0.5 * (low + high)
+            if ends(angle)[0] * sign > 0.0:
+                low = angle
+            else:
+                high = angle
+        _, found = ends(angle)
+        # Half of the way out the layer has decayed to 3e-4 and what was wrong has not grown yet.
+        middle = int(np.searchsorted(found.t, 0.5 * found.t[-1]))
+        start, begin = found.y[:4, middle], found.t[middle]
+    axis = attitude(angle)
+    solution = solve_ivp(rate, (begin, length), start, method="DOP853", rtol=1e-12, atol=1e-12)
+    end = solution.y[2:, -1]
     centre = end + body.arm * axis
     return (
         np.array([centre[0], 0.0, centre[1]]),
