@@ -652,6 +652,7 @@ def _fill_rigid(row: FloatArray, body: Body, scene: Scene, scale: float) -> None
     row[at.B_OFFSET] = body.centre_offset
     row[at.B_INERTIA] = body.rotary_inertia
     row[at.B_DRY_WEIGHT] = body.mass * scene.environment.gravity
+    row[at.B_PULL : at.B_PULL + 2] = scale  # until the tensions are known
     stretch = math.fsum(
         scene.cable_types[cable.type].strain_coefficients[0] * cable.length
         for cable in scene.cables

@@ -48,7 +48,7 @@ def tension_from_stretch(I, M):
 def choose_bending(I, M):
     """Decide whether a hybrid's elements keep bending, and how bodies are clamped."""
     time_stepping.update_bending(I, M)
-    rigid.update_clamps(I, M)
+    rigid.update_clamps(I, M, 1.0)
     return 0
 
 

@@ -111,15 +111,16 @@ JOINT_HINGE = 1  # the same place, a slope of its own
 JOINT_BODY = 2  # a rigid body of finite length, from the parent to the node
 
 # Rows of the body table.
-BODY_WORDS = 16
+BODY_WORDS = 18
 B_NODE, B_MASS, B_WEIGHT, B_ADDED, B_ADDED_AXIAL, B_DRAG, B_DRAG_AXIAL, B_ITEM = range(8)
 B_LENGTH = 8  # between its attachments [m]; 0: a point body. Its node is the outer attachment
 B_OFFSET = 9  # centre of gravity, in half lengths from the middle
 B_INERTIA = 10  # rotary inertia about the centre of gravity [kg m2]
 B_DRY_WEIGHT = 11  # weight in air [N]
 B_COMPLIANCE = 12  # of its length [m/N]
-B_CLAMP = 14  # 2 words: stiffness of the clamps to the cables before and beyond [N m]
 B_TIE = 13  # at the line's end: stiffness that ties the outer node's slope to its axis [N m]
+B_CLAMP = 14  # 2 words: stiffness of the clamps to the cables before and beyond [N m]
+B_PULL = 16  # 2 words: tensions there, smoothed over time [N]
 
 # Rows of the constraint table: nodes with a prescribed position or tangent.
 CONSTRAINT_WORDS = 10

@@ -36,15 +36,18 @@ from .layout import (
     B_MASS,
     B_NODE,
     B_OFFSET,
+    B_PULL,
     B_TIE,
     B_WEIGHT,
     BODY_WORDS,
     E_BENDING,
     E_BENDING_FULL,
     E_LENGTH,
+    E_MODEL,
     EDGE_WORDS,
     I_BODIES,
     I_DIMENSION,
+    MODEL_HYBRID,
     O_BODY,
     O_COMPLIANCE,
     O_DIAGONAL,
@@ -58,7 +61,8 @@ from .layout import (
     S_BASE,
 )
 
-CLAMP = 1e6  # stiffness of a clamp, in units of EI over the shorter of element and body
+CLAMP = 1e4  # stiffness of a clamp, in units of EI over the shorter of element and body
+SOFT_CLAMP = 1e3  # the same for a hybrid, whose tension decides from time to time
 UNRESOLVED = 8.4686  # h / sqrt(EI/T) at which a string's cubic turns as easily as the layer
 SLOPE_INERTIA = 1e-9  # of m l^2: keeps the mass matrix regular for the slope at the line's end
 
@@ -105,34 +109,36 @@ def middle_flow(I, M, q, v, a, inner, outer, w):
 def clamp_stiffness(M, edge, pull, length):
     """Moment per angle [N m] between a body of this length [m] and a cable under `pull` [N].
 
-    edge: row of the element next to the body. An element that is long against the bending layer
-    sqrt(EI/T) resists a turn of its end by 1/(1 - share) of the layer's sqrt(EI T); the spring in
-    series with it makes up for the rest. `share` is fitted to an even mesh within 2 %.
+    edge: row of the element next to the body. An elastica's mesh resolves its layer. A hybrid's
+    element that is long against the layer sqrt(EI/T) resists a turn of its end by 1/(1 - share) of
+    the layer's sqrt(EI T); the spring in series with it makes up for the rest. `share` is fitted
+    to an even mesh within 2 %.
     """
     full = M[edge + E_BENDING_FULL]
     if full == 0.0:
         return 0.0
     h = M[edge + E_LENGTH]
-    stiff = CLAMP * full / min(h, length)
+    if M[edge + E_MODEL] != MODEL_HYBRID:
+        return CLAMP * full / min(h, length)
+    stiff = SOFT_CLAMP * full / min(h, length)
     if not pull > 0.0:
         return stiff
+    stiff += SOFT_CLAMP * math.sqrt(full * pull)
     x = h * math.sqrt(pull / full)
+    x4 = x**4
+    share = x4 / (1440.0 + 101.7 * x * x + 8.22 * x**3 + x4)
     if M[edge + E_BENDING] == 0.0:
-        share = 1.0 - UNRESOLVED / x
-    else:
-        x4 = x**4
-        share = x4 / (1440.0 + 101.7 * x * x + 8.22 * x**3 + x4)
-    if not share > 0.0:
-        return stiff
+        # A string's cubic, which gives way by UNRESOLVED / h of the layer.
+        share = max(1.0 - UNRESOLVED / x, 0.1)
     return 1.0 / (share / math.sqrt(full * pull) + 1.0 / stiff)
 
 
 @kernel
-def update_clamps(I, M):
-    """Clamps' stiffnesses by the present tensions; they hold until the next step is made.
+def update_clamps(I, M, share):
+    """Clamps' stiffnesses by the tensions, of which `share` is the present one, the rest the past.
 
-    Within a step a clamp conserves energy: with a stiffness that followed the tension, axial
-    vibrations would feed it.
+    They hold until the next step is made, and follow axial vibrations by their mean only: a
+    stiffness that changes while the clamp is bent does work, and would feed such vibrations.
     """
     tension = I[O_TENSION]
     for body in range(I[I_BODIES]):
@@ -140,15 +146,17 @@ def update_clamps(I, M):
         if row < 0:
             continue
         node = int(M[row + B_NODE])
-        length = M[row + B_LENGTH]
-        edge = I[I[O_PARENT] + node]
-        pull = M[tension + 2 * edge] + M[tension + 2 * edge + 1]
-        M[row + B_CLAMP] = clamp_stiffness(M, I[O_EDGE] + edge * EDGE_WORDS, pull, length)
-        M[row + B_CLAMP + 1] = 0.0
-        if M[row + B_TIE] == 0.0:
-            edge = node + 1
-            pull = M[tension + 2 * edge] - M[tension + 2 * edge + 1]
-            M[row + B_CLAMP + 1] = clamp_stiffness(M, I[O_EDGE] + edge * EDGE_WORDS, pull, length)
+        for side in range(2):
+            k = row + B_CLAMP + side
+            past = row + B_PULL + side
+            if side == 1 and M[row + B_TIE] != 0.0:
+                M[k] = 0.0
+                continue
+            edge = I[I[O_PARENT] + node] if side == 0 else node + 1
+            slope = M[tension + 2 * edge + 1]
+            pull = M[tension + 2 * edge] + (slope if side == 0 else -slope)
+            M[past] += share * (pull - M[past])
+            M[k] = clamp_stiffness(M, I[O_EDGE] + edge * EDGE_WORDS, M[past], M[row + B_LENGTH])
 
 
 @kernel

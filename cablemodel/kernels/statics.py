@@ -66,7 +66,7 @@ def find_equilibrium(I, M, frame):
     w0[:] = 0.0
     a0[:] = 0.0
     if I[I_RIGID] > 0:
-        update_clamps(I, M)
+        update_clamps(I, M, 0.0)
     dt = M[S_FIRST_STEP]
     calm = 0
     status = STATICS_FAILED
@@ -122,8 +122,8 @@ def find_equilibrium(I, M, frame):
             q0[n] = q[n]
         for n in range(2 * nodes):
             t0[n] = tension[n]
-        if I[I_RIGID] > 0:
-            update_clamps(I, M)
+        if I[I_RIGID] > 0 and dt > 1e3 * M[S_FIRST_STEP]:
+            update_clamps(I, M, 1.0)
         if moved <= 1e-10 * length and dt > 1e3 * M[S_FIRST_STEP]:
             calm += 1
             if calm >= 2:

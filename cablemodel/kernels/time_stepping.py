@@ -485,7 +485,7 @@ def advance_to(I, M, t_end):
             if I[I_HYBRID] == 1:
                 update_bending(I, M)
             if I[I_RIGID] > 0:
-                update_clamps(I, M)
+                update_clamps(I, M, dt / (dt + M[S_PERIOD]))
             if I[I_LIVE] == 0:
                 I[I_PIECE] = find_piece(I, M, M[S_TIME])
             I[I_STEPS] += 1

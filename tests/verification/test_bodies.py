@@ -374,6 +374,46 @@ def test_results_converge_with_the_tolerance(model):
         assert np.abs(run(tolerance) - exact).max() < tolerance * 22.0
 
 
+HARSH = {
+    "slack": {"initial": {"straight": [1, 0, 0]}},
+    "inverted": {"initial": {"straight": [1e-3, 0, 1]}},
+    "sudden stop": {
+        "vessel": {
+            "velocity": [
+                {"t": 0, "velocity": [3, 0, 0]},
+                {"t": 1, "velocity": [3, 0, 0]},
+                {"t": 1.001, "velocity": [0, 0, 0]},
+            ]
+        }
+    },
+    "heave": {
+        "vessel": {"velocity": [{"t": k, "velocity": [0, 0, 2.0 * (-1.0) ** k]} for k in range(20)]}
+    },
+    "anchored": {"end": {"anchor": [15, 4, -10], "connection": {"clamped": [1, 0, 0]}}},
+}
+
+
+@pytest.mark.parametrize("model", ["hybrid", "cable", "elastica"])
+@pytest.mark.parametrize("case", HARSH)
+def test_no_energy_comes_from_nowhere(case, model):
+    """Tension that vanishes, buckling, snaps: completed, the body as long as it is, no runaway."""
+    settings = HARSH[case]
+    body = {**asdict(SWUNG[0]), "added_mass": 4.0, "drag_area": 0.05, "drag_area_axial": 0.01}
+    piece = {"cable": {"type": "C", "length": 8.0, "model": model}}
+    line = [piece, {"body": body}, piece, {"body": body}, *([piece] if "end" in settings else [])]
+    simulated = cm.CableModel(load(line, CABLE_K, tolerance=1e-3, **settings))
+    energy = [stored(simulated)]
+    for time in np.arange(1.0, 20.1, 1.0):
+        simulated.step_to(time)
+        energy.append(stored(simulated))
+    if case in ("slack", "inverted", "anchored"):  # the vessel does no work
+        assert np.diff(energy).max() < 0.01 * np.ptp(energy) + 1e-3
+    assert simulated.statistics["steps"] < 2000
+    if "end" not in settings:
+        end = simulated.sample(simulated.line_length).position[0]
+        assert np.linalg.norm(simulated.tip_position - end) == pytest.approx(0.8, rel=1e-5)
+
+
 @pytest.mark.parametrize("interval", [0.001, 0.1, 100.0])
 def test_any_step_of_the_caller(interval):
     tolerance = 1e-3
