@@ -80,12 +80,20 @@ class FiniteElementSolver:
         items = [*self.scene.line, *self.scene.payout.drum]
         arcs = self._all_arcs()
         placed = []
-        for row in sorted(rows, key=lambda row: float(row[at.B_NODE])):
+        motion = np.zeros((len(rows), 12))
+        if self._ints[at.I_RIGID] > 0:
+            entry.bodies(self._ints, self._reals, motion.reshape(-1))
+        for index in np.argsort(rows[:, at.B_NODE], kind="stable"):
+            row = rows[index]
             node = int(row[at.B_NODE])
             if node < 0:
                 continue
             body = items[int(row[at.B_ITEM])].body
             assert body is not None
+            if row[at.B_LENGTH] > 0.0:
+                place = motion[index]
+                placed.append(PlacedBody(body.name, place[0:3], place[6:9], place[3:6]))
+                continue
             out = np.empty(at.STATION_WORDS)
             self.sample(arcs[node : node + 1].copy(), out)
             placed.append(PlacedBody(body.name, out[0:3].copy(), out[6:9].copy(), out[3:6].copy()))

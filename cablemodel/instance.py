@@ -36,6 +36,10 @@ SHORTEST_PIECE = 0.1
 """Of an element: cable that must be out before the joint below it leaves the drum."""
 TIME_TOLERANCE = 0.045
 """Local error allowed in a step, in units of tau L; calibrated, see docs/engine.md."""
+RIGID = 1e7
+"""Least axial stiffness of a body of finite length, in units of a typical tension."""
+SOFTEST = 3e-5
+"""Its largest axial compliance, in units of that of the line."""
 UNDAMPED = 0.08
 """Factor on it in a vacuum, at tau = 1e-3."""
 
@@ -50,12 +54,17 @@ def refuse_unsupported(scene: Scene) -> None:
     environment = scene.environment
     if environment.waves is not None:
         refuse("environment.waves", "waves", "waves are", "no waves (null)")
+    for index, item in enumerate(scene.payout.drum):
+        if item.body is not None and item.body.half_length > 0.0:
+            path = f"payout.drum.{index}.body.half_length"
+            length = item.body.half_length
+            refuse(path, length, "a body of finite length on the drum is", "0 (a point body)")
     for part, items in (("line", scene.line), ("payout.drum", scene.payout.drum)):
         for index, item in enumerate(items):
-            if item.body is not None and item.body.half_length > 0.0:
-                path = f"{part}.{index}.body.half_length"
-                length = item.body.half_length
-                refuse(path, length, "a body of finite length is", "0 (a point body)")
+            if item.body is not None and item.body.rotary_inertia > 0.0 == item.body.half_length:
+                path = f"{part}.{index}.body.rotary_inertia"
+                what = "a point body with rotary inertia is"
+                refuse(path, item.body.rotary_inertia, what, "0, or a half_length")
     if scene.payout.drum and scene.payout.drum[-1].body is not None:
         path = f"payout.drum.{len(scene.payout.drum) - 1}"
         what = "a body at the inner end of the drum never leaves it: this is"
@@ -80,8 +89,12 @@ class _Line:
     length: list[float]
     start: list[float]
     cable: list[int]
+    passed: list[float]
+    """Length of the bodies between the vessel and each node [m]: not cable, but in the way."""
     bodies: list[tuple[int, Body, int]]
-    """Node (-1: on the drum), body, its place in the scene's line and drum."""
+    """Node (-1: on the drum), body, its place in the scene's line and drum.
+
+    The node of a body of finite length is its outer attachment, its parent the inner one."""
     nominal: list[float]
     """Length of an element of every cable of the line [m]."""
 
@@ -119,7 +132,9 @@ def _spans(scene: Scene, scale: float) -> list[Span]:
         layer = math.inf if cable.model == "cable" else math.sqrt(kind.bending_stiffness / scale)
         last = place == len(items) - 1
         ends_clamped = scene.end.connection.kind == "clamped" if last else False
-        before_body = not last and items[place + 1].body is not None and place + 2 < len(items)
+        body = None if last else items[place + 1].body
+        # A point body at the end bends nothing.
+        before_body = body is not None and (body.half_length > 0.0 or place + 2 < len(items))
         body_layer = cable.model == "elastica"
         at_start = clamped and (place == 0 or body_layer)
         at_end = ends_clamped or (before_body and body_layer)
@@ -138,38 +153,40 @@ def _spans(scene: Scene, scale: float) -> list[Span]:
 def _mesh(scene: Scene, spaced: list[FloatArray]) -> _Line:
     """Joints and bodies of the scene's line on the nodes of its cables, vessel first."""
     items = list(scene.line)
-    line = _Line([-1], [0], [0.0], [0.0], [0], [], [])
+    line = _Line([-1], [0], [0.0], [0.0], [0], [0.0], [], [])
     arc = 0.0
     index = -1
     previous: Cable | None = None
-    after_body = False
+    body: Body | None = None
+
+    def add(joint: int, length: float, start: float, ahead: float = 0.0) -> None:
+        line.parent.append(line.nodes - 1)
+        line.joint.append(joint)
+        line.length.append(length)
+        line.start.append(start)
+        line.cable.append(index)
+        line.passed.append(line.passed[-1] + ahead)
+
     for place, item in enumerate(items):
         if item.body is not None:
-            line.bodies.append((line.nodes - 1, item.body, place))
-            after_body = True
+            body = item.body
+            if body.half_length > 0.0:
+                add(at.JOINT_BODY, 0.0, arc, 2.0 * body.half_length)
+            line.bodies.append((line.nodes - 1, body, place))
             continue
         cable = item.cable
         assert cable is not None
         index += 1
-        if previous is not None:
-            flexible = "cable" in (previous.model, cable.model)
-            if flexible or (after_body and "hybrid" in (previous.model, cable.model)):
-                line.parent.append(line.nodes - 1)
-                line.joint.append(1)
-                line.length.append(0.0)
-                line.start.append(arc)
-                line.cable.append(index)
+        rigid = body is not None and body.half_length > 0.0
+        if previous is not None and not rigid and _hinged(previous, cable, body is not None):
+            add(at.JOINT_HINGE, 0.0, arc)
         nodes = spaced[index]
         line.nominal.append(float(np.max(np.diff(nodes))))
         for left, right in itertools.pairwise(nodes):
-            line.parent.append(line.nodes - 1)
-            line.joint.append(0)
-            line.length.append(float(right - left))
-            line.start.append(arc + float(left))
-            line.cable.append(index)
+            add(at.JOINT_NONE, float(right - left), arc + float(left))
         arc += cable.length
         previous = cable
-        after_body = False
+        body = None
     return line
 
 
@@ -296,7 +313,24 @@ def _shape(block: Block) -> FloatArray:
     stations = np.unique(np.interp(np.arange(8 * count - 7) / 8.0, np.arange(count), ends))
     out = np.empty(at.STATION_WORDS * len(stations))
     entry.sample(block.ints, block.reals, stations, out)
-    return out.reshape(-1, at.STATION_WORDS)[:, :3].copy()
+    points = out.reshape(-1, at.STATION_WORDS)[:, :3]
+    bodies = np.flatnonzero(block.integers(at.O_JOINT, count) == at.JOINT_BODY)
+    places = _node_places(block) if len(bodies) else points
+    for node in reversed(bodies):
+        # Both ends of a body have the same arc length: one station, or the line's last one.
+        here = int(np.searchsorted(stations, ends[node] - 1e-9 * ends[-1]))
+        points = np.vstack([points[:here], places[node - 1 : node + 1], points[here + 1 :]])
+    return points.copy()
+
+
+def _node_places(block: Block) -> FloatArray:
+    """Positions of the nodes in the earth frame, (n, 3) [m]."""
+    count, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
+    places = block.array(at.O_POSITION, count, 2 * dimension)[:, :dimension]
+    if dimension == 2:
+        plane = block.reals[at.S_PLANE : at.S_PLANE + 2]
+        places = places @ np.array([[plane[0], plane[1], 0.0], [0.0, 0.0, 1.0]])
+    return places + block.reals[at.S_BASE : at.S_BASE + 3]
 
 
 def _refined(
@@ -331,7 +365,8 @@ def _refined(
     inside = np.linalg.norm(start - end, axis=1)
     indicator = h**2 * np.maximum(jump, np.concatenate([[0.0], jump[:-1]]))
     indicator[1] = max(indicator[1], 0.25 * h[1] ** 2 * inside[1])
-    indicator[-1] = max(indicator[-1], 0.25 * h[-1] ** 2 * inside[-1])
+    last = int(np.flatnonzero(joints == 0)[-1])  # beyond it there may be a body
+    indicator[last] = max(indicator[last], 0.25 * h[last] ** 2 * inside[last])
     split = indicator > BENT * scene.solver.tolerance * scene.line_length
     if not split.any() or count > LARGEST_STATIC_MESH:
         return None
@@ -516,6 +551,16 @@ def _winch(scene: Scene, line: _Line) -> _Winch:
             _add_cable(winch, item.cable, winch.most, usual, body)
         body = -1
     winch.least = -(total - SHORTEST_LINE * total)
+    above = 0.0
+    index = -1
+    for item in scene.line:
+        if item.cable is not None:
+            above += item.cable.length
+            index += 1
+        elif item.body is not None and item.body.half_length > 0.0:
+            # Not taken onto the drum: reel-in ends before it.
+            winch.least = max(winch.least, SHORTEST_PIECE * line.nominal[index] - above)
+            break
     return winch
 
 
@@ -603,6 +648,11 @@ def _fill_line(block: Block, scene: Scene, line: _Line, winch: _Winch, scale: fl
         body_row[at.B_DRAG] = 0.5 * rho * body.drag_coefficient * body.drag_area
         body_row[at.B_DRAG_AXIAL] = 0.5 * rho * body.drag_coefficient_axial * body.drag_area_axial
         body_row[at.B_ITEM] = place
+        if body.half_length > 0.0:
+            _fill_rigid(body_row, body, scene, scale)
+            ints[at.I_RIGID] += 1
+            if place == len(scene.line) - 1:
+                body_row[at.B_TIE] = scale * body_row[at.B_LENGTH]
     # A start that the user would not notice: it grows fourfold a step.
     block.reals[at.S_TENSION_SCALE] = scale
     period = math.sqrt(scene.line_length / max(scene.environment.gravity, 1e-3))
@@ -618,6 +668,20 @@ def _fill_line(block: Block, scene: Scene, line: _Line, winch: _Winch, scale: fl
     block.reals[at.S_FIRST_STEP] = 0.02 * period
     block.reals[at.S_STEP] = 1e-2 * math.sqrt(max(scene.solver.tolerance, 1e-12)) * period
     block.reals[at.S_SMALLEST_STEP] = 1e-10 * period
+
+
+def _fill_rigid(row: FloatArray, body: Body, scene: Scene, scale: float) -> None:
+    """What a body of finite length has more than a point body."""
+    row[at.B_LENGTH] = 2.0 * body.half_length
+    row[at.B_OFFSET] = body.centre_offset
+    row[at.B_INERTIA] = body.rotary_inertia
+    row[at.B_DRY_WEIGHT] = body.mass * scene.environment.gravity
+    row[at.B_PULL : at.B_PULL + 2] = scale  # until the tensions are known
+    stretch = math.fsum(
+        scene.cable_types[cable.type].strain_coefficients[0] * cable.length
+        for cable in scene.cables
+    )
+    row[at.B_COMPLIANCE] = min(row[at.B_LENGTH] / (RIGID * scale), SOFTEST * stretch)
 
 
 def _fill_constraints(block: Block, scene: Scene, line: _Line) -> None:
@@ -639,9 +703,14 @@ def _fill_constraints(block: Block, scene: Scene, line: _Line) -> None:
             row[at.C_DIRECTION : at.C_DIRECTION + dimension] = local(block, unit, point=False)
 
 
+def _bodies_length(scene: Scene) -> float:
+    """Length of the bodies that are out at t = 0 [m]."""
+    return math.fsum(2.0 * body.half_length for body in scene.bodies)
+
+
 def _initial_points(scene: Scene, start: FloatArray) -> FloatArray:
     """A polyline from the tow point outwards that the first shape follows, (n, 3)."""
-    length = scene.line_length
+    length = scene.line_length + _bodies_length(scene)
     if scene.initial.kind == "straight":
         direction = np.asarray(scene.initial.direction, dtype=float)
         return np.array([start, start + length * direction / np.linalg.norm(direction)])
@@ -687,14 +756,21 @@ def _sagging(start: FloatArray, end: FloatArray, length: float, sinks: bool) -> 
 
 
 def _fill_positions(block: Block, line: _Line, points: FloatArray, length: float) -> None:
-    """Nodes along the polyline, at their share of its length, with slopes along it."""
+    """Nodes along the polyline, at their share of its length, with slopes along it.
+
+    Bodies of finite length keep theirs: the cable takes what is left.
+    """
     chords = np.linalg.norm(np.diff(points, axis=0), axis=1)
     arc = np.concatenate([[0.0], np.cumsum(chords)])
-    stretch = arc[-1] / length
+    if arc[-1] <= line.passed[-1]:
+        problem = f"the shape is {arc[-1]:g} m long, no longer than its bodies"
+        raise SceneError.at("initial.points", None, problem, f"more than {line.passed[-1]:g} m")
+    stretch = (arc[-1] - line.passed[-1]) / length
     where = np.zeros(line.nodes)
     for node in range(1, line.nodes):
         where[node] = line.start[node] + line.length[node]
     where *= stretch
+    where += line.passed
     where = np.minimum(where, arc[-1])
     if len(points) == 2:  # the usual start; spares the import of scipy, 0.3 s
         direction = (points[1] - points[0]) / arc[-1]
@@ -708,6 +784,16 @@ def _fill_positions(block: Block, line: _Line, points: FloatArray, length: float
         places = smooth(where)
         slopes = smooth.derivative()(where)
     slopes *= stretch / np.linalg.norm(slopes, axis=1)[:, None]
+    for node, body, _place in line.bodies:
+        if body.half_length > 0.0 and node >= 0:
+            # Its ends lie on the shape; the chord between them is shorter than a curved shape.
+            middle = 0.5 * (places[node - 1] + places[node])
+            axis = places[node] - places[node - 1]
+            axis /= np.linalg.norm(axis)
+            places[node - 1] = middle - body.half_length * axis
+            places[node] = middle + body.half_length * axis
+            if node == line.nodes - 1:
+                slopes[node] = axis
     dimension = int(block.ints[at.I_DIMENSION])
     q = block.array(at.O_POSITION, line.nodes, 2 * dimension)
     for node in range(line.nodes):
@@ -740,6 +826,9 @@ def _stabilise(block: Block) -> bool:
                 wanted = min(wanted, 1.0 / row[at.E_COMPLIANCE])
                 changed = changed or wanted != row[at.E_STABILISATION]
                 row[at.E_STABILISATION] = wanted
+    for row in block.array(at.O_BODY, int(block.ints[at.I_BODIES]), at.BODY_WORDS):
+        if row[at.B_LENGTH] > 0.0 and tension > 0.0:
+            row[at.B_COMPLIANCE] = min(row[at.B_COMPLIANCE], row[at.B_LENGTH] / (RIGID * tension))
     return changed
 
 
@@ -790,7 +879,7 @@ def _find_initial_state(block: Block, scene: Scene, velocity: FloatArray) -> Non
         # The new stiffness changes the forces by a little: the state must meet them.
         _solve_static(block, frame)
     _count_from_zero(block)
-    if ints[at.I_HYBRID]:
+    if ints[at.I_HYBRID] or ints[at.I_RIGID]:
         entry.choose_bending(ints, reals)
 
 

@@ -62,9 +62,9 @@ class BodyState:
 
     name: str | None
     position: FloatArray
-    """(3,) [m]."""
+    """Of its centre of gravity (3,) [m]."""
     velocity: FloatArray
-    """(3,) [m/s]."""
+    """Of its centre of gravity (3,) [m/s]."""
     direction: FloatArray
     """Unit vector along its axis, away from the vessel (3,)."""
 
@@ -265,7 +265,7 @@ class CableModel:
 
     @property
     def tip_position(self) -> FloatArray:
-        """Far end (3,) [m]."""
+        """Far end of the line (3,) [m]: the outer end of a body there, else the cable's."""
         return self._numbers()[9:12].copy()
 
     @property
@@ -461,7 +461,7 @@ class CableModel:
         for node in range(nodes):
             rows = slice(node * size, (node + 1) * size)
             matrix[rows, rows] += diagonal[node]
-            if node and not joint[node]:
+            if node and joint[node] != at.JOINT_HINGE:
                 above = slice(int(parent[node]) * size, (int(parent[node]) + 1) * size)
                 matrix[above, rows] += upper[node]
                 matrix[rows, above] += lower[node]
@@ -476,9 +476,7 @@ class CableModel:
         size = 2 * dimension
         basis = np.eye(nodes * size)
         drop: list[int] = []
-        for row in block.array(
-            at.O_CONSTRAINT, int(ints[at.I_CONSTRAINTS]), at.CONSTRAINT_WORDS
-        ):
+        for row in block.array(at.O_CONSTRAINT, int(ints[at.I_CONSTRAINTS]), at.CONSTRAINT_WORDS):
             first = int(row[at.C_NODE]) * size
             drop += range(first, first + dimension)
             if row[at.C_CLAMPED]:
@@ -488,7 +486,8 @@ class CableModel:
                 basis[slopes, first + dimension] = direction
                 drop += range(first + dimension + 1, first + size)
         parent = block.integers(at.O_PARENT, nodes)
-        for node in np.flatnonzero(block.integers(at.O_JOINT, nodes)):
+        hinged = block.integers(at.O_JOINT, nodes) == at.JOINT_HINGE
+        for node in np.flatnonzero(hinged):
             own = slice(int(node) * size, int(node) * size + dimension)
             above = slice(int(parent[node]) * size, int(parent[node]) * size + dimension)
             basis[own, above] = np.eye(dimension)

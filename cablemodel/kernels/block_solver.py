@@ -1,7 +1,8 @@
 """Block elimination of a tree of nodes, leaves to root: a chain is block-tridiagonal LU.
 
 Node i is tied to parent[i] < i by an element (blocks `upper`: parent's row, child's column;
-`lower`: child's row, parent's column) or by a hinge: same r, slopes of their own.
+`lower`: child's row, parent's column), by a body of finite length (the same blocks) or by a hinge:
+same r, slopes of their own.
 Storage after `factor`: diagonal holds the LU factors of the node's Schur complement, lower is
 replaced by Z = D^-1 lower. No pivoting: the diagonal blocks are dominated by mass and by
 stiffness that is nearly symmetric and positive; a vanishing pivot is reported and the caller
@@ -11,7 +12,7 @@ takes a smaller step.
 from typing import Any
 
 from .compile import kernel
-from .layout import I_NODES, O_DIAGONAL, O_JOINT, O_LOWER, O_PARENT, O_UPPER
+from .layout import I_NODES, JOINT_HINGE, O_DIAGONAL, O_JOINT, O_LOWER, O_PARENT, O_UPPER
 
 
 def make_block_solver(size: int) -> tuple[Any, Any]:
@@ -25,7 +26,7 @@ def make_block_solver(size: int) -> tuple[Any, Any]:
         for node in range(nodes - 1, -1, -1):
             at = I[O_DIAGONAL] + area * node
             D = M[at : at + area]
-            hinge = I[I[O_JOINT] + node] != 0
+            hinge = I[I[O_JOINT] + node] == JOINT_HINGE
             first = half if hinge else 0
             for k in range(first, size):
                 pivot = D[size * k + k]
@@ -93,7 +94,7 @@ def make_block_solver(size: int) -> tuple[Any, Any]:
             at = I[O_DIAGONAL] + area * node
             D = M[at : at + area]
             y = x[size * node : size * node + size]
-            hinge = I[I[O_JOINT] + node] != 0
+            hinge = I[I[O_JOINT] + node] == JOINT_HINGE
             first = half if hinge else 0
             for i in range(first, size):
                 value = y[i]
@@ -127,7 +128,7 @@ def make_block_solver(size: int) -> tuple[Any, Any]:
             y = x[size * node : size * node + size]
             p = x[size * parent : size * parent + size]
             Z = M[I[O_LOWER] + area * node : I[O_LOWER] + area * node + area]
-            if I[I[O_JOINT] + node] != 0:
+            if I[I[O_JOINT] + node] == JOINT_HINGE:
                 for i in range(half):
                     y[i] = p[i]
                 for i in range(half):

@@ -1,11 +1,11 @@
 """Point bodies at nodes: mass, submerged weight, drag and added mass about the node's tangent.
 
-Drag is 1/2 rho |u| (CdA_n u_n + CdA_a u_a): with equal areas along and across, that of a sphere,
+Drag of a point is 1/2 rho |u| (CdA_n u_n + CdA_a u_a): with equal areas along and across, that of a sphere,
 whatever way the cable points. (Of its parts squared each, a body of equal areas would feel up to
 30 % less drag when it moves askew: 1.5 % of the top tension in the pay-out scene S3.)
 
 The half-length of the bodies of Sun & Leonard 1998, section 4.1, is zero here: a point mass passes
-no moment. In the plane the second component is the vertical one.
+no moment; see rigid.py for the others. In the plane the second component is the vertical one.
 """
 
 import math
@@ -17,6 +17,7 @@ from .layout import (
     B_ADDED_AXIAL,
     B_DRAG,
     B_DRAG_AXIAL,
+    B_LENGTH,
     B_MASS,
     B_NODE,
     B_WEIGHT,
@@ -52,31 +53,100 @@ def body_kinematics(I, M, node, q, v, a, w):
 
 
 @kernel
+def speeds(M, row, dimension, w):
+    """Flow and acceleration along the axis; speeds that the normal and axial drag go with [m/s].
+
+    The whole relative speed for a point, its part across and along for a body of finite length
+    (cross-flow principle). The flow across goes into w[9:12].
+    """
+    ut = 0.0
+    along = 0.0
+    u2 = 0.0
+    for i in range(dimension):
+        ut += w[3 + i] * w[i]
+        along += w[6 + i] * w[i]
+        u2 += w[3 + i] ** 2
+    un2 = 0.0
+    for i in range(dimension):
+        w[9 + i] = w[3 + i] - ut * w[i]
+        un2 += w[9 + i] ** 2
+    if M[row + B_LENGTH] > 0.0:
+        return ut, along, math.sqrt(un2), abs(ut)
+    speed = math.sqrt(u2)
+    return ut, along, speed, speed
+
+
+@kernel
+def flow_force(M, row, dimension, inertia, w):
+    """Inertia minus drag [N] into w[12:15], from axis, relative flow, acceleration in w[0:9].
+
+    ``inertia`` is the mass that resists acceleration across the axis: its own and the added one.
+    """
+    ut, along, sn, st = speeds(M, row, dimension, w)
+    fn = M[row + B_DRAG] * sn
+    ft = M[row + B_DRAG_AXIAL] * st * ut
+    ft += (M[row + B_ADDED] - M[row + B_ADDED_AXIAL]) * along
+    for i in range(dimension):
+        w[12 + i] = inertia * w[6 + i] - fn * w[9 + i] - ft * w[i]
+
+
+@kernel
+def flow_derivatives(M, row, dimension, inertia, ig, ca, cv, w):
+    """Derivatives of `flow_force`, (dimension, dimension) each, from w[0:9].
+
+    w[12:21]: for the motion, ca and cv being those of acceleration and velocity for a change of
+    position; w[21:30]: for a vector along the axis, whose inverse length is ig.
+    """
+    ut, along, sn, st = speeds(M, row, dimension, w)
+    finite = M[row + B_LENGTH] > 0.0
+    inverse = 1.0 / max(sn, 1e-30)
+    cn = M[row + B_DRAG]
+    ct = M[row + B_DRAG_AXIAL]
+    added = M[row + B_ADDED] - M[row + B_ADDED_AXIAL]
+    e_tn = -ig * (ct * st - cn * sn)
+    e_p = -ig * (ct * st * ut - cn * sn * ut + added * along)
+    e_nn = 0.0
+    if finite:
+        e_tn -= ig * ct * st
+        e_nn = ig * cn * ut * inverse
+    for i in range(dimension):
+        for j in range(dimension):
+            tt = w[i] * w[j]
+            p = -tt
+            own = 0.0
+            if i == j:
+                p += 1.0
+                own = ca * inertia
+            if finite:
+                drag = cn * (sn * p + inverse * w[9 + i] * w[9 + j]) + 2.0 * ct * st * tt
+            else:
+                drag = cn * sn * p + ct * st * tt
+                drag += (cn * w[9 + i] + ct * ut * w[i]) * w[3 + j] * inverse
+            at = dimension * i + j
+            w[12 + at] = own + cv * drag - ca * added * tt
+            w[21 + at] = (
+                e_tn * w[i] * w[9 + j]
+                + e_p * p
+                + e_nn * w[9 + i] * w[9 + j]
+                - added * ig * w[i] * (w[6 + j] - along * w[j])
+            )
+
+
+@kernel
 def body_residual(I, M, q, v, a, out):
     """Add inertia, weight and minus drag of every body to the forces of its node."""
     dimension = I[I_DIMENSION]
-    w = M[I[O_MOTION] + 16 : I[O_MOTION] + 28]
+    w = M[I[O_MOTION] + 16 : I[O_MOTION] + 46]
     for body in range(I[I_BODIES]):
         row = I[O_BODY] + body * BODY_WORDS
         node = int(M[row + B_NODE])
-        if node < 0:  # still on the drum
+        if node < 0 or M[row + B_LENGTH] > 0.0:  # still on the drum, or in rigid.py
             continue
         body_kinematics(I, M, node, q, v, a, w)
+        flow_force(M, row, dimension, M[row + B_MASS] + M[row + B_ADDED], w)
         at = 2 * dimension * node
-        ut = 0.0
-        along = 0.0
-        u2 = 0.0
         for i in range(dimension):
-            ut += w[3 + i] * w[i]
-            along += w[6 + i] * w[i]
-            u2 += w[3 + i] ** 2
-        speed = math.sqrt(u2)
-        fn = M[row + B_DRAG] * speed
-        inertia = M[row + B_MASS] + M[row + B_ADDED]
-        ft = (M[row + B_DRAG_AXIAL] - M[row + B_DRAG]) * speed * ut
-        ft += (M[row + B_ADDED] - M[row + B_ADDED_AXIAL]) * along
-        for i in range(dimension):
-            out[at + i] += inertia * w[6 + i] - fn * w[3 + i] - ft * w[i]
+            out[at + i] += w[12 + i]
         out[at + dimension - 1] += M[row + B_WEIGHT]
 
 
@@ -85,40 +155,16 @@ def body_jacobian(I, M, q, v, a, ca, cv):
     """Add the bodies' derivatives to the diagonal blocks of their nodes."""
     dimension = I[I_DIMENSION]
     size = 2 * dimension
-    w = M[I[O_MOTION] + 16 : I[O_MOTION] + 28]
+    w = M[I[O_MOTION] + 16 : I[O_MOTION] + 46]
     for body in range(I[I_BODIES]):
         row = I[O_BODY] + body * BODY_WORDS
         node = int(M[row + B_NODE])
-        if node < 0:  # still on the drum
+        if node < 0 or M[row + B_LENGTH] > 0.0:
             continue
         ig = body_kinematics(I, M, node, q, v, a, w)
+        flow_derivatives(M, row, dimension, M[row + B_MASS] + M[row + B_ADDED], ig, ca, cv, w)
         D = M[I[O_DIAGONAL] + size * size * node : I[O_DIAGONAL] + size * size * (node + 1)]
-        ut = 0.0
-        along = 0.0
-        u2 = 0.0
-        for i in range(dimension):
-            ut += w[3 + i] * w[i]
-            along += w[6 + i] * w[i]
-            u2 += w[3 + i] ** 2
-        speed = math.sqrt(u2)
-        inverse = 1.0 / max(speed, 1e-30)
-        cn = M[row + B_DRAG]
-        ct = M[row + B_DRAG_AXIAL]
-        added = M[row + B_ADDED] - M[row + B_ADDED_AXIAL]
-        inertia = ca * (M[row + B_MASS] + M[row + B_ADDED])
-        turn = ig * (ct - cn) * speed
         for i in range(dimension):
             for j in range(dimension):
-                tt = w[i] * w[j]
-                p = -tt
-                if i == j:
-                    p += 1.0
-                    D[size * i + j] += inertia
-                un = w[3 + i] - ut * w[i]
-                drag = speed * (cn * p + ct * tt)
-                drag += (cn * un + ct * ut * w[i]) * w[3 + j] * inverse
-                D[size * i + j] += cv * drag - ca * added * tt
-                D[size * i + dimension + j] -= (
-                    w[i] * (turn * (w[3 + j] - ut * w[j]) + ig * added * (w[6 + j] - along * w[j]))
-                    + (turn * ut + ig * added * along) * p
-                )
+                D[size * i + j] += w[12 + dimension * i + j]
+                D[size * i + dimension + j] += w[21 + dimension * i + j]

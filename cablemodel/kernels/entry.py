@@ -6,7 +6,7 @@ a count; see layout.py for the codes.
 
 from numba import float64, int64
 
-from . import follow, outputs, promote, statics, stepping, system, time_stepping
+from . import follow, outputs, promote, rigid, statics, stepping, system, time_stepping
 from .compile import INTEGERS, REALS, entry_point
 from .layout import (
     I_BODIES,
@@ -14,6 +14,7 @@ from .layout import (
     I_DIMENSION,
     I_FLOOR,
     I_NODES,
+    I_RIGID,
     O_ACCELERATION,
     O_POSITION,
     O_TENSION,
@@ -46,8 +47,9 @@ def tension_from_stretch(I, M):
 
 @entry_point(int64(INTEGERS, REALS))
 def choose_bending(I, M):
-    """Hybrid model: decide element by element whether bending is kept."""
+    """Decide whether a hybrid's elements keep bending, and how bodies are clamped."""
     time_stepping.update_bending(I, M)
+    rigid.update_clamps(I, M, 1.0)
     return 0
 
 
@@ -79,6 +81,13 @@ def place_supports(I, M):
 def sample(I, M, stations, out):
     """State at arc lengths [m]; out: rows of 12 words. Returns how many are on it."""
     return outputs.sample_stations(I, M, stations, out)
+
+
+@entry_point(int64(INTEGERS, REALS, REALS))
+def bodies(I, M, out):
+    """Motion of the bodies of finite length; out: rows of 12 words, see outputs.body_stations."""
+    outputs.body_stations(I, M, out)
+    return I[I_RIGID]
 
 
 @entry_point(int64(INTEGERS, REALS, REALS))
@@ -129,6 +138,7 @@ ENTRY_POINTS = {
     "refine_at_floor": refine_at_floor,
     "place_supports": place_supports,
     "sample": sample,
+    "bodies": bodies,
     "summary": summary,
     "energy": energy,
     "assemble": assemble,

@@ -11,6 +11,7 @@ import math
 
 from .compile import inlined, kernel
 from .layout import (
+    B_LENGTH,
     B_NODE,
     B_WEIGHT,
     BODY_WORDS,
@@ -283,18 +284,37 @@ def floor_residual(I, M, q, v, out):
                 M[I[O_END_FORCE] + size * node + i] += n0 * force
                 M[I[O_END_FORCE] + size * node + dimension + i] -= n2 * force
     for body in range(I[I_BODIES]):
-        row = I[O_BODY] + body * BODY_WORDS
-        node = int(M[row + B_NODE])
-        if node < 0:
-            continue
-        press = body_force(I, M, row, node, q, v, w)
-        for i in range(dimension):
-            out[size * node + i] -= press * w[3 + i] + w[9 + i]
+        points = contact_points(I, M, body)
+        for point in range(points):
+            node = contact_node(I, M, body, point)
+            contact = M[I[O_BODY] + body * BODY_WORDS + B_WEIGHT] / points
+            press = body_force(I, M, contact, node, q, v, w)
+            for i in range(dimension):
+                out[size * node + i] -= press * w[3 + i] + w[9 + i]
 
 
 @kernel
-def body_force(I, M, row, node, q, v, w):
-    """Normal force of the floor on a body [N]; normal in w[3:6], friction [N] in w[9:12]."""
+def contact_points(I, M, body):
+    """Where a body touches: its node and one place, both ends of a finite body; 0: on the drum."""
+    row = I[O_BODY] + body * BODY_WORDS
+    if M[row + B_NODE] < 0.0:
+        return 0
+    return 2 if M[row + B_LENGTH] > 0.0 else 1
+
+
+@kernel
+def contact_node(I, M, body, point):
+    """Node of a body's place of contact: its own, or its other end."""
+    node = int(M[I[O_BODY] + body * BODY_WORDS + B_NODE])
+    return node if point == 0 else I[I[O_PARENT] + node]
+
+
+@kernel
+def body_force(I, M, contact, node, q, v, w):
+    """Normal force of the floor on a body's end that bears the weight `contact` at rest [N].
+
+    The normal goes into w[3:6], friction [N] into w[9:12].
+    """
     dimension = I[I_DIMENSION]
     size = 2 * dimension
     depth = M[S_FLOOR_DEPTH]
@@ -304,7 +324,6 @@ def body_force(I, M, row, node, q, v, w):
     for i in range(dimension):
         w[i] = q[size * node + i]
     gap = gap_at(I, M, w, w[3:6])
-    contact = M[row + B_WEIGHT]
     if gap >= depth or contact <= 0.0:
         return 0.0
     speed = 0.0
@@ -418,29 +437,28 @@ def floor_jacobian(I, M, q, v, cv):
                         if not sticks:
                             add_block(I, M, at, k, l, h, -value, 6, 6, w, False)
     for body in range(I[I_BODIES]):
-        row = I[O_BODY] + body * BODY_WORDS
-        node = int(M[row + B_NODE])
-        if node < 0:
-            continue
-        press = body_force(I, M, row, node, q, v, w)
-        if press <= 0.0:
-            continue
-        contact = M[row + B_WEIGHT]
-        speed = 0.0
-        for i in range(dimension):
-            speed += v[size * node + i] * w[3 + i]
-        free = 1.0 - damping * speed
-        stiff = contact / depth * free + cv * damping * press / free
-        at = I[O_DIAGONAL] + size * size * node
-        add_block(I, M, at, 0, 0, 1.0, stiff, 3, 3, w, False)
-        if rubs:
-            sticks, length, rub = friction(I, M, q, node, node, 0.0, contact, press, w)
-            add_block(I, M, at, 0, 0, 1.0, rub, 3, 3, w, True)
-            if not sticks:
-                for i in range(dimension):
-                    w[6 + i] /= length
-                add_block(I, M, at, 0, 0, 1.0, -rub, 6, 6, w, False)
-                add_block(I, M, at, 0, 0, 1.0, -M[S_FRICTION] * stiff, 6, 3, w, False)
+        points = contact_points(I, M, body)
+        for point in range(points):
+            node = contact_node(I, M, body, point)
+            contact = M[I[O_BODY] + body * BODY_WORDS + B_WEIGHT] / points
+            press = body_force(I, M, contact, node, q, v, w)
+            if press <= 0.0:
+                continue
+            speed = 0.0
+            for i in range(dimension):
+                speed += v[size * node + i] * w[3 + i]
+            free = 1.0 - damping * speed
+            stiff = contact / depth * free + cv * damping * press / free
+            at = I[O_DIAGONAL] + size * size * node
+            add_block(I, M, at, 0, 0, 1.0, stiff, 3, 3, w, False)
+            if rubs:
+                sticks, length, rub = friction(I, M, q, node, node, 0.0, contact, press, w)
+                add_block(I, M, at, 0, 0, 1.0, rub, 3, 3, w, True)
+                if not sticks:
+                    for i in range(dimension):
+                        w[6 + i] /= length
+                    add_block(I, M, at, 0, 0, 1.0, -rub, 6, 6, w, False)
+                    add_block(I, M, at, 0, 0, 1.0, -M[S_FRICTION] * stiff, 6, 3, w, False)
 
 
 @kernel
@@ -578,13 +596,13 @@ def floor_summary(I, M, out):
                 out[7] += weight * (press - contact)
         zone -= h * (1.0 - begin)
     for body in range(I[I_BODIES]):
-        row = I[O_BODY] + body * BODY_WORDS
-        node = int(M[row + B_NODE])
-        if node < 0:
-            continue
-        press = body_force(I, M, row, node, q, v, w)
-        for i in range(dimension):
-            out[i] += press * w[3 + i] + w[9 + i]
+        points = contact_points(I, M, body)
+        for point in range(points):
+            node = contact_node(I, M, body, point)
+            contact = M[I[O_BODY] + body * BODY_WORDS + B_WEIGHT] / points
+            press = body_force(I, M, contact, node, q, v, w)
+            for i in range(dimension):
+                out[i] += press * w[3 + i] + w[9 + i]
     if not touched:
         out[4] = math.nan
         out[5] = math.nan
@@ -631,15 +649,15 @@ def floor_energy(I, M, out):
             for i in range(dimension):
                 out[7] -= weight * w[9 + i] * w[i]
     for body in range(I[I_BODIES]):
-        row = I[O_BODY] + body * BODY_WORDS
-        node = int(M[row + B_NODE])
-        if node < 0:
-            continue
-        press = body_force(I, M, row, node, q, v, w)
-        gap = gap_at(I, M, w, w[3:6])
-        if press <= 0.0:
-            continue
-        spring = M[row + B_WEIGHT] * (1.0 - gap / depth)
-        out[6] += 0.5 * spring * (depth - gap)
-        for i in range(dimension):
-            out[7] -= ((press - spring) * w[3 + i] + w[9 + i]) * v[size * node + i]
+        points = contact_points(I, M, body)
+        for point in range(points):
+            node = contact_node(I, M, body, point)
+            contact = M[I[O_BODY] + body * BODY_WORDS + B_WEIGHT] / points
+            press = body_force(I, M, contact, node, q, v, w)
+            gap = gap_at(I, M, w, w[3:6])
+            if press <= 0.0:
+                continue
+            spring = contact * (1.0 - gap / depth)
+            out[6] += 0.5 * spring * (depth - gap)
+            for i in range(dimension):
+                out[7] -= ((press - spring) * w[3 + i] + w[9 + i]) * v[size * node + i]

@@ -44,6 +44,9 @@ I_RATE_LIVE = 74  # 1: the caller's rate drives, 0: the scene's table
 I_CLAMPED = 75  # +1 the drum is empty, -1 the shortest length is reached, 0 neither
 O_RATES, O_CABLES, O_TOP = 76, 77, 78
 
+# Bodies of finite length.
+I_RIGID = 90  # how many of the bodies have a length: 0 skips all that they need
+
 # Header: word offsets of the arrays.
 O_PIECES, O_DEPTHS, O_TIMES, O_CURRENT, O_STRAIN = 32, 33, 34, 35, 36
 O_PARENT, O_JOINT, O_EDGE, O_ARC, O_BODY, O_CONSTRAINT = 37, 38, 39, 40, 41, 42
@@ -117,9 +120,22 @@ E_CONTACT = 18  # weight per length that the floor's preload carries [N/m]
 E_NOMINAL = 19  # length up to which elements in free water are joined again [m]
 MODEL_ELASTICA, MODEL_CABLE, MODEL_HYBRID = 0, 1, 2
 
+# What ties a node to its parent (O_JOINT).
+JOINT_NONE = 0  # an element
+JOINT_HINGE = 1  # the same place, a slope of its own
+JOINT_BODY = 2  # a rigid body of finite length, from the parent to the node
+
 # Rows of the body table.
-BODY_WORDS = 10
+BODY_WORDS = 18
 B_NODE, B_MASS, B_WEIGHT, B_ADDED, B_ADDED_AXIAL, B_DRAG, B_DRAG_AXIAL, B_ITEM = range(8)
+B_LENGTH = 8  # between its attachments [m]; 0: a point body. Its node is the outer attachment
+B_OFFSET = 9  # centre of gravity, in half lengths from the middle
+B_INERTIA = 10  # rotary inertia about the centre of gravity [kg m2]
+B_DRY_WEIGHT = 11  # weight in air [N]
+B_COMPLIANCE = 12  # of its length [m/N]
+B_TIE = 13  # at the line's end: stiffness that ties the outer node's slope to its axis [N m]
+B_CLAMP = 14  # 2 words: stiffness of the clamps to the cables before and beyond [N m]
+B_PULL = 16  # 2 words: tensions there, smoothed over time [N]
 
 # Rows of the constraint table: nodes with a prescribed position or tangent.
 CONSTRAINT_WORDS = 10

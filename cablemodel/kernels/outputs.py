@@ -2,12 +2,15 @@
 
 import math
 
+from .bodies import body_kinematics
 from .compile import kernel
 from .environment import current_at
 from .floor import LYING, floor_energy, floor_summary, gap_at
 from .layout import (
+    B_LENGTH,
     B_MASS,
     B_NODE,
+    B_OFFSET,
     B_WEIGHT,
     BODY_WORDS,
     E_ADDED,
@@ -54,6 +57,7 @@ from .layout import (
     STATION_WORDS,
     SUMMARY_WORDS,
 )
+from .rigid import axis_of, flow_energy, rigid_energy, rigid_row
 from .strain import strain_and_slope
 from .system import residual, set_time
 
@@ -250,14 +254,46 @@ def sample_stations(I, M, stations, out):
 
 
 @kernel
+def body_stations(I, M, out):
+    """Bodies of finite length that are out: position, axis and velocity of the centre of gravity.
+
+    out: the first 9 words of rows of STATION_WORDS, one for each body of the table; those of other
+    bodies stay as they are (they move with the cable: see sample_stations).
+    """
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    count = size * I[I_NODES]
+    q = M[I[O_POSITION] : I[O_POSITION] + count]
+    v = M[I[O_VELOCITY] : I[O_VELOCITY] + count]
+    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
+    for body in range(I[I_BODIES]):
+        row = rigid_row(I, M, body)
+        if row < 0:
+            continue
+        node = int(M[row + B_NODE])
+        outer = size * node
+        inner = size * I[I[O_PARENT] + node]
+        axis_of(dimension, q, inner, outer, w)
+        near = 0.5 * (1.0 - M[row + B_OFFSET])
+        far = 0.5 * (1.0 + M[row + B_OFFSET])
+        for i in range(dimension):
+            w[3 + i] = near * q[inner + i] + far * q[outer + i]
+            w[6 + i] = near * v[inner + i] + far * v[outer + i]
+        to_earth(I, M, w, 3, out, STATION_WORDS * body, 1)
+        to_earth(I, M, w, 0, out, STATION_WORDS * body + 3, 0)
+        to_earth(I, M, w, 6, out, STATION_WORDS * body + 6, 0)
+
+
+@kernel
 def summarise(I, M, out):
     """Numbers of the present state that logs and co-simulation ask for at every step.
 
     out: 0-5 force and moment of the cable on the vessel, 6 top tension (size of that force,
     negative where the cable pushes), 7, 8 lowest and highest tension in the cable,
-    9-11 end position, 12-14 end velocity, 15-17 vessel position, 18-20 vessel velocity,
-    21 line length, 22 applied pay-out rate, 23 cable on the drum, 24-26 force of the floor on the
-    cable, 27 length on the floor, 28-30 touchdown point (not a number: none), 31 its reaction.
+    9-11 position of the line's far end (a last body's outer one), 12-14 its velocity, 15-17 vessel
+    position, 18-20 vessel velocity, 21 line length, 22 applied pay-out rate, 23 cable on the drum,
+    24-26 force of the floor on the cable, 27 length on the floor, 28-30 touchdown point (not a
+    number: none), 31 its reaction.
     """
     dimension = I[I_DIMENSION]
     size = 2 * dimension
@@ -394,17 +430,30 @@ def energies(I, M, out):
             e2 += weight / h * (6.0 * x * x - 6.0 * x + 1.0) * (g - 1.0)
         e2 *= 5.0
         out[1] += 0.1 * h * M[edge + E_STABILISATION] * e2 * e2
+    q = M[I[O_POSITION] : I[O_POSITION] + size * nodes]
+    v = M[I[O_VELOCITY] : I[O_VELOCITY] + size * nodes]
+    a = M[I[O_ACCELERATION] : I[O_ACCELERATION] + size * nodes]
+    flow = M[I[O_MOTION] + 16 : I[O_MOTION] + 46]
     for body in range(I[I_BODIES]):
         row = I[O_BODY] + body * BODY_WORDS
         if M[row + B_NODE] < 0.0:
             continue
-        at = size * int(M[row + B_NODE])
+        if M[row + B_LENGTH] > 0.0:
+            tension = M[I[O_TENSION] : I[O_TENSION] + 2 * nodes]
+            rigid_energy(I, M, row, q, v, a, tension, out)
+            continue
+        node = int(M[row + B_NODE])
+        at = size * node
         speed = 0.0
         for i in range(dimension):
-            speed += M[I[O_VELOCITY] + at + i] ** 2
+            speed += v[at + i] ** 2
         out[0] += 0.5 * M[row + B_MASS] * speed
-        height = M[I[O_POSITION] + at + dimension - 1] + M[S_BASE + 2]
+        height = q[at + dimension - 1] + M[S_BASE + 2]
         out[3] += M[row + B_WEIGHT] * height
+        body_kinematics(I, M, node, q, v, a, flow)
+        for i in range(dimension):
+            flow[12 + i] = v[at + i]
+        flow_energy(M, row, dimension, flow, out)
     for i in range(dimension):
         out[4] += M[I[O_RESIDUAL] + i] * M[I[O_VELOCITY] + i]
 

@@ -133,10 +133,10 @@ def begin_payout(I, M, stop):
         sign = rate
         if rate * slope < 0.0:
             zero = time - rate / slope
-            if zero > time * (1.0 + 1e-15) and zero < stop:
+            if zero <= time + 1e-12 * (1.0 + abs(time)):
+                sign = slope  # it turns round now: what is left of the rate is round-off
+            elif zero < stop:
                 stop = zero
-            elif abs(rate) <= 1e-15 * abs(slope):
-                sign = slope
     most = M[S_PAID_MOST] - M[S_PAID]
     least = M[S_PAID] - M[S_PAID_LEAST]
     I[I_CLAMPED] = 0

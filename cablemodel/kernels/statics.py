@@ -15,6 +15,7 @@ from .layout import (
     I_ITERATIONS,
     I_NODES,
     I_PAYOUT,
+    I_RIGID,
     O_ACCELERATION,
     O_COMPLIANCE,
     O_CONSTRAINT_RESIDUAL,
@@ -38,6 +39,7 @@ from .layout import (
     S_TIME,
     STATICS_FAILED,
 )
+from .rigid import update_clamps
 from .system import factorise, jacobian, newton_increment, recover_tension, residual, set_time
 from .time_stepping import increment_norm
 
@@ -76,6 +78,8 @@ def find_equilibrium(I, M, frame):
     set_time(I, M, M[S_TIME])
     w0[:] = 0.0
     a0[:] = 0.0
+    if I[I_RIGID] > 0:
+        update_clamps(I, M, 0.0)
     dt = M[S_FIRST_STEP]
     calm = 0
     status = STATICS_FAILED
@@ -137,6 +141,8 @@ def find_equilibrium(I, M, frame):
             q0[n] = q[n]
         for n in range(2 * nodes):
             t0[n] = tension[n]
+        if I[I_RIGID] > 0 and dt > 1e3 * M[S_FIRST_STEP]:
+            update_clamps(I, M, 1.0)
         if moved <= 1e-10 * length and dt > 1e3 * M[S_FIRST_STEP]:
             calm += 1
             if calm >= 2:

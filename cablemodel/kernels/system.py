@@ -31,6 +31,8 @@ from .layout import (
     I_FLOOR,
     I_NODES,
     I_PAYOUT,
+    I_RIGID,
+    JOINT_HINGE,
     O_COMPLIANCE,
     O_CONSTRAINT,
     O_DIAGONAL,
@@ -43,6 +45,7 @@ from .layout import (
     O_UPPER,
 )
 from .payout import material_top, set_top_length
+from .rigid import condense_rigid, rigid_jacobian, rigid_residual, stretch_rate_rigid
 
 
 @kernel
@@ -56,6 +59,8 @@ def residual(I, M, q, v, a, tension, out, out_constraint):
         residual_spatial(I, M, q, v, a, tension, out, out_constraint)
     if I[I_BODIES] > 0:
         body_residual(I, M, q, v, a, out)
+    if I[I_RIGID] > 0:
+        rigid_residual(I, M, q, v, a, tension, out, out_constraint)
     if I[I_FLOOR] != 0:
         floor_residual(I, M, q, v, out)
 
@@ -175,6 +180,8 @@ def jacobian(I, M, q, v, a, tension, ca, cv):
         jacobian_spatial(I, M, q, v, a, tension, ca, cv)
     if I[I_BODIES] > 0:
         body_jacobian(I, M, q, v, a, ca, cv)
+    if I[I_RIGID] > 0:
+        rigid_jacobian(I, M, q, v, a, tension, ca, cv)
     if I[I_FLOOR] != 0:
         floor_jacobian(I, M, q, v, cv)
 
@@ -200,6 +207,8 @@ def newton_increment(I, M, forces, constraint, x):
         condense_planar(I, M, constraint, forces)
     else:
         condense_spatial(I, M, constraint, forces)
+    if I[I_RIGID] > 0:
+        condense_rigid(I, M, constraint, forces)
     for n in range(count):
         x[n] = -forces[n]
     constrain_vector(I, M, x)
@@ -216,6 +225,8 @@ def stretch_rate(I, M, x, out):
         stretch_rate_planar(I, M, x, out)
     else:
         stretch_rate_spatial(I, M, x, out)
+    if I[I_RIGID] > 0:
+        stretch_rate_rigid(I, M, x, out)
 
 
 @kernel
@@ -225,7 +236,7 @@ def recover_tension(I, M, constraint, x, tension):
     stretch_rate(I, M, x, work)
     largest = 0.0
     for node in range(1, I[I_NODES]):
-        if I[I[O_JOINT] + node] != 0:
+        if I[I[O_JOINT] + node] == JOINT_HINGE:
             continue
         s = I[O_COMPLIANCE] + 3 * node
         r0 = constraint[2 * node] + work[2 * node]

@@ -34,6 +34,7 @@ from .layout import (
     I_PIECE,
     I_PIECES,
     I_REJECTED,
+    I_RIGID,
     I_STEPS,
     I_TIMES,
     MODEL_HYBRID,
@@ -78,6 +79,7 @@ from .layout import (
     TOO_MANY_STEPS,
 )
 from .payout import adapt_top, begin_payout, longest_payout_step, paid_since
+from .rigid import update_clamps
 from .system import (
     elongation_rate,
     factorise,
@@ -490,6 +492,8 @@ def advance_to(I, M, t_end):
                     make_consistent(I, M)
             if I[I_HYBRID] == 1:
                 update_bending(I, M)
+            if I[I_RIGID] > 0:
+                update_clamps(I, M, dt / (dt + M[S_PERIOD]))
             if I[I_LIVE] == 0:
                 I[I_PIECE] = find_piece(I, M, M[S_TIME])
             I[I_STEPS] += 1

@@ -139,7 +139,9 @@ class Body(SceneModel):
         description="weight in water (negative: it floats)"
     )
     half_length: Annotated[float, Quantity("m", at_least=0)] = Field(
-        default=0.0, description="half of the length between its attachments; 0 is a point"
+        default=0.0,
+        description="half of the length between its attachments, which is no longer than the "
+        "cables next to it; 0 is a point",
     )
     centre_offset: Annotated[float, Quantity(at_least=-1, at_most=1)] = Field(
         default=0.0,
@@ -147,10 +149,11 @@ class Body(SceneModel):
         "away from the vessel",
     )
     rotary_inertia: Annotated[float, Quantity("kg*m**2", at_least=0)] = Field(
-        default=0.0, description="about a cross axis through the centre of gravity"
+        default=0.0,
+        description="about a cross axis through the centre of gravity, with the water's share",
     )
     added_mass: Annotated[float, Quantity("kg", at_least=0)] = Field(
-        default=0.0, description="of motion across the axis"
+        default=0.0, description="of motion across the axis; acts, like drag, at the middle"
     )
     added_mass_axial: Annotated[float, Quantity("kg", at_least=0)] = Field(
         default=0.0, description="of motion along the axis"

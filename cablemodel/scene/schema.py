@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Annotated, Any, Literal
 
 import yaml
@@ -20,6 +20,9 @@ from cablemodel.scene.vessel import Payout, Vessel
 
 _SAME_PLACE = 1e-3
 """Of the line's length: a start that misses the tow point or anchor by more is a mistake."""
+
+_SHORTEST_BODY = 1e-6
+"""Of the line's length: a body's direction follows from the places of its two ends."""
 
 _DIRECT_ONLY = (
     "time_step",
@@ -145,6 +148,7 @@ class Scene(SceneModel):
                 if index > 0 and item.body is not None and items[index - 1].body is not None:
                     problem = "two bodies in a row"
                     yield SceneProblem(f"{part}.{index}", None, problem, "a cable between them")
+            yield from self._length_problems(part, items)
         if not any(item.cable is not None for item in self.line):
             yield SceneProblem("line", None, "there is no cable in the line", "at least one cable")
         elif self.line[0].body is not None:
@@ -153,6 +157,25 @@ class Scene(SceneModel):
         if self.end.anchor is not None and self.line and self.line[-1].body is not None:
             allowed = "a cable last, or end: free"
             yield SceneProblem("end", None, "the last body would be anchored", allowed)
+
+    def _length_problems(self, part: str, items: Sequence[LineItem]) -> Iterator[SceneProblem]:
+        """Bodies that are longer than a cable next to them, or too short for their length."""
+        shortest = _SHORTEST_BODY * self.line_length
+        for index, item in enumerate(items):
+            if item.body is None or item.body.half_length == 0.0:
+                continue
+            half = item.body.half_length
+            path = f"{part}.{index}.body.half_length"
+            neighbours = [*items[max(index - 1, 0) : index], *items[index + 1 : index + 2]]
+            lengths = [beside.cable.length for beside in neighbours if beside.cable is not None]
+            room = min(lengths, default=math.inf)
+            if 2.0 * half > room:
+                problem = f"the body is {2.0 * half:g} m long, the cable next to it {room:g} m"
+                yield SceneProblem(path, half, problem, f"at most {0.5 * room:g} m")
+            if 2.0 * half < shortest:
+                problem = "too short against the line to turn as a rigid body"
+                allowed = f"0 (a point body), or at least {0.5 * shortest:g} m"
+                yield SceneProblem(path, half, problem, allowed)
 
     def _start_problems(self) -> Iterator[SceneProblem]:
         start, anchor = self.vessel.position, self.end.anchor

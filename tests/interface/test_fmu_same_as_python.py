@@ -123,6 +123,27 @@ def test_a_body_that_comes_off_the_drum(tmp_path):
         slave.close()
 
 
+def test_bodies_of_finite_length(tmp_path):
+    """In line and at the end: centre of gravity and axis, and in space after a push aside."""
+    data = still_scene().to_dict()
+    body = {**data["line"][1]["body"], "half_length": 0.5, "centre_offset": 0.2}
+    body["rotary_inertia"] = 0.6
+    data["line"] = [data["line"][0], {"body": body}, data["line"][2], {"body": body}]
+    data["environment"]["current"] = None
+    scene = cm.load_scene(data)
+    with unpacked(scene, tmp_path, stations=STATIONS) as (place, description):
+        slave, model = Slave(place, description), cm.CableModel(scene)
+        assert slave.get("body[2].position")[2] == pytest.approx(-31.6, abs=1e-2)
+        for k in range(20):
+            velocity = (0.5, 0.2 if k > 10 else 0.0, 0.0)
+            slave.set("vessel.velocity", velocity)
+            slave.step(0.25)
+            model.step(0.25, velocity, payout_rate=0.0, current=(0, 0, 0))
+            compare_exactly(slave, model, STATIONS)
+            assert model.planar == (k <= 10)
+        slave.close()
+
+
 def test_start_time_shifts_the_scene(still):
     scene, place, description = still
     slave, model = Slave(place, description, start=64.0), cm.CableModel(scene)

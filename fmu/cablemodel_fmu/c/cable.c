@@ -153,6 +153,9 @@ static const double *rows(Cable *cable) {
         }
         cablemodel_sample(cable->I, cable->block_words, cable->arcs, n + cable->bodies,
                           cable->rows, STATION_WORDS * (n + cable->bodies));
+        if (cable->I[I_RIGID] > 0) /* Bodies of finite length do not move with the cable. */
+            cablemodel_bodies(cable->I, cable->block_words, cable->rows + STATION_WORDS * n,
+                              STATION_WORDS * cable->bodies);
         cable->stations_current = 1;
     }
     return cable->rows;

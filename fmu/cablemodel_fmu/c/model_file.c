@@ -156,7 +156,7 @@ const char *check_block(const int64_t *I, int64_t image_words, int64_t block_wor
     const int64_t *parent = I + I[O_PARENT], *joint = I + I[O_JOINT];
     for (int64_t node = 1; node < nodes; node++) {
         const double *edge = M + I[O_EDGE] + node * EDGE_WORDS;
-        if (!within(parent[node], 0, node - 1) || !within(joint[node], 0, 1))
+        if (!within(parent[node], 0, node - 1) || !within(joint[node], JOINT_NONE, JOINT_BODY))
             return "the model's line is not connected";
         if (joint[node] != 0) continue;
         if (!(edge[E_LENGTH] > 0.0) || !check_edge(I, edge)) return "an element is out of range";
@@ -170,6 +170,19 @@ const char *check_block(const int64_t *I, int64_t image_words, int64_t block_wor
     for (int64_t n = 0; n < I[I_BODIES]; n++)
         if (!whole(M[I[O_BODY] + n * BODY_WORDS + B_NODE], -1, nodes - 1))
             return "a body is at no node";
+    int64_t rigid = 0;
+    for (int64_t n = 0; n < I[I_BODIES]; n++) {
+        const double *row = M + I[O_BODY] + n * BODY_WORDS;
+        if (row[B_LENGTH] == 0.0) continue;
+        const int64_t node = (int64_t)row[B_NODE];
+        /* Its clamps read the elements on both sides, but where the line ends with it. */
+        if (!(row[B_LENGTH] > 0.0) || !(row[B_COMPLIANCE] > 0.0) || node < 2 ||
+            joint[node] != JOINT_BODY || parent[node] != node - 1 || joint[node - 1] != JOINT_NONE ||
+            parent[node - 1] != node - 2 || (row[B_TIE] == 0.0 && node + 1 >= nodes))
+            return "a body of finite length is out of range";
+        rigid++;
+    }
+    if (I[I_RIGID] != rigid) return "a body of finite length is out of range";
     for (int64_t n = 0; n < I[I_CONSTRAINTS]; n++) {
         const double *row = M + I[O_CONSTRAINT] + n * CONSTRAINT_WORDS;
         if (!whole(row[C_NODE], 0, nodes - 1) || !whole(row[C_KIND], C_VESSEL, C_ANCHOR))

@@ -1,0 +1,457 @@
+"""Bodies of finite length: rigid bodies of revolution between two attachments.
+
+Sun & Leonard 1998, section 4.1, eqs. 28-31. A body ties its outer node C to its parent, the inner
+node A, in the tree (JOINT_BODY). Its unknowns are those nodes' positions: with length l = 2 R1,
+offset lambda of the centre of gravity and g = r_C - r_A,
+
+    axis a3 = g / |g|,  centre of gravity (1 - lambda)/2 r_A + (1 + lambda)/2 r_C,
+    centre of buoyancy, where water acts, the middle (r_A + r_C) / 2.
+
+All inertia is then a constant matrix, m |c_t|^2 / 2 + I |g_t|^2 / (2 l^2) being exact for |g| = l
+(no spin about the axis). A multiplier N holds |g| = l + c N; it is the tension of this edge, kept
+and condensed out like that of an element, with a compliance c that no tolerance sees.
+
+Attached cables keep slopes of their own: the length of a slope is the cable's stretch, which
+jumps at a body. A cable that bends is clamped by turning its slope d towards the axis with the
+energy k (1 - cos(angle)), which does not see the length of d. The spring k is stiff where the mesh
+resolves the bending layer of thickness sqrt(EI/T), and has that layer's own stiffness sqrt(EI T)
+where it does not (a hybrid under tension). A flexible cable is hinged: k = 0.
+"""
+
+import math
+
+from .bodies import flow_derivatives, flow_force, speeds
+from .compile import kernel
+from .environment import current_at
+from .layout import (
+    B_ADDED,
+    B_ADDED_AXIAL,
+    B_CLAMP,
+    B_COMPLIANCE,
+    B_DRAG,
+    B_DRAG_AXIAL,
+    B_DRY_WEIGHT,
+    B_INERTIA,
+    B_LENGTH,
+    B_MASS,
+    B_NODE,
+    B_OFFSET,
+    B_PULL,
+    B_TIE,
+    B_WEIGHT,
+    BODY_WORDS,
+    E_BENDING,
+    E_BENDING_FULL,
+    E_LENGTH,
+    E_MODEL,
+    EDGE_WORDS,
+    I_BODIES,
+    I_DIMENSION,
+    MODEL_HYBRID,
+    O_BODY,
+    O_COMPLIANCE,
+    O_DIAGONAL,
+    O_EDGE,
+    O_GRADIENT,
+    O_LOWER,
+    O_MOTION,
+    O_PARENT,
+    O_TENSION,
+    O_UPPER,
+    S_BASE,
+)
+
+CLAMP = 1e4  # stiffness of a clamp, in units of EI over the shorter of element and body
+SOFT_CLAMP = 1e3  # the same for a hybrid, whose tension decides from time to time
+UNRESOLVED = 8.4686  # h / sqrt(EI/T) at which a string's cubic turns as easily as the layer
+SLOPE_INERTIA = 1e-9  # of m l^2: keeps the mass matrix regular for the slope at the line's end
+
+
+@kernel
+def rigid_row(I, M, body):
+    """Row of a body of finite length that is out, else -1."""
+    row = I[O_BODY] + body * BODY_WORDS
+    if M[row + B_LENGTH] == 0.0 or M[row + B_NODE] < 0.0:
+        return -1
+    return row
+
+
+@kernel
+def axis_of(dimension, q, inner, outer, w):
+    """Unit vector from word `inner` of q to `outer` into w[0:3]; returns their distance [m]."""
+    square = 0.0
+    for i in range(3):
+        w[i] = 0.0
+    for i in range(dimension):
+        w[i] = q[outer + i] - q[inner + i]
+        square += w[i] * w[i]
+    length = math.sqrt(square)
+    for i in range(dimension):
+        w[i] /= length
+    return length
+
+
+@kernel
+def middle_flow(I, M, q, v, a, inner, outer, w):
+    """Water relative to the body's middle into w[3:6], the middle's acceleration into w[6:9]."""
+    dimension = I[I_DIMENSION]
+    height = 0.5 * (q[inner + dimension - 1] + q[outer + dimension - 1])
+    current_at(I, M, height, w[3:6])
+    for i in range(dimension):
+        w[3 + i] -= 0.5 * (v[inner + i] + v[outer + i])
+        w[6 + i] = 0.5 * (a[inner + i] + a[outer + i])
+    if dimension == 2:
+        w[5] = 0.0
+        w[8] = 0.0
+
+
+@kernel
+def clamp_stiffness(M, edge, pull, length):
+    """Moment per angle [N m] between a body of this length [m] and a cable under `pull` [N].
+
+    edge: row of the element next to the body. An elastica's mesh resolves its layer. A hybrid's
+    element that is long against the layer sqrt(EI/T) resists a turn of its end by 1/(1 - share) of
+    the layer's sqrt(EI T); the spring in series with it makes up for the rest. `share` is fitted
+    to an even mesh within 2 %.
+    """
+    full = M[edge + E_BENDING_FULL]
+    if full == 0.0:
+        return 0.0
+    h = M[edge + E_LENGTH]
+    if M[edge + E_MODEL] != MODEL_HYBRID:
+        return CLAMP * full / min(h, length)
+    stiff = SOFT_CLAMP * full / min(h, length)
+    if not pull > 0.0:
+        return stiff
+    stiff += SOFT_CLAMP * math.sqrt(full * pull)
+    x = h * math.sqrt(pull / full)
+    x4 = x**4
+    share = x4 / (1440.0 + 101.7 * x * x + 8.22 * x**3 + x4)
+    if M[edge + E_BENDING] == 0.0:
+        # A string's cubic, which gives way by UNRESOLVED / h of the layer.
+        share = max(1.0 - UNRESOLVED / x, 0.1)
+    return 1.0 / (share / math.sqrt(full * pull) + 1.0 / stiff)
+
+
+@kernel
+def update_clamps(I, M, share):
+    """Clamps' stiffnesses by the tensions, of which `share` is the present one, the rest the past.
+
+    They hold until the next step is made, and follow axial vibrations by their mean only: a
+    stiffness that changes while the clamp is bent does work, and would feed such vibrations.
+    """
+    tension = I[O_TENSION]
+    for body in range(I[I_BODIES]):
+        row = rigid_row(I, M, body)
+        if row < 0:
+            continue
+        node = int(M[row + B_NODE])
+        for side in range(2):
+            k = row + B_CLAMP + side
+            past = row + B_PULL + side
+            if side == 1 and M[row + B_TIE] != 0.0:
+                M[k] = 0.0
+                continue
+            edge = I[I[O_PARENT] + node] if side == 0 else node + 1
+            slope = M[tension + 2 * edge + 1]
+            pull = M[tension + 2 * edge] + (slope if side == 0 else -slope)
+            M[past] += share * (pull - M[past])
+            M[k] = clamp_stiffness(M, I[O_EDGE] + edge * EDGE_WORDS, M[past], M[row + B_LENGTH])
+
+
+@kernel
+def slope_direction(dimension, q, at, w):
+    """Unit vector along the slope at word `at` of q into w[3:6], its cosine with the axis w[0:3].
+
+    Returns (length of the slope, cosine).
+    """
+    square = 0.0
+    for i in range(dimension):
+        square += q[at + i] * q[at + i]
+    length = math.sqrt(square)
+    cosine = 0.0
+    for i in range(dimension):
+        w[3 + i] = q[at + i] / length
+        cosine += w[3 + i] * w[i]
+    return length, cosine
+
+
+@kernel
+def clamp_forces(dimension, k, q, at, inner, outer, reach, w, out):
+    """Add the forces of a clamp of stiffness k [N m] between the slope at word `at` and the axis.
+
+    reach: distance of the attachments [m].
+    """
+    length, cosine = slope_direction(dimension, q, at, w)
+    for i in range(dimension):
+        out[at + i] -= k / length * (w[i] - cosine * w[3 + i])
+        pull = k / reach * (w[3 + i] - cosine * w[i])
+        out[outer + i] -= pull
+        out[inner + i] += pull
+
+
+@kernel
+def rigid_residual(I, M, q, v, a, tension, out, out_constraint):
+    """Add the bodies' forces to those of their nodes, and set their constraint residuals."""
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    w = M[I[O_MOTION] + 16 : I[O_MOTION] + 46]
+    for body in range(I[I_BODIES]):
+        row = rigid_row(I, M, body)
+        if row < 0:
+            continue
+        node = int(M[row + B_NODE])
+        outer = size * node
+        inner = size * I[I[O_PARENT] + node]
+        length = M[row + B_LENGTH]
+        reach = axis_of(dimension, q, inner, outer, w)
+        bar = tension[2 * node]
+        out_constraint[2 * node] = reach - length - M[row + B_COMPLIANCE] * bar
+        out_constraint[2 * node + 1] = 0.0
+        for side in range(2):
+            k = M[row + B_CLAMP + side]
+            if k != 0.0:
+                at = dimension + (inner if side == 0 else outer)
+                clamp_forces(dimension, k, q, at, inner, outer, reach, w, out)
+        near = 0.5 * (1.0 - M[row + B_OFFSET])
+        far = 0.5 * (1.0 + M[row + B_OFFSET])
+        turning = M[row + B_INERTIA] / (length * length)
+        middle_flow(I, M, q, v, a, inner, outer, w)
+        flow_force(M, row, dimension, M[row + B_ADDED], w)
+        w[12 + dimension - 1] -= M[row + B_DRY_WEIGHT] - M[row + B_WEIGHT]  # buoyancy
+        for i in range(dimension):
+            centre = M[row + B_MASS] * (near * a[inner + i] + far * a[outer + i])
+            if i == dimension - 1:
+                centre += M[row + B_DRY_WEIGHT]
+            pair = bar * w[i] + turning * (a[outer + i] - a[inner + i])
+            out[inner + i] += near * centre + 0.5 * w[12 + i] - pair
+            out[outer + i] += far * centre + 0.5 * w[12 + i] + pair
+        tie = M[row + B_TIE]
+        if tie != 0.0:
+            inertia = SLOPE_INERTIA * M[row + B_MASS] * length * length
+            for i in range(dimension):
+                at = outer + dimension + i
+                force = tie * (q[at] - (q[outer + i] - q[inner + i]) / length)
+                out[at] += force + inertia * a[at]
+                out[outer + i] -= force / length
+                out[inner + i] += force / length
+
+
+@kernel
+def add_pair(D_inner, D_outer, U, L, size, i, j, value):
+    """Add value to entry (i, j) of a term in g = r_C - r_A: rows and columns of both nodes."""
+    D_inner[size * i + j] += value
+    D_outer[size * i + j] += value
+    U[size * i + j] -= value
+    L[size * i + j] -= value
+
+
+@kernel
+def add_clamp(dimension, k, q, at, inner_side, reach, w, D_inner, D_outer, U, L):
+    """Second derivatives of k (1 - cos(angle)) for the slope d at word `at` of q and the axis."""
+    size = 2 * dimension
+    length, cosine = slope_direction(dimension, q, at, w)
+    d_d = k / (length * length)
+    d_g = k / (length * reach)
+    g_g = k / (reach * reach)
+    for i in range(dimension):
+        for j in range(dimension):
+            unit = 1.0 if i == j else 0.0
+            ti = w[3 + i]
+            tj = w[3 + j]
+            bi = w[i]
+            bj = w[j]
+            cross = ti * bj + bi * tj
+            dd = d_d * (cross + cosine * (unit - 3.0 * ti * tj))
+            gg = g_g * (cross + cosine * (unit - 3.0 * bi * bj))
+            # (1 - t t)(1 - b b): row d_i, column g_j, and its transpose.
+            dg = -d_g * (unit - ti * tj - bi * bj + cosine * ti * bj)
+            gd = -d_g * (unit - ti * tj - bi * bj + cosine * bi * tj)
+            add_pair(D_inner, D_outer, U, L, size, i, j, gg)
+            row_d = size * (dimension + i) + j
+            column_d = size * i + dimension + j
+            diagonal_d = size * (dimension + i) + dimension + j
+            if inner_side:
+                D_inner[diagonal_d] += dd
+                D_inner[row_d] -= dg
+                U[row_d] += dg
+                D_inner[column_d] -= gd
+                L[column_d] += gd
+            else:
+                D_outer[diagonal_d] += dd
+                D_outer[row_d] += dg
+                L[row_d] -= dg
+                D_outer[column_d] += gd
+                U[column_d] -= gd
+
+
+@kernel
+def rigid_jacobian(I, M, q, v, a, tension, ca, cv):
+    """Add the bodies' derivatives: blocks of both nodes and those that tie them, N condensed out.
+
+    The force on a node is a sum of terms in g and in the middle's motion; see jacobian_spatial.
+    """
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    area = size * size
+    w = M[I[O_MOTION] + 16 : I[O_MOTION] + 46]
+    for body in range(I[I_BODIES]):
+        row = rigid_row(I, M, body)
+        if row < 0:
+            continue
+        node = int(M[row + B_NODE])
+        parent = I[I[O_PARENT] + node]
+        outer = size * node
+        inner = size * parent
+        D_inner = M[I[O_DIAGONAL] + area * parent : I[O_DIAGONAL] + area * (parent + 1)]
+        D_outer = M[I[O_DIAGONAL] + area * node : I[O_DIAGONAL] + area * (node + 1)]
+        U = M[I[O_UPPER] + area * node : I[O_UPPER] + area * (node + 1)]
+        L = M[I[O_LOWER] + area * node : I[O_LOWER] + area * (node + 1)]
+        U[:] = 0.0
+        L[:] = 0.0
+        length = M[row + B_LENGTH]
+        reach = axis_of(dimension, q, inner, outer, w)
+        k = M[row + B_CLAMP]
+        if k != 0.0:
+            add_clamp(dimension, k, q, inner + dimension, True, reach, w, D_inner, D_outer, U, L)
+        k = M[row + B_CLAMP + 1]
+        if k != 0.0:
+            add_clamp(dimension, k, q, outer + dimension, False, reach, w, D_inner, D_outer, U, L)
+        stiffness = 1.0 / M[row + B_COMPLIANCE]
+        M[I[O_COMPLIANCE] + 3 * node] = stiffness
+        M[I[O_COMPLIANCE] + 3 * node + 1] = 0.0
+        M[I[O_COMPLIANCE] + 3 * node + 2] = stiffness
+        B = M[I[O_GRADIENT] + 4 * size * node : I[O_GRADIENT] + 4 * size * node + dimension]
+        geometric = tension[2 * node] / reach
+        near = 0.5 * (1.0 - M[row + B_OFFSET])
+        far = 0.5 * (1.0 + M[row + B_OFFSET])
+        mass = ca * M[row + B_MASS]
+        turning = ca * M[row + B_INERTIA] / (length * length)
+        middle_flow(I, M, q, v, a, inner, outer, w)
+        flow_derivatives(M, row, dimension, M[row + B_ADDED], 1.0 / reach, ca, cv, w)
+        tie = M[row + B_TIE]
+        slope = 0.0
+        if tie != 0.0:
+            slope = tie + ca * SLOPE_INERTIA * M[row + B_MASS] * length * length
+        for i in range(dimension):
+            B[i] = w[i]
+            for j in range(dimension):
+                value = (stiffness - geometric) * w[i] * w[j]
+                if i == j:
+                    value += geometric + turning + tie / (length * length)
+                add_pair(D_inner, D_outer, U, L, size, i, j, value)
+                flow = 0.25 * w[12 + dimension * i + j]
+                axis = 0.5 * w[21 + dimension * i + j]
+                D_inner[size * i + j] += flow - axis
+                U[size * i + j] += flow + axis
+                L[size * i + j] += flow - axis
+                D_outer[size * i + j] += flow + axis
+            D_inner[size * i + i] += mass * near * near
+            U[size * i + i] += mass * near * far
+            L[size * i + i] += mass * near * far
+            D_outer[size * i + i] += mass * far * far
+            if tie != 0.0:
+                d = dimension + i
+                D_outer[size * d + d] += slope
+                D_outer[size * d + i] -= tie / length
+                D_outer[size * i + d] -= tie / length
+                L[size * d + i] += tie / length
+                U[size * i + d] += tie / length
+
+
+@kernel
+def condense_rigid(I, M, out_constraint, out):
+    """Add B^T S (constraint residual) of every body: N condensed out."""
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    for body in range(I[I_BODIES]):
+        row = rigid_row(I, M, body)
+        if row < 0:
+            continue
+        node = int(M[row + B_NODE])
+        outer = size * node
+        inner = size * I[I[O_PARENT] + node]
+        z = M[I[O_COMPLIANCE] + 3 * node] * out_constraint[2 * node]
+        B = I[O_GRADIENT] + 4 * size * node
+        for i in range(dimension):
+            out[inner + i] -= z * M[B + i]
+            out[outer + i] += z * M[B + i]
+
+
+@kernel
+def stretch_rate_rigid(I, M, x, out):
+    """Gradient B of the bodies' constraints times a vector x of the nodes."""
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    for body in range(I[I_BODIES]):
+        row = rigid_row(I, M, body)
+        if row < 0:
+            continue
+        node = int(M[row + B_NODE])
+        outer = size * node
+        inner = size * I[I[O_PARENT] + node]
+        B = I[O_GRADIENT] + 4 * size * node
+        value = 0.0
+        for i in range(dimension):
+            value += M[B + i] * (x[outer + i] - x[inner + i])
+        out[2 * node] = value
+        out[2 * node + 1] = 0.0
+
+
+@kernel
+def rigid_energy(I, M, row, q, v, a, tension, out):
+    """Add a body's energies and its loss to drag to those of outputs.energies."""
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    w = M[I[O_MOTION] + 16 : I[O_MOTION] + 46]
+    node = int(M[row + B_NODE])
+    outer = size * node
+    inner = size * I[I[O_PARENT] + node]
+    reach = axis_of(dimension, q, inner, outer, w)
+    bar = tension[2 * node]
+    out[1] += 0.5 * M[row + B_COMPLIANCE] * bar * bar
+    k = M[row + B_CLAMP]
+    if k != 0.0:
+        _length, cosine = slope_direction(dimension, q, inner + dimension, w)
+        out[2] += k * (1.0 - cosine)
+    k = M[row + B_CLAMP + 1]
+    if k != 0.0:
+        _length, cosine = slope_direction(dimension, q, outer + dimension, w)
+        out[2] += k * (1.0 - cosine)
+    near = 0.5 * (1.0 - M[row + B_OFFSET])
+    far = 0.5 * (1.0 + M[row + B_OFFSET])
+    up = dimension - 1
+    low = q[inner + up] + M[S_BASE + 2]
+    high = q[outer + up] + M[S_BASE + 2]
+    weight = M[row + B_DRY_WEIGHT]
+    out[3] += weight * (near * low + far * high) - 0.5 * (weight - M[row + B_WEIGHT]) * (low + high)
+    speed = 0.0
+    turn = 0.0
+    for i in range(dimension):
+        speed += (near * v[inner + i] + far * v[outer + i]) ** 2
+        turn += ((v[outer + i] - v[inner + i]) / reach) ** 2
+    out[0] += 0.5 * (M[row + B_MASS] * speed + M[row + B_INERTIA] * turn)
+    middle_flow(I, M, q, v, a, inner, outer, w)
+    for i in range(dimension):
+        w[12 + i] = 0.5 * (v[inner + i] + v[outer + i])
+    flow_energy(M, row, dimension, w, out)
+
+
+@kernel
+def flow_energy(M, row, dimension, w, out):
+    """Energy of the added mass and loss to drag of a body that moves at w[12:15].
+
+    w[0:6]: axis and relative water velocity.
+    """
+    ut, _along, sn, st = speeds(M, row, dimension, w)
+    along = 0.0
+    square = 0.0
+    for i in range(dimension):
+        along += w[12 + i] * w[i]
+        square += w[12 + i] ** 2
+    out[0] += 0.5 * M[row + B_ADDED] * (square - along * along)
+    out[0] += 0.5 * M[row + B_ADDED_AXIAL] * along * along
+    fn = M[row + B_DRAG] * sn
+    ft = M[row + B_DRAG_AXIAL] * st * ut
+    for i in range(dimension):
+        out[5] -= (fn * w[9 + i] + ft * w[i]) * w[12 + i]
