@@ -766,5 +766,6 @@ def _find_initial_state(block: Block, scene: Scene, velocity: FloatArray) -> Non
     for counter in (at.I_STEPS, at.I_REJECTED, at.I_FACTORISATIONS, at.I_ITERATIONS):
         ints[counter] = 0
     ints[at.I_FACTORED] = 0
+    ints[at.I_HISTORY] = 0
     if ints[at.I_HYBRID]:
         entry.choose_bending(ints, reals)

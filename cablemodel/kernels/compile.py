@@ -13,6 +13,9 @@ from typing import Any
 
 import numba
 from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic
+from numba.np.arrayobj import make_array, populate_array
 
 OPTIONS: dict[str, Any] = {
     "nopython": True,
@@ -76,3 +79,44 @@ def entry_point(signature: Any) -> Callable[[Callable[..., Any]], Any]:
         return dispatcher
 
     return decorate
+
+
+@intrinsic
+def view(typing_context: Any, array: Any, start: Any, count: Any) -> Any:
+    """``array[start : start + count]`` without the checks of a Python slice: 0 <= start.
+
+    A slice clips its ends and, like every index that the compiler cannot prove to be positive,
+    counts from the end when negative: a dozen instructions that keep loops from being vectorised.
+    """
+    signature = array(array, types.int64, types.int64)
+
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        kind = signature.args[0]
+        whole = make_array(kind)(context, builder, values[0])
+        part = make_array(kind)(context, builder)
+        word = context.get_constant(types.intp, 8)
+        populate_array(
+            part,
+            data=builder.gep(whole.data, [values[1]]),
+            shape=cgutils.pack_array(builder, [values[2]]),
+            strides=cgutils.pack_array(builder, [word]),
+            itemsize=word,
+            meminfo=None,
+        )
+        return part._getvalue()
+
+    return signature, generate
+
+
+@intrinsic
+def copy_words(typing_context: Any, array: Any, to: Any, start: Any, count: Any) -> Any:
+    """``array[to : to + count] = array[start : start + count]``, two places that do not meet."""
+    signature = types.void(array, types.int64, types.int64, types.int64)
+
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        data = make_array(signature.args[0])(context, builder, values[0]).data
+        to, start, count = values[1:]
+        cgutils.raw_memcpy(builder, builder.gep(data, [to]), builder.gep(data, [start]), count, 8)
+        return context.get_dummy_value()
+
+    return signature, generate

@@ -37,6 +37,13 @@ I_RATE_LIVE = 74  # 1: the caller's rate drives, 0: the scene's table
 I_CLAMPED = 75  # +1 the drum is empty, -1 the shortest length is reached, 0 neither
 O_RATES, O_CABLES, O_TOP = 76, 77, 78
 
+# Two-step scheme.
+I_HISTORY = 88  # 1 while O_HISTORY holds the state one step of S_LAST_STEP ago
+I_TWO_STEP_WAIT = 89  # steps to take by the one-step scheme before it is tried again
+I_TWO_STEP_CHECK = 90  # steps until its convergence is measured again
+
+I_KEEP_MATRIX = 92  # 1 while a step has not yet saved the matrix that it may have to give back
+
 # Header: word offsets of the arrays.
 O_PIECES, O_DEPTHS, O_TIMES, O_CURRENT, O_STRAIN = 32, 33, 34, 35, 36
 O_PARENT, O_JOINT, O_EDGE, O_ARC, O_BODY, O_CONSTRAINT = 37, 38, 39, 40, 41, 42
@@ -47,6 +54,7 @@ O_TRIAL_Q, O_TRIAL_V, O_TRIAL_A, O_TRIAL_T = 57, 58, 59, 60
 O_RESIDUAL, O_CONSTRAINT_RESIDUAL, O_INCREMENT = 61, 62, 63
 O_PROFILE, O_GAUSS, O_MOTION = 64, 65, 66
 O_TENSION_RATE, O_STAGE_T, O_STRETCH = 67, 68, 69
+O_HISTORY = 91  # r, d, then their velocities, one step ago: 6 words a node each
 O_END_FORCE = 79  # internal force at both ends of each element: parent's end, child's end
 
 # Scalars, at HEADER_WORDS.
@@ -73,6 +81,7 @@ S_PAID_MOST, S_PAID_LEAST = _S + 32, _S + 33
 S_LIVE_RATE = _S + 34  # 4 words: t0, t1, rate at t0, at t1
 S_PERIOD = _S + 40  # sqrt(L/g) [s]
 S_AXIAL = _S + 41  # stiffness of the whole line over its mass [1/s2]; 0 where drag damps it
+S_TWO_STEP_RATIO = _S + 88  # convergence ratio of Newton in the two-step scheme
 S_STAGE_RATE, S_STAGE_SLOPE = _S + 38, _S + 39  # at the time of the last set_time
 
 # Rows of the rate table: time, rate. Rows of the cable table: the cables of the line and of the

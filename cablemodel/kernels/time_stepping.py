@@ -5,9 +5,7 @@ v_i = v^ + gamma dt a_i; prescribed nodes are imposed exactly in every stage. Te
 neither the error estimate nor Newton's test looks at it, but for the last stage before an output.
 """
 
-import math
-
-from .compile import inlined, kernel
+from .compile import kernel
 from .environment import find_piece
 from .layout import (
     E_BENDING,
@@ -17,10 +15,10 @@ from .layout import (
     EDGE_WORDS,
     I_DIMENSION,
     I_FACTORED,
-    I_FACTORISATIONS,
     I_FAILED_NODE,
     I_FRESH,
     I_GROWTH_BARRED,
+    I_HISTORY,
     I_HYBRID,
     I_ITERATIONS,
     I_LIVE,
@@ -74,10 +72,10 @@ from .layout import (
     S_TOP_LENGTH,
     TOO_MANY_STEPS,
 )
+from .newton import increment_norm, refactor
 from .payout import adapt_top, begin_payout, longest_payout_step, paid_since
 from .system import (
     elongation_rate,
-    factorise,
     impose_motion,
     newton_increment,
     recover_tension,
@@ -85,49 +83,11 @@ from .system import (
     set_time,
 )
 from .tables import GAMMA, STAGE_A, STAGE_C, STAGE_ERROR, STAGES
+from .two_step import accept_two_step, remember, try_two_step
 
 LARGEST_ITERATIONS = 10
-SLOPE_WEIGHT = 0.3  # weight of h |d| in norms, against |r|
 AXIAL_RESOLVED = 5.0  # (axial frequency x gamma dt)^2 below which velocities are not projected
 BENDING_ON, BENDING_OFF = 0.01, 0.005  # hybrid: (EI/T)/h^2 above which bending is kept
-
-
-@kernel
-def increment_norm(I, M, x):
-    """max(|dr|, 0.3 h |dd|) over the nodes [m], and the node where it is reached.
-
-    Lengths of vectors, not of components: a run does not depend on the direction of the axes.
-    """
-    dimension = I[I_DIMENSION]
-    largest = 0.0
-    where = 0
-    for node in range(I[I_NODES]):
-        h = M[I[O_EDGE] + max(node, 1) * EDGE_WORDS + E_LENGTH]
-        at = 2 * dimension * node
-        motion = 0.0
-        slope = 0.0
-        for i in range(dimension):
-            motion += x[at + i] * x[at + i]
-            slope += x[at + dimension + i] * x[at + dimension + i]
-        size = math.sqrt(max(motion, (SLOPE_WEIGHT * h) ** 2 * slope))
-        if not size <= largest:
-            largest = size
-            where = node
-        if size != size:
-            break
-    return largest, where
-
-
-@inlined
-def refactor(I, M, q, v, a, tension, gamma_dt):
-    """Factor the Newton matrix of a stage at the given iterate; 0 on success."""
-    inverse = 1.0 / gamma_dt
-    failed = factorise(I, M, q, v, a, tension, inverse * inverse, inverse)
-    I[I_FACTORISATIONS] += 1
-    I[I_FRESH] = 1
-    I[I_FACTORED] = 1 if failed == 0 else 0
-    M[S_FACTORED_STEP] = gamma_dt
-    return failed
 
 
 @kernel
@@ -271,6 +231,7 @@ def accept_trial(I, M, dt, scheme):
     """The trial becomes the state; the tension's rate is that of a parabola through the step."""
     count = 2 * I[I_DIMENSION] * I[I_NODES]
     c = STAGE_C[scheme, STAGES[scheme] - 2]
+    remember(I, M)
     w0 = (1.0 - c) / (c * dt)
     wc = -1.0 / (c * (1.0 - c) * dt)
     w1 = (2.0 - c) / ((1.0 - c) * dt)
@@ -322,6 +283,7 @@ def project_velocity(I, M, gamma_dt):
     newton_increment(I, M, forces, constraint, x)
     for n in range(count):
         v[n] += x[n]
+    I[I_HISTORY] = 0
 
 
 @kernel
@@ -364,6 +326,7 @@ def make_consistent(I, M):
                 v[n] += x[n]
             recover_tension(I, M, constraint, x, rate)
     I[I_FACTORED] = 0
+    I[I_HISTORY] = 0
     M[S_LAST_STEP] = 0.0
 
 
@@ -381,9 +344,11 @@ def update_bending(I, M):
             if stiffness > BENDING_ON * pull:
                 M[e + E_BENDING] = stiffness
                 I[I_FACTORED] = 0
+                I[I_HISTORY] = 0
         elif stiffness < BENDING_OFF * pull:
             M[e + E_BENDING] = 0.0
             I[I_FACTORED] = 0
+            I[I_HISTORY] = 0
 
 
 @kernel
@@ -447,7 +412,11 @@ def advance_to(I, M, t_end):
         elif unprojected:
             project_velocity(I, M, GAMMA[scheme] * dt)
         unprojected = False
-        status, error = try_step(I, M, dt, scheme, to_output)
+        status = OK
+        error = 0.0
+        two_steps = to_output and dt <= 0.25 * natural and try_two_step(I, M, dt)
+        if not two_steps:
+            status, error = try_step(I, M, dt, scheme, to_output)
         if status != OK or not error <= 1.0:
             I[I_REJECTED] += 1
             I[I_GROWTH_BARRED] = 1
@@ -463,7 +432,10 @@ def advance_to(I, M, t_end):
                 break
             status = OK
         else:
-            accept_trial(I, M, dt, scheme)
+            if two_steps:
+                accept_two_step(I, M, dt)
+            else:
+                accept_trial(I, M, dt, scheme)
             if I[I_PAYOUT] != 0:
                 paid = paid_since(M, dt)
                 M[S_PAID] += paid
