@@ -10,7 +10,7 @@ takes a smaller step.
 
 from typing import Any
 
-from .compile import kernel
+from .compile import kernel, view
 from .layout import I_NODES, O_DIAGONAL, O_JOINT, O_LOWER, O_PARENT, O_UPPER
 
 
@@ -24,7 +24,7 @@ def make_block_solver(size: int) -> tuple[Any, Any]:
         nodes = I[I_NODES]
         for node in range(nodes - 1, -1, -1):
             at = I[O_DIAGONAL] + area * node
-            D = M[at : at + area]
+            D = view(M, at, area)
             hinge = I[I[O_JOINT] + node] != 0
             first = half if hinge else 0
             for k in range(first, size):
@@ -42,9 +42,9 @@ def make_block_solver(size: int) -> tuple[Any, Any]:
                 break
             parent = I[I[O_PARENT] + node]
             above = I[O_DIAGONAL] + area * parent
-            A = M[above : above + area]
-            Z = M[I[O_LOWER] + area * node : I[O_LOWER] + area * node + area]
-            U = M[I[O_UPPER] + area * node : I[O_UPPER] + area * node + area]
+            A = view(M, above, area)
+            Z = view(M, I[O_LOWER] + area * node, area)
+            U = view(M, I[O_UPPER] + area * node, area)
             if hinge:
                 # Z = dd^-1 dr; the parent's r takes over rr - rd Z.
                 for i in range(half):
@@ -91,8 +91,8 @@ def make_block_solver(size: int) -> tuple[Any, Any]:
         nodes = I[I_NODES]
         for node in range(nodes - 1, -1, -1):
             at = I[O_DIAGONAL] + area * node
-            D = M[at : at + area]
-            y = x[size * node : size * node + size]
+            D = view(M, at, area)
+            y = view(x, size * node, size)
             hinge = I[I[O_JOINT] + node] != 0
             first = half if hinge else 0
             for i in range(first, size):
@@ -108,7 +108,7 @@ def make_block_solver(size: int) -> tuple[Any, Any]:
             if node == 0:
                 break
             parent = I[I[O_PARENT] + node]
-            b = x[size * parent : size * parent + size]
+            b = view(x, size * parent, size)
             if hinge:
                 for i in range(half):
                     value = y[i]
@@ -116,7 +116,7 @@ def make_block_solver(size: int) -> tuple[Any, Any]:
                         value -= D[size * i + k] * y[k]
                     b[i] += value
             else:
-                U = M[I[O_UPPER] + area * node : I[O_UPPER] + area * node + area]
+                U = view(M, I[O_UPPER] + area * node, area)
                 for i in range(size):
                     value = b[i]
                     for k in range(size):
@@ -124,9 +124,9 @@ def make_block_solver(size: int) -> tuple[Any, Any]:
                     b[i] = value
         for node in range(1, nodes):
             parent = I[I[O_PARENT] + node]
-            y = x[size * node : size * node + size]
-            p = x[size * parent : size * parent + size]
-            Z = M[I[O_LOWER] + area * node : I[O_LOWER] + area * node + area]
+            y = view(x, size * node, size)
+            p = view(x, size * parent, size)
+            Z = view(M, I[O_LOWER] + area * node, area)
             if I[I[O_JOINT] + node] != 0:
                 for i in range(half):
                     y[i] = p[i]

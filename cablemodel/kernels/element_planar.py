@@ -7,7 +7,7 @@ curvature k is a number and P = n n^T, which saves a root and most of the produc
 
 import math
 
-from .compile import inlined, kernel
+from .compile import inlined, kernel, view
 from .environment import current_at
 from .layout import (
     E_ADDED,
@@ -90,7 +90,7 @@ BLOCK = JACOBIAN + 96
 def element_current(I, M, W, x0, x1, h):
     """Water velocity at the Gauss points of an element, when it varies over depth."""
     motion = I[O_MOTION] + 9
-    z = M[motion : motion + 3]
+    z = view(M, motion, 3)
     for g in range(3):
         height = x0[1] * H0[g] + h * x0[3] * H1[g] + x1[1] * H2[g] + h * x1[3] * H3[g]
         current_at(I, M, height, z)
@@ -199,12 +199,12 @@ def load_forces(W, v0, v1, a0, a1, h, cn, ct, added):
 @kernel
 def residual_planar(I, M, q, v, a, tension, out, out_constraint):
     """Residual of all elements: out (nodes, 4), out_constraint (nodes, 2); see residual_spatial."""
-    W = M[I[O_GAUSS] : I[O_GAUSS] + 512]
+    W = view(M, I[O_GAUSS], 512)
     nodes = I[I_NODES]
     drag = I[I_DRAG]
     payout = I[I_PAYOUT]
     sheared = I[I_DEPTHS] > 1
-    ends = M[I[O_END_FORCE] : I[O_END_FORCE] + 4 * nodes]
+    ends = view(M, I[O_END_FORCE], 4 * nodes)
     out[0 : 4 * nodes] = 0.0
     for node in range(1, nodes):
         if I[I[O_JOINT] + node] != 0:
@@ -215,15 +215,15 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
         e = I[O_EDGE] + node * EDGE_WORDS
         h = M[e + E_LENGTH]
         bending = M[e + E_BENDING]
-        x0 = q[4 * parent : 4 * parent + 4]
-        x1 = q[4 * node : 4 * node + 4]
-        v0 = v[4 * parent : 4 * parent + 4]
-        v1 = v[4 * node : 4 * node + 4]
-        a0 = a[4 * parent : 4 * parent + 4]
-        a1 = a[4 * node : 4 * node + 4]
+        x0 = view(q, 4 * parent, 4)
+        x1 = view(q, 4 * node, 4)
+        v0 = view(v, 4 * parent, 4)
+        v1 = view(v, 4 * node, 4)
+        a0 = view(a, 4 * parent, 4)
+        a1 = view(a, 4 * node, 4)
         if parent == 0 and payout != 0:
-            v0 = M[I[O_TOP] : I[O_TOP] + 4]
-            a0 = M[I[O_TOP] + 6 : I[O_TOP] + 6 + 4]
+            v0 = view(M, I[O_TOP], 4)
+            a0 = view(M, I[O_TOP] + 6, 4)
         geometry(W, x0, x1, h)
         t0 = tension[2 * node]
         t1 = tension[2 * node + 1]
@@ -273,12 +273,12 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
         mass = M[e + E_MASS] * h
         weight = M[e + E_WEIGHT] * h
         for i in range(2):
-            p = W[PX + 4 * i : PX + 4 * i + 4]
+            p = view(W, PX + 4 * i, 4)
             a0i = a0[i] * mass
             a1i = a0[2 + i] * mass * h
             a2i = a1[i] * mass
             a3i = a1[2 + i] * mass * h
-            r = W[R : R + 4]
+            r = view(W, R, 4)
             for k in range(4):
                 r[k] = (
                     a0i * MASS[0, k]
@@ -290,14 +290,14 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
                     + p[2] * WD[2, k]
                 )
             if drag != 0:
-                f = W[FX + 4 * i : FX + 4 * i + 4]
+                f = view(W, FX + 4 * i, 4)
                 f0 = h * f[0]
                 f1 = h * f[1]
                 f2 = h * f[2]
                 for k in range(4):
                     r[k] += f0 * WH[0, k] + f1 * WH[1, k] + f2 * WH[2, k]
             if bending != 0.0:
-                y = W[QX + 4 * i : QX + 4 * i + 4]
+                y = view(W, QX + 4 * i, 4)
                 y0 = y[0] / h
                 y1 = y[1] / h
                 y2 = y[2] / h
@@ -393,14 +393,14 @@ def tangent_matrices(
 @kernel
 def jacobian_planar(I, M, q, v, a, tension, ca, cv):
     """Blocks of the effective Jacobian with T condensed out; see jacobian_spatial."""
-    W = M[I[O_GAUSS] : I[O_GAUSS] + 512]
+    W = view(M, I[O_GAUSS], 512)
     nodes = I[I_NODES]
     drag = I[I_DRAG]
     payout = I[I_PAYOUT]
     sheared = I[I_DEPTHS] > 1
-    diagonal = M[I[O_DIAGONAL] : I[O_DIAGONAL] + 16 * nodes]
-    upper = M[I[O_UPPER] : I[O_UPPER] + 16 * nodes]
-    lower = M[I[O_LOWER] : I[O_LOWER] + 16 * nodes]
+    diagonal = view(M, I[O_DIAGONAL], 16 * nodes)
+    upper = view(M, I[O_UPPER], 16 * nodes)
+    lower = view(M, I[O_LOWER], 16 * nodes)
     diagonal[:] = 0.0
     for node in range(1, nodes):
         if I[I[O_JOINT] + node] != 0:
@@ -409,15 +409,15 @@ def jacobian_planar(I, M, q, v, a, tension, ca, cv):
         e = I[O_EDGE] + node * EDGE_WORDS
         h = M[e + E_LENGTH]
         bending = M[e + E_BENDING]
-        x0 = q[4 * parent : 4 * parent + 4]
-        x1 = q[4 * node : 4 * node + 4]
-        a0 = a[4 * parent : 4 * parent + 4]
-        a1 = a[4 * node : 4 * node + 4]
-        v0 = v[4 * parent : 4 * parent + 4]
-        v1 = v[4 * node : 4 * node + 4]
+        x0 = view(q, 4 * parent, 4)
+        x1 = view(q, 4 * node, 4)
+        a0 = view(a, 4 * parent, 4)
+        a1 = view(a, 4 * node, 4)
+        v0 = view(v, 4 * parent, 4)
+        v1 = view(v, 4 * node, 4)
         if parent == 0 and payout != 0:
-            v0 = M[I[O_TOP] : I[O_TOP] + 4]
-            a0 = M[I[O_TOP] + 6 : I[O_TOP] + 6 + 4]
+            v0 = view(M, I[O_TOP], 4)
+            a0 = view(M, I[O_TOP] + 6, 4)
         geometry(W, x0, x1, h)
         if drag != 0 and sheared:
             element_current(I, M, W, x0, x1, h)
@@ -445,8 +445,8 @@ def jacobian_planar(I, M, q, v, a, tension, ca, cv):
             cv,
         )
 
-        B = M[I[O_GRADIENT] + 16 * node : I[O_GRADIENT] + 16 * node + 16]
-        B2 = W[R : R + 8]
+        B = view(M, I[O_GRADIENT] + 16 * node, 16)
+        B2 = view(W, R, 8)
         for i in range(2):
             for k in range(4):
                 w0 = W[TX + 4 * i] * WD[0, k]
@@ -488,7 +488,7 @@ def jacobian_planar(I, M, q, v, a, tension, ca, cv):
         ih = 1.0 / h
         ih2 = ih * ih
         ih3 = ih * ih2
-        r = W[BLOCK : BLOCK + 16]
+        r = view(W, BLOCK, 16)
         at = 16 * node
         above = 16 * parent
         for i in range(2):
@@ -563,7 +563,7 @@ def condense_planar(I, M, out_constraint, out):
             continue
         parent = I[I[O_PARENT] + node]
         h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
-        B = M[I[O_GRADIENT] + 16 * node : I[O_GRADIENT] + 16 * node + 16]
+        B = view(M, I[O_GRADIENT] + 16 * node, 16)
         s = I[O_COMPLIANCE] + 3 * node
         r0 = out_constraint[2 * node]
         r1 = out_constraint[2 * node + 1]
@@ -586,7 +586,7 @@ def stretch_rate_planar(I, M, x, out):
             continue
         parent = I[I[O_PARENT] + node]
         h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
-        B = M[I[O_GRADIENT] + 16 * node : I[O_GRADIENT] + 16 * node + 16]
+        B = view(M, I[O_GRADIENT] + 16 * node, 16)
         r0 = 0.0
         r1 = 0.0
         for i in range(2):

@@ -11,7 +11,7 @@ water relative to the cable. In comments g = |r'|, y = r'', P = I - t t^T, k = P
 
 import math
 
-from .compile import inlined, kernel
+from .compile import inlined, kernel, view
 from .environment import current_at
 from .layout import (
     E_ADDED,
@@ -95,7 +95,7 @@ BLOCK = JACOBIAN + 216  # 16 words, one pair of components
 def element_current(I, M, W, x0, x1, h):
     """Water velocity at the Gauss points of an element whose heights are x0.., when it varies."""
     motion = I[O_MOTION] + 9
-    z = M[motion : motion + 3]
+    z = view(M, motion, 3)
     for g in range(3):
         height = x0[2] * H0[g] + h * x0[5] * H1[g] + x1[2] * H2[g] + h * x1[5] * H3[g]
         current_at(I, M, height, z)
@@ -245,12 +245,12 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
     out is set to zero first; residual = inertia + internal forces - loads, so the force that a
     support must exert is the residual at its node.
     """
-    W = M[I[O_GAUSS] : I[O_GAUSS] + 512]
+    W = view(M, I[O_GAUSS], 512)
     nodes = I[I_NODES]
     drag = I[I_DRAG]
     payout = I[I_PAYOUT]
     sheared = I[I_DEPTHS] > 1
-    ends = M[I[O_END_FORCE] : I[O_END_FORCE] + 6 * nodes]
+    ends = view(M, I[O_END_FORCE], 6 * nodes)
     out[0 : 6 * nodes] = 0.0
     for node in range(1, nodes):
         if I[I[O_JOINT] + node] != 0:
@@ -261,15 +261,15 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
         e = I[O_EDGE] + node * EDGE_WORDS
         h = M[e + E_LENGTH]
         bending = M[e + E_BENDING]
-        x0 = q[6 * parent : 6 * parent + 6]
-        x1 = q[6 * node : 6 * node + 6]
-        v0 = v[6 * parent : 6 * parent + 6]
-        v1 = v[6 * node : 6 * node + 6]
-        a0 = a[6 * parent : 6 * parent + 6]
-        a1 = a[6 * node : 6 * node + 6]
+        x0 = view(q, 6 * parent, 6)
+        x1 = view(q, 6 * node, 6)
+        v0 = view(v, 6 * parent, 6)
+        v1 = view(v, 6 * node, 6)
+        a0 = view(a, 6 * parent, 6)
+        a1 = view(a, 6 * node, 6)
         if parent == 0 and payout != 0:
-            v0 = M[I[O_TOP] : I[O_TOP] + 6]
-            a0 = M[I[O_TOP] + 6 : I[O_TOP] + 6 + 6]
+            v0 = view(M, I[O_TOP], 6)
+            a0 = view(M, I[O_TOP] + 6, 6)
         geometry(W, x0, x1, h)
         t0 = tension[2 * node]
         t1 = tension[2 * node + 1]
@@ -321,12 +321,12 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
         mass = M[e + E_MASS] * h
         weight = M[e + E_WEIGHT] * h
         for i in range(3):
-            p = W[PX + 4 * i : PX + 4 * i + 4]
+            p = view(W, PX + 4 * i, 4)
             a0i = a0[i] * mass
             a1i = a0[3 + i] * mass * h
             a2i = a1[i] * mass
             a3i = a1[3 + i] * mass * h
-            R = W[AX : AX + 4]
+            R = view(W, AX, 4)
             for k in range(4):
                 R[k] = (
                     a0i * MASS[0, k]
@@ -338,14 +338,14 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
                     + p[2] * WD[2, k]
                 )
             if drag != 0:
-                f = W[FX + 4 * i : FX + 4 * i + 4]
+                f = view(W, FX + 4 * i, 4)
                 f0 = h * f[0]
                 f1 = h * f[1]
                 f2 = h * f[2]
                 for k in range(4):
                     R[k] += f0 * WH[0, k] + f1 * WH[1, k] + f2 * WH[2, k]
             if bending != 0.0:
-                y = W[QX + 4 * i : QX + 4 * i + 4]
+                y = view(W, QX + 4 * i, 4)
                 y0 = y[0] / h
                 y1 = y[1] / h
                 y2 = y[2] / h
@@ -464,14 +464,14 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
     Fills, for every element, its share of the diagonal blocks of both nodes, the two off-diagonal
     blocks, the gradient B of its constraint (2, 12) and the inverse of the compliance (3).
     """
-    W = M[I[O_GAUSS] : I[O_GAUSS] + 512]
+    W = view(M, I[O_GAUSS], 512)
     nodes = I[I_NODES]
     drag = I[I_DRAG]
     payout = I[I_PAYOUT]
     sheared = I[I_DEPTHS] > 1
-    diagonal = M[I[O_DIAGONAL] : I[O_DIAGONAL] + 36 * nodes]
-    upper = M[I[O_UPPER] : I[O_UPPER] + 36 * nodes]
-    lower = M[I[O_LOWER] : I[O_LOWER] + 36 * nodes]
+    diagonal = view(M, I[O_DIAGONAL], 36 * nodes)
+    upper = view(M, I[O_UPPER], 36 * nodes)
+    lower = view(M, I[O_LOWER], 36 * nodes)
     diagonal[:] = 0.0
     for node in range(1, nodes):
         if I[I[O_JOINT] + node] != 0:
@@ -480,15 +480,15 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
         e = I[O_EDGE] + node * EDGE_WORDS
         h = M[e + E_LENGTH]
         bending = M[e + E_BENDING]
-        x0 = q[6 * parent : 6 * parent + 6]
-        x1 = q[6 * node : 6 * node + 6]
-        a0 = a[6 * parent : 6 * parent + 6]
-        a1 = a[6 * node : 6 * node + 6]
-        v0 = v[6 * parent : 6 * parent + 6]
-        v1 = v[6 * node : 6 * node + 6]
+        x0 = view(q, 6 * parent, 6)
+        x1 = view(q, 6 * node, 6)
+        a0 = view(a, 6 * parent, 6)
+        a1 = view(a, 6 * node, 6)
+        v0 = view(v, 6 * parent, 6)
+        v1 = view(v, 6 * node, 6)
         if parent == 0 and payout != 0:
-            v0 = M[I[O_TOP] : I[O_TOP] + 6]
-            a0 = M[I[O_TOP] + 6 : I[O_TOP] + 6 + 6]
+            v0 = view(M, I[O_TOP], 6)
+            a0 = view(M, I[O_TOP] + 6, 6)
         geometry(W, x0, x1, h)
         if drag != 0 and sheared:
             element_current(I, M, W, x0, x1, h)
@@ -517,8 +517,8 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
         )
 
         # Gradient of the constraints, and the compliance.
-        B = M[I[O_GRADIENT] + 24 * node : I[O_GRADIENT] + 24 * node + 24]
-        B2 = W[AX : AX + 12]
+        B = view(M, I[O_GRADIENT] + 24 * node, 24)
+        B2 = view(W, AX, 12)
         for i in range(3):
             for k in range(4):
                 w0 = W[TX + 4 * i] * WD[0, k]
@@ -560,7 +560,7 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
         ih = 1.0 / h
         ih2 = ih * ih
         ih3 = ih * ih2
-        R = W[BLOCK : BLOCK + 16]
+        R = view(W, BLOCK, 16)
         at = 36 * node
         above = 36 * parent
         for i in range(3):
@@ -630,7 +630,7 @@ def condense_spatial(I, M, out_constraint, out):
             continue
         parent = I[I[O_PARENT] + node]
         h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
-        B = M[I[O_GRADIENT] + 24 * node : I[O_GRADIENT] + 24 * node + 24]
+        B = view(M, I[O_GRADIENT] + 24 * node, 24)
         s = I[O_COMPLIANCE] + 3 * node
         r0 = out_constraint[2 * node]
         r1 = out_constraint[2 * node + 1]
@@ -653,7 +653,7 @@ def stretch_rate_spatial(I, M, x, out):
             continue
         parent = I[I[O_PARENT] + node]
         h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
-        B = M[I[O_GRADIENT] + 24 * node : I[O_GRADIENT] + 24 * node + 24]
+        B = view(M, I[O_GRADIENT] + 24 * node, 24)
         r0 = 0.0
         r1 = 0.0
         for i in range(3):

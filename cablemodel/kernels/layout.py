@@ -41,6 +41,7 @@ O_RATES, O_CABLES, O_TOP = 76, 77, 78
 I_HISTORY = 88  # 1 while O_HISTORY holds the state one step of S_LAST_STEP ago
 I_TWO_STEP_WAIT = 89  # steps to take by the one-step scheme before it is tried again
 I_TWO_STEP_CHECK = 90  # steps until its convergence is measured again
+I_TWO_STEP_REST = 93  # what I_TWO_STEP_WAIT is set to at a refusal: doubles while it is refused
 
 I_KEEP_MATRIX = 92  # 1 while a step has not yet saved the matrix that it may have to give back
 

@@ -3,7 +3,7 @@
 import math
 
 from .backup import keep_matrix
-from .compile import inlined, kernel
+from .compile import inlined, kernel, view
 from .layout import (
     E_LENGTH,
     EDGE_WORDS,
@@ -20,30 +20,40 @@ from .system import factorise
 SLOPE_WEIGHT = 0.3  # weight of h |d| in norms, against |r|
 
 
+@inlined
+def _largest_square(I, M, x, dimension):
+    """Square of the norm, and the node where it is reached."""
+    largest = 0.0
+    where = 0
+    edge = view(M, I[O_EDGE] + EDGE_WORDS + E_LENGTH, 1)
+    for node in range(I[I_NODES]):
+        h = edge[max(node - 1, 0) * EDGE_WORDS]
+        at = view(x, 2 * dimension * node, 2 * dimension)
+        motion = 0.0
+        slope = 0.0
+        for i in range(dimension):
+            motion += at[i] * at[i]
+            slope += at[dimension + i] * at[dimension + i]
+        square = max(motion, (SLOPE_WEIGHT * h) ** 2 * slope)
+        if not square <= largest:
+            largest = square
+            where = node
+        if square != square:
+            break
+    return largest, where
+
+
 @kernel
 def increment_norm(I, M, x):
     """max(|dr|, 0.3 h |dd|) over the nodes [m], and the node where it is reached.
 
     Lengths of vectors, not of components: a run does not depend on the direction of the axes.
     """
-    dimension = I[I_DIMENSION]
-    largest = 0.0
-    where = 0
-    for node in range(I[I_NODES]):
-        h = M[I[O_EDGE] + max(node, 1) * EDGE_WORDS + E_LENGTH]
-        at = 2 * dimension * node
-        motion = 0.0
-        slope = 0.0
-        for i in range(dimension):
-            motion += x[at + i] * x[at + i]
-            slope += x[at + dimension + i] * x[at + dimension + i]
-        size = math.sqrt(max(motion, (SLOPE_WEIGHT * h) ** 2 * slope))
-        if not size <= largest:
-            largest = size
-            where = node
-        if size != size:
-            break
-    return largest, where
+    if I[I_DIMENSION] == 2:
+        square, where = _largest_square(I, M, x, 2)
+    else:
+        square, where = _largest_square(I, M, x, 3)
+    return math.sqrt(square), where
 
 
 @inlined

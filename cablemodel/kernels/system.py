@@ -5,7 +5,7 @@ Everything that depends on the dimension (planar or three-dimensional) is chosen
 
 from .block_solver import factor_planar, factor_spatial, solve_planar, solve_spatial
 from .bodies import body_jacobian, body_residual
-from .compile import kernel
+from .compile import kernel, view
 from .element_planar import (
     condense_planar,
     jacobian_planar,
@@ -70,7 +70,7 @@ def impose_motion(I, M, t, q, v, a):
     """Write the prescribed position, velocity and acceleration into the state."""
     dimension = I[I_DIMENSION]
     size = 2 * dimension
-    out = M[I[O_MOTION] + 16 : I[O_MOTION] + 25]
+    out = view(M, I[O_MOTION] + 16, 9)
     for n in range(I[I_CONSTRAINTS]):
         row = I[O_CONSTRAINT] + n * CONSTRAINT_WORDS
         prescribed_motion(I, M, row, t, out)
@@ -215,7 +215,7 @@ def stretch_rate(I, M, x, out):
 @kernel
 def recover_tension(I, M, constraint, x, tension):
     """Add the tension increments S (constraint + B x) that belong to x; returns the largest [N]."""
-    work = M[I[O_STRETCH] : I[O_STRETCH] + 2 * I[I_NODES]]
+    work = view(M, I[O_STRETCH], 2 * I[I_NODES])
     stretch_rate(I, M, x, work)
     largest = 0.0
     for node in range(1, I[I_NODES]):
@@ -241,7 +241,7 @@ def elongation_rate(I, M, v, tension_rate, out):
     if I[I_PAYOUT] != 0:
         # Material velocities, which the last residual left in O_TOP, in place of the mesh's.
         size = 2 * I[I_DIMENSION]
-        kept = M[I[O_TOP] + 12 : I[O_TOP] + 12 + size]
+        kept = view(M, I[O_TOP] + 12, size)
         for n in range(size):
             kept[n] = v[n]
             v[n] = M[I[O_TOP] + n]

@@ -5,7 +5,7 @@ v_i = v^ + gamma dt a_i; prescribed nodes are imposed exactly in every stage. Te
 neither the error estimate nor Newton's test looks at it, but for the last stage before an output.
 """
 
-from .compile import kernel
+from .compile import copy_words, kernel, view
 from .environment import find_piece
 from .layout import (
     E_BENDING,
@@ -95,15 +95,15 @@ def solve_stage(I, M, t, gamma_dt, tolerance, to_output):
     """Newton for one stage; on entry the trial holds the predicted a and T. Returns a status."""
     count = 2 * I[I_DIMENSION] * I[I_NODES]
     nodes = I[I_NODES]
-    q = M[I[O_TRIAL_Q] : I[O_TRIAL_Q] + count]
-    v = M[I[O_TRIAL_V] : I[O_TRIAL_V] + count]
-    a = M[I[O_TRIAL_A] : I[O_TRIAL_A] + count]
-    tension = M[I[O_TRIAL_T] : I[O_TRIAL_T] + 2 * nodes]
-    forces = M[I[O_RESIDUAL] : I[O_RESIDUAL] + count]
-    constraint = M[I[O_CONSTRAINT_RESIDUAL] : I[O_CONSTRAINT_RESIDUAL] + 2 * nodes]
-    x = M[I[O_INCREMENT] : I[O_INCREMENT] + count]
-    base_q = M[I[O_BASE_Q] : I[O_BASE_Q] + count]
-    base_v = M[I[O_BASE_V] : I[O_BASE_V] + count]
+    q = view(M, I[O_TRIAL_Q], count)
+    v = view(M, I[O_TRIAL_V], count)
+    a = view(M, I[O_TRIAL_A], count)
+    tension = view(M, I[O_TRIAL_T], 2 * nodes)
+    forces = view(M, I[O_RESIDUAL], count)
+    constraint = view(M, I[O_CONSTRAINT_RESIDUAL], 2 * nodes)
+    x = view(M, I[O_INCREMENT], count)
+    base_q = view(M, I[O_BASE_Q], count)
+    base_v = view(M, I[O_BASE_V], count)
     gamma2 = gamma_dt * gamma_dt
     inverse = 1.0 / gamma_dt
     inverse2 = inverse * inverse
@@ -171,15 +171,15 @@ def try_step(I, M, dt, scheme, to_output):
     gamma_dt = GAMMA[scheme] * dt
     time = M[S_TIME]
     tolerance = M[S_TIME_TOLERANCE]
-    q = M[I[O_POSITION] : I[O_POSITION] + count]
-    v = M[I[O_VELOCITY] : I[O_VELOCITY] + count]
-    a = M[I[O_ACCELERATION] : I[O_ACCELERATION] + count]
-    base_q = M[I[O_BASE_Q] : I[O_BASE_Q] + count]
-    base_v = M[I[O_BASE_V] : I[O_BASE_V] + count]
-    trial_v = M[I[O_TRIAL_V] : I[O_TRIAL_V] + count]
-    trial_a = M[I[O_TRIAL_A] : I[O_TRIAL_A] + count]
-    first_v = M[I[O_STAGE_V] : I[O_STAGE_V] + count]
-    first_a = M[I[O_STAGE_A] : I[O_STAGE_A] + count]
+    q = view(M, I[O_POSITION], count)
+    v = view(M, I[O_VELOCITY], count)
+    a = view(M, I[O_ACCELERATION], count)
+    base_q = view(M, I[O_BASE_Q], count)
+    base_v = view(M, I[O_BASE_V], count)
+    trial_v = view(M, I[O_TRIAL_V], count)
+    trial_a = view(M, I[O_TRIAL_A], count)
+    first_v = view(M, I[O_STAGE_V], count)
+    first_a = view(M, I[O_STAGE_A], count)
     I[I_FRESH] = 0
     for n in range(count):
         first_v[n] = v[n]
@@ -194,8 +194,8 @@ def try_step(I, M, dt, scheme, to_output):
         for j in range(i):
             weight = dt * STAGE_A[scheme, i, j]
             if weight != 0.0:
-                stage_v = M[I[O_STAGE_V] + j * count : I[O_STAGE_V] + (j + 1) * count]
-                stage_a = M[I[O_STAGE_A] + j * count : I[O_STAGE_A] + (j + 1) * count]
+                stage_v = view(M, I[O_STAGE_V] + j * count, count)
+                stage_a = view(M, I[O_STAGE_A] + j * count, count)
                 for n in range(count):
                     base_v[n] += weight * stage_a[n]
                     base_q[n] += weight * stage_v[n]
@@ -206,8 +206,8 @@ def try_step(I, M, dt, scheme, to_output):
         status = solve_stage(I, M, stage_time, gamma_dt, tolerance, to_output and last)
         if status != OK:
             return status, 0.0
-        stage_v = M[I[O_STAGE_V] + i * count : I[O_STAGE_V] + (i + 1) * count]
-        stage_a = M[I[O_STAGE_A] + i * count : I[O_STAGE_A] + (i + 1) * count]
+        stage_v = view(M, I[O_STAGE_V] + i * count, count)
+        stage_a = view(M, I[O_STAGE_A] + i * count, count)
         for n in range(count):
             stage_v[n] = trial_v[n]
             stage_a[n] = trial_a[n]
@@ -218,7 +218,7 @@ def try_step(I, M, dt, scheme, to_output):
         base_q[n] = 0.0
     for i in range(stages):
         weight = dt * STAGE_ERROR[scheme, i]
-        stage_v = M[I[O_STAGE_V] + i * count : I[O_STAGE_V] + (i + 1) * count]
+        stage_v = view(M, I[O_STAGE_V] + i * count, count)
         for n in range(count):
             base_q[n] += weight * stage_v[n]
     error, where = increment_norm(I, M, base_q)
@@ -235,17 +235,17 @@ def accept_trial(I, M, dt, scheme):
     w0 = (1.0 - c) / (c * dt)
     wc = -1.0 / (c * (1.0 - c) * dt)
     w1 = (2.0 - c) / ((1.0 - c) * dt)
+    tension = view(M, I[O_TENSION], 2 * I[I_NODES])
+    inner = view(M, I[O_STAGE_T], 2 * I[I_NODES])
+    final = view(M, I[O_TRIAL_T], 2 * I[I_NODES])
+    rate = view(M, I[O_TENSION_RATE], 2 * I[I_NODES])
     for n in range(2 * I[I_NODES]):
-        M[I[O_TENSION_RATE] + n] = (
-            w0 * M[I[O_TENSION] + n] + wc * M[I[O_STAGE_T] + n] + w1 * M[I[O_TRIAL_T] + n]
-        )
+        rate[n] = w0 * tension[n] + wc * inner[n] + w1 * final[n]
     M[S_LAST_STEP] = dt
-    for n in range(count):
-        M[I[O_POSITION] + n] = M[I[O_TRIAL_Q] + n]
-        M[I[O_VELOCITY] + n] = M[I[O_TRIAL_V] + n]
-        M[I[O_ACCELERATION] + n] = M[I[O_TRIAL_A] + n]
-    for n in range(2 * I[I_NODES]):
-        M[I[O_TENSION] + n] = M[I[O_TRIAL_T] + n]
+    copy_words(I, I[O_POSITION], I[O_TRIAL_Q], count)
+    copy_words(I, I[O_VELOCITY], I[O_TRIAL_V], count)
+    copy_words(I, I[O_ACCELERATION], I[O_TRIAL_A], count)
+    copy_words(I, I[O_TENSION], I[O_TRIAL_T], 2 * I[I_NODES])
 
 
 @kernel
@@ -265,14 +265,14 @@ def project_velocity(I, M, gamma_dt):
     share = stiffness / (stiffness + AXIAL_RESOLVED)
     if share < 0.1:
         return
-    q = M[I[O_POSITION] : I[O_POSITION] + count]
-    v = M[I[O_VELOCITY] : I[O_VELOCITY] + count]
-    a = M[I[O_ACCELERATION] : I[O_ACCELERATION] + count]
-    tension = M[I[O_TENSION] : I[O_TENSION] + 2 * nodes]
-    rate = M[I[O_TENSION_RATE] : I[O_TENSION_RATE] + 2 * nodes]
-    forces = M[I[O_RESIDUAL] : I[O_RESIDUAL] + count]
-    constraint = M[I[O_CONSTRAINT_RESIDUAL] : I[O_CONSTRAINT_RESIDUAL] + 2 * nodes]
-    x = M[I[O_INCREMENT] : I[O_INCREMENT] + count]
+    q = view(M, I[O_POSITION], count)
+    v = view(M, I[O_VELOCITY], count)
+    a = view(M, I[O_ACCELERATION], count)
+    tension = view(M, I[O_TENSION], 2 * nodes)
+    rate = view(M, I[O_TENSION_RATE], 2 * nodes)
+    forces = view(M, I[O_RESIDUAL], count)
+    constraint = view(M, I[O_CONSTRAINT_RESIDUAL], 2 * nodes)
+    x = view(M, I[O_INCREMENT], count)
     set_time(I, M, M[S_TIME])
     if refactor(I, M, q, v, a, tension, gamma_dt) != 0:
         return
@@ -297,16 +297,16 @@ def make_consistent(I, M):
     """
     count = 2 * I[I_DIMENSION] * I[I_NODES]
     nodes = I[I_NODES]
-    q = M[I[O_POSITION] : I[O_POSITION] + count]
-    v = M[I[O_VELOCITY] : I[O_VELOCITY] + count]
-    a = M[I[O_ACCELERATION] : I[O_ACCELERATION] + count]
-    tension = M[I[O_TENSION] : I[O_TENSION] + 2 * nodes]
+    q = view(M, I[O_POSITION], count)
+    v = view(M, I[O_VELOCITY], count)
+    a = view(M, I[O_ACCELERATION], count)
+    tension = view(M, I[O_TENSION], 2 * nodes)
     if M[S_LAST_STEP] == 0.0:
         return
-    rate = M[I[O_TENSION_RATE] : I[O_TENSION_RATE] + 2 * nodes]
-    forces = M[I[O_RESIDUAL] : I[O_RESIDUAL] + count]
-    constraint = M[I[O_CONSTRAINT_RESIDUAL] : I[O_CONSTRAINT_RESIDUAL] + 2 * nodes]
-    x = M[I[O_INCREMENT] : I[O_INCREMENT] + count]
+    rate = view(M, I[O_TENSION_RATE], 2 * nodes)
+    forces = view(M, I[O_RESIDUAL], count)
+    constraint = view(M, I[O_CONSTRAINT_RESIDUAL], 2 * nodes)
+    x = view(M, I[O_INCREMENT], count)
     set_time(I, M, M[S_TIME])
     if refactor(I, M, q, v, a, tension, GAMMA[0] * M[S_LAST_STEP]) == 0:
         for _iteration in range(3):

@@ -13,7 +13,7 @@ result, C d^3 q''', is the error's measure. Whatever is not smooth, or does not 
 is refused here and taken by the one-step scheme, from the same state.
 """
 
-from .compile import kernel, view
+from .compile import copy_words, inlined, kernel, view
 from .layout import (
     I_DIMENSION,
     I_FACTORED,
@@ -25,6 +25,7 @@ from .layout import (
     I_PIECE,
     I_PIECES,
     I_TWO_STEP_CHECK,
+    I_TWO_STEP_REST,
     I_TWO_STEP_WAIT,
     O_ACCELERATION,
     O_CONSTRAINT_RESIDUAL,
@@ -62,7 +63,7 @@ from .system import (
 
 LARGEST_GROWTH = 2.0  # of the step; variable-step BDF2 is stable up to 1 + sqrt(2)
 LARGEST_ERROR = 0.03  # of the local tolerance: what is left after a natural step is .03^(2/3) of it
-WAIT = 8  # steps by the one-step scheme after a refusal
+SHORTEST_WAIT, LONGEST_WAIT = 4, 64  # steps by the one-step scheme after a refusal
 CHECK = 16  # steps between measurements of the convergence ratio
 MOST_ITERATIONS = 4
 STALE = 0.25  # convergence ratio that asks for a new factorisation
@@ -84,6 +85,15 @@ def starts_at_a_kink(I, M, dt):
         M[row + P_VELOCITY_JUMP] > 0.0
         or M[row + P_ACCELERATION_JUMP] * dt * dt > 0.1 * M[S_TIME_TOLERANCE]
     )
+
+
+@inlined
+def refuse(I):
+    """Leave the next steps to the one-step scheme, and more of them each time in a row."""
+    rest = min(LONGEST_WAIT, max(SHORTEST_WAIT, 2 * I[I_TWO_STEP_REST]))
+    I[I_TWO_STEP_REST] = rest
+    I[I_TWO_STEP_WAIT] = rest
+    return False
 
 
 @kernel
@@ -152,8 +162,7 @@ def try_two_step(I, M, dt):
         size, _where = increment_norm(I, M, x)
         moved += size
         if not 0.5 * moved <= LARGEST_ERROR * tolerance:
-            I[I_TWO_STEP_WAIT] = WAIT
-            return False
+            return refuse(I)
         for n in range(count):
             q[n] += x[n]
             v[n] += b0 * x[n]
@@ -167,6 +176,7 @@ def try_two_step(I, M, dt):
             if size < 1e-3 * enough:
                 ratio = min(ratio, 0.05)  # rounding
             M[S_TWO_STEP_RATIO] = max(ratio, 0.01)
+            I[I_TWO_STEP_REST] = I[I_TWO_STEP_REST] // 2
             I[I_TWO_STEP_CHECK] = CHECK
             measure = False
         ratio = M[S_TWO_STEP_RATIO]
@@ -184,20 +194,15 @@ def try_two_step(I, M, dt):
             if refactor(I, M, q, v, a, tension, gamma_dt) != 0:
                 return False
         previous = size
-    I[I_TWO_STEP_WAIT] = WAIT
-    return False
+    return refuse(I)
 
 
 @kernel
 def remember(I, M):
     """Keep the state that a step is about to replace."""
     count = 2 * I[I_DIMENSION] * I[I_NODES]
-    q = view(M, I[O_POSITION], count)
-    v = view(M, I[O_VELOCITY], count)
-    history = view(M, I[O_HISTORY], 2 * count)
-    for n in range(count):
-        history[n] = q[n]
-        history[count + n] = v[n]
+    copy_words(I, I[O_HISTORY], I[O_POSITION], count)
+    copy_words(I, I[O_HISTORY] + count, I[O_VELOCITY], count)
     I[I_HISTORY] = 1
 
 
@@ -206,12 +211,14 @@ def accept_two_step(I, M, dt):
     """The trial becomes the state."""
     remember(I, M)
     count = 2 * I[I_DIMENSION] * I[I_NODES]
+    before = view(M, I[O_TENSION], 2 * I[I_NODES])
+    after = view(M, I[O_TRIAL_T], 2 * I[I_NODES])
+    rate = view(M, I[O_TENSION_RATE], 2 * I[I_NODES])
+    inverse = 1.0 / dt
     for n in range(2 * I[I_NODES]):
-        change = M[I[O_TRIAL_T] + n] - M[I[O_TENSION] + n]
-        M[I[O_TENSION_RATE] + n] = change / dt
-        M[I[O_TENSION] + n] = M[I[O_TRIAL_T] + n]
-    for n in range(count):
-        M[I[O_POSITION] + n] = M[I[O_TRIAL_Q] + n]
-        M[I[O_VELOCITY] + n] = M[I[O_TRIAL_V] + n]
-        M[I[O_ACCELERATION] + n] = M[I[O_TRIAL_A] + n]
+        rate[n] = (after[n] - before[n]) * inverse
+        before[n] = after[n]
+    copy_words(I, I[O_POSITION], I[O_TRIAL_Q], count)
+    copy_words(I, I[O_VELOCITY], I[O_TRIAL_V], count)
+    copy_words(I, I[O_ACCELERATION], I[O_TRIAL_A], count)
     M[S_LAST_STEP] = dt
