@@ -12,7 +12,7 @@ from cablemodel.kernels import layout as at
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-GAUSS_WORDS = 512
+GAUSS_WORDS = 768
 MOTION_WORDS = 64
 
 
