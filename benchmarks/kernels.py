@@ -63,90 +63,63 @@ def best(function: Callable[[], object], repeats: int = 7) -> float:
     return shortest
 
 
-def kernel_times(names: list[str]) -> None:
-    """Print microseconds an element of these kernels, in a plane and in space."""
+KERNELS = ("residual", "jacobian", "factorise", "increment", "recover")
+"""What is timed: `factorise` includes the Jacobian, `increment` is condensing and solving,
+`recover` the tensions and the norm."""
+
+
+def kernel_times() -> None:
+    """Print microseconds an element of the kernels, in a plane and in space."""
     import numba
 
     import cablemodel as cm
-    from cablemodel.kernels import block_solver, newton, system
     from cablemodel.kernels import layout as at
+    from cablemodel.kernels import newton, system
     from cablemodel.kernels.compile import OPTIONS, view
 
     @numba.jit(**OPTIONS)
-    def state(I, M):  # type: ignore[no-untyped-def]
-        count = 2 * I[at.I_DIMENSION] * I[at.I_NODES]
-        return (
-            view(M, I[at.O_POSITION], count),
-            view(M, I[at.O_VELOCITY], count),
-            view(M, I[at.O_ACCELERATION], count),
-            view(M, I[at.O_TENSION], 2 * I[at.I_NODES]),
-            view(M, I[at.O_RESIDUAL], count),
-            view(M, I[at.O_CONSTRAINT_RESIDUAL], 2 * I[at.I_NODES]),
-            view(M, I[at.O_INCREMENT], count),
-        )
-
-    @numba.jit(**OPTIONS)
-    def residual(I, M, n):  # type: ignore[no-untyped-def]
-        q, v, a, tension, forces, constraint, x = state(I, M)
-        for _ in range(n):
-            system.residual(I, M, q, v, a, tension, forces, constraint)
-
-    @numba.jit(**OPTIONS)
-    def jacobian(I, M, n):  # type: ignore[no-untyped-def]
-        q, v, a, tension, forces, constraint, x = state(I, M)
-        for _ in range(n):
-            system.jacobian(I, M, q, v, a, tension, 100.0, 10.0)
-
-    @numba.jit(**OPTIONS)
-    def factorise(I, M, n):  # type: ignore[no-untyped-def]
-        q, v, a, tension, forces, constraint, x = state(I, M)
-        for _ in range(n):
-            system.factorise(I, M, q, v, a, tension, 100.0, 10.0)
-
-    @numba.jit(**OPTIONS)
-    def solve(I, M, n):  # type: ignore[no-untyped-def]
-        q, v, a, tension, forces, constraint, x = state(I, M)
-        for _ in range(n):
-            if I[at.I_DIMENSION] == 2:
-                block_solver.solve_planar(I, M, x)
+    def repeat(ints, reals, kernel, times):  # type: ignore[no-untyped-def]
+        nodes = ints[at.I_NODES]
+        count = 2 * ints[at.I_DIMENSION] * nodes
+        q = view(reals, ints[at.O_POSITION], count)
+        v = view(reals, ints[at.O_VELOCITY], count)
+        a = view(reals, ints[at.O_ACCELERATION], count)
+        x = view(reals, ints[at.O_INCREMENT], count)
+        tension = view(reals, ints[at.O_TENSION], 2 * nodes)
+        forces = view(reals, ints[at.O_RESIDUAL], count)
+        constraint = view(reals, ints[at.O_CONSTRAINT_RESIDUAL], 2 * nodes)
+        for _ in range(times):
+            if kernel == 0:
+                system.residual(ints, reals, q, v, a, tension, forces, constraint)
+            elif kernel == 1:
+                system.jacobian(ints, reals, q, v, a, tension, 100.0, 10.0)
+            elif kernel == 2:
+                system.factorise(ints, reals, q, v, a, tension, 100.0, 10.0)
+            elif kernel == 3:
+                system.newton_increment(ints, reals, forces, constraint, x)
             else:
-                block_solver.solve_spatial(I, M, x)
+                system.recover_tension(ints, reals, constraint, x, tension)
+                newton.increment_norm(ints, reals, x)
 
-    @numba.jit(**OPTIONS)
-    def increment(I, M, n):  # type: ignore[no-untyped-def]
-        q, v, a, tension, forces, constraint, x = state(I, M)
-        for _ in range(n):
-            system.newton_increment(I, M, forces, constraint, x)
-
-    @numba.jit(**OPTIONS)
-    def recover(I, M, n):  # type: ignore[no-untyped-def]
-        q, v, a, tension, forces, constraint, x = state(I, M)
-        for _ in range(n):
-            system.recover_tension(I, M, constraint, x, tension)
-            newton.increment_norm(I, M, x)
-
-    kernels = {
-        "residual": residual,
-        "jacobian": jacobian,
-        "factorise": factorise,
-        "solve": solve,
-        "increment": increment,
-        "recover": recover,
-    }
-    print("kernel [us an element]: planar, 3-D")
-    for name in names or list(kernels):
+    blocks = []
+    for planar in (None, False):
+        model = cm.CableModel(cm.load_scene(towed(ELEMENTS)), planar=planar)
+        model.step(20.0)
+        blocks.append(model._block.ints)
+    print("us an element: planar, 3-D")
+    calls = 300
+    for number, name in enumerate(KERNELS):
         figures = []
-        for planar in (True, False):
-            model = cm.CableModel(cm.load_scene(towed(ELEMENTS)), planar=planar or None)
-            if not planar:
-                model = cm.CableModel(cm.load_scene(towed(ELEMENTS)), planar=False)
-            model.step(20.0)
-            ints, reals = model._block.ints.copy(), None
-            reals = ints.view("float64")
-            factorise(ints, reals, 1)
-            kernels[name](ints, reals, 1)
-            n = 300
-            figures.append(best(lambda: kernels[name](ints, reals, n)) / n / ELEMENTS * 1e6)  # noqa: B023
+        for block in blocks:
+            ints = block.copy()
+            arguments = (ints, ints.view("float64"))
+            repeat(*arguments, 2, 1)
+            repeat(*arguments, 0, 1)
+
+            def run(arguments: tuple[Any, Any] = arguments, number: int = number) -> None:
+                repeat(*arguments, number, calls)
+
+            figures.append(best(run) / calls / ELEMENTS * 1e6)
         print(f"{name:12s} {figures[0]:.3f} {figures[1]:.3f}", flush=True)
 
 
@@ -181,15 +154,12 @@ def step_times() -> None:
 
 
 def main() -> None:
+    """Time kernels in a process with the library's options, then steps in this one."""
     if "--kernels" in sys.argv:
-        kernel_times(sys.argv[sys.argv.index("--kernels") + 1 :])
+        kernel_times()
         return
-    environment = {**os.environ, **PORTABLE}
-    subprocess.run(
-        [sys.executable, "-m", "benchmarks.kernels", "--kernels", *sys.argv[1:]],
-        env=environment,
-        check=True,
-    )
+    command = [sys.executable, "-m", "benchmarks.kernels", "--kernels"]
+    subprocess.run(command, env={**os.environ, **PORTABLE}, check=True)
     step_times()
 
 

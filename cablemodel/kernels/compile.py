@@ -5,6 +5,7 @@ no exceptions, an int status where something can fail. `fastmath` stays off, so 
 just-in-time and the ahead-of-time build give the same bits.
 """
 
+import ctypes
 import hashlib
 import os
 from collections.abc import Callable
@@ -15,8 +16,14 @@ import numba
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import CompilerBase, DefaultPassBuilder
+from numba.core.compiler_machinery import AnalysisPass, register_pass
+from numba.core.typed_passes import AnnotateTypes
 from numba.extending import intrinsic
 from numba.np.arrayobj import make_array, populate_array
+
+_intrinsic: Any = intrinsic  # for callers, what it makes takes one argument less
 
 OPTIONS: dict[str, Any] = {
     "nopython": True,
@@ -51,14 +58,71 @@ def cache_folder() -> Path:
     return Path(root) / source_hash()
 
 
+class _InnerLibrary(JITCodeLibrary):
+    """Code of an inner kernel: IR for its callers, no machine code of its own.
+
+    Every kernel's module holds all that it calls. Numba would make machine code of each of them,
+    for calls from Python that nobody makes: a third of the time of the first start.
+    """
+
+    def _finalize_final_module(self) -> None:
+        self._finalize_dynamic_globals()
+        self._verify_declare_only_symbols()
+        self._finalized = True
+
+    def get_pointer_to_function(self, name: str) -> int:
+        """What a call from Python ends in: a TypeError."""
+        self._ensure_finalized()
+        address = ctypes.cast(ctypes.pythonapi.PyErr_BadArgument, ctypes.c_void_p).value
+        assert address is not None
+        return address
+
+    @property
+    def codegen(self) -> Any:
+        return _NoEnvironment(self._codegen)
+
+
+class _NoEnvironment:
+    """Numba's code generator for a kernel that is not loaded, so has no environment to set."""
+
+    def __init__(self, codegen: Any) -> None:
+        self._codegen = codegen
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._codegen, name)
+
+    def set_env(self, name: str, environment: Any) -> None:
+        """Nothing: kernels raise nothing, so they never look at it."""
+
+
+@register_pass(mutates_CFG=False, analysis_only=True)
+class _ChooseInnerLibrary(AnalysisPass):
+    _name = "cablemodel_choose_inner_library"
+
+    def __init__(self) -> None:
+        super().__init__()
+
+    def run_pass(self, state: Any) -> bool:
+        state.library = _InnerLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
+        return False
+
+
+class _InnerCompiler(CompilerBase):
+    def define_pipelines(self) -> list[Any]:
+        passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
+        passes.add_pass_after(_ChooseInnerLibrary, AnnotateTypes)
+        passes.finalize()
+        return [passes]
+
+
 def kernel(function: Callable[..., Any]) -> Any:
-    """An inner kernel, compiled into the entry points that call it."""
-    return numba.jit(**OPTIONS)(function)
+    """An inner kernel, compiled into the entry points that call it; not callable from Python."""
+    return numba.jit(**OPTIONS, pipeline_class=_InnerCompiler)(function)
 
 
 def inlined(function: Callable[..., Any]) -> Any:
     """A small kernel that is always inlined by the compiler."""
-    return numba.jit(**OPTIONS, forceinline=True)(function)
+    return numba.jit(**OPTIONS, pipeline_class=_InnerCompiler, forceinline=True)(function)
 
 
 def entry_point(signature: Any) -> Callable[[Callable[..., Any]], Any]:
@@ -82,7 +146,7 @@ def entry_point(signature: Any) -> Callable[[Callable[..., Any]], Any]:
     return decorate
 
 
-@intrinsic
+@_intrinsic
 def view(typing_context: Any, array: Any, start: Any, count: Any) -> Any:
     """``array[start : start + count]`` without the checks of a Python slice: 0 <= start.
 
@@ -118,7 +182,7 @@ def table_product(table: Any) -> Any:
     """
     factors = [[float(factor) for factor in row] for row in table]
 
-    @intrinsic(prefer_literal=True)
+    @_intrinsic(prefer_literal=True)
     def product(typing_context: Any, array: Any, to: Any, start: Any, width: Any) -> Any:
         words = width.literal_value
         signature = types.void(array, types.int64, types.int64, width)
@@ -157,7 +221,7 @@ def matrix_vector(size: int, sign: float, *, add: bool) -> Any:
     The sum stays in registers until the end, so out may be x.
     """
 
-    @intrinsic
+    @_intrinsic
     def product(
         typing_context: Any,
         matrix: Any,
@@ -246,7 +310,7 @@ def block_kernels(size: int) -> tuple[Any, Any]:
             for half in halves:
                 builder.store(row[half], place(builder, data, to, n * size + 2 * half), align=8)
 
-    @intrinsic
+    @_intrinsic
     def transpose(typing_context: Any, array: Any, start: Any, to: Any) -> Any:
         def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
             data = make_array(signature.args[0])(context, builder, values[0]).data
@@ -255,7 +319,7 @@ def block_kernels(size: int) -> tuple[Any, Any]:
 
         return types.void(array, types.int64, types.int64), generate
 
-    @intrinsic
+    @_intrinsic
     def invert(typing_context: Any, array: Any, start: Any) -> Any:
         def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
             data = make_array(signature.args[0])(context, builder, values[0]).data
@@ -296,7 +360,7 @@ def block_kernels(size: int) -> tuple[Any, Any]:
     return transpose, invert
 
 
-@intrinsic
+@_intrinsic
 def copy_words(typing_context: Any, array: Any, to: Any, start: Any, count: Any) -> Any:
     """``array[to : to + count] = array[start : start + count]``, two places that do not meet."""
     signature = types.void(array, types.int64, types.int64, types.int64)

@@ -154,14 +154,15 @@ def _cache() -> Path:
 def _make_no_machine_code() -> None:
     """Keep numba from making machine code, in a process that wants the IR alone.
 
-    Every kernel's module holds all that it calls, and numba would make code of each one of them
-    for nobody: a third of the time. Nothing that is compiled here can be called afterwards.
+    Nothing that is compiled here can be called afterwards.
     """
     from numba.core import codegen
 
-    codegen.JITCodeLibrary._finalize_specific = lambda self: None
-    codegen.JITCodeLibrary.get_pointer_to_function = _no_function
-    codegen.JITCPUCodegen.set_env = lambda self, name, environment: None
+    library: Any = codegen.JITCodeLibrary
+    library._finalize_specific = lambda self: None
+    library.get_pointer_to_function = _no_function
+    generator: Any = codegen.JITCPUCodegen
+    generator.set_env = lambda self, name, environment: None
 
 
 def _no_function(library: Any, name: str) -> int:
