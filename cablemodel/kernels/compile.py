@@ -82,6 +82,17 @@ class _InnerLibrary(JITCodeLibrary):
         return _NoEnvironment(self._codegen)
 
 
+class _OutlinedLibrary(_InnerLibrary):
+    """The same for a kernel that stays one function, however many callers it has."""
+
+    def _finalize_final_module(self) -> None:
+        mangled = f"{len(self.name)}{self.name}B"
+        for function in self._final_module.functions:
+            if mangled in function.name and not function.is_declaration:
+                function.add_function_attribute("noinline")
+        super()._finalize_final_module()
+
+
 class _NoEnvironment:
     """Numba's code generator for a kernel that is not loaded, so has no environment to set."""
 
@@ -115,13 +126,41 @@ class _InnerCompiler(CompilerBase):
         return [passes]
 
 
+@register_pass(mutates_CFG=False, analysis_only=True)
+class _ChooseOutlinedLibrary(AnalysisPass):
+    _name = "cablemodel_choose_outlined_library"
+
+    def __init__(self) -> None:
+        super().__init__()
+
+    def run_pass(self, state: Any) -> bool:
+        state.library = _OutlinedLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
+        return False
+
+
+class _OutlinedCompiler(CompilerBase):
+    def define_pipelines(self) -> list[Any]:
+        passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
+        passes.add_pass_after(_ChooseOutlinedLibrary, AnnotateTypes)
+        passes.finalize()
+        return [passes]
+
+
 def kernel(function: Callable[..., Any]) -> Any:
     """An inner kernel, compiled into the entry points that call it; not callable from Python."""
     return numba.jit(**OPTIONS, pipeline_class=_InnerCompiler)(function)
 
 
+def outlined(function: Callable[..., Any]) -> Any:
+    """A large inner kernel that is never inlined: its code exists once."""
+    return numba.jit(**OPTIONS, pipeline_class=_OutlinedCompiler)(function)
+
+
 def inlined(function: Callable[..., Any]) -> Any:
-    """A small kernel that is always inlined by the compiler."""
+    """A small kernel that is always inlined by the compiler.
+
+    So is all that it calls and that was not compiled before: numba passes the option on.
+    """
     return numba.jit(**OPTIONS, pipeline_class=_InnerCompiler, forceinline=True)(function)
 
 

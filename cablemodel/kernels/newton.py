@@ -3,7 +3,7 @@
 import math
 
 from .backup import keep_matrix
-from .compile import inlined, kernel, view
+from .compile import inlined, kernel, outlined, view
 from .layout import (
     E_LENGTH,
     EDGE_WORDS,
@@ -56,7 +56,7 @@ def increment_norm(I, M, x):
     return math.sqrt(square), where
 
 
-@inlined
+@outlined
 def refactor(I, M, q, v, a, tension, gamma_dt):
     """Factor the Newton matrix of a stage at the given iterate; 0 on success."""
     keep_matrix(I)

@@ -5,7 +5,7 @@ Everything that depends on the dimension (planar or three-dimensional) is chosen
 
 from .block_solver import factor_planar, factor_spatial, solve_planar, solve_spatial
 from .bodies import body_jacobian, body_residual
-from .compile import kernel, view
+from .compile import kernel, outlined, view
 from .element_planar import (
     condense_planar,
     jacobian_planar,
@@ -43,7 +43,7 @@ from .layout import (
 from .payout import material_top, set_top_length
 
 
-@kernel
+@outlined
 def residual(I, M, q, v, a, tension, out, out_constraint):
     """Forces conjugate to (r, d) that the equations of motion leave, and constraint residuals."""
     if I[I_PAYOUT] != 0:
@@ -160,7 +160,7 @@ def constrain_vector(I, M, x):
                 x[at + dimension + i] = M[row + C_DIRECTION + i] * value
 
 
-@kernel
+@outlined
 def jacobian(I, M, q, v, a, tension, ca, cv):
     """Assemble the effective Jacobian (not constrained, not factored)."""
     if I[I_PAYOUT] != 0:
@@ -173,7 +173,7 @@ def jacobian(I, M, q, v, a, tension, ca, cv):
         body_jacobian(I, M, q, v, a, ca, cv)
 
 
-@kernel
+@outlined
 def factorise(I, M, q, v, a, tension, ca, cv):
     """Assemble, constrain and factor; returns 0, or 1 + the node whose pivot vanished."""
     jacobian(I, M, q, v, a, tension, ca, cv)
