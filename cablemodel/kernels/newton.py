@@ -2,7 +2,6 @@
 
 import math
 
-from .backup import keep_matrix
 from .compile import inlined, kernel, outlined, view
 from .layout import (
     E_LENGTH,
@@ -59,7 +58,6 @@ def increment_norm(I, M, x):
 @outlined
 def refactor(I, M, q, v, a, tension, gamma_dt):
     """Factor the Newton matrix of a stage at the given iterate; 0 on success."""
-    keep_matrix(I)
     inverse = 1.0 / gamma_dt
     failed = factorise(I, M, q, v, a, tension, inverse * inverse, inverse)
     I[I_FACTORISATIONS] += 1

@@ -3,6 +3,7 @@
 Everything that depends on the dimension (planar or three-dimensional) is chosen here, once a call.
 """
 
+from .backup import keep_matrix
 from .block_solver import factor_planar, factor_spatial, solve_planar, solve_spatial
 from .bodies import body_jacobian, body_residual
 from .compile import kernel, outlined, view
@@ -176,6 +177,7 @@ def jacobian(I, M, q, v, a, tension, ca, cv):
 @outlined
 def factorise(I, M, q, v, a, tension, ca, cv):
     """Assemble, constrain and factor; returns 0, or 1 + the node whose pivot vanished."""
+    keep_matrix(I)
     jacobian(I, M, q, v, a, tension, ca, cv)
     constrain_matrix(I, M)
     if I[I_DIMENSION] == 2:
