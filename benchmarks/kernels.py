@@ -105,7 +105,7 @@ def kernel_times() -> None:
     for planar in (None, False):
         model = cm.CableModel(cm.load_scene(towed(ELEMENTS)), planar=planar)
         model.step(20.0)
-        blocks.append(model._block.ints)
+        blocks.append(model._solver.memory.ints)
     print("us an element: planar, 3-D")
     calls = 300
     for number, name in enumerate(KERNELS):

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from cablemodel.block import Block
 from cablemodel.errors import SceneError
 from cablemodel.kernels import layout as at
-from cablemodel.kernels.follow import LAYER, SHARPEST
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
@@ -51,8 +50,8 @@ def finest_element(scene: Scene) -> float:
     for kind in scene.cable_types.values():
         weight = contact_weight(kind, scene.environment.gravity)
         layer = (kind.bending_stiffness / weight) ** (1.0 / 3.0)
-        layers.append(layer if layer > 0.0 else SHARPEST * accuracy)
-    return LAYER * min(layers)
+        layers.append(layer if layer > 0.0 else at.SHARPEST * accuracy)
+    return at.LAYER * min(layers)
 
 
 def table_words(floor: Floor | None) -> int:

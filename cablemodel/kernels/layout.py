@@ -160,6 +160,10 @@ C_VESSEL, C_ANCHOR = 1, 2
 # What is read off a state, in words: the rows of outputs.sample_stations, outputs.summarise.
 STATION_WORDS, SUMMARY_WORDS, ENERGY_WORDS = 13, 32, 8
 
+# Elements at a touchdown.
+LAYER = 0.4  # smallest element in units of the touchdown layer (EI/w)^(1/3)
+SHARPEST = 2.0  # layer of a cable without bending, in units of tau L
+
 # Status codes of the kernels.
 OK = 0
 NOT_CONVERGED, NOT_FINITE, TOO_MANY_STEPS, SINGULAR, STATICS_FAILED = 1, 2, 3, 4, 5

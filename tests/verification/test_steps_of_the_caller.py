@@ -59,7 +59,7 @@ def test_a_restored_model_goes_on_with_the_same_bits():
         model.restore(kept)
         for k in range(100):
             model.step_to(5.0 + (k + 1) * INTERVAL)
-        ends.append(bytes(model._block.image))
+        ends.append(bytes(model._solver.memory.image))
     assert ends[0] == ends[1]
 
 
@@ -69,10 +69,10 @@ def test_a_step_that_fails_leaves_every_bit_as_it_was(interval):
     model = stepped(scenes.turned(tolerance=1e-3), 2.0)
     limit = int(model._ints[at.I_MAXIMUM_STEPS])
     model._ints[at.I_MAXIMUM_STEPS] = 0
-    before = bytes(model._block.image)
+    before = bytes(model._solver.memory.image)
     with pytest.raises(cm.StepError):
         model.step(interval)
-    after = np.frombuffer(bytes(model._block.image), dtype=np.int64).copy()
+    after = np.frombuffer(bytes(model._solver.memory.image), dtype=np.int64).copy()
     expected = np.frombuffer(before, dtype=np.int64).copy()
     after[at.I_FAILED_NODE] = expected[at.I_FAILED_NODE] = 0
     assert (after == expected).all()
