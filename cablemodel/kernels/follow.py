@@ -41,11 +41,14 @@ from .layout import (
     S_TOLERANCE,
 )
 from .payout import hermite, join_at, split_edge
+from .tables import CONTACT_POINTS, CONTACT_WEIGHTS
 
 LAYER = 0.4  # smallest element in units of the touchdown layer (EI/w)^(1/3)
 SHARPEST = 2.0  # layer of a cable without bending, in units of tau L
 AHEAD = 0.5  # growth of the wanted length per height above the floor
-TURN = 0.5  # largest angle that an element may turn at a touchdown
+TURN = 0.9  # largest angle that an element may turn at a touchdown
+KINK = 0.2  # largest h times the jump of curvature near the floor: what folds must be resolved
+STRAIN = 2e-5  # largest change of length when elements are joined
 BENT = 1.0  # of tau L: what h^2 times the jump of curvature may be near the floor
 STRAIGHT = 0.15  # of tau L: the same for two elements that are joined
 SPLIT_ABOVE, JOIN_BELOW = 1.6, 0.8  # of the length wanted
@@ -149,8 +152,9 @@ def wanted_length(I, M, node, gaps, behind, jumps):
         near = True
     if near:
         bend = max(jumps[node], jumps[node - 1])
-        if bend * wanted * wanted > BENT * accuracy:
-            wanted = max(shortest, math.sqrt(BENT * accuracy / bend))
+        if bend > 0.0:
+            allowed = min(math.sqrt(BENT * accuracy / bend), KINK / bend)
+            wanted = max(shortest, min(wanted, allowed))
     return wanted
 
 
@@ -167,6 +171,21 @@ def holds_something(I, M, node):
 
 
 @kernel
+def arc_length(I, M, p0, p1, h):
+    """Length of the cubic between the nodal data at two words, by Gauss's rule of 4 points [m]."""
+    dimension = I[I_DIMENSION]
+    w = M[I[O_MOTION] + 34 : I[O_MOTION] + 40]
+    length = 0.0
+    for p in range(4):
+        hermite(M, p0, p1, dimension, h, CONTACT_POINTS[p], w)
+        square = 0.0
+        for i in range(dimension):
+            square += w[dimension + i] ** 2
+        length += h * CONTACT_WEIGHTS[p] * math.sqrt(square)
+    return length
+
+
+@kernel
 def is_straight(I, M, node, jump):
     """Whether one cubic does for the elements on both sides of a node."""
     accuracy = M[S_TOLERANCE] * M[S_LENGTH]
@@ -174,7 +193,7 @@ def is_straight(I, M, node, jump):
     size = 2 * dimension
     h1 = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
     h = h1 + M[I[O_EDGE] + (node + 1) * EDGE_WORDS + E_LENGTH]
-    if jump * h * h > STRAIGHT * accuracy:
+    if jump * h * h > STRAIGHT * accuracy or jump * h > STRAIGHT * KINK:
         return False
     w = M[I[O_MOTION] + 28 : I[O_MOTION] + 34]
     at = I[O_POSITION] + size * node
@@ -184,7 +203,10 @@ def is_straight(I, M, node, jump):
     for i in range(dimension):
         off += (w[i] - M[at + i]) ** 2
         turn += (w[dimension + i] - M[at + dimension + i]) ** 2
-    return off <= (0.02 * accuracy) ** 2 and turn <= 1e-4
+    if off > (0.02 * accuracy) ** 2 or turn > 1e-4:
+        return False
+    both = arc_length(I, M, at - size, at, h1) + arc_length(I, M, at, at + size, h - h1)
+    return abs(arc_length(I, M, at - size, at + size, h) - both) <= STRAIN * h
 
 
 @kernel

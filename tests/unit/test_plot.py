@@ -43,7 +43,12 @@ def swing(
         matrices.append(rows)
     tension = 100.0 + time
     return SimpleNamespace(
-        states=States(time, matrices), time=time, top_tension=tension, tension_max=tension
+        states=States(time, matrices),
+        time=time,
+        top_tension=tension,
+        tension_max=tension,
+        names=(),
+        scene=SimpleNamespace(environment=SimpleNamespace(floor=None)),
     )
 
 
