@@ -80,7 +80,7 @@ class FiniteElementSolver:
         items = [*self.scene.line, *self.scene.payout.drum]
         arcs = self._all_arcs()
         placed = []
-        motion = np.zeros((len(rows), 12))
+        motion = np.zeros((len(rows), at.STATION_WORDS))
         if self._ints[at.I_RIGID] > 0:
             entry.bodies(self._ints, self._reals, motion.reshape(-1))
         for index in np.argsort(rows[:, at.B_NODE], kind="stable"):
