@@ -12,7 +12,7 @@ from cablemodel.kernels import layout as at
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-GAUSS_WORDS = 512
+GAUSS_WORDS = 768
 MOTION_WORDS = 64
 
 
@@ -55,6 +55,9 @@ class Block:
     ) -> tuple[Arrays, Arrays]:
         """Arrays of the image in order, then those of the workspace: (header word, length).
 
+        In the image: tables that no step changes (but for row 0 of O_PIECES), from O_PARENT on the
+        state, from O_DIAGONAL on the factorisation; kernels/backup.py relies on it.
+
         Sizes are numbers, or the symbols from which the FMU's C code of the same rule is written.
         """
         image = [
@@ -77,6 +80,7 @@ class Block:
             (at.O_TENSION, capacity * 2),
             (at.O_TENSION_RATE, capacity * 2),
             (at.O_REST, capacity * 3),
+            (at.O_HISTORY, capacity * 12),
             (at.O_DIAGONAL, capacity * 36),
             (at.O_UPPER, capacity * 36),
             (at.O_LOWER, capacity * 36),

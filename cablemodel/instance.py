@@ -900,8 +900,8 @@ def _solve_static(block: Block, frame: FloatArray) -> None:
         node = int(ints[at.I_FAILED_NODE])
         arc = block.array(at.O_EDGE, int(ints[at.I_NODES]), at.EDGE_WORDS)[node, at.E_START]
         raise StaticsError(
-            f"no static equilibrium was found; what moved last is {arc:g} m along the cable. "
-            "Check weights, ends and current, or start from initial: {straight: ...} or {points: ...}"
+            f"no static equilibrium was found; what moved last is {arc:g} m along the cable. Check "
+            "weights, ends and current, or start from initial: {straight: ...} or {points: ...}"
         )
     entry.place_supports(ints, reals)
 
@@ -910,3 +910,4 @@ def _count_from_zero(block: Block) -> None:
     for counter in (at.I_STEPS, at.I_REJECTED, at.I_FACTORISATIONS, at.I_ITERATIONS):
         block.ints[counter] = 0
     block.ints[at.I_FACTORED] = 0
+    block.ints[at.I_HISTORY] = 0

@@ -60,9 +60,8 @@ class Start:
 
 def element_count(tolerance: float, start: Start) -> int:
     """Elements of a whole line for an accuracy tau."""
-    if not start.slack:
-        at_thousandth = _STEADY
-    else:
+    at_thousandth = _STEADY
+    if start.slack:
         at_thousandth = _WHIP if start.lightly_damped else _SLACK
     return max(4, math.ceil(at_thousandth * math.pow(1e-3 / tolerance, 0.25) - 1e-9))
 

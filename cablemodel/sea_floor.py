@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import TYPE_CHECKING
 
@@ -11,7 +12,6 @@ from numpy.typing import NDArray
 from cablemodel.block import Block
 from cablemodel.errors import SceneError
 from cablemodel.kernels import layout as at
-from cablemodel.kernels.follow import LAYER, SHARPEST
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
@@ -50,8 +50,8 @@ def finest_element(scene: Scene) -> float:
     for kind in scene.cable_types.values():
         weight = contact_weight(kind, scene.environment.gravity)
         layer = (kind.bending_stiffness / weight) ** (1.0 / 3.0)
-        layers.append(layer if layer > 0.0 else SHARPEST * accuracy)
-    return LAYER * min(layers)
+        layers.append(layer if layer > 0.0 else at.SHARPEST * accuracy)
+    return at.LAYER * min(layers)
 
 
 def table_words(floor: Floor | None) -> int:
@@ -182,7 +182,7 @@ def refine_guess(scene: Scene, nodes: list[FloatArray], points: FloatArray) -> l
     for cable, places in zip(scene.cables, nodes, strict=True):
         new = list(places)
         while cable.elements is None:
-            ends = list(zip(new[:-1], new[1:], strict=True))
+            ends = list(itertools.pairwise(new))
             split = [
                 0.5 * (a + b)
                 for a, b in ends
@@ -203,7 +203,7 @@ def _distance(start: float, end: float, place: float) -> float:
 def _laid_to(
     floor: Floor, start: FloatArray, end: FloatArray, length: float, hanging: FloatArray
 ) -> FloatArray:
-    """A cable to an anchor: as it hangs where that is clear of the floor, else straight and laid."""
+    """A cable to an anchor: as it hangs where clear of the floor, else straight and laid."""
     if all(p[2] > floor.height(float(p[0]), float(p[1])) for p in hanging[1:-1]):
         return hanging
     across = float(np.hypot(*(start - end)[:2]))

@@ -1,8 +1,8 @@
 """Point bodies at nodes: mass, submerged weight, drag and added mass about the node's tangent.
 
-Drag of a point is 1/2 rho |u| (CdA_n u_n + CdA_a u_a): with equal areas along and across, that of a sphere,
-whatever way the cable points. (Of its parts squared each, a body of equal areas would feel up to
-30 % less drag when it moves askew: 1.5 % of the top tension in the pay-out scene S3.)
+Drag of a point is 1/2 rho |u| (CdA_n u_n + CdA_a u_a): with equal areas along and across, that of
+a sphere, whatever way the cable points. (Of its parts squared each, a body of equal areas would
+feel up to 30 % less drag when it moves askew: 1.5 % of the top tension in the pay-out scene S3.)
 
 The half-length of the bodies of Sun & Leonard 1998, section 4.1, is zero here: a point mass passes
 no moment; see rigid.py for the others. In the plane the second component is the vertical one.

@@ -5,6 +5,7 @@ no exceptions, an int status where something can fail. `fastmath` stays off, so 
 just-in-time and the ahead-of-time build give the same bits.
 """
 
+import ctypes
 import hashlib
 import os
 from collections.abc import Callable
@@ -12,7 +13,17 @@ from pathlib import Path
 from typing import Any
 
 import numba
+from llvmlite import ir
 from numba import types
+from numba.core import cgutils
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import CompilerBase, DefaultPassBuilder
+from numba.core.compiler_machinery import AnalysisPass, register_pass
+from numba.core.typed_passes import AnnotateTypes
+from numba.extending import intrinsic
+from numba.np.arrayobj import make_array, populate_array
+
+_intrinsic: Any = intrinsic  # for callers, what it makes takes one argument less
 
 OPTIONS: dict[str, Any] = {
     "nopython": True,
@@ -47,14 +58,110 @@ def cache_folder() -> Path:
     return Path(root) / source_hash()
 
 
+class _InnerLibrary(JITCodeLibrary):
+    """Code of an inner kernel: IR for its callers, no machine code of its own.
+
+    Every kernel's module holds all that it calls. Numba would make machine code of each of them,
+    for calls from Python that nobody makes: a third of the time of the first start.
+    """
+
+    def _finalize_final_module(self) -> None:
+        self._finalize_dynamic_globals()
+        self._verify_declare_only_symbols()
+        self._finalized = True
+
+    def get_pointer_to_function(self, name: str) -> int:
+        """What a call from Python ends in: a TypeError."""
+        self._ensure_finalized()
+        address = ctypes.cast(ctypes.pythonapi.PyErr_BadArgument, ctypes.c_void_p).value
+        assert address is not None
+        return address
+
+    @property
+    def codegen(self) -> Any:
+        return _NoEnvironment(self._codegen)
+
+
+class _OutlinedLibrary(_InnerLibrary):
+    """The same for a kernel that stays one function, however many callers it has."""
+
+    def _finalize_final_module(self) -> None:
+        mangled = f"{len(self.name)}{self.name}B"
+        for function in self._final_module.functions:
+            if mangled in function.name and not function.is_declaration:
+                function.add_function_attribute("noinline")
+        super()._finalize_final_module()
+
+
+class _NoEnvironment:
+    """Numba's code generator for a kernel that is not loaded, so has no environment to set."""
+
+    def __init__(self, codegen: Any) -> None:
+        self._codegen = codegen
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._codegen, name)
+
+    def set_env(self, name: str, environment: Any) -> None:
+        """Nothing: kernels raise nothing, so they never look at it."""
+
+
+@register_pass(mutates_CFG=False, analysis_only=True)
+class _ChooseInnerLibrary(AnalysisPass):
+    _name = "cablemodel_choose_inner_library"
+
+    def __init__(self) -> None:
+        super().__init__()
+
+    def run_pass(self, state: Any) -> bool:
+        state.library = _InnerLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
+        return False
+
+
+class _InnerCompiler(CompilerBase):
+    def define_pipelines(self) -> list[Any]:
+        passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
+        passes.add_pass_after(_ChooseInnerLibrary, AnnotateTypes)
+        passes.finalize()
+        return [passes]
+
+
+@register_pass(mutates_CFG=False, analysis_only=True)
+class _ChooseOutlinedLibrary(AnalysisPass):
+    _name = "cablemodel_choose_outlined_library"
+
+    def __init__(self) -> None:
+        super().__init__()
+
+    def run_pass(self, state: Any) -> bool:
+        state.library = _OutlinedLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
+        return False
+
+
+class _OutlinedCompiler(CompilerBase):
+    def define_pipelines(self) -> list[Any]:
+        passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
+        passes.add_pass_after(_ChooseOutlinedLibrary, AnnotateTypes)
+        passes.finalize()
+        return [passes]
+
+
 def kernel(function: Callable[..., Any]) -> Any:
-    """An inner kernel, compiled into the entry points that call it."""
-    return numba.jit(**OPTIONS)(function)
+    """An inner kernel, compiled into the entry points that call it; not callable from Python."""
+    return numba.jit(**OPTIONS, pipeline_class=_InnerCompiler)(function)
+
+
+def outlined(function: Callable[..., Any]) -> Any:
+    """A large inner kernel that is never inlined: its code exists once."""
+    return numba.jit(**OPTIONS, pipeline_class=_OutlinedCompiler)(function)
 
 
 def inlined(function: Callable[..., Any]) -> Any:
-    """A small kernel that is always inlined by the compiler."""
-    return numba.jit(**OPTIONS, forceinline=True)(function)
+    """A small kernel that is always inlined by the compiler.
+
+    So is all that it calls and that was not compiled before: numba passes the option on.
+    """
+    return numba.jit(**OPTIONS, pipeline_class=_InnerCompiler, forceinline=True)(function)
 
 
 def entry_point(signature: Any) -> Callable[[Callable[..., Any]], Any]:
@@ -76,3 +183,231 @@ def entry_point(signature: Any) -> Callable[[Callable[..., Any]], Any]:
         return dispatcher
 
     return decorate
+
+
+@_intrinsic
+def view(typing_context: Any, array: Any, start: Any, count: Any) -> Any:
+    """``array[start : start + count]`` without the checks of a Python slice: 0 <= start.
+
+    A slice clips its ends and, like every index that the compiler cannot prove to be positive,
+    counts from the end when negative: a dozen instructions that keep loops from being vectorised.
+    """
+    signature = array(array, types.int64, types.int64)
+
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        kind = signature.args[0]
+        whole = make_array(kind)(context, builder, values[0])
+        part = make_array(kind)(context, builder)
+        word = context.get_constant(types.intp, 8)
+        populate_array(
+            part,
+            data=builder.gep(whole.data, [values[1]]),
+            shape=cgutils.pack_array(builder, [values[2]]),
+            strides=cgutils.pack_array(builder, [word]),
+            itemsize=word,
+            meminfo=None,
+        )
+        return part._getvalue()
+
+    return signature, generate
+
+
+def table_product(table: Any) -> Any:
+    """Kernel f(M, to, start): row e of a result is the sum over m of table[e, m] * row m.
+
+    Rows are of `width` words (even), one after another from `start` and from `to`; the places do
+    not meet. The table's numbers become constants of the code, and the loop over a row vectors of
+    two: what a loop nest leaves to the optimiser's taste is thus settled, and compiled quickly.
+    """
+    factors = [[float(factor) for factor in row] for row in table]
+
+    @_intrinsic(prefer_literal=True)
+    def product(typing_context: Any, array: Any, to: Any, start: Any, width: Any) -> Any:
+        words = width.literal_value
+        signature = types.void(array, types.int64, types.int64, width)
+
+        def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+            data = make_array(signature.args[0])(context, builder, values[0]).data
+            pair = ir.VectorType(ir.DoubleType(), 2)
+
+            def place(start: Any, offset: int) -> Any:
+                word = builder.add(start, ir.Constant(ir.IntType(64), offset))
+                return builder.bitcast(builder.gep(data, [word]), pair.as_pointer())
+
+            for column in range(0, words, 2):
+                rows = [
+                    builder.load(place(values[2], words * m + column), align=8)
+                    for m in range(len(factors[0]))
+                ]
+                for e, line in enumerate(factors):
+                    total = None
+                    for factor, row in zip(line, rows, strict=True):
+                        if factor != 0.0:
+                            term = builder.fmul(ir.Constant(pair, [factor, factor]), row)
+                            total = term if total is None else builder.fadd(total, term)
+                    builder.store(total, place(values[1], words * e + column), align=8)
+            return context.get_dummy_value()
+
+        return signature, generate
+
+    return product
+
+
+def matrix_vector(size: int, sign: float, *, add: bool) -> Any:
+    """Kernel f(A, at, x, start, stride, out, to): out = [out] + sign A x for one small block.
+
+    A is stored by columns of `size` words (even) from `at`; element k of x is at start + k stride.
+    The sum stays in registers until the end, so out may be x.
+    """
+
+    @_intrinsic
+    def product(
+        typing_context: Any,
+        matrix: Any,
+        at: Any,
+        vector: Any,
+        start: Any,
+        stride: Any,
+        result: Any,
+        to: Any,
+    ) -> Any:
+        word = types.int64
+        signature = types.void(matrix, word, vector, word, word, result, word)
+
+        def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+            arrays = [
+                make_array(signature.args[n])(context, builder, values[n]).data for n in (0, 2, 5)
+            ]
+            at, start, stride, to = values[1], values[3], values[4], values[6]
+            pair = ir.VectorType(ir.DoubleType(), 2)
+            integer = ir.IntType(64)
+
+            def place(data: Any, start: Any, offset: int) -> Any:
+                word = builder.add(start, ir.Constant(integer, offset))
+                return builder.bitcast(builder.gep(data, [word]), pair.as_pointer())
+
+            halves = range(0, size, 2)
+            totals: list[Any] = [None for _ in halves]
+            for k in range(size):
+                where = builder.add(start, builder.mul(stride, ir.Constant(integer, k)))
+                factor = builder.load(builder.gep(arrays[1], [where]))
+                both = ir.Constant(pair, ir.Undefined)
+                for lane in range(2):
+                    index = ir.Constant(ir.IntType(32), lane)
+                    both = builder.insert_element(both, factor, index)
+                for n, half in enumerate(halves):
+                    column = builder.load(place(arrays[0], at, size * k + half), align=8)
+                    term = builder.fmul(column, both)
+                    total = totals[n]
+                    totals[n] = term if total is None else builder.fadd(total, term)
+            places = [place(arrays[2], to, half) for half in halves]
+            if add:
+                combine = builder.fadd if sign > 0.0 else builder.fsub
+                totals = [
+                    combine(builder.load(where, align=8), total)
+                    for where, total in zip(places, totals, strict=True)
+                ]
+            for where, total in zip(places, totals, strict=True):
+                builder.store(total, where, align=8)
+            return context.get_dummy_value()
+
+        return signature, generate
+
+    return product
+
+
+def block_kernels(size: int) -> tuple[Any, Any]:
+    """(transpose, invert) of one small block of size (even) by size words, held in registers.
+
+    transpose(A, start, to) writes the transpose of the block at `start` to `to`. invert(A, start)
+    replaces it by the transpose of its inverse (Gauss-Jordan without pivoting) and returns
+    whether no pivot vanished.
+    """
+    pair, integer = ir.VectorType(ir.DoubleType(), 2), ir.IntType(64)
+    halves = range(size // 2)
+
+    def place(builder: Any, data: Any, start: Any, offset: int) -> Any:
+        word = builder.add(start, ir.Constant(integer, offset))
+        return builder.bitcast(builder.gep(data, [word]), pair.as_pointer())
+
+    def transposed(builder: Any, data: Any, start: Any) -> list[list[Any]]:
+        """Rows of the transpose, each as pairs."""
+        rows: list[list[Any]] = [[None for _ in halves] for _ in range(size)]
+        for i in halves:
+            for j in halves:
+                upper = builder.load(place(builder, data, start, 2 * i * size + 2 * j), align=8)
+                lower = builder.load(
+                    place(builder, data, start, (2 * i + 1) * size + 2 * j), align=8
+                )
+                for lane in range(2):
+                    mask = ir.Constant(ir.VectorType(ir.IntType(32), 2), [lane, lane + 2])
+                    rows[2 * j + lane][i] = builder.shuffle_vector(upper, lower, mask)
+        return rows
+
+    def store(builder: Any, rows: list[list[Any]], data: Any, to: Any) -> None:
+        for n, row in enumerate(rows):
+            for half in halves:
+                builder.store(row[half], place(builder, data, to, n * size + 2 * half), align=8)
+
+    @_intrinsic
+    def transpose(typing_context: Any, array: Any, start: Any, to: Any) -> Any:
+        def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+            data = make_array(signature.args[0])(context, builder, values[0]).data
+            store(builder, transposed(builder, data, values[1]), data, values[2])
+            return context.get_dummy_value()
+
+        return types.void(array, types.int64, types.int64), generate
+
+    @_intrinsic
+    def invert(typing_context: Any, array: Any, start: Any) -> Any:
+        def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+            data = make_array(signature.args[0])(context, builder, values[0]).data
+            rows = transposed(builder, data, values[1])
+            one, zero = (ir.Constant(ir.DoubleType(), number) for number in (1.0, 0.0))
+
+            def lane(n: int) -> Any:
+                return ir.Constant(ir.IntType(32), n % 2)
+
+            def both(number: Any) -> Any:
+                vector = ir.Constant(pair, ir.Undefined)
+                for n in range(2):
+                    vector = builder.insert_element(vector, number, lane(n))
+                return vector
+
+            good = ir.Constant(ir.IntType(1), 1)
+            for k in range(size):
+                pivot = builder.extract_element(rows[k][k // 2], lane(k))
+                # Ordered and not equal: false for NaN too.
+                good = builder.and_(good, builder.fcmp_ordered("!=", pivot, zero))
+                inverse = both(builder.fdiv(one, pivot))
+                rows[k][k // 2] = builder.insert_element(rows[k][k // 2], one, lane(k))
+                rows[k] = [builder.fmul(half, inverse) for half in rows[k]]
+                for i in range(size):
+                    if i == k:
+                        continue
+                    factor = both(builder.extract_element(rows[i][k // 2], lane(k)))
+                    rows[i][k // 2] = builder.insert_element(rows[i][k // 2], zero, lane(k))
+                    rows[i] = [
+                        builder.fsub(half, builder.fmul(factor, pivoted))
+                        for half, pivoted in zip(rows[i], rows[k], strict=True)
+                    ]
+            store(builder, rows, data, values[1])
+            return good
+
+        return types.boolean(array, types.int64), generate
+
+    return transpose, invert
+
+
+@_intrinsic
+def copy_words(typing_context: Any, array: Any, to: Any, start: Any, count: Any) -> Any:
+    """``array[to : to + count] = array[start : start + count]``, two places that do not meet."""
+    signature = types.void(array, types.int64, types.int64, types.int64)
+
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        data = make_array(signature.args[0])(context, builder, values[0]).data
+        to, start, count = values[1:]
+        cgutils.raw_memcpy(builder, builder.gep(data, [to]), builder.gep(data, [start]), count, 8)
+        return context.get_dummy_value()
+
+    return signature, generate

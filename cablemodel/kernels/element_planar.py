@@ -7,7 +7,7 @@ curvature k is a number and P = n n^T, which saves a root and most of the produc
 
 import math
 
-from .compile import inlined, kernel
+from .compile import inlined, kernel, table_product, view
 from .environment import current_at
 from .layout import (
     E_ADDED,
@@ -55,17 +55,15 @@ from .tables import (
     H1,
     H2,
     H3,
+    LINES_D,
+    LINES_DE,
+    LINES_H,
+    LINES_HD,
     LOAD,
     MASS,
     MASS_PAIRS,
     P1,
     P2,
-    S00,
-    S01,
-    S11,
-    S12,
-    S21,
-    S22,
     WD,
     WE,
     WEIGHT,
@@ -83,14 +81,26 @@ QX, QZ = 52, 56  # conjugate to r''
 R = 64  # element vector
 TT, TN, NT, NN = 0, 4, 8, 12  # components of a tangent matrix in (t, n)
 JACOBIAN = 80  # 6 groups of 4 slots of 4: A00, A01, A11, A12, A21, A22
-BLOCK = JACOBIAN + 96
+# Rows of four words: the pairs of components xx, xz, zx, zz.
+ROWS = JACOBIAN + 96  # at each Gauss point: A11, A12, A21, A22, then A00, then A01
+ROWS_00, ROWS_01 = ROWS + 48, ROWS + 60
+SUM_D = ROWS + 72  # sums over the Gauss points: the six pairs of PAIRS_D,
+SUM_H = SUM_D + 24  # the ten of PAIRS_H,
+SUM_HD = SUM_H + 40  # the twelve of PAIRS_HD
+TURNED = SUM_HD + 48  # the last three of PAIRS_D with components exchanged
+BLOCKS = TURNED + 12  # sums of all sixteen pairs of shape functions
+
+_product_d = table_product(LINES_D)
+_product_de = table_product(LINES_DE)
+_product_h = table_product(LINES_H)
+_product_hd = table_product(LINES_HD)
 
 
 @inlined
 def element_current(I, M, W, x0, x1, h):
     """Water velocity at the Gauss points of an element, when it varies over depth."""
     motion = I[O_MOTION] + 9
-    z = M[motion : motion + 3]
+    z = view(M, motion, 3)
     for g in range(3):
         height = x0[1] * H0[g] + h * x0[3] * H1[g] + x1[1] * H2[g] + h * x1[3] * H3[g]
         current_at(I, M, height, z)
@@ -199,12 +209,12 @@ def load_forces(W, v0, v1, a0, a1, h, cn, ct, added):
 @kernel
 def residual_planar(I, M, q, v, a, tension, out, out_constraint):
     """Residual of all elements: out (nodes, 4), out_constraint (nodes, 2); see residual_spatial."""
-    W = M[I[O_GAUSS] : I[O_GAUSS] + 512]
+    W = view(M, I[O_GAUSS], 768)
     nodes = I[I_NODES]
     drag = I[I_DRAG]
     payout = I[I_PAYOUT]
     sheared = I[I_DEPTHS] > 1
-    ends = M[I[O_END_FORCE] : I[O_END_FORCE] + 4 * nodes]
+    ends = view(M, I[O_END_FORCE], 4 * nodes)
     out[0 : 4 * nodes] = 0.0
     for node in range(1, nodes):
         if I[I[O_JOINT] + node] != 0:
@@ -215,15 +225,15 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
         e = I[O_EDGE] + node * EDGE_WORDS
         h = M[e + E_LENGTH]
         bending = M[e + E_BENDING]
-        x0 = q[4 * parent : 4 * parent + 4]
-        x1 = q[4 * node : 4 * node + 4]
-        v0 = v[4 * parent : 4 * parent + 4]
-        v1 = v[4 * node : 4 * node + 4]
-        a0 = a[4 * parent : 4 * parent + 4]
-        a1 = a[4 * node : 4 * node + 4]
+        x0 = view(q, 4 * parent, 4)
+        x1 = view(q, 4 * node, 4)
+        v0 = view(v, 4 * parent, 4)
+        v1 = view(v, 4 * node, 4)
+        a0 = view(a, 4 * parent, 4)
+        a1 = view(a, 4 * node, 4)
         if parent == 0 and payout != 0:
-            v0 = M[I[O_TOP] : I[O_TOP] + 4]
-            a0 = M[I[O_TOP] + 6 : I[O_TOP] + 6 + 4]
+            v0 = view(M, I[O_TOP], 4)
+            a0 = view(M, I[O_TOP] + 6, 4)
         geometry(W, x0, x1, h)
         t0 = tension[2 * node]
         t1 = tension[2 * node + 1]
@@ -237,7 +247,7 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
                 r1 += WEIGHT_P1[g] * (W[G + g] - 1.0)
             c = M[e + E_COMPLIANCE]
             r0 -= c * t0
-            r1 -= c * t1 / 3.0
+            r1 -= c * t1 * (1.0 / 3.0)
         else:
             for g in range(3):
                 strain, _slope = strain_and_slope(
@@ -272,13 +282,14 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
 
         mass = M[e + E_MASS] * h
         weight = M[e + E_WEIGHT] * h
+        ih = 1.0 / h
         for i in range(2):
-            p = W[PX + 4 * i : PX + 4 * i + 4]
+            p = view(W, PX + 4 * i, 4)
             a0i = a0[i] * mass
             a1i = a0[2 + i] * mass * h
             a2i = a1[i] * mass
             a3i = a1[2 + i] * mass * h
-            r = W[R : R + 4]
+            r = view(W, R, 4)
             for k in range(4):
                 r[k] = (
                     a0i * MASS[0, k]
@@ -290,17 +301,17 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
                     + p[2] * WD[2, k]
                 )
             if drag != 0:
-                f = W[FX + 4 * i : FX + 4 * i + 4]
+                f = view(W, FX + 4 * i, 4)
                 f0 = h * f[0]
                 f1 = h * f[1]
                 f2 = h * f[2]
                 for k in range(4):
                     r[k] += f0 * WH[0, k] + f1 * WH[1, k] + f2 * WH[2, k]
             if bending != 0.0:
-                y = W[QX + 4 * i : QX + 4 * i + 4]
-                y0 = y[0] / h
-                y1 = y[1] / h
-                y2 = y[2] / h
+                y = view(W, QX + 4 * i, 4)
+                y0 = y[0] * ih
+                y1 = y[1] * ih
+                y2 = y[2] * ih
                 for k in range(4):
                     r[k] += y0 * WE[0, k] + y1 * WE[1, k] + y2 * WE[2, k]
             if i == 1:
@@ -342,27 +353,18 @@ def tangent_matrices(
         yz = az * E0[g] + bz * E1[g] + cz * E2[g] + dz * E3[g]
         beta = (yx * tx + yz * tz) * ig
         k = (yz * tx - yx * tz) * ig
-        c = bending * ig * ig
+        c1 = bending * ig * ig * ih
+        c2 = c1 * ih
+        c3 = c2 * ih
         j = JACOBIAN + 32 + g
-        W[j + TT] = 3.0 * c * k * k
-        W[j + TN] = 3.0 * c * beta * k
-        W[j + NT] = 3.0 * c * beta * k
-        W[j + NN] = tension * ig + c * (beta * beta - 2.0 * k * k)
-        W[j + 16 + TT] = 0.0
-        W[j + 16 + TN] = -2.0 * c * k
-        W[j + 16 + NT] = -c * k
-        W[j + 16 + NN] = -c * beta
-        W[j + 32 + TT] = 0.0
-        W[j + 32 + TN] = -c * k
-        W[j + 32 + NT] = -2.0 * c * k
-        W[j + 32 + NN] = -c * beta
-        W[j + 48 + TT] = 0.0
-        W[j + 48 + TN] = 0.0
-        W[j + 48 + NT] = 0.0
-        W[j + 48 + NN] = c
+        W[j + TT] = 3.0 * c1 * k * k
+        W[j + TN] = 3.0 * c1 * beta * k
+        W[j + NN] = ih * tension * ig + c1 * (beta * beta - 2.0 * k * k)
+        W[j + 16 + TN] = -2.0 * c2 * k
+        W[j + 16 + NT] = -c2 * k
+        W[j + 16 + NN] = -c2 * beta
+        W[j + 48 + NN] = c3
     if drag == 0:
-        for n in range(32):
-            W[JACOBIAN + n] = 0.0
         return
     for g in range(4):
         ig = 1.0 / W[G + g]
@@ -380,10 +382,8 @@ def tangent_matrices(
         fn = root * cn * abs(un)
         ft = root * ct * abs(ut)
         j = JACOBIAN + g
-        W[j + TT] = 2.0 * cv * ft - ca * added
-        W[j + TN] = 0.0
-        W[j + NT] = 0.0
-        W[j + NN] = 2.0 * cv * fn
+        W[j + TT] = h * (2.0 * cv * ft - ca * added)
+        W[j + NN] = h * (2.0 * cv * fn)
         W[j + 16 + TT] = -0.5 * ig * ft * ut
         W[j + 16 + TN] = -ig * ((2.0 * ft - fn) * un + added * an)
         W[j + 16 + NT] = -0.5 * ig * fn * un
@@ -393,14 +393,14 @@ def tangent_matrices(
 @kernel
 def jacobian_planar(I, M, q, v, a, tension, ca, cv):
     """Blocks of the effective Jacobian with T condensed out; see jacobian_spatial."""
-    W = M[I[O_GAUSS] : I[O_GAUSS] + 512]
+    W = view(M, I[O_GAUSS], 768)
     nodes = I[I_NODES]
     drag = I[I_DRAG]
     payout = I[I_PAYOUT]
     sheared = I[I_DEPTHS] > 1
-    diagonal = M[I[O_DIAGONAL] : I[O_DIAGONAL] + 16 * nodes]
-    upper = M[I[O_UPPER] : I[O_UPPER] + 16 * nodes]
-    lower = M[I[O_LOWER] : I[O_LOWER] + 16 * nodes]
+    diagonal = view(M, I[O_DIAGONAL], 16 * nodes)
+    upper = view(M, I[O_UPPER], 16 * nodes)
+    lower = view(M, I[O_LOWER], 16 * nodes)
     diagonal[:] = 0.0
     for node in range(1, nodes):
         if I[I[O_JOINT] + node] != 0:
@@ -409,15 +409,15 @@ def jacobian_planar(I, M, q, v, a, tension, ca, cv):
         e = I[O_EDGE] + node * EDGE_WORDS
         h = M[e + E_LENGTH]
         bending = M[e + E_BENDING]
-        x0 = q[4 * parent : 4 * parent + 4]
-        x1 = q[4 * node : 4 * node + 4]
-        a0 = a[4 * parent : 4 * parent + 4]
-        a1 = a[4 * node : 4 * node + 4]
-        v0 = v[4 * parent : 4 * parent + 4]
-        v1 = v[4 * node : 4 * node + 4]
+        x0 = view(q, 4 * parent, 4)
+        x1 = view(q, 4 * node, 4)
+        a0 = view(a, 4 * parent, 4)
+        a1 = view(a, 4 * node, 4)
+        v0 = view(v, 4 * parent, 4)
+        v1 = view(v, 4 * node, 4)
         if parent == 0 and payout != 0:
-            v0 = M[I[O_TOP] : I[O_TOP] + 4]
-            a0 = M[I[O_TOP] + 6 : I[O_TOP] + 6 + 4]
+            v0 = view(M, I[O_TOP], 4)
+            a0 = view(M, I[O_TOP] + 6, 4)
         geometry(W, x0, x1, h)
         if drag != 0 and sheared:
             element_current(I, M, W, x0, x1, h)
@@ -445,8 +445,8 @@ def jacobian_planar(I, M, q, v, a, tension, ca, cv):
             cv,
         )
 
-        B = M[I[O_GRADIENT] + 16 * node : I[O_GRADIENT] + 16 * node + 16]
-        B2 = W[R : R + 8]
+        B = view(M, I[O_GRADIENT] + 16 * node, 16)
+        B2 = view(W, R, 8)
         for i in range(2):
             for k in range(4):
                 w0 = W[TX + 4 * i] * WD[0, k]
@@ -484,75 +484,170 @@ def jacobian_planar(I, M, q, v, a, tension, ca, cv):
         M[stiffness + 2] = s11
         s22 = 5.0 * eas / h
 
+        spread_components(W, bending != 0.0, drag != 0)
+        if bending != 0.0:
+            _product_de(W, SUM_D, ROWS, 4)
+        else:
+            _product_d(W, SUM_D, ROWS, 4)
+        add_tension(W, B, B2, s00, s01, s11, s22)
+        if drag != 0:
+            _product_h(W, SUM_H, ROWS_00, 4)
+            _product_hd(W, SUM_HD, ROWS_01, 4)
+        else:
+            for n in range(40):
+                W[SUM_H + n] = 0.0
+            for n in range(48):
+                W[SUM_HD + n] = 0.0
         mass = ca * M[e + E_MASS] * h
-        ih = 1.0 / h
-        ih2 = ih * ih
-        ih3 = ih * ih2
-        r = W[BLOCK : BLOCK + 16]
-        at = 16 * node
-        above = 16 * parent
-        for i in range(2):
+        for n in range(10):
+            W[SUM_H + 4 * n] += mass * MASS_PAIRS[n]
+            W[SUM_H + 4 * n + 3] += mass * MASS_PAIRS[n]
+        combine(W, h)
+        scatter(
+            W,
+            view(diagonal, 16 * parent, 16),
+            view(upper, 16 * node, 16),
+            view(lower, 16 * node, 16),
+            view(diagonal, 16 * node, 16),
+        )
+
+
+@inlined
+def spread_components(W, bends, drags):
+    """Tangent matrices from (t, n) to rows of component pairs."""
+    for g in range(3):
+        tx = W[TX + g]
+        tz = W[TZ + g]
+        xx = tx * tx
+        xz = tx * tz
+        zz = tz * tz
+        s = JACOBIAN + g
+        nn = W[s + 32 + NN]
+        row = ROWS + 4 * g
+        if bends:
+            tt = W[s + 32 + TT]
+            tn = W[s + 32 + TN]
+            across = (tt - nn) * xz + tn * (xx - zz)
+            W[row] = tt * xx - 2.0 * tn * xz + nn * zz
+            W[row + 1] = across
+            W[row + 2] = across
+            W[row + 3] = tt * zz + 2.0 * tn * xz + nn * xx
+            tn = W[s + 48 + TN]
+            nt = W[s + 48 + NT]
+            nn = W[s + 48 + NN]
+            first = nn * zz - (tn + nt) * xz
+            last = nn * xx + (tn + nt) * xz
+            upper = tn * xx - nt * zz - nn * xz
+            lower = nt * xx - tn * zz - nn * xz
+            W[row + 12] = first
+            W[row + 13] = upper
+            W[row + 14] = lower
+            W[row + 15] = last
+            W[row + 24] = first
+            W[row + 25] = lower
+            W[row + 26] = upper
+            W[row + 27] = last
+            nn = W[s + 80 + NN]
+            W[row + 36] = nn * zz
+            W[row + 37] = -nn * xz
+            W[row + 38] = -nn * xz
+            W[row + 39] = nn * xx
+        else:
+            W[row] = nn * zz
+            W[row + 1] = -nn * xz
+            W[row + 2] = -nn * xz
+            W[row + 3] = nn * xx
+        if drags:
+            tt = W[s + TT]
+            nn = W[s + NN]
+            across = (tt - nn) * xz
+            W[row + 48] = tt * xx + nn * zz
+            W[row + 49] = across
+            W[row + 50] = across
+            W[row + 51] = tt * zz + nn * xx
+            tt = W[s + 16 + TT]
+            tn = W[s + 16 + TN]
+            nt = W[s + 16 + NT]
+            nn = W[s + 16 + NN]
+            W[row + 60] = tt * xx - (tn + nt) * xz + nn * zz
+            W[row + 61] = (tt - nn) * xz + tn * xx - nt * zz
+            W[row + 62] = (tt - nn) * xz + nt * xx - tn * zz
+            W[row + 63] = tt * zz + (tn + nt) * xz + nn * xx
+
+
+@inlined
+def add_tension(W, B, B2, s00, s01, s11, s22):
+    """Add what condensing T out leaves, and the stabilisation, to the six pairs of slopes."""
+    for i in range(2):
+        for a in range(1, 4):
+            c = s00 * B[4 * i + a] + s01 * B[8 + 4 * i + a]
+            d = s01 * B[4 * i + a] + s11 * B[8 + 4 * i + a]
+            e = s22 * B2[4 * i + a]
             for j in range(2):
-                if i == j:
-                    for n in range(16):
-                        r[n] = mass * MASS_PAIRS[n]
-                else:
-                    for n in range(16):
-                        r[n] = 0.0
-                for g in range(3):
-                    tx = W[TX + g]
-                    tz = W[TZ + g]
-                    ti = tx if i == 0 else tz
-                    tj = tx if j == 0 else tz
-                    ni = -tz if i == 0 else tx
-                    nj = -tz if j == 0 else tx
-                    tt = ti * tj
-                    tn = ti * nj
-                    nt = ni * tj
-                    nn = ni * nj
-                    s = JACOBIAN + g
-                    f11 = ih * (tt * W[s + 32] + tn * W[s + 36] + nt * W[s + 40] + nn * W[s + 44])
-                    for n in range(16):
-                        r[n] += f11 * S11[g, n]
-                    if drag != 0:
-                        f00 = h * (tt * W[s] + nn * W[s + 12])
-                        f01 = tt * W[s + 16] + tn * W[s + 20] + nt * W[s + 24] + nn * W[s + 28]
-                        for n in range(16):
-                            r[n] += f00 * S00[g, n] + f01 * S01[g, n]
-                    if bending != 0.0:
-                        f12 = ih2 * (tn * W[s + 52] + nt * W[s + 56] + nn * W[s + 60])
-                        f21 = ih2 * (tn * W[s + 68] + nt * W[s + 72] + nn * W[s + 76])
-                        f22 = ih3 * nn * W[s + 92]
-                        for n in range(16):
-                            r[n] += f12 * S12[g, n] + f21 * S21[g, n] + f22 * S22[g, n]
-                for k in range(4):
-                    b0 = s00 * B[4 * i + k] + s01 * B[8 + 4 * i + k]
-                    b1 = s01 * B[4 * i + k] + s11 * B[8 + 4 * i + k]
-                    b2 = s22 * B2[4 * i + k]
-                    for l in range(4):
-                        r[4 * k + l] += (
-                            b0 * B[4 * j + l] + b1 * B[8 + 4 * j + l] + b2 * B2[4 * j + l]
-                        )
-                rr = 4 * i + j
-                rd = 4 * i + 2 + j
-                dr = 4 * (2 + i) + j
-                dd = 4 * (2 + i) + 2 + j
-                diagonal[above + rr] += r[0]
-                diagonal[above + rd] += h * r[1]
-                diagonal[above + dr] += h * r[4]
-                diagonal[above + dd] += h * h * r[5]
-                upper[at + rr] = r[2]
-                upper[at + rd] = h * r[3]
-                upper[at + dr] = h * r[6]
-                upper[at + dd] = h * h * r[7]
-                lower[at + rr] = r[8]
-                lower[at + rd] = h * r[9]
-                lower[at + dr] = h * r[12]
-                lower[at + dd] = h * h * r[13]
-                diagonal[at + rr] += r[10]
-                diagonal[at + rd] += h * r[11]
-                diagonal[at + dr] += h * r[14]
-                diagonal[at + dd] += h * h * r[15]
+                pair = SUM_D + 2 * i + j
+                at = 4 * j + a
+                W[pair + 4 * (a - 1)] += c * B[at] + d * B[8 + at] + e * B2[at]
+                for b in range(a + 1, 4):
+                    at = 4 * j + b
+                    # Pairs (1, 2), (1, 3), (2, 3) are rows 3, 4, 5.
+                    W[pair + 4 * (a + b)] += c * B[at] + d * B[8 + at] + e * B2[at]
+
+
+@inlined
+def combine(W, h):
+    """All sixteen pairs of shape functions from the sums, for all pairs of components at once.
+
+    Function 0 has minus the slope of function 2; slope unknowns are scaled by h.
+    """
+    for i in range(2):
+        for j in range(2):
+            for row in range(3):
+                W[TURNED + 4 * row + 2 * i + j] = W[SUM_D + 4 * (3 + row) + 2 * j + i]
+    h2 = h * h
+    for p in range(4):
+        k11 = W[SUM_D + p]
+        k22 = W[SUM_D + 4 + p]
+        k33 = W[SUM_D + 8 + p]
+        k12 = W[SUM_D + 12 + p]
+        k13 = W[SUM_D + 16 + p]
+        k23 = W[SUM_D + 20 + p]
+        k21 = W[TURNED + p]
+        k31 = W[TURNED + 4 + p]
+        k32 = W[TURNED + 8 + p]
+        H = SUM_H + p
+        X = SUM_HD + p
+        to = BLOCKS + p
+        W[to] = k22 + W[H] - W[X + 4]
+        W[to + 4] = h * (W[H + 16] + W[X] - k21)
+        W[to + 8] = W[H + 20] + W[X + 4] - k22
+        W[to + 12] = h * (W[H + 24] + W[X + 8] - k23)
+        W[to + 16] = h * (W[H + 16] - W[X + 16] - k12)
+        W[to + 20] = h2 * (k11 + W[H + 4] + W[X + 12])
+        W[to + 24] = h * (k12 + W[H + 28] + W[X + 16])
+        W[to + 28] = h2 * (k13 + W[H + 32] + W[X + 20])
+        W[to + 32] = W[H + 20] - W[X + 28] - k22
+        W[to + 36] = h * (k21 + W[H + 28] + W[X + 24])
+        W[to + 40] = k22 + W[H + 8] + W[X + 28]
+        W[to + 44] = h * (k23 + W[H + 36] + W[X + 32])
+        W[to + 48] = h * (W[H + 24] - W[X + 40] - k32)
+        W[to + 52] = h2 * (k31 + W[H + 32] + W[X + 36])
+        W[to + 56] = h * (k32 + W[H + 36] + W[X + 40])
+        W[to + 60] = h2 * (k33 + W[H + 12] + W[X + 44])
+
+
+@inlined
+def scatter(W, above, upper, lower, below):
+    """The sixteen pairs into the blocks of the element's nodes."""
+    for k in range(2):
+        for i in range(2):
+            for l in range(2):
+                for j in range(2):
+                    at = 4 * (2 * k + i) + 2 * l + j
+                    pair = BLOCKS + 4 * (4 * k + l) + 2 * i + j
+                    above[at] += W[pair]
+                    upper[at] = W[pair + 8]
+                    lower[at] = W[pair + 32]
+                    below[at] += W[pair + 40]
 
 
 @kernel
@@ -563,7 +658,7 @@ def condense_planar(I, M, out_constraint, out):
             continue
         parent = I[I[O_PARENT] + node]
         h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
-        B = M[I[O_GRADIENT] + 16 * node : I[O_GRADIENT] + 16 * node + 16]
+        B = view(M, I[O_GRADIENT] + 16 * node, 16)
         s = I[O_COMPLIANCE] + 3 * node
         r0 = out_constraint[2 * node]
         r1 = out_constraint[2 * node + 1]
@@ -586,7 +681,7 @@ def stretch_rate_planar(I, M, x, out):
             continue
         parent = I[I[O_PARENT] + node]
         h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
-        B = M[I[O_GRADIENT] + 16 * node : I[O_GRADIENT] + 16 * node + 16]
+        B = view(M, I[O_GRADIENT] + 16 * node, 16)
         r0 = 0.0
         r1 = 0.0
         for i in range(2):

@@ -11,7 +11,7 @@ water relative to the cable. In comments g = |r'|, y = r'', P = I - t t^T, k = P
 
 import math
 
-from .compile import inlined, kernel
+from .compile import inlined, kernel, table_product, view
 from .environment import current_at
 from .layout import (
     E_ADDED,
@@ -59,17 +59,15 @@ from .tables import (
     H1,
     H2,
     H3,
+    LINES_D,
+    LINES_DE,
+    LINES_H,
+    LINES_HD,
     LOAD,
     MASS,
     MASS_PAIRS,
     P1,
     P2,
-    S00,
-    S01,
-    S11,
-    S12,
-    S21,
-    S22,
     WD,
     WE,
     WEIGHT,
@@ -87,15 +85,27 @@ FX, FY, FZ = 28, 32, 36  # conjugate to r
 PX, PY, PZ = 40, 44, 48  # conjugate to r'
 QX, QY, QZ = 52, 56, 60  # conjugate to r''
 AX = 64  # element vector: 12 words
-JACOBIAN = 80  # 6 groups of 9 slots of 4: A00, A01, A11, A12, A21, A22
-BLOCK = JACOBIAN + 216  # 16 words, one pair of components
+# Rows of ten words: the nine pairs of components xx, xy, ... zz, and one unused.
+ROWS = 80  # at each Gauss point: A11, A12, A21, A22, then A00, then A01
+ROWS_12, ROWS_21, ROWS_22 = ROWS + 30, ROWS + 60, ROWS + 90
+ROWS_00, ROWS_01 = ROWS + 120, ROWS + 150
+SUM_D = ROWS + 180  # sums over the Gauss points: the six pairs of PAIRS_D,
+SUM_H = SUM_D + 60  # the ten of PAIRS_H,
+SUM_HD = SUM_H + 100  # the twelve of PAIRS_HD
+TURNED = SUM_HD + 120  # the last three of PAIRS_D with components exchanged
+BLOCKS = TURNED + 30  # sums of all sixteen pairs of shape functions
+
+_product_d = table_product(LINES_D)
+_product_de = table_product(LINES_DE)
+_product_h = table_product(LINES_H)
+_product_hd = table_product(LINES_HD)
 
 
 @inlined
 def element_current(I, M, W, x0, x1, h):
     """Water velocity at the Gauss points of an element whose heights are x0.., when it varies."""
     motion = I[O_MOTION] + 9
-    z = M[motion : motion + 3]
+    z = view(M, motion, 3)
     for g in range(3):
         height = x0[2] * H0[g] + h * x0[5] * H1[g] + x1[2] * H2[g] + h * x1[5] * H3[g]
         current_at(I, M, height, z)
@@ -245,12 +255,12 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
     out is set to zero first; residual = inertia + internal forces - loads, so the force that a
     support must exert is the residual at its node.
     """
-    W = M[I[O_GAUSS] : I[O_GAUSS] + 512]
+    W = view(M, I[O_GAUSS], 768)
     nodes = I[I_NODES]
     drag = I[I_DRAG]
     payout = I[I_PAYOUT]
     sheared = I[I_DEPTHS] > 1
-    ends = M[I[O_END_FORCE] : I[O_END_FORCE] + 6 * nodes]
+    ends = view(M, I[O_END_FORCE], 6 * nodes)
     out[0 : 6 * nodes] = 0.0
     for node in range(1, nodes):
         if I[I[O_JOINT] + node] != 0:
@@ -261,15 +271,15 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
         e = I[O_EDGE] + node * EDGE_WORDS
         h = M[e + E_LENGTH]
         bending = M[e + E_BENDING]
-        x0 = q[6 * parent : 6 * parent + 6]
-        x1 = q[6 * node : 6 * node + 6]
-        v0 = v[6 * parent : 6 * parent + 6]
-        v1 = v[6 * node : 6 * node + 6]
-        a0 = a[6 * parent : 6 * parent + 6]
-        a1 = a[6 * node : 6 * node + 6]
+        x0 = view(q, 6 * parent, 6)
+        x1 = view(q, 6 * node, 6)
+        v0 = view(v, 6 * parent, 6)
+        v1 = view(v, 6 * node, 6)
+        a0 = view(a, 6 * parent, 6)
+        a1 = view(a, 6 * node, 6)
         if parent == 0 and payout != 0:
-            v0 = M[I[O_TOP] : I[O_TOP] + 6]
-            a0 = M[I[O_TOP] + 6 : I[O_TOP] + 6 + 6]
+            v0 = view(M, I[O_TOP], 6)
+            a0 = view(M, I[O_TOP] + 6, 6)
         geometry(W, x0, x1, h)
         t0 = tension[2 * node]
         t1 = tension[2 * node + 1]
@@ -283,7 +293,7 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
                 r1 += WEIGHT_P1[g] * (W[G + g] - 1.0)
             c = M[e + E_COMPLIANCE]
             out_constraint[2 * node] = h * (r0 - c * t0)
-            out_constraint[2 * node + 1] = h * (r1 - c * t1 / 3.0)
+            out_constraint[2 * node + 1] = h * (r1 - c * t1 * (1.0 / 3.0))
         else:
             r0 = 0.0
             r1 = 0.0
@@ -320,13 +330,14 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
 
         mass = M[e + E_MASS] * h
         weight = M[e + E_WEIGHT] * h
+        ih = 1.0 / h
         for i in range(3):
-            p = W[PX + 4 * i : PX + 4 * i + 4]
+            p = view(W, PX + 4 * i, 4)
             a0i = a0[i] * mass
             a1i = a0[3 + i] * mass * h
             a2i = a1[i] * mass
             a3i = a1[3 + i] * mass * h
-            R = W[AX : AX + 4]
+            R = view(W, AX, 4)
             for k in range(4):
                 R[k] = (
                     a0i * MASS[0, k]
@@ -338,17 +349,17 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
                     + p[2] * WD[2, k]
                 )
             if drag != 0:
-                f = W[FX + 4 * i : FX + 4 * i + 4]
+                f = view(W, FX + 4 * i, 4)
                 f0 = h * f[0]
                 f1 = h * f[1]
                 f2 = h * f[2]
                 for k in range(4):
                     R[k] += f0 * WH[0, k] + f1 * WH[1, k] + f2 * WH[2, k]
             if bending != 0.0:
-                y = W[QX + 4 * i : QX + 4 * i + 4]
-                y0 = y[0] / h
-                y1 = y[1] / h
-                y2 = y[2] / h
+                y = view(W, QX + 4 * i, 4)
+                y0 = y[0] * ih
+                y1 = y[1] * ih
+                y2 = y[2] * ih
                 for k in range(4):
                     R[k] += y0 * WE[0, k] + y1 * WE[1, k] + y2 * WE[2, k]
             if i == 2:
@@ -363,47 +374,121 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
 
 
 @inlined
+def rank_two(W, row, diagonal, t0, t1, t2, a0, a1, a2, k0, k1, k2, b0, b1, b2):
+    """Row of component pairs: diagonal 1 + t a^T + k b^T."""
+    W[row] = diagonal + t0 * a0 + k0 * b0
+    W[row + 1] = t0 * a1 + k0 * b1
+    W[row + 2] = t0 * a2 + k0 * b2
+    W[row + 3] = t1 * a0 + k1 * b0
+    W[row + 4] = diagonal + t1 * a1 + k1 * b1
+    W[row + 5] = t1 * a2 + k1 * b2
+    W[row + 6] = t2 * a0 + k2 * b0
+    W[row + 7] = t2 * a1 + k2 * b1
+    W[row + 8] = diagonal + t2 * a2 + k2 * b2
+
+
+@inlined
 def tangent_matrices(
     W, x0, x1, v0, v1, a0, a1, h, tension0, tension1, eas, bending, drag, cn, ct, added, ca, cv
 ):
-    """Jacobians of the forces at the Gauss points into the groups A00, A01, A11, A12, A21, A22.
+    """Jacobians of the forces at the Gauss points into the rows A11, A12, A21, A22, A00, A01.
 
-    With c = EI/g^2, beta = b/g (derivation in docs/theory.md):
-      A22 = c P / ... ; d f1/d r'' = -c (k t^T + 2 t k^T + beta P);
-      d f1/d r' = (T/g + c (beta^2 - k.k)) P + c (3 k.k t t^T + 3 beta (k t^T + t k^T) - k k^T).
+    With c = EI/g^2, beta = b/g, P = 1 - t t^T (derivation in docs/theory.md):
+      A22 = c P; A12 = -c (k t^T + 2 t k^T + beta P), A21 its transpose;
+      A11 = (T/g + c (beta^2 - k.k)) P + c (3 k.k t t^T + 3 beta (k t^T + t k^T) - k k^T).
+    All are a multiple of 1 and two dyads. They are scaled for slopes d h and a length h.
     """
     e2 = 0.0
     for g in range(3):
         e2 += WEIGHT_P2[g] * (W[G + g] - 1.0)
-    t2 = 5.0 * eas * e2
+    stabilising = 5.0 * eas * e2
     ih = 1.0 / h
     ih2 = ih * ih
     for g in range(3):
-        s = W[G + g]
-        ig = 1.0 / s
-        t = (W[TX + g], W[TY + g], W[TZ + g])
-        tension = tension0 + tension1 * P1[g] + t2 * P2[g]
-        y0 = 0.0
-        y1 = 0.0
-        y2 = 0.0
+        ig = 1.0 / W[G + g]
+        t0 = W[TX + g]
+        t1 = W[TY + g]
+        t2 = W[TZ + g]
+        tension = tension0 + tension1 * P1[g] + stabilising * P2[g]
+        row = ROWS + 10 * g
+        p11 = ih * tension * ig
         if bending != 0.0:
             y0 = (x0[0] * E0[g] + x1[0] * E2[g]) * ih2 + (x0[3] * E1[g] + x1[3] * E3[g]) * ih
             y1 = (x0[1] * E0[g] + x1[1] * E2[g]) * ih2 + (x0[4] * E1[g] + x1[4] * E3[g]) * ih
             y2 = (x0[2] * E0[g] + x1[2] * E2[g]) * ih2 + (x0[5] * E1[g] + x1[5] * E3[g]) * ih
-        b = y0 * t[0] + y1 * t[1] + y2 * t[2]
-        k = ((y0 - b * t[0]) * ig, (y1 - b * t[1]) * ig, (y2 - b * t[2]) * ig)
-        kk = k[0] * k[0] + k[1] * k[1] + k[2] * k[2]
-        c = bending * ig * ig
-        beta = b * ig
-        p11 = tension * ig + c * (beta * beta - kk)
-        n = (0.0, 0.0, 0.0)
-        w = (0.0, 0.0, 0.0)
-        f = (0.0, 0.0, 0.0)
-        un = 0.0
-        ut = 0.0
-        at = 0.0
-        root = 0.0
-        iun = 0.0
+            b = y0 * t0 + y1 * t1 + y2 * t2
+            k0 = (y0 - b * t0) * ig
+            k1 = (y1 - b * t1) * ig
+            k2 = (y2 - b * t2) * ig
+            kk = k0 * k0 + k1 * k1 + k2 * k2
+            c = bending * ig * ig * ih
+            beta = b * ig
+            p11 += c * (beta * beta - kk)
+            f = 3.0 * c * kk - p11
+            q = 3.0 * c * beta
+            rank_two(
+                W,
+                row,
+                p11,
+                t0,
+                t1,
+                t2,
+                f * t0 + q * k0,
+                f * t1 + q * k1,
+                f * t2 + q * k2,
+                k0,
+                k1,
+                k2,
+                q * t0 - c * k0,
+                q * t1 - c * k1,
+                q * t2 - c * k2,
+            )
+            c *= ih
+            q = c * beta
+            e0 = c * t0
+            e1 = c * t1
+            e2 = c * t2
+            m0 = q * t0 - c * k0
+            m1 = q * t1 - c * k1
+            m2 = q * t2 - c * k2
+            rank_two(
+                W,
+                row + ROWS_12 - ROWS,
+                -q,
+                t0,
+                t1,
+                t2,
+                m0 - c * k0,
+                m1 - c * k1,
+                m2 - c * k2,
+                k0,
+                k1,
+                k2,
+                -e0,
+                -e1,
+                -e2,
+            )
+            rank_two(
+                W,
+                row + ROWS_21 - ROWS,
+                -q,
+                t0,
+                t1,
+                t2,
+                m0,
+                m1,
+                m2,
+                k0,
+                k1,
+                k2,
+                -2.0 * e0,
+                -2.0 * e1,
+                -2.0 * e2,
+            )
+            c *= ih
+            rank_one(W, row + ROWS_22 - ROWS, c, t0, t1, t2)
+        else:
+            rank_one(W, row, p11, t0, t1, t2)
         if drag != 0:
             ux = W[CX + g] - (v0[0] * H0[g] + v1[0] * H2[g] + h * (v0[3] * H1[g] + v1[3] * H3[g]))
             uy = W[CY + g] - (v0[1] * H0[g] + v1[1] * H2[g] + h * (v0[4] * H1[g] + v1[4] * H3[g]))
@@ -411,50 +496,79 @@ def tangent_matrices(
             wx = a0[0] * H0[g] + a1[0] * H2[g] + h * (a0[3] * H1[g] + a1[3] * H3[g])
             wy = a0[1] * H0[g] + a1[1] * H2[g] + h * (a0[4] * H1[g] + a1[4] * H3[g])
             wz = a0[2] * H0[g] + a1[2] * H2[g] + h * (a0[5] * H1[g] + a1[5] * H3[g])
-            root = math.sqrt(s)
-            ut = ux * t[0] + uy * t[1] + uz * t[2]
-            n = (ux - ut * t[0], uy - ut * t[1], uz - ut * t[2])
-            un = math.sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2])
+            root = math.sqrt(W[G + g])
+            ut = ux * t0 + uy * t1 + uz * t2
+            n0 = ux - ut * t0
+            n1 = uy - ut * t1
+            n2 = uz - ut * t2
+            un = math.sqrt(n0 * n0 + n1 * n1 + n2 * n2)
             iun = 1.0 / max(un, TINY)
-            at = wx * t[0] + wy * t[1] + wz * t[2]
-            w = (wx - at * t[0], wy - at * t[1], wz - at * t[2])
+            at = wx * t0 + wy * t1 + wz * t2
             fn = root * cn * un
-            ft = root * ct * abs(ut) * ut
-            f = (fn * n[0] + ft * t[0], fn * n[1] + ft * t[1], fn * n[2] + ft * t[2])
-        # d(-drag)/dv = + dF/du; its parts along P, n n^T and t t^T.
-        d_p = cv * root * cn * un
-        d_nn = cv * root * cn * iun
-        d_tt = 2.0 * cv * root * ct * abs(ut) - ca * added
-        # d(-drag - added)/dr': see load_forces; n is normal to t, so t n^T and P suffice.
-        e_tn = -root * ig * (2.0 * ct * abs(ut) - cn * un)
-        e_p = -root * ig * (ct * abs(ut) * ut - cn * un * ut) - added * at * ig
-        e_nn = root * ig * cn * ut * iun
-        half = -0.5 * ig
-        slot = JACOBIAN + g
-        for i in range(3):
-            for j in range(3):
-                tt = t[i] * t[j]
-                p = -tt
-                if i == j:
-                    p += 1.0
-                nn = n[i] * n[j]
-                kt = k[i] * t[j]
-                tk = t[i] * k[j]
-                at_slot = slot + 4 * (3 * i + j)
-                W[at_slot] = d_p * p + d_nn * nn + d_tt * tt
-                W[at_slot + 36] = (
-                    half * f[i] * t[j]
-                    + e_tn * t[i] * n[j]
-                    + e_p * p
-                    + e_nn * nn
-                    - added * ig * t[i] * w[j]
-                )
-                W[at_slot + 72] = p11 * p + c * (
-                    3.0 * kk * tt + 3.0 * beta * (kt + tk) - k[i] * k[j]
-                )
-                W[at_slot + 108] = -c * (kt + 2.0 * tk + beta * p)
-                W[at_slot + 144] = -c * (tk + 2.0 * kt + beta * p)
-                W[at_slot + 180] = c * p
+            ft = root * ct * abs(ut)
+            # d(-drag)/dv = + dF/du; its parts along 1, n n^T and t t^T.
+            d_p = h * cv * fn
+            d_nn = d_p * iun * iun
+            d_tt = h * (2.0 * cv * ft - ca * added) - d_p
+            rank_two(
+                W,
+                row + ROWS_00 - ROWS,
+                d_p,
+                t0,
+                t1,
+                t2,
+                d_tt * t0,
+                d_tt * t1,
+                d_tt * t2,
+                n0,
+                n1,
+                n2,
+                d_nn * n0,
+                d_nn * n1,
+                d_nn * n2,
+            )
+            # d(-drag - added)/dr': see load_forces; n is normal to t, so t n^T and P suffice.
+            e_p = -ig * (ft * ut - fn * ut + added * at)
+            e_nn = ig * fn * ut * iun * iun
+            e_tn = -ig * (2.0 * ft - fn)
+            # The loads are per unit of unstretched length: root(g) is in fn and ft.
+            along = added * ig
+            e_tt = -0.5 * ig * ft * ut - e_p + along * at
+            e_nt = -0.5 * ig * fn
+            rank_two(
+                W,
+                row + ROWS_01 - ROWS,
+                e_p,
+                t0,
+                t1,
+                t2,
+                e_tt * t0 + e_tn * n0 - along * wx,
+                e_tt * t1 + e_tn * n1 - along * wy,
+                e_tt * t2 + e_tn * n2 - along * wz,
+                n0,
+                n1,
+                n2,
+                e_nt * t0 + e_nn * n0,
+                e_nt * t1 + e_nn * n1,
+                e_nt * t2 + e_nn * n2,
+            )
+
+
+@inlined
+def rank_one(W, row, c, t0, t1, t2):
+    """Row of component pairs: c (1 - t t^T)."""
+    c0 = -c * t0
+    c1 = -c * t1
+    c2 = -c * t2
+    W[row] = c + c0 * t0
+    W[row + 1] = c0 * t1
+    W[row + 2] = c0 * t2
+    W[row + 3] = c1 * t0
+    W[row + 4] = c + c1 * t1
+    W[row + 5] = c1 * t2
+    W[row + 6] = c2 * t0
+    W[row + 7] = c2 * t1
+    W[row + 8] = c + c2 * t2
 
 
 @kernel
@@ -464,14 +578,14 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
     Fills, for every element, its share of the diagonal blocks of both nodes, the two off-diagonal
     blocks, the gradient B of its constraint (2, 12) and the inverse of the compliance (3).
     """
-    W = M[I[O_GAUSS] : I[O_GAUSS] + 512]
+    W = view(M, I[O_GAUSS], 768)
     nodes = I[I_NODES]
     drag = I[I_DRAG]
     payout = I[I_PAYOUT]
     sheared = I[I_DEPTHS] > 1
-    diagonal = M[I[O_DIAGONAL] : I[O_DIAGONAL] + 36 * nodes]
-    upper = M[I[O_UPPER] : I[O_UPPER] + 36 * nodes]
-    lower = M[I[O_LOWER] : I[O_LOWER] + 36 * nodes]
+    diagonal = view(M, I[O_DIAGONAL], 36 * nodes)
+    upper = view(M, I[O_UPPER], 36 * nodes)
+    lower = view(M, I[O_LOWER], 36 * nodes)
     diagonal[:] = 0.0
     for node in range(1, nodes):
         if I[I[O_JOINT] + node] != 0:
@@ -480,15 +594,15 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
         e = I[O_EDGE] + node * EDGE_WORDS
         h = M[e + E_LENGTH]
         bending = M[e + E_BENDING]
-        x0 = q[6 * parent : 6 * parent + 6]
-        x1 = q[6 * node : 6 * node + 6]
-        a0 = a[6 * parent : 6 * parent + 6]
-        a1 = a[6 * node : 6 * node + 6]
-        v0 = v[6 * parent : 6 * parent + 6]
-        v1 = v[6 * node : 6 * node + 6]
+        x0 = view(q, 6 * parent, 6)
+        x1 = view(q, 6 * node, 6)
+        a0 = view(a, 6 * parent, 6)
+        a1 = view(a, 6 * node, 6)
+        v0 = view(v, 6 * parent, 6)
+        v1 = view(v, 6 * node, 6)
         if parent == 0 and payout != 0:
-            v0 = M[I[O_TOP] : I[O_TOP] + 6]
-            a0 = M[I[O_TOP] + 6 : I[O_TOP] + 6 + 6]
+            v0 = view(M, I[O_TOP], 6)
+            a0 = view(M, I[O_TOP] + 6, 6)
         geometry(W, x0, x1, h)
         if drag != 0 and sheared:
             element_current(I, M, W, x0, x1, h)
@@ -517,8 +631,8 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
         )
 
         # Gradient of the constraints, and the compliance.
-        B = M[I[O_GRADIENT] + 24 * node : I[O_GRADIENT] + 24 * node + 24]
-        B2 = W[AX : AX + 12]
+        B = view(M, I[O_GRADIENT] + 24 * node, 24)
+        B2 = view(W, AX, 12)
         for i in range(3):
             for k in range(4):
                 w0 = W[TX + 4 * i] * WD[0, k]
@@ -556,70 +670,107 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
         M[stiffness + 2] = s11
         s22 = 5.0 * eas / h
 
+        if bending != 0.0:
+            _product_de(W, SUM_D, ROWS, 10)
+        else:
+            _product_d(W, SUM_D, ROWS, 10)
+        add_tension(W, B, B2, s00, s01, s11, s22)
+        if drag != 0:
+            _product_h(W, SUM_H, ROWS_00, 10)
+            _product_hd(W, SUM_HD, ROWS_01, 10)
+        else:
+            for n in range(100):
+                W[SUM_H + n] = 0.0
+            for n in range(120):
+                W[SUM_HD + n] = 0.0
         mass = ca * M[e + E_MASS] * h
-        ih = 1.0 / h
-        ih2 = ih * ih
-        ih3 = ih * ih2
-        R = W[BLOCK : BLOCK + 16]
-        at = 36 * node
-        above = 36 * parent
-        for i in range(3):
+        for n in range(10):
+            W[SUM_H + 10 * n] += mass * MASS_PAIRS[n]
+            W[SUM_H + 10 * n + 4] += mass * MASS_PAIRS[n]
+            W[SUM_H + 10 * n + 8] += mass * MASS_PAIRS[n]
+        combine(W, h)
+        scatter(
+            W,
+            view(diagonal, 36 * parent, 36),
+            view(upper, 36 * node, 36),
+            view(lower, 36 * node, 36),
+            view(diagonal, 36 * node, 36),
+        )
+
+
+@inlined
+def add_tension(W, B, B2, s00, s01, s11, s22):
+    """Add what condensing T out leaves, and the stabilisation, to the six pairs of slopes."""
+    for i in range(3):
+        for a in range(1, 4):
+            c = s00 * B[4 * i + a] + s01 * B[12 + 4 * i + a]
+            d = s01 * B[4 * i + a] + s11 * B[12 + 4 * i + a]
+            e = s22 * B2[4 * i + a]
             for j in range(3):
-                slot = JACOBIAN + 4 * (3 * i + j)
-                if i == j:
-                    for n in range(16):
-                        R[n] = mass * MASS_PAIRS[n]
-                else:
-                    for n in range(16):
-                        R[n] = 0.0
-                for g in range(3):
-                    f00 = h * W[slot + g]
-                    f01 = W[slot + 36 + g]
-                    f11 = ih * W[slot + 72 + g]
-                    f12 = ih2 * W[slot + 108 + g]
-                    f21 = ih2 * W[slot + 144 + g]
-                    f22 = ih3 * W[slot + 180 + g]
-                    if bending != 0.0:
-                        for n in range(16):
-                            R[n] += (
-                                f00 * S00[g, n]
-                                + f01 * S01[g, n]
-                                + f11 * S11[g, n]
-                                + f12 * S12[g, n]
-                                + f21 * S21[g, n]
-                                + f22 * S22[g, n]
-                            )
-                    else:
-                        for n in range(16):
-                            R[n] += f00 * S00[g, n] + f01 * S01[g, n] + f11 * S11[g, n]
-                for k in range(4):
-                    b0 = s00 * B[4 * i + k] + s01 * B[12 + 4 * i + k]
-                    b1 = s01 * B[4 * i + k] + s11 * B[12 + 4 * i + k]
-                    b2 = s22 * B2[4 * i + k]
-                    for l in range(4):
-                        R[4 * k + l] += (
-                            b0 * B[4 * j + l] + b1 * B[12 + 4 * j + l] + b2 * B2[4 * j + l]
-                        )
-                rr = 6 * i + j
-                rd = 6 * i + 3 + j
-                dr = 6 * (3 + i) + j
-                dd = 6 * (3 + i) + 3 + j
-                diagonal[above + rr] += R[0]
-                diagonal[above + rd] += h * R[1]
-                diagonal[above + dr] += h * R[4]
-                diagonal[above + dd] += h * h * R[5]
-                upper[at + rr] = R[2]
-                upper[at + rd] = h * R[3]
-                upper[at + dr] = h * R[6]
-                upper[at + dd] = h * h * R[7]
-                lower[at + rr] = R[8]
-                lower[at + rd] = h * R[9]
-                lower[at + dr] = h * R[12]
-                lower[at + dd] = h * h * R[13]
-                diagonal[at + rr] += R[10]
-                diagonal[at + rd] += h * R[11]
-                diagonal[at + dr] += h * R[14]
-                diagonal[at + dd] += h * h * R[15]
+                pair = SUM_D + 3 * i + j
+                at = 4 * j + a
+                W[pair + 10 * (a - 1)] += c * B[at] + d * B[12 + at] + e * B2[at]
+                for b in range(a + 1, 4):
+                    at = 4 * j + b
+                    # Pairs (1, 2), (1, 3), (2, 3) are rows 3, 4, 5.
+                    W[pair + 10 * (a + b)] += c * B[at] + d * B[12 + at] + e * B2[at]
+
+
+@inlined
+def combine(W, h):
+    """All sixteen pairs of shape functions from the sums, for all pairs of components at once.
+
+    Function 0 has minus the slope of function 2; slope unknowns are scaled by h.
+    """
+    for i in range(3):
+        for j in range(3):
+            for row in range(3):
+                W[TURNED + 10 * row + 3 * i + j] = W[SUM_D + 10 * (3 + row) + 3 * j + i]
+    h2 = h * h
+    for p in range(10):
+        k11 = W[SUM_D + p]
+        k22 = W[SUM_D + 10 + p]
+        k33 = W[SUM_D + 20 + p]
+        k12 = W[SUM_D + 30 + p]
+        k13 = W[SUM_D + 40 + p]
+        k23 = W[SUM_D + 50 + p]
+        k21 = W[TURNED + p]
+        k31 = W[TURNED + 10 + p]
+        k32 = W[TURNED + 20 + p]
+        H = SUM_H + p
+        X = SUM_HD + p
+        to = BLOCKS + p
+        W[to] = k22 + W[H] - W[X + 10]
+        W[to + 10] = h * (W[H + 40] + W[X] - k21)
+        W[to + 20] = W[H + 50] + W[X + 10] - k22
+        W[to + 30] = h * (W[H + 60] + W[X + 20] - k23)
+        W[to + 40] = h * (W[H + 40] - W[X + 40] - k12)
+        W[to + 50] = h2 * (k11 + W[H + 10] + W[X + 30])
+        W[to + 60] = h * (k12 + W[H + 70] + W[X + 40])
+        W[to + 70] = h2 * (k13 + W[H + 80] + W[X + 50])
+        W[to + 80] = W[H + 50] - W[X + 70] - k22
+        W[to + 90] = h * (k21 + W[H + 70] + W[X + 60])
+        W[to + 100] = k22 + W[H + 20] + W[X + 70]
+        W[to + 110] = h * (k23 + W[H + 90] + W[X + 80])
+        W[to + 120] = h * (W[H + 60] - W[X + 100] - k32)
+        W[to + 130] = h2 * (k31 + W[H + 80] + W[X + 90])
+        W[to + 140] = h * (k32 + W[H + 90] + W[X + 100])
+        W[to + 150] = h2 * (k33 + W[H + 30] + W[X + 110])
+
+
+@inlined
+def scatter(W, above, upper, lower, below):
+    """The sixteen pairs into the blocks of the element's nodes."""
+    for k in range(2):
+        for i in range(3):
+            for l in range(2):
+                for j in range(3):
+                    at = 6 * (3 * k + i) + 3 * l + j
+                    pair = BLOCKS + 10 * (4 * k + l) + 3 * i + j
+                    above[at] += W[pair]
+                    upper[at] = W[pair + 20]
+                    lower[at] = W[pair + 80]
+                    below[at] += W[pair + 100]
 
 
 @kernel
@@ -630,7 +781,7 @@ def condense_spatial(I, M, out_constraint, out):
             continue
         parent = I[I[O_PARENT] + node]
         h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
-        B = M[I[O_GRADIENT] + 24 * node : I[O_GRADIENT] + 24 * node + 24]
+        B = view(M, I[O_GRADIENT] + 24 * node, 24)
         s = I[O_COMPLIANCE] + 3 * node
         r0 = out_constraint[2 * node]
         r1 = out_constraint[2 * node + 1]
@@ -653,7 +804,7 @@ def stretch_rate_spatial(I, M, x, out):
             continue
         parent = I[I[O_PARENT] + node]
         h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
-        B = M[I[O_GRADIENT] + 24 * node : I[O_GRADIENT] + 24 * node + 24]
+        B = view(M, I[O_GRADIENT] + 24 * node, 24)
         r0 = 0.0
         r1 = 0.0
         for i in range(3):

@@ -26,6 +26,7 @@ from .layout import (
     I_DIMENSION,
     I_NODES,
     I_PAYOUT,
+    LAYER,
     O_BODY,
     O_CONSTRAINT,
     O_EDGE,
@@ -39,12 +40,11 @@ from .layout import (
     S_FLOOR_DEPTH,
     S_LENGTH,
     S_TOLERANCE,
+    SHARPEST,
 )
 from .payout import hermite, join_at, split_edge
 from .tables import CONTACT_POINTS, CONTACT_WEIGHTS
 
-LAYER = 0.4  # smallest element in units of the touchdown layer (EI/w)^(1/3)
-SHARPEST = 2.0  # layer of a cable without bending, in units of tau L
 AHEAD = 0.5  # growth of the wanted length per height above the floor
 TURN = 0.9  # largest angle that an element may turn at a touchdown
 KINK = 0.2  # largest h times the jump of curvature near the floor: what folds must be resolved

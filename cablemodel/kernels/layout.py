@@ -33,8 +33,8 @@ I_HYBRID = 27
 I_FLOOR, I_FLOOR_X, I_FLOOR_Y = 28, 29, 30  # FLOOR_...; columns and rows of the table
 I_FLOOR_WORDS = 31
 FLOOR_NONE, FLOOR_PLANE, FLOOR_TABLE = 0, 1, 2
-O_FLOOR = 92  # x (nx), y (ny), then z, z_x, z_y, z_xy of every place, x slowest
-O_REST = 93  # places of rest of the friction bristles (capacity, 3)
+O_FLOOR = 94  # x (nx), y (ny), then z, z_x, z_y, z_xy of every place, x slowest
+O_REST = 95  # places of rest of the friction bristles (capacity, 3)
 
 # Pay-out.
 I_PAYOUT = 70  # 1 where cable may pass the tow point: the top element's length varies
@@ -45,7 +45,14 @@ I_CLAMPED = 75  # +1 the drum is empty, -1 the shortest length is reached, 0 nei
 O_RATES, O_CABLES, O_TOP = 76, 77, 78
 
 # Bodies of finite length.
-I_RIGID = 90  # how many of the bodies have a length: 0 skips all that they need
+I_RIGID = 80  # how many of the bodies have a length: 0 skips all that they need
+# Two-step scheme.
+I_HISTORY = 88  # 1 while O_HISTORY holds the state one step of S_LAST_STEP ago
+I_TWO_STEP_WAIT = 89  # steps to take by the one-step scheme before it is tried again
+I_TWO_STEP_CHECK = 90  # steps until its convergence is measured again
+I_TWO_STEP_REST = 93  # what I_TWO_STEP_WAIT is set to at a refusal: doubles while it is refused
+
+I_KEEP_MATRIX = 92  # 1 while a step has not yet saved the matrix that it may have to give back
 
 # Header: word offsets of the arrays.
 O_PIECES, O_DEPTHS, O_TIMES, O_CURRENT, O_STRAIN = 32, 33, 34, 35, 36
@@ -57,6 +64,7 @@ O_TRIAL_Q, O_TRIAL_V, O_TRIAL_A, O_TRIAL_T = 57, 58, 59, 60
 O_RESIDUAL, O_CONSTRAINT_RESIDUAL, O_INCREMENT = 61, 62, 63
 O_PROFILE, O_GAUSS, O_MOTION = 64, 65, 66
 O_TENSION_RATE, O_STAGE_T, O_STRETCH = 67, 68, 69
+O_HISTORY = 91  # r, d, then their velocities, one step ago: 6 words a node each
 O_END_FORCE = 79  # internal force at both ends of each element: parent's end, child's end
 
 # Scalars, at HEADER_WORDS.
@@ -89,6 +97,7 @@ S_FLOOR_DAMPING = _S + 51  # force grows by this per speed of approach [s/m]
 S_FLOOR_PLANE = _S + 52  # 5 words: z, slopes towards x and y, place x, y where the height is z
 S_FLOOR_TOP = _S + 57  # highest point of the floor that can be reached [m]
 S_FLOOR_BEND = _S + 58  # a bound on 1/8 of the floor's second derivatives [1/m]
+S_TWO_STEP_RATIO = _S + 88  # convergence ratio of Newton in the two-step scheme
 S_STAGE_RATE, S_STAGE_SLOPE = _S + 38, _S + 39  # at the time of the last set_time
 
 # Rows of the rate table: time, rate. Rows of the cable table: the cables of the line and of the
@@ -150,6 +159,10 @@ C_VESSEL, C_ANCHOR = 1, 2
 
 # What is read off a state, in words: the rows of outputs.sample_stations, outputs.summarise.
 STATION_WORDS, SUMMARY_WORDS, ENERGY_WORDS = 13, 32, 8
+
+# Elements at a touchdown.
+LAYER = 0.4  # smallest element in units of the touchdown layer (EI/w)^(1/3)
+SHARPEST = 2.0  # layer of a cable without bending, in units of tau L
 
 # Status codes of the kernels.
 OK = 0

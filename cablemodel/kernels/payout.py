@@ -31,6 +31,7 @@ from .layout import (
     I_CONSTRAINTS,
     I_DIMENSION,
     I_FACTORED,
+    I_HISTORY,
     I_NODES,
     I_PAYOUT,
     I_RATE_LIVE,
@@ -270,6 +271,7 @@ def renumber(I, M, first, count):
     for node in range(1, I[I_NODES]):
         I[I[O_PARENT] + node] = node - 1
     I[I_FACTORED] = 0
+    I[I_HISTORY] = 0
 
 
 @kernel

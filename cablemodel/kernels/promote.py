@@ -9,6 +9,7 @@ from .layout import (
     I_CONSTRAINTS,
     I_DIMENSION,
     I_FACTORED,
+    I_HISTORY,
     I_NODES,
     O_ACCELERATION,
     O_CONSTRAINT,
@@ -63,3 +64,4 @@ def promote(I, M):
             unfold(M, row + C_DIRECTION, px, py)
     I[I_DIMENSION] = 3
     I[I_FACTORED] = 0
+    I[I_HISTORY] = 0

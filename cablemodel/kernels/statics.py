@@ -39,9 +39,9 @@ from .layout import (
     S_TIME,
     STATICS_FAILED,
 )
+from .newton import increment_norm
 from .rigid import update_clamps
 from .system import factorise, jacobian, newton_increment, recover_tension, residual, set_time
-from .time_stepping import increment_norm
 
 LARGEST_STEPS = 2000
 LONGEST_STEP = 1e7

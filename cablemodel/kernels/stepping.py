@@ -7,20 +7,20 @@ the mean velocity of the step as the final one. Inputs that are not given follow
 
 import math
 
+from .backup import give_back, keep_state
 from .compile import kernel
 from .environment import evaluate_piece, find_piece, vessel_motion
 from .layout import (
     I_CURRENT,
     I_DIMENSION,
     I_FAILED_NODE,
-    I_IMAGE_WORDS,
+    I_KEEP_MATRIX,
     I_LIVE,
     I_NODES,
     I_PAYOUT,
     I_RATE_LIVE,
     NOT_FINITE,
     O_ACCELERATION,
-    O_BACKUP,
     O_MOTION,
     O_PIECES,
     O_POSITION,
@@ -192,10 +192,7 @@ def take_step(I, M, t_end, inputs):
     for n in range(INPUT_WORDS):
         if not abs(inputs[n]) < 1e100:
             return NOT_FINITE
-    words = I[I_IMAGE_WORDS]
-    backup = I[O_BACKUP]
-    for n in range(words):
-        I[backup + n] = I[n]
+    keep_state(I)
     returning = False
     given = inputs[IN_VELOCITY] != 0.0 or inputs[IN_POSITION] != 0.0
     if given or I[I_LIVE] == 1:
@@ -212,10 +209,10 @@ def take_step(I, M, t_end, inputs):
     status = advance_to(I, M, t_end)
     if status != OK:
         failed = I[I_FAILED_NODE]
-        for n in range(words):
-            I[n] = I[backup + n]
+        give_back(I)
         I[I_FAILED_NODE] = failed
         return status
+    I[I_KEEP_MATRIX] = 0
     if returning:
         I[I_LIVE] = 0
     if returning_rate:

@@ -3,9 +3,10 @@
 Everything that depends on the dimension (planar or three-dimensional) is chosen here, once a call.
 """
 
+from .backup import keep_matrix
 from .block_solver import factor_planar, factor_spatial, solve_planar, solve_spatial
 from .bodies import body_jacobian, body_residual
-from .compile import kernel
+from .compile import kernel, outlined, view
 from .element_planar import (
     condense_planar,
     jacobian_planar,
@@ -48,7 +49,7 @@ from .payout import material_top, set_top_length
 from .rigid import condense_rigid, rigid_jacobian, rigid_residual, stretch_rate_rigid
 
 
-@kernel
+@outlined
 def residual(I, M, q, v, a, tension, out, out_constraint):
     """Forces conjugate to (r, d) that the equations of motion leave, and constraint residuals."""
     if I[I_PAYOUT] != 0:
@@ -79,7 +80,7 @@ def impose_motion(I, M, t, q, v, a):
     """Write the prescribed position, velocity and acceleration into the state."""
     dimension = I[I_DIMENSION]
     size = 2 * dimension
-    out = M[I[O_MOTION] + 16 : I[O_MOTION] + 25]
+    out = view(M, I[O_MOTION] + 16, 9)
     for n in range(I[I_CONSTRAINTS]):
         row = I[O_CONSTRAINT] + n * CONSTRAINT_WORDS
         prescribed_motion(I, M, row, t, out)
@@ -169,7 +170,7 @@ def constrain_vector(I, M, x):
                 x[at + dimension + i] = M[row + C_DIRECTION + i] * value
 
 
-@kernel
+@outlined
 def jacobian(I, M, q, v, a, tension, ca, cv):
     """Assemble the effective Jacobian (not constrained, not factored)."""
     if I[I_PAYOUT] != 0:
@@ -186,9 +187,10 @@ def jacobian(I, M, q, v, a, tension, ca, cv):
         floor_jacobian(I, M, q, v, cv)
 
 
-@kernel
+@outlined
 def factorise(I, M, q, v, a, tension, ca, cv):
     """Assemble, constrain and factor; returns 0, or 1 + the node whose pivot vanished."""
+    keep_matrix(I)
     jacobian(I, M, q, v, a, tension, ca, cv)
     constrain_matrix(I, M)
     if I[I_DIMENSION] == 2:
@@ -232,7 +234,7 @@ def stretch_rate(I, M, x, out):
 @kernel
 def recover_tension(I, M, constraint, x, tension):
     """Add the tension increments S (constraint + B x) that belong to x; returns the largest [N]."""
-    work = M[I[O_STRETCH] : I[O_STRETCH] + 2 * I[I_NODES]]
+    work = view(M, I[O_STRETCH], 2 * I[I_NODES])
     stretch_rate(I, M, x, work)
     largest = 0.0
     for node in range(1, I[I_NODES]):
@@ -258,7 +260,7 @@ def elongation_rate(I, M, v, tension_rate, out):
     if I[I_PAYOUT] != 0:
         # Material velocities, which the last residual left in O_TOP, in place of the mesh's.
         size = 2 * I[I_DIMENSION]
-        kept = M[I[O_TOP] + 12 : I[O_TOP] + 12 + size]
+        kept = view(M, I[O_TOP] + 12, size)
         for n in range(size):
             kept[n] = v[n]
             v[n] = M[I[O_TOP] + n]

@@ -53,11 +53,29 @@ WE = np.ascontiguousarray((_WEIGHTS * _E).T)
 S00, S01, S11 = _pairs(_H, _H), _pairs(_H, _D), _pairs(_D, _D)
 S12, S21, S22 = _pairs(_D, _E), _pairs(_E, _D), _pairs(_E, _E)
 
+# The same tables with less in them, for matrices in rows of all pairs of components. Of the slopes
+# D and second derivatives E only functions 1, 2, 3 are independent: that of r0 is minus that of
+# r1. PAIRS_D: these six pairs; PAIRS_H: pairs k <= l of the ten of H; both are symmetric.
+PAIRS_D = ((1, 1), (2, 2), (3, 3), (1, 2), (1, 3), (2, 3))
+PAIRS_H = ((0, 0), (1, 1), (2, 2), (3, 3), (0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3))
+PAIRS_HD = tuple((k, l) for k in range(4) for l in (1, 2, 3))
+
+
+def _lines(pairs, *tables):
+    """(pairs, 3 Gauss points of each table): factors of a weighted sum over points and tables."""
+    return np.array([[table[g, 4 * k + l] for table in tables for g in range(3)] for k, l in pairs])
+
+
+LINES_D = _lines(PAIRS_D, S11)
+LINES_DE = _lines(PAIRS_D, S11, S12, S21, S22)
+LINES_H = _lines(PAIRS_H, S00)
+LINES_HD = _lines(PAIRS_HD, S01)
+
 # Exact consistent mass and load.
 MASS = (
     np.array([[156.0, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]]) / 420
 )
-MASS_PAIRS = np.ascontiguousarray(MASS.reshape(16))
+MASS_PAIRS = np.array([MASS[k, l] for k, l in PAIRS_H])
 LOAD = np.array([1 / 2, 1 / 12, 1 / 2, -1 / 12])
 
 # Contact with the sea floor: four points, shape functions (4 points, 4 functions).

@@ -5,9 +5,7 @@ v_i = v^ + gamma dt a_i; prescribed nodes are imposed exactly in every stage. Te
 neither the error estimate nor Newton's test looks at it, but for the last stage before an output.
 """
 
-import math
-
-from .compile import inlined, kernel
+from .compile import copy_words, kernel, view
 from .environment import find_piece
 from .floor import settle
 from .follow import follow_floor
@@ -19,11 +17,11 @@ from .layout import (
     EDGE_WORDS,
     I_DIMENSION,
     I_FACTORED,
-    I_FACTORISATIONS,
     I_FAILED_NODE,
     I_FLOOR,
     I_FRESH,
     I_GROWTH_BARRED,
+    I_HISTORY,
     I_HYBRID,
     I_ITERATIONS,
     I_LIVE,
@@ -78,11 +76,11 @@ from .layout import (
     S_TOP_LENGTH,
     TOO_MANY_STEPS,
 )
+from .newton import increment_norm, refactor
 from .payout import adapt_top, begin_payout, longest_payout_step, paid_since
 from .rigid import update_clamps
 from .system import (
     elongation_rate,
-    factorise,
     impose_motion,
     newton_increment,
     recover_tension,
@@ -90,49 +88,11 @@ from .system import (
     set_time,
 )
 from .tables import GAMMA, STAGE_A, STAGE_C, STAGE_ERROR, STAGES
+from .two_step import accept_two_step, remember, try_two_step
 
 LARGEST_ITERATIONS = 10
-SLOPE_WEIGHT = 0.3  # weight of h |d| in norms, against |r|
 AXIAL_RESOLVED = 5.0  # (axial frequency x gamma dt)^2 below which velocities are not projected
 BENDING_ON, BENDING_OFF = 0.01, 0.005  # hybrid: (EI/T)/h^2 above which bending is kept
-
-
-@kernel
-def increment_norm(I, M, x):
-    """max(|dr|, 0.3 h |dd|) over the nodes [m], and the node where it is reached.
-
-    Lengths of vectors, not of components: a run does not depend on the direction of the axes.
-    """
-    dimension = I[I_DIMENSION]
-    largest = 0.0
-    where = 0
-    for node in range(I[I_NODES]):
-        h = M[I[O_EDGE] + max(node, 1) * EDGE_WORDS + E_LENGTH]
-        at = 2 * dimension * node
-        motion = 0.0
-        slope = 0.0
-        for i in range(dimension):
-            motion += x[at + i] * x[at + i]
-            slope += x[at + dimension + i] * x[at + dimension + i]
-        size = math.sqrt(max(motion, (SLOPE_WEIGHT * h) ** 2 * slope))
-        if not size <= largest:
-            largest = size
-            where = node
-        if size != size:
-            break
-    return largest, where
-
-
-@inlined
-def refactor(I, M, q, v, a, tension, gamma_dt):
-    """Factor the Newton matrix of a stage at the given iterate; 0 on success."""
-    inverse = 1.0 / gamma_dt
-    failed = factorise(I, M, q, v, a, tension, inverse * inverse, inverse)
-    I[I_FACTORISATIONS] += 1
-    I[I_FRESH] = 1
-    I[I_FACTORED] = 1 if failed == 0 else 0
-    M[S_FACTORED_STEP] = gamma_dt
-    return failed
 
 
 @kernel
@@ -140,15 +100,15 @@ def solve_stage(I, M, t, gamma_dt, tolerance, to_output):
     """Newton for one stage; on entry the trial holds the predicted a and T. Returns a status."""
     count = 2 * I[I_DIMENSION] * I[I_NODES]
     nodes = I[I_NODES]
-    q = M[I[O_TRIAL_Q] : I[O_TRIAL_Q] + count]
-    v = M[I[O_TRIAL_V] : I[O_TRIAL_V] + count]
-    a = M[I[O_TRIAL_A] : I[O_TRIAL_A] + count]
-    tension = M[I[O_TRIAL_T] : I[O_TRIAL_T] + 2 * nodes]
-    forces = M[I[O_RESIDUAL] : I[O_RESIDUAL] + count]
-    constraint = M[I[O_CONSTRAINT_RESIDUAL] : I[O_CONSTRAINT_RESIDUAL] + 2 * nodes]
-    x = M[I[O_INCREMENT] : I[O_INCREMENT] + count]
-    base_q = M[I[O_BASE_Q] : I[O_BASE_Q] + count]
-    base_v = M[I[O_BASE_V] : I[O_BASE_V] + count]
+    q = view(M, I[O_TRIAL_Q], count)
+    v = view(M, I[O_TRIAL_V], count)
+    a = view(M, I[O_TRIAL_A], count)
+    tension = view(M, I[O_TRIAL_T], 2 * nodes)
+    forces = view(M, I[O_RESIDUAL], count)
+    constraint = view(M, I[O_CONSTRAINT_RESIDUAL], 2 * nodes)
+    x = view(M, I[O_INCREMENT], count)
+    base_q = view(M, I[O_BASE_Q], count)
+    base_v = view(M, I[O_BASE_V], count)
     gamma2 = gamma_dt * gamma_dt
     inverse = 1.0 / gamma_dt
     inverse2 = inverse * inverse
@@ -216,15 +176,15 @@ def try_step(I, M, dt, scheme, to_output):
     gamma_dt = GAMMA[scheme] * dt
     time = M[S_TIME]
     tolerance = M[S_TIME_TOLERANCE]
-    q = M[I[O_POSITION] : I[O_POSITION] + count]
-    v = M[I[O_VELOCITY] : I[O_VELOCITY] + count]
-    a = M[I[O_ACCELERATION] : I[O_ACCELERATION] + count]
-    base_q = M[I[O_BASE_Q] : I[O_BASE_Q] + count]
-    base_v = M[I[O_BASE_V] : I[O_BASE_V] + count]
-    trial_v = M[I[O_TRIAL_V] : I[O_TRIAL_V] + count]
-    trial_a = M[I[O_TRIAL_A] : I[O_TRIAL_A] + count]
-    first_v = M[I[O_STAGE_V] : I[O_STAGE_V] + count]
-    first_a = M[I[O_STAGE_A] : I[O_STAGE_A] + count]
+    q = view(M, I[O_POSITION], count)
+    v = view(M, I[O_VELOCITY], count)
+    a = view(M, I[O_ACCELERATION], count)
+    base_q = view(M, I[O_BASE_Q], count)
+    base_v = view(M, I[O_BASE_V], count)
+    trial_v = view(M, I[O_TRIAL_V], count)
+    trial_a = view(M, I[O_TRIAL_A], count)
+    first_v = view(M, I[O_STAGE_V], count)
+    first_a = view(M, I[O_STAGE_A], count)
     I[I_FRESH] = 0
     for n in range(count):
         first_v[n] = v[n]
@@ -239,8 +199,8 @@ def try_step(I, M, dt, scheme, to_output):
         for j in range(i):
             weight = dt * STAGE_A[scheme, i, j]
             if weight != 0.0:
-                stage_v = M[I[O_STAGE_V] + j * count : I[O_STAGE_V] + (j + 1) * count]
-                stage_a = M[I[O_STAGE_A] + j * count : I[O_STAGE_A] + (j + 1) * count]
+                stage_v = view(M, I[O_STAGE_V] + j * count, count)
+                stage_a = view(M, I[O_STAGE_A] + j * count, count)
                 for n in range(count):
                     base_v[n] += weight * stage_a[n]
                     base_q[n] += weight * stage_v[n]
@@ -251,8 +211,8 @@ def try_step(I, M, dt, scheme, to_output):
         status = solve_stage(I, M, stage_time, gamma_dt, tolerance, to_output and last)
         if status != OK:
             return status, 0.0
-        stage_v = M[I[O_STAGE_V] + i * count : I[O_STAGE_V] + (i + 1) * count]
-        stage_a = M[I[O_STAGE_A] + i * count : I[O_STAGE_A] + (i + 1) * count]
+        stage_v = view(M, I[O_STAGE_V] + i * count, count)
+        stage_a = view(M, I[O_STAGE_A] + i * count, count)
         for n in range(count):
             stage_v[n] = trial_v[n]
             stage_a[n] = trial_a[n]
@@ -263,7 +223,7 @@ def try_step(I, M, dt, scheme, to_output):
         base_q[n] = 0.0
     for i in range(stages):
         weight = dt * STAGE_ERROR[scheme, i]
-        stage_v = M[I[O_STAGE_V] + i * count : I[O_STAGE_V] + (i + 1) * count]
+        stage_v = view(M, I[O_STAGE_V] + i * count, count)
         for n in range(count):
             base_q[n] += weight * stage_v[n]
     error, where = increment_norm(I, M, base_q)
@@ -276,20 +236,21 @@ def accept_trial(I, M, dt, scheme):
     """The trial becomes the state; the tension's rate is that of a parabola through the step."""
     count = 2 * I[I_DIMENSION] * I[I_NODES]
     c = STAGE_C[scheme, STAGES[scheme] - 2]
+    remember(I, M)
     w0 = (1.0 - c) / (c * dt)
     wc = -1.0 / (c * (1.0 - c) * dt)
     w1 = (2.0 - c) / ((1.0 - c) * dt)
+    tension = view(M, I[O_TENSION], 2 * I[I_NODES])
+    inner = view(M, I[O_STAGE_T], 2 * I[I_NODES])
+    final = view(M, I[O_TRIAL_T], 2 * I[I_NODES])
+    rate = view(M, I[O_TENSION_RATE], 2 * I[I_NODES])
     for n in range(2 * I[I_NODES]):
-        M[I[O_TENSION_RATE] + n] = (
-            w0 * M[I[O_TENSION] + n] + wc * M[I[O_STAGE_T] + n] + w1 * M[I[O_TRIAL_T] + n]
-        )
+        rate[n] = w0 * tension[n] + wc * inner[n] + w1 * final[n]
     M[S_LAST_STEP] = dt
-    for n in range(count):
-        M[I[O_POSITION] + n] = M[I[O_TRIAL_Q] + n]
-        M[I[O_VELOCITY] + n] = M[I[O_TRIAL_V] + n]
-        M[I[O_ACCELERATION] + n] = M[I[O_TRIAL_A] + n]
-    for n in range(2 * I[I_NODES]):
-        M[I[O_TENSION] + n] = M[I[O_TRIAL_T] + n]
+    copy_words(I, I[O_POSITION], I[O_TRIAL_Q], count)
+    copy_words(I, I[O_VELOCITY], I[O_TRIAL_V], count)
+    copy_words(I, I[O_ACCELERATION], I[O_TRIAL_A], count)
+    copy_words(I, I[O_TENSION], I[O_TRIAL_T], 2 * I[I_NODES])
 
 
 @kernel
@@ -309,14 +270,14 @@ def project_velocity(I, M, gamma_dt):
     share = stiffness / (stiffness + AXIAL_RESOLVED)
     if share < 0.1:
         return
-    q = M[I[O_POSITION] : I[O_POSITION] + count]
-    v = M[I[O_VELOCITY] : I[O_VELOCITY] + count]
-    a = M[I[O_ACCELERATION] : I[O_ACCELERATION] + count]
-    tension = M[I[O_TENSION] : I[O_TENSION] + 2 * nodes]
-    rate = M[I[O_TENSION_RATE] : I[O_TENSION_RATE] + 2 * nodes]
-    forces = M[I[O_RESIDUAL] : I[O_RESIDUAL] + count]
-    constraint = M[I[O_CONSTRAINT_RESIDUAL] : I[O_CONSTRAINT_RESIDUAL] + 2 * nodes]
-    x = M[I[O_INCREMENT] : I[O_INCREMENT] + count]
+    q = view(M, I[O_POSITION], count)
+    v = view(M, I[O_VELOCITY], count)
+    a = view(M, I[O_ACCELERATION], count)
+    tension = view(M, I[O_TENSION], 2 * nodes)
+    rate = view(M, I[O_TENSION_RATE], 2 * nodes)
+    forces = view(M, I[O_RESIDUAL], count)
+    constraint = view(M, I[O_CONSTRAINT_RESIDUAL], 2 * nodes)
+    x = view(M, I[O_INCREMENT], count)
     set_time(I, M, M[S_TIME])
     if refactor(I, M, q, v, a, tension, gamma_dt) != 0:
         return
@@ -327,6 +288,7 @@ def project_velocity(I, M, gamma_dt):
     newton_increment(I, M, forces, constraint, x)
     for n in range(count):
         v[n] += x[n]
+    I[I_HISTORY] = 0
 
 
 @kernel
@@ -340,16 +302,16 @@ def make_consistent(I, M):
     """
     count = 2 * I[I_DIMENSION] * I[I_NODES]
     nodes = I[I_NODES]
-    q = M[I[O_POSITION] : I[O_POSITION] + count]
-    v = M[I[O_VELOCITY] : I[O_VELOCITY] + count]
-    a = M[I[O_ACCELERATION] : I[O_ACCELERATION] + count]
-    tension = M[I[O_TENSION] : I[O_TENSION] + 2 * nodes]
+    q = view(M, I[O_POSITION], count)
+    v = view(M, I[O_VELOCITY], count)
+    a = view(M, I[O_ACCELERATION], count)
+    tension = view(M, I[O_TENSION], 2 * nodes)
     if M[S_LAST_STEP] == 0.0:
         return
-    rate = M[I[O_TENSION_RATE] : I[O_TENSION_RATE] + 2 * nodes]
-    forces = M[I[O_RESIDUAL] : I[O_RESIDUAL] + count]
-    constraint = M[I[O_CONSTRAINT_RESIDUAL] : I[O_CONSTRAINT_RESIDUAL] + 2 * nodes]
-    x = M[I[O_INCREMENT] : I[O_INCREMENT] + count]
+    rate = view(M, I[O_TENSION_RATE], 2 * nodes)
+    forces = view(M, I[O_RESIDUAL], count)
+    constraint = view(M, I[O_CONSTRAINT_RESIDUAL], 2 * nodes)
+    x = view(M, I[O_INCREMENT], count)
     set_time(I, M, M[S_TIME])
     if refactor(I, M, q, v, a, tension, GAMMA[0] * M[S_LAST_STEP]) == 0:
         for _iteration in range(3):
@@ -369,6 +331,7 @@ def make_consistent(I, M):
                 v[n] += x[n]
             recover_tension(I, M, constraint, x, rate)
     I[I_FACTORED] = 0
+    I[I_HISTORY] = 0
     M[S_LAST_STEP] = 0.0
 
 
@@ -386,9 +349,11 @@ def update_bending(I, M):
             if stiffness > BENDING_ON * pull:
                 M[e + E_BENDING] = stiffness
                 I[I_FACTORED] = 0
+                I[I_HISTORY] = 0
         elif stiffness < BENDING_OFF * pull:
             M[e + E_BENDING] = 0.0
             I[I_FACTORED] = 0
+            I[I_HISTORY] = 0
 
 
 @kernel
@@ -452,7 +417,11 @@ def advance_to(I, M, t_end):
         elif unprojected:
             project_velocity(I, M, GAMMA[scheme] * dt)
         unprojected = False
-        status, error = try_step(I, M, dt, scheme, to_output)
+        status = OK
+        error = 0.0
+        two_steps = to_output and dt <= 0.25 * natural and try_two_step(I, M, dt)
+        if not two_steps:
+            status, error = try_step(I, M, dt, scheme, to_output)
         if status != OK or not error <= 1.0:
             I[I_REJECTED] += 1
             I[I_GROWTH_BARRED] = 1
@@ -468,7 +437,10 @@ def advance_to(I, M, t_end):
                 break
             status = OK
         else:
-            accept_trial(I, M, dt, scheme)
+            if two_steps:
+                accept_two_step(I, M, dt)
+            else:
+                accept_trial(I, M, dt, scheme)
             if I[I_PAYOUT] != 0:
                 paid = paid_since(M, dt)
                 M[S_PAID] += paid

@@ -151,8 +151,28 @@ def _cache() -> Path:
     return cache_folder() / f"ahead-{tool}"
 
 
+def _make_no_machine_code() -> None:
+    """Keep numba from making machine code, in a process that wants the IR alone.
+
+    Nothing that is compiled here can be called afterwards.
+    """
+    from numba.core import codegen
+
+    library: Any = codegen.JITCodeLibrary
+    library._finalize_specific = lambda self: None
+    library.get_pointer_to_function = _no_function
+    generator: Any = codegen.JITCPUCodegen
+    generator.set_env = lambda self, name, environment: None
+
+
+def _no_function(library: Any, name: str) -> int:
+    library._ensure_finalized()
+    return 0
+
+
 def main(folder: Path) -> None:
     """Compile here and now; run in a process with the environment PORTABLE."""
+    _make_no_machine_code()
     from cablemodel.kernels.entry import ENTRY_POINTS
 
     assembly, arguments = native_module(ENTRY_POINTS)

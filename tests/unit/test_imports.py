@@ -33,7 +33,10 @@ LAYERS = (
     ("cablemodel.scene",),
     ("cablemodel.block",),
     ("cablemodel.mesh",),
-    ("cablemodel.instance",),
+    (
+        "cablemodel.sea_floor",
+        "cablemodel.instance",
+    ),
     ("cablemodel.direct", "cablemodel.finite_element", "cablemodel.solver"),
     ("cablemodel.model",),
     ("cablemodel.variables",),

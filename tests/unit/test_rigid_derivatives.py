@@ -59,9 +59,9 @@ def test_matrix_is_the_derivative(planar, at_end):
     nodes, size = int(ints[at.I_NODES]), 2 * int(ints[at.I_DIMENSION])
     assert model.planar == (planar is None)
     # A softer clamp and tie, so that differences see everything at once.
-    model._block.array(at.O_EDGE, nodes, at.EDGE_WORDS)[:, at.E_BENDING_FULL] *= 1e-6
+    model._solver.memory.array(at.O_EDGE, nodes, at.EDGE_WORDS)[:, at.E_BENDING_FULL] *= 1e-6
     random = np.random.default_rng(4)
-    q = model._block.array(at.O_POSITION, nodes * size).copy()
+    q = model._solver.memory.array(at.O_POSITION, nodes * size).copy()
     q += 0.1 * random.standard_normal(len(q))
     v, a = random.standard_normal((2, len(q)))
     tension = 20.0 + random.standard_normal(2 * nodes)
@@ -74,10 +74,10 @@ def test_matrix_is_the_derivative(planar, at_end):
         return out
 
     for place in (at.O_DIAGONAL, at.O_UPPER, at.O_LOWER):
-        model._block.array(place, nodes, size, size)[:] = 0.0
+        model._solver.memory.array(place, nodes, size, size)[:] = 0.0
     matrix(ints, reals, q, v, a, tension, ca, cv)
     blocks = [
-        model._block.array(place, nodes, size, size)
+        model._solver.memory.array(place, nodes, size, size)
         for place in (at.O_DIAGONAL, at.O_UPPER, at.O_LOWER)
     ]
     expected = np.zeros((len(q), len(q)))
@@ -93,7 +93,7 @@ def test_matrix_is_the_derivative(planar, at_end):
         [(residual(step * e) - residual(-step * e)) / (2.0 * step) for e in np.eye(len(q))]
     ).T
     # The multiplier is condensed out: its stiffness along the axis is no part of the forces.
-    (body,) = model._block.array(at.O_BODY, 1, at.BODY_WORDS)
+    (body,) = model._solver.memory.array(at.O_BODY, 1, at.BODY_WORDS)
     node, dimension = int(body[at.B_NODE]), size // 2
     axis = q[size * node :][:dimension] - q[size * (node - 1) :][:dimension]
     pull = np.zeros(len(q))

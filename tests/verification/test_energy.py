@@ -231,8 +231,9 @@ def test_numerical_damping_of_an_undamped_swing_falls_with_the_order_of_the_sche
         model.step_to(10.0 * PERIOD)
         losses.append((start - stored(model)) / (0.5 * GRAVITY))
         record_property(f"damping at {tolerance:g}", losses[-1])
-    assert (np.array(losses) > 0.0).all(), losses
-    assert losses[0] / losses[2] > 10.0**1.5
+    # Rounding in the 350,000 steps at 1e-8 leaves a few 1e-13 of either sign.
+    assert (np.array(losses) > -1e-12).all(), losses
+    assert losses[0] / max(losses[2], 1e-12) > 10.0**1.5
 
 
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-5])

@@ -52,7 +52,7 @@ class CableProperties:
 class EndBody:
     """A point body at the far end: submerged weight [N], drag area times coefficient [m2].
 
-    Its axis is the cable's tangent there; drag across and along it is each quadratic by itself.
+    Its axis is the cable's tangent there; drag goes with the whole speed, across and along it.
     """
 
     weight: float
@@ -70,9 +70,8 @@ class EndBody:
             tangent = force / np.linalg.norm(force)
             along = water @ tangent
             across = water - along * tangent
-            drag = self.drag_normal * np.linalg.norm(across) * across
-            drag = drag + self.drag_axial * abs(along) * along * tangent
-            drag = 0.5 * self.water_density * drag
+            drag = self.drag_normal * across + self.drag_axial * along * tangent
+            drag = 0.5 * self.water_density * np.linalg.norm(water) * drag
             return force + drag - np.array([0.0, 0.0, self.weight])
 
         found = root(balance, np.array([0.0, 0.0, self.weight]), tol=1e-14)

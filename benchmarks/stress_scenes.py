@@ -1,0 +1,372 @@
+"""Stress scenes of the finite elements: snaps, slack, reel-in, impacts, long lays, directions.
+
+Each scene says what must hold and measures it; a row of the table is its outcome. A scene that
+raises has failed, whatever the error. ``python -m benchmarks.stress_scenes`` writes
+``docs/stress_scenes.md``; ``tests/stress`` runs the quick ones.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+CABLE_K: dict[str, float] = {
+    "diameter": 0.01666, "mass": 0.4613, "submerged_weight": 2.33333, "axial_stiffness": 1e6,
+    "bending_stiffness": 0.1, "drag_normal": 1.0, "drag_tangential": 0.1586, "added_mass": 1.0,
+}  # fmt: skip
+ARMOURED: dict[str, float] = {
+    "diameter": 0.03, "mass": 2.26, "submerged_weight": 15.0, "axial_stiffness": 3e7,
+    "bending_stiffness": 300.0, "drag_normal": 1.2, "drag_tangential": 0.01, "added_mass": 1.0,
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came out of a scene: measured numbers in words, and whether what must hold does."""
+
+    scene: str
+    holds: bool
+    measured: str
+    simulated: float
+    cpu: float
+
+
+@dataclass(frozen=True)
+class StressScene:
+    """A scene: its name, what must hold, a function that runs it, whether it is quick."""
+
+    name: str
+    must_hold: str
+    run: Callable[[], tuple[bool, str, float]]
+    quick: bool = True
+
+
+def scene(line: list[dict[str, Any]], kind: dict[str, float] | None = None, **parts: Any) -> Any:
+    """A scene of cable K (or another one) with the given parts."""
+    import cablemodel as cm
+
+    parts.setdefault("solver", {"tolerance": 1e-3})
+    return cm.load_scene({"cable_types": {"K": kind or CABLE_K}, "line": line, **parts})
+
+
+def cable(length: float, model: str = "elastica") -> dict[str, Any]:
+    """An item of a line."""
+    return {"cable": {"type": "K", "length": length, "model": model}}
+
+
+def sudden_stop() -> tuple[bool, str, float]:
+    """Towing at 3 m/s, the vessel stops within a millisecond: a front, slack, recovery."""
+    import cablemodel as cm
+
+    line = cable(30.0)
+    line["cable"]["elements"] = 64  # a front of a millisecond is 1.5 m long
+    model = cm.CableModel(scene([line], vessel={"velocity": velocity_rows((3.0, 0, 0))}))
+    before, tangent = model.top_tension, model.sample([0.0]).tangent[0]
+    model.step(1e-3, vessel_velocity=(0.0, 0.0, 0.0))
+    front = -3.0 * abs(tangent[0]) * math.sqrt(1e6 * 0.4613)
+    # The velocity falls over the step: what the top feels then is the whole front.
+    drop = model.top_tension - before
+    for _ in range(240):
+        model.step(0.5, vessel_velocity=(0.0, 0.0, 0.0))
+    hanging = abs(model.tip_position[2] - model.vessel_position[2] + 30.0)
+    holds = abs(drop / front - 1.0) < 0.05 and hanging < 0.5
+    measured = f"front {drop:.0f} N of {front:.0f} N, tip {hanging:.3f} m above rest after 120 s"
+    return holds, measured, model.time
+
+
+def velocity_rows(velocity: tuple[float, float, float]) -> list[dict[str, Any]]:
+    """A velocity table that holds one value."""
+    return [{"t": 0, "velocity": list(velocity)}]
+
+
+def heave_snap() -> tuple[bool, str, float]:
+    """1135 kg on 300 m of rope, heaved 2 m in 6 s: slack and snap every cycle, none grows."""
+    import cablemodel as cm
+
+    rope = {**CABLE_K, "diameter": 0.02, "mass": 0.3, "submerged_weight": 1.0,
+            "axial_stiffness": 2e6, "bending_stiffness": 1.0}  # fmt: skip
+    body = {"mass": 1135, "submerged_weight": 2500, "added_mass": 500, "added_mass_axial": 500,
+            "drag_area": 1.0, "drag_coefficient": 1.2, "drag_area_axial": 1.0,
+            "drag_coefficient_axial": 1.2}  # fmt: skip
+    omega, times = 2.0 * math.pi / 6.0, np.arange(0.0, 120.01, 0.1)
+    heave = 2.0 * omega * np.sin(omega * times) * np.minimum(times / 12.0, 1.0)
+    rows = [
+        {"t": float(t), "velocity": [0, 0, float(v)]} for t, v in zip(times, heave, strict=True)
+    ]
+    model = cm.CableModel(
+        scene(
+            [cable(300.0), {"body": body}],
+            rope,
+            vessel={"velocity": rows, "interpolation": "cubic"},
+        )
+    )
+    peaks, lowest = [], math.inf
+    for cycle in range(20):
+        tensions = []
+        for k in range(60):
+            model.step_to(6.0 * cycle + 0.1 * (k + 1))
+            tensions.append(model.top_tension)
+        peaks.append(max(tensions))
+        lowest = min(lowest, *tensions)
+    late = peaks[10:]
+    holds = max(late) < 1.5 * float(np.median(late))
+    measured = f"peaks {min(late):.0f} to {max(late):.0f} N over ten cycles, lowest {lowest:.0f} N"
+    return holds, measured, model.time
+
+
+def reel_in() -> tuple[bool, str, float]:
+    """100 m reeled in to 2 m: lengths exact, the tension that of what hangs."""
+    import cablemodel as cm
+
+    model = cm.CableModel(
+        scene([cable(100.0)], payout={"rate": [{"t": 0, "rate": 0}, {"t": 5, "rate": -0.5}]})
+    )
+    total = model.line_length + model.drum_length
+    worst = 0.0
+    while model.line_length > 2.0 + 1e-9:
+        model.step(min(1.0, (model.line_length - 2.0) / 0.5 + 1e-9))
+        worst = max(worst, abs(model.line_length + model.drum_length - total))
+        if model.time > 300.0:
+            break
+    model.step(30.0, payout_rate=0.0)
+    model.step(60.0, payout_rate=0.0)
+    weight = model.line_length * CABLE_K["submerged_weight"]
+    holds = worst < 1e-9 and abs(model.top_tension / weight - 1.0) < 0.01
+    measured = (
+        f"{model.line_length:.3f} m left, lengths to {worst:.0e} m, tension {model.top_tension:.3f}"
+        f" N of {weight:.3f} N"
+    )
+    return holds, measured, model.time
+
+
+def strike() -> tuple[bool, str, float]:
+    """A body of 50 N is lowered onto the floor at 0.7 m/s, strikes it and lies there."""
+    import cablemodel as cm
+
+    body = {"mass": 20, "submerged_weight": 50, "added_mass": 5, "added_mass_axial": 5,
+            "drag_area": 0.05, "drag_coefficient": 1.0, "drag_area_axial": 0.05,
+            "drag_coefficient_axial": 1.0}  # fmt: skip
+    model = cm.CableModel(
+        scene(
+            [cable(20.0), {"body": body}],
+            environment={"floor": {"z": -25, "friction": 0.5}},
+            payout={
+                "rate": [
+                    {"t": 0, "rate": 0},
+                    {"t": 1, "rate": 0.7},
+                    {"t": 7.5, "rate": 0.7},
+                    {"t": 8, "rate": 0},
+                ],
+                "drum": [cable(20.0)],
+            },
+        )
+    )
+    deepest, highest = 0.0, 0.0
+    for _ in range(600):
+        model.step(0.05)
+        deepest = min(deepest, model.bodies[0].position[2] + 25.0)
+        highest = max(highest, model.tension_max)
+    hanging = model.line_length - model.floor_length
+    carried = model.floor_force[2] + model.top_force[2] * -1.0
+    weight = 50.0 + model.line_length * CABLE_K["submerged_weight"]
+    holds = deepest > -0.05 and abs(carried / weight - 1.0) < 0.01
+    measured = (
+        f"deepest {-deepest * 1e3:.1f} mm, floor and vessel carry {carried:.2f} N of {weight:.2f} "
+        f"N, {hanging:.2f} m hang, highest tension {highest:.0f} N"
+    )
+    return holds, measured, model.time
+
+
+def long_lay(laid: float) -> tuple[bool, str, float]:
+    """A lay in 3,000 m of water until `laid` metres lie: the lay law's tension, work linear."""
+    import cablemodel as cm
+
+    speed = 1.0
+    model = cm.CableModel(
+        scene(
+            [cable(5000.0, "hybrid")],
+            ARMOURED,
+            environment={"floor": {"z": -3000, "friction": 0.4}},
+            vessel={"velocity": velocity_rows((speed, 0, 0))},
+            payout={"rate": [{"t": 0, "rate": speed}], "drum": [cable(laid, "hybrid")]},
+        )
+    )
+    law = lay_law(speed, speed, 3000.0)
+    tensions = []
+    while model.time < laid / speed - 1000.0:
+        model.step(20.0)
+        tensions.append(model.top_tension)
+    late = np.array(tensions[len(tensions) // 2 :])
+    worst = float(np.max(np.abs(late / law - 1.0)))
+    steps = model.statistics["steps"]
+    return (
+        worst < 0.01,
+        f"top tension within {100 * worst:.2f} % of the lay law's {law:.0f} N, "
+        f"{model.floor_length:.0f} m lie, {model.statistics['elements']} elements, {steps} steps",
+        model.time,
+    )
+
+
+def lay_law(speed: float, payout: float, depth: float) -> float:
+    """Top tension of a steady lay without bottom tension (Zajac 1957) [N]."""
+    kind = ARMOURED
+    normal = 0.5 * 1025.0 * kind["drag_normal"] * kind["diameter"] * speed**2
+    ratio = normal / kind["submerged_weight"]
+    cosine = 2.0 * ratio / (1.0 + math.sqrt(1.0 + 4.0 * ratio**2))
+    slip = payout - speed * cosine
+    drag = 0.5 * 1025.0 * kind["drag_tangential"] * math.pi * kind["diameter"] * slip * abs(slip)
+    return depth * (kind["submerged_weight"] - drag / math.sqrt(1.0 - cosine**2))
+
+
+def mirror() -> tuple[bool, str, float]:
+    """Reversal and a turn of 3 m radius to port and to starboard: mirror images to 1e-10."""
+    import cablemodel as cm
+
+    runs = []
+    for sign in (1, -1):
+        path = [
+            {"straight": {"duration": 5, "speed": 1.0}},
+            {"turn": {"angle": f"{180 * sign} deg", "radius": 3, "speed": 1.0}},
+            {"straight": {"duration": 60, "speed": 1.0}},
+        ]
+        model = cm.CableModel(scene([cable(30.0)], vessel={"path": path}))
+        places = []
+        for k in range(60):
+            model.step_to(1.0 * (k + 1))
+            places.append(model.sample(np.linspace(0.0, 30.0, 7)).position)
+        runs.append(np.array(places) * np.array([1.0, sign, 1.0]))
+    apart = float(np.abs(runs[0] - runs[1]).max()) / 30.0
+    return apart < 1e-10, f"{apart:.1e} L apart", 60.0
+
+
+def directions() -> tuple[bool, str, float]:
+    """A slack cable released along every axis and askew: no direction is special."""
+    import cablemodel as cm
+
+    ends = []
+    for angle in np.linspace(0.0, 2.0 * math.pi, 9)[:-1]:
+        c, s = math.cos(angle), math.sin(angle)
+        model = cm.CableModel(scene([cable(10.0)], initial={"straight": [c, s, 0.0]}), planar=False)
+        model.step_to(10.0)
+        x, y, z = model.tip_position
+        ends.append((c * x + s * y, -s * x + c * y, z))
+    spread = float(np.ptp(np.array(ends), axis=0).max()) / 10.0
+    for way in ((0.0, 0.0, -1.0), (0.0, 0.0, 1.0), (1.0, 0.0, 1.0)):
+        model = cm.CableModel(scene([cable(10.0)], initial={"straight": list(way)}), planar=False)
+        model.step_to(20.0)
+    return (
+        spread < 1e-9,
+        f"eight directions {spread:.1e} L apart; up, down and askew complete",
+        30.0,
+    )
+
+
+def pay_out_to_floor(
+    friction: float = 0.0, tolerance: float = 1e-3, ramp: float = 1.0, depth: float = 1.0
+) -> tuple[float, float]:
+    """Scene S3: mean top tension over 94 to 98 s [N] and CPU seconds per simulated second."""
+    import cablemodel as cm
+    from cablemodel.kernels import layout as at
+
+    body = {"mass": 6, "submerged_weight": 20, "added_mass": 2, "added_mass_axial": 2,
+            "drag_area": 0.03, "drag_coefficient": 0.6, "drag_area_axial": 0.03,
+            "drag_coefficient_axial": 0.6}  # fmt: skip
+    model = cm.CableModel(
+        scene(
+            [cable(10.0), {"body": body}, cable(50.0)],
+            environment={"floor": {"z": -70, "friction": friction}},
+            vessel={"velocity": [*velocity_rows((0, 0, 0)), {"t": 20, "velocity": [0.65, 0, 0]}]},
+            payout={
+                "rate": [{"t": 0, "rate": 0}, {"t": 20, "rate": 0}, {"t": 20 + ramp, "rate": 0.7}],
+                "drum": [cable(80.0)],
+            },
+            solver={"tolerance": tolerance},
+        )
+    )
+    model._reals[at.S_FLOOR_DEPTH] *= depth
+    start = time.process_time()
+    tensions = []
+    for k in range(196):
+        model.step_to(0.5 * (k + 1))
+        if model.time >= 94.0:
+            tensions.append(model.top_tension)
+    return float(np.mean(tensions)), (time.process_time() - start) / model.time
+
+
+def floor_variants() -> tuple[bool, str, float]:
+    """S3 with friction 0 to 1, floor stiffness and tolerance over two decades, a stepped rate."""
+    base, _ = pay_out_to_floor()
+    found = {
+        "friction 0.3": pay_out_to_floor(friction=0.3)[0],
+        "friction 1": pay_out_to_floor(friction=1.0)[0],
+        "ten times softer": pay_out_to_floor(depth=10.0)[0],
+        "ten times stiffer": pay_out_to_floor(depth=0.1)[0],
+        "tau 1e-2": pay_out_to_floor(tolerance=1e-2)[0],
+        "tau 1e-4": pay_out_to_floor(tolerance=1e-4)[0],
+        "rate in a step": pay_out_to_floor(ramp=1e-3)[0],
+    }
+    worst = max(abs(value - 134.98) / 134.98 for value in found.values())
+    text = ", ".join(f"{name} {value:.2f}" for name, value in found.items())
+    return worst < 0.02, f"mean tension at 96 s (134.98 N): {base:.2f}; {text}", 8 * 98.0
+
+
+SCENES = (
+    StressScene("sudden stop", "front -V cos a sqrt(EA m) within 5 %, recovers", sudden_stop),
+    StressScene("heave snap", "peaks do not grow", heave_snap),
+    StressScene("reel-in", "lengths to 1e-9 m, hangs at rest afterwards", reel_in),
+    StressScene("body strikes the floor", "at most 5 cm deep, forces balance", strike),
+    StressScene("mirror", "1e-10 L", mirror),
+    StressScene("directions", "1e-9 L, all complete", directions),
+    StressScene("floor variants of S3", "within 2 % of the rigid floor", floor_variants, False),
+    StressScene("lay of 10 km", "lay law within 1 %", lambda: long_lay(10e3), False),
+    StressScene("lay of 50 km", "lay law within 1 %", lambda: long_lay(50e3), False),
+)
+
+
+def run(stress: StressScene) -> Outcome:
+    """One scene; never raises for a failing one."""
+    import cablemodel as cm
+
+    start = time.process_time()
+    try:
+        holds, measured, simulated = stress.run()
+    except (cm.CableModelError, ArithmeticError) as error:
+        holds, measured, simulated = False, f"{type(error).__name__}: {error}"[:200], math.nan
+    return Outcome(stress.name, holds, measured, simulated, time.process_time() - start)
+
+
+def main() -> None:
+    """Run all and write the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--only", help="a part of a scene's name")
+    arguments = parser.parse_args()
+    lines = [
+        "# Stress scenes\n",
+        "Written by `make stress` (`python -m benchmarks.stress_scenes`); CPU seconds of one core, "
+        "static start and compiling included.\n",
+        "| scene | must hold | outcome | measured | simulated [s] | CPU [s] |",
+        "|---|---|---|---|---|---|",
+    ]
+    for stress in SCENES:
+        if arguments.only and arguments.only not in stress.name:
+            continue
+        outcome = run(stress)
+        word = "holds" if outcome.holds else "**fails**"
+        lines.append(
+            f"| {stress.name} | {stress.must_hold} | {word} | {outcome.measured} | "
+            f"{outcome.simulated:.0f} | {outcome.cpu:.2f} |"
+        )
+        print(lines[-1], flush=True)
+    if not arguments.only:
+        Path("docs/stress_scenes.md").write_text("\n".join(lines) + "\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,67 @@
+"""What the time integrators share of Newton's method: the size of an increment, the matrix."""
+
+import math
+
+from .compile import inlined, kernel, outlined, view
+from .layout import (
+    E_LENGTH,
+    EDGE_WORDS,
+    I_DIMENSION,
+    I_FACTORED,
+    I_FACTORISATIONS,
+    I_FRESH,
+    I_NODES,
+    O_EDGE,
+    S_FACTORED_STEP,
+)
+from .system import factorise
+
+SLOPE_WEIGHT = 0.3  # weight of h |d| in norms, against |r|
+
+
+@inlined
+def _largest_square(I, M, x, dimension):
+    """Square of the norm, and the node where it is reached."""
+    largest = 0.0
+    where = 0
+    edge = view(M, I[O_EDGE] + EDGE_WORDS + E_LENGTH, 1)
+    for node in range(I[I_NODES]):
+        h = edge[max(node - 1, 0) * EDGE_WORDS]
+        at = view(x, 2 * dimension * node, 2 * dimension)
+        motion = 0.0
+        slope = 0.0
+        for i in range(dimension):
+            motion += at[i] * at[i]
+            slope += at[dimension + i] * at[dimension + i]
+        square = max(motion, (SLOPE_WEIGHT * h) ** 2 * slope)
+        if not square <= largest:
+            largest = square
+            where = node
+        if square != square:
+            break
+    return largest, where
+
+
+@kernel
+def increment_norm(I, M, x):
+    """max(|dr|, 0.3 h |dd|) over the nodes [m], and the node where it is reached.
+
+    Lengths of vectors, not of components: a run does not depend on the direction of the axes.
+    """
+    if I[I_DIMENSION] == 2:
+        square, where = _largest_square(I, M, x, 2)
+    else:
+        square, where = _largest_square(I, M, x, 3)
+    return math.sqrt(square), where
+
+
+@outlined
+def refactor(I, M, q, v, a, tension, gamma_dt):
+    """Factor the Newton matrix of a stage at the given iterate; 0 on success."""
+    inverse = 1.0 / gamma_dt
+    failed = factorise(I, M, q, v, a, tension, inverse * inverse, inverse)
+    I[I_FACTORISATIONS] += 1
+    I[I_FRESH] = 1
+    I[I_FACTORED] = 1 if failed == 0 else 0
+    M[S_FACTORED_STEP] = gamma_dt
+    return failed
