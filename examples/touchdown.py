@@ -1,6 +1,6 @@
 """Figures 15 to 17 of Sun and Leonard (1998) for scenes/touchdown.yaml.
 
-    python examples/touchdown.py touchdown.png
+python examples/touchdown.py touchdown.png
 """
 
 import sys
