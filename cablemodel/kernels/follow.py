@@ -143,7 +143,11 @@ def wanted_length(I, M, node, gaps, behind, jumps):
     shortest = LAYER * layer
     # By the place of the cable, and by the angle that an element turns: what it misses of its
     # length when it lands strains the laid cable.
-    finest = max(shortest, min(TURN * radius, math.sqrt(2.0 * accuracy * radius)))
+    finest = math.sqrt(2.0 * accuracy * radius)
+    bends = M[edge + E_BENDING_FULL] > 0.0
+    if bends:
+        finest = min(finest, TURN * radius)
+    finest = max(shortest, finest)
     if gaps[node] >= depth:
         wanted = finest + AHEAD * (gaps[node] - depth)
         near = gaps[node] < 4.0 * finest
@@ -153,7 +157,9 @@ def wanted_length(I, M, node, gaps, behind, jumps):
     if near:
         bend = max(jumps[node], jumps[node - 1])
         if bend > 0.0:
-            allowed = min(math.sqrt(BENT * accuracy / bend), KINK / bend)
+            allowed = math.sqrt(BENT * accuracy / bend)
+            if bends:
+                allowed = min(allowed, KINK / bend)
             wanted = max(shortest, min(wanted, allowed))
     return wanted
 

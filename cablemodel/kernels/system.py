@@ -47,6 +47,12 @@ from .layout import (
 )
 from .payout import material_top, set_top_length
 from .rigid import condense_rigid, rigid_jacobian, rigid_residual, stretch_rate_rigid
+from .triangular_solver import (
+    factor_planar_lu,
+    factor_spatial_lu,
+    solve_planar_lu,
+    solve_spatial_lu,
+)
 
 
 @outlined
@@ -193,6 +199,10 @@ def factorise(I, M, q, v, a, tension, ca, cv):
     keep_matrix(I)
     jacobian(I, M, q, v, a, tension, ca, cv)
     constrain_matrix(I, M)
+    if I[I_RIGID] > 0:
+        if I[I_DIMENSION] == 2:
+            return factor_planar_lu(I, M)
+        return factor_spatial_lu(I, M)
     if I[I_DIMENSION] == 2:
         return factor_planar(I, M)
     return factor_spatial(I, M)
@@ -214,7 +224,12 @@ def newton_increment(I, M, forces, constraint, x):
     for n in range(count):
         x[n] = -forces[n]
     constrain_vector(I, M, x)
-    if I[I_DIMENSION] == 2:
+    if I[I_RIGID] > 0:
+        if I[I_DIMENSION] == 2:
+            solve_planar_lu(I, M, x)
+        else:
+            solve_spatial_lu(I, M, x)
+    elif I[I_DIMENSION] == 2:
         solve_planar(I, M, x)
     else:
         solve_spatial(I, M, x)

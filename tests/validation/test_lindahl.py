@@ -97,8 +97,8 @@ def test_static_tension(tolerance):
 
 REFINES = pytest.mark.xfail(
     strict=True,
-    reason="the mesh of a slack chain that lands refines to its limit, and its tension explodes: at "
-    "1e-3 with less bending stiffness than 1e-2, at 1e-4 with any up to 0.1 N m2",
+    reason="the mesh of a slack chain that lands refines to its limit, and its tension explodes: "
+    "at 1e-3 with less bending stiffness than 1e-2, at 1e-4 with any up to 0.1 N m2",
 )
 
 

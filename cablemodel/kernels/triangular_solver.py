@@ -1,0 +1,147 @@
+"""Block elimination by triangular solves, for lines with bodies of finite length.
+
+The same elimination as block_solver.py, which keeps inverses of the nodes' blocks. Next to a rigid
+body those blocks hold stiffnesses ten million times apart, and an inverse loses the soft ones: a
+depressor towed at 3 m/s found no equilibrium. Storage after `factor`: diagonal holds the LU factors
+of the node's Schur complement, lower is replaced by Z = D^-1 lower.
+"""
+
+from typing import Any
+
+from .compile import kernel
+from .layout import I_NODES, JOINT_HINGE, O_DIAGONAL, O_JOINT, O_LOWER, O_PARENT, O_UPPER
+
+
+def make_triangular_solver(size: int) -> tuple[Any, Any]:
+    """factor(I, M) -> status and solve(I, M, x) for nodes of `size` unknowns (4 or 6)."""
+    half = size // 2
+    area = size * size
+
+    @kernel
+    def factor(I, M):
+        nodes = I[I_NODES]
+        for node in range(nodes - 1, -1, -1):
+            at = I[O_DIAGONAL] + area * node
+            D = M[at : at + area]
+            hinge = I[I[O_JOINT] + node] == JOINT_HINGE
+            first = half if hinge else 0
+            for k in range(first, size):
+                pivot = D[size * k + k]
+                if pivot == 0.0 or pivot != pivot:
+                    return node + 1
+                inverse = 1.0 / pivot
+                D[size * k + k] = inverse
+                for i in range(k + 1, size):
+                    factor_ik = D[size * i + k] * inverse
+                    D[size * i + k] = factor_ik
+                    for j in range(k + 1, size):
+                        D[size * i + j] -= factor_ik * D[size * k + j]
+            if node == 0:
+                break
+            parent = I[I[O_PARENT] + node]
+            above = I[O_DIAGONAL] + area * parent
+            A = M[above : above + area]
+            Z = M[I[O_LOWER] + area * node : I[O_LOWER] + area * node + area]
+            U = M[I[O_UPPER] + area * node : I[O_UPPER] + area * node + area]
+            if hinge:
+                # Z = dd^-1 dr; the parent's r takes over rr - rd Z.
+                for i in range(half):
+                    for j in range(half):
+                        value = D[size * (half + i) + j]
+                        for k in range(i):
+                            value -= D[size * (half + i) + half + k] * Z[size * k + j]
+                        Z[size * i + j] = value
+                for i in range(half - 1, -1, -1):
+                    for j in range(half):
+                        value = Z[size * i + j]
+                        for k in range(i + 1, half):
+                            value -= D[size * (half + i) + half + k] * Z[size * k + j]
+                        Z[size * i + j] = value * D[size * (half + i) + half + i]
+                for i in range(half):
+                    for j in range(half):
+                        value = D[size * i + j]
+                        for k in range(half):
+                            value -= D[size * i + half + k] * Z[size * k + j]
+                        A[size * i + j] += value
+            else:
+                for i in range(size):
+                    for k in range(i):
+                        f = D[size * i + k]
+                        for j in range(size):
+                            Z[size * i + j] -= f * Z[size * k + j]
+                for i in range(size - 1, -1, -1):
+                    for k in range(i + 1, size):
+                        f = D[size * i + k]
+                        for j in range(size):
+                            Z[size * i + j] -= f * Z[size * k + j]
+                    f = D[size * i + i]
+                    for j in range(size):
+                        Z[size * i + j] *= f
+                for i in range(size):
+                    for k in range(size):
+                        f = U[size * i + k]
+                        for j in range(size):
+                            A[size * i + j] -= f * Z[size * k + j]
+        return 0
+
+    @kernel
+    def solve(I, M, x):
+        nodes = I[I_NODES]
+        for node in range(nodes - 1, -1, -1):
+            at = I[O_DIAGONAL] + area * node
+            D = M[at : at + area]
+            y = x[size * node : size * node + size]
+            hinge = I[I[O_JOINT] + node] == JOINT_HINGE
+            first = half if hinge else 0
+            for i in range(first, size):
+                value = y[i]
+                for k in range(first, i):
+                    value -= D[size * i + k] * y[k]
+                y[i] = value
+            for i in range(size - 1, first - 1, -1):
+                value = y[i]
+                for k in range(i + 1, size):
+                    value -= D[size * i + k] * y[k]
+                y[i] = value * D[size * i + i]
+            if node == 0:
+                break
+            parent = I[I[O_PARENT] + node]
+            b = x[size * parent : size * parent + size]
+            if hinge:
+                for i in range(half):
+                    value = y[i]
+                    for k in range(half, size):
+                        value -= D[size * i + k] * y[k]
+                    b[i] += value
+            else:
+                U = M[I[O_UPPER] + area * node : I[O_UPPER] + area * node + area]
+                for i in range(size):
+                    value = b[i]
+                    for k in range(size):
+                        value -= U[size * i + k] * y[k]
+                    b[i] = value
+        for node in range(1, nodes):
+            parent = I[I[O_PARENT] + node]
+            y = x[size * node : size * node + size]
+            p = x[size * parent : size * parent + size]
+            Z = M[I[O_LOWER] + area * node : I[O_LOWER] + area * node + area]
+            if I[I[O_JOINT] + node] == JOINT_HINGE:
+                for i in range(half):
+                    y[i] = p[i]
+                for i in range(half):
+                    value = y[half + i]
+                    for k in range(half):
+                        value -= Z[size * i + k] * p[k]
+                    y[half + i] = value
+            else:
+                for i in range(size):
+                    value = y[i]
+                    for k in range(size):
+                        value -= Z[size * i + k] * p[k]
+                    y[i] = value
+
+    return factor, solve
+
+
+factor_planar_lu, solve_planar_lu = make_triangular_solver(4)
+factor_spatial_lu, solve_spatial_lu = make_triangular_solver(6)
