@@ -113,7 +113,7 @@ class _Film:
         self._seconds, self._hours = time_scale(run.states.time)
         stations = self._view.shape.shape[1]
         self._tension = run.states.resampled(stations).tension / self._newtons
-        across, label = self._view.horizontal()
+        across, label = self._view.horizontal(self._view.shape)
         height = self._view.shape[..., 2]
         spatial = self._view.along is None
 

@@ -51,6 +51,11 @@ _STATIONS = 101
 """Points of a shape at least."""
 _OUT_OF_PLANE = 1e-6
 """Part of the line's length by which a shape may leave a plane and still count as plane."""
+_TRAVEL = 1.0
+"""Part of the line's length by which the tow point may travel before shapes are drawn from it."""
+_BETWEEN = 24
+"""Instants at which the shape is drawn thinly."""
+_FLOOR = "#8c6d46"
 _WIDEST = 4.0
 """Largest ratio of sides at which a view is drawn to scale."""
 
@@ -95,17 +100,30 @@ def draw(run: Run, *, times: int = TIMES) -> Figure:
         raise CableModelError("the run has no states: there is nothing to draw")
     view = View.of(run)
     chosen = _instants(view.shape, times)
+    between = _instants(view.shape, _BETWEEN)
     colours = _colours(len(chosen))
     spatial = view.along is None
+    marks = _marks(run, chosen)
 
     figure = Figure(figsize=(7.2, 6.4 if spatial else 4.4), layout="constrained")
     grid = figure.add_gridspec(2, 2, width_ratios=(1.25, 1.0))
     side = figure.add_subplot(grid[0, 0] if spatial else grid[:, 0])
     panels = [side]
-    _draw_side(side, view, chosen, colours)
+    _draw_floor(side, run, view)
+    across, label = view.horizontal(view.shape)
+    _draw_shapes(side, across, view.shape[..., 2], chosen, between, colours)
+    _draw_marks(side, view, marks, chosen, colours)
+    side.set_xlabel(label)
+    side.set_ylabel("z from the tow point [m]" if view.relative else "z [m]")
+    scale_axes(side)
     if spatial:
         plan = figure.add_subplot(grid[1, 0])
-        _draw_plan(plan, view, chosen, colours)
+        _draw_shapes(plan, view.shape[..., 0], view.shape[..., 1], chosen, between, colours)
+        _draw_marks(plan, view, marks, chosen, colours, plan=True)
+        after = " from the tow point" if view.relative else ""
+        plan.set_xlabel(f"x{after} [m]")
+        plan.set_ylabel(f"y{after} [m]")
+        scale_axes(plan)
         panels.append(plan)
     top, along = figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1])
     _draw_top_tension(top, run, chosen, colours)
@@ -123,6 +141,8 @@ class View:
     shape: Floats
     relative: bool
     """Whether they are drawn relative to the tow point, because it travels far."""
+    origin: Floats
+    """What the shapes are drawn from (nt, 3) [m]: the tow point, or zero."""
     along: Floats | None
     """Horizontal unit vector (2,) of the vertical plane that they stay in; None if in none."""
 
@@ -133,8 +153,9 @@ class View:
         top = shape[:, :1]
         length = float(np.max(run.states.s[:, -1] - run.states.s[:, 0]))
         travel = float(np.max(np.linalg.norm(top - top[:1], axis=-1)))
-        relative = travel > 0.5 * length
-        shape = shape - top if relative else shape
+        relative = travel > _TRAVEL * length
+        origin = top[:, 0] if relative else np.zeros((len(shape), 3))
+        shape = shape - origin[:, None]
         across = shape[..., :2] - shape[:1, :1, :2]
         directions = np.linalg.svd(across.reshape(-1, 2), full_matrices=False)[2]
         off = float(np.max(np.abs(across @ directions[1])))
@@ -143,17 +164,17 @@ class View:
             # The axis nearest to the plane's own direction keeps its sign, so that x is x.
             leading = directions[0][np.argmax(np.abs(directions[0]))]
             along = directions[0] * math.copysign(1.0, leading)
-        return cls(shape, relative, along)
+        return cls(shape, relative, origin, along)
 
-    def horizontal(self) -> tuple[Floats, str]:
-        """Abscissa of the side view, and its label."""
+    def horizontal(self, points: Floats) -> tuple[Floats, str]:
+        """Abscissa of points (..., 3) [m] in the side view, and its label."""
         after = " from the tow point" if self.relative else ""
         if self.along is None or abs(self.along[0]) > 1.0 - 1e-9:
-            return self.shape[..., 0], f"x{after} [m]"
+            return points[..., 0], f"x{after} [m]"
         if abs(self.along[1]) > 1.0 - 1e-9:
-            return self.shape[..., 1], f"y{after} [m]"
+            return points[..., 1], f"y{after} [m]"
         heading = math.degrees(math.atan2(self.along[1], self.along[0]))
-        return self.shape[..., :2] @ self.along, f"distance along {heading:.0f}° from x{after} [m]"
+        return points[..., :2] @ self.along, f"distance along {heading:.0f}° from x{after} [m]"
 
 
 def _instants(shape: Floats, count: int) -> list[int]:
@@ -174,24 +195,70 @@ def _colours(count: int) -> list[Any]:
     return [viridis(value) for value in np.linspace(0.0, 0.88, max(count, 1))]
 
 
-def _draw_side(axes: Axes, view: View, chosen: list[int], colours: list[Any]) -> None:
-    across, label = view.horizontal()
-    for index, colour in zip(chosen, colours, strict=True):
-        axes.plot(across[index], view.shape[index, :, 2], color=colour)
-    axes.plot(across[chosen, 0], view.shape[chosen, 0, 2], "o", color="0.15", markersize=4)
-    axes.set_xlabel(label)
-    axes.set_ylabel("z from the tow point [m]" if view.relative else "z [m]")
-    scale_axes(axes)
+def _marks(run: Run, chosen: list[int]) -> list[Floats]:
+    """Places of the bodies and the touchdown (n, 3) [m] at some times."""
+    names = [name for name in ("bodies.position", "touchdown_position") if name in run.names]
+    marks = []
+    for time in run.states.time[chosen]:
+        index = int(np.argmin(np.abs(run.time - time)))
+        places = [run[name][index].reshape(-1, 3) for name in names]
+        found = np.concatenate([np.empty((0, 3)), *places])
+        marks.append(found[np.isfinite(found[:, 0])])
+    return marks
 
 
-def _draw_plan(axes: Axes, view: View, chosen: list[int], colours: list[Any]) -> None:
+def _draw_marks(
+    axes: Axes,
+    view: View,
+    marks: list[Floats],
+    chosen: list[int],
+    colours: list[Any],
+    *,
+    plan: bool = False,
+) -> None:
+    for index, places, colour in zip(chosen, marks, colours, strict=True):
+        seen = places - view.origin[index]
+        x = seen[:, 0] if plan else view.horizontal(seen)[0]
+        axes.plot(x, seen[:, 1 if plan else 2], "o", color=colour, markersize=3)
+
+
+def _draw_shapes(
+    axes: Axes,
+    x: Floats,
+    y: Floats,
+    chosen: list[int],
+    between: list[int],
+    colours: list[Any],
+) -> None:
+    """Coloured shapes at the chosen times, thin grey ones between, and where the tow point was."""
+    from matplotlib.collections import LineCollection
+
+    thin = [np.column_stack([x[index], y[index]]) for index in between if index not in chosen]
+    axes.add_collection(LineCollection(thin, colors="0.75", linewidths=0.5, zorder=1.5))
     for index, colour in zip(chosen, colours, strict=True):
-        axes.plot(view.shape[index, :, 0], view.shape[index, :, 1], color=colour)
-    axes.plot(view.shape[chosen, 0, 0], view.shape[chosen, 0, 1], "o", color="0.15", markersize=4)
-    after = " from the tow point" if view.relative else ""
-    axes.set_xlabel(f"x{after} [m]")
-    axes.set_ylabel(f"y{after} [m]")
-    scale_axes(axes)
+        axes.plot(x[index], y[index], color=colour)
+    axes.plot(x[chosen, 0], y[chosen, 0], "o", color="0.15", markersize=4)
+
+
+def _draw_floor(axes: Axes, run: Run, view: View) -> None:
+    """The sea floor where its section with the picture is one line."""
+    floor = run.scene.environment.floor
+    if floor is None:
+        return
+    if floor.z is not None and not any(floor.slope):
+        heights = floor.z - view.origin[:, 2]
+        if np.ptp(heights) <= _OUT_OF_PLANE * abs(float(heights[0])):
+            axes.axhline(float(heights[0]), color=_FLOOR, linewidth=1.0, zorder=1.2)
+        return
+    if view.relative or view.along is None:
+        return
+    points = view.shape[..., :2].reshape(-1, 2)
+    along = points @ view.along
+    section = np.linspace(along.min(), along.max(), _STATIONS)
+    places = points[0] + np.outer(section - along[0], view.along)
+    height = [floor.height(float(x), float(y)) for x, y in places]
+    shown = view.horizontal(np.column_stack([places, height]))[0]
+    axes.plot(shown, height, color=_FLOOR, linewidth=1.0, zorder=1.2)
 
 
 def scale_axes(axes: Axes) -> None:

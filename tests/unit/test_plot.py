@@ -43,7 +43,12 @@ def swing(
         matrices.append(rows)
     tension = 100.0 + time
     return SimpleNamespace(
-        states=States(time, matrices), time=time, top_tension=tension, tension_max=tension
+        states=States(time, matrices),
+        time=time,
+        top_tension=tension,
+        tension_max=tension,
+        names=(),
+        scene=SimpleNamespace(environment=SimpleNamespace(floor=None)),
     )
 
 
@@ -88,6 +93,23 @@ def test_a_plane_is_seen_from_the_side_wherever_it_stands(plane: float, label: s
     side = draw(swing(plane=np.radians(plane))).axes[0]
     assert side.get_xlabel() == label
     assert lines(side)[-1].get_xdata()[-1] == pytest.approx(30 * np.sin(1.0))
+
+
+def test_the_sea_floor_bodies_and_touchdown_are_drawn() -> None:
+    run = swing()
+    run.scene.environment.floor = SimpleNamespace(z=-28.0, slope=(0.0, 0.0))
+    run.names = ("bodies.position", "touchdown_position")
+    places = {
+        "bodies.position": np.full((41, 2, 3), np.nan),
+        "touchdown_position": np.full((41, 3), np.nan),
+    }
+    places["bodies.position"][-1, 1] = [1.0, 0.0, -2.0]
+    places["touchdown_position"][-1] = [3.0, 0.0, -28.0]
+    with_columns = type("Fake", (SimpleNamespace,), {"__getitem__": lambda _, name: places[name]})
+    side = draw(with_columns(**vars(run))).axes[0]
+    assert any(np.allclose(line.get_ydata(), -28.0) for line in lines(side))
+    marks = [line.get_xydata() for line in side.get_lines() if line.get_markersize() == 3]
+    assert np.concatenate(marks).tolist() == [[1.0, -2.0], [3.0, -28.0]]
 
 
 def test_a_cable_that_travels_far_is_drawn_from_the_tow_point() -> None:

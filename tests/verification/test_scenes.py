@@ -1,0 +1,145 @@
+"""The scenes that come with the project: their numbers, as their comments tell them."""
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+import cablemodel as cm
+
+
+def load(name, model=None, **solver):
+    data = cm.load_scene(f"scenes/{name}.yaml").to_dict()
+    data["solver"].update(solver)
+    if model is not None:
+        for item in [*data["line"], *data["payout"]["drum"]]:
+            if item.get("cable"):
+                item["cable"]["model"] = model
+    return cm.load_scene(data)
+
+
+def steps(scene):
+    """A model of the scene after every output interval; cable on the drum and out is constant."""
+    model = cm.CableModel(scene)
+    total = model.line_length + model.drum_length
+    count = round(scene.run.duration / scene.run.output_interval)
+    for step in range(1, count + 1):
+        model.step_to(step * scene.run.output_interval)
+        assert model.line_length + model.drum_length == pytest.approx(total, rel=1e-9)
+        yield model
+
+
+@pytest.fixture(scope="module")
+def fine_deployment():
+    *_, model = steps(load("deployment", "elastica", tolerance=1e-5))
+    return model
+
+
+@pytest.mark.parametrize("kind", ["elastica", "cable", "hybrid"])
+def test_deployment_is_completed_by_all_models(kind, fine_deployment):
+    """Example 1 of the paper: they agree with a fine elastica to the tolerance."""
+    scene = load("deployment", kind)
+    tensions, bodies = {}, []
+    for model in steps(scene):
+        tensions[round(model.time)] = model.top_tension
+        bodies.append(len(model.bodies))
+    assert model.time == pytest.approx(200.0)
+    assert model.line_length == pytest.approx(30.0 + 0.75 * (200.0 - 70.5), rel=1e-9)
+    assert bodies[0] == 3
+    assert bodies[-1] == 3 + 10
+    # What hangs at the start: 30 m of cable and three bodies.
+    assert tensions[1] == pytest.approx(100.0, rel=1e-3)
+    assert tensions[71] < 0.5 * tensions[70]
+    assert model.top_tension == pytest.approx(277.4, rel=1e-2)
+    assert len({body.position[2] for body in model.bodies}) == 13
+    assert model.bodies[-1].position == pytest.approx(model.tip_position, abs=0.5)
+    tolerance = 1e-3 * model.line_length
+    assert np.abs(model.tip_position - fine_deployment.tip_position).max() < tolerance
+    assert model.tip_position == pytest.approx([25.55, 19.02, -104.01], abs=tolerance)
+
+
+def test_touchdown_has_the_papers_reaction_and_zero_tension():
+    """Example 3 of the paper at 96 s: 8 N, and no tension 1.6 m above the touchdown."""
+    landed = None
+    reactions = []
+    for model in steps(load("touchdown")):
+        if landed is None and model.floor_force[2] > 0.0:
+            landed = model.time
+        if 90.0 <= model.time <= 100.0:
+            reactions.append(model.touchdown_reaction)
+        if model.time == 96.0:
+            assert model.top_tension == pytest.approx(355.4, rel=5e-3)
+            assert model.floor_force[2] == pytest.approx(188.3, rel=1e-2)
+            above = height_of_zero_tension(model)
+    assert landed == pytest.approx(29.5, abs=0.5)
+    assert np.mean(reactions) == pytest.approx(7.8, abs=0.4)
+    assert above == pytest.approx(1.8, abs=0.25)
+    assert model.bodies[0].position[2] == pytest.approx(-69.4, abs=0.1)
+    assert model.line_length == pytest.approx(65.0 + 0.7 * (125.0 - 20.5), rel=1e-9)
+
+
+def height_of_zero_tension(model):
+    """Arc length between the touchdown and the first place without tension above it [m]."""
+    cable = model.sample(np.linspace(0.0, model.line_length, 20001))
+    touchdown = cable.s[np.argmax(cable.position[:, 0] <= model.touchdown_position[0])]
+    return touchdown - cable.s[np.argmax(cable.tension < 0.0)]
+
+
+def test_cable_lay_follows_the_lay_law():
+    """Top tension by Zajac's law at T0 = 0; later the tension at the touchdown adds to it."""
+    scene = load("cable_lay")
+    law = lay_tension(scene.cable_types["armoured"], speed=1.0, payout=1.0, depth=3000.0)
+    assert law == pytest.approx(44790.0, abs=1.0)
+    tensions, laid = {}, {}
+    for model in steps(scene):
+        tensions[model.time] = model.top_tension
+        laid[model.time] = model.touchdown_position[0] - model.vessel_position[0]
+        if model.time in (1000.0, 2000.0, 3000.0, 5000.0):
+            cable = model.sample(np.linspace(0.0, model.line_length, 8001))
+            # 10 m above the floor, out of the reach of bending.
+            above = np.argmax(cable.position[:, 2] < -2990.0)
+            bottom = cable.tension[above] - law * 10.0 / 3000.0
+            # Weight against drag gives the same however the cable hangs.
+            assert model.top_tension - bottom == pytest.approx(law, rel=3e-3)
+    steady = [value for time, value in tensions.items() if time <= 1200.0]
+    assert steady == pytest.approx([law] * len(steady), rel=2.5e-3)
+    assert max(tensions.values()) == pytest.approx(46.7e3, rel=5e-3)
+    assert max(tensions, key=tensions.get) == pytest.approx(2410.0, abs=60.0)
+    assert tensions[5000.0] == pytest.approx(44.93e3, rel=2.5e-3)
+    assert laid[1000.0] == pytest.approx(-2732.0, abs=10.0)
+    assert laid[2400.0] == pytest.approx(-2828.0, abs=15.0)
+    # What lies on the floor is what went out, less what hangs.
+    assert model.floor_length == pytest.approx(10051.8 - 4060.0, abs=10.0)
+    assert np.abs(model.tip_position[0] + 3732.8) < 0.1  # friction holds the end
+
+
+def lay_tension(kind, speed, payout, depth, density=1025.0):
+    drag = 0.5 * density * kind.diameter
+
+    def balance(angle):
+        across = drag * kind.drag_normal * (speed * np.sin(angle)) ** 2
+        return kind.submerged_weight * np.cos(angle) - across
+
+    angle = brentq(balance, 0.01, 1.57)
+    along = drag * np.pi * kind.drag_tangential * (payout - speed * np.cos(angle)) ** 2
+    return (kind.submerged_weight - along / np.sin(angle)) * depth
+
+
+def test_recovery_brings_the_lander_to_the_vessel():
+    """Tension: what hangs, at rest; the lander is lifted, and the winch stops below the vessel."""
+    scene = load("recovery")
+    heights, tensions, floor = {}, {}, {}
+    for model in steps(scene):
+        heights[model.time] = model.bodies[0].position[2]
+        tensions[model.time] = model.top_tension
+        floor[model.time] = model.floor_length
+    assert heights[100.0] == pytest.approx(-100.0, abs=0.1)
+    lifted = min(time for time, height in heights.items() if height > -99.5)
+    assert lifted == pytest.approx(126.0, abs=6.0)
+    free = min(time for time, length in floor.items() if time > lifted and length == 0.0)
+    assert free == pytest.approx(203.0, abs=6.0)
+    # Hanging straight: 3.9 N a metre and the lander's 250 N; drag at 0.5 m/s adds 3 %.
+    slope = (tensions[240.0] - tensions[300.0]) / 30.0
+    assert slope == pytest.approx(3.9, rel=0.05)
+    assert model.winch == "shortest length"
+    assert model.top_tension == pytest.approx(3.9 * model.line_length + 250.0, rel=2e-3)
+    assert -4.0 < heights[scene.run.duration] < -2.0
