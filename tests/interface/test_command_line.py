@@ -106,7 +106,7 @@ def test_a_wrong_until_is_bad_input(until: str) -> None:
         (["run", str(SCENE), "--set", "line.0.cable.lenght=5"], ["lenght"]),
         (["run", str(SCENE), "--set", "nonsense"], ["path=value"]),
         (["run", str(SCENE), "--log", "no/such/folder/run.mcap"], ["cannot write the log"]),
-        (["check", str(SCENE), "--set", "environment.floor={z: -70}"], ["floor"]),
+        (["check", str(SCENE), "--set", "environment.waves={regular: {height: 2, period: 8}}"], ["waves"]),
         (["check", "missing.yaml"], ["missing.yaml"]),
         (["info", "missing.mcap"], ["missing.mcap"]),
         (["info", str(SCENE)], ["no MCAP file"]),
