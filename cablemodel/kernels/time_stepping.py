@@ -396,6 +396,11 @@ def advance_to(I, M, t_end):
     taken = 0
     unprojected = False
     while M[S_TIME] < t_end:
+        if I[I_FLOOR] != 0 and follow_floor(I, M):
+            # Before a step, so that what is read after it is a state that a step has made.
+            if M[S_LAST_STEP] == 0.0:
+                M[S_LAST_STEP] = M[S_STEP]
+            make_consistent(I, M)
         natural = M[S_STEP]
         stop = next_stop(I, M, t_end, natural)
         if I[I_PAYOUT] != 0:
@@ -459,9 +464,6 @@ def advance_to(I, M, t_end):
                     make_consistent(I, M)
             if I[I_FLOOR] != 0:
                 settle(I, M)
-                if follow_floor(I, M):
-                    M[S_LAST_STEP] = max(M[S_LAST_STEP], dt)
-                    make_consistent(I, M)
             if I[I_HYBRID] == 1:
                 update_bending(I, M)
             if I[I_RIGID] > 0:

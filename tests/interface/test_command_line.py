@@ -16,6 +16,7 @@ from cablemodel.cli import app
 
 ROOT = Path(__file__).parents[2]
 SCENE = ROOT / "scenes" / "towed_cable.yaml"
+WAVES = "environment.waves={regular: {height: 2, period: 8}}"
 SUMMARY = [
     "time", "top_tension", "tip_position", "min_tension", "max_curvature",
     "wall_time", "steps", "rejected", "factorisations", "elements",
@@ -106,7 +107,7 @@ def test_a_wrong_until_is_bad_input(until: str) -> None:
         (["run", str(SCENE), "--set", "line.0.cable.lenght=5"], ["lenght"]),
         (["run", str(SCENE), "--set", "nonsense"], ["path=value"]),
         (["run", str(SCENE), "--log", "no/such/folder/run.mcap"], ["cannot write the log"]),
-        (["check", str(SCENE), "--set", "environment.waves={regular: {height: 2, period: 8}}"], ["waves"]),
+        (["check", str(SCENE), "--set", WAVES], ["waves"]),
         (["check", "missing.yaml"], ["missing.yaml"]),
         (["info", "missing.mcap"], ["missing.mcap"]),
         (["info", str(SCENE)], ["no MCAP file"]),
