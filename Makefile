@@ -83,6 +83,7 @@ bench-quick: $(READY_BENCH)  ## measure a few scenes only
 stress: $(READY_DEV)  ## run the stress scenes (long)
 	$(BIN)/python -m pytest tests/stress -m "slow or not slow"
 	$(BIN)/python -m benchmarks.robustness
+	$(BIN)/python -m benchmarks.stress_scenes
 
 golden: $(READY_DEV)  ## make the golden logs of tests/replay anew, where results have changed
 	$(BIN)/python tests/replay/make_golden.py

@@ -122,7 +122,7 @@ def heave_snap() -> tuple[bool, str, float]:
 
 
 def reel_in() -> tuple[bool, str, float]:
-    """100 m reeled in to 2 m: lengths exact, the tension that of what hangs."""
+    """100 m reeled in to the shortest length, 1 m: lengths exact, the tension of what hangs."""
     import cablemodel as cm
 
     model = cm.CableModel(
