@@ -260,6 +260,7 @@ def check(scene: Scene, points: FloatArray) -> None:
     if floor.z is None:
         _check_cover(scene, floor, points)
     _check_above(floor, "vessel.position", points[0], margin)
+    _check_afloat(scene, floor)
     if scene.end.kind == "anchor":
         _check_above(floor, "end.anchor", np.asarray(scene.end.position, dtype=float), margin)
     if scene.initial.kind != "static":
@@ -276,6 +277,21 @@ def _check_above(floor: Floor, path: str, point: FloatArray, margin: float) -> N
             "it lies below the sea floor",
             f"z of at least {height:g} m there",
         )
+
+
+def _check_afloat(scene: Scene, floor: Floor) -> None:
+    """The vessel's own schedule must not take the tow point below the floor during the run."""
+    motion = scene.motion()
+    for time in np.linspace(0.0, scene.run.duration, 201):
+        place = motion.evaluate(float(time))[0]
+        depth = floor.height(float(place[0]), float(place[1])) - place[2]
+        if depth > 1e-3 * scene.line_length:
+            raise SceneError.at(
+                "vessel",
+                [round(float(value), 6) for value in place],
+                f"the tow point is {depth:g} m below the sea floor at t = {time:g} s",
+                "a motion above the floor, or a shorter run.duration",
+            )
 
 
 def _check_cover(scene: Scene, floor: Floor, points: FloatArray) -> None:

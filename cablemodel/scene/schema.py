@@ -19,6 +19,10 @@ from cablemodel.scene.units import Quantity, rejection, several
 from cablemodel.scene.vessel import Payout, Vessel
 
 _SAME_PLACE = 1e-3
+_LEAST_STRETCH = 0.05  # of a line to an anchor that is always accepted
+_BREAKING_STRESS = (
+    0.5e9  # Pa over the full section: what stretches by more is rope, and breaks here
+)
 """Of the line's length: a start that misses the tow point or anchor by more is a mistake."""
 
 _SHORTEST_BODY = 1e-6
@@ -131,6 +135,7 @@ class Scene(SceneModel):
         problems = [
             *self._line_problems(),
             *self._start_problems(),
+            *self._reach_problems(),
             *self._floor_problems(),
         ]
         if problems:
@@ -195,6 +200,26 @@ class Scene(SceneModel):
             if math.dist(far, anchor) > reach:
                 problem = f"a straight line would end {math.dist(far, anchor):g} m from the anchor"
                 yield SceneProblem("initial.straight", along, problem, "a line that ends there")
+
+    def _reach_problems(self) -> Iterator[SceneProblem]:
+        """An anchor so far away that the line would break: a slip in a coordinate or a length."""
+        anchor = self.end.anchor
+        if anchor is None:
+            return
+        reach = 2.0 * math.fsum(body.half_length for body in self.bodies)
+        for cable in self.cables:
+            kind = self.cable_types.get(cable.type)
+            if kind is None:  # reported as an unknown type
+                return
+            strongest = _BREAKING_STRESS * math.pi / 4 * kind.diameter**2
+            powers = enumerate(kind.strain_coefficients, start=1)
+            stretch = math.fsum(c * strongest**power for power, c in powers)
+            reach += cable.length * (1.0 + max(_LEAST_STRETCH, stretch))
+        distance = math.dist(self.vessel.position, anchor)
+        if distance > reach:
+            problem = f"{distance:g} m from the vessel, out of reach of {self._span:g} m of line"
+            allowed = f"at most {reach:g} m away: the line stretched as far as any cable bears"
+            yield SceneProblem("end.anchor", anchor, problem, allowed)
 
     def _floor_problems(self) -> Iterator[SceneProblem]:
         floor = self.environment.floor
