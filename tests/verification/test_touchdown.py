@@ -35,7 +35,7 @@ def cable(length):
     return {"cable": {"type": "K", "length": length, "model": "elastica"}}
 
 
-# S3: pay-out until the cable lands, and folds on a slippery floor ----------------------------------
+# S3: pay-out until the cable lands, and folds on a slippery floor ---------------------------------
 
 TENSION = {60.0: 117.21, 96.0: 134.98, 120.0: 138.83}
 ON_THE_FLOOR = {60.0: 28.0, 96.0: 71.2, 120.0: 103.7}
@@ -107,7 +107,7 @@ def test_time_of_touchdown(tolerance):
     assert model.touchdown_position[2] == pytest.approx(-70.0, abs=tolerance * 73.0)
 
 
-# A steady lay ---------------------------------------------------------------------------------------
+# A steady lay ------------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
@@ -157,7 +157,7 @@ def test_largest_curvature_of_a_lay_within_a_per_cent(laying):
     assert laying[:, 2].mean() == pytest.approx(0.67798, rel=1e-2)
 
 
-# Stick and slip -------------------------------------------------------------------------------------
+# Stick and slip ----------------------------------------------------------------------------------
 
 
 def on_a_slope(friction, direction, slope=0.2, **settings):
@@ -231,7 +231,7 @@ def test_dragging_a_cable_over_the_floor(density, slope, planar):
     assert -model.top_force @ way == pytest.approx(20.0 * pull, rel=10 * 1e-4)
 
 
-# Energy ---------------------------------------------------------------------------------------------
+# Energy ------------------------------------------------------------------------------------------
 
 
 def stored(energy):
