@@ -19,11 +19,13 @@ from cablemodel.scene.units import Quantity, rejection, several
 from cablemodel.scene.vessel import Payout, Vessel
 
 _SAME_PLACE = 1e-3
-_LEAST_STRETCH = 0.05  # of a line to an anchor that is always accepted
-_BREAKING_STRESS = (
-    0.5e9  # Pa over the full section: what stretches by more is rope, and breaks here
-)
 """Of the line's length: a start that misses the tow point or anchor by more is a mistake."""
+
+_LEAST_STRETCH = 0.05
+"""Stretch of a line to its anchor that is always accepted."""
+
+_BREAKING_STRESS = 0.5e9
+"""Over the full section [Pa]: what stretches by more than 5 % is fibre rope, and breaks here."""
 
 _SHORTEST_BODY = 1e-6
 """Of the line's length: a body's direction follows from the places of its two ends."""
