@@ -123,17 +123,44 @@ def _laid_to(
     if all(p[2] > floor.height(float(p[0]), float(p[1])) for p in hanging[1:-1]):
         return hanging
     across = float(np.hypot(*(start - end)[:2]))
-    rise = float(start[2] - end[2])
-    # sqrt(x^2 + rise^2) + (across - x) = length, with x the part of the way that hangs.
-    slack = length - across
-    hang = 0.0 if slack <= 0.0 else min(across, max(0.0, (rise**2 - slack**2) / (2.0 * slack)))
     way = (end - start)[:2] / max(across, 1e-12)
+    arc = _catenary(length - across, float(start[2] - end[2]), radius)
+    hang = arc[0, 0] if len(arc) else 0.0
+    if hang > across:
+        return hanging
     steps = np.linspace(hang, across, 65)
     laid = np.empty((len(steps), 3))
     laid[:, :2] = start[:2] + np.outer(steps, way)
     laid[:, 2] = [floor.height(float(a), float(b)) for a, b in laid[:, :2]]
     laid[-1] = end
-    return _rounded(start, laid, radius)
+    if not len(arc):
+        return _rounded(start, laid, radius)
+    hung = np.empty((len(arc) - 1, 3))
+    hung[:, :2] = laid[0, :2] - np.outer(arc[:-1, 0], way)
+    hung[:, 2] = start[2] + (arc[:-1, 1] - arc[0, 1]) * (start[2] - laid[0, 2]) / arc[0, 1]
+    return np.vstack([hung, laid])
+
+
+def _catenary(slack: float, rise: float, smallest: float) -> FloatArray:
+    """A catenary that leaves a level floor, from its top down to the touchdown, (n, 2) [m].
+
+    slack: its length less its span; rise: its height; smallest: least radius at its foot [m].
+    Columns: distance from the touchdown, height. Empty where the slack is all of the rise.
+    """
+    from scipy.optimize import brentq
+
+    def excess(log_radius: float) -> float:
+        radius = math.exp(log_radius)
+        span = radius * math.acosh(1.0 + rise / radius)
+        return math.sqrt(rise * (rise + 2.0 * radius)) - span - slack
+
+    low, high = math.log(1e-3 * rise), math.log(1e6 * rise)
+    if excess(low) <= 0.0 or excess(high) >= 0.0:
+        return np.empty((0, 2))
+    radius = max(smallest, math.exp(brentq(excess, low, high, xtol=1e-12)))
+    arcs = math.sqrt(rise * (rise + 2.0 * radius)) * np.linspace(1.0, 0.0, 65) ** 2
+    turned = arcs / radius
+    return np.stack([radius * np.arcsinh(turned), radius * (np.hypot(1.0, turned) - 1.0)], axis=-1)
 
 
 def _rounded(start: FloatArray, laid: FloatArray, radius: float) -> FloatArray:
