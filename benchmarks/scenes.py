@@ -193,39 +193,50 @@ def _tow() -> BenchmarkScene:
     )
 
 
-def _release_in_water() -> BenchmarkScene:
-    cable = Cable(length=10.0)
-    title = "S2w: horizontal cable released in water, zero tension everywhere at the start"
+def _release(
+    name: str,
+    title: str,
+    cable: Cable,
+    water_density: float,
+    times: tuple[float, ...],
+    target: Target,
+) -> BenchmarkScene:
+    """A straight, unstretched cable along x, at rest and pinned at one end, is let go."""
     vessel = {"position": [0.0, 0.0, 0.0], "velocity": [{"t": 0.0, "velocity": [0.0, 0.0, 0.0]}]}
+    straight = {"straight": [1.0, 0.0, 0.0]}
     return BenchmarkScene(
-        name="S2w",
+        name=name,
         title=title,
         cable=cable,
-        water_density=1025.0,
-        scene=_scene_dict(title, cable, 1025.0, {"straight": [1.0, 0.0, 0.0]}, vessel, 10.0),
-        times=(1.0, 2.0, 4.0, 6.0, 10.0),
+        water_density=water_density,
+        scene=_scene_dict(title, cable, water_density, straight, vessel, times[-1]),
+        times=times,
         motion=_at_rest,
         start_velocity=(0.0, 0.0, 0.0),
         start="straight",
-        target=Target(tip_error=1e-4, tension_error=None, cost=1e-4, ratio=500.0),
+        target=target,
+    )
+
+
+def _release_in_water() -> BenchmarkScene:
+    return _release(
+        "S2w",
+        "S2w: horizontal cable released in water, zero tension everywhere at the start",
+        Cable(length=10.0),
+        1025.0,
+        (1.0, 2.0, 4.0, 6.0, 10.0),
+        Target(tip_error=1e-4, tension_error=None, cost=1e-4, ratio=500.0),
     )
 
 
 def _release_in_air() -> BenchmarkScene:
-    cable = Cable(length=10.0, submerged_weight=0.4613 * GRAVITY)
-    title = "S2a: horizontal cable released in air, a whip; compared up to 1.25 s"
-    vessel = {"position": [0.0, 0.0, 0.0], "velocity": [{"t": 0.0, "velocity": [0.0, 0.0, 0.0]}]}
-    return BenchmarkScene(
-        name="S2a",
-        title=title,
-        cable=cable,
-        water_density=1.2,
-        scene=_scene_dict(title, cable, 1.2, {"straight": [1.0, 0.0, 0.0]}, vessel, 1.25),
-        times=(0.25, 0.5, 0.75, 1.0, 1.25),
-        motion=_at_rest,
-        start_velocity=(0.0, 0.0, 0.0),
-        start="straight",
-        target=Target(tip_error=5e-4, tension_error=None, cost=2e-3, ratio=30.0),
+    return _release(
+        "S2a",
+        "S2a: horizontal cable released in air, a whip; compared up to 1.25 s",
+        Cable(length=10.0, submerged_weight=0.4613 * GRAVITY),
+        1.2,
+        (0.25, 0.5, 0.75, 1.0, 1.25),
+        Target(tip_error=5e-4, tension_error=None, cost=2e-3, ratio=30.0),
     )
 
 
