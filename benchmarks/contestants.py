@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from benchmarks.measure import Contestant, Runner
 from benchmarks.scenes import BenchmarkScene
 
-TOLERANCES = (1e-2, 3e-3, 1e-3, 5e-4, 3e-4, 1e-4, 1e-5)
+TOLERANCES = (1e-2, 3e-3, 1e-3, 5e-4, 3e-4, 1e-4, 1e-5, 1e-6)
 MODELS = ("hybrid", "elastica", "cable")
 OURS = "cablemodel"
 
@@ -21,20 +21,23 @@ OURS = "cablemodel"
 class CableModelRunner:
     """One cablemodel instance, stepped from one reference time to the next."""
 
-    def __init__(self, scene: dict[str, Any]) -> None:
+    def __init__(self, scene: dict[str, Any], probe: float | None = None) -> None:
         import cablemodel as cm
 
         self._model: Any = cm.CableModel(cm.load_scene(scene))
+        self._probe = probe
 
     def advance(self, time: float) -> None:
         """One step to that time [s], whatever its length."""
         self._model.step(time - self._model.time)
 
     def tip(self) -> NDArray[np.float64]:
-        """Free end relative to the vessel (3,) [m]."""
-        tip: NDArray[np.float64] = np.asarray(self._model.tip_position) - np.asarray(
-            self._model.vessel_position
-        )
+        """Free end, or the probe, relative to the vessel (3,) [m]."""
+        if self._probe is None:
+            place = self._model.tip_position
+        else:
+            place = self._model.sample([self._probe]).position[0]
+        tip: NDArray[np.float64] = np.asarray(place) - np.asarray(self._model.vessel_position)
         return tip
 
     def top_tension(self) -> float:
@@ -62,10 +65,11 @@ def cablemodel_scene(
     """The scene with another tolerance, cable model or number of elements."""
     changed = copy.deepcopy(scene.scene)
     changed["solver"]["tolerance"] = tolerance
-    cable = changed["line"][0]["cable"]
-    cable["model"] = model
-    if elements is not None:
-        cable["elements"] = elements
+    for item in [*changed["line"], *changed.get("payout", {}).get("drum", [])]:
+        if "cable" in item:
+            item["cable"]["model"] = model
+            if elements is not None:
+                item["cable"]["elements"] = elements
     return changed
 
 
@@ -76,7 +80,7 @@ def cablemodel_contestants(
 
     def contestant(model: str, tolerance: float) -> Contestant:
         def make(scene: BenchmarkScene, _times: Sequence[float]) -> Runner:
-            return CableModelRunner(cablemodel_scene(scene, tolerance, model))
+            return CableModelRunner(cablemodel_scene(scene, tolerance, model), scene.probe)
 
         return Contestant(f"{OURS} {model}", f"tau={tolerance:g}", make, "fine", compiles=True)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
 from collections.abc import Sequence
 from pathlib import Path
@@ -40,10 +41,11 @@ def work_precision_figure(
             markersize=4,
         )
     target = scene.target
-    tip_axes.plot([target.cost], [target.tip_error], "k*", markersize=11, label="asked")
-    if target.tension_error is not None:
+    if target is not None and math.isfinite(target.tip_error):
+        tip_axes.plot([target.cost], [target.tip_error], "k*", markersize=11, label="asked")
+    if target is not None and target.tension_error is not None:
         tension_axes.plot([target.cost], [target.tension_error], "k*", markersize=11)
-    tip_axes.set_ylabel("largest tip error / L")
+    tip_axes.set_ylabel("largest error of the position / L")
     tension_axes.set_ylabel("largest error of top tension / largest tension")
     for axes in (tip_axes, tension_axes):
         axes.set_xlabel("CPU seconds per simulated second")
