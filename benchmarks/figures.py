@@ -7,6 +7,7 @@ from collections import defaultdict
 from collections.abc import Sequence
 from pathlib import Path
 
+from benchmarks.compare import front
 from benchmarks.measure import Measurement
 from benchmarks.scenes import BenchmarkScene
 
@@ -28,9 +29,13 @@ def work_precision_figure(
         1, 2, figsize=(11.0, 4.5), sharex=True, layout="constrained"
     )
     for name, points in curves.items():
-        ordered = sorted(points, key=lambda m: m.cost)
+        best = front(points)
+        # Of a peer whose settings were searched, the best at each error.
+        searched = [m for m in points if (m.tip_error, m.cost) in best]
+        ordered = sorted(points if len(points) < 10 else searched, key=lambda m: m.cost)
         costs = [m.cost for m in ordered]
         style = "o-" if name.startswith("cablemodel") else "s--"
+        style = "^:" if name.startswith("direct") else style
         tip_axes.loglog(costs, [m.tip_error for m in ordered], style, label=name, markersize=4)
         with_tension = [m for m in ordered if m.tension_error is not None]
         tension_axes.loglog(
