@@ -1,6 +1,7 @@
 """``python -m benchmarks.random_scenes [--count 1000] [--only SEED[,SEED...]]``.
 
 Verdicts are kept in ``docs/stress/random_scenes.json``; a part of the seeds replaces those kept.
+The section *Random scenes* of ``docs/stress.md`` is written from all that are kept.
 ``--only`` prints the scene and all about its outcome, and keeps nothing.
 """
 
@@ -13,8 +14,11 @@ from pathlib import Path
 
 from benchmarks.random_scenes.draw import COUNT, draw
 from benchmarks.random_scenes.judge import Verdict
+from benchmarks.random_scenes.report import section
 from benchmarks.random_scenes.watch import search, work
+from benchmarks.sections import write_section
 
+PAGE = Path("docs/stress.md")
 STORE = Path("docs/stress/random_scenes.json")
 
 
@@ -34,6 +38,7 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0, help="seed to begin with")
     parser.add_argument("--count", type=int, default=COUNT, help="how many seeds from there on")
     parser.add_argument("--only", help="these seeds, with commas")
+    parser.add_argument("--report", action="store_true", help="only write the page anew")
     parser.add_argument("--worker", help=argparse.SUPPRESS)
     chosen = parser.parse_args()
     if chosen.worker:
@@ -61,7 +66,13 @@ def main() -> None:
         rows = [kept[seed] for seed in sorted(kept)]
         STORE.write_text(json.dumps(rows, indent=1) + "\n")
 
-    search(seeds, keep)
+    if not chosen.report:
+        search(seeds, keep)
+    verdicts = [Verdict(**kept[seed]) for seed in sorted(kept)]
+    write_section(PAGE, "Stress", "Random scenes", section(verdicts, PAGE))
+    bad = [v.seed for v in verdicts if v.outcome in ("wrong", "crashed", "too slow")]
+    if bad:
+        raise SystemExit(f"{len(bad)} of {len(verdicts)} wrong, crashed or too slow; see {PAGE}")
 
 
 if __name__ == "__main__":

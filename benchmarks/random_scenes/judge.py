@@ -25,9 +25,9 @@ import numpy as np
 from benchmarks.random_scenes.draw import Drawn
 from benchmarks.random_scenes.trace import Trace, perturbed, run
 
-RUN_LIMIT = 60.0
+RUN_LIMIT = 30.0
 """CPU seconds that a run may take; more is ``too slow`` [s]."""
-CHECK_LIMIT = 60.0
+CHECK_LIMIT = 20.0
 """The same for each of the two runs at tau/4 [s]."""
 FINER = 0.25
 FAINT = 0.01
