@@ -18,7 +18,7 @@ from cablemodel.mesh import Span, Start, line_nodes
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
-    from cablemodel.scene.line import Body, Cable, CableType
+    from cablemodel.scene.line import Body, Cable
 
 FloatArray = NDArray[np.float64]
 
@@ -206,8 +206,18 @@ def _strain_range(coefficients: tuple[float, ...]) -> tuple[float, float]:
     return 0.0, min(real, default=math.inf)
 
 
-def _tension_scale(scene: Scene, types: list[CableType]) -> float:
-    """A tension [N] that is typical of the line: what the stabilisation is measured by.
+def _tension_scale(scene: Scene) -> float:
+    """A tension [N] that is typical of the line: what the stabilisation is measured by."""
+    scale = 0.0
+    for cable, tension in zip(scene.cables, tension_per_length(scene), strict=True):
+        scale += cable.length * tension
+    for body in scene.bodies:
+        scale += abs(body.submerged_weight)
+    return scale
+
+
+def tension_per_length(scene: Scene) -> list[float]:
+    """What each cable of the line adds to a typical tension, per length [N/m].
 
     Weight of all that hangs, and the drag of the line broadside to the fastest relative flow.
     """
@@ -220,14 +230,11 @@ def _tension_scale(scene: Scene, types: list[CableType]) -> float:
         speed = max(speed, float(np.linalg.norm(motion.evaluate(float(t))[1])))
     if scene.environment.current is not None:
         speed += float(np.max(np.linalg.norm(scene.environment.current.velocity, axis=-1)))
-    scale = 0.0
-    for cable, kind in zip(scene.cables, types, strict=True):
+    found = []
+    for kind in (scene.cable_types[cable.type] for cable in scene.cables):
         weight = max(abs(kind.submerged_weight), 1e-3 * kind.mass * gravity)
-        scale += cable.length * weight
-        scale += cable.length * 0.5 * rho * kind.drag_normal * kind.diameter * speed**2 * 0.1
-    for body in scene.bodies:
-        scale += abs(body.submerged_weight)
-    return scale
+        found.append(weight + 0.5 * rho * kind.drag_normal * kind.diameter * speed**2 * 0.1)
+    return found
 
 
 def _vertical_plane(scene: Scene, directions: list[FloatArray]) -> FloatArray | None:
@@ -260,23 +267,23 @@ def _vertical_plane(scene: Scene, directions: list[FloatArray]) -> FloatArray | 
     return np.array([1.0, 0.0]) if plane is None else plane
 
 
-def build(scene: Scene, *, planar: bool | None = None) -> Block:
+def build(scene: Scene, *, planar: bool | None = None, drum_room: float = 1.0) -> Block:
     """A block at the scene's initial state, t = 0.
 
     ``planar``: False forces three dimensions; None and True choose a vertical plane where the
-    scene lies in one. A static start refines the mesh until its shape is accurate.
+    scene lies in one. ``drum_room``: elements of the drum's cable for which there is room, in units
+    of those that this scene needs. A static start refines the mesh until its shape is accurate.
 
     Raises SceneError (not supported, inconsistent), StaticsError (no equilibrium found).
     """
     refuse_unsupported(scene)
-    types = [scene.cable_types[cable.type] for cable in scene.cables]
-    scale = _tension_scale(scene, types)
+    scale = _tension_scale(scene)
     position = scene.motion().evaluate(0.0)[0]
     points = sea_floor.on_floor(scene, _initial_points(scene, position))
     sea_floor.check(scene, points)
     nodes = line_nodes(_spans(scene, scale), scene.solver.tolerance, _start(scene))
     nodes = sea_floor.refine_guess(scene, nodes, points)
-    block = _build_on(scene, nodes, points, scale, planar)
+    block = _build_on(scene, nodes, points, scale, planar, drum_room)
     if scene.initial.kind != "static":
         return block
     fixed = [cable.elements is not None for cable in scene.cables]
@@ -285,7 +292,7 @@ def build(scene: Scene, *, planar: bool | None = None) -> Block:
         if finer is None:
             break
         nodes = finer
-        block = _build_on(scene, nodes, _shape(block), scale, planar)
+        block = _build_on(scene, nodes, _shape(block), scale, planar, drum_room)
     _refine_touchdown(block, scene)
     return block
 
@@ -393,10 +400,11 @@ def _build_on(
     points: FloatArray,
     scale: float,
     planar: bool | None,
+    drum_room: float,
 ) -> Block:
     """A block on given nodes, from a polyline as the first guess of its shape."""
     line = _mesh(scene, nodes)
-    winch = _winch(scene, line)
+    winch = _winch(scene, line, drum_room)
     motion = scene.motion()
     position, velocity, _ = motion.evaluate(0.0)
 
@@ -518,7 +526,7 @@ def _hinged(lower: Cable, upper: Cable, body: bool) -> bool:
     return "cable" in models or (body and "hybrid" in models)
 
 
-def _winch(scene: Scene, line: _Line) -> _Winch:
+def _winch(scene: Scene, line: _Line, drum_room: float) -> _Winch:
     """The cable table; bodies on the drum are added to the line's bodies."""
     total = scene.line_length
     elements = sum(1 for joint in line.joint[1:] if joint == 0)
@@ -544,7 +552,7 @@ def _winch(scene: Scene, line: _Line) -> _Winch:
         assert item.cable is not None
         winch.most += item.cable.length
         top = winch.cables[-1]
-        winch.extra_nodes += math.ceil(item.cable.length / usual) + 6
+        winch.extra_nodes += math.ceil(drum_room * item.cable.length / usual) + 6
         if body < 0 and (top.type, top.model) == (item.cable.type, item.cable.model):
             winch.leaves[-1] = winch.most
         else:

@@ -100,6 +100,14 @@ class RunSettings(SceneModel):
     output_interval: Duration = Field(default=0.5, description="time between logged states")
 
 
+def longest_stretch(kind: CableType) -> float:
+    """Stretched over unstretched length of a cable just before any cable breaks."""
+    strongest = _BREAKING_STRESS * math.pi / 4 * kind.diameter**2
+    powers = enumerate(kind.strain_coefficients, start=1)
+    stretch = math.fsum(c * strongest**power for power, c in powers)
+    return 1.0 + max(_LEAST_STRETCH, stretch)
+
+
 class Scene(SceneModel):
     """A scene: everything that a simulation needs, in SI units, checked and unchangeable."""
 
@@ -213,10 +221,7 @@ class Scene(SceneModel):
             kind = self.cable_types.get(cable.type)
             if kind is None:  # reported as an unknown type
                 return
-            strongest = _BREAKING_STRESS * math.pi / 4 * kind.diameter**2
-            powers = enumerate(kind.strain_coefficients, start=1)
-            stretch = math.fsum(c * strongest**power for power, c in powers)
-            reach += cable.length * (1.0 + max(_LEAST_STRETCH, stretch))
+            reach += cable.length * longest_stretch(kind)
         distance = math.dist(self.vessel.position, anchor)
         if distance > reach:
             problem = f"{distance:g} m from the vessel, out of reach of {self._span:g} m of line"

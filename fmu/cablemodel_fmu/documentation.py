@@ -44,7 +44,8 @@ reached; <code>payout.applied</code> is what the winch does.</li>
 </ul>
 <h2>Parameters</h2>
 <p>Coefficients are tunable: before the start they change the static equilibrium, later they take
-effect at the next communication step. The tolerance is that of the scene.</p>
+effect at the next communication step. Lengths of cables are fixed when the initialization ends;
+the state at the start is found for them. The tolerance is that of the scene.</p>
 <h2>Steps</h2>
 <p>Of any length. A step that cannot be made is discarded with a message; the state is then as
 before the step. State can be saved, restored, and moved to another process.</p>

@@ -168,7 +168,7 @@ BOLLARD = """<?xml version="1.0" encoding="UTF-8"?>
 
 
 def test_libcosim_couples_them_by_their_ports(folder):
-    """libcosim reads the ports with a system structure, and connects three forces and velocities."""
+    """libcosim reads the ports with a system structure, and connects forces and velocities."""
     (folder / "OspSystemStructure.xml").write_text(SYSTEM.format(step=DT))
     (folder / "vessel_OspModelDescription.xml").write_text(BOLLARD)
     rows = np.array(run(PORTS, folder / "OspSystemStructure.xml", STEPS))
