@@ -67,8 +67,8 @@ def header(kernel_hash: str) -> str:
     for name, value in {**constants(layout), **input_layout()}.items():
         if not name.startswith("_"):
             lines.append(f"#define {name} INT64_C({value})")
-    for name, value in start_constants().items():
-        lines.append(f"#define {name} {value!r}")
+    for name, number in start_constants().items():
+        lines.append(f"#define {name} {number!r}")
     lines.append(f"#define KERNEL_HASH INT64_C({hash_number(kernel_hash)})")
     sizes = {name: Symbol(f"I[{word}]") for name, word in SIZES.items()}
     image, workspace = Block.arrays(**sizes)
