@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel import sea_floor
+from cablemodel import sea_floor, waves
 from cablemodel.block import Block
 from cablemodel.errors import SceneError, SceneProblem, StaticsError
 from cablemodel.kernels import layout as at
 from cablemodel.mesh import Span, Start, line_nodes
+from cablemodel.scene.sea import sea
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
@@ -51,9 +52,6 @@ def refuse_unsupported(scene: Scene) -> None:
     def refuse(path: str, value: object, what: str, allowed: str) -> None:
         problems.append(SceneProblem(path, value, f"{what} not supported yet", allowed))
 
-    environment = scene.environment
-    if environment.waves is not None:
-        refuse("environment.waves", "waves", "waves are", "no waves (null)")
     for index, item in enumerate(scene.payout.drum):
         if item.body is not None and item.body.half_length > 0.0:
             path = f"payout.drum.{index}.body.half_length"
@@ -230,6 +228,9 @@ def tension_per_length(scene: Scene) -> list[float]:
         speed = max(speed, float(np.linalg.norm(motion.evaluate(float(t))[1])))
     if scene.environment.current is not None:
         speed += float(np.max(np.linalg.norm(scene.environment.current.velocity, axis=-1)))
+    water = sea(scene)
+    if water is not None:
+        speed += water.speed
     found = []
     for kind in (scene.cable_types[cable.type] for cable in scene.cables):
         weight = max(abs(kind.submerged_weight), 1e-3 * kind.mass * gravity)
@@ -254,6 +255,9 @@ def _vertical_plane(scene: Scene, directions: list[FloatArray]) -> FloatArray | 
             return None
     if scene.environment.current is not None:
         candidates += list(scene.environment.current.velocity.reshape(-1, 3)[:, :2])
+    water = sea(scene)
+    if water is not None:
+        candidates.append(np.array([math.cos(water.direction), math.sin(water.direction)]))
     plane: FloatArray | None = None
     for vector in candidates:
         size = float(np.hypot(*vector))
@@ -283,6 +287,7 @@ def build(scene: Scene, *, planar: bool | None = None, drum_room: float = 1.0) -
     sea_floor.check(scene, points)
     nodes = line_nodes(_spans(scene, scale), scene.solver.tolerance, _start(scene))
     nodes = sea_floor.refine_guess(scene, nodes, points)
+    nodes = waves.refine(scene, nodes, points)
     block = _build_on(scene, nodes, points, scale, planar, drum_room)
     if scene.initial.kind != "static":
         return block
@@ -420,6 +425,7 @@ def _build_on(
     depths = 1 if current is None else len(current.z)
     times = 1 if current is None else len(current.t)
     constraints = 2 if scene.end.kind == "anchor" else 1
+    water = sea(scene)
     block = Block(
         capacity=line.nodes + winch.extra_nodes + sea_floor.spare_nodes(scene),
         pieces=1 + len(motion.pieces),
@@ -433,6 +439,7 @@ def _build_on(
         rates=len(scene.payout.rate),
         cables=len(winch.cables),
         floor_words=sea_floor.table_words(scene.environment.floor),
+        waves=0 if water is None else len(water.amplitude),
     )
     ints, reals = block.ints, block.reals
     dimension = 3 if plane is None else 2
@@ -467,6 +474,7 @@ def _build_on(
     _fill_constraints(block, scene, line)
     _fill_positions(block, line, points, length)
     sea_floor.fill(block, scene)
+    waves.fill(block, water)
     sea_floor.place_of_rest(block, scene)
     _find_initial_state(block, scene, velocity)
     return block
@@ -623,6 +631,8 @@ def _fill_line(block: Block, scene: Scene, line: _Line, winch: _Winch, scale: fl
         row[at.K_SHORTEST] = SHORTEST_PIECE * winch.nominal[index]
         row[at.K_HINGE] = float(winch.hinges[index])
         row[at.K_BODY] = winch.bodies[index]
+        kind = scene.cable_types[cable.type]
+        row[at.K_DISPLACED] = rho * 0.25 * math.pi * kind.diameter**2
         row[at.K_EDGE :] = _edge_row(scene, cable, index, offset, scale)
         row[at.K_EDGE + at.E_NOMINAL] = winch.nominal[index]
         if cable.model == "hybrid" and row[at.K_EDGE + at.E_BENDING_FULL] > 0.0:

@@ -10,6 +10,7 @@ import yaml
 from pydantic import Field, PrivateAttr, ValidationInfo, field_validator, model_validator
 
 from cablemodel.errors import SceneProblem, shown
+from cablemodel.scene import sea
 from cablemodel.scene.base import Duration, Length, SceneModel, Vector3
 from cablemodel.scene.environment import Environment
 from cablemodel.scene.line import Body, Cable, CableType, End, Initial, LineItem
@@ -147,6 +148,7 @@ class Scene(SceneModel):
             *self._start_problems(),
             *self._reach_problems(),
             *self._floor_problems(),
+            *sea.problems(self),
         ]
         if problems:
             raise several(problems)
