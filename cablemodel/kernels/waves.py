@@ -62,7 +62,7 @@ from .layout import (
 from .tables import H0, H1, H2, H3
 
 SPREAD = 0.25
-STILL = 30.0  # k |z| below which a component has died out: e^-30
+STILL = 16.0  # k |z| below which a component has died out: e^-16, 1e-7
 SMALLEST = 1e-3  # half of the band around the surface, at least [m]
 
 # Slots in the Gauss workspace, beyond those of both elements: four words each.

@@ -49,6 +49,8 @@ class Sea:
     """Time in which it comes up from calm water [s]."""
     period: float
     """Of the wave, or of the spectrum's peak [s]."""
+    length: float
+    """Of a wave of this period [m]."""
 
     @property
     def speed(self) -> float:
@@ -56,12 +58,6 @@ class Sea:
         mirror = np.exp(-2.0 * self.number * self.depth)
         speeds = self.amplitude * self.frequency * (1.0 + mirror) / (1.0 - mirror)
         return 2.0 * float(np.sqrt(0.5 * np.sum(speeds**2)))
-
-    @property
-    def length(self) -> float:
-        """Length of a wave of `period` [m]; the peak's component may be a little off it."""
-        nearest = int(np.argmin(np.abs(self.frequency - 2.0 * math.pi / self.period)))
-        return float(2.0 * math.pi / self.number[nearest])
 
     def share(self, t: float) -> float:
         """Of the waves that has come up at time t: a quintic from 0 to 1."""
@@ -124,6 +120,7 @@ def sea(scene: Scene) -> Sea | None:
         depth=depth,
         ramp=period if waves.ramp is None else waves.ramp,
         period=period,
+        length=2.0 * math.pi / float(wave_number(np.array(2.0 * math.pi / period), depth, gravity)),
     )
 
 

@@ -12,7 +12,7 @@ from tests.verification.scenes import CABLE_K
 
 RHO, GRAVITY = 1025.0, 9.80665
 PILE = {
-    "diameter": 0.05, "mass": 4.0, "axial_stiffness": 1e8, "bending_stiffness": 0.0,
+    "diameter": 0.05, "mass": 4.0, "axial_stiffness": 1e9, "bending_stiffness": 0.0,
     "drag_normal": 1.1, "drag_tangential": 0.0, "added_mass": 0.9,
 }  # fmt: skip
 
@@ -31,7 +31,7 @@ def scene(waves, cable, line, *, tolerance=1e-3, current=None, **changes):
 
 def taut_pile(top: float, bottom: float, waves, **changes):
     """A vertical line that 1e6 N keep straight: a beam on two supports, far from resonance."""
-    length = (top - bottom) / 1.01
+    length = (top - bottom) / 1.001
     return scene(
         waves, PILE, [{"cable": {"type": "C", "length": length, "model": "cable", "elements": 24}}],
         end={"anchor": [0, 0, bottom]}, vessel={"position": [0, 0, top]}, tolerance=1e-4,
@@ -68,10 +68,10 @@ def test_morison_force_on_a_fixed_line(height, flow):
         def lever(z, t=model.time):
             return morison(field, t, z, flow) * (z - bottom) / (top - bottom)
 
-        # Per unstretched length: root of the stretch in the drag, and ds = dz / 1.01.
+        # Per unstretched length: root of the stretch in the drag, and ds = dz / 1.001.
         expected.append(quad(lever, bottom, top)[0])
     scale = np.abs(expected).max()
-    np.testing.assert_allclose(found, expected, atol=0.012 * scale)
+    np.testing.assert_allclose(found, expected, atol=0.002 * scale)
     assert scale > 0.4  # [N]
 
 
@@ -91,7 +91,7 @@ def test_a_line_through_the_surface_feels_the_water_below_it():
 
         expected.append(quad(lever, bottom, surface, points=[0.0] if surface > 0 else None)[0])
     scale = np.abs(expected).max()
-    np.testing.assert_allclose(found, expected, atol=0.03 * scale)
+    np.testing.assert_allclose(found, expected, atol=0.01 * scale)
 
 
 def test_a_neutral_body_follows_the_orbits():
@@ -130,7 +130,7 @@ def test_a_neutral_body_follows_the_orbits():
         found.append(model.tip_position)
     orbit = np.ptp(exact[2])
     assert orbit > 0.5  # e^(-6 k) of 1 m is 0.69
-    np.testing.assert_allclose(found, exact[:3].T, atol=0.01 * orbit)
+    np.testing.assert_allclose(found, exact[:3].T, atol=0.003 * orbit)
 
 
 def buoy(length: float, waves):
@@ -160,7 +160,7 @@ def test_a_buoy_is_pulled_under_and_floats():
         surface.append(float(field.elevation(model.time, *model.tip_position[:2])))
     late = slice(200, None)
     assert np.ptp(surface[late]) > 0.9
-    np.testing.assert_allclose(heave[late], surface[late], atol=0.05)
+    np.testing.assert_allclose(heave[late], surface[late], atol=0.01)
 
 
 @pytest.mark.parametrize("kind", ["regular", "jonswap"])
@@ -187,7 +187,7 @@ def test_energy_is_exchanged_with_vessel_and_water_alone(kind):
         exchanged.append(abs(energy["vessel_power"]) + abs(energy["drag_power"]))
     balance = cumulative_simpson(power, x=times, initial=0.0)
     error = np.abs(np.array(stored) - stored[0] - balance).max()
-    assert error < 2e-3 * cumulative_simpson(exchanged, x=times, initial=0.0)[-1]
+    assert error < 3e-4 * cumulative_simpson(exchanged, x=times, initial=0.0)[-1]
 
 
 def test_plane_and_space_agree_and_turn_together():
@@ -216,6 +216,36 @@ def test_plane_and_space_agree_and_turn_together():
     # Newton leaves different parts of its tolerance.
     np.testing.assert_allclose(results[1], results[0], rtol=2e-3, atol=1e-3)
     np.testing.assert_allclose(results[2], results[0], rtol=2e-3, atol=1e-3)
+
+
+def test_plane_and_space_agree_with_a_rigid_body_and_a_winch():
+    """A body of finite length at the end, hung through the surface and paid out at 0.5 m/s."""
+    body = {"mass": 40, "submerged_weight": 150, "half_length": 0.6, "rotary_inertia": 8,
+            "added_mass": 25, "added_mass_axial": 5, "drag_area": 0.3,
+            "drag_area_axial": 0.1}  # fmt: skip
+    results = []
+    for planar in (None, False):
+        given = scene(
+            {"regular": {"height": 1.5, "period": 6}}, CABLE_K,
+            [{"cable": {"type": "C", "length": 8}}, {"body": body}],
+            vessel={"position": [0, 0, 2]},
+            payout={"rate": [{"t": 0, "rate": 0}, {"t": 5, "rate": 0.5}],
+                    "drum": [{"cable": {"type": "C", "length": 12}}]},
+        )  # fmt: skip
+        model = cm.CableModel(given, planar=planar)
+        assert model.planar == (planar is None)
+        # 2 m of cable hang in air.
+        weight = 150 + 8 * CABLE_K["submerged_weight"]
+        weight += 2 * (CABLE_K["mass"] * GRAVITY - CABLE_K["submerged_weight"])
+        assert model.top_tension == pytest.approx(weight, rel=2e-3)
+        rows = []
+        for n in range(80):
+            model.step_to(0.25 * (n + 1))
+            rows.append([model.top_tension, *model.tip_position, *model.bodies[0].direction])
+        results.append(np.array(rows))
+    assert np.ptp(results[0][:, 1]) > 0.2
+    assert model.line_length == pytest.approx(8 + 0.25 * 5 + 0.5 * 15, rel=1e-9)
+    np.testing.assert_allclose(results[1], results[0], rtol=2e-3, atol=2e-3)
 
 
 def test_refinement_converges():
