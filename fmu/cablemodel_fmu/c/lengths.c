@@ -179,8 +179,8 @@ static void scale_line(Cable *cable, double from, double to, double growth) {
         row[B_COMPLIANCE] =
             fmin(row[B_LENGTH] / (RIGID * M[S_TENSION_SCALE]), SOFTEST * stretch);
     }
-    const int lightly_damped = drag * M[S_LENGTH] / mass < LIGHT_DAMPING;
-    M[S_AXIAL] = lightly_damped ? 1.0 / (stretch * (mass + bodies)) : 0.0;
+    M[S_AXIAL] = 1.0 / (stretch * (mass + bodies));
+    M[S_UNDAMPED] = drag * M[S_LENGTH] / mass < LIGHT_DAMPING;
 }
 
 static void stabilise_row(Cable *cable, double *edge, double tension, int *changed) {
