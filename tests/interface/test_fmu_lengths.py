@@ -110,6 +110,13 @@ def test_an_anchored_line_with_a_buoy(line, tmp_path):
     compare(ANCHORED, line, [], tmp_path, heave, at_start=1.0, in_run=1.0)
 
 
+def test_a_line_in_waves(tmp_path):
+    data = still_scene().to_dict()
+    data["environment"]["waves"] = {"regular": {"height": 1.0, "period": 6}}
+    data["vessel"]["position"] = [5, 3, -2]
+    compare(data, [26.0, 13.0], [15.0], tmp_path, winch, at_start=0.05, in_run=1.0)
+
+
 @pytest.mark.parametrize("factor", [0.5, 1.3, 2.0])
 def test_a_straight_start_and_the_scenes_own_schedule(factor, tmp_path):
     scene = cm.load_scene(SCENES / "deployment.yaml")
