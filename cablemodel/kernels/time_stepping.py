@@ -37,6 +37,7 @@ from .layout import (
     I_RIGID,
     I_STEPS,
     I_TIMES,
+    I_WAVES,
     MODEL_HYBRID,
     NOT_CONVERGED,
     O_ACCELERATION,
@@ -77,6 +78,7 @@ from .layout import (
     S_TIME_TOLERANCE,
     S_TOP_LENGTH,
     S_UNDAMPED,
+    S_WAVE_STEP,
     TOO_MANY_STEPS,
 )
 from .newton import increment_norm, is_folded, refactor
@@ -470,6 +472,8 @@ def advance_to(I, M, t_end):
             if status != OK:
                 break
         natural = M[S_STEP]
+        if I[I_WAVES] != 0:
+            natural = min(natural, M[S_WAVE_STEP])
         stop = next_stop(I, M, t_end, natural)
         if I[I_PAYOUT] != 0:
             stop = begin_payout(I, M, stop)
