@@ -31,6 +31,7 @@ REFINEMENTS = 14
 BENT = 10.0
 """Of tau L: what h^2 times the jump of curvature may be in a static shape."""
 LARGEST_STATIC_MESH = 4000
+SPARE_NODES = 16  # for joints at the vessel, and for a short line that is paid out again
 SHORTEST_LINE = 0.01
 """Of the initial length: what reel-in leaves out."""
 SHORTEST_PIECE = 0.1
@@ -539,7 +540,7 @@ def _winch(scene: Scene, line: _Line, drum_room: float) -> _Winch:
     total = scene.line_length
     elements = sum(1 for joint in line.joint[1:] if joint == 0)
     usual = total / elements
-    winch = _Winch([], [], [], [], [], 8, 0.0, 0.0)
+    winch = _Winch([], [], [], [], [], SPARE_NODES, 0.0, 0.0)
     rows = {place: row for row, (_, _, place) in enumerate(line.bodies)}
     below = total
     body = -1

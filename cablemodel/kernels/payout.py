@@ -73,8 +73,9 @@ from .layout import (
 )
 
 FEWEST_ELEMENTS = 4
-SPLIT, JOIN = 2.0, 0.5  # of the nominal length of the top element
-UNEVEN = 0.25  # of the next element: one of the fewest elements is joined only below that
+SPLIT, JOIN = 2.0, 0.5  # of the nominal length of the top element; JOIN of the next element too
+LARGEST_SHARE = 0.6  # of the line: a longer top element of few is halved
+UNEVEN = 0.25  # of the next element: the top one of the fewest is joined with it below that
 LEAVES, RETURNS, DIVIDES, UNITES = 1, 2, 3, 4  # what the top of the line asks for
 
 
@@ -416,9 +417,19 @@ def element_number(I, M):
 
 
 @kernel
+def is_too_large(I, M):
+    """Whether the top element is most of a line of few elements: a short one that is paid out."""
+    if I[I_NODES] > 2 * FEWEST_ELEMENTS:
+        return False
+    total = 0.0
+    for node in range(1, I[I_NODES]):
+        total += M[I[O_EDGE] + EDGE_WORDS * node + E_LENGTH]
+    return M[S_TOP_LENGTH] > LARGEST_SHARE * total
+
+
+@kernel
 def next_change(I, M):
-    """What the top of the line asks for next: UNEVEN = 0.25  # of the next element: one of the fewest elements is joined only below that
-    LEAVES, RETURNS, DIVIDES, UNITES or nothing."""
+    """What the top of the line asks for next; 0: nothing."""
     cable = I[I_TOP_CABLE]
     row = I[O_CABLES] + cable * CABLE_WORDS
     if cable + 1 < I[I_CABLES]:
@@ -432,11 +443,13 @@ def next_change(I, M):
         if out <= 0.5 * M[row + K_SHORTEST]:
             return RETURNS
     nominal = M[row + K_NOMINAL]
-    if M[S_TOP_LENGTH] > SPLIT * nominal:
+    if M[S_TOP_LENGTH] > SPLIT * nominal or is_too_large(I, M):
         return DIVIDES
     if M[S_TOP_LENGTH] < JOIN * nominal and I[I_NODES] > 2:
         first = I[O_EDGE] + EDGE_WORDS
         below = first + EDGE_WORDS
+        if M[S_TOP_LENGTH] >= JOIN * M[below + E_LENGTH]:
+            return 0
         if M[below + E_SEGMENT] == M[first + E_SEGMENT] and I[I[O_JOINT] + 2] == 0:
             # One of the last elements goes only where another one gains by being halved.
             if (
@@ -475,7 +488,7 @@ def adapt_top(I, M):
             M[I[O_EDGE] + EDGE_WORDS + E_LENGTH] = M[S_TOP_LENGTH]
             I[I_TOP_CABLE] = cable - 1
         elif change == DIVIDES:
-            pieces = int(M[S_TOP_LENGTH] / M[row + K_NOMINAL])
+            pieces = max(2, int(M[S_TOP_LENGTH] / M[row + K_NOMINAL]))
             if split_edge(I, M, 1, 1.0 - 1.0 / pieces, False) != OK:
                 return NO_CAPACITY
         else:
