@@ -95,6 +95,7 @@ S_LIVE_RATE = _S + 34  # 4 words: t0, t1, rate at t0, at t1
 S_PERIOD = _S + 40  # sqrt(L/g) [s]
 S_AXIAL = _S + 41  # stiffness of the whole line over its mass [1/s2]
 S_UNDAMPED = _S + 42  # 1: drag does not damp the line's motion
+S_JOINED = _S + 43  # longest element that a change of the mesh has joined [m]
 S_FLOOR_DEPTH = _S + 48  # delta: the gap below which the floor pushes [m]
 S_FRICTION, S_BRISTLE = _S + 49, _S + 50  # Coulomb coefficient; length of a bristle [m]
 S_FLOOR_DAMPING = _S + 51  # force grows by this per speed of approach [s/m]

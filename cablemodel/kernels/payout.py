@@ -60,6 +60,7 @@ from .layout import (
     O_TOP,
     O_VELOCITY,
     OK,
+    S_JOINED,
     S_LIVE_RATE,
     S_PAID,
     S_PAID_LEAST,
@@ -392,6 +393,7 @@ def join_at(I, M, node, count):
     close_gap(I, M, node, count)
     if node == 1:
         M[S_TOP_LENGTH] = h
+    M[S_JOINED] = max(M[S_JOINED], h)
 
 
 @kernel

@@ -67,7 +67,9 @@ from .layout import (
     PIECE_WORDS,
     S_AXIAL,
     S_FACTORED_STEP,
+    S_JOINED,
     S_LAST_STEP,
+    S_LENGTH,
     S_PAID,
     S_PAYOUT_RATE,
     S_PAYOUT_SLOPE,
@@ -96,7 +98,8 @@ from .tables import GAMMA, STAGE_A, STAGE_C, STAGE_ERROR, STAGES
 from .two_step import accept_two_step, remember, try_two_step
 
 LARGEST_ITERATIONS = 10
-AXIAL_SLOW = 1.0  # gamma dt times the axial frequency of a step that leaves the line its lengths
+MOST_REFUSALS = 4  # of a step that ends folded
+AXIAL_SLOW = 2.5  # gamma dt over the time that an axial wave takes along a joined element
 AXIAL_RESOLVED = 5.0  # (axial frequency x gamma dt)^2 below which velocities are not projected
 BENDING_ON, BENDING_OFF = 0.01, 0.005  # hybrid: (EI/T)/h^2 above which bending is kept
 
@@ -238,10 +241,13 @@ def try_step(I, M, dt, scheme, to_output):
 
 
 @kernel
-def is_folded_trial(I, M):
-    """Whether the trial is a root of the discrete equations that is no cable's."""
-    q = view(M, I[O_TRIAL_Q], 2 * I[I_DIMENSION] * I[I_NODES])
-    return is_folded(I, M, q, view(M, I[O_TRIAL_T], 2 * I[I_NODES]))
+def folds(I, M):
+    """Whether the trial is folded in line where the state is not yet."""
+    count = 2 * I[I_DIMENSION] * I[I_NODES]
+    words = 2 * I[I_NODES]
+    return is_folded(I, M, view(M, I[O_TRIAL_Q], count), view(M, I[O_TRIAL_T], words)) and not (
+        is_folded(I, M, view(M, I[O_POSITION], count), view(M, I[O_TENSION], words))
+    )
 
 
 @kernel
@@ -318,8 +324,8 @@ def make_consistent(I, M, share):
     the integrator's tolerance. A following step of dt turns such an error of d (in r) or w (in v)
     into forces of m d / dt^2 and m w / dt. Both are projected out here, at the tensions and rates
     that there are, in the norm of the last step's matrix, or of one that does not resolve the
-    axial motion: slow modes are left as they are; so is the part of the elongation's rate that is
-    not in `share`.
+    axial motion of a joined element: slow modes are left as they are; so is the part of the
+    elongation's rate that is not in `share`.
     """
     count = 2 * I[I_DIMENSION] * I[I_NODES]
     nodes = I[I_NODES]
@@ -334,7 +340,7 @@ def make_consistent(I, M, share):
     constraint = view(M, I[O_CONSTRAINT_RESIDUAL], 2 * nodes)
     x = view(M, I[O_INCREMENT], count)
     set_time(I, M, M[S_TIME])
-    slow = AXIAL_SLOW / math.sqrt(M[S_AXIAL])
+    slow = AXIAL_SLOW * M[S_JOINED] / (M[S_LENGTH] * math.sqrt(M[S_AXIAL]))
     if refactor(I, M, q, v, a, tension, max(slow, GAMMA[0] * M[S_LAST_STEP])) == 0:
         for _iteration in range(4):
             residual(I, M, q, v, a, tension, forces, constraint)
@@ -393,6 +399,7 @@ def change_mesh(I, M):
     if M[S_LAST_STEP] == 0.0:
         M[S_LAST_STEP] = M[S_STEP]
     take_rates_from_velocity(I, M)
+    M[S_JOINED] = 0.0
     if I[I_PAYOUT] != 0:
         status = adapt_top(I, M)
         if status != OK:
@@ -400,6 +407,7 @@ def change_mesh(I, M):
     if I[I_FLOOR] != 0:
         follow_floor(I, M, True)
     make_consistent(I, M, 1.0)
+    M[S_JOINED] = 0.0
     return OK
 
 
@@ -463,6 +471,7 @@ def advance_to(I, M, t_end):
     status = OK
     taken = 0
     unprojected = False
+    refused = 0
     while M[S_TIME] < t_end:
         # The mesh changes before a step: what is read after it is a state that a step has made.
         if (I[I_PAYOUT] != 0 and next_change(I, M) != 0) or (
@@ -499,7 +508,9 @@ def advance_to(I, M, t_end):
         two_steps = to_output and dt <= 0.25 * natural and try_two_step(I, M, dt)
         if not two_steps:
             status, error = try_step(I, M, dt, scheme, to_output)
-            if status == OK and is_folded_trial(I, M):
+            if status == OK and refused < MOST_REFUSALS and folds(I, M):
+                # A shorter step may keep the cable from it; a mesh too coarse for a fold does not.
+                refused += 1
                 status = NOT_CONVERGED
         if status != OK or not error <= 1.0:
             I[I_REJECTED] += 1
@@ -530,6 +541,7 @@ def advance_to(I, M, t_end):
             else:
                 M[S_TIME] += dt
             unprojected = scheme == 1
+            refused = 0
             if I[I_FLOOR] != 0:
                 settle(I, M)
             if I[I_HYBRID] == 1:
