@@ -205,7 +205,11 @@ class CableModel:
 
         Raises:
             SceneError: the snapshot does not belong to this scene; the model is as it was.
+            TypeError: it is no snapshot.
         """
+        if not isinstance(snapshot, Snapshot):
+            kind = type(snapshot).__name__
+            raise TypeError(f"restore needs what snapshot() gave (a Snapshot), not {kind}")
         image = np.frombuffer(snapshot.image, dtype=np.int64)
         own = self._image
         fixed = [at.I_MAGIC, at.I_VERSION, at.I_BYTES, at.I_IMAGE_WORDS, at.I_CAPACITY]

@@ -106,7 +106,7 @@ def test_a_wrong_until_is_bad_input(until: str) -> None:
         (["run", str(SCENE), "--set", "line.0.cable.length=-5"], ["line.0.cable.length", "-5"]),
         (["run", str(SCENE), "--set", "line.0.cable.lenght=5"], ["lenght"]),
         (["run", str(SCENE), "--set", "nonsense"], ["path=value"]),
-        (["run", str(SCENE), "--log", "no/such/folder/run.mcap"], ["cannot write the log"]),
+        (["run", str(SCENE), "--log", "no/such/folder/run.mcap"], ["no folder no/such/folder"]),
         (["check", str(SCENE), "--set", WAVES], ["waves"]),
         (["check", "missing.yaml"], ["missing.yaml"]),
         (["info", "missing.mcap"], ["missing.mcap"]),
@@ -182,9 +182,26 @@ def test_an_interrupted_run_keeps_its_log(
     assert cm.open_run(path).reason == "interrupted"
 
 
+def test_a_log_does_not_overwrite_the_scene(tmp_path: Path) -> None:
+    scene = tmp_path / "scene.yaml"
+    scene.write_bytes(SCENE.read_bytes())
+    result = invoke("run", scene, "--log", scene)
+    assert result.exit_code == 2
+    assert "must end in .mcap" in result.stderr
+    assert scene.read_bytes() == SCENE.read_bytes()
+
+
+def test_a_log_given_for_a_scene_is_said(log: Path) -> None:
+    result = invoke("check", log)
+    assert result.exit_code == 2
+    assert "it is the log of a run" in result.stderr
+
+
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
-def test_a_full_disk_is_said() -> None:
-    result = invoke("run", SCENE, "--log", "/dev/full")
+def test_a_full_disk_is_said(tmp_path: Path) -> None:
+    log = tmp_path / "run.mcap"
+    log.symlink_to("/dev/full")
+    result = invoke("run", SCENE, "--log", log)
     assert result.exit_code == 2
     assert "No space left" in result.stderr
 
