@@ -20,6 +20,7 @@ FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
 _INPUT_WORDS = 14
+"""As kernels/stepping.py, which loads the compiler."""
 
 
 @dataclass(frozen=True)

@@ -71,7 +71,7 @@ def test_run_as_json_is_one_object_with_the_promised_keys() -> None:
     summary = json.loads(done.stdout)
     assert list(summary) == SUMMARY
     assert summary["time"] == 10.0
-    # verification.md, S1 at t = 10
+    # benchmarks/references.json, S1 at t = 10
     assert summary["top_tension"] == pytest.approx(70.0005, abs=0.7)
     assert summary["tip_position"][2] == pytest.approx(-29.97556, abs=0.03)
     assert done.stderr == ""

@@ -33,7 +33,7 @@ void restart_cable(Cable *cable) {
 }
 
 /* Find the static equilibrium again where a coefficient was set before the start: the same calls
-   in the same order as cablemodel/instance.py. The mesh and the stabilisation of its elements stay
+   in the same order as cablemodel/instance/first_state.py. The mesh and the stabilisation of its elements stay
    those of the exported scene. */
 const char *settle_cable(Cable *cable) {
     if (!cable->now.unsettled) return NULL;
