@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel import sea_floor
+from cablemodel import laid_shape, sea_floor
 from cablemodel.block import Block
 from cablemodel.instance import line_tables, tables
 from cablemodel.instance.first_shape import first_points, place_nodes
@@ -38,10 +38,10 @@ def build(scene: Scene, *, planar: bool | None = None) -> Block:
     refuse_unsupported(scene)
     scale = tension_scale(scene)
     position = scene.motion().evaluate(0.0)[0]
-    points = sea_floor.on_floor(scene, first_points(scene, position))
+    points = laid_shape.on_floor(scene, first_points(scene, position))
     sea_floor.check(scene, points)
     nodes = line_nodes(spans_of(scene, scale), scene.solver.tolerance, start_conditions(scene))
-    nodes = sea_floor.refine_guess(scene, nodes, points)
+    nodes = laid_shape.refine_guess(scene, nodes, points)
     block = _build_on(scene, nodes, points, scale, planar)
     if scene.initial.kind != "static":
         return block

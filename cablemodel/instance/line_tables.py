@@ -46,7 +46,8 @@ def fill_cables(block: Block, scene: Scene, winch: Winch, scale: float) -> None:
         row[at.K_BODY] = winch.bodies[index]
         row[at.K_EDGE :] = _edge_row(scene, cable, index, offset, scale)
         row[at.K_EDGE + at.E_NOMINAL] = winch.nominal[index]
-        if cable.model == "hybrid" and row[at.K_EDGE + at.E_BENDING_FULL] > 0.0:
+        edge = row[at.K_EDGE :]
+        if edge[at.E_MODEL] == at.MODEL_HYBRID and edge[at.E_BENDING_FULL] > 0.0:
             block.ints[at.I_HYBRID] = 1
     block.ints[at.I_TOP_CABLE] = len(scene.cables) - 1
 
@@ -71,8 +72,11 @@ def _edge_row(
     row[at.E_TENSION_LOW : at.E_TENSION_HIGH + 1] = strain_range(kind.strain_coefficients)
     row[at.E_STABILISATION] = min(STABILISATION * scale, 1.0 / kind.strain_coefficients[0])
     row[at.E_BENDING_FULL] = 0.0 if cable.model == "cable" else kind.bending_stiffness
-    row[at.E_BENDING] = row[at.E_BENDING_FULL]
     row[at.E_MODEL] = _MODELS[cable.model]
+    if row[at.E_BENDING_FULL] == 0.0 and scene.environment.floor is not None:
+        row[at.E_BENDING_FULL] = sea_floor.least_bending(scene, kind)
+        row[at.E_MODEL] = at.MODEL_HYBRID
+    row[at.E_BENDING] = row[at.E_BENDING_FULL]
     row[at.E_SEGMENT] = segment
     row[at.E_TYPE] = list(scene.cable_types).index(cable.type)
     return row

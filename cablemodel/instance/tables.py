@@ -53,14 +53,14 @@ def fill_settings(block: Block, scene: Scene, scale: float) -> None:
     reals[at.S_FIRST_STEP] = 0.02 * period
     reals[at.S_STEP] = 1e-2 * math.sqrt(max(tolerance, 1e-12)) * period
     reals[at.S_SMALLEST_STEP] = 1e-10 * period
-    if start_conditions(scene).lightly_damped:
-        softness = masses = 0.0
-        for cable in scene.cables:
-            kind = scene.cable_types[cable.type]
-            softness += kind.strain_coefficients[0] * cable.length
-            masses += kind.mass * cable.length
-        masses += math.fsum(body.mass for body in scene.bodies)
-        reals[at.S_AXIAL] = 1.0 / (softness * masses)
+    softness = masses = 0.0
+    for cable in scene.cables:
+        kind = scene.cable_types[cable.type]
+        softness += kind.strain_coefficients[0] * cable.length
+        masses += kind.mass * cable.length
+    masses += math.fsum(body.mass for body in scene.bodies)
+    reals[at.S_AXIAL] = 1.0 / (softness * masses)
+    reals[at.S_UNDAMPED] = float(start_conditions(scene).lightly_damped)
 
 
 def fill_motion(block: Block, pieces: FloatArray) -> None:

@@ -35,6 +35,7 @@ LAYERS = (
     ("cablemodel.mesh",),
     (
         "cablemodel.sea_floor",
+        "cablemodel.laid_shape",
         "cablemodel.instance",
     ),
     ("cablemodel.direct", "cablemodel.finite_element", "cablemodel.solver"),
