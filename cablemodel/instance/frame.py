@@ -35,17 +35,19 @@ def vertical_plane(scene: Scene, directions: list[FloatArray]) -> FloatArray | N
             return None
     if scene.environment.current is not None:
         candidates += list(scene.environment.current.velocity.reshape(-1, 3)[:, :2])
-    plane: FloatArray | None = None
-    for vector in candidates:
-        size = float(np.hypot(*vector))
-        if size == 0.0:
-            continue
-        unit = vector / size
-        if plane is None:
-            plane = unit
-        elif abs(plane[0] * unit[1] - plane[1] * unit[0]) > _OUT_OF_PLANE:
-            return None
-    return np.array([1.0, 0.0]) if plane is None else plane
+    plane, shared = shared_direction(candidates)
+    return plane if shared else None
+
+
+def shared_direction(vectors: list[FloatArray]) -> tuple[FloatArray, bool]:
+    """Unit vector along the first of horizontal vectors (2,) that is not zero (x where all are),
+    and whether all others are parallel to it."""
+    units = [vector / float(np.hypot(*vector)) for vector in vectors if np.any(vector != 0.0)]
+    if not units:
+        return np.array([1.0, 0.0]), True
+    first = units[0]
+    across = [abs(first[0] * unit[1] - first[1] * unit[0]) for unit in units]
+    return first, max(across) <= _OUT_OF_PLANE
 
 
 def local(block: Block, vector: FloatArray, *, point: bool) -> FloatArray:
