@@ -262,7 +262,7 @@ def _client(scheduler: str | None, workers: int | None, count: int) -> Iterator[
             yield client
         return
     with _deaf_to_interrupts():
-        # One thread a process: the kernels hold the interpreter while they compute.
+        # One thread a process: much of a short run is Python, for one thread at a time.
         cluster = LocalCluster(
             n_workers=min(workers or os.cpu_count() or 1, count),
             threads_per_worker=1,
