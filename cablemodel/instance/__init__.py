@@ -9,5 +9,6 @@ refines (refinement).
 from cablemodel.instance.frame import local
 from cablemodel.instance.from_scene import build
 from cablemodel.instance.line_tables import strain_range
+from cablemodel.instance.scales import tension_per_length
 
-__all__ = ["build", "local", "strain_range"]
+__all__ = ["build", "local", "strain_range", "tension_per_length"]

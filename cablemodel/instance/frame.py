@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 
 from cablemodel.block import Block
 from cablemodel.kernels import layout as at
+from cablemodel.scene.sea import sea
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
@@ -35,6 +37,9 @@ def vertical_plane(scene: Scene, directions: list[FloatArray]) -> FloatArray | N
             return None
     if scene.environment.current is not None:
         candidates += list(scene.environment.current.velocity.reshape(-1, 3)[:, :2])
+    water = sea(scene)
+    if water is not None:
+        candidates.append(np.array([math.cos(water.direction), math.sin(water.direction)]))
     plane, shared = shared_direction(candidates)
     return plane if shared else None
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel import laid_shape, sea_floor
+from cablemodel import laid_shape, sea_floor, waves
 from cablemodel.block import Block
 from cablemodel.instance import line_tables, tables
 from cablemodel.instance.first_shape import first_points, place_nodes
@@ -20,6 +20,7 @@ from cablemodel.instance.scales import start_conditions, tension_scale
 from cablemodel.instance.winch import Winch, winch_of
 from cablemodel.kernels import layout as at
 from cablemodel.mesh import line_nodes
+from cablemodel.scene.sea import sea
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
@@ -27,11 +28,12 @@ if TYPE_CHECKING:
 FloatArray = NDArray[np.float64]
 
 
-def build(scene: Scene, *, planar: bool | None = None) -> Block:
+def build(scene: Scene, *, planar: bool | None = None, drum_room: float = 1.0) -> Block:
     """A block at the scene's initial state, t = 0.
 
     ``planar``: False forces three dimensions; None and True choose a vertical plane where the
-    scene lies in one. A static start refines the mesh until its shape is accurate.
+    scene lies in one. ``drum_room``: elements of the drum's cable for which there is room, in units
+    of those that this scene needs. A static start refines the mesh until its shape is accurate.
 
     Raises SceneError (not supported, inconsistent), StaticsError (no equilibrium found).
     """
@@ -42,7 +44,8 @@ def build(scene: Scene, *, planar: bool | None = None) -> Block:
     sea_floor.check(scene, points)
     nodes = line_nodes(spans_of(scene, scale), scene.solver.tolerance, start_conditions(scene))
     nodes = laid_shape.refine_guess(scene, nodes, points)
-    block = _build_on(scene, nodes, points, scale, planar)
+    nodes = waves.refine(scene, nodes, points)
+    block = _build_on(scene, nodes, points, scale, planar, drum_room)
     if scene.initial.kind != "static":
         return block
     for _round in range(ROUNDS):
@@ -50,7 +53,7 @@ def build(scene: Scene, *, planar: bool | None = None) -> Block:
         if finer is None:
             break
         nodes = finer
-        block = _build_on(scene, nodes, shape_of(block), scale, planar)
+        block = _build_on(scene, nodes, shape_of(block), scale, planar, drum_room)
     refine_touchdown(block, scene)
     return block
 
@@ -61,13 +64,14 @@ def _build_on(
     points: FloatArray,
     scale: float,
     planar: bool | None,
+    drum_room: float,
 ) -> Block:
     """A block on given nodes, from a polyline (n, 3) [m] as the first guess of its shape.
 
     nodes: arc lengths of the nodes of every cable [m], each from 0 to its length.
     """
     line = lay_out(scene, nodes)
-    winch = winch_of(scene, line)
+    winch = winch_of(scene, line, drum_room)
     block = _allocate(scene, line, winch)
     _choose_frame(block, scene, points, planar)
     block.ints[at.I_NODES] = line.nodes
@@ -81,6 +85,7 @@ def _build_on(
     tables.fill_constraints(block, scene, line)
     place_nodes(block, line, points, scene.line_length)
     sea_floor.fill(block, scene)
+    waves.fill(block, sea(scene))
     sea_floor.place_of_rest(block, scene)
     find_initial_state(block, scene)
     return block
@@ -89,6 +94,7 @@ def _build_on(
 def _allocate(scene: Scene, line: Line, winch: Winch) -> Block:
     """A block of zeros with room for the line, and for what pay-out and touchdown may add."""
     current = scene.environment.current
+    water = sea(scene)
     return Block(
         capacity=line.nodes + winch.extra_nodes + sea_floor.spare_nodes(scene),
         pieces=1 + len(scene.motion().pieces),
@@ -102,6 +108,7 @@ def _allocate(scene: Scene, line: Line, winch: Winch) -> Block:
         rates=len(scene.payout.rate),
         cables=len(winch.cables),
         floor_words=sea_floor.table_words(scene.environment.floor),
+        waves=0 if water is None else len(water.amplitude),
     )
 
 

@@ -44,6 +44,8 @@ def fill_cables(block: Block, scene: Scene, winch: Winch, scale: float) -> None:
         row[at.K_SHORTEST] = SHORTEST_PIECE * winch.nominal[index]
         row[at.K_HINGE] = float(winch.hinges[index])
         row[at.K_BODY] = winch.bodies[index]
+        diameter = scene.cable_types[cable.type].diameter
+        row[at.K_DISPLACED] = scene.environment.water_density * 0.25 * math.pi * diameter**2
         row[at.K_EDGE :] = _edge_row(scene, cable, index, offset, scale)
         row[at.K_EDGE + at.E_NOMINAL] = winch.nominal[index]
         edge = row[at.K_EDGE :]

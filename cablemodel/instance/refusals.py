@@ -17,9 +17,6 @@ def refuse_unsupported(scene: Scene) -> None:
     def refuse(path: str, value: object, what: str, allowed: str) -> None:
         problems.append(SceneProblem(path, value, f"{what} not supported yet", allowed))
 
-    environment = scene.environment
-    if environment.waves is not None:
-        refuse("environment.waves", "waves", "waves are", "no waves (null)")
     for index, item in enumerate(scene.payout.drum):
         if item.body is not None and item.body.half_length > 0.0:
             path = f"payout.drum.{index}.body.half_length"

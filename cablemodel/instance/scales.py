@@ -8,13 +8,24 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cablemodel.mesh import Start
+from cablemodel.scene.sea import sea
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
 
 
 def tension_scale(scene: Scene) -> float:
-    """A tension [N] that is typical of the line: what the stabilisation is measured by.
+    """A tension [N] that is typical of the line: what the stabilisation is measured by."""
+    scale = 0.0
+    for cable, tension in zip(scene.cables, tension_per_length(scene), strict=True):
+        scale += cable.length * tension
+    for body in scene.bodies:
+        scale += abs(body.submerged_weight)
+    return scale
+
+
+def tension_per_length(scene: Scene) -> list[float]:
+    """What each cable of the line adds to a typical tension, per length [N/m].
 
     Weight of all that hangs, and the drag of the line broadside to the fastest relative flow.
     """
@@ -27,15 +38,14 @@ def tension_scale(scene: Scene) -> float:
         speed = max(speed, float(np.linalg.norm(motion.evaluate(float(t))[1])))
     if scene.environment.current is not None:
         speed += float(np.max(np.linalg.norm(scene.environment.current.velocity, axis=-1)))
-    scale = 0.0
-    for cable in scene.cables:
-        kind = scene.cable_types[cable.type]
+    water = sea(scene)
+    if water is not None:
+        speed += water.speed
+    found = []
+    for kind in (scene.cable_types[cable.type] for cable in scene.cables):
         weight = max(abs(kind.submerged_weight), 1e-3 * kind.mass * gravity)
-        scale += cable.length * weight
-        scale += cable.length * 0.5 * rho * kind.drag_normal * kind.diameter * speed**2 * 0.1
-    for body in scene.bodies:
-        scale += abs(body.submerged_weight)
-    return scale
+        found.append(weight + 0.5 * rho * kind.drag_normal * kind.diameter * speed**2 * 0.1)
+    return found
 
 
 def start_conditions(scene: Scene) -> Start:

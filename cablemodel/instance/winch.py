@@ -34,7 +34,7 @@ class Winch:
     least: float
 
 
-def winch_of(scene: Scene, line: Line) -> Winch:
+def winch_of(scene: Scene, line: Line, drum_room: float) -> Winch:
     """The cable table; bodies on the drum are added to the line's bodies."""
     total = scene.line_length
     elements = sum(1 for joint in line.joint[1:] if joint == 0)
@@ -60,7 +60,7 @@ def winch_of(scene: Scene, line: Line) -> Winch:
         assert item.cable is not None
         winch.most += item.cable.length
         top = winch.cables[-1]
-        winch.extra_nodes += math.ceil(item.cable.length / usual) + 6
+        winch.extra_nodes += math.ceil(drum_room * item.cable.length / usual) + 6
         if body < 0 and (top.type, top.model) == (item.cable.type, item.cable.model):
             winch.leaves[-1] = winch.most
         else:

@@ -42,6 +42,25 @@ def input_layout() -> dict[str, int]:
     return constants(stepping, ("IN_", "INPUT_WORDS"))
 
 
+def start_constants() -> dict[str, float]:
+    """Numbers by which instance/ and mesh.py derive a block from the lengths of its cables."""
+    from cablemodel import mesh
+    from cablemodel.instance import line_tables, refinement, winch
+    from cablemodel_fmu import signals
+
+    return {
+        "STABILISATION": line_tables.STABILISATION,
+        "SHORTEST_LINE": winch.SHORTEST_LINE,
+        "SHORTEST_PIECE": winch.SHORTEST_PIECE,
+        "RIGID": line_tables.RIGID,
+        "SOFTEST": line_tables.SOFTEST,
+        "BENT": refinement.BENT,
+        "REFINEMENTS": refinement.ROUNDS,
+        "LIGHT_DAMPING": mesh.LIGHT_DAMPING,
+        "DRUM_ROOM": signals.LONGEST,
+    }
+
+
 def constants(module: ModuleType, prefixes: tuple[str, ...] = ("",)) -> dict[str, int]:
     """The module's whole numbers with names in capitals."""
     return {
@@ -57,6 +76,8 @@ def header(kernel_hash: str) -> str:
     for name, value in {**constants(layout), **input_layout()}.items():
         if not name.startswith("_"):
             lines.append(f"#define {name} INT64_C({value})")
+    for name, number in start_constants().items():
+        lines.append(f"#define {name} {number!r}")
     lines.append(f"#define KERNEL_HASH INT64_C({hash_number(kernel_hash)})")
     sizes = {name: Symbol(f"I[{word}]") for name, word in SIZES.items()}
     image, workspace = Block.arrays(**sizes)

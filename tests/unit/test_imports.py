@@ -36,6 +36,7 @@ LAYERS = (
     (
         "cablemodel.sea_floor",
         "cablemodel.laid_shape",
+        "cablemodel.waves",
         "cablemodel.instance",
     ),
     ("cablemodel.direct", "cablemodel.finite_element", "cablemodel.solver"),
