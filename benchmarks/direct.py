@@ -339,7 +339,8 @@ def main() -> None:
     lines = [
         "# The 1998 method, measured",
         "",
-        "Written by `python -m benchmarks.direct`; do not edit. What it means is in",
+        "For those who compare the two solvers. Written by `python -m benchmarks.direct`; do not",
+        "edit. What it means is in",
         "[theory.md](theory.md). Processor time, least of several runs, "
         + ", ".join(f"{key} {value}" for key, value in described.items())
         + ".",

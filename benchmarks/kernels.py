@@ -36,7 +36,7 @@ CABLE = {
 def towed(
     elements: int | None = None, tolerance: float = 1e-3, model: str = "elastica"
 ) -> dict[str, Any]:
-    """The towed cable S1 of the verification plan."""
+    """The towed cable S1 of benchmarks/references.json."""
     cable: dict[str, Any] = {"type": "K", "length": 30.0, "model": model}
     if elements is not None:
         cable["elements"] = elements

@@ -18,7 +18,8 @@ from benchmarks.startup import StartUp
 
 HEADER = """# Run time against error
 
-Written by `make bench` (`python -m benchmarks`); the raw numbers are in
+For those who choose a simulator or a tolerance. Written by `make bench`
+(`python -m benchmarks`); the raw numbers are in
 [benchmarks/results.json](benchmarks/results.json). Cost is CPU seconds of stepping per simulated
 second, in one process on one core, after a warm-up, median of the repeats; making the scene and
 its initial statics is not in it. Tip error is the largest distance of the free end from the

@@ -316,6 +316,7 @@ def write_report(path: Path, rows: Sequence[Row], machine: dict[str, str]) -> No
     head += ("apart [tau L]", "energy: most, left", "outcome")
     lines = [
         "# Robustness matrix\n",
+        "For those who doubt that it always completes. "
         "Written by `make stress` (`python -m benchmarks.robustness`). "
         f"{passed} of {len(rows)} rows passed ({runs} runs); tau = {TOLERANCE:g}, "
         f"L = {LENGTH:g} m; EI = 0 takes the flexible model, the others the elastica.\n",

@@ -352,6 +352,7 @@ def main() -> None:
     arguments = parser.parse_args()
     lines = [
         "# Stress scenes\n",
+        "For those who plan something violent. "
         "Written by `make stress` (`python -m benchmarks.stress_scenes`); CPU seconds of one core, "
         "static start and compiling included.\n",
         "| scene | must hold | outcome | measured | simulated [s] | CPU [s] |",

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
         StepError,
     )
     from cablemodel.model import CableModel, CableState
+    from cablemodel.parameter_sweep import sweep
     from cablemodel.run import Run, open_run, simulate
     from cablemodel.scene import Scene, load_scene
 
@@ -31,6 +32,7 @@ _HOME = {
     "StepError": "cablemodel.errors",
     "CableModel": "cablemodel.model",
     "CableState": "cablemodel.model",
+    "sweep": "cablemodel.parameter_sweep",
     "Run": "cablemodel.run",
     "open_run": "cablemodel.run",
     "simulate": "cablemodel.run",
@@ -52,6 +54,7 @@ __all__ = [
     "load_scene",
     "open_run",
     "simulate",
+    "sweep",
 ]
 
 

@@ -11,7 +11,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel.errors import CableModelError
-from cablemodel.plot import STYLE, View, import_matplotlib, scale_axes, tension_scale, time_scale
+from cablemodel.plot import (
+    MARKS,
+    STYLE,
+    View,
+    draw_floor,
+    import_matplotlib,
+    marked_places,
+    scale_axes,
+    tension_scale,
+    time_scale,
+)
 
 if TYPE_CHECKING:
     from matplotlib.animation import AbstractMovieWriter
@@ -122,12 +132,17 @@ class _Film:
         grid = figure.add_gridspec(2, 2 if spatial else 1, height_ratios=(2.4, 1.0))
         side = figure.add_subplot(grid[0, 0])
         below = "z from the tow point [m]" if self._view.relative else "z [m]"
+        draw_floor(side, run, self._view)
         self._panels = [_Panel(side, across, height, self._tension, label, below)]
         if spatial:
             plan = figure.add_subplot(grid[0, 1])
             after = " from the tow point" if self._view.relative else ""
             north = self._view.shape[..., 1]
             self._panels.append(_Panel(plan, across, north, self._tension, label, f"y{after} [m]"))
+        for name in (name for name in MARKS if name in run.names):
+            seen = marked_places(run, name) - self._view.origin[:, None]
+            for panel, up in zip(self._panels, (seen[..., 2], seen[..., 1]), strict=False):
+                panel.mark(name, self._view.horizontal(seen)[0], up)
         figure.colorbar(
             self._panels[0].cable,
             ax=[panel.axes for panel in self._panels],
@@ -187,6 +202,7 @@ class _Panel:
         # Without the palest part, which is hard to see on white.
         plasma = matplotlib.colormaps["plasma"](np.linspace(0.0, 0.82, 256))
         colours = LinearSegmentedColormap.from_list("tension", plasma)
+        self._marks: list[tuple[Any, NDArray[np.float64]]] = []
         self.cable = LineCollection(
             [], cmap=colours, linewidths=2.6, capstyle="round", animated=True
         )
@@ -202,14 +218,23 @@ class _Panel:
         axes.margins(0.06)
         scale_axes(axes)
 
+    def mark(self, name: str, across: Any, up: Any) -> None:
+        """Show bodies or the touchdown, at places (states, n) that are NaN where there is none."""
+        (marks,) = self.axes.plot([], [], MARKS[name][0], color="0.3", markersize=5, animated=True)
+        self._marks.append((marks, np.stack([across, up], axis=-1)))
+
     def show(self, left: int, right: int, part: float) -> None:
         points = (1.0 - part) * self._points[left] + part * self._points[right]
         tension = (1.0 - part) * self._tension[left] + part * self._tension[right]
         self.cable.set_segments(list(np.stack([points[:-1], points[1:]], axis=1)))
         self.cable.set_array((tension[:-1] + tension[1:]) / 2)
         self._top.set_data(points[:1, 0], points[:1, 1])
+        for marks, places in self._marks:
+            marks.set_data(*((1.0 - part) * places[left] + part * places[right]).T)
 
     def draw(self) -> None:
         """Draw what moves, onto what stands still."""
         self.axes.draw_artist(self.cable)
         self.axes.draw_artist(self._top)
+        for marks, _places in self._marks:
+            self.axes.draw_artist(marks)

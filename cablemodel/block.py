@@ -34,8 +34,47 @@ SIZES = {
 Arrays = list[tuple[int, Any]]
 
 
-class Block:
-    """One contiguous piece of memory, seen as int64 (``ints``) and as float64 (``reals``).
+class WordBlock:
+    """One contiguous piece of memory, seen as int64 (``ints``) and as float64 (``reals``)."""
+
+    def __init__(
+        self, first: int, image: Arrays, workspace: Arrays, header: dict[int, int]
+    ) -> None:
+        """Zeros, with the header that says where everything is.
+
+        first: words before the first array; image, workspace: header word and length of each array;
+        header: values of other header words.
+        """
+        words = first
+        offsets = {}
+        for place, length in image + workspace:
+            offsets[place] = words
+            words += length
+        self.ints: IntArray = np.zeros(words, dtype=np.int64)
+        self.reals: FloatArray = self.ints.view(np.float64)
+        self.ints[at.I_BYTES] = 8 * words
+        self.ints[at.I_IMAGE_WORDS] = first + sum(length for _, length in image)
+        for place, value in (header | offsets).items():
+            self.ints[place] = value
+
+    def array(self, place: int, *shape: int) -> FloatArray:
+        """A view of an array of the block, by its header word."""
+        start = int(self.ints[place])
+        return self.reals[start : start + int(np.prod(shape))].reshape(shape)
+
+    def integers(self, place: int, *shape: int) -> IntArray:
+        """A view of an integer array of the block, by its header word."""
+        start = int(self.ints[place])
+        return self.ints[start : start + int(np.prod(shape))].reshape(shape)
+
+    @property
+    def image(self) -> IntArray:
+        """All that a snapshot keeps: everything before the workspace."""
+        return self.ints[: int(self.ints[at.I_IMAGE_WORDS])]
+
+
+class Block(WordBlock):
+    """The memory of the finite elements.
 
     Sizes are capacities that stay as they are for the life of the block.
     """
@@ -143,35 +182,6 @@ class Block:
             "waves": waves,
         }
         image, workspace = self.arrays(**sizes)
-        words = at.HEADER_WORDS + at.SCALAR_WORDS
-        image_words = words + sum(length for _, length in image)
-        offsets = {}
-        for place, length in image + workspace:
-            offsets[place] = words
-            words += length
-        self.ints: IntArray = np.zeros(words, dtype=np.int64)
-        self.reals: FloatArray = self.ints.view(np.float64)
-        header = self.ints
-        header[at.I_MAGIC] = at.MAGIC
-        header[at.I_VERSION] = at.VERSION
-        header[at.I_BYTES] = 8 * words
-        header[at.I_IMAGE_WORDS] = image_words
-        for name, size in sizes.items():
-            header[SIZES[name]] = size
-        for place, offset in offsets.items():
-            header[place] = offset
-
-    def array(self, place: int, *shape: int) -> FloatArray:
-        """A view of an array of the block, by its header word."""
-        start = int(self.ints[place])
-        return self.reals[start : start + int(np.prod(shape))].reshape(shape)
-
-    def integers(self, place: int, length: int) -> IntArray:
-        """A view of an integer array of the block."""
-        start = int(self.ints[place])
-        return self.ints[start : start + length]
-
-    @property
-    def image(self) -> IntArray:
-        """All that a snapshot keeps: everything before the workspace."""
-        return self.ints[: int(self.ints[at.I_IMAGE_WORDS])]
+        header = {at.I_MAGIC: at.MAGIC, at.I_VERSION: at.VERSION}
+        header.update({SIZES[name]: size for name, size in sizes.items()})
+        super().__init__(at.HEADER_WORDS + at.SCALAR_WORDS, image, workspace, header)

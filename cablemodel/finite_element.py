@@ -69,9 +69,8 @@ class FiniteElementSolver:
         arcs = edges[:, at.E_START] + edges[:, at.E_LENGTH] + self._reals[at.S_PAID]
         arcs[0] = 0.0
         arcs[1] = edges[1, at.E_LENGTH]
-        out = np.zeros(at.SUMMARY_WORDS)
-        self.summary(out)
-        return np.asarray(np.minimum(arcs, out[21]), dtype=np.float64)
+        # Rounding must not put a node beyond the end of the line, where there is no station.
+        return np.asarray(np.minimum(arcs, arcs[-1]), dtype=np.float64)
 
     def bodies(self) -> list[PlacedBody]:
         rows: NDArray[np.float64] = self.memory.array(

@@ -20,6 +20,7 @@ FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
 _INPUT_WORDS = 14
+"""As kernels/stepping.py, which loads the compiler."""
 
 
 @dataclass(frozen=True)
@@ -205,7 +206,11 @@ class CableModel:
 
         Raises:
             SceneError: the snapshot does not belong to this scene; the model is as it was.
+            TypeError: it is no snapshot.
         """
+        if not isinstance(snapshot, Snapshot):
+            kind = type(snapshot).__name__
+            raise TypeError(f"restore needs what snapshot() gave (a Snapshot), not {kind}")
         image = np.frombuffer(snapshot.image, dtype=np.int64)
         own = self._image
         fixed = [at.I_MAGIC, at.I_VERSION, at.I_BYTES, at.I_IMAGE_WORDS, at.I_CAPACITY]

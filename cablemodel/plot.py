@@ -55,7 +55,9 @@ _TRAVEL = 1.0
 """Part of the line's length by which the tow point may travel before shapes are drawn from it."""
 _BETWEEN = 24
 """Instants at which the shape is drawn thinly."""
-_FLOOR = "#8c6d46"
+FLOOR_COLOUR = "#8c6d46"
+MARKS = {"bodies.position": ("o", "body"), "touchdown_position": ("^", "touchdown")}
+"""Marker and name of what is marked on a shape, by the output that gives its places."""
 _WIDEST = 4.0
 """Largest ratio of sides at which a view is drawn to scale."""
 
@@ -103,23 +105,22 @@ def draw(run: Run, *, times: int = TIMES) -> Figure:
     between = _instants(view.shape, _BETWEEN)
     colours = _colours(len(chosen))
     spatial = view.along is None
-    marks = _marks(run, chosen)
 
     figure = Figure(figsize=(7.2, 6.4 if spatial else 4.4), layout="constrained")
     grid = figure.add_gridspec(2, 2, width_ratios=(1.25, 1.0))
     side = figure.add_subplot(grid[0, 0] if spatial else grid[:, 0])
     panels = [side]
-    _draw_floor(side, run, view)
+    draw_floor(side, run, view)
     across, label = view.horizontal(view.shape)
     _draw_shapes(side, across, view.shape[..., 2], chosen, between, colours)
-    _draw_marks(side, view, marks, chosen, colours)
+    _draw_marks(side, run, view, chosen, colours)
     side.set_xlabel(label)
     side.set_ylabel("z from the tow point [m]" if view.relative else "z [m]")
     scale_axes(side)
     if spatial:
         plan = figure.add_subplot(grid[1, 0])
         _draw_shapes(plan, view.shape[..., 0], view.shape[..., 1], chosen, between, colours)
-        _draw_marks(plan, view, marks, chosen, colours, plan=True)
+        _draw_marks(plan, run, view, chosen, colours, plan=True)
         after = " from the tow point" if view.relative else ""
         plan.set_xlabel(f"x{after} [m]")
         plan.set_ylabel(f"y{after} [m]")
@@ -130,7 +131,7 @@ def draw(run: Run, *, times: int = TIMES) -> Figure:
     _draw_tension_along(along, run, chosen, colours)
     for letter, axes in zip("abcd", [*panels, top, along], strict=False):
         axes.set_title(f"({letter})", loc="left", fontweight="bold")
-    _label_times(figure, run.states.time[chosen], colours)
+    _label(figure, run, run.states.time[chosen], colours)
     return figure
 
 
@@ -195,31 +196,29 @@ def _colours(count: int) -> list[Any]:
     return [viridis(value) for value in np.linspace(0.0, 0.88, max(count, 1))]
 
 
-def _marks(run: Run, chosen: list[int]) -> list[Floats]:
-    """Places of the bodies and the touchdown (n, 3) [m] at some times."""
-    names = [name for name in ("bodies.position", "touchdown_position") if name in run.names]
-    marks = []
-    for time in run.states.time[chosen]:
-        index = int(np.argmin(np.abs(run.time - time)))
-        places = [run[name][index].reshape(-1, 3) for name in names]
-        found = np.concatenate([np.empty((0, 3)), *places])
-        marks.append(found[np.isfinite(found[:, 0])])
-    return marks
+def marked_places(run: Run, name: str) -> Floats:
+    """Places (states, n, 3) [m] of bodies or touchdown at the times of the states.
+
+    NaN where there is none: bodies on the drum, no touchdown.
+    """
+    times = run.states.time
+    right = np.clip(np.searchsorted(run.time, times), 1, max(len(run.time) - 1, 1))
+    left = right - 1
+    right = np.minimum(right, len(run.time) - 1)
+    nearest = np.where(times - run.time[left] <= run.time[right] - times, left, right)
+    return run[name][nearest].reshape(len(times), -1, 3)
 
 
 def _draw_marks(
-    axes: Axes,
-    view: View,
-    marks: list[Floats],
-    chosen: list[int],
-    colours: list[Any],
-    *,
-    plan: bool = False,
+    axes: Axes, run: Run, view: View, chosen: list[int], colours: list[Any], *, plan: bool = False
 ) -> None:
-    for index, places, colour in zip(chosen, marks, colours, strict=True):
-        seen = places - view.origin[index]
-        x = seen[:, 0] if plan else view.horizontal(seen)[0]
-        axes.plot(x, seen[:, 1 if plan else 2], "o", color=colour, markersize=3)
+    for name in (name for name in MARKS if name in run.names):
+        places = marked_places(run, name)
+        for index, colour in zip(chosen, colours, strict=True):
+            seen = places[index][np.isfinite(places[index, :, 0])] - view.origin[index]
+            x = seen[:, 0] if plan else view.horizontal(seen)[0]
+            marker = MARKS[name][0]
+            axes.plot(x, seen[:, 1 if plan else 2], marker, color=colour, markersize=4)
 
 
 def _draw_shapes(
@@ -240,7 +239,7 @@ def _draw_shapes(
     axes.plot(x[chosen, 0], y[chosen, 0], "o", color="0.15", markersize=4)
 
 
-def _draw_floor(axes: Axes, run: Run, view: View) -> None:
+def draw_floor(axes: Axes, run: Run, view: View) -> None:
     """The sea floor where its section with the picture is one line."""
     floor = run.scene.environment.floor
     if floor is None:
@@ -248,7 +247,7 @@ def _draw_floor(axes: Axes, run: Run, view: View) -> None:
     if floor.z is not None and not any(floor.slope):
         heights = floor.z - view.origin[:, 2]
         if np.ptp(heights) <= _OUT_OF_PLANE * abs(float(heights[0])):
-            axes.axhline(float(heights[0]), color=_FLOOR, linewidth=1.0, zorder=1.2)
+            axes.axhline(float(heights[0]), color=FLOOR_COLOUR, linewidth=1.0, zorder=1.2)
         return
     if view.relative or view.along is None:
         return
@@ -258,7 +257,7 @@ def _draw_floor(axes: Axes, run: Run, view: View) -> None:
     places = points[0] + np.outer(section - along[0], view.along)
     height = [floor.height(float(x), float(y)) for x, y in places]
     shown = view.horizontal(np.column_stack([places, height]))[0]
-    axes.plot(shown, height, color=_FLOOR, linewidth=1.0, zorder=1.2)
+    axes.plot(shown, height, color=FLOOR_COLOUR, linewidth=1.0, zorder=1.2)
 
 
 def scale_axes(axes: Axes) -> None:
@@ -308,8 +307,8 @@ def time_scale(time: Floats) -> tuple[float, str]:
     return (3600.0, "h") if time[-1] >= 3 * 3600.0 else (1.0, "s")
 
 
-def _label_times(figure: Figure, times: Floats, colours: list[Any]) -> None:
-    """One key for all panels: the colours' times."""
+def _label(figure: Figure, run: Run, times: Floats, colours: list[Any]) -> None:
+    """One key for all panels: the colours' times, and what is marked."""
     from matplotlib.lines import Line2D
 
     seconds, unit = time_scale(times)
@@ -317,6 +316,11 @@ def _label_times(figure: Figure, times: Floats, colours: list[Any]) -> None:
     handles += [
         Line2D([], [], color=colour, label=f"{time / seconds:.4g} {unit}")
         for time, colour in zip(times, colours, strict=True)
+    ]
+    handles += [
+        Line2D([], [], linestyle="none", marker=marker, markersize=4, color="0.4", label=label)
+        for name, (marker, label) in MARKS.items()
+        if name in run.names and np.isfinite(marked_places(run, name)[..., 0]).any()
     ]
     figure.legend(
         handles=handles,

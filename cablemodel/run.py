@@ -65,6 +65,12 @@ class Run:
         self._columns: dict[str, Floats] = {}
         self._variables = {variable.python: variable for variable in variables.outputs_of(scene)}
 
+    def __repr__(self) -> str:
+        title = self.scene.title or "untitled"
+        reached = f"{self.time[-1]:g} s" if len(self.time) else "nothing"
+        ending = "" if self.complete else f", not complete: {self.reason}"
+        return f"<Run of {title!r}: {len(self.time)} outputs up to {reached}{ending}>"
+
     @cached_property
     def time(self) -> Floats:
         """Output times (n,) [s]."""

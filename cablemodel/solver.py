@@ -46,7 +46,7 @@ class Solver(Protocol):
     def memory(self) -> Memory: ...
 
     def step(self, end: float, inputs: FloatArray) -> int:
-        """Step to a time with the 14 words of kernels/stepping.py; 0, or a status of failure."""
+        """Step to a time with the INPUT_WORDS of kernels/stepping.py; 0, or a status of failure."""
 
     def explain(self, status: int) -> tuple[str, str]:
         """Problem and advice of a status."""

@@ -296,6 +296,7 @@ def document() -> str:
     lines = [
         "# Variables",
         "",
+        "For those who read results or drive a cable by name. "
         "Generated from `cablemodel/variables.py` by `python -m cablemodel.variables "
         "docs/variables.md`; do not edit.",
         "",

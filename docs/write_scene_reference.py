@@ -15,10 +15,11 @@ PAGE = Path(__file__).parent / "scene.md"
 INTRODUCTION = """\
 # Scene file
 
-A scene is a YAML file that says everything about a simulation. This page lists every key. It is
-written from the schema in the code (`make docs`), so it is complete; `cablemodel schema` prints the
-same as JSON schema, from which editors complete and check while you type, and
-`cablemodel check SCENE` tells whether a file is right before anything is computed.
+For those who write scenes. A scene is a YAML file that says everything about a simulation. This
+page lists every key; ready scenes to start from are in [scenes](../scenes). It is written from the
+schema in the code (`make docs`), so it is complete; `cablemodel schema` prints the same as JSON
+schema, from which editors complete and check while you type, and `cablemodel check SCENE` tells
+whether a file is right before anything is computed.
 
 - **Units** are SI. Any number may also be text with a unit: `12000 ft`, `6 kn`, `180 deg`,
   `1.2 t/m3`. It is converted when it is read; a unit of another dimension is an error.

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from cablemodel.cli.errors import FAILED, bad_option, reported
+from cablemodel.cli.files import writable
 from cablemodel.cli.inspect import RunArgument, say_incomplete
 from cablemodel.cli.run import seconds_of
 
@@ -46,7 +47,7 @@ def stats(
         ),
     ] = None,
     reference: Annotated[
-        float, typer.Option(help="Reference of the fatigue curve [N], such as the breaking load.")
+        float, typer.Option(help="Reference of the fatigue curve, in N, such as the breaking load.")
     ] = 1.0,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> None:
@@ -90,14 +91,10 @@ def export(
     from cablemodel.export import export as written
     from cablemodel.run import open_run
 
-    ending = output.suffix.lower()
-    if ending not in FORMATS:
-        raise bad_option("--output", f"{output} must end in {', '.join(FORMATS)}")
-    if not output.parent.is_dir():
-        raise bad_option("--output", f"there is no folder {output.parent}")
+    writable(output, FORMATS)
     if table is not None and table not in _TABLES:
         raise bad_option("--table", f"{table} is none of {', '.join(_TABLES)}")
-    if table is not None and ending == ".nc":
+    if table is not None and output.suffix.lower() == ".nc":
         raise bad_option("--table", "a .nc file holds all tables")
     opened = open_run(run)
     say_incomplete(opened.reason)
@@ -184,7 +181,7 @@ def _print_report(report: dict[str, Any]) -> None:
     title = f"{report['outputs']} outputs from {report['from']:g} to {report['to']:g} s"
     table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
     table.add_column("quantity", no_wrap=True)
-    for heading in ("unit", "mean", "std", "min", "at t [s]", "max", "at t [s]"):
+    for heading in ("unit", "mean", "std", "min", "at \\[s]", "max", "at \\[s]"):
         table.add_column(heading, justify="left" if heading == "unit" else "right")
     constant = []
     for row in report["statistics"]:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from cablemodel.cli import analyse, check, differences, fmu, inspect, replay, report, run
+from cablemodel.cli import analyse, check, differences, fmu, inspect, replay, report, run, sweep
 from cablemodel.cli.errors import show_tracebacks
 
 app = typer.Typer(
@@ -55,6 +55,7 @@ app.command("export")(analyse.export)
 app.command("info")(inspect.info)
 app.command("schema")(check.schema)
 app.command("fmu")(fmu.fmu)
+app.command("sweep")(sweep.sweep)
 
 
 def main() -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from cablemodel.cli.errors import reported
-from cablemodel.cli.run import SceneArgument, SetOption, explained_start
+from cablemodel.cli.run import SceneArgument, SetOption, explained_start, fixed
 
 if TYPE_CHECKING:
     from cablemodel.model import CableModel, CableState
@@ -196,7 +196,7 @@ def _print_report(report: dict[str, Any]) -> None:
     table.add_column(style="dim")
     table.add_column()
     start = report["start"]
-    tip = ", ".join(f"{value:.3f}" for value in start["tip_position"])
+    tip = ", ".join(map(fixed, start["tip_position"]))
     kind = "static equilibrium" if report["initial"] == "static" else "given shape"
     table.add_row("line, from the vessel", "\n".join(escape(_words(i)) for i in report["line"]))
     table.add_row("far end", report["end"])
@@ -206,9 +206,10 @@ def _print_report(report: dict[str, Any]) -> None:
     table.add_row("elements", _accuracy(report["elements"], report["solver"]))
     table.add_row("skipped", "\n".join(report["skipped"]) or "nothing")
     table.add_row("start", kind)
-    table.add_row("  top tension", f"{start['top_tension']:,.3f} N")
+    table.add_row("  top tension", f"{fixed(start['top_tension'])} N")
     table.add_row(
-        "  tension along the cable", f"{start['tension_min']:,.3f} to {start['tension_max']:,.3f} N"
+        "  tension along the cable",
+        f"{fixed(start['tension_min'])} to {fixed(start['tension_max'])} N",
     )
     table.add_row("  far end (x, y, z)", f"({tip}) m")
     console.print(table)

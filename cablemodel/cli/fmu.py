@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from cablemodel.cli.errors import reported
+from cablemodel.cli.files import writable
 from cablemodel.cli.run import SceneArgument, SetOption
 
 
@@ -36,16 +37,18 @@ def fmu(
     from cablemodel.scene import load_scene
 
     try:
-        from cablemodel_fmu.export import export_fmu
+        from cablemodel_fmu.export import export_fmu, ports_file
     except ModuleNotFoundError as error:
         raise CableModelError(f"the package cablemodel_fmu is not installed: {error}") from error
 
     loaded = load_scene(scene, overrides or ())
-    target = output or Path(scene.with_suffix(".fmu").name)
+    target = writable(output or Path(scene.with_suffix(".fmu").name), (".fmu",))
 
     def say(line: str) -> None:
         typer.echo(f"cablemodel: {line}", err=True)
 
     names = [name.strip() for name in platform.split(",") if name.strip()]
     export_fmu(loaded, target, platforms=names, stations=stations, progress=say)
-    typer.echo(f"{target}  {target.stat().st_size / 1e3:.0f} kB  {', '.join(names)}")
+    size = target.stat().st_size / 1e6
+    typer.echo(f"FMU: {target} ({size:.1f} MB) for {', '.join(names)}")
+    typer.echo(f"Its ports, for the Open Simulation Platform: {ports_file(loaded, target)}")

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from cablemodel.cli.errors import bad_option, reported
+from cablemodel.cli.errors import reported
+from cablemodel.cli.files import writable
 
 if TYPE_CHECKING:
     from cablemodel.run import Run
@@ -16,6 +19,21 @@ if TYPE_CHECKING:
 RunArgument = Annotated[Path, typer.Argument(help="Log of a run (MCAP).", show_default=False)]
 
 _FORMATS = (".png", ".pdf", ".svg")
+
+
+def _instant(nanoseconds: object) -> str:
+    """An epoch as a date and a time of day."""
+    moment = datetime.fromtimestamp(int(str(nanoseconds)) / 1e9, tz=UTC)
+    return moment.strftime("%Y-%m-%d %H:%M:%S UTC")
+
+
+_READABLE: dict[str, tuple[str, Callable[[object], str]]] = {
+    "epoch_ns": ("t = 0 is at", _instant),
+    "engine": ("hash of the engine", str),
+    "max_curvature": ("largest curvature", lambda value: f"{value:.4g} 1/m"),
+    "wall_time": ("computing time", lambda value: f"{value:.3g} s"),
+}
+"""Names and texts of what a log calls by a key; all other keys speak for themselves."""
 
 
 @reported
@@ -81,7 +99,8 @@ def _print_info(report: dict[str, Any]) -> None:
     table.add_row("size", f"{report['bytes'] / 1e6:.3f} MB")
     for section in ("metadata", "statistics"):
         for key, value in report[section].items():
-            table.add_row(key.replace("_", " "), escape(str(value)))
+            name, text = _READABLE.get(key, (key.replace("_", " "), str))
+            table.add_row(name, escape(text(value)))
     console.print(table)
     channels = Table()
     channels.add_column("topic")
@@ -90,16 +109,6 @@ def _print_info(report: dict[str, Any]) -> None:
     for channel in report["channels"]:
         channels.add_row(channel["topic"], channel["type"], f"{channel['messages']:,}")
     console.print(channels)
-
-
-def writable(target: Path, endings: tuple[str, ...]) -> Path:
-    """A file to write, after a look at its ending and folder; a wrong one is bad input."""
-    if target.suffix.lower() not in endings:
-        named = " or ".join([", ".join(endings[:-1]), endings[-1]])
-        raise bad_option("--output", f"{target} must end in {named}")
-    if not target.parent.is_dir():
-        raise bad_option("--output", f"there is no folder {target.parent}")
-    return target
 
 
 def opened_with_states(path: Path) -> Run:

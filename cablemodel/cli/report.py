@@ -8,7 +8,8 @@ from typing import Annotated
 import typer
 
 from cablemodel.cli.errors import bad_option, reported
-from cablemodel.cli.inspect import RunArgument, opened_with_states, say_incomplete, writable
+from cablemodel.cli.files import writable
+from cablemodel.cli.inspect import RunArgument, opened_with_states, say_incomplete
 
 
 @reported
@@ -52,7 +53,8 @@ def animate(
     seconds: Annotated[
         float | None,
         typer.Option(
-            help="How long the film is [s]; by default the run's own time, at least 4, at most 20.",
+            help="How long the film is, in seconds; by default the run's own time, at least 4, "
+            "at most 20.",
             show_default=False,
         ),
     ] = None,

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from cablemodel.cli.errors import INTERRUPTED, FailedRunError, bad_option, reported
+from cablemodel.cli.files import writable
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -42,7 +43,7 @@ def run(
     scene: SceneArgument,
     log: Annotated[
         Path | None,
-        typer.Option(help="Write the run to this file (MCAP).", show_default=False),
+        typer.Option(help="Write the run to this file (.mcap).", show_default=False),
     ] = None,
     until: Annotated[
         str | None,
@@ -71,6 +72,8 @@ def run(
     from cablemodel.run import simulate
     from cablemodel.scene import load_scene
 
+    if log is not None:
+        writable(log, (".mcap",), "--log")
     loaded = load_scene(scene, overrides or ())
     end = None if until is None else seconds_of("--until", until)
     interval = None if state_interval is None else seconds_of("--state-interval", state_interval)
@@ -223,7 +226,9 @@ def _print_summary(result: Run, log: Path | None) -> None:
     console.print(table)
     if log is not None:
         size = log.stat().st_size
-        console.print(f"Log: {log} ({size / 1e6:.2f} MB)", highlight=False, soft_wrap=True)
+        console.print(
+            f"Log: {log} ({size / 1e6:.2f} MB)", highlight=False, soft_wrap=True, markup=False
+        )
 
 
 def _rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
@@ -231,9 +236,9 @@ def _rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
     wall = summary["wall_time"]
     rows = [
         ("simulated time", f"{end:g} s"),
-        ("top tension at the end", f"{summary['top_tension']:,.3f} N"),
+        ("top tension at the end", f"{fixed(summary['top_tension'])} N"),
         ("far end at the end (x, y, z)", _vector(summary["tip_position"])),
-        ("lowest tension of the run", f"{round(summary['min_tension'], 3) + 0.0:,.3f} N"),
+        ("lowest tension of the run", f"{fixed(summary['min_tension'])} N"),
         ("largest curvature of the run", f"{summary['max_curvature']:.4g} 1/m"),
     ]
     if wall:
@@ -245,5 +250,10 @@ def _rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
     return rows
 
 
+def fixed(value: float) -> str:
+    """A number with three decimals, and no minus sign before a zero."""
+    return f"{round(value, 3) + 0.0:,.3f}"
+
+
 def _vector(values: list[float]) -> str:
-    return "(" + ", ".join(f"{value:.3f}" for value in values) + ") m"
+    return "(" + ", ".join(map(fixed, values)) + ") m"

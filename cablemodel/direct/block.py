@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
+from cablemodel.block import WordBlock
 from cablemodel.direct.kernels import layout as own
 from cablemodel.direct.kernels.assembly import RHS_WORDS
 from cablemodel.kernels import layout as at
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 _GAUSS_WORDS = 512
 _MOTION_WORDS = 64
 
 
-class DirectBlock:
-    """One contiguous piece of memory, seen as int64 (``ints``) and as float64 (``reals``)."""
+class DirectBlock(WordBlock):
+    """The memory of the direct solver."""
 
     def __init__(
         self,
@@ -71,43 +66,19 @@ class DirectBlock:
             (own.O_SWEEP, slots * own.SWEEP_WORDS),
             (own.O_WORK, own.WORK_WORDS),
         ]
-        words = own.FIRST_FREE
-        offsets = {}
-        for place, length in image + workspace:
-            offsets[place] = words
-            words += length
-        self.ints: IntArray = np.zeros(words, dtype=np.int64)
-        self.reals: FloatArray = self.ints.view(np.float64)
-        header = self.ints
-        header[at.I_MAGIC] = own.MAGIC
-        header[at.I_VERSION] = own.VERSION
-        header[at.I_BYTES] = 8 * words
-        header[at.I_IMAGE_WORDS] = image_words
-        header[at.I_CAPACITY] = nodes
-        header[own.D_SECTION_CAPACITY] = sections
-        header[own.D_BODIES] = bodies
-        header[own.D_DRUM] = drum
-        header[at.I_PIECES] = pieces
-        header[at.I_DEPTHS] = depths
-        header[at.I_TIMES] = times
-        header[at.I_STRAIN] = strain_words
-        header[at.I_RATES] = rates
-        # The shared kernels see the earth frame: the vertical plane is this solver's own matter.
-        header[at.I_DIMENSION] = 3
-        for place, offset in offsets.items():
-            header[place] = offset
-
-    def array(self, place: int, *shape: int) -> FloatArray:
-        """A view of an array of the block, by its header word."""
-        start = int(self.ints[place])
-        return self.reals[start : start + int(np.prod(shape))].reshape(shape)
-
-    def integers(self, place: int, *shape: int) -> IntArray:
-        """A view of an integer array of the block."""
-        start = int(self.ints[place])
-        return self.ints[start : start + int(np.prod(shape))].reshape(shape)
-
-    @property
-    def image(self) -> IntArray:
-        """All that a snapshot keeps: everything before the workspace."""
-        return self.ints[: int(self.ints[at.I_IMAGE_WORDS])]
+        header = {
+            at.I_MAGIC: own.MAGIC,
+            at.I_VERSION: own.VERSION,
+            at.I_CAPACITY: nodes,
+            own.D_SECTION_CAPACITY: sections,
+            own.D_BODIES: bodies,
+            own.D_DRUM: drum,
+            at.I_PIECES: pieces,
+            at.I_DEPTHS: depths,
+            at.I_TIMES: times,
+            at.I_STRAIN: strain_words,
+            at.I_RATES: rates,
+            # The shared kernels see the earth frame: the vertical plane is this solver's own.
+            at.I_DIMENSION: 3,
+        }
+        super().__init__(own.FIRST_FREE, image, workspace, header)

@@ -14,7 +14,7 @@ from cablemodel.direct.kernels import layout as own
 from cablemodel.direct.sections import Section, drum_kind, even, sections_of
 from cablemodel.direct.start import find_initial_state, vertical_plane
 from cablemodel.errors import StaticsError
-from cablemodel.instance import _strain_range
+from cablemodel.instance import strain_range
 from cablemodel.kernels import layout as at
 
 if TYPE_CHECKING:
@@ -165,7 +165,7 @@ def _fill_materials(block: DirectBlock, scene: Scene) -> None:
         row[own.T_BENDING] = kind.bending_stiffness
         row[own.T_TERMS] = len(coefficients)
         row[own.T_OFFSET] = used
-        row[own.T_LOW : own.T_HIGH + 1] = _strain_range(coefficients)
+        row[own.T_LOW : own.T_HIGH + 1] = strain_range(coefficients)
         used += len(coefficients)
 
 

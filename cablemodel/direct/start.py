@@ -12,14 +12,13 @@ from numpy.typing import NDArray
 from cablemodel.direct.block import DirectBlock
 from cablemodel.direct.kernels import layout as own
 from cablemodel.direct.sections import Section
+from cablemodel.instance.frame import shared_direction
 from cablemodel.kernels import layout as at
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
 
 FloatArray = NDArray[np.float64]
-
-_OUT_OF_PLANE = 1e-12
 
 
 @dataclass(frozen=True)
@@ -44,18 +43,8 @@ def vertical_plane(scene: Scene) -> Plane:
         candidates += list(scene.environment.current.velocity.reshape(-1, 3)[:, :2])
     if scene.environment.floor is not None:
         candidates.append(np.asarray(scene.environment.floor.slope, dtype=float))
-    flat = bool(motion.is_planar())
-    plane: FloatArray | None = None
-    for vector in candidates:
-        size = float(np.hypot(*vector))
-        if size == 0.0:
-            continue
-        unit = vector / size
-        if plane is None:
-            plane = unit
-        elif abs(plane[0] * unit[1] - plane[1] * unit[0]) > _OUT_OF_PLANE:
-            flat = False
-    return Plane(np.array([1.0, 0.0]) if plane is None else plane, flat)
+    e2, shared = shared_direction(candidates)
+    return Plane(e2, shared and bool(motion.is_planar()))
 
 
 def _directions(scene: Scene) -> list[FloatArray]:

@@ -14,16 +14,17 @@ pivot is reported and the caller takes a smaller step.
 from typing import Any
 
 from .compile import block_kernels, copy_words, kernel, matrix_vector, view
+from .elimination import hinge_kernels
 from .layout import I_NODES, JOINT_HINGE, O_DIAGONAL, O_GAUSS, O_JOINT, O_LOWER, O_PARENT, O_UPPER
 
 
 def make_block_solver(size: int) -> tuple[Any, Any]:
     """factor(I, M) -> status and solve(I, M, x) for nodes of `size` unknowns (4 or 6)."""
-    half = size // 2
     area = size * size
     set_product = matrix_vector(size, 1.0, add=False)
     subtract_product = matrix_vector(size, -1.0, add=True)
     transpose, invert = block_kernels(size)
+    factor_hinge, condense_hinge, reduce_hinge, substitute_hinge = hinge_kernels(size)
 
     @kernel
     def factor(I, M):
@@ -32,19 +33,8 @@ def make_block_solver(size: int) -> tuple[Any, Any]:
             at = I[O_DIAGONAL] + area * node
             D = view(M, at, area)
             hinge = I[I[O_JOINT] + node] == JOINT_HINGE
-            if hinge:
-                for k in range(half, size):
-                    pivot = D[size * k + k]
-                    if pivot == 0.0 or pivot != pivot:
-                        return node + 1
-                    inverse = 1.0 / pivot
-                    D[size * k + k] = inverse
-                    for i in range(k + 1, size):
-                        factor_ik = D[size * i + k] * inverse
-                        D[size * i + k] = factor_ik
-                        for j in range(k + 1, size):
-                            D[size * i + j] -= factor_ik * D[size * k + j]
-            elif not invert(D, 0):
+            factored = factor_hinge(D) if hinge else invert(D, 0)
+            if not factored:
                 return node + 1
             if node == 0:
                 break
@@ -54,25 +44,7 @@ def make_block_solver(size: int) -> tuple[Any, Any]:
             Z = view(M, I[O_LOWER] + area * node, area)
             U = view(M, I[O_UPPER] + area * node, area)
             if hinge:
-                # Z = dd^-1 dr; the parent's r takes over rr - rd Z.
-                for i in range(half):
-                    for j in range(half):
-                        value = D[size * (half + i) + j]
-                        for k in range(i):
-                            value -= D[size * (half + i) + half + k] * Z[size * k + j]
-                        Z[size * i + j] = value
-                for i in range(half - 1, -1, -1):
-                    for j in range(half):
-                        value = Z[size * i + j]
-                        for k in range(i + 1, half):
-                            value -= D[size * (half + i) + half + k] * Z[size * k + j]
-                        Z[size * i + j] = value * D[size * (half + i) + half + i]
-                for i in range(half):
-                    for j in range(half):
-                        value = D[size * i + j]
-                        for k in range(half):
-                            value -= D[size * i + half + k] * Z[size * k + j]
-                        A[size * i + j] += value
+                condense_hinge(D, Z, A)
             else:
                 # Columns of Z = D^-1 L and of W = U D^-1, then the parent's rows: A -= W L.
                 work = I[O_GAUSS] + 80
@@ -89,32 +61,14 @@ def make_block_solver(size: int) -> tuple[Any, Any]:
     @kernel
     def solve(I, M, x):
         nodes = I[I_NODES]
-        for node in range(nodes - 1, -1, -1):
+        for node in range(nodes - 1, 0, -1):
             at = I[O_DIAGONAL] + area * node
             D = view(M, at, area)
             y = view(x, size * node, size)
-            hinge = I[I[O_JOINT] + node] == JOINT_HINGE
-            if hinge:
-                for i in range(half, size):
-                    value = y[i]
-                    for k in range(half, i):
-                        value -= D[size * i + k] * y[k]
-                    y[i] = value
-                for i in range(size - 1, half - 1, -1):
-                    value = y[i]
-                    for k in range(i + 1, size):
-                        value -= D[size * i + k] * y[k]
-                    y[i] = value * D[size * i + i]
-            if node == 0:
-                break
             parent = I[I[O_PARENT] + node]
             b = view(x, size * parent, size)
-            if hinge:
-                for i in range(half):
-                    value = y[i]
-                    for k in range(half, size):
-                        value -= D[size * i + k] * y[k]
-                    b[i] += value
+            if I[I[O_JOINT] + node] == JOINT_HINGE:
+                reduce_hinge(D, y, b)
             else:
                 U = view(M, I[O_UPPER] + area * node, area)
                 subtract_product(U, 0, y, 0, 1, b, 0)
@@ -125,13 +79,7 @@ def make_block_solver(size: int) -> tuple[Any, Any]:
             p = view(x, size * parent, size)
             Z = view(M, I[O_LOWER] + area * node, area)
             if I[I[O_JOINT] + node] == JOINT_HINGE:
-                for i in range(half):
-                    y[i] = p[i]
-                for i in range(half):
-                    value = y[half + i]
-                    for k in range(half):
-                        value -= Z[size * i + k] * p[k]
-                    y[half + i] = value
+                substitute_hinge(Z, p, y)
             else:
                 set_product(M, I[O_DIAGONAL] + area * node, y, 0, 1, y, 0)
                 subtract_product(Z, 0, p, 0, 1, y, 0)

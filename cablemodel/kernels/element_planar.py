@@ -8,6 +8,7 @@ curvature k is a number and P = n n^T, which saves a root and most of the produc
 import math
 
 from .compile import inlined, kernel, table_product, view
+from .element_pairs import constraint_kernels, pair_kernels
 from .environment import current_at
 from .layout import (
     E_ADDED,
@@ -89,13 +90,13 @@ ROWS_00, ROWS_01 = ROWS + 48, ROWS + 60
 SUM_D = ROWS + 72  # sums over the Gauss points: the six pairs of PAIRS_D,
 SUM_H = SUM_D + 24  # the ten of PAIRS_H,
 SUM_HD = SUM_H + 40  # the twelve of PAIRS_HD
-TURNED = SUM_HD + 48  # the last three of PAIRS_D with components exchanged
-BLOCKS = TURNED + 12  # sums of all sixteen pairs of shape functions
 
 _product_d = table_product(LINES_D)
 _product_de = table_product(LINES_DE)
 _product_h = table_product(LINES_H)
 _product_hd = table_product(LINES_HD)
+add_tension, combine, scatter = pair_kernels(2, 4, SUM_D)
+condense_planar, stretch_rate_planar = constraint_kernels(2)
 
 
 @inlined
@@ -583,125 +584,3 @@ def spread_components(W, bends, drags):
             W[row + 61] = (tt - nn) * xz + tn * xx - nt * zz
             W[row + 62] = (tt - nn) * xz + nt * xx - tn * zz
             W[row + 63] = tt * zz + (tn + nt) * xz + nn * xx
-
-
-@inlined
-def add_tension(W, B, B2, s00, s01, s11, s22):
-    """Add what condensing T out leaves, and the stabilisation, to the six pairs of slopes."""
-    for i in range(2):
-        for a in range(1, 4):
-            c = s00 * B[4 * i + a] + s01 * B[8 + 4 * i + a]
-            d = s01 * B[4 * i + a] + s11 * B[8 + 4 * i + a]
-            e = s22 * B2[4 * i + a]
-            for j in range(2):
-                pair = SUM_D + 2 * i + j
-                at = 4 * j + a
-                W[pair + 4 * (a - 1)] += c * B[at] + d * B[8 + at] + e * B2[at]
-                for b in range(a + 1, 4):
-                    at = 4 * j + b
-                    # Pairs (1, 2), (1, 3), (2, 3) are rows 3, 4, 5.
-                    W[pair + 4 * (a + b)] += c * B[at] + d * B[8 + at] + e * B2[at]
-
-
-@inlined
-def combine(W, h):
-    """All sixteen pairs of shape functions from the sums, for all pairs of components at once.
-
-    Function 0 has minus the slope of function 2; slope unknowns are scaled by h.
-    """
-    for i in range(2):
-        for j in range(2):
-            for row in range(3):
-                W[TURNED + 4 * row + 2 * i + j] = W[SUM_D + 4 * (3 + row) + 2 * j + i]
-    h2 = h * h
-    for p in range(4):
-        k11 = W[SUM_D + p]
-        k22 = W[SUM_D + 4 + p]
-        k33 = W[SUM_D + 8 + p]
-        k12 = W[SUM_D + 12 + p]
-        k13 = W[SUM_D + 16 + p]
-        k23 = W[SUM_D + 20 + p]
-        k21 = W[TURNED + p]
-        k31 = W[TURNED + 4 + p]
-        k32 = W[TURNED + 8 + p]
-        H = SUM_H + p
-        X = SUM_HD + p
-        to = BLOCKS + p
-        W[to] = k22 + W[H] - W[X + 4]
-        W[to + 4] = h * (W[H + 16] + W[X] - k21)
-        W[to + 8] = W[H + 20] + W[X + 4] - k22
-        W[to + 12] = h * (W[H + 24] + W[X + 8] - k23)
-        W[to + 16] = h * (W[H + 16] - W[X + 16] - k12)
-        W[to + 20] = h2 * (k11 + W[H + 4] + W[X + 12])
-        W[to + 24] = h * (k12 + W[H + 28] + W[X + 16])
-        W[to + 28] = h2 * (k13 + W[H + 32] + W[X + 20])
-        W[to + 32] = W[H + 20] - W[X + 28] - k22
-        W[to + 36] = h * (k21 + W[H + 28] + W[X + 24])
-        W[to + 40] = k22 + W[H + 8] + W[X + 28]
-        W[to + 44] = h * (k23 + W[H + 36] + W[X + 32])
-        W[to + 48] = h * (W[H + 24] - W[X + 40] - k32)
-        W[to + 52] = h2 * (k31 + W[H + 32] + W[X + 36])
-        W[to + 56] = h * (k32 + W[H + 36] + W[X + 40])
-        W[to + 60] = h2 * (k33 + W[H + 12] + W[X + 44])
-
-
-@inlined
-def scatter(W, above, upper, lower, below):
-    """The sixteen pairs into the blocks of the element's nodes."""
-    for k in range(2):
-        for i in range(2):
-            for l in range(2):
-                for j in range(2):
-                    at = 4 * (2 * k + i) + 2 * l + j
-                    pair = BLOCKS + 4 * (4 * k + l) + 2 * i + j
-                    above[at] += W[pair]
-                    upper[at] = W[pair + 8]
-                    lower[at] = W[pair + 32]
-                    below[at] += W[pair + 40]
-
-
-@kernel
-def condense_planar(I, M, out_constraint, out):
-    """Add B^T S (constraint residual) of every element to the forces: T condensed out."""
-    for node in range(1, I[I_NODES]):
-        if I[I[O_JOINT] + node] != 0:
-            continue
-        parent = I[I[O_PARENT] + node]
-        h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
-        B = view(M, I[O_GRADIENT] + 16 * node, 16)
-        s = I[O_COMPLIANCE] + 3 * node
-        r0 = out_constraint[2 * node]
-        r1 = out_constraint[2 * node + 1]
-        z0 = M[s] * r0 + M[s + 1] * r1
-        z1 = M[s + 1] * r0 + M[s + 2] * r1
-        for i in range(2):
-            out[4 * parent + i] += z0 * B[4 * i] + z1 * B[8 + 4 * i]
-            out[4 * parent + 2 + i] += h * (z0 * B[4 * i + 1] + z1 * B[9 + 4 * i])
-            out[4 * node + i] += z0 * B[4 * i + 2] + z1 * B[10 + 4 * i]
-            out[4 * node + 2 + i] += h * (z0 * B[4 * i + 3] + z1 * B[11 + 4 * i])
-
-
-@kernel
-def stretch_rate_planar(I, M, x, out):
-    """Gradient B of the constraints times a vector x (nodes, 4): out (nodes, 2)."""
-    for node in range(1, I[I_NODES]):
-        out[2 * node] = 0.0
-        out[2 * node + 1] = 0.0
-        if I[I[O_JOINT] + node] != 0:
-            continue
-        parent = I[I[O_PARENT] + node]
-        h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
-        B = view(M, I[O_GRADIENT] + 16 * node, 16)
-        r0 = 0.0
-        r1 = 0.0
-        for i in range(2):
-            y0 = x[4 * parent + i]
-            y1 = h * x[4 * parent + 2 + i]
-            y2 = x[4 * node + i]
-            y3 = h * x[4 * node + 2 + i]
-            b = 4 * i
-            c = 8 + 4 * i
-            r0 += B[b] * y0 + B[b + 1] * y1 + B[b + 2] * y2 + B[b + 3] * y3
-            r1 += B[c] * y0 + B[c + 1] * y1 + B[c + 2] * y2 + B[c + 3] * y3
-        out[2 * node] = r0
-        out[2 * node + 1] = r1

@@ -12,6 +12,7 @@ water relative to the cable. In comments g = |r'|, y = r'', P = I - t t^T, k = P
 import math
 
 from .compile import inlined, kernel, table_product, view
+from .element_pairs import constraint_kernels, pair_kernels
 from .environment import current_at
 from .layout import (
     E_ADDED,
@@ -94,13 +95,13 @@ ROWS_00, ROWS_01 = ROWS + 120, ROWS + 150
 SUM_D = ROWS + 180  # sums over the Gauss points: the six pairs of PAIRS_D,
 SUM_H = SUM_D + 60  # the ten of PAIRS_H,
 SUM_HD = SUM_H + 100  # the twelve of PAIRS_HD
-TURNED = SUM_HD + 120  # the last three of PAIRS_D with components exchanged
-BLOCKS = TURNED + 30  # sums of all sixteen pairs of shape functions
 
 _product_d = table_product(LINES_D)
 _product_de = table_product(LINES_DE)
 _product_h = table_product(LINES_H)
 _product_hd = table_product(LINES_HD)
+add_tension, combine, scatter = pair_kernels(3, 10, SUM_D)
+condense_spatial, stretch_rate_spatial = constraint_kernels(3)
 
 
 @inlined
@@ -706,125 +707,3 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
             view(lower, 36 * node, 36),
             view(diagonal, 36 * node, 36),
         )
-
-
-@inlined
-def add_tension(W, B, B2, s00, s01, s11, s22):
-    """Add what condensing T out leaves, and the stabilisation, to the six pairs of slopes."""
-    for i in range(3):
-        for a in range(1, 4):
-            c = s00 * B[4 * i + a] + s01 * B[12 + 4 * i + a]
-            d = s01 * B[4 * i + a] + s11 * B[12 + 4 * i + a]
-            e = s22 * B2[4 * i + a]
-            for j in range(3):
-                pair = SUM_D + 3 * i + j
-                at = 4 * j + a
-                W[pair + 10 * (a - 1)] += c * B[at] + d * B[12 + at] + e * B2[at]
-                for b in range(a + 1, 4):
-                    at = 4 * j + b
-                    # Pairs (1, 2), (1, 3), (2, 3) are rows 3, 4, 5.
-                    W[pair + 10 * (a + b)] += c * B[at] + d * B[12 + at] + e * B2[at]
-
-
-@inlined
-def combine(W, h):
-    """All sixteen pairs of shape functions from the sums, for all pairs of components at once.
-
-    Function 0 has minus the slope of function 2; slope unknowns are scaled by h.
-    """
-    for i in range(3):
-        for j in range(3):
-            for row in range(3):
-                W[TURNED + 10 * row + 3 * i + j] = W[SUM_D + 10 * (3 + row) + 3 * j + i]
-    h2 = h * h
-    for p in range(10):
-        k11 = W[SUM_D + p]
-        k22 = W[SUM_D + 10 + p]
-        k33 = W[SUM_D + 20 + p]
-        k12 = W[SUM_D + 30 + p]
-        k13 = W[SUM_D + 40 + p]
-        k23 = W[SUM_D + 50 + p]
-        k21 = W[TURNED + p]
-        k31 = W[TURNED + 10 + p]
-        k32 = W[TURNED + 20 + p]
-        H = SUM_H + p
-        X = SUM_HD + p
-        to = BLOCKS + p
-        W[to] = k22 + W[H] - W[X + 10]
-        W[to + 10] = h * (W[H + 40] + W[X] - k21)
-        W[to + 20] = W[H + 50] + W[X + 10] - k22
-        W[to + 30] = h * (W[H + 60] + W[X + 20] - k23)
-        W[to + 40] = h * (W[H + 40] - W[X + 40] - k12)
-        W[to + 50] = h2 * (k11 + W[H + 10] + W[X + 30])
-        W[to + 60] = h * (k12 + W[H + 70] + W[X + 40])
-        W[to + 70] = h2 * (k13 + W[H + 80] + W[X + 50])
-        W[to + 80] = W[H + 50] - W[X + 70] - k22
-        W[to + 90] = h * (k21 + W[H + 70] + W[X + 60])
-        W[to + 100] = k22 + W[H + 20] + W[X + 70]
-        W[to + 110] = h * (k23 + W[H + 90] + W[X + 80])
-        W[to + 120] = h * (W[H + 60] - W[X + 100] - k32)
-        W[to + 130] = h2 * (k31 + W[H + 80] + W[X + 90])
-        W[to + 140] = h * (k32 + W[H + 90] + W[X + 100])
-        W[to + 150] = h2 * (k33 + W[H + 30] + W[X + 110])
-
-
-@inlined
-def scatter(W, above, upper, lower, below):
-    """The sixteen pairs into the blocks of the element's nodes."""
-    for k in range(2):
-        for i in range(3):
-            for l in range(2):
-                for j in range(3):
-                    at = 6 * (3 * k + i) + 3 * l + j
-                    pair = BLOCKS + 10 * (4 * k + l) + 3 * i + j
-                    above[at] += W[pair]
-                    upper[at] = W[pair + 20]
-                    lower[at] = W[pair + 80]
-                    below[at] += W[pair + 100]
-
-
-@kernel
-def condense_spatial(I, M, out_constraint, out):
-    """Add B^T S (constraint residual) of every element to the forces: T condensed out."""
-    for node in range(1, I[I_NODES]):
-        if I[I[O_JOINT] + node] != 0:
-            continue
-        parent = I[I[O_PARENT] + node]
-        h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
-        B = view(M, I[O_GRADIENT] + 24 * node, 24)
-        s = I[O_COMPLIANCE] + 3 * node
-        r0 = out_constraint[2 * node]
-        r1 = out_constraint[2 * node + 1]
-        z0 = M[s] * r0 + M[s + 1] * r1
-        z1 = M[s + 1] * r0 + M[s + 2] * r1
-        for i in range(3):
-            out[6 * parent + i] += z0 * B[4 * i] + z1 * B[12 + 4 * i]
-            out[6 * parent + 3 + i] += h * (z0 * B[4 * i + 1] + z1 * B[12 + 4 * i + 1])
-            out[6 * node + i] += z0 * B[4 * i + 2] + z1 * B[12 + 4 * i + 2]
-            out[6 * node + 3 + i] += h * (z0 * B[4 * i + 3] + z1 * B[12 + 4 * i + 3])
-
-
-@kernel
-def stretch_rate_spatial(I, M, x, out):
-    """Gradient B of the constraints times a vector x (nodes, 6): out (nodes, 2)."""
-    for node in range(1, I[I_NODES]):
-        out[2 * node] = 0.0
-        out[2 * node + 1] = 0.0
-        if I[I[O_JOINT] + node] != 0:
-            continue
-        parent = I[I[O_PARENT] + node]
-        h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
-        B = view(M, I[O_GRADIENT] + 24 * node, 24)
-        r0 = 0.0
-        r1 = 0.0
-        for i in range(3):
-            y0 = x[6 * parent + i]
-            y1 = h * x[6 * parent + 3 + i]
-            y2 = x[6 * node + i]
-            y3 = h * x[6 * node + 3 + i]
-            b = 4 * i
-            c = 12 + 4 * i
-            r0 += B[b] * y0 + B[b + 1] * y1 + B[b + 2] * y2 + B[b + 3] * y3
-            r1 += B[c] * y0 + B[c + 1] * y1 + B[c + 2] * y2 + B[c + 3] * y3
-        out[2 * node] = r0
-        out[2 * node + 1] = r1

@@ -25,7 +25,7 @@ from .layout import (
 
 @entry_point(int64(INTEGERS, REALS, float64, REALS))
 def step(I, M, t_end, inputs):
-    """Step to t_end [s] with the inputs of stepping.take_step (14 words). Returns the status.
+    """Step to t_end [s] with the inputs of stepping.take_step (INPUT_WORDS). Returns the status.
 
     On failure the block's image is as it was.
     """
@@ -79,27 +79,27 @@ def place_supports(I, M):
 
 @entry_point(int64(INTEGERS, REALS, REALS, REALS))
 def sample(I, M, stations, out):
-    """State at arc lengths [m]; out: rows of 12 words. Returns how many are on it."""
+    """State at arc lengths [m]; out: rows of STATION_WORDS. Returns how many are on it."""
     return outputs.sample_stations(I, M, stations, out)
 
 
 @entry_point(int64(INTEGERS, REALS, REALS))
 def bodies(I, M, out):
-    """Motion of the bodies of finite length; out: rows of 12 words, see outputs.body_stations."""
+    """Motion of bodies of finite length; out: rows of STATION_WORDS, see outputs.body_stations."""
     outputs.body_stations(I, M, out)
     return I[I_RIGID]
 
 
 @entry_point(int64(INTEGERS, REALS, REALS))
 def summary(I, M, out):
-    """The numbers of outputs.summarise (24 words)."""
+    """The numbers of outputs.summarise (SUMMARY_WORDS)."""
     outputs.summarise(I, M, out)
     return 0
 
 
 @entry_point(int64(INTEGERS, REALS, REALS))
 def energy(I, M, out):
-    """The numbers of outputs.energies (6 words)."""
+    """The numbers of outputs.energies (ENERGY_WORDS)."""
     outputs.energies(I, M, out)
     return I[I_BODIES]
 

@@ -29,7 +29,7 @@ from .bodies import (
     wet_derivatives,
     wet_force,
 )
-from .compile import kernel
+from .compile import inlined, kernel
 from .environment import current_at
 from .layout import (
     B_ADDED,
@@ -84,6 +84,14 @@ def rigid_row(I, M, body):
     if M[row + B_LENGTH] == 0.0 or M[row + B_NODE] < 0.0:
         return -1
     return row
+
+
+@inlined
+def attachments(I, M, row):
+    """Outer node of a body that is out, and the first words of its outer and its inner node."""
+    size = 2 * I[I_DIMENSION]
+    node = int(M[row + B_NODE])
+    return node, size * node, size * I[I[O_PARENT] + node]
 
 
 @kernel
@@ -220,15 +228,12 @@ def clamp_forces(dimension, k, q, at, inner, outer, reach, w, out):
 def rigid_residual(I, M, q, v, a, tension, out, out_constraint):
     """Add the bodies' forces to those of their nodes, and set their constraint residuals."""
     dimension = I[I_DIMENSION]
-    size = 2 * dimension
     w = M[I[O_MOTION] + 16 : I[O_MOTION] + 46]
     for body in range(I[I_BODIES]):
         row = rigid_row(I, M, body)
         if row < 0:
             continue
-        node = int(M[row + B_NODE])
-        outer = size * node
-        inner = size * I[I[O_PARENT] + node]
+        node, outer, inner = attachments(I, M, row)
         length = M[row + B_LENGTH]
         reach = axis_of(dimension, q, inner, outer, w)
         bar = tension[2 * node]
@@ -331,10 +336,8 @@ def rigid_jacobian(I, M, q, v, a, tension, ca, cv):
         row = rigid_row(I, M, body)
         if row < 0:
             continue
-        node = int(M[row + B_NODE])
+        node, outer, inner = attachments(I, M, row)
         parent = I[I[O_PARENT] + node]
-        outer = size * node
-        inner = size * parent
         D_inner = M[I[O_DIAGONAL] + area * parent : I[O_DIAGONAL] + area * (parent + 1)]
         D_outer = M[I[O_DIAGONAL] + area * node : I[O_DIAGONAL] + area * (node + 1)]
         U = M[I[O_UPPER] + area * node : I[O_UPPER] + area * (node + 1)]
@@ -404,9 +407,7 @@ def condense_rigid(I, M, out_constraint, out):
         row = rigid_row(I, M, body)
         if row < 0:
             continue
-        node = int(M[row + B_NODE])
-        outer = size * node
-        inner = size * I[I[O_PARENT] + node]
+        node, outer, inner = attachments(I, M, row)
         z = M[I[O_COMPLIANCE] + 3 * node] * out_constraint[2 * node]
         B = I[O_GRADIENT] + 4 * size * node
         for i in range(dimension):
@@ -423,9 +424,7 @@ def stretch_rate_rigid(I, M, x, out):
         row = rigid_row(I, M, body)
         if row < 0:
             continue
-        node = int(M[row + B_NODE])
-        outer = size * node
-        inner = size * I[I[O_PARENT] + node]
+        node, outer, inner = attachments(I, M, row)
         B = I[O_GRADIENT] + 4 * size * node
         value = 0.0
         for i in range(dimension):
@@ -438,11 +437,8 @@ def stretch_rate_rigid(I, M, x, out):
 def rigid_energy(I, M, row, q, v, a, tension, out):
     """Add a body's energies and its loss to drag to those of outputs.energies."""
     dimension = I[I_DIMENSION]
-    size = 2 * dimension
     w = M[I[O_MOTION] + 16 : I[O_MOTION] + 46]
-    node = int(M[row + B_NODE])
-    outer = size * node
-    inner = size * I[I[O_PARENT] + node]
+    node, outer, inner = attachments(I, M, row)
     reach = axis_of(dimension, q, inner, outer, w)
     bar = tension[2 * node]
     out[1] += 0.5 * M[row + B_COMPLIANCE] * bar * bar

@@ -9,13 +9,15 @@ of the node's Schur complement, lower is replaced by Z = D^-1 lower.
 from typing import Any
 
 from .compile import kernel
+from .elimination import hinge_kernels, lower_upper
 from .layout import I_NODES, JOINT_HINGE, O_DIAGONAL, O_JOINT, O_LOWER, O_PARENT, O_UPPER
 
 
 def make_triangular_solver(size: int) -> tuple[Any, Any]:
     """factor(I, M) -> status and solve(I, M, x) for nodes of `size` unknowns (4 or 6)."""
-    half = size // 2
     area = size * size
+    factor_block, solve_block = lower_upper(size, 0)
+    factor_hinge, condense_hinge, reduce_hinge, substitute_hinge = hinge_kernels(size)
 
     @kernel
     def factor(I, M):
@@ -24,18 +26,9 @@ def make_triangular_solver(size: int) -> tuple[Any, Any]:
             at = I[O_DIAGONAL] + area * node
             D = M[at : at + area]
             hinge = I[I[O_JOINT] + node] == JOINT_HINGE
-            first = half if hinge else 0
-            for k in range(first, size):
-                pivot = D[size * k + k]
-                if pivot == 0.0 or pivot != pivot:
-                    return node + 1
-                inverse = 1.0 / pivot
-                D[size * k + k] = inverse
-                for i in range(k + 1, size):
-                    factor_ik = D[size * i + k] * inverse
-                    D[size * i + k] = factor_ik
-                    for j in range(k + 1, size):
-                        D[size * i + j] -= factor_ik * D[size * k + j]
+            factored = factor_hinge(D) if hinge else factor_block(D)
+            if not factored:
+                return node + 1
             if node == 0:
                 break
             parent = I[I[O_PARENT] + node]
@@ -44,25 +37,7 @@ def make_triangular_solver(size: int) -> tuple[Any, Any]:
             Z = M[I[O_LOWER] + area * node : I[O_LOWER] + area * node + area]
             U = M[I[O_UPPER] + area * node : I[O_UPPER] + area * node + area]
             if hinge:
-                # Z = dd^-1 dr; the parent's r takes over rr - rd Z.
-                for i in range(half):
-                    for j in range(half):
-                        value = D[size * (half + i) + j]
-                        for k in range(i):
-                            value -= D[size * (half + i) + half + k] * Z[size * k + j]
-                        Z[size * i + j] = value
-                for i in range(half - 1, -1, -1):
-                    for j in range(half):
-                        value = Z[size * i + j]
-                        for k in range(i + 1, half):
-                            value -= D[size * (half + i) + half + k] * Z[size * k + j]
-                        Z[size * i + j] = value * D[size * (half + i) + half + i]
-                for i in range(half):
-                    for j in range(half):
-                        value = D[size * i + j]
-                        for k in range(half):
-                            value -= D[size * i + half + k] * Z[size * k + j]
-                        A[size * i + j] += value
+                condense_hinge(D, Z, A)
             else:
                 for i in range(size):
                     for k in range(i):
@@ -91,29 +66,14 @@ def make_triangular_solver(size: int) -> tuple[Any, Any]:
             at = I[O_DIAGONAL] + area * node
             D = M[at : at + area]
             y = x[size * node : size * node + size]
-            hinge = I[I[O_JOINT] + node] == JOINT_HINGE
-            first = half if hinge else 0
-            for i in range(first, size):
-                value = y[i]
-                for k in range(first, i):
-                    value -= D[size * i + k] * y[k]
-                y[i] = value
-            for i in range(size - 1, first - 1, -1):
-                value = y[i]
-                for k in range(i + 1, size):
-                    value -= D[size * i + k] * y[k]
-                y[i] = value * D[size * i + i]
-            if node == 0:
-                break
-            parent = I[I[O_PARENT] + node]
-            b = x[size * parent : size * parent + size]
-            if hinge:
-                for i in range(half):
-                    value = y[i]
-                    for k in range(half, size):
-                        value -= D[size * i + k] * y[k]
-                    b[i] += value
-            else:
+            if I[I[O_JOINT] + node] == JOINT_HINGE:
+                parent = I[I[O_PARENT] + node]
+                reduce_hinge(D, y, x[size * parent : size * parent + size])
+                continue
+            solve_block(D, y)
+            if node > 0:
+                parent = I[I[O_PARENT] + node]
+                b = x[size * parent : size * parent + size]
                 U = M[I[O_UPPER] + area * node : I[O_UPPER] + area * node + area]
                 for i in range(size):
                     value = b[i]
@@ -126,13 +86,7 @@ def make_triangular_solver(size: int) -> tuple[Any, Any]:
             p = x[size * parent : size * parent + size]
             Z = M[I[O_LOWER] + area * node : I[O_LOWER] + area * node + area]
             if I[I[O_JOINT] + node] == JOINT_HINGE:
-                for i in range(half):
-                    y[i] = p[i]
-                for i in range(half):
-                    value = y[half + i]
-                    for k in range(half):
-                        value -= Z[size * i + k] * p[k]
-                    y[half + i] = value
+                substitute_hinge(Z, p, y)
             else:
                 for i in range(size):
                     value = y[i]

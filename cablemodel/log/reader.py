@@ -211,7 +211,10 @@ class LogFile:
         if bytes(data[:8]) != MAGIC:
             if MAGIC.startswith(bytes(data[:8])):
                 raise LogError(f"{self.path} is cut off before the scene: there is nothing in it")
-            raise LogError(f"{self.path} is no MCAP file")
+            raise LogError(
+                f"{self.path} is no MCAP file: a log is what `cablemodel run SCENE --log RUN.mcap` "
+                "writes"
+            )
         has_end = size >= 16 and bytes(data[-8:]) == MAGIC
         at = 8
         footer = False

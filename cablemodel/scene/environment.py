@@ -21,6 +21,7 @@ from cablemodel.scene.base import (
     Velocity,
     also,
 )
+from cablemodel.scene.depth_table import DepthSurface
 from cablemodel.scene.tables import table_from_file
 from cablemodel.scene.units import Count, Quantity, Vector, rejection
 
@@ -182,11 +183,17 @@ class Floor(SceneModel):
         return self
 
     def height(self, x: float, y: float) -> float:
-        """Height of the floor at a place [m]; beyond a table's edge that of the edge."""
+        """Height of the floor at a place [m]; beyond a table's edge that of the edge.
+
+        Between a table's points it is the surface that the engine has: `DepthSurface`.
+        """
         if self.z is not None:
             return self.z + self.slope[0] * (x - self.at[0]) + self.slope[1] * (y - self.at[1])
-        along_y = [np.interp(x, self.grid_x, column) for column in self.grid_z.T]
-        return float(np.interp(y, self.grid_y, along_y))
+        return self._surface.height(x, y)
+
+    @cached_property
+    def _surface(self) -> DepthSurface:
+        return DepthSurface(self.grid_x, self.grid_y, self.grid_z)
 
     @cached_property
     def grid_x(self) -> FloatArray:

@@ -15,6 +15,9 @@ from cablemodel.scene.problems import problems_of
 from cablemodel.scene.schema import Scene
 from cablemodel.scene.text import parse_yaml
 
+_LOG = b"\x89MCAP"
+"""What an MCAP file begins with."""
+
 SceneSource = str | os.PathLike[str] | Mapping[str, Any]
 
 
@@ -95,9 +98,13 @@ def _content(source: SceneSource) -> tuple[str | None, str | None, Mapping[str, 
     name = os.fspath(source)
     try:
         raw = Path(name).read_bytes()
+        if raw.startswith(_LOG):
+            raise ValueError("it is the log of a run")
         text = raw.decode("utf-8-sig")
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
+        if isinstance(error, UnicodeDecodeError):
+            reason = f"no UTF-8 text: byte {error.start} is {error.object[error.start]:#04x}"
         error_ = SceneError.at("", name, f"cannot be read ({reason})", "a scene file in UTF-8")
         error_.source = str(name)
         raise error_ from None
@@ -106,9 +113,8 @@ def _content(source: SceneSource) -> tuple[str | None, str | None, Mapping[str, 
 
 def _mapping(data: Any, source: str) -> Mapping[str, Any]:
     if not isinstance(data, dict):
-        error = SceneError.at(
-            "", data, f"{shown(data)} is not a mapping", "a mapping such as {line: ..., ...}"
-        )
+        problem = "is empty" if data is None else f"{shown(data)} is not a mapping"
+        error = SceneError.at("", data, problem, "a mapping such as {line: ..., ...}")
         error.source = source
         raise error
     return data

@@ -20,6 +20,8 @@ _FLOAT = re.compile(
 )
 _BOOL = re.compile(r"(?:true|True|TRUE|false|False|FALSE)$")
 _REPLACED = {f"tag:yaml.org,2002:{name}" for name in ("bool", "int", "float", "timestamp")}
+_TAB = r"found character '\t'"
+"""How PyYAML complains of the tab that YAML forbids."""
 _LARGEST = 5_000_000
 """Values in a scene, aliases written out: more is a mistake, or an attack."""
 
@@ -90,16 +92,20 @@ def parse_yaml(text: str | bytes, source: str = "") -> Any:
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark
         where = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
-        problem = f"{where}{error.problem or error.context or 'not YAML'}"
-        raise _not_yaml(problem, source) from None
+        problem = error.problem or error.context or "not YAML"
+        if _TAB in problem:
+            raise _not_yaml(f"{where}a tab", source, "spaces to indent") from None
+        repeated = isinstance(error, yaml.constructor.ConstructorError)
+        allowed = "YAML with every key once" if repeated else "YAML"
+        raise _not_yaml(where + problem, source, allowed) from None
     except (yaml.YAMLError, UnicodeError, ValueError, OverflowError) as error:
         raise _not_yaml(" ".join(str(error).split()), source) from None
     except RecursionError:
         raise _not_yaml("nested too deeply", source) from None
 
 
-def _not_yaml(problem: str, source: str) -> SceneError:
-    error = SceneError.at("", None, problem, "YAML with every key once")
+def _not_yaml(problem: str, source: str, allowed: str = "YAML") -> SceneError:
+    error = SceneError.at("", None, problem, allowed)
     error.source = source
     return error
 

@@ -43,13 +43,22 @@ def input_layout() -> dict[str, int]:
 
 
 def start_constants() -> dict[str, float]:
-    """Numbers by which instance.py and mesh.py derive a block from the lengths of its cables."""
-    from cablemodel import instance, mesh
+    """Numbers by which instance/ and mesh.py derive a block from the lengths of its cables."""
+    from cablemodel import mesh
+    from cablemodel.instance import line_tables, refinement, winch
     from cablemodel_fmu import signals
 
-    names = ("STABILISATION", "SHORTEST_LINE", "SHORTEST_PIECE", "RIGID", "SOFTEST", "BENT")
-    found = {name: getattr(instance, name) for name in (*names, "REFINEMENTS")}
-    return found | {"LIGHT_DAMPING": mesh.LIGHT_DAMPING, "DRUM_ROOM": signals.LONGEST}
+    return {
+        "STABILISATION": line_tables.STABILISATION,
+        "SHORTEST_LINE": winch.SHORTEST_LINE,
+        "SHORTEST_PIECE": winch.SHORTEST_PIECE,
+        "RIGID": line_tables.RIGID,
+        "SOFTEST": line_tables.SOFTEST,
+        "BENT": refinement.BENT,
+        "REFINEMENTS": refinement.ROUNDS,
+        "LIGHT_DAMPING": mesh.LIGHT_DAMPING,
+        "DRUM_ROOM": signals.LONGEST,
+    }
 
 
 def constants(module: ModuleType, prefixes: tuple[str, ...] = ("",)) -> dict[str, int]:

@@ -106,10 +106,18 @@ def export_fmu(
             entry.external_attr = (0o755 if name.startswith("binaries/") else 0o644) << 16
             archive.writestr(entry, data)
     partial.replace(target)
-    # The Open Simulation Platform looks for a model's ports next to its FMU, under this name.
-    ports = target.with_name(f"{contents.name}_OspModelDescription.xml")
-    ports.write_bytes(osp_description(contents.signals))
+    ports_file(scene, target).write_bytes(osp_description(contents.signals))
     return target
+
+
+def ports_file(scene: Scene, fmu: Path) -> Path:
+    """Where the Open Simulation Platform looks for a model's ports: next to its FMU."""
+    return fmu.with_name(f"{_model_name(scene)}_OspModelDescription.xml")
+
+
+def _model_name(scene: Scene) -> str:
+    """The scene's title as FMI allows it for a model."""
+    return re.sub(r"\W+", "_", scene.title or "").strip("_") or "Cable"
 
 
 def contents_of(scene: Scene, stations: int) -> Contents:
@@ -147,7 +155,7 @@ def contents_of(scene: Scene, stations: int) -> Contents:
         static=static,
         pinned=scene.vessel.connection.kind == "pinned",
     )
-    name = re.sub(r"\W+", "_", scene.title or "").strip("_") or "Cable"
+    name = _model_name(scene)
     xml = model_description(
         name=name,
         guid=guid,

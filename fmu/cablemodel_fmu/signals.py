@@ -205,7 +205,7 @@ def coefficients(scene: Scene, block: Block) -> list[Coefficient]:
 def lengths(scene: Scene, first: int) -> list[Coefficient]:
     """Lengths of the cables of line and drum; first: how many parameters come before them.
 
-    The rows of the cable table begin at the line's far end; see _winch in cablemodel/instance.py.
+    The rows of the cable table begin at the line's far end; see cablemodel/instance/winch.py.
     """
     found: list[Coefficient] = []
     drum = [item.cable for item in scene.payout.drum if item.cable is not None]

@@ -175,7 +175,7 @@ def python_outputs(model, stations: int) -> dict[str, np.ndarray]:
     return {name: np.asarray(value) for name, value in found.items()}
 
 
-def compare_exactly(slave: Slave, model, stations: int) -> None:
+def assert_same_bits(slave: Slave, model, stations: int) -> None:
     """Every output has the bits of the Python model's."""
     assert slave.time == model.time
     for name, expected in python_outputs(model, stations).items():

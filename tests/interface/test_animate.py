@@ -11,7 +11,9 @@ import pytest
 from typer.testing import CliRunner, Result
 
 import cablemodel as cm
+from cablemodel.animate import _Film
 from cablemodel.cli import app
+from cablemodel.plot import FLOOR_COLOUR
 
 pytest.importorskip("matplotlib")
 
@@ -42,6 +44,18 @@ def test_a_gif_has_the_pictures_asked_for_and_they_move(log: Path) -> None:
         film.seek(7)
         last = np.asarray(film.convert("RGB"), int)
     assert np.count_nonzero(np.abs(first - last).sum(axis=-1) > 100) > 200
+
+
+def test_bodies_touchdown_and_floor_are_in_the_picture(log: Path) -> None:
+    film = _Film(cm.open_run(log))
+    side = film._panels[0].axes
+    film.picture(float(cm.open_run(log).states.time[-1]))
+    shown = {line.get_marker(): line.get_xydata() for line in side.get_lines()}
+    run = cm.open_run(log)
+    along = film._view.horizontal(run["bodies.position"][-1] - film._view.origin[-1])[0]
+    assert shown["o"][:, 0].tolist() == along.tolist()
+    assert np.isfinite(shown["^"]).all() == np.isfinite(run["touchdown_position"][-1]).all()
+    assert any(line.get_color() == FLOOR_COLOUR for line in side.get_lines())
 
 
 def test_an_mp4_plays_on_phones(log: Path) -> None:

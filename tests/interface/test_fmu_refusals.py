@@ -30,7 +30,7 @@ def slave(still):
     slave.close()
 
 
-def refused(slave, words, call, *args, status=fmi2Error, **kwargs):
+def assert_refused(slave, words, call, *args, status=fmi2Error, **kwargs):
     """The call fails with this status and one message with these words; nothing has changed."""
     before = slave.fmu.serializeFMUstate(slave.fmu.getFMUstate())
     slave.messages.clear()
@@ -45,30 +45,30 @@ def refused(slave, words, call, *args, status=fmi2Error, **kwargs):
 @pytest.mark.parametrize("value", [NAN, float("inf"), 1e200])
 def test_values_that_are_not_finite(slave, value):
     for name in ("vessel.velocity", "vessel.position", "current.velocity"):
-        refused(slave, "not finite", slave.set, name, (0.1, value, 0.0))
-    refused(slave, "not finite", slave.set, "payout.rate", value)
-    refused(slave, "out of range", slave.set, "cable_types.K.drag_normal", value)
+        assert_refused(slave, "not finite", slave.set, name, (0.1, value, 0.0))
+    assert_refused(slave, "not finite", slave.set, "payout.rate", value)
+    assert_refused(slave, "out of range", slave.set, "cable_types.K.drag_normal", value)
     reference = slave.references["payout.rate"].valueReference
-    refused(
+    assert_refused(
         slave, "not finite", slave.fmu.setRealInputDerivatives, [reference], [1], [value]
     )  # fmt: skip
     slave.step(0.5)
 
 
 def test_values_out_of_range(slave):
-    refused(slave, "out of range", slave.set, "cable_types.K.drag_normal", -0.1)
+    assert_refused(slave, "out of range", slave.set, "cable_types.K.drag_normal", -0.1)
 
 
 @pytest.mark.parametrize("dt", [0.0, -0.1, NAN, float("inf"), 1e-17])
 def test_steps_that_do_not_go_forward(slave, dt):
-    refused(slave, "fmi2DoStep", slave.step, dt)
+    assert_refused(slave, "fmi2DoStep", slave.step, dt)
     slave.time = 1.0
     slave.step(0.5)
 
 
 def test_a_step_from_another_time(slave):
     slave.time = 1.5
-    refused(slave, "the cable is at 1", slave.step, 0.5)
+    assert_refused(slave, "the cable is at 1", slave.step, 0.5)
 
 
 def test_a_step_beyond_the_stop_time(still):
@@ -77,46 +77,46 @@ def test_a_step_beyond_the_stop_time(still):
     slave.fmu.enterInitializationMode()
     slave.fmu.exitInitializationMode()
     slave.step(1.0)
-    refused(slave, "stop time", slave.step, 0.1)
+    assert_refused(slave, "stop time", slave.step, 0.1)
     slave.close()
 
 
 @pytest.mark.parametrize("reference", [10, 99, 901, 1032, 9999, 10039, 20000013, 2**32 - 1])
 def test_unknown_value_references(slave, reference):
     words = "unknown value reference"
-    refused(slave, words, slave.fmu.getReal, [reference])
-    refused(slave, words, slave.fmu.setReal, [0, reference], [9.0, 0.0])
-    refused(slave, words, slave.fmu.getInteger, [reference])
-    refused(slave, words, slave.fmu.getBoolean, [reference])
-    refused(slave, words, slave.fmu.getString, [reference])
-    refused(slave, words, slave.fmu.setRealInputDerivatives, [reference], [1], [0.0])
+    assert_refused(slave, words, slave.fmu.getReal, [reference])
+    assert_refused(slave, words, slave.fmu.setReal, [0, reference], [9.0, 0.0])
+    assert_refused(slave, words, slave.fmu.getInteger, [reference])
+    assert_refused(slave, words, slave.fmu.getBoolean, [reference])
+    assert_refused(slave, words, slave.fmu.getString, [reference])
+    assert_refused(slave, words, slave.fmu.setRealInputDerivatives, [reference], [1], [0.0])
 
 
 def test_outputs_cannot_be_set(slave):
-    refused(slave, "an output", slave.set, "tension.top", 5.0)
+    assert_refused(slave, "an output", slave.set, "tension.top", 5.0)
 
 
 def test_fixed_parameters_cannot_be_set_after_the_start(slave):
-    refused(slave, "not allowed", slave.set, "vessel.input", 2)
-    refused(slave, "not allowed", slave.set, "use_scene_inputs", True)
+    assert_refused(slave, "not allowed", slave.set, "vessel.input", 2)
+    assert_refused(slave, "not allowed", slave.set, "use_scene_inputs", True)
 
 
 def test_wrong_order_of_calls(still):
     slave = Slave(*still, begin=False)
-    refused(slave, "while instantiated", slave.step, 0.1)
-    refused(slave, "while instantiated", slave.fmu.exitInitializationMode)
-    refused(slave, "while instantiated", slave.fmu.terminate)
-    refused(slave, "not 1 to 3", slave.set, "vessel.input", 4)
+    assert_refused(slave, "while instantiated", slave.step, 0.1)
+    assert_refused(slave, "while instantiated", slave.fmu.exitInitializationMode)
+    assert_refused(slave, "while instantiated", slave.fmu.terminate)
+    assert_refused(slave, "not 1 to 3", slave.set, "vessel.input", 4)
     slave.fmu.setupExperiment()
     slave.fmu.enterInitializationMode()
-    refused(slave, "initialization mode", slave.step, 0.1)
-    refused(slave, "initialization mode", slave.fmu.setupExperiment)
+    assert_refused(slave, "initialization mode", slave.step, 0.1)
+    assert_refused(slave, "initialization mode", slave.fmu.setupExperiment)
     slave.fmu.exitInitializationMode()
-    refused(slave, "while initialized", slave.fmu.enterInitializationMode)
+    assert_refused(slave, "while initialized", slave.fmu.enterInitializationMode)
     slave.step(0.1)
     slave.fmu.terminate()
-    refused(slave, "while terminated", slave.step, 0.1)
-    refused(slave, "while terminated", slave.set, "payout.rate", 0.0)
+    assert_refused(slave, "while terminated", slave.step, 0.1)
+    assert_refused(slave, "while terminated", slave.set, "payout.rate", 0.0)
     assert np.isfinite(slave.get("tension.top"))
     slave.close()
 
@@ -143,7 +143,7 @@ def test_a_step_that_cannot_be_made_is_discarded(slave):
     """A velocity that no cable stands: the state is as before, and a reasonable step goes on."""
     before = slave.get("end.position").tobytes()
     slave.set("vessel.velocity", (1e90, 0, 0))
-    refused(slave, "m along the cable", slave.step, 0.1, status=fmi2Discard)
+    assert_refused(slave, "m along the cable", slave.step, 0.1, status=fmi2Discard)
     assert slave.fmu.getRealStatus(2) == 1.0
     assert not slave.fmu.getBooleanStatus(3)
     assert slave.get("end.position").tobytes() == before

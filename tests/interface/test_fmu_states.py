@@ -139,6 +139,7 @@ def test_a_folder_with_a_strange_name(still, tmp_path):
     shutil.copytree(still[0], place)
     slave = Slave(place, still[1])
     slave.step(0.1)
+    assert slave.get("tension.top") > 0.0
     slave.close()
 
 

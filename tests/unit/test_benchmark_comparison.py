@@ -61,6 +61,6 @@ def test_steady_start_of_a_peer_balances_weight_and_drag() -> None:
     points = scene.starting_points(10)
     direction = points[-1] / np.linalg.norm(points[-1])
 
-    # Without the factor sqrt(e) the angle is 36.00 deg; with it verification.md has 35.998 deg.
+    # Without the factor sqrt(e) the angle is 36.00 deg; with it the reference has 35.998 deg.
     assert math.degrees(angle) == pytest.approx(36.0, abs=5e-3)
     assert direction == pytest.approx([-math.cos(angle), 0.0, -math.sin(angle)])

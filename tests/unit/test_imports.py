@@ -47,8 +47,13 @@ LAYERS = (
     ("cablemodel.run", "cablemodel.columns", "cablemodel.dataset"),
     ("cablemodel.compare",),
     ("cablemodel.replay",),
-    ("cablemodel.plot", "cablemodel.analysis", "cablemodel.export"),
-    ("cablemodel.animate", "cablemodel.report"),
+    (
+        "cablemodel.plot",
+        "cablemodel.analysis",
+        "cablemodel.export",
+        "cablemodel.parameter_sweep",
+    ),
+    ("cablemodel.animate", "cablemodel.report", "cablemodel.sweep_plot"),
     ("cablemodel.cli", "cablemodel.__main__"),
 )
 

@@ -108,8 +108,12 @@ def test_the_sea_floor_bodies_and_touchdown_are_drawn() -> None:
     with_columns = type("Fake", (SimpleNamespace,), {"__getitem__": lambda _, name: places[name]})
     side = draw(with_columns(**vars(run))).axes[0]
     assert any(np.allclose(line.get_ydata(), -28.0) for line in lines(side))
-    marks = [line.get_xydata() for line in side.get_lines() if line.get_markersize() == 3]
-    assert np.concatenate(marks).tolist() == [[1.0, -2.0], [3.0, -28.0]]
+    for marker, place in (("o", [1.0, -2.0]), ("^", [3.0, -28.0])):
+        drawn = [line.get_xydata() for line in side.get_lines() if line.get_color() != "0.15"
+                 and line.get_marker() == marker]  # fmt: skip
+        assert np.concatenate(drawn).tolist() == [place]
+    key = [text.get_text() for text in side.figure.legends[0].get_texts()]
+    assert key[-2:] == ["body", "touchdown"]
 
 
 def test_a_cable_that_travels_far_is_drawn_from_the_tow_point() -> None:

@@ -231,11 +231,12 @@ def test_the_value_is_the_one_in_the_file() -> None:
     ("text", "words"),
     [
         ("line: [1\nx: 2", "line 2"),
+        ("line:\n\t- x: 2\n", "line 2, column 1: a tab; allowed: spaces"),
         ("a: 1\na: 2\n", "'a' is there twice"),
         ("line:\n  - cable: {type: K, type: L}\n", "'type' is there twice"),
         ("- 1\n- 2\n", "not a mapping"),
         ("just text\n", "not a mapping"),
-        ("\n", "not a mapping"),
+        ("\n", "is empty"),
         ("a: &a [*a]\n", "contains itself"),
         ("a: !!python/object/apply:os.system [true]\n", "could not determine a constructor"),
         ("a: \x00\n", "special characters"),

@@ -213,7 +213,7 @@ def test_floor_from_csv(tmp_path: Path) -> None:
     floor = scene.environment.floor
     assert floor is not None
     assert floor.grid_z.tolist() == [[-10, -20], [-30, -40]]
-    assert floor.height(5, 5) == -25
+    assert floor.height(5, 5) == pytest.approx(-25, abs=1e-12)
     assert floor.height(-100, 100) == -20
     assert cm.load_scene(scene.to_yaml()) == scene
     data["environment"]["floor"]["depth_table"] = "line.csv"

@@ -45,7 +45,7 @@ anything = st.recursive(
 )
 
 
-def load_or_refuse(source: Any) -> cm.Scene | None:
+def assert_loads_or_is_refused(source: Any) -> cm.Scene | None:
     try:
         scene = cm.load_scene(source)
     except cm.SceneError as error:
@@ -77,7 +77,7 @@ def test_any_value_replaced_by_anything(place: tuple[Any, ...], value: Any) -> N
     for key in place[:-1]:
         here = here[key]
     here[place[-1]] = value
-    load_or_refuse(data)
+    assert_loads_or_is_refused(data)
 
 
 @patient
@@ -90,14 +90,14 @@ def test_any_mapping_with_anything_more(place: tuple[Any, ...], key: Any, value:
             here = here[part]
     if isinstance(here, dict):
         here[key] = value
-    load_or_refuse(data)
+    assert_loads_or_is_refused(data)
 
 
 @patient
 @given(st.dictionaries(st.sampled_from([*full(), "other"]), anything))
 def test_anything_in_every_part(data: dict[str, Any]) -> None:
-    load_or_refuse(data)
-    load_or_refuse(minimal() | data)
+    assert_loads_or_is_refused(data)
+    assert_loads_or_is_refused(minimal() | data)
 
 
 @patient
@@ -105,7 +105,7 @@ def test_anything_in_every_part(data: dict[str, Any]) -> None:
 @example("a: 0x\n")
 @example("\n=")
 def test_any_text(text: str) -> None:
-    load_or_refuse("\n" + text)
+    assert_loads_or_is_refused("\n" + text)
 
 
 @patient
@@ -113,7 +113,7 @@ def test_any_text(text: str) -> None:
 def test_any_unit_text(text: str) -> None:
     data = minimal()
     data["line"][0]["cable"]["length"] = text
-    load_or_refuse(data)
+    assert_loads_or_is_refused(data)
 
 
 @patient
@@ -121,7 +121,7 @@ def test_any_unit_text(text: str) -> None:
 def test_any_quantity_text(text: str) -> None:
     data = minimal()
     data["line"][0]["cable"]["length"] = text
-    load_or_refuse(data)
+    assert_loads_or_is_refused(data)
 
 
 @patient
@@ -177,7 +177,7 @@ def scenes(draw: st.DrawFn) -> dict[str, Any]:
 def test_what_loads_round_trips_exactly(data: dict[str, Any], length: float) -> None:
     name = next(iter(data["cable_types"]))
     data["line"] = [{"cable": {"type": name, "length": length}}]
-    scene = load_or_refuse(data)
+    scene = assert_loads_or_is_refused(data)
     if scene is None:
         pytest.fail("refused")
     assert scene.line_length == length

@@ -269,7 +269,7 @@ def centre_end_direction(model):
     return np.array([state.position[0], model.tip_position]), state.tangent[0]
 
 
-def compare_with_stiff_piece(models):
+def assert_like_stiff_piece(models):
     (places, direction), (other, along) = map(centre_end_direction, models)
     assert places == pytest.approx(other, abs=5e-5 * 21.0)
     assert direction == pytest.approx(along, abs=1e-3)
@@ -279,7 +279,7 @@ def compare_with_stiff_piece(models):
 @pytest.mark.parametrize("speed", [0.5, 1.0, 2.0])
 def test_towed_body_is_a_very_stiff_piece_of_cable(speed):
     tow = [{"t": 0, "velocity": [speed, 0, 0]}]
-    compare_with_stiff_piece([stiff_piece(1.0, tow, rigid) for rigid in (True, False)])
+    assert_like_stiff_piece([stiff_piece(1.0, tow, rigid) for rigid in (True, False)])
 
 
 def test_body_turns_like_a_very_stiff_piece_of_cable():
@@ -289,7 +289,7 @@ def test_body_turns_like_a_very_stiff_piece_of_cable():
     for time in (0.001, 2.0, 5.0, 10.0, 15.0, 20.0):
         for model in models:
             model.step_to(time)
-        compare_with_stiff_piece(models)
+        assert_like_stiff_piece(models)
 
 
 def deployed(model="hybrid", tolerance=1e-4, turn=0.0, mirror=1.0, **settings):

@@ -1,4 +1,4 @@
-"""The reference solutions give the numbers that were computed elsewhere (design page, 8 digits)."""
+"""The reference solutions give the numbers that were computed elsewhere (8 digits)."""
 
 from dataclasses import replace
 
@@ -150,7 +150,7 @@ def test_hanging_chain_frequencies():
 
 
 def test_hanging_elastica_frequencies():
-    """The design page has 1.2236592 for the first; a Ritz solution with 40 Legendre polynomials
+    """Computed elsewhere: 1.2236592 for the first; a Ritz solution with 40 Legendre polynomials
     gives 1.22365931, 2.91815254, 5.08184275 and decides for the power series."""
     expected = [1.22365931, 2.91815255, 5.08184275]
     assert modes.hanging_elastica(1e-3, 3) == pytest.approx(expected, abs=6e-9)

@@ -7,7 +7,7 @@
 
 #include "layout.h" /* generated from cablemodel/kernels/layout.py and cablemodel/block.py */
 
-/* Value references of real variables; see cablemodel_fmu/variables.py, which writes the same. */
+/* Value references of real variables; see cablemodel_fmu/signals.py, which writes the same. */
 enum {
     VR_VELOCITY = 0, VR_POSITION = 3, VR_PAYOUT = 6, VR_CURRENT = 7, VR_INPUTS = 10,
     VR_PARAMETER = 100,

@@ -1,6 +1,6 @@
 /* Lengths of the cables, set before the start, and the state at the start that belongs to them.
 
-   What cablemodel/instance.py makes of a scene's lengths is made of new ones here: the elements of a
+   What cablemodel/instance makes of a scene's lengths is made of new ones here: the elements of a
    cable keep their number and are scaled with it, and so is the first shape, from which the kernels
    find the static equilibrium. */
 #include <math.h>
@@ -104,7 +104,7 @@ static void back_to_the_anchor(Cable *cable) {
     }
 }
 
-/* The cables as they pass the tow point: see _winch in cablemodel/instance.py. */
+/* The cables as they pass the tow point: see cablemodel/instance/winch.py. */
 static void arrange_winch(Cable *cable, double from, double to, double growth) {
     double below = 0.0, most = 0.0;
     for (int64_t n = cable->parameter_count - 1; n >= 0; n--)
@@ -149,7 +149,7 @@ static void arrange_winch(Cable *cable, double from, double to, double growth) {
     }
 }
 
-/* All that instance.py derives from the lengths of the line as a whole. */
+/* All that cablemodel/instance derives from the lengths of the line as a whole. */
 static void scale_line(Cable *cable, double from, double to, double growth) {
     double *M = cable->M;
     const int64_t *I = cable->I;
@@ -192,7 +192,7 @@ static void stabilise_row(Cable *cable, double *edge, double tension, int *chang
     edge[E_STABILISATION] = wanted;
 }
 
-/* _stabilise of cablemodel/instance.py. */
+/* _stabilise of cablemodel/instance/first_state.py. */
 static int stabilise(Cable *cable) {
     int changed = 0;
     double tension = 0.0;
@@ -245,7 +245,7 @@ static int64_t solve_static(Cable *cable) {
     return status;
 }
 
-/* The calls of _find_initial_state and _refine_touchdown in cablemodel/instance.py. */
+/* The calls of find_initial_state and refine_touchdown in cablemodel/instance. */
 static int64_t find_initial_state(Cable *cable) {
     const int64_t words = cable->block_words;
     const int is_static = (cable->flags & FLAG_STATIC) != 0;
@@ -278,7 +278,7 @@ static double second(const Cable *cable, int64_t node, int64_t i, int end) {
 }
 
 /* Whether a static shape bends more than its elements can follow: by the rule by which
-   _refined of cablemodel/instance.py would halve some of them. */
+   refined of cablemodel/instance/refinement.py would halve some of them. */
 static int bends_too_much(const Cable *cable) {
     const int64_t *I = cable->I, *joint = I + I[O_JOINT], nodes = I[I_NODES];
     const double allowed = BENT * cable->M[S_TOLERANCE] * cable->M[S_LENGTH];

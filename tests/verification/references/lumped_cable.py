@@ -1,6 +1,6 @@
 """Lumped masses and springs by SciPy: a towed flexible cable for which two runs are compared.
 
-Second order in the spacing only, so that it does not compete with the tables of the design page.
+Second order in the spacing only, so that it does not compete with the reference tables.
 It is for *differences*: what a term of the equations changes, to a few parts in a thousand.
 """
 

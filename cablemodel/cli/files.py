@@ -1,0 +1,25 @@
+"""Files that commands write: looked at before the work is done, so that none is done in vain."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from cablemodel.cli.errors import bad_option
+
+
+def writable(target: Path, endings: tuple[str, ...], option: str = "--output") -> Path:
+    """A file to write, after a look at its ending and folder.
+
+    The ending keeps a slip from overwriting a scene with a picture or a log.
+
+    Raises:
+        typer.BadParameter: a wrong ending, or no such folder.
+    """
+    if target.suffix.lower() not in endings:
+        named = " or ".join(filter(None, [", ".join(endings[:-1]), endings[-1]]))
+        raise bad_option(option, f"{target} must end in {named}")
+    if not target.parent.is_dir():
+        raise bad_option(option, f"there is no folder {target.parent}")
+    if target.is_dir():
+        raise bad_option(option, f"{target} is a folder")
+    return target

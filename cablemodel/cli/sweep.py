@@ -1,0 +1,165 @@
+"""``cablemodel sweep``: a scene for every combination of some of its values."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from cablemodel.cli.errors import FAILED, INTERRUPTED, bad_option, reported
+from cablemodel.cli.files import writable
+from cablemodel.cli.run import SceneArgument, SetOption, seconds_of
+
+if TYPE_CHECKING:
+    import pandas
+
+FORMATS = (".csv", ".parquet", ".nc")
+_PICTURES = (".png", ".pdf", ".svg")
+
+
+@reported
+def sweep(
+    scene: SceneArgument,
+    over: Annotated[
+        list[str],
+        typer.Option(
+            metavar="PATH=VALUES",
+            help="What to vary: path=start:stop:count, both ends included, or path=value,value,... "
+            "Repeated: every combination is run.",
+            show_default=False,
+        ),
+    ],
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            help="Table to write: .csv, .parquet or .nc; by default SCENE_sweep.csv here.",
+            show_default=False,
+        ),
+    ] = None,
+    plot: Annotated[
+        Path | None,
+        typer.Option(help="Picture to write as well: .png, .pdf or .svg.", show_default=False),
+    ] = None,
+    result: Annotated[
+        str, typer.Option(help="Column of the table that the picture shows.")
+    ] = "highest_tension",
+    against: Annotated[
+        str | None,
+        typer.Option(
+            metavar="PATH",
+            help="Value that is the picture's abscissa; by default that of the first --over.",
+            show_default=False,
+        ),
+    ] = None,
+    overrides: SetOption = None,
+    until: Annotated[
+        str | None,
+        typer.Option(
+            metavar="T",
+            help="End of the runs, in seconds or with a unit, instead of the scene's.",
+            show_default=False,
+        ),
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS",
+            help="Run on the cluster of this dask scheduler, e.g. tcp://host:8786, instead of on "
+            "this machine.",
+            show_default=False,
+        ),
+    ] = None,
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            min=1, help="Processes on this machine; by default one a processor.", show_default=False
+        ),
+    ] = None,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress.")] = False,
+) -> None:
+    """Run a scene for every combination of some of its values, in parallel, into one table."""
+    from cablemodel.parameter_sweep import RESULTS, Axis, write_table
+    from cablemodel.parameter_sweep import sweep as run_all
+
+    target = writable(output or Path(f"{scene.stem}_sweep.csv"), FORMATS)
+    if plot is not None:
+        writable(plot, _PICTURES, "--plot")
+    if result not in RESULTS:
+        raise bad_option("--result", f"{result} is none of {', '.join(RESULTS)}")
+    axes = [Axis.parse(text) for text in over]
+    columns = {name: axis.column for axis in axes for name in (axis.path, axis.column)}
+    if against is not None and against not in columns:
+        paths = ", ".join(axis.path for axis in axes)
+        raise bad_option("--against", f"{against} is not swept over; there is {paths}")
+    end = None if until is None else seconds_of("--until", until)
+    count = 1
+    for axis in axes:
+        count *= len(axis.values)
+    kept: list[pandas.DataFrame] = []
+    with _progress(count, quiet) as show:
+
+        def finished(done: int, table: pandas.DataFrame) -> None:
+            kept[:] = [table]
+            if done:
+                write_table(table, target)
+            show(done, int((table["error"] != "").sum()))
+
+        try:
+            table = run_all(
+                scene, axes, overrides=overrides or (), until=end, scheduler=scheduler,
+                workers=workers, finished=finished,
+            )  # fmt: skip
+        except KeyboardInterrupt:
+            done = len(kept[0]) if kept else 0
+            words = f"\nThe {done} of {count} runs that had ended are in {target}" if done else ""
+            typer.echo(f"cablemodel: interrupted{words}", err=True)
+            raise typer.Exit(INTERRUPTED) from None
+    _say(table, target)
+    if (table["error"] != "").all():
+        raise typer.Exit(FAILED)
+    if plot is not None:
+        from cablemodel.sweep_plot import save_sweep_figure
+
+        chosen = None if against is None else columns[against]
+        save_sweep_figure(table, plot, result=result, against=chosen)
+        typer.echo(f"Picture: {plot}")
+
+
+def _say(table: pandas.DataFrame, target: Path) -> None:
+    """What came of it; a few of the failures by their text."""
+    failed = table[table["error"] != ""]
+    typer.echo(f"Table: {target} ({len(table)} runs, {len(failed)} failed)")
+    texts = failed["error"].drop_duplicates()
+    for index, text in list(texts.items())[:3]:
+        typer.echo(f"cablemodel: run {index}: {text}", err=True)
+    if len(texts) > 3:
+        typer.echo(f"cablemodel: ... and {len(texts) - 3} other errors: see the table", err=True)
+
+
+@contextmanager
+def _progress(count: int, quiet: bool) -> Iterator[Callable[[int, int], None]]:
+    """A function that shows on a terminal how many runs have ended, and how many of them failed."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    console = Console(stderr=True)
+    if quiet or not console.is_terminal:
+        yield lambda done, failed: None
+        return
+    columns = (
+        BarColumn(bar_width=24), MofNCompleteColumn(), TextColumn("{task.description}"),
+        TimeElapsedColumn(),
+    )  # fmt: skip
+    with Progress(*columns, console=console, transient=True) as bar:
+        task = bar.add_task("starting", total=count)
+
+        def show(done: int, failed: int) -> None:
+            words = f"runs, {failed} failed" if failed else "runs"
+            bar.update(task, completed=done, description=words)
+
+        yield show

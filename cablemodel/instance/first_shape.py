@@ -1,0 +1,111 @@
+"""Where the nodes are at first: along a polyline that the scene gives or that is a good guess."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cablemodel.block import Block
+from cablemodel.errors import SceneError
+from cablemodel.instance.frame import local
+from cablemodel.instance.line import Line
+from cablemodel.instance.scales import bodies_length, sinks
+from cablemodel.kernels import layout as at
+
+if TYPE_CHECKING:
+    from cablemodel.scene import Scene
+
+FloatArray = NDArray[np.float64]
+
+
+def first_points(scene: Scene, start: FloatArray) -> FloatArray:
+    """A polyline from the tow point outwards that the first shape follows, (n, 3)."""
+    length = scene.line_length + bodies_length(scene)
+    if scene.initial.kind == "straight":
+        direction = np.asarray(scene.initial.direction, dtype=float)
+        return np.array([start, start + length * direction / np.linalg.norm(direction)])
+    if scene.initial.kind == "points":
+        return np.asarray(scene.initial.points, dtype=float)
+    if scene.end.kind == "anchor":
+        return _sagging(start, np.asarray(scene.end.position, dtype=float), length, sinks(scene))
+    if scene.vessel.connection.kind == "clamped":
+        direction = np.asarray(scene.vessel.connection.direction, dtype=float)
+        return np.array([start, start + length * direction / np.linalg.norm(direction)])
+    return np.array([start, start + np.array([0.0, 0.0, -length if sinks(scene) else length])])
+
+
+def _sagging(start: FloatArray, end: FloatArray, length: float, sinks: bool) -> FloatArray:
+    """A parabola of the given length between two points: the first guess of a hanging cable."""
+    chord = float(np.linalg.norm(end - start))
+    if chord >= length * (1.0 - 1e-6):
+        return np.array([start, end])
+    x = np.linspace(0.0, 1.0, 201)
+    bow = np.zeros(3)
+    bow[2] = -1.0 if sinks else 1.0
+    if abs(float((end - start) @ bow)) > 0.999 * max(chord, 1e-12):
+        bow = np.array([1.0, 0.0, 0.0])  # one end above the other: the slack goes aside
+
+    def curve(sag: float) -> FloatArray:
+        return start + np.outer(x, end - start) + np.outer(4.0 * x * (1.0 - x) * sag, bow)
+
+    low, high = 0.0, length
+    for _ in range(60):
+        sag = 0.5 * (low + high)
+        if np.linalg.norm(np.diff(curve(sag), axis=0), axis=1).sum() < length:
+            low = sag
+        else:
+            high = sag
+    return curve(0.5 * (low + high))
+
+
+def place_nodes(block: Block, line: Line, points: FloatArray, length: float) -> None:
+    """Nodes along the polyline, at their share of its length, with slopes along it.
+
+    Bodies of finite length keep theirs: the cable takes what is left.
+    """
+    chords = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    arc = np.concatenate([[0.0], np.cumsum(chords)])
+    if arc[-1] <= line.passed[-1]:
+        problem = f"the shape is {arc[-1]:g} m long, no longer than its bodies"
+        raise SceneError.at("initial.points", None, problem, f"more than {line.passed[-1]:g} m")
+    stretch = (arc[-1] - line.passed[-1]) / length
+    where = np.zeros(line.nodes)
+    for node in range(1, line.nodes):
+        where[node] = line.start[node] + line.length[node]
+    where *= stretch
+    where += line.passed
+    where = np.minimum(where, arc[-1])
+    if len(points) == 2:  # the usual start; spares the import of scipy, 0.3 s
+        direction = (points[1] - points[0]) / arc[-1]
+        places = points[0] + np.outer(where, direction)
+        slopes = np.tile(direction, (line.nodes, 1))
+    else:
+        from scipy.interpolate import CubicHermiteSpline
+
+        # Linear in the points, so that a turned polyline gives the turned shape (PCHIP does not).
+        smooth = CubicHermiteSpline(arc, points, np.gradient(points, arc, axis=0))
+        places = smooth(where)
+        slopes = smooth.derivative()(where)
+    slopes *= stretch / np.linalg.norm(slopes, axis=1)[:, None]
+    for node, body, _place in line.bodies:
+        if body.half_length > 0.0 and node >= 0:
+            # Its ends lie on the shape; the chord between them is shorter than a curved shape.
+            middle = 0.5 * (places[node - 1] + places[node])
+            axis = places[node] - places[node - 1]
+            axis /= np.linalg.norm(axis)
+            places[node - 1] = middle - body.half_length * axis
+            places[node] = middle + body.half_length * axis
+            if node == line.nodes - 1:
+                slopes[node] = axis
+    dimension = int(block.ints[at.I_DIMENSION])
+    q = block.array(at.O_POSITION, line.nodes, 2 * dimension)
+    for node in range(line.nodes):
+        q[node, :dimension] = local(block, places[node], point=True)
+        q[node, dimension:] = local(block, slopes[node], point=False)
+    table = block.array(at.O_CONSTRAINT, int(block.ints[at.I_CONSTRAINTS]), at.CONSTRAINT_WORDS)
+    for row in table:
+        if row[at.C_CLAMPED] != 0.0:
+            node = int(row[at.C_NODE])
+            q[node, dimension:] = stretch * row[at.C_DIRECTION : at.C_DIRECTION + dimension]

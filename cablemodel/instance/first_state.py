@@ -1,0 +1,138 @@
+"""The state at t = 0: tensions and velocities of a given shape, or a static equilibrium."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cablemodel import sea_floor
+from cablemodel.block import Block
+from cablemodel.errors import SceneError, StaticsError
+from cablemodel.instance.frame import local
+from cablemodel.instance.line_tables import RIGID, STABILISATION
+from cablemodel.instance.scales import rate_at_start
+from cablemodel.kernels import layout as at
+
+if TYPE_CHECKING:
+    from cablemodel.scene import Scene
+
+FloatArray = NDArray[np.float64]
+
+
+def find_initial_state(block: Block, scene: Scene) -> None:
+    """The state of a block whose nodes are placed: velocities, tensions, a static shape.
+
+    Raises:
+        SceneError: a static start of an anchored cable while the vessel moves.
+        StaticsError: no equilibrium was found.
+    """
+    from cablemodel import library as entry
+
+    ints, reals = block.ints, block.reals
+    entry.place_supports(ints, reals)
+    frame = steady_velocity(block, scene)
+    if ints[at.I_PAYOUT]:
+        reals[at.S_PAYOUT_RATE] = rate_at_start(scene)
+    if scene.initial.kind != "static":
+        _start_flowing(block, scene)
+        entry.tension_from_stretch(ints, reals)
+    else:
+        if scene.end.kind == "anchor" and np.any(frame != 0.0):
+            raise SceneError.at(
+                "initial",
+                "static",
+                "an anchored cable has no steady state while the vessel moves",
+                "a vessel at rest at t = 0, or initial: {points: [...]}",
+            )
+        solve_static(block, frame)
+    if _stabilise(block) and scene.initial.kind == "static":
+        # The new stiffness changes the forces by a little: the state must meet them.
+        solve_static(block, frame)
+    count_from_zero(block)
+    if ints[at.I_HYBRID] or ints[at.I_RIGID]:
+        entry.choose_bending(ints, reals)
+
+
+def steady_velocity(block: Block, scene: Scene) -> FloatArray:
+    """The vessel's velocity: a static start is at rest in its frame, (dimension,) [m/s]."""
+    velocity = scene.motion().evaluate(0.0)[1]
+    return np.ascontiguousarray(local(block, velocity, point=False))
+
+
+def solve_static(block: Block, frame: FloatArray) -> None:
+    """Bring a block to equilibrium in a frame that moves with the velocity ``frame`` [m/s].
+
+    Raises:
+        StaticsError: none was found.
+    """
+    from cablemodel import library as entry
+
+    ints, reals = block.ints, block.reals
+    held = ints[at.I_CONSTRAINTS] > 1
+    friction = reals[at.S_FRICTION]
+    if not held:
+        # A free end comes to rest without friction; it holds the line from there.
+        reals[at.S_FRICTION] = 0.0
+    status = entry.equilibrium(ints, reals, frame)
+    reals[at.S_FRICTION] = friction
+    if not held:
+        sea_floor.rest_where_it_is(block)
+    if status != at.OK:
+        node = int(ints[at.I_FAILED_NODE])
+        arc = block.array(at.O_EDGE, int(ints[at.I_NODES]), at.EDGE_WORDS)[node, at.E_START]
+        raise StaticsError(
+            f"no static equilibrium was found; what moved last is {arc:g} m along the cable. Check "
+            "weights, ends and current, or start from initial: {straight: ...} or {points: ...}"
+        )
+    entry.place_supports(ints, reals)
+
+
+def _stabilise(block: Block) -> bool:
+    """Stabilise the tangential modes by the tension found at the start, if that is larger.
+
+    The scale guessed from weights is too small where a line is taut without being heavy, or
+    weightless and held by its bending stiffness. Returns whether anything changed.
+    """
+    changed = False
+    nodes = int(block.ints[at.I_NODES])
+    tension = float(np.max(np.abs(block.array(at.O_TENSION, nodes, 2)[:, 0])))
+    for rows in (
+        block.array(at.O_EDGE, nodes, at.EDGE_WORDS)[1:],
+        block.array(at.O_CABLES, int(block.ints[at.I_CABLES]), at.CABLE_WORDS)[:, at.K_EDGE :],
+    ):
+        for row in rows:
+            if row[at.E_COMPLIANCE] > 0.0:
+                bending = 10.0 * row[at.E_BENDING_FULL] / block.reals[at.S_LENGTH] ** 2
+                wanted = max(row[at.E_STABILISATION], STABILISATION * tension, bending)
+                wanted = min(wanted, 1.0 / row[at.E_COMPLIANCE])
+                changed = changed or wanted != row[at.E_STABILISATION]
+                row[at.E_STABILISATION] = wanted
+    for row in block.array(at.O_BODY, int(block.ints[at.I_BODIES]), at.BODY_WORDS):
+        if row[at.B_LENGTH] > 0.0 and tension > 0.0:
+            row[at.B_COMPLIANCE] = min(row[at.B_COMPLIANCE], row[at.B_LENGTH] / (RIGID * tension))
+    return changed
+
+
+def _start_flowing(block: Block, scene: Scene) -> None:
+    """Material velocity of a cable that is paid out from t = 0 on: with the vessel, along itself.
+
+    A cable at rest would answer with an axial shock of EA rate / c. Where it is laid at the rate
+    of the vessel's speed, what lies on the floor is at rest.
+    """
+    rate = rate_at_start(scene)
+    if rate == 0.0:
+        return
+    nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
+    q = block.array(at.O_POSITION, nodes, 2 * dimension)
+    v = block.array(at.O_VELOCITY, nodes, 2 * dimension)
+    v[1:, :dimension] = v[0, :dimension] + rate * q[1:, dimension:]
+
+
+def count_from_zero(block: Block) -> None:
+    """Forget what finding the start took: counters, factorisation and history begin with a run."""
+    for counter in (at.I_STEPS, at.I_REJECTED, at.I_FACTORISATIONS, at.I_ITERATIONS):
+        block.ints[counter] = 0
+    block.ints[at.I_FACTORED] = 0
+    block.ints[at.I_HISTORY] = 0

@@ -1,0 +1,66 @@
+"""The block's coordinates: a vertical plane where the scene lies in one, else space."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cablemodel.block import Block
+from cablemodel.kernels import layout as at
+from cablemodel.scene.sea import sea
+
+if TYPE_CHECKING:
+    from cablemodel.scene import Scene
+
+FloatArray = NDArray[np.float64]
+
+_OUT_OF_PLANE = 1e-12
+
+
+def vertical_plane(scene: Scene, directions: list[FloatArray]) -> FloatArray | None:
+    """Horizontal direction of the vertical plane that holds all of the scene, or None."""
+    motion = scene.motion()
+    if not motion.is_planar():
+        return None
+    moving = motion.horizontal_direction()
+    candidates = [] if moving is None else [np.asarray(moving, dtype=float)]
+    candidates += [np.asarray(d[:2], dtype=float) for d in directions]
+    floor = scene.environment.floor
+    if floor is not None and floor.z is not None:
+        candidates.append(np.asarray(floor.slope, dtype=float))
+    elif floor is not None:
+        candidates.append(np.array([1.0, 0.0]))
+        if np.ptp(floor.grid_z, axis=1).any():
+            return None
+    if scene.environment.current is not None:
+        candidates += list(scene.environment.current.velocity.reshape(-1, 3)[:, :2])
+    water = sea(scene)
+    if water is not None:
+        candidates.append(np.array([math.cos(water.direction), math.sin(water.direction)]))
+    plane, shared = shared_direction(candidates)
+    return plane if shared else None
+
+
+def shared_direction(vectors: list[FloatArray]) -> tuple[FloatArray, bool]:
+    """Unit vector along the first of horizontal vectors (2,) that is not zero (x where all are),
+    and whether all others are parallel to it."""
+    units = [vector / float(np.hypot(*vector)) for vector in vectors if np.any(vector != 0.0)]
+    if not units:
+        return np.array([1.0, 0.0]), True
+    first = units[0]
+    across = [abs(first[0] * unit[1] - first[1] * unit[0]) for unit in units]
+    return first, max(across) <= _OUT_OF_PLANE
+
+
+def local(block: Block, vector: FloatArray, *, point: bool) -> FloatArray:
+    """An earth-frame point or vector in the block's coordinates, (dimension,)."""
+    value = np.asarray(vector, dtype=float)
+    if point:
+        value = value - block.reals[at.S_BASE : at.S_BASE + 3]
+    if block.ints[at.I_DIMENSION] == 3:
+        return value
+    plane = block.reals[at.S_PLANE : at.S_PLANE + 2]
+    return np.array([plane @ value[:2], value[2]])

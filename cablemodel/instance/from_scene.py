@@ -1,0 +1,127 @@
+"""From a scene to a block at its initial state."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cablemodel import laid_shape, sea_floor, waves
+from cablemodel.block import Block
+from cablemodel.instance import line_tables, tables
+from cablemodel.instance.first_shape import first_points, place_nodes
+from cablemodel.instance.first_state import find_initial_state
+from cablemodel.instance.frame import vertical_plane
+from cablemodel.instance.line import Line, lay_out, spans_of
+from cablemodel.instance.refinement import ROUNDS, refine_touchdown, refined, shape_of
+from cablemodel.instance.refusals import refuse_unsupported
+from cablemodel.instance.scales import start_conditions, tension_scale
+from cablemodel.instance.winch import Winch, winch_of
+from cablemodel.kernels import layout as at
+from cablemodel.mesh import line_nodes
+from cablemodel.scene.sea import sea
+
+if TYPE_CHECKING:
+    from cablemodel.scene import Scene
+
+FloatArray = NDArray[np.float64]
+
+
+def build(scene: Scene, *, planar: bool | None = None, drum_room: float = 1.0) -> Block:
+    """A block at the scene's initial state, t = 0.
+
+    ``planar``: False forces three dimensions; None and True choose a vertical plane where the
+    scene lies in one. ``drum_room``: elements of the drum's cable for which there is room, in units
+    of those that this scene needs. A static start refines the mesh until its shape is accurate.
+
+    Raises SceneError (not supported, inconsistent), StaticsError (no equilibrium found).
+    """
+    refuse_unsupported(scene)
+    scale = tension_scale(scene)
+    position = scene.motion().evaluate(0.0)[0]
+    points = laid_shape.on_floor(scene, first_points(scene, position))
+    sea_floor.check(scene, points)
+    nodes = line_nodes(spans_of(scene, scale), scene.solver.tolerance, start_conditions(scene))
+    nodes = laid_shape.refine_guess(scene, nodes, points)
+    nodes = waves.refine(scene, nodes, points)
+    block = _build_on(scene, nodes, points, scale, planar, drum_room)
+    if scene.initial.kind != "static":
+        return block
+    for _round in range(ROUNDS):
+        finer = refined(block, scene, nodes)
+        if finer is None:
+            break
+        nodes = finer
+        block = _build_on(scene, nodes, shape_of(block), scale, planar, drum_room)
+    refine_touchdown(block, scene)
+    return block
+
+
+def _build_on(
+    scene: Scene,
+    nodes: list[FloatArray],
+    points: FloatArray,
+    scale: float,
+    planar: bool | None,
+    drum_room: float,
+) -> Block:
+    """A block on given nodes, from a polyline (n, 3) [m] as the first guess of its shape.
+
+    nodes: arc lengths of the nodes of every cable [m], each from 0 to its length.
+    """
+    line = lay_out(scene, nodes)
+    winch = winch_of(scene, line, drum_room)
+    block = _allocate(scene, line, winch)
+    _choose_frame(block, scene, points, planar)
+    block.ints[at.I_NODES] = line.nodes
+    tables.fill_settings(block, scene, scale)
+    tables.fill_motion(block, scene.motion().pieces)
+    tables.fill_current(block, scene)
+    line_tables.fill_cables(block, scene, winch, scale)
+    line_tables.fill_edges(block, line)
+    tables.fill_payout(block, scene, winch)
+    line_tables.fill_bodies(block, scene, line, scale)
+    tables.fill_constraints(block, scene, line)
+    place_nodes(block, line, points, scene.line_length)
+    sea_floor.fill(block, scene)
+    waves.fill(block, sea(scene))
+    sea_floor.place_of_rest(block, scene)
+    find_initial_state(block, scene)
+    return block
+
+
+def _allocate(scene: Scene, line: Line, winch: Winch) -> Block:
+    """A block of zeros with room for the line, and for what pay-out and touchdown may add."""
+    current = scene.environment.current
+    water = sea(scene)
+    return Block(
+        capacity=line.nodes + winch.extra_nodes + sea_floor.spare_nodes(scene),
+        pieces=1 + len(scene.motion().pieces),
+        depths=1 if current is None else len(current.z),
+        times=1 if current is None else len(current.t),
+        strain_words=sum(
+            len(scene.cable_types[cable.type].strain_coefficients) for cable in winch.cables
+        ),
+        bodies=len(line.bodies),
+        constraints=2 if scene.end.kind == "anchor" else 1,
+        rates=len(scene.payout.rate),
+        cables=len(winch.cables),
+        floor_words=sea_floor.table_words(scene.environment.floor),
+        waves=0 if water is None else len(water.amplitude),
+    )
+
+
+def _choose_frame(block: Block, scene: Scene, points: FloatArray, planar: bool | None) -> None:
+    """The block's coordinates: in the scene's vertical plane or in space, from the tow point."""
+    position = scene.motion().evaluate(0.0)[0]
+    directions = [p - position for p in points]
+    directions += [
+        np.asarray(connection.direction, dtype=float)
+        for connection in (scene.vessel.connection, scene.end.connection)
+        if connection.kind == "clamped"
+    ]
+    plane = None if planar is False else vertical_plane(scene, directions)
+    block.ints[at.I_DIMENSION] = 3 if plane is None else 2
+    block.reals[at.S_BASE : at.S_BASE + 3] = position
+    block.reals[at.S_PLANE : at.S_PLANE + 2] = (1.0, 0.0) if plane is None else plane

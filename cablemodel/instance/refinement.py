@@ -1,0 +1,119 @@
+"""A finer mesh where a static shape needs one, and the shape to start from on it."""
+
+from __future__ import annotations
+
+import itertools
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cablemodel.block import Block
+from cablemodel.instance.first_state import count_from_zero, solve_static, steady_velocity
+from cablemodel.kernels import layout as at
+
+if TYPE_CHECKING:
+    from cablemodel.scene import Scene
+
+FloatArray = NDArray[np.float64]
+
+ROUNDS = 14
+"""Times that a mesh is refined at most."""
+BENT = 10.0
+"""Of tau L: what h^2 times the jump of curvature may be in a static shape."""
+LARGEST_STATIC_MESH = 4000
+
+
+def refined(block: Block, scene: Scene, nodes: list[FloatArray]) -> list[FloatArray] | None:
+    """Cables' nodes with those elements halved that a static shape bends too much; None: done.
+
+    The curvature of a cubic element changes by D over its length h and jumps by J at its nodes;
+    what it cannot follow misplaces the cable by a fraction of h^2 J.
+    """
+    count = int(block.ints[at.I_NODES])
+    dimension = int(block.ints[at.I_DIMENSION])
+    q = block.array(at.O_POSITION, count, 2 * dimension)
+    edges = block.array(at.O_EDGE, count, at.EDGE_WORDS)
+    joints = block.integers(at.O_JOINT, count)
+    start = np.zeros((count, dimension))
+    end = np.zeros((count, dimension))
+    h = edges[:, at.E_LENGTH]
+    for node in range(1, count):
+        if joints[node]:
+            continue
+        r0, d0 = q[node - 1, :dimension], q[node - 1, dimension:]
+        r1, d1 = q[node, :dimension], q[node, dimension:]
+        chord = (r1 - r0) / h[node]
+        start[node] = (6.0 * chord - 4.0 * d0 - 2.0 * d1) / h[node]
+        end[node] = (2.0 * d0 + 4.0 * d1 - 6.0 * chord) / h[node]
+    jump = np.zeros(count)  # at the child end of each element
+    for node in range(1, count - 1):
+        if not joints[node] and not joints[node + 1]:
+            jump[node] = float(np.linalg.norm(start[node + 1] - end[node]))
+    # Flexible ends have no neighbour to compare with: half of the change inside stands for it.
+    inside = np.linalg.norm(start - end, axis=1)
+    indicator = h**2 * np.maximum(jump, np.concatenate([[0.0], jump[:-1]]))
+    indicator[1] = max(indicator[1], 0.25 * h[1] ** 2 * inside[1])
+    last = int(np.flatnonzero(joints == 0)[-1])  # beyond it there may be a body
+    indicator[last] = max(indicator[last], 0.25 * h[last] ** 2 * inside[last])
+    split = indicator > BENT * scene.solver.tolerance * scene.line_length
+    if not split.any() or count > LARGEST_STATIC_MESH:
+        return None
+    fixed = [cable.elements is not None for cable in scene.cables]
+    finer = []
+    node = 1
+    changed = False
+    for index, places in enumerate(nodes):
+        while joints[node]:
+            node += 1
+        new = [float(places[0])]
+        for left, right in itertools.pairwise(places):
+            if split[node] and not fixed[index]:
+                new.append(0.5 * (left + right))
+                changed = True
+            new.append(float(right))
+            node += 1
+        finer.append(np.array(new))
+    return finer if changed else None
+
+
+def shape_of(block: Block) -> FloatArray:
+    """The block's present shape as a fine polyline, (n, 3): the guess on a finer mesh."""
+    from cablemodel import library as entry
+
+    count = int(block.ints[at.I_NODES])
+    edges = block.array(at.O_EDGE, count, at.EDGE_WORDS)[1:]
+    ends = np.concatenate([[0.0], edges[:, at.E_START] + edges[:, at.E_LENGTH]])
+    stations = np.unique(np.interp(np.arange(8 * count - 7) / 8.0, np.arange(count), ends))
+    out = np.empty(at.STATION_WORDS * len(stations))
+    entry.sample(block.ints, block.reals, stations, out)
+    points = out.reshape(-1, at.STATION_WORDS)[:, :3]
+    bodies = np.flatnonzero(block.integers(at.O_JOINT, count) == at.JOINT_BODY)
+    places = _node_places(block) if len(bodies) else points
+    for node in reversed(bodies):
+        # Both ends of a body have the same arc length: one station, or the line's last one.
+        here = int(np.searchsorted(stations, ends[node] - 1e-9 * ends[-1]))
+        points = np.vstack([points[:here], places[node - 1 : node + 1], points[here + 1 :]])
+    return points.copy()
+
+
+def _node_places(block: Block) -> FloatArray:
+    """Positions of the nodes in the earth frame, (n, 3) [m]."""
+    count, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
+    places = block.array(at.O_POSITION, count, 2 * dimension)[:, :dimension]
+    if dimension == 2:
+        plane = block.reals[at.S_PLANE : at.S_PLANE + 2]
+        places = places @ np.array([[plane[0], plane[1], 0.0], [0.0, 0.0, 1.0]])
+    return places + block.reals[at.S_BASE : at.S_BASE + 3]
+
+
+def refine_touchdown(block: Block, scene: Scene) -> None:
+    """Refine a static shape where it meets the floor, and solve again from its own shape."""
+    from cablemodel import library as entry
+
+    frame = steady_velocity(block, scene)
+    for _round in range(ROUNDS):
+        if not entry.refine_at_floor(block.ints, block.reals):
+            break
+        solve_static(block, frame)
+    count_from_zero(block)

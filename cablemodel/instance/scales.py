@@ -1,0 +1,84 @@
+"""What is typical of a scene: its tension, damping and lengths, from its data alone."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from cablemodel.mesh import Start
+from cablemodel.scene.sea import sea
+
+if TYPE_CHECKING:
+    from cablemodel.scene import Scene
+
+
+def tension_scale(scene: Scene) -> float:
+    """A tension [N] that is typical of the line: what the stabilisation is measured by."""
+    scale = 0.0
+    for cable, tension in zip(scene.cables, tension_per_length(scene), strict=True):
+        scale += cable.length * tension
+    for body in scene.bodies:
+        scale += abs(body.submerged_weight)
+    return scale
+
+
+def tension_per_length(scene: Scene) -> list[float]:
+    """What each cable of the line adds to a typical tension, per length [N/m].
+
+    Weight of all that hangs, and the drag of the line broadside to the fastest relative flow.
+    """
+    rho = scene.environment.water_density
+    gravity = scene.environment.gravity
+    motion = scene.motion()
+    pieces = motion.pieces
+    speed = 0.0
+    for t in [*pieces[:, 0], *np.minimum(pieces[:, 1], pieces[:, 0] + 1.0)]:
+        speed = max(speed, float(np.linalg.norm(motion.evaluate(float(t))[1])))
+    if scene.environment.current is not None:
+        speed += float(np.max(np.linalg.norm(scene.environment.current.velocity, axis=-1)))
+    water = sea(scene)
+    if water is not None:
+        speed += water.speed
+    found = []
+    for kind in (scene.cable_types[cable.type] for cable in scene.cables):
+        weight = max(abs(kind.submerged_weight), 1e-3 * kind.mass * gravity)
+        found.append(weight + 0.5 * rho * kind.drag_normal * kind.diameter * speed**2 * 0.1)
+    return found
+
+
+def start_conditions(scene: Scene) -> Start:
+    """What the mesh rules ask about the line as a whole."""
+    rho = scene.environment.water_density
+    drag = mass = 0.0
+    for cable in scene.cables:
+        kind = scene.cable_types[cable.type]
+        drag += rho * kind.drag_normal * kind.diameter * cable.length
+        mass += kind.mass * cable.length
+    return Start(
+        slack=scene.initial.kind != "static",
+        damping=drag * scene.line_length / mass,
+        free_end=scene.end.kind == "free",
+    )
+
+
+def sinks(scene: Scene) -> bool:
+    """Whether the line as a whole sinks."""
+    weight = math.fsum(
+        cable.length * scene.cable_types[cable.type].submerged_weight for cable in scene.cables
+    )
+    return weight + math.fsum(body.submerged_weight for body in scene.bodies) >= 0.0
+
+
+def bodies_length(scene: Scene) -> float:
+    """Length of the bodies that are out at t = 0 [m]."""
+    return math.fsum(2.0 * body.half_length for body in scene.bodies)
+
+
+def rate_at_start(scene: Scene) -> float:
+    """Pay-out rate just after t = 0 [m/s]; a table holds its first value before it begins."""
+    rates = scene.payout.rate
+    if not rates:
+        return 0.0
+    return float(np.interp(0.0, [row.t for row in rates], [row.rate for row in rates]))

@@ -1,0 +1,122 @@
+"""A scene's numbers in the block: settings, motion, current, pay-out, ends."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cablemodel.block import Block
+from cablemodel.instance.frame import local
+from cablemodel.instance.line import Line
+from cablemodel.instance.scales import start_conditions
+from cablemodel.instance.winch import Winch
+from cablemodel.kernels import layout as at
+
+if TYPE_CHECKING:
+    from cablemodel.scene import Scene
+
+FloatArray = NDArray[np.float64]
+
+TIME_TOLERANCE = 0.045
+"""Local error allowed in a step, in units of tau L; calibrated, see docs/engine.md."""
+UNDAMPED = 0.08
+"""Factor on it in a vacuum, at tau = 1e-3."""
+MOST_STEPS = 2_000_000
+"""Internal steps that one call may take."""
+
+
+def fill_settings(block: Block, scene: Scene, scale: float) -> None:
+    """Tolerances, scales, gravity and water. scale: a typical tension [N]."""
+    ints, reals = block.ints, block.reals
+    ints[at.I_PIECE] = 1
+    ints[at.I_ORDER] = 4
+    ints[at.I_MAXIMUM_STEPS] = MOST_STEPS
+    rho = scene.environment.water_density
+    ints[at.I_DRAG] = int(rho > 0.0)
+    reals[at.S_GRAVITY] = scene.environment.gravity
+    reals[at.S_WATER_DENSITY] = rho
+    tolerance, length = scene.solver.tolerance, scene.line_length
+    reals[at.S_TOLERANCE] = tolerance
+    allowed = TIME_TOLERANCE * tolerance * length
+    if rho == 0.0:
+        # Nothing forgets an error, and a stiff line takes an order from the scheme.
+        allowed *= UNDAMPED * math.sqrt(tolerance / 1e-3)
+    reals[at.S_TIME_TOLERANCE] = allowed
+    reals[at.S_LENGTH] = length
+    reals[at.S_TENSION_SCALE] = scale
+    period = math.sqrt(length / max(scene.environment.gravity, 1e-3))
+    reals[at.S_PERIOD] = period
+    # A start that the user would not notice: it grows fourfold a step.
+    reals[at.S_FIRST_STEP] = 0.02 * period
+    reals[at.S_STEP] = 1e-2 * math.sqrt(max(tolerance, 1e-12)) * period
+    reals[at.S_SMALLEST_STEP] = 1e-10 * period
+    softness = masses = 0.0
+    for cable in scene.cables:
+        kind = scene.cable_types[cable.type]
+        softness += kind.strain_coefficients[0] * cable.length
+        masses += kind.mass * cable.length
+    masses += math.fsum(body.mass for body in scene.bodies)
+    reals[at.S_AXIAL] = 1.0 / (softness * masses)
+    reals[at.S_UNDAMPED] = float(start_conditions(scene).lightly_damped)
+
+
+def fill_motion(block: Block, pieces: FloatArray) -> None:
+    """The scene's pieces from row 1 on (row 0 is the caller's live motion), and their kinks."""
+    from cablemodel.scene.motion import VesselMotion
+
+    table = block.array(at.O_PIECES, len(pieces) + 1, at.PIECE_WORDS)
+    table[1:] = pieces
+    table[1:, at.P_ACCELERATION_JUMP] = 0.0
+    table[1:, at.P_VELOCITY_JUMP] = 0.0
+    for k in range(1, len(pieces)):
+        t = float(pieces[k, 0])
+        before = VesselMotion(pieces[k - 1 : k]).evaluate(t)
+        after = VesselMotion(pieces[k : k + 1]).evaluate(t)
+        jump = float(np.linalg.norm(after[1] - before[1]))
+        scale = float(np.linalg.norm(after[1]) + np.linalg.norm(before[1]))
+        table[1 + k, at.P_VELOCITY_JUMP] = jump if jump > 1e-9 * scale else 0.0
+        table[1 + k, at.P_ACCELERATION_JUMP] = np.linalg.norm(after[2] - before[2])
+
+
+def fill_current(block: Block, scene: Scene) -> None:
+    """The table of the current over depth and time."""
+    current = scene.environment.current
+    if current is None:
+        return
+    depths, times = len(current.z), len(current.t)
+    block.ints[at.I_CURRENT] = 1 if depths == 1 else 2
+    block.array(at.O_DEPTHS, depths)[:] = current.z
+    block.array(at.O_TIMES, times)[:] = current.t
+    block.array(at.O_CURRENT, times, depths, 3)[:] = current.velocity
+
+
+def fill_payout(block: Block, scene: Scene, winch: Winch) -> None:
+    """The table of the pay-out's rate, and what it may reach."""
+    ints, reals = block.ints, block.reals
+    rates = scene.payout.rate
+    ints[at.I_PAYOUT] = int(any(row.rate != 0.0 for row in rates))
+    reals[at.S_PAID_MOST] = winch.most
+    reals[at.S_PAID_LEAST] = winch.least
+    block.array(at.O_RATES, len(rates), at.RATE_WORDS)[:] = [(row.t, row.rate) for row in rates]
+
+
+def fill_constraints(block: Block, scene: Scene, line: Line) -> None:
+    table = block.array(at.O_CONSTRAINT, int(block.ints[at.I_CONSTRAINTS]), at.CONSTRAINT_WORDS)
+    ends = [(0, at.C_VESSEL, scene.vessel.connection)]
+    if scene.end.kind == "anchor":
+        ends.append((line.nodes - 1, at.C_ANCHOR, scene.end.connection))
+    dimension = int(block.ints[at.I_DIMENSION])
+    for row, (node, kind, connection) in zip(table, ends, strict=True):
+        row[at.C_NODE] = node
+        row[at.C_KIND] = kind
+        if kind == at.C_ANCHOR:
+            place = local(block, np.asarray(scene.end.position), point=True)
+            row[at.C_POSITION : at.C_POSITION + dimension] = place
+        if connection.kind == "clamped":
+            row[at.C_CLAMPED] = 1.0
+            direction = np.asarray(connection.direction, dtype=float)
+            unit = direction / np.linalg.norm(direction)
+            row[at.C_DIRECTION : at.C_DIRECTION + dimension] = local(block, unit, point=False)

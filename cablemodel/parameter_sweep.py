@@ -1,0 +1,362 @@
+"""A parameter sweep: one scene simulated for every combination of some of its values.
+
+The runs are spread over processes by dask.distributed, on this machine or on a cluster. A run that
+fails is a row of the result like any other, with the error's text.
+"""
+
+from __future__ import annotations
+
+import itertools
+import json
+import logging
+import math
+import os
+import re
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from cablemodel.errors import CableModelError, SceneError, shown
+from cablemodel.extras import require
+
+if TYPE_CHECKING:
+    import pandas
+    from distributed import Client
+
+    from cablemodel.scene import Scene
+
+MOST_POINTS = 1_000_000
+"""Combinations at most: more are a slip in a count."""
+RESULTS = (
+    "time", "top_tension", "highest_tension", "lowest_tension", "max_curvature",
+    "tip_x", "tip_y", "tip_z", "line_length", "wall_time", "steps", "elements",
+)  # fmt: skip
+"""Columns of a result, after those of the values swept over; ``error`` is the last."""
+
+_NUMBER = (
+    r"\s*(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"
+    r"\s*(?P<unit>[^\d\s:,\[\]{}\"'][^:]*?)?\s*"
+)
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A value of the scene, and what it is to be."""
+
+    path: str
+    """Its place: ``cable_types.K.diameter``."""
+    values: tuple[Any, ...]
+    """As YAML would give them, without the unit."""
+    unit: str = ""
+    """That of all values; empty: SI, or no numbers."""
+
+    @property
+    def column(self) -> str:
+        """Its column in the table of results."""
+        return f"{self.path} [{self.unit}]" if self.unit else self.path
+
+    def override(self, value: Any) -> str:
+        """The value put in place, as `load_scene` takes it."""
+        given = f"{value!r} {self.unit}" if self.unit else value
+        return f"{self.path}={json.dumps(given)}"
+
+    @classmethod
+    def parse(cls, text: str) -> Axis:
+        """``path=start:stop:count`` (both ends included) or ``path=value,value,...``.
+
+        Numbers may have a unit, one for the whole axis: ``10 mm:30 mm:5``.
+
+        Raises:
+            SceneError: neither of the two.
+        """
+        path, equals, given = text.partition("=")
+        allowed = "path=start:stop:count or path=value,value,..."
+        if not equals or not path.strip() or not given.strip():
+            raise SceneError.at("", text, f"{shown(text)} is nothing to sweep over", allowed)
+        path = path.strip()
+        parts = given.split(":")
+        if len(parts) == 3 and all(re.fullmatch(_NUMBER, part) for part in parts[:2]):
+            return cls._range(path, *parts)
+        from cablemodel.scene.text import parse_yaml
+
+        values = parse_yaml(f"[{given}]", source=text)
+        numbers = [re.fullmatch(_NUMBER, v) if isinstance(v, str) else None for v in values]
+        units = {match["unit"] for match in numbers if match}
+        if all(numbers) and len(units) == 1 and None not in units:
+            return cls(path, tuple(float(m["number"]) for m in numbers if m), units.pop())
+        return cls(path, tuple(values))
+
+    @classmethod
+    def _range(cls, path: str, start: str, stop: str, count: str) -> Axis:
+        first, last = re.fullmatch(_NUMBER, start), re.fullmatch(_NUMBER, stop)
+        assert first is not None  # the caller has looked
+        assert last is not None
+        if (first["unit"] or "") != (last["unit"] or ""):
+            problem = f"{start.strip()} and {stop.strip()} have not the same unit"
+            raise SceneError.at(path, f"{start}:{stop}", problem, "10 mm:30 mm:5")
+        if not re.fullmatch(r"\s*\d+\s*", count) or not 2 <= int(count) <= MOST_POINTS:
+            problem = f"{count.strip()} is no number of values"
+            allowed = f"start:stop:count with a count from 2 to {MOST_POINTS:,}"
+            raise SceneError.at(path, count, problem, allowed)
+        import numpy as np
+
+        values = np.linspace(float(first["number"]), float(last["number"]), int(count))
+        # 0.02 instead of 0.019999999999999997: people read and look up these.
+        return cls(path, tuple(float(f"{value:.12g}") for value in values), first["unit"] or "")
+
+
+def sweep(
+    scene: Scene | str | os.PathLike[str] | Mapping[str, Any],
+    over: Mapping[str, Sequence[Any]] | Sequence[Axis],
+    *,
+    overrides: Iterable[str] = (),
+    until: float | None = None,
+    scheduler: str | None = None,
+    workers: int | None = None,
+    finished: Callable[[int, pandas.DataFrame], None] | None = None,
+) -> pandas.DataFrame:
+    """Simulate a scene for every combination of values.
+
+    Args:
+        scene: what `load_scene` takes, or a scene.
+        over: values by their paths in the scene: ``{"cable_types.K.diameter": [0.01, 0.02]}``.
+            The last varies fastest.
+        overrides: other changes, the same for all runs: ``"run.duration=100"``.
+        until: end of the runs [s] instead of the scene's duration.
+        scheduler: address of a dask scheduler, ``tcp://host:8786``; by default processes of this
+            machine. Its workers need cablemodel, and the files that the scene names.
+        workers: processes on this machine; by default one for each processor.
+        finished: called with the number of finished runs and the table so far, about once a second
+            and at the end, also when the sweep is interrupted.
+
+    Returns:
+        A row for every finished run, in the order of the combinations (the index): the values, the
+        results (`RESULTS`: of the end of the run, and its extremes) and ``error``, empty where all
+        went well.
+
+    Raises:
+        SceneError: nothing to sweep over, or no combination is a scene.
+        CableModelError: dask or pandas is not installed, or the scheduler does not answer.
+    """
+    require("distributed", extra="sweep", what="a sweep")
+    require("pandas", extra="sweep", what="a sweep")
+    axes = _axes(over)
+    count = math.prod(len(axis.values) for axis in axes)
+    if count > MOST_POINTS:
+        raise SceneError.at("", count, f"{count:,} combinations", f"at most {MOST_POINTS:,}")
+    text, folder = _scene_text(scene)
+    fixed = tuple(overrides)
+    points = list(itertools.product(*(axis.values for axis in axes)))
+    changes = [
+        (*fixed, *(axis.override(value) for axis, value in zip(axes, point, strict=True)))
+        for point in points
+    ]
+    _refuse_if_none_loads(text, folder, changes)
+    rows: dict[int, dict[str, Any]] = {}
+
+    def report() -> None:
+        if finished is not None:
+            finished(len(rows), _table(axes, points, rows))
+
+    simulate = partial(simulate_point, text, folder, until=until)
+    with _client(scheduler, workers, count) as client:
+        try:
+            _collect(client, simulate, changes, rows, report)
+        finally:
+            report()
+    return _table(axes, points, rows)
+
+
+def simulate_point(
+    text: str, folder: str, overrides: Sequence[str], until: float | None = None
+) -> dict[str, Any]:
+    """One run of a sweep: its results by `RESULTS`, or ``error``. Runs in a worker."""
+    from cablemodel.run import simulate
+    from cablemodel.scene import load_scene
+
+    try:
+        run = simulate(load_scene(text, overrides, folder=folder), until=until)
+    except CableModelError as error:
+        return {"error": str(error)}
+    summary = run.summary()
+    tip = summary["tip_position"]
+    return {
+        "time": summary["time"],
+        "top_tension": summary["top_tension"],
+        "highest_tension": float(run.tension_max.max()),
+        "lowest_tension": summary["min_tension"],
+        "max_curvature": summary["max_curvature"],
+        "tip_x": tip[0],
+        "tip_y": tip[1],
+        "tip_z": tip[2],
+        "line_length": float(run["line_length"][-1]),
+        "wall_time": summary["wall_time"],
+        "steps": summary["steps"],
+        "elements": summary["elements"],
+        "error": "",
+    }
+
+
+def _axes(over: Mapping[str, Sequence[Any]] | Sequence[Axis]) -> list[Axis]:
+    if isinstance(over, Mapping):
+        axes = [Axis(path, tuple(values)) for path, values in over.items()]
+    else:
+        axes = list(over)
+    paths = [axis.path for axis in axes]
+    if not axes or not all(axis.values for axis in axes):
+        raise SceneError.at("", paths, "there is nothing to sweep over", "values for every path")
+    for path in paths:
+        if paths.count(path) > 1:
+            raise SceneError.at(path, None, "it is swept over twice", "every path once")
+    return axes
+
+
+def _scene_text(scene: Scene | str | os.PathLike[str] | Mapping[str, Any]) -> tuple[str, str]:
+    """A scene as YAML text, which travels to workers, and the folder of the files it names."""
+    from cablemodel.scene import Scene, load_scene
+
+    if isinstance(scene, (str, os.PathLike)) and "\n" not in os.fspath(scene):
+        load_scene(scene)  # a wrong one is said by its own name and lines
+        path = Path(scene)
+        return path.read_text(encoding="utf-8-sig") + "\n", str(path.resolve().parent)
+    if isinstance(scene, str):
+        return scene, str(Path.cwd())
+    if not isinstance(scene, Scene):
+        scene = load_scene(scene)
+    return scene.to_yaml() + "\n", str(Path.cwd())
+
+
+def _refuse_if_none_loads(text: str, folder: str, changes: Iterable[Sequence[str]]) -> None:
+    """A misspelt path is an error, not a table of errors; a value out of range is a row."""
+    from cablemodel.scene import load_scene
+
+    first: SceneError | None = None
+    for overrides in changes:
+        try:
+            load_scene(text, overrides, folder=folder)
+        except SceneError as error:
+            first = first or error
+        else:
+            return
+    if first is not None:
+        raise first
+
+
+@contextmanager
+def _client(scheduler: str | None, workers: int | None, count: int) -> Iterator[Client]:
+    """A dask client: of the scheduler at an address, or of processes started here."""
+    from distributed import Client, LocalCluster
+
+    if scheduler is not None:
+        try:
+            client = Client(scheduler, timeout="10s", set_as_default=False)
+        except (OSError, TimeoutError, ValueError) as error:
+            raise CableModelError(f"no dask scheduler answers at {scheduler}: {error}") from error
+        with client:
+            yield client
+        return
+    with _deaf_to_interrupts():
+        # One thread a process: much of a short run is Python, for one thread at a time.
+        cluster = LocalCluster(
+            n_workers=min(workers or os.cpu_count() or 1, count),
+            threads_per_worker=1,
+            dashboard_address=None,
+            silence_logs=logging.CRITICAL,
+        )
+    with cluster, Client(cluster, set_as_default=False) as client:
+        yield client
+
+
+@contextmanager
+def _deaf_to_interrupts() -> Iterator[None]:
+    """Processes started in here leave Ctrl-C, which reaches all of a terminal's, to this one."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def _collect(
+    client: Client,
+    simulate: Callable[[Sequence[str]], dict[str, Any]],
+    changes: Sequence[Sequence[str]],
+    rows: dict[int, dict[str, Any]],
+    report: Callable[[], None],
+) -> None:
+    """Run everything, and put each row into ``rows`` when its run ends."""
+    from distributed import as_completed
+
+    # Not pure: two sweeps on one cluster are two sweeps, whatever dask remembers.
+    futures = client.map(simulate, changes, pure=False, retries=0)
+    places = {future.key: index for index, future in enumerate(futures)}
+    last = time.monotonic()
+    for future in as_completed(futures, loop=client.loop):
+        if future.status == "finished":
+            rows[places[future.key]] = future.result()
+        else:  # an unexpected error, or a worker that died
+            error = future.exception()
+            rows[places[future.key]] = {"error": f"{type(error).__name__}: {error}"}
+        if time.monotonic() - last >= 1.0:
+            report()
+            last = time.monotonic()
+
+
+def _table(
+    axes: Sequence[Axis], points: Sequence[Sequence[Any]], rows: Mapping[int, dict[str, Any]]
+) -> pandas.DataFrame:
+    """Finished runs in the order of the points."""
+    import pandas
+
+    order = sorted(rows)
+    columns: dict[str, Any] = {
+        axis.column: [_cell(points[index][k]) for index in order] for k, axis in enumerate(axes)
+    }
+    for name in RESULTS:
+        kind = "Int64" if name in ("steps", "elements") else "float64"
+        columns[name] = pandas.Series([rows[i].get(name) for i in order], index=order, dtype=kind)
+    columns["error"] = [rows[index]["error"] for index in order]
+    return pandas.DataFrame(columns, index=pandas.Index(order, name="run"))
+
+
+def _cell(value: Any) -> Any:
+    """Lists and mappings as text: a cell holds one value."""
+    return value if isinstance(value, (int, float, str)) else json.dumps(value)
+
+
+def write_table(table: pandas.DataFrame, path: str | os.PathLike[str]) -> None:
+    """Write the result of a sweep by the file's ending: .csv, .parquet or .nc.
+
+    A .nc file has the values swept over as dimensions, runs that are not finished as NaN.
+
+    Raises:
+        CableModelError: a package is missing that the format needs.
+        OSError: the file cannot be written.
+    """
+    path = Path(path)
+    partial_file = path.with_name(f".{path.name}.part")  # a reader never sees half a table
+    ending = path.suffix.lower()
+    if ending == ".csv":
+        table.to_csv(partial_file)
+    elif ending == ".parquet":
+        require("pyarrow", extra="export", what="Parquet")
+        table.to_parquet(partial_file)
+    elif ending == ".nc":
+        for package in ("xarray", "h5netcdf"):
+            require(package, extra="export", what="NetCDF")
+        swept = list(table.columns[: table.columns.get_loc("time")])
+        grid = table.astype({"error": object}).set_index(swept).to_xarray()
+        grid["error"] = grid["error"].fillna("not finished").astype(str)
+        grid.to_netcdf(partial_file, engine="h5netcdf")
+    else:
+        raise CableModelError(f"{path} must end in .csv, .parquet or .nc")
+    partial_file.replace(path)

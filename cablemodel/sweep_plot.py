@@ -1,0 +1,101 @@
+"""A picture of a sweep: one result against one of the values swept over."""
+
+from __future__ import annotations
+
+from os import PathLike
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cablemodel.errors import CableModelError
+from cablemodel.parameter_sweep import RESULTS
+from cablemodel.plot import STYLE, import_matplotlib
+
+if TYPE_CHECKING:
+    import pandas
+
+LABELS = {
+    "time": "end of the run [s]",
+    "top_tension": "top tension at the end [N]",
+    "highest_tension": "highest tension of the run [N]",
+    "lowest_tension": "lowest tension of the run [N]",
+    "max_curvature": "largest curvature of the run [1/m]",
+    "tip_x": "x of the far end at the end [m]",
+    "tip_y": "y of the far end at the end [m]",
+    "tip_z": "z of the far end at the end [m]",
+    "line_length": "cable out at the end [m]",
+    "wall_time": "computing time [s]",
+    "steps": "steps",
+    "elements": "elements",
+}
+"""Results of a sweep, as an axis of the picture names them."""
+
+_MOST_NAMED = 12
+"""Curves that get a name in the key; more are told by a colour bar or not at all."""
+
+
+def save_sweep_figure(
+    table: pandas.DataFrame, path: str | PathLike[str], *, result: str, against: str | None = None
+) -> None:
+    """Draw a result of a sweep against one value, a curve for each combination of the others.
+
+    Args:
+        table: what `sweep` gave.
+        path: file to write: .png, .pdf or .svg.
+        result: a column of `RESULTS`.
+        against: the column of a value swept over; by default the first.
+
+    Raises:
+        CableModelError: matplotlib is not installed, no such column, or nothing to draw.
+        OSError: the file cannot be written.
+    """
+    import_matplotlib()
+    import matplotlib
+    from matplotlib.figure import Figure
+
+    swept = swept_columns(table)
+    against = swept[0] if against is None else against
+    for name, allowed in ((result, list(RESULTS)), (against, swept)):
+        if name not in allowed:
+            raise CableModelError(f"a sweep has no column {name}; it has {', '.join(allowed)}")
+    good = table[table["error"] == ""]
+    if good.empty:
+        raise CableModelError("no run of the sweep came to its end: there is nothing to draw")
+    others = [name for name in swept if name != against]
+    curves = list(good.groupby(others, sort=False)) if others else [((), good)]
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(5.6, 3.8), layout="constrained")
+        axes = figure.add_subplot()
+        colours = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.88, len(curves)))
+        for (values, rows), colour in zip(curves, colours, strict=True):
+            axes.plot(rows[against], rows[result], "o-", color=colour, markersize=3.5,
+                      label=_named(others, values))  # fmt: skip
+        for place in table.loc[table["error"] != "", against].unique():
+            # A gap in a curve could be anything; a failed run is marked.
+            axes.axvline(place, color="#d1495b", linewidth=0.8, linestyle=":", zorder=0.5)
+        axes.set_xlabel(against)
+        axes.set_ylabel(LABELS[result])
+        if others and len(curves) <= _MOST_NAMED:
+            axes.legend(fontsize=7)
+        if len(good) < len(table):
+            title = f"dotted: {len(table) - len(good)} of {len(table)} runs failed"
+            axes.set_title(title, loc="right", color="0.4", fontsize=8)
+        try:
+            figure.savefig(path, dpi=200)
+        except ValueError as error:
+            raise CableModelError(f"cannot write {path}: {error}") from error
+
+
+def swept_columns(table: pandas.DataFrame) -> list[str]:
+    """Columns of the values swept over."""
+    return [str(name) for name in table.columns if name not in (*RESULTS, "error")]
+
+
+def _named(names: list[str], values: Any) -> str:
+    """A curve's name in the key: the last part of each path, and its value."""
+    words = []
+    for name, value in zip(names, values, strict=True):
+        path, _, unit = name.partition(" [")
+        text = f"{value:g}" if isinstance(value, float) else str(value)
+        words.append(" ".join([path.rpartition(".")[2], text, unit.removesuffix("]")]).strip())
+    return ", ".join(words)

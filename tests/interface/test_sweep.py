@@ -1,0 +1,166 @@
+"""Sweeps: every combination is run, failures are rows, what has ended survives an interruption."""
+
+import subprocess
+import sys
+import time
+from pathlib import Path
+from signal import SIGINT
+
+import pandas
+import pytest
+import xarray
+from distributed import LocalCluster
+from typer.testing import CliRunner, Result
+
+import cablemodel as cm
+from cablemodel.cli import app
+from cablemodel.parameter_sweep import Axis, write_table
+
+ROOT = Path(__file__).parents[2]
+SCENE = ROOT / "scenes" / "towed_cable.yaml"
+DIAMETER, LENGTH = "cable_types.K.diameter", "line.0.cable.length"
+
+
+def command(*arguments: str | Path) -> Result:
+    return CliRunner().invoke(app, ["sweep", *map(str, arguments)])
+
+
+@pytest.mark.parametrize(
+    ("text", "axis"),
+    [
+        ("a.b=0.01:0.03:3", Axis("a.b", (0.01, 0.02, 0.03))),
+        ("a=10 mm:30 mm:3", Axis("a", (10.0, 20.0, 30.0), "mm")),
+        ("a=-1e3 N/m2 : 1e3 N/m2 : 2", Axis("a", (-1000.0, 1000.0), "N/m2")),
+        ("a=3,1,2", Axis("a", (3, 1, 2))),
+        ("a=2 kn, 4 kn", Axis("a", (2.0, 4.0), "kn")),
+        ("a=hybrid,cable", Axis("a", ("hybrid", "cable"))),
+        ("a=[0, 1],[2, 3]", Axis("a", ([0, 1], [2, 3]))),
+        ("a=2 kn, 1 m", Axis("a", ("2 kn", "1 m"))),
+    ],
+)
+def test_values_are_a_range_or_a_list(text: str, axis: Axis) -> None:
+    assert Axis.parse(text) == axis
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("a", "path=start:stop:count"),
+        ("a=", "path=start:stop:count"),
+        ("=1,2", "path=start:stop:count"),
+        ("a=0:1:0.1", "0.1 is no number of values"),
+        ("a=0:1:1", "a count from 2"),
+        ("a=1 m:20 cm:3", "have not the same unit"),
+        ("a=[1,", "expected"),
+    ],
+)
+def test_what_is_neither_is_said(text: str, words: str) -> None:
+    with pytest.raises(cm.SceneError) as caught:
+        Axis.parse(text)
+    assert words in str(caught.value)
+
+
+def test_every_combination_gives_what_a_run_of_its_own_gives() -> None:
+    over = {DIAMETER: [0.01, -1.0, 0.02], LENGTH: ["10 m", 20]}
+    with LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster:
+        table = cm.sweep(SCENE, over, until=20.0, scheduler=cluster.scheduler_address)
+    assert table[DIAMETER].tolist() == [0.01, 0.01, -1.0, -1.0, 0.02, 0.02]
+    assert table[LENGTH].tolist() == ["10 m", 20, "10 m", 20, "10 m", 20]
+    assert table["error"].str.contains("diameter: -1.0 is out of range").tolist() == [
+        False, False, True, True, False, False,
+    ]  # fmt: skip
+    assert table.loc[[2, 3], "time":"elements"].isna().all(axis=None)
+    alone = cm.simulate(cm.load_scene(SCENE, [f"{DIAMETER}=0.02", f"{LENGTH}=20"]), until=20.0)
+    row = table.loc[5]
+    assert row["top_tension"] == alone.top_tension[-1]
+    assert row["highest_tension"] == alone.tension_max.max()
+    assert [row["tip_x"], row["tip_y"], row["tip_z"]] == alone.tip_position[-1].tolist()
+    assert row["max_curvature"] == alone.max_curvature
+    assert row["steps"] == alone.statistics["steps"]
+
+
+def test_the_command_writes_a_table_and_a_picture(tmp_path: Path) -> None:
+    target, picture = tmp_path / "sweep.csv", tmp_path / "sweep.png"
+    result = command(
+        SCENE, "--over", f"{DIAMETER}=10 mm:30 mm:3", "--over", "line.0.cable.model=hybrid,cable",
+        "--until", "5", "--workers", "1", "-o", target, "--plot", picture, "--against", DIAMETER,
+    )  # fmt: skip
+    assert result.exit_code == 0, result.output
+    table = pandas.read_csv(target, index_col="run", keep_default_na=False)
+    assert table[f"{DIAMETER} [mm]"].tolist() == [10.0, 10.0, 20.0, 20.0, 30.0, 30.0]
+    assert table["error"].tolist() == [""] * 6
+    assert "6 runs, 0 failed" in result.stdout
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_an_interruption_keeps_the_runs_that_have_ended(tmp_path: Path) -> None:
+    target = tmp_path / "sweep.csv"
+    arguments = ["--over", f"{DIAMETER}=0.01:0.03:5000", "--workers", "1", "-o", str(target)]
+    sweep = subprocess.Popen(
+        [sys.executable, "-m", "cablemodel", "sweep", str(SCENE), *arguments],
+        stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    end = time.monotonic() + 120.0
+    while not target.exists() and sweep.poll() is None and time.monotonic() < end:
+        time.sleep(0.1)
+    sweep.send_signal(SIGINT)
+    _output, errors = sweep.communicate(timeout=60)
+    rows = pandas.read_csv(target)
+    assert sweep.returncode == 130
+    assert 0 < len(rows) < 5000
+    assert f"The {len(rows)} of 5000 runs that had ended are in" in errors
+    assert rows["top_tension"].notna().all()
+    assert "Traceback" not in errors
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--over", "cable_types.K.diametr=1,2"], "did you mean diameter?"),
+        (["--over", f"{DIAMETER}=-1,-2"], "-1 is out of range"),
+        (["--over", f"{DIAMETER}=1,2", "--over", f"{DIAMETER}=3,4"], "swept over twice"),
+        (["--over", f"{DIAMETER}=1,2", "-o", "table.txt"], ".parquet"),
+        (["--over", f"{DIAMETER}=1,2", "--result", "price"], "highest_tension"),
+        (["--over", f"{DIAMETER}=1,2", "--against", "line"], DIAMETER),
+        (["--over", f"{DIAMETER}=1:2:2000", "--over", f"{LENGTH}=1:2:2000"], "4,000,000"),
+        ([], "--over"),
+    ],
+)
+def test_a_sweep_that_cannot_be_meant_is_bad_input(arguments: list[str], words: str) -> None:
+    result = command(SCENE, *arguments)
+    assert result.exit_code == 2
+    assert words in result.stderr
+
+
+@pytest.fixture
+def table() -> pandas.DataFrame:
+    """As a sweep over two values gives it when one run failed and one has not ended."""
+    columns = {DIAMETER: [0.01, 0.01, 0.02], "line.0.cable.model": ["hybrid", "cable", "hybrid"]}
+    results = {"time": [5.0, 5.0, None], "steps": pandas.array([7, 8, None], dtype="Int64")}
+    return pandas.DataFrame({**columns, **results, "error": ["", "", "it broke"]})
+
+
+def test_a_table_reads_back_from_parquet(table: pandas.DataFrame, tmp_path: Path) -> None:
+    write_table(table, tmp_path / "sweep.parquet")
+    pandas.testing.assert_frame_equal(pandas.read_parquet(tmp_path / "sweep.parquet"), table)
+
+
+def test_a_netcdf_file_has_the_values_as_dimensions(
+    table: pandas.DataFrame, tmp_path: Path
+) -> None:
+    write_table(table, tmp_path / "sweep.nc")
+    with xarray.open_dataset(tmp_path / "sweep.nc") as grid:
+        at = {DIAMETER: 0.01, "line.0.cable.model": "cable"}
+        assert float(grid["time"].sel(at)) == 5.0
+        assert str(grid["error"].sel({**at, DIAMETER: 0.02}).values) == "not finished"
+
+
+def test_without_dask_the_error_names_the_extra() -> None:
+    code = (
+        "import sys; sys.modules['distributed'] = None\n"
+        f"sys.argv = ['cablemodel', 'sweep', {str(SCENE)!r}, '--over', '{DIAMETER}=1,2']\n"
+        "from cablemodel.cli import main; main()\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert "pip install 'cablemodel[sweep]'" in done.stderr
