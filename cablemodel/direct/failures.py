@@ -45,6 +45,14 @@ _MEANING = {
         "the touchdown point has come to the part above the one that bends",
         "use method: finite_element, or a shorter solver.bending_length",
     ),
+    own.USED_UP: (
+        "more cable flows out of an interval than is in it, however short the step",
+        "look for a jump in the pay-out, or give a larger node_spacing",
+    ),
+    own.OVERSHOT: (
+        "the end goes through the floor, however short the step",
+        "give a shorter time_step, or use method: finite_element",
+    ),
 }
 
 

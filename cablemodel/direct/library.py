@@ -57,6 +57,11 @@ def sample(ints: IntArray, reals: FloatArray, stations: FloatArray, out: FloatAr
     return int(_kernels().sample(ints, reals, stations, out))
 
 
+def bodies(ints: IntArray, reals: FloatArray, out: FloatArray) -> int:
+    """Motion of the bodies of line and drum; out: rows of STATION_WORDS. Their number."""
+    return int(_kernels().bodies(ints, reals, out))
+
+
 def summary(ints: IntArray, reals: FloatArray, out: FloatArray) -> None:
     """The numbers of kernels/outputs.py: summarise."""
     _kernels().summary(ints, reals, out)

@@ -9,6 +9,7 @@ from numba import float64, int64
 from . import geometry, outputs, statics, stepping
 from .assembly import fill_system, set_strains
 from .compile import INTEGERS, REALS, entry_point
+from .layout import D_BODIES
 from .newton import solve_linear
 
 STEP, EQUILIBRIUM, ASSEMBLE, SOLVE = 0, 1, 2, 3
@@ -48,10 +49,23 @@ def sample(I, M, stations, out):
 
 
 @entry_point(int64(INTEGERS, REALS, REALS))
+def bodies(I, M, out):
+    """Motion of the bodies; out: rows of STATION_WORDS, see outputs.body_stations."""
+    outputs.body_stations(I, M, out)
+    return I[D_BODIES]
+
+
+@entry_point(int64(INTEGERS, REALS, REALS))
 def summary(I, M, out):
     """The numbers of outputs.summarise."""
     outputs.summarise(I, M, out)
     return 0
 
 
-ENTRY_POINTS = {"work": work, "place": place, "sample": sample, "summary": summary}
+ENTRY_POINTS = {
+    "work": work,
+    "place": place,
+    "sample": sample,
+    "bodies": bodies,
+    "summary": summary,
+}

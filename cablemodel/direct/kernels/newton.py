@@ -45,7 +45,7 @@ from .layout import (
 )
 from .superposition import superpose
 
-MOST_ITERATIONS = 30
+MOST_ITERATIONS = 10
 LARGEST_TURN = 0.7
 """An iteration that would turn the cable by more is shortened [rad]."""
 ROUND_OFF = 1e-6
