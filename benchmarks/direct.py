@@ -22,7 +22,7 @@ from benchmarks import machine
 from cablemodel.direct import library
 from cablemodel.direct.build import build
 from cablemodel.direct.kernels import layout as own
-from cablemodel.direct.kernels.assembly import RHS_WORDS
+from cablemodel.direct.kernels.layout import RHS_WORDS
 from tests.verification import direct_scenes, scenes
 from tests.verification.references import tables
 

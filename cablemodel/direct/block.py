@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel.direct.kernels import layout as own
-from cablemodel.direct.kernels.assembly import RHS_WORDS
 from cablemodel.kernels import layout as at
 
 FloatArray = NDArray[np.float64]
@@ -16,23 +17,45 @@ _GAUSS_WORDS = 512
 _MOTION_WORDS = 64
 
 
+# Sizes of a block, each with the header word that holds it.
+SIZES = {
+    "nodes": at.I_CAPACITY,
+    "sections": own.D_SECTION_CAPACITY,
+    "materials": own.D_MATERIALS,
+    "bodies": own.D_BODIES,
+    "drum": own.D_DRUM_CAPACITY,
+    "pieces": at.I_PIECES,
+    "depths": at.I_DEPTHS,
+    "times": at.I_TIMES,
+    "strain_words": at.I_STRAIN,
+    "rates": at.I_RATES,
+}
+
+Arrays = list[tuple[int, Any]]
+
+
 class DirectBlock:
     """One contiguous piece of memory, seen as int64 (``ints``) and as float64 (``reals``)."""
 
-    def __init__(
-        self,
+    @staticmethod
+    def arrays(
         *,
-        nodes: int,
-        sections: int,
-        materials: int,
-        bodies: int,
-        drum: int,
-        pieces: int,
-        depths: int,
-        times: int,
-        strain_words: int,
-        rates: int,
-    ) -> None:
+        nodes: Any,
+        sections: Any,
+        materials: Any,
+        bodies: Any,
+        drum: Any,
+        pieces: Any,
+        depths: Any,
+        times: Any,
+        strain_words: Any,
+        rates: Any,
+    ) -> tuple[Arrays, Arrays]:
+        """Arrays of the image in order, then those of the workspace: (header word, length).
+
+        kernels/backup.py relies on the order. Sizes are numbers, or the symbols from which the
+        FMU's C code of the same rule is written.
+        """
         image = [
             (at.O_PIECES, pieces * at.PIECE_WORDS),
             (at.O_DEPTHS, depths),
@@ -65,12 +88,42 @@ class DirectBlock:
             (own.O_CURRENTS, nodes * 3),
             (own.O_LEFT, slots * own.BLOCK),
             (own.O_RIGHT, slots * own.BLOCK),
-            (own.O_RHS, slots * RHS_WORDS),
+            (own.O_RHS, slots * own.RHS_WORDS),
             (own.O_SHAPE, slots * own.SHAPE_WORDS),
             (own.O_DELTA, slots * 2 * own.WIDTH),
             (own.O_SWEEP, slots * own.SWEEP_WORDS),
             (own.O_WORK, own.WORK_WORDS),
         ]
+        return image, workspace
+
+    def __init__(
+        self,
+        *,
+        nodes: int,
+        sections: int,
+        materials: int,
+        bodies: int,
+        drum: int,
+        pieces: int,
+        depths: int,
+        times: int,
+        strain_words: int,
+        rates: int,
+    ) -> None:
+        sizes = {
+            "nodes": nodes,
+            "sections": sections,
+            "materials": materials,
+            "bodies": bodies,
+            "drum": drum,
+            "pieces": pieces,
+            "depths": depths,
+            "times": times,
+            "strain_words": strain_words,
+            "rates": rates,
+        }
+        image, workspace = self.arrays(**sizes)
+        image_words = own.FIRST_FREE + sum(length for _, length in image)
         words = own.FIRST_FREE
         offsets = {}
         for place, length in image + workspace:
@@ -83,15 +136,8 @@ class DirectBlock:
         header[at.I_VERSION] = own.VERSION
         header[at.I_BYTES] = 8 * words
         header[at.I_IMAGE_WORDS] = image_words
-        header[at.I_CAPACITY] = nodes
-        header[own.D_SECTION_CAPACITY] = sections
-        header[own.D_BODIES] = bodies
-        header[own.D_DRUM] = drum
-        header[at.I_PIECES] = pieces
-        header[at.I_DEPTHS] = depths
-        header[at.I_TIMES] = times
-        header[at.I_STRAIN] = strain_words
-        header[at.I_RATES] = rates
+        for name, word in SIZES.items():
+            header[word] = sizes[name]
         # The shared kernels see the earth frame: the vertical plane is this solver's own matter.
         header[at.I_DIMENSION] = 3
         for place, offset in offsets.items():

@@ -5,7 +5,7 @@ from __future__ import annotations
 from cablemodel.direct.kernels import layout as own
 from cablemodel.kernels import layout as at
 
-_MEANING = {
+MEANING = {
     at.NOT_CONVERGED: (
         "Newton's method does not converge, however short the step",
         "look for a jump in the inputs, give a shorter time_step or node_spacing, "
@@ -58,4 +58,4 @@ _MEANING = {
 
 def explain(status: int) -> tuple[str, str]:
     """Problem and advice of a status."""
-    return _MEANING[status]
+    return MEANING[status]

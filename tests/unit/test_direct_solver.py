@@ -14,8 +14,8 @@ import cablemodel as cm
 from cablemodel.direct import library
 from cablemodel.direct.build import build
 from cablemodel.direct.kernels import layout as own
-from cablemodel.direct.kernels.assembly import RHS_WORDS
 from cablemodel.direct.kernels.entry import ENTRY_POINTS
+from cablemodel.direct.kernels.layout import RHS_WORDS
 from cablemodel.kernels import layout as at
 from cablemodel.kernels.compile import OPTIONS
 from cablemodel_fmu.symbols import ALLOWED_SYMBOLS
