@@ -132,6 +132,10 @@ def sample_stations(I, M, stations, out):
     elements. Returns the index of the first station that is not on the line, or their number."""
     mesh = line_out(I, M)
     total = mesh + M[X_LAID]
+    # A body may be last: what rounding puts behind the cable's end belongs to the cable's end.
+    outermost = I[D_SECTIONS] - 1
+    while I[I[O_SECTION] + SECTION_WORDS * outermost + N_KIND] == RIGID:
+        outermost -= 1
     for n in range(len(stations)):
         s = stations[n]
         if not (s >= -1e-9 * total and s <= total * (1.0 + 1e-9)):
@@ -147,7 +151,7 @@ def sample_stations(I, M, stations, out):
             last = first + I[section + N_COUNT] - 1
             for node in range(first + 1, last + 1):
                 h = M[I[O_LENGTH] + node]
-                if s <= arc + h or (index == I[D_SECTIONS] - 1 and node == last):
+                if s <= arc + h or (index == outermost and node == last):
                     x = min(1.0, max(0.0, (s - arc) / h))
                     station(I, M, section, node - 1, x, out, row)
                     done = True

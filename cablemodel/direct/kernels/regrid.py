@@ -366,6 +366,8 @@ def take_joint_back(I, M, row, out):
     rigid = I[row + R_RIGID] >= 0
     more = 2 if rigid else 1
     nodes = 2 * more
+    if I[D_SECTIONS] <= more:
+        return SHORT_SECTION
     h = M[I[O_LENGTH] + nodes + 1] + out
     copy_node(I, M, 0, nodes)
     for k in range(SECTION_WORDS * (I[D_SECTIONS] + 1 - more)):

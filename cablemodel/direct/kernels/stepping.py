@@ -14,6 +14,7 @@ from cablemodel.kernels.layout import (
     I_ITERATIONS,
     I_LIVE,
     I_PIECE,
+    I_PIECES,
     I_REJECTED,
     I_STEPS,
     I_TIMES,
@@ -145,7 +146,7 @@ def next_kink(I, M, t_end):
     jump = 0
     if I[I_LIVE] == 0:
         k = find_piece(I, M, t)
-        while True:
+        while k < I[I_PIECES] - 1:
             end = M[I[O_PIECES] + k * PIECE_WORDS + P_END]
             if not end < nearest:
                 break
