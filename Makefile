@@ -14,7 +14,7 @@ RUN := out/towed_cable.mcap
 
 .DEFAULT_GOAL := help
 .PHONY: help demo demo-ros test test-ros lint types browser native libraries wheel test-tools
-.PHONY: bench bench-quick bench-ros stress golden docs clean
+.PHONY: bench bench-quick bench-ros count-store valgrind stress golden docs clean
 
 help:  ## list what make can do
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -77,8 +77,19 @@ bench: $(READY_BENCH)  ## measure run time against error (long)
 	$(BIN)/python -m benchmarks
 	$(BIN)/python -m benchmarks.fmu
 
-bench-quick: $(READY_BENCH)  ## measure a few scenes only
+bench-quick: $(READY_BENCH) native valgrind  ## compare instruction counts with those stored, measure a few scenes
+	$(BIN)/python -m benchmarks.instructions
 	$(BIN)/python -m benchmarks --quick
+
+count-store: $(READY_BENCH) native valgrind  ## store the present instruction counts
+	$(BIN)/python -m benchmarks.instructions --store
+
+# Debian's, as root; elsewhere valgrind and a C compiler must be there.
+valgrind:
+	@{ command -v valgrind && command -v cc; } >/dev/null || { [ "$$(id -u)" = 0 ] && apt-get update -qq \
+		&& DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends \
+			valgrind gcc libc6-dev >/dev/null; } \
+		|| echo "No valgrind or no C compiler: instructions cannot be counted."
 
 stress: $(READY_DEV)  ## run the stress scenes (long)
 	$(BIN)/python -m pytest tests/stress -m "slow or not slow"

@@ -19,7 +19,7 @@ from benchmarks.scaling import ELEMENTS, ScalingPoint, measure_scaling
 from benchmarks.scenes import SCENES
 from benchmarks.startup import StartUp, measure_start_up
 
-PARTS = ("ours", "moordyn", "search", "scaling", "startup")
+PARTS = (*work_precision.PARTS, "search", "scaling", "startup")
 QUICK_PARTS = ("ours", "moordyn", "startup")
 
 
@@ -67,10 +67,9 @@ def main(given: Sequence[str] | None = None) -> None:
         loads[part] = described["load"]
 
     fresh: list[Measurement] = []
-    if "ours" in parts:
-        fresh += work_precision.run(names, chosen.quick, peers=False, report=tell)
-    if "moordyn" in parts:
-        fresh += work_precision.run(names, chosen.quick, ours=False, report=tell)
+    for part in work_precision.PARTS:
+        if part in parts:
+            fresh += work_precision.run(names, part, chosen.quick, tell)
     results = merge([Measurement(**m) for m in stored.get("measurements", [])], fresh)
     searched = [Measurement(**m) for m in stored.get("search", [])]
     if "search" in parts:

@@ -96,8 +96,10 @@ def ratio(
 def cheapest_within(
     measurements: Iterable[Measurement], scene: BenchmarkScene
 ) -> Measurement | None:
-    """The cheapest measurement that keeps both errors that the scene asks for."""
+    """The cheapest measurement that keeps both errors that the scene asks for; None: none does."""
     target = scene.target
+    if target is None:
+        return None
     good = [
         m
         for m in measurements

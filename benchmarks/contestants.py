@@ -1,4 +1,4 @@
-"""Who is measured: cablemodel over its tolerances, and each peer over its segment counts."""
+"""Who is measured: cablemodel over its tolerances, each peer over a grid of its settings."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from benchmarks.measure import Contestant, Runner
 from benchmarks.scenes import BenchmarkScene
 
-TOLERANCES = (1e-2, 3e-3, 1e-3, 5e-4, 3e-4, 1e-4, 1e-5)
+TOLERANCES = (1e-2, 3e-3, 1e-3, 5e-4, 3e-4, 1e-4, 1e-5, 1e-6)
 MODELS = ("hybrid", "elastica", "cable")
 OURS = "cablemodel"
 
@@ -21,20 +21,23 @@ OURS = "cablemodel"
 class CableModelRunner:
     """One cablemodel instance, stepped from one reference time to the next."""
 
-    def __init__(self, scene: dict[str, Any]) -> None:
+    def __init__(self, scene: dict[str, Any], probe: float | None = None) -> None:
         import cablemodel as cm
 
         self._model: Any = cm.CableModel(cm.load_scene(scene))
+        self._probe = probe
 
     def advance(self, time: float) -> None:
         """One step to that time [s], whatever its length."""
         self._model.step(time - self._model.time)
 
     def tip(self) -> NDArray[np.float64]:
-        """Free end relative to the vessel (3,) [m]."""
-        tip: NDArray[np.float64] = np.asarray(self._model.tip_position) - np.asarray(
-            self._model.vessel_position
-        )
+        """Free end, or the probe, relative to the vessel (3,) [m]."""
+        if self._probe is None:
+            place = self._model.tip_position
+        else:
+            place = self._model.sample([self._probe]).position[0]
+        tip: NDArray[np.float64] = np.asarray(place) - np.asarray(self._model.vessel_position)
         return tip
 
     def top_tension(self) -> float:
@@ -62,10 +65,11 @@ def cablemodel_scene(
     """The scene with another tolerance, cable model or number of elements."""
     changed = copy.deepcopy(scene.scene)
     changed["solver"]["tolerance"] = tolerance
-    cable = changed["line"][0]["cable"]
-    cable["model"] = model
-    if elements is not None:
-        cable["elements"] = elements
+    for item in [*changed["line"], *changed.get("payout", {}).get("drum", [])]:
+        if "cable" in item:
+            item["cable"]["model"] = model
+            if elements is not None:
+                item["cable"]["elements"] = elements
     return changed
 
 
@@ -76,41 +80,64 @@ def cablemodel_contestants(
 
     def contestant(model: str, tolerance: float) -> Contestant:
         def make(scene: BenchmarkScene, _times: Sequence[float]) -> Runner:
-            return CableModelRunner(cablemodel_scene(scene, tolerance, model))
+            return CableModelRunner(cablemodel_scene(scene, tolerance, model), scene.probe)
 
         return Contestant(f"{OURS} {model}", f"tau={tolerance:g}", make, "fine", compiles=True)
 
     return [contestant(model, tolerance) for model in models for tolerance in tolerances]
 
 
-# Cost grows with the square of the segments: stop where one run takes about a minute.
-MOORDYN_SEGMENTS = {
-    "S1": (10, 20, 40, 80, 120),
-    "S2w": (10, 20, 40, 80, 160),
-    "S2a": (10, 20, 40, 80, 160, 320),
-    "S4": (10, 20, 40, 80, 120),
+DIRECT = "direct integration"
+DIRECT_STEPS: dict[str, tuple[tuple[float, float], ...]] = {
+    # time step [s], distance of nodes [m]
+    "S1": ((2.0, 2.0), (1.0, 1.0), (0.5, 0.5), (0.25, 0.25), (0.125, 0.125)),
+    "S2w": ((0.08, 0.4), (0.04, 0.2), (0.02, 0.1), (0.01, 0.05)),
+    "S3": ((1.0, 1.0), (0.5, 1.0), (0.5, 0.5), (0.25, 0.5)),
+    "S4": ((1.0, 1.0), (0.5, 0.5), (0.25, 0.25), (0.125, 0.125)),
 }
-MOORDYN_CURVES = (
-    # The setting that the project's targets are stated against, and the cheapest stable one
-    # that a search over schemes, steps and damping found (see docs/benchmarks.md).
-    ("MoorDyn RK4, BA=0", "RK4", 2.7, 0.0),
-    ("MoorDyn RK2, zeta=0.6", "RK2", 2.0, 0.6),
-)
+"""Scenes of the second solver. A release in air or a vacuum has no drag to hold its first, slack
+steps; a line held at both ends (J) has no static state for it."""
 
 
-def moordyn_contestants(scene: str, max_segments: int = 10_000) -> list[Contestant]:
-    """MoorDyn: one curve per scheme, one point per number of segments."""
-    from benchmarks.peers.moordyn import MoorDynRunner, Settings
+def direct_scene(
+    scene: BenchmarkScene, time_step: float, spacing: float, model: str
+) -> dict[str, Any]:
+    """The scene for direct integration, of nearly second order (alpha 0.55).
 
-    def contestant(name: str, settings: Settings) -> Contestant:
-        def make(scene: BenchmarkScene, times: Sequence[float]) -> Runner:
-            return MoorDynRunner(scene, times, settings)
+    On the floor it must bend (hybrid); S3's upper parts are its flexible cable, as in the paper.
+    """
+    changed = cablemodel_scene(scene, 1e-3, model)
+    changed["solver"] = {
+        "method": "direct_integration",
+        "time_step": time_step,
+        "node_spacing": spacing,
+        "alpha": 0.55,
+        "relative_tolerance": 1e-5,
+    }
+    if scene.name == "S3":
+        upper, lower = changed["line"][0]["cable"], changed["line"][2]["cable"]
+        upper["model"], lower["model"] = "cable", "hybrid"
+        changed["payout"]["drum"][0]["cable"]["model"] = "cable"
+        # The paper's own settings there: with others its Newton iteration gives up at touchdown.
+        changed["solver"] |= {"alpha": 1.0, "relative_tolerance": 1e-2}
+    return changed
 
-        return Contestant(name, f"N={settings.segments}", make, "prototype")
 
+def direct_contestants(scene: str, models: Sequence[str] = MODELS) -> list[Contestant]:
+    """The second solver: one curve per model, one point per time step and distance of nodes."""
+
+    def contestant(model: str, time_step: float, spacing: float) -> Contestant:
+        def make(scene: BenchmarkScene, _times: Sequence[float]) -> Runner:
+            return CableModelRunner(direct_scene(scene, time_step, spacing, model), scene.probe)
+
+        setting = f"dt={time_step:g} ds={spacing:g}"
+        return Contestant(f"{DIRECT} {model}", setting, make, "fine", compiles=True)
+
+    # A flexible cable has no equations without tension (S2w), and S3 mixes the models anyway.
+    allowed = {"S2w": ("elastica",), "S3": ("hybrid",)}.get(scene, tuple(models))
     return [
-        contestant(name, Settings(segments, scheme, factor, damping))
-        for name, scheme, factor, damping in MOORDYN_CURVES
-        for segments in MOORDYN_SEGMENTS[scene]
-        if segments <= max_segments
+        contestant(model, time_step, spacing)
+        for model in models
+        if model in allowed
+        for time_step, spacing in DIRECT_STEPS.get(scene, ())
     ]

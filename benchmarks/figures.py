@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
 from collections.abc import Sequence
 from pathlib import Path
 
+from benchmarks.compare import front
 from benchmarks.measure import Measurement
 from benchmarks.scenes import BenchmarkScene
 
@@ -27,9 +29,13 @@ def work_precision_figure(
         1, 2, figsize=(11.0, 4.5), sharex=True, layout="constrained"
     )
     for name, points in curves.items():
-        ordered = sorted(points, key=lambda m: m.cost)
+        best = front(points)
+        # Of a peer whose settings were searched, the best at each error.
+        searched = [m for m in points if (m.tip_error, m.cost) in best]
+        ordered = sorted(points if len(points) < 10 else searched, key=lambda m: m.cost)
         costs = [m.cost for m in ordered]
         style = "o-" if name.startswith("cablemodel") else "s--"
+        style = "^:" if name.startswith("direct") else style
         tip_axes.loglog(costs, [m.tip_error for m in ordered], style, label=name, markersize=4)
         with_tension = [m for m in ordered if m.tension_error is not None]
         tension_axes.loglog(
@@ -40,10 +46,11 @@ def work_precision_figure(
             markersize=4,
         )
     target = scene.target
-    tip_axes.plot([target.cost], [target.tip_error], "k*", markersize=11, label="asked")
-    if target.tension_error is not None:
+    if target is not None and math.isfinite(target.tip_error):
+        tip_axes.plot([target.cost], [target.tip_error], "k*", markersize=11, label="asked")
+    if target is not None and target.tension_error is not None:
         tension_axes.plot([target.cost], [target.tension_error], "k*", markersize=11)
-    tip_axes.set_ylabel("largest tip error / L")
+    tip_axes.set_ylabel("largest error of the position / L")
     tension_axes.set_ylabel("largest error of top tension / largest tension")
     for axes in (tip_axes, tension_axes):
         axes.set_xlabel("CPU seconds per simulated second")

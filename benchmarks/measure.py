@@ -27,7 +27,7 @@ class Runner(Protocol):
         """Step to that time [s]; the only call whose CPU time counts."""
 
     def tip(self) -> NDArray[np.float64]:
-        """Free end relative to the vessel (3,) [m]."""
+        """The point that is compared, the free end as a rule, relative to the vessel (3,) [m]."""
 
     def top_tension(self) -> float:
         """Magnitude of the force of the cable on the vessel [N]."""
@@ -109,7 +109,8 @@ def errors(
     tips: (n, 3) [m]; tensions: (n,) [N]. The second is None where the reference has no tension.
     """
     distance = np.linalg.norm(tips - reference.tip_array(), axis=1)
-    tip_error = float(distance.max()) / scene.cable.length
+    known = ~np.isnan(reference.tip_array()[:, 0])
+    tip_error = float(distance[known].max()) / scene.cable.length
     if reference.tension is None:
         return tip_error, None
     expected = np.array(reference.tension)

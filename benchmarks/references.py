@@ -13,6 +13,7 @@ its distance from ``prototype`` must be the effect of the factor alone.
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -28,7 +29,8 @@ class Reference:
     """Free end and top tension at some instants.
 
     times: (n,) [s]; tip: (n, 3) relative to the vessel [m]; tension: (n,) at the top [N], or
-    None where only positions are known. tip_uncertainty [m] and tension_uncertainty [N]: digits
+    None where only positions are known; a row or number that is not known is not a number.
+    tip_uncertainty [m] and tension_uncertainty [N]: digits
     that can be trusted. made: how it was computed.
     """
 
@@ -46,14 +48,21 @@ class Reference:
 
 def _from_json(data: dict[str, Any]) -> Reference:
     tension = data["tension"]
+    nowhere = (math.nan, math.nan, math.nan)
     return Reference(
         times=tuple(data["times"]),
-        tip=tuple((row[0], row[1], row[2]) for row in data["tip"]),
+        tip=tuple(nowhere if row is None else (row[0], row[1], row[2]) for row in data["tip"]),
         tension=None if tension is None else tuple(tension),
         tip_uncertainty=data["tip_uncertainty"],
         tension_uncertainty=data["tension_uncertainty"],
         made=data["made"],
     )
+
+
+def _to_json(reference: Reference) -> dict[str, Any]:
+    data = asdict(reference)
+    data["tip"] = [None if math.isnan(row[0]) else row for row in reference.tip]
+    return data
 
 
 def load(path: Path = PATH) -> dict[str, dict[str, Reference]]:
@@ -68,7 +77,7 @@ def load(path: Path = PATH) -> dict[str, dict[str, Reference]]:
 def save(references: dict[str, dict[str, Reference]], path: Path = PATH) -> None:
     """Write all references, one scene after the other."""
     stored = {
-        scene: {name: asdict(reference) for name, reference in sets.items()}
+        scene: {name: _to_json(reference) for name, reference in sets.items()}
         for scene, sets in references.items()
     }
     path.write_text(json.dumps(stored, indent=1) + "\n")

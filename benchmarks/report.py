@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from benchmarks.compare import Ratio, cheapest_within, ratio
-from benchmarks.contestants import MOORDYN_CURVES, OURS
+from benchmarks.contestants import DIRECT, OURS
 from benchmarks.figures import work_precision_figure
 from benchmarks.measure import Measurement
 from benchmarks.references import load as load_references
+from benchmarks.rivals import MOORDYN_CURVES
 from benchmarks.scaling import ScalingPoint, exponent
 from benchmarks.scenes import SCENES, BenchmarkScene
 from benchmarks.startup import StartUp
@@ -71,10 +73,15 @@ def targets_table(scenes: Sequence[BenchmarkScene], results: Sequence[Measuremen
     rows = []
     for scene in scenes:
         target = scene.target
+        if target is None:
+            continue
         best = cheapest_within([m for m in results if m.scene == scene.name and is_ours(m)], scene)
-        asked = f"tip {number(target.tip_error, 1)} L"
-        if target.tension_error is not None:
-            asked += f", T {number(target.tension_error, 1)}"
+        errors = {"tip": target.tip_error, "T": target.tension_error}
+        asked = ", ".join(
+            f"{name} {number(error, 1)}{' L' if name == 'tip' else ''}"
+            for name, error in errors.items()
+            if error is not None and math.isfinite(error)
+        )
         rows.append(
             (
                 scene.name,
@@ -88,14 +95,23 @@ def targets_table(scenes: Sequence[BenchmarkScene], results: Sequence[Measuremen
     return table(("scene", "error asked", "at most [s/s]", "measured [s/s]", "by", "met"), rows)
 
 
+UNASKED_ERRORS = (1e-3, 1e-4)
+"""Position errors at which scenes without a target are compared, over the length [-]."""
+
+
 def ratios(scenes: Sequence[BenchmarkScene], results: Sequence[Measurement]) -> list[Ratio]:
-    """Our cheapest curve against each MoorDyn curve, at the tip error that the scene asks for."""
+    """Our cheapest curve against each peer's, at the error that the scene asks for and at ten times
+    that."""
     found = []
     for scene in scenes:
-        mine = [m for m in results if m.scene == scene.name and is_ours(m)]
-        for peer, *_ in MOORDYN_CURVES:
-            theirs = [m for m in results if m.scene == scene.name and m.contestant == peer]
-            for error in (scene.target.tip_error * 10.0, scene.target.tip_error):
+        of_scene = [m for m in results if m.scene == scene.name]
+        mine = [m for m in of_scene if is_ours(m)]
+        others = [m for m in of_scene if not m.contestant.startswith((OURS, DIRECT))]
+        asked = scene.target.tip_error if scene.target is not None else math.inf
+        errors = (10.0 * asked, asked) if math.isfinite(asked) else UNASKED_ERRORS
+        for peer in dict.fromkeys(m.contestant for m in others):
+            theirs = [m for m in others if m.contestant == peer]
+            for error in errors:
                 one = ratio(scene.name, peer, error, mine, theirs)
                 if one is not None:
                     found.append(one)
@@ -109,7 +125,9 @@ def ratio_table(scenes: Sequence[BenchmarkScene], results: Sequence[Measurement]
         target = SCENES[one.scene].target
         asked = (
             f"{target.ratio:.0f}"
-            if one.tip_error == target.tip_error and one.peer == MOORDYN_CURVES[0][0]
+            if target is not None
+            and one.tip_error == target.tip_error
+            and one.peer == MOORDYN_CURVES[0][0]
             else ""
         )
         rows.append(
@@ -138,7 +156,7 @@ def scene_section(scene: BenchmarkScene, results: Sequence[Measurement], figures
             m.contestant,
             m.setting,
             number(m.cost),
-            number(m.tip_error) if m.failure is None else m.failure,
+            number(m.tip_error) if m.failure is None else m.failure.splitlines()[0][:100],
             number(m.tension_error),
             f"{m.statistics.get('elements', float('nan')):.0f}",
             f"{m.statistics.get('steps', float('nan')):.0f}",
@@ -231,7 +249,7 @@ def write(
         HEADER,
         "## Machine\n\n" + table(("what", "value"), machine.items()),
         "## What was asked\n\n" + targets_table(scenes, results),
-        "## Ratio to MoorDyn at equal tip error\n\n" + ratio_table(scenes, results),
+        "## Ratio to the peers at equal error of position\n\n" + ratio_table(scenes, results),
         "## Work against precision\n",
     ]
     parts.extend(

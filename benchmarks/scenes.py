@@ -53,7 +53,8 @@ class Cable:
 class Target:
     """What the project promises for a scene.
 
-    tip_error: largest distance of the free end from the reference, over the length [-].
+    tip_error: largest distance of the free end from the reference, over the length [-]; infinite:
+    not asked.
     tension_error: largest error of the top tension, over its largest value [-]; None: not asked.
     cost: CPU seconds of stepping per simulated second, at most [-].
     ratio: how many times cheaper than MoorDyn at the same tip error, at least [-].
@@ -69,8 +70,10 @@ class Target:
 class BenchmarkScene:
     """A scene, the instants at which it is compared, and what is asked of it.
 
-    ``points``: (n+1, 3) starting shape relative to the vessel is left to
-    :meth:`starting_points`; ``motion`` maps a time [s] to the vessel's position (3,) [m].
+    ``motion`` maps a time [s] to the vessel's position (3,) [m]; ``start`` is ``straight``,
+    ``steady`` (see :meth:`starting_points`) or ``static`` (left to each simulator). ``target``:
+    None where nothing is asked. ``probe``: arc length of the point that is compared [m], None for
+    the end. ``anchor``: where the end is held (3,) [m], relative to the vessel's first place.
     """
 
     name: str
@@ -82,8 +85,10 @@ class BenchmarkScene:
     motion: Callable[[float], tuple[float, float, float]]
     start_velocity: tuple[float, float, float]
     start: str
-    target: Target
+    target: Target | None = None
     kinks: tuple[float, ...] = ()
+    probe: float | None = None
+    anchor: tuple[float, float, float] | None = None
 
     def starting_points(self, segments: int) -> Vector:
         """Nodes of the starting shape for a lumped-mass peer, relative to the vessel [m].
@@ -193,39 +198,60 @@ def _tow() -> BenchmarkScene:
     )
 
 
-def _release_in_water() -> BenchmarkScene:
-    cable = Cable(length=10.0)
-    title = "S2w: horizontal cable released in water, zero tension everywhere at the start"
+def _release(
+    name: str,
+    title: str,
+    cable: Cable,
+    water_density: float,
+    times: tuple[float, ...],
+    target: Target | None = None,
+) -> BenchmarkScene:
+    """A straight, unstretched cable along x, at rest and pinned at one end, is let go."""
     vessel = {"position": [0.0, 0.0, 0.0], "velocity": [{"t": 0.0, "velocity": [0.0, 0.0, 0.0]}]}
+    straight = {"straight": [1.0, 0.0, 0.0]}
     return BenchmarkScene(
-        name="S2w",
+        name=name,
         title=title,
         cable=cable,
-        water_density=1025.0,
-        scene=_scene_dict(title, cable, 1025.0, {"straight": [1.0, 0.0, 0.0]}, vessel, 10.0),
-        times=(1.0, 2.0, 4.0, 6.0, 10.0),
+        water_density=water_density,
+        scene=_scene_dict(title, cable, water_density, straight, vessel, times[-1]),
+        times=times,
         motion=_at_rest,
         start_velocity=(0.0, 0.0, 0.0),
         start="straight",
-        target=Target(tip_error=1e-4, tension_error=None, cost=1e-4, ratio=500.0),
+        target=target,
+    )
+
+
+def _release_in_water() -> BenchmarkScene:
+    return _release(
+        "S2w",
+        "S2w: horizontal cable released in water, zero tension everywhere at the start",
+        Cable(length=10.0),
+        1025.0,
+        (1.0, 2.0, 4.0, 6.0, 10.0),
+        Target(tip_error=1e-4, tension_error=None, cost=1e-4, ratio=500.0),
     )
 
 
 def _release_in_air() -> BenchmarkScene:
-    cable = Cable(length=10.0, submerged_weight=0.4613 * GRAVITY)
-    title = "S2a: horizontal cable released in air, a whip; compared up to 1.25 s"
-    vessel = {"position": [0.0, 0.0, 0.0], "velocity": [{"t": 0.0, "velocity": [0.0, 0.0, 0.0]}]}
-    return BenchmarkScene(
-        name="S2a",
-        title=title,
-        cable=cable,
-        water_density=1.2,
-        scene=_scene_dict(title, cable, 1.2, {"straight": [1.0, 0.0, 0.0]}, vessel, 1.25),
-        times=(0.25, 0.5, 0.75, 1.0, 1.25),
-        motion=_at_rest,
-        start_velocity=(0.0, 0.0, 0.0),
-        start="straight",
-        target=Target(tip_error=5e-4, tension_error=None, cost=2e-3, ratio=30.0),
+    return _release(
+        "S2a",
+        "S2a: horizontal cable released in air, a whip; compared up to 1.25 s",
+        Cable(length=10.0, submerged_weight=0.4613 * GRAVITY),
+        1.2,
+        (0.25, 0.5, 0.75, 1.0, 1.25),
+        Target(tip_error=5e-4, tension_error=None, cost=2e-3, ratio=30.0),
+    )
+
+
+def _release_in_vacuum() -> BenchmarkScene:
+    return _release(
+        "S2v",
+        "S2v: horizontal cable released in a vacuum; compared up to 1 s",
+        Cable(length=10.0, submerged_weight=0.4613 * GRAVITY),
+        0.0,
+        (0.25, 0.5, 0.75, 1.0),
     )
 
 
@@ -254,6 +280,116 @@ def _turn() -> BenchmarkScene:
     )
 
 
+LAID_TIMES = (10.0, 30.0, 38.0, 60.0, 96.0, 120.0)
+"""Instants at which S3 is compared [s]; from 38.8 s on the end lies on the floor, and folds."""
+
+
+def _laid_motion(time: float) -> tuple[float, float, float]:
+    """0 to 0.65 m/s in 20 s, then constant."""
+    x = 0.65 * time**2 / 40.0 if time < 20.0 else 6.5 + 0.65 * (time - 20.0)
+    return (x, 0.0, 0.0)
+
+
+def _laid() -> BenchmarkScene:
+    cable = Cable(length=60.0)
+    title = "S3: a tow with a body, from 20 s on paid out at 0.7 m/s onto a floor at 70 m"
+    body = {"mass": 6.0, "submerged_weight": 20.0, "added_mass": 2.0, "added_mass_axial": 2.0,
+            "drag_area": 0.03, "drag_coefficient": 0.6, "drag_area_axial": 0.03,
+            "drag_coefficient_axial": 0.6}  # fmt: skip
+
+    def part(length: float) -> dict[str, Any]:
+        return {"cable": {"type": "K", "length": length, "model": "elastica"}}
+
+    vessel = {
+        "position": [0.0, 0.0, 0.0],
+        "velocity": [
+            {"t": 0.0, "velocity": [0.0, 0.0, 0.0]},
+            {"t": 20.0, "velocity": [0.65, 0.0, 0.0]},
+        ],
+    }
+    scene = _scene_dict(title, cable, 1025.0, "static", vessel, 120.0)
+    scene["environment"]["floor"] = {"z": -70.0}
+    scene["line"] = [part(10.0), {"body": body}, part(50.0)]
+    rates = [(0.0, 0.0), (20.0, 0.0), (21.0, 0.7)]
+    scene["payout"] = {"rate": [{"t": t, "rate": rate} for t, rate in rates], "drum": [part(80.0)]}
+    return BenchmarkScene(
+        name="S3",
+        title=title,
+        cable=cable,
+        water_density=1025.0,
+        scene=scene,
+        times=LAID_TIMES,
+        motion=_laid_motion,
+        start_velocity=(0.0, 0.0, 0.0),
+        start="static",
+        target=Target(tip_error=math.inf, tension_error=5e-3, cost=5e-3, ratio=math.nan),
+        kinks=(20.0, 21.0),
+    )
+
+
+HEAVE, HEAVE_PERIOD = 1.5, 8.0
+"""Amplitude [m] and period [s] of the jumper's top."""
+
+
+def _heave_motion(time: float) -> tuple[float, float, float]:
+    """Up and down, the full stroke after the first period; position and velocity are smooth."""
+    share, _ = _heave_share(time)
+    omega = 2.0 * math.pi / HEAVE_PERIOD
+    return (0.0, 0.0, HEAVE * share * (1.0 - math.cos(omega * time)))
+
+
+def _heave_speed(time: float) -> float:
+    """Rate of :func:`_heave_motion` [m/s]."""
+    share, rate = _heave_share(time)
+    omega = 2.0 * math.pi / HEAVE_PERIOD
+    return HEAVE * (share * omega * math.sin(omega * time) + rate * (1.0 - math.cos(omega * time)))
+
+
+def _heave_share(time: float) -> tuple[float, float]:
+    """Share of the full stroke and its rate [1/s]: half a cosine over the first period."""
+    if time >= HEAVE_PERIOD:
+        return 1.0, 0.0
+    omega = math.pi / HEAVE_PERIOD
+    return 0.5 * (1.0 - math.cos(omega * time)), 0.5 * omega * math.sin(omega * time)
+
+
+def _jumper() -> BenchmarkScene:
+    cable = Cable(
+        length=100.0,
+        diameter=0.1,
+        mass=20.0,
+        submerged_weight=117.0,
+        axial_stiffness=1e7,
+        bending_stiffness=1000.0,
+        drag_normal=1.1,
+        drag_tangential=0.01,
+    )
+    title = "J: a jumper of 100 m between an anchor and a top that heaves, in still water"
+    instants = np.linspace(0.0, 24.0, 241).tolist()
+    table = [{"t": t, "velocity": [0.0, 0.0, _heave_speed(t)]} for t in instants]
+    vessel = {"position": [0.0, 0.0, 0.0], "velocity": table, "interpolation": "cubic"}
+    scene = _scene_dict(title, cable, 1025.0, "static", vessel, 24.0)
+    anchor = (60.0, 0.0, -40.0)
+    scene["end"] = {"anchor": list(anchor)}
+    return BenchmarkScene(
+        name="J",
+        title=title,
+        cable=cable,
+        water_density=1025.0,
+        scene=scene,
+        times=(2.0, 4.0, 6.0, 8.0, 11.0, 14.0, 17.0, 20.0, 24.0),
+        motion=_heave_motion,
+        start_velocity=(0.0, 0.0, 0.0),
+        start="static",
+        probe=50.0,
+        anchor=anchor,
+    )
+
+
 SCENES: dict[str, BenchmarkScene] = {
-    scene.name: scene for scene in (_tow(), _release_in_water(), _release_in_air(), _turn())
-}
+    scene.name: scene
+    for scene in (
+        _tow(), _release_in_water(), _release_in_air(), _release_in_vacuum(), _laid(), _turn(),
+        _jumper(),
+    )
+}  # fmt: skip

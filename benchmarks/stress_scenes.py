@@ -268,6 +268,23 @@ def directions() -> tuple[bool, str, float]:
     )
 
 
+def pay_out_scene(friction: float = 0.0, tolerance: float = 1e-3, ramp: float = 1.0) -> Any:
+    """Scene S3: 60 m with a body in 70 m of water, towed and paid out until it lies."""
+    body = {"mass": 6, "submerged_weight": 20, "added_mass": 2, "added_mass_axial": 2,
+            "drag_area": 0.03, "drag_coefficient": 0.6, "drag_area_axial": 0.03,
+            "drag_coefficient_axial": 0.6}  # fmt: skip
+    return scene(
+        [cable(10.0), {"body": body}, cable(50.0)],
+        environment={"floor": {"z": -70, "friction": friction}},
+        vessel={"velocity": [*velocity_rows((0, 0, 0)), {"t": 20, "velocity": [0.65, 0, 0]}]},
+        payout={
+            "rate": [{"t": 0, "rate": 0}, {"t": 20, "rate": 0}, {"t": 20 + ramp, "rate": 0.7}],
+            "drum": [cable(80.0)],
+        },
+        solver={"tolerance": tolerance},
+    )
+
+
 def pay_out_to_floor(
     friction: float = 0.0, tolerance: float = 1e-3, ramp: float = 1.0, depth: float = 1.0
 ) -> tuple[float, float]:
@@ -275,21 +292,7 @@ def pay_out_to_floor(
     import cablemodel as cm
     from cablemodel.kernels import layout as at
 
-    body = {"mass": 6, "submerged_weight": 20, "added_mass": 2, "added_mass_axial": 2,
-            "drag_area": 0.03, "drag_coefficient": 0.6, "drag_area_axial": 0.03,
-            "drag_coefficient_axial": 0.6}  # fmt: skip
-    model = cm.CableModel(
-        scene(
-            [cable(10.0), {"body": body}, cable(50.0)],
-            environment={"floor": {"z": -70, "friction": friction}},
-            vessel={"velocity": [*velocity_rows((0, 0, 0)), {"t": 20, "velocity": [0.65, 0, 0]}]},
-            payout={
-                "rate": [{"t": 0, "rate": 0}, {"t": 20, "rate": 0}, {"t": 20 + ramp, "rate": 0.7}],
-                "drum": [cable(80.0)],
-            },
-            solver={"tolerance": tolerance},
-        )
-    )
+    model = cm.CableModel(pay_out_scene(friction, tolerance, ramp))
     model._reals[at.S_FLOOR_DEPTH] *= depth
     start = time.process_time()
     tensions = []

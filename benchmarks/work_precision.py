@@ -9,40 +9,39 @@ from benchmarks.contestants import (
     MODELS,
     TOLERANCES,
     cablemodel_contestants,
-    moordyn_contestants,
+    direct_contestants,
 )
 from benchmarks.measure import Contestant, Measurement, measure
+from benchmarks.rivals import PEERS
 from benchmarks.scenes import SCENES, BenchmarkScene
 
 QUICK_TOLERANCES = (1e-3, 1e-4)
-QUICK_SEGMENTS = 20
 
 
-def contestants_for(
-    scene: BenchmarkScene, quick: bool, ours: bool, peers: bool
-) -> list[Contestant]:
-    """Everyone who takes part in a scene."""
-    chosen: list[Contestant] = []
-    if ours:
-        models = MODELS[:1] if quick else MODELS
-        chosen += cablemodel_contestants(models, QUICK_TOLERANCES if quick else TOLERANCES)
-    if peers:
-        chosen += moordyn_contestants(scene.name, QUICK_SEGMENTS if quick else 10_000)
-    return chosen
+OURS = "ours"
+PARTS = (OURS, *PEERS)
+
+
+def contestants_for(scene: BenchmarkScene, part: str, quick: bool) -> list[Contestant]:
+    """Everyone of a part (our solvers, or one peer) who takes part in a scene."""
+    if part != OURS:
+        return PEERS[part](scene.name, quick)
+    models = MODELS[:1] if quick else MODELS
+    chosen = cablemodel_contestants(models, QUICK_TOLERANCES if quick else TOLERANCES)
+    return chosen if quick else chosen + direct_contestants(scene.name)
 
 
 def run(
     names: Iterable[str],
+    part: str,
     quick: bool = False,
-    ours: bool = True,
-    peers: bool = True,
     report: Callable[[Measurement], None] = lambda _measurement: None,
 ) -> list[Measurement]:
     """Measure; ``report`` is called with every result as it comes."""
     results = []
     for name in names:
         scene = SCENES[name]
-        for contestant in contestants_for(scene, quick, ours, peers):
+        for contestant in contestants_for(scene, part, quick):
             reference = references.choose(name, contestant.reference)
             if scene.name == "S2a":
                 # Too few instants of the prototype lie before the whip; in air the factor

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel import sea_floor
+from cablemodel import laid_shape, sea_floor
 from cablemodel.block import Block
 from cablemodel.errors import SceneError, SceneProblem, StaticsError
 from cablemodel.kernels import layout as at
@@ -272,10 +272,10 @@ def build(scene: Scene, *, planar: bool | None = None) -> Block:
     types = [scene.cable_types[cable.type] for cable in scene.cables]
     scale = _tension_scale(scene, types)
     position = scene.motion().evaluate(0.0)[0]
-    points = sea_floor.on_floor(scene, _initial_points(scene, position))
+    points = laid_shape.on_floor(scene, _initial_points(scene, position))
     sea_floor.check(scene, points)
     nodes = line_nodes(_spans(scene, scale), scene.solver.tolerance, _start(scene))
-    nodes = sea_floor.refine_guess(scene, nodes, points)
+    nodes = laid_shape.refine_guess(scene, nodes, points)
     block = _build_on(scene, nodes, points, scale, planar)
     if scene.initial.kind != "static":
         return block
@@ -592,8 +592,11 @@ def _edge_row(
     row[at.E_TENSION_LOW : at.E_TENSION_HIGH + 1] = _strain_range(kind.strain_coefficients)
     row[at.E_STABILISATION] = min(STABILISATION * scale, 1.0 / kind.strain_coefficients[0])
     row[at.E_BENDING_FULL] = 0.0 if cable.model == "cable" else kind.bending_stiffness
-    row[at.E_BENDING] = row[at.E_BENDING_FULL]
     row[at.E_MODEL] = _MODELS[cable.model]
+    if row[at.E_BENDING_FULL] == 0.0 and scene.environment.floor is not None:
+        row[at.E_BENDING_FULL] = sea_floor.least_bending(scene, kind)
+        row[at.E_MODEL] = at.MODEL_HYBRID
+    row[at.E_BENDING] = row[at.E_BENDING_FULL]
     row[at.E_SEGMENT] = segment
     row[at.E_TYPE] = list(scene.cable_types).index(cable.type)
     return row
@@ -617,7 +620,8 @@ def _fill_line(block: Block, scene: Scene, line: _Line, winch: _Winch, scale: fl
         row[at.K_BODY] = winch.bodies[index]
         row[at.K_EDGE :] = _edge_row(scene, cable, index, offset, scale)
         row[at.K_EDGE + at.E_NOMINAL] = winch.nominal[index]
-        if cable.model == "hybrid" and row[at.K_EDGE + at.E_BENDING_FULL] > 0.0:
+        edge = row[at.K_EDGE :]
+        if edge[at.E_MODEL] == at.MODEL_HYBRID and edge[at.E_BENDING_FULL] > 0.0:
             ints[at.I_HYBRID] = 1
     block.integers(at.O_PARENT, line.nodes)[:] = line.parent
     block.integers(at.O_JOINT, line.nodes)[:] = line.joint
@@ -657,14 +661,14 @@ def _fill_line(block: Block, scene: Scene, line: _Line, winch: _Winch, scale: fl
     block.reals[at.S_TENSION_SCALE] = scale
     period = math.sqrt(scene.line_length / max(scene.environment.gravity, 1e-3))
     block.reals[at.S_PERIOD] = period
-    if _start(scene).lightly_damped:
-        softness = masses = 0.0
-        for cable in scene.cables:
-            kind = scene.cable_types[cable.type]
-            softness += kind.strain_coefficients[0] * cable.length
-            masses += kind.mass * cable.length
-        masses += math.fsum(body.mass for node, body, _place in line.bodies if node >= 0)
-        block.reals[at.S_AXIAL] = 1.0 / (softness * masses)
+    softness = masses = 0.0
+    for cable in scene.cables:
+        kind = scene.cable_types[cable.type]
+        softness += kind.strain_coefficients[0] * cable.length
+        masses += kind.mass * cable.length
+    masses += math.fsum(body.mass for node, body, _place in line.bodies if node >= 0)
+    block.reals[at.S_AXIAL] = 1.0 / (softness * masses)
+    block.reals[at.S_UNDAMPED] = float(_start(scene).lightly_damped)
     block.reals[at.S_FIRST_STEP] = 0.02 * period
     block.reals[at.S_STEP] = 1e-2 * math.sqrt(max(scene.solver.tolerance, 1e-12)) * period
     block.reals[at.S_SMALLEST_STEP] = 1e-10 * period

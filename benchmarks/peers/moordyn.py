@@ -75,7 +75,10 @@ def input_file(scene: BenchmarkScene, settings: Settings, time_step: float) -> s
     cable = scene.cable
     area = math.pi / 4.0 * cable.diameter**2
     gravity = cable.submerged_weight / (cable.mass - scene.water_density * area)
-    tip = scene.starting_points(settings.segments)[-1]
+    if scene.anchor is None:
+        kind, tip = "Free", [float(x) for x in scene.starting_points(settings.segments)[-1]]
+    else:
+        kind, tip = "Fixed", list(scene.anchor)
     damping = -settings.damping if settings.damping else 0.0
     return f"""MoorDyn input file
 ---------------------- LINE TYPES ----------------------
@@ -88,7 +91,7 @@ K {cable.diameter!r} {cable.mass!r} {cable.axial_stiffness!r} {damping!r} \
 ID Type X Y Z Mass Volume CdA Ca
 (#) (-) (m) (m) (m) (kg) (m^3) (m^2) (-)
 1 Coupled 0 0 {-DEPTH_OF_TOP!r} 0 0 0 0
-2 Free {float(tip[0])!r} {float(tip[1])!r} {float(tip[2]) - DEPTH_OF_TOP!r} 0 0 0 0
+2 {kind} {tip[0]!r} {tip[1]!r} {tip[2] - DEPTH_OF_TOP!r} 0 0 0 0
 ---------------------- LINES ----------------------
 ID LineType AttachA AttachB UnstrLen NumSegs LineOutputs
 (#) (name) (ID) (ID) (m) (-) (-)
@@ -101,6 +104,9 @@ ID LineType AttachA AttachB UnstrLen NumSegs LineOutputs
 {scene.water_density!r} rho
 {BED!r} WtrDpth
 {time_step!r} dtM
+0.5 dtIC
+600 TmaxIC
+1e-7 threshIC
 ---------------------- OUTPUTS ----------------------
 FairTen1
 ---------------------- need this line ----------------------
@@ -142,9 +148,19 @@ class MoorDynRunner:
         with _silence():
             self._system = moordyn.Create(str(path))
             moordyn.SetVerbosity(self._system, moordyn.LEVEL_NONE)
-            moordyn.Init_NoIC(self._system, start, list(scene.start_velocity))
+            # Its own relaxation finds a static start; other starts are written into its state.
+            begin = moordyn.Init if scene.start == "static" else moordyn.Init_NoIC
+            begin(self._system, start, list(scene.start_velocity))
         self._line = moordyn.GetLine(self._system, 1)
-        self._write_state(scene)
+        if scene.start != "static":
+            self._write_state(scene)
+        self._node = 0
+        if scene.probe is not None:
+            # Nodes count from the far end.
+            share = settings.segments * (1.0 - scene.probe / scene.cable.length)
+            if share != round(share):
+                raise ValueError(f"{settings.segments} segments have no node at the probe")
+            self._node = round(share)
         self._plan = self._plan_inputs(scene, times, settings)
         self._top = np.array(start, dtype=np.float64)
         self._force: tuple[float, ...] = (0.0, 0.0, 0.0)
@@ -218,8 +234,8 @@ class MoorDynRunner:
         self._steps += len(inputs) * round(coupling / internal)
 
     def tip(self) -> NDArray[np.float64]:
-        """Free end relative to the vessel (3,) [m]."""
-        node = np.array(self._api.GetLineNodePos(self._line, 0), dtype=np.float64)
+        """Free end, or the probe, relative to the vessel (3,) [m]."""
+        node = np.array(self._api.GetLineNodePos(self._line, self._node), dtype=np.float64)
         return node - self._top
 
     def top_tension(self) -> float:

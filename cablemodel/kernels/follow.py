@@ -40,7 +40,6 @@ from .layout import (
     S_FLOOR_DEPTH,
     S_LENGTH,
     S_TOLERANCE,
-    SHARPEST,
 )
 from .payout import hermite, join_at, split_edge
 from .tables import CONTACT_POINTS, CONTACT_WEIGHTS
@@ -56,9 +55,7 @@ SPLIT_ABOVE, JOIN_BELOW = 1.6, 0.8  # of the length wanted
 
 @kernel
 def touchdown_layer(M, edge):
-    """Length over which bending spreads a touchdown; without bending what matters at all [m]."""
-    if M[edge + E_BENDING_FULL] == 0.0:
-        return SHARPEST * M[S_TOLERANCE] * M[S_LENGTH]
+    """Length over which bending spreads a touchdown [m]."""
     return (M[edge + E_BENDING_FULL] / M[edge + E_CONTACT]) ** (1.0 / 3.0)
 
 
@@ -82,16 +79,12 @@ def second_derivative(I, M, node, side, out):
 
 @kernel
 def measure(I, M, gaps, behind, jumps):
-    """Gap of every element, its distance from hanging cable, jump of r'' at its child end.
-
-    Returns the smallest gap.
-    """
+    """Gap of every element, its distance from hanging cable, jump of r'' at its child end."""
     nodes = I[I_NODES]
     dimension = I[I_DIMENSION]
     depth = M[S_FLOOR_DEPTH]
     w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
     q = M[I[O_POSITION] : I[O_POSITION] + 2 * dimension * nodes]
-    nearest = 1e300
     way = 1e300
     for node in range(1, nodes):
         gaps[node] = 1e300
@@ -100,7 +93,6 @@ def measure(I, M, gaps, behind, jumps):
         if I[I[O_JOINT] + node] != 0:
             continue
         gaps[node] = lowest_gap(I, M, q, node, w)
-        nearest = min(nearest, gaps[node])
         if gaps[node] >= depth:
             way = 0.0
             behind[node] = 0.0
@@ -126,7 +118,6 @@ def measure(I, M, gaps, behind, jumps):
             way = 0.0
         else:
             way += M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
-    return nearest
 
 
 @kernel
@@ -143,11 +134,7 @@ def wanted_length(I, M, node, gaps, behind, jumps):
     shortest = LAYER * layer
     # By the place of the cable, and by the angle that an element turns: what it misses of its
     # length when it lands strains the laid cable.
-    finest = math.sqrt(2.0 * accuracy * radius)
-    bends = M[edge + E_BENDING_FULL] > 0.0
-    if bends:
-        finest = min(finest, TURN * radius)
-    finest = max(shortest, finest)
+    finest = max(shortest, min(math.sqrt(2.0 * accuracy * radius), TURN * radius))
     if gaps[node] >= depth:
         wanted = finest + AHEAD * (gaps[node] - depth)
         near = gaps[node] < 4.0 * finest
@@ -157,9 +144,7 @@ def wanted_length(I, M, node, gaps, behind, jumps):
     if near:
         bend = max(jumps[node], jumps[node - 1])
         if bend > 0.0:
-            allowed = math.sqrt(BENT * accuracy / bend)
-            if bends:
-                allowed = min(allowed, KINK / bend)
+            allowed = min(math.sqrt(BENT * accuracy / bend), KINK / bend)
             wanted = max(shortest, min(wanted, allowed))
     return wanted
 

@@ -90,7 +90,8 @@ S_TOP_LENGTH = _S + 31  # length of the top element at S_TIME [m]
 S_PAID_MOST, S_PAID_LEAST = _S + 32, _S + 33
 S_LIVE_RATE = _S + 34  # 4 words: t0, t1, rate at t0, at t1
 S_PERIOD = _S + 40  # sqrt(L/g) [s]
-S_AXIAL = _S + 41  # stiffness of the whole line over its mass [1/s2]; 0 where drag damps it
+S_AXIAL = _S + 41  # stiffness of the whole line over its mass [1/s2]
+S_UNDAMPED = _S + 42  # 1: drag does not damp the line's motion
 S_FLOOR_DEPTH = _S + 48  # delta: the gap below which the floor pushes [m]
 S_FRICTION, S_BRISTLE = _S + 49, _S + 50  # Coulomb coefficient; length of a bristle [m]
 S_FLOOR_DAMPING = _S + 51  # force grows by this per speed of approach [s/m]
@@ -162,7 +163,6 @@ STATION_WORDS, SUMMARY_WORDS, ENERGY_WORDS = 13, 32, 8
 
 # Elements at a touchdown.
 LAYER = 0.4  # smallest element in units of the touchdown layer (EI/w)^(1/3)
-SHARPEST = 2.0  # layer of a cable without bending, in units of tau L
 
 # Status codes of the kernels.
 OK = 0

@@ -5,7 +5,8 @@ import math
 from .bodies import body_kinematics
 from .compile import kernel
 from .environment import current_at
-from .floor import LYING, floor_energy, floor_summary, gap_at
+from .floor import gap_at
+from .floor_outputs import LYING, floor_energy, floor_summary
 from .layout import (
     B_LENGTH,
     B_MASS,

@@ -5,7 +5,7 @@ v_i = v^ + gamma dt a_i; prescribed nodes are imposed exactly in every stage. Te
 neither the error estimate nor Newton's test looks at it, but for the last stage before an output.
 """
 
-from .compile import copy_words, kernel, view
+from .compile import copy_words, inlined, kernel, view
 from .environment import find_piece
 from .floor import settle
 from .follow import follow_floor
@@ -74,9 +74,10 @@ from .layout import (
     S_TIME,
     S_TIME_TOLERANCE,
     S_TOP_LENGTH,
+    S_UNDAMPED,
     TOO_MANY_STEPS,
 )
-from .newton import increment_norm, refactor
+from .newton import increment_norm, is_folded, refactor
 from .payout import adapt_top, begin_payout, longest_payout_step, paid_since
 from .rigid import update_clamps
 from .system import (
@@ -232,6 +233,13 @@ def try_step(I, M, dt, scheme, to_output):
 
 
 @kernel
+def is_folded_trial(I, M):
+    """Whether the trial is a root of the discrete equations that is no cable's."""
+    q = view(M, I[O_TRIAL_Q], 2 * I[I_DIMENSION] * I[I_NODES])
+    return is_folded(I, M, q, view(M, I[O_TRIAL_T], 2 * I[I_NODES]))
+
+
+@kernel
 def accept_trial(I, M, dt, scheme):
     """The trial becomes the state; the tension's rate is that of a parabola through the step."""
     count = 2 * I[I_DIMENSION] * I[I_NODES]
@@ -253,6 +261,13 @@ def accept_trial(I, M, dt, scheme):
     copy_words(I, I[O_TENSION], I[O_TRIAL_T], 2 * I[I_NODES])
 
 
+@inlined
+def axial_share(M, gamma_dt):
+    """How much of the axial motion a step does not resolve: 1 of a stiff line, 0 of a soft one."""
+    stiffness = M[S_AXIAL] * gamma_dt * gamma_dt
+    return stiffness / (stiffness + AXIAL_RESOLVED)
+
+
 @kernel
 def project_velocity(I, M, gamma_dt):
     """Remove from the velocity what stretches a line too stiff to be stretched.
@@ -266,8 +281,7 @@ def project_velocity(I, M, gamma_dt):
     """
     count = 2 * I[I_DIMENSION] * I[I_NODES]
     nodes = I[I_NODES]
-    stiffness = M[S_AXIAL] * gamma_dt * gamma_dt
-    share = stiffness / (stiffness + AXIAL_RESOLVED)
+    share = axial_share(M, gamma_dt) if M[S_UNDAMPED] != 0.0 else 0.0
     if share < 0.1:
         return
     q = view(M, I[O_POSITION], count)
@@ -321,10 +335,13 @@ def make_consistent(I, M):
             for n in range(count):
                 q[n] += x[n]
             recover_tension(I, M, constraint, x, tension)
+        share = axial_share(M, GAMMA[0] * M[S_LAST_STEP])
         for _iteration in range(2):
             if I[I_PAYOUT] != 0:
                 residual(I, M, q, v, a, tension, forces, constraint)
             elongation_rate(I, M, v, rate, constraint)
+            for n in range(2 * nodes):
+                constraint[n] *= share
             forces[:] = 0.0
             newton_increment(I, M, forces, constraint, x)
             for n in range(count):
@@ -396,8 +413,14 @@ def advance_to(I, M, t_end):
     taken = 0
     unprojected = False
     while M[S_TIME] < t_end:
+        # The mesh changes before a step: what is read after it is a state that a step has made.
+        if I[I_PAYOUT] != 0:
+            status, removed = adapt_top(I, M)
+            if status != OK:
+                break
+            if removed:
+                make_consistent(I, M)
         if I[I_FLOOR] != 0 and follow_floor(I, M):
-            # Before a step, so that what is read after it is a state that a step has made.
             if M[S_LAST_STEP] == 0.0:
                 M[S_LAST_STEP] = M[S_STEP]
             make_consistent(I, M)
@@ -427,6 +450,8 @@ def advance_to(I, M, t_end):
         two_steps = to_output and dt <= 0.25 * natural and try_two_step(I, M, dt)
         if not two_steps:
             status, error = try_step(I, M, dt, scheme, to_output)
+            if status == OK and is_folded_trial(I, M):
+                status = NOT_CONVERGED
         if status != OK or not error <= 1.0:
             I[I_REJECTED] += 1
             I[I_GROWTH_BARRED] = 1
@@ -456,12 +481,6 @@ def advance_to(I, M, t_end):
             else:
                 M[S_TIME] += dt
             unprojected = scheme == 1
-            if I[I_PAYOUT] != 0:
-                status, removed = adapt_top(I, M)
-                if status != OK:
-                    break
-                if removed:
-                    make_consistent(I, M)
             if I[I_FLOOR] != 0:
                 settle(I, M)
             if I[I_HYBRID] == 1:

@@ -1,0 +1,38 @@
+/* Steps a model's block with the library of kernels, for counting instructions under valgrind.
+
+   count_steps LIBRARY BLOCK TIME...
+   BLOCK: the block's words as Block.ints.tofile wrote them. Only the calls of cablemodel_step
+   should be counted (callgrind's --toggle-collect). Prints the status of the last step. */
+#include <dlfcn.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+typedef int64_t (*step_function)(void *, int64_t, double, double *, int64_t);
+
+int main(int argc, char **argv)
+{
+    if (argc < 4) {
+        fprintf(stderr, "usage: %s LIBRARY BLOCK TIME...\n", argv[0]);
+        return 2;
+    }
+    void *library = dlopen(argv[1], RTLD_NOW);
+    step_function step = library ? (step_function)dlsym(library, "cablemodel_step") : NULL;
+    FILE *file = fopen(argv[2], "rb");
+    if (!step || !file) {
+        fprintf(stderr, "cannot open %s\n", step ? argv[2] : argv[1]);
+        return 2;
+    }
+    fseek(file, 0, SEEK_END);
+    int64_t words = ftell(file) / 8;
+    rewind(file);
+    void *block = malloc((size_t)words * 8);
+    if (!block || fread(block, 8, (size_t)words, file) != (size_t)words)
+        return 2;
+    double inputs[14] = {0};
+    int64_t status = 0;
+    for (int k = 3; k < argc && status == 0; k++)
+        status = step(block, words, strtod(argv[k], NULL), inputs, 14);
+    printf("%lld\n", (long long)status);
+    return status != 0;
+}

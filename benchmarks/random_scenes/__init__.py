@@ -1,0 +1,1 @@
+"""Random search: a thousand short scenes drawn over all that a scene can ask, each judged."""

@@ -1,0 +1,79 @@
+"""``python -m benchmarks.random_scenes [--count 1000] [--only SEED[,SEED...]]``.
+
+Verdicts are kept in ``docs/stress/random_scenes.json``; a part of the seeds replaces those kept.
+The section *Random scenes* of ``docs/stress.md`` is written from all that are kept.
+``--only`` prints the scene and all about its outcome, and keeps nothing.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from dataclasses import asdict
+from pathlib import Path
+
+from benchmarks.random_scenes.draw import COUNT, draw
+from benchmarks.random_scenes.judge import Verdict
+from benchmarks.random_scenes.report import section
+from benchmarks.random_scenes.watch import search, work
+from benchmarks.sections import write_section
+
+PAGE = Path("docs/stress.md")
+STORE = Path("docs/stress/random_scenes.json")
+
+
+def show(verdict: Verdict) -> None:
+    """One line for each scene as it comes."""
+    print(
+        f"{verdict.seed:4d} {verdict.outcome:9s} {verdict.position:8.2g} {verdict.tension:8.2g} "
+        f"{100 * verdict.compared:4.0f} % {verdict.cpu:6.2f} s {verdict.check_cpu:6.1f} s "
+        f"{','.join(verdict.kinds)} {verdict.why[:150]} {verdict.note[:100]}".replace("\n", " "),
+        flush=True,
+    )
+
+
+def main() -> None:
+    """Judge scenes; keep the verdicts."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.random_scenes", description=__doc__)
+    parser.add_argument("--first", type=int, default=0, help="seed to begin with")
+    parser.add_argument("--count", type=int, default=COUNT, help="how many seeds from there on")
+    parser.add_argument("--only", help="these seeds, with commas")
+    parser.add_argument("--report", action="store_true", help="only write the page anew")
+    parser.add_argument("--worker", help=argparse.SUPPRESS)
+    chosen = parser.parse_args()
+    if chosen.worker:
+        work([int(seed) for seed in chosen.worker.split(",")])
+        return
+    if chosen.only:
+        import cablemodel as cm
+
+        for seed in (int(word) for word in chosen.only.split(",")):
+            drawn = draw(seed)
+            print(cm.load_scene(drawn.scene).to_yaml())
+            print(f"# caller's step {drawn.step!r} s; {drawn.traits}")
+            for verdict in search([seed], show):
+                print(json.dumps(asdict(verdict), indent=1))
+        return
+    kept = {}
+    if STORE.exists():
+        kept = {row["seed"]: row for row in json.loads(STORE.read_text())}
+    seeds = range(chosen.first, min(chosen.first + chosen.count, COUNT))
+
+    def keep(verdict: Verdict) -> None:
+        show(verdict)
+        kept[verdict.seed] = asdict(verdict)
+        STORE.parent.mkdir(parents=True, exist_ok=True)
+        rows = [kept[seed] for seed in sorted(kept)]
+        STORE.write_text(json.dumps(rows, indent=1) + "\n")
+
+    if not chosen.report:
+        search(seeds, keep)
+    verdicts = [Verdict(**kept[seed]) for seed in sorted(kept)]
+    write_section(PAGE, "Stress", "Random scenes", section(verdicts, PAGE))
+    bad = [v.seed for v in verdicts if v.outcome in ("wrong", "crashed", "too slow")]
+    if bad:
+        raise SystemExit(f"{len(bad)} of {len(verdicts)} wrong, crashed or too slow; see {PAGE}")
+
+
+if __name__ == "__main__":
+    main()

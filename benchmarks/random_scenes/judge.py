@@ -1,0 +1,195 @@
+"""Judge a scene: by itself at a quarter of its tolerance, by energy, by limits that always hold.
+
+The promise: positions within tau L, tensions within 10 tau of the largest. A run and one at tau/4
+that both keep it differ by at most 5/4 of that. It is asked for as long as the motion can be
+predicted: the run at tau/4 is made again with weights, diameters and the water's velocity changed
+by a hundredth of tau (see ``trace.perturbed``), and from the time on at which that moves the line
+by a tenth of tau L, or changes the tension by a tenth of its allowance, nothing more is compared.
+Tensions are compared while the line is taut and not shocked: once it has pushed anywhere, they are
+snaps, whose peaks fall between any two instants; and after a command that makes the line ring along
+itself (``draw.shock_time``) or a winch that stops dead at its end, the ringing decides them.
+What is left for such scenes, as for all: the run completes or says clearly why not; every number is
+finite; no cable appears or is stretched beyond its strain; nothing sinks deeper into the floor than
+tau L; no energy comes from nowhere; and a line that hangs free in still water, left alone for an
+hour, carries its weight.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from benchmarks.random_scenes.draw import Drawn
+from benchmarks.random_scenes.trace import Trace, perturbed, run
+
+RUN_LIMIT = 30.0
+"""CPU seconds that a run may take; more is ``too slow`` [s]."""
+CHECK_LIMIT = 20.0
+"""The same for each of the two runs at tau/4 [s]."""
+FINER = 0.25
+FAINT = 0.01
+"""Size of the perturbation over tau."""
+MOVED = 0.1
+"""Share of the promise by which the perturbed run may differ, where the motion is predictable."""
+PUSHES = 0.01
+"""Compression over the largest tension, from which on a line counts as slack [-]."""
+MOST_ENERGY_GAIN = 0.05
+"""Energy from nowhere over what went through the cable [-]."""
+
+
+@dataclass
+class Verdict:
+    """Outcome of one scene.
+
+    outcome: completed, refused, stopped, wrong, crashed, too slow. why: in words, empty where
+    completed; kinds: of what is wrong (position, tension, energy, limit, rest, not finite).
+    position, tension: largest difference from the run at tau/4, in units of the
+    promise (1.25 is allowed). compared: share of the run that was. energy_gain as in the trace.
+    """
+
+    seed: int
+    outcome: str
+    why: str = ""
+    kinds: list[str] = field(default_factory=list)
+    position: float = float("nan")
+    tension: float = float("nan")
+    compared: float = 0.0
+    energy_gain: float = float("nan")
+    cpu: float = 0.0
+    check_cpu: float = 0.0
+    statistics: dict[str, int] = field(default_factory=dict)
+    note: str = ""
+
+
+def judge(drawn: Drawn, started: Callable[[str], None] = lambda _phase: None) -> Verdict:
+    """Run a scene and judge it; ``started`` is called with the name of each run as it begins."""
+    tau = drawn.tolerance
+    started("run")
+    trace, model = run(drawn, drawn.scene, tau, RUN_LIMIT)
+    verdict = Verdict(
+        drawn.seed,
+        trace.end,
+        trace.message,
+        energy_gain=trace.energy_gain,
+        cpu=trace.cpu,
+        statistics=trace.statistics,
+    )
+    if trace.end in ("crashed", "not finite"):
+        if trace.end == "not finite":
+            _wrong(verdict, "not finite", trace.message)
+        return verdict
+    if trace.broken:
+        _wrong(verdict, "limit", "; ".join(trace.broken[:2]))
+    if trace.energy_gain > MOST_ENERGY_GAIN:
+        _wrong(verdict, "energy", f"{trace.energy_gain:.2g} of the energy from nowhere")
+    if trace.end == "refused":
+        return verdict
+    if trace.end == "completed" and model is not None and hangs_free(drawn):
+        started("rest")
+        problem = settled(drawn, model)
+        if problem:
+            _wrong(verdict, "rest", problem)
+    started("check")
+    fine, _ = run(drawn, drawn.scene, tau * FINER, CHECK_LIMIT)
+    started("perturbed")
+    shaken, _ = run(drawn, perturbed(drawn, FAINT * tau), tau * FINER, CHECK_LIMIT)
+    verdict.check_cpu = fine.cpu + shaken.cpu
+    if fine.end in ("crashed", "not finite"):
+        _wrong(verdict, fine.end, f"at tau/4: {fine.message}")
+    elif fine.broken:
+        _wrong(verdict, "limit", f"at tau/4: {'; '.join(fine.broken[:2])}")
+    elif fine.end != "completed":
+        verdict.note = f"at tau/4: {fine.end}: {fine.message}"
+    compare(verdict, drawn, trace, fine, shaken)
+    return verdict
+
+
+def _wrong(verdict: Verdict, kind: str, why: str) -> None:
+    if kind not in verdict.kinds:
+        verdict.kinds.append(kind)
+    verdict.why = f"{verdict.why}; {why}" if verdict.outcome == "wrong" else why
+    verdict.outcome = "wrong"
+
+
+def compare(verdict: Verdict, drawn: Drawn, trace: Trace, fine: Trace, shaken: Trace) -> None:
+    """Fill in the largest differences while the motion is predictable; too large ones are wrong."""
+    tau, compared = drawn.tolerance, 0
+    highest = max((abs(value) for value in fine.highest), default=0.0)
+    slack = False
+    for k in range(min(len(trace.times), len(fine.times), len(shaken.times))):
+        scale = tau * max(fine.lengths[k], trace.lengths[k])
+        # Over a heavy snap the largest tension of all is what the promise speaks of.
+        pull = 10.0 * tau * max(highest, 1e-9)
+        moved = _apart(fine, shaken, k) / scale
+        slack = slack or min(fine.lowest[k], trace.lowest[k]) < -PUSHES * highest
+        taut = not slack and trace.times[k] <= min(drawn.shock, trace.clamped, fine.clamped)
+        taut = taut and "initial" not in drawn.scene
+        pulled = abs(fine.top[k] - shaken.top[k]) / pull if taut else 0.0
+        if not (moved <= MOVED and pulled <= MOVED):
+            break
+        compared += 1
+        position = _apart(trace, fine, k) / scale
+        tension = abs(trace.top[k] - fine.top[k]) / pull if taut else 0.0
+        verdict.position = float(np.fmax(verdict.position, position))
+        verdict.tension = float(np.fmax(verdict.tension, tension))
+        if not (position <= 1.0 + FINER and tension <= 1.0 + FINER):
+            _wrong(
+                verdict,
+                "tension" if position <= 1.0 + FINER else "position",
+                f"at t = {trace.times[k]:.3g} s {position:.2g} tau L and {tension:.2g} of 10 tau T "
+                f"({trace.top[k]:.4g}, {fine.top[k]:.4g} N) from the run at tau/4",
+            )
+            break
+    verdict.compared = compared / max(len(trace.times), 1)
+
+
+def _apart(one: Trace, other: Trace, k: int) -> float:
+    return float(np.linalg.norm(one.shapes[k] - other.shapes[k], axis=1).max())
+
+
+def hangs_free(drawn: Drawn) -> bool:
+    """Whether nothing but the vessel carries the line once it has come to rest."""
+    scene = drawn.scene
+    environment = scene["environment"]
+    still = "current" not in environment and environment["water_density"] > 100.0
+    free = "floor" not in environment and "end" not in scene
+    pinned = "connection" not in scene["vessel"]
+    return still and free and pinned and abs(total_weight(drawn)) > 0.2 * _weights(drawn)
+
+
+def total_weight(drawn: Drawn, length: float | None = None) -> float:
+    """Submerged weight of the line [N], with that length of cable out [m]."""
+    line = drawn.scene["line"]
+    if length is None:
+        length = sum(item["cable"]["length"] for item in line if "cable" in item)
+    bodies = sum(item["body"]["submerged_weight"] for item in line if "body" in item)
+    return float(bodies + length * drawn.scene["cable_types"]["K"]["submerged_weight"])
+
+
+def _weights(drawn: Drawn) -> float:
+    """Sum of the sizes of the weights [N]: small against it, nothing pulls the line straight."""
+    cable = drawn.scene["cable_types"]["K"]
+    mass = sum(i["cable"]["length"] for i in drawn.scene["line"] if "cable" in i) * cable["mass"]
+    bodies = sum(abs(i["body"]["submerged_weight"]) for i in drawn.scene["line"] if "body" in i)
+    return float(bodies + mass * drawn.scene["environment"]["gravity"])
+
+
+def settled(drawn: Drawn, model: Any) -> str:
+    """Stop vessel and winch, wait an hour; says what is then wrong, or nothing."""
+    import cablemodel as cm
+
+    try:
+        model.step(5.0, vessel_velocity=(0.0, 0.0, 0.0), payout_rate=0.0)
+        for _ in range(36):
+            model.step(100.0, vessel_velocity=(0.0, 0.0, 0.0), payout_rate=0.0)
+    except cm.StepError as error:
+        return f"did not come to rest: {error}"
+    weight = total_weight(drawn, model.line_length)
+    carried = -model.top_force[2]
+    bodies_out = len(model.bodies) == sum("body" in item for item in drawn.scene["line"])
+    if bodies_out and abs(carried - weight) > 0.02 * abs(weight):
+        return f"after an hour at rest the top carries {carried:.4g} N of {weight:.4g} N"
+    return ""

@@ -1,0 +1,168 @@
+"""The outcome map of the random search: a table, a figure, the worst scenes by number."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.random_scenes.draw import COUNT, Drawn, draw
+from benchmarks.random_scenes.judge import FINER, RUN_LIMIT, Verdict
+from benchmarks.report import number, table
+
+OUTCOMES = ("completed", "refused", "stopped", "wrong", "too slow", "crashed")
+COLOURS = ("#7fb77e", "#9db4c0", "#e0a458", "#c1443c", "#7d5ba6", "#222222")
+WORDS = (
+    "manoeuvre", "medium", "model", "pay-out", "floor", "body", "end", "top", "current", "weight",
+    "EI", "shock",
+)  # fmt: skip
+"""Traits that are words: a row of the table for each value."""
+NUMBERS = ("length", "strain", "bending length", "tolerance", "step", "friction")
+"""Traits that are numbers: a panel of the figure for each."""
+
+HEADER = """Written by `make stress` (`python -m benchmarks.random_scenes`). Scenes are drawn by a
+Latin hypercube over cable (length 3 to 1,000 m, density 0.5 to 8 of the water's, EI 0 or up to that of a
+solid rod, EA from the strain under a typical load), medium, current, manoeuvre, winch, floor,
+bodies, ends, model, tolerance (1e-4 to 1e-2) and the caller's step; they last 5 to 60 s. How they
+are judged is in `benchmarks/random_scenes/judge.py`: by the run at a quarter of the tolerance as
+long as the motion can be predicted, by energy, and by limits that always hold. *Refused*: a
+SceneError or StaticsError at the start; *stopped*: a StepError that names time and place; *too
+slow*: more than {limit:g} s of processor time. Any of them again, with the scene as YAML:
+`python -m benchmarks.random_scenes --only SEED`.
+"""
+
+
+def outcome_table(rows: Sequence[tuple[Drawn, Verdict]]) -> str:
+    """Outcomes in per cent for each value of each word."""
+    lines = [_counts("all", [v for _, v in rows])]
+    for word in WORDS:
+        values = sorted({str(d.traits[word]) for d, _ in rows})
+        lines += [
+            _counts(f"{word}: {value}", [v for d, v in rows if d.traits[word] == value])
+            for value in values
+        ]
+    return table(("scenes", "number", *OUTCOMES), lines)
+
+
+def _counts(name: str, verdicts: Sequence[Verdict]) -> tuple[str, ...]:
+    counts = Counter(v.outcome for v in verdicts)
+    shares = [f"{100 * counts[o] / len(verdicts):.1f} %" if counts[o] else "" for o in OUTCOMES]
+    return (name, str(len(verdicts)), *shares)
+
+
+def wrong_table(verdicts: Sequence[Verdict]) -> str:
+    """What is wrong, and by how much."""
+
+    def count(test: Callable[[Verdict], bool]) -> str:
+        return str(sum(test(v) for v in verdicts))
+
+    def beyond(low: float, high: float) -> str:
+        return count(lambda v: "position" in v.kinds and low < v.position <= high)
+
+    rows = [
+        (f"position {1 + FINER:g} to 3 tau L from the run at tau/4", beyond(1.0 + FINER, 3.0)),
+        ("position 3 to 10 tau L", beyond(3.0, 10.0)),
+        ("position more than 10 tau L", beyond(10.0, math.inf)),
+        ("tension, positions right", count(lambda v: v.kinds == ["tension"])),
+        ("energy from nowhere", count(lambda v: "energy" in v.kinds)),
+        ("a limit broken (stretched, or deep in the floor)", count(lambda v: "limit" in v.kinds)),
+        ("does not carry its weight after an hour", count(lambda v: "rest" in v.kinds)),
+        ("not finite", count(lambda v: "not finite" in v.kinds)),
+    ]
+    return table(("what is wrong", "scenes"), rows)
+
+
+def worst_table(rows: Sequence[tuple[Drawn, Verdict]], most: int = 40) -> str:
+    """The worst scenes: crashed, too slow, then by how far they are off."""
+
+    def badness(row: tuple[Drawn, Verdict]) -> tuple[int, float]:
+        verdict = row[1]
+        rank = {"crashed": 0, "too slow": 1, "wrong": 2, "stopped": 3}[verdict.outcome]
+        return rank, -max(np.nan_to_num([verdict.position, verdict.tension]))
+
+    bad = [row for row in rows if row[1].outcome in ("crashed", "too slow", "wrong", "stopped")]
+    lines = [
+        (
+            str(v.seed),
+            v.outcome,
+            ", ".join(v.kinds),
+            number(v.position),
+            number(v.tension),
+            " ".join(v.why.split())[:110].replace("|", "/"),
+        )
+        for _, v in sorted(bad, key=badness)[:most]
+    ]
+    return table(("seed", "outcome", "what", "position", "tension", "in words"), lines)
+
+
+def figure(rows: Sequence[tuple[Drawn, Verdict]], path: Path) -> None:
+    """Shares of the outcomes against each drawn number, in eight bins of equal count."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    canvas, axes = pyplot.subplots(2, 3, figsize=(11.0, 6.0), layout="constrained", sharey=True)
+    for panel, name in zip(axes.flat, NUMBERS, strict=True):
+        known = [(d.traits[name], v.outcome) for d, v in rows if d.traits[name] == d.traits[name]]
+        known.sort(key=lambda pair: pair[0])
+        bins = [part for part in np.array_split(np.arange(len(known)), 8) if len(part)]
+        base = np.zeros(len(bins))
+        for outcome, colour in zip(OUTCOMES, COLOURS, strict=True):
+            shares = np.array([np.mean([known[k][1] == outcome for k in part]) for part in bins])
+            panel.bar(range(len(bins)), shares, bottom=base, color=colour, label=outcome, width=0.9)
+            base += shares
+        middles = [float(known[part[len(part) // 2]][0]) for part in bins]
+        panel.set_xticks(range(len(bins)), [_short(value) for value in middles], fontsize=7)
+        panel.set_xlabel(LABELS[name])
+        panel.set_ylim(0.0, 1.0)
+    for panel in axes[:, 0]:
+        panel.set_ylabel("share of the scenes")
+    canvas.legend(*axes.flat[0].get_legend_handles_labels(), loc="outside upper center", ncols=6)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    canvas.savefig(path, dpi=110)
+    pyplot.close(canvas)
+
+
+def _short(value: float) -> str:
+    """A number in as few characters as a bar's label has room for."""
+    if 0.01 <= abs(value) < 1000.0 or value == 0.0:
+        return f"{value:.2g}" if value < 100.0 else f"{value:.0f}"
+    return f"{value:.0e}".replace("e-0", "e-").replace("e+0", "e")
+
+
+LABELS = {
+    "length": "length [m]",
+    "strain": "strain under a typical load",
+    "bending length": "(EI/w)^(1/3) over the length",
+    "tolerance": "tolerance tau",
+    "step": "step of the caller [s]",
+    "friction": "friction of the floor",
+}
+
+
+def section(verdicts: Sequence[Verdict], page: Path) -> str:
+    """The whole section; its figure lies beside the page."""
+    rows = [(draw(v.seed), v) for v in verdicts]
+    picture = page.parent / page.stem / "random_scenes.png"
+    figure(rows, picture)
+    judged = [v for v in verdicts if v.outcome in ("completed", "wrong")]
+    part = np.mean([v.compared for v in judged]) if judged else math.nan
+    whole = sum(v.compared > 0.99 for v in judged)
+    return "\n".join(
+        (
+            HEADER.format(limit=RUN_LIMIT),
+            f"{len(rows)} of {COUNT} scenes. Of the {len(judged)} that ran to their end, {whole} "
+            f"could be compared to the end, and {100 * part:.0f} % of all instants; comparing "
+            "stops where the motion cannot be predicted or where a scene is already wrong.\n",
+            f"![outcomes](stress/{picture.name})\n",
+            outcome_table(rows),
+            wrong_table(verdicts),
+            "The worst of them (differences from the run at tau/4 in units of the promise, of "
+            f"which {1 + FINER:g} is allowed):\n",
+            worst_table(rows),
+        )
+    )

@@ -1,0 +1,80 @@
+"""Run scenes in a process of their own, so that whatever happens to it is an outcome too.
+
+The worker writes a line of JSON as each run of a scene begins and as its verdict stands. It may use
+a bounded amount of processor time per run: past that the kernel ends it, even inside a compiled
+step. The parent notes what became of the scene, and starts another worker for those left.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import resource
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
+from typing import Any
+
+from benchmarks.random_scenes.draw import draw
+from benchmarks.random_scenes.judge import CHECK_LIMIT, RUN_LIMIT, Verdict, judge
+
+GRACE = 5.0
+"""CPU seconds beyond a run's limit until its process is ended: steps may be long [s]."""
+LIMITS = {"run": RUN_LIMIT, "rest": RUN_LIMIT, "check": CHECK_LIMIT, "perturbed": CHECK_LIMIT}
+
+
+def work(seeds: Sequence[int]) -> None:
+    """The worker: judge scene after scene, tell on standard output."""
+
+    def tell(**words: Any) -> None:
+        print(json.dumps(words), flush=True)
+
+    for seed in seeds:
+
+        def started(phase: str, seed: int = seed) -> None:
+            used = time.process_time()
+            _, hard = resource.getrlimit(resource.RLIMIT_CPU)
+            resource.setrlimit(resource.RLIMIT_CPU, (int(used + LIMITS[phase] + GRACE), hard))
+            tell(seed=seed, phase=phase)
+
+        verdict = judge(draw(seed), started)
+        tell(seed=seed, verdict=asdict(verdict))
+
+
+def search(seeds: Sequence[int], report: Callable[[Verdict], None]) -> list[Verdict]:
+    """Judge all of these scenes, in worker processes one after the other."""
+    verdicts: list[Verdict] = []
+    left = list(seeds)
+    while left:
+        command = [sys.executable, "-m", "benchmarks.random_scenes", "--worker"]
+        command.append(",".join(str(seed) for seed in left))
+        phase = ""
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=os.environ) as worker:
+            assert worker.stdout is not None
+            for line in worker.stdout:
+                told = json.loads(line)
+                if "phase" in told:
+                    phase = told["phase"]
+                    continue
+                verdicts.append(Verdict(**told["verdict"]))
+                left.remove(told["seed"])
+                report(verdicts[-1])
+        if worker.returncode != 0 and left:
+            verdicts.append(_ended(left.pop(0), phase, worker.returncode))
+            report(verdicts[-1])
+        elif left and worker.returncode == 0:
+            raise RuntimeError(f"the worker ended before it came to scene {left[0]}")
+    return verdicts
+
+
+def _ended(seed: int, phase: str, code: int) -> Verdict:
+    """What it means that a worker ended while it ran a scene."""
+    if code == -signal.SIGXCPU and phase in ("run", "rest"):
+        return Verdict(seed, "too slow", f"{phase}: a single step beyond the limit", cpu=RUN_LIMIT)
+    name = signal.Signals(-code).name if code < 0 else f"exit code {code}"
+    if code == -signal.SIGXCPU:
+        return Verdict(seed, "completed", note=f"at tau/4: {phase}: a step beyond the limit")
+    return Verdict(seed, "crashed", f"{phase}: {name}")

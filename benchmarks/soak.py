@@ -1,0 +1,211 @@
+"""Soak: a million steps of 10 ms of the model that the ROS 2 node runs, under random commands.
+
+``python -m benchmarks.soak [--steps N]``: scene S4's line in space with a winch. Every few seconds
+(at random) vessel velocity, pay-out rate and current get new random targets, which the commands
+approach as a vessel and a winch would. What must hold: no step fails, every number is finite,
+lengths are exact, memory stays flat, and the energy of the cable neither grows from tenth to tenth
+of the run nor ever exceeds what commands of this size can give.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from benchmarks.report import table
+from benchmarks.sections import write_section
+
+STEP = 0.01
+"""Time between commands [s]."""
+FASTEST, PAYOUT, CURRENT = 2.0, 0.5, 0.8
+"""Largest horizontal speed, pay-out rate and current commanded [m/s]; heave is a quarter."""
+HOLD = 8.0
+"""Mean time between new targets [s]."""
+MEMORY_GROWTH = 2.0
+"""Memory of the process that may be added after the first tenth [MB]."""
+
+
+@dataclass
+class Soak:
+    """What a soak measured.
+
+    memory: of the process after each tenth [MB]. kinetic: largest kinetic energy in each tenth over
+    that of the whole line at the fastest speed relative to the water [-]. highest: largest tension
+    in each tenth [N]. cost: processor time in each tenth [s]. length_error: largest change
+    of line and drum together [m].
+    """
+
+    steps: int
+    failed: int = 0
+    memory: list[float] = field(default_factory=list)
+    kinetic: list[float] = field(default_factory=list)
+    highest: list[float] = field(default_factory=list)
+    length_error: float = 0.0
+    finite: bool = True
+    clamped: int = 0
+    cost: list[float] = field(default_factory=list)
+    first_failure: str = ""
+    winch: bool = False
+
+    @property
+    def problems(self) -> list[str]:
+        """What does not hold."""
+        found = []
+        if self.failed:
+            found.append(f"{self.failed} steps failed, first: {self.first_failure}")
+        if not self.finite:
+            found.append("a number was not finite")
+        if self.length_error > 1e-9:
+            found.append(f"{self.length_error:.1e} m of cable appeared")
+        if len(self.memory) < 10:
+            found.append(f"given up in tenth {len(self.memory) + 1}")
+        elif self.memory[-1] - self.memory[0] > MEMORY_GROWTH:
+            found.append(f"memory grew by {self.memory[-1] - self.memory[0]:.1f} MB")
+        if max(self.kinetic, default=0.0) > 2.0:
+            found.append("more kinetic energy than commands can give")
+        if len(self.kinetic) == 10 and max(self.kinetic[-3:]) > 2.0 * max(self.kinetic[:3]):
+            found.append("energy grew")
+        return found
+
+
+def soak_scene(winch: bool = True) -> dict[str, Any]:
+    """S4's line, at rest; with a winch that holds 30 m more."""
+    from benchmarks.scenes import SCENES
+
+    scene = {**SCENES["S4"].scene, "title": "soak"}
+    scene["vessel"] = {"velocity": [{"t": 0.0, "velocity": [0.0, 0.0, 0.0]}]}
+    scene["line"] = [{"cable": {"type": "K", "length": 30.0, "model": "hybrid"}}]
+    if winch:
+        scene["payout"] = {"drum": [{"cable": {"type": "K", "length": 30.0, "model": "hybrid"}}]}
+    return scene
+
+
+def resident() -> float:
+    """Memory of this process [MB]."""
+    pages = int(Path("/proc/self/statm").read_text().split()[1])
+    return pages * 4096 / 1e6
+
+
+GIVE_UP = 100
+"""Failed steps after which a soak ends."""
+
+
+def soak(steps: int, winch: bool, seed: int = 8) -> Soak:
+    """Step on; failed steps are counted, and asked for again without commands."""
+    import cablemodel as cm
+
+    rng = np.random.default_rng(seed)
+    scene = soak_scene(winch)
+    model = cm.CableModel(cm.load_scene(scene), planar=False)
+    total = model.line_length + model.drum_length
+    kind = scene["cable_types"]["K"]
+    added = 1025.0 * np.pi / 4.0 * kind["diameter"] ** 2
+    scale = 0.5 * (kind["mass"] + added) * total * (FASTEST + CURRENT) ** 2
+    found = Soak(steps, winch=winch)
+    command, target = np.zeros(7), np.zeros(7)
+    sizes = np.array([FASTEST, FASTEST, 0.25 * FASTEST, PAYOUT, CURRENT, CURRENT, 0.0])
+    lag = np.array([5.0, 5.0, 1.0, 1.0, 10.0, 10.0, 1.0])
+    kinetic = highest = 0.0
+    began = time.process_time()
+    for index in range(1, steps + 1):
+        if rng.random() < STEP / HOLD:
+            target = rng.uniform(-1.0, 1.0, 7) * sizes
+            target[:2] *= FASTEST / max(float(np.hypot(*target[:2])), FASTEST)
+        # Kept below what the vessel is asked to be at: it must not rise out of the water.
+        target[2] -= 0.01 * (model.vessel_position[2] + 20.0) * STEP
+        command += (target - command) * STEP / lag
+        try:
+            model.step_to(
+                index * STEP,
+                vessel_velocity=command[:3],
+                payout_rate=float(command[3]) if winch else None,
+                current=command[4:],
+            )
+        except cm.StepError as error:
+            found.failed += 1
+            found.first_failure = found.first_failure or str(error)
+            command *= 0.0
+            if found.failed >= GIVE_UP:
+                break
+            continue
+        if index % 100 == 0:
+            energy = model.energy()["kinetic"]
+            kinetic, highest = max(kinetic, energy / scale), max(highest, model.tension_max)
+            found.finite &= bool(np.isfinite([energy, highest, *model.tip_position]).all())
+            apart = abs(model.line_length + model.drum_length - total)
+            found.length_error = max(found.length_error, apart)
+            found.clamped += model.winch != "free"
+        if index % (steps // 10) == 0:
+            found.memory.append(resident())
+            found.kinetic.append(kinetic)
+            found.highest.append(highest)
+            found.cost.append(time.process_time() - began)
+            print(
+                f"{len(found.cost)}/10: {found.cost[-1]:.1f} s, {found.failed} failed", flush=True
+            )
+            began = time.process_time()
+            kinetic = highest = 0.0
+    return found
+
+
+def section(found: Soak) -> str:
+    """The result in Markdown."""
+    rows = [
+        (
+            str(k + 1),
+            f"{found.memory[k]:.1f}",
+            f"{found.kinetic[k]:.3f}",
+            f"{found.highest[k]:.0f}",
+            f"{1e7 * found.cost[k] / found.steps:.1f}",
+        )
+        for k in range(len(found.memory))
+    ]
+    verdict = "; ".join(found.problems) or "all that must hold holds"
+    looks = found.steps // 100
+    winch = (
+        f"a winch, pay-out up to {PAYOUT:g} m/s (at one of its ends in {found.clamped} of {looks} "
+        "looks)"
+        if found.winch
+        else "no winch"
+    )
+    return (
+        f"{found.steps:,} steps of {STEP:g} s of S4's line in space, {winch}; vessel up to "
+        f"{FASTEST:g} m/s in any direction with heave, current up to {CURRENT:g} m/s, all random. "
+        f"**{verdict}** (failed steps: {found.failed}; lengths to {found.length_error:.0e} m).\n\n"
+        + table(
+            (
+                "tenth",
+                "memory [MB]",
+                "kinetic energy, of that at full speed",
+                "highest tension [N]",
+                "a step with Python [us]",
+            ),
+            rows,
+        )
+    )
+
+
+def main() -> None:
+    """Soak, write the section; fails where something does not hold."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.soak", description=__doc__)
+    parser.add_argument("--steps", type=int, default=1_000_000)
+    parser.add_argument("--output", type=Path, default=Path("docs/stress.md"))
+    chosen = parser.parse_args()
+    soaks = [soak(chosen.steps, winch) for winch in (False, True)]
+    for found in soaks:
+        print(asdict(found))
+    text = "Written by `python -m benchmarks.soak`.\n\n"
+    text += "\n".join(section(found) for found in soaks)
+    write_section(chosen.output, "Stress", "Soak", text)
+    problems = [problem for found in soaks for problem in found.problems]
+    if problems:
+        raise SystemExit("; ".join(problems))
+
+
+if __name__ == "__main__":
+    main()
