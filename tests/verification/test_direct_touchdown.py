@@ -179,11 +179,11 @@ def run_through(model, end):
 
 def test_flexible_model_fails_in_example_1_where_the_elastica_goes_on():
     """On the assumed data the perfectly flexible cable loses its tension soon after pay-out begins
-    at 70 s: at 76 s with steps of 1 s, at once with shorter ones."""
+    at 70 s."""
     flexible = cm.CableModel(scenes.deployed("cable"))
     with pytest.raises(cm.StepError, match="lost its tension") as failure:
         run_through(flexible, 200.0)
-    assert 69.0 <= failure.value.time <= 77.0
+    assert 69.0 <= failure.value.time <= 71.0
     assert "elastica" in failure.value.advice
     stiff = cm.CableModel(scenes.deployed("elastica"))
     run_through(stiff, 200.0)
