@@ -201,8 +201,23 @@ def is_straight(I, M, node, jump):
 
 
 @kernel
-def follow_floor(I, M):
-    """Halve and join elements where the floor asks for it; returns whether the mesh changed."""
+def may_join(I, M, node, gaps, jumps, wanted):
+    """Whether an element may become one with that before it."""
+    lower = I[O_EDGE] + node * EDGE_WORDS
+    upper = lower - EDGE_WORDS
+    aim = JOIN_BELOW * min(wanted[node - 1], wanted[node])
+    if max(gaps[node - 1], gaps[node]) >= M[S_FLOOR_DEPTH]:
+        aim = min(aim, M[upper + E_NOMINAL])
+    return (
+        M[lower + E_LENGTH] + M[upper + E_LENGTH] < aim
+        and M[upper + E_SEGMENT] == M[lower + E_SEGMENT]
+        and is_straight(I, M, node - 1, jumps[node - 1])
+    )
+
+
+@kernel
+def follow_floor(I, M, change):
+    """Whether the floor asks for another mesh; with `change`, halve and join elements for it."""
     capacity = I[I_CAPACITY]
     work = I[O_STAGE_V]
     gaps = M[work : work + capacity]
@@ -220,23 +235,20 @@ def follow_floor(I, M):
         if I[I[O_JOINT] + node] == 0:
             h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
             if h > SPLIT_ABOVE * wanted[node]:
-                if I[I_NODES] + 1 < capacity and split_edge(I, M, node, 0.5, False) == OK:
-                    changed = True
-            elif node > first and not holds_something(I, M, node - 1):
-                # Join with the element before it. (Nodes after this one may have been split.)
-                upper = I[O_EDGE] + (node - 1) * EDGE_WORDS
-                total = h + M[upper + E_LENGTH]
-                aim = JOIN_BELOW * min(wanted[node - 1], wanted[node])
-                laid = max(gaps[node - 1], gaps[node]) < M[S_FLOOR_DEPTH]
-                if not laid:
-                    aim = min(aim, M[upper + E_NOMINAL])
-                if (
-                    total < aim
-                    and M[upper + E_SEGMENT] == M[I[O_EDGE] + node * EDGE_WORDS + E_SEGMENT]
-                    and is_straight(I, M, node - 1, jumps[node - 1])
-                ):
-                    join_at(I, M, node - 1, 1)
-                    changed = True
-                    node -= 1
+                if I[I_NODES] + 1 < capacity:
+                    if not change:
+                        return True
+                    changed = split_edge(I, M, node, 0.5, False) == OK or changed
+            elif (
+                # Nodes after this one may have been split; those before it are as measured.
+                node > first
+                and not holds_something(I, M, node - 1)
+                and may_join(I, M, node, gaps, jumps, wanted)
+            ):
+                if not change:
+                    return True
+                join_at(I, M, node - 1, 1)
+                changed = True
+                node -= 1
         node -= 1
     return changed

@@ -67,12 +67,14 @@ def is_folded(I, M, q, tension):
     """
     dimension = I[I_DIMENSION]
     edge = view(M, I[O_EDGE] + E_COMPLIANCE, 1)
+    longest = SLOPE_RANGE[1]
+    for node in range(1, I[I_NODES]):
+        longest = max(longest, SLOPE_RANGE[1] + edge[node * EDGE_WORDS] * tension[2 * node])
     for node in range(I[I_NODES]):
         at = view(q, (2 * node + 1) * dimension, dimension)
         square = 0.0
         for i in range(dimension):
             square += at[i] * at[i]
-        longest = SLOPE_RANGE[1] + max(0.0, edge[node * EDGE_WORDS] * tension[2 * node])
         if not (SLOPE_RANGE[0] ** 2 <= square and square <= longest * longest):
             I[I_FAILED_NODE] = node
             return True

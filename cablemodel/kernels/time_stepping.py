@@ -5,6 +5,8 @@ v_i = v^ + gamma dt a_i; prescribed nodes are imposed exactly in every stage. Te
 neither the error estimate nor Newton's test looks at it, but for the last stage before an output.
 """
 
+import math
+
 from .compile import copy_words, inlined, kernel, view
 from .environment import find_piece
 from .floor import settle
@@ -35,6 +37,7 @@ from .layout import (
     I_RIGID,
     I_STEPS,
     I_TIMES,
+    I_WAVES,
     MODEL_HYBRID,
     NOT_CONVERGED,
     O_ACCELERATION,
@@ -75,10 +78,11 @@ from .layout import (
     S_TIME_TOLERANCE,
     S_TOP_LENGTH,
     S_UNDAMPED,
+    S_WAVE_STEP,
     TOO_MANY_STEPS,
 )
 from .newton import increment_norm, is_folded, refactor
-from .payout import adapt_top, begin_payout, longest_payout_step, paid_since
+from .payout import adapt_top, begin_payout, longest_payout_step, next_change, paid_since
 from .rigid import update_clamps
 from .system import (
     elongation_rate,
@@ -92,6 +96,7 @@ from .tables import GAMMA, STAGE_A, STAGE_C, STAGE_ERROR, STAGES
 from .two_step import accept_two_step, remember, try_two_step
 
 LARGEST_ITERATIONS = 10
+AXIAL_SLOW = 1.0  # gamma dt times the axial frequency of a step that leaves the line its lengths
 AXIAL_RESOLVED = 5.0  # (axial frequency x gamma dt)^2 below which velocities are not projected
 BENDING_ON, BENDING_OFF = 0.01, 0.005  # hybrid: (EI/T)/h^2 above which bending is kept
 
@@ -306,13 +311,15 @@ def project_velocity(I, M, gamma_dt):
 
 
 @kernel
-def make_consistent(I, M):
+def make_consistent(I, M, share):
     """Remove what a step much shorter than the last one would answer with huge tensions.
 
     A step leaves the constraint |r'| = 1 + strain(T) and its time derivative met to Newton's and
     the integrator's tolerance. A following step of dt turns such an error of d (in r) or w (in v)
-    into forces of m d / dt^2 and m w / dt. Both are projected out here in the norm of the last
-    step's matrix: slow modes, which that step resolved, are left as they are.
+    into forces of m d / dt^2 and m w / dt. Both are projected out here, at the tensions and rates
+    that there are, in the norm of the last step's matrix, or of one that does not resolve the
+    axial motion: slow modes are left as they are; so is the part of the elongation's rate that is
+    not in `share`.
     """
     count = 2 * I[I_DIMENSION] * I[I_NODES]
     nodes = I[I_NODES]
@@ -327,15 +334,14 @@ def make_consistent(I, M):
     constraint = view(M, I[O_CONSTRAINT_RESIDUAL], 2 * nodes)
     x = view(M, I[O_INCREMENT], count)
     set_time(I, M, M[S_TIME])
-    if refactor(I, M, q, v, a, tension, GAMMA[0] * M[S_LAST_STEP]) == 0:
-        for _iteration in range(3):
+    slow = AXIAL_SLOW / math.sqrt(M[S_AXIAL])
+    if refactor(I, M, q, v, a, tension, max(slow, GAMMA[0] * M[S_LAST_STEP])) == 0:
+        for _iteration in range(4):
             residual(I, M, q, v, a, tension, forces, constraint)
             forces[:] = 0.0
             newton_increment(I, M, forces, constraint, x)
             for n in range(count):
                 q[n] += x[n]
-            recover_tension(I, M, constraint, x, tension)
-        share = axial_share(M, GAMMA[0] * M[S_LAST_STEP])
         for _iteration in range(2):
             if I[I_PAYOUT] != 0:
                 residual(I, M, q, v, a, tension, forces, constraint)
@@ -346,10 +352,55 @@ def make_consistent(I, M):
             newton_increment(I, M, forces, constraint, x)
             for n in range(count):
                 v[n] += x[n]
-            recover_tension(I, M, constraint, x, rate)
     I[I_FACTORED] = 0
     I[I_HISTORY] = 0
     M[S_LAST_STEP] = 0.0
+
+
+@kernel
+def take_rates_from_velocity(I, M):
+    """Make the rates of the tensions those that the velocities give.
+
+    From one step to the next they are differences, which a projection of velocities on to them
+    would feed back: an axial motion that steps resolve would grow with every change of the mesh.
+    """
+    count = 2 * I[I_DIMENSION] * I[I_NODES]
+    nodes = I[I_NODES]
+    q = view(M, I[O_POSITION], count)
+    v = view(M, I[O_VELOCITY], count)
+    a = view(M, I[O_ACCELERATION], count)
+    tension = view(M, I[O_TENSION], 2 * nodes)
+    rate = view(M, I[O_TENSION_RATE], 2 * nodes)
+    forces = view(M, I[O_RESIDUAL], count)
+    constraint = view(M, I[O_CONSTRAINT_RESIDUAL], 2 * nodes)
+    x = view(M, I[O_INCREMENT], count)
+    set_time(I, M, M[S_TIME])
+    if refactor(I, M, q, v, a, tension, GAMMA[0] * M[S_LAST_STEP]) != 0:
+        return
+    if I[I_PAYOUT] != 0:
+        residual(I, M, q, v, a, tension, forces, constraint)
+    elongation_rate(I, M, v, rate, constraint)
+    x[:] = 0.0
+    recover_tension(I, M, constraint, x, rate)
+
+
+@kernel
+def change_mesh(I, M):
+    """Let joints pass the tow point, split and join elements; then make the state consistent.
+
+    Splitting is exact. A joined element has the strain and the elongation's rate of its parts.
+    """
+    if M[S_LAST_STEP] == 0.0:
+        M[S_LAST_STEP] = M[S_STEP]
+    take_rates_from_velocity(I, M)
+    if I[I_PAYOUT] != 0:
+        status = adapt_top(I, M)
+        if status != OK:
+            return status
+    if I[I_FLOOR] != 0:
+        follow_floor(I, M, True)
+    make_consistent(I, M, 1.0)
+    return OK
 
 
 @kernel
@@ -414,17 +465,15 @@ def advance_to(I, M, t_end):
     unprojected = False
     while M[S_TIME] < t_end:
         # The mesh changes before a step: what is read after it is a state that a step has made.
-        if I[I_PAYOUT] != 0:
-            status, removed = adapt_top(I, M)
+        if (I[I_PAYOUT] != 0 and next_change(I, M) != 0) or (
+            I[I_FLOOR] != 0 and follow_floor(I, M, False)
+        ):
+            status = change_mesh(I, M)
             if status != OK:
                 break
-            if removed:
-                make_consistent(I, M)
-        if I[I_FLOOR] != 0 and follow_floor(I, M):
-            if M[S_LAST_STEP] == 0.0:
-                M[S_LAST_STEP] = M[S_STEP]
-            make_consistent(I, M)
         natural = M[S_STEP]
+        if I[I_WAVES] != 0:
+            natural = min(natural, M[S_WAVE_STEP])
         stop = next_stop(I, M, t_end, natural)
         if I[I_PAYOUT] != 0:
             stop = begin_payout(I, M, stop)
@@ -441,7 +490,7 @@ def advance_to(I, M, t_end):
         scheme = 1 if I[I_ORDER] == 4 and dt > 0.25 * natural else 0
         to_output = landing and stop == t_end
         if dt < 0.2 * M[S_LAST_STEP]:
-            make_consistent(I, M)
+            make_consistent(I, M, axial_share(M, GAMMA[0] * M[S_LAST_STEP]))
         elif unprojected:
             project_velocity(I, M, GAMMA[scheme] * dt)
         unprojected = False
