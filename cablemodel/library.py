@@ -6,8 +6,9 @@ the kernel sources next to it, it is loaded and nothing is compiled. Otherwise, 
 a kernel, numba compiles. Both give the same bits.
 
 Every entry point of kernels/entry.py is a function of this module with the same arguments:
-``library.step(ints, reals, t_end, inputs)``. Set CABLEMODEL_KERNELS=numba to leave the library
-aside.
+``library.step(ints, reals, t_end, inputs)``. The library holds those of direct/kernels/entry.py
+too, with the prefix ``direct_``: see direct/library.py. Set CABLEMODEL_KERNELS=numba to leave the
+library aside.
 """
 
 from __future__ import annotations
@@ -32,9 +33,10 @@ Kernel = Callable[..., int]
 def kernel_hash() -> str:
     """Hash of the kernel sources: a library with another hash does not belong to them."""
     digest = hashlib.sha256()
-    for path in sorted((Path(__file__).parent / "kernels").glob("*.py")):
-        digest.update(path.name.encode())
-        digest.update(path.read_bytes().replace(b"\r\n", b"\n"))
+    for folder in ("kernels", "direct/kernels"):
+        for path in sorted((Path(__file__).parent / folder).glob("*.py")):
+            digest.update(f"{folder}/{path.name}".encode())
+            digest.update(path.read_bytes().replace(b"\r\n", b"\n"))
     return digest.hexdigest()
 
 
@@ -97,6 +99,7 @@ def load(path: Path, arguments: dict[str, list[str]]) -> dict[str, Kernel]:
         "block": [ctypes.c_void_p, ctypes.c_int64],
         "array": [ctypes.c_void_p, ctypes.c_int64],
         "float64": [ctypes.c_double],
+        "int64": [ctypes.c_int64],
     }
     kernels = {}
     for name, kinds in arguments.items():
@@ -117,7 +120,7 @@ def _kernel(function: Any, kinds: tuple[str, ...]) -> Kernel:
     # Looking up an array's address costs as much as a short kernel: those of the last call are
     # kept, one tuple a place, so that threads at worst look up again.
     last: list[tuple[Any, Any, Any]] = [(None, None, None)] * len(kinds)
-    arrays = [kind != "float64" for kind in kinds]
+    arrays = [kind in ("block", "array") for kind in kinds]
 
     def call(ints: Any, reals: Any, *values: Any) -> int:
         flat: list[Any] = []

@@ -2,32 +2,53 @@
 
 from __future__ import annotations
 
-from cablemodel.block import WordBlock
+from typing import Any
+
+from cablemodel.block import Arrays, WordBlock
 from cablemodel.direct.kernels import layout as own
-from cablemodel.direct.kernels.assembly import RHS_WORDS
 from cablemodel.kernels import layout as at
 
 _GAUSS_WORDS = 512
 _MOTION_WORDS = 64
 
 
+# Sizes of a block, each with the header word that holds it.
+SIZES = {
+    "nodes": at.I_CAPACITY,
+    "sections": own.D_SECTION_CAPACITY,
+    "materials": own.D_MATERIALS,
+    "bodies": own.D_BODIES,
+    "drum": own.D_DRUM_CAPACITY,
+    "pieces": at.I_PIECES,
+    "depths": at.I_DEPTHS,
+    "times": at.I_TIMES,
+    "strain_words": at.I_STRAIN,
+    "rates": at.I_RATES,
+}
+
+
 class DirectBlock(WordBlock):
     """The memory of the direct solver."""
 
-    def __init__(
-        self,
+    @staticmethod
+    def arrays(
         *,
-        nodes: int,
-        sections: int,
-        materials: int,
-        bodies: int,
-        drum: int,
-        pieces: int,
-        depths: int,
-        times: int,
-        strain_words: int,
-        rates: int,
-    ) -> None:
+        nodes: Any,
+        sections: Any,
+        materials: Any,
+        bodies: Any,
+        drum: Any,
+        pieces: Any,
+        depths: Any,
+        times: Any,
+        strain_words: Any,
+        rates: Any,
+    ) -> tuple[Arrays, Arrays]:
+        """Arrays of the image in order, then those of the workspace: (header word, length).
+
+        kernels/backup.py relies on the order. Sizes are numbers, or the symbols from which the
+        FMU's C code of the same rule is written.
+        """
         image = [
             (at.O_PIECES, pieces * at.PIECE_WORDS),
             (at.O_DEPTHS, depths),
@@ -60,25 +81,44 @@ class DirectBlock(WordBlock):
             (own.O_CURRENTS, nodes * 3),
             (own.O_LEFT, slots * own.BLOCK),
             (own.O_RIGHT, slots * own.BLOCK),
-            (own.O_RHS, slots * RHS_WORDS),
+            (own.O_RHS, slots * own.RHS_WORDS),
             (own.O_SHAPE, slots * own.SHAPE_WORDS),
             (own.O_DELTA, slots * 2 * own.WIDTH),
             (own.O_SWEEP, slots * own.SWEEP_WORDS),
             (own.O_WORK, own.WORK_WORDS),
         ]
-        header = {
-            at.I_MAGIC: own.MAGIC,
-            at.I_VERSION: own.VERSION,
-            at.I_CAPACITY: nodes,
-            own.D_SECTION_CAPACITY: sections,
-            own.D_BODIES: bodies,
-            own.D_DRUM: drum,
-            at.I_PIECES: pieces,
-            at.I_DEPTHS: depths,
-            at.I_TIMES: times,
-            at.I_STRAIN: strain_words,
-            at.I_RATES: rates,
-            # The shared kernels see the earth frame: the vertical plane is this solver's own.
-            at.I_DIMENSION: 3,
+        return image, workspace
+
+    def __init__(
+        self,
+        *,
+        nodes: int,
+        sections: int,
+        materials: int,
+        bodies: int,
+        drum: int,
+        pieces: int,
+        depths: int,
+        times: int,
+        strain_words: int,
+        rates: int,
+    ) -> None:
+        sizes = {
+            "nodes": nodes,
+            "sections": sections,
+            "materials": materials,
+            "bodies": bodies,
+            "drum": drum,
+            "pieces": pieces,
+            "depths": depths,
+            "times": times,
+            "strain_words": strain_words,
+            "rates": rates,
         }
+        image, workspace = self.arrays(**sizes)
+        header = {word: sizes[name] for name, word in SIZES.items()}
+        header[at.I_MAGIC] = own.MAGIC
+        header[at.I_VERSION] = own.VERSION
+        # The shared kernels see the earth frame: the vertical plane is this solver's own.
+        header[at.I_DIMENSION] = 3
         super().__init__(own.FIRST_FREE, image, workspace, header)

@@ -52,9 +52,8 @@ def build(scene: Scene, *, planar: bool | None = None) -> DirectBlock:
         nodes += 2 * len(even(cable.length, spacing)) + 6
     if floor is not None:
         nodes += 2 * math.ceil(scene.line_length / spacing)
-    bodies: list[Body] = [
-        item.body for item in (*scene.line, *scene.payout.drum) if item.body is not None
-    ]
+    items = (*scene.line, *scene.payout.drum)
+    bodies = [(place, item.body) for place, item in enumerate(items) if item.body is not None]
     types = list(scene.cable_types)
     block = DirectBlock(
         nodes=nodes,
@@ -169,10 +168,10 @@ def _fill_materials(block: DirectBlock, scene: Scene) -> None:
         used += len(coefficients)
 
 
-def _fill_bodies(block: DirectBlock, scene: Scene, bodies: list[Body]) -> None:
+def _fill_bodies(block: DirectBlock, scene: Scene, bodies: list[tuple[int, Body]]) -> None:
     rho, gravity = scene.environment.water_density, scene.environment.gravity
     rows = block.array(own.O_BODY, len(bodies), own.BODY_WORDS)
-    for index, (row, body) in enumerate(zip(rows, bodies, strict=True)):
+    for row, (place, body) in zip(rows, bodies, strict=True):
         row[own.B_MASS] = body.mass
         row[own.B_WEIGHT] = body.submerged_weight
         row[own.B_ADDED] = body.added_mass
@@ -183,7 +182,7 @@ def _fill_bodies(block: DirectBlock, scene: Scene, bodies: list[Body]) -> None:
         row[own.B_OFFSET] = body.centre_offset
         row[own.B_INERTIA] = body.rotary_inertia
         row[own.B_BUOYANCY] = body.mass * gravity - body.submerged_weight
-        row[own.B_ITEM] = index
+        row[own.B_ITEM] = place
 
 
 def _fill_sections(block: DirectBlock, scene: Scene, sections: list[Section]) -> None:

@@ -18,7 +18,8 @@ def refuse_unsupported(scene: Scene) -> None:
     problems: list[SceneProblem] = []
 
     def refuse(path: str, value: object, problem: str, allowed: str) -> None:
-        problems.append(SceneProblem(path, value, problem, f"{allowed}, {_ELSE}"))
+        said = f"{problem} (given: {value})"
+        problems.append(SceneProblem(path, value, said, f"{allowed}, {_ELSE}"))
 
     environment = scene.environment
     if environment.waves is not None:

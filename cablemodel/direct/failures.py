@@ -5,7 +5,7 @@ from __future__ import annotations
 from cablemodel.direct.kernels import layout as own
 from cablemodel.kernels import layout as at
 
-_MEANING = {
+MEANING = {
     at.NOT_CONVERGED: (
         "Newton's method does not converge, however short the step",
         "look for a jump in the inputs, give a shorter time_step or node_spacing, "
@@ -45,9 +45,17 @@ _MEANING = {
         "the touchdown point has come to the part above the one that bends",
         "use method: finite_element, or a shorter solver.bending_length",
     ),
+    own.USED_UP: (
+        "more cable flows out of an interval than is in it, however short the step",
+        "look for a jump in the pay-out, or give a larger node_spacing",
+    ),
+    own.OVERSHOT: (
+        "the end goes through the floor, however short the step",
+        "give a shorter time_step, or use method: finite_element",
+    ),
 }
 
 
 def explain(status: int) -> tuple[str, str]:
     """Problem and advice of a status."""
-    return _MEANING[status]
+    return MEANING[status]

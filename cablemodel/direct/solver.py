@@ -67,38 +67,17 @@ class DirectSolver:
         return np.asarray(np.cumsum(lengths), dtype=np.float64)
 
     def bodies(self) -> list[PlacedBody]:
+        out = np.zeros((len(self._bodies), at.STATION_WORDS))
+        entry.bodies(self._ints, self._reals, out.reshape(-1))
         placed = []
         for row in self._sections:
-            if row[own.N_POINT] >= 0:
-                node = int(row[own.N_FIRST]) - 1 if row[own.N_COUNT] else self._nodes - 1
-                placed.append(self._placed(int(row[own.N_POINT]), node))
-            elif row[own.N_COUNT] and row[own.N_KIND] == own.RIGID:
-                placed.append(self._placed(int(row[own.N_BODY]), int(row[own.N_FIRST])))
+            index = int(row[own.N_POINT])
+            if index < 0 and row[own.N_COUNT] and row[own.N_KIND] == own.RIGID:
+                index = int(row[own.N_BODY])
+            if index >= 0:
+                position, axis, velocity = (out[index, k : k + 3].copy() for k in (0, 3, 6))
+                placed.append(PlacedBody(self._bodies[index].name, position, velocity, axis))
         return placed
-
-    def _placed(self, index: int, node: int) -> PlacedBody:
-        body = self._bodies[index]
-        row = self.memory.array(own.O_BODY, len(self._bodies), own.BODY_WORDS)[index]
-        y = self.memory.array(own.O_Y, self._nodes, own.WIDTH)[node]
-        position = self.memory.array(own.O_PLACE, self._nodes, 3)[node].copy()
-        axes = self._axes(y[own.PHI], y[own.THETA])
-        velocity = y[own.V1 : own.V3 + 1] @ axes
-        if body.half_length > 0.0:
-            position += (1.0 + body.centre_offset) * body.half_length * axes[2]
-            velocity = row[own.B_STATE : own.B_STATE + 3] @ axes
-        return PlacedBody(body.name, position, velocity, axes[2])
-
-    def _axes(self, phi: float, theta: float) -> FloatArray:
-        """a1, a2, a3 in the earth frame, (3, 3)."""
-        sp, cp, st, ct = np.sin(phi), np.cos(phi), np.sin(theta), np.cos(theta)
-        local = np.array([[cp, sp, 0.0], [-sp * ct, cp * ct, st], [sp * st, -cp * st, ct]])
-        return np.asarray(local @ self._earth, dtype=np.float64)
-
-    @property
-    def _earth(self) -> FloatArray:
-        """e1, e2, e3 in the earth frame, (3, 3)."""
-        px, py = self._reals[at.S_PLANE : at.S_PLANE + 2]
-        return np.array([[0.0, 0.0, -1.0], [px, py, 0.0], [py, -px, 0.0]])
 
     @property
     def planar(self) -> bool:

@@ -186,26 +186,54 @@ def keep_plane(I, M):
 
 
 @kernel
-def take_step(I, M, t_end, inputs):
-    """Step to t_end [s] with the given inputs (INPUT_WORDS); on failure nothing has changed."""
+def possible(M, t_end, inputs):
+    """Whether a step goes forward in time and all its inputs are finite."""
     if not abs(t_end) < 1e300 or not t_end > M[S_TIME]:
-        return NOT_FINITE
+        return False
     for n in range(INPUT_WORDS):
         if not abs(inputs[n]) < 1e100:
-            return NOT_FINITE
-    keep_state(I)
-    returning = False
+            return False
+    return True
+
+
+@kernel
+def take_inputs(I, M, t_end, inputs):
+    """Make the inputs of a step to t_end what drives the block. Returns what goes back to the
+    scene's own schedule by it, for `release_inputs`: 1 the vessel, 2 the pay-out, 3 both."""
+    returning = 0
     given = inputs[IN_VELOCITY] != 0.0 or inputs[IN_POSITION] != 0.0
     if given or I[I_LIVE] == 1:
         set_live_motion(I, M, t_end, inputs)
         I[I_LIVE] = 1
-        returning = not given
+        if not given:
+            returning += 1
     if inputs[IN_CURRENT] != 0.0 or I[I_CURRENT] != 0:
         set_live_current(I, M, t_end, inputs)
     given_rate = inputs[IN_PAYOUT] != 0.0
     returning_rate = I[I_RATE_LIVE] == 1 and not given_rate
     if given_rate or returning_rate:
         set_live_rate(I, M, t_end, inputs)
+    if returning_rate:
+        returning += 2
+    return returning
+
+
+@kernel
+def release_inputs(I, returning):
+    """After a step that was made: from its end on the scene drives what has gone back to it."""
+    if returning & 1:
+        I[I_LIVE] = 0
+    if returning & 2:
+        I[I_RATE_LIVE] = 0
+
+
+@kernel
+def take_step(I, M, t_end, inputs):
+    """Step to t_end [s] with the given inputs (INPUT_WORDS); on failure nothing has changed."""
+    if not possible(M, t_end, inputs):
+        return NOT_FINITE
+    keep_state(I)
+    returning = take_inputs(I, M, t_end, inputs)
     keep_plane(I, M)
     status = advance_to(I, M, t_end)
     if status != OK:
@@ -214,8 +242,5 @@ def take_step(I, M, t_end, inputs):
         I[I_FAILED_NODE] = failed
         return status
     I[I_KEEP_MATRIX] = 0
-    if returning:
-        I[I_LIVE] = 0
-    if returning_rate:
-        I[I_RATE_LIVE] = 0
+    release_inputs(I, returning)
     return status

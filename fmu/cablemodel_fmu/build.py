@@ -23,7 +23,7 @@ from typing import Any
 
 from cablemodel.library import BINARIES, PREFIX, kernel_hash, platform_name
 from cablemodel_fmu.c_layout import header
-from cablemodel_fmu.intermediate import kernel_module
+from cablemodel_fmu.intermediate import PARTS, kernel_module
 
 SOURCES = Path(__file__).parent / "c"
 Progress = Callable[[str], None]
@@ -103,13 +103,20 @@ def build(
             known = json.loads(about.read_text(encoding="utf-8"))
             if known.get("key") == key and known.get("sha256") == _sha256(path):
                 continue
-        assembly, arguments = kernel_module(progress)
+        modules = [kernel_module(part, progress) for part in PARTS]
+        arguments: dict[str, list[str]] = {}
+        for _, kinds in modules:
+            arguments |= json.loads(kinds.read_text(encoding="utf-8"))
         place.mkdir(parents=True, exist_ok=True)
         about.unlink(missing_ok=True)
         with tempfile.TemporaryDirectory(prefix="cablemodel-") as work:
             parts = [
                 _link(
-                    platform, machine, _objects(machine, assembly, progress), Path(work), progress
+                    platform,
+                    machine,
+                    [_objects(machine, assembly, progress) for assembly, _ in modules],
+                    Path(work),
+                    progress,
                 )
                 for machine in platform.machines
             ]
@@ -122,7 +129,7 @@ def build(
             "key": key,
             "file": platform.file,
             "sha256": _sha256(path),
-            "arguments": json.loads(arguments.read_text(encoding="utf-8")),
+            "arguments": arguments,
         }
         about.write_text(json.dumps(known, indent=1) + "\n", encoding="utf-8")
     return paths
@@ -149,7 +156,7 @@ def _sha256(path: Path) -> str:
 
 
 def _objects(machine: Machine, assembly: Path, progress: Progress) -> bytes:
-    """The kernels' object code for a machine."""
+    """A module's object code for a machine."""
     import llvmlite.binding as llvm
 
     progress(f"kernels for {machine.triple}")
@@ -175,19 +182,20 @@ def _objects(machine: Machine, assembly: Path, progress: Progress) -> bytes:
 
 
 def _link(
-    platform: Platform, machine: Machine, objects: bytes, work: Path, progress: Progress
+    platform: Platform, machine: Machine, objects: list[bytes], work: Path, progress: Progress
 ) -> bytes:
     """One machine's shared library from its objects and the C sources."""
     slow = " (the first time takes minutes)" if "windows" in machine.zig else ""
     progress(f"linking {platform.name} for {machine.zig}{slow}")
-    kernels = work / f"{machine.zig}.o"
-    kernels.write_bytes(objects)
+    kernels = [work / f"{machine.zig}-{n}.o" for n in range(len(objects))]
+    for path, code in zip(kernels, objects, strict=True):
+        path.write_bytes(code)
     (work / "layout.h").write_text(header(kernel_hash()), encoding="utf-8")
     output = work / machine.zig / platform.file
     output.parent.mkdir()
     compile_c(
         machine.zig,
-        [*sorted(SOURCES.glob("*.c")), kernels],
+        [*sorted(SOURCES.glob("*.c")), *kernels],
         output,
         "-shared",
         f"-I{work}",

@@ -1,14 +1,20 @@
-"""The block's layout as a C header, written from the Python that defines it.
+"""The blocks' layouts as a C header, written from the Python that defines them.
 
-The FMU recomputes every offset of a block from its sizes by the same rule as cablemodel/block.py,
-and refuses a model file where one differs.
+The FMU recomputes every offset of a block from its sizes by the same rule as cablemodel/block.py
+and cablemodel/direct/block.py, and refuses a model file where one differs. What is the direct
+solver's own begins with DIRECT.
 """
 
 from __future__ import annotations
 
+import json
 from types import ModuleType
+from typing import Any
 
-from cablemodel.block import SIZES, Block
+from cablemodel import block
+from cablemodel.direct import block as direct_block
+from cablemodel.direct.failures import MEANING
+from cablemodel.direct.kernels import layout as direct_layout
 from cablemodel.kernels import layout
 
 
@@ -71,7 +77,8 @@ def constants(module: ModuleType, prefixes: tuple[str, ...] = ("",)) -> dict[str
 
 
 def header(kernel_hash: str) -> str:
-    """Text of layout.h: constants of kernels/layout.py and the rule of Block.arrays."""
+    """Text of layout.h: constants of both layouts, the rules of their blocks, and what the direct
+    solver says of a step that fails."""
     lines = ["/* Written by cablemodel_fmu/c_layout.py; do not edit. */"]
     for name, value in {**constants(layout), **input_layout()}.items():
         if not name.startswith("_"):
@@ -79,25 +86,40 @@ def header(kernel_hash: str) -> str:
     for name, number in start_constants().items():
         lines.append(f"#define {name} {number!r}")
     lines.append(f"#define KERNEL_HASH INT64_C({hash_number(kernel_hash)})")
-    sizes = {name: Symbol(f"I[{word}]") for name, word in SIZES.items()}
-    image, workspace = Block.arrays(**sizes)
-    checks = " && ".join(f"I[{word}] >= 0 && I[{word}] <= limit" for word in SIZES.values())
-    lines += [
-        "static inline int sizes_within(const int64_t *I, int64_t limit) {",
+    for name, value in constants(direct_layout).items():
+        if not name.startswith("_"):
+            lines.append(f"#define DIRECT_{name} INT64_C({value})")
+    lines += _rule("", block.SIZES, block.Block.arrays, "HEADER_WORDS + SCALAR_WORDS")
+    lines += _rule(
+        "direct_", direct_block.SIZES, direct_block.DirectBlock.arrays, "DIRECT_FIRST_FREE"
+    )
+    lines.append("#define DIRECT_FAILURES \\")
+    for status, words in MEANING.items():
+        problem, advice = (json.dumps(word) for word in words)
+        lines.append(f"    {{{status}, {problem}, {advice}}}, \\")
+    lines += ["    {0, 0, 0}", ""]
+    return "\n".join(lines)
+
+
+def _rule(prefix: str, words: dict[str, int], arrays: Any, first: str) -> list[str]:
+    """C functions for a block: whether its sizes are sane, and where its arrays are."""
+    image, workspace = arrays(**{name: Symbol(f"I[{word}]") for name, word in words.items()})
+    checks = " && ".join(f"I[{word}] >= 0 && I[{word}] <= limit" for word in words.values())
+    lines = [
+        f"static inline int {prefix}sizes_within(const int64_t *I, int64_t limit) {{",
         f"    return {checks};",
         "}",
         "/* Offsets of all arrays, and the words of the image and of the block, from the sizes. */",
-        "static inline void arrange(const int64_t *I, int64_t *offset, int64_t *image,",
+        f"static inline void {prefix}arrange(const int64_t *I, int64_t *offset, int64_t *image,",
         "                           int64_t *words) {",
-        "    int64_t at = HEADER_WORDS + SCALAR_WORDS;",
+        f"    int64_t at = {first};",
     ]
-    for arrays in (image, workspace):
-        for place, length in arrays:
+    for part in (image, workspace):
+        for place, length in part:
             lines.append(f"    offset[{place}] = at;")
             lines.append(f"    at += {_text(length)};")
-        lines.append("    *image = at;" if arrays is image else "    *words = at;")
-    lines += ["}", ""]
-    return "\n".join(lines)
+        lines.append("    *image = at;" if part is image else "    *words = at;")
+    return [*lines, "}"]
 
 
 def hash_number(kernel_hash: str) -> int:

@@ -12,6 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
+from cablemodel.block import Block
+from cablemodel.direct.block import DirectBlock
 from cablemodel.errors import CableModelError
 from cablemodel.instance import build as build_block
 from cablemodel.instance import local
@@ -124,12 +126,13 @@ def contents_of(scene: Scene, stations: int) -> Contents:
     """Model, variables and description of a scene's FMU."""
     import cablemodel
 
-    block = build_block(scene, drum_room=LONGEST)
+    block = _block(scene)
     position, velocity, _ = scene.motion().evaluate(0.0)
     rate = float(scene.payout.rate[0].rate) if scene.payout.rate else 0.0
     starts = [*map(float, velocity), *map(float, position), rate, 0.0, 0.0, 0.0]
     constants: list[Coefficient] = coefficients(scene, block)
-    constants += lengths(scene, len(constants))
+    if isinstance(block, Block):  # the direct solver's nodes are those of its lengths
+        constants += lengths(scene, len(constants))
     if len(constants) > VR_ZERO - VR_PARAMETER:
         raise ExportError(
             f"the scene has {len(constants)} coefficients and lengths: an FMU has "
@@ -144,12 +147,15 @@ def contents_of(scene: Scene, stations: int) -> Contents:
     text = f"{scene.to_yaml()}\n{stations}\n{kernel_hash()}\n{cablemodel.__version__}"
     guid = "{" + str(uuid.UUID(bytes=hashlib.sha256(text.encode()).digest()[:16])) + "}"
     static = scene.initial.kind == "static"
+    frame = np.zeros(3)
+    if static and isinstance(block, Block):
+        frame = local(block, velocity, point=False)
     model = ModelFile(
         guid=guid,
         block=block,
         stations=stations,
         starts=starts,
-        frame=local(block, velocity, point=False) if static else np.zeros(3),
+        frame=frame,
         coefficients=constants,
         scheduled=scheduled(scene),
         static=static,
@@ -168,6 +174,15 @@ def contents_of(scene: Scene, stations: int) -> Contents:
         tolerance=scene.solver.tolerance,
     )
     return Contents(name, guid, signals, model.to_bytes(), xml)
+
+
+def _block(scene: Scene) -> Block | DirectBlock:
+    """The scene's block at its initial state, of the solver that it asks for."""
+    if scene.solver.method == "direct_integration":
+        from cablemodel.direct.build import build as build_direct_block
+
+        return build_direct_block(scene)
+    return build_block(scene, drum_room=LONGEST)
 
 
 def scheduled(scene: Scene) -> bool:

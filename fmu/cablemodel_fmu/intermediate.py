@@ -1,6 +1,6 @@
-"""The kernels as one LLVM module behind a plain C interface, free of Python.
+"""The kernels of each solver as one LLVM module behind a plain C interface, free of Python.
 
-Numba compiles every entry point of cablemodel/kernels/entry.py; what it adds for Python is cut off.
+Numba compiles every entry point of a solver (PARTS); what it adds for Python is cut off.
 This runs in a process of its own, because the options that make the code portable (a generic
 processor, no Intel vector library) must be set before numba is imported.
 
@@ -21,6 +21,9 @@ from typing import Any
 
 PREFIX = "cablemodel_"
 
+PARTS = ("finite_element", "direct")
+"""Solvers, each with an LLVM module of its own: an edit of one does not compile the other anew."""
+
 PORTABLE = {
     "NUMBA_DISABLE_INTEL_SVML": "1",
     "NUMBA_CPU_NAME": "generic",
@@ -39,7 +42,7 @@ def native_module(dispatchers: dict[str, Any]) -> tuple[str, dict[str, list[str]
     """IR of entry points and of all that they call, and the arguments of each C function.
 
     dispatchers: name -> numba function with its `entry_signature`. Kinds of arguments: ``block``
-    (pointer and words), ``array`` (pointer and length), ``float64``.
+    (pointer and words), ``array`` (pointer and length), ``float64``, ``int64``.
     """
     import llvmlite.binding as llvm
     import numba
@@ -89,10 +92,11 @@ def _wrapper(name: str, native: str, signature: Any) -> tuple[list[str], str]:
             # meminfo, parent, items, item size, data, shape, stride
             inner += ["ptr null", "ptr null", f"i64 {count}", "i64 8", f"ptr {data}"]
             inner += [f"i64 {count}", "i64 8"]
-        elif kind == types.float64:
-            outer.append(f"double %a{index}")
-            inner.append(f"double %a{index}")
-            kinds.append("float64")
+        elif kind in (types.float64, types.int64):
+            word = "double" if kind == types.float64 else "i64"
+            outer.append(f"{word} %a{index}")
+            inner.append(f"{word} %a{index}")
+            kinds.append(str(kind))
         else:
             raise TypeError(f"{name}: no C type for {kind}")
     if signature.return_type != types.int64:
@@ -129,23 +133,29 @@ def _drop_unused(module: Any) -> None:
     passes.run(module, builder)
 
 
-def kernel_module(progress: Callable[[str], None] = lambda line: None) -> tuple[Path, Path]:
-    """Files with the IR of all entry points and with their arguments (JSON), made when needed."""
-    folder = _cache()
+def kernel_module(
+    part: str, progress: Callable[[str], None] = lambda line: None
+) -> tuple[Path, Path]:
+    """Files with the IR of a solver's entry points and with their arguments (JSON), made when
+    needed."""
+    folder = _cache(part)
     assembly, arguments = folder / "kernels.ll", folder / "arguments.json"
     if not (assembly.exists() and arguments.exists()):
-        progress("compiling the kernels with numba (about a minute)")
+        progress(f"compiling the kernels of {part} with numba (about a minute)")
         folder.mkdir(parents=True, exist_ok=True)
         environment = {**os.environ, **PORTABLE, "PYTHONPATH": os.pathsep.join(sys.path)}
-        command = [sys.executable, "-m", "cablemodel_fmu.intermediate", str(folder)]
+        command = [sys.executable, "-m", "cablemodel_fmu.intermediate", part, str(folder)]
         done = subprocess.run(command, env=environment, capture_output=True, text=True)
         if done.returncode != 0:
             raise RuntimeError(f"the kernels did not compile:\n{done.stderr}")
     return assembly, arguments
 
 
-def _cache() -> Path:
-    from cablemodel.kernels.compile import cache_folder
+def _cache(part: str) -> Path:
+    if part == "direct":
+        from cablemodel.direct.kernels.compile import own_cache_folder as cache_folder
+    else:
+        from cablemodel.kernels.compile import cache_folder
 
     tool = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()[:16]
     return cache_folder() / f"ahead-{tool}"
@@ -170,12 +180,22 @@ def _no_function(library: Any, name: str) -> int:
     return 0
 
 
-def main(folder: Path) -> None:
-    """Compile here and now; run in a process with the environment PORTABLE."""
-    _make_no_machine_code()
+def entry_points(part: str) -> dict[str, Any]:
+    """A solver's entry points by their names in the library, without PREFIX."""
+    if part == "direct":
+        from cablemodel.direct.kernels import entry as direct_entry
+        from cablemodel.direct.library import PREFIX as OF_DIRECT
+
+        return {OF_DIRECT + name: kernel for name, kernel in direct_entry.ENTRY_POINTS.items()}
     from cablemodel.kernels.entry import ENTRY_POINTS
 
-    assembly, arguments = native_module(ENTRY_POINTS)
+    return dict(ENTRY_POINTS)
+
+
+def main(part: str, folder: Path) -> None:
+    """Compile here and now; run in a process with the environment PORTABLE."""
+    _make_no_machine_code()
+    assembly, arguments = native_module(entry_points(part))
     for name, text in (
         ("arguments.json", json.dumps(arguments, indent=1)),
         ("kernels.ll", assembly),
@@ -186,4 +206,4 @@ def main(folder: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main(sys.argv[1], Path(sys.argv[2]))

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel.block import Block
 from cablemodel.kernels import layout as at
 from cablemodel.library import kernel_hash
+from cablemodel.solver import Memory
 from cablemodel_fmu.c_layout import hash_number
 from cablemodel_fmu.signals import Coefficient
 
@@ -31,7 +31,7 @@ class ModelFile:
     """The contents of a model file."""
 
     guid: str
-    block: Block
+    block: Memory
     stations: int
     starts: list[float]
     """Start values of the ten inputs."""

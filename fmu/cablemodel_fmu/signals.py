@@ -7,6 +7,8 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from cablemodel.direct.block import DirectBlock
+from cablemodel.direct.kernels import layout as direct
 from cablemodel.instance import tension_per_length
 from cablemodel.kernels import layout as at
 from cablemodel.scene.schema import longest_stretch
@@ -15,6 +17,8 @@ from cablemodel.variables import INPUTS, Variable, outputs_of, parameter
 if TYPE_CHECKING:
     from cablemodel.block import Block
     from cablemodel.scene import Scene
+
+    AnyBlock = Block | DirectBlock
 
 VR_INPUT = 0
 VR_PARAMETER = 100
@@ -49,6 +53,26 @@ OF_CABLES, OF_BODY, OF_LINE, OF_DRUM = range(4)
 SHORTEST, LONGEST = 0.5, 2.0
 """Lengths that may be set, in units of the scene's: elements keep their number, which is right for
 the exported length."""
+
+# Words of the coefficients in the rows of cables (elements or materials) and of bodies.
+_WORDS = {
+    "drag_normal": at.E_DRAG_NORMAL,
+    "drag_tangential": at.E_DRAG_TANGENTIAL,
+    "added_mass": at.E_ADDED,
+    "submerged_weight": at.E_WEIGHT,
+    "body.drag_coefficient": at.B_DRAG,
+    "body.drag_coefficient_axial": at.B_DRAG_AXIAL,
+    "body.submerged_weight": at.B_WEIGHT,
+}
+_DIRECT_WORDS = {
+    "drag_normal": direct.T_NORMAL,
+    "drag_tangential": direct.T_TANGENTIAL,
+    "added_mass": direct.T_ADDED,
+    "submerged_weight": direct.T_WEIGHT,
+    "body.drag_coefficient": direct.B_DRAG,
+    "body.drag_coefficient_axial": direct.B_DRAG_AXIAL,
+    "body.submerged_weight": direct.B_WEIGHT,
+}
 
 
 @dataclass(frozen=True)
@@ -106,7 +130,7 @@ def inputs(starts: list[float]) -> list[Signal]:
     return signals
 
 
-def outputs(scene: Scene, block: Block, stations: int) -> list[Signal]:
+def outputs(scene: Scene, block: AnyBlock, stations: int) -> list[Signal]:
     """Every output that the scene has, in the table's order."""
     rows = body_rows(scene, block)
     return [
@@ -146,9 +170,10 @@ def controls(scheduled: bool) -> list[Signal]:
     ]
 
 
-def coefficients(scene: Scene, block: Block) -> list[Coefficient]:
+def coefficients(scene: Scene, block: AnyBlock) -> list[Coefficient]:
     """Tunable coefficients of cable types and bodies."""
     found: list[Coefficient] = []
+    word_of = _DIRECT_WORDS if isinstance(block, DirectBlock) else _WORDS
     rho = scene.environment.water_density
 
     def add(
@@ -179,13 +204,13 @@ def coefficients(scene: Scene, block: Block) -> list[Coefficient]:
         area = 0.25 * math.pi * kind.diameter**2
         if rho > 0.0:
             add("cable_types.K.drag_normal", prefix, kind.drag_normal,
-                OF_CABLES, at.E_DRAG_NORMAL, index, half)  # fmt: skip
+                OF_CABLES, word_of["drag_normal"], index, half)  # fmt: skip
             add("cable_types.K.drag_tangential", prefix, kind.drag_tangential,
-                OF_CABLES, at.E_DRAG_TANGENTIAL, index, half * math.pi)  # fmt: skip
+                OF_CABLES, word_of["drag_tangential"], index, half * math.pi)  # fmt: skip
             add("cable_types.K.added_mass", prefix, kind.added_mass,
-                OF_CABLES, at.E_ADDED, index, rho * area)  # fmt: skip
+                OF_CABLES, word_of["added_mass"], index, rho * area)  # fmt: skip
         add("cable_types.K.submerged_weight", prefix, kind.submerged_weight,
-            OF_CABLES, at.E_WEIGHT, index, 1.0, None)  # fmt: skip
+            OF_CABLES, word_of["submerged_weight"], index, 1.0, None)  # fmt: skip
     items = [*scene.line, *scene.payout.drum]
     for number, row in enumerate(body_rows(scene, block), start=1):
         prefix = f"body[{number}]."
@@ -193,12 +218,14 @@ def coefficients(scene: Scene, block: Block) -> list[Coefficient]:
         assert body is not None
         if rho > 0.0 and body.drag_area > 0.0:
             add("body[j].drag_coefficient", prefix, body.drag_coefficient,
-                OF_BODY, at.B_DRAG, row, 0.5 * rho * body.drag_area)  # fmt: skip
+                OF_BODY, word_of["body.drag_coefficient"], row,
+                0.5 * rho * body.drag_area)  # fmt: skip
         if rho > 0.0 and body.drag_area_axial > 0.0:
             add("body[j].drag_coefficient_axial", prefix, body.drag_coefficient_axial,
-                OF_BODY, at.B_DRAG_AXIAL, row, 0.5 * rho * body.drag_area_axial)  # fmt: skip
+                OF_BODY, word_of["body.drag_coefficient_axial"], row,
+                0.5 * rho * body.drag_area_axial)  # fmt: skip
         add("body[j].submerged_weight", prefix, body.submerged_weight,
-            OF_BODY, at.B_WEIGHT, row, 1.0, None)  # fmt: skip
+            OF_BODY, word_of["body.submerged_weight"], row, 1.0, None)  # fmt: skip
     return found
 
 
@@ -264,7 +291,7 @@ def _lengths_settable(scene: Scene) -> bool:
     )
 
 
-def body_rows(scene: Scene, block: Block) -> list[int]:
+def body_rows(scene: Scene, block: AnyBlock) -> list[int]:
     """Rows of the block's body table in the order of body[1], body[2], ...: from the vessel
     outwards as if all were out, so that the drum's, which come off near the vessel, are first."""
     items = _items(block)
@@ -275,8 +302,11 @@ def body_rows(scene: Scene, block: Block) -> list[int]:
     return drum + line
 
 
-def _items(block: Block) -> list[int]:
+def _items(block: AnyBlock) -> list[int]:
     """Place of each body of the block's table in the scene: in its line, then in its drum."""
+    if isinstance(block, DirectBlock):
+        of_direct = (int(block.ints[direct.D_BODIES]), direct.BODY_WORDS)
+        return [int(row[direct.B_ITEM]) for row in block.array(direct.O_BODY, *of_direct)]
     rows = block.array(at.O_BODY, int(block.ints[at.I_BODIES]), at.BODY_WORDS)
     return [int(row[at.B_ITEM]) for row in rows]
 

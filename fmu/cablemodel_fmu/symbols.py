@@ -6,6 +6,7 @@ import re
 
 ALLOWED_SYMBOLS = {
     *("sin", "cos", "tan", "asin", "acos", "atan", "atan2", "exp", "log", "sqrt", "hypot", "pow"),
+    *("floor", "ceil"),
     *("memcpy", "memmove", "memset"),
 }
 """What kernels may ask of the C library."""

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import pickle
-import struct
-import sys
 from typing import Any
 
 import numpy as np
@@ -14,11 +12,10 @@ import cablemodel as cm
 from cablemodel.direct import library
 from cablemodel.direct.build import build
 from cablemodel.direct.kernels import layout as own
-from cablemodel.direct.kernels.assembly import RHS_WORDS
 from cablemodel.direct.kernels.entry import ENTRY_POINTS
+from cablemodel.direct.kernels.layout import RHS_WORDS
 from cablemodel.kernels import layout as at
 from cablemodel.kernels.compile import OPTIONS
-from cablemodel_fmu.symbols import ALLOWED_SYMBOLS
 from tests.verification import direct_scenes as scenes
 
 RIGID = {
@@ -163,6 +160,30 @@ def test_a_snapshot_goes_on_bit_by_bit():
     assert np.array_equal(model.state().position, cm.CableModel(scene).state().position)
 
 
+@pytest.mark.parametrize("half_length", [0.0, 0.25])
+def test_a_step_that_is_rejected_leaves_no_trace(half_length):
+    """Halved steps go on from the start of the step that failed: from nothing of its iterate, be
+    it places, strains or the velocities that bodies remember."""
+    run = cm.CableModel(scenes.deployed("elastica", half_length))
+    run.step_to(100.0)
+    compared = 0
+    while run.time < 160.0:
+        before, rejected = run.snapshot(), run.statistics["rejected"]
+        run.step(1.0)
+        if run.statistics["rejected"] != rejected + 1:
+            continue
+        halved, tension = run.state(), run.top_tension
+        run.restore(before)
+        run.step(0.5)
+        run.step(0.5)
+        assert run.statistics["rejected"] == rejected
+        assert run.state().position == pytest.approx(halved.position, abs=1e-9)
+        assert run.state().velocity == pytest.approx(halved.velocity, abs=1e-8)
+        assert run.top_tension == pytest.approx(tension, rel=1e-9)
+        compared += 1
+    assert compared >= 1
+
+
 def test_a_snapshot_of_the_other_solver_is_refused():
     model = cm.CableModel(scenes.towed("cable"))
     other = cm.CableModel(scenes.deployed("cable"))
@@ -220,6 +241,7 @@ def test_run_writes_and_reads_a_log(tmp_path):
 
 ANCHOR = {"end": {"anchor": [20, 0, -10]}}
 FLOOR = {"environment": {"floor": {"z": -70.0}}}
+DEPTHS = [{"x": 0, "z": -70.0}, {"x": 100, "z": -60.0}]
 REFUSED = [
     ({"environment": {"waves": {"regular": {"height": 1, "period": 6}}}}, "environment.waves"),
     ({"line": [{"cable": {"type": "K", "length": 30, "elements": 4}}]}, "line.0.cable.elements"),
@@ -229,6 +251,8 @@ REFUSED = [
         "line.0.cable.model",
     ),
     ({**FLOOR, "line": [scenes.cable(30, "cable")]}, "line.0.cable.model"),
+    ({**FLOOR, **ANCHOR, "initial": {"points": [[0, 0, 0], [20, 0, -10]]}}, "end"),
+    ({"environment": {"floor": {"depth_table": DEPTHS}}}, "environment.floor.depth_table"),
     ({**FLOOR, "line": [scenes.cable(30), {"body": scenes.POINT_BODY}]}, "line.1"),
     (
         {"payout": {"rate": [{"t": 0, "rate": 0.5}], "drum": [scenes.cable(9)]}},
@@ -250,6 +274,8 @@ def test_what_the_method_cannot_do_is_refused_by_name(change, path):
         cm.CableModel(cm.load_scene(data))
     assert error.value.path == path
     assert error.value.allowed
+    assert error.value.allowed.endswith("or solver.method: finite_element")
+    assert f"(given: {error.value.value})" in str(error.value)
 
 
 def test_settings_of_the_method():
@@ -300,45 +326,17 @@ def test_a_line_that_lies_along_every_horizontal_direction_says_so():
     fails(cm.CableModel(scene), 1.0, "sin theta = 0")
 
 
-def test_energy_is_for_the_finite_elements():
+@pytest.mark.parametrize("what", ["energy", "linearise", "natural_frequencies"])
+def test_analyses_are_for_the_finite_elements(what):
     model = cm.CableModel(scenes.towed("cable"))
-    with pytest.raises(cm.CableModelError, match="finite_element"):
-        model.energy()
+    with pytest.raises(cm.CableModelError, match="direct_integration, use finite_element"):
+        getattr(model, what)()
 
 
-def undefined_symbols(program: bytes) -> set[str]:
-    """Names that an object file (ELF, 64 bits) expects from outside."""
-    assert program[:5] == b"\x7fELF\x02"
-    (table,) = struct.unpack_from("<Q", program, 0x28)
-    size, count = struct.unpack_from("<HH", program, 0x3A)
-    sections = [struct.unpack_from("<IIQQQQIIQQ", program, table + size * k) for k in range(count)]
-    names = set()
-    for section in sections:
-        if section[1] != 2:  # SHT_SYMTAB
-            continue
-        strings = sections[section[6]][4]
-        for place in range(section[4], section[4] + section[5], 24):
-            name, _info, _other, home = struct.unpack_from("<IBBH", program, place)
-            if home == 0 and name:
-                end = program.index(b"\0", strings + name)
-                names.add(program[strings + name : end].decode())
-    return names
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="reads object files of Linux")
-def test_kernels_can_leave_python():
-    """As they are compiled for Python they call nothing but the C mathematics library, numba's own
-    entry wrapper left aside: no allocation, no exceptions."""
-    build(scenes.towed("cable"))
-    work: Any = ENTRY_POINTS["work"]
-    ((signature, compiled),) = work.overloads.items()
-    key = work._cache._index_key(signature, compiled.library.codegen)
-    program = work._cache._cache_file.load(key)[0][2][0]
-    wrapper = ("Py", "numba_")
-    called = {name for name in undefined_symbols(program) if not name.startswith(wrapper)}
-    # The compiler joins a sine and a cosine of one angle.
-    assert called - {"sincos"} <= ALLOWED_SYMBOLS
-    assert called & {"sin", "sincos"}
+def test_a_line_that_would_lie_on_the_floor_at_the_start_says_so():
+    """No static state with cable on the floor: 80 m hang in 70 m of water."""
+    with pytest.raises(cm.StaticsError, match=r"goes through the floor.*finite_element"):
+        cm.CableModel(scenes.direct([scenes.cable(80.0)], environment={"floor": {"z": -70.0}}))
 
 
 def test_kernels_are_compiled_by_the_rules_of_all_kernels():

@@ -8,28 +8,29 @@ import pytest
 from numba import float64, int64
 
 from cablemodel.kernels.compile import INTEGERS, OPTIONS, REALS
-from cablemodel.kernels.entry import ENTRY_POINTS
 from cablemodel_fmu import intermediate
 from cablemodel_fmu.symbols import ALLOWED_SYMBOLS, external_symbols
 
 
-@pytest.fixture(scope="module")
-def module():
-    assembly, arguments = intermediate.kernel_module()
-    return assembly.read_text(), json.loads(arguments.read_text())
+@pytest.fixture(scope="module", params=intermediate.PARTS)
+def module(request):
+    """Part, IR and arguments of a solver's entry points."""
+    assembly, arguments = intermediate.kernel_module(request.param)
+    return request.param, assembly.read_text(), json.loads(arguments.read_text())
 
 
 @pytest.mark.slow
 def test_every_entry_point_is_compiled(module):
-    assembly, arguments = module
-    assert set(arguments) == set(ENTRY_POINTS)
-    for name in ENTRY_POINTS:
+    part, assembly, arguments = module
+    names = intermediate.entry_points(part)
+    assert set(arguments) == set(names)
+    for name in names:
         assert f"define i64 @{intermediate.PREFIX}{name}(" in assembly
 
 
 @pytest.mark.slow
 def test_kernels_call_nothing_but_the_mathematics_library(module):
-    symbols = external_symbols(module[0])
+    symbols = external_symbols(module[1])
     assert symbols <= ALLOWED_SYMBOLS
     assert "sin" in symbols  # an arc of the vessel's path: the whole call tree is in the module
 

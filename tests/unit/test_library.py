@@ -19,7 +19,7 @@ import sys, hashlib
 import cablemodel as cm
 from cablemodel import library
 digest = hashlib.sha256()
-for name in ("turn", "whip"):
+for name in ("turn", "whip", "example_2_tow"):
     model = cm.CableModel(cm.load_scene(f"{root}/scenes/{{name}}.yaml"))
     for n in range(15):
         model.step(0.07 + 0.1 * (n % 3), payout_rate=-0.1 * (n > 5), current=(0, 0.1, 0))
@@ -110,10 +110,13 @@ def test_numba_can_be_asked_for(copy, monkeypatch):
     assert library.library_path() is None
 
 
-def test_the_hash_is_that_of_the_sources(tmp_path, monkeypatch):
+@pytest.mark.parametrize("edited", ["kernels/stepping.py", "direct/kernels/stepping.py"])
+def test_the_hash_is_that_of_the_sources(edited, tmp_path, monkeypatch):
+    """Of both solvers, for one library holds both."""
     before = library.kernel_hash()
-    shutil.copytree(ROOT / "cablemodel" / "kernels", tmp_path / "kernels")
-    with (tmp_path / "kernels" / "stepping.py").open("a") as file:
+    for folder in ("kernels", "direct/kernels"):
+        shutil.copytree(ROOT / "cablemodel" / folder, tmp_path / folder)
+    with (tmp_path / edited).open("a") as file:
         file.write("# changed\n")
     monkeypatch.setattr(library, "__file__", str(tmp_path / "library.py"))
     library.kernel_hash.cache_clear()

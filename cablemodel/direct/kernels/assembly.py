@@ -42,6 +42,7 @@ from .layout import (
     O_WORK,
     O_Y,
     PHI,
+    RHS_WORDS,
     RIGID,
     SECTION_WORDS,
     SHAPE_WORDS,
@@ -53,8 +54,6 @@ from .layout import (
     X_SCALE,
 )
 
-RHS_WORDS = 30
-"""Of a slot: two right-hand sides and the scales of its rows."""
 _DIFFERENCE = 1e-7
 _FULL = (1 << WIDTH) - 1
 _FLEXIBLE = (1 << V1) | (1 << V2) | (1 << V3) | (1 << PHI) | (1 << THETA) | (1 << F3)

@@ -45,6 +45,7 @@ from .layout import (
     WIDTH,
     X_CLAMP,
     X_FLOOR,
+    X_VESSEL,
 )
 
 NEAR_POLE = 0.25
@@ -131,9 +132,12 @@ def turn_axes(I, M):
     px = M[S_PLANE]
     M[S_PLANE] = M[S_PLANE + 1]
     M[S_PLANE + 1] = -px
-    kept = M[X_FLOOR + 1]
-    M[X_FLOOR + 1] = M[X_FLOOR + 2]
-    M[X_FLOOR + 2] = -kept
+    # What is kept along e2 and e3: the floor's normal, the tow point and its velocity.
+    for vector in range(3):
+        at = X_FLOOR if vector == 2 else X_VESSEL + 3 * vector
+        kept = M[at + 1]
+        M[at + 1] = M[at + 2]
+        M[at + 2] = -kept
     for end in range(2):
         if I[D_CLAMPED] & (1 << end):
             node = 0 if end == 0 else count - 1

@@ -8,6 +8,7 @@ from typing import Any
 import numba
 
 from cablemodel.kernels.compile import INTEGERS, OPTIONS, REALS, cache_folder, inlined
+from cablemodel.kernels.compile import kernel as shared_kernel
 
 __all__ = ["INTEGERS", "REALS", "entry_point", "inlined", "kernel", "merged"]
 
@@ -16,7 +17,7 @@ _INNER: dict[str, Any] = {**OPTIONS, "no_cpython_wrapper": True, "no_cfunc_wrapp
 
 def kernel(function: Callable[..., Any]) -> Any:
     """An inner kernel, compiled into the entry points that call it."""
-    return numba.jit(**_INNER)(function)
+    return shared_kernel(function)
 
 
 def merged(function: Callable[..., Any]) -> Any:

@@ -7,7 +7,6 @@ half that the next node gets. The same rule crosses joints between different num
 
 from cablemodel.kernels.layout import OK, SINGULAR
 
-from .assembly import RHS_WORDS
 from .compile import kernel
 from .layout import (
     BLOCK,
@@ -18,6 +17,7 @@ from .layout import (
     O_RIGHT,
     O_SHAPE,
     O_WORK,
+    RHS_WORDS,
     SHAPE_WORDS,
     SWEEP_WORDS,
     WIDTH,

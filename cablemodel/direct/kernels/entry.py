@@ -9,25 +9,24 @@ from numba import float64, int64
 from . import geometry, outputs, statics, stepping
 from .assembly import fill_system, set_strains
 from .compile import INTEGERS, REALS, entry_point
+from .layout import D_BODIES, TASK_ASSEMBLE, TASK_EQUILIBRIUM, TASK_STEP
 from .newton import solve_linear
-
-STEP, EQUILIBRIUM, ASSEMBLE, SOLVE = 0, 1, 2, 3
 
 
 @entry_point(int64(INTEGERS, REALS, int64, float64, REALS))
 def work(I, M, task, number, inputs):
     """Do a task; returns its status or count.
 
-    STEP: to the time `number` [s] with 14 words of inputs; on failure nothing changes.
-    EQUILIBRIUM: the steady state for the vessel's velocity and the current at the block's time.
-    ASSEMBLE: the slots of the Newton system at the present state; their number.
-    SOLVE: `number` assembled slots by the block's method.
+    TASK_STEP: to the time `number` [s] with 14 words of inputs; on failure nothing changes.
+    TASK_EQUILIBRIUM: the steady state for vessel and current at the block's time.
+    TASK_ASSEMBLE: the slots of the Newton system at the present state; their number.
+    TASK_SOLVE: `number` assembled slots by the block's method.
     """
-    if task == STEP:
+    if task == TASK_STEP:
         return stepping.take_step(I, M, number, inputs)
-    if task == EQUILIBRIUM:
+    if task == TASK_EQUILIBRIUM:
         return statics.find_steady_state(I, M)
-    if task == ASSEMBLE:
+    if task == TASK_ASSEMBLE:
         return fill_system(I, M, 0)
     return solve_linear(I, M, int(number))
 
@@ -48,10 +47,23 @@ def sample(I, M, stations, out):
 
 
 @entry_point(int64(INTEGERS, REALS, REALS))
+def bodies(I, M, out):
+    """Motion of the bodies; out: rows of STATION_WORDS, see outputs.body_stations."""
+    outputs.body_stations(I, M, out)
+    return I[D_BODIES]
+
+
+@entry_point(int64(INTEGERS, REALS, REALS))
 def summary(I, M, out):
     """The numbers of outputs.summarise."""
     outputs.summarise(I, M, out)
     return 0
 
 
-ENTRY_POINTS = {"work": work, "place": place, "sample": sample, "summary": summary}
+ENTRY_POINTS = {
+    "work": work,
+    "place": place,
+    "sample": sample,
+    "bodies": bodies,
+    "summary": summary,
+}

@@ -11,7 +11,7 @@ joint are two nodes at one place.
 from cablemodel.kernels.layout import HEADER_WORDS, SCALAR_WORDS
 
 MAGIC = 0x5443455249444243  # "CBDIRECT", little endian
-VERSION = 1
+VERSION = 2
 OWN_WORDS = 64
 
 # Header (int64).
@@ -30,6 +30,7 @@ D_STICKS = _D + 13  # 1 while friction holds the touchdown point
 D_MEETING = _D + 14  # slot at which the two sweeps of a superposition meet
 D_RIGHT_SIDES = _D + 15  # 1, or 2 where the line ends on the floor
 D_TURNED = _D + 16  # how often the frame was turned away from its singularity
+D_MATERIALS, D_DRUM_CAPACITY = _D + 17, _D + 18
 
 # Header: word offsets of arrays.
 O_SECTION, O_MATERIAL, O_BODY, O_DRUM = _D + 30, _D + 31, _D + 32, _D + 33
@@ -66,6 +67,7 @@ X_DRIFT = _X + 41  # how far a held end may drift [m]
 X_FRICTION_FORCE = _X + 42
 X_LOWEST = _X + 45  # tension below which a flexible section counts as slack [N]
 X_PAID_IN_STEP = _X + 47  # cable paid out within the step [m]
+X_START = _X + 48  # 2 words: X_FLOW_END and X_REACTION at the start of the step
 
 FIRST_FREE = _X + OWN_WORDS
 
@@ -90,11 +92,12 @@ T_MASS, T_ADDED, T_WEIGHT, T_NORMAL, T_TANGENTIAL, T_BENDING = 0, 1, 2, 3, 4, 5
 T_TERMS, T_OFFSET, T_LOW, T_HIGH = 6, 7, 8, 9
 
 # Rows of the body table, with what eq. 38 needs of its past: velocity of the centre of gravity
-# (3) and angular velocity (2), then their rates.
-BODY_WORDS = 30
+# (3) and angular velocity (2), then their rates. B_ITEM: its place in line and drum.
+BODY_WORDS = 32
 B_MASS, B_WEIGHT, B_ADDED, B_ADDED_AXIAL, B_DRAG, B_DRAG_AXIAL = 0, 1, 2, 3, 4, 5
 B_HALF, B_OFFSET, B_INERTIA, B_BUOYANCY, B_ITEM = 6, 7, 8, 9, 10
 B_STATE, B_STATE_RATE, B_PAST = 11, 16, 21
+B_START = 26  # B_STATE at the start of the step
 BODY_STATES = 5
 
 # Rows of the drum table (int64 words): what passes the tow point, in order.
@@ -114,8 +117,15 @@ WORK_WORDS = 800
 SHAPE_WORDS = 4
 """Of a slot: rows, unknowns on its left, on its right, and 1 for an interval (int64)."""
 
+RHS_WORDS = 30
+"""Of a slot: two right-hand sides and the scales of its rows."""
+
+# Tasks of the entry point `work`.
+TASK_STEP, TASK_EQUILIBRIUM, TASK_ASSEMBLE, TASK_SOLVE = 0, 1, 2, 3
+
 SUPERPOSITION, ELIMINATION = 0, 1
 PAPER, MOMENT_FREE = 0, 1
 
 # Status codes beyond those of cablemodel/kernels/layout.py.
 SLACK, SINGULAR_ANGLE, DRIFT, BODY_ON_FLOOR, SHORT_SECTION = 20, 21, 22, 23, 24
+USED_UP, OVERSHOT = 25, 26

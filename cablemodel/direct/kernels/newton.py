@@ -8,7 +8,7 @@ from cablemodel.kernels.layout import (
     OK,
 )
 
-from .assembly import RHS_WORDS, fill_system, set_strains, unknowns
+from .assembly import fill_system, set_strains, unknowns
 from .compile import kernel
 from .elimination import eliminate
 from .geometry import gap, gap_change, set_flow, set_places
@@ -33,6 +33,7 @@ from .layout import (
     O_SWEEP,
     O_Y,
     PHI,
+    RHS_WORDS,
     SECTION_WORDS,
     SHAPE_WORDS,
     THETA,
@@ -45,7 +46,7 @@ from .layout import (
 )
 from .superposition import superpose
 
-MOST_ITERATIONS = 30
+MOST_ITERATIONS = 10
 LARGEST_TURN = 0.7
 """An iteration that would turn the cable by more is shortened [rad]."""
 ROUND_OFF = 1e-6

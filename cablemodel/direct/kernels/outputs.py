@@ -9,7 +9,12 @@ from .frame import to_earth, to_fixed
 from .geometry import last_node, line_out
 from .joints import bending_of, material_of
 from .layout import (
+    B_HALF,
+    B_OFFSET,
+    B_STATE,
+    BODY_WORDS,
     CABLE,
+    D_BODIES,
     D_END,
     D_SECTIONS,
     END_CONTACT,
@@ -19,9 +24,12 @@ from .layout import (
     F3,
     K1,
     K2,
+    N_BODY,
     N_COUNT,
     N_FIRST,
     N_KIND,
+    N_POINT,
+    O_BODY,
     O_LENGTH,
     O_PLACE,
     O_SECTION,
@@ -124,6 +132,10 @@ def sample_stations(I, M, stations, out):
     elements. Returns the index of the first station that is not on the line, or their number."""
     mesh = line_out(I, M)
     total = mesh + M[X_LAID]
+    # A body may be last: what rounding puts behind the cable's end belongs to the cable's end.
+    outermost = I[D_SECTIONS] - 1
+    while I[I[O_SECTION] + SECTION_WORDS * outermost + N_KIND] == RIGID:
+        outermost -= 1
     for n in range(len(stations)):
         s = stations[n]
         if not (s >= -1e-9 * total and s <= total * (1.0 + 1e-9)):
@@ -139,7 +151,7 @@ def sample_stations(I, M, stations, out):
             last = first + I[section + N_COUNT] - 1
             for node in range(first + 1, last + 1):
                 h = M[I[O_LENGTH] + node]
-                if s <= arc + h or (index == I[D_SECTIONS] - 1 and node == last):
+                if s <= arc + h or (index == outermost and node == last):
                     x = min(1.0, max(0.0, (s - arc) / h))
                     station(I, M, section, node - 1, x, out, row)
                     done = True
@@ -155,6 +167,43 @@ def sample_stations(I, M, stations, out):
                 out[row + k] = 0.0
         out[row + 12] = 1.0 if M[X_LAID] > 0.0 and beyond >= 0.0 else 0.0
     return len(stations)
+
+
+@kernel
+def body_stations(I, M, out):
+    """Motion of every body of line and drum in rows of STATION_WORDS: place (3) of the centre of
+    gravity, axis (3), velocity (3); the rest is not touched. What is on the drum is at the tow
+    point."""
+    for body in range(I[D_BODIES]):
+        body_station(I, M, body, 0, out)
+    for index in range(I[D_SECTIONS] + 1):
+        section = I[O_SECTION] + SECTION_WORDS * index
+        if I[section + N_POINT] >= 0:
+            node = I[section + N_FIRST] - 1 if index < I[D_SECTIONS] else last_node(I)
+            body_station(I, M, I[section + N_POINT], node, out)
+        if index < I[D_SECTIONS] and I[section + N_KIND] == RIGID:
+            body = I[section + N_BODY]
+            node = I[section + N_FIRST]
+            row = I[O_BODY] + BODY_WORDS * body
+            body_station(I, M, body, node, out)
+            at = STATION_WORDS * body
+            arm = (1.0 + M[row + B_OFFSET]) * M[row + B_HALF]
+            for k in range(3):
+                out[at + k] += arm * out[at + 3 + k]
+            y = I[O_Y] + WIDTH * node
+            state = row + B_STATE
+            g1, g2, g3 = to_fixed(M[y + PHI], M[y + THETA], M[state], M[state + 1], M[state + 2])
+            out[at + 6], out[at + 7], out[at + 8] = to_earth(M, g1, g2, g3)
+
+
+@kernel
+def body_station(I, M, body, node, out):
+    """A body's row from the place, tangent and velocity of a node."""
+    at = STATION_WORDS * body
+    for k in range(3):
+        out[at + k] = M[I[O_PLACE] + 3 * node + k]
+    out[at + 3], out[at + 4], out[at + 5] = node_vector(I, M, node, 3)
+    out[at + 6], out[at + 7], out[at + 8] = node_vector(I, M, node, 0)
 
 
 @kernel

@@ -53,6 +53,8 @@ from .layout import (
     V2,
     V3,
     WIDTH,
+    X_FLOW_END,
+    X_PAID_IN_STEP,
     X_SPACING,
 )
 
@@ -60,6 +62,8 @@ SPLIT, JOIN = 1.5, 0.5
 """Of the node spacing: an interval that grows beyond is split, one that shrinks below is joined."""
 FIRST_PIECE = 0.25
 """Of the node spacing: cable that must be out before the joint below it leaves the drum."""
+ROOM = 0.25
+"""Of the node spacing: what a step should leave of an interval out of which cable flows."""
 SHORTEST = 0.5
 """Of the node spacing: cable between the touchdown point and the joint above it."""
 
@@ -214,6 +218,36 @@ def regrid_section(I, M, index):
 
 
 @kernel
+def make_room(I, M, dt):
+    """Before a step of dt: join the intervals that it would use up with their neighbours.
+
+    Cable flows out of the interval at the vessel on reel-in, and out of the last one above the
+    part that goes along with the touchdown point.
+    """
+    least = ROOM * M[X_SPACING]
+    share = I[O_SHARE]
+    top = I[O_SECTION]
+    while M[X_PAID_IN_STEP] < 0.0 and M[I[O_LENGTH] + 1] + M[X_PAID_IN_STEP] < least:
+        if I[top + N_COUNT] <= 2 or M[share + 1] != 0.0:
+            break
+        join(I, M, top, 1)
+    index = 0
+    while index < I[D_SECTIONS] and dt * M[X_FLOW_END] > 0.0:
+        section = I[O_SECTION] + SECTION_WORDS * index
+        last = I[section + N_FIRST] + I[section + N_COUNT] - 1
+        used = dt * M[X_FLOW_END]
+        moving = M[share + last] - M[share + last - 1] > 0.5
+        while moving and M[I[O_LENGTH] + last] - used < least:
+            if I[section + N_COUNT] <= 2:
+                if index > 0 and index == I[D_SECTIONS] - 2:
+                    absorb(I, M, index)
+                break
+            join(I, M, section, last - 1)
+            last -= 1
+        index += 1
+
+
+@kernel
 def absorb(I, M, index):
     """What is left of the part above the one that bends becomes part of it. Returns a status.
 
@@ -332,6 +366,8 @@ def take_joint_back(I, M, row, out):
     rigid = I[row + R_RIGID] >= 0
     more = 2 if rigid else 1
     nodes = 2 * more
+    if I[D_SECTIONS] <= more:
+        return SHORT_SECTION
     h = M[I[O_LENGTH] + nodes + 1] + out
     copy_node(I, M, 0, nodes)
     for k in range(SECTION_WORDS * (I[D_SECTIONS] + 1 - more)):

@@ -3,16 +3,11 @@
 from cablemodel.kernels.environment import current_profile
 from cablemodel.kernels.layout import OK, S_TIME, STATICS_FAILED
 
+from .backup import give_back_start, keep_start
 from .compile import kernel
-from .geometry import last_node
 from .history import forget, keep_past, set_rates
 from .layout import (
     D_RESTART,
-    O_LENGTH,
-    O_OLD_LENGTH,
-    O_START,
-    O_Y,
-    WIDTH,
     X_BETA,
     X_DT,
     X_MEMORY,
@@ -20,7 +15,7 @@ from .layout import (
     X_RATE,
     X_TOLERANCE,
 )
-from .limits import check_state
+from .limits import check_floor, check_state
 from .newton import solve_level
 from .stepping import set_vessel
 
@@ -33,19 +28,18 @@ STEADY_TOLERANCE = 1e-9
 @kernel
 def steady_level(I, M):
     """Newton on the steady equations; the iterate is put back where it fails."""
-    words = WIDTH * (last_node(I) + 1)
     M[X_BETA] = 0.0
     M[X_MEMORY] = 0.0
     M[X_DT] = 0.0
     forget(I, M)
-    for k in range(words):
-        M[I[O_START] + k] = M[I[O_Y] + k]
+    keep_start(I, M)
     status = solve_level(I, M)
     if status == OK:
         status = check_state(I, M)
+    if status == OK:
+        status = check_floor(I, M)
     if status != OK:
-        for k in range(words):
-            M[I[O_Y] + k] = M[I[O_START] + k]
+        give_back_start(I, M)
     return status
 
 
@@ -57,10 +51,7 @@ def find_steady_state(I, M):
     current_profile(I, M, M[S_TIME])
     M[X_RATE] = 0.0
     M[X_PAID_IN_STEP] = 0.0
-    for node in range(last_node(I) + 1):
-        M[I[O_OLD_LENGTH] + node] = M[I[O_LENGTH] + node]
     asked = M[X_TOLERANCE]
-    words = WIDTH * (last_node(I) + 1)
     dt = FIRST_STEP
     status = STATICS_FAILED
     forget(I, M)
@@ -69,15 +60,13 @@ def find_steady_state(I, M):
         M[X_DT] = 0.0
         M[X_BETA] = 1.0 / dt
         M[X_MEMORY] = 0.0
-        for k in range(words):
-            M[I[O_START] + k] = M[I[O_Y] + k]
+        keep_start(I, M)
         keep_past(I, M)
         status = solve_level(I, M)
         if status == OK:
             status = check_state(I, M)
         if status != OK:
-            for k in range(words):
-                M[I[O_Y] + k] = M[I[O_START] + k]
+            give_back_start(I, M)
             dt *= 0.25
             if dt < 1e-4:
                 break

@@ -11,16 +11,14 @@ from cablemodel.kernels.layout import (
     I_CLAMPED,
     I_CURRENT,
     I_FAILED_NODE,
-    I_IMAGE_WORDS,
     I_ITERATIONS,
     I_LIVE,
     I_PIECE,
-    I_RATE_LIVE,
+    I_PIECES,
     I_REJECTED,
     I_STEPS,
     I_TIMES,
     NOT_FINITE,
-    O_BACKUP,
     O_MOTION,
     O_PIECES,
     O_TIMES,
@@ -34,32 +32,18 @@ from cablemodel.kernels.layout import (
     S_TIME,
 )
 from cablemodel.kernels.payout import commanded_rate
-from cablemodel.kernels.stepping import (
-    IN_CURRENT,
-    IN_PAYOUT,
-    IN_POSITION,
-    IN_VELOCITY,
-    INPUT_WORDS,
-    set_live_current,
-    set_live_motion,
-    set_live_rate,
-)
+from cablemodel.kernels.stepping import possible, release_inputs, take_inputs
 
 from .axes import leave_plane, turn_axes
+from .backup import give_back_image, give_back_start, keep_image, keep_start
 from .compile import kernel, merged
 from .frame import from_earth
-from .geometry import last_node
 from .history import keep_past, set_rates
 from .layout import (
     D_END,
     D_ITERATIONS_MOST,
     D_RESTART,
     END_TOUCHDOWN,
-    O_LENGTH,
-    O_OLD_LENGTH,
-    O_START,
-    O_Y,
-    WIDTH,
     X_ALPHA,
     X_BETA,
     X_DT,
@@ -68,13 +52,12 @@ from .layout import (
     X_MEMORY,
     X_PAID_IN_STEP,
     X_RATE,
-    X_REACTION,
     X_TIME_STEP,
     X_VESSEL,
 )
-from .limits import check_state
+from .limits import check_floor, check_state
 from .newton import solve_level
-from .regrid import regrid
+from .regrid import make_room, regrid
 from .touchdown import change_end, time_to_landing
 
 SMALLEST_SHARE = 1.0 / 1024.0
@@ -118,34 +101,26 @@ def pay_out(I, M, t, dt):
 
 @merged
 def one_step(I, M, dt):
-    """One implicit step of dt from S_TIME. On failure the iterate is that of the start."""
+    """One implicit step of dt from S_TIME, for which `pay_out` has been called. On failure the
+    state is that of the start."""
     t = M[S_TIME]
     alpha = 1.0 if I[D_RESTART] != 0 else M[X_ALPHA]
     M[X_DT] = dt
     M[X_BETA] = 1.0 / (alpha * dt)
     M[X_MEMORY] = (1.0 - alpha) / alpha
-    count = last_node(I) + 1
-    for k in range(WIDTH * count):
-        M[I[O_START] + k] = M[I[O_Y] + k]
-    for k in range(count):
-        M[I[O_OLD_LENGTH] + k] = M[I[O_LENGTH] + k]
-    flow_end = M[X_FLOW_END]
-    reaction = M[X_REACTION]
+    keep_start(I, M)
     keep_past(I, M)
     set_vessel(I, M, t + dt)
     current_profile(I, M, t + dt)
-    pay_out(I, M, t, dt)
     before = I[I_ITERATIONS]
     status = solve_level(I, M)
     if status == OK:
         status = check_state(I, M)
+    if status == OK:
+        status = check_floor(I, M)
     if status != OK:
-        for k in range(WIDTH * count):
-            M[I[O_Y] + k] = M[I[O_START] + k]
-        for k in range(count):
-            M[I[O_LENGTH] + k] = M[I[O_OLD_LENGTH] + k]
-        M[X_FLOW_END] = flow_end
-        M[X_REACTION] = reaction
+        set_vessel(I, M, t)
+        give_back_start(I, M)
         return status
     taken = I[I_ITERATIONS] - before
     if taken > I[D_ITERATIONS_MOST]:
@@ -171,7 +146,7 @@ def next_kink(I, M, t_end):
     jump = 0
     if I[I_LIVE] == 0:
         k = find_piece(I, M, t)
-        while True:
+        while k < I[I_PIECES] - 1:
             end = M[I[O_PIECES] + k * PIECE_WORDS + P_END]
             if not end < nearest:
                 break
@@ -204,12 +179,13 @@ def advance(I, M, t_end):
         dt = time_to_landing(I, M, (stop - t) / count)
         if dt < (stop - t) / count:
             count = 2.0
+        pay_out(I, M, t, dt)
+        make_room(I, M, dt)
         status = one_step(I, M, dt)
         if status == OK:
-            status = change_end(I, M)
-            if status == OK:
-                turn_axes(I, M)
-                status = regrid(I, M)
+            change_end(I, M)
+            turn_axes(I, M)
+            status = regrid(I, M)
             if status != OK:
                 return status
             if count == 1.0:
@@ -230,37 +206,16 @@ def advance(I, M, t_end):
 @merged
 def take_step(I, M, t_end, inputs):
     """Step to t_end [s] with the given inputs (INPUT_WORDS); on failure nothing has changed."""
-    if not abs(t_end) < 1e300 or not t_end > M[S_TIME]:
+    if not possible(M, t_end, inputs):
         return NOT_FINITE
-    for n in range(INPUT_WORDS):
-        if not abs(inputs[n]) < 1e100:
-            return NOT_FINITE
-    words = I[I_IMAGE_WORDS]
-    backup = I[O_BACKUP]
-    for n in range(words):
-        I[backup + n] = I[n]
-    given = inputs[IN_VELOCITY] != 0.0 or inputs[IN_POSITION] != 0.0
-    returning = False
-    if given or I[I_LIVE] == 1:
-        set_live_motion(I, M, t_end, inputs)
-        I[I_LIVE] = 1
-        returning = not given
-    if inputs[IN_CURRENT] != 0.0 or I[I_CURRENT] != 0:
-        set_live_current(I, M, t_end, inputs)
-    given_rate = inputs[IN_PAYOUT] != 0.0
-    returning_rate = I[I_RATE_LIVE] == 1 and not given_rate
-    if given_rate or returning_rate:
-        set_live_rate(I, M, t_end, inputs)
+    keep_image(I)
+    returning = take_inputs(I, M, t_end, inputs)
     leave_plane(I, M)
     status = advance(I, M, t_end)
     if status != OK:
         failed = I[I_FAILED_NODE]
-        for n in range(words):
-            I[n] = I[backup + n]
+        give_back_image(I)
         I[I_FAILED_NODE] = failed
         return status
-    if returning:
-        I[I_LIVE] = 0
-    if returning_rate:
-        I[I_RATE_LIVE] = 0
+    release_inputs(I, returning)
     return status

@@ -14,7 +14,6 @@ import math
 
 from cablemodel.kernels.layout import OK, SINGULAR
 
-from .assembly import RHS_WORDS
 from .compile import kernel, merged
 from .layout import (
     BLOCK,
@@ -26,6 +25,7 @@ from .layout import (
     O_RIGHT,
     O_SHAPE,
     O_WORK,
+    RHS_WORDS,
     SHAPE_WORDS,
     SWEEP_WORDS,
     W_COMPLEMENTARY,

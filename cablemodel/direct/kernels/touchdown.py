@@ -9,14 +9,11 @@ friction would be another one along a stiff cable.
 
 import math
 
-from cablemodel.kernels.layout import I_FAILED_NODE, OK
-
 from .compile import kernel
-from .frame import from_earth, to_fixed
+from .frame import to_fixed
 from .geometry import gap, last_node
 from .joints import material_of
 from .layout import (
-    BODY_ON_FLOOR,
     D_END,
     D_FLOOR,
     D_RESTART,
@@ -29,10 +26,11 @@ from .layout import (
     F2,
     F3,
     O_LENGTH,
-    O_PLACE,
+    O_RATE,
     O_SECTION,
     O_Y,
     PHI,
+    RATES,
     SECTION_WORDS,
     T_WEIGHT,
     THETA,
@@ -51,8 +49,8 @@ from .layout import (
 
 TOUCHES = 1e-4
 """Of the node spacing: a free end nearer to the floor than this is on it."""
-DEEP = 0.05
-"""Of the node spacing: how far a node between the ends may be below the floor."""
+FLAT = 0.01
+"""Angle to the floor below which the tangent of an end in contact lies in it [rad]."""
 STOPS = 2e-3
 """Slip that is slower than this sticks [m/s]."""
 
@@ -76,25 +74,40 @@ def end_component(I, M, which, along_normal):
 
 @kernel
 def time_to_landing(I, M, dt):
-    """dt, or less where a free end would reach the floor before."""
-    if I[D_FLOOR] == 0 or I[D_END] != END_FREE:
+    """dt, or less where a free end would reach the floor before, or the tangent of an end in
+    contact would come to lie in it."""
+    end = I[D_END]
+    if I[D_FLOOR] == 0 or (end != END_FREE and end != END_CONTACT):
         return dt
-    height = gap(I, M)
-    speed = -end_component(I, M, 0, 1)
+    if end == END_FREE:
+        height = gap(I, M)
+        speed = -end_component(I, M, 0, 1)
+    else:
+        height = -end_component(I, M, 2, 1)
+        speed = turning(I, M)
     if speed > 0.0 and height > 0.0 and height < speed * dt * 1.5:
         return min(dt, max(height / speed, TOUCHES * dt))
     return dt
 
 
 @kernel
+def turning(I, M):
+    """How fast the end's tangent turns towards the floor's normal [1/s]."""
+    node = last_node(I)
+    y = I[O_Y] + WIDTH * node
+    phi_t = M[I[O_RATE] + RATES * node + 3]
+    theta_t = M[I[O_RATE] + RATES * node + 4]
+    g1, g2, g3 = to_fixed(M[y + PHI], M[y + THETA], phi_t * math.sin(M[y + THETA]), -theta_t, 0.0)
+    return g1 * M[X_FLOOR] + g2 * M[X_FLOOR + 1] + g3 * M[X_FLOOR + 2]
+
+
+@kernel
 def change_end(I, M):
-    """After a step: what holds the far end from now on. Returns a status."""
+    """After a step: what holds the far end from now on."""
     if I[D_FLOOR] == 0:
-        return OK
+        return
     end = I[D_END]
     spacing = M[X_SPACING]
-    restart = I[D_RESTART]
-    I[D_RESTART] = 0
     if end == END_FREE:
         if gap(I, M) <= TOUCHES * spacing:
             I[D_END] = END_CONTACT
@@ -106,7 +119,7 @@ def change_end(I, M):
         if M[X_REACTION] < 0.0:
             I[D_END] = END_FREE
             I[D_RESTART] = 1
-        elif end_component(I, M, 2, 1) >= 0.0:
+        elif end_component(I, M, 2, 1) >= -FLAT:
             I[D_END] = END_TOUCHDOWN
             M[X_FLOW_END] = 0.0
             M[X_LAID] = 0.0
@@ -129,15 +142,3 @@ def change_end(I, M):
                 I[D_STICKS] = 0
         elif end_component(I, M, 0, 0) < STOPS:
             I[D_STICKS] = 1
-    if I[D_RESTART] != 0:
-        # What has just changed shows in the next step: a node may still be below the floor.
-        return OK
-    I[D_RESTART] = restart
-    for node in range(last_node(I)):
-        at = I[O_PLACE] + 3 * node
-        g1, g2, g3 = from_earth(M, M[at], M[at + 1], M[at + 2])
-        height = g1 * M[X_FLOOR] + g2 * M[X_FLOOR + 1] + g3 * M[X_FLOOR + 2] - M[X_FLOOR + 3]
-        if height < -DEEP * spacing:
-            I[I_FAILED_NODE] = node
-            return BODY_ON_FLOOR
-    return OK

@@ -83,6 +83,12 @@ static void explain(const Cable *cable, int64_t status, char *message, size_t si
         problem = "an input or the step is not finite";
         advice = "check the inputs";
     }
+    if (is_direct(cable->I)) {
+        const double arc = direct_failure(cable, status, &problem, &advice);
+        snprintf(message, size, "at t = %g s, %g m along the cable: %s; %s", cable_time(cable), arc,
+                 problem, advice);
+        return;
+    }
     const int64_t last = cable->I[I_NODES] - 1;
     const int64_t node = cable->I[I_FAILED_NODE] < last ? cable->I[I_FAILED_NODE] : last;
     const double arc = arc_of(cable, node);
@@ -95,7 +101,9 @@ int64_t step_cable(Cable *cable, double t_end, double dt, char *message, size_t 
     double inputs[INPUT_WORDS];
     collect_inputs(cable, dt, inputs);
     const int64_t status =
-        cablemodel_step(cable->I, cable->block_words, t_end, inputs, INPUT_WORDS);
+        is_direct(cable->I)
+            ? direct_step(cable, t_end, inputs)
+            : cablemodel_step(cable->I, cable->block_words, t_end, inputs, INPUT_WORDS);
     if (status != OK) {
         explain(cable, status, message, size);
         return status;
@@ -107,7 +115,10 @@ int64_t step_cable(Cable *cable, double t_end, double dt, char *message, size_t 
 
 static const double *summary(Cable *cable) {
     if (!cable->summary_current) {
-        cablemodel_summary(cable->I, cable->block_words, cable->summary, SUMMARY_WORDS);
+        if (is_direct(cable->I))
+            cablemodel_direct_summary(cable->I, cable->block_words, cable->summary, SUMMARY_WORDS);
+        else
+            cablemodel_summary(cable->I, cable->block_words, cable->summary, SUMMARY_WORDS);
         if (cable->flags & FLAG_PINNED)
             for (int i = 3; i < 6; i++) cable->summary[i] = 0.0;
         cable->summary_current = 1;
@@ -121,6 +132,11 @@ static const double *rows(Cable *cable) {
         const double length = summary(cable)[21];
         const int64_t n = cable->stations, last = n - 1;
         for (int64_t k = 0; k < n; k++) cable->arcs[k] = length * (double)k / (double)last;
+        cable->stations_current = 1;
+        if (is_direct(cable->I)) {
+            direct_rows(cable);
+            return cable->rows;
+        }
         for (int64_t j = 0; j < cable->bodies; j++) {
             /* A body on the drum (node -1) is at the tow point. */
             const int64_t node = (int64_t)cable->M[cable->I[O_BODY] + j * BODY_WORDS + B_NODE];
@@ -132,7 +148,6 @@ static const double *rows(Cable *cable) {
         if (cable->I[I_RIGID] > 0) /* Bodies of finite length do not move with the cable. */
             cablemodel_bodies(cable->I, cable->block_words, cable->rows + STATION_WORDS * n,
                               STATION_WORDS * cable->bodies);
-        cable->stations_current = 1;
     }
     return cable->rows;
 }
@@ -178,7 +193,9 @@ static void tune_edge(double *edge, const Parameter *p, double value) {
 static void tune(Cable *cable, const Parameter *p, double value) {
     double *M = cable->M;
     const int64_t *I = cable->I;
-    if (p->kind == OF_BODY) {
+    if (is_direct(I)) {
+        M[direct_word(I, p)] = p->factor * value;
+    } else if (p->kind == OF_BODY) {
         M[I[O_BODY] + p->index * BODY_WORDS + p->word] = p->factor * value;
     } else if (p->kind == OF_CABLES) {
         /* Elements that are out, and the rows from which elements are made as cable is paid out. */

@@ -84,6 +84,25 @@ int64_t cablemodel_bodies(void *block, int64_t words, double *out, int64_t m);
 int64_t cablemodel_sample(void *block, int64_t words, double *s, int64_t n, double *out, int64_t m);
 int64_t cablemodel_summary(void *block, int64_t words, double *out, int64_t n);
 
+/* Those of the direct solver, whose block has another magic number. */
+int64_t cablemodel_direct_work(void *block, int64_t words, int64_t task, double number,
+                               double *inputs, int64_t n);
+int64_t cablemodel_direct_bodies(void *block, int64_t words, double *out, int64_t m);
+int64_t cablemodel_direct_sample(void *block, int64_t words, double *s, int64_t n, double *out,
+                                 int64_t m);
+int64_t cablemodel_direct_summary(void *block, int64_t words, double *out, int64_t n);
+
+/* direct.c */
+static inline int is_direct(const int64_t *I) { return I[I_MAGIC] == DIRECT_MAGIC; }
+const char *check_direct_block(const int64_t *I, int64_t image_words, int64_t block_words);
+int64_t direct_nodes(const int64_t *I);
+int64_t direct_word(const int64_t *I, const Parameter *p);
+int64_t direct_step(Cable *cable, double t_end, double *inputs);
+int64_t direct_settle(Cable *cable);
+void direct_rows(Cable *cable);
+double direct_failure(const Cable *cable, int64_t status, const char **problem,
+                      const char **advice);
+
 /* model_file.c: every function returns NULL or a message. */
 const char *load_cable(Cable *cable, const char *resource_location, const char *guid);
 void free_cable(Cable *cable);

@@ -147,7 +147,8 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid,
     }
     in->logged = logging ? categories[CATEGORIES - 1].bit : QUIET;
     report(in, fmi2OK, "instantiated: %lld nodes, %lld stations",
-           (long long)in->cable.I[I_NODES], (long long)in->cable.stations);
+           (long long)(is_direct(in->cable.I) ? direct_nodes(in->cable.I) : in->cable.I[I_NODES]),
+           (long long)in->cable.stations);
     return in;
 }
 

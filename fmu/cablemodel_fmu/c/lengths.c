@@ -330,7 +330,7 @@ const char *settle_cable(Cable *cable) {
     restore_exported(cable);
     if (!resized) {
         if ((cable->flags & FLAG_STATIC) == 0) return NULL;
-        status = find_initial_state(cable);
+        status = is_direct(cable->I) ? direct_settle(cable) : find_initial_state(cable);
     } else if (out_of_reach(cable)) {
         cable->now.unsettled = 1;
         return cable->message;

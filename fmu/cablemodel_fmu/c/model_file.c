@@ -122,6 +122,7 @@ const char *check_block(const int64_t *I, int64_t image_words, int64_t block_wor
     int64_t expected[HEADER_WORDS] = {0};
     int64_t image = 0, words = 0;
     if (image_words < HEADER_WORDS + SCALAR_WORDS) return "the model's image is too short";
+    if (is_direct(I)) return check_direct_block(I, image_words, block_words);
     if (I[I_MAGIC] != MAGIC || I[I_VERSION] != VERSION) return "not a model of this version";
     if (!sizes_within(I, LARGEST_COUNT)) return "a size in the model is out of range";
     if (I[I_CAPACITY] < 2 || I[I_PIECES] < 2 || I[I_DEPTHS] < 1 || I[I_TIMES] < 1 ||
@@ -194,6 +195,10 @@ const char *check_block(const int64_t *I, int64_t image_words, int64_t block_wor
 static const char *check_parameters(const Cable *cable, const int64_t *I) {
     for (int64_t n = 0; n < cable->parameter_count; n++) {
         const Parameter *p = &cable->parameters[n];
+        if (is_direct(I) && direct_word(I, p) != 0 && fabs(p->factor) < 1e300 &&
+            p->minimum <= p->start && p->start <= p->maximum)
+            continue;
+        if (is_direct(I)) return "a parameter in resources/model.bin is out of range";
         const int64_t rows[] = {INT64_MAX, I[I_BODIES], I[I_CABLES], I[I_CABLES]};
         if (!within(p->kind, OF_CABLES, OF_DRUM) || !(fabs(p->factor) < 1e300) ||
             !within(p->index, 0, rows[p->kind] - 1) || !(fabs(p->reach) < 1e300) ||
@@ -245,7 +250,7 @@ static const char *check_file(Cable *cable, int64_t count, const char *guid) {
     const int64_t *image = file + F_HEADER_WORDS + row * cable->parameter_count;
     const char *problem = check_block(image, cable->image_words, cable->block_words);
     if (problem != NULL) return problem;
-    cable->bodies = image[I_BODIES];
+    cable->bodies = is_direct(image) ? image[DIRECT_D_BODIES] : image[I_BODIES];
     return check_parameters(cable, image);
 }
 

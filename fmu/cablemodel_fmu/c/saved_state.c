@@ -41,8 +41,9 @@ const char *check_state(const Cable *cable, const void *from, size_t bytes) {
     for (int64_t n = 0; n < cable->parameter_count; n++)
         if (!(values[n] >= cable->parameters[n].minimum && values[n] <= cable->parameters[n].maximum))
             return "the state is corrupted";
-    return check_block((const int64_t *)(values + cable->parameter_count), cable->image_words,
-                       cable->block_words);
+    const int64_t *image = (const int64_t *)(values + cable->parameter_count);
+    if (image[I_MAGIC] != cable->I[I_MAGIC]) return "the state is corrupted";
+    return check_block(image, cable->image_words, cable->block_words);
 }
 
 /* Take over a saved state; if it is refused nothing changes. */

@@ -73,6 +73,32 @@ def test_a_session_is_the_library_fed_the_same_commands(session: Session) -> Non
     assert session.helm.limited == 39
 
 
+def test_a_scene_with_direct_integration_is_steered_saved_and_restored(tmp_path: Path) -> None:
+    """As with the finite elements: the library's numbers, and a saved state that goes on."""
+    solver = {"method": "direct_integration", "time_step": 0.1}
+    scene = cm.load_scene({**SCENE, "solver": solver}).to_yaml()
+    session = Session(settings(scene=scene))
+    session.start(0)
+    assert session.scene.solver.method == "direct_integration"
+    model = cm.CableModel(session.scene)
+    drive(session, 200, rate=0.0)
+    velocity = np.zeros(3)
+    for k in range(1, 201):
+        velocity = np.array([min(0.8, velocity[0] + 0.02), 0.0, 0.0])
+        model.step_to(k * 0.01, vessel_velocity=velocity, payout_rate=0.0)
+    assert np.abs(session.model.state().position - model.state().position).max() < 1e-9
+    path = session.save().write(tmp_path)
+    other = Session(settings(scene=scene, initial_state=str(path)))
+    drive(session, 50, rate=0.3)
+    other.start(0)
+    other.epoch = session.epoch
+    drive(other, 50, rate=0.3)
+    assert other.model.line_length > 30.0
+    assert other.model.top_tension == session.model.top_tension
+    session.close()
+    other.close()
+
+
 def test_pay_out_stops_before_the_drum_is_empty(session: Session) -> None:
     drive(session, 1500, rate=1.0)
     assert session.model.drum_length == pytest.approx(0.0, abs=0.05)
