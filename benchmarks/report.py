@@ -12,7 +12,7 @@ from benchmarks.figures import work_precision_figure
 from benchmarks.measure import Measurement
 from benchmarks.references import load as load_references
 from benchmarks.rivals import MOORDYN_CURVES
-from benchmarks.scaling import ScalingPoint, exponent
+from benchmarks.scaling import SERIES, ScalingPoint, exponent, scaling_figure
 from benchmarks.scenes import SCENES, BenchmarkScene
 from benchmarks.startup import StartUp
 
@@ -181,20 +181,55 @@ def scene_section(scene: BenchmarkScene, results: Sequence[Measurement], figures
     )
 
 
-def scaling_section(points: Sequence[ScalingPoint]) -> str:
-    """Cost against elements, and the fitted exponents."""
-    whole, per_step = exponent(points)
-    rows = [
-        (str(p.elements), number(p.cost), f"{p.steps:.0f}", number(p.cost / p.steps / p.elements))
-        for p in points
+MOST_MEMORY = 4000.0
+"""Memory of an instance per element, at most [bytes]."""
+
+
+def scaling_section(points: Sequence[ScalingPoint], figures: Path) -> str:
+    """Every series with its exponents, and the memory of an element."""
+    picture = figures / "scaling.png"
+    scaling_figure(points, picture)
+    parts = [
+        "## Scaling\n\nThe tow S1 (elastica, tau = 1e-3), one thing varied. Ten seconds in one "
+        f"call where nothing else is said.\n\n![scaling]({figures.name}/{picture.name})\n"
     ]
-    return (
-        "## Work against the number of elements\n\n"
-        "First ten seconds of S1, elastica, tau = 1e-3, with a fixed number of elements.\n\n"
-        + table(("elements", "CPU s", "steps", "CPU s per step and element"), rows)
-        + f"\nExponent from 100 elements on: {whole:.2f} (per step {per_step:.2f}); "
-        "asked: at most 1.1.\n"
+    for series in SERIES:
+        mine = [p for p in points if p.series == series.name]
+        if not mine:
+            continue
+        rows = [
+            (
+                f"{p.size:g}",
+                f"{p.elements:g}",
+                number(p.build),
+                number(p.cost),
+                f"{p.steps:g}",
+                number(p.cost / p.steps),
+                f"{p.memory / 1e6:.3g}",
+            )
+            for p in mine
+        ]
+        head = (series.varied, "elements", "start, CPU s", "stepping, CPU s", "steps")
+        text = f"### {series.name.capitalize()}\n\n{series.note}\n\n"
+        text += table((*head, "CPU s a step", "memory [MB]"), rows)
+        used = [p for p in mine if p.size >= series.from_size]
+        if len(used) > 1:
+            sizes = [p.size for p in used]
+            whole = exponent(sizes, [p.cost for p in used])
+            start = exponent(sizes, [p.build for p in used])
+            text += f"\nExponent from {series.from_size:g} on: stepping {whole:.2f}"
+            if series.name.startswith("elements"):
+                a_step = exponent(sizes, [p.cost / p.steps for p in used])
+                text += f" (a step {a_step:.2f}; asked: at most 1.1), start {start:.2f}"
+            text += ".\n"
+        parts.append(text)
+    largest = max(points, key=lambda p: p.elements)
+    each = largest.memory / largest.elements
+    parts.append(
+        f"Memory of an instance: {each:.0f} bytes an element (asked: at most {MOST_MEMORY:g}; "
+        f"{'met' if each <= MOST_MEMORY else '**not met**'}), with {largest.elements:g} elements.\n"
     )
+    return "\n".join(parts)
 
 
 def start_up_section(start_up: StartUp) -> str:
@@ -257,7 +292,7 @@ def write(
         for scene in scenes
     )
     if scaling:
-        parts.append(scaling_section(scaling))
+        parts.append(scaling_section(scaling, figures))
     if start_up is not None:
         parts.append(start_up_section(start_up))
     parts.append(MOORDYN_NOTES)

@@ -27,7 +27,7 @@ from benchmarks.random_scenes.trace import Trace, perturbed, run
 
 RUN_LIMIT = 30.0
 """CPU seconds that a run may take; more is ``too slow`` [s]."""
-CHECK_LIMIT = 20.0
+CHECK_LIMIT = 10.0
 """The same for each of the two runs at tau/4 [s]."""
 FINER = 0.25
 FAINT = 0.01

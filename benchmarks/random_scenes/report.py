@@ -24,8 +24,8 @@ NUMBERS = ("length", "strain", "bending length", "tolerance", "step", "friction"
 """Traits that are numbers: a panel of the figure for each."""
 
 HEADER = """Written by `make stress` (`python -m benchmarks.random_scenes`). Scenes are drawn by a
-Latin hypercube over cable (length 3 to 1,000 m, density 0.5 to 8 of the water's, EI 0 or up to that of a
-solid rod, EA from the strain under a typical load), medium, current, manoeuvre, winch, floor,
+Latin hypercube over cable (length 3 to 1,000 m, density 0.5 to 8 of the water's, EI 0 or up to that
+of a solid rod, EA from the strain under a typical load), medium, current, manoeuvre, winch, floor,
 bodies, ends, model, tolerance (1e-4 to 1e-2) and the caller's step; they last 5 to 60 s. How they
 are judged is in `benchmarks/random_scenes/judge.py`: by the run at a quarter of the tolerance as
 long as the motion can be predicted, by energy, and by limits that always hold. *Refused*: a
