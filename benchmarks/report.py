@@ -47,6 +47,33 @@ MOORDYN_NOTES = """## MoorDyn: how it was driven
 """
 
 
+PEERS_NOTES = """## CableDyn, Exudyn, MuJoCo: what they can state
+
+| scene | MoorDyn | CableDyn | Exudyn | MuJoCo |
+|---|---|---|---|---|
+| S1 tow | yes | yes, EI = 0 | no drag | no Morison drag |
+| S2w, S2a releases | yes | starts from statics only | no drag | no Morison drag |
+| S2v release in a vacuum | yes | starts from statics only | yes | yes, does not stretch |
+| S3 pay-out to the floor | no pay-out | no pay-out | no drag, no pay-out | no Morison drag |
+| S4 turn out of a steady tow | yes | starts at rest only | no drag | no Morison drag |
+| J jumper (still water) | yes | yes | no drag | no Morison drag |
+
+- **CableDyn** (finite elements, generalised alpha, implicit): a line with bending must be held at
+  both ends, so S1 is solved by its two-node elements with EI = 0 (bending moves the end by 2e-5 L);
+  its free end is stepped apart from the line, and needs short steps for that. Tangent reused and a
+  Newton tolerance of 1e-6, which cost it no accuracy here; elements, step and damping are searched.
+- **Exudyn** (planar ANCF cable elements, the same beam): drag and added mass would be Python
+  functions in every iteration, so it takes part in a vacuum only. A whole run is one call of its
+  solver, timed as such. Elements, step, generalised alpha or trapezoidal rule and the order of
+  integration are searched.
+- **MuJoCo**: a chain of rigid rods with hinges and springs (its `cable` composite has ball joints,
+  which costs more); it does not stretch, which bounds its error from below by some 1e-4 L. Its fluid
+  forces are those of ellipsoids. Rods, step and integrator are searched.
+- None of them has the factor sqrt(e) on the drag; on the jumper it changes drag by 5e-4.
+- Each was driven as its documentation does it; notes on how are in `benchmarks/peers/`.
+"""
+
+
 def number(value: float | None, digits: int = 2) -> str:
     """A number in scientific notation, or a dash."""
     return "-" if value is None or value != value else f"{value:.{digits - 1}e}"
@@ -295,6 +322,7 @@ def write(
         parts.append(scaling_section(scaling, figures))
     if start_up is not None:
         parts.append(start_up_section(start_up))
+    parts.append(PEERS_NOTES)
     parts.append(MOORDYN_NOTES)
     if searched:
         parts.append(search_section(searched))

@@ -42,6 +42,7 @@ class Soak:
 
     steps: int
     failed: int = 0
+    slow: int = 0
     memory: list[float] = field(default_factory=list)
     kinetic: list[float] = field(default_factory=list)
     highest: list[float] = field(default_factory=list)
@@ -58,6 +59,8 @@ class Soak:
         found = []
         if self.failed:
             found.append(f"{self.failed} steps failed, first: {self.first_failure}")
+        if self.slow:
+            found.append(f"{self.slow} times a hundred steps took more than {100 * TOO_SLOW:g} s")
         if not self.finite:
             found.append("a number was not finite")
         if self.length_error > 1e-9:
@@ -91,8 +94,8 @@ def resident() -> float:
     return pages * 4096 / 1e6
 
 
-GIVE_UP = 100
-"""Failed steps after which a soak ends."""
+GIVE_UP, TOO_SLOW = 100, 1e-3
+"""Failed steps, and mean time of a hundred steps [s], with which a soak ends."""
 
 
 def soak(steps: int, winch: bool, seed: int = 8) -> Soak:
@@ -111,7 +114,7 @@ def soak(steps: int, winch: bool, seed: int = 8) -> Soak:
     sizes = np.array([FASTEST, FASTEST, 0.25 * FASTEST, PAYOUT, CURRENT, CURRENT, 0.0])
     lag = np.array([5.0, 5.0, 1.0, 1.0, 10.0, 10.0, 1.0])
     kinetic = highest = 0.0
-    began = time.process_time()
+    began = looked = time.process_time()
     for index in range(1, steps + 1):
         if rng.random() < STEP / HOLD:
             target = rng.uniform(-1.0, 1.0, 7) * sizes
@@ -134,6 +137,12 @@ def soak(steps: int, winch: bool, seed: int = 8) -> Soak:
                 break
             continue
         if index % 100 == 0:
+            if time.process_time() - looked > 100.0 * TOO_SLOW:
+                found.first_failure = found.first_failure or f"slow at t = {model.time:g} s"
+                found.slow += 1
+                if found.slow >= GIVE_UP:
+                    break
+            looked = time.process_time()
             energy = model.energy()["kinetic"]
             kinetic, highest = max(kinetic, energy / scale), max(highest, model.tension_max)
             found.finite &= bool(np.isfinite([energy, highest, *model.tip_position]).all())
