@@ -67,7 +67,7 @@ PEERS_NOTES = """## CableDyn, Exudyn, MuJoCo: what they can state
   solver, timed as such. Elements, step, generalised alpha or trapezoidal rule and the order of
   integration are searched.
 - **MuJoCo**: a chain of rigid rods with hinges and springs (its `cable` composite has ball joints,
-  which costs more); it does not stretch, which bounds its error from below by some 1e-4 L. Its fluid
+  which costs more); it does not stretch, which bounds its error from below by some 1e-4 L. Fluid
   forces are those of ellipsoids. Rods, step and integrator are searched.
 - None of them has the factor sqrt(e) on the drag; on the jumper it changes drag by 5e-4.
 - Each was driven as its documentation does it; notes on how are in `benchmarks/peers/`.
@@ -146,7 +146,7 @@ def ratios(scenes: Sequence[BenchmarkScene], results: Sequence[Measurement]) -> 
 
 
 def ratio_table(scenes: Sequence[BenchmarkScene], results: Sequence[Measurement]) -> str:
-    """Ratios at equal tip error; what was extrapolated is marked."""
+    """Ratios at equal error of position; none where a peer's best setting does not reach it."""
     rows = []
     for one in ratios(scenes, results):
         target = SCENES[one.scene].target
@@ -162,9 +162,9 @@ def ratio_table(scenes: Sequence[BenchmarkScene], results: Sequence[Measurement]
                 one.scene,
                 one.peer,
                 number(one.tip_error, 1),
-                number(one.theirs) + (" (extrapolated)" if one.theirs_extrapolated else ""),
+                "not reached" if one.theirs_extrapolated else number(one.theirs),
                 number(one.ours) + (" (extrapolated)" if one.ours_extrapolated else ""),
-                f"{one.ratio:.0f}",
+                "-" if one.theirs_extrapolated else f"{one.ratio:.3g}",
                 asked,
             )
         )
