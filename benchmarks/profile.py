@@ -195,15 +195,12 @@ def section(name: str, found: Profile, planar: bool) -> str:
     )
 
 
-def main() -> None:
-    """Write the page."""
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        library = linked(folder)
-        parts = [
-            section("In a plane", profile(library, folder, planar=True), planar=True),
-            section("In space", profile(library, folder, planar=False), planar=False),
-        ]
+def write(library: Path, folder: Path) -> None:
+    """Measure with that library, and write the page."""
+    parts = [
+        section("In a plane", profile(library, folder, planar=True), planar=True),
+        section("In space", profile(library, folder, planar=False), planar=False),
+    ]
     PAGE.write_text(
         "# Where a step goes\n\n"
         "Written by `python -m benchmarks.profile`: the tow S1 (elastica, 64 elements, tau = 1e-3) "
@@ -211,8 +208,15 @@ def main() -> None:
         "it: nothing of them is computed until asked for. Calls of residuals and solution are "
         "counted as iterations: residuals that start a stage or a step come on top. *Least* leaves "
         "out the material and the loads (roots, drag and its derivatives, rank-3 update of the "
-        "tension).\n\n" + "\n".join(parts)
+        "tension).\n\n" + "\n".join(parts).rstrip("\n") + "\n"
     )
+
+
+def main() -> None:
+    """Link the kernels with their symbols; write the page."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        write(linked(folder), folder)
     print(PAGE.read_text())
 
 
