@@ -239,12 +239,13 @@ def scaling_section(points: Sequence[ScalingPoint], figures: Path) -> str:
         head = (series.varied, "elements", "start, CPU s", "stepping, CPU s", "steps")
         text = f"### {series.name.capitalize()}\n\n{series.note}\n\n"
         text += table((*head, "CPU s a step", "memory [MB]"), rows)
-        used = [p for p in mine if p.size >= series.from_size]
+        used = [p for p in mine if series.from_size <= p.size <= series.to_size]
         if len(used) > 1:
             sizes = [p.size for p in used]
             whole = exponent(sizes, [p.cost for p in used])
             start = exponent(sizes, [p.build for p in used])
-            text += f"\nExponent from {series.from_size:g} on: stepping {whole:.2f}"
+            span = f"{sizes[0]:g} to {sizes[-1]:g}"
+            text += f"\nExponent from {span}: stepping {whole:.2f}"
             if series.name.startswith("elements"):
                 a_step = exponent(sizes, [p.cost / p.steps for p in used])
                 text += f" (a step {a_step:.2f}; asked: at most 1.1), start {start:.2f}"

@@ -41,7 +41,8 @@ class ScalingPoint:
 
 @dataclass(frozen=True)
 class Series:
-    """What is varied, over which sizes, how a point is measured; what cost should grow with."""
+    """What is varied, over which sizes, how a point is measured; between which sizes the
+    exponent is taken."""
 
     name: str
     varied: str
@@ -49,6 +50,7 @@ class Series:
     measure: Callable[[float], ScalingPoint]
     note: str
     from_size: float
+    to_size: float = float("inf")
 
 
 def _model(length: float, elements: int | None) -> tuple[Any, float]:
@@ -133,12 +135,14 @@ SERIES = (
     Series(
         "elements of a 30 m line",
         "elements",
-        (10, 30, 100, 300, 1000, 3000, 10_000),
+        (10, 30, 100, 300, 1000, 3000, 10_000, 30_000),
         _short_elements,
-        "Elements of 3 mm at the end. At 1 mm and below (30,000 and more on 30 m) round-off of the "
-        "positions over the length of an element reaches Newton's tolerance: steps are refused, "
-        "and the run takes several times as long a step. Longer lines have no such limit, below.",
+        "Elements of 3 mm where there are 10,000, and of 1 mm where there are 30,000: there "
+        "round-off of the positions over the length of an element reaches Newton's tolerance, "
+        "steps are refused, and a step costs several times as much. Longer lines, below, have no "
+        "such limit.",
         100,
+        10_000,
     ),
     Series(
         "elements of 1 m",
