@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 
 from benchmarks.random_scenes.draw import COUNT, Drawn, draw
 from benchmarks.random_scenes.judge import FAINT, FINER, MOVED, RUN_LIMIT
+from benchmarks.random_scenes.report import OUTCOMES
 from benchmarks.random_scenes.trace import perturbed, run
 from benchmarks.report import table
 from benchmarks.scenes import BenchmarkScene, Cable
@@ -169,7 +170,7 @@ def in_its_own_process(seed: int) -> Row:
 
 def section(rows: list[Row], ours: dict[int, str]) -> str:
     """Outcomes of both, side by side, and MoorDyn's by trait."""
-    outcomes = ("completed", "refused", "stopped", "wrong", "too slow", "crashed")
+    outcomes = OUTCOMES
     both = [row for row in rows if row.seed in ours]
     sides = (("MoorDyn", [r.outcome for r in both]), ("cablemodel", [ours[r.seed] for r in both]))
     lines = []
