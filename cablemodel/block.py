@@ -13,7 +13,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 GAUSS_WORDS = 768
-MOTION_WORDS = 64
+MOTION_WORDS = 80
 
 
 # Sizes of a block, each with the header word that holds it.
@@ -28,6 +28,7 @@ SIZES = {
     "rates": at.I_RATES,
     "cables": at.I_CABLES,
     "floor_words": at.I_FLOOR_WORDS,
+    "waves": at.I_WAVES,
 }
 
 Arrays = list[tuple[int, Any]]
@@ -52,6 +53,7 @@ class Block:
         rates: Any,
         cables: Any,
         floor_words: Any,
+        waves: Any,
     ) -> tuple[Arrays, Arrays]:
         """Arrays of the image in order, then those of the workspace: (header word, length).
 
@@ -69,6 +71,7 @@ class Block:
             (at.O_RATES, rates * at.RATE_WORDS),
             (at.O_CABLES, cables * at.CABLE_WORDS),
             (at.O_FLOOR, floor_words),
+            (at.O_WAVES, waves * at.WAVE_WORDS),
             (at.O_PARENT, capacity),
             (at.O_JOINT, capacity),
             (at.O_EDGE, capacity * at.EDGE_WORDS),
@@ -124,6 +127,7 @@ class Block:
         rates: int,
         cables: int,
         floor_words: int,
+        waves: int,
     ) -> None:
         sizes = {
             "capacity": capacity,
@@ -136,6 +140,7 @@ class Block:
             "rates": rates,
             "cables": cables,
             "floor_words": floor_words,
+            "waves": waves,
         }
         image, workspace = self.arrays(**sizes)
         words = at.HEADER_WORDS + at.SCALAR_WORDS

@@ -10,15 +10,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel import sea_floor
+from cablemodel import laid_shape, sea_floor, waves
 from cablemodel.block import Block
 from cablemodel.errors import SceneError, SceneProblem, StaticsError
 from cablemodel.kernels import layout as at
 from cablemodel.mesh import Span, Start, line_nodes
+from cablemodel.scene.sea import sea
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
-    from cablemodel.scene.line import Body, Cable, CableType
+    from cablemodel.scene.line import Body, Cable
 
 FloatArray = NDArray[np.float64]
 
@@ -30,6 +31,7 @@ REFINEMENTS = 14
 BENT = 10.0
 """Of tau L: what h^2 times the jump of curvature may be in a static shape."""
 LARGEST_STATIC_MESH = 4000
+SPARE_NODES = 16  # for joints at the vessel, and for a short line that is paid out again
 SHORTEST_LINE = 0.01
 """Of the initial length: what reel-in leaves out."""
 SHORTEST_PIECE = 0.1
@@ -51,9 +53,6 @@ def refuse_unsupported(scene: Scene) -> None:
     def refuse(path: str, value: object, what: str, allowed: str) -> None:
         problems.append(SceneProblem(path, value, f"{what} not supported yet", allowed))
 
-    environment = scene.environment
-    if environment.waves is not None:
-        refuse("environment.waves", "waves", "waves are", "no waves (null)")
     for index, item in enumerate(scene.payout.drum):
         if item.body is not None and item.body.half_length > 0.0:
             path = f"payout.drum.{index}.body.half_length"
@@ -206,8 +205,18 @@ def _strain_range(coefficients: tuple[float, ...]) -> tuple[float, float]:
     return 0.0, min(real, default=math.inf)
 
 
-def _tension_scale(scene: Scene, types: list[CableType]) -> float:
-    """A tension [N] that is typical of the line: what the stabilisation is measured by.
+def _tension_scale(scene: Scene) -> float:
+    """A tension [N] that is typical of the line: what the stabilisation is measured by."""
+    scale = 0.0
+    for cable, tension in zip(scene.cables, tension_per_length(scene), strict=True):
+        scale += cable.length * tension
+    for body in scene.bodies:
+        scale += abs(body.submerged_weight)
+    return scale
+
+
+def tension_per_length(scene: Scene) -> list[float]:
+    """What each cable of the line adds to a typical tension, per length [N/m].
 
     Weight of all that hangs, and the drag of the line broadside to the fastest relative flow.
     """
@@ -220,14 +229,14 @@ def _tension_scale(scene: Scene, types: list[CableType]) -> float:
         speed = max(speed, float(np.linalg.norm(motion.evaluate(float(t))[1])))
     if scene.environment.current is not None:
         speed += float(np.max(np.linalg.norm(scene.environment.current.velocity, axis=-1)))
-    scale = 0.0
-    for cable, kind in zip(scene.cables, types, strict=True):
+    water = sea(scene)
+    if water is not None:
+        speed += water.speed
+    found = []
+    for kind in (scene.cable_types[cable.type] for cable in scene.cables):
         weight = max(abs(kind.submerged_weight), 1e-3 * kind.mass * gravity)
-        scale += cable.length * weight
-        scale += cable.length * 0.5 * rho * kind.drag_normal * kind.diameter * speed**2 * 0.1
-    for body in scene.bodies:
-        scale += abs(body.submerged_weight)
-    return scale
+        found.append(weight + 0.5 * rho * kind.drag_normal * kind.diameter * speed**2 * 0.1)
+    return found
 
 
 def _vertical_plane(scene: Scene, directions: list[FloatArray]) -> FloatArray | None:
@@ -247,6 +256,9 @@ def _vertical_plane(scene: Scene, directions: list[FloatArray]) -> FloatArray | 
             return None
     if scene.environment.current is not None:
         candidates += list(scene.environment.current.velocity.reshape(-1, 3)[:, :2])
+    water = sea(scene)
+    if water is not None:
+        candidates.append(np.array([math.cos(water.direction), math.sin(water.direction)]))
     plane: FloatArray | None = None
     for vector in candidates:
         size = float(np.hypot(*vector))
@@ -260,23 +272,24 @@ def _vertical_plane(scene: Scene, directions: list[FloatArray]) -> FloatArray | 
     return np.array([1.0, 0.0]) if plane is None else plane
 
 
-def build(scene: Scene, *, planar: bool | None = None) -> Block:
+def build(scene: Scene, *, planar: bool | None = None, drum_room: float = 1.0) -> Block:
     """A block at the scene's initial state, t = 0.
 
     ``planar``: False forces three dimensions; None and True choose a vertical plane where the
-    scene lies in one. A static start refines the mesh until its shape is accurate.
+    scene lies in one. ``drum_room``: elements of the drum's cable for which there is room, in units
+    of those that this scene needs. A static start refines the mesh until its shape is accurate.
 
     Raises SceneError (not supported, inconsistent), StaticsError (no equilibrium found).
     """
     refuse_unsupported(scene)
-    types = [scene.cable_types[cable.type] for cable in scene.cables]
-    scale = _tension_scale(scene, types)
+    scale = _tension_scale(scene)
     position = scene.motion().evaluate(0.0)[0]
-    points = sea_floor.on_floor(scene, _initial_points(scene, position))
+    points = laid_shape.on_floor(scene, _initial_points(scene, position))
     sea_floor.check(scene, points)
     nodes = line_nodes(_spans(scene, scale), scene.solver.tolerance, _start(scene))
-    nodes = sea_floor.refine_guess(scene, nodes, points)
-    block = _build_on(scene, nodes, points, scale, planar)
+    nodes = laid_shape.refine_guess(scene, nodes, points)
+    nodes = waves.refine(scene, nodes, points)
+    block = _build_on(scene, nodes, points, scale, planar, drum_room)
     if scene.initial.kind != "static":
         return block
     fixed = [cable.elements is not None for cable in scene.cables]
@@ -285,7 +298,7 @@ def build(scene: Scene, *, planar: bool | None = None) -> Block:
         if finer is None:
             break
         nodes = finer
-        block = _build_on(scene, nodes, _shape(block), scale, planar)
+        block = _build_on(scene, nodes, _shape(block), scale, planar, drum_room)
     _refine_touchdown(block, scene)
     return block
 
@@ -393,10 +406,11 @@ def _build_on(
     points: FloatArray,
     scale: float,
     planar: bool | None,
+    drum_room: float,
 ) -> Block:
     """A block on given nodes, from a polyline as the first guess of its shape."""
     line = _mesh(scene, nodes)
-    winch = _winch(scene, line)
+    winch = _winch(scene, line, drum_room)
     motion = scene.motion()
     position, velocity, _ = motion.evaluate(0.0)
 
@@ -412,6 +426,7 @@ def _build_on(
     depths = 1 if current is None else len(current.z)
     times = 1 if current is None else len(current.t)
     constraints = 2 if scene.end.kind == "anchor" else 1
+    water = sea(scene)
     block = Block(
         capacity=line.nodes + winch.extra_nodes + sea_floor.spare_nodes(scene),
         pieces=1 + len(motion.pieces),
@@ -425,6 +440,7 @@ def _build_on(
         rates=len(scene.payout.rate),
         cables=len(winch.cables),
         floor_words=sea_floor.table_words(scene.environment.floor),
+        waves=0 if water is None else len(water.amplitude),
     )
     ints, reals = block.ints, block.reals
     dimension = 3 if plane is None else 2
@@ -459,6 +475,7 @@ def _build_on(
     _fill_constraints(block, scene, line)
     _fill_positions(block, line, points, length)
     sea_floor.fill(block, scene)
+    waves.fill(block, water)
     sea_floor.place_of_rest(block, scene)
     _find_initial_state(block, scene, velocity)
     return block
@@ -518,12 +535,12 @@ def _hinged(lower: Cable, upper: Cable, body: bool) -> bool:
     return "cable" in models or (body and "hybrid" in models)
 
 
-def _winch(scene: Scene, line: _Line) -> _Winch:
+def _winch(scene: Scene, line: _Line, drum_room: float) -> _Winch:
     """The cable table; bodies on the drum are added to the line's bodies."""
     total = scene.line_length
     elements = sum(1 for joint in line.joint[1:] if joint == 0)
     usual = total / elements
-    winch = _Winch([], [], [], [], [], 8, 0.0, 0.0)
+    winch = _Winch([], [], [], [], [], SPARE_NODES, 0.0, 0.0)
     rows = {place: row for row, (_, _, place) in enumerate(line.bodies)}
     below = total
     body = -1
@@ -544,7 +561,7 @@ def _winch(scene: Scene, line: _Line) -> _Winch:
         assert item.cable is not None
         winch.most += item.cable.length
         top = winch.cables[-1]
-        winch.extra_nodes += math.ceil(item.cable.length / usual) + 6
+        winch.extra_nodes += math.ceil(drum_room * item.cable.length / usual) + 6
         if body < 0 and (top.type, top.model) == (item.cable.type, item.cable.model):
             winch.leaves[-1] = winch.most
         else:
@@ -592,8 +609,11 @@ def _edge_row(
     row[at.E_TENSION_LOW : at.E_TENSION_HIGH + 1] = _strain_range(kind.strain_coefficients)
     row[at.E_STABILISATION] = min(STABILISATION * scale, 1.0 / kind.strain_coefficients[0])
     row[at.E_BENDING_FULL] = 0.0 if cable.model == "cable" else kind.bending_stiffness
-    row[at.E_BENDING] = row[at.E_BENDING_FULL]
     row[at.E_MODEL] = _MODELS[cable.model]
+    if row[at.E_BENDING_FULL] == 0.0 and scene.environment.floor is not None:
+        row[at.E_BENDING_FULL] = sea_floor.least_bending(scene, kind)
+        row[at.E_MODEL] = at.MODEL_HYBRID
+    row[at.E_BENDING] = row[at.E_BENDING_FULL]
     row[at.E_SEGMENT] = segment
     row[at.E_TYPE] = list(scene.cable_types).index(cable.type)
     return row
@@ -615,9 +635,12 @@ def _fill_line(block: Block, scene: Scene, line: _Line, winch: _Winch, scale: fl
         row[at.K_SHORTEST] = SHORTEST_PIECE * winch.nominal[index]
         row[at.K_HINGE] = float(winch.hinges[index])
         row[at.K_BODY] = winch.bodies[index]
+        kind = scene.cable_types[cable.type]
+        row[at.K_DISPLACED] = rho * 0.25 * math.pi * kind.diameter**2
         row[at.K_EDGE :] = _edge_row(scene, cable, index, offset, scale)
         row[at.K_EDGE + at.E_NOMINAL] = winch.nominal[index]
-        if cable.model == "hybrid" and row[at.K_EDGE + at.E_BENDING_FULL] > 0.0:
+        edge = row[at.K_EDGE :]
+        if edge[at.E_MODEL] == at.MODEL_HYBRID and edge[at.E_BENDING_FULL] > 0.0:
             ints[at.I_HYBRID] = 1
     block.integers(at.O_PARENT, line.nodes)[:] = line.parent
     block.integers(at.O_JOINT, line.nodes)[:] = line.joint
@@ -657,14 +680,14 @@ def _fill_line(block: Block, scene: Scene, line: _Line, winch: _Winch, scale: fl
     block.reals[at.S_TENSION_SCALE] = scale
     period = math.sqrt(scene.line_length / max(scene.environment.gravity, 1e-3))
     block.reals[at.S_PERIOD] = period
-    if _start(scene).lightly_damped:
-        softness = masses = 0.0
-        for cable in scene.cables:
-            kind = scene.cable_types[cable.type]
-            softness += kind.strain_coefficients[0] * cable.length
-            masses += kind.mass * cable.length
-        masses += math.fsum(body.mass for node, body, _place in line.bodies if node >= 0)
-        block.reals[at.S_AXIAL] = 1.0 / (softness * masses)
+    softness = masses = 0.0
+    for cable in scene.cables:
+        kind = scene.cable_types[cable.type]
+        softness += kind.strain_coefficients[0] * cable.length
+        masses += kind.mass * cable.length
+    masses += math.fsum(body.mass for node, body, _place in line.bodies if node >= 0)
+    block.reals[at.S_AXIAL] = 1.0 / (softness * masses)
+    block.reals[at.S_UNDAMPED] = float(_start(scene).lightly_damped)
     block.reals[at.S_FIRST_STEP] = 0.02 * period
     block.reals[at.S_STEP] = 1e-2 * math.sqrt(max(scene.solver.tolerance, 1e-12)) * period
     block.reals[at.S_SMALLEST_STEP] = 1e-10 * period

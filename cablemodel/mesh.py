@@ -20,7 +20,7 @@ _SLACK = 10.0
 """The same for a line that starts without: it folds at its ends."""
 _WHIP = 20.0
 """The same where drag is too small to damp the waves that run along it."""
-_LIGHT_DAMPING = 10.0
+LIGHT_DAMPING = 10.0
 """rho Cdn d L / m below which a line counts as hardly damped."""
 _LAYER_GROWTH = 2.0
 """Ratio of neighbouring elements next to a bending layer."""
@@ -55,7 +55,7 @@ class Start:
     @property
     def lightly_damped(self) -> bool:
         """A whip, or a swing that goes on: drag takes little of the motion."""
-        return self.damping < _LIGHT_DAMPING
+        return self.damping < LIGHT_DAMPING
 
 
 def element_count(tolerance: float, start: Start) -> int:

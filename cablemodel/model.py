@@ -398,7 +398,9 @@ class CableModel:
     def energy(self) -> dict[str, float]:
         """Energies [J]: kinetic (with added mass), axial, bending, potential (of the submerged
         weight, zero at z = 0), floor (its contact springs); powers [W]: of the vessel on the
-        cable, lost to drag, lost to friction and damping on the floor."""
+        cable, lost to drag, lost to friction and damping on the floor. In a scene with waves the
+        kinetic energy is without added mass, the potential that of the weight in air, and
+        drag_power what the water takes by all its forces (negative: gives)."""
         from cablemodel import library as entry
 
         self._finite_elements("energy")

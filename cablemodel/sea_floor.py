@@ -1,8 +1,7 @@
-"""A scene's sea floor for the kernels: heights, stiffness, first shapes that lie on it, checks."""
+"""A scene's sea floor for the kernels: heights, stiffness, friction at the start, checks."""
 
 from __future__ import annotations
 
-import itertools
 import math
 from typing import TYPE_CHECKING
 
@@ -16,7 +15,7 @@ from cablemodel.kernels import layout as at
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
     from cablemodel.scene.environment import Floor
-    from cablemodel.scene.line import CableType
+    from cablemodel.scene.line import Cable, CableType
 
 FloatArray = NDArray[np.float64]
 
@@ -24,6 +23,9 @@ DEPTH = 0.03
 """Gap below which the floor pushes, in units of tau L: the deepest that cable at rest sinks."""
 BRISTLE = 0.02
 """Way along the floor after which friction is mobilised, in units of tau L."""
+SHARPEST = 8.0, 0.02
+"""Length over which bending spreads a touchdown of cable that has no bending stiffness: in units of
+tau L, of L at most. At half of it the folds of a slack chain are too quick for its time steps."""
 SPARE = 40, 30
 """Nodes kept for refinement: a constant, and one for each halving down to the finest element."""
 
@@ -31,6 +33,25 @@ SPARE = 40, 30
 def contact_weight(kind: CableType, gravity: float) -> float:
     """Weight per length that the floor's preload carries [N/m]; small for a cable that floats."""
     return max(kind.submerged_weight, 1e-3 * kind.mass * gravity, 1e-9)
+
+
+def least_bending(scene: Scene, kind: CableType) -> float:
+    """Bending stiffness that a perfectly flexible cable gets where it is slack [N m2].
+
+    Its motion is not well posed where it folds without tension: it takes the shape that bending
+    gives it, however small. Shapes differ by less than the layer l of `SHARPEST`, on a floor with
+    a horizontal tension H by l (w l / H)^2.
+    """
+    layer = scene.line_length * min(SHARPEST[0] * scene.solver.tolerance, SHARPEST[1])
+    return contact_weight(kind, scene.environment.gravity) * layer**3
+
+
+def touchdown_layer(scene: Scene, cable: Cable) -> float:
+    """Length over which bending spreads a touchdown, (EI/w)^(1/3) [m]."""
+    kind = scene.cable_types[cable.type]
+    bending = 0.0 if cable.model == "cable" else kind.bending_stiffness
+    bending = bending or least_bending(scene, kind)
+    return (bending / contact_weight(kind, scene.environment.gravity)) ** (1.0 / 3.0)
 
 
 def spare_nodes(scene: Scene) -> int:
@@ -45,13 +66,13 @@ def spare_nodes(scene: Scene) -> int:
 
 def finest_element(scene: Scene) -> float:
     """Length of the smallest element that the touchdown may ask for [m]."""
-    accuracy = scene.solver.tolerance * scene.line_length
-    layers = []
-    for kind in scene.cable_types.values():
-        weight = contact_weight(kind, scene.environment.gravity)
-        layer = (kind.bending_stiffness / weight) ** (1.0 / 3.0)
-        layers.append(layer if layer > 0.0 else at.SHARPEST * accuracy)
-    return at.LAYER * min(layers)
+    return at.LAYER * thinnest_layer(scene)
+
+
+def thinnest_layer(scene: Scene) -> float:
+    """Length over which bending spreads the sharpest touchdown of a scene's cables [m]."""
+    drum = [item.cable for item in scene.payout.drum if item.cable is not None]
+    return min(touchdown_layer(scene, cable) for cable in [*scene.cables, *drum])
 
 
 def table_words(floor: Floor | None) -> int:
@@ -121,103 +142,6 @@ def _damping(scene: Scene) -> float:
         drag = rho * kind.drag_normal * kind.diameter
         speeds.append(math.sqrt(2.0 * weight / drag) if drag > 0.0 else 1.0)
     return 1.0 / max(speeds)
-
-
-def on_floor(scene: Scene, points: FloatArray) -> FloatArray:
-    """A first shape for a static start with what lies below the floor laid on it, (n, 3)."""
-    floor = scene.environment.floor
-    if floor is None or scene.initial.kind != "static":
-        return points
-    start = points[0]
-    length = scene.line_length
-    if scene.end.kind == "anchor":
-        return _laid_to(floor, start, np.asarray(scene.end.position, dtype=float), length, points)
-    height = start[2] - floor.height(float(start[0]), float(start[1]))
-    if length <= height or not points[-1][2] < start[2]:
-        return points
-    # Straight down at the angle of a steady tow, and the rest away from where the vessel goes.
-    way = scene.motion().horizontal_direction()
-    back = np.array([-1.0, 0.0]) if way is None else -np.asarray(way, dtype=float)
-    velocity = scene.motion().evaluate(0.0)[1]
-    angle = critical_angle(scene, float(np.hypot(*velocity[:2])))
-    hang = min(length, height / math.sin(angle))
-    if hang == length:
-        return np.array(
-            [start, start + length * np.array([*(math.cos(angle) * back), -math.sin(angle)])]
-        )
-    steps = np.linspace(0.0, length - hang, 65)
-    laid = np.empty((len(steps), 3))
-    laid[:, :2] = start[:2] + np.outer(hang * math.cos(angle) + steps, back)
-    laid[:, 2] = [floor.height(float(a), float(b)) for a, b in laid[:, :2]]
-    return np.vstack([start, laid])
-
-
-def critical_angle(scene: Scene, speed: float) -> float:
-    """Angle from the horizontal of a straight cable towed or laid at a speed [rad].
-
-    w cos a = 1/2 rho Cdn d U^2 sin^2 a, with the line's mean weight and drag (Zajac 1957).
-    """
-    weight = drag = 0.0
-    for cable in scene.cables:
-        kind = scene.cable_types[cable.type]
-        weight += cable.length * contact_weight(kind, scene.environment.gravity)
-        drag += cable.length * kind.drag_normal * kind.diameter
-    ratio = 0.5 * scene.environment.water_density * drag * speed**2 / weight
-    return math.acos(2.0 * ratio / (1.0 + math.sqrt(1.0 + 4.0 * ratio**2)))
-
-
-def refine_guess(scene: Scene, nodes: list[FloatArray], points: FloatArray) -> list[FloatArray]:
-    """Nodes graded towards where a first shape comes to lie on the floor, for a static start.
-
-    nodes: arc lengths of the nodes of every cable [m], each from 0 to its length. Elsewhere than
-    at that kink a coarse mesh finds its shape from anywhere.
-    """
-    if scene.environment.floor is None or scene.initial.kind != "static" or len(points) < 4:
-        return nodes
-    chords = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    touchdown = float(chords[0] / chords.sum() * scene.line_length)
-    smallest = finest_element(scene)
-    finer = []
-    arc = 0.0
-    for cable, places in zip(scene.cables, nodes, strict=True):
-        new = list(places)
-        while cable.elements is None:
-            ends = list(itertools.pairwise(new))
-            split = [
-                0.5 * (a + b)
-                for a, b in ends
-                if b - a > max(2.0 * smallest, _distance(arc + a, arc + b, touchdown))
-            ]
-            if not split:
-                break
-            new = sorted([*new, *split])
-        finer.append(np.array(new))
-        arc += cable.length
-    return finer
-
-
-def _distance(start: float, end: float, place: float) -> float:
-    return max(start - place, place - end, 0.0)
-
-
-def _laid_to(
-    floor: Floor, start: FloatArray, end: FloatArray, length: float, hanging: FloatArray
-) -> FloatArray:
-    """A cable to an anchor: as it hangs where clear of the floor, else straight and laid."""
-    if all(p[2] > floor.height(float(p[0]), float(p[1])) for p in hanging[1:-1]):
-        return hanging
-    across = float(np.hypot(*(start - end)[:2]))
-    rise = float(start[2] - end[2])
-    # sqrt(x^2 + rise^2) + (across - x) = length, with x the part of the way that hangs.
-    slack = length - across
-    hang = 0.0 if slack <= 0.0 else min(across, max(0.0, (rise**2 - slack**2) / (2.0 * slack)))
-    way = (end - start)[:2] / max(across, 1e-12)
-    steps = np.linspace(hang, across, 65)
-    laid = np.empty((len(steps), 3))
-    laid[:, :2] = start[:2] + np.outer(steps, way)
-    laid[:, 2] = [floor.height(float(a), float(b)) for a, b in laid[:, :2]]
-    laid[-1] = end
-    return np.vstack([start, laid])
 
 
 def place_of_rest(block: Block, scene: Scene) -> None:

@@ -153,6 +153,52 @@ INPUTS: tuple[Input, ...] = (
 )  # fmt: skip
 
 
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter of the FMU, and where the scene has it."""
+
+    quantity: str
+    unit: str
+    fmu: str
+    """n counts the cables of the line, or of the drum, from the vessel, and j the bodies, from 1;
+    K is the name of a cable type."""
+    scene: str
+    """Path in the scene, whose indices count from 0; empty where it has none."""
+    tunable: bool
+    """Whether it may change during a run; otherwise it is fixed at the initialization."""
+
+
+PARAMETERS: tuple[Parameter, ...] = (
+    Parameter("true: the scene's own schedules drive and the inputs are ignored", "",
+              "use_scene_inputs", "", False),
+    Parameter("which inputs move the tow point", "", "vessel.input", "", False),
+    Parameter("coefficient of normal drag", "", "cable_types.K.drag_normal",
+              "cable_types.K.drag_normal", True),
+    Parameter("coefficient of tangential drag, times pi diameter", "",
+              "cable_types.K.drag_tangential", "cable_types.K.drag_tangential", True),
+    Parameter("coefficient of added mass", "", "cable_types.K.added_mass",
+              "cable_types.K.added_mass", True),
+    Parameter("weight in water", "N/m", "cable_types.K.submerged_weight",
+              "cable_types.K.submerged_weight", True),
+    Parameter("coefficient of drag across the axis", "", "body[j].drag_coefficient",
+              "line.N.body.drag_coefficient", True),
+    Parameter("coefficient of drag along the axis", "", "body[j].drag_coefficient_axial",
+              "line.N.body.drag_coefficient_axial", True),
+    Parameter("weight in water", "N", "body[j].submerged_weight",
+              "line.N.body.submerged_weight", True),
+    Parameter("unstretched length of a cable of the line, counted from the vessel", "m",
+              "line.cable[n].length", "line.N.cable.length", False),
+    Parameter("unstretched length of a cable on the drum, in the order in which they leave it", "m",
+              "drum.cable[n].length", "payout.drum.N.cable.length", False),
+)  # fmt: skip
+"""What an FMU's user may set before the start or, where tunable, during a run."""
+
+
+def parameter(fmu: str) -> Parameter:
+    """The row of :data:`PARAMETERS` with this name."""
+    return next(row for row in PARAMETERS if row.fmu == fmu)
+
+
 APPLIED_INPUTS_TOPIC = "~/applied_inputs"
 STATE_TOPIC = "~/state"
 
@@ -282,6 +328,23 @@ def document() -> str:
             f"`{item.topic}`" if item.topic else "-", item.message or "-",
         )  # fmt: skip
         lines.append("| " + " | ".join(entries) + " |")
+    lines += [
+        "",
+        "## Parameters of the FMU",
+        "",
+        "Fixed at the initialization, or tunable during a run. n counts the cables of the line, or",
+        "of the drum, from the vessel, j the bodies; K is the name of a cable type, and N a place",
+        "in the scene's list, from 0.",
+        "",
+        "| quantity | unit | FMU | scene | |",
+        "|---|---|---|---|---|",
+    ]
+    for entry in PARAMETERS:
+        texts = (
+            entry.quantity, entry.unit or "-", f"`{entry.fmu}`",
+            f"`{entry.scene}`" if entry.scene else "-", "tunable" if entry.tunable else "fixed",
+        )  # fmt: skip
+        lines.append("| " + " | ".join(texts) + " |")
     lines += [
         "",
         "## Only in the log: what replay needs, exact",

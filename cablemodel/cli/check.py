@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -63,6 +64,7 @@ def _report(scene: Scene, model: CableModel) -> dict[str, Any]:
         "solver": scene.solver.as_written(),
         "elements": model.statistics["elements"],
         "planar": model.planar,
+        "waves": _waves(scene),
         "skipped": _skipped(scene, model),
         "start": {
             "top_tension": model.top_tension,
@@ -72,6 +74,30 @@ def _report(scene: Scene, model: CableModel) -> dict[str, Any]:
         },
         "warnings": _warnings(scene, model, state),
     }
+
+
+def _waves(scene: Scene) -> str | None:
+    """The sea in words."""
+    from cablemodel.scene.sea import sea
+
+    field = sea(scene)
+    if field is None:
+        return None
+    waves = scene.environment.waves
+    assert waves is not None
+    if waves.regular is not None:
+        kind = f"regular, {waves.regular.height:g} m high, {field.period:g} s"
+    else:
+        assert waves.jonswap is not None
+        kind = (
+            f"JONSWAP, significant height {waves.jonswap.hs:g} m, peak period {field.period:g} s, "
+            f"{len(field.amplitude)} components, seed {waves.jonswap.seed}"
+        )
+    water = "deep water" if math.isinf(field.depth) else f"{field.depth:g} m of water"
+    return (
+        f"{kind}; {field.length:.4g} m long in {water}, going {math.degrees(field.direction):g} "
+        f"degrees from x; from calm water within {field.ramp:g} s"
+    )
 
 
 def _item(scene: Scene, index: int) -> dict[str, Any]:
@@ -174,6 +200,8 @@ def _print_report(report: dict[str, Any]) -> None:
     kind = "static equilibrium" if report["initial"] == "static" else "given shape"
     table.add_row("line, from the vessel", "\n".join(escape(_words(i)) for i in report["line"]))
     table.add_row("far end", report["end"])
+    if report["waves"]:
+        table.add_row("waves", report["waves"])
     table.add_row("run", f"{report['duration']:g} s, output every {report['output_interval']:g} s")
     table.add_row("elements", _accuracy(report["elements"], report["solver"]))
     table.add_row("skipped", "\n".join(report["skipped"]) or "nothing")

@@ -24,10 +24,14 @@ from .layout import (
     BODY_WORDS,
     I_BODIES,
     I_DIMENSION,
+    I_WAVES,
     O_BODY,
     O_DIAGONAL,
     O_MOTION,
+    S_GRAVITY,
+    S_WATER_DENSITY,
 )
+from .waves import P_ACCELERATION, P_SLOPE, P_VELOCITY, P_WET, SMALLEST, wave_at
 
 
 @kernel
@@ -133,6 +137,52 @@ def flow_derivatives(M, row, dimension, inertia, ig, ca, cv, w):
 
 
 @kernel
+def lift_of(M, row):
+    """Buoyancy of a wet body [N]: weight in air less the submerged one."""
+    return M[row + B_MASS] * M[S_GRAVITY] - M[row + B_WEIGHT]
+
+
+@kernel
+def add_waves(I, M, row, x, y, z, rise, w):
+    """Take the waves into relative flow and acceleration, w[3:9], of a body at a place.
+
+    rise [m]: height of its upper end over its lower one. The band around the surface is a sphere
+    of the body's volume, and what it stands across. Leaves the point of `wave_at`.
+    """
+    volume = max(0.0, lift_of(M, row)) / (M[S_GRAVITY] * M[S_WATER_DENSITY])
+    radius = math.pow(0.75 * volume / math.pi, 1.0 / 3.0)
+    wave_at(I, M, x, y, z, max(SMALLEST, radius + 0.5 * abs(rise)))
+    at = I[O_MOTION]
+    for i in range(I[I_DIMENSION]):
+        w[3 + i] += M[at + P_VELOCITY + i]
+        w[6 + i] -= M[at + P_ACCELERATION + i]
+
+
+@kernel
+def wet_force(I, M, row, w):
+    """`flow_force` of a body in waves into w[12:15], without the mass of its own: the wet share,
+    less the Froude-Krylov force; `add_waves` has been called."""
+    dimension = I[I_DIMENSION]
+    at = I[O_MOTION]
+    flow_force(M, row, dimension, M[row + B_ADDED], w)
+    mass = lift_of(M, row) / M[S_GRAVITY]
+    for i in range(dimension):
+        w[12 + i] = M[at + P_WET] * (w[12 + i] - mass * M[at + P_ACCELERATION + i])
+
+
+@kernel
+def wet_derivatives(I, M, row, ig, ca, cv, w):
+    """`flow_derivatives` of a body in waves, without the mass of its own."""
+    dimension = I[I_DIMENSION]
+    at = I[O_MOTION]
+    flow_derivatives(M, row, dimension, M[row + B_ADDED], ig, ca, cv, w)
+    for n in range(dimension * dimension):
+        w[12 + n] *= M[at + P_WET]
+        w[21 + n] *= M[at + P_WET]
+    w[12 + dimension * dimension - 1] -= lift_of(M, row) * M[at + P_SLOPE]
+
+
+@kernel
 def body_residual(I, M, q, v, a, out):
     """Add inertia, weight and minus drag of every body to the forces of its node."""
     dimension = I[I_DIMENSION]
@@ -143,8 +193,16 @@ def body_residual(I, M, q, v, a, out):
         if node < 0 or M[row + B_LENGTH] > 0.0:  # still on the drum, or in rigid.py
             continue
         body_kinematics(I, M, node, q, v, a, w)
-        flow_force(M, row, dimension, M[row + B_MASS] + M[row + B_ADDED], w)
         at = 2 * dimension * node
+        if I[I_WAVES] != 0:
+            add_waves(I, M, row, q[at], q[at + 1], q[at + dimension - 1], 0.0, w)
+            wet_force(I, M, row, w)
+            for i in range(dimension):
+                w[12 + i] += M[row + B_MASS] * a[at + i]
+            dry = 1.0 - M[I[O_MOTION] + P_WET]
+            w[12 + dimension - 1] += dry * lift_of(M, row)
+        else:
+            flow_force(M, row, dimension, M[row + B_MASS] + M[row + B_ADDED], w)
         for i in range(dimension):
             out[at + i] += w[12 + i]
         out[at + dimension - 1] += M[row + B_WEIGHT]
@@ -162,7 +220,14 @@ def body_jacobian(I, M, q, v, a, ca, cv):
         if node < 0 or M[row + B_LENGTH] > 0.0:
             continue
         ig = body_kinematics(I, M, node, q, v, a, w)
-        flow_derivatives(M, row, dimension, M[row + B_MASS] + M[row + B_ADDED], ig, ca, cv, w)
+        if I[I_WAVES] != 0:
+            at = size * node
+            add_waves(I, M, row, q[at], q[at + 1], q[at + dimension - 1], 0.0, w)
+            wet_derivatives(I, M, row, ig, ca, cv, w)
+            for i in range(dimension):
+                w[12 + (dimension + 1) * i] += ca * M[row + B_MASS]
+        else:
+            flow_derivatives(M, row, dimension, M[row + B_MASS] + M[row + B_ADDED], ig, ca, cv, w)
         D = M[I[O_DIAGONAL] + size * size * node : I[O_DIAGONAL] + size * size * (node + 1)]
         for i in range(dimension):
             for j in range(dimension):

@@ -28,6 +28,7 @@ from .layout import (
     I_DRAG,
     I_NODES,
     I_PAYOUT,
+    I_WAVES,
     O_COMPLIANCE,
     O_DIAGONAL,
     O_EDGE,
@@ -71,6 +72,7 @@ from .tables import (
     WEIGHT_P2,
     WH,
 )
+from .waves import element_water, wave_loads, wet_rows
 
 # Slots of four words in the Gauss workspace.
 CX, CZ = 0, 4  # water velocity
@@ -214,6 +216,7 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
     drag = I[I_DRAG]
     payout = I[I_PAYOUT]
     sheared = I[I_DEPTHS] > 1
+    waves = I[I_WAVES]
     ends = view(M, I[O_END_FORCE], 4 * nodes)
     out[0 : 4 * nodes] = 0.0
     for node in range(1, nodes):
@@ -265,7 +268,9 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
 
         if bending != 0.0:
             add_bending_forces(W, x0, x1, h, bending)
-        if drag != 0:
+        if waves != 0:
+            wave_loads(I, M, W, e, x0, x1, v0, v1, a0, a1)
+        elif drag != 0:
             if sheared:
                 element_current(I, M, W, x0, x1, h)
             load_forces(
@@ -398,6 +403,7 @@ def jacobian_planar(I, M, q, v, a, tension, ca, cv):
     drag = I[I_DRAG]
     payout = I[I_PAYOUT]
     sheared = I[I_DEPTHS] > 1
+    waves = I[I_WAVES]
     diagonal = view(M, I[O_DIAGONAL], 16 * nodes)
     upper = view(M, I[O_UPPER], 16 * nodes)
     lower = view(M, I[O_LOWER], 16 * nodes)
@@ -419,7 +425,9 @@ def jacobian_planar(I, M, q, v, a, tension, ca, cv):
             v0 = view(M, I[O_TOP], 4)
             a0 = view(M, I[O_TOP] + 6, 4)
         geometry(W, x0, x1, h)
-        if drag != 0 and sheared:
+        if waves != 0:
+            element_water(I, M, W, e, x0, x1)
+        elif drag != 0 and sheared:
             element_current(I, M, W, x0, x1, h)
         t0 = tension[2 * node]
         t1 = tension[2 * node + 1]
@@ -485,6 +493,8 @@ def jacobian_planar(I, M, q, v, a, tension, ca, cv):
         s22 = 5.0 * eas / h
 
         spread_components(W, bending != 0.0, drag != 0)
+        if waves != 0:
+            wet_rows(I, M, W, e, ROWS_00, ROWS_01, 4, ca)
         if bending != 0.0:
             _product_de(W, SUM_D, ROWS, 4)
         else:

@@ -58,7 +58,7 @@ def refine_at_floor(I, M):
     """Adapt the mesh to the floor once; returns 1 if it changed."""
     if I[I_FLOOR] == 0:
         return 0
-    return 1 if follow.follow_floor(I, M) else 0
+    return 1 if follow.follow_floor(I, M, True) else 0
 
 
 @entry_point(int64(INTEGERS, REALS))

@@ -40,7 +40,6 @@ from .layout import (
     S_FLOOR_DEPTH,
     S_LENGTH,
     S_TOLERANCE,
-    SHARPEST,
 )
 from .payout import hermite, join_at, split_edge
 from .tables import CONTACT_POINTS, CONTACT_WEIGHTS
@@ -56,9 +55,7 @@ SPLIT_ABOVE, JOIN_BELOW = 1.6, 0.8  # of the length wanted
 
 @kernel
 def touchdown_layer(M, edge):
-    """Length over which bending spreads a touchdown; without bending what matters at all [m]."""
-    if M[edge + E_BENDING_FULL] == 0.0:
-        return SHARPEST * M[S_TOLERANCE] * M[S_LENGTH]
+    """Length over which bending spreads a touchdown [m]."""
     return (M[edge + E_BENDING_FULL] / M[edge + E_CONTACT]) ** (1.0 / 3.0)
 
 
@@ -82,16 +79,12 @@ def second_derivative(I, M, node, side, out):
 
 @kernel
 def measure(I, M, gaps, behind, jumps):
-    """Gap of every element, its distance from hanging cable, jump of r'' at its child end.
-
-    Returns the smallest gap.
-    """
+    """Gap of every element, its distance from hanging cable, jump of r'' at its child end."""
     nodes = I[I_NODES]
     dimension = I[I_DIMENSION]
     depth = M[S_FLOOR_DEPTH]
     w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
     q = M[I[O_POSITION] : I[O_POSITION] + 2 * dimension * nodes]
-    nearest = 1e300
     way = 1e300
     for node in range(1, nodes):
         gaps[node] = 1e300
@@ -100,7 +93,6 @@ def measure(I, M, gaps, behind, jumps):
         if I[I[O_JOINT] + node] != 0:
             continue
         gaps[node] = lowest_gap(I, M, q, node, w)
-        nearest = min(nearest, gaps[node])
         if gaps[node] >= depth:
             way = 0.0
             behind[node] = 0.0
@@ -126,7 +118,6 @@ def measure(I, M, gaps, behind, jumps):
             way = 0.0
         else:
             way += M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
-    return nearest
 
 
 @kernel
@@ -143,11 +134,7 @@ def wanted_length(I, M, node, gaps, behind, jumps):
     shortest = LAYER * layer
     # By the place of the cable, and by the angle that an element turns: what it misses of its
     # length when it lands strains the laid cable.
-    finest = math.sqrt(2.0 * accuracy * radius)
-    bends = M[edge + E_BENDING_FULL] > 0.0
-    if bends:
-        finest = min(finest, TURN * radius)
-    finest = max(shortest, finest)
+    finest = max(shortest, min(math.sqrt(2.0 * accuracy * radius), TURN * radius))
     if gaps[node] >= depth:
         wanted = finest + AHEAD * (gaps[node] - depth)
         near = gaps[node] < 4.0 * finest
@@ -157,9 +144,7 @@ def wanted_length(I, M, node, gaps, behind, jumps):
     if near:
         bend = max(jumps[node], jumps[node - 1])
         if bend > 0.0:
-            allowed = math.sqrt(BENT * accuracy / bend)
-            if bends:
-                allowed = min(allowed, KINK / bend)
+            allowed = min(math.sqrt(BENT * accuracy / bend), KINK / bend)
             wanted = max(shortest, min(wanted, allowed))
     return wanted
 
@@ -216,8 +201,23 @@ def is_straight(I, M, node, jump):
 
 
 @kernel
-def follow_floor(I, M):
-    """Halve and join elements where the floor asks for it; returns whether the mesh changed."""
+def may_join(I, M, node, gaps, jumps, wanted):
+    """Whether an element may become one with that before it."""
+    lower = I[O_EDGE] + node * EDGE_WORDS
+    upper = lower - EDGE_WORDS
+    aim = JOIN_BELOW * min(wanted[node - 1], wanted[node])
+    if max(gaps[node - 1], gaps[node]) >= M[S_FLOOR_DEPTH]:
+        aim = min(aim, M[upper + E_NOMINAL])
+    return (
+        M[lower + E_LENGTH] + M[upper + E_LENGTH] < aim
+        and M[upper + E_SEGMENT] == M[lower + E_SEGMENT]
+        and is_straight(I, M, node - 1, jumps[node - 1])
+    )
+
+
+@kernel
+def follow_floor(I, M, change):
+    """Whether the floor asks for another mesh; with `change`, halve and join elements for it."""
     capacity = I[I_CAPACITY]
     work = I[O_STAGE_V]
     gaps = M[work : work + capacity]
@@ -235,23 +235,20 @@ def follow_floor(I, M):
         if I[I[O_JOINT] + node] == 0:
             h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
             if h > SPLIT_ABOVE * wanted[node]:
-                if I[I_NODES] + 1 < capacity and split_edge(I, M, node, 0.5, False) == OK:
-                    changed = True
-            elif node > first and not holds_something(I, M, node - 1):
-                # Join with the element before it. (Nodes after this one may have been split.)
-                upper = I[O_EDGE] + (node - 1) * EDGE_WORDS
-                total = h + M[upper + E_LENGTH]
-                aim = JOIN_BELOW * min(wanted[node - 1], wanted[node])
-                laid = max(gaps[node - 1], gaps[node]) < M[S_FLOOR_DEPTH]
-                if not laid:
-                    aim = min(aim, M[upper + E_NOMINAL])
-                if (
-                    total < aim
-                    and M[upper + E_SEGMENT] == M[I[O_EDGE] + node * EDGE_WORDS + E_SEGMENT]
-                    and is_straight(I, M, node - 1, jumps[node - 1])
-                ):
-                    join_at(I, M, node - 1, 1)
-                    changed = True
-                    node -= 1
+                if I[I_NODES] + 1 < capacity:
+                    if not change:
+                        return True
+                    changed = split_edge(I, M, node, 0.5, False) == OK or changed
+            elif (
+                # Nodes after this one may have been split; those before it are as measured.
+                node > first
+                and not holds_something(I, M, node - 1)
+                and may_join(I, M, node, gaps, jumps, wanted)
+            ):
+                if not change:
+                    return True
+                join_at(I, M, node - 1, 1)
+                changed = True
+                node -= 1
         node -= 1
     return changed

@@ -8,7 +8,7 @@ the FMU's state and its serialisation are a copy of it.
 """
 
 MAGIC = 0x4C45444F4D454C42  # "BLEMODEL", little endian
-VERSION = 1
+VERSION = 2
 HEADER_WORDS = 96
 SCALAR_WORDS = 96
 
@@ -43,6 +43,9 @@ I_TOP_CABLE = 73  # row of the cable that passes the tow point
 I_RATE_LIVE = 74  # 1: the caller's rate drives, 0: the scene's table
 I_CLAMPED = 75  # +1 the drum is empty, -1 the shortest length is reached, 0 neither
 O_RATES, O_CABLES, O_TOP = 76, 77, 78
+
+# Waves.
+I_WAVES, O_WAVES = 81, 82  # how many components there are, their rows
 
 # Bodies of finite length.
 I_RIGID = 80  # how many of the bodies have a length: 0 skips all that they need
@@ -90,31 +93,46 @@ S_TOP_LENGTH = _S + 31  # length of the top element at S_TIME [m]
 S_PAID_MOST, S_PAID_LEAST = _S + 32, _S + 33
 S_LIVE_RATE = _S + 34  # 4 words: t0, t1, rate at t0, at t1
 S_PERIOD = _S + 40  # sqrt(L/g) [s]
-S_AXIAL = _S + 41  # stiffness of the whole line over its mass [1/s2]; 0 where drag damps it
+S_AXIAL = _S + 41  # stiffness of the whole line over its mass [1/s2]
+S_UNDAMPED = _S + 42  # 1: drag does not damp the line's motion
+S_JOINED = _S + 43  # longest element that a change of the mesh has joined [m]
 S_FLOOR_DEPTH = _S + 48  # delta: the gap below which the floor pushes [m]
 S_FRICTION, S_BRISTLE = _S + 49, _S + 50  # Coulomb coefficient; length of a bristle [m]
 S_FLOOR_DAMPING = _S + 51  # force grows by this per speed of approach [s/m]
 S_FLOOR_PLANE = _S + 52  # 5 words: z, slopes towards x and y, place x, y where the height is z
 S_FLOOR_TOP = _S + 57  # highest point of the floor that can be reached [m]
 S_FLOOR_BEND = _S + 58  # a bound on 1/8 of the floor's second derivatives [1/m]
+S_WAVE_TIME, S_WAVE_SHARE, S_WAVE_RISE = _S + 60, _S + 61, _S + 62  # ramp at the last set_time
+S_WAVE_RAMP = _S + 63  # time in which the waves come up [s]
+S_WAVE_STEP = _S + 64  # longest step that resolves them [s]
+S_WAVE_DEPTH = _S + 65  # water depth [m]
+S_WAVE_CREST = _S + 66  # sum of the amplitudes [m]
 S_TWO_STEP_RATIO = _S + 88  # convergence ratio of Newton in the two-step scheme
 S_STAGE_RATE, S_STAGE_SLOPE = _S + 38, _S + 39  # at the time of the last set_time
 
 # Rows of the rate table: time, rate. Rows of the cable table: the cables of the line and of the
 # drum in the order in which they pass the tow point on the way out.
 RATE_WORDS = 2
-CABLE_WORDS = 25
+CABLE_WORDS = 26
 K_LEAVES = 0  # pay-out at which its vessel end passes the tow point [m]
 K_NOMINAL = 1  # length of its elements [m]
 K_SHORTEST = 2  # length below which its lower end stays on the drum [m]
 K_HINGE = 3  # 1: its lower end is a hinge, 0: the slope is shared
 K_BODY = 4  # row of the body at its lower end, -1: none
-K_EDGE = 5  # a row of the edge table for its elements: EDGE_WORDS
+K_DISPLACED = 5  # mass of the water that it displaces [kg/m]
+K_EDGE = 6  # a row of the edge table for its elements: EDGE_WORDS
 
 # Rows of the motion table: see cablemodel/scene/motion.py.
 PIECE_WORDS = 24
 P_START, P_END, P_KIND, P_DATA = 0, 1, 2, 3
 P_ACCELERATION_JUMP, P_VELOCITY_JUMP = 22, 23
+
+# Rows of the wave table: a component.
+WAVE_WORDS = 8
+W_AMPLITUDE, W_FREQUENCY, W_NUMBER = 0, 1, 2  # [m], [rad/s], k [rad/m]
+W_X, W_Y, W_PHASE = 3, 4, 5  # k towards x and y; phase at the origin at t = 0
+W_SPEED = 6  # amplitude times frequency / (1 - e^-2kh) [m/s]
+W_MIRROR = 7  # e^-2kh: the bottom's image
 
 # Rows of the edge table: the element (or joint) that ties a node to its parent.
 EDGE_WORDS = 20
@@ -162,7 +180,6 @@ STATION_WORDS, SUMMARY_WORDS, ENERGY_WORDS = 13, 32, 8
 
 # Elements at a touchdown.
 LAYER = 0.4  # smallest element in units of the touchdown layer (EI/w)^(1/3)
-SHARPEST = 2.0  # layer of a cable without bending, in units of tau L
 
 # Status codes of the kernels.
 OK = 0

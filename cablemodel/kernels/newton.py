@@ -4,11 +4,13 @@ import math
 
 from .compile import inlined, kernel, outlined, view
 from .layout import (
+    E_COMPLIANCE,
     E_LENGTH,
     EDGE_WORDS,
     I_DIMENSION,
     I_FACTORED,
     I_FACTORISATIONS,
+    I_FAILED_NODE,
     I_FRESH,
     I_NODES,
     O_EDGE,
@@ -17,6 +19,7 @@ from .layout import (
 from .system import factorise
 
 SLOPE_WEIGHT = 0.3  # weight of h |d| in norms, against |r|
+SLOPE_RANGE = 0.5, 1.6  # of |r'| at a node, beside its stretch
 
 
 @inlined
@@ -53,6 +56,29 @@ def increment_norm(I, M, x):
     else:
         square, where = _largest_square(I, M, x, 3)
     return math.sqrt(square), where
+
+
+@kernel
+def is_folded(I, M, q, tension):
+    """Whether an element lies folded in line: a root of the discrete equations, of no cable.
+
+    Its slope passes through zero and back along itself; the two means of |r'| that are held to
+    1 + strain are met with slopes of length 2 at its ends. It costs no bending energy.
+    """
+    dimension = I[I_DIMENSION]
+    edge = view(M, I[O_EDGE] + E_COMPLIANCE, 1)
+    longest = SLOPE_RANGE[1]
+    for node in range(1, I[I_NODES]):
+        longest = max(longest, SLOPE_RANGE[1] + edge[node * EDGE_WORDS] * tension[2 * node])
+    for node in range(I[I_NODES]):
+        at = view(q, (2 * node + 1) * dimension, dimension)
+        square = 0.0
+        for i in range(dimension):
+            square += at[i] * at[i]
+        if not (SLOPE_RANGE[0] ** 2 <= square and square <= longest * longest):
+            I[I_FAILED_NODE] = node
+            return True
+    return False
 
 
 @outlined

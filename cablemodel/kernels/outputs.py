@@ -2,10 +2,11 @@
 
 import math
 
-from .bodies import body_kinematics
+from .bodies import add_waves, body_kinematics
 from .compile import kernel
 from .environment import current_at
-from .floor import LYING, floor_energy, floor_summary, gap_at
+from .floor import gap_at
+from .floor_outputs import LYING, floor_energy, floor_summary
 from .layout import (
     B_LENGTH,
     B_MASS,
@@ -34,6 +35,7 @@ from .layout import (
     I_FLOOR,
     I_NODES,
     I_PAYOUT,
+    I_WAVES,
     O_ACCELERATION,
     O_BODY,
     O_CONSTRAINT_RESIDUAL,
@@ -49,6 +51,7 @@ from .layout import (
     O_VELOCITY,
     S_BASE,
     S_FLOOR_DEPTH,
+    S_GRAVITY,
     S_PAID,
     S_PAID_MOST,
     S_PLANE,
@@ -57,9 +60,10 @@ from .layout import (
     STATION_WORDS,
     SUMMARY_WORDS,
 )
-from .rigid import axis_of, flow_energy, rigid_energy, rigid_row
+from .rigid import axis_of, flow_energy, rigid_energy, rigid_row, wave_power
 from .strain import strain_and_slope
 from .system import residual, set_time
+from .waves import P_ACCELERATION, P_VELOCITY, P_WET, band, buoyancy, displaced, wave_at
 
 
 @kernel
@@ -341,7 +345,9 @@ def energies(I, M, out):
 
     out: 0 kinetic (with added mass), 1 axial strain, 2 bending, 3 potential of the submerged
     weight (zero at z = 0), 4 power of the supports on the cable, 5 power lost to drag, 6 what the
-    floor's springs hold, 7 power lost to friction and damping on the floor.
+    floor's springs hold, 7 power lost to friction and damping on the floor. With waves there is
+    no added mass in 0, 3 is the potential of the weight in air, and 5 the power that the water
+    takes in all its forces: drag, buoyancy, inertia.
     """
     dimension = I[I_DIMENSION]
     size = 2 * dimension
@@ -362,8 +368,11 @@ def energies(I, M, out):
         q1 = I[O_POSITION] + size * node
         v0 = I[O_VELOCITY] + size * parent
         v1 = I[O_VELOCITY] + size * node
+        a0 = I[O_ACCELERATION] + size * parent
+        a1 = I[O_ACCELERATION] + size * node
         if parent == 0 and I[I_PAYOUT] != 0:
             v0 = I[O_TOP]
+            a0 = I[O_TOP] + 6
         mean = M[I[O_TENSION] + 2 * node]
         slope = M[I[O_TENSION] + 2 * node + 1]
         e2 = 0.0
@@ -386,6 +395,13 @@ def energies(I, M, out):
                     + x * x * (3.0 - 2.0 * x) * c
                     - h * x * x * y * d
                 )
+                w[15 + i] = height
+                w[18 + i] = (
+                    y * y * (1.0 + 2.0 * x) * M[a0 + i]
+                    + h * x * y * y * M[a0 + dimension + i]
+                    + x * x * (3.0 - 2.0 * x) * M[a1 + i]
+                    - h * x * x * y * M[a1 + dimension + i]
+                )
                 w[i] = -6.0 * x * y / h * (a - c) + y * (1.0 - 3.0 * x) * b
                 w[i] += x * (3.0 * x - 2.0) * d
                 w[3 + i] = (12.0 * x - 6.0) / (h * h) * (a - c) + (6.0 * x - 4.0) / h * b
@@ -399,6 +415,11 @@ def energies(I, M, out):
                 g2 += w[i] * w[i]
             g = math.sqrt(g2)
             current_at(I, M, height, w[12:15])
+            if I[I_WAVES] != 0:
+                rise = M[q1 + dimension - 1] - M[q0 + dimension - 1]
+                wave_at(I, M, w[15], w[16], height, band(I, M, edge, rise))
+                for i in range(dimension):
+                    w[12 + i] += M[I[O_MOTION] + P_VELOCITY + i]
             ut = 0.0
             for i in range(dimension):
                 w[i] /= g
@@ -414,13 +435,16 @@ def energies(I, M, out):
                 un2 += (w[9 + i] - ut * w[i]) ** 2
             un = math.sqrt(un2)
             weight *= h
-            out[0] += 0.5 * weight * (M[edge + E_MASS] * speed - M[edge + E_ADDED] * vt * vt)
+            if I[I_WAVES] == 0:
+                out[0] += 0.5 * weight * (M[edge + E_MASS] * speed - M[edge + E_ADDED] * vt * vt)
+                out[3] += weight * M[edge + E_WEIGHT] * (height + M[S_BASE + 2])
             tension = mean + slope * (2.0 * x - 1.0)
             # Complementary energy subtracted from T strain: exact for a curved law too.
             out[1] += weight * strain_energy(M, edge, tension)
             out[2] += 0.5 * weight * M[edge + E_BENDING] * curvature
-            out[3] += weight * M[edge + E_WEIGHT] * (height + M[S_BASE + 2])
-            if I[I_DRAG] != 0:
+            if I[I_WAVES] != 0:
+                cable_in_waves(I, M, edge, weight, g, un, ut, height, w, out)
+            elif I[I_DRAG] != 0:
                 root = math.sqrt(g)
                 fn = root * M[edge + E_DRAG_NORMAL] * un
                 ft = root * M[edge + E_DRAG_TANGENTIAL] * abs(ut) * ut
@@ -449,13 +473,49 @@ def energies(I, M, out):
             speed += v[at + i] ** 2
         out[0] += 0.5 * M[row + B_MASS] * speed
         height = q[at + dimension - 1] + M[S_BASE + 2]
-        out[3] += M[row + B_WEIGHT] * height
         body_kinematics(I, M, node, q, v, a, flow)
         for i in range(dimension):
             flow[12 + i] = v[at + i]
+        if I[I_WAVES] != 0:
+            out[3] += M[row + B_MASS] * M[S_GRAVITY] * height
+            add_waves(I, M, row, q[at], q[at + 1], q[at + dimension - 1], 0.0, flow)
+            wave_power(I, M, row, flow, out)
+            continue
+        out[3] += M[row + B_WEIGHT] * height
         flow_energy(M, row, dimension, flow, out)
     for i in range(dimension):
         out[4] += M[I[O_RESIDUAL] + i] * M[I[O_VELOCITY] + i]
+
+
+@kernel
+def cable_in_waves(I, M, edge, weight, g, un, ut, height, w, out):
+    """Energies of a piece of cable, and what the water takes from it; see `energies`.
+
+    weight: length of the piece [m]; w: tangent, -, velocity, relative flow (3 words each, at 0, 6
+    and 9), acceleration at 18; `wave_at` has been called.
+    """
+    dimension = I[I_DIMENSION]
+    water = I[O_MOTION] + P_ACCELERATION
+    mass = M[edge + E_MASS] - M[edge + E_ADDED]
+    speed = 0.0
+    at = 0.0
+    wt = 0.0
+    for i in range(dimension):
+        speed += w[6 + i] * w[6 + i]
+        at += w[18 + i] * w[i]
+        wt += M[water + i] * w[i]
+    out[0] += 0.5 * weight * mass * speed
+    out[3] += weight * mass * M[S_GRAVITY] * (height + M[S_BASE + 2])
+    added = M[edge + E_ADDED]
+    driven = added + displaced(I, M, edge)
+    fn = math.sqrt(g) * M[edge + E_DRAG_NORMAL] * un
+    ft = math.sqrt(g) * M[edge + E_DRAG_TANGENTIAL] * abs(ut) * ut
+    power = buoyancy(M, edge) * w[6 + dimension - 1]
+    for i in range(dimension):
+        force = fn * (w[9 + i] - ut * w[i]) + ft * w[i]
+        force += driven * (M[water + i] - wt * w[i]) - added * (w[18 + i] - at * w[i])
+        power += force * w[6 + i]
+    out[5] -= weight * M[I[O_MOTION] + P_WET] * power
 
 
 @kernel

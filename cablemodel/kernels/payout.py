@@ -60,6 +60,7 @@ from .layout import (
     O_TOP,
     O_VELOCITY,
     OK,
+    S_JOINED,
     S_LIVE_RATE,
     S_PAID,
     S_PAID_LEAST,
@@ -73,7 +74,10 @@ from .layout import (
 )
 
 FEWEST_ELEMENTS = 4
-SPLIT, JOIN = 2.0, 0.5  # of the nominal length of the top element
+SPLIT, JOIN = 2.0, 0.5  # of the nominal length of the top element; JOIN of the next element too
+LARGEST_SHARE = 0.6  # of the line: a longer top element of few is halved
+UNEVEN = 0.25  # of the next element: the top one of the fewest is joined with it below that
+LEAVES, RETURNS, DIVIDES, UNITES = 1, 2, 3, 4  # what the top of the line asks for
 
 
 @kernel
@@ -389,6 +393,7 @@ def join_at(I, M, node, count):
     close_gap(I, M, node, count)
     if node == 1:
         M[S_TOP_LENGTH] = h
+    M[S_JOINED] = max(M[S_JOINED], h)
 
 
 @kernel
@@ -414,73 +419,92 @@ def element_number(I, M):
 
 
 @kernel
-def adapt_top(I, M):
-    """After a step: let joints and bodies pass the tow point, split or join the top element.
+def is_too_large(I, M):
+    """Whether the top element is most of a line of few elements: a short one that is paid out."""
+    if I[I_NODES] > 2 * FEWEST_ELEMENTS:
+        return False
+    total = 0.0
+    for node in range(1, I[I_NODES]):
+        total += M[I[O_EDGE] + EDGE_WORDS * node + E_LENGTH]
+    return M[S_TOP_LENGTH] > LARGEST_SHARE * total
 
-    Returns (status, whether nodes were removed).
-    """
-    removed = False
+
+@kernel
+def next_change(I, M):
+    """What the top of the line asks for next; 0: nothing."""
+    cable = I[I_TOP_CABLE]
+    row = I[O_CABLES] + cable * CABLE_WORDS
+    if cable + 1 < I[I_CABLES]:
+        # A joint leaves the vessel once enough of the next cable is out.
+        out = M[S_PAID] - M[row + K_LEAVES]
+        if out >= M[row + CABLE_WORDS + K_SHORTEST] and out < M[S_TOP_LENGTH]:
+            return LEAVES
+    if cable > 0:
+        # It is taken back when less than half of that is left.
+        out = M[S_PAID] - M[row - CABLE_WORDS + K_LEAVES]
+        if out <= 0.5 * M[row + K_SHORTEST]:
+            return RETURNS
+    nominal = M[row + K_NOMINAL]
+    if M[S_TOP_LENGTH] > SPLIT * nominal or is_too_large(I, M):
+        return DIVIDES
+    if M[S_TOP_LENGTH] < JOIN * nominal and I[I_NODES] > 2:
+        first = I[O_EDGE] + EDGE_WORDS
+        below = first + EDGE_WORDS
+        if M[S_TOP_LENGTH] >= JOIN * M[below + E_LENGTH]:
+            return 0
+        if M[below + E_SEGMENT] == M[first + E_SEGMENT] and I[I[O_JOINT] + 2] == 0:
+            # One of the last elements goes only where another one gains by being halved.
+            if (
+                M[S_TOP_LENGTH] < UNEVEN * M[below + E_LENGTH]
+                or element_number(I, M) > FEWEST_ELEMENTS
+            ):
+                return UNITES
+    return 0
+
+
+@kernel
+def adapt_top(I, M):
+    """Before a step: let joints and bodies pass the tow point, split or join the top element."""
     for _pass in range(64):
+        change = next_change(I, M)
+        if change == 0:
+            break
         cable = I[I_TOP_CABLE]
         row = I[O_CABLES] + cable * CABLE_WORDS
-        changed = False
-        # A joint leaves the vessel once enough of the next cable is out.
-        if cable + 1 < I[I_CABLES]:
+        if change == LEAVES:
             above = row + CABLE_WORDS
             out = M[S_PAID] - M[row + K_LEAVES]
-            if out >= M[above + K_SHORTEST] and out < M[S_TOP_LENGTH]:
-                hinge = M[above + K_HINGE] != 0.0
-                if split_edge(I, M, 1, out / M[S_TOP_LENGTH], hinge) != OK:
-                    return NO_CAPACITY, removed
-                give_properties(I, M, 1, cable + 1)
-                if M[above + K_BODY] >= 0.0:
-                    M[I[O_BODY] + int(M[above + K_BODY]) * BODY_WORDS + B_NODE] = 1.0
-                I[I_TOP_CABLE] = cable + 1
-                changed = True
-                continue
-        # A joint is taken back when less than half of that is left.
-        if cable > 0:
-            below = row - CABLE_WORDS
-            out = M[S_PAID] - M[below + K_LEAVES]
-            if out <= 0.5 * M[row + K_SHORTEST]:
-                if M[row + K_BODY] >= 0.0:
-                    M[I[O_BODY] + int(M[row + K_BODY]) * BODY_WORDS + B_NODE] = -1.0
-                # All of the upper cable's elements go: normally the top one is the only one.
-                hinge = 1
-                if M[row + K_HINGE] != 0.0:
-                    hinge = 2
-                join_at(I, M, 1, hinge)
-                give_properties(I, M, 1, cable - 1)
-                M[I[O_EDGE] + EDGE_WORDS + E_LENGTH] = M[S_TOP_LENGTH]
-                I[I_TOP_CABLE] = cable - 1
-                removed = True
-                continue
-        nominal = M[row + K_NOMINAL]
-        if M[S_TOP_LENGTH] > SPLIT * nominal:
-            pieces = int(M[S_TOP_LENGTH] / nominal)
+            hinge = M[above + K_HINGE] != 0.0
+            if split_edge(I, M, 1, out / M[S_TOP_LENGTH], hinge) != OK:
+                return NO_CAPACITY
+            give_properties(I, M, 1, cable + 1)
+            if M[above + K_BODY] >= 0.0:
+                M[I[O_BODY] + int(M[above + K_BODY]) * BODY_WORDS + B_NODE] = 1.0
+            I[I_TOP_CABLE] = cable + 1
+        elif change == RETURNS:
+            if M[row + K_BODY] >= 0.0:
+                M[I[O_BODY] + int(M[row + K_BODY]) * BODY_WORDS + B_NODE] = -1.0
+            # All of the upper cable's elements go: normally the top one is the only one.
+            join_at(I, M, 1, 2 if M[row + K_HINGE] != 0.0 else 1)
+            give_properties(I, M, 1, cable - 1)
+            M[I[O_EDGE] + EDGE_WORDS + E_LENGTH] = M[S_TOP_LENGTH]
+            I[I_TOP_CABLE] = cable - 1
+        elif change == DIVIDES:
+            pieces = max(2, int(M[S_TOP_LENGTH] / M[row + K_NOMINAL]))
             if split_edge(I, M, 1, 1.0 - 1.0 / pieces, False) != OK:
-                return NO_CAPACITY, removed
-            changed = True
-        elif M[S_TOP_LENGTH] < JOIN * nominal and I[I_NODES] > 2:
-            if (
-                M[I[O_EDGE] + 2 * EDGE_WORDS + E_SEGMENT] == M[I[O_EDGE] + EDGE_WORDS + E_SEGMENT]
-                and I[I[O_JOINT] + 2] == 0
-            ):
-                join_at(I, M, 1, 1)
-                M[I[O_EDGE] + EDGE_WORDS + E_LENGTH] = M[S_TOP_LENGTH]
-                removed = True
-                changed = True
-                if element_number(I, M) < FEWEST_ELEMENTS:
-                    longest = 1
-                    for node in range(1, I[I_NODES]):
-                        if (
-                            M[I[O_EDGE] + EDGE_WORDS * node + E_LENGTH]
-                            > M[I[O_EDGE] + EDGE_WORDS * longest + E_LENGTH]
-                        ):
-                            longest = node
-                    if split_edge(I, M, longest, 0.5, False) != OK:
-                        return NO_CAPACITY, removed
-                    return OK, removed
-        if not changed:
-            break
-    return OK, removed
+                return NO_CAPACITY
+        else:
+            join_at(I, M, 1, 1)
+            M[I[O_EDGE] + EDGE_WORDS + E_LENGTH] = M[S_TOP_LENGTH]
+            if element_number(I, M) < FEWEST_ELEMENTS:
+                longest = 1
+                for node in range(1, I[I_NODES]):
+                    if (
+                        M[I[O_EDGE] + EDGE_WORDS * node + E_LENGTH]
+                        > M[I[O_EDGE] + EDGE_WORDS * longest + E_LENGTH]
+                    ):
+                        longest = node
+                if split_edge(I, M, longest, 0.5, False) != OK:
+                    return NO_CAPACITY
+                break
+    return OK

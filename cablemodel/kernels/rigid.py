@@ -20,7 +20,15 @@ where it does not (a hybrid under tension). A flexible cable is hinged: k = 0.
 
 import math
 
-from .bodies import flow_derivatives, flow_force, speeds
+from .bodies import (
+    add_waves,
+    flow_derivatives,
+    flow_force,
+    lift_of,
+    speeds,
+    wet_derivatives,
+    wet_force,
+)
 from .compile import kernel
 from .environment import current_at
 from .layout import (
@@ -47,6 +55,7 @@ from .layout import (
     EDGE_WORDS,
     I_BODIES,
     I_DIMENSION,
+    I_WAVES,
     MODEL_HYBRID,
     O_BODY,
     O_COMPLIANCE,
@@ -60,6 +69,7 @@ from .layout import (
     O_UPPER,
     S_BASE,
 )
+from .waves import P_WET
 
 CLAMP = 1e4  # stiffness of a clamp, in units of EI over the shorter of element and body
 SOFT_CLAMP = 1e3  # the same for a hybrid, whose tension decides from time to time
@@ -103,6 +113,22 @@ def middle_flow(I, M, q, v, a, inner, outer, w):
     if dimension == 2:
         w[5] = 0.0
         w[8] = 0.0
+
+
+@kernel
+def middle_waves(I, M, row, q, inner, outer, w):
+    """Add the waves at the body's middle to what `middle_flow` wrote."""
+    up = I[I_DIMENSION] - 1
+    add_waves(
+        I,
+        M,
+        row,
+        0.5 * (q[inner] + q[outer]),
+        0.5 * (q[inner + 1] + q[outer + 1]),
+        0.5 * (q[inner + up] + q[outer + up]),
+        q[outer + up] - q[inner + up],
+        w,
+    )
 
 
 @kernel
@@ -217,8 +243,14 @@ def rigid_residual(I, M, q, v, a, tension, out, out_constraint):
         far = 0.5 * (1.0 + M[row + B_OFFSET])
         turning = M[row + B_INERTIA] / (length * length)
         middle_flow(I, M, q, v, a, inner, outer, w)
-        flow_force(M, row, dimension, M[row + B_ADDED], w)
-        w[12 + dimension - 1] -= M[row + B_DRY_WEIGHT] - M[row + B_WEIGHT]  # buoyancy
+        wet = 1.0
+        if I[I_WAVES] != 0:
+            middle_waves(I, M, row, q, inner, outer, w)
+            wet_force(I, M, row, w)
+            wet = M[I[O_MOTION] + P_WET]
+        else:
+            flow_force(M, row, dimension, M[row + B_ADDED], w)
+        w[12 + dimension - 1] -= wet * (M[row + B_DRY_WEIGHT] - M[row + B_WEIGHT])  # buoyancy
         for i in range(dimension):
             centre = M[row + B_MASS] * (near * a[inner + i] + far * a[outer + i])
             if i == dimension - 1:
@@ -328,7 +360,11 @@ def rigid_jacobian(I, M, q, v, a, tension, ca, cv):
         mass = ca * M[row + B_MASS]
         turning = ca * M[row + B_INERTIA] / (length * length)
         middle_flow(I, M, q, v, a, inner, outer, w)
-        flow_derivatives(M, row, dimension, M[row + B_ADDED], 1.0 / reach, ca, cv, w)
+        if I[I_WAVES] != 0:
+            middle_waves(I, M, row, q, inner, outer, w)
+            wet_derivatives(I, M, row, 1.0 / reach, ca, cv, w)
+        else:
+            flow_derivatives(M, row, dimension, M[row + B_ADDED], 1.0 / reach, ca, cv, w)
         tie = M[row + B_TIE]
         slope = 0.0
         if tie != 0.0:
@@ -424,7 +460,9 @@ def rigid_energy(I, M, row, q, v, a, tension, out):
     low = q[inner + up] + M[S_BASE + 2]
     high = q[outer + up] + M[S_BASE + 2]
     weight = M[row + B_DRY_WEIGHT]
-    out[3] += weight * (near * low + far * high) - 0.5 * (weight - M[row + B_WEIGHT]) * (low + high)
+    out[3] += weight * (near * low + far * high)
+    if I[I_WAVES] == 0:
+        out[3] -= 0.5 * (weight - M[row + B_WEIGHT]) * (low + high)
     speed = 0.0
     turn = 0.0
     for i in range(dimension):
@@ -434,7 +472,23 @@ def rigid_energy(I, M, row, q, v, a, tension, out):
     middle_flow(I, M, q, v, a, inner, outer, w)
     for i in range(dimension):
         w[12 + i] = 0.5 * (v[inner + i] + v[outer + i])
+    if I[I_WAVES] != 0:
+        middle_waves(I, M, row, q, inner, outer, w)
+        wave_power(I, M, row, w, out)
+        return
     flow_energy(M, row, dimension, w, out)
+
+
+@kernel
+def wave_power(I, M, row, w, out):
+    """What the water of a scene with waves takes from a body that moves at w[12:15] [W]."""
+    up = I[I_DIMENSION] - 1
+    for i in range(up + 1):
+        w[21 + i] = w[12 + i]
+    wet_force(I, M, row, w)
+    for i in range(up + 1):
+        out[5] += w[12 + i] * w[21 + i]
+    out[5] -= M[I[O_MOTION] + P_WET] * lift_of(M, row) * w[21 + up]
 
 
 @kernel

@@ -1,10 +1,11 @@
 """Equilibrium in a frame that moves with the vessel, by pseudo-transient continuation.
 
 Backward Euler, which damps everything, with steps that grow until inertia has no part left: the
-limit is Newton's method on the static equations, reached from any guess.
+limit is Newton's method on the static equations, reached from any guess. With kinetic damping each
+step starts from rest: slack cable settles where it would bounce otherwise.
 """
 
-from .compile import kernel
+from .compile import copy_words, kernel
 from .layout import (
     E_LENGTH,
     EDGE_WORDS,
@@ -25,6 +26,8 @@ from .layout import (
     O_PARENT,
     O_POSITION,
     O_RESIDUAL,
+    O_STAGE_A,
+    O_STAGE_V,
     O_TENSION,
     O_TRIAL_A,
     O_TRIAL_Q,
@@ -39,7 +42,7 @@ from .layout import (
     S_TIME,
     STATICS_FAILED,
 )
-from .newton import increment_norm
+from .newton import increment_norm, is_folded
 from .rigid import update_clamps
 from .system import factorise, jacobian, newton_increment, recover_tension, residual, set_time
 
@@ -53,8 +56,27 @@ def find_equilibrium(I, M, frame):
     """Equilibrium from the positions in the block; frame: velocity of the frame (dimension words).
 
     On success the state is at rest in that frame: v = frame, a = 0; with pay-out at S_TIME the
-    shape is at rest and the cable runs along it.
+    shape is at rest and the cable runs along it. A shape that ends folded in line is none: the
+    next attempt allows no fold on its way, or does without kinetic damping.
     """
+    count = 2 * I[I_DIMENSION] * I[I_NODES]
+    words = 2 * I[I_NODES]
+    copy_words(I, I[O_STAGE_V], I[O_POSITION], count)
+    copy_words(I, I[O_STAGE_A], I[O_TENSION], words)
+    status = STATICS_FAILED
+    for attempt in range(4):
+        if attempt > 0:
+            copy_words(I, I[O_POSITION], I[O_STAGE_V], count)
+            copy_words(I, I[O_TENSION], I[O_STAGE_A], words)
+        status = relax(I, M, frame, attempt < 2, attempt % 2 == 1)
+        if status == OK:
+            break
+    return status
+
+
+@kernel
+def relax(I, M, frame, damped, strict):
+    """One attempt; damped: every step starts from rest; strict: no step may end folded."""
     dimension = I[I_DIMENSION]
     size = 2 * dimension
     nodes = I[I_NODES]
@@ -128,7 +150,7 @@ def find_equilibrium(I, M, frame):
             ):
                 converged = True
                 break
-        if not converged:
+        if not converged or (strict and is_folded(I, M, q, tension)):
             dt *= 0.25
             if dt < 1e-9 * M[S_FIRST_STEP]:
                 break
@@ -137,7 +159,7 @@ def find_equilibrium(I, M, frame):
             x[n] = q[n] - q0[n]
         moved, where = increment_norm(I, M, x)
         for n in range(count):
-            w0[n] = x[n] * inverse
+            w0[n] = 0.0 if damped else x[n] * inverse
             q0[n] = q[n]
         for n in range(2 * nodes):
             t0[n] = tension[n]
@@ -146,7 +168,8 @@ def find_equilibrium(I, M, frame):
         if moved <= 1e-10 * length and dt > 1e3 * M[S_FIRST_STEP]:
             calm += 1
             if calm >= 2:
-                status = OK
+                if not is_folded(I, M, q0, t0):
+                    status = OK
                 break
         else:
             calm = 0

@@ -19,6 +19,7 @@ from .layout import (
     I_NODES,
     I_PAYOUT,
     I_RATE_LIVE,
+    I_WAVES,
     NOT_FINITE,
     O_ACCELERATION,
     O_MOTION,
@@ -148,7 +149,7 @@ def leave_plane(I, M, x, y):
                 abs(M[I[O_VELOCITY] + at]),
                 abs(M[I[O_ACCELERATION] + at]),
             )
-    if largest <= 1e-12 and I[I_CURRENT] == 0:
+    if largest <= 1e-12 and I[I_CURRENT] == 0 and I[I_WAVES] == 0:
         size = math.hypot(x, y)
         M[S_PLANE] = x / size
         M[S_PLANE + 1] = y / size

@@ -33,6 +33,7 @@ from .layout import (
     I_NODES,
     I_PAYOUT,
     I_RIGID,
+    I_WAVES,
     JOINT_HINGE,
     O_COMPLIANCE,
     O_CONSTRAINT,
@@ -53,6 +54,7 @@ from .triangular_solver import (
     solve_planar_lu,
     solve_spatial_lu,
 )
+from .waves import set_wave_time
 
 
 @outlined
@@ -79,6 +81,8 @@ def set_time(I, M, t):
         set_top_length(I, M, t)
     vessel_motion(I, M, t)
     current_profile(I, M, t)
+    if I[I_WAVES] != 0:
+        set_wave_time(M, t)
 
 
 @kernel

@@ -5,7 +5,9 @@ v_i = v^ + gamma dt a_i; prescribed nodes are imposed exactly in every stage. Te
 neither the error estimate nor Newton's test looks at it, but for the last stage before an output.
 """
 
-from .compile import copy_words, kernel, view
+import math
+
+from .compile import copy_words, inlined, kernel, view
 from .environment import find_piece
 from .floor import settle
 from .follow import follow_floor
@@ -35,6 +37,7 @@ from .layout import (
     I_RIGID,
     I_STEPS,
     I_TIMES,
+    I_WAVES,
     MODEL_HYBRID,
     NOT_CONVERGED,
     O_ACCELERATION,
@@ -64,7 +67,9 @@ from .layout import (
     PIECE_WORDS,
     S_AXIAL,
     S_FACTORED_STEP,
+    S_JOINED,
     S_LAST_STEP,
+    S_LENGTH,
     S_PAID,
     S_PAYOUT_RATE,
     S_PAYOUT_SLOPE,
@@ -74,10 +79,12 @@ from .layout import (
     S_TIME,
     S_TIME_TOLERANCE,
     S_TOP_LENGTH,
+    S_UNDAMPED,
+    S_WAVE_STEP,
     TOO_MANY_STEPS,
 )
-from .newton import increment_norm, refactor
-from .payout import adapt_top, begin_payout, longest_payout_step, paid_since
+from .newton import increment_norm, is_folded, refactor
+from .payout import adapt_top, begin_payout, longest_payout_step, next_change, paid_since
 from .rigid import update_clamps
 from .system import (
     elongation_rate,
@@ -91,6 +98,8 @@ from .tables import GAMMA, STAGE_A, STAGE_C, STAGE_ERROR, STAGES
 from .two_step import accept_two_step, remember, try_two_step
 
 LARGEST_ITERATIONS = 10
+MOST_REFUSALS = 4  # of a step that ends folded
+AXIAL_SLOW = 2.5  # gamma dt over the time that an axial wave takes along a joined element
 AXIAL_RESOLVED = 5.0  # (axial frequency x gamma dt)^2 below which velocities are not projected
 BENDING_ON, BENDING_OFF = 0.01, 0.005  # hybrid: (EI/T)/h^2 above which bending is kept
 
@@ -232,6 +241,16 @@ def try_step(I, M, dt, scheme, to_output):
 
 
 @kernel
+def folds(I, M):
+    """Whether the trial is folded in line where the state is not yet."""
+    count = 2 * I[I_DIMENSION] * I[I_NODES]
+    words = 2 * I[I_NODES]
+    return is_folded(I, M, view(M, I[O_TRIAL_Q], count), view(M, I[O_TRIAL_T], words)) and not (
+        is_folded(I, M, view(M, I[O_POSITION], count), view(M, I[O_TENSION], words))
+    )
+
+
+@kernel
 def accept_trial(I, M, dt, scheme):
     """The trial becomes the state; the tension's rate is that of a parabola through the step."""
     count = 2 * I[I_DIMENSION] * I[I_NODES]
@@ -253,6 +272,13 @@ def accept_trial(I, M, dt, scheme):
     copy_words(I, I[O_TENSION], I[O_TRIAL_T], 2 * I[I_NODES])
 
 
+@inlined
+def axial_share(M, gamma_dt):
+    """How much of the axial motion a step does not resolve: 1 of a stiff line, 0 of a soft one."""
+    stiffness = M[S_AXIAL] * gamma_dt * gamma_dt
+    return stiffness / (stiffness + AXIAL_RESOLVED)
+
+
 @kernel
 def project_velocity(I, M, gamma_dt):
     """Remove from the velocity what stretches a line too stiff to be stretched.
@@ -266,8 +292,7 @@ def project_velocity(I, M, gamma_dt):
     """
     count = 2 * I[I_DIMENSION] * I[I_NODES]
     nodes = I[I_NODES]
-    stiffness = M[S_AXIAL] * gamma_dt * gamma_dt
-    share = stiffness / (stiffness + AXIAL_RESOLVED)
+    share = axial_share(M, gamma_dt) if M[S_UNDAMPED] != 0.0 else 0.0
     if share < 0.1:
         return
     q = view(M, I[O_POSITION], count)
@@ -292,13 +317,15 @@ def project_velocity(I, M, gamma_dt):
 
 
 @kernel
-def make_consistent(I, M):
+def make_consistent(I, M, share):
     """Remove what a step much shorter than the last one would answer with huge tensions.
 
     A step leaves the constraint |r'| = 1 + strain(T) and its time derivative met to Newton's and
     the integrator's tolerance. A following step of dt turns such an error of d (in r) or w (in v)
-    into forces of m d / dt^2 and m w / dt. Both are projected out here in the norm of the last
-    step's matrix: slow modes, which that step resolved, are left as they are.
+    into forces of m d / dt^2 and m w / dt. Both are projected out here, at the tensions and rates
+    that there are, in the norm of the last step's matrix, or of one that does not resolve the
+    axial motion of a joined element: slow modes are left as they are; so is the part of the
+    elongation's rate that is not in `share`.
     """
     count = 2 * I[I_DIMENSION] * I[I_NODES]
     nodes = I[I_NODES]
@@ -313,26 +340,75 @@ def make_consistent(I, M):
     constraint = view(M, I[O_CONSTRAINT_RESIDUAL], 2 * nodes)
     x = view(M, I[O_INCREMENT], count)
     set_time(I, M, M[S_TIME])
-    if refactor(I, M, q, v, a, tension, GAMMA[0] * M[S_LAST_STEP]) == 0:
-        for _iteration in range(3):
+    slow = AXIAL_SLOW * M[S_JOINED] / (M[S_LENGTH] * math.sqrt(M[S_AXIAL]))
+    if refactor(I, M, q, v, a, tension, max(slow, GAMMA[0] * M[S_LAST_STEP])) == 0:
+        for _iteration in range(4):
             residual(I, M, q, v, a, tension, forces, constraint)
             forces[:] = 0.0
             newton_increment(I, M, forces, constraint, x)
             for n in range(count):
                 q[n] += x[n]
-            recover_tension(I, M, constraint, x, tension)
         for _iteration in range(2):
             if I[I_PAYOUT] != 0:
                 residual(I, M, q, v, a, tension, forces, constraint)
             elongation_rate(I, M, v, rate, constraint)
+            for n in range(2 * nodes):
+                constraint[n] *= share
             forces[:] = 0.0
             newton_increment(I, M, forces, constraint, x)
             for n in range(count):
                 v[n] += x[n]
-            recover_tension(I, M, constraint, x, rate)
     I[I_FACTORED] = 0
     I[I_HISTORY] = 0
     M[S_LAST_STEP] = 0.0
+
+
+@kernel
+def take_rates_from_velocity(I, M):
+    """Make the rates of the tensions those that the velocities give.
+
+    From one step to the next they are differences, which a projection of velocities on to them
+    would feed back: an axial motion that steps resolve would grow with every change of the mesh.
+    """
+    count = 2 * I[I_DIMENSION] * I[I_NODES]
+    nodes = I[I_NODES]
+    q = view(M, I[O_POSITION], count)
+    v = view(M, I[O_VELOCITY], count)
+    a = view(M, I[O_ACCELERATION], count)
+    tension = view(M, I[O_TENSION], 2 * nodes)
+    rate = view(M, I[O_TENSION_RATE], 2 * nodes)
+    forces = view(M, I[O_RESIDUAL], count)
+    constraint = view(M, I[O_CONSTRAINT_RESIDUAL], 2 * nodes)
+    x = view(M, I[O_INCREMENT], count)
+    set_time(I, M, M[S_TIME])
+    if refactor(I, M, q, v, a, tension, GAMMA[0] * M[S_LAST_STEP]) != 0:
+        return
+    if I[I_PAYOUT] != 0:
+        residual(I, M, q, v, a, tension, forces, constraint)
+    elongation_rate(I, M, v, rate, constraint)
+    x[:] = 0.0
+    recover_tension(I, M, constraint, x, rate)
+
+
+@kernel
+def change_mesh(I, M):
+    """Let joints pass the tow point, split and join elements; then make the state consistent.
+
+    Splitting is exact. A joined element has the strain and the elongation's rate of its parts.
+    """
+    if M[S_LAST_STEP] == 0.0:
+        M[S_LAST_STEP] = M[S_STEP]
+    take_rates_from_velocity(I, M)
+    M[S_JOINED] = 0.0
+    if I[I_PAYOUT] != 0:
+        status = adapt_top(I, M)
+        if status != OK:
+            return status
+    if I[I_FLOOR] != 0:
+        follow_floor(I, M, True)
+    make_consistent(I, M, 1.0)
+    M[S_JOINED] = 0.0
+    return OK
 
 
 @kernel
@@ -395,13 +471,18 @@ def advance_to(I, M, t_end):
     status = OK
     taken = 0
     unprojected = False
+    refused = 0
     while M[S_TIME] < t_end:
-        if I[I_FLOOR] != 0 and follow_floor(I, M):
-            # Before a step, so that what is read after it is a state that a step has made.
-            if M[S_LAST_STEP] == 0.0:
-                M[S_LAST_STEP] = M[S_STEP]
-            make_consistent(I, M)
+        # The mesh changes before a step: what is read after it is a state that a step has made.
+        if (I[I_PAYOUT] != 0 and next_change(I, M) != 0) or (
+            I[I_FLOOR] != 0 and follow_floor(I, M, False)
+        ):
+            status = change_mesh(I, M)
+            if status != OK:
+                break
         natural = M[S_STEP]
+        if I[I_WAVES] != 0:
+            natural = min(natural, M[S_WAVE_STEP])
         stop = next_stop(I, M, t_end, natural)
         if I[I_PAYOUT] != 0:
             stop = begin_payout(I, M, stop)
@@ -418,7 +499,7 @@ def advance_to(I, M, t_end):
         scheme = 1 if I[I_ORDER] == 4 and dt > 0.25 * natural else 0
         to_output = landing and stop == t_end
         if dt < 0.2 * M[S_LAST_STEP]:
-            make_consistent(I, M)
+            make_consistent(I, M, axial_share(M, GAMMA[0] * M[S_LAST_STEP]))
         elif unprojected:
             project_velocity(I, M, GAMMA[scheme] * dt)
         unprojected = False
@@ -427,6 +508,10 @@ def advance_to(I, M, t_end):
         two_steps = to_output and dt <= 0.25 * natural and try_two_step(I, M, dt)
         if not two_steps:
             status, error = try_step(I, M, dt, scheme, to_output)
+            if status == OK and refused < MOST_REFUSALS and folds(I, M):
+                # A shorter step may keep the cable from it; a mesh too coarse for a fold does not.
+                refused += 1
+                status = NOT_CONVERGED
         if status != OK or not error <= 1.0:
             I[I_REJECTED] += 1
             I[I_GROWTH_BARRED] = 1
@@ -456,12 +541,7 @@ def advance_to(I, M, t_end):
             else:
                 M[S_TIME] += dt
             unprojected = scheme == 1
-            if I[I_PAYOUT] != 0:
-                status, removed = adapt_top(I, M)
-                if status != OK:
-                    break
-                if removed:
-                    make_consistent(I, M)
+            refused = 0
             if I[I_FLOOR] != 0:
                 settle(I, M)
             if I[I_HYBRID] == 1:

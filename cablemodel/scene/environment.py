@@ -112,6 +112,9 @@ class JonswapWaves(SceneModel):
     gamma: Annotated[float, Quantity(at_least=1, at_most=10)] = Field(
         default=3.3, description="peak enhancement"
     )
+    components: Annotated[int, Count(1, 1000)] = Field(
+        default=100, description="components of equal energy; a step costs in proportion"
+    )
 
 
 class Waves(SceneModel):
@@ -119,6 +122,10 @@ class Waves(SceneModel):
 
     regular: RegularWave | None = Field(default=None, description="a single Airy wave")
     jonswap: JonswapWaves | None = Field(default=None, description="an irregular sea")
+    ramp: Annotated[float | None, Quantity("s", at_least=0)] = Field(
+        default=None,
+        description="time in which the waves come up from calm water; by default one (peak) period",
+    )
 
     @model_validator(mode="after")
     def _one_kind(self) -> Waves:
@@ -231,7 +238,8 @@ class Environment(SceneModel):
     )
     waves: Annotated[Waves | None, BeforeValidator(_none)] = Field(
         default=None,
-        description="surface waves; none: there is water everywhere, also above z = 0",
+        description="surface waves, and a free surface: no water above it; none: there is water "
+        "everywhere, also above z = 0",
     )
     floor: Annotated[Floor | None, BeforeValidator(_none)] = Field(
         default=None, description="the sea floor; none: water without bottom"

@@ -10,6 +10,7 @@ import yaml
 from pydantic import Field, PrivateAttr, ValidationInfo, field_validator, model_validator
 
 from cablemodel.errors import SceneProblem, shown
+from cablemodel.scene import sea
 from cablemodel.scene.base import Duration, Length, SceneModel, Vector3
 from cablemodel.scene.environment import Environment
 from cablemodel.scene.line import Body, Cable, CableType, End, Initial, LineItem
@@ -100,6 +101,14 @@ class RunSettings(SceneModel):
     output_interval: Duration = Field(default=0.5, description="time between logged states")
 
 
+def longest_stretch(kind: CableType) -> float:
+    """Stretched over unstretched length of a cable just before any cable breaks."""
+    strongest = _BREAKING_STRESS * math.pi / 4 * kind.diameter**2
+    powers = enumerate(kind.strain_coefficients, start=1)
+    stretch = math.fsum(c * strongest**power for power, c in powers)
+    return 1.0 + max(_LEAST_STRETCH, stretch)
+
+
 class Scene(SceneModel):
     """A scene: everything that a simulation needs, in SI units, checked and unchangeable."""
 
@@ -139,6 +148,7 @@ class Scene(SceneModel):
             *self._start_problems(),
             *self._reach_problems(),
             *self._floor_problems(),
+            *sea.problems(self),
         ]
         if problems:
             raise several(problems)
@@ -213,10 +223,7 @@ class Scene(SceneModel):
             kind = self.cable_types.get(cable.type)
             if kind is None:  # reported as an unknown type
                 return
-            strongest = _BREAKING_STRESS * math.pi / 4 * kind.diameter**2
-            powers = enumerate(kind.strain_coefficients, start=1)
-            stretch = math.fsum(c * strongest**power for power, c in powers)
-            reach += cable.length * (1.0 + max(_LEAST_STRETCH, stretch))
+            reach += cable.length * longest_stretch(kind)
         distance = math.dist(self.vessel.position, anchor)
         if distance > reach:
             problem = f"{distance:g} m from the vessel, out of reach of {self._span:g} m of line"

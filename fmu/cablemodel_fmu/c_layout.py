@@ -42,6 +42,16 @@ def input_layout() -> dict[str, int]:
     return constants(stepping, ("IN_", "INPUT_WORDS"))
 
 
+def start_constants() -> dict[str, float]:
+    """Numbers by which instance.py and mesh.py derive a block from the lengths of its cables."""
+    from cablemodel import instance, mesh
+    from cablemodel_fmu import signals
+
+    names = ("STABILISATION", "SHORTEST_LINE", "SHORTEST_PIECE", "RIGID", "SOFTEST", "BENT")
+    found = {name: getattr(instance, name) for name in (*names, "REFINEMENTS")}
+    return found | {"LIGHT_DAMPING": mesh.LIGHT_DAMPING, "DRUM_ROOM": signals.LONGEST}
+
+
 def constants(module: ModuleType, prefixes: tuple[str, ...] = ("",)) -> dict[str, int]:
     """The module's whole numbers with names in capitals."""
     return {
@@ -57,6 +67,8 @@ def header(kernel_hash: str) -> str:
     for name, value in {**constants(layout), **input_layout()}.items():
         if not name.startswith("_"):
             lines.append(f"#define {name} INT64_C({value})")
+    for name, number in start_constants().items():
+        lines.append(f"#define {name} {number!r}")
     lines.append(f"#define KERNEL_HASH INT64_C({hash_number(kernel_hash)})")
     sizes = {name: Symbol(f"I[{word}]") for name, word in SIZES.items()}
     image, workspace = Block.arrays(**sizes)

@@ -150,6 +150,8 @@ def _variable(parent: ElementTree.Element, signal: Signal) -> None:
         attributes = {"unit": signal.unit or "1"}
         if signal.minimum is not None:
             attributes["min"] = repr(signal.minimum)
+        if signal.maximum is not None:
+            attributes["max"] = repr(signal.maximum)
     if signal.start is not None:
         attributes["start"] = _START[signal.kind](signal.start)
     ElementTree.SubElement(element, signal.kind, attributes)
@@ -157,12 +159,16 @@ def _variable(parent: ElementTree.Element, signal: Signal) -> None:
 
 def _structure(root: ElementTree.Element, signals: Sequence[Signal]) -> None:
     """An output depends on no input: inputs act through the next step. At the start it depends on
-    the coefficients, for which the static equilibrium is found."""
+    the coefficients and lengths, for which the static equilibrium is found."""
     structure = ElementTree.SubElement(root, "ModelStructure")
-    tunable = [n for n, signal in enumerate(signals, start=1) if signal.variability == "tunable"]
+    numbers = [
+        n
+        for n, signal in enumerate(signals, start=1)
+        if signal.causality == "parameter" and signal.kind == "Real"
+    ]
     at_start = {
-        "dependencies": " ".join(str(n) for n in tunable),
-        "dependenciesKind": " ".join("dependent" for _ in tunable),
+        "dependencies": " ".join(str(n) for n in numbers),
+        "dependenciesKind": " ".join("dependent" for _ in numbers),
     }
     always = {"dependencies": "", "dependenciesKind": ""}
     for list_name, attributes in (("Outputs", always), ("InitialUnknowns", at_start)):

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from cablemodel.scene import Scene
     from cablemodel_fmu.signals import Signal
 
-_OSP = "http://opensimulationplatform.com/MSMI/OSPModelDescription"
+_OSP = "https://open-simulation-platform.com/OspModelDescription/1.0.0"
 
 _STYLE = """
 body { font: 16px/1.5 sans-serif; max-width: 60em; margin: 2em auto; padding: 0 1em; }
@@ -44,7 +44,8 @@ reached; <code>payout.applied</code> is what the winch does.</li>
 </ul>
 <h2>Parameters</h2>
 <p>Coefficients are tunable: before the start they change the static equilibrium, later they take
-effect at the next communication step. The tolerance is that of the scene.</p>
+effect at the next communication step. Lengths of cables are fixed when the initialization ends;
+the state at the start is found for them. The tolerance is that of the scene.</p>
 <h2>Steps</h2>
 <p>Of any length. A step that cannot be made is discarded with a message; the state is then as
 before the step. State can be saved, restored, and moved to another process.</p>
@@ -83,19 +84,20 @@ def licences() -> dict[str, bytes]:
 
 
 def osp_description(signals: Sequence[Signal]) -> bytes:
-    """Ports for the Open Simulation Platform (OSP-IS): force out, velocity in at the tow point.
+    """Ports for the Open Simulation Platform (OSP-IS 1.0): force out, velocity in at the tow point.
 
-    Only names that the FMU has are written.
+    Only names that the FMU has are written. The schema wants simple groups before ports, all names
+    different, and a force and a velocity of opposite causality in a port.
     """
     names = {signal.name for signal in signals}
     ElementTree.register_namespace("", _OSP)
     root = ElementTree.Element(f"{{{_OSP}}}OspModelDescription", {"version": "1.0"})
     groups = ElementTree.SubElement(root, f"{{{_OSP}}}VariableGroups")
+    _group(groups, "LinearVelocity", "current", "current.velocity", names)
+    _group(groups, "LinearDisplacement", "vessel position", "vessel.position", names)
     port = ElementTree.SubElement(groups, f"{{{_OSP}}}LinearMechanicalPort", {"name": "tow point"})
     _group(port, "Force", "cable force on the vessel", "force.top", names)
     _group(port, "LinearVelocity", "vessel velocity", "vessel.velocity", names)
-    _group(groups, "LinearDisplacement", "vessel position", "vessel.position", names)
-    _group(groups, "LinearVelocity", "current", "current.velocity", names)
     ElementTree.indent(root)
     text: bytes = ElementTree.tostring(root, encoding="UTF-8", xml_declaration=True)
     return text + b"\n"

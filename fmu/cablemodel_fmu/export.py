@@ -20,7 +20,18 @@ from cablemodel.scene import Scene
 from cablemodel_fmu.description import model_description
 from cablemodel_fmu.documentation import index_html, licences, osp_description, picture
 from cablemodel_fmu.model_file import ModelFile
-from cablemodel_fmu.signals import Coefficient, Signal, coefficients, controls, inputs, outputs
+from cablemodel_fmu.signals import (
+    LONGEST,
+    VR_PARAMETER,
+    VR_ZERO,
+    Coefficient,
+    Signal,
+    coefficients,
+    controls,
+    inputs,
+    lengths,
+    outputs,
+)
 
 DESKTOP = ("linux64", "win64", "darwin64")
 """What an FMU holds unless asked otherwise."""
@@ -105,11 +116,17 @@ def contents_of(scene: Scene, stations: int) -> Contents:
     """Model, variables and description of a scene's FMU."""
     import cablemodel
 
-    block = build_block(scene)
+    block = build_block(scene, drum_room=LONGEST)
     position, velocity, _ = scene.motion().evaluate(0.0)
     rate = float(scene.payout.rate[0].rate) if scene.payout.rate else 0.0
     starts = [*map(float, velocity), *map(float, position), rate, 0.0, 0.0, 0.0]
     constants: list[Coefficient] = coefficients(scene, block)
+    constants += lengths(scene, len(constants))
+    if len(constants) > VR_ZERO - VR_PARAMETER:
+        raise ExportError(
+            f"the scene has {len(constants)} coefficients and lengths: an FMU has "
+            f"{VR_ZERO - VR_PARAMETER} at most"
+        )
     signals = [
         *controls(scheduled(scene)),
         *inputs(starts),

@@ -64,7 +64,8 @@ class ModelFile:
         for row, value, item in zip(rows, values, self.coefficients, strict=True):
             row[:3] = item.kind, item.word, item.index
             least = -LARGEST if item.signal.minimum is None else item.signal.minimum
-            value[3:7] = item.factor, item.signal.start, least, LARGEST
+            most = LARGEST if item.signal.maximum is None else item.signal.maximum
+            value[3:8] = item.factor, item.signal.start, least, most, item.reach
         header[2] = HEADER_WORDS + rows.size + len(image)
         body = header[_KERNELS:].tobytes() + rows.tobytes() + image.astype("<i8").tobytes()
         header[_CHECKSUM] = zlib.crc32(body)

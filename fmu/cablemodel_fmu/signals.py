@@ -7,8 +7,10 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from cablemodel.instance import tension_per_length
 from cablemodel.kernels import layout as at
-from cablemodel.variables import INPUTS, Variable, outputs_of
+from cablemodel.scene.schema import longest_stretch
+from cablemodel.variables import INPUTS, Variable, outputs_of, parameter
 
 if TYPE_CHECKING:
     from cablemodel.block import Block
@@ -41,7 +43,12 @@ _SUMMARY = {
 _STATION = {"state.position": 0, "state.tension": 9, "state.curvature": 10}
 _BODY = {"bodies.position": 0, "bodies.direction": 3}
 
-OF_CABLES, OF_BODY = 0, 1  # a coefficient of a cable type, or of a body
+# A coefficient of a cable type or of a body; the length of a cable of the line or on the drum.
+OF_CABLES, OF_BODY, OF_LINE, OF_DRUM = range(4)
+
+SHORTEST, LONGEST = 0.5, 2.0
+"""Lengths that may be set, in units of the scene's: elements keep their number, which is right for
+the exported length."""
 
 
 @dataclass(frozen=True)
@@ -58,17 +65,23 @@ class Signal:
     description: str
     start: float | None = None
     minimum: float | None = None
+    maximum: float | None = None
 
 
 @dataclass(frozen=True)
 class Coefficient:
-    """A tunable parameter, and what it is in the block: word = factor times value."""
+    """A parameter that is a number, and what it is in the block; see Parameter in c/cable.h."""
 
     signal: Signal
     kind: int
     word: int
+    """Of a coefficient: word = factor times value."""
     index: int
+    """Cable type, row of the body table, or row of the cable table."""
     factor: float
+    """Of a length of the line: its part in the typical tension [N/m]."""
+    reach: float = 0.0
+    """Of a length of the line: how far it can reach when stretched, in lengths."""
 
 
 def inputs(starts: list[float]) -> list[Signal]:
@@ -125,26 +138,11 @@ def _references(variable: Variable, stations: int, rows: list[int]) -> list[tupl
 def controls(scheduled: bool) -> list[Signal]:
     """What decides who drives."""
     return [
-        Signal(
-            "use_scene_inputs",
-            0,
-            "Boolean",
-            "parameter",
-            "fixed",
-            "",
-            "true: the scene's own schedules drive and the inputs are ignored",
-            float(scheduled),
-        ),
-        Signal(
-            "vessel.input",
-            0,
-            "Enumeration",
-            "parameter",
-            "fixed",
-            "",
-            "which inputs move the tow point",
-            1.0,
-        ),
+        Signal(row.fmu, 0, kind, "parameter", "fixed", "", row.quantity, start)
+        for row, kind, start in (
+            (parameter("use_scene_inputs"), "Boolean", float(scheduled)),
+            (parameter("vessel.input"), "Enumeration", 1.0),
+        )
     ]
 
 
@@ -154,17 +152,18 @@ def coefficients(scene: Scene, block: Block) -> list[Coefficient]:
     rho = scene.environment.water_density
 
     def add(
-        name: str, words: str, unit: str, value: float, kind: int, word: int, index: int,
+        name: str, index_of: str, value: float, kind: int, word: int, index: int,
         factor: float, least: float | None = 0.0,
     ) -> None:  # fmt: skip
+        row = parameter(name)
         signal = Signal(
-            name,
+            index_of + name.split(".", 2 if kind == OF_CABLES else 1)[-1],
             VR_PARAMETER + len(found),
             "Real",
             "parameter",
             "tunable",
-            unit,
-            words,
+            row.unit,
+            row.quantity,
             value,
             least,
         )
@@ -179,14 +178,13 @@ def coefficients(scene: Scene, block: Block) -> list[Coefficient]:
         half = 0.5 * rho * kind.diameter
         area = 0.25 * math.pi * kind.diameter**2
         if rho > 0.0:
-            add(prefix + "drag_normal", "coefficient of normal drag", "", kind.drag_normal,
+            add("cable_types.K.drag_normal", prefix, kind.drag_normal,
                 OF_CABLES, at.E_DRAG_NORMAL, index, half)  # fmt: skip
-            add(prefix + "drag_tangential", "coefficient of tangential drag, times pi diameter",
-                "", kind.drag_tangential, OF_CABLES, at.E_DRAG_TANGENTIAL, index,
-                half * math.pi)  # fmt: skip
-            add(prefix + "added_mass", "coefficient of added mass", "", kind.added_mass,
+            add("cable_types.K.drag_tangential", prefix, kind.drag_tangential,
+                OF_CABLES, at.E_DRAG_TANGENTIAL, index, half * math.pi)  # fmt: skip
+            add("cable_types.K.added_mass", prefix, kind.added_mass,
                 OF_CABLES, at.E_ADDED, index, rho * area)  # fmt: skip
-        add(prefix + "submerged_weight", "weight in water", "N/m", kind.submerged_weight,
+        add("cable_types.K.submerged_weight", prefix, kind.submerged_weight,
             OF_CABLES, at.E_WEIGHT, index, 1.0, None)  # fmt: skip
     items = [*scene.line, *scene.payout.drum]
     for number, row in enumerate(body_rows(scene, block), start=1):
@@ -194,15 +192,76 @@ def coefficients(scene: Scene, block: Block) -> list[Coefficient]:
         body = items[_items(block)[row]].body
         assert body is not None
         if rho > 0.0 and body.drag_area > 0.0:
-            add(prefix + "drag_coefficient", "drag across the axis", "", body.drag_coefficient,
+            add("body[j].drag_coefficient", prefix, body.drag_coefficient,
                 OF_BODY, at.B_DRAG, row, 0.5 * rho * body.drag_area)  # fmt: skip
         if rho > 0.0 and body.drag_area_axial > 0.0:
-            add(prefix + "drag_coefficient_axial", "drag along the axis", "",
-                body.drag_coefficient_axial, OF_BODY, at.B_DRAG_AXIAL, row,
-                0.5 * rho * body.drag_area_axial)  # fmt: skip
-        add(prefix + "submerged_weight", "weight in water", "N", body.submerged_weight,
+            add("body[j].drag_coefficient_axial", prefix, body.drag_coefficient_axial,
+                OF_BODY, at.B_DRAG_AXIAL, row, 0.5 * rho * body.drag_area_axial)  # fmt: skip
+        add("body[j].submerged_weight", prefix, body.submerged_weight,
             OF_BODY, at.B_WEIGHT, row, 1.0, None)  # fmt: skip
     return found
+
+
+def lengths(scene: Scene, first: int) -> list[Coefficient]:
+    """Lengths of the cables of line and drum; first: how many parameters come before them.
+
+    The rows of the cable table begin at the line's far end; see _winch in cablemodel/instance.py.
+    """
+    found: list[Coefficient] = []
+    drum = [item.cable for item in scene.payout.drum if item.cable is not None]
+    rows = [*range(len(scene.cables) - 1, -1, -1), *_drum_rows(scene)]
+    tensions = [*tension_per_length(scene), *(0.0 for _ in drum)]
+    settable = _lengths_settable(scene)
+    for n, (cable, row, tension) in enumerate(
+        zip([*scene.cables, *drum], rows, tensions, strict=True)
+    ):
+        inboard = n >= len(scene.cables)
+        entry = parameter("drum.cable[n].length" if inboard else "line.cable[n].length")
+        number = n + 1 - (len(scene.cables) if inboard else 0)
+        signal = Signal(
+            entry.fmu.replace("[n]", f"[{number}]"),
+            VR_PARAMETER + first + n,
+            "Real",
+            "parameter",
+            "fixed",
+            entry.unit,
+            entry.quantity,
+            cable.length,
+            cable.length * (SHORTEST if settable else 1.0),
+            cable.length * (LONGEST if settable else 1.0),
+        )
+        kind = OF_DRUM if inboard else OF_LINE
+        reach = 0.0 if inboard else longest_stretch(scene.cable_types[cable.type])
+        found.append(Coefficient(signal, kind, 0, row, tension, reach))
+    return found
+
+
+def _drum_rows(scene: Scene) -> list[int]:
+    """Rows of the cable table of the drum's cables: one like the line's top cable shares its."""
+    rows = []
+    row = len(scene.cables) - 1
+    top = scene.cables[0]
+    body = scene.line[0].cable is None
+    for item in scene.payout.drum:
+        if item.cable is None:
+            body = True
+            continue
+        if body or (top.type, top.model) != (item.cable.type, item.cable.model):
+            row += 1
+            top = item.cable
+        rows.append(row)
+        body = False
+    return rows
+
+
+def _lengths_settable(scene: Scene) -> bool:
+    """Not those of a line that starts from a given shape, or over a floor, where what lies on it
+    depends on how it was laid."""
+    if scene.environment.floor is not None:
+        return False
+    return scene.initial.kind == "static" or (
+        scene.initial.kind == "straight" and scene.end.kind == "free"
+    )
 
 
 def body_rows(scene: Scene, block: Block) -> list[int]:

@@ -167,6 +167,11 @@ def python_outputs(model, stations: int) -> dict[str, np.ndarray]:
         found[f"body[{j}].direction"] = body.direction
     if model.scene.payout.drum:
         found["drum.length"] = model.drum_length
+    if model.scene.environment.floor is not None:
+        found["floor.force"] = model.floor_force
+        found["floor.length"] = model.floor_length
+        found["touchdown.position"] = model.touchdown_position
+        found["touchdown.reaction"] = model.touchdown_reaction
     return {name: np.asarray(value) for name, value in found.items()}
 
 

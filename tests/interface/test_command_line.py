@@ -1,6 +1,7 @@
 """The command line: what it prints, its exit status, and its errors."""
 
 import json
+import math
 import os
 import pty
 import subprocess
@@ -16,7 +17,7 @@ from cablemodel.cli import app
 
 ROOT = Path(__file__).parents[2]
 SCENE = ROOT / "scenes" / "towed_cable.yaml"
-WAVES = "environment.waves={regular: {height: 2, period: 8}}"
+BREAKING = "environment.waves={regular: {height: 9, period: 5}}"
 SUMMARY = [
     "time", "top_tension", "tip_position", "min_tension", "max_curvature",
     "wall_time", "steps", "rejected", "factorisations", "elements",
@@ -99,6 +100,16 @@ def test_a_wrong_until_is_bad_input(until: str) -> None:
     assert "Traceback" not in result.output
 
 
+def test_check_says_what_waves_there_are() -> None:
+    waves = "environment.waves={jonswap: {hs: 2, tp: 8, seed: 5, direction: 90 deg}}"
+    result = invoke("check", SCENE, "--set", waves, "--json")
+    assert result.exit_code == 0, result.output
+    words = json.loads(result.stdout)["waves"]
+    assert "JONSWAP, significant height 2 m, peak period 8 s" in words
+    length = f"{9.80665 * 8**2 / (2 * math.pi):.4g}"
+    assert f"seed 5; {length} m long in deep water, going 90 degrees from x" in words
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -107,7 +118,7 @@ def test_a_wrong_until_is_bad_input(until: str) -> None:
         (["run", str(SCENE), "--set", "line.0.cable.lenght=5"], ["lenght"]),
         (["run", str(SCENE), "--set", "nonsense"], ["path=value"]),
         (["run", str(SCENE), "--log", "no/such/folder/run.mcap"], ["cannot write the log"]),
-        (["check", str(SCENE), "--set", WAVES], ["waves"]),
+        (["check", str(SCENE), "--set", BREAKING], ["waves.regular.height", "break"]),
         (["check", "missing.yaml"], ["missing.yaml"]),
         (["info", "missing.mcap"], ["missing.mcap"]),
         (["info", str(SCENE)], ["no MCAP file"]),

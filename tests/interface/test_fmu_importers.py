@@ -125,12 +125,85 @@ def test_ecos_couples_it_to_a_vessel(folder):
     np.testing.assert_allclose(rows, expected, rtol=1e-9)
 
 
+PORTS = """
+import json, sys
+from libcosimpy.CosimExecution import CosimExecution
+from libcosimpy.CosimObserver import CosimObserver
+execution = CosimExecution.from_osp_config_file(sys.argv[1])
+index = execution.slave_index_from_instance_name
+cable, vessel = index("cable"), index("vessel")
+observer = CosimObserver.create_last_value()
+execution.add_observer(observer)
+rows = []
+for _ in range(int(sys.argv[2])):
+    assert execution.step()
+    rows.append(observer.last_real_values(vessel, [3]) + observer.last_real_values(cable, [1006]))
+print("\\nresult", json.dumps(rows), flush=True)
+"""
+
+SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>
+<OspSystemStructure xmlns="http://opensimulationplatform.com/MSMI/OSPSystemStructure" version="0.1">
+  <BaseStepSize>{step}</BaseStepSize>
+  <Algorithm>fixedStep</Algorithm>
+  <Simulators>
+    <Simulator name="cable" source="cable.fmu"/>
+    <Simulator name="vessel" source="vessel.fmu"/>
+  </Simulators>
+  <Connections><VariableGroupConnection>
+    <VariableGroup simulator="cable" name="tow point"/>
+    <VariableGroup simulator="vessel" name="bollard"/>
+  </VariableGroupConnection></Connections>
+</OspSystemStructure>
+"""
+
+# The vessel's side of the same port.
+BOLLARD = """<?xml version="1.0" encoding="UTF-8"?>
+<OspModelDescription xmlns="https://open-simulation-platform.com/OspModelDescription/1.0.0"
+ version="1.0"><VariableGroups><LinearMechanicalPort name="bollard">
+ <Force name="force"><Variable ref="force[1]"/><Variable ref="force[2]"/><Variable ref="force[3]"/>
+ </Force><LinearVelocity name="velocity"><Variable ref="velocity[1]"/><Variable ref="velocity[2]"/>
+ <Variable ref="velocity[3]"/></LinearVelocity></LinearMechanicalPort></VariableGroups>
+</OspModelDescription>
+"""
+
+
+def test_libcosim_couples_them_by_their_ports(folder):
+    """libcosim reads the ports with a system structure, and connects forces and velocities."""
+    (folder / "OspSystemStructure.xml").write_text(SYSTEM.format(step=DT))
+    (folder / "vessel_OspModelDescription.xml").write_text(BOLLARD)
+    rows = np.array(run(PORTS, folder / "OspSystemStructure.xml", STEPS))
+    expected = coupled_in_python(scene(), [(n + 1) / 10 for n in range(STEPS)])
+    np.testing.assert_allclose(rows, expected, rtol=1e-12)
+
+
+# From the schema of OSP-IS, OspModelDescription-1.0.0.xsd: the sequence of the groups that may
+# stand in VariableGroups, as far as the cable has them; what a mechanical port holds.
+OSP = "{https://open-simulation-platform.com/OspModelDescription/1.0.0}"
+OSP_SEQUENCE = ("Force", "LinearVelocity", "LinearDisplacement", "LinearMechanicalPort")
+OSP_PORT = {"LinearMechanicalPort": ["Force", "LinearVelocity"]}
+
+
 def test_ports_for_the_open_simulation_platform(folder):
-    """Next to the FMU, under the name by which libcosim looks for it; the FMU has them all."""
+    """Next to the FMU, under the name by which libcosim looks for it, by the rules of OSP-IS."""
     from fmpy import read_model_description
 
     description = read_model_description(str(folder / "cable.fmu"))
-    path = folder / f"{description.modelName}_OspModelDescription.xml"
-    names = {v.name for v in description.modelVariables}
-    references = [e.get("ref") for e in ElementTree.parse(path).iter() if e.get("ref")]
-    assert {"force.top[1]", "vessel.velocity[3]", "vessel.position[2]"} <= set(references) <= names
+    root = ElementTree.parse(folder / f"{description.modelName}_OspModelDescription.xml").getroot()
+    assert (root.tag, root.attrib) == (f"{OSP}OspModelDescription", {"version": "1.0"})
+    (groups,) = root
+    assert groups.tag == f"{OSP}VariableGroups"
+    order = [OSP_SEQUENCE.index(group.tag.removeprefix(OSP)) for group in groups]
+    assert order == sorted(order)
+    names = [element.get("name") for element in groups.iter() if element.get("name")]
+    assert len(set(names)) == len(names) == 5
+    causality = {v.name: v.causality for v in description.modelVariables}
+    for group in groups:
+        kinds = OSP_PORT.get(group.tag.removeprefix(OSP))
+        simple = [group] if kinds is None else list(group)
+        assert kinds is None or [part.tag.removeprefix(OSP) for part in simple] == kinds
+        sides = []
+        for part in simple:
+            assert [child.tag for child in part] == [f"{OSP}Variable"] * 3
+            (side,) = {causality[child.get("ref")] for child in part}
+            sides.append(side)
+        assert kinds is None or sorted(sides) == ["input", "output"]

@@ -15,6 +15,7 @@ import subprocess
 from pathlib import Path
 
 import numpy as np
+import pefile
 import pytest
 from fmpy import extract, read_model_description
 
@@ -51,6 +52,17 @@ ALLOWED = {
 # What the linker adds for the start and end of every library.
 LOADER = {"__cxa_finalize", "__gmon_start__", "_ITM_deregisterTMCloneTable"}
 LOADER |= {"_ITM_registerTMCloneTable", "dyld_stub_binder", "__stack_chk_fail"}
+# What the start-up code of Windows' libraries takes from the system (mingw-w64's crtdll.c, its
+# relocations and thread-local storage, and assert's message).
+WINDOWS_NAMES = {
+    *("_initterm", "_initterm_e", "_initialize_onexit_table", "_register_onexit_function"),
+    *("_execute_onexit_table", "_exit", "abort", "__acrt_iob_func", "fwrite"),
+    *("__stdio_common_vfprintf", "__stdio_common_vsprintf"),  # snprintf, of the universal C runtime
+    *("_wfopen", "MultiByteToWideChar", "GetLastError"),
+    *("InitializeCriticalSection", "DeleteCriticalSection"),
+    *("EnterCriticalSection", "LeaveCriticalSection", "TlsGetValue", "Sleep"),
+    *("VirtualProtect", "VirtualQuery"),
+}
 DARWIN_NAMES = {"__sincos_stret", "bzero", "__bzero", "memset_pattern16"}
 EXPORTS = {"fmi2Instantiate", "fmi2DoStep", "fmi2SetFMUstate", "cablemodel_step"}
 
@@ -176,6 +188,18 @@ def test_symbols_on_macos(fmus):
         assert exported >= EXPORTS
         seen.add(cpu)
     assert seen == {0x01000007, 0x0100000C}
+
+
+def test_symbols_on_windows(fmus):
+    """It imports from the universal C runtime and the kernel alone: parts of Windows since 10."""
+    library = pefile.PE(str(fmus["desktop"] / "binaries" / "win64" / "cablemodel.dll"))
+    imports = {entry.dll.decode(): entry.imports for entry in library.DIRECTORY_ENTRY_IMPORT}
+    assert all(re.fullmatch(r"api-ms-win-crt-\w+-l1-1-0\.dll|KERNEL32\.dll", d) for d in imports)
+    names = {item.name.decode() for items in imports.values() for item in items}
+    assert names <= ALLOWED | WINDOWS_NAMES
+    exported = {item.name.decode() for item in library.DIRECTORY_ENTRY_EXPORT.symbols}
+    assert exported >= EXPORTS
+    assert all(s.startswith(("fmi2", "cablemodel_")) for s in exported)
 
 
 def test_the_fmu_for_all_desktops_is_small(fmus):

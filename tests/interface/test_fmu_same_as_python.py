@@ -101,6 +101,39 @@ def test_the_scenes_own_schedule(name, tmp_path):
         slave.close()
 
 
+@pytest.mark.parametrize(
+    ("name", "steps", "dt"),
+    [
+        ("recovery", 60, 0.5),
+        ("deployment", 60, 0.5),
+        ("touchdown", 80, 1.0),
+        ("cable_lay", 60, 2.0),
+        ("jumper_in_waves", 80, 0.25),
+    ],
+)
+def test_scenes_with_floor_bodies_winch_and_waves(name, steps, dt, tmp_path):
+    """They run in the FMU as in Python, the floor's outputs too; a state taken on the way goes on
+    as the run did, bit by bit."""
+    scene = cm.load_scene(SCENES / f"{name}.yaml")
+    with unpacked(scene, tmp_path, stations=STATIONS) as (place, description):
+        slave, model = Slave(place, description, use_scene_inputs=True), cm.CableModel(scene)
+        for n in range(steps):
+            if n == steps // 2:
+                state, time = slave.fmu.getFMUstate(), slave.time
+            slave.step(dt)
+            model.step(dt)
+            compare_exactly(slave, model, STATIONS)
+        on_floor = slave.get("floor.length") if scene.environment.floor is not None else 0.0
+        assert (on_floor > 1.0) == (name not in ("deployment", "jumper_in_waves"))
+        end = slave.fmu.serializeFMUstate(slave.fmu.getFMUstate())
+        slave.fmu.setFMUstate(state)
+        slave.time = time
+        for _ in range(steps - steps // 2):
+            slave.step(dt)
+        assert slave.fmu.serializeFMUstate(slave.fmu.getFMUstate()) == end
+        slave.close()
+
+
 def test_a_body_that_comes_off_the_drum(tmp_path):
     """It is at the tow point until then; bodies are numbered from the vessel outwards."""
     scene = still_scene()

@@ -35,6 +35,8 @@ LAYERS = (
     ("cablemodel.mesh",),
     (
         "cablemodel.sea_floor",
+        "cablemodel.laid_shape",
+        "cablemodel.waves",
         "cablemodel.instance",
     ),
     ("cablemodel.direct", "cablemodel.finite_element", "cablemodel.solver"),

@@ -57,6 +57,32 @@ def test_deployment_is_completed_by_all_models(kind, fine_deployment):
     assert model.tip_position == pytest.approx([25.55, 19.02, -104.01], abs=tolerance)
 
 
+def test_a_jumper_moves_with_the_waves():
+    """Calm water's tension is the weight that hangs; its swing and the cable's as they are told."""
+    scene = load("jumper_in_waves")
+    start = cm.CableModel(scene)
+    assert start.top_tension == pytest.approx(399.0, abs=1.0)
+    tension, near, belly = [], [], []
+    for model in steps(scene):
+        tension.append(model.top_tension)
+        places = model.sample([10.0, 45.0]).position
+        near.append(places[0, 0])
+        belly.append(places[1, 0])
+    assert np.std(tension) == pytest.approx(6.5, abs=0.3)
+    assert min(tension) == pytest.approx(371.0, abs=4.0)
+    assert max(tension) == pytest.approx(422.0, abs=4.0)
+    assert np.std(near) == pytest.approx(0.27, abs=0.01)
+    assert np.std(belly) == pytest.approx(0.12, abs=0.01)
+    # Weight in air above still water, submerged below: the tow point holds what hangs from it.
+    state = start.sample(np.linspace(0.0, 66.0, 4001))
+    lowest = int(np.argmin(state.position[:, 2]))
+    kind = scene.cable_types["J"]
+    air = state.position[: lowest + 1, 2] > 0.0
+    weight = np.where(air, kind.mass * 9.80665, kind.submerged_weight)
+    hanging = np.trapezoid(weight, state.s[: lowest + 1])
+    assert -start.top_force[2] == pytest.approx(hanging, rel=5e-3)
+
+
 def test_touchdown_has_the_papers_reaction_and_zero_tension():
     """Example 3 of the paper at 96 s: 8 N, and no tension 1.6 m above the touchdown."""
     landed = None

@@ -27,34 +27,10 @@ void restart_cable(Cable *cable) {
     cable->now.vessel_input = BY_VELOCITY;
     cable->now.unsettled = 0;
     cable->now.start_time = 0.0;
+    cable->coarse = 0;
     cable->has_slope = 0;
     memset(cable->slope, 0, sizeof cable->slope);
     outputs_changed(cable);
-}
-
-/* Find the static equilibrium again where a coefficient was set before the start: the same calls
-   in the same order as cablemodel/instance.py. The mesh and the stabilisation of its elements stay
-   those of the exported scene. */
-const char *settle_cable(Cable *cable) {
-    if (!cable->now.unsettled) return NULL;
-    cable->now.unsettled = 0;
-    outputs_changed(cable);
-    if ((cable->flags & FLAG_STATIC) == 0) return NULL;
-    const int64_t words = cable->block_words;
-    double frame[3];
-    memcpy(frame, cable->file + F_FRAME, sizeof frame);
-    const int64_t status =
-        cablemodel_equilibrium(cable->I, words, frame, cable->I[I_DIMENSION]);
-    if (status != OK) {
-        cable->now.unsettled = 1;
-        return "no static equilibrium was found for these coefficients";
-    }
-    cablemodel_place_supports(cable->I, words);
-    cable->I[I_STEPS] = cable->I[I_REJECTED] = 0;
-    cable->I[I_FACTORISATIONS] = cable->I[I_ITERATIONS] = 0;
-    cable->I[I_FACTORED] = 0;
-    if (cable->I[I_HYBRID]) cablemodel_choose_bending(cable->I, words);
-    return NULL;
 }
 
 static double at_end(const Cable *cable, int n, double dt) {
@@ -198,32 +174,43 @@ static void tune_edge(double *edge, const Parameter *p, double value) {
     if (p->word == E_ADDED) edge[E_MASS] += edge[p->word] - before; /* in E_MASS too */
 }
 
-static void tune(Cable *cable, unsigned index, double value) {
-    const Parameter *p = &cable->parameters[index];
-    if (value == cable->values[index]) return;
+/* Write a coefficient into the block. */
+static void tune(Cable *cable, const Parameter *p, double value) {
     double *M = cable->M;
     const int64_t *I = cable->I;
     if (p->kind == OF_BODY) {
         M[I[O_BODY] + p->index * BODY_WORDS + p->word] = p->factor * value;
-    } else {
+    } else if (p->kind == OF_CABLES) {
         /* Elements that are out, and the rows from which elements are made as cable is paid out. */
         for (int64_t node = 1; node < I[I_NODES]; node++)
             if (I[I[O_JOINT] + node] == 0) tune_edge(M + I[O_EDGE] + node * EDGE_WORDS, p, value);
         for (int64_t n = 0; n < I[I_CABLES]; n++)
             tune_edge(M + I[O_CABLES] + n * CABLE_WORDS + K_EDGE, p, value);
     }
-    cable->values[index] = value;
     cable->I[I_FACTORED] = 0;
-    if (cable->now.phase == STEPPING) outputs_changed(cable);
-    else cable->now.unsettled = 1;
+}
+
+/* The exported state with the coefficients that are set. */
+void restore_exported(Cable *cable) {
+    memcpy(cable->I, initial_image(cable), 8 * (size_t)cable->image_words);
+    for (int64_t n = 0; n < cable->parameter_count; n++)
+        if (cable->values[n] != cable->parameters[n].start)
+            tune(cable, &cable->parameters[n], cable->values[n]);
 }
 
 const char *check_value(Cable *cable, unsigned vr, double value) {
     if (vr < VR_INPUTS) return fabs(value) < 1e100 ? NULL : "the value is not finite";
     if (is_parameter(cable, vr)) {
         const Parameter *p = &cable->parameters[vr - VR_PARAMETER];
+        if (p->kind >= OF_LINE && cable->now.phase == STEPPING)
+            return "a length is fixed: set it before the end of the initialization";
         if (value >= p->minimum && value <= p->maximum) return NULL;
-        return "the value is out of range";
+        if (p->minimum == p->maximum)
+            return "this line's lengths are those of its given shape or floor: export the scene "
+                   "with others";
+        snprintf(cable->message, sizeof cable->message,
+                 "the value is out of range (%g to %g are allowed)", p->minimum, p->maximum);
+        return cable->message;
     }
     double ignored;
     return read_value(cable, vr, &ignored) == NULL ? "an output cannot be set"
@@ -232,8 +219,16 @@ const char *check_value(Cable *cable, unsigned vr, double value) {
 
 /* Of a value that check_value has passed. */
 void write_value(Cable *cable, unsigned vr, double value) {
-    if (is_parameter(cable, vr))
-        tune(cable, vr - VR_PARAMETER, value);
-    else
+    if (!is_parameter(cable, vr)) {
         cable->now.input[vr] = value;
+        return;
+    }
+    if (value == cable->values[vr - VR_PARAMETER]) return;
+    cable->values[vr - VR_PARAMETER] = value;
+    if (cable->now.phase == STEPPING) {
+        tune(cable, &cable->parameters[vr - VR_PARAMETER], value);
+        outputs_changed(cable);
+    } else {
+        cable->now.unsettled = 1;
+    }
 }

@@ -35,12 +35,16 @@ enum { FLAG_SCENE_INPUTS = 1, FLAG_STATIC = 2, FLAG_PINNED = 4 };
 #define STATE_MAGIC INT64_C(0x5441545346434243)
 #define FILE_FORMAT 1
 
-/* A tunable coefficient: word = factor * value in the edges of a cable type or in one body. */
-enum { OF_CABLES, OF_BODY };
+/* A tunable coefficient: word = factor * value in the edges of a cable type or in one body. Or a
+   length that is fixed at the start, of a cable of the line or on the drum: from the vessel outwards,
+   and in the order in which they leave the drum. */
+enum { OF_CABLES, OF_BODY, OF_LINE, OF_DRUM };
 typedef struct {
     int64_t kind, word;
-    int64_t index; /* of the cable type, or row of the body table */
-    double factor, start, minimum, maximum, reserved;
+    int64_t index; /* of the cable type, row of the body table, row of the cable table */
+    double factor; /* of a length of the line: its part in the typical tension [N/m] */
+    double start, minimum, maximum;
+    double reach; /* of a length of the line: how far it can reach when stretched, in lengths */
 } Parameter;
 
 /* Everything of an instance that a saved state holds, apart from the block's image. */
@@ -63,13 +67,17 @@ typedef struct {
     double slope[VR_INPUTS][3]; /* derivatives of the inputs, for the next step only */
     int has_slope;
     int summary_current, stations_current;
+    int coarse; /* the shape at the start bends more than the exported elements can follow */
     double summary[SUMMARY_WORDS];
     double *arcs, *rows;
+    char message[200]; /* where a message has numbers in it */
 } Cable;
 
 /* The kernels, compiled ahead of time. */
 int64_t cablemodel_step(void *block, int64_t words, double t_end, double *inputs, int64_t n);
 int64_t cablemodel_equilibrium(void *block, int64_t words, double *frame, int64_t n);
+int64_t cablemodel_tension_from_stretch(void *block, int64_t words);
+int64_t cablemodel_refine_at_floor(void *block, int64_t words);
 int64_t cablemodel_choose_bending(void *block, int64_t words);
 int64_t cablemodel_place_supports(void *block, int64_t words);
 int64_t cablemodel_bodies(void *block, int64_t words, double *out, int64_t m);
@@ -84,12 +92,16 @@ uint32_t checksum(const void *data, size_t bytes);
 
 /* cable.c */
 void restart_cable(Cable *cable);
-const char *settle_cable(Cable *cable);
+void restore_exported(Cable *cable);
 double cable_time(const Cable *cable);
 int64_t step_cable(Cable *cable, double t_end, double dt, char *message, size_t size);
 const char *read_value(Cable *cable, unsigned vr, double *value);
 const char *check_value(Cable *cable, unsigned vr, double value);
 void write_value(Cable *cable, unsigned vr, double value);
+
+/* lengths.c */
+int lengths_changed(const Cable *cable);
+const char *settle_cable(Cable *cable);
 
 /* saved_state.c */
 size_t state_bytes(const Cable *cable);

@@ -184,6 +184,10 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
     ALLOW(c, P2);
     const char *problem = settle_cable(&in->cable);
     if (problem != NULL) return report(in, fmi2Error, "fmi2ExitInitializationMode: %s", problem);
+    if (in->cable.coarse)
+        report(in, fmi2Warning, "fmi2ExitInitializationMode: with these lengths the line bends more "
+               "than the exported elements can follow at the scene's tolerance: export the scene "
+               "with these lengths");
     in->cable.now.phase = STEPPING;
     return report(in, fmi2OK, "initialized at t = %g s", cable_time(&in->cable));
 }

@@ -194,10 +194,16 @@ const char *check_block(const int64_t *I, int64_t image_words, int64_t block_wor
 static const char *check_parameters(const Cable *cable, const int64_t *I) {
     for (int64_t n = 0; n < cable->parameter_count; n++) {
         const Parameter *p = &cable->parameters[n];
-        if (!within(p->kind, OF_CABLES, OF_BODY) || !(fabs(p->factor) < 1e300) ||
-            !within(p->index, 0, p->kind == OF_BODY ? I[I_BODIES] - 1 : INT64_MAX) ||
+        const int64_t rows[] = {INT64_MAX, I[I_BODIES], I[I_CABLES], I[I_CABLES]};
+        if (!within(p->kind, OF_CABLES, OF_DRUM) || !(fabs(p->factor) < 1e300) ||
+            !within(p->index, 0, rows[p->kind] - 1) || !(fabs(p->reach) < 1e300) ||
             !(p->minimum <= p->start && p->start <= p->maximum))
             return "a parameter in resources/model.bin is out of range";
+        if (p->kind >= OF_LINE) {
+            if (!(p->minimum > 0.0) || !(p->maximum < 1e300))
+                return "a parameter in resources/model.bin is out of range";
+            continue;
+        }
         /* What is no coefficient, such as a length or an index, must stay out of reach. */
         const int coefficient =
             p->kind == OF_BODY

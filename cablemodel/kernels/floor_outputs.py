@@ -1,0 +1,207 @@
+"""What the sea floor does at a state: its force, the touchdown, what it stores and takes."""
+
+import math
+
+from .compile import kernel
+from .floor import (
+    approach,
+    body_force,
+    contact_node,
+    contact_points,
+    cubic_end,
+    friction,
+    gap_at,
+    interpolate,
+    lowest_gap,
+    tipping,
+)
+from .layout import (
+    B_WEIGHT,
+    BODY_WORDS,
+    E_BENDING_FULL,
+    E_CONTACT,
+    E_LENGTH,
+    EDGE_WORDS,
+    I_BODIES,
+    I_DIMENSION,
+    I_NODES,
+    O_BODY,
+    O_EDGE,
+    O_JOINT,
+    O_MOTION,
+    O_PARENT,
+    O_POSITION,
+    O_VELOCITY,
+    S_FLOOR_DAMPING,
+    S_FLOOR_DEPTH,
+    S_FRICTION,
+)
+from .tables import CONTACT_POINTS, CONTACT_WEIGHTS
+
+LYING = math.exp(-1.0)  # of delta: the gap where a taut cable would touch a rigid floor
+
+
+@kernel
+def hermite_point(I, M, node, x, w):
+    """Position at a fraction x of an element into w[0:3]."""
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
+    n0, n1, _d0, _d1 = cubic_end(0, x, h)
+    n2, n3, _d2, _d3 = cubic_end(1, x, h)
+    p = I[O_POSITION] + size * I[I[O_PARENT] + node]
+    q = I[O_POSITION] + size * node
+    for i in range(dimension):
+        w[i] = n0 * M[p + i] + n1 * M[p + dimension + i]
+        w[i] += n2 * M[q + i] + n3 * M[q + dimension + i]
+
+
+@kernel
+def first_contact(I, M, node, w):
+    """Fraction of an element, from the vessel's side, where it first touches; 2: nowhere."""
+    depth = LYING * M[S_FLOOR_DEPTH]
+    before = 0.0
+    for k in range(17):
+        x = k / 16.0
+        hermite_point(I, M, node, x, w)
+        if gap_at(I, M, w, w[3:6]) < depth:
+            if k == 0:
+                return 0.0
+            after = x
+            for _halving in range(30):
+                x = 0.5 * (before + after)
+                hermite_point(I, M, node, x, w)
+                if gap_at(I, M, w, w[3:6]) < depth:
+                    after = x
+                else:
+                    before = x
+            return after
+        before = x
+    return 2.0
+
+
+@kernel
+def floor_summary(I, M, out):
+    """What the floor does, in the block's coordinates, at the present state.
+
+    out: 0-2 force on cable and bodies [N], 3 length of cable on the floor [m], 4-6 the touchdown
+    point nearest the vessel (not a number where nothing touches), 7 the concentrated reaction
+    there: what the floor bears beyond the weight of the cable within four touchdown layers [N].
+    """
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    nodes = I[I_NODES]
+    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
+    q = M[I[O_POSITION] : I[O_POSITION] + size * nodes]
+    v = M[I[O_VELOCITY] : I[O_VELOCITY] + size * nodes]
+    depth = M[S_FLOOR_DEPTH]
+    for k in range(8):
+        out[k] = 0.0
+    touched = False
+    zone = 0.0
+    for node in range(1, nodes):
+        if I[I[O_JOINT] + node] != 0:
+            continue
+        edge = I[O_EDGE] + node * EDGE_WORDS
+        h = M[edge + E_LENGTH]
+        begin = 0.0
+        if lowest_gap(I, M, q, node, w) >= depth:
+            zone -= h
+            continue
+        parent = I[I[O_PARENT] + node]
+        contact = M[edge + E_CONTACT]
+        if not touched:
+            begin = first_contact(I, M, node, w)
+            if begin <= 1.0:
+                touched = True
+                zone = 4.0 * (M[edge + E_BENDING_FULL] / contact) ** (1.0 / 3.0)
+                hermite_point(I, M, node, begin, w)
+                for i in range(dimension):
+                    out[4 + i] = w[i]
+            begin = min(begin, 1.0)
+        for p in range(4):
+            x = CONTACT_POINTS[p]
+            interpolate(I, q, parent, node, h, p, w)
+            gap = gap_at(I, M, w, w[3:6])
+            weight = h * CONTACT_WEIGHTS[p]
+            press = 0.0
+            if gap < depth:
+                speed = approach(I, v, parent, node, h, p, w)
+                press = contact * (1.0 - gap / depth)
+                press *= max(0.0, 1.0 - M[S_FLOOR_DAMPING] * speed)
+                for i in range(dimension):
+                    w[9 + i] = 0.0
+                if M[S_FRICTION] > 0.0 and press > 0.0:
+                    friction(I, M, q, parent, node, x, contact, press, w)
+                for i in range(dimension):
+                    out[i] += weight * (press * w[3 + i] + w[9 + i])
+                out[0] += weight * press * tipping(I, q, parent, node, h, p, w)
+                if gap < LYING * depth:
+                    out[3] += weight
+            place = h * (x - begin)
+            if touched and place >= 0.0 and place <= zone:
+                out[7] += weight * (press - contact)
+        zone -= h * (1.0 - begin)
+    for body in range(I[I_BODIES]):
+        points = contact_points(I, M, body)
+        for point in range(points):
+            node = contact_node(I, M, body, point)
+            contact = M[I[O_BODY] + body * BODY_WORDS + B_WEIGHT] / points
+            press = body_force(I, M, contact, node, q, v, w)
+            for i in range(dimension):
+                out[i] += press * w[3 + i] + w[9 + i]
+    if not touched:
+        out[4] = math.nan
+        out[5] = math.nan
+        out[6] = math.nan
+
+
+@kernel
+def floor_energy(I, M, out):
+    """Energy of the contact springs into out[6] [J], power lost on the floor into out[7] [W]."""
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    nodes = I[I_NODES]
+    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
+    q = M[I[O_POSITION] : I[O_POSITION] + size * nodes]
+    v = M[I[O_VELOCITY] : I[O_VELOCITY] + size * nodes]
+    depth = M[S_FLOOR_DEPTH]
+    for node in range(1, nodes):
+        if I[I[O_JOINT] + node] != 0 or lowest_gap(I, M, q, node, w) >= depth:
+            continue
+        parent = I[I[O_PARENT] + node]
+        h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
+        contact = M[I[O_EDGE] + node * EDGE_WORDS + E_CONTACT]
+        for p in range(4):
+            interpolate(I, q, parent, node, h, p, w)
+            gap = gap_at(I, M, w, w[3:6])
+            if gap >= depth:
+                continue
+            spring = contact * (1.0 - gap / depth)
+            weight = h * CONTACT_WEIGHTS[p]
+            out[6] += 0.5 * weight * spring * (depth - gap)
+            interpolate(I, v, parent, node, h, p, w)
+            speed = 0.0
+            for i in range(dimension):
+                speed += w[i] * w[3 + i]
+                w[9 + i] = 0.0
+            press = spring * max(0.0, 1.0 - M[S_FLOOR_DAMPING] * speed)
+            if M[S_FRICTION] > 0.0 and press > 0.0:
+                friction(I, M, q, parent, node, CONTACT_POINTS[p], contact, press, w)
+            out[7] -= weight * (press - spring) * speed
+            out[7] -= weight * press * tipping(I, q, parent, node, h, p, w) * w[0]
+            for i in range(dimension):
+                out[7] -= weight * w[9 + i] * w[i]
+    for body in range(I[I_BODIES]):
+        points = contact_points(I, M, body)
+        for point in range(points):
+            node = contact_node(I, M, body, point)
+            contact = M[I[O_BODY] + body * BODY_WORDS + B_WEIGHT] / points
+            press = body_force(I, M, contact, node, q, v, w)
+            gap = gap_at(I, M, w, w[3:6])
+            if press <= 0.0:
+                continue
+            spring = contact * (1.0 - gap / depth)
+            out[6] += 0.5 * spring * (depth - gap)
+            for i in range(dimension):
+                out[7] -= ((press - spring) * w[3 + i] + w[9 + i]) * v[size * node + i]

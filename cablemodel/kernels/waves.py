@@ -1,0 +1,277 @@
+"""Surface waves: motion of the water below a free surface, and its forces on the cable.
+
+Airy waves over a depth h, k (x cos b + y sin b) - w t + phase = theta:
+
+    elevation a cos(theta), u = a w (e^kz + E e^-kz) / (1 - E) cos(theta) along b,
+    w = a w (e^kz - E e^-kz) / (1 - E) sin(theta) upwards, E = e^-2kh,
+
+accelerations are their derivatives in time at a fixed place. Above still water the motion is that
+at z = 0. A ramp in time takes the waves from calm water.
+
+Above the surface there is neither buoyancy nor drag nor added mass. A point is wet by a share s,
+a cubic from 0 to 1 over a band around the surface: a cable's diameter, widened in an element that
+stands across the surface by SPREAD of its height, so that its three Gauss points see the surface
+pass smoothly (the wet length is then right within 5 % of the element).
+
+Loads per unit length on a cable, u relative velocity, a_w acceleration of the water, P across:
+
+    s [drag(u) - ma P (a - a_w) + rho A P a_w] + s (m g - w) e_z - m g e_z
+
+Sun & Leonard 1998, eqs. 22 and 23, with the Froude-Krylov term on the normal part.
+"""
+
+import math
+
+from .compile import kernel, outlined
+from .environment import current_at
+from .layout import (
+    CABLE_WORDS,
+    E_ADDED,
+    E_DRAG_NORMAL,
+    E_DRAG_TANGENTIAL,
+    E_LENGTH,
+    E_MASS,
+    E_SEGMENT,
+    E_WEIGHT,
+    I_DIMENSION,
+    I_WAVES,
+    K_DISPLACED,
+    O_CABLES,
+    O_MOTION,
+    O_WAVES,
+    S_BASE,
+    S_GRAVITY,
+    S_PLANE,
+    S_WATER_DENSITY,
+    S_WAVE_CREST,
+    S_WAVE_DEPTH,
+    S_WAVE_RAMP,
+    S_WAVE_RISE,
+    S_WAVE_SHARE,
+    S_WAVE_TIME,
+    W_AMPLITUDE,
+    W_FREQUENCY,
+    W_MIRROR,
+    W_NUMBER,
+    W_PHASE,
+    W_SPEED,
+    W_X,
+    W_Y,
+    WAVE_WORDS,
+)
+from .tables import H0, H1, H2, H3
+
+SPREAD = 0.25
+STILL = 16.0  # k |z| below which a component has died out: e^-16, 1e-7
+SMALLEST = 1e-3  # half of the band around the surface, at least [m]
+
+# Slots in the Gauss workspace, beyond those of both elements: four words each.
+VELOCITY = 0  # water velocity: as in the elements
+STRETCH = 12
+TANGENT = 16
+FORCE = 28
+ACCELERATION = 740  # of the water: three slots
+WET, SLOPE = 752, 756  # share s, ds/dz
+
+# What `wave_at` writes at O_MOTION + POINT.
+POINT = 64
+P_VELOCITY, P_ACCELERATION, P_WET, P_SLOPE = POINT, POINT + 3, POINT + 6, POINT + 7
+
+
+@kernel
+def set_wave_time(M, t):
+    """Time, share of the waves (0 to 1, quintic) and its derivative; calm until t = 0."""
+    M[S_WAVE_TIME] = t
+    M[S_WAVE_RISE] = 0.0
+    M[S_WAVE_SHARE] = 1.0 if t > 0.0 else 0.0
+    if 0.0 < t and t < M[S_WAVE_RAMP]:
+        x = t / M[S_WAVE_RAMP]
+        M[S_WAVE_SHARE] = x * x * x * (10.0 + x * (6.0 * x - 15.0))
+        M[S_WAVE_RISE] = 30.0 * x * x * (1.0 - x) ** 2 / M[S_WAVE_RAMP]
+
+
+@outlined
+def wave_at(I, M, x, y, z, half):
+    """Waves at a place of the block's coordinates (planar: x along the plane, y is not read).
+
+    Writes velocity and acceleration of the water in the block's coordinates, the share that is
+    wet with a band of +- half [m], and its derivative upwards. Returns the elevation [m].
+    """
+    at = I[O_MOTION]
+    planar = I[I_DIMENSION] == 2
+    if planar:
+        y = M[S_BASE + 1] + M[S_PLANE + 1] * x
+        x = M[S_BASE] + M[S_PLANE] * x
+    else:
+        x += M[S_BASE]
+        y += M[S_BASE + 1]
+    height = z + M[S_BASE + 2]
+    level = max(min(height, 0.0), -M[S_WAVE_DEPTH])
+    near = height > -M[S_WAVE_CREST] - half
+    t = M[S_WAVE_TIME]
+    surface = 0.0
+    ux = 0.0
+    uy = 0.0
+    uz = 0.0
+    ax = 0.0
+    ay = 0.0
+    az = 0.0
+    for n in range(I[I_WAVES]):
+        row = I[O_WAVES] + n * WAVE_WORDS
+        k = M[row + W_NUMBER]
+        deep = k * level < -STILL
+        if deep and not near:
+            continue
+        frequency = M[row + W_FREQUENCY]
+        theta = M[row + W_X] * x + M[row + W_Y] * y - frequency * t + M[row + W_PHASE]
+        c = math.cos(theta)
+        s = math.sin(theta)
+        surface += M[row + W_AMPLITUDE] * c
+        if deep:
+            continue
+        up = math.exp(k * level)
+        down = M[row + W_MIRROR] / up
+        along = M[row + W_SPEED] * (up + down) / k
+        upward = M[row + W_SPEED] * (up - down)
+        ux += along * M[row + W_X] * c
+        uy += along * M[row + W_Y] * c
+        uz += upward * s
+        ax += frequency * along * M[row + W_X] * s
+        ay += frequency * along * M[row + W_Y] * s
+        az -= frequency * upward * c
+    share = M[S_WAVE_SHARE]
+    rise = M[S_WAVE_RISE]
+    ax = share * ax + rise * ux
+    ay = share * ay + rise * uy
+    az = share * az + rise * uz
+    if planar:
+        M[at + P_VELOCITY] = share * (M[S_PLANE] * ux + M[S_PLANE + 1] * uy)
+        M[at + P_VELOCITY + 1] = share * uz
+        M[at + P_ACCELERATION] = M[S_PLANE] * ax + M[S_PLANE + 1] * ay
+        M[at + P_ACCELERATION + 1] = az
+    else:
+        M[at + P_VELOCITY] = share * ux
+        M[at + P_VELOCITY + 1] = share * uy
+        M[at + P_VELOCITY + 2] = share * uz
+        M[at + P_ACCELERATION] = ax
+        M[at + P_ACCELERATION + 1] = ay
+        M[at + P_ACCELERATION + 2] = az
+    surface *= share
+    depth = (surface - height) / half
+    M[at + P_WET] = 1.0
+    M[at + P_SLOPE] = 0.0
+    if depth <= -1.0:
+        M[at + P_WET] = 0.0
+    elif depth < 1.0:
+        M[at + P_WET] = 0.5 + depth * (0.75 - 0.25 * depth * depth)
+        M[at + P_SLOPE] = -0.75 * (1.0 - depth * depth) / half
+    return surface
+
+
+@kernel
+def displaced(I, M, edge):
+    """Mass of the water that a cable displaces, of the edge's cable [kg/m]."""
+    return M[I[O_CABLES] + int(M[edge + E_SEGMENT]) * CABLE_WORDS + K_DISPLACED]
+
+
+@kernel
+def band(I, M, edge, rise):
+    """Half of the band around the surface [m] in an element that rises by `rise` [m]."""
+    square = displaced(I, M, edge) / (math.pi * M[S_WATER_DENSITY])
+    return max(SMALLEST, math.sqrt(square) + SPREAD * abs(rise))
+
+
+@kernel
+def buoyancy(M, edge):
+    """Of a wet cable [N/m]: weight in air less the submerged one."""
+    return (M[edge + E_MASS] - M[edge + E_ADDED]) * M[S_GRAVITY] - M[edge + E_WEIGHT]
+
+
+@outlined
+def element_water(I, M, W, edge, x0, x1):
+    """Motion of the water, waves and current, and wet shares at an element's Gauss points."""
+    dimension = I[I_DIMENSION]
+    up = dimension - 1
+    at = I[O_MOTION]
+    h = M[edge + E_LENGTH]
+    half = band(I, M, edge, x1[up] - x0[up])
+    flow = M[at + 9 : at + 12]
+    w = M[at + 16 : at + 19]
+    for g in range(3):
+        for i in range(dimension):
+            w[i] = x0[i] * H0[g] + h * x0[dimension + i] * H1[g]
+            w[i] += x1[i] * H2[g] + h * x1[dimension + i] * H3[g]
+        wave_at(I, M, w[0], w[1], w[up], half)
+        current_at(I, M, w[up], flow)
+        for i in range(dimension):
+            W[VELOCITY + 4 * i + g] = flow[i] + M[at + P_VELOCITY + i]
+            W[ACCELERATION + 4 * i + g] = M[at + P_ACCELERATION + i]
+        W[WET + g] = M[at + P_WET]
+        W[SLOPE + g] = M[at + P_SLOPE]
+
+
+@outlined
+def wave_loads(I, M, W, edge, x0, x1, v0, v1, a0, a1):
+    """Minus the loads of the water per unit length, beside m + ma times a and the weight in water.
+
+    In place of the elements' load_forces; geometry(...) has been called.
+    """
+    dimension = I[I_DIMENSION]
+    h = M[edge + E_LENGTH]
+    added = M[edge + E_ADDED]
+    mass = displaced(I, M, edge)
+    lift = buoyancy(M, edge)
+    element_water(I, M, W, edge, x0, x1)
+    for g in range(3):
+        ut = 0.0
+        u2 = 0.0
+        at = 0.0
+        wt = 0.0
+        for i in range(dimension):
+            d = dimension + i
+            t = W[TANGENT + 4 * i + g]
+            u = W[VELOCITY + 4 * i + g]
+            u -= v0[i] * H0[g] + v1[i] * H2[g] + h * (v0[d] * H1[g] + v1[d] * H3[g])
+            a = a0[i] * H0[g] + a1[i] * H2[g] + h * (a0[d] * H1[g] + a1[d] * H3[g])
+            W[FORCE + 4 * i + g] = u
+            ut += u * t
+            u2 += u * u
+            at += a * t
+            wt += W[ACCELERATION + 4 * i + g] * t
+        un = math.sqrt(max(0.0, u2 - ut * ut))
+        root = math.sqrt(W[STRETCH + g])
+        fn = root * M[edge + E_DRAG_NORMAL] * un
+        ft = root * M[edge + E_DRAG_TANGENTIAL] * abs(ut) * ut
+        s = W[WET + g]
+        for i in range(dimension):
+            d = dimension + i
+            t = W[TANGENT + 4 * i + g]
+            u = W[FORCE + 4 * i + g]
+            a = a0[i] * H0[g] + a1[i] * H2[g] + h * (a0[d] * H1[g] + a1[d] * H3[g])
+            across = added * (a - at * t)
+            across -= (added + mass) * (W[ACCELERATION + 4 * i + g] - wt * t)
+            # The elements' mass holds all of ma a.
+            W[FORCE + 4 * i + g] = s * (across - fn * (u - ut * t) - ft * t) - added * a
+        W[FORCE + 4 * (dimension - 1) + g] += (1.0 - s) * lift
+
+
+@kernel
+def wet_rows(I, M, W, edge, motion, slope, width, ca):
+    """Derivatives of wave_loads from those of a wet element in calm water.
+
+    motion, slope: first words of its rows for the motion and for r', `width` apart, one for each
+    Gauss point: see the elements' tangent_matrices. The water's own gradients are left out.
+    """
+    dimension = I[I_DIMENSION]
+    h = M[edge + E_LENGTH]
+    added = ca * M[edge + E_ADDED]
+    lift = buoyancy(M, edge)
+    for g in range(3):
+        s = W[WET + g]
+        row = motion + width * g
+        for n in range(dimension * dimension):
+            W[row + n] *= s
+            W[slope + width * g + n] *= s
+        for i in range(dimension):
+            W[row + dimension * i + i] -= (1.0 - s) * h * added
+        W[row + dimension * dimension - 1] -= h * lift * W[SLOPE + g]

@@ -1,0 +1,186 @@
+"""First shapes for a static start that lie on the sea floor, and meshes graded to them.
+
+Every element of a first shape has nearly its own length: where the shape is shorter or longer, the
+line answers with the forces of that stretch, and may fold before it comes to rest.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cablemodel.sea_floor import contact_weight, finest_element, thinnest_layer
+
+if TYPE_CHECKING:
+    from cablemodel.scene import Scene
+    from cablemodel.scene.environment import Floor
+
+FloatArray = NDArray[np.float64]
+
+BEND = 2.0
+"""Radius with which a first shape turns on to the floor, in touchdown layers."""
+GRADING = 0.5
+"""Length of elements per distance from the touchdown of a first shape."""
+
+
+def on_floor(scene: Scene, points: FloatArray) -> FloatArray:
+    """A first shape for a static start with what lies below the floor laid on it, (n, 3)."""
+    floor = scene.environment.floor
+    if floor is None or scene.initial.kind != "static":
+        return points
+    start = points[0]
+    length = scene.line_length
+    if scene.end.kind == "anchor":
+        end = np.asarray(scene.end.position, dtype=float)
+        return _laid_to(floor, start, end, length, points, BEND * thinnest_layer(scene))
+    height = start[2] - floor.height(float(start[0]), float(start[1]))
+    if length <= height or not points[-1][2] < start[2]:
+        return points
+    # Straight down at the angle of a steady tow, and the rest away from where the vessel goes.
+    way = scene.motion().horizontal_direction()
+    back = np.array([-1.0, 0.0]) if way is None else -np.asarray(way, dtype=float)
+    velocity = scene.motion().evaluate(0.0)[1]
+    angle = critical_angle(scene, float(np.hypot(*velocity[:2])))
+    hang = min(length, height / math.sin(angle))
+    if hang == length:
+        return np.array(
+            [start, start + length * np.array([*(math.cos(angle) * back), -math.sin(angle)])]
+        )
+    steps = np.linspace(0.0, length - hang, 65)
+    laid = np.empty((len(steps), 3))
+    laid[:, :2] = start[:2] + np.outer(hang * math.cos(angle) + steps, back)
+    laid[:, 2] = [floor.height(float(a), float(b)) for a, b in laid[:, :2]]
+    return _rounded(start, laid, BEND * thinnest_layer(scene))
+
+
+def critical_angle(scene: Scene, speed: float) -> float:
+    """Angle from the horizontal of a straight cable towed or laid at a speed [rad].
+
+    w cos a = 1/2 rho Cdn d U^2 sin^2 a, with the line's mean weight and drag (Zajac 1957).
+    """
+    weight = drag = 0.0
+    for cable in scene.cables:
+        kind = scene.cable_types[cable.type]
+        weight += cable.length * contact_weight(kind, scene.environment.gravity)
+        drag += cable.length * kind.drag_normal * kind.diameter
+    ratio = 0.5 * scene.environment.water_density * drag * speed**2 / weight
+    return math.acos(2.0 * ratio / (1.0 + math.sqrt(1.0 + 4.0 * ratio**2)))
+
+
+def refine_guess(scene: Scene, nodes: list[FloatArray], points: FloatArray) -> list[FloatArray]:
+    """Nodes graded towards where a first shape comes to lie on the floor, for a static start.
+
+    nodes: arc lengths of the nodes of every cable [m], each from 0 to its length. Elsewhere than
+    at that kink a coarse mesh finds its shape from anywhere.
+    """
+    if scene.environment.floor is None or scene.initial.kind != "static" or len(points) < 4:
+        return nodes
+    floor = scene.environment.floor
+    chords = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    arcs = np.concatenate([[0.0], np.cumsum(chords)])
+    near = 1e-3 * thinnest_layer(scene)
+    lies = [z < floor.height(float(x), float(y)) + near for x, y, z in points]
+    if not any(lies):
+        return nodes
+    touchdown = float(arcs[lies.index(True)] / arcs[-1] * scene.line_length)
+    smallest = finest_element(scene)
+    finer = []
+    arc = 0.0
+    for cable, places in zip(scene.cables, nodes, strict=True):
+        new = list(places)
+        while cable.elements is None:
+            ends = list(itertools.pairwise(new))
+            split = [
+                0.5 * (a + b)
+                for a, b in ends
+                if b - a > max(2.0 * smallest, GRADING * _distance(arc + a, arc + b, touchdown))
+            ]
+            if not split:
+                break
+            new = sorted([*new, *split])
+        finer.append(np.array(new))
+        arc += cable.length
+    return finer
+
+
+def _distance(start: float, end: float, place: float) -> float:
+    return max(start - place, place - end, 0.0)
+
+
+def _laid_to(
+    floor: Floor,
+    start: FloatArray,
+    end: FloatArray,
+    length: float,
+    hanging: FloatArray,
+    radius: float,
+) -> FloatArray:
+    """A cable to an anchor: as it hangs where clear of the floor, else straight and laid."""
+    if all(p[2] > floor.height(float(p[0]), float(p[1])) for p in hanging[1:-1]):
+        return hanging
+    across = float(np.hypot(*(start - end)[:2]))
+    way = (end - start)[:2] / max(across, 1e-12)
+    arc = _catenary(length - across, float(start[2] - end[2]), radius)
+    hang = arc[0, 0] if len(arc) else 0.0
+    if hang > across:
+        return hanging
+    steps = np.linspace(hang, across, 65)
+    laid = np.empty((len(steps), 3))
+    laid[:, :2] = start[:2] + np.outer(steps, way)
+    laid[:, 2] = [floor.height(float(a), float(b)) for a, b in laid[:, :2]]
+    laid[-1] = end
+    if not len(arc):
+        return _rounded(start, laid, radius)
+    hung = np.empty((len(arc) - 1, 3))
+    hung[:, :2] = laid[0, :2] - np.outer(arc[:-1, 0], way)
+    hung[:, 2] = start[2] + (arc[:-1, 1] - arc[0, 1]) * (start[2] - laid[0, 2]) / arc[0, 1]
+    return np.vstack([hung, laid])
+
+
+def _catenary(slack: float, rise: float, smallest: float) -> FloatArray:
+    """A catenary that leaves a level floor, from its top down to the touchdown, (n, 2) [m].
+
+    slack: its length less its span; rise: its height; smallest: least radius at its foot [m].
+    Columns: distance from the touchdown, height. Empty where the slack is all of the rise.
+    """
+    from scipy.optimize import brentq
+
+    def excess(log_radius: float) -> float:
+        radius = math.exp(log_radius)
+        span = radius * math.acosh(1.0 + rise / radius)
+        return math.sqrt(rise * (rise + 2.0 * radius)) - span - slack
+
+    low, high = math.log(1e-3 * rise), math.log(1e6 * rise)
+    if excess(low) <= 0.0 or excess(high) >= 0.0:
+        return np.empty((0, 2))
+    radius = max(smallest, math.exp(brentq(excess, low, high, xtol=1e-12)))
+    arcs = math.sqrt(rise * (rise + 2.0 * radius)) * np.linspace(1.0, 0.0, 65) ** 2
+    turned = arcs / radius
+    return np.stack([radius * np.arcsinh(turned), radius * (np.hypot(1.0, turned) - 1.0)], axis=-1)
+
+
+def _rounded(start: FloatArray, laid: FloatArray, radius: float) -> FloatArray:
+    """A straight line from the vessel that turns by an arc into a polyline on the floor, (n, 3)."""
+    corner = laid[0]
+    down = corner - start
+    along = laid[1] - corner
+    hangs, lies = float(np.linalg.norm(down)), float(np.linalg.norm(laid[-1] - corner))
+    if hangs == 0.0 or lies == 0.0:
+        return np.vstack([start, laid])
+    down, along = down / hangs, along / np.linalg.norm(along)
+    angle = math.acos(max(-1.0, min(1.0, float(down @ along))))
+    if angle < 1e-3:
+        return np.vstack([start, laid])
+    reach = min(radius * math.tan(0.5 * angle), 0.4 * hangs, 0.4 * lies)
+    radius = reach / math.tan(0.5 * angle)
+    inward = along - float(along @ down) * down
+    inward /= np.linalg.norm(inward)
+    turned = np.linspace(0.0, angle, 17)[:, None]
+    arc = corner - reach * down + radius * (np.sin(turned) * down + (1.0 - np.cos(turned)) * inward)
+    clear = np.linalg.norm(laid - corner, axis=1) > 1.1 * reach
+    straight = start + np.linspace(0.0, 1.0, 17)[:-1, None] * (arc[0] - start)
+    return np.vstack([straight, arc, laid[clear]])

@@ -1,0 +1,81 @@
+"""A scene's waves for the kernels: the components' table, and nodes where they are felt."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cablemodel.block import Block
+from cablemodel.kernels import layout as at
+from cablemodel.scene.sea import Sea, sea
+
+if TYPE_CHECKING:
+    from cablemodel.scene import Scene
+
+FloatArray = NDArray[np.float64]
+
+RESOLUTION = 8.0
+"""Steps in the shortest period that carries energy, at least."""
+
+
+def fill(block: Block, waves: Sea | None) -> None:
+    """Write the components into a block."""
+    if waves is None:
+        return
+    reals = block.reals
+    reals[at.S_WAVE_RAMP] = waves.ramp
+    # The shortest waves that matter: a twentieth of the energy is in shorter ones.
+    fast = float(np.quantile(waves.frequency, 0.95))
+    reals[at.S_WAVE_STEP] = 2.0 * math.pi / fast / RESOLUTION
+    reals[at.S_WAVE_DEPTH] = min(waves.depth, 1e300)
+    reals[at.S_WAVE_CREST] = float(waves.amplitude.sum())
+    mirror = np.exp(-2.0 * waves.number * waves.depth)
+    rows = block.array(at.O_WAVES, len(waves.amplitude), at.WAVE_WORDS)
+    rows[:, at.W_AMPLITUDE] = waves.amplitude
+    rows[:, at.W_FREQUENCY] = waves.frequency
+    rows[:, at.W_NUMBER] = waves.number
+    rows[:, at.W_X] = waves.number * math.cos(waves.direction)
+    rows[:, at.W_Y] = waves.number * math.sin(waves.direction)
+    rows[:, at.W_PHASE] = waves.phase
+    rows[:, at.W_SPEED] = waves.amplitude * waves.frequency / (1.0 - mirror)
+    rows[:, at.W_MIRROR] = mirror
+
+
+def refine(scene: Scene, nodes: list[FloatArray], points: FloatArray) -> list[FloatArray]:
+    """Nodes close enough to follow the waves where the first shape is near the surface.
+
+    nodes: arc lengths of the nodes of every cable [m]; points: the first shape, (n, 3). An element
+    is at most 1/k long where waves reach (half a length deep), and half a wave high at the
+    surface.
+    """
+    waves = sea(scene)
+    if waves is None:
+        return nodes
+    arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    arc *= scene.line_length / arc[-1]
+    number = 2.0 * math.pi / waves.length
+    crest = 2.0 * math.sqrt(0.5 * float(np.sum(waves.amplitude**2)))  # half of hs, of a wave 1.4 a
+    finer = []
+    start = 0.0
+    for cable, places in zip(scene.cables, nodes, strict=True):
+        new = list(places)
+        while cable.elements is None:
+            split = []
+            for a, b in itertools.pairwise(new):
+                ends = np.interp([start + a, start + b], arc, points[:, 2])
+                at_surface = ends.min() < crest and ends.max() > -crest
+                if number * ends.max() < -math.pi:
+                    continue
+                tall = at_surface and abs(ends[1] - ends[0]) > crest
+                if number * (b - a) > 1.0 or tall:
+                    split.append(0.5 * (a + b))
+            if not split:
+                break
+            new = sorted([*new, *split])
+        finer.append(np.array(new))
+        start += cable.length
+    return finer

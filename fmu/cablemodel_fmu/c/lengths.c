@@ -1,0 +1,352 @@
+/* Lengths of the cables, set before the start, and the state at the start that belongs to them.
+
+   What cablemodel/instance.py makes of a scene's lengths is made of new ones here: the elements of a
+   cable keep their number and are scaled with it, and so is the first shape, from which the kernels
+   find the static equilibrium. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "cable.h"
+
+static double length_of(const Cable *cable, int64_t n, double share) {
+    const Parameter *p = &cable->parameters[n];
+    return p->start + share * (cable->values[n] - p->start);
+}
+
+static double *edge_of(const Cable *cable, int64_t node) {
+    return cable->M + cable->I[O_EDGE] + node * EDGE_WORDS;
+}
+
+static double *row_of(const Cable *cable, int64_t index) {
+    return cable->M + cable->I[O_CABLES] + index * CABLE_WORDS;
+}
+
+int lengths_changed(const Cable *cable) {
+    for (int64_t n = 0; n < cable->parameter_count; n++)
+        if (cable->parameters[n].kind >= OF_LINE && cable->values[n] != cable->parameters[n].start)
+            return 1;
+    return 0;
+}
+
+/* An anchor that the line cannot reach, however much it stretches; see scene/schema.py. */
+static int out_of_reach(Cable *cable) {
+    const double *anchor = NULL, *vessel = cable->M + cable->I[O_POSITION];
+    const int64_t *I = cable->I;
+    for (int64_t n = 0; n < I[I_CONSTRAINTS]; n++) {
+        const double *row = cable->M + I[O_CONSTRAINT] + n * CONSTRAINT_WORDS;
+        if (row[C_KIND] == (double)C_ANCHOR) anchor = row + C_POSITION;
+    }
+    if (anchor == NULL) return 0;
+    double length = 0.0, reach = 0.0, square = 0.0;
+    for (int64_t n = 0; n < I[I_BODIES]; n++) {
+        const double *row = cable->M + I[O_BODY] + n * BODY_WORDS;
+        if (row[B_NODE] >= 0.0) length += row[B_LENGTH], reach += row[B_LENGTH];
+    }
+    for (int64_t n = 0; n < cable->parameter_count; n++) {
+        if (cable->parameters[n].kind != OF_LINE) continue;
+        length += cable->values[n];
+        reach += cable->values[n] * cable->parameters[n].reach;
+    }
+    for (int64_t i = 0; i < I[I_DIMENSION]; i++) square += pow(anchor[i] - vessel[i], 2.0);
+    if (sqrt(square) <= reach) return 0;
+    snprintf(cable->message, sizeof cable->message,
+             "the anchor is %g m from the vessel, out of reach of %g m of line", sqrt(square),
+             length);
+    return 1;
+}
+
+/* Scale the chords of the elements: the line keeps its strains, its far end moves. */
+static void scale_elements(Cable *cable, double from, double to) {
+    const int64_t *I = cable->I, *parent = I + I[O_PARENT], *joint = I + I[O_JOINT];
+    const int64_t nodes = I[I_NODES], dimension = I[I_DIMENSION], size = 2 * dimension;
+    double *q = cable->M + I[O_POSITION];
+    for (int64_t node = nodes - 1; node > 0; node--) {
+        double ratio = 1.0;
+        for (int64_t n = 0; n < cable->parameter_count; n++) {
+            const Parameter *p = &cable->parameters[n];
+            if (joint[node] == JOINT_NONE && p->kind == OF_LINE &&
+                (double)p->index == edge_of(cable, node)[E_SEGMENT])
+                ratio = length_of(cable, n, to) / length_of(cable, n, from);
+        }
+        edge_of(cable, node)[E_LENGTH] *= ratio;
+        edge_of(cable, node)[E_NOMINAL] *= ratio;
+        for (int64_t i = 0; i < dimension; i++)
+            q[size * node + i] = ratio * (q[size * node + i] - q[size * parent[node] + i]);
+    }
+    double arc = 0.0;
+    for (int64_t node = 1; node < nodes; node++) {
+        edge_of(cable, node)[E_START] = arc;
+        arc += edge_of(cable, node)[E_LENGTH];
+        for (int64_t i = 0; i < dimension; i++)
+            q[size * node + i] += q[size * parent[node] + i];
+    }
+}
+
+/* An anchored end back to its anchor: the way to it is shared out along the cable. */
+static void back_to_the_anchor(Cable *cable) {
+    const int64_t *I = cable->I, dimension = I[I_DIMENSION], size = 2 * dimension;
+    double *q = cable->M + I[O_POSITION];
+    for (int64_t c = 0; c < I[I_CONSTRAINTS]; c++) {
+        const double *row = cable->M + I[O_CONSTRAINT] + c * CONSTRAINT_WORDS;
+        if (row[C_KIND] != (double)C_ANCHOR) continue;
+        double way[3] = {0};
+        for (int64_t i = 0; i < dimension; i++)
+            way[i] = row[C_POSITION + i] - q[size * (int64_t)row[C_NODE] + i];
+        for (int64_t node = 1; node < I[I_NODES]; node++) {
+            const double *edge = edge_of(cable, node);
+            const double share = (edge[E_START] + edge[E_LENGTH]) / cable->M[S_LENGTH];
+            for (int64_t i = 0; i < dimension; i++) {
+                q[size * node + i] += share * way[i];
+                q[size * node + dimension + i] += way[i] / cable->M[S_LENGTH];
+            }
+        }
+    }
+}
+
+/* The cables as they pass the tow point: see _winch in cablemodel/instance.py. */
+static void arrange_winch(Cable *cable, double from, double to, double growth) {
+    double below = 0.0, most = 0.0;
+    for (int64_t n = cable->parameter_count - 1; n >= 0; n--)
+        if (cable->parameters[n].kind == OF_LINE) below += length_of(cable, n, to);
+    for (int64_t n = cable->parameter_count - 1; n >= 0; n--) {
+        if (cable->parameters[n].kind != OF_LINE) continue;
+        double *row = row_of(cable, cable->parameters[n].index);
+        below -= length_of(cable, n, to);
+        row[K_LEAVES] = -below;
+        row[K_NOMINAL] *= length_of(cable, n, to) / length_of(cable, n, from);
+    }
+    for (int64_t n = 0; n < cable->parameter_count; n++) {
+        if (cable->parameters[n].kind != OF_DRUM) continue;
+        double *row = row_of(cable, cable->parameters[n].index);
+        const double longer = length_of(cable, n, to) / length_of(cable, n, from);
+        most += length_of(cable, n, to);
+        /* A cable of its own row has elements of the line's mean length, no more than there is
+           room for. */
+        const int own = row[K_LEAVES] > 0.0;
+        const double least = row[K_EDGE + E_NOMINAL] * longer / DRUM_ROOM;
+        if (own) row[K_NOMINAL] *= growth;
+        if (row[K_NOMINAL] < least) row[K_NOMINAL] = least;
+        row[K_LEAVES] = most;
+    }
+    for (int64_t index = 0; index < cable->I[I_CABLES]; index++) {
+        double *row = row_of(cable, index);
+        row[K_SHORTEST] = SHORTEST_PIECE * row[K_NOMINAL];
+        row[K_EDGE + E_NOMINAL] = row[K_NOMINAL];
+    }
+    double *M = cable->M;
+    M[S_TOP_LENGTH] = edge_of(cable, 1)[E_LENGTH];
+    M[S_PAID_MOST] = most;
+    M[S_PAID_LEAST] = -(M[S_LENGTH] - SHORTEST_LINE * M[S_LENGTH]);
+    for (int64_t node = 2; node < cable->I[I_NODES]; node++) {
+        if (cable->I[cable->I[O_JOINT] + node] != JOINT_BODY) continue;
+        /* Not taken onto the drum: reel-in ends before it. */
+        const double *edge = edge_of(cable, node - 1);
+        const double nominal = row_of(cable, (int64_t)edge[E_SEGMENT])[K_NOMINAL];
+        const double least = SHORTEST_PIECE * nominal - edge[E_START] - edge[E_LENGTH];
+        if (M[S_PAID_LEAST] < least) M[S_PAID_LEAST] = least;
+        break;
+    }
+}
+
+/* All that instance.py derives from the lengths of the line as a whole. */
+static void scale_line(Cable *cable, double from, double to, double growth) {
+    double *M = cable->M;
+    const int64_t *I = cable->I;
+    M[S_LENGTH] *= growth;
+    M[S_TIME_TOLERANCE] *= growth;
+    M[S_PERIOD] *= sqrt(growth);
+    M[S_FIRST_STEP] *= sqrt(growth);
+    M[S_STEP] *= sqrt(growth);
+    M[S_SMALLEST_STEP] *= sqrt(growth);
+    double stretch = 0.0, mass = 0.0, drag = 0.0, bodies = 0.0;
+    for (int64_t n = 0; n < cable->parameter_count; n++) {
+        const Parameter *p = &cable->parameters[n];
+        if (p->kind != OF_LINE) continue;
+        const double length = length_of(cable, n, to);
+        const double *edge = row_of(cable, p->index) + K_EDGE;
+        M[S_TENSION_SCALE] += p->factor * (length - length_of(cable, n, from));
+        stretch += edge[E_COMPLIANCE] * length;
+        mass += (edge[E_MASS] - edge[E_ADDED]) * length;
+        drag += 2.0 * edge[E_DRAG_NORMAL] * length;
+    }
+    for (int64_t n = 0; n < I[I_BODIES]; n++) {
+        double *row = M + I[O_BODY] + n * BODY_WORDS;
+        if (row[B_NODE] >= 0.0) bodies += row[B_MASS];
+        if (row[B_LENGTH] == 0.0) continue;
+        row[B_PULL] = row[B_PULL + 1] = M[S_TENSION_SCALE];
+        if (row[B_TIE] != 0.0) row[B_TIE] = M[S_TENSION_SCALE] * row[B_LENGTH];
+        row[B_COMPLIANCE] =
+            fmin(row[B_LENGTH] / (RIGID * M[S_TENSION_SCALE]), SOFTEST * stretch);
+    }
+    M[S_AXIAL] = 1.0 / (stretch * (mass + bodies));
+    M[S_UNDAMPED] = drag * M[S_LENGTH] / mass < LIGHT_DAMPING;
+}
+
+static void stabilise_row(Cable *cable, double *edge, double tension, int *changed) {
+    if (!(edge[E_COMPLIANCE] > 0.0)) return;
+    const double bending = 10.0 * edge[E_BENDING_FULL] / (cable->M[S_LENGTH] * cable->M[S_LENGTH]);
+    double wanted = fmax(edge[E_STABILISATION], fmax(STABILISATION * tension, bending));
+    wanted = fmin(wanted, 1.0 / edge[E_COMPLIANCE]);
+    if (wanted != edge[E_STABILISATION]) *changed = 1;
+    edge[E_STABILISATION] = wanted;
+}
+
+/* _stabilise of cablemodel/instance.py. */
+static int stabilise(Cable *cable) {
+    int changed = 0;
+    double tension = 0.0;
+    const int64_t *I = cable->I;
+    for (int64_t node = 0; node < I[I_NODES]; node++)
+        tension = fmax(tension, fabs(cable->M[I[O_TENSION] + 2 * node]));
+    for (int64_t node = 1; node < I[I_NODES]; node++)
+        stabilise_row(cable, edge_of(cable, node), tension, &changed);
+    for (int64_t index = 0; index < I[I_CABLES]; index++)
+        stabilise_row(cable, row_of(cable, index) + K_EDGE, tension, &changed);
+    for (int64_t n = 0; n < I[I_BODIES]; n++) {
+        double *row = cable->M + I[O_BODY] + n * BODY_WORDS;
+        if (row[B_LENGTH] > 0.0 && tension > 0.0)
+            row[B_COMPLIANCE] = fmin(row[B_COMPLIANCE], row[B_LENGTH] / (RIGID * tension));
+    }
+    return changed;
+}
+
+/* Every element as it was before a tension was known. */
+static void forget_stabilisation(Cable *cable) {
+    const int64_t nodes = cable->I[I_NODES], rows = cable->I[I_CABLES];
+    for (int64_t n = 1; n < nodes + rows; n++) {
+        double *edge = n < nodes ? edge_of(cable, n) : row_of(cable, n - nodes) + K_EDGE;
+        if (!(edge[E_COMPLIANCE] > 0.0)) continue;
+        edge[E_STABILISATION] =
+            fmin(STABILISATION * cable->M[S_TENSION_SCALE], 1.0 / edge[E_COMPLIANCE]);
+    }
+}
+
+static void rest_here(Cable *cable) {
+    const int64_t *I = cable->I, dimension = I[I_DIMENSION];
+    for (int64_t node = 0; node < I[I_NODES]; node++)
+        for (int64_t i = 0; i < dimension; i++)
+            cable->M[I[O_REST] + 3 * node + i] =
+                cable->M[I[O_POSITION] + 2 * dimension * node + i];
+}
+
+static int64_t solve_static(Cable *cable) {
+    double frame[3];
+    memcpy(frame, cable->file + F_FRAME, sizeof frame);
+    const int held = cable->I[I_CONSTRAINTS] > 1;
+    const double friction = cable->M[S_FRICTION];
+    /* A free end comes to rest without friction; it holds the line from there. */
+    if (!held) cable->M[S_FRICTION] = 0.0;
+    const int64_t status =
+        cablemodel_equilibrium(cable->I, cable->block_words, frame, cable->I[I_DIMENSION]);
+    cable->M[S_FRICTION] = friction;
+    if (!held) rest_here(cable);
+    if (status == OK) cablemodel_place_supports(cable->I, cable->block_words);
+    return status;
+}
+
+/* The calls of _find_initial_state and _refine_touchdown in cablemodel/instance.py. */
+static int64_t find_initial_state(Cable *cable) {
+    const int64_t words = cable->block_words;
+    const int is_static = (cable->flags & FLAG_STATIC) != 0;
+    int64_t status = OK;
+    for (int64_t node = 1; node < cable->I[I_NODES]; node++)
+        edge_of(cable, node)[E_BENDING] = edge_of(cable, node)[E_BENDING_FULL];
+    cablemodel_place_supports(cable->I, words);
+    if (is_static) status = solve_static(cable);
+    else cablemodel_tension_from_stretch(cable->I, words);
+    if (status == OK && stabilise(cable) && is_static) status = solve_static(cable);
+    if (cable->I[I_HYBRID] || cable->I[I_RIGID] > 0) cablemodel_choose_bending(cable->I, words);
+    for (int round = 0; round < REFINEMENTS && status == OK && is_static; round++) {
+        if (!cablemodel_refine_at_floor(cable->I, words)) break;
+        status = solve_static(cable);
+    }
+    cable->I[I_STEPS] = cable->I[I_REJECTED] = 0;
+    cable->I[I_FACTORISATIONS] = cable->I[I_ITERATIONS] = 0;
+    cable->I[I_FACTORED] = cable->I[I_HISTORY] = 0;
+    return status;
+}
+
+/* Second derivative of an element towards x at its parent's end (0) or its own end (1). */
+static double second(const Cable *cable, int64_t node, int64_t i, int end) {
+    const int64_t dimension = cable->I[I_DIMENSION], size = 2 * dimension;
+    const double *q = cable->M + cable->I[O_POSITION], h = edge_of(cable, node)[E_LENGTH];
+    const int64_t p = size * cable->I[cable->I[O_PARENT] + node] + i, c = size * node + i;
+    const double chord = (q[c] - q[p]) / h, before = q[p + dimension], after = q[c + dimension];
+    return end ? (2.0 * before + 4.0 * after - 6.0 * chord) / h
+               : (6.0 * chord - 4.0 * before - 2.0 * after) / h;
+}
+
+/* Whether a static shape bends more than its elements can follow: by the rule by which
+   _refined of cablemodel/instance.py would halve some of them. */
+static int bends_too_much(const Cable *cable) {
+    const int64_t *I = cable->I, *joint = I + I[O_JOINT], nodes = I[I_NODES];
+    const double allowed = BENT * cable->M[S_TOLERANCE] * cable->M[S_LENGTH];
+    int64_t last = nodes - 1;
+    while (last > 1 && joint[last] != JOINT_NONE) last--;
+    for (int64_t node = 1; node < nodes; node++) {
+        if (joint[node] != JOINT_NONE) continue;
+        const double h = edge_of(cable, node)[E_LENGTH];
+        double inside = 0.0, before = 0.0, after = 0.0;
+        for (int64_t i = 0; i < I[I_DIMENSION]; i++) {
+            const double start = second(cable, node, i, 0), end = second(cable, node, i, 1);
+            inside += (end - start) * (end - start);
+            if (node > 1 && joint[node - 1] == JOINT_NONE)
+                before += pow(start - second(cable, node - 1, i, 1), 2.0);
+            if (node + 1 < nodes && joint[node + 1] == JOINT_NONE)
+                after += pow(second(cable, node + 1, i, 0) - end, 2.0);
+        }
+        double jump = fmax(sqrt(before), sqrt(after));
+        if (node == 1 || node == last) jump = fmax(jump, 0.25 * sqrt(inside));
+        if (h * h * jump > allowed) return 1;
+    }
+    return 0;
+}
+
+/* The lengths at `to` from those at `from`, in shares of the way from the scene's to those set. */
+static int64_t stretch_line(Cable *cable, double from, double to) {
+    double before = 0.0, after = 0.0;
+    for (int64_t n = 0; n < cable->parameter_count; n++) {
+        if (cable->parameters[n].kind != OF_LINE) continue;
+        before += length_of(cable, n, from);
+        after += length_of(cable, n, to);
+    }
+    scale_elements(cable, from, to);
+    scale_line(cable, from, to, after / before);
+    back_to_the_anchor(cable);
+    arrange_winch(cable, from, to, after / before);
+    forget_stabilisation(cable);
+    return find_initial_state(cable);
+}
+
+/* The state at the start for the values set. From the exported one, so that it does not matter in
+   which order they were set; in one leap or, where that fails, in steps. */
+const char *settle_cable(Cable *cable) {
+    if (!cable->now.unsettled) return NULL;
+    cable->now.unsettled = 0;
+    cable->summary_current = cable->stations_current = 0;
+    int64_t status = STATICS_FAILED;
+    const int resized = lengths_changed(cable);
+    restore_exported(cable);
+    if (!resized) {
+        if ((cable->flags & FLAG_STATIC) == 0) return NULL;
+        status = find_initial_state(cable);
+    } else if (out_of_reach(cable)) {
+        cable->now.unsettled = 1;
+        return cable->message;
+    } else {
+        for (int leaps = 1; leaps <= 16 && status != OK; leaps *= 4) {
+            restore_exported(cable);
+            status = OK;
+            for (int n = 0; n < leaps && status == OK; n++)
+                status = stretch_line(cable, (double)n / leaps, (n + 1.0) / leaps);
+        }
+    }
+    if (status == OK) {
+        cable->coarse = resized && (cable->flags & FLAG_STATIC) != 0 && bends_too_much(cable);
+        return NULL;
+    }
+    cable->now.unsettled = 1;
+    return resized ? "no static equilibrium was found for these lengths and coefficients"
+                   : "no static equilibrium was found for these coefficients";
+}

@@ -1,0 +1,232 @@
+"""Lengths as fixed parameters: as if the scene had been exported with them, or refused."""
+
+import copy
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fmpy.fmi1 import FMICallException
+from fmu_tools import CABLE, Slave, python_outputs, still_scene, unpacked
+
+import cablemodel as cm
+
+SCENES = Path(__file__).parents[2] / "scenes"
+STATIONS = 7
+
+
+def body(**more):
+    return {"body": {**still_scene().to_dict()["line"][1]["body"], **more}}
+
+
+def cable(length):
+    return {"cable": {"type": "K", "length": length}}
+
+
+ANCHORED = {
+    "title": "Anchored",
+    "cable_types": {"K": CABLE},
+    "line": [cable(60.0), body(submerged_weight=-60), cable(60.0)],
+    "end": {"anchor": [80, 0, -40]},
+    "run": {"duration": 20, "output_interval": 0.5},
+}
+
+
+def with_lengths(data: dict, line: list[float], drum: list[float]) -> cm.Scene:
+    """The scene with these lengths of its cables, in its own order."""
+    data = copy.deepcopy(data)
+    for items, lengths in ((data["line"], line), (data.get("payout", {}).get("drum", []), drum)):
+        cables = [item["cable"] for item in items if item.get("cable")]
+        for item, length in zip(cables, lengths, strict=True):
+            item["length"] = length
+    return cm.load_scene(data)
+
+
+def parameters(line: list[float], drum: list[float]) -> dict[str, float]:
+    names = {f"line.cable[{n}].length": value for n, value in enumerate(line, start=1)}
+    return names | {f"drum.cable[{n}].length": value for n, value in enumerate(drum, start=1)}
+
+
+def difference(slave, model) -> tuple[float, float]:
+    """Positions in units of tau L, tensions in units of 10 tau of the largest: 1 is the promise."""
+    tau = model.scene.solver.tolerance
+    position = tension = 0.0
+    for name, expected in python_outputs(model, STATIONS).items():
+        off = float(np.max(np.abs(slave.get(name) - expected)))
+        if name.endswith("position"):
+            position = max(position, off / (tau * model.line_length))
+        elif "tension" in name or name == "force.top":
+            tension = max(tension, off / (10 * tau * model.tension_max))
+        elif name.endswith(".length"):
+            np.testing.assert_allclose(slave.get(name), expected, rtol=1e-12)
+    return position, tension
+
+
+def compare(data, line, drum, tmp_path, drive, at_start, in_run) -> None:
+    scene = cm.load_scene(data)
+    with unpacked(scene, tmp_path, stations=STATIONS) as (place, description):
+        slave = Slave(place, description, **parameters(line, drum))
+        model = cm.CableModel(with_lengths(scene.to_dict(), line, drum))
+        assert max(difference(slave, model)) < at_start
+        for n in range(40):
+            velocity, rate = drive(0.5 * n)
+            slave.set("vessel.velocity", velocity)
+            slave.set("payout.rate", rate)
+            slave.step(0.5)
+            model.step(0.5, velocity, payout_rate=rate, current=(0, 0, 0))
+            assert max(difference(slave, model)) < in_run
+        assert model.line_length != scene.line_length
+        slave.close()
+
+
+def winch(t):
+    return (0.4 * np.sin(0.3 * t), 0.0, 0.0), 0.3 * np.sin(0.2 * t)
+
+
+def heave(t):
+    return (0.3 * np.sin(0.5 * t), 0.0, 0.2 * np.cos(0.4 * t) - 0.2), 0.0
+
+
+@pytest.mark.parametrize(
+    ("line", "drum"),
+    [([40.0, 20.0], [30.0]), ([10.0, 5.0], [30.0]), ([20.0, 10.0], [8.0]), ([16.0, 8.0], [15.0])],
+)
+def test_a_line_scaled_as_a_whole_is_the_same_to_rounding(line, drum, tmp_path):
+    """Its elements lie where those of the scene with these lengths lie; a body and the drum too."""
+    data = still_scene().to_dict()
+    compare(data, line, drum, tmp_path, winch, at_start=1e-9, in_run=1e-5)
+
+
+@pytest.mark.parametrize("line", [[10.0, 20.0], [30.0, 8.0], [40.0, 5.0]])
+@pytest.mark.parametrize("half_length", [0.0, 0.5])
+def test_other_proportions_are_the_same_within_the_tolerance(line, half_length, tmp_path):
+    data = still_scene().to_dict()
+    if half_length:
+        data["line"][1] = body(half_length=half_length, centre_offset=0.2, rotary_inertia=0.6)
+    compare(data, line, [15.0], tmp_path, winch, at_start=0.05, in_run=1.0)
+
+
+@pytest.mark.parametrize("line", [[50.0, 65.0], [70.0, 60.0]])
+def test_an_anchored_line_with_a_buoy(line, tmp_path):
+    compare(ANCHORED, line, [], tmp_path, heave, at_start=1.0, in_run=1.0)
+
+
+def test_a_line_in_waves(tmp_path):
+    data = still_scene().to_dict()
+    data["environment"]["waves"] = {"regular": {"height": 1.0, "period": 6}}
+    data["vessel"]["position"] = [5, 3, -2]
+    compare(data, [26.0, 13.0], [15.0], tmp_path, winch, at_start=0.05, in_run=1.0)
+
+
+@pytest.mark.parametrize("factor", [0.5, 1.3, 2.0])
+def test_a_straight_start_and_the_scenes_own_schedule(factor, tmp_path):
+    scene = cm.load_scene(SCENES / "deployment.yaml")
+    lengths = [factor * item.length for item in scene.cables]
+    drum = [item.cable.length for item in scene.payout.drum if item.cable is not None]
+    with unpacked(scene, tmp_path, stations=STATIONS) as (place, description):
+        slave = Slave(place, description, **parameters(lengths, drum))
+        model = cm.CableModel(with_lengths(scene.to_dict(), lengths, drum))
+        for _ in range(20):
+            slave.step(scene.run.output_interval)
+            model.step(scene.run.output_interval)
+            assert max(difference(slave, model)) < 1e-2
+        slave.close()
+
+
+def test_the_description_says_what_may_be_set(tmp_path):
+    scene = still_scene()
+    with unpacked(scene, tmp_path, stations=3) as (_, description):
+        found = {
+            v.name: v for v in description.modelVariables if v.name.endswith("cable[1].length")
+        }
+        assert set(found) == {"line.cable[1].length", "drum.cable[1].length"}
+        length = found["line.cable[1].length"]
+        assert (length.causality, length.variability, length.unit) == ("parameter", "fixed", "m")
+        assert [float(v) for v in (length.start, length.min, length.max)] == [20.0, 10.0, 40.0]
+
+
+def test_the_order_in_which_values_are_set_does_not_matter(tmp_path):
+    """Nor that outputs are read in between; a reset forgets the lengths."""
+    with unpacked(still_scene(), tmp_path, stations=3) as (place, description):
+        first, second = (Slave(place, description, begin=False) for _ in range(2))
+        for slave in (first, second):
+            slave.fmu.setupExperiment()
+            slave.fmu.enterInitializationMode()
+        first.set("line.cable[1].length", 25.0)
+        first.set("cable_types.K.submerged_weight", 3.0)
+        for name, value in (("cable_types.K.submerged_weight", 3.0), ("line.cable[1].length", 12)):
+            second.set(name, value)
+            second.get("tension.top")
+        second.set("line.cable[1].length", 25.0)
+        states = []
+        for slave in (first, second):
+            slave.fmu.exitInitializationMode()
+            states.append(slave.fmu.serializeFMUstate(slave.fmu.getFMUstate()))
+        assert states[0] == states[1]
+        assert first.get("line.length") == 35.0
+        first.fmu.reset()
+        assert first.get("line.length") == 30.0
+        assert first.get("line.cable[1].length") == 20.0
+        first.fmu.setFMUstate(first.fmu.deSerializeFMUstate(states[1]))
+        first.step(1.0)
+        second.step(1.0)
+        assert first.get("end.position").tobytes() == second.get("end.position").tobytes()
+        first.close()
+        second.close()
+
+
+def refusal(slave, name, value) -> str:
+    slave.messages.clear()
+    with pytest.raises(FMICallException):
+        slave.set(name, value)
+    return slave.messages[0][1]
+
+
+def test_lengths_that_are_refused(tmp_path):
+    with unpacked(still_scene(), tmp_path, stations=3) as (place, description):
+        slave = Slave(place, description, begin=False)
+        slave.fmu.setupExperiment()
+        for value in (9.9, 40.1, -1.0, float("nan")):
+            assert "10 to 40 are allowed" in refusal(slave, "line.cable[1].length", value)
+        slave.fmu.enterInitializationMode()
+        slave.set("line.cable[1].length", 11.0)
+        slave.fmu.exitInitializationMode()
+        assert "a length is fixed" in refusal(slave, "line.cable[1].length", 12.0)
+        slave.close()
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"initial": {"points": [[5, 3, 0], [5, 3, -30]]}},
+        {"environment": {"floor": {"z": -50}}},
+    ],
+)
+def test_lines_whose_lengths_are_given_otherwise(changes, tmp_path):
+    with unpacked(still_scene(**changes), tmp_path, stations=3) as (place, description):
+        slave = Slave(place, description, begin=False)
+        assert "export the scene with others" in refusal(slave, "line.cable[1].length", 21.0)
+        slave.set("line.cable[1].length", 20.0)
+        slave.close()
+
+
+def test_an_anchor_out_of_reach(tmp_path):
+    with unpacked(cm.load_scene(ANCHORED), tmp_path, stations=3) as (place, description):
+        slave = Slave(place, description, begin=False)
+        slave.fmu.setupExperiment()
+        for n in (1, 2):
+            slave.set(f"line.cable[{n}].length", 30.0)
+        slave.fmu.enterInitializationMode()
+        with pytest.raises(FMICallException):
+            slave.fmu.exitInitializationMode()
+        assert "89.4427 m from the vessel, out of reach of 60 m of line" in slave.messages[-1][1]
+        slave.set("line.cable[1].length", 60.0)
+        slave.fmu.exitInitializationMode()
+        slave.step(0.5)
+        slave.close()
+
+
+def test_a_shape_that_bends_more_than_the_elements_follow_is_warned_of(tmp_path):
+    with unpacked(cm.load_scene(ANCHORED), tmp_path, stations=3) as (place, description):
+        slave = Slave(place, description, **parameters([60.0, 120.0], []))
+        assert ["export the scene with these lengths" in text for _, text in slave.messages] == [1]
+        slave.close()
