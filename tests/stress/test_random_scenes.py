@@ -29,7 +29,7 @@ def test_a_number_means_the_same_scene_everywhere() -> None:
     rows = hypercube()
 
     assert rows.shape == (1000, len(COLUMNS))
-    assert rows[0, :3] == pytest.approx([0.32846537989660396, 0.6136963915608927, 0.1535446611208121])
+    assert rows[0, :3] == pytest.approx([0.3284653799, 0.6136963916, 0.1535446611])
     # A Latin hypercube: every column has one value in each thousandth.
     assert (np.sort(np.floor(rows * 1000.0), axis=0) == np.arange(1000.0)[:, None]).all()
 
