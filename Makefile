@@ -73,8 +73,10 @@ test-tools:
 			|| echo "that failed: the tests of other platforms will be skipped"; \
 	fi
 
-bench: $(READY_BENCH)  ## measure run time against error (long)
+bench: $(READY_BENCH) native valgrind  ## measure run time against error (long)
 	$(BIN)/python -m benchmarks
+	$(BIN)/python -m benchmarks.skips
+	$(BIN)/python -m benchmarks.profile
 	$(BIN)/python -m benchmarks.fmu
 
 bench-quick: $(READY_BENCH) native valgrind  ## compare instruction counts with those stored, measure a few scenes
@@ -91,10 +93,12 @@ valgrind:
 			valgrind gcc libc6-dev >/dev/null; } \
 		|| echo "No valgrind or no C compiler: instructions cannot be counted."
 
-stress: $(READY_DEV)  ## run the stress scenes (long)
+stress: $(READY_BENCH)  ## run the stress scenes (long)
 	$(BIN)/python -m pytest tests/stress -m "slow or not slow"
 	$(BIN)/python -m benchmarks.robustness
 	$(BIN)/python -m benchmarks.stress_scenes
+	$(BIN)/python -m benchmarks.soak
+	$(BIN)/python -m benchmarks.random_scenes
 
 golden: $(READY_DEV)  ## make the golden logs of tests/replay anew, where results have changed
 	$(BIN)/python tests/replay/make_golden.py

@@ -15,7 +15,7 @@ from typing import Any
 
 from benchmarks import machine, report, work_precision
 from benchmarks.measure import Measurement
-from benchmarks.scaling import ELEMENTS, ScalingPoint, measure_scaling
+from benchmarks.scaling import ScalingPoint, measure_scaling
 from benchmarks.scenes import SCENES
 from benchmarks.startup import StartUp, measure_start_up
 
@@ -76,11 +76,9 @@ def main(given: Sequence[str] | None = None) -> None:
         from benchmarks.peers.moordyn_search import search
 
         searched = search(report=tell)
-    scaling = [ScalingPoint(**p) for p in stored.get("scaling", [])]
+    scaling = [ScalingPoint(**p) for p in stored.get("scaling", []) if "series" in p]
     if "scaling" in parts:
-        scaling = measure_scaling(ELEMENTS[:5] if chosen.quick else ELEMENTS)
-        for point in scaling:
-            print(f"{point.elements} elements: {point.cost:.2e} CPU s, {point.steps:.0f} steps")
+        scaling = measure_scaling(lambda point: print(point, flush=True), chosen.quick)
     start_up = StartUp(**stored["startup"]) if stored.get("startup") else None
     if "startup" in parts:
         start_up = measure_start_up(with_first_start=not chosen.quick)

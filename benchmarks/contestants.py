@@ -14,6 +14,9 @@ from benchmarks.measure import Contestant, Runner
 from benchmarks.scenes import BenchmarkScene
 
 TOLERANCES = (1e-2, 3e-3, 1e-3, 5e-4, 3e-4, 1e-4, 1e-5, 1e-6)
+LEAST_TOLERANCE = {("S3", "hybrid"): 1e-5, ("S3", "elastica"): 1e-5, ("S3", "cable"): 1e-4}
+"""Where smaller ones would take minutes: the floor's contact is stiffer then, and a flexible cable
+that folds on it without tension has no well-posed motion."""
 MODELS = ("hybrid", "elastica", "cable")
 OURS = "cablemodel"
 
@@ -74,7 +77,7 @@ def cablemodel_scene(
 
 
 def cablemodel_contestants(
-    models: Sequence[str] = MODELS, tolerances: Sequence[float] = TOLERANCES
+    scene: str, models: Sequence[str] = MODELS, tolerances: Sequence[float] = TOLERANCES
 ) -> list[Contestant]:
     """Our solver: one curve per model, one point per tolerance."""
 
@@ -84,7 +87,12 @@ def cablemodel_contestants(
 
         return Contestant(f"{OURS} {model}", f"tau={tolerance:g}", make, "fine", compiles=True)
 
-    return [contestant(model, tolerance) for model in models for tolerance in tolerances]
+    return [
+        contestant(model, tolerance)
+        for model in models
+        for tolerance in tolerances
+        if tolerance >= LEAST_TOLERANCE.get((scene, model), 0.0)
+    ]
 
 
 DIRECT = "direct integration"

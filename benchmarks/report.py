@@ -12,7 +12,7 @@ from benchmarks.figures import work_precision_figure
 from benchmarks.measure import Measurement
 from benchmarks.references import load as load_references
 from benchmarks.rivals import MOORDYN_CURVES
-from benchmarks.scaling import ScalingPoint, exponent
+from benchmarks.scaling import SERIES, ScalingPoint, exponent, scaling_figure
 from benchmarks.scenes import SCENES, BenchmarkScene
 from benchmarks.startup import StartUp
 
@@ -45,6 +45,33 @@ MOORDYN_NOTES = """## MoorDyn: how it was driven
   needs short ones (5 ms here) for its top tension; they cost nothing next to its own steps.
 - Not like for like: MoorDyn has no factor sqrt(e) on the drag (it is compared with references
   without it; the factor moves S1 by 5e-6 L), and its segments never push.
+"""
+
+
+PEERS_NOTES = """## CableDyn, Exudyn, MuJoCo: what they can state
+
+| scene | MoorDyn | CableDyn | Exudyn | MuJoCo |
+|---|---|---|---|---|
+| S1 tow | yes | yes, EI = 0 | no drag | no Morison drag |
+| S2w, S2a releases | yes | starts from statics only | no drag | no Morison drag |
+| S2v release in a vacuum | yes | starts from statics only | yes | yes, does not stretch |
+| S3 pay-out to the floor | no pay-out | no pay-out | no drag, no pay-out | no Morison drag |
+| S4 turn out of a steady tow | yes | starts at rest only | no drag | no Morison drag |
+| J jumper (still water) | yes | yes | no drag | no Morison drag |
+
+- **CableDyn** (finite elements, generalised alpha, implicit): a line with bending must be held at
+  both ends, so S1 is solved by its two-node elements with EI = 0 (bending moves the end by 2e-5 L);
+  its free end is stepped apart from the line, and needs short steps for that. Tangent reused and a
+  Newton tolerance of 1e-6, which cost it no accuracy here; elements, step and damping are searched.
+- **Exudyn** (planar ANCF cable elements, the same beam): drag and added mass would be Python
+  functions in every iteration, so it takes part in a vacuum only. A whole run is one call of its
+  solver, timed as such. Elements, step, generalised alpha or trapezoidal rule and the order of
+  integration are searched.
+- **MuJoCo**: a chain of rigid rods with hinges and springs (its `cable` composite has ball joints,
+  which costs more); it does not stretch, which bounds its error from below by some 1e-4 L. Fluid
+  forces are those of ellipsoids. Rods, step and integrator are searched.
+- None of them has the factor sqrt(e) on the drag; on the jumper it changes drag by 5e-4.
+- Each was driven as its documentation does it; notes on how are in `benchmarks/peers/`.
 """
 
 
@@ -120,7 +147,7 @@ def ratios(scenes: Sequence[BenchmarkScene], results: Sequence[Measurement]) -> 
 
 
 def ratio_table(scenes: Sequence[BenchmarkScene], results: Sequence[Measurement]) -> str:
-    """Ratios at equal tip error; what was extrapolated is marked."""
+    """Ratios at equal error of position; none where a peer's best setting does not reach it."""
     rows = []
     for one in ratios(scenes, results):
         target = SCENES[one.scene].target
@@ -136,9 +163,9 @@ def ratio_table(scenes: Sequence[BenchmarkScene], results: Sequence[Measurement]
                 one.scene,
                 one.peer,
                 number(one.tip_error, 1),
-                number(one.theirs) + (" (extrapolated)" if one.theirs_extrapolated else ""),
+                "not reached" if one.theirs_extrapolated else number(one.theirs),
                 number(one.ours) + (" (extrapolated)" if one.ours_extrapolated else ""),
-                f"{one.ratio:.0f}",
+                "-" if one.theirs_extrapolated else f"{one.ratio:.3g}",
                 asked,
             )
         )
@@ -182,20 +209,56 @@ def scene_section(scene: BenchmarkScene, results: Sequence[Measurement], figures
     )
 
 
-def scaling_section(points: Sequence[ScalingPoint]) -> str:
-    """Cost against elements, and the fitted exponents."""
-    whole, per_step = exponent(points)
-    rows = [
-        (str(p.elements), number(p.cost), f"{p.steps:.0f}", number(p.cost / p.steps / p.elements))
-        for p in points
+MOST_MEMORY = 4000.0
+"""Memory of an instance per element, at most [bytes]."""
+
+
+def scaling_section(points: Sequence[ScalingPoint], figures: Path) -> str:
+    """Every series with its exponents, and the memory of an element."""
+    picture = figures / "scaling.png"
+    scaling_figure(points, picture)
+    parts = [
+        "## Scaling\n\nThe tow S1 (elastica, tau = 1e-3), one thing varied. Ten seconds in one "
+        f"call where nothing else is said.\n\n![scaling]({figures.name}/{picture.name})\n"
     ]
-    return (
-        "## Work against the number of elements\n\n"
-        "First ten seconds of S1, elastica, tau = 1e-3, with a fixed number of elements.\n\n"
-        + table(("elements", "CPU s", "steps", "CPU s per step and element"), rows)
-        + f"\nExponent from 100 elements on: {whole:.2f} (per step {per_step:.2f}); "
-        "asked: at most 1.1.\n"
+    for series in SERIES:
+        mine = [p for p in points if p.series == series.name]
+        if not mine:
+            continue
+        rows = [
+            (
+                f"{p.size:g}",
+                f"{p.elements:g}",
+                number(p.build),
+                number(p.cost),
+                f"{p.steps:g}",
+                number(p.cost / p.steps),
+                f"{p.memory / 1e6:.3g}",
+            )
+            for p in mine
+        ]
+        head = (series.varied, "elements", "start, CPU s", "stepping, CPU s", "steps")
+        text = f"### {series.name.capitalize()}\n\n{series.note}\n\n"
+        text += table((*head, "CPU s a step", "memory [MB]"), rows)
+        used = [p for p in mine if series.from_size <= p.size <= series.to_size]
+        if len(used) > 1:
+            sizes = [p.size for p in used]
+            whole = exponent(sizes, [p.cost for p in used])
+            start = exponent(sizes, [p.build for p in used])
+            span = f"{sizes[0]:g} to {sizes[-1]:g}"
+            text += f"\nExponent from {span}: stepping {whole:.2f}"
+            if series.name.startswith("elements"):
+                a_step = exponent(sizes, [p.cost / p.steps for p in used])
+                text += f" (a step {a_step:.2f}; asked: at most 1.1), start {start:.2f}"
+            text += ".\n"
+        parts.append(text)
+    largest = max(points, key=lambda p: p.elements)
+    each = largest.memory / largest.elements
+    parts.append(
+        f"Memory of an instance: {each:.0f} bytes an element (asked: at most {MOST_MEMORY:g}; "
+        f"{'met' if each <= MOST_MEMORY else '**not met**'}), with {largest.elements:g} elements.\n"
     )
+    return "\n".join(parts)
 
 
 def start_up_section(start_up: StartUp) -> str:
@@ -258,9 +321,10 @@ def write(
         for scene in scenes
     )
     if scaling:
-        parts.append(scaling_section(scaling))
+        parts.append(scaling_section(scaling, figures))
     if start_up is not None:
         parts.append(start_up_section(start_up))
+    parts.append(PEERS_NOTES)
     parts.append(MOORDYN_NOTES)
     if searched:
         parts.append(search_section(searched))

@@ -29,6 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.scenes import GRAVITY, Cable
+from benchmarks.sections import write_section
 
 BENDING_STIFFNESSES = (0.0, 1e-3, 0.1, 1.0, 10.0)
 AXIAL_STIFFNESSES = (1e4, 1e5, 1e6, 1e7, 1e9)
@@ -309,14 +310,12 @@ def describe_row(row: Row) -> tuple[str, ...]:
 
 
 def write_report(path: Path, rows: Sequence[Row], machine: dict[str, str]) -> None:
-    """The outcome table as Markdown."""
+    """The outcome table as a section of a page."""
     passed = sum(row.passed for row in rows)
     runs = sum(len(row.outcomes) for row in rows)
     head = ("scene", "EI", "EA", *(f"caller {step:g} s" for step in CALLER_STEPS))
     head += ("apart [tau L]", "energy: most, left", "outcome")
     lines = [
-        "# Robustness matrix\n",
-        "For those who doubt that it always completes. "
         "Written by `make stress` (`python -m benchmarks.robustness`). "
         f"{passed} of {len(rows)} rows passed ({runs} runs); tau = {TOLERANCE:g}, "
         f"L = {LENGTH:g} m; EI = 0 takes the flexible model, the others the elastica.\n",
@@ -332,8 +331,7 @@ def write_report(path: Path, rows: Sequence[Row], machine: dict[str, str]) -> No
         "|" + "---|" * len(head),
     ]
     lines += ["| " + " | ".join(describe_row(row)) + " |" for row in rows]
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text("\n".join(lines) + "\n")
+    write_section(path, "Stress", "Robustness matrix", "\n".join(lines))
 
 
 def _describe_scene(scene: HardScene) -> str:

@@ -1,56 +1,223 @@
-"""Work against the number of elements: is it linear up to 10,000?"""
+"""How work and memory grow: with elements, length of cable, steps, and instances in one process.
+
+Every series is the tow S1 (elastica, tau = 1e-3), one thing varied. ``python -m benchmarks --parts
+scaling`` measures and draws them.
+"""
 
 from __future__ import annotations
 
+import copy
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from benchmarks.contestants import CableModelRunner, cablemodel_scene
+from benchmarks.contestants import cablemodel_scene
 from benchmarks.scenes import SCENES
 
-ELEMENTS = (10, 30, 100, 300, 1000, 3000, 10_000)
 SIMULATED = 10.0
 """Seconds of scene S1 that are simulated."""
 
 
 @dataclass(frozen=True)
 class ScalingPoint:
-    """CPU seconds of stepping for one number of elements, and the steps it took."""
+    """One run of a series.
 
-    elements: int
+    size: what is varied. elements; cost: CPU seconds of stepping; build: of making the model and
+    its static start [s]; steps; memory: of the instance's block [bytes].
+    """
+
+    series: str
+    size: float
+    elements: float
     cost: float
+    build: float
     steps: float
+    memory: float
 
 
-def measure_scaling(elements: Sequence[int] = ELEMENTS, repeats: int = 3) -> list[ScalingPoint]:
-    """Tow S1 for ten seconds with each number of elements; the least of the repeats counts."""
+@dataclass(frozen=True)
+class Series:
+    """What is varied, over which sizes, how a point is measured; between which sizes the
+    exponent is taken."""
+
+    name: str
+    varied: str
+    sizes: tuple[float, ...]
+    measure: Callable[[float], ScalingPoint]
+    note: str
+    from_size: float
+    to_size: float = float("inf")
+
+
+def _model(length: float, elements: int | None) -> tuple[Any, float]:
+    """A model of S1 with another length, and the CPU time of making it [s].
+
+    EA grows with the length: the strain under the line's own weight stays that of S1.
+    """
+    import cablemodel as cm
+
+    scene = copy.deepcopy(cablemodel_scene(SCENES["S1"], 1e-3, "elastica", elements))
+    own = scene["line"][0]["cable"]["length"]
+    scene["line"][0]["cable"]["length"] = length
+    scene["cable_types"]["K"]["axial_stiffness"] *= length / own
+    began = time.process_time()
+    model = cm.CableModel(cm.load_scene(scene))
+    return model, time.process_time() - began
+
+
+def _point(name: str, size: float, length: float, elements: int | None) -> ScalingPoint:
+    """The first ten seconds in one call; the least of three runs."""
+    model, build = _model(length, elements)
+    start, costs = model.snapshot(), []
+    for _ in range(3):
+        model.restore(start)
+        before = dict(model.statistics)
+        began = time.process_time()
+        model.step_to(SIMULATED)
+        costs.append(time.process_time() - began)
+    counts = model.statistics
+    return ScalingPoint(
+        name,
+        size,
+        counts["elements"],
+        min(costs),
+        build,
+        counts["steps"] - before["steps"],
+        model._solver.memory.ints.nbytes,
+    )
+
+
+def _short_elements(size: float) -> ScalingPoint:
+    return _point("elements of a 30 m line", size, 30.0, int(size))
+
+
+def _long_line(size: float) -> ScalingPoint:
+    return _point("elements of 1 m", size, size, int(size))
+
+
+def _own_mesh(size: float) -> ScalingPoint:
+    return _point("length, mesh from the tolerance", size, size, None)
+
+
+def _steps(size: float) -> ScalingPoint:
+    """That many steps of 10 ms."""
+    model, build = _model(30.0, None)
+    began = time.process_time()
+    for k in range(1, int(size) + 1):
+        model.step_to(0.01 * k)
+    cost = time.process_time() - began
+    memory = model._solver.memory.ints.nbytes
+    elements = model.statistics["elements"]
+    return ScalingPoint("steps of 10 ms", size, elements, cost, build, size, memory)
+
+
+def _instances(size: float) -> ScalingPoint:
+    """That many models in one process, stepped in turn, 200 steps of 10 ms each."""
+    import cablemodel as cm
+
+    first, build = _model(30.0, None)
+    models = [first, *(cm.CableModel(first.scene) for _ in range(int(size) - 1))]
+    began = time.process_time()
+    for k in range(1, 201):
+        for model in models:
+            model.step_to(0.01 * k)
+    cost = time.process_time() - began
+    memory = sum(model._solver.memory.ints.nbytes for model in models)
+    elements = first.statistics["elements"]
+    return ScalingPoint("instances", size, elements, cost, build, 200.0 * size, memory)
+
+
+SERIES = (
+    Series(
+        "elements of a 30 m line",
+        "elements",
+        (10, 30, 100, 300, 1000, 3000, 10_000, 30_000),
+        _short_elements,
+        "Elements of 3 mm where there are 10,000, and of 1 mm where there are 30,000: there "
+        "round-off of the positions over the length of an element reaches Newton's tolerance, "
+        "steps are refused, and a step costs several times as much. Longer lines, below, have no "
+        "such limit.",
+        100,
+        10_000,
+    ),
+    Series(
+        "elements of 1 m",
+        "elements",
+        (10, 100, 1000, 10_000, 100_000),
+        _long_line,
+        "A line of as many metres; EA grows with it, so that it hangs with the same strain.",
+        100,
+    ),
+    Series(
+        "length, mesh from the tolerance",
+        "length [m]",
+        (30, 100, 300, 1000, 3000, 10_000, 30_000, 100_000),
+        _own_mesh,
+        "Elements and steps as the tolerance asks.",
+        30,
+    ),
+    Series(
+        "steps of 10 ms",
+        "steps",
+        (100, 1000, 10_000, 100_000),
+        _steps,
+        "As a controller at 100 Hz calls it, from Python.",
+        1000,
+    ),
+    Series(
+        "instances",
+        "instances",
+        (1, 10, 100, 1000),
+        _instances,
+        "Stepped in turn in one process, 200 steps each, from Python.",
+        1,
+    ),
+)
+
+
+def measure_scaling(
+    report: Callable[[ScalingPoint], None] = lambda _point: None, quick: bool = False
+) -> list[ScalingPoint]:
+    """Every series, or the smaller sizes of each."""
     points = []
-    for count in elements:
-        scene = cablemodel_scene(SCENES["S1"], 1e-3, "elastica", elements=count)
-        costs = []
-        steps = 0.0
-        for _ in range(repeats):
-            runner = CableModelRunner(scene)
-            # The initial statics already compiled and warmed everything that stepping needs,
-            # except the very first process: the least of the repeats leaves that out.
-            start = time.process_time()
-            runner.advance(SIMULATED)
-            costs.append(time.process_time() - start)
-            steps = runner.statistics().get("steps", float("nan"))
-        points.append(ScalingPoint(count, min(costs), steps))
+    for series in SERIES:
+        for size in series.sizes[: 3 if quick else None]:
+            points.append(series.measure(size))
+            report(points[-1])
     return points
 
 
-def exponent(points: Sequence[ScalingPoint], from_elements: int = 100) -> tuple[float, float]:
-    """Slope of cost, and of cost per step, against elements in log-log (least squares).
+def exponent(sizes: Sequence[float], values: Sequence[float]) -> float:
+    """Slope of values against sizes in log-log (least squares)."""
+    return float(np.polyfit(np.log(sizes), np.log(values), 1)[0])
 
-    Points below ``from_elements`` are left out: there the cost of a call is not yet small.
-    """
-    used = [p for p in points if p.elements >= from_elements]
-    sizes = np.log([p.elements for p in used])
-    cost = np.log([p.cost for p in used])
-    per_step = np.log([p.cost / p.steps for p in used])
-    return float(np.polyfit(sizes, cost, 1)[0]), float(np.polyfit(sizes, per_step, 1)[0])
+
+def scaling_figure(points: Sequence[ScalingPoint], path: Path) -> None:
+    """Cost against size, a panel for each series, with a line of slope one."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    canvas, axes = pyplot.subplots(1, len(SERIES), figsize=(15.0, 3.4), layout="constrained")
+    for panel, series in zip(axes, SERIES, strict=True):
+        mine = [p for p in points if p.series == series.name]
+        if not mine:
+            continue
+        sizes = np.array([p.size for p in mine])
+        costs = np.array([p.cost for p in mine])
+        panel.loglog(sizes, costs, "o-", markersize=4, label="measured")
+        if series.varied != "length [m]":
+            panel.loglog(sizes, costs[-1] * sizes / sizes[-1], "k:", label="linear")
+        panel.set_title(series.name, fontsize=9)
+        panel.set_xlabel(series.varied)
+        panel.grid(True, which="major", linewidth=0.4)
+        panel.legend(fontsize=8)
+    axes[0].set_ylabel("CPU seconds of stepping")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    canvas.savefig(path, dpi=110)
+    pyplot.close(canvas)

@@ -12,7 +12,7 @@ def write_section(path: Path, title: str, heading: str, text: str) -> None:
     A page that does not exist begins with its title (level one). The section ends where the next
     heading of level two, or the page, does.
     """
-    page = path.read_text() if path.exists() else f"# {title}\n\n"
+    page = path.read_text() if path.exists() else f"# {title}\n"
     section = f"## {heading}\n\n{text.strip()}\n\n"
     pattern = re.compile(rf"^## {re.escape(heading)}\n.*?(?=^## |\Z)", re.MULTILINE | re.DOTALL)
     if pattern.search(page):

@@ -42,6 +42,7 @@ class Soak:
 
     steps: int
     failed: int = 0
+    slow: str = ""
     memory: list[float] = field(default_factory=list)
     kinetic: list[float] = field(default_factory=list)
     highest: list[float] = field(default_factory=list)
@@ -58,6 +59,8 @@ class Soak:
         found = []
         if self.failed:
             found.append(f"{self.failed} steps failed, first: {self.first_failure}")
+        if self.slow:
+            found.append(self.slow)
         if not self.finite:
             found.append("a number was not finite")
         if self.length_error > 1e-9:
@@ -91,8 +94,10 @@ def resident() -> float:
     return pages * 4096 / 1e6
 
 
-GIVE_UP = 100
+GIVE_UP = 10
 """Failed steps after which a soak ends."""
+TOO_SLOW = 1e-2
+"""Mean time of a step [s] at which a soak ends: a hundred times the usual one."""
 
 
 def soak(steps: int, winch: bool, seed: int = 8) -> Soak:
@@ -111,7 +116,7 @@ def soak(steps: int, winch: bool, seed: int = 8) -> Soak:
     sizes = np.array([FASTEST, FASTEST, 0.25 * FASTEST, PAYOUT, CURRENT, CURRENT, 0.0])
     lag = np.array([5.0, 5.0, 1.0, 1.0, 10.0, 10.0, 1.0])
     kinetic = highest = 0.0
-    began = time.process_time()
+    began = looked = time.process_time()
     for index in range(1, steps + 1):
         if rng.random() < STEP / HOLD:
             target = rng.uniform(-1.0, 1.0, 7) * sizes
@@ -134,6 +139,10 @@ def soak(steps: int, winch: bool, seed: int = 8) -> Soak:
                 break
             continue
         if index % 100 == 0:
+            if time.process_time() - looked > 100.0 * TOO_SLOW:
+                found.slow = f"at t = {model.time:g} s a step takes more than {TOO_SLOW:g} s"
+                break
+            looked = time.process_time()
             energy = model.energy()["kinetic"]
             kinetic, highest = max(kinetic, energy / scale), max(highest, model.tension_max)
             found.finite &= bool(np.isfinite([energy, highest, *model.tip_position]).all())

@@ -184,20 +184,37 @@ def strike() -> tuple[bool, str, float]:
     return holds, measured, model.time
 
 
+LAY_SPEED = 1.0
+"""Of vessel and winch in the long lay [m/s]."""
+
+
+def long_lay_scene(laid: float, element: float | None = None) -> Any:
+    """A steady lay in 3,000 m of water, with that much on the drum [m].
+
+    element: length of the elements that the line begins with and is paid out in [m].
+    """
+
+    def part(length: float) -> dict[str, Any]:
+        item = cable(length, "hybrid")
+        if element is not None:
+            item["cable"]["elements"] = round(length / element)
+        return item
+
+    return scene(
+        [part(5000.0)],
+        ARMOURED,
+        environment={"floor": {"z": -3000, "friction": 0.4}},
+        vessel={"velocity": velocity_rows((LAY_SPEED, 0, 0))},
+        payout={"rate": [{"t": 0, "rate": LAY_SPEED}], "drum": [part(laid)]},
+    )
+
+
 def long_lay(laid: float) -> tuple[bool, str, float]:
     """A lay in 3,000 m of water until `laid` metres lie: the lay law's tension, work linear."""
     import cablemodel as cm
 
-    speed = 1.0
-    model = cm.CableModel(
-        scene(
-            [cable(5000.0, "hybrid")],
-            ARMOURED,
-            environment={"floor": {"z": -3000, "friction": 0.4}},
-            vessel={"velocity": velocity_rows((speed, 0, 0))},
-            payout={"rate": [{"t": 0, "rate": speed}], "drum": [cable(laid, "hybrid")]},
-        )
-    )
+    speed = LAY_SPEED
+    model = cm.CableModel(long_lay_scene(laid))
     law = lay_law(speed, speed, 3000.0)
     tensions = []
     while model.time < laid / speed - 1000.0:

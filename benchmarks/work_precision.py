@@ -27,7 +27,7 @@ def contestants_for(scene: BenchmarkScene, part: str, quick: bool) -> list[Conte
     if part != OURS:
         return PEERS[part](scene.name, quick)
     models = MODELS[:1] if quick else MODELS
-    chosen = cablemodel_contestants(models, QUICK_TOLERANCES if quick else TOLERANCES)
+    chosen = cablemodel_contestants(scene.name, models, QUICK_TOLERANCES if quick else TOLERANCES)
     return chosen if quick else chosen + direct_contestants(scene.name)
 
 

@@ -51,7 +51,7 @@ def touchdown_layer(scene: Scene, cable: Cable) -> float:
     kind = scene.cable_types[cable.type]
     bending = 0.0 if cable.model == "cable" else kind.bending_stiffness
     bending = bending or least_bending(scene, kind)
-    return (bending / contact_weight(kind, scene.environment.gravity)) ** (1.0 / 3.0)
+    return math.cbrt(bending / contact_weight(kind, scene.environment.gravity))
 
 
 def spare_nodes(scene: Scene) -> int:

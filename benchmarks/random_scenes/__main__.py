@@ -37,7 +37,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.random_scenes", description=__doc__)
     parser.add_argument("--first", type=int, default=0, help="seed to begin with")
     parser.add_argument("--count", type=int, default=COUNT, help="how many seeds from there on")
-    parser.add_argument("--only", help="these seeds, with commas")
+    parser.add_argument("--only", help="show these seeds, with commas; keep nothing")
+    parser.add_argument("--seeds", help="judge and keep these seeds, with commas")
+    parser.add_argument("--again", help="judge anew those kept with these outcomes, with commas")
     parser.add_argument("--report", action="store_true", help="only write the page anew")
     parser.add_argument("--worker", help=argparse.SUPPRESS)
     chosen = parser.parse_args()
@@ -57,7 +59,11 @@ def main() -> None:
     kept = {}
     if STORE.exists():
         kept = {row["seed"]: row for row in json.loads(STORE.read_text())}
-    seeds = range(chosen.first, min(chosen.first + chosen.count, COUNT))
+    seeds = list(range(chosen.first, min(chosen.first + chosen.count, COUNT)))
+    if chosen.seeds:
+        seeds = [int(word) for word in chosen.seeds.split(",")]
+    if chosen.again:
+        seeds = [s for s, row in kept.items() if row["outcome"] in chosen.again.split(",")]
 
     def keep(verdict: Verdict) -> None:
         show(verdict)

@@ -8,6 +8,10 @@ by a tenth of tau L, or changes the tension by a tenth of its allowance, nothing
 Tensions are compared while the line is taut and not shocked: once it has pushed anywhere, they are
 snaps, whose peaks fall between any two instants; and after a command that makes the line ring along
 itself (``draw.shock_time``) or a winch that stops dead at its end, the ringing decides them.
+Where the runs differ by more, a run at tau/16 decides who is right: when it and the one at tau/4
+are more than half the promise apart, too, there is nothing to judge by (*unsettled*: a straight
+line that is pushed buckles the way its mesh lets it; or the solver does not converge).
+
 What is left for such scenes, as for all: the run completes or says clearly why not; every number is
 finite; no cable appears or is stretched beyond its strain; nothing sinks deeper into the floor than
 tau L; no energy comes from nowhere; and a line that hangs free in still water, left alone for an
@@ -27,13 +31,15 @@ from benchmarks.random_scenes.trace import Trace, perturbed, run
 
 RUN_LIMIT = 30.0
 """CPU seconds that a run may take; more is ``too slow`` [s]."""
-CHECK_LIMIT = 20.0
+CHECK_LIMIT = 10.0
 """The same for each of the two runs at tau/4 [s]."""
 FINER = 0.25
 FAINT = 0.01
 """Size of the perturbation over tau."""
 MOVED = 0.1
 """Share of the promise by which the perturbed run may differ, where the motion is predictable."""
+SETTLED = 0.5
+"""Difference between the runs at tau/4 and tau/16, in units of the promise at tau, at most."""
 PUSHES = 0.01
 """Compression over the largest tension, from which on a line counts as slack [-]."""
 MOST_ENERGY_GAIN = 0.05
@@ -44,8 +50,8 @@ MOST_ENERGY_GAIN = 0.05
 class Verdict:
     """Outcome of one scene.
 
-    outcome: completed, refused, stopped, wrong, crashed, too slow. why: in words, empty where
-    completed; kinds: of what is wrong (position, tension, energy, limit, rest, not finite).
+    outcome: completed, refused, stopped, unsettled, wrong, crashed, too slow. why: in words, empty
+    where completed; kinds: of what is wrong (position, tension, energy, limit, rest, not finite).
     position, tension: largest difference from the run at tau/4, in units of the
     promise (1.25 is allowed). compared: share of the run that was. energy_gain as in the trace.
     """
@@ -103,8 +109,29 @@ def judge(drawn: Drawn, started: Callable[[str], None] = lambda _phase: None) ->
         _wrong(verdict, "limit", f"at tau/4: {'; '.join(fine.broken[:2])}")
     elif fine.end != "completed":
         verdict.note = f"at tau/4: {fine.end}: {fine.message}"
-    compare(verdict, drawn, trace, fine, shaken)
+    off = compare(verdict, drawn, trace, fine, shaken)
+    if off is not None:
+        started("finest")
+        finest, _ = run(drawn, drawn.scene, tau * FINER**2, CHECK_LIMIT)
+        settle(verdict, drawn, fine, finest, off)
     return verdict
+
+
+def settle(verdict: Verdict, drawn: Drawn, fine: Trace, finest: Trace, k: int) -> None:
+    """Call a difference at instant k unsettled where the two finer runs do not agree either."""
+    if len(finest.times) <= k:
+        apart = "none: the run at tau/16 did not come so far"
+        agree = False
+    else:
+        scale = drawn.tolerance * fine.lengths[k]
+        pull = 10.0 * drawn.tolerance * max(max(abs(h) for h in fine.highest), 1e-9)
+        position = _apart(fine, finest, k) / scale
+        tension = abs(fine.top[k] - finest.top[k]) / pull
+        apart = f"tau/4 and tau/16 are {position:.2g} tau L, {tension:.2g} of 10 tau T apart"
+        agree = position <= SETTLED and ("tension" not in verdict.kinds or tension <= SETTLED)
+    verdict.note = f"{verdict.note} {apart}".strip()
+    if not agree and set(verdict.kinds) <= {"position", "tension"}:
+        verdict.outcome = "unsettled"
 
 
 def _wrong(verdict: Verdict, kind: str, why: str) -> None:
@@ -114,11 +141,14 @@ def _wrong(verdict: Verdict, kind: str, why: str) -> None:
     verdict.outcome = "wrong"
 
 
-def compare(verdict: Verdict, drawn: Drawn, trace: Trace, fine: Trace, shaken: Trace) -> None:
-    """Fill in the largest differences while the motion is predictable; too large ones are wrong."""
+def compare(verdict: Verdict, drawn: Drawn, trace: Trace, fine: Trace, shaken: Trace) -> int | None:
+    """Fill in the largest differences while the motion is predictable; too large ones are wrong.
+
+    Returns the instant of the first one that is too large, or None.
+    """
     tau, compared = drawn.tolerance, 0
     highest = max((abs(value) for value in fine.highest), default=0.0)
-    slack = False
+    slack, off = False, None
     for k in range(min(len(trace.times), len(fine.times), len(shaken.times))):
         scale = tau * max(fine.lengths[k], trace.lengths[k])
         # Over a heavy snap the largest tension of all is what the promise speaks of.
@@ -142,8 +172,10 @@ def compare(verdict: Verdict, drawn: Drawn, trace: Trace, fine: Trace, shaken: T
                 f"at t = {trace.times[k]:.3g} s {position:.2g} tau L and {tension:.2g} of 10 tau T "
                 f"({trace.top[k]:.4g}, {fine.top[k]:.4g} N) from the run at tau/4",
             )
+            off = k
             break
     verdict.compared = compared / max(len(trace.times), 1)
+    return off
 
 
 def _apart(one: Trace, other: Trace, k: int) -> float:

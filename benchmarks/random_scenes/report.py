@@ -13,8 +13,8 @@ from benchmarks.random_scenes.draw import COUNT, Drawn, draw
 from benchmarks.random_scenes.judge import FINER, RUN_LIMIT, Verdict
 from benchmarks.report import number, table
 
-OUTCOMES = ("completed", "refused", "stopped", "wrong", "too slow", "crashed")
-COLOURS = ("#7fb77e", "#9db4c0", "#e0a458", "#c1443c", "#7d5ba6", "#222222")
+OUTCOMES = ("completed", "refused", "stopped", "unsettled", "wrong", "too slow", "crashed")
+COLOURS = ("#7fb77e", "#9db4c0", "#e0a458", "#d9d27a", "#c1443c", "#7d5ba6", "#222222")
 WORDS = (
     "manoeuvre", "medium", "model", "pay-out", "floor", "body", "end", "top", "current", "weight",
     "EI", "shock",
@@ -24,13 +24,14 @@ NUMBERS = ("length", "strain", "bending length", "tolerance", "step", "friction"
 """Traits that are numbers: a panel of the figure for each."""
 
 HEADER = """Written by `make stress` (`python -m benchmarks.random_scenes`). Scenes are drawn by a
-Latin hypercube over cable (length 3 to 1,000 m, density 0.5 to 8 of the water's, EI 0 or up to that of a
-solid rod, EA from the strain under a typical load), medium, current, manoeuvre, winch, floor,
+Latin hypercube over cable (length 3 to 1,000 m, density 0.5 to 8 of the water's, EI 0 or up to that
+of a solid rod, EA from the strain under a typical load), medium, current, manoeuvre, winch, floor,
 bodies, ends, model, tolerance (1e-4 to 1e-2) and the caller's step; they last 5 to 60 s. How they
 are judged is in `benchmarks/random_scenes/judge.py`: by the run at a quarter of the tolerance as
 long as the motion can be predicted, by energy, and by limits that always hold. *Refused*: a
 SceneError or StaticsError at the start; *stopped*: a StepError that names time and place; *too
-slow*: more than {limit:g} s of processor time. Any of them again, with the scene as YAML:
+slow*: more than {limit:g} s of processor time; *unsettled*: runs at tau, tau/4 and tau/16 all
+differ, so that there is nothing to judge by. Any of them again, with the scene as YAML:
 `python -m benchmarks.random_scenes --only SEED`.
 """
 
@@ -56,6 +57,8 @@ def _counts(name: str, verdicts: Sequence[Verdict]) -> tuple[str, ...]:
 def wrong_table(verdicts: Sequence[Verdict]) -> str:
     """What is wrong, and by how much."""
 
+    verdicts = [v for v in verdicts if v.outcome == "wrong"]
+
     def count(test: Callable[[Verdict], bool]) -> str:
         return str(sum(test(v) for v in verdicts))
 
@@ -75,15 +78,15 @@ def wrong_table(verdicts: Sequence[Verdict]) -> str:
     return table(("what is wrong", "scenes"), rows)
 
 
-def worst_table(rows: Sequence[tuple[Drawn, Verdict]], most: int = 40) -> str:
+def worst_table(rows: Sequence[tuple[Drawn, Verdict]], most: int = 80) -> str:
     """The worst scenes: crashed, too slow, then by how far they are off."""
 
     def badness(row: tuple[Drawn, Verdict]) -> tuple[int, float]:
         verdict = row[1]
-        rank = {"crashed": 0, "too slow": 1, "wrong": 2, "stopped": 3}[verdict.outcome]
+        rank = BAD.index(verdict.outcome)
         return rank, -max(np.nan_to_num([verdict.position, verdict.tension]))
 
-    bad = [row for row in rows if row[1].outcome in ("crashed", "too slow", "wrong", "stopped")]
+    bad = [row for row in rows if row[1].outcome in BAD]
     lines = [
         (
             str(v.seed),
@@ -96,6 +99,9 @@ def worst_table(rows: Sequence[tuple[Drawn, Verdict]], most: int = 40) -> str:
         for _, v in sorted(bad, key=badness)[:most]
     ]
     return table(("seed", "outcome", "what", "position", "tension", "in words"), lines)
+
+
+BAD = ("crashed", "too slow", "wrong", "unsettled", "stopped")
 
 
 def figure(rows: Sequence[tuple[Drawn, Verdict]], path: Path) -> None:
@@ -121,7 +127,7 @@ def figure(rows: Sequence[tuple[Drawn, Verdict]], path: Path) -> None:
         panel.set_ylim(0.0, 1.0)
     for panel in axes[:, 0]:
         panel.set_ylabel("share of the scenes")
-    canvas.legend(*axes.flat[0].get_legend_handles_labels(), loc="outside upper center", ncols=6)
+    canvas.legend(*axes.flat[0].get_legend_handles_labels(), loc="outside upper center", ncols=7)
     path.parent.mkdir(parents=True, exist_ok=True)
     canvas.savefig(path, dpi=110)
     pyplot.close(canvas)
@@ -149,7 +155,7 @@ def section(verdicts: Sequence[Verdict], page: Path) -> str:
     rows = [(draw(v.seed), v) for v in verdicts]
     picture = page.parent / page.stem / "random_scenes.png"
     figure(rows, picture)
-    judged = [v for v in verdicts if v.outcome in ("completed", "wrong")]
+    judged = [v for v in verdicts if v.outcome in ("completed", "unsettled", "wrong")]
     part = np.mean([v.compared for v in judged]) if judged else math.nan
     whole = sum(v.compared > 0.99 for v in judged)
     return "\n".join(

@@ -21,9 +21,15 @@ from typing import Any
 from benchmarks.random_scenes.draw import draw
 from benchmarks.random_scenes.judge import CHECK_LIMIT, RUN_LIMIT, Verdict, judge
 
-GRACE = 5.0
+GRACE = 3.0
 """CPU seconds beyond a run's limit until its process is ended: steps may be long [s]."""
-LIMITS = {"run": RUN_LIMIT, "rest": RUN_LIMIT, "check": CHECK_LIMIT, "perturbed": CHECK_LIMIT}
+LIMITS = {
+    "run": RUN_LIMIT,
+    "rest": RUN_LIMIT,
+    "check": CHECK_LIMIT,
+    "perturbed": CHECK_LIMIT,
+    "finest": CHECK_LIMIT,
+}
 
 
 def work(seeds: Sequence[int]) -> None:
