@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from cablemodel.scene import Scene
     from cablemodel.scene.line import Cable
 
-SPARE_NODES = 16
+SPARE_NODES = 12
 """For joints at the vessel, and for a short line that is paid out again."""
 SHORTEST_LINE = 0.01
 """Of the initial length: what reel-in leaves out."""

@@ -74,8 +74,8 @@ from .layout import (
 )
 
 FEWEST_ELEMENTS = 4
-SPLIT, JOIN = 2.0, 0.5  # of the nominal length of the top element; JOIN of the next element too
-LARGEST_SHARE = 0.6  # of the line: a longer top element of few is halved
+SPLIT, JOIN = 2.0, 0.5  # of the nominal length of the top element
+LARGEST_SHARE = 0.6  # of the line: a longer top element of few is halved, none becomes longer
 UNEVEN = 0.25  # of the next element: the top one of the fewest is joined with it below that
 LEAVES, RETURNS, DIVIDES, UNITES = 1, 2, 3, 4  # what the top of the line asks for
 
@@ -419,14 +419,14 @@ def element_number(I, M):
 
 
 @kernel
-def is_too_large(I, M):
-    """Whether the top element is most of a line of few elements: a short one that is paid out."""
-    if I[I_NODES] > 2 * FEWEST_ELEMENTS:
+def is_too_large(I, M, length, elements):
+    """Whether a top element of this length is most of a line of few elements."""
+    if elements > 2 * FEWEST_ELEMENTS:
         return False
     total = 0.0
     for node in range(1, I[I_NODES]):
         total += M[I[O_EDGE] + EDGE_WORDS * node + E_LENGTH]
-    return M[S_TOP_LENGTH] > LARGEST_SHARE * total
+    return length > LARGEST_SHARE * total
 
 
 @kernel
@@ -445,18 +445,16 @@ def next_change(I, M):
         if out <= 0.5 * M[row + K_SHORTEST]:
             return RETURNS
     nominal = M[row + K_NOMINAL]
-    if M[S_TOP_LENGTH] > SPLIT * nominal or is_too_large(I, M):
+    if M[S_TOP_LENGTH] > SPLIT * nominal or is_too_large(I, M, M[S_TOP_LENGTH], I[I_NODES] - 1):
         return DIVIDES
     if M[S_TOP_LENGTH] < JOIN * nominal and I[I_NODES] > 2:
         first = I[O_EDGE] + EDGE_WORDS
         below = first + EDGE_WORDS
-        if M[S_TOP_LENGTH] >= JOIN * M[below + E_LENGTH]:
-            return 0
         if M[below + E_SEGMENT] == M[first + E_SEGMENT] and I[I[O_JOINT] + 2] == 0:
-            # One of the last elements goes only where another one gains by being halved.
-            if (
-                M[S_TOP_LENGTH] < UNEVEN * M[below + E_LENGTH]
-                or element_number(I, M) > FEWEST_ELEMENTS
+            # One of few elements goes only where another one gains by being halved.
+            if M[S_TOP_LENGTH] < UNEVEN * M[below + E_LENGTH] or (
+                element_number(I, M) > FEWEST_ELEMENTS
+                and not is_too_large(I, M, M[S_TOP_LENGTH] + M[below + E_LENGTH], I[I_NODES] - 2)
             ):
                 return UNITES
     return 0
