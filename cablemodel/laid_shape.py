@@ -57,6 +57,19 @@ def on_floor(scene: Scene, points: FloatArray) -> FloatArray:
     return _rounded(start, laid, BEND * thinnest_layer(scene))
 
 
+def surplus(scene: Scene) -> float:
+    """Cable beyond straight down and along the floor to the anchor [m]; 0 without an anchor."""
+    floor = scene.environment.floor
+    if floor is None or scene.end.kind != "anchor":
+        return 0.0
+    start = scene.motion().evaluate(0.0)[0]
+    end = np.asarray(scene.end.position, dtype=float)
+    down = float(start[2]) - floor.height(float(start[0]), float(start[1]))
+    rise = floor.height(float(start[0]), float(start[1])) - float(end[2])
+    along = math.hypot(float(start[0] - end[0]), float(start[1] - end[1]), rise)
+    return max(0.0, scene.line_length - down - along)
+
+
 def critical_angle(scene: Scene, speed: float) -> float:
     """Angle from the horizontal of a straight cable towed or laid at a speed [rad].
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel import sea_floor
+from cablemodel import laid_shape, sea_floor
 from cablemodel.block import Block
 from cablemodel.errors import SceneError, StaticsError
 from cablemodel.instance.frame import local
@@ -46,7 +46,17 @@ def find_initial_state(block: Block, scene: Scene) -> None:
                 "an anchored cable has no steady state while the vessel moves",
                 "a vessel at rest at t = 0, or initial: {points: [...]}",
             )
-        solve_static(block, frame)
+        try:
+            solve_static(block, frame)
+        except StaticsError:
+            slack = laid_shape.surplus(scene)
+            if slack == 0.0:
+                raise
+            raise StaticsError(
+                f"no static equilibrium was found: the line is {slack:g} m longer than straight "
+                "down and along the floor to its anchor, and slack has no single shape at rest; give "
+                "initial: {points: ...}, or a shorter line"
+            ) from None
     if _stabilise(block) and scene.initial.kind == "static":
         # The new stiffness changes the forces by a little: the state must meet them.
         solve_static(block, frame)

@@ -51,6 +51,11 @@ def test_is_refused(parts: dict[str, Any], path: str, allowed: str) -> None:
     assert allowed in caught.value.allowed
 
 
+def test_slack_that_has_no_single_shape_is_named() -> None:
+    with pytest.raises(cm.StaticsError, match="is 10 m longer than straight down and along"):
+        built(end={"anchor": [0, 0, -20]})
+
+
 @pytest.mark.parametrize("share", [1.001, 1.04])
 def test_a_taut_line_to_an_anchor_is_allowed(share: float) -> None:
     model = built(

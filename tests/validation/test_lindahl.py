@@ -95,13 +95,6 @@ def test_static_tension(tolerance):
     assert chain(tolerance, 0.0).top_tension == pytest.approx(top, abs=10 * tolerance * top)
 
 
-REFINES = pytest.mark.xfail(
-    strict=True,
-    reason="the mesh of a slack chain that lands refines to its limit, and its tension explodes: "
-    "at 1e-3 without bending stiffness, at 1e-4 with any up to 0.1 N m2",
-)
-
-
 @pytest.mark.parametrize(
     ("tolerance", "bending"),
     [
@@ -110,8 +103,9 @@ REFINES = pytest.mark.xfail(
         (1e-3, 3e-3),
         (1e-3, 1e-2),
         (1e-3, 3e-2),
-        pytest.param(1e-3, 0.0, marks=REFINES),
-        pytest.param(1e-4, 3e-2, marks=REFINES),
+        (1e-3, 0.0),
+        (1e-4, 1e-2),
+        (1e-4, 3e-2),
     ],
 )
 def test_tension_is_that_measured(tolerance, bending):

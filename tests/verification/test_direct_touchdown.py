@@ -113,11 +113,13 @@ def without_tangential_drag(scene):
 
 
 def test_example_3_without_folds_is_that_of_the_finite_elements():
-    """What is left between the two solvers where the laid cable does not fold."""
+    """What is left between the two solvers where the laid cable does not fold: half a per cent, or
+    the accuracy that the finite elements promise at their tolerance."""
     scene = without_tangential_drag(cm.load_scene(SCENES / "example_3_touchdown.yaml"))
     here, there = compared(scene, (45.0, 50.0, 60.0, 80.0, 96.0, 115.0), tolerance=1e-4)
     assert here[:, 0] == pytest.approx(there[:, 0], rel=1e-3)
-    assert here[:, 1] == pytest.approx(there[:, 1], rel=5e-3)
+    promise = 10.0 * 1e-4 * there[:, 0].max()
+    assert here[:, 1] == pytest.approx(there[:, 1], rel=5e-3, abs=promise)
     assert here[:, 2] == pytest.approx(there[:, 2], abs=0.2)
 
 
