@@ -169,3 +169,6 @@ def test_recovery_brings_the_lander_to_the_vessel():
     assert model.winch == "shortest length"
     assert model.top_tension == pytest.approx(3.9 * model.line_length + 250.0, rel=2e-3)
     assert -4.0 < heights[scene.run.duration] < -2.0
+    # Once all hangs, elements that the winch takes in leave no mark on it.
+    hanging = [tension for time, tension in tensions.items() if 220.0 < time < 318.0]
+    assert np.abs(np.diff(hanging, 2)).max() < 0.03 * max(hanging)
