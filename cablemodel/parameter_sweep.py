@@ -266,7 +266,7 @@ def _client(scheduler: str | None, workers: int | None, count: int) -> Iterator[
         cluster = LocalCluster(
             n_workers=min(workers or os.cpu_count() or 1, count),
             threads_per_worker=1,
-            dashboard_address=None,
+            dashboard_address="127.0.0.1:0",
             silence_logs=logging.CRITICAL,
         )
     with cluster, Client(cluster, set_as_default=False) as client:

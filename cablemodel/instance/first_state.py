@@ -54,8 +54,8 @@ def find_initial_state(block: Block, scene: Scene) -> None:
                 raise
             raise StaticsError(
                 f"no static equilibrium was found: the line is {slack:g} m longer than straight "
-                "down and along the floor to its anchor, and slack has no single shape at rest; give "
-                "initial: {points: ...}, or a shorter line"
+                "down and along the floor to its anchor, and slack has no single shape at rest; "
+                "give initial: {points: ...}, or a shorter line"
             ) from None
     if _stabilise(block) and scene.initial.kind == "static":
         # The new stiffness changes the forces by a little: the state must meet them.

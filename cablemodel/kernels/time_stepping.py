@@ -317,15 +317,16 @@ def project_velocity(I, M, gamma_dt):
 
 
 @kernel
-def make_consistent(I, M, share):
+def make_consistent(I, M, changed):
     """Remove what a step much shorter than the last one would answer with huge tensions.
 
     A step leaves the constraint |r'| = 1 + strain(T) and its time derivative met to Newton's and
     the integrator's tolerance. A following step of dt turns such an error of d (in r) or w (in v)
-    into forces of m d / dt^2 and m w / dt. Both are projected out here, at the tensions and rates
-    that there are, in the norm of the last step's matrix, or of one that does not resolve the
-    axial motion of a joined element: slow modes are left as they are; so is the part of the
-    elongation's rate that is not in `share`.
+    into forces of m d / dt^2 and m w / dt. Both are projected out here in the norm of the last
+    step's matrix: slow modes, which that step resolved, are left as they are.
+
+    Where the mesh has changed the errors are those of joined elements: tensions and their rates
+    are held, in the norm of a step that does not resolve these elements' axial motion.
     """
     count = 2 * I[I_DIMENSION] * I[I_NODES]
     nodes = I[I_NODES]
@@ -340,24 +341,29 @@ def make_consistent(I, M, share):
     constraint = view(M, I[O_CONSTRAINT_RESIDUAL], 2 * nodes)
     x = view(M, I[O_INCREMENT], count)
     set_time(I, M, M[S_TIME])
-    slow = AXIAL_SLOW * M[S_JOINED] / (M[S_LENGTH] * math.sqrt(M[S_AXIAL]))
-    if refactor(I, M, q, v, a, tension, max(slow, GAMMA[0] * M[S_LAST_STEP])) == 0:
-        for _iteration in range(4):
+    gamma_dt = GAMMA[0] * M[S_LAST_STEP]
+    if changed:
+        slow = AXIAL_SLOW * M[S_JOINED] / (M[S_LENGTH] * math.sqrt(M[S_AXIAL]))
+        gamma_dt = max(slow, gamma_dt)
+    if refactor(I, M, q, v, a, tension, gamma_dt) == 0:
+        for _iteration in range(4 if changed else 3):
             residual(I, M, q, v, a, tension, forces, constraint)
             forces[:] = 0.0
             newton_increment(I, M, forces, constraint, x)
             for n in range(count):
                 q[n] += x[n]
+            if not changed:
+                recover_tension(I, M, constraint, x, tension)
         for _iteration in range(2):
             if I[I_PAYOUT] != 0:
                 residual(I, M, q, v, a, tension, forces, constraint)
             elongation_rate(I, M, v, rate, constraint)
-            for n in range(2 * nodes):
-                constraint[n] *= share
             forces[:] = 0.0
             newton_increment(I, M, forces, constraint, x)
             for n in range(count):
                 v[n] += x[n]
+            if not changed:
+                recover_tension(I, M, constraint, x, rate)
     I[I_FACTORED] = 0
     I[I_HISTORY] = 0
     M[S_LAST_STEP] = 0.0
@@ -406,7 +412,7 @@ def change_mesh(I, M):
             return status
     if I[I_FLOOR] != 0:
         follow_floor(I, M, True)
-    make_consistent(I, M, 1.0)
+    make_consistent(I, M, True)
     M[S_JOINED] = 0.0
     return OK
 
@@ -499,7 +505,7 @@ def advance_to(I, M, t_end):
         scheme = 1 if I[I_ORDER] == 4 and dt > 0.25 * natural else 0
         to_output = landing and stop == t_end
         if dt < 0.2 * M[S_LAST_STEP]:
-            make_consistent(I, M, axial_share(M, GAMMA[0] * M[S_LAST_STEP]))
+            make_consistent(I, M, False)
         elif unprojected:
             project_velocity(I, M, GAMMA[scheme] * dt)
         unprojected = False
@@ -508,8 +514,8 @@ def advance_to(I, M, t_end):
         two_steps = to_output and dt <= 0.25 * natural and try_two_step(I, M, dt)
         if not two_steps:
             status, error = try_step(I, M, dt, scheme, to_output)
-            if status == OK and refused < MOST_REFUSALS and folds(I, M):
-                # A shorter step may keep the cable from it; a mesh too coarse for a fold does not.
+            if status == OK and I[I_FLOOR] != 0 and refused < MOST_REFUSALS and folds(I, M):
+                # Where the mesh follows folds; a whip on a coarse one may end so for a while.
                 refused += 1
                 status = NOT_CONVERGED
         if status != OK or not error <= 1.0:
