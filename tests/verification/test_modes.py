@@ -47,11 +47,12 @@ def hanging_elastica(elements):
 
 
 def test_hanging_elastica():
-    """Clamped at the top; EI/(w L^3) = 1e-3, so that the layer of 0.03 L needs elements."""
+    """Clamped at the top; EI/(w L^3) = 1e-3, so that the layer of 0.03 L needs elements. With 64 of
+    them rounding in the start and in the derivatives, 5e-7, is as large as what is left."""
     expected = np.array(modes.hanging_elastica(1e-3, 3)) * np.sqrt(GRAVITY)
-    errors = [frequencies(hanging_elastica(n), 3) - expected for n in (32, 64)]
-    assert observed_order(errors) == pytest.approx(4.0, abs=0.5)
-    assert errors[1] / expected == pytest.approx(0.0, abs=2e-6)
+    errors = [frequencies(hanging_elastica(n), 3) - expected for n in (16, 32, 64)]
+    assert observed_order(errors[:2]) == pytest.approx(4.0, abs=0.5)
+    assert errors[2] / expected == pytest.approx(0.0, abs=2e-6)
 
 
 def beam(elements, tension, *, clamped_start, anchor, clamped_end=False):
