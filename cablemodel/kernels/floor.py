@@ -257,7 +257,7 @@ def approach(I, v, parent, node, h, p, w):
 
 
 @inlined
-def tipping(I, q, parent, node, h, p, w):
+def tipping(I, q, parent, node, p, w):
     """Share of the normal force that pushes cable over that stands on its end, along x.
 
     Exactly vertical cable would stand on the floor as no column can. The share is nothing where
@@ -278,6 +278,29 @@ def tipping(I, q, parent, node, h, p, w):
     return TIPPING * upright * upright
 
 
+@inlined
+def contact_force(I, M, q, v, parent, node, h, p, contact, w):
+    """Normal force per length at contact point p of an element [N/m], 0 where it does not touch.
+
+    Position into w[0:3], normal into w[3:6], what acts along the floor [N/m] into w[9:12]. Returns
+    force, gap and speed of approach.
+    """
+    dimension = I[I_DIMENSION]
+    interpolate(I, q, parent, node, h, p, w)
+    gap = gap_at(I, M, w, w[3:6])
+    for i in range(dimension):
+        w[9 + i] = 0.0
+    if gap >= M[S_FLOOR_DEPTH]:
+        return 0.0, gap, 0.0
+    speed = approach(I, v, parent, node, h, p, w)
+    press = contact * (1.0 - gap / M[S_FLOOR_DEPTH])
+    press *= max(0.0, 1.0 - M[S_FLOOR_DAMPING] * speed)
+    if M[S_FRICTION] > 0.0 and press > 0.0:
+        friction(I, M, q, parent, node, CONTACT_POINTS[p], contact, press, w)
+    w[9] += press * tipping(I, q, parent, node, p, w)
+    return press, gap, speed
+
+
 @kernel
 def floor_residual(I, M, q, v, out):
     """Subtract the floor's forces on cable and bodies from the forces that are left at the nodes.
@@ -288,7 +311,6 @@ def floor_residual(I, M, q, v, out):
     size = 2 * dimension
     w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
     depth = M[S_FLOOR_DEPTH]
-    rubs = M[S_FRICTION] > 0.0
     for node in range(1, I[I_NODES]):
         if I[I[O_JOINT] + node] != 0:
             continue
@@ -299,26 +321,16 @@ def floor_residual(I, M, q, v, out):
         h = M[edge + E_LENGTH]
         contact = M[edge + E_CONTACT]
         for p in range(4):
-            interpolate(I, q, parent, node, h, p, w)
-            gap = gap_at(I, M, w, w[3:6])
+            press, gap, _speed = contact_force(I, M, q, v, parent, node, h, p, contact, w)
             if gap >= depth:
                 continue
-            speed = approach(I, v, parent, node, h, p, w)
-            press = contact * (1.0 - gap / depth) * max(0.0, 1.0 - M[S_FLOOR_DAMPING] * speed)
-            for i in range(dimension):
-                w[9 + i] = 0.0
-            if rubs and press > 0.0:
-                friction(I, M, q, parent, node, CONTACT_POINTS[p], contact, press, w)
             weight = h * CONTACT_WEIGHTS[p]
-            tip = press * tipping(I, q, parent, node, h, p, w)
             n0 = CONTACT_H[p, 0]
             n1 = h * CONTACT_H[p, 1]
             n2 = CONTACT_H[p, 2]
             n3 = h * CONTACT_H[p, 3]
             for i in range(dimension):
                 force = weight * (press * w[3 + i] + w[9 + i])
-                if i == 0:
-                    force += weight * tip
                 out[size * parent + i] -= n0 * force
                 out[size * parent + dimension + i] -= n1 * force
                 out[size * node + i] -= n2 * force
@@ -374,7 +386,7 @@ def body_force(I, M, contact, node, q, v, w):
     press = contact * (1.0 - gap / depth) * max(0.0, 1.0 - M[S_FLOOR_DAMPING] * speed)
     if M[S_FRICTION] > 0.0 and press > 0.0:
         friction(I, M, q, node, node, 0.0, contact, press, w)
-    w[9] += press * tipping(I, q, node, node, 0.0, 0, w)
+    w[9] += press * tipping(I, q, node, node, 0, w)
     return press
 
 

@@ -4,16 +4,14 @@ import math
 
 from .compile import kernel
 from .floor import (
-    approach,
     body_force,
+    contact_force,
     contact_node,
     contact_points,
     cubic_end,
-    friction,
     gap_at,
     interpolate,
     lowest_gap,
-    tipping,
 )
 from .layout import (
     B_WEIGHT,
@@ -32,9 +30,7 @@ from .layout import (
     O_PARENT,
     O_POSITION,
     O_VELOCITY,
-    S_FLOOR_DAMPING,
     S_FLOOR_DEPTH,
-    S_FRICTION,
 )
 from .tables import CONTACT_POINTS, CONTACT_WEIGHTS
 
@@ -120,25 +116,14 @@ def floor_summary(I, M, out):
                     out[4 + i] = w[i]
             begin = min(begin, 1.0)
         for p in range(4):
-            x = CONTACT_POINTS[p]
-            interpolate(I, q, parent, node, h, p, w)
-            gap = gap_at(I, M, w, w[3:6])
+            press, gap, _speed = contact_force(I, M, q, v, parent, node, h, p, contact, w)
             weight = h * CONTACT_WEIGHTS[p]
-            press = 0.0
             if gap < depth:
-                speed = approach(I, v, parent, node, h, p, w)
-                press = contact * (1.0 - gap / depth)
-                press *= max(0.0, 1.0 - M[S_FLOOR_DAMPING] * speed)
-                for i in range(dimension):
-                    w[9 + i] = 0.0
-                if M[S_FRICTION] > 0.0 and press > 0.0:
-                    friction(I, M, q, parent, node, x, contact, press, w)
                 for i in range(dimension):
                     out[i] += weight * (press * w[3 + i] + w[9 + i])
-                out[0] += weight * press * tipping(I, q, parent, node, h, p, w)
                 if gap < LYING * depth:
                     out[3] += weight
-            place = h * (x - begin)
+            place = h * (CONTACT_POINTS[p] - begin)
             if touched and place >= 0.0 and place <= zone:
                 out[7] += weight * (press - contact)
         zone -= h * (1.0 - begin)
@@ -173,23 +158,14 @@ def floor_energy(I, M, out):
         h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
         contact = M[I[O_EDGE] + node * EDGE_WORDS + E_CONTACT]
         for p in range(4):
-            interpolate(I, q, parent, node, h, p, w)
-            gap = gap_at(I, M, w, w[3:6])
+            press, gap, speed = contact_force(I, M, q, v, parent, node, h, p, contact, w)
             if gap >= depth:
                 continue
             spring = contact * (1.0 - gap / depth)
             weight = h * CONTACT_WEIGHTS[p]
             out[6] += 0.5 * weight * spring * (depth - gap)
-            interpolate(I, v, parent, node, h, p, w)
-            speed = 0.0
-            for i in range(dimension):
-                speed += w[i] * w[3 + i]
-                w[9 + i] = 0.0
-            press = spring * max(0.0, 1.0 - M[S_FLOOR_DAMPING] * speed)
-            if M[S_FRICTION] > 0.0 and press > 0.0:
-                friction(I, M, q, parent, node, CONTACT_POINTS[p], contact, press, w)
             out[7] -= weight * (press - spring) * speed
-            out[7] -= weight * press * tipping(I, q, parent, node, h, p, w) * w[0]
+            interpolate(I, v, parent, node, h, p, w)
             for i in range(dimension):
                 out[7] -= weight * w[9 + i] * w[i]
     for body in range(I[I_BODIES]):

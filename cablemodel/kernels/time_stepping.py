@@ -7,7 +7,7 @@ neither the error estimate nor Newton's test looks at it, but for the last stage
 
 import math
 
-from .compile import copy_words, inlined, kernel, view
+from .compile import copy_words, kernel, view
 from .environment import find_piece
 from .floor import settle
 from .follow import follow_floor
@@ -272,11 +272,67 @@ def accept_trial(I, M, dt, scheme):
     copy_words(I, I[O_TENSION], I[O_TRIAL_T], 2 * I[I_NODES])
 
 
-@inlined
-def axial_share(M, gamma_dt):
-    """How much of the axial motion a step does not resolve: 1 of a stiff line, 0 of a soft one."""
-    stiffness = M[S_AXIAL] * gamma_dt * gamma_dt
-    return stiffness / (stiffness + AXIAL_RESOLVED)
+@kernel
+def refactor_state(I, M, gamma_dt):
+    """Factor the Newton matrix of a step at the state itself; 0 on success."""
+    count = 2 * I[I_DIMENSION] * I[I_NODES]
+    q = view(M, I[O_POSITION], count)
+    v = view(M, I[O_VELOCITY], count)
+    a = view(M, I[O_ACCELERATION], count)
+    set_time(I, M, M[S_TIME])
+    return refactor(I, M, q, v, a, view(M, I[O_TENSION], 2 * I[I_NODES]), gamma_dt)
+
+
+@kernel
+def state_residual(I, M):
+    """Residual of the state: forces, and what is left of the constraint."""
+    count = 2 * I[I_DIMENSION] * I[I_NODES]
+    words = 2 * I[I_NODES]
+    residual(
+        I,
+        M,
+        view(M, I[O_POSITION], count),
+        view(M, I[O_VELOCITY], count),
+        view(M, I[O_ACCELERATION], count),
+        view(M, I[O_TENSION], words),
+        view(M, I[O_RESIDUAL], count),
+        view(M, I[O_CONSTRAINT_RESIDUAL], words),
+    )
+
+
+@kernel
+def project(I, M, place, share):
+    """Remove a share of what is left of the constraint from an array of the state."""
+    count = 2 * I[I_DIMENSION] * I[I_NODES]
+    forces = view(M, I[O_RESIDUAL], count)
+    constraint = view(M, I[O_CONSTRAINT_RESIDUAL], 2 * I[I_NODES])
+    x = view(M, I[O_INCREMENT], count)
+    array = view(M, I[place], count)
+    if share != 1.0:
+        for n in range(2 * I[I_NODES]):
+            constraint[n] *= share
+    forces[:] = 0.0
+    newton_increment(I, M, forces, constraint, x)
+    for n in range(count):
+        array[n] += x[n]
+
+
+@kernel
+def state_elongation_rate(I, M):
+    """Rate of the constraint's residual at the state, with the rates of the tensions."""
+    words = 2 * I[I_NODES]
+    v = view(M, I[O_VELOCITY], 2 * I[I_DIMENSION] * I[I_NODES])
+    rate = view(M, I[O_TENSION_RATE], words)
+    elongation_rate(I, M, v, rate, view(M, I[O_CONSTRAINT_RESIDUAL], words))
+
+
+@kernel
+def follow_increment(I, M, place):
+    """Let tensions, or their rates, by their header word, follow the last increment."""
+    words = 2 * I[I_NODES]
+    constraint = view(M, I[O_CONSTRAINT_RESIDUAL], words)
+    x = view(M, I[O_INCREMENT], 2 * I[I_DIMENSION] * I[I_NODES])
+    recover_tension(I, M, constraint, x, view(M, I[place], words))
 
 
 @kernel
@@ -290,29 +346,14 @@ def project_velocity(I, M, gamma_dt):
     to be resolved, this would replace that motion by an estimate from the rate of T: the share of
     the correction fades with the line's axial frequency times the step.
     """
-    count = 2 * I[I_DIMENSION] * I[I_NODES]
-    nodes = I[I_NODES]
-    share = axial_share(M, gamma_dt) if M[S_UNDAMPED] != 0.0 else 0.0
-    if share < 0.1:
+    if M[S_UNDAMPED] == 0.0:
         return
-    q = view(M, I[O_POSITION], count)
-    v = view(M, I[O_VELOCITY], count)
-    a = view(M, I[O_ACCELERATION], count)
-    tension = view(M, I[O_TENSION], 2 * nodes)
-    rate = view(M, I[O_TENSION_RATE], 2 * nodes)
-    forces = view(M, I[O_RESIDUAL], count)
-    constraint = view(M, I[O_CONSTRAINT_RESIDUAL], 2 * nodes)
-    x = view(M, I[O_INCREMENT], count)
-    set_time(I, M, M[S_TIME])
-    if refactor(I, M, q, v, a, tension, gamma_dt) != 0:
+    stiffness = M[S_AXIAL] * gamma_dt * gamma_dt
+    share = stiffness / (stiffness + AXIAL_RESOLVED)
+    if share < 0.1 or refactor_state(I, M, gamma_dt) != 0:
         return
-    elongation_rate(I, M, v, rate, constraint)
-    for n in range(2 * nodes):
-        constraint[n] *= share
-    forces[:] = 0.0
-    newton_increment(I, M, forces, constraint, x)
-    for n in range(count):
-        v[n] += x[n]
+    state_elongation_rate(I, M)
+    project(I, M, O_VELOCITY, share)
     I[I_HISTORY] = 0
 
 
@@ -328,42 +369,25 @@ def make_consistent(I, M, changed):
     Where the mesh has changed the errors are those of joined elements: tensions and their rates
     are held, in the norm of a step that does not resolve these elements' axial motion.
     """
-    count = 2 * I[I_DIMENSION] * I[I_NODES]
-    nodes = I[I_NODES]
-    q = view(M, I[O_POSITION], count)
-    v = view(M, I[O_VELOCITY], count)
-    a = view(M, I[O_ACCELERATION], count)
-    tension = view(M, I[O_TENSION], 2 * nodes)
     if M[S_LAST_STEP] == 0.0:
         return
-    rate = view(M, I[O_TENSION_RATE], 2 * nodes)
-    forces = view(M, I[O_RESIDUAL], count)
-    constraint = view(M, I[O_CONSTRAINT_RESIDUAL], 2 * nodes)
-    x = view(M, I[O_INCREMENT], count)
-    set_time(I, M, M[S_TIME])
     gamma_dt = GAMMA[0] * M[S_LAST_STEP]
     if changed:
         slow = AXIAL_SLOW * M[S_JOINED] / (M[S_LENGTH] * math.sqrt(M[S_AXIAL]))
         gamma_dt = max(slow, gamma_dt)
-    if refactor(I, M, q, v, a, tension, gamma_dt) == 0:
+    if refactor_state(I, M, gamma_dt) == 0:
         for _iteration in range(4 if changed else 3):
-            residual(I, M, q, v, a, tension, forces, constraint)
-            forces[:] = 0.0
-            newton_increment(I, M, forces, constraint, x)
-            for n in range(count):
-                q[n] += x[n]
+            state_residual(I, M)
+            project(I, M, O_POSITION, 1.0)
             if not changed:
-                recover_tension(I, M, constraint, x, tension)
+                follow_increment(I, M, O_TENSION)
         for _iteration in range(2):
             if I[I_PAYOUT] != 0:
-                residual(I, M, q, v, a, tension, forces, constraint)
-            elongation_rate(I, M, v, rate, constraint)
-            forces[:] = 0.0
-            newton_increment(I, M, forces, constraint, x)
-            for n in range(count):
-                v[n] += x[n]
+                state_residual(I, M)
+            state_elongation_rate(I, M)
+            project(I, M, O_VELOCITY, 1.0)
             if not changed:
-                recover_tension(I, M, constraint, x, rate)
+                follow_increment(I, M, O_TENSION_RATE)
     I[I_FACTORED] = 0
     I[I_HISTORY] = 0
     M[S_LAST_STEP] = 0.0
@@ -376,24 +400,14 @@ def take_rates_from_velocity(I, M):
     From one step to the next they are differences, which a projection of velocities on to them
     would feed back: an axial motion that steps resolve would grow with every change of the mesh.
     """
-    count = 2 * I[I_DIMENSION] * I[I_NODES]
-    nodes = I[I_NODES]
-    q = view(M, I[O_POSITION], count)
-    v = view(M, I[O_VELOCITY], count)
-    a = view(M, I[O_ACCELERATION], count)
-    tension = view(M, I[O_TENSION], 2 * nodes)
-    rate = view(M, I[O_TENSION_RATE], 2 * nodes)
-    forces = view(M, I[O_RESIDUAL], count)
-    constraint = view(M, I[O_CONSTRAINT_RESIDUAL], 2 * nodes)
-    x = view(M, I[O_INCREMENT], count)
-    set_time(I, M, M[S_TIME])
-    if refactor(I, M, q, v, a, tension, GAMMA[0] * M[S_LAST_STEP]) != 0:
+    if refactor_state(I, M, GAMMA[0] * M[S_LAST_STEP]) != 0:
         return
     if I[I_PAYOUT] != 0:
-        residual(I, M, q, v, a, tension, forces, constraint)
-    elongation_rate(I, M, v, rate, constraint)
+        state_residual(I, M)
+    state_elongation_rate(I, M)
+    x = view(M, I[O_INCREMENT], 2 * I[I_DIMENSION] * I[I_NODES])
     x[:] = 0.0
-    recover_tension(I, M, constraint, x, rate)
+    follow_increment(I, M, O_TENSION_RATE)
 
 
 @kernel

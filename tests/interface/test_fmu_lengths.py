@@ -61,7 +61,7 @@ def difference(slave, model) -> tuple[float, float]:
     return position, tension
 
 
-def compare(data, line, drum, tmp_path, drive, at_start, in_run) -> None:
+def assert_as_with_lengths(data, line, drum, tmp_path, drive, at_start, in_run) -> None:
     scene = cm.load_scene(data)
     with unpacked(scene, tmp_path, stations=STATIONS) as (place, description):
         slave = Slave(place, description, **parameters(line, drum))
@@ -93,7 +93,7 @@ def heave(t):
 def test_a_line_scaled_as_a_whole_is_the_same_to_rounding(line, drum, tmp_path):
     """Its elements lie where those of the scene with these lengths lie; a body and the drum too."""
     data = still_scene().to_dict()
-    compare(data, line, drum, tmp_path, winch, at_start=1e-9, in_run=1e-5)
+    assert_as_with_lengths(data, line, drum, tmp_path, winch, at_start=1e-9, in_run=1e-5)
 
 
 @pytest.mark.parametrize("line", [[10.0, 20.0], [30.0, 8.0], [40.0, 5.0]])
@@ -102,19 +102,19 @@ def test_other_proportions_are_the_same_within_the_tolerance(line, half_length, 
     data = still_scene().to_dict()
     if half_length:
         data["line"][1] = body(half_length=half_length, centre_offset=0.2, rotary_inertia=0.6)
-    compare(data, line, [15.0], tmp_path, winch, at_start=0.05, in_run=1.0)
+    assert_as_with_lengths(data, line, [15.0], tmp_path, winch, at_start=0.05, in_run=1.0)
 
 
 @pytest.mark.parametrize("line", [[50.0, 65.0], [70.0, 60.0]])
 def test_an_anchored_line_with_a_buoy(line, tmp_path):
-    compare(ANCHORED, line, [], tmp_path, heave, at_start=1.0, in_run=1.0)
+    assert_as_with_lengths(ANCHORED, line, [], tmp_path, heave, at_start=1.0, in_run=1.0)
 
 
 def test_a_line_in_waves(tmp_path):
     data = still_scene().to_dict()
     data["environment"]["waves"] = {"regular": {"height": 1.0, "period": 6}}
     data["vessel"]["position"] = [5, 3, -2]
-    compare(data, [26.0, 13.0], [15.0], tmp_path, winch, at_start=0.05, in_run=1.0)
+    assert_as_with_lengths(data, [26.0, 13.0], [15.0], tmp_path, winch, at_start=0.05, in_run=1.0)
 
 
 @pytest.mark.parametrize("factor", [0.5, 1.3, 2.0])
