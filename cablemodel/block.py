@@ -115,7 +115,8 @@ class Block(WordBlock):
             (at.O_JOINT, capacity),
             (at.O_EDGE, capacity * at.EDGE_WORDS),
             (at.O_BODY, bodies * at.BODY_WORDS),
-            (at.O_CONSTRAINT, constraints * at.CONSTRAINT_WORDS),
+            # One more for the end of the cable that is awake.
+            (at.O_CONSTRAINT, constraints * at.CONSTRAINT_WORDS + at.CONSTRAINT_WORDS),
             (at.O_POSITION, capacity * 6),
             (at.O_VELOCITY, capacity * 6),
             (at.O_ACCELERATION, capacity * 6),
@@ -132,8 +133,9 @@ class Block(WordBlock):
         image_words = at.HEADER_WORDS + at.SCALAR_WORDS + sum(length for _, length in image)
         workspace = [
             (at.O_BACKUP, image_words),
-            (at.O_STAGE_V, capacity * 36),
-            (at.O_STAGE_A, capacity * 36),
+            # The first stage is the state, the last one the trial.
+            (at.O_STAGE_V, capacity * 24),
+            (at.O_STAGE_A, capacity * 24),
             (at.O_BASE_Q, capacity * 6),
             (at.O_BASE_V, capacity * 6),
             (at.O_TRIAL_Q, capacity * 6),

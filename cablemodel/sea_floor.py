@@ -93,6 +93,7 @@ def fill(block: Block, scene: Scene) -> None:
     reals[at.S_FLOOR_DEPTH] = DEPTH * accuracy
     reals[at.S_BRISTLE] = BRISTLE * accuracy
     reals[at.S_FRICTION] = floor.friction
+    ints[at.I_SLEEP] = int(floor.friction > 0.0)
     reals[at.S_FLOOR_DAMPING] = _damping(scene)
     if floor.z is not None:
         ints[at.I_FLOOR] = at.FLOOR_PLANE

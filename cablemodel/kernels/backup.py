@@ -1,47 +1,130 @@
 """All or nothing: what a step may change is kept until the step is done.
 
-The image is copied in parts. Header, scalars, the live piece of motion and all from the nodes'
-parents to the factorisation change in every step. The factorisation, two thirds of the image, is
-kept only when it is about to be replaced, which most of the steps of a caller at 100 Hz do not do.
-The tables between them change in no step.
+The image is copied in parts, and of each as much as is in use, not its capacity. Header, scalars,
+the live piece of motion and the state of what is awake change in every step. The factorisation,
+two thirds of the image, is kept only when it is about to be replaced, which most of the steps of a
+caller at 100 Hz do not do, and cable that sleeps only when it is moved in memory or wakes. The
+tables between them change in no step.
 """
 
 from .compile import copy_words, kernel
 from .layout import (
-    I_IMAGE_WORDS,
+    EDGE_WORDS,
+    I_ASLEEP,
+    I_DIMENSION,
+    I_FACTORED,
+    I_HISTORY,
     I_KEEP_MATRIX,
+    I_KEEP_SLEEPERS,
+    I_NODES,
+    O_ACCELERATION,
     O_BACKUP,
+    O_BODY,
+    O_COMPLIANCE,
     O_DIAGONAL,
+    O_EDGE,
+    O_GRADIENT,
+    O_HISTORY,
+    O_JOINT,
+    O_LOWER,
     O_PARENT,
     O_PIECES,
+    O_POSITION,
+    O_REST,
+    O_TENSION,
+    O_TENSION_RATE,
+    O_UPPER,
+    O_VELOCITY,
     PIECE_WORDS,
 )
 
 
 @kernel
+def copy_part(I, to, source, place, words, first, count):
+    """Copy rows first ... first + count - 1, of `words` each, of an array by its header word.
+
+    to, source: 0 for the image itself, the backup's offset for the backup.
+    """
+    start = I[place] + words * first
+    copy_words(I, to + start, source + start, words * count)
+
+
+@kernel
+def copy_nodes(I, to, source, first, count):
+    """Copy the state of nodes, and of the edges above them."""
+    size = 2 * I[I_DIMENSION]
+    copy_part(I, to, source, O_PARENT, 1, first, count)
+    copy_part(I, to, source, O_JOINT, 1, first, count)
+    copy_part(I, to, source, O_EDGE, EDGE_WORDS, first, count)
+    copy_part(I, to, source, O_POSITION, size, first, count)
+    copy_part(I, to, source, O_VELOCITY, size, first, count)
+    copy_part(I, to, source, O_ACCELERATION, size, first, count)
+    copy_part(I, to, source, O_TENSION, 2, first, count)
+    copy_part(I, to, source, O_TENSION_RATE, 2, first, count)
+    copy_part(I, to, source, O_REST, 3, first, count)
+
+
+@kernel
+def copy_awake(I, to, source):
+    """Copy the state of what is awake, bodies and constraints."""
+    awake = I[I_NODES] - I[I_ASLEEP]
+    copy_nodes(I, to, source, 0, awake)
+    copy_part(I, to, source, O_BODY, 1, 0, I[O_POSITION] - I[O_BODY])
+    if I[I_HISTORY] != 0:
+        copy_part(I, to, source, O_HISTORY, 4 * I[I_DIMENSION], 0, awake)
+
+
+@kernel
+def copy_matrix(I, to, source, nodes, dimension):
+    """Copy the factorisation of a line of so many nodes."""
+    area = 4 * dimension * dimension
+    copy_part(I, to, source, O_DIAGONAL, area, 0, nodes)
+    copy_part(I, to, source, O_UPPER, area, 0, nodes)
+    copy_part(I, to, source, O_LOWER, area, 0, nodes)
+    copy_part(I, to, source, O_GRADIENT, 8 * dimension, 0, nodes)
+    copy_part(I, to, source, O_COMPLIANCE, 3, 0, nodes)
+
+
+@kernel
 def keep_state(I):
-    """Before a step: keep all that it may change but the matrix."""
+    """Before a step, of the whole line: keep all that it changes but for matrix and sleepers."""
     backup = I[O_BACKUP]
     copy_words(I, backup, 0, I[O_PIECES] + PIECE_WORDS)
-    copy_words(I, backup + I[O_PARENT], I[O_PARENT], I[O_DIAGONAL] - I[O_PARENT])
-    I[I_KEEP_MATRIX] = 1
+    copy_awake(I, backup, 0)
+    I[I_KEEP_MATRIX] = I[I_FACTORED]
+    I[I_KEEP_SLEEPERS] = I[I_ASLEEP]
 
 
 @kernel
 def keep_matrix(I):
     """Before the matrix is replaced: keep it, once a step."""
     if I[I_KEEP_MATRIX] != 0:
-        start = I[O_DIAGONAL]
-        copy_words(I, I[O_BACKUP] + start, start, I[I_IMAGE_WORDS] - start)
+        backup = I[O_BACKUP]
+        awake = I[backup + I_NODES] - I[backup + I_ASLEEP]
+        copy_matrix(I, backup, 0, awake, I[backup + I_DIMENSION])
         I[I_KEEP_MATRIX] = 0
 
 
 @kernel
+def keep_sleepers(I):
+    """Before cable that sleeps is moved or wakes: keep its state, once a step."""
+    asleep = I[I_KEEP_SLEEPERS]
+    if asleep != 0:
+        backup = I[O_BACKUP]
+        copy_nodes(I, backup, 0, I[backup + I_NODES] - asleep, asleep)
+        I[I_KEEP_SLEEPERS] = 0
+
+
+@kernel
 def give_back(I):
-    """After a step that failed: the image as it was."""
+    """After a step that failed: the image as it was, of all that is in use."""
     backup = I[O_BACKUP]
-    if I[I_KEEP_MATRIX] == 0:
-        start = I[O_DIAGONAL]
-        copy_words(I, start, backup + start, I[I_IMAGE_WORDS] - start)
-    copy_words(I, I[O_PARENT], backup + I[O_PARENT], I[O_DIAGONAL] - I[O_PARENT])
+    matrix_stands = I[I_KEEP_MATRIX]
+    sleepers_stand = I[I_KEEP_SLEEPERS]
     copy_words(I, 0, backup, I[O_PIECES] + PIECE_WORDS)
+    copy_awake(I, 0, backup)
+    awake = I[I_NODES] - I[I_ASLEEP]
+    if I[I_FACTORED] != 0 and matrix_stands == 0:
+        copy_matrix(I, 0, backup, awake, I[I_DIMENSION])
+    if I[I_ASLEEP] != 0 and sleepers_stand == 0:
+        copy_nodes(I, 0, backup, awake, I[I_ASLEEP])

@@ -24,6 +24,7 @@ from .layout import (
     I_CAPACITY,
     I_CONSTRAINTS,
     I_DIMENSION,
+    I_LEFT_OUT,
     I_NODES,
     I_PAYOUT,
     LAYER,
@@ -101,7 +102,7 @@ def measure(I, M, gaps, behind, jumps):
         second_derivative(I, M, node, 1, w[0:3])
         for i in range(3):
             w[3 + i] = 0.0
-        if node + 1 < nodes:
+        if node + 1 < nodes + I[I_LEFT_OUT]:
             if I[I[O_JOINT] + node + 1] != 0:
                 continue
             second_derivative(I, M, node + 1, 0, w[3:6])
@@ -121,20 +122,30 @@ def measure(I, M, gaps, behind, jumps):
 
 
 @kernel
-def wanted_length(I, M, node, gaps, behind, jumps):
-    """The length that an element should have where it is [m]."""
+def finest_length(I, M, node, gap):
+    """Lengths of the touchdown layer, and of the elements where cable of this kind lands [m].
+
+    gap: height of the element at present [m].
+    """
     edge = I[O_EDGE] + node * EDGE_WORDS
     accuracy = M[S_TOLERANCE] * M[S_LENGTH]
-    depth = M[S_FLOOR_DEPTH]
     layer = touchdown_layer(M, edge)
     # T - w z hardly changes along a hanging cable: the tension that it will land with.
     at = I[O_TENSION] + 2 * node
-    radius = (M[at] - abs(M[at + 1])) / M[edge + E_CONTACT] - max(0.0, gaps[node])
+    radius = (M[at] - abs(M[at + 1])) / M[edge + E_CONTACT] - max(0.0, gap)
     radius = layer + max(0.0, radius)
-    shortest = LAYER * layer
     # By the place of the cable, and by the angle that an element turns: what it misses of its
     # length when it lands strains the laid cable.
-    finest = max(shortest, min(math.sqrt(2.0 * accuracy * radius), TURN * radius))
+    return layer, max(LAYER * layer, min(math.sqrt(2.0 * accuracy * radius), TURN * radius))
+
+
+@kernel
+def wanted_length(I, M, node, gaps, behind, jumps):
+    """The length that an element should have where it is [m]."""
+    accuracy = M[S_TOLERANCE] * M[S_LENGTH]
+    depth = M[S_FLOOR_DEPTH]
+    layer, finest = finest_length(I, M, node, gaps[node])
+    shortest = LAYER * layer
     if gaps[node] >= depth:
         wanted = finest + AHEAD * (gaps[node] - depth)
         near = gaps[node] < 4.0 * finest
@@ -235,7 +246,7 @@ def follow_floor(I, M, change):
         if I[I[O_JOINT] + node] == 0:
             h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
             if h > SPLIT_ABOVE * wanted[node]:
-                if I[I_NODES] + 1 < capacity:
+                if I[I_NODES] + I[I_LEFT_OUT] + 1 < capacity:
                     if not change:
                         return True
                     changed = split_edge(I, M, node, 0.5, False) == OK or changed

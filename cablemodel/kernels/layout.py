@@ -8,7 +8,7 @@ the FMU's state and its serialisation are a copy of it.
 """
 
 MAGIC = 0x4C45444F4D454C42  # "BLEMODEL", little endian
-VERSION = 2
+VERSION = 3
 HEADER_WORDS = 96
 SCALAR_WORDS = 96
 
@@ -56,6 +56,13 @@ I_TWO_STEP_CHECK = 90  # steps until its convergence is measured again
 I_TWO_STEP_REST = 93  # what I_TWO_STEP_WAIT is set to at a refusal: doubles while it is refused
 
 I_KEEP_MATRIX = 92  # 1 while a step has not yet saved the matrix that it may have to give back
+
+# Cable at rest on the floor: the nodes at the line's end that sleep.
+I_SLEEP = 83  # 1: cable may sleep (there is friction), 0: it never does
+I_ASLEEP = 84  # how many nodes sleep
+I_LEFT_OUT = 85  # as many while a step is made without them, else 0
+I_KEEP_SLEEPERS = 86  # how many of them a step has not yet saved
+I_ANCHOR_KEPT = 87  # 1 where the row of the far end's constraint waits for them
 
 # Header: word offsets of the arrays.
 O_PIECES, O_DEPTHS, O_TIMES, O_CURRENT, O_STRAIN = 32, 33, 34, 35, 36
@@ -107,6 +114,11 @@ S_WAVE_RAMP = _S + 63  # time in which the waves come up [s]
 S_WAVE_STEP = _S + 64  # longest step that resolves them [s]
 S_WAVE_DEPTH = _S + 65  # water depth [m]
 S_WAVE_CREST = _S + 66  # sum of the amplitudes [m]
+S_SLEEP_AFTER = _S + 80  # time before which no more cable falls asleep [s]
+S_SLEEP_TENSION, S_SLEEP_SPARE = _S + 81, _S + 82  # at its end, what it may change by [N]
+S_SLEEP_WAY = _S + 83  # length of cable that lies awake before it [m]
+S_SLEEP_LOW, S_SLEEP_HIGH = _S + 84, _S + 85  # heights between which it lies [m]
+S_SLEEP_FLOW = _S + 86  # square of the water's speed whose drag is the friction [m2/s2]
 S_TWO_STEP_RATIO = _S + 88  # convergence ratio of Newton in the two-step scheme
 S_STAGE_RATE, S_STAGE_SLOPE = _S + 38, _S + 39  # at the time of the last set_time
 

@@ -13,6 +13,7 @@ the nodal rates the element is computed like any other one. Elements are split a
 steps; splitting a cubic is exact, in position, velocity, acceleration and tension.
 """
 
+from .backup import keep_sleepers
 from .compile import kernel
 from .layout import (
     B_NODE,
@@ -32,6 +33,7 @@ from .layout import (
     I_DIMENSION,
     I_FACTORED,
     I_HISTORY,
+    I_LEFT_OUT,
     I_NODES,
     I_PAYOUT,
     I_RATE_LIVE,
@@ -247,7 +249,8 @@ def move_node(I, M, node, to):
 @kernel
 def open_gap(I, M, at, count):
     """Move nodes from `at` on by `count` places and renumber all that points to them."""
-    for node in range(I[I_NODES] - 1, at - 1, -1):
+    keep_sleepers(I)
+    for node in range(I[I_NODES] + I[I_LEFT_OUT] - 1, at - 1, -1):
         move_node(I, M, node, node + count)
     renumber(I, M, at, count)
 
@@ -255,7 +258,8 @@ def open_gap(I, M, at, count):
 @kernel
 def close_gap(I, M, at, count):
     """Remove nodes at ... at + count - 1."""
-    for node in range(at + count, I[I_NODES]):
+    keep_sleepers(I)
+    for node in range(at + count, I[I_NODES] + I[I_LEFT_OUT]):
         move_node(I, M, node, node - count)
     renumber(I, M, at + count, -count)
 
@@ -267,12 +271,14 @@ def renumber(I, M, first, count):
         row = I[O_BODY] + body * BODY_WORDS + B_NODE
         if M[row] >= first:
             M[row] += count
+        elif M[row] < -1.0:
+            M[row] -= count  # asleep, see sleep.py
     for n in range(I[I_CONSTRAINTS]):
         row = I[O_CONSTRAINT] + n * CONSTRAINT_WORDS + C_NODE
         if M[row] >= first:
             M[row] += count
     I[I_NODES] += count
-    for node in range(1, I[I_NODES]):
+    for node in range(1, I[I_NODES] + I[I_LEFT_OUT]):
         I[I[O_PARENT] + node] = node - 1
     I[I_FACTORED] = 0
     I[I_HISTORY] = 0
@@ -300,7 +306,7 @@ def split_edge(I, M, edge, x, hinge):
     All fields stay as they were, exactly. The new elements have the old one's properties.
     """
     count = 2 if hinge else 1
-    if I[I_NODES] + count > I[I_CAPACITY]:
+    if I[I_NODES] + I[I_LEFT_OUT] + count > I[I_CAPACITY]:
         return NO_CAPACITY
     dimension = I[I_DIMENSION]
     size = 2 * dimension

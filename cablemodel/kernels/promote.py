@@ -1,5 +1,6 @@
 """A planar model becomes three-dimensional when something leaves its plane."""
 
+from .backup import keep_sleepers
 from .compile import kernel
 from .layout import (
     C_CLAMPED,
@@ -35,6 +36,7 @@ def promote(I, M):
     """Rewrite positions, velocities, accelerations and constraints from 4 to 6 words a node."""
     if I[I_DIMENSION] == 3:
         return
+    keep_sleepers(I)
     px = M[S_PLANE]
     py = M[S_PLANE + 1]
     for array in range(3):

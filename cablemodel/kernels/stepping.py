@@ -11,10 +11,12 @@ from .backup import give_back, keep_state
 from .compile import kernel
 from .environment import evaluate_piece, find_piece, vessel_motion
 from .layout import (
+    I_ASLEEP,
     I_CURRENT,
     I_DIMENSION,
     I_FAILED_NODE,
     I_KEEP_MATRIX,
+    I_KEEP_SLEEPERS,
     I_LIVE,
     I_NODES,
     I_PAYOUT,
@@ -41,6 +43,7 @@ from .layout import (
 )
 from .payout import commanded_rate
 from .promote import promote
+from .sleep import leave_out, rejoin
 from .time_stepping import advance_to
 
 # Words of the input vector: a flag (0: not given) before each group.
@@ -235,12 +238,17 @@ def take_step(I, M, t_end, inputs):
     keep_state(I)
     returning = take_inputs(I, M, t_end, inputs)
     keep_plane(I, M)
+    if I[I_ASLEEP] != 0:
+        leave_out(I, M)
     status = advance_to(I, M, t_end)
     if status != OK:
         failed = I[I_FAILED_NODE]
         give_back(I)
         I[I_FAILED_NODE] = failed
         return status
+    if I[I_ASLEEP] != 0:
+        rejoin(I, M)
     I[I_KEEP_MATRIX] = 0
+    I[I_KEEP_SLEEPERS] = 0
     release_inputs(I, returning)
     return status

@@ -7,7 +7,8 @@ neither the error estimate nor Newton's test looks at it, but for the last stage
 
 import math
 
-from .compile import copy_words, kernel, view
+from .backup import keep_sleepers
+from .compile import copy_words, inlined, kernel, view
 from .environment import find_piece
 from .floor import settle
 from .follow import follow_floor
@@ -26,6 +27,7 @@ from .layout import (
     I_HISTORY,
     I_HYBRID,
     I_ITERATIONS,
+    I_LEFT_OUT,
     I_LIVE,
     I_MAXIMUM_STEPS,
     I_NODES,
@@ -35,6 +37,7 @@ from .layout import (
     I_PIECES,
     I_REJECTED,
     I_RIGID,
+    I_SLEEP,
     I_STEPS,
     I_TIMES,
     I_WAVES,
@@ -74,6 +77,7 @@ from .layout import (
     S_PAYOUT_RATE,
     S_PAYOUT_SLOPE,
     S_PERIOD,
+    S_SLEEP_AFTER,
     S_SMALLEST_STEP,
     S_STEP,
     S_TIME,
@@ -86,6 +90,7 @@ from .layout import (
 from .newton import increment_norm, is_folded, refactor
 from .payout import adapt_top, begin_payout, longest_payout_step, next_change, paid_since
 from .rigid import update_clamps
+from .sleep import disturbance, fall_asleep, may_sleep, rejoin, wake
 from .system import (
     elongation_rate,
     impose_motion,
@@ -176,6 +181,17 @@ def solve_stage(I, M, t, gamma_dt, tolerance, to_output):
     return NOT_CONVERGED
 
 
+@inlined
+def stage_words(I, i, stages):
+    """Words where velocity and acceleration of a stage are: state, stages between, trial."""
+    if i == 0:
+        return I[O_VELOCITY], I[O_ACCELERATION]
+    if i == stages - 1:
+        return I[O_TRIAL_V], I[O_TRIAL_A]
+    between = 2 * I[I_DIMENSION] * I[I_NODES] * (i - 1)
+    return I[O_STAGE_V] + between, I[O_STAGE_A] + between
+
+
 @kernel
 def try_step(I, M, dt, scheme, to_output):
     """One ESDIRK step from the state to the trial; returns (status, error / tolerance)."""
@@ -190,14 +206,9 @@ def try_step(I, M, dt, scheme, to_output):
     a = view(M, I[O_ACCELERATION], count)
     base_q = view(M, I[O_BASE_Q], count)
     base_v = view(M, I[O_BASE_V], count)
-    trial_v = view(M, I[O_TRIAL_V], count)
     trial_a = view(M, I[O_TRIAL_A], count)
-    first_v = view(M, I[O_STAGE_V], count)
-    first_a = view(M, I[O_STAGE_A], count)
     I[I_FRESH] = 0
     for n in range(count):
-        first_v[n] = v[n]
-        first_a[n] = a[n]
         trial_a[n] = a[n]
     for n in range(2 * nodes):
         M[I[O_TRIAL_T] + n] = M[I[O_TENSION] + n]
@@ -208,8 +219,9 @@ def try_step(I, M, dt, scheme, to_output):
         for j in range(i):
             weight = dt * STAGE_A[scheme, i, j]
             if weight != 0.0:
-                stage_v = view(M, I[O_STAGE_V] + j * count, count)
-                stage_a = view(M, I[O_STAGE_A] + j * count, count)
+                place_v, place_a = stage_words(I, j, stages)
+                stage_v = view(M, place_v, count)
+                stage_a = view(M, place_a, count)
                 for n in range(count):
                     base_v[n] += weight * stage_a[n]
                     base_q[n] += weight * stage_v[n]
@@ -220,11 +232,10 @@ def try_step(I, M, dt, scheme, to_output):
         status = solve_stage(I, M, stage_time, gamma_dt, tolerance, to_output and last)
         if status != OK:
             return status, 0.0
-        stage_v = view(M, I[O_STAGE_V] + i * count, count)
-        stage_a = view(M, I[O_STAGE_A] + i * count, count)
-        for n in range(count):
-            stage_v[n] = trial_v[n]
-            stage_a[n] = trial_a[n]
+        if not last:
+            place_v, place_a = stage_words(I, i, stages)
+            copy_words(I, place_v, I[O_TRIAL_V], count)
+            copy_words(I, place_a, I[O_TRIAL_A], count)
         if i == stages - 2:
             for n in range(2 * nodes):
                 M[I[O_STAGE_T] + n] = M[I[O_TRIAL_T] + n]
@@ -232,7 +243,8 @@ def try_step(I, M, dt, scheme, to_output):
         base_q[n] = 0.0
     for i in range(stages):
         weight = dt * STAGE_ERROR[scheme, i]
-        stage_v = view(M, I[O_STAGE_V] + i * count, count)
+        place_v, _place_a = stage_words(I, i, stages)
+        stage_v = view(M, place_v, count)
         for n in range(count):
             base_q[n] += weight * stage_v[n]
     error, where = increment_norm(I, M, base_q)
@@ -411,8 +423,10 @@ def take_rates_from_velocity(I, M):
 
 
 @kernel
-def change_mesh(I, M):
+def change_mesh(I, M, rests):
     """Let joints pass the tow point, split and join elements; then make the state consistent.
+
+    rests: whether cable may fall asleep, which is joined with all that sleeps.
 
     Splitting is exact. A joined element has the strain and the elongation's rate of its parts.
     """
@@ -420,12 +434,18 @@ def change_mesh(I, M):
         M[S_LAST_STEP] = M[S_STEP]
     take_rates_from_velocity(I, M)
     M[S_JOINED] = 0.0
+    if rests:
+        keep_sleepers(I)
+        rejoin(I, M)
     if I[I_PAYOUT] != 0:
         status = adapt_top(I, M)
         if status != OK:
             return status
     if I[I_FLOOR] != 0:
         follow_floor(I, M, True)
+    if rests:
+        fall_asleep(I, M)
+        I[I_FACTORED] = 0
     make_consistent(I, M, True)
     M[S_JOINED] = 0.0
     return OK
@@ -494,10 +514,13 @@ def advance_to(I, M, t_end):
     refused = 0
     while M[S_TIME] < t_end:
         # The mesh changes before a step: what is read after it is a state that a step has made.
-        if (I[I_PAYOUT] != 0 and next_change(I, M) != 0) or (
-            I[I_FLOOR] != 0 and follow_floor(I, M, False)
+        rests = I[I_SLEEP] != 0 and M[S_TIME] >= M[S_SLEEP_AFTER] and may_sleep(I, M)
+        if (
+            rests
+            or (I[I_PAYOUT] != 0 and next_change(I, M) != 0)
+            or (I[I_FLOOR] != 0 and follow_floor(I, M, False))
         ):
-            status = change_mesh(I, M)
+            status = change_mesh(I, M, rests)
             if status != OK:
                 break
         natural = M[S_STEP]
@@ -532,6 +555,15 @@ def advance_to(I, M, t_end):
                 # Where the mesh follows folds; a whip on a coarse one may end so for a while.
                 refused += 1
                 status = NOT_CONVERGED
+        if I[I_LEFT_OUT] != 0 and status == OK and error <= 1.0:
+            disturbed = disturbance(I, M)
+            if disturbed != 0:
+                I[I_REJECTED] += 1
+                wake(I, M, disturbed == 2)
+                status = change_mesh(I, M, False)
+                if status != OK:
+                    break
+                continue
         if status != OK or not error <= 1.0:
             I[I_REJECTED] += 1
             I[I_GROWTH_BARRED] = 1

@@ -1,0 +1,414 @@
+"""Cable at rest on the sea floor sleeps: it leaves the system until something moves it.
+
+What sleeps is the end of the line beyond a node A that lies far behind the touchdown. While a step
+is made the line ends at A, whose place and direction are held; nothing beyond is assembled,
+eliminated or copied (`leave_out`, `rejoin`). Between steps the line is whole again, so that what
+reads a state knows nothing of it.
+
+It may sleep while it is at rest and friction holds it: a change of the tension at A by dT pulls
+cable along over the way on which friction can take it up. `holding_tension` is the change that
+moves A by MISSED tau L, or half of what friction has to spare. No step is accepted that changes
+the tension by more, moves the cable before A, lifts it nearby, or brings water that drags at what
+sleeps: such a step is made again with more of the cable awake.
+"""
+
+import math
+
+from .backup import keep_sleepers
+from .compile import copy_words, kernel, view
+from .environment import current_at
+from .floor import gap_at, lowest_gap
+from .follow import finest_length, holds_something
+from .layout import (
+    B_DRAG,
+    B_DRAG_AXIAL,
+    B_NODE,
+    B_WEIGHT,
+    BODY_WORDS,
+    C_ANCHOR,
+    C_CLAMPED,
+    C_DIRECTION,
+    C_KIND,
+    C_NODE,
+    C_POSITION,
+    CONSTRAINT_WORDS,
+    E_ADDED,
+    E_COMPLIANCE,
+    E_CONTACT,
+    E_DRAG_NORMAL,
+    E_DRAG_TANGENTIAL,
+    E_LENGTH,
+    EDGE_WORDS,
+    I_ANCHOR_KEPT,
+    I_ASLEEP,
+    I_BODIES,
+    I_CONSTRAINTS,
+    I_CURRENT,
+    I_DEPTHS,
+    I_DIMENSION,
+    I_FACTORED,
+    I_HISTORY,
+    I_LEFT_OUT,
+    I_NODES,
+    I_WAVES,
+    O_ACCELERATION,
+    O_BODY,
+    O_CONSTRAINT,
+    O_DEPTHS,
+    O_EDGE,
+    O_JOINT,
+    O_MOTION,
+    O_POSITION,
+    O_PROFILE,
+    O_REST,
+    O_TENSION,
+    O_TENSION_RATE,
+    O_TRIAL_Q,
+    O_TRIAL_T,
+    O_TRIAL_V,
+    O_VELOCITY,
+    O_WAVES,
+    S_BASE,
+    S_BRISTLE,
+    S_FLOOR_DEPTH,
+    S_FRICTION,
+    S_LAST_STEP,
+    S_LENGTH,
+    S_PERIOD,
+    S_SLEEP_AFTER,
+    S_SLEEP_FLOW,
+    S_SLEEP_HIGH,
+    S_SLEEP_LOW,
+    S_SLEEP_SPARE,
+    S_SLEEP_TENSION,
+    S_SLEEP_WAY,
+    S_TIME,
+    S_TOLERANCE,
+    W_FREQUENCY,
+    W_MIRROR,
+    W_NUMBER,
+    W_SPEED,
+    WAVE_WORDS,
+)
+from .waves import displaced
+
+QUIET = 0.01  # of tau L in sqrt(L/g): cable that is slower is at rest
+STIRRING = 4.0  # times that: the speed before A that wakes
+LAYERS, ELEMENTS = 16.0, 4.0  # touchdown layers, or finest elements, that lie awake before A
+NEAR = 0.5  # of that way: hanging cable closer than this wakes
+MISSED = 0.02  # of tau L: motion of A that may be left out
+SPARE = 0.1  # of the friction over the way before A: least change of tension that must be held
+CALM, ROUGH = (
+    0.25,
+    0.5,
+)  # share of the friction that water may take of cable that falls asleep, or sleeps
+FEWEST_AWAKE = 12  # elements
+LEAST_PART = 0.125  # of the nodes awake: fewer do not pay for a new matrix
+PAUSE = 0.1, 4.0  # between looks for cable at rest, and after waking, in units of sqrt(L/g)
+
+
+@kernel
+def leave_out(I, M):
+    """Before a step: the line ends at A, the last node that is awake, which is held."""
+    asleep = I[I_ASLEEP]
+    if asleep == 0:
+        return
+    dimension = I[I_DIMENSION]
+    I[I_NODES] -= asleep
+    I[I_LEFT_OUT] = asleep
+    last = I[I_NODES] - 1
+    for body in range(I[I_BODIES]):
+        row = I[O_BODY] + body * BODY_WORDS + B_NODE
+        if M[row] > last:
+            M[row] = -M[row] - 2.0  # like those on the drum: at no node
+    row = I[O_CONSTRAINT] + CONSTRAINT_WORDS
+    I[I_ANCHOR_KEPT] = 0
+    if I[I_CONSTRAINTS] == 2:
+        copy_words(I, row + CONSTRAINT_WORDS, row, CONSTRAINT_WORDS)
+        I[I_ANCHOR_KEPT] = 1
+    I[I_CONSTRAINTS] = 2
+    at = I[O_POSITION] + 2 * dimension * last
+    square = 0.0
+    for i in range(dimension):
+        square += M[at + dimension + i] ** 2
+    M[row + C_NODE] = last
+    M[row + C_KIND] = C_ANCHOR
+    M[row + C_CLAMPED] = 1.0
+    for i in range(dimension):
+        M[row + C_POSITION + i] = M[at + i]
+        M[row + C_DIRECTION + i] = M[at + dimension + i] / math.sqrt(square)
+
+
+@kernel
+def rejoin(I, M):
+    """After a step: the line is whole again."""
+    if I[I_LEFT_OUT] == 0:
+        return
+    I[I_NODES] += I[I_LEFT_OUT]
+    I[I_LEFT_OUT] = 0
+    for body in range(I[I_BODIES]):
+        row = I[O_BODY] + body * BODY_WORDS + B_NODE
+        if M[row] < -1.0:
+            M[row] = -M[row] - 2.0
+    row = I[O_CONSTRAINT] + CONSTRAINT_WORDS
+    if I[I_ANCHOR_KEPT] != 0:
+        copy_words(I, row, row + CONSTRAINT_WORDS, CONSTRAINT_WORDS)
+        M[row + C_NODE] = I[I_NODES] - 1
+    else:
+        I[I_CONSTRAINTS] = 1
+
+
+@kernel
+def rest_speed(M):
+    """The speed below which cable is at rest [m/s]."""
+    return QUIET * M[S_TOLERANCE] * M[S_LENGTH] / M[S_PERIOD]
+
+
+@kernel
+def is_quiet(I, M, node, limit):
+    """Whether a node is at rest: its speed, and what its acceleration makes of it in a step."""
+    dimension = I[I_DIMENSION]
+    v = I[O_VELOCITY] + 2 * dimension * node
+    a = I[O_ACCELERATION] + 2 * dimension * node
+    h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
+    time = min(M[S_LAST_STEP], M[S_PERIOD])
+    speed = 0.0
+    turning = 0.0
+    push = 0.0
+    for i in range(dimension):
+        speed += M[v + i] ** 2
+        turning += M[v + dimension + i] ** 2
+        push += M[a + i] ** 2
+    return max(speed, 0.09 * h * h * turning, time * time * push) <= limit * limit
+
+
+@kernel
+def lying_before(I, M, q, node, enough):
+    """Length of cable on the floor next to a node, on the vessel's side; not beyond `enough` [m]."""
+    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
+    way = 0.0
+    for n in range(node, 0, -1):
+        if I[I[O_JOINT] + n] != 0:
+            continue
+        if way >= enough or lowest_gap(I, M, q, n, w) >= M[S_FLOOR_DEPTH]:
+            break
+        way += M[I[O_EDGE] + n * EDGE_WORDS + E_LENGTH]
+    return way
+
+
+@kernel
+def spare_friction(I, M, node):
+    """Share of the friction at a node that nothing calls on yet, 0 to 1."""
+    dimension = I[I_DIMENSION]
+    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
+    at = I[O_POSITION] + 2 * dimension * node
+    for i in range(dimension):
+        w[i] = M[at + i]
+    gap = gap_at(I, M, w, w[3:6])
+    along = 0.0
+    for i in range(dimension):
+        w[6 + i] = w[i] - M[I[O_REST] + 3 * node + i]
+        along += w[6 + i] * w[3 + i]
+    square = 0.0
+    for i in range(dimension):
+        square += (w[6 + i] - along * w[3 + i]) ** 2
+    share = min(1.0, 1.0 - gap / M[S_FLOOR_DEPTH])
+    return max(0.0, share - math.sqrt(square) / M[S_BRISTLE])
+
+
+@kernel
+def holding_tension(I, M, node):
+    """Change of the tension at a node that the cable beyond it takes up [N], see above."""
+    allowed = MISSED * M[S_TOLERANCE] * M[S_LENGTH]
+    spare = 0.0
+    way = 0.0
+    before = spare_friction(I, M, node)
+    for n in range(node + 1, I[I_NODES] + I[I_LEFT_OUT]):
+        if I[I[O_JOINT] + n] != 0:
+            continue
+        edge = I[O_EDGE] + n * EDGE_WORDS
+        h = M[edge + E_LENGTH]
+        after = spare_friction(I, M, n)
+        slope = 0.5 * (before + after) * M[S_FRICTION] * M[edge + E_CONTACT]
+        before = after
+        # A change of spare/2 moves A by less than spare/2 x way/EA: where is that `allowed`?
+        most = 2.0 * allowed / M[edge + E_COMPLIANCE]
+        if (spare + slope * h) * (way + h) >= most:
+            b = spare + slope * way
+            root = math.sqrt(b * b + 4.0 * slope * max(0.0, most - spare * way))
+            x = 2.0 * max(0.0, most - spare * way) / (b + root)
+            return 0.5 * (spare + slope * x)
+        spare += slope * h
+        way += h
+    return 0.5 * spare
+
+
+@kernel
+def flow_squared(I, M):
+    """Largest square of the water's speed between the lowest and the highest cable asleep."""
+    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
+    largest = 0.0
+    for end in range(2):
+        current_at(I, M, M[S_SLEEP_LOW + end], w)
+        largest = max(largest, w[0] ** 2 + w[1] ** 2 + w[2] ** 2)
+    for k in range(I[I_DEPTHS]):
+        z = M[I[O_DEPTHS] + k] - M[S_BASE + 2]
+        if M[S_SLEEP_LOW] < z and z < M[S_SLEEP_HIGH]:
+            at = I[O_PROFILE] + 3 * k
+            largest = max(largest, M[at] ** 2 + M[at + 1] ** 2 + M[at + 2] ** 2)
+    return largest
+
+
+@kernel
+def water_leaves_alone(I, M, first):
+    """Whether current and waves leave the cable beyond a node alone; sets what wakes it later.
+
+    Their drag must be a small share of the friction; cable that hangs between two places on the
+    floor stays awake where water moves.
+    """
+    dimension = I[I_DIMENSION]
+    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
+    q = view(M, I[O_POSITION], 2 * dimension * I[I_NODES])
+    M[S_SLEEP_LOW] = 1e300
+    M[S_SLEEP_HIGH] = -1e300
+    flow = 1e300  # square of the speed whose drag is the friction
+    push = 1e300  # acceleration of the water whose force is the friction
+    for n in range(first, I[I_NODES]):
+        z = q[2 * dimension * n + dimension - 1]
+        M[S_SLEEP_LOW] = min(M[S_SLEEP_LOW], z)
+        M[S_SLEEP_HIGH] = max(M[S_SLEEP_HIGH], z)
+        if n == first or I[I[O_JOINT] + n] != 0:
+            continue
+        if (I[I_CURRENT] != 0 or I[I_WAVES] != 0) and lowest_gap(I, M, q, n, w) >= M[S_FLOOR_DEPTH]:
+            return False
+        edge = I[O_EDGE] + n * EDGE_WORDS
+        friction = M[S_FRICTION] * M[edge + E_CONTACT]
+        drag = M[edge + E_DRAG_NORMAL] + M[edge + E_DRAG_TANGENTIAL]
+        flow = min(flow, friction / max(drag, 1e-300))
+        driven = M[edge + E_ADDED] + displaced(I, M, edge)
+        push = min(push, friction / max(driven, 1e-300))
+    for body in range(I[I_BODIES]):
+        row = I[O_BODY] + body * BODY_WORDS
+        if M[row + B_NODE] > first:
+            friction = M[S_FRICTION] * max(0.0, M[row + B_WEIGHT])
+            flow = min(flow, friction / max(M[row + B_DRAG] + M[row + B_DRAG_AXIAL], 1e-300))
+    M[S_SLEEP_FLOW] = flow
+    if I[I_WAVES] != 0:
+        z = M[S_SLEEP_HIGH] + M[S_BASE + 2]
+        speed = 0.0
+        rate = 0.0
+        for n in range(I[I_WAVES]):
+            row = I[O_WAVES] + n * WAVE_WORDS
+            up = math.exp(M[row + W_NUMBER] * min(0.0, z))
+            orbital = M[row + W_SPEED] * (up + M[row + W_MIRROR] / up)
+            speed += orbital
+            rate += orbital * M[row + W_FREQUENCY]
+        if speed * speed > 0.1 * flow or rate > 0.1 * push:
+            return False
+    return I[I_CURRENT] == 0 or flow_squared(I, M) <= CALM * flow
+
+
+@kernel
+def place_to_sleep(I, M):
+    """The node A beyond which all may sleep, 0: none. Sets the way of lying cable before it."""
+    limit = rest_speed(M)
+    last = I[I_NODES] - 1
+    first = last
+    while first > FEWEST_AWAKE and is_quiet(I, M, first, limit):
+        first -= 1
+    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
+    q = view(M, I[O_POSITION], 2 * I[I_DIMENSION] * I[I_NODES])
+    way = 0.0
+    for node in range(first + 1, last):
+        if I[I[O_JOINT] + node] == 0:
+            if lowest_gap(I, M, q, node, w) >= M[S_FLOOR_DEPTH]:
+                way = 0.0
+            else:
+                way += M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
+        layer, finest = finest_length(I, M, node, 0.0)
+        needed = max(LAYERS * layer, ELEMENTS * finest)
+        if way < needed or holds_something(I, M, node):
+            continue
+        friction = M[S_FRICTION] * M[I[O_EDGE] + node * EDGE_WORDS + E_CONTACT]
+        if holding_tension(I, M, node) >= SPARE * friction * needed:
+            M[S_SLEEP_WAY] = needed
+            return node
+    return 0
+
+
+@kernel
+def may_sleep(I, M):
+    """Whether enough of the cable that is awake may sleep; asked from time to time."""
+    M[S_SLEEP_AFTER] = M[S_TIME] + PAUSE[0] * M[S_PERIOD]
+    if M[S_LAST_STEP] == 0.0 or not is_quiet(I, M, I[I_NODES] - 2, rest_speed(M)):
+        return False
+    node = place_to_sleep(I, M)
+    return node > 0 and I[I_NODES] - 1 - node >= max(2.0, LEAST_PART * I[I_NODES])
+
+
+@kernel
+def fall_asleep(I, M):
+    """Let all sleep that may, from the whole line."""
+    I[I_ASLEEP] = 0
+    node = place_to_sleep(I, M)
+    if node == 0 or not water_leaves_alone(I, M, node):
+        return
+    size = 2 * I[I_DIMENSION]
+    I[I_ASLEEP] = I[I_NODES] - 1 - node
+    for n in range(size * node, size * I[I_NODES]):
+        M[I[O_VELOCITY] + n] = 0.0
+        M[I[O_ACCELERATION] + n] = 0.0
+    for n in range(2 * node + 2, 2 * I[I_NODES]):
+        M[I[O_TENSION_RATE] + n] = 0.0
+    hold(I, M, node)
+    leave_out(I, M)
+
+
+@kernel
+def hold(I, M, node):
+    """Note the tension at the last node awake, and what it may change by."""
+    M[S_SLEEP_TENSION] = M[I[O_TENSION] + 2 * node] + M[I[O_TENSION] + 2 * node + 1]
+    M[S_SLEEP_SPARE] = holding_tension(I, M, node)
+
+
+@kernel
+def disturbance(I, M):
+    """What a trial step does to cable that sleeps: 0 nothing, 1 moves its end, 2 moves it all."""
+    node = I[I_NODES] - 1
+    size = 2 * I[I_DIMENSION]
+    tension = M[I[O_TRIAL_T] + 2 * node] + M[I[O_TRIAL_T] + 2 * node + 1]
+    if not abs(tension - M[S_SLEEP_TENSION]) <= M[S_SLEEP_SPARE]:
+        return 1
+    speed = 0.0
+    for i in range(I[I_DIMENSION]):
+        speed += M[I[O_TRIAL_V] + size * (node - 1) + i] ** 2
+    if not speed <= (STIRRING * rest_speed(M)) ** 2:
+        return 1
+    near = NEAR * M[S_SLEEP_WAY]
+    if lying_before(I, M, view(M, I[O_TRIAL_Q], size * (node + 1)), node, near) < near:
+        return 1
+    if I[I_CURRENT] != 0 and flow_squared(I, M) > ROUGH * M[S_SLEEP_FLOW]:
+        return 2
+    return 0
+
+
+@kernel
+def wake(I, M, everything):
+    """Wake as much cable as lies awake already, and the way before A, or everything."""
+    node = I[I_NODES] - 1
+    size = 2 * I[I_DIMENSION]
+    keep_sleepers(I)
+    wanted = lying_before(I, M, view(M, I[O_POSITION], size * (node + 1)), node, 1e300)
+    wanted += M[S_SLEEP_WAY]
+    rejoin(I, M)
+    way = 0.0
+    while node < I[I_NODES] - 1 and (everything or way < wanted or holds_something(I, M, node)):
+        node += 1
+        way += M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
+    I[I_ASLEEP] = I[I_NODES] - 1 - node
+    I[I_FACTORED] = 0
+    I[I_HISTORY] = 0
+    M[S_SLEEP_AFTER] = M[S_TIME] + PAUSE[1] * M[S_PERIOD]
+    if I[I_ASLEEP] > 0:
+        hold(I, M, node)
+    leave_out(I, M)
