@@ -37,9 +37,13 @@ _MEANING = {
 class FiniteElementSolver:
     """Mixed cubic elements, adaptive in time: docs/engine.md."""
 
-    def __init__(self, scene: Scene, *, planar: bool | None = None) -> None:
+    def __init__(
+        self, scene: Scene, *, planar: bool | None = None, sleep: bool | None = None
+    ) -> None:
         self.scene = scene
         self.memory: Block = build(scene, planar=planar)
+        if sleep is False:
+            self.memory.ints[at.I_SLEEP] = 0
         self._ints, self._reals = self.memory.ints, self.memory.reals
 
     def step(self, end: float, inputs: FloatArray) -> int:
@@ -106,3 +110,7 @@ class FiniteElementSolver:
     def elements(self) -> int:
         joints = self.memory.integers(at.O_JOINT, int(self._ints[at.I_NODES]))
         return int(np.count_nonzero(joints[1:] == 0))
+
+    @property
+    def asleep(self) -> int:
+        return int(self._ints[at.I_ASLEEP])

@@ -77,15 +77,19 @@ class CableModel:
         scene: what to simulate.
         planar: False forces three dimensions where the scene lies in one vertical plane (the
             default, None, takes advantage of that).
+        sleep: False keeps cable awake that friction holds at rest on the sea floor (the default,
+            None, leaves it out of the steps until something moves it).
 
     Raises:
         SceneError: the scene asks for something that its solver does not support.
         StaticsError: no static equilibrium was found for its start.
     """
 
-    def __init__(self, scene: Scene, *, planar: bool | None = None) -> None:
+    def __init__(
+        self, scene: Scene, *, planar: bool | None = None, sleep: bool | None = None
+    ) -> None:
         self.scene = scene
-        self._solver = choose(scene, planar=planar)
+        self._solver = choose(scene, planar=planar, sleep=sleep)
         memory = self._solver.memory
         self._ints, self._reals, self._image = memory.ints, memory.reals, memory.image
         self._initial = self._image.copy()
@@ -346,13 +350,15 @@ class CableModel:
 
     @property
     def statistics(self) -> dict[str, int]:
-        """Counters since the start: steps, rejected, factorisations, iterations, elements."""
+        """Counters since the start: steps, rejected, factorisations, iterations; at present:
+        elements, and how many of them are asleep on the floor."""
         return {
             "steps": int(self._ints[at.I_STEPS]),
             "rejected": int(self._ints[at.I_REJECTED]),
             "factorisations": int(self._ints[at.I_FACTORISATIONS]),
             "iterations": int(self._ints[at.I_ITERATIONS]),
             "elements": self._solver.elements,
+            "asleep": self._solver.asleep,
         }
 
     @property

@@ -72,8 +72,12 @@ class Solver(Protocol):
     @property
     def elements(self) -> int: ...
 
+    @property
+    def asleep(self) -> int:
+        """Elements that rest on the floor and are left out of the steps."""
 
-def choose(scene: Scene, *, planar: bool | None = None) -> Solver:
+
+def choose(scene: Scene, *, planar: bool | None = None, sleep: bool | None = None) -> Solver:
     """The solver that the scene asks for, at the scene's initial state."""
     if scene.solver.method == "direct_integration":
         from cablemodel.direct.solver import DirectSolver
@@ -81,4 +85,4 @@ def choose(scene: Scene, *, planar: bool | None = None) -> Solver:
         return DirectSolver(scene, planar=planar)
     from cablemodel.finite_element import FiniteElementSolver
 
-    return FiniteElementSolver(scene, planar=planar)
+    return FiniteElementSolver(scene, planar=planar, sleep=sleep)

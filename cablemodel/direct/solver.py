@@ -86,3 +86,7 @@ class DirectSolver:
     @property
     def elements(self) -> int:
         return self._nodes - int(self._ints[own.D_SECTIONS])
+
+    @property
+    def asleep(self) -> int:
+        return 0

@@ -38,6 +38,10 @@ from .layout import (
     E_DRAG_NORMAL,
     E_DRAG_TANGENTIAL,
     E_LENGTH,
+    E_STRAIN_OFFSET,
+    E_STRAIN_TERMS,
+    E_TENSION_HIGH,
+    E_TENSION_LOW,
     EDGE_WORDS,
     I_ANCHOR_KEPT,
     I_ASLEEP,
@@ -90,6 +94,7 @@ from .layout import (
     W_SPEED,
     WAVE_WORDS,
 )
+from .strain import strain_and_slope
 from .waves import displaced
 
 QUIET = 0.01  # of tau L in sqrt(L/g): cable that is slower is at rest
@@ -184,7 +189,7 @@ def is_quiet(I, M, node, limit):
 
 @kernel
 def lying_before(I, M, q, node, enough):
-    """Length of cable on the floor next to a node, on the vessel's side; not beyond `enough` [m]."""
+    """Length of cable on the floor before a node, not counted beyond `enough` [m]."""
     w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
     way = 0.0
     for n in range(node, 0, -1):
@@ -360,8 +365,41 @@ def fall_asleep(I, M):
         M[I[O_ACCELERATION] + n] = 0.0
     for n in range(2 * node + 2, 2 * I[I_NODES]):
         M[I[O_TENSION_RATE] + n] = 0.0
+    I[I_FACTORED] = 0
     hold(I, M, node)
     leave_out(I, M)
+
+
+@kernel
+def prepare_joining(I, M):
+    """Give r' the length that the tension gives it where cable may sleep, in the whole line.
+
+    The elements' third strain mode, which only a numerical stiffness holds, moves slowly; where it
+    stood still with the cable, elements that lie straight could not be joined.
+    """
+    dimension = I[I_DIMENSION]
+    first = place_to_sleep(I, M)
+    if first == 0:
+        return
+    for node in range(first + 1, I[I_NODES]):
+        if I[I[O_JOINT] + node] != 0:
+            continue
+        edge = I[O_EDGE] + node * EDGE_WORDS
+        strain, _slope = strain_and_slope(
+            M,
+            M[I[O_TENSION] + 2 * node] + M[I[O_TENSION] + 2 * node + 1],
+            M[edge + E_TENSION_LOW],
+            M[edge + E_TENSION_HIGH],
+            int(M[edge + E_STRAIN_OFFSET]),
+            int(M[edge + E_STRAIN_TERMS]),
+        )
+        at = I[O_POSITION] + dimension * (2 * node + 1)
+        square = 0.0
+        for i in range(dimension):
+            square += M[at + i] ** 2
+        scale = (1.0 + strain) / math.sqrt(square)
+        for i in range(dimension):
+            M[at + i] *= scale
 
 
 @kernel

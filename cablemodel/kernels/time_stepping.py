@@ -90,7 +90,7 @@ from .layout import (
 from .newton import increment_norm, is_folded, refactor
 from .payout import adapt_top, begin_payout, longest_payout_step, next_change, paid_since
 from .rigid import update_clamps
-from .sleep import disturbance, fall_asleep, may_sleep, rejoin, wake
+from .sleep import disturbance, fall_asleep, may_sleep, prepare_joining, rejoin, wake
 from .system import (
     elongation_rate,
     impose_motion,
@@ -441,11 +441,16 @@ def change_mesh(I, M, rests):
         status = adapt_top(I, M)
         if status != OK:
             return status
+    if rests:
+        prepare_joining(I, M)
     if I[I_FLOOR] != 0:
         follow_floor(I, M, True)
     if rests:
+        # What is joined is made consistent while it is awake.
+        last = M[S_LAST_STEP]
+        make_consistent(I, M, True)
+        M[S_LAST_STEP] = last
         fall_asleep(I, M)
-        I[I_FACTORED] = 0
     make_consistent(I, M, True)
     M[S_JOINED] = 0.0
     return OK

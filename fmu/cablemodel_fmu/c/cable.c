@@ -204,6 +204,7 @@ static void tune(Cable *cable, const Parameter *p, double value) {
         for (int64_t n = 0; n < I[I_CABLES]; n++)
             tune_edge(M + I[O_CABLES] + n * CABLE_WORDS + K_EDGE, p, value);
     }
+    if (!is_direct(I)) cable->I[I_ASLEEP] = cable->I[I_HISTORY] = 0; /* what rests may not now */
     cable->I[I_FACTORED] = 0;
 }
 

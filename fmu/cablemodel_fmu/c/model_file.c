@@ -142,7 +142,8 @@ const char *check_block(const int64_t *I, int64_t image_words, int64_t block_wor
         !within(I[I_FAILED_NODE], 0, I[I_CAPACITY] - 1) ||
         !within(I[I_TOP_CABLE], 0, I[I_CABLES] - 1) || !within(I[I_PAYOUT], 0, 1) ||
         !within(I[I_RATE_LIVE], 0, 1) || !within(I[I_CLAMPED], -1, 1) ||
-        !within(I[I_MAXIMUM_STEPS], 1, 10000000))
+        !within(I[I_MAXIMUM_STEPS], 1, 10000000) || !within(I[I_SLEEP], 0, 1) ||
+        !within(I[I_ASLEEP], 0, nodes - 2) || I[I_LEFT_OUT] != 0)
         return "a counter in the model is out of range";
     if (I[I_CURRENT] == 1 && I[I_DEPTHS] != 1) return "a counter in the model is out of range";
     if (!within(I[I_FLOOR], FLOOR_NONE, FLOOR_TABLE) || !within(I[I_FLOOR_X], 0, LARGEST_COUNT) ||
