@@ -19,7 +19,7 @@ SHORTEST_LINE = 0.01
 """Of the initial length: what reel-in leaves out."""
 SHORTEST_PIECE = 0.1
 """Of an element: cable that must be out before the joint below it leaves the drum."""
-FIRST_PIECE = 0.01
+FIRST_PIECE = 0.02
 """Of a body of finite length: cable that must be out before the body leaves the tow point."""
 LEAST_PIECE = 1e-3
 """Of an element: the same where the body is short."""

@@ -49,7 +49,8 @@ from .layout import (
     S_TRAVEL,
 )
 
-BARE = 0.01  # of its length: what is out of a body before it takes the top element's place
+BARE = 0.05  # of its length: what is out of a body before it takes the top element's place,
+LARGEST_BARE = 0.25  # or this where it is short against elements
 HELD = 1e4  # stiffness of a clamped tow point against a body, in typical tensions x its length
 PART = 24  # in O_TOP: the row of what is out of the body that passes
 
@@ -72,6 +73,17 @@ def body_above(I, M, cable):
     if M[row + B_LENGTH] == 0.0:
         return -1
     return row
+
+
+@kernel
+def bare_length(M, body, above):
+    """What is out of a body before it takes the top element's place [m].
+
+    A short end of a body swings about the tow point the wider the shorter it gets. body, above:
+    rows of the body and of the cable above it.
+    """
+    length = M[body + B_LENGTH]
+    return max(BARE * length, min(LARGEST_BARE * length, M[above + K_SHORTEST]))
 
 
 @kernel
@@ -125,7 +137,7 @@ def next_mark(I, M, outwards):
             return out - length
         return 1e300
     if M[S_PASSING] == 0.0:
-        return max(BARE * length - out, near)
+        return max(bare_length(M, row, at + CABLE_WORDS) - out, near)
     if out < length - near:
         return length - out
     return max(length + M[at + CABLE_WORDS + K_SHORTEST] - out, near)
@@ -138,6 +150,33 @@ def set_part(I, M, length):
     Beyond its own length it is the whole body on a weightless stick: the bit of the next cable.
     """
     whole = I[O_BODY] + (int(M[S_PASSING]) - 1) * BODY_WORDS
+    take_share(I, M, whole, length)
+    part = part_row(I)
+    # Nothing but this spring holds the slope at the vessel, or by it a clamp holds the body.
+    hold = HELD if M[I[O_CONSTRAINT] + C_CLAMPED] != 0.0 else 1.0
+    M[part + B_CLAMP] = hold * M[S_TENSION_SCALE] * length
+
+
+@kernel
+def set_first_bit(I, M, out):
+    """The same while the first bit of a body is a piece of the top element: B_MASS 0: none is.
+
+    out: what has passed the tow point since S_TIME [m].
+    """
+    part = part_row(I)
+    M[part + B_MASS] = 0.0
+    cable = I[I_TOP_CABLE]
+    row = body_above(I, M, cable)
+    if row < 0:
+        return
+    out += M[S_TRAVEL] - M[I[O_CABLES] + cable * CABLE_WORDS + K_LEAVES]
+    if out > 0.0:
+        take_share(I, M, row, out)
+
+
+@kernel
+def take_share(I, M, whole, length):
+    """The part row: what is out of a body whose row is `whole`."""
     part = part_row(I)
     for k in range(BODY_WORDS):
         M[part + k] = M[whole + k]
@@ -152,9 +191,21 @@ def set_part(I, M, length):
     M[part + B_DRAG_AXIAL] *= share
     M[part + B_INERTIA] *= share**3
     M[part + B_TIE] *= share
-    # Nothing but this spring holds the slope at the vessel, or by it a clamp holds the body.
-    hold = HELD if M[I[O_CONSTRAINT] + C_CLAMPED] != 0.0 else 1.0
-    M[part + B_CLAMP] = hold * M[S_TENSION_SCALE] * length
+
+
+@kernel
+def add_first_bit(I, M, out):
+    """Weight and inertia of the first bit of a body to the vessel node's forces: it bears them.
+
+    The cable of its length, which stands in its place, bears its own.
+    """
+    part = part_row(I)
+    if M[part + B_MASS] == 0.0:
+        return
+    dimension = I[I_DIMENSION]
+    for i in range(dimension):
+        out[i] += M[part + B_MASS] * M[I[O_TOP] + 6 + i]
+    out[dimension - 1] += M[part + B_WEIGHT]
 
 
 @kernel

@@ -34,6 +34,7 @@ from .layout import (
     I_PAYOUT,
     I_RATE_LIVE,
     I_RATES,
+    I_RIGID,
     I_TOP_CABLE,
     K_EDGE,
     K_NOMINAL,
@@ -68,7 +69,7 @@ from .layout import (
     S_TRAVEL_LEAST,
     S_TRAVEL_MOST,
 )
-from .passing import material_end, next_mark, overhang, set_part
+from .passing import material_end, next_mark, overhang, set_first_bit, set_part
 
 FASTEST_GROWTH = 20.0  # in a step, of the top element or of what is out of a body, by its length
 
@@ -191,6 +192,8 @@ def set_top_length(I, M, t):
         set_part(I, M, length)
     else:
         M[I[O_EDGE] + EDGE_WORDS + E_LENGTH] = length
+        if I[I_RIGID] > 0:
+            set_first_bit(I, M, length - M[S_TOP_LENGTH])
     M[S_STAGE_RATE] = M[S_PAYOUT_RATE] + M[S_PAYOUT_SLOPE] * tau
     M[S_STAGE_SLOPE] = M[S_PAYOUT_SLOPE]
 

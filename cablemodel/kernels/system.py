@@ -47,7 +47,7 @@ from .layout import (
     O_UPPER,
     S_PASSING,
 )
-from .passing import exchange_rates
+from .passing import add_first_bit, exchange_rates
 from .payout import material_top, set_top_length
 from .rigid import condense_rigid, rigid_jacobian, rigid_residual, stretch_rate_rigid
 from .triangular_solver import (
@@ -76,6 +76,8 @@ def residual(I, M, q, v, a, tension, out, out_constraint):
         rigid_residual(I, M, q, v, a, tension, out, out_constraint)
         if M[S_PASSING] != 0.0:
             exchange_rates(I, M, v, a)
+        elif I[I_PAYOUT] != 0:
+            add_first_bit(I, M, out)
     if I[I_FLOOR] != 0:
         floor_residual(I, M, q, v, out)
 

@@ -2,8 +2,8 @@
 
 A joint, with a point body or none, leaves the drum when a tenth of an element of the cable above
 it is out, and is taken back when half of that is left. A body of finite length takes the place of
-the top element's first hundredth of its length, then passes (passing.py); the cable above it comes
-when the body is out, and goes before it is taken in.
+the top element's end when a twentieth of it is out, then passes (passing.py); the cable above it
+comes when the body is out, and goes before it is taken in.
 """
 
 from .compile import kernel
@@ -54,7 +54,7 @@ from .layout import (
     S_TOP_LENGTH,
     S_TRAVEL,
 )
-from .passing import BARE, axis_motion, body_above
+from .passing import axis_motion, bare_length, body_above
 from .payout import (
     close_gap,
     give_properties,
@@ -110,11 +110,11 @@ def next_change(I, M):
             beyond = out - M[body + B_LENGTH]
             if beyond >= (1.0 - NEARLY) * M[row + CABLE_WORDS + K_SHORTEST]:
                 return FOLLOWS
-            if out <= 0.5 * BARE * M[body + B_LENGTH]:
+            if out <= 0.5 * bare_length(M, body, row + CABLE_WORDS):
                 return ENTERS
             return 0
         if body >= 0:
-            if out >= (1.0 - NEARLY) * BARE * M[body + B_LENGTH]:
+            if out >= (1.0 - NEARLY) * bare_length(M, body, row + CABLE_WORDS):
                 return COMES
         elif out >= M[row + CABLE_WORDS + K_SHORTEST] and out < M[S_TOP_LENGTH]:
             # A joint leaves the vessel once enough of the next cable is out.
