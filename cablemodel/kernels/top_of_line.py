@@ -9,6 +9,7 @@ comes when the body is out, and goes before it is taken in.
 from .compile import kernel
 from .layout import (
     B_LENGTH,
+    B_MASS,
     B_NODE,
     B_PULL,
     BODY_WORDS,
@@ -16,6 +17,7 @@ from .layout import (
     C_DIRECTION,
     CABLE_WORDS,
     E_LENGTH,
+    E_MASS,
     E_SEGMENT,
     E_START,
     EDGE_WORDS,
@@ -177,6 +179,19 @@ def along_the_body(I, M):
 
 
 @kernel
+def body_moved(I, M, row):
+    """Say that a body's place has changed: `make_consistent` must not resolve its axial motion.
+
+    A body weighs as much as a piece of cable that axial waves take longer for.
+    """
+    node = int(M[row + B_NODE])
+    edge = I[O_EDGE] + (node + 1) * EDGE_WORDS
+    if node + 1 < I[I_NODES]:
+        reach = M[edge + E_LENGTH] + M[row + B_MASS] / M[edge + E_MASS]
+        M[S_JOINED] = max(M[S_JOINED], reach)
+
+
+@kernel
 def let_body_come(I, M):
     """The first bit of a body, until now a piece of the top element, becomes the body itself."""
     cable = I[I_TOP_CABLE]
@@ -199,6 +214,7 @@ def let_body_come(I, M):
     M[row + B_PULL + 1] = M[I[O_TENSION] + 2]
     M[S_PASSING] = 1.0 + (row - I[O_BODY]) // BODY_WORDS
     along_the_body(I, M)
+    body_moved(I, M, row)
     update_clamps(I, M, 0.0)
     return OK
 
@@ -242,7 +258,7 @@ def let_cable_follow(I, M):
     for i in range(3):
         M[I[O_REST] + 3 + i] = M[I[O_REST] + i]
     M[S_TOP_LENGTH] = length
-    M[S_JOINED] = max(M[S_JOINED], length)
+    body_moved(I, M, row)
     M[S_PASSING] = 0.0
     I[I_TOP_CABLE] = cable + 1
     M[row + B_PULL] = pull
@@ -257,8 +273,8 @@ def let_body_stop(I, M):
         join_at(I, M, 1, 1)
     cable = I[I_TOP_CABLE] - 1
     row = body_above(I, M, cable)
-    M[S_JOINED] = max(M[S_JOINED], M[S_TOP_LENGTH])
     close_gap(I, M, 1, 1)
+    body_moved(I, M, row)
     M[S_TOP_LENGTH] = M[S_TRAVEL] - M[I[O_CABLES] + cable * CABLE_WORDS + K_LEAVES]
     M[S_PASSING] = 1.0 + (row - I[O_BODY]) // BODY_WORDS
     I[I_TOP_CABLE] = cable
