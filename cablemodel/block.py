@@ -150,7 +150,7 @@ class Block(WordBlock):
             (at.O_PROFILE, depths * 3),
             (at.O_GAUSS, GAUSS_WORDS),
             (at.O_MOTION, MOTION_WORDS),
-            (at.O_TOP, 24),
+            (at.O_TOP, 24 + at.BODY_WORDS),
             (at.O_END_FORCE, capacity * 6),
         ]
         return image, workspace

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from cablemodel import sea_floor
 from cablemodel.block import Block
 from cablemodel.instance.line import Line
-from cablemodel.instance.winch import SHORTEST_PIECE, Winch
+from cablemodel.instance.winch import Winch
 from cablemodel.kernels import layout as at
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def fill_cables(block: Block, scene: Scene, winch: Winch, scale: float) -> None:
         used += len(coefficients)
         row[at.K_LEAVES] = winch.leaves[index]
         row[at.K_NOMINAL] = winch.nominal[index]
-        row[at.K_SHORTEST] = SHORTEST_PIECE * winch.nominal[index]
+        row[at.K_SHORTEST] = winch.shortest[index]
         row[at.K_HINGE] = float(winch.hinges[index])
         row[at.K_BODY] = winch.bodies[index]
         diameter = scene.cable_types[cable.type].diameter

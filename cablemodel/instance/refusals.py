@@ -17,11 +17,6 @@ def refuse_unsupported(scene: Scene) -> None:
     def refuse(path: str, value: object, what: str, allowed: str) -> None:
         problems.append(SceneProblem(path, value, f"{what} not supported yet", allowed))
 
-    for index, item in enumerate(scene.payout.drum):
-        if item.body is not None and item.body.half_length > 0.0:
-            path = f"payout.drum.{index}.body.half_length"
-            length = item.body.half_length
-            refuse(path, length, "a body of finite length on the drum is", "0 (a point body)")
     for part, items in (("line", scene.line), ("payout.drum", scene.payout.drum)):
         for index, item in enumerate(items):
             if item.body is not None and item.body.rotary_inertia > 0.0 == item.body.half_length:

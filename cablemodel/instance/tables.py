@@ -99,7 +99,8 @@ def fill_payout(block: Block, scene: Scene, winch: Winch) -> None:
     rates = scene.payout.rate
     ints[at.I_PAYOUT] = int(any(row.rate != 0.0 for row in rates))
     reals[at.S_PAID_MOST] = winch.most
-    reals[at.S_PAID_LEAST] = winch.least
+    reals[at.S_TRAVEL_MOST] = winch.most_travel
+    reals[at.S_TRAVEL_LEAST] = winch.least_travel
     block.array(at.O_RATES, len(rates), at.RATE_WORDS)[:] = [(row.t, row.rate) for row in rates]
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from cablemodel.instance.line import Line, hinged
+from cablemodel.instance.scales import bodies_length
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
@@ -18,6 +19,10 @@ SHORTEST_LINE = 0.01
 """Of the initial length: what reel-in leaves out."""
 SHORTEST_PIECE = 0.1
 """Of an element: cable that must be out before the joint below it leaves the drum."""
+FIRST_PIECE = 0.02
+"""Of a body of finite length: cable that must be out before the body leaves the tow point."""
+LEAST_PIECE = 1e-3
+"""Of an element: the same where the body is short."""
 
 
 @dataclass
@@ -26,14 +31,18 @@ class Winch:
 
     cables: list[Cable]
     leaves: list[float]
-    """Pay-out at which each one's vessel end passes the tow point [m]."""
+    """Travel of cable and bodies at which each one's vessel end passes the tow point [m]."""
     nominal: list[float]
     bodies: list[int]
     """Row of the body at each one's lower end, -1: none."""
     hinges: list[bool]
+    shortest: list[float]
+    """Length of each one below which its lower end stays on the drum, or at the tow point [m]."""
     extra_nodes: int
     most: float
-    least: float
+    """Cable on the drum [m]."""
+    most_travel: float
+    least_travel: float
 
 
 def winch_of(scene: Scene, line: Line, drum_room: float) -> Winch:
@@ -41,16 +50,18 @@ def winch_of(scene: Scene, line: Line, drum_room: float) -> Winch:
     total = scene.line_length
     elements = sum(1 for joint in line.joint[1:] if joint == 0)
     usual = total / elements
-    winch = Winch([], [], [], [], [], SPARE_NODES, 0.0, 0.0)
+    winch = Winch([], [], [], [], [], [], SPARE_NODES, 0.0, 0.0, 0.0)
     rows = {place: row for row, (_, _, place) in enumerate(line.bodies)}
-    below = total
+    below = total + bodies_length(scene)
     body = -1
     nominal = list(reversed(line.nominal))
     for place in range(len(scene.line) - 1, -1, -1):
         item = scene.line[place]
-        if item.cable is None:
+        if item.body is not None:
+            below -= 2.0 * item.body.half_length
             body = rows[place] if winch.cables else -1
             continue
+        assert item.cable is not None
         below -= item.cable.length
         _add_cable(winch, item.cable, -below, nominal[len(winch.cables)], body)
         body = -1
@@ -58,28 +69,51 @@ def winch_of(scene: Scene, line: Line, drum_room: float) -> Winch:
         if item.body is not None:
             line.bodies.append((-1, item.body, len(scene.line) + index))
             body = len(line.bodies) - 1
+            winch.most_travel += 2.0 * item.body.half_length
+            winch.extra_nodes += 2
             continue
         assert item.cable is not None
         winch.most += item.cable.length
+        winch.most_travel += item.cable.length
         top = winch.cables[-1]
         winch.extra_nodes += math.ceil(drum_room * item.cable.length / usual) + 6
         if body < 0 and (top.type, top.model) == (item.cable.type, item.cable.model):
-            winch.leaves[-1] = winch.most
+            winch.leaves[-1] = winch.most_travel
         else:
-            _add_cable(winch, item.cable, winch.most, usual, body)
+            _add_cable(winch, item.cable, winch.most_travel, usual, body)
         body = -1
-    winch.least = -(total - SHORTEST_LINE * total)
-    above = 0.0
-    index = -1
-    for item in scene.line:
-        if item.cable is not None:
-            above += item.cable.length
-            index += 1
-        elif item.body is not None and item.body.half_length > 0.0:
-            # Not taken onto the drum: reel-in ends before it.
-            winch.least = max(winch.least, SHORTEST_PIECE * line.nominal[index] - above)
-            break
+    winch.least_travel = _least_travel(scene)
+    _set_shortest(winch, line)
     return winch
+
+
+def _least_travel(scene: Scene) -> float:
+    """Travel at which reel-in ends: what is left is SHORTEST_LINE, and bodies within it [m]."""
+    left = SHORTEST_LINE * scene.line_length
+    bodies = 0.0
+    for item in reversed(scene.line):
+        if item.cable is None:
+            assert item.body is not None
+            bodies += 2.0 * item.body.half_length
+        elif item.cable.length >= left:
+            break
+        else:
+            left -= item.cable.length
+    return bodies - bodies_length(scene) - scene.line_length * (1.0 - SHORTEST_LINE)
+
+
+def _set_shortest(winch: Winch, line: Line) -> None:
+    """How much of each cable is out before what lies below it leaves the tow point."""
+    for index, nominal in enumerate(winch.nominal):
+        row = winch.bodies[index]
+        body = 0.0 if row < 0 else 2.0 * line.bodies[row][1].half_length
+        length = nominal
+        if index > 0:
+            length = min(nominal, winch.leaves[index] - winch.leaves[index - 1] - body)
+        shortest = SHORTEST_PIECE * length
+        if body > 0.0:
+            shortest = min(shortest, max(FIRST_PIECE * body, LEAST_PIECE * nominal))
+        winch.shortest.append(shortest)
 
 
 def _add_cable(winch: Winch, cable: Cable, leaves: float, nominal: float, body: int) -> None:

@@ -94,11 +94,15 @@ S_WATER_DENSITY = _S + 25
 S_FIRST_STEP = _S + 26
 S_LAST_STEP = _S + 27  # length of the last accepted step [s]
 
-# Pay-out: paid(t) = S_PAID + rate tau + slope tau^2 / 2, tau = t - S_TIME, within one step.
+# Pay-out: travel(t) = S_TRAVEL + rate tau + slope tau^2 / 2, tau = t - S_TIME, within one step.
+# Travel is all that has passed the tow point, cable (S_PAID) and bodies of finite length.
 S_PAID, S_PAYOUT_RATE, S_PAYOUT_SLOPE = _S + 28, _S + 29, _S + 30
-S_TOP_LENGTH = _S + 31  # length of the top element at S_TIME [m]
+S_TOP_LENGTH = _S + 31  # length of the top element, or of what is out of a body, at S_TIME [m]
 S_PAID_MOST, S_PAID_LEAST = _S + 32, _S + 33
 S_LIVE_RATE = _S + 34  # 4 words: t0, t1, rate at t0, at t1
+S_PASSING = _S + 47  # 1 + row of the body of finite length that passes the tow point, 0: none
+S_TRAVEL = _S + 44
+S_TRAVEL_MOST, S_TRAVEL_LEAST = _S + 45, _S + 46
 S_PERIOD = _S + 40  # sqrt(L/g) [s]
 S_AXIAL = _S + 41  # stiffness of the whole line over its mass [1/s2]
 S_UNDAMPED = _S + 42  # 1: drag does not damp the line's motion
@@ -126,7 +130,7 @@ S_STAGE_RATE, S_STAGE_SLOPE = _S + 38, _S + 39  # at the time of the last set_ti
 # drum in the order in which they pass the tow point on the way out.
 RATE_WORDS = 2
 CABLE_WORDS = 26
-K_LEAVES = 0  # pay-out at which its vessel end passes the tow point [m]
+K_LEAVES = 0  # travel at which its vessel end passes the tow point [m]
 K_NOMINAL = 1  # length of its elements [m]
 K_SHORTEST = 2  # length below which its lower end stays on the drum [m]
 K_HINGE = 3  # 1: its lower end is a hinge, 0: the slope is shared

@@ -54,12 +54,14 @@ from .layout import (
     S_GRAVITY,
     S_PAID,
     S_PAID_MOST,
+    S_PASSING,
     S_PLANE,
     S_STAGE_RATE,
     S_TIME,
     STATION_WORDS,
     SUMMARY_WORDS,
 )
+from .passing import exchange_rates, overhang
 from .rigid import axis_of, flow_energy, rigid_energy, rigid_row, wave_power
 from .strain import strain_and_slope
 from .system import residual, set_time
@@ -159,7 +161,7 @@ def line_length(I, M):
     last = I[I_NODES] - 1
     edge = I[O_EDGE] + last * EDGE_WORDS
     if last == 1:
-        return M[edge + E_LENGTH]
+        return M[edge + E_LENGTH] - overhang(I, M)
     return M[edge + E_START] + M[edge + E_LENGTH] + M[S_PAID]
 
 
@@ -178,6 +180,7 @@ def sample_stations(I, M, stations, out):
     w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
     end_forces(I, M)
     total = line_length(I, M)
+    above = overhang(I, M)
     for n in range(len(stations)):
         s = stations[n]
         if not (s >= -1e-9 * total and s <= total * (1.0 + 1e-9)):
@@ -191,11 +194,11 @@ def sample_stations(I, M, stations, out):
             else:
                 high = middle
         if I[I[O_JOINT] + low] != 0:
-            low = max(1, low - 1)
+            low = low - 1 if low > 1 else 2
         edge = I[O_EDGE] + low * EDGE_WORDS
         parent = I[I[O_PARENT] + low]
         h = M[edge + E_LENGTH]
-        start = M[edge + E_START] + M[S_PAID] if parent > 0 else 0.0
+        start = M[edge + E_START] + M[S_PAID] if parent > 0 else -above
         x = min(1.0, max(0.0, (s - start) / h))
         y = 1.0 - x
         n0 = y * y * (1.0 + 2.0 * x)
@@ -270,6 +273,11 @@ def body_stations(I, M, out):
     q = M[I[O_POSITION] : I[O_POSITION] + count]
     v = M[I[O_VELOCITY] : I[O_VELOCITY] + count]
     w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
+    a = M[I[O_ACCELERATION] : I[O_ACCELERATION] + count]
+    passing = M[S_PASSING] != 0.0
+    if passing:
+        end_forces(I, M)
+        exchange_rates(I, M, v, a)
     for body in range(I[I_BODIES]):
         row = rigid_row(I, M, body)
         if row < 0:
@@ -286,6 +294,8 @@ def body_stations(I, M, out):
         to_earth(I, M, w, 3, out, STATION_WORDS * body, 1)
         to_earth(I, M, w, 0, out, STATION_WORDS * body + 3, 0)
         to_earth(I, M, w, 6, out, STATION_WORDS * body + 6, 0)
+    if passing:
+        exchange_rates(I, M, v, a)
 
 
 @kernel
@@ -308,8 +318,8 @@ def summarise(I, M, out):
         out[i] = -out[i]
     top = pull_along(I, M, 0, -1.0)
     out[6] = math.copysign(math.sqrt(out[0] ** 2 + out[1] ** 2 + out[2] ** 2), top)
-    lowest = end_tension(I, M, 1, 0)
-    highest = lowest
+    lowest = 1e300
+    highest = -1e300
     for node in range(1, nodes):
         if I[I[O_JOINT] + node] == 0:
             for side in range(2):
@@ -458,13 +468,18 @@ def energies(I, M, out):
     v = M[I[O_VELOCITY] : I[O_VELOCITY] + size * nodes]
     a = M[I[O_ACCELERATION] : I[O_ACCELERATION] + size * nodes]
     flow = M[I[O_MOTION] + 16 : I[O_MOTION] + 46]
+    passing = M[S_PASSING] != 0.0
     for body in range(I[I_BODIES]):
         row = I[O_BODY] + body * BODY_WORDS
         if M[row + B_NODE] < 0.0:
             continue
         if M[row + B_LENGTH] > 0.0:
             tension = M[I[O_TENSION] : I[O_TENSION] + 2 * nodes]
-            rigid_energy(I, M, row, q, v, a, tension, out)
+            if passing:
+                exchange_rates(I, M, v, a)
+            rigid_energy(I, M, rigid_row(I, M, body), q, v, a, tension, out)
+            if passing:
+                exchange_rates(I, M, v, a)
             continue
         node = int(M[row + B_NODE])
         at = size * node

@@ -22,11 +22,9 @@ from .layout import (
     CABLE_WORDS,
     CONSTRAINT_WORDS,
     E_LENGTH,
-    E_SEGMENT,
     E_START,
     EDGE_WORDS,
     I_BODIES,
-    I_CABLES,
     I_CAPACITY,
     I_CLAMPED,
     I_CONSTRAINTS,
@@ -38,13 +36,10 @@ from .layout import (
     I_PAYOUT,
     I_RATE_LIVE,
     I_RATES,
+    I_RIGID,
     I_TOP_CABLE,
-    K_BODY,
     K_EDGE,
-    K_HINGE,
-    K_LEAVES,
     K_NOMINAL,
-    K_SHORTEST,
     NO_CAPACITY,
     O_ACCELERATION,
     O_BODY,
@@ -65,21 +60,20 @@ from .layout import (
     S_JOINED,
     S_LIVE_RATE,
     S_PAID,
-    S_PAID_LEAST,
-    S_PAID_MOST,
+    S_PASSING,
     S_PAYOUT_RATE,
     S_PAYOUT_SLOPE,
     S_STAGE_RATE,
     S_STAGE_SLOPE,
     S_TIME,
     S_TOP_LENGTH,
+    S_TRAVEL,
+    S_TRAVEL_LEAST,
+    S_TRAVEL_MOST,
 )
+from .passing import material_end, next_mark, overhang, set_first_bit, set_part
 
-FEWEST_ELEMENTS = 4
-SPLIT, JOIN = 2.0, 0.5  # of the nominal length of the top element
-LARGEST_SHARE = 0.6  # of the line: a longer top element of few is halved, none becomes longer
-UNEVEN = 0.25  # of the next element: the top one of the fewest is joined with it below that
-LEAVES, RETURNS, DIVIDES, UNITES = 1, 2, 3, 4  # what the top of the line asks for
+FASTEST_GROWTH = 20.0  # in a step, of the top element or of what is out of a body, by its length
 
 
 @kernel
@@ -129,7 +123,8 @@ def begin_payout(I, M, stop):
     """Set the rate of the next step; returns the time by which the step must end.
 
     Rates hold until the next kink of the command, and not beyond the end of the drum or the
-    shortest length: there the rate is clamped to zero until the command turns round.
+    shortest length: there the rate is clamped to zero until the command turns round. Bodies of
+    finite length are met where their turn comes.
     """
     time = M[S_TIME]
     rate, slope, until = commanded_rate(I, M, time)
@@ -144,12 +139,12 @@ def begin_payout(I, M, stop):
                 sign = slope  # it turns round now: what is left of the rate is round-off
             elif zero < stop:
                 stop = zero
-    most = M[S_PAID_MOST] - M[S_PAID]
-    least = M[S_PAID] - M[S_PAID_LEAST]
+    most = M[S_TRAVEL_MOST] - M[S_TRAVEL]
+    least = M[S_TRAVEL] - M[S_TRAVEL_LEAST]
     I[I_CLAMPED] = 0
-    if sign > 0.0 and most <= 1e-12 * (1.0 + abs(M[S_PAID_MOST])):
+    if sign > 0.0 and most <= 1e-12 * (1.0 + abs(M[S_TRAVEL_MOST])):
         I[I_CLAMPED] = 1
-    elif sign < 0.0 and least <= 1e-12 * (1.0 + abs(M[S_PAID_LEAST])):
+    elif sign < 0.0 and least <= 1e-12 * (1.0 + abs(M[S_TRAVEL_LEAST])):
         I[I_CLAMPED] = -1
     if I[I_CLAMPED] != 0:
         M[S_PAYOUT_RATE] = 0.0
@@ -159,9 +154,9 @@ def begin_payout(I, M, stop):
     M[S_PAYOUT_SLOPE] = slope
     tau = 1e300
     if sign > 0.0:
-        tau = first_crossing(most, rate, slope)
+        tau = first_crossing(min(most, next_mark(I, M, True)), rate, slope)
     elif sign < 0.0:
-        tau = first_crossing(least, -rate, -slope)
+        tau = first_crossing(min(least, next_mark(I, M, False)), -rate, -slope)
     if tau < 1e299:
         stop = min(stop, time + tau)
     return stop
@@ -169,13 +164,16 @@ def begin_payout(I, M, stop):
 
 @kernel
 def longest_payout_step(I, M, dt):
-    """A step that changes the top element by at most its nominal length, or half of its own."""
+    """A step that changes the top element by at most its nominal length, or half of its own.
+
+    What has just begun to come out grows by a multiple of its own length.
+    """
     row = I[O_CABLES] + I[I_TOP_CABLE] * CABLE_WORDS
     rate = abs(M[S_PAYOUT_RATE] + 0.5 * M[S_PAYOUT_SLOPE] * dt)
     rate = max(rate, abs(M[S_PAYOUT_RATE]))
     if rate == 0.0:
         return dt
-    room = M[row + K_NOMINAL]
+    room = min(M[row + K_NOMINAL], FASTEST_GROWTH * M[S_TOP_LENGTH])
     if M[S_PAYOUT_RATE] < 0.0 or (M[S_PAYOUT_RATE] == 0.0 and M[S_PAYOUT_SLOPE] < 0.0):
         room = 0.5 * M[S_TOP_LENGTH]
     return min(dt, room / rate)
@@ -183,15 +181,21 @@ def longest_payout_step(I, M, dt):
 
 @kernel
 def paid_since(M, tau):
-    """Cable paid out in tau since S_TIME, at the step's rate [m]."""
+    """What has passed the tow point in tau since S_TIME, at the step's rate [m]."""
     return tau * (M[S_PAYOUT_RATE] + 0.5 * M[S_PAYOUT_SLOPE] * tau)
 
 
 @kernel
 def set_top_length(I, M, t):
-    """Length of the top element and the rate at time t."""
+    """Length of the top element, or of what is out of a body there, and the rate at time t."""
     tau = t - M[S_TIME]
-    M[I[O_EDGE] + EDGE_WORDS + E_LENGTH] = M[S_TOP_LENGTH] + paid_since(M, tau)
+    length = M[S_TOP_LENGTH] + paid_since(M, tau)
+    if M[S_PASSING] != 0.0:
+        set_part(I, M, length)
+    else:
+        M[I[O_EDGE] + EDGE_WORDS + E_LENGTH] = length
+        if I[I_RIGID] > 0:
+            set_first_bit(I, M, length - M[S_TOP_LENGTH])
     M[S_STAGE_RATE] = M[S_PAYOUT_RATE] + M[S_PAYOUT_SLOPE] * tau
     M[S_STAGE_SLOPE] = M[S_PAYOUT_SLOPE]
 
@@ -199,6 +203,9 @@ def set_top_length(I, M, t):
 @kernel
 def material_top(I, M, q, v, a):
     """Material velocity and acceleration of the vessel's node into the O_TOP words (12)."""
+    if M[S_PASSING] != 0.0:
+        material_end(I, M, q, v, a)
+        return
     dimension = I[I_DIMENSION]
     size = 2 * dimension
     out = I[O_TOP]
@@ -370,9 +377,10 @@ def split_edge(I, M, edge, x, hinge):
     if edge == 1:
         M[S_TOP_LENGTH] = M[I[O_EDGE] + EDGE_WORDS + E_LENGTH]
         # The lower part begins where the cable is that is out now, less the new top element.
-        M[I[O_EDGE] + EDGE_WORDS * lower + E_START] = x * h - M[S_PAID]
+        start = x * h - overhang(I, M) - M[S_PAID]
+        M[I[O_EDGE] + EDGE_WORDS * lower + E_START] = start
         if hinge:
-            M[I[O_EDGE] + EDGE_WORDS * 2 + E_START] = x * h - M[S_PAID]
+            M[I[O_EDGE] + EDGE_WORDS * 2 + E_START] = start
     return OK
 
 
@@ -412,103 +420,3 @@ def give_properties(I, M, edge, cable):
         M[row + k] = M[I[O_CABLES] + cable * CABLE_WORDS + K_EDGE + k]
     M[row + E_LENGTH] = h
     M[row + E_START] = start
-
-
-@kernel
-def element_number(I, M):
-    """Elements of the line."""
-    count = 0
-    for node in range(1, I[I_NODES]):
-        if I[I[O_JOINT] + node] == 0:
-            count += 1
-    return count
-
-
-@kernel
-def is_too_large(I, M, length, elements):
-    """Whether a top element of this length is most of a line of few elements."""
-    if elements > 2 * FEWEST_ELEMENTS:
-        return False
-    total = 0.0
-    for node in range(1, I[I_NODES]):
-        total += M[I[O_EDGE] + EDGE_WORDS * node + E_LENGTH]
-    return length > LARGEST_SHARE * total
-
-
-@kernel
-def next_change(I, M):
-    """What the top of the line asks for next; 0: nothing."""
-    cable = I[I_TOP_CABLE]
-    row = I[O_CABLES] + cable * CABLE_WORDS
-    if cable + 1 < I[I_CABLES]:
-        # A joint leaves the vessel once enough of the next cable is out.
-        out = M[S_PAID] - M[row + K_LEAVES]
-        if out >= M[row + CABLE_WORDS + K_SHORTEST] and out < M[S_TOP_LENGTH]:
-            return LEAVES
-    if cable > 0:
-        # It is taken back when less than half of that is left.
-        out = M[S_PAID] - M[row - CABLE_WORDS + K_LEAVES]
-        if out <= 0.5 * M[row + K_SHORTEST]:
-            return RETURNS
-    nominal = M[row + K_NOMINAL]
-    if M[S_TOP_LENGTH] > SPLIT * nominal or is_too_large(I, M, M[S_TOP_LENGTH], I[I_NODES] - 1):
-        return DIVIDES
-    if M[S_TOP_LENGTH] < JOIN * nominal and I[I_NODES] > 2:
-        first = I[O_EDGE] + EDGE_WORDS
-        below = first + EDGE_WORDS
-        if M[below + E_SEGMENT] == M[first + E_SEGMENT] and I[I[O_JOINT] + 2] == 0:
-            # One of few elements goes only where another one gains by being halved.
-            if M[S_TOP_LENGTH] < UNEVEN * M[below + E_LENGTH] or (
-                element_number(I, M) > FEWEST_ELEMENTS
-                and not is_too_large(I, M, M[S_TOP_LENGTH] + M[below + E_LENGTH], I[I_NODES] - 2)
-            ):
-                return UNITES
-    return 0
-
-
-@kernel
-def adapt_top(I, M):
-    """Before a step: let joints and bodies pass the tow point, split or join the top element."""
-    for _pass in range(64):
-        change = next_change(I, M)
-        if change == 0:
-            break
-        cable = I[I_TOP_CABLE]
-        row = I[O_CABLES] + cable * CABLE_WORDS
-        if change == LEAVES:
-            above = row + CABLE_WORDS
-            out = M[S_PAID] - M[row + K_LEAVES]
-            hinge = M[above + K_HINGE] != 0.0
-            if split_edge(I, M, 1, out / M[S_TOP_LENGTH], hinge) != OK:
-                return NO_CAPACITY
-            give_properties(I, M, 1, cable + 1)
-            if M[above + K_BODY] >= 0.0:
-                M[I[O_BODY] + int(M[above + K_BODY]) * BODY_WORDS + B_NODE] = 1.0
-            I[I_TOP_CABLE] = cable + 1
-        elif change == RETURNS:
-            if M[row + K_BODY] >= 0.0:
-                M[I[O_BODY] + int(M[row + K_BODY]) * BODY_WORDS + B_NODE] = -1.0
-            # All of the upper cable's elements go: normally the top one is the only one.
-            join_at(I, M, 1, 2 if M[row + K_HINGE] != 0.0 else 1)
-            give_properties(I, M, 1, cable - 1)
-            M[I[O_EDGE] + EDGE_WORDS + E_LENGTH] = M[S_TOP_LENGTH]
-            I[I_TOP_CABLE] = cable - 1
-        elif change == DIVIDES:
-            pieces = max(2, int(M[S_TOP_LENGTH] / M[row + K_NOMINAL]))
-            if split_edge(I, M, 1, 1.0 - 1.0 / pieces, False) != OK:
-                return NO_CAPACITY
-        else:
-            join_at(I, M, 1, 1)
-            M[I[O_EDGE] + EDGE_WORDS + E_LENGTH] = M[S_TOP_LENGTH]
-            if element_number(I, M) < FEWEST_ELEMENTS:
-                longest = 1
-                for node in range(1, I[I_NODES]):
-                    if (
-                        M[I[O_EDGE] + EDGE_WORDS * node + E_LENGTH]
-                        > M[I[O_EDGE] + EDGE_WORDS * longest + E_LENGTH]
-                    ):
-                        longest = node
-                if split_edge(I, M, longest, 0.5, False) != OK:
-                    return NO_CAPACITY
-                break
-    return OK

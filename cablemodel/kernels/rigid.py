@@ -68,7 +68,9 @@ from .layout import (
     O_TENSION,
     O_UPPER,
     S_BASE,
+    S_PASSING,
 )
+from .passing import part_row
 from .waves import P_WET
 
 CLAMP = 1e4  # stiffness of a clamp, in units of EI over the shorter of element and body
@@ -79,10 +81,12 @@ SLOPE_INERTIA = 1e-9  # of m l^2: keeps the mass matrix regular for the slope at
 
 @kernel
 def rigid_row(I, M, body):
-    """Row of a body of finite length that is out, else -1."""
+    """Row of a body of finite length that is out, or of the part that is out of it, else -1."""
     row = I[O_BODY] + body * BODY_WORDS
     if M[row + B_LENGTH] == 0.0 or M[row + B_NODE] < 0.0:
         return -1
+    if body + 1 == M[S_PASSING]:
+        return part_row(I)
     return row
 
 
@@ -176,17 +180,17 @@ def update_clamps(I, M, share):
     """
     tension = I[O_TENSION]
     for body in range(I[I_BODIES]):
-        row = rigid_row(I, M, body)
-        if row < 0:
+        if rigid_row(I, M, body) < 0:
             continue
+        row = I[O_BODY] + body * BODY_WORDS
         node = int(M[row + B_NODE])
         for side in range(2):
             k = row + B_CLAMP + side
             past = row + B_PULL + side
-            if side == 1 and M[row + B_TIE] != 0.0:
-                M[k] = 0.0
-                continue
             edge = I[I[O_PARENT] + node] if side == 0 else node + 1
+            if edge == 0 or (side == 1 and M[row + B_TIE] != 0.0):
+                M[k] = 0.0  # no cable there: the vessel or a spring holds the slope
+                continue
             slope = M[tension + 2 * edge + 1]
             pull = M[tension + 2 * edge] + (slope if side == 0 else -slope)
             M[past] += share * (pull - M[past])
@@ -225,6 +229,46 @@ def clamp_forces(dimension, k, q, at, inner, outer, reach, w, out):
 
 
 @kernel
+def tie_forces(M, row, dimension, tie, q, a, node, inner, outer, out):
+    """Add the forces of the spring [N m] by which a slope that no cable holds follows the axis.
+
+    node: the first word of the slope's node, the inner or the outer one.
+    """
+    length = M[row + B_LENGTH]
+    inertia = SLOPE_INERTIA * M[row + B_MASS] * length * length
+    for i in range(dimension):
+        at = node + dimension + i
+        force = tie * (q[at] - (q[outer + i] - q[inner + i]) / length)
+        out[at] += force + inertia * a[at]
+        out[outer + i] -= force / length
+        out[inner + i] += force / length
+
+
+@kernel
+def add_tie(M, row, dimension, tie, ca, inner_side, D_inner, D_outer, U, L):
+    """Derivatives of `tie_forces`."""
+    size = 2 * dimension
+    length = M[row + B_LENGTH]
+    slope = tie + ca * SLOPE_INERTIA * M[row + B_MASS] * length * length
+    pull = tie / length
+    for i in range(dimension):
+        d = dimension + i
+        add_pair(D_inner, D_outer, U, L, size, i, i, pull / length)
+        if inner_side:
+            D_inner[size * d + d] += slope
+            D_inner[size * d + i] += pull
+            D_inner[size * i + d] += pull
+            U[size * d + i] -= pull
+            L[size * i + d] -= pull
+        else:
+            D_outer[size * d + d] += slope
+            D_outer[size * d + i] -= pull
+            D_outer[size * i + d] -= pull
+            L[size * d + i] += pull
+            U[size * i + d] += pull
+
+
+@kernel
 def rigid_residual(I, M, q, v, a, tension, out, out_constraint):
     """Add the bodies' forces to those of their nodes, and set their constraint residuals."""
     dimension = I[I_DIMENSION]
@@ -241,7 +285,7 @@ def rigid_residual(I, M, q, v, a, tension, out, out_constraint):
         out_constraint[2 * node + 1] = 0.0
         for side in range(2):
             k = M[row + B_CLAMP + side]
-            if k != 0.0:
+            if k != 0.0 and (side == 1 or inner > 0):
                 at = dimension + (inner if side == 0 else outer)
                 clamp_forces(dimension, k, q, at, inner, outer, reach, w, out)
         near = 0.5 * (1.0 - M[row + B_OFFSET])
@@ -263,15 +307,10 @@ def rigid_residual(I, M, q, v, a, tension, out, out_constraint):
             pair = bar * w[i] + turning * (a[outer + i] - a[inner + i])
             out[inner + i] += near * centre + 0.5 * w[12 + i] - pair
             out[outer + i] += far * centre + 0.5 * w[12 + i] + pair
-        tie = M[row + B_TIE]
-        if tie != 0.0:
-            inertia = SLOPE_INERTIA * M[row + B_MASS] * length * length
-            for i in range(dimension):
-                at = outer + dimension + i
-                force = tie * (q[at] - (q[outer + i] - q[inner + i]) / length)
-                out[at] += force + inertia * a[at]
-                out[outer + i] -= force / length
-                out[inner + i] += force / length
+        if inner == 0:
+            tie_forces(M, row, dimension, M[row + B_CLAMP], q, a, 0, inner, outer, out)
+        if M[row + B_TIE] != 0.0:
+            tie_forces(M, row, dimension, M[row + B_TIE], q, a, outer, inner, outer, out)
 
 
 @kernel
@@ -347,7 +386,7 @@ def rigid_jacobian(I, M, q, v, a, tension, ca, cv):
         length = M[row + B_LENGTH]
         reach = axis_of(dimension, q, inner, outer, w)
         k = M[row + B_CLAMP]
-        if k != 0.0:
+        if k != 0.0 and inner > 0:
             add_clamp(dimension, k, q, inner + dimension, True, reach, w, D_inner, D_outer, U, L)
         k = M[row + B_CLAMP + 1]
         if k != 0.0:
@@ -368,16 +407,17 @@ def rigid_jacobian(I, M, q, v, a, tension, ca, cv):
             wet_derivatives(I, M, row, 1.0 / reach, ca, cv, w)
         else:
             flow_derivatives(M, row, dimension, M[row + B_ADDED], 1.0 / reach, ca, cv, w)
-        tie = M[row + B_TIE]
-        slope = 0.0
-        if tie != 0.0:
-            slope = tie + ca * SLOPE_INERTIA * M[row + B_MASS] * length * length
+        if inner == 0:
+            k = M[row + B_CLAMP]
+            add_tie(M, row, dimension, k, ca, True, D_inner, D_outer, U, L)
+        if M[row + B_TIE] != 0.0:
+            add_tie(M, row, dimension, M[row + B_TIE], ca, False, D_inner, D_outer, U, L)
         for i in range(dimension):
             B[i] = w[i]
             for j in range(dimension):
                 value = (stiffness - geometric) * w[i] * w[j]
                 if i == j:
-                    value += geometric + turning + tie / (length * length)
+                    value += geometric + turning
                 add_pair(D_inner, D_outer, U, L, size, i, j, value)
                 flow = 0.25 * w[12 + dimension * i + j]
                 axis = 0.5 * w[21 + dimension * i + j]
@@ -389,13 +429,6 @@ def rigid_jacobian(I, M, q, v, a, tension, ca, cv):
             U[size * i + i] += mass * near * far
             L[size * i + i] += mass * near * far
             D_outer[size * i + i] += mass * far * far
-            if tie != 0.0:
-                d = dimension + i
-                D_outer[size * d + d] += slope
-                D_outer[size * d + i] -= tie / length
-                D_outer[size * i + d] -= tie / length
-                L[size * d + i] += tie / length
-                U[size * i + d] += tie / length
 
 
 @kernel
@@ -443,7 +476,7 @@ def rigid_energy(I, M, row, q, v, a, tension, out):
     bar = tension[2 * node]
     out[1] += 0.5 * M[row + B_COMPLIANCE] * bar * bar
     k = M[row + B_CLAMP]
-    if k != 0.0:
+    if k != 0.0 and inner > 0:
         _length, cosine = slope_direction(dimension, q, inner + dimension, w)
         out[2] += k * (1.0 - cosine)
     k = M[row + B_CLAMP + 1]

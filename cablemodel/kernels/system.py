@@ -45,7 +45,9 @@ from .layout import (
     O_STRETCH,
     O_TOP,
     O_UPPER,
+    S_PASSING,
 )
+from .passing import add_first_bit, exchange_rates
 from .payout import material_top, set_top_length
 from .rigid import condense_rigid, rigid_jacobian, rigid_residual, stretch_rate_rigid
 from .triangular_solver import (
@@ -69,7 +71,13 @@ def residual(I, M, q, v, a, tension, out, out_constraint):
     if I[I_BODIES] > 0:
         body_residual(I, M, q, v, a, out)
     if I[I_RIGID] > 0:
+        if M[S_PASSING] != 0.0:
+            exchange_rates(I, M, v, a)
         rigid_residual(I, M, q, v, a, tension, out, out_constraint)
+        if M[S_PASSING] != 0.0:
+            exchange_rates(I, M, v, a)
+        elif I[I_PAYOUT] != 0:
+            add_first_bit(I, M, out)
     if I[I_FLOOR] != 0:
         floor_residual(I, M, q, v, out)
 
@@ -192,7 +200,11 @@ def jacobian(I, M, q, v, a, tension, ca, cv):
     if I[I_BODIES] > 0:
         body_jacobian(I, M, q, v, a, ca, cv)
     if I[I_RIGID] > 0:
+        if M[S_PASSING] != 0.0:
+            exchange_rates(I, M, v, a)
         rigid_jacobian(I, M, q, v, a, tension, ca, cv)
+        if M[S_PASSING] != 0.0:
+            exchange_rates(I, M, v, a)
     if I[I_FLOOR] != 0:
         floor_jacobian(I, M, q, v, cv)
 

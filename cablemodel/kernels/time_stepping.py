@@ -83,12 +83,14 @@ from .layout import (
     S_TIME,
     S_TIME_TOLERANCE,
     S_TOP_LENGTH,
+    S_TRAVEL,
     S_UNDAMPED,
     S_WAVE_STEP,
     TOO_MANY_STEPS,
 )
 from .newton import increment_norm, is_folded, refactor
-from .payout import adapt_top, begin_payout, longest_payout_step, next_change, paid_since
+from .passing import cable_paid
+from .payout import begin_payout, longest_payout_step, paid_since
 from .rigid import update_clamps
 from .sleep import disturbance, fall_asleep, may_sleep, prepare_joining, rejoin, wake
 from .system import (
@@ -100,6 +102,7 @@ from .system import (
     set_time,
 )
 from .tables import GAMMA, STAGE_A, STAGE_C, STAGE_ERROR, STAGES
+from .top_of_line import adapt_top, next_change
 from .two_step import accept_two_step, remember, try_two_step
 
 LARGEST_ITERATIONS = 10
@@ -590,7 +593,8 @@ def advance_to(I, M, t_end):
                 accept_trial(I, M, dt, scheme)
             if I[I_PAYOUT] != 0:
                 paid = paid_since(M, dt)
-                M[S_PAID] += paid
+                M[S_TRAVEL] += paid
+                M[S_PAID] = cable_paid(I, M)
                 M[S_TOP_LENGTH] += paid
                 M[S_PAYOUT_RATE] += M[S_PAYOUT_SLOPE] * dt
             if landing:

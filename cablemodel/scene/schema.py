@@ -184,6 +184,8 @@ class Scene(SceneModel):
             half = item.body.half_length
             path = f"{part}.{index}.body.half_length"
             neighbours = [*items[max(index - 1, 0) : index], *items[index + 1 : index + 2]]
+            if index == 0 and part == "payout.drum":
+                neighbours += self.line[:1]  # the cable that is out is next to it
             lengths = [beside.cable.length for beside in neighbours if beside.cable is not None]
             room = min(lengths, default=math.inf)
             if 2.0 * half > room:

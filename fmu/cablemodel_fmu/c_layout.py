@@ -58,6 +58,8 @@ def start_constants() -> dict[str, float]:
         "STABILISATION": line_tables.STABILISATION,
         "SHORTEST_LINE": winch.SHORTEST_LINE,
         "SHORTEST_PIECE": winch.SHORTEST_PIECE,
+        "FIRST_PIECE": winch.FIRST_PIECE,
+        "LEAST_PIECE": winch.LEAST_PIECE,
         "RIGID": line_tables.RIGID,
         "SOFTEST": line_tables.SOFTEST,
         "BENT": refinement.BENT,

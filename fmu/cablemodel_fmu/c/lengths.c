@@ -104,49 +104,65 @@ static void back_to_the_anchor(Cable *cable) {
     }
 }
 
+/* Length of the body at the lower end of a cable of the winch; 0: none, or a point. */
+static double body_below(const Cable *cable, int64_t index) {
+    const double body = row_of(cable, index)[K_BODY];
+    if (body < 0.0) return 0.0;
+    return cable->M[cable->I[O_BODY] + (int64_t)body * BODY_WORDS + B_LENGTH];
+}
+
 /* The cables as they pass the tow point: see cablemodel/instance/winch.py. */
 static void arrange_winch(Cable *cable, double from, double to, double growth) {
-    double below = 0.0, most = 0.0;
+    double below = 0.0, most = 0.0, travel = 0.0;
+    double left = SHORTEST_LINE * cable->M[S_LENGTH], above = 0.0; /* at the end of reel-in */
+    int64_t last = 0;
     for (int64_t n = cable->parameter_count - 1; n >= 0; n--)
-        if (cable->parameters[n].kind == OF_LINE) below += length_of(cable, n, to);
+        if (cable->parameters[n].kind == OF_LINE)
+            below += length_of(cable, n, to) + body_below(cable, cable->parameters[n].index);
     for (int64_t n = cable->parameter_count - 1; n >= 0; n--) {
         if (cable->parameters[n].kind != OF_LINE) continue;
-        double *row = row_of(cable, cable->parameters[n].index);
-        below -= length_of(cable, n, to);
+        const double length = length_of(cable, n, to);
+        last = cable->parameters[n].index;
+        double *row = row_of(cable, last);
+        if (left <= 0.0) above += body_below(cable, last);
+        left -= length;
+        below -= body_below(cable, last) + length;
         row[K_LEAVES] = -below;
-        row[K_NOMINAL] *= length_of(cable, n, to) / length_of(cable, n, from);
+        row[K_NOMINAL] *= length / length_of(cable, n, from);
     }
     for (int64_t n = 0; n < cable->parameter_count; n++) {
         if (cable->parameters[n].kind != OF_DRUM) continue;
         double *row = row_of(cable, cable->parameters[n].index);
         const double longer = length_of(cable, n, to) / length_of(cable, n, from);
         most += length_of(cable, n, to);
+        if (cable->parameters[n].index != last) {
+            last = cable->parameters[n].index;
+            travel += body_below(cable, last);
+        }
+        travel += length_of(cable, n, to);
         /* A cable of its own row has elements of the line's mean length, no more than there is
            room for. */
         const int own = row[K_LEAVES] > 0.0;
         const double least = row[K_EDGE + E_NOMINAL] * longer / DRUM_ROOM;
         if (own) row[K_NOMINAL] *= growth;
         if (row[K_NOMINAL] < least) row[K_NOMINAL] = least;
-        row[K_LEAVES] = most;
+        row[K_LEAVES] = travel;
     }
     for (int64_t index = 0; index < cable->I[I_CABLES]; index++) {
-        double *row = row_of(cable, index);
-        row[K_SHORTEST] = SHORTEST_PIECE * row[K_NOMINAL];
+        double *row = row_of(cable, index), length = row[K_NOMINAL];
+        const double body = body_below(cable, index);
+        if (index > 0) length = fmin(length, row[K_LEAVES] - row_of(cable, index - 1)[K_LEAVES] - body);
+        row[K_SHORTEST] = SHORTEST_PIECE * length;
+        if (body > 0.0)
+            row[K_SHORTEST] =
+                fmin(row[K_SHORTEST], fmax(FIRST_PIECE * body, LEAST_PIECE * row[K_NOMINAL]));
         row[K_EDGE + E_NOMINAL] = row[K_NOMINAL];
     }
     double *M = cable->M;
     M[S_TOP_LENGTH] = edge_of(cable, 1)[E_LENGTH];
     M[S_PAID_MOST] = most;
-    M[S_PAID_LEAST] = -(M[S_LENGTH] - SHORTEST_LINE * M[S_LENGTH]);
-    for (int64_t node = 2; node < cable->I[I_NODES]; node++) {
-        if (cable->I[cable->I[O_JOINT] + node] != JOINT_BODY) continue;
-        /* Not taken onto the drum: reel-in ends before it. */
-        const double *edge = edge_of(cable, node - 1);
-        const double nominal = row_of(cable, (int64_t)edge[E_SEGMENT])[K_NOMINAL];
-        const double least = SHORTEST_PIECE * nominal - edge[E_START] - edge[E_LENGTH];
-        if (M[S_PAID_LEAST] < least) M[S_PAID_LEAST] = least;
-        break;
-    }
+    M[S_TRAVEL_MOST] = travel;
+    M[S_TRAVEL_LEAST] = -above - (1.0 - SHORTEST_LINE) * M[S_LENGTH];
 }
 
 /* All that cablemodel/instance derives from the lengths of the line as a whole. */

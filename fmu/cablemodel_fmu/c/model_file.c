@@ -177,14 +177,25 @@ const char *check_block(const int64_t *I, int64_t image_words, int64_t block_wor
         const double *row = M + I[O_BODY] + n * BODY_WORDS;
         if (row[B_LENGTH] == 0.0) continue;
         const int64_t node = (int64_t)row[B_NODE];
-        /* Its clamps read the elements on both sides, but where the line ends with it. */
-        if (!(row[B_LENGTH] > 0.0) || !(row[B_COMPLIANCE] > 0.0) || node < 2 ||
-            joint[node] != JOINT_BODY || parent[node] != node - 1 || joint[node - 1] != JOINT_NONE ||
-            parent[node - 1] != node - 2 || (row[B_TIE] == 0.0 && node + 1 >= nodes))
-            return "a body of finite length is out of range";
         rigid++;
+        if (!(row[B_LENGTH] > 0.0) || !(row[B_COMPLIANCE] > 0.0))
+            return "a body of finite length is out of range";
+        if (node < 0) continue; /* on the drum */
+        /* Its clamps read the elements on both sides, but where the line ends with it, or where it
+           passes the tow point. */
+        const int passing = M[S_PASSING] == (double)(n + 1);
+        if (node < (passing ? 1 : 2) || (passing && node > 1) || joint[node] != JOINT_BODY ||
+            parent[node] != node - 1 || (row[B_TIE] == 0.0 && node + 1 >= nodes))
+            return "a body of finite length is out of range";
+        if (!passing && (joint[node - 1] != JOINT_NONE || parent[node - 1] != node - 2))
+            return "a body of finite length is out of range";
     }
-    if (I[I_RIGID] != rigid) return "a body of finite length is out of range";
+    if (I[I_RIGID] != rigid || !whole(M[S_PASSING], 0, I[I_BODIES]))
+        return "a body of finite length is out of range";
+    if (M[S_PASSING] != 0.0 &&
+        !(M[I[O_BODY] + ((int64_t)M[S_PASSING] - 1) * BODY_WORDS + B_LENGTH] > 0.0 &&
+          M[I[O_BODY] + ((int64_t)M[S_PASSING] - 1) * BODY_WORDS + B_NODE] == 1.0))
+        return "a body of finite length is out of range";
     for (int64_t n = 0; n < I[I_CONSTRAINTS]; n++) {
         const double *row = M + I[O_CONSTRAINT] + n * CONSTRAINT_WORDS;
         if (!whole(row[C_NODE], 0, nodes - 1) || !whole(row[C_KIND], C_VESSEL, C_ANCHOR))

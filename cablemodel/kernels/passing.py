@@ -1,0 +1,255 @@
+"""A body of finite length passes the tow point, like a piece of cable that does not bend.
+
+While it passes, the body ties its outer attachment C to the tow point: its inner end slides
+through that point at the winch's rate, free to turn about it (held in direction by a clamp). What
+is out of a body of length l is a body of the length x that has passed: its mass, weight, areas
+and added masses are x / l of the whole, its rotary inertia (x / l)^3. For a body of even mass that
+is the matter that has passed, so that it comes out of the drum with the forces of a cable of its
+mass; at x = 0 and x = l it is nothing and the whole for any body.
+
+With g = r_C - r_0 and the axis a3 = g / x, the matter at the tow point moves, like that of a cable
+that is paid out at v_p (payout.py), with
+
+    v = r_0,t + v_p a3,      a = r_0,tt + v_p_dot a3 + 2 v_p a3_t,      x a3_t = g_t - v_p a3.
+
+With these in place of the vessel's motion the body is computed like any other one (rigid.py).
+"""
+
+from .compile import kernel
+from .layout import (
+    B_ADDED,
+    B_ADDED_AXIAL,
+    B_CLAMP,
+    B_DRAG,
+    B_DRAG_AXIAL,
+    B_DRY_WEIGHT,
+    B_INERTIA,
+    B_LENGTH,
+    B_MASS,
+    B_TIE,
+    B_WEIGHT,
+    BODY_WORDS,
+    C_CLAMPED,
+    CABLE_WORDS,
+    I_CABLES,
+    I_DIMENSION,
+    I_RIGID,
+    I_TOP_CABLE,
+    K_BODY,
+    K_LEAVES,
+    K_SHORTEST,
+    O_BODY,
+    O_CABLES,
+    O_CONSTRAINT,
+    O_TOP,
+    S_PASSING,
+    S_STAGE_RATE,
+    S_STAGE_SLOPE,
+    S_TENSION_SCALE,
+    S_TRAVEL,
+)
+
+BARE = 0.05  # of its length: what is out of a body before it takes the top element's place,
+LARGEST_BARE = 0.25  # or this where it is short against elements
+HELD = 1e4  # stiffness of a clamped tow point against a body, in typical tensions x its length
+PART = 24  # in O_TOP: the row of what is out of the body that passes
+
+
+@kernel
+def part_row(I):
+    """Word of the row of what is out of the body that passes; `set_part` has filled it."""
+    return I[O_TOP] + PART
+
+
+@kernel
+def body_above(I, M, cable):
+    """Row of the body of finite length at the vessel's end of a cable of the winch, or -1."""
+    if cable + 1 >= I[I_CABLES]:
+        return -1
+    body = int(M[I[O_CABLES] + (cable + 1) * CABLE_WORDS + K_BODY])
+    if body < 0:
+        return -1
+    row = I[O_BODY] + body * BODY_WORDS
+    if M[row + B_LENGTH] == 0.0:
+        return -1
+    return row
+
+
+@kernel
+def bare_length(M, body, above):
+    """What is out of a body before it takes the top element's place [m].
+
+    A short end of a body swings about the tow point the wider the shorter it gets. body, above:
+    rows of the body and of the cable above it.
+    """
+    length = M[body + B_LENGTH]
+    return max(BARE * length, min(LARGEST_BARE * length, M[above + K_SHORTEST]))
+
+
+@kernel
+def bodies_passed(I, M, travel):
+    """Length of the bodies that have passed the tow point since the outermost cable did [m]."""
+    length = 0.0
+    for cable in range(I[I_CABLES] - 1):
+        row = body_above(I, M, cable)
+        if row >= 0:
+            out = travel - M[I[O_CABLES] + cable * CABLE_WORDS + K_LEAVES]
+            length += min(max(out, 0.0), M[row + B_LENGTH])
+    return length
+
+
+@kernel
+def cable_paid(I, M):
+    """Cable that has passed the tow point since t = 0 [m]: the travel without the bodies."""
+    travel = M[S_TRAVEL]
+    if I[I_RIGID] == 0:
+        return travel
+    return travel - bodies_passed(I, M, travel) + bodies_passed(I, M, 0.0)
+
+
+@kernel
+def overhang(I, M):
+    """What of the top element is not cable but the first bit of a body that comes [m]."""
+    if I[I_RIGID] == 0 or M[S_PASSING] != 0.0:
+        return 0.0
+    row = body_above(I, M, I[I_TOP_CABLE])
+    if row < 0:
+        return 0.0
+    out = M[S_TRAVEL] - M[I[O_CABLES] + I[I_TOP_CABLE] * CABLE_WORDS + K_LEAVES]
+    return min(max(out, 0.0), M[row + B_LENGTH])
+
+
+@kernel
+def next_mark(I, M, outwards):
+    """Way of the winch to where a body that comes or goes must be met exactly [m]; 1e300: none."""
+    if I[I_RIGID] == 0:
+        return 1e300
+    cable = I[I_TOP_CABLE]
+    row = body_above(I, M, cable)
+    if row < 0:
+        return 1e300
+    at = I[O_CABLES] + cable * CABLE_WORDS
+    out = M[S_TRAVEL] - M[at + K_LEAVES]
+    length = M[row + B_LENGTH]
+    near = 1e-9 * length
+    if not outwards:
+        if M[S_PASSING] != 0.0 and out > length + near:
+            return out - length
+        return 1e300
+    if M[S_PASSING] == 0.0:
+        return max(bare_length(M, row, at + CABLE_WORDS) - out, near)
+    if out < length - near:
+        return length - out
+    return max(length + M[at + CABLE_WORDS + K_SHORTEST] - out, near)
+
+
+@kernel
+def set_part(I, M, length):
+    """The row of what is out of the passing body, `length` [m] from its outer attachment.
+
+    Beyond its own length it is the whole body on a weightless stick: the bit of the next cable.
+    """
+    whole = I[O_BODY] + (int(M[S_PASSING]) - 1) * BODY_WORDS
+    take_share(I, M, whole, length)
+    part = part_row(I)
+    # Nothing but this spring holds the slope at the vessel, or by it a clamp holds the body.
+    hold = HELD if M[I[O_CONSTRAINT] + C_CLAMPED] != 0.0 else 1.0
+    M[part + B_CLAMP] = hold * M[S_TENSION_SCALE] * length
+
+
+@kernel
+def set_first_bit(I, M, out):
+    """The same while the first bit of a body is a piece of the top element: B_MASS 0: none is.
+
+    out: what has passed the tow point since S_TIME [m].
+    """
+    part = part_row(I)
+    M[part + B_MASS] = 0.0
+    cable = I[I_TOP_CABLE]
+    row = body_above(I, M, cable)
+    if row < 0:
+        return
+    out += M[S_TRAVEL] - M[I[O_CABLES] + cable * CABLE_WORDS + K_LEAVES]
+    if out > 0.0:
+        take_share(I, M, row, out)
+
+
+@kernel
+def take_share(I, M, whole, length):
+    """The part row: what is out of a body whose row is `whole`."""
+    part = part_row(I)
+    for k in range(BODY_WORDS):
+        M[part + k] = M[whole + k]
+    M[part + B_LENGTH] = length
+    share = min(1.0, length / M[whole + B_LENGTH])
+    M[part + B_MASS] *= share
+    M[part + B_WEIGHT] *= share
+    M[part + B_DRY_WEIGHT] *= share
+    M[part + B_ADDED] *= share
+    M[part + B_ADDED_AXIAL] *= share
+    M[part + B_DRAG] *= share
+    M[part + B_DRAG_AXIAL] *= share
+    M[part + B_INERTIA] *= share**3
+    M[part + B_TIE] *= share
+
+
+@kernel
+def add_first_bit(I, M, out):
+    """Weight and inertia of the first bit of a body to the vessel node's forces: it bears them.
+
+    The cable of its length, which stands in its place, bears its own.
+    """
+    part = part_row(I)
+    if M[part + B_MASS] == 0.0:
+        return
+    dimension = I[I_DIMENSION]
+    for i in range(dimension):
+        out[i] += M[part + B_MASS] * M[I[O_TOP] + 6 + i]
+    out[dimension - 1] += M[part + B_WEIGHT]
+
+
+@kernel
+def axis_motion(I, M, q, v, a, length, rate, slope, w):
+    """Axis of the body at the tow point, its rate and second rate, into w[0:9].
+
+    length: what is out of it [m], which grows with `rate` and `slope`.
+    """
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    square = 0.0
+    for i in range(dimension):
+        w[i] = q[size + i] - q[i]
+        square += w[i] ** 2
+    reach = square**0.5
+    for i in range(dimension):
+        w[i] /= reach
+        w[3 + i] = (v[size + i] - v[i] - rate * w[i]) / length
+        w[6 + i] = (a[size + i] - a[i] - slope * w[i] - 2.0 * rate * w[3 + i]) / length
+
+
+@kernel
+def material_end(I, M, q, v, a):
+    """Motion of the passing body's matter at the tow point into the O_TOP words (12)."""
+    dimension = I[I_DIMENSION]
+    out = I[O_TOP]
+    w = M[out + 12 : out + 21]
+    rate = M[S_STAGE_RATE]
+    slope = M[S_STAGE_SLOPE]
+    axis_motion(I, M, q, v, a, M[part_row(I) + B_LENGTH], rate, slope, w)
+    for i in range(dimension):
+        M[out + i] = v[i] + rate * w[i]
+        M[out + dimension + i] = v[dimension + i]
+        M[out + 6 + i] = a[i] + slope * w[i] + 2.0 * rate * w[3 + i]
+        M[out + 6 + dimension + i] = a[dimension + i]
+
+
+@kernel
+def exchange_rates(I, M, v, a):
+    """Put the matter's motion in O_TOP in place of the vessel node's; a second call, back."""
+    for n in range(2 * I[I_DIMENSION]):
+        kept = v[n]
+        v[n] = M[I[O_TOP] + n]
+        M[I[O_TOP] + n] = kept
+        kept = a[n]
+        a[n] = M[I[O_TOP] + 6 + n]
+        M[I[O_TOP] + 6 + n] = kept

@@ -1,0 +1,389 @@
+"""What passes the tow point: the top element is split or joined, joints and bodies come and go.
+
+A joint, with a point body or none, leaves the drum when a tenth of an element of the cable above
+it is out, and is taken back when half of that is left. A body of finite length takes the place of
+the top element's end when a twentieth of it is out, then passes (passing.py); the cable above it
+comes when the body is out, and goes before it is taken in.
+"""
+
+from .compile import kernel
+from .layout import (
+    B_LENGTH,
+    B_MASS,
+    B_NODE,
+    B_PULL,
+    BODY_WORDS,
+    C_CLAMPED,
+    C_DIRECTION,
+    CABLE_WORDS,
+    E_LENGTH,
+    E_MASS,
+    E_SEGMENT,
+    E_START,
+    EDGE_WORDS,
+    I_CABLES,
+    I_CAPACITY,
+    I_DIMENSION,
+    I_NODES,
+    I_TOP_CABLE,
+    JOINT_BODY,
+    K_BODY,
+    K_HINGE,
+    K_LEAVES,
+    K_NOMINAL,
+    K_SHORTEST,
+    NO_CAPACITY,
+    O_ACCELERATION,
+    O_BODY,
+    O_CABLES,
+    O_CONSTRAINT,
+    O_EDGE,
+    O_JOINT,
+    O_MOTION,
+    O_POSITION,
+    O_REST,
+    O_TENSION,
+    O_TENSION_RATE,
+    O_TOP,
+    O_VELOCITY,
+    OK,
+    S_JOINED,
+    S_PAID,
+    S_PASSING,
+    S_PAYOUT_RATE,
+    S_PAYOUT_SLOPE,
+    S_TIME,
+    S_TOP_LENGTH,
+    S_TRAVEL,
+)
+from .passing import axis_motion, bare_length, body_above
+from .payout import (
+    close_gap,
+    give_properties,
+    join_at,
+    material_top,
+    open_gap,
+    set_top_length,
+    split_edge,
+)
+from .rigid import update_clamps
+
+FEWEST_ELEMENTS = 4
+SPLIT, JOIN = 2.0, 0.5  # of the nominal length of the top element
+LARGEST_SHARE = 0.6  # of the line: a longer top element of few is halved, none becomes longer
+UNEVEN = 0.25  # of the next element: the top one of the fewest is joined with it below that
+NEARLY = 1e-6  # how close to a mark the winch's way must end
+# What the top of the line asks for.
+LEAVES, RETURNS, DIVIDES, UNITES = 1, 2, 3, 4
+COMES, FOLLOWS = 5, 6  # a body, and the cable after it, on the way out
+STOPS, ENTERS = 7, 8  # the cable before a body, and the body, on the way in
+
+
+@kernel
+def element_number(I, M):
+    """Elements of the line."""
+    count = 0
+    for node in range(1, I[I_NODES]):
+        if I[I[O_JOINT] + node] == 0:
+            count += 1
+    return count
+
+
+@kernel
+def is_too_large(I, M, length, elements):
+    """Whether a top element of this length is most of a line of few elements."""
+    if elements > 2 * FEWEST_ELEMENTS:
+        return False
+    total = 0.0
+    for node in range(1, I[I_NODES]):
+        total += M[I[O_EDGE] + EDGE_WORDS * node + E_LENGTH]
+    return length > LARGEST_SHARE * total
+
+
+@kernel
+def next_change(I, M):
+    """What the top of the line asks for next; 0: nothing."""
+    cable = I[I_TOP_CABLE]
+    row = I[O_CABLES] + cable * CABLE_WORDS
+    if cable + 1 < I[I_CABLES]:
+        out = M[S_TRAVEL] - M[row + K_LEAVES]
+        body = body_above(I, M, cable)
+        if M[S_PASSING] != 0.0:
+            beyond = out - M[body + B_LENGTH]
+            if beyond >= (1.0 - NEARLY) * M[row + CABLE_WORDS + K_SHORTEST]:
+                return FOLLOWS
+            if out <= 0.5 * bare_length(M, body, row + CABLE_WORDS):
+                return ENTERS
+            return 0
+        if body >= 0:
+            if out >= (1.0 - NEARLY) * bare_length(M, body, row + CABLE_WORDS):
+                return COMES
+        elif out >= M[row + CABLE_WORDS + K_SHORTEST] and out < M[S_TOP_LENGTH]:
+            # A joint leaves the vessel once enough of the next cable is out.
+            return LEAVES
+    if cable > 0:
+        # It is taken back when less than half of that is left.
+        out = M[S_TRAVEL] - M[row - CABLE_WORDS + K_LEAVES]
+        body = body_above(I, M, cable - 1)
+        if body >= 0:
+            if out - M[body + B_LENGTH] <= 0.5 * M[row + K_SHORTEST]:
+                return STOPS
+        elif out <= 0.5 * M[row + K_SHORTEST]:
+            return RETURNS
+    nominal = M[row + K_NOMINAL]
+    if M[S_TOP_LENGTH] > SPLIT * nominal or is_too_large(I, M, M[S_TOP_LENGTH], I[I_NODES] - 1):
+        return DIVIDES
+    if M[S_TOP_LENGTH] < JOIN * nominal and I[I_NODES] > 2:
+        first = I[O_EDGE] + EDGE_WORDS
+        below = first + EDGE_WORDS
+        if M[below + E_SEGMENT] == M[first + E_SEGMENT] and I[I[O_JOINT] + 2] == 0:
+            # One of few elements goes only where another one gains by being halved.
+            if M[S_TOP_LENGTH] < UNEVEN * M[below + E_LENGTH] or (
+                element_number(I, M) > FEWEST_ELEMENTS
+                and not is_too_large(I, M, M[S_TOP_LENGTH] + M[below + E_LENGTH], I[I_NODES] - 2)
+            ):
+                return UNITES
+    return 0
+
+
+@kernel
+def along_the_body(I, M):
+    """Let the vessel node's slope point along the body that passes, and turn with it.
+
+    A clamped slope stays in its direction. Leaves axis, its rate and second rate in w[0:9], the
+    words of O_MOTION from 28 on.
+    """
+    dimension = I[I_DIMENSION]
+    count = 4 * dimension
+    q = I[O_POSITION]
+    v = I[O_VELOCITY]
+    a = I[O_ACCELERATION]
+    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 37]
+    axis_motion(
+        I,
+        M,
+        M[q : q + count],
+        M[v : v + count],
+        M[a : a + count],
+        M[S_TOP_LENGTH],
+        M[S_PAYOUT_RATE],
+        M[S_PAYOUT_SLOPE],
+        w,
+    )
+    clamp = I[O_CONSTRAINT]
+    held = M[clamp + C_CLAMPED] != 0.0
+    for i in range(dimension):
+        M[q + dimension + i] = M[clamp + C_DIRECTION + i] if held else w[i]
+        M[v + dimension + i] = 0.0 if held else w[3 + i]
+        M[a + dimension + i] = 0.0 if held else w[6 + i]
+
+
+@kernel
+def body_moved(I, M, row):
+    """Say that a body's place has changed: `make_consistent` must not resolve its axial motion.
+
+    A body weighs as much as a piece of cable that axial waves take longer for.
+    """
+    node = int(M[row + B_NODE])
+    edge = I[O_EDGE] + (node + 1) * EDGE_WORDS
+    if node + 1 < I[I_NODES]:
+        reach = M[edge + E_LENGTH] + M[row + B_MASS] / M[edge + E_MASS]
+        M[S_JOINED] = max(M[S_JOINED], reach)
+
+
+@kernel
+def let_body_come(I, M):
+    """The first bit of a body, until now a piece of the top element, becomes the body itself."""
+    cable = I[I_TOP_CABLE]
+    out = M[S_TRAVEL] - M[I[O_CABLES] + cable * CABLE_WORDS + K_LEAVES]
+    if split_edge(I, M, 1, out / M[S_TOP_LENGTH], False) != OK:
+        return NO_CAPACITY
+    edge = I[O_EDGE] + EDGE_WORDS
+    I[I[O_JOINT] + 1] = JOINT_BODY
+    M[edge + E_LENGTH] = 0.0
+    M[edge + E_START] = -M[S_PAID]
+    M[edge + EDGE_WORDS + E_START] = -M[S_PAID]
+    for array in range(2):
+        # The split has left the mean of the piece above: the tension at the new node.
+        t = I[O_TENSION] if array == 0 else I[O_TENSION_RATE]
+        M[t + 2] += M[t + 3]
+        M[t + 3] = 0.0
+    row = body_above(I, M, cable)
+    M[row + B_NODE] = 1.0
+    M[row + B_PULL] = M[I[O_TENSION] + 2]
+    M[row + B_PULL + 1] = M[I[O_TENSION] + 2]
+    M[S_PASSING] = 1.0 + (row - I[O_BODY]) // BODY_WORDS
+    along_the_body(I, M)
+    body_moved(I, M, row)
+    update_clamps(I, M, 0.0)
+    return OK
+
+
+@kernel
+def let_cable_follow(I, M):
+    """The body is out: the first bit of the next cable takes its place at the tow point."""
+    if I[I_NODES] + 1 > I[I_CAPACITY]:
+        return NO_CAPACITY
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    cable = I[I_TOP_CABLE]
+    row = body_above(I, M, cable)
+    length = M[S_TOP_LENGTH] - M[row + B_LENGTH]
+    along_the_body(I, M)
+    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 37]
+    pull = M[I[O_TENSION] + 2]
+    rate = M[I[O_TENSION_RATE] + 2]
+    open_gap(I, M, 1, 1)
+    for k in range(EDGE_WORDS):
+        M[I[O_EDGE] + EDGE_WORDS + k] = 0.0
+    give_properties(I, M, 1, cable + 1)
+    M[I[O_EDGE] + EDGE_WORDS + E_LENGTH] = length
+    M[I[O_EDGE] + EDGE_WORDS + E_START] = -M[S_PAID]
+    M[I[O_EDGE] + 2 * EDGE_WORDS + E_START] = length - M[S_PAID]
+    I[I[O_JOINT] + 1] = 0
+    M[I[O_TENSION] + 2] = pull
+    M[I[O_TENSION] + 3] = 0.0
+    M[I[O_TENSION_RATE] + 2] = rate
+    M[I[O_TENSION_RATE] + 3] = 0.0
+    speed = M[S_PAYOUT_RATE]
+    for i in range(dimension):
+        at = size + i
+        M[I[O_POSITION] + at] = M[I[O_POSITION] + i] + length * w[i]
+        M[I[O_VELOCITY] + at] = M[I[O_VELOCITY] + i] + speed * w[i] + length * w[3 + i]
+        M[I[O_ACCELERATION] + at] = M[I[O_ACCELERATION] + i] + M[S_PAYOUT_SLOPE] * w[i]
+        M[I[O_ACCELERATION] + at] += 2.0 * speed * w[3 + i] + length * w[6 + i]
+        M[I[O_POSITION] + at + dimension] = w[i]
+        M[I[O_VELOCITY] + at + dimension] = w[3 + i]
+        M[I[O_ACCELERATION] + at + dimension] = w[6 + i]
+    for i in range(3):
+        M[I[O_REST] + 3 + i] = M[I[O_REST] + i]
+    M[S_TOP_LENGTH] = length
+    body_moved(I, M, row)
+    M[S_PASSING] = 0.0
+    I[I_TOP_CABLE] = cable + 1
+    M[row + B_PULL] = pull
+    update_clamps(I, M, 0.0)
+    return OK
+
+
+@kernel
+def let_body_stop(I, M):
+    """The cable above a body is taken in: the body's inner end comes to the tow point."""
+    while I[I[O_JOINT] + 2] == 0:
+        join_at(I, M, 1, 1)
+    cable = I[I_TOP_CABLE] - 1
+    row = body_above(I, M, cable)
+    close_gap(I, M, 1, 1)
+    body_moved(I, M, row)
+    M[S_TOP_LENGTH] = M[S_TRAVEL] - M[I[O_CABLES] + cable * CABLE_WORDS + K_LEAVES]
+    M[S_PASSING] = 1.0 + (row - I[O_BODY]) // BODY_WORDS
+    I[I_TOP_CABLE] = cable
+    along_the_body(I, M)
+    update_clamps(I, M, 0.0)
+
+
+@kernel
+def let_body_enter(I, M):
+    """The last bit of a body that is taken in becomes a piece of the top element."""
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    cable = I[I_TOP_CABLE]
+    row = body_above(I, M, cable)
+    M[row + B_NODE] = -1.0
+    M[S_PASSING] = 0.0
+    held = M[I[O_CONSTRAINT] + C_CLAMPED] != 0.0
+    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 37]
+    for i in range(dimension):
+        w[i] = M[I[O_POSITION] + size + dimension + i]
+        w[3 + i] = M[I[O_VELOCITY] + size + dimension + i]
+        w[6 + i] = M[I[O_ACCELERATION] + size + dimension + i]
+    close_gap(I, M, 1, 1)
+    M[S_TOP_LENGTH] += M[I[O_EDGE] + EDGE_WORDS + E_LENGTH]
+    M[I[O_EDGE] + EDGE_WORDS + E_LENGTH] = M[S_TOP_LENGTH]
+    M[S_JOINED] = max(M[S_JOINED], M[S_TOP_LENGTH])
+    if held:
+        return
+    for i in range(dimension):
+        M[I[O_POSITION] + dimension + i] = w[i]
+        M[I[O_VELOCITY] + dimension + i] = 0.0
+        M[I[O_ACCELERATION] + dimension + i] = 0.0
+    # What the slope's matter does is known; at the mesh it does that less what flows past.
+    set_top_length(I, M, M[S_TIME])
+    for array in range(2):
+        material_top(
+            I,
+            M,
+            M[I[O_POSITION] : I[O_POSITION] + 2 * size],
+            M[I[O_VELOCITY] : I[O_VELOCITY] + 2 * size],
+            M[I[O_ACCELERATION] : I[O_ACCELERATION] + 2 * size],
+        )
+        to = I[O_VELOCITY] if array == 0 else I[O_ACCELERATION]
+        for i in range(dimension):
+            flow = M[I[O_TOP] + 6 * array + dimension + i]
+            M[to + dimension + i] = w[3 + 3 * array + i] - flow
+
+
+@kernel
+def unite(I, M):
+    """Join the top element with the next one; of the fewest, halve the longest instead."""
+    join_at(I, M, 1, 1)
+    M[I[O_EDGE] + EDGE_WORDS + E_LENGTH] = M[S_TOP_LENGTH]
+    if element_number(I, M) >= FEWEST_ELEMENTS:
+        return OK
+    longest = 1
+    for node in range(1, I[I_NODES]):
+        if (
+            M[I[O_EDGE] + EDGE_WORDS * node + E_LENGTH]
+            > M[I[O_EDGE] + EDGE_WORDS * longest + E_LENGTH]
+        ):
+            longest = node
+    return split_edge(I, M, longest, 0.5, False)
+
+
+@kernel
+def adapt_top(I, M):
+    """Before a step: let joints and bodies pass the tow point, split or join the top element."""
+    for _pass in range(64):
+        change = next_change(I, M)
+        if change == 0:
+            break
+        cable = I[I_TOP_CABLE]
+        row = I[O_CABLES] + cable * CABLE_WORDS
+        status = OK
+        if change == LEAVES:
+            above = row + CABLE_WORDS
+            out = M[S_TRAVEL] - M[row + K_LEAVES]
+            hinge = M[above + K_HINGE] != 0.0
+            status = split_edge(I, M, 1, out / M[S_TOP_LENGTH], hinge)
+            if status == OK:
+                give_properties(I, M, 1, cable + 1)
+                if M[above + K_BODY] >= 0.0:
+                    M[I[O_BODY] + int(M[above + K_BODY]) * BODY_WORDS + B_NODE] = 1.0
+                I[I_TOP_CABLE] = cable + 1
+        elif change == RETURNS:
+            if M[row + K_BODY] >= 0.0:
+                M[I[O_BODY] + int(M[row + K_BODY]) * BODY_WORDS + B_NODE] = -1.0
+            # All of the upper cable's elements go: normally the top one is the only one.
+            join_at(I, M, 1, 2 if M[row + K_HINGE] != 0.0 else 1)
+            give_properties(I, M, 1, cable - 1)
+            M[I[O_EDGE] + EDGE_WORDS + E_LENGTH] = M[S_TOP_LENGTH]
+            I[I_TOP_CABLE] = cable - 1
+        elif change == COMES:
+            status = let_body_come(I, M)
+        elif change == FOLLOWS:
+            status = let_cable_follow(I, M)
+        elif change == STOPS:
+            let_body_stop(I, M)
+        elif change == ENTERS:
+            let_body_enter(I, M)
+        elif change == DIVIDES:
+            pieces = max(2, int(M[S_TOP_LENGTH] / M[row + K_NOMINAL]))
+            status = split_edge(I, M, 1, 1.0 - 1.0 / pieces, False)
+        else:
+            few = element_number(I, M) <= FEWEST_ELEMENTS
+            status = unite(I, M)
+            if few:
+                break
+        if status != OK:
+            return NO_CAPACITY
+    return OK
