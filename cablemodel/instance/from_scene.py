@@ -14,7 +14,13 @@ from cablemodel.instance.first_shape import first_points, place_nodes
 from cablemodel.instance.first_state import find_initial_state
 from cablemodel.instance.frame import vertical_plane
 from cablemodel.instance.line import Line, lay_out, spans_of
-from cablemodel.instance.refinement import ROUNDS, refine_touchdown, refined, shape_of
+from cablemodel.instance.refinement import (
+    ROUNDS,
+    refine_touchdown,
+    refined,
+    shape_of,
+    spare_nodes,
+)
 from cablemodel.instance.refusals import refuse_unsupported
 from cablemodel.instance.scales import start_conditions, tension_scale
 from cablemodel.instance.winch import Winch, winch_of
@@ -79,7 +85,7 @@ def _build_on(
     tables.fill_motion(block, scene.motion().pieces)
     tables.fill_current(block, scene)
     line_tables.fill_cables(block, scene, winch, scale)
-    line_tables.fill_edges(block, line)
+    line_tables.fill_edges(block, scene, line)
     tables.fill_payout(block, scene, winch)
     line_tables.fill_bodies(block, scene, line, scale)
     tables.fill_constraints(block, scene, line)
@@ -96,7 +102,10 @@ def _allocate(scene: Scene, line: Line, winch: Winch) -> Block:
     current = scene.environment.current
     water = sea(scene)
     return Block(
-        capacity=line.nodes + winch.extra_nodes + sea_floor.spare_nodes(scene),
+        capacity=line.nodes
+        + winch.extra_nodes
+        + sea_floor.spare_nodes(scene)
+        + spare_nodes(scene, line.nodes),
         pieces=1 + len(scene.motion().pieces),
         depths=1 if current is None else len(current.z),
         times=1 if current is None else len(current.t),

@@ -100,7 +100,7 @@ def strain_range(coefficients: tuple[float, ...]) -> tuple[float, float]:
     return 0.0, min(real, default=math.inf)
 
 
-def fill_edges(block: Block, line: Line) -> None:
+def fill_edges(block: Block, scene: Scene, line: Line) -> None:
     """The tree of nodes, and for each the edge to its parent: its cable's, with its own length."""
     cables = block.array(at.O_CABLES, int(block.ints[at.I_CABLES]), at.CABLE_WORDS)
     block.integers(at.O_PARENT, line.nodes)[:] = line.parent
@@ -111,6 +111,8 @@ def fill_edges(block: Block, line: Line) -> None:
         edges[node] = cables[outermost - line.cable[node], at.K_EDGE :]
         edges[node, at.E_LENGTH] = line.length[node]
         edges[node, at.E_START] = line.start[node]
+        if scene.environment.floor is None:
+            edges[node, at.E_NOMINAL] = line.length[node]
     block.reals[at.S_TOP_LENGTH] = line.length[1]
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,6 +23,23 @@ ROUNDS = 14
 BENT = 10.0
 """Of tau L: what h^2 times the jump of curvature may be in a static shape."""
 LARGEST_STATIC_MESH = 4000
+SPARE = 24, 2.0
+"""Nodes for shapes that bend more later on: so many, and times those at the start."""
+
+
+def follows_bending(scene: Scene) -> bool:
+    """Whether elements are halved where the line bends in free water; at a floor others do it.
+
+    A mesh that the scene asks for stays as it is.
+    """
+    drum = [item.cable for item in scene.payout.drum if item.cable is not None]
+    asked = any(cable.elements is not None for cable in [*scene.cables, *drum])
+    return scene.environment.floor is None and not asked
+
+
+def spare_nodes(scene: Scene, nodes: int) -> int:
+    """Nodes that halving elements in free water may need."""
+    return SPARE[0] + math.ceil(SPARE[1] * nodes) if follows_bending(scene) else 0
 
 
 def refined(block: Block, scene: Scene, nodes: list[FloatArray]) -> list[FloatArray] | None:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from cablemodel.block import Block
 from cablemodel.instance.frame import local
 from cablemodel.instance.line import Line
+from cablemodel.instance.refinement import follows_bending
 from cablemodel.instance.scales import start_conditions
 from cablemodel.instance.winch import Winch
 from cablemodel.kernels import layout as at
@@ -46,6 +47,8 @@ def fill_settings(block: Block, scene: Scene, scale: float) -> None:
         allowed *= UNDAMPED * math.sqrt(tolerance / 1e-3)
     reals[at.S_TIME_TOLERANCE] = allowed
     reals[at.S_LENGTH] = length
+    if follows_bending(scene):
+        reals[at.S_BENT] = at.BENDS * tolerance * length
     reals[at.S_TENSION_SCALE] = scale
     period = math.sqrt(length / max(scene.environment.gravity, 1e-3))
     reals[at.S_PERIOD] = period

@@ -189,14 +189,23 @@ def arc_length(I, M, p0, p1, h):
 
 @kernel
 def is_straight(I, M, node, jump):
-    """Whether one cubic does for the elements on both sides of a node."""
+    """Whether the cable is straight enough at a node for its two elements to become one."""
+    accuracy = M[S_TOLERANCE] * M[S_LENGTH]
+    edge = I[O_EDGE] + node * EDGE_WORDS
+    h = M[edge + E_LENGTH] + M[edge + EDGE_WORDS + E_LENGTH]
+    if jump * h * h > STRAIGHT * accuracy or jump * h > STRAIGHT * KINK:
+        return False
+    return one_cubic_does(I, M, node)
+
+
+@kernel
+def one_cubic_does(I, M, node):
+    """Whether a cubic in the place of the two at a node goes where they go, and is as long."""
     accuracy = M[S_TOLERANCE] * M[S_LENGTH]
     dimension = I[I_DIMENSION]
     size = 2 * dimension
     h1 = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
     h = h1 + M[I[O_EDGE] + (node + 1) * EDGE_WORDS + E_LENGTH]
-    if jump * h * h > STRAIGHT * accuracy or jump * h > STRAIGHT * KINK:
-        return False
     w = M[I[O_MOTION] + 28 : I[O_MOTION] + 34]
     at = I[O_POSITION] + size * node
     hermite(M, at - size, at + size, dimension, h, h1 / h, w)

@@ -123,6 +123,8 @@ S_SLEEP_TENSION, S_SLEEP_SPARE = _S + 81, _S + 82  # at its end, what it may cha
 S_SLEEP_WAY = _S + 83  # length of cable that lies awake before it [m]
 S_SLEEP_LOW, S_SLEEP_HIGH = _S + 84, _S + 85  # heights between which it lies [m]
 S_SLEEP_FLOW = _S + 86  # square of the water's speed whose drag is the friction [m2/s2]
+S_BENT = _S + 89  # what h^2 times the jump of r'' may be in free water [m]; 0: the mesh stays
+S_BENT_AFTER = _S + 90  # time before which the mesh is not looked at again [s]
 S_TWO_STEP_RATIO = _S + 88  # convergence ratio of Newton in the two-step scheme
 S_STAGE_RATE, S_STAGE_SLOPE = _S + 38, _S + 39  # at the time of the last set_time
 
@@ -193,6 +195,9 @@ C_VESSEL, C_ANCHOR = 1, 2
 
 # What is read off a state, in words: the rows of outputs.sample_stations, outputs.summarise.
 STATION_WORDS, SUMMARY_WORDS, ENERGY_WORDS = 13, 32, 8
+
+# Of tau L: what h^2 times the jump of r'' between two elements may be in free water.
+BENDS = 25.0
 
 # Elements at a touchdown.
 LAYER = 0.4  # smallest element in units of the touchdown layer (EI/w)^(1/3)

@@ -69,6 +69,8 @@ from .layout import (
     P_VELOCITY_JUMP,
     PIECE_WORDS,
     S_AXIAL,
+    S_BENT,
+    S_BENT_AFTER,
     S_FACTORED_STEP,
     S_JOINED,
     S_LAST_STEP,
@@ -91,6 +93,7 @@ from .layout import (
 from .newton import increment_norm, is_folded, refactor
 from .passing import cable_paid
 from .payout import begin_payout, longest_payout_step, paid_since
+from .refine import follow_bending
 from .rigid import update_clamps
 from .sleep import disturbance, fall_asleep, may_sleep, prepare_joining, rejoin, wake
 from .system import (
@@ -106,6 +109,8 @@ from .top_of_line import adapt_top, next_change
 from .two_step import accept_two_step, remember, try_two_step
 
 LARGEST_ITERATIONS = 10
+MOST_NORMS = 5  # in which a state is brought to its constraints, each of a tenth of the last step
+NEGLIGIBLE = 1e-9  # of the length: what may be left of a constraint
 MOST_REFUSALS = 4  # of a step that ends folded
 AXIAL_SLOW = 2.5  # gamma dt over the time that an axial wave takes along a joined element
 AXIAL_RESOLVED = 5.0  # (axial frequency x gamma dt)^2 below which velocities are not projected
@@ -373,6 +378,42 @@ def project_velocity(I, M, gamma_dt):
 
 
 @kernel
+def constraint_size(I, M):
+    """Largest of what is left of the constraint at the state; leaves it and the forces."""
+    state_residual(I, M)
+    constraint = view(M, I[O_CONSTRAINT_RESIDUAL], 2 * I[I_NODES])
+    largest = 0.0
+    for n in range(2 * I[I_NODES]):
+        if not abs(constraint[n]) < 1e300:
+            return 1e300
+        largest = max(largest, abs(constraint[n]))
+    return largest
+
+
+@kernel
+def meet_constraints(I, M, gamma_dt, changed):
+    """Bring positions and velocities to the constraint in the norm of a step; False: it failed."""
+    if refactor_state(I, M, gamma_dt) != 0:
+        return False
+    before = constraint_size(I, M)
+    for iteration in range(4 if changed else 3):
+        if iteration > 0:
+            state_residual(I, M)
+        project(I, M, O_POSITION, 1.0)
+        if not changed:
+            follow_increment(I, M, O_TENSION)
+    after = constraint_size(I, M)
+    for _iteration in range(2):
+        if I[I_PAYOUT] != 0:
+            state_residual(I, M)
+        state_elongation_rate(I, M)
+        project(I, M, O_VELOCITY, 1.0)
+        if not changed:
+            follow_increment(I, M, O_TENSION_RATE)
+    return after <= 0.1 * before + NEGLIGIBLE * M[S_LENGTH]
+
+
+@kernel
 def make_consistent(I, M, changed):
     """Remove what a step much shorter than the last one would answer with huge tensions.
 
@@ -390,19 +431,21 @@ def make_consistent(I, M, changed):
     if changed:
         slow = AXIAL_SLOW * M[S_JOINED] / (M[S_LENGTH] * math.sqrt(M[S_AXIAL]))
         gamma_dt = max(slow, gamma_dt)
-    if refactor_state(I, M, gamma_dt) == 0:
-        for _iteration in range(4 if changed else 3):
-            state_residual(I, M)
-            project(I, M, O_POSITION, 1.0)
-            if not changed:
-                follow_increment(I, M, O_TENSION)
-        for _iteration in range(2):
-            if I[I_PAYOUT] != 0:
-                state_residual(I, M)
-            state_elongation_rate(I, M)
-            project(I, M, O_VELOCITY, 1.0)
-            if not changed:
-                follow_increment(I, M, O_TENSION_RATE)
+    count = 2 * I[I_DIMENSION] * I[I_NODES]
+    words = 2 * I[I_NODES]
+    for _attempt in range(MOST_NORMS):
+        copy_words(I, I[O_BASE_Q], I[O_POSITION], count)
+        copy_words(I, I[O_BASE_V], I[O_VELOCITY], count)
+        copy_words(I, I[O_TRIAL_T], I[O_TENSION], words)
+        copy_words(I, I[O_STAGE_T], I[O_TENSION_RATE], words)
+        if meet_constraints(I, M, gamma_dt, changed):
+            break
+        # Under pressure a long step's matrix may have no sign: inertia has.
+        copy_words(I, I[O_POSITION], I[O_BASE_Q], count)
+        copy_words(I, I[O_VELOCITY], I[O_BASE_V], count)
+        copy_words(I, I[O_TENSION], I[O_TRIAL_T], words)
+        copy_words(I, I[O_TENSION_RATE], I[O_STAGE_T], words)
+        gamma_dt *= 0.1
     I[I_FACTORED] = 0
     I[I_HISTORY] = 0
     M[S_LAST_STEP] = 0.0
@@ -448,6 +491,8 @@ def change_mesh(I, M, rests):
         prepare_joining(I, M)
     if I[I_FLOOR] != 0:
         follow_floor(I, M, True)
+    if M[S_BENT] > 0.0:
+        follow_bending(I, M, True)
     if rests:
         # What is joined is made consistent while it is awake.
         last = M[S_LAST_STEP]
@@ -527,6 +572,7 @@ def advance_to(I, M, t_end):
             rests
             or (I[I_PAYOUT] != 0 and next_change(I, M) != 0)
             or (I[I_FLOOR] != 0 and follow_floor(I, M, False))
+            or (M[S_BENT] > 0.0 and M[S_TIME] >= M[S_BENT_AFTER] and follow_bending(I, M, False))
         ):
             status = change_mesh(I, M, rests)
             if status != OK:

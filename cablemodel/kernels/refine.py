@@ -1,0 +1,108 @@
+"""The mesh follows what bends in free water: elements are halved where a cubic does not do.
+
+A cubic element misses a smooth curve by h^4 |r''''| / 384, and r'' jumps by J = h^2 |r''''| / 6
+between two of them: h^2 J / 64 is what it misses. Where a line is pushed, cracks or folds, that
+grows from nothing to hundreds of tau L within a second. Halves become one again, never more than
+they were at the start, once one cubic does for both.
+"""
+
+import math
+
+from .compile import kernel
+from .follow import holds_something, one_cubic_does, second_derivative
+from .layout import (
+    E_LENGTH,
+    E_NOMINAL,
+    E_SEGMENT,
+    EDGE_WORDS,
+    I_CAPACITY,
+    I_DIMENSION,
+    I_LEFT_OUT,
+    I_NODES,
+    I_PAYOUT,
+    O_EDGE,
+    O_JOINT,
+    O_MOTION,
+    O_STAGE_V,
+    OK,
+    S_BENT,
+    S_BENT_AFTER,
+    S_PERIOD,
+    S_TIME,
+)
+from .payout import join_at, split_edge
+
+PAUSE = 0.02  # of sqrt(L/g): how often the mesh is looked at
+STRAIGHT = 0.1  # of what is allowed: the same for two elements that are joined
+
+
+@kernel
+def jump_at(I, M, node):
+    """How much r'' jumps at the child's end of an element, 0 where it may [1/m]."""
+    if node < 1 or node + 1 >= I[I_NODES] + I[I_LEFT_OUT]:
+        return 0.0
+    if I[I[O_JOINT] + node] != 0 or I[I[O_JOINT] + node + 1] != 0:
+        return 0.0
+    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 34]
+    second_derivative(I, M, node, 1, w[0:3])
+    second_derivative(I, M, node + 1, 0, w[3:6])
+    square = 0.0
+    for i in range(I[I_DIMENSION]):
+        square += (w[3 + i] - w[i]) ** 2
+    return math.sqrt(square)
+
+
+@kernel
+def bends_too_much(I, M, node, jump):
+    """Whether an element's cubic misses more than is allowed; jump: the larger at its ends."""
+    h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
+    return h * h * jump > M[S_BENT]
+
+
+@kernel
+def may_unite(I, M, node, jump):
+    """Whether the elements on both sides of a node, where r'' jumps, are halves that may be one."""
+    upper = I[O_EDGE] + node * EDGE_WORDS
+    lower = upper + EDGE_WORDS
+    h = M[upper + E_LENGTH] + M[lower + E_LENGTH]
+    return (
+        h <= 1.001 * min(M[upper + E_NOMINAL], M[lower + E_NOMINAL])
+        and h * h * jump < STRAIGHT * M[S_BENT]
+        and M[upper + E_SEGMENT] == M[lower + E_SEGMENT]
+        and not holds_something(I, M, node)
+        and one_cubic_does(I, M, node)
+    )
+
+
+@kernel
+def follow_bending(I, M, change):
+    """Whether the shape asks for another mesh; with `change`, halve and join elements for it."""
+    M[S_BENT_AFTER] = M[S_TIME] + PAUSE * M[S_PERIOD]
+    nodes = I[I_NODES]
+    first = 2 if I[I_PAYOUT] != 0 else 1
+    jumps = M[I[O_STAGE_V] : I[O_STAGE_V] + nodes + 1]
+    for node in range(nodes):
+        jumps[node] = jump_at(I, M, node)
+    changed = False
+    node = nodes - 1
+    while node >= first:
+        if I[I[O_JOINT] + node] == 0:
+            if bends_too_much(I, M, node, max(jumps[node - 1], jumps[node])):
+                if I[I_NODES] + I[I_LEFT_OUT] < I[I_CAPACITY]:
+                    if not change:
+                        return True
+                    changed = split_edge(I, M, node, 0.5, False) == OK or changed
+            elif (
+                # Nodes after this one may have been split; those before it are as measured.
+                node > first
+                and I[I[O_JOINT] + node - 1] == 0
+                and not bends_too_much(I, M, node - 1, max(jumps[node - 2], jumps[node - 1]))
+                and may_unite(I, M, node - 1, jumps[node - 1])
+            ):
+                if not change:
+                    return True
+                join_at(I, M, node - 1, 1)
+                changed = True
+                node -= 1
+        node -= 1
+    return changed
