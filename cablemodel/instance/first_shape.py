@@ -106,6 +106,6 @@ def place_nodes(block: Block, line: Line, points: FloatArray, length: float) -> 
         q[node, dimension:] = local(block, slopes[node], point=False)
     table = block.array(at.O_CONSTRAINT, int(block.ints[at.I_CONSTRAINTS]), at.CONSTRAINT_WORDS)
     for row in table:
-        if row[at.C_CLAMPED] != 0.0:
+        if row[at.C_CLAMPED] == at.EXACTLY:
             node = int(row[at.C_NODE])
             q[node, dimension:] = stretch * row[at.C_DIRECTION : at.C_DIRECTION + dimension]

@@ -42,6 +42,7 @@ from .layout import (
 from .payout import commanded_rate
 from .promote import promote
 from .time_stepping import advance_to
+from .vessel_clamp import release_slope
 
 # Words of the input vector: a flag (0: not given) before each group.
 IN_VELOCITY, IN_POSITION, IN_CURRENT, IN_PAYOUT = 0, 4, 8, 12
@@ -126,6 +127,7 @@ def set_live_rate(I, M, t_end, inputs):
     M[S_LIVE_RATE + 3] = target
     if present != 0.0 or target != 0.0:
         I[I_PAYOUT] = 1
+        release_slope(I, M)
 
 
 @kernel

@@ -87,7 +87,6 @@ from .layout import (
 from .newton import increment_norm, is_folded, refactor
 from .passing import cable_paid
 from .payout import begin_payout, longest_payout_step, paid_since
-from .rigid import update_clamps
 from .system import (
     elongation_rate,
     impose_motion,
@@ -99,6 +98,7 @@ from .system import (
 from .tables import GAMMA, STAGE_A, STAGE_C, STAGE_ERROR, STAGES
 from .top_of_line import adapt_top, next_change
 from .two_step import accept_two_step, remember, try_two_step
+from .vessel_clamp import update_springs
 
 LARGEST_ITERATIONS = 10
 MOST_REFUSALS = 4  # of a step that ends folded
@@ -570,8 +570,8 @@ def advance_to(I, M, t_end):
                 settle(I, M)
             if I[I_HYBRID] == 1:
                 update_bending(I, M)
-            if I[I_RIGID] > 0:
-                update_clamps(I, M, dt / (dt + M[S_PERIOD]))
+            if I[I_RIGID] > 0 or I[I_PAYOUT] != 0:
+                update_springs(I, M, dt / (dt + M[S_PERIOD]))
             if I[I_LIVE] == 0:
                 I[I_PIECE] = find_piece(I, M, M[S_TIME])
             I[I_STEPS] += 1
