@@ -162,11 +162,12 @@ def test_a_rod_and_a_bob_swing_while_the_rod_passes():
     rod = {"mass": ROD, "submerged_weight": ROD * GRAVITY, "half_length": 0.5 * LENGTH,
            "rotary_inertia": ROD * LENGTH**2 / 12.0}  # fmt: skip
     string = {"type": "c", "length": STRING, "model": "cable", "elements": 4}
+    reach = STRING * (1.0 + BOB * GRAVITY * np.cos(angle) / 1e9)
     scene = {
         "environment": {"water_density": 0},
         "cable_types": {"c": {"diameter": 0.01, "mass": 1e-4, "axial_stiffness": 1e9}},
         "line": [{"cable": string}, {"body": {"mass": BOB, "submerged_weight": BOB * GRAVITY}}],
-        "initial": {"points": [[0, 0, 0], [STRING * np.sin(angle), 0, -STRING * np.cos(angle)]]},
+        "initial": {"points": [[0, 0, 0], [reach * np.sin(angle), 0, -reach * np.cos(angle)]]},
         "payout": {
             "rate": [{"t": t, "rate": rate} for t, rate in RATES],
             "drum": [{"body": rod}, {"cable": {**string, "length": 5}}],
@@ -180,9 +181,9 @@ def test_a_rod_and_a_bob_swing_while_the_rod_passes():
         a, b, *_ = path.sol(time)
         assert FIRST < x < LENGTH
         found = run.bodies[0].direction
-        assert found[[0, 2]] == pytest.approx(along(a), abs=3e-4)
+        assert found[[0, 2]] == pytest.approx(along(a), abs=1e-4)
         expected = x * along(a) + STRING * along(b)
-        assert run.tip_position[[0, 2]] == pytest.approx(expected, abs=10 * tolerance * STRING)
+        assert run.tip_position[[0, 2]] == pytest.approx(expected, abs=tolerance * STRING)
 
 
 def test_energy_of_a_body_that_passes():
@@ -225,11 +226,22 @@ def test_energy_of_a_body_that_passes():
 
 
 def test_a_short_body_is_a_point():
-    """Paths of the line's end go over into that of point bodies with the length of the body."""
+    """Paths of the line's end go over into that of point bodies with the length of the body.
+
+    On a fine mesh: a point leaves when a tenth of an element of the cable above it is out. Without
+    drag on the bodies: a point's goes with its whole speed, a body's with its parts across and along.
+    """
     rate = [{"t": 0, "rate": 0}, {"t": 5, "rate": 0.7}, {"t": 40, "rate": 0.7}]
 
     def path(half_length):
-        run = cm.CableModel(towed(half_length, rate, tolerance=1e-4))
+        scene = towed(half_length, rate, tolerance=1e-4).to_dict()
+        for item in [*scene["line"], *scene["payout"]["drum"]]:
+            if "body" in item:
+                item["body"] |= {"drag_area": 0, "drag_area_axial": 0}
+        for item in scene["line"]:
+            if "cable" in item:
+                item["cable"]["elements"] = 60
+        run = cm.CableModel(cm.load_scene(scene))
         run.step_to(20.0)
         return np.append(run.tip_position, run.line_length)
 

@@ -198,7 +198,11 @@ def test_a_string_that_runs_out_at_almost_half_of_its_wave_speed():
     assert fine < 2e-3
 
 
-@pytest.mark.parametrize("rate", [-4.0, -1.0])
-def test_a_string_that_is_taken_in(rate):
-    """The same with elements that are joined, and waves that come back shorter."""
-    assert error_of_string(rate, 0.3 / abs(rate), 64, 1e-6) < 2e-2
+def test_a_string_that_is_taken_in():
+    """The same at a tenth of the wave speed, with elements that are joined.
+
+    Waves come back shorter. (At 0.4 of it the tow point overtakes those that are as short as
+    elements, which the mesh carries more slowly, and they pile up there.)
+    """
+    assert error_of_string(-1.0, 0.4, 32, 1e-6) < 1e-2
+    assert error_of_string(-1.0, 0.4, 64, 1e-6) < 4e-3
