@@ -78,7 +78,9 @@ def bodies_length(scene: Scene) -> float:
 
 
 def pays_out(scene: Scene) -> bool:
-    """Whether the scene itself lets cable run past the tow point."""
+    """Whether cable runs past the tow point, or may where that is clamped: a drum holds some."""
+    if scene.payout.drum and scene.vessel.connection.kind == "clamped":
+        return True
     return any(row.rate != 0.0 for row in scene.payout.rate)
 
 

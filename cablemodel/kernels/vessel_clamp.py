@@ -2,11 +2,13 @@
 
 Elements at a tow point where nothing runs resolve the layer of thickness sqrt(EI/T) in which a
 clamped cable bends, and their slope there is prescribed. Elements that grow and shrink with the
-pay-out do not: their slope is turned towards the clamp's direction with the energy
-k (1 - cos(angle)), k being what the layer, or what of it the element does not resolve, resists
+pay-out do not: their slope is turned towards the clamp's direction with the energy of a layer,
+4 k (1 - cos(angle/2)), k being the layer's sqrt(EI T), or what of it the element does not resolve
 (`rigid.clamp_stiffness`). A perfectly flexible cable passes no moment: k = 0. Nor does a clamp
 hold a body of finite length that passes.
 """
+
+import math
 
 from .compile import kernel
 from .layout import (
@@ -31,6 +33,8 @@ from .layout import (
 )
 from .rigid import clamp_stiffness, slope_direction, update_clamps
 
+LEAST_HALF_COSINE = 0.05
+
 
 @kernel
 def clamp_spring(I, M):
@@ -51,6 +55,12 @@ def slope_at_vessel(I, M, q, w):
 
 
 @kernel
+def half_cosine(cosine):
+    """cos(angle/2), not so small that the moment of a line turned right back has no direction."""
+    return max(LEAST_HALF_COSINE, math.sqrt(max(0.0, 0.5 * (1.0 + cosine))))
+
+
+@kernel
 def add_clamp_moment(I, M, q, out):
     """Add minus the clamp's force on the slope to the forces of the vessel's node."""
     k = clamp_spring(I, M)
@@ -59,8 +69,9 @@ def add_clamp_moment(I, M, q, out):
     dimension = I[I_DIMENSION]
     w = M[I[O_MOTION] + 16 : I[O_MOTION] + 22]
     length, cosine = slope_at_vessel(I, M, q, w)
+    force = k / (length * half_cosine(cosine))
     for i in range(dimension):
-        out[dimension + i] -= k / length * (w[i] - cosine * w[3 + i])
+        out[dimension + i] -= force * (w[i] - cosine * w[3 + i])
 
 
 @kernel
@@ -73,13 +84,17 @@ def add_clamp_tangent(I, M, q):
     size = 2 * dimension
     w = M[I[O_MOTION] + 16 : I[O_MOTION] + 22]
     length, cosine = slope_at_vessel(I, M, q, w)
+    half = half_cosine(cosine)
+    first = k / (length * length * half)
+    second = 0.25 * first / (half * half)
     for i in range(dimension):
         for j in range(dimension):
             unit = 1.0 if i == j else 0.0
             value = w[3 + i] * w[j] + w[i] * w[3 + j]
             value += cosine * (unit - 3.0 * w[3 + i] * w[3 + j])
             at = I[O_DIAGONAL] + size * (dimension + i) + dimension + j
-            M[at] += k / (length * length) * value
+            across = (w[i] - cosine * w[3 + i]) * (w[j] - cosine * w[3 + j])
+            M[at] += first * value + second * across
 
 
 @kernel
@@ -89,7 +104,7 @@ def clamp_energy(I, M, q):
     if k == 0.0:
         return 0.0
     _length, cosine = slope_at_vessel(I, M, q, M[I[O_MOTION] + 16 : I[O_MOTION] + 22])
-    return k * (1.0 - cosine)
+    return 4.0 * k * (1.0 - half_cosine(cosine))
 
 
 @kernel

@@ -229,7 +229,7 @@ def test_a_short_body_is_a_point():
     """Paths of the line's end go over into that of point bodies with the length of the body.
 
     On a fine mesh: a point leaves when a tenth of an element of the cable above it is out. Without
-    drag on the bodies: a point's goes with its whole speed, a body's with its parts across and along.
+    drag on the bodies: a point's goes with its whole speed, a body's with both parts of it.
     """
     rate = [{"t": 0, "rate": 0}, {"t": 5, "rate": 0.7}, {"t": 40, "rate": 0.7}]
 
