@@ -37,6 +37,11 @@ def on_floor(scene: Scene, points: FloatArray) -> FloatArray:
     if scene.end.kind == "anchor":
         end = np.asarray(scene.end.position, dtype=float)
         return _laid_to(floor, start, end, length, points, BEND * thinnest_layer(scene))
+    # A clamp's bend stays as it is.
+    bend = points[:-2] if len(points) > 2 else points[:0]
+    if len(bend):
+        start = points[-2]
+        length -= float(np.linalg.norm(np.diff(points[:-1], axis=0), axis=1).sum())
     height = start[2] - floor.height(float(start[0]), float(start[1]))
     if length <= height or not points[-1][2] < start[2]:
         return points
@@ -47,14 +52,13 @@ def on_floor(scene: Scene, points: FloatArray) -> FloatArray:
     angle = critical_angle(scene, float(np.hypot(*velocity[:2])))
     hang = min(length, height / math.sin(angle))
     if hang == length:
-        return np.array(
-            [start, start + length * np.array([*(math.cos(angle) * back), -math.sin(angle)])]
-        )
+        along = np.array([*(math.cos(angle) * back), -math.sin(angle)])
+        return np.vstack([bend, start, start + length * along])
     steps = np.linspace(0.0, length - hang, 65)
     laid = np.empty((len(steps), 3))
     laid[:, :2] = start[:2] + np.outer(hang * math.cos(angle) + steps, back)
     laid[:, 2] = [floor.height(float(a), float(b)) for a, b in laid[:, :2]]
-    return _rounded(start, laid, BEND * thinnest_layer(scene))
+    return np.vstack([bend, _rounded(start, laid, BEND * thinnest_layer(scene))])
 
 
 def surplus(scene: Scene) -> float:

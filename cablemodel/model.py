@@ -492,7 +492,7 @@ class CableModel:
         for row in block.array(at.O_CONSTRAINT, int(ints[at.I_CONSTRAINTS]), at.CONSTRAINT_WORDS):
             first = int(row[at.C_NODE]) * size
             drop += range(first, first + dimension)
-            if row[at.C_CLAMPED]:
+            if row[at.C_CLAMPED] == at.EXACTLY:
                 direction = row[at.C_DIRECTION : at.C_DIRECTION + dimension]
                 slopes = slice(first + dimension, first + size)
                 basis[slopes, slopes] = 0.0

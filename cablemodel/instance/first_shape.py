@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,13 +12,22 @@ from cablemodel.block import Block
 from cablemodel.errors import SceneError
 from cablemodel.instance.frame import local
 from cablemodel.instance.line import Line
-from cablemodel.instance.scales import bodies_length, sinks
+from cablemodel.instance.scales import (
+    bodies_length,
+    is_flexible,
+    pays_out,
+    sinks,
+    tension_scale,
+)
 from cablemodel.kernels import layout as at
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
 
 FloatArray = NDArray[np.float64]
+
+LONG = 30.0
+"""Of its bending layers: a clamped line that is longer hangs, a shorter one stands as a beam."""
 
 
 def first_points(scene: Scene, start: FloatArray) -> FloatArray:
@@ -30,10 +40,38 @@ def first_points(scene: Scene, start: FloatArray) -> FloatArray:
         return np.asarray(scene.initial.points, dtype=float)
     if scene.end.kind == "anchor":
         return _sagging(start, np.asarray(scene.end.position, dtype=float), length, sinks(scene))
-    if scene.vessel.connection.kind == "clamped":
+    down = np.array([0.0, 0.0, -1.0 if sinks(scene) else 1.0])
+    top = scene.cables[0]
+    if scene.vessel.connection.kind == "clamped" and not is_flexible(scene, top):
         direction = np.asarray(scene.vessel.connection.direction, dtype=float)
-        return np.array([start, start + length * direction / np.linalg.norm(direction)])
-    return np.array([start, start + np.array([0.0, 0.0, -length if sinks(scene) else length])])
+        direction /= np.linalg.norm(direction)
+        layer = math.sqrt(
+            scene.cable_types[top.type].bending_stiffness / max(tension_scale(scene), 1e-30)
+        )
+        if length < LONG * layer:
+            return np.array([start, start + length * direction])
+        if not pays_out(scene):
+            return start + _bent_at_the_clamp(direction, down, layer, length)
+    return np.array([start, start + length * down])
+
+
+def _bent_at_the_clamp(
+    direction: FloatArray, down: FloatArray, layer: float, length: float
+) -> FloatArray:
+    """A long line that leaves in a direction and bends under its tension to hang, (n, 3).
+
+    tan(angle / 4) falls as exp(-s / layer): the elastica under tension, layer = sqrt(EI/T).
+    """
+    angle = float(np.arccos(np.clip(direction @ down, -1.0, 1.0)))
+    aside = direction - (direction @ down) * down
+    if np.linalg.norm(aside) < 1e-9:
+        aside = np.array([1.0, 0.0, 0.0])
+    aside /= np.linalg.norm(aside)
+    s = np.concatenate([np.linspace(0.0, 20.0 * layer, 201), [length]])
+    turned = 4.0 * np.arctan(math.tan(0.25 * angle) * np.exp(-s / layer))
+    middle = 0.5 * (turned[1:] + turned[:-1])
+    steps = np.diff(s)[:, None] * (np.cos(middle)[:, None] * down + np.sin(middle)[:, None] * aside)
+    return np.vstack([np.zeros(3), np.cumsum(steps, axis=0)])
 
 
 def _sagging(start: FloatArray, end: FloatArray, length: float, sinks: bool) -> FloatArray:
@@ -106,6 +144,6 @@ def place_nodes(block: Block, line: Line, points: FloatArray, length: float) -> 
         q[node, dimension:] = local(block, slopes[node], point=False)
     table = block.array(at.O_CONSTRAINT, int(block.ints[at.I_CONSTRAINTS]), at.CONSTRAINT_WORDS)
     for row in table:
-        if row[at.C_CLAMPED] != 0.0:
+        if row[at.C_CLAMPED] == at.EXACTLY:
             node = int(row[at.C_NODE])
             q[node, dimension:] = stretch * row[at.C_DIRECTION : at.C_DIRECTION + dimension]

@@ -61,7 +61,7 @@ def find_initial_state(block: Block, scene: Scene) -> None:
         # The new stiffness changes the forces by a little: the state must meet them.
         solve_static(block, frame)
     count_from_zero(block)
-    if ints[at.I_HYBRID] or ints[at.I_RIGID]:
+    if ints[at.I_HYBRID] or ints[at.I_RIGID] or ints[at.I_PAYOUT]:
         entry.choose_bending(ints, reals)
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from cablemodel.instance.scales import is_flexible, pays_out, sinks
 from cablemodel.kernels import layout as at
 from cablemodel.mesh import Span
 
@@ -18,6 +19,10 @@ if TYPE_CHECKING:
     from cablemodel.scene.line import Body, Cable
 
 FloatArray = NDArray[np.float64]
+
+SHARP = 0.25
+"""Of a bending layer: what is resolved where a clamp turns the line back; elements that turn by
+more than a right angle find no equilibrium."""
 
 
 @dataclass
@@ -54,25 +59,35 @@ def spans_of(scene: Scene, scale: float) -> list[Span]:
             continue
         cable = item.cable
         kind = scene.cable_types[cable.type]
-        layer = math.inf if cable.model == "cable" else math.sqrt(kind.bending_stiffness / scale)
+        layer = math.inf
+        if not is_flexible(scene, cable):
+            layer = math.sqrt(kind.bending_stiffness / scale)
         last = place == len(items) - 1
         ends_clamped = scene.end.connection.kind == "clamped" if last else False
         body = None if last else items[place + 1].body
         # A point body at the end bends nothing.
         before_body = body is not None and (body.half_length > 0.0 or place + 2 < len(items))
         body_layer = cable.model == "elastica"
-        at_start = clamped and (place == 0 or body_layer)
+        # Where cable runs past a clamped tow point no mesh stays that resolves its layer.
+        at_start = clamped and (body_layer if place > 0 else not pays_out(scene))
+        thinner = SHARP if place == 0 and _bends_back(scene) else 1.0
         at_end = ends_clamped or (before_body and body_layer)
         spans.append(
             Span(
                 cable.length,
                 cable.elements,
-                layer if at_start else math.inf,
+                thinner * layer if at_start else math.inf,
                 layer if at_end else math.inf,
             )
         )
         clamped = False
     return spans
+
+
+def _bends_back(scene: Scene) -> bool:
+    """Whether a clamp at the vessel turns the line away from where it hangs."""
+    direction = scene.vessel.connection.direction
+    return direction is not None and (direction[2] > 0.1) == sinks(scene)
 
 
 def lay_out(scene: Scene, spaced: list[FloatArray]) -> Line:

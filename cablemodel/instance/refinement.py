@@ -72,6 +72,8 @@ def refined(block: Block, scene: Scene, nodes: list[FloatArray]) -> list[FloatAr
     inside = np.linalg.norm(start - end, axis=1)
     indicator = h**2 * np.maximum(jump, np.concatenate([[0.0], jump[:-1]]))
     indicator[1] = max(indicator[1], 0.25 * h[1] ** 2 * inside[1])
+    if block.array(at.O_CONSTRAINT, at.CONSTRAINT_WORDS)[at.C_CLAMPED] == at.BY_SPRING:
+        indicator[1] = 0.0  # the spring stands for a layer that elements here do not resolve
     last = int(np.flatnonzero(joints == 0)[-1])  # beyond it there may be a body
     indicator[last] = max(indicator[last], 0.25 * h[last] ** 2 * inside[last])
     split = indicator > BENT * scene.solver.tolerance * scene.line_length

@@ -12,6 +12,7 @@ from cablemodel.scene.sea import sea
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
+    from cablemodel.scene.line import Cable
 
 
 def tension_scale(scene: Scene) -> float:
@@ -74,6 +75,18 @@ def sinks(scene: Scene) -> bool:
 def bodies_length(scene: Scene) -> float:
     """Length of the bodies that are out at t = 0 [m]."""
     return math.fsum(2.0 * body.half_length for body in scene.bodies)
+
+
+def pays_out(scene: Scene) -> bool:
+    """Whether cable runs past the tow point, or may where that is clamped: a drum holds some."""
+    if scene.payout.drum and scene.vessel.connection.kind == "clamped":
+        return True
+    return any(row.rate != 0.0 for row in scene.payout.rate)
+
+
+def is_flexible(scene: Scene, cable: Cable) -> bool:
+    """Whether a cable passes no moment."""
+    return cable.model == "cable" or scene.cable_types[cable.type].bending_stiffness == 0.0
 
 
 def rate_at_start(scene: Scene) -> float:

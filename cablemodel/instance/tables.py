@@ -12,7 +12,7 @@ from cablemodel.block import Block
 from cablemodel.instance.frame import local
 from cablemodel.instance.line import Line
 from cablemodel.instance.refinement import follows_bending
-from cablemodel.instance.scales import start_conditions
+from cablemodel.instance.scales import is_flexible, pays_out, start_conditions
 from cablemodel.instance.winch import Winch
 from cablemodel.kernels import layout as at
 
@@ -100,7 +100,7 @@ def fill_payout(block: Block, scene: Scene, winch: Winch) -> None:
     """The table of the pay-out's rate, and what it may reach."""
     ints, reals = block.ints, block.reals
     rates = scene.payout.rate
-    ints[at.I_PAYOUT] = int(any(row.rate != 0.0 for row in rates))
+    ints[at.I_PAYOUT] = int(pays_out(scene))
     reals[at.S_PAID_MOST] = winch.most
     reals[at.S_TRAVEL_MOST] = winch.most_travel
     reals[at.S_TRAVEL_LEAST] = winch.least_travel
@@ -108,19 +108,26 @@ def fill_payout(block: Block, scene: Scene, winch: Winch) -> None:
 
 
 def fill_constraints(block: Block, scene: Scene, line: Line) -> None:
+    """Where the ends are held, and how: a clamp turns no cable that is perfectly flexible.
+
+    Where cable runs past the tow point its clamp is a spring (kernels/vessel_clamp.py).
+    """
     table = block.array(at.O_CONSTRAINT, int(block.ints[at.I_CONSTRAINTS]), at.CONSTRAINT_WORDS)
     ends = [(0, at.C_VESSEL, scene.vessel.connection)]
     if scene.end.kind == "anchor":
         ends.append((line.nodes - 1, at.C_ANCHOR, scene.end.connection))
     dimension = int(block.ints[at.I_DIMENSION])
+    block.reals[at.S_CLAMP_PULL] = block.reals[at.S_TENSION_SCALE]  # until the tension is known
     for row, (node, kind, connection) in zip(table, ends, strict=True):
         row[at.C_NODE] = node
         row[at.C_KIND] = kind
         if kind == at.C_ANCHOR:
             place = local(block, np.asarray(scene.end.position), point=True)
             row[at.C_POSITION : at.C_POSITION + dimension] = place
-        if connection.kind == "clamped":
-            row[at.C_CLAMPED] = 1.0
+        cable = scene.cables[0 if kind == at.C_VESSEL else -1]
+        runs = kind == at.C_VESSEL and pays_out(scene)
+        if connection.kind == "clamped" and (runs or not is_flexible(scene, cable)):
+            row[at.C_CLAMPED] = at.BY_SPRING if runs else at.EXACTLY
             direction = np.asarray(connection.direction, dtype=float)
             unit = direction / np.linalg.norm(direction)
             row[at.C_DIRECTION : at.C_DIRECTION + dimension] = local(block, unit, point=False)

@@ -6,7 +6,7 @@ a count; see layout.py for the codes.
 
 from numba import float64, int64
 
-from . import follow, outputs, promote, rigid, statics, stepping, system, time_stepping
+from . import follow, outputs, promote, statics, stepping, system, time_stepping, vessel_clamp
 from .compile import INTEGERS, REALS, entry_point
 from .layout import (
     I_BODIES,
@@ -47,9 +47,9 @@ def tension_from_stretch(I, M):
 
 @entry_point(int64(INTEGERS, REALS))
 def choose_bending(I, M):
-    """Decide whether a hybrid's elements keep bending, and how bodies are clamped."""
+    """Decide whether a hybrid's elements keep bending, and how stiff clamps are."""
     time_stepping.update_bending(I, M)
-    rigid.update_clamps(I, M, 1.0)
+    vessel_clamp.update_springs(I, M, 1.0)
     return 0
 
 

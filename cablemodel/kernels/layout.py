@@ -100,6 +100,7 @@ S_PAID, S_PAYOUT_RATE, S_PAYOUT_SLOPE = _S + 28, _S + 29, _S + 30
 S_TOP_LENGTH = _S + 31  # length of the top element, or of what is out of a body, at S_TIME [m]
 S_PAID_MOST, S_PAID_LEAST = _S + 32, _S + 33
 S_LIVE_RATE = _S + 34  # 4 words: t0, t1, rate at t0, at t1
+S_CLAMP_PULL = _S + 67  # tension at a clamped tow point, smoothed over time [N]
 S_PASSING = _S + 47  # 1 + row of the body of finite length that passes the tow point, 0: none
 S_TRAVEL = _S + 44
 S_TRAVEL_MOST, S_TRAVEL_LEAST = _S + 45, _S + 46
@@ -182,7 +183,7 @@ B_TIE = 13  # at the line's end: stiffness that ties the outer node's slope to i
 B_CLAMP = 14  # 2 words: stiffness of the clamps to the cables before and beyond [N m]
 B_PULL = 16  # 2 words: tensions there, smoothed over time [N]
 
-# Rows of the constraint table: nodes with a prescribed position or tangent.
+# Rows of the constraint table: nodes with a prescribed position or tangent; the vessel's is first.
 CONSTRAINT_WORDS = 10
 C_NODE, C_KIND, C_POSITION, C_CLAMPED, C_DIRECTION = (
     0,
@@ -191,7 +192,9 @@ C_NODE, C_KIND, C_POSITION, C_CLAMPED, C_DIRECTION = (
     5,
     6,
 )  # 3 words of position, 3 of direction
+C_SPRING = 9  # stiffness of a clamp that is a spring [N m]
 C_VESSEL, C_ANCHOR = 1, 2
+EXACTLY, BY_SPRING = 1, 2  # how the tangent is held (C_CLAMPED); 0: it is free
 
 # What is read off a state, in words: the rows of outputs.sample_stations, outputs.summarise.
 STATION_WORDS, SUMMARY_WORDS, ENERGY_WORDS = 13, 32, 8

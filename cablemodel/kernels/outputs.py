@@ -65,6 +65,7 @@ from .passing import exchange_rates, overhang
 from .rigid import axis_of, flow_energy, rigid_energy, rigid_row, wave_power
 from .strain import strain_and_slope
 from .system import residual, set_time
+from .vessel_clamp import add_clamp_moment, clamp_energy
 from .waves import P_ACCELERATION, P_VELOCITY, P_WET, band, buoyancy, displaced, wave_at
 
 
@@ -115,6 +116,15 @@ def support_force(I, M, node, out):
     to_earth(I, M, forces, 0, out, 0, 0)
     to_earth(I, M, q, dimension, w, 0, 0)
     to_earth(I, M, forces, dimension, w, 3, 0)
+    if node == 0 and I[I_PAYOUT] != 0:
+        # A spring's moment is no reaction: it is among the forces that the residual balances.
+        moment = M[I[O_MOTION] + 28 : I[O_MOTION] + 28 + size]
+        moment[:] = 0.0
+        add_clamp_moment(I, M, M[I[O_POSITION] : I[O_POSITION] + size], moment)
+        for i in range(dimension):
+            moment[dimension + i] = M[I[O_RESIDUAL] + dimension + i] - moment[dimension + i]
+        to_earth(I, M, moment, dimension, w, 3, 0)
+        to_earth(I, M, q, dimension, w, 0, 0)
     out[3] = w[1] * w[5] - w[2] * w[4]
     out[4] = w[2] * w[3] - w[0] * w[5]
     out[5] = w[0] * w[4] - w[1] * w[3]
@@ -498,6 +508,8 @@ def energies(I, M, out):
             continue
         out[3] += M[row + B_WEIGHT] * height
         flow_energy(M, row, dimension, flow, out)
+    if I[I_PAYOUT] != 0:
+        out[2] += clamp_energy(I, M, q)
     for i in range(dimension):
         out[4] += M[I[O_RESIDUAL] + i] * M[I[O_VELOCITY] + i]
 

@@ -1,8 +1,8 @@
 """A body of finite length passes the tow point, like a piece of cable that does not bend.
 
 While it passes, the body ties its outer attachment C to the tow point: its inner end slides
-through that point at the winch's rate, free to turn about it (held in direction by a clamp). What
-is out of a body of length l is a body of the length x that has passed: its mass, weight, areas
+through that point at the winch's rate, free to turn about it (a clamp holds cable only). What is
+out of a body of length l is a body of the length x that has passed: its mass, weight, areas
 and added masses are x / l of the whole, its rotary inertia (x / l)^3. For a body of even mass that
 is the matter that has passed, so that it comes out of the drum with the forces of a cable of its
 mass; at x = 0 and x = l it is nothing and the whole for any body.
@@ -29,7 +29,6 @@ from .layout import (
     B_TIE,
     B_WEIGHT,
     BODY_WORDS,
-    C_CLAMPED,
     CABLE_WORDS,
     I_CABLES,
     I_DIMENSION,
@@ -40,7 +39,6 @@ from .layout import (
     K_SHORTEST,
     O_BODY,
     O_CABLES,
-    O_CONSTRAINT,
     O_TOP,
     S_PASSING,
     S_STAGE_RATE,
@@ -51,7 +49,6 @@ from .layout import (
 
 BARE = 0.05  # of its length: what is out of a body before it takes the top element's place,
 LARGEST_BARE = 0.25  # or this where it is short against elements
-HELD = 1e4  # stiffness of a clamped tow point against a body, in typical tensions x its length
 PART = 24  # in O_TOP: the row of what is out of the body that passes
 
 
@@ -151,10 +148,8 @@ def set_part(I, M, length):
     """
     whole = I[O_BODY] + (int(M[S_PASSING]) - 1) * BODY_WORDS
     take_share(I, M, whole, length)
-    part = part_row(I)
-    # Nothing but this spring holds the slope at the vessel, or by it a clamp holds the body.
-    hold = HELD if M[I[O_CONSTRAINT] + C_CLAMPED] != 0.0 else 1.0
-    M[part + B_CLAMP] = hold * M[S_TENSION_SCALE] * length
+    # Nothing but this spring holds the slope at the vessel.
+    M[part_row(I) + B_CLAMP] = M[S_TENSION_SCALE] * length
 
 
 @kernel

@@ -18,12 +18,14 @@ from .compile import kernel
 from .layout import (
     B_NODE,
     BODY_WORDS,
+    C_CLAMPED,
     C_NODE,
     CABLE_WORDS,
     CONSTRAINT_WORDS,
     E_LENGTH,
     E_START,
     EDGE_WORDS,
+    EXACTLY,
     I_BODIES,
     I_CAPACITY,
     I_CLAMPED,
@@ -236,6 +238,39 @@ def material_top(I, M, q, v, a):
 
 
 @kernel
+def material_motion(I, M):
+    """`material_top` of the state itself."""
+    size = 2 * I[I_DIMENSION]
+    set_top_length(I, M, M[S_TIME])
+    material_top(
+        I,
+        M,
+        M[I[O_POSITION] : I[O_POSITION] + 2 * size],
+        M[I[O_VELOCITY] : I[O_VELOCITY] + 2 * size],
+        M[I[O_ACCELERATION] : I[O_ACCELERATION] + 2 * size],
+    )
+
+
+@kernel
+def turn_with_matter(I, M, rate, second):
+    """Make the vessel's slope one whose matter turns at `rate` and `second` (dimension).
+
+    The mesh's own rates differ from these by what flows past, v_p r'' and more: another top
+    element at the same place has another r'', so that rates kept from before would be a jump of
+    the matter's velocity, which grew with every joined element where v_p is near the waves' speed.
+    """
+    dimension = I[I_DIMENSION]
+    for array in range(2):
+        # The accelerations need the velocities.
+        material_motion(I, M)
+        to = I[O_VELOCITY] if array == 0 else I[O_ACCELERATION]
+        wanted = rate if array == 0 else second
+        for i in range(dimension):
+            off = wanted[i] - M[I[O_TOP] + 6 * array + dimension + i]
+            M[to + dimension + i] += off
+
+
+@kernel
 def move_node(I, M, node, to):
     """Copy all that belongs to a node and to the element above it to another place."""
     size = 2 * I[I_DIMENSION]
@@ -324,14 +359,7 @@ def split_edge(I, M, edge, x, hinge):
     v0 = I[O_VELOCITY] + size * p
     a0 = I[O_ACCELERATION] + size * p
     if edge == 1 and I[I_PAYOUT] == 1:
-        set_top_length(I, M, M[S_TIME])
-        material_top(
-            I,
-            M,
-            M[I[O_POSITION] : I[O_POSITION] + 2 * size],
-            M[I[O_VELOCITY] : I[O_VELOCITY] + 2 * size],
-            M[I[O_ACCELERATION] : I[O_ACCELERATION] + 2 * size],
-        )
+        material_motion(I, M)
         v0 = I[O_TOP]
         a0 = I[O_TOP] + 6
     hermite(
@@ -395,6 +423,13 @@ def join_at(I, M, node, count):
     h1 = M[I[O_EDGE] + EDGE_WORDS * upper + E_LENGTH]
     h2 = M[I[O_EDGE] + EDGE_WORDS * lower + E_LENGTH]
     h = h1 + h2
+    dimension = I[I_DIMENSION]
+    turn = M[I[O_TOP] + 12 : I[O_TOP] + 12 + 2 * dimension]
+    if node == 1 and I[I_PAYOUT] == 1:
+        material_motion(I, M)
+        for i in range(dimension):
+            turn[i] = M[I[O_TOP] + dimension + i]
+            turn[dimension + i] = M[I[O_TOP] + 6 + dimension + i]
     start = M[I[O_EDGE] + EDGE_WORDS * upper + E_START]
     for array in range(2):
         t = I[O_TENSION] if array == 0 else I[O_TENSION_RATE]
@@ -407,6 +442,8 @@ def join_at(I, M, node, count):
     close_gap(I, M, node, count)
     if node == 1:
         M[S_TOP_LENGTH] = h
+        if I[I_PAYOUT] == 1 and M[I[O_CONSTRAINT] + C_CLAMPED] != EXACTLY:
+            turn_with_matter(I, M, turn[0:dimension], turn[dimension : 2 * dimension])
     M[S_JOINED] = max(M[S_JOINED], h)
 
 

@@ -149,19 +149,19 @@ def clamp_stiffness(M, edge, pull, length):
 
     edge: row of the element next to the body. An elastica's mesh resolves its layer. A hybrid's
     element that is long against the layer sqrt(EI/T) resists a turn of its end by 1/(1 - share) of
-    the layer's sqrt(EI T); the spring in series with it makes up for the rest. `share` is fitted
-    to an even mesh within 2 %.
+    the layer's sqrt(EI T); the spring in series with it makes up for the rest, as it does for an
+    elastica off the drum. `share` is fitted to an even mesh within 2 %.
     """
     full = M[edge + E_BENDING_FULL]
     if full == 0.0:
         return 0.0
     h = M[edge + E_LENGTH]
-    if M[edge + E_MODEL] != MODEL_HYBRID:
-        return CLAMP * full / min(h, length)
-    stiff = SOFT_CLAMP * full / min(h, length)
+    hybrid = M[edge + E_MODEL] == MODEL_HYBRID
+    stiff = (SOFT_CLAMP if hybrid else CLAMP) * full / min(h, length)
     if not pull > 0.0:
         return stiff
-    stiff += SOFT_CLAMP * math.sqrt(full * pull)
+    if hybrid:
+        stiff += SOFT_CLAMP * math.sqrt(full * pull)
     x = h * math.sqrt(pull / full)
     x4 = x**4
     share = x4 / (1440.0 + 101.7 * x * x + 8.22 * x**3 + x4)

@@ -43,8 +43,8 @@ from .layout import (
     STATICS_FAILED,
 )
 from .newton import increment_norm, is_folded
-from .rigid import update_clamps
 from .system import factorise, jacobian, newton_increment, recover_tension, residual, set_time
+from .vessel_clamp import update_springs
 
 LARGEST_STEPS = 2000
 LONGEST_STEP = 1e7
@@ -100,8 +100,9 @@ def relax(I, M, frame, damped, strict):
     set_time(I, M, M[S_TIME])
     w0[:] = 0.0
     a0[:] = 0.0
-    if I[I_RIGID] > 0:
-        update_clamps(I, M, 0.0)
+    springs = I[I_RIGID] > 0 or I[I_PAYOUT] != 0
+    if springs:
+        update_springs(I, M, 0.0)
     dt = M[S_FIRST_STEP]
     calm = 0
     status = STATICS_FAILED
@@ -163,8 +164,8 @@ def relax(I, M, frame, damped, strict):
             q0[n] = q[n]
         for n in range(2 * nodes):
             t0[n] = tension[n]
-        if I[I_RIGID] > 0 and dt > 1e3 * M[S_FIRST_STEP]:
-            update_clamps(I, M, 1.0)
+        if springs and dt > 1e3 * M[S_FIRST_STEP]:
+            update_springs(I, M, 1.0)
         if moved <= 1e-10 * length and dt > 1e3 * M[S_FIRST_STEP]:
             calm += 1
             if calm >= 2:

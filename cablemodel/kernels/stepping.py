@@ -45,6 +45,7 @@ from .payout import commanded_rate
 from .promote import promote
 from .sleep import leave_out, rejoin
 from .time_stepping import advance_to
+from .vessel_clamp import release_slope
 
 # Words of the input vector: a flag (0: not given) before each group.
 IN_VELOCITY, IN_POSITION, IN_CURRENT, IN_PAYOUT = 0, 4, 8, 12
@@ -129,6 +130,7 @@ def set_live_rate(I, M, t_end, inputs):
     M[S_LIVE_RATE + 3] = target
     if present != 0.0 or target != 0.0:
         I[I_PAYOUT] = 1
+        release_slope(I, M)
 
 
 @kernel

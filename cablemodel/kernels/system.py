@@ -26,6 +26,7 @@ from .layout import (
     C_DIRECTION,
     C_NODE,
     CONSTRAINT_WORDS,
+    EXACTLY,
     I_BODIES,
     I_CONSTRAINTS,
     I_DIMENSION,
@@ -56,6 +57,7 @@ from .triangular_solver import (
     solve_planar_lu,
     solve_spatial_lu,
 )
+from .vessel_clamp import add_clamp_moment, add_clamp_tangent
 from .waves import set_wave_time
 
 
@@ -78,6 +80,8 @@ def residual(I, M, q, v, a, tension, out, out_constraint):
             exchange_rates(I, M, v, a)
         elif I[I_PAYOUT] != 0:
             add_first_bit(I, M, out)
+    if I[I_PAYOUT] != 0:
+        add_clamp_moment(I, M, q, out)
     if I[I_FLOOR] != 0:
         floor_residual(I, M, q, v, out)
 
@@ -117,7 +121,7 @@ def project_rows(I, M, row, at):
     for j in range(size):
         for i in range(dimension):
             M[at + size * i + j] = 0.0
-        if M[row + C_CLAMPED] != 0.0:
+        if M[row + C_CLAMPED] == EXACTLY:
             value = 0.0
             for i in range(dimension):
                 value += M[row + C_DIRECTION + i] * M[at + size * (dimension + i) + j]
@@ -133,7 +137,7 @@ def project_columns(I, M, row, at):
     for i in range(size):
         for j in range(dimension):
             M[at + size * i + j] = 0.0
-        if M[row + C_CLAMPED] != 0.0:
+        if M[row + C_CLAMPED] == EXACTLY:
             value = 0.0
             for j in range(dimension):
                 value += M[row + C_DIRECTION + j] * M[at + size * i + dimension + j]
@@ -155,7 +159,7 @@ def constrain_matrix(I, M):
         project_columns(I, M, row, at)
         for i in range(dimension):
             M[at + size * i + i] += 1.0
-        if M[row + C_CLAMPED] != 0.0:
+        if M[row + C_CLAMPED] == EXACTLY:
             for i in range(dimension):
                 for j in range(dimension):
                     value = -M[row + C_DIRECTION + i] * M[row + C_DIRECTION + j]
@@ -180,7 +184,7 @@ def constrain_vector(I, M, x):
         at = 2 * dimension * int(M[row + C_NODE])
         for i in range(dimension):
             x[at + i] = 0.0
-        if M[row + C_CLAMPED] != 0.0:
+        if M[row + C_CLAMPED] == EXACTLY:
             value = 0.0
             for i in range(dimension):
                 value += M[row + C_DIRECTION + i] * x[at + dimension + i]
@@ -205,6 +209,8 @@ def jacobian(I, M, q, v, a, tension, ca, cv):
         rigid_jacobian(I, M, q, v, a, tension, ca, cv)
         if M[S_PASSING] != 0.0:
             exchange_rates(I, M, v, a)
+    if I[I_PAYOUT] != 0:
+        add_clamp_tangent(I, M, q)
     if I[I_FLOOR] != 0:
         floor_jacobian(I, M, q, v, cv)
 

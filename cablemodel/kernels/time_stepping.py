@@ -76,6 +76,7 @@ from .layout import (
     S_LAST_STEP,
     S_LENGTH,
     S_PAID,
+    S_PASSING,
     S_PAYOUT_RATE,
     S_PAYOUT_SLOPE,
     S_PERIOD,
@@ -94,7 +95,6 @@ from .newton import increment_norm, is_folded, refactor
 from .passing import cable_paid
 from .payout import begin_payout, longest_payout_step, paid_since
 from .refine import follow_bending
-from .rigid import update_clamps
 from .sleep import disturbance, fall_asleep, may_sleep, prepare_joining, rejoin, wake
 from .system import (
     elongation_rate,
@@ -105,8 +105,9 @@ from .system import (
     set_time,
 )
 from .tables import GAMMA, STAGE_A, STAGE_C, STAGE_ERROR, STAGES
-from .top_of_line import adapt_top, next_change
+from .top_of_line import adapt_top, divide_top, next_change
 from .two_step import accept_two_step, remember, try_two_step
+from .vessel_clamp import update_springs
 
 LARGEST_ITERATIONS = 10
 MOST_NORMS = 5  # in which a state is brought to its constraints, each of a tenth of the last step
@@ -476,6 +477,12 @@ def change_mesh(I, M, rests):
 
     Splitting is exact. A joined element has the strain and the elongation's rate of its parts.
     """
+    if M[S_PASSING + 21] == 1.0 and I[I_PAYOUT] != 0:
+        status = divide_top(I, M)
+        if status != OK:
+            return status
+        if next_change(I, M) == 0 and (I[I_FLOOR] == 0 or not follow_floor(I, M, False)):
+            return OK
     if M[S_LAST_STEP] == 0.0:
         M[S_LAST_STEP] = M[S_STEP]
     take_rates_from_velocity(I, M)
@@ -653,8 +660,8 @@ def advance_to(I, M, t_end):
                 settle(I, M)
             if I[I_HYBRID] == 1:
                 update_bending(I, M)
-            if I[I_RIGID] > 0:
-                update_clamps(I, M, dt / (dt + M[S_PERIOD]))
+            if I[I_RIGID] > 0 or I[I_PAYOUT] != 0:
+                update_springs(I, M, dt / (dt + M[S_PERIOD]))
             if I[I_LIVE] == 0:
                 I[I_PIECE] = find_piece(I, M, M[S_TIME])
             I[I_STEPS] += 1

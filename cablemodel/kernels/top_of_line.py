@@ -13,8 +13,6 @@ from .layout import (
     B_NODE,
     B_PULL,
     BODY_WORDS,
-    C_CLAMPED,
-    C_DIRECTION,
     CABLE_WORDS,
     E_LENGTH,
     E_MASS,
@@ -36,7 +34,6 @@ from .layout import (
     O_ACCELERATION,
     O_BODY,
     O_CABLES,
-    O_CONSTRAINT,
     O_EDGE,
     O_JOINT,
     O_MOTION,
@@ -44,7 +41,6 @@ from .layout import (
     O_REST,
     O_TENSION,
     O_TENSION_RATE,
-    O_TOP,
     O_VELOCITY,
     OK,
     S_JOINED,
@@ -52,7 +48,6 @@ from .layout import (
     S_PASSING,
     S_PAYOUT_RATE,
     S_PAYOUT_SLOPE,
-    S_TIME,
     S_TOP_LENGTH,
     S_TRAVEL,
 )
@@ -61,12 +56,11 @@ from .payout import (
     close_gap,
     give_properties,
     join_at,
-    material_top,
     open_gap,
-    set_top_length,
     split_edge,
+    turn_with_matter,
 )
-from .rigid import update_clamps
+from .vessel_clamp import update_springs
 
 FEWEST_ELEMENTS = 4
 SPLIT, JOIN = 2.0, 0.5  # of the nominal length of the top element
@@ -150,8 +144,7 @@ def next_change(I, M):
 def along_the_body(I, M):
     """Let the vessel node's slope point along the body that passes, and turn with it.
 
-    A clamped slope stays in its direction. Leaves axis, its rate and second rate in w[0:9], the
-    words of O_MOTION from 28 on.
+    Leaves axis, its rate and second rate in w[0:9], the words of O_MOTION from 28 on.
     """
     dimension = I[I_DIMENSION]
     count = 4 * dimension
@@ -170,12 +163,10 @@ def along_the_body(I, M):
         M[S_PAYOUT_SLOPE],
         w,
     )
-    clamp = I[O_CONSTRAINT]
-    held = M[clamp + C_CLAMPED] != 0.0
     for i in range(dimension):
-        M[q + dimension + i] = M[clamp + C_DIRECTION + i] if held else w[i]
-        M[v + dimension + i] = 0.0 if held else w[3 + i]
-        M[a + dimension + i] = 0.0 if held else w[6 + i]
+        M[q + dimension + i] = w[i]
+        M[v + dimension + i] = w[3 + i]
+        M[a + dimension + i] = w[6 + i]
 
 
 @kernel
@@ -215,7 +206,7 @@ def let_body_come(I, M):
     M[S_PASSING] = 1.0 + (row - I[O_BODY]) // BODY_WORDS
     along_the_body(I, M)
     body_moved(I, M, row)
-    update_clamps(I, M, 0.0)
+    update_springs(I, M, 0.0)
     return OK
 
 
@@ -262,7 +253,7 @@ def let_cable_follow(I, M):
     M[S_PASSING] = 0.0
     I[I_TOP_CABLE] = cable + 1
     M[row + B_PULL] = pull
-    update_clamps(I, M, 0.0)
+    update_springs(I, M, 0.0)
     return OK
 
 
@@ -279,7 +270,7 @@ def let_body_stop(I, M):
     M[S_PASSING] = 1.0 + (row - I[O_BODY]) // BODY_WORDS
     I[I_TOP_CABLE] = cable
     along_the_body(I, M)
-    update_clamps(I, M, 0.0)
+    update_springs(I, M, 0.0)
 
 
 @kernel
@@ -291,7 +282,6 @@ def let_body_enter(I, M):
     row = body_above(I, M, cable)
     M[row + B_NODE] = -1.0
     M[S_PASSING] = 0.0
-    held = M[I[O_CONSTRAINT] + C_CLAMPED] != 0.0
     w = M[I[O_MOTION] + 28 : I[O_MOTION] + 37]
     for i in range(dimension):
         w[i] = M[I[O_POSITION] + size + dimension + i]
@@ -301,26 +291,9 @@ def let_body_enter(I, M):
     M[S_TOP_LENGTH] += M[I[O_EDGE] + EDGE_WORDS + E_LENGTH]
     M[I[O_EDGE] + EDGE_WORDS + E_LENGTH] = M[S_TOP_LENGTH]
     M[S_JOINED] = max(M[S_JOINED], M[S_TOP_LENGTH])
-    if held:
-        return
     for i in range(dimension):
         M[I[O_POSITION] + dimension + i] = w[i]
-        M[I[O_VELOCITY] + dimension + i] = 0.0
-        M[I[O_ACCELERATION] + dimension + i] = 0.0
-    # What the slope's matter does is known; at the mesh it does that less what flows past.
-    set_top_length(I, M, M[S_TIME])
-    for array in range(2):
-        material_top(
-            I,
-            M,
-            M[I[O_POSITION] : I[O_POSITION] + 2 * size],
-            M[I[O_VELOCITY] : I[O_VELOCITY] + 2 * size],
-            M[I[O_ACCELERATION] : I[O_ACCELERATION] + 2 * size],
-        )
-        to = I[O_VELOCITY] if array == 0 else I[O_ACCELERATION]
-        for i in range(dimension):
-            flow = M[I[O_TOP] + 6 * array + dimension + i]
-            M[to + dimension + i] = w[3 + 3 * array + i] - flow
+    turn_with_matter(I, M, w[3 : 3 + dimension], w[6 : 6 + dimension])
 
 
 @kernel
@@ -338,6 +311,25 @@ def unite(I, M):
         ):
             longest = node
     return split_edge(I, M, longest, 0.5, False)
+
+
+@kernel
+def divide(I, M):
+    """Split the top element where elements of its cable have their nominal length."""
+    row = I[O_CABLES] + I[I_TOP_CABLE] * CABLE_WORDS
+    pieces = max(2, int(M[S_TOP_LENGTH] / M[row + K_NOMINAL]))
+    return split_edge(I, M, 1, 1.0 - 1.0 / pieces, False)
+
+
+@kernel
+def divide_top(I, M):
+    """Before a step: split the top element as often as it asks for it."""
+    for _pass in range(64):
+        if next_change(I, M) != DIVIDES:
+            break
+        if divide(I, M) != OK:
+            return NO_CAPACITY
+    return OK
 
 
 @kernel
@@ -377,8 +369,7 @@ def adapt_top(I, M):
         elif change == ENTERS:
             let_body_enter(I, M)
         elif change == DIVIDES:
-            pieces = max(2, int(M[S_TOP_LENGTH] / M[row + K_NOMINAL]))
-            status = split_edge(I, M, 1, 1.0 - 1.0 / pieces, False)
+            status = divide(I, M)
         else:
             few = element_number(I, M) <= FEWEST_ELEMENTS
             status = unite(I, M)

@@ -187,7 +187,7 @@ class Connection(WordOrMapping):
     clamped: UnitVector | None = Field(
         default=None,
         description="direction in which the cable leaves the vessel, or arrives at the anchor, "
-        "from the vessel outwards; fixed in space",
+        "from the vessel outwards; fixed in space; a perfectly flexible cable passes no moment",
     )
 
     word: ClassVar = "pinned"

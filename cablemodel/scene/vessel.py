@@ -219,10 +219,13 @@ class Payout(SceneModel):
         tuple[RatePoint, ...], AfterValidator(in_order_of("t")), BeforeValidator(_rate_rows)
     ] = Field(
         default=(RatePoint(t=0.0, rate=0.0),),
-        description="pay-out rate: one number, or a table over time, linear between its rows, that "
-        "holds its first and last value",
+        description="speed at which cable, or a body of finite length, passes the tow point: one "
+        "number, or a table over time, linear between its rows, that holds its first and last "
+        "value",
         json_schema_extra=also(Quantity("m/s").json_schema()),
     )
     drum: tuple[LineItem, ...] = Field(
-        default=(), description="cables and bodies on the drum, as in line, vessel end first"
+        default=(),
+        description="cables and bodies on the drum, as in line, vessel end first; the last one is "
+        "a cable",
     )

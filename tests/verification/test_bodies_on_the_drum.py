@@ -49,7 +49,7 @@ def test_the_winch_turns_by_cable_and_bodies(model):
     """0.5 m/s out and in: cable passes, then a metre of body, cable again; exact at all times."""
     rate = [{"t": 0, "rate": 0.5}, {"t": 80, "rate": 0.5}, {"t": 80.001, "rate": -0.5}]
     run = cm.CableModel(towed(0.5, rate, model))
-    travel = np.array([-42.0, -21.0, -20.0, 0.0, 5.0, 6.0, 18.0, 19.0, 34.0])
+    travel = np.array([-41.0, -21.0, -20.0, 0.0, 5.0, 6.0, 18.0, 19.0, 34.0])
     paid = np.array([-40.0, -20.0, -20.0, 0.0, 5.0, 5.0, 17.0, 17.0, 32.0])
     numbers = []
     for time in np.arange(1.0, 230.1, 1.0):
@@ -89,7 +89,7 @@ def test_commands_at_random_pass_a_body_to_and_fro(interval, count, half_length)
         assert run.line_length + run.drum_length == pytest.approx(72.0, abs=1e-9)
     assert np.count_nonzero(np.diff(states)) >= 8
     assert min(tensions) > 30.0
-    assert max(tensions) < 400.0
+    assert max(tensions) < 600.0
     if interval == 0.01:
         assert np.abs(np.diff(tensions, 2)).max() < (16.0 if half_length == 0.5 else 80.0)
 
@@ -162,11 +162,12 @@ def test_a_rod_and_a_bob_swing_while_the_rod_passes():
     rod = {"mass": ROD, "submerged_weight": ROD * GRAVITY, "half_length": 0.5 * LENGTH,
            "rotary_inertia": ROD * LENGTH**2 / 12.0}  # fmt: skip
     string = {"type": "c", "length": STRING, "model": "cable", "elements": 4}
+    reach = STRING * (1.0 + BOB * GRAVITY * np.cos(angle) / 1e9)
     scene = {
         "environment": {"water_density": 0},
         "cable_types": {"c": {"diameter": 0.01, "mass": 1e-4, "axial_stiffness": 1e9}},
         "line": [{"cable": string}, {"body": {"mass": BOB, "submerged_weight": BOB * GRAVITY}}],
-        "initial": {"points": [[0, 0, 0], [STRING * np.sin(angle), 0, -STRING * np.cos(angle)]]},
+        "initial": {"points": [[0, 0, 0], [reach * np.sin(angle), 0, -reach * np.cos(angle)]]},
         "payout": {
             "rate": [{"t": t, "rate": rate} for t, rate in RATES],
             "drum": [{"body": rod}, {"cable": {**string, "length": 5}}],
@@ -180,9 +181,9 @@ def test_a_rod_and_a_bob_swing_while_the_rod_passes():
         a, b, *_ = path.sol(time)
         assert FIRST < x < LENGTH
         found = run.bodies[0].direction
-        assert found[[0, 2]] == pytest.approx(along(a), abs=3e-4)
+        assert found[[0, 2]] == pytest.approx(along(a), abs=1e-4)
         expected = x * along(a) + STRING * along(b)
-        assert run.tip_position[[0, 2]] == pytest.approx(expected, abs=10 * tolerance * STRING)
+        assert run.tip_position[[0, 2]] == pytest.approx(expected, abs=tolerance * STRING)
 
 
 def test_energy_of_a_body_that_passes():
@@ -198,10 +199,13 @@ def test_energy_of_a_body_that_passes():
         "initial": {"straight": [0.3, 0, -1]},
         "vessel": {"velocity": [{"t": 0, "velocity": [0, 0, 0]}, {"t": 2, "velocity": [1, 0, 0.2]},
                                 {"t": 6, "velocity": [-0.5, 0, 0.3]}]},
-        "payout": {"rate": [{"t": 0, "rate": rate}], "drum": [cable(1), body(half, mass), cable(6)]},
+        "payout": {"rate": [{"t": 0, "rate": rate}],
+                   "drum": [cable(1), body(half, mass), cable(6)]},
         "solver": {"tolerance": 1e-4},
     }  # fmt: skip
-    scene["payout"]["drum"][1]["body"]["submerged_weight"] = mass * GRAVITY
+    scene["payout"]["drum"][1]["body"] |= {
+        "submerged_weight": mass * GRAVITY, "added_mass": 0, "added_mass_axial": 0,
+    }  # fmt: skip
     run = cm.CableModel(cm.load_scene(scene), planar=False)
     run.step_to(2.2)  # the body comes at 2 s
     stored, power = [], []
@@ -222,11 +226,22 @@ def test_energy_of_a_body_that_passes():
 
 
 def test_a_short_body_is_a_point():
-    """Paths of the line's end go over into that of point bodies with the length of the body."""
+    """Paths of the line's end go over into that of point bodies with the length of the body.
+
+    On a fine mesh: a point leaves when a tenth of an element of the cable above it is out. Without
+    drag on the bodies: a point's goes with its whole speed, a body's with both parts of it.
+    """
     rate = [{"t": 0, "rate": 0}, {"t": 5, "rate": 0.7}, {"t": 40, "rate": 0.7}]
 
     def path(half_length):
-        run = cm.CableModel(towed(half_length, rate, tolerance=1e-4))
+        scene = towed(half_length, rate, tolerance=1e-4).to_dict()
+        for item in [*scene["line"], *scene["payout"]["drum"]]:
+            if "body" in item:
+                item["body"] |= {"drag_area": 0, "drag_area_axial": 0}
+        for item in scene["line"]:
+            if "cable" in item:
+                item["cable"]["elements"] = 60
+        run = cm.CableModel(cm.load_scene(scene))
         run.step_to(20.0)
         return np.append(run.tip_position, run.line_length)
 
@@ -275,6 +290,6 @@ def test_snapshot_in_the_middle_of_a_body():
 def test_a_body_on_the_drum_longer_than_the_cable_that_is_out_is_refused():
     scene = towed(0.5, [{"t": 0, "rate": 0.5}]).to_dict()
     scene["payout"]["drum"] = [body(11.0), cable(30)]
-    with pytest.raises(cm.SceneError, match="payout.drum.0.body.half_length") as caught:
+    with pytest.raises(cm.SceneError, match=r"payout\.drum\.0\.body\.half_length") as caught:
         cm.load_scene(scene)
     assert "22 m long, the cable next to it 20 m" in str(caught.value)

@@ -117,3 +117,92 @@ def test_a_winch_under_short_steps_makes_no_shocks():
     assert tension.max() < 3.0 * start
     assert np.abs(np.diff(tension, 2)).max() < 0.05 * start
     assert np.diff(model.state().s).min() > 0.05
+
+
+# A string that runs along itself ------------------------------------------------------------------
+
+SPEED, STRING, HEIGHT = 10.0, 1.0, 1e-3  # of transverse waves; the string's first length; a bump
+
+
+def bump(x):
+    return HEIGHT * np.sin(np.pi * x / STRING) ** 4
+
+
+def height_of_string(x, time, rate):
+    """Of a string between a fixed eye at x = 0 and one that moves away at `rate`, by d'Alembert.
+
+    y = f(c t + x) - f(c t - x); at the moving eye f(c t + l) = f(c t - l), l = STRING + rate t,
+    which carries f on from its start: there the bump stands still as the moving eye sees it.
+    """
+    z = SPEED * time + np.concatenate([x, -x])
+    while (far := z > STRING).any():
+        z = np.where(far, (SPEED - rate) / (SPEED + rate) * (z - STRING) - STRING, z)
+    f = 0.5 * (np.sign(z) - rate / SPEED) * bump(np.abs(z))
+    return f[: len(x)] - f[len(x) :]
+
+
+def running_string(rate, elements, tolerance):
+    """The vessel pays string out, or takes it in, as it moves: the string's matter is at rest.
+
+    Weightless in vacuum, T / (m (1 + strain)) = SPEED^2 in unstretched lengths.
+    """
+    mass, stiffness = 1.0, 1e4
+    stretch = 1.0 / (1.0 - mass * SPEED**2 / stiffness)
+    s = np.linspace(0.0, STRING, 401)
+    string = {"type": "k", "length": STRING, "model": "cable"}
+    points = np.column_stack([stretch * s, 0.0 * s, bump(STRING - s)])
+    return cm.load_scene(
+        {
+            "environment": {"water_density": 0, "gravity": 0},
+            "cable_types": {
+                "k": {
+                    "diameter": 0.01,
+                    "mass": mass,
+                    "submerged_weight": 0,
+                    "axial_stiffness": stiffness,
+                }
+            },
+            "line": [{"cable": {**string, "elements": elements}}],
+            "end": {"anchor": [stretch * STRING, 0, 0]},
+            "initial": {"points": points.tolist()},
+            "vessel": {"velocity": [{"t": 0, "velocity": [-rate * stretch, 0, 0]}]},
+            "payout": {"rate": [{"t": 0, "rate": rate}], "drum": [{"cable": string}]},
+            "solver": {"tolerance": tolerance},
+        }
+    )
+
+
+def error_of_string(rate, time, elements, tolerance):
+    """Largest error on the way, of the bump's height."""
+    model = cm.CableModel(running_string(rate, elements, tolerance))
+    worst = 0.0
+    for k in range(1, 21):
+        model.step_to(time * k / 20)
+        assert model.line_length == pytest.approx(STRING + rate * model.time, abs=1e-12)
+        s = np.linspace(0.0, model.line_length, 101)
+        exact = height_of_string(model.line_length - s, model.time, rate)
+        worst = max(worst, np.abs(model.sample(s).position[:, 2] - exact).max() / HEIGHT)
+    return worst
+
+
+def test_a_string_that_runs_out_at_almost_half_of_its_wave_speed():
+    """Waves go through the top element while it grows and is split, and meet the moving eye.
+
+    There a wave comes back longer by (c + v) / (c - v) = 7/3. (Between two eyes that both run the
+    lowest frequency would be pi (c^2 - v^2) / (c L) = 26.389 rad/s for c 10, v 4, L 1; here cable
+    runs past one end of a line only.)
+    """
+    coarse = error_of_string(4.0, 0.2, 16, 1e-5)
+    fine = error_of_string(4.0, 0.2, 32, 1e-6)
+    assert coarse < 1e-2
+    assert fine < 2e-3
+
+
+def test_a_string_that_is_taken_in():
+    """The same at a tenth of the wave speed, with elements that are joined.
+
+    Waves come back shorter. (At 0.4 of it the tow point overtakes those that are as short as
+    elements, which the mesh carries more slowly, and they pile up there.)
+    """
+    assert error_of_string(-1.0, 0.4, 32, 1e-6) < 1e-2
+    assert error_of_string(-1.0, 0.4, 64, 1e-6) < 4e-3

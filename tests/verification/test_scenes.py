@@ -150,12 +150,13 @@ def lay_tension(kind, speed, payout, depth, density=1025.0):
     return (kind.submerged_weight - along / np.sin(angle)) * depth
 
 
-def test_recovery_brings_the_lander_to_the_vessel():
-    """Tension: what hangs, at rest; the lander is lifted, and the winch stops below the vessel."""
+def test_recovery_brings_the_lander_on_board():
+    """Tension: what hangs, at rest; the lander is lifted, and passes the tow point."""
     scene = load("recovery")
-    heights, tensions, floor = {}, {}, {}
+    heights, tensions, floor, lengths = {}, {}, {}, {}
     for model in steps(scene):
-        heights[model.time] = model.bodies[0].position[2]
+        heights[model.time] = model.bodies[0].position[2] if model.bodies else np.nan
+        lengths[model.time] = model.line_length
         tensions[model.time] = model.top_tension
         floor[model.time] = model.floor_length
     assert heights[100.0] == pytest.approx(-100.0, abs=0.1)
@@ -166,9 +167,13 @@ def test_recovery_brings_the_lander_to_the_vessel():
     # Hanging straight: 3.9 N a metre and the lander's 250 N; drag at 0.5 m/s adds 3 %.
     slope = (tensions[240.0] - tensions[300.0]) / 30.0
     assert slope == pytest.approx(3.9, rel=0.05)
-    assert model.winch == "shortest length"
-    assert model.top_tension == pytest.approx(3.9 * model.line_length + 250.0, rel=2e-3)
-    assert -4.0 < heights[scene.run.duration] < -2.0
+    # The lander leaves the line from 373 to 375.5 s; the tail is left.
+    assert tensions[370.0] == pytest.approx(3.9 * lengths[370.0] + 250.0, rel=5e-3)
+    assert tensions[374.0] == pytest.approx(3.9 * 30.0 + 250.0 * 0.6, rel=1e-2)
+    assert lengths[374.0] == lengths[375.0] == pytest.approx(30.0, abs=1e-9)
+    assert model.bodies == []
+    assert model.line_length == pytest.approx(30.0 - 0.2 * 14.5, abs=1e-6)
+    assert model.top_tension == pytest.approx(3.9 * model.line_length, rel=5e-3)
     # Once all hangs, elements that the winch takes in leave no mark on it.
     hanging = [tension for time, tension in tensions.items() if 220.0 < time < 318.0]
     assert np.abs(np.diff(hanging, 2)).max() < 0.03 * max(hanging)

@@ -195,6 +195,7 @@ static void scale_line(Cable *cable, double from, double to, double growth) {
         row[B_COMPLIANCE] =
             fmin(row[B_LENGTH] / (RIGID * M[S_TENSION_SCALE]), SOFTEST * stretch);
     }
+    M[S_CLAMP_PULL] = M[S_TENSION_SCALE];
     M[S_AXIAL] = 1.0 / (stretch * (mass + bodies));
     M[S_UNDAMPED] = drag * M[S_LENGTH] / mass < LIGHT_DAMPING;
 }
@@ -272,7 +273,8 @@ static int64_t find_initial_state(Cable *cable) {
     if (is_static) status = solve_static(cable);
     else cablemodel_tension_from_stretch(cable->I, words);
     if (status == OK && stabilise(cable) && is_static) status = solve_static(cable);
-    if (cable->I[I_HYBRID] || cable->I[I_RIGID] > 0) cablemodel_choose_bending(cable->I, words);
+    if (cable->I[I_HYBRID] || cable->I[I_RIGID] > 0 || cable->I[I_PAYOUT])
+        cablemodel_choose_bending(cable->I, words);
     for (int round = 0; round < REFINEMENTS && status == OK && is_static; round++) {
         if (!cablemodel_refine_at_floor(cable->I, words)) break;
         status = solve_static(cable);

@@ -1,0 +1,132 @@
+"""A clamped tow point past which cable runs: a spring that turns the cable's slope.
+
+Elements at a tow point where nothing runs resolve the layer of thickness sqrt(EI/T) in which a
+clamped cable bends, and their slope there is prescribed. Elements that grow and shrink with the
+pay-out do not: their slope is turned towards the clamp's direction with the energy of a layer,
+4 k (1 - cos(angle/2)), k being the layer's sqrt(EI T), or what of it the element does not resolve
+(`rigid.clamp_stiffness`). A perfectly flexible cable passes no moment: k = 0. Nor does a clamp
+hold a body of finite length that passes.
+"""
+
+import math
+
+from .compile import kernel
+from .layout import (
+    BY_SPRING,
+    C_CLAMPED,
+    C_DIRECTION,
+    C_SPRING,
+    E_LENGTH,
+    EDGE_WORDS,
+    EXACTLY,
+    I_DIMENSION,
+    I_FACTORED,
+    I_HISTORY,
+    I_RIGID,
+    O_CONSTRAINT,
+    O_DIAGONAL,
+    O_EDGE,
+    O_MOTION,
+    O_TENSION,
+    S_CLAMP_PULL,
+    S_PASSING,
+)
+from .rigid import clamp_stiffness, slope_direction, update_clamps
+
+LEAST_HALF_COSINE = 0.05
+
+
+@kernel
+def clamp_spring(I, M):
+    """Stiffness of the clamp [N m]; 0 where there is none."""
+    row = I[O_CONSTRAINT]
+    if M[row + C_CLAMPED] != BY_SPRING or M[S_PASSING] != 0.0:
+        return 0.0
+    return M[row + C_SPRING]
+
+
+@kernel
+def slope_at_vessel(I, M, q, w):
+    """Clamp's direction into w[0:3], the slope's into w[3:6]; (its length, their cosine)."""
+    dimension = I[I_DIMENSION]
+    for i in range(dimension):
+        w[i] = M[I[O_CONSTRAINT] + C_DIRECTION + i]
+    return slope_direction(dimension, q, dimension, w)
+
+
+@kernel
+def half_cosine(cosine):
+    """cos(angle/2), not so small that the moment of a line turned right back has no direction."""
+    return max(LEAST_HALF_COSINE, math.sqrt(max(0.0, 0.5 * (1.0 + cosine))))
+
+
+@kernel
+def add_clamp_moment(I, M, q, out):
+    """Add minus the clamp's force on the slope to the forces of the vessel's node."""
+    k = clamp_spring(I, M)
+    if k == 0.0:
+        return
+    dimension = I[I_DIMENSION]
+    w = M[I[O_MOTION] + 16 : I[O_MOTION] + 22]
+    length, cosine = slope_at_vessel(I, M, q, w)
+    force = k / (length * half_cosine(cosine))
+    for i in range(dimension):
+        out[dimension + i] -= force * (w[i] - cosine * w[3 + i])
+
+
+@kernel
+def add_clamp_tangent(I, M, q):
+    """Add its derivative to the vessel node's block of the Newton matrix."""
+    k = clamp_spring(I, M)
+    if k == 0.0:
+        return
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    w = M[I[O_MOTION] + 16 : I[O_MOTION] + 22]
+    length, cosine = slope_at_vessel(I, M, q, w)
+    half = half_cosine(cosine)
+    first = k / (length * length * half)
+    second = 0.25 * first / (half * half)
+    for i in range(dimension):
+        for j in range(dimension):
+            unit = 1.0 if i == j else 0.0
+            value = w[3 + i] * w[j] + w[i] * w[3 + j]
+            value += cosine * (unit - 3.0 * w[3 + i] * w[3 + j])
+            at = I[O_DIAGONAL] + size * (dimension + i) + dimension + j
+            across = (w[i] - cosine * w[3 + i]) * (w[j] - cosine * w[3 + j])
+            M[at] += first * value + second * across
+
+
+@kernel
+def clamp_energy(I, M, q):
+    """What the spring holds [J]."""
+    k = clamp_spring(I, M)
+    if k == 0.0:
+        return 0.0
+    _length, cosine = slope_at_vessel(I, M, q, M[I[O_MOTION] + 16 : I[O_MOTION] + 22])
+    return 4.0 * k * (1.0 - half_cosine(cosine))
+
+
+@kernel
+def update_springs(I, M, share):
+    """Stiffness of all clamps by the tensions, of which `share` is the present one."""
+    if I[I_RIGID] > 0:
+        update_clamps(I, M, share)
+    row = I[O_CONSTRAINT]
+    if M[row + C_CLAMPED] != BY_SPRING or M[S_PASSING] != 0.0:
+        return
+    pull = M[I[O_TENSION] + 2] - M[I[O_TENSION] + 3]
+    M[S_CLAMP_PULL] += share * (pull - M[S_CLAMP_PULL])
+    edge = I[O_EDGE] + EDGE_WORDS
+    M[row + C_SPRING] = clamp_stiffness(M, edge, M[S_CLAMP_PULL], M[edge + E_LENGTH])
+
+
+@kernel
+def release_slope(I, M):
+    """Cable begins to run past the tow point: from now on a spring holds what was prescribed."""
+    row = I[O_CONSTRAINT]
+    if M[row + C_CLAMPED] == EXACTLY:
+        M[row + C_CLAMPED] = BY_SPRING
+        update_springs(I, M, 1.0)
+        I[I_FACTORED] = 0
+        I[I_HISTORY] = 0

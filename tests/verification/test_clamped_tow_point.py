@@ -1,0 +1,98 @@
+"""A clamp at the tow point: starts in any direction, and cable that runs past it."""
+
+import numpy as np
+import pytest
+
+import cablemodel as cm
+
+BENDING, MASS, GRAVITY = 0.8, 0.0745, 9.80665
+
+
+def hanging(angle, *, length=100.0, model="elastica", bending=BENDING, tolerance=1e-4, **more):
+    """A line in vacuum whose clamp points `angle` away from straight down."""
+    direction = [np.sin(angle), 0.0, -np.cos(angle)]
+    return cm.load_scene(
+        {
+            "environment": {"water_density": 0},
+            "cable_types": {
+                "k": {
+                    "diameter": 0.0046,
+                    "mass": MASS,
+                    "axial_stiffness": 1e6,
+                    "bending_stiffness": bending,
+                }
+            },
+            "line": [{"cable": {"type": "k", "length": length, "model": model}}],
+            "vessel": {"connection": {"clamped": direction}},
+            "solver": {"tolerance": tolerance},
+            **more,
+        }
+    )
+
+
+@pytest.mark.parametrize("model", ["elastica", "hybrid"])
+@pytest.mark.parametrize("degrees", [30, 90, 120, 150, 180])
+def test_a_long_line_starts_from_a_clamp_in_any_direction(degrees, model):
+    """Offset of what hangs by the layer of an elastica under tension: 2 sqrt(EI/T) sin(angle/2)."""
+    angle = np.radians(degrees)
+    run = cm.CableModel(hanging(angle, model=model))
+    x, _, z = run.tip_position
+    layer = np.sqrt(BENDING / (MASS * GRAVITY * 100.0))
+    assert abs(x) == pytest.approx(2.0 * layer * np.sin(0.5 * angle), rel=0.03)
+    assert -100.02 < z < -99.5
+    assert np.linalg.norm(run.top_force) == pytest.approx(MASS * GRAVITY * 100.0, rel=1e-4)
+
+
+WINCH = {
+    "rate": [{"t": 0, "rate": 0}, {"t": 1, "rate": 0.5}],
+    "drum": [{"cable": {"type": "k", "length": 50}}],
+}
+
+
+@pytest.mark.parametrize("model", ["elastica", "hybrid"])
+@pytest.mark.parametrize("degrees", [30, 90, 135])
+def test_moment_of_a_clamp_past_which_cable_runs(degrees, model):
+    """On elements many layers long: that of the layer, 2 sqrt(EI T) sin(angle/2), within 10 %."""
+    angle = np.radians(degrees)
+    run = cm.CableModel(hanging(angle, model=model, tolerance=1e-3, payout=WINCH))
+    tension = MASS * GRAVITY * 100.0
+    moment = 2.0 * np.sqrt(BENDING * tension) * np.sin(0.5 * angle)
+    assert np.linalg.norm(run.top_moment) == pytest.approx(moment, rel=0.1)
+    assert np.linalg.norm(run.top_force) == pytest.approx(tension, rel=1e-3)
+
+
+@pytest.mark.parametrize("model", ["elastica", "hybrid"])
+def test_a_clamp_lets_cable_run_out_and_in(model):
+    """In water under way, at 100 Hz: the tension goes on as that of a pinned line does."""
+    tensions = {}
+    for connection in ("pinned", {"clamped": [-0.3, 0, -1]}):
+        scene = cm.load_scene("scenes/towed_cable.yaml").to_dict()
+        scene["line"][0]["cable"]["model"] = model
+        scene["vessel"] = {
+            "velocity": [{"t": 0, "velocity": [0.8, 0, 0]}],
+            "connection": connection,
+        }
+        scene["payout"] = {"drum": [{"cable": {**scene["line"][0]["cable"], "length": 20}}]}
+        run = cm.CableModel(cm.load_scene(scene))
+        found = []
+        for k in range(6000):
+            run.step(0.01, payout_rate=0.6 * np.sin(2.0 * np.pi * k / 4000))
+            found.append(run.top_tension)
+        tensions[str(connection)] = np.array(found)
+    pinned, clamped = tensions.values()
+    assert clamped == pytest.approx(pinned, rel=0.05)
+    assert np.abs(np.diff(clamped, 2)).max() < 0.05 * pinned[0]
+
+
+def test_a_flexible_cable_is_not_clamped():
+    """The limit of no bending stiffness: the same run as with a pinned end."""
+    velocity = [{"t": 0, "velocity": [0, 0, 0]}, {"t": 2, "velocity": [0.5, 0, 0]}]
+    ends = []
+    for connection in ("pinned", {"clamped": [1, 0, 0]}):
+        scene = hanging(0.0, length=10.0, model="cable", bending=0.0).to_dict()
+        scene["vessel"] = {"velocity": velocity, "connection": connection}
+        run = cm.CableModel(cm.load_scene(scene))
+        run.step_to(5.0)
+        ends.append(run.tip_position)
+        assert run.top_moment == pytest.approx(0.0, abs=1e-9)
+    assert np.array_equal(*ends)
