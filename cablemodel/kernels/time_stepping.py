@@ -106,8 +106,8 @@ from .tables import GAMMA, STAGE_A, STAGE_C, STAGE_ERROR, STAGES
 from .two_step import accept_two_step, remember, try_two_step
 
 LARGEST_ITERATIONS = 10
-STRUGGLE = 17, 7  # iterations of a step of order 4, and of order 3, in which Newton has trouble
-STEPS_OF_ORDER_3 = 8.0  # that follow such a step
+STRUGGLE = 15, 7  # iterations of a step of order 4, and of order 3, in which Newton has trouble
+STEPS_OF_ORDER_3 = 16.0  # that follow such a step
 ORDER_3_STEP = 0.6  # of the step that the error of order 4 allows, as a first guess
 TIGHTEST = 1e-4  # tau down to which that pays
 STALL = 5000, 1e-5  # internal steps in a row, and their mean length in sqrt(L/g), that end a call
@@ -523,10 +523,11 @@ def choose_order(I, M, scheme, iterations):
     """After a step: order 3 for those in which Newton's method has trouble.
 
     In a whip the long steps of order 4 take four iterations a stage, and new matrices in between;
-    the shorter ones of order 3, with three stages, half of the work for the same time.
+    the shorter ones of order 3, with three stages, half of the work for the same time. On a floor
+    it is contact that takes iterations, of any order.
     """
     if scheme == 1:
-        if iterations > STRUGGLE[0] and M[S_TOLERANCE] >= TIGHTEST:
+        if I[I_FLOOR] == 0 and iterations > STRUGGLE[0] and M[S_TOLERANCE] >= TIGHTEST:
             M[S_ORDER_3] = STEPS_OF_ORDER_3
             M[S_STEP] *= ORDER_3_STEP
     elif M[S_ORDER_3] > 0.0:
