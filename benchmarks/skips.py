@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +25,8 @@ class Skip:
     """A part that can be left out, on one scene: `without` leaves it out, `with_it` does not.
 
     interval: of the caller's steps [s]; None: one call. each: header words that the run with the
-    part sets before every step. end: of the run [s]. repeats: of which the best counts.
+    part sets before every step. before: what is done to both models before every step, outside the
+    measured time. end: of the run [s]. repeats: of which the best counts.
     """
 
     name: str
@@ -33,6 +35,7 @@ class Skip:
     with_it: Callable[[], Any]
     interval: float | None = None
     each: dict[str, int] = field(default_factory=dict)
+    before: Callable[[Any], None] | None = None
     end: float = END
     repeats: int = 5
 
@@ -141,6 +144,34 @@ def skips() -> list[Skip]:
             end=9000.0,
             repeats=1,
         ),
+        Skip(
+            "cable at rest on the floor (asleep, against awake)",
+            "lay of 10 km in 3,000 m, long elements behind the touchdown",
+            lambda: _lay(None),
+            lambda: _with_words(_lay(None), I_SLEEP=0),
+            interval=20.0,
+            end=9000.0,
+            repeats=1,
+        ),
+        Skip(
+            "the same",
+            "4 km of it, elements stay as they landed",
+            _fine_lay,
+            lambda: _with_words(_fine_lay(), I_SLEEP=0),
+            interval=20.0,
+            before=_forbid_joining,
+            end=4000.0,
+            repeats=1,
+        ),
+        Skip(
+            "the same",
+            "6 km over a rough floor",
+            _rough_lay,
+            lambda: _with_words(_rough_lay(), I_SLEEP=0),
+            interval=20.0,
+            end=6000.0,
+            repeats=1,
+        ),
     ]
 
 
@@ -170,10 +201,50 @@ def _lay(element: float | None) -> Any:
     return _model(long_lay_scene(10e3, element))
 
 
+def _fine_lay() -> Any:
+    """The steady lay with room for elements that are never joined."""
+    from unittest.mock import patch
+
+    from cablemodel.instance import build
+
+    with patch("cablemodel.finite_element.build", partial(build, drum_room=60.0)):
+        return _lay(None)
+
+
+def _forbid_joining(model: Any) -> None:
+    """Make every element one of a segment of its own: elements of two are not joined."""
+    from cablemodel.kernels import layout as at
+
+    nodes = int(model._ints[at.I_NODES])
+    edges = model._solver.memory.array(at.O_EDGE, nodes, at.EDGE_WORDS)
+    edges[:, at.E_SEGMENT] = np.floor(edges[:, at.E_SEGMENT]) + 1e-6 * np.arange(nodes)
+
+
+def _rough_lay() -> Any:
+    """The steady lay over ridges of 2 to 8 m, 200 to 1,100 m apart."""
+    from benchmarks.stress_scenes import long_lay_scene
+
+    rows = []
+    for x in np.arange(-8e3, 20e3, 50.0):
+        ridges = ((2.0, 200.0, 3.1), (4.0, 450.0, 5.7), (8.0, 1100.0, 0.9))
+        z = -3000.0 + sum(a * np.sin(2.0 * np.pi * x / way + b) for a, way, b in ridges)
+        rows.append({"x": float(x), "z": float(z)})
+    scene = long_lay_scene(10e3).to_dict()
+    return _model({**scene, "environment": {"floor": {"depth_table": rows, "friction": 0.4}}})
+
+
 def measure(make: Callable[[], Any], skip: Skip, each: dict[str, int]) -> tuple[float, Any]:
     """CPU time of the run [s], and the model at its end."""
     model = make()
     start = model.snapshot()
+
+    if skip.before is not None:
+        assert skip.interval is not None
+        spent = 0.0
+        for k in range(round(skip.end / skip.interval)):
+            skip.before(model)
+            spent += best(partial(model.step_to, (k + 1) * skip.interval), 1)
+        return spent, model
 
     def run() -> None:
         model.restore(start)
@@ -213,8 +284,8 @@ def main() -> None:
         "Written by `python -m benchmarks.skips`: a towed cable (S1) of 16 elements to 100 s where "
         "no other scene is named. Processor time through the Python interface, best of several; it "
         "adds about 3.5 us to each step at 100 Hz. The change is that of the end over the length, "
-        "and of the top tension. Sleeping cable is not there: what lies costs long elements "
-        "instead.\n\n"
+        "and of the top tension. What lies on a level floor gets long elements: sleep adds little "
+        "there, and much where the elements stay short, as on a rough floor.\n\n"
     )
     page = Path("docs/benchmarks/skips.md")
     page.write_text(text + table() + "\n")

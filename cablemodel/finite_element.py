@@ -25,6 +25,11 @@ _MEANING = {
         "the step needs more internal steps than allowed",
         "ask for a shorter step or a looser tolerance",
     ),
+    at.STALLED: (
+        "the cable moves ever quicker: thousands of internal steps in a row were shorter than "
+        "1e-5 sqrt(L/g)",
+        "slack cable without bending stiffness folds so: give it some",
+    ),
     at.SINGULAR: ("the equations are singular", "give the cable bending stiffness"),
     at.NO_CAPACITY: (
         "more elements are needed than were set aside for the drum's cable",

@@ -126,6 +126,7 @@ S_SLEEP_LOW, S_SLEEP_HIGH = _S + 84, _S + 85  # heights between which it lies [m
 S_SLEEP_FLOW = _S + 86  # square of the water's speed whose drag is the friction [m2/s2]
 S_BENT = _S + 89  # what h^2 times the jump of r'' may be in free water [m]; 0: the mesh stays
 S_BENT_AFTER = _S + 90  # time before which the mesh is not looked at again [s]
+S_ORDER_3 = _S + 87  # steps by order 3 before order 4 is tried again
 S_TWO_STEP_RATIO = _S + 88  # convergence ratio of Newton in the two-step scheme
 S_STAGE_RATE, S_STAGE_SLOPE = _S + 38, _S + 39  # at the time of the last set_time
 
@@ -208,4 +209,4 @@ LAYER = 0.4  # smallest element in units of the touchdown layer (EI/w)^(1/3)
 # Status codes of the kernels.
 OK = 0
 NOT_CONVERGED, NOT_FINITE, TOO_MANY_STEPS, SINGULAR, STATICS_FAILED = 1, 2, 3, 4, 5
-NO_CAPACITY = 6
+NO_CAPACITY, STALLED = 6, 7

@@ -7,9 +7,10 @@ reads a state knows nothing of it.
 
 It may sleep while it is at rest and friction holds it: a change of the tension at A by dT pulls
 cable along over the way on which friction can take it up. `holding_tension` is the change that
-moves A by MISSED tau L, or half of what friction has to spare. No step is accepted that changes
-the tension by more, moves the cable before A, lifts it nearby, or brings water that drags at what
-sleeps: such a step is made again with more of the cable awake.
+moves A by MISSED tau L, or half of what friction has to spare; a change is left out up to that,
+and up to MISSED_TENSION tau times a typical tension, since what sleeps keeps its own. No step is
+accepted that changes the tension by more, moves the cable before A, lifts it nearby, or brings
+water that drags at what sleeps: such a step is made again with more of the cable awake.
 """
 
 import math
@@ -86,6 +87,7 @@ from .layout import (
     S_SLEEP_SPARE,
     S_SLEEP_TENSION,
     S_SLEEP_WAY,
+    S_TENSION_SCALE,
     S_TIME,
     S_TOLERANCE,
     W_FREQUENCY,
@@ -102,6 +104,7 @@ STIRRING = 4.0  # times that: the speed before A that wakes
 LAYERS, ELEMENTS = 16.0, 4.0  # touchdown layers, or finest elements, that lie awake before A
 NEAR = 0.5  # of that way: hanging cable closer than this wakes
 MISSED = 0.02  # of tau L: motion of A that may be left out
+MISSED_TENSION = 10.0  # of tau times a typical tension: what is promised
 SPARE = 0.1  # of the friction over the way before A: least change of tension that must be held
 CALM, ROUGH = (
     0.25,
@@ -406,7 +409,8 @@ def prepare_joining(I, M):
 def hold(I, M, node):
     """Note the tension at the last node awake, and what it may change by."""
     M[S_SLEEP_TENSION] = M[I[O_TENSION] + 2 * node] + M[I[O_TENSION] + 2 * node + 1]
-    M[S_SLEEP_SPARE] = holding_tension(I, M, node)
+    most = MISSED_TENSION * M[S_TOLERANCE] * M[S_TENSION_SCALE]
+    M[S_SLEEP_SPARE] = min(most, holding_tension(I, M, node))
 
 
 @kernel

@@ -75,6 +75,7 @@ from .layout import (
     S_JOINED,
     S_LAST_STEP,
     S_LENGTH,
+    S_ORDER_3,
     S_PAID,
     S_PASSING,
     S_PAYOUT_RATE,
@@ -85,10 +86,12 @@ from .layout import (
     S_STEP,
     S_TIME,
     S_TIME_TOLERANCE,
+    S_TOLERANCE,
     S_TOP_LENGTH,
     S_TRAVEL,
     S_UNDAMPED,
     S_WAVE_STEP,
+    STALLED,
     TOO_MANY_STEPS,
 )
 from .newton import increment_norm, is_folded, refactor
@@ -112,6 +115,11 @@ from .vessel_clamp import update_springs
 LARGEST_ITERATIONS = 10
 MOST_NORMS = 5  # in which a state is brought to its constraints, each of a tenth of the last step
 NEGLIGIBLE = 1e-9  # of the length: what may be left of a constraint
+STRUGGLE = 15, 7  # iterations of a step of order 4, and of order 3, in which Newton has trouble
+STEPS_OF_ORDER_3 = 16.0  # that follow such a step
+ORDER_3_STEP = 0.6  # of the step that the error of order 4 allows, as a first guess
+TIGHTEST = 1e-4  # tau down to which that pays
+STALL = 5000, 1e-5  # internal steps in a row, and their mean length in sqrt(L/g), that end a call
 MOST_REFUSALS = 4  # of a step that ends folded
 AXIAL_SLOW = 2.5  # gamma dt over the time that an axial wave takes along a joined element
 AXIAL_RESOLVED = 5.0  # (axial frequency x gamma dt)^2 below which velocities are not projected
@@ -566,12 +574,34 @@ def next_stop(I, M, t_end, dt):
 
 
 @kernel
+def choose_order(I, M, scheme, iterations):
+    """After a step: order 3 for those in which Newton's method has trouble.
+
+    In a whip the long steps of order 4 take four iterations a stage, and new matrices in between;
+    the shorter ones of order 3, with three stages, half of the work for the same time. On a floor
+    it is contact that takes iterations, of any order.
+    """
+    if scheme == 1:
+        if I[I_FLOOR] == 0 and iterations > STRUGGLE[0] and M[S_TOLERANCE] >= TIGHTEST:
+            M[S_ORDER_3] = STEPS_OF_ORDER_3
+            M[S_STEP] *= ORDER_3_STEP
+    elif M[S_ORDER_3] > 0.0:
+        if iterations > STRUGGLE[1]:
+            M[S_ORDER_3] = STEPS_OF_ORDER_3
+        else:
+            M[S_ORDER_3] -= 1.0
+            if M[S_ORDER_3] == 0.0:
+                M[S_STEP] /= ORDER_3_STEP
+
+
+@kernel
 def advance_to(I, M, t_end):
     """Integrate to t_end exactly; on failure the status says why and the state is of no use."""
     status = OK
     taken = 0
     unprojected = False
     refused = 0
+    mark = M[S_TIME]
     while M[S_TIME] < t_end:
         # The mesh changes before a step: what is read after it is a state that a step has made.
         rests = I[I_SLEEP] != 0 and M[S_TIME] >= M[S_SLEEP_AFTER] and may_sleep(I, M)
@@ -600,7 +630,8 @@ def advance_to(I, M, t_end):
         elif dt > 0.5 * remaining:
             dt = 0.5 * remaining
         # Steps that the caller limits need no high order: three stages instead of five.
-        scheme = 1 if I[I_ORDER] == 4 and dt > 0.25 * natural else 0
+        scheme = 1 if I[I_ORDER] == 4 and dt > 0.25 * natural and M[S_ORDER_3] == 0.0 else 0
+        before = I[I_ITERATIONS]
         to_output = landing and stop == t_end
         if dt < 0.2 * M[S_LAST_STEP]:
             make_consistent(I, M, False)
@@ -678,8 +709,15 @@ def advance_to(I, M, t_end):
                 M[S_STEP] = max(M[S_STEP], factor * dt)
             else:
                 M[S_STEP] = factor * dt
+            if not two_steps:
+                choose_order(I, M, scheme, I[I_ITERATIONS] - before)
         taken += 1
         if taken > I[I_MAXIMUM_STEPS]:
             status = TOO_MANY_STEPS
             break
+        if taken % STALL[0] == 0:
+            if M[S_TIME] - mark < STALL[0] * STALL[1] * M[S_PERIOD]:
+                status = STALLED
+                break
+            mark = M[S_TIME]
     return status

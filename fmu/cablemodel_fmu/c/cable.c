@@ -73,6 +73,11 @@ static void explain(const Cable *cable, int64_t status, char *message, size_t si
     } else if (status == TOO_MANY_STEPS) {
         problem = "the step needs more internal steps than allowed";
         advice = "ask for a shorter step or a looser tolerance";
+    } else if (status == STALLED) {
+        problem =
+            "the cable moves ever quicker: thousands of internal steps in a row were shorter than "
+            "1e-5 sqrt(L/g)";
+        advice = "slack cable without bending stiffness folds so: give it some";
     } else if (status == SINGULAR) {
         problem = "the equations are singular";
         advice = "give the cable bending stiffness";
