@@ -19,8 +19,9 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-DEPTH = 0.03
-"""Gap below which the floor pushes, in units of tau L: the deepest that cable at rest sinks."""
+DEPTH = 0.025
+"""Gap below which the floor pushes, in units of tau L. What it bears sinks by half of this times
+ln(p/w): 30 times its weight, on the top of a sharp hump, by 0.043 tau L."""
 BRISTLE = 0.02
 """Way along the floor after which friction is mobilised, in units of tau L."""
 SHARPEST = 8.0, 0.02

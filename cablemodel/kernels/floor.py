@@ -1,7 +1,8 @@
 """The sea floor: contact and friction of cable and bodies (docs/engine.md, "Sea floor").
 
-Contact is a spring with a preload: the force per length is p = w (1 - g/delta) below the gap
-g = delta, so that cable at rest lies exactly on the floor. It grows with the speed of approach.
+Contact is a spring with a preload: the force per length p over the weight w is 1 at the gap g = 0,
+so that cable at rest lies exactly on the floor, fades to nothing at g = delta, and grows
+exponentially below. It grows with the speed of approach, too.
 Friction is a bristle: f = -mu w e / u, no longer than mu p, where e is the way along the floor from
 the place where a node was last at rest. These places stay fixed within a step and are drawn after
 the cable between steps (`settle`), so that cable which sticks does not creep.
@@ -10,26 +11,27 @@ the cable between steps (`settle`), so that cable which sticks does not creep.
 import math
 
 from .compile import inlined, kernel
+from .floor_surface import gap_at, lowest_gap
 from .layout import (
     B_LENGTH,
     B_NODE,
     B_WEIGHT,
     BODY_WORDS,
+    C_NODE,
+    CONSTRAINT_WORDS,
+    E_BENDING_FULL,
     E_CONTACT,
     E_LENGTH,
     EDGE_WORDS,
-    FLOOR_PLANE,
     I_BODIES,
+    I_CONSTRAINTS,
     I_DIMENSION,
-    I_FLOOR,
-    I_FLOOR_X,
-    I_FLOOR_Y,
     I_NODES,
     O_BODY,
+    O_CONSTRAINT,
     O_DIAGONAL,
     O_EDGE,
     O_END_FORCE,
-    O_FLOOR,
     O_JOINT,
     O_LOWER,
     O_MOTION,
@@ -37,167 +39,35 @@ from .layout import (
     O_POSITION,
     O_REST,
     O_UPPER,
-    S_BASE,
     S_BRISTLE,
-    S_FLOOR_BEND,
     S_FLOOR_DAMPING,
     S_FLOOR_DEPTH,
-    S_FLOOR_PLANE,
-    S_FLOOR_TOP,
     S_FRICTION,
-    S_PLANE,
 )
 from .tables import CONTACT_H, CONTACT_POINTS, CONTACT_WEIGHTS
 
 TIPPING = 1e-3  # of the normal force: what tips cable over that stands on its end
-
-
-@kernel
-def interval(M, grid, count, x):
-    """The interval of an ascending grid that holds x, and the place in it (0 to 1)."""
-    if x <= M[grid]:
-        return 0, 0.0
-    if x >= M[grid + count - 1]:
-        return count - 2, 1.0
-    low = 0
-    high = count - 1
-    while high - low > 1:
-        middle = (low + high) // 2
-        if x >= M[grid + middle]:
-            low = middle
-        else:
-            high = middle
-    return low, (x - M[grid + low]) / (M[grid + low + 1] - M[grid + low])
-
-
-@kernel
-def table_height(I, M, x, y):
-    """Height and slopes at a place (earth) of the table: bicubic, C1; level beyond its edges."""
-    nx = I[I_FLOOR_X]
-    ny = I[I_FLOOR_Y]
-    grid_x = I[O_FLOOR]
-    grid_y = grid_x + nx
-    data = grid_y + ny
-    i, u = interval(M, grid_x, nx, x)
-    hx = M[grid_x + i + 1] - M[grid_x + i]
-    j = 0
-    w = 0.0
-    hy = 1.0
-    if ny > 1:
-        j, w = interval(M, grid_y, ny, y)
-        hy = M[grid_y + j + 1] - M[grid_y + j]
-    z = 0.0
-    zx = 0.0
-    zy = 0.0
-    for a in range(2):
-        n0, n1, d0, d1 = cubic_end(a, u, hx)
-        for b in range(2):
-            if b == 1 and ny == 1:
-                continue
-            m0 = 1.0
-            m1 = 0.0
-            e0 = 0.0
-            e1 = 0.0
-            if ny > 1:
-                m0, m1, e0, e1 = cubic_end(b, w, hy)
-            at = data + 4 * ((i + a) * ny + j + b)
-            along = n0 * M[at] + n1 * M[at + 1]
-            across = n0 * M[at + 2] + n1 * M[at + 3]
-            z += m0 * along + m1 * across
-            zx += m0 * (d0 * M[at] + d1 * M[at + 1]) + m1 * (d0 * M[at + 2] + d1 * M[at + 3])
-            zy += e0 * along + e1 * across
-    outside = x < M[grid_x] or x > M[grid_x + nx - 1]
-    if outside:
-        zx = 0.0
-    if ny > 1 and (y < M[grid_y] or y > M[grid_y + ny - 1]):
-        zy = 0.0
-    return z, zx, zy
+LYING = 0.2277  # of delta: the gap where a taut cable would touch a rigid floor
 
 
 @inlined
-def cubic_end(end, u, h):
-    """Cubic Hermite functions of value and slope at one end of an interval, and derivatives."""
-    v = 1.0 - u
-    if end == 0:
-        return (
-            v * v * (1.0 + 2.0 * u),
-            h * u * v * v,
-            -6.0 * u * v / h,
-            v * (1.0 - 3.0 * u),
-        )
-    return (
-        u * u * (3.0 - 2.0 * u),
-        -h * u * u * v,
-        6.0 * u * v / h,
-        u * (3.0 * u - 2.0),
-    )
+def contact_law(gap, depth):
+    """Force over its value at rest, its stiffness [1/m], energy over that force [m].
 
-
-@kernel
-def gap_at(I, M, r, n):
-    """Gap between a point r (dimension words, block coordinates) and the floor [m].
-
-    Along the floor's normal, which goes into n (dimension words).
+    With y = 2 g/delta: (1 - y/2)^2 above y = 0, exp(-y) below, as steep as at y = -6 from there on:
+    a load of p/w sinks by delta/2 ln(p/w), and a Newton iterate that is far too deep comes back.
     """
-    x = M[S_BASE] + r[0]
-    y = M[S_BASE + 1] + r[1]
-    planar = I[I_DIMENSION] == 2
-    if planar:
-        x = M[S_BASE] + M[S_PLANE] * r[0]
-        y = M[S_BASE + 1] + M[S_PLANE + 1] * r[0]
-    if I[I_FLOOR] == FLOOR_PLANE:
-        zx = M[S_FLOOR_PLANE + 1]
-        zy = M[S_FLOOR_PLANE + 2]
-        z = M[S_FLOOR_PLANE]
-        z += zx * (x - M[S_FLOOR_PLANE + 3]) + zy * (y - M[S_FLOOR_PLANE + 4])
-    else:
-        z, zx, zy = table_height(I, M, x, y)
-    nz = 1.0 / math.sqrt(1.0 + zx * zx + zy * zy)
-    if planar:
-        n[0] = -(M[S_PLANE] * zx + M[S_PLANE + 1] * zy) * nz
-        n[1] = nz
-        return (r[1] + M[S_BASE + 2] - z) * nz
-    n[0] = -zx * nz
-    n[1] = -zy * nz
-    n[2] = nz
-    return (r[2] + M[S_BASE + 2] - z) * nz
-
-
-@kernel
-def lowest_gap(I, M, q, node, w):
-    """A gap that no point of an element undercuts, by the convex hull of its Bezier points [m].
-
-    The element's gap itself where that is below some metres, something large far above the floor.
-    """
-    dimension = I[I_DIMENSION]
-    size = 2 * dimension
-    parent = I[I[O_PARENT] + node]
-    h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
-    up = dimension - 1
-    lowest = 1e300
-    for k in range(4):
-        end = parent if k < 2 else node
-        third = 0.0
-        if k == 1:
-            third = h / 3.0
-        elif k == 2:
-            third = -h / 3.0
-        lowest = min(lowest, q[size * end + up] + third * q[size * end + dimension + up])
-    clear = lowest + M[S_BASE + 2] - M[S_FLOOR_TOP]
-    if clear > 4.0 * h + M[S_FLOOR_DEPTH]:
-        return clear
-    lowest = 1e300
-    for k in range(4):
-        end = parent if k < 2 else node
-        third = 0.0
-        if k == 1:
-            third = h / 3.0
-        elif k == 2:
-            third = -h / 3.0
-        for i in range(dimension):
-            w[i] = q[size * end + i] + third * q[size * end + dimension + i]
-        lowest = min(lowest, gap_at(I, M, w, w[3:6]))
-    return lowest - M[S_FLOOR_BEND] * h * h
+    e = 0.5 * depth
+    y = gap / e
+    if y >= 2.0:
+        return 0.0, 0.0, 0.0
+    if y >= 0.0:
+        left = 1.0 - 0.5 * y
+        return left * left, left / e, 2.0 / 3.0 * e * left * left * left
+    deeper = max(0.0, -y - 6.0)
+    share = math.exp(min(-y, 6.0))
+    energy = share * (1.0 + deeper + 0.5 * deeper * deeper) - 1.0 / 3.0
+    return share * (1.0 + deeper), share / e, e * energy
 
 
 @inlined
@@ -293,7 +163,8 @@ def contact_force(I, M, q, v, parent, node, h, p, contact, w):
     if gap >= M[S_FLOOR_DEPTH]:
         return 0.0, gap, 0.0
     speed = approach(I, v, parent, node, h, p, w)
-    press = contact * (1.0 - gap / M[S_FLOOR_DEPTH])
+    share, _stiffness, _energy = contact_law(gap, M[S_FLOOR_DEPTH])
+    press = contact * share
     press *= max(0.0, 1.0 - M[S_FLOOR_DAMPING] * speed)
     if M[S_FRICTION] > 0.0 and press > 0.0:
         friction(I, M, q, parent, node, CONTACT_POINTS[p], contact, press, w)
@@ -337,35 +208,77 @@ def floor_residual(I, M, q, v, out):
                 out[size * node + dimension + i] -= n3 * force
                 M[I[O_END_FORCE] + size * node + i] += n0 * force
                 M[I[O_END_FORCE] + size * node + dimension + i] -= n2 * force
+    for place in range(contact_places(I)):
+        node, contact, preload = contact_place(I, M, place)
+        if contact <= 0.0:
+            continue
+        press, _gap, _speed = place_force(I, M, contact, preload, node, q, v, w)
+        for i in range(dimension):
+            out[size * node + i] -= press * w[3 + i] + w[9 + i]
+
+
+@inlined
+def contact_places(I):
+    """How many places touch as points: two of each body, and the line's end."""
+    return 2 * I[I_BODIES] + 1
+
+
+@kernel
+def contact_place(I, M, place):
+    """A place's node, the force that it bears per unit of the law [N], whether it has a preload.
+
+    A point body touches at its node, a body of finite length at both ends. The end of a line
+    without a body has no weight of its own; cable that comes down on it end-on would go through
+    the floor as far as the first Gauss point is away. Force 0: a place that there is not.
+    """
+    if place == 2 * I[I_BODIES]:
+        node = I[I_NODES] - 1
+        if node == 0 or ends_in_something(I, M, node):
+            return 0, 0.0, False
+        edge = I[O_EDGE] + node * EDGE_WORDS
+        layer = (M[edge + E_BENDING_FULL] / M[edge + E_CONTACT]) ** (1.0 / 3.0)
+        return node, M[edge + E_CONTACT] * layer, False
+    row = I[O_BODY] + place // 2 * BODY_WORDS
+    node = int(M[row + B_NODE])
+    if node < 0:  # on the drum
+        return 0, 0.0, True
+    if M[row + B_LENGTH] > 0.0:
+        if place % 2 == 1:
+            node = I[I[O_PARENT] + node]
+        return node, 0.5 * M[row + B_WEIGHT], True
+    return node, M[row + B_WEIGHT] if place % 2 == 0 else 0.0, True
+
+
+@kernel
+def ends_in_something(I, M, node):
+    """Whether a body or a prescribed end sits at a node."""
     for body in range(I[I_BODIES]):
-        points = contact_points(I, M, body)
-        for point in range(points):
-            node = contact_node(I, M, body, point)
-            contact = M[I[O_BODY] + body * BODY_WORDS + B_WEIGHT] / points
-            press = body_force(I, M, contact, node, q, v, w)
-            for i in range(dimension):
-                out[size * node + i] -= press * w[3 + i] + w[9 + i]
+        if M[I[O_BODY] + body * BODY_WORDS + B_NODE] == node:
+            return True
+    for n in range(I[I_CONSTRAINTS]):
+        if M[I[O_CONSTRAINT] + n * CONSTRAINT_WORDS + C_NODE] == node:
+            return True
+    return False
+
+
+@inlined
+def place_law(preload, gap, depth):
+    """The law of contact at a place; without a preload it begins, as a parabola, at a gap of 0."""
+    share, stiffness, energy = contact_law(gap, depth)
+    if not preload:
+        e = 0.5 * depth
+        if gap >= 0.0:
+            return 0.0, 0.0, 0.0
+        d = -gap / e
+        share -= 1.0 + d
+        stiffness -= 1.0 / e
+        energy -= e * (2.0 / 3.0 + d + 0.5 * d * d)
+    return share, stiffness, energy
 
 
 @kernel
-def contact_points(I, M, body):
-    """Where a body touches: its node and one place, both ends of a finite body; 0: on the drum."""
-    row = I[O_BODY] + body * BODY_WORDS
-    if M[row + B_NODE] < 0.0:
-        return 0
-    return 2 if M[row + B_LENGTH] > 0.0 else 1
-
-
-@kernel
-def contact_node(I, M, body, point):
-    """Node of a body's place of contact: its own, or its other end."""
-    node = int(M[I[O_BODY] + body * BODY_WORDS + B_NODE])
-    return node if point == 0 else I[I[O_PARENT] + node]
-
-
-@kernel
-def body_force(I, M, contact, node, q, v, w):
-    """Normal force of the floor on a body's end that bears the weight `contact` at rest [N].
+def place_force(I, M, contact, preload, node, q, v, w):
+    """Normal force of the floor on a place of contact [N], the gap, the speed along the normal.
 
     The normal goes into w[3:6], friction [N] into w[9:12].
     """
@@ -378,16 +291,17 @@ def body_force(I, M, contact, node, q, v, w):
     for i in range(dimension):
         w[i] = q[size * node + i]
     gap = gap_at(I, M, w, w[3:6])
-    if gap >= depth or contact <= 0.0:
-        return 0.0
+    if gap >= depth:
+        return 0.0, gap, 0.0
     speed = 0.0
     for i in range(dimension):
         speed += v[size * node + i] * w[3 + i]
-    press = contact * (1.0 - gap / depth) * max(0.0, 1.0 - M[S_FLOOR_DAMPING] * speed)
+    share, _stiffness, _energy = place_law(preload, gap, depth)
+    press = contact * share * max(0.0, 1.0 - M[S_FLOOR_DAMPING] * speed)
     if M[S_FRICTION] > 0.0 and press > 0.0:
         friction(I, M, q, node, node, 0.0, contact, press, w)
     w[9] += press * tipping(I, q, node, node, 0, w)
-    return press
+    return press, gap, speed
 
 
 @kernel
@@ -453,8 +367,9 @@ def floor_jacobian(I, M, q, v, cv):
             free = max(0.0, 1.0 - damping * speed)
             if free == 0.0:
                 continue
-            spring = contact * (1.0 - gap / depth)
-            stiff = contact / depth * free + cv * damping * spring
+            share, stiffness, _energy = contact_law(gap, depth)
+            spring = contact * share
+            stiff = contact * stiffness * free + cv * damping * spring
             x = CONTACT_POINTS[p]
             sticks = True
             rub = 0.0
@@ -481,29 +396,26 @@ def floor_jacobian(I, M, q, v, cv):
                         add_block(I, M, at, k, l, h, value, 3, 3, w, True)
                         if not sticks:
                             add_block(I, M, at, k, l, h, -value, 6, 6, w, False)
-    for body in range(I[I_BODIES]):
-        points = contact_points(I, M, body)
-        for point in range(points):
-            node = contact_node(I, M, body, point)
-            contact = M[I[O_BODY] + body * BODY_WORDS + B_WEIGHT] / points
-            press = body_force(I, M, contact, node, q, v, w)
-            if press <= 0.0:
-                continue
-            speed = 0.0
-            for i in range(dimension):
-                speed += v[size * node + i] * w[3 + i]
-            free = 1.0 - damping * speed
-            stiff = contact / depth * free + cv * damping * press / free
-            at = I[O_DIAGONAL] + size * size * node
-            add_block(I, M, at, 0, 0, 1.0, stiff, 3, 3, w, False)
-            if rubs:
-                sticks, length, rub = friction(I, M, q, node, node, 0.0, contact, press, w)
-                add_block(I, M, at, 0, 0, 1.0, rub, 3, 3, w, True)
-                if not sticks:
-                    for i in range(dimension):
-                        w[6 + i] /= length
-                    add_block(I, M, at, 0, 0, 1.0, -rub, 6, 6, w, False)
-                    add_block(I, M, at, 0, 0, 1.0, -M[S_FRICTION] * stiff, 6, 3, w, False)
+    for place in range(contact_places(I)):
+        node, contact, preload = contact_place(I, M, place)
+        if contact <= 0.0:
+            continue
+        press, gap, speed = place_force(I, M, contact, preload, node, q, v, w)
+        if press <= 0.0:
+            continue
+        _share, stiffness, _energy = place_law(preload, gap, depth)
+        free = 1.0 - damping * speed
+        stiff = contact * stiffness * free + cv * damping * press / free
+        at = I[O_DIAGONAL] + size * size * node
+        add_block(I, M, at, 0, 0, 1.0, stiff, 3, 3, w, False)
+        if rubs:
+            sticks, length, rub = friction(I, M, q, node, node, 0.0, contact, press, w)
+            add_block(I, M, at, 0, 0, 1.0, rub, 3, 3, w, True)
+            if not sticks:
+                for i in range(dimension):
+                    w[6 + i] /= length
+                add_block(I, M, at, 0, 0, 1.0, -rub, 6, 6, w, False)
+                add_block(I, M, at, 0, 0, 1.0, -M[S_FRICTION] * stiff, 6, 3, w, False)
 
 
 @kernel
@@ -519,7 +431,8 @@ def settle(I, M):
         for i in range(dimension):
             w[i] = q[size * node + i]
         gap = gap_at(I, M, w, w[3:6])
-        limit = M[S_BRISTLE] * max(0.0, 1.0 - gap / depth)
+        share, _stiffness, _energy = contact_law(gap, depth)
+        limit = M[S_BRISTLE] * share
         along = 0.0
         for i in range(dimension):
             w[6 + i] = w[i] - M[rest + i]

@@ -4,26 +4,23 @@ import math
 
 from .compile import kernel
 from .floor import (
-    body_force,
+    LYING,
     contact_force,
-    contact_node,
-    contact_points,
-    cubic_end,
-    gap_at,
+    contact_law,
+    contact_place,
+    contact_places,
     interpolate,
-    lowest_gap,
+    place_force,
+    place_law,
 )
+from .floor_surface import cubic_end, gap_at, lowest_gap
 from .layout import (
-    B_WEIGHT,
-    BODY_WORDS,
     E_BENDING_FULL,
     E_CONTACT,
     E_LENGTH,
     EDGE_WORDS,
-    I_BODIES,
     I_DIMENSION,
     I_NODES,
-    O_BODY,
     O_EDGE,
     O_JOINT,
     O_MOTION,
@@ -33,8 +30,6 @@ from .layout import (
     S_FLOOR_DEPTH,
 )
 from .tables import CONTACT_POINTS, CONTACT_WEIGHTS
-
-LYING = math.exp(-1.0)  # of delta: the gap where a taut cable would touch a rigid floor
 
 
 @kernel
@@ -127,14 +122,13 @@ def floor_summary(I, M, out):
             if touched and place >= 0.0 and place <= zone:
                 out[7] += weight * (press - contact)
         zone -= h * (1.0 - begin)
-    for body in range(I[I_BODIES]):
-        points = contact_points(I, M, body)
-        for point in range(points):
-            node = contact_node(I, M, body, point)
-            contact = M[I[O_BODY] + body * BODY_WORDS + B_WEIGHT] / points
-            press = body_force(I, M, contact, node, q, v, w)
-            for i in range(dimension):
-                out[i] += press * w[3 + i] + w[9 + i]
+    for place in range(contact_places(I)):
+        node, contact, preload = contact_place(I, M, place)
+        if contact <= 0.0:
+            continue
+        press, _gap, _speed = place_force(I, M, contact, preload, node, q, v, w)
+        for i in range(dimension):
+            out[i] += press * w[3 + i] + w[9 + i]
     if not touched:
         out[4] = math.nan
         out[5] = math.nan
@@ -161,23 +155,19 @@ def floor_energy(I, M, out):
             press, gap, speed = contact_force(I, M, q, v, parent, node, h, p, contact, w)
             if gap >= depth:
                 continue
-            spring = contact * (1.0 - gap / depth)
+            share, _stiffness, energy = contact_law(gap, depth)
             weight = h * CONTACT_WEIGHTS[p]
-            out[6] += 0.5 * weight * spring * (depth - gap)
-            out[7] -= weight * (press - spring) * speed
+            out[6] += weight * contact * energy
+            out[7] -= weight * (press - contact * share) * speed
             interpolate(I, v, parent, node, h, p, w)
             for i in range(dimension):
                 out[7] -= weight * w[9 + i] * w[i]
-    for body in range(I[I_BODIES]):
-        points = contact_points(I, M, body)
-        for point in range(points):
-            node = contact_node(I, M, body, point)
-            contact = M[I[O_BODY] + body * BODY_WORDS + B_WEIGHT] / points
-            press = body_force(I, M, contact, node, q, v, w)
-            gap = gap_at(I, M, w, w[3:6])
-            if press <= 0.0:
-                continue
-            spring = contact * (1.0 - gap / depth)
-            out[6] += 0.5 * spring * (depth - gap)
-            for i in range(dimension):
-                out[7] -= ((press - spring) * w[3 + i] + w[9 + i]) * v[size * node + i]
+    for place in range(contact_places(I)):
+        node, contact, preload = contact_place(I, M, place)
+        if contact <= 0.0:
+            continue
+        press, gap, _speed = place_force(I, M, contact, preload, node, q, v, w)
+        share, _stiffness, energy = place_law(preload, gap, depth)
+        out[6] += contact * energy
+        for i in range(dimension):
+            out[7] -= ((press - contact * share) * w[3 + i] + w[9 + i]) * v[size * node + i]

@@ -8,7 +8,7 @@ Splitting is exact; only what is straight is joined. See docs/engine.md, "Sea fl
 import math
 
 from .compile import kernel
-from .floor import lowest_gap
+from .floor_surface import lowest_gap
 from .layout import (
     B_NODE,
     BODY_WORDS,
