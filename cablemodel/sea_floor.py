@@ -19,9 +19,8 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-DEPTH = 0.025
-"""Gap below which the floor pushes, in units of tau L. What it bears sinks by half of this times
-ln(p/w): 30 times its weight, on the top of a sharp hump, by 0.043 tau L."""
+DEPTH = 0.06
+"""Gap below which the floor pushes, in units of tau L."""
 BRISTLE = 0.02
 """Way along the floor after which friction is mobilised, in units of tau L."""
 SHARPEST = 8.0, 0.02

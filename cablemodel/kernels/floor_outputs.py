@@ -3,7 +3,7 @@
 import math
 
 from .compile import kernel
-from .floor import (
+from .contact import (
     LYING,
     contact_force,
     contact_law,
@@ -16,6 +16,7 @@ from .floor import (
 from .floor_surface import cubic_end, gap_at, lowest_gap
 from .layout import (
     E_BENDING_FULL,
+    E_BORNE,
     E_CONTACT,
     E_LENGTH,
     EDGE_WORDS,
@@ -30,6 +31,8 @@ from .layout import (
     S_FLOOR_DEPTH,
 )
 from .tables import CONTACT_POINTS, CONTACT_WEIGHTS
+
+ZONE = 2.0  # touchdown layers behind the touchdown in which its reaction is looked for
 
 
 @kernel
@@ -77,7 +80,12 @@ def floor_summary(I, M, out):
 
     out: 0-2 force on cable and bodies [N], 3 length of cable on the floor [m], 4-6 the touchdown
     point nearest the vessel (not a number where nothing touches), 7 the concentrated reaction
-    there: what the floor bears beyond the weight of the cable within four touchdown layers [N].
+    there [N].
+
+    On a rigid floor cable with bending stiffness lies down with a reaction R at one point, at a
+    distance a before the end of the zone looked at, and its weight w on the length a. A soft
+    floor spreads R, but bears the same force F = R + w a and the same moment about the zone's end,
+    G = R a + w a^2 / 2: so R^2 = F^2 - 2 w G, wherever the zone ends in cable at rest.
     """
     dimension = I[I_DIMENSION]
     size = 2 * dimension
@@ -89,39 +97,52 @@ def floor_summary(I, M, out):
     for k in range(8):
         out[k] = 0.0
     touched = False
-    zone = 0.0
+    arc = 0.0  # of the element's beginning
+    last = 1e300  # arc length in whose element the zone ends
+    end = 0.0
+    weight_there = 0.0
+    force = 0.0
+    moment = 0.0  # about arc = 0
     for node in range(1, nodes):
         if I[I[O_JOINT] + node] != 0:
             continue
         edge = I[O_EDGE] + node * EDGE_WORDS
         h = M[edge + E_LENGTH]
-        begin = 0.0
         if lowest_gap(I, M, q, node, w) >= depth:
-            zone -= h
+            arc += h
             continue
         parent = I[I[O_PARENT] + node]
-        contact = M[edge + E_CONTACT]
+        contact = M[edge + E_CONTACT] * M[edge + E_BORNE]
         if not touched:
             begin = first_contact(I, M, node, w)
             if begin <= 1.0:
                 touched = True
-                zone = 4.0 * (M[edge + E_BENDING_FULL] / contact) ** (1.0 / 3.0)
-                hermite_point(I, M, node, begin, w)
+                layer = (M[edge + E_BENDING_FULL] / M[edge + E_CONTACT]) ** (1.0 / 3.0)
+                last = arc + begin * h + ZONE * layer
+                weight_there = M[edge + E_CONTACT] * w[2 + dimension]
                 for i in range(dimension):
                     out[4 + i] = w[i]
-            begin = min(begin, 1.0)
+        # Whole elements: forces of single points are not in balance.
+        within = arc < last
         for p in range(4):
             press, gap, _speed = contact_force(I, M, q, v, parent, node, h, p, contact, w)
+            if gap >= depth:
+                continue
             weight = h * CONTACT_WEIGHTS[p]
-            if gap < depth:
-                for i in range(dimension):
-                    out[i] += weight * (press * w[3 + i] + w[9 + i])
-                if gap < LYING * depth:
-                    out[3] += weight
-            place = h * (CONTACT_POINTS[p] - begin)
-            if touched and place >= 0.0 and place <= zone:
-                out[7] += weight * (press - contact)
-        zone -= h * (1.0 - begin)
+            for i in range(dimension):
+                out[i] += weight * (press * w[3 + i] + w[9 + i])
+            if gap < LYING * depth:
+                out[3] += weight
+            place = arc + h * CONTACT_POINTS[p]
+            if within:
+                force += weight * press
+                moment += weight * press * place
+        arc += h
+        if within:
+            end = arc
+    if touched:
+        about_end = force * end - moment
+        out[7] = math.sqrt(max(0.0, force * force - 2.0 * weight_there * about_end))
     for place in range(contact_places(I)):
         node, contact, preload = contact_place(I, M, place)
         if contact <= 0.0:
@@ -150,7 +171,8 @@ def floor_energy(I, M, out):
             continue
         parent = I[I[O_PARENT] + node]
         h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
-        contact = M[I[O_EDGE] + node * EDGE_WORDS + E_CONTACT]
+        edge = I[O_EDGE] + node * EDGE_WORDS
+        contact = M[edge + E_CONTACT] * M[edge + E_BORNE]
         for p in range(4):
             press, gap, speed = contact_force(I, M, q, v, parent, node, h, p, contact, w)
             if gap >= depth:

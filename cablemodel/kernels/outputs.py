@@ -4,8 +4,8 @@ import math
 
 from .bodies import add_waves, body_kinematics
 from .compile import kernel
+from .contact import LYING
 from .environment import current_at
-from .floor import LYING
 from .floor_outputs import floor_energy, floor_summary
 from .floor_surface import gap_at
 from .layout import (

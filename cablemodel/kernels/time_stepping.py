@@ -9,7 +9,7 @@ import math
 
 from .compile import copy_words, kernel, view
 from .environment import find_piece
-from .floor import settle
+from .floor_memory import settle
 from .follow import follow_floor
 from .layout import (
     E_BENDING,
