@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-DEPTH = 0.03
-"""Gap below which the floor pushes, in units of tau L: the deepest that cable at rest sinks."""
+DEPTH = 0.06
+"""Gap below which the floor pushes, in units of tau L."""
 BRISTLE = 0.02
 """Way along the floor after which friction is mobilised, in units of tau L."""
 SHARPEST = 8.0, 0.02

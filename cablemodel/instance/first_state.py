@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
+SOFTER = 1000.0, 100.0, 10.0, 1.0
+"""Floors on which a start is tried in turn where it fails, in units of the contact layer."""
+
 
 def find_initial_state(block: Block, scene: Scene) -> None:
     """The state of a block whose nodes are placed: velocities, tensions, a static shape.
@@ -85,7 +88,11 @@ def solve_static(block: Block, frame: FloatArray) -> None:
     if not held:
         # A free end comes to rest without friction; it holds the line from there.
         reals[at.S_FRICTION] = 0.0
+    guess = block.image.copy()
     status = entry.equilibrium(ints, reals, frame)
+    if status != at.OK and ints[at.I_FLOOR]:
+        block.image[:] = guess
+        status = _sink_in(block, frame)
     reals[at.S_FRICTION] = friction
     if not held:
         sea_floor.rest_where_it_is(block)
@@ -97,6 +104,25 @@ def solve_static(block: Block, frame: FloatArray) -> None:
             "weights, ends and current, or start from initial: {straight: ...} or {points: ...}"
         )
     entry.place_supports(ints, reals)
+
+
+def _sink_in(block: Block, frame: FloatArray) -> int:
+    """Equilibrium on floors that harden, each from the shape on the one before; a status.
+
+    Where long elements go over humps, contact on a hard floor comes and goes from one iterate to
+    the next.
+    """
+    from cablemodel import library as entry
+
+    depth = block.reals[at.S_FLOOR_DEPTH]
+    status: int = at.OK
+    for softness in SOFTER:
+        block.reals[at.S_FLOOR_DEPTH] = softness * depth
+        status = entry.equilibrium(block.ints, block.reals, frame)
+        if status != at.OK:
+            break
+    block.reals[at.S_FLOOR_DEPTH] = depth
+    return status
 
 
 def _stabilise(block: Block) -> bool:

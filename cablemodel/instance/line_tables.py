@@ -66,6 +66,7 @@ def _edge_row(
     row[at.E_ADDED] = added
     row[at.E_WEIGHT] = kind.submerged_weight
     row[at.E_CONTACT] = sea_floor.contact_weight(kind, scene.environment.gravity)
+    row[at.E_BORNE] = 1.0
     row[at.E_DRAG_NORMAL] = 0.5 * rho * kind.drag_normal * kind.diameter
     row[at.E_DRAG_TANGENTIAL] = 0.5 * rho * kind.drag_tangential * math.pi * kind.diameter
     row[at.E_COMPLIANCE] = kind.strain_coefficients[0]
@@ -129,6 +130,7 @@ def fill_bodies(block: Block, scene: Scene, line: Line, scale: float) -> None:
         row[at.B_DRAG] = 0.5 * rho * body.drag_coefficient * body.drag_area
         row[at.B_DRAG_AXIAL] = 0.5 * rho * body.drag_coefficient_axial * body.drag_area_axial
         row[at.B_ITEM] = place
+        row[at.B_BORNE : at.B_BORNE + 2] = 1.0
         if body.half_length > 0.0:
             _fill_rigid(row, body, scene, scale)
             block.ints[at.I_RIGID] += 1

@@ -3,27 +3,25 @@
 import math
 
 from .compile import kernel
-from .floor import (
-    body_force,
+from .contact import (
+    LYING,
     contact_force,
-    contact_node,
-    contact_points,
-    cubic_end,
-    gap_at,
+    contact_law,
+    contact_place,
+    contact_places,
     interpolate,
-    lowest_gap,
+    place_force,
+    place_law,
 )
+from .floor_surface import cubic_end, gap_at, lowest_gap
 from .layout import (
-    B_WEIGHT,
-    BODY_WORDS,
     E_BENDING_FULL,
+    E_BORNE,
     E_CONTACT,
     E_LENGTH,
     EDGE_WORDS,
-    I_BODIES,
     I_DIMENSION,
     I_NODES,
-    O_BODY,
     O_EDGE,
     O_JOINT,
     O_MOTION,
@@ -34,7 +32,7 @@ from .layout import (
 )
 from .tables import CONTACT_POINTS, CONTACT_WEIGHTS
 
-LYING = math.exp(-1.0)  # of delta: the gap where a taut cable would touch a rigid floor
+ZONE = 2.0  # touchdown layers behind the touchdown in which its reaction is looked for
 
 
 @kernel
@@ -82,7 +80,12 @@ def floor_summary(I, M, out):
 
     out: 0-2 force on cable and bodies [N], 3 length of cable on the floor [m], 4-6 the touchdown
     point nearest the vessel (not a number where nothing touches), 7 the concentrated reaction
-    there: what the floor bears beyond the weight of the cable within four touchdown layers [N].
+    there [N].
+
+    On a rigid floor cable with bending stiffness lies down with a reaction R at one point, at a
+    distance a before the end of the zone looked at, and its weight w on the length a. A soft
+    floor spreads R, but bears the same force F = R + w a and the same moment about the zone's end,
+    G = R a + w a^2 / 2: so R^2 = F^2 - 2 w G, wherever the zone ends in cable at rest.
     """
     dimension = I[I_DIMENSION]
     size = 2 * dimension
@@ -94,47 +97,59 @@ def floor_summary(I, M, out):
     for k in range(8):
         out[k] = 0.0
     touched = False
-    zone = 0.0
+    arc = 0.0  # of the element's beginning
+    last = 1e300  # arc length in whose element the zone ends
+    end = 0.0
+    weight_there = 0.0
+    force = 0.0
+    moment = 0.0  # about arc = 0
     for node in range(1, nodes):
         if I[I[O_JOINT] + node] != 0:
             continue
         edge = I[O_EDGE] + node * EDGE_WORDS
         h = M[edge + E_LENGTH]
-        begin = 0.0
         if lowest_gap(I, M, q, node, w) >= depth:
-            zone -= h
+            arc += h
             continue
         parent = I[I[O_PARENT] + node]
-        contact = M[edge + E_CONTACT]
+        contact = M[edge + E_CONTACT] * M[edge + E_BORNE]
         if not touched:
             begin = first_contact(I, M, node, w)
             if begin <= 1.0:
                 touched = True
-                zone = 4.0 * (M[edge + E_BENDING_FULL] / contact) ** (1.0 / 3.0)
-                hermite_point(I, M, node, begin, w)
+                layer = (M[edge + E_BENDING_FULL] / M[edge + E_CONTACT]) ** (1.0 / 3.0)
+                last = arc + begin * h + ZONE * layer
+                weight_there = M[edge + E_CONTACT] * w[2 + dimension]
                 for i in range(dimension):
                     out[4 + i] = w[i]
-            begin = min(begin, 1.0)
+        # Whole elements: forces of single points are not in balance.
+        within = arc < last
         for p in range(4):
             press, gap, _speed = contact_force(I, M, q, v, parent, node, h, p, contact, w)
+            if gap >= depth:
+                continue
             weight = h * CONTACT_WEIGHTS[p]
-            if gap < depth:
-                for i in range(dimension):
-                    out[i] += weight * (press * w[3 + i] + w[9 + i])
-                if gap < LYING * depth:
-                    out[3] += weight
-            place = h * (CONTACT_POINTS[p] - begin)
-            if touched and place >= 0.0 and place <= zone:
-                out[7] += weight * (press - contact)
-        zone -= h * (1.0 - begin)
-    for body in range(I[I_BODIES]):
-        points = contact_points(I, M, body)
-        for point in range(points):
-            node = contact_node(I, M, body, point)
-            contact = M[I[O_BODY] + body * BODY_WORDS + B_WEIGHT] / points
-            press = body_force(I, M, contact, node, q, v, w)
             for i in range(dimension):
-                out[i] += press * w[3 + i] + w[9 + i]
+                out[i] += weight * (press * w[3 + i] + w[9 + i])
+            if gap < LYING * depth:
+                out[3] += weight
+            place = arc + h * CONTACT_POINTS[p]
+            if within:
+                force += weight * press
+                moment += weight * press * place
+        arc += h
+        if within:
+            end = arc
+    if touched:
+        about_end = force * end - moment
+        out[7] = math.sqrt(max(0.0, force * force - 2.0 * weight_there * about_end))
+    for place in range(contact_places(I)):
+        node, contact, preload = contact_place(I, M, place)
+        if contact <= 0.0:
+            continue
+        press, _gap, _speed = place_force(I, M, contact, preload, node, q, v, w)
+        for i in range(dimension):
+            out[i] += press * w[3 + i] + w[9 + i]
     if not touched:
         out[4] = math.nan
         out[5] = math.nan
@@ -156,28 +171,25 @@ def floor_energy(I, M, out):
             continue
         parent = I[I[O_PARENT] + node]
         h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
-        contact = M[I[O_EDGE] + node * EDGE_WORDS + E_CONTACT]
+        edge = I[O_EDGE] + node * EDGE_WORDS
+        contact = M[edge + E_CONTACT] * M[edge + E_BORNE]
         for p in range(4):
             press, gap, speed = contact_force(I, M, q, v, parent, node, h, p, contact, w)
             if gap >= depth:
                 continue
-            spring = contact * (1.0 - gap / depth)
+            share, _stiffness, energy = contact_law(gap, depth)
             weight = h * CONTACT_WEIGHTS[p]
-            out[6] += 0.5 * weight * spring * (depth - gap)
-            out[7] -= weight * (press - spring) * speed
+            out[6] += weight * contact * energy
+            out[7] -= weight * (press - contact * share) * speed
             interpolate(I, v, parent, node, h, p, w)
             for i in range(dimension):
                 out[7] -= weight * w[9 + i] * w[i]
-    for body in range(I[I_BODIES]):
-        points = contact_points(I, M, body)
-        for point in range(points):
-            node = contact_node(I, M, body, point)
-            contact = M[I[O_BODY] + body * BODY_WORDS + B_WEIGHT] / points
-            press = body_force(I, M, contact, node, q, v, w)
-            gap = gap_at(I, M, w, w[3:6])
-            if press <= 0.0:
-                continue
-            spring = contact * (1.0 - gap / depth)
-            out[6] += 0.5 * spring * (depth - gap)
-            for i in range(dimension):
-                out[7] -= ((press - spring) * w[3 + i] + w[9 + i]) * v[size * node + i]
+    for place in range(contact_places(I)):
+        node, contact, preload = contact_place(I, M, place)
+        if contact <= 0.0:
+            continue
+        press, gap, _speed = place_force(I, M, contact, preload, node, q, v, w)
+        share, _stiffness, energy = place_law(preload, gap, depth)
+        out[6] += contact * energy
+        for i in range(dimension):
+            out[7] -= ((press - contact * share) * w[3 + i] + w[9 + i]) * v[size * node + i]

@@ -8,13 +8,15 @@ Splitting is exact; only what is straight is joined. See docs/engine.md, "Sea fl
 import math
 
 from .compile import kernel
-from .floor import lowest_gap
+from .floor_memory import bear
+from .floor_surface import lowest_gap
 from .layout import (
     B_NODE,
     BODY_WORDS,
     C_NODE,
     CONSTRAINT_WORDS,
     E_BENDING_FULL,
+    E_BORNE,
     E_CONTACT,
     E_LENGTH,
     E_NOMINAL,
@@ -39,7 +41,9 @@ from .layout import (
     O_TENSION,
     OK,
     S_FLOOR_DEPTH,
+    S_FLOOR_WAIT,
     S_LENGTH,
+    S_PERIOD,
     S_TOLERANCE,
 )
 from .payout import hermite, join_at, split_edge
@@ -238,6 +242,11 @@ def may_join(I, M, node, gaps, jumps, wanted):
 @kernel
 def follow_floor(I, M, change):
     """Whether the floor asks for another mesh; with `change`, halve and join elements for it."""
+    if M[S_FLOOR_WAIT] > 0.0:
+        # Before a step: the forces that are read after one are those that made it.
+        way = M[S_FLOOR_WAIT] / M[S_PERIOD]
+        bear(I, M, way / (1.0 + way))
+        M[S_FLOOR_WAIT] = 0.0
     capacity = I[I_CAPACITY]
     work = I[O_STAGE_V]
     gaps = M[work : work + capacity]
@@ -267,6 +276,9 @@ def follow_floor(I, M, change):
             ):
                 if not change:
                     return True
+                above = I[O_EDGE] + (node - 1) * EDGE_WORDS + E_BORNE
+                below = above + EDGE_WORDS
+                M[below] = max(M[above], M[below])
                 join_at(I, M, node - 1, 1)
                 changed = True
                 node -= 1

@@ -113,6 +113,7 @@ S_FRICTION, S_BRISTLE = _S + 49, _S + 50  # Coulomb coefficient; length of a bri
 S_FLOOR_DAMPING = _S + 51  # force grows by this per speed of approach [s/m]
 S_FLOOR_PLANE = _S + 52  # 5 words: z, slopes towards x and y, place x, y where the height is z
 S_FLOOR_TOP = _S + 57  # highest point of the floor that can be reached [m]
+S_FLOOR_WAIT = _S + 59  # time since what the floor bears was last looked at [s]
 S_FLOOR_BEND = _S + 58  # a bound on 1/8 of the floor's second derivatives [1/m]
 S_WAVE_TIME, S_WAVE_SHARE, S_WAVE_RISE = _S + 60, _S + 61, _S + 62  # ramp at the last set_time
 S_WAVE_RAMP = _S + 63  # time in which the waves come up [s]
@@ -133,7 +134,7 @@ S_STAGE_RATE, S_STAGE_SLOPE = _S + 38, _S + 39  # at the time of the last set_ti
 # Rows of the rate table: time, rate. Rows of the cable table: the cables of the line and of the
 # drum in the order in which they pass the tow point on the way out.
 RATE_WORDS = 2
-CABLE_WORDS = 26
+CABLE_WORDS = 27
 K_LEAVES = 0  # travel at which its vessel end passes the tow point [m]
 K_NOMINAL = 1  # length of its elements [m]
 K_SHORTEST = 2  # length below which its lower end stays on the drum [m]
@@ -155,7 +156,7 @@ W_SPEED = 6  # amplitude times frequency / (1 - e^-2kh) [m/s]
 W_MIRROR = 7  # e^-2kh: the bottom's image
 
 # Rows of the edge table: the element (or joint) that ties a node to its parent.
-EDGE_WORDS = 20
+EDGE_WORDS = 21
 E_LENGTH, E_MASS, E_ADDED, E_WEIGHT, E_BENDING = 0, 1, 2, 3, 4
 E_DRAG_NORMAL, E_DRAG_TANGENTIAL = 5, 6
 E_COMPLIANCE = 7  # c_1 of the strain curve
@@ -165,6 +166,7 @@ E_STABILISATION = 12
 E_BENDING_FULL, E_MODEL, E_TYPE, E_SEGMENT, E_START = 13, 14, 15, 16, 17
 E_CONTACT = 18  # weight per length that the floor's preload carries [N/m]
 E_NOMINAL = 19  # length up to which elements in free water are joined again [m]
+E_BORNE = 20  # what the floor bears for long, in units of E_CONTACT: at least 1
 MODEL_ELASTICA, MODEL_CABLE, MODEL_HYBRID = 0, 1, 2
 
 # What ties a node to its parent (O_JOINT).
@@ -173,7 +175,7 @@ JOINT_HINGE = 1  # the same place, a slope of its own
 JOINT_BODY = 2  # a rigid body of finite length, from the parent to the node
 
 # Rows of the body table.
-BODY_WORDS = 18
+BODY_WORDS = 20
 B_NODE, B_MASS, B_WEIGHT, B_ADDED, B_ADDED_AXIAL, B_DRAG, B_DRAG_AXIAL, B_ITEM = range(8)
 B_LENGTH = 8  # between its attachments [m]; 0: a point body. Its node is the outer attachment
 B_OFFSET = 9  # centre of gravity, in half lengths from the middle
@@ -183,6 +185,7 @@ B_COMPLIANCE = 12  # of its length [m/N]
 B_TIE = 13  # at the line's end: stiffness that ties the outer node's slope to its axis [N m]
 B_CLAMP = 14  # 2 words: stiffness of the clamps to the cables before and beyond [N m]
 B_PULL = 16  # 2 words: tensions there, smoothed over time [N]
+B_BORNE = 18  # 2 words: what the floor bears for long at its ends, in units of its weight
 
 # Rows of the constraint table: nodes with a prescribed position or tangent; the vessel's is first.
 CONSTRAINT_WORDS = 10

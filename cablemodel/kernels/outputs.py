@@ -4,9 +4,10 @@ import math
 
 from .bodies import add_waves, body_kinematics
 from .compile import kernel
+from .contact import LYING
 from .environment import current_at
-from .floor import gap_at
-from .floor_outputs import LYING, floor_energy, floor_summary
+from .floor_outputs import floor_energy, floor_summary
+from .floor_surface import gap_at
 from .layout import (
     B_LENGTH,
     B_MASS,

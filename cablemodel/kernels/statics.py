@@ -6,6 +6,7 @@ step starts from rest: slack cable settles where it would bounce otherwise.
 """
 
 from .compile import copy_words, kernel
+from .floor_memory import bear
 from .layout import (
     E_LENGTH,
     EDGE_WORDS,
@@ -13,6 +14,7 @@ from .layout import (
     I_FACTORED,
     I_FACTORISATIONS,
     I_FAILED_NODE,
+    I_FLOOR,
     I_ITERATIONS,
     I_NODES,
     I_PAYOUT,
@@ -49,6 +51,7 @@ from .vessel_clamp import update_springs
 LARGEST_STEPS = 2000
 LONGEST_STEP = 1e7
 NEWTON_LIMIT = 12
+FLOOR_ROUNDS = 12
 
 
 @kernel
@@ -105,6 +108,7 @@ def relax(I, M, frame, damped, strict):
         update_springs(I, M, 0.0)
     dt = M[S_FIRST_STEP]
     calm = 0
+    rounds = 0
     status = STATICS_FAILED
     for _step in range(LARGEST_STEPS):
         inverse = 1.0 / dt
@@ -168,6 +172,9 @@ def relax(I, M, frame, damped, strict):
             update_springs(I, M, 1.0)
         if moved <= 1e-10 * length and dt > 1e3 * M[S_FIRST_STEP]:
             calm += 1
+            if calm >= 2 and I[I_FLOOR] != 0 and rounds < FLOOR_ROUNDS and bear(I, M, 1.0) > 1e-3:
+                rounds += 1
+                calm = 0
             if calm >= 2:
                 if not is_folded(I, M, q0, t0):
                     status = OK

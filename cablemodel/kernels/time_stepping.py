@@ -10,7 +10,7 @@ import math
 from .backup import keep_sleepers
 from .compile import copy_words, inlined, kernel, view
 from .environment import find_piece
-from .floor import settle
+from .floor_memory import settle
 from .follow import follow_floor
 from .layout import (
     E_BENDING,

@@ -257,21 +257,11 @@ def deepest(kind, tolerance):
     return -gaps(model, floor).min() / (tolerance * length)
 
 
-@pytest.mark.parametrize("tolerance", [1e-3, 1e-4])
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4, 1e-5])
 @pytest.mark.parametrize("kind", ["bump", "humps", "bend"])
-def test_no_penetration_beyond_the_accuracy(kind, tolerance):
-    assert deepest(kind, tolerance) <= 1.0
-
-
-@pytest.mark.xfail(
-    strict=True,
-    reason="asked 5 % of tau L. Where the floor bears more than the weight the contact layer gives "
-    "way in proportion: 0.03 T kappa / w, at 1e-4 13 % on the bump, 45 % on the humps, 10 % in the "
-    "bend of a cable let down",
-)
-@pytest.mark.parametrize("kind", ["bump", "humps", "bend"])
-def test_no_penetration_beyond_a_twentieth_of_the_accuracy(kind):
-    assert deepest(kind, 1e-4) <= 0.05
+def test_no_penetration_at_rest(kind, tolerance):
+    """A twentieth of tau L, though the humps bear up to 63 times the weight of the cable."""
+    assert deepest(kind, tolerance) <= 0.05
 
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-4])

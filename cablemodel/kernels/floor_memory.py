@@ -1,0 +1,111 @@
+"""What the sea floor remembers from step to step: places of rest, and what it bears for long."""
+
+import math
+
+from .compile import inlined, kernel
+from .contact import contact_law, contact_place, interpolate, place_force
+from .floor_surface import gap_at, lowest_gap
+from .layout import (
+    B_BORNE,
+    BODY_WORDS,
+    E_BORNE,
+    E_LENGTH,
+    EDGE_WORDS,
+    I_BODIES,
+    I_DIMENSION,
+    I_NODES,
+    O_BODY,
+    O_EDGE,
+    O_JOINT,
+    O_MOTION,
+    O_PARENT,
+    O_POSITION,
+    O_REST,
+    O_VELOCITY,
+    S_BRISTLE,
+    S_FLOOR_DEPTH,
+    S_FLOOR_WAIT,
+    S_LAST_STEP,
+)
+
+FASTEST = 3.0  # growth of what is borne for long, at most, in one change of it
+
+
+@kernel
+def settle(I, M):
+    """Draw the places of rest after nodes that have slipped or left the floor (return mapping)."""
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
+    depth = M[S_FLOOR_DEPTH]
+    q = M[I[O_POSITION] : I[O_POSITION] + size * I[I_NODES]]
+    M[S_FLOOR_WAIT] += M[S_LAST_STEP]
+    for node in range(I[I_NODES]):
+        rest = I[O_REST] + 3 * node
+        for i in range(dimension):
+            w[i] = q[size * node + i]
+        gap = gap_at(I, M, w, w[3:6])
+        share, _stiffness, _energy = contact_law(gap, depth)
+        limit = M[S_BRISTLE] * share
+        along = 0.0
+        for i in range(dimension):
+            w[6 + i] = w[i] - M[rest + i]
+            along += w[6 + i] * w[3 + i]
+        length = 0.0
+        for i in range(dimension):
+            w[6 + i] -= along * w[3 + i]
+            length += w[6 + i] ** 2
+        length = math.sqrt(length)
+        if length > limit:
+            for i in range(dimension):
+                M[rest + i] = w[i] - w[6 + i] * (limit / length)
+
+
+@inlined
+def follow_load(borne, law, share):
+    """Change of what is borne for long, where the law of contact gives `law` times that now."""
+    aim = max(1.0, borne * min(law, FASTEST))
+    return share * (aim - borne)
+
+
+@kernel
+def bear(I, M, share):
+    """Let what the floor's springs bear at rest follow the load, by a share of the difference.
+
+    Cable and bodies that press harder than by their weight for long, on the top of a hump, lie on
+    the floor as others do; what strikes it finds it as soft as it is. Returns the largest change,
+    relative to what was borne.
+    """
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
+    q = M[I[O_POSITION] : I[O_POSITION] + size * I[I_NODES]]
+    v = M[I[O_VELOCITY] : I[O_VELOCITY] + size * I[I_NODES]]
+    depth = M[S_FLOOR_DEPTH]
+    largest = 0.0
+    for node in range(1, I[I_NODES]):
+        if I[I[O_JOINT] + node] != 0:
+            continue
+        edge = I[O_EDGE] + node * EDGE_WORDS
+        borne = M[edge + E_BORNE]
+        load = 0.0
+        if lowest_gap(I, M, q, node, w) < depth:
+            parent = I[I[O_PARENT] + node]
+            for p in range(4):
+                interpolate(I, q, parent, node, M[edge + E_LENGTH], p, w)
+                law, _stiffness, _energy = contact_law(gap_at(I, M, w, w[3:6]), depth)
+                load = max(load, law)
+        change = follow_load(borne, load, share)
+        M[edge + E_BORNE] = borne + change
+        largest = max(largest, abs(change) / borne)
+    for place in range(2 * I[I_BODIES]):
+        node, contact, preload = contact_place(I, M, place)
+        if contact <= 0.0:
+            continue
+        _press, gap, _speed = place_force(I, M, contact, preload, node, q, v, w)
+        law, _stiffness, _energy = contact_law(gap, depth)
+        at = I[O_BODY] + place // 2 * BODY_WORDS + B_BORNE + place % 2
+        change = follow_load(M[at], law, share)
+        largest = max(largest, abs(change) / M[at])
+        M[at] += change
+    return largest

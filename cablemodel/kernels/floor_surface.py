@@ -1,0 +1,171 @@
+"""The sea floor as a surface: height and slopes at a place, the gap below a point or an element."""
+
+import math
+
+from .compile import inlined, kernel
+from .layout import (
+    E_LENGTH,
+    EDGE_WORDS,
+    FLOOR_PLANE,
+    I_DIMENSION,
+    I_FLOOR,
+    I_FLOOR_X,
+    I_FLOOR_Y,
+    O_EDGE,
+    O_FLOOR,
+    O_PARENT,
+    S_BASE,
+    S_FLOOR_BEND,
+    S_FLOOR_DEPTH,
+    S_FLOOR_PLANE,
+    S_FLOOR_TOP,
+    S_PLANE,
+)
+
+
+@kernel
+def interval(M, grid, count, x):
+    """The interval of an ascending grid that holds x, and the place in it (0 to 1)."""
+    if x <= M[grid]:
+        return 0, 0.0
+    if x >= M[grid + count - 1]:
+        return count - 2, 1.0
+    low = 0
+    high = count - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if x >= M[grid + middle]:
+            low = middle
+        else:
+            high = middle
+    return low, (x - M[grid + low]) / (M[grid + low + 1] - M[grid + low])
+
+
+@kernel
+def table_height(I, M, x, y):
+    """Height and slopes at a place (earth) of the table: bicubic, C1; level beyond its edges."""
+    nx = I[I_FLOOR_X]
+    ny = I[I_FLOOR_Y]
+    grid_x = I[O_FLOOR]
+    grid_y = grid_x + nx
+    data = grid_y + ny
+    i, u = interval(M, grid_x, nx, x)
+    hx = M[grid_x + i + 1] - M[grid_x + i]
+    j = 0
+    w = 0.0
+    hy = 1.0
+    if ny > 1:
+        j, w = interval(M, grid_y, ny, y)
+        hy = M[grid_y + j + 1] - M[grid_y + j]
+    z = 0.0
+    zx = 0.0
+    zy = 0.0
+    for a in range(2):
+        n0, n1, d0, d1 = cubic_end(a, u, hx)
+        for b in range(2):
+            if b == 1 and ny == 1:
+                continue
+            m0 = 1.0
+            m1 = 0.0
+            e0 = 0.0
+            e1 = 0.0
+            if ny > 1:
+                m0, m1, e0, e1 = cubic_end(b, w, hy)
+            at = data + 4 * ((i + a) * ny + j + b)
+            along = n0 * M[at] + n1 * M[at + 1]
+            across = n0 * M[at + 2] + n1 * M[at + 3]
+            z += m0 * along + m1 * across
+            zx += m0 * (d0 * M[at] + d1 * M[at + 1]) + m1 * (d0 * M[at + 2] + d1 * M[at + 3])
+            zy += e0 * along + e1 * across
+    outside = x < M[grid_x] or x > M[grid_x + nx - 1]
+    if outside:
+        zx = 0.0
+    if ny > 1 and (y < M[grid_y] or y > M[grid_y + ny - 1]):
+        zy = 0.0
+    return z, zx, zy
+
+
+@inlined
+def cubic_end(end, u, h):
+    """Cubic Hermite functions of value and slope at one end of an interval, and derivatives."""
+    v = 1.0 - u
+    if end == 0:
+        return (
+            v * v * (1.0 + 2.0 * u),
+            h * u * v * v,
+            -6.0 * u * v / h,
+            v * (1.0 - 3.0 * u),
+        )
+    return (
+        u * u * (3.0 - 2.0 * u),
+        -h * u * u * v,
+        6.0 * u * v / h,
+        u * (3.0 * u - 2.0),
+    )
+
+
+@kernel
+def gap_at(I, M, r, n):
+    """Gap between a point r (dimension words, block coordinates) and the floor [m].
+
+    Along the floor's normal, which goes into n (dimension words).
+    """
+    x = M[S_BASE] + r[0]
+    y = M[S_BASE + 1] + r[1]
+    planar = I[I_DIMENSION] == 2
+    if planar:
+        x = M[S_BASE] + M[S_PLANE] * r[0]
+        y = M[S_BASE + 1] + M[S_PLANE + 1] * r[0]
+    if I[I_FLOOR] == FLOOR_PLANE:
+        zx = M[S_FLOOR_PLANE + 1]
+        zy = M[S_FLOOR_PLANE + 2]
+        z = M[S_FLOOR_PLANE]
+        z += zx * (x - M[S_FLOOR_PLANE + 3]) + zy * (y - M[S_FLOOR_PLANE + 4])
+    else:
+        z, zx, zy = table_height(I, M, x, y)
+    nz = 1.0 / math.sqrt(1.0 + zx * zx + zy * zy)
+    if planar:
+        n[0] = -(M[S_PLANE] * zx + M[S_PLANE + 1] * zy) * nz
+        n[1] = nz
+        return (r[1] + M[S_BASE + 2] - z) * nz
+    n[0] = -zx * nz
+    n[1] = -zy * nz
+    n[2] = nz
+    return (r[2] + M[S_BASE + 2] - z) * nz
+
+
+@kernel
+def lowest_gap(I, M, q, node, w):
+    """A gap that no point of an element undercuts, by the convex hull of its Bezier points [m].
+
+    The element's gap itself where that is below some metres, something large far above the floor.
+    """
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    parent = I[I[O_PARENT] + node]
+    h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
+    up = dimension - 1
+    lowest = 1e300
+    for k in range(4):
+        end = parent if k < 2 else node
+        third = 0.0
+        if k == 1:
+            third = h / 3.0
+        elif k == 2:
+            third = -h / 3.0
+        lowest = min(lowest, q[size * end + up] + third * q[size * end + dimension + up])
+    clear = lowest + M[S_BASE + 2] - M[S_FLOOR_TOP]
+    if clear > 4.0 * h + M[S_FLOOR_DEPTH]:
+        return clear
+    lowest = 1e300
+    for k in range(4):
+        end = parent if k < 2 else node
+        third = 0.0
+        if k == 1:
+            third = h / 3.0
+        elif k == 2:
+            third = -h / 3.0
+        for i in range(dimension):
+            w[i] = q[size * end + i] + third * q[size * end + dimension + i]
+        lowest = min(lowest, gap_at(I, M, w, w[3:6]))
+    return lowest - M[S_FLOOR_BEND] * h * h
