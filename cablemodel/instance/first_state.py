@@ -104,6 +104,9 @@ def solve_static(block: Block, frame: FloatArray) -> None:
             "weights, ends and current, or start from initial: {straight: ...} or {points: ...}"
         )
     entry.place_supports(ints, reals)
+    # The line is at rest in the vessel's frame; the vessel's acceleration begins after t = 0. With
+    # it the force at the top would hold the inertia of a piece as long as the mesh makes it.
+    block.array(at.O_ACCELERATION, int(ints[at.I_NODES]), 2 * int(ints[at.I_DIMENSION]))[:] = 0.0
 
 
 def _sink_in(block: Block, frame: FloatArray) -> int:

@@ -357,3 +357,17 @@ def test_towed_cable_with_a_polynomial_tension_strain_curve():
     )
     assert model.tip_position == pytest.approx(exact.end_position, abs=1e-3)
     assert model.top_tension == pytest.approx(exact.top_tension, rel=1e-6)
+
+
+@pytest.mark.parametrize("elements", [None, 4, 16])
+def test_static_tension_holds_nothing_of_a_motion_that_begins(elements):
+    """The vessel speeds up from t = 0: no wave has told the cable, which hangs by its weight.
+
+    With the vessel's acceleration at once the force held the inertia of half an element.
+    """
+    ramp = [{"t": 0, "velocity": [0, 0, 0]}, {"t": 0.2, "velocity": [1.0, 0, 1.0]}]
+    model = cm.CableModel(
+        scene(100.0, TOW_CABLE, model="cable", elements=elements, vessel={"velocity": ramp})
+    )
+    assert model.top_tension == pytest.approx(800.0, rel=1e-9)
+    assert model.top_force == pytest.approx([0.0, 0.0, -800.0], abs=1e-6)
