@@ -22,6 +22,7 @@ from .layout import (
     I_CABLES,
     I_CAPACITY,
     I_DIMENSION,
+    I_LEFT_OUT,
     I_NODES,
     I_TOP_CABLE,
     JOINT_BODY,
@@ -213,7 +214,7 @@ def let_body_come(I, M):
 @kernel
 def let_cable_follow(I, M):
     """The body is out: the first bit of the next cable takes its place at the tow point."""
-    if I[I_NODES] + 1 > I[I_CAPACITY]:
+    if I[I_NODES] + I[I_LEFT_OUT] + 1 > I[I_CAPACITY]:
         return NO_CAPACITY
     dimension = I[I_DIMENSION]
     size = 2 * dimension

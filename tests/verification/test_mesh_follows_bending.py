@@ -1,0 +1,98 @@
+"""Elements are halved where the line bends too much for them, and joined again."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import cablemodel as cm
+
+LENGTH = 30.0
+TAU = 1e-3
+
+
+def reversing(tolerance: float, elements: int | None = None) -> cm.CableModel:
+    """A cable towed at 1 m/s through water, whose vessel stops and goes astern within 6 s, then rests."""
+    cable: dict[str, Any] = {"type": "K", "length": LENGTH, "model": "elastica"}
+    if elements is not None:
+        cable["elements"] = elements
+    scene = {
+        "environment": {"water_density": 1025.0},
+        "cable_types": {
+            "K": {
+                "diameter": 0.01666,
+                "mass": 0.4613,
+                "submerged_weight": 2.33333,
+                "axial_stiffness": 1e6,
+                "bending_stiffness": 0.1,
+                "drag_normal": 1.0,
+                "drag_tangential": 0.1586,
+                "added_mass": 1.0,
+            }
+        },
+        "line": [{"cable": cable}],
+        "vessel": {
+            "position": [0.0, 0.0, 0.0],
+            "velocity": [
+                {"t": 0.0, "velocity": [1.0, 0.0, 0.0]},
+                {"t": 2.0, "velocity": [1.0, 0.0, 0.0]},
+                {"t": 8.0, "velocity": [-3.0, 0.0, 0.0]},
+                {"t": 12.0, "velocity": [-3.0, 0.0, 0.0]},
+                {"t": 14.0, "velocity": [0.0, 0.0, 0.0]},
+            ],
+        },
+        "solver": {"tolerance": tolerance},
+        "run": {"duration": 400.0, "output_interval": 1.0},
+    }
+    return cm.CableModel(cm.load_scene(scene))
+
+
+def shapes(model: cm.CableModel, times: list[float]) -> tuple[np.ndarray, int]:
+    """Positions of 31 places (times, 31, 3) [m], and the most elements at any of the times."""
+    found, most = [], 0
+    for time in times:
+        model.step_to(time)
+        found.append(model.sample(np.linspace(0.0, LENGTH, 31)).position)
+        most = max(most, model.statistics["elements"])
+    return np.array(found), most
+
+
+TIMES = [float(t) for t in np.arange(2.5, 20.1, 0.5)]
+
+
+@pytest.fixture(scope="module")
+def reference() -> np.ndarray:
+    """The same with 96 equal elements, at a fiftieth of the tolerance."""
+    return shapes(reversing(TAU / 50.0, elements=96), TIMES)[0]
+
+
+def distance(found: np.ndarray, reference: np.ndarray) -> float:
+    """Largest distance at any time and place, in units of tau L."""
+    return float(np.linalg.norm(found - reference, axis=2).max() / (TAU * LENGTH))
+
+
+def test_mesh_that_follows_keeps_the_promise(reference: np.ndarray) -> None:
+    model = reversing(TAU)
+    first = model.statistics["elements"]
+    found, most = shapes(model, TIMES)
+    assert distance(found, reference) < 1.0
+    assert first < most < 4 * first
+
+
+def test_mesh_that_stays_does_not(reference: np.ndarray) -> None:
+    first = reversing(TAU).statistics["elements"]
+    found, most = shapes(reversing(TAU, elements=first), TIMES)
+    assert most == first
+    assert distance(found, reference) > 5.0
+
+
+def test_halves_are_joined_once_the_line_hangs_again() -> None:
+    model = reversing(TAU)
+    first = model.statistics["elements"]
+    _shapes, most = shapes(model, TIMES)
+    model.step_to(400.0)
+    assert first <= model.statistics["elements"] < most
+    tip = model.sample(np.array([LENGTH])).position[0]
+    assert np.linalg.norm(tip - model.vessel_position - [0.0, 0.0, -LENGTH]) < TAU * LENGTH
