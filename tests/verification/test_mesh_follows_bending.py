@@ -14,7 +14,7 @@ TAU = 1e-3
 
 
 def reversing(tolerance: float, elements: int | None = None) -> cm.CableModel:
-    """A cable towed at 1 m/s through water, whose vessel stops and goes astern within 6 s, then rests."""
+    """A cable towed at 1 m/s, whose vessel stops, goes astern within 6 s, then rests."""
     cable: dict[str, Any] = {"type": "K", "length": LENGTH, "model": "elastica"}
     if elements is not None:
         cable["elements"] = elements
