@@ -11,6 +11,7 @@ import math
 from .compile import kernel
 from .follow import holds_something, one_cubic_does, second_derivative
 from .layout import (
+    E_BENDING_FULL,
     E_LENGTH,
     E_NOMINAL,
     E_SEGMENT,
@@ -24,6 +25,7 @@ from .layout import (
     O_JOINT,
     O_MOTION,
     O_STAGE_V,
+    O_TENSION,
     OK,
     S_BENT,
     S_BENT_AFTER,
@@ -54,8 +56,15 @@ def jump_at(I, M, node):
 
 @kernel
 def bends_too_much(I, M, node, jump):
-    """Whether an element's cubic misses more than is allowed; jump: the larger at its ends."""
-    h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
+    """Whether an element's cubic misses more than is allowed; jump: the larger at its ends.
+
+    Cable without bending stiffness that is pushed buckles at the scale of its elements, whatever
+    that is: it has no shape to follow.
+    """
+    edge = I[O_EDGE] + node * EDGE_WORDS
+    if M[edge + E_BENDING_FULL] == 0.0 and M[I[O_TENSION] + 2 * node] < 0.0:
+        return False
+    h = M[edge + E_LENGTH]
     return h * h * jump > M[S_BENT]
 
 
