@@ -71,7 +71,6 @@ from .layout import (
     S_LAST_STEP,
     S_LENGTH,
     S_PAID,
-    S_PASSING,
     S_PAYOUT_RATE,
     S_PAYOUT_SLOPE,
     S_PERIOD,
@@ -87,7 +86,6 @@ from .layout import (
 )
 from .newton import increment_norm, is_folded, refactor
 from .passing import cable_paid
-from .payout import begin_payout, longest_payout_step, paid_since
 from .system import (
     elongation_rate,
     impose_motion,
@@ -97,9 +95,10 @@ from .system import (
     set_time,
 )
 from .tables import GAMMA, STAGE_A, STAGE_C, STAGE_ERROR, STAGES
-from .top_of_line import adapt_top, divide_top, next_change
+from .top_of_line import adapt_top, next_change
 from .two_step import accept_two_step, remember, try_two_step
 from .vessel_clamp import update_springs
+from .winch import begin_payout, longest_payout_step, paid_since
 
 LARGEST_ITERATIONS = 10
 MOST_REFUSALS = 4  # of a step that ends folded
@@ -420,12 +419,6 @@ def change_mesh(I, M):
 
     Splitting is exact. A joined element has the strain and the elongation's rate of its parts.
     """
-    if M[S_PASSING + 21] == 1.0 and I[I_PAYOUT] != 0:
-        status = divide_top(I, M)
-        if status != OK:
-            return status
-        if next_change(I, M) == 0 and (I[I_FLOOR] == 0 or not follow_floor(I, M, False)):
-            return OK
     if M[S_LAST_STEP] == 0.0:
         M[S_LAST_STEP] = M[S_STEP]
     take_rates_from_velocity(I, M)
