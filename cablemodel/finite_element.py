@@ -78,6 +78,9 @@ class FiniteElementSolver:
         arcs = edges[:, at.E_START] + edges[:, at.E_LENGTH] + self._reals[at.S_PAID]
         arcs[0] = 0.0
         arcs[1] = edges[1, at.E_LENGTH]
+        if self._ints[at.I_RIGID] > 0 and nodes > 2:
+            # The first bit of a body that comes is no cable, though the top element covers it.
+            arcs[1] = edges[2, at.E_START] + self._reals[at.S_PAID]
         # Rounding must not put a node beyond the end of the line, where there is no station.
         return np.asarray(np.minimum(arcs, arcs[-1]), dtype=np.float64)
 

@@ -41,11 +41,11 @@ from .layout import (
     S_SHIFT,
     S_TIME,
 )
-from .payout import commanded_rate
 from .promote import promote
 from .sleep import leave_out, rejoin
 from .time_stepping import advance_to
 from .vessel_clamp import release_slope
+from .winch import commanded_rate
 
 # Words of the input vector: a flag (0: not given) before each group.
 IN_VELOCITY, IN_POSITION, IN_CURRENT, IN_PAYOUT = 0, 4, 8, 12

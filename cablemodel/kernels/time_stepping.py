@@ -77,7 +77,6 @@ from .layout import (
     S_LENGTH,
     S_ORDER_3,
     S_PAID,
-    S_PASSING,
     S_PAYOUT_RATE,
     S_PAYOUT_SLOPE,
     S_PERIOD,
@@ -96,7 +95,6 @@ from .layout import (
 )
 from .newton import increment_norm, is_folded, refactor
 from .passing import cable_paid
-from .payout import begin_payout, longest_payout_step, paid_since
 from .refine import follow_bending
 from .sleep import disturbance, fall_asleep, may_sleep, prepare_joining, rejoin, wake
 from .system import (
@@ -108,9 +106,10 @@ from .system import (
     set_time,
 )
 from .tables import GAMMA, STAGE_A, STAGE_C, STAGE_ERROR, STAGES
-from .top_of_line import adapt_top, divide_top, next_change
+from .top_of_line import adapt_top, next_change
 from .two_step import accept_two_step, remember, try_two_step
 from .vessel_clamp import update_springs
+from .winch import begin_payout, longest_payout_step, paid_since
 
 LARGEST_ITERATIONS = 10
 MOST_NORMS = 5  # in which a state is brought to its constraints, each of a tenth of the last step
@@ -485,12 +484,6 @@ def change_mesh(I, M, rests):
 
     Splitting is exact. A joined element has the strain and the elongation's rate of its parts.
     """
-    if M[S_PASSING + 21] == 1.0 and I[I_PAYOUT] != 0:
-        status = divide_top(I, M)
-        if status != OK:
-            return status
-        if next_change(I, M) == 0 and (I[I_FLOOR] == 0 or not follow_floor(I, M, False)):
-            return OK
     if M[S_LAST_STEP] == 0.0:
         M[S_LAST_STEP] = M[S_STEP]
     take_rates_from_velocity(I, M)

@@ -315,25 +315,6 @@ def unite(I, M):
 
 
 @kernel
-def divide(I, M):
-    """Split the top element where elements of its cable have their nominal length."""
-    row = I[O_CABLES] + I[I_TOP_CABLE] * CABLE_WORDS
-    pieces = max(2, int(M[S_TOP_LENGTH] / M[row + K_NOMINAL]))
-    return split_edge(I, M, 1, 1.0 - 1.0 / pieces, False)
-
-
-@kernel
-def divide_top(I, M):
-    """Before a step: split the top element as often as it asks for it."""
-    for _pass in range(64):
-        if next_change(I, M) != DIVIDES:
-            break
-        if divide(I, M) != OK:
-            return NO_CAPACITY
-    return OK
-
-
-@kernel
 def adapt_top(I, M):
     """Before a step: let joints and bodies pass the tow point, split or join the top element."""
     for _pass in range(64):
@@ -370,7 +351,8 @@ def adapt_top(I, M):
         elif change == ENTERS:
             let_body_enter(I, M)
         elif change == DIVIDES:
-            status = divide(I, M)
+            pieces = max(2, int(M[S_TOP_LENGTH] / M[row + K_NOMINAL]))
+            status = split_edge(I, M, 1, 1.0 - 1.0 / pieces, False)
         else:
             few = element_number(I, M) <= FEWEST_ELEMENTS
             status = unite(I, M)

@@ -1,4 +1,4 @@
-"""The Newton matrix of a body of finite length is the derivative of its forces."""
+"""Newton matrices of a body of finite length, and of a clamp, are derivatives of their forces."""
 
 import numba
 import numpy as np
@@ -9,6 +9,7 @@ from cablemodel.kernels import layout as at
 from cablemodel.kernels.compile import OPTIONS
 from cablemodel.kernels.environment import current_profile
 from cablemodel.kernels.rigid import rigid_jacobian, rigid_residual
+from cablemodel.kernels.vessel_clamp import add_clamp_moment, add_clamp_tangent
 
 BODY = {
     "mass": 6, "submerged_weight": 20, "half_length": 0.4, "centre_offset": 0.3,
@@ -29,15 +30,31 @@ def matrix(ints, reals, q, v, a, tension, ca, cv):
     rigid_jacobian(ints, reals, q, v, a, tension, ca, cv)
 
 
-def line(at_end):
+@numba.jit(**OPTIONS)
+def moment(ints, reals, q, out):
+    add_clamp_moment(ints, reals, q, out)
+
+
+@numba.jit(**OPTIONS)
+def clamp_matrix(ints, reals, q):
+    add_clamp_tangent(ints, reals, q)
+
+
+def line(place):
     cable = {
         "diameter": 0.02, "mass": 0.5, "axial_stiffness": 1e5, "bending_stiffness": 0.3,
     }  # fmt: skip
-    parts = [{"cable": {"type": "c", "length": 4, "model": "elastica"}}, {"body": BODY}]
-    if not at_end:
-        parts.append({"cable": {"type": "c", "length": 3, "model": "hybrid"}})
+    upper = {"cable": {"type": "c", "length": 4, "model": "elastica"}}
+    lower = {"cable": {"type": "c", "length": 3, "model": "hybrid"}}
+    parts, payout = [upper, {"body": BODY}], {}
+    if place == "inside":
+        parts.append(lower)
+    if place == "tow point":
+        parts = [lower]
+        payout = {"rate": 0.1, "drum": [{"body": BODY}, upper]}
     return cm.load_scene(
         {
+            "payout": payout,
             "environment": {"current": [0.4, 0.1, 0.2]},
             "cable_types": {"c": cable},
             "line": parts,
@@ -47,21 +64,25 @@ def line(at_end):
 
 
 @pytest.mark.parametrize("planar", [None, False])
-@pytest.mark.parametrize("at_end", [False, True])
-def test_matrix_is_the_derivative(planar, at_end):
-    scene = line(at_end)
+@pytest.mark.parametrize("place", ["inside", "end", "tow point"])
+def test_matrix_is_the_derivative(planar, place):
+    scene = line(place)
     if planar is None:
         data = scene.to_dict()
         data["environment"]["current"] = [0.4, 0, 0.2]
         scene = cm.load_scene(data)
     model = cm.CableModel(scene, planar=planar)
+    if place == "tow point":
+        model.step_to(4.0)
+        assert len(model.bodies) == 1
+        assert model.top_tension > 0.0  # what is out of the body is computed with it
     ints, reals = model._ints, model._reals
     nodes, size = int(ints[at.I_NODES]), 2 * int(ints[at.I_DIMENSION])
     assert model.planar == (planar is None)
     # A softer clamp and tie, so that differences see everything at once.
     model._solver.memory.array(at.O_EDGE, nodes, at.EDGE_WORDS)[:, at.E_BENDING_FULL] *= 1e-6
     random = np.random.default_rng(4)
-    q = model._solver.memory.array(at.O_POSITION, nodes * size).copy()
+    q = model._solver.memory.array(at.O_POSITION, nodes, size).ravel().copy()
     q += 0.1 * random.standard_normal(len(q))
     v, a = random.standard_normal((2, len(q)))
     tension = 20.0 + random.standard_normal(2 * nodes)
@@ -101,3 +122,31 @@ def test_matrix_is_the_derivative(planar, at_end):
     pull[size * (node - 1) : size * (node - 1) + dimension] = -axis / np.linalg.norm(axis)
     expected -= np.outer(pull, pull) / body[at.B_COMPLIANCE]
     assert found == pytest.approx(expected, abs=1e-7 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("planar", [None, False])
+def test_matrix_of_a_clamp_is_the_derivative(planar):
+    """At a tow point past which cable runs: 4 k (1 - cos(angle/2)), for any length of the slope."""
+    scene = line("inside").to_dict()
+    scene["environment"].pop("current")
+    scene["vessel"]["connection"] = {"clamped": [0.8, 0, 0.6]}
+    scene["payout"] = {"rate": 0.1, "drum": [scene["line"][0]]}
+    model = cm.CableModel(cm.load_scene(scene), planar=planar)
+    ints, reals = model._ints, model._reals
+    dimension = int(ints[at.I_DIMENSION])
+    size = 2 * dimension
+    q = np.zeros(size)
+    q[dimension:] = 1.3 * np.array([0.5, 0.2, -0.7])[-dimension:]
+
+    def force(change):
+        out = np.zeros(size)
+        moment(ints, reals, q + change, out)
+        return out
+
+    block = model._solver.memory.array(at.O_DIAGONAL, size, size)
+    block[:] = 0.0
+    clamp_matrix(ints, reals, q)
+    step = 1e-6
+    found = np.array([(force(step * e) - force(-step * e)) / (2.0 * step) for e in np.eye(size)])
+    assert np.abs(block).max() > 0.0
+    assert block == pytest.approx(found.T, abs=1e-7 * np.abs(block).max())

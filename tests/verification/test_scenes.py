@@ -43,18 +43,19 @@ def test_deployment_is_completed_by_all_models(kind, fine_deployment):
         tensions[round(model.time)] = model.top_tension
         bodies.append(len(model.bodies))
     assert model.time == pytest.approx(200.0)
-    assert model.line_length == pytest.approx(30.0 + 0.75 * (200.0 - 70.5), rel=1e-9)
+    # Ten bodies of half a metre have passed the tow point with the cable.
+    assert model.line_length == pytest.approx(30.0 + 0.75 * (200.0 - 70.5) - 5.0, rel=1e-9)
     assert bodies[0] == 3
     assert bodies[-1] == 3 + 10
     # What hangs at the start: 30 m of cable and three bodies.
     assert tensions[1] == pytest.approx(100.0, rel=1e-3)
     assert tensions[71] < 0.5 * tensions[70]
-    assert model.top_tension == pytest.approx(277.4, rel=1e-2)
+    assert model.top_tension == pytest.approx(271.65, rel=1e-2)
     assert len({body.position[2] for body in model.bodies}) == 13
     assert model.bodies[-1].position == pytest.approx(model.tip_position, abs=0.5)
     tolerance = 1e-3 * model.line_length
     assert np.abs(model.tip_position - fine_deployment.tip_position).max() < tolerance
-    assert model.tip_position == pytest.approx([25.55, 19.02, -104.01], abs=tolerance)
+    assert model.tip_position == pytest.approx([25.48, 19.09, -104.23], abs=tolerance)
 
 
 def test_a_jumper_moves_with_the_waves():
@@ -168,7 +169,7 @@ def test_recovery_brings_the_lander_on_board():
     slope = (tensions[240.0] - tensions[300.0]) / 30.0
     assert slope == pytest.approx(3.9, rel=0.05)
     # The lander leaves the line from 373 to 375.5 s; the tail is left.
-    assert tensions[370.0] == pytest.approx(3.9 * lengths[370.0] + 250.0, rel=5e-3)
+    assert tensions[370.0] == pytest.approx(3.9 * lengths[370.0] + 250.0, rel=1e-2)
     assert tensions[374.0] == pytest.approx(3.9 * 30.0 + 250.0 * 0.6, rel=1e-2)
     assert lengths[374.0] == lengths[375.0] == pytest.approx(30.0, abs=1e-9)
     assert model.bodies == []

@@ -31,8 +31,8 @@ from cablemodel.kernels.layout import (
     S_PAID_MOST,
     S_TIME,
 )
-from cablemodel.kernels.payout import commanded_rate
 from cablemodel.kernels.stepping import possible, release_inputs, take_inputs
+from cablemodel.kernels.winch import commanded_rate
 
 from .axes import leave_plane, turn_axes
 from .backup import give_back_image, give_back_start, keep_image, keep_start

@@ -61,7 +61,8 @@ static void collect_inputs(const Cable *cable, double dt, double *inputs) {
 static double arc_of(const Cable *cable, int64_t node) {
     const double *edge = cable->M + cable->I[O_EDGE] + node * EDGE_WORDS;
     if (node <= 0) return 0.0;
-    if (node == 1) return edge[E_LENGTH];
+    if (node == 1 && (cable->I[I_RIGID] == 0 || cable->I[I_NODES] < 3)) return edge[E_LENGTH];
+    if (node == 1) return edge[EDGE_WORDS + E_START] + cable->M[S_PAID];
     return edge[E_START] + edge[E_LENGTH] + cable->M[S_PAID];
 }
 
