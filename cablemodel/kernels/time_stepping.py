@@ -106,7 +106,7 @@ from .tables import GAMMA, STAGE_A, STAGE_C, STAGE_ERROR, STAGES
 from .two_step import accept_two_step, remember, try_two_step
 
 LARGEST_ITERATIONS = 10
-STRUGGLE = 15, 7  # iterations of a step of order 4, and of order 3, in which Newton has trouble
+STRUGGLE = 17, 7  # iterations of a step of order 4, and of order 3, in which Newton has trouble
 STEPS_OF_ORDER_3 = 16.0  # that follow such a step
 ORDER_3_STEP = 0.6  # of the step that the error of order 4 allows, as a first guess
 TIGHTEST = 1e-4  # tau down to which that pays
