@@ -114,7 +114,7 @@ from .winch import begin_payout, longest_payout_step, paid_since
 LARGEST_ITERATIONS = 10
 MOST_NORMS = 5  # in which a state is brought to its constraints, each of a tenth of the last step
 NEGLIGIBLE = 1e-9  # of the length: what may be left of a constraint
-STRUGGLE = 15, 7  # iterations of a step of order 4, and of order 3, in which Newton has trouble
+STRUGGLE = 17, 7  # iterations of a step of order 4, and of order 3, in which Newton has trouble
 STEPS_OF_ORDER_3 = 16.0  # that follow such a step
 ORDER_3_STEP = 0.6  # of the step that the error of order 4 allows, as a first guess
 TIGHTEST = 1e-4  # tau down to which that pays
