@@ -39,7 +39,7 @@ def settle(I, M):
     w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
     depth = M[S_FLOOR_DEPTH]
     q = M[I[O_POSITION] : I[O_POSITION] + size * I[I_NODES]]
-    M[S_FLOOR_WAIT] += M[S_LAST_STEP]
+    M[S_FLOOR_WAIT] += M[S_LAST_STEP]  # `bear` comes before the next step
     for node in range(I[I_NODES]):
         rest = I[O_REST] + 3 * node
         for i in range(dimension):
@@ -62,10 +62,9 @@ def settle(I, M):
 
 
 @inlined
-def follow_load(borne, law, share):
-    """Change of what is borne for long, where the law of contact gives `law` times that now."""
-    aim = max(1.0, borne * min(law, FASTEST))
-    return share * (aim - borne)
+def load_aimed_at(borne, law):
+    """What is to be borne for long, where the law of contact gives `law` times that now."""
+    return max(1.0, borne * min(law, FASTEST))
 
 
 @kernel
@@ -73,8 +72,8 @@ def bear(I, M, share):
     """Let what the floor's springs bear at rest follow the load, by a share of the difference.
 
     Cable and bodies that press harder than by their weight for long, on the top of a hump, lie on
-    the floor as others do; what strikes it finds it as soft as it is. Returns the largest change,
-    relative to what was borne.
+    the floor as others do; what strikes it finds it as soft as it is. Returns the largest
+    difference, relative to what was borne.
     """
     dimension = I[I_DIMENSION]
     size = 2 * dimension
@@ -95,9 +94,9 @@ def bear(I, M, share):
                 interpolate(I, q, parent, node, M[edge + E_LENGTH], p, w)
                 law, _stiffness, _energy = contact_law(gap_at(I, M, w, w[3:6]), depth)
                 load = max(load, law)
-        change = follow_load(borne, load, share)
-        M[edge + E_BORNE] = borne + change
-        largest = max(largest, abs(change) / borne)
+        difference = load_aimed_at(borne, load) - borne
+        M[edge + E_BORNE] = borne + share * difference
+        largest = max(largest, abs(difference) / borne)
     for place in range(2 * I[I_BODIES]):
         node, contact, preload = contact_place(I, M, place)
         if contact <= 0.0:
@@ -105,7 +104,7 @@ def bear(I, M, share):
         _press, gap, _speed = place_force(I, M, contact, preload, node, q, v, w)
         law, _stiffness, _energy = contact_law(gap, depth)
         at = I[O_BODY] + place // 2 * BODY_WORDS + B_BORNE + place % 2
-        change = follow_load(M[at], law, share)
-        largest = max(largest, abs(change) / M[at])
-        M[at] += change
+        difference = load_aimed_at(M[at], law) - M[at]
+        largest = max(largest, abs(difference) / M[at])
+        M[at] += share * difference
     return largest

@@ -172,7 +172,8 @@ def relax(I, M, frame, damped, strict):
             update_springs(I, M, 1.0)
         if moved <= 1e-10 * length and dt > 1e3 * M[S_FIRST_STEP]:
             calm += 1
-            if calm >= 2 and I[I_FLOOR] != 0 and rounds < FLOOR_ROUNDS and bear(I, M, 1.0) > 1e-3:
+            if calm >= 2 and I[I_FLOOR] != 0 and rounds < FLOOR_ROUNDS and bear(I, M, 0.0) > 1e-3:
+                bear(I, M, 1.0)
                 rounds += 1
                 calm = 0
             if calm >= 2:

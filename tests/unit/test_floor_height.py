@@ -11,7 +11,7 @@ import pytest
 import cablemodel as cm
 from cablemodel.instance import build
 from cablemodel.kernels.compile import OPTIONS
-from cablemodel.kernels.floor import table_height
+from cablemodel.kernels.floor_surface import table_height
 
 
 @numba.jit(**OPTIONS)

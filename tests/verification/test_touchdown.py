@@ -81,14 +81,15 @@ def test_tension_while_it_folds(folding, time):
 
 @pytest.mark.parametrize("time", TENSION)
 def test_floor_force_while_it_folds(folding, time):
-    """Within 0.5 % of the top tension; of itself within 0.5 % at 60 and 120 s, 0.8 % at 96 s."""
+    """Mean within 0.5 % at 60 and 120 s, 0.8 % at 96 s; from there it strays by 0.5 % of the top
+    tension."""
     instant, mean = at_and_around(folding, time, 2)
-    assert instant == pytest.approx(ON_THE_FLOOR[time], abs=5e-3 * TENSION[time])
     assert mean == pytest.approx(ON_THE_FLOOR[time], rel=8e-3 if time == 96.0 else 5e-3)
+    assert instant == pytest.approx(mean, abs=5e-3 * TENSION[time])
 
 
 @pytest.mark.xfail(
-    strict=True, reason="measured 0.66 to 0.73 % at every tolerance, 0.05 N of digits"
+    strict=True, reason="measured 0.66 to 0.76 % at every tolerance and floor stiffness"
 )
 def test_floor_force_at_96_s_is_that_of_the_table(folding):
     _, mean = at_and_around(folding, 96.0, 2)
@@ -318,17 +319,18 @@ def integral(interval, powers):
 @pytest.mark.parametrize("friction", [0.0, 0.5])
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-4])
 def test_energy_of_a_cable_that_drops_flat(tolerance, friction):
-    """From 0.5 m: what is lost to water and floor is what it had, within 10 tau of it. Read every
-    millisecond, since cable goes through the contact layer in as much."""
+    """From 0.5 m: what is lost to water and floor is what it had, within 10 tau of it. Read ten
+    or more times while cable goes through the contact layer."""
+    interval = tolerance
     model = simulated(
         [cable(20.0)],
         {"z": -0.5, "friction": friction},
         tolerance,
         initial={"straight": [1, 0, 0]},
     )
-    rows = history(model, 1e-3, 1600)
+    rows = history(model, interval, round(1.6 / interval))
     energy, _, drag, floor = rows.T
-    lost = integral(1e-3, drag) + integral(1e-3, floor)
+    lost = integral(interval, drag) + integral(interval, floor)
     assert lost[-1] > 20.0
     assert energy[-1] - energy[0] + lost[-1] == pytest.approx(0.0, abs=10 * tolerance * lost[-1])
     assert np.diff(energy).max() < 10 * tolerance * lost[-1]
@@ -340,7 +342,8 @@ def test_energy_of_a_cable_that_drops_flat(tolerance, friction):
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-4])
 def test_energy_of_a_body_that_strikes(tolerance, friction, half_length):
     """Stored energy plus drag less work of the vessel never exceeds the start: the floor only
-    takes. (How much it takes within 1e-4 s is not resolved by readings 4 ms apart.)"""
+    takes. (How much it takes within 1e-4 s is not resolved; the waves that run up the line are.)"""
+    interval = 5e-4
     body = {**BODY, "half_length": half_length}
     if half_length:
         body["rotary_inertia"] = 1.0
@@ -356,9 +359,9 @@ def test_energy_of_a_body_that_strikes(tolerance, friction, half_length):
         tolerance,
         vessel={"velocity": motion},
     )
-    energy, vessel, drag, _ = history(model, 4e-3, 2000).T
-    work = integral(4e-3, vessel)
-    left = energy + integral(4e-3, drag) - work
+    energy, vessel, drag, _ = history(model, interval, 16000).T
+    work = integral(interval, vessel)
+    left = energy + integral(interval, drag) - work
     scale = np.abs(work).max()
     assert (left <= left[0] + 10 * tolerance * scale).all()
     assert left[-1] < left[0]
