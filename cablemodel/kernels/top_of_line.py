@@ -15,6 +15,7 @@ from .layout import (
     BODY_WORDS,
     CABLE_WORDS,
     E_LENGTH,
+    E_NOMINAL,
     E_MASS,
     E_SEGMENT,
     E_START,
@@ -44,6 +45,7 @@ from .layout import (
     O_TENSION_RATE,
     O_VELOCITY,
     OK,
+    S_BENT,
     S_JOINED,
     S_PAID,
     S_PASSING,
@@ -298,6 +300,14 @@ def let_body_enter(I, M):
 
 
 @kernel
+def keep_length(I, M, edge):
+    """An element that the winch has made stays as long as it is: only its halves are joined."""
+    if M[S_BENT] > 0.0:
+        row = I[O_EDGE] + EDGE_WORDS * edge
+        M[row + E_NOMINAL] = M[row + E_LENGTH]
+
+
+@kernel
 def unite(I, M):
     """Join the top element with the next one; of the fewest, halve the longest instead."""
     join_at(I, M, 1, 1)
@@ -311,7 +321,11 @@ def unite(I, M):
             > M[I[O_EDGE] + EDGE_WORDS * longest + E_LENGTH]
         ):
             longest = node
-    return split_edge(I, M, longest, 0.5, False)
+    status = split_edge(I, M, longest, 0.5, False)
+    if status == OK:
+        keep_length(I, M, longest)
+        keep_length(I, M, longest + 1)
+    return status
 
 
 @kernel
@@ -353,6 +367,8 @@ def adapt_top(I, M):
         elif change == DIVIDES:
             pieces = max(2, int(M[S_TOP_LENGTH] / M[row + K_NOMINAL]))
             status = split_edge(I, M, 1, 1.0 - 1.0 / pieces, False)
+            if status == OK:
+                keep_length(I, M, 2)
         else:
             few = element_number(I, M) <= FEWEST_ELEMENTS
             status = unite(I, M)
