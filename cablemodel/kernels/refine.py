@@ -35,7 +35,7 @@ from .layout import (
 from .payout import join_at, split_edge
 
 PAUSE = 0.02  # of sqrt(L/g): how often the mesh is looked at
-STRAIGHT = 0.1  # of what is allowed: the same for two elements that are joined
+STRAIGHT = 0.02  # of what is allowed: the same for two elements that are joined
 
 
 @kernel
