@@ -193,8 +193,11 @@ def update_clamps(I, M, share):
                 continue
             slope = M[tension + 2 * edge + 1]
             pull = M[tension + 2 * edge] + (slope if side == 0 else -slope)
-            M[past] += share * (pull - M[past])
-            M[k] = clamp_stiffness(M, I[O_EDGE] + edge * EDGE_WORDS, M[past], M[row + B_LENGTH])
+            row_of_edge = I[O_EDGE] + edge * EDGE_WORDS
+            if share == 1.0 or M[row_of_edge + E_MODEL] == MODEL_HYBRID:
+                # An elastica's clamp does with the tension that it was made with: it does no work.
+                M[past] += share * (pull - M[past])
+            M[k] = clamp_stiffness(M, row_of_edge, M[past], M[row + B_LENGTH])
 
 
 @kernel
