@@ -144,24 +144,24 @@ def middle_waves(I, M, row, q, inner, outer, w):
 
 
 @kernel
-def clamp_stiffness(M, edge, pull, length):
+def clamp_stiffness(M, edge, pull, length, resolved):
     """Moment per angle [N m] between a body of this length [m] and a cable under `pull` [N].
 
-    edge: row of the element next to the body. An elastica's mesh resolves its layer. A hybrid's
-    element that is long against the layer sqrt(EI/T) resists a turn of its end by 1/(1 - share) of
-    the layer's sqrt(EI T); the spring in series with it makes up for the rest, as it does for an
-    elastica off the drum. `share` is fitted to an even mesh within 2 %.
+    edge: row of the element next to the body; resolved: the mesh resolves its layer, as that of an
+    elastica does at a body. A hybrid's element that is long against the layer sqrt(EI/T) resists a
+    turn of its end by 1/(1 - share) of the layer's sqrt(EI T); the spring in series with it makes
+    up for the rest. `share` is fitted to an even mesh within 2 %.
     """
     full = M[edge + E_BENDING_FULL]
     if full == 0.0:
         return 0.0
     h = M[edge + E_LENGTH]
-    hybrid = M[edge + E_MODEL] == MODEL_HYBRID
-    stiff = (SOFT_CLAMP if hybrid else CLAMP) * full / min(h, length)
+    if resolved:
+        return CLAMP * full / min(h, length)
+    stiff = SOFT_CLAMP * full / min(h, length)
     if not pull > 0.0:
         return stiff
-    if hybrid:
-        stiff += SOFT_CLAMP * math.sqrt(full * pull)
+    stiff += SOFT_CLAMP * math.sqrt(full * pull)
     x = h * math.sqrt(pull / full)
     x4 = x**4
     share = x4 / (1440.0 + 101.7 * x * x + 8.22 * x**3 + x4)
@@ -193,8 +193,10 @@ def update_clamps(I, M, share):
                 continue
             slope = M[tension + 2 * edge + 1]
             pull = M[tension + 2 * edge] + (slope if side == 0 else -slope)
+            row_of_edge = I[O_EDGE] + edge * EDGE_WORDS
             M[past] += share * (pull - M[past])
-            M[k] = clamp_stiffness(M, I[O_EDGE] + edge * EDGE_WORDS, M[past], M[row + B_LENGTH])
+            resolved = M[row_of_edge + E_MODEL] != MODEL_HYBRID
+            M[k] = clamp_stiffness(M, row_of_edge, M[past], M[row + B_LENGTH], resolved)
 
 
 @kernel

@@ -118,7 +118,7 @@ def update_springs(I, M, share):
     pull = M[I[O_TENSION] + 2] - M[I[O_TENSION] + 3]
     M[S_CLAMP_PULL] += share * (pull - M[S_CLAMP_PULL])
     edge = I[O_EDGE] + EDGE_WORDS
-    M[row + C_SPRING] = clamp_stiffness(M, edge, M[S_CLAMP_PULL], M[edge + E_LENGTH])
+    M[row + C_SPRING] = clamp_stiffness(M, edge, M[S_CLAMP_PULL], M[edge + E_LENGTH], False)
 
 
 @kernel

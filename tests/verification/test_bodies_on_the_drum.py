@@ -254,7 +254,11 @@ def test_a_short_body_is_a_point():
 
 @pytest.mark.parametrize("model", ["hybrid", "elastica"])
 def test_a_line_that_was_paid_out_hangs_like_one_that_was_built(model):
-    """Two bodies off the drum, then towed until all is at rest: within tau L of the same line."""
+    """Two bodies off the drum, then towed until all is at rest: within tau L of the same line.
+
+    The bending layers of an elastica at its bodies are resolved in a line that is built, not off
+    the drum.
+    """
     tolerance = 1e-3
     rate = [{"t": 0, "rate": 0.5}, {"t": 60, "rate": 0.5}, {"t": 62, "rate": 0}]
     paid = cm.CableModel(towed(0.5, rate, model, tolerance))
@@ -269,7 +273,8 @@ def test_a_line_that_was_paid_out_hangs_like_one_that_was_built(model):
     for ours, theirs in zip(paid.bodies, built.bodies, strict=True):
         at = paid.vessel_position
         assert ours.position - at == pytest.approx(theirs.position, abs=reach)
-        assert ours.direction == pytest.approx(theirs.direction, abs=5e-3)
+        turned = 5e-3 if model == "hybrid" else 2e-2
+        assert ours.direction == pytest.approx(theirs.direction, abs=turned)
     assert paid.tip_position - paid.vessel_position == pytest.approx(built.tip_position, abs=reach)
     assert paid.top_tension == pytest.approx(built.top_tension, rel=1e-3)
 
