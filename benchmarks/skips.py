@@ -221,7 +221,7 @@ def _forbid_joining(model: Any) -> None:
 
 
 def _rough_lay() -> Any:
-    """The steady lay over ridges of 2 to 8 m, 200 to 1,100 m apart."""
+    """The steady lay of a stiffer cable over ridges of 2 to 8 m, 200 to 1,100 m apart."""
     from benchmarks.stress_scenes import long_lay_scene
 
     rows = []
@@ -230,6 +230,7 @@ def _rough_lay() -> Any:
         z = -3000.0 + sum(a * np.sin(2.0 * np.pi * x / way + b) for a, way, b in ridges)
         rows.append({"x": float(x), "z": float(z)})
     scene = long_lay_scene(10e3).to_dict()
+    scene["cable_types"]["K"]["bending_stiffness"] = 1500.0
     return _model({**scene, "environment": {"floor": {"depth_table": rows, "friction": 0.4}}})
 
 

@@ -25,8 +25,6 @@ TIME_TOLERANCE = 0.045
 """Local error allowed in a step, in units of tau L; calibrated, see docs/engine.md."""
 UNDAMPED = 0.08
 """Factor on it in a vacuum, at tau = 1e-3."""
-STATIC_START = 3.0
-"""First step from equilibrium, in units of sqrt(tau L/g); elsewhere the motion may begin anyhow."""
 MOST_STEPS = 2_000_000
 """Internal steps that one call may take."""
 
@@ -56,8 +54,7 @@ def fill_settings(block: Block, scene: Scene, scale: float) -> None:
     reals[at.S_PERIOD] = period
     # A start that the user would not notice: it grows fourfold a step.
     reals[at.S_FIRST_STEP] = 0.02 * period
-    first = STATIC_START if scene.initial.kind == "static" else 1e-2
-    reals[at.S_STEP] = first * math.sqrt(max(tolerance, 1e-12)) * period
+    reals[at.S_STEP] = 1e-2 * math.sqrt(max(tolerance, 1e-12)) * period
     reals[at.S_SMALLEST_STEP] = 1e-10 * period
     softness = masses = 0.0
     for cable in scene.cables:
