@@ -99,9 +99,11 @@ def test_touchdown_has_the_papers_zero_tension():
     assert model.line_length == pytest.approx(65.0 + 0.7 * (125.0 - 20.5), rel=1e-9)
 
 
-@pytest.mark.xfail(strict=True, reason="9.2 N; the cable is bent more sharply, too, than steadily")
+@pytest.mark.xfail(
+    strict=True, reason="9.2 N: the touchdown moves as the body comes down, the lay is not steady"
+)
 def test_touchdown_has_the_papers_reaction():
-    """Example 3 of the paper: 8 N, which a steady lay with the bottom tension found, -1.1 N, has."""
+    """Example 3 of the paper: 8 N, as of a steady lay with the bottom tension found, -1.1 N."""
     reactions = [m.touchdown_reaction for m in steps(load("touchdown")) if 90.0 <= m.time <= 100.0]
     assert np.mean(reactions) == pytest.approx(8.0, abs=0.4)
 
