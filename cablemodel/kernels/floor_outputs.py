@@ -32,7 +32,7 @@ from .layout import (
 )
 from .tables import CONTACT_POINTS, CONTACT_WEIGHTS
 
-ZONE = 2.0  # touchdown layers behind the touchdown in which its reaction is looked for
+ZONE = 1.5, 6.0  # touchdown layers behind a touchdown: ends of the zone of its reaction
 
 
 @kernel
@@ -51,9 +51,16 @@ def hermite_point(I, M, node, x, w):
 
 
 @kernel
+def lying_gap(I, M, node):
+    """Gap below which cable of an element lies: where the floor bears as much of its weight [m]."""
+    share = (1.0 - LYING) * (1.0 - LYING) / M[I[O_EDGE] + node * EDGE_WORDS + E_BORNE]
+    return M[S_FLOOR_DEPTH] * (1.0 - math.sqrt(share))
+
+
+@kernel
 def first_contact(I, M, node, w):
     """Fraction of an element, from the vessel's side, where it first touches; 2: nowhere."""
-    depth = LYING * M[S_FLOOR_DEPTH]
+    depth = lying_gap(I, M, node)
     before = 0.0
     for k in range(17):
         x = k / 16.0
@@ -85,7 +92,8 @@ def floor_summary(I, M, out):
     On a rigid floor cable with bending stiffness lies down with a reaction R at one point, at a
     distance a before the end of the zone looked at, and its weight w on the length a. A soft
     floor spreads R, but bears the same force F = R + w a and the same moment about the zone's end,
-    G = R a + w a^2 / 2: so R^2 = F^2 - 2 w G, wherever the zone ends in cable at rest.
+    G = R a + w a^2 / 2: so R^2 = F^2 - 2 w G, wherever the zone ends in cable at rest. The mean
+    over the ends of several elements: cable that is just laid is not quite at rest.
     """
     dimension = I[I_DIMENSION]
     size = 2 * dimension
@@ -99,7 +107,8 @@ def floor_summary(I, M, out):
     touched = False
     arc = 0.0  # of the element's beginning
     last = 1e300  # arc length in whose element the zone ends
-    end = 0.0
+    first = 1e300  # and where it may end at the earliest
+    ends = 0
     weight_there = 0.0
     force = 0.0
     moment = 0.0  # about arc = 0
@@ -118,10 +127,12 @@ def floor_summary(I, M, out):
             if begin <= 1.0:
                 touched = True
                 layer = (M[edge + E_BENDING_FULL] / M[edge + E_CONTACT]) ** (1.0 / 3.0)
-                last = arc + begin * h + ZONE * layer
+                first = arc + begin * h + ZONE[0] * layer
+                last = arc + begin * h + ZONE[1] * layer
                 weight_there = M[edge + E_CONTACT] * w[2 + dimension]
                 for i in range(dimension):
                     out[4 + i] = w[i]
+        lying = lying_gap(I, M, node)
         # Whole elements: forces of single points are not in balance.
         within = arc < last
         for p in range(4):
@@ -131,18 +142,19 @@ def floor_summary(I, M, out):
             weight = h * CONTACT_WEIGHTS[p]
             for i in range(dimension):
                 out[i] += weight * (press * w[3 + i] + w[9 + i])
-            if gap < LYING * depth:
+            if gap < lying:
                 out[3] += weight
             place = arc + h * CONTACT_POINTS[p]
             if within:
                 force += weight * press
                 moment += weight * press * place
         arc += h
-        if within:
-            end = arc
+        if touched and within and (arc > first or node + 1 == nodes):
+            about_end = force * arc - moment
+            out[7] += force * force - 2.0 * weight_there * about_end
+            ends += 1
     if touched:
-        about_end = force * end - moment
-        out[7] = math.sqrt(max(0.0, force * force - 2.0 * weight_there * about_end))
+        out[7] = math.sqrt(max(0.0, out[7] / max(ends, 1)))
     for place in range(contact_places(I)):
         node, contact, preload = contact_place(I, M, place)
         if contact <= 0.0:

@@ -4,9 +4,8 @@ import math
 
 from .bodies import add_waves, body_kinematics
 from .compile import kernel
-from .contact import LYING
 from .environment import current_at
-from .floor_outputs import floor_energy, floor_summary
+from .floor_outputs import floor_energy, floor_summary, lying_gap
 from .floor_surface import gap_at
 from .layout import (
     B_LENGTH,
@@ -51,7 +50,6 @@ from .layout import (
     O_TOP,
     O_VELOCITY,
     S_BASE,
-    S_FLOOR_DEPTH,
     S_GRAVITY,
     S_PAID,
     S_PAID_MOST,
@@ -257,7 +255,7 @@ def sample_stations(I, M, stations, out):
         right = end_tension(I, M, low, 1)
         row = STATION_WORDS * n
         out[row + 12] = 0.0
-        if I[I_FLOOR] != 0 and gap_at(I, M, w, w[12:15]) < LYING * M[S_FLOOR_DEPTH]:
+        if I[I_FLOOR] != 0 and gap_at(I, M, w, w[12:15]) < lying_gap(I, M, low):
             out[row + 12] = 1.0
         to_earth(I, M, w, 0, out, row, 1)
         to_earth(I, M, w, 3, out, row + 3, 0)

@@ -162,12 +162,18 @@ def test_line_hanging_to_the_floor(line, planar):
     assert heights.min() >= -20.0 - accuracy
 
 
+RIGID_BODY = {"body": {**BODY, "half_length": 0.5, "rotary_inertia": 1.0}}
+
+
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4])
-@pytest.mark.parametrize("bending", [0.0, 0.01, 0.1, 1.0, 10.0])
-def test_slack_that_lies_has_a_start(bending, tolerance):
+@pytest.mark.parametrize(
+    ("bending", "end"),
+    [(0.0, []), (0.01, []), (0.1, []), (1.0, []), (10.0, []), (10.0, [RIGID_BODY])],
+)
+def test_slack_that_lies_has_a_start(bending, end, tolerance):
     """Whatever bending stiffness: tension of what hangs, no element folded in line."""
     kind = {**CABLE_K, "bending_stiffness": bending}
-    model = on_floor([cable(35.0)], {"z": -20, "friction": 0.3}, tolerance, None, kind)
+    model = on_floor([cable(35.0), *end], {"z": -20, "friction": 0.3}, tolerance, None, kind)
     balanced(model)
     assert model.top_tension == pytest.approx(20.0 * WEIGHT, rel=10 * tolerance)
     state = model.sample(np.linspace(0.0, 35.0, 3501))
