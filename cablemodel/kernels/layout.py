@@ -107,6 +107,10 @@ S_WAVE_RAMP = _S + 63  # time in which the waves come up [s]
 S_WAVE_STEP = _S + 64  # longest step that resolves them [s]
 S_WAVE_DEPTH = _S + 65  # water depth [m]
 S_WAVE_CREST = _S + 66  # sum of the amplitudes [m]
+S_LARGEST_TENSION = _S + 67  # so far, either way [N]
+S_STAGE_TENSION = _S + 68  # 6 words: of the top element, in the stages of the last step [N]
+S_BEND_SPARE = _S + 75  # nodes left for elements that come to bend too much
+S_BEND_CHECK = _S + 76  # steps until they are looked at again
 S_TWO_STEP_RATIO = _S + 88  # convergence ratio of Newton in the two-step scheme
 S_STAGE_RATE, S_STAGE_SLOPE = _S + 38, _S + 39  # at the time of the last set_time
 
@@ -176,7 +180,7 @@ C_NODE, C_KIND, C_POSITION, C_CLAMPED, C_DIRECTION = (
 C_VESSEL, C_ANCHOR = 1, 2
 
 # What is read off a state, in words: the rows of outputs.sample_stations, outputs.summarise.
-STATION_WORDS, SUMMARY_WORDS, ENERGY_WORDS = 13, 32, 8
+STATION_WORDS, SUMMARY_WORDS, ENERGY_WORDS = 13, 32, 9
 
 # Elements at a touchdown.
 LAYER = 0.4  # smallest element in units of the touchdown layer (EI/w)^(1/3)
