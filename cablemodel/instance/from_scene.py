@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
+FEWEST_SPARE = 24
+"""Nodes by which the mesh of a short line may grow when it bends."""
+
 
 def build(scene: Scene, *, planar: bool | None = None, drum_room: float = 1.0) -> Block:
     """A block at the scene's initial state, t = 0.
@@ -75,6 +78,7 @@ def _build_on(
     block = _allocate(scene, line, winch)
     _choose_frame(block, scene, points, planar)
     block.ints[at.I_NODES] = line.nodes
+    block.reals[at.S_BEND_SPARE] = bend_nodes(scene, line)
     tables.fill_settings(block, scene, scale)
     tables.fill_motion(block, scene.motion().pieces)
     tables.fill_current(block, scene)
@@ -95,8 +99,9 @@ def _allocate(scene: Scene, line: Line, winch: Winch) -> Block:
     """A block of zeros with room for the line, and for what pay-out and touchdown may add."""
     current = scene.environment.current
     water = sea(scene)
+    spare = winch.extra_nodes + sea_floor.spare_nodes(scene) + bend_nodes(scene, line)
     return Block(
-        capacity=line.nodes + winch.extra_nodes + sea_floor.spare_nodes(scene),
+        capacity=line.nodes + spare,
         pieces=1 + len(scene.motion().pieces),
         depths=1 if current is None else len(current.z),
         times=1 if current is None else len(current.t),
@@ -110,6 +115,17 @@ def _allocate(scene: Scene, line: Line, winch: Winch) -> Block:
         floor_words=sea_floor.table_words(scene.environment.floor),
         waves=0 if water is None else len(water.amplitude),
     )
+
+
+def bend_nodes(scene: Scene, line: Line) -> int:
+    """Nodes for elements that come to bend too much.
+
+    None where the scene gives the elements' number, or at a sea floor, where the mesh follows that.
+    """
+    given = any(cable.elements is not None for cable in scene.cables)
+    if given or scene.environment.floor is not None:
+        return 0
+    return max(FEWEST_SPARE, 2 * line.nodes)
 
 
 def _choose_frame(block: Block, scene: Scene, points: FloatArray, planar: bool | None) -> None:

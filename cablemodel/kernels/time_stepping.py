@@ -2,11 +2,13 @@
 
 Unknown of a stage is the acceleration a_i, through q_i = q^ + (gamma dt)^2 a_i and
 v_i = v^ + gamma dt a_i; prescribed nodes are imposed exactly in every stage. Tension is algebraic:
-neither the error estimate nor Newton's test looks at it, but for the last stage before an output.
+Newton's test looks at it in the last stage before an output only, and its error, of order 2 in the
+step, is estimated from those of the stages.
 """
 
 import math
 
+from .bends import follow_bends
 from .compile import copy_words, kernel, view
 from .environment import find_piece
 from .floor import settle
@@ -66,8 +68,11 @@ from .layout import (
     P_VELOCITY_JUMP,
     PIECE_WORDS,
     S_AXIAL,
+    S_BEND_CHECK,
+    S_BEND_SPARE,
     S_FACTORED_STEP,
     S_JOINED,
+    S_LARGEST_TENSION,
     S_LAST_STEP,
     S_LENGTH,
     S_PAID,
@@ -75,6 +80,7 @@ from .layout import (
     S_PAYOUT_SLOPE,
     S_PERIOD,
     S_SMALLEST_STEP,
+    S_STAGE_TENSION,
     S_STEP,
     S_TIME,
     S_TIME_TOLERANCE,
@@ -95,9 +101,11 @@ from .system import (
     set_time,
 )
 from .tables import GAMMA, STAGE_A, STAGE_C, STAGE_ERROR, STAGES
+from .tension import read_tension, stage_error, two_step_error, worth_reading
 from .two_step import accept_two_step, remember, try_two_step
 
 LARGEST_ITERATIONS = 10
+BEND_CHECK = 16.0  # two-step steps between looks at how the elements bend
 MOST_REFUSALS = 4  # of a step that ends folded
 AXIAL_SLOW = 2.5  # gamma dt over the time that an axial wave takes along a joined element
 AXIAL_RESOLVED = 5.0  # (axial frequency x gamma dt)^2 below which velocities are not projected
@@ -178,7 +186,10 @@ def solve_stage(I, M, t, gamma_dt, tolerance, to_output):
 
 @kernel
 def try_step(I, M, dt, scheme, to_output):
-    """One ESDIRK step from the state to the trial; returns (status, error / tolerance)."""
+    """One ESDIRK step from the state to the trial.
+
+    Returns the status, and the errors of position and top tension over their tolerances.
+    """
     count = 2 * I[I_DIMENSION] * I[I_NODES]
     nodes = I[I_NODES]
     stages = STAGES[scheme]
@@ -219,12 +230,13 @@ def try_step(I, M, dt, scheme, to_output):
         stage_time = time + dt if last else time + STAGE_C[scheme, i] * dt
         status = solve_stage(I, M, stage_time, gamma_dt, tolerance, to_output and last)
         if status != OK:
-            return status, 0.0
+            return status, 0.0, 0.0
         stage_v = view(M, I[O_STAGE_V] + i * count, count)
         stage_a = view(M, I[O_STAGE_A] + i * count, count)
         for n in range(count):
             stage_v[n] = trial_v[n]
             stage_a[n] = trial_a[n]
+        M[S_STAGE_TENSION + i - 1] = M[I[O_TRIAL_T] + 2]
         if i == stages - 2:
             for n in range(2 * nodes):
                 M[I[O_STAGE_T] + n] = M[I[O_TRIAL_T] + n]
@@ -237,7 +249,7 @@ def try_step(I, M, dt, scheme, to_output):
             base_q[n] += weight * stage_v[n]
     error, where = increment_norm(I, M, base_q)
     I[I_FAILED_NODE] = where
-    return OK, error / tolerance
+    return OK, error / tolerance, stage_error(M, scheme)
 
 
 @kernel
@@ -265,6 +277,8 @@ def accept_trial(I, M, dt, scheme):
     rate = view(M, I[O_TENSION_RATE], 2 * I[I_NODES])
     for n in range(2 * I[I_NODES]):
         rate[n] = w0 * tension[n] + wc * inner[n] + w1 * final[n]
+    for node in range(1, I[I_NODES]):
+        M[S_LARGEST_TENSION] = max(M[S_LARGEST_TENSION], abs(final[2 * node]))
     M[S_LAST_STEP] = dt
     copy_words(I, I[O_POSITION], I[O_TRIAL_Q], count)
     copy_words(I, I[O_VELOCITY], I[O_TRIAL_V], count)
@@ -426,6 +440,8 @@ def change_mesh(I, M):
             return status
     if I[I_FLOOR] != 0:
         follow_floor(I, M, True)
+    if M[S_BEND_SPARE] > 0.0:
+        follow_bends(I, M, True)
     make_consistent(I, M, True)
     M[S_JOINED] = 0.0
     return OK
@@ -500,6 +516,12 @@ def advance_to(I, M, t_end):
             status = change_mesh(I, M)
             if status != OK:
                 break
+        elif M[S_BEND_SPARE] > 0.0 and M[S_BEND_CHECK] <= 0.0 and follow_bends(I, M, False):
+            status = change_mesh(I, M)
+            if status != OK:
+                break
+        if M[S_BEND_CHECK] <= 0.0:
+            M[S_BEND_CHECK] = BEND_CHECK
         natural = M[S_STEP]
         if I[I_WAVES] != 0:
             natural = min(natural, M[S_WAVE_STEP])
@@ -525,9 +547,10 @@ def advance_to(I, M, t_end):
         unprojected = False
         status = OK
         error = 0.0
+        pull = 0.0
         two_steps = to_output and dt <= 0.25 * natural and try_two_step(I, M, dt)
         if not two_steps:
-            status, error = try_step(I, M, dt, scheme, to_output)
+            status, error, pull = try_step(I, M, dt, scheme, to_output)
             if status == OK and I[I_FLOOR] != 0 and refused < MOST_REFUSALS and folds(I, M):
                 # Where the mesh follows folds; a whip on a coarse one may end so for a while.
                 refused += 1
@@ -548,9 +571,16 @@ def advance_to(I, M, t_end):
             status = OK
         else:
             if two_steps:
+                pull = two_step_error(I, M, dt)
+            read = to_output and worth_reading(I, M, dt, pull)
+            if two_steps:
                 accept_two_step(I, M, dt)
+                M[S_BEND_CHECK] -= 1.0
             else:
                 accept_trial(I, M, dt, scheme)
+                M[S_BEND_CHECK] = 0.0
+            if read:
+                read_tension(I, M, dt, pull)
             if I[I_PAYOUT] != 0:
                 paid = paid_since(M, dt)
                 M[S_PAID] += paid
