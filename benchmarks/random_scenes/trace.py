@@ -67,11 +67,16 @@ def perturbed(drawn: Drawn, share: float) -> dict[str, Any]:
 
 
 def run(
-    drawn: Drawn, scene: dict[str, Any], tolerance: float, cpu_limit: float = 60.0
+    drawn: Drawn,
+    scene: dict[str, Any],
+    tolerance: float,
+    cpu_limit: float = 60.0,
+    parts: int = 1,
 ) -> tuple[Trace, Any]:
     """Step the scene with the drawn steps to its end; returns the trace and the model (or None).
 
-    Nothing is raised: whatever happens is in the trace.
+    Nothing is raised: whatever happens is in the trace. With `parts` above 1 the powers of the
+    balance are also taken within each step, from as many short steps on a way of their own.
     """
     import cablemodel as cm
 
@@ -87,6 +92,7 @@ def run(
         _keep(trace, model, scene, tolerance, total)
         balance.add(model)
         for index in range(1, count + 1):
+            balance.look_within(model, index * drawn.step, parts)
             model.step_to(index * drawn.step)
             balance.add(model)
             if model.winch != "free":
@@ -151,40 +157,58 @@ class _Balance:
 
     What a shape that is wrong by tau L may hide of the line's weight is no gain. A trapezoidal rule
     over the caller's steps, and one over every second step: their distance is what the rule may be
-    wrong by. Cable that passes the tow point carries energy with it that the model does not report:
-    no balance with pay-out. The exchange with added mass that Morison's equation leaves open is
-    not in it either.
+    wrong by. It sees nothing of what comes and goes between two steps, as the drag on a line that
+    is let go into a current: `look_within` does. Cable that passes the tow point carries energy
+    with it that the model does not report: no balance with pay-out.
     """
 
     def __init__(self, scene: dict[str, Any], tolerance: float) -> None:
         self._drawn_up = not scene.get("payout")
         self._hidden = tolerance * _weight_times_length(scene)
         self._times: list[float] = []
+        self._stored_times: list[float] = []
         self._stored: list[float] = []
-        self._powers: list[tuple[float, float, float]] = []
+        self._powers: list[tuple[float, ...]] = []
+
+    def look_within(self, model: Any, end: float, parts: int) -> None:
+        """Take the powers on a way of short steps to `end`, and put the model back."""
+        if not self._drawn_up or parts == 1:
+            return
+        snapshot, start = model.snapshot(), model.time
+        for part in range(1, parts):
+            model.step_to(start + (end - start) * part / parts)
+            self._take_powers(model, model.energy())
+        model.restore(snapshot)
 
     def add(self, model: Any) -> None:
+        """Take energy and powers of a state of the run."""
         if not self._drawn_up:
             return
         energy = model.energy()
-        self._times.append(model.time)
         names = ("kinetic", "axial", "bending", "potential", "floor")
         self._stored.append(sum(energy[name] for name in names))
-        self._powers.append((energy["vessel_power"], energy["drag_power"], energy["floor_power"]))
+        self._stored_times.append(model.time)
+        self._take_powers(model, energy)
+
+    def _take_powers(self, model: Any, energy: dict[str, float]) -> None:
+        self._times.append(model.time)
+        names = ("vessel_power", "drag_power", "floor_power", "added_mass_power")
+        self._powers.append(tuple(energy[name] for name in names))
 
     def gain(self) -> float:
         """The largest gain at any time beyond what the quadrature may be wrong by [-]."""
-        if len(self._times) < 5:
+        if len(self._stored) < 5:
             return float("nan")
         times = np.array(self._times)
+        ends = np.searchsorted(times, np.array(self._stored_times))
         stored = np.array(self._stored)
         powers = np.array(self._powers)
-        given = powers[:, 0] - powers[:, 1] - powers[:, 2]
+        given = powers[:, 0] - powers[:, 1:].sum(axis=1)
         fine = _integral(times, given)
         coarse = np.interp(times, times[::2], _integral(times[::2], given[::2]))
-        doubt = np.maximum.accumulate(np.abs(fine - coarse))
-        through = _integral(times, np.abs(powers).sum(axis=1)) + np.ptp(stored)
-        excess = stored - stored[0] - fine - 3.0 * doubt - self._hidden
+        doubt = np.maximum.accumulate(np.abs(fine - coarse))[ends]
+        through = _integral(times, np.abs(powers).sum(axis=1))[ends] + np.ptp(stored)
+        excess = stored - stored[0] - fine[ends] - 3.0 * doubt - self._hidden
         return float(np.max(excess[1:] / np.maximum(through[1:], 1e-12)))
 
 

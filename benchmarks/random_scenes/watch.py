@@ -19,13 +19,14 @@ from dataclasses import asdict
 from typing import Any
 
 from benchmarks.random_scenes.draw import draw
-from benchmarks.random_scenes.judge import CHECK_LIMIT, RUN_LIMIT, Verdict, judge
+from benchmarks.random_scenes.judge import CHECK_LIMIT, ENERGY_LIMIT, RUN_LIMIT, Verdict, judge
 
 GRACE = 3.0
 """CPU seconds beyond a run's limit until its process is ended: steps may be long [s]."""
 LIMITS = {
     "run": RUN_LIMIT,
     "rest": RUN_LIMIT,
+    "energy": ENERGY_LIMIT,
     "check": CHECK_LIMIT,
     "perturbed": CHECK_LIMIT,
     "finest": CHECK_LIMIT,
@@ -78,7 +79,7 @@ def search(seeds: Sequence[int], report: Callable[[Verdict], None]) -> list[Verd
 
 def _ended(seed: int, phase: str, code: int) -> Verdict:
     """What it means that a worker ended while it ran a scene."""
-    if code == -signal.SIGXCPU and phase in ("run", "rest"):
+    if code == -signal.SIGXCPU and phase in ("run", "rest", "energy"):
         return Verdict(seed, "too slow", f"{phase}: a single step beyond the limit", cpu=RUN_LIMIT)
     name = signal.Signals(-code).name if code < 0 else f"exit code {code}"
     if code == -signal.SIGXCPU:

@@ -101,11 +101,9 @@ def _allocate(scene: Scene, line: Line, winch: Winch) -> Block:
     """A block of zeros with room for the line, and for what pay-out and touchdown may add."""
     current = scene.environment.current
     water = sea(scene)
+    spare = winch.extra_nodes + sea_floor.spare_nodes(scene) + spare_nodes(scene, line.nodes)
     return Block(
-        capacity=line.nodes
-        + winch.extra_nodes
-        + sea_floor.spare_nodes(scene)
-        + spare_nodes(scene, line.nodes),
+        capacity=line.nodes + spare,
         pieces=1 + len(scene.motion().pieces),
         depths=1 if current is None else len(current.z),
         times=1 if current is None else len(current.t),

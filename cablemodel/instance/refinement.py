@@ -20,7 +20,7 @@ FloatArray = NDArray[np.float64]
 
 ROUNDS = 14
 """Times that a mesh is refined at most."""
-BENT = 10.0
+BENT = 5.0
 """Of tau L: what h^2 times the jump of curvature may be in a static shape."""
 LARGEST_STATIC_MESH = 4000
 SPARE = 24, 2.0

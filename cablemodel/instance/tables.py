@@ -50,6 +50,10 @@ def fill_settings(block: Block, scene: Scene, scale: float) -> None:
     if follows_bending(scene):
         reals[at.S_BENT] = at.BENDS * tolerance * length
     reals[at.S_TENSION_SCALE] = scale
+    if scene.initial.kind != "static":
+        # What is let go slack snaps, and rings at peaks that no output meets: its tension is left
+        # as the steps find it (kernels/tension.py reads none that is small against this).
+        reals[at.S_LARGEST_TENSION] = math.inf
     period = math.sqrt(length / max(scene.environment.gravity, 1e-3))
     reals[at.S_PERIOD] = period
     # A start that the user would not notice: it grows fourfold a step.

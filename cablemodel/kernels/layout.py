@@ -128,6 +128,8 @@ S_SLEEP_FLOW = _S + 86  # square of the water's speed whose drag is the friction
 S_BENT = _S + 89  # what h^2 times the jump of r'' may be in free water [m]; 0: the mesh stays
 S_BENT_AFTER = _S + 90  # time before which the mesh is not looked at again [s]
 S_ORDER_3 = _S + 87  # steps by order 3 before order 4 is tried again
+S_LARGEST_TENSION = _S + 74  # so far, either way [N]
+S_STAGE_TENSION = _S + 68  # 6 words: of the top element, in the stages of the last step [N]
 S_TWO_STEP_RATIO = _S + 88  # convergence ratio of Newton in the two-step scheme
 S_STAGE_RATE, S_STAGE_SLOPE = _S + 38, _S + 39  # at the time of the last set_time
 
@@ -201,7 +203,7 @@ C_VESSEL, C_ANCHOR = 1, 2
 EXACTLY, BY_SPRING = 1, 2  # how the tangent is held (C_CLAMPED); 0: it is free
 
 # What is read off a state, in words: the rows of outputs.sample_stations, outputs.summarise.
-STATION_WORDS, SUMMARY_WORDS, ENERGY_WORDS = 13, 32, 8
+STATION_WORDS, SUMMARY_WORDS, ENERGY_WORDS = 13, 32, 9
 
 # Of tau L: what h^2 times the jump of r'' between two elements may be in free water.
 BENDS = 25.0

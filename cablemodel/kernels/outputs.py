@@ -3,7 +3,7 @@
 import math
 
 from .bodies import add_waves, body_kinematics
-from .compile import kernel
+from .compile import kernel, view
 from .environment import current_at
 from .floor_outputs import floor_energy, floor_summary, lying_gap
 from .floor_surface import gap_at
@@ -364,9 +364,14 @@ def energies(I, M, out):
 
     out: 0 kinetic (with added mass), 1 axial strain, 2 bending, 3 potential of the submerged
     weight (zero at z = 0), 4 power of the supports on the cable, 5 power lost to drag, 6 what the
-    floor's springs hold, 7 power lost to friction and damping on the floor. With waves there is
-    no added mass in 0, 3 is the potential of the weight in air, and 5 the power that the water
-    takes in all its forces: drag, buoyancy, inertia.
+    floor's springs hold, 7 power lost to friction and damping on the floor, 8 power that added mass
+    takes beyond its share of 0. With waves there is no added mass in 0 and nothing in 8, 3 is the
+    potential of the weight in air, and 5 the power that the water takes in all its forces: drag,
+    buoyancy, inertia.
+
+    Morison's force -ma (I - t t^T) a works at the rate -d/dt(ma |v_n|^2 / 2) - ma (v.t)(v.t_dot):
+    the second part is what the water takes, or gives, where cable turns while it slides. In whips
+    and fast tows it is a quarter of all that goes through the line.
     """
     dimension = I[I_DIMENSION]
     size = 2 * dimension
@@ -470,6 +475,16 @@ def energies(I, M, out):
                 for i in range(dimension):
                     force = fn * (w[9 + i] - ut * w[i]) + ft * w[i]
                     out[5] -= weight * force * w[6 + i]
+                turning = 0.0  # v . dv/ds, then v . t_dot
+                stretching = 0.0
+                for i in range(dimension):
+                    rate = -6.0 * x * y / h * (M[v0 + i] - M[v1 + i])
+                    rate += y * (1.0 - 3.0 * x) * M[v0 + dimension + i]
+                    rate += x * (3.0 * x - 2.0) * M[v1 + dimension + i]
+                    turning += w[6 + i] * rate
+                    stretching += w[i] * rate
+                turning = (turning - vt * stretching) / g
+                out[8] += weight * M[edge + E_ADDED] * vt * turning
             e2 += weight / h * (6.0 * x * x - 6.0 * x + 1.0) * (g - 1.0)
         e2 *= 5.0
         out[1] += 0.1 * h * M[edge + E_STABILISATION] * e2 * e2
@@ -506,6 +521,13 @@ def energies(I, M, out):
             wave_power(I, M, row, flow, out)
             continue
         out[3] += M[row + B_WEIGHT] * height
+        slope = view(M, I[O_POSITION] + at + dimension, dimension)
+        rate = view(M, I[O_VELOCITY] + at + dimension, dimension)
+        size_of_slope = 0.0
+        for i in range(dimension):
+            size_of_slope += slope[i] ** 2
+        for i in range(dimension):
+            flow[15 + i] = rate[i] / math.sqrt(size_of_slope)
         flow_energy(M, row, dimension, flow, out)
     if I[I_PAYOUT] != 0:
         out[2] += clamp_energy(I, M, q)

@@ -507,6 +507,8 @@ def rigid_energy(I, M, row, q, v, a, tension, out):
         middle_waves(I, M, row, q, inner, outer, w)
         wave_power(I, M, row, w, out)
         return
+    for i in range(dimension):
+        w[15 + i] = (v[outer + i] - v[inner + i]) / reach
     flow_energy(M, row, dimension, w, out)
 
 
@@ -524,16 +526,23 @@ def wave_power(I, M, row, w, out):
 
 @kernel
 def flow_energy(M, row, dimension, w, out):
-    """Energy of the added mass and loss to drag of a body that moves at w[12:15].
+    """Energy of the added mass and losses to the water of a body that moves at w[12:15].
 
-    w[0:6]: axis and relative water velocity.
+    w[0:6]: axis and relative water velocity; w[15:18]: what a vector of length one that is fixed
+    to the axis changes by [1/s], with or without its part along the axis.
     """
     ut, _along, sn, st = speeds(M, row, dimension, w)
     along = 0.0
     square = 0.0
+    turning = 0.0
+    stretching = 0.0
     for i in range(dimension):
         along += w[12 + i] * w[i]
         square += w[12 + i] ** 2
+        turning += w[12 + i] * w[15 + i]
+        stretching += w[i] * w[15 + i]
+    turning -= along * stretching
+    out[8] += (M[row + B_ADDED] - M[row + B_ADDED_AXIAL]) * along * turning
     out[0] += 0.5 * M[row + B_ADDED] * (square - along * along)
     out[0] += 0.5 * M[row + B_ADDED_AXIAL] * along * along
     fn = M[row + B_DRAG] * sn

@@ -46,6 +46,7 @@ from .layout import (
     P_VELOCITY_JUMP,
     PIECE_WORDS,
     S_FACTORED_STEP,
+    S_LARGEST_TENSION,
     S_LAST_STEP,
     S_PERIOD,
     S_TIME,
@@ -187,6 +188,7 @@ def try_two_step(I, M, dt):
             and ratio * tension_change <= 1e-4 * largest
         ):
             I[I_TWO_STEP_CHECK] -= 1
+            M[S_LARGEST_TENSION] = max(M[S_LARGEST_TENSION], largest)
             return True
         if iteration > 0 and ratio > STALE:
             if I[I_FRESH] == 1:

@@ -68,7 +68,12 @@ class Growing:
         self.time = time
 
     def energy(self) -> dict[str, float]:
-        powers = {"vessel_power": 0.0, "drag_power": 0.1, "floor_power": 0.0}
+        powers = {
+            "vessel_power": 0.0,
+            "drag_power": 0.1,
+            "floor_power": 0.0,
+            "added_mass_power": 0.0,
+        }
         return {"kinetic": 1e4 * self.time, "axial": 0.0, "bending": 0.0, "potential": 0.0,
                 "floor": 0.0, **powers}  # fmt: skip
 

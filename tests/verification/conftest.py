@@ -13,9 +13,6 @@ _TIGHT = (
 )
 LIMITS = {
     "test_elastic_catenary": "tension inside the line: 1.5 times 10 tau at tau = 1e-6",
-    "test_current_that_turns_with_depth_at_a_tolerance": (
-        "kinks of a current profile inside elements: 1 to 3 tau L"
-    ),
     "test_converges_to_the_table": _TIGHT,
     "test_axial_mode_with_an_end_mass[0.0]": (
         "weightless, unstretched line: nothing to scale the stabilised mode by, so axial modes "
@@ -31,7 +28,6 @@ FAILING = frozenset(
         "test_axial_mode_with_an_end_mass[0.0]",
         "test_converges_to_the_table[released in water-100-1e-08]",
         "test_converges_to_the_table[towed-60-1e-08]",
-        "test_current_that_turns_with_depth_at_a_tolerance[0.0001]",
         "test_elastic_catenary[1e-06-300.0-10000000.0]",
     }
 )

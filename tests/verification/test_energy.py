@@ -136,6 +136,52 @@ def test_drag_only_takes_energy_from_a_released_cable():
     assert gain == pytest.approx(-lost + exchange, rel=1e-4)
 
 
+def test_reported_exchange_with_added_mass_is_that_of_the_state():
+    """A cable that is let go in a cross current, while it turns and slides."""
+    model = cm.CableModel(
+        scenes.released_in_water(tolerance=1e-5, elements=40, current=[0.3, 0.4, 0.0])
+    )
+    for time in (0.5, 1.0, 3.0):
+        model.step_to(time)
+        taken = model.energy()["added_mass_power"]
+        assert abs(taken) > 1e-3
+        assert taken == pytest.approx(-added_mass_exchange(model, 40, 10.0), rel=1e-3)
+
+
+def test_energy_balance_of_a_body_with_unequal_added_masses_closes():
+    """A depressor on a line is towed off: its axis turns while it moves along and across it."""
+    body = {
+        "mass": 20.0,
+        "submerged_weight": 100.0,
+        "added_mass": 40.0,
+        "added_mass_axial": 2.0,
+        "drag_area": 0.02,
+        "drag_area_axial": 0.02,
+    }
+    ramp = [{"t": 0, "velocity": [0, 0, 0]}, {"t": 1.0, "velocity": [2.0, 0, 0]}]
+    model = cm.CableModel(
+        scene(
+            5.0,
+            {**IDEAL, "axial_stiffness": 1e7, "mass": 0.1},
+            model="cable",
+            body=body,
+            tolerance=1e-6,
+            vessel={"velocity": ramp},
+        )
+    )
+    start, given, lost, taken = stored(model), [0.0], [0.0], [0.0]
+    for k in range(800):
+        model.step_to(0.005 * (k + 1))
+        energy = model.energy()
+        given.append(energy["vessel_power"])
+        lost.append(energy["drag_power"])
+        taken.append(energy["added_mass_power"])
+    gain = stored(model) - start
+    given, lost, taken = (simpson(0.005, power) for power in (given, lost, taken))
+    assert abs(taken) > 0.01 * given
+    assert gain == pytest.approx(given - lost - taken, abs=1e-3 * given)
+
+
 def rope(tolerance, **settings):
     """1 m of rope in vacuum, let go at 60 degrees; a little bending stiffness, no end mass."""
     place = [np.sin(np.radians(60.0)), 0.0, -np.cos(np.radians(60.0))]

@@ -277,6 +277,58 @@ def test_sudden_stop_sends_a_front_of_minus_v_sqrt_ea_m():
         assert model.top_tension == pytest.approx(8000.0 - lost, abs=0.01 * IMPEDANCE)
 
 
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-4])
+@pytest.mark.parametrize("interval", [0.3, 0.1])
+def test_tension_of_a_stiff_line_in_heave(interval, tolerance):
+    """All of it moves with the vessel: submerged weight, inertia and drag along the line.
+
+    The caller's steps are far too long for the line's axial waves (0.02 s), and the tension that
+    they difference from positions is wrong by 4 promises at 1e-4 (90 % of the instants within 8).
+    """
+    period, rows = 4.0, []
+    for k in range(81):
+        t = k * period / 20.0
+        speed = 0.5 * np.sin(2.0 * np.pi * t / period) * min(t / period, 1.0)
+        rows.append({"t": t, "velocity": [0.0, 0.0, speed]})
+    cable = {
+        **IDEAL,
+        "mass": 1.3,
+        "submerged_weight": 8.0,
+        "axial_stiffness": 2e9,
+        "drag_normal": 1.2,
+        "drag_tangential": 0.02,
+        "added_mass": 1.0,
+    }
+    body = {
+        "mass": 300.0,
+        "submerged_weight": 1500.0,
+        "added_mass": 100.0,
+        "added_mass_axial": 50.0,
+        "drag_area": 0.5,
+        "drag_area_axial": 0.5,
+    }
+    towed = scene(
+        100.0,
+        cable,
+        model="cable",
+        body=body,
+        tolerance=tolerance,
+        vessel={"velocity": rows, "interpolation": "cubic"},
+    )
+    model = cm.CableModel(towed)
+    errors, largest = [], 0.0
+    for k in range(round(3.0 * period / interval)):
+        model.step_to((k + 1) * interval)
+        _, velocity, acceleration = towed.motion().evaluate(model.time)
+        drag = 0.5 * 1025.0 * (0.5 + 0.02 * np.pi * 0.01 * 100.0)
+        expected = 8.0 * 100.0 + 1500.0 + (130.0 + 350.0) * acceleration[2]
+        expected += drag * abs(velocity[2]) * velocity[2]
+        largest = max(largest, expected)
+        errors.append(abs(model.top_tension - expected))
+    assert largest > 2500.0
+    assert max(errors) <= 10.0 * tolerance * largest
+
+
 def test_axial_oscillation_of_an_end_mass():
     """A mass like the cable's, let go with the cable unstretched: the series of its modes."""
     from scipy.optimize import brentq

@@ -81,3 +81,32 @@ def test_towed_cable_ends_steady_at_the_closed_form():
     tip = model.tip_position - model.vessel_position
     assert tip == pytest.approx(shape.end_position, abs=3e-6)
     assert model.top_tension == pytest.approx(shape.top_tension, abs=1e-5)
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-4])
+def test_mesh_follows_a_tow_round_a_sharp_turn(tolerance):
+    """100 m of cable towed straight at 2 m/s, then turned back on a radius of 5 m.
+
+    It starts with 4 or 8 elements, all that a line under tension needs, and comes to bend sharply:
+    with those it would be wrong by 65 and 90 tau L. Compared, as the random search compares, with
+    a finer run once the turn is made; while the line begins to bend, its elements are halved a
+    step late (up to 4 tau L).
+    """
+    runs = []
+    for tau in (tolerance, 0.01 * tolerance):
+        legs = [
+            {"turn": {"angle": "180 deg", "radius": 5.0, "speed": 2.0}},
+            {"straight": {"duration": 1000.0, "speed": 2.0}},
+        ]
+        model = cm.CableModel(
+            scenes.scene(100.0, scenes.CABLE_K, vessel={"path": legs}, tolerance=tau)
+        )
+        shapes, pulls = [], []
+        for time in (18.75, 25.0, 37.5, 50.0, 75.0):
+            model.step_to(time)
+            shapes.append(model.sample(np.linspace(0.0, 100.0, 17)).position)
+            pulls.append(model.top_tension)
+        runs.append((np.array(shapes), np.array(pulls)))
+    (shapes, pulls), (finer, exact) = runs
+    assert np.linalg.norm(shapes - finer, axis=2).max() <= 1.25 * tolerance * 100.0
+    assert np.abs(pulls - exact).max() <= 10.0 * tolerance * exact.max()
