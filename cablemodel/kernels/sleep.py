@@ -18,7 +18,7 @@ import math
 from .backup import keep_sleepers
 from .compile import copy_words, kernel, view
 from .environment import current_at
-from .floor import gap_at, lowest_gap
+from .floor_surface import gap_at, lowest_gap
 from .follow import finest_length, holds_something
 from .layout import (
     B_DRAG,
