@@ -165,11 +165,11 @@ def skips() -> list[Skip]:
         ),
         Skip(
             "the same",
-            "6 km over a rough floor",
+            "2.6 km over a rough floor",
             _rough_lay,
             lambda: _with_words(_rough_lay(), I_SLEEP=0),
             interval=20.0,
-            end=6000.0,
+            end=2600.0,
             repeats=1,
         ),
     ]

@@ -121,17 +121,20 @@ def test_cable_lay_follows_the_lay_law():
     scene = load("cable_lay")
     law = lay_tension(scene.cable_types["armoured"], speed=1.0, payout=1.0, depth=3000.0)
     assert law == pytest.approx(44790.0, abs=1.0)
-    tensions, laid = {}, {}
+    tensions, laid, off = {}, {}, []
     for model in steps(scene):
         tensions[model.time] = model.top_tension
         laid[model.time] = model.touchdown_position[0] - model.vessel_position[0]
-        if model.time in (1000.0, 2000.0, 3000.0, 5000.0):
+        if model.time % 100.0 == 0.0:
             cable = model.sample(np.linspace(0.0, model.line_length, 8001))
             # 10 m above the floor, out of the reach of bending.
             above = np.argmax(cable.position[:, 2] < -2990.0)
             bottom = cable.tension[above] - law * 10.0 / 3000.0
-            # Weight against drag gives the same however the cable hangs.
-            assert model.top_tension - bottom == pytest.approx(law, rel=3e-3)
+            off.append((model.top_tension - bottom) / law - 1.0)
+    # Weight against drag gives the same however the cable hangs; elements that land make it waver.
+    assert len(off) == 50
+    assert abs(np.mean(off)) < 1.5e-3
+    assert np.max(np.abs(off)) < 5e-3  # half of what the tolerance promises
     steady = [value for time, value in tensions.items() if time <= 1200.0]
     assert steady == pytest.approx([law] * len(steady), rel=2.5e-3)
     assert max(tensions.values()) == pytest.approx(46.7e3, rel=5e-3)
