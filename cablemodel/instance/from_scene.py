@@ -120,10 +120,13 @@ def _allocate(scene: Scene, line: Line, winch: Winch) -> Block:
 def bend_nodes(scene: Scene, line: Line) -> int:
     """Nodes for elements that come to bend too much.
 
-    None where the scene gives the elements' number, or at a sea floor, where the mesh follows that.
+    None where the scene gives the elements' number; at a sea floor, where the mesh follows that;
+    where drag damps little: each change of the mesh feeds a whip that hardly stretches; and for a
+    line that starts slack: what folds without tension or stiffness folds ever finer.
     """
     given = any(cable.elements is not None for cable in scene.cables)
-    if given or scene.environment.floor is not None:
+    start = start_conditions(scene)
+    if given or start.slack or start.lightly_damped or scene.environment.floor is not None:
         return 0
     return max(FEWEST_SPARE, 2 * line.nodes)
 
