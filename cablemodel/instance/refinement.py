@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from cablemodel.block import Block
 from cablemodel.instance.first_state import count_from_zero, solve_static, steady_velocity
+from cablemodel.instance.scales import start_conditions
 from cablemodel.kernels import layout as at
 
 if TYPE_CHECKING:
@@ -30,11 +31,13 @@ SPARE = 24, 2.0
 def follows_bending(scene: Scene) -> bool:
     """Whether elements are halved where the line bends in free water; at a floor others do it.
 
-    A mesh that the scene asks for stays as it is.
+    A mesh that the scene asks for stays as it is. So does that of a line which drag hardly damps:
+    every change of the mesh feeds a whip that hardly stretches.
     """
     drum = [item.cable for item in scene.payout.drum if item.cable is not None]
     asked = any(cable.elements is not None for cable in [*scene.cables, *drum])
-    return scene.environment.floor is None and not asked
+    damped = not start_conditions(scene).lightly_damped
+    return scene.environment.floor is None and damped and not asked
 
 
 def spare_nodes(scene: Scene, nodes: int) -> int:
