@@ -11,6 +11,7 @@ the strain's own second derivative adds is left out; `worth_reading` bounds it.
 import math
 
 from .compile import copy_words, kernel, view
+from .environment import vessel_motion
 from .layout import (
     B_COMPLIANCE,
     B_MASS,
@@ -35,6 +36,7 @@ from .layout import (
     O_EDGE,
     O_INCREMENT,
     O_JOINT,
+    O_MOTION,
     O_POSITION,
     O_RESIDUAL,
     O_STAGE_T,
@@ -49,6 +51,7 @@ from .layout import (
     S_PERIOD,
     S_STAGE_TENSION,
     S_TENSION_SCALE,
+    S_TIME,
     S_TOLERANCE,
 )
 from .system import factorise, newton_increment, recover_tension, residual, stretch_rate
@@ -99,6 +102,30 @@ def two_step_error(I, M, dt):
 
 
 @kernel
+def kink_force(I, M, t, slow):
+    """What a kink of the vessel's acceleration just before t changes of the tension [N].
+
+    The line along itself follows a smooth motion at once, a kink only after the time `slow`.
+    """
+    at = I[O_MOTION]
+    w = M[at + 40 : at + 43]
+    for i in range(3):
+        w[i] = 0.0
+    for k in range(3):
+        vessel_motion(I, M, t - (2 - k) * slow)
+        for i in range(3):
+            w[i] += (1.0 if k != 1 else -2.0) * M[at + 6 + i]
+    mass = 0.0
+    for node in range(1, I[I_NODES]):
+        if I[I[O_JOINT] + node] == 0:
+            edge = I[O_EDGE] + node * EDGE_WORDS
+            mass += M[edge + E_MASS] * M[edge + E_LENGTH]
+    for body in range(I[I_BODIES]):
+        mass += M[I[O_BODY] + body * BODY_WORDS + B_MASS]
+    return mass * math.sqrt(w[0] ** 2 + w[1] ** 2 + w[2] ** 2)
+
+
+@kernel
 def worth_reading(I, M, dt, pull):
     """Whether to read the tension anew after the trial, a step of dt that is to be accepted and
     whose own tension is wrong by `pull` tolerances.
@@ -119,7 +146,10 @@ def worth_reading(I, M, dt, pull):
     # Its second derivative times the square of a long step is no more than its change.
     change = abs(M[I[O_TRIAL_T] + 2] - M[I[O_TENSION] + 2])
     neglected = 0.5 * change * (slow / dt) ** 2
-    return neglected < SHARE * min(1.0, pull) * tension_tolerance(M)
+    allowed = SHARE * tension_tolerance(M)
+    if neglected >= allowed * pull:
+        return False
+    return kink_force(I, M, M[S_TIME] + dt, slow) < allowed * pull
 
 
 @kernel
