@@ -24,6 +24,8 @@ ROUNDS = 14
 BENT = 5.0
 """Of tau L: what h^2 times the jump of curvature may be in a static shape."""
 LARGEST_STATIC_MESH = 4000
+BENDS = 35.0
+"""The same in motion, in free water."""
 SPARE = 24, 2.0
 """Nodes for shapes that bend more later on: so many, and times those at the start."""
 

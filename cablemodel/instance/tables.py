@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from cablemodel.block import Block
 from cablemodel.instance.frame import local
 from cablemodel.instance.line import Line
-from cablemodel.instance.refinement import follows_bending
+from cablemodel.instance.refinement import BENDS, follows_bending
 from cablemodel.instance.scales import is_flexible, pays_out, start_conditions
 from cablemodel.instance.winch import Winch
 from cablemodel.kernels import layout as at
@@ -48,7 +48,7 @@ def fill_settings(block: Block, scene: Scene, scale: float) -> None:
     reals[at.S_TIME_TOLERANCE] = allowed
     reals[at.S_LENGTH] = length
     if follows_bending(scene):
-        reals[at.S_BENT] = at.BENDS * tolerance * length
+        reals[at.S_BENT] = BENDS * tolerance * length
     reals[at.S_TENSION_SCALE] = scale
     if scene.initial.kind != "static":
         # What is let go slack snaps, and rings at peaks that no output meets: its tension is left

@@ -11,11 +11,13 @@ from .compile import copy_words, kernel
 from .layout import (
     EDGE_WORDS,
     I_ASLEEP,
+    I_CAPACITY,
     I_DIMENSION,
     I_FACTORED,
     I_HISTORY,
     I_KEEP_MATRIX,
     I_KEEP_SLEEPERS,
+    I_LEFT_OUT,
     I_NODES,
     O_ACCELERATION,
     O_BACKUP,
@@ -116,8 +118,40 @@ def keep_sleepers(I):
 
 
 @kernel
+def clear_part(I, place, used, room):
+    """Zero what is beyond the words in use of an array."""
+    for word in range(I[place] + used, I[place] + room):
+        I[word] = 0
+
+
+@kernel
+def clear_unused(I):
+    """Zero what nodes would use that there are not: a failed step may have made some."""
+    nodes = I[I_NODES]
+    room = I[I_CAPACITY]
+    size = 2 * I[I_DIMENSION]
+    area = size * size
+    clear_part(I, O_PARENT, nodes, room)
+    clear_part(I, O_JOINT, nodes, room)
+    clear_part(I, O_EDGE, EDGE_WORDS * nodes, EDGE_WORDS * room)
+    clear_part(I, O_POSITION, size * nodes, 6 * room)
+    clear_part(I, O_VELOCITY, size * nodes, 6 * room)
+    clear_part(I, O_ACCELERATION, size * nodes, 6 * room)
+    clear_part(I, O_TENSION, 2 * nodes, 2 * room)
+    clear_part(I, O_TENSION_RATE, 2 * nodes, 2 * room)
+    clear_part(I, O_REST, 3 * nodes, 3 * room)
+    clear_part(I, O_HISTORY, 2 * size * nodes, 12 * room)
+    clear_part(I, O_DIAGONAL, area * nodes, 36 * room)
+    clear_part(I, O_UPPER, area * nodes, 36 * room)
+    clear_part(I, O_LOWER, area * nodes, 36 * room)
+    clear_part(I, O_GRADIENT, 4 * size * nodes, 24 * room)
+    clear_part(I, O_COMPLIANCE, 3 * nodes, 3 * room)
+
+
+@kernel
 def give_back(I):
     """After a step that failed: the image as it was, of all that is in use."""
+    made = I[I_NODES] + I[I_LEFT_OUT]
     backup = I[O_BACKUP]
     matrix_stands = I[I_KEEP_MATRIX]
     sleepers_stand = I[I_KEEP_SLEEPERS]
@@ -128,3 +162,5 @@ def give_back(I):
         copy_matrix(I, 0, backup, awake, I[I_DIMENSION])
     if I[I_ASLEEP] != 0 and sleepers_stand == 0:
         copy_nodes(I, 0, backup, awake, I[I_ASLEEP])
+    if made > I[I_NODES]:
+        clear_unused(I)

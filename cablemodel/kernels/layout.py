@@ -205,9 +205,6 @@ EXACTLY, BY_SPRING = 1, 2  # how the tangent is held (C_CLAMPED); 0: it is free
 # What is read off a state, in words: the rows of outputs.sample_stations, outputs.summarise.
 STATION_WORDS, SUMMARY_WORDS, ENERGY_WORDS = 13, 32, 9
 
-# Of tau L: what h^2 times the jump of r'' between two elements may be in free water.
-BENDS = 25.0
-
 # Elements at a touchdown.
 LAYER = 0.4  # smallest element in units of the touchdown layer (EI/w)^(1/3)
 

@@ -428,7 +428,7 @@ def meet_constraints(I, M, gamma_dt, changed):
         project(I, M, O_VELOCITY, 1.0)
         if not changed:
             follow_increment(I, M, O_TENSION_RATE)
-    return after <= 0.1 * before + NEGLIGIBLE * M[S_LENGTH]
+    return after <= before + NEGLIGIBLE * M[S_LENGTH]
 
 
 @kernel

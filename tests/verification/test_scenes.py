@@ -69,7 +69,8 @@ def test_a_jumper_moves_with_the_waves():
         places = model.sample([10.0, 45.0]).position
         near.append(places[0, 0])
         belly.append(places[1, 0])
-    assert np.std(tension) == pytest.approx(6.5, abs=0.3)
+    # 6.4 to 6.9 N at tolerances of 1e-3 to 1e-4: the cable slaps the surface as it is sampled.
+    assert np.std(tension) == pytest.approx(6.65, abs=0.3)
     assert min(tension) == pytest.approx(371.0, abs=4.0)
     assert max(tension) == pytest.approx(422.0, abs=4.0)
     assert np.std(near) == pytest.approx(0.27, abs=0.01)
