@@ -24,7 +24,7 @@ ROUNDS = 14
 BENT = 5.0
 """Of tau L: what h^2 times the jump of curvature may be in a static shape."""
 LARGEST_STATIC_MESH = 4000
-BENDS = 35.0
+BENDS = 25.0
 """The same in motion, in free water."""
 SPARE = 24, 2.0
 """Nodes for shapes that bend more later on: so many, and times those at the start."""
@@ -34,12 +34,14 @@ def follows_bending(scene: Scene) -> bool:
     """Whether elements are halved where the line bends in free water; at a floor others do it.
 
     A mesh that the scene asks for stays as it is. So does that of a line which drag hardly damps:
-    every change of the mesh feeds a whip that hardly stretches.
+    every change of the mesh feeds a whip that hardly stretches; and that of a line which starts
+    slack: pushed, it buckles ever finer.
     """
     drum = [item.cable for item in scene.payout.drum if item.cable is not None]
     asked = any(cable.elements is not None for cable in [*scene.cables, *drum])
-    damped = not start_conditions(scene).lightly_damped
-    return scene.environment.floor is None and damped and not asked
+    start = start_conditions(scene)
+    tame = not (start.lightly_damped or start.slack)
+    return scene.environment.floor is None and tame and not asked
 
 
 def spare_nodes(scene: Scene, nodes: int) -> int:

@@ -13,7 +13,6 @@ from .layout import (
     I_ASLEEP,
     I_CAPACITY,
     I_DIMENSION,
-    I_FACTORED,
     I_HISTORY,
     I_KEEP_MATRIX,
     I_KEEP_SLEEPERS,
@@ -93,7 +92,7 @@ def keep_state(I):
     backup = I[O_BACKUP]
     copy_words(I, backup, 0, I[O_PIECES] + PIECE_WORDS)
     copy_awake(I, backup, 0)
-    I[I_KEEP_MATRIX] = I[I_FACTORED]
+    I[I_KEEP_MATRIX] = 1
     I[I_KEEP_SLEEPERS] = I[I_ASLEEP]
 
 
@@ -158,7 +157,7 @@ def give_back(I):
     copy_words(I, 0, backup, I[O_PIECES] + PIECE_WORDS)
     copy_awake(I, 0, backup)
     awake = I[I_NODES] - I[I_ASLEEP]
-    if I[I_FACTORED] != 0 and matrix_stands == 0:
+    if matrix_stands == 0:
         copy_matrix(I, 0, backup, awake, I[I_DIMENSION])
     if I[I_ASLEEP] != 0 and sleepers_stand == 0:
         copy_nodes(I, 0, backup, awake, I[I_ASLEEP])
