@@ -1,0 +1,107 @@
+"""Run the finite elements' kernels as plain Python: to trace them, and to check what is compiled.
+
+Import this before anything of cablemodel that imports kernels, or give pytest ``-p plain_kernels``
+with this folder on PYTHONPATH. A step takes milliseconds instead of microseconds, but nothing is
+compiled, and kernels can be wrapped, printed from and stopped in: replace a function in the module
+that calls it, as in ``time_stepping.try_step = traced``.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+os.environ["CABLEMODEL_KERNELS"] = "numba"
+
+
+def as_it_is(function: Any) -> Any:
+    """Instead of compiling."""
+    return function
+
+
+def entry_point(signature: Any) -> Callable[[Any], Any]:
+    """A function that keeps its signature."""
+
+    def decorate(function: Any) -> Any:
+        function.entry_signature = signature
+        return function
+
+    return decorate
+
+
+def view(array: Any, start: Any, count: Any) -> Any:
+    """As the compiled one; one word stands for all from there on."""
+    return array[start : start + count] if count != 1 else array[start:]
+
+
+def copy_words(array: Any, to: Any, start: Any, count: Any) -> None:
+    """As the compiled one."""
+    array[to : to + count] = array[start : start + count].copy()
+
+
+def table_product(table: Any) -> Any:
+    """As the compiled one, with a matrix."""
+    factors = np.array([[float(factor) for factor in row] for row in table])
+
+    def product(words: Any, to: Any, start: Any, width: Any) -> None:
+        count = factors.shape[1]
+        rows = words[start : start + width * count].reshape(count, width)
+        words[to : to + width * len(factors)] = (factors @ rows).ravel()
+
+    return product
+
+
+def matrix_vector(size: int, sign: float, *, add: bool) -> Any:
+    """As the compiled one."""
+
+    def product(
+        matrix: Any, at: Any, vector: Any, start: Any, stride: Any, out: Any, to: Any
+    ) -> None:
+        columns = matrix[at : at + size * size].reshape(size, size)
+        total = np.array([vector[start + k * stride] for k in range(size)]) @ columns
+        out[to : to + size] = out[to : to + size] + sign * total if add else total
+
+    return product
+
+
+def block_kernels(size: int) -> tuple[Any, Any]:
+    """As the compiled ones, by NumPy's own inverse."""
+    area = size * size
+
+    def transpose(words: Any, start: Any, to: Any) -> None:
+        block = words[start : start + area].reshape(size, size)
+        words[to : to + area] = block.T.copy().ravel()
+
+    def invert(words: Any, start: Any) -> bool:
+        block = words[start : start + area].reshape(size, size)
+        try:
+            inverse = np.linalg.inv(block)
+        except np.linalg.LinAlgError:
+            return False
+        words[start : start + area] = inverse.T.ravel()
+        return bool(np.isfinite(inverse).all())
+
+    return transpose, invert
+
+
+def install() -> None:
+    """Put these in the place of cablemodel.kernels.compile."""
+    import cablemodel.kernels
+
+    plain = ModuleType("cablemodel.kernels.compile")
+    for function in (entry_point, view, copy_words, table_product, matrix_vector, block_kernels):
+        setattr(plain, function.__name__, function)
+    for name in ("kernel", "inlined", "outlined"):
+        setattr(plain, name, as_it_is)
+    for name in ("INTEGERS", "REALS"):
+        setattr(plain, name, name)
+    sys.modules["cablemodel.kernels.compile"] = plain
+    vars(cablemodel.kernels)["compile"] = plain
+
+
+install()
