@@ -3,6 +3,7 @@
 import numba
 import numpy as np
 import pytest
+from newton_matrix import clear, dense, differences
 
 import cablemodel as cm
 from cablemodel.kernels import layout as at
@@ -94,25 +95,10 @@ def test_matrix_is_the_derivative(planar, place):
         forces(ints, reals, q + change, v + cv * change, a + ca * change, tension, out, constraint)
         return out
 
-    for place in (at.O_DIAGONAL, at.O_UPPER, at.O_LOWER):
-        model._solver.memory.array(place, nodes, size, size)[:] = 0.0
+    clear(model._solver.memory, nodes, size)
     matrix(ints, reals, q, v, a, tension, ca, cv)
-    blocks = [
-        model._solver.memory.array(place, nodes, size, size)
-        for place in (at.O_DIAGONAL, at.O_UPPER, at.O_LOWER)
-    ]
-    expected = np.zeros((len(q), len(q)))
-    for node in range(nodes):
-        own = slice(size * node, size * (node + 1))
-        above = slice(size * (node - 1), size * node)
-        expected[own, own] += blocks[0][node]
-        if node:
-            expected[above, own] += blocks[1][node]
-            expected[own, above] += blocks[2][node]
-    step = 1e-5
-    found = np.array(
-        [(residual(step * e) - residual(-step * e)) / (2.0 * step) for e in np.eye(len(q))]
-    ).T
+    expected = dense(model._solver.memory, nodes, size)
+    found = differences(residual, len(q), 1e-5)
     # The multiplier is condensed out: its stiffness along the axis is no part of the forces.
     (body,) = model._solver.memory.array(at.O_BODY, 1, at.BODY_WORDS)
     node, dimension = int(body[at.B_NODE]), size // 2

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import cablemodel as cm
+from tests.verification.scenes import CABLE_K
 
 LENGTH = 30.0
 TAU = 1e-3
@@ -20,18 +21,7 @@ def reversing(tolerance: float, elements: int | None = None) -> cm.CableModel:
         cable["elements"] = elements
     scene = {
         "environment": {"water_density": 1025.0},
-        "cable_types": {
-            "K": {
-                "diameter": 0.01666,
-                "mass": 0.4613,
-                "submerged_weight": 2.33333,
-                "axial_stiffness": 1e6,
-                "bending_stiffness": 0.1,
-                "drag_normal": 1.0,
-                "drag_tangential": 0.1586,
-                "added_mass": 1.0,
-            }
-        },
+        "cable_types": {"K": CABLE_K},
         "line": [{"cable": cable}],
         "vessel": {
             "position": [0.0, 0.0, 0.0],
