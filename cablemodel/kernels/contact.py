@@ -184,6 +184,12 @@ def contact_force(I, M, q, v, parent, node, h, p, contact, w):
     return press, gap, speed
 
 
+@kernel
+def touchdown_layer(M, edge):
+    """Length over which bending spreads a touchdown [m]."""
+    return (M[edge + E_BENDING_FULL] / M[edge + E_CONTACT]) ** (1.0 / 3.0)
+
+
 @inlined
 def contact_places(I):
     """How many places touch as points: two of each body, and the line's end."""
@@ -203,8 +209,7 @@ def contact_place(I, M, place):
         if node == 0 or ends_in_something(I, M, node):
             return 0, 0.0, False
         edge = I[O_EDGE] + node * EDGE_WORDS
-        layer = (M[edge + E_BENDING_FULL] / M[edge + E_CONTACT]) ** (1.0 / 3.0)
-        return node, M[edge + E_CONTACT] * layer, False
+        return node, M[edge + E_CONTACT] * touchdown_layer(M, edge), False
     row = I[O_BODY] + place // 2 * BODY_WORDS
     node = int(M[row + B_NODE])
     if node < 0:  # on the drum

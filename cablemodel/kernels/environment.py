@@ -175,6 +175,24 @@ def current_profile(I, M, t):
 
 
 @kernel
+def interval(M, grid, count, x):
+    """The interval of an ascending grid that holds x, and the place in it (0 to 1)."""
+    if x <= M[grid]:
+        return 0, 0.0
+    if x >= M[grid + count - 1]:
+        return count - 2, 1.0
+    low = 0
+    high = count - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if x >= M[grid + middle]:
+            low = middle
+        else:
+            high = middle
+    return low, (x - M[grid + low]) / (M[grid + low + 1] - M[grid + low])
+
+
+@kernel
 def current_at(I, M, z, out):
     """Water velocity at height z (block coordinates) from the present profile; out: 3 words."""
     profile = I[O_PROFILE]
@@ -188,18 +206,7 @@ def current_at(I, M, z, out):
     low = 0
     fraction = 0.0
     if depths > 1:
-        if height >= M[grid + depths - 1]:
-            low = depths - 2
-            fraction = 1.0
-        elif height > M[grid]:
-            high = depths - 1
-            while high - low > 1:
-                middle = (low + high) // 2
-                if height >= M[grid + middle]:
-                    low = middle
-                else:
-                    high = middle
-            fraction = (height - M[grid + low]) / (M[grid + low + 1] - M[grid + low])
+        low, fraction = interval(M, grid, depths, height)
     for i in range(3):
         value = M[profile + 3 * low + i]
         if fraction > 0.0:

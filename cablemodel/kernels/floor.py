@@ -1,6 +1,6 @@
 """The sea floor's forces on cable and bodies, and their derivatives."""
 
-from .compile import kernel
+from .compile import inlined, kernel
 from .contact import (
     approach,
     contact_force,
@@ -82,16 +82,22 @@ def floor_residual(I, M, q, v, out):
             out[size * node + i] -= press * w[3 + i] + w[9 + i]
 
 
+@inlined
+def scaled(value, k, l, h):
+    """A value times h for each of the shape functions k and l that belongs to a slope."""
+    if k % 2 == 1:
+        value *= h
+    if l % 2 == 1:
+        value *= h
+    return value
+
+
 @kernel
 def add_block(I, M, at, k, l, h, value, ni, nj, w, project):
     """Add value (ni nj^T, or 1 - n n^T with project) for shape functions k, l to a matrix block."""
     dimension = I[I_DIMENSION]
     size = 2 * dimension
-    scale = value
-    if k % 2 == 1:
-        scale *= h
-    if l % 2 == 1:
-        scale *= h
+    scale = scaled(value, k, l, h)
     row = dimension * (k % 2)
     column = dimension * (l % 2)
     for i in range(dimension):
@@ -129,11 +135,7 @@ def turn_of_normal(I, M, w):
 def add_turn(I, M, at, k, l, h, value, w):
     """Subtract value times the normal's derivatives from a matrix block, for functions k, l."""
     dimension = I[I_DIMENSION]
-    scale = value
-    if k % 2 == 1:
-        scale *= h
-    if l % 2 == 1:
-        scale *= h
+    scale = scaled(value, k, l, h)
     row = dimension * (k % 2)
     column = dimension * (l % 2)
     for i in range(dimension):

@@ -3,6 +3,7 @@
 import math
 
 from .compile import inlined, kernel
+from .environment import interval
 from .layout import (
     E_LENGTH,
     EDGE_WORDS,
@@ -21,24 +22,6 @@ from .layout import (
     S_FLOOR_TOP,
     S_PLANE,
 )
-
-
-@kernel
-def interval(M, grid, count, x):
-    """The interval of an ascending grid that holds x, and the place in it (0 to 1)."""
-    if x <= M[grid]:
-        return 0, 0.0
-    if x >= M[grid + count - 1]:
-        return count - 2, 1.0
-    low = 0
-    high = count - 1
-    while high - low > 1:
-        middle = (low + high) // 2
-        if x >= M[grid + middle]:
-            low = middle
-        else:
-            high = middle
-    return low, (x - M[grid + low]) / (M[grid + low + 1] - M[grid + low])
 
 
 @kernel
@@ -134,6 +117,16 @@ def gap_at(I, M, r, n):
     return (r[2] + M[S_BASE + 2] - z) * nz
 
 
+@inlined
+def bezier_third(k, h):
+    """How far along its end's slope Bezier point k of an element lies from that end [m]."""
+    if k == 1:
+        return h / 3.0
+    if k == 2:
+        return -h / 3.0
+    return 0.0
+
+
 @kernel
 def lowest_gap(I, M, q, node, w):
     """A gap that no point of an element undercuts, by the convex hull of its Bezier points [m].
@@ -148,11 +141,7 @@ def lowest_gap(I, M, q, node, w):
     lowest = 1e300
     for k in range(4):
         end = parent if k < 2 else node
-        third = 0.0
-        if k == 1:
-            third = h / 3.0
-        elif k == 2:
-            third = -h / 3.0
+        third = bezier_third(k, h)
         lowest = min(lowest, q[size * end + up] + third * q[size * end + dimension + up])
     clear = lowest + M[S_BASE + 2] - M[S_FLOOR_TOP]
     if clear > 4.0 * h + M[S_FLOOR_DEPTH]:
@@ -160,11 +149,7 @@ def lowest_gap(I, M, q, node, w):
     lowest = 1e300
     for k in range(4):
         end = parent if k < 2 else node
-        third = 0.0
-        if k == 1:
-            third = h / 3.0
-        elif k == 2:
-            third = -h / 3.0
+        third = bezier_third(k, h)
         for i in range(dimension):
             w[i] = q[size * end + i] + third * q[size * end + dimension + i]
         lowest = min(lowest, gap_at(I, M, w, w[3:6]))

@@ -8,30 +8,22 @@ Splitting is exact; only what is straight is joined. See docs/engine.md, "Sea fl
 import math
 
 from .compile import kernel
+from .contact import ends_in_something, touchdown_layer
 from .floor_memory import bear
 from .floor_surface import lowest_gap
 from .layout import (
-    B_NODE,
-    BODY_WORDS,
-    C_NODE,
-    CONSTRAINT_WORDS,
-    E_BENDING_FULL,
     E_BORNE,
     E_CONTACT,
     E_LENGTH,
     E_NOMINAL,
     E_SEGMENT,
     EDGE_WORDS,
-    I_BODIES,
     I_CAPACITY,
-    I_CONSTRAINTS,
     I_DIMENSION,
     I_LEFT_OUT,
     I_NODES,
     I_PAYOUT,
     LAYER,
-    O_BODY,
-    O_CONSTRAINT,
     O_EDGE,
     O_JOINT,
     O_MOTION,
@@ -59,12 +51,6 @@ SPLIT_ABOVE, JOIN_BELOW = 1.6, 0.8  # of the length wanted
 
 
 @kernel
-def touchdown_layer(M, edge):
-    """Length over which bending spreads a touchdown [m]."""
-    return (M[edge + E_BENDING_FULL] / M[edge + E_CONTACT]) ** (1.0 / 3.0)
-
-
-@kernel
 def second_derivative(I, M, node, side, out):
     """r'' at the parent's (side 0) or the child's end of an element, (dimension,) [1/m]."""
     dimension = I[I_DIMENSION]
@@ -80,6 +66,25 @@ def second_derivative(I, M, node, side, out):
             out[i] = (6.0 * chord - 4.0 * d0 - 2.0 * d1) / h
         else:
             out[i] = (2.0 * d0 + 4.0 * d1 - 6.0 * chord) / h
+
+
+@kernel
+def jump_at(I, M, node):
+    """Jump of r'' at an element's child end [1/m]: 0 at a joint, all of it at the line's end."""
+    if I[I[O_JOINT] + node] != 0:
+        return 0.0
+    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 34]
+    second_derivative(I, M, node, 1, w[0:3])
+    for i in range(3):
+        w[3 + i] = 0.0
+    if node + 1 < I[I_NODES] + I[I_LEFT_OUT]:
+        if I[I[O_JOINT] + node + 1] != 0:
+            return 0.0
+        second_derivative(I, M, node + 1, 0, w[3:6])
+    square = 0.0
+    for i in range(I[I_DIMENSION]):
+        square += (w[3 + i] - w[i]) ** 2
+    return math.sqrt(square)
 
 
 @kernel
@@ -103,17 +108,7 @@ def measure(I, M, gaps, behind, jumps):
             behind[node] = 0.0
         else:
             way += M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
-        second_derivative(I, M, node, 1, w[0:3])
-        for i in range(3):
-            w[3 + i] = 0.0
-        if node + 1 < nodes + I[I_LEFT_OUT]:
-            if I[I[O_JOINT] + node + 1] != 0:
-                continue
-            second_derivative(I, M, node + 1, 0, w[3:6])
-        square = 0.0
-        for i in range(dimension):
-            square += (w[3 + i] - w[i]) ** 2
-        jumps[node] = math.sqrt(square)
+        jumps[node] = jump_at(I, M, node)
     way = 1e300
     for node in range(nodes - 1, 0, -1):
         if I[I[O_JOINT] + node] != 0:
@@ -167,12 +162,8 @@ def wanted_length(I, M, node, gaps, behind, jumps):
 @kernel
 def holds_something(I, M, node):
     """Whether a body, a prescribed end or a joint sits at a node."""
-    for body in range(I[I_BODIES]):
-        if M[I[O_BODY] + body * BODY_WORDS + B_NODE] == node:
-            return True
-    for n in range(I[I_CONSTRAINTS]):
-        if M[I[O_CONSTRAINT] + n * CONSTRAINT_WORDS + C_NODE] == node:
-            return True
+    if ends_in_something(I, M, node):
+        return True
     return I[I[O_JOINT] + node] != 0 or I[I[O_JOINT] + node + 1] != 0
 
 

@@ -6,10 +6,8 @@ grows from nothing to hundreds of tau L within a second. Halves become one again
 they were at the start, once one cubic does for both.
 """
 
-import math
-
 from .compile import kernel
-from .follow import holds_something, one_cubic_does, second_derivative
+from .follow import holds_something, jump_at, one_cubic_does
 from .layout import (
     E_BENDING_FULL,
     E_LENGTH,
@@ -17,13 +15,10 @@ from .layout import (
     E_SEGMENT,
     EDGE_WORDS,
     I_CAPACITY,
-    I_DIMENSION,
-    I_LEFT_OUT,
     I_NODES,
     I_PAYOUT,
     O_EDGE,
     O_JOINT,
-    O_MOTION,
     O_STAGE_V,
     O_TENSION,
     OK,
@@ -36,22 +31,6 @@ from .payout import join_at, split_edge
 
 PAUSE = 0.02  # of sqrt(L/g): how often the mesh is looked at
 STRAIGHT = 0.02  # of what is allowed: the same for two elements that are joined
-
-
-@kernel
-def jump_at(I, M, node):
-    """How much r'' jumps at the child's end of an element, 0 where it may [1/m]."""
-    if node < 1 or node + 1 >= I[I_NODES] + I[I_LEFT_OUT]:
-        return 0.0
-    if I[I[O_JOINT] + node] != 0 or I[I[O_JOINT] + node + 1] != 0:
-        return 0.0
-    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 34]
-    second_derivative(I, M, node, 1, w[0:3])
-    second_derivative(I, M, node + 1, 0, w[3:6])
-    square = 0.0
-    for i in range(I[I_DIMENSION]):
-        square += (w[3 + i] - w[i]) ** 2
-    return math.sqrt(square)
 
 
 @kernel
@@ -91,13 +70,14 @@ def follow_bending(I, M, change):
     first = 2 if I[I_PAYOUT] != 0 else 1
     jumps = M[I[O_STAGE_V] : I[O_STAGE_V] + nodes + 1]
     for node in range(nodes):
-        jumps[node] = jump_at(I, M, node)
+        # At the line's ends r'' may be anything.
+        jumps[node] = jump_at(I, M, node) if 0 < node < nodes - 1 else 0.0
     changed = False
     node = nodes - 1
     while node >= first:
         if I[I[O_JOINT] + node] == 0:
             if bends_too_much(I, M, node, max(jumps[node - 1], jumps[node])):
-                if I[I_NODES] + I[I_LEFT_OUT] < I[I_CAPACITY]:
+                if I[I_NODES] < I[I_CAPACITY]:
                     if not change:
                         return True
                     changed = split_edge(I, M, node, 0.5, False) == OK or changed

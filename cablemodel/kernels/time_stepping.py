@@ -6,10 +6,9 @@ Newton's test looks at it in the last stage before an output only, and its error
 step, is estimated from those of the stages.
 """
 
-import math
-
 from .backup import keep_sleepers
 from .compile import copy_words, inlined, kernel, view
+from .consistency import make_consistent, project_velocity, take_rates_from_velocity
 from .environment import find_piece
 from .floor_memory import settle
 from .follow import follow_floor
@@ -69,14 +68,12 @@ from .layout import (
     P_START,
     P_VELOCITY_JUMP,
     PIECE_WORDS,
-    S_AXIAL,
     S_BENT,
     S_BENT_AFTER,
     S_FACTORED_STEP,
     S_JOINED,
     S_LARGEST_TENSION,
     S_LAST_STEP,
-    S_LENGTH,
     S_ORDER_3,
     S_PAID,
     S_PAYOUT_RATE,
@@ -91,7 +88,6 @@ from .layout import (
     S_TOLERANCE,
     S_TOP_LENGTH,
     S_TRAVEL,
-    S_UNDAMPED,
     S_WAVE_STEP,
     STALLED,
     TOO_MANY_STEPS,
@@ -101,7 +97,6 @@ from .passing import cable_paid
 from .refine import follow_bending
 from .sleep import disturbance, fall_asleep, may_sleep, prepare_joining, rejoin, wake
 from .system import (
-    elongation_rate,
     impose_motion,
     newton_increment,
     recover_tension,
@@ -116,16 +111,12 @@ from .vessel_clamp import update_springs
 from .winch import begin_payout, longest_payout_step, paid_since
 
 LARGEST_ITERATIONS = 10
-MOST_NORMS = 5  # in which a state is brought to its constraints, each of a tenth of the last step
-NEGLIGIBLE = 1e-9  # of the length: what may be left of a constraint
 STRUGGLE = 17, 7  # iterations of a step of order 4, and of order 3, in which Newton has trouble
 STEPS_OF_ORDER_3 = 16.0  # that follow such a step
 ORDER_3_STEP = 0.6  # of the step that the error of order 4 allows, as a first guess
 TIGHTEST = 1e-4  # tau down to which that pays
 STALL = 5000, 1e-5  # internal steps in a row, and their mean length in sqrt(L/g), that end a call
 MOST_REFUSALS = 4  # of a step that ends folded
-AXIAL_SLOW = 2.5  # gamma dt over the time that an axial wave takes along a joined element
-AXIAL_RESOLVED = 5.0  # (axial frequency x gamma dt)^2 below which velocities are not projected
 BENDING_ON, BENDING_OFF = 0.01, 0.005  # hybrid: (EI/T)/h^2 above which bending is kept
 
 
@@ -308,182 +299,6 @@ def accept_trial(I, M, dt, scheme):
     copy_words(I, I[O_VELOCITY], I[O_TRIAL_V], count)
     copy_words(I, I[O_ACCELERATION], I[O_TRIAL_A], count)
     copy_words(I, I[O_TENSION], I[O_TRIAL_T], 2 * I[I_NODES])
-
-
-@kernel
-def refactor_state(I, M, gamma_dt):
-    """Factor the Newton matrix of a step at the state itself; 0 on success."""
-    count = 2 * I[I_DIMENSION] * I[I_NODES]
-    q = view(M, I[O_POSITION], count)
-    v = view(M, I[O_VELOCITY], count)
-    a = view(M, I[O_ACCELERATION], count)
-    set_time(I, M, M[S_TIME])
-    return refactor(I, M, q, v, a, view(M, I[O_TENSION], 2 * I[I_NODES]), gamma_dt)
-
-
-@kernel
-def state_residual(I, M):
-    """Residual of the state: forces, and what is left of the constraint."""
-    count = 2 * I[I_DIMENSION] * I[I_NODES]
-    words = 2 * I[I_NODES]
-    residual(
-        I,
-        M,
-        view(M, I[O_POSITION], count),
-        view(M, I[O_VELOCITY], count),
-        view(M, I[O_ACCELERATION], count),
-        view(M, I[O_TENSION], words),
-        view(M, I[O_RESIDUAL], count),
-        view(M, I[O_CONSTRAINT_RESIDUAL], words),
-    )
-
-
-@kernel
-def project(I, M, place, share):
-    """Remove a share of what is left of the constraint from an array of the state."""
-    count = 2 * I[I_DIMENSION] * I[I_NODES]
-    forces = view(M, I[O_RESIDUAL], count)
-    constraint = view(M, I[O_CONSTRAINT_RESIDUAL], 2 * I[I_NODES])
-    x = view(M, I[O_INCREMENT], count)
-    array = view(M, I[place], count)
-    if share != 1.0:
-        for n in range(2 * I[I_NODES]):
-            constraint[n] *= share
-    forces[:] = 0.0
-    newton_increment(I, M, forces, constraint, x)
-    for n in range(count):
-        array[n] += x[n]
-
-
-@kernel
-def state_elongation_rate(I, M):
-    """Rate of the constraint's residual at the state, with the rates of the tensions."""
-    words = 2 * I[I_NODES]
-    v = view(M, I[O_VELOCITY], 2 * I[I_DIMENSION] * I[I_NODES])
-    rate = view(M, I[O_TENSION_RATE], words)
-    elongation_rate(I, M, v, rate, view(M, I[O_CONSTRAINT_RESIDUAL], words))
-
-
-@kernel
-def follow_increment(I, M, place):
-    """Let tensions, or their rates, by their header word, follow the last increment."""
-    words = 2 * I[I_NODES]
-    constraint = view(M, I[O_CONSTRAINT_RESIDUAL], words)
-    x = view(M, I[O_INCREMENT], 2 * I[I_DIMENSION] * I[I_NODES])
-    recover_tension(I, M, constraint, x, view(M, I[place], words))
-
-
-@kernel
-def project_velocity(I, M, gamma_dt):
-    """Remove from the velocity what stretches a line too stiff to be stretched.
-
-    A step meets |r'| = 1 + strain(T) in the positions; velocities are left with an error along
-    the constraint (index 3: order 2) that is always of one sign where the cable swings, and feeds
-    energy into a nearly inextensible whip. It is projected out in the norm of the coming step's
-    matrix, which that step then starts with. Where the line is soft enough for its axial motion
-    to be resolved, this would replace that motion by an estimate from the rate of T: the share of
-    the correction fades with the line's axial frequency times the step.
-    """
-    if M[S_UNDAMPED] == 0.0:
-        return
-    stiffness = M[S_AXIAL] * gamma_dt * gamma_dt
-    share = stiffness / (stiffness + AXIAL_RESOLVED)
-    if share < 0.1 or refactor_state(I, M, gamma_dt) != 0:
-        return
-    state_elongation_rate(I, M)
-    project(I, M, O_VELOCITY, share)
-    I[I_HISTORY] = 0
-
-
-@kernel
-def constraint_size(I, M):
-    """Largest of what is left of the constraint at the state; leaves it and the forces."""
-    state_residual(I, M)
-    constraint = view(M, I[O_CONSTRAINT_RESIDUAL], 2 * I[I_NODES])
-    largest = 0.0
-    for n in range(2 * I[I_NODES]):
-        if not abs(constraint[n]) < 1e300:
-            return 1e300
-        largest = max(largest, abs(constraint[n]))
-    return largest
-
-
-@kernel
-def meet_constraints(I, M, gamma_dt, changed):
-    """Bring positions and velocities to the constraint in the norm of a step; False: it failed."""
-    if refactor_state(I, M, gamma_dt) != 0:
-        return False
-    before = constraint_size(I, M)
-    for iteration in range(4 if changed else 3):
-        if iteration > 0:
-            state_residual(I, M)
-        project(I, M, O_POSITION, 1.0)
-        if not changed:
-            follow_increment(I, M, O_TENSION)
-    after = constraint_size(I, M)
-    for _iteration in range(2):
-        if I[I_PAYOUT] != 0:
-            state_residual(I, M)
-        state_elongation_rate(I, M)
-        project(I, M, O_VELOCITY, 1.0)
-        if not changed:
-            follow_increment(I, M, O_TENSION_RATE)
-    return after <= before + NEGLIGIBLE * M[S_LENGTH]
-
-
-@kernel
-def make_consistent(I, M, changed):
-    """Remove what a step much shorter than the last one would answer with huge tensions.
-
-    A step leaves the constraint |r'| = 1 + strain(T) and its time derivative met to Newton's and
-    the integrator's tolerance. A following step of dt turns such an error of d (in r) or w (in v)
-    into forces of m d / dt^2 and m w / dt. Both are projected out here in the norm of the last
-    step's matrix: slow modes, which that step resolved, are left as they are.
-
-    Where the mesh has changed the errors are those of joined elements: tensions and their rates
-    are held, in the norm of a step that does not resolve these elements' axial motion.
-    """
-    if M[S_LAST_STEP] == 0.0:
-        return
-    gamma_dt = GAMMA[0] * M[S_LAST_STEP]
-    if changed:
-        slow = AXIAL_SLOW * M[S_JOINED] / (M[S_LENGTH] * math.sqrt(M[S_AXIAL]))
-        gamma_dt = max(slow, gamma_dt)
-    count = 2 * I[I_DIMENSION] * I[I_NODES]
-    words = 2 * I[I_NODES]
-    for _attempt in range(MOST_NORMS):
-        copy_words(I, I[O_BASE_Q], I[O_POSITION], count)
-        copy_words(I, I[O_BASE_V], I[O_VELOCITY], count)
-        copy_words(I, I[O_TRIAL_T], I[O_TENSION], words)
-        copy_words(I, I[O_STAGE_T], I[O_TENSION_RATE], words)
-        if meet_constraints(I, M, gamma_dt, changed):
-            break
-        # Under pressure a long step's matrix may have no sign: inertia has.
-        copy_words(I, I[O_POSITION], I[O_BASE_Q], count)
-        copy_words(I, I[O_VELOCITY], I[O_BASE_V], count)
-        copy_words(I, I[O_TENSION], I[O_TRIAL_T], words)
-        copy_words(I, I[O_TENSION_RATE], I[O_STAGE_T], words)
-        gamma_dt *= 0.1
-    I[I_FACTORED] = 0
-    I[I_HISTORY] = 0
-    M[S_LAST_STEP] = 0.0
-
-
-@kernel
-def take_rates_from_velocity(I, M):
-    """Make the rates of the tensions those that the velocities give.
-
-    From one step to the next they are differences, which a projection of velocities on to them
-    would feed back: an axial motion that steps resolve would grow with every change of the mesh.
-    """
-    if refactor_state(I, M, GAMMA[0] * M[S_LAST_STEP]) != 0:
-        return
-    if I[I_PAYOUT] != 0:
-        state_residual(I, M)
-    state_elongation_rate(I, M)
-    x = view(M, I[O_INCREMENT], 2 * I[I_DIMENSION] * I[I_NODES])
-    x[:] = 0.0
-    follow_increment(I, M, O_TENSION_RATE)
 
 
 @kernel
