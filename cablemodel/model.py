@@ -261,7 +261,7 @@ class CableModel:
             raise SceneError.at(
                 "snapshot",
                 repr(snapshot),
-                "it belongs to a scene with other values",
+                "it belongs to another scene, of other values",
                 "a snapshot of a model of the same scene",
             )
         image = np.frombuffer(snapshot.image, dtype=np.int64)

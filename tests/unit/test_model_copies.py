@@ -51,7 +51,7 @@ def test_a_snapshot_of_other_values_is_refused(change: str) -> None:
     model = cm.CableModel(cm.load_scene(SCENE))
     other = cm.CableModel(cm.load_scene(SCENE, [change]))
     kept = other.snapshot()
-    with pytest.raises(cm.SceneError, match="a scene with other values"):
+    with pytest.raises(cm.SceneError, match="another scene, of other values"):
         other.restore(model.snapshot())
     assert other.snapshot() == kept
 
