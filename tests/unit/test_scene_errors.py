@@ -29,6 +29,7 @@ def refusal(data: Any, *overrides: str) -> cm.SceneError:
         ("zzz=1", "zzz", "unknown key"),
         ("end={anchr: [0, 0, 0]}", "end.anchr", "did you mean anchor?"),
         # wrong kinds of value
+        ("line={cable: 3}", "line", "a list of mappings with the keys cable, body"),
         ("line.0.cable.length=true", "line.0.cable.length", "True is not a number"),
         ("line.0.cable.length=yes", "line.0.cable.length", "not a number"),
         ("line.0.cable.length=null", "line.0.cable.length", "None is not a number"),
