@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import copy
+import hashlib
+import json
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +21,7 @@ if TYPE_CHECKING:
     from cablemodel.scene import Scene
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
 _INPUT_WORDS = 14
@@ -51,7 +56,13 @@ class CableState:
 class Snapshot:
     """A model's whole state: what restore brings back bit by bit."""
 
-    image: bytes
+    image: bytes = field(repr=False)
+    scene: str = ""
+    """Hash of the scene that it belongs to; empty where that is not known."""
+
+    def __repr__(self) -> str:
+        time = np.frombuffer(self.image, dtype=np.float64, count=at.S_TIME + 1)[at.S_TIME]
+        return f"<Snapshot at t = {time:g} s: {len(self.image)} bytes>"
 
     def __len__(self) -> int:
         return len(self.image)
@@ -73,6 +84,9 @@ class BodyState:
 class CableModel:
     """A cable hung from a vessel, at the scene's initial state until it is stepped.
 
+    Copies (``copy.deepcopy``, or by pickle to another process) go on by themselves, bit by bit
+    like the original.
+
     Args:
         scene: what to simulate.
         planar: False forces three dimensions where the scene lies in one vertical plane (the
@@ -90,12 +104,30 @@ class CableModel:
     ) -> None:
         self.scene = scene
         self._solver = choose(scene, planar=planar, sleep=sleep)
-        memory = self._solver.memory
-        self._ints, self._reals, self._image = memory.ints, memory.reals, memory.image
         self._initial = self._image.copy()
         self._inputs: FloatArray = np.zeros(_INPUT_WORDS)
         self._summary: FloatArray = np.zeros(at.SUMMARY_WORDS)
         self._summary_current = False
+
+    def __repr__(self) -> str:
+        title = self.scene.title or "untitled"
+        return f"<CableModel of {title!r} at t = {self.time:g} s>"
+
+    def __copy__(self) -> CableModel:
+        # One that shared the state would show numbers that the other's steps have overtaken.
+        return copy.deepcopy(self)
+
+    @property
+    def _ints(self) -> IntArray:
+        return self._solver.memory.ints
+
+    @property
+    def _reals(self) -> FloatArray:
+        return self._solver.memory.reals
+
+    @property
+    def _image(self) -> IntArray:
+        return self._solver.memory.image
 
     # -- stepping -------------------------------------------------------------------------------
 
@@ -203,10 +235,20 @@ class CableModel:
 
     def snapshot(self) -> Snapshot:
         """The whole state: a model that restores it goes on bit by bit as this one does."""
-        return Snapshot(self._image.tobytes())
+        return Snapshot(self._image.tobytes(), self._scene_hash)
+
+    @cached_property
+    def _scene_hash(self) -> str:
+        """Of all that a snapshot brings along: the scene but for its title, start and outputs."""
+        data = self.scene.to_dict()
+        kept = {key: data[key] for key in data if key not in ("title", "initial", "run")}
+        return hashlib.sha256(json.dumps(kept, sort_keys=True).encode()).hexdigest()
 
     def restore(self, snapshot: Snapshot) -> None:
         """Take over a snapshot of a model of the same scene.
+
+        Title, start and run settings of the scene may differ; all else is part of a snapshot, the
+        vessel's schedule too.
 
         Raises:
             SceneError: the snapshot does not belong to this scene; the model is as it was.
@@ -215,6 +257,13 @@ class CableModel:
         if not isinstance(snapshot, Snapshot):
             kind = type(snapshot).__name__
             raise TypeError(f"restore needs what snapshot() gave (a Snapshot), not {kind}")
+        if snapshot.scene and snapshot.scene != self._scene_hash:
+            raise SceneError.at(
+                "snapshot",
+                repr(snapshot),
+                "it belongs to another scene, of other values",
+                "a snapshot of a model of the same scene",
+            )
         image = np.frombuffer(snapshot.image, dtype=np.int64)
         own = self._image
         fixed = [at.I_MAGIC, at.I_VERSION, at.I_BYTES, at.I_IMAGE_WORDS, at.I_CAPACITY]

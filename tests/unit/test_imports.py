@@ -45,7 +45,7 @@ LAYERS = (
     ("cablemodel.variables",),
     ("cablemodel.states", "cablemodel.cadence"),
     ("cablemodel.log",),
-    ("cablemodel.run", "cablemodel.columns", "cablemodel.dataset"),
+    ("cablemodel.recorder", "cablemodel.run", "cablemodel.columns", "cablemodel.dataset"),
     ("cablemodel.compare",),
     ("cablemodel.replay",),
     (
