@@ -480,24 +480,15 @@ class CableModel:
         Raises:
             CableModelError: the solver is not that of the finite elements.
         """
-        stiffness = self._effective(0.0, 0.0)
-        damping = self._effective(1.0, 0.0) - stiffness
-        # A large factor keeps the mass from drowning in the axial stiffness.
-        guess = self._effective(0.0, 1.0) - stiffness
-        factor = float(np.abs(np.diag(stiffness)).max() / max(np.abs(np.diag(guess)).max(), 1e-30))
-        factor = max(1.0, factor)
-        mass = (self._effective(0.0, factor) - stiffness) / factor
-        basis = self._free_basis()
-        return basis.T @ mass @ basis, basis.T @ damping @ basis, basis.T @ stiffness @ basis
+        from cablemodel.linearisation import small_motions
+
+        return small_motions(self._finite_elements("linearise"))
 
     def natural_frequencies(self, count: int = 5) -> FloatArray:
         """The lowest natural frequencies about the present state [rad/s], (count,)."""
-        from scipy.linalg import eigh
+        from cablemodel.linearisation import natural_frequencies
 
-        mass, _, stiffness = self.linearise()
-        symmetric = 0.5 * (stiffness + stiffness.T), 0.5 * (mass + mass.T)
-        values = eigh(*symmetric, eigvals_only=True)
-        return np.asarray(np.sqrt(np.maximum(values[:count], 0.0)), dtype=np.float64)
+        return natural_frequencies(*self.linearise(), count)
 
     def _finite_elements(self, what: str) -> Block:
         """The block of the finite elements; other solvers have no such analysis."""
@@ -506,53 +497,3 @@ class CableModel:
             method = self.scene.solver.method
             raise CableModelError(f"{what}: not with method {method}, use finite_element")
         return memory
-
-    def _effective(self, cv: float, ca: float) -> FloatArray:
-        from cablemodel import library as entry
-
-        block = self._finite_elements("linearise")
-        ints = self._ints
-        kept = block.image.copy()
-        entry.assemble(ints, self._reals, cv, ca)
-        nodes, size = int(ints[at.I_NODES]), 2 * int(ints[at.I_DIMENSION])
-        diagonal = block.array(at.O_DIAGONAL, nodes, size, size).copy()
-        upper = block.array(at.O_UPPER, nodes, size, size).copy()
-        lower = block.array(at.O_LOWER, nodes, size, size).copy()
-        parent = block.integers(at.O_PARENT, nodes)
-        joint = block.integers(at.O_JOINT, nodes)
-        matrix = np.zeros((nodes * size, nodes * size))
-        for node in range(nodes):
-            rows = slice(node * size, (node + 1) * size)
-            matrix[rows, rows] += diagonal[node]
-            if node and joint[node] != at.JOINT_HINGE:
-                above = slice(int(parent[node]) * size, (int(parent[node]) + 1) * size)
-                matrix[above, rows] += upper[node]
-                matrix[rows, above] += lower[node]
-        block.image[:] = kept
-        return matrix
-
-    def _free_basis(self) -> FloatArray:
-        """Columns that span the motions which supports and joints allow."""
-        block = self._finite_elements("linearise")
-        ints = self._ints
-        nodes, dimension = int(ints[at.I_NODES]), int(ints[at.I_DIMENSION])
-        size = 2 * dimension
-        basis = np.eye(nodes * size)
-        drop: list[int] = []
-        for row in block.array(at.O_CONSTRAINT, int(ints[at.I_CONSTRAINTS]), at.CONSTRAINT_WORDS):
-            first = int(row[at.C_NODE]) * size
-            drop += range(first, first + dimension)
-            if row[at.C_CLAMPED] == at.EXACTLY:
-                direction = row[at.C_DIRECTION : at.C_DIRECTION + dimension]
-                slopes = slice(first + dimension, first + size)
-                basis[slopes, slopes] = 0.0
-                basis[slopes, first + dimension] = direction
-                drop += range(first + dimension + 1, first + size)
-        parent = block.integers(at.O_PARENT, nodes)
-        hinged = block.integers(at.O_JOINT, nodes) == at.JOINT_HINGE
-        for node in np.flatnonzero(hinged):
-            own = slice(int(node) * size, int(node) * size + dimension)
-            above = slice(int(parent[node]) * size, int(parent[node]) * size + dimension)
-            basis[own, above] = np.eye(dimension)
-            drop += range(own.start, own.stop)
-        return np.asarray(np.delete(basis, drop, axis=1), dtype=np.float64)

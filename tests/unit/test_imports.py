@@ -40,6 +40,7 @@ LAYERS = (
         "cablemodel.instance",
     ),
     ("cablemodel.direct", "cablemodel.finite_element", "cablemodel.solver"),
+    ("cablemodel.linearisation",),
     ("cablemodel.model",),
     ("cablemodel.variables",),
     ("cablemodel.states", "cablemodel.cadence"),
