@@ -96,7 +96,11 @@ def refusal(data: Any, *overrides: str) -> cm.SceneError:
         ("vessel.velocity=[1, 2]", "vessel.velocity", "not a list of 3 numbers"),
         ("vessel.velocity=[1, 2, x]", "vessel.velocity.2", "not a number"),
         ("vessel.velocity=log.csv", "vessel.velocity", "not a list"),
-        ("vessel.velocity=0.5", "vessel.velocity", "keys t, velocity (velocity of the tow point: one vector"),
+        (
+            "vessel.velocity=0.5",
+            "vessel.velocity",
+            "keys t, velocity (velocity of the tow point: one vector",
+        ),
         ("vessel.velocity={file: none.csv}", "vessel.velocity.file", "there is no file"),
         ("vessel.velocity={fil: none.csv}", "vessel.velocity", "{file: NAME}"),
         ("payout.rate=[{t: 1, rate: 0}, {t: 1, rate: 1}]", "payout.rate.1.t", "twice the same t"),
