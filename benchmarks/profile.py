@@ -56,8 +56,10 @@ def linked(folder: Path) -> Path:
     name = platform_name()
     if name is None or shutil.which("valgrind") is None:
         raise SystemExit("the profile needs valgrind, on a machine that the library is made for")
-    assembly, _ = kernel_module(print)
-    (folder / "kernels.o").write_bytes(_objects(PLATFORMS[name].machines[0], assembly, print))
+    assembly, _ = kernel_module("finite_element", print)
+    machine = PLATFORMS[name].machines[0]
+    code = _objects(machine, "finite_element", assembly, print)
+    (folder / "kernels.o").write_bytes(code)
     path = folder / "kernels.so"
     subprocess.run([compiler(), "-shared", "-o", path, folder / "kernels.o", "-lm"], check=True)
     subprocess.run([compiler(), "-O1", "-o", folder / "steps", DRIVER, "-ldl"], check=True)

@@ -234,6 +234,63 @@ def long_lay(laid: float) -> tuple[bool, str, float]:
     )
 
 
+def rough_lay_scene(slope: float, wavelength: float, laid: float) -> Any:
+    """The lay of :func:`long_lay_scene` over ridges: steepest slope, distance of the crests [m]."""
+    import cablemodel as cm
+
+    height = slope * wavelength / (2.0 * math.pi)
+    places = np.arange(-5000.0, 2000.0 + laid, wavelength / 16.0)
+    heights = -3000.0 + height * np.sin(2.0 * math.pi * places / wavelength + 1.0)
+    table = [{"x": float(x), "z": float(z)} for x, z in zip(places, heights, strict=True)]
+    parts = long_lay_scene(laid).to_dict()
+    parts["environment"]["floor"] = {"depth_table": table, "friction": 0.4}
+    return cm.load_scene(parts)
+
+
+def depth_below(model: Any, scene: Any) -> float:
+    """How far the deepest cable lies below the scene's depth table, by SciPy's PCHIP [m]."""
+    from scipy.interpolate import PchipInterpolator
+
+    floor = scene.environment.floor
+    height = PchipInterpolator(floor.grid_x, floor.grid_z[:, 0])
+    places = model.sample(np.linspace(0.0, model.line_length, 20001)).position
+    return float(np.max(height(places[:, 0]) - places[:, 2]))
+
+
+def rough_lays(
+    ridges: tuple[tuple[float, float], ...], laid: float
+) -> Callable[[], tuple[bool, str, float]]:
+    """Lays over ridges of these slopes and distances until the drum is empty, asleep and awake."""
+
+    def run() -> tuple[bool, str, float]:
+        import cablemodel as cm
+
+        apart, deepest, awake, simulated = 0.0, 0.0, 0, 0.0
+        for slope, wavelength in ridges:
+            scene = rough_lay_scene(slope, wavelength, laid)
+            tensions = []
+            for sleep in (True, False):
+                model = cm.CableModel(scene, sleep=sleep)
+                tensions.append([])
+                while model.time < laid / LAY_SPEED:
+                    model.step(20.0)
+                    tensions[-1].append(model.top_tension)
+                deepest = max(deepest, depth_below(model, scene))
+                simulated += model.time
+                awake = max(awake, int(model.statistics["elements"]))
+            asleep, whole = np.array(tensions)
+            apart = max(apart, float(np.max(np.abs(asleep / whole - 1.0))))
+        accuracy = 1e-3 * 5000.0
+        measured = (
+            f"slopes and crests {', '.join(f'{100 * s:g} % {w:g} m' for s, w in ridges)}: top "
+            f"tension asleep within {100 * apart:.2f} % of awake, "
+            f"{deepest / accuracy:.3f} tau L deep, up to {awake} elements"
+        )
+        return apart < 0.01 and deepest < 0.25 * accuracy, measured, simulated
+
+    return run
+
+
 def lay_law(speed: float, payout: float, depth: float) -> float:
     """Top tension of a steady lay without bottom tension (Zajac 1957) [N]."""
     kind = ARMOURED
@@ -352,6 +409,17 @@ SCENES = (
     StressScene("mirror", "1e-10 L", mirror),
     StressScene("directions", "1e-9 L, all complete", directions),
     StressScene("floor variants of S3", "within 2 % of the rigid floor", floor_variants, False),
+    StressScene(
+        "lay over ridges",
+        "to the drum's end; 1 % of top tension; at most tau L/4 deep",
+        rough_lays(((0.05, 200.0),), 1e3),
+    ),
+    StressScene(
+        "lays of 4 km over ridges",
+        "the same",
+        rough_lays(((0.02, 50.0), (0.02, 1000.0), (0.05, 200.0), (0.1, 50.0), (0.1, 1000.0)), 4e3),
+        False,
+    ),
     StressScene("lay of 10 km", "lay law within 1 %", lambda: long_lay(10e3), False),
     StressScene("lay of 50 km", "lay law within 1 %", lambda: long_lay(50e3), False),
 )

@@ -61,7 +61,25 @@ def spare_nodes(scene: Scene) -> int:
     longest = scene.line_length + sum(
         item.cable.length for item in scene.payout.drum if item.cable is not None
     )
-    return SPARE[0] + SPARE[1] * math.ceil(math.log2(max(2.0, longest / finest_element(scene))))
+    halvings = math.ceil(math.log2(max(2.0, longest / finest_element(scene))))
+    return SPARE[0] + SPARE[1] * halvings + _nodes_over_ridges(scene, longest)
+
+
+def _nodes_over_ridges(scene: Scene, longest: float) -> int:
+    """Nodes of a line of this length that lies on a depth table all along.
+
+    There h^2 times the jump of curvature stays below tau L (kernels/follow.py); from one cubic of
+    the table to the next the curvature may jump by twice the sharpest.
+    """
+    floor = scene.environment.floor
+    if floor is None or floor.z is not None:
+        return 0
+    x, y, z = floor.grid_x, floor.grid_y, floor.grid_z
+    bend = _sharpest(x, z, _slopes(x, z)) + _sharpest(y, z.T, _slopes(y, z.T))
+    if bend == 0.0:
+        return 0
+    element = math.sqrt(scene.solver.tolerance * scene.line_length / (2.0 * bend))
+    return math.ceil(longest / max(element, finest_element(scene)))
 
 
 def finest_element(scene: Scene) -> float:

@@ -1,6 +1,6 @@
 """The sea floor's forces on cable and bodies, and their derivatives."""
 
-from .compile import inlined, kernel
+from .compile import kernel
 from .contact import (
     approach,
     contact_force,
@@ -25,6 +25,7 @@ from .layout import (
     O_DIAGONAL,
     O_EDGE,
     O_END_FORCE,
+    O_GAUSS,
     O_JOINT,
     O_LOWER,
     O_MOTION,
@@ -82,24 +83,12 @@ def floor_residual(I, M, q, v, out):
             out[size * node + i] -= press * w[3 + i] + w[9 + i]
 
 
-@inlined
-def scaled(value, k, l, h):
-    """A value times h for each of the shape functions k and l that belongs to a slope."""
-    if k % 2 == 1:
-        value *= h
-    if l % 2 == 1:
-        value *= h
-    return value
-
-
 @kernel
-def add_block(I, M, at, k, l, h, value, ni, nj, w, project):
-    """Add value (ni nj^T, or 1 - n n^T with project) for shape functions k, l to a matrix block."""
+def add_at_node(I, M, node, value, ni, nj, w, project):
+    """Add value (ni nj^T, or 1 - n n^T with project) to a node's block for its position."""
     dimension = I[I_DIMENSION]
     size = 2 * dimension
-    scale = scaled(value, k, l, h)
-    row = dimension * (k % 2)
-    column = dimension * (l % 2)
+    at = I[O_DIAGONAL] + size * size * node
     for i in range(dimension):
         for j in range(dimension):
             entry = w[ni + i] * w[nj + j]
@@ -107,7 +96,7 @@ def add_block(I, M, at, k, l, h, value, ni, nj, w, project):
                 entry = -entry
                 if i == j:
                     entry += 1.0
-            M[at + size * (row + i) + column + j] += scale * entry
+            M[at + size * i + j] += value * entry
 
 
 @kernel
@@ -132,18 +121,6 @@ def turn_of_normal(I, M, w):
 
 
 @kernel
-def add_turn(I, M, at, k, l, h, value, w):
-    """Subtract value times the normal's derivatives from a matrix block, for functions k, l."""
-    dimension = I[I_DIMENSION]
-    scale = scaled(value, k, l, h)
-    row = dimension * (k % 2)
-    column = dimension * (l % 2)
-    for i in range(dimension):
-        for j in range(dimension):
-            M[at + 2 * dimension * (row + i) + column + j] -= scale * w[12 + 3 * i + j]
-
-
-@kernel
 def block_of(I, node, k, l):
     """Where the block of shape functions k (row) and l (column) of an element starts."""
     area = 4 * I[I_DIMENSION] * I[I_DIMENSION]
@@ -158,6 +135,49 @@ def block_of(I, node, k, l):
 
 
 @kernel
+def add_point(I, p, h, rub, w, sums):
+    """Add the derivatives at contact point p of an element to its sums (d, d, 4, 4).
+
+    For components i, j and shape functions k, l. rate (d, d) in w[12:21]: minus the force's
+    derivative to the place, rub: to the bristle, both times the point's weight; the bristle is
+    linear between the nodes. Normal in w[3:6]; with friction the direction in which the cable
+    slips, or zeros, in w[6:9].
+    """
+    dimension = I[I_DIMENSION]
+    x = CONTACT_POINTS[p]
+    for i in range(dimension):
+        for j in range(dimension):
+            a = w[12 + 3 * i + j]
+            b = -rub * (w[3 + i] * w[3 + j] + w[6 + i] * w[6 + j])
+            if i == j:
+                b += rub
+            at = 16 * (dimension * i + j)
+            for k in range(4):
+                nk = CONTACT_H[p, k]
+                if k % 2 == 1:
+                    nk *= h
+                ak = nk * a
+                sums[at + 4 * k] += ak * CONTACT_H[p, 0] + nk * b * (1.0 - x)
+                sums[at + 4 * k + 1] += ak * (h * CONTACT_H[p, 1])
+                sums[at + 4 * k + 2] += ak * CONTACT_H[p, 2] + nk * b * x
+                sums[at + 4 * k + 3] += ak * (h * CONTACT_H[p, 3])
+
+
+@kernel
+def add_sums(I, M, node, sums):
+    """Add an element's sums to the blocks of the matrix, and clear them."""
+    dimension = I[I_DIMENSION]
+    for k in range(4):
+        for l in range(4):
+            at = block_of(I, node, k, l) + 2 * dimension * dimension * (k % 2) + dimension * (l % 2)
+            for i in range(dimension):
+                for j in range(dimension):
+                    from_ = 16 * (dimension * i + j) + 4 * k + l
+                    M[at + 2 * dimension * i + j] += sums[from_]
+                    sums[from_] = 0.0
+
+
+@kernel
 def floor_jacobian(I, M, q, v, cv):
     """Add the derivatives of the floor's forces to the blocks of the effective Jacobian."""
     dimension = I[I_DIMENSION]
@@ -167,6 +187,9 @@ def floor_jacobian(I, M, q, v, cv):
     damping = M[S_FLOOR_DAMPING]
     rubs = M[S_FRICTION] > 0.0
     bends = I[I_FLOOR] == FLOOR_TABLE
+    # The elements' workspace, beyond what lasts there.
+    sums = M[I[O_GAUSS] + 400 : I[O_GAUSS] + 400 + 16 * dimension * dimension]
+    sums[:] = 0.0
     for node in range(1, I[I_NODES]):
         if I[I[O_JOINT] + node] != 0:
             continue
@@ -176,6 +199,7 @@ def floor_jacobian(I, M, q, v, cv):
         edge = I[O_EDGE] + node * EDGE_WORDS
         h = M[edge + E_LENGTH]
         contact = M[edge + E_CONTACT] * M[edge + E_BORNE]
+        touched = False
         for p in range(4):
             interpolate(I, q, parent, node, h, p, w)
             gap = gap_at(I, M, w, w[3:6])
@@ -189,35 +213,26 @@ def floor_jacobian(I, M, q, v, cv):
             spring = contact * share
             stiff = contact * stiffness * free + cv * damping * spring
             x = CONTACT_POINTS[p]
-            sticks = True
-            rub = 0.0
-            if rubs:
-                sticks, length, rub = friction(I, M, q, parent, node, x, contact, spring * free, w)
-                if not sticks:
-                    for i in range(dimension):
-                        w[6 + i] /= length
             weight = h * CONTACT_WEIGHTS[p]
+            touched = True
             if bends:
                 turn_of_normal(I, M, w)
-            for k in range(4):
-                for l in range(4):
-                    at = block_of(I, node, k, l)
-                    value = weight * CONTACT_H[p, k] * CONTACT_H[p, l]
-                    add_block(I, M, at, k, l, h, value * stiff, 3, 3, w, False)
-                    if bends:
-                        add_turn(I, M, at, k, l, h, value * spring * free, w)
-                    if not rubs:
-                        continue
-                    if not sticks:
-                        push = -value * M[S_FRICTION] * stiff
-                        add_block(I, M, at, k, l, h, push, 6, 3, w, False)
-                    if l % 2 == 0:
-                        # The bristle is linear between the nodes.
-                        part = 1.0 - x if l == 0 else x
-                        value = weight * CONTACT_H[p, k] * part * rub
-                        add_block(I, M, at, k, l, h, value, 3, 3, w, True)
-                        if not sticks:
-                            add_block(I, M, at, k, l, h, -value, 6, 6, w, False)
+            for i in range(dimension):
+                for j in range(dimension):
+                    turn = spring * free * w[12 + 3 * i + j] if bends else 0.0
+                    w[12 + 3 * i + j] = weight * (stiff * w[3 + i] * w[3 + j] - turn)
+            rub = 0.0
+            if rubs:
+                press = spring * free
+                sticks, length, rub = friction(I, M, q, parent, node, x, contact, press, w)
+                for i in range(dimension):
+                    w[6 + i] = 0.0 if sticks else w[6 + i] / length
+                    push = weight * M[S_FRICTION] * stiff * w[6 + i]
+                    for j in range(dimension):
+                        w[12 + 3 * i + j] -= push * w[3 + j]
+            add_point(I, p, h, weight * rub, w, sums)
+        if touched:
+            add_sums(I, M, node, sums)
     for place in range(contact_places(I)):
         node, contact, preload = contact_place(I, M, place)
         if contact <= 0.0:
@@ -228,16 +243,18 @@ def floor_jacobian(I, M, q, v, cv):
         _share, stiffness, _energy = place_law(preload, gap, depth)
         free = 1.0 - damping * speed
         stiff = contact * stiffness * free + cv * damping * press / free
-        at = I[O_DIAGONAL] + size * size * node
-        add_block(I, M, at, 0, 0, 1.0, stiff, 3, 3, w, False)
+        add_at_node(I, M, node, stiff, 3, 3, w, False)
         if bends:
             turn_of_normal(I, M, w)
-            add_turn(I, M, at, 0, 0, 1.0, press, w)
+            at = I[O_DIAGONAL] + size * size * node
+            for i in range(dimension):
+                for j in range(dimension):
+                    M[at + size * i + j] -= press * w[12 + 3 * i + j]
         if rubs:
             sticks, length, rub = friction(I, M, q, node, node, 0.0, contact, press, w)
-            add_block(I, M, at, 0, 0, 1.0, rub, 3, 3, w, True)
+            add_at_node(I, M, node, rub, 3, 3, w, True)
             if not sticks:
                 for i in range(dimension):
                     w[6 + i] /= length
-                add_block(I, M, at, 0, 0, 1.0, -rub, 6, 6, w, False)
-                add_block(I, M, at, 0, 0, 1.0, -M[S_FRICTION] * stiff, 6, 3, w, False)
+                add_at_node(I, M, node, -rub, 6, 6, w, False)
+                add_at_node(I, M, node, -M[S_FRICTION] * stiff, 6, 3, w, False)

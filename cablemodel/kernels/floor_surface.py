@@ -106,6 +106,12 @@ def gap_at(I, M, r, n):
         z += zx * (x - M[S_FLOOR_PLANE + 3]) + zy * (y - M[S_FLOOR_PLANE + 4])
     else:
         z, zx, zy = table_height(I, M, x, y)
+    if zx == 0.0 and zy == 0.0:
+        level = 1 if planar else 2
+        n[0] = 0.0
+        n[1] = 0.0
+        n[level] = 1.0
+        return r[level] + M[S_BASE + 2] - z
     nz = 1.0 / math.sqrt(1.0 + zx * zx + zy * zy)
     if planar:
         n[0] = -(M[S_PLANE] * zx + M[S_PLANE + 1] * zy) * nz
@@ -132,6 +138,7 @@ def lowest_gap(I, M, q, node, w):
     """A gap that no point of an element undercuts, by the convex hull of its Bezier points [m].
 
     The element's gap itself where that is below some metres, something large far above the floor.
+    w: 9 words of workspace.
     """
     dimension = I[I_DIMENSION]
     size = 2 * dimension
@@ -147,10 +154,20 @@ def lowest_gap(I, M, q, node, w):
     if clear > 4.0 * h + M[S_FLOOR_DEPTH]:
         return clear
     lowest = 1e300
+    first = 0.0
     for k in range(4):
         end = parent if k < 2 else node
         third = bezier_third(k, h)
         for i in range(dimension):
             w[i] = q[size * end + i] + third * q[size * end + dimension + i]
-        lowest = min(lowest, gap_at(I, M, w, w[3:6]))
+        if k == 0 or I[I_FLOOR] != FLOOR_PLANE:
+            gap = gap_at(I, M, w, w[3:6])
+            first = gap
+            for i in range(dimension):
+                w[6 + i] = w[i]
+        else:
+            gap = first
+            for i in range(dimension):
+                gap += w[3 + i] * (w[i] - w[6 + i])
+        lowest = min(lowest, gap)
     return lowest - M[S_FLOOR_BEND] * h * h

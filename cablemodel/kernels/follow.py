@@ -31,12 +31,15 @@ from .layout import (
     O_POSITION,
     O_STAGE_V,
     O_TENSION,
+    O_VELOCITY,
     OK,
     S_FLOOR_DEPTH,
     S_FLOOR_WAIT,
     S_LENGTH,
     S_PERIOD,
+    S_STEP,
     S_TOLERANCE,
+    S_TRACTABLE,
 )
 from .payout import hermite, join_at, split_edge
 from .tables import CONTACT_POINTS, CONTACT_WEIGHTS
@@ -47,6 +50,8 @@ KINK = 0.2  # largest h times the jump of curvature near the floor: what folds m
 STRAIN = 2e-5  # largest change of length when elements are joined
 BENT = 1.0  # of tau L: what h^2 times the jump of curvature may be near the floor
 STRAIGHT = 0.15  # of tau L: the same for two elements that are joined
+SOON = 2.0  # steps for which what comes down is split at once
+TOGETHER = 16  # elements are joined when that part of all may be
 SPLIT_ABOVE, JOIN_BELOW = 1.6, 0.8  # of the length wanted
 
 
@@ -231,6 +236,24 @@ def may_join(I, M, node, gaps, jumps, wanted):
 
 
 @kernel
+def lower(I, M, gaps):
+    """Let what comes down be as near the floor as it will be some steps later.
+
+    Every change of the mesh takes matrices: what has to be split soon is split with the rest.
+    """
+    dimension = I[I_DIMENSION]
+    depth = M[S_FLOOR_DEPTH]
+    step = M[S_STEP]
+    if M[S_TRACTABLE] > 0.0:
+        step = min(step, M[S_TRACTABLE])
+    for node in range(1, I[I_NODES]):
+        if gaps[node] >= depth and gaps[node] < 1e299:
+            sinking = -M[I[O_VELOCITY] + 2 * dimension * node + dimension - 1]
+            way = SOON * step * max(0.0, sinking)
+            gaps[node] = max(depth, gaps[node] - min(way, 0.5 * gaps[node]))
+
+
+@kernel
 def follow_floor(I, M, change):
     """Whether the floor asks for another mesh; with `change`, halve and join elements for it."""
     if M[S_FLOOR_WAIT] > 0.0:
@@ -245,11 +268,14 @@ def follow_floor(I, M, change):
     jumps = M[work + 2 * capacity : work + 3 * capacity]
     wanted = M[work + 3 * capacity : work + 4 * capacity]
     measure(I, M, gaps, behind, jumps)
+    if change:
+        lower(I, M, gaps)
     first = 2 if I[I_PAYOUT] != 0 else 1
     for node in range(1, I[I_NODES]):
         if I[I[O_JOINT] + node] == 0:
             wanted[node] = wanted_length(I, M, node, gaps, behind, jumps)
     changed = False
+    waiting = 0
     node = I[I_NODES] - 1
     while node >= first:
         if I[I[O_JOINT] + node] == 0:
@@ -266,7 +292,11 @@ def follow_floor(I, M, change):
                 and may_join(I, M, node, gaps, jumps, wanted)
             ):
                 if not change:
-                    return True
+                    waiting += 1
+                    if waiting * TOGETHER >= I[I_NODES]:
+                        return True
+                    node -= 1
+                    continue
                 above = I[O_EDGE] + (node - 1) * EDGE_WORDS + E_BORNE
                 below = above + EDGE_WORDS
                 M[below] = max(M[above], M[below])

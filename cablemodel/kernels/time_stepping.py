@@ -87,6 +87,7 @@ from .layout import (
     S_TIME_TOLERANCE,
     S_TOLERANCE,
     S_TOP_LENGTH,
+    S_TRACTABLE,
     S_TRAVEL,
     S_WAVE_STEP,
     STALLED,
@@ -117,6 +118,10 @@ ORDER_3_STEP = 0.6  # of the step that the error of order 4 allows, as a first g
 TIGHTEST = 1e-4  # tau down to which that pays
 STALL = 5000, 1e-5  # internal steps in a row, and their mean length in sqrt(L/g), that end a call
 MOST_REFUSALS = 4  # of a step that ends folded
+FAILED = 0.5  # of a step in which Newton's method failed at a floor: the next one
+EASY = 2.4, 1.5  # iterations a stage up to which the longest tractable step grows, and by how much
+FAIR = 3.2, 1.1  # the same for one that is near its limit
+HARD = 4.5, 0.8  # and above which it shrinks
 BENDING_ON, BENDING_OFF = 0.01, 0.005  # hybrid: (EI/T)/h^2 above which bending is kept
 
 
@@ -413,6 +418,25 @@ def choose_order(I, M, scheme, iterations):
 
 
 @kernel
+def follow_iterations(M, dt, iterations):
+    """After a step at a floor of so many iterations a stage: which steps are tractable.
+
+    What limits a step where cable lands and folds is Newton's method, not the error: a growth by
+    the error alone fails every second time.
+    """
+    limit = M[S_TRACTABLE]
+    if limit == 0.0:
+        return
+    if iterations > HARD[0]:
+        M[S_TRACTABLE] = min(limit, HARD[1] * dt)
+    elif iterations <= EASY[0]:
+        # Of longer steps one that the caller limits tells little.
+        M[S_TRACTABLE] = limit * (EASY[1] if dt > 0.8 * limit else FAIR[1])
+    elif dt > 0.8 * limit and iterations <= FAIR[0]:
+        M[S_TRACTABLE] = FAIR[1] * limit
+
+
+@kernel
 def advance_to(I, M, t_end):
     """Integrate to t_end exactly; on failure the status says why and the state is of no use."""
     status = OK
@@ -433,6 +457,8 @@ def advance_to(I, M, t_end):
             if status != OK:
                 break
         natural = M[S_STEP]
+        if I[I_FLOOR] != 0 and M[S_TRACTABLE] > 0.0:
+            natural = min(natural, M[S_TRACTABLE])
         if I[I_WAVES] != 0:
             natural = min(natural, M[S_WAVE_STEP])
         stop = next_stop(I, M, t_end, natural)
@@ -480,6 +506,9 @@ def advance_to(I, M, t_end):
             I[I_GROWTH_BARRED] = 1
             if status != OK:
                 factor = 0.4
+                if I[I_FLOOR] != 0:
+                    factor = FAILED
+                    M[S_TRACTABLE] = FAILED * dt
             else:
                 factor = max(0.3, 0.9 * error ** (-0.25 if scheme == 1 else -1.0 / 3.0))
                 if not factor < 0.9:
@@ -533,6 +562,8 @@ def advance_to(I, M, t_end):
                 M[S_STEP] = max(M[S_STEP], factor * dt)
             else:
                 M[S_STEP] = factor * dt
+            if I[I_FLOOR] != 0 and not two_steps:
+                follow_iterations(M, dt, (I[I_ITERATIONS] - before) / (STAGES[scheme] - 1))
             if not two_steps:
                 choose_order(I, M, scheme, I[I_ITERATIONS] - before)
         taken += 1

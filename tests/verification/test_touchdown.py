@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 import cablemodel as cm
 from tests.verification.scenes import CABLE_K
+from tests.verification.touchdown_layer import touchdown_layer
 
 WEIGHT = CABLE_K["submerged_weight"]
 BODY = {
@@ -150,49 +150,14 @@ def test_largest_curvature_of_a_lay(laying):
     assert laying[:, 2].mean() == pytest.approx(0.67798, rel=5e-2)
 
 
-def touchdown_layer(bottom_tension, inertia):
-    """Concentrated reaction [N] and largest curvature [1/m] of that lay on a rigid floor: an
-    initial value problem from the touchdown up, in the vessel's frame, by shooting for the
-    reaction with which the cable ends straight. Inertia: share of (m + ma) V^2 kappa."""
-    weight, diameter, speed, rate = WEIGHT, CABLE_K["diameter"], 0.65, 0.7
-    mass = CABLE_K["mass"] + 1025.0 * np.pi / 4.0 * diameter**2
-    normal = 0.5 * 1025.0 * diameter * speed**2
-    tangential = 0.5 * 1025.0 * CABLE_K["drag_tangential"] * np.pi * diameter
-
-    def rates(_s, state):
-        angle, curvature, tension, shear = state
-        slip = rate - speed * np.cos(angle)
-        return [
-            curvature,
-            -shear,
-            shear * curvature + weight * np.sin(angle) - tangential * slip**2,
-            (inertia * mass * rate**2 - tension) * curvature
-            + weight * np.cos(angle)
-            - normal * np.sin(angle) ** 2,
-        ]
-
-    def straight(_s, state):
-        return state[1] + 1e-9
-
-    def rolled_up(_s, state):
-        return state[0] - 1.2
-
-    straight.terminal = rolled_up.terminal = True
-    low, high = 1.0, 3.0
-    for _ in range(40):
-        reaction = 0.5 * (low + high)
-        start = [0.0, 0.0, bottom_tension, -reaction]
-        up = solve_ivp(rates, (0, 12), start, rtol=1e-9, atol=1e-11, events=[straight, rolled_up])
-        if up.t_events[1].size:
-            high = reaction
-        else:
-            low = reaction
-    return reaction, up.y[1].max()
+def layer_of(model, bottom_tension, inertia):
+    """Reaction [N] and largest curvature [1/m] of that lay on a rigid floor."""
+    return touchdown_layer(model.scene.cable_types["K"], bottom_tension, 0.65, 0.7, inertia)
 
 
 def test_reference_of_the_touchdown_layer():
     """Two boundary value problems solved elsewhere: 1.81364 N, 0.67798 1/m."""
-    assert touchdown_layer(0.0, 1.0) == pytest.approx((1.81364, 0.67798), rel=5e-3)
+    assert layer_of(lay(1e-3), 0.0, 1.0) == pytest.approx((1.81364, 0.67798), rel=5e-3)
 
 
 @pytest.mark.parametrize(
@@ -203,7 +168,7 @@ def test_concentrated_reaction_of_a_steady_start(tolerance, rel):
     bend, and its tail is in slight compression."""
     model = lay(tolerance)
     lying = model.line_length - model.floor_length + 1.5
-    reaction, _ = touchdown_layer(model.sample([lying]).tension[0], 0.0)
+    reaction, _ = layer_of(model, model.sample([lying]).tension[0], 0.0)
     assert model.touchdown_reaction == pytest.approx(reaction, rel=rel)
 
 
