@@ -6,6 +6,8 @@ Newton's test looks at it in the last stage before an output only, and its error
 step, is estimated from those of the stages.
 """
 
+import math
+
 from .backup import keep_sleepers
 from .compile import copy_words, inlined, kernel, view
 from .consistency import make_consistent, project_velocity, take_rates_from_velocity
@@ -117,12 +119,19 @@ ORDER_3_STEP = 0.6  # of the step that the error of order 4 allows, as a first g
 TIGHTEST = 1e-4  # tau down to which that pays
 STALL = 5000, 1e-5  # internal steps in a row, and their mean length in sqrt(L/g), that end a call
 MOST_REFUSALS = 4  # of a step that ends folded
+AT_ONCE = 0.02  # of the tolerance: what a stage's first iteration may leave, by the last ratio
+BEST_RATIO = 0.003  # that is believed for the next stage
+LARGEST_GROWTH = 16.0  # of the step: the first is much shorter than any motion
 BENDING_ON, BENDING_OFF = 0.01, 0.005  # hybrid: (EI/T)/h^2 above which bending is kept
 
 
 @kernel
-def solve_stage(I, M, t, gamma_dt, tolerance, to_output):
-    """Newton for one stage; on entry the trial holds the predicted a and T. Returns a status."""
+def solve_stage(I, M, t, gamma_dt, tolerance, to_output, ratio):
+    """Newton for one stage; on entry the trial holds what is predicted.
+
+    ratio: convergence of the matrix in the stages before, 1 where it is not known. Returns a
+    status, and the ratio for the next stage.
+    """
     count = 2 * I[I_DIMENSION] * I[I_NODES]
     nodes = I[I_NODES]
     q = view(M, I[O_TRIAL_Q], count)
@@ -132,19 +141,13 @@ def solve_stage(I, M, t, gamma_dt, tolerance, to_output):
     forces = view(M, I[O_RESIDUAL], count)
     constraint = view(M, I[O_CONSTRAINT_RESIDUAL], 2 * nodes)
     x = view(M, I[O_INCREMENT], count)
-    base_q = view(M, I[O_BASE_Q], count)
-    base_v = view(M, I[O_BASE_V], count)
-    gamma2 = gamma_dt * gamma_dt
     inverse = 1.0 / gamma_dt
     inverse2 = inverse * inverse
     set_time(I, M, t)
-    for n in range(count):
-        q[n] = base_q[n] + gamma2 * a[n]
-        v[n] = base_v[n] + gamma_dt * a[n]
     impose_motion(I, M, t, q, v, a)
     if I[I_FACTORED] == 0 or abs(M[S_FACTORED_STEP] - gamma_dt) > 1e-6 * gamma_dt:
         if refactor(I, M, q, v, a, tension, gamma_dt) != 0:
-            return NOT_CONVERGED
+            return NOT_CONVERGED, ratio
     previous = 0.0
     since = 0  # iterations with a factorisation made in this stage
     growing = 0
@@ -160,7 +163,7 @@ def solve_stage(I, M, t, gamma_dt, tolerance, to_output):
         if not size < 1e30:
             I[I_FAILED_NODE] = where
             I[I_FACTORED] = 0
-            return NOT_CONVERGED
+            return NOT_CONVERGED, ratio
         for n in range(count):
             q[n] += x[n]
             v[n] += inverse * x[n]
@@ -173,23 +176,29 @@ def solve_stage(I, M, t, gamma_dt, tolerance, to_output):
                 largest = max(largest, abs(tension[2 * n]))
             settled = tension_change <= 1e-4 * largest
         if settled and size <= 0.01 * tolerance:
-            return OK
-        if iteration > 0:
-            ratio = size / previous
-            if settled and ratio < 1.0 and ratio / (1.0 - ratio) * size <= good * tolerance:
-                return OK
-            growing = growing + 1 if ratio > 2.0 else 0
+            return OK, ratio
+        if iteration == 0:
+            left = ratio / (1.0 - ratio) * size if ratio < 1.0 else math.inf
+            if not to_output and left <= AT_ONCE * tolerance:
+                return OK, ratio
+        else:
+            shrunk = size / previous
+            # After a new matrix it compares two of them.
+            ratio = max(shrunk, BEST_RATIO) if since > 0 else 1.0
+            if settled and shrunk < 1.0 and shrunk / (1.0 - shrunk) * size <= good * tolerance:
+                return OK, ratio
+            growing = growing + 1 if shrunk > 2.0 else 0
             if growing == 2 and size > tolerance:
                 I[I_FAILED_NODE] = where
-                return NOT_CONVERGED
-            if ratio > (0.2 if I[I_FRESH] == 0 else 0.4) and since > 0:
+                return NOT_CONVERGED, ratio
+            if shrunk > (0.2 if I[I_FRESH] == 0 else 0.4) and since > 0:
                 if refactor(I, M, q, v, a, tension, gamma_dt) != 0:
-                    return NOT_CONVERGED
-                since = 0
+                    return NOT_CONVERGED, ratio
+                since = -1
         since += 1
         previous = size
         I[I_FAILED_NODE] = where
-    return NOT_CONVERGED
+    return NOT_CONVERGED, ratio
 
 
 @inlined
@@ -220,17 +229,21 @@ def try_step(I, M, dt, scheme, to_output):
     a = view(M, I[O_ACCELERATION], count)
     base_q = view(M, I[O_BASE_Q], count)
     base_v = view(M, I[O_BASE_V], count)
+    trial_q = view(M, I[O_TRIAL_Q], count)
+    trial_v = view(M, I[O_TRIAL_V], count)
     trial_a = view(M, I[O_TRIAL_A], count)
     I[I_FRESH] = 0
+    ratio = 1.0
     for n in range(count):
         trial_a[n] = a[n]
     for n in range(2 * nodes):
         M[I[O_TRIAL_T] + n] = M[I[O_TENSION] + n]
     for i in range(1, stages):
+        weight = dt * STAGE_A[scheme, i, 0]
         for n in range(count):
-            base_v[n] = v[n]
-            base_q[n] = q[n]
-        for j in range(i):
+            base_v[n] = v[n] + weight * a[n]
+            base_q[n] = q[n] + weight * v[n]
+        for j in range(1, i):
             weight = dt * STAGE_A[scheme, i, j]
             if weight != 0.0:
                 place_v, place_a = stage_words(I, j, stages)
@@ -240,10 +253,14 @@ def try_step(I, M, dt, scheme, to_output):
                     base_v[n] += weight * stage_a[n]
                     base_q[n] += weight * stage_v[n]
         for n in range(count):
-            base_q[n] += gamma_dt * base_v[n]
+            motion = gamma_dt * trial_a[n]
+            trial_v[n] = base_v[n] + motion
+            trial_q[n] = base_q[n] + gamma_dt * (base_v[n] + motion)
         last = i == stages - 1
         stage_time = time + dt if last else time + STAGE_C[scheme, i] * dt
-        status = solve_stage(I, M, stage_time, gamma_dt, tolerance, to_output and last)
+        status, ratio = solve_stage(
+            I, M, stage_time, gamma_dt, tolerance, to_output and last, ratio
+        )
         if status != OK:
             return status, 0.0, 0.0
         if not last:
@@ -520,10 +537,10 @@ def advance_to(I, M, t_end):
             if I[I_LIVE] == 0:
                 I[I_PIECE] = find_piece(I, M, M[S_TIME])
             I[I_STEPS] += 1
-            factor = 4.0
+            factor = LARGEST_GROWTH
             if error > 1e-12:
                 factor = 0.9 * error ** (-0.25 if scheme == 1 else -1.0 / 3.0)
-                factor = min(4.0, max(0.3, factor))
+                factor = min(LARGEST_GROWTH, max(0.3, factor))
             if I[I_GROWTH_BARRED] == 1:
                 factor = min(factor, 1.0)
                 I[I_GROWTH_BARRED] = 0
