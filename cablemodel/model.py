@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -170,7 +171,7 @@ class CableModel:
             raise StepError(
                 f"{name} is {value!r}, not a number", time=self.time, advice="give a number"
             ) from None
-        if not np.isfinite(number):
+        if not math.isfinite(number):
             raise StepError(
                 f"{name} is {number}: not finite", time=self.time, advice="give a finite number"
             )

@@ -6,8 +6,6 @@ Newton's test looks at it in the last stage before an output only, and its error
 step, is estimated from those of the stages.
 """
 
-import math
-
 from .backup import keep_sleepers
 from .compile import copy_words, inlined, kernel, view
 from .consistency import make_consistent, project_velocity, take_rates_from_velocity
@@ -116,7 +114,7 @@ LARGEST_ITERATIONS = 10
 STRUGGLE = 17, 7  # iterations of a step of order 4, and of order 3, in which Newton has trouble
 STEPS_OF_ORDER_3 = 16.0  # that follow such a step
 ORDER_3_STEP = 0.6  # of the step that the error of order 4 allows, as a first guess
-TIGHTEST = 1e-4  # tau down to which that pays
+TIGHTEST = 1e-4  # tau down to which that pays, and what AT_ONCE leaves is not seen
 STALL = 5000, 1e-5  # internal steps in a row, and their mean length in sqrt(L/g), that end a call
 MOST_REFUSALS = 4  # of a step that ends folded
 AT_ONCE = 0.02  # of the tolerance: what a stage's first iteration may leave, by the last ratio
@@ -152,6 +150,7 @@ def solve_stage(I, M, t, gamma_dt, tolerance, to_output, ratio):
     since = 0  # iterations with a factorisation made in this stage
     growing = 0
     good = 0.02 if to_output else 0.1
+    at_once = 0.0 if to_output or M[S_TOLERANCE] < TIGHTEST else AT_ONCE
     # What is left of a stage leaves that over gamma dt in the velocity, which an undamped motion
     # keeps: it must be small against the tolerance over a period, however short the steps are.
     tolerance *= min(1.0, gamma_dt / (0.1 * M[S_PERIOD]))
@@ -178,8 +177,7 @@ def solve_stage(I, M, t, gamma_dt, tolerance, to_output, ratio):
         if settled and size <= 0.01 * tolerance:
             return OK, ratio
         if iteration == 0:
-            left = ratio / (1.0 - ratio) * size if ratio < 1.0 else math.inf
-            if not to_output and left <= AT_ONCE * tolerance:
+            if ratio < 1.0 and ratio / (1.0 - ratio) * size <= at_once * tolerance:
                 return OK, ratio
         else:
             shrunk = size / previous
