@@ -56,9 +56,9 @@ def linked(folder: Path) -> Path:
     name = platform_name()
     if name is None or shutil.which("valgrind") is None:
         raise SystemExit("the profile needs valgrind, on a machine that the library is made for")
-    assembly, _ = kernel_module("finite_element", print)
-    machine = PLATFORMS[name].machines[0]
-    code = _objects(machine, "finite_element", assembly, print)
+    part = "finite_element"
+    assembly, _ = kernel_module(part, print)
+    code = _objects(PLATFORMS[name].machines[0], part, assembly, print)
     (folder / "kernels.o").write_bytes(code)
     path = folder / "kernels.so"
     subprocess.run([compiler(), "-shared", "-o", path, folder / "kernels.o", "-lm"], check=True)

@@ -20,6 +20,10 @@ _SLACK = 10.0
 """The same for a line that starts without: it folds at its ends."""
 _WHIP = 20.0
 """The same where drag is too small to damp the waves that run along it."""
+_WHIP_IN_AIR = 14.0, 0.4
+"""The same with a little drag, and the power of 1e-3 / tau that it takes. Down to tau = 1e-4 the
+time steps damp what such a mesh does not resolve, and decide the error; in a vacuum they are too
+short for that."""
 LIGHT_DAMPING = 10.0
 """rho Cdn d L / m below which a line counts as hardly damped."""
 _LAYER_GROWTH = 2.0
@@ -63,7 +67,10 @@ def element_count(tolerance: float, start: Start) -> int:
     at_thousandth = _STEADY
     if start.slack:
         at_thousandth = _WHIP if start.lightly_damped else _SLACK
-    return max(4, math.ceil(at_thousandth * math.pow(1e-3 / tolerance, 0.25) - 1e-9))
+    count = at_thousandth * math.pow(1e-3 / tolerance, 0.25)
+    if start.slack and start.lightly_damped and start.damping > 0.0:
+        count = min(count, _WHIP_IN_AIR[0] * math.pow(1e-3 / tolerance, _WHIP_IN_AIR[1]))
+    return max(4, math.ceil(count - 1e-9))
 
 
 def relative_size(x: float, start: Start) -> float:

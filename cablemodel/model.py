@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import hashlib
 import json
+import math
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -202,7 +203,7 @@ class CableModel:
             raise StepError(
                 f"{name} is {value!r}, not a number", time=self.time, advice="give a number"
             ) from None
-        if not np.isfinite(number):
+        if not math.isfinite(number):
             raise StepError(
                 f"{name} is {number}: not finite", time=self.time, advice="give a finite number"
             )

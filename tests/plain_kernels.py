@@ -56,15 +56,27 @@ def table_product(table: Any) -> Any:
     return product
 
 
-def matrix_vector(size: int, sign: float, *, add: bool) -> Any:
+def matrix_vector(size: int, sign: float, *, add: bool, columns: int | None = None) -> Any:
     """As the compiled one."""
+    terms = size if columns is None else columns
 
     def product(
         matrix: Any, at: Any, vector: Any, start: Any, stride: Any, out: Any, to: Any
     ) -> None:
-        columns = matrix[at : at + size * size].reshape(size, size)
-        total = np.array([vector[start + k * stride] for k in range(size)]) @ columns
+        block = matrix[at : at + size * terms].reshape(terms, size)
+        total = np.array([vector[start + k * stride] for k in range(terms)]) @ block
         out[to : to + size] = out[to : to + size] + sign * total if add else total
+
+    return product
+
+
+def two_products(size: int) -> Any:
+    """As the compiled one."""
+
+    def product(matrix: Any, vector: Any, above: Any, below: Any, out: Any, to: Any) -> None:
+        rows = matrix[: 4 * size].reshape(2, 2, size)
+        parts = vector[above : above + size], vector[below : below + size]
+        out[to : to + 2] = rows[0] @ parts[0] + rows[1] @ parts[1]
 
     return product
 
@@ -94,7 +106,15 @@ def install() -> None:
     import cablemodel.kernels
 
     plain = ModuleType("cablemodel.kernels.compile")
-    for function in (entry_point, view, copy_words, table_product, matrix_vector, block_kernels):
+    for function in (
+        entry_point,
+        view,
+        copy_words,
+        table_product,
+        matrix_vector,
+        two_products,
+        block_kernels,
+    ):
         setattr(plain, function.__name__, function)
     for name in ("kernel", "inlined", "outlined"):
         setattr(plain, name, as_it_is)

@@ -25,6 +25,11 @@ TIME_TOLERANCE = 0.045
 """Local error allowed in a step, in units of tau L; calibrated, see docs/engine.md."""
 UNDAMPED = 0.08
 """Factor on it in a vacuum, at tau = 1e-3."""
+ORDER_3_FIRST = 16.0
+"""Good steps by order 3 with which a line that starts slack begins: it snaps, and Newton's method
+has trouble in longer ones."""
+FINEST_IN_AIR, FINEST_IN_WATER = 1e-4, 5e-4
+"""tau down to which it does, with little drag and with much; below, tensions would suffer."""
 MOST_STEPS = 2_000_000
 """Internal steps that one call may take."""
 
@@ -56,7 +61,7 @@ def fill_settings(block: Block, scene: Scene, scale: float) -> None:
         reals[at.S_LARGEST_TENSION] = math.inf
     period = math.sqrt(length / max(scene.environment.gravity, 1e-3))
     reals[at.S_PERIOD] = period
-    # A start that the user would not notice: it grows fourfold a step.
+    # A start that the user would not notice: it grows up to sixteenfold a step.
     reals[at.S_FIRST_STEP] = 0.02 * period
     reals[at.S_STEP] = 1e-2 * math.sqrt(max(tolerance, 1e-12)) * period
     reals[at.S_SMALLEST_STEP] = 1e-10 * period
@@ -67,7 +72,11 @@ def fill_settings(block: Block, scene: Scene, scale: float) -> None:
         masses += kind.mass * cable.length
     masses += math.fsum(body.mass for body in scene.bodies)
     reals[at.S_AXIAL] = 1.0 / (softness * masses)
-    reals[at.S_UNDAMPED] = float(start_conditions(scene).lightly_damped)
+    start = start_conditions(scene)
+    reals[at.S_UNDAMPED] = float(start.lightly_damped)
+    finest = FINEST_IN_AIR if start.lightly_damped else FINEST_IN_WATER
+    if start.slack and tolerance >= finest and scene.environment.floor is None:
+        reals[at.S_ORDER_3] = ORDER_3_FIRST
 
 
 def fill_motion(block: Block, pieces: FloatArray) -> None:

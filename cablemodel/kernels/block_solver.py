@@ -61,24 +61,26 @@ def make_block_solver(size: int) -> tuple[Any, Any]:
     @kernel
     def solve(I, M, x):
         nodes = I[I_NODES]
+        joints = view(I, I[O_JOINT], nodes)
+        parents = view(I, I[O_PARENT], nodes)
         for node in range(nodes - 1, 0, -1):
             at = I[O_DIAGONAL] + area * node
             D = view(M, at, area)
             y = view(x, size * node, size)
-            parent = I[I[O_PARENT] + node]
+            parent = parents[node]
             b = view(x, size * parent, size)
-            if I[I[O_JOINT] + node] == JOINT_HINGE:
+            if joints[node] == JOINT_HINGE:
                 reduce_hinge(D, y, b)
             else:
                 U = view(M, I[O_UPPER] + area * node, area)
                 subtract_product(U, 0, y, 0, 1, b, 0)
         set_product(M, I[O_DIAGONAL], x, 0, 1, x, 0)
         for node in range(1, nodes):
-            parent = I[I[O_PARENT] + node]
+            parent = parents[node]
             y = view(x, size * node, size)
             p = view(x, size * parent, size)
             Z = view(M, I[O_LOWER] + area * node, area)
-            if I[I[O_JOINT] + node] == JOINT_HINGE:
+            if joints[node] == JOINT_HINGE:
                 substitute_hinge(Z, p, y)
             else:
                 set_product(M, I[O_DIAGONAL] + area * node, y, 0, 1, y, 0)

@@ -253,10 +253,11 @@ def table_product(table: Any) -> Any:
     return product
 
 
-def matrix_vector(size: int, sign: float, *, add: bool) -> Any:
+def matrix_vector(size: int, sign: float, *, add: bool, columns: int | None = None) -> Any:
     """Kernel f(A, at, x, start, stride, out, to): out = [out] + sign A x for one small block.
 
-    A is stored by columns of `size` words (even) from `at`; element k of x is at start + k stride.
+    A is stored by columns of `size` words (even) from `at`, as many unless `columns` says how
+    many; element k of x is at start + k stride.
     The sum stays in registers until the end, so out may be x.
     """
 
@@ -288,7 +289,7 @@ def matrix_vector(size: int, sign: float, *, add: bool) -> Any:
 
             halves = range(0, size, 2)
             totals: list[Any] = [None for _ in halves]
-            for k in range(size):
+            for k in range(size if columns is None else columns):
                 where = builder.add(start, builder.mul(stride, ir.Constant(integer, k)))
                 factor = builder.load(builder.gep(arrays[1], [where]))
                 both = ir.Constant(pair, ir.Undefined)
@@ -309,6 +310,53 @@ def matrix_vector(size: int, sign: float, *, add: bool) -> Any:
                 ]
             for where, total in zip(places, totals, strict=True):
                 builder.store(total, where, align=8)
+            return context.get_dummy_value()
+
+        return signature, generate
+
+    return product
+
+
+def two_products(size: int) -> Any:
+    """Kernel f(A, x, above, below, out, to): two products of a vector in two parts with rows of A.
+
+    A holds the rows' parts of `size` words (even) one after another: both that meet x from `above`
+    on, then both that meet x from `below` on. out and the word after it get the sums.
+    """
+
+    @_intrinsic
+    def product(
+        typing_context: Any, matrix: Any, vector: Any, above: Any, below: Any, result: Any, to: Any
+    ) -> Any:
+        word = types.int64
+        signature = types.void(matrix, vector, word, word, result, word)
+
+        def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+            rows, x, out = (
+                make_array(signature.args[n])(context, builder, values[n]).data for n in (0, 1, 4)
+            )
+            pair, integer = ir.VectorType(ir.DoubleType(), 2), ir.IntType(64)
+
+            def load(data: Any, word: Any) -> Any:
+                place = builder.bitcast(builder.gep(data, [word]), pair.as_pointer())
+                return builder.load(place, align=8)
+
+            totals: list[Any] = [None, None]
+            for part, start in enumerate(values[2:4]):
+                for n in range(0, size, 2):
+                    both = load(x, builder.add(start, ir.Constant(integer, n)))
+                    for row in range(2):
+                        at = ir.Constant(integer, size * (2 * part + row) + n)
+                        term = builder.fmul(load(rows, at), both)
+                        total = totals[row]
+                        totals[row] = term if total is None else builder.fadd(total, term)
+            for row, total in enumerate(totals):
+                lanes = [
+                    builder.extract_element(total, ir.Constant(ir.IntType(32), lane))
+                    for lane in range(2)
+                ]
+                place = builder.gep(out, [builder.add(values[5], ir.Constant(integer, row))])
+                builder.store(builder.fadd(*lanes), place)
             return context.get_dummy_value()
 
         return signature, generate

@@ -1,31 +1,30 @@
 """What the elements in a plane and in space do alike: sums over pairs, and the constraints.
 
 The Jacobian's sums over the Gauss points stand in rows, one for each pair of shape functions or of
-their slopes, with a word for every pair of components (see tables.py for the pairs). The
-constraints' gradient B of an element has a row of four shape functions for each component, first
-against P0, then against P1.
+their slopes, with a word for every pair of components (see tables.py for the pairs).
 """
 
 from typing import Any
 
-from .compile import inlined, kernel, view
+from .compile import inlined, kernel, matrix_vector, two_products, view
 from .layout import (
-    E_LENGTH,
-    EDGE_WORDS,
     I_NODES,
     O_COMPLIANCE,
-    O_EDGE,
+    O_GAUSS,
     O_GRADIENT,
     O_JOINT,
     O_PARENT,
 )
+from .tables import P1, P2, WD
 
 
-def pair_kernels(dimension: int, row: int, sums: int) -> tuple[Any, Any, Any]:
-    """add_tension, combine and scatter for elements of this dimension.
+def pair_kernels(dimension: int, row: int, tangents: int, sums: int) -> tuple[Any, Any, Any, Any]:
+    """constraint_gradient, add_tension, combine and scatter for elements of this dimension.
 
-    row: words of a row in the workspace W, at least dimension^2. sums: its word where the rows
-    begin: 6 pairs of slopes, 10 of loads, 12 of loads and slopes, 3 spare, 16 of the result.
+    row: words of a row in the workspace W, at least dimension^2. tangents: its word where the
+    tangents at the Gauss points begin, four words a component. sums: its word where the rows
+    begin: 6 pairs of slopes, 10 of loads, 12 of loads and slopes, 3 spare, 16 of the result. Three
+    gradients of four words a component come after them.
     """
     second = 4 * dimension
     size = 2 * dimension
@@ -34,23 +33,48 @@ def pair_kernels(dimension: int, row: int, sums: int) -> tuple[Any, Any, Any]:
     SUM_HD = SUM_H + 10 * row
     TURNED = SUM_HD + 12 * row
     BLOCKS = TURNED + 3 * row
+    GRADIENT = BLOCKS + 16 * row
 
     @inlined
-    def add_tension(W, B, B2, s00, s01, s11, s22):
+    def constraint_gradient(W, h, stored):
+        """Gradients of the constraints and of the stabilising mode by shape function, into W.
+
+        The constraints' are stored by the unknowns too (4 size): rows 0 and 1 for the parent's,
+        then for the child's.
+        """
+        for i in range(dimension):
+            at = GRADIENT + 4 * i
+            for k in range(4):
+                w0 = W[tangents + 4 * i] * WD[0, k]
+                w1 = W[tangents + 4 * i + 1] * WD[1, k]
+                w2 = W[tangents + 4 * i + 2] * WD[2, k]
+                W[at + k] = w0 + w1 + w2
+                W[at + second + k] = w0 * P1[0] + w1 * P1[1] + w2 * P1[2]
+                W[at + 2 * second + k] = w0 * P2[0] + w1 * P2[1] + w2 * P2[2]
+            for c in range(2):
+                to = size * c + i
+                stored[to] = W[at + second * c]
+                stored[to + dimension] = h * W[at + second * c + 1]
+                stored[to + 2 * size] = W[at + second * c + 2]
+                stored[to + 2 * size + dimension] = h * W[at + second * c + 3]
+
+    @inlined
+    def add_tension(W, s00, s01, s11, s22):
         """Add what condensing T out leaves, and the stabilisation, to the six pairs of slopes."""
         for i in range(dimension):
             for a in range(1, 4):
-                c = s00 * B[4 * i + a] + s01 * B[second + 4 * i + a]
-                d = s01 * B[4 * i + a] + s11 * B[second + 4 * i + a]
-                e = s22 * B2[4 * i + a]
+                at = GRADIENT + 4 * i + a
+                c = s00 * W[at] + s01 * W[at + second]
+                d = s01 * W[at] + s11 * W[at + second]
+                e = s22 * W[at + 2 * second]
                 for j in range(dimension):
                     pair = SUM_D + dimension * i + j
-                    at = 4 * j + a
-                    W[pair + row * (a - 1)] += c * B[at] + d * B[second + at] + e * B2[at]
-                    for b in range(a + 1, 4):
-                        at = 4 * j + b
-                        # Pairs (1, 2), (1, 3), (2, 3) are rows 3, 4, 5.
-                        W[pair + row * (a + b)] += c * B[at] + d * B[second + at] + e * B2[at]
+                    for b in range(a, 4):
+                        # Pairs (1, 1), (2, 2), (3, 3) are rows 0, 1, 2; (1, 2), (1, 3), (2, 3)
+                        # are rows 3, 4, 5.
+                        to = pair + row * (a - 1 if a == b else a + b)
+                        at = GRADIENT + 4 * j + b
+                        W[to] += c * W[at] + d * W[at + second] + e * W[at + 2 * second]
 
     @inlined
     def combine(W, h):
@@ -108,64 +132,47 @@ def pair_kernels(dimension: int, row: int, sums: int) -> tuple[Any, Any, Any]:
                         lower[at] = W[pair + 8 * row]
                         below[at] += W[pair + 10 * row]
 
-    return add_tension, combine, scatter
+    return constraint_gradient, add_tension, combine, scatter
 
 
 def constraint_kernels(dimension: int) -> tuple[Any, Any]:
     """condense and stretch_rate for elements of this dimension."""
     size = 2 * dimension
-    second = 4 * dimension
-    words = 8 * dimension
+    words = 4 * size
+    add_columns = matrix_vector(size, 1.0, add=True, columns=2)
+    set_products = two_products(size)
 
     @kernel
     def condense(I, M, out_constraint, out):
         """Add B^T S (constraint residual) of every element to the forces: T condensed out."""
-        for node in range(1, I[I_NODES]):
-            if I[I[O_JOINT] + node] != 0:
+        nodes = I[I_NODES]
+        joints = view(I, I[O_JOINT], nodes)
+        parents = view(I, I[O_PARENT], nodes)
+        gradients = view(M, I[O_GRADIENT], words * nodes)
+        z = view(M, I[O_GAUSS] + 64, 2)  # where residuals keep an element vector
+        for node in range(1, nodes):
+            if joints[node] != 0:
                 continue
-            parent = I[I[O_PARENT] + node]
-            h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
-            B = view(M, I[O_GRADIENT] + words * node, words)
-            s = I[O_COMPLIANCE] + 3 * node
+            s = view(M, I[O_COMPLIANCE] + 3 * node, 3)
             r0 = out_constraint[2 * node]
             r1 = out_constraint[2 * node + 1]
-            z0 = M[s] * r0 + M[s + 1] * r1
-            z1 = M[s + 1] * r0 + M[s + 2] * r1
-            above = size * parent
-            below = size * node
-            for i in range(dimension):
-                b = 4 * i
-                c = second + 4 * i
-                out[above + i] += z0 * B[b] + z1 * B[c]
-                out[above + dimension + i] += h * (z0 * B[b + 1] + z1 * B[c + 1])
-                out[below + i] += z0 * B[b + 2] + z1 * B[c + 2]
-                out[below + dimension + i] += h * (z0 * B[b + 3] + z1 * B[c + 3])
+            z[0] = s[0] * r0 + s[1] * r1
+            z[1] = s[1] * r0 + s[2] * r1
+            add_columns(gradients, words * node, z, 0, 1, out, size * parents[node])
+            add_columns(gradients, words * node + 2 * size, z, 0, 1, out, size * node)
 
     @kernel
     def stretch_rate(I, M, x, out):
         """Gradient B of the constraints times a vector x (nodes, size): out (nodes, 2)."""
-        for node in range(1, I[I_NODES]):
-            out[2 * node] = 0.0
-            out[2 * node + 1] = 0.0
-            if I[I[O_JOINT] + node] != 0:
+        nodes = I[I_NODES]
+        joints = view(I, I[O_JOINT], nodes)
+        parents = view(I, I[O_PARENT], nodes)
+        for node in range(1, nodes):
+            if joints[node] != 0:
+                out[2 * node] = 0.0
+                out[2 * node + 1] = 0.0
                 continue
-            parent = I[I[O_PARENT] + node]
-            h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
             B = view(M, I[O_GRADIENT] + words * node, words)
-            above = size * parent
-            below = size * node
-            r0 = 0.0
-            r1 = 0.0
-            for i in range(dimension):
-                y0 = x[above + i]
-                y1 = h * x[above + dimension + i]
-                y2 = x[below + i]
-                y3 = h * x[below + dimension + i]
-                b = 4 * i
-                c = second + 4 * i
-                r0 += B[b] * y0 + B[b + 1] * y1 + B[b + 2] * y2 + B[b + 3] * y3
-                r1 += B[c] * y0 + B[c + 1] * y1 + B[c + 2] * y2 + B[c + 3] * y3
-            out[2 * node] = r0
-            out[2 * node + 1] = r1
+            set_products(B, x, size * parents[node], size * node, out, 2 * node)
 
     return condense, stretch_rate

@@ -45,7 +45,6 @@ from .layout import (
 )
 from .strain import strain_and_slope
 from .tables import (
-    D0,
     D1,
     D2,
     D3,
@@ -95,7 +94,7 @@ _product_d = table_product(LINES_D)
 _product_de = table_product(LINES_DE)
 _product_h = table_product(LINES_H)
 _product_hd = table_product(LINES_HD)
-add_tension, combine, scatter = pair_kernels(2, 4, SUM_D)
+constraint_gradient, add_tension, combine, scatter = pair_kernels(2, 4, TX, SUM_D)
 condense_planar, stretch_rate_planar = constraint_kernels(2)
 
 
@@ -115,17 +114,15 @@ def element_current(I, M, W, x0, x1, h):
 def geometry(W, x0, x1, h):
     """Stretch g and tangent t at the Gauss points."""
     ih = 1.0 / h
-    ax = x0[0] * ih
-    az = x0[1] * ih
+    ax = (x1[0] - x0[0]) * ih
+    az = (x1[1] - x0[1]) * ih
     bx = x0[2]
     bz = x0[3]
-    cx = x1[0] * ih
-    cz = x1[1] * ih
     dx = x1[2]
     dz = x1[3]
     for g in range(4):
-        px = ax * D0[g] + bx * D1[g] + cx * D2[g] + dx * D3[g]
-        pz = az * D0[g] + bz * D1[g] + cz * D2[g] + dz * D3[g]
+        px = ax * D2[g] + bx * D1[g] + dx * D3[g]
+        pz = az * D2[g] + bz * D1[g] + dz * D3[g]
         s = math.sqrt(px * px + pz * pz)
         i = 1.0 / s
         W[G + g] = s
@@ -151,17 +148,15 @@ def add_bending_forces(W, x0, x1, h, bending):
     """dW/dr' and dW/dr'' of the bending energy at the Gauss points."""
     ih2 = 1.0 / (h * h)
     ih = 1.0 / h
-    ax = x0[0] * ih2
-    az = x0[1] * ih2
+    ax = (x1[0] - x0[0]) * ih2
+    az = (x1[1] - x0[1]) * ih2
     bx = x0[2] * ih
     bz = x0[3] * ih
-    cx = x1[0] * ih2
-    cz = x1[1] * ih2
     dx = x1[2] * ih
     dz = x1[3] * ih
     for g in range(4):
-        yx = ax * E0[g] + bx * E1[g] + cx * E2[g] + dx * E3[g]
-        yz = az * E0[g] + bz * E1[g] + cz * E2[g] + dz * E3[g]
+        yx = ax * E2[g] + bx * E1[g] + dx * E3[g]
+        yz = az * E2[g] + bz * E1[g] + dz * E3[g]
         tx = W[TX + g]
         tz = W[TZ + g]
         ig = 1.0 / W[G + g]
@@ -219,16 +214,19 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
     sheared = I[I_DEPTHS] > 1
     waves = I[I_WAVES]
     ends = view(M, I[O_END_FORCE], 4 * nodes)
+    joints = view(I, I[O_JOINT], nodes)
+    parents = view(I, I[O_PARENT], nodes)
     out[0 : 4 * nodes] = 0.0
     for node in range(1, nodes):
-        if I[I[O_JOINT] + node] != 0:
+        if joints[node] != 0:
             out_constraint[2 * node] = 0.0
             out_constraint[2 * node + 1] = 0.0
             continue
-        parent = I[I[O_PARENT] + node]
+        parent = parents[node]
         e = I[O_EDGE] + node * EDGE_WORDS
-        h = M[e + E_LENGTH]
-        bending = M[e + E_BENDING]
+        edge = view(M, e, EDGE_WORDS)
+        h = edge[E_LENGTH]
+        bending = edge[E_BENDING]
         x0 = view(q, 4 * parent, 4)
         x1 = view(q, 4 * node, 4)
         v0 = view(v, 4 * parent, 4)
@@ -241,15 +239,15 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
         geometry(W, x0, x1, h)
         t0 = tension[2 * node]
         t1 = tension[2 * node + 1]
-        axial_forces(W, t0, t1, M[e + E_STABILISATION])
+        axial_forces(W, t0, t1, edge[E_STABILISATION])
 
         r0 = 0.0
         r1 = 0.0
-        if M[e + E_STRAIN_TERMS] == 1.0:
+        if edge[E_STRAIN_TERMS] == 1.0:
             for g in range(3):
                 r0 += WEIGHT[g] * (W[G + g] - 1.0)
                 r1 += WEIGHT_P1[g] * (W[G + g] - 1.0)
-            c = M[e + E_COMPLIANCE]
+            c = edge[E_COMPLIANCE]
             r0 -= c * t0
             r1 -= c * t1 * (1.0 / 3.0)
         else:
@@ -257,10 +255,10 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
                 strain, _slope = strain_and_slope(
                     M,
                     t0 + t1 * P1[g],
-                    M[e + E_TENSION_LOW],
-                    M[e + E_TENSION_HIGH],
-                    int(M[e + E_STRAIN_OFFSET]),
-                    int(M[e + E_STRAIN_TERMS]),
+                    edge[E_TENSION_LOW],
+                    edge[E_TENSION_HIGH],
+                    int(edge[E_STRAIN_OFFSET]),
+                    int(edge[E_STRAIN_TERMS]),
                 )
                 r0 += WEIGHT[g] * (W[G + g] - 1.0 - strain)
                 r1 += WEIGHT_P1[g] * (W[G + g] - 1.0 - strain)
@@ -281,14 +279,17 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
                 a0,
                 a1,
                 h,
-                M[e + E_DRAG_NORMAL],
-                M[e + E_DRAG_TANGENTIAL],
-                M[e + E_ADDED],
+                edge[E_DRAG_NORMAL],
+                edge[E_DRAG_TANGENTIAL],
+                edge[E_ADDED],
             )
 
-        mass = M[e + E_MASS] * h
-        weight = M[e + E_WEIGHT] * h
+        mass = edge[E_MASS] * h
+        weight = edge[E_WEIGHT] * h
         ih = 1.0 / h
+        above = view(out, 4 * parent, 4)
+        below = view(out, 4 * node, 4)
+        end = view(ends, 4 * node, 4)
         for i in range(2):
             p = view(W, PX + 4 * i, 4)
             a0i = a0[i] * mass
@@ -323,12 +324,12 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
             if i == 1:
                 for k in range(4):
                     r[k] += weight * LOAD[k]
-            out[4 * parent + i] += r[0]
-            out[4 * parent + 2 + i] += h * r[1]
-            out[4 * node + i] += r[2]
-            out[4 * node + 2 + i] += h * r[3]
-            ends[4 * node + i] = -r[0]
-            ends[4 * node + 2 + i] = r[2]
+            above[i] += r[0]
+            above[2 + i] += h * r[1]
+            below[i] += r[2]
+            below[2 + i] += h * r[3]
+            end[i] = -r[0]
+            end[2 + i] = r[2]
 
 
 @inlined
@@ -408,14 +409,17 @@ def jacobian_planar(I, M, q, v, a, tension, ca, cv):
     diagonal = view(M, I[O_DIAGONAL], 16 * nodes)
     upper = view(M, I[O_UPPER], 16 * nodes)
     lower = view(M, I[O_LOWER], 16 * nodes)
+    joints = view(I, I[O_JOINT], nodes)
+    parents = view(I, I[O_PARENT], nodes)
     diagonal[:] = 0.0
     for node in range(1, nodes):
-        if I[I[O_JOINT] + node] != 0:
+        if joints[node] != 0:
             continue
-        parent = I[I[O_PARENT] + node]
+        parent = parents[node]
         e = I[O_EDGE] + node * EDGE_WORDS
-        h = M[e + E_LENGTH]
-        bending = M[e + E_BENDING]
+        edge = view(M, e, EDGE_WORDS)
+        h = edge[E_LENGTH]
+        bending = edge[E_BENDING]
         x0 = view(q, 4 * parent, 4)
         x1 = view(q, 4 * node, 4)
         a0 = view(a, 4 * parent, 4)
@@ -432,7 +436,7 @@ def jacobian_planar(I, M, q, v, a, tension, ca, cv):
             element_current(I, M, W, x0, x1, h)
         t0 = tension[2 * node]
         t1 = tension[2 * node + 1]
-        eas = M[e + E_STABILISATION]
+        eas = edge[E_STABILISATION]
         tangent_matrices(
             W,
             x0,
@@ -447,38 +451,29 @@ def jacobian_planar(I, M, q, v, a, tension, ca, cv):
             eas,
             bending,
             drag,
-            M[e + E_DRAG_NORMAL],
-            M[e + E_DRAG_TANGENTIAL],
-            M[e + E_ADDED],
+            edge[E_DRAG_NORMAL],
+            edge[E_DRAG_TANGENTIAL],
+            edge[E_ADDED],
             ca,
             cv,
         )
 
-        B = view(M, I[O_GRADIENT] + 16 * node, 16)
-        B2 = view(W, R, 8)
-        for i in range(2):
-            for k in range(4):
-                w0 = W[TX + 4 * i] * WD[0, k]
-                w1 = W[TX + 4 * i + 1] * WD[1, k]
-                w2 = W[TX + 4 * i + 2] * WD[2, k]
-                B[4 * i + k] = w0 + w1 + w2
-                B[8 + 4 * i + k] = w0 * P1[0] + w1 * P1[1] + w2 * P1[2]
-                B2[4 * i + k] = w0 * P2[0] + w1 * P2[1] + w2 * P2[2]
+        constraint_gradient(W, h, view(M, I[O_GRADIENT] + 16 * node, 16))
         c00 = 0.0
         c01 = 0.0
         c11 = 0.0
-        if M[e + E_STRAIN_TERMS] == 1.0:
-            c00 = h * M[e + E_COMPLIANCE]
+        if edge[E_STRAIN_TERMS] == 1.0:
+            c00 = h * edge[E_COMPLIANCE]
             c11 = c00 / 3.0
         else:
             for g in range(3):
                 _strain, slope = strain_and_slope(
                     M,
                     t0 + t1 * P1[g],
-                    M[e + E_TENSION_LOW],
-                    M[e + E_TENSION_HIGH],
-                    int(M[e + E_STRAIN_OFFSET]),
-                    int(M[e + E_STRAIN_TERMS]),
+                    edge[E_TENSION_LOW],
+                    edge[E_TENSION_HIGH],
+                    int(edge[E_STRAIN_OFFSET]),
+                    int(edge[E_STRAIN_TERMS]),
                 )
                 c00 += h * WEIGHT[g] * slope
                 c01 += h * WEIGHT_P1[g] * slope
@@ -487,10 +482,10 @@ def jacobian_planar(I, M, q, v, a, tension, ca, cv):
         s00 = c11 * determinant
         s01 = -c01 * determinant
         s11 = c00 * determinant
-        stiffness = I[O_COMPLIANCE] + 3 * node
-        M[stiffness] = s00
-        M[stiffness + 1] = s01
-        M[stiffness + 2] = s11
+        stiffness = view(M, I[O_COMPLIANCE] + 3 * node, 3)
+        stiffness[0] = s00
+        stiffness[1] = s01
+        stiffness[2] = s11
         s22 = 5.0 * eas / h
 
         spread_components(W, bending != 0.0, drag != 0)
@@ -500,7 +495,7 @@ def jacobian_planar(I, M, q, v, a, tension, ca, cv):
             _product_de(W, SUM_D, ROWS, 4)
         else:
             _product_d(W, SUM_D, ROWS, 4)
-        add_tension(W, B, B2, s00, s01, s11, s22)
+        add_tension(W, s00, s01, s11, s22)
         if drag != 0:
             _product_h(W, SUM_H, ROWS_00, 4)
             _product_hd(W, SUM_HD, ROWS_01, 4)
@@ -509,7 +504,7 @@ def jacobian_planar(I, M, q, v, a, tension, ca, cv):
                 W[SUM_H + n] = 0.0
             for n in range(48):
                 W[SUM_HD + n] = 0.0
-        mass = ca * M[e + E_MASS] * h
+        mass = ca * edge[E_MASS] * h
         for n in range(10):
             W[SUM_H + 4 * n] += mass * MASS_PAIRS[n]
             W[SUM_H + 4 * n + 3] += mass * MASS_PAIRS[n]

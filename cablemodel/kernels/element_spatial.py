@@ -49,7 +49,6 @@ from .layout import (
 )
 from .strain import strain_and_slope
 from .tables import (
-    D0,
     D1,
     D2,
     D3,
@@ -100,7 +99,7 @@ _product_d = table_product(LINES_D)
 _product_de = table_product(LINES_DE)
 _product_h = table_product(LINES_H)
 _product_hd = table_product(LINES_HD)
-add_tension, combine, scatter = pair_kernels(3, 10, SUM_D)
+constraint_gradient, add_tension, combine, scatter = pair_kernels(3, 10, TX, SUM_D)
 condense_spatial, stretch_rate_spatial = constraint_kernels(3)
 
 
@@ -121,22 +120,19 @@ def element_current(I, M, W, x0, x1, h):
 def geometry(W, x0, x1, h):
     """Stretch g and tangent t at the Gauss points."""
     ih = 1.0 / h
-    ax = x0[0] * ih
-    ay = x0[1] * ih
-    az = x0[2] * ih
+    ax = (x1[0] - x0[0]) * ih
+    ay = (x1[1] - x0[1]) * ih
+    az = (x1[2] - x0[2]) * ih
     bx = x0[3]
     by = x0[4]
     bz = x0[5]
-    cx = x1[0] * ih
-    cy = x1[1] * ih
-    cz = x1[2] * ih
     dx = x1[3]
     dy = x1[4]
     dz = x1[5]
     for g in range(4):
-        px = ax * D0[g] + bx * D1[g] + cx * D2[g] + dx * D3[g]
-        py = ay * D0[g] + by * D1[g] + cy * D2[g] + dy * D3[g]
-        pz = az * D0[g] + bz * D1[g] + cz * D2[g] + dz * D3[g]
+        px = ax * D2[g] + bx * D1[g] + dx * D3[g]
+        py = ay * D2[g] + by * D1[g] + dy * D3[g]
+        pz = az * D2[g] + bz * D1[g] + dz * D3[g]
         s = math.sqrt(px * px + py * py + pz * pz)
         i = 1.0 / s
         W[G + g] = s
@@ -164,22 +160,19 @@ def add_bending_forces(W, x0, x1, h, bending):
     """dW/dr' and dW/dr'' of the bending energy at the Gauss points."""
     ih2 = 1.0 / (h * h)
     ih = 1.0 / h
-    ax = x0[0] * ih2
-    ay = x0[1] * ih2
-    az = x0[2] * ih2
+    ax = (x1[0] - x0[0]) * ih2
+    ay = (x1[1] - x0[1]) * ih2
+    az = (x1[2] - x0[2]) * ih2
     bx = x0[3] * ih
     by = x0[4] * ih
     bz = x0[5] * ih
-    cx = x1[0] * ih2
-    cy = x1[1] * ih2
-    cz = x1[2] * ih2
     dx = x1[3] * ih
     dy = x1[4] * ih
     dz = x1[5] * ih
     for g in range(4):
-        yx = ax * E0[g] + bx * E1[g] + cx * E2[g] + dx * E3[g]
-        yy = ay * E0[g] + by * E1[g] + cy * E2[g] + dy * E3[g]
-        yz = az * E0[g] + bz * E1[g] + cz * E2[g] + dz * E3[g]
+        yx = ax * E2[g] + bx * E1[g] + dx * E3[g]
+        yy = ay * E2[g] + by * E1[g] + dy * E3[g]
+        yz = az * E2[g] + bz * E1[g] + dz * E3[g]
         tx = W[TX + g]
         ty = W[TY + g]
         tz = W[TZ + g]
@@ -265,16 +258,19 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
     sheared = I[I_DEPTHS] > 1
     waves = I[I_WAVES]
     ends = view(M, I[O_END_FORCE], 6 * nodes)
+    joints = view(I, I[O_JOINT], nodes)
+    parents = view(I, I[O_PARENT], nodes)
     out[0 : 6 * nodes] = 0.0
     for node in range(1, nodes):
-        if I[I[O_JOINT] + node] != 0:
+        if joints[node] != 0:
             out_constraint[2 * node] = 0.0
             out_constraint[2 * node + 1] = 0.0
             continue
-        parent = I[I[O_PARENT] + node]
+        parent = parents[node]
         e = I[O_EDGE] + node * EDGE_WORDS
-        h = M[e + E_LENGTH]
-        bending = M[e + E_BENDING]
+        edge = view(M, e, EDGE_WORDS)
+        h = edge[E_LENGTH]
+        bending = edge[E_BENDING]
         x0 = view(q, 6 * parent, 6)
         x1 = view(q, 6 * node, 6)
         v0 = view(v, 6 * parent, 6)
@@ -287,15 +283,15 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
         geometry(W, x0, x1, h)
         t0 = tension[2 * node]
         t1 = tension[2 * node + 1]
-        axial_forces(W, t0, t1, M[e + E_STABILISATION])
+        axial_forces(W, t0, t1, edge[E_STABILISATION])
 
-        if M[e + E_STRAIN_TERMS] == 1.0:
+        if edge[E_STRAIN_TERMS] == 1.0:
             r0 = 0.0
             r1 = 0.0
             for g in range(3):
                 r0 += WEIGHT[g] * (W[G + g] - 1.0)
                 r1 += WEIGHT_P1[g] * (W[G + g] - 1.0)
-            c = M[e + E_COMPLIANCE]
+            c = edge[E_COMPLIANCE]
             out_constraint[2 * node] = h * (r0 - c * t0)
             out_constraint[2 * node + 1] = h * (r1 - c * t1 * (1.0 / 3.0))
         else:
@@ -305,10 +301,10 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
                 strain, _slope = strain_and_slope(
                     M,
                     t0 + t1 * P1[g],
-                    M[e + E_TENSION_LOW],
-                    M[e + E_TENSION_HIGH],
-                    int(M[e + E_STRAIN_OFFSET]),
-                    int(M[e + E_STRAIN_TERMS]),
+                    edge[E_TENSION_LOW],
+                    edge[E_TENSION_HIGH],
+                    int(edge[E_STRAIN_OFFSET]),
+                    int(edge[E_STRAIN_TERMS]),
                 )
                 r0 += WEIGHT[g] * (W[G + g] - 1.0 - strain)
                 r1 += WEIGHT_P1[g] * (W[G + g] - 1.0 - strain)
@@ -329,14 +325,17 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
                 a0,
                 a1,
                 h,
-                M[e + E_DRAG_NORMAL],
-                M[e + E_DRAG_TANGENTIAL],
-                M[e + E_ADDED],
+                edge[E_DRAG_NORMAL],
+                edge[E_DRAG_TANGENTIAL],
+                edge[E_ADDED],
             )
 
-        mass = M[e + E_MASS] * h
-        weight = M[e + E_WEIGHT] * h
+        mass = edge[E_MASS] * h
+        weight = edge[E_WEIGHT] * h
         ih = 1.0 / h
+        above = view(out, 6 * parent, 6)
+        below = view(out, 6 * node, 6)
+        end = view(ends, 6 * node, 6)
         for i in range(3):
             p = view(W, PX + 4 * i, 4)
             a0i = a0[i] * mass
@@ -371,12 +370,12 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
             if i == 2:
                 for k in range(4):
                     R[k] += weight * LOAD[k]
-            out[6 * parent + i] += R[0]
-            out[6 * parent + 3 + i] += h * R[1]
-            out[6 * node + i] += R[2]
-            out[6 * node + 3 + i] += h * R[3]
-            ends[6 * node + i] = -R[0]
-            ends[6 * node + 3 + i] = R[2]
+            above[i] += R[0]
+            above[3 + i] += h * R[1]
+            below[i] += R[2]
+            below[3 + i] += h * R[3]
+            end[i] = -R[0]
+            end[3 + i] = R[2]
 
 
 @inlined
@@ -593,14 +592,17 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
     diagonal = view(M, I[O_DIAGONAL], 36 * nodes)
     upper = view(M, I[O_UPPER], 36 * nodes)
     lower = view(M, I[O_LOWER], 36 * nodes)
+    joints = view(I, I[O_JOINT], nodes)
+    parents = view(I, I[O_PARENT], nodes)
     diagonal[:] = 0.0
     for node in range(1, nodes):
-        if I[I[O_JOINT] + node] != 0:
+        if joints[node] != 0:
             continue
-        parent = I[I[O_PARENT] + node]
+        parent = parents[node]
         e = I[O_EDGE] + node * EDGE_WORDS
-        h = M[e + E_LENGTH]
-        bending = M[e + E_BENDING]
+        edge = view(M, e, EDGE_WORDS)
+        h = edge[E_LENGTH]
+        bending = edge[E_BENDING]
         x0 = view(q, 6 * parent, 6)
         x1 = view(q, 6 * node, 6)
         a0 = view(a, 6 * parent, 6)
@@ -617,7 +619,7 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
             element_current(I, M, W, x0, x1, h)
         t0 = tension[2 * node]
         t1 = tension[2 * node + 1]
-        eas = M[e + E_STABILISATION]
+        eas = edge[E_STABILISATION]
         tangent_matrices(
             W,
             x0,
@@ -632,39 +634,30 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
             eas,
             bending,
             drag,
-            M[e + E_DRAG_NORMAL],
-            M[e + E_DRAG_TANGENTIAL],
-            M[e + E_ADDED],
+            edge[E_DRAG_NORMAL],
+            edge[E_DRAG_TANGENTIAL],
+            edge[E_ADDED],
             ca,
             cv,
         )
 
         # Gradient of the constraints, and the compliance.
-        B = view(M, I[O_GRADIENT] + 24 * node, 24)
-        B2 = view(W, AX, 12)
-        for i in range(3):
-            for k in range(4):
-                w0 = W[TX + 4 * i] * WD[0, k]
-                w1 = W[TX + 4 * i + 1] * WD[1, k]
-                w2 = W[TX + 4 * i + 2] * WD[2, k]
-                B[4 * i + k] = w0 + w1 + w2
-                B[12 + 4 * i + k] = w0 * P1[0] + w1 * P1[1] + w2 * P1[2]
-                B2[4 * i + k] = w0 * P2[0] + w1 * P2[1] + w2 * P2[2]
+        constraint_gradient(W, h, view(M, I[O_GRADIENT] + 24 * node, 24))
         c00 = 0.0
         c01 = 0.0
         c11 = 0.0
-        if M[e + E_STRAIN_TERMS] == 1.0:
-            c00 = h * M[e + E_COMPLIANCE]
+        if edge[E_STRAIN_TERMS] == 1.0:
+            c00 = h * edge[E_COMPLIANCE]
             c11 = c00 / 3.0
         else:
             for g in range(3):
                 _strain, slope = strain_and_slope(
                     M,
                     t0 + t1 * P1[g],
-                    M[e + E_TENSION_LOW],
-                    M[e + E_TENSION_HIGH],
-                    int(M[e + E_STRAIN_OFFSET]),
-                    int(M[e + E_STRAIN_TERMS]),
+                    edge[E_TENSION_LOW],
+                    edge[E_TENSION_HIGH],
+                    int(edge[E_STRAIN_OFFSET]),
+                    int(edge[E_STRAIN_TERMS]),
                 )
                 c00 += h * WEIGHT[g] * slope
                 c01 += h * WEIGHT_P1[g] * slope
@@ -673,10 +666,10 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
         s00 = c11 * determinant
         s01 = -c01 * determinant
         s11 = c00 * determinant
-        stiffness = I[O_COMPLIANCE] + 3 * node
-        M[stiffness] = s00
-        M[stiffness + 1] = s01
-        M[stiffness + 2] = s11
+        stiffness = view(M, I[O_COMPLIANCE] + 3 * node, 3)
+        stiffness[0] = s00
+        stiffness[1] = s01
+        stiffness[2] = s11
         s22 = 5.0 * eas / h
 
         if waves != 0:
@@ -685,7 +678,7 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
             _product_de(W, SUM_D, ROWS, 10)
         else:
             _product_d(W, SUM_D, ROWS, 10)
-        add_tension(W, B, B2, s00, s01, s11, s22)
+        add_tension(W, s00, s01, s11, s22)
         if drag != 0:
             _product_h(W, SUM_H, ROWS_00, 10)
             _product_hd(W, SUM_HD, ROWS_01, 10)
@@ -694,7 +687,7 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
                 W[SUM_H + n] = 0.0
             for n in range(120):
                 W[SUM_HD + n] = 0.0
-        mass = ca * M[e + E_MASS] * h
+        mass = ca * edge[E_MASS] * h
         for n in range(10):
             W[SUM_H + 10 * n] += mass * MASS_PAIRS[n]
             W[SUM_H + 10 * n + 4] += mass * MASS_PAIRS[n]

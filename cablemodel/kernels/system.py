@@ -271,17 +271,19 @@ def stretch_rate(I, M, x, out):
 @kernel
 def recover_tension(I, M, constraint, x, tension):
     """Add the tension increments S (constraint + B x) that belong to x; returns the largest [N]."""
-    work = view(M, I[O_STRETCH], 2 * I[I_NODES])
+    nodes = I[I_NODES]
+    joints = view(I, I[O_JOINT], nodes)
+    work = view(M, I[O_STRETCH], 2 * nodes)
     stretch_rate(I, M, x, work)
     largest = 0.0
-    for node in range(1, I[I_NODES]):
-        if I[I[O_JOINT] + node] == JOINT_HINGE:
+    for node in range(1, nodes):
+        if joints[node] == JOINT_HINGE:
             continue
-        s = I[O_COMPLIANCE] + 3 * node
+        s = view(M, I[O_COMPLIANCE] + 3 * node, 3)
         r0 = constraint[2 * node] + work[2 * node]
         r1 = constraint[2 * node + 1] + work[2 * node + 1]
-        d0 = M[s] * r0 + M[s + 1] * r1
-        d1 = M[s + 1] * r0 + M[s + 2] * r1
+        d0 = s[0] * r0 + s[1] * r1
+        d1 = s[1] * r0 + s[2] * r1
         tension[2 * node] += d0
         tension[2 * node + 1] += d1
         largest = max(largest, abs(d0), abs(d1))

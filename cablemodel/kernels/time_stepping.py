@@ -115,19 +115,26 @@ LARGEST_ITERATIONS = 10
 STRUGGLE = 17, 7  # iterations of a step of order 4, and of order 3, in which Newton has trouble
 STEPS_OF_ORDER_3 = 16.0  # that follow such a step
 ORDER_3_STEP = 0.6  # of the step that the error of order 4 allows, as a first guess
-TIGHTEST = 1e-4  # tau down to which that pays
+TIGHTEST = 1e-4  # tau down to which that pays, and what AT_ONCE leaves is not seen
 STALL = 5000, 1e-5  # internal steps in a row, and their mean length in sqrt(L/g), that end a call
 MOST_REFUSALS = 4  # of a step that ends folded
 FAILED = 0.5  # of a step in which Newton's method failed at a floor: the next one
 EASY = 2.4, 1.5  # iterations a stage up to which the longest tractable step grows, and by how much
 FAIR = 3.2, 1.1  # the same for one that is near its limit
 HARD = 4.5, 0.8  # and above which it shrinks
+AT_ONCE = 0.02  # of the tolerance: what a stage's first iteration may leave, by the last ratio
+BEST_RATIO = 0.003  # that is believed for the next stage
+LARGEST_GROWTH = 16.0  # of the step: the first is much shorter than any motion
 BENDING_ON, BENDING_OFF = 0.01, 0.005  # hybrid: (EI/T)/h^2 above which bending is kept
 
 
 @kernel
-def solve_stage(I, M, t, gamma_dt, tolerance, to_output):
-    """Newton for one stage; on entry the trial holds the predicted a and T. Returns a status."""
+def solve_stage(I, M, t, gamma_dt, tolerance, to_output, ratio):
+    """Newton for one stage; on entry the trial holds what is predicted.
+
+    ratio: convergence of the matrix in the stages before, 1 where it is not known. Returns a
+    status, and the ratio for the next stage.
+    """
     count = 2 * I[I_DIMENSION] * I[I_NODES]
     nodes = I[I_NODES]
     q = view(M, I[O_TRIAL_Q], count)
@@ -137,23 +144,18 @@ def solve_stage(I, M, t, gamma_dt, tolerance, to_output):
     forces = view(M, I[O_RESIDUAL], count)
     constraint = view(M, I[O_CONSTRAINT_RESIDUAL], 2 * nodes)
     x = view(M, I[O_INCREMENT], count)
-    base_q = view(M, I[O_BASE_Q], count)
-    base_v = view(M, I[O_BASE_V], count)
-    gamma2 = gamma_dt * gamma_dt
     inverse = 1.0 / gamma_dt
     inverse2 = inverse * inverse
     set_time(I, M, t)
-    for n in range(count):
-        q[n] = base_q[n] + gamma2 * a[n]
-        v[n] = base_v[n] + gamma_dt * a[n]
     impose_motion(I, M, t, q, v, a)
     if I[I_FACTORED] == 0 or abs(M[S_FACTORED_STEP] - gamma_dt) > 1e-6 * gamma_dt:
         if refactor(I, M, q, v, a, tension, gamma_dt) != 0:
-            return NOT_CONVERGED
+            return NOT_CONVERGED, ratio
     previous = 0.0
     since = 0  # iterations with a factorisation made in this stage
     growing = 0
     good = 0.02 if to_output else 0.1
+    at_once = 0.0 if to_output or M[S_TOLERANCE] < TIGHTEST else AT_ONCE
     # What is left of a stage leaves that over gamma dt in the velocity, which an undamped motion
     # keeps: it must be small against the tolerance over a period, however short the steps are.
     tolerance *= min(1.0, gamma_dt / (0.1 * M[S_PERIOD]))
@@ -165,7 +167,7 @@ def solve_stage(I, M, t, gamma_dt, tolerance, to_output):
         if not size < 1e30:
             I[I_FAILED_NODE] = where
             I[I_FACTORED] = 0
-            return NOT_CONVERGED
+            return NOT_CONVERGED, ratio
         for n in range(count):
             q[n] += x[n]
             v[n] += inverse * x[n]
@@ -178,23 +180,28 @@ def solve_stage(I, M, t, gamma_dt, tolerance, to_output):
                 largest = max(largest, abs(tension[2 * n]))
             settled = tension_change <= 1e-4 * largest
         if settled and size <= 0.01 * tolerance:
-            return OK
-        if iteration > 0:
-            ratio = size / previous
-            if settled and ratio < 1.0 and ratio / (1.0 - ratio) * size <= good * tolerance:
-                return OK
-            growing = growing + 1 if ratio > 2.0 else 0
+            return OK, ratio
+        if iteration == 0:
+            if ratio < 1.0 and ratio / (1.0 - ratio) * size <= at_once * tolerance:
+                return OK, ratio
+        else:
+            shrunk = size / previous
+            # After a new matrix it compares two of them.
+            ratio = max(shrunk, BEST_RATIO) if since > 0 else 1.0
+            if settled and shrunk < 1.0 and shrunk / (1.0 - shrunk) * size <= good * tolerance:
+                return OK, ratio
+            growing = growing + 1 if shrunk > 2.0 else 0
             if growing == 2 and size > tolerance:
                 I[I_FAILED_NODE] = where
-                return NOT_CONVERGED
-            if ratio > (0.2 if I[I_FRESH] == 0 else 0.4) and since > 0:
+                return NOT_CONVERGED, ratio
+            if shrunk > (0.2 if I[I_FRESH] == 0 else 0.4) and since > 0:
                 if refactor(I, M, q, v, a, tension, gamma_dt) != 0:
-                    return NOT_CONVERGED
-                since = 0
+                    return NOT_CONVERGED, ratio
+                since = -1
         since += 1
         previous = size
         I[I_FAILED_NODE] = where
-    return NOT_CONVERGED
+    return NOT_CONVERGED, ratio
 
 
 @inlined
@@ -225,17 +232,21 @@ def try_step(I, M, dt, scheme, to_output):
     a = view(M, I[O_ACCELERATION], count)
     base_q = view(M, I[O_BASE_Q], count)
     base_v = view(M, I[O_BASE_V], count)
+    trial_q = view(M, I[O_TRIAL_Q], count)
+    trial_v = view(M, I[O_TRIAL_V], count)
     trial_a = view(M, I[O_TRIAL_A], count)
     I[I_FRESH] = 0
+    ratio = 1.0
     for n in range(count):
         trial_a[n] = a[n]
     for n in range(2 * nodes):
         M[I[O_TRIAL_T] + n] = M[I[O_TENSION] + n]
     for i in range(1, stages):
+        weight = dt * STAGE_A[scheme, i, 0]
         for n in range(count):
-            base_v[n] = v[n]
-            base_q[n] = q[n]
-        for j in range(i):
+            base_v[n] = v[n] + weight * a[n]
+            base_q[n] = q[n] + weight * v[n]
+        for j in range(1, i):
             weight = dt * STAGE_A[scheme, i, j]
             if weight != 0.0:
                 place_v, place_a = stage_words(I, j, stages)
@@ -245,10 +256,14 @@ def try_step(I, M, dt, scheme, to_output):
                     base_v[n] += weight * stage_a[n]
                     base_q[n] += weight * stage_v[n]
         for n in range(count):
-            base_q[n] += gamma_dt * base_v[n]
+            motion = gamma_dt * trial_a[n]
+            trial_v[n] = base_v[n] + motion
+            trial_q[n] = base_q[n] + gamma_dt * (base_v[n] + motion)
         last = i == stages - 1
         stage_time = time + dt if last else time + STAGE_C[scheme, i] * dt
-        status = solve_stage(I, M, stage_time, gamma_dt, tolerance, to_output and last)
+        status, ratio = solve_stage(
+            I, M, stage_time, gamma_dt, tolerance, to_output and last, ratio
+        )
         if status != OK:
             return status, 0.0, 0.0
         if not last:
@@ -549,10 +564,10 @@ def advance_to(I, M, t_end):
             if I[I_LIVE] == 0:
                 I[I_PIECE] = find_piece(I, M, M[S_TIME])
             I[I_STEPS] += 1
-            factor = 4.0
+            factor = LARGEST_GROWTH
             if error > 1e-12:
                 factor = 0.9 * error ** (-0.25 if scheme == 1 else -1.0 / 3.0)
-                factor = min(4.0, max(0.3, factor))
+                factor = min(LARGEST_GROWTH, max(0.3, factor))
             if I[I_GROWTH_BARRED] == 1:
                 factor = min(factor, 1.0)
                 I[I_GROWTH_BARRED] = 0

@@ -94,5 +94,7 @@ def test_a_flexible_cable_is_not_clamped():
         run = cm.CableModel(cm.load_scene(scene))
         run.step_to(5.0)
         ends.append(run.tip_position)
-        assert run.top_moment == pytest.approx(0.0, abs=1e-9)
+        # Newton's method leaves that much, at whatever time one looks.
+        left = 1e-9 * run.top_tension * run.line_length
+        assert run.top_moment == pytest.approx(0.0, abs=left)
     assert np.array_equal(*ends)
