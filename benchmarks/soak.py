@@ -1,15 +1,21 @@
-"""Soak: a million steps of 10 ms of the model that the ROS 2 node runs, under random commands.
+"""Soaks: a million steps of 10 ms of the model that the ROS 2 node runs, under random commands.
 
-``python -m benchmarks.soak [--steps N]``: scene S4's line in space with a winch. Every few seconds
-(at random) vessel velocity, pay-out rate and current get new random targets, which the commands
+``python -m benchmarks.soak``: S4's line in space, alone, with a winch and several streams of random
+numbers, above a floor that it trails over, and with a body at its end. Every few seconds (at
+random) vessel velocity, pay-out rate and current get new random targets, which the commands
 approach as a vessel and a winch would. What must hold: no step fails, every number is finite,
 lengths are exact, memory stays flat, and the energy of the cable neither grows from tenth to tenth
 of the run nor ever exceeds what commands of this size can give.
+
+One of them: ``--only [--winch] [--floor] [--body] [--seed N]``, which prints and writes no page;
+with ``--keep FILE`` the first failure is kept there, with a snapshot of up to two seconds before
+and the commands since (see :class:`Before`).
 """
 
 from __future__ import annotations
 
 import argparse
+import pickle
 import time
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -26,8 +32,50 @@ FASTEST, PAYOUT, CURRENT = 2.0, 0.5, 0.8
 """Largest horizontal speed, pay-out rate and current commanded [m/s]; heave is a quarter."""
 HOLD = 8.0
 """Mean time between new targets [s]."""
+MEAN_HEIGHT = -20.0
+"""Where the vessel starts and is led back to, slowly: it heaves some metres about it [m]."""
+BODY = {
+    "mass": 4.0,
+    "submerged_weight": 25.0,
+    "added_mass": 0.8,
+    "drag_area": 0.01,
+    "drag_coefficient": 0.6,
+}
+"""A sinker: twice the weight of the line."""
+FLOOR = -45.0
+"""Height of the floor [m]: 25 m below where the vessel is led back to."""
+SEED = 8
+"""Of the random numbers."""
 MEMORY_GROWTH = 2.0
 """Memory of the process that may be added after the first tenth [MB]."""
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What is soaked: with a winch, above a floor, with a body at the end; seed of the commands."""
+
+    winch: bool = False
+    floor: bool = False
+    body: bool = False
+    seed: int = SEED
+
+
+KINDS = (
+    Kind(),
+    *(Kind(winch=True, seed=SEED + k) for k in range(4)),
+    Kind(floor=True),
+    Kind(floor=True, body=True),
+)
+"""The soaks of the page."""
+
+
+@dataclass
+class Before:
+    """What leads to a failure: scene, snapshot, and the arguments of each step from there on."""
+
+    scene: dict[str, Any]
+    snapshot: Any
+    steps: list[tuple[float, dict[str, Any]]] = field(default_factory=list)
 
 
 @dataclass
@@ -51,7 +99,7 @@ class Soak:
     clamped: int = 0
     cost: list[float] = field(default_factory=list)
     first_failure: str = ""
-    winch: bool = False
+    kind: Kind = field(default_factory=Kind)
 
     @property
     def problems(self) -> list[str]:
@@ -76,15 +124,24 @@ class Soak:
         return found
 
 
-def soak_scene(winch: bool = True) -> dict[str, Any]:
+def soak_scene(kind: Kind) -> dict[str, Any]:
     """S4's line, at rest; with a winch that holds 30 m more."""
     from benchmarks.scenes import SCENES
 
     scene = {**SCENES["S4"].scene, "title": "soak"}
-    scene["vessel"] = {"velocity": [{"t": 0.0, "velocity": [0.0, 0.0, 0.0]}]}
-    scene["line"] = [{"cable": {"type": "K", "length": 30.0, "model": "hybrid"}}]
-    if winch:
-        scene["payout"] = {"drum": [{"cable": {"type": "K", "length": 30.0, "model": "hybrid"}}]}
+    scene["vessel"] = {
+        "position": [0.0, 0.0, MEAN_HEIGHT],
+        "velocity": [{"t": 0.0, "velocity": [0.0, 0.0, 0.0]}],
+    }
+    cable = {"cable": {"type": "K", "length": 30.0, "model": "hybrid"}}
+    scene["line"] = [cable]
+    if kind.body:
+        scene["line"] = [cable, {"body": {**BODY}}]
+    if kind.winch:
+        scene["payout"] = {"drum": [cable]}
+    if kind.floor:
+        floor = {"z": FLOOR, "friction": 0.3}
+        scene["environment"] = {**scene["environment"], "floor": floor}
     return scene
 
 
@@ -100,40 +157,49 @@ TOO_SLOW = 1e-2
 """Mean time of a step [s] at which a soak ends: a hundred times the usual one."""
 
 
-def soak(steps: int, winch: bool, seed: int = 8) -> Soak:
-    """Step on; failed steps are counted, and asked for again without commands."""
+def soak(steps: int, kind: Kind, keep: Path | None = None) -> Soak:
+    """Step on; failed steps are counted, and asked for again without commands.
+
+    keep: file for the pickled :class:`Before` of the first failure.
+    """
     import cablemodel as cm
 
-    rng = np.random.default_rng(seed)
-    scene = soak_scene(winch)
+    rng = np.random.default_rng(kind.seed)
+    scene = soak_scene(kind)
     model = cm.CableModel(cm.load_scene(scene), planar=False)
     total = model.line_length + model.drum_length
-    kind = scene["cable_types"]["K"]
-    added = 1025.0 * np.pi / 4.0 * kind["diameter"] ** 2
-    scale = 0.5 * (kind["mass"] + added) * total * (FASTEST + CURRENT) ** 2
-    found = Soak(steps, winch=winch)
+    scale = kinetic_scale(scene, total)
+    found = Soak(steps, kind=kind)
     command, target = np.zeros(7), np.zeros(7)
     sizes = np.array([FASTEST, FASTEST, 0.25 * FASTEST, PAYOUT, CURRENT, CURRENT, 0.0])
     lag = np.array([5.0, 5.0, 1.0, 1.0, 10.0, 10.0, 1.0])
     kinetic = highest = 0.0
+    before = earlier = Before(scene, model.snapshot())
     began = looked = time.process_time()
     for index in range(1, steps + 1):
         if rng.random() < STEP / HOLD:
             target = rng.uniform(-1.0, 1.0, 7) * sizes
             target[:2] *= FASTEST / max(float(np.hypot(*target[:2])), FASTEST)
-        # Kept below what the vessel is asked to be at: it must not rise out of the water.
-        target[2] -= 0.01 * (model.vessel_position[2] + 20.0) * STEP
+        target[2] -= 0.01 * (model.vessel_position[2] - MEAN_HEIGHT) * STEP
         command += (target - command) * STEP / lag
+        inputs: dict[str, Any] = {
+            "vessel_velocity": command[:3].copy(),
+            "payout_rate": float(command[3]) if kind.winch else None,
+            "current": command[4:].copy(),
+        }
+        if keep is not None:
+            if index % 100 == 0:
+                before, earlier = earlier, before
+                earlier = Before(scene, model.snapshot())
+            for one in (before, earlier):
+                one.steps.append((index * STEP, inputs))
         try:
-            model.step_to(
-                index * STEP,
-                vessel_velocity=command[:3],
-                payout_rate=float(command[3]) if winch else None,
-                current=command[4:],
-            )
+            model.step_to(index * STEP, **inputs)
         except cm.StepError as error:
             found.failed += 1
             found.first_failure = found.first_failure or str(error)
+            if keep is not None and found.failed == 1:
+                keep.write_bytes(pickle.dumps(before))
             command *= 0.0
             if found.failed >= GIVE_UP:
                 break
@@ -162,6 +228,16 @@ def soak(steps: int, winch: bool, seed: int = 8) -> Soak:
     return found
 
 
+def kinetic_scale(scene: dict[str, Any], length: float) -> float:
+    """Kinetic energy of that length of cable, and bodies, at the fastest speed in the water [J]."""
+    cable = scene["cable_types"]["K"]
+    mass = length * (cable["mass"] + 1025.0 * np.pi / 4.0 * cable["diameter"] ** 2)
+    for item in scene["line"]:
+        if "body" in item:
+            mass += item["body"]["mass"] + item["body"]["added_mass"]
+    return float(0.5 * mass * (FASTEST + CURRENT) ** 2)
+
+
 def section(found: Soak) -> str:
     """The result in Markdown."""
     rows = [
@@ -176,15 +252,20 @@ def section(found: Soak) -> str:
     ]
     verdict = "; ".join(found.problems) or "all that must hold holds"
     looks = found.steps // 100
-    winch = (
+    what = (
         f"a winch, pay-out up to {PAYOUT:g} m/s (at one of its ends in {found.clamped} of {looks} "
         "looks)"
-        if found.winch
+        if found.kind.winch
         else "no winch"
     )
+    if found.kind.body:
+        what += f", a body of {BODY['submerged_weight']:g} N at the end"
+    if found.kind.floor:
+        what += f", a floor of friction 0.3 {MEAN_HEIGHT - FLOOR:g} m below the mean height"
     return (
-        f"{found.steps:,} steps of {STEP:g} s of S4's line in space, {winch}; vessel up to "
-        f"{FASTEST:g} m/s in any direction with heave, current up to {CURRENT:g} m/s, all random. "
+        f"{found.steps:,} steps of {STEP:g} s of S4's line in space, {what}; vessel up to "
+        f"{FASTEST:g} m/s in any direction with heave, current up to {CURRENT:g} m/s, all random "
+        f"(seed {found.kind.seed}). "
         f"**{verdict}** (failed steps: {found.failed}; lengths to {found.length_error:.0e} m).\n\n"
         + table(
             (
@@ -204,13 +285,23 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.soak", description=__doc__)
     parser.add_argument("--steps", type=int, default=1_000_000)
     parser.add_argument("--output", type=Path, default=Path("docs/stress.md"))
+    parser.add_argument("--only", action="store_true", help="one soak, of the kind that follows")
+    for name in ("winch", "floor", "body"):
+        parser.add_argument(f"--{name}", action="store_true")
+    parser.add_argument("--seed", type=int, default=SEED)
+    parser.add_argument("--keep", type=Path, help="file for what leads to the first failure")
     chosen = parser.parse_args()
-    soaks = [soak(chosen.steps, winch) for winch in (False, True)]
-    for found in soaks:
-        print(asdict(found))
-    text = "Written by `python -m benchmarks.soak`.\n\n"
-    text += "\n".join(section(found) for found in soaks)
-    write_section(chosen.output, "Stress", "Soak", text)
+    kinds = KINDS
+    if chosen.only:
+        kinds = (Kind(chosen.winch, chosen.floor, chosen.body, chosen.seed),)
+    soaks = []
+    for kind in kinds:
+        soaks.append(soak(chosen.steps, kind, chosen.keep))
+        print(asdict(soaks[-1]), flush=True)
+    if not chosen.only:
+        text = "Written by `python -m benchmarks.soak`.\n\n"
+        text += "\n".join(section(found) for found in soaks)
+        write_section(chosen.output, "Stress", "Soak", text)
     problems = [problem for found in soaks for problem in found.problems]
     if problems:
         raise SystemExit("; ".join(problems))
