@@ -117,6 +117,7 @@ ORDER_3_STEP = 0.6  # of the step that the error of order 4 allows, as a first g
 TIGHTEST = 1e-4  # tau down to which that pays
 STALL = 5000, 1e-5  # internal steps in a row, and their mean length in sqrt(L/g), that end a call
 MOST_REFUSALS = 4  # of a step that ends folded
+FOLDS_ITSELF = 1e-4  # sqrt(L/g): steps so short follow the motion into a fold, none is refused
 BENDING_ON, BENDING_OFF = 0.01, 0.005  # hybrid: (EI/T)/h^2 above which bending is kept
 
 
@@ -462,7 +463,13 @@ def advance_to(I, M, t_end):
         two_steps = to_output and dt <= 0.25 * natural and try_two_step(I, M, dt)
         if not two_steps:
             status, error, pull = try_step(I, M, dt, scheme, to_output)
-            if status == OK and I[I_FLOOR] != 0 and refused < MOST_REFUSALS and folds(I, M):
+            if (
+                status == OK
+                and I[I_FLOOR] != 0
+                and refused < MOST_REFUSALS
+                and dt > FOLDS_ITSELF * M[S_PERIOD]
+                and folds(I, M)
+            ):
                 # Where the mesh follows folds; a whip on a coarse one may end so for a while.
                 refused += 1
                 status = NOT_CONVERGED
