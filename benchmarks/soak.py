@@ -1,15 +1,21 @@
-"""Soak: a million steps of 10 ms of the model that the ROS 2 node runs, under random commands.
+"""Soaks: a million steps of 10 ms of the model that the ROS 2 node runs, under random commands.
 
-``python -m benchmarks.soak [--steps N]``: scene S4's line in space with a winch. Every few seconds
-(at random) vessel velocity, pay-out rate and current get new random targets, which the commands
+``python -m benchmarks.soak``: S4's line in space, alone, with a winch and several streams of random
+numbers, above a floor that it trails over, and with a body at its end. Every few seconds (at
+random) vessel velocity, pay-out rate and current get new random targets, which the commands
 approach as a vessel and a winch would. What must hold: no step fails, every number is finite,
 lengths are exact, memory stays flat, and the energy of the cable neither grows from tenth to tenth
 of the run nor ever exceeds what commands of this size can give.
+
+One of them: ``--only [--winch] [--floor] [--body] [--seed N]``, which prints and writes no page;
+with ``--keep FILE`` what leads to the first failure is pickled there: the ``scene``, a ``snapshot``
+one to two seconds before, and the ``steps`` from there on: time, and the arguments of ``step_to``.
 """
 
 from __future__ import annotations
 
 import argparse
+import pickle
 import time
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -26,8 +32,44 @@ FASTEST, PAYOUT, CURRENT = 2.0, 0.5, 0.8
 """Largest horizontal speed, pay-out rate and current commanded [m/s]; heave is a quarter."""
 HOLD = 8.0
 """Mean time between new targets [s]."""
+MEAN_HEIGHT = -20.0
+"""Where the vessel starts and is led back to, slowly: it heaves some metres about it [m]."""
+BODY = {
+    "mass": 4.0,
+    "submerged_weight": 25.0,
+    "added_mass": 0.8,
+    "drag_area": 0.01,
+    "drag_coefficient": 0.6,
+}
+"""A sinker: twice the weight of the line."""
+FLOOR = -32.0
+"""Height of the floor [m]: 12 m below where the vessel is led back to, never above its heave."""
+SEED = 8
+"""Of the random numbers."""
+MEMORY = 0.97
+"""Share of the fastest speed commanded that still counts a second later."""
 MEMORY_GROWTH = 2.0
 """Memory of the process that may be added after the first tenth [MB]."""
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What is soaked: with a winch, above a floor, with a body at the end; seed of the commands."""
+
+    winch: bool = False
+    floor: bool = False
+    body: bool = False
+    seed: int = SEED
+
+
+KINDS = (
+    Kind(),
+    *(Kind(winch=True, seed=SEED + k) for k in range(4)),
+    Kind(floor=True),
+    Kind(floor=True, body=True),
+    Kind(winch=True, floor=True, body=True),
+)
+"""The soaks of the page."""
 
 
 @dataclass
@@ -35,9 +77,11 @@ class Soak:
     """What a soak measured.
 
     memory: of the process after each tenth [MB]. kinetic: largest kinetic energy in each tenth over
-    that of the whole line at the fastest speed relative to the water [-]. highest: largest tension
-    in each tenth [N]. cost: processor time in each tenth [s]. length_error: largest change
-    of line and drum together [m].
+    that of the whole line at the fastest speed relative to the water [-]. recent: the same over
+    that of what is out at the fastest speed commanded of late (see :data:`MEMORY`) [-].
+    highest: largest tension in each tenth [N]. cost: processor time in each tenth [s].
+    length_error: largest change of line and drum together [m]. clamped, touching: looks at which
+    the drum was at one of its ends, cable lay on the floor.
     """
 
     steps: int
@@ -45,13 +89,15 @@ class Soak:
     slow: str = ""
     memory: list[float] = field(default_factory=list)
     kinetic: list[float] = field(default_factory=list)
+    recent: list[float] = field(default_factory=list)
     highest: list[float] = field(default_factory=list)
     length_error: float = 0.0
     finite: bool = True
     clamped: int = 0
+    touching: int = 0
     cost: list[float] = field(default_factory=list)
     first_failure: str = ""
-    winch: bool = False
+    kind: Kind = field(default_factory=Kind)
 
     @property
     def problems(self) -> list[str]:
@@ -69,22 +115,31 @@ class Soak:
             found.append(f"given up in tenth {len(self.memory) + 1}")
         elif self.memory[-1] - self.memory[0] > MEMORY_GROWTH:
             found.append(f"memory grew by {self.memory[-1] - self.memory[0]:.1f} MB")
-        if max(self.kinetic, default=0.0) > 2.0:
+        if max(self.recent, default=0.0) > 1.5:
             found.append("more kinetic energy than commands can give")
-        if len(self.kinetic) == 10 and max(self.kinetic[-3:]) > 2.0 * max(self.kinetic[:3]):
+        if len(self.recent) == 10 and max(self.recent[-3:]) > 1.5 * max(self.recent[:3]):
             found.append("energy grew")
         return found
 
 
-def soak_scene(winch: bool = True) -> dict[str, Any]:
+def soak_scene(kind: Kind) -> dict[str, Any]:
     """S4's line, at rest; with a winch that holds 30 m more."""
     from benchmarks.scenes import SCENES
 
     scene = {**SCENES["S4"].scene, "title": "soak"}
-    scene["vessel"] = {"velocity": [{"t": 0.0, "velocity": [0.0, 0.0, 0.0]}]}
-    scene["line"] = [{"cable": {"type": "K", "length": 30.0, "model": "hybrid"}}]
-    if winch:
-        scene["payout"] = {"drum": [{"cable": {"type": "K", "length": 30.0, "model": "hybrid"}}]}
+    scene["vessel"] = {
+        "position": [0.0, 0.0, MEAN_HEIGHT],
+        "velocity": [{"t": 0.0, "velocity": [0.0, 0.0, 0.0]}],
+    }
+    cable = {"cable": {"type": "K", "length": 30.0, "model": "hybrid"}}
+    scene["line"] = [cable]
+    if kind.body:
+        scene["line"] = [cable, {"body": {**BODY}}]
+    if kind.winch:
+        scene["payout"] = {"drum": [cable]}
+    if kind.floor:
+        floor = {"z": FLOOR, "friction": 0.3}
+        scene["environment"] = {**scene["environment"], "floor": floor}
     return scene
 
 
@@ -100,40 +155,51 @@ TOO_SLOW = 1e-2
 """Mean time of a step [s] at which a soak ends: a hundred times the usual one."""
 
 
-def soak(steps: int, winch: bool, seed: int = 8) -> Soak:
-    """Step on; failed steps are counted, and asked for again without commands."""
+def soak(steps: int, kind: Kind, keep: Path | None = None) -> Soak:
+    """Step on; failed steps are counted, and asked for again without commands.
+
+    keep: file for what leads to the first failure.
+    """
     import cablemodel as cm
 
-    rng = np.random.default_rng(seed)
-    scene = soak_scene(winch)
+    rng = np.random.default_rng(kind.seed)
+    scene = soak_scene(kind)
     model = cm.CableModel(cm.load_scene(scene), planar=False)
     total = model.line_length + model.drum_length
-    kind = scene["cable_types"]["K"]
-    added = 1025.0 * np.pi / 4.0 * kind["diameter"] ** 2
-    scale = 0.5 * (kind["mass"] + added) * total * (FASTEST + CURRENT) ** 2
-    found = Soak(steps, winch=winch)
+    scale = kinetic_scale(scene, total) * (FASTEST + CURRENT) ** 2
+    found = Soak(steps, kind=kind)
     command, target = np.zeros(7), np.zeros(7)
     sizes = np.array([FASTEST, FASTEST, 0.25 * FASTEST, PAYOUT, CURRENT, CURRENT, 0.0])
     lag = np.array([5.0, 5.0, 1.0, 1.0, 10.0, 10.0, 1.0])
-    kinetic = highest = 0.0
+    kinetic = highest = recent = fastest = 0.0
+    before: tuple[Any, list[Any]] = (model.snapshot(), [])
+    earlier: tuple[Any, list[Any]] = (model.snapshot(), [])
     began = looked = time.process_time()
     for index in range(1, steps + 1):
         if rng.random() < STEP / HOLD:
             target = rng.uniform(-1.0, 1.0, 7) * sizes
             target[:2] *= FASTEST / max(float(np.hypot(*target[:2])), FASTEST)
-        # Kept below what the vessel is asked to be at: it must not rise out of the water.
-        target[2] -= 0.01 * (model.vessel_position[2] + 20.0) * STEP
+        target[2] -= 0.01 * (model.vessel_position[2] - MEAN_HEIGHT) * STEP
         command += (target - command) * STEP / lag
+        inputs: dict[str, Any] = {
+            "vessel_velocity": command[:3].copy(),
+            "payout_rate": float(command[3]) if kind.winch else None,
+            "current": command[4:].copy(),
+        }
+        if keep is not None:
+            if index % 100 == 0:
+                before, earlier = earlier, (model.snapshot(), [])
+            for _snapshot, since in (before, earlier):
+                since.append((index * STEP, inputs))
         try:
-            model.step_to(
-                index * STEP,
-                vessel_velocity=command[:3],
-                payout_rate=float(command[3]) if winch else None,
-                current=command[4:],
-            )
+            model.step_to(index * STEP, **inputs)
         except cm.StepError as error:
             found.failed += 1
             found.first_failure = found.first_failure or str(error)
+            if keep is not None and found.failed == 1:
+                snapshot, since = before
+                kept = {"scene": scene, "snapshot": snapshot, "steps": since}
+                keep.write_bytes(pickle.dumps(kept))
             command *= 0.0
             if found.failed >= GIVE_UP:
                 break
@@ -144,22 +210,39 @@ def soak(steps: int, winch: bool, seed: int = 8) -> Soak:
                 break
             looked = time.process_time()
             energy = model.energy()["kinetic"]
+            now = float(np.linalg.norm(command[:3]) + np.linalg.norm(command[4:])) + abs(command[3])
+            fastest = max(now, fastest * MEMORY ** (100 * STEP))
+            if fastest > 0.1 * FASTEST:
+                out = kinetic_scale(scene, model.line_length) * fastest**2
+                recent = max(recent, float(energy / out))
             kinetic, highest = max(kinetic, energy / scale), max(highest, model.tension_max)
             found.finite &= bool(np.isfinite([energy, highest, *model.tip_position]).all())
             apart = abs(model.line_length + model.drum_length - total)
             found.length_error = max(found.length_error, apart)
             found.clamped += model.winch != "free"
+            found.touching += model.floor_length > 0.0
         if index % (steps // 10) == 0:
             found.memory.append(resident())
             found.kinetic.append(kinetic)
+            found.recent.append(recent)
             found.highest.append(highest)
             found.cost.append(time.process_time() - began)
             print(
                 f"{len(found.cost)}/10: {found.cost[-1]:.1f} s, {found.failed} failed", flush=True
             )
             began = time.process_time()
-            kinetic = highest = 0.0
+            kinetic = highest = recent = 0.0
     return found
+
+
+def kinetic_scale(scene: dict[str, Any], length: float) -> float:
+    """Kinetic energy of that length of cable, and bodies, at 1 m/s in the water [J]."""
+    cable = scene["cable_types"]["K"]
+    mass = length * (cable["mass"] + 1025.0 * np.pi / 4.0 * cable["diameter"] ** 2)
+    for item in scene["line"]:
+        if "body" in item:
+            mass += item["body"]["mass"] + item["body"]["added_mass"]
+    return float(0.5 * mass)
 
 
 def section(found: Soak) -> str:
@@ -169,6 +252,7 @@ def section(found: Soak) -> str:
             str(k + 1),
             f"{found.memory[k]:.1f}",
             f"{found.kinetic[k]:.3f}",
+            f"{found.recent[k]:.3f}",
             f"{found.highest[k]:.0f}",
             f"{1e7 * found.cost[k] / found.steps:.1f}",
         )
@@ -176,21 +260,28 @@ def section(found: Soak) -> str:
     ]
     verdict = "; ".join(found.problems) or "all that must hold holds"
     looks = found.steps // 100
-    winch = (
+    what = (
         f"a winch, pay-out up to {PAYOUT:g} m/s (at one of its ends in {found.clamped} of {looks} "
         "looks)"
-        if found.winch
+        if found.kind.winch
         else "no winch"
     )
+    if found.kind.body:
+        what += f", a body of {BODY['submerged_weight']:g} N at the end"
+    if found.kind.floor:
+        what += f", a floor of friction 0.3 {MEAN_HEIGHT - FLOOR:g} m below the mean height "
+        what += f"(cable lay on it at {found.touching} of {looks} looks)"
     return (
-        f"{found.steps:,} steps of {STEP:g} s of S4's line in space, {winch}; vessel up to "
-        f"{FASTEST:g} m/s in any direction with heave, current up to {CURRENT:g} m/s, all random. "
+        f"{found.steps:,} steps of {STEP:g} s of S4's line in space, {what}; vessel up to "
+        f"{FASTEST:g} m/s in any direction with heave, current up to {CURRENT:g} m/s, all random "
+        f"(seed {found.kind.seed}). "
         f"**{verdict}** (failed steps: {found.failed}; lengths to {found.length_error:.0e} m).\n\n"
         + table(
             (
                 "tenth",
                 "memory [MB]",
                 "kinetic energy, of that at full speed",
+                "of that at the speed of late",
                 "highest tension [N]",
                 "a step with Python [us]",
             ),
@@ -204,13 +295,23 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.soak", description=__doc__)
     parser.add_argument("--steps", type=int, default=1_000_000)
     parser.add_argument("--output", type=Path, default=Path("docs/stress.md"))
+    parser.add_argument("--only", action="store_true", help="one soak, of the kind that follows")
+    for name in ("winch", "floor", "body"):
+        parser.add_argument(f"--{name}", action="store_true")
+    parser.add_argument("--seed", type=int, default=SEED)
+    parser.add_argument("--keep", type=Path, help="file for what leads to the first failure")
     chosen = parser.parse_args()
-    soaks = [soak(chosen.steps, winch) for winch in (False, True)]
-    for found in soaks:
-        print(asdict(found))
-    text = "Written by `python -m benchmarks.soak`.\n\n"
-    text += "\n".join(section(found) for found in soaks)
-    write_section(chosen.output, "Stress", "Soak", text)
+    kinds = KINDS
+    if chosen.only:
+        kinds = (Kind(chosen.winch, chosen.floor, chosen.body, chosen.seed),)
+    soaks = []
+    for kind in kinds:
+        soaks.append(soak(chosen.steps, kind, chosen.keep))
+        print(asdict(soaks[-1]), flush=True)
+    if not chosen.only:
+        text = "Written by `python -m benchmarks.soak`.\n\n"
+        text += "\n".join(section(found) for found in soaks)
+        write_section(chosen.output, "Stress", "Soak", text)
     problems = [problem for found in soaks for problem in found.problems]
     if problems:
         raise SystemExit("; ".join(problems))

@@ -142,5 +142,9 @@ def refine_touchdown(block: Block, scene: Scene, *, as_laid: bool = False) -> No
     for _round in range(ROUNDS):
         if not entry.refine_at_floor(block.ints, block.reals):
             break
+        if block.ints[at.I_HYBRID]:
+            # Short elements bend where the long ones that they were did not; found out in the
+            # first step instead, it set the line ringing.
+            entry.choose_bending(block.ints, block.reals)
         solve_static(block, frame, as_laid=as_laid)
     count_from_zero(block)

@@ -55,6 +55,7 @@ from .layout import (
     EDGE_WORDS,
     I_BODIES,
     I_DIMENSION,
+    I_NODES,
     I_WAVES,
     MODEL_HYBRID,
     O_BODY,
@@ -65,16 +66,21 @@ from .layout import (
     O_LOWER,
     O_MOTION,
     O_PARENT,
+    O_POSITION,
     O_TENSION,
     O_UPPER,
     S_BASE,
+    S_LENGTH,
     S_PASSING,
+    S_TENSION_SCALE,
+    S_TOLERANCE,
 )
 from .passing import part_row
 from .waves import P_WET
 
 CLAMP = 1e4  # stiffness of a clamp, in units of EI over the shorter of element and body
 SOFT_CLAMP = 1e3  # the same for a hybrid, whose tension decides from time to time
+FREE_WORK = 0.05  # of tau L times a typical tension: what a clamp may gain in sqrt(L/g) by itself
 UNRESOLVED = 8.4686  # h / sqrt(EI/T) at which a string's cubic turns as easily as the layer
 SLOPE_INERTIA = 1e-9  # of m l^2: keeps the mass matrix regular for the slope at the line's end
 
@@ -172,12 +178,35 @@ def clamp_stiffness(M, edge, pull, length, resolved):
 
 
 @kernel
+def stiffen_gently(M, k, target, pull, before, bend, share):
+    """The stiffness that a clamp takes instead of k where its cable asks for `target` [N m].
+
+    bend: its energy over its stiffness, 1 - cos(angle); pull, before: tensions, smoothed over time,
+    now and at the step before. A bent spring that is made stiffer gives energy to the line: by what
+    an element that was split, or a hybrid whose bending came and went, asked of it a body under a
+    snapping line got hundreds of times all the energy that there was. A layer's stiffness follows
+    the tension, as its root; what goes beyond comes as its bend fades.
+    """
+    if target <= k or k <= 0.0 or not 0.0 < share < 1.0:
+        return target
+    allowed = k
+    if before > 0.0 and pull > before:
+        allowed *= math.sqrt(pull / before)
+    work = share * FREE_WORK * M[S_TOLERANCE] * M[S_LENGTH] * M[S_TENSION_SCALE]
+    if (target - allowed) * bend <= work:
+        return target
+    return allowed + work / bend
+
+
+@kernel
 def update_clamps(I, M, share):
     """Clamps' stiffnesses by the tensions, of which `share` is the present one, the rest the past.
 
     They hold until the next step is made, and follow axial vibrations by their mean only: a
     stiffness that changes while the clamp is bent does work, and would feed such vibrations.
     """
+    dimension = I[I_DIMENSION]
+    w = M[I[O_MOTION] + 16 : I[O_MOTION] + 22]
     tension = I[O_TENSION]
     for body in range(I[I_BODIES]):
         if rigid_row(I, M, body) < 0:
@@ -194,9 +223,20 @@ def update_clamps(I, M, share):
             slope = M[tension + 2 * edge + 1]
             pull = M[tension + 2 * edge] + (slope if side == 0 else -slope)
             row_of_edge = I[O_EDGE] + edge * EDGE_WORDS
+            before = M[past]
             M[past] += share * (pull - M[past])
             resolved = M[row_of_edge + E_MODEL] != MODEL_HYBRID
-            M[k] = clamp_stiffness(M, row_of_edge, M[past], M[row + B_LENGTH], resolved)
+            target = clamp_stiffness(M, row_of_edge, M[past], M[row + B_LENGTH], resolved)
+            if not resolved and target > M[k]:
+                inner = 2 * dimension * I[I[O_PARENT] + node]
+                outer = 2 * dimension * node
+                q = M[I[O_POSITION] : I[O_POSITION] + 2 * dimension * I[I_NODES]]
+                axis_of(dimension, q, inner, outer, w)
+                at = dimension + (inner if side == 0 else outer)
+                _length, cosine = slope_direction(dimension, q, at, w)
+                bend = 1.0 - cosine
+                target = stiffen_gently(M, M[k], target, M[past], before, bend, share)
+            M[k] = target
 
 
 @kernel

@@ -291,10 +291,10 @@ def recover_tension(I, M, constraint, x, tension):
 
 
 @kernel
-def elongation_rate(I, M, v, tension_rate, out):
-    """Time derivative of the constraint residual: B v - C dT/dt, with the stored gradient B.
+def material_stretch_rate(I, M, v, out):
+    """Rate of |r'| in the constraint residuals, of the cable, not of the mesh past which it runs.
 
-    With tension_rate the solution of the projected system, out is what is left of the constraint.
+    With pay-out the last residual was that of these velocities.
     """
     if I[I_PAYOUT] != 0:
         # Material velocities, which the last residual left in O_TOP, in place of the mesh's.
@@ -308,6 +308,15 @@ def elongation_rate(I, M, v, tension_rate, out):
             v[n] = kept[n]
     else:
         stretch_rate(I, M, v, out)
+
+
+@kernel
+def elongation_rate(I, M, v, tension_rate, out):
+    """Time derivative of the constraint residual: B v - C dT/dt, with the stored gradient B.
+
+    With tension_rate the solution of the projected system, out is what is left of the constraint.
+    """
+    material_stretch_rate(I, M, v, out)
     for node in range(1, I[I_NODES]):
         s = I[O_COMPLIANCE] + 3 * node
         determinant = M[s] * M[s + 2] - M[s + 1] * M[s + 1]

@@ -48,13 +48,21 @@ from .layout import (
     O_VELOCITY,
     S_AXIAL,
     S_LARGEST_TENSION,
+    S_PASSING,
     S_PERIOD,
     S_STAGE_TENSION,
     S_TENSION_SCALE,
     S_TIME,
     S_TOLERANCE,
 )
-from .system import factorise, newton_increment, recover_tension, residual, stretch_rate
+from .payout import set_top_length
+from .system import (
+    factorise,
+    material_stretch_rate,
+    newton_increment,
+    recover_tension,
+    residual,
+)
 from .tables import STAGES, TENSION_TEST
 
 PROMISED = 0.75  # of the error of tension that is promised
@@ -131,10 +139,10 @@ def worth_reading(I, M, dt, pull):
     whose own tension is wrong by `pull` tolerances.
 
     Not where steps resolve axial waves, where a strain curve is no line, where an end is clamped,
-    or with pay-out.
+    or while a body passes the tow point.
     """
     slow = 1.0 / math.sqrt(M[S_AXIAL])
-    if pull < WORSE or dt < AXIAL_DAMPED * slow or I[I_PAYOUT] != 0:
+    if pull < WORSE or dt < AXIAL_DAMPED * slow or M[S_PASSING] != 0.0:
         return False  # by far the most steps
     for n in range(I[I_CONSTRAINTS]):
         if M[I[O_CONSTRAINT] + n * CONSTRAINT_WORDS + C_CLAMPED] != 0.0:
@@ -211,8 +219,10 @@ def read_tension(I, M, dt, pull):
     I[I_FACTORED] = 0
     if failed != 0:
         return
+    if I[I_PAYOUT] != 0:
+        residual(I, M, q, v, a, before, forces, constraint)
+    material_stretch_rate(I, M, v, constraint)
     forces[:] = 0.0
-    stretch_rate(I, M, v, constraint)
     newton_increment(I, M, forces, constraint, x)
     for n in range(count):
         v[n] += x[n]
@@ -223,11 +233,15 @@ def read_tension(I, M, dt, pull):
         t = (k - 1) * step
         for n in range(count):
             near[n] = q[n] + t * v[n] + 0.5 * t * t * a[n]
+        if I[I_PAYOUT] != 0:
+            set_top_length(I, M, M[S_TIME] + dt + t)
         residual(I, M, near, v, a, before, forces, constraint)
         weight = -2.0 if k == 1 else 1.0
         for n in range(words):
             second[n] += weight * constraint[n]
     scale = short * short / (step * step)
+    if I[I_PAYOUT] != 0:
+        set_top_length(I, M, M[S_TIME] + dt)
     residual(I, M, q, v, a, before, forces, constraint)
     for n in range(words):
         constraint[n] = scale * second[n]

@@ -125,6 +125,7 @@ HARD = 4.5, 0.8  # and above which it shrinks
 AT_ONCE = 0.02  # of the tolerance: what a stage's first iteration may leave, by the last ratio
 BEST_RATIO = 0.003  # that is believed for the next stage
 LARGEST_GROWTH = 16.0  # of the step: the first is much shorter than any motion
+FOLDS_ITSELF = 1e-4  # sqrt(L/g): steps so short follow the motion into a fold, none is refused
 BENDING_ON, BENDING_OFF = 0.01, 0.005  # hybrid: (EI/T)/h^2 above which bending is kept
 
 
@@ -503,7 +504,13 @@ def advance_to(I, M, t_end):
         two_steps = to_output and dt <= 0.25 * natural and try_two_step(I, M, dt)
         if not two_steps:
             status, error, pull = try_step(I, M, dt, scheme, to_output)
-            if status == OK and I[I_FLOOR] != 0 and refused < MOST_REFUSALS and folds(I, M):
+            if (
+                status == OK
+                and I[I_FLOOR] != 0
+                and refused < MOST_REFUSALS
+                and dt > FOLDS_ITSELF * M[S_PERIOD]
+                and folds(I, M)
+            ):
                 # Where the mesh follows folds; a whip on a coarse one may end so for a while.
                 refused += 1
                 status = NOT_CONVERGED

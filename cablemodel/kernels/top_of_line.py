@@ -134,9 +134,11 @@ def next_change(I, M):
         first = I[O_EDGE] + EDGE_WORDS
         below = first + EDGE_WORDS
         if M[below + E_SEGMENT] == M[first + E_SEGMENT] and I[I[O_JOINT] + 2] == 0:
-            # One of few elements goes only where another one gains by being halved.
+            # One of few elements goes only where another one gains by being halved. Where the mesh
+            # follows what bends, the shape decides (refine.py), as long as there is a choice.
             if M[S_TOP_LENGTH] < UNEVEN * M[below + E_LENGTH] or (
-                element_number(I, M) > FEWEST_ELEMENTS
+                M[S_BENT] == 0.0
+                and element_number(I, M) > FEWEST_ELEMENTS
                 and not is_too_large(I, M, M[S_TOP_LENGTH] + M[below + E_LENGTH], I[I_NODES] - 2)
             ):
                 return UNITES

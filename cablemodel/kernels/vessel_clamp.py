@@ -27,11 +27,12 @@ from .layout import (
     O_DIAGONAL,
     O_EDGE,
     O_MOTION,
+    O_POSITION,
     O_TENSION,
     S_CLAMP_PULL,
     S_PASSING,
 )
-from .rigid import clamp_stiffness, slope_direction, update_clamps
+from .rigid import clamp_stiffness, slope_direction, stiffen_gently, update_clamps
 
 LEAST_HALF_COSINE = 0.05
 
@@ -116,9 +117,17 @@ def update_springs(I, M, share):
     if M[row + C_CLAMPED] != BY_SPRING or M[S_PASSING] != 0.0:
         return
     pull = M[I[O_TENSION] + 2] - M[I[O_TENSION] + 3]
-    M[S_CLAMP_PULL] += share * (pull - M[S_CLAMP_PULL])
+    before = M[S_CLAMP_PULL]
+    M[S_CLAMP_PULL] += share * (pull - before)
     edge = I[O_EDGE] + EDGE_WORDS
-    M[row + C_SPRING] = clamp_stiffness(M, edge, M[S_CLAMP_PULL], M[edge + E_LENGTH], False)
+    target = clamp_stiffness(M, edge, M[S_CLAMP_PULL], M[edge + E_LENGTH], False)
+    k = M[row + C_SPRING]
+    if target > k:
+        q = M[I[O_POSITION] : I[O_POSITION] + 2 * I[I_DIMENSION]]
+        _length, cosine = slope_at_vessel(I, M, q, M[I[O_MOTION] + 16 : I[O_MOTION] + 22])
+        bend = 4.0 * (1.0 - half_cosine(cosine))
+        target = stiffen_gently(M, k, target, M[S_CLAMP_PULL], before, bend, share)
+    M[row + C_SPRING] = target
 
 
 @kernel
