@@ -1,10 +1,12 @@
 """Draw scenes: a Latin hypercube over cable, water, manoeuvre, winch, floor, bodies, tolerance.
 
-Scene number ``seed`` is row ``seed`` of one fixed hypercube of :data:`COUNT` rows, so that a number
-always means the same scene. Quantities are drawn so that every combination can be built: axial
-stiffness from the strain under a typical load, bending stiffness from that of a solid rod, sizes of
-bodies from the weight of the line. Nothing else is kept apart: slack, whips, snaps, cable that
-piles up on the floor and commands that the winch cannot follow are all wanted.
+Scene number ``seed`` is a row of a fixed hypercube of :data:`COUNT` rows, so that a number always
+means the same scene: 0 to 999 are the search, 1000 to 1999 a second set, and so on. Rules of the
+solver that are made from the search are judged by scenes of another set. Quantities are drawn so
+that every combination can be built: axial stiffness from the strain under a typical load, bending
+stiffness from that of a solid rod, sizes of bodies from the weight of the line. Nothing else is
+kept apart: slack, whips, snaps, cable that piles up on the floor and commands that the winch cannot
+follow are all wanted.
 """
 
 from __future__ import annotations
@@ -57,12 +59,13 @@ class Drawn:
 
 
 @functools.cache
-def hypercube() -> np.ndarray:
-    """The rows of the search, (COUNT, len(COLUMNS)) in [0, 1)."""
+def hypercube(number: int = 0) -> np.ndarray:
+    """The rows of a set of scenes, (COUNT, len(COLUMNS)) in [0, 1); number 0 is the search."""
     from scipy.stats import qmc
 
     # A generator, not a number: its stream does not depend on SciPy's way to seed.
-    return np.asarray(qmc.LatinHypercube(len(COLUMNS), seed=np.random.default_rng(8)).random(COUNT))
+    stream = np.random.default_rng(8 + number)
+    return np.asarray(qmc.LatinHypercube(len(COLUMNS), seed=stream).random(COUNT))
 
 
 def pick(u: float, shares: Sequence[tuple[str, float]]) -> str:
@@ -95,14 +98,15 @@ ANCHORED_MANOEUVRES = (("rest", 0.2), ("heave", 0.5), ("tow", 0.3))
 
 
 def draw(seed: int) -> Drawn:
-    """The scene of that number, 0 to COUNT - 1.
+    """The scene of that number, from 0 on.
 
     Raises:
         ValueError: there is no such row.
     """
-    if not 0 <= seed < COUNT:
-        raise ValueError(f"seed {seed}: allowed are 0 to {COUNT - 1}")
-    u = dict(zip(COLUMNS, hypercube()[seed].tolist(), strict=True))
+    if seed < 0:
+        raise ValueError(f"seed {seed}: allowed are 0 and more")
+    number, row = divmod(seed, COUNT)
+    u = dict(zip(COLUMNS, hypercube(number)[row].tolist(), strict=True))
     length = decades(u["length"], 3.0, 1000.0)
     diameter = decades(u["diameter"], 0.004, 0.06)
     area = math.pi / 4.0 * diameter**2

@@ -9,18 +9,23 @@ they were at the start, once one cubic does for both.
 from .compile import kernel
 from .follow import holds_something, jump_at, one_cubic_does
 from .layout import (
+    BY_SPRING,
+    C_CLAMPED,
     CABLE_WORDS,
     E_BENDING_FULL,
     E_LENGTH,
     E_NOMINAL,
     E_SEGMENT,
     EDGE_WORDS,
+    I_CABLES,
     I_CAPACITY,
     I_NODES,
     I_PAYOUT,
     I_TOP_CABLE,
+    K_LEAVES,
     K_NOMINAL,
     O_CABLES,
+    O_CONSTRAINT,
     O_EDGE,
     O_JOINT,
     O_STAGE_V,
@@ -28,18 +33,17 @@ from .layout import (
     OK,
     S_BENT,
     S_BENT_AFTER,
-    S_PASSING,
+    S_BENT_AT_TOP,
     S_PERIOD,
     S_TIME,
-    S_TOP_LENGTH,
+    S_TRAVEL,
 )
 from .payout import join_at, split_edge
-from .top_of_line import FEWEST_ELEMENTS, JOIN, element_number, is_too_large
 
 PAUSE = 0.02  # of sqrt(L/g): how often the mesh is looked at
+SHORTEST_TOP = 0.4  # of the longest element of its cable at the start: a longer top one is halved
+FINEST = 1.0  # of what is allowed: no shorter element of cable that does not bend is halved
 STRAIGHT = 0.02  # of what is allowed: the same for two elements that are joined
-FINEST = 0.5  # of what is allowed: no shorter element of cable that does not bend is halved
-HALVE, UNITE = 1, 2  # what the shape may ask for of the top element
 
 
 @kernel
@@ -58,6 +62,25 @@ def bends_too_much(I, M, node, jump):
 
 
 @kernel
+def may_be_halved(I, M, node):
+    """Whether an element may be shorter: any but some at the top of a line that a winch moves.
+
+    The first bit of another cable that has begun to leave the drum lies in the top element. And a
+    clamp's spring bends that element for as long as it is longer than the clamp's layer, for which
+    the spring stands.
+    """
+    if node > 1 or I[I_PAYOUT] == 0:
+        return M[S_BENT_AT_TOP] == 0.0
+    edge = I[O_EDGE] + node * EDGE_WORDS
+    row = I[O_CABLES] + I[I_TOP_CABLE] * CABLE_WORDS
+    if I[I_TOP_CABLE] + 1 < I[I_CABLES] and M[S_TRAVEL] > M[row + K_LEAVES]:
+        return False
+    if M[I[O_CONSTRAINT] + C_CLAMPED] == BY_SPRING and M[edge + E_BENDING_FULL] > 0.0:
+        return False
+    return M[edge + E_LENGTH] > SHORTEST_TOP * M[row + K_NOMINAL]
+
+
+@kernel
 def may_unite(I, M, node, jump):
     """Whether the elements on both sides of a node, where r'' jumps, are halves that may be one."""
     upper = I[O_EDGE] + node * EDGE_WORDS
@@ -73,63 +96,26 @@ def may_unite(I, M, node, jump):
 
 
 @kernel
-def top_wish(I, M):
-    """What the shape asks for of the winch's top element: HALVE, UNITE with the next one, or 0.
-
-    Its length is the winch's (top_of_line.py), but a bend in it is resolved like any other: left
-    alone, those below were halved instead of it, and a join of bent elements gave the line three
-    times its energy.
-    """
-    if M[S_PASSING] != 0.0 or I[I_NODES] < 3:
-        return 0
-    if I[I[O_JOINT] + 1] != 0 or I[I[O_JOINT] + 2] != 0:
-        return 0
-    jump = jump_at(I, M, 1)
-    if bends_too_much(I, M, 1, jump):
-        return HALVE if I[I_NODES] < I[I_CAPACITY] else 0
-    first = I[O_EDGE] + EDGE_WORDS
-    below = first + EDGE_WORDS
-    nominal = M[I[O_CABLES] + I[I_TOP_CABLE] * CABLE_WORDS + K_NOMINAL]
-    h = M[S_TOP_LENGTH] + M[below + E_LENGTH]
-    next_jump = jump_at(I, M, 2) if I[I_NODES] > 3 else 0.0
-    if (
-        M[S_TOP_LENGTH] < JOIN * nominal
-        and element_number(I, M) > FEWEST_ELEMENTS
-        and not is_too_large(I, M, h, I[I_NODES] - 2)
-        and M[below + E_SEGMENT] == M[first + E_SEGMENT]
-        and not holds_something(I, M, 1)
-        and h * h * next_jump <= M[S_BENT]
-        and h * h * jump < STRAIGHT * M[S_BENT]
-        and one_cubic_does(I, M, 1)
-    ):
-        return UNITE
-    return 0
-
-
-@kernel
 def follow_bending(I, M, change):
     """Whether the shape asks for another mesh; with `change`, halve and join elements for it."""
     M[S_BENT_AFTER] = M[S_TIME] + PAUSE * M[S_PERIOD]
     nodes = I[I_NODES]
-    first = 2 if I[I_PAYOUT] != 0 else 1
     jumps = M[I[O_STAGE_V] : I[O_STAGE_V] + nodes + 1]
     for node in range(nodes):
         # At the line's ends r'' may be anything.
         jumps[node] = jump_at(I, M, node) if 0 < node < nodes - 1 else 0.0
     changed = False
-    if first == 2 and not change and top_wish(I, M) != 0:
-        return True
     node = nodes - 1
-    while node >= first:
+    while node >= 1:
         if I[I[O_JOINT] + node] == 0:
             if bends_too_much(I, M, node, max(jumps[node - 1], jumps[node])):
-                if I[I_NODES] < I[I_CAPACITY]:
+                if I[I_NODES] < I[I_CAPACITY] and may_be_halved(I, M, node):
                     if not change:
                         return True
                     changed = split_edge(I, M, node, 0.5, False) == OK or changed
             elif (
                 # Nodes after this one may have been split; those before it are as measured.
-                node > first
+                node > 1
                 and I[I[O_JOINT] + node - 1] == 0
                 and not bends_too_much(I, M, node - 1, max(jumps[node - 2], jumps[node - 1]))
                 and may_unite(I, M, node - 1, jumps[node - 1])
@@ -140,11 +126,4 @@ def follow_bending(I, M, change):
                 changed = True
                 node -= 1
         node -= 1
-    if first == 2:
-        wish = top_wish(I, M)
-        if wish == HALVE:
-            changed = split_edge(I, M, 1, 0.5, False) == OK or changed
-        elif wish == UNITE:
-            join_at(I, M, 1, 1)
-            changed = True
     return changed

@@ -46,6 +46,9 @@ def test_a_number_means_the_same_scene_everywhere() -> None:
     assert rows[0, :3] == pytest.approx([0.3284653799, 0.6136963916, 0.1535446611])
     # A Latin hypercube: every column has one value in each thousandth.
     assert (np.sort(np.floor(rows * 1000.0), axis=0) == np.arange(1000.0)[:, None]).all()
+    # Scenes from 1000 on are of another set, by which rules are judged that are made from this one.
+    assert draw(1003).scene["cable_types"] != draw(3).scene["cable_types"]
+    assert abs(np.corrcoef(rows[:, 0], hypercube(1)[:, 0])[0, 1]) < 0.1
 
 
 def test_a_run_that_is_off_by_two_tolerances_is_wrong() -> None:
