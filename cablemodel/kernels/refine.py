@@ -34,7 +34,7 @@ from .layout import (
     S_TOP_LENGTH,
 )
 from .payout import join_at, split_edge
-from .top_of_line import FEWEST_ELEMENTS, JOIN, element_number, is_too_large
+from .top_of_line import FEWEST_ELEMENTS, JOIN, element_number, follows_top, is_too_large
 
 PAUSE = 0.02  # of sqrt(L/g): how often the mesh is looked at
 STRAIGHT = 0.02  # of what is allowed: the same for two elements that are joined
@@ -80,7 +80,7 @@ def top_wish(I, M):
     alone, those below were halved instead of it, and a join of bent elements gave the line three
     times its energy.
     """
-    if M[S_PASSING] != 0.0 or I[I_NODES] < 3:
+    if M[S_PASSING] != 0.0 or I[I_NODES] < 3 or not follows_top(I, M):
         return 0
     if I[I[O_JOINT] + 1] != 0 or I[I[O_JOINT] + 2] != 0:
         return 0

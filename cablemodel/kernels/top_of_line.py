@@ -13,6 +13,8 @@ from .layout import (
     B_NODE,
     B_PULL,
     BODY_WORDS,
+    BY_SPRING,
+    C_CLAMPED,
     CABLE_WORDS,
     E_LENGTH,
     E_MASS,
@@ -36,6 +38,7 @@ from .layout import (
     O_ACCELERATION,
     O_BODY,
     O_CABLES,
+    O_CONSTRAINT,
     O_EDGE,
     O_JOINT,
     O_MOTION,
@@ -98,6 +101,15 @@ def is_too_large(I, M, length, elements):
 
 
 @kernel
+def follows_top(I, M):
+    """Whether the shape decides (refine.py), as long as there is a choice, about the top element.
+
+    Not where a spring stands for the layer in which a clamped line bends.
+    """
+    return M[S_BENT] > 0.0 and M[I[O_CONSTRAINT] + C_CLAMPED] != BY_SPRING
+
+
+@kernel
 def next_change(I, M):
     """What the top of the line asks for next; 0: nothing."""
     cable = I[I_TOP_CABLE]
@@ -134,10 +146,9 @@ def next_change(I, M):
         first = I[O_EDGE] + EDGE_WORDS
         below = first + EDGE_WORDS
         if M[below + E_SEGMENT] == M[first + E_SEGMENT] and I[I[O_JOINT] + 2] == 0:
-            # One of few elements goes only where another one gains by being halved. Where the mesh
-            # follows what bends, the shape decides (refine.py), as long as there is a choice.
+            # One of few elements goes only where another one gains by being halved.
             if M[S_TOP_LENGTH] < UNEVEN * M[below + E_LENGTH] or (
-                M[S_BENT] == 0.0
+                not follows_top(I, M)
                 and element_number(I, M) > FEWEST_ELEMENTS
                 and not is_too_large(I, M, M[S_TOP_LENGTH] + M[below + E_LENGTH], I[I_NODES] - 2)
             ):
