@@ -310,8 +310,9 @@ def main() -> None:
         print(asdict(soaks[-1]), flush=True)
     if not chosen.only:
         text = (
-            "Written by `python -m benchmarks.soak`. Not among them: winch, floor and body together "
-            "(`--only --winch --floor --body`), where cable piles up and steps come to take seconds."
+            "Written by `python -m benchmarks.soak`. Not among them: winch, floor and body "
+            "together (`--only --winch --floor --body`), where cable piles up and steps come to "
+            "take seconds."
             "\n\n"
         )
         text += "\n".join(section(found) for found in soaks)
