@@ -135,7 +135,7 @@ def _node_places(block: Block) -> FloatArray:
     return places + block.reals[at.S_BASE : at.S_BASE + 3]
 
 
-def refine_touchdown(block: Block, scene: Scene) -> None:
+def refine_touchdown(block: Block, scene: Scene, *, as_laid: bool = False) -> None:
     """Refine a static shape where it meets the floor, and solve again from its own shape.
 
     Over ridges contact may come and go on a finer mesh without end: the start is then at rest on
@@ -149,8 +149,10 @@ def refine_touchdown(block: Block, scene: Scene) -> None:
         if not entry.refine_at_floor(block.ints, block.reals):
             break
         try:
-            solve_static(block, frame)
+            solve_static(block, frame, as_laid=as_laid)
         except StaticsError:
+            if as_laid:
+                raise  # without friction it may come to rest
             block.image[:] = at_rest
             break
     count_from_zero(block)
