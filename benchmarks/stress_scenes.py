@@ -234,16 +234,24 @@ def long_lay(laid: float) -> tuple[bool, str, float]:
     )
 
 
-def rough_lay_scene(slope: float, wavelength: float, laid: float) -> Any:
-    """The lay of :func:`long_lay_scene` over ridges: steepest slope, distance of the crests [m]."""
+Ridges = tuple[tuple[float, float], ...]
+"""Waves of a sea floor that add up: steepest slope and distance of the crests [m] of each."""
+
+
+def rough_lay_scene(ridges: Ridges, laid: float, bending: float = 300.0) -> Any:
+    """The lay of :func:`long_lay_scene` over ridges, by a cable of that stiffness [N m2]."""
     import cablemodel as cm
 
-    height = slope * wavelength / (2.0 * math.pi)
-    places = np.arange(-5000.0, 2000.0 + laid, wavelength / 16.0)
-    heights = -3000.0 + height * np.sin(2.0 * math.pi * places / wavelength + 1.0)
+    apart = min(wavelength for _, wavelength in ridges) / 16.0
+    places = np.arange(-5000.0, 2000.0 + laid, apart)
+    heights = np.full(len(places), -3000.0)
+    for number, (slope, wavelength) in enumerate(ridges):
+        wave = 2.0 * math.pi / wavelength
+        heights += slope / wave * np.sin(wave * places + 1.0 + 2.0 * number)
     table = [{"x": float(x), "z": float(z)} for x, z in zip(places, heights, strict=True)]
     parts = long_lay_scene(laid).to_dict()
     parts["environment"]["floor"] = {"depth_table": table, "friction": 0.4}
+    parts["cable_types"]["K"]["bending_stiffness"] = bending
     return cm.load_scene(parts)
 
 
@@ -258,16 +266,16 @@ def depth_below(model: Any, scene: Any) -> float:
 
 
 def rough_lays(
-    ridges: tuple[tuple[float, float], ...], laid: float
+    floors: tuple[Ridges, ...], laid: float, bending: float = 300.0
 ) -> Callable[[], tuple[bool, str, float]]:
-    """Lays over ridges of these slopes and distances until the drum is empty, asleep and awake."""
+    """Lays over these floors until the drum is empty, asleep and awake."""
 
     def run() -> tuple[bool, str, float]:
         import cablemodel as cm
 
         apart, deepest, awake, simulated = 0.0, 0.0, 0, 0.0
-        for slope, wavelength in ridges:
-            scene = rough_lay_scene(slope, wavelength, laid)
+        for ridges in floors:
+            scene = rough_lay_scene(ridges, laid, bending)
             tensions = []
             for sleep in (True, False):
                 model = cm.CableModel(scene, sleep=sleep)
@@ -281,10 +289,11 @@ def rough_lays(
             asleep, whole = np.array(tensions)
             apart = max(apart, float(np.max(np.abs(asleep / whole - 1.0))))
         accuracy = 1e-3 * 5000.0
+        names = [" and ".join(f"{100 * s:g} % {w:g} m" for s, w in ridges) for ridges in floors]
         measured = (
-            f"slopes and crests {', '.join(f'{100 * s:g} % {w:g} m' for s, w in ridges)}: top "
-            f"tension asleep within {100 * apart:.2f} % of awake, "
-            f"{deepest / accuracy:.3f} tau L deep, up to {awake} elements"
+            f"slopes and crests {', '.join(names)}: top tension asleep within "
+            f"{100 * apart:.2f} % of awake, {deepest / accuracy:.3f} tau L deep, up to {awake} "
+            "elements"
         )
         return apart < 0.01 and deepest < 0.25 * accuracy, measured, simulated
 
@@ -412,12 +421,27 @@ SCENES = (
     StressScene(
         "lay over ridges",
         "to the drum's end; 1 % of top tension; at most tau L/4 deep",
-        rough_lays(((0.05, 200.0),), 1e3),
+        rough_lays((((0.05, 200.0),),), 1e3),
     ),
     StressScene(
         "lays of 4 km over ridges",
         "the same",
-        rough_lays(((0.02, 50.0), (0.02, 1000.0), (0.05, 200.0), (0.1, 50.0), (0.1, 1000.0)), 4e3),
+        rough_lays(
+            (
+                ((0.02, 50.0),),
+                ((0.02, 1000.0),),
+                ((0.05, 200.0),),
+                ((0.1, 50.0),),
+                ((0.1, 1000.0),),
+            ),
+            4e3,
+        ),
+        False,
+    ),
+    StressScene(
+        "lay of 5 km of stiff cable over ridges of three lengths",
+        "the same",
+        rough_lays((((0.06, 200.0), (0.05, 450.0), (0.045, 1100.0)),), 5e3, 1500.0),
         False,
     ),
     StressScene("lay of 10 km", "lay law within 1 %", lambda: long_lay(10e3), False),

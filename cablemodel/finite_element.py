@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 _MEANING = {
     at.NOT_CONVERGED: (
         "no step was small enough for Newton's method to converge",
-        "look for a jump in the inputs, or a stiffness far from the others",
+        "look for a jump in the inputs, a stiffness far from the others, or slack cable without "
+        "bending stiffness on the floor: give it some",
     ),
     at.TOO_MANY_STEPS: (
         "the step needs more internal steps than allowed",

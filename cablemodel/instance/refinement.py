@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel.block import Block
+from cablemodel.errors import StaticsError
 from cablemodel.instance.first_state import count_from_zero, solve_static, steady_velocity
 from cablemodel.instance.scales import pays_out, start_conditions
 from cablemodel.kernels import layout as at
@@ -142,16 +143,27 @@ def _node_places(block: Block) -> FloatArray:
 
 
 def refine_touchdown(block: Block, scene: Scene, *, as_laid: bool = False) -> None:
-    """Refine a static shape where it meets the floor, and solve again from its own shape."""
+    """Refine a static shape where it meets the floor, and solve again from its own shape.
+
+    Over ridges contact may come and go on a finer mesh without end: the start is then at rest on
+    the mesh before it, which follows the floor as the run begins.
+    """
     from cablemodel import library as entry
 
     frame = steady_velocity(block, scene)
     for _round in range(ROUNDS):
+        at_rest = block.image.copy()
         if not entry.refine_at_floor(block.ints, block.reals):
             break
         if block.ints[at.I_HYBRID]:
             # Short elements bend where the long ones that they were did not; found out in the
             # first step instead, it set the line ringing.
             entry.choose_bending(block.ints, block.reals)
-        solve_static(block, frame, as_laid=as_laid)
+        try:
+            solve_static(block, frame, as_laid=as_laid)
+        except StaticsError:
+            if as_laid:
+                raise  # without friction it may come to rest
+            block.image[:] = at_rest
+            break
     count_from_zero(block)
