@@ -16,8 +16,10 @@ FloatArray = NDArray[np.float64]
 
 _STEADY = 4.0
 """Elements at tau = 1e-3 of a line that starts under tension."""
-_SLACK = 10.0
-"""The same for a line that starts without: it folds at its ends."""
+_SWINGING = 6.0
+"""The same where drag hardly damps: what swings and waves are late by adds up."""
+_SLACK = 14.0
+"""The same for a line that starts without tension: it folds at its ends."""
 _WHIP = 20.0
 """The same where drag is too small to damp the waves that run along it."""
 LIGHT_DAMPING = 10.0
@@ -60,9 +62,10 @@ class Start:
 
 def element_count(tolerance: float, start: Start) -> int:
     """Elements of a whole line for an accuracy tau."""
-    at_thousandth = _STEADY
     if start.slack:
         at_thousandth = _WHIP if start.lightly_damped else _SLACK
+    else:
+        at_thousandth = _SWINGING if start.lightly_damped else _STEADY
     return max(4, math.ceil(at_thousandth * math.pow(1e-3 / tolerance, 0.25) - 1e-9))
 
 

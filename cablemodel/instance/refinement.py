@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cablemodel.block import Block
 from cablemodel.instance.first_state import count_from_zero, solve_static, steady_velocity
-from cablemodel.instance.scales import start_conditions
+from cablemodel.instance.scales import pays_out, start_conditions
 from cablemodel.kernels import layout as at
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ ROUNDS = 14
 BENT = 5.0
 """Of tau L: what h^2 times the jump of curvature may be in a static shape."""
 LARGEST_STATIC_MESH = 4000
-BENDS = 25.0
+BENDS = 12.0
 """The same in motion, in free water."""
 SPARE = 24, 2.0
 """Nodes for shapes that bend more later on: so many, and times those at the start."""
@@ -35,13 +35,13 @@ def follows_bending(scene: Scene) -> bool:
 
     A mesh that the scene asks for stays as it is. So does that of a line which drag hardly damps:
     every change of the mesh feeds a whip that hardly stretches; and that of a line which starts
-    slack: pushed, it buckles ever finer.
+    slack: pushed, it buckles ever finer. Only its top element is halved, which the winch makes.
     """
     drum = [item.cable for item in scene.payout.drum if item.cable is not None]
     asked = any(cable.elements is not None for cable in [*scene.cables, *drum])
     start = start_conditions(scene)
-    tame = not (start.lightly_damped or start.slack)
-    return scene.environment.floor is None and tame and not asked
+    moves = pays_out(scene) or not start.slack
+    return scene.environment.floor is None and moves and not start.lightly_damped and not asked
 
 
 def spare_nodes(scene: Scene, nodes: int) -> int:
@@ -79,7 +79,7 @@ def refined(block: Block, scene: Scene, nodes: list[FloatArray]) -> list[FloatAr
     inside = np.linalg.norm(start - end, axis=1)
     indicator = h**2 * np.maximum(jump, np.concatenate([[0.0], jump[:-1]]))
     indicator[1] = max(indicator[1], 0.25 * h[1] ** 2 * inside[1])
-    if block.array(at.O_CONSTRAINT, at.CONSTRAINT_WORDS)[at.C_CLAMPED] == at.BY_SPRING:
+    if _bent_by_a_spring(block):
         indicator[1] = 0.0  # the spring stands for a layer that elements here do not resolve
     last = int(np.flatnonzero(joints == 0)[-1])  # beyond it there may be a body
     indicator[last] = max(indicator[last], 0.25 * h[last] ** 2 * inside[last])
@@ -102,6 +102,13 @@ def refined(block: Block, scene: Scene, nodes: list[FloatArray]) -> list[FloatAr
             node += 1
         finer.append(np.array(new))
     return finer if changed else None
+
+
+def _bent_by_a_spring(block: Block) -> bool:
+    """Whether a spring clamps a cable that bends; one without bending stiffness feels no clamp."""
+    if block.array(at.O_CONSTRAINT, at.CONSTRAINT_WORDS)[at.C_CLAMPED] != at.BY_SPRING:
+        return False
+    return float(block.array(at.O_EDGE, 2, at.EDGE_WORDS)[1, at.E_BENDING_FULL]) > 0.0
 
 
 def shape_of(block: Block) -> FloatArray:

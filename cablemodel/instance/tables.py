@@ -23,8 +23,10 @@ FloatArray = NDArray[np.float64]
 
 TIME_TOLERANCE = 0.045
 """Local error allowed in a step, in units of tau L; calibrated, see docs/engine.md."""
+LIGHTLY_DAMPED = 0.35
+"""Factor on it where drag hardly damps, in air above all: errors are not forgotten, but add up."""
 UNDAMPED = 0.08
-"""Factor on it in a vacuum, at tau = 1e-3."""
+"""The same in a vacuum, at tau = 1e-3."""
 MOST_STEPS = 2_000_000
 """Internal steps that one call may take."""
 
@@ -45,10 +47,13 @@ def fill_settings(block: Block, scene: Scene, scale: float) -> None:
     if rho == 0.0:
         # Nothing forgets an error, and a stiff line takes an order from the scheme.
         allowed *= UNDAMPED * math.sqrt(tolerance / 1e-3)
+    elif start_conditions(scene).lightly_damped:
+        allowed *= LIGHTLY_DAMPED
     reals[at.S_TIME_TOLERANCE] = allowed
     reals[at.S_LENGTH] = length
     if follows_bending(scene):
         reals[at.S_BENT] = BENDS * tolerance * length
+        reals[at.S_BENT_AT_TOP] = float(scene.initial.kind != "static")
     reals[at.S_TENSION_SCALE] = scale
     if scene.initial.kind != "static":
         # What is let go slack snaps, and rings at peaks that no output meets: its tension is left

@@ -127,6 +127,7 @@ S_SLEEP_LOW, S_SLEEP_HIGH = _S + 84, _S + 85  # heights between which it lies [m
 S_SLEEP_FLOW = _S + 86  # square of the water's speed whose drag is the friction [m2/s2]
 S_BENT = _S + 89  # what h^2 times the jump of r'' may be in free water [m]; 0: the mesh stays
 S_BENT_AFTER = _S + 90  # time before which the mesh is not looked at again [s]
+S_BENT_AT_TOP = _S + 91  # 1: only what the winch moves is looked at, the top element
 S_ORDER_3 = _S + 87  # steps by order 3 before order 4 is tried again
 S_LARGEST_TENSION = _S + 74  # so far, either way [N]
 S_STAGE_TENSION = _S + 68  # 6 words: of the top element, in the stages of the last step [N]

@@ -130,9 +130,9 @@ def next_change(I, M):
     nominal = M[row + K_NOMINAL]
     if M[S_TOP_LENGTH] > SPLIT * nominal or is_too_large(I, M, M[S_TOP_LENGTH], I[I_NODES] - 1):
         return DIVIDES
-    if M[S_TOP_LENGTH] < JOIN * nominal and I[I_NODES] > 2:
-        first = I[O_EDGE] + EDGE_WORDS
-        below = first + EDGE_WORDS
+    first = I[O_EDGE] + EDGE_WORDS
+    below = first + EDGE_WORDS
+    if I[I_NODES] > 2 and M[S_TOP_LENGTH] < JOIN * min(nominal, M[below + E_LENGTH]):
         if M[below + E_SEGMENT] == M[first + E_SEGMENT] and I[I[O_JOINT] + 2] == 0:
             # One of few elements goes only where another one gains by being halved.
             if M[S_TOP_LENGTH] < UNEVEN * M[below + E_LENGTH] or (
@@ -351,7 +351,11 @@ def adapt_top(I, M):
         elif change == RETURNS:
             if M[row + K_BODY] >= 0.0:
                 M[I[O_BODY] + int(M[row + K_BODY]) * BODY_WORDS + B_NODE] = -1.0
-            # All of the upper cable's elements go: normally the top one is the only one.
+            # All of the upper cable's elements go.
+            while I[I[O_JOINT] + 2] == 0 and (
+                M[I[O_EDGE] + 2 * EDGE_WORDS + E_SEGMENT] == M[I[O_EDGE] + EDGE_WORDS + E_SEGMENT]
+            ):
+                join_at(I, M, 1, 1)
             join_at(I, M, 1, 2 if M[row + K_HINGE] != 0.0 else 1)
             give_properties(I, M, 1, cable - 1)
             M[I[O_EDGE] + EDGE_WORDS + E_LENGTH] = M[S_TOP_LENGTH]

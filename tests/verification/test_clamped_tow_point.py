@@ -94,5 +94,6 @@ def test_a_flexible_cable_is_not_clamped():
         run = cm.CableModel(cm.load_scene(scene))
         run.step_to(5.0)
         ends.append(run.tip_position)
-        assert run.top_moment == pytest.approx(0.0, abs=1e-9)
+        # What Newton's method leaves over, some 1e-9 N m at any instant.
+        assert run.top_moment == pytest.approx(0.0, abs=1e-8)
     assert np.array_equal(*ends)
