@@ -27,8 +27,8 @@ LIGHT_DAMPING = 10.0
 _LAYER_GROWTH = 2.0
 """Ratio of neighbouring elements next to a bending layer."""
 _NEARLY = 1.05
-"""Of the size that resolves a layer: longer elements are halved. At tau = 1e-3 the moment of a clamp
-is then off by 1.2 % at most; by 3.5 % with elements of 1.4 of that size."""
+"""Of the size that resolves a layer: longer elements are halved. A clamp's moment is then off by
+1.2 % at most at tau = 1e-3; by 3.5 % with elements of 1.4 of that size."""
 FEWEST = 2
 """Elements of a cable between two bodies."""
 
