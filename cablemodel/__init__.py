@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     )
     from cablemodel.model import CableModel, CableState
     from cablemodel.parameter_sweep import sweep
+    from cablemodel.recorder import Recorder
     from cablemodel.run import Run, open_run, simulate
     from cablemodel.scene import Scene, load_scene
 
@@ -33,6 +34,7 @@ _HOME = {
     "CableModel": "cablemodel.model",
     "CableState": "cablemodel.model",
     "sweep": "cablemodel.parameter_sweep",
+    "Recorder": "cablemodel.recorder",
     "Run": "cablemodel.run",
     "open_run": "cablemodel.run",
     "simulate": "cablemodel.run",
@@ -45,6 +47,7 @@ __all__ = [
     "CableModelError",
     "CableState",
     "LogError",
+    "Recorder",
     "Run",
     "Scene",
     "SceneError",

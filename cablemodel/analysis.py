@@ -25,6 +25,8 @@ Floats = NDArray[np.float64]
 YEAR = 365.25 * 86400.0
 """[s]"""
 
+_PEAK_PERIODS = 5
+"""In a window that resolves the peak."""
 _UNEVEN = 1e-3
 """Part of a step by which steps may differ and still count as even."""
 
@@ -127,9 +129,22 @@ class Spectrum:
 
     @property
     def peak_period(self) -> float:
-        """Period of the highest density [s]; NaN where there is no motion."""
+        """Period of the highest density [s]; NaN where there is no motion.
+
+        Between the frequencies of short windows: at the top of the parabola through the logarithms
+        of the highest density and its neighbours, which for a Hann window is all but exact.
+        """
         at = int(np.argmax(self.density[1:])) + 1
-        return float(1.0 / self.frequency[at]) if self.density[at] > 0.0 else math.nan
+        if not self.density[at] > 0.0:
+            return math.nan
+        frequency = float(self.frequency[at])
+        near = self.density[at - 1 : at + 2]
+        if at > 1 and len(near) == 3 and np.all(near > 0.0):
+            below, top, above = np.log(near)
+            bend = below - 2.0 * top + above
+            if bend < 0.0:
+                frequency += 0.5 * float((below - above) / bend * self.frequency[1])
+        return 1.0 / frequency
 
     @property
     def zero_crossing_period(self) -> float:
@@ -145,7 +160,8 @@ def spectrum(time: ArrayLike, values: ArrayLike, *, segment: float | None = None
         time: (n,) [s]. Where it is not even, values are interpolated at the median step.
         values: (n,)
         segment: length of a window [s]; a longer one resolves frequencies finer, but averages over
-            less. A quarter of the series if not given.
+            less. If not given a quarter of the series, or a half or all of it where that holds
+            fewer than five peak periods.
 
     Raises:
         ValueError: fewer than 8 finite values, or a segment of fewer.
@@ -165,8 +181,12 @@ def spectrum(time: ArrayLike, values: ArrayLike, *, segment: float | None = None
     count = min(len(x), max(count, 8) if segment is None else count)
     if count < 8:
         raise ValueError(f"a segment of {segment:g} s has fewer than 8 values")
-    frequency, density = signal.welch(x, fs=1.0 / step, nperseg=count, detrend="constant")
-    return Spectrum(np.asarray(frequency, float), np.asarray(density, float))
+    while True:
+        frequency, density = signal.welch(x, fs=1.0 / step, nperseg=count, detrend="constant")
+        resolved = int(np.argmax(density)) >= _PEAK_PERIODS or not np.any(density > 0.0)
+        if segment is not None or resolved or count == len(x):
+            return Spectrum(np.asarray(frequency, float), np.asarray(density, float))
+        count = min(2 * count, len(x))
 
 
 @dataclass(frozen=True)

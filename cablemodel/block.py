@@ -57,6 +57,14 @@ class WordBlock:
         for place, value in (header | offsets).items():
             self.ints[place] = value
 
+    def __getstate__(self) -> IntArray:
+        # A copy of both views, as NumPy makes it, would be two pieces of memory.
+        return self.ints
+
+    def __setstate__(self, ints: IntArray) -> None:
+        self.ints = ints
+        self.reals = ints.view(np.float64)
+
     def array(self, place: int, *shape: int) -> FloatArray:
         """A view of an array of the block, by its header word."""
         start = int(self.ints[place])

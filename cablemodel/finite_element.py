@@ -11,7 +11,7 @@ from cablemodel import library as entry
 from cablemodel.block import Block
 from cablemodel.instance import build
 from cablemodel.kernels import layout as at
-from cablemodel.solver import FloatArray, PlacedBody
+from cablemodel.solver import FloatArray, IntArray, PlacedBody
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
@@ -49,7 +49,14 @@ class FiniteElementSolver:
         self.memory: Block = build(scene, planar=planar)
         if sleep is False:
             self.memory.ints[at.I_SLEEP] = 0
-        self._ints, self._reals = self.memory.ints, self.memory.reals
+
+    @property
+    def _ints(self) -> IntArray:
+        return self.memory.ints
+
+    @property
+    def _reals(self) -> FloatArray:
+        return self.memory.reals
 
     def step(self, end: float, inputs: FloatArray) -> int:
         return int(entry.step(self._ints, self._reals, end, inputs))

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import copy
+import hashlib
+import json
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +21,7 @@ if TYPE_CHECKING:
     from cablemodel.scene import Scene
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
 _INPUT_WORDS = 14
@@ -51,7 +56,13 @@ class CableState:
 class Snapshot:
     """A model's whole state: what restore brings back bit by bit."""
 
-    image: bytes
+    image: bytes = field(repr=False)
+    scene: str = ""
+    """Hash of the scene that it belongs to; empty where that is not known."""
+
+    def __repr__(self) -> str:
+        time = np.frombuffer(self.image, dtype=np.float64, count=at.S_TIME + 1)[at.S_TIME]
+        return f"<Snapshot at t = {time:g} s: {len(self.image)} bytes>"
 
     def __len__(self) -> int:
         return len(self.image)
@@ -73,6 +84,9 @@ class BodyState:
 class CableModel:
     """A cable hung from a vessel, at the scene's initial state until it is stepped.
 
+    Copies (``copy.deepcopy``, or by pickle to another process) go on by themselves, bit by bit
+    like the original.
+
     Args:
         scene: what to simulate.
         planar: False forces three dimensions where the scene lies in one vertical plane (the
@@ -90,12 +104,30 @@ class CableModel:
     ) -> None:
         self.scene = scene
         self._solver = choose(scene, planar=planar, sleep=sleep)
-        memory = self._solver.memory
-        self._ints, self._reals, self._image = memory.ints, memory.reals, memory.image
         self._initial = self._image.copy()
         self._inputs: FloatArray = np.zeros(_INPUT_WORDS)
         self._summary: FloatArray = np.zeros(at.SUMMARY_WORDS)
         self._summary_current = False
+
+    def __repr__(self) -> str:
+        title = self.scene.title or "untitled"
+        return f"<CableModel of {title!r} at t = {self.time:g} s>"
+
+    def __copy__(self) -> CableModel:
+        # One that shared the state would show numbers that the other's steps have overtaken.
+        return copy.deepcopy(self)
+
+    @property
+    def _ints(self) -> IntArray:
+        return self._solver.memory.ints
+
+    @property
+    def _reals(self) -> FloatArray:
+        return self._solver.memory.reals
+
+    @property
+    def _image(self) -> IntArray:
+        return self._solver.memory.image
 
     # -- stepping -------------------------------------------------------------------------------
 
@@ -203,10 +235,20 @@ class CableModel:
 
     def snapshot(self) -> Snapshot:
         """The whole state: a model that restores it goes on bit by bit as this one does."""
-        return Snapshot(self._image.tobytes())
+        return Snapshot(self._image.tobytes(), self._scene_hash)
+
+    @cached_property
+    def _scene_hash(self) -> str:
+        """Of all that a snapshot brings along: the scene but for its title, start and outputs."""
+        data = self.scene.to_dict()
+        kept = {key: data[key] for key in data if key not in ("title", "initial", "run")}
+        return hashlib.sha256(json.dumps(kept, sort_keys=True).encode()).hexdigest()
 
     def restore(self, snapshot: Snapshot) -> None:
         """Take over a snapshot of a model of the same scene.
+
+        Title, start and run settings of the scene may differ; all else is part of a snapshot, the
+        vessel's schedule too.
 
         Raises:
             SceneError: the snapshot does not belong to this scene; the model is as it was.
@@ -215,6 +257,13 @@ class CableModel:
         if not isinstance(snapshot, Snapshot):
             kind = type(snapshot).__name__
             raise TypeError(f"restore needs what snapshot() gave (a Snapshot), not {kind}")
+        if snapshot.scene and snapshot.scene != self._scene_hash:
+            raise SceneError.at(
+                "snapshot",
+                repr(snapshot),
+                "it belongs to another scene, of other values",
+                "a snapshot of a model of the same scene",
+            )
         image = np.frombuffer(snapshot.image, dtype=np.int64)
         own = self._image
         fixed = [at.I_MAGIC, at.I_VERSION, at.I_BYTES, at.I_IMAGE_WORDS, at.I_CAPACITY]
@@ -431,24 +480,15 @@ class CableModel:
         Raises:
             CableModelError: the solver is not that of the finite elements.
         """
-        stiffness = self._effective(0.0, 0.0)
-        damping = self._effective(1.0, 0.0) - stiffness
-        # A large factor keeps the mass from drowning in the axial stiffness.
-        guess = self._effective(0.0, 1.0) - stiffness
-        factor = float(np.abs(np.diag(stiffness)).max() / max(np.abs(np.diag(guess)).max(), 1e-30))
-        factor = max(1.0, factor)
-        mass = (self._effective(0.0, factor) - stiffness) / factor
-        basis = self._free_basis()
-        return basis.T @ mass @ basis, basis.T @ damping @ basis, basis.T @ stiffness @ basis
+        from cablemodel.linearisation import small_motions
+
+        return small_motions(self._finite_elements("linearise"))
 
     def natural_frequencies(self, count: int = 5) -> FloatArray:
         """The lowest natural frequencies about the present state [rad/s], (count,)."""
-        from scipy.linalg import eigh
+        from cablemodel.linearisation import natural_frequencies
 
-        mass, _, stiffness = self.linearise()
-        symmetric = 0.5 * (stiffness + stiffness.T), 0.5 * (mass + mass.T)
-        values = eigh(*symmetric, eigvals_only=True)
-        return np.asarray(np.sqrt(np.maximum(values[:count], 0.0)), dtype=np.float64)
+        return natural_frequencies(*self.linearise(), count)
 
     def _finite_elements(self, what: str) -> Block:
         """The block of the finite elements; other solvers have no such analysis."""
@@ -457,53 +497,3 @@ class CableModel:
             method = self.scene.solver.method
             raise CableModelError(f"{what}: not with method {method}, use finite_element")
         return memory
-
-    def _effective(self, cv: float, ca: float) -> FloatArray:
-        from cablemodel import library as entry
-
-        block = self._finite_elements("linearise")
-        ints = self._ints
-        kept = block.image.copy()
-        entry.assemble(ints, self._reals, cv, ca)
-        nodes, size = int(ints[at.I_NODES]), 2 * int(ints[at.I_DIMENSION])
-        diagonal = block.array(at.O_DIAGONAL, nodes, size, size).copy()
-        upper = block.array(at.O_UPPER, nodes, size, size).copy()
-        lower = block.array(at.O_LOWER, nodes, size, size).copy()
-        parent = block.integers(at.O_PARENT, nodes)
-        joint = block.integers(at.O_JOINT, nodes)
-        matrix = np.zeros((nodes * size, nodes * size))
-        for node in range(nodes):
-            rows = slice(node * size, (node + 1) * size)
-            matrix[rows, rows] += diagonal[node]
-            if node and joint[node] != at.JOINT_HINGE:
-                above = slice(int(parent[node]) * size, (int(parent[node]) + 1) * size)
-                matrix[above, rows] += upper[node]
-                matrix[rows, above] += lower[node]
-        block.image[:] = kept
-        return matrix
-
-    def _free_basis(self) -> FloatArray:
-        """Columns that span the motions which supports and joints allow."""
-        block = self._finite_elements("linearise")
-        ints = self._ints
-        nodes, dimension = int(ints[at.I_NODES]), int(ints[at.I_DIMENSION])
-        size = 2 * dimension
-        basis = np.eye(nodes * size)
-        drop: list[int] = []
-        for row in block.array(at.O_CONSTRAINT, int(ints[at.I_CONSTRAINTS]), at.CONSTRAINT_WORDS):
-            first = int(row[at.C_NODE]) * size
-            drop += range(first, first + dimension)
-            if row[at.C_CLAMPED] == at.EXACTLY:
-                direction = row[at.C_DIRECTION : at.C_DIRECTION + dimension]
-                slopes = slice(first + dimension, first + size)
-                basis[slopes, slopes] = 0.0
-                basis[slopes, first + dimension] = direction
-                drop += range(first + dimension + 1, first + size)
-        parent = block.integers(at.O_PARENT, nodes)
-        hinged = block.integers(at.O_JOINT, nodes) == at.JOINT_HINGE
-        for node in np.flatnonzero(hinged):
-            own = slice(int(node) * size, int(node) * size + dimension)
-            above = slice(int(parent[node]) * size, int(parent[node]) * size + dimension)
-            basis[own, above] = np.eye(dimension)
-            drop += range(own.start, own.stop)
-        return np.asarray(np.delete(basis, drop, axis=1), dtype=np.float64)

@@ -14,14 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel import variables
-from cablemodel.cadence import Cadence, output_times
+from cablemodel.cadence import output_times
 from cablemodel.errors import LogError, SceneError
-from cablemodel.states import States, applied_values, bodies_in_columns, by_label, matrix_of
+from cablemodel.recorder import Recorder
+from cablemodel.states import States
 
 if TYPE_CHECKING:
     import xarray
 
-    from cablemodel.log.writer import LogWriter
     from cablemodel.model import CableModel
     from cablemodel.scene import Scene
 
@@ -241,111 +241,23 @@ def simulate(
 
         model = CableModel(scene)
     times = output_times(model.time, end, scene.run.output_interval)
-    nodes = len(model.state().s)
-    cadence = Cadence.of(len(times) + 1, nodes, scene.run.output_interval, state_interval)
-    if log is None:
-        recorder = _Recorder(scene)
-        statistics = _advance(model, times, cadence, recorder, None, progress)
-        return Run(scene, recorder, statistics=statistics)
-
-    from cablemodel.log.writer import LogWriter
-
-    with LogWriter(log, scene) as writer:
-        try:
-            statistics = _advance(model, times, cadence, None, writer, progress)
-        except BaseException as error:
-            reason = "interrupted" if isinstance(error, KeyboardInterrupt) else str(error)
-            writer.fail(reason or type(error).__name__, dict(model.statistics))
-            raise
-        writer.close(statistics)
-    return open_run(log)
-
-
-def _advance(
-    model: CableModel,
-    times: list[float],
-    cadence: Cadence,
-    recorder: _Recorder | None,
-    writer: LogWriter | None,
-    progress: Callable[[Progress], None] | None,
-) -> dict[str, Any]:
-    """Step a model from output to output to the last; gives its statistics."""
     begin = time.perf_counter()
-    largest = 0.0
-    last = len(times)
-
-    def output(index: int) -> None:
-        nonlocal largest
-        state = model.state()
-        largest = max(largest, float(np.max(state.curvature)))
-        exact = index % cadence.states == 0 or index == last
-        shape = index % cadence.shapes == 0 or index == last
-        if recorder is not None:
-            recorder.record(model, state if exact else None)
-        if writer is not None:
-            writer.write_outputs(model, state, exact_state=exact, shape=shape)
-        if progress is not None:
-            wall = time.perf_counter() - begin
-            until = times[-1] if times else model.time
-            progress(Progress(model.time, until, wall, model.top_tension, dict(model.statistics)))
-
-    output(0)
-    for index, target in enumerate(times, 1):
-        step = target - model.time
-        model.step_to(target)
-        if recorder is not None:
-            recorder.record_step(model, step)
-        if writer is not None:
-            writer.write_step(model, step)
-        output(index)
-    wall = time.perf_counter() - begin
-    return {**model.statistics, "max_curvature": largest, "wall_time": wall}
-
-
-class _Recorder:
-    """Keeps a run in memory."""
-
-    def __init__(self, scene: Scene) -> None:
-        self._times: list[float] = []
-        self._state_times: list[float] = []
-        self._states: list[Floats] = []
-        self._inputs: list[Floats] = []
-        self._values: dict[str, list[Any]] = {
-            variable.python: []
-            for variable in variables.outputs_of(scene)
-            if not variable.python.startswith("state.")
-        }
-
-    def record(self, model: Any, state: Any | None) -> None:
-        self._times.append(model.time)
-        if state is not None:
-            self._state_times.append(model.time)
-            self._states.append(matrix_of(state))
-        for name, values in self._values.items():
-            owner, _, attribute = name.rpartition(".")
-            if owner == "bodies":
-                vectors = [getattr(body, attribute) for body in model.bodies]
-                values.append(np.array(vectors, float).reshape(-1, 3))
-            else:
-                values.append(np.array(getattr(model, name), float))
-
-    def record_step(self, model: Any, step: float) -> None:
-        self._inputs.append(applied_values(model, step, ()))
-
-    def times(self) -> Floats:
-        return np.array(self._times)
-
-    def column(self, variable: variables.Variable) -> Floats:
-        values = self._values[variable.python]
-        if variable.present == "bodies":
-            return bodies_in_columns(values)
-        return np.array(values, float)
-
-    def states(self) -> States:
-        return States(np.array(self._state_times), self._states)
-
-    def applied_inputs(self) -> dict[str, Floats]:
-        return by_label(self._inputs)
+    with Recorder(
+        model,
+        log,
+        output_interval=scene.run.output_interval,
+        state_interval=state_interval,
+        until=end,
+    ) as recorder:
+        for target in [None, *times]:
+            if target is not None:
+                recorder.step_to(target)
+            if progress is not None:
+                wall = time.perf_counter() - begin
+                until = times[-1] if times else model.time
+                statistics = dict(model.statistics)
+                progress(Progress(model.time, until, wall, model.top_tension, statistics))
+    return recorder.run()
 
 
 def open_run(path: str | PathLike[str]) -> Run:

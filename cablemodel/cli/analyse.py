@@ -13,14 +13,15 @@ import typer
 from cablemodel.cli.errors import FAILED, bad_option, reported
 from cablemodel.cli.files import writable
 from cablemodel.cli.inspect import RunArgument, say_incomplete
+from cablemodel.cli.numbers import readable
 from cablemodel.cli.run import seconds_of
 
 if TYPE_CHECKING:
     from cablemodel.analysis import Cycles, Statistic
     from cablemodel.run import Run
 
-_WIDEST = 8
-"""Characters of a number in the table."""
+_WIDEST = 200
+"""Columns that the table of statistics may take."""
 _TABLES = ("outputs", "states", "inputs")
 
 
@@ -175,6 +176,7 @@ def _finite(value: Any) -> Any:
 def _print_report(report: dict[str, Any]) -> None:
     from rich.box import SIMPLE_HEAD
     from rich.console import Console
+    from rich.measure import Measurement
     from rich.table import Table
 
     console = Console(highlight=False)
@@ -189,21 +191,25 @@ def _print_report(report: dict[str, Any]) -> None:
             table.add_row(*_row(row))
         else:
             unit = "" if row.unit == "1" else f" {row.unit}"
-            constant.append(f"{row.name} {_number(row.extremes.mean)}{unit}")
+            constant.append(f"{row.name} {readable(row.extremes.mean)}{unit}")
+    # What is piped into a file has 80 columns, and a number cut short is none.
+    needed = Measurement.get(console, console.options.update(max_width=_WIDEST), table).maximum
+    console.width = max(console.width, needed)
     console.print(table)
     if constant:
         console.print(f"constant: {', '.join(constant)}", soft_wrap=True, markup=False)
     spectrum, fatigue = report["spectrum"], report["fatigue"]
     if spectrum is not None:
         console.print(
-            f"top tension: significant range {spectrum['significant']:.4g} N, peak period "
-            f"{_number(spectrum['peak_period'])} s",
+            f"top tension: significant range {readable(spectrum['significant'])} N, peak period "
+            f"{readable(spectrum['peak_period'], 3)} s, mean period "
+            f"{readable(spectrum['zero_crossing_period'], 3)} s",
             soft_wrap=True,
         )
     console.print(
-        f"top tension: {fatigue['cycles']:g} cycles, largest range {fatigue['largest_range']:.4g} "
-        f"N; as one cycle a second {fatigue['equivalent_range_1_hz']:.4g} N (slope "
-        f"{fatigue['slope']:g})",
+        f"top tension: {fatigue['cycles']:g} cycles, largest range "
+        f"{readable(fatigue['largest_range'])} N; as one cycle a second "
+        f"{readable(fatigue['equivalent_range_1_hz'])} N (slope {fatigue['slope']:g})",
         soft_wrap=True,
     )
     if "damage" in fatigue:
@@ -222,11 +228,4 @@ def _row(row: Statistic) -> list[str]:
     values = (
         e.mean, e.standard_deviation, e.minimum, e.time_of_minimum, e.maximum, e.time_of_maximum,
     )  # fmt: skip
-    return [escape(row.name), "" if row.unit == "1" else row.unit, *map(_number, values)]
-
-
-def _number(value: float) -> str:
-    if not math.isfinite(value):
-        return ""
-    text = f"{value + 0.0:.4g}"
-    return text if len(text) <= _WIDEST else f"{value:.2g}"
+    return [escape(row.name), "" if row.unit == "1" else row.unit, *map(readable, values)]

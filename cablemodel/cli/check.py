@@ -6,21 +6,21 @@ import json
 import math
 from typing import TYPE_CHECKING, Annotated, Any
 
+import numpy as np
 import typer
 
 from cablemodel.cli.errors import reported
+from cablemodel.cli.numbers import readable
+from cablemodel.cli.plausibility import scene_warnings, start_warnings
 from cablemodel.cli.run import SceneArgument, SetOption, explained_start, fixed
 
 if TYPE_CHECKING:
     from cablemodel.model import CableModel, CableState
     from cablemodel.scene import Scene
-    from cablemodel.scene.line import CableType
+    from cablemodel.scene.line import LineItem
 
-_AIR = 100.0
-"""Densities [kg/m3] below this are air; nothing is surprising about it above z = 0."""
-_LARGE_STRAIN = 0.02
-_ABOVE_WATER = 0.01
-"""Height [m] by which a cable may stand above z = 0 without a word."""
+_INSTANTS = 201
+"""At which the speed of the tow point is looked at."""
 
 
 @reported
@@ -30,13 +30,19 @@ def check(
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> None:
     """Say what a scene holds, what will be skipped, its first tensions, and what looks wrong."""
+    from cablemodel.errors import StaticsError
     from cablemodel.model import CableModel
     from cablemodel.scene import load_scene
 
     loaded = load_scene(scene, overrides or ())
-    with explained_start(quiet=as_json):
-        model = CableModel(loaded)
-        report = _report(loaded, model)
+    try:
+        with explained_start(quiet=as_json):
+            model = CableModel(loaded)
+            report = _report(loaded, model)
+    except StaticsError:
+        # What looks wrong may well be why.
+        _print_warnings(scene_warnings(loaded))
+        raise
     if as_json:
         typer.echo(json.dumps(report))
     else:
@@ -53,11 +59,15 @@ def schema() -> None:
 
 def _report(scene: Scene, model: CableModel) -> dict[str, Any]:
     state = model.state()
+    rates = [row.rate for row in scene.payout.rate]
     return {
         "title": scene.title,
         "line_length": scene.line_length,
-        "line": [_item(scene, index) for index in range(len(scene.line))],
+        "line": [_item(scene, item) for item in scene.line],
+        "drum": [_item(scene, item) for item in scene.payout.drum],
+        "payout_rate": [min(rates), max(rates)],
         "end": scene.end.kind,
+        "vessel": _vessel(scene),
         "initial": scene.initial.kind,
         "duration": scene.run.duration,
         "output_interval": scene.run.output_interval,
@@ -71,8 +81,9 @@ def _report(scene: Scene, model: CableModel) -> dict[str, Any]:
             "tension_min": model.tension_min,
             "tension_max": model.tension_max,
             "tip_position": [float(value) for value in model.tip_position],
+            **_floor(scene, model, state),
         },
-        "warnings": _warnings(scene, model, state),
+        "warnings": [*scene_warnings(scene), *start_warnings(scene, model, state)],
     }
 
 
@@ -100,10 +111,37 @@ def _waves(scene: Scene) -> str | None:
     )
 
 
-def _item(scene: Scene, index: int) -> dict[str, Any]:
-    cable, body = scene.line[index].cable, scene.line[index].body
+def _vessel(scene: Scene) -> dict[str, Any]:
+    """Where the tow point begins and ends, and how fast it is."""
+    motion, end = scene.motion(), scene.run.duration
+    times = np.linspace(0.0, end, _INSTANTS)
+    speeds = [float(np.linalg.norm(motion.evaluate(float(time))[1])) for time in times]
+    return {
+        "position": motion.evaluate(0.0)[0].tolist(),
+        "position_at_end": motion.evaluate(end)[0].tolist(),
+        "speed": speeds[0],
+        "highest_speed": max(speeds),
+    }
+
+
+def _floor(scene: Scene, model: CableModel, state: CableState) -> dict[str, Any]:
+    """How the cable lies at the start, or how far above the floor it hangs at its nodes."""
+    floor = scene.environment.floor
+    if floor is None:
+        return {}
+    gaps = [float(z - floor.height(float(x), float(y))) for x, y, z in state.position]
+    touches = model.floor_length > 0.0
+    return {
+        "floor_length": model.floor_length,
+        "floor_clearance": 0.0 if touches else min(gaps),
+        "touchdown_position": model.touchdown_position.tolist() if touches else None,
+    }
+
+
+def _item(scene: Scene, item: LineItem) -> dict[str, Any]:
+    cable, body = item.cable, item.body
     if cable is not None:
-        weight = _weight(scene.cable_types[cable.type]) * cable.length
+        weight = (scene.cable_types[cable.type].submerged_weight or 0.0) * cable.length
         return {
             "cable": cable.type,
             "model": cable.model,
@@ -112,11 +150,6 @@ def _item(scene: Scene, index: int) -> dict[str, Any]:
         }
     assert body is not None
     return {"body": body.name or "", "mass": body.mass, "submerged_weight": body.submerged_weight}
-
-
-def _weight(kind: CableType) -> float:
-    """Submerged weight [N/m]; reading the scene has resolved it."""
-    return kind.submerged_weight or 0.0
 
 
 def _skipped(scene: Scene, model: CableModel) -> list[str]:
@@ -142,50 +175,6 @@ def _skipped(scene: Scene, model: CableModel) -> list[str]:
     return skipped
 
 
-def _warnings(scene: Scene, model: CableModel, state: CableState) -> list[str]:
-    """What is legal, but seldom meant."""
-    found = []
-    settings = scene.run
-    if settings.output_interval > settings.duration:
-        found.append(
-            f"run.output_interval ({settings.output_interval:g} s) is longer than run.duration "
-            f"({settings.duration:g} s): only the start and the end are output"
-        )
-    if scene.vessel.connection.kind == "clamped":
-        first = scene.cables[0]
-        if first.model == "cable" or scene.cable_types[first.type].bending_stiffness == 0.0:
-            found.append(
-                "vessel.connection is clamped, but the first cable has no bending: no effect"
-            )
-    used = {cable.type for cable in scene.cables}
-    for name in sorted(scene.cable_types):
-        kind = scene.cable_types[name]
-        if name not in used:
-            found.append(f"cable_types.{name} is not used in the line")
-            continue
-        if _weight(kind) < 0.0:
-            found.append(f"cable type {name} floats: its submerged weight is {_weight(kind):g} N/m")
-        strain = sum(
-            c * model.tension_max ** (k + 1) for k, c in enumerate(kind.strain_coefficients)
-        )
-        if strain > _LARGE_STRAIN:
-            found.append(
-                f"cable type {name} would stretch by {100 * strain:.1f} % under the highest "
-                f"tension at the start; is its axial stiffness right?"
-            )
-    above = float(state.position[:, 2].max())
-    wet = scene.environment.water_density > _AIR and scene.environment.waves is None
-    if wet and above > _ABOVE_WATER:
-        found.append(
-            f"the cable reaches {above:.3g} m above z = 0; without waves there is water "
-            "everywhere, also there"
-        )
-    slack = 10.0 * scene.solver.tolerance * max(abs(model.tension_max), abs(model.tension_min))
-    if model.tension_min < -slack:
-        found.append(f"the cable is compressed at the start: {model.tension_min:.3g} N")
-    return found
-
-
 def _print_report(report: dict[str, Any]) -> None:
     from rich.console import Console
     from rich.markup import escape
@@ -199,7 +188,14 @@ def _print_report(report: dict[str, Any]) -> None:
     tip = ", ".join(map(fixed, start["tip_position"]))
     kind = "static equilibrium" if report["initial"] == "static" else "given shape"
     table.add_row("line, from the vessel", "\n".join(escape(_words(i)) for i in report["line"]))
+    if report["drum"]:
+        table.add_row("on the drum", "\n".join(escape(_words(i)) for i in report["drum"]))
+    lowest, highest = report["payout_rate"]
+    if lowest or highest:
+        span = f"{lowest:g} m/s" if lowest == highest else f"{lowest:g} to {highest:g} m/s"
+        table.add_row("pay-out", span)
     table.add_row("far end", report["end"])
+    table.add_row("tow point", _voyage(report["vessel"]))
     if report["waves"]:
         table.add_row("waves", report["waves"])
     table.add_row("run", f"{report['duration']:g} s, output every {report['output_interval']:g} s")
@@ -212,11 +208,40 @@ def _print_report(report: dict[str, Any]) -> None:
         f"{fixed(start['tension_min'])} to {fixed(start['tension_max'])} N",
     )
     table.add_row("  far end (x, y, z)", f"({tip}) m")
+    if "floor_length" in start:
+        table.add_row("  sea floor", _rest(start))
     console.print(table)
-    for warning in report["warnings"]:
-        console.print(f"[yellow]warning:[/yellow] {escape(warning)}", soft_wrap=True)
+    _print_warnings(report["warnings"])
     if not report["warnings"]:
         console.print("No warnings.")
+
+
+def _print_warnings(warnings: list[str]) -> None:
+    from rich.console import Console
+    from rich.markup import escape
+
+    console = Console(highlight=False)
+    for warning in warnings:
+        console.print(f"[yellow]warning:[/yellow] {escape(warning)}", soft_wrap=True)
+
+
+def _voyage(vessel: dict[str, Any]) -> str:
+    """The tow point's motion in words."""
+    begin, end = (", ".join(map(readable, vessel[k])) for k in ("position", "position_at_end"))
+    if vessel["highest_speed"] == 0.0:
+        return f"({begin}) m, at rest"
+    speed, highest = readable(vessel["speed"]), readable(vessel["highest_speed"])
+    speeds = (
+        f"{speed} m/s" if speed == highest else f"{speed} m/s at the start, up to {highest} m/s"
+    )
+    return f"({begin}) m, {speeds}; at the end ({end}) m"
+
+
+def _rest(start: dict[str, Any]) -> str:
+    if start["touchdown_position"] is None:
+        return f"nothing touches it, nearest {readable(start['floor_clearance'])} m above it"
+    place = ", ".join(map(fixed, start["touchdown_position"]))
+    return f"{readable(start['floor_length'])} m on it, touchdown at ({place}) m"
 
 
 def _accuracy(elements: int, solver: dict[str, Any]) -> str:
@@ -228,7 +253,7 @@ def _accuracy(elements: int, solver: dict[str, Any]) -> str:
 
 
 def _words(item: dict[str, Any]) -> str:
-    weight = f"{item['submerged_weight']:,.4g} N in water"
+    weight = f"{readable(item['submerged_weight'])} N in water"
     if "cable" in item:
         return f"{item['length']:g} m of cable {item['cable']} ({item['model']}), {weight}"
     name = f" {item['body']}" if item["body"] else ""

@@ -11,6 +11,7 @@ import typer
 
 from cablemodel.cli.errors import FAILED, bad_option, reported
 from cablemodel.cli.inspect import say_incomplete
+from cablemodel.cli.numbers import readable
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -62,20 +63,24 @@ def difference_table(title: str, differences: Iterable[Difference]) -> Table:
 
     table = Table(title=title, title_justify="left")
     for heading, justify in (
-        ("quantity", "left"), ("largest difference", "right"), ("allowed", "right"),
+        ("quantity", "left"), ("difference", "right"), ("allowed", "right"),
         ("at t", "right"), ("at s", "right"), ("", "left"),
     ):  # fmt: skip
         table.add_column(heading, justify=justify, no_wrap=heading == "quantity")  # type: ignore[arg-type]
     for item in sorted(differences, key=lambda item: item.share, reverse=True):
         table.add_row(
             item.name,
-            f"{item.largest:.2e} {item.unit}" if item.largest else "0",
-            f"{item.allowed:.2e} {item.unit}" if item.allowed else "0",
+            f"{_size(item.largest)} {item.unit}" if item.largest else "0",
+            f"{_size(item.allowed)} {item.unit}" if item.allowed else "0",
             "" if math.isnan(item.time) else f"{item.time:g} s",
-            "" if item.arc_length is None else f"{item.arc_length:g} m",
+            "" if item.arc_length is None else f"{readable(item.arc_length)} m",
             "" if item.within else "too much",
         )
     return table
+
+
+def _size(value: float) -> str:
+    return readable(value, 3) if math.isfinite(value) else "no number"
 
 
 def difference_report(item: Difference) -> dict[str, Any]:

@@ -25,9 +25,16 @@ class DirectSolver:
     def __init__(self, scene: Scene, *, planar: bool | None = None) -> None:
         self.scene = scene
         self.memory: DirectBlock = build(scene, planar=planar)
-        self._ints, self._reals = self.memory.ints, self.memory.reals
         items = (*scene.line, *scene.payout.drum)
         self._bodies: list[Body] = [item.body for item in items if item.body is not None]
+
+    @property
+    def _ints(self) -> IntArray:
+        return self.memory.ints
+
+    @property
+    def _reals(self) -> FloatArray:
+        return self.memory.reals
 
     def step(self, end: float, inputs: FloatArray) -> int:
         return int(entry.step(self._ints, self._reals, end, inputs))

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from cablemodel import laid_shape, sea_floor
 from cablemodel.block import Block
 from cablemodel.errors import SceneError, StaticsError
+from cablemodel.instance import laid_start
 from cablemodel.instance.frame import local
 from cablemodel.instance.line_tables import RIGID, STABILISATION
 from cablemodel.instance.scales import rate_at_start
@@ -24,8 +25,10 @@ SOFTER = 1000.0, 100.0, 10.0, 1.0
 """Floors on which a start is tried in turn where it fails, in units of the contact layer."""
 
 
-def find_initial_state(block: Block, scene: Scene) -> None:
+def find_initial_state(block: Block, scene: Scene, *, as_laid: bool = False) -> None:
     """The state of a block whose nodes are placed: velocities, tensions, a static shape.
+
+    as_laid: friction holds what lies on the floor, see laid_start.
 
     Raises:
         SceneError: a static start of an anchored cable while the vessel moves.
@@ -50,7 +53,7 @@ def find_initial_state(block: Block, scene: Scene) -> None:
                 "a vessel at rest at t = 0, or initial: {points: [...]}",
             )
         try:
-            solve_static(block, frame)
+            solve_static(block, frame, as_laid=as_laid)
         except StaticsError:
             slack = laid_shape.surplus(scene)
             if slack == 0.0:
@@ -62,7 +65,7 @@ def find_initial_state(block: Block, scene: Scene) -> None:
             ) from None
     if _stabilise(block) and scene.initial.kind == "static":
         # The new stiffness changes the forces by a little: the state must meet them.
-        solve_static(block, frame)
+        solve_static(block, frame, as_laid=as_laid)
     count_from_zero(block)
     if ints[at.I_HYBRID] or ints[at.I_RIGID] or ints[at.I_PAYOUT]:
         entry.choose_bending(ints, reals)
@@ -74,7 +77,7 @@ def steady_velocity(block: Block, scene: Scene) -> FloatArray:
     return np.ascontiguousarray(local(block, velocity, point=False))
 
 
-def solve_static(block: Block, frame: FloatArray) -> None:
+def solve_static(block: Block, frame: FloatArray, *, as_laid: bool = False) -> None:
     """Bring a block to equilibrium in a frame that moves with the velocity ``frame`` [m/s].
 
     Raises:
@@ -85,23 +88,29 @@ def solve_static(block: Block, frame: FloatArray) -> None:
     ints, reals = block.ints, block.reals
     held = ints[at.I_CONSTRAINTS] > 1
     friction = reals[at.S_FRICTION]
-    if not held:
-        # A free end comes to rest without friction; it holds the line from there.
-        reals[at.S_FRICTION] = 0.0
-    guess = block.image.copy()
-    status = entry.equilibrium(ints, reals, frame)
-    if status != at.OK and ints[at.I_FLOOR]:
-        block.image[:] = guess
-        status = _sink_in(block, frame)
-    reals[at.S_FRICTION] = friction
-    if not held:
-        sea_floor.rest_where_it_is(block)
+    if as_laid:
+        status = laid_start.lie_still(block, lambda: int(entry.equilibrium(ints, reals, frame)))
+    else:
+        if not held:
+            # A free end comes to rest without friction; it holds the line from there.
+            reals[at.S_FRICTION] = 0.0
+        guess = block.image.copy()
+        status = entry.equilibrium(ints, reals, frame)
+        if status != at.OK and ints[at.I_FLOOR]:
+            block.image[:] = guess
+            status = _sink_in(block, frame)
+        reals[at.S_FRICTION] = friction
+        if not held:
+            sea_floor.rest_where_it_is(block)
     if status != at.OK:
         node = int(ints[at.I_FAILED_NODE])
         arc = block.array(at.O_EDGE, int(ints[at.I_NODES]), at.EDGE_WORDS)[node, at.E_START]
+        advice = "Check weights, ends and current"
+        if ints[at.I_FLOOR] and not held:
+            advice += ", let motion, pay-out and current come up from zero after the start"
         raise StaticsError(
-            f"no static equilibrium was found; what moved last is {arc:g} m along the cable. Check "
-            "weights, ends and current, or start from initial: {straight: ...} or {points: ...}"
+            f"no static equilibrium was found; what moved last is {arc:g} m along the cable. "
+            f"{advice}, or start from initial: {{straight: ...}} or {{points: ...}}"
         )
     entry.place_supports(ints, reals)
     # The line is at rest in the vessel's frame; the vessel's acceleration begins after t = 0. With

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from cablemodel import laid_shape, sea_floor, waves
 from cablemodel.block import Block
-from cablemodel.instance import line_tables, tables
+from cablemodel.errors import StaticsError
+from cablemodel.instance import laid_start, line_tables, tables
 from cablemodel.instance.first_shape import first_points, place_nodes
 from cablemodel.instance.first_state import find_initial_state
 from cablemodel.instance.frame import vertical_plane
@@ -44,6 +45,15 @@ def build(scene: Scene, *, planar: bool | None = None, drum_room: float = 1.0) -
     Raises SceneError (not supported, inconsistent), StaticsError (no equilibrium found).
     """
     refuse_unsupported(scene)
+    if laid_start.applies(scene):
+        try:
+            return _built(scene, planar, drum_room, as_laid=True)
+        except StaticsError:
+            pass  # perhaps it comes to rest where nothing holds it
+    return _built(scene, planar, drum_room, as_laid=False)
+
+
+def _built(scene: Scene, planar: bool | None, drum_room: float, *, as_laid: bool) -> Block:
     scale = tension_scale(scene)
     position = scene.motion().evaluate(0.0)[0]
     points = laid_shape.on_floor(scene, first_points(scene, position))
@@ -51,7 +61,7 @@ def build(scene: Scene, *, planar: bool | None = None, drum_room: float = 1.0) -
     nodes = line_nodes(spans_of(scene, scale), scene.solver.tolerance, start_conditions(scene))
     nodes = laid_shape.refine_guess(scene, nodes, points)
     nodes = waves.refine(scene, nodes, points)
-    block = _build_on(scene, nodes, points, scale, planar, drum_room)
+    block = _build_on(scene, nodes, points, scale, planar, drum_room, as_laid)
     if scene.initial.kind != "static":
         return block
     for _round in range(ROUNDS):
@@ -59,8 +69,8 @@ def build(scene: Scene, *, planar: bool | None = None, drum_room: float = 1.0) -
         if finer is None:
             break
         nodes = finer
-        block = _build_on(scene, nodes, shape_of(block), scale, planar, drum_room)
-    refine_touchdown(block, scene)
+        block = _build_on(scene, nodes, shape_of(block), scale, planar, drum_room, as_laid)
+    refine_touchdown(block, scene, as_laid=as_laid)
     return block
 
 
@@ -71,6 +81,7 @@ def _build_on(
     scale: float,
     planar: bool | None,
     drum_room: float,
+    as_laid: bool,
 ) -> Block:
     """A block on given nodes, from a polyline (n, 3) [m] as the first guess of its shape.
 
@@ -93,7 +104,7 @@ def _build_on(
     sea_floor.fill(block, scene)
     waves.fill(block, sea(scene))
     sea_floor.place_of_rest(block, scene)
-    find_initial_state(block, scene)
+    find_initial_state(block, scene, as_laid=as_laid)
     return block
 
 

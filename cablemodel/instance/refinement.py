@@ -141,7 +141,7 @@ def _node_places(block: Block) -> FloatArray:
     return places + block.reals[at.S_BASE : at.S_BASE + 3]
 
 
-def refine_touchdown(block: Block, scene: Scene) -> None:
+def refine_touchdown(block: Block, scene: Scene, *, as_laid: bool = False) -> None:
     """Refine a static shape where it meets the floor, and solve again from its own shape."""
     from cablemodel import library as entry
 
@@ -149,5 +149,5 @@ def refine_touchdown(block: Block, scene: Scene) -> None:
     for _round in range(ROUNDS):
         if not entry.refine_at_floor(block.ints, block.reals):
             break
-        solve_static(block, frame)
+        solve_static(block, frame, as_laid=as_laid)
     count_from_zero(block)

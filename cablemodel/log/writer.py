@@ -195,6 +195,16 @@ class LogWriter:
             found.append((_STATE, self._messages.state(model.time, state)))
         self.write(stamp, found)
 
+    def write_along(self, model: CableModel, *, exact_state: bool, shape: bool) -> None:
+        """Log what an output at the model's time left out along the cable."""
+        stamp, state = self.stamp(model.time), model.state()
+        topics = [topic for topic in self._topics if _GROUPS.get(topic) == SHAPES and shape]
+        found = encode_outputs(self._messages, topics, stamp, model, state)
+        if exact_state:
+            found.append((_STATE, self._messages.state(model.time, state)))
+        if found:
+            self.write(stamp, found)
+
     def write(self, stamp: int, messages: Iterable[tuple[str, bytes]]) -> None:
         """Log messages that are serialised already, all of one time.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from functools import cached_property
 from typing import Annotated, Any
 
@@ -213,13 +214,23 @@ class Floor(SceneModel):
 
 
 def _check_grid(points: tuple[FloorPoint, ...]) -> None:
-    allowed = "a full grid: every x with every y, each once, at least two different x"
-    places = {(point.x, point.y) for point in points}
+    allowed = (
+        "a full grid: every x with every y, each once, at least two different x; for a profile "
+        "along x leave out y"
+    )
+    counts = Counter((point.x, point.y) for point in points)
+    places = set(counts)
     columns, rows = {x for x, _ in places}, {y for _, y in places}
     if len(places) < len(points):
-        raise rejection("a place is given twice", allowed, at=("depth_table",))
+        (x, y), _ = counts.most_common(1)[0]
+        raise rejection(f"x = {x:g} m, y = {y:g} m is given twice", allowed, at=("depth_table",))
     if len(places) < len(columns) * len(rows):
-        raise rejection("the grid has holes", allowed, at=("depth_table",))
+        filled = Counter(x for x, _ in places)
+        x = min(x for x in columns if filled[x] < len(rows))
+        y = min(rows - {y for column, y in places if column == x})
+        raise rejection(
+            f"the grid has holes: no z at x = {x:g} m, y = {y:g} m", allowed, at=("depth_table",)
+        )
     if len(columns) < 2:
         raise rejection("the table is too short", allowed, at=("depth_table",))
 

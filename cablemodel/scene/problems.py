@@ -53,7 +53,11 @@ def _translated(finding: dict[str, Any], root: type[BaseModel]) -> list[ScenePro
         allowed = f"a mapping with the keys {', '.join(keys)}" if keys else "a mapping"
         return [SceneProblem(path, value, f"{shown(value)} is not a mapping", allowed)]
     if kind in ("tuple_type", "list_type"):
-        return [SceneProblem(path, value, f"{shown(value)} is not a list", "a list")]
+        keys = _keys_at(root, (*location, 0))
+        rows = f" of mappings with the keys {', '.join(keys)}" if keys else ""
+        meaning = _meaning(root, location)
+        allowed = f"a list{rows}{f' ({meaning})' if meaning else ''}"
+        return [SceneProblem(path, value, f"{shown(value)} is not a list", allowed)]
     if kind == "string_type":
         what = "name" if location and location[-1] == _KEY_MARK else "text"
         problem = f"{shown(value)} is not a {what}"

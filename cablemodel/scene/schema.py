@@ -245,9 +245,15 @@ class Scene(SceneModel):
         ]
         reach = _SAME_PLACE * max(self._span, 1e-9)
         for path, (x, y, z) in places:
-            depth = floor.height(x, y) - z
+            height = floor.height(x, y)
+            depth = height - z
             if depth > reach:
                 problem = f"{depth:g} m below the sea floor"
+                if height > 0.0:
+                    problem += (
+                        f", which is at z = {height:g} m there, above the water: z is up, and a "
+                        "floor in 100 m of water has z = -100"
+                    )
                 yield SceneProblem(path, (x, y, z), problem, f"z of at least {z + depth:g} m")
 
     @property

@@ -68,7 +68,9 @@ def _found(name: str, context: Any, at: tuple[str, ...]) -> Path:
 def _rows_from_csv(
     path: Path, columns: Sequence[str], optional: Sequence[str], at: tuple[str, ...]
 ) -> list[dict[str, float]]:
-    allowed = f"a CSV file with the header {','.join((*columns, *optional))} and numbers in SI"
+    allowed = f"a CSV file with commas, a first line {','.join(columns)}"
+    allowed += f" (and {','.join(optional)})" if optional else ""
+    allowed += " and below it numbers in SI"
     try:
         with path.open(newline="", encoding="utf-8-sig") as stream:
             lines = list(csv.reader(stream))
@@ -78,7 +80,8 @@ def _rows_from_csv(
     header = [cell.strip() for cell in numbered[0][1]] if numbered else []
     for column in columns:
         if column not in header:
-            raise rejection(f"{path.name} has no column {column}", allowed, path.name, at)
+            problem = f"{path.name} has no column {column}, its first line is"
+            raise rejection(f"{problem} {shown(','.join(header))}", allowed, path.name, at)
     places = {column: header.index(column) for column in (*columns, *optional) if column in header}
     rows = []
     for number, line in numbered[1:]:

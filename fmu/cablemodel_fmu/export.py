@@ -167,7 +167,6 @@ def contents_of(scene: Scene, stations: int) -> Contents:
         guid=guid,
         description="Ocean cable hung from a vessel: " + (scene.title or "untitled scene"),
         version=cablemodel.__version__,
-        generation_time="{:04}-{:02}-{:02}T{:02}:{:02}:{:02}Z".format(*_EPOCH),
         signals=signals,
         step=scene.run.output_interval,
         stop=scene.run.duration,

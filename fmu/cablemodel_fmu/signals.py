@@ -44,6 +44,7 @@ _SUMMARY = {
     "touchdown_position": 28,
     "touchdown_reaction": 31,
 }
+_AXES = ("x (east)", "y (north)", "z (up)")
 _STATION = {"state.position": 0, "state.tension": 9, "state.curvature": 10}
 _BODY = {"bodies.position": 0, "bodies.direction": 3}
 
@@ -113,8 +114,9 @@ def inputs(starts: list[float]) -> list[Signal]:
     signals: list[Signal] = []
     for item in INPUTS:
         names = [item.fmu.replace("[i]", f"[{i}]") for i in (1, 2, 3)] if item.shape else [item.fmu]
-        for name in names:
+        for number, name in enumerate(names):
             reference = VR_INPUT + len(signals)
+            axis = f", {_AXES[number]}" if item.shape else ""
             signals.append(
                 Signal(
                     name,
@@ -123,7 +125,7 @@ def inputs(starts: list[float]) -> list[Signal]:
                     "input",
                     "continuous",
                     item.unit,
-                    f"{item.quantity}, reached at the end of a step",
+                    f"{item.quantity}{axis}, reached at the end of a step",
                     starts[reference],
                 )
             )
@@ -134,15 +136,46 @@ def outputs(scene: Scene, block: AnyBlock, stations: int) -> list[Signal]:
     """Every output that the scene has, in the table's order."""
     rows = body_rows(scene, block)
     return [
-        Signal(name, reference, "Real", "output", "continuous", variable.unit, variable.quantity)
+        Signal(name, reference, "Real", "output", "continuous", variable.unit, words)
         for variable in outputs_of(scene)
-        for name, reference in _references(variable, stations, rows)
+        for (name, reference), words in zip(
+            _references(variable, stations, rows),
+            _descriptions(variable, stations, _body_names(scene, block, rows)),
+            strict=True,
+        )
     ]
+
+
+def _descriptions(variable: Variable, stations: int, bodies: list[str]) -> list[str]:
+    """Of every scalar of a variable: importers show it where nobody sees the others' indices."""
+    if not variable.fmu:
+        return []
+    places = [""]
+    if variable.python in _STATION:
+        places = [f", point {k} of {stations} from the vessel" for k in range(1, stations + 1)]
+    elif variable.python in _BODY:
+        places = [
+            f", {j} of {len(bodies)} from the vessel" + (f" ({name})" if name else "")
+            for j, name in enumerate(bodies, start=1)
+        ]
+    axes = [f", {axis}" for axis in _AXES] if _width(variable) == len(_AXES) else [""]
+    return [f"{variable.quantity}{place}{axis}" for place in places for axis in axes]
+
+
+def _body_names(scene: Scene, block: AnyBlock, rows: list[int]) -> list[str]:
+    items = [*scene.line, *scene.payout.drum]
+    bodies = [items[_items(block)[row]].body for row in rows]
+    return [(body.name or "") if body is not None else "" for body in bodies]
+
+
+def _width(variable: Variable) -> int:
+    """Scalars of a variable at one place."""
+    return variable.shape[-1] if variable.shape and isinstance(variable.shape[-1], int) else 1
 
 
 def _references(variable: Variable, stations: int, rows: list[int]) -> list[tuple[str, int]]:
     names = list(variable.fmu_names(bodies=len(rows), stations=stations))
-    width = variable.shape[-1] if variable.shape and isinstance(variable.shape[-1], int) else 1
+    width = _width(variable)
     key = variable.python
     if not names:
         return []

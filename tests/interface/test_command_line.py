@@ -262,12 +262,51 @@ def test_check_names_what_is_not_skipped() -> None:
             "no effect",
         ),
         (["vessel.position=[0, 0, 5]"], "above z = 0"),
+        (["cable_types.K.mass=100 t/km"], "density of"),
     ],
 )
 def test_check_warns(overrides: list[str], words: str) -> None:
     options = [item for override in overrides for item in ("--set", override)]
     report = json.loads(invoke("check", SCENE, *options, "--json").stdout)
     assert any(words in warning for warning in report["warnings"]), report["warnings"]
+
+
+def test_check_says_what_looks_wrong_where_there_is_no_start(tmp_path: Path) -> None:
+    scene = tmp_path / "lay.yaml"
+    scene.write_text(
+        "environment: {floor: {z: -150}}\n"
+        "cable_types: {power: {diameter: 80, mass: 12, axial_stiffness: 200 MN}}\n"  # mm were meant
+        "line: [{cable: {type: power, length: 500}}]\n"
+        "vessel: {velocity: [0.5, 0, 0]}\n"
+        "payout: {rate: 0.5, drum: [{cable: {type: power, length: 3000}}]}\n"
+    )
+    result = invoke("check", scene)
+    assert result.exit_code == 1
+    assert "are its diameter (80 m)" in " ".join(result.stdout.split())
+    assert "no static equilibrium" in result.stderr
+
+
+def test_check_says_where_the_line_is_against_floor_and_vessel() -> None:
+    lay = ROOT / "scenes" / "recovery.yaml"
+    words = " ".join(invoke("check", lay).stdout.replace("│", " ").split())
+    assert "on the drum 20 m of cable wire (hybrid), 78 N in water" in words
+    assert "pay-out -0.5 to 0.48 m/s" in words
+    assert "tow point (0, 0, 0) m, 0.5 m/s; at the end (10, 0, 0) m" in words
+    assert "57.01 m on it, touchdown at (-50.758" in words
+    start = json.loads(
+        invoke("check", SCENE, "--set", "environment.floor={z: -50}", "--json").stdout
+    )
+    # 30 m hang from the surface, stretched by a millimetre.
+    assert start["start"]["floor_clearance"] == pytest.approx(20.0, abs=2e-3)
+    assert start["start"]["touchdown_position"] is None
+
+
+def test_a_cable_on_the_drum_is_used(tmp_path: Path) -> None:
+    drum = "payout={drum: [{cable: {type: W, length: 5}}], rate: 0.1}"
+    kind = "cable_types.W={diameter: 0.01, mass: 0.2, axial_stiffness: 1e6}"
+    report = json.loads(invoke("check", SCENE, "--set", kind, "--set", drum, "--json").stdout)
+    assert not any("not used" in warning for warning in report["warnings"])
+    assert report["drum"][0]["length"] == 5.0
 
 
 def test_schema_is_a_json_schema() -> None:

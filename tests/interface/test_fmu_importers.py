@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from fmpy import simulate_fmu
+from fmpy import read_model_description, simulate_fmu
 from fmpy.validation import validate_fmu
 from fmu_tools import still_scene
 from vessel_fmu import coupled_in_python, export_vessel
@@ -42,6 +42,21 @@ def run(code: str, *arguments) -> list:
 
 def test_fmpy_finds_nothing_to_complain_about(folder):
     assert validate_fmu(str(folder / "cable.fmu")) == []
+
+
+def test_a_description_says_which_of_an_array_a_variable_is(tmp_path):
+    """Importers show names that nobody knows, and descriptions: no two of an array are the same."""
+    line = [{"cable": {"type": "K", "length": 5}}, {"body": {"mass": 9, "submerged_weight": 50}}]
+    line += [line[0], {"body": {"name": "bird", "mass": 9, "submerged_weight": 50}}]
+    export_fmu(still_scene(line=line), tmp_path / "cable.fmu", platforms=["linux64"], stations=3)
+    variables = read_model_description(str(tmp_path / "cable.fmu")).modelVariables
+    driven = [v for v in variables if v.causality in ("input", "output")]
+    assert len({v.description for v in driven}) == len(driven) > 50
+    words = {v.name: v.description for v in driven}
+    assert words["end.velocity[2]"] == "velocity of the far end, y (north)"
+    assert words["body[2].position[3]"] == (
+        "position of a body, 2 of 2 from the vessel (bird), z (up)"
+    )
 
 
 def test_fmpy_simulates_with_an_input_series(folder):
@@ -185,8 +200,6 @@ OSP_PORT = {"LinearMechanicalPort": ["Force", "LinearVelocity"]}
 
 def test_ports_for_the_open_simulation_platform(folder):
     """Next to the FMU, under the name by which libcosim looks for it, by the rules of OSP-IS."""
-    from fmpy import read_model_description
-
     description = read_model_description(str(folder / "cable.fmu"))
     root = ElementTree.parse(folder / f"{description.modelName}_OspModelDescription.xml").getroot()
     assert (root.tag, root.attrib) == (f"{OSP}OspModelDescription", {"version": "1.0"})

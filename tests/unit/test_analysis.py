@@ -75,6 +75,13 @@ def test_the_density_of_white_noise_is_its_variance_over_the_band() -> None:
     assert np.mean(middle) == pytest.approx(4.0 / 5.0, rel=0.03)
 
 
+@pytest.mark.parametrize("period", [5.0, 9.0, 10.0, 12.0])
+def test_the_peak_period_of_a_minute_of_swell(period: float) -> None:
+    time = np.arange(0.0, 60.0, 0.2)
+    found = spectrum(time, 1e4 + 400.0 * np.sin(2 * math.pi * time / period))
+    assert found.peak_period == pytest.approx(period, rel=0.02)
+
+
 def test_a_spectrum_of_uneven_times_is_that_of_even_ones() -> None:
     time, values = sine()
     uneven = time + 0.01 * np.sin(time)

@@ -40,11 +40,12 @@ LAYERS = (
         "cablemodel.instance",
     ),
     ("cablemodel.direct", "cablemodel.finite_element", "cablemodel.solver"),
+    ("cablemodel.linearisation",),
     ("cablemodel.model",),
     ("cablemodel.variables",),
     ("cablemodel.states", "cablemodel.cadence"),
     ("cablemodel.log",),
-    ("cablemodel.run", "cablemodel.columns", "cablemodel.dataset"),
+    ("cablemodel.recorder", "cablemodel.run", "cablemodel.columns", "cablemodel.dataset"),
     ("cablemodel.compare",),
     ("cablemodel.replay",),
     (

@@ -39,3 +39,25 @@ def test_make_commands_of_the_readme_exist() -> None:
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     for target in re.findall(r"^make ([a-z-]+)", README, flags=re.MULTILINE):
         assert re.search(rf"^{target}:", makefile, flags=re.MULTILINE)
+
+
+def table_rows(text: str) -> list[list[str]]:
+    lines = (line for line in text.splitlines() if line.startswith("| "))
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+
+
+def test_speeds_of_the_readme_are_those_measured_last() -> None:
+    """Beside the best of MoorDyn's settings in docs/benchmarks.md."""
+    measured = table_rows((ROOT / "docs" / "benchmarks.md").read_text(encoding="utf-8"))
+    rows = [(row, re.search(r"\((\w+)\)$", row[0])) for row in table_rows(README)]
+    compared = {scene[1]: row for row, scene in rows if scene and len(row) == 5}
+    assert set(compared) == {"S1", "S4", "S2w", "S2a", "J"}
+    for scene, (_, error, ours, theirs, ratio) in compared.items():
+        same = [
+            row
+            for row in measured
+            if row[0] == scene and row[1].startswith("MoorDyn") and f"{row[2]} L" == error
+        ]
+        best = min(same, key=lambda row: float(row[3]))
+        assert [f"{best[4]} s", f"{best[3]} s"] == [ours, theirs]
+        assert f"{float(f'{float(best[5]):.2g}'):,.0f}" == ratio

@@ -29,6 +29,7 @@ def refusal(data: Any, *overrides: str) -> cm.SceneError:
         ("zzz=1", "zzz", "unknown key"),
         ("end={anchr: [0, 0, 0]}", "end.anchr", "did you mean anchor?"),
         # wrong kinds of value
+        ("line={cable: 3}", "line", "a list of mappings with the keys cable, body"),
         ("line.0.cable.length=true", "line.0.cable.length", "True is not a number"),
         ("line.0.cable.length=yes", "line.0.cable.length", "not a number"),
         ("line.0.cable.length=null", "line.0.cable.length", "None is not a number"),
@@ -95,6 +96,11 @@ def refusal(data: Any, *overrides: str) -> cm.SceneError:
         ("vessel.velocity=[1, 2]", "vessel.velocity", "not a list of 3 numbers"),
         ("vessel.velocity=[1, 2, x]", "vessel.velocity.2", "not a number"),
         ("vessel.velocity=log.csv", "vessel.velocity", "not a list"),
+        (
+            "vessel.velocity=0.5",
+            "vessel.velocity",
+            "keys t, velocity (velocity of the tow point: one vector",
+        ),
         ("vessel.velocity={file: none.csv}", "vessel.velocity.file", "there is no file"),
         ("vessel.velocity={fil: none.csv}", "vessel.velocity", "{file: NAME}"),
         ("payout.rate=[{t: 1, rate: 0}, {t: 1, rate: 1}]", "payout.rate.1.t", "twice the same t"),
@@ -117,6 +123,17 @@ def refusal(data: Any, *overrides: str) -> cm.SceneError:
         ("environment.waves={jonswap: {hs: -1, tp: 8}}", "environment.waves.jonswap.hs", "above"),
         ("environment.floor={}", "environment.floor", "either z or depth_table"),
         ("environment.floor={z: 5}", "vessel.position", "5 m below the sea floor"),
+        ("environment.floor={z: 5}", "vessel.position", "above the water: z is up"),
+        (
+            "environment.floor={depth_table: [{x: 0, z: -9}, {x: 5, z: -9}, {x: 5, z: -8}]}",
+            "environment.floor.depth_table",
+            "x = 5 m, y = 0 m is given twice",
+        ),
+        (
+            "environment.floor={depth_table: [{x: 0, z: -9}, {x: 5, y: 1, z: -9}]}",
+            "environment.floor.depth_table",
+            "no z at x = 0 m, y = 1 m",
+        ),
         ("environment.floor={z: -5, friction: -1}", "environment.floor.friction", "at least 0"),
         # path
         ("vessel.path=[]", "vessel.path", "empty"),

@@ -58,6 +58,7 @@ def test_files_are_found_next_to_the_scene(tmp_path: Path) -> None:
     [
         ("", "no column t"),
         ("t,vx,vy\n0,1,2\n", "no column vz"),
+        ("t;vx;vy;vz\n0;1;2;3\n", "its first line is 't;vx;vy;vz'"),
         ("t,vx,vy,vz\n", "no rows"),
         ("t,vx,vy,vz\n0,1,2\n", "line 2"),
         ("t,vx,vy,vz\n0,1,2,3\n1,x,2,3\n", "line 3"),
@@ -220,7 +221,7 @@ def test_floor_from_csv(tmp_path: Path) -> None:
     floor = cm.load_scene(data, folder=tmp_path).environment.floor
     assert floor is not None
     assert floor.height(5, 1234) == -20
-    for name, words in (("holes.csv", "holes"), ("none.csv", "no file")):
+    for name, words in (("holes.csv", "no z at x = 10 m, y = 10 m"), ("none.csv", "no file")):
         data["environment"]["floor"]["depth_table"] = name
         with pytest.raises(cm.SceneError, match=words):
             cm.load_scene(data, folder=tmp_path)

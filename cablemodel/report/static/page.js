@@ -116,9 +116,10 @@
   /** A scene with the camera moved along its line of sight, and aside, until the box fills the figure. */
   function fitted(scene) {
     const HALF_ANGLE = Math.PI / 8;    // plotly sees 45 degrees high
-    const LABELS = narrow() ? 54 : 28; // pixels on every side
+    // Pixels above and below, and on both sides, where the title of the vertical axis is outermost.
+    const LABELS = narrow() ? 54 : 28, ASIDE = 54;
     const size = element("shape")._fullLayout._size, tangent = Math.tan(HALF_ANGLE);
-    const high = tangent * (1 - (2 * LABELS) / size.h), wide = tangent * ((size.w - 2 * LABELS) / size.h);
+    const high = tangent * (1 - (2 * LABELS) / size.h), wide = tangent * ((size.w - 2 * ASIDE) / size.h);
     const { x, y, z } = scene.camera.eye, length = Math.hypot(x, y, z), level = Math.hypot(x, y);
     const toward = [x / length, y / length, z / length];
     const right = [-y / level, x / level, 0];

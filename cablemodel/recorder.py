@@ -1,0 +1,289 @@
+"""Record a model that is stepped by a loop of one's own: a controller, a coupled vessel."""
+
+from __future__ import annotations
+
+import math
+import time
+from os import PathLike
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cablemodel import variables
+from cablemodel.cadence import Cadence
+from cablemodel.errors import CableModelError
+from cablemodel.states import States, applied_values, bodies_in_columns, by_label, matrix_of
+
+if TYPE_CHECKING:
+    from cablemodel.log.writer import LogWriter
+    from cablemodel.model import CableModel, CableState
+    from cablemodel.run import Run
+    from cablemodel.scene import Scene
+
+Floats = NDArray[np.float64]
+
+_EARLY = 1e-6
+"""Part of an output interval by which a step may end before an output is due, and still give it:
+times of a loop are sums of steps, with their round-off."""
+
+
+class Recorder:
+    """Steps a model and keeps the run, in a log or in memory.
+
+    Use it as a context manager, and call ``step`` or ``step_to`` here instead of on the model;
+    the model may be read, and stepped for a what-if if it is restored afterwards:
+
+        with cm.Recorder(model, "run.mcap") as recorder:
+            while model.time < 300.0:
+                recorder.step(0.1, payout_rate=controller(model))
+        run = recorder.run()
+
+    A step that fails is not recorded, and the loop may go on with another one. Leaving the block
+    by an exception closes the log properly; the run is then not complete, and says why.
+
+    Args:
+        model: the model to step, from its present time.
+        log: file to write the log to (MCAP); the run is kept in memory if not given.
+        output_interval: time between outputs [s], the scene's if not given. An output is taken at
+            the first step that reaches each multiple of it, at the start and at the end.
+        state_interval: time between exact states [s], rounded to whole output intervals; by
+            default what keeps a long run small (see :mod:`cablemodel.cadence`).
+        until: when the run will probably end [s], to judge that; the scene's duration if not given.
+
+    Raises:
+        LogError: the log cannot be written.
+        ValueError: an interval is not a positive number.
+    """
+
+    def __init__(
+        self,
+        model: CableModel,
+        log: str | PathLike[str] | None = None,
+        *,
+        output_interval: float | None = None,
+        state_interval: float | None = None,
+        until: float | None = None,
+    ) -> None:
+        settings = model.scene.run
+        interval = settings.output_interval if output_interval is None else float(output_interval)
+        if not (math.isfinite(interval) and interval > 0.0):
+            raise ValueError(f"output_interval is {interval}, it must be a positive time in s")
+        end = settings.duration if until is None else until
+        outputs = max(0, math.ceil((end - model.time) / interval)) + 1
+        nodes = len(model.state().s)
+        self.model = model
+        self._interval = interval
+        self._cadence = Cadence.of(outputs, nodes, interval, state_interval)
+        self._log = log
+        self._memory: Memory | None = None
+        self._writer: LogWriter | None = None
+        if log is None:
+            self._memory = Memory(model.scene)
+        else:
+            from cablemodel.log.writer import LogWriter
+
+            self._writer = LogWriter(log, model.scene)
+        self._time = model.time
+        self._due = self._next_due()
+        self._outputs = 0
+        self._last_output = math.nan
+        self._last_exact = self._last_shape = False
+        self._largest_curvature = 0.0
+        self._wall_time = 0.0
+        self._ended = False
+        self._reason = ""
+        self._output()
+
+    # -- stepping -------------------------------------------------------------------------------
+
+    def step(
+        self,
+        dt: float,
+        vessel_velocity: ArrayLike | None = None,
+        vessel_position: ArrayLike | None = None,
+        payout_rate: float | None = None,
+        current: ArrayLike | None = None,
+    ) -> None:
+        """As :meth:`CableModel.step`, recorded."""
+        self._check()
+        begin = time.perf_counter()
+        self.model.step(dt, vessel_velocity, vessel_position, payout_rate, current)
+        self._stepped(begin, vessel_velocity, vessel_position, payout_rate, current)
+
+    def step_to(
+        self,
+        end: float,
+        vessel_velocity: ArrayLike | None = None,
+        vessel_position: ArrayLike | None = None,
+        payout_rate: float | None = None,
+        current: ArrayLike | None = None,
+    ) -> None:
+        """As :meth:`CableModel.step_to`, recorded."""
+        self._check()
+        begin = time.perf_counter()
+        self.model.step_to(end, vessel_velocity, vessel_position, payout_rate, current)
+        self._stepped(begin, vessel_velocity, vessel_position, payout_rate, current)
+
+    def _check(self) -> None:
+        if self._ended:
+            raise CableModelError("the recording has ended: make another Recorder")
+        if self.model.time != self._time:
+            raise CableModelError(
+                f"the recording is at t = {self._time:g} s, but the model was taken to "
+                f"{self.model.time:g} s without it: restore it, or step it with the recorder"
+            )
+
+    def _stepped(self, begin: float, *inputs: Any) -> None:
+        names = ("vessel_velocity", "vessel_position", "payout_rate", "current")
+        given = {n: value for n, value in zip(names, inputs, strict=True) if value is not None}
+        model, length = self.model, self.model.time - self._time
+        self._time = model.time
+        if self._memory is not None:
+            self._memory.steps.append(applied_values(model, length, given))
+        if self._writer is not None:
+            self._writer.write_step(model, length, given)
+        if model.time >= self._due - _EARLY * self._interval:
+            self._due = self._next_due()
+            self._output()
+        self._wall_time += time.perf_counter() - begin
+
+    def _next_due(self) -> float:
+        """The first multiple of the output interval after the present time [s]."""
+        passed = math.floor(self._time / self._interval + _EARLY)
+        return (passed + 1) * self._interval
+
+    def _output(self, *, last: bool = False) -> None:
+        model = self.model
+        state = model.state()
+        self._largest_curvature = max(self._largest_curvature, float(np.max(state.curvature)))
+        exact = last or self._outputs % self._cadence.states == 0
+        shape = last or self._outputs % self._cadence.shapes == 0
+        if self._memory is not None:
+            self._memory.output(model, state if exact else None)
+        if self._writer is not None:
+            self._writer.write_outputs(model, state, exact_state=exact, shape=shape)
+        self._outputs += 1
+        self._last_output, self._last_exact, self._last_shape = model.time, exact, shape
+
+    # -- the end --------------------------------------------------------------------------------
+
+    @property
+    def statistics(self) -> dict[str, Any]:
+        """Of the model, with the largest curvature of outputs [1/m] and the computing time [s]."""
+        found = {"max_curvature": self._largest_curvature, "wall_time": self._wall_time}
+        return {**self.model.statistics, **found}
+
+    def close(self) -> None:
+        """End the recording with an output at the present time; leaving a ``with`` block does it.
+
+        Raises:
+            CableModelError: the model was taken elsewhere without the recorder.
+        """
+        if self._ended:
+            return
+        self._check()
+        if self._last_output != self._time:
+            self._output(last=True)
+        elif self._memory is not None and not self._last_exact:
+            self._memory.keep(self.model.state())
+        elif self._writer is not None:
+            self._writer.write_along(
+                self.model, exact_state=not self._last_exact, shape=not self._last_shape
+            )
+        self._ended = True
+        if self._writer is not None:
+            self._writer.close(self.statistics)
+
+    def fail(self, reason: str) -> None:
+        """End the recording of a run that did not come to its end, and say why in its log."""
+        if self._ended:
+            return
+        self._ended, self._reason = True, reason
+        if self._writer is not None:
+            self._writer.fail(reason, self.statistics)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if error is None:
+            self.close()
+        else:
+            interrupted = isinstance(error, KeyboardInterrupt)
+            self.fail("interrupted" if interrupted else str(error) or type(error).__name__)
+
+    def run(self) -> Run:
+        """The run that was recorded, after its end: read from the log, or from memory.
+
+        Raises:
+            CableModelError: the recording goes on.
+        """
+        from cablemodel.run import Run, open_run
+
+        if not self._ended:
+            raise CableModelError("the recording goes on: close it first, or leave its with block")
+        if self._log is not None:
+            return open_run(self._log)
+        assert self._memory is not None
+        return Run(
+            self.model.scene,
+            self._memory,
+            statistics=self.statistics,
+            complete=not self._reason,
+            reason=self._reason,
+        )
+
+
+class Memory:
+    """Outputs, states and applied inputs of a run, kept in memory (a ``Source`` of a Run)."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.steps: list[Floats] = []
+        """What each step applied, in the order of ``variables.APPLIED_INPUT_LABELS``."""
+        self._times: list[float] = []
+        self._state_times: list[float] = []
+        self._states: list[Floats] = []
+        self._values: dict[str, list[Any]] = {
+            variable.python: []
+            for variable in variables.outputs_of(scene)
+            if not variable.python.startswith("state.")
+        }
+
+    def output(self, model: Any, state: CableState | None) -> None:
+        """Keep all outputs at the model's time, and its state if it is given."""
+        self._times.append(model.time)
+        if state is not None:
+            self.keep(state)
+        for name, values in self._values.items():
+            owner, _, attribute = name.rpartition(".")
+            if owner == "bodies":
+                vectors = [getattr(body, attribute) for body in model.bodies]
+                values.append(np.array(vectors, float).reshape(-1, 3))
+            else:
+                values.append(np.array(getattr(model, name), float))
+
+    def keep(self, state: CableState) -> None:
+        self._state_times.append(state.time)
+        self._states.append(matrix_of(state))
+
+    def times(self) -> Floats:
+        return np.array(self._times)
+
+    def column(self, variable: variables.Variable) -> Floats:
+        values = self._values[variable.python]
+        if variable.present == "bodies":
+            return bodies_in_columns(values)
+        return np.array(values, float)
+
+    def states(self) -> States:
+        return States(np.array(self._state_times), self._states)
+
+    def applied_inputs(self) -> dict[str, Floats]:
+        return by_label(self.steps)

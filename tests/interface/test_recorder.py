@@ -1,0 +1,102 @@
+"""A loop of one's own, recorded: the run is what the model did, in memory and in a log."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import cablemodel as cm
+from cablemodel.replay import replay
+
+SCENE = Path(__file__).parents[2] / "scenes" / "towed_cable.yaml"
+
+
+def velocity(time: float) -> tuple[float, float, float]:
+    return (0.8 + 0.2 * np.sin(time), 0.0, 0.0)
+
+
+def steered(model: cm.CableModel, log: Path | None) -> cm.Run:
+    with cm.Recorder(model, log, output_interval=0.5, until=4.05) as recorder:
+        for step in range(1, 41):
+            recorder.step_to(0.1 * step, vessel_velocity=velocity(0.1 * step))
+        recorder.step(0.05)
+    return recorder.run()
+
+
+@pytest.fixture(scope="module")
+def scene() -> cm.Scene:
+    return cm.load_scene(SCENE)
+
+
+def test_a_recorded_loop_is_what_the_model_did(scene: cm.Scene, tmp_path: Path) -> None:
+    run = steered(cm.CableModel(scene), tmp_path / "run.mcap")
+    memory = steered(cm.CableModel(scene), None)
+    model = cm.CableModel(scene)
+    tension = [model.top_tension]
+    for step in range(1, 41):
+        model.step_to(0.1 * step, vessel_velocity=velocity(0.1 * step))
+        if step % 5 == 0:
+            tension.append(model.top_tension)
+    model.step(0.05)
+    tension.append(model.top_tension)
+    for found in (run, memory):
+        assert found.complete
+        assert np.allclose(found.time, [0, 0.5, 1, 1.5, 2, 2.5, 3, 3.5, 4, 4.05], atol=1e-12)
+        assert found.top_tension.tolist() == tension
+        assert np.array_equal(found.states[-1].position, model.state().position)
+        assert len(found.applied_inputs["time"]) == 41
+        given = found.applied_inputs["vessel_velocity_given"]
+        assert given.tolist() == [1.0] * 40 + [0.0]
+        assert found.statistics["steps"] == model.statistics["steps"]
+    assert replay(run).exact
+
+
+def test_a_long_recording_ends_with_a_state(scene: cm.Scene, tmp_path: Path) -> None:
+    for log in (tmp_path / "run.mcap", None):
+        model = cm.CableModel(scene)
+        with cm.Recorder(model, log, output_interval=0.1, state_interval=0.7) as recorder:
+            for _ in range(10):
+                recorder.step(0.1)
+        run = recorder.run()
+        assert np.allclose(run.states.time, [0.0, 0.7, 1.0])
+        assert len(run.time) == 11
+
+
+def test_a_what_if_and_a_failed_step_leave_no_trace(scene: cm.Scene, tmp_path: Path) -> None:
+    model = cm.CableModel(scene)
+    with cm.Recorder(model, tmp_path / "run.mcap") as recorder:
+        recorder.step(1.0)
+        snapshot = model.snapshot()
+        model.step(30.0, vessel_velocity=(1.0, 0.0, 0.0))
+        with pytest.raises(cm.CableModelError, match="taken to 31 s without it"):
+            recorder.step(1.0)
+        model.restore(snapshot)
+        with pytest.raises(cm.StepError):
+            recorder.step(1.0, vessel_velocity=(np.nan, 0.0, 0.0))
+        recorder.step(1.0)
+    run = recorder.run()
+    assert run.applied_inputs["time"].tolist() == [1.0, 2.0]
+    assert replay(run).exact
+    with pytest.raises(cm.CableModelError, match="has ended"):
+        recorder.step(1.0)
+
+
+def test_a_loop_that_breaks_says_why(scene: cm.Scene, tmp_path: Path) -> None:
+    for log in (tmp_path / "run.mcap", None):
+        recorder = cm.Recorder(cm.CableModel(scene), log)
+        recorder.step(1.0)
+        with pytest.raises(ZeroDivisionError), recorder:
+            _ = 1 / 0
+        run = recorder.run()
+        assert not run.complete
+        assert run.reason == "division by zero"
+        assert run.time[-1] == 1.0
+
+
+def test_a_recorder_refuses_what_is_no_interval(scene: cm.Scene) -> None:
+    model = cm.CableModel(scene)
+    with pytest.raises(ValueError, match="output_interval is 0"):
+        cm.Recorder(model, output_interval=0.0)
+    recorder = cm.Recorder(model)
+    with pytest.raises(cm.CableModelError, match="goes on"):
+        recorder.run()
