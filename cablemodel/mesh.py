@@ -30,6 +30,9 @@ LIGHT_DAMPING = 10.0
 """rho Cdn d L / m below which a line counts as hardly damped."""
 _LAYER_GROWTH = 2.0
 """Ratio of neighbouring elements next to a bending layer."""
+_NEARLY = 1.05
+"""Of the size that resolves a layer: longer elements are halved. A clamp's moment is then off by
+1.2 % at most at tau = 1e-3; by 3.5 % with elements of 1.4 of that size."""
 FEWEST = 2
 """Elements of a cable between two bodies."""
 
@@ -123,7 +126,7 @@ def with_layers(nodes: FloatArray, span: Span, tolerance: float) -> FloatArray:
         target = max(layer * smallest, 1e-4 * span.length)
         size = abs(places[-1] - places[-2]) if at_end else places[1] - places[0]
         new = []
-        while size > target * 1.5:
+        while size > target * _NEARLY:
             size /= _LAYER_GROWTH
             new.append(size)
         if at_end:
