@@ -12,7 +12,6 @@ from cablemodel.kernels import layout as at
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-GAUSS_WORDS = 768
 MOTION_WORDS = 80
 
 
@@ -156,7 +155,7 @@ class Block(WordBlock):
             (at.O_CONSTRAINT_RESIDUAL, capacity * 2),
             (at.O_INCREMENT, capacity * 6),
             (at.O_PROFILE, depths * 3),
-            (at.O_GAUSS, GAUSS_WORDS),
+            (at.O_GAUSS, at.GAUSS_WORDS),
             (at.O_MOTION, MOTION_WORDS),
             (at.O_TOP, 24 + at.BODY_WORDS),
             (at.O_END_FORCE, capacity * 6),

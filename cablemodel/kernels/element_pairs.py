@@ -8,6 +8,7 @@ from typing import Any
 
 from .compile import inlined, kernel, matrix_vector, two_products, view
 from .layout import (
+    ELEMENT_WORDS,
     I_NODES,
     O_COMPLIANCE,
     O_GAUSS,
@@ -34,6 +35,8 @@ def pair_kernels(dimension: int, row: int, tangents: int, sums: int) -> tuple[An
     TURNED = SUM_HD + 12 * row
     BLOCKS = TURNED + 3 * row
     GRADIENT = BLOCKS + 16 * row
+    if GRADIENT + 3 * second > ELEMENT_WORDS:
+        raise ValueError(f"{GRADIENT + 3 * second} words of {ELEMENT_WORDS} in the workspace")
 
     @inlined
     def constraint_gradient(W, h, stored):

@@ -25,6 +25,7 @@ from .layout import (
     E_TENSION_LOW,
     E_WEIGHT,
     EDGE_WORDS,
+    GAUSS_WORDS,
     I_DEPTHS,
     I_DRAG,
     I_NODES,
@@ -207,7 +208,7 @@ def load_forces(W, v0, v1, a0, a1, h, cn, ct, added):
 @kernel
 def residual_planar(I, M, q, v, a, tension, out, out_constraint):
     """Residual of all elements: out (nodes, 4), out_constraint (nodes, 2); see residual_spatial."""
-    W = view(M, I[O_GAUSS], 768)
+    W = view(M, I[O_GAUSS], GAUSS_WORDS)
     nodes = I[I_NODES]
     drag = I[I_DRAG]
     payout = I[I_PAYOUT]
@@ -400,7 +401,7 @@ def tangent_matrices(
 @kernel
 def jacobian_planar(I, M, q, v, a, tension, ca, cv):
     """Blocks of the effective Jacobian with T condensed out; see jacobian_spatial."""
-    W = view(M, I[O_GAUSS], 768)
+    W = view(M, I[O_GAUSS], GAUSS_WORDS)
     nodes = I[I_NODES]
     drag = I[I_DRAG]
     payout = I[I_PAYOUT]

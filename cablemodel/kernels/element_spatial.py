@@ -29,6 +29,7 @@ from .layout import (
     E_TENSION_LOW,
     E_WEIGHT,
     EDGE_WORDS,
+    GAUSS_WORDS,
     I_DEPTHS,
     I_DRAG,
     I_NODES,
@@ -251,7 +252,7 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
     out is set to zero first; residual = inertia + internal forces - loads, so the force that a
     support must exert is the residual at its node.
     """
-    W = view(M, I[O_GAUSS], 768)
+    W = view(M, I[O_GAUSS], GAUSS_WORDS)
     nodes = I[I_NODES]
     drag = I[I_DRAG]
     payout = I[I_PAYOUT]
@@ -583,7 +584,7 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
     Fills, for every element, its share of the diagonal blocks of both nodes, the two off-diagonal
     blocks, the gradient B of its constraint (2, 12) and the inverse of the compliance (3).
     """
-    W = view(M, I[O_GAUSS], 768)
+    W = view(M, I[O_GAUSS], GAUSS_WORDS)
     nodes = I[I_NODES]
     drag = I[I_DRAG]
     payout = I[I_PAYOUT]

@@ -210,6 +210,10 @@ STATION_WORDS, SUMMARY_WORDS, ENERGY_WORDS = 13, 32, 9
 # Elements at a touchdown.
 LAYER = 0.4  # smallest element in units of the touchdown layer (EI/w)^(1/3)
 
+# Words of the workspace at O_GAUSS: those of an element, then the water that it moves through.
+ELEMENT_WORDS = 768
+GAUSS_WORDS = ELEMENT_WORDS + 20
+
 # Status codes of the kernels.
 OK = 0
 NOT_CONVERGED, NOT_FINITE, TOO_MANY_STEPS, SINGULAR, STATICS_FAILED = 1, 2, 3, 4, 5

@@ -121,7 +121,8 @@ MOST_REFUSALS = 4  # of a step that ends folded
 FAILED = 0.5  # of a step in which Newton's method failed at a floor: the next one
 EASY = 2.4, 1.5  # iterations a stage up to which the longest tractable step grows, and by how much
 FAIR = 3.2, 1.1  # the same for one that is near its limit
-HARD = 4.5, 0.8  # and above which it shrinks
+PROBED = 1.03  # and up to HARD: not all trouble is the step's, and no limit may stay for ever
+HARD = 4.5  # iterations above which it stays; only a failure makes it shorter
 AT_ONCE = 0.02  # of the tolerance: what a stage's first iteration may leave, by the last ratio
 BEST_RATIO = 0.003  # that is believed for the next stage
 LARGEST_GROWTH = 16.0  # of the step: the first is much shorter than any motion
@@ -443,13 +444,11 @@ def follow_iterations(M, dt, iterations):
     limit = M[S_TRACTABLE]
     if limit == 0.0:
         return
-    if iterations > HARD[0]:
-        M[S_TRACTABLE] = min(limit, HARD[1] * dt)
-    elif iterations <= EASY[0]:
+    if iterations <= EASY[0]:
         # Of longer steps one that the caller limits tells little.
         M[S_TRACTABLE] = limit * (EASY[1] if dt > 0.8 * limit else FAIR[1])
-    elif dt > 0.8 * limit and iterations <= FAIR[0]:
-        M[S_TRACTABLE] = FAIR[1] * limit
+    elif iterations <= HARD and dt > 0.8 * limit:
+        M[S_TRACTABLE] = limit * (FAIR[1] if iterations <= FAIR[0] else PROBED)
 
 
 @kernel

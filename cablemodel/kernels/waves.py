@@ -33,6 +33,7 @@ from .layout import (
     E_MASS,
     E_SEGMENT,
     E_WEIGHT,
+    ELEMENT_WORDS,
     I_DIMENSION,
     I_WAVES,
     K_DISPLACED,
@@ -70,8 +71,8 @@ VELOCITY = 0  # water velocity: as in the elements
 STRETCH = 12
 TANGENT = 16
 FORCE = 28
-ACCELERATION = 740  # of the water: three slots
-WET, SLOPE = 752, 756  # share s, ds/dz
+ACCELERATION = ELEMENT_WORDS  # of the water: three slots
+WET, SLOPE = ELEMENT_WORDS + 12, ELEMENT_WORDS + 16  # share s, ds/dz
 
 # What `wave_at` writes at O_MOTION + POINT.
 POINT = 64

@@ -38,7 +38,7 @@ def test_what_was_wrong_in_a_scene_is_right_now(seed: int, kind: str) -> None:
     if kind == "energy":
         assert not verdict.energy_gain > 0.05
     else:
-        assert verdict.outcome == "completed", verdict.why
+        assert kind not in verdict.kinds, verdict.why
 
 
 def test_a_number_means_the_same_scene_everywhere() -> None:
