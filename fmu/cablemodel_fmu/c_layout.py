@@ -51,7 +51,7 @@ def input_layout() -> dict[str, int]:
 def start_constants() -> dict[str, float]:
     """Numbers by which instance/ and mesh.py derive a block from the lengths of its cables."""
     from cablemodel import mesh
-    from cablemodel.instance import line_tables, refinement, winch
+    from cablemodel.instance import line_tables, refinement, tables, winch
     from cablemodel_fmu import signals
 
     return {
@@ -65,6 +65,7 @@ def start_constants() -> dict[str, float]:
         "BENT": refinement.BENT,
         "REFINEMENTS": refinement.ROUNDS,
         "LIGHT_DAMPING": mesh.LIGHT_DAMPING,
+        "LIGHTLY_DAMPED": tables.LIGHTLY_DAMPED,
         "DRUM_ROOM": signals.LONGEST,
     }
 

@@ -106,12 +106,14 @@ static void explain(const Cable *cable, int64_t status, char *message, size_t si
 int64_t step_cable(Cable *cable, double t_end, double dt, char *message, size_t size) {
     double inputs[INPUT_WORDS];
     collect_inputs(cable, dt, inputs);
+    const int64_t place = cable->I[I_FAILED_NODE];
     const int64_t status =
         is_direct(cable->I)
             ? direct_step(cable, t_end, inputs)
             : cablemodel_step(cable->I, cable->block_words, t_end, inputs, INPUT_WORDS);
     if (status != OK) {
         explain(cable, status, message, size);
+        cable->I[I_FAILED_NODE] = place;
         return status;
     }
     cable->has_slope = 0;

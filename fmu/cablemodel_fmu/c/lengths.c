@@ -171,6 +171,7 @@ static void scale_line(Cable *cable, double from, double to, double growth) {
     const int64_t *I = cable->I;
     M[S_LENGTH] *= growth;
     M[S_TIME_TOLERANCE] *= growth;
+    M[S_BENT] *= growth;
     M[S_PERIOD] *= sqrt(growth);
     M[S_FIRST_STEP] *= sqrt(growth);
     M[S_STEP] *= sqrt(growth);
@@ -197,7 +198,11 @@ static void scale_line(Cable *cable, double from, double to, double growth) {
     }
     M[S_CLAMP_PULL] = M[S_TENSION_SCALE];
     M[S_AXIAL] = 1.0 / (stretch * (mass + bodies));
-    M[S_UNDAMPED] = drag * M[S_LENGTH] / mass < LIGHT_DAMPING;
+    const double undamped = drag * M[S_LENGTH] / mass < LIGHT_DAMPING;
+    if (I[I_DRAG] != 0 && undamped != M[S_UNDAMPED])
+        M[S_TIME_TOLERANCE] *= undamped != 0.0 ? LIGHTLY_DAMPED : 1.0 / LIGHTLY_DAMPED;
+    if (undamped != 0.0) M[S_BENT] = 0.0;
+    M[S_UNDAMPED] = undamped;
 }
 
 static void stabilise_row(Cable *cable, double *edge, double tension, int *changed) {
