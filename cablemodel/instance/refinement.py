@@ -29,6 +29,8 @@ BENDS = 12.0
 """The same in motion, in free water."""
 SPARE = 24, 2.0
 """Nodes for shapes that bend more later on: so many, and times those at the start."""
+WINCH = 2
+"""Times that many where a winch runs: it needs some of its own when all others bend."""
 
 
 def follows_bending(scene: Scene) -> bool:
@@ -47,7 +49,10 @@ def follows_bending(scene: Scene) -> bool:
 
 def spare_nodes(scene: Scene, nodes: int) -> int:
     """Nodes that halving elements in free water may need."""
-    return SPARE[0] + math.ceil(SPARE[1] * nodes) if follows_bending(scene) else 0
+    if not follows_bending(scene):
+        return 0
+    spare = SPARE[0] + math.ceil(SPARE[1] * nodes)
+    return WINCH * spare if pays_out(scene) or scene.payout.drum else spare
 
 
 def refined(block: Block, scene: Scene, nodes: list[FloatArray]) -> list[FloatArray] | None:
