@@ -11,7 +11,7 @@ from cablemodel import library as entry
 from cablemodel.block import Block
 from cablemodel.instance import build
 from cablemodel.kernels import layout as at
-from cablemodel.solver import FloatArray, IntArray, PlacedBody
+from cablemodel.solver import FloatArray, OfBlock, PlacedBody
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
@@ -40,24 +40,18 @@ _MEANING = {
 }
 
 
-class FiniteElementSolver:
+class FiniteElementSolver(OfBlock):
     """Mixed cubic elements, adaptive in time: docs/engine.md."""
+
+    memory: Block
 
     def __init__(
         self, scene: Scene, *, planar: bool | None = None, sleep: bool | None = None
     ) -> None:
         self.scene = scene
-        self.memory: Block = build(scene, planar=planar)
+        self.memory = build(scene, planar=planar)
         if sleep is False:
             self.memory.ints[at.I_SLEEP] = 0
-
-    @property
-    def _ints(self) -> IntArray:
-        return self.memory.ints
-
-    @property
-    def _reals(self) -> FloatArray:
-        return self.memory.reals
 
     def step(self, end: float, inputs: FloatArray) -> int:
         return int(entry.step(self._ints, self._reals, end, inputs))

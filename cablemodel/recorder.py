@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable
 from os import PathLike
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
@@ -107,10 +108,7 @@ class Recorder:
         current: ArrayLike | None = None,
     ) -> None:
         """As :meth:`CableModel.step`, recorded."""
-        self._check()
-        begin = time.perf_counter()
-        self.model.step(dt, vessel_velocity, vessel_position, payout_rate, current)
-        self._stepped(begin, vessel_velocity, vessel_position, payout_rate, current)
+        self._take(self.model.step, dt, vessel_velocity, vessel_position, payout_rate, current)
 
     def step_to(
         self,
@@ -121,10 +119,7 @@ class Recorder:
         current: ArrayLike | None = None,
     ) -> None:
         """As :meth:`CableModel.step_to`, recorded."""
-        self._check()
-        begin = time.perf_counter()
-        self.model.step_to(end, vessel_velocity, vessel_position, payout_rate, current)
-        self._stepped(begin, vessel_velocity, vessel_position, payout_rate, current)
+        self._take(self.model.step_to, end, vessel_velocity, vessel_position, payout_rate, current)
 
     def _check(self) -> None:
         if self._ended:
@@ -135,9 +130,13 @@ class Recorder:
                 f"{self.model.time:g} s without it: restore it, or step it with the recorder"
             )
 
-    def _stepped(self, begin: float, *inputs: Any) -> None:
-        names = ("vessel_velocity", "vessel_position", "payout_rate", "current")
-        given = {n: value for n, value in zip(names, inputs, strict=True) if value is not None}
+    def _take(self, step: Callable[..., None], *arguments: Any) -> None:
+        """Call a step of the model with its time and inputs, and record it."""
+        self._check()
+        begin = time.perf_counter()
+        step(*arguments)
+        inputs = zip(variables.INPUTS, arguments[1:], strict=True)
+        given = {variable.python: value for variable, value in inputs if value is not None}
         model, length = self.model, self.model.time - self._time
         self._time = model.time
         if self._memory is not None:

@@ -39,6 +39,21 @@ class Memory(Protocol):
     def image(self) -> IntArray: ...
 
 
+class OfBlock:
+    """What a solver reads of its block goes through the block: a copy of a solver whose views were
+    its own, as NumPy copies them, would hold two pieces of memory."""
+
+    memory: Memory
+
+    @property
+    def _ints(self) -> IntArray:
+        return self.memory.ints
+
+    @property
+    def _reals(self) -> FloatArray:
+        return self.memory.reals
+
+
 class Solver(Protocol):
     """One line at one instant, and how it goes on."""
 

@@ -20,6 +20,8 @@ _ABOVE_WATER = 0.01
 
 def scene_warnings(scene: Scene) -> list[str]:
     """What is seen without a start."""
+    from cablemodel.instance.scales import is_flexible
+
     found = []
     settings = scene.run
     if settings.output_interval > settings.duration:
@@ -27,12 +29,8 @@ def scene_warnings(scene: Scene) -> list[str]:
             f"run.output_interval ({settings.output_interval:g} s) is longer than run.duration "
             f"({settings.duration:g} s): only the start and the end are output"
         )
-    if scene.vessel.connection.kind == "clamped":
-        first = scene.cables[0]
-        if first.model == "cable" or scene.cable_types[first.type].bending_stiffness == 0.0:
-            found.append(
-                "vessel.connection is clamped, but the first cable has no bending: no effect"
-            )
+    if scene.vessel.connection.kind == "clamped" and is_flexible(scene, scene.cables[0]):
+        found.append("vessel.connection is clamped, but the first cable has no bending: no effect")
     used = {item.cable.type for item in (*scene.line, *scene.payout.drum) if item.cable is not None}
     for name in sorted(scene.cable_types):
         kind = scene.cable_types[name]

@@ -12,29 +12,23 @@ from cablemodel.direct.build import build
 from cablemodel.direct.failures import explain
 from cablemodel.direct.kernels import layout as own
 from cablemodel.kernels import layout as at
-from cablemodel.solver import FloatArray, IntArray, PlacedBody
+from cablemodel.solver import FloatArray, IntArray, OfBlock, PlacedBody
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
     from cablemodel.scene.line import Body
 
 
-class DirectSolver:
+class DirectSolver(OfBlock):
     """Direct integration after Sun & Leonard 1998: docs/theory.md."""
+
+    memory: DirectBlock
 
     def __init__(self, scene: Scene, *, planar: bool | None = None) -> None:
         self.scene = scene
-        self.memory: DirectBlock = build(scene, planar=planar)
+        self.memory = build(scene, planar=planar)
         items = (*scene.line, *scene.payout.drum)
         self._bodies: list[Body] = [item.body for item in items if item.body is not None]
-
-    @property
-    def _ints(self) -> IntArray:
-        return self.memory.ints
-
-    @property
-    def _reals(self) -> FloatArray:
-        return self.memory.reals
 
     def step(self, end: float, inputs: FloatArray) -> int:
         return int(entry.step(self._ints, self._reals, end, inputs))

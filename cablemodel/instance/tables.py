@@ -47,20 +47,21 @@ def fill_settings(block: Block, scene: Scene, scale: float) -> None:
     reals[at.S_GRAVITY] = scene.environment.gravity
     reals[at.S_WATER_DENSITY] = rho
     tolerance, length = scene.solver.tolerance, scene.line_length
+    start = start_conditions(scene)
     reals[at.S_TOLERANCE] = tolerance
     allowed = TIME_TOLERANCE * tolerance * length
     if rho == 0.0:
         # Nothing forgets an error, and a stiff line takes an order from the scheme.
         allowed *= UNDAMPED * math.sqrt(tolerance / 1e-3)
-    elif start_conditions(scene).lightly_damped:
+    elif start.lightly_damped:
         allowed *= LIGHTLY_DAMPED
     reals[at.S_TIME_TOLERANCE] = allowed
     reals[at.S_LENGTH] = length
     if follows_bending(scene):
         reals[at.S_BENT] = BENDS * tolerance * length
-        reals[at.S_BENT_AT_TOP] = float(scene.initial.kind != "static")
+        reals[at.S_BENT_AT_TOP] = float(start.slack)
     reals[at.S_TENSION_SCALE] = scale
-    if scene.initial.kind != "static":
+    if start.slack:
         # What is let go slack snaps, and rings at peaks that no output meets: its tension is left
         # as the steps find it (kernels/tension.py reads none that is small against this).
         reals[at.S_LARGEST_TENSION] = math.inf
@@ -77,7 +78,6 @@ def fill_settings(block: Block, scene: Scene, scale: float) -> None:
         masses += kind.mass * cable.length
     masses += math.fsum(body.mass for body in scene.bodies)
     reals[at.S_AXIAL] = 1.0 / (softness * masses)
-    start = start_conditions(scene)
     reals[at.S_UNDAMPED] = float(start.lightly_damped)
     finest = FINEST_IN_AIR if start.lightly_damped else FINEST_IN_WATER
     if start.slack and tolerance >= finest and scene.environment.floor is None:

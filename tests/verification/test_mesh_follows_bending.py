@@ -14,11 +14,17 @@ LENGTH = 30.0
 TAU = 1e-3
 
 
-def reversing(tolerance: float, elements: int | None = None) -> cm.CableModel:
-    """A cable towed at 1 m/s, whose vessel stops, goes astern within 6 s, then rests."""
+def cable_of(elements: int | None) -> dict[str, Any]:
+    """LENGTH of cable K, with the mesh that the tolerance asks for, or so many elements."""
     cable: dict[str, Any] = {"type": "K", "length": LENGTH, "model": "elastica"}
     if elements is not None:
         cable["elements"] = elements
+    return cable
+
+
+def reversing(tolerance: float, elements: int | None = None) -> cm.CableModel:
+    """A cable towed at 1 m/s, whose vessel stops, goes astern within 6 s, then rests."""
+    cable = cable_of(elements)
     scene = {
         "environment": {"water_density": 1025.0},
         "cable_types": {"K": CABLE_K},
@@ -90,9 +96,7 @@ def test_halves_are_joined_once_the_line_hangs_again() -> None:
 
 def let_go(tolerance: float, rate: float, elements: int | None = None) -> cm.CableModel:
     """A level cable without tension, let go while the winch runs."""
-    cable: dict[str, Any] = {"type": "K", "length": LENGTH, "model": "elastica"}
-    if elements is not None:
-        cable["elements"] = elements
+    cable = cable_of(elements)
     scene = {
         "environment": {"water_density": 1025.0},
         "cable_types": {"K": CABLE_K},
