@@ -414,13 +414,16 @@ def next_stop(I, M, t_end, dt):
 
 
 @kernel
-def choose_order(I, M, scheme, iterations):
+def choose_order(I, M, scheme, iterations, to_output):
     """After a step: order 3 for those in which Newton's method has trouble.
 
     In a whip the long steps of order 4 take four iterations a stage, and new matrices in between;
     the shorter ones of order 3, with three stages, half of the work for the same time. On a floor
-    it is contact that takes iterations, of any order.
+    it is contact that takes iterations, of any order. A step that is read afterwards takes one
+    more in each stage, without any trouble.
     """
+    if to_output:
+        iterations -= STAGES[scheme] - 1
     if scheme == 1:
         if I[I_FLOOR] == 0 and iterations > STRUGGLE[0] and M[S_TOLERANCE] >= TIGHTEST:
             M[S_ORDER_3] = STEPS_OF_ORDER_3
@@ -586,7 +589,7 @@ def advance_to(I, M, t_end):
             if I[I_FLOOR] != 0 and not two_steps:
                 follow_iterations(M, dt, (I[I_ITERATIONS] - before) / (STAGES[scheme] - 1))
             if not two_steps:
-                choose_order(I, M, scheme, I[I_ITERATIONS] - before)
+                choose_order(I, M, scheme, I[I_ITERATIONS] - before, to_output)
         taken += 1
         if taken > I[I_MAXIMUM_STEPS]:
             status = TOO_MANY_STEPS
