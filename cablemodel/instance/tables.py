@@ -29,8 +29,8 @@ UNDAMPED = 0.08
 """The same in a vacuum, at tau = 1e-3."""
 MEMORY = 0.3
 """How long an error of the velocity goes on moving the line, in sqrt(L/g): steps shorter than that
-may make less of the local error allowed. (A whip in air is left out: what its mesh does not follow
-is damped by its steps, and decides.)"""
+may make less of the local error allowed. (A whip in air that bends is left out: waves that its mesh
+does not follow are damped by its steps, and decide.)"""
 ORDER_3_FIRST = 16.0
 """Good steps by order 3 with which a line that starts slack begins: it snaps, and Newton's method
 has trouble in longer ones."""
@@ -62,8 +62,8 @@ def fill_settings(block: Block, scene: Scene, scale: float) -> None:
     reals[at.S_TIME_TOLERANCE] = allowed
     reals[at.S_LENGTH] = length
     if follows_bending(scene):
-        bends = WHIPS if start.lightly_damped else BENDS
-        reals[at.S_BENT] = bends * tolerance * length
+        bent = WHIPS if start.lightly_damped else BENDS
+        reals[at.S_BENT] = bent * tolerance * length
         reals[at.S_BENT_AT_TOP] = float(start.slack)
     reals[at.S_TENSION_SCALE] = scale
     if start.slack:
@@ -72,7 +72,8 @@ def fill_settings(block: Block, scene: Scene, scale: float) -> None:
         reals[at.S_LARGEST_TENSION] = math.inf
     period = math.sqrt(length / max(scene.environment.gravity, 1e-3))
     reals[at.S_PERIOD] = period
-    if not (start.slack and start.lightly_damped):
+    bends = not all(is_flexible(scene, cable) for cable in scene.cables)
+    if not (bends and start.slack and start.lightly_damped):
         reals[at.S_MEMORY] = MEMORY * period
     # A start that the user would not notice: it grows up to sixteenfold a step.
     reals[at.S_FIRST_STEP] = 0.02 * period
