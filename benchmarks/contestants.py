@@ -32,7 +32,7 @@ class CableModelRunner:
 
     def advance(self, time: float) -> None:
         """One step to that time [s], whatever its length."""
-        self._model.step(time - self._model.time)
+        self._model.step_to(time)
 
     def tip(self) -> NDArray[np.float64]:
         """Free end, or the probe, relative to the vessel (3,) [m]."""
