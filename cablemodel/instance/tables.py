@@ -33,9 +33,9 @@ ORDER_3_FIRST = 16.0
 has trouble in longer ones."""
 FINEST_IN_AIR, FINEST_IN_WATER = 1e-4, 5e-4
 """tau down to which it does, with little drag and with much; below, tensions would suffer."""
-CALM_FIRST = 2.5, 0.1
-"""First step of a line at rest in water, in sqrt(tau) sqrt(L/g), and of tau L: how far the vessel
-may leave its uniform motion in it."""
+CALM_FIRST = 2.5, 0.01
+"""First step of a line that hangs at rest in water, in sqrt(tau) sqrt(L/g), and of tau L: how far
+the vessel may leave its uniform motion in it."""
 MOST_STEPS = 2_000_000
 """Internal steps that one call may take."""
 
@@ -90,8 +90,8 @@ def fill_settings(block: Block, scene: Scene, scale: float) -> None:
 def first_step(scene: Scene, start: Start, period: float) -> float:
     """Length of the first step [s], from which they grow up to sixteenfold a step.
 
-    As a rule one in which whatever is let go hardly moves. What hangs at rest in water, where
-    nothing but the vessel moves it, need not begin so: three steps are saved.
+    As a rule one in which whatever is let go hardly moves. What hangs at rest in water, with a
+    free end, is moved by the vessel only and need not begin so: three steps are saved.
     """
     tolerance = scene.solver.tolerance
     scale = math.sqrt(max(tolerance, 1e-12)) * period
@@ -99,6 +99,7 @@ def first_step(scene: Scene, start: Start, period: float) -> float:
     if (
         start.slack
         or start.lightly_damped
+        or not start.free_end
         or scene.environment.floor is not None
         or pays_out(scene)
     ):
@@ -108,7 +109,9 @@ def first_step(scene: Scene, start: Start, period: float) -> float:
     step = CALM_FIRST[0] * scale
     way = CALM_FIRST[1] * tolerance * scene.line_length
     while step > shortest:
-        if float(np.linalg.norm(motion.evaluate(step)[0] - place - step * velocity)) <= way:
+        there, speed, _acceleration = motion.evaluate(step)
+        moved = float(np.linalg.norm(there - place - step * velocity))
+        if max(moved, 0.5 * step * float(np.linalg.norm(speed - velocity))) <= way:
             break
         step *= 0.5
     return max(step, shortest)
