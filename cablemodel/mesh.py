@@ -16,6 +16,8 @@ FloatArray = NDArray[np.float64]
 
 _STEADY = 4.0
 """Elements at tau = 1e-3 of a line that starts under tension."""
+_FEWEST = 4, 3
+"""Of any line, at any accuracy, and of one that has nothing to bend it but its tow in a plane."""
 _SWINGING = 6.0
 """The same where drag hardly damps: what swings and waves are late by adds up."""
 _SLACK = 20.0
@@ -58,6 +60,8 @@ class Start:
     damping: float
     """rho Cdn d L / m of the line, dimensionless."""
     free_end: bool
+    plain: bool = False
+    """One cable that hangs at rest in still water from a pin, free at its end, towed in a plane."""
 
     @property
     def lightly_damped(self) -> bool:
@@ -72,7 +76,7 @@ def element_count(tolerance: float, start: Start) -> int:
     count = at_thousandth * math.pow(1e-3 / tolerance, 0.25)
     if start.slack and start.lightly_damped and start.damping > 0.0:
         count = min(count, _WHIP_IN_AIR[0] * math.pow(1e-3 / tolerance, _WHIP_IN_AIR[1]))
-    return max(4, math.ceil(count - 1e-9))
+    return max(_FEWEST[start.plain], math.ceil(count - 1e-9))
 
 
 def relative_size(x: float, start: Start) -> float:

@@ -17,6 +17,7 @@ from cablemodel.instance.winch import Winch
 from cablemodel.kernels import layout as at
 
 if TYPE_CHECKING:
+    from cablemodel.mesh import Start
     from cablemodel.scene import Scene
 
 FloatArray = NDArray[np.float64]
@@ -36,6 +37,9 @@ ORDER_3_FIRST = 16.0
 has trouble in longer ones."""
 FINEST_IN_AIR, FINEST_IN_WATER = 1e-4, 5e-4
 """tau down to which it does, with little drag and with much; below, tensions would suffer."""
+CALM_FIRST = 2.5, 0.01
+"""First step of a line that hangs at rest in water, in sqrt(tau) sqrt(L/g), and of tau L: how far
+the vessel may leave its uniform motion in it."""
 MOST_STEPS = 2_000_000
 """Internal steps that one call may take."""
 
@@ -75,9 +79,8 @@ def fill_settings(block: Block, scene: Scene, scale: float) -> None:
     bends = not all(is_flexible(scene, cable) for cable in scene.cables)
     if not (bends and start.slack and start.lightly_damped):
         reals[at.S_MEMORY] = MEMORY * period
-    # A start that the user would not notice: it grows up to sixteenfold a step.
     reals[at.S_FIRST_STEP] = 0.02 * period
-    reals[at.S_STEP] = 1e-2 * math.sqrt(max(tolerance, 1e-12)) * period
+    reals[at.S_STEP] = first_step(scene, start, period)
     reals[at.S_SMALLEST_STEP] = 1e-10 * period
     softness = masses = 0.0
     for cable in scene.cables:
@@ -90,6 +93,36 @@ def fill_settings(block: Block, scene: Scene, scale: float) -> None:
     finest = FINEST_IN_AIR if start.lightly_damped else FINEST_IN_WATER
     if start.slack and tolerance >= finest and scene.environment.floor is None:
         reals[at.S_ORDER_3] = ORDER_3_FIRST
+
+
+def first_step(scene: Scene, start: Start, period: float) -> float:
+    """Length of the first step [s], from which they grow up to sixteenfold a step.
+
+    As a rule one in which whatever is let go hardly moves. What hangs at rest in water, with a
+    free end, is moved by the vessel only and need not begin so: three steps are saved.
+    """
+    tolerance = scene.solver.tolerance
+    scale = math.sqrt(max(tolerance, 1e-12)) * period
+    shortest = 1e-2 * scale
+    if (
+        start.slack
+        or start.lightly_damped
+        or not start.free_end
+        or scene.environment.floor is not None
+        or pays_out(scene)
+    ):
+        return shortest
+    motion = scene.motion()
+    place, velocity, _acceleration = motion.evaluate(0.0)
+    step = CALM_FIRST[0] * scale
+    way = CALM_FIRST[1] * tolerance * scene.line_length
+    while step > shortest:
+        there, speed, _acceleration = motion.evaluate(step)
+        moved = float(np.linalg.norm(there - place - step * velocity))
+        if max(moved, 0.5 * step * float(np.linalg.norm(speed - velocity))) <= way:
+            break
+        step *= 0.5
+    return max(step, shortest)
 
 
 def fill_motion(block: Block, pieces: FloatArray) -> None:

@@ -91,7 +91,7 @@ def bear(I, M, share):
         if lowest_gap(I, M, q, node, w) < depth:
             parent = I[I[O_PARENT] + node]
             for p in range(4):
-                interpolate(I, q, parent, node, M[edge + E_LENGTH], p, w)
+                interpolate(I, q, parent, node, M[edge + E_LENGTH], p, w, dimension)
                 law, _stiffness, _energy = contact_law(gap_at(I, M, w, w[3:6]), depth)
                 load = max(load, law)
         difference = load_aimed_at(borne, load) - borne

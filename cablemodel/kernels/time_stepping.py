@@ -132,6 +132,7 @@ BEST_RATIO = 0.003  # that is believed for the next stage
 LARGEST_GROWTH = 16.0  # of the step: the first is much shorter than any motion
 FOLDS_ITSELF = 1e-4  # sqrt(L/g): steps so short follow the motion into a fold, none is refused
 BENDING_ON, BENDING_OFF = 0.01, 0.005  # hybrid: (EI/T)/h^2 above which bending is kept
+BENDING_SEEN = 1e-5  # tau below which what leaving it out misplaces, EI/T times r'', would be seen
 
 
 @kernel
@@ -381,6 +382,7 @@ def change_mesh(I, M, rests):
 @kernel
 def update_bending(I, M):
     """Hybrid model: bending is kept where sqrt(EI/T) is long enough for the mesh to see it."""
+    fine = min(1.0, M[S_TOLERANCE] / BENDING_SEEN) ** 2
     for node in range(1, I[I_NODES]):
         e = I[O_EDGE] + node * EDGE_WORDS
         if M[e + E_MODEL] != MODEL_HYBRID:
@@ -389,11 +391,11 @@ def update_bending(I, M):
         stiffness = M[e + E_BENDING_FULL]
         pull = h * h * (M[I[O_TENSION] + 2 * node] - abs(M[I[O_TENSION] + 2 * node + 1]))
         if M[e + E_BENDING] == 0.0:
-            if stiffness > BENDING_ON * pull:
+            if stiffness > BENDING_ON * fine * pull:
                 M[e + E_BENDING] = stiffness
                 I[I_FACTORED] = 0
                 I[I_HISTORY] = 0
-        elif stiffness < BENDING_OFF * pull:
+        elif stiffness < BENDING_OFF * fine * pull:
             M[e + E_BENDING] = 0.0
             I[I_FACTORED] = 0
             I[I_HISTORY] = 0
