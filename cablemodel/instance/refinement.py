@@ -34,7 +34,7 @@ WINCH = 2
 
 
 def follows_bending(scene: Scene) -> bool:
-    """Whether elements are halved where the line bends in free water; at a floor others do it.
+    """Whether elements are halved where the line bends in free water, above a floor too.
 
     A mesh that the scene asks for stays as it is. So does that of a line which drag hardly damps:
     every change of the mesh feeds a whip that hardly stretches; and that of a line which starts
@@ -44,7 +44,7 @@ def follows_bending(scene: Scene) -> bool:
     asked = any(cable.elements is not None for cable in [*scene.cables, *drum])
     start = start_conditions(scene)
     moves = pays_out(scene) or not start.slack
-    return scene.environment.floor is None and moves and not start.lightly_damped and not asked
+    return moves and not start.lightly_damped and not asked
 
 
 def spare_nodes(scene: Scene, nodes: int) -> int:

@@ -346,7 +346,7 @@ def change_mesh(I, M, rests):
         prepare_joining(I, M)
     if I[I_FLOOR] != 0:
         follow_floor(I, M, True)
-    if M[S_BENT] > 0.0:
+    elif M[S_BENT] > 0.0:
         follow_bending(I, M, True)
     if rests:
         # What is joined is made consistent while it is awake.
@@ -451,6 +451,12 @@ def follow_iterations(M, dt, iterations):
         M[S_TRACTABLE] = limit * (FAIR[1] if iterations <= FAIR[0] else PROBED)
 
 
+@inlined
+def mesh_is_due(I, M):
+    """Whether the mesh of a line without a floor may be looked at again."""
+    return I[I_FLOOR] == 0 and M[S_BENT] > 0.0 and M[S_TIME] >= M[S_BENT_AFTER]
+
+
 @kernel
 def advance_to(I, M, t_end):
     """Integrate to t_end exactly; on failure the status says why and the state is of no use."""
@@ -466,7 +472,7 @@ def advance_to(I, M, t_end):
             rests
             or (I[I_PAYOUT] != 0 and next_change(I, M) != 0)
             or (I[I_FLOOR] != 0 and follow_floor(I, M, False))
-            or (M[S_BENT] > 0.0 and M[S_TIME] >= M[S_BENT_AFTER] and follow_bending(I, M, False))
+            or (mesh_is_due(I, M) and follow_bending(I, M, False))
         ):
             status = change_mesh(I, M, rests)
             if status != OK:
