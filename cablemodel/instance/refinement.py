@@ -80,7 +80,10 @@ def refined(block: Block, scene: Scene, nodes: list[FloatArray]) -> list[FloatAr
     jump = np.zeros(count)  # at the child end of each element
     for node in range(1, count - 1):
         if not joints[node] and not joints[node + 1]:
-            jump[node] = float(np.linalg.norm(start[node + 1] - end[node]))
+            # Across the line, as in kernels/follow.py: what |r'| does along it is no bend.
+            slope = q[node, dimension:] / np.linalg.norm(q[node, dimension:])
+            bend = start[node + 1] - end[node]
+            jump[node] = float(np.linalg.norm(bend - (bend @ slope) * slope))
     # Flexible ends have no neighbour to compare with: half of the change inside stands for it.
     inside = np.linalg.norm(start - end, axis=1)
     indicator = h**2 * np.maximum(jump, np.concatenate([[0.0], jump[:-1]]))

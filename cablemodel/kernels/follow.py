@@ -90,10 +90,16 @@ def second_derivative(I, M, node, side, out):
 
 
 @kernel
-def jump_at(I, M, node):
-    """Jump of r'' at an element's child end [1/m]: 0 at a joint, all of it at the line's end."""
+def jump_at(I, M, node, across):
+    """Jump of r'' at an element's child end [1/m]: 0 at a joint, all of it at the line's end.
+
+    across: only what of it is across the line, a bend. Along it |r'| jumps, which swings about its
+    mean from node to node where an element beyond is bent more than a cubic can be: that is no
+    bend, and does not become less as h^2 in shorter elements.
+    """
     if I[I[O_JOINT] + node] != 0:
         return 0.0
+    dimension = I[I_DIMENSION]
     w = M[I[O_MOTION] + 28 : I[O_MOTION] + 34]
     second_derivative(I, M, node, 1, w[0:3])
     for i in range(3):
@@ -102,9 +108,17 @@ def jump_at(I, M, node):
         if I[I[O_JOINT] + node + 1] != 0:
             return 0.0
         second_derivative(I, M, node + 1, 0, w[3:6])
+    slope = I[O_POSITION] + 2 * dimension * node + dimension
     square = 0.0
-    for i in range(I[I_DIMENSION]):
-        square += (w[3 + i] - w[i]) ** 2
+    along = 0.0
+    size = 1e-300
+    for i in range(dimension):
+        jump = w[3 + i] - w[i]
+        square += jump * jump
+        along += jump * M[slope + i]
+        size += M[slope + i] ** 2
+    if across:
+        square = max(0.0, square - along * along / size)
     return math.sqrt(square)
 
 
@@ -130,7 +144,7 @@ def measure(I, M, gaps, behind, jumps):
             behind[node] = 0.0
         else:
             way += M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
-        jumps[node] = jump_at(I, M, node)
+        jumps[node] = jump_at(I, M, node, gaps[node] >= depth)
     way = 1e300
     for node in range(nodes - 1, 0, -1):
         if I[I[O_JOINT] + node] != 0:

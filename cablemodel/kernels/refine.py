@@ -71,7 +71,7 @@ def follow_bending(I, M, change):
     jumps = M[I[O_STAGE_V] : I[O_STAGE_V] + nodes + 1]
     for node in range(nodes):
         # At the line's ends r'' may be anything.
-        jumps[node] = jump_at(I, M, node) if 0 < node < nodes - 1 else 0.0
+        jumps[node] = jump_at(I, M, node, True) if 0 < node < nodes - 1 else 0.0
     changed = False
     node = nodes - 1
     while node >= 1:

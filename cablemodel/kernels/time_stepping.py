@@ -113,6 +113,7 @@ from .winch import begin_payout, longest_payout_step, paid_since
 
 LARGEST_ITERATIONS = 10
 STRUGGLE = 17, 7  # iterations of a step of order 4, and of order 3, in which Newton has trouble
+AT_FLOOR = 22  # the same for order 4 where there is a floor
 STEPS_OF_ORDER_3 = 16.0  # that follow such a step
 ORDER_3_STEP = 0.6  # of the step that the error of order 4 allows, as a first guess
 TIGHTEST = 1e-4  # tau down to which that pays, and what AT_ONCE leaves is not seen
@@ -418,11 +419,13 @@ def choose_order(I, M, scheme, iterations):
     """After a step: order 3 for those in which Newton's method has trouble.
 
     In a whip the long steps of order 4 take four iterations a stage, and new matrices in between;
-    the shorter ones of order 3, with three stages, half of the work for the same time. On a floor
-    it is contact that takes iterations, of any order.
+    the shorter ones of order 3, with three stages, half of the work for the same time. At a floor
+    contact takes some, of any order; but above one, too, what order 4 does with a slack line in
+    long steps gave it energy without end.
     """
     if scheme == 1:
-        if I[I_FLOOR] == 0 and iterations > STRUGGLE[0] and M[S_TOLERANCE] >= TIGHTEST:
+        many = STRUGGLE[0] if I[I_FLOOR] == 0 else AT_FLOOR
+        if iterations > many and M[S_TOLERANCE] >= TIGHTEST:
             M[S_ORDER_3] = STEPS_OF_ORDER_3
             M[S_STEP] *= ORDER_3_STEP
     elif M[S_ORDER_3] > 0.0:

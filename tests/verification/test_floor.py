@@ -293,3 +293,43 @@ def test_cable_over_two_humps():
     left = model.floor_force - model.top_force - [0.0, 0.0, WEIGHT * 91.0]
     assert left[[0, 2]] == pytest.approx(end[[0, 2]], abs=10 * 1e-4 * state.tension.max())
     assert model.touchdown_position[0] == pytest.approx(45.0, abs=3.0)
+
+
+def test_a_rod_that_leans_on_its_end_neither_sinks_nor_slips():
+    """A light stiff rod that leans against the current: its end bears thousands of its weight.
+
+    The current, which is a little askew, pulls that end sideways by less than friction holds.
+    """
+    tolerance, length, depth = 5e-4, 8.0, 5.0
+    rod = {
+        "diameter": 0.009,
+        "mass": 0.064,
+        "submerged_weight": 2e-4,
+        "axial_stiffness": 1e8,
+        "bending_stiffness": 280.0,
+        "drag_normal": 1.4,
+    }
+    start = np.array([[0.0, 0.0, 0.0], [-np.sqrt(length**2 - depth**2), 0.0, -depth]])
+    model = cm.CableModel(
+        cm.load_scene(
+            {
+                "environment": {
+                    "floor": {"z": -depth, "friction": 2.0},
+                    "current": [1.1, 0.1, 0.0],
+                },
+                "cable_types": {"C": rod},
+                "line": [cable(length)],
+                "vessel": {"position": [0, 0, 0]},
+                "initial": {"points": start.tolist()},
+                "solver": {"tolerance": tolerance},
+            }
+        )
+    )
+    for time in np.arange(0.5, 20.1, 0.5):
+        model.step_to(float(time))
+    press, pull = model.floor_force[2], np.linalg.norm(model.floor_force[:2])
+    assert press > 1000.0 * rod["submerged_weight"] * length
+    assert 0.0 < pull < 1.5 * press
+    x, y, z = model.tip_position
+    assert -tolerance * length < z + depth < 0.1 * tolerance * length
+    assert abs(y) < tolerance * length
