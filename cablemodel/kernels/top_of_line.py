@@ -109,7 +109,7 @@ def bends_with_next(I, M):
     if M[S_BENT] == 0.0:
         return False
     length = M[S_TOP_LENGTH] + M[I[O_EDGE] + 2 * EDGE_WORDS + E_LENGTH]
-    return length * length * jump_at(I, M, 1, True) > M[S_BENT]
+    return length * length * jump_at(I, M, 1, False) > M[S_BENT]
 
 
 @kernel

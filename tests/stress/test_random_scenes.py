@@ -29,7 +29,7 @@ def test_scene_completes_and_keeps_the_promise(seed: int) -> None:
 # not settled from some time on.
 CURED = {120: "energy", 274: "energy", 400: "energy", 787: "energy",
          175: "tension", 322: "tension", 682: "tension", 177: "position",
-         734: "position", 910: "position", 970: "position", 996: "position"}  # fmt: skip
+         697: "position", 734: "position", 996: "position"}  # fmt: skip
 
 
 @pytest.mark.parametrize(("seed", "kind"), CURED.items())

@@ -79,7 +79,7 @@ def distance(found: np.ndarray, reference: np.ndarray) -> float:
 
 @pytest.mark.parametrize("depth", [None, 31.0, 60.0])
 def test_mesh_that_follows_keeps_the_promise(reference: np.ndarray, depth: float | None) -> None:
-    """Above a floor, too, where one follower looks after bends and touchdown (kernels/follow.py)."""
+    """Above a floor, too, where one follower looks after bends and touchdown."""
     model = reversing(TAU, depth=depth)
     first = model.statistics["elements"]
     found, most = shapes(model, TIMES)
@@ -123,8 +123,10 @@ def let_go(
     return cm.CableModel(cm.load_scene(scene))
 
 
-@pytest.mark.parametrize("depth", [None, 60.0])
-@pytest.mark.parametrize(("rate", "most"), [(-0.1, 1.0), (0.1, 1.0), (0.4, 1.25)])
+@pytest.mark.parametrize(
+    ("rate", "most", "depth"),
+    [(-0.1, 1.0, None), (0.1, 1.0, None), (0.4, 1.25, None), (-0.1, 1.0, 60.0), (0.1, 1.0, 60.0)],
+)
 def test_a_winch_keeps_elements_short_where_the_line_bends(
     rate: float, most: float, depth: float | None
 ) -> None:
