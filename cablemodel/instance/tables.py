@@ -91,7 +91,7 @@ def fill_settings(block: Block, scene: Scene, scale: float) -> None:
     reals[at.S_AXIAL] = 1.0 / (softness * masses)
     reals[at.S_UNDAMPED] = float(start.lightly_damped)
     finest = FINEST_IN_AIR if start.lightly_damped else FINEST_IN_WATER
-    if start.slack and tolerance >= finest and scene.environment.floor is None:
+    if start.slack and tolerance >= finest:
         reals[at.S_ORDER_3] = ORDER_3_FIRST
 
 

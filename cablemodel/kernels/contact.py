@@ -32,6 +32,7 @@ from .layout import (
     O_PARENT,
     O_REST,
     S_BRISTLE,
+    S_END_BORNE,
     S_FLOOR_DAMPING,
     S_FLOOR_DEPTH,
     S_FRICTION,
@@ -204,7 +205,7 @@ def contact_place(I, M, place):
         if node == 0 or ends_in_something(I, M, node):
             return 0, 0.0, False
         edge = I[O_EDGE] + node * EDGE_WORDS
-        return node, M[edge + E_CONTACT] * touchdown_layer(M, edge), False
+        return node, M[edge + E_CONTACT] * touchdown_layer(M, edge) * M[S_END_BORNE], False
     row = I[O_BODY] + place // 2 * BODY_WORDS
     node = int(M[row + B_NODE])
     if node < 0:  # on the drum

@@ -130,6 +130,7 @@ S_BENT = _S + 89  # what h^2 times the jump of r'' may be in free water [m]; 0: 
 S_BENT_AFTER = _S + 90  # time before which the mesh is not looked at again [s]
 S_TRACTABLE = _S + 91  # at a floor: longest step that Newton's method is expected to manage [s]
 S_BENT_AT_TOP = _S + 92  # 1: only what the winch moves is looked at, the top element
+S_END_BORNE = _S + 93  # what the floor bears for long of the line's end, in units of its contact
 S_ORDER_3 = _S + 87  # steps by order 3 before order 4 is tried again
 S_LARGEST_TENSION = _S + 74  # so far, either way [N]
 S_STAGE_TENSION = _S + 68  # 6 words: of the top element, in the stages of the last step [N]

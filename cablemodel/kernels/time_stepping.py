@@ -116,6 +116,7 @@ from .winch import begin_payout, longest_payout_step, paid_since
 
 LARGEST_ITERATIONS = 10
 STRUGGLE = 17, 7  # iterations of a step of order 4, and of order 3, in which Newton has trouble
+AT_FLOOR = 22  # the same for order 4 where there is a floor
 STEPS_OF_ORDER_3 = 16.0  # that follow such a step
 ORDER_3_STEP = 0.6  # of the step that the error of order 4 allows, as a first guess
 TIGHTEST = 1e-4  # tau down to which that pays, and what AT_ONCE leaves is not seen
@@ -366,7 +367,7 @@ def change_mesh(I, M, rests):
         prepare_joining(I, M)
     if I[I_FLOOR] != 0:
         follow_floor(I, M, True)
-    if M[S_BENT] > 0.0:
+    elif M[S_BENT] > 0.0:
         follow_bending(I, M, True)
     if rests:
         # What is joined is made consistent while it is awake.
@@ -439,14 +440,16 @@ def choose_order(I, M, scheme, iterations, to_output):
     """After a step: order 3 for those in which Newton's method has trouble.
 
     In a whip the long steps of order 4 take four iterations a stage, and new matrices in between;
-    the shorter ones of order 3, with three stages, half of the work for the same time. On a floor
-    it is contact that takes iterations, of any order. A step that is read afterwards takes one
-    more in each stage, without any trouble.
+    the shorter ones of order 3, with three stages, half of the work for the same time. At a floor
+    contact takes some, of any order; but above one, too, what order 4 does with a slack line in
+    long steps gave it energy without end. A step that is read afterwards takes one more in each
+    stage, without any trouble.
     """
     if to_output:
         iterations -= STAGES[scheme] - 1
     if scheme == 1:
-        if I[I_FLOOR] == 0 and iterations > STRUGGLE[0] and M[S_TOLERANCE] >= TIGHTEST:
+        many = STRUGGLE[0] if I[I_FLOOR] == 0 else AT_FLOOR
+        if iterations > many and M[S_TOLERANCE] >= TIGHTEST:
             M[S_ORDER_3] = STEPS_OF_ORDER_3
             M[S_STEP] *= ORDER_3_STEP
     elif M[S_ORDER_3] > 0.0:
@@ -475,6 +478,12 @@ def follow_iterations(M, dt, iterations):
         M[S_TRACTABLE] = limit * (FAIR[1] if iterations <= FAIR[0] else PROBED)
 
 
+@inlined
+def mesh_is_due(I, M):
+    """Whether the mesh of a line without a floor may be looked at again."""
+    return I[I_FLOOR] == 0 and M[S_BENT] > 0.0 and M[S_TIME] >= M[S_BENT_AFTER]
+
+
 @kernel
 def advance_to(I, M, t_end):
     """Integrate to t_end exactly; on failure the status says why and the state is of no use."""
@@ -490,7 +499,7 @@ def advance_to(I, M, t_end):
             rests
             or (I[I_PAYOUT] != 0 and next_change(I, M) != 0)
             or (I[I_FLOOR] != 0 and follow_floor(I, M, False))
-            or (M[S_BENT] > 0.0 and M[S_TIME] >= M[S_BENT_AFTER] and follow_bending(I, M, False))
+            or (mesh_is_due(I, M) and follow_bending(I, M, False))
         ):
             status = change_mesh(I, M, rests)
             if status != OK:
