@@ -31,7 +31,7 @@ UNDAMPED = 0.08
 MEMORY = 0.3
 """How long an error of the velocity goes on moving the line, in sqrt(L/g): steps shorter than that
 may make less of the local error allowed. (A whip in air that bends is left out: waves that its mesh
-does not follow are damped by its steps, and decide.)"""
+does not follow are damped by its steps, and decide. In a vacuum little is allowed anyhow.)"""
 ORDER_3_FIRST = 16.0
 """Good steps by order 3 with which a line that starts slack begins: it snaps, and Newton's method
 has trouble in longer ones."""
@@ -77,7 +77,7 @@ def fill_settings(block: Block, scene: Scene, scale: float) -> None:
     period = math.sqrt(length / max(scene.environment.gravity, 1e-3))
     reals[at.S_PERIOD] = period
     bends = not all(is_flexible(scene, cable) for cable in scene.cables)
-    if not (bends and start.slack and start.lightly_damped):
+    if rho > 0.0 and not (bends and start.slack and start.lightly_damped):
         reals[at.S_MEMORY] = MEMORY * period
     reals[at.S_FIRST_STEP] = 0.02 * period
     reals[at.S_STEP] = first_step(scene, start, period)
