@@ -6,6 +6,7 @@ import statistics
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Protocol
 
 import numpy as np
@@ -18,6 +19,16 @@ ENOUGH_CPU_SECONDS = 1.0
 """Repeating stops once the timed runs have taken this long together [s]."""
 LONG_RUN_SECONDS = 5.0
 """A run longer than this is neither warmed up nor repeated [s]."""
+
+
+@cache
+def clock_cost() -> float:
+    """CPU time that two readings of the clock see between them when nothing is done [s]."""
+    costs = []
+    for _ in range(1000):
+        start = time.process_time()
+        costs.append(time.process_time() - start)
+    return statistics.median(costs)
 
 
 class Runner(Protocol):
@@ -78,7 +89,8 @@ def run_once(
 ) -> tuple[float, NDArray[np.float64], NDArray[np.float64], dict[str, float]]:
     """One run through all reference times.
 
-    Returns CPU seconds of stepping, tip (n, 3) [m], tension (n,) [N] and the counts.
+    Returns CPU seconds of stepping, tip (n, 3) [m], tension (n,) [N] and the counts. What reading
+    the clock takes is not counted.
     """
     times = reference.times
     runner = contestant.make(scene, times)
@@ -89,7 +101,7 @@ def run_once(
         for index, instant in enumerate(times):
             start = time.process_time()
             runner.advance(instant)
-            spent += time.process_time() - start
+            spent += max(0.0, time.process_time() - start - clock_cost())
             tips[index] = runner.tip()
             tensions[index] = runner.top_tension()
         counts = runner.statistics()
@@ -118,7 +130,7 @@ def errors(
 
 
 def measure(
-    contestant: Contestant, scene: BenchmarkScene, reference: Reference, max_repeats: int = 9
+    contestant: Contestant, scene: BenchmarkScene, reference: Reference, max_repeats: int = 25
 ) -> Measurement:
     """Median cost of repeated runs after a warm-up, and the errors of the last one.
 

@@ -21,11 +21,11 @@ HEADER = """# Run time against error
 For those who choose a simulator or a tolerance. Written by `make bench`
 (`python -m benchmarks`); the raw numbers are in
 [benchmarks/results.json](benchmarks/results.json). Cost is CPU seconds of stepping per simulated
-second, in one process on one core, after a warm-up, median of the repeats; making the scene and
-its initial statics is not in it. Tip error is the largest distance of the free end from the
-reference over the length, tension error the largest error of the top tension over its largest
-value, both over the instants listed below. Targets and ratios count the models with bending
-only (hybrid, elastica), as MoorDyn and the references have it.
+second, in one process on one core, after a warm-up, median of the repeats; making the scene, its
+initial statics and reading the clock are not in it. Tip error is the largest distance of the free
+end from the reference over the length, tension error the largest error of the top tension over its
+largest value, both over the instants listed below. Targets and ratios count the models with bending
+only (hybrid, elastica), as MoorDyn and the references have it. *Beyond* are goals set later.
 """
 
 MOORDYN_NOTES = """## MoorDyn: how it was driven

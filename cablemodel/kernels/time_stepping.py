@@ -130,6 +130,7 @@ HARD = 4.5  # iterations above which it stays; only a failure makes it shorter
 LEAST_SHARE = 0.1  # of the local error allowed: what a step however short has
 AT_ONCE = 0.02  # of the tolerance: what a stage's first iteration may leave, by the last ratio
 BEST_RATIO = 0.003  # that is believed for the next stage
+UNSEEN_RATIO = 0.03  # the same where increments were so small that it says little
 LARGEST_GROWTH = 16.0  # of the step: the first is much shorter than any motion
 FOLDS_ITSELF = 1e-4  # sqrt(L/g): steps so short follow the motion into a fold, none is refused
 BENDING_ON, BENDING_OFF = 0.01, 0.005  # hybrid: (EI/T)/h^2 above which bending is kept
@@ -188,6 +189,8 @@ def solve_stage(I, M, t, gamma_dt, tolerance, to_output, ratio):
                 largest = max(largest, abs(tension[2 * n]))
             settled = tension_change <= 1e-4 * largest
         if settled and size <= 0.01 * tolerance:
+            if ratio == 1.0 and since > 0:
+                ratio = max(size / previous, UNSEEN_RATIO)
             return OK, ratio
         if iteration == 0:
             if ratio < 1.0 and ratio / (1.0 - ratio) * size <= at_once * tolerance:
