@@ -87,7 +87,7 @@ def refined(block: Block, scene: Scene, nodes: list[FloatArray]) -> list[FloatAr
         if not joints[node] and not joints[node + 1]:
             bend = start[node + 1] - end[node]
             if by_spring:
-                # Across the line: what |r'| does along it is no bend, see `follow.swings`.
+                # Across the line: what |r'| does along it is no bend, see `follow.jump_at`.
                 slope = q[node, dimension:] / np.linalg.norm(q[node, dimension:])
                 bend -= (bend @ slope) * slope
             jump[node] = float(np.linalg.norm(bend))

@@ -16,7 +16,6 @@ from .floor_surface import lowest_gap
 from .layout import (
     BY_SPRING,
     C_CLAMPED,
-    C_SPRING,
     CABLE_WORDS,
     E_BENDING_FULL,
     E_BORNE,
@@ -94,7 +93,9 @@ def second_derivative(I, M, node, side, out):
 def jump_at(I, M, node, across):
     """Jump of r'' at an element's child end [1/m]: 0 at a joint, all of it at the line's end.
 
-    across: only what of it is across the line (see `swings`).
+    across: only what of it is across the line, a bend. Along it r'' jumps where |r'| does not stay
+    the same: in waves along the line, and all along one whose clamp's spring turns the top element
+    by more than a cubic can. That falls as h in shorter elements, not as h^2.
     """
     if I[I[O_JOINT] + node] != 0:
         return 0.0
@@ -122,17 +123,6 @@ def jump_at(I, M, node, across):
 
 
 @kernel
-def swings(I, M):
-    """Whether |r'| may swing about its mean from node to node, where no element bends too much.
-
-    It does all along a line whose clamp's spring turns the top element by more than a cubic can,
-    which stays as long as it is. That is no bend, and falls as h in shorter elements, not as h^2.
-    """
-    row = I[O_CONSTRAINT]
-    return M[row + C_CLAMPED] == BY_SPRING and M[row + C_SPRING] > 0.0
-
-
-@kernel
 def measure(I, M, gaps, behind, jumps):
     """Gap of every element, its distance from hanging cable, jump of r'' at its child end."""
     nodes = I[I_NODES]
@@ -142,7 +132,6 @@ def measure(I, M, gaps, behind, jumps):
     q = M[I[O_POSITION] : I[O_POSITION] + 2 * dimension * nodes]
     way = 1e300
     jumps[0] = 0.0
-    across = swings(I, M)
     for node in range(1, nodes):
         gaps[node] = 1e300
         behind[node] = way
@@ -155,7 +144,7 @@ def measure(I, M, gaps, behind, jumps):
             behind[node] = 0.0
         else:
             way += M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
-        jumps[node] = jump_at(I, M, node, across)
+        jumps[node] = jump_at(I, M, node, gaps[node] >= depth)
     way = 1e300
     for node in range(nodes - 1, 0, -1):
         if I[I[O_JOINT] + node] != 0:

@@ -7,7 +7,7 @@ they were at the start, once one cubic does for both.
 """
 
 from .compile import kernel
-from .follow import holds_something, jump_at, may_be_halved, one_cubic_does, swings
+from .follow import holds_something, jump_at, may_be_halved, one_cubic_does
 from .layout import (
     E_BENDING_FULL,
     E_LENGTH,
@@ -75,10 +75,9 @@ def follow_bending(I, M, change):
     M[S_BENT_AFTER] = M[S_TIME] + PAUSE * M[S_PERIOD]
     nodes = I[I_NODES]
     jumps = M[I[O_STAGE_V] : I[O_STAGE_V] + nodes + 1]
-    across = swings(I, M)
     for node in range(nodes):
         # At the line's ends r'' may be anything.
-        jumps[node] = jump_at(I, M, node, across) if 0 < node < nodes - 1 else 0.0
+        jumps[node] = jump_at(I, M, node, True) if 0 < node < nodes - 1 else 0.0
     changed = False
     node = nodes - 1
     while node >= 1:
