@@ -23,7 +23,7 @@ DEPTH = 0.06
 """Gap below which the floor pushes, in units of tau L."""
 BRISTLE = 0.02
 """Way along the floor after which friction is mobilised, in units of tau L."""
-SHARPEST = 8.0, 0.02
+SHARPEST = 1.2, 0.003
 """Length over which bending spreads a touchdown of cable that has no bending stiffness: in units of
 tau L, of L at most. At half of it the folds of a slack chain are too quick for its time steps."""
 SPARE = 40, 30
@@ -42,7 +42,7 @@ def least_bending(scene: Scene, kind: CableType) -> float:
     gives it, however small. Shapes differ by less than the layer l of `SHARPEST`, on a floor with
     a horizontal tension H by l (w l / H)^2.
     """
-    layer = scene.line_length * min(SHARPEST[0] * scene.solver.tolerance, SHARPEST[1])
+    layer = scene.line_length * (SHARPEST[0] * scene.solver.tolerance + SHARPEST[1])
     return contact_weight(kind, scene.environment.gravity) * layer**3
 
 
