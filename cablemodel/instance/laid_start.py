@@ -10,6 +10,7 @@ where it lands. What the vessel drags over the floor feels the friction of that 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
@@ -21,13 +22,13 @@ from cablemodel.block import Block
 from cablemodel.instance.frame import local
 from cablemodel.instance.scales import rate_at_start
 from cablemodel.kernels import layout as at
+from cablemodel.kernels.contact import STEEPEST, STIFFENING
+from cablemodel.kernels.tables import CONTACT_H, CONTACT_POINTS, CONTACT_WEIGHTS
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
 
 FloatArray = NDArray[np.float64]
-import os
-DBG = os.environ.get('DBG')
 
 SOFT = 3.0
 """Way in which friction is mobilised while the start is sought, in units of the line's length: it
@@ -88,15 +89,12 @@ def lie_still(block: Block, scene: Scene, solve: Callable[[], int]) -> int:
             return status
         moved = _slide(laid, q, lies, bears, even=even)
         held = reals[at.S_FRICTION] * float(bears[lies] @ moved[lies]) / soft
-        if DBG: print(_, held / (scene.solver.tolerance * float(bears.sum())), moved.max()/reals[at.S_LENGTH])
         if held <= CALM * scene.solver.tolerance * float(bears.sum()):
             break
     _put_on(block, laid, _lies(block, scene))
     bears, drags = _loads(block, scene)
     rest[:] = laid - bristle * _shares(block, scene, bears, drags, dragged)
-    status = solve()
-    if DBG: print("final", status, np.abs(block.array(at.O_TENSION, nodes, 2)[1:,0]).min())
-    return status
+    return solve()
 
 
 def _laid_line(block: Block, scene: Scene, q: FloatArray) -> FloatArray:
@@ -191,22 +189,35 @@ def _lying_elements(block: Block, lies: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return np.asarray(lies & lies[np.maximum(parents, 0)])
 
 
-def _earth(block: Block) -> FloatArray:
-    """Places of the nodes in the earth's frame, (nodes, 3) [m]."""
-    nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
-    places = block.array(at.O_POSITION, nodes, 2 * dimension)[:, :dimension]
-    if dimension == 2:
+def _earth(block: Block, places: FloatArray) -> FloatArray:
+    """Places in the block's coordinates (n, dimension) in the earth's frame, (n, 3) [m]."""
+    if block.ints[at.I_DIMENSION] == 2:
         plane = block.reals[at.S_PLANE : at.S_PLANE + 2]
         places = places @ np.array([[plane[0], plane[1], 0.0], [0.0, 0.0, 1.0]])
     return np.asarray(places + block.reals[at.S_BASE : at.S_BASE + 3], dtype=np.float64)
 
 
-def _lies(block: Block, scene: Scene) -> NDArray[np.bool_]:
-    """Which nodes touch the floor, (nodes,)."""
+def _positions(block: Block) -> FloatArray:
+    """Positions of the nodes, (nodes, dimension) [m]."""
+    nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
+    return block.array(at.O_POSITION, nodes, 2 * dimension)[:, :dimension]
+
+
+def _gaps(block: Block, scene: Scene, places: FloatArray) -> FloatArray:
+    """Heights above the floor, across it, of places (n, dimension) in the block, (n,) [m]."""
     floor = scene.environment.floor
     assert floor is not None
-    depth = float(block.reals[at.S_FLOOR_DEPTH])
-    return np.array([z - floor.height(float(x), float(y)) < depth for x, y, z in _earth(block)])
+    gaps = np.empty(len(places))
+    for n, (x, y, z) in enumerate(_earth(block, places).tolist()):
+        rise = laid_loads.slopes(scene, x, y)
+        gaps[n] = (z - floor.height(x, y)) / math.sqrt(1.0 + rise[0] ** 2 + rise[1] ** 2)
+    return gaps
+
+
+def _lies(block: Block, scene: Scene) -> NDArray[np.bool_]:
+    """Which nodes touch the floor, (nodes,)."""
+    gaps = _gaps(block, scene, _positions(block))
+    return np.asarray(gaps < float(block.reals[at.S_FLOOR_DEPTH]))
 
 
 def _along(block: Block) -> FloatArray:
@@ -220,7 +231,7 @@ def _flow(block: Block, scene: Scene) -> tuple[FloatArray, FloatArray, FloatArra
     """At the nodes: drag across and along the cable over its coefficients [m2/s2], and the velocity
     of the cable over the ground [m/s]; (nodes, dimension) each."""
     along = _along(block)
-    water = laid_loads.water_velocity(scene, _earth(block)[:, 2])
+    water = laid_loads.water_velocity(scene, _earth(block, _positions(block))[:, 2])
     velocity = local(block, scene.motion().evaluate(0.0)[1], point=False)
     own = velocity + rate_at_start(scene) * along
     flow = np.array([local(block, value, point=False) for value in water]) - own
@@ -232,8 +243,8 @@ def _flow(block: Block, scene: Scene) -> tuple[FloatArray, FloatArray, FloatArra
 
 
 def _loads(block: Block, scene: Scene) -> tuple[FloatArray, FloatArray]:
-    """At the nodes: the weight that the floor bears per unit of the law of contact, (nodes,), and
-    the drag on elements and bodies that lie, (nodes, dimension) [N]."""
+    """At the nodes: what the floor bears there at rest (nodes,), and the drag on elements and bodies
+    that lie, (nodes, dimension) [N]."""
     nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
     edges = block.array(at.O_EDGE, nodes, at.EDGE_WORDS)
     parents = block.integers(at.O_PARENT, nodes)
@@ -272,27 +283,82 @@ def _shares(
     They make the floor's whole force vertical, as the weight is that it bears, and hold the drag.
     dragged: they are drawn by the motion over the floor instead.
     """
-    floor = scene.environment.floor
-    assert floor is not None
-    friction, depth = block.reals[at.S_FRICTION], float(block.reals[at.S_FLOOR_DEPTH])
-    places, own = _earth(block), _flow(block, scene)[2]
+    friction = float(block.reals[at.S_FRICTION])
+    own = _flow(block, scene)[2]
     share = np.zeros_like(own)
-    for node, (x, y, z) in enumerate(places.tolist()):
-        gap = z - floor.height(x, y)
-        if bears[node] <= 0.0 or gap >= depth:
-            continue
-        rise = laid_loads.slopes(scene, x, y)
+    places = _earth(block, _positions(block))
+    steep = np.zeros(len(own))
+    for node in np.flatnonzero(bears > 0.0):
+        rise = laid_loads.slopes(scene, float(places[node, 0]), float(places[node, 1]))
         up = local(block, np.array([-rise[0], -rise[1], 1.0]), point=False)
-        size = float(np.linalg.norm(up))
-        up /= size
+        up /= np.linalg.norm(up)
         if dragged:
             along = own[node] - (own[node] @ up) * up
             share[node] = SLIDES * along / max(float(np.linalg.norm(along)), 1e-12)
             continue
         down = up * up[-1]
         down[-1] -= 1.0
-        share[node] = down / friction
+        steep[node] = np.linalg.norm(down) / up[-1]
+        share[node] = down / max(float(np.linalg.norm(down)), 1e-12)
         if drags is not None:
-            share[node] += (drags[node] - (drags[node] @ up) * up) / (friction * bears[node])
+            drags[node] -= (drags[node] @ up) * up
+    if dragged:
+        return share
+    share *= _drawn(block, scene, steep / friction)[:, None]
+    if drags is not None:
+        share += drags / (friction * np.maximum(bears, 1e-12))[:, None]
     return share
 
+
+def _drawn(block: Block, scene: Scene, wanted: FloatArray) -> FloatArray:
+    """Bristles at the nodes by which friction is the wanted part of the largest there can be.
+
+    wanted: (nodes,). A bristle slips where the floor presses less than it pulls: what is lost there,
+    at the place where the cable lands, the rest of the element has to hold.
+    """
+    q = _positions(block)
+    nodes, dimension = q.shape
+    slopes = block.array(at.O_POSITION, nodes, 2 * dimension)[:, dimension:]
+    edges = block.array(at.O_EDGE, nodes, at.EDGE_WORDS)
+    parents = block.integers(at.O_PARENT, nodes)
+    depth = float(block.reals[at.S_FLOOR_DEPTH])
+    gaps = _gaps(block, scene, q)
+    drawn = wanted * (gaps < depth)  # at a body, or anywhere on the level
+    ends = [(int(parents[n]), n) for n in np.flatnonzero(block.integers(at.O_JOINT, nodes) == 0)[1:]]
+    near = [
+        (p, n) for p, n in ends if min(gaps[p], gaps[n]) < depth + 0.5 * edges[n, at.E_LENGTH]
+    ]
+    if not near:
+        return drawn
+    upper, lower = np.array(near).T
+    h = edges[lower, at.E_LENGTH]
+    data = np.stack([q[upper], slopes[upper] * h[:, None], q[lower], slopes[lower] * h[:, None]])
+    points = np.einsum("pk,ked->epd", CONTACT_H, data)
+    law = _law_of_contact(_gaps(block, scene, points.reshape(-1, dimension)) / depth)
+    law = law.reshape(len(near), -1)
+    force = (h * edges[lower, at.E_CONTACT] * edges[lower, at.E_BORNE])[:, None] * CONTACT_WEIGHTS
+
+    def at_nodes(values: FloatArray) -> FloatArray:
+        """Forces at the points (elements, points), shared out to the nodes (nodes,)."""
+        found = np.zeros(nodes)
+        np.add.at(found, upper, (force * values) @ (1.0 - CONTACT_POINTS))
+        np.add.at(found, lower, (force * values) @ CONTACT_POINTS)
+        return found
+
+    touches = at_nodes(law) > 0.0
+    drawn = np.where(touches, wanted, drawn)
+    needed = wanted * at_nodes(law)
+    for _ in range(20):
+        bristle = np.outer(drawn[upper], 1.0 - CONTACT_POINTS) + np.outer(drawn[lower], CONTACT_POINTS)
+        held = at_nodes(np.minimum(bristle, law))
+        drawn = np.where(held > 0.0, drawn * np.clip(needed / np.maximum(held, 1e-300), 0.2, 5.0), drawn)
+    return np.asarray(np.minimum(drawn, 100.0), dtype=np.float64)
+
+
+def _law_of_contact(gaps: FloatArray) -> FloatArray:
+    """What the floor bears over what it bears at rest; gaps (n,) in units of the contact layer.
+
+    That of kernels/contact.py, which has no machine code of its own.
+    """
+    below = 1.0 + STIFFENING * np.expm1(np.minimum(-2.0 * gaps / STIFFENING, STEEPEST))
+    return np.asarray(np.where(gaps >= 0.0, np.clip(1.0 - gaps, 0.0, None) ** 2, below))
