@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-BEND = 4.0
+BEND = 2.0
 """Radius with which a first shape turns on to the floor, in touchdown layers."""
 GRADING = 0.5
 """Length of elements per distance from the touchdown of a first shape."""
