@@ -72,7 +72,10 @@ def water_velocity(scene: Scene, z: FloatArray) -> FloatArray:
         return np.zeros((len(z), 3))
     table = np.asarray(current.velocity)
     now = np.stack(
-        [[np.interp(0.0, current.t, table[:, k, i]) for i in range(3)] for k in range(len(current.z))]
+        [
+            [np.interp(0.0, current.t, table[:, k, i]) for i in range(3)]
+            for k in range(len(current.z))
+        ]
     )
     return np.stack([np.interp(z, current.z, now[:, i]) for i in range(3)], axis=-1)
 

@@ -324,10 +324,10 @@ def _drawn(block: Block, scene: Scene, wanted: FloatArray) -> FloatArray:
     depth = float(block.reals[at.S_FLOOR_DEPTH])
     gaps = _gaps(block, scene, q)
     drawn = wanted * (gaps < depth)  # at a body, or anywhere on the level
-    ends = [(int(parents[n]), n) for n in np.flatnonzero(block.integers(at.O_JOINT, nodes) == 0)[1:]]
-    near = [
-        (p, n) for p, n in ends if min(gaps[p], gaps[n]) < depth + 0.5 * edges[n, at.E_LENGTH]
+    ends = [
+        (int(parents[n]), n) for n in np.flatnonzero(block.integers(at.O_JOINT, nodes) == 0)[1:]
     ]
+    near = [(p, n) for p, n in ends if min(gaps[p], gaps[n]) < depth + 0.5 * edges[n, at.E_LENGTH]]
     if not near:
         return drawn
     upper, lower = np.array(near).T
@@ -349,9 +349,13 @@ def _drawn(block: Block, scene: Scene, wanted: FloatArray) -> FloatArray:
     drawn = np.where(touches, wanted, drawn)
     needed = wanted * at_nodes(law)
     for _ in range(20):
-        bristle = np.outer(drawn[upper], 1.0 - CONTACT_POINTS) + np.outer(drawn[lower], CONTACT_POINTS)
+        bristle = np.outer(drawn[upper], 1.0 - CONTACT_POINTS) + np.outer(
+            drawn[lower], CONTACT_POINTS
+        )
         held = at_nodes(np.minimum(bristle, law))
-        drawn = np.where(held > 0.0, drawn * np.clip(needed / np.maximum(held, 1e-300), 0.2, 5.0), drawn)
+        drawn = np.where(
+            held > 0.0, drawn * np.clip(needed / np.maximum(held, 1e-300), 0.2, 5.0), drawn
+        )
     return np.asarray(np.minimum(drawn, 100.0), dtype=np.float64)
 
 
