@@ -88,19 +88,22 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, *, as_laid: bool
     ints, reals = block.ints, block.reals
     held = ints[at.I_CONSTRAINTS] > 1
     friction = reals[at.S_FRICTION]
+
+    def solve() -> int:
+        guess = block.image.copy()
+        status = int(entry.equilibrium(ints, reals, frame))
+        if status != at.OK and ints[at.I_FLOOR]:
+            block.image[:] = guess
+            status = _sink_in(block, frame)
+        return status
+
     if as_laid:
-        status = laid_start.lie_still(
-            block, scene, lambda: int(entry.equilibrium(ints, reals, frame))
-        )
+        status = laid_start.lie_still(block, scene, solve)
     else:
         if not held:
             # A free end comes to rest without friction; it holds the line from there.
             reals[at.S_FRICTION] = 0.0
-        guess = block.image.copy()
-        status = entry.equilibrium(ints, reals, frame)
-        if status != at.OK and ints[at.I_FLOOR]:
-            block.image[:] = guess
-            status = _sink_in(block, frame)
+        status = solve()
         reals[at.S_FRICTION] = friction
         if not held:
             sea_floor.rest_where_it_is(block)

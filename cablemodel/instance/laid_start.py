@@ -37,6 +37,8 @@ PASSES = 12
 """In which friction is set anew to what each piece needs, at most."""
 CALM = 0.02
 """What the bristles may hold beyond that, in tau times the weight of the line."""
+STIFFER = 8
+"""Steps in which bristles get their own length, where at once finds no equilibrium."""
 SLIDES = 3.0
 """Of a bristle's length: well beyond where it slips."""
 
@@ -91,10 +93,24 @@ def lie_still(block: Block, scene: Scene, solve: Callable[[], int]) -> int:
         held = reals[at.S_FRICTION] * float(bears[lies] @ moved[lies]) / soft
         if held <= CALM * scene.solver.tolerance * float(bears.sum()):
             break
+    slid = block.image.copy()
     _put_on(block, laid, _lies(block, scene))
-    bears, drags = _loads(block, scene)
-    rest[:] = laid - bristle * _shares(block, scene, bears, drags, dragged)
-    return solve()
+    stiffer = [bristle]
+    for _attempt in range(2):
+        for length in stiffer:
+            bears, drags = _loads(block, scene)
+            reals[at.S_BRISTLE] = length
+            rest[:] = laid - length * _shares(block, scene, bears, drags, dragged)
+            status = solve()
+            reals[at.S_BRISTLE] = bristle
+            if status != at.OK:
+                break
+        if status == at.OK:
+            break
+        # Bristles that get shorter pull what slid aside back to its line.
+        block.image[:] = slid
+        stiffer = np.geomspace(0.1 * soft, bristle, STIFFER).tolist()
+    return status
 
 
 def _laid_line(block: Block, scene: Scene, q: FloatArray) -> FloatArray:
@@ -132,7 +148,7 @@ def _put_on(block: Block, line: FloatArray, lies: NDArray[np.bool_]) -> None:
     if len(places) < 3:
         return
     turned = np.gradient(line[places], axis=0)
-    turned /= np.linalg.norm(turned, axis=1)[:, None]
+    turned /= np.maximum(np.linalg.norm(turned, axis=1), 1e-12)[:, None]
     for node, along in zip(places[2:], turned[2:], strict=True):
         q[node, :dimension] = line[node]
         q[node, dimension:] = along * np.linalg.norm(q[node, dimension:])
