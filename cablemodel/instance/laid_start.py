@@ -3,9 +3,10 @@
 A line with a free end comes to rest without friction where the floor is level, the water still and
 the vessel at rest: nothing pushes what lies. On a slope, or in a current, the same line would slide
 away, and fold. What has been laid there has many shapes at rest, by what tension it was laid with.
-It starts as a lay without tension leaves it: straight behind the vessel, each piece held by just the
-friction that balances its own weight along the slope and its own drag, so that no tension is left
-where it lands. What the vessel drags over the floor feels the friction of that motion instead.
+It starts as a lay without tension leaves it: straight behind the vessel, each piece held by just
+the friction that makes the floor's force on it vertical, and that balances its own drag, so that no
+tension is left where it lands. What the vessel drags over the floor feels the friction of that
+motion instead.
 """
 
 from __future__ import annotations
@@ -94,7 +95,10 @@ def lie_still(block: Block, scene: Scene, solve: Callable[[], int]) -> int:
         if held <= CALM * scene.solver.tolerance * float(bears.sum()):
             break
     slid = block.image.copy()
-    _put_on(block, laid, _lies(block, scene))
+    if dragged:
+        laid = q.copy()  # no line was laid: bristles are drawn from where the cable is
+    else:
+        _put_on(block, laid, _lies(block, scene))
     stiffer = [bristle]
     for _attempt in range(2):
         for length in stiffer:
@@ -170,7 +174,7 @@ def _slide(
     if even:
         along[:] = bears[lies] @ along[lies] / float(bears[lies].sum())
     line += np.outer(along, way / max(size, 1e-12))
-    return np.abs(along)
+    return np.asarray(np.abs(along), dtype=np.float64)
 
 
 def _without_drag(block: Block, scene: Scene) -> Callable[[], None]:
@@ -185,7 +189,9 @@ def _without_drag(block: Block, scene: Scene) -> Callable[[], None]:
     columns = [at.E_DRAG_NORMAL, at.E_DRAG_TANGENTIAL]
     of_body = [at.B_DRAG, at.B_DRAG_AXIAL]
     kept, kept_bodies = edges[:, columns].copy(), bodies[:, of_body].copy()
-    edges[np.ix_(_lying_elements(block, lies), columns)] = 0.0
+    lying = _lying_elements(block, lies)
+    for column in columns:
+        edges[lying, column] = 0.0
     for body in bodies:
         node = int(body[at.B_NODE])
         if node >= 0 and lies[node]:
@@ -216,7 +222,8 @@ def _earth(block: Block, places: FloatArray) -> FloatArray:
 def _positions(block: Block) -> FloatArray:
     """Positions of the nodes, (nodes, dimension) [m]."""
     nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
-    return block.array(at.O_POSITION, nodes, 2 * dimension)[:, :dimension]
+    q: FloatArray = block.array(at.O_POSITION, nodes, 2 * dimension)[:, :dimension]
+    return q
 
 
 def _gaps(block: Block, scene: Scene, places: FloatArray) -> FloatArray:
@@ -259,8 +266,10 @@ def _flow(block: Block, scene: Scene) -> tuple[FloatArray, FloatArray, FloatArra
 
 
 def _loads(block: Block, scene: Scene) -> tuple[FloatArray, FloatArray]:
-    """At the nodes: what the floor bears there at rest (nodes,), and the drag on elements and bodies
-    that lie, (nodes, dimension) [N]."""
+    """What the floor bears at the nodes at rest, and the drag on elements and bodies that lie.
+
+    (nodes,) and (nodes, dimension) [N].
+    """
     nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
     edges = block.array(at.O_EDGE, nodes, at.EDGE_WORDS)
     parents = block.integers(at.O_PARENT, nodes)
@@ -329,8 +338,8 @@ def _shares(
 def _drawn(block: Block, scene: Scene, wanted: FloatArray) -> FloatArray:
     """Bristles at the nodes by which friction is the wanted part of the largest there can be.
 
-    wanted: (nodes,). A bristle slips where the floor presses less than it pulls: what is lost there,
-    at the place where the cable lands, the rest of the element has to hold.
+    wanted: (nodes,). A bristle slips where the floor presses less than it pulls: what is lost
+    there, at the place where the cable lands, the rest of the element has to hold.
     """
     q = _positions(block)
     nodes, dimension = q.shape
