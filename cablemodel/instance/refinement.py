@@ -22,11 +22,13 @@ FloatArray = NDArray[np.float64]
 
 ROUNDS = 14
 """Times that a mesh is refined at most."""
-BENT = 5.0
+BENT = 2.5
 """Of tau L: what h^2 times the jump of curvature may be in a static shape."""
 LARGEST_STATIC_MESH = 4000
-BENDS = 12.0
+BENDS = 8.0
 """The same in motion, in free water."""
+WHIPS = 60.0
+"""The same where drag hardly damps: only what cracks like a whip, and its elements stay halves."""
 SPARE = 24, 2.0
 """Nodes for shapes that bend more later on: so many, and times those at the start."""
 WINCH = 2
@@ -36,15 +38,15 @@ WINCH = 2
 def follows_bending(scene: Scene) -> bool:
     """Whether elements are halved where the line bends in free water; at a floor others do it.
 
-    A mesh that the scene asks for stays as it is. So does that of a line which drag hardly damps:
-    every change of the mesh feeds a whip that hardly stretches; and that of a line which starts
-    slack: pushed, it buckles ever finer. Only its top element is halved, which the winch makes.
+    A mesh that the scene asks for stays as it is. So does that of a line which starts slack:
+    pushed, it buckles ever finer. Only its top element is halved, which the winch makes. Where
+    drag hardly damps, halves are not joined again: that would feed a whip that hardly stretches.
     """
     drum = [item.cable for item in scene.payout.drum if item.cable is not None]
     asked = any(cable.elements is not None for cable in [*scene.cables, *drum])
     start = start_conditions(scene)
-    moves = pays_out(scene) or not start.slack
-    return scene.environment.floor is None and moves and not start.lightly_damped and not asked
+    moves = not start.slack or (pays_out(scene) and not start.lightly_damped)
+    return scene.environment.floor is None and moves and not asked
 
 
 def spare_nodes(scene: Scene, nodes: int) -> int:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from cablemodel.block import Block
 from cablemodel.instance.frame import local
 from cablemodel.instance.line import Line
-from cablemodel.instance.refinement import BENDS, follows_bending
+from cablemodel.instance.refinement import BENDS, WHIPS, follows_bending
 from cablemodel.instance.scales import is_flexible, pays_out, start_conditions
 from cablemodel.instance.winch import Winch
 from cablemodel.kernels import layout as at
@@ -27,6 +27,10 @@ LIGHTLY_DAMPED = 0.35
 """Factor on it where drag hardly damps, in air above all: errors are not forgotten, but add up."""
 UNDAMPED = 0.08
 """The same in a vacuum, at tau = 1e-3."""
+MEMORY = 0.3
+"""How long an error of the velocity goes on moving the line, in sqrt(L/g): steps shorter than that
+may make less of the local error allowed. (A whip in air that bends is left out: waves that its mesh
+does not follow are damped by its steps, and decide.)"""
 ORDER_3_FIRST = 16.0
 """Good steps by order 3 with which a line that starts slack begins: it snaps, and Newton's method
 has trouble in longer ones."""
@@ -58,7 +62,8 @@ def fill_settings(block: Block, scene: Scene, scale: float) -> None:
     reals[at.S_TIME_TOLERANCE] = allowed
     reals[at.S_LENGTH] = length
     if follows_bending(scene):
-        reals[at.S_BENT] = BENDS * tolerance * length
+        bent = WHIPS if start.lightly_damped else BENDS
+        reals[at.S_BENT] = bent * tolerance * length
         reals[at.S_BENT_AT_TOP] = float(start.slack)
     reals[at.S_TENSION_SCALE] = scale
     if start.slack:
@@ -67,6 +72,9 @@ def fill_settings(block: Block, scene: Scene, scale: float) -> None:
         reals[at.S_LARGEST_TENSION] = math.inf
     period = math.sqrt(length / max(scene.environment.gravity, 1e-3))
     reals[at.S_PERIOD] = period
+    bends = not all(is_flexible(scene, cable) for cable in scene.cables)
+    if not (bends and start.slack and start.lightly_damped):
+        reals[at.S_MEMORY] = MEMORY * period
     # A start that the user would not notice: it grows up to sixteenfold a step.
     reals[at.S_FIRST_STEP] = 0.02 * period
     reals[at.S_STEP] = 1e-2 * math.sqrt(max(tolerance, 1e-12)) * period

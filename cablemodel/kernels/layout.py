@@ -105,6 +105,7 @@ S_PASSING = _S + 47  # 1 + row of the body of finite length that passes the tow 
 S_TRAVEL = _S + 44
 S_TRAVEL_MOST, S_TRAVEL_LEAST = _S + 45, _S + 46
 S_PERIOD = _S + 40  # sqrt(L/g) [s]
+S_MEMORY = _S + 75  # how long an error of the velocity moves the line [s]; 0: not looked at
 S_AXIAL = _S + 41  # stiffness of the whole line over its mass [1/s2]
 S_UNDAMPED = _S + 42  # 1: drag does not damp the line's motion
 S_JOINED = _S + 43  # longest element that a change of the mesh has joined [m]

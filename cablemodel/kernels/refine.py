@@ -37,6 +37,7 @@ from .layout import (
     S_PERIOD,
     S_TIME,
     S_TRAVEL,
+    S_UNDAMPED,
 )
 from .payout import join_at, split_edge
 
@@ -82,7 +83,12 @@ def may_be_halved(I, M, node):
 
 @kernel
 def may_unite(I, M, node, jump):
-    """Whether the elements on both sides of a node, where r'' jumps, are halves that may be one."""
+    """Whether the elements on both sides of a node, where r'' jumps, are halves that may be one.
+
+    None where drag hardly damps: what a join leaves would go on for good.
+    """
+    if M[S_UNDAMPED] != 0.0:
+        return False
     upper = I[O_EDGE] + node * EDGE_WORDS
     lower = upper + EDGE_WORDS
     h = M[upper + E_LENGTH] + M[lower + E_LENGTH]

@@ -6,6 +6,8 @@ Newton's test looks at it in the last stage before an output only, and its error
 step, is estimated from those of the stages.
 """
 
+import math
+
 from .backup import keep_sleepers
 from .compile import copy_words, inlined, kernel, view
 from .consistency import make_consistent, project_velocity, take_rates_from_velocity
@@ -74,6 +76,7 @@ from .layout import (
     S_JOINED,
     S_LARGEST_TENSION,
     S_LAST_STEP,
+    S_MEMORY,
     S_ORDER_3,
     S_PAID,
     S_PAYOUT_RATE,
@@ -123,6 +126,7 @@ EASY = 2.4, 1.5  # iterations a stage up to which the longest tractable step gro
 FAIR = 3.2, 1.1  # the same for one that is near its limit
 PROBED = 1.03  # and up to HARD: not all trouble is the step's, and no limit may stay for ever
 HARD = 4.5  # iterations above which it stays; only a failure makes it shorter
+LEAST_SHARE = 0.1  # of the local error allowed: what a step however short has
 AT_ONCE = 0.02  # of the tolerance: what a stage's first iteration may leave, by the last ratio
 BEST_RATIO = 0.003  # that is believed for the next stage
 LARGEST_GROWTH = 16.0  # of the step: the first is much shorter than any motion
@@ -218,6 +222,21 @@ def stage_words(I, i, stages):
 
 
 @kernel
+def share_of_error(M, dt):
+    """Of the local error that is allowed, what a step has that is short against the line's memory.
+
+    An error e of the position goes with one of e / dt of the velocity, which moves the line on for
+    as long as drag and gravity take to forget it, and shorter steps are more. In proportion to dt
+    steps would become ever shorter where stiff axial motion decides the estimate; the root of it
+    does for what was wrong, and has a floor.
+    """
+    memory = M[S_MEMORY]
+    if dt >= memory:
+        return 1.0
+    return max(LEAST_SHARE, math.sqrt(dt / memory))
+
+
+@kernel
 def try_step(I, M, dt, scheme, to_output):
     """One ESDIRK step from the state to the trial.
 
@@ -286,7 +305,7 @@ def try_step(I, M, dt, scheme, to_output):
             base_q[n] += weight * stage_v[n]
     error, where = increment_norm(I, M, base_q)
     I[I_FAILED_NODE] = where
-    return OK, error / tolerance, stage_error(M, scheme)
+    return OK, error / (tolerance * share_of_error(M, dt)), stage_error(M, scheme)
 
 
 @kernel
@@ -414,13 +433,16 @@ def next_stop(I, M, t_end, dt):
 
 
 @kernel
-def choose_order(I, M, scheme, iterations):
+def choose_order(I, M, scheme, iterations, to_output):
     """After a step: order 3 for those in which Newton's method has trouble.
 
     In a whip the long steps of order 4 take four iterations a stage, and new matrices in between;
     the shorter ones of order 3, with three stages, half of the work for the same time. On a floor
-    it is contact that takes iterations, of any order.
+    it is contact that takes iterations, of any order. A step that is read afterwards takes one
+    more in each stage, without any trouble.
     """
+    if to_output:
+        iterations -= STAGES[scheme] - 1
     if scheme == 1:
         if I[I_FLOOR] == 0 and iterations > STRUGGLE[0] and M[S_TOLERANCE] >= TIGHTEST:
             M[S_ORDER_3] = STEPS_OF_ORDER_3
@@ -586,7 +608,7 @@ def advance_to(I, M, t_end):
             if I[I_FLOOR] != 0 and not two_steps:
                 follow_iterations(M, dt, (I[I_ITERATIONS] - before) / (STAGES[scheme] - 1))
             if not two_steps:
-                choose_order(I, M, scheme, I[I_ITERATIONS] - before)
+                choose_order(I, M, scheme, I[I_ITERATIONS] - before, to_output)
         taken += 1
         if taken > I[I_MAXIMUM_STEPS]:
             status = TOO_MANY_STEPS
