@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel.sea_floor import contact_weight, finest_element, thinnest_layer
+from cablemodel import free_hanging
+from cablemodel.sea_floor import finest_element, thinnest_layer
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
@@ -33,32 +34,30 @@ def on_floor(scene: Scene, points: FloatArray) -> FloatArray:
     if floor is None or scene.initial.kind != "static":
         return points
     start = points[0]
-    length = scene.line_length
     if scene.end.kind == "anchor":
         end = np.asarray(scene.end.position, dtype=float)
+        length = scene.line_length
         return _laid_to(floor, start, end, length, points, BEND * thinnest_layer(scene))
     # A clamp's bend stays as it is.
     bend = points[:-2] if len(points) > 2 else points[:0]
+    passed = 0.0
     if len(bend):
         start = points[-2]
-        length -= float(np.linalg.norm(np.diff(points[:-1], axis=0), axis=1).sum())
-    height = start[2] - floor.height(float(start[0]), float(start[1]))
-    if length <= height or not points[-1][2] < start[2]:
+        passed = float(np.linalg.norm(np.diff(points[:-1], axis=0), axis=1).sum())
+    if not points[-1][2] < start[2]:
         return points
-    # Straight down at the angle of a steady tow, and the rest away from where the vessel goes.
-    way = scene.motion().horizontal_direction()
-    back = np.array([-1.0, 0.0]) if way is None else -np.asarray(way, dtype=float)
-    velocity = scene.motion().evaluate(0.0)[1]
-    angle = critical_angle(scene, float(np.hypot(*velocity[:2])))
-    hang = min(length, height / math.sin(angle))
-    if hang == length:
-        along = np.array([*(math.cos(angle) * back), -math.sin(angle)])
-        return np.vstack([bend, start, start + length * along])
-    steps = np.linspace(0.0, length - hang, 65)
+    hung = free_hanging.hang(scene, start, passed)
+    if hung is None:
+        return points
+    length = hung.line_length - hung.arc
+    if length <= 0.0:
+        return np.vstack([bend, hung.points])
+    foot = hung.points[-1]
+    steps = np.linspace(0.0, length, 65)
     laid = np.empty((len(steps), 3))
-    laid[:, :2] = start[:2] + np.outer(hang * math.cos(angle) + steps, back)
+    laid[:, :2] = foot[:2] + np.outer(steps, hung.way)
     laid[:, 2] = [floor.height(float(a), float(b)) for a, b in laid[:, :2]]
-    return np.vstack([bend, _rounded(start, laid, BEND * thinnest_layer(scene))])
+    return np.vstack([bend, _rounded(hung.points, laid, BEND * thinnest_layer(scene))])
 
 
 def surplus(scene: Scene) -> float:
@@ -72,20 +71,6 @@ def surplus(scene: Scene) -> float:
     rise = floor.height(float(start[0]), float(start[1])) - float(end[2])
     along = math.hypot(float(start[0] - end[0]), float(start[1] - end[1]), rise)
     return max(0.0, scene.line_length - down - along)
-
-
-def critical_angle(scene: Scene, speed: float) -> float:
-    """Angle from the horizontal of a straight cable towed or laid at a speed [rad].
-
-    w cos a = 1/2 rho Cdn d U^2 sin^2 a, with the line's mean weight and drag (Zajac 1957).
-    """
-    weight = drag = 0.0
-    for cable in scene.cables:
-        kind = scene.cable_types[cable.type]
-        weight += cable.length * contact_weight(kind, scene.environment.gravity)
-        drag += cable.length * kind.drag_normal * kind.diameter
-    ratio = 0.5 * scene.environment.water_density * drag * speed**2 / weight
-    return math.acos(2.0 * ratio / (1.0 + math.sqrt(1.0 + 4.0 * ratio**2)))
 
 
 def refine_guess(scene: Scene, nodes: list[FloatArray], points: FloatArray) -> list[FloatArray]:
@@ -151,7 +136,7 @@ def _laid_to(
     laid[:, 2] = [floor.height(float(a), float(b)) for a, b in laid[:, :2]]
     laid[-1] = end
     if not len(arc):
-        return _rounded(start, laid, radius)
+        return _rounded(np.vstack([start, laid[0]]), laid, radius)
     hung = np.empty((len(arc) - 1, 3))
     hung[:, :2] = laid[0, :2] - np.outer(arc[:-1, 0], way)
     hung[:, 2] = start[2] + (arc[:-1, 1] - arc[0, 1]) * (start[2] - laid[0, 2]) / arc[0, 1]
@@ -180,24 +165,28 @@ def _catenary(slack: float, rise: float, smallest: float) -> FloatArray:
     return np.stack([radius * np.arcsinh(turned), radius * (np.hypot(1.0, turned) - 1.0)], axis=-1)
 
 
-def _rounded(start: FloatArray, laid: FloatArray, radius: float) -> FloatArray:
-    """A straight line from the vessel that turns by an arc into a polyline on the floor, (n, 3)."""
+def _rounded(hung: FloatArray, laid: FloatArray, radius: float) -> FloatArray:
+    """A line from the vessel that turns by an arc into a polyline on the floor, (n, 3) [m].
+
+    hung: from the vessel down to the floor; laid: from there on; radius: of the arc, which is
+    smaller where one of them is short.
+    """
     corner = laid[0]
-    down = corner - start
+    if len(hung) < 2 or np.linalg.norm(laid[-1] - corner) == 0.0:
+        return np.vstack([hung[:-1], laid])
+    down = corner - hung[-2]
     along = laid[1] - corner
-    hangs, lies = float(np.linalg.norm(down)), float(np.linalg.norm(laid[-1] - corner))
-    if hangs == 0.0 or lies == 0.0:
-        return np.vstack([start, laid])
-    down, along = down / hangs, along / np.linalg.norm(along)
+    hangs, lies = float(np.linalg.norm(hung[0] - corner)), float(np.linalg.norm(laid[-1] - corner))
+    down, along = down / np.linalg.norm(down), along / np.linalg.norm(along)
     angle = math.acos(max(-1.0, min(1.0, float(down @ along))))
-    if angle < 1e-3:
-        return np.vstack([start, laid])
+    inward = along - float(along @ down) * down
+    if angle < 1e-3 or hangs == 0.0 or np.linalg.norm(inward) < 1e-9:
+        return np.vstack([hung[:-1], laid])
     reach = min(radius * math.tan(0.5 * angle), 0.4 * hangs, 0.4 * lies)
     radius = reach / math.tan(0.5 * angle)
-    inward = along - float(along @ down) * down
     inward /= np.linalg.norm(inward)
     turned = np.linspace(0.0, angle, 17)[:, None]
     arc = corner - reach * down + radius * (np.sin(turned) * down + (1.0 - np.cos(turned)) * inward)
-    clear = np.linalg.norm(laid - corner, axis=1) > 1.1 * reach
-    straight = start + np.linspace(0.0, 1.0, 17)[:-1, None] * (arc[0] - start)
-    return np.vstack([straight, arc, laid[clear]])
+    above = np.linalg.norm(hung - corner, axis=1) > 1.1 * reach
+    beyond = np.linalg.norm(laid - corner, axis=1) > 1.1 * reach
+    return np.vstack([hung[above], arc, laid[beyond]])

@@ -23,9 +23,10 @@ DEPTH = 0.06
 """Gap below which the floor pushes, in units of tau L."""
 BRISTLE = 0.02
 """Way along the floor after which friction is mobilised, in units of tau L."""
-SHARPEST = 8.0, 0.02
-"""Length over which bending spreads a touchdown of cable that has no bending stiffness: in units of
-tau L, of L at most. At half of it the folds of a slack chain are too quick for its time steps."""
+SHARPEST = 1.2, 0.003
+"""Length over which bending spreads a touchdown of cable that has no bending stiffness, in units of
+tau L, and of L: their sum. Shapes at two tolerances then differ by less than is promised; without
+the second part, folds of slack cable take five times the work, or more than there is time for."""
 SPARE = 40, 30
 """Nodes kept for refinement: a constant, and one for each halving down to the finest element."""
 
@@ -39,10 +40,10 @@ def least_bending(scene: Scene, kind: CableType) -> float:
     """Bending stiffness that a perfectly flexible cable gets where it is slack [N m2].
 
     Its motion is not well posed where it folds without tension: it takes the shape that bending
-    gives it, however small. Shapes differ by less than the layer l of `SHARPEST`, on a floor with
-    a horizontal tension H by l (w l / H)^2.
+    gives it, however small. What hangs straight down lies .83 l off that of no stiffness, by the
+    layer l of `SHARPEST`; with a horizontal tension H it is l (w l / H)^2.
     """
-    layer = scene.line_length * min(SHARPEST[0] * scene.solver.tolerance, SHARPEST[1])
+    layer = scene.line_length * (SHARPEST[0] * scene.solver.tolerance + SHARPEST[1])
     return contact_weight(kind, scene.environment.gravity) * layer**3
 
 

@@ -53,7 +53,7 @@ def find_initial_state(block: Block, scene: Scene, *, as_laid: bool = False) -> 
                 "a vessel at rest at t = 0, or initial: {points: [...]}",
             )
         try:
-            solve_static(block, frame, as_laid=as_laid)
+            solve_static(block, scene, frame, as_laid=as_laid)
         except StaticsError:
             slack = laid_shape.surplus(scene)
             if slack == 0.0:
@@ -65,7 +65,7 @@ def find_initial_state(block: Block, scene: Scene, *, as_laid: bool = False) -> 
             ) from None
     if _stabilise(block) and scene.initial.kind == "static":
         # The new stiffness changes the forces by a little: the state must meet them.
-        solve_static(block, frame, as_laid=as_laid)
+        solve_static(block, scene, frame, as_laid=as_laid)
     count_from_zero(block)
     if ints[at.I_HYBRID] or ints[at.I_RIGID] or ints[at.I_PAYOUT]:
         entry.choose_bending(ints, reals)
@@ -77,7 +77,7 @@ def steady_velocity(block: Block, scene: Scene) -> FloatArray:
     return np.ascontiguousarray(local(block, velocity, point=False))
 
 
-def solve_static(block: Block, frame: FloatArray, *, as_laid: bool = False) -> None:
+def solve_static(block: Block, scene: Scene, frame: FloatArray, *, as_laid: bool = False) -> None:
     """Bring a block to equilibrium in a frame that moves with the velocity ``frame`` [m/s].
 
     Raises:
@@ -88,17 +88,22 @@ def solve_static(block: Block, frame: FloatArray, *, as_laid: bool = False) -> N
     ints, reals = block.ints, block.reals
     held = ints[at.I_CONSTRAINTS] > 1
     friction = reals[at.S_FRICTION]
+
+    def solve() -> int:
+        guess = block.image.copy()
+        status = int(entry.equilibrium(ints, reals, frame))
+        if status != at.OK and ints[at.I_FLOOR]:
+            block.image[:] = guess
+            status = _sink_in(block, frame)
+        return status
+
     if as_laid:
-        status = laid_start.lie_still(block, lambda: int(entry.equilibrium(ints, reals, frame)))
+        status = laid_start.lie_still(block, scene, solve)
     else:
         if not held:
             # A free end comes to rest without friction; it holds the line from there.
             reals[at.S_FRICTION] = 0.0
-        guess = block.image.copy()
-        status = entry.equilibrium(ints, reals, frame)
-        if status != at.OK and ints[at.I_FLOOR]:
-            block.image[:] = guess
-            status = _sink_in(block, frame)
+        status = solve()
         reals[at.S_FRICTION] = friction
         if not held:
             sea_floor.rest_where_it_is(block)

@@ -1,30 +1,49 @@
 """A static start of cable that friction holds on the sea floor where it was laid.
 
-A line with a free end comes to rest without friction where the floor is level and the water still:
-nothing pushes what lies, and where it meets the hanging part no force is left that depends on how
-the start was found. On a slope, or in a current, the same line would slide away, and fold. There it
-starts as it was laid, straight behind the vessel, and friction holds it.
+A line with a free end comes to rest without friction where the floor is level, the water still and
+the vessel at rest: nothing pushes what lies. On a slope, or in a current, the same line would slide
+away, and fold. What has been laid there has many shapes at rest, by what tension it was laid with.
+It starts as a lay without tension leaves it: straight behind the vessel, each piece held by just
+the friction that makes the floor's force on it vertical, and that balances its own drag, so that no
+tension is left where it lands. What the vessel drags over the floor feels the friction of that
+motion instead.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-from cablemodel import sea_floor
+from cablemodel import laid_loads
 from cablemodel.block import Block
+from cablemodel.instance.frame import local
+from cablemodel.instance.scales import rate_at_start
 from cablemodel.kernels import layout as at
+from cablemodel.kernels.contact import STEEPEST, STIFFENING
+from cablemodel.kernels.tables import CONTACT_H, CONTACT_POINTS, CONTACT_WEIGHTS
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
 
+FloatArray = NDArray[np.float64]
+
+SOFT = 3.0
+"""Way in which friction is mobilised while the start is sought, in units of the line's length: it
+follows what slides along the floor, as no bristle does."""
 PASSES = 12
-"""Of friction that lets go and takes hold anew, at most."""
-CALM = 1e-3
-"""What a pass must take of the largest compression to be worth it, in units of the largest
-tension."""
+"""In which friction is set anew to what each piece needs, at most."""
+CALM = 0.02
+"""What the bristles may hold beyond that, in tau times the weight of the line."""
+STIFFER = 8
+"""Steps in which bristles get their own length, where at once finds no equilibrium."""
+GROWN = 0.01
+"""Change of what the floor bears at a node from one pass to the next, at most."""
+SLIDES = 3.0
+"""Of a bristle's length: well beyond where it slips."""
 
 
 def applies(scene: Scene) -> bool:
@@ -37,30 +56,342 @@ def applies(scene: Scene) -> bool:
     current = scene.environment.current
     begins = 0 if current is None else max(0, int(np.searchsorted(current.t, 0.0, "right")) - 1)
     flows = current is not None and bool(np.any(current.velocity[begins]))
-    return flows or floor.z is None or any(floor.slope)
+    moves = laid_loads.is_dragged(scene.motion().evaluate(0.0)[1], rate_at_start(scene))
+    return flows or moves or floor.z is None or any(floor.slope)
 
 
-def lie_still(block: Block, solve: Callable[[], int]) -> int:
-    """Bring a block to equilibrium with what lies held by friction; a status.
+def lie_still(block: Block, scene: Scene, solve: Callable[[], int]) -> int:
+    """Bring a block to equilibrium with what lies held by its own friction; a status.
 
-    The first shape has not quite the length of the cable where it turns on to the floor, and
-    friction would keep the compression of that: it lets go and takes hold anew where the cable is
-    by then, for as long as that takes compression away. In each pass the cable gives way by the
-    length of a bristle at most, so that it goes on lying where it was laid.
+    First without the drag on what lies, and with bristles so long that what lies slides to where no
+    tension is left; then with both as they are, each bristle drawn by what it has to hold.
 
     Args:
         solve: equilibrium of the block as it is, a status.
     """
-    sea_floor.rest_where_it_is(block)
-    status = solve()
-    if status != at.OK:
-        return status
-    tensions = block.array(at.O_TENSION, int(block.ints[at.I_NODES]), 2)
+    reals = block.reals
+    nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
+    q = block.array(at.O_POSITION, nodes, 2 * dimension)[:, :dimension]
+    rest = block.array(at.O_REST, nodes, 3)[:, :dimension]
+    bristle, soft = float(reals[at.S_BRISTLE]), SOFT * float(reals[at.S_LENGTH])
+    dragged = laid_loads.is_dragged(scene.motion().evaluate(0.0)[1], rate_at_start(scene))
+    status: int = at.OK
+    even = scene.environment.floor is not None and scene.environment.floor.z is not None
+    laid = _laid_line(block, scene, q)
     for _ in range(PASSES):
-        kept, lowest = block.image.copy(), float(np.min(tensions[1:, 0]))
-        sea_floor.rest_where_it_is(block)
-        gain = CALM * float(np.max(np.abs(tensions)))
-        if solve() != at.OK or not np.min(tensions[1:, 0]) > lowest + gain:
-            block.image[:] = kept
+        bears, _drags = _loads(block, scene)
+        reals[at.S_BRISTLE] = soft
+        rest[:] = laid - soft * _shares(block, scene, bears, None, dragged)
+        kept = None if dragged else _without_drag(block, scene)
+        status = solve()
+        if kept is not None:
+            kept()
+        reals[at.S_BRISTLE] = bristle
+        if status != at.OK:
+            return status
+        lies = _lies(block, scene)
+        if not lies.any():
+            return status
+        moved = _slide(laid, q, lies, bears, even=even)
+        held = reals[at.S_FRICTION] * float(bears[lies] @ moved[lies]) / soft
+        calm = held <= CALM * scene.solver.tolerance * float(bears.sum())
+        # What the floor bears for long has grown meanwhile, and friction with it.
+        if calm and np.all(np.abs(_loads(block, scene)[0] - bears) <= GROWN * bears):
             break
-    return at.OK
+    slid = block.image.copy()
+    if dragged:
+        laid = q.copy()  # no line was laid: bristles are drawn from where the cable is
+    else:
+        _put_on(block, laid, _lies(block, scene))
+    stiffer = [bristle]
+    for _attempt in range(2):
+        for length in stiffer:
+            bears, drags = _loads(block, scene)
+            reals[at.S_BRISTLE] = length
+            rest[:] = laid - length * _shares(block, scene, bears, drags, dragged)
+            status = solve()
+            reals[at.S_BRISTLE] = bristle
+            if status != at.OK:
+                break
+        if status == at.OK:
+            break
+        # Bristles that get shorter pull what slid aside back to its line.
+        block.image[:] = slid
+        stiffer = np.geomspace(0.1 * soft, bristle, STIFFER).tolist()
+    return status
+
+
+def _laid_line(block: Block, scene: Scene, q: FloatArray) -> FloatArray:
+    """Where each node lies, or would if it landed: on the line of what lies now, unstretched.
+
+    Over a depth table what lies stays where it is; its line goes on towards the vessel.
+    q: positions, (nodes, dimension) [m].
+    """
+    line = q.copy()
+    lies = np.flatnonzero(_lies(block, scene))
+    if len(lies) < 2:
+        return line
+    foot, tail = int(lies[0]), int(lies[-1])
+    way = q[tail] - q[foot]
+    way /= max(float(np.linalg.norm(way)), 1e-12)
+    edges = block.array(at.O_EDGE, len(q), at.EDGE_WORDS)
+    lengths = np.where(block.integers(at.O_JOINT, len(q)) == 0, edges[:, at.E_LENGTH], 0.0)
+    for body in block.array(at.O_BODY, int(block.ints[at.I_BODIES]), at.BODY_WORDS):
+        if body[at.B_NODE] >= 0:
+            lengths[int(body[at.B_NODE])] += body[at.B_LENGTH]
+    arcs = np.cumsum(lengths)
+    straight = np.outer(arcs - arcs[foot], way)
+    line[:foot] = q[foot] + straight[:foot]
+    if scene.environment.floor is not None and scene.environment.floor.z is not None:
+        line = q[foot] + straight
+        line += float(np.mean((q - line)[lies] @ way)) * way
+    return line
+
+
+def _put_on(block: Block, line: FloatArray, lies: NDArray[np.bool_]) -> None:
+    """Put what lies back on its line, with slopes along it."""
+    nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
+    q = block.array(at.O_POSITION, nodes, 2 * dimension)
+    places = np.flatnonzero(lies)
+    if len(places) < 3:
+        return
+    turned = np.gradient(line[places], axis=0)
+    turned /= np.maximum(np.linalg.norm(turned, axis=1), 1e-12)[:, None]
+    for node, along in zip(places[2:], turned[2:], strict=True):
+        q[node, :dimension] = line[node]
+        q[node, dimension:] = along * np.linalg.norm(q[node, dimension:])
+
+
+def _slide(
+    line: FloatArray, q: FloatArray, lies: NDArray[np.bool_], bears: FloatArray, *, even: bool
+) -> FloatArray:
+    """Let the laid line follow what lies along itself: as a whole on an even floor, else each node.
+
+    Returns how far each node was from it, (nodes,) [m].
+    """
+    places = np.flatnonzero(lies)
+    way = line[places[-1]] - line[places[0]]
+    size = float(np.linalg.norm(way))
+    along = (q - line) @ (way / max(size, 1e-12))
+    along[~lies] = 0.0
+    along[: places[0]] = along[places[0]]
+    if even:
+        along[:] = bears[lies] @ along[lies] / float(bears[lies].sum())
+    line += np.outer(along, way / max(size, 1e-12))
+    return np.asarray(np.abs(along), dtype=np.float64)
+
+
+def _without_drag(block: Block, scene: Scene) -> Callable[[], None]:
+    """Take the drag off the elements and bodies that lie; returns what puts it back.
+
+    It turns with the cable, and cable that bristles so long hold would drift with it.
+    """
+    nodes = int(block.ints[at.I_NODES])
+    lies = _lies(block, scene)
+    edges = block.array(at.O_EDGE, nodes, at.EDGE_WORDS)
+    bodies = block.array(at.O_BODY, int(block.ints[at.I_BODIES]), at.BODY_WORDS)
+    columns = [at.E_DRAG_NORMAL, at.E_DRAG_TANGENTIAL]
+    of_body = [at.B_DRAG, at.B_DRAG_AXIAL]
+    kept, kept_bodies = edges[:, columns].copy(), bodies[:, of_body].copy()
+    lying = _lying_elements(block, lies)
+    for column in columns:
+        edges[lying, column] = 0.0
+    for body in bodies:
+        node = int(body[at.B_NODE])
+        if node >= 0 and lies[node]:
+            body[of_body] = 0.0
+
+    def put_back() -> None:
+        edges[:, columns] = kept
+        bodies[:, of_body] = kept_bodies
+
+    return put_back
+
+
+def _lying_elements(block: Block, lies: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Which elements, by the node at their far end, lie at both ends, (nodes,)."""
+    nodes = int(block.ints[at.I_NODES])
+    parents = block.integers(at.O_PARENT, nodes)
+    return np.asarray(lies & lies[np.maximum(parents, 0)])
+
+
+def _earth(block: Block, places: FloatArray) -> FloatArray:
+    """Places in the block's coordinates (n, dimension) in the earth's frame, (n, 3) [m]."""
+    if block.ints[at.I_DIMENSION] == 2:
+        plane = block.reals[at.S_PLANE : at.S_PLANE + 2]
+        places = places @ np.array([[plane[0], plane[1], 0.0], [0.0, 0.0, 1.0]])
+    return np.asarray(places + block.reals[at.S_BASE : at.S_BASE + 3], dtype=np.float64)
+
+
+def _positions(block: Block) -> FloatArray:
+    """Positions of the nodes, (nodes, dimension) [m]."""
+    nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
+    q: FloatArray = block.array(at.O_POSITION, nodes, 2 * dimension)[:, :dimension]
+    return q
+
+
+def _gaps(block: Block, scene: Scene, places: FloatArray) -> FloatArray:
+    """Heights above the floor, across it, of places (n, dimension) in the block, (n,) [m]."""
+    floor = scene.environment.floor
+    assert floor is not None
+    gaps = np.empty(len(places))
+    for n, (x, y, z) in enumerate(_earth(block, places).tolist()):
+        rise = laid_loads.slopes(scene, x, y)
+        gaps[n] = (z - floor.height(x, y)) / math.sqrt(1.0 + rise[0] ** 2 + rise[1] ** 2)
+    return gaps
+
+
+def _lies(block: Block, scene: Scene) -> NDArray[np.bool_]:
+    """Which nodes touch the floor, (nodes,)."""
+    gaps = _gaps(block, scene, _positions(block))
+    return np.asarray(gaps < float(block.reals[at.S_FLOOR_DEPTH]))
+
+
+def _along(block: Block) -> FloatArray:
+    """Unit vectors along the cable at the nodes, away from the vessel, (nodes, dimension)."""
+    nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
+    slopes = block.array(at.O_POSITION, nodes, 2 * dimension)[:, dimension:]
+    return np.asarray(slopes / np.maximum(np.linalg.norm(slopes, axis=1), 1e-12)[:, None])
+
+
+def _flow(block: Block, scene: Scene) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """At the nodes: drag across and along the cable over its coefficients [m2/s2], and the velocity
+    of the cable over the ground [m/s]; (nodes, dimension) each."""
+    along = _along(block)
+    water = laid_loads.water_velocity(scene, _earth(block, _positions(block))[:, 2])
+    velocity = local(block, scene.motion().evaluate(0.0)[1], point=False)
+    own = velocity + rate_at_start(scene) * along
+    flow = np.array([local(block, value, point=False) for value in water]) - own
+    tangential = np.sum(flow * along, axis=1)[:, None] * along
+    normal = flow - tangential
+    normal *= np.linalg.norm(normal, axis=1)[:, None]
+    tangential *= np.linalg.norm(tangential, axis=1)[:, None]
+    return normal, tangential, own
+
+
+def _loads(block: Block, scene: Scene) -> tuple[FloatArray, FloatArray]:
+    """What the floor bears at the nodes at rest, and the drag on elements and bodies that lie.
+
+    (nodes,) and (nodes, dimension) [N].
+    """
+    nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
+    edges = block.array(at.O_EDGE, nodes, at.EDGE_WORDS)
+    parents = block.integers(at.O_PARENT, nodes)
+    joints = block.integers(at.O_JOINT, nodes)
+    normal, tangential, _own = _flow(block, scene)
+    lies = _lies(block, scene)
+    lying = _lying_elements(block, lies)
+    bears, drags = np.zeros(nodes), np.zeros((nodes, dimension))
+    for node in range(1, nodes):
+        if joints[node]:
+            continue
+        edge, half = edges[node], 0.5 * edges[node, at.E_LENGTH]
+        for end in (int(parents[node]), node):
+            bears[end] += half * edge[at.E_CONTACT] * edge[at.E_BORNE]
+            if lying[node]:
+                drags[end] += half * edge[at.E_DRAG_NORMAL] * normal[end]
+                drags[end] += half * edge[at.E_DRAG_TANGENTIAL] * tangential[end]
+    for body in block.array(at.O_BODY, int(block.ints[at.I_BODIES]), at.BODY_WORDS):
+        node = int(body[at.B_NODE])
+        if node < 0:
+            continue
+        ends = [int(parents[node]), node] if body[at.B_LENGTH] > 0.0 else [node]
+        for end, borne in zip(ends, body[at.B_BORNE : at.B_BORNE + 2], strict=False):
+            bears[end] += abs(body[at.B_WEIGHT]) * borne / len(ends)
+            if lies[node]:
+                drags[end] += body[at.B_DRAG] * normal[end] / len(ends)
+                drags[end] += body[at.B_DRAG_AXIAL] * tangential[end] / len(ends)
+    return bears, drags
+
+
+def _shares(
+    block: Block, scene: Scene, bears: FloatArray, drags: FloatArray | None, dragged: bool
+) -> FloatArray:
+    """Bristles at the nodes, in units of their length, (nodes, dimension).
+
+    They make the floor's whole force vertical, as the weight is that it bears, and hold the drag.
+    dragged: they are drawn by the motion over the floor instead.
+    """
+    friction = float(block.reals[at.S_FRICTION])
+    own = _flow(block, scene)[2]
+    share = np.zeros_like(own)
+    places = _earth(block, _positions(block))
+    steep = np.zeros(len(own))
+    for node in np.flatnonzero(bears > 0.0):
+        rise = laid_loads.slopes(scene, float(places[node, 0]), float(places[node, 1]))
+        up = local(block, np.array([-rise[0], -rise[1], 1.0]), point=False)
+        up /= np.linalg.norm(up)
+        if dragged:
+            along = own[node] - (own[node] @ up) * up
+            share[node] = SLIDES * along / max(float(np.linalg.norm(along)), 1e-12)
+            continue
+        down = up * up[-1]
+        down[-1] -= 1.0
+        steep[node] = np.linalg.norm(down) / up[-1]
+        share[node] = down / max(float(np.linalg.norm(down)), 1e-12)
+        if drags is not None:
+            drags[node] -= (drags[node] @ up) * up
+    if dragged:
+        return share
+    share *= _drawn(block, scene, steep / friction)[:, None]
+    if drags is not None:
+        share += drags / (friction * np.maximum(bears, 1e-12))[:, None]
+    return share
+
+
+def _drawn(block: Block, scene: Scene, wanted: FloatArray) -> FloatArray:
+    """Bristles at the nodes by which friction is the wanted part of the largest there can be.
+
+    wanted: (nodes,). A bristle slips where the floor presses less than it pulls: what is lost
+    there, at the place where the cable lands, the rest of the element has to hold.
+    """
+    q = _positions(block)
+    nodes, dimension = q.shape
+    slopes = block.array(at.O_POSITION, nodes, 2 * dimension)[:, dimension:]
+    edges = block.array(at.O_EDGE, nodes, at.EDGE_WORDS)
+    parents = block.integers(at.O_PARENT, nodes)
+    depth = float(block.reals[at.S_FLOOR_DEPTH])
+    gaps = _gaps(block, scene, q)
+    drawn = wanted * (gaps < depth)  # at a body, or anywhere on the level
+    ends = [
+        (int(parents[n]), n) for n in np.flatnonzero(block.integers(at.O_JOINT, nodes) == 0)[1:]
+    ]
+    near = [(p, n) for p, n in ends if min(gaps[p], gaps[n]) < depth + 0.5 * edges[n, at.E_LENGTH]]
+    if not near:
+        return drawn
+    upper, lower = np.array(near).T
+    h = edges[lower, at.E_LENGTH]
+    data = np.stack([q[upper], slopes[upper] * h[:, None], q[lower], slopes[lower] * h[:, None]])
+    points = np.einsum("pk,ked->epd", CONTACT_H, data)
+    law = _law_of_contact(_gaps(block, scene, points.reshape(-1, dimension)) / depth)
+    law = law.reshape(len(near), -1)
+    force = (h * edges[lower, at.E_CONTACT] * edges[lower, at.E_BORNE])[:, None] * CONTACT_WEIGHTS
+
+    def at_nodes(values: FloatArray) -> FloatArray:
+        """Forces at the points (elements, points), shared out to the nodes (nodes,)."""
+        found = np.zeros(nodes)
+        np.add.at(found, upper, (force * values) @ (1.0 - CONTACT_POINTS))
+        np.add.at(found, lower, (force * values) @ CONTACT_POINTS)
+        return found
+
+    touches = at_nodes(law) > 0.0
+    drawn = np.where(touches, wanted, drawn)
+    needed = wanted * at_nodes(law)
+    for _ in range(20):
+        bristle = np.outer(drawn[upper], 1.0 - CONTACT_POINTS) + np.outer(
+            drawn[lower], CONTACT_POINTS
+        )
+        held = at_nodes(np.minimum(bristle, law))
+        drawn = np.where(
+            held > 0.0, drawn * np.clip(needed / np.maximum(held, 1e-300), 0.2, 5.0), drawn
+        )
+    return np.asarray(np.minimum(drawn, 100.0), dtype=np.float64)
+
+
+def _law_of_contact(gaps: FloatArray) -> FloatArray:
+    """What the floor bears over what it bears at rest; gaps (n,) in units of the contact layer.
+
+    That of kernels/contact.py, which has no machine code of its own.
+    """
+    below = 1.0 + STIFFENING * np.expm1(np.minimum(-2.0 * gaps / STIFFENING, STEEPEST))
+    return np.asarray(np.where(gaps >= 0.0, np.clip(1.0 - gaps, 0.0, None) ** 2, below))

@@ -118,7 +118,7 @@ def lay_out(scene: Scene, spaced: list[FloatArray]) -> Line:
         assert cable is not None
         index += 1
         rigid = body is not None and body.half_length > 0.0
-        if previous is not None and not rigid and hinged(previous, cable, body is not None):
+        if previous is not None and not rigid and hinged(scene, previous, cable, body is not None):
             add(at.JOINT_HINGE, 0.0, arc)
         nodes = spaced[index]
         line.nominal.append(float(np.max(np.diff(nodes))))
@@ -130,10 +130,11 @@ def lay_out(scene: Scene, spaced: list[FloatArray]) -> Line:
     return line
 
 
-def hinged(lower: Cable, upper: Cable, body: bool) -> bool:
+def hinged(scene: Scene, lower: Cable, upper: Cable, body: bool) -> bool:
     """Whether a joint of two cables lets the slope jump.
 
-    A flexible cable passes no moment. A hybrid is flexible at a body, where its tension jumps.
+    A flexible cable passes no moment, whatever its model: a slope that no stiffness holds would
+    only be held by the elements. A hybrid is flexible at a body, where its tension jumps.
     """
-    models = (lower.model, upper.model)
-    return "cable" in models or (body and "hybrid" in models)
+    flexible = is_flexible(scene, lower) or is_flexible(scene, upper)
+    return flexible or (body and "hybrid" in (lower.model, upper.model))

@@ -175,7 +175,7 @@ def refine_touchdown(block: Block, scene: Scene, *, as_laid: bool = False) -> No
             # first step instead, it set the line ringing.
             entry.choose_bending(block.ints, block.reals)
         try:
-            solve_static(block, frame, as_laid=as_laid)
+            solve_static(block, scene, frame, as_laid=as_laid)
         except StaticsError:
             if as_laid:
                 raise  # without friction it may come to rest

@@ -63,7 +63,7 @@ def winch_of(scene: Scene, line: Line, drum_room: float) -> Winch:
             continue
         assert item.cable is not None
         below -= item.cable.length
-        _add_cable(winch, item.cable, -below, nominal[len(winch.cables)], body)
+        _add_cable(scene, winch, item.cable, -below, nominal[len(winch.cables)], body)
         body = -1
     for index, item in enumerate(scene.payout.drum):
         if item.body is not None:
@@ -80,7 +80,7 @@ def winch_of(scene: Scene, line: Line, drum_room: float) -> Winch:
         if body < 0 and (top.type, top.model) == (item.cable.type, item.cable.model):
             winch.leaves[-1] = winch.most_travel
         else:
-            _add_cable(winch, item.cable, winch.most_travel, usual, body)
+            _add_cable(scene, winch, item.cable, winch.most_travel, usual, body)
         body = -1
     winch.least_travel = _least_travel(scene)
     _set_shortest(winch, line)
@@ -116,8 +116,10 @@ def _set_shortest(winch: Winch, line: Line) -> None:
         winch.shortest.append(shortest)
 
 
-def _add_cable(winch: Winch, cable: Cable, leaves: float, nominal: float, body: int) -> None:
-    winch.hinges.append(bool(winch.cables) and hinged(winch.cables[-1], cable, body >= 0))
+def _add_cable(
+    scene: Scene, winch: Winch, cable: Cable, leaves: float, nominal: float, body: int
+) -> None:
+    winch.hinges.append(bool(winch.cables) and hinged(scene, winch.cables[-1], cable, body >= 0))
     winch.cables.append(cable)
     winch.leaves.append(leaves)
     winch.nominal.append(nominal)

@@ -35,6 +35,8 @@ LAYERS = (
     ("cablemodel.mesh",),
     (
         "cablemodel.sea_floor",
+        "cablemodel.laid_loads",
+        "cablemodel.free_hanging",
         "cablemodel.laid_shape",
         "cablemodel.waves",
         "cablemodel.instance",

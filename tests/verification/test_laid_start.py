@@ -49,11 +49,12 @@ def test_cable_on_a_slope_stays_where_it_was_laid(slope: float) -> None:
 
 
 def test_a_lay_starts_in_a_cross_current() -> None:
-    """What lies stays straight behind the vessel, what hangs is blown to the side."""
+    """What hangs is blown to the side; the lay lies straight, along the vessel's way, where it
+    lands."""
     model = cm.CableModel(lay(current=[0.0, 0.3, 0.0]))
     end = model.tip_position
-    assert abs(end[1]) < TOLERANCE * LENGTH
     assert model.touchdown_position[1] > 10.0
+    assert abs(end[1] - model.touchdown_position[1]) < TOLERANCE * LENGTH
     for duration in (0.0, 900.0):
         if duration:
             model.step(duration)
@@ -69,3 +70,81 @@ def test_a_lay_starts_in_a_cross_current() -> None:
 def test_a_level_floor_in_still_water_starts_without_friction() -> None:
     one, other = cm.CableModel(lay()), cm.CableModel(lay(friction=0.0))
     assert np.array_equal(one.state().position, other.state().position)
+
+
+def chain(
+    slope: list[float],
+    tolerance: float,
+    speed: float = 0.0,
+    water: float = 1025.0,
+    friction: float = 0.4,
+) -> cm.CableModel:
+    """Cable without bending stiffness, 6 m of it, a free end on a floor 3 m below the vessel."""
+    scene = {
+        "environment": {
+            "water_density": water,
+            "floor": {"z": -3.0, "slope": slope, "friction": friction},
+        },
+        "cable_types": {
+            "c": {
+                "diameter": 0.02, "mass": 3.0, "submerged_weight": 25.0, "axial_stiffness": 1e6,
+                "bending_stiffness": 0,
+            }
+        },
+        "line": [{"cable": {"type": "c", "length": 6.0}}],
+        "vessel": {"velocity": [speed, 0, 0]},
+        "solver": {"tolerance": tolerance},
+    }  # fmt: skip
+    return cm.CableModel(cm.load_scene(scene))
+
+
+@pytest.mark.parametrize("slope", [[0.06, 0.0], [-0.06, 0.0], [0.05, -0.15], [0.0, 0.2]])
+def test_a_laid_start_does_not_depend_on_the_tolerance(slope: list[float]) -> None:
+    """One shape of the many at rest: laid without tension, so that all of it hangs vertically."""
+    tolerance = 1e-3
+    coarse, fine = chain(slope, tolerance), chain(slope, tolerance / 4)
+    s = np.linspace(0.0, 6.0, 61)
+    apart = np.linalg.norm(coarse.sample(s).position - fine.sample(s).position, axis=1)
+    assert apart.max() < 1.25 * tolerance * 6.0
+    for model in (coarse, fine):
+        # No tension where it lands: the vessel pulls straight up, the floor pushes straight up.
+        assert np.hypot(*model.top_force[:2]) < 10 * tolerance * model.top_tension
+        assert np.hypot(*model.floor_force[:2]) < 10 * tolerance * model.top_tension
+        end = model.tip_position
+        model.step(60.0)
+        assert np.linalg.norm(model.tip_position - end) < tolerance * 6.0
+
+
+def test_a_vessel_under_way_drags_what_lies() -> None:
+    """Without water: the vessel pulls by the friction of all that lies, from the start on."""
+    model = chain([0.0, 0.0], 1e-3, speed=0.5, water=0.0)
+    horizontal, down = -model.floor_force[0], model.floor_force[2]
+    assert down > 0.3 * 6.0 * 25.0
+    assert horizontal == pytest.approx(0.4 * down, rel=0.01)
+    assert -model.top_force[0] == pytest.approx(horizontal, rel=0.01)
+    tension = model.top_tension
+    model.step(20.0)
+    assert model.top_tension == pytest.approx(tension, rel=0.02)
+
+
+@pytest.mark.parametrize("model", ["elastica", "hybrid", "cable"])
+def test_a_line_without_bending_stiffness_kinks_at_a_body(model: str) -> None:
+    """Towed at 2 m/s: the vessel pulls by the drag, of body and cable, and the weight; the models
+    differ by bending only, of which there is none."""
+    scene = {
+        "cable_types": {"c": {
+            "diameter": 0.02, "mass": 1.2, "submerged_weight": 8.0, "axial_stiffness": 1e6,
+            "bending_stiffness": 0,
+        }},
+        "line": [
+            {"cable": {"type": "c", "length": 6.0, "model": model}},
+            {"body": {"mass": 60, "submerged_weight": 400, "added_mass": 10, "drag_area": 0.08}},
+            {"cable": {"type": "c", "length": 3.0, "model": model}},
+        ],
+        "vessel": {"velocity": [2.0, 0, 0]},
+    }  # fmt: skip
+    tensions = []
+    for tolerance in (1e-3, 1e-5):
+        line = cm.CableModel(cm.load_scene({**scene, "solver": {"tolerance": tolerance}}))
+        tensions.append(line.top_tension)
+    assert tensions[0] == pytest.approx(tensions[1], rel=1e-3)

@@ -1,0 +1,212 @@
+"""The first shape of a line with a free end that reaches the floor: as a lay would leave it.
+
+What hangs is in balance with its weight and the drag, and without tension where it lands (unless
+what lies is pulled from there on); what lies is straight. Bending is left out.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cablemodel import laid_loads
+from cablemodel.instance.frame import vertical_plane
+from cablemodel.instance.scales import rate_at_start
+
+if TYPE_CHECKING:
+    from cablemodel.scene import Scene
+
+FloatArray = NDArray[np.float64]
+
+STEPS = 64
+"""In which the hanging part is integrated."""
+TRIALS = 25
+"""Bisections for the place where the line lands."""
+
+
+@dataclass(frozen=True)
+class Hanging:
+    """What hangs at first, and how it goes on.
+
+    points: (n, 3) from the tow point down to where the line lands, or to its end [m]; arc: its
+    length, bodies included [m]; line_length: of all of the line, bodies included [m]; way: unit
+    vector along which the rest lies, (2,).
+    """
+
+    points: FloatArray
+    arc: float
+    line_length: float
+    way: FloatArray
+
+
+def hang(scene: Scene, start: FloatArray, passed: float) -> Hanging | None:
+    """From a place at the arc length `passed` down to the floor; None: it ends above it.
+
+    start: (3,) [m]. Raises nothing.
+    """
+    floor = scene.environment.floor
+    assert floor is not None
+    line = laid_loads.pieces(scene)
+    total = line[-1].end
+    plane = vertical_plane(scene, [])
+    way, tension = _lying(scene, line, start, plane)
+    water = _Water(scene, start)
+
+    def above(arc: float) -> tuple[float, FloatArray]:
+        """Height of the lower end of what hangs above the floor, its polyline from the top."""
+        points = _integrate(line, water, passed, arc, tension * (total - arc), way)
+        if plane is not None:
+            points[:, :2] = np.outer(points[:, :2] @ plane, plane)
+        points += start
+        x, y, z = (float(value) for value in points[-1])
+        return z - floor.height(x, y), points
+
+    low, high = passed, total
+    gap, points = above(total)
+    if gap > 0.0:
+        straight_down = start[2] - (total - passed) > floor.height(float(start[0]), float(start[1]))
+        return None if straight_down else Hanging(points, total, total, way)
+    for _ in range(TRIALS):
+        middle = 0.5 * (low + high)
+        gap, points = above(middle)
+        low, high = (middle, high) if gap > 0.0 else (low, middle)
+    points[-1, 2] = floor.height(float(points[-1, 0]), float(points[-1, 1]))
+    return Hanging(points, middle, total, way)
+
+
+class _Water:
+    """Velocity of the water past the line, over depth."""
+
+    def __init__(self, scene: Scene, start: FloatArray) -> None:
+        floor = scene.environment.floor
+        assert floor is not None
+        bottom = min(floor.height(float(start[0]), float(start[1])), float(start[2]))
+        z = np.linspace(bottom, float(start[2]), STEPS + 1)
+        past = laid_loads.water_velocity(scene, z) - scene.motion().evaluate(0.0)[1]
+        self._rows = [tuple(row) for row in past.tolist()]
+
+    def at(self, share: float) -> tuple[float, float, float]:
+        """At a share of the height of the tow point above the floor [m/s]."""
+        row = self._rows[min(STEPS, max(0, round(share * STEPS)))]
+        return row[0], row[1], row[2]
+
+
+def _lying(
+    scene: Scene, line: list[laid_loads.Piece], start: FloatArray, plane: FloatArray | None
+) -> tuple[FloatArray, float]:
+    """The way along which what lies goes, (2,), and what each metre of it pulls there [N/m].
+
+    Where friction holds it, it lies behind the vessel, or downstream of one at rest, and pulls by
+    nothing. What the vessel drags, and what friction does not hold, goes where the loads on it go.
+    """
+    floor = scene.environment.floor
+    assert floor is not None
+    velocity = np.asarray(scene.motion().evaluate(0.0)[1], dtype=float)
+    bottom = floor.height(float(start[0]), float(start[1]))
+    current = laid_loads.water_velocity(scene, np.array([bottom]))[0]
+    behind = _behind(scene, velocity[:2], current[:2])
+    dragged = laid_loads.is_dragged(velocity, rate_at_start(scene))
+    rise = np.array(laid_loads.slopes(scene, float(start[0]), float(start[1])))
+    flow = current[:2] - (velocity[:2] if dragged else 0.0)
+    speed = float(np.hypot(*flow))
+    total = max(line[-1].end, 1e-12)
+    load, bears, along = np.zeros(2), 0.0, 0.0
+    for piece in line:
+        share = ((piece.end - piece.start) or 1.0) / total
+        load += share * (piece.normal * speed * flow - piece.weight * rise)
+        along += share * (piece.normal - piece.tangential)
+        bears += share * piece.contact
+    holds = floor.friction * bears
+    if dragged:
+        load -= holds * velocity[:2] / float(np.hypot(*velocity[:2]))
+        holds = 0.0
+    if np.hypot(*load) <= holds or not np.any(load):
+        return behind, 0.0
+    way = load / float(np.hypot(*load))
+    if plane is not None:
+        way = plane * math.copysign(1.0, float(way @ plane))
+    # Along the flow the drag is that along the cable.
+    return way, max(0.0, float(load @ way) - along * speed * abs(float(flow @ way)) - holds)
+
+
+def _behind(scene: Scene, velocity: FloatArray, current: FloatArray) -> FloatArray:
+    """Away from where the vessel goes, else downstream, (2,)."""
+    way = scene.motion().horizontal_direction()
+    if way is None or float(np.hypot(*velocity)) > 0.0:
+        way = velocity
+    if not np.any(way):
+        way = -current
+    size = float(np.hypot(*way))
+    return np.array([-1.0, 0.0]) if size == 0.0 else -np.asarray(way, dtype=float) / size
+
+
+def _integrate(
+    line: list[laid_loads.Piece],
+    water: _Water,
+    first: float,
+    last: float,
+    tension: float,
+    way: FloatArray,
+) -> FloatArray:
+    """The shape of what hangs, from its lower end up: (n, 3), relative to its upper end [m].
+
+    first, last: arc lengths of its ends [m]; tension: of what lies beyond, along `way` [N].
+    """
+    knots = [first, last]
+    knots += [k for p in line for k in (p.start, p.end) if first < k < last]
+    arcs = sorted({*np.linspace(first, last, STEPS + 1).tolist(), *knots})
+    points = [p for p in line if p.start == p.end and first <= p.start < last]
+    # The pull of the cable above on what is below it, to begin with by its own loads.
+    pull = [-tension * float(way[0]), -tension * float(way[1]), 0.0]
+    ahead = [0.0, 0.0, 1.0]
+    places = [(0.0, 0.0, 0.0)]
+    x = y = z = 0.0
+    for upper, lower in itertools.pairwise(reversed(arcs)):
+        # Reversed: `upper` is the larger arc length, further from the vessel.
+        h = upper - lower
+        middle = 0.5 * (upper + lower)
+        piece = next((p for p in line if p.start <= middle < p.end), line[0])
+        flow = water.at((last - middle) / max(last - first, 1e-12))
+        for body in points:
+            if lower < body.start <= upper:
+                _add(pull, body, 1.0, flow, ahead)
+        start = list(pull)
+        for _ in range(8 if places[-1] == (0.0, 0.0, 0.0) else 2):
+            pull = list(start)
+            _add(pull, piece, 0.5 * h, flow, ahead)
+            size = math.sqrt(pull[0] ** 2 + pull[1] ** 2 + pull[2] ** 2)
+            if size > 0.0:
+                turned = [0.5 * (a + p / size) for a, p in zip(ahead, pull, strict=True)]
+                norm = math.sqrt(sum(value**2 for value in turned)) or 1.0
+                ahead = [value / norm for value in turned]
+        size = math.sqrt(pull[0] ** 2 + pull[1] ** 2 + pull[2] ** 2)
+        if size > 0.0:
+            ahead = [value / size for value in pull]
+        pull = list(start)
+        _add(pull, piece, h, flow, ahead)
+        x, y, z = x + h * ahead[0], y + h * ahead[1], z + h * ahead[2]
+        places.append((x, y, z))
+    shape = np.array(places)
+    return np.asarray(shape[::-1] - shape[-1], dtype=np.float64)
+
+
+def _add(
+    pull: list[float],
+    piece: laid_loads.Piece,
+    length: float,
+    flow: tuple[float, float, float],
+    ahead: list[float],
+) -> None:
+    """Add what bears the loads on a length of a piece to the pull from above [N]."""
+    along = flow[0] * ahead[0] + flow[1] * ahead[1] + flow[2] * ahead[2]
+    across = [f - along * a for f, a in zip(flow, ahead, strict=True)]
+    normal = piece.normal * math.sqrt(across[0] ** 2 + across[1] ** 2 + across[2] ** 2)
+    tangential = piece.tangential * abs(along) * along
+    for i in range(3):
+        pull[i] -= length * (normal * across[i] + tangential * ahead[i])
+    pull[2] += length * piece.weight

@@ -1,0 +1,98 @@
+"""Weight, drag and friction on cable that lies on the floor or hangs down to it, at t = 0.
+
+What a first shape that lies on the floor, and a start that friction holds, are made from.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cablemodel.sea_floor import contact_weight
+
+if TYPE_CHECKING:
+    from cablemodel.scene import Scene
+
+FloatArray = NDArray[np.float64]
+
+DRAGGED = 0.1
+"""Of the vessel's speed: lying cable that moves along the floor faster than that is dragged."""
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A cable, or a body, between two arc lengths (of cables and bodies) from the vessel [m]."""
+
+    start: float
+    end: float
+    weight: float
+    """Submerged [N/m]; of a point body, which has no length, [N]."""
+    contact: float
+    """What the floor bears of it [N/m], [N]."""
+    normal: float
+    """Drag over the square of the speed across [N s2/m3], [N s2/m2]."""
+    tangential: float
+    """The same along it."""
+
+
+def pieces(scene: Scene) -> list[Piece]:
+    """The line that is out at t = 0, from the vessel outwards."""
+    rho = 0.5 * scene.environment.water_density
+    gravity = scene.environment.gravity
+    found, arc = [], 0.0
+    for item in scene.line:
+        if item.cable is not None:
+            kind = scene.cable_types[item.cable.type]
+            end = arc + item.cable.length
+            contact = contact_weight(kind, gravity)
+            normal = rho * kind.drag_normal * kind.diameter
+            along = rho * kind.drag_tangential * math.pi * kind.diameter
+            found.append(Piece(arc, end, kind.submerged_weight, contact, normal, along))
+            arc = end
+        elif item.body is not None:
+            body = item.body
+            length = 2.0 * body.half_length
+            weight = body.submerged_weight
+            across = rho * body.drag_coefficient * body.drag_area
+            along = rho * body.drag_coefficient_axial * body.drag_area_axial if length else across
+            values = [value / (length or 1.0) for value in (weight, abs(weight), across, along)]
+            found.append(Piece(arc, arc + length, *values))
+            arc += length
+    return found
+
+
+def water_velocity(scene: Scene, z: FloatArray) -> FloatArray:
+    """Velocity of the current at heights z (n,) [m] at t = 0, (n, 3) [m/s]."""
+    current = scene.environment.current
+    if current is None:
+        return np.zeros((len(z), 3))
+    table = np.asarray(current.velocity)
+    now = np.stack(
+        [
+            [np.interp(0.0, current.t, table[:, k, i]) for i in range(3)]
+            for k in range(len(current.z))
+        ]
+    )
+    return np.stack([np.interp(z, current.z, now[:, i]) for i in range(3)], axis=-1)
+
+
+def slopes(scene: Scene, x: float, y: float) -> tuple[float, float]:
+    """Rise of the floor per metre towards x and y at a place [-]."""
+    floor = scene.environment.floor
+    assert floor is not None
+    if floor.z is not None:
+        return floor.slope
+    step = 1e-4 * scene.line_length
+    along = floor.height(x + step, y) - floor.height(x - step, y)
+    across = floor.height(x, y + step) - floor.height(x, y - step)
+    return 0.5 * along / step, 0.5 * across / step
+
+
+def is_dragged(velocity: FloatArray, rate: float) -> bool:
+    """Whether the vessel drags what lies over the floor: it goes faster than it pays out."""
+    speed = float(np.hypot(velocity[0], velocity[1]))
+    return speed - rate > DRAGGED * speed
