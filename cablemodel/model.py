@@ -189,12 +189,10 @@ class CableModel:
         if payout_rate is not None:
             inputs[13] = self._number("payout_rate", payout_rate)
             inputs[12] = 1.0
-        before = self._ints[at.I_FAILED_NODE]
         status = self._solver.step(end, inputs)
         if status != at.OK:
             problem, advice = self._solver.explain(status)
             place = self._solver.failed_arc()
-            self._ints[at.I_FAILED_NODE] = before
             raise StepError(problem, time=self.time, arc_length=place, advice=advice)
         self._summary_current = False
 

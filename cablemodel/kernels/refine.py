@@ -34,6 +34,7 @@ from .layout import (
     S_BENT,
     S_BENT_AFTER,
     S_BENT_AT_TOP,
+    S_PAYOUT_RATE,
     S_PERIOD,
     S_TIME,
     S_TRAVEL,
@@ -42,6 +43,7 @@ from .payout import join_at, split_edge
 
 PAUSE = 0.02  # of sqrt(L/g): how often the mesh is looked at
 SHORTEST_TOP = 0.4  # of the longest element of its cable at the start: a longer top one is halved
+PASSED = 4.0  # of what passes the tow point in sqrt(L/g): a top element so long is halved, too
 FINEST = 1.0  # of what is allowed: no shorter element of cable that does not bend is halved
 STRAIGHT = 0.02  # of what is allowed: the same for two elements that are joined
 
@@ -77,7 +79,10 @@ def may_be_halved(I, M, node):
         return False
     if M[I[O_CONSTRAINT] + C_CLAMPED] == BY_SPRING and M[edge + E_BENDING_FULL] > 0.0:
         return False
-    return M[edge + E_LENGTH] > SHORTEST_TOP * M[row + K_NOMINAL]
+    shortest = SHORTEST_TOP * M[row + K_NOMINAL]
+    if M[S_BENT_AT_TOP] == 0.0:
+        shortest = min(shortest, PASSED * abs(M[S_PAYOUT_RATE]) * M[S_PERIOD])
+    return M[edge + E_LENGTH] > shortest
 
 
 @kernel
