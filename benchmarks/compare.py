@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from benchmarks.measure import Measurement
-from benchmarks.scenes import BenchmarkScene
+from benchmarks.scenes import Target
 
 Point = tuple[float, float]
 """(tip error [-], CPU seconds per simulated second [-])."""
@@ -93,13 +93,8 @@ def ratio(
     )
 
 
-def cheapest_within(
-    measurements: Iterable[Measurement], scene: BenchmarkScene
-) -> Measurement | None:
-    """The cheapest measurement that keeps both errors that the scene asks for; None: none does."""
-    target = scene.target
-    if target is None:
-        return None
+def cheapest_within(measurements: Iterable[Measurement], target: Target) -> Measurement | None:
+    """The cheapest measurement that keeps both errors that are asked for; None: none does."""
     good = [
         m
         for m in measurements

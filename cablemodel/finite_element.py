@@ -54,7 +54,9 @@ class FiniteElementSolver(OfBlock):
             self.memory.ints[at.I_SLEEP] = 0
 
     def step(self, end: float, inputs: FloatArray) -> int:
-        return int(entry.step(self._ints, self._reals, end, inputs))
+        memory = self.memory
+        status: int = entry.step(memory.ints, memory.reals, end, inputs)
+        return status
 
     def explain(self, status: int) -> tuple[str, str]:
         return _MEANING[status]
@@ -64,7 +66,8 @@ class FiniteElementSolver(OfBlock):
         return float(self._all_arcs()[node])
 
     def summary(self, out: FloatArray) -> None:
-        entry.summary(self._ints, self._reals, out)
+        memory = self.memory
+        entry.summary(memory.ints, memory.reals, out)
 
     def sample(self, stations: FloatArray, out: FloatArray) -> int:
         return int(entry.sample(self._ints, self._reals, stations, out))

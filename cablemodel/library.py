@@ -120,23 +120,29 @@ def _kernel(function: Any, kinds: tuple[str, ...]) -> Kernel:
     # Looking up an array's address costs as much as a short kernel: those of the last call are
     # kept, one tuple a place, so that threads at worst look up again.
     last: list[tuple[Any, Any, Any]] = [(None, None, None)] * len(kinds)
-    arrays = [kind in ("block", "array") for kind in kinds]
 
-    def call(ints: Any, reals: Any, *values: Any) -> int:
-        flat: list[Any] = []
-        for place, value in enumerate((ints, *values)):
-            if arrays[place]:
-                known = last[place]
-                if known[0] is not value:
-                    known = (value, c_void_p(value.ctypes.data), c_int64(value.size))
-                    last[place] = known
-                flat += (known[1], known[2])
-            else:
-                flat.append(value)
-        result: int = function(*flat)
-        return result
+    def look_up(place: int, value: Any) -> tuple[Any, Any, Any]:
+        found = (value, c_void_p(value.ctypes.data), c_int64(value.size))
+        last[place] = found
+        return found
 
-    return call
+    # A loop over the arguments costs as much as the call itself: the wrapper is written for them.
+    names = [f"x{place}" for place in range(len(kinds))]
+    lines = [f"def call({', '.join([names[0], 'reals', *names[1:]])}):"]
+    flat = []
+    for place, (name, kind) in enumerate(zip(names, kinds, strict=True)):
+        if kind in ("block", "array"):
+            lines.append(f"    known{place} = last[{place}]")
+            lines.append(f"    if known{place}[0] is not {name}:")
+            lines.append(f"        known{place} = look_up({place}, {name})")
+            flat += [f"known{place}[1]", f"known{place}[2]"]
+        else:
+            flat.append(name)
+    lines.append(f"    return function({', '.join(flat)})")
+    space: dict[str, Any] = {"function": function, "last": last, "look_up": look_up}
+    exec("\n".join(lines), space)
+    written: Kernel = space["call"]
+    return written
 
 
 def __getattr__(name: str) -> Any:

@@ -16,16 +16,16 @@ FloatArray = NDArray[np.float64]
 
 _STEADY = 4.0
 """Elements at tau = 1e-3 of a line that starts under tension."""
+_FEWEST = 4, 3
+"""Of any line, at any accuracy, and of one that has nothing to bend it but its tow in a plane."""
 _SWINGING = 6.0
 """The same where drag hardly damps: what swings and waves are late by adds up."""
-_SLACK = 14.0
-"""The same for a line that starts without tension: it folds at its ends."""
-_WHIP = 20.0
-"""The same where drag is too small to damp the waves that run along it."""
+_SLACK = 20.0
+"""The same for a line that starts without tension: it folds at its ends, and cracks."""
 _WHIP_IN_AIR = 14.0, 0.4
-"""The same with a little drag, and the power of 1e-3 / tau that it takes. Down to tau = 1e-4 the
-time steps damp what such a mesh does not resolve, and decide the error; in a vacuum they are too
-short for that."""
+"""Where a little drag damps its waves, and the power of 1e-3 / tau that it takes. Down to
+tau = 1e-4 the time steps damp what such a mesh does not resolve, and decide the error; in a vacuum
+they are too short for that."""
 LIGHT_DAMPING = 10.0
 """rho Cdn d L / m below which a line counts as hardly damped."""
 _LAYER_GROWTH = 2.0
@@ -60,6 +60,8 @@ class Start:
     damping: float
     """rho Cdn d L / m of the line, dimensionless."""
     free_end: bool
+    plain: bool = False
+    """One cable that hangs at rest in still water from a pin, free at its end, towed in a plane."""
 
     @property
     def lightly_damped(self) -> bool:
@@ -69,14 +71,12 @@ class Start:
 
 def element_count(tolerance: float, start: Start) -> int:
     """Elements of a whole line for an accuracy tau."""
-    if start.slack:
-        at_thousandth = _WHIP if start.lightly_damped else _SLACK
-    else:
-        at_thousandth = _SWINGING if start.lightly_damped else _STEADY
+    pulled = _SWINGING if start.lightly_damped else _STEADY
+    at_thousandth = _SLACK if start.slack else pulled
     count = at_thousandth * math.pow(1e-3 / tolerance, 0.25)
     if start.slack and start.lightly_damped and start.damping > 0.0:
         count = min(count, _WHIP_IN_AIR[0] * math.pow(1e-3 / tolerance, _WHIP_IN_AIR[1]))
-    return max(4, math.ceil(count - 1e-9))
+    return max(_FEWEST[start.plain], math.ceil(count - 1e-9))
 
 
 def relative_size(x: float, start: Start) -> float:

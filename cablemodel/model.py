@@ -27,6 +27,8 @@ BoolArray = NDArray[np.bool_]
 
 _INPUT_WORDS = 14
 """As kernels/stepping.py, which loads the compiler."""
+_NO_INPUTS: FloatArray = np.zeros(_INPUT_WORDS)
+_NO_INPUTS.flags.writeable = False
 
 
 @dataclass(frozen=True)
@@ -174,27 +176,36 @@ class CableModel:
         current: ArrayLike | None = None,
     ) -> None:
         """Advance to a time [s] exactly; otherwise like `step`."""
-        end = self._number("time", time)
-        if not end > self.time:
+        end = time if type(time) is float else self._number("time", time)
+        if not self.time < end < math.inf:
+            self._number("time", end)
             raise StepError(
                 f"a step must go forward in time, not by {end - self.time:g} s",
                 time=self.time,
                 advice="give a positive step",
             )
-        inputs = self._inputs
-        inputs[:] = 0.0
-        self._take_vector(0, "vessel_velocity", vessel_velocity)
-        self._take_vector(4, "vessel_position", vessel_position)
-        self._take_vector(8, "current", current)
-        if payout_rate is not None:
-            inputs[13] = self._number("payout_rate", payout_rate)
-            inputs[12] = 1.0
-        status = self._solver.step(end, inputs)
-        if status != at.OK:
-            problem, advice = self._solver.explain(status)
-            place = self._solver.failed_arc()
-            raise StepError(problem, time=self.time, arc_length=place, advice=advice)
+        inputs = _NO_INPUTS
+        if not (
+            vessel_velocity is None
+            and vessel_position is None
+            and payout_rate is None
+            and current is None
+        ):
+            inputs = self._inputs
+            inputs[:] = 0.0
+            self._take_vector(0, "vessel_velocity", vessel_velocity)
+            self._take_vector(4, "vessel_position", vessel_position)
+            self._take_vector(8, "current", current)
+            if payout_rate is not None:
+                inputs[13] = self._number("payout_rate", payout_rate)
+                inputs[12] = 1.0
+        solver = self._solver
+        status = solver.step(end, inputs)
         self._summary_current = False
+        if status != at.OK:
+            problem, advice = solver.explain(status)
+            place = solver.failed_arc()
+            raise StepError(problem, time=self.time, arc_length=place, advice=advice)
 
     def _number(self, name: str, value: Any) -> float:
         try:
@@ -283,7 +294,7 @@ class CableModel:
     @property
     def time(self) -> float:
         """Simulated time [s]."""
-        return float(self._reals[at.S_TIME])
+        return self._solver.memory.reals.item(at.S_TIME)
 
     def _numbers(self) -> FloatArray:
         if not self._summary_current:

@@ -109,6 +109,7 @@ def fill(block: Block, scene: Scene) -> None:
     ints, reals = block.ints, block.reals
     accuracy = scene.solver.tolerance * scene.line_length
     reals[at.S_FLOOR_DEPTH] = DEPTH * accuracy
+    reals[at.S_END_BORNE] = 1.0
     reals[at.S_BRISTLE] = BRISTLE * accuracy
     reals[at.S_FRICTION] = floor.friction
     ints[at.I_SLEEP] = int(floor.friction > 0.0)

@@ -22,11 +22,13 @@ FloatArray = NDArray[np.float64]
 
 ROUNDS = 14
 """Times that a mesh is refined at most."""
-BENT = 5.0
+BENT = 2.5
 """Of tau L: what h^2 times the jump of curvature may be in a static shape."""
 LARGEST_STATIC_MESH = 4000
-BENDS = 12.0
+BENDS = 8.0
 """The same in motion, in free water."""
+WHIPS = 60.0
+"""The same where drag hardly damps: only what cracks like a whip, and its elements stay halves."""
 SPARE = 24, 2.0
 """Nodes for shapes that bend more later on: so many, and times those at the start."""
 WINCH = 2
@@ -34,17 +36,19 @@ WINCH = 2
 
 
 def follows_bending(scene: Scene) -> bool:
-    """Whether elements are halved where the line bends in free water; at a floor others do it.
+    """Whether elements are halved where the line bends in free water, above a floor too.
 
-    A mesh that the scene asks for stays as it is. So does that of a line which drag hardly damps:
-    every change of the mesh feeds a whip that hardly stretches; and that of a line which starts
-    slack: pushed, it buckles ever finer. Only its top element is halved, which the winch makes.
+    A mesh that the scene asks for stays as it is. So does that of a line which starts slack:
+    pushed, it buckles ever finer. Only its top element is halved, which the winch makes. Where
+    drag hardly damps, halves are not joined again: that would feed a whip that hardly stretches.
     """
     drum = [item.cable for item in scene.payout.drum if item.cable is not None]
     asked = any(cable.elements is not None for cable in [*scene.cables, *drum])
     start = start_conditions(scene)
-    moves = pays_out(scene) or not start.slack
-    return scene.environment.floor is None and moves and not start.lightly_damped and not asked
+    moves = not start.slack or (pays_out(scene) and not start.lightly_damped)
+    # Above a floor what follows the touchdown joins elements, too.
+    whips_above_floor = start.lightly_damped and scene.environment.floor is not None
+    return moves and not whips_above_floor and not asked
 
 
 def spare_nodes(scene: Scene, nodes: int) -> int:
@@ -77,15 +81,21 @@ def refined(block: Block, scene: Scene, nodes: list[FloatArray]) -> list[FloatAr
         chord = (r1 - r0) / h[node]
         start[node] = (6.0 * chord - 4.0 * d0 - 2.0 * d1) / h[node]
         end[node] = (2.0 * d0 + 4.0 * d1 - 6.0 * chord) / h[node]
+    by_spring = _bent_by_a_spring(block)
     jump = np.zeros(count)  # at the child end of each element
     for node in range(1, count - 1):
         if not joints[node] and not joints[node + 1]:
-            jump[node] = float(np.linalg.norm(start[node + 1] - end[node]))
+            bend = start[node + 1] - end[node]
+            if by_spring:
+                # Across the line: what |r'| does along it is no bend, see `follow.swings`.
+                slope = q[node, dimension:] / np.linalg.norm(q[node, dimension:])
+                bend -= (bend @ slope) * slope
+            jump[node] = float(np.linalg.norm(bend))
     # Flexible ends have no neighbour to compare with: half of the change inside stands for it.
     inside = np.linalg.norm(start - end, axis=1)
     indicator = h**2 * np.maximum(jump, np.concatenate([[0.0], jump[:-1]]))
     indicator[1] = max(indicator[1], 0.25 * h[1] ** 2 * inside[1])
-    if _bent_by_a_spring(block):
+    if by_spring:
         indicator[1] = 0.0  # the spring stands for a layer that elements here do not resolve
     last = int(np.flatnonzero(joints == 0)[-1])  # beyond it there may be a body
     indicator[last] = max(indicator[last], 0.25 * h[last] ** 2 * inside[last])

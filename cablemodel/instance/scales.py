@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -57,10 +58,29 @@ def start_conditions(scene: Scene) -> Start:
         kind = scene.cable_types[cable.type]
         drag += rho * kind.drag_normal * kind.diameter * cable.length
         mass += kind.mass * cable.length
-    return Start(
+    start = Start(
         slack=scene.initial.kind != "static",
         damping=drag * scene.line_length / mass,
         free_end=scene.end.kind == "free",
+    )
+    return replace(start, plain=_is_plain(scene, start))
+
+
+def _is_plain(scene: Scene, start: Start) -> bool:
+    """See mesh.Start."""
+    environment = scene.environment
+    return (
+        not start.slack
+        and not start.lightly_damped
+        and start.free_end
+        and scene.vessel.connection.kind == "pinned"
+        and len(scene.line) == 1
+        and not scene.payout.drum
+        and not pays_out(scene)
+        and environment.current is None
+        and environment.waves is None
+        and environment.floor is None
+        and scene.motion().is_planar()
     )
 
 

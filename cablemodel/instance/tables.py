@@ -11,12 +11,13 @@ from numpy.typing import NDArray
 from cablemodel.block import Block
 from cablemodel.instance.frame import local
 from cablemodel.instance.line import Line
-from cablemodel.instance.refinement import BENDS, follows_bending
+from cablemodel.instance.refinement import BENDS, WHIPS, follows_bending
 from cablemodel.instance.scales import is_flexible, pays_out, start_conditions
 from cablemodel.instance.winch import Winch
 from cablemodel.kernels import layout as at
 
 if TYPE_CHECKING:
+    from cablemodel.mesh import Start
     from cablemodel.scene import Scene
 
 FloatArray = NDArray[np.float64]
@@ -27,11 +28,18 @@ LIGHTLY_DAMPED = 0.35
 """Factor on it where drag hardly damps, in air above all: errors are not forgotten, but add up."""
 UNDAMPED = 0.08
 """The same in a vacuum, at tau = 1e-3."""
+MEMORY = 0.3
+"""How long an error of the velocity goes on moving the line, in sqrt(L/g): steps shorter than that
+may make less of the local error allowed. (A whip in air that bends is left out: waves that its mesh
+does not follow are damped by its steps, and decide.)"""
 ORDER_3_FIRST = 16.0
 """Good steps by order 3 with which a line that starts slack begins: it snaps, and Newton's method
 has trouble in longer ones."""
 FINEST_IN_AIR, FINEST_IN_WATER = 1e-4, 5e-4
 """tau down to which it does, with little drag and with much; below, tensions would suffer."""
+CALM_FIRST = 2.5, 0.01
+"""First step of a line that hangs at rest in water, in sqrt(tau) sqrt(L/g), and of tau L: how far
+the vessel may leave its uniform motion in it."""
 MOST_STEPS = 2_000_000
 """Internal steps that one call may take."""
 
@@ -58,7 +66,8 @@ def fill_settings(block: Block, scene: Scene, scale: float) -> None:
     reals[at.S_TIME_TOLERANCE] = allowed
     reals[at.S_LENGTH] = length
     if follows_bending(scene):
-        reals[at.S_BENT] = BENDS * tolerance * length
+        bent = WHIPS if start.lightly_damped else BENDS
+        reals[at.S_BENT] = bent * tolerance * length
         reals[at.S_BENT_AT_TOP] = float(start.slack)
     reals[at.S_TENSION_SCALE] = scale
     if start.slack:
@@ -67,9 +76,11 @@ def fill_settings(block: Block, scene: Scene, scale: float) -> None:
         reals[at.S_LARGEST_TENSION] = math.inf
     period = math.sqrt(length / max(scene.environment.gravity, 1e-3))
     reals[at.S_PERIOD] = period
-    # A start that the user would not notice: it grows up to sixteenfold a step.
+    bends = not all(is_flexible(scene, cable) for cable in scene.cables)
+    if not (bends and start.slack and start.lightly_damped):
+        reals[at.S_MEMORY] = MEMORY * period
     reals[at.S_FIRST_STEP] = 0.02 * period
-    reals[at.S_STEP] = 1e-2 * math.sqrt(max(tolerance, 1e-12)) * period
+    reals[at.S_STEP] = first_step(scene, start, period)
     reals[at.S_SMALLEST_STEP] = 1e-10 * period
     softness = masses = 0.0
     for cable in scene.cables:
@@ -80,8 +91,38 @@ def fill_settings(block: Block, scene: Scene, scale: float) -> None:
     reals[at.S_AXIAL] = 1.0 / (softness * masses)
     reals[at.S_UNDAMPED] = float(start.lightly_damped)
     finest = FINEST_IN_AIR if start.lightly_damped else FINEST_IN_WATER
-    if start.slack and tolerance >= finest and scene.environment.floor is None:
+    if start.slack and tolerance >= finest:
         reals[at.S_ORDER_3] = ORDER_3_FIRST
+
+
+def first_step(scene: Scene, start: Start, period: float) -> float:
+    """Length of the first step [s], from which they grow up to sixteenfold a step.
+
+    As a rule one in which whatever is let go hardly moves. What hangs at rest in water, with a
+    free end, is moved by the vessel only and need not begin so: three steps are saved.
+    """
+    tolerance = scene.solver.tolerance
+    scale = math.sqrt(max(tolerance, 1e-12)) * period
+    shortest = 1e-2 * scale
+    if (
+        start.slack
+        or start.lightly_damped
+        or not start.free_end
+        or scene.environment.floor is not None
+        or pays_out(scene)
+    ):
+        return shortest
+    motion = scene.motion()
+    place, velocity, _acceleration = motion.evaluate(0.0)
+    step = CALM_FIRST[0] * scale
+    way = CALM_FIRST[1] * tolerance * scene.line_length
+    while step > shortest:
+        there, speed, _acceleration = motion.evaluate(step)
+        moved = float(np.linalg.norm(there - place - step * velocity))
+        if max(moved, 0.5 * step * float(np.linalg.norm(speed - velocity))) <= way:
+            break
+        step *= 0.5
+    return max(step, shortest)
 
 
 def fill_motion(block: Block, pieces: FloatArray) -> None:

@@ -9,8 +9,8 @@ p0 is the force at rest and e the way along the floor from the place where a nod
 
 import math
 
-from .compile import inlined, kernel
-from .floor_surface import gap_at
+from .compile import inlined, kernel, view
+from .floor_surface import gap_at, gap_below
 from .layout import (
     B_BORNE,
     B_LENGTH,
@@ -32,6 +32,7 @@ from .layout import (
     O_PARENT,
     O_REST,
     S_BRISTLE,
+    S_END_BORNE,
     S_FLOOR_DAMPING,
     S_FLOOR_DEPTH,
     S_FRICTION,
@@ -83,13 +84,12 @@ def place_law(preload, gap, depth):
 
 
 @inlined
-def friction(I, M, q, parent, node, x, contact, press, w):
+def friction(I, M, q, parent, node, x, contact, press, w, dimension):
     """Friction per length into w[9:12], bristle e in w[6:9]; the normal is in w[3:6].
 
     e is linear between the nodes; its part along the normal has been removed. Returns whether it
     sticks, the length of e and the stiffness: minus force over e.
     """
-    dimension = I[I_DIMENSION]
     size = 2 * dimension
     rest = I[O_REST]
     along = 0.0
@@ -114,9 +114,8 @@ def friction(I, M, q, parent, node, x, contact, press, w):
 
 
 @inlined
-def interpolate(I, q, parent, node, h, p, w):
+def interpolate(I, q, parent, node, h, p, w, dimension):
     """A vector field of an element at contact point p into w[0:3]."""
-    dimension = I[I_DIMENSION]
     a = 2 * dimension * parent
     b = 2 * dimension * node
     for i in range(dimension):
@@ -125,9 +124,8 @@ def interpolate(I, q, parent, node, h, p, w):
 
 
 @inlined
-def approach(I, v, parent, node, h, p, w):
+def approach(I, v, parent, node, h, p, w, dimension):
     """Speed of contact point p along the normal in w[3:6] [m/s]."""
-    dimension = I[I_DIMENSION]
     a = 2 * dimension * parent
     b = 2 * dimension * node
     speed = 0.0
@@ -139,13 +137,12 @@ def approach(I, v, parent, node, h, p, w):
 
 
 @inlined
-def tipping(I, q, parent, node, p, w):
+def tipping(I, q, parent, node, p, w, dimension):
     """Share of the normal force that pushes cable over that stands on its end, along x.
 
     Exactly vertical cable would stand on the floor as no column can. The share is nothing where
     cable lies: it falls with the eighth power of the tangent along the normal.
     """
-    dimension = I[I_DIMENSION]
     x = CONTACT_POINTS[p]
     a = 2 * dimension * parent + dimension
     b = 2 * dimension * node + dimension
@@ -161,26 +158,25 @@ def tipping(I, q, parent, node, p, w):
 
 
 @inlined
-def contact_force(I, M, q, v, parent, node, h, p, contact, w):
+def contact_force(I, M, q, v, parent, node, h, p, contact, w, dimension):
     """Normal force per length at contact point p of an element [N/m], 0 where it does not touch.
 
     Position into w[0:3], normal into w[3:6], what acts along the floor [N/m] into w[9:12]. Returns
     force, gap and speed of approach.
     """
-    dimension = I[I_DIMENSION]
-    interpolate(I, q, parent, node, h, p, w)
-    gap = gap_at(I, M, w, w[3:6])
+    interpolate(I, q, parent, node, h, p, w, dimension)
+    gap = gap_below(I, M, w, view(w, 3, 3), dimension)
     for i in range(dimension):
         w[9 + i] = 0.0
     if gap >= M[S_FLOOR_DEPTH]:
         return 0.0, gap, 0.0
-    speed = approach(I, v, parent, node, h, p, w)
+    speed = approach(I, v, parent, node, h, p, w, dimension)
     share, _stiffness, _energy = contact_law(gap, M[S_FLOOR_DEPTH])
     press = contact * share
     press *= max(0.0, 1.0 - M[S_FLOOR_DAMPING] * speed)
     if M[S_FRICTION] > 0.0 and press > 0.0:
-        friction(I, M, q, parent, node, CONTACT_POINTS[p], contact, press, w)
-    w[9] += press * tipping(I, q, parent, node, p, w)
+        friction(I, M, q, parent, node, CONTACT_POINTS[p], contact, press, w, dimension)
+    w[9] += press * tipping(I, q, parent, node, p, w, dimension)
     return press, gap, speed
 
 
@@ -209,7 +205,7 @@ def contact_place(I, M, place):
         if node == 0 or ends_in_something(I, M, node):
             return 0, 0.0, False
         edge = I[O_EDGE] + node * EDGE_WORDS
-        return node, M[edge + E_CONTACT] * touchdown_layer(M, edge), False
+        return node, M[edge + E_CONTACT] * touchdown_layer(M, edge) * M[S_END_BORNE], False
     row = I[O_BODY] + place // 2 * BODY_WORDS
     node = int(M[row + B_NODE])
     if node < 0:  # on the drum
@@ -247,7 +243,7 @@ def place_force(I, M, contact, preload, node, q, v, w):
         w[9 + i] = 0.0
     for i in range(dimension):
         w[i] = q[size * node + i]
-    gap = gap_at(I, M, w, w[3:6])
+    gap = gap_at(I, M, w, view(w, 3, 3))
     if gap >= depth:
         return 0.0, gap, 0.0
     speed = 0.0
@@ -256,6 +252,6 @@ def place_force(I, M, contact, preload, node, q, v, w):
     share, _stiffness, _energy = place_law(preload, gap, depth)
     press = contact * share * max(0.0, 1.0 - M[S_FLOOR_DAMPING] * speed)
     if M[S_FRICTION] > 0.0 and press > 0.0:
-        friction(I, M, q, node, node, 0.0, contact, press, w)
-    w[9] += press * tipping(I, q, node, node, 0, w)
+        friction(I, M, q, node, node, 0.0, contact, press, w, dimension)
+    w[9] += press * tipping(I, q, node, node, 0, w, dimension)
     return press, gap, speed

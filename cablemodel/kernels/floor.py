@@ -1,6 +1,6 @@
 """The sea floor's forces on cable and bodies, and their derivatives."""
 
-from .compile import kernel
+from .compile import inlined, kernel, view
 from .contact import (
     approach,
     contact_force,
@@ -12,7 +12,7 @@ from .contact import (
     place_force,
     place_law,
 )
-from .floor_surface import gap_at, lowest_gap
+from .floor_surface import gap_at, gap_below, lowest_gap
 from .layout import (
     E_BORNE,
     E_CONTACT,
@@ -38,27 +38,31 @@ from .layout import (
 from .tables import CONTACT_H, CONTACT_POINTS, CONTACT_WEIGHTS
 
 
-@kernel
-def floor_residual(I, M, q, v, out):
-    """Subtract the floor's forces on cable and bodies from the forces that are left at the nodes.
-
-    The elements' end forces get their share, so that tensions inside the line know of the floor.
-    """
-    dimension = I[I_DIMENSION]
+@inlined
+def elements_residual(I, M, q, v, out, dimension):
+    """Subtract the floor's forces on the elements. dimension: a constant to the compiler."""
     size = 2 * dimension
-    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
+    w = view(M, I[O_MOTION] + 28, 24)
+    ends = view(M, I[O_END_FORCE], size * I[I_NODES])
+    joints = view(I, I[O_JOINT], I[I_NODES])
+    parents = view(I, I[O_PARENT], I[I_NODES])
     depth = M[S_FLOOR_DEPTH]
     for node in range(1, I[I_NODES]):
-        if I[I[O_JOINT] + node] != 0:
+        if joints[node] != 0:
             continue
         if lowest_gap(I, M, q, node, w) >= depth:
             continue
-        parent = I[I[O_PARENT] + node]
-        edge = I[O_EDGE] + node * EDGE_WORDS
-        h = M[edge + E_LENGTH]
-        contact = M[edge + E_CONTACT] * M[edge + E_BORNE]
+        parent = parents[node]
+        edge = view(M, I[O_EDGE] + node * EDGE_WORDS, EDGE_WORDS)
+        h = edge[E_LENGTH]
+        contact = edge[E_CONTACT] * edge[E_BORNE]
+        above = view(out, size * parent, size)
+        below = view(out, size * node, size)
+        end = view(ends, size * node, size)
         for p in range(4):
-            press, gap, _speed = contact_force(I, M, q, v, parent, node, h, p, contact, w)
+            press, gap, _speed = contact_force(
+                I, M, q, v, parent, node, h, p, contact, w, dimension
+            )
             if gap >= depth:
                 continue
             weight = h * CONTACT_WEIGHTS[p]
@@ -68,12 +72,27 @@ def floor_residual(I, M, q, v, out):
             n3 = h * CONTACT_H[p, 3]
             for i in range(dimension):
                 force = weight * (press * w[3 + i] + w[9 + i])
-                out[size * parent + i] -= n0 * force
-                out[size * parent + dimension + i] -= n1 * force
-                out[size * node + i] -= n2 * force
-                out[size * node + dimension + i] -= n3 * force
-                M[I[O_END_FORCE] + size * node + i] += n0 * force
-                M[I[O_END_FORCE] + size * node + dimension + i] -= n2 * force
+                above[i] -= n0 * force
+                above[dimension + i] -= n1 * force
+                below[i] -= n2 * force
+                below[dimension + i] -= n3 * force
+                end[i] += n0 * force
+                end[dimension + i] -= n2 * force
+
+
+@kernel
+def floor_residual(I, M, q, v, out):
+    """Subtract the floor's forces on cable and bodies from the forces that are left at the nodes.
+
+    The elements' end forces get their share, so that tensions inside the line know of the floor.
+    """
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    if dimension == 2:
+        elements_residual(I, M, q, v, out, 2)
+    else:
+        elements_residual(I, M, q, v, out, 3)
+    w = view(M, I[O_MOTION] + 28, 24)
     for place in range(contact_places(I)):
         node, contact, preload = contact_place(I, M, place)
         if contact <= 0.0:
@@ -110,20 +129,20 @@ def turn_of_normal(I, M, w):
     for j in range(dimension):
         r = w[j]
         w[j] = r + step
-        gap_at(I, M, w, w[21:24])
+        gap_at(I, M, w, view(w, 21, 3))
         for i in range(dimension):
             w[12 + 3 * i + j] = 0.5 * w[21 + i] / step
         w[j] = r - step
-        gap_at(I, M, w, w[21:24])
+        gap_at(I, M, w, view(w, 21, 3))
         for i in range(dimension):
             w[12 + 3 * i + j] -= 0.5 * w[21 + i] / step
         w[j] = r
 
 
-@kernel
-def block_of(I, node, k, l):
+@inlined
+def block_of(I, node, k, l, dimension):
     """Where the block of shape functions k (row) and l (column) of an element starts."""
-    area = 4 * I[I_DIMENSION] * I[I_DIMENSION]
+    area = 4 * dimension * dimension
     parent = I[I[O_PARENT] + node]
     if k < 2 and l < 2:
         return I[O_DIAGONAL] + area * parent
@@ -134,8 +153,8 @@ def block_of(I, node, k, l):
     return I[O_LOWER] + area * node
 
 
-@kernel
-def add_point(I, p, h, rub, w, sums):
+@inlined
+def add_point(p, h, rub, w, sums, dimension):
     """Add the derivatives at contact point p of an element to its sums (d, d, 4, 4).
 
     For components i, j and shape functions k, l. rate (d, d) in w[12:21]: minus the force's
@@ -143,7 +162,6 @@ def add_point(I, p, h, rub, w, sums):
     linear between the nodes. Normal in w[3:6]; with friction the direction in which the cable
     slips, or zeros, in w[6:9].
     """
-    dimension = I[I_DIMENSION]
     x = CONTACT_POINTS[p]
     for i in range(dimension):
         for j in range(dimension):
@@ -163,13 +181,13 @@ def add_point(I, p, h, rub, w, sums):
                 sums[at + 4 * k + 3] += ak * (h * CONTACT_H[p, 3])
 
 
-@kernel
-def add_sums(I, M, node, sums):
+@inlined
+def add_sums(I, M, node, sums, dimension):
     """Add an element's sums to the blocks of the matrix, and clear them."""
-    dimension = I[I_DIMENSION]
     for k in range(4):
         for l in range(4):
-            at = block_of(I, node, k, l) + 2 * dimension * dimension * (k % 2) + dimension * (l % 2)
+            at = block_of(I, node, k, l, dimension)
+            at += 2 * dimension * dimension * (k % 2) + dimension * (l % 2)
             for i in range(dimension):
                 for j in range(dimension):
                     from_ = 16 * (dimension * i + j) + 4 * k + l
@@ -177,19 +195,19 @@ def add_sums(I, M, node, sums):
                     sums[from_] = 0.0
 
 
-@kernel
-def floor_jacobian(I, M, q, v, cv):
-    """Add the derivatives of the floor's forces to the blocks of the effective Jacobian."""
-    dimension = I[I_DIMENSION]
-    size = 2 * dimension
-    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
+@inlined
+def elements_jacobian(I, M, q, v, cv, dimension):
+    """Add the derivatives of the floor's forces on the elements; dimension as above."""
+    w = view(M, I[O_MOTION] + 28, 24)
+    normal = view(w, 3, 3)
     depth = M[S_FLOOR_DEPTH]
     damping = M[S_FLOOR_DAMPING]
     rubs = M[S_FRICTION] > 0.0
     bends = I[I_FLOOR] == FLOOR_TABLE
     # The elements' workspace, beyond what lasts there.
-    sums = M[I[O_GAUSS] + 400 : I[O_GAUSS] + 400 + 16 * dimension * dimension]
-    sums[:] = 0.0
+    sums = view(M, I[O_GAUSS] + 400, 16 * dimension * dimension)
+    for n in range(16 * dimension * dimension):
+        sums[n] = 0.0
     for node in range(1, I[I_NODES]):
         if I[I[O_JOINT] + node] != 0:
             continue
@@ -201,11 +219,11 @@ def floor_jacobian(I, M, q, v, cv):
         contact = M[edge + E_CONTACT] * M[edge + E_BORNE]
         touched = False
         for p in range(4):
-            interpolate(I, q, parent, node, h, p, w)
-            gap = gap_at(I, M, w, w[3:6])
+            interpolate(I, q, parent, node, h, p, w, dimension)
+            gap = gap_below(I, M, w, normal, dimension)
             if gap >= depth:
                 continue
-            speed = approach(I, v, parent, node, h, p, w)
+            speed = approach(I, v, parent, node, h, p, w, dimension)
             free = max(0.0, 1.0 - damping * speed)
             if free == 0.0:
                 continue
@@ -224,15 +242,33 @@ def floor_jacobian(I, M, q, v, cv):
             rub = 0.0
             if rubs:
                 press = spring * free
-                sticks, length, rub = friction(I, M, q, parent, node, x, contact, press, w)
+                sticks, length, rub = friction(
+                    I, M, q, parent, node, x, contact, press, w, dimension
+                )
                 for i in range(dimension):
                     w[6 + i] = 0.0 if sticks else w[6 + i] / length
                     push = weight * M[S_FRICTION] * stiff * w[6 + i]
                     for j in range(dimension):
                         w[12 + 3 * i + j] -= push * w[3 + j]
-            add_point(I, p, h, weight * rub, w, sums)
+            add_point(p, h, weight * rub, w, sums, dimension)
         if touched:
-            add_sums(I, M, node, sums)
+            add_sums(I, M, node, sums, dimension)
+
+
+@kernel
+def floor_jacobian(I, M, q, v, cv):
+    """Add the derivatives of the floor's forces to the blocks of the effective Jacobian."""
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    if dimension == 2:
+        elements_jacobian(I, M, q, v, cv, 2)
+    else:
+        elements_jacobian(I, M, q, v, cv, 3)
+    w = view(M, I[O_MOTION] + 28, 24)
+    depth = M[S_FLOOR_DEPTH]
+    damping = M[S_FLOOR_DAMPING]
+    rubs = M[S_FRICTION] > 0.0
+    bends = I[I_FLOOR] == FLOOR_TABLE
     for place in range(contact_places(I)):
         node, contact, preload = contact_place(I, M, place)
         if contact <= 0.0:
@@ -251,7 +287,7 @@ def floor_jacobian(I, M, q, v, cv):
                 for j in range(dimension):
                     M[at + size * i + j] -= press * w[12 + 3 * i + j]
         if rubs:
-            sticks, length, rub = friction(I, M, q, node, node, 0.0, contact, press, w)
+            sticks, length, rub = friction(I, M, q, node, node, 0.0, contact, press, w, dimension)
             add_at_node(I, M, node, rub, 3, 3, w, True)
             if not sticks:
                 for i in range(dimension):

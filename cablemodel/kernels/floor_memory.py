@@ -3,7 +3,14 @@
 import math
 
 from .compile import inlined, kernel
-from .contact import contact_law, contact_place, interpolate, place_force
+from .contact import (
+    contact_law,
+    contact_place,
+    contact_places,
+    interpolate,
+    place_force,
+    place_law,
+)
 from .floor_surface import gap_at, lowest_gap
 from .layout import (
     B_BORNE,
@@ -23,6 +30,7 @@ from .layout import (
     O_REST,
     O_VELOCITY,
     S_BRISTLE,
+    S_END_BORNE,
     S_FLOOR_DEPTH,
     S_FLOOR_WAIT,
     S_LAST_STEP,
@@ -91,19 +99,21 @@ def bear(I, M, share):
         if lowest_gap(I, M, q, node, w) < depth:
             parent = I[I[O_PARENT] + node]
             for p in range(4):
-                interpolate(I, q, parent, node, M[edge + E_LENGTH], p, w)
+                interpolate(I, q, parent, node, M[edge + E_LENGTH], p, w, dimension)
                 law, _stiffness, _energy = contact_law(gap_at(I, M, w, w[3:6]), depth)
                 load = max(load, law)
         difference = load_aimed_at(borne, load) - borne
         M[edge + E_BORNE] = borne + share * difference
         largest = max(largest, abs(difference) / borne)
-    for place in range(2 * I[I_BODIES]):
+    for place in range(contact_places(I)):
         node, contact, preload = contact_place(I, M, place)
         if contact <= 0.0:
             continue
         _press, gap, _speed = place_force(I, M, contact, preload, node, q, v, w)
-        law, _stiffness, _energy = contact_law(gap, depth)
+        law, _stiffness, _energy = place_law(preload, gap, depth)
         at = I[O_BODY] + place // 2 * BODY_WORDS + B_BORNE + place % 2
+        if place == 2 * I[I_BODIES]:
+            at = S_END_BORNE
         difference = load_aimed_at(M[at], law) - M[at]
         largest = max(largest, abs(difference) / M[at])
         M[at] += share * difference

@@ -136,7 +136,9 @@ def floor_summary(I, M, out):
         # Whole elements: forces of single points are not in balance.
         within = arc < last
         for p in range(4):
-            press, gap, _speed = contact_force(I, M, q, v, parent, node, h, p, contact, w)
+            press, gap, _speed = contact_force(
+                I, M, q, v, parent, node, h, p, contact, w, dimension
+            )
             if gap >= depth:
                 continue
             weight = h * CONTACT_WEIGHTS[p]
@@ -186,14 +188,14 @@ def floor_energy(I, M, out):
         edge = I[O_EDGE] + node * EDGE_WORDS
         contact = M[edge + E_CONTACT] * M[edge + E_BORNE]
         for p in range(4):
-            press, gap, speed = contact_force(I, M, q, v, parent, node, h, p, contact, w)
+            press, gap, speed = contact_force(I, M, q, v, parent, node, h, p, contact, w, dimension)
             if gap >= depth:
                 continue
             share, _stiffness, energy = contact_law(gap, depth)
             weight = h * CONTACT_WEIGHTS[p]
             out[6] += weight * contact * energy
             out[7] -= weight * (press - contact * share) * speed
-            interpolate(I, v, parent, node, h, p, w)
+            interpolate(I, v, parent, node, h, p, w, dimension)
             for i in range(dimension):
                 out[7] -= weight * w[9 + i] * w[i]
     for place in range(contact_places(I)):

@@ -2,7 +2,7 @@
 
 import math
 
-from .compile import inlined, kernel
+from .compile import inlined, kernel, view
 from .environment import interval
 from .layout import (
     E_LENGTH,
@@ -124,6 +124,23 @@ def gap_at(I, M, r, n):
 
 
 @inlined
+def is_level(I, M):
+    """Whether the floor is a plane without a slope, whose top is its height everywhere."""
+    return I[I_FLOOR] == FLOOR_PLANE and M[S_FLOOR_TOP] == M[S_FLOOR_PLANE]
+
+
+@inlined
+def gap_below(I, M, r, n, dimension):
+    """As `gap_at`, for callers that know the dimension; quick over a level floor."""
+    if is_level(I, M):
+        for i in range(dimension - 1):
+            n[i] = 0.0
+        n[dimension - 1] = 1.0
+        return r[dimension - 1] + M[S_BASE + 2] - M[S_FLOOR_TOP]
+    return gap_at(I, M, r, n)
+
+
+@inlined
 def bezier_third(k, h):
     """How far along its end's slope Bezier point k of an element lies from that end [m]."""
     if k == 1:
@@ -151,8 +168,9 @@ def lowest_gap(I, M, q, node, w):
         third = bezier_third(k, h)
         lowest = min(lowest, q[size * end + up] + third * q[size * end + dimension + up])
     clear = lowest + M[S_BASE + 2] - M[S_FLOOR_TOP]
-    if clear > 4.0 * h + M[S_FLOOR_DEPTH]:
+    if clear > 4.0 * h + M[S_FLOOR_DEPTH] or is_level(I, M):
         return clear
+    normal = view(w, 3, 3)
     lowest = 1e300
     first = 0.0
     for k in range(4):
@@ -161,7 +179,7 @@ def lowest_gap(I, M, q, node, w):
         for i in range(dimension):
             w[i] = q[size * end + i] + third * q[size * end + dimension + i]
         if k == 0 or I[I_FLOOR] != FLOOR_PLANE:
-            gap = gap_at(I, M, w, w[3:6])
+            gap = gap_at(I, M, w, normal)
             first = gap
             for i in range(dimension):
                 w[6 + i] = w[i]

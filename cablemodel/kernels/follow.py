@@ -1,8 +1,10 @@
 """The mesh follows the touchdown: elements are halved ahead of contact, joined behind it.
 
 An element may be as long as the touchdown layer allows, plus half its gap above the floor, or half
-its distance from the nearest cable that hangs; and as its own curvature allows, near the floor.
-Splitting is exact; only what is straight is joined. See docs/engine.md, "Sea floor".
+its distance from the nearest cable that hangs; and as its own curvature allows, less of it near the
+floor than high above, where the rule is that of free water (`refine`): one follower for all of a
+line, so that none undoes what another did. Splitting is exact; only what is straight is joined. See
+docs/engine.md, "Sea floor".
 """
 
 import math
@@ -12,18 +14,29 @@ from .contact import ends_in_something, touchdown_layer
 from .floor_memory import bear
 from .floor_surface import lowest_gap
 from .layout import (
+    BY_SPRING,
+    C_CLAMPED,
+    C_SPRING,
+    CABLE_WORDS,
+    E_BENDING_FULL,
     E_BORNE,
     E_CONTACT,
     E_LENGTH,
     E_NOMINAL,
     E_SEGMENT,
     EDGE_WORDS,
+    I_CABLES,
     I_CAPACITY,
     I_DIMENSION,
     I_LEFT_OUT,
     I_NODES,
     I_PAYOUT,
+    I_TOP_CABLE,
+    K_LEAVES,
+    K_NOMINAL,
     LAYER,
+    O_CABLES,
+    O_CONSTRAINT,
     O_EDGE,
     O_JOINT,
     O_MOTION,
@@ -33,13 +46,17 @@ from .layout import (
     O_TENSION,
     O_VELOCITY,
     OK,
+    S_BENT,
+    S_BENT_AT_TOP,
     S_FLOOR_DEPTH,
     S_FLOOR_WAIT,
     S_LENGTH,
+    S_PAYOUT_RATE,
     S_PERIOD,
     S_STEP,
     S_TOLERANCE,
     S_TRACTABLE,
+    S_TRAVEL,
 )
 from .payout import hermite, join_at, split_edge
 from .tables import CONTACT_POINTS, CONTACT_WEIGHTS
@@ -53,6 +70,8 @@ STRAIGHT = 0.15  # of tau L: the same for two elements that are joined
 SOON = 2.0  # steps for which what comes down is split at once
 TOGETHER = 16  # elements are joined when that part of all may be
 SPLIT_ABOVE, JOIN_BELOW = 1.6, 0.8  # of the length wanted
+SHORTEST_TOP = 0.4  # of the longest element of its cable at the start: a longer top one is halved
+PASSED = 4.0  # of what passes the tow point in sqrt(L/g): a top element so long is halved, too
 
 
 @kernel
@@ -74,10 +93,14 @@ def second_derivative(I, M, node, side, out):
 
 
 @kernel
-def jump_at(I, M, node):
-    """Jump of r'' at an element's child end [1/m]: 0 at a joint, all of it at the line's end."""
+def jump_at(I, M, node, across):
+    """Jump of r'' at an element's child end [1/m]: 0 at a joint, all of it at the line's end.
+
+    across: only what of it is across the line (see `swings`).
+    """
     if I[I[O_JOINT] + node] != 0:
         return 0.0
+    dimension = I[I_DIMENSION]
     w = M[I[O_MOTION] + 28 : I[O_MOTION] + 34]
     second_derivative(I, M, node, 1, w[0:3])
     for i in range(3):
@@ -86,10 +109,29 @@ def jump_at(I, M, node):
         if I[I[O_JOINT] + node + 1] != 0:
             return 0.0
         second_derivative(I, M, node + 1, 0, w[3:6])
+    slope = I[O_POSITION] + 2 * dimension * node + dimension
     square = 0.0
-    for i in range(I[I_DIMENSION]):
-        square += (w[3 + i] - w[i]) ** 2
+    along = 0.0
+    size = 1e-300
+    for i in range(dimension):
+        jump = w[3 + i] - w[i]
+        square += jump * jump
+        along += jump * M[slope + i]
+        size += M[slope + i] ** 2
+    if across:
+        square = max(0.0, square - along * along / size)
     return math.sqrt(square)
+
+
+@kernel
+def swings(I, M):
+    """Whether |r'| may swing about its mean from node to node, where no element bends too much.
+
+    It does all along a line whose clamp's spring turns the top element by more than a cubic can,
+    which stays as long as it is. That is no bend, and falls as h in shorter elements, not as h^2.
+    """
+    row = I[O_CONSTRAINT]
+    return M[row + C_CLAMPED] == BY_SPRING and M[row + C_SPRING] > 0.0
 
 
 @kernel
@@ -101,6 +143,8 @@ def measure(I, M, gaps, behind, jumps):
     w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
     q = M[I[O_POSITION] : I[O_POSITION] + 2 * dimension * nodes]
     way = 1e300
+    jumps[0] = 0.0
+    across = swings(I, M)
     for node in range(1, nodes):
         gaps[node] = 1e300
         behind[node] = way
@@ -113,7 +157,7 @@ def measure(I, M, gaps, behind, jumps):
             behind[node] = 0.0
         else:
             way += M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
-        jumps[node] = jump_at(I, M, node)
+        jumps[node] = jump_at(I, M, node, across)
     way = 1e300
     for node in range(nodes - 1, 0, -1):
         if I[I[O_JOINT] + node] != 0:
@@ -144,6 +188,52 @@ def finest_length(I, M, node, gap):
 
 
 @kernel
+def may_be_halved(I, M, node):
+    """Whether an element may be shorter: any but some at the top of a line that a winch moves.
+
+    The first bit of another cable that has begun to leave the drum lies in the top element. And a
+    clamp's spring bends that element for as long as it is longer than the clamp's layer, for which
+    the spring stands.
+    """
+    if node > 1 or I[I_PAYOUT] == 0:
+        return M[S_BENT_AT_TOP] == 0.0
+    edge = I[O_EDGE] + node * EDGE_WORDS
+    row = I[O_CABLES] + I[I_TOP_CABLE] * CABLE_WORDS
+    if I[I_TOP_CABLE] + 1 < I[I_CABLES] and M[S_TRAVEL] > M[row + K_LEAVES]:
+        return False
+    if M[I[O_CONSTRAINT] + C_CLAMPED] == BY_SPRING and M[edge + E_BENDING_FULL] > 0.0:
+        return False
+    shortest = SHORTEST_TOP * M[row + K_NOMINAL]
+    if M[S_BENT_AT_TOP] == 0.0:
+        shortest = min(shortest, PASSED * abs(M[S_PAYOUT_RATE]) * M[S_PERIOD])
+    return M[edge + E_LENGTH] > shortest
+
+
+@kernel
+def length_by_bend(I, M, node, layer, jumps):
+    """The length of an element high above a floor that its bend allows [m], as in free water.
+
+    layer: that of its touchdown [m]. Cable in which bending reaches no further than S_BENT is as
+    good as perfectly flexible: see `refine.bends_too_much`.
+    """
+    allowed = M[S_BENT]
+    if allowed == 0.0 or not may_be_halved(I, M, node):
+        return 1e300
+    # At the line's ends r'' may be anything.
+    bend = jumps[node - 1]
+    if node < I[I_NODES] - 1:
+        bend = max(bend, jumps[node])
+    if bend == 0.0:
+        return 1e300
+    wanted = math.sqrt(allowed / bend)
+    if layer < allowed:
+        if M[I[O_TENSION] + 2 * node] < 0.0:
+            return 1e300
+        wanted = max(wanted, allowed)
+    return wanted / SPLIT_ABOVE
+
+
+@kernel
 def wanted_length(I, M, node, gaps, behind, jumps):
     """The length that an element should have where it is [m]."""
     accuracy = M[S_TOLERANCE] * M[S_LENGTH]
@@ -161,6 +251,8 @@ def wanted_length(I, M, node, gaps, behind, jumps):
         if bend > 0.0:
             allowed = min(math.sqrt(BENT * accuracy / bend), KINK / bend)
             wanted = max(shortest, min(wanted, allowed))
+    else:
+        wanted = min(wanted, length_by_bend(I, M, node, layer, jumps))
     return wanted
 
 
@@ -273,11 +365,16 @@ def follow_floor(I, M, change):
     first = 2 if I[I_PAYOUT] != 0 else 1
     for node in range(1, I[I_NODES]):
         if I[I[O_JOINT] + node] == 0:
-            wanted[node] = wanted_length(I, M, node, gaps, behind, jumps)
+            if node >= first:
+                wanted[node] = wanted_length(I, M, node, gaps, behind, jumps)
+            else:
+                # The element that the winch changes follows its bend alone.
+                layer = touchdown_layer(M, I[O_EDGE] + node * EDGE_WORDS)
+                wanted[node] = length_by_bend(I, M, node, layer, jumps)
     changed = False
     waiting = 0
     node = I[I_NODES] - 1
-    while node >= first:
+    while node >= 1:
         if I[I[O_JOINT] + node] == 0:
             h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
             if h > SPLIT_ABOVE * wanted[node]:

@@ -7,25 +7,15 @@ they were at the start, once one cubic does for both.
 """
 
 from .compile import kernel
-from .follow import holds_something, jump_at, one_cubic_does
+from .follow import holds_something, jump_at, may_be_halved, one_cubic_does, swings
 from .layout import (
-    BY_SPRING,
-    C_CLAMPED,
-    CABLE_WORDS,
     E_BENDING_FULL,
     E_LENGTH,
     E_NOMINAL,
     E_SEGMENT,
     EDGE_WORDS,
-    I_CABLES,
     I_CAPACITY,
     I_NODES,
-    I_PAYOUT,
-    I_TOP_CABLE,
-    K_LEAVES,
-    K_NOMINAL,
-    O_CABLES,
-    O_CONSTRAINT,
     O_EDGE,
     O_JOINT,
     O_STAGE_V,
@@ -33,17 +23,13 @@ from .layout import (
     OK,
     S_BENT,
     S_BENT_AFTER,
-    S_BENT_AT_TOP,
-    S_PAYOUT_RATE,
     S_PERIOD,
     S_TIME,
-    S_TRAVEL,
+    S_UNDAMPED,
 )
 from .payout import join_at, split_edge
 
 PAUSE = 0.02  # of sqrt(L/g): how often the mesh is looked at
-SHORTEST_TOP = 0.4  # of the longest element of its cable at the start: a longer top one is halved
-PASSED = 4.0  # of what passes the tow point in sqrt(L/g): a top element so long is halved, too
 FINEST = 1.0  # of what is allowed: no shorter element of cable that does not bend is halved
 STRAIGHT = 0.02  # of what is allowed: the same for two elements that are joined
 
@@ -64,30 +50,13 @@ def bends_too_much(I, M, node, jump):
 
 
 @kernel
-def may_be_halved(I, M, node):
-    """Whether an element may be shorter: any but some at the top of a line that a winch moves.
-
-    The first bit of another cable that has begun to leave the drum lies in the top element. And a
-    clamp's spring bends that element for as long as it is longer than the clamp's layer, for which
-    the spring stands.
-    """
-    if node > 1 or I[I_PAYOUT] == 0:
-        return M[S_BENT_AT_TOP] == 0.0
-    edge = I[O_EDGE] + node * EDGE_WORDS
-    row = I[O_CABLES] + I[I_TOP_CABLE] * CABLE_WORDS
-    if I[I_TOP_CABLE] + 1 < I[I_CABLES] and M[S_TRAVEL] > M[row + K_LEAVES]:
-        return False
-    if M[I[O_CONSTRAINT] + C_CLAMPED] == BY_SPRING and M[edge + E_BENDING_FULL] > 0.0:
-        return False
-    shortest = SHORTEST_TOP * M[row + K_NOMINAL]
-    if M[S_BENT_AT_TOP] == 0.0:
-        shortest = min(shortest, PASSED * abs(M[S_PAYOUT_RATE]) * M[S_PERIOD])
-    return M[edge + E_LENGTH] > shortest
-
-
-@kernel
 def may_unite(I, M, node, jump):
-    """Whether the elements on both sides of a node, where r'' jumps, are halves that may be one."""
+    """Whether the elements on both sides of a node, where r'' jumps, are halves that may be one.
+
+    None where drag hardly damps: what a join leaves would go on for good.
+    """
+    if M[S_UNDAMPED] != 0.0:
+        return False
     upper = I[O_EDGE] + node * EDGE_WORDS
     lower = upper + EDGE_WORDS
     h = M[upper + E_LENGTH] + M[lower + E_LENGTH]
@@ -106,9 +75,10 @@ def follow_bending(I, M, change):
     M[S_BENT_AFTER] = M[S_TIME] + PAUSE * M[S_PERIOD]
     nodes = I[I_NODES]
     jumps = M[I[O_STAGE_V] : I[O_STAGE_V] + nodes + 1]
+    across = swings(I, M)
     for node in range(nodes):
         # At the line's ends r'' may be anything.
-        jumps[node] = jump_at(I, M, node) if 0 < node < nodes - 1 else 0.0
+        jumps[node] = jump_at(I, M, node, across) if 0 < node < nodes - 1 else 0.0
     changed = False
     node = nodes - 1
     while node >= 1:

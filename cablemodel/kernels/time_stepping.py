@@ -6,6 +6,8 @@ Newton's test looks at it in the last stage before an output only, and its error
 step, is estimated from those of the stages.
 """
 
+import math
+
 from .backup import keep_sleepers
 from .compile import copy_words, inlined, kernel, view
 from .consistency import make_consistent, project_velocity, take_rates_from_velocity
@@ -74,6 +76,7 @@ from .layout import (
     S_JOINED,
     S_LARGEST_TENSION,
     S_LAST_STEP,
+    S_MEMORY,
     S_ORDER_3,
     S_PAID,
     S_PAYOUT_RATE,
@@ -114,6 +117,7 @@ from .winch import begin_payout, longest_payout_step, paid_since
 
 LARGEST_ITERATIONS = 10
 STRUGGLE = 17, 7  # iterations of a step of order 4, and of order 3, in which Newton has trouble
+AT_FLOOR = 22  # the same for order 4 where there is a floor
 STEPS_OF_ORDER_3 = 16.0  # that follow such a step
 ORDER_3_STEP = 0.6  # of the step that the error of order 4 allows, as a first guess
 TIGHTEST = 1e-4  # tau down to which that pays, and what AT_ONCE leaves is not seen
@@ -124,11 +128,13 @@ EASY = 2.4, 1.5  # iterations a stage up to which the longest tractable step gro
 FAIR = 3.2, 1.1  # the same for one that is near its limit
 PROBED = 1.03  # and up to HARD: not all trouble is the step's, and no limit may stay for ever
 HARD = 4.5  # iterations above which it stays; only a failure makes it shorter
+LEAST_SHARE = 0.1  # of the local error allowed: what a step however short has
 AT_ONCE = 0.02  # of the tolerance: what a stage's first iteration may leave, by the last ratio
 BEST_RATIO = 0.003  # that is believed for the next stage
 LARGEST_GROWTH = 16.0  # of the step: the first is much shorter than any motion
 FOLDS_ITSELF = 1e-4  # sqrt(L/g): steps so short follow the motion into a fold, none is refused
 BENDING_ON, BENDING_OFF = 0.01, 0.005  # hybrid: (EI/T)/h^2 above which bending is kept
+BENDING_SEEN = 1e-5  # tau below which what leaving it out misplaces, EI/T times r'', would be seen
 
 
 @kernel
@@ -219,6 +225,21 @@ def stage_words(I, i, stages):
 
 
 @kernel
+def share_of_error(M, dt):
+    """Of the local error that is allowed, what a step has that is short against the line's memory.
+
+    An error e of the position goes with one of e / dt of the velocity, which moves the line on for
+    as long as drag and gravity take to forget it, and shorter steps are more. In proportion to dt
+    steps would become ever shorter where stiff axial motion decides the estimate; the root of it
+    does for what was wrong, and has a floor.
+    """
+    memory = M[S_MEMORY]
+    if dt >= memory:
+        return 1.0
+    return max(LEAST_SHARE, math.sqrt(dt / memory))
+
+
+@kernel
 def try_step(I, M, dt, scheme, to_output):
     """One ESDIRK step from the state to the trial.
 
@@ -287,7 +308,7 @@ def try_step(I, M, dt, scheme, to_output):
             base_q[n] += weight * stage_v[n]
     error, where = increment_norm(I, M, base_q)
     I[I[O_FAILED]] = where
-    return OK, error / tolerance, stage_error(M, scheme)
+    return OK, error / (tolerance * share_of_error(M, dt)), stage_error(M, scheme)
 
 
 @kernel
@@ -347,7 +368,7 @@ def change_mesh(I, M, rests):
         prepare_joining(I, M)
     if I[I_FLOOR] != 0:
         follow_floor(I, M, True)
-    if M[S_BENT] > 0.0:
+    elif M[S_BENT] > 0.0:
         follow_bending(I, M, True)
     if rests:
         # What is joined is made consistent while it is awake.
@@ -363,6 +384,7 @@ def change_mesh(I, M, rests):
 @kernel
 def update_bending(I, M):
     """Hybrid model: bending is kept where sqrt(EI/T) is long enough for the mesh to see it."""
+    fine = min(1.0, M[S_TOLERANCE] / BENDING_SEEN) ** 2
     for node in range(1, I[I_NODES]):
         e = I[O_EDGE] + node * EDGE_WORDS
         if M[e + E_MODEL] != MODEL_HYBRID:
@@ -371,11 +393,11 @@ def update_bending(I, M):
         stiffness = M[e + E_BENDING_FULL]
         pull = h * h * (M[I[O_TENSION] + 2 * node] - abs(M[I[O_TENSION] + 2 * node + 1]))
         if M[e + E_BENDING] == 0.0:
-            if stiffness > BENDING_ON * pull:
+            if stiffness > BENDING_ON * fine * pull:
                 M[e + E_BENDING] = stiffness
                 I[I_FACTORED] = 0
                 I[I_HISTORY] = 0
-        elif stiffness < BENDING_OFF * pull:
+        elif stiffness < BENDING_OFF * fine * pull:
             M[e + E_BENDING] = 0.0
             I[I_FACTORED] = 0
             I[I_HISTORY] = 0
@@ -415,15 +437,20 @@ def next_stop(I, M, t_end, dt):
 
 
 @kernel
-def choose_order(I, M, scheme, iterations):
+def choose_order(I, M, scheme, iterations, to_output):
     """After a step: order 3 for those in which Newton's method has trouble.
 
     In a whip the long steps of order 4 take four iterations a stage, and new matrices in between;
-    the shorter ones of order 3, with three stages, half of the work for the same time. On a floor
-    it is contact that takes iterations, of any order.
+    the shorter ones of order 3, with three stages, half of the work for the same time. At a floor
+    contact takes some, of any order; but above one, too, what order 4 does with a slack line in
+    long steps gave it energy without end. A step that is read afterwards takes one more in each
+    stage, without any trouble.
     """
+    if to_output:
+        iterations -= STAGES[scheme] - 1
     if scheme == 1:
-        if I[I_FLOOR] == 0 and iterations > STRUGGLE[0] and M[S_TOLERANCE] >= TIGHTEST:
+        many = STRUGGLE[0] if I[I_FLOOR] == 0 else AT_FLOOR
+        if iterations > many and M[S_TOLERANCE] >= TIGHTEST:
             M[S_ORDER_3] = STEPS_OF_ORDER_3
             M[S_STEP] *= ORDER_3_STEP
     elif M[S_ORDER_3] > 0.0:
@@ -452,6 +479,12 @@ def follow_iterations(M, dt, iterations):
         M[S_TRACTABLE] = limit * (FAIR[1] if iterations <= FAIR[0] else PROBED)
 
 
+@inlined
+def mesh_is_due(I, M):
+    """Whether the mesh of a line without a floor may be looked at again."""
+    return I[I_FLOOR] == 0 and M[S_BENT] > 0.0 and M[S_TIME] >= M[S_BENT_AFTER]
+
+
 @kernel
 def advance_to(I, M, t_end):
     """Integrate to t_end exactly; on failure the status says why and the state is of no use."""
@@ -468,7 +501,7 @@ def advance_to(I, M, t_end):
             rests
             or (I[I_PAYOUT] != 0 and next_change(I, M) != 0)
             or (I[I_FLOOR] != 0 and follow_floor(I, M, False))
-            or (M[S_BENT] > 0.0 and M[S_TIME] >= M[S_BENT_AFTER] and follow_bending(I, M, False))
+            or (mesh_is_due(I, M) and follow_bending(I, M, False))
         ):
             status = change_mesh(I, M, rests)
             if status != OK:
@@ -592,7 +625,7 @@ def advance_to(I, M, t_end):
             if I[I_FLOOR] != 0 and not two_steps:
                 follow_iterations(M, dt, (I[I_ITERATIONS] - before) / (STAGES[scheme] - 1))
             if not two_steps:
-                choose_order(I, M, scheme, I[I_ITERATIONS] - before)
+                choose_order(I, M, scheme, I[I_ITERATIONS] - before, to_output)
         taken += 1
         if taken > I[I_MAXIMUM_STEPS]:
             status = TOO_MANY_STEPS

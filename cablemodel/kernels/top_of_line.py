@@ -7,6 +7,7 @@ comes when the body is out, and goes before it is taken in.
 """
 
 from .compile import kernel
+from .follow import jump_at
 from .layout import (
     B_LENGTH,
     B_MASS,
@@ -69,6 +70,7 @@ FEWEST_ELEMENTS = 4
 SPLIT, JOIN = 2.0, 0.5  # of the nominal length of the top element
 LARGEST_SHARE = 0.6  # of the line: a longer top element of few is halved, none becomes longer
 UNEVEN = 0.25  # of the next element: the top one of the fewest is joined with it below that
+SLIGHT = 0.15  # the same for one that bends with it
 NEARLY = 1e-6  # how close to a mark the winch's way must end
 # What the top of the line asks for.
 LEAVES, RETURNS, DIVIDES, UNITES = 1, 2, 3, 4
@@ -95,6 +97,19 @@ def is_too_large(I, M, length, elements):
     for node in range(1, I[I_NODES]):
         total += M[I[O_EDGE] + EDGE_WORDS * node + E_LENGTH]
     return length > LARGEST_SHARE * total
+
+
+@kernel
+def bends_with_next(I, M):
+    """Whether the top element and the next one bend more than one cubic in their place may.
+
+    Where the mesh follows what bends; joined nevertheless, they would be halved at once, and what
+    they were is lost.
+    """
+    if M[S_BENT] == 0.0:
+        return False
+    length = M[S_TOP_LENGTH] + M[I[O_EDGE] + 2 * EDGE_WORDS + E_LENGTH]
+    return length * length * jump_at(I, M, 1, False) > M[S_BENT]
 
 
 @kernel
@@ -133,6 +148,8 @@ def next_change(I, M):
     first = I[O_EDGE] + EDGE_WORDS
     below = first + EDGE_WORDS
     if I[I_NODES] > 2 and M[S_TOP_LENGTH] < JOIN * min(nominal, M[below + E_LENGTH]):
+        if bends_with_next(I, M) and M[S_TOP_LENGTH] > SLIGHT * M[below + E_LENGTH]:
+            return 0
         if M[below + E_SEGMENT] == M[first + E_SEGMENT] and I[I[O_JOINT] + 2] == 0:
             # One of few elements goes only where another one gains by being halved.
             if M[S_TOP_LENGTH] < UNEVEN * M[below + E_LENGTH] or (

@@ -98,6 +98,7 @@ def test_matrix_is_the_derivative(floor: dict[str, Any]) -> None:
     memory, nodes, size = model._solver.memory, int(ints[at.I_NODES]), 6
     depth = float(reals[at.S_FLOOR_DEPTH])
     memory.array(at.O_EDGE, nodes, at.EDGE_WORDS)[4:7, at.E_BORNE] = 3.0
+    reals[at.S_END_BORNE] = 2.0
     height = model.scene.environment.floor.height
     q = memory.array(at.O_POSITION, nodes, size).copy()
     base = reals[at.S_BASE : at.S_BASE + 3]

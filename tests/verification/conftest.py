@@ -26,7 +26,6 @@ FAILING = frozenset(
     {
         "test_axial_mode_with_an_end_mass[0.0]",
         "test_converges_to_the_table[released in water-100-1e-08]",
-        "test_converges_to_the_table[towed-60-1e-08]",
     }
 )
 

@@ -95,11 +95,14 @@ def test_error_in_h_before_the_layer_is_resolved(record_property):
 
 
 def test_order_in_the_time_step(record_property):
-    """S1 until 20 s, smooth; steps follow the tolerance, and the error falls with steps^-4."""
+    """S1 until 20 s, smooth; steps follow the tolerance, and the error falls with steps^-4.
+
+    Above 1e-5 the start decides, below 3e-7 rounding in the axial direction.
+    """
     exact = cm.CableModel(scenes.towed(tolerance=1e-10, elements=30))
     exact.step_to(20.0)
     errors, steps = [], []
-    for tolerance in (1e-4, 1e-5, 1e-6, 1e-7):
+    for tolerance in (1e-5, 3e-6, 1e-6, 3e-7):
         model = cm.CableModel(scenes.towed(tolerance=tolerance, elements=30))
         model.step_to(20.0)
         errors.append(np.linalg.norm(model.tip_position - exact.tip_position))

@@ -293,3 +293,37 @@ def test_cable_over_two_humps():
     left = model.floor_force - model.top_force - [0.0, 0.0, WEIGHT * 91.0]
     assert left[[0, 2]] == pytest.approx(end[[0, 2]], abs=10 * 1e-4 * state.tension.max())
     assert model.touchdown_position[0] == pytest.approx(45.0, abs=3.0)
+
+
+def test_a_rod_that_leans_on_its_end_stands_where_it_is():
+    """A light stiff rod that leans against the current: its end bears thousands of its weight.
+
+    Friction was as soft as for that weight: the end slipped by 12 tau L before it held.
+    """
+    tolerance, length, floor = 5e-4, 8.7, -5.5
+    rod = {
+        "diameter": 0.009,
+        "mass": 0.064,
+        "submerged_weight": 2e-4,
+        "axial_stiffness": 1.8e8,
+        "bending_stiffness": 280.0,
+        "drag_normal": 1.4,
+    }
+
+    def start(tolerance):
+        body = {"mass": 0.07, "submerged_weight": 0.45}
+        line = [cable(5.3), {"body": body}, cable(length - 5.3)]
+        current = [1.07, -0.23, 0.0]
+        return on_floor(
+            line,
+            {"z": floor, "friction": 0.74},
+            tolerance,
+            cable=rod,
+            environment={"floor": {"z": floor, "friction": 0.74}, "current": current},
+        )
+
+    model = start(tolerance)
+    assert model.floor_force[2] > 1000.0 * rod["submerged_weight"] * length
+    assert -0.1 * tolerance * length < model.tip_position[2] - floor < 0.0
+    finer = start(tolerance / 4.0)
+    assert np.linalg.norm(model.tip_position - finer.tip_position) < tolerance * length

@@ -22,11 +22,19 @@ def cable_of(elements: int | None) -> dict[str, Any]:
     return cable
 
 
-def reversing(tolerance: float, elements: int | None = None) -> cm.CableModel:
+def water(depth: float | None) -> dict[str, Any]:
+    """Water without a floor, or with one at that depth [m], which the cable does not reach."""
+    floor = {} if depth is None else {"floor": {"z": -depth, "friction": 0.5}}
+    return {"water_density": 1025.0, **floor}
+
+
+def reversing(
+    tolerance: float, elements: int | None = None, depth: float | None = None
+) -> cm.CableModel:
     """A cable towed at 1 m/s, whose vessel stops, goes astern within 6 s, then rests."""
     cable = cable_of(elements)
     scene = {
-        "environment": {"water_density": 1025.0},
+        "environment": water(depth),
         "cable_types": {"K": CABLE_K},
         "line": [{"cable": cable}],
         "vessel": {
@@ -69,12 +77,14 @@ def distance(found: np.ndarray, reference: np.ndarray) -> float:
     return float(np.linalg.norm(found - reference, axis=2).max() / (TAU * LENGTH))
 
 
-def test_mesh_that_follows_keeps_the_promise(reference: np.ndarray) -> None:
-    model = reversing(TAU)
+@pytest.mark.parametrize("depth", [None, 31.0, 60.0])
+def test_mesh_that_follows_keeps_the_promise(reference: np.ndarray, depth: float | None) -> None:
+    """Above a floor, too, where one follower looks after bends and touchdown."""
+    model = reversing(TAU, depth=depth)
     first = model.statistics["elements"]
     found, most = shapes(model, TIMES)
     assert distance(found, reference) < 1.0
-    assert first < most <= 5 * first
+    assert first < most <= 6 * first
 
 
 def test_mesh_that_stays_does_not(reference: np.ndarray) -> None:
@@ -84,8 +94,9 @@ def test_mesh_that_stays_does_not(reference: np.ndarray) -> None:
     assert distance(found, reference) > 5.0
 
 
-def test_halves_are_joined_once_the_line_hangs_again() -> None:
-    model = reversing(TAU)
+@pytest.mark.parametrize("depth", [None, 60.0])
+def test_halves_are_joined_once_the_line_hangs_again(depth: float | None) -> None:
+    model = reversing(TAU, depth=depth)
     first = model.statistics["elements"]
     _shapes, most = shapes(model, TIMES)
     model.step_to(400.0)
@@ -94,11 +105,13 @@ def test_halves_are_joined_once_the_line_hangs_again() -> None:
     assert np.linalg.norm(tip - model.vessel_position - [0.0, 0.0, -LENGTH]) < TAU * LENGTH
 
 
-def let_go(tolerance: float, rate: float, elements: int | None = None) -> cm.CableModel:
+def let_go(
+    tolerance: float, rate: float, elements: int | None = None, depth: float | None = None
+) -> cm.CableModel:
     """A level cable without tension, let go while the winch runs."""
     cable = cable_of(elements)
     scene = {
-        "environment": {"water_density": 1025.0},
+        "environment": water(depth),
         "cable_types": {"K": CABLE_K},
         "line": [{"cable": cable}],
         "initial": {"straight": [1.0, 0.0, 0.0]},
@@ -110,8 +123,13 @@ def let_go(tolerance: float, rate: float, elements: int | None = None) -> cm.Cab
     return cm.CableModel(cm.load_scene(scene))
 
 
-@pytest.mark.parametrize(("rate", "most"), [(-0.1, 1.0), (0.1, 1.0), (0.4, 1.25)])
-def test_a_winch_keeps_elements_short_where_the_line_bends(rate: float, most: float) -> None:
+@pytest.mark.parametrize(
+    ("rate", "most", "depth"),
+    [(-0.1, 1.0, None), (0.1, 1.0, None), (0.4, 1.25, None), (-0.1, 1.0, 60.0), (0.1, 1.0, 60.0)],
+)
+def test_a_winch_keeps_elements_short_where_the_line_bends(
+    rate: float, most: float, depth: float | None
+) -> None:
     """A line that falls bends where it is held: the winch neither joins nor outgrows its mesh.
 
     At 0.4 m/s it was 21 tau L off after 6 s; what is left is of the first second.
@@ -125,7 +143,7 @@ def test_a_winch_keeps_elements_short_where_the_line_bends(rate: float, most: fl
         return np.array(found)
 
     exact = places(let_go(TAU / 30.0, rate, elements=96))
-    assert distance(places(let_go(TAU, rate)), exact) < most
+    assert distance(places(let_go(TAU, rate, depth=depth)), exact) < most
 
 
 def turning_back(tolerance: float, rate: float) -> cm.CableModel:

@@ -173,6 +173,7 @@ static void scale_line(Cable *cable, double from, double to, double growth) {
     M[S_TIME_TOLERANCE] *= growth;
     M[S_BENT] *= growth;
     M[S_PERIOD] *= sqrt(growth);
+    M[S_MEMORY] *= sqrt(growth);
     M[S_FIRST_STEP] *= sqrt(growth);
     M[S_STEP] *= sqrt(growth);
     M[S_SMALLEST_STEP] *= sqrt(growth);
