@@ -75,6 +75,11 @@ class WordBlock:
         return self.ints[start : start + int(np.prod(shape))].reshape(shape)
 
     @property
+    def failed_node(self) -> int:
+        """The node at fault in the last step or start that failed: no part of the image."""
+        return int(self.integers(at.O_FAILED, 1)[0])
+
+    @property
     def image(self) -> IntArray:
         """All that a snapshot keeps: everything before the workspace."""
         return self.ints[: int(self.ints[at.I_IMAGE_WORDS])]
@@ -159,6 +164,7 @@ class Block(WordBlock):
             (at.O_MOTION, MOTION_WORDS),
             (at.O_TOP, 24 + at.BODY_WORDS),
             (at.O_END_FORCE, capacity * 6),
+            (at.O_FAILED, 1),
         ]
         return image, workspace
 

@@ -62,8 +62,8 @@ class FiniteElementSolver(OfBlock):
         return _MEANING[status]
 
     def failed_arc(self) -> float:
-        node = int(self._ints[at.I_FAILED_NODE])
-        return float(self._all_arcs()[min(node, int(self._ints[at.I_NODES]) - 1)])
+        node = min(self.memory.failed_node, int(self._ints[at.I_NODES]) - 1)
+        return float(self._all_arcs()[node])
 
     def summary(self, out: FloatArray) -> None:
         memory = self.memory

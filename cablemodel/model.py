@@ -200,13 +200,11 @@ class CableModel:
                 inputs[13] = self._number("payout_rate", payout_rate)
                 inputs[12] = 1.0
         solver = self._solver
-        before = solver.memory.ints.item(at.I_FAILED_NODE)
         status = solver.step(end, inputs)
         self._summary_current = False
         if status != at.OK:
             problem, advice = solver.explain(status)
             place = solver.failed_arc()
-            self._ints[at.I_FAILED_NODE] = before
             raise StepError(problem, time=self.time, arc_length=place, advice=advice)
 
     def _number(self, name: str, value: Any) -> float:

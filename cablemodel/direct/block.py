@@ -86,6 +86,7 @@ class DirectBlock(WordBlock):
             (own.O_DELTA, slots * 2 * own.WIDTH),
             (own.O_SWEEP, slots * own.SWEEP_WORDS),
             (own.O_WORK, own.WORK_WORDS),
+            (at.O_FAILED, 1),
         ]
         return image, workspace
 

@@ -38,7 +38,7 @@ class DirectSolver(OfBlock):
 
     def failed_arc(self) -> float:
         arcs = self._all_arcs()
-        return float(arcs[min(int(self._ints[at.I_FAILED_NODE]), len(arcs) - 1)])
+        return float(arcs[min(self.memory.failed_node, len(arcs) - 1)])
 
     def summary(self, out: FloatArray) -> None:
         entry.summary(self._ints, self._reals, out)

@@ -108,7 +108,7 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, *, as_laid: bool
         if not held:
             sea_floor.rest_where_it_is(block)
     if status != at.OK:
-        node = int(ints[at.I_FAILED_NODE])
+        node = block.failed_node
         arc = block.array(at.O_EDGE, int(ints[at.I_NODES]), at.EDGE_WORDS)[node, at.E_START]
         advice = "Check weights, ends and current"
         if ints[at.I_FLOOR] and not held:

@@ -50,6 +50,7 @@ from .layout import (
     S_FLOOR_DEPTH,
     S_FLOOR_WAIT,
     S_LENGTH,
+    S_PAYOUT_RATE,
     S_PERIOD,
     S_STEP,
     S_TOLERANCE,
@@ -69,6 +70,7 @@ SOON = 2.0  # steps for which what comes down is split at once
 TOGETHER = 16  # elements are joined when that part of all may be
 SPLIT_ABOVE, JOIN_BELOW = 1.6, 0.8  # of the length wanted
 SHORTEST_TOP = 0.4  # of the longest element of its cable at the start: a longer top one is halved
+PASSED = 4.0  # of what passes the tow point in sqrt(L/g): a top element so long is halved, too
 
 
 @kernel
@@ -190,7 +192,10 @@ def may_be_halved(I, M, node):
         return False
     if M[I[O_CONSTRAINT] + C_CLAMPED] == BY_SPRING and M[edge + E_BENDING_FULL] > 0.0:
         return False
-    return M[edge + E_LENGTH] > SHORTEST_TOP * M[row + K_NOMINAL]
+    shortest = SHORTEST_TOP * M[row + K_NOMINAL]
+    if M[S_BENT_AT_TOP] == 0.0:
+        shortest = min(shortest, PASSED * abs(M[S_PAYOUT_RATE]) * M[S_PERIOD])
+    return M[edge + E_LENGTH] > shortest
 
 
 @kernel

@@ -8,7 +8,7 @@ the FMU's state and its serialisation are a copy of it.
 """
 
 MAGIC = 0x4C45444F4D454C42  # "BLEMODEL", little endian
-VERSION = 3
+VERSION = 4
 HEADER_WORDS = 96
 SCALAR_WORDS = 96
 
@@ -24,7 +24,7 @@ I_FRESH = 17  # 1 while that factorisation was made at the present step
 I_ORDER = 18  # 3 or 4: order of the time integrator
 I_GROWTH_BARRED = 19  # 1 after a rejection: the next step may not grow
 I_STEPS, I_REJECTED, I_FACTORISATIONS, I_ITERATIONS = 20, 21, 22, 23
-I_FAILED_NODE = 24
+O_FAILED = 24  # of a word of the workspace: the node at fault when a step or a start fails
 I_MAXIMUM_STEPS = 25
 I_DRAG = 26  # 0 in vacuum: no water terms
 I_HYBRID = 27

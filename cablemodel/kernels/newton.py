@@ -10,10 +10,10 @@ from .layout import (
     I_DIMENSION,
     I_FACTORED,
     I_FACTORISATIONS,
-    I_FAILED_NODE,
     I_FRESH,
     I_NODES,
     O_EDGE,
+    O_FAILED,
     S_FACTORED_STEP,
 )
 from .system import factorise
@@ -76,7 +76,7 @@ def is_folded(I, M, q, tension):
         for i in range(dimension):
             square += at[i] * at[i]
         if not (SLOPE_RANGE[0] ** 2 <= square and square <= longest * longest):
-            I[I_FAILED_NODE] = node
+            I[I[O_FAILED]] = node
             return True
     return False
 

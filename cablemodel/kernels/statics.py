@@ -13,7 +13,6 @@ from .layout import (
     I_DIMENSION,
     I_FACTORED,
     I_FACTORISATIONS,
-    I_FAILED_NODE,
     I_FLOOR,
     I_ITERATIONS,
     I_NODES,
@@ -23,6 +22,7 @@ from .layout import (
     O_COMPLIANCE,
     O_CONSTRAINT_RESIDUAL,
     O_EDGE,
+    O_FAILED,
     O_INCREMENT,
     O_JOINT,
     O_PARENT,
@@ -141,7 +141,7 @@ def relax(I, M, frame, damped, strict):
             residual(I, M, q, v, a, tension, forces, constraint)
             newton_increment(I, M, forces, constraint, x)
             change, where = increment_norm(I, M, x)
-            I[I_FAILED_NODE] = where
+            I[I[O_FAILED]] = where
             if not change < 10.0 * length:
                 break
             for n in range(count):

@@ -14,7 +14,6 @@ from .layout import (
     I_ASLEEP,
     I_CURRENT,
     I_DIMENSION,
-    I_FAILED_NODE,
     I_KEEP_MATRIX,
     I_KEEP_SLEEPERS,
     I_LIVE,
@@ -244,9 +243,7 @@ def take_step(I, M, t_end, inputs):
         leave_out(I, M)
     status = advance_to(I, M, t_end)
     if status != OK:
-        failed = I[I_FAILED_NODE]
         give_back(I)
-        I[I_FAILED_NODE] = failed
         return status
     if I[I_ASLEEP] != 0:
         rejoin(I, M)

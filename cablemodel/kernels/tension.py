@@ -5,7 +5,8 @@ stiff to stretch within the step, that is of order 2 only, and wrong by far more
 (a line in heave, 0.05 tau L and ten times the promise of tension). The positions and velocities at
 its end are good enough to do without: the acceleration meets the second derivative of
 |r'| = 1 + strain(T) in time and the equations of motion, in which the tension is then linear. What
-the strain's own second derivative adds is left out; `worth_reading` bounds it.
+the strain's own second derivative adds, compliance times that of the tension, is left out at first,
+and added from how the tension so found changes with the motion (`add_swing`).
 """
 
 import math
@@ -24,12 +25,15 @@ from .layout import (
     E_STRAIN_TERMS,
     EDGE_WORDS,
     I_BODIES,
+    I_CAPACITY,
     I_CONSTRAINTS,
     I_DIMENSION,
     I_FACTORED,
     I_NODES,
     I_PAYOUT,
     O_ACCELERATION,
+    O_BASE_Q,
+    O_BASE_V,
     O_BODY,
     O_CONSTRAINT,
     O_CONSTRAINT_RESIDUAL,
@@ -39,15 +43,19 @@ from .layout import (
     O_MOTION,
     O_POSITION,
     O_RESIDUAL,
+    O_STAGE_A,
     O_STAGE_T,
+    O_STAGE_V,
     O_TENSION,
     O_TENSION_RATE,
+    O_TRIAL_A,
     O_TRIAL_Q,
     O_TRIAL_T,
     O_TRIAL_V,
     O_VELOCITY,
     S_AXIAL,
     S_LARGEST_TENSION,
+    S_LENGTH,
     S_PASSING,
     S_PERIOD,
     S_STAGE_TENSION,
@@ -58,21 +66,28 @@ from .layout import (
 from .payout import set_top_length
 from .system import (
     factorise,
+    impose_motion,
     material_stretch_rate,
     newton_increment,
     recover_tension,
     residual,
+    set_time,
 )
 from .tables import STAGES, TENSION_TEST
 
 PROMISED = 0.75  # of the error of tension that is promised
-AXIAL_DAMPED = 2.0  # steps that do not resolve axial waves, in times that one takes along the line
+AXIAL_DAMPED = 1.25  # steps that do not resolve axial waves, in times that one takes along the line
 WORSE = 0.05  # error of a step's tension over its tolerance, from which on it is read anew
-SHARE = 0.5  # of that error: what leaving out the strain's second derivative may make
+SHARE = 0.5  # of that error: what a kink of the vessel's acceleration may change
+KINKED = 4.0  # tolerances: the same where that error is small
 SHORT = 0.1  # of the step: time in which waves that it resolves hardly move
 LARGEST_CHANGE = 20.0  # of the estimated error, or of half the tolerance: what reading may change
 APART = 1e-3  # periods of the line over which the stretch's second derivative is a difference
-RIGID = 1e-5  # compliance of an element over what its inertia gives way by in that time
+SWINGS = 0.25  # of the largest tension: its second derivative times the square of a long step
+STILL = 0.05  # of the tolerance: what the strain's own second derivative may add unseen
+LARGEST_SWING = 0.1  # of the largest tension: where it adds more, the line rings along itself
+ASIDE = 0.25  # of the step: how far to both sides of an output it is looked for
+RIGID = 1e-4  # compliance of the line over what its inertia gives way by in a matrix's step
 
 
 @kernel
@@ -110,19 +125,8 @@ def two_step_error(I, M, dt):
 
 
 @kernel
-def kink_force(I, M, t, slow):
-    """What a kink of the vessel's acceleration just before t changes of the tension [N].
-
-    The line along itself follows a smooth motion at once, a kink only after the time `slow`.
-    """
-    at = I[O_MOTION]
-    w = M[at + 40 : at + 43]
-    for i in range(3):
-        w[i] = 0.0
-    for k in range(3):
-        vessel_motion(I, M, t - (2 - k) * slow)
-        for i in range(3):
-            w[i] += (1.0 if k != 1 else -2.0) * M[at + 6 + i]
+def inertia(I, M):
+    """Mass of all that hangs on the tow point [kg]."""
     mass = 0.0
     for node in range(1, I[I_NODES]):
         if I[I[O_JOINT] + node] == 0:
@@ -130,52 +134,75 @@ def kink_force(I, M, t, slow):
             mass += M[edge + E_MASS] * M[edge + E_LENGTH]
     for body in range(I[I_BODIES]):
         mass += M[I[O_BODY] + body * BODY_WORDS + B_MASS]
-    return mass * math.sqrt(w[0] ** 2 + w[1] ** 2 + w[2] ** 2)
+    return mass
 
 
 @kernel
-def worth_reading(I, M, dt, pull):
-    """Whether to read the tension anew after the trial, a step of dt that is to be accepted and
-    whose own tension is wrong by `pull` tolerances.
+def kink_force(I, M, t, apart):
+    """What a kink of the vessel's acceleration near t changes of the tension [N].
 
-    Not where steps resolve axial waves, where a strain curve is no line, where an end is clamped,
-    or while a body passes the tow point.
+    The third difference of the acceleration over four times `apart`: a smooth one has none, where
+    a kink is as large as what the acceleration changes by over that time.
+    """
+    at = I[O_MOTION]
+    w = M[at + 40 : at + 43]
+    for i in range(3):
+        w[i] = 0.0
+    for k in range(4):
+        vessel_motion(I, M, t + (k - 2) * apart)
+        weight = 3.0 if k == 1 or k == 2 else 1.0
+        for i in range(3):
+            w[i] += (weight if k % 2 == 1 else -weight) * M[at + 6 + i]
+    vessel_motion(I, M, t)
+    return inertia(I, M) * math.sqrt(w[0] ** 2 + w[1] ** 2 + w[2] ** 2)
+
+
+@kernel
+def worth_reading(I, M, dt, span, pull):
+    """Whether to read the tension anew after the trial, a step of dt that is to be accepted and
+    whose own tension is wrong by `pull` tolerances: 0 no, 1 yes, 2 with `add_swing`.
+
+    span: the longer of this step and the one before it, whose error a short one has. Not where
+    steps resolve axial waves, where a strain curve is no line, where an end is clamped, or while a
+    body passes the tow point.
     """
     slow = 1.0 / math.sqrt(M[S_AXIAL])
-    if pull < WORSE or dt < AXIAL_DAMPED * slow or M[S_PASSING] != 0.0:
-        return False  # by far the most steps
+    if span < AXIAL_DAMPED * slow or M[S_PASSING] != 0.0:
+        return 0
+    if pull < WORSE:
+        return 0  # by far the most steps
     for n in range(I[I_CONSTRAINTS]):
         if M[I[O_CONSTRAINT] + n * CONSTRAINT_WORDS + C_CLAMPED] != 0.0:
-            return False
+            return 0
     for node in range(1, I[I_NODES]):
         if I[I[O_JOINT] + node] == 0:
             if M[I[O_EDGE] + node * EDGE_WORDS + E_STRAIN_TERMS] != 1.0:
-                return False
-    # Its second derivative times the square of a long step is no more than its change.
-    change = abs(M[I[O_TRIAL_T] + 2] - M[I[O_TENSION] + 2])
-    neglected = 0.5 * change * (slow / dt) ** 2
-    allowed = SHARE * tension_tolerance(M)
-    if neglected >= allowed * pull:
-        return False
-    return kink_force(I, M, M[S_TIME] + dt, slow) < allowed * pull
+                return 0
+    tolerance = tension_tolerance(M)
+    if kink_force(I, M, M[S_TIME] + dt, slow) >= tolerance * max(SHARE * pull, KINKED):
+        return 0
+    # A long step hardly follows the tension up and down: by its square, the second derivative.
+    added = SWINGS * M[S_LARGEST_TENSION] * (slow / span) ** 2
+    return 1 if added < STILL * tolerance else 2
 
 
 @kernel
 def stiffen(I, M, ca):
-    """Make every element all but inextensible in a matrix whose mass is ca times that of the line.
+    """Make the line all but inextensible in a matrix whose mass is ca times that of the line.
 
-    Returns nothing; `soften` gives their compliances back.
+    `soften` gives the compliances of elements and bodies back.
     """
+    soft = RIGID / (ca * inertia(I, M))
+    length = M[S_LENGTH]
     for node in range(1, I[I_NODES]):
         edge = I[O_EDGE] + node * EDGE_WORDS
         M[I[O_STAGE_T] + node] = M[edge + E_COMPLIANCE]
         if I[I[O_JOINT] + node] == 0:
-            h = M[edge + E_LENGTH]
-            M[edge + E_COMPLIANCE] = RIGID / (ca * M[edge + E_MASS] * h * h)
+            M[edge + E_COMPLIANCE] = soft / length
     for body in range(I[I_BODIES]):
         row = I[O_BODY] + body * BODY_WORDS
         M[I[O_STAGE_T] + I[I_NODES] + body] = M[row + B_COMPLIANCE]
-        M[row + B_COMPLIANCE] = RIGID / (ca * M[row + B_MASS])
+        M[row + B_COMPLIANCE] = soft
 
 
 @kernel
@@ -189,29 +216,118 @@ def soften(I, M):
 
 
 @kernel
-def read_tension(I, M, dt, pull):
+def balance(I, M, q, v, a, tension, second, t, short):
+    """Make accelerations and tensions at time t meet the equations of motion and the second
+    derivative of |r'| = 1 + strain(T).
+
+    second: that of the tensions. The stored matrix is that of a step of `short`.
+    """
+    count = 2 * I[I_DIMENSION] * I[I_NODES]
+    words = 2 * I[I_NODES]
+    near = view(M, I[O_TRIAL_Q], count)
+    strained = view(M, I[O_STAGE_A], words)
+    forces = view(M, I[O_RESIDUAL], count)
+    constraint = view(M, I[O_CONSTRAINT_RESIDUAL], words)
+    curved = view(M, I[O_STAGE_T], words)
+    x = view(M, I[O_INCREMENT], count)
+    step = APART * M[S_PERIOD]
+    curved[:] = 0.0
+    for k in range(3):
+        ahead = (k - 1) * step
+        half = 0.5 * ahead * ahead
+        for n in range(count):
+            near[n] = q[n] + ahead * v[n] + half * a[n]
+        for n in range(words):
+            strained[n] = tension[n] + half * second[n]
+        if I[I_PAYOUT] != 0:
+            set_top_length(I, M, t + ahead)
+        residual(I, M, near, v, a, strained, forces, constraint)
+        weight = -2.0 if k == 1 else 1.0
+        for n in range(words):
+            curved[n] += weight * constraint[n]
+    if I[I_PAYOUT] != 0:
+        set_top_length(I, M, t)
+    residual(I, M, q, v, a, tension, forces, constraint)
+    scale = short * short / (step * step)
+    for n in range(words):
+        constraint[n] = scale * curved[n]
+    newton_increment(I, M, forces, constraint, x)
+    recover_tension(I, M, constraint, x, tension)
+    inverse = 1.0 / (short * short)
+    for n in range(count):
+        a[n] += inverse * x[n]
+
+
+@kernel
+def add_swing(I, M, q, v, a, tension, t, aside, short):
+    """Add to accelerations and tensions at t what the stretch's second derivative makes of them.
+
+    It is the compliance times the tension's, which is found from the tensions at t - aside and
+    t + aside of a line that moves on as if it could not stretch: first with the acceleration at t,
+    then with its rate, too, which the tension of what moves across itself depends on.
+    """
+    count = 2 * I[I_DIMENSION] * I[I_NODES]
+    words = 2 * I[I_NODES]
+    room = 6 * I[I_CAPACITY]
+    place = view(M, I[O_BASE_Q], count)
+    speed = view(M, I[O_BASE_V], count)
+    second = view(M, I[O_STAGE_A] + room, words)
+    jerk = view(M, I[O_STAGE_A] + 2 * room, count)
+    second[:] = 0.0
+    jerk[:] = 0.0
+    for attempt in range(2):
+        for side in range(2):
+            there = view(M, I[O_STAGE_V] + side * room, count)
+            pull = view(M, I[O_STAGE_V] + (2 + side) * room, words)
+            if attempt == 0:
+                for n in range(count):
+                    there[n] = a[n]
+                for n in range(words):
+                    pull[n] = tension[n]
+            ahead = aside if side == 1 else -aside
+            for n in range(count):
+                speed[n] = v[n] + ahead * (a[n] + 0.5 * ahead * jerk[n])
+                place[n] = q[n] + ahead * (v[n] + ahead * (0.5 * a[n] + ahead * jerk[n] / 6.0))
+            set_time(I, M, t + ahead)
+            impose_motion(I, M, t + ahead, place, speed, there)
+            balance(I, M, place, speed, there, pull, second, t + ahead, short)
+        before = view(M, I[O_STAGE_V], count)
+        after = view(M, I[O_STAGE_V] + room, count)
+        for n in range(count):
+            jerk[n] = (after[n] - before[n]) / (2.0 * aside)
+    before = view(M, I[O_STAGE_V] + 2 * room, words)
+    after = view(M, I[O_STAGE_V] + 3 * room, words)
+    for n in range(words):
+        second[n] = (before[n] - 2.0 * tension[n] + after[n]) / (aside * aside)
+    set_time(I, M, t)
+    balance(I, M, q, v, a, tension, second, t, short)
+
+
+@kernel
+def read_tension(I, M, dt, span, pull, swings):
     """Tensions and accelerations of the state after a step of dt from its positions and velocities.
 
-    pull: error of the step's top tension, in tolerances: nothing is taken over that is much further
-    from it. The velocities are those of the state without what stretches the line; the state
-    keeps its own. What is far too quick for the step, as bending of short elements, has to follow:
-    the matrix is that of a step of SHORT dt.
+    span, pull: as in `worth_reading`, swings: whether to `add_swing`. Nothing is taken over that
+    is much further from the step's top tension than that is wrong, nor where the line rings along
+    itself. The velocities are those of the state without what stretches the line; the state keeps
+    its own. What is far too quick for the step, as bending of short elements, has to follow: the
+    matrix is that of a step of SHORT span.
     """
     count = 2 * I[I_DIMENSION] * I[I_NODES]
     words = 2 * I[I_NODES]
     q = view(M, I[O_POSITION], count)
     v = view(M, I[O_TRIAL_V], count)
-    a = view(M, I[O_ACCELERATION], count)
-    near = view(M, I[O_TRIAL_Q], count)
+    a = view(M, I[O_TRIAL_A], count)
     before = view(M, I[O_TENSION], words)
     tension = view(M, I[O_TRIAL_T], words)
     forces = view(M, I[O_RESIDUAL], count)
     constraint = view(M, I[O_CONSTRAINT_RESIDUAL], words)
-    second = view(M, I[O_STAGE_T], words)
     x = view(M, I[O_INCREMENT], count)
-    short = SHORT * dt
+    short = SHORT * span
     ca = 1.0 / (short * short)
+    t = M[S_TIME] + dt
     copy_words(I, I[O_TRIAL_V], I[O_VELOCITY], count)
+    copy_words(I, I[O_TRIAL_A], I[O_ACCELERATION], count)
     copy_words(I, I[O_TRIAL_T], I[O_TENSION], words)
     stiffen(I, M, ca)
     failed = factorise(I, M, q, v, a, before, ca, 0.0)
@@ -226,28 +342,15 @@ def read_tension(I, M, dt, pull):
     newton_increment(I, M, forces, constraint, x)
     for n in range(count):
         v[n] += x[n]
-    # The second derivative of the stretch along the present motion.
-    step = APART * M[S_PERIOD]
-    second[:] = 0.0
-    for k in range(3):
-        t = (k - 1) * step
-        for n in range(count):
-            near[n] = q[n] + t * v[n] + 0.5 * t * t * a[n]
-        if I[I_PAYOUT] != 0:
-            set_top_length(I, M, M[S_TIME] + dt + t)
-        residual(I, M, near, v, a, before, forces, constraint)
-        weight = -2.0 if k == 1 else 1.0
-        for n in range(words):
-            second[n] += weight * constraint[n]
-    scale = short * short / (step * step)
-    if I[I_PAYOUT] != 0:
-        set_top_length(I, M, M[S_TIME] + dt)
-    residual(I, M, q, v, a, before, forces, constraint)
-    for n in range(words):
-        constraint[n] = scale * second[n]
-    newton_increment(I, M, forces, constraint, x)
-    recover_tension(I, M, constraint, x, tension)
+    still = view(M, I[O_STAGE_V], words)
+    still[:] = 0.0
+    balance(I, M, q, v, a, tension, still, t, short)
+    if swings:
+        aside = max(ASIDE * span, 1.0 / math.sqrt(M[S_AXIAL]))
+        before_it = tension[2]
+        add_swing(I, M, q, v, a, tension, t, aside, short)
+        if not abs(tension[2] - before_it) <= LARGEST_SWING * M[S_LARGEST_TENSION]:
+            return
     if abs(tension[2] - before[2]) <= LARGEST_CHANGE * max(pull, 0.5) * tension_tolerance(M):
         copy_words(I, I[O_TENSION], I[O_TRIAL_T], words)
-        for n in range(count):
-            a[n] += ca * x[n]
+        copy_words(I, I[O_ACCELERATION], I[O_TRIAL_A], count)

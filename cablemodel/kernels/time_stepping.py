@@ -22,7 +22,6 @@ from .layout import (
     EDGE_WORDS,
     I_DIMENSION,
     I_FACTORED,
-    I_FAILED_NODE,
     I_FLOOR,
     I_FRESH,
     I_GROWTH_BARRED,
@@ -50,6 +49,7 @@ from .layout import (
     O_BASE_V,
     O_CONSTRAINT_RESIDUAL,
     O_EDGE,
+    O_FAILED,
     O_INCREMENT,
     O_PIECES,
     O_POSITION,
@@ -100,6 +100,7 @@ from .newton import increment_norm, is_folded, refactor
 from .passing import cable_paid
 from .refine import follow_bending
 from .sleep import disturbance, fall_asleep, may_sleep, prepare_joining, rejoin, wake
+from .stabilisation import stiffen_third_mode
 from .system import (
     impose_motion,
     newton_increment,
@@ -174,7 +175,7 @@ def solve_stage(I, M, t, gamma_dt, tolerance, to_output, ratio):
         I[I_ITERATIONS] += 1
         size, where = increment_norm(I, M, x)
         if not size < 1e30:
-            I[I_FAILED_NODE] = where
+            I[I[O_FAILED]] = where
             I[I_FACTORED] = 0
             return NOT_CONVERGED, ratio
         for n in range(count):
@@ -203,7 +204,7 @@ def solve_stage(I, M, t, gamma_dt, tolerance, to_output, ratio):
                 return OK, ratio
             growing = growing + 1 if shrunk > 2.0 else 0
             if growing == 2 and size > tolerance:
-                I[I_FAILED_NODE] = where
+                I[I[O_FAILED]] = where
                 return NOT_CONVERGED, ratio
             if shrunk > (0.2 if I[I_FRESH] == 0 else 0.4) and since > 0:
                 if refactor(I, M, q, v, a, tension, gamma_dt) != 0:
@@ -211,7 +212,7 @@ def solve_stage(I, M, t, gamma_dt, tolerance, to_output, ratio):
                 since = -1
         since += 1
         previous = size
-        I[I_FAILED_NODE] = where
+        I[I[O_FAILED]] = where
     return NOT_CONVERGED, ratio
 
 
@@ -309,7 +310,7 @@ def try_step(I, M, dt, scheme, to_output):
         for n in range(count):
             base_q[n] += weight * stage_v[n]
     error, where = increment_norm(I, M, base_q)
-    I[I_FAILED_NODE] = where
+    I[I[O_FAILED]] = where
     return OK, error / (tolerance * share_of_error(M, dt)), stage_error(M, scheme)
 
 
@@ -496,6 +497,7 @@ def advance_to(I, M, t_end):
     refused = 0
     mark = M[S_TIME]
     while M[S_TIME] < t_end:
+        last = M[S_LAST_STEP]
         # The mesh changes before a step: what is read after it is a state that a step has made.
         rests = I[I_SLEEP] != 0 and M[S_TIME] >= M[S_SLEEP_AFTER] and may_sleep(I, M)
         if (
@@ -578,13 +580,16 @@ def advance_to(I, M, t_end):
         else:
             if two_steps:
                 pull = two_step_error(I, M, dt)
-            read = to_output and worth_reading(I, M, dt, pull)
+            # After a long step a short one has that one's error, of which its stages see little.
+            span = max(dt, last)
+            pull *= span / dt
+            read = worth_reading(I, M, dt, span, pull) if to_output else 0
             if two_steps:
                 accept_two_step(I, M, dt)
             else:
                 accept_trial(I, M, dt, scheme)
-            if read:
-                read_tension(I, M, dt, pull)
+            if read > 0:
+                read_tension(I, M, dt, span, pull, read == 2)
             if I[I_PAYOUT] != 0:
                 paid = paid_since(M, dt)
                 M[S_TRAVEL] += paid
@@ -603,6 +608,7 @@ def advance_to(I, M, t_end):
                 update_bending(I, M)
             if I[I_RIGID] > 0 or I[I_PAYOUT] != 0:
                 update_springs(I, M, dt / (dt + M[S_PERIOD]))
+            stiffen_third_mode(I, M, dt / (dt + M[S_PERIOD]))
             if I[I_LIVE] == 0:
                 I[I_PIECE] = find_piece(I, M, M[S_TIME])
             I[I_STEPS] += 1

@@ -173,7 +173,7 @@ def test_what_kernels_follow_is_checked(model_file):
         (own.D_DRUM_USED, 9),
         (own.D_MEETING, 3),
         (own.D_END, 4),
-        (at.I_FAILED_NODE, -1),
+        (at.O_FAILED, 0),
         (section + own.N_FIRST, 1),
         (section + own.N_COUNT, 10**6),
         (section + own.N_KIND, own.RIGID),

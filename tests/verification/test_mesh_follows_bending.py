@@ -144,3 +144,45 @@ def test_a_winch_keeps_elements_short_where_the_line_bends(
 
     exact = places(let_go(TAU / 30.0, rate, elements=96))
     assert distance(places(let_go(TAU, rate, depth=depth)), exact) < most
+
+
+def turning_back(tolerance: float, rate: float) -> cm.CableModel:
+    """100 m of line towed at 2 m/s, whose vessel turns back within 10 s while a winch runs."""
+    cable = {"type": "K", "length": 100.0, "model": "elastica"}
+    scene = {
+        "environment": {"water_density": 1025.0},
+        "cable_types": {"K": {**CABLE_K, "bending_stiffness": 1.0}},
+        "line": [{"cable": cable}],
+        "payout": {
+            "rate": [{"t": 0.0, "rate": rate}],
+            "drum": [{"cable": {**cable, "length": 20.0}}],
+        },
+        "vessel": {
+            "position": [0.0, 0.0, 0.0],
+            "velocity": [
+                {"t": 0.0, "velocity": [2.0, 0.0, 0.0]},
+                {"t": 2.0, "velocity": [2.0, 0.0, 0.0]},
+                {"t": 12.0, "velocity": [-2.0, 0.6, 0.0]},
+            ],
+        },
+        "solver": {"tolerance": tolerance},
+        "run": {"duration": 40.0, "output_interval": 1.0},
+    }
+    return cm.CableModel(cm.load_scene(scene))
+
+
+@pytest.mark.parametrize("rate", [-0.02, 0.02])
+def test_a_slow_winch_lets_the_top_element_be_halved(rate: float) -> None:
+    """The line bends right below the vessel that turns back: 3.5 tau L off with a long element."""
+    tolerance = 3e-4
+
+    def places(model: cm.CableModel) -> np.ndarray:
+        found = []
+        for time in np.arange(1.0, 40.1, 1.0):
+            model.step_to(float(time))
+            found.append(model.sample(np.linspace(0.0, model.line_length, 31)).position)
+        return np.array(found)
+
+    found = places(turning_back(tolerance, rate))
+    off = np.linalg.norm(found - places(turning_back(tolerance / 20.0, rate)), axis=2).max()
+    assert off < tolerance * 100.0

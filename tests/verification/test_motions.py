@@ -329,6 +329,73 @@ def test_tension_of_a_stiff_line_in_heave(interval, tolerance):
     assert max(errors) <= 10.0 * tolerance * largest
 
 
+@pytest.mark.parametrize(("tolerance", "interval"), [(3e-4, 0.5), (3e-4, 0.3), (1e-4, 0.5)])
+def test_tension_of_a_line_that_gives_way_in_heave(tolerance, interval):
+    """A body on a line of which it swings in a sixth of the heave's period: an ODE of one unknown.
+
+    What the stretch's own second derivative adds to the tension is 1 to 4 promises, and steps of
+    two to five times the axial time leave an oscillation of the body: 2.4, 5.0 and 3.3 promises.
+    """
+    from scipy.integrate import solve_ivp
+
+    period, length, stiffness = 4.0, 100.0, 3.5e6
+    spring, weight, cable_mass, cable_weight = stiffness / length, 1500.0, 0.013, 0.08
+    rows = []
+    for t in np.linspace(0.0, 4.0 * period, 641):
+        # It comes up so smoothly that the body does not swing by itself.
+        come_up = 1.0 - np.exp(-((t / period) ** 4))
+        speed = float(np.sin(2.0 * np.pi * t / period) * come_up)
+        rows.append({"t": float(t), "velocity": [0.0, 0.0, speed]})
+    body = {
+        "mass": 300.0,
+        "submerged_weight": weight,
+        "added_mass": 100.0,
+        "added_mass_axial": 50.0,
+        "drag_area": 1e-3,
+        "drag_area_axial": 1e-3,
+    }
+    cable = {
+        **IDEAL,
+        "mass": cable_mass,
+        "submerged_weight": cable_weight,
+        "axial_stiffness": stiffness,
+    }
+    towed = scene(
+        length,
+        cable,
+        model="cable",
+        body=body,
+        tolerance=tolerance,
+        vessel={"velocity": rows, "interpolation": "cubic"},
+    )
+    motion_of_vessel = towed.motion()
+
+    def middle(t, place):
+        """Tension in the middle of the line, its mean."""
+        return spring * (motion_of_vessel.evaluate(t)[0][2] - place - length)
+
+    def rates(t, state):
+        # The lower half of the cable goes with the body.
+        drag = 0.5 * 1025.0 * 1e-3 * abs(state[1]) * state[1]
+        force = middle(t, state[0]) - weight - 0.5 * cable_weight * length - drag
+        return [state[1], force / (350.0 + 0.5 * cable_mass * length)]
+
+    times = np.arange(1, round(3.0 * period / interval) + 1) * interval
+    start = [-length - (weight + 0.5 * cable_weight * length) / spring, 0.0]
+    exact = solve_ivp(
+        rates, (0.0, 12.1), start, t_eval=times, rtol=1e-10, atol=1e-12, max_step=0.05
+    )
+    model = cm.CableModel(towed)
+    errors, largest = [], 0.0
+    for t, place in zip(times, exact.y[0], strict=True):
+        model.step_to(t)
+        lifted = cable_weight + cable_mass * motion_of_vessel.evaluate(t)[2][2]
+        expected = middle(t, place) + 0.5 * lifted * length
+        largest = max(largest, expected)
+        errors.append(abs(model.top_tension - expected))
+    assert max(errors) <= 10.0 * tolerance * largest
+
+
 def test_axial_oscillation_of_an_end_mass():
     """A mass like the cable's, let go with the cable unstretched: the series of its modes."""
     from scipy.optimize import brentq

@@ -11,7 +11,7 @@ joint are two nodes at one place.
 from cablemodel.kernels.layout import HEADER_WORDS, SCALAR_WORDS
 
 MAGIC = 0x5443455249444243  # "CBDIRECT", little endian
-VERSION = 2
+VERSION = 3
 OWN_WORDS = 64
 
 # Header (int64).

@@ -9,7 +9,7 @@ gone through the floor. Steps that end there are halved.
 
 import math
 
-from cablemodel.kernels.layout import I_FAILED_NODE, OK
+from cablemodel.kernels.layout import O_FAILED, OK
 
 from .compile import kernel
 from .frame import from_earth
@@ -68,15 +68,15 @@ def check_state(I, M):
         for node in range(first, first + I[section + N_COUNT]):
             y = I[O_Y] + WIDTH * node
             if abs(math.sin(M[y + THETA])) < AT_POLE:
-                I[I_FAILED_NODE] = node
+                I[I[O_FAILED]] = node
                 return SINGULAR_ANGLE
             if I[section + N_KIND] == CABLE and M[y + F3] < -M[X_LOWEST]:
-                I[I_FAILED_NODE] = node
+                I[I[O_FAILED]] = node
                 return SLACK
             if node == first or I[section + N_KIND] == RIGID:
                 continue
             if not M[I[O_LENGTH] + node] > LEFT_OVER * M[I[O_OLD_LENGTH] + node]:
-                I[I_FAILED_NODE] = node
+                I[I[O_FAILED]] = node
                 return USED_UP
     if I[D_END] == END_ANCHOR:
         node = last_node(I)
@@ -84,7 +84,7 @@ def check_state(I, M):
         for i in range(3):
             total += (M[I[O_PLACE] + 3 * node + i] - M[X_ANCHOR + i]) ** 2
         if total > M[X_DRIFT] ** 2:
-            I[I_FAILED_NODE] = node
+            I[I[O_FAILED]] = node
             return DRIFT
     return OK
 
@@ -96,7 +96,7 @@ def check_floor(I, M):
         return OK
     deep = DEEP * M[X_SPACING]
     last = last_node(I)
-    I[I_FAILED_NODE] = last
+    I[I[O_FAILED]] = last
     if I[D_END] == END_FREE and gap(I, M) < -deep:
         return OVERSHOT
     if I[D_END] == END_CONTACT and end_component(I, M, 2, 1) > OVERSHOOT:
@@ -106,6 +106,6 @@ def check_floor(I, M):
         g1, g2, g3 = from_earth(M, M[at], M[at + 1], M[at + 2])
         height = g1 * M[X_FLOOR] + g2 * M[X_FLOOR + 1] + g3 * M[X_FLOOR + 2] - M[X_FLOOR + 3]
         if height < -deep:
-            I[I_FAILED_NODE] = node
+            I[I[O_FAILED]] = node
             return BODY_ON_FLOOR
     return OK

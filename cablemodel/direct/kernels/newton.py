@@ -2,9 +2,9 @@
 
 from cablemodel.kernels.layout import (
     I_FACTORISATIONS,
-    I_FAILED_NODE,
     I_ITERATIONS,
     NOT_CONVERGED,
+    O_FAILED,
     OK,
 )
 
@@ -148,7 +148,7 @@ def solve_level(I, M):
                 size = abs(M[y + j])
                 delta = abs(M[at + j])
                 if not delta < 1e200:
-                    I[I_FAILED_NODE] = node
+                    I[I[O_FAILED]] = node
                     return NOT_CONVERGED
                 if j <= V3:
                     largest_v = max(largest_v, size)
@@ -163,7 +163,7 @@ def solve_level(I, M):
                 else:
                     largest_k = max(largest_k, size)
                     dk = max(dk, delta)
-        I[I_FAILED_NODE] = place
+        I[I[O_FAILED]] = place
         factor = 1.0
         if turn > LARGEST_TURN:
             factor = LARGEST_TURN / turn

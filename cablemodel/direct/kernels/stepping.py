@@ -10,7 +10,6 @@ from cablemodel.kernels.environment import current_profile, find_piece, vessel_m
 from cablemodel.kernels.layout import (
     I_CLAMPED,
     I_CURRENT,
-    I_FAILED_NODE,
     I_ITERATIONS,
     I_LIVE,
     I_PIECE,
@@ -213,9 +212,7 @@ def take_step(I, M, t_end, inputs):
     leave_plane(I, M)
     status = advance(I, M, t_end)
     if status != OK:
-        failed = I[I_FAILED_NODE]
         give_back_image(I)
-        I[I_FAILED_NODE] = failed
         return status
     release_inputs(I, returning)
     return status

@@ -96,7 +96,8 @@ static void explain(const Cable *cable, int64_t status, char *message, size_t si
         return;
     }
     const int64_t last = cable->I[I_NODES] - 1;
-    const int64_t node = cable->I[I_FAILED_NODE] < last ? cable->I[I_FAILED_NODE] : last;
+    const int64_t failed = cable->I[cable->I[O_FAILED]];
+    const int64_t node = failed < last ? failed : last;
     const double arc = arc_of(cable, node);
     snprintf(message, size, "at t = %g s, %g m along the cable: %s; %s", cable_time(cable), arc,
              problem, advice);
@@ -106,14 +107,12 @@ static void explain(const Cable *cable, int64_t status, char *message, size_t si
 int64_t step_cable(Cable *cable, double t_end, double dt, char *message, size_t size) {
     double inputs[INPUT_WORDS];
     collect_inputs(cable, dt, inputs);
-    const int64_t place = cable->I[I_FAILED_NODE];
     const int64_t status =
         is_direct(cable->I)
             ? direct_step(cable, t_end, inputs)
             : cablemodel_step(cable->I, cable->block_words, t_end, inputs, INPUT_WORDS);
     if (status != OK) {
         explain(cable, status, message, size);
-        cable->I[I_FAILED_NODE] = place;
         return status;
     }
     cable->has_slope = 0;

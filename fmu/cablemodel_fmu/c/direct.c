@@ -75,7 +75,7 @@ const char *check_direct_block(const int64_t *I, int64_t image_words, int64_t bl
         !within(I[DIRECT_D_RESTART], 0, 1) || !within(I[DIRECT_D_STICKS], 0, 1) ||
         !within(I[I_PIECE], 1, I[I_PIECES] - 1) || !within(I[I_LIVE], 0, 1) ||
         !within(I[I_CURRENT], 0, 2) || (I[I_CURRENT] == 1 && I[I_DEPTHS] != 1) ||
-        !within(I[I_FAILED_NODE], 0, I[I_CAPACITY] - 1) || !within(I[I_PAYOUT], 0, 1) ||
+        !within(I[I_PAYOUT], 0, 1) ||
         !within(I[I_RATE_LIVE], 0, 1) || !within(I[I_CLAMPED], -1, 1) || I[I_DIMENSION] != 3)
         return "a counter in the model is out of range";
     if (!(fabs(M[S_TIME]) < 1e300) || !(M[DIRECT_X_TIME_STEP] > 1e-9) ||
@@ -155,7 +155,8 @@ double direct_failure(const Cable *cable, int64_t status, const char **problem,
         }
     double arc = 0.0;
     const int64_t last = direct_nodes(I) - 1;
-    const int64_t place = I[I_FAILED_NODE] < last ? I[I_FAILED_NODE] : last;
+    const int64_t failed = I[I[O_FAILED]];
+    const int64_t place = failed < last ? failed : last;
     for (int64_t n = 0; n < I[DIRECT_D_SECTIONS]; n++) {
         const int64_t *row = section(I, n);
         const int64_t first = row[DIRECT_N_FIRST];

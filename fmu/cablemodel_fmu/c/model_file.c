@@ -139,7 +139,6 @@ const char *check_block(const int64_t *I, int64_t image_words, int64_t block_wor
     if (!within(nodes, 2, I[I_CAPACITY]) || !within(I[I_DIMENSION], 2, 3) ||
         !within(I[I_PIECE], 1, I[I_PIECES] - 1) || !within(I[I_LIVE], 0, 1) ||
         !within(I[I_CURRENT], 0, 2) || !within(I[I_ORDER], 3, 4) ||
-        !within(I[I_FAILED_NODE], 0, I[I_CAPACITY] - 1) ||
         !within(I[I_TOP_CABLE], 0, I[I_CABLES] - 1) || !within(I[I_PAYOUT], 0, 1) ||
         !within(I[I_RATE_LIVE], 0, 1) || !within(I[I_CLAMPED], -1, 1) ||
         !within(I[I_MAXIMUM_STEPS], 1, 10000000) || !within(I[I_SLEEP], 0, 1) ||
