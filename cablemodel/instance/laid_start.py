@@ -23,8 +23,13 @@ from cablemodel.block import Block
 from cablemodel.instance.frame import local
 from cablemodel.instance.scales import rate_at_start
 from cablemodel.kernels import layout as at
-from cablemodel.kernels.contact import STEEPEST, STIFFENING
-from cablemodel.kernels.tables import CONTACT_H, CONTACT_POINTS, CONTACT_WEIGHTS
+from cablemodel.kernels.tables import (
+    CONTACT_H,
+    CONTACT_POINTS,
+    CONTACT_WEIGHTS,
+    STEEPEST,
+    STIFFENING,
+)
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene

@@ -37,9 +37,8 @@ from .layout import (
     S_FLOOR_DEPTH,
     S_FRICTION,
 )
-from .tables import CONTACT_H, CONTACT_POINTS
+from .tables import CONTACT_H, CONTACT_POINTS, STEEPEST, STIFFENING
 
-STIFFENING, STEEPEST = 4.0, 5.0  # of contact below the floor: see `contact_law`
 TIPPING = 1e-3  # of the normal force: what tips cable over that stands on its end
 LYING = 0.2277  # of delta: the gap where a taut cable would touch a rigid floor
 

@@ -83,6 +83,7 @@ _CONTACT = np.polynomial.legendre.leggauss(4)
 CONTACT_POINTS = 0.5 + 0.5 * _CONTACT[0]
 CONTACT_WEIGHTS = 0.5 * _CONTACT[1]
 CONTACT_H = np.ascontiguousarray(_shape(CONTACT_POINTS).T)
+STIFFENING, STEEPEST = 4.0, 5.0  # of contact below the floor: see `contact.contact_law`
 
 
 def _tableau(gamma, rows, embedded, stages):

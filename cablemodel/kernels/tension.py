@@ -11,7 +11,7 @@ and added from how the tension so found changes with the motion (`add_swing`).
 
 import math
 
-from .compile import copy_words, kernel, view
+from .compile import copy_words, kernel, outlined, view
 from .environment import vessel_motion
 from .layout import (
     B_COMPLIANCE,
@@ -29,6 +29,7 @@ from .layout import (
     I_CONSTRAINTS,
     I_DIMENSION,
     I_FACTORED,
+    I_FLOOR,
     I_NODES,
     I_PAYOUT,
     O_ACCELERATION,
@@ -181,6 +182,8 @@ def worth_reading(I, M, dt, span, pull):
     tolerance = tension_tolerance(M)
     if kink_force(I, M, M[S_TIME] + dt, slow) >= tolerance * max(SHARE * pull, KINKED):
         return 0
+    if I[I_FLOOR] != 0:
+        return 1  # cable that lands has no second derivative: a lay read so rings by a per cent
     # A long step hardly follows the tension up and down: by its square, the second derivative.
     added = SWINGS * M[S_LARGEST_TENSION] * (slow / span) ** 2
     return 1 if added < STILL * tolerance else 2
@@ -215,7 +218,7 @@ def soften(I, M):
         M[row + B_COMPLIANCE] = M[I[O_STAGE_T] + I[I_NODES] + body]
 
 
-@kernel
+@outlined
 def balance(I, M, q, v, a, tension, second, t, short):
     """Make accelerations and tensions at time t meet the equations of motion and the second
     derivative of |r'| = 1 + strain(T).
@@ -258,7 +261,7 @@ def balance(I, M, q, v, a, tension, second, t, short):
         a[n] += inverse * x[n]
 
 
-@kernel
+@outlined
 def add_swing(I, M, q, v, a, tension, t, aside, short):
     """Add to accelerations and tensions at t what the stretch's second derivative makes of them.
 
