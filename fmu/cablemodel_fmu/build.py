@@ -158,6 +158,22 @@ def _sha256(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
+RARE_KERNELS = (
+    "consistency", "floor_memory", "follow", "passing", "payout", "promote", "refine", "rigid",
+    "sleep", "statics", "tension", "top_of_line", "vessel_clamp",
+)  # fmt: skip
+"""Modules of kernels that are little of the work: built for size."""
+RARE_ENTRIES = ("bodies", "energy", "equilibrium", "sample")
+"""The same for entry points."""
+
+
+def _is_rare(name: str) -> bool:
+    """Whether a function of a module is built for size; its name is as numba mangles it."""
+    if name.startswith(PREFIX):
+        return name.removeprefix(PREFIX) in RARE_ENTRIES
+    return any(f"7kernels{len(kernels)}{kernels}" in name for kernels in RARE_KERNELS)
+
+
 def _objects(machine: Machine, part: str, assembly: Path, progress: Progress) -> bytes:
     """A module's object code for a machine."""
     import llvmlite.binding as llvm
@@ -175,6 +191,9 @@ def _objects(machine: Machine, part: str, assembly: Path, progress: Progress) ->
         for function in module.functions:
             if function.name.startswith(PREFIX):
                 function.storage_class = "dllexport"
+    for function in module.functions:
+        if not function.is_declaration and _is_rare(function.name):
+            function.add_function_attribute("optsize")
     # Level 2 is as fast as 3 here and a quarter smaller; code for AVX2 gains 5 % only.
     options = llvm.create_pipeline_tuning_options(speed_level=2)
     options.loop_vectorization = options.slp_vectorization = True
