@@ -302,7 +302,7 @@ def one_cubic_does(I, M, node):
 
 
 @kernel
-def may_join(I, M, node, gaps, jumps, wanted):
+def may_join(I, M, node, gaps, wanted):
     """Whether an element may become one with that before it."""
     lower = I[O_EDGE] + node * EDGE_WORDS
     upper = lower - EDGE_WORDS
@@ -312,7 +312,7 @@ def may_join(I, M, node, gaps, jumps, wanted):
     return (
         M[lower + E_LENGTH] + M[upper + E_LENGTH] < aim
         and M[upper + E_SEGMENT] == M[lower + E_SEGMENT]
-        and is_straight(I, M, node - 1, jumps[node - 1])
+        and is_straight(I, M, node - 1, jump_at(I, M, node - 1, False))
     )
 
 
@@ -375,7 +375,7 @@ def follow_floor(I, M, change):
                 # Nodes after this one may have been split; those before it are as measured.
                 node > first
                 and not holds_something(I, M, node - 1)
-                and may_join(I, M, node, gaps, jumps, wanted)
+                and may_join(I, M, node, gaps, wanted)
             ):
                 if not change:
                     waiting += 1

@@ -50,13 +50,16 @@ def bends_too_much(I, M, node, jump):
 
 
 @kernel
-def may_unite(I, M, node, jump):
-    """Whether the elements on both sides of a node, where r'' jumps, are halves that may be one.
+def may_unite(I, M, node):
+    """Whether the elements on both sides of a node are halves that may be one.
 
-    None where drag hardly damps: what a join leaves would go on for good.
+    None where drag hardly damps: what a join leaves would go on for good. Here r'' may not jump
+    along the line either: the strains of two elements that differ make a mode of the joined one
+    which nothing but its stabilisation holds.
     """
     if M[S_UNDAMPED] != 0.0:
         return False
+    jump = jump_at(I, M, node, False)
     upper = I[O_EDGE] + node * EDGE_WORDS
     lower = upper + EDGE_WORDS
     h = M[upper + E_LENGTH] + M[lower + E_LENGTH]
@@ -92,7 +95,7 @@ def follow_bending(I, M, change):
                 node > 1
                 and I[I[O_JOINT] + node - 1] == 0
                 and not bends_too_much(I, M, node - 1, max(jumps[node - 2], jumps[node - 1]))
-                and may_unite(I, M, node - 1, jumps[node - 1])
+                and may_unite(I, M, node - 1)
             ):
                 if not change:
                     return True
