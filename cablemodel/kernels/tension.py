@@ -311,10 +311,10 @@ def read_tension(I, M, dt, span, pull, swings):
     """Tensions and accelerations of the state after a step of dt from its positions and velocities.
 
     span, pull: as in `worth_reading`, swings: whether to `add_swing`. Nothing is taken over that
-    is much further from the step's top tension than that is wrong, nor where the line rings along
-    itself. The velocities are those of the state without what stretches the line; the state keeps
-    its own. What is far too quick for the step, as bending of short elements, has to follow: the
-    matrix is that of a step of SHORT span.
+    is anywhere much further from the step's tension than that at the top is wrong, nor where the
+    line rings along itself. The velocities are those of the state without what stretches the line;
+    the state keeps its own. What is far too quick for the step, as bending of short elements, has
+    to follow: the matrix is that of a step of SHORT span.
     """
     count = 2 * I[I_DIMENSION] * I[I_NODES]
     words = 2 * I[I_NODES]
@@ -354,6 +354,10 @@ def read_tension(I, M, dt, span, pull, swings):
         add_swing(I, M, q, v, a, tension, t, aside, short)
         if not abs(tension[2] - before_it) <= LARGEST_SWING * M[S_LARGEST_TENSION]:
             return
-    if abs(tension[2] - before[2]) <= LARGEST_CHANGE * max(pull, 0.5) * tension_tolerance(M):
+    changed = 0.0
+    for node in range(1, I[I_NODES]):
+        if I[I[O_JOINT] + node] == 0:
+            changed = max(changed, abs(tension[2 * node] - before[2 * node]))
+    if changed <= LARGEST_CHANGE * max(pull, 0.5) * tension_tolerance(M):
         copy_words(I, I[O_TENSION], I[O_TRIAL_T], words)
         copy_words(I, I[O_ACCELERATION], I[O_TRIAL_A], count)
