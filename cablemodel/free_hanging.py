@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from cablemodel import laid_loads
 from cablemodel.instance.frame import vertical_plane
-from cablemodel.instance.scales import rate_at_start
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
@@ -110,7 +109,7 @@ def _lying(
     bottom = floor.height(float(start[0]), float(start[1]))
     current = laid_loads.water_velocity(scene, np.array([bottom]))[0]
     behind = _behind(scene, velocity[:2], current[:2])
-    dragged = laid_loads.is_dragged(velocity, rate_at_start(scene))
+    dragged = laid_loads.is_dragged(scene)
     rise = np.array(laid_loads.slopes(scene, float(start[0]), float(start[1])))
     flow = current[:2] - (velocity[:2] if dragged else 0.0)
     speed = float(np.hypot(*flow))

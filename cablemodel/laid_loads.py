@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from cablemodel.instance.scales import rate_at_start
 from cablemodel.sea_floor import contact_weight
 
 if TYPE_CHECKING:
@@ -92,7 +93,8 @@ def slopes(scene: Scene, x: float, y: float) -> tuple[float, float]:
     return 0.5 * along / step, 0.5 * across / step
 
 
-def is_dragged(velocity: FloatArray, rate: float) -> bool:
+def is_dragged(scene: Scene) -> bool:
     """Whether the vessel drags what lies over the floor: it goes faster than it pays out."""
+    velocity = scene.motion().evaluate(0.0)[1]
     speed = float(np.hypot(velocity[0], velocity[1]))
-    return speed - rate > DRAGGED * speed
+    return speed - rate_at_start(scene) > DRAGGED * speed

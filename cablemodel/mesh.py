@@ -60,13 +60,18 @@ class Start:
     damping: float
     """rho Cdn d L / m of the line, dimensionless."""
     free_end: bool
-    plain: bool = False
-    """One cable that hangs at rest in still water from a pin, free at its end, towed in a plane."""
+    bare: bool = False
+    """One cable from a pin in still water, moved in a plane."""
 
     @property
     def lightly_damped(self) -> bool:
         """A whip, or a swing that goes on: drag takes little of the motion."""
         return self.damping < LIGHT_DAMPING
+
+    @property
+    def plain(self) -> bool:
+        """Nothing but a tow in a plane bends it: a bare one that hangs at rest, its end free."""
+        return self.bare and self.free_end and not self.slack and not self.lightly_damped
 
 
 def element_count(tolerance: float, start: Start) -> int:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, Literal
 
 Present = Literal["always", "bodies", "drum", "floor"]
@@ -251,6 +252,7 @@ input whether the caller gave it (1) or the scene's own table drove it (0)."""
 APPLIED_INPUT_LABELS: tuple[str, ...] = _labels(APPLIED_INPUT_FIELDS)
 
 
+@cache
 def resolved(topic: str) -> str:
     """Topic with a leading ``~`` replaced by the node's name."""
     return f"/{NODE_NAME}{topic[1:]}" if topic.startswith("~") else topic

@@ -55,6 +55,14 @@ def shared_direction(vectors: list[FloatArray]) -> tuple[FloatArray, bool]:
     return first, max(across) <= _OUT_OF_PLANE
 
 
+def earth(block: Block, points: FloatArray) -> FloatArray:
+    """Points in the block's coordinates (n, dimension) in the earth's frame, (n, 3) [m]."""
+    if block.ints[at.I_DIMENSION] == 2:
+        plane = block.reals[at.S_PLANE : at.S_PLANE + 2]
+        points = points @ np.array([[plane[0], plane[1], 0.0], [0.0, 0.0, 1.0]])
+    return np.asarray(points + block.reals[at.S_BASE : at.S_BASE + 3], dtype=np.float64)
+
+
 def local(block: Block, vector: FloatArray, *, point: bool) -> FloatArray:
     """An earth-frame point or vector in the block's coordinates, (dimension,)."""
     value = np.asarray(vector, dtype=float)

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from cablemodel import laid_loads
 from cablemodel.block import Block
-from cablemodel.instance.frame import local
+from cablemodel.instance.frame import earth, local
 from cablemodel.instance.scales import rate_at_start
 from cablemodel.kernels import layout as at
 from cablemodel.kernels.tables import (
@@ -61,7 +61,7 @@ def applies(scene: Scene) -> bool:
     current = scene.environment.current
     begins = 0 if current is None else max(0, int(np.searchsorted(current.t, 0.0, "right")) - 1)
     flows = current is not None and bool(np.any(current.velocity[begins]))
-    moves = laid_loads.is_dragged(scene.motion().evaluate(0.0)[1], rate_at_start(scene))
+    moves = laid_loads.is_dragged(scene)
     return flows or moves or floor.z is None or any(floor.slope)
 
 
@@ -79,12 +79,13 @@ def lie_still(block: Block, scene: Scene, solve: Callable[[], int]) -> int:
     q = block.array(at.O_POSITION, nodes, 2 * dimension)[:, :dimension]
     rest = block.array(at.O_REST, nodes, 3)[:, :dimension]
     bristle, soft = float(reals[at.S_BRISTLE]), SOFT * float(reals[at.S_LENGTH])
-    dragged = laid_loads.is_dragged(scene.motion().evaluate(0.0)[1], rate_at_start(scene))
+    dragged = laid_loads.is_dragged(scene)
     status: int = at.OK
     even = scene.environment.floor is not None and scene.environment.floor.z is not None
     laid = _laid_line(block, scene, q)
+    grown, _drags = _loads(block, scene)
     for _ in range(PASSES):
-        bears, _drags = _loads(block, scene)
+        bears = grown
         reals[at.S_BRISTLE] = soft
         rest[:] = laid - soft * _shares(block, scene, bears, None, dragged)
         kept = None if dragged else _without_drag(block, scene)
@@ -99,9 +100,10 @@ def lie_still(block: Block, scene: Scene, solve: Callable[[], int]) -> int:
             return status
         moved = _slide(laid, q, lies, bears, even=even)
         held = reals[at.S_FRICTION] * float(bears[lies] @ moved[lies]) / soft
-        calm = held <= CALM * scene.solver.tolerance * float(bears.sum())
         # What the floor bears for long has grown meanwhile, and friction with it.
-        if calm and np.all(np.abs(_loads(block, scene)[0] - bears) <= GROWN * bears):
+        grown, _drags = _loads(block, scene)
+        calm = held <= CALM * scene.solver.tolerance * float(bears.sum())
+        if calm and np.all(np.abs(grown - bears) <= GROWN * bears):
             break
     slid = block.image.copy()
     if dragged:
@@ -220,14 +222,6 @@ def _lying_elements(block: Block, lies: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return np.asarray(lies & lies[np.maximum(parents, 0)])
 
 
-def _earth(block: Block, places: FloatArray) -> FloatArray:
-    """Places in the block's coordinates (n, dimension) in the earth's frame, (n, 3) [m]."""
-    if block.ints[at.I_DIMENSION] == 2:
-        plane = block.reals[at.S_PLANE : at.S_PLANE + 2]
-        places = places @ np.array([[plane[0], plane[1], 0.0], [0.0, 0.0, 1.0]])
-    return np.asarray(places + block.reals[at.S_BASE : at.S_BASE + 3], dtype=np.float64)
-
-
 def _positions(block: Block) -> FloatArray:
     """Positions of the nodes, (nodes, dimension) [m]."""
     nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
@@ -240,7 +234,7 @@ def _gaps(block: Block, scene: Scene, places: FloatArray) -> FloatArray:
     floor = scene.environment.floor
     assert floor is not None
     gaps = np.empty(len(places))
-    for n, (x, y, z) in enumerate(_earth(block, places).tolist()):
+    for n, (x, y, z) in enumerate(earth(block, places).tolist()):
         rise = laid_loads.slopes(scene, x, y)
         gaps[n] = (z - floor.height(x, y)) / math.sqrt(1.0 + rise[0] ** 2 + rise[1] ** 2)
     return gaps
@@ -263,7 +257,7 @@ def _flow(block: Block, scene: Scene) -> tuple[FloatArray, FloatArray, FloatArra
     """At the nodes: drag across and along the cable over its coefficients [m2/s2], and the velocity
     of the cable over the ground [m/s]; (nodes, dimension) each."""
     along = _along(block)
-    water = laid_loads.water_velocity(scene, _earth(block, _positions(block))[:, 2])
+    water = laid_loads.water_velocity(scene, earth(block, _positions(block))[:, 2])
     velocity = local(block, scene.motion().evaluate(0.0)[1], point=False)
     own = velocity + rate_at_start(scene) * along
     flow = np.array([local(block, value, point=False) for value in water]) - own
@@ -320,7 +314,7 @@ def _shares(
     friction = float(block.reals[at.S_FRICTION])
     own = _flow(block, scene)[2]
     share = np.zeros_like(own)
-    places = _earth(block, _positions(block))
+    places = earth(block, _positions(block))
     steep = np.zeros(len(own))
     for node in np.flatnonzero(bears > 0.0):
         rise = laid_loads.slopes(scene, float(places[node, 0]), float(places[node, 1]))

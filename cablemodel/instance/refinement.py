@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from cablemodel.block import Block
 from cablemodel.errors import StaticsError
 from cablemodel.instance.first_state import count_from_zero, solve_static, steady_velocity
+from cablemodel.instance.frame import earth
 from cablemodel.instance.scales import pays_out, start_conditions
 from cablemodel.kernels import layout as at
 
@@ -150,11 +151,7 @@ def shape_of(block: Block) -> FloatArray:
 def _node_places(block: Block) -> FloatArray:
     """Positions of the nodes in the earth frame, (n, 3) [m]."""
     count, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
-    places = block.array(at.O_POSITION, count, 2 * dimension)[:, :dimension]
-    if dimension == 2:
-        plane = block.reals[at.S_PLANE : at.S_PLANE + 2]
-        places = places @ np.array([[plane[0], plane[1], 0.0], [0.0, 0.0, 1.0]])
-    return places + block.reals[at.S_BASE : at.S_BASE + 3]
+    return earth(block, block.array(at.O_POSITION, count, 2 * dimension)[:, :dimension])
 
 
 def refine_touchdown(block: Block, scene: Scene, *, as_laid: bool = False) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -58,22 +57,19 @@ def start_conditions(scene: Scene) -> Start:
         kind = scene.cable_types[cable.type]
         drag += rho * kind.drag_normal * kind.diameter * cable.length
         mass += kind.mass * cable.length
-    start = Start(
+    return Start(
         slack=scene.initial.kind != "static",
         damping=drag * scene.line_length / mass,
         free_end=scene.end.kind == "free",
+        bare=_is_bare(scene),
     )
-    return replace(start, plain=_is_plain(scene, start))
 
 
-def _is_plain(scene: Scene, start: Start) -> bool:
+def _is_bare(scene: Scene) -> bool:
     """See mesh.Start."""
     environment = scene.environment
     return (
-        not start.slack
-        and not start.lightly_damped
-        and start.free_end
-        and scene.vessel.connection.kind == "pinned"
+        scene.vessel.connection.kind == "pinned"
         and len(scene.line) == 1
         and not scene.payout.drum
         and not pays_out(scene)

@@ -63,6 +63,8 @@ def start_constants() -> dict[str, float]:
         "RIGID": line_tables.RIGID,
         "SOFTEST": line_tables.SOFTEST,
         "BENT": refinement.BENT,
+        "BENDS": refinement.BENDS,
+        "WHIPS": refinement.WHIPS,
         "REFINEMENTS": refinement.ROUNDS,
         "LIGHT_DAMPING": mesh.LIGHT_DAMPING,
         "LIGHTLY_DAMPED": tables.LIGHTLY_DAMPED,

@@ -96,6 +96,28 @@ def test_a_line_scaled_as_a_whole_is_the_same_to_rounding(line, drum, tmp_path):
     assert_as_with_lengths(data, line, drum, tmp_path, winch, at_start=1e-9, in_run=1e-5)
 
 
+def test_what_cracks_in_air_gets_finer_elements_at_any_length(tmp_path):
+    """As in water, but at a limit of its own: the mesh follows a line that is jerked to and fro."""
+    data = still_scene().to_dict()
+    data["environment"] = {"water_density": 1.2}
+    data["payout"] = {}
+    line = [26.0, 13.0]
+    scene = cm.load_scene(data)
+    with unpacked(scene, tmp_path, stations=STATIONS) as (place, description):
+        slave = Slave(place, description, **parameters(line, []))
+        model = cm.CableModel(with_lengths(scene.to_dict(), line, []))
+        first = model.statistics["elements"]
+        # Later than 4 s the line cracks so hard that rounding grows a thousandfold a crack.
+        for n in range(15):
+            velocity = (6.0 * (-1.0) ** n, 0.0, 0.0)
+            slave.set("vessel.velocity", velocity)
+            slave.step(0.25)
+            model.step(0.25, velocity, payout_rate=0.0, current=(0, 0, 0))
+            assert max(difference(slave, model)) < 1e-5
+        assert model.statistics["elements"] > 4 * first
+        slave.close()
+
+
 @pytest.mark.parametrize("line", [[10.0, 20.0], [30.0, 8.0], [40.0, 5.0]])
 @pytest.mark.parametrize("half_length", [0.0, 0.5])
 def test_other_proportions_are_the_same_within_the_tolerance(line, half_length, tmp_path):

@@ -1,5 +1,6 @@
 """The log as others read it: mcap, rosbags, mcap-ros2-support; values exact."""
 
+import cProfile
 import io
 import os
 import signal
@@ -360,24 +361,27 @@ def test_limits_are_those_of_the_contract() -> None:
     assert writer_module.CHUNK_WALL_SECONDS == 1.0
 
 
-def test_logging_costs_at_most_100_microseconds_a_sample(
+def test_logging_a_sample_takes_few_calls(
     simple_scene: Scene, swinging_cable: Any, tmp_path: Path
 ) -> None:
-    """64 stations at 20 Hz, step and outputs; the fastest of some batches, for other loads."""
+    """64 stations, step and outputs: calls of functions, which no other load changes.
+
+    What they cost in time is measured by ``python -m benchmarks.logs``.
+    """
     source = swinging_cable(simple_scene, nodes=64)
     source.step(0.05)
     state = source.state()
     names = [row.python for row in variables.outputs_of(simple_scene) if "." not in row.python]
     values = {name: getattr(source, name) for name in [*names, "applied_inputs"]}
     model: Any = SimpleNamespace(**values, time=0.0)
-    costs = []
+    profile = cProfile.Profile()
     with LogWriter(tmp_path / "run.mcap", simple_scene) as writer:
-        for _ in range(10):
-            begin = time.process_time()
-            for _ in range(200):
-                model.time += 0.05
-                writer.write_step(model, 0.05)
-                writer.write_outputs(model, state)
-            costs.append((time.process_time() - begin) / 200)
+        profile.enable()
+        for _ in range(200):
+            model.time += 0.05
+            writer.write_step(model, 0.05)
+            writer.write_outputs(model, state)
+        profile.disable()
         writer.close()
-    assert min(costs) <= 100e-6
+    calls = sum(entry.callcount for entry in profile.getstats()) / 200
+    assert calls <= 220

@@ -131,12 +131,8 @@ def test_extremes_are_those_of_all_outputs(towed: Path) -> None:
     assert "at t = 30 s, s = 0 m" in text
 
 
-def test_the_page_needs_no_network_and_is_small_and_quick(towed: Path) -> None:
-    log = towed.with_name("timed.mcap")
-    shutil.copy(towed, log)
-    begin = time.process_time()
-    page = made(log)
-    assert time.process_time() - begin < 5.0
+def test_the_page_needs_no_network_and_is_small(towed: Path) -> None:
+    page = made(towed)
     assert page.stat().st_size < 15e6
     text = page.read_text(encoding="utf-8")
     assert "default-src 'none'" in text

@@ -62,20 +62,18 @@ def test_library_and_numba_give_the_same_bits():
 
 
 START = """
-import time
-before = time.process_time()
+import sys
 import cablemodel as cm
 model = cm.CableModel(cm.load_scene("{root}/scenes/towed_cable.yaml"))
 model.step(0.1)
-print(time.process_time() - before)
+print(*(name for name in ("numba", "llvmlite", "scipy") if name in sys.modules))
 """
 
 
 @needs_library
-def test_import_to_first_step_takes_less_than_a_second():
-    """0.8 s of processor time: nothing is compiled, neither numba nor SciPy is imported."""
-    code = START.format(root=ROOT)
-    assert min(float(run(code)) for _ in range(3)) < 0.8
+def test_a_first_step_compiles_nothing_and_imports_little():
+    """Neither numba nor SciPy; benchmarks.startup measures the time that it takes."""
+    assert run(START.format(root=ROOT)) == ""
 
 
 @pytest.fixture

@@ -58,7 +58,7 @@ def shapes(model: cm.CableModel, times: list[float]) -> tuple[np.ndarray, int]:
     found, most = [], 0
     for time in times:
         model.step_to(time)
-        found.append(model.sample(np.linspace(0.0, LENGTH, 31)).position)
+        found.append(model.sample(np.linspace(0.0, model.line_length, 31)).position)
         most = max(most, model.statistics["elements"])
     return np.array(found), most
 
@@ -135,15 +135,10 @@ def test_a_winch_keeps_elements_short_where_the_line_bends(
     At 0.4 m/s it was 21 tau L off after 6 s; what is left is of the first second.
     """
 
-    def places(model: cm.CableModel) -> np.ndarray:
-        found = []
-        for time in np.arange(0.25, 6.1, 0.25):
-            model.step_to(float(time))
-            found.append(model.sample(np.linspace(0.0, model.line_length, 31)).position)
-        return np.array(found)
-
-    exact = places(let_go(TAU / 30.0, rate, elements=96))
-    assert distance(places(let_go(TAU, rate, depth=depth)), exact) < most
+    times = np.arange(0.25, 6.1, 0.25).tolist()
+    exact, _most = shapes(let_go(TAU / 30.0, rate, elements=96), times)
+    found, _most = shapes(let_go(TAU, rate, depth=depth), times)
+    assert distance(found, exact) < most
 
 
 def turning_back(tolerance: float, rate: float) -> cm.CableModel:
@@ -176,13 +171,7 @@ def test_a_slow_winch_lets_the_top_element_be_halved(rate: float) -> None:
     """The line bends right below the vessel that turns back: 3.5 tau L off with a long element."""
     tolerance = 3e-4
 
-    def places(model: cm.CableModel) -> np.ndarray:
-        found = []
-        for time in np.arange(1.0, 40.1, 1.0):
-            model.step_to(float(time))
-            found.append(model.sample(np.linspace(0.0, model.line_length, 31)).position)
-        return np.array(found)
-
-    found = places(turning_back(tolerance, rate))
-    off = np.linalg.norm(found - places(turning_back(tolerance / 20.0, rate)), axis=2).max()
-    assert off < tolerance * 100.0
+    times = np.arange(1.0, 40.1, 1.0).tolist()
+    exact, _most = shapes(turning_back(tolerance / 20.0, rate), times)
+    found, _most = shapes(turning_back(tolerance, rate), times)
+    assert np.linalg.norm(found - exact, axis=2).max() < tolerance * 100.0

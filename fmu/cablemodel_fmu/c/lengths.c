@@ -200,9 +200,11 @@ static void scale_line(Cable *cable, double from, double to, double growth) {
     M[S_CLAMP_PULL] = M[S_TENSION_SCALE];
     M[S_AXIAL] = 1.0 / (stretch * (mass + bodies));
     const double undamped = drag * M[S_LENGTH] / mass < LIGHT_DAMPING;
-    if (I[I_DRAG] != 0 && undamped != M[S_UNDAMPED])
+    if (I[I_DRAG] != 0 && undamped != M[S_UNDAMPED]) {
         M[S_TIME_TOLERANCE] *= undamped != 0.0 ? LIGHTLY_DAMPED : 1.0 / LIGHTLY_DAMPED;
-    if (undamped != 0.0) M[S_BENT] = 0.0;
+        M[S_BENT] *= undamped != 0.0 ? WHIPS / BENDS : BENDS / WHIPS;
+    }
+    if (undamped != 0.0 && M[S_BENT_AT_TOP] != 0.0) M[S_BENT] = 0.0;
     M[S_UNDAMPED] = undamped;
 }
 
