@@ -34,6 +34,9 @@ OPTIONS: dict[str, Any] = {
     "_nrt": False,
 }
 
+# Nobody calls inner kernels from Python or C.
+INNER: dict[str, Any] = {**OPTIONS, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+
 # Entry points take the instance block twice, as 64-bit integers and as doubles.
 INTEGERS = types.Array(types.int64, 1, "C")
 REALS = types.Array(types.float64, 1, "C")
@@ -64,6 +67,9 @@ class _InnerLibrary(JITCodeLibrary):
     Every kernel's module holds all that it calls. Numba would make machine code of each of them,
     for calls from Python that nobody makes: a third of the time of the first start.
     """
+
+    def _optimize_final_module(self) -> None:
+        """Nothing: the entry point that it ends up in optimises what it holds, once."""
 
     def _finalize_final_module(self) -> None:
         self._finalize_dynamic_globals()
@@ -146,14 +152,26 @@ class _OutlinedCompiler(CompilerBase):
         return [passes]
 
 
+def _for_any_value(dispatcher: Any) -> Any:
+    """Compile a kernel once for all constants that it is called with, not once for each."""
+    template = dispatcher.get_call_template
+
+    def get_call_template(args: Any, kws: Any) -> Any:
+        general = tuple(types.unliteral(kind) for kind in args)
+        return template(general, {name: types.unliteral(kind) for name, kind in kws.items()})
+
+    dispatcher.get_call_template = get_call_template
+    return dispatcher
+
+
 def kernel(function: Callable[..., Any]) -> Any:
     """An inner kernel, compiled into the entry points that call it; not callable from Python."""
-    return numba.jit(**OPTIONS, pipeline_class=_InnerCompiler)(function)
+    return _for_any_value(numba.jit(**INNER, pipeline_class=_InnerCompiler)(function))
 
 
 def outlined(function: Callable[..., Any]) -> Any:
     """A large inner kernel that is never inlined: its code exists once."""
-    return numba.jit(**OPTIONS, pipeline_class=_OutlinedCompiler)(function)
+    return _for_any_value(numba.jit(**INNER, pipeline_class=_OutlinedCompiler)(function))
 
 
 def inlined(function: Callable[..., Any]) -> Any:
@@ -161,7 +179,9 @@ def inlined(function: Callable[..., Any]) -> Any:
 
     So is all that it calls and that was not compiled before: numba passes the option on.
     """
-    return numba.jit(**OPTIONS, pipeline_class=_InnerCompiler, forceinline=True)(function)
+    return _for_any_value(
+        numba.jit(**INNER, pipeline_class=_InnerCompiler, forceinline=True)(function)
+    )
 
 
 def entry_point(signature: Any) -> Callable[[Callable[..., Any]], Any]:

@@ -7,26 +7,9 @@ from typing import Any
 
 import numba
 
-from cablemodel.kernels.compile import INTEGERS, OPTIONS, REALS, cache_folder, inlined
-from cablemodel.kernels.compile import kernel as shared_kernel
+from cablemodel.kernels.compile import INTEGERS, OPTIONS, REALS, cache_folder, inlined, kernel
 
-__all__ = ["INTEGERS", "REALS", "entry_point", "inlined", "kernel", "merged"]
-
-_INNER: dict[str, Any] = {**OPTIONS, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-
-
-def kernel(function: Callable[..., Any]) -> Any:
-    """An inner kernel, compiled into the entry points that call it."""
-    return shared_kernel(function)
-
-
-def merged(function: Callable[..., Any]) -> Any:
-    """A kernel that becomes part of its caller before it is compiled.
-
-    Every level of calls is optimised again with all that is below it. For the outer kernels, that
-    are called from one place, this saves most of the time of compiling.
-    """
-    return numba.jit(**_INNER, inline="always")(function)
+__all__ = ["INTEGERS", "REALS", "entry_point", "inlined", "kernel"]
 
 
 def own_cache_folder() -> Path:

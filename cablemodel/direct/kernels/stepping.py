@@ -35,7 +35,7 @@ from cablemodel.kernels.winch import commanded_rate
 
 from .axes import leave_plane, turn_axes
 from .backup import give_back_image, give_back_start, keep_image, keep_start
-from .compile import kernel, merged
+from .compile import kernel
 from .frame import from_earth
 from .history import keep_past, set_rates
 from .layout import (
@@ -98,7 +98,7 @@ def pay_out(I, M, t, dt):
     M[X_PAID_IN_STEP] = paid
 
 
-@merged
+@kernel
 def one_step(I, M, dt):
     """One implicit step of dt from S_TIME, for which `pay_out` has been called. On failure the
     state is that of the start."""
@@ -167,7 +167,7 @@ def next_kink(I, M, t_end):
     return nearest, jump
 
 
-@merged
+@kernel
 def advance(I, M, t_end):
     """Step to t_end in equal sub-steps between kinks; halved where one does not converge."""
     share = 1.0
@@ -202,7 +202,7 @@ def advance(I, M, t_end):
     return OK
 
 
-@merged
+@kernel
 def take_step(I, M, t_end, inputs):
     """Step to t_end [s] with the given inputs (INPUT_WORDS); on failure nothing has changed."""
     if not possible(M, t_end, inputs):

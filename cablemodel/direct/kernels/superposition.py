@@ -14,7 +14,7 @@ import math
 
 from cablemodel.kernels.layout import OK, SINGULAR
 
-from .compile import kernel, merged
+from .compile import kernel
 from .layout import (
     BLOCK,
     D_MEETING,
@@ -366,7 +366,7 @@ def return_sweep(I, M, node, last, step, z, store):
         node += step
 
 
-@merged
+@kernel
 def superpose(I, M, slots, store):
     """Solve all slots; store: word offset of slots x SWEEP_WORDS. Returns the status."""
     sides = I[D_RIGHT_SIDES]
