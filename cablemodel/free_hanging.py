@@ -43,9 +43,7 @@ class Hanging:
     way: FloatArray
 
 
-def hang(
-    scene: Scene, start: FloatArray, passed: float, *, drawn: bool = False
-) -> Hanging | None:
+def hang(scene: Scene, start: FloatArray, passed: float, *, drawn: bool = False) -> Hanging | None:
     """From a place at the arc length `passed` down to the floor; None: it ends above it.
 
     start: (3,) [m]; drawn: what no friction holds lies where it draws the rest by its own weight

@@ -23,8 +23,8 @@ class Attempt:
 
     as_laid: bool = False
     """Friction holds what lies on the floor, see laid_start; else what has a free end slides."""
-    turned: bool = False
-    """Where clamped ends fail they are hinged first, see easier_ways.with_turned_clamps."""
+    patient: bool = False
+    """By all of easier_ways: clamps are turned bit by bit, floors harden from several depths."""
     swept: bool = False
     """The first shape is that of the other extreme in a current: what hangs between two ends bows
     where it pushes, what lies is not pushed aside by it (first_shape, free_hanging)."""
@@ -40,14 +40,16 @@ def attempts(scene: Scene) -> Iterator[Attempt]:
     yield Attempt()
     if scene.initial.kind != "static" or laid_shape.surplus(scene) > 0.0:
         return  # slack to an anchor has no single shape: it must not depend on where one begins
-    turned = _is_clamped(scene)
     swept = scene.environment.current is not None
     halved = any(cable.elements is None for cable in scene.cables)
-    others = [Attempt(turned=True)] if turned else []
-    others += [Attempt(turned=turned, halved=True)] if halved else []
-    others += [Attempt(turned=turned, swept=True)] if swept else []
-    others += [Attempt(turned=turned, swept=True, halved=True)] if swept and halved else []
-    yield from others
+    if scene.environment.floor is not None or _is_clamped(scene):
+        yield Attempt(patient=True)
+    if halved:
+        yield Attempt(patient=True, halved=True)
+    if swept:
+        yield Attempt(patient=True, swept=True)
+    if swept and halved:
+        yield Attempt(patient=True, swept=True, halved=True)
 
 
 def _is_clamped(scene: Scene) -> bool:

@@ -7,7 +7,7 @@ accepted is the same as what is found at once.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,15 +17,16 @@ from cablemodel.kernels import layout as at
 
 FloatArray = NDArray[np.float64]
 
-SOFTER = 1000.0, 100.0, 10.0, 1.0
-"""Floors on which a start is tried in turn where it fails, in units of the contact layer."""
+FLOORS = (1000.0, 100.0, 10.0, 1.0), (100.0, 10.0, 1.0), (30.0, 10.0, 3.0, 1.0)
+"""Floors on which a start is tried in turn where it fails, in units of the contact layer. Beyond
+the first row for a line that sinks too deep into the first of them, and folds there."""
 LARGEST_TURN = 0.25
 """Of a clamp, from one equilibrium to the next [rad]."""
 SMALLEST_TURN = 0.01
 """The same, where longer ones fail [rad]."""
 
 
-def on_hardening_floors(block: Block, solve: Callable[[], int]) -> int:
+def on_hardening_floors(block: Block, solve: Callable[[], int], softer: Sequence[float]) -> int:
     """Equilibrium on floors that harden, each from the shape on the one before; a status.
 
     Where long elements go over humps, contact on a hard floor comes and goes from one iterate to
@@ -33,10 +34,11 @@ def on_hardening_floors(block: Block, solve: Callable[[], int]) -> int:
 
     Args:
         solve: equilibrium of the block as it is, a status.
+        softer: the floors, in units of the contact layer.
     """
     depth = block.reals[at.S_FLOOR_DEPTH]
     status: int = at.OK
-    for softness in SOFTER:
+    for softness in softer:
         block.reals[at.S_FLOOR_DEPTH] = softness * depth
         status = solve()
         if status != at.OK:

@@ -24,6 +24,7 @@ FloatArray = NDArray[np.float64]
 
 PLAIN = Attempt()
 
+
 def find_initial_state(block: Block, scene: Scene, attempt: Attempt = PLAIN) -> None:
     """The state of a block whose nodes are placed: velocities, tensions, a static shape.
 
@@ -74,9 +75,7 @@ def steady_velocity(block: Block, scene: Scene) -> FloatArray:
     return np.ascontiguousarray(local(block, velocity, point=False))
 
 
-def solve_static(
-    block: Block, scene: Scene, frame: FloatArray, attempt: Attempt = PLAIN
-) -> None:
+def solve_static(block: Block, scene: Scene, frame: FloatArray, attempt: Attempt = PLAIN) -> None:
     """Bring a block to equilibrium in a frame that moves with the velocity ``frame`` [m/s].
 
     Raises:
@@ -94,15 +93,18 @@ def solve_static(
     def solve_on_floor() -> int:
         guess = block.image.copy()
         status = solve_at_once()
-        if status != at.OK and ints[at.I_FLOOR]:
+        floors = easier_ways.FLOORS if attempt.patient else easier_ways.FLOORS[:1]
+        for softer in floors if ints[at.I_FLOOR] else ():
+            if status == at.OK:
+                break
             block.image[:] = guess
-            status = easier_ways.on_hardening_floors(block, solve_at_once)
+            status = easier_ways.on_hardening_floors(block, solve_at_once, softer)
         return status
 
     def solve() -> int:
         guess = block.image.copy()
         status = solve_on_floor()
-        if status != at.OK and attempt.turned:
+        if status != at.OK and attempt.patient:
             block.image[:] = guess
             status = easier_ways.with_turned_clamps(block, solve_on_floor, solve_at_once)
         return status
