@@ -79,6 +79,12 @@ def hang(scene: Scene, start: FloatArray, passed: float, *, drawn: bool = False)
     return Hanging(points, middle, total, way)
 
 
+def way_of_lying(scene: Scene, start: FloatArray) -> FloatArray:
+    """Unit vector along which the rest of a line lies that hangs down to the floor, (2,)."""
+    line = laid_loads.pieces(scene)
+    return _lying(scene, line, start, vertical_plane(scene, []), drawn=False)[0]
+
+
 class _Water:
     """Velocity of the water past the line, over depth."""
 

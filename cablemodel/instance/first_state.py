@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from cablemodel import laid_shape, sea_floor
 from cablemodel.block import Block
 from cablemodel.errors import SceneError, StaticsError
-from cablemodel.instance import easier_ways, laid_start
+from cablemodel.instance import easier_ways, heading, laid_start
 from cablemodel.instance.attempts import Attempt
 from cablemodel.instance.frame import local
 from cablemodel.instance.line_tables import RIGID, STABILISATION
@@ -90,9 +90,9 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, attempt: Attempt
     def solve_at_once() -> int:
         return int(entry.equilibrium(ints, reals, frame))
 
-    def solve_on_floor() -> int:
+    def solve_on_floors(status: int) -> int:
+        """From the present guess, where ``status`` tells that it was not found at once."""
         guess = block.image.copy()
-        status = solve_at_once()
         floors = easier_ways.FLOORS if attempt.patient else easier_ways.FLOORS[:1]
         for softer in floors if ints[at.I_FLOOR] else ():
             if status == at.OK:
@@ -103,10 +103,21 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, attempt: Attempt
 
     def solve() -> int:
         guess = block.image.copy()
-        status = solve_on_floor()
+        status = solve_at_once()
         if status != at.OK and attempt.patient:
             block.image[:] = guess
-            status = easier_ways.with_turned_clamps(block, solve_on_floor, solve_at_once)
+            status = easier_ways.with_turned_clamps(block, solve_from_anywhere, solve_at_once)
+        if status != at.OK:
+            block.image[:] = guess
+            status = solve_on_floors(status)
+        return status
+
+    def solve_from_anywhere() -> int:
+        guess = block.image.copy()
+        status = solve_at_once()
+        if status != at.OK:
+            block.image[:] = guess
+            status = solve_on_floors(status)
         return status
 
     if attempt.as_laid:
@@ -117,6 +128,10 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, attempt: Attempt
             reals[at.S_FRICTION] = 0.0
         status = solve()
         reals[at.S_FRICTION] = friction
+        if status == at.OK and heading.is_free(scene) and heading.is_level(scene):
+            # A line that turns as a whole stays at rest.
+            away = scene.solver.tolerance * scene.line_length
+            heading.turn_back(block, scene, away)
         if not held:
             sea_floor.rest_where_it_is(block)
     if status != at.OK:
