@@ -372,7 +372,7 @@ def _drawn(block: Block, scene: Scene, wanted: FloatArray) -> FloatArray:
     h = edges[lower, at.E_LENGTH]
     data = np.stack([q[upper], slopes[upper] * h[:, None], q[lower], slopes[lower] * h[:, None]])
     points = np.einsum("pk,ked->epd", CONTACT_H, data)
-    law = _law_of_contact(_gaps(block, scene, points.reshape(-1, dimension)) / depth)
+    law = law_of_contact(_gaps(block, scene, points.reshape(-1, dimension)) / depth)
     law = law.reshape(len(near), -1)
     force = (h * edges[lower, at.E_CONTACT] * edges[lower, at.E_BORNE])[:, None] * CONTACT_WEIGHTS
 
@@ -397,10 +397,12 @@ def _drawn(block: Block, scene: Scene, wanted: FloatArray) -> FloatArray:
     return np.asarray(np.minimum(drawn, 100.0), dtype=np.float64)
 
 
-def _law_of_contact(gaps: FloatArray) -> FloatArray:
+def law_of_contact(gaps: FloatArray) -> FloatArray:
     """What the floor bears over what it bears at rest; gaps (n,) in units of the contact layer.
 
     That of kernels/contact.py, which has no machine code of its own.
     """
-    below = 1.0 + STIFFENING * np.expm1(np.minimum(-2.0 * gaps / STIFFENING, STEEPEST))
+    steepness = -2.0 * gaps / STIFFENING
+    below = 1.0 + STIFFENING * np.expm1(np.minimum(steepness, STEEPEST))
+    below += STIFFENING * np.maximum(steepness - STEEPEST, 0.0) * np.exp(STEEPEST)
     return np.asarray(np.where(gaps >= 0.0, np.clip(1.0 - gaps, 0.0, None) ** 2, below))

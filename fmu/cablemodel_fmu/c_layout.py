@@ -68,6 +68,10 @@ def start_constants() -> dict[str, float]:
         "REFINEMENTS": refinement.ROUNDS,
         "LIGHT_DAMPING": mesh.LIGHT_DAMPING,
         "LIGHTLY_DAMPED": tables.LIGHTLY_DAMPED,
+        "MEMORY": tables.MEMORY,
+        "FINEST_IN_AIR": tables.FINEST_IN_AIR,
+        "FINEST_IN_WATER": tables.FINEST_IN_WATER,
+        "ORDER_3_FIRST": tables.ORDER_3_FIRST,
         "DRUM_ROOM": signals.LONGEST,
     }
 

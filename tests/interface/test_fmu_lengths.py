@@ -118,6 +118,30 @@ def test_what_cracks_in_air_gets_finer_elements_at_any_length(tmp_path):
         slave.close()
 
 
+@pytest.mark.parametrize(("exported", "used"), [(30.0, 16.0), (16.0, 30.0)])
+def test_what_is_let_go_may_become_a_whip_by_its_length_or_cease_to_be_one(
+    exported, used, tmp_path
+):
+    """rho Cdn d L / m is 14 of the long line and 7.5 of the short one: 10 is the limit."""
+    density = 14.0 * CABLE["mass"] / (1.2 * CABLE["diameter"] * 30.0)
+    data = {
+        "cable_types": {"K": {**CABLE, "drag_normal": 1.2}},
+        "environment": {"water_density": density},
+        "line": [cable(exported)],
+        "initial": {"straight": [1.0, 0.0, 0.0]},
+        "run": {"duration": 2, "output_interval": 0.5},
+    }
+    scene = cm.load_scene(data)
+    with unpacked(scene, tmp_path, stations=STATIONS) as (place, description):
+        slave = Slave(place, description, **parameters([used], []))
+        model = cm.CableModel(with_lengths(data, [used], []))
+        for _ in range(10):
+            slave.step(0.1)
+            model.step(0.1)
+            assert difference(slave, model)[0] < 1.0
+        slave.close()
+
+
 @pytest.mark.parametrize("line", [[10.0, 20.0], [30.0, 8.0], [40.0, 5.0]])
 @pytest.mark.parametrize("half_length", [0.0, 0.5])
 def test_other_proportions_are_the_same_within_the_tolerance(line, half_length, tmp_path):

@@ -12,6 +12,7 @@ from newton_matrix import clear, dense, differences
 from numpy.typing import NDArray
 
 import cablemodel as cm
+from cablemodel.instance.laid_start import law_of_contact
 from cablemodel.kernels import layout as at
 from cablemodel.kernels.compile import OPTIONS
 from cablemodel.kernels.contact import LYING, contact_law
@@ -39,6 +40,14 @@ def law(gaps: NDArray[np.float64]) -> NDArray[np.float64]:
     out = np.empty((3, len(gaps)))
     laws(gaps, out)
     return out
+
+
+def test_a_start_on_the_floor_knows_the_same_law() -> None:
+    """From above the layer down to where an iterate that is far too deep comes back."""
+    gaps = np.linspace(1.2, -40.0, 201)
+    of_kernels = law(2.0 * gaps)[0]
+    assert of_kernels.max() > 100.0
+    assert np.allclose(law_of_contact(gaps), of_kernels, rtol=1e-12, atol=1e-14)
 
 
 def test_law_of_contact_is_smooth_and_has_an_energy() -> None:

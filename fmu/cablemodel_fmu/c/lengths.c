@@ -173,11 +173,10 @@ static void scale_line(Cable *cable, double from, double to, double growth) {
     M[S_TIME_TOLERANCE] *= growth;
     M[S_BENT] *= growth;
     M[S_PERIOD] *= sqrt(growth);
-    M[S_MEMORY] *= sqrt(growth);
     M[S_FIRST_STEP] *= sqrt(growth);
     M[S_STEP] *= sqrt(growth);
     M[S_SMALLEST_STEP] *= sqrt(growth);
-    double stretch = 0.0, mass = 0.0, drag = 0.0, bodies = 0.0;
+    double stretch = 0.0, mass = 0.0, drag = 0.0, bodies = 0.0, bending = 0.0;
     for (int64_t n = 0; n < cable->parameter_count; n++) {
         const Parameter *p = &cable->parameters[n];
         if (p->kind != OF_LINE) continue;
@@ -187,6 +186,7 @@ static void scale_line(Cable *cable, double from, double to, double growth) {
         stretch += edge[E_COMPLIANCE] * length;
         mass += (edge[E_MASS] - edge[E_ADDED]) * length;
         drag += 2.0 * edge[E_DRAG_NORMAL] * length;
+        bending = fmax(bending, edge[E_BENDING_FULL]);
     }
     for (int64_t n = 0; n < I[I_BODIES]; n++) {
         double *row = M + I[O_BODY] + n * BODY_WORDS;
@@ -204,7 +204,12 @@ static void scale_line(Cable *cable, double from, double to, double growth) {
         M[S_TIME_TOLERANCE] *= undamped != 0.0 ? LIGHTLY_DAMPED : 1.0 / LIGHTLY_DAMPED;
         M[S_BENT] *= undamped != 0.0 ? WHIPS / BENDS : BENDS / WHIPS;
     }
-    if (undamped != 0.0 && M[S_BENT_AT_TOP] != 0.0) M[S_BENT] = 0.0;
+    const int slack = isinf(M[S_LARGEST_TENSION]);
+    if (undamped != 0.0 && slack) M[S_BENT] = 0.0;
+    const int forgets = M[S_WATER_DENSITY] > 0.0 && !(bending > 0.0 && slack && undamped != 0.0);
+    M[S_MEMORY] = forgets ? MEMORY * M[S_PERIOD] : 0.0;
+    const double finest = undamped != 0.0 ? FINEST_IN_AIR : FINEST_IN_WATER;
+    M[S_ORDER_3] = slack && M[S_TOLERANCE] >= finest ? ORDER_3_FIRST : 0.0;
     M[S_UNDAMPED] = undamped;
 }
 
