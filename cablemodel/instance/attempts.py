@@ -44,10 +44,10 @@ def attempts(scene: Scene) -> Iterator[Attempt]:
     halved = any(cable.elements is None for cable in scene.cables)
     if scene.environment.floor is not None or _is_clamped(scene):
         yield Attempt(patient=True)
-    if halved:
-        yield Attempt(patient=True, halved=True)
     if swept:
         yield Attempt(patient=True, swept=True)
+    if halved:
+        yield Attempt(patient=True, halved=True)
     if swept and halved:
         yield Attempt(patient=True, swept=True, halved=True)
 

@@ -1,0 +1,100 @@
+"""Static starts that the plainest first shape does not lead to, and which way those lie that
+nothing turns. The scenes are of the random search, with a vessel at rest and no winch."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+import cablemodel as cm
+from benchmarks.random_scenes.draw import draw
+
+PLACES = np.linspace(0.0, 1.0, 33)
+
+
+def at_rest(seed: int, finer: float) -> cm.Scene:
+    """The line of a random scene under a vessel at rest.
+
+    finer: what the scene's tolerance is divided by.
+    """
+    drawn = draw(seed)
+    scene: dict[str, Any] = {**drawn.scene, "payout": {}}
+    kept = ("position", "connection")
+    scene["vessel"] = {key: value for key, value in scene["vessel"].items() if key in kept}
+    current = scene["environment"].get("current")
+    if isinstance(current, dict):  # it stays as it is at the start
+        rows = [row for row in current["table"] if row["t"] == 0.0]
+        scene["environment"] = {**scene["environment"], "current": {"table": rows}}
+    scene["solver"] = {**scene["solver"], "tolerance": drawn.tolerance / finer}
+    return cm.load_scene(scene)
+
+
+@pytest.mark.parametrize(
+    ("seed", "finer"),
+    [
+        pytest.param(49, 1.0, id="heavy body, clamp that turns the line back"),
+        pytest.param(88, 2.0, id="the same with a body of finite length, hybrid"),
+        pytest.param(470, 1.0, id="body on coarse elements"),
+        pytest.param(743, 1.0, id="swept by a current between its ends"),
+        pytest.param(828, 2.0, id="clamped line in a current"),
+    ],
+)
+def test_a_start_is_found_and_is_one_of_rest(seed: int, finer: float) -> None:
+    """The same at a quarter of the tolerance; and a run, whose equations are those of motion and
+    not of the search, leaves it where it is."""
+    coarse, fine = (cm.CableModel(at_rest(seed, finer * factor)) for factor in (1.0, 4.0))
+    length = coarse.line_length
+    allowed = 1.25 * coarse.scene.solver.tolerance * length
+    first = coarse.sample(PLACES * length).position
+    assert np.linalg.norm(fine.sample(PLACES * length).position - first, axis=1).max() < allowed
+    coarse.step(5.0)
+    later = coarse.sample(PLACES * length).position
+    assert np.linalg.norm(later - first, axis=1).max() < 0.5 * allowed
+
+
+@pytest.mark.parametrize(
+    ("seed", "finer"),
+    [
+        pytest.param(202, 1.0, id="what lies is drawn down a slope, against the current"),
+        pytest.param(767, 1.0, id="at the finer tolerance it sank too deep into the softest floor"),
+    ],
+)
+def test_a_start_is_found_at_both_tolerances(seed: int, finer: float) -> None:
+    """The tension at the top is that of the same shape."""
+    coarse, fine = (cm.CableModel(at_rest(seed, finer * factor)) for factor in (1.0, 4.0))
+    length = coarse.line_length
+    away = fine.sample(PLACES * length).position - coarse.sample(PLACES * length).position
+    assert np.linalg.norm(away, axis=1).max() < 1.25 * coarse.scene.solver.tolerance * length
+    assert fine.top_tension == pytest.approx(coarse.top_tension, rel=2e-3)
+
+
+def test_a_clamp_that_was_turned_has_the_moment_of_its_layer() -> None:
+    """A long line under a clamp that turns it back by more than a right angle, over layers that its
+    elements resolve: 2 sqrt(EI T) sin(angle/2), T being the tension beyond the layer."""
+    scene = at_rest(88, 2.0)
+    model = cm.CableModel(scene)
+    below = model.sample([1.0])  # 70 layers down
+    clamp = np.asarray(scene.vessel.connection.direction)
+    cosine = float(clamp @ below.tangent[0]) / float(np.linalg.norm(clamp))
+    assert cosine < -0.5
+    stiffness = scene.cable_types["K"].bending_stiffness
+    moment = 2.0 * math.sqrt(stiffness * below.tension[0]) * math.sqrt(0.5 * (1.0 - cosine))
+    assert np.linalg.norm(model.top_moment) == pytest.approx(moment, rel=0.02)
+
+
+@pytest.mark.parametrize("finer", [1.0, 2.0, 4.0])
+@pytest.mark.parametrize("seed", [230, 503, 813])
+def test_a_line_lies_the_way_it_was_laid(seed: int, finer: float) -> None:
+    """Behind the vessel, in still water: friction on a slope holds it there, or, without friction
+    and water, nothing turns it. It lay up to 150 degrees aside, by the tolerance."""
+    drawn = draw(seed)
+    solver = {**drawn.scene["solver"], "tolerance": drawn.tolerance / finer}
+    model = cm.CableModel(cm.load_scene({**drawn.scene, "solver": solver}))
+    velocity = model.scene.motion().evaluate(0.0)[1][:2]
+    # Of these only 813 moves at t = 0; what has no way of its own was laid towards x.
+    way = velocity / np.linalg.norm(velocity) if np.any(velocity) else np.array([1.0, 0.0])
+    behind, end = -way, model.tip_position[:2]
+    assert end @ behind > 0.0
+    aside = end - (end @ behind) * behind
+    assert np.linalg.norm(aside) < drawn.tolerance * model.line_length
