@@ -50,6 +50,8 @@ GROWN = 0.01
 """Change of what the floor bears at a node from one pass to the next, at most."""
 ASIDE = 0.01
 """Of the line's length: what its end may go aside on soft bristles."""
+RUNS_AWAY = 1.1
+"""Growth from one pass to the next of what it bears at a node that does not come to an end."""
 SLIDES = 3.0
 """Of a bristle's length: well beyond where it slips."""
 
@@ -89,6 +91,7 @@ def lie_still(block: Block, scene: Scene, solve: Callable[[], int]) -> int:
     heading.turn_back(block, scene, away, lying_nodes(block, scene))
     laid = _laid_line(block, scene, q)
     grown, _drags = _loads(block, scene)
+    turned = False
     for _ in range(PASSES):
         bears = grown
         reals[at.S_BRISTLE] = soft
@@ -115,6 +118,9 @@ def lie_still(block: Block, scene: Scene, solve: Callable[[], int]) -> int:
         calm = held <= CALM * scene.solver.tolerance * float(bears.sum())
         if calm and not turned and np.all(np.abs(grown - bears) <= GROWN * bears):
             break
+    else:
+        if turned and np.any(grown > RUNS_AWAY * bears):
+            return at.STATICS_FAILED  # turned back, it falls aside again, ever harder
     slid = block.image.copy()
     if dragged:
         laid = q.copy()  # no line was laid: bristles are drawn from where the cable is
