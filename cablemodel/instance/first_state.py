@@ -128,10 +128,8 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, attempt: Attempt
             reals[at.S_FRICTION] = 0.0
         status = solve()
         reals[at.S_FRICTION] = friction
-        if status == at.OK and heading.is_free(scene) and heading.is_level(scene):
-            # A line that turns as a whole stays at rest.
-            away = scene.solver.tolerance * scene.line_length
-            heading.turn_back(block, scene, away)
+        if status == at.OK and heading.is_free(scene):
+            heading.turn_back(block, scene)  # as a whole: it stays at rest
         if not held:
             sea_floor.rest_where_it_is(block)
     if status != at.OK:

@@ -84,17 +84,14 @@ def test_a_clamp_that_was_turned_has_the_moment_of_its_layer() -> None:
 
 
 @pytest.mark.parametrize("finer", [1.0, 2.0, 4.0])
-@pytest.mark.parametrize("seed", [230, 503, 813])
-def test_a_line_lies_the_way_it_was_laid(seed: int, finer: float) -> None:
-    """Behind the vessel, in still water: friction on a slope holds it there, or, without friction
-    and water, nothing turns it. It lay up to 150 degrees aside, by the tolerance."""
-    drawn = draw(seed)
+def test_a_line_lies_the_way_it_was_laid(finer: float) -> None:
+    """Behind the vessel, where neither friction nor water turns it: a start that is found on softer
+    floors lay towards x."""
+    drawn = draw(813)
     solver = {**drawn.scene["solver"], "tolerance": drawn.tolerance / finer}
     model = cm.CableModel(cm.load_scene({**drawn.scene, "solver": solver}))
     velocity = model.scene.motion().evaluate(0.0)[1][:2]
-    # Of these only 813 moves at t = 0; what has no way of its own was laid towards x.
-    way = velocity / np.linalg.norm(velocity) if np.any(velocity) else np.array([1.0, 0.0])
-    behind, end = -way, model.tip_position[:2]
+    behind, end = -velocity / np.linalg.norm(velocity), model.tip_position[:2]
     assert end @ behind > 0.0
     aside = end - (end @ behind) * behind
     assert np.linalg.norm(aside) < drawn.tolerance * model.line_length
