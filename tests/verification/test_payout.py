@@ -50,6 +50,24 @@ def test_pendulum_whose_length_changes(rate, expected, planar):
         assert model.line_length == pytest.approx(length, abs=1e-12 * 30)
 
 
+@pytest.mark.parametrize("other", [False, True])
+def test_cable_on_the_drum_has_the_elements_that_it_is_given(other):
+    """About one a metre, where it goes on from the line's own cable or is another: not 10 m."""
+    kind = {"diameter": 0.02, "mass": 0.5, "axial_stiffness": 1e6}
+    drum = {"type": "d" if other else "c", "length": 40.0, "elements": 40}
+    model = cm.CableModel(
+        cm.load_scene(
+            {
+                "cable_types": {"c": kind, "d": kind},
+                "line": [{"cable": {"type": "c", "length": 40.0, "elements": 4}}],
+                "payout": {"rate": [{"t": 0, "rate": 0.5}], "drum": [{"cable": drum}]},
+            }
+        )
+    )
+    model.step_to(40.0)
+    assert 16 <= model.statistics["elements"] - 4 <= 21
+
+
 def winch_scene(model="hybrid"):
     scene = cm.load_scene("scenes/payout_with_bodies.yaml").to_dict()
     for item in [*scene["line"], *scene["payout"]["drum"]]:
