@@ -51,6 +51,25 @@ def test_what_took_steps_without_end_comes_to_its_end(seed: int) -> None:
     assert not trace.broken
 
 
+@pytest.mark.parametrize(
+    ("seed", "share", "steps"),
+    [(515, 1.0, 400), (515, 0.5, 400), (585, 1.0, 2000), (602, 0.5, 400)],
+)
+def test_what_failed_or_took_steps_of_nothing_completes(
+    seed: int, share: float, steps: int
+) -> None:
+    """A clamp that rounding turned (515), and slack cable that a vessel pushes or pays out.
+
+    Its top element folds, and was halved into two that were a quarter too long and too short.
+    """
+    drawn = draw(seed)
+    trace, _model = run(drawn, drawn.scene, share * drawn.tolerance, cpu_limit=30.0)
+
+    assert trace.end == "completed", trace.message
+    assert not trace.broken
+    assert trace.statistics["steps"] < steps
+
+
 def test_a_number_means_the_same_scene_everywhere() -> None:
     rows = hypercube()
 
