@@ -43,17 +43,18 @@ class Hanging:
     way: FloatArray
 
 
-def hang(scene: Scene, start: FloatArray, passed: float) -> Hanging | None:
+def hang(scene: Scene, start: FloatArray, passed: float, *, drawn: bool = False) -> Hanging | None:
     """From a place at the arc length `passed` down to the floor; None: it ends above it.
 
-    start: (3,) [m]. Raises nothing.
+    start: (3,) [m]; drawn: what no friction holds lies where it draws the rest by its own weight
+    and the drag along it, not where the water pushes it broadside. Raises nothing.
     """
     floor = scene.environment.floor
     assert floor is not None
     line = laid_loads.pieces(scene)
     total = line[-1].end
     plane = vertical_plane(scene, [])
-    way, tension = _lying(scene, line, start, plane)
+    way, tension = _lying(scene, line, start, plane, drawn=drawn)
     water = _Water(scene, start)
 
     def above(arc: float) -> tuple[float, FloatArray]:
@@ -78,6 +79,12 @@ def hang(scene: Scene, start: FloatArray, passed: float) -> Hanging | None:
     return Hanging(points, middle, total, way)
 
 
+def way_of_lying(scene: Scene, start: FloatArray) -> FloatArray:
+    """Unit vector along which the rest of a line lies that hangs down to the floor, (2,)."""
+    line = laid_loads.pieces(scene)
+    return _lying(scene, line, start, vertical_plane(scene, []), drawn=False)[0]
+
+
 class _Water:
     """Velocity of the water past the line, over depth."""
 
@@ -96,7 +103,12 @@ class _Water:
 
 
 def _lying(
-    scene: Scene, line: list[laid_loads.Piece], start: FloatArray, plane: FloatArray | None
+    scene: Scene,
+    line: list[laid_loads.Piece],
+    start: FloatArray,
+    plane: FloatArray | None,
+    *,
+    drawn: bool,
 ) -> tuple[FloatArray, float]:
     """The way along which what lies goes, (2,), and what each metre of it pulls there [N/m].
 
@@ -117,8 +129,9 @@ def _lying(
     load, bears, along = np.zeros(2), 0.0, 0.0
     for piece in line:
         share = ((piece.end - piece.start) or 1.0) / total
-        load += share * (piece.normal * speed * flow - piece.weight * rise)
-        along += share * (piece.normal - piece.tangential)
+        push = piece.tangential if drawn else piece.normal
+        load += share * (push * speed * flow - piece.weight * rise)
+        along += share * (push - piece.tangential)
         bears += share * piece.contact
     holds = floor.friction * bears
     if dragged:

@@ -28,8 +28,11 @@ GRADING = 0.5
 """Length of elements per distance from the touchdown of a first shape."""
 
 
-def on_floor(scene: Scene, points: FloatArray) -> FloatArray:
-    """A first shape for a static start with what lies below the floor laid on it, (n, 3)."""
+def on_floor(scene: Scene, points: FloatArray, *, drawn: bool = False) -> FloatArray:
+    """A first shape for a static start with what lies below the floor laid on it, (n, 3).
+
+    drawn: what lies draws what hangs, see free_hanging.hang.
+    """
     floor = scene.environment.floor
     if floor is None or scene.initial.kind != "static":
         return points
@@ -46,7 +49,7 @@ def on_floor(scene: Scene, points: FloatArray) -> FloatArray:
         passed = float(np.linalg.norm(np.diff(points[:-1], axis=0), axis=1).sum())
     if not points[-1][2] < start[2]:
         return points
-    hung = free_hanging.hang(scene, start, passed)
+    hung = free_hanging.hang(scene, start, passed, drawn=drawn)
     if hung is None:
         return points
     length = hung.line_length - hung.arc

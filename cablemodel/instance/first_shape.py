@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from cablemodel import laid_loads
 from cablemodel.block import Block
 from cablemodel.errors import SceneError
 from cablemodel.instance.frame import local
@@ -30,8 +31,11 @@ LONG = 30.0
 """Of its bending layers: a clamped line that is longer hangs, a shorter one stands as a beam."""
 
 
-def first_points(scene: Scene, start: FloatArray) -> FloatArray:
-    """A polyline from the tow point outwards that the first shape follows, (n, 3)."""
+def first_points(scene: Scene, start: FloatArray, *, swept: bool = False) -> FloatArray:
+    """A polyline from the tow point outwards that the first shape follows, (n, 3).
+
+    swept: an anchored line bows the way the current and its weight push it, not just down.
+    """
     length = scene.line_length + bodies_length(scene)
     if scene.initial.kind == "straight":
         direction = np.asarray(scene.initial.direction, dtype=float)
@@ -39,7 +43,9 @@ def first_points(scene: Scene, start: FloatArray) -> FloatArray:
     if scene.initial.kind == "points":
         return np.asarray(scene.initial.points, dtype=float)
     if scene.end.kind == "anchor":
-        return _sagging(start, np.asarray(scene.end.position, dtype=float), length, sinks(scene))
+        down = np.array([0.0, 0.0, -1.0 if sinks(scene) else 1.0])
+        bow = _load(scene, start) if swept else down
+        return _sagging(start, np.asarray(scene.end.position, dtype=float), length, bow)
     down = np.array([0.0, 0.0, -1.0 if sinks(scene) else 1.0])
     top = scene.cables[0]
     if scene.vessel.connection.kind == "clamped" and not is_flexible(scene, top):
@@ -74,14 +80,27 @@ def _bent_at_the_clamp(
     return np.vstack([np.zeros(3), np.cumsum(steps, axis=0)])
 
 
-def _sagging(start: FloatArray, end: FloatArray, length: float, sinks: bool) -> FloatArray:
-    """A parabola of the given length between two points: the first guess of a hanging cable."""
+def _load(scene: Scene, start: FloatArray) -> FloatArray:
+    """Unit vector along the line's weight and its drag across the current, (3,)."""
+    flow = laid_loads.water_velocity(scene, start[2:3])[0]
+    total = np.zeros(3)
+    for piece in laid_loads.pieces(scene):
+        share = (piece.end - piece.start) or 1.0
+        total += share * piece.normal * float(np.linalg.norm(flow)) * flow
+        total[2] -= share * piece.weight
+    size = float(np.linalg.norm(total))
+    return total / size if size > 0.0 else np.array([0.0, 0.0, -1.0])
+
+
+def _sagging(start: FloatArray, end: FloatArray, length: float, bow: FloatArray) -> FloatArray:
+    """A parabola of the given length between two points: the first guess of a hanging cable.
+
+    bow: unit vector towards which it sags, (3,).
+    """
     chord = float(np.linalg.norm(end - start))
     if chord >= length * (1.0 - 1e-6):
         return np.array([start, end])
     x = np.linspace(0.0, 1.0, 201)
-    bow = np.zeros(3)
-    bow[2] = -1.0 if sinks else 1.0
     if abs(float((end - start) @ bow)) > 0.999 * max(chord, 1e-12):
         bow = np.array([1.0, 0.0, 0.0])  # one end above the other: the slack goes aside
 

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from cablemodel import laid_shape, sea_floor
 from cablemodel.block import Block
 from cablemodel.errors import SceneError, StaticsError
-from cablemodel.instance import laid_start
+from cablemodel.instance import easier_ways, heading, laid_start
+from cablemodel.instance.attempts import Attempt
 from cablemodel.instance.frame import local
 from cablemodel.instance.line_tables import RIGID, STABILISATION
 from cablemodel.instance.scales import rate_at_start
@@ -21,14 +22,11 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-SOFTER = 1000.0, 100.0, 10.0, 1.0
-"""Floors on which a start is tried in turn where it fails, in units of the contact layer."""
+PLAIN = Attempt()
 
 
-def find_initial_state(block: Block, scene: Scene, *, as_laid: bool = False) -> None:
+def find_initial_state(block: Block, scene: Scene, attempt: Attempt = PLAIN) -> None:
     """The state of a block whose nodes are placed: velocities, tensions, a static shape.
-
-    as_laid: friction holds what lies on the floor, see laid_start.
 
     Raises:
         SceneError: a static start of an anchored cable while the vessel moves.
@@ -53,7 +51,7 @@ def find_initial_state(block: Block, scene: Scene, *, as_laid: bool = False) -> 
                 "a vessel at rest at t = 0, or initial: {points: [...]}",
             )
         try:
-            solve_static(block, scene, frame, as_laid=as_laid)
+            solve_static(block, scene, frame, attempt)
         except StaticsError:
             slack = laid_shape.surplus(scene)
             if slack == 0.0:
@@ -65,7 +63,7 @@ def find_initial_state(block: Block, scene: Scene, *, as_laid: bool = False) -> 
             ) from None
     if _stabilise(block) and scene.initial.kind == "static":
         # The new stiffness changes the forces by a little: the state must meet them.
-        solve_static(block, scene, frame, as_laid=as_laid)
+        solve_static(block, scene, frame, attempt)
     count_from_zero(block)
     if ints[at.I_HYBRID] or ints[at.I_RIGID] or ints[at.I_PAYOUT]:
         entry.choose_bending(ints, reals)
@@ -77,7 +75,7 @@ def steady_velocity(block: Block, scene: Scene) -> FloatArray:
     return np.ascontiguousarray(local(block, velocity, point=False))
 
 
-def solve_static(block: Block, scene: Scene, frame: FloatArray, *, as_laid: bool = False) -> None:
+def solve_static(block: Block, scene: Scene, frame: FloatArray, attempt: Attempt = PLAIN) -> None:
     """Bring a block to equilibrium in a frame that moves with the velocity ``frame`` [m/s].
 
     Raises:
@@ -89,15 +87,40 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, *, as_laid: bool
     held = ints[at.I_CONSTRAINTS] > 1
     friction = reals[at.S_FRICTION]
 
-    def solve() -> int:
+    def solve_at_once() -> int:
+        return int(entry.equilibrium(ints, reals, frame))
+
+    def solve_on_floors(status: int) -> int:
+        """From the present guess, where ``status`` tells that it was not found at once."""
         guess = block.image.copy()
-        status = int(entry.equilibrium(ints, reals, frame))
-        if status != at.OK and ints[at.I_FLOOR]:
+        floors = easier_ways.FLOORS if attempt.patient else easier_ways.FLOORS[:1]
+        for softer in floors if ints[at.I_FLOOR] else ():
+            if status == at.OK:
+                break
             block.image[:] = guess
-            status = _sink_in(block, frame)
+            status = easier_ways.on_hardening_floors(block, solve_at_once, softer)
         return status
 
-    if as_laid:
+    def solve() -> int:
+        guess = block.image.copy()
+        status = solve_at_once()
+        if status != at.OK and attempt.patient:
+            block.image[:] = guess
+            status = easier_ways.with_turned_clamps(block, solve_from_anywhere, solve_at_once)
+        if status != at.OK:
+            block.image[:] = guess
+            status = solve_on_floors(status)
+        return status
+
+    def solve_from_anywhere() -> int:
+        guess = block.image.copy()
+        status = solve_at_once()
+        if status != at.OK:
+            block.image[:] = guess
+            status = solve_on_floors(status)
+        return status
+
+    if attempt.as_laid:
         status = laid_start.lie_still(block, scene, solve)
     else:
         if not held:
@@ -105,6 +128,10 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, *, as_laid: bool
             reals[at.S_FRICTION] = 0.0
         status = solve()
         reals[at.S_FRICTION] = friction
+        if status == at.OK and heading.is_free(scene) and heading.is_level(scene):
+            # A line that turns as a whole stays at rest.
+            away = scene.solver.tolerance * scene.line_length
+            heading.turn_back(block, scene, away)
         if not held:
             sea_floor.rest_where_it_is(block)
     if status != at.OK:
@@ -121,25 +148,6 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, *, as_laid: bool
     # The line is at rest in the vessel's frame; the vessel's acceleration begins after t = 0. With
     # it the force at the top would hold the inertia of a piece as long as the mesh makes it.
     block.array(at.O_ACCELERATION, int(ints[at.I_NODES]), 2 * int(ints[at.I_DIMENSION]))[:] = 0.0
-
-
-def _sink_in(block: Block, frame: FloatArray) -> int:
-    """Equilibrium on floors that harden, each from the shape on the one before; a status.
-
-    Where long elements go over humps, contact on a hard floor comes and goes from one iterate to
-    the next.
-    """
-    from cablemodel import library as entry
-
-    depth = block.reals[at.S_FLOOR_DEPTH]
-    status: int = at.OK
-    for softness in SOFTER:
-        block.reals[at.S_FLOOR_DEPTH] = softness * depth
-        status = entry.equilibrium(block.ints, block.reals, frame)
-        if status != at.OK:
-            break
-    block.reals[at.S_FLOOR_DEPTH] = depth
-    return status
 
 
 def _stabilise(block: Block) -> bool:

@@ -10,13 +10,15 @@ from numpy.typing import NDArray
 from cablemodel import laid_shape, sea_floor, waves
 from cablemodel.block import Block
 from cablemodel.errors import StaticsError
-from cablemodel.instance import laid_start, line_tables, tables
+from cablemodel.instance import line_tables, tables
+from cablemodel.instance.attempts import Attempt, attempts
 from cablemodel.instance.first_shape import first_points, place_nodes
 from cablemodel.instance.first_state import find_initial_state
 from cablemodel.instance.frame import vertical_plane
 from cablemodel.instance.line import Line, lay_out, spans_of
 from cablemodel.instance.refinement import (
     ROUNDS,
+    halved,
     refine_touchdown,
     refined,
     shape_of,
@@ -45,23 +47,29 @@ def build(scene: Scene, *, planar: bool | None = None, drum_room: float = 1.0) -
     Raises SceneError (not supported, inconsistent), StaticsError (no equilibrium found).
     """
     refuse_unsupported(scene)
-    if laid_start.applies(scene):
+    first: StaticsError | None = None
+    for attempt in attempts(scene):
         try:
-            return _built(scene, planar, drum_room, as_laid=True)
-        except StaticsError:
-            pass  # perhaps it comes to rest where nothing holds it
-    return _built(scene, planar, drum_room, as_laid=False)
+            return _built(scene, planar, drum_room, attempt)
+        except StaticsError as problem:
+            if not attempt.as_laid:  # without friction it may come to rest
+                first = first or problem
+    assert first is not None
+    raise first
 
 
-def _built(scene: Scene, planar: bool | None, drum_room: float, *, as_laid: bool) -> Block:
+def _built(scene: Scene, planar: bool | None, drum_room: float, attempt: Attempt) -> Block:
     scale = tension_scale(scene)
     position = scene.motion().evaluate(0.0)[0]
-    points = laid_shape.on_floor(scene, first_points(scene, position))
+    points = first_points(scene, position, swept=attempt.swept)
+    points = laid_shape.on_floor(scene, points, drawn=attempt.swept)
     sea_floor.check(scene, points)
     nodes = line_nodes(spans_of(scene, scale), scene.solver.tolerance, start_conditions(scene))
     nodes = laid_shape.refine_guess(scene, nodes, points)
     nodes = waves.refine(scene, nodes, points)
-    block = _build_on(scene, nodes, points, scale, planar, drum_room, as_laid)
+    if attempt.halved:
+        nodes = halved(scene, nodes)
+    block = _build_on(scene, nodes, points, scale, planar, drum_room, attempt)
     if scene.initial.kind != "static":
         return block
     for _round in range(ROUNDS):
@@ -69,8 +77,8 @@ def _built(scene: Scene, planar: bool | None, drum_room: float, *, as_laid: bool
         if finer is None:
             break
         nodes = finer
-        block = _build_on(scene, nodes, shape_of(block), scale, planar, drum_room, as_laid)
-    refine_touchdown(block, scene, as_laid=as_laid)
+        block = _build_on(scene, nodes, shape_of(block), scale, planar, drum_room, attempt)
+    refine_touchdown(block, scene, attempt)
     return block
 
 
@@ -81,7 +89,7 @@ def _build_on(
     scale: float,
     planar: bool | None,
     drum_room: float,
-    as_laid: bool,
+    attempt: Attempt,
 ) -> Block:
     """A block on given nodes, from a polyline (n, 3) [m] as the first guess of its shape.
 
@@ -104,7 +112,7 @@ def _build_on(
     sea_floor.fill(block, scene)
     waves.fill(block, sea(scene))
     sea_floor.place_of_rest(block, scene)
-    find_initial_state(block, scene, as_laid=as_laid)
+    find_initial_state(block, scene, attempt)
     return block
 
 

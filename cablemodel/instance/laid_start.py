@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from cablemodel import laid_loads
 from cablemodel.block import Block
+from cablemodel.instance import heading
 from cablemodel.instance.frame import earth, local
 from cablemodel.instance.scales import rate_at_start
 from cablemodel.kernels import layout as at
@@ -47,6 +48,8 @@ STIFFER = 8
 """Steps in which bristles get their own length, where at once finds no equilibrium."""
 GROWN = 0.01
 """Change of what the floor bears at a node from one pass to the next, at most."""
+ASIDE = 0.01
+"""Of the line's length: what its end may go aside on soft bristles."""
 SLIDES = 3.0
 """Of a bristle's length: well beyond where it slips."""
 
@@ -82,6 +85,8 @@ def lie_still(block: Block, scene: Scene, solve: Callable[[], int]) -> int:
     dragged = laid_loads.is_dragged(scene)
     status: int = at.OK
     even = scene.environment.floor is not None and scene.environment.floor.z is not None
+    away = scene.solver.tolerance * scene.line_length
+    heading.turn_back(block, scene, away, lying_nodes(block, scene))
     laid = _laid_line(block, scene, q)
     grown, _drags = _loads(block, scene)
     for _ in range(PASSES):
@@ -95,21 +100,26 @@ def lie_still(block: Block, scene: Scene, solve: Callable[[], int]) -> int:
         reals[at.S_BRISTLE] = bristle
         if status != at.OK:
             return status
-        lies = _lies(block, scene)
+        lies = lying_nodes(block, scene)
+        # Before the floor bears what it will, the rest of it pulls what lies aside.
+        turned = heading.turn_back(block, scene, max(away, ASIDE * scene.line_length), lies)
         if not lies.any():
-            return status
+            if not turned:
+                return status
+            grown, _drags = _loads(block, scene)
+            continue
         moved = _slide(laid, q, lies, bears, even=even)
         held = reals[at.S_FRICTION] * float(bears[lies] @ moved[lies]) / soft
         # What the floor bears for long has grown meanwhile, and friction with it.
         grown, _drags = _loads(block, scene)
         calm = held <= CALM * scene.solver.tolerance * float(bears.sum())
-        if calm and np.all(np.abs(grown - bears) <= GROWN * bears):
+        if calm and not turned and np.all(np.abs(grown - bears) <= GROWN * bears):
             break
     slid = block.image.copy()
     if dragged:
         laid = q.copy()  # no line was laid: bristles are drawn from where the cable is
     else:
-        _put_on(block, laid, _lies(block, scene))
+        _put_on(block, laid, lying_nodes(block, scene))
     stiffer = [bristle]
     for _attempt in range(2):
         for length in stiffer:
@@ -135,7 +145,7 @@ def _laid_line(block: Block, scene: Scene, q: FloatArray) -> FloatArray:
     q: positions, (nodes, dimension) [m].
     """
     line = q.copy()
-    lies = np.flatnonzero(_lies(block, scene))
+    lies = np.flatnonzero(lying_nodes(block, scene))
     if len(lies) < 2:
         return line
     foot, tail = int(lies[0]), int(lies[-1])
@@ -194,7 +204,7 @@ def _without_drag(block: Block, scene: Scene) -> Callable[[], None]:
     It turns with the cable, and cable that bristles so long hold would drift with it.
     """
     nodes = int(block.ints[at.I_NODES])
-    lies = _lies(block, scene)
+    lies = lying_nodes(block, scene)
     edges = block.array(at.O_EDGE, nodes, at.EDGE_WORDS)
     bodies = block.array(at.O_BODY, int(block.ints[at.I_BODIES]), at.BODY_WORDS)
     columns = [at.E_DRAG_NORMAL, at.E_DRAG_TANGENTIAL]
@@ -240,7 +250,7 @@ def _gaps(block: Block, scene: Scene, places: FloatArray) -> FloatArray:
     return gaps
 
 
-def _lies(block: Block, scene: Scene) -> NDArray[np.bool_]:
+def lying_nodes(block: Block, scene: Scene) -> NDArray[np.bool_]:
     """Which nodes touch the floor, (nodes,)."""
     gaps = _gaps(block, scene, _positions(block))
     return np.asarray(gaps < float(block.reals[at.S_FLOOR_DEPTH]))
@@ -278,7 +288,7 @@ def _loads(block: Block, scene: Scene) -> tuple[FloatArray, FloatArray]:
     parents = block.integers(at.O_PARENT, nodes)
     joints = block.integers(at.O_JOINT, nodes)
     normal, tangential, _own = _flow(block, scene)
-    lies = _lies(block, scene)
+    lies = lying_nodes(block, scene)
     lying = _lying_elements(block, lies)
     bears, drags = np.zeros(nodes), np.zeros((nodes, dimension))
     for node in range(1, nodes):

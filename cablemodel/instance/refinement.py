@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from cablemodel.block import Block
 from cablemodel.errors import StaticsError
+from cablemodel.instance.attempts import Attempt
 from cablemodel.instance.first_state import count_from_zero, solve_static, steady_velocity
 from cablemodel.instance.frame import earth
 from cablemodel.instance.scales import pays_out, start_conditions
@@ -121,6 +122,16 @@ def refined(block: Block, scene: Scene, nodes: list[FloatArray]) -> list[FloatAr
     return finer if changed else None
 
 
+def halved(scene: Scene, nodes: list[FloatArray]) -> list[FloatArray]:
+    """Cables' nodes with all elements halved but those that the scene asks for."""
+    return [
+        places
+        if cable.elements is not None
+        else np.sort(np.concatenate([places, 0.5 * (places[1:] + places[:-1])]))
+        for cable, places in zip(scene.cables, nodes, strict=True)
+    ]
+
+
 def _bent_by_a_spring(block: Block) -> bool:
     """Whether a spring clamps a cable that bends; one without bending stiffness feels no clamp."""
     if block.array(at.O_CONSTRAINT, at.CONSTRAINT_WORDS)[at.C_CLAMPED] != at.BY_SPRING:
@@ -154,7 +165,7 @@ def _node_places(block: Block) -> FloatArray:
     return earth(block, block.array(at.O_POSITION, count, 2 * dimension)[:, :dimension])
 
 
-def refine_touchdown(block: Block, scene: Scene, *, as_laid: bool = False) -> None:
+def refine_touchdown(block: Block, scene: Scene, attempt: Attempt) -> None:
     """Refine a static shape where it meets the floor, and solve again from its own shape.
 
     Over ridges contact may come and go on a finer mesh without end: the start is then at rest on
@@ -172,9 +183,9 @@ def refine_touchdown(block: Block, scene: Scene, *, as_laid: bool = False) -> No
             # first step instead, it set the line ringing.
             entry.choose_bending(block.ints, block.reals)
         try:
-            solve_static(block, scene, frame, as_laid=as_laid)
+            solve_static(block, scene, frame, attempt)
         except StaticsError:
-            if as_laid:
+            if attempt.as_laid:
                 raise  # without friction it may come to rest
             block.image[:] = at_rest
             break

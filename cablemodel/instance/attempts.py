@@ -1,0 +1,60 @@
+"""The ways in which a static start is sought, one after the other until one leads to a shape.
+
+Which equilibrium is accepted is the same for all of them; they differ in where the search begins.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from cablemodel import laid_shape
+from cablemodel.instance import laid_start
+from cablemodel.instance.scales import is_flexible
+
+if TYPE_CHECKING:
+    from cablemodel.scene import Scene
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """How a static start is sought."""
+
+    as_laid: bool = False
+    """Friction holds what lies on the floor, see laid_start; else what has a free end slides."""
+    patient: bool = False
+    """By all of easier_ways: clamps are turned bit by bit, floors harden from several depths."""
+    swept: bool = False
+    """The first shape is that of the other extreme in a current: what hangs between two ends bows
+    where it pushes, what lies is not pushed aside by it (first_shape, free_hanging)."""
+    halved: bool = False
+    """On elements half as long."""
+
+
+def attempts(scene: Scene) -> Iterator[Attempt]:
+    """All attempts for a scene, the plainest first."""
+    laid = laid_start.applies(scene)
+    if laid:
+        yield Attempt(as_laid=True)
+    yield Attempt()
+    if scene.initial.kind != "static" or laid_shape.surplus(scene) > 0.0:
+        return  # slack to an anchor has no single shape: it must not depend on where one begins
+    swept = scene.environment.current is not None
+    halved = any(cable.elements is None for cable in scene.cables)
+    if scene.environment.floor is not None or _is_clamped(scene):
+        yield Attempt(patient=True)
+    if halved:
+        yield Attempt(patient=True, halved=True)
+    if swept:
+        yield Attempt(patient=True, swept=True)
+    if swept and halved:
+        yield Attempt(patient=True, swept=True, halved=True)
+
+
+def _is_clamped(scene: Scene) -> bool:
+    """Whether an end of the line turns a cable that bends."""
+    ends = [(scene.vessel.connection, scene.cables[0])]
+    if scene.end.kind == "anchor":
+        ends.append((scene.end.connection, scene.cables[-1]))
+    return any(end.kind == "clamped" and not is_flexible(scene, cable) for end, cable in ends)

@@ -1,0 +1,120 @@
+"""Static equilibria that are not found from the first shape: on the way over easier ones.
+
+Each begins from the shape of the one before, and the last one is that of the scene: what is
+accepted is the same as what is found at once.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cablemodel.block import Block
+from cablemodel.kernels import layout as at
+
+FloatArray = NDArray[np.float64]
+
+FLOORS = (1000.0, 100.0, 10.0, 1.0), (100.0, 10.0, 1.0), (30.0, 10.0, 3.0, 1.0)
+"""Floors on which a start is tried in turn where it fails, in units of the contact layer. Beyond
+the first row for a line that sinks too deep into the first of them, and folds there."""
+LARGEST_TURN = 0.25
+"""Of a clamp, from one equilibrium to the next [rad]."""
+SMALLEST_TURN = 0.01
+"""The same, where longer ones fail [rad]."""
+
+
+def on_hardening_floors(block: Block, solve: Callable[[], int], softer: Sequence[float]) -> int:
+    """Equilibrium on floors that harden, each from the shape on the one before; a status.
+
+    Where long elements go over humps, contact on a hard floor comes and goes from one iterate to
+    the next.
+
+    Args:
+        solve: equilibrium of the block as it is, a status.
+        softer: the floors, in units of the contact layer.
+    """
+    depth = block.reals[at.S_FLOOR_DEPTH]
+    status: int = at.OK
+    for softness in softer:
+        block.reals[at.S_FLOOR_DEPTH] = softness * depth
+        status = solve()
+        if status != at.OK:
+            break
+    block.reals[at.S_FLOOR_DEPTH] = depth
+    return status
+
+
+def with_turned_clamps(
+    block: Block, solve: Callable[[], int], solve_nearby: Callable[[], int]
+) -> int:
+    """Equilibrium of the line with its ends hinged, then clamped and turned bit by bit; a status.
+
+    A clamp that turns a stiff line back folds it, where the line gets there at once.
+
+    Args:
+        solve: equilibrium of the block as it is, from any guess, a status.
+        solve_nearby: the same from a guess that is nearly one.
+    """
+    nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
+    table = block.array(at.O_CONSTRAINT, int(block.ints[at.I_CONSTRAINTS]), at.CONSTRAINT_WORDS)
+    clamped = table[table[:, at.C_CLAMPED] != 0.0]  # a copy
+    rows = np.flatnonzero(table[:, at.C_CLAMPED] != 0.0)
+    if not len(rows):
+        return at.STATICS_FAILED
+    ends = clamped[:, at.C_NODE].astype(int)
+    directions = slice(at.C_DIRECTION, at.C_DIRECTION + dimension)
+    q = block.array(at.O_POSITION, nodes, 2 * dimension)
+    places, slopes = q[:, :dimension], q[:, dimension:]
+    table[rows, at.C_CLAMPED] = 0.0
+    for end in ends:
+        # Slopes that point elsewhere than the cable goes are part of a fold already.
+        inner = max(end - 1, 0)
+        chord = places[inner + 1] - places[inner]
+        slopes[end] = chord / np.linalg.norm(chord)
+    status = solve()
+    table[rows, at.C_CLAMPED] = clamped[:, at.C_CLAMPED]
+    if status == at.OK:
+        hinged = slopes[ends] / np.linalg.norm(slopes[ends], axis=1)[:, None]
+        angle = max(
+            math.acos(min(1.0, max(-1.0, float(own @ wanted))))
+            for own, wanted in zip(hinged, clamped[:, directions], strict=True)
+        )
+        smallest = SMALLEST_TURN / max(angle, SMALLEST_TURN)
+        done, step = 0.0, min(1.0, LARGEST_TURN / max(angle, LARGEST_TURN))
+        while done < 1.0:
+            before = block.image.copy()
+            share = min(1.0, done + step)
+            for row, end, own, wanted in zip(
+                rows, ends, hinged, clamped[:, directions], strict=True
+            ):
+                table[row, directions] = turned(own, wanted, share)
+                if table[row, at.C_CLAMPED] == at.EXACTLY:
+                    slopes[end] = np.linalg.norm(slopes[end]) * table[row, directions]
+            status = solve_nearby()
+            if status == at.OK:
+                done, step = share, min(1.5 * step, 1.0)
+            elif step > smallest:
+                block.image[:] = before
+                step *= 0.5
+            else:
+                break
+    table[rows, directions] = clamped[:, directions]
+    return status
+
+
+def turned(start: FloatArray, end: FloatArray, share: float) -> FloatArray:
+    """The unit vector at a share of the way on the sphere from one to another, (dimension,)."""
+    along = float(start @ end)
+    if share >= 1.0:
+        return end
+    aside = end - along * start
+    if np.linalg.norm(aside) < 1e-9:
+        aside = np.zeros_like(start)
+        aside[int(np.argmin(np.abs(start)))] = 1.0
+        aside -= (aside @ start) * start
+    aside /= np.linalg.norm(aside)
+    angle = share * math.acos(min(1.0, max(-1.0, along)))
+    return np.asarray(math.cos(angle) * start + math.sin(angle) * aside)
