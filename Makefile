@@ -2,6 +2,7 @@
 # only Python (3.11 to 3.13, with venv) and make.
 
 PYTHON ?= python3
+WORKERS ?= 2
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
@@ -27,7 +28,7 @@ demo: $(READY) native  ## simulate a towed cable: log, picture, report, and comp
 	$(BIN)/python examples/towed_cable.py
 
 test: lint types libraries test-tools browser $(READY_ROS)  ## check style and types, then run all tests
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile
 	$(VENV_ROS)/bin/python -m pytest tests/interface/ros
 
 test-ros: $(READY_ROS)  ## run the tests of the ROS 2 node only

@@ -72,15 +72,19 @@ def winch_of(scene: Scene, line: Line, drum_room: float) -> Winch:
             winch.most_travel += 2.0 * item.body.half_length
             winch.extra_nodes += 2
             continue
-        assert item.cable is not None
-        winch.most += item.cable.length
-        winch.most_travel += item.cable.length
+        cable = item.cable
+        assert cable is not None
+        winch.most += cable.length
+        winch.most_travel += cable.length
         top = winch.cables[-1]
-        winch.extra_nodes += math.ceil(drum_room * item.cable.length / usual) + 6
-        if body < 0 and (top.type, top.model) == (item.cable.type, item.cable.model):
-            winch.leaves[-1] = winch.most_travel
+        size = usual if cable.elements is None else cable.length / cable.elements
+        winch.extra_nodes += math.ceil(drum_room * cable.length / size) + 6
+        if body >= 0 or (top.type, top.model) != (cable.type, cable.model):
+            _add_cable(scene, winch, cable, winch.most_travel, size, body)
         else:
-            _add_cable(scene, winch, item.cable, winch.most_travel, usual, body)
+            winch.leaves[-1] = winch.most_travel
+            if cable.elements is not None:
+                winch.nominal[-1] = size
         body = -1
     winch.least_travel = _least_travel(scene)
     _set_shortest(winch, line)

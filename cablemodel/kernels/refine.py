@@ -7,7 +7,13 @@ they were at the start, once one cubic does for both.
 """
 
 from .compile import kernel
-from .follow import holds_something, jump_at, may_be_halved, one_cubic_does
+from .follow import (
+    halves_are_even,
+    holds_something,
+    jump_at,
+    may_be_halved,
+    one_cubic_does,
+)
 from .layout import (
     E_BENDING_FULL,
     E_LENGTH,
@@ -86,7 +92,11 @@ def follow_bending(I, M, change):
     while node >= 1:
         if I[I[O_JOINT] + node] == 0:
             if bends_too_much(I, M, node, max(jumps[node - 1], jumps[node])):
-                if I[I_NODES] < I[I_CAPACITY] and may_be_halved(I, M, node):
+                if (
+                    I[I_NODES] < I[I_CAPACITY]
+                    and may_be_halved(I, M, node)
+                    and halves_are_even(I, M, node)
+                ):
                     if not change:
                         return True
                     changed = split_edge(I, M, node, 0.5, False) == OK or changed

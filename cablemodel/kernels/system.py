@@ -98,8 +98,22 @@ def set_time(I, M, t):
 
 
 @kernel
+def keep_along(M, direction, dimension, x, at):
+    """Leave of a slope, or of its rate, at x[at] what lies along a direction, by its word."""
+    along = 0.0
+    for i in range(dimension):
+        along += M[direction + i] * x[at + i]
+    for i in range(dimension):
+        x[at + i] = along * M[direction + i]
+
+
+@kernel
 def impose_motion(I, M, t, q, v, a):
-    """Write the prescribed position, velocity and acceleration into the state."""
+    """Write the prescribed position, velocity and acceleration into the state.
+
+    Of a clamped slope the length is free, the direction is not: nothing pulls back what rounding
+    has turned it by, and a rate of turning, however small, would go on for ever.
+    """
     dimension = I[I_DIMENSION]
     size = 2 * dimension
     out = view(M, I[O_MOTION] + 16, 9)
@@ -111,6 +125,10 @@ def impose_motion(I, M, t, q, v, a):
             q[at + i] = out[i]
             v[at + i] = out[dimension + i]
             a[at + i] = out[2 * dimension + i]
+        if M[row + C_CLAMPED] == EXACTLY:
+            keep_along(M, row + C_DIRECTION, dimension, q, at + dimension)
+            keep_along(M, row + C_DIRECTION, dimension, v, at + dimension)
+            keep_along(M, row + C_DIRECTION, dimension, a, at + dimension)
 
 
 @kernel
@@ -147,7 +165,11 @@ def project_columns(I, M, row, at):
 
 @kernel
 def constrain_matrix(I, M):
-    """Fix the prescribed unknowns in the Newton matrix: A K A + (1 - A) with A the projector."""
+    """Fix the prescribed unknowns in the Newton matrix: A K A + (1 - A) k with A the projector.
+
+    For a clamped slope k is the stiffness that A K A has along it: beside 1e16 N m of a line that
+    hardly stretches a 1 would be lost in rounding, and with it what holds the direction.
+    """
     dimension = I[I_DIMENSION]
     size = 2 * dimension
     area = size * size
@@ -160,12 +182,16 @@ def constrain_matrix(I, M):
         for i in range(dimension):
             M[at + size * i + i] += 1.0
         if M[row + C_CLAMPED] == EXACTLY:
+            along = 0.0
+            for i in range(dimension):
+                along += M[at + size * (dimension + i) + dimension + i]
+            along = max(1.0, abs(along))
             for i in range(dimension):
                 for j in range(dimension):
                     value = -M[row + C_DIRECTION + i] * M[row + C_DIRECTION + j]
                     if i == j:
                         value += 1.0
-                    M[at + size * (dimension + i) + dimension + j] += value
+                    M[at + size * (dimension + i) + dimension + j] += along * value
         if node > 0:
             project_rows(I, M, row, I[O_LOWER] + area * node)
             project_columns(I, M, row, I[O_UPPER] + area * node)

@@ -50,6 +50,24 @@ def test_pendulum_whose_length_changes(rate, expected, planar):
         assert model.line_length == pytest.approx(length, abs=1e-12 * 30)
 
 
+@pytest.mark.parametrize(("other", "metres"), [(False, 30.0), (True, 20.0)])
+def test_cable_on_the_drum_has_the_elements_that_it_is_given(other, metres):
+    """About one a metre instead of 10 m, of the line's top element, too, from which it goes on."""
+    kind = {"diameter": 0.02, "mass": 0.5, "axial_stiffness": 1e6}
+    drum = {"type": "d" if other else "c", "length": 40.0, "elements": 40}
+    model = cm.CableModel(
+        cm.load_scene(
+            {
+                "cable_types": {"c": kind, "d": kind},
+                "line": [{"cable": {"type": "c", "length": 40.0, "elements": 4}}],
+                "payout": {"rate": [{"t": 0, "rate": 0.5}], "drum": [{"cable": drum}]},
+            }
+        )
+    )
+    model.step_to(40.0)
+    assert 0.8 * metres <= model.statistics["elements"] - 4 <= metres + 1
+
+
 def winch_scene(model="hybrid"):
     scene = cm.load_scene("scenes/payout_with_bodies.yaml").to_dict()
     for item in [*scene["line"], *scene["payout"]["drum"]]:
