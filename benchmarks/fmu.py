@@ -12,11 +12,11 @@ import shutil
 import subprocess
 import tempfile
 import time
-from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import cablemodel as cm
+from benchmarks.measure import best
 from cablemodel_fmu.build import SOURCES, compile_c
 from cablemodel_fmu.export import export_fmu
 
@@ -41,17 +41,6 @@ class FmuCost:
     def times_real_time(self) -> float:
         """Of the C program."""
         return self.step / self.c
-
-
-def best(run: Callable[[], None], before: Callable[[], None]) -> float:
-    """Processor time of the fastest of several runs [s]."""
-    fastest = float("inf")
-    for _ in range(REPEAT):
-        before()
-        start = time.process_time()
-        run()
-        fastest = min(fastest, time.process_time() - start)
-    return fastest
 
 
 def measure(folder: Path, guid: str, program: Path, dt: float, steps: int) -> FmuCost:
@@ -84,8 +73,8 @@ def measure(folder: Path, guid: str, program: Path, dt: float, steps: int) -> Fm
         for n in range(steps):
             model.step_to(n * dt + dt)
 
-    fmpy = best(through_fmpy, begin) / steps
-    python = best(in_python, model.reset) / steps
+    fmpy = best(through_fmpy, REPEAT, begin) / steps
+    python = best(in_python, REPEAT, model.reset) / steps
     slave.freeInstance()
     return FmuCost(dt, steps, float(done.stdout), fmpy, python)
 

@@ -11,9 +11,9 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-import time
-from collections.abc import Callable
 from typing import Any
+
+from benchmarks.measure import best
 
 PORTABLE = {
     "NUMBA_DISABLE_INTEL_SVML": "1",
@@ -51,16 +51,6 @@ def towed(
         },
         "solver": {"tolerance": tolerance},
     }
-
-
-def best(function: Callable[[], object], repeats: int = 7) -> float:
-    """Shortest processor time of a call [s]."""
-    shortest = float("inf")
-    for _ in range(repeats):
-        before = time.process_time()
-        function()
-        shortest = min(shortest, time.process_time() - before)
-    return shortest
 
 
 KERNELS = ("residual", "jacobian", "factorise", "increment", "recover")

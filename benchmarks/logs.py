@@ -7,17 +7,15 @@ messages: the ratios hold on any machine.
 from __future__ import annotations
 
 import tempfile
-import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from mcap.reader import make_reader
 from mcap.writer import Writer
 
 import cablemodel as cm
+from benchmarks.measure import best
 from benchmarks.report import table
 from benchmarks.sections import write_section
 from cablemodel.log.writer import LogWriter
@@ -42,37 +40,20 @@ class LogCost:
     mcap: float | None
 
 
-def fastest(run: Callable[[], Any], repeat: int = BATCHES) -> float:
-    """Processor time of the fastest of several runs [s]."""
-    best = float("inf")
-    for _ in range(repeat):
-        start = time.process_time()
-        run()
-        best = min(best, time.process_time() - start)
-    return best
-
-
-def logged(path: Path, samples: int) -> tuple[cm.CableModel, LogWriter, Callable[[], None]]:
-    """A model with its log, and what writes the next samples of one state to it."""
+def writing(folder: Path) -> LogCost:
+    """A sample of 64 stations: step and outputs, by us and by mcap's writer."""
     scene = cm.load_scene(ROOT / "scenes" / "towed_cable.yaml")
     model = cm.CableModel(scene)
     model.step(STEP)
     state = model.sample(np.linspace(0.0, model.line_length, STATIONS))
-    writer = LogWriter(path, scene, epoch=0)
+    with LogWriter(folder / "ours.mcap", scene, epoch=0) as writer:
 
-    def write() -> None:
-        for _ in range(samples):
-            writer.write_step(model, STEP)
-            writer.write_outputs(model, state)
+        def write() -> None:
+            for _ in range(SAMPLES):
+                writer.write_step(model, STEP)
+                writer.write_outputs(model, state)
 
-    return model, writer, write
-
-
-def writing(folder: Path) -> LogCost:
-    """A sample of 64 stations: step and outputs, by us and by mcap's writer."""
-    _model, writer, write = logged(folder / "ours.mcap", SAMPLES)
-    with writer:
-        ours = fastest(write)
+        ours = best(write, BATCHES)
         writer.close()
     with (folder / "ours.mcap").open("rb") as file:
         found = [
@@ -94,7 +75,7 @@ def writing(folder: Path) -> LogCost:
     return LogCost(
         f"write a sample of {STATIONS} stations",
         ours / SAMPLES,
-        fastest(plain, 3) / (BATCHES * SAMPLES),
+        best(plain, 3) / (BATCHES * SAMPLES),
     )
 
 
@@ -122,15 +103,15 @@ def opening(hour: Path) -> LogCost:
                 pass
 
     return LogCost(
-        "top tension of an hour at 20 Hz", fastest(lambda: cm.open_run(hour).top_tension, 3),
-        fastest(plain, 1),
+        "top tension of an hour at 20 Hz", best(lambda: cm.open_run(hour).top_tension, 3),
+        best(plain, 1),
     )  # fmt: skip
 
 
 def reporting(log: Path, what: str) -> LogCost:
     """The page of a log."""
     page = log.with_suffix(".html")
-    return LogCost(what, fastest(lambda: save_report(cm.open_run(log), page), 2), None)
+    return LogCost(what, best(lambda: save_report(cm.open_run(log), page), 2), None)
 
 
 def main() -> None:

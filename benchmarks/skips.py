@@ -15,7 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.kernels import CABLE, best, towed
+from benchmarks.kernels import CABLE, towed
+from benchmarks.measure import best
 
 END = 100.0
 

@@ -26,6 +26,18 @@ SMALLEST_TURN = 0.01
 """The same, where longer ones fail [rad]."""
 
 
+def first_of(block: Block, ways: Sequence[Callable[[], int]]) -> int:
+    """Equilibrium by the first way that finds one, each from the present guess; a status."""
+    guess = block.image.copy()
+    status: int = at.STATICS_FAILED
+    for way in ways:
+        block.image[:] = guess
+        status = way()
+        if status == at.OK:
+            break
+    return status
+
+
 def on_hardening_floors(block: Block, solve: Callable[[], int], softer: Sequence[float]) -> int:
     """Equilibrium on floors that harden, each from the shape on the one before; a status.
 

@@ -42,11 +42,10 @@ def first_points(scene: Scene, start: FloatArray, *, swept: bool = False) -> Flo
         return np.array([start, start + length * direction / np.linalg.norm(direction)])
     if scene.initial.kind == "points":
         return np.asarray(scene.initial.points, dtype=float)
+    down = np.array([0.0, 0.0, -1.0 if sinks(scene) else 1.0])
     if scene.end.kind == "anchor":
-        down = np.array([0.0, 0.0, -1.0 if sinks(scene) else 1.0])
         bow = _load(scene, start) if swept else down
         return _sagging(start, np.asarray(scene.end.position, dtype=float), length, bow)
-    down = np.array([0.0, 0.0, -1.0 if sinks(scene) else 1.0])
     top = scene.cables[0]
     if scene.vessel.connection.kind == "clamped" and not is_flexible(scene, top):
         direction = np.asarray(scene.vessel.connection.direction, dtype=float)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,10 +24,8 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-PLAIN = Attempt()
 
-
-def find_initial_state(block: Block, scene: Scene, attempt: Attempt = PLAIN) -> None:
+def find_initial_state(block: Block, scene: Scene, attempt: Attempt) -> None:
     """The state of a block whose nodes are placed: velocities, tensions, a static shape.
 
     Raises:
@@ -75,7 +75,7 @@ def steady_velocity(block: Block, scene: Scene) -> FloatArray:
     return np.ascontiguousarray(local(block, velocity, point=False))
 
 
-def solve_static(block: Block, scene: Scene, frame: FloatArray, attempt: Attempt = PLAIN) -> None:
+def solve_static(block: Block, scene: Scene, frame: FloatArray, attempt: Attempt) -> None:
     """Bring a block to equilibrium in a frame that moves with the velocity ``frame`` [m/s].
 
     Raises:
@@ -90,35 +90,18 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, attempt: Attempt
     def solve_at_once() -> int:
         return int(entry.equilibrium(ints, reals, frame))
 
-    def solve_on_floors(status: int) -> int:
-        """From the present guess, where ``status`` tells that it was not found at once."""
-        guess = block.image.copy()
-        floors = easier_ways.FLOORS if attempt.patient else easier_ways.FLOORS[:1]
-        for softer in floors if ints[at.I_FLOOR] else ():
-            if status == at.OK:
-                break
-            block.image[:] = guess
-            status = easier_ways.on_hardening_floors(block, solve_at_once, softer)
-        return status
-
-    def solve() -> int:
-        guess = block.image.copy()
-        status = solve_at_once()
-        if status != at.OK and attempt.patient:
-            block.image[:] = guess
-            status = easier_ways.with_turned_clamps(block, solve_from_anywhere, solve_at_once)
-        if status != at.OK:
-            block.image[:] = guess
-            status = solve_on_floors(status)
-        return status
-
-    def solve_from_anywhere() -> int:
-        guess = block.image.copy()
-        status = solve_at_once()
-        if status != at.OK:
-            block.image[:] = guess
-            status = solve_on_floors(status)
-        return status
+    floors = easier_ways.FLOORS if attempt.patient else easier_ways.FLOORS[:1]
+    ways: list[Callable[[], int]] = [
+        solve_at_once,
+        *(
+            partial(easier_ways.on_hardening_floors, block, solve_at_once, softer)
+            for softer in (floors if ints[at.I_FLOOR] else ())
+        ),
+    ]
+    solve = partial(easier_ways.first_of, block, ways)
+    if attempt.patient:
+        turning = partial(easier_ways.with_turned_clamps, block, solve, solve_at_once)
+        solve = partial(easier_ways.first_of, block, [ways[0], turning, *ways[1:]])
 
     if attempt.as_laid:
         status = laid_start.lie_still(block, scene, solve)
