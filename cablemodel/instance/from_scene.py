@@ -97,7 +97,9 @@ def _build_on(
     """
     line = lay_out(scene, nodes)
     winch = winch_of(scene, line, drum_room)
-    block = _allocate(scene, line, winch)
+    kept = winch.extra_nodes + sea_floor.spare_nodes(scene)
+    block = _allocate(scene, line, winch, kept + spare_nodes(scene, line.nodes))
+    block.reals[at.S_RESERVED] = kept
     _choose_frame(block, scene, points, planar)
     block.ints[at.I_NODES] = line.nodes
     tables.fill_settings(block, scene, scale)
@@ -116,11 +118,10 @@ def _build_on(
     return block
 
 
-def _allocate(scene: Scene, line: Line, winch: Winch) -> Block:
-    """A block of zeros with room for the line, and for what pay-out and touchdown may add."""
+def _allocate(scene: Scene, line: Line, winch: Winch, spare: int) -> Block:
+    """A block of zeros with room for the line, and for the nodes that a run may add to it."""
     current = scene.environment.current
     water = sea(scene)
-    spare = winch.extra_nodes + sea_floor.spare_nodes(scene) + spare_nodes(scene, line.nodes)
     return Block(
         capacity=line.nodes + spare,
         pieces=1 + len(scene.motion().pieces),

@@ -29,6 +29,11 @@ BENT = 2.5
 LARGEST_STATIC_MESH = 4000
 BENDS = 8.0
 """The same in motion, in free water."""
+FOLDS = 25.0
+"""The same for a line that starts slack, and folds: it begins with smaller elements."""
+FINEST, PUSHED = 8.0, 32.0
+"""Of tau L: elements of cable that hardly bends which are not halved any more, and those of such
+cable under pressure, which buckles at the scale of its elements."""
 WHIPS = 60.0
 """The same where drag hardly damps: only what cracks like a whip, and its elements stay halves."""
 SPARE = 24, 2.0
@@ -40,14 +45,14 @@ WINCH = 2
 def follows_bending(scene: Scene) -> bool:
     """Whether elements are halved where the line bends in free water, above a floor too.
 
-    A mesh that the scene asks for stays as it is. So does that of a line which starts slack:
-    pushed, it buckles ever finer. Only its top element is halved, which the winch makes. Where
-    drag hardly damps, halves are not joined again: that would feed a whip that hardly stretches.
+    A mesh that the scene asks for stays as it is. So does that of a line which starts slack where
+    drag hardly damps: it cracks, to no end. Others have halves there that are not joined again:
+    that would feed a whip that hardly stretches.
     """
     drum = [item.cable for item in scene.payout.drum if item.cable is not None]
     asked = any(cable.elements is not None for cable in [*scene.cables, *drum])
     start = start_conditions(scene)
-    moves = not start.slack or (pays_out(scene) and not start.lightly_damped)
+    moves = not (start.slack and start.lightly_damped)
     # Above a floor what follows the touchdown joins elements, too.
     whips_above_floor = start.lightly_damped and scene.environment.floor is not None
     return moves and not whips_above_floor and not asked

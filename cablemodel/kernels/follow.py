@@ -46,12 +46,14 @@ from .layout import (
     O_VELOCITY,
     OK,
     S_BENT,
-    S_BENT_AT_TOP,
+    S_FINEST,
+    S_FINEST_PUSHED,
     S_FLOOR_DEPTH,
     S_FLOOR_WAIT,
     S_LENGTH,
     S_PAYOUT_RATE,
     S_PERIOD,
+    S_RESERVED,
     S_STEP,
     S_TOLERANCE,
     S_TRACTABLE,
@@ -186,25 +188,35 @@ def may_be_halved(I, M, node):
     the spring stands.
     """
     if node > 1 or I[I_PAYOUT] == 0:
-        return M[S_BENT_AT_TOP] == 0.0
+        return True
     edge = I[O_EDGE] + node * EDGE_WORDS
     row = I[O_CABLES] + I[I_TOP_CABLE] * CABLE_WORDS
     if I[I_TOP_CABLE] + 1 < I[I_CABLES] and M[S_TRAVEL] > M[row + K_LEAVES]:
         return False
     if M[I[O_CONSTRAINT] + C_CLAMPED] == BY_SPRING and M[edge + E_BENDING_FULL] > 0.0:
         return False
-    shortest = SHORTEST_TOP * M[row + K_NOMINAL]
-    if M[S_BENT_AT_TOP] == 0.0:
-        shortest = min(shortest, PASSED * abs(M[S_PAYOUT_RATE]) * M[S_PERIOD])
-    return M[edge + E_LENGTH] > shortest
+    passed = PASSED * abs(M[S_PAYOUT_RATE]) * M[S_PERIOD]
+    return M[edge + E_LENGTH] > min(SHORTEST_TOP * M[row + K_NOMINAL], passed)
+
+
+@kernel
+def has_room(I, M):
+    """Whether there is a node for one more bend: the winch's and the floor's are left to them."""
+    return I[I_NODES] + I[I_LEFT_OUT] + M[S_RESERVED] < I[I_CAPACITY]
+
+
+@kernel
+def finest_flexible(I, M, node):
+    """Length below which no element of cable that hardly bends is halved for its bend [m]."""
+    return M[S_FINEST_PUSHED] if M[I[O_TENSION] + 2 * node] < 0.0 else M[S_FINEST]
 
 
 @kernel
 def length_by_bend(I, M, node, layer, jumps):
     """The length of an element high above a floor that its bend allows [m], as in free water.
 
-    layer: that of its touchdown [m]. Cable in which bending reaches no further than S_BENT is as
-    good as perfectly flexible: see `refine.bends_too_much`.
+    layer: that of its touchdown [m]. Cable in which bending reaches no further than the finest
+    element is as good as perfectly flexible: see `refine.bends_too_much`.
     """
     allowed = M[S_BENT]
     if allowed == 0.0 or not may_be_halved(I, M, node):
@@ -216,10 +228,9 @@ def length_by_bend(I, M, node, layer, jumps):
     if bend == 0.0:
         return 1e300
     wanted = math.sqrt(allowed / bend)
-    if layer < allowed:
-        if M[I[O_TENSION] + 2 * node] < 0.0:
-            return 1e300
-        wanted = max(wanted, allowed)
+    finest = finest_flexible(I, M, node)
+    if layer < finest:
+        wanted = max(wanted, finest)
     return wanted / SPLIT_ABOVE
 
 
@@ -388,7 +399,9 @@ def follow_floor(I, M, change):
         if I[I[O_JOINT] + node] == 0:
             h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
             if h > SPLIT_ABOVE * wanted[node] and halves_are_even(I, M, node):
-                if I[I_NODES] + I[I_LEFT_OUT] + 1 < capacity:
+                # What bends high above the floor leaves the floor its nodes.
+                room = I[I_NODES] + I[I_LEFT_OUT] + 1 < capacity
+                if room and (gaps[node] < h or has_room(I, M)):
                     if not change:
                         return True
                     changed = split_edge(I, M, node, 0.5, False) == OK or changed

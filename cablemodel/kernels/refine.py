@@ -8,7 +8,9 @@ they were at the start, once one cubic does for both.
 
 from .compile import kernel
 from .follow import (
+    finest_flexible,
     halves_are_even,
+    has_room,
     holds_something,
     jump_at,
     may_be_halved,
@@ -20,12 +22,10 @@ from .layout import (
     E_NOMINAL,
     E_SEGMENT,
     EDGE_WORDS,
-    I_CAPACITY,
     I_NODES,
     O_EDGE,
     O_JOINT,
     O_STAGE_V,
-    O_TENSION,
     OK,
     S_BENT,
     S_BENT_AFTER,
@@ -36,7 +36,6 @@ from .layout import (
 from .payout import join_at, split_edge
 
 PAUSE = 0.02  # of sqrt(L/g): how often the mesh is looked at
-FINEST = 1.0  # of what is allowed: no shorter element of cable that does not bend is halved
 STRAIGHT = 0.02  # of what is allowed: the same for two elements that are joined
 
 
@@ -45,13 +44,12 @@ def bends_too_much(I, M, node, jump):
     """Whether an element's cubic misses more than is allowed; jump: the larger at its ends.
 
     Cable without bending stiffness that is pushed buckles at the scale of its elements, whatever
-    that is: it has no shape to follow. Let go slack it folds ever finer, to no end either.
+    that is, and let go slack it folds ever finer: there an end is set, sooner under pressure.
     """
     edge = I[O_EDGE] + node * EDGE_WORDS
     h = M[edge + E_LENGTH]
-    if M[edge + E_BENDING_FULL] == 0.0:
-        if M[I[O_TENSION] + 2 * node] < 0.0 or h < FINEST * M[S_BENT]:
-            return False
+    if M[edge + E_BENDING_FULL] == 0.0 and h < finest_flexible(I, M, node):
+        return False
     return h * h * jump > M[S_BENT]
 
 
@@ -92,11 +90,7 @@ def follow_bending(I, M, change):
     while node >= 1:
         if I[I[O_JOINT] + node] == 0:
             if bends_too_much(I, M, node, max(jumps[node - 1], jumps[node])):
-                if (
-                    I[I_NODES] < I[I_CAPACITY]
-                    and may_be_halved(I, M, node)
-                    and halves_are_even(I, M, node)
-                ):
+                if has_room(I, M) and may_be_halved(I, M, node) and halves_are_even(I, M, node):
                     if not change:
                         return True
                     changed = split_edge(I, M, node, 0.5, False) == OK or changed
