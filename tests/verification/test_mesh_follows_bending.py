@@ -175,3 +175,63 @@ def test_a_slow_winch_lets_the_top_element_be_halved(rate: float) -> None:
     exact, _most = shapes(turning_back(tolerance / 20.0, rate), times)
     found, _most = shapes(turning_back(tolerance, rate), times)
     assert np.linalg.norm(found - exact, axis=2).max() < tolerance * 100.0
+
+
+SPAN = 200.0
+INSTANTS = [float(t) for t in np.arange(0.5, 6.1, 0.5)]
+
+
+def let_go_with_a_body(tolerance: float, elements: int | None = None) -> cm.CableModel:
+    """A line of 200 m, straight and slack at first, from whose middle a body of 400 N sinks."""
+    cable: dict[str, Any] = {"type": "K", "length": SPAN / 2.0, "model": "elastica"}
+    if elements is not None:
+        cable["elements"] = elements
+    body = {"mass": 60.0, "submerged_weight": 400.0, "added_mass": 20.0, "drag_area": 0.05}
+    scene = {
+        "environment": water(None),
+        "cable_types": {"K": CABLE_K},
+        "line": [{"cable": cable}, {"body": body}, {"cable": cable}],
+        "initial": {"straight": [1.0, 0.0, 0.2]},
+        "solver": {"tolerance": tolerance},
+        "run": {"duration": INSTANTS[-1]},
+    }
+    return cm.CableModel(cm.load_scene(scene))
+
+
+def off_by(model: cm.CableModel, reference: np.ndarray) -> float:
+    """Largest distance from the reference at any instant and place, in metres."""
+    return float(np.linalg.norm(shapes(model, INSTANTS)[0] - reference, axis=2).max())
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 3e-4])
+def test_the_mesh_of_a_slack_line_follows_the_kink_at_a_body_that_sinks(tolerance: float) -> None:
+    """A few metres of 200 bend: 20 equal elements are 5 and 18 tau L off."""
+    reference = shapes(let_go_with_a_body(1e-5, elements=200), INSTANTS)[0]
+    promise = tolerance * SPAN
+    assert off_by(let_go_with_a_body(tolerance), reference) < 1.25 * promise
+    assert off_by(let_go_with_a_body(tolerance, elements=10), reference) > 4.0 * promise
+
+
+@pytest.mark.parametrize("bending", [0.0, 1e-4])
+def test_what_folds_leaves_the_winch_its_nodes(bending: float) -> None:
+    """A slack column of hardly any stiffness takes all the nodes that a bend may have."""
+    cable = {"type": "K", "length": 50.0, "model": "elastica"}
+    scene = {
+        "environment": water(None),
+        "cable_types": {"K": {**CABLE_K, "bending_stiffness": bending}},
+        "line": [{"cable": cable}],
+        "initial": {"straight": [0.1, 0.0, 1.0]},
+        "payout": {
+            "rate": [{"t": 0.0, "rate": 0.0}, {"t": 1.0, "rate": 2.0}],
+            "drum": [{"cable": {**cable, "length": 100.0}}],
+        },
+        "solver": {"tolerance": TAU},
+        "run": {"duration": 60.0},
+    }
+    model = cm.CableModel(cm.load_scene(scene))
+    first, most = model.statistics["elements"], 0
+    while model.winch == "free":
+        model.step(1.0)
+        most = max(most, model.statistics["elements"])
+    assert model.line_length == pytest.approx(150.0, rel=1e-12)
+    assert most > 5 * first
