@@ -33,6 +33,8 @@ if TYPE_CHECKING:
 
 MOST_POINTS = 1_000_000
 """Combinations at most: more are a slip in a count."""
+PAUSE = 0.02
+"""Between two looks for runs that have ended [s]."""
 RESULTS = (
     "time", "top_tension", "highest_tension", "lowest_tension", "max_curvature",
     "tip_x", "tip_y", "tip_z", "line_length", "wall_time", "steps", "elements",
@@ -296,19 +298,51 @@ def _collect(
     """Run everything, and put each row into ``rows`` when its run ends."""
     from distributed import as_completed
 
-    # Not pure: two sweeps on one cluster are two sweeps, whatever dask remembers.
-    futures = client.map(simulate, changes, pure=False, retries=0)
-    places = {future.key: index for index, future in enumerate(futures)}
-    last = time.monotonic()
-    for future in as_completed(futures, loop=client.loop):
-        if future.status == "finished":
-            rows[places[future.key]] = future.result()
-        else:  # an unexpected error, or a worker that died
-            error = future.exception()
-            rows[places[future.key]] = {"error": f"{type(error).__name__}: {error}"}
-        if time.monotonic() - last >= 1.0:
-            report()
-            last = time.monotonic()
+    with _interrupts() as interrupted:
+        # Not pure: two sweeps on one cluster are two sweeps, whatever dask remembers.
+        futures = client.map(simulate, changes, pure=False, retries=0)
+        places = {future.key: index for index, future in enumerate(futures)}
+        ended = as_completed(futures, loop=client.loop)
+        last = time.monotonic()
+        while len(rows) < len(futures):
+            batch = ended.next_batch(block=False)
+            for future in batch:
+                if future.status == "finished":
+                    rows[places[future.key]] = future.result()
+                else:  # an unexpected error, or a worker that died
+                    error = future.exception()
+                    rows[places[future.key]] = {"error": f"{type(error).__name__}: {error}"}
+            if interrupted():
+                raise KeyboardInterrupt
+            if time.monotonic() - last >= 1.0:
+                report()
+                last = time.monotonic()
+            if not batch:
+                time.sleep(PAUSE)
+
+
+@contextmanager
+def _interrupts() -> Iterator[Callable[[], bool]]:
+    """Whether Ctrl-C was pressed, to be asked where it does no harm; a second is not held back.
+
+    Raised wherever the main thread happens to be, in a destructor of dask's or with one of its
+    locks in hand, an interruption may be lost, or wait for ever.
+    """
+    pressed: list[int] = []
+    if threading.current_thread() is not threading.main_thread():
+        yield lambda: False
+        return
+    before = signal.getsignal(signal.SIGINT)
+
+    def note(number: int, _frame: object) -> None:
+        pressed.append(number)
+        signal.signal(signal.SIGINT, before)
+
+    signal.signal(signal.SIGINT, note)
+    try:
+        yield lambda: bool(pressed)
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def _table(
