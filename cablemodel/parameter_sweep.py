@@ -263,7 +263,8 @@ def _client(scheduler: str | None, workers: int | None, count: int) -> Iterator[
         with client:
             yield client
         return
-    with _deaf_to_interrupts():
+    # Processes started here leave Ctrl-C, which reaches all of a terminal's, to this one.
+    with _on_interrupt(signal.SIG_IGN):
         # One thread a process: much of a short run is Python, for one thread at a time.
         cluster = LocalCluster(
             n_workers=min(workers or os.cpu_count() or 1, count),
@@ -276,12 +277,12 @@ def _client(scheduler: str | None, workers: int | None, count: int) -> Iterator[
 
 
 @contextmanager
-def _deaf_to_interrupts() -> Iterator[None]:
-    """Processes started in here leave Ctrl-C, which reaches all of a terminal's, to this one."""
+def _on_interrupt(handler: Callable[[int, object], None] | signal.Handlers) -> Iterator[None]:
+    """Ctrl-C goes to a handler for a while; signals reach the main thread only."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    before = signal.signal(signal.SIGINT, handler)
     try:
         yield
     finally:
@@ -298,7 +299,16 @@ def _collect(
     """Run everything, and put each row into ``rows`` when its run ends."""
     from distributed import as_completed
 
-    with _interrupts() as interrupted:
+    pressed: list[int] = []
+
+    def note(number: int, _frame: object) -> None:
+        # Raised wherever the main thread happens to be, in a destructor of dask's or with one of
+        # its locks in hand, an interruption may be lost, or wait for ever. A second is not held.
+        if pressed:
+            raise KeyboardInterrupt
+        pressed.append(number)
+
+    with _on_interrupt(note):
         # Not pure: two sweeps on one cluster are two sweeps, whatever dask remembers.
         futures = client.map(simulate, changes, pure=False, retries=0)
         places = {future.key: index for index, future in enumerate(futures)}
@@ -312,37 +322,13 @@ def _collect(
                 else:  # an unexpected error, or a worker that died
                     error = future.exception()
                     rows[places[future.key]] = {"error": f"{type(error).__name__}: {error}"}
-            if interrupted():
+            if pressed:
                 raise KeyboardInterrupt
             if time.monotonic() - last >= 1.0:
                 report()
                 last = time.monotonic()
             if not batch:
                 time.sleep(PAUSE)
-
-
-@contextmanager
-def _interrupts() -> Iterator[Callable[[], bool]]:
-    """Whether Ctrl-C was pressed, to be asked where it does no harm; a second is not held back.
-
-    Raised wherever the main thread happens to be, in a destructor of dask's or with one of its
-    locks in hand, an interruption may be lost, or wait for ever.
-    """
-    pressed: list[int] = []
-    if threading.current_thread() is not threading.main_thread():
-        yield lambda: False
-        return
-    before = signal.getsignal(signal.SIGINT)
-
-    def note(number: int, _frame: object) -> None:
-        pressed.append(number)
-        signal.signal(signal.SIGINT, before)
-
-    signal.signal(signal.SIGINT, note)
-    try:
-        yield lambda: bool(pressed)
-    finally:
-        signal.signal(signal.SIGINT, before)
 
 
 def _table(

@@ -31,9 +31,6 @@ BENDS = 8.0
 """The same in motion, in free water."""
 FOLDS = 25.0
 """The same for a line that starts slack, and folds: it begins with smaller elements."""
-FINEST, PUSHED = 8.0, 32.0
-"""Of tau L: elements of cable that hardly bends which are not halved any more, and those of such
-cable under pressure, which buckles at the scale of its elements."""
 WHIPS = 60.0
 """The same where drag hardly damps: only what cracks like a whip, and its elements stay halves."""
 SPARE = 24, 2.0

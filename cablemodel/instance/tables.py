@@ -11,14 +11,7 @@ from numpy.typing import NDArray
 from cablemodel.block import Block
 from cablemodel.instance.frame import local
 from cablemodel.instance.line import Line
-from cablemodel.instance.refinement import (
-    BENDS,
-    FINEST,
-    FOLDS,
-    PUSHED,
-    WHIPS,
-    follows_bending,
-)
+from cablemodel.instance.refinement import BENDS, FOLDS, WHIPS, follows_bending
 from cablemodel.instance.scales import is_flexible, pays_out, start_conditions
 from cablemodel.instance.winch import Winch
 from cablemodel.kernels import layout as at
@@ -75,10 +68,6 @@ def fill_settings(block: Block, scene: Scene, scale: float) -> None:
     if follows_bending(scene):
         bent = WHIPS if start.lightly_damped else FOLDS if start.slack else BENDS
         reals[at.S_BENT] = bent * tolerance * length
-        reals[at.S_FINEST] = (bent if start.lightly_damped else FINEST) * tolerance * length
-        reals[at.S_FINEST_PUSHED] = (
-            math.inf if start.lightly_damped else PUSHED * tolerance * length
-        )
     reals[at.S_TENSION_SCALE] = scale
     if start.slack:
         # What is let go slack snaps, and rings at peaks that no output meets: its tension is left

@@ -46,8 +46,6 @@ from .layout import (
     O_VELOCITY,
     OK,
     S_BENT,
-    S_FINEST,
-    S_FINEST_PUSHED,
     S_FLOOR_DEPTH,
     S_FLOOR_WAIT,
     S_LENGTH,
@@ -58,6 +56,7 @@ from .layout import (
     S_TOLERANCE,
     S_TRACTABLE,
     S_TRAVEL,
+    S_UNDAMPED,
 )
 from .payout import hermite, join_at, split_edge
 from .tables import CONTACT_POINTS, CONTACT_WEIGHTS
@@ -71,6 +70,7 @@ STRAIGHT = 0.15  # of tau L: the same for two elements that are joined
 SOON = 2.0  # steps for which what comes down is split at once
 TOGETHER = 16  # elements are joined when that part of all may be
 SPLIT_ABOVE, JOIN_BELOW = 1.6, 0.8  # of the length wanted
+FINEST, PUSHED = 8.0, 32.0  # of tau L: what hardly bends and is shorter stays whole; under pressure
 SHORTEST_TOP = 0.4  # of the longest element of its cable at the start: a longer top one is halved
 UNEVEN = 0.05  # of its length: what the halves of an element that is halved may differ by
 PASSED = 4.0  # of what passes the tow point in sqrt(L/g): a top element so long is halved, too
@@ -207,8 +207,14 @@ def has_room(I, M):
 
 @kernel
 def finest_flexible(I, M, node):
-    """Length below which no element of cable that hardly bends is halved for its bend [m]."""
-    return M[S_FINEST_PUSHED] if M[I[O_TENSION] + 2 * node] < 0.0 else M[S_FINEST]
+    """Length below which no element of cable that hardly bends is halved for its bend [m].
+
+    Under pressure, where it buckles, sooner; where drag hardly damps, none is halved then.
+    """
+    accuracy = M[S_TOLERANCE] * M[S_LENGTH]
+    if M[I[O_TENSION] + 2 * node] < 0.0:
+        return 1e300 if M[S_UNDAMPED] != 0.0 else PUSHED * accuracy
+    return M[S_BENT] if M[S_UNDAMPED] != 0.0 else FINEST * accuracy
 
 
 @kernel

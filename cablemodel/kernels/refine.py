@@ -63,15 +63,14 @@ def may_unite(I, M, node):
     """
     if M[S_UNDAMPED] != 0.0:
         return False
-    jump = jump_at(I, M, node, False)
     upper = I[O_EDGE] + node * EDGE_WORDS
     lower = upper + EDGE_WORDS
     h = M[upper + E_LENGTH] + M[lower + E_LENGTH]
     return (
         h <= 1.001 * min(M[upper + E_NOMINAL], M[lower + E_NOMINAL])
-        and h * h * jump < STRAIGHT * M[S_BENT]
         and M[upper + E_SEGMENT] == M[lower + E_SEGMENT]
         and not holds_something(I, M, node)
+        and h * h * jump_at(I, M, node, False) < STRAIGHT * M[S_BENT]
         and one_cubic_does(I, M, node)
     )
 

@@ -65,8 +65,6 @@ def start_constants() -> dict[str, float]:
         "BENT": refinement.BENT,
         "BENDS": refinement.BENDS,
         "WHIPS": refinement.WHIPS,
-        "FINEST": refinement.FINEST,
-        "PUSHED": refinement.PUSHED,
         "REFINEMENTS": refinement.ROUNDS,
         "LIGHT_DAMPING": mesh.LIGHT_DAMPING,
         "LIGHTLY_DAMPED": tables.LIGHTLY_DAMPED,

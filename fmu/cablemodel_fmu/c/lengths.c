@@ -172,8 +172,6 @@ static void scale_line(Cable *cable, double from, double to, double growth) {
     M[S_LENGTH] *= growth;
     M[S_TIME_TOLERANCE] *= growth;
     M[S_BENT] *= growth;
-    M[S_FINEST] *= growth;
-    M[S_FINEST_PUSHED] *= growth;
     M[S_PERIOD] *= sqrt(growth);
     M[S_FIRST_STEP] *= sqrt(growth);
     M[S_STEP] *= sqrt(growth);
@@ -205,8 +203,6 @@ static void scale_line(Cable *cable, double from, double to, double growth) {
     if (I[I_DRAG] != 0 && undamped != M[S_UNDAMPED]) {
         M[S_TIME_TOLERANCE] *= undamped != 0.0 ? LIGHTLY_DAMPED : 1.0 / LIGHTLY_DAMPED;
         M[S_BENT] *= undamped != 0.0 ? WHIPS / BENDS : BENDS / WHIPS;
-        M[S_FINEST] *= undamped != 0.0 ? WHIPS / FINEST : FINEST / WHIPS;
-        M[S_FINEST_PUSHED] = undamped != 0.0 ? INFINITY : PUSHED / FINEST * M[S_FINEST];
     }
     const int slack = isinf(M[S_LARGEST_TENSION]);
     if (undamped != 0.0 && slack) M[S_BENT] = 0.0;
