@@ -208,6 +208,8 @@ def sample_stations(I, M, stations, out):
     end_forces(I, M)
     total = line_length(I, M)
     above = overhang(I, M)
+    # A node belongs to what lies beyond it, however its arc length is rounded: tensions jump there.
+    slack = 1e-10 * total
     for n in range(len(stations)):
         s = stations[n]
         if not (s >= -1e-9 * total and s <= total * (1.0 + 1e-9)):
@@ -216,7 +218,7 @@ def sample_stations(I, M, stations, out):
         high = nodes
         while high - low > 1:
             middle = (low + high) // 2
-            if s - M[S_PAID] >= M[I[O_EDGE] + middle * EDGE_WORDS + E_START]:
+            if s - M[S_PAID] + slack >= M[I[O_EDGE] + middle * EDGE_WORDS + E_START]:
                 low = middle
             else:
                 high = middle

@@ -13,6 +13,7 @@ import math
 
 from .compile import copy_words, kernel, outlined, view
 from .environment import vessel_motion
+from .floor_surface import may_touch
 from .layout import (
     B_COMPLIANCE,
     B_MASS,
@@ -88,7 +89,7 @@ SWINGS = 0.25  # of the largest tension: its second derivative times the square 
 STILL = 0.05  # of the tolerance: what the strain's own second derivative may add unseen
 LARGEST_SWING = 0.1  # of the largest tension: where it adds more, the line rings along itself
 ASIDE = 0.25  # of the step: how far to both sides of an output it is looked for
-RIGID = 1e-4  # compliance of the line over what its inertia gives way by in a matrix's step
+RIGID = 1e-3  # compliance of the line over what its inertia gives way by in a matrix's step
 
 
 @kernel
@@ -182,11 +183,17 @@ def worth_reading(I, M, dt, span, pull):
     tolerance = tension_tolerance(M)
     if kink_force(I, M, M[S_TIME] + dt, slow) >= tolerance * max(SHARE * pull, KINKED):
         return 0
-    if I[I_FLOOR] != 0:
-        return 1  # cable that lands has no second derivative: a lay read so rings by a per cent
     # A long step hardly follows the tension up and down: by its square, the second derivative.
     added = SWINGS * M[S_LARGEST_TENSION] * (slow / span) ** 2
-    return 1 if added < STILL * tolerance else 2
+    if added < STILL * tolerance:
+        return 1
+    if I[I_FLOOR] != 0:
+        q = view(M, I[O_TRIAL_Q], 2 * I[I_DIMENSION] * I[I_NODES])
+        if may_touch(I, M, q, view(M, I[O_MOTION] + 28, 9)):
+            # Cable that lands has no second derivative: a lay read so rings by a per cent. Without
+            # it what is read may be wrong by more than the step's own tension.
+            return 1 if added < pull * tolerance else 0
+    return 2
 
 
 @kernel
@@ -262,10 +269,37 @@ def balance(I, M, q, v, a, tension, second, t, short):
 
 
 @outlined
-def add_swing(I, M, q, v, a, tension, t, aside, short):
-    """Add to accelerations and tensions at t what the stretch's second derivative makes of them.
+def add_stretching(I, M, q, v, a, tension, rate):
+    """Add to velocities that stretch nothing what stretches the line as its tension changes.
 
-    It is the compliance times the tension's, which is found from the tensions at t - aside and
+    rate: of the tensions [N/s]. An anchored line gives way by it, and moves across itself.
+    """
+    count = 2 * I[I_DIMENSION] * I[I_NODES]
+    words = 2 * I[I_NODES]
+    later = view(M, I[O_STAGE_A], words)
+    forces = view(M, I[O_RESIDUAL], count)
+    constraint = view(M, I[O_CONSTRAINT_RESIDUAL], words)
+    now = view(M, I[O_STAGE_T], words)
+    x = view(M, I[O_INCREMENT], count)
+    residual(I, M, q, v, a, tension, forces, constraint)
+    for n in range(words):
+        now[n] = constraint[n]
+        later[n] = tension[n] + rate[n]
+    residual(I, M, q, v, a, later, forces, constraint)
+    for n in range(words):
+        constraint[n] -= now[n]
+    forces[:] = 0.0
+    newton_increment(I, M, forces, constraint, x)
+    for n in range(count):
+        v[n] += x[n]
+
+
+@outlined
+def add_swing(I, M, q, v, a, tension, t, aside, short):
+    """Add to accelerations and tensions at t what the stretch's rate and second derivative make of
+    them.
+
+    They are the compliance times the tension's, which are found from the tensions at t - aside and
     t + aside of a line that moves on as if it could not stretch: first with the acceleration at t,
     then with its rate, too, which the tension of what moves across itself depends on.
     """
@@ -298,6 +332,17 @@ def add_swing(I, M, q, v, a, tension, t, aside, short):
         after = view(M, I[O_STAGE_V] + room, count)
         for n in range(count):
             jerk[n] = (after[n] - before[n]) / (2.0 * aside)
+        if attempt == 0:
+            before = view(M, I[O_STAGE_V] + 2 * room, words)
+            after = view(M, I[O_STAGE_V] + 3 * room, words)
+            rate = view(M, I[O_STAGE_A] + 3 * room, words)
+            for n in range(words):
+                rate[n] = (after[n] - before[n]) / (2.0 * aside)
+            set_time(I, M, t)
+            if I[I_PAYOUT] != 0:
+                set_top_length(I, M, t)
+            add_stretching(I, M, q, v, a, tension, rate)
+            balance(I, M, q, v, a, tension, second, t, short)
     before = view(M, I[O_STAGE_V] + 2 * room, words)
     after = view(M, I[O_STAGE_V] + 3 * room, words)
     for n in range(words):
@@ -327,6 +372,10 @@ def read_tension(I, M, dt, span, pull, swings):
     constraint = view(M, I[O_CONSTRAINT_RESIDUAL], words)
     x = view(M, I[O_INCREMENT], count)
     short = SHORT * span
+    aside = max(ASIDE * span, 1.0 / math.sqrt(M[S_AXIAL]))
+    if swings:
+        # What is far too quick for it would grow aside, by (aside / short)^2 / 2 at each look.
+        short = max(short, aside)
     ca = 1.0 / (short * short)
     t = M[S_TIME] + dt
     copy_words(I, I[O_TRIAL_V], I[O_VELOCITY], count)
@@ -349,7 +398,6 @@ def read_tension(I, M, dt, span, pull, swings):
     still[:] = 0.0
     balance(I, M, q, v, a, tension, still, t, short)
     if swings:
-        aside = max(ASIDE * span, 1.0 / math.sqrt(M[S_AXIAL]))
         before_it = tension[2]
         add_swing(I, M, q, v, a, tension, t, aside, short)
         if not abs(tension[2] - before_it) <= LARGEST_SWING * M[S_LARGEST_TENSION]:

@@ -24,7 +24,6 @@ from .layout import (
     I_FACTORED,
     I_FLOOR,
     I_FRESH,
-    I_GROWTH_BARRED,
     I_HISTORY,
     I_HYBRID,
     I_ITERATIONS,
@@ -35,13 +34,10 @@ from .layout import (
     I_ORDER,
     I_PAYOUT,
     I_PIECE,
-    I_PIECES,
     I_REJECTED,
     I_RIGID,
     I_SLEEP,
     I_STEPS,
-    I_TIMES,
-    I_WAVES,
     MODEL_HYBRID,
     NOT_CONVERGED,
     O_ACCELERATION,
@@ -51,7 +47,6 @@ from .layout import (
     O_EDGE,
     O_FAILED,
     O_INCREMENT,
-    O_PIECES,
     O_POSITION,
     O_RESIDUAL,
     O_STAGE_A,
@@ -59,17 +54,12 @@ from .layout import (
     O_STAGE_V,
     O_TENSION,
     O_TENSION_RATE,
-    O_TIMES,
     O_TRIAL_A,
     O_TRIAL_Q,
     O_TRIAL_T,
     O_TRIAL_V,
     O_VELOCITY,
     OK,
-    P_ACCELERATION_JUMP,
-    P_START,
-    P_VELOCITY_JUMP,
-    PIECE_WORDS,
     S_BENT,
     S_BENT_AFTER,
     S_FACTORED_STEP,
@@ -83,16 +73,13 @@ from .layout import (
     S_PAYOUT_SLOPE,
     S_PERIOD,
     S_SLEEP_AFTER,
-    S_SMALLEST_STEP,
     S_STAGE_TENSION,
     S_STEP,
     S_TIME,
     S_TIME_TOLERANCE,
     S_TOLERANCE,
     S_TOP_LENGTH,
-    S_TRACTABLE,
     S_TRAVEL,
-    S_WAVE_STEP,
     STALLED,
     TOO_MANY_STEPS,
 )
@@ -101,6 +88,7 @@ from .passing import cable_paid
 from .refine import follow_bending
 from .sleep import disturbance, fall_asleep, may_sleep, prepare_joining, rejoin, wake
 from .stabilisation import stiffen_third_mode
+from .step_size import adapt_step, choose_order, follow_iterations, natural_step, next_stop, shorten
 from .system import (
     impose_motion,
     newton_increment,
@@ -116,23 +104,13 @@ from .vessel_clamp import update_springs
 from .winch import begin_payout, longest_payout_step, paid_since
 
 LARGEST_ITERATIONS = 10
-STRUGGLE = 17, 7  # iterations of a step of order 4, and of order 3, in which Newton has trouble
-AT_FLOOR = 22  # the same for order 4 where there is a floor
-STEPS_OF_ORDER_3 = 16.0  # that follow such a step
-ORDER_3_STEP = 0.6  # of the step that the error of order 4 allows, as a first guess
-TIGHTEST = 1e-4  # tau down to which that pays, and what AT_ONCE leaves is not seen
 STALL = 5000, 1e-5  # internal steps in a row, and their mean length in sqrt(L/g), that end a call
 MOST_REFUSALS = 4  # of a step that ends folded
-FAILED = 0.5  # of a step in which Newton's method failed at a floor: the next one
-EASY = 2.4, 1.5  # iterations a stage up to which the longest tractable step grows, and by how much
-FAIR = 3.2, 1.1  # the same for one that is near its limit
-PROBED = 1.03  # and up to HARD: not all trouble is the step's, and no limit may stay for ever
-HARD = 4.5  # iterations above which it stays; only a failure makes it shorter
 LEAST_SHARE = 0.1  # of the local error allowed: what a step however short has
 AT_ONCE = 0.02  # of the tolerance: what a stage's first iteration may leave, by the last ratio
+UNSEEN = 1e-4  # tau down to which what that leaves is not seen
 BEST_RATIO = 0.003  # that is believed for the next stage
 UNSEEN_RATIO = 0.03  # the same where increments were so small that it says little
-LARGEST_GROWTH = 16.0  # of the step: the first is much shorter than any motion
 FOLDS_ITSELF = 1e-4  # sqrt(L/g): steps so short follow the motion into a fold, none is refused
 BENDING_ON, BENDING_OFF = 0.01, 0.005  # hybrid: (EI/T)/h^2 above which bending is kept
 BENDING_SEEN = 1e-5  # tau below which what leaving it out misplaces, EI/T times r'', would be seen
@@ -165,7 +143,7 @@ def solve_stage(I, M, t, gamma_dt, tolerance, to_output, ratio):
     since = 0  # iterations with a factorisation made in this stage
     growing = 0
     good = 0.02 if to_output else 0.1
-    at_once = 0.0 if to_output or M[S_TOLERANCE] < TIGHTEST else AT_ONCE
+    at_once = 0.0 if to_output or M[S_TOLERANCE] < UNSEEN else AT_ONCE
     # What is left of a stage leaves that over gamma dt in the velocity, which an undamped motion
     # keeps: it must be small against the tolerance over a period, however short the steps are.
     tolerance *= min(1.0, gamma_dt / (0.1 * M[S_PERIOD]))
@@ -406,82 +384,6 @@ def update_bending(I, M):
             I[I_HISTORY] = 0
 
 
-@kernel
-def next_stop(I, M, t_end, dt):
-    """The time to land on exactly: t_end, or an input's kink before it that matters.
-
-    A jump of the vessel's acceleration that a step of dt smears over makes an error of about
-    jump dt^2 / 8; below a tenth of the tolerance it is not worth a step.
-    """
-    time = M[S_TIME]
-    stop = t_end
-    if I[I_LIVE] == 0:
-        count = I[I_PIECES]
-        for k in range(find_piece(I, M, time), count):
-            row = I[O_PIECES] + k * PIECE_WORDS
-            start = M[row + P_START]
-            if start <= time:
-                continue
-            if start >= stop or start > time + dt:
-                break
-            if (
-                M[row + P_VELOCITY_JUMP] > 0.0
-                or M[row + P_ACCELERATION_JUMP] * dt * dt > 0.8 * M[S_TIME_TOLERANCE]
-            ):
-                stop = start
-                break
-    times = I[I_TIMES]
-    if times > 1:
-        for k in range(times):
-            start = M[I[O_TIMES] + k]
-            if start > time and start < stop:
-                stop = start
-    return stop
-
-
-@kernel
-def choose_order(I, M, scheme, iterations, to_output):
-    """After a step: order 3 for those in which Newton's method has trouble.
-
-    In a whip the long steps of order 4 take four iterations a stage, and new matrices in between;
-    the shorter ones of order 3, with three stages, half of the work for the same time. At a floor
-    contact takes some, of any order; but above one, too, what order 4 does with a slack line in
-    long steps gave it energy without end. A step that is read afterwards takes one more in each
-    stage, without any trouble.
-    """
-    if to_output:
-        iterations -= STAGES[scheme] - 1
-    if scheme == 1:
-        many = STRUGGLE[0] if I[I_FLOOR] == 0 else AT_FLOOR
-        if iterations > many and M[S_TOLERANCE] >= TIGHTEST:
-            M[S_ORDER_3] = STEPS_OF_ORDER_3
-            M[S_STEP] *= ORDER_3_STEP
-    elif M[S_ORDER_3] > 0.0:
-        if iterations > STRUGGLE[1]:
-            M[S_ORDER_3] = STEPS_OF_ORDER_3
-        else:
-            M[S_ORDER_3] -= 1.0
-            if M[S_ORDER_3] == 0.0:
-                M[S_STEP] /= ORDER_3_STEP
-
-
-@kernel
-def follow_iterations(M, dt, iterations):
-    """After a step at a floor of so many iterations a stage: which steps are tractable.
-
-    What limits a step where cable lands and folds is Newton's method, not the error: a growth by
-    the error alone fails every second time.
-    """
-    limit = M[S_TRACTABLE]
-    if limit == 0.0:
-        return
-    if iterations <= EASY[0]:
-        # Of longer steps one that the caller limits tells little.
-        M[S_TRACTABLE] = limit * (EASY[1] if dt > 0.8 * limit else FAIR[1])
-    elif iterations <= HARD and dt > 0.8 * limit:
-        M[S_TRACTABLE] = limit * (FAIR[1] if iterations <= FAIR[0] else PROBED)
-
-
 @inlined
 def mesh_is_due(I, M):
     """Whether the mesh of a line without a floor may be looked at again."""
@@ -509,11 +411,7 @@ def advance_to(I, M, t_end):
             status = change_mesh(I, M, rests)
             if status != OK:
                 break
-        natural = M[S_STEP]
-        if I[I_FLOOR] != 0 and M[S_TRACTABLE] > 0.0:
-            natural = min(natural, M[S_TRACTABLE])
-        if I[I_WAVES] != 0:
-            natural = min(natural, M[S_WAVE_STEP])
+        natural = natural_step(I, M)
         stop = next_stop(I, M, t_end, natural)
         if I[I_PAYOUT] != 0:
             stop = begin_payout(I, M, stop)
@@ -561,19 +459,7 @@ def advance_to(I, M, t_end):
                     break
                 continue
         if status != OK or not error <= 1.0:
-            I[I_REJECTED] += 1
-            I[I_GROWTH_BARRED] = 1
-            if status != OK:
-                factor = 0.4
-                if I[I_FLOOR] != 0:
-                    factor = FAILED
-                    M[S_TRACTABLE] = FAILED * dt
-            else:
-                factor = max(0.3, 0.9 * error ** (-0.25 if scheme == 1 else -1.0 / 3.0))
-                if not factor < 0.9:
-                    factor = 0.3 if error != error else 0.9
-            M[S_STEP] = factor * dt
-            if M[S_STEP] < M[S_SMALLEST_STEP]:
+            if not shorten(I, M, dt, scheme, status, error):
                 status = NOT_CONVERGED
                 break
             status = OK
@@ -612,19 +498,7 @@ def advance_to(I, M, t_end):
             if I[I_LIVE] == 0:
                 I[I_PIECE] = find_piece(I, M, M[S_TIME])
             I[I_STEPS] += 1
-            factor = LARGEST_GROWTH
-            if error > 1e-12:
-                factor = 0.9 * error ** (-0.25 if scheme == 1 else -1.0 / 3.0)
-                factor = min(LARGEST_GROWTH, max(0.3, factor))
-            if I[I_GROWTH_BARRED] == 1:
-                factor = min(factor, 1.0)
-                I[I_GROWTH_BARRED] = 0
-            if 0.95 <= factor and factor <= 1.3:
-                factor = 1.0
-            if factor >= 1.0:
-                M[S_STEP] = max(M[S_STEP], factor * dt)
-            else:
-                M[S_STEP] = factor * dt
+            adapt_step(I, M, dt, scheme, error)
             if I[I_FLOOR] != 0 and not two_steps:
                 follow_iterations(M, dt, (I[I_ITERATIONS] - before) / (STAGES[scheme] - 1))
             if not two_steps:

@@ -1,0 +1,173 @@
+"""How long the next step is: by the error, by Newton's method, by what must be landed on.
+
+Two limits stand beside each other: the step that the error allows (S_STEP), and at a floor the one
+that Newton's method is expected to manage (S_TRACTABLE).
+"""
+
+from .compile import inlined, kernel
+from .environment import find_piece
+from .layout import (
+    I_FLOOR,
+    I_GROWTH_BARRED,
+    I_LIVE,
+    I_PIECES,
+    I_REJECTED,
+    I_TIMES,
+    I_WAVES,
+    O_PIECES,
+    O_TIMES,
+    OK,
+    P_ACCELERATION_JUMP,
+    P_START,
+    P_VELOCITY_JUMP,
+    PIECE_WORDS,
+    S_ORDER_3,
+    S_SMALLEST_STEP,
+    S_STEP,
+    S_TIME,
+    S_TIME_TOLERANCE,
+    S_TOLERANCE,
+    S_TRACTABLE,
+    S_WAVE_STEP,
+)
+from .tables import STAGES
+
+STRUGGLE = 17, 7  # iterations of a step of order 4, and of order 3, in which Newton has trouble
+AT_FLOOR = 22  # the same for order 4 where there is a floor
+STEPS_OF_ORDER_3 = 16.0  # that follow such a step
+ORDER_3_PAYS = 1e-4  # tau down to which they do
+ORDER_3_STEP = 0.6  # of the step that the error of order 4 allows, as a first guess
+FAILED = 0.5  # of a step in which Newton's method failed at a floor: the next one
+EASY = 2.4, 1.5  # iterations a stage up to which the longest tractable step grows, and by how much
+FAIR = 3.2, 1.1  # the same for one that is near its limit
+PROBED = 1.03  # and up to HARD: not all trouble is the step's, and no limit may stay for ever
+HARD = 4.5  # iterations above which it stays; only a failure makes it shorter
+LARGEST_GROWTH = 16.0  # of the step: the first is much shorter than any motion
+
+
+@kernel
+def natural_step(I, M):
+    """The step that nothing but the line itself limits [s]: its error, its floor, its waves."""
+    step = M[S_STEP]
+    if I[I_FLOOR] != 0 and M[S_TRACTABLE] > 0.0:
+        step = min(step, M[S_TRACTABLE])
+    if I[I_WAVES] != 0:
+        step = min(step, M[S_WAVE_STEP])
+    return step
+
+
+@kernel
+def next_stop(I, M, t_end, dt):
+    """The time to land on exactly: t_end, or an input's kink before it that matters.
+
+    A jump of the vessel's acceleration that a step of dt smears over makes an error of about
+    jump dt^2 / 8; below a tenth of the tolerance it is not worth a step.
+    """
+    time = M[S_TIME]
+    stop = t_end
+    if I[I_LIVE] == 0:
+        count = I[I_PIECES]
+        for k in range(find_piece(I, M, time), count):
+            row = I[O_PIECES] + k * PIECE_WORDS
+            start = M[row + P_START]
+            if start <= time:
+                continue
+            if start >= stop or start > time + dt:
+                break
+            if (
+                M[row + P_VELOCITY_JUMP] > 0.0
+                or M[row + P_ACCELERATION_JUMP] * dt * dt > 0.8 * M[S_TIME_TOLERANCE]
+            ):
+                stop = start
+                break
+    times = I[I_TIMES]
+    if times > 1:
+        for k in range(times):
+            start = M[I[O_TIMES] + k]
+            if start > time and start < stop:
+                stop = start
+    return stop
+
+
+@inlined
+def by_error(scheme, error):
+    """The next step over the present one, by the local error of its scheme's order."""
+    return 0.9 * error ** (-0.25 if scheme == 1 else -1.0 / 3.0)
+
+
+@kernel
+def shorten(I, M, dt, scheme, status, error):
+    """After a step that is refused: a shorter one; False where there is none."""
+    I[I_REJECTED] += 1
+    I[I_GROWTH_BARRED] = 1
+    if status != OK:
+        factor = 0.4
+        if I[I_FLOOR] != 0:
+            factor = FAILED
+            M[S_TRACTABLE] = FAILED * dt
+    else:
+        factor = max(0.3, by_error(scheme, error))
+        if not factor < 0.9:
+            factor = 0.3 if error != error else 0.9
+    M[S_STEP] = factor * dt
+    return not M[S_STEP] < M[S_SMALLEST_STEP]
+
+
+@kernel
+def adapt_step(I, M, dt, scheme, error):
+    """After a step that is accepted: the one that its error allows."""
+    factor = LARGEST_GROWTH
+    if error > 1e-12:
+        factor = min(LARGEST_GROWTH, max(0.3, by_error(scheme, error)))
+    if I[I_GROWTH_BARRED] == 1:
+        factor = min(factor, 1.0)
+        I[I_GROWTH_BARRED] = 0
+    if 0.95 <= factor and factor <= 1.3:
+        factor = 1.0
+    if factor >= 1.0:
+        M[S_STEP] = max(M[S_STEP], factor * dt)
+    else:
+        M[S_STEP] = factor * dt
+
+
+@kernel
+def choose_order(I, M, scheme, iterations, to_output):
+    """After a step: order 3 for those in which Newton's method has trouble.
+
+    In a whip the long steps of order 4 take four iterations a stage, and new matrices in between;
+    the shorter ones of order 3, with three stages, half of the work for the same time. At a floor
+    contact takes some, of any order; but above one, too, what order 4 does with a slack line in
+    long steps gave it energy without end. A step that is read afterwards takes one more in each
+    stage, without any trouble.
+    """
+    if to_output:
+        iterations -= STAGES[scheme] - 1
+    if scheme == 1:
+        many = STRUGGLE[0] if I[I_FLOOR] == 0 else AT_FLOOR
+        if iterations > many and M[S_TOLERANCE] >= ORDER_3_PAYS:
+            M[S_ORDER_3] = STEPS_OF_ORDER_3
+            M[S_STEP] *= ORDER_3_STEP
+    elif M[S_ORDER_3] > 0.0:
+        if iterations > STRUGGLE[1]:
+            M[S_ORDER_3] = STEPS_OF_ORDER_3
+        else:
+            M[S_ORDER_3] -= 1.0
+            if M[S_ORDER_3] == 0.0:
+                M[S_STEP] /= ORDER_3_STEP
+
+
+@kernel
+def follow_iterations(M, dt, iterations):
+    """After a step at a floor of so many iterations a stage: which steps are tractable.
+
+    What limits a step where cable lands and folds is Newton's method, not the error: a growth by
+    the error alone fails every second time.
+    """
+    limit = M[S_TRACTABLE]
+    if limit == 0.0:
+        return
+    if iterations <= EASY[0]:
+        # Of longer steps one that the caller limits tells little.
+        M[S_TRACTABLE] = limit * (EASY[1] if dt > 0.8 * limit else FAIR[1])
+    elif iterations <= HARD and dt > 0.8 * limit:
+        M[S_TRACTABLE] = limit * (FAIR[1] if iterations <= FAIR[0] else PROBED)
