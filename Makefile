@@ -99,6 +99,7 @@ stress: $(READY_BENCH)  ## run the stress scenes (long)
 	$(BIN)/python -m benchmarks.robustness
 	$(BIN)/python -m benchmarks.stress_scenes
 	$(BIN)/python -m benchmarks.soak
+	$(BIN)/python -m benchmarks.random_scenes.heave
 	$(BIN)/python -m benchmarks.random_scenes
 
 golden: $(READY_DEV)  ## make the golden logs of tests/replay anew, where results have changed

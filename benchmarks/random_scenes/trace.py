@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.random_scenes.draw import Drawn
+from cablemodel.kernels import layout
 
 FloatArray = NDArray[np.float64]
 
@@ -31,7 +32,8 @@ class Trace:
     end: ``completed``, ``refused`` (no start), ``stopped`` (a StepError), ``crashed`` (another
     exception), ``not finite`` or ``too slow``; message: the error. times: (n,) [s] of the instants;
     shapes: (n, STATIONS, 3) [m]; top, lowest, highest: (n,) tension at the top, the
-    smallest and the largest [N]. lengths: (n,) out [m]. clamped: first time at which the winch
+    smallest and the largest [N]. on_floor: (n,) length that lies on the floor [m]. lengths: (n,)
+    out [m]. clamped: first time at which the winch
     could not follow [s]. broken: limits that every state must keep and one did not.
     energy_gain: energy from nowhere, over what went through the cable [-]; not a number where no
     balance can be drawn up.
@@ -44,6 +46,7 @@ class Trace:
     top: list[float] = field(default_factory=list)
     lowest: list[float] = field(default_factory=list)
     highest: list[float] = field(default_factory=list)
+    on_floor: list[float] = field(default_factory=list)
     lengths: list[float] = field(default_factory=list)
     clamped: float = float("inf")
     broken: list[str] = field(default_factory=list)
@@ -72,11 +75,13 @@ def run(
     tolerance: float,
     cpu_limit: float = 60.0,
     parts: int = 1,
+    time_error: float = 1.0,
 ) -> tuple[Trace, Any]:
     """Step the scene with the drawn steps to its end; returns the trace and the model (or None).
 
     Nothing is raised: whatever happens is in the trace. With `parts` above 1 the powers of the
     balance are also taken within each step, from as many short steps on a way of their own.
+    time_error: share of the error that a time step may have.
     """
     import cablemodel as cm
 
@@ -88,6 +93,7 @@ def run(
     balance = _Balance(scene, tolerance)
     try:
         model = cm.CableModel(cm.load_scene(scene))
+        model._solver.memory.reals[layout.S_TIME_TOLERANCE] *= time_error
         total = model.line_length + model.drum_length
         _keep(trace, model, scene, tolerance, total)
         balance.add(model)
@@ -127,6 +133,7 @@ def _keep(trace: Trace, model: Any, scene: dict[str, Any], tolerance: float, tot
     trace.top.append(model.top_tension)
     trace.lowest.append(model.tension_min)
     trace.highest.append(model.tension_max)
+    trace.on_floor.append(model.floor_length)
     trace.lengths.append(out)
     at = f"at t = {model.time:g} s"
     if abs(out + model.drum_length - total) > 1e-9 * total:

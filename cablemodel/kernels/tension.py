@@ -83,7 +83,8 @@ WORSE = 0.05  # error of a step's tension over its tolerance, from which on it i
 SHARE = 0.5  # of that error: what a kink of the vessel's acceleration may change
 KINKED = 4.0  # tolerances: the same where that error is small
 SHORT = 0.1  # of the step: time in which waves that it resolves hardly move
-LARGEST_CHANGE = 20.0  # of the estimated error, or of half the tolerance: what reading may change
+LARGEST_CHANGE = 20.0, 0.5  # of the error: what reading may change; tolerances it counts as
+LARGEST_ANCHORED = 12.0, 0.15  # the same for an anchored line, which moves by its stretch when taut
 APART = 1e-3  # periods of the line over which the stretch's second derivative is a difference
 SWINGS = 0.25  # of the largest tension: its second derivative times the square of a long step
 STILL = 0.05  # of the tolerance: what the strain's own second derivative may add unseen
@@ -357,9 +358,10 @@ def read_tension(I, M, dt, span, pull, swings):
 
     span, pull: as in `worth_reading`, swings: whether to `add_swing`. Nothing is taken over that
     is anywhere much further from the step's tension than that at the top is wrong, nor where the
-    line rings along itself. The velocities are those of the state without what stretches the line;
-    the state keeps its own. What is far too quick for the step, as bending of short elements, has
-    to follow: the matrix is that of a step of SHORT span.
+    line rings along itself, nor of an anchored line that gives way by its stretch: one that is all
+    but taut cannot move without. The velocities are those of the state without what stretches the
+    line; the state keeps its own. What is far too quick for the step, as bending of short
+    elements, has to follow: the matrix is that of a step of SHORT span.
     """
     count = 2 * I[I_DIMENSION] * I[I_NODES]
     words = 2 * I[I_NODES]
@@ -371,6 +373,7 @@ def read_tension(I, M, dt, span, pull, swings):
     forces = view(M, I[O_RESIDUAL], count)
     constraint = view(M, I[O_CONSTRAINT_RESIDUAL], words)
     x = view(M, I[O_INCREMENT], count)
+    anchored = I[I_CONSTRAINTS] > 1
     short = SHORT * span
     aside = max(ASIDE * span, 1.0 / math.sqrt(M[S_AXIAL]))
     if swings:
@@ -400,12 +403,18 @@ def read_tension(I, M, dt, span, pull, swings):
     if swings:
         before_it = tension[2]
         add_swing(I, M, q, v, a, tension, t, aside, short)
-        if not abs(tension[2] - before_it) <= LARGEST_SWING * M[S_LARGEST_TENSION]:
+        added = abs(tension[2] - before_it)
+        if not added <= LARGEST_SWING * M[S_LARGEST_TENSION]:
+            return
+        if anchored and added > pull * tension_tolerance(M):
             return
     changed = 0.0
     for node in range(1, I[I_NODES]):
         if I[I[O_JOINT] + node] == 0:
             changed = max(changed, abs(tension[2 * node] - before[2 * node]))
-    if changed <= LARGEST_CHANGE * max(pull, 0.5) * tension_tolerance(M):
+    most, least = LARGEST_CHANGE
+    if anchored:
+        most, least = LARGEST_ANCHORED
+    if changed <= most * max(pull, least) * tension_tolerance(M):
         copy_words(I, I[O_TENSION], I[O_TRIAL_T], words)
         copy_words(I, I[O_ACCELERATION], I[O_TRIAL_A], count)

@@ -43,6 +43,7 @@ def scene(
     density: float = 1025.0,
     gravity: float = 9.80665,
     current: Any = None,
+    floor: Any = None,
 ) -> cm.Scene:
     """One cable from the vessel, perhaps a body at its end."""
     piece: dict[str, Any] = {"type": "C", "length": length, "model": model}
@@ -53,7 +54,12 @@ def scene(
         line.append({"body": {"half_length": 0.0, **body}})
     return cm.load_scene(
         {
-            "environment": {"gravity": gravity, "water_density": density, "current": current},
+            "environment": {
+                "gravity": gravity,
+                "water_density": density,
+                "current": current,
+                "floor": floor,
+            },
             "cable_types": {"C": cable},
             "line": line,
             "end": end,
