@@ -4,7 +4,8 @@ The search compares a run with one at a quarter of its tolerance, and both may s
 steps that the positions allow are far too long for the tension of a stiff line, which is read off
 its motion instead (``kernels/tension.py``). Here each scene that starts at rest is run again at
 tau/4 with 1/256 of the error that a time step may have, in steps that resolve what the line does
-along itself, and the top tensions of both are compared until the line is slack.
+along itself, and the top tensions of both are compared until the line is slack, or rings along
+itself after a jump of the winch's rate (``draw.shock_time``), which long steps damp.
 """
 
 from __future__ import annotations
@@ -51,9 +52,10 @@ def measured(drawn: Drawn) -> Row | None:
     if not fine.times:
         return None
     highest = max(abs(value) for value in fine.highest)
+    rings = min(drawn.shock, trace.clamped, fine.clamped)
     errors = []
-    for ours, theirs, lowest in zip(trace.top, fine.top, fine.lowest, strict=False):
-        if lowest < -PUSHES * highest:
+    for t, ours, theirs, lowest in zip(trace.times, trace.top, fine.top, fine.lowest, strict=False):
+        if lowest < -PUSHES * highest or t > rings:
             break
         errors.append(abs(ours - theirs) / (10.0 * tau * highest))
     if len(errors) < FEWEST:
@@ -90,7 +92,7 @@ def section(rows: list[Row]) -> str:
         )
         for r in bad
     ]
-    text = " ".join((__doc__ or "").split("\n\n", 1)[1].split())
+    text = " ".join((__doc__ or "").split("\n\n", 1)[1].replace("``", "`").split())
     return (
         f"Written by `python -m benchmarks.random_scenes.heave`. {text} Errors in units of the "
         "promise, 10 tau of the largest tension, at 21 instants of each scene. What strikes a "
