@@ -142,7 +142,7 @@ SERIES = (
         "steps are refused, and a step costs several times as much. Longer lines, below, have no "
         "such limit.",
         100,
-        10_000,
+        3000,
     ),
     Series(
         "elements of 1 m",
