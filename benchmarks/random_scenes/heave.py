@@ -76,6 +76,8 @@ def section(rows: list[Row]) -> str:
     }
     lines = []
     for name, chosen in groups.items():
+        if not chosen:
+            continue
         largest = [r.largest for r in chosen]
         kept = sum(value <= 1.0 for value in largest)
         middle, late = np.percentile(largest, [50.0, 90.0])
