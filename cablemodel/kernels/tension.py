@@ -296,9 +296,34 @@ def add_stretching(I, M, q, v, a, tension, rate):
 
 
 @outlined
+def look_aside(I, M, q, v, a, jerk, second, t, aside, short):
+    """Balance accelerations and tensions at t - aside and t + aside of a line that moves on so.
+
+    They stand in O_STAGE_V: accelerations before and after, then the tensions.
+    """
+    count = 2 * I[I_DIMENSION] * I[I_NODES]
+    words = 2 * I[I_NODES]
+    room = 6 * I[I_CAPACITY]
+    place = view(M, I[O_BASE_Q], count)
+    speed = view(M, I[O_BASE_V], count)
+    for side in range(2):
+        there = view(M, I[O_STAGE_V] + side * room, count)
+        pull = view(M, I[O_STAGE_V] + (2 + side) * room, words)
+        ahead = aside if side == 1 else -aside
+        for n in range(count):
+            speed[n] = v[n] + ahead * (a[n] + 0.5 * ahead * jerk[n])
+            place[n] = q[n] + ahead * (v[n] + ahead * (0.5 * a[n] + ahead * jerk[n] / 6.0))
+        set_time(I, M, t + ahead)
+        impose_motion(I, M, t + ahead, place, speed, there)
+        balance(I, M, place, speed, there, pull, second, t + ahead, short)
+    set_time(I, M, t)
+    if I[I_PAYOUT] != 0:
+        set_top_length(I, M, t)
+
+
+@outlined
 def add_swing(I, M, q, v, a, tension, t, aside, short):
-    """Add to accelerations and tensions at t what the stretch's rate and second derivative make of
-    them.
+    """Add to accelerations and tensions at t what the rate and second derivative of the stretch do.
 
     They are the compliance times the tension's, which are found from the tensions at t - aside and
     t + aside of a line that moves on as if it could not stretch: first with the acceleration at t,
@@ -307,48 +332,31 @@ def add_swing(I, M, q, v, a, tension, t, aside, short):
     count = 2 * I[I_DIMENSION] * I[I_NODES]
     words = 2 * I[I_NODES]
     room = 6 * I[I_CAPACITY]
-    place = view(M, I[O_BASE_Q], count)
-    speed = view(M, I[O_BASE_V], count)
-    second = view(M, I[O_STAGE_A] + room, words)
-    jerk = view(M, I[O_STAGE_A] + 2 * room, count)
-    second[:] = 0.0
-    jerk[:] = 0.0
-    for attempt in range(2):
-        for side in range(2):
-            there = view(M, I[O_STAGE_V] + side * room, count)
-            pull = view(M, I[O_STAGE_V] + (2 + side) * room, words)
-            if attempt == 0:
-                for n in range(count):
-                    there[n] = a[n]
-                for n in range(words):
-                    pull[n] = tension[n]
-            ahead = aside if side == 1 else -aside
-            for n in range(count):
-                speed[n] = v[n] + ahead * (a[n] + 0.5 * ahead * jerk[n])
-                place[n] = q[n] + ahead * (v[n] + ahead * (0.5 * a[n] + ahead * jerk[n] / 6.0))
-            set_time(I, M, t + ahead)
-            impose_motion(I, M, t + ahead, place, speed, there)
-            balance(I, M, place, speed, there, pull, second, t + ahead, short)
-        before = view(M, I[O_STAGE_V], count)
-        after = view(M, I[O_STAGE_V] + room, count)
-        for n in range(count):
-            jerk[n] = (after[n] - before[n]) / (2.0 * aside)
-        if attempt == 0:
-            before = view(M, I[O_STAGE_V] + 2 * room, words)
-            after = view(M, I[O_STAGE_V] + 3 * room, words)
-            rate = view(M, I[O_STAGE_A] + 3 * room, words)
-            for n in range(words):
-                rate[n] = (after[n] - before[n]) / (2.0 * aside)
-            set_time(I, M, t)
-            if I[I_PAYOUT] != 0:
-                set_top_length(I, M, t)
-            add_stretching(I, M, q, v, a, tension, rate)
-            balance(I, M, q, v, a, tension, second, t, short)
+    a_before = view(M, I[O_STAGE_V], count)
+    a_after = view(M, I[O_STAGE_V] + room, count)
     before = view(M, I[O_STAGE_V] + 2 * room, words)
     after = view(M, I[O_STAGE_V] + 3 * room, words)
+    second = view(M, I[O_STAGE_A] + room, words)
+    jerk = view(M, I[O_STAGE_A] + 2 * room, count)
+    rate = view(M, I[O_STAGE_A] + 3 * room, words)
+    second[:] = 0.0
+    jerk[:] = 0.0
+    for n in range(count):
+        a_before[n] = a[n]
+        a_after[n] = a[n]
+    for n in range(words):
+        before[n] = tension[n]
+        after[n] = tension[n]
+    look_aside(I, M, q, v, a, jerk, second, t, aside, short)
+    for n in range(count):
+        jerk[n] = (a_after[n] - a_before[n]) / (2.0 * aside)
+    for n in range(words):
+        rate[n] = (after[n] - before[n]) / (2.0 * aside)
+    add_stretching(I, M, q, v, a, tension, rate)
+    balance(I, M, q, v, a, tension, second, t, short)
+    look_aside(I, M, q, v, a, jerk, second, t, aside, short)
     for n in range(words):
         second[n] = (before[n] - 2.0 * tension[n] + after[n]) / (aside * aside)
-    set_time(I, M, t)
     balance(I, M, q, v, a, tension, second, t, short)
 
 
