@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.random_scenes.draw import COUNT, Drawn, draw
-from benchmarks.random_scenes.judge import FINER, PUSHES
+from benchmarks.random_scenes.judge import FINER, taut_instants, tension_promise
 from benchmarks.random_scenes.trace import run
 from benchmarks.report import table
 from benchmarks.sections import write_section
@@ -49,21 +49,15 @@ def measured(drawn: Drawn) -> Row | None:
     if trace.end != "completed" or model is None:
         return None
     fine, _ = run(drawn, drawn.scene, FINER * tau, LIMIT, time_error=SHORT)
-    if not fine.times:
-        return None
-    highest = max(abs(value) for value in fine.highest)
-    rings = min(drawn.shock, trace.clamped, fine.clamped)
-    errors = []
-    for t, ours, theirs, lowest in zip(trace.times, trace.top, fine.top, fine.lowest, strict=False):
-        if lowest < -PUSHES * highest or t > rings:
-            break
-        errors.append(abs(ours - theirs) / (10.0 * tau * highest))
-    if len(errors) < FEWEST:
+    count = min(len(trace.times), taut_instants(drawn, fine))
+    off = np.abs(np.subtract(trace.top[:count], fine.top[:count]))
+    errors = off / tension_promise(drawn, fine)
+    if count < FEWEST:
         return None
     worst = int(np.argmax(errors))
-    touches = drawn.traits["floor"] != "none" and max(trace.on_floor[: len(errors)]) > 0.0
+    touches = drawn.traits["floor"] != "none" and max(trace.on_floor[:count]) > 0.0
     rms = math.sqrt(float(np.mean(np.square(errors))))
-    return Row(drawn, touches, errors[worst], rms, trace.times[worst])
+    return Row(drawn, touches, float(errors[worst]), rms, trace.times[worst])
 
 
 def section(rows: list[Row]) -> str:

@@ -134,7 +134,7 @@ def settle(verdict: Verdict, drawn: Drawn, fine: Trace, finest: Trace, k: int) -
         agree = False
     else:
         scale = drawn.tolerance * fine.lengths[k]
-        pull = 10.0 * drawn.tolerance * max(max(abs(h) for h in fine.highest), 1e-9)
+        pull = tension_promise(drawn, fine)
         position = _apart(fine, finest, k) / scale
         tension = abs(fine.top[k] - finest.top[k]) / pull
         apart = f"tau/4 and tau/16 are {position:.2g} tau L, {tension:.2g} of 10 tau T apart"
@@ -156,23 +156,19 @@ def compare(verdict: Verdict, drawn: Drawn, trace: Trace, fine: Trace, shaken: T
 
     Returns the instant of the first one that is too large, or None.
     """
-    tau, compared = drawn.tolerance, 0
-    highest = max((abs(value) for value in fine.highest), default=0.0)
-    slack, off = False, None
+    tau, compared, off = drawn.tolerance, 0, None
+    # Over a heavy snap the largest tension of all is what the promise speaks of.
+    pull = tension_promise(drawn, fine)
+    read = 0 if "initial" in drawn.scene else taut_instants(drawn, fine, trace)
     for k in range(min(len(trace.times), len(fine.times), len(shaken.times))):
         scale = tau * max(fine.lengths[k], trace.lengths[k])
-        # Over a heavy snap the largest tension of all is what the promise speaks of.
-        pull = 10.0 * tau * max(highest, 1e-9)
         moved = _apart(fine, shaken, k) / scale
-        slack = slack or min(fine.lowest[k], trace.lowest[k]) < -PUSHES * highest
-        taut = not slack and trace.times[k] <= min(drawn.shock, trace.clamped, fine.clamped)
-        taut = taut and "initial" not in drawn.scene
-        pulled = abs(fine.top[k] - shaken.top[k]) / pull if taut else 0.0
+        pulled = abs(fine.top[k] - shaken.top[k]) / pull if k < read else 0.0
         if not (moved <= MOVED and pulled <= MOVED):
             break
         compared += 1
         position = _apart(trace, fine, k) / scale
-        tension = abs(trace.top[k] - fine.top[k]) / pull if taut else 0.0
+        tension = abs(trace.top[k] - fine.top[k]) / pull if k < read else 0.0
         verdict.position = float(np.fmax(verdict.position, position))
         verdict.tension = float(np.fmax(verdict.tension, tension))
         if not (position <= 1.0 + FINER and tension <= 1.0 + FINER):
@@ -186,6 +182,27 @@ def compare(verdict: Verdict, drawn: Drawn, trace: Trace, fine: Trace, shaken: T
             break
     verdict.compared = compared / max(len(trace.times), 1)
     return off
+
+
+def largest_tension(fine: Trace) -> float:
+    """Of a whole run, either way [N]."""
+    return max((abs(value) for value in fine.highest), default=0.0)
+
+
+def tension_promise(drawn: Drawn, fine: Trace) -> float:
+    """What a tension may be wrong by [N]."""
+    return 10.0 * drawn.tolerance * max(largest_tension(fine), 1e-9)
+
+
+def taut_instants(drawn: Drawn, fine: Trace, *others: Trace) -> int:
+    """At how many instants, the first ones, the line is neither slack in any run nor shocked."""
+    runs, limit = (fine, *others), -PUSHES * largest_tension(fine)
+    rings = min(drawn.shock, *(run.clamped for run in runs))
+    count = min(len(run.times) for run in runs)
+    for k in range(count):
+        if min(run.lowest[k] for run in runs) < limit or fine.times[k] > rings:
+            return k
+    return count
 
 
 def _apart(one: Trace, other: Trace, k: int) -> float:

@@ -33,10 +33,9 @@ class Trace:
     exception), ``not finite`` or ``too slow``; message: the error. times: (n,) [s] of the instants;
     shapes: (n, STATIONS, 3) [m]; top, lowest, highest: (n,) tension at the top, the
     smallest and the largest [N]. on_floor: (n,) length that lies on the floor [m]. lengths: (n,)
-    out [m]. clamped: first time at which the winch
-    could not follow [s]. broken: limits that every state must keep and one did not.
-    energy_gain: energy from nowhere, over what went through the cable [-]; not a number where no
-    balance can be drawn up.
+    out [m]. clamped: first time at which the winch could not follow [s]. broken: limits that every
+    state must keep and one did not. energy_gain: energy from nowhere, over what went through the
+    cable [-]; not a number where no balance can be drawn up.
     """
 
     end: str = "completed"

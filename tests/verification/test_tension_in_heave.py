@@ -6,6 +6,22 @@ import pytest
 import cablemodel as cm
 from tests.verification.scenes import IDEAL, scene
 
+PERIOD = 4.0
+
+
+def smoothly(share):
+    """How far the heave has come up after that share of a period."""
+    return 1.0 - np.exp(-(share**4))
+
+
+def heaving(speed, instants, come_up):
+    """A vessel that heaves for four periods, up to that speed [m/s]."""
+    rows = []
+    for t in np.linspace(0.0, 4.0 * PERIOD, instants):
+        up = speed * np.sin(2.0 * np.pi * t / PERIOD) * come_up(t / PERIOD)
+        rows.append({"t": float(t), "velocity": [0.0, 0.0, float(up)]})
+    return {"velocity": rows, "interpolation": "cubic"}
+
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-4])
 @pytest.mark.parametrize("interval", [0.3, 0.1])
@@ -15,11 +31,6 @@ def test_tension_of_a_stiff_line_in_heave(interval, tolerance):
     The caller's steps are far too long for the line's axial waves (0.02 s), and the tension that
     they difference from positions is wrong by 4 promises at 1e-4 (90 % of the instants within 8).
     """
-    period, rows = 4.0, []
-    for k in range(81):
-        t = k * period / 20.0
-        speed = 0.5 * np.sin(2.0 * np.pi * t / period) * min(t / period, 1.0)
-        rows.append({"t": t, "velocity": [0.0, 0.0, speed]})
     cable = {
         **IDEAL,
         "mass": 1.3,
@@ -43,11 +54,11 @@ def test_tension_of_a_stiff_line_in_heave(interval, tolerance):
         model="cable",
         body=body,
         tolerance=tolerance,
-        vessel={"velocity": rows, "interpolation": "cubic"},
+        vessel=heaving(0.5, 81, lambda share: np.minimum(share, 1.0)),
     )
     model = cm.CableModel(towed)
     errors, largest = [], 0.0
-    for k in range(round(3.0 * period / interval)):
+    for k in range(round(3.0 * PERIOD / interval)):
         model.step_to((k + 1) * interval)
         _, velocity, acceleration = towed.motion().evaluate(model.time)
         drag = 0.5 * 1025.0 * (0.5 + 0.02 * np.pi * 0.01 * 100.0)
@@ -68,14 +79,8 @@ def test_tension_of_a_line_that_gives_way_in_heave(tolerance, interval):
     """
     from scipy.integrate import solve_ivp
 
-    period, length, stiffness = 4.0, 100.0, 3.5e6
+    length, stiffness = 100.0, 3.5e6
     spring, weight, cable_mass, cable_weight = stiffness / length, 1500.0, 0.013, 0.08
-    rows = []
-    for t in np.linspace(0.0, 4.0 * period, 641):
-        # It comes up so smoothly that the body does not swing by itself.
-        come_up = 1.0 - np.exp(-((t / period) ** 4))
-        speed = float(np.sin(2.0 * np.pi * t / period) * come_up)
-        rows.append({"t": float(t), "velocity": [0.0, 0.0, speed]})
     body = {
         "mass": 300.0,
         "submerged_weight": weight,
@@ -96,7 +101,8 @@ def test_tension_of_a_line_that_gives_way_in_heave(tolerance, interval):
         model="cable",
         body=body,
         tolerance=tolerance,
-        vessel={"velocity": rows, "interpolation": "cubic"},
+        # It comes up so smoothly that the body does not swing by itself.
+        vessel=heaving(1.0, 641, smoothly),
     )
     motion_of_vessel = towed.motion()
 
@@ -110,7 +116,7 @@ def test_tension_of_a_line_that_gives_way_in_heave(tolerance, interval):
         force = middle(t, state[0]) - weight - 0.5 * cable_weight * length - drag
         return [state[1], force / (350.0 + 0.5 * cable_mass * length)]
 
-    times = np.arange(1, round(3.0 * period / interval) + 1) * interval
+    times = np.arange(1, round(3.0 * PERIOD / interval) + 1) * interval
     start = [-length - (weight + 0.5 * cable_weight * length) / spring, 0.0]
     exact = solve_ivp(
         rates, (0.0, 12.1), start, t_eval=times, rtol=1e-10, atol=1e-12, max_step=0.05
@@ -128,11 +134,6 @@ def test_tension_of_a_line_that_gives_way_in_heave(tolerance, interval):
 
 def moored(tolerance, axial_stiffness, floor):
     """16.5 m of light cable to an anchor 16.1 m away; the top heaves by 0.5 m in 4 s."""
-    period, rows = 4.0, []
-    for t in np.linspace(0.0, 4.0 * period, 97):
-        come_up = 1.0 - np.exp(-((t / period) ** 4))
-        speed = 0.5 * np.pi / period * np.sin(2.0 * np.pi * t / period) * come_up
-        rows.append({"t": float(t), "velocity": [0.0, 0.0, float(speed)]})
     cable = {
         "diameter": 0.0094,
         "mass": 0.157,
@@ -148,7 +149,7 @@ def moored(tolerance, axial_stiffness, floor):
             cable,
             model="cable",
             tolerance=tolerance,
-            vessel={"velocity": rows, "interpolation": "cubic"},
+            vessel=heaving(0.5 * np.pi / PERIOD, 97, smoothly),
             end={"anchor": [14.5, 0.0, -7.0]},
             floor=floor,
         )
@@ -170,7 +171,7 @@ def test_tension_of_a_moored_line_in_heave(axial_stiffness, tolerance, interval,
     fine = moored(tolerance / 4.0, axial_stiffness, floor)
     errors, largest = [], 0.0
     for k in range(round(12.0 / interval)):
-        model.step((k + 1) * interval - model.time)
+        model.step_to((k + 1) * interval)
         for t in np.linspace(k * interval, model.time, round(interval / 0.005) + 1)[1:]:
             fine.step_to(t)
         largest = max(largest, fine.top_tension)
