@@ -49,14 +49,20 @@ LAYERS = (
     ("cablemodel.log",),
     ("cablemodel.recorder", "cablemodel.run", "cablemodel.columns", "cablemodel.dataset"),
     ("cablemodel.compare",),
-    ("cablemodel.replay",),
+    ("cablemodel.replay", "cablemodel.convergence_verdict"),
+    ("cablemodel.convergence_study",),
     (
         "cablemodel.plot",
         "cablemodel.analysis",
         "cablemodel.export",
         "cablemodel.parameter_sweep",
     ),
-    ("cablemodel.animate", "cablemodel.report", "cablemodel.sweep_plot"),
+    (
+        "cablemodel.animate",
+        "cablemodel.report",
+        "cablemodel.sweep_plot",
+        "cablemodel.convergence_plot",
+    ),
     ("cablemodel.cli", "cablemodel.__main__"),
 )
 
