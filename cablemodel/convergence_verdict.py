@@ -50,8 +50,10 @@ class Row:
     """Along the line."""
     accuracy: float = math.nan
     """The tolerance that would allow these differences, where they could be judged."""
+    broken: str = ""
+    """What of the promise the run cannot have kept: positions, tensions, or both; else empty."""
     broken_at: float | None = None
-    """First time at which the run cannot have kept its promise [s]."""
+    """First time at which it did not [s]."""
     error: str = ""
     """Why the run failed."""
 
@@ -177,28 +179,49 @@ class Settled:
     tensions: tuple[Flags, Flags]
     """Whether the tension at the top is settled, and along the line, at the times of its series."""
     snaps: Floats
-    """Times outside the span at which one of them is not [s]."""
+    """Times at which one of them is not [s]."""
 
     @classmethod
     def of(cls, fine: Apart, limit: float) -> Settled:
         """What a tolerance of ``limit`` allows the two finest runs to differ by."""
         time = fine.motion.time
-        off = time[fine.motion.over(limit)]
+        off = time[_near(fine.motion.over(limit))]
         span = (float(off[0]), float(off[-1])) if off.size else None
-        snaps = np.union1d(*(series.time[series.over(limit)] for series in fine.tensions))
-        top, along = (_outside(span, item.time) & ~item.over(limit) for item in fine.tensions)
-        snaps = snaps[_outside(span, snaps)]
-        return cls(float(time[0]), float(time[-1]), span, (top, along), snaps)
+        inside = [~_outside(span, series.time) for series in fine.tensions]
+        snaps = [_near(series.over(limit)) for series in fine.tensions]
+        top, along = (~(in_span | snap) for in_span, snap in zip(inside, snaps, strict=True))
+        at = [series.time[~ok] for series, ok in zip(fine.tensions, (top, along), strict=True)]
+        return cls(float(time[0]), float(time[-1]), span, (top, along), np.union1d(*at))
 
-    def judge(self, apart: Apart, limit: float) -> tuple[float, float | None]:
-        """The tolerance that allows a run's differences, and since when [s] ``limit`` does not."""
-        found, since = 0.0, math.inf
+    def judge(self, row: Row, apart: Apart, limit: float) -> Row:
+        """A row with the differences of its run, and whether they are within a tolerance."""
+        accuracy, since, broken = 0.0, math.inf, []
+        names = ("positions", "tensions", "tensions")
         settled = (_outside(self.span, apart.motion.time), *self.tensions)
-        for series, where in zip((apart.motion, *apart.tensions), settled, strict=True):
-            found = max(found, float(np.max(series.values[where], initial=0.0)))
-            broken = series.time[where & series.over(limit)]
-            since = min(since, float(np.min(broken, initial=math.inf)))
-        return found, since if math.isfinite(since) else None
+        every = (apart.motion, *apart.tensions)
+        for name, series, where in zip(names, every, settled, strict=True):
+            accuracy = max(accuracy, float(np.max(series.values[where], initial=0.0)))
+            off = series.time[where & series.over(limit)]
+            if off.size:
+                since = min(since, float(off[0]))
+                broken.append(name)
+        return replace(
+            row,
+            position=apart.position,
+            top_tension=apart.top_tension,
+            tension=apart.tension,
+            accuracy=accuracy,
+            broken=" and ".join(dict.fromkeys(broken)),
+            broken_at=since if broken else None,
+        )
+
+
+def _near(flags: Flags) -> Flags:
+    """Where a flag or a neighbour of it is set: a coarser run may be an output early or late."""
+    wide = flags.copy()
+    wide[1:] |= flags[:-1]
+    wide[:-1] |= flags[1:]
+    return wide
 
 
 def _outside(span: tuple[float, float] | None, time: Floats) -> Flags:
@@ -222,11 +245,7 @@ def conclude(
         fine = min(apart)
         settled = Settled.of(apart[fine], max(SETTLED * own, fine + finest))
         for tolerance, found in apart.items():
-            accuracy, since = settled.judge(found, tolerance + finest)
-            rows[tolerance] = replace(
-                done[tolerance], position=found.position, top_tension=found.top_tension,
-                tension=found.tension, accuracy=accuracy, broken_at=since,
-            )  # fmt: skip
+            rows[tolerance] = settled.judge(done[tolerance], found, tolerance + finest)
     order = sorted(rows, reverse=True)
     listed = tuple(rows[tolerance] for tolerance in order if tolerance != finest)
     outcome, sentence = _verdict(own, listed, reference, settled)
@@ -249,18 +268,19 @@ def _verdict(
     enough = [row for row in good if row.accuracy <= own + reference.tolerance]
     share = f"{found.accuracy / own:.2g}"
     unsettled = _unsettled(own, min(good, key=lambda row: row.tolerance), reference, settled)
-    if found.broken_at is not None:
+    if found.broken:
         finer = [f"{row.tolerance:g}" for row in enough if row.tolerance < own]
         keeps = finer[0] if finer else "none of the others"
         sentence = (
-            f"{run} does not keep the promise from t = {found.broken_at:g} s on (off by "
-            f"{share} times what it allows); {keeps} keeps the accuracy that was asked for."
+            f"{run} does not keep the promise: from t = {found.broken_at:g} s on {found.broken} "
+            f"are off by up to {share} times what it allows; {keeps} keeps the accuracy that was "
+            "asked for."
         )
         return "broken", f"{sentence} {unsettled}".rstrip()
     if unsettled:
         whole = settled.span == (settled.begin, settled.end)
         return "unsettled", unsettled if whole else f"{unsettled} Else the run keeps the promise."
-    sentence = f"{run} keeps the promise (off by {share} of what it allows)"
+    sentence = f"{run} keeps the promise, off by {share} of what it allows"
     ratio = enough[0].processor_time / found.processor_time
     if enough[0].tolerance > own and ratio < _CHEAPER:
         sentence += f"; {enough[0].tolerance:g} would do, for {ratio:.2g} of the processor time"
@@ -295,7 +315,7 @@ def _notes(
         yield (
             f"Tensions at {settled.snaps.size} of {count} outputs are not judged, the first at "
             f"t = {settled.snaps[0]:g} s: there the two finest runs differ by more than half the "
-            "promise, as in snaps and shocks."
+            "promise, as in snaps and shocks. The table has the differences at all of them."
         )
     if any(item.cable.elements for item in (*scene.line, *scene.payout.drum) if item.cable):
         yield (

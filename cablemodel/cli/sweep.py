@@ -10,14 +10,13 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cablemodel.cli.errors import FAILED, INTERRUPTED, bad_option, reported
-from cablemodel.cli.files import writable
+from cablemodel.cli.files import PICTURES, writable
 from cablemodel.cli.run import SceneArgument, SetOption, seconds_of
 
 if TYPE_CHECKING:
     import pandas
 
 FORMATS = (".csv", ".parquet", ".nc")
-_PICTURES = (".png", ".pdf", ".svg")
 
 
 @reported
@@ -88,7 +87,7 @@ def sweep(
 
     target = writable(output or Path(f"{scene.stem}_sweep.csv"), FORMATS)
     if plot is not None:
-        writable(plot, _PICTURES, "--plot")
+        writable(plot, PICTURES, "--plot")
     if result not in RESULTS:
         raise bad_option("--result", f"{result} is none of {', '.join(RESULTS)}")
     axes = [Axis.parse(text) for text in over]
