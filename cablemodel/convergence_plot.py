@@ -49,7 +49,7 @@ def save_convergence_figure(found: Convergence, path: str | PathLike[str]) -> No
             axes.annotate(f"{row.tolerance:g}", place, xytext=(6, 5), textcoords="offset points",
                           fontsize=8)  # fmt: skip
         allowed = found.tolerance * points[0][1].scale
-        axes.axhline(allowed, color="#d1495b", linewidth=0.8, linestyle="--", zorder=0.5,
+        axes.axhline(allowed, color="#d1495b", linewidth=0.8, linestyle="--", zorder=1.5,
                      label=f"allowed at {found.tolerance:g}")  # fmt: skip
         axes.set_xlabel("processor time of a simulated second [s]")
         axes.set_ylabel("largest error of the position [m]")

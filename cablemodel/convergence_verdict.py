@@ -1,9 +1,6 @@
 """What runs of one scene at several tolerances say about its accuracy.
 
-Two runs that both keep their promise are at most the sum of both tolerances apart. Where even the
-two finest runs differ by more than half of what the scene's tolerance allows, there is nothing to
-judge the others by: between the first and the last such time for the motion, which remembers; at
-these times only for tensions, whose peaks in snaps and shocks fall between outputs.
+Two runs that both keep their promise are at most the sum of both tolerances apart.
 """
 
 from __future__ import annotations
@@ -13,17 +10,12 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
-from cablemodel.compare import Difference, looseness
+from cablemodel.convergence_apart import Apart, Settled
 
 if TYPE_CHECKING:
-    from cablemodel.run import Run
+    from cablemodel.compare import Difference
     from cablemodel.scene import Scene
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 Outcome = Literal["kept", "broken", "unsettled", "failed"]
 
 SETTLED = 0.5
@@ -100,135 +92,6 @@ class Convergence:
         return next(row for row in every if row.tolerance == self.tolerance)
 
 
-@dataclass(frozen=True)
-class Series:
-    """Values over time, each the tolerance that would allow the difference there."""
-
-    time: Floats
-    values: Floats
-
-    def over(self, limit: float) -> Flags:
-        """Where the differences are larger than a tolerance allows, or no numbers."""
-        return ~(self.values <= limit)
-
-
-@dataclass(frozen=True)
-class Apart:
-    """How far a run is from the reference."""
-
-    position: Difference
-    top_tension: Difference
-    tension: Difference
-    motion: Series
-    tensions: tuple[Series, Series]
-    """At the top, at every output; along the line, where there are states."""
-
-    @classmethod
-    def of(cls, run: Run, reference: Run) -> Apart:
-        """Compare two runs of the same outputs. Scales are those of the reference."""
-        one, other = reference.states, run.states
-        length = np.interp(one.time, reference.time, reference["line_length"])
-        # Of the whole run, either way: what a tension may be wrong by does not come and go.
-        pulls = (reference.tension_max, reference.tension_min, reference.top_tension)
-        pull = looseness("N") * max(float(np.max(np.abs(values))) for values in pulls)
-        pull = max(pull, float(np.finfo(float).tiny))
-        tolerance = run.scene.solver.tolerance
-        distance = np.linalg.norm(other.position - one.position, axis=2)
-        along = np.abs(other.tension - one.tension)
-        top = np.abs(run.top_tension - reference.top_tension)[:, None]
-        return cls(
-            _largest("position", "m", tolerance, one.time, distance, length, one.s),
-            _largest("top_tension", "N", tolerance, reference.time, top, np.full(len(top), pull)),
-            _largest("tension", "N", tolerance, one.time, along, np.full(len(along), pull), one.s),
-            Series(one.time, distance.max(axis=1) / length),
-            (Series(reference.time, top[:, 0] / pull), Series(one.time, along.max(axis=1) / pull)),
-        )
-
-
-def _largest(
-    name: str,
-    unit: str,
-    tolerance: float,
-    times: Floats,
-    apart: Floats,
-    scales: Floats,
-    s: Floats | None = None,
-) -> Difference:
-    """The largest of differences (n, places) at times and arc lengths, on the scale of its time."""
-    k, place = np.unravel_index(int(np.argmax(apart)), apart.shape)
-    return Difference(
-        name,
-        unit,
-        allowed=tolerance * float(scales[k]),
-        scale=float(scales[k]),
-        largest=float(apart[k, place]),
-        time=float(times[k]),
-        arc_length=None if s is None else float(s[k, place]),
-    )
-
-
-@dataclass(frozen=True)
-class Settled:
-    """Where the two finest runs agree well enough to judge the others by."""
-
-    begin: float
-    end: float
-    """Of the runs [s]."""
-    span: tuple[float, float] | None
-    """First and last time between which the motion is not settled [s]."""
-    tensions: tuple[Flags, Flags]
-    """Whether the tension at the top is settled, and along the line, at the times of its series."""
-    snaps: Floats
-    """Times at which one of them is not [s]."""
-
-    @classmethod
-    def of(cls, fine: Apart, limit: float) -> Settled:
-        """What a tolerance of ``limit`` allows the two finest runs to differ by."""
-        time = fine.motion.time
-        off = time[_near(fine.motion.over(limit))]
-        span = (float(off[0]), float(off[-1])) if off.size else None
-        inside = [~_outside(span, series.time) for series in fine.tensions]
-        snaps = [_near(series.over(limit)) for series in fine.tensions]
-        top, along = (~(in_span | snap) for in_span, snap in zip(inside, snaps, strict=True))
-        at = [series.time[~ok] for series, ok in zip(fine.tensions, (top, along), strict=True)]
-        return cls(float(time[0]), float(time[-1]), span, (top, along), np.union1d(*at))
-
-    def judge(self, row: Row, apart: Apart, limit: float) -> Row:
-        """A row with the differences of its run, and whether they are within a tolerance."""
-        accuracy, since, broken = 0.0, math.inf, []
-        names = ("positions", "tensions", "tensions")
-        settled = (_outside(self.span, apart.motion.time), *self.tensions)
-        every = (apart.motion, *apart.tensions)
-        for name, series, where in zip(names, every, settled, strict=True):
-            accuracy = max(accuracy, float(np.max(series.values[where], initial=0.0)))
-            off = series.time[where & series.over(limit)]
-            if off.size:
-                since = min(since, float(off[0]))
-                broken.append(name)
-        return replace(
-            row,
-            position=apart.position,
-            top_tension=apart.top_tension,
-            tension=apart.tension,
-            accuracy=accuracy,
-            broken=" and ".join(dict.fromkeys(broken)),
-            broken_at=since if broken else None,
-        )
-
-
-def _near(flags: Flags) -> Flags:
-    """Where a flag or a neighbour of it is set: a coarser run may be an output early or late."""
-    wide = flags.copy()
-    wide[1:] |= flags[:-1]
-    wide[:-1] |= flags[1:]
-    return wide
-
-
-def _outside(span: tuple[float, float] | None, time: Floats) -> Flags:
-    first, last = span or (math.inf, math.inf)
-    return (time < first) | (time > last)
-
-
 def conclude(
     scene: Scene, done: Mapping[float, Row], reference: Row, apart: Mapping[float, Apart]
 ) -> Convergence:
@@ -243,9 +106,20 @@ def conclude(
     rows, settled = dict(done), None
     if apart:
         fine = min(apart)
-        settled = Settled.of(apart[fine], max(SETTLED * own, fine + finest))
+        settled = Settled.of(
+            apart[fine], max(SETTLED * own, fine + finest), static=scene.initial.kind == "static"
+        )
         for tolerance, found in apart.items():
-            rows[tolerance] = settled.judge(done[tolerance], found, tolerance + finest)
+            judged = settled.judge(found, tolerance + finest)
+            rows[tolerance] = replace(
+                done[tolerance],
+                position=found.position,
+                top_tension=found.top_tension,
+                tension=found.tension,
+                accuracy=judged.accuracy,
+                broken=judged.broken,
+                broken_at=judged.broken_at,
+            )
     order = sorted(rows, reverse=True)
     listed = tuple(rows[tolerance] for tolerance in order if tolerance != finest)
     outcome, sentence = _verdict(own, listed, reference, settled)
@@ -310,13 +184,21 @@ def _notes(
 ) -> Iterator[str]:
     if finest != reference.tolerance:
         yield f"The run at {finest:g} failed: the others are compared with {reference.tolerance:g}."
-    if settled is not None and settled.snaps.size:
-        count = len(next(iter(apart.values())).tensions[0].time)
-        yield (
-            f"Tensions at {settled.snaps.size} of {count} outputs are not judged, the first at "
-            f"t = {settled.snaps[0]:g} s: there the two finest runs differ by more than half the "
-            "promise, as in snaps and shocks. The table has the differences at all of them."
-        )
+    if settled is not None and settled.taut_until <= settled.begin:
+        yield "Tensions are not judged: the line starts out of equilibrium, or slack, and rings."
+    elif settled is not None:
+        if math.isfinite(settled.taut_until):
+            yield (
+                f"Tensions are judged until t = {settled.taut_until:g} s only: then the line is "
+                "slack, and snaps and what they leave are not promised."
+            )
+        if settled.snaps.size:
+            count = len(next(iter(apart.values())).tensions[0].time)
+            yield (
+                f"Tensions at {settled.snaps.size} of {count} outputs are not judged, the first at "
+                f"t = {settled.snaps[0]:g} s: there even the two finest runs differ by more than "
+                "half the promise, as in shocks, or one of them is an output late."
+            )
     if any(item.cable.elements for item in (*scene.line, *scene.payout.drum) if item.cable):
         yield (
             "The line gives elements: its mesh is the same at all tolerances, and what that is "

@@ -49,7 +49,7 @@ LAYERS = (
     ("cablemodel.log",),
     ("cablemodel.recorder", "cablemodel.run", "cablemodel.columns", "cablemodel.dataset"),
     ("cablemodel.compare",),
-    ("cablemodel.replay", "cablemodel.convergence_verdict"),
+    ("cablemodel.replay", "cablemodel.convergence_apart", "cablemodel.convergence_verdict"),
     ("cablemodel.convergence_study",),
     (
         "cablemodel.plot",
