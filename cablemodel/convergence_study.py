@@ -89,11 +89,8 @@ def runs_of(scene: Scene, tolerances: Iterable[float] | None = None) -> list[flo
     """
     settings = scene.solver
     if settings.method != "finite_element":
-        problem = f"{settings.method} has no tolerance, on which the promise of accuracy stands"
-        allowed = (
-            "finite_element; how far node_spacing and time_step matter, cablemodel diff tells of "
-            "two runs"
-        )
+        problem = f"{settings.method} has no tolerance to vary"
+        allowed = "finite_element; cablemodel diff compares runs of other node_spacing or time_step"
         raise SceneError.at("solver.method", settings.method, problem, allowed)
     own = settings.tolerance
     if tolerances is None:

@@ -154,7 +154,8 @@ def _verdict(
     if unsettled:
         whole = settled.span == (settled.begin, settled.end)
         return "unsettled", unsettled if whole else f"{unsettled} Else the run keeps the promise."
-    sentence = f"{run} keeps the promise, off by {share} of what it allows"
+    kept = "the promise" if settled.taut_until > settled.begin else "the promise of positions"
+    sentence = f"{run} keeps {kept}, off by {share} of what it allows"
     ratio = enough[0].processor_time / found.processor_time
     if enough[0].tolerance > own and ratio < _CHEAPER:
         sentence += f"; {enough[0].tolerance:g} would do, for {ratio:.2g} of the processor time"

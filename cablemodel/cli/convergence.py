@@ -16,7 +16,7 @@ from cablemodel.cli.differences import difference_report
 from cablemodel.cli.errors import FAILED, bad_option, reported
 from cablemodel.cli.files import PICTURES, writable
 from cablemodel.cli.numbers import readable
-from cablemodel.cli.run import SceneArgument, SetOption, explained_start, seconds_of
+from cablemodel.cli.run import SceneArgument, SetOption, UntilOption, explained_start, seconds_of
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -43,14 +43,7 @@ def convergence(
             show_default=False,
         ),
     ] = None,
-    until: Annotated[
-        str | None,
-        typer.Option(
-            metavar="T",
-            help="End of the runs, in seconds or with a unit, instead of the scene's.",
-            show_default=False,
-        ),
-    ] = None,
+    until: UntilOption = None,
     overrides: SetOption = None,
     plot: Annotated[
         Path | None,

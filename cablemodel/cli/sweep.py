@@ -11,7 +11,7 @@ import typer
 
 from cablemodel.cli.errors import FAILED, INTERRUPTED, bad_option, reported
 from cablemodel.cli.files import PICTURES, writable
-from cablemodel.cli.run import SceneArgument, SetOption, seconds_of
+from cablemodel.cli.run import SceneArgument, SetOption, UntilOption, seconds_of
 
 if TYPE_CHECKING:
     import pandas
@@ -56,14 +56,7 @@ def sweep(
         ),
     ] = None,
     overrides: SetOption = None,
-    until: Annotated[
-        str | None,
-        typer.Option(
-            metavar="T",
-            help="End of the runs, in seconds or with a unit, instead of the scene's.",
-            show_default=False,
-        ),
-    ] = None,
+    until: UntilOption = None,
     scheduler: Annotated[
         str | None,
         typer.Option(

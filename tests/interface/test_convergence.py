@@ -1,6 +1,8 @@
 """A scene at several tolerances: its errors are those that it has, and the conclusion holds."""
 
 import json
+import re
+import shlex
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -324,3 +326,17 @@ def test_an_interruption_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     assert result.exit_code == 130
     assert "interrupted" in result.stderr
     assert result.stdout == ""
+
+
+def test_commands_and_code_of_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "scenes").symlink_to(ROOT / "scenes")
+    page = (ROOT / "docs" / "convergence.md").read_text(encoding="utf-8")
+    shell, code = (
+        re.findall(rf"```{name}\n(.*?)```", page, re.DOTALL) for name in ("sh", "python")
+    )
+    for line in shell[0].splitlines():
+        result = CliRunner().invoke(app, shlex.split(line)[1:])
+        assert result.exit_code == 0, (line, result.output)
+    assert (tmp_path / "cost.png").exists()
+    exec(compile(code[0], "docs/convergence.md", "exec"), {})
