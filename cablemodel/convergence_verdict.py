@@ -154,7 +154,11 @@ def _verdict(
     if unsettled:
         whole = settled.span == (settled.begin, settled.end)
         return "unsettled", unsettled if whole else f"{unsettled} Else the run keeps the promise."
-    kept = "the promise" if settled.taut_until > settled.begin else "the promise of positions"
+    kept = "the promise"
+    if settled.taut_until <= settled.begin:
+        kept = "the promise of positions"
+    elif math.isfinite(settled.taut_until):
+        kept = f"the promise (of tensions until t = {settled.taut_until:g} s)"
     sentence = f"{run} keeps {kept}, off by {share} of what it allows"
     ratio = enough[0].processor_time / found.processor_time
     if enough[0].tolerance > own and ratio < _CHEAPER:

@@ -205,6 +205,20 @@ def test_what_two_of_the_finest_runs_dispute_is_unsettled(changed: type[Changed]
     assert report["rows"][1]["broken"] == "positions"
 
 
+def test_tensions_are_judged_until_the_line_is_slack(
+    changed: type[Changed], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    changed.pull[1e-3] = 1.5
+    monkeypatch.setattr(
+        Changed, "tension_min", property(lambda model: -1.0 if model.time > 4.0 else 0.0)
+    )
+    report = json.loads(command("--json").stdout)
+    assert report["outcome"] == "kept"
+    assert "keeps the promise (of tensions until t = 4.5 s)" in report["conclusion"]
+    assert "until t = 4.5 s only" in report["notes"][0]
+    assert report["rows"][1]["tension_share"] > 2.0  # the table has them all
+
+
 @pytest.fixture
 def failing(monkeypatch: pytest.MonkeyPatch) -> set[float]:
     """Tolerances at which runs fail after 3 s."""
