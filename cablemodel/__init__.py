@@ -10,7 +10,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from cablemodel.convergence_study import convergence
+    from cablemodel.accuracy.study import convergence
     from cablemodel.errors import (
         CableModelError,
         LogError,
@@ -34,7 +34,7 @@ _HOME = {
     "StepError": "cablemodel.errors",
     "CableModel": "cablemodel.model",
     "CableState": "cablemodel.model",
-    "convergence": "cablemodel.convergence_study",
+    "convergence": "cablemodel.accuracy.study",
     "sweep": "cablemodel.parameter_sweep",
     "Recorder": "cablemodel.recorder",
     "Run": "cablemodel.run",

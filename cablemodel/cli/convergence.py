@@ -21,7 +21,7 @@ from cablemodel.cli.run import SceneArgument, SetOption, UntilOption, explained_
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from cablemodel.convergence_verdict import Convergence, Row
+    from cablemodel.accuracy.verdict import Convergence, Row
     from cablemodel.run import Progress
 
 _KEY = (
@@ -56,8 +56,8 @@ def convergence(
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress.")] = False,
 ) -> None:
     """Run a scene at several tolerances; status 0 if its own keeps what it promises, else 1."""
-    from cablemodel.convergence_study import convergence as study
-    from cablemodel.convergence_study import runs_of
+    from cablemodel.accuracy.study import convergence as study
+    from cablemodel.accuracy.study import runs_of
     from cablemodel.scene import load_scene
 
     if plot is not None:
@@ -72,7 +72,7 @@ def convergence(
     else:
         _print_report(found, loaded.title or "Scene")
     if plot is not None:
-        from cablemodel.convergence_plot import save_convergence_figure
+        from cablemodel.accuracy.plot import save_convergence_figure
 
         save_convergence_figure(found, plot)
         typer.echo(f"Picture: {plot}", err=as_json)
@@ -81,7 +81,7 @@ def convergence(
 
 
 def _tolerances(text: str) -> list[float]:
-    from cablemodel.convergence_study import allowed_tolerance
+    from cablemodel.accuracy.study import allowed_tolerance
     from cablemodel.errors import SceneError
 
     try:

@@ -11,8 +11,8 @@ import pytest
 from typer.testing import CliRunner, Result
 
 import cablemodel as cm
+from cablemodel.accuracy.study import runs_of
 from cablemodel.cli import app
-from cablemodel.convergence_study import runs_of
 from tests.verification.references.motion import spring_pendulum
 
 ROOT = Path(__file__).parents[2]

@@ -49,8 +49,7 @@ LAYERS = (
     ("cablemodel.log",),
     ("cablemodel.recorder", "cablemodel.run", "cablemodel.columns", "cablemodel.dataset"),
     ("cablemodel.compare",),
-    ("cablemodel.replay", "cablemodel.convergence_apart", "cablemodel.convergence_verdict"),
-    ("cablemodel.convergence_study",),
+    ("cablemodel.replay",),
     (
         "cablemodel.plot",
         "cablemodel.analysis",
@@ -61,7 +60,7 @@ LAYERS = (
         "cablemodel.animate",
         "cablemodel.report",
         "cablemodel.sweep_plot",
-        "cablemodel.convergence_plot",
+        "cablemodel.accuracy",
     ),
     ("cablemodel.cli", "cablemodel.__main__"),
 )

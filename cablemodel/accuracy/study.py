@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel.convergence_apart import Apart
-from cablemodel.convergence_verdict import Convergence, Row, conclude
+from cablemodel.accuracy.apart import Apart
+from cablemodel.accuracy.verdict import Convergence, Row, conclude
 from cablemodel.errors import CableModelError, SceneError
 from cablemodel.run import Progress, Run, simulate
 

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
-from cablemodel.convergence_apart import Apart, Settled
+from cablemodel.accuracy.apart import Apart, Settled
 
 if TYPE_CHECKING:
     from cablemodel.compare import Difference

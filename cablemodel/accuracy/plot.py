@@ -9,7 +9,7 @@ from cablemodel.errors import CableModelError
 from cablemodel.plot import STYLE, import_matplotlib
 
 if TYPE_CHECKING:
-    from cablemodel.convergence_verdict import Convergence
+    from cablemodel.accuracy.verdict import Convergence
 
 
 def save_convergence_figure(found: Convergence, path: str | PathLike[str]) -> None:
