@@ -10,6 +10,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from cablemodel.accuracy.study import convergence
     from cablemodel.errors import (
         CableModelError,
         LogError,
@@ -33,6 +34,7 @@ _HOME = {
     "StepError": "cablemodel.errors",
     "CableModel": "cablemodel.model",
     "CableState": "cablemodel.model",
+    "convergence": "cablemodel.accuracy.study",
     "sweep": "cablemodel.parameter_sweep",
     "Recorder": "cablemodel.recorder",
     "Run": "cablemodel.run",
@@ -54,6 +56,7 @@ __all__ = [
     "StaticsError",
     "StepError",
     "__version__",
+    "convergence",
     "load_scene",
     "open_run",
     "simulate",

@@ -34,6 +34,11 @@ as accurate as 10 times it, and curvatures, being second derivatives, as 100 tim
 _LOOSE_OTHERWISE = 10.0
 
 
+def looseness(unit: str) -> float:
+    """How many times the tolerance a quantity of this unit may be wrong by."""
+    return _LOOSE.get(unit, _LOOSE_OTHERWISE)
+
+
 @dataclass
 class Difference:
     """The largest difference of one quantity between two runs."""
@@ -115,7 +120,7 @@ def differences_of(run: Run, tolerance: float) -> tuple[dict[str, Difference], .
             note(unit, np.asarray(getattr(state, name), float))
 
     def difference(name: str, unit: str) -> Difference:
-        scale = _LOOSE.get(unit, _LOOSE_OTHERWISE) * largest.get(unit, 0.0)
+        scale = looseness(unit) * largest.get(unit, 0.0)
         return Difference(name, unit, tolerance * scale, scale)
 
     outputs = {name: difference(name, rows[name].unit) for name in run.names}

@@ -7,7 +7,18 @@ from typing import Annotated
 
 import typer
 
-from cablemodel.cli import analyse, check, differences, fmu, inspect, replay, report, run, sweep
+from cablemodel.cli import (
+    analyse,
+    check,
+    convergence,
+    differences,
+    fmu,
+    inspect,
+    replay,
+    report,
+    run,
+    sweep,
+)
 from cablemodel.cli.errors import show_tracebacks
 
 app = typer.Typer(
@@ -56,6 +67,7 @@ app.command("info")(inspect.info)
 app.command("schema")(check.schema)
 app.command("fmu")(fmu.fmu)
 app.command("sweep")(sweep.sweep)
+app.command("convergence")(convergence.convergence)
 
 
 def main() -> None:

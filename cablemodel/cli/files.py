@@ -6,6 +6,9 @@ from pathlib import Path
 
 from cablemodel.cli.errors import bad_option
 
+PICTURES = (".png", ".pdf", ".svg")
+"""Endings of a picture's file."""
+
 
 def writable(target: Path, endings: tuple[str, ...], option: str = "--output") -> Path:
     """A file to write, after a look at its ending and folder.

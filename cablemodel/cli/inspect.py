@@ -11,14 +11,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from cablemodel.cli.errors import reported
-from cablemodel.cli.files import writable
+from cablemodel.cli.files import PICTURES, writable
 
 if TYPE_CHECKING:
     from cablemodel.run import Run
 
 RunArgument = Annotated[Path, typer.Argument(help="Log of a run (MCAP).", show_default=False)]
-
-_FORMATS = (".png", ".pdf", ".svg")
 
 
 def _instant(nanoseconds: object) -> str:
@@ -52,7 +50,7 @@ def plot(
     """Draw the shape of the cable and its tension, as for a paper."""
     from cablemodel.plot import save_figure
 
-    target = writable(output or run.with_suffix(".png"), _FORMATS)
+    target = writable(output or run.with_suffix(".png"), PICTURES)
     opened = opened_with_states(run)
     save_figure(opened, target)
     say_incomplete(opened.reason)

@@ -31,6 +31,14 @@ SetOption = Annotated[
         show_default=False,
     ),
 ]
+UntilOption = Annotated[
+    str | None,
+    typer.Option(
+        metavar="T",
+        help='End of the run, in seconds or with a unit ("3 min"), instead of the scene\'s.',
+        show_default=False,
+    ),
+]
 
 _LONG_START = 3.0
 """Seconds after which a start is said to be compiling: a warm one takes less."""
@@ -45,14 +53,7 @@ def run(
         Path | None,
         typer.Option(help="Write the run to this file (.mcap).", show_default=False),
     ] = None,
-    until: Annotated[
-        str | None,
-        typer.Option(
-            metavar="T",
-            help='End of the run, in seconds or with a unit ("3 min"), instead of the scene\'s.',
-            show_default=False,
-        ),
-    ] = None,
+    until: UntilOption = None,
     overrides: SetOption = None,
     state_interval: Annotated[
         str | None,

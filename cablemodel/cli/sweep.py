@@ -10,14 +10,13 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cablemodel.cli.errors import FAILED, INTERRUPTED, bad_option, reported
-from cablemodel.cli.files import writable
-from cablemodel.cli.run import SceneArgument, SetOption, seconds_of
+from cablemodel.cli.files import PICTURES, writable
+from cablemodel.cli.run import SceneArgument, SetOption, UntilOption, seconds_of
 
 if TYPE_CHECKING:
     import pandas
 
 FORMATS = (".csv", ".parquet", ".nc")
-_PICTURES = (".png", ".pdf", ".svg")
 
 
 @reported
@@ -57,14 +56,7 @@ def sweep(
         ),
     ] = None,
     overrides: SetOption = None,
-    until: Annotated[
-        str | None,
-        typer.Option(
-            metavar="T",
-            help="End of the runs, in seconds or with a unit, instead of the scene's.",
-            show_default=False,
-        ),
-    ] = None,
+    until: UntilOption = None,
     scheduler: Annotated[
         str | None,
         typer.Option(
@@ -88,7 +80,7 @@ def sweep(
 
     target = writable(output or Path(f"{scene.stem}_sweep.csv"), FORMATS)
     if plot is not None:
-        writable(plot, _PICTURES, "--plot")
+        writable(plot, PICTURES, "--plot")
     if result not in RESULTS:
         raise bad_option("--result", f"{result} is none of {', '.join(RESULTS)}")
     axes = [Axis.parse(text) for text in over]

@@ -56,7 +56,12 @@ LAYERS = (
         "cablemodel.export",
         "cablemodel.parameter_sweep",
     ),
-    ("cablemodel.animate", "cablemodel.report", "cablemodel.sweep_plot"),
+    (
+        "cablemodel.animate",
+        "cablemodel.report",
+        "cablemodel.sweep_plot",
+        "cablemodel.accuracy",
+    ),
     ("cablemodel.cli", "cablemodel.__main__"),
 )
 
