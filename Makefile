@@ -27,7 +27,9 @@ demo: $(READY) native  ## simulate a towed cable: log, picture, report, and comp
 	$(BIN)/cablemodel report $(RUN) --output out/towed_cable.html
 	$(BIN)/python examples/towed_cable.py
 
-test: lint types libraries test-tools browser $(READY_ROS)  ## check style and types, then run all tests
+# What the tests need is made at the same time.
+test: $(READY_DEV)  ## check style and types, then run all tests
+	@$(MAKE) --no-print-directory -j 4 lint types libraries test-tools $(READY_ROS)
 	$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile
 	$(VENV_ROS)/bin/python -m pytest tests/interface/ros
 
@@ -64,7 +66,7 @@ wheel: libraries  ## build a wheel that holds the libraries of all platforms
 	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir dist .
 
 # Wine and QEMU run the libraries of Windows and of Linux on ARM; without them those tests skip.
-test-tools:
+test-tools: browser
 	@if [ "$$(uname -sm)" = "Linux x86_64" ] && [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null \
 	&& ! { [ -e /usr/lib/wine/wine64 ] && command -v qemu-aarch64 >/dev/null \
 	&& [ -e /usr/aarch64-linux-gnu ]; }; then \
@@ -116,15 +118,13 @@ clean:  ## remove environments, builds, caches and output
 
 # The wheels of rclpy re-execute every start of Python in their environment: they get their own.
 $(READY_ROS): pyproject.toml ros2_node/setup.py
-	@$(MAKE) --no-print-directory $(BIN)/python
-	$(PYTHON) -m venv $(VENV_ROS)
+	$(call environment,$(VENV_ROS))
 	$(VENV_ROS)/bin/python -m pip install --quiet --quiet --editable . \
 		--editable './ros2_node[wheels]' 'matplotlib>=3.8,<4' 'pytest>=8,<10'
 	@touch $@
 
 # The stamps keep a second call from installing again; a change of pyproject.toml does.
-$(READY): pyproject.toml
-	@$(MAKE) --no-print-directory $(BIN)/python
+$(READY): pyproject.toml | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --editable '.[plot,analysis,export,fmu]'
 	@touch $@
 
@@ -137,6 +137,10 @@ $(READY_BENCH): pyproject.toml $(READY_DEV)
 	@touch $@
 
 $(BIN)/python:
-	@$(PYTHON) -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))' \
-		|| { echo "Python 3.11 to 3.13 is needed; choose one: make PYTHON=python3.12"; exit 1; }
-	$(PYTHON) -m venv $(VENV)
+	$(call environment,$(VENV))
+
+define environment
+@$(PYTHON) -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))' \
+	|| { echo "Python 3.11 to 3.13 is needed; choose one: make PYTHON=python3.12"; exit 1; }
+$(PYTHON) -m venv $(1)
+endef

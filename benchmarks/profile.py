@@ -50,16 +50,16 @@ class Profile:
 def linked(folder: Path) -> Path:
     """The kernels as a shared library with their symbols."""
     from cablemodel.library import platform_name
-    from cablemodel_fmu.build import PLATFORMS, _objects
+    from cablemodel_fmu.build import PLATFORMS
     from cablemodel_fmu.intermediate import kernel_module
+    from cablemodel_fmu.machine_code import compile_kernels
 
     name = platform_name()
     if name is None or shutil.which("valgrind") is None:
         raise SystemExit("the profile needs valgrind, on a machine that the library is made for")
     part = "finite_element"
     assembly, _ = kernel_module(part, print)
-    code = _objects(PLATFORMS[name].machines[0], part, assembly, print)
-    (folder / "kernels.o").write_bytes(code)
+    compile_kernels(PLATFORMS[name].machines[0], part, assembly, folder / "kernels.o")
     path = folder / "kernels.so"
     subprocess.run([compiler(), "-shared", "-o", path, folder / "kernels.o", "-lm"], check=True)
     subprocess.run([compiler(), "-O1", "-o", folder / "steps", DRIVER, "-ldl"], check=True)

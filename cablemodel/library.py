@@ -25,6 +25,8 @@ from typing import Any
 
 PREFIX = "cablemodel_"
 BINARIES = Path(__file__).parent / "binaries"
+ABOUT = "library.json"
+"""Beside each library: what `description` returns."""
 
 Kernel = Callable[..., int]
 
@@ -55,7 +57,7 @@ def platform_name() -> str | None:
 def description(name: str) -> dict[str, Any] | None:
     """What is known of a platform's library: kernels (hash), file, arguments; None if not built."""
     try:
-        text = (BINARIES / name / "library.json").read_text(encoding="utf-8")
+        text = (BINARIES / name / ABOUT).read_text(encoding="utf-8")
     except OSError:
         return None
     found: dict[str, Any] = json.loads(text)

@@ -16,26 +16,19 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterable
+from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from cablemodel.library import BINARIES, PREFIX, kernel_hash, platform_name
+from cablemodel.library import ABOUT, BINARIES, kernel_hash, platform_name
 from cablemodel_fmu.c_layout import header
 from cablemodel_fmu.intermediate import PARTS, kernel_module
+from cablemodel_fmu.machine_code import Machine, compile_kernels
 
 SOURCES = Path(__file__).parent / "c"
 Progress = Callable[[str], None]
-
-
-@dataclass(frozen=True)
-class Machine:
-    """A processor and operating system: LLVM's and Zig's words for it."""
-
-    triple: str
-    cpu: str
-    zig: str
 
 
 @dataclass(frozen=True)
@@ -90,59 +83,90 @@ def build(
 ) -> list[Path]:
     """Build the libraries of these platforms, where they are not up to date. Returns their paths.
 
+    What does not wait for each other is done at the same time, on as many processors as there are.
     Raises RuntimeError with the tools' output when a step fails.
     """
-    paths = []
     key = _key()
-    for name in names:
-        platform = PLATFORMS[name]
-        place = folder / name
-        path, about = place / platform.file, place / "library.json"
-        paths.append(path)
-        if path.exists() and about.exists():
-            known = json.loads(about.read_text(encoding="utf-8"))
-            if known.get("key") == key and known.get("sha256") == _sha256(path):
-                continue
-        modules = [kernel_module(part, progress) for part in PARTS]
-        arguments: dict[str, list[str]] = {}
-        for _, kinds in modules:
-            arguments |= json.loads(kinds.read_text(encoding="utf-8"))
-        place.mkdir(parents=True, exist_ok=True)
-        about.unlink(missing_ok=True)
+    platforms = [PLATFORMS[name] for name in names]
+    stale = [platform for platform in platforms if not _is_up_to_date(platform, folder, key)]
+    if stale:
         with tempfile.TemporaryDirectory(prefix="cablemodel-") as work:
-            parts = [
-                _link(
-                    platform,
-                    machine,
-                    [
-                        _objects(machine, part, assembly, progress)
-                        for part, (assembly, _) in zip(PARTS, modules, strict=True)
-                    ],
-                    Path(work),
-                    progress,
-                )
-                for machine in platform.machines
-            ]
-            partial = place / f"{platform.file}.{os.getpid()}"
-            partial.write_bytes(parts[0] if len(parts) == 1 else universal(parts))
-            partial.chmod(0o755)
-            partial.replace(path)
-        known = {
-            "kernels": kernel_hash(),
-            "key": key,
-            "file": platform.file,
-            "sha256": _sha256(path),
-            "arguments": arguments,
-        }
-        about.write_text(json.dumps(known, indent=1) + "\n", encoding="utf-8")
-    return paths
+            made, arguments = _make(stale, Path(work), progress)
+        for platform in stale:
+            thin = [made[machine] for machine in platform.machines]
+            library = thin[0] if len(thin) == 1 else universal(thin)
+            _put(
+                platform,
+                folder,
+                library,
+                {"key": key, "arguments": dict(sorted(arguments.items()))},
+            )
+    return [folder / platform.name / platform.file for platform in platforms]
+
+
+def _is_up_to_date(platform: Platform, folder: Path, key: str) -> bool:
+    path, about = folder / platform.name / platform.file, folder / platform.name / ABOUT
+    if not (path.exists() and about.exists()):
+        return False
+    known = json.loads(about.read_text(encoding="utf-8"))
+    return bool(known.get("key") == key and known.get("sha256") == _sha256(path.read_bytes()))
+
+
+def _make(
+    platforms: list[Platform], work: Path, progress: Progress
+) -> tuple[dict[Machine, bytes], dict[str, list[str]]]:
+    """Each machine's library, and the arguments of each C function."""
+    objects: dict[Machine, list[Future[Path]]] = {
+        machine: [] for platform in platforms for machine in platform.machines
+    }
+    arguments: dict[str, list[str]] = {}
+    with ThreadPoolExecutor(os.cpu_count()) as pool:  # each waits for a process of its own
+        try:
+            modules = {pool.submit(kernel_module, part, progress): part for part in PARTS}
+            ready = [pool.submit(_prepare, machine, work) for machine in objects]
+            for module in as_completed(modules):
+                part = modules[module]
+                assembly, kinds = module.result()
+                arguments |= json.loads(kinds.read_text(encoding="utf-8"))
+                for machine, jobs in objects.items():
+                    jobs.append(pool.submit(_objects, machine, part, assembly, work, progress))
+            links = {}
+            for job in ready:
+                job.result()
+            for platform in platforms:
+                for machine in platform.machines:
+                    files = [job.result() for job in objects[machine]]
+                    links[machine] = pool.submit(_link, platform, machine, files, work, progress)
+            return {machine: link.result() for machine, link in links.items()}, arguments
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+
+
+def _put(platform: Platform, folder: Path, library: bytes, known: dict[str, Any]) -> None:
+    """Write a library and what is known about it; the library is never there in part."""
+    place = folder / platform.name
+    place.mkdir(parents=True, exist_ok=True)
+    path, about = place / platform.file, place / ABOUT
+    about.unlink(missing_ok=True)
+    partial = place / f"{platform.file}.{os.getpid()}"
+    partial.write_bytes(library)
+    partial.chmod(0o755)
+    partial.replace(path)
+    known |= {"kernels": kernel_hash(), "file": platform.file, "sha256": _sha256(library)}
+    about.write_text(json.dumps(known, indent=1) + "\n", encoding="utf-8")
 
 
 def _key() -> str:
     """Hash of all that a library is made from: kernels, C sources, this tool, its tools."""
     digest = hashlib.sha256(kernel_hash().encode())
     for path in (*sorted(SOURCES.rglob("*.[ch]")), *sorted(Path(__file__).parent.glob("*.py"))):
-        if path.suffix == ".py" and path.stem not in ("build", "intermediate", "c_layout"):
+        if path.suffix == ".py" and path.stem not in (
+            "build",
+            "intermediate",
+            "machine_code",
+            "c_layout",
+        ):
             continue
         digest.update(path.read_bytes().replace(b"\r\n", b"\n"))
     digest.update(header(kernel_hash()).encode())
@@ -154,77 +178,42 @@ def _key() -> str:
     return digest.hexdigest()
 
 
-def _sha256(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
+def _sha256(library: bytes) -> str:
+    return hashlib.sha256(library).hexdigest()
 
 
-RARE_KERNELS = (
-    "consistency", "floor_memory", "follow", "passing", "payout", "promote", "refine", "rigid",
-    "sleep", "statics", "tension", "top_of_line", "vessel_clamp",
-)  # fmt: skip
-"""Modules of kernels that are little of the work: built for size."""
-RARE_ENTRIES = ("bodies", "energy", "equilibrium", "sample")
-"""The same for entry points."""
+def _objects(machine: Machine, part: str, assembly: Path, work: Path, progress: Progress) -> Path:
+    """A solver's object file for a machine."""
+    progress(f"kernels of {part} for {machine.triple}")
+    output = work / f"{machine.triple}-{part}.o"
+    compile_kernels(machine, part, assembly, output)
+    return output
 
 
-def _is_rare(name: str) -> bool:
-    """Whether a function of a module is built for size; its name is as numba mangles it."""
-    if name.startswith(PREFIX):
-        return name.removeprefix(PREFIX) in RARE_ENTRIES
-    return any(f"7kernels{len(kernels)}{kernels}" in name for kernels in RARE_KERNELS)
+def _prepare(machine: Machine, work: Path) -> None:
+    """Have Zig make its C library for a machine, as it does once: minutes for Windows.
 
-
-def _objects(machine: Machine, part: str, assembly: Path, progress: Progress) -> bytes:
-    """A module's object code for a machine."""
-    import llvmlite.binding as llvm
-
-    progress(f"kernels for {machine.triple}")
-    llvm.initialize_all_targets()
-    llvm.initialize_all_asmprinters()
-    module = llvm.parse_assembly(assembly.read_text(encoding="utf-8"))
-    target = llvm.Target.from_triple(machine.triple).create_target_machine(
-        cpu=machine.cpu, opt=3, reloc="pic", codemodel="default"
-    )
-    module.triple = machine.triple
-    module.data_layout = str(target.target_data)
-    if "windows" in machine.triple:
-        for function in module.functions:
-            if function.name.startswith(PREFIX):
-                function.storage_class = "dllexport"
-    for function in module.functions:
-        if not function.is_declaration and _is_rare(function.name):
-            function.add_function_attribute("optsize")
-    # Level 2 is as fast as 3 here and a quarter smaller; code for AVX2 gains 5 % only.
-    options = llvm.create_pipeline_tuning_options(speed_level=2)
-    options.loop_vectorization = options.slp_vectorization = True
-    # Unrolling is a fifth of the size and of the speed. An FMU for all desktops must not exceed a
-    # megabyte: the direct solver, and the Intel half of the Mac's library, go without.
-    intel_mac = machine.triple.startswith("x86_64-apple")
-    options.loop_unrolling = part == "finite_element" and not intel_mac
-    builder: Any = llvm.create_pass_builder(target, options)
-    builder.getModulePassManager().run(module, builder)
-    code: bytes = target.emit_object(module)
-    return code
+    It is found in Zig's cache by the link that would have to wait for it.
+    """
+    empty = work / f"{machine.zig}.c"
+    empty.touch()
+    compile_c(machine.zig, [empty], empty.with_suffix(".library"), "-shared")
 
 
 def _link(
-    platform: Platform, machine: Machine, objects: list[bytes], work: Path, progress: Progress
+    platform: Platform, machine: Machine, objects: list[Path], work: Path, progress: Progress
 ) -> bytes:
     """One machine's shared library from its objects and the C sources."""
-    slow = " (the first time takes minutes)" if "windows" in machine.zig else ""
-    progress(f"linking {platform.name} for {machine.zig}{slow}")
-    kernels = [work / f"{machine.zig}-{n}.o" for n in range(len(objects))]
-    for path, code in zip(kernels, objects, strict=True):
-        path.write_bytes(code)
-    (work / "layout.h").write_text(header(kernel_hash()), encoding="utf-8")
+    progress(f"linking {platform.name} for {machine.zig}")
     output = work / machine.zig / platform.file
     output.parent.mkdir()
+    (output.parent / "layout.h").write_text(header(kernel_hash()), encoding="utf-8")
     compile_c(
         machine.zig,
-        [*sorted(SOURCES.glob("*.c")), *kernels],
+        [*sorted(SOURCES.glob("*.c")), *sorted(objects)],
         output,
         "-shared",
-        f"-I{work}",
+        f"-I{output.parent}",
         f"-I{SOURCES}",
         f"-I{SOURCES / 'fmi2'}",
         *platform.flags,

@@ -19,7 +19,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-PREFIX = "cablemodel_"
+from cablemodel.library import PREFIX
 
 PARTS = ("finite_element", "direct")
 """Solvers, each with an LLVM module of its own: an edit of one does not compile the other anew."""

@@ -1,0 +1,86 @@
+"""Object code of the kernels for one processor and operating system, made by LLVM.
+
+This runs in a process of its own (``python -m cablemodel_fmu.machine_code``), so that a build
+makes the code of several machines at once.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from cablemodel.library import PREFIX
+
+RARE_KERNELS = (
+    "consistency", "floor_memory", "follow", "passing", "payout", "promote", "refine", "rigid",
+    "sleep", "statics", "tension", "top_of_line", "vessel_clamp",
+)  # fmt: skip
+"""Modules of kernels that are little of the work: built for size."""
+RARE_ENTRIES = ("bodies", "energy", "equilibrium", "sample")
+"""The same for entry points."""
+
+
+@dataclass(frozen=True)
+class Machine:
+    """A processor and operating system: LLVM's and Zig's words for it."""
+
+    triple: str
+    cpu: str
+    zig: str
+
+
+def compile_kernels(machine: Machine, part: str, assembly: Path, output: Path) -> None:
+    """Write the object code of a solver's LLVM module, in a process of its own.
+
+    Raises RuntimeError with LLVM's words when that fails.
+    """
+    command = [sys.executable, "-m", "cablemodel_fmu.machine_code", part]
+    command += [machine.triple, machine.cpu, str(assembly), str(output)]
+    done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode != 0:
+        raise RuntimeError(f"no machine code for {machine.triple}:\n{done.stderr}")
+
+
+def main(part: str, triple: str, cpu: str, assembly: Path, output: Path) -> None:
+    """Compile here and now."""
+    import llvmlite.binding as llvm
+
+    llvm.initialize_all_targets()
+    llvm.initialize_all_asmprinters()
+    module = llvm.parse_assembly(assembly.read_text(encoding="utf-8"))
+    target = llvm.Target.from_triple(triple).create_target_machine(
+        cpu=cpu, opt=3, reloc="pic", codemodel="default"
+    )
+    module.triple = triple
+    module.data_layout = str(target.target_data)
+    if "windows" in triple:
+        for function in module.functions:
+            if function.name.startswith(PREFIX):
+                function.storage_class = "dllexport"
+    for function in module.functions:
+        if not function.is_declaration and _is_rare(function.name):
+            function.add_function_attribute("optsize")
+    # Level 2 is as fast as 3 here and a quarter smaller; code for AVX2 gains 5 % only.
+    options = llvm.create_pipeline_tuning_options(speed_level=2)
+    options.loop_vectorization = options.slp_vectorization = True
+    # Unrolling is a fifth of the size and of the speed. An FMU for all desktops must not exceed a
+    # megabyte: the direct solver, and the Intel half of the Mac's library, go without.
+    intel_mac = triple.startswith("x86_64-apple")
+    options.loop_unrolling = part == "finite_element" and not intel_mac
+    builder: Any = llvm.create_pass_builder(target, options)
+    builder.getModulePassManager().run(module, builder)
+    output.write_bytes(target.emit_object(module))
+
+
+def _is_rare(name: str) -> bool:
+    """Whether a function of a module is built for size; its name is as numba mangles it."""
+    if name.startswith(PREFIX):
+        return name.removeprefix(PREFIX) in RARE_ENTRIES
+    return any(f"7kernels{len(kernels)}{kernels}" in name for kernels in RARE_KERNELS)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1], sys.argv[2], sys.argv[3], Path(sys.argv[4]), Path(sys.argv[5]))
