@@ -30,7 +30,7 @@ demo: $(READY) native  ## simulate a towed cable: log, picture, report, and comp
 # What the tests need is made at the same time.
 test: $(READY_DEV)  ## check style and types, then run all tests
 	@$(MAKE) --no-print-directory -j 4 lint types libraries test-tools $(READY_ROS)
-	$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile
+	$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile --no-loadscope-reorder
 	$(VENV_ROS)/bin/python -m pytest tests/interface/ros
 
 test-ros: $(READY_ROS)  ## run the tests of the ROS 2 node only

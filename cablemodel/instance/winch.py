@@ -17,7 +17,7 @@ SPARE_NODES = 12
 """For joints at the vessel, and for a short line that is paid out again."""
 SHORTEST_LINE = 0.01
 """Of the initial length: what reel-in leaves out."""
-SHORTEST_PIECE = 0.1
+SHORTEST_PIECE = 0.01
 """Of an element: cable that must be out before the joint below it leaves the drum."""
 FIRST_PIECE = 0.02
 """Of a body of finite length: cable that must be out before the body leaves the tow point."""

@@ -25,7 +25,7 @@ I_ORDER = 18  # 3 or 4: order of the time integrator
 I_GROWTH_BARRED = 19  # 1 after a rejection: the next step may not grow
 I_STEPS, I_REJECTED, I_FACTORISATIONS, I_ITERATIONS = 20, 21, 22, 23
 O_FAILED = 24  # of a word of the workspace: the node at fault when a step or a start fails
-I_MAXIMUM_STEPS = 25
+I_MAXIMUM_STEPS = 25  # that a call may take, or a relaxation of a static start
 I_DRAG = 26  # 0 in vacuum: no water terms
 I_HYBRID = 27
 

@@ -15,6 +15,7 @@ from .layout import (
     I_FACTORISATIONS,
     I_FLOOR,
     I_ITERATIONS,
+    I_MAXIMUM_STEPS,
     I_NODES,
     I_PAYOUT,
     I_RIGID,
@@ -110,7 +111,7 @@ def relax(I, M, frame, damped, strict):
     calm = 0
     rounds = 0
     status = STATICS_FAILED
-    for _step in range(LARGEST_STEPS):
+    for _step in range(min(LARGEST_STEPS, I[I_MAXIMUM_STEPS])):
         inverse = 1.0 / dt
         for n in range(count):
             q[n] = q0[n]

@@ -1,9 +1,9 @@
 """What passes the tow point: the top element is split or joined, joints and bodies come and go.
 
-A joint, with a point body or none, leaves the drum when a tenth of an element of the cable above
-it is out, and is taken back when half of that is left. A body of finite length takes the place of
-the top element's end when a twentieth of it is out, then passes (passing.py); the cable above it
-comes when the body is out, and goes before it is taken in.
+A joint, with a point body or none, leaves the drum when a hundredth of an element of the cable
+above it is out, and is taken back when half of that is left. A body of finite length takes the
+place of the top element's end when a twentieth of it is out, then passes (passing.py); the cable
+above it comes when the body is out, and goes before it is taken in.
 """
 
 from .compile import kernel

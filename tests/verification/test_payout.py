@@ -115,6 +115,24 @@ def test_results_converge_with_the_tolerance():
     assert np.abs(runs[0] - runs[1]).max() <= 1e-3 * 72.0
 
 
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4])
+def test_a_body_leaves_the_drum_when_the_cable_below_it_is_out(tolerance):
+    """5 m and 17 m are out at 27.64 and 44.79 s; within .3 s the line bears its weight."""
+    scene = cm.load_scene("scenes/payout_with_bodies.yaml", [f"solver.tolerance={tolerance}"])
+    simulated = cm.CableModel(scene)
+    weight = 20.0
+    ramp = 0.35  # of cable, while the rate rises to 0.7 m/s from 20 to 21 s
+    for bodies, out in enumerate((5.0, 17.0), start=1):
+        leaves = 21.0 + (out - ramp) / 0.7
+        simulated.step_to(leaves - 0.01)
+        before = simulated.top_tension
+        assert len(simulated.bodies) == bodies
+        for part in (0.2, 0.25, 0.3):
+            simulated.step_to(leaves + part)
+        assert len(simulated.bodies) == bodies + 1
+        assert simulated.top_tension - before == pytest.approx(weight, rel=0.5)
+
+
 def test_a_winch_under_short_steps_makes_no_shocks():
     """In and out at 100 Hz under way: where elements are joined the tension goes on as it was.
 
