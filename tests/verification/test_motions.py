@@ -355,7 +355,7 @@ def test_folded_chain_falls_faster_than_free(separation, bending):
             cable,
             elements=400,
             density=0.0,
-            tolerance=1e-6,
+            tolerance=1e-4,
             initial={"points": points},
         )
     )
