@@ -20,7 +20,7 @@ HEADER = """# Run time against error
 
 For those who choose a simulator or a tolerance. Written by `make bench`
 (`python -m benchmarks`); the raw numbers are in
-[benchmarks/results.json](benchmarks/results.json). Cost is CPU seconds of stepping per simulated
+[results.json](FIGURES/results.json). Cost is CPU seconds of stepping per simulated
 second, in one process on one core, after a warm-up, median of the repeats; making the scene, its
 initial statics and reading the clock are not in it. Tip error is the largest distance of the free
 end from the reference over the length, tension error the largest error of the top tension over its
@@ -311,7 +311,7 @@ def write(
     names = {m.scene for m in results}
     scenes = [scene for name, scene in SCENES.items() if name in names]
     parts = [
-        HEADER,
+        HEADER.replace("FIGURES", figures.name),
         "## Machine\n\n" + table(("what", "value"), machine.items()),
         "## What was asked\n\n" + targets_table(scenes, results),
         "## Ratio to the peers at equal error of position\n\n" + ratio_table(scenes, results),
