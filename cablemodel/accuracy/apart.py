@@ -121,6 +121,8 @@ class Settled:
     """Of the runs [s]."""
     span: tuple[float, float] | None
     """First and last time between which the motion is not settled [s]."""
+    apart: float
+    """The tolerance that would allow the motion's differences between them."""
     taut_until: float
     """Time from which on tensions are not promised [s]; infinite if there is none."""
     tensions: tuple[Flags, Flags]
@@ -137,6 +139,7 @@ class Settled:
         time = fine.motion.time
         off = time[_near(fine.motion.over(limit))]
         span = (float(off[0]), float(off[-1])) if off.size else None
+        apart = float(np.max(fine.motion.values[~_outside(span, time)], initial=0.0))
         taut_until = fine.taut_until if static else float(time[0])
         top, along = (
             _outside(span, series.time) & ~_near(series.over(limit)) for series in fine.tensions
@@ -144,7 +147,7 @@ class Settled:
         at = [series.time[~ok] for series, ok in zip(fine.tensions, (top, along), strict=True)]
         snaps = np.union1d(*at)
         snaps = snaps[snaps < taut_until]
-        return cls(float(time[0]), float(time[-1]), span, taut_until, (top, along), snaps)
+        return cls(float(time[0]), float(time[-1]), span, apart, taut_until, (top, along), snaps)
 
     def judge(self, apart: Apart, limit: float) -> Judgement:
         """Whether the differences of a run are within a tolerance, where they can be judged."""

@@ -168,14 +168,13 @@ def _verdict(
 
 def _unsettled(own: float, fine: Row, reference: Row, settled: Settled) -> str:
     """Where nothing can be said about the motion, in a sentence; empty if there is no such time."""
-    if settled.span is None or fine.position is None:
+    if settled.span is None:
         return ""
     first, last = settled.span
     when = f"from t = {first:g} s on" if last >= settled.end else f"at t = {first:g} to {last:g} s"
-    apart, share = fine.position.largest, fine.position.share / own
     return (
         f"The motion does not converge {when}: even the runs at {fine.tolerance:g} and "
-        f"{reference.tolerance:g} are up to {apart:.2g} m apart, {share:.2g} times what {own:g} "
+        f"{reference.tolerance:g} differ by up to {settled.apart / own:.2g} times what {own:g} "
         "allows."
     )
 

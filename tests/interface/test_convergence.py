@@ -195,7 +195,7 @@ def test_what_two_of_the_finest_runs_dispute_is_unsettled(changed: type[Changed]
     assert report["outcome"] == "unsettled"
     assert report["unsettled"] == [4.0, 10.0]
     assert "does not converge from t = 4 s on" in report["conclusion"]
-    assert "0.1 m apart, 3.3 times what 0.001 allows" in report["conclusion"]
+    assert "differ by up to 3.3 times what 0.001 allows" in report["conclusion"]
     assert "not keep" not in report["conclusion"]
     # The same error of the scene's own run, if the finer ones agree, is one.
     changed.shift.clear()
