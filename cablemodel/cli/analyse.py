@@ -14,7 +14,7 @@ from cablemodel.cli.errors import FAILED, bad_option, reported
 from cablemodel.cli.files import writable
 from cablemodel.cli.inspect import RunArgument, say_incomplete
 from cablemodel.cli.numbers import readable
-from cablemodel.cli.run import seconds_of
+from cablemodel.cli.run import JsonOption, seconds_of
 
 if TYPE_CHECKING:
     from cablemodel.analysis import Cycles, Statistic
@@ -50,7 +50,7 @@ def stats(
     reference: Annotated[
         float, typer.Option(help="Reference of the fatigue curve, in N, such as the breaking load.")
     ] = 1.0,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Extremes of all outputs, and spectrum, cycles and fatigue of the top tension."""
     from cablemodel.run import open_run

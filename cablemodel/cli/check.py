@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import typer
@@ -12,7 +12,7 @@ import typer
 from cablemodel.cli.errors import reported
 from cablemodel.cli.numbers import readable
 from cablemodel.cli.plausibility import scene_warnings, start_warnings
-from cablemodel.cli.run import SceneArgument, SetOption, explained_start, fixed
+from cablemodel.cli.run import JsonOption, SceneArgument, SetOption, explained_start, fixed
 
 if TYPE_CHECKING:
     from cablemodel.model import CableModel, CableState
@@ -27,7 +27,7 @@ _INSTANTS = 201
 def check(
     scene: SceneArgument,
     overrides: SetOption = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Say what a scene holds, what will be skipped, its first tensions, and what looks wrong."""
     from cablemodel.errors import StaticsError

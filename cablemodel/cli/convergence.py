@@ -16,7 +16,14 @@ from cablemodel.cli.differences import difference_report
 from cablemodel.cli.errors import FAILED, bad_option, reported
 from cablemodel.cli.files import PICTURES, writable
 from cablemodel.cli.numbers import readable
-from cablemodel.cli.run import SceneArgument, SetOption, UntilOption, explained_start, seconds_of
+from cablemodel.cli.run import (
+    JsonOption,
+    SceneArgument,
+    SetOption,
+    UntilOption,
+    explained_start,
+    seconds_of,
+)
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -52,7 +59,7 @@ def convergence(
             show_default=False,
         ),
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+    as_json: JsonOption = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress.")] = False,
 ) -> None:
     """Run a scene at several tolerances; status 0 if its own keeps what it promises, else 1."""

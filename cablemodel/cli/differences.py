@@ -12,6 +12,7 @@ import typer
 from cablemodel.cli.errors import FAILED, bad_option, reported
 from cablemodel.cli.inspect import say_incomplete
 from cablemodel.cli.numbers import readable
+from cablemodel.cli.run import JsonOption
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -33,7 +34,7 @@ def diff(
             "moments.",
         ),
     ] = 0.0,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Compare two runs; status 0 if they agree within the tolerance, else 1."""
     from cablemodel.compare import compare

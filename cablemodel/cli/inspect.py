@@ -12,6 +12,7 @@ import typer
 
 from cablemodel.cli.errors import reported
 from cablemodel.cli.files import PICTURES, writable
+from cablemodel.cli.run import JsonOption
 
 if TYPE_CHECKING:
     from cablemodel.run import Run
@@ -60,7 +61,7 @@ def plot(
 @reported
 def info(
     run: RunArgument,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Say what a log holds, where it comes from, and whether it is complete."""
     from cablemodel.log.reader import LogFile

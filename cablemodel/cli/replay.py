@@ -11,7 +11,7 @@ import typer
 from cablemodel.cli.differences import check_tolerance, difference_report, difference_table
 from cablemodel.cli.errors import FAILED, reported
 from cablemodel.cli.inspect import RunArgument, say_incomplete
-from cablemodel.cli.run import explained_start
+from cablemodel.cli.run import JsonOption, explained_start
 
 if TYPE_CHECKING:
     from cablemodel.replay import Replay
@@ -30,7 +30,7 @@ def replay(
             show_default=False,
         ),
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Run a log again from its scene and inputs, and compare; status 0 if it agrees, else 1."""
     from cablemodel.replay import replay as replayed

@@ -31,6 +31,7 @@ SetOption = Annotated[
         show_default=False,
     ),
 ]
+JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
 UntilOption = Annotated[
     str | None,
     typer.Option(
