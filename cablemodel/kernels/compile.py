@@ -19,41 +19,11 @@ from numba.core import cgutils
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.compiler_machinery import AnalysisPass, register_pass
-from numba.core.targetconfig import ConfigStack
 from numba.core.typed_passes import AnnotateTypes
-from numba.core.types.functions import BaseFunction
 from numba.extending import intrinsic
 from numba.np.arrayobj import make_array, populate_array
 
 _intrinsic: Any = intrinsic  # for callers, what it makes takes one argument less
-
-
-def _resolve_calls_once() -> None:
-    """Have numba remember what a call of a built-in function means for given types.
-
-    It tries all templates anew for every operator in every kernel: a third of a compilation.
-    """
-    built_in: Any = BaseFunction
-    resolve = built_in.get_call_type
-    known: dict[Any, Any] = {}
-
-    def get_call_type(self: Any, context: Any, args: Any, kws: Any) -> Any:
-        flags = ConfigStack.top_or_none()
-        if kws or flags is None:
-            return resolve(self, context, args, kws)
-        # What is compiled for the call is compiled with these flags.
-        key = self, context, args, flags.forceinline, flags.no_cpython_wrapper
-        if key not in known:
-            found = resolve(self, context, args, kws)
-            known[key] = found, self._impl_keys[found.args]
-        found, meant = known[key]
-        self._impl_keys[found.args] = meant  # by which the call is compiled, the last one found
-        return found
-
-    built_in.get_call_type = get_call_type
-
-
-_resolve_calls_once()
 
 OPTIONS: dict[str, Any] = {
     "nopython": True,

@@ -95,12 +95,7 @@ def build(
         for platform in stale:
             thin = [made[machine] for machine in platform.machines]
             library = thin[0] if len(thin) == 1 else universal(thin)
-            _put(
-                platform,
-                folder,
-                library,
-                {"key": key, "arguments": dict(sorted(arguments.items()))},
-            )
+            _put(platform, folder, library, {"key": key, "arguments": arguments})
     return [folder / platform.name / platform.file for platform in platforms]
 
 
@@ -137,7 +132,8 @@ def _make(
                 for machine in platform.machines:
                     files = [job.result() for job in objects[machine]]
                     links[machine] = pool.submit(_link, platform, machine, files, work, progress)
-            return {machine: link.result() for machine, link in links.items()}, arguments
+            libraries = {machine: link.result() for machine, link in links.items()}
+            return libraries, dict(sorted(arguments.items()))
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise
