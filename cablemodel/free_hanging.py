@@ -120,7 +120,7 @@ def _lying(
     velocity = np.asarray(scene.motion().evaluate(0.0)[1], dtype=float)
     bottom = floor.height(float(start[0]), float(start[1]))
     current = laid_loads.water_velocity(scene, np.array([bottom]))[0]
-    behind = _behind(scene, velocity[:2], current[:2])
+    behind = laid_loads.behind(scene, velocity[:2], current[:2])
     dragged = laid_loads.is_dragged(scene)
     rise = np.array(laid_loads.slopes(scene, float(start[0]), float(start[1])))
     flow = current[:2] - (velocity[:2] if dragged else 0.0)
@@ -144,17 +144,6 @@ def _lying(
         way = plane * math.copysign(1.0, float(way @ plane))
     # Along the flow the drag is that along the cable.
     return way, max(0.0, float(load @ way) - along * speed * abs(float(flow @ way)) - holds)
-
-
-def _behind(scene: Scene, velocity: FloatArray, current: FloatArray) -> FloatArray:
-    """Away from where the vessel goes, else downstream, (2,)."""
-    way = scene.motion().horizontal_direction()
-    if way is None or float(np.hypot(*velocity)) > 0.0:
-        way = velocity
-    if not np.any(way):
-        way = -current
-    size = float(np.hypot(*way))
-    return np.array([-1.0, 0.0]) if size == 0.0 else -np.asarray(way, dtype=float) / size
 
 
 def _integrate(

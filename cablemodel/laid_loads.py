@@ -81,6 +81,17 @@ def water_velocity(scene: Scene, z: FloatArray) -> FloatArray:
     return np.stack([np.interp(z, current.z, now[:, i]) for i in range(3)], axis=-1)
 
 
+def behind(scene: Scene, velocity: FloatArray, current: FloatArray) -> FloatArray:
+    """Away from where the vessel goes, else downstream, (2,)."""
+    way = scene.motion().horizontal_direction()
+    if way is None or float(np.hypot(*velocity)) > 0.0:
+        way = velocity
+    if not np.any(way):
+        way = -current
+    size = float(np.hypot(*way))
+    return np.array([-1.0, 0.0]) if size == 0.0 else -np.asarray(way, dtype=float) / size
+
+
 def slopes(scene: Scene, x: float, y: float) -> tuple[float, float]:
     """Rise of the floor per metre towards x and y at a place [-]."""
     floor = scene.environment.floor

@@ -46,6 +46,8 @@ def first_points(scene: Scene, start: FloatArray, *, swept: bool = False) -> Flo
     if scene.end.kind == "anchor":
         bow = _load(scene, start) if swept else down
         return _sagging(start, np.asarray(scene.end.position, dtype=float), length, bow)
+    if scene.environment.waves is not None and not sinks(scene):
+        return _afloat(scene, start, length)
     top = scene.cables[0]
     if scene.vessel.connection.kind == "clamped" and not is_flexible(scene, top):
         direction = np.asarray(scene.vessel.connection.direction, dtype=float)
@@ -58,6 +60,23 @@ def first_points(scene: Scene, start: FloatArray, *, swept: bool = False) -> Flo
         if not pays_out(scene):
             return start + _bent_at_the_clamp(direction, down, layer, length)
     return np.array([start, start + length * down])
+
+
+def _afloat(scene: Scene, start: FloatArray, length: float) -> FloatArray:
+    """A free line that floats: up or down to still water, then along it, as the water drifts.
+
+    In a scene with waves there is air above the surface: straight up it would stand like a column.
+    """
+    height = float(start[2])
+    if abs(height) >= length:
+        return np.array([start, start - [0.0, 0.0, math.copysign(length, height)]])
+    velocity = scene.motion().evaluate(0.0)[1]
+    drift = (laid_loads.water_velocity(scene, np.zeros(1))[0] - velocity)[:2]
+    speed = float(np.hypot(*drift))
+    way = drift / speed if speed > 0.0 else laid_loads.behind(scene, np.zeros(2), np.zeros(2))
+    surface = np.array([start[0], start[1], 0.0])
+    end = surface + (length - abs(height)) * np.array([*way, 0.0])
+    return np.array([surface, end] if height == 0.0 else [start, surface, end])
 
 
 def _bent_at_the_clamp(

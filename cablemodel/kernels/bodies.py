@@ -31,7 +31,7 @@ from .layout import (
     S_GRAVITY,
     S_WATER_DENSITY,
 )
-from .waves import P_ACCELERATION, P_SLOPE, P_VELOCITY, P_WET, SMALLEST, wave_at
+from .waves import P_ACCELERATION, P_SLOPE, P_VELOCITY, P_WET, SMALLEST, wave_at, wet_at
 
 
 @kernel
@@ -147,11 +147,12 @@ def add_waves(I, M, row, x, y, z, rise, w):
     """Take the waves into relative flow and acceleration, w[3:9], of a body at a place.
 
     rise [m]: height of its upper end over its lower one. The band around the surface is a sphere
-    of the body's volume, and what it stands across. Leaves the point of `wave_at`.
+    of the body's volume, and what it stands across. Leaves the point of `wave_at` and `wet_at`.
     """
     volume = max(0.0, lift_of(M, row)) / (M[S_GRAVITY] * M[S_WATER_DENSITY])
     radius = math.pow(0.75 * volume / math.pi, 1.0 / 3.0)
-    wave_at(I, M, x, y, z, max(SMALLEST, radius + 0.5 * abs(rise)))
+    half = max(SMALLEST, radius + 0.5 * abs(rise))
+    wet_at(I, M, wave_at(I, M, x, y, z, half), half)
     at = I[O_MOTION]
     for i in range(I[I_DIMENSION]):
         w[3 + i] += M[at + P_VELOCITY + i]

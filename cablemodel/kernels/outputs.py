@@ -29,6 +29,7 @@ from .layout import (
     E_WEIGHT,
     EDGE_WORDS,
     ENERGY_WORDS,
+    GAUSS_WORDS,
     I_BODIES,
     I_DIMENSION,
     I_DRAG,
@@ -41,6 +42,7 @@ from .layout import (
     O_CONSTRAINT_RESIDUAL,
     O_EDGE,
     O_END_FORCE,
+    O_GAUSS,
     O_JOINT,
     O_MOTION,
     O_PARENT,
@@ -83,7 +85,7 @@ from .tables import (
     WEIGHT_P2,
 )
 from .vessel_clamp import add_clamp_moment, clamp_energy
-from .waves import P_ACCELERATION, P_VELOCITY, P_WET, band, buoyancy, displaced, wave_at
+from .waves import ACCELERATION, VELOCITY, WET, buoyancy, displaced, element_water
 
 
 @kernel
@@ -400,6 +402,7 @@ def energies(I, M, out):
     size = 2 * dimension
     nodes = I[I_NODES]
     w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
+    W = view(M, I[O_GAUSS], GAUSS_WORDS)
     for i in range(ENERGY_WORDS):
         out[i] = 0.0
     end_forces(I, M)
@@ -424,6 +427,8 @@ def energies(I, M, out):
         slope = M[I[O_TENSION] + 2 * node + 1]
         dry = M[edge + E_ADDED] if I[I_WAVES] != 0 else 0.0
         out[0] += 0.5 * h * (M[edge + E_MASS] - dry) * square(M, v0, v1, dimension, h)
+        if I[I_WAVES] != 0:
+            element_water(I, M, W, edge, view(M, q0, size), view(M, q1, size))
         e2 = 0.0
         for p in range(3):
             weight = h * WEIGHT[p]
@@ -447,12 +452,11 @@ def energies(I, M, out):
                 w[18 + i] += h * (M[a0 + d] * H1[p] + M[a1 + d] * H3[p])
                 g2 += w[i] * w[i]
             g = math.sqrt(g2)
-            current_at(I, M, height, w[12:15])
-            if I[I_WAVES] != 0:
-                rise = M[q1 + dimension - 1] - M[q0 + dimension - 1]
-                wave_at(I, M, w[15], w[16], height, band(I, M, edge, rise))
+            if I[I_WAVES] == 0:
+                current_at(I, M, height, w[12:15])
+            else:
                 for i in range(dimension):
-                    w[12 + i] += M[I[O_MOTION] + P_VELOCITY + i]
+                    w[12 + i] = W[VELOCITY + 4 * i + p]
             ut = 0.0
             for i in range(dimension):
                 w[i] /= g
@@ -473,7 +477,7 @@ def energies(I, M, out):
             out[1] += weight * strain_energy(M, edge, mean + slope * P1[p])
             out[2] += 0.5 * weight * M[edge + E_BENDING] * curvature
             if I[I_WAVES] != 0:
-                cable_in_waves(I, M, edge, weight, g, un, ut, height, w, out)
+                cable_in_waves(I, M, W, p, edge, weight, g, un, ut, height, w, out)
             elif I[I_DRAG] != 0:
                 root = math.sqrt(g)
                 fn = root * M[edge + E_DRAG_NORMAL] * un
@@ -542,20 +546,19 @@ def energies(I, M, out):
 
 
 @kernel
-def cable_in_waves(I, M, edge, weight, g, un, ut, height, w, out):
+def cable_in_waves(I, M, W, p, edge, weight, g, un, ut, height, w, out):
     """Energies of a piece of cable, and what the water takes from it; see `energies`.
 
-    weight: length of the piece [m]; w: tangent, -, velocity, relative flow (3 words each, at 0, 6
-    and 9), acceleration at 18; `wave_at` has been called.
+    weight: length of the piece [m], at Gauss point p; w: tangent, -, velocity, relative flow (3
+    words each, at 0, 6 and 9), acceleration at 18; W: what `element_water` has written.
     """
     dimension = I[I_DIMENSION]
-    water = I[O_MOTION] + P_ACCELERATION
     mass = M[edge + E_MASS] - M[edge + E_ADDED]
     at = 0.0
     wt = 0.0
     for i in range(dimension):
         at += w[18 + i] * w[i]
-        wt += M[water + i] * w[i]
+        wt += W[ACCELERATION + 4 * i + p] * w[i]
     out[3] += weight * mass * M[S_GRAVITY] * (height + M[S_BASE + 2])
     added = M[edge + E_ADDED]
     driven = added + displaced(I, M, edge)
@@ -564,9 +567,10 @@ def cable_in_waves(I, M, edge, weight, g, un, ut, height, w, out):
     power = buoyancy(M, edge) * w[6 + dimension - 1]
     for i in range(dimension):
         force = fn * (w[9 + i] - ut * w[i]) + ft * w[i]
-        force += driven * (M[water + i] - wt * w[i]) - added * (w[18 + i] - at * w[i])
+        force += driven * (W[ACCELERATION + 4 * i + p] - wt * w[i])
+        force -= added * (w[18 + i] - at * w[i])
         power += force * w[6 + i]
-    out[5] -= weight * M[I[O_MOTION] + P_WET] * power
+    out[5] -= weight * W[WET + p] * power
 
 
 @kernel

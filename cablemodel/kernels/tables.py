@@ -86,6 +86,12 @@ CONTACT_H = np.ascontiguousarray(_shape(CONTACT_POINTS).T)
 STIFFENING, STEEPEST = 4.0, 5.0  # of contact below the floor: see `contact.contact_law`
 
 
+# The wet part of an element: a cubic of a quadratic, times a quadratic, is of degree 8.
+_WET = np.polynomial.legendre.leggauss(5)
+WET_POINTS = 0.5 + 0.5 * _WET[0]
+WET_WEIGHTS = 0.5 * _WET[1]
+
+
 def _tableau(gamma, rows, embedded, stages):
     """Rows of an ESDIRK tableau in six columns; the last row is the solution (stiffly accurate)."""
     a = np.zeros((6, 6))

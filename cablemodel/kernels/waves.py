@@ -8,11 +8,7 @@ Airy waves over a depth h, k (x cos b + y sin b) - w t + phase = theta:
 accelerations are their derivatives in time at a fixed place. Above still water the motion is that
 at z = 0. A ramp in time takes the waves from calm water.
 
-Above the surface there is neither buoyancy nor drag nor added mass. A point is wet by a share s,
-a cubic from 0 to 1 over a band around the surface: a cable's diameter, widened in an element that
-stands across the surface by SPREAD of its height, so that its three Gauss points see the surface
-pass smoothly (the wet length is then right within 5 % of the element).
-
+Above the surface there is neither buoyancy nor drag nor added mass: a share s is wet (wetting.py).
 Loads per unit length on a cable, u relative velocity, a_w acceleration of the water, P across:
 
     s [drag(u) - ma P (a - a_w) + rho A P a_w] + s (m g - w) e_z - m g e_z
@@ -61,8 +57,8 @@ from .layout import (
     WAVE_WORDS,
 )
 from .tables import H0, H1, H2, H3
+from .wetting import share_at, wet_shares
 
-SPREAD = 0.25
 STILL = 16.0  # k |z| below which a component has died out: e^-16, 1e-7
 SMALLEST = 1e-3  # half of the band around the surface, at least [m]
 
@@ -92,11 +88,12 @@ def set_wave_time(M, t):
 
 
 @outlined
-def wave_at(I, M, x, y, z, half):
+def wave_at(I, M, x, y, z, reach):
     """Waves at a place of the block's coordinates (planar: x along the plane, y is not read).
 
-    Writes velocity and acceleration of the water in the block's coordinates, the share that is
-    wet with a band of +- half [m], and its derivative upwards. Returns the elevation [m].
+    Writes velocity and acceleration of the water in the block's coordinates. Returns how deep the
+    place lies below the surface [m], or, where no trough comes within the reach [m] of it, below
+    still water: on the same element a crest's height less or more.
     """
     at = I[O_MOTION]
     planar = I[I_DIMENSION] == 2
@@ -108,7 +105,7 @@ def wave_at(I, M, x, y, z, half):
         y += M[S_BASE + 1]
     height = z + M[S_BASE + 2]
     level = max(min(height, 0.0), -M[S_WAVE_DEPTH])
-    near = height > -M[S_WAVE_CREST] - half
+    near = height > -2.0 * M[S_WAVE_CREST] - reach
     t = M[S_WAVE_TIME]
     surface = 0.0
     ux = 0.0
@@ -157,16 +154,16 @@ def wave_at(I, M, x, y, z, half):
         M[at + P_ACCELERATION] = ax
         M[at + P_ACCELERATION + 1] = ay
         M[at + P_ACCELERATION + 2] = az
-    surface *= share
-    depth = (surface - height) / half
-    M[at + P_WET] = 1.0
-    M[at + P_SLOPE] = 0.0
-    if depth <= -1.0:
-        M[at + P_WET] = 0.0
-    elif depth < 1.0:
-        M[at + P_WET] = 0.5 + depth * (0.75 - 0.25 * depth * depth)
-        M[at + P_SLOPE] = -0.75 * (1.0 - depth * depth) / half
-    return surface
+    return share * surface - height if near else -height
+
+
+@kernel
+def wet_at(I, M, depth, half):
+    """Write the share that is wet at a depth with a band of +- half [m], and its slope upwards."""
+    at = I[O_MOTION]
+    share, rate = share_at(depth, half)
+    M[at + P_WET] = share
+    M[at + P_SLOPE] = -rate
 
 
 @kernel
@@ -176,10 +173,10 @@ def displaced(I, M, edge):
 
 
 @kernel
-def band(I, M, edge, rise):
-    """Half of the band around the surface [m] in an element that rises by `rise` [m]."""
+def band(I, M, edge):
+    """Half of the band around the surface [m]: of the cable's diameter."""
     square = displaced(I, M, edge) / (math.pi * M[S_WATER_DENSITY])
-    return max(SMALLEST, math.sqrt(square) + SPREAD * abs(rise))
+    return max(SMALLEST, math.sqrt(square))
 
 
 @kernel
@@ -195,20 +192,19 @@ def element_water(I, M, W, edge, x0, x1):
     up = dimension - 1
     at = I[O_MOTION]
     h = M[edge + E_LENGTH]
-    half = band(I, M, edge, x1[up] - x0[up])
     flow = M[at + 9 : at + 12]
     w = M[at + 16 : at + 19]
     for g in range(3):
         for i in range(dimension):
             w[i] = x0[i] * H0[g] + h * x0[dimension + i] * H1[g]
             w[i] += x1[i] * H2[g] + h * x1[dimension + i] * H3[g]
-        wave_at(I, M, w[0], w[1], w[up], half)
+        # No point is further than h from the rest of its element.
+        W[WET + g] = wave_at(I, M, w[0], w[1], w[up], h)
         current_at(I, M, w[up], flow)
         for i in range(dimension):
             W[VELOCITY + 4 * i + g] = flow[i] + M[at + P_VELOCITY + i]
             W[ACCELERATION + 4 * i + g] = M[at + P_ACCELERATION + i]
-        W[WET + g] = M[at + P_WET]
-        W[SLOPE + g] = M[at + P_SLOPE]
+    wet_shares(W, WET, SLOPE, band(I, M, edge))
 
 
 @outlined

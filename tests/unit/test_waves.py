@@ -14,7 +14,7 @@ from cablemodel.kernels import layout as at
 from cablemodel.kernels.bodies import body_jacobian, body_residual
 from cablemodel.kernels.compile import OPTIONS
 from cablemodel.kernels.system import set_time
-from cablemodel.kernels.waves import P_ACCELERATION, P_SLOPE, P_VELOCITY, P_WET, wave_at
+from cablemodel.kernels.waves import P_ACCELERATION, P_SLOPE, P_VELOCITY, P_WET, wave_at, wet_at
 from cablemodel.scene.sea import sea, wave_number
 
 GRAVITY = 9.80665
@@ -92,7 +92,9 @@ def test_a_regular_wave_is_the_closed_form():
 @numba.jit(**OPTIONS)
 def water(ints, reals, t, x, y, z, half):
     set_time(ints, reals, t)
-    return wave_at(ints, reals, x, y, z, half)
+    depth = wave_at(ints, reals, x, y, z, 1e3)
+    wet_at(ints, reals, depth, half)
+    return depth
 
 
 @pytest.mark.parametrize("planar", [None, False])
@@ -115,7 +117,7 @@ def test_kernel_sums_the_same_components(waves, planar):
         inner = local @ place
         x, z, y = inner[0], inner[-1], inner[1]
         half = 3.0
-        surface = water(ints, reals, t, x, y, z, half)
+        surface = place[2] + water(ints, reals, t, x, y, z, half)
         point = reals[ints[at.O_MOTION] :][:80]
         size = len(inner)
         velocity = point[P_VELOCITY : P_VELOCITY + size].copy()
