@@ -20,6 +20,9 @@ FloatArray = NDArray[np.float64]
 
 RESOLUTION = 8.0
 """Steps in the shortest period that carries energy, at least."""
+TALLEST = 4.0, 10.0
+"""Heights of an element at the surface: in crests, or in tau L, whichever allows more. Its wet part
+is known, wherever it ends; the load along it is not that of a cubic's nodes."""
 
 
 def fill(block: Block, waves: Sea | None) -> None:
@@ -49,8 +52,7 @@ def refine(scene: Scene, nodes: list[FloatArray], points: FloatArray) -> list[Fl
     """Nodes close enough to follow the waves where the first shape is near the surface.
 
     nodes: arc lengths of the nodes of every cable [m]; points: the first shape, (n, 3). An element
-    is at most 1/k long where waves reach (half a length deep), and half a wave high at the
-    surface.
+    is at most 1/k long where waves reach (half a length deep), and not too tall at the surface.
     """
     waves = sea(scene)
     if waves is None:
@@ -59,6 +61,7 @@ def refine(scene: Scene, nodes: list[FloatArray], points: FloatArray) -> list[Fl
     arc *= scene.line_length / arc[-1]
     number = 2.0 * math.pi / waves.length
     crest = 2.0 * math.sqrt(0.5 * float(np.sum(waves.amplitude**2)))  # half of hs, of a wave 1.4 a
+    tallest = max(TALLEST[0] * crest, TALLEST[1] * scene.solver.tolerance * scene.line_length)
     finer = []
     start = 0.0
     for cable, places in zip(scene.cables, nodes, strict=True):
@@ -70,7 +73,7 @@ def refine(scene: Scene, nodes: list[FloatArray], points: FloatArray) -> list[Fl
                 at_surface = ends.min() < crest and ends.max() > -crest
                 if number * ends.max() < -math.pi:
                     continue
-                tall = at_surface and abs(ends[1] - ends[0]) > crest
+                tall = at_surface and abs(ends[1] - ends[0]) > tallest
                 if number * (b - a) > 1.0 or tall:
                     split.append(0.5 * (a + b))
             if not split:

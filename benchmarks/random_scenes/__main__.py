@@ -4,7 +4,8 @@ Verdicts are kept in ``docs/stress/random_scenes.json``; a part of the seeds rep
 The section *Random scenes* of ``docs/stress.md`` is written from all that are kept.
 ``--only`` prints the scene and all about its outcome, and keeps nothing. ``--set 2`` judges another
 thousand scenes (seeds 1000 to 1999), to see whether what was made better for the first holds for
-scenes that nobody has looked at; their verdicts are printed and counted, not kept.
+scenes that nobody has looked at; their verdicts are printed and counted, not kept. ``--waves``
+judges 200 scenes in waves (from 10000 on), which have a file and a section of their own.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from collections import Counter
 from dataclasses import asdict
 from pathlib import Path
 
-from benchmarks.random_scenes.draw import COUNT, draw
+from benchmarks.random_scenes.draw import COUNT, IN_WAVES, draw
 from benchmarks.random_scenes.judge import Verdict
 from benchmarks.random_scenes.report import section
 from benchmarks.random_scenes.watch import search, work
@@ -23,6 +24,8 @@ from benchmarks.sections import write_section
 
 PAGE = Path("docs/stress.md")
 STORE = Path("docs/stress/random_scenes.json")
+STORE_IN_WAVES = Path("docs/stress/random_scenes_in_waves.json")
+COUNT_IN_WAVES = 200
 
 
 def show(verdict: Verdict) -> None:
@@ -39,7 +42,8 @@ def main() -> None:
     """Judge scenes; keep the verdicts."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.random_scenes", description=__doc__)
     parser.add_argument("--first", type=int, default=0, help="seed to begin with")
-    parser.add_argument("--count", type=int, default=COUNT, help="how many seeds from there on")
+    parser.add_argument("--count", type=int, help="how many seeds from there on")
+    parser.add_argument("--waves", action="store_true", help="scenes in waves")
     parser.add_argument("--only", help="show these seeds, with commas; keep nothing")
     parser.add_argument("--seeds", help="judge and keep these seeds, with commas")
     parser.add_argument("--again", help="judge anew those kept with these outcomes, with commas")
@@ -68,14 +72,18 @@ def main() -> None:
             show(verdict)
             outcomes[verdict.outcome] += 1
 
-        rows = range(chosen.first, min(chosen.first + chosen.count, COUNT))
+        rows = range(chosen.first, min(chosen.first + (chosen.count or COUNT), COUNT))
         search([start + row for row in rows], count)
         print(", ".join(f"{outcome}: {number}" for outcome, number in outcomes.most_common()))
         return
     kept = {}
-    if STORE.exists():
-        kept = {row["seed"]: row for row in json.loads(STORE.read_text())}
-    seeds = list(range(chosen.first, min(chosen.first + chosen.count, COUNT)))
+    store = STORE_IN_WAVES if chosen.waves else STORE
+    if store.exists():
+        kept = {row["seed"]: row for row in json.loads(store.read_text())}
+    most = COUNT_IN_WAVES if chosen.waves else COUNT
+    start = IN_WAVES if chosen.waves else 0
+    last = min(chosen.first + (chosen.count or most), most)
+    seeds = [start + row for row in range(chosen.first, last)]
     if chosen.seeds:
         seeds = [int(word) for word in chosen.seeds.split(",")]
     if chosen.again:
@@ -84,14 +92,15 @@ def main() -> None:
     def keep(verdict: Verdict) -> None:
         show(verdict)
         kept[verdict.seed] = asdict(verdict)
-        STORE.parent.mkdir(parents=True, exist_ok=True)
+        store.parent.mkdir(parents=True, exist_ok=True)
         rows = [kept[seed] for seed in sorted(kept)]
-        STORE.write_text(json.dumps(rows, indent=1) + "\n")
+        store.write_text(json.dumps(rows, indent=1) + "\n")
 
     if not chosen.report:
         search(seeds, keep)
     verdicts = [Verdict(**kept[seed]) for seed in sorted(kept)]
-    write_section(PAGE, "Stress", "Random scenes", section(verdicts, PAGE))
+    title = "Random scenes in waves" if chosen.waves else "Random scenes"
+    write_section(PAGE, "Stress", title, section(verdicts, PAGE, in_waves=chosen.waves))
     bad = [v.seed for v in verdicts if v.outcome in ("wrong", "crashed", "too slow")]
     if bad:
         raise SystemExit(f"{len(bad)} of {len(verdicts)} wrong, crashed or too slow; see {PAGE}")

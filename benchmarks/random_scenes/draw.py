@@ -1,8 +1,9 @@
 """Draw scenes: a Latin hypercube over cable, water, manoeuvre, winch, floor, bodies, tolerance.
 
 Scene number ``seed`` is a row of a fixed hypercube of :data:`COUNT` rows, so that a number always
-means the same scene: 0 to 999 are the search, 1000 to 1999 a second set, and so on. Rules of the
-solver that are made from the search are judged by scenes of another set. Quantities are drawn so
+means the same scene: 0 to 999 are the search, 1000 to 1999 a second set, and so on; from
+:data:`IN_WAVES` on they are in waves. Rules of the solver that are made from the search are judged
+by scenes of another set. Quantities are drawn so
 that every combination can be built: axial stiffness from the strain under a typical load, bending
 stiffness from that of a solid rod, sizes of bodies from the weight of the line. Nothing else is
 kept apart: slack, whips, snaps, cable that piles up on the floor and commands that the winch cannot
@@ -20,10 +21,13 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.random_scenes.sea import add_waves
 from benchmarks.scenes import GRAVITY
 
 COUNT = 1000
 """Rows of the hypercube."""
+IN_WAVES = 10 * COUNT
+"""First number of a scene in waves: all are in water, and its surface is at z = 0."""
 SEA = 1025.0
 """Density of sea water [kg/m3]: that of the cable is drawn relative to it."""
 
@@ -111,6 +115,8 @@ def draw(seed: int) -> Drawn:
     diameter = decades(u["diameter"], 0.004, 0.06)
     area = math.pi / 4.0 * diameter**2
     water = pick(u["medium"], (("water", 0.85), ("air", 0.1), ("vacuum", 0.05)))
+    if seed >= IN_WAVES:
+        water = "water"
     rho = {"water": SEA, "air": 1.2, "vacuum": 0.0}[water]
     cable = _cable_density(u)
     mass = cable * SEA * area
@@ -188,6 +194,7 @@ def draw(seed: int) -> Drawn:
         "tolerance": tolerance,
         "step": step,
     }
+    traits["waves"] = add_waves(scene, seed - IN_WAVES) if seed >= IN_WAVES else "none"
     shock = shock_time(scene, load)
     traits["shock"] = "shock" if shock < duration else "gentle"
     return Drawn(seed, scene, duration, step, tolerance, shock, traits)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.random_scenes.draw import COUNT, Drawn, draw
+from benchmarks.random_scenes.draw import Drawn, draw
 from benchmarks.random_scenes.judge import FINER, RUN_LIMIT, Verdict
 from benchmarks.report import number, table
 
@@ -17,7 +17,7 @@ OUTCOMES = ("completed", "refused", "stopped", "unsettled", "wrong", "too slow",
 COLOURS = ("#7fb77e", "#9db4c0", "#e0a458", "#d9d27a", "#c1443c", "#7d5ba6", "#222222")
 WORDS = (
     "manoeuvre", "medium", "model", "pay-out", "floor", "body", "end", "top", "current", "weight",
-    "EI", "shock",
+    "EI", "shock", "waves",
 )  # fmt: skip
 """Traits that are words: a row of the table for each value."""
 NUMBERS = ("length", "strain", "bending length", "tolerance", "step", "friction")
@@ -36,11 +36,20 @@ differ, so that there is nothing to judge by. Any of them again, with the scene 
 """
 
 
+IN_WAVES_HEADER = """Written by `make stress` (`python -m benchmarks.random_scenes --waves`). Scenes
+drawn and judged as above, all in water with a surface: regular waves or a JONSWAP sea of 3 to 15 s,
+up to 0.06 of their length and a fifth of the depth high, the tow point from 2 m below to 5 m above
+still water. Lines that float without tension have no shape at rest: most of what is refused.
+"""
+
+
 def outcome_table(rows: Sequence[tuple[Drawn, Verdict]]) -> str:
     """Outcomes in per cent for each value of each word."""
     lines = [_counts("all", [v for _, v in rows])]
     for word in WORDS:
         values = sorted({str(d.traits[word]) for d, _ in rows})
+        if values == ["none"]:
+            continue
         lines += [
             _counts(f"{word}: {value}", [v for d, v in rows if d.traits[word] == value])
             for value in values
@@ -150,18 +159,18 @@ LABELS = {
 }
 
 
-def section(verdicts: Sequence[Verdict], page: Path) -> str:
+def section(verdicts: Sequence[Verdict], page: Path, *, in_waves: bool = False) -> str:
     """The whole section; its figure lies beside the page."""
     rows = [(draw(v.seed), v) for v in verdicts]
-    picture = page.parent / page.stem / "random_scenes.png"
+    picture = page.parent / page.stem / f"random_scenes{'_in_waves' if in_waves else ''}.png"
     figure(rows, picture)
     judged = [v for v in verdicts if v.outcome in ("completed", "unsettled", "wrong")]
     part = np.mean([v.compared for v in judged]) if judged else math.nan
     whole = sum(v.compared > 0.99 for v in judged)
     return "\n".join(
         (
-            HEADER.format(limit=RUN_LIMIT),
-            f"{len(rows)} of {COUNT} scenes. Of the {len(judged)} that ran to their end, {whole} "
+            IN_WAVES_HEADER if in_waves else HEADER.format(limit=RUN_LIMIT),
+            f"{len(rows)} scenes. Of the {len(judged)} that ran to their end, {whole} "
             f"could be compared to the end, and {100 * part:.0f} % of all instants; comparing "
             "stops where the motion cannot be predicted or where a scene is already wrong.\n",
             f"![outcomes](stress/{picture.name})\n",

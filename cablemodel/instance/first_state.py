@@ -16,7 +16,7 @@ from cablemodel.instance import easier_ways, heading, laid_start
 from cablemodel.instance.attempts import Attempt
 from cablemodel.instance.frame import local
 from cablemodel.instance.line_tables import RIGID, STABILISATION
-from cablemodel.instance.scales import rate_at_start
+from cablemodel.instance.scales import rate_at_start, sinks
 from cablemodel.kernels import layout as at
 
 if TYPE_CHECKING:
@@ -53,13 +53,11 @@ def find_initial_state(block: Block, scene: Scene, attempt: Attempt) -> None:
         try:
             solve_static(block, scene, frame, attempt)
         except StaticsError:
-            slack = laid_shape.surplus(scene)
-            if slack == 0.0:
+            reason = _without_shape(scene)
+            if not reason:
                 raise
             raise StaticsError(
-                f"no static equilibrium was found: the line is {slack:g} m longer than straight "
-                "down and along the floor to its anchor, and slack has no single shape at rest; "
-                "give initial: {points: ...}, or a shorter line"
+                f"no static equilibrium was found: {reason}; give initial: {{points: ...}}"
             ) from None
     if _stabilise(block) and scene.initial.kind == "static":
         # The new stiffness changes the forces by a little: the state must meet them.
@@ -67,6 +65,22 @@ def find_initial_state(block: Block, scene: Scene, attempt: Attempt) -> None:
     count_from_zero(block)
     if ints[at.I_HYBRID] or ints[at.I_RIGID] or ints[at.I_PAYOUT]:
         entry.choose_bending(ints, reals)
+
+
+def _without_shape(scene: Scene) -> str:
+    """Why a line may have no single shape at rest: what of it is slack; empty if nothing is."""
+    slack = laid_shape.surplus(scene)
+    if slack > 0.0:
+        return (
+            f"the line is {slack:g} m longer than straight down and along the floor to its anchor, "
+            "and slack has no single shape at rest (a shorter line has one)"
+        )
+    if scene.environment.waves is not None and not sinks(scene):
+        return (
+            "the line floats, and what floats without tension has no single shape at rest (in a "
+            "current, or behind a vessel under way, it has one)"
+        )
+    return ""
 
 
 def steady_velocity(block: Block, scene: Scene) -> FloatArray:

@@ -114,7 +114,10 @@ def wave_at(I, M, x, y, z, reach):
     ax = 0.0
     ay = 0.0
     az = 0.0
-    for n in range(I[I_WAVES]):
+    share = M[S_WAVE_SHARE]
+    rise = M[S_WAVE_RISE]
+    calm = share == 0.0 and rise == 0.0  # as in static starts
+    for n in range(0 if calm else I[I_WAVES]):
         row = I[O_WAVES] + n * WAVE_WORDS
         k = M[row + W_NUMBER]
         deep = k * level < -STILL
@@ -137,8 +140,6 @@ def wave_at(I, M, x, y, z, reach):
         ax += frequency * along * M[row + W_X] * s
         ay += frequency * along * M[row + W_Y] * s
         az -= frequency * upward * c
-    share = M[S_WAVE_SHARE]
-    rise = M[S_WAVE_RISE]
     ax = share * ax + rise * ux
     ay = share * ay + rise * uy
     az = share * az + rise * uz
