@@ -25,6 +25,18 @@ def test_scene_completes_and_keeps_the_promise(seed: int) -> None:
     assert verdict.compared > 0.9
 
 
+@pytest.mark.parametrize("seed", [10000, 10005, 10008, 10016, 10020, 10120])
+def test_scene_in_waves_keeps_the_promise(seed: int) -> None:
+    drawn = draw(seed)
+    waves = drawn.scene["environment"]["waves"]
+    verdict = judge(drawn)
+
+    assert drawn.scene["environment"]["water_density"] > 1000.0
+    assert list(waves) == [drawn.traits["waves"]]
+    assert verdict.outcome == "completed", verdict.why
+    assert verdict.compared > 0.9
+
+
 # Wrong in what they held of energy, tension or position until that was cured; the motion of some is
 # not settled from some time on.
 CURED = {120: "energy", 274: "energy", 336: "energy", 400: "energy", 787: "energy",
