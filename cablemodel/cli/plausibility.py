@@ -45,7 +45,7 @@ def scene_warnings(scene: Scene) -> list[str]:
                 f"its mass ({kind.mass:g} kg/m) right?"
             )
         weight = kind.submerged_weight or 0.0
-        if weight < 0.0:
+        if weight < 0.0 and scene.environment.waves is None:  # a surface to float on
             found.append(f"cable type {name} floats: its submerged weight is {weight:g} N/m")
     return found
 

@@ -5,6 +5,7 @@ import pytest
 from scipy.optimize import brentq
 
 import cablemodel as cm
+from cablemodel.scene.sea import sea
 from tests.verification.touchdown_layer import touchdown_layer
 
 
@@ -84,6 +85,28 @@ def test_a_jumper_moves_with_the_waves():
     weight = np.where(air, kind.mass * 9.80665, kind.submerged_weight)
     hanging = np.trapezoid(weight, state.s[: lowest + 1])
     assert -start.top_force[2] == pytest.approx(hanging, rel=5e-3)
+
+
+def test_a_rope_floats_through_a_turn():
+    """Wet by what carries its weight in air, and in the surface wherever the waves take it."""
+    scene = load("floating_line_in_waves")
+    start = cm.CableModel(scene)
+    kind, afloat = scene.cable_types["rope"], start.sample(np.linspace(20.0, 110.0, 31))
+    air = kind.mass * 9.80665
+    wet = air / (air - kind.submerged_weight)
+    drag = 0.5 * 1025.0 * np.pi * kind.diameter * kind.drag_tangential * 1.5**2
+    np.testing.assert_allclose(-np.gradient(afloat.tension, 3.0), wet * drag, rtol=0.01)
+    assert start.top_tension == pytest.approx(303.0, abs=1.0)
+    field, tension, off = sea(scene), [], 0.0
+    for model in steps(scene):
+        tension.append(model.top_tension)
+        x, y, z = model.sample(np.linspace(20.0, 120.0, 21)).position.T
+        off = max(off, np.abs(field.elevation(model.time, x, y) - z).max())
+    assert off < 0.02
+    tension = np.array(tension)
+    assert tension[60:120].min() == pytest.approx(264.0, abs=2.0)
+    assert tension[60:120].max() == pytest.approx(354.0, abs=2.0)
+    assert tension.min() == pytest.approx(106.0, abs=2.0)
 
 
 def test_touchdown_has_the_papers_zero_tension():
