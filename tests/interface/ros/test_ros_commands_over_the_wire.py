@@ -82,13 +82,19 @@ class Watch:
             if status.name == f"cable: {name}"
         )
 
+    def known(self, name: str, key: str) -> list[str]:
+        """All values of it so far, the newest last."""
+        return [
+            str(item.value)
+            for array in self.diagnostics
+            for status in array.status
+            if status.name == f"cable: {name}"
+            for item in status.values
+            if item.key == key
+        ]
+
     def value(self, name: str, key: str) -> str:
-        for array in reversed(self.diagnostics):
-            for status in array.status:
-                for item in status.values:
-                    if status.name == f"cable: {name}" and item.key == key:
-                        return str(item.value)
-        raise KeyError(key)
+        return self.known(name, key)[-1]
 
 
 @pytest.fixture
@@ -97,6 +103,8 @@ def running(start_node: Start, talker: Talker) -> tuple[NodeProcess, Watch]:
                       limits__acceleration=1.0, limits__speed=2.0)  # fmt: skip
     watch = Watch(talker)
     wait_until(lambda: len(watch.tension) > 3, 300)
+    # Topics find their listeners one by one.
+    wait_until(lambda: watch.known("simulation", "simulated time [s]"))
     return node, watch
 
 
