@@ -16,16 +16,14 @@ from collections import Counter
 from dataclasses import asdict
 from pathlib import Path
 
-from benchmarks.random_scenes.draw import COUNT, IN_WAVES, draw
+from benchmarks.random_scenes.chance import COUNT
+from benchmarks.random_scenes.draw import draw
 from benchmarks.random_scenes.judge import Verdict
-from benchmarks.random_scenes.report import section
+from benchmarks.random_scenes.report import ALL, AT_SEA, section
 from benchmarks.random_scenes.watch import search, work
 from benchmarks.sections import write_section
 
 PAGE = Path("docs/stress.md")
-STORE = Path("docs/stress/random_scenes.json")
-STORE_IN_WAVES = Path("docs/stress/random_scenes_in_waves.json")
-COUNT_IN_WAVES = 200
 
 
 def show(verdict: Verdict) -> None:
@@ -42,7 +40,7 @@ def main() -> None:
     """Judge scenes; keep the verdicts."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.random_scenes", description=__doc__)
     parser.add_argument("--first", type=int, default=0, help="seed to begin with")
-    parser.add_argument("--count", type=int, help="how many seeds from there on")
+    parser.add_argument("--count", type=int, default=COUNT, help="how many seeds from there on")
     parser.add_argument("--waves", action="store_true", help="scenes in waves")
     parser.add_argument("--only", help="show these seeds, with commas; keep nothing")
     parser.add_argument("--seeds", help="judge and keep these seeds, with commas")
@@ -72,18 +70,17 @@ def main() -> None:
             show(verdict)
             outcomes[verdict.outcome] += 1
 
-        rows = range(chosen.first, min(chosen.first + (chosen.count or COUNT), COUNT))
+        rows = range(chosen.first, min(chosen.first + chosen.count, COUNT))
         search([start + row for row in rows], count)
         print(", ".join(f"{outcome}: {number}" for outcome, number in outcomes.most_common()))
         return
     kept = {}
-    store = STORE_IN_WAVES if chosen.waves else STORE
+    kind = AT_SEA if chosen.waves else ALL
+    store = kind.beside(PAGE, ".json")
     if store.exists():
         kept = {row["seed"]: row for row in json.loads(store.read_text())}
-    most = COUNT_IN_WAVES if chosen.waves else COUNT
-    start = IN_WAVES if chosen.waves else 0
-    last = min(chosen.first + (chosen.count or most), most)
-    seeds = [start + row for row in range(chosen.first, last)]
+    last = min(chosen.first + chosen.count, kind.count)
+    seeds = [kind.first + row for row in range(chosen.first, last)]
     if chosen.seeds:
         seeds = [int(word) for word in chosen.seeds.split(",")]
     if chosen.again:
@@ -99,8 +96,7 @@ def main() -> None:
     if not chosen.report:
         search(seeds, keep)
     verdicts = [Verdict(**kept[seed]) for seed in sorted(kept)]
-    title = "Random scenes in waves" if chosen.waves else "Random scenes"
-    write_section(PAGE, "Stress", title, section(verdicts, PAGE, in_waves=chosen.waves))
+    write_section(PAGE, "Stress", kind.title, section(kind, verdicts, PAGE))
     bad = [v.seed for v in verdicts if v.outcome in ("wrong", "crashed", "too slow")]
     if bad:
         raise SystemExit(f"{len(bad)} of {len(verdicts)} wrong, crashed or too slow; see {PAGE}")

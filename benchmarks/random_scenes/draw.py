@@ -3,11 +3,10 @@
 Scene number ``seed`` is a row of a fixed hypercube of :data:`COUNT` rows, so that a number always
 means the same scene: 0 to 999 are the search, 1000 to 1999 a second set, and so on; from
 :data:`IN_WAVES` on they are in waves. Rules of the solver that are made from the search are judged
-by scenes of another set. Quantities are drawn so
-that every combination can be built: axial stiffness from the strain under a typical load, bending
-stiffness from that of a solid rod, sizes of bodies from the weight of the line. Nothing else is
-kept apart: slack, whips, snaps, cable that piles up on the floor and commands that the winch cannot
-follow are all wanted.
+by scenes of another set. Quantities are drawn so that every combination can be built: axial
+stiffness from the strain under a typical load, bending stiffness from that of a solid rod, sizes of
+bodies from the weight of the line. Nothing else is kept apart: slack, whips, snaps, cable that
+piles up on the floor and commands that the winch cannot follow are all wanted.
 """
 
 from __future__ import annotations
@@ -15,17 +14,15 @@ from __future__ import annotations
 import functools
 import itertools
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from benchmarks.random_scenes.chance import COUNT, decades, latin_hypercube, pick
 from benchmarks.random_scenes.sea import add_waves
 from benchmarks.scenes import GRAVITY
 
-COUNT = 1000
-"""Rows of the hypercube."""
 IN_WAVES = 10 * COUNT
 """First number of a scene in waves: all are in water, and its surface is at z = 0."""
 SEA = 1025.0
@@ -65,25 +62,7 @@ class Drawn:
 @functools.cache
 def hypercube(number: int = 0) -> np.ndarray:
     """The rows of a set of scenes, (COUNT, len(COLUMNS)) in [0, 1); number 0 is the search."""
-    from scipy.stats import qmc
-
-    # A generator, not a number: its stream does not depend on SciPy's way to seed.
-    stream = np.random.default_rng(8 + number)
-    return np.asarray(qmc.LatinHypercube(len(COLUMNS), seed=stream).random(COUNT))
-
-
-def pick(u: float, shares: Sequence[tuple[str, float]]) -> str:
-    """The word in whose share of [0, 1) the number falls."""
-    for word, share in shares:
-        u -= share
-        if u < 0.0:
-            return word
-    return shares[-1][0]
-
-
-def decades(u: float, low: float, high: float) -> float:
-    """Between two positive numbers, even in the logarithm."""
-    return low * (high / low) ** u
+    return latin_hypercube(len(COLUMNS), 8 + number)
 
 
 def direction(heading: float, elevation: float) -> list[float]:
@@ -114,9 +93,9 @@ def draw(seed: int) -> Drawn:
     length = decades(u["length"], 3.0, 1000.0)
     diameter = decades(u["diameter"], 0.004, 0.06)
     area = math.pi / 4.0 * diameter**2
-    water = pick(u["medium"], (("water", 0.85), ("air", 0.1), ("vacuum", 0.05)))
-    if seed >= IN_WAVES:
-        water = "water"
+    in_waves = seed >= IN_WAVES
+    media = (("water", 1.0),) if in_waves else (("water", 0.85), ("air", 0.1), ("vacuum", 0.05))
+    water = pick(u["medium"], media)
     rho = {"water": SEA, "air": 1.2, "vacuum": 0.0}[water]
     cable = _cable_density(u)
     mass = cable * SEA * area
@@ -194,7 +173,7 @@ def draw(seed: int) -> Drawn:
         "tolerance": tolerance,
         "step": step,
     }
-    traits["waves"] = add_waves(scene, seed - IN_WAVES) if seed >= IN_WAVES else "none"
+    traits["waves"] = add_waves(scene, seed - IN_WAVES) if in_waves else "none"
     shock = shock_time(scene, load)
     traits["shock"] = "shock" if shock < duration else "gentle"
     return Drawn(seed, scene, duration, step, tolerance, shock, traits)

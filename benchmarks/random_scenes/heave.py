@@ -16,7 +16,8 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.random_scenes.draw import COUNT, Drawn, draw
+from benchmarks.random_scenes.chance import COUNT
+from benchmarks.random_scenes.draw import Drawn, draw
 from benchmarks.random_scenes.judge import FINER, taut_instants, tension_promise
 from benchmarks.random_scenes.trace import run
 from benchmarks.report import table

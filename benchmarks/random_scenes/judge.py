@@ -213,8 +213,8 @@ def hangs_free(drawn: Drawn) -> bool:
     """Whether nothing but the vessel carries the line once it has come to rest."""
     scene = drawn.scene
     environment = scene["environment"]
-    still = "current" not in environment and "waves" not in environment
-    still = still and environment["water_density"] > 100.0
+    moves = "current" in environment or "waves" in environment
+    still = not moves and environment["water_density"] > 100.0
     free = "floor" not in environment and "end" not in scene
     pinned = "connection" not in scene["vessel"]
     return still and free and pinned and abs(total_weight(drawn)) > 0.2 * _weights(drawn)

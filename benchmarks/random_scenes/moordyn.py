@@ -25,7 +25,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.random_scenes.draw import COUNT, Drawn, draw
+from benchmarks.random_scenes.chance import COUNT
+from benchmarks.random_scenes.draw import Drawn, draw
 from benchmarks.random_scenes.judge import FAINT, FINER, MOVED, RUN_LIMIT
 from benchmarks.random_scenes.report import OUTCOMES
 from benchmarks.random_scenes.trace import perturbed, run

@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from benchmarks.random_scenes.draw import Drawn, draw
+from benchmarks.random_scenes.chance import COUNT
+from benchmarks.random_scenes.draw import IN_WAVES, Drawn, draw
 from benchmarks.random_scenes.judge import FINER, RUN_LIMIT, Verdict
 from benchmarks.report import number, table
 
@@ -23,7 +25,7 @@ WORDS = (
 NUMBERS = ("length", "strain", "bending length", "tolerance", "step", "friction")
 """Traits that are numbers: a panel of the figure for each."""
 
-HEADER = """Written by `make stress` (`python -m benchmarks.random_scenes`). Scenes are drawn by a
+_HEADER = """Written by `make stress` (`python -m benchmarks.random_scenes`). Scenes are drawn by a
 Latin hypercube over cable (length 3 to 1,000 m, density 0.5 to 8 of the water's, EI 0 or up to that
 of a solid rod, EA from the strain under a typical load), medium, current, manoeuvre, winch, floor,
 bodies, ends, model, tolerance (1e-4 to 1e-2) and the caller's step; they last 5 to 60 s. How they
@@ -36,11 +38,33 @@ differ, so that there is nothing to judge by. Any of them again, with the scene 
 """
 
 
-IN_WAVES_HEADER = """Written by `make stress` (`python -m benchmarks.random_scenes --waves`). Scenes
+_IN_WAVES = """Written by `make stress` (`python -m benchmarks.random_scenes --waves`). Scenes
 drawn and judged as above, all in water with a surface: regular waves or a JONSWAP sea of 3 to 15 s,
 up to 0.06 of their length and a fifth of the depth high, the tow point from 2 m below to 5 m above
 still water. Lines that float without tension have no shape at rest: most of what is refused.
 """
+
+
+@dataclass(frozen=True)
+class Search:
+    """Scenes that are judged and told of together: ``count`` of them, from the number ``first`` on.
+
+    title: of their section; their file and their figure are named by it.
+    """
+
+    title: str
+    header: str
+    first: int
+    count: int
+
+    def beside(self, page: Path, suffix: str) -> Path:
+        """The file of that suffix, in the folder of the page's files."""
+        name = self.title.lower().replace(" ", "_")
+        return page.parent / page.stem / f"{name}{suffix}"
+
+
+ALL = Search("Random scenes", _HEADER.format(limit=RUN_LIMIT), 0, COUNT)
+AT_SEA = Search("Random scenes in waves", _IN_WAVES, IN_WAVES, 200)
 
 
 def outcome_table(rows: Sequence[tuple[Drawn, Verdict]]) -> str:
@@ -159,20 +183,21 @@ LABELS = {
 }
 
 
-def section(verdicts: Sequence[Verdict], page: Path, *, in_waves: bool = False) -> str:
+def section(search: Search, verdicts: Sequence[Verdict], page: Path) -> str:
     """The whole section; its figure lies beside the page."""
     rows = [(draw(v.seed), v) for v in verdicts]
-    picture = page.parent / page.stem / f"random_scenes{'_in_waves' if in_waves else ''}.png"
+    picture = search.beside(page, ".png")
     figure(rows, picture)
     judged = [v for v in verdicts if v.outcome in ("completed", "unsettled", "wrong")]
     part = np.mean([v.compared for v in judged]) if judged else math.nan
     whole = sum(v.compared > 0.99 for v in judged)
     return "\n".join(
         (
-            IN_WAVES_HEADER if in_waves else HEADER.format(limit=RUN_LIMIT),
-            f"{len(rows)} scenes. Of the {len(judged)} that ran to their end, {whole} "
-            f"could be compared to the end, and {100 * part:.0f} % of all instants; comparing "
-            "stops where the motion cannot be predicted or where a scene is already wrong.\n",
+            search.header,
+            f"{len(rows)} of {search.count} scenes. Of the {len(judged)} that ran to their end, "
+            f"{whole} could be compared to the end, and {100 * part:.0f} % of all instants; "
+            "comparing stops where the motion cannot be predicted or where a scene is already "
+            "wrong.\n",
             f"![outcomes](stress/{picture.name})\n",
             outcome_table(rows),
             wrong_table(verdicts),

@@ -8,17 +8,16 @@ from typing import Any
 
 import numpy as np
 
-GRAVITY = 9.80665
-ROWS = 1000
+from benchmarks.random_scenes.chance import COUNT, decades, latin_hypercube
+from benchmarks.scenes import GRAVITY
+
 STEEPEST = 0.06
 """Height of a wave over its length in deep water, at most: they break at 0.14 [-]."""
 
 
 @functools.cache
 def _hypercube(number: int) -> np.ndarray:
-    from scipy.stats import qmc
-
-    return np.asarray(qmc.LatinHypercube(5, seed=np.random.default_rng(80 + number)).random(ROWS))
+    return latin_hypercube(5, 80 + number)
 
 
 def add_waves(scene: dict[str, Any], place: int) -> str:
@@ -28,7 +27,7 @@ def add_waves(scene: dict[str, Any], place: int) -> str:
     high. The tow point is up to 2 m below and 5 m above still water, by a third of the length at
     most; all that is given relative to it goes with it.
     """
-    kind, period, height, level, heading = _hypercube(place // ROWS)[place % ROWS].tolist()
+    kind, period, height, level, heading = _hypercube(place // COUNT)[place % COUNT].tolist()
     length = sum(item["cable"]["length"] for item in scene["line"] if "cable" in item)
     rise = min(-2.0 + 7.0 * level, length / 3.0)
     environment, vessel = scene["environment"], scene["vessel"]
@@ -40,14 +39,15 @@ def add_waves(scene: dict[str, Any], place: int) -> str:
         depth = -floor["z"]
     if "end" in scene:
         scene["end"]["anchor"][2] += rise
-    seconds = 3.0 * 5.0**period
+    seconds = decades(period, 3.0, 15.0)
     highest = min(STEEPEST * GRAVITY * seconds**2 / (2.0 * math.pi), 0.2 * depth)
+    part = 30.0 ** (height - 1.0)
     waves = {"direction": 2.0 * math.pi * heading}
     if kind < 0.6:
         word = "regular"
-        waves |= {"height": highest * 30.0 ** (height - 1.0), "period": seconds}
+        waves |= {"height": highest * part, "period": seconds}
     else:
         word = "jonswap"
-        waves |= {"hs": 0.6 * highest * 30.0 ** (height - 1.0), "tp": seconds, "seed": place}
+        waves |= {"hs": 0.6 * highest * part, "tp": seconds, "seed": place}
     environment["waves"] = {word: waves}
     return word
