@@ -12,8 +12,6 @@ from cablemodel.kernels import layout as at
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-MOTION_WORDS = 80
-
 
 # Sizes of a block, each with the header word that holds it.
 SIZES = {
@@ -161,7 +159,7 @@ class Block(WordBlock):
             (at.O_INCREMENT, capacity * 6),
             (at.O_PROFILE, depths * 3),
             (at.O_GAUSS, at.GAUSS_WORDS),
-            (at.O_MOTION, MOTION_WORDS),
+            (at.O_MOTION, waves * at.WATER_COLUMNS + at.MOTION_WORDS),
             (at.O_TOP, 24 + at.BODY_WORDS),
             (at.O_END_FORCE, capacity * 6),
             (at.O_FAILED, 1),

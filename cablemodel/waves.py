@@ -36,16 +36,16 @@ def fill(block: Block, waves: Sea | None) -> None:
     reals[at.S_WAVE_STEP] = 2.0 * math.pi / fast / RESOLUTION
     reals[at.S_WAVE_DEPTH] = min(waves.depth, 1e300)
     reals[at.S_WAVE_CREST] = float(waves.amplitude.sum())
+    reals[at.S_WAVE_X : at.S_WAVE_Y + 1] = math.cos(waves.direction), math.sin(waves.direction)
     mirror = np.exp(-2.0 * waves.number * waves.depth)
-    rows = block.array(at.O_WAVES, len(waves.amplitude), at.WAVE_WORDS)
-    rows[:, at.W_AMPLITUDE] = waves.amplitude
-    rows[:, at.W_FREQUENCY] = waves.frequency
-    rows[:, at.W_NUMBER] = waves.number
-    rows[:, at.W_X] = waves.number * math.cos(waves.direction)
-    rows[:, at.W_Y] = waves.number * math.sin(waves.direction)
-    rows[:, at.W_PHASE] = waves.phase
-    rows[:, at.W_SPEED] = waves.amplitude * waves.frequency / (1.0 - mirror)
-    rows[:, at.W_MIRROR] = mirror
+    columns = block.array(at.O_WAVES, at.WAVE_WORDS, len(waves.number))
+    columns[at.W_AMPLITUDE] = waves.amplitude
+    columns[at.W_FREQUENCY] = waves.frequency
+    columns[at.W_NUMBER] = waves.number
+    columns[at.W_PHASE] = waves.phase
+    columns[at.W_SPEED] = waves.amplitude * waves.frequency / (1.0 - mirror)
+    columns[at.W_MIRROR] = mirror
+    columns[:] = columns[:, np.argsort(waves.number, kind="stable")]
 
 
 def refine(scene: Scene, nodes: list[FloatArray], points: FloatArray) -> list[FloatArray]:

@@ -8,7 +8,7 @@ the FMU's state and its serialisation are a copy of it.
 """
 
 MAGIC = 0x4C45444F4D454C42  # "BLEMODEL", little endian
-VERSION = 4
+VERSION = 5
 HEADER_WORDS = 96
 SCALAR_WORDS = 96
 
@@ -121,6 +121,7 @@ S_WAVE_RAMP = _S + 63  # time in which the waves come up [s]
 S_WAVE_STEP = _S + 64  # longest step that resolves them [s]
 S_WAVE_DEPTH = _S + 65  # water depth [m]
 S_WAVE_CREST = _S + 66  # sum of the amplitudes [m]
+S_WAVE_X, S_WAVE_Y = _S + 76, _S + 77  # their way, a horizontal unit vector
 S_SLEEP_AFTER = _S + 80  # time before which no more cable falls asleep [s]
 S_SLEEP_TENSION, S_SLEEP_SPARE = _S + 81, _S + 82  # at its end, what it may change by [N]
 S_SLEEP_WAY = _S + 83  # length of cable that lies awake before it [m]
@@ -154,12 +155,12 @@ PIECE_WORDS = 24
 P_START, P_END, P_KIND, P_DATA = 0, 1, 2, 3
 P_ACCELERATION_JUMP, P_VELOCITY_JUMP = 22, 23
 
-# Rows of the wave table: a component.
-WAVE_WORDS = 8
+# Columns of the wave table, one number for each component, in the order of k.
+WAVE_WORDS = 6
 W_AMPLITUDE, W_FREQUENCY, W_NUMBER = 0, 1, 2  # [m], [rad/s], k [rad/m]
-W_X, W_Y, W_PHASE = 3, 4, 5  # k towards x and y; phase at the origin at t = 0
-W_SPEED = 6  # amplitude times frequency / (1 - e^-2kh) [m/s]
-W_MIRROR = 7  # e^-2kh: the bottom's image
+W_PHASE = 3  # at the origin at t = 0
+W_SPEED = 4  # amplitude times frequency / (1 - e^-2kh) [m/s]
+W_MIRROR = 5  # e^-2kh: the bottom's image
 
 # Rows of the edge table: the element (or joint) that ties a node to its parent.
 EDGE_WORDS = 21
@@ -215,6 +216,10 @@ LAYER = 0.4  # smallest element in units of the touchdown layer (EI/w)^(1/3)
 # Words of the workspace at O_GAUSS: those of an element, then the water that it moves through.
 ELEMENT_WORDS = 768
 GAUSS_WORDS = ELEMENT_WORDS + 20
+
+# Words of the workspace at O_MOTION; then four columns for the components of the waves (airy.py).
+MOTION_WORDS = 80
+WATER_COLUMNS = 4
 
 # Status codes of the kernels.
 OK = 0

@@ -94,7 +94,6 @@ from .layout import (
     W_MIRROR,
     W_NUMBER,
     W_SPEED,
-    WAVE_WORDS,
 )
 from .strain import strain_and_slope
 from .waves import displaced
@@ -305,12 +304,12 @@ def water_leaves_alone(I, M, first):
         z = M[S_SLEEP_HIGH] + M[S_BASE + 2]
         speed = 0.0
         rate = 0.0
-        for n in range(I[I_WAVES]):
-            row = I[O_WAVES] + n * WAVE_WORDS
-            up = math.exp(M[row + W_NUMBER] * min(0.0, z))
-            orbital = M[row + W_SPEED] * (up + M[row + W_MIRROR] / up)
+        count = I[I_WAVES]
+        for n in range(I[O_WAVES], I[O_WAVES] + count):
+            up = math.exp(M[n + W_NUMBER * count] * min(0.0, z))
+            orbital = M[n + W_SPEED * count] * (up + M[n + W_MIRROR * count] / up)
             speed += orbital
-            rate += orbital * M[row + W_FREQUENCY]
+            rate += orbital * M[n + W_FREQUENCY * count]
         if speed * speed > 0.1 * flow or rate > 0.1 * push:
             return False
     return I[I_CURRENT] == 0 or flow_squared(I, M) <= CALM * flow

@@ -18,6 +18,7 @@ Sun & Leonard 1998, eqs. 22 and 23, with the Froude-Krylov term on the normal pa
 
 import math
 
+from .airy import living, sum_components
 from .compile import kernel, outlined
 from .environment import current_at
 from .layout import (
@@ -35,7 +36,6 @@ from .layout import (
     K_DISPLACED,
     O_CABLES,
     O_MOTION,
-    O_WAVES,
     S_BASE,
     S_GRAVITY,
     S_PLANE,
@@ -46,20 +46,12 @@ from .layout import (
     S_WAVE_RISE,
     S_WAVE_SHARE,
     S_WAVE_TIME,
-    W_AMPLITUDE,
-    W_FREQUENCY,
-    W_MIRROR,
-    W_NUMBER,
-    W_PHASE,
-    W_SPEED,
-    W_X,
-    W_Y,
-    WAVE_WORDS,
+    S_WAVE_X,
+    S_WAVE_Y,
 )
 from .tables import H0, H1, H2, H3
 from .wetting import share_at, wet_shares
 
-STILL = 16.0  # k |z| below which a component has died out: e^-16, 1e-7
 SMALLEST = 1e-3  # half of the band around the surface, at least [m]
 
 # Slots in the Gauss workspace, beyond those of both elements: four words each.
@@ -106,55 +98,28 @@ def wave_at(I, M, x, y, z, reach):
     height = z + M[S_BASE + 2]
     level = max(min(height, 0.0), -M[S_WAVE_DEPTH])
     near = height > -2.0 * M[S_WAVE_CREST] - reach
-    t = M[S_WAVE_TIME]
-    surface = 0.0
-    ux = 0.0
-    uy = 0.0
-    uz = 0.0
-    ax = 0.0
-    ay = 0.0
-    az = 0.0
     share = M[S_WAVE_SHARE]
     rise = M[S_WAVE_RISE]
-    calm = share == 0.0 and rise == 0.0  # as in static starts
-    for n in range(0 if calm else I[I_WAVES]):
-        row = I[O_WAVES] + n * WAVE_WORDS
-        k = M[row + W_NUMBER]
-        deep = k * level < -STILL
-        if deep and not near:
-            continue
-        frequency = M[row + W_FREQUENCY]
-        theta = M[row + W_X] * x + M[row + W_Y] * y - frequency * t + M[row + W_PHASE]
-        c = math.cos(theta)
-        s = math.sin(theta)
-        surface += M[row + W_AMPLITUDE] * c
-        if deep:
-            continue
-        up = math.exp(k * level)
-        down = M[row + W_MIRROR] / up
-        along = M[row + W_SPEED] * (up + down) / k
-        upward = M[row + W_SPEED] * (up - down)
-        ux += along * M[row + W_X] * c
-        uy += along * M[row + W_Y] * c
-        uz += upward * s
-        ax += frequency * along * M[row + W_X] * s
-        ay += frequency * along * M[row + W_Y] * s
-        az -= frequency * upward * c
-    ax = share * ax + rise * ux
-    ay = share * ay + rise * uy
+    count = I[I_WAVES] if near else living(I, M, level)
+    if share == 0.0 and rise == 0.0:  # as in static starts
+        count = 0
+    way = M[S_WAVE_X] * x + M[S_WAVE_Y] * y
+    surface, u, uz, du, az = sum_components(I, M, count, way, level)
+    a = share * du + rise * u
     az = share * az + rise * uz
+    u *= share
+    uz *= share
+    ahead = M[S_WAVE_X]
     if planar:
-        M[at + P_VELOCITY] = share * (M[S_PLANE] * ux + M[S_PLANE + 1] * uy)
-        M[at + P_VELOCITY + 1] = share * uz
-        M[at + P_ACCELERATION] = M[S_PLANE] * ax + M[S_PLANE + 1] * ay
-        M[at + P_ACCELERATION + 1] = az
+        ahead = ahead * M[S_PLANE] + M[S_WAVE_Y] * M[S_PLANE + 1]
     else:
-        M[at + P_VELOCITY] = share * ux
-        M[at + P_VELOCITY + 1] = share * uy
-        M[at + P_VELOCITY + 2] = share * uz
-        M[at + P_ACCELERATION] = ax
-        M[at + P_ACCELERATION + 1] = ay
-        M[at + P_ACCELERATION + 2] = az
+        M[at + P_VELOCITY + 1] = u * M[S_WAVE_Y]
+        M[at + P_ACCELERATION + 1] = a * M[S_WAVE_Y]
+    up = I[I_DIMENSION] - 1
+    M[at + P_VELOCITY] = u * ahead
+    M[at + P_VELOCITY + up] = uz
+    M[at + P_ACCELERATION] = a * ahead
+    M[at + P_ACCELERATION + up] = az
     return share * surface - height if near else -height
 
 

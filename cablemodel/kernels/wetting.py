@@ -81,9 +81,6 @@ def wet_shares(W, wet, slope, half):
             for p in range(5):
                 u = x + (end - x) * WET_POINTS[p]
                 share, rate = share_at(d1 + u * (b + u * c), half)
-                if depth >= half:
-                    share = 1.0
-                    rate = 0.0
                 part = 0.5 * (end - x) * WET_WEIGHTS[p]
                 outer = 0.5 * u / OUTER
                 inner = u * outer / OUTER

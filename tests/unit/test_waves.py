@@ -11,6 +11,7 @@ from scipy.integrate import quad
 import cablemodel as cm
 from cablemodel.errors import SceneError
 from cablemodel.kernels import layout as at
+from cablemodel.kernels.airy import STILL
 from cablemodel.kernels.bodies import body_jacobian, body_residual
 from cablemodel.kernels.compile import OPTIONS
 from cablemodel.kernels.system import set_time
@@ -134,6 +135,27 @@ def test_kernel_sums_the_same_components(waves, planar):
         above = point[P_WET]
         water(ints, reals, t, x, y, z - step, half)
         assert slope == pytest.approx((above - point[P_WET]) / (2 * step), abs=1e-6)
+
+
+@pytest.mark.parametrize("depth", [30.0, 4000.0])
+def test_sums_are_right_at_any_time_and_place(depth):
+    """Phases of 1e5 rad, and exponents down to where components have died out."""
+    given = scene(JONSWAP, depth=depth)
+    field = sea(given)
+    model = cm.CableModel(given, planar=False)
+    ints, reals = model._ints, model._reals
+    speed = float((field.amplitude * field.frequency).sum())
+    rng = np.random.default_rng(6)
+    for _ in range(200):
+        t = 10.0 ** rng.uniform(0.0, 5.0)
+        place = rng.uniform([-4000, -4000, -1], [4000, 4000, 0]) * [1, 1, min(depth, 400.0)]
+        water(ints, reals, t, *place, 1.0)
+        point = reals[ints[at.O_MOTION] :][P_VELOCITY : P_VELOCITY + 3]
+        gone = speed * math.exp(-STILL)
+        # The phase itself, of this size, is known to some bits of 2^-52.
+        known = 1e-12 + 4.0 * 2.0**-52 * (field.frequency[-1] * t + 6000.0 * field.number[-1])
+        error = np.abs(point - field.velocity(t, [place])[0]).max()
+        assert error < gone + known * speed
 
 
 def jonswap_density(w, hs, tp, gamma):
