@@ -1,4 +1,4 @@
-"""Guard against slower steps: instructions of three scenes, counted by valgrind.
+"""Guard against slower steps: instructions of four scenes, counted by valgrind.
 
 Times depend on the machine and on what else runs there; the instructions that the compiled library
 executes for given steps do not, so that a tenth more of them is a finding. Each scene's block is
@@ -54,10 +54,16 @@ def _laid() -> tuple[Any, list[float]]:
     return pay_out_scene(), [0.5 * k for k in range(1, 121)]
 
 
+def _in_waves() -> tuple[Any, list[float]]:
+    """The first ten seconds of a jumper in an irregular sea, at 10 Hz: its components' sums."""
+    return "scenes/jumper_in_waves.yaml", [0.1 * k for k in range(1, 101)]
+
+
 COUNTED: dict[str, Callable[[], tuple[Any, list[float]]]] = {
     "tow, adaptive": _towed,
     "turn, 100 Hz": _turned,
     "pay-out to the floor": _laid,
+    "irregular sea, 10 Hz": _in_waves,
 }
 
 
