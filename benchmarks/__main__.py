@@ -64,7 +64,8 @@ def main(given: Sequence[str] | None = None) -> None:
     # Parts may be measured at different times: each keeps the load that it ran under.
     loads: dict[str, str] = stored.get("loads", {})
     for part in parts:
-        loads[part] = described["load"]
+        some = part in work_precision.PARTS and len(names) < len(SCENES)
+        loads[f"{part} of {', '.join(names)}" if some else part] = described["load"]
 
     fresh: list[Measurement] = []
     for part in work_precision.PARTS:

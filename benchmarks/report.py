@@ -43,6 +43,9 @@ MOORDYN_NOTES = """## MoorDyn: how it was driven
   serialised state.
 - A coupled point moves with constant velocity during a coupling step, so that a moving vessel
   needs short ones (5 ms here) for its top tension; they cost nothing next to its own steps.
+- Waves (JW) are given to it from outside at its nodes, 100 times a second, which is not timed: its
+  own are stretched to the surface, ours are not, and of the water's acceleration it gets the part
+  across the line, as its force of the undisturbed water has a part along it.
 - Not like for like: MoorDyn has no factor sqrt(e) on the drag (it is compared with references
   without it; the factor moves S1 by 5e-6 L), and its segments never push.
 """
@@ -58,6 +61,7 @@ PEERS_NOTES = """## CableDyn, Exudyn, MuJoCo: what they can state
 | S3 pay-out to the floor | no pay-out | no pay-out | no drag, no pay-out | no Morison drag |
 | S4 turn out of a steady tow | yes | starts at rest only | no drag | no Morison drag |
 | J jumper (still water) | yes | yes | no drag | no Morison drag |
+| JW jumper in waves | yes | not where it is coupled | no drag | no Morison drag |
 
 - **CableDyn** (finite elements, generalised alpha, implicit): a line with bending must be held at
   both ends, so S1 is solved by its two-node elements with EI = 0 (bending moves the end by 2e-5 L);

@@ -21,6 +21,7 @@ MOORDYN_SEGMENTS = {
     "S2v": (10, 20, 40, 80, 160),
     "S4": (10, 20, 40, 80, 120),
     "J": (10, 20, 40, 80),
+    "JW": (10, 20, 40, 80),
 }
 MOORDYN_CURVES = (
     # The setting that the project's targets are stated against, and the cheapest stable one

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -68,6 +68,35 @@ class Target:
 
 
 @dataclass(frozen=True)
+class Wave:
+    """A regular Airy wave along x in deep water, a crest at the origin at t = 0 (SI units).
+
+    It comes up within its first period, by a quintic.
+    """
+
+    height: float
+    period: float
+
+    def share(self, time: float) -> tuple[float, float]:
+        """Of the full height, and its rate [1/s]."""
+        x = min(1.0, max(0.0, time / self.period))
+        rate = 30.0 * x**2 * (1.0 - x) ** 2 / self.period
+        return x**3 * (10.0 + x * (6.0 * x - 15.0)), rate
+
+    def water(self, time: float, points: Vector) -> tuple[Vector, Vector]:
+        """Velocity and acceleration of the water at points (n, 3), z from still water; (n, 3)."""
+        omega = 2.0 * math.pi / self.period
+        number = omega**2 / GRAVITY
+        share, rate = self.share(time)
+        theta = number * points[:, 0] - omega * time
+        speed = 0.5 * self.height * omega * np.exp(number * np.minimum(points[:, 2], 0.0))
+        still = np.zeros(len(points))
+        moving = np.stack([speed * np.cos(theta), still, speed * np.sin(theta)], axis=1)
+        change = omega * np.stack([speed * np.sin(theta), still, -speed * np.cos(theta)], axis=1)
+        return share * moving, share * change + rate * moving
+
+
+@dataclass(frozen=True)
 class BenchmarkScene:
     """A scene, the instants at which it is compared, and what is asked of it.
 
@@ -75,7 +104,8 @@ class BenchmarkScene:
     ``steady`` (see :meth:`starting_points`) or ``static`` (left to each simulator). ``target``:
     None where nothing is asked; ``goal``: what is aimed at beyond it. ``probe``: arc length of the
     point that is compared [m], None for the end. ``anchor``: where the end is held (3,) [m],
-    relative to the vessel's first place.
+    relative to the vessel's first place. ``wave``: what the water does; ``depth``: of the vessel's
+    first place below still water, where there is a surface [m].
     """
 
     name: str
@@ -92,6 +122,8 @@ class BenchmarkScene:
     kinks: tuple[float, ...] = ()
     probe: float | None = None
     anchor: tuple[float, float, float] | None = None
+    wave: Wave | None = None
+    depth: float = 100.0
 
     def starting_points(self, segments: int) -> Vector:
         """Nodes of the starting shape for a lumped-mass peer, relative to the vessel [m].
@@ -363,17 +395,20 @@ def _heave_share(time: float) -> tuple[float, float]:
     return 0.5 * (1.0 - math.cos(omega * time)), 0.5 * omega * math.sin(omega * time)
 
 
+JUMPER = Cable(
+    length=100.0,
+    diameter=0.1,
+    mass=20.0,
+    submerged_weight=117.0,
+    axial_stiffness=1e7,
+    bending_stiffness=1000.0,
+    drag_normal=1.1,
+    drag_tangential=0.01,
+)
+
+
 def _jumper() -> BenchmarkScene:
-    cable = Cable(
-        length=100.0,
-        diameter=0.1,
-        mass=20.0,
-        submerged_weight=117.0,
-        axial_stiffness=1e7,
-        bending_stiffness=1000.0,
-        drag_normal=1.1,
-        drag_tangential=0.01,
-    )
+    cable = JUMPER
     title = "J: a jumper of 100 m between an anchor and a top that heaves, in still water"
     instants = np.linspace(0.0, 24.0, 241).tolist()
     table = [{"t": t, "velocity": [0.0, 0.0, _heave_speed(t)]} for t in instants]
@@ -396,10 +431,40 @@ def _jumper() -> BenchmarkScene:
     )
 
 
+def _jumper_in_waves() -> BenchmarkScene:
+    # In water it weighs what it does in air less what floats: peers then have the wave's gravity.
+    floats = 1025.0 * math.pi / 4.0 * JUMPER.diameter**2
+    cable = replace(JUMPER, submerged_weight=(JUMPER.mass - floats) * GRAVITY)
+    wave = Wave(height=4.0, period=8.0)
+    depth = 10.0
+    title = "JW: the jumper, held 10 m below a regular wave of 4 m and 8 s; the seventh period"
+    vessel = {"position": [0.0, 0.0, -depth], "velocity": [{"t": 0.0, "velocity": [0.0, 0.0, 0.0]}]}
+    scene = _scene_dict(title, cable, 1025.0, "static", vessel, 56.0)
+    anchor = (60.0, 0.0, -40.0)
+    scene["end"] = {"anchor": [anchor[0], anchor[1], anchor[2] - depth]}
+    regular = {"height": wave.height, "period": wave.period}
+    scene["environment"]["waves"] = {"regular": regular}
+    return BenchmarkScene(
+        name="JW",
+        title=title,
+        cable=cable,
+        water_density=1025.0,
+        scene=scene,
+        times=(49.0, 50.0, 51.0, 52.0, 53.0, 54.0, 55.0, 56.0),
+        motion=_at_rest,
+        start_velocity=(0.0, 0.0, 0.0),
+        start="static",
+        probe=50.0,
+        anchor=anchor,
+        wave=wave,
+        depth=depth,
+    )
+
+
 SCENES: dict[str, BenchmarkScene] = {
     scene.name: scene
     for scene in (
         _tow(), _release_in_water(), _release_in_air(), _release_in_vacuum(), _laid(), _turn(),
-        _jumper(),
+        _jumper(), _jumper_in_waves(),
     )
 }  # fmt: skip

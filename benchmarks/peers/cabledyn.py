@@ -8,7 +8,8 @@ What is like for like, and what is not:
   must have EI = 0, and is of two-node elements: S1 is solved without bending, which moves its end
   by 2e-5 L at most.
 - Every run starts from CableDyn's own static equilibrium: the releases (S2w, S2a, S2v) and the
-  turn out of a steady tow (S4) cannot be stated. There is no pay-out (S3).
+  turn out of a steady tow (S4) cannot be stated. There is no pay-out (S3). Its own waves are
+  not for a model that is coupled to a host, as this one ("deck waves are not evaluated").
 - Water is there where the deck says ``WtrDpth``; the top is 100 m below the surface. Gravity is set
   so that the submerged weight is exact: g' = w / (m - rho pi d^2 / 4).
 - Driven in process through its Python class, one call per time step with the vessel's exact
@@ -30,8 +31,6 @@ from numpy.typing import NDArray
 
 from benchmarks.scenes import BenchmarkScene
 
-DEPTH_OF_TOP = 100.0
-"""Depth of the vessel's end below the surface [m]."""
 DEPTH = 2000.0
 """Water depth [m]."""
 
@@ -72,8 +71,8 @@ K {cable.diameter!r} {cable.mass!r} {cable.axial_stiffness!r} 0.0 {bending!r} \
 ---------------------- POINTS ----------------------
 ID Type X Y Z Mass Volume CdA Ca
 (#) (-) (m) (m) (m) (kg) (m^3) (m^2) (-)
-1 Coupled 0.0 0.0 {-DEPTH_OF_TOP!r} 0 0 0 0
-2 {kind} {end[0]!r} {end[1]!r} {end[2] - DEPTH_OF_TOP!r} 0 0 0 0
+1 Coupled 0.0 0.0 {-scene.depth!r} 0 0 0 0
+2 {kind} {end[0]!r} {end[1]!r} {end[2] - scene.depth!r} 0 0 0 0
 ---------------------- LINES ----------------------
 ID NodeA NodeB Outputs
 (#) (-) (-) (-)
@@ -112,7 +111,7 @@ class CableDynRunner:
         self._elements = settings.elements
         self._probe = scene.probe
         self._length = scene.cable.length
-        self._top = np.array([0.0, 0.0, -DEPTH_OF_TOP])
+        self._top = np.array([0.0, 0.0, -scene.depth])
         self._place = np.zeros(3)
         self._steps = 0
         self._plan = self._plan_inputs(scene, times, settings.time_step)

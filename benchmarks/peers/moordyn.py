@@ -7,13 +7,18 @@ What is like for like, and what is not:
   acceleration. Tangential drag is 1/2 rho Cdt (pi d) |u_t| u_t per length, as in cablemodel, so
   Cdt is passed on unchanged (MoorDyn's source, ``Line.cpp``: ``Dq = 0.25 vq rho Cdt pi d ...``
   per half segment). A segment never pushes: compression is cut to zero.
-- The top is 100 m below the surface, so that its surface logic plays no role, and far above
-  the bed. Gravity is set so that the submerged weight is exact:
+- The top is 100 m below the surface (10 m in waves of 2 m), so that its surface logic plays no
+  role, and far above the bed. Gravity is set so that the submerged weight is exact:
   g' = w / (m - rho pi d^2 / 4).
 - The starting shape is written into MoorDyn's serialised state (Serialize, Deserialize): its own
   ways of starting (catenary, dynamic relaxation) give none of these shapes exactly.
 - Coupled points move with constant velocity within a coupling step. Steps of ``coupling_step``
   carry the exact positions at both ends; a moving vessel needs them short for its top tension.
+- Waves are given from outside (WaveKin 1), at its nodes, 100 times a second, as of the middle of
+  that time: its own are stretched to the surface, ours are not. Its force of the undisturbed water
+  has a part along the line, ours has none (tension is that in the wall): of the acceleration it is
+  given the part across. Making them is not charged to it: they are kept from a run before, in which
+  nodes were where they are in the timed one.
 - The top force is the net force on the coupled point: the first segment's tension plus the
   weight and drag of half a segment, which converges with order two.
 """
@@ -33,10 +38,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.scenes import BenchmarkScene
+from benchmarks.scenes import BenchmarkScene, Wave
 
-DEPTH_OF_TOP = 100.0
-"""Depth of the vessel's end below the surface [m]."""
+WAVES_HELD = 0.01
+"""How long the water's motion at the nodes is held, about [s]."""
 BED = 2000.0
 """Water depth [m]."""
 
@@ -90,8 +95,8 @@ K {cable.diameter!r} {cable.mass!r} {cable.axial_stiffness!r} {damping!r} \
 ---------------------- POINTS ----------------------
 ID Type X Y Z Mass Volume CdA Ca
 (#) (-) (m) (m) (m) (kg) (m^3) (m^2) (-)
-1 Coupled 0 0 {-DEPTH_OF_TOP!r} 0 0 0 0
-2 {kind} {tip[0]!r} {tip[1]!r} {tip[2] - DEPTH_OF_TOP!r} 0 0 0 0
+1 Coupled 0 0 {-scene.depth!r} 0 0 0 0
+2 {kind} {tip[0]!r} {tip[1]!r} {tip[2] - scene.depth!r} 0 0 0 0
 ---------------------- LINES ----------------------
 ID LineType AttachA AttachB UnstrLen NumSegs LineOutputs
 (#) (name) (ID) (ID) (m) (-) (-)
@@ -104,6 +109,7 @@ ID LineType AttachA AttachB UnstrLen NumSegs LineOutputs
 {scene.water_density!r} rho
 {BED!r} WtrDpth
 {time_step!r} dtM
+{int(scene.wave is not None)} WaveKin
 0.5 dtIC
 600 TmaxIC
 1e-7 threshIC
@@ -134,11 +140,26 @@ def _silence() -> Iterator[None]:
 class MoorDynRunner:
     """One MoorDyn system at the scene's initial state."""
 
-    def __init__(self, scene: BenchmarkScene, times: Sequence[float], settings: Settings) -> None:
+    def __init__(
+        self,
+        scene: BenchmarkScene,
+        times: Sequence[float],
+        settings: Settings,
+        *,
+        rehearsal: bool = False,
+    ) -> None:
         import moordyn
 
+        self._waters: dict[float, list[Any]] = {}
+        self._wave = scene.wave if rehearsal else None
+        if scene.wave is not None and not rehearsal:
+            before = MoorDynRunner(scene, times, settings, rehearsal=True)
+            for time in times:
+                before.advance(time)
+            before.close()
+            self._waters = before._waters
         self._api: Any = moordyn
-        self._offset = np.array([0.0, 0.0, -DEPTH_OF_TOP])
+        self._offset = np.array([0.0, 0.0, -scene.depth])
         self._segments = settings.segments
         self._longest_step = settings.step_factor / highest_frequency(scene, settings.segments)
         self._directory = tempfile.TemporaryDirectory()
@@ -151,6 +172,8 @@ class MoorDynRunner:
             # Its own relaxation finds a static start; other starts are written into its state.
             begin = moordyn.Init if scene.start == "static" else moordyn.Init_NoIC
             begin(self._system, start, list(scene.start_velocity))
+            if scene.wave is not None:
+                moordyn.ExternalWaveKinInit(self._system)
         self._line = moordyn.GetLine(self._system, 1)
         if scene.start != "static":
             self._write_state(scene)
@@ -201,6 +224,8 @@ class MoorDynRunner:
         before = 0.0
         for until in times:
             longest = settings.coupling_step if moving else until - before
+            if scene.wave is not None:
+                longest = min(longest, WAVES_HELD)
             count = max(1, math.ceil((until - before) / longest - 1e-9))
             coupling = (until - before) / count
             # Whole internal steps in a coupling step: a remainder would cost a step of its own.
@@ -227,11 +252,34 @@ class MoorDynRunner:
         step = self._api.Step
         self._api.SetDt(system, internal)
         force = self._force
-        for position, velocity, instant in inputs:
-            force = step(system, position, velocity, instant, coupling)
+        if self._wave is not None:
+            waters = self._waters[time] = []
+            for position, velocity, instant in inputs:
+                waters.append(self._water(self._wave, instant + 0.5 * coupling))
+                self._api.ExternalWaveKinSet(system, *waters[-1], instant)
+                force = step(system, position, velocity, instant, coupling)
+        elif self._waters:
+            hold = self._api.ExternalWaveKinSet
+            for water, (position, velocity, instant) in zip(
+                self._waters[time], inputs, strict=True
+            ):
+                hold(system, *water, instant)
+                force = step(system, position, velocity, instant, coupling)
+        else:
+            for position, velocity, instant in inputs:
+                force = step(system, position, velocity, instant, coupling)
         self._force = force
         self._top = end
         self._steps += len(inputs) * round(coupling / internal)
+
+    def _water(self, wave: Wave, time: float) -> tuple[list[Any], list[Any]]:
+        """Velocity and acceleration across the line at the nodes, as lists (n, 3)."""
+        nodes = np.array(self._api.ExternalWaveKinGetCoordinates(self._system))
+        velocity, acceleration = wave.water(time, nodes)
+        along = np.gradient(nodes, axis=0)
+        along /= np.linalg.norm(along, axis=1)[:, None]
+        acceleration -= along * np.sum(along * acceleration, axis=1)[:, None]
+        return velocity.tolist(), acceleration.tolist()
 
     def tip(self) -> NDArray[np.float64]:
         """Free end, or the probe, relative to the vessel (3,) [m]."""

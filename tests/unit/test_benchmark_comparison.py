@@ -7,9 +7,11 @@ import math
 import numpy as np
 import pytest
 
+import cablemodel as cm
 from benchmarks.compare import cost_at, front, ratio
 from benchmarks.measure import Measurement
 from benchmarks.scenes import SCENES, steady_tow
+from cablemodel.scene.sea import sea
 
 
 def measured(error: float, cost: float, failure: str | None = None) -> Measurement:
@@ -64,3 +66,17 @@ def test_steady_start_of_a_peer_balances_weight_and_drag() -> None:
     # Without the factor sqrt(e) the angle is 36.00 deg; with it the reference has 35.998 deg.
     assert math.degrees(angle) == pytest.approx(36.0, abs=5e-3)
     assert direction == pytest.approx([-math.cos(angle), 0.0, -math.sin(angle)])
+
+
+def test_waves_that_peers_are_given_are_those_of_the_scene() -> None:
+    """Velocity as cablemodel's own sum, acceleration as its derivative in time, as it comes up."""
+    scene = SCENES["JW"]
+    assert scene.wave is not None
+    field = sea(cm.load_scene(scene.scene))
+    assert field is not None
+    points = np.array([[0.0, 0.0, -10.0], [30.0, 0.0, -45.0], [60.0, 5.0, -50.0]])
+    for time in (-1.0, 0.0, 2.0, 7.9, 8.0, 49.0):
+        velocity, acceleration = scene.wave.water(time, points)
+        np.testing.assert_allclose(velocity, field.velocity(time, points), atol=1e-12)
+        change = field.velocity(time + 1e-4, points) - field.velocity(time - 1e-4, points)
+        np.testing.assert_allclose(acceleration, change / 2e-4, atol=1e-6)
