@@ -36,6 +36,10 @@ ITERATIONS = 6
 """For the shape of a growing motion, whose rate is known."""
 ASIDE = 1e-6
 """Of the forces along an axis, those along the next one, by which a motion is sought."""
+MUCH = 0.3
+"""Of a motion's largest, what its side is read from: where it is largest depends on the mesh."""
+ACROSS = 1e-3
+"""Of a motion's largest, what counts as a motion along an axis."""
 SAME = 0.99
 """Cosine between two iterates of one that is found."""
 
@@ -47,8 +51,7 @@ class GrowingMotion:
     rate: float
     """It grows by exp(rate t) [1/s]."""
     motion: FloatArray
-    """Of the places and slopes of the nodes, (nodes, 2, dimension), the largest place moving by 1.
-    """
+    """Of places and slopes of the nodes, (nodes, 2, dimension): 1 where it is largest."""
     arc: float
     """Where that is: unstretched arc length from the vessel at the start [m]."""
 
@@ -116,10 +119,16 @@ class _Elimination:
         return x
 
 
-def growing_motion(block: Block) -> GrowingMotion | None:
+def growing_motion(block: Block, way: FloatArray | None = None) -> GrowingMotion | None:
     """The motion that grows fastest out of a block's state of rest; None: none was found.
 
     Costs one elimination, 25 us a node, where all is stable. The block stays as it is.
+
+    Args:
+        way: horizontal unit vector in the block's coordinates, (dimension,); None: along the first.
+            What may go any way goes that way, and of both senses of a motion this is the one in
+            which the last place that moves much does, a free end for one; if it moves across, to
+            the left, then up.
     """
     slowest = SLOWEST / float(block.reals[at.S_PERIOD])
     if is_held(block, slowest):
@@ -135,11 +144,17 @@ def growing_motion(block: Block) -> GrowingMotion | None:
             high = middle
         else:
             low = middle
-    motion = _motion(block, _Elimination(block, high))
+    axes = _axes(int(block.ints[at.I_DIMENSION]), way)
+    motion = _motion(_Elimination(block, high), axes)
     if motion is None:
         return None
+    sizes = np.linalg.norm(motion[:, 0], axis=1)
+    furthest = int(np.argmax(sizes))
+    motion /= sizes[furthest]
+    much = np.flatnonzero(sizes > MUCH * sizes[furthest])
+    components = axes @ motion[much[-1], 0]
+    motion *= np.sign(components[np.abs(components) > ACROSS][0])
     edges = block.array(at.O_EDGE, len(motion), at.EDGE_WORDS)
-    furthest = int(np.argmax(np.linalg.norm(motion[:, 0], axis=1)))
     arc = float(edges[furthest, at.E_START] + edges[furthest, at.E_LENGTH]) if furthest else 0.0
     return GrowingMotion(high, motion, arc)
 
@@ -178,17 +193,25 @@ def _hold(
     return projectors
 
 
-def _motion(block: Block, matrix: _Elimination) -> FloatArray | None:
-    """What A(l) hardly resists, by inverse iteration; None where there is no such motion.
+def _axes(dimension: int, way: FloatArray | None) -> FloatArray:
+    """A way, across it to the left, and up, (dimension, dimension)."""
+    if way is None:
+        return np.eye(dimension)
+    if dimension == 2:
+        return np.array([way, [0.0, 1.0]])
+    return np.array([way, [-way[1], way[0], 0.0], [0.0, 0.0, 1.0]])
 
-    It begins with forces along the block's first axis that grow along the cable, and hardly any
-    along the others: of a motion that may go any way, as a column's, it finds the one along that
-    axis, and to its side.
+
+def _motion(matrix: _Elimination, axes: FloatArray) -> FloatArray | None:
+    """What A(l) hardly resists, by inverse iteration, (nodes, 2, dimension); None: nothing.
+
+    It begins with forces along the first axis that grow along the cable, and hardly any along the
+    others.
     """
-    nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
-    forces = np.zeros((nodes, 2 * dimension))
-    forces[:, :dimension] = np.outer(np.arange(1.0, nodes + 1.0), ASIDE ** np.arange(dimension))
-    first, x, cosine = forces, forces, 0.0
+    nodes, dimension = len(matrix.pivots), len(axes)
+    x = np.zeros((nodes, 2 * dimension))
+    x[:, :dimension] = np.outer(np.arange(1.0, nodes + 1.0), ASIDE ** np.arange(dimension) @ axes)
+    cosine = 0.0
     for _iteration in range(ITERATIONS):
         forces = x / np.linalg.norm(x)
         x = matrix.solve(forces)
@@ -196,9 +219,4 @@ def _motion(block: Block, matrix: _Elimination) -> FloatArray | None:
         if not 0.0 < size < np.inf:
             return None
         cosine = float(np.sum(x * forces)) / size
-    if abs(cosine) < SAME:
-        return None
-    motion = x.reshape(nodes, 2, dimension)
-    if float(np.sum(x * first)) < 0.0:
-        motion = -motion
-    return np.asarray(motion / np.linalg.norm(motion[:, 0], axis=1).max(), dtype=np.float64)
+    return x.reshape(nodes, 2, dimension) if abs(cosine) > SAME else None

@@ -2,7 +2,7 @@
 
 A relaxation's long steps damp what grows, too, and may end where a column stands upright or a clamp
 has turned a line back further than it stays. Such a start is pushed a little along the motion that
-grows fastest, to the side that stability.py says and then to the other, and followed by implicit
+grows fastest, to the side behind the vessel and then to the other, and followed by implicit
 steps, each from rest and so short that nothing grows faster than they last, on elements that become
 shorter where it bends.
 """
@@ -25,9 +25,10 @@ from cablemodel.block import Block
 from cablemodel.errors import StaticsError, UnstableStartWarning
 from cablemodel.instance.first_shape import drawn_by_weight, graded
 from cablemodel.instance.first_state import count_from_zero, steady_velocity
+from cablemodel.instance.frame import earth, local
 from cablemodel.instance.refinement import refined, shape_of
 from cablemodel.kernels import layout as at
-from cablemodel.laid_loads import behind
+from cablemodel.laid_loads import behind, water_velocity
 from cablemodel.stability import SLOWEST, GrowingMotion, growing_motion, is_held
 
 if TYPE_CHECKING:
@@ -74,7 +75,8 @@ def left(block: Block, scene: Scene, ways: Ways) -> Block:
     Warns:
         UnstableStartWarning: no stable one was found; the block is as it was.
     """
-    first = growing_motion(block)
+    way = _way(block, scene)
+    first = growing_motion(block, way)
     if first is None:
         return block
     attempts: list[Callable[[], Block | None]] = [
@@ -88,7 +90,7 @@ def left(block: Block, scene: Scene, ways: Ways) -> Block:
             for _time in range(TIMES):
                 if found is None:
                     break
-                growing = growing_motion(found)
+                growing = growing_motion(found, way)
                 if growing is None:
                     return found
                 found = _fallen(found, scene, ways, growing, 1.0)
@@ -98,13 +100,21 @@ def left(block: Block, scene: Scene, ways: Ways) -> Block:
     return block
 
 
+def _way(block: Block, scene: Scene) -> FloatArray:
+    """Behind the vessel, else downstream, in the block's coordinates, (dimension,): where a line
+    goes that may go any way."""
+    position, velocity = scene.motion().evaluate(0.0)[:2]
+    current = water_velocity(scene, position[2:3])[0]
+    way = local(block, np.array([*behind(scene, velocity[:2], current[:2]), 0.0]), point=False)
+    if block.ints[at.I_DIMENSION] == 2:
+        way = np.array([math.copysign(1.0, float(way[0])), 0.0])
+    return way
+
+
 def _hung_by_weight(standing: Block, scene: Scene, ways: Ways) -> Block | None:
     """Start anew from where the line is drawn by what hangs or floats beyond each place."""
-    frame = standing.reals[at.S_PLANE : at.S_PLANE + 2]
-    way = behind(scene, np.zeros(2), np.zeros(2))
-    if standing.ints[at.I_DIMENSION] == 2:
-        way = math.copysign(1.0, float(way @ frame)) * frame
-    shape = drawn_by_weight(scene, scene.motion().evaluate(0.0)[0], way)
+    way = earth(standing, _way(standing, scene)[None])[0] - standing.reals[at.S_BASE :][:3]
+    shape = drawn_by_weight(scene, scene.motion().evaluate(0.0)[0], way[:2])
     if shape is None:
         return None
     nodes = graded(scene, _nodes_of(standing, scene), shape.bends, shape.layers)
