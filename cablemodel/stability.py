@@ -145,9 +145,9 @@ def growing_motion(block: Block, way: FloatArray | None = None) -> GrowingMotion
         else:
             low = middle
     axes = _axes(int(block.ints[at.I_DIMENSION]), way)
-    motion = _motion(_Elimination(block, high), axes)
-    if motion is None:
-        return None
+    motion, held = _motion(_Elimination(block, high), axes)
+    if held < SAME or _motion(_Elimination(block, low), axes)[1] > -SAME:
+        return None  # no resistance has changed its sign: complex ones have, of nodes alone
     sizes = np.linalg.norm(motion[:, 0], axis=1)
     furthest = int(np.argmax(sizes))
     motion /= sizes[furthest]
@@ -165,7 +165,11 @@ def is_held(block: Block, rate: float) -> bool:
     Of a state that is none of rest: whether an implicit step of the length 1 / rate leads on, and
     not back to what is at rest and unstable.
     """
-    return _Elimination(block, rate).negative() == 0
+    try:
+        with np.errstate(all="ignore"):
+            return _Elimination(block, rate).negative() == 0
+    except np.linalg.LinAlgError:  # a pivot is none, or no number
+        return False
 
 
 def _hold(
@@ -202,11 +206,12 @@ def _axes(dimension: int, way: FloatArray | None) -> FloatArray:
     return np.array([way, [-way[1], way[0], 0.0], [0.0, 0.0, 1.0]])
 
 
-def _motion(matrix: _Elimination, axes: FloatArray) -> FloatArray | None:
-    """What A(l) hardly resists, by inverse iteration, (nodes, 2, dimension); None: nothing.
+def _motion(matrix: _Elimination, axes: FloatArray) -> tuple[FloatArray, float]:
+    """What A(l) resists least, by inverse iteration, and whether it does or helps.
 
     It begins with forces along the first axis that grow along the cable, and hardly any along the
-    others.
+    others. Returns (nodes, 2, dimension), and the cosine between motion and forces: near 1 where A
+    resists, near -1 where it helps, something else where no single motion was found.
     """
     nodes, dimension = len(matrix.pivots), len(axes)
     x = np.zeros((nodes, 2 * dimension))
@@ -217,6 +222,6 @@ def _motion(matrix: _Elimination, axes: FloatArray) -> FloatArray | None:
         x = matrix.solve(forces)
         size = float(np.linalg.norm(x))
         if not 0.0 < size < np.inf:
-            return None
+            break
         cosine = float(np.sum(x * forces)) / size
-    return x.reshape(nodes, 2, dimension) if abs(cosine) > SAME else None
+    return x.reshape(nodes, 2, dimension), cosine

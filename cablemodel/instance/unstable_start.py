@@ -2,13 +2,15 @@
 
 A relaxation's long steps damp what grows, too, and may end where a column stands upright or a clamp
 has turned a line back further than it stays. Such a start is pushed a little along the motion that
-grows fastest, to the side behind the vessel and then to the other, and followed by implicit
-steps, each from rest and so short that nothing grows faster than they last, on elements that become
-shorter where it bends.
+grows fastest, to the side behind the vessel, and followed by implicit steps, each from rest and so
+short that nothing grows faster than they last, on elements that become shorter where it bends.
+What falls too far for that, as a line that floats under a sinker, begins anew from where weights
+draw it; or falls to the other side.
 """
 
 from __future__ import annotations
 
+import copy
 import itertools
 import math
 import warnings
@@ -44,7 +46,7 @@ TURN = 0.05
 """How far a slope is turned by that, at most."""
 SHARE = 0.7
 """The first step, in units of the time in which the motion grows by e."""
-STEPS = 150
+STEPS = 100
 """To the next equilibrium, at most."""
 SHORTEST = 1e-4
 """Step in units of the first one, below which there is no way on."""
@@ -52,8 +54,8 @@ AT_REST = 1e-6
 """What a long step moves a line by that has come to rest, in units of its length."""
 TIMES = 3
 """Equilibria that are left in turn, at most."""
-LARGEST_MESH = 300
-"""Nodes on the way, at most."""
+LARGEST_MESH = 60, 4.0
+"""Nodes on the way, at most: so many, and times those of the equilibrium that is left."""
 
 
 @dataclass(frozen=True)
@@ -65,8 +67,8 @@ class Ways:
     start: Callable[[Nodes, FloatArray], Block]
     """At the equilibrium near it, on a mesh that this refines; may raise StaticsError."""
     in_place: bool
-    """An equilibrium that a line has fallen to is not sought anew: what lies held by friction would
-    be laid once more, as it was before it fell."""
+    """An equilibrium that a line has fallen to on its own mesh is not sought anew: what lies held
+    by friction would be laid once more, as it was before it fell."""
 
 
 def left(block: Block, scene: Scene, ways: Ways) -> Block:
@@ -81,8 +83,8 @@ def left(block: Block, scene: Scene, ways: Ways) -> Block:
         return block
     attempts: list[Callable[[], Block | None]] = [
         partial(_fallen, block, scene, ways, first, 1.0),
-        partial(_fallen, block, scene, ways, first, -1.0),
         partial(_hung_by_weight, block, scene, ways),
+        partial(_fallen, block, scene, ways, first, -1.0),
     ]
     for attempt in attempts:
         try:
@@ -118,7 +120,13 @@ def _hung_by_weight(standing: Block, scene: Scene, ways: Ways) -> Block | None:
     if shape is None:
         return None
     nodes = graded(scene, _nodes_of(standing, scene), shape.bends, shape.layers)
-    return None if sum(map(len, nodes)) > LARGEST_MESH else ways.start(nodes, shape.points)
+    return None if _is_too_fine(nodes, standing) else ways.start(nodes, shape.points)
+
+
+def _is_too_fine(nodes: Nodes, standing: Block) -> bool:
+    """Whether a mesh is finer than a way off an equilibrium is worth."""
+    most = LARGEST_MESH[0] + LARGEST_MESH[1] * float(standing.ints[at.I_NODES])
+    return sum(map(len, nodes)) > most
 
 
 def _fallen(
@@ -126,8 +134,10 @@ def _fallen(
 ) -> Block | None:
     """A block at the equilibrium that a line falls to; None: it does not get there."""
     block = _fall(standing, scene, ways, growing, side)
-    if block is None or not ways.in_place:
-        return block and ways.start(_nodes_of(block, scene), shape_of(block))
+    if block is None:
+        return None
+    if not ways.in_place or block.ints[at.I_NODES] != standing.ints[at.I_NODES]:
+        return ways.start(_nodes_of(block, scene), shape_of(block))
     status = entry.equilibrium(block.ints, block.reals, steady_velocity(block, scene))
     count_from_zero(block)
     return block if status == at.OK else None
@@ -137,8 +147,7 @@ def _fall(
     standing: Block, scene: Scene, ways: Ways, growing: GrowingMotion, side: float
 ) -> Block | None:
     """Push a line off its equilibrium and follow it till it rests; None: it does not, or folds."""
-    block = Block.__new__(Block)
-    block.__setstate__(standing.ints.copy())
+    block = copy.deepcopy(standing)
     frame = steady_velocity(block, scene)
     length = float(block.reals[at.S_LENGTH])
     slowest = SLOWEST / float(block.reals[at.S_PERIOD])
@@ -148,7 +157,7 @@ def _fall(
     dt = SHARE / growing.rate
     shortest = SHORTEST * dt
     for _step in range(STEPS):
-        while not is_held(block, 1.0 / dt):
+        while dt > shortest and not is_held(block, 1.0 / dt):
             dt *= 0.5
         before = motion.copy()
         _step_from_rest(block, frame, dt)
@@ -156,7 +165,7 @@ def _fall(
         if moved == 0.0:  # it did not converge, or not without a fold
             finer = refined(block, scene, _nodes_of(block, scene))
             if finer is not None:
-                if sum(map(len, finer)) > LARGEST_MESH:
+                if _is_too_fine(finer, standing):
                     return None
                 block = ways.stand(finer, shape_of(block))
                 motion = _motion_of(block)
