@@ -130,7 +130,7 @@ def growing_motion(block: Block, way: FloatArray | None = None) -> GrowingMotion
             which the last place that moves much does, a free end for one; if it moves across, to
             the left, then up.
     """
-    slowest = SLOWEST / float(block.reals[at.S_PERIOD])
+    slowest = slowest_growth(block)
     if is_held(block, slowest):
         return None
     low, high = slowest, 2.0 * slowest
@@ -157,6 +157,11 @@ def growing_motion(block: Block, way: FloatArray | None = None) -> GrowingMotion
     edges = block.array(at.O_EDGE, len(motion), at.EDGE_WORDS)
     arc = float(edges[furthest, at.E_START] + edges[furthest, at.E_LENGTH]) if furthest else 0.0
     return GrowingMotion(high, motion, arc)
+
+
+def slowest_growth(block: Block) -> float:
+    """Growth that matters [1/s]."""
+    return SLOWEST / float(block.reals[at.S_PERIOD])
 
 
 def is_held(block: Block, rate: float) -> bool:

@@ -31,7 +31,7 @@ from cablemodel.instance.frame import earth, local
 from cablemodel.instance.refinement import refined, shape_of
 from cablemodel.kernels import layout as at
 from cablemodel.laid_loads import behind, water_velocity
-from cablemodel.stability import SLOWEST, GrowingMotion, growing_motion, is_held
+from cablemodel.stability import GrowingMotion, growing_motion, is_held, slowest_growth
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
@@ -77,6 +77,8 @@ def left(block: Block, scene: Scene, ways: Ways) -> Block:
     Warns:
         UnstableStartWarning: no stable one was found; the block is as it was.
     """
+    if is_held(block, slowest_growth(block)):
+        return block  # as nearly all are
     way = _way(block, scene)
     first = growing_motion(block, way)
     if first is None:
@@ -150,7 +152,7 @@ def _fall(
     block = copy.deepcopy(standing)
     frame = steady_velocity(block, scene)
     length = float(block.reals[at.S_LENGTH])
-    slowest = SLOWEST / float(block.reals[at.S_PERIOD])
+    slowest = slowest_growth(block)
     turned = float(np.linalg.norm(growing.motion[:, 1], axis=1).max())
     motion = _motion_of(block)
     motion += side * min(PUSH * length, TURN / max(turned, 1e-300)) * growing.motion

@@ -12,9 +12,8 @@ import pytest
 import cablemodel as cm
 from benchmarks.random_scenes.draw import draw
 from cablemodel.instance import build, unstable_start
-from cablemodel.kernels import layout as at
 from cablemodel.linearisation import small_motions
-from cablemodel.stability import SLOWEST, growing_motion
+from cablemodel.stability import growing_motion, slowest_growth
 from tests.verification.scenes import IDEAL, scene
 
 GREENHILL = 7.8373
@@ -41,8 +40,7 @@ def real_growth(block):
     blocks += [[-np.linalg.solve(mass, stiffness), -np.linalg.solve(mass, damping)]]
     rates = np.linalg.eigvals(np.block(blocks))
     real = rates.real[np.abs(rates.imag) <= 1e-6 * np.abs(rates.real)]
-    slowest = SLOWEST / block.reals[at.S_PERIOD]
-    return max((float(rate) for rate in real if rate > slowest), default=0.0)
+    return max((float(rate) for rate in real if rate > slowest_growth(block)), default=0.0)
 
 
 @pytest.fixture
