@@ -17,6 +17,7 @@ if TYPE_CHECKING:
         SceneError,
         StaticsError,
         StepError,
+        UnstableStartWarning,
     )
     from cablemodel.model import CableModel, CableState
     from cablemodel.parameter_sweep import sweep
@@ -32,6 +33,7 @@ _HOME = {
     "SceneError": "cablemodel.errors",
     "StaticsError": "cablemodel.errors",
     "StepError": "cablemodel.errors",
+    "UnstableStartWarning": "cablemodel.errors",
     "CableModel": "cablemodel.model",
     "CableState": "cablemodel.model",
     "convergence": "cablemodel.accuracy.study",
@@ -55,6 +57,7 @@ __all__ = [
     "SceneError",
     "StaticsError",
     "StepError",
+    "UnstableStartWarning",
     "__version__",
     "convergence",
     "load_scene",

@@ -105,6 +105,28 @@ def _rebuild_step_error(problem: str, state: dict[str, Any]) -> StepError:
     return StepError(problem, **state)
 
 
+class UnstableStartWarning(UserWarning):
+    """A static start is an equilibrium that the line leaves by itself, and no other was found.
+
+    Attributes: ``rate`` at which it does [1/s]: the least motion grows by exp(rate t);
+    ``arc_length`` [m] of the place along the cable that moves most.
+    """
+
+    def __init__(self, rate: float, arc_length: float) -> None:
+        super().__init__(rate, arc_length)
+        self.rate = rate
+        self.arc_length = arc_length
+
+    def __str__(self) -> str:
+        return (
+            f"the static start is an unstable equilibrium: what leaves it grows by e in "
+            f"{1.0 / self.rate:.3g} s (growth rate {self.rate:.3g} 1/s) and moves most "
+            f"{self.arc_length:g} m along the cable; no stable equilibrium was found near it. "
+            "The line will fall or snap off it during the run: check clamps, weights and "
+            "buoyancy, or start from initial: {straight: ...} or {points: ...}"
+        )
+
+
 class LogError(CableModelError):
     """A log that cannot be written or read."""
 

@@ -36,15 +36,30 @@ def natural_frequencies(
     return np.asarray(np.sqrt(np.maximum(values[:count], 0.0)), dtype=np.float64)
 
 
-def _newton_matrix(block: Block, of_velocity: float, of_acceleration: float) -> FloatArray:
-    """Stiffness and these multiples of damping and mass, over all nodes' unknowns, dense."""
+def newton_blocks(
+    block: Block, of_velocity: float, of_acceleration: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Stiffness and these multiples of damping and mass, before supports and hinges.
+
+    Returns each node's own block, what ties its parent to it (the parent's rows) and what ties it
+    to its parent, (nodes, size, size) each; size: places and slopes. The block stays as it is.
+    """
     ints = block.ints
     kept = block.image.copy()
     entry.assemble(ints, block.reals, of_velocity, of_acceleration)
     nodes, size = int(ints[at.I_NODES]), 2 * int(ints[at.I_DIMENSION])
-    diagonal = block.array(at.O_DIAGONAL, nodes, size, size).copy()
-    upper = block.array(at.O_UPPER, nodes, size, size).copy()
-    lower = block.array(at.O_LOWER, nodes, size, size).copy()
+    diagonal, upper, lower = (
+        block.array(place, nodes, size, size).copy()
+        for place in (at.O_DIAGONAL, at.O_UPPER, at.O_LOWER)
+    )
+    block.image[:] = kept
+    return diagonal, upper, lower
+
+
+def _newton_matrix(block: Block, of_velocity: float, of_acceleration: float) -> FloatArray:
+    """Stiffness and these multiples of damping and mass, over all nodes' unknowns, dense."""
+    diagonal, upper, lower = newton_blocks(block, of_velocity, of_acceleration)
+    nodes, size = diagonal.shape[:2]
     parent = block.integers(at.O_PARENT, nodes)
     joint = block.integers(at.O_JOINT, nodes)
     matrix = np.zeros((nodes * size, nodes * size))
@@ -55,7 +70,6 @@ def _newton_matrix(block: Block, of_velocity: float, of_acceleration: float) -> 
             above = slice(int(parent[node]) * size, (int(parent[node]) + 1) * size)
             matrix[above, rows] += upper[node]
             matrix[rows, above] += lower[node]
-    block.image[:] = kept
     return matrix
 
 

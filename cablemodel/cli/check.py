@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import warnings
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -30,15 +31,17 @@ def check(
     as_json: JsonOption = False,
 ) -> None:
     """Say what a scene holds, what will be skipped, its first tensions, and what looks wrong."""
-    from cablemodel.errors import StaticsError
+    from cablemodel.errors import StaticsError, UnstableStartWarning
     from cablemodel.model import CableModel
     from cablemodel.scene import load_scene
 
     loaded = load_scene(scene, overrides or ())
     try:
-        with explained_start(quiet=as_json):
+        with explained_start(quiet=as_json), warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", UnstableStartWarning)
             model = CableModel(loaded)
             report = _report(loaded, model)
+        report["warnings"] += [str(warning.message) for warning in caught]
     except StaticsError:
         # What looks wrong may well be why.
         _print_warnings(scene_warnings(loaded))
@@ -216,12 +219,12 @@ def _print_report(report: dict[str, Any]) -> None:
         console.print("No warnings.")
 
 
-def _print_warnings(warnings: list[str]) -> None:
+def _print_warnings(found: list[str]) -> None:
     from rich.console import Console
     from rich.markup import escape
 
     console = Console(highlight=False)
-    for warning in warnings:
+    for warning in found:
         console.print(f"[yellow]warning:[/yellow] {escape(warning)}", soft_wrap=True)
 
 

@@ -5,12 +5,14 @@ from __future__ import annotations
 import functools
 import os
 import sys
-from collections.abc import Callable
-from typing import ParamSpec
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any, ParamSpec
 
 import typer
 
-from cablemodel.errors import CableModelError, LogError, SceneError
+from cablemodel.errors import CableModelError, LogError, SceneError, UnstableStartWarning
 
 BAD_INPUT = 2
 FAILED = 1
@@ -37,7 +39,8 @@ def reported(command: Callable[Parameters, None]) -> Callable[Parameters, None]:
     @functools.wraps(command)
     def guarded(*args: Parameters.args, **kwargs: Parameters.kwargs) -> None:
         try:
-            command(*args, **kwargs)
+            with _warnings_in_words():
+                command(*args, **kwargs)
         except (typer.Exit, typer.BadParameter):
             raise  # typer knows what to do
         except KeyboardInterrupt:
@@ -64,6 +67,23 @@ def reported(command: Callable[Parameters, None]) -> Callable[Parameters, None]:
 def bad_option(name: str, problem: str) -> typer.BadParameter:
     """A wrong value of an option: typer shows it with the command's usage, exit status 2."""
     return typer.BadParameter(problem, param_hint=name)
+
+
+@contextmanager
+def _warnings_in_words() -> Iterator[None]:
+    """Warnings that are meant for users, without the place in the code."""
+    with warnings.catch_warnings():
+        usual = warnings.showwarning
+
+        def show(message: Any, category: type[Warning], *where: Any, **more: Any) -> None:
+            if issubclass(category, UnstableStartWarning):
+                typer.echo(f"cablemodel: warning: {message}", err=True)
+            else:
+                usual(message, category, *where, **more)
+
+        warnings.simplefilter("always", UnstableStartWarning)
+        warnings.showwarning = show
+        yield
 
 
 def _end(message: str, status: int, error: BaseException | None = None) -> None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -27,6 +29,8 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
+WIDE = 3.0
+"""Of a layer: half the length of cable in which a line that hangs and floats turns back."""
 LONG = 30.0
 """Of its bending layers: a clamped line that is longer hangs, a shorter one stands as a beam."""
 
@@ -60,6 +64,101 @@ def first_points(scene: Scene, start: FloatArray, *, swept: bool = False) -> Flo
         if not pays_out(scene):
             return start + _bent_at_the_clamp(direction, down, layer, length)
     return np.array([start, start + length * down])
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A first shape that goes up and down."""
+
+    points: FloatArray
+    """From the tow point outwards (n, 3) [m]."""
+    bends: list[float]
+    """Arc lengths of the cable at which it turns back [m]."""
+    layers: list[float]
+    """(EI/w)^(1/3) there [m]."""
+
+
+def drawn_by_weight(scene: Scene, start: FloatArray, way: FloatArray) -> Drawn | None:
+    """A free line in still water, up or down by what hangs or floats beyond each place.
+
+    It turns back in bends of a few layers (EI/w)^(1/3), towards a horizontal way (2,). None where
+    it goes one way throughout, which is the first shape, or has no stiffness to turn back with.
+    """
+    if scene.end.kind != "free":
+        return None
+    pull = 0.0  # of what is beyond, down
+    pieces = laid_loads.pieces(scene)
+    sections: list[tuple[float, bool]] = []  # where each begins, whether it goes down
+    for piece in reversed(pieces):
+        length = piece.end - piece.start
+        before = pull + piece.weight * (length or 1.0)
+        if length > 0.0 and pull * before < 0.0:
+            sections += [(piece.end + pull / piece.weight, pull > 0.0), (piece.start, before > 0.0)]
+        elif length > 0.0:
+            sections.append((piece.start, pull + before > 0.0))
+        pull = before
+    sections.reverse()
+    turns = [place for (_, down), (place, other) in itertools.pairwise(sections) if down != other]
+    line = [piece.end - piece.start for piece in pieces]
+    layers, bends = [], []
+    for place in turns:
+        arc = passed = 0.0
+        layer = 0.0
+        for item in scene.line:
+            if item.body is not None:
+                passed += 2.0 * item.body.half_length if place > arc + passed else 0.0
+            elif item.cable is not None:
+                arc += item.cable.length
+                if place <= arc + passed * (1.0 + 1e-12):
+                    kind = scene.cable_types[item.cable.type]
+                    if not is_flexible(scene, item.cable) and kind.submerged_weight != 0.0:
+                        layer = (kind.bending_stiffness / abs(kind.submerged_weight)) ** (1.0 / 3.0)
+                    break
+        if layer == 0.0:
+            return None
+        layers.append(layer)
+        bends.append(place - passed)
+    if not turns:
+        return None
+    length = math.fsum(line)
+    near = [
+        place + WIDE * layer * np.linspace(-6.0, 6.0, 241)
+        for place, layer in zip(turns, layers, strict=True)
+    ]
+    s = np.unique(np.clip(np.concatenate([np.linspace(0.0, length, 201), *near]), 0.0, length))
+    angle = np.full(len(s), 0.0 if sections[0][1] else math.pi)  # from straight down
+    back = 1.0 if sections[0][1] else -1.0
+    for place, layer in zip(turns, layers, strict=True):
+        angle += back * 0.5 * math.pi * (1.0 + np.tanh((s - place) / (WIDE * layer)))
+        back = -back
+    middle, step = 0.5 * (angle[1:] + angle[:-1]), np.diff(s)
+    aside, down = np.cumsum(step * np.sin(middle)), np.cumsum(step * np.cos(middle))
+    points = np.column_stack([np.outer(aside, way), -down])
+    return Drawn(start + np.vstack([np.zeros(3), points]), bends, layers)
+
+
+def graded(
+    scene: Scene, nodes: list[FloatArray], bends: list[float], layers: list[float]
+) -> list[FloatArray]:
+    """Cables' nodes (arc lengths from 0 to each one's length [m]) graded towards bends."""
+    finer, start = [], 0.0
+    for cable, places in zip(scene.cables, nodes, strict=True):
+        new = list(places)
+        while cable.elements is None:
+            split = [
+                0.5 * (a + b)
+                for a, b in itertools.pairwise(new)
+                if any(
+                    b - a > max(layer, 0.5 * max(start + a - bend, bend - start - b))
+                    for bend, layer in zip(bends, layers, strict=True)
+                )
+            ]
+            if not split:
+                break
+            new = sorted([*new, *split])
+        finer.append(np.array(new))
+        start += cable.length
+    return finer
 
 
 def _afloat(scene: Scene, start: FloatArray, length: float) -> FloatArray:

@@ -67,6 +67,15 @@ def find_initial_state(block: Block, scene: Scene, attempt: Attempt) -> None:
         entry.choose_bending(ints, reals)
 
 
+def stand_still(block: Block, scene: Scene) -> None:
+    """The state of a block whose nodes are placed, as they are, for a way to an equilibrium."""
+    from cablemodel import library as entry
+
+    entry.place_supports(block.ints, block.reals)
+    if block.ints[at.I_PAYOUT]:
+        block.reals[at.S_PAYOUT_RATE] = rate_at_start(scene)
+
+
 def _without_shape(scene: Scene) -> str:
     """Why a line may have no single shape at rest: what of it is slack; empty if nothing is."""
     slack = laid_shape.surplus(scene)

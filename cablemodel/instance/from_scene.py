@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,10 +12,10 @@ from numpy.typing import NDArray
 from cablemodel import laid_shape, sea_floor, waves
 from cablemodel.block import Block
 from cablemodel.errors import StaticsError
-from cablemodel.instance import line_tables, tables
+from cablemodel.instance import line_tables, tables, unstable_start
 from cablemodel.instance.attempts import Attempt, attempts
 from cablemodel.instance.first_shape import first_points, place_nodes
-from cablemodel.instance.first_state import find_initial_state
+from cablemodel.instance.first_state import find_initial_state, stand_still
 from cablemodel.instance.frame import vertical_plane
 from cablemodel.instance.line import Line, lay_out, spans_of
 from cablemodel.instance.refinement import (
@@ -69,31 +71,41 @@ def _built(scene: Scene, planar: bool | None, drum_room: float, attempt: Attempt
     nodes = waves.refine(scene, nodes, points)
     if attempt.halved:
         nodes = halved(scene, nodes)
-    block = _build_on(scene, nodes, points, scale, planar, drum_room, attempt)
+    find = partial(find_initial_state, scene=scene, attempt=attempt)
+    build_on = partial(_build_on, scene, scale=scale, planar=planar, drum_room=drum_room)
     if scene.initial.kind != "static":
+        return build_on(nodes, points, find=find)
+
+    def start(nodes: list[FloatArray], points: FloatArray) -> Block:
+        block = build_on(nodes, points, find=find)
+        for _round in range(ROUNDS):
+            finer = refined(block, scene, nodes)
+            if finer is None:
+                break
+            nodes = finer
+            block = build_on(nodes, shape_of(block), find=find)
+        refine_touchdown(block, scene, attempt)
         return block
-    for _round in range(ROUNDS):
-        finer = refined(block, scene, nodes)
-        if finer is None:
-            break
-        nodes = finer
-        block = _build_on(scene, nodes, shape_of(block), scale, planar, drum_room, attempt)
-    refine_touchdown(block, scene, attempt)
-    return block
+
+    stand = partial(build_on, find=partial(stand_still, scene=scene))
+    ways = unstable_start.Ways(stand, start, in_place=attempt.as_laid)
+    return unstable_start.left(start(nodes, points), scene, ways)
 
 
 def _build_on(
     scene: Scene,
     nodes: list[FloatArray],
     points: FloatArray,
+    *,
     scale: float,
     planar: bool | None,
     drum_room: float,
-    attempt: Attempt,
+    find: Callable[[Block], None],
 ) -> Block:
     """A block on given nodes, from a polyline (n, 3) [m] as the first guess of its shape.
 
-    nodes: arc lengths of the nodes of every cable [m], each from 0 to its length.
+    nodes: arc lengths of the nodes of every cable [m], each from 0 to its length. find: brings the
+    block to its first state, from that shape.
     """
     line = lay_out(scene, nodes)
     winch = winch_of(scene, line, drum_room)
@@ -114,7 +126,7 @@ def _build_on(
     sea_floor.fill(block, scene)
     waves.fill(block, sea(scene))
     sea_floor.place_of_rest(block, scene)
-    find_initial_state(block, scene, attempt)
+    find(block)
     return block
 
 

@@ -271,6 +271,24 @@ def test_check_warns(overrides: list[str], words: str) -> None:
     assert any(words in warning for warning in report["warnings"]), report["warnings"]
 
 
+def test_an_unstable_start_is_told_in_words(tmp_path: Path) -> None:
+    """By `check` with its other findings, by a run on standard error, without the place in code."""
+    scene = tmp_path / "sinker.yaml"
+    scene.write_text(
+        "cable_types: {K: {diameter: 0.03, mass: 0.55, submerged_weight: -4, drag_normal: 1.6,\n"
+        "  axial_stiffness: 1.6 MN, drag_tangential: 0.08, added_mass: 0.8}}\n"
+        "line: [{cable: {type: K, length: 200, model: cable}},\n"
+        "       {body: {mass: 12, submerged_weight: 80}}]\n"
+        "run: {duration: 0.01, output_interval: 0.01}\n"
+        "solver: {tolerance: 1e-2}\n"
+    )
+    report = json.loads(invoke("check", scene, "--json").stdout)
+    assert any("200 m along the cable" in warning for warning in report["warnings"])
+    result = invoke("run", scene)
+    assert result.exit_code == 0, result.output
+    assert "cablemodel: warning: the static start is an unstable equilibrium" in result.stderr
+
+
 def test_check_says_what_looks_wrong_where_there_is_no_start(tmp_path: Path) -> None:
     scene = tmp_path / "lay.yaml"
     scene.write_text(
