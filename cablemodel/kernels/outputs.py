@@ -85,7 +85,8 @@ from .tables import (
     WEIGHT_P2,
 )
 from .vessel_clamp import add_clamp_moment, clamp_energy
-from .waves import ACCELERATION, VELOCITY, WET, buoyancy, displaced, element_water
+from .waves import ACCELERATION, FORCE, VELOCITY, WET, buoyancy, displaced, element_water
+from .wet_drag import correct_drag
 
 
 @kernel
@@ -428,7 +429,12 @@ def energies(I, M, out):
         dry = M[edge + E_ADDED] if I[I_WAVES] != 0 else 0.0
         out[0] += 0.5 * h * (M[edge + E_MASS] - dry) * square(M, v0, v1, dimension, h)
         if I[I_WAVES] != 0:
-            element_water(I, M, W, edge, view(M, q0, size), view(M, q1, size))
+            x0 = view(M, q0, size)
+            x1 = view(M, q1, size)
+            element_water(I, M, W, edge, x0, x1)
+            for n in range(12):
+                W[FORCE + n] = 0.0
+            correct_drag(I, M, W, edge, x0, x1, view(M, v0, size), view(M, v1, size))
         e2 = 0.0
         for p in range(3):
             weight = h * WEIGHT[p]
@@ -550,7 +556,8 @@ def cable_in_waves(I, M, W, p, edge, weight, g, un, ut, height, w, out):
     """Energies of a piece of cable, and what the water takes from it; see `energies`.
 
     weight: length of the piece [m], at Gauss point p; w: tangent, -, velocity, relative flow (3
-    words each, at 0, 6 and 9), acceleration at 18; W: what `element_water` has written.
+    words each, at 0, 6 and 9), acceleration at 18; W: what `element_water` has written, and
+    what `correct_drag` has added to minus the loads.
     """
     dimension = I[I_DIMENSION]
     mass = M[edge + E_MASS] - M[edge + E_ADDED]
@@ -570,6 +577,7 @@ def cable_in_waves(I, M, W, p, edge, weight, g, un, ut, height, w, out):
         force += driven * (W[ACCELERATION + 4 * i + p] - wt * w[i])
         force -= added * (w[18 + i] - at * w[i])
         power += force * w[6 + i]
+        out[5] += weight * W[FORCE + 4 * i + p] * w[6 + i]
     out[5] -= weight * W[WET + p] * power
 
 
