@@ -78,7 +78,6 @@ from .tables import (
     WH,
 )
 from .waves import element_water, wave_loads, wet_rows
-from .wet_drag import correct_drag, count_by_drag
 
 TINY = 1e-30  # keeps |u_n| from dividing by zero
 
@@ -317,7 +316,6 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
             add_bending_forces(W, x0, x1, h, bending)
         if waves != 0:
             wave_loads(I, M, W, e, x0, x1, v0, v1, a0, a1)
-            correct_drag(I, M, W, e, x0, x1, v0, v1)
         elif drag != 0:
             if sheared:
                 element_current(I, M, W, x0, x1, h)
@@ -618,7 +616,6 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
         geometry(W, x0, x1, h)
         if waves != 0:
             element_water(I, M, W, e, x0, x1)
-            count_by_drag(W)
         elif drag != 0 and sheared:
             element_current(I, M, W, x0, x1, h)
         t0 = tension[2 * node]

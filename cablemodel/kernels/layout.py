@@ -215,7 +215,7 @@ LAYER = 0.4  # smallest element in units of the touchdown layer (EI/w)^(1/3)
 
 # Words of the workspace at O_GAUSS: those of an element, then the water that it moves through.
 ELEMENT_WORDS = 768
-GAUSS_WORDS = ELEMENT_WORDS + 20
+GAUSS_WORDS = ELEMENT_WORDS + 24
 
 # Words of the workspace at O_MOTION; then four columns for the components of the waves (airy.py).
 MOTION_WORDS = 80

@@ -85,8 +85,7 @@ from .tables import (
     WEIGHT_P2,
 )
 from .vessel_clamp import add_clamp_moment, clamp_energy
-from .waves import ACCELERATION, FORCE, VELOCITY, WET, buoyancy, displaced, element_water
-from .wet_drag import correct_drag
+from .waves import ACCELERATION, DRAG, VELOCITY, WET, buoyancy, displaced, element_water
 
 
 @kernel
@@ -429,12 +428,7 @@ def energies(I, M, out):
         dry = M[edge + E_ADDED] if I[I_WAVES] != 0 else 0.0
         out[0] += 0.5 * h * (M[edge + E_MASS] - dry) * square(M, v0, v1, dimension, h)
         if I[I_WAVES] != 0:
-            x0 = view(M, q0, size)
-            x1 = view(M, q1, size)
-            element_water(I, M, W, edge, x0, x1)
-            for n in range(12):
-                W[FORCE + n] = 0.0
-            correct_drag(I, M, W, edge, x0, x1, view(M, v0, size), view(M, v1, size))
+            element_water(I, M, W, edge, view(M, q0, size), view(M, q1, size))
         e2 = 0.0
         for p in range(3):
             weight = h * WEIGHT[p]
@@ -556,8 +550,7 @@ def cable_in_waves(I, M, W, p, edge, weight, g, un, ut, height, w, out):
     """Energies of a piece of cable, and what the water takes from it; see `energies`.
 
     weight: length of the piece [m], at Gauss point p; w: tangent, -, velocity, relative flow (3
-    words each, at 0, 6 and 9), acceleration at 18; W: what `element_water` has written, and
-    what `correct_drag` has added to minus the loads.
+    words each, at 0, 6 and 9), acceleration at 18; W: what `element_water` has written.
     """
     dimension = I[I_DIMENSION]
     mass = M[edge + E_MASS] - M[edge + E_ADDED]
@@ -572,13 +565,13 @@ def cable_in_waves(I, M, W, p, edge, weight, g, un, ut, height, w, out):
     fn = math.sqrt(g) * M[edge + E_DRAG_NORMAL] * un
     ft = math.sqrt(g) * M[edge + E_DRAG_TANGENTIAL] * abs(ut) * ut
     power = buoyancy(M, edge) * w[6 + dimension - 1]
+    drag = 0.0
     for i in range(dimension):
-        force = fn * (w[9 + i] - ut * w[i]) + ft * w[i]
-        force += driven * (W[ACCELERATION + 4 * i + p] - wt * w[i])
+        drag += (fn * (w[9 + i] - ut * w[i]) + ft * w[i]) * w[6 + i]
+        force = driven * (W[ACCELERATION + 4 * i + p] - wt * w[i])
         force -= added * (w[18 + i] - at * w[i])
         power += force * w[6 + i]
-        out[5] += weight * W[FORCE + 4 * i + p] * w[6 + i]
-    out[5] -= weight * W[WET + p] * power
+    out[5] -= weight * (W[WET + p] * power + W[DRAG + p] * drag)
 
 
 @kernel

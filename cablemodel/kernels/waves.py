@@ -13,6 +13,8 @@ Loads per unit length on a cable, u relative velocity, a_w acceleration of the w
 
     s [drag(u) - ma P (a - a_w) + rho A P a_w] + s (m g - w) e_z - m g e_z
 
+(drag with a share of its own where s is below 0).
+
 Sun & Leonard 1998, eqs. 22 and 23, with the Froude-Krylov term on the normal part.
 """
 
@@ -50,7 +52,7 @@ from .layout import (
     S_WAVE_Y,
 )
 from .tables import H0, H1, H2, H3
-from .wetting import share_at, wet_shares
+from .wetting import drag_shares, share_at, wet_shares
 
 SMALLEST = 1e-3  # half of the band around the surface, at least [m]
 
@@ -61,6 +63,7 @@ TANGENT = 16
 FORCE = 28
 ACCELERATION = ELEMENT_WORDS  # of the water: three slots
 WET, SLOPE = ELEMENT_WORDS + 12, ELEMENT_WORDS + 16  # share s, ds/dz
+DRAG = ELEMENT_WORDS + 20  # share by which drag counts
 
 # What `wave_at` writes at O_MOTION + POINT.
 POINT = 64
@@ -171,6 +174,7 @@ def element_water(I, M, W, edge, x0, x1):
             W[VELOCITY + 4 * i + g] = flow[i] + M[at + P_VELOCITY + i]
             W[ACCELERATION + 4 * i + g] = M[at + P_ACCELERATION + i]
     wet_shares(W, WET, SLOPE, band(I, M, edge))
+    drag_shares(W, WET, DRAG)
 
 
 @outlined
@@ -206,6 +210,8 @@ def wave_loads(I, M, W, edge, x0, x1, v0, v1, a0, a1):
         fn = root * M[edge + E_DRAG_NORMAL] * un
         ft = root * M[edge + E_DRAG_TANGENTIAL] * abs(ut) * ut
         s = W[WET + g]
+        fn *= W[DRAG + g]
+        ft *= W[DRAG + g]
         for i in range(dimension):
             d = dimension + i
             t = W[TANGENT + 4 * i + g]
@@ -214,7 +220,7 @@ def wave_loads(I, M, W, edge, x0, x1, v0, v1, a0, a1):
             across = added * (a - at * t)
             across -= (added + mass) * (W[ACCELERATION + 4 * i + g] - wt * t)
             # The elements' mass holds all of ma a.
-            W[FORCE + 4 * i + g] = s * (across - fn * (u - ut * t) - ft * t) - added * a
+            W[FORCE + 4 * i + g] = s * across - fn * (u - ut * t) - ft * t - added * a
         W[FORCE + 4 * (dimension - 1) + g] += (1.0 - s) * lift
 
 
@@ -223,14 +229,15 @@ def wet_rows(I, M, W, edge, motion, slope, width, ca):
     """Derivatives of wave_loads from those of a wet element in calm water.
 
     motion, slope: first words of its rows for the motion and for r', `width` apart, one for each
-    Gauss point: see the elements' tangent_matrices. The water's own gradients are left out.
+    Gauss point: see the elements' tangent_matrices. The water's own gradients are left out, and all
+    loads count by the shares of drag: it grows with the speed, and added mass is little beside all.
     """
     dimension = I[I_DIMENSION]
     h = M[edge + E_LENGTH]
     added = ca * M[edge + E_ADDED]
     lift = buoyancy(M, edge)
     for g in range(3):
-        s = W[WET + g]
+        s = W[DRAG + g]
         row = motion + width * g
         for n in range(dimension * dimension):
             W[row + n] *= s

@@ -8,7 +8,7 @@ with l_g the quadratic that is 1 at one of them and 0 at the others, x along the
 
 The Gauss rule with these shares integrates loads that are quadratic along the element over its wet
 part alone, so that they change smoothly while the surface climbs along it and on to the next,
-however long elements are. A share may be a little below 0 or above 1. d(x) is the quadratic through
+however long elements are. A share may be a little below 0 or above 1: see `drag_shares`. d(x) is the quadratic through
 the depths of the Gauss points.
 """
 
@@ -94,3 +94,25 @@ def wet_shares(W, wet, slope, half):
     for g in range(3):
         W[wet + g] /= WEIGHT[g]
         W[slope + g] /= WEIGHT[g]
+
+
+@kernel
+def drag_shares(W, wet, drag):
+    """The shares of an element's Gauss points by which drag counts, from those of its wet part.
+
+    Where little of an element is wet, or all but its middle, a share is below 0. Drag grows with
+    the square of the speed: with such a share it does work on a cable that moves fast there, the
+    more the faster it is, and the speed becomes infinite within a finite time. So drag has shares
+    that are never below 0: with the same length of the wet part and the same mean, or the nearest
+    that there is, and what is then nearest to its second moment. Where no share is below 0 they
+    are the same.
+    """
+    above = WEIGHT[0] * W[wet]
+    below = WEIGHT[2] * W[wet + 2]
+    length = max(0.0, above + WEIGHT[1] * W[wet + 1] + below)
+    # Moments of the wet part about the element's middle, in units of the outer points' distance.
+    first = max(-length, min(length, below - above))
+    second = max(abs(first), min(length, below + above))
+    W[drag] = 0.5 * (second - first) / WEIGHT[0]
+    W[drag + 1] = (length - second) / WEIGHT[1]
+    W[drag + 2] = 0.5 * (second + first) / WEIGHT[2]

@@ -9,8 +9,8 @@ from cablemodel.kernels import layout as at
 from cablemodel.kernels.compile import OPTIONS, view
 from cablemodel.kernels.system import set_time
 from cablemodel.kernels.tables import D0, D1, D2, D3, H0, H1, H2, H3, WEIGHT
-from cablemodel.kernels.waves import FORCE, STRETCH, TANGENT, WET, wave_loads
-from cablemodel.kernels.wet_drag import SHARE, correct_drag, set_drag_shares
+from cablemodel.kernels.waves import DRAG, FORCE, STRETCH, TANGENT, WET, wave_loads
+from cablemodel.kernels.wetting import drag_shares
 
 POINTS = np.sqrt(0.6) * np.array([-1.0, 0.0, 1.0])
 WEIGHTS = WEIGHT[:3]
@@ -18,7 +18,7 @@ WEIGHTS = WEIGHT[:3]
 
 @numba.jit(**OPTIONS)
 def give_shares(words):
-    set_drag_shares(words)
+    drag_shares(words, WET, DRAG)
 
 
 @numba.jit(**OPTIONS)
@@ -28,14 +28,13 @@ def loads(ints, reals, x0, x1, v0, v1, rest):
     words = view(reals, ints[at.O_GAUSS], at.GAUSS_WORDS)
     edge = ints[at.O_EDGE] + at.EDGE_WORDS
     wave_loads(ints, reals, words, edge, x0, x1, v0, v1, rest, rest)
-    correct_drag(ints, reals, words, edge, x0, x1, v0, v1)
 
 
 def shares(wet):
     words = np.zeros(at.GAUSS_WORDS)
     words[WET : WET + 3] = wet
     give_shares(words)
-    return words[SHARE : SHARE + 3]
+    return words[DRAG : DRAG + 3]
 
 
 def test_shares_of_drag_are_never_below_zero():
