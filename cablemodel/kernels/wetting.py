@@ -8,8 +8,8 @@ with l_g the quadratic that is 1 at one of them and 0 at the others, x along the
 
 The Gauss rule with these shares integrates loads that are quadratic along the element over its wet
 part alone, so that they change smoothly while the surface climbs along it and on to the next,
-however long elements are. A share may be a little below 0 or above 1: see `drag_shares`. d(x) is the quadratic through
-the depths of the Gauss points.
+however long elements are. A share may be a little below 0 or above 1: see `drag_shares`. d(x) is
+the quadratic through the depths of the Gauss points.
 """
 
 import math

@@ -37,6 +37,15 @@ def test_scene_in_waves_keeps_the_promise(seed: int) -> None:
     assert verdict.compared > 0.9
 
 
+@pytest.mark.parametrize("seed", [10028, 10041, 10151])
+def test_drag_at_the_surface_makes_no_speed_infinite(seed: int) -> None:
+    """By shares below 0 it did, and no step was small enough."""
+    trace, _model = run(drawn := draw(seed), drawn.scene, drawn.tolerance, cpu_limit=60.0)
+
+    assert trace.end == "completed", trace.message
+    assert not trace.broken
+
+
 # Wrong in what they held of energy, tension or position until that was cured; the motion of some is
 # not settled from some time on.
 CURED = {120: "energy", 274: "energy", 336: "energy", 400: "energy", 787: "energy",
