@@ -123,12 +123,17 @@ def judge(drawn: Drawn, started: Callable[[str], None] = lambda _phase: None) ->
     if off is not None:
         started("finest")
         finest, _ = run(drawn, drawn.scene, tau * FINER**2, CHECK_LIMIT)
-        settle(verdict, drawn, fine, finest, off)
+        settle(verdict, drawn, trace, fine, finest, off)
     return verdict
 
 
-def settle(verdict: Verdict, drawn: Drawn, fine: Trace, finest: Trace, k: int) -> None:
-    """Call a difference at instant k unsettled where the two finer runs do not agree either."""
+def settle(
+    verdict: Verdict, drawn: Drawn, trace: Trace, fine: Trace, finest: Trace, k: int
+) -> None:
+    """Call a difference at instant k unsettled where the two finer runs do not agree either.
+
+    A run that stopped later stays one that stopped.
+    """
     if len(finest.times) <= k:
         apart = "none: the run at tau/16 did not come so far"
         agree = False
@@ -142,6 +147,8 @@ def settle(verdict: Verdict, drawn: Drawn, fine: Trace, finest: Trace, k: int) -
     verdict.note = f"{verdict.note} {apart}".strip()
     if not agree and set(verdict.kinds) <= {"position", "tension"}:
         verdict.outcome = "unsettled"
+        if trace.end != "completed":
+            verdict.outcome, verdict.why = trace.end, trace.message
 
 
 def _wrong(verdict: Verdict, kind: str, why: str) -> None:

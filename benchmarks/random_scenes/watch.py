@@ -82,6 +82,10 @@ def _ended(seed: int, phase: str, code: int) -> Verdict:
     if code == -signal.SIGXCPU and phase in ("run", "rest", "energy"):
         return Verdict(seed, "too slow", f"{phase}: a single step beyond the limit", cpu=RUN_LIMIT)
     name = signal.Signals(-code).name if code < 0 else f"exit code {code}"
+    if code == -signal.SIGXCPU and phase == "finest":  # it had been off, and nothing tells by whom
+        return Verdict(
+            seed, "unsettled", note="none: the run at tau/16 took a step beyond the limit"
+        )
     if code == -signal.SIGXCPU:
         return Verdict(seed, "completed", note=f"at tau/4: {phase}: a step beyond the limit")
     return Verdict(seed, "crashed", f"{phase}: {name}")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from benchmarks.random_scenes.draw import COLUMNS, draw, hypercube
-from benchmarks.random_scenes.judge import Verdict, compare, judge
+from benchmarks.random_scenes.judge import Verdict, compare, judge, settle
 from benchmarks.random_scenes.trace import Trace, _Balance, run
 from benchmarks.random_scenes.watch import _ended
 
@@ -130,6 +130,23 @@ def test_nothing_is_compared_where_the_perturbed_run_goes_another_way() -> None:
     assert verdict.compared == 0.0
 
 
+@pytest.mark.parametrize(("end", "outcome"), [("completed", "unsettled"), ("stopped", "stopped")])
+def test_where_nothing_tells_who_is_right_the_end_of_the_run_counts(end: str, outcome: str) -> None:
+    drawn = draw(22)
+    fine, _ = run(drawn, drawn.scene, 0.25 * drawn.tolerance)
+    coarse = replace(fine, end=end, message="no step was small enough")
+    off = [shape + 2.0 * drawn.tolerance * fine.lengths[0] for shape in fine.shapes]
+    verdict = Verdict(22, end, coarse.message)
+    k = compare(verdict, drawn, replace(coarse, shapes=off), fine, fine)
+    assert k == 0
+    assert verdict.outcome == "wrong"
+
+    settle(verdict, drawn, coarse, fine, replace(fine, shapes=off), k)
+
+    assert verdict.outcome == outcome
+    assert verdict.why == coarse.message if end == "stopped" else "from the run" in verdict.why
+
+
 class Growing:
     """A model whose kinetic energy grows, with nobody to feed it."""
 
@@ -161,6 +178,7 @@ def test_energy_from_nowhere_is_seen() -> None:
         (-signal.SIGSEGV, "run", "crashed"),
         (-signal.SIGXCPU, "run", "too slow"),
         (-signal.SIGXCPU, "check", "completed"),
+        (-signal.SIGXCPU, "finest", "unsettled"),
         (1, "run", "crashed"),
     ],
 )
