@@ -63,9 +63,16 @@ def main(given: Sequence[str] | None = None) -> None:
     described = machine.describe()
     # Parts may be measured at different times: each keeps the load that it ran under.
     loads: dict[str, str] = stored.get("loads", {})
+    load = described["load"]
+    some = len(names) < len(SCENES)
     for part in parts:
-        some = part in work_precision.PARTS and len(names) < len(SCENES)
-        loads[f"{part} of {', '.join(names)}" if some else part] = described["load"]
+        if some and part in work_precision.PARTS:
+            revision = f"(revision {described['revision']})"
+            loads[f"{part} of {', '.join(names)}"] = f"{load} {revision}"
+        else:
+            loads[part] = load
+    if some:
+        described = stored.get("machine", described)
 
     fresh: list[Measurement] = []
     for part in work_precision.PARTS:
