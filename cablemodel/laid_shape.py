@@ -6,7 +6,6 @@ line answers with the forces of that stretch, and may fold before it comes to re
 
 from __future__ import annotations
 
-import itertools
 import math
 from typing import TYPE_CHECKING
 
@@ -14,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel import free_hanging
+from cablemodel.mesh import halved_where
 from cablemodel.sea_floor import finest_element, thinnest_layer
 
 if TYPE_CHECKING:
@@ -93,26 +93,15 @@ def refine_guess(scene: Scene, nodes: list[FloatArray], points: FloatArray) -> l
         return nodes
     touchdown = float(arcs[lies.index(True)] / arcs[-1] * scene.line_length)
     smallest = finest_element(scene)
-    finer = []
-    arc = 0.0
-    for cable, places in zip(scene.cables, nodes, strict=True):
-        new = list(places)
-        while cable.elements is None:
-            ends = list(itertools.pairwise(new))
-            split = [
-                0.5 * (a + b)
-                for a, b in ends
-                if b - a > max(2.0 * smallest, GRADING * _distance(arc + a, arc + b, touchdown))
-            ]
-            if not split:
-                break
-            new = sorted([*new, *split])
-        finer.append(np.array(new))
-        arc += cable.length
-    return finer
+
+    def is_too_long(arc: float, a: float, b: float) -> bool:
+        return b - a > max(2.0 * smallest, GRADING * distance(arc + a, arc + b, touchdown))
+
+    return halved_where(scene.cables, nodes, is_too_long)
 
 
-def _distance(start: float, end: float, place: float) -> float:
+def distance(start: float, end: float, place: float) -> float:
+    """Of a place from an element along the line, arc lengths [m]."""
     return max(start - place, place - end, 0.0)
 
 

@@ -6,11 +6,17 @@ must be small. A cubic element's error falls like h^4, so counts grow like tau^(
 
 from __future__ import annotations
 
+import itertools
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from cablemodel.scene.line import Cable
 
 FloatArray = NDArray[np.float64]
 
@@ -139,3 +145,31 @@ def with_layers(nodes: FloatArray, span: Span, tolerance: float) -> FloatArray:
         else:
             places[:1] = [0.0, *reversed(new)]
     return np.array(places)
+
+
+def halved_where(
+    cables: Sequence[Cable],
+    nodes: list[FloatArray],
+    is_too_long: Callable[[float, float, float], bool],
+) -> list[FloatArray]:
+    """Cables' nodes with elements halved, again and again, while they are too long.
+
+    Cables of which the scene says how many elements they have stay as they are.
+
+    Args:
+        nodes: of every cable, arc lengths from 0 to its length [m].
+        is_too_long: asked of the arc length at which a cable begins, and of those of an element's
+            ends within the cable [m].
+    """
+    finer = []
+    start = 0.0
+    for cable, places in zip(cables, nodes, strict=True):
+        new = list(places)
+        while cable.elements is None:
+            split = [0.5 * (a + b) for a, b in itertools.pairwise(new) if is_too_long(start, a, b)]
+            if not split:
+                break
+            new = sorted([*new, *split])
+        finer.append(np.array(new))
+        start += cable.length
+    return finer

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from typing import TYPE_CHECKING
 
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 
 from cablemodel.block import Block
 from cablemodel.kernels import layout as at
+from cablemodel.mesh import halved_where
 from cablemodel.scene.sea import Sea, sea
 
 if TYPE_CHECKING:
@@ -62,23 +62,12 @@ def refine(scene: Scene, nodes: list[FloatArray], points: FloatArray) -> list[Fl
     number = 2.0 * math.pi / waves.length
     crest = 2.0 * math.sqrt(0.5 * float(np.sum(waves.amplitude**2)))  # half of hs, of a wave 1.4 a
     tallest = max(TALLEST[0] * crest, TALLEST[1] * scene.solver.tolerance * scene.line_length)
-    finer = []
-    start = 0.0
-    for cable, places in zip(scene.cables, nodes, strict=True):
-        new = list(places)
-        while cable.elements is None:
-            split = []
-            for a, b in itertools.pairwise(new):
-                ends = np.interp([start + a, start + b], arc, points[:, 2])
-                at_surface = ends.min() < crest and ends.max() > -crest
-                if number * ends.max() < -math.pi:
-                    continue
-                tall = at_surface and abs(ends[1] - ends[0]) > tallest
-                if number * (b - a) > 1.0 or tall:
-                    split.append(0.5 * (a + b))
-            if not split:
-                break
-            new = sorted([*new, *split])
-        finer.append(np.array(new))
-        start += cable.length
-    return finer
+
+    def is_too_long(start: float, a: float, b: float) -> bool:
+        ends = np.interp([start + a, start + b], arc, points[:, 2])
+        if number * ends.max() < -math.pi:
+            return False
+        at_surface = ends.min() < crest and ends.max() > -crest
+        return number * (b - a) > 1.0 or bool(at_surface and abs(ends[1] - ends[0]) > tallest)
+
+    return halved_where(scene.cables, nodes, is_too_long)

@@ -30,7 +30,7 @@ import math
 import os
 import sys
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -42,6 +42,8 @@ from benchmarks.scenes import BenchmarkScene, Wave
 
 WAVES_HELD = 0.01
 """How long the water's motion at the nodes is held, about [s]."""
+Water = tuple[list[Any], list[Any]]
+"""Velocity and acceleration of the water at the nodes (n, 3)."""
 BED = 2000.0
 """Water depth [m]."""
 
@@ -150,7 +152,7 @@ class MoorDynRunner:
     ) -> None:
         import moordyn
 
-        self._waters: dict[float, list[Any]] = {}
+        self._waters: dict[float, Iterable[Water]] = {}
         self._wave = scene.wave if rehearsal else None
         if scene.wave is not None and not rehearsal:
             before = MoorDynRunner(scene, times, settings, rehearsal=True)
@@ -252,27 +254,31 @@ class MoorDynRunner:
         step = self._api.Step
         self._api.SetDt(system, internal)
         force = self._force
+        waters = self._waters.get(time)
         if self._wave is not None:
-            waters = self._waters[time] = []
+            waters = self._rehearsed(self._wave, time)
+        if waters is None:
             for position, velocity, instant in inputs:
-                waters.append(self._water(self._wave, instant + 0.5 * coupling))
-                self._api.ExternalWaveKinSet(system, *waters[-1], instant)
-                force = step(system, position, velocity, instant, coupling)
-        elif self._waters:
-            hold = self._api.ExternalWaveKinSet
-            for water, (position, velocity, instant) in zip(
-                self._waters[time], inputs, strict=True
-            ):
-                hold(system, *water, instant)
                 force = step(system, position, velocity, instant, coupling)
         else:
-            for position, velocity, instant in inputs:
+            hold = self._api.ExternalWaveKinSet
+            for water, (position, velocity, instant) in zip(waters, inputs, strict=True):
+                hold(system, *water, instant)
                 force = step(system, position, velocity, instant, coupling)
         self._force = force
         self._top = end
         self._steps += len(inputs) * round(coupling / internal)
 
-    def _water(self, wave: Wave, time: float) -> tuple[list[Any], list[Any]]:
+    def _rehearsed(self, wave: Wave, time: float) -> Iterator[Water]:
+        """The water of one coupling step after the other, where the nodes then are; kept."""
+        _internal, coupling, inputs, _end = self._plan[time]
+        kept: list[Water] = []
+        self._waters[time] = kept
+        for _position, _velocity, instant in inputs:
+            kept.append(self._water(wave, instant + 0.5 * coupling))
+            yield kept[-1]
+
+    def _water(self, wave: Wave, time: float) -> Water:
         """Velocity and acceleration across the line at the nodes, as lists (n, 3)."""
         nodes = np.array(self._api.ExternalWaveKinGetCoordinates(self._system))
         velocity, acceleration = wave.water(time, nodes)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel import laid_loads
+from cablemodel import laid_loads, laid_shape
 from cablemodel.block import Block
 from cablemodel.errors import SceneError
 from cablemodel.instance.frame import local
@@ -23,6 +23,7 @@ from cablemodel.instance.scales import (
     tension_scale,
 )
 from cablemodel.kernels import layout as at
+from cablemodel.mesh import halved_where
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
@@ -141,24 +142,14 @@ def graded(
     scene: Scene, nodes: list[FloatArray], bends: list[float], layers: list[float]
 ) -> list[FloatArray]:
     """Cables' nodes (arc lengths from 0 to each one's length [m]) graded towards bends."""
-    finer, start = [], 0.0
-    for cable, places in zip(scene.cables, nodes, strict=True):
-        new = list(places)
-        while cable.elements is None:
-            split = [
-                0.5 * (a + b)
-                for a, b in itertools.pairwise(new)
-                if any(
-                    b - a > max(layer, 0.5 * max(start + a - bend, bend - start - b))
-                    for bend, layer in zip(bends, layers, strict=True)
-                )
-            ]
-            if not split:
-                break
-            new = sorted([*new, *split])
-        finer.append(np.array(new))
-        start += cable.length
-    return finer
+
+    def is_too_long(start: float, a: float, b: float) -> bool:
+        return any(
+            b - a > max(layer, laid_shape.GRADING * laid_shape.distance(start + a, start + b, bend))
+            for bend, layer in zip(bends, layers, strict=True)
+        )
+
+    return halved_where(scene.cables, nodes, is_too_long)
 
 
 def _afloat(scene: Scene, start: FloatArray, length: float) -> FloatArray:

@@ -35,10 +35,8 @@ def find_initial_state(block: Block, scene: Scene, attempt: Attempt) -> None:
     from cablemodel import library as entry
 
     ints, reals = block.ints, block.reals
-    entry.place_supports(ints, reals)
+    stand_still(block, scene)
     frame = steady_velocity(block, scene)
-    if ints[at.I_PAYOUT]:
-        reals[at.S_PAYOUT_RATE] = rate_at_start(scene)
     if scene.initial.kind != "static":
         _start_flowing(block, scene)
         entry.tension_from_stretch(ints, reals)
