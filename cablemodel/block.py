@@ -26,6 +26,7 @@ SIZES = {
     "cables": at.I_CABLES,
     "floor_words": at.I_FLOOR_WORDS,
     "waves": at.I_WAVES,
+    "cell_terms": at.I_CELL_TERMS,
 }
 
 Arrays = list[tuple[int, Any]]
@@ -103,6 +104,7 @@ class Block(WordBlock):
         cables: Any,
         floor_words: Any,
         waves: Any,
+        cell_terms: Any,
     ) -> tuple[Arrays, Arrays]:
         """Arrays of the image in order, then those of the workspace: (header word, length).
 
@@ -121,6 +123,7 @@ class Block(WordBlock):
             (at.O_CABLES, cables * at.CABLE_WORDS),
             (at.O_FLOOR, floor_words),
             (at.O_WAVES, waves * at.WAVE_WORDS),
+            (at.O_CELL_POWERS, waves * cell_terms),
             (at.O_PARENT, capacity),
             (at.O_JOINT, capacity),
             (at.O_EDGE, capacity * at.EDGE_WORDS),
@@ -160,6 +163,8 @@ class Block(WordBlock):
             (at.O_PROFILE, depths * 3),
             (at.O_GAUSS, at.GAUSS_WORDS),
             (at.O_MOTION, waves * at.WATER_COLUMNS + at.MOTION_WORDS),
+            # Of every Gauss point, and of every body.
+            (at.O_CELLS, capacity * cell_terms * 21 + bodies * cell_terms * 7),
             (at.O_TOP, 24 + at.BODY_WORDS),
             (at.O_END_FORCE, capacity * 6),
             (at.O_FAILED, 1),
@@ -180,6 +185,7 @@ class Block(WordBlock):
         cables: int,
         floor_words: int,
         waves: int,
+        cell_terms: int,
     ) -> None:
         sizes = {
             "capacity": capacity,
@@ -193,6 +199,7 @@ class Block(WordBlock):
             "cables": cables,
             "floor_words": floor_words,
             "waves": waves,
+            "cell_terms": cell_terms,
         }
         image, workspace = self.arrays(**sizes)
         header = {at.I_MAGIC: at.MAGIC, at.I_VERSION: at.VERSION}

@@ -124,7 +124,7 @@ def _build_on(
     tables.fill_constraints(block, scene, line)
     place_nodes(block, line, points, scene.line_length)
     sea_floor.fill(block, scene)
-    waves.fill(block, sea(scene))
+    waves.fill(block, sea(scene), scene.solver.tolerance)
     sea_floor.place_of_rest(block, scene)
     find(block)
     return block
@@ -148,6 +148,7 @@ def _allocate(scene: Scene, line: Line, winch: Winch, spare: int) -> Block:
         cables=len(winch.cables),
         floor_words=sea_floor.table_words(scene.environment.floor),
         waves=0 if water is None else len(water.amplitude),
+        cell_terms=waves.cell_terms(water),
     )
 
 

@@ -7,7 +7,7 @@ vectors of it, with the same bits on every machine. Of values of 1 they are righ
 
 import math
 
-from .compile import kernel, view
+from .compile import inlined, kernel, outlined, view
 from .layout import (
     I_WAVES,
     MOTION_WORDS,
@@ -49,27 +49,33 @@ def living(I, M, level):
     return count
 
 
-@kernel
-def sum_components(I, M, count, way, level):
-    """The first `count` components at a distance along their way and a level z <= 0 [m].
-
-    Returns elevation of the surface, velocity of the water along their way and upwards, and its
-    acceleration, as from waves that have come up.
-    """
+@inlined
+def columns(I, M, count):
+    """Views of the columns that `follow_components` writes."""
     every = I[I_WAVES]
-    table = I[O_WAVES]
-    amplitude = view(M, table + W_AMPLITUDE * every, count)
-    frequency = view(M, table + W_FREQUENCY * every, count)
-    number = view(M, table + W_NUMBER * every, count)
-    phase = view(M, table + W_PHASE * every, count)
-    speed = view(M, table + W_SPEED * every, count)
-    mirror = view(M, table + W_MIRROR * every, count)
     space = I[O_MOTION] + MOTION_WORDS
     cosine = view(M, space, count)
     sine = view(M, space + every, count)
     along = view(M, space + 2 * every, count)
     upward = view(M, space + 3 * every, count)
-    t = M[S_WAVE_TIME]
+    return cosine, sine, along, upward
+
+
+@outlined
+def follow_components(I, M, count, way, level, t):
+    """The first `count` components at a distance along their way, a level z <= 0 [m] and a time.
+
+    Writes four columns: cosine and sine of their phase, amplitude of the velocity along their way
+    and upwards.
+    """
+    every = I[I_WAVES]
+    table = I[O_WAVES]
+    frequency = view(M, table + W_FREQUENCY * every, count)
+    number = view(M, table + W_NUMBER * every, count)
+    phase = view(M, table + W_PHASE * every, count)
+    speed = view(M, table + W_SPEED * every, count)
+    mirror = view(M, table + W_MIRROR * every, count)
+    cosine, sine, along, upward = columns(I, M, count)
     for n in range(count):
         theta = number[n] * way - frequency[n] * t + phase[n]
         turns = (theta * PER_TURN + ROUND) - ROUND
@@ -99,6 +105,20 @@ def sum_components(I, M, count, way, level):
         down = mirror[n] / up
         along[n] = speed[n] * (up + down)
         upward[n] = speed[n] * (up - down)
+
+
+@kernel
+def sum_components(I, M, count, way, level):
+    """The first `count` components at a distance along their way and a level z <= 0 [m].
+
+    Returns elevation of the surface, velocity of the water along their way and upwards, and its
+    acceleration, as from waves that have come up.
+    """
+    follow_components(I, M, count, way, level, M[S_WAVE_TIME])
+    every = I[I_WAVES]
+    amplitude = view(M, I[O_WAVES] + W_AMPLITUDE * every, count)
+    frequency = view(M, I[O_WAVES] + W_FREQUENCY * every, count)
+    cosine, sine, along, upward = columns(I, M, count)
     surface = 0.0
     u = 0.0
     w = 0.0

@@ -23,6 +23,7 @@ from .layout import (
     B_WEIGHT,
     BODY_WORDS,
     I_BODIES,
+    I_CAPACITY,
     I_DIMENSION,
     I_WAVES,
     O_BODY,
@@ -152,7 +153,8 @@ def add_waves(I, M, row, x, y, z, rise, w):
     volume = max(0.0, lift_of(M, row)) / (M[S_GRAVITY] * M[S_WATER_DENSITY])
     radius = math.pow(0.75 * volume / math.pi, 1.0 / 3.0)
     half = max(SMALLEST, radius + 0.5 * abs(rise))
-    wet_at(I, M, wave_at(I, M, x, y, z, half), half)
+    slot = 3 * I[I_CAPACITY] + (row - I[O_BODY]) // BODY_WORDS
+    wet_at(I, M, wave_at(I, M, x, y, z, half, slot), half)
     at = I[O_MOTION]
     for i in range(I[I_DIMENSION]):
         w[3 + i] += M[at + P_VELOCITY + i]

@@ -8,9 +8,9 @@ the FMU's state and its serialisation are a copy of it.
 """
 
 MAGIC = 0x4C45444F4D454C42  # "BLEMODEL", little endian
-VERSION = 5
-HEADER_WORDS = 96
-SCALAR_WORDS = 96
+VERSION = 6
+HEADER_WORDS = 104
+SCALAR_WORDS = 104
 
 # Header: identity, sizes, state counters.
 I_MAGIC, I_VERSION, I_BYTES, I_IMAGE_WORDS = 0, 1, 2, 3
@@ -46,6 +46,9 @@ O_RATES, O_CABLES, O_TOP = 76, 77, 78
 
 # Waves.
 I_WAVES, O_WAVES = 81, 82  # how many components there are, their rows
+I_CELL_TERMS = 96  # of the series in the sea's cells (sea_cells.py): CELL_TERMS, or 0: no cells
+I_CELL_MIRROR = 97  # 1: the bottom's mirror of the waves is felt
+O_CELL_POWERS, O_CELLS = 98, 99  # rows of a component's powers; cells of CELL_WORDS each
 
 # Bodies of finite length.
 I_RIGID = 80  # how many of the bodies have a length: 0 skips all that they need
@@ -122,6 +125,8 @@ S_WAVE_STEP = _S + 64  # longest step that resolves them [s]
 S_WAVE_DEPTH = _S + 65  # water depth [m]
 S_WAVE_CREST = _S + 66  # sum of the amplitudes [m]
 S_WAVE_X, S_WAVE_Y = _S + 76, _S + 77  # their way, a horizontal unit vector
+S_CELL_TIME, S_CELL_WIDTH = _S + 94, _S + 95  # of a cell of the sea [s], [m]
+S_CELL_FREQUENCY, S_CELL_NUMBER = _S + 96, _S + 97  # of its carrier [rad/s], [rad/m]
 S_SLEEP_AFTER = _S + 80  # time before which no more cable falls asleep [s]
 S_SLEEP_TENSION, S_SLEEP_SPARE = _S + 81, _S + 82  # at its end, what it may change by [N]
 S_SLEEP_WAY = _S + 83  # length of cable that lies awake before it [m]
@@ -161,6 +166,14 @@ W_AMPLITUDE, W_FREQUENCY, W_NUMBER = 0, 1, 2  # [m], [rad/s], k [rad/m]
 W_PHASE = 3  # at the origin at t = 0
 W_SPEED = 4  # amplitude times frequency / (1 - e^-2kh) [m/s]
 W_MIRROR = 5  # e^-2kh: the bottom's image
+
+# Series in the cells of a sea, of products of two powers up to a degree. A cell has three, of
+# complex numbers, and says what it holds.
+CELL_DEGREE = 4
+CELL_TERMS = 15
+MIRROR_DEGREE = 3  # of the bottom's mirror, which long waves alone feel
+MIRROR_TERMS = 10
+CELL_WORDS = 7 * CELL_TERMS
 
 # Rows of the edge table: the element (or joint) that ties a node to its parent.
 EDGE_WORDS = 21
@@ -217,9 +230,10 @@ LAYER = 0.4  # smallest element in units of the touchdown layer (EI/w)^(1/3)
 ELEMENT_WORDS = 768
 GAUSS_WORDS = ELEMENT_WORDS + 24
 
-# Words of the workspace at O_MOTION; then four columns for the components of the waves (airy.py).
+# Words of the workspace at O_MOTION; then columns for the components of the waves: four in
+# airy.py, and two more in sea_cells.py.
 MOTION_WORDS = 80
-WATER_COLUMNS = 4
+WATER_COLUMNS = 6
 
 # Status codes of the kernels.
 OK = 0

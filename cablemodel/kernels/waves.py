@@ -32,11 +32,14 @@ from .layout import (
     E_MASS,
     E_SEGMENT,
     E_WEIGHT,
+    EDGE_WORDS,
     ELEMENT_WORDS,
+    I_CELL_TERMS,
     I_DIMENSION,
     I_WAVES,
     K_DISPLACED,
     O_CABLES,
+    O_EDGE,
     O_MOTION,
     S_BASE,
     S_GRAVITY,
@@ -51,6 +54,7 @@ from .layout import (
     S_WAVE_X,
     S_WAVE_Y,
 )
+from .sea_cells import sum_in_cell
 from .tables import H0, H1, H2, H3
 from .wetting import drag_shares, share_at, wet_shares
 
@@ -83,12 +87,13 @@ def set_wave_time(M, t):
 
 
 @outlined
-def wave_at(I, M, x, y, z, reach):
+def wave_at(I, M, x, y, z, reach, slot):
     """Waves at a place of the block's coordinates (planar: x along the plane, y is not read).
 
     Writes velocity and acceleration of the water in the block's coordinates. Returns how deep the
     place lies below the surface [m], or, where no trough comes within the reach [m] of it, below
-    still water: on the same element a crest's height less or more.
+    still water: on the same element a crest's height less or more. slot: where the sea's cell about
+    the place may be kept (sea_cells.py); -1: its components are summed for this place alone.
     """
     at = I[O_MOTION]
     planar = I[I_DIMENSION] == 2
@@ -103,11 +108,13 @@ def wave_at(I, M, x, y, z, reach):
     near = height > -2.0 * M[S_WAVE_CREST] - reach
     share = M[S_WAVE_SHARE]
     rise = M[S_WAVE_RISE]
-    count = I[I_WAVES] if near else living(I, M, level)
-    if share == 0.0 and rise == 0.0:  # as in static starts
-        count = 0
     way = M[S_WAVE_X] * x + M[S_WAVE_Y] * y
-    surface, u, uz, du, az = sum_components(I, M, count, way, level)
+    calm = share == 0.0 and rise == 0.0  # as in static starts
+    if slot >= 0 and I[I_CELL_TERMS] != 0 and not calm:
+        surface, u, uz, du, az = sum_in_cell(I, M, slot, way, level, near)
+    else:
+        count = I[I_WAVES] if near else living(I, M, level)
+        surface, u, uz, du, az = sum_components(I, M, 0 if calm else count, way, level)
     a = share * du + rise * u
     az = share * az + rise * uz
     u *= share
@@ -163,12 +170,13 @@ def element_water(I, M, W, edge, x0, x1):
     h = M[edge + E_LENGTH]
     flow = M[at + 9 : at + 12]
     w = M[at + 16 : at + 19]
+    first = (edge - I[O_EDGE]) // EDGE_WORDS * 3
     for g in range(3):
         for i in range(dimension):
             w[i] = x0[i] * H0[g] + h * x0[dimension + i] * H1[g]
             w[i] += x1[i] * H2[g] + h * x1[dimension + i] * H3[g]
         # No point is further than h from the rest of its element.
-        W[WET + g] = wave_at(I, M, w[0], w[1], w[up], h)
+        W[WET + g] = wave_at(I, M, w[0], w[1], w[up], h, first + g)
         current_at(I, M, w[up], flow)
         for i in range(dimension):
             W[VELOCITY + 4 * i + g] = flow[i] + M[at + P_VELOCITY + i]

@@ -93,7 +93,7 @@ def test_a_regular_wave_is_the_closed_form():
 @numba.jit(**OPTIONS)
 def water(ints, reals, t, x, y, z, half):
     set_time(ints, reals, t)
-    depth = wave_at(ints, reals, x, y, z, 1e3)
+    depth = wave_at(ints, reals, x, y, z, 1e3, -1)
     wet_at(ints, reals, depth, half)
     return depth
 

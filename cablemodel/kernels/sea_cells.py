@@ -1,0 +1,235 @@
+"""A sea within a cell of space and time: one short series for all its components.
+
+From the middle of a cell to a place (x along the waves' way, z upwards) and a time t in it a
+component changes by
+
+    e^(k (z + i x) - i w t) = e^(k_c (z + i x) - i w_c t) e^((k - k_c) (z + i x) - i (w - w_c) t),
+
+a carrier's change, which all have in common, and one whose exponent is small: its series ends
+early. The terms are products of powers of z + i x and t, whose factors are summed over all
+components once for a cell. The bottom's mirror of the waves, e^-k (z - i x), and the surface have
+series of their own.
+
+Which cell a place belongs to is a matter of the place and the time alone, so that the water's
+motion does not depend on what was asked before; a slot of the memory holds the last cell that was
+asked for by one Gauss point or body. How large cells may be: cablemodel/waves.py.
+"""
+
+from .airy import (
+    C1,
+    C2,
+    C3,
+    C4,
+    C5,
+    C6,
+    ROUND,
+    S1,
+    S2,
+    S3,
+    S4,
+    S5,
+    columns,
+    follow_components,
+    living,
+)
+from .compile import inlined, kernel, outlined, view
+from .layout import (
+    CELL_DEGREE,
+    CELL_TERMS,
+    CELL_WORDS,
+    I_CELL_MIRROR,
+    I_WAVES,
+    MIRROR_DEGREE,
+    MIRROR_TERMS,
+    MOTION_WORDS,
+    O_CELL_POWERS,
+    O_CELLS,
+    O_MOTION,
+    O_WAVES,
+    S_CELL_FREQUENCY,
+    S_CELL_NUMBER,
+    S_CELL_TIME,
+    S_CELL_WIDTH,
+    S_WAVE_TIME,
+    W_AMPLITUDE,
+)
+
+OVER = tuple(1.0 / max(n, 1) for n in range(10))
+
+# A slot: the series of waves, surface and mirror, and its cell. Terms x^q t^p, each a real and an
+# imaginary part, are in the order of q + p, then of q: a lower degree is what comes first.
+RISING, SURFACE, MIRROR = 0, 2 * CELL_TERMS, 4 * CELL_TERMS
+HELD = 6 * CELL_TERMS  # 0 nothing, 1 no surface, 2 all
+CELL_T, CELL_X, CELL_Z, ALIVE = HELD + 1, HELD + 2, HELD + 3, HELD + 4
+
+
+@inlined
+def amplitudes(I, M, count):
+    """Views of two more columns, beside those of `columns`: parts of complex amplitudes."""
+    space = I[O_MOTION] + MOTION_WORDS + 4 * I[I_WAVES]
+    return view(M, space, count), view(M, space + I[I_WAVES], count)
+
+
+@kernel
+def sum_terms(I, M, series, count, terms, turn):
+    """Write a series of the first `count` components from their parts, in `amplitudes`.
+
+    They are complex numbers, times (-i)^(p + turn q) in the term x^q t^p.
+    """
+    a, b = amplitudes(I, M, count)
+    # Five terms at a time: sums that do not wait for one another, and stay in registers.
+    for first in range(0, terms, 5):
+        r0, r1, r2, r3, r4 = 0.0, 0.0, 0.0, 0.0, 0.0
+        i0, i1, i2, i3, i4 = 0.0, 0.0, 0.0, 0.0, 0.0
+        powers = view(M, I[O_CELL_POWERS] + first, CELL_TERMS * count)
+        for n in range(count):
+            p = CELL_TERMS * n
+            x = a[n]
+            y = b[n]
+            r0 += powers[p] * x
+            i0 += powers[p] * y
+            r1 += powers[p + 1] * x
+            i1 += powers[p + 1] * y
+            r2 += powers[p + 2] * x
+            i2 += powers[p + 2] * y
+            r3 += powers[p + 3] * x
+            i3 += powers[p + 3] * y
+            r4 += powers[p + 4] * x
+            i4 += powers[p + 4] * y
+        at = view(M, series + 2 * first, 10)
+        at[0], at[2], at[4], at[6], at[8] = r0, r1, r2, r3, r4
+        at[1], at[3], at[5], at[7], at[9] = i0, i1, i2, i3, i4
+    at = view(M, series, 2 * terms)
+    j = 0
+    degree = 0
+    while j < 2 * terms:
+        for q in range(degree + 1):
+            quarter = (degree - q + turn * q) % 4
+            re = at[j]
+            im = at[j + 1]
+            if quarter == 1:
+                re, im = im, -re
+            elif quarter == 2:
+                re, im = -re, -im
+            elif quarter == 3:
+                re, im = -im, re
+            at[j] = re
+            at[j + 1] = im
+            j += 2
+        degree += 1
+
+
+@inlined
+def series_at(M, series, degree, x, y, t):
+    """A series at x + i y and t: its real and imaginary part, and those of its rate in t."""
+    terms = view(M, series, 2 * CELL_TERMS)
+    re = 0.0
+    im = 0.0
+    re_rate = 0.0
+    im_rate = 0.0
+    for q in range(degree, -1, -1):
+        a = 0.0
+        b = 0.0
+        a_rate = 0.0
+        b_rate = 0.0
+        for total in range(degree, q - 1, -1):
+            term = total * (total + 1) + 2 * q
+            a_rate = a_rate * t + a
+            b_rate = b_rate * t + b
+            a = a * t + terms[term]
+            b = b * t + terms[term + 1]
+        re, im = re * x - im * y + a, im * x + re * y + b
+        re_rate, im_rate = (
+            re_rate * x - im_rate * y + a_rate,
+            im_rate * x + re_rate * y + b_rate,
+        )
+    return re, im, re_rate, im_rate
+
+
+@outlined
+def fill_cell(I, M, row, t, way, level, surface):
+    """Write the series of the cell whose middle is here, that of the surface if it is asked for."""
+    every = I[I_WAVES]
+    # The waves' own series are the same with the surface and without.
+    alive = living(I, M, level)
+    M[row + ALIVE] = alive
+    count = every if surface else alive
+    follow_components(I, M, count, way, level, t)
+    cosine, sine, along, upward = columns(I, M, count)
+    a, b = amplitudes(I, M, count)
+    if surface:
+        amplitude = view(M, I[O_WAVES] + W_AMPLITUDE * every, count)
+        for n in range(count):
+            a[n] = amplitude[n] * cosine[n]
+            b[n] = amplitude[n] * sine[n]
+        sum_terms(I, M, row + SURFACE, count, CELL_TERMS, 3)
+    for n in range(alive):
+        speed = 0.5 * (along[n] + upward[n])
+        a[n] = speed * cosine[n]
+        b[n] = speed * sine[n]
+    sum_terms(I, M, row + RISING, alive, CELL_TERMS, 0)
+    if I[I_CELL_MIRROR] != 0:
+        for n in range(alive):
+            speed = 0.5 * (along[n] - upward[n])
+            a[n] = speed * cosine[n]
+            b[n] = speed * sine[n]
+        sum_terms(I, M, row + MIRROR, alive, MIRROR_TERMS, 0)
+
+
+@kernel
+def sum_in_cell(I, M, slot, way, level, surface):
+    """`sum_components` by the cell of the place and the waves' time; the surface if asked for.
+
+    slot: where the cell may be kept, from 0.
+    """
+    row = I[O_CELLS] + slot * CELL_WORDS
+    cell = view(M, row, CELL_WORDS)
+    span = M[S_CELL_TIME]
+    width = M[S_CELL_WIDTH]
+    cell_t = (M[S_WAVE_TIME] / span + ROUND) - ROUND
+    cell_x = (way / width + ROUND) - ROUND
+    cell_z = (level / width + ROUND) - ROUND
+    same = cell_t == cell[CELL_T] and cell_x == cell[CELL_X] and cell_z == cell[CELL_Z]
+    if not same or cell[HELD] < (2.0 if surface else 1.0):
+        fill_cell(I, M, row, cell_t * span, cell_x * width, cell_z * width, surface)
+        cell[HELD] = 2.0 if surface else 1.0
+        cell[CELL_T] = cell_t
+        cell[CELL_X] = cell_x
+        cell[CELL_Z] = cell_z
+    if cell[ALIVE] == 0.0 and not surface:
+        return 0.0, 0.0, 0.0, 0.0, 0.0
+    t = M[S_WAVE_TIME] - cell_t * span
+    x = way - cell_x * width
+    z = level - cell_z * width
+    frequency = M[S_CELL_FREQUENCY]
+    number = M[S_CELL_NUMBER]
+    theta = number * x - frequency * t
+    q = theta * theta
+    q2 = q * q
+    q4 = q2 * q2
+    sine = theta * ((1.0 + q * S1) + q2 * (S2 + q * S3) + q4 * (S4 + q * S5))
+    cosine = (1.0 + q * C1) + q2 * (C2 + q * C3) + q4 * ((C4 + q * C5) + q2 * C6)
+    up = 1.0
+    for n in range(9, 0, -1):
+        up = 1.0 + number * z * up * OVER[n]
+    re, im, re_rate, im_rate = series_at(M, row + RISING, CELL_DEGREE, z, x, t)
+    # In time the carrier turns by -i w_c.
+    re_rate += frequency * im
+    im_rate -= frequency * re
+    u = up * (cosine * re - sine * im)
+    w = up * (sine * re + cosine * im)
+    du = up * (cosine * re_rate - sine * im_rate)
+    dw = up * (sine * re_rate + cosine * im_rate)
+    if I[I_CELL_MIRROR] != 0:
+        re, im, re_rate, im_rate = series_at(M, row + MIRROR, MIRROR_DEGREE, -z, x, t)
+        re_rate += frequency * im
+        im_rate -= frequency * re
+        u += (cosine * re - sine * im) / up
+        w -= (sine * re + cosine * im) / up
+        du += (cosine * re_rate - sine * im_rate) / up
+        dw -= (sine * re_rate + cosine * im_rate) / up
+    height = 0.0
+    if surface:
+        re, im, _re_rate, _im_rate = series_at(M, row + SURFACE, CELL_DEGREE, x, 0.0, t)
+        height = cosine * re - sine * im
+    return height, u, w, du, dw
