@@ -126,15 +126,15 @@ $(READY_ROS): pyproject.toml ros2_node/setup.py
 
 # The stamps keep a second call from installing again; a change of pyproject.toml does.
 $(READY): pyproject.toml | $(BIN)/python
-	$(BIN)/python -m pip install --quiet --editable '.[plot,analysis,export,fmu]'
+	$(BIN)/python -m pip install --quiet --quiet --editable '.[plot,analysis,export,fmu]'
 	@touch $@
 
 $(READY_DEV): pyproject.toml $(READY)
-	$(BIN)/python -m pip install --quiet --editable '.[plot,analysis,export,fmu,dev]'
+	$(BIN)/python -m pip install --quiet --quiet --editable '.[plot,analysis,export,fmu,dev]'
 	@touch $@
 
 $(READY_BENCH): pyproject.toml $(READY_DEV)
-	$(BIN)/python -m pip install --quiet --editable '.[bench]'
+	$(BIN)/python -m pip install --quiet --quiet --editable '.[bench]'
 	@touch $@
 
 $(BIN)/python:

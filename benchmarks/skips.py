@@ -130,6 +130,17 @@ def skips() -> list[Skip]:
             lambda: _with_words(_model(_swing()), I_DRAG=1),
             end=10.0,
         ),
+        *(
+            Skip(
+                "the sum over a sea's 100 components (a series in cells of space and time)",
+                f"100 m towed at 1.5 m/s in an irregular sea, {called}",
+                lambda: _model(_at_sea()),
+                _summed_sea,
+                interval=interval,
+                end=60.0,
+            )
+            for called, interval in (("60 s in a call", 60.0), ("10 Hz", 0.1), ("100 Hz", 0.01))
+        ),
         Skip(
             "floor (none, against one that is never touched)",
             "tow",
@@ -202,6 +213,24 @@ def _swing() -> dict[str, Any]:
         "vessel": {},
         "initial": straight,
     }
+
+
+def _at_sea() -> dict[str, Any]:
+    """A line of 100 m towed through an irregular sea."""
+    return {
+        **towed(None),
+        "environment": {"waves": {"jonswap": {"hs": 2.0, "tp": 8.0, "seed": 1}}},
+        "line": [{"cable": {"type": "K", "length": 100.0}}],
+        "vessel": {"velocity": [1.5, 0.0, 0.0]},
+    }
+
+
+def _summed_sea() -> Any:
+    """The same with its components summed for every point."""
+    from unittest.mock import patch
+
+    with patch("cablemodel.waves.FEWEST", 10**6):
+        return _model(_at_sea())
 
 
 def _lay(element: float | None) -> Any:
