@@ -6,6 +6,8 @@ place of the top element's end when a twentieth of it is out, then passes (passi
 above it comes when the body is out, and goes before it is taken in.
 """
 
+import math
+
 from .compile import kernel
 from .follow import jump_at
 from .layout import (
@@ -48,10 +50,12 @@ from .layout import (
     OK,
     S_BENT,
     S_JOINED,
+    S_LENGTH,
     S_PAID,
     S_PASSING,
     S_PAYOUT_RATE,
     S_PAYOUT_SLOPE,
+    S_TOLERANCE,
     S_TOP_LENGTH,
     S_TRAVEL,
 )
@@ -59,6 +63,7 @@ from .passing import axis_motion, bare_length, body_above
 from .payout import (
     close_gap,
     give_properties,
+    hermite,
     join_at,
     open_gap,
     split_edge,
@@ -106,10 +111,28 @@ def bends_with_next(I, M):
     Where the mesh follows what bends; joined nevertheless, they would be halved at once, and what
     they were is lost.
     """
-    if M[S_BENT] == 0.0:
-        return False
+    if moved_by_joining(I, M) > M[S_TOLERANCE] * M[S_LENGTH]:
+        return True
     length = M[S_TOP_LENGTH] + M[I[O_EDGE] + 2 * EDGE_WORDS + E_LENGTH]
-    return length * length * jump_at(I, M, 1, False) > M[S_BENT]
+    return M[S_BENT] > 0.0 and length * length * jump_at(I, M, 1, False) > M[S_BENT]
+
+
+@kernel
+def moved_by_joining(I, M):
+    """How far the first node lies from the cubic that would take its place [m].
+
+    A bend that both elements have part of, as at a clamp that cable is drawn through, has no jump.
+    """
+    dimension = I[I_DIMENSION]
+    first = M[S_TOP_LENGTH]
+    length = first + M[I[O_EDGE] + 2 * EDGE_WORDS + E_LENGTH]
+    size = 2 * dimension
+    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 34]
+    hermite(M, I[O_POSITION], I[O_POSITION] + 2 * size, dimension, length, first / length, w)
+    square = 0.0
+    for i in range(dimension):
+        square += (w[i] - M[I[O_POSITION] + size + i]) ** 2
+    return math.sqrt(square)
 
 
 @kernel
