@@ -53,6 +53,8 @@ LARGEST_STEPS = 2000
 LONGEST_STEP = 1e7
 NEWTON_LIMIT = 12
 FLOOR_ROUNDS = 12
+CALM = 1e-10  # of the length: what the last two steps may move
+ROUND_OFF = 1e-8, 20  # of the length, where so many of the longest steps in a row move no more
 
 
 @kernel
@@ -109,6 +111,7 @@ def relax(I, M, frame, damped, strict):
         update_springs(I, M, 0.0)
     dt = M[S_FIRST_STEP]
     calm = 0
+    still = 0
     rounds = 0
     status = STATICS_FAILED
     for _step in range(min(LARGEST_STEPS, I[I_MAXIMUM_STEPS])):
@@ -171,7 +174,9 @@ def relax(I, M, frame, damped, strict):
             t0[n] = tension[n]
         if springs and dt > 1e3 * M[S_FIRST_STEP]:
             update_springs(I, M, 1.0)
-        if moved <= 1e-10 * length and dt > 1e3 * M[S_FIRST_STEP]:
+        # Light cable may not come closer to its place than round-off lets it.
+        still = still + 1 if moved <= ROUND_OFF[0] * length and dt == LONGEST_STEP else 0
+        if still >= ROUND_OFF[1] or (moved <= CALM * length and dt > 1e3 * M[S_FIRST_STEP]):
             calm += 1
             if calm >= 2 and I[I_FLOOR] != 0 and rounds < FLOOR_ROUNDS and bear(I, M, 0.0) > 1e-3:
                 bear(I, M, 1.0)
