@@ -21,7 +21,7 @@ hour, carries its weight.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -74,10 +74,16 @@ class Verdict:
     note: str = ""
 
 
-def judge(drawn: Drawn, started: Callable[[str], None] = lambda _phase: None) -> Verdict:
-    """Run a scene and judge it; ``started`` is called with the name of each run as it begins."""
+def judge(
+    drawn: Drawn, started: Callable[[str, Verdict | None], None] = lambda _phase, _verdict: None
+) -> Verdict:
+    """Run a scene and judge it.
+
+    ``started`` is called with the name of each run as it begins, and with what the verdict is if it
+    does not end.
+    """
     tau = drawn.tolerance
-    started("run")
+    started("run", None)
     trace, model = run(drawn, drawn.scene, tau, RUN_LIMIT)
     verdict = Verdict(
         drawn.seed,
@@ -95,7 +101,7 @@ def judge(drawn: Drawn, started: Callable[[str], None] = lambda _phase: None) ->
         _wrong(verdict, "limit", "; ".join(trace.broken[:2]))
     if trace.energy_gain > MOST_ENERGY_GAIN:
         # What goes through between two of the caller's steps may be all of it.
-        started("energy")
+        started("energy", verdict)
         closer, _ = run(drawn, drawn.scene, tau, ENERGY_LIMIT, WITHIN)
         if closer.end == trace.end:
             verdict.energy_gain = closer.energy_gain
@@ -104,13 +110,13 @@ def judge(drawn: Drawn, started: Callable[[str], None] = lambda _phase: None) ->
     if trace.end == "refused":
         return verdict
     if trace.end == "completed" and model is not None and hangs_free(drawn):
-        started("rest")
+        started("rest", verdict)
         problem = settled(drawn, model)
         if problem:
             _wrong(verdict, "rest", problem)
-    started("check")
+    started("check", verdict)
     fine, _ = run(drawn, drawn.scene, tau * FINER, CHECK_LIMIT)
-    started("perturbed")
+    started("perturbed", verdict)
     shaken, _ = run(drawn, perturbed(drawn, FAINT * tau), tau * FINER, CHECK_LIMIT)
     verdict.check_cpu = fine.cpu + shaken.cpu
     if fine.end in ("crashed", "not finite"):
@@ -121,7 +127,8 @@ def judge(drawn: Drawn, started: Callable[[str], None] = lambda _phase: None) ->
         verdict.note = f"at tau/4: {fine.end}: {fine.message}"
     off = compare(verdict, drawn, trace, fine, shaken)
     if off is not None:
-        started("finest")
+        doubtful = "unsettled" if trace.end == "completed" else trace.end
+        started("finest", replace(verdict, outcome=doubtful, kinds=[], why=""))
         finest, _ = run(drawn, drawn.scene, tau * FINER**2, CHECK_LIMIT)
         settle(verdict, drawn, trace, fine, finest, off)
     return verdict

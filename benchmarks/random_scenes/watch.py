@@ -41,11 +41,11 @@ def work(seeds: Sequence[int]) -> None:
 
     for seed in seeds:
 
-        def started(phase: str, seed: int = seed) -> None:
+        def started(phase: str, verdict: Verdict | None, seed: int = seed) -> None:
             used = time.process_time()
             _, hard = resource.getrlimit(resource.RLIMIT_CPU)
             resource.setrlimit(resource.RLIMIT_CPU, (int(used + LIMITS[phase] + GRACE), hard))
-            tell(seed=seed, phase=phase)
+            tell(seed=seed, phase=phase, so_far=None if verdict is None else asdict(verdict))
 
         verdict = judge(draw(seed), started)
         tell(seed=seed, verdict=asdict(verdict))
@@ -58,34 +58,35 @@ def search(seeds: Sequence[int], report: Callable[[Verdict], None]) -> list[Verd
     while left:
         command = [sys.executable, "-m", "benchmarks.random_scenes", "--worker"]
         command.append(",".join(str(seed) for seed in left))
-        phase = ""
+        phase, so_far = "", None
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=os.environ) as worker:
             assert worker.stdout is not None
             for line in worker.stdout:
                 told = json.loads(line)
                 if "phase" in told:
-                    phase = told["phase"]
+                    phase, so_far = told["phase"], told["so_far"]
                     continue
                 verdicts.append(Verdict(**told["verdict"]))
                 left.remove(told["seed"])
                 report(verdicts[-1])
         if worker.returncode != 0 and left:
-            verdicts.append(_ended(left.pop(0), phase, worker.returncode))
+            verdicts.append(_ended(left.pop(0), phase, so_far, worker.returncode))
             report(verdicts[-1])
         elif left and worker.returncode == 0:
             raise RuntimeError(f"the worker ended before it came to scene {left[0]}")
     return verdicts
 
 
-def _ended(seed: int, phase: str, code: int) -> Verdict:
-    """What it means that a worker ended while it ran a scene."""
-    if code == -signal.SIGXCPU and phase in ("run", "rest", "energy"):
+def _ended(seed: int, phase: str, so_far: dict[str, Any] | None, code: int) -> Verdict:
+    """What it means that a worker ended while it ran a scene.
+
+    so_far: the verdict if only the phase did not end.
+    """
+    if code != -signal.SIGXCPU:
+        name = signal.Signals(-code).name if code < 0 else f"exit code {code}"
+        return Verdict(seed, "crashed", f"{phase}: {name}")
+    if so_far is None or phase in ("rest", "energy"):
         return Verdict(seed, "too slow", f"{phase}: a single step beyond the limit", cpu=RUN_LIMIT)
-    name = signal.Signals(-code).name if code < 0 else f"exit code {code}"
-    if code == -signal.SIGXCPU and phase == "finest":  # it had been off, and nothing tells by whom
-        return Verdict(
-            seed, "unsettled", note="none: the run at tau/16 took a step beyond the limit"
-        )
-    if code == -signal.SIGXCPU:
-        return Verdict(seed, "completed", note=f"at tau/4: {phase}: a step beyond the limit")
-    return Verdict(seed, "crashed", f"{phase}: {name}")
+    verdict = Verdict(**so_far)
+    verdict.note = f"{verdict.note} {phase}: a step beyond the limit".strip()
+    return verdict

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import signal
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
@@ -177,10 +177,38 @@ def test_energy_from_nowhere_is_seen() -> None:
     [
         (-signal.SIGSEGV, "run", "crashed"),
         (-signal.SIGXCPU, "run", "too slow"),
-        (-signal.SIGXCPU, "check", "completed"),
+        (-signal.SIGXCPU, "rest", "too slow"),
+        # Of the checks of a run that has ended already: what that run is by itself.
+        (-signal.SIGXCPU, "check", "stopped"),
         (-signal.SIGXCPU, "finest", "unsettled"),
+        (-signal.SIGSEGV, "check", "crashed"),
         (1, "run", "crashed"),
     ],
 )
 def test_what_ends_a_worker_is_an_outcome(code: int, phase: str, outcome: str) -> None:
-    assert _ended(7, phase, code).outcome == outcome
+    known = {"check": "stopped", "finest": "unsettled", "rest": "completed"}
+    so_far = asdict(Verdict(7, known[phase], note="before")) if phase in known else None
+    verdict = _ended(7, phase, so_far, code)
+    assert verdict.outcome == outcome
+    if phase in ("check", "finest") and outcome != "crashed":
+        assert verdict.note == f"before {phase}: a step beyond the limit"
+
+
+def test_what_stands_before_a_check_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A run that stopped, and one that is off from a finer one: by itself, and unsettled."""
+    told: dict[str, Verdict] = {}
+
+    def started(phase: str, verdict: Verdict | None) -> None:
+        assert (verdict is None) == (phase == "run")
+        if verdict is not None:
+            told[phase] = replace(verdict)
+
+    module = "benchmarks.random_scenes.judge"
+    monkeypatch.setattr(f"{module}.compare", lambda *_: 0)  # off at the first instant
+    judge(draw(14), started)
+    assert told["check"].outcome == "completed"
+    assert told["finest"].outcome == "unsettled"
+    monkeypatch.setattr(f"{module}.RUN_LIMIT", 0.0)
+    judge(draw(14), started)
+    assert told["check"].outcome == "too slow"
+    assert told["finest"].outcome == "too slow"
