@@ -115,7 +115,7 @@ class JonswapWaves(SceneModel):
         default=3.3, description="peak enhancement"
     )
     components: Annotated[int, Count(1, 1000)] = Field(
-        default=100, description="components of equal energy; a step costs in proportion"
+        default=100, description="components of equal energy; the more, the more a step costs"
     )
 
 
