@@ -144,6 +144,7 @@ class Block(WordBlock):
             (at.O_COMPLIANCE, capacity * 3),
         ]
         image_words = at.HEADER_WORDS + at.SCALAR_WORDS + sum(length for _, length in image)
+        cell = cell_terms * (at.CELL_WORDS // at.CELL_TERMS)  # words of one; 0: there are none
         workspace = [
             (at.O_BACKUP, image_words),
             # The first stage is the state, the last one the trial.
@@ -163,8 +164,8 @@ class Block(WordBlock):
             (at.O_PROFILE, depths * 3),
             (at.O_GAUSS, at.GAUSS_WORDS),
             (at.O_MOTION, waves * at.WATER_COLUMNS + at.MOTION_WORDS),
-            # Of every Gauss point, and of every body.
-            (at.O_CELLS, capacity * cell_terms * 21 + bodies * cell_terms * 7),
+            # Of three Gauss points to an element, and of every body.
+            (at.O_CELLS, capacity * cell * 3 + bodies * cell),
             (at.O_TOP, 24 + at.BODY_WORDS),
             (at.O_END_FORCE, capacity * 6),
             (at.O_FAILED, 1),

@@ -24,8 +24,6 @@ RESOLUTION = 8.0
 TALLEST = 4.0, 10.0
 """Heights of an element at the surface: in crests, or in tau L, whichever allows more. Its wet part
 is known, wherever it ends; the load along it is not that of a cubic's nodes."""
-
-
 FEWEST = 32
 """Components from which on a series for all of them is less work than their sum."""
 CELL_ERROR = 10.0, 1e-2

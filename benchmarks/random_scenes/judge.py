@@ -80,7 +80,7 @@ def judge(
     """Run a scene and judge it.
 
     ``started`` is called with the name of each run as it begins, and with what the verdict is if it
-    does not end.
+    does not end; None: that the scene is too slow.
     """
     tau = drawn.tolerance
     started("run", None)
@@ -101,7 +101,7 @@ def judge(
         _wrong(verdict, "limit", "; ".join(trace.broken[:2]))
     if trace.energy_gain > MOST_ENERGY_GAIN:
         # What goes through between two of the caller's steps may be all of it.
-        started("energy", verdict)
+        started("energy", None)
         closer, _ = run(drawn, drawn.scene, tau, ENERGY_LIMIT, WITHIN)
         if closer.end == trace.end:
             verdict.energy_gain = closer.energy_gain
@@ -110,7 +110,7 @@ def judge(
     if trace.end == "refused":
         return verdict
     if trace.end == "completed" and model is not None and hangs_free(drawn):
-        started("rest", verdict)
+        started("rest", None)
         problem = settled(drawn, model)
         if problem:
             _wrong(verdict, "rest", problem)

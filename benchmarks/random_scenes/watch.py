@@ -80,12 +80,12 @@ def search(seeds: Sequence[int], report: Callable[[Verdict], None]) -> list[Verd
 def _ended(seed: int, phase: str, so_far: dict[str, Any] | None, code: int) -> Verdict:
     """What it means that a worker ended while it ran a scene.
 
-    so_far: the verdict if only the phase did not end.
+    so_far: the verdict if only the phase did not end; None: that the scene is too slow.
     """
     if code != -signal.SIGXCPU:
         name = signal.Signals(-code).name if code < 0 else f"exit code {code}"
         return Verdict(seed, "crashed", f"{phase}: {name}")
-    if so_far is None or phase in ("rest", "energy"):
+    if so_far is None:
         return Verdict(seed, "too slow", f"{phase}: a single step beyond the limit", cpu=RUN_LIMIT)
     verdict = Verdict(**so_far)
     verdict.note = f"{verdict.note} {phase}: a step beyond the limit".strip()

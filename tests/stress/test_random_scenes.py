@@ -186,7 +186,7 @@ def test_energy_from_nowhere_is_seen() -> None:
     ],
 )
 def test_what_ends_a_worker_is_an_outcome(code: int, phase: str, outcome: str) -> None:
-    known = {"check": "stopped", "finest": "unsettled", "rest": "completed"}
+    known = {"check": "stopped", "finest": "unsettled"}
     so_far = asdict(Verdict(7, known[phase], note="before")) if phase in known else None
     verdict = _ended(7, phase, so_far, code)
     assert verdict.outcome == outcome
@@ -199,7 +199,7 @@ def test_what_stands_before_a_check_is_told(monkeypatch: pytest.MonkeyPatch) -> 
     told: dict[str, Verdict] = {}
 
     def started(phase: str, verdict: Verdict | None) -> None:
-        assert (verdict is None) == (phase == "run")
+        assert (verdict is None) == (phase in ("run", "energy", "rest"))
         if verdict is not None:
             told[phase] = replace(verdict)
 
