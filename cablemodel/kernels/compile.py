@@ -8,7 +8,8 @@ just-in-time and the ahead-of-time build give the same bits.
 import ctypes
 import hashlib
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -18,8 +19,11 @@ from numba import types
 from numba.core import cgutils
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
+from numba.core.compiler_lock import global_compiler_lock
 from numba.core.compiler_machinery import AnalysisPass, register_pass
+from numba.core.targetconfig import ConfigStack
 from numba.core.typed_passes import AnnotateTypes
+from numba.core.types.functions import BaseFunction
 from numba.extending import intrinsic
 from numba.np.arrayobj import make_array, populate_array
 
@@ -184,8 +188,42 @@ def inlined(function: Callable[..., Any]) -> Any:
     )
 
 
-def entry_point(signature: Any) -> Callable[[Callable[..., Any]], Any]:
-    """A kernel that Python, the FMU and the node call: fixed signature, cached on disk.
+@contextmanager
+def calls_resolved_once() -> Iterator[None]:
+    """While kernels are compiled: what a built-in function means for given types is found once.
+
+    Numba tries all its templates anew for every operator in every kernel, a quarter of a first
+    start. What was found is forgotten in the end, and nothing else is compiled meanwhile.
+    """
+    built_in: Any = BaseFunction
+    stack: Any = ConfigStack
+    resolve = built_in.get_call_type
+    known: dict[Any, Any] = {}
+
+    def get_call_type(self: Any, context: Any, args: Any, kws: Any) -> Any:
+        flags = stack.top_or_none()
+        if kws or flags is None:
+            return resolve(self, context, args, kws)
+        key = self, context, args, flags
+        if key not in known:
+            found = resolve(self, context, args, kws)
+            known[self, context, args, flags.copy()] = found, self._impl_keys[found.args]
+        found, meant = known[key]
+        self._impl_keys[found.args] = meant  # by which the call is compiled, the last one found
+        return found
+
+    with global_compiler_lock:
+        built_in.get_call_type = get_call_type
+        try:
+            yield
+        finally:
+            built_in.get_call_type = resolve
+
+
+def entry_point(
+    signature: Any, folder: Callable[[], Path] = cache_folder
+) -> Callable[[Callable[..., Any]], Any]:
+    """A kernel that Python, the FMU and the node call: fixed signature, cached in a folder.
 
     The signature is kept on the dispatcher and compiled when first called (or loaded from the
     cache), so that importing this package compiles nothing.
@@ -194,12 +232,19 @@ def entry_point(signature: Any) -> Callable[[Callable[..., Any]], Any]:
     def decorate(function: Callable[..., Any]) -> Any:
         config: Any = numba.config
         previous = config.CACHE_DIR
-        config.CACHE_DIR = str(cache_folder())
+        config.CACHE_DIR = str(folder())
         try:
             dispatcher = numba.jit(**OPTIONS, cache=True)(function)
         finally:
             config.CACHE_DIR = previous
         dispatcher.entry_signature = signature
+        compiled = dispatcher.compile
+
+        def compile_remembering(signature: Any) -> Any:
+            with calls_resolved_once():
+                return compiled(signature)
+
+        dispatcher.compile = compile_remembering
         return dispatcher
 
     return decorate

@@ -15,23 +15,7 @@ motion does not depend on what was asked before; a slot of the memory holds the 
 asked for by one Gauss point or body. How large cells may be: cablemodel/waves.py.
 """
 
-from .airy import (
-    C1,
-    C2,
-    C3,
-    C4,
-    C5,
-    C6,
-    ROUND,
-    S1,
-    S2,
-    S3,
-    S4,
-    S5,
-    columns,
-    follow_components,
-    living,
-)
+from .airy import ROUND, columns, follow_components, living, sine_and_cosine
 from .compile import inlined, kernel, outlined, view
 from .layout import (
     CELL_DEGREE,
@@ -203,12 +187,7 @@ def sum_in_cell(I, M, slot, way, level, surface):
     z = level - cell_z * width
     frequency = M[S_CELL_FREQUENCY]
     number = M[S_CELL_NUMBER]
-    theta = number * x - frequency * t
-    q = theta * theta
-    q2 = q * q
-    q4 = q2 * q2
-    sine = theta * ((1.0 + q * S1) + q2 * (S2 + q * S3) + q4 * (S4 + q * S5))
-    cosine = (1.0 + q * C1) + q2 * (C2 + q * C3) + q4 * ((C4 + q * C5) + q2 * C6)
+    sine, cosine = sine_and_cosine(number * x - frequency * t)
     up = 1.0
     for n in range(9, 0, -1):
         up = 1.0 + number * z * up * OVER[n]

@@ -108,8 +108,9 @@ def is_too_large(I, M, length, elements):
 def bends_with_next(I, M):
     """Whether the top element and the next one bend more than one cubic in their place may.
 
-    Where the mesh follows what bends; joined nevertheless, they would be halved at once, and what
-    they were is lost.
+    The node between would move by more than tau L, and the line's ends would be pulled after it: a
+    fold that is straightened so stores energy from nowhere. Or, where the mesh follows what bends,
+    what is joined would be halved at once, and what it was is lost.
     """
     if moved_by_joining(I, M) > M[S_TOLERANCE] * M[S_LENGTH]:
         return True

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from cablemodel.errors import SceneProblem
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
-    from cablemodel.scene.environment import JonswapWaves, RegularWave
+    from cablemodel.scene.environment import JonswapWaves, RegularWave, Waves
 
 FloatArray = NDArray[np.float64]
 
@@ -51,6 +52,10 @@ class Sea:
     """Of the wave, or of the spectrum's peak [s]."""
     length: float
     """Of a wave of this period [m]."""
+
+    def __post_init__(self) -> None:
+        for array in (self.amplitude, self.frequency, self.number, self.phase):
+            array.setflags(write=False)  # one sea serves all that ask
 
     @property
     def speed(self) -> float:
@@ -94,8 +99,12 @@ def sea(scene: Scene) -> Sea | None:
     waves = scene.environment.waves
     if waves is None:
         return None
-    depth = water_depth(scene)
-    gravity = scene.environment.gravity
+    return _sea(waves, water_depth(scene), scene.environment.gravity)
+
+
+@lru_cache(maxsize=8)
+def _sea(waves: Waves, depth: float, gravity: float) -> Sea:
+    """Kept, since a start asks eight times and the bands of equal energy take 3 ms."""
     kind: RegularWave | JonswapWaves
     if waves.regular is not None:
         kind = waves.regular

@@ -180,7 +180,7 @@ def _sha256(library: bytes) -> str:
 
 def _objects(machine: Machine, part: str, assembly: Path, work: Path, progress: Progress) -> Path:
     """A solver's object file for a machine."""
-    progress(f"kernels of {part} for {machine.triple}")
+    progress(f"machine code of {part} for {machine.triple} (up to a minute)")
     output = work / f"{machine.triple}-{part}.o"
     compile_kernels(machine, part, assembly, output)
     return output

@@ -175,36 +175,6 @@ def _make_no_machine_code() -> None:
     generator.set_env = lambda self, name, environment: None
 
 
-def _resolve_calls_once() -> None:
-    """Have numba remember what a call of a built-in function means for given types.
-
-    It tries all templates anew for every operator in every kernel: a quarter of a compilation. All
-    that is compiled in this process has the same flags, but for those of the key; elsewhere what
-    others compile, with theirs, would get what was found for kernels.
-    """
-    from numba.core.targetconfig import ConfigStack
-    from numba.core.types.functions import BaseFunction
-
-    built_in: Any = BaseFunction
-    stack: Any = ConfigStack
-    resolve = built_in.get_call_type
-    known: dict[Any, Any] = {}
-
-    def get_call_type(self: Any, context: Any, args: Any, kws: Any) -> Any:
-        flags = stack.top_or_none()
-        if kws or flags is None:
-            return resolve(self, context, args, kws)
-        key = self, context, args, flags.forceinline, flags.no_cpython_wrapper
-        if key not in known:
-            found = resolve(self, context, args, kws)
-            known[key] = found, self._impl_keys[found.args]
-        found, meant = known[key]
-        self._impl_keys[found.args] = meant  # by which the call is compiled, the last one found
-        return found
-
-    built_in.get_call_type = get_call_type
-
-
 def _no_function(library: Any, name: str) -> int:
     library._ensure_finalized()
     return 0
@@ -224,9 +194,11 @@ def entry_points(part: str) -> dict[str, Any]:
 
 def main(part: str, folder: Path) -> None:
     """Compile here and now; run in a process with the environment PORTABLE."""
+    from cablemodel.kernels.compile import calls_resolved_once
+
     _make_no_machine_code()
-    _resolve_calls_once()
-    assembly, arguments = native_module(entry_points(part))
+    with calls_resolved_once():
+        assembly, arguments = native_module(entry_points(part))
     for name, text in (
         ("arguments.json", json.dumps(arguments, indent=1)),
         ("kernels.ll", assembly),

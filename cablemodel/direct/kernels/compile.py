@@ -5,9 +5,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import numba
-
-from cablemodel.kernels.compile import INTEGERS, OPTIONS, REALS, cache_folder, inlined, kernel
+from cablemodel.kernels.compile import INTEGERS, REALS, cache_folder, inlined, kernel
+from cablemodel.kernels.compile import entry_point as shared_entry_point
 
 __all__ = ["INTEGERS", "REALS", "entry_point", "inlined", "kernel"]
 
@@ -23,17 +22,5 @@ def own_cache_folder() -> Path:
 
 
 def entry_point(signature: Any) -> Callable[[Callable[..., Any]], Any]:
-    """A kernel that Python calls: fixed signature, cached on disk, compiled when first called."""
-
-    def decorate(function: Callable[..., Any]) -> Any:
-        config: Any = numba.config
-        previous = config.CACHE_DIR
-        config.CACHE_DIR = str(own_cache_folder())
-        try:
-            dispatcher = numba.jit(**OPTIONS, cache=True)(function)
-        finally:
-            config.CACHE_DIR = previous
-        dispatcher.entry_signature = signature
-        return dispatcher
-
-    return decorate
+    """An entry point of this solver: see kernels/compile.py."""
+    return shared_entry_point(signature, own_cache_folder)

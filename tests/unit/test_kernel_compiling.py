@@ -1,0 +1,72 @@
+"""While kernels are compiled numba remembers what calls mean; then it is as it was."""
+
+import numba
+import numpy as np
+import pytest
+from numba import float64, int64
+from numba.core.types.functions import BaseFunction
+
+from cablemodel.kernels.compile import INTEGERS, OPTIONS, REALS, calls_resolved_once, entry_point
+
+
+def _mixed(ints, reals, factor):
+    """The same operators for integers, floats and both, not to be mistaken for one another."""
+    whole = ints[0] + ints[1] * ints[2]
+    real = reals[0] + reals[1] * reals[2]
+    both = ints[0] + reals[1] * ints[2]
+    return (
+        int(1000.0 * (real + both * factor) + ints[3] // ints[1])
+        + whole // 7
+        - max(ints[0], ints[1]) * int(max(reals[0], reals[1]) + min(3.0, factor))
+    )
+
+
+def _arguments():
+    rng = np.random.default_rng(3)
+    return rng.integers(2, 90, 4), rng.uniform(1.0, 9.0, 4), 1.7
+
+
+@pytest.fixture
+def resolutions(monkeypatch):
+    """How many calls of built-in functions numba resolves itself."""
+    resolve, calls = BaseFunction.get_call_type, []
+
+    def count(self, context, args, kws):
+        calls.append((self, args))
+        return resolve(self, context, args, kws)
+
+    monkeypatch.setattr(BaseFunction, "get_call_type", count)
+    return calls
+
+
+def test_what_is_compiled_is_the_same_with_fewer_resolutions(resolutions):
+    signature = int64(INTEGERS, REALS, float64)
+    plain = numba.jit(**OPTIONS)(_mixed)
+    plain.compile(signature)
+    without = len(resolutions)
+    resolutions.clear()
+    remembering = numba.jit(**OPTIONS)(_mixed)
+    with calls_resolved_once():
+        remembering.compile(signature)
+    assert len(resolutions) < 0.7 * without
+    assert plain(*_arguments()) == remembering(*_arguments()) == _mixed(*_arguments())
+
+
+def test_numba_is_as_it_was_afterwards():
+    before = BaseFunction.get_call_type
+    with calls_resolved_once():
+        assert BaseFunction.get_call_type is not before
+    assert BaseFunction.get_call_type is before
+    with pytest.raises(ZeroDivisionError), calls_resolved_once():
+        raise ZeroDivisionError
+    assert BaseFunction.get_call_type is before
+
+
+def test_an_entry_point_is_compiled_so(resolutions, tmp_path):
+    kernel = entry_point(int64(INTEGERS, REALS, float64), lambda: tmp_path)(_mixed)
+    assert kernel(*_arguments()) == _mixed(*_arguments())
+    of_entry_point = len(resolutions)
+    resolutions.clear()
+    numba.jit(**OPTIONS)(_mixed).compile(int64(INTEGERS, REALS, float64))
+    assert of_entry_point < 0.7 * len(resolutions)
+    assert any(tmp_path.rglob("*.nbi"))
