@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -66,12 +67,12 @@ class WordBlock:
     def array(self, place: int, *shape: int) -> FloatArray:
         """A view of an array of the block, by its header word."""
         start = int(self.ints[place])
-        return self.reals[start : start + int(np.prod(shape))].reshape(shape)
+        return self.reals[start : start + math.prod(shape)].reshape(shape)
 
     def integers(self, place: int, *shape: int) -> IntArray:
         """A view of an integer array of the block, by its header word."""
         start = int(self.ints[place])
-        return self.ints[start : start + int(np.prod(shape))].reshape(shape)
+        return self.ints[start : start + math.prod(shape)].reshape(shape)
 
     @property
     def failed_node(self) -> int:

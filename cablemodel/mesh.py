@@ -10,6 +10,7 @@ import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -90,17 +91,27 @@ def element_count(tolerance: float, start: Start) -> int:
     return max(_FEWEST[start.plain], math.ceil(count - 1e-9))
 
 
-def relative_size(x: float, start: Start) -> float:
-    """Element size, relative, at a fraction x of the line from the vessel.
+@cache
+def _share_of_elements(
+    slack: bool, free_end: bool, lightly_damped: bool
+) -> tuple[FloatArray, FloatArray]:
+    """Fractions x of the line from the vessel, and the integral of 1 / size from 0 to each.
 
-    A towed line bends most at its free end, a line that starts slack where it is held, a whip at
-    its tip.
+    Sizes are relative. A towed line bends most at its free end, a line that starts slack where it
+    is held, a whip at its tip.
     """
-    if not start.slack:
-        return math.pow(2.0, -x) if start.free_end else 1.0
-    if start.lightly_damped and start.free_end:
-        return math.pow(4.0, -x)
-    return math.pow(4.0, -abs(2.0 * x - 1.0))
+
+    def size(x: float) -> float:
+        if not slack:
+            return math.pow(2.0, -x) if free_end else 1.0
+        if lightly_damped and free_end:
+            return math.pow(4.0, -x)
+        return math.pow(4.0, -abs(2.0 * x - 1.0))
+
+    x = np.linspace(0.0, 1.0, 2001)
+    density = np.array([1.0 / size(float(value)) for value in x])
+    share = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(x))])
+    return x, share
 
 
 def line_nodes(spans: list[Span], tolerance: float, start: Start) -> list[FloatArray]:
@@ -108,10 +119,8 @@ def line_nodes(spans: list[Span], tolerance: float, start: Start) -> list[FloatA
     total = math.fsum(span.length for span in spans)
     count = element_count(tolerance, start)
     # Nodes at equal steps of the integral of 1 / size over the line.
-    x = np.linspace(0.0, 1.0, 2001)
-    density = np.array([1.0 / relative_size(float(value), start) for value in x])
-    integral = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(x))])
-    integral *= count / integral[-1]
+    x, share = _share_of_elements(start.slack, start.free_end, start.lightly_damped)
+    integral = count / share[-1] * share
     nodes = []
     arc = 0.0
     for span in spans:

@@ -226,9 +226,8 @@ def _check_above(floor: Floor, path: str, point: FloatArray, margin: float) -> N
 
 def _check_afloat(scene: Scene, floor: Floor) -> None:
     """The vessel's own schedule must not take the tow point below the floor during the run."""
-    motion = scene.motion()
-    for time in np.linspace(0.0, scene.run.duration, 201):
-        place = motion.evaluate(float(time))[0]
+    times = np.linspace(0.0, scene.run.duration, 201)
+    for time, place in zip(times, scene.motion().track(times)[0], strict=True):
         depth = floor.height(float(place[0]), float(place[1])) - place[2]
         if depth > 1e-3 * scene.line_length:
             raise SceneError.at(
@@ -241,9 +240,7 @@ def _check_afloat(scene: Scene, floor: Floor) -> None:
 
 def _check_cover(scene: Scene, floor: Floor, points: FloatArray) -> None:
     """The table must hold the vessel's track over the run, the first shape and the anchor."""
-    motion = scene.motion()
-    times = np.linspace(0.0, scene.run.duration, 201)
-    track = [motion.evaluate(float(t))[0] for t in times]
+    track = scene.motion().track(np.linspace(0.0, scene.run.duration, 201))[0]
     places = np.array([*track, *points])
     for axis, name, grid in ((0, "x", floor.grid_x), (1, "y", floor.grid_y)):
         if len(grid) < 2:

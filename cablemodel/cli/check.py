@@ -117,11 +117,11 @@ def _waves(scene: Scene) -> str | None:
 def _vessel(scene: Scene) -> dict[str, Any]:
     """Where the tow point begins and ends, and how fast it is."""
     motion, end = scene.motion(), scene.run.duration
-    times = np.linspace(0.0, end, _INSTANTS)
-    speeds = [float(np.linalg.norm(motion.evaluate(float(time))[1])) for time in times]
+    places, velocities = motion.track(np.linspace(0.0, end, _INSTANTS))
+    speeds = np.linalg.norm(velocities, axis=1).tolist()
     return {
-        "position": motion.evaluate(0.0)[0].tolist(),
-        "position_at_end": motion.evaluate(end)[0].tolist(),
+        "position": places[0].tolist(),
+        "position_at_end": places[-1].tolist(),
         "speed": speeds[0],
         "highest_speed": max(speeds),
     }

@@ -100,7 +100,7 @@ def build(scene: Scene, *, planar: bool | None = None) -> DirectBlock:
         _fill_floor(block, scene)
     scale = _tension_scale(scene)
     reals[own.X_SCALE : own.X_SCALE + own.WIDTH] = 1.0
-    speed = float(np.max(np.linalg.norm(_velocities(scene), axis=1), initial=0.1))
+    speed = float(np.max(np.linalg.norm(scene.motion().typical_velocities(), axis=1), initial=0.1))
     reals[own.X_SCALE : own.X_SCALE + 3] = speed
     reals[own.X_SCALE + own.F1 : own.X_SCALE + own.F3 + 1] = scale
     reals[own.X_LOWEST] = SLACK * scale
@@ -113,18 +113,10 @@ def build(scene: Scene, *, planar: bool | None = None) -> DirectBlock:
     return block
 
 
-def _velocities(scene: Scene) -> FloatArray:
-    """Velocities of the tow point at the ends of the pieces of its motion (n, 3) [m/s]."""
-    motion = scene.motion()
-    pieces = motion.pieces
-    times = [*pieces[:, 0], *np.minimum(pieces[:, 1], pieces[:, 0] + 1.0)]
-    return np.array([motion.evaluate(float(t))[1] for t in times])
-
-
 def _tension_scale(scene: Scene) -> float:
     """A tension [N] that is typical of the line: what hangs on it, and some of its drag."""
     rho, gravity = scene.environment.water_density, scene.environment.gravity
-    speed = float(np.max(np.linalg.norm(_velocities(scene), axis=1)))
+    speed = float(np.max(np.linalg.norm(scene.motion().typical_velocities(), axis=1)))
     scale = sum(abs(body.submerged_weight) for body in scene.bodies)
     for cable in scene.cables:
         kind = scene.cable_types[cable.type]
@@ -136,15 +128,15 @@ def _tension_scale(scene: Scene) -> float:
 
 def _fill_motion(block: DirectBlock, pieces: FloatArray) -> None:
     """The scene's pieces from row 1 on (row 0 is the caller's live motion), and their kinks."""
-    from cablemodel.scene.motion import VesselMotion
+    from cablemodel.scene.motion import evaluate_piece
 
     table = block.array(at.O_PIECES, len(pieces) + 1, at.PIECE_WORDS)
     table[1:] = pieces
     table[1:, at.P_ACCELERATION_JUMP] = 0.0
     for k in range(1, len(pieces)):
         t = float(pieces[k, 0])
-        before = VesselMotion(pieces[k - 1 : k]).evaluate(t)
-        after = VesselMotion(pieces[k : k + 1]).evaluate(t)
+        before = evaluate_piece(pieces[k - 1], t)
+        after = evaluate_piece(pieces[k], t)
         jump = np.linalg.norm(after[2] - before[2]) + np.linalg.norm(after[1] - before[1])
         table[1 + k, at.P_ACCELERATION_JUMP] = jump if jump > 1e-12 else 0.0
 

@@ -32,11 +32,7 @@ def tension_per_length(scene: Scene) -> list[float]:
     """
     rho = scene.environment.water_density
     gravity = scene.environment.gravity
-    motion = scene.motion()
-    pieces = motion.pieces
-    speed = 0.0
-    for t in [*pieces[:, 0], *np.minimum(pieces[:, 1], pieces[:, 0] + 1.0)]:
-        speed = max(speed, float(np.linalg.norm(motion.evaluate(float(t))[1])))
+    speed = max(float(np.linalg.norm(v)) for v in scene.motion().typical_velocities())
     if scene.environment.current is not None:
         speed += float(np.max(np.linalg.norm(scene.environment.current.velocity, axis=-1)))
     water = sea(scene)

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -101,7 +102,7 @@ class VesselMotion:
                 row, duration = _straight(leg, heading, speed, reached)
                 row[SHAPE : SHAPE + 3] = place
             row[T_START], row[T_END] = start, start + duration
-            place = _evaluated(row, start + duration)[0]
+            place = evaluate_piece(row, start + duration)[0]
             rows.append(row)
             start, speed = start + duration, reached
         last = np.zeros(COLUMNS)
@@ -124,11 +125,37 @@ class VesselMotion:
         if not (math.isfinite(t) and t >= 0.0):
             raise ValueError(f"the motion is known for finite t >= 0, not {t}")
         index = int(np.searchsorted(self.pieces[:, T_START], t, side="right")) - 1
-        return _evaluated(self.pieces[index], t)
+        return evaluate_piece(self.pieces[index], t)
+
+    def track(self, times: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Positions [m] and velocities [m/s] at times (n,) [s], each (n, 3): `evaluate` at once.
+
+        Raises:
+            ValueError: a time is negative or not finite.
+        """
+        at = np.asarray(times, dtype=np.float64)
+        if not np.all(np.isfinite(at) & (at >= 0.0)):
+            raise ValueError(f"the motion is known for finite t >= 0, not {at.min()} to {at.max()}")
+        index = np.searchsorted(self.pieces[:, T_START], at, side="right") - 1
+        rows = self.pieces[index]
+        c = rows[:, SHAPE : SHAPE + 15].reshape(-1, DEGREE + 1, 3)
+        tau = (at - rows[:, T_START])[:, None]
+        place, velocity = _polynomial(c.transpose(1, 0, 2), tau)[:2]
+        for n in np.flatnonzero(rows[:, KIND] == ARC):
+            place[n], velocity[n] = evaluate_piece(rows[n], float(at[n]))[:2]
+        return place, velocity
+
+    def typical_velocities(self) -> FloatArray:
+        """Velocities where its pieces begin, and a second later or where they end, (2 n, 3) [m/s].
+
+        n is the number of pieces, of which each begins with what the one before ends with.
+        """
+        begins, ends = self.pieces[:, T_START], self.pieces[:, T_END]
+        return self.track(np.concatenate([begins, np.minimum(ends, begins + 1.0)]))[1]
 
     def is_planar(self) -> bool:
         """Whether the tow point stays in one vertical plane."""
-        return self._plane()[0]
+        return self._plane[0]
 
     def horizontal_direction(self) -> FloatArray | None:
         """Horizontal unit vector (2,) of that plane.
@@ -136,8 +163,9 @@ class VesselMotion:
         None if the motion is not planar, or if any plane will do because the tow point rests or
         only rises and falls.
         """
-        return self._plane()[1]
+        return self._plane[1]
 
+    @cached_property
     def _plane(self) -> tuple[bool, FloatArray | None]:
         if np.any(self.pieces[:, KIND] == ARC):
             return False, None
@@ -201,8 +229,10 @@ def _started_at_zero(pieces: FloatArray, position: FloatArray) -> FloatArray:
         pieces = np.concatenate([hold, pieces])
     else:
         pieces = pieces[pieces[:, T_END] > 0]
-        _move_start(pieces[0], -pieces[0, T_START])
+        if pieces[0, T_START] < 0.0:
+            _move_start(pieces[0], -pieces[0, T_START])
         pieces[0, T_START] = 0.0
+        pieces[0] += 0.0  # no zero of it is negative
     travel = np.zeros((len(pieces), 3))
     if len(pieces) > 1:
         span = (pieces[:-1, T_END] - pieces[:-1, T_START])[:, None]
@@ -256,7 +286,8 @@ def _arc(
     return row, duration
 
 
-def _evaluated(piece: FloatArray, t: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+def evaluate_piece(piece: FloatArray, t: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Position, velocity, acceleration by one row of `pieces` at a time, each (3,)."""
     tau = t - piece[T_START]
     if piece[KIND] == ARC:
         centre, radius = piece[SHAPE : SHAPE + 3], piece[SHAPE + 3]
@@ -270,7 +301,11 @@ def _evaluated(piece: FloatArray, t: float) -> tuple[FloatArray, FloatArray, Flo
             radius * rate * ahead,
             radius * acceleration * ahead - radius * rate**2 * outward,
         )
-    c = piece[SHAPE : SHAPE + 15].reshape(DEGREE + 1, 3)
+    return _polynomial(piece[SHAPE : SHAPE + 15].reshape(DEGREE + 1, 3), tau)
+
+
+def _polynomial(c: FloatArray, tau: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Its value and both derivatives, from the coefficients of its powers, (DEGREE + 1, ...)."""
     return (
         c[0] + tau * (c[1] + tau * (c[2] + tau * (c[3] + tau * c[4]))),
         c[1] + tau * (2 * c[2] + tau * (3 * c[3] + tau * 4 * c[4])),

@@ -129,6 +129,7 @@ class Scene(SceneModel):
 
     _source_text: str | None = PrivateAttr(default=None)
     _source_path: str | None = PrivateAttr(default=None)
+    _motion: tuple[Vessel, VesselMotion] | None = PrivateAttr(default=None)
 
     @field_validator("cable_types")
     @classmethod
@@ -287,15 +288,11 @@ class Scene(SceneModel):
         return self._source_path
 
     def motion(self) -> VesselMotion:
-        """The prescribed motion of the tow point."""
-        vessel = self.vessel
-        if vessel.path is not None:
-            return VesselMotion.from_path(vessel.path, vessel.position)
-        if vessel.velocity is None:
-            return VesselMotion.from_table([0.0], [(0.0, 0.0, 0.0)], vessel.position)
-        times = [row.t for row in vessel.velocity]
-        velocities = [row.velocity for row in vessel.velocity]
-        return VesselMotion.from_table(times, velocities, vessel.position, vessel.interpolation)
+        """The prescribed motion of the tow point, made once."""
+        kept = self._motion
+        if kept is None or kept[0] is not self.vessel:
+            kept = self._motion = self.vessel, self.vessel.motion()
+        return kept[1]
 
     def to_dict(self) -> dict[str, Any]:
         """The scene in SI as plain data, files resolved; it loads again to an equal scene."""

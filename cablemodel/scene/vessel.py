@@ -31,6 +31,7 @@ from cablemodel.scene.base import (
     in_order_of,
 )
 from cablemodel.scene.line import Connection, LineItem
+from cablemodel.scene.motion import VesselMotion
 from cablemodel.scene.tables import velocity_from_file
 from cablemodel.scene.units import Quantity, Vector, rejection
 
@@ -195,6 +196,16 @@ class Vessel(SceneModel):
         if self.velocity is not None and self.path is not None:
             raise rejection("velocity and path exclude each other", "velocity or path")
         return self
+
+    def motion(self) -> VesselMotion:
+        """The prescribed motion of the tow point."""
+        if self.path is not None:
+            return VesselMotion.from_path(self.path, self.position)
+        if self.velocity is None:
+            return VesselMotion.from_table([0.0], [(0.0, 0.0, 0.0)], self.position)
+        times = [row.t for row in self.velocity]
+        velocities = [row.velocity for row in self.velocity]
+        return VesselMotion.from_table(times, velocities, self.position, self.interpolation)
 
 
 class RatePoint(SceneModel):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from typing import Any
 
@@ -262,3 +263,42 @@ def test_pieces_are_laid_out_as_the_kernels_read_them() -> None:
 def test_times_outside_the_motion_are_refused(t: float) -> None:
     with pytest.raises(ValueError, match="finite t >= 0"):
         motion_of().evaluate(t)
+
+
+@pytest.mark.parametrize("interpolation", ["linear", "cubic"])
+def test_a_track_is_the_motion_at_each_of_its_times(interpolation: str) -> None:
+    rows = [{"t": t, "velocity": [math.sin(t), 0.3 * t, math.cos(3 * t)]} for t in (-1, 0.5, 2, 7)]
+    legs = [
+        {"straight": {"speed": 2, "length": 10, "heading": 0.3}},
+        {"turn": {"angle": -1.2, "radius": 8, "speed": 3}},
+        {"straight": {"duration": 4, "speed": 1}},
+    ]
+    times = np.concatenate([np.linspace(0.0, 30.0, 61), [5.0, 0.5]])
+    for motion in (
+        motion_of(velocity=rows, interpolation=interpolation),
+        motion_of(path=legs, position=[1, 2, -3]),
+    ):
+        places, velocities = motion.track(times)
+        single = [motion.evaluate(float(t)) for t in times]
+        np.testing.assert_array_equal(places, [row[0] for row in single])
+        np.testing.assert_array_equal(velocities, [row[1] for row in single])
+
+
+def test_a_track_outside_the_motion_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"finite t >= 0, not -1\.0 to 2\.0"):
+        motion_of().track([2.0, -1.0])
+
+
+def test_typical_velocities_are_those_at_each_begin_and_soon_after() -> None:
+    rows = [{"t": 0, "velocity": [0, 0, 0]}, {"t": 4, "velocity": [2, 0, 0]}]
+    assert motion_of(velocity=rows).typical_velocities()[:, 0].tolist() == [0, 2, 0.5, 2]
+
+
+def test_a_scene_makes_its_motion_once_and_another_vessel_has_its_own() -> None:
+    scene = cm.load_scene(minimal() | {"vessel": {"velocity": [1, 0, 0]}})
+    assert scene.motion() is scene.motion()
+    other = cm.load_scene(minimal() | {"vessel": {"velocity": [0, 2, 0]}})
+    moved = scene.model_copy(update={"vessel": other.vessel})
+    assert moved.motion().evaluate(1.0)[1].tolist() == [0, 2, 0]
+    assert scene.motion().evaluate(1.0)[1].tolist() == [1, 0, 0]
+    assert copy.deepcopy(scene).motion().evaluate(3.0)[0].tolist() == [3, 0, 0]
