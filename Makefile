@@ -79,6 +79,7 @@ test-tools: browser
 bench: $(READY_BENCH) native valgrind  ## measure run time against error (long)
 	$(BIN)/python -m benchmarks
 	$(BIN)/python -m benchmarks.skips
+	$(BIN)/python -m benchmarks.starts
 	$(BIN)/python -m benchmarks.profile
 	$(BIN)/python -m benchmarks.fmu
 

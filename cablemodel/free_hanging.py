@@ -15,17 +15,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel import laid_loads
+from cablemodel.curves import crossing
 from cablemodel.instance.frame import vertical_plane
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
 
 FloatArray = NDArray[np.float64]
+Triple = tuple[float, float, float]
 
 STEPS = 64
 """In which the hanging part is integrated."""
-TRIALS = 25
-"""Bisections for the place where the line lands."""
+NEAR = 1e-9
+"""Of the line's length: from the floor, where it has landed."""
+NARROW = 1e-7
+"""Of the line's length: the piece that lands, where the drop of its end jumps (a body lands)."""
 
 
 @dataclass(frozen=True)
@@ -66,17 +70,25 @@ def hang(scene: Scene, start: FloatArray, passed: float, *, drawn: bool = False)
         x, y, z = (float(value) for value in points[-1])
         return z - floor.height(x, y), points
 
-    low, high = passed, total
+    height = float(start[2]) - floor.height(float(start[0]), float(start[1]))
+    straight_down = height > total - passed
+    if straight_down and floor.z is not None and not any(floor.slope):
+        return None  # nowhere does it come down further
     gap, points = above(total)
     if gap > 0.0:
-        straight_down = start[2] - (total - passed) > floor.height(float(start[0]), float(start[1]))
         return None if straight_down else Hanging(points, total, total, way)
-    for _ in range(TRIALS):
-        middle = 0.5 * (low + high)
-        gap, points = above(middle)
-        low, high = (middle, high) if gap > 0.0 else (low, middle)
+    lands = crossing(
+        lambda arc: above(arc)[0],
+        passed,
+        total,
+        at_low=height,
+        at_high=gap,
+        near=NEAR * total,
+        width=NARROW * total,
+    )
+    _gap, points = above(lands)
     points[-1, 2] = floor.height(float(points[-1, 0]), float(points[-1, 1]))
-    return Hanging(points, middle, total, way)
+    return Hanging(points, lands, total, way)
 
 
 def way_of_lying(scene: Scene, start: FloatArray) -> FloatArray:
@@ -96,7 +108,7 @@ class _Water:
         past = laid_loads.water_velocity(scene, z) - scene.motion().evaluate(0.0)[1]
         self._rows = [tuple(row) for row in past.tolist()]
 
-    def at(self, share: float) -> tuple[float, float, float]:
+    def at(self, share: float) -> Triple:
         """At a share of the height of the tow point above the floor [m/s]."""
         row = self._rows[min(STEPS, max(0, round(share * STEPS)))]
         return row[0], row[1], row[2]
@@ -163,8 +175,8 @@ def _integrate(
     arcs = sorted({*np.linspace(first, last, STEPS + 1).tolist(), *knots})
     points = [p for p in line if p.start == p.end and first <= p.start < last]
     # The pull of the cable above on what is below it, to begin with by its own loads.
-    pull = [-tension * float(way[0]), -tension * float(way[1]), 0.0]
-    ahead = [0.0, 0.0, 1.0]
+    pull = -tension * float(way[0]), -tension * float(way[1]), 0.0
+    ahead = 0.0, 0.0, 1.0
     places = [(0.0, 0.0, 0.0)]
     x = y = z = 0.0
     for upper, lower in itertools.pairwise(reversed(arcs)):
@@ -175,39 +187,36 @@ def _integrate(
         flow = water.at((last - middle) / max(last - first, 1e-12))
         for body in points:
             if lower < body.start <= upper:
-                _add(pull, body, 1.0, flow, ahead)
-        start = list(pull)
-        for _ in range(8 if places[-1] == (0.0, 0.0, 0.0) else 2):
-            pull = list(start)
-            _add(pull, piece, 0.5 * h, flow, ahead)
-            size = math.sqrt(pull[0] ** 2 + pull[1] ** 2 + pull[2] ** 2)
+                pull = _loaded(pull, body, 1.0, flow, ahead)
+        start = pull
+        for _ in range(8 if len(places) == 1 else 2):
+            pull = _loaded(start, piece, 0.5 * h, flow, ahead)
+            size = math.hypot(*pull)
             if size > 0.0:
-                turned = [0.5 * (a + p / size) for a, p in zip(ahead, pull, strict=True)]
-                norm = math.sqrt(sum(value**2 for value in turned)) or 1.0
-                ahead = [value / norm for value in turned]
-        size = math.sqrt(pull[0] ** 2 + pull[1] ** 2 + pull[2] ** 2)
+                a, b, c = (0.5 * (d + p / size) for d, p in zip(ahead, pull, strict=True))
+                norm = math.hypot(a, b, c) or 1.0
+                ahead = a / norm, b / norm, c / norm
+        size = math.hypot(*pull)
         if size > 0.0:
-            ahead = [value / size for value in pull]
-        pull = list(start)
-        _add(pull, piece, h, flow, ahead)
+            ahead = pull[0] / size, pull[1] / size, pull[2] / size
+        pull = _loaded(start, piece, h, flow, ahead)
         x, y, z = x + h * ahead[0], y + h * ahead[1], z + h * ahead[2]
         places.append((x, y, z))
     shape = np.array(places)
     return np.asarray(shape[::-1] - shape[-1], dtype=np.float64)
 
 
-def _add(
-    pull: list[float],
-    piece: laid_loads.Piece,
-    length: float,
-    flow: tuple[float, float, float],
-    ahead: list[float],
-) -> None:
-    """Add what bears the loads on a length of a piece to the pull from above [N]."""
-    along = flow[0] * ahead[0] + flow[1] * ahead[1] + flow[2] * ahead[2]
-    across = [f - along * a for f, a in zip(flow, ahead, strict=True)]
-    normal = piece.normal * math.sqrt(across[0] ** 2 + across[1] ** 2 + across[2] ** 2)
-    tangential = piece.tangential * abs(along) * along
-    for i in range(3):
-        pull[i] -= length * (normal * across[i] + tangential * ahead[i])
-    pull[2] += length * piece.weight
+def _loaded(
+    pull: Triple, piece: laid_loads.Piece, length: float, flow: Triple, ahead: Triple
+) -> Triple:
+    """The pull from above, and what bears the loads on a length of a piece [N]."""
+    x, y, z = ahead
+    along = flow[0] * x + flow[1] * y + flow[2] * z
+    a, b, c = flow[0] - along * x, flow[1] - along * y, flow[2] - along * z
+    normal = length * piece.normal * math.sqrt(a * a + b * b + c * c)
+    tangential = length * piece.tangential * abs(along) * along
+    return (
+        pull[0] - normal * a - tangential * x,
+        pull[1] - normal * b - tangential * y,
+        pull[2] - normal * c - tangential * z + length * piece.weight,
+    )

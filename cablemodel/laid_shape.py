@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel import free_hanging
+from cablemodel.curves import crossing
 from cablemodel.mesh import halved_where
 from cablemodel.sea_floor import finest_element, thinnest_layer
 
@@ -141,7 +142,6 @@ def _catenary(slack: float, rise: float, smallest: float) -> FloatArray:
     slack: its length less its span; rise: its height; smallest: least radius at its foot [m].
     Columns: distance from the touchdown, height. Empty where the slack is all of the rise.
     """
-    from scipy.optimize import brentq
 
     def excess(log_radius: float) -> float:
         radius = math.exp(log_radius)
@@ -149,9 +149,11 @@ def _catenary(slack: float, rise: float, smallest: float) -> FloatArray:
         return math.sqrt(rise * (rise + 2.0 * radius)) - span - slack
 
     low, high = math.log(1e-3 * rise), math.log(1e6 * rise)
-    if excess(low) <= 0.0 or excess(high) >= 0.0:
+    at_low, at_high = excess(low), excess(high)
+    if at_low <= 0.0 or at_high >= 0.0:
         return np.empty((0, 2))
-    radius = max(smallest, math.exp(brentq(excess, low, high, xtol=1e-12)))
+    log_radius = crossing(excess, low, high, at_low=at_low, at_high=at_high, near=0.0, width=1e-12)
+    radius = max(smallest, math.exp(log_radius))
     arcs = math.sqrt(rise * (rise + 2.0 * radius)) * np.linspace(1.0, 0.0, 65) ** 2
     turned = arcs / radius
     return np.stack([radius * np.arcsinh(turned), radius * (np.hypot(1.0, turned) - 1.0)], axis=-1)

@@ -227,9 +227,10 @@ def _check_above(floor: Floor, path: str, point: FloatArray, margin: float) -> N
 def _check_afloat(scene: Scene, floor: Floor) -> None:
     """The vessel's own schedule must not take the tow point below the floor during the run."""
     times = np.linspace(0.0, scene.run.duration, 201)
-    for time, place in zip(times, scene.motion().track(times)[0], strict=True):
-        depth = floor.height(float(place[0]), float(place[1])) - place[2]
-        if depth > 1e-3 * scene.line_length:
+    most = 1e-3 * scene.line_length
+    for time, place in zip(times, scene.motion().track(times)[0].tolist(), strict=True):
+        depth = floor.height(place[0], place[1]) - place[2]
+        if depth > most:
             raise SceneError.at(
                 "vessel",
                 [round(float(value), 6) for value in place],

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 from numpy.typing import NDArray
 
+from cablemodel.curves import hermite
 from cablemodel.variables import (
     APPLIED_INPUT_FIELDS,
     APPLIED_INPUT_LABELS,
@@ -224,18 +225,8 @@ def _resampled(matrix: Floats, at: Floats) -> Floats:
     keep = np.concatenate([[True], np.diff(s) > 0.0])
     if np.count_nonzero(keep) > 1:
         s, position, tangent = s[keep], matrix[_ROW["position"]], matrix[_ROW["tangent"]]
-        result[_ROW["position"]] = _hermite(at, s, position[:, keep], tangent[:, keep])
+        result[_ROW["position"]] = hermite(at, s, position[:, keep], tangent[:, keep])[0]
     length = np.linalg.norm(result[_ROW["tangent"]], axis=0)
     result[_ROW["tangent"]] /= np.where(length > 0.0, length, 1.0)
     result[_ROW["on_floor"]] = result[_ROW["on_floor"]] > 0.5
     return result
-
-
-def _hermite(at: Floats, s: Floats, value: Floats, slope: Floats) -> Floats:
-    """Cubic Hermite interpolation of (3, n) values and slopes."""
-    k = np.clip(np.searchsorted(s, at, side="right") - 1, 0, len(s) - 2)
-    h = s[k + 1] - s[k]
-    x = (at - s[k]) / h
-    left: Floats = (1 + 2 * x) * (1 - x) ** 2 * value[:, k] + x * (1 - x) ** 2 * h * slope[:, k]
-    right: Floats = x**2 * (3 - 2 * x) * value[:, k + 1] + x**2 * (x - 1) * h * slope[:, k + 1]
-    return left + right

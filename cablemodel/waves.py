@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -91,8 +92,12 @@ def cell_terms(waves: Sea | None) -> int:
     return 0 if waves is None or len(waves.amplitude) < FEWEST else at.CELL_TERMS
 
 
+@lru_cache(maxsize=8)
 def cells(waves: Sea, tolerance: float) -> Cells:
-    """The largest cells whose series are as good as they must be (`CELL_ERROR`)."""
+    """The largest cells whose series are as good as they must be (`CELL_ERROR`).
+
+    Kept: a start asks for each of its meshes.
+    """
     allowed = min(CELL_ERROR[0] * tolerance, CELL_ERROR[1])
     frequency, number = waves.frequency, waves.number
     speed = waves.amplitude * frequency / (1.0 - np.exp(-2.0 * number * waves.depth))

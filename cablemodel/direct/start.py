@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from cablemodel.curves import hermite
 from cablemodel.direct.block import DirectBlock
 from cablemodel.direct.kernels import layout as own
 from cablemodel.direct.sections import Section
@@ -117,17 +118,15 @@ def _angles(block: DirectBlock, scene: Scene, sections: list[Section]) -> FloatA
     """Angles of all nodes of the scene's start."""
     arcs = _node_arcs(sections)
     if scene.initial.kind == "points":
-        from scipy.interpolate import CubicHermiteSpline
-
         points = np.asarray(scene.initial.points, dtype=float)
         chords = np.linalg.norm(np.diff(points, axis=0), axis=1)
         along = np.concatenate([[0.0], np.cumsum(chords)])
         if len(points) == 2:
             tangents = np.tile(points[1] - points[0], (len(arcs), 1))
         else:
-            smooth = CubicHermiteSpline(along, points, np.gradient(points, along, axis=0))
             where = np.minimum(arcs * along[-1] / scene.line_length, along[-1])
-            tangents = smooth.derivative()(where)
+            slopes = np.gradient(points, along, axis=0)
+            tangents = hermite(where, along, points.T, slopes.T)[1].T
         tangents = tangents / np.linalg.norm(tangents, axis=1)[:, None]
         return _euler(block, tangents)
     if scene.initial.kind == "straight":

@@ -47,12 +47,14 @@ def vertical_plane(scene: Scene, directions: list[FloatArray]) -> FloatArray | N
 def shared_direction(vectors: list[FloatArray]) -> tuple[FloatArray, bool]:
     """Unit vector along the first of horizontal vectors (2,) that is not zero (x where all are),
     and whether all others are parallel to it."""
-    units = [vector / float(np.hypot(*vector)) for vector in vectors if np.any(vector != 0.0)]
-    if not units:
+    every = np.array(vectors, dtype=np.float64).reshape(-1, 2)
+    some = every[np.any(every != 0.0, axis=1)]
+    if not len(some):
         return np.array([1.0, 0.0]), True
+    units = some / np.hypot(some[:, :1], some[:, 1:])
     first = units[0]
-    across = [abs(first[0] * unit[1] - first[1] * unit[0]) for unit in units]
-    return first, max(across) <= _OUT_OF_PLANE
+    across = np.abs(first[0] * units[:, 1] - first[1] * units[:, 0])
+    return first, bool(across.max() <= _OUT_OF_PLANE)
 
 
 def earth(block: Block, points: FloatArray) -> FloatArray:

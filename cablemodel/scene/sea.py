@@ -30,9 +30,9 @@ _TAIL = 12.0
 """Highest frequency of the integral over the spectrum, in units of the peak's."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Sea:
-    """Components of a sea; arrays (n,)."""
+    """Components of a sea; arrays (n,). Each is its own: two are not compared."""
 
     amplitude: FloatArray
     """[m]."""

@@ -203,7 +203,7 @@ _FLAGS = (
 SCREENS = {"laptop": (1440, 900, False), "phone": (390, 844, True)}
 
 
-@pytest.fixture(params=SCREENS)
+@pytest.fixture
 def browser(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Any]:
     """Chromium with the screen of a laptop or a phone."""
     webdriver = pytest.importorskip("selenium.webdriver")
@@ -233,7 +233,11 @@ def wait(driver: Any, script: str, seconds: float = 90.0) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("which", ["towed", "everything"])
+@pytest.mark.parametrize(
+    ("browser", "which"),
+    [("laptop", "towed"), ("laptop", "everything"), ("phone", "everything")],
+    indirect=["browser"],
+)
 def test_browsers_show_the_page(
     browser: Any, which: str, request: pytest.FixtureRequest, tmp_path: Path
 ) -> None:

@@ -64,16 +64,20 @@ def test_library_and_numba_give_the_same_bits():
 START = """
 import sys
 import cablemodel as cm
-model = cm.CableModel(cm.load_scene("{root}/scenes/towed_cable.yaml"))
+model = cm.CableModel(cm.load_scene("{root}/scenes/{scene}.yaml"))
 model.step(0.1)
-print(*(name for name in ("numba", "llvmlite", "scipy") if name in sys.modules))
+heavy = ("numba", "llvmlite", "scipy.interpolate", "scipy.optimize")
+print(*(name for name in heavy if name in sys.modules))
 """
 
 
 @needs_library
-def test_a_first_step_compiles_nothing_and_imports_little():
+@pytest.mark.parametrize(
+    "scene", ["towed_cable", "jumper_in_waves", "depressor_tow", "recovery", "cable_lay"]
+)
+def test_a_first_step_compiles_nothing_and_imports_little(scene):
     """Neither numba nor SciPy; benchmarks.startup measures the time that it takes."""
-    assert run(START.format(root=ROOT)) == ""
+    assert run(START.format(root=ROOT, scene=scene)) == ""
 
 
 @pytest.fixture
