@@ -55,10 +55,14 @@ def measure(path: Path) -> list[str]:
 
     scene = cm.load_scene(path)
     start = best(partial(cm.CableModel, scene), REPEATS)
+    shares = []
     with kernels_timed() as spent:
-        cm.CableModel(scene)
+        for _ in range(REPEATS):
+            spent[0] = 0.0
+            cm.CableModel(scene)
+            shares.append(spent[0])
     model = cm.CableModel(scene)
-    elements = model.statistics.get("elements", len(model.state.s) - 1)
+    elements = model.statistics.get("elements", len(model.state().s) - 1)
     beginning = model.snapshot()
     run = best(
         lambda: model.step_to(scene.run.duration), 3, before=lambda: model.restore(beginning)
@@ -68,7 +72,7 @@ def measure(path: Path) -> list[str]:
         path.name,
         f"{elements}",
         f"{1e3 * start:.1f}",
-        f"{1e3 * spent[0]:.1f}" if finite_element else "",
+        f"{1e3 * min(shares):.1f}" if finite_element else "",
         f"{1e3 * run:.1f}",
         f"{scene.run.duration:g}",
     ]

@@ -7,7 +7,6 @@ just-in-time and the ahead-of-time build give the same bits.
 
 import ctypes
 import hashlib
-import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -26,6 +25,8 @@ from numba.core.typed_passes import AnnotateTypes
 from numba.core.types.functions import BaseFunction
 from numba.extending import intrinsic
 from numba.np.arrayobj import make_array, populate_array
+
+from cablemodel.cache import cache_root
 
 _intrinsic: Any = intrinsic  # for callers, what it makes takes one argument less
 
@@ -57,12 +58,7 @@ def source_hash() -> str:
 
 def cache_folder() -> Path:
     """Folder of compiled kernels; numba itself does not notice edits in imported modules."""
-    root = os.environ.get("CABLEMODEL_CACHE_DIR")
-    if root is None:
-        root = os.path.join(
-            os.environ.get("XDG_CACHE_HOME", os.path.expanduser("~/.cache")), "cablemodel"
-        )
-    return Path(root) / source_hash()
+    return cache_root() / source_hash()
 
 
 class _InnerLibrary(JITCodeLibrary):

@@ -9,14 +9,18 @@ from __future__ import annotations
 
 import math
 import re
+import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from numbers import Integral, Real
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
+from cablemodel.cache import cache_root
 from cablemodel.errors import SceneProblem, shown
 
 if TYPE_CHECKING:
@@ -288,7 +292,30 @@ def _registry() -> UnitRegistry[Any]:
     """Pint's registry: half a second, so only for scenes that spell units."""
     import pint
 
-    units: UnitRegistry[Any] = pint.UnitRegistry()
+    version = f"{pint.__version__}-{sys.implementation.cache_tag}"
+    units = kept_registry(cache_root() / f"pint-{version}")
     if "kn" not in units:  # pint before 0.25 knows only knot and kt
         units.define("@alias knot = kn")
     return units
+
+
+def kept_registry(folder: Path) -> UnitRegistry[Any]:
+    """The registry from what pint keeps of it in a folder, a tenth of the time; made when missing.
+
+    Pint writes its files in place, where another process may read them half done: they are made
+    beside the folder, which then appears as a whole. Where that cannot be, nothing is kept.
+    """
+    import pint
+
+    try:
+        if folder.is_dir():
+            return pint.UnitRegistry(cache_folder=folder)
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        with TemporaryDirectory(dir=folder.parent, ignore_cleanup_errors=True) as own:
+            made = Path(own) / folder.name
+            made.mkdir()
+            units: UnitRegistry[Any] = pint.UnitRegistry(cache_folder=made)
+            made.rename(folder)
+        return units
+    except Exception:  # read-only, full, another process was first, or spoilt files
+        return pint.UnitRegistry()

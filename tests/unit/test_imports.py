@@ -27,7 +27,7 @@ HEAVY = [
 
 # Layers from the inside out: a module may import from its own layer and from those before it.
 LAYERS = (
-    ("cablemodel.errors", "cablemodel.extras", "cablemodel.curves"),
+    ("cablemodel.cache", "cablemodel.errors", "cablemodel.extras", "cablemodel.curves"),
     ("cablemodel.kernels",),
     ("cablemodel.library",),
     ("cablemodel.scene",),
