@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from cablemodel import laid_loads, laid_shape
 from cablemodel.block import Block
-from cablemodel.curves import hermite
+from cablemodel.curves import crossing, hermite
 from cablemodel.errors import SceneError
 from cablemodel.instance.frame import local
 from cablemodel.instance.line import Line
@@ -216,14 +216,19 @@ def _sagging(start: FloatArray, end: FloatArray, length: float, bow: FloatArray)
     def curve(sag: float) -> FloatArray:
         return start + np.outer(x, end - start) + np.outer(4.0 * x * (1.0 - x) * sag, bow)
 
-    low, high = 0.0, length
-    for _ in range(60):
-        sag = 0.5 * (low + high)
-        if np.linalg.norm(np.diff(curve(sag), axis=0), axis=1).sum() < length:
-            low = sag
-        else:
-            high = sag
-    return curve(0.5 * (low + high))
+    def too_long(sag: float) -> float:
+        return float(np.linalg.norm(np.diff(curve(sag), axis=0), axis=1).sum()) - length
+
+    sag = crossing(
+        too_long,
+        0.0,
+        length,
+        at_low=chord - length,
+        at_high=too_long(length),
+        near=1e-12 * length,
+        width=1e-15 * length,
+    )
+    return curve(sag)
 
 
 def place_nodes(block: Block, line: Line, points: FloatArray, length: float) -> None:
