@@ -14,7 +14,7 @@ FloatArray = NDArray[np.float64]
 
 _TRIALS = 200
 _HALVES_EACH = 4
-"""Trials, of which one halves the interval, however flat the function is."""
+"""Every fourth trial halves the interval, however flat the function is."""
 
 
 def hermite(
@@ -57,10 +57,12 @@ def crossing(
 
     Args:
         function: of a place between low and high.
-        at_low, at_high: its values there, of opposite signs.
+        at_low, at_high: its values there, of opposite signs, or zero. Where nothing crosses zero
+            the place is next to one of them.
         near: the value that is near enough to zero.
         width: the interval about the crossing that is short enough.
     """
+    falls = at_low > at_high
     middle, side = 0.5 * (low + high), 0
     for trial in range(_TRIALS):
         share = at_low / (at_low - at_high) if at_low != at_high else 0.5
@@ -70,7 +72,7 @@ def crossing(
         value = function(middle)
         if abs(value) <= near or abs(high - low) <= width:
             break
-        if (value > 0.0) == (at_low > 0.0):
+        if (value > 0.0) == falls:
             low, at_low = middle, value
             at_high *= 0.5 if side < 0 else 1.0
             side = -1

@@ -77,8 +77,14 @@ def hang(scene: Scene, start: FloatArray, passed: float, *, drawn: bool = False)
     gap, points = above(total)
     if gap > 0.0:
         return None if straight_down else Hanging(points, total, total, way)
+
+    def over(arc: float) -> float:
+        nonlocal points
+        gap, points = above(arc)
+        return gap
+
     lands = crossing(
-        lambda arc: above(arc)[0],
+        over,
         passed,
         total,
         at_low=height,
@@ -86,7 +92,6 @@ def hang(scene: Scene, start: FloatArray, passed: float, *, drawn: bool = False)
         near=NEAR * total,
         width=NARROW * total,
     )
-    _gap, points = above(lands)
     points[-1, 2] = floor.height(float(points[-1, 0]), float(points[-1, 1]))
     return Hanging(points, lands, total, way)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -21,6 +22,8 @@ from cablemodel.scene.units import Count, Quantity, rejection
 
 _LARGEST_DEGREE = 8
 _SUBMERGED_UNKNOWN = math.nan
+_SAME_POINT = 1e-9
+"""Of a line through points: as near as rounding brings two that were meant to be one."""
 
 PositiveNewtons = Annotated[float, Quantity("N", above=0)]
 
@@ -263,8 +266,9 @@ class Initial(WordOrMapping):
         if self.points is not None:
             if len(self.points) < 2:
                 raise rejection("too few points", "at least two", at=("points",))
-            for index in range(1, len(self.points)):
-                if self.points[index] == self.points[index - 1]:
+            chords = [math.dist(a, b) for a, b in itertools.pairwise(self.points)]
+            for index, chord in enumerate(chords, start=1):
+                if chord <= _SAME_POINT * math.fsum(chords):
                     problem = "the same point twice in a row"
                     raise rejection(problem, "different points", at=("points", index))
         return self

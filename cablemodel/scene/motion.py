@@ -133,9 +133,10 @@ class VesselMotion:
         Raises:
             ValueError: a time is negative or not finite.
         """
-        at = np.asarray(times, dtype=np.float64)
-        if not np.all(np.isfinite(at) & (at >= 0.0)):
-            raise ValueError(f"the motion is known for finite t >= 0, not {at.min()} to {at.max()}")
+        at = np.atleast_1d(np.asarray(times, dtype=np.float64))
+        known = np.isfinite(at) & (at >= 0.0)
+        if not known.all():
+            raise ValueError(f"the motion is known for finite t >= 0, not {at[~known][0]}")
         index = np.searchsorted(self.pieces[:, T_START], at, side="right") - 1
         rows = self.pieces[index]
         c = rows[:, SHAPE : SHAPE + 15].reshape(-1, DEGREE + 1, 3)
@@ -181,6 +182,7 @@ class VesselMotion:
         if sizes[largest] == 0.0:
             return True, None
         direction: FloatArray = velocities[largest] / sizes[largest]
+        direction.flags.writeable = False
         across = velocities @ np.array([-direction[1], direction[0]])
         if np.max(np.abs(across)) > _OUT_OF_PLANE * sizes[largest]:
             return False, None

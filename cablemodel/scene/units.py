@@ -7,10 +7,13 @@ place decides what is a number and how a refusal is worded.
 
 from __future__ import annotations
 
+import hashlib
 import math
+import platform
 import re
-import sys
+import shutil
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from numbers import Integral, Real
@@ -292,8 +295,10 @@ def _registry() -> UnitRegistry[Any]:
     """Pint's registry: half a second, so only for scenes that spell units."""
     import pint
 
-    version = f"{pint.__version__}-{sys.implementation.cache_tag}"
-    units = kept_registry(cache_root() / f"pint-{version}")
+    # Pint keeps the place of its own files, and names what it keeps by Python's patch version.
+    made_by = f"{pint.__version__} {pint.__file__} {platform.python_version()}"
+    name = hashlib.sha256(made_by.encode()).hexdigest()[:16]
+    units = kept_registry(cache_root() / f"pint-{name}")
     if "kn" not in units:  # pint before 0.25 knows only knot and kt
         units.define("@alias knot = kn")
     return units
@@ -303,19 +308,23 @@ def kept_registry(folder: Path) -> UnitRegistry[Any]:
     """The registry from what pint keeps of it in a folder, a tenth of the time; made when missing.
 
     Pint writes its files in place, where another process may read them half done: they are made
-    beside the folder, which then appears as a whole. Where that cannot be, nothing is kept.
+    beside the folder, which then appears as a whole. What cannot be read is made anew; where
+    nothing can be written, nothing is kept.
     """
     import pint
 
-    try:
-        if folder.is_dir():
+    if folder.is_dir():
+        with suppress(Exception):  # spoilt files raise whatever they like
             return pint.UnitRegistry(cache_folder=folder)
+        shutil.rmtree(folder, ignore_errors=True)
+    try:
         folder.parent.mkdir(parents=True, exist_ok=True)
         with TemporaryDirectory(dir=folder.parent, ignore_cleanup_errors=True) as own:
             made = Path(own) / folder.name
             made.mkdir()
             units: UnitRegistry[Any] = pint.UnitRegistry(cache_folder=made)
-            made.rename(folder)
+            with suppress(OSError):  # another process was first
+                made.rename(folder)
         return units
-    except Exception:  # read-only, full, another process was first, or spoilt files
+    except OSError:
         return pint.UnitRegistry()

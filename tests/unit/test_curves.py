@@ -69,6 +69,21 @@ def test_a_jump_across_zero_counts():
     assert found == pytest.approx(0.3, abs=1e-7)
 
 
-def test_an_end_that_is_zero_is_none():
-    found = crossing(lambda x: x, 0.0, 1.0, at_low=0.0, at_high=1.0, near=1e-9, width=1e-12)
-    assert found == pytest.approx(0.0, abs=1e-9)
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("end", [0.0, 1.0])
+def test_a_function_that_is_zero_at_an_end_crosses_there(sign, end):
+    found = crossing(
+        lambda x: sign * (x - end),
+        0.0,
+        1.0,
+        at_low=-sign * end,
+        at_high=sign * (1.0 - end),
+        near=0.0,
+        width=1e-12,
+    )
+    assert found == pytest.approx(end, abs=1e-9)
+
+
+def test_without_a_crossing_it_ends_at_an_end():
+    found = crossing(lambda x: -1.0 - x, 0.0, 1.0, at_low=-1.0, at_high=-2.0, near=1e-9, width=1e-9)
+    assert found == pytest.approx(0.0, abs=1e-8)

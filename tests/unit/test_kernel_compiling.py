@@ -70,3 +70,38 @@ def test_an_entry_point_is_compiled_so(resolutions, tmp_path):
     numba.jit(**OPTIONS)(_mixed).compile(int64(INTEGERS, REALS, float64))
     assert of_entry_point < 0.7 * len(resolutions)
     assert any(tmp_path.rglob("*.nbi"))
+
+
+def test_other_flags_resolve_anew_and_mean_what_they_say(resolutions):
+    def divided(ints, reals, factor):
+        return int(factor / reals[0]) + ints[0]
+
+    signature = int64(INTEGERS, REALS, float64)
+    with calls_resolved_once():
+        kernel = numba.jit(**OPTIONS)(divided)
+        kernel.compile(signature)
+        resolutions.clear()
+        again = numba.jit(**OPTIONS)(divided)
+        again.compile(signature)
+        same_flags = len(resolutions)
+        resolutions.clear()
+        checked = numba.jit(**{**OPTIONS, "error_model": "python", "_nrt": True})(divided)
+        checked.compile(signature)
+        other_flags = len(resolutions)
+    assert same_flags == 0
+    assert other_flags > 0
+    ints, reals, _ = _arguments()
+    reals[0] = 0.0
+    assert isinstance(kernel(ints, reals, 1.0), int)
+    with pytest.raises(ZeroDivisionError):
+        checked(ints, reals, 1.0)
+
+
+def test_one_within_another_leaves_numba_as_it_was():
+    before = BaseFunction.get_call_type
+    with calls_resolved_once():
+        outer = BaseFunction.get_call_type
+        with calls_resolved_once():
+            pass
+        assert BaseFunction.get_call_type is outer
+    assert BaseFunction.get_call_type is before

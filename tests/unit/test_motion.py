@@ -285,8 +285,16 @@ def test_a_track_is_the_motion_at_each_of_its_times(interpolation: str) -> None:
 
 
 def test_a_track_outside_the_motion_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"finite t >= 0, not -1\.0 to 2\.0"):
-        motion_of().track([2.0, -1.0])
+    for times, bad in (([2.0, -1.0], "-1.0"), ([1.0, math.nan], "nan"), (math.inf, "inf")):
+        with pytest.raises(ValueError, match=f"finite t >= 0, not {bad}"):
+            motion_of().track(times)
+
+
+def test_what_a_motion_hands_out_cannot_be_changed() -> None:
+    direction = motion_of(velocity=[1, 2, 0]).horizontal_direction()
+    assert direction is not None
+    with pytest.raises(ValueError, match="read-only"):
+        direction[0] = 5.0
 
 
 def test_typical_velocities_are_those_at_each_begin_and_soon_after() -> None:

@@ -40,12 +40,30 @@ def test_without_a_place_nothing_is_kept(tmp_path, wanted):
     assert magnitudes(kept_registry(tmp_path / "file" / "pint")) == wanted
 
 
-def test_what_is_spoilt_is_left_aside(tmp_path, wanted):
+def test_what_is_spoilt_is_made_anew(tmp_path, wanted):
     folder = tmp_path / "pint"
     kept_registry(folder)
+    sizes = {path: path.stat().st_size for path in folder.iterdir()}
     for path in folder.glob("*.pickle"):
-        path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+        path.write_bytes(path.read_bytes()[: sizes[path] // 2])
     assert magnitudes(kept_registry(folder)) == wanted
+    assert {path: path.stat().st_size for path in folder.iterdir()} == sizes
+
+
+def test_another_process_may_be_first(tmp_path, wanted, monkeypatch):
+    folder = tmp_path / "pint"
+    make = pint.UnitRegistry
+
+    def meanwhile(**options):
+        if not folder.exists():
+            folder.mkdir()
+            (folder / "of another").touch()
+        return make(**options)
+
+    monkeypatch.setattr(pint, "UnitRegistry", meanwhile)
+    assert magnitudes(kept_registry(folder)) == wanted
+    assert [path.name for path in folder.iterdir()] == ["of another"]
+    assert [path.name for path in tmp_path.iterdir()] == ["pint"]
 
 
 def test_processes_that_begin_at_once_all_read_their_units(tmp_path):

@@ -95,3 +95,44 @@ def test_a_line_lies_the_way_it_was_laid(finer: float) -> None:
     assert end @ behind > 0.0
     aside = end - (end @ behind) * behind
     assert np.linalg.norm(aside) < drawn.tolerance * model.line_length
+
+
+@pytest.mark.parametrize(
+    ("height", "stiffness", "clamped", "speed"),
+    [
+        (0.0, 10.0, False, 0.5),
+        (-4e-5, 10.0, False, 0.0),
+        (1.0, 200.0, True, 0.0),
+        (0.2, 200.0, True, 0.0),
+        (0.2, 50.0, True, 0.5),
+    ],
+)
+def test_a_tow_point_at_the_floor_starts(height, stiffness, clamped, speed):
+    vessel = {"position": [0, 0, height - 100.0], "velocity": [speed, 0, 0]}
+    if clamped:
+        vessel["connection"] = {"clamped": [-1, 0, 0]}
+    model = cm.CableModel(
+        cm.load_scene(
+            {
+                "environment": {"floor": {"z": -100, "friction": 0.5}},
+                "cable_types": {
+                    "K": {
+                        "diameter": 0.03,
+                        "mass": 2.0,
+                        "submerged_weight": 10.0,
+                        "axial_stiffness": 1e6,
+                        "bending_stiffness": stiffness,
+                    }
+                },
+                "line": [{"cable": {"type": "K", "length": 50}}],
+                "vessel": vessel,
+            }
+        )
+    )
+    heights = model.sample(np.linspace(0.0, 50.0, 101)).position[:, 2] + 100.0
+    within = 0.05  # tau L
+    assert heights.min() > -within
+    assert abs(heights[50:]).max() < within
+    assert heights.max() < height + 2.0  # a stiff one may arch, none stands
+    model.step(1.0)
+    assert np.isfinite(model.top_tension)
