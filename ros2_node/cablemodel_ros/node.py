@@ -7,7 +7,7 @@ import gc
 import json
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -22,6 +22,7 @@ from rclpy.clock import Clock as RclpyClock
 from rclpy.clock import ClockType
 from rclpy.exceptions import ParameterException
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 from rclpy.parameter import Parameter as RclpyParameter
 from rosgraph_msgs.msg import Clock
@@ -370,6 +371,23 @@ class CableNode(LifecycleNode):
             self._send([Status("simulation", ERROR, [self._trouble])])
 
 
+@contextlib.contextmanager
+def until_shutdown(context: rclpy.Context | None = None) -> Iterator[None]:
+    """What an interrupt or a shutdown ends within, ends quietly, however rclpy reports it.
+
+    context: the one that is shut down, rclpy's own by default. A signal that comes between rclpy's
+    look at the context and its wait makes an RCLError ("the given context is not valid"), as in
+    ros2/ros2cli pull request 854; while the context is valid an RCLError is raised as it is.
+    """
+    try:
+        yield
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    except rclpy_implementation.RCLError:
+        if rclpy.ok(context=context):
+            raise
+
+
 def main(args: list[str] | None = None) -> int:
     """Run the node until it is interrupted; 2 when it cannot start."""
     sys.setswitchinterval(_SWITCH)
@@ -383,11 +401,10 @@ def main(args: list[str] | None = None) -> int:
     executor = SingleThreadedExecutor()
     executor.add_node(node)
     try:
-        if node.get_parameter("autostart").value and node.trigger_configure() == SUCCESS:
-            node.trigger_activate()
-        executor.spin()
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
+        with until_shutdown():
+            if node.get_parameter("autostart").value and node.trigger_configure() == SUCCESS:
+                node.trigger_activate()
+            executor.spin()
     finally:
         # A second interrupt must not leave the log unfinished.
         with contextlib.suppress(KeyboardInterrupt):

@@ -122,3 +122,37 @@ def test_reset_save_and_scene_summary(start_node: Start, talker: Talker, tmp_pat
     refused = talker.trigger("save")
     assert not refused.success
     assert "cannot save" in refused.message
+
+
+def test_a_signal_between_two_looks_at_the_context_is_a_shutdown(tmp_path: Path) -> None:
+    """What rclpy then says of its wait set is no failure of the node; with a context it is one."""
+    code = """
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+from cablemodel_ros.node import until_shutdown
+
+class Racing(SingleThreadedExecutor):
+    def spin(self):
+        self.context.shutdown()
+        self.spin_once(timeout_sec=0.1)
+        raise AssertionError("rclpy waited in a context that is down")
+
+rclpy.init()
+executor = Racing()
+executor.add_node(rclpy.create_node("racing"))
+with until_shutdown():
+    executor.spin()
+print("ended quietly")
+
+context = rclpy.Context()
+rclpy.init(context=context)
+node = rclpy.create_node("other", context=context)
+from rclpy.impl.implementation_singleton import rclpy_implementation
+with until_shutdown(context):
+    raise rclpy_implementation.RCLError("of something else")
+"""
+    node = NodeProcess(tmp_path, code)
+    assert node.process.wait(60) == 1
+    node.stop()
+    assert "ended quietly" in node.text
+    assert node.text.rstrip().endswith("RCLError: of something else")
