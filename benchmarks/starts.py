@@ -50,7 +50,7 @@ def kernels_timed() -> Iterator[list[float]]:
 
 
 def measure(path: Path) -> list[str]:
-    """A row: scene, start, of which kernels, run of so many seconds, elements at its start."""
+    """A row: scene, elements at its start, start, of which kernels, run, of so many seconds."""
     import cablemodel as cm
 
     scene = cm.load_scene(path)
@@ -67,7 +67,7 @@ def measure(path: Path) -> list[str]:
             cm.CableModel(scene)
             shares.append(spent[0])
     model = cm.CableModel(scene)
-    elements = model.statistics.get("elements", len(model.state().s) - 1)
+    elements = model.statistics["elements"]
     beginning = model.snapshot()
     run = best(
         lambda: model.step_to(scene.run.duration), 3, before=lambda: model.restore(beginning)

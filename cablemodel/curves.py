@@ -53,7 +53,8 @@ def crossing(
     """Where a function crosses zero between two places, by false position.
 
     By the Illinois rule: an end that stays twice counts half the next time (Dowell and Jarratt,
-    BIT 11, 1971). A jump across zero counts as a crossing.
+    BIT 11, 1971). A jump across zero counts as a crossing. The function is asked last for the place
+    that is returned.
 
     Args:
         function: of a place between low and high.

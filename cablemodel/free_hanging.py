@@ -79,7 +79,7 @@ def hang(scene: Scene, start: FloatArray, passed: float, *, drawn: bool = False)
         return None if straight_down else Hanging(points, total, total, way)
 
     def over(arc: float) -> float:
-        nonlocal points
+        nonlocal points  # in the end those of the place that is found
         gap, points = above(arc)
         return gap
 

@@ -111,6 +111,8 @@ def _share_of_elements(
     x = np.linspace(0.0, 1.0, 2001)
     density = np.array([1.0 / size(float(value)) for value in x])
     share = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(x))])
+    for array in (x, share):
+        array.setflags(write=False)  # one serves all lines
     return x, share
 
 
