@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cablemodel import variables
 from cablemodel.errors import LogError
+from cablemodel.promise import looseness
 from cablemodel.states import state_at
 
 if TYPE_CHECKING:
@@ -27,16 +28,6 @@ STATE_UNITS = {
 
 SAME_TIME = 2e-9
 """Stamps of logs are whole nanoseconds [s]."""
-
-_LOOSE = {"m": 1.0, "1/m": 100.0, "N.m": 100.0}
-"""Multiples of the tolerance by unit. It is the accuracy of positions; tensions and all else are
-as accurate as 10 times it, and curvatures, being second derivatives, as 100 times it."""
-_LOOSE_OTHERWISE = 10.0
-
-
-def looseness(unit: str) -> float:
-    """How many times the tolerance a quantity of this unit may be wrong by."""
-    return _LOOSE.get(unit, _LOOSE_OTHERWISE)
 
 
 @dataclass

@@ -107,10 +107,11 @@ class CableModel:
     ) -> None:
         self.scene = scene
         self._solver = choose(scene, planar=planar, sleep=sleep)
-        self._initial = self._image.copy()
+        self._initial = [image.copy() for image in self._solver.images]
         self._inputs: FloatArray = np.zeros(_INPUT_WORDS)
         self._summary: FloatArray = np.zeros(at.SUMMARY_WORDS)
         self._summary_current = False
+        self._errors: tuple[float, float] | None = None
 
     def __repr__(self) -> str:
         title = self.scene.title or "untitled"
@@ -127,10 +128,6 @@ class CableModel:
     @property
     def _reals(self) -> FloatArray:
         return self._solver.memory.reals
-
-    @property
-    def _image(self) -> IntArray:
-        return self._solver.memory.image
 
     # -- stepping -------------------------------------------------------------------------------
 
@@ -201,7 +198,7 @@ class CableModel:
                 inputs[12] = 1.0
         solver = self._solver
         status = solver.step(end, inputs)
-        self._summary_current = False
+        self._summary_current, self._errors = False, None
         if status != at.OK:
             problem, advice = solver.explain(status)
             place = solver.failed_arc()
@@ -242,12 +239,18 @@ class CableModel:
 
     def reset(self) -> None:
         """Back to the scene's initial state, t = 0."""
-        self._image[:] = self._initial
-        self._summary_current = False
+        for image, initial in zip(self._solver.images, self._initial, strict=True):
+            image[:] = initial
+        self._state_changed()
+
+    def _state_changed(self) -> None:
+        self._summary_current, self._errors = False, None
 
     def snapshot(self) -> Snapshot:
         """The whole state: a model that restores it goes on bit by bit as this one does."""
-        return Snapshot(self._image.tobytes(), self._scene_hash)
+        return Snapshot(
+            b"".join(image.tobytes() for image in self._solver.images), self._scene_hash
+        )
 
     @cached_property
     def _scene_hash(self) -> str:
@@ -276,18 +279,21 @@ class CableModel:
                 "it belongs to another scene, of other values",
                 "a snapshot of a model of the same scene",
             )
-        image = np.frombuffer(snapshot.image, dtype=np.int64)
-        own = self._image
+        own = self._solver.images
+        saved = np.frombuffer(snapshot.image, dtype=np.int64)
+        parts = np.split(saved, np.cumsum([len(image) for image in own])[:-1])
         fixed = [at.I_MAGIC, at.I_VERSION, at.I_BYTES, at.I_IMAGE_WORDS, at.I_CAPACITY]
-        if len(image) != len(own) or any(image[k] != own[k] for k in fixed):
-            raise SceneError.at(
-                "snapshot",
-                f"{len(snapshot.image)} bytes",
-                "it belongs to another scene or version",
-                f"a snapshot of {8 * len(own)} bytes of this scene",
-            )
-        own[:] = image
-        self._summary_current = False
+        for image, part in zip(own, parts, strict=True):
+            if len(image) != len(part) or any(image[k] != part[k] for k in fixed):
+                raise SceneError.at(
+                    "snapshot",
+                    f"{len(snapshot.image)} bytes",
+                    "it belongs to another scene or version",
+                    f"a snapshot of {sum(image.nbytes for image in own)} bytes of this scene",
+                )
+        for image, part in zip(own, parts, strict=True):
+            image[:] = part
+        self._state_changed()
 
     # -- what the model says --------------------------------------------------------------------
 
@@ -395,6 +401,36 @@ class CableModel:
         What the floor bears beyond the cable's weight within four lengths (EI/w)^(1/3) of it.
         """
         return float(self._numbers()[31])
+
+    @property
+    def position_error(self) -> float:
+        """What positions are estimated to be wrong by, the largest along the cable [m].
+
+        The promise of a tolerance tau is tau times the line's length. The estimate is the distance
+        of the cable from that of a run at tau/4, which a scene with ``solver.error_estimate`` makes
+        beside this one. It stays not a number once that run could not make a step.
+
+        Raises:
+            CableModelError: the scene does not ask for it.
+        """
+        return self._estimate()[0]
+
+    @property
+    def tension_error(self) -> float:
+        """What `top_tension` is estimated to be wrong by [N]; otherwise as `position_error`.
+
+        The promise is 10 tau times the largest tension, while the line is taut.
+        """
+        return self._estimate()[1]
+
+    def _estimate(self) -> tuple[float, float]:
+        found = self._errors or self._solver.errors()
+        if found is None:
+            raise CableModelError(
+                "errors are not estimated: load the scene with solver.error_estimate: true"
+            )
+        self._errors = found
+        return found
 
     @property
     def bodies(self) -> list[BodyState]:

@@ -38,6 +38,7 @@ PAUSE = 0.02
 RESULTS = (
     "time", "top_tension", "highest_tension", "lowest_tension", "max_curvature",
     "tip_x", "tip_y", "tip_z", "line_length", "wall_time", "steps", "elements",
+    "error_share",
 )  # fmt: skip
 """Columns of a result, after those of the values swept over; ``error`` is the last."""
 
@@ -201,6 +202,7 @@ def simulate_point(
         "wall_time": summary["wall_time"],
         "steps": summary["steps"],
         "elements": summary["elements"],
+        "error_share": summary.get("error_share"),
         "error": "",
     }
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from cablemodel import variables
 from cablemodel.cadence import output_times
 from cablemodel.errors import LogError, SceneError
+from cablemodel.promise import ErrorEstimate
 from cablemodel.recorder import Recorder
 from cablemodel.states import States
 
@@ -146,13 +147,23 @@ class Run:
         """Computing time of the run [s]; NaN when not known."""
         return float(self.statistics.get("wall_time", math.nan))
 
+    @cached_property
+    def error_estimate(self) -> ErrorEstimate | None:
+        """What the run says of its own errors: whether it keeps what its tolerance promises, from
+        when on it does not. None unless the scene has ``solver.error_estimate``."""
+        if not self.scene.solver.error_estimate or not len(self.time):
+            return None
+        return ErrorEstimate.of(self)
+
     def summary(self) -> dict[str, Any]:
         """What ``cablemodel run --json`` prints: the end of the run and its extremes.
 
         ``time`` [s], ``top_tension`` [N] and ``tip_position`` [m] are those at the end;
         ``min_tension`` [N] and ``max_curvature`` [1/m] the extremes over the cable and all output
         times; ``wall_time`` [s], ``steps``, ``rejected``, ``factorisations``, ``elements`` are of
-        the solver. None where a value is not known or not finite.
+        the solver. With ``solver.error_estimate`` also ``position_error`` [m], ``tension_error``
+        [N], the largest at any output while they are promised, and ``error_share`` of what the
+        tolerance allows, the larger one's. None where a value is not known or not finite.
         """
         if len(self.time):
             found: dict[str, Any] = {
@@ -167,6 +178,10 @@ class Run:
             found = dict.fromkeys(names)
         for name in ("wall_time", "steps", "rejected", "factorisations", "elements"):
             found[name] = self.statistics.get(name)
+        if (estimate := self.error_estimate) is not None:
+            found["position_error"] = estimate.position.largest
+            found["tension_error"] = estimate.tension.largest
+            found["error_share"] = estimate.share
         return {key: _finite(value) for key, value in found.items()}
 
     def to_xarray(self) -> xarray.Dataset:

@@ -53,12 +53,27 @@ class OfBlock:
     def _reals(self) -> FloatArray:
         return self.memory.reals
 
+    @property
+    def images(self) -> tuple[IntArray, ...]:
+        return (self.memory.image,)
+
+    def errors(self) -> tuple[float, float] | None:
+        return None
+
 
 class Solver(Protocol):
     """One line at one instant, and how it goes on."""
 
     @property
     def memory(self) -> Memory: ...
+
+    @property
+    def images(self) -> tuple[IntArray, ...]:
+        """All that a snapshot keeps; the first one is the memory's."""
+
+    def errors(self) -> tuple[float, float] | None:
+        """What positions [m] and the top tension [N] are estimated to be wrong by; None where that
+        is not asked for, not numbers where it is not known."""
 
     def step(self, end: float, inputs: FloatArray) -> int:
         """Step to a time with the INPUT_WORDS of kernels/stepping.py; 0, or a status of failure."""
@@ -98,6 +113,10 @@ def choose(scene: Scene, *, planar: bool | None = None, sleep: bool | None = Non
         from cablemodel.direct.solver import DirectSolver
 
         return DirectSolver(scene, planar=planar)
+    if scene.solver.error_estimate:
+        from cablemodel.error_estimate import EstimatingSolver
+
+        return EstimatingSolver(scene, planar=planar, sleep=sleep)
     from cablemodel.finite_element import FiniteElementSolver
 
     return FiniteElementSolver(scene, planar=planar, sleep=sleep)

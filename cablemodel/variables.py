@@ -11,8 +11,9 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any, Literal
 
-Present = Literal["always", "bodies", "drum", "floor"]
-"""When a scene has a variable: in every scene, or only with bodies, a drum or a sea floor."""
+Present = Literal["always", "bodies", "drum", "floor", "error_estimate"]
+"""When a scene has a variable: in every scene, or only with bodies, a drum, a sea floor, or where
+an estimate of its errors is asked for."""
 
 FLOAT64 = "std_msgs/msg/Float64"
 WRENCH = "geometry_msgs/msg/WrenchStamped"
@@ -125,6 +126,10 @@ OUTPUTS: tuple[Variable, ...] = (
              "~/floor_force", WRENCH, (3,), "floor", member="wrench.force"),
     Variable("length of cable on the floor", "m", "floor_length", "floor.length",
              "~/floor_length", FLOAT64, present="floor"),
+    Variable("estimated error of positions, the largest along the cable", "m", "position_error",
+             "error.position", "~/position_error", FLOAT64, present="error_estimate"),
+    Variable("estimated error of the tension at the tow point", "N", "tension_error",
+             "error.tension", "~/tension_error", FLOAT64, present="error_estimate"),
 )  # fmt: skip
 
 
@@ -267,6 +272,8 @@ def features(scene: Any) -> frozenset[str]:
         found.add("drum")
     if scene.environment.floor is not None:
         found.add("floor")
+    if scene.solver.error_estimate:
+        found.add("error_estimate")
     return frozenset(found)
 
 
@@ -290,6 +297,7 @@ _WHEN: dict[str, str] = {
     "bodies": "scenes with bodies",
     "drum": "scenes with a drum",
     "floor": "scenes with a floor",
+    "error_estimate": "`solver.error_estimate`",
 }
 
 

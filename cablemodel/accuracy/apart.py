@@ -16,16 +16,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel.compare import Difference, looseness
+from cablemodel.compare import Difference
+from cablemodel.promise import largest_tension, looseness, taut_until
 
 if TYPE_CHECKING:
     from cablemodel.run import Run
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
-
-PUSHES = 0.01
-"""Compression over the largest tension from which on a line counts as slack."""
 
 
 @dataclass(frozen=True)
@@ -58,12 +56,9 @@ class Apart:
         """Compare two runs of the same outputs. Scales are those of the reference."""
         one, other = reference.states, run.states
         length = np.interp(one.time, reference.time, reference["line_length"])
-        # Of the whole run, either way: what a tension may be wrong by does not come and go.
-        pulls = (reference.tension_max, reference.tension_min, reference.top_tension)
-        largest = max(float(np.max(np.abs(values))) for values in pulls)
+        largest = largest_tension(reference)
         pull = max(looseness("N") * largest, float(np.finfo(float).tiny))
         lowest = np.minimum(run.tension_min, reference.tension_min)
-        slack = reference.time[lowest < -PUSHES * largest]
         tolerance = run.scene.solver.tolerance
         distance = np.linalg.norm(other.position - one.position, axis=2)
         along = np.abs(other.tension - one.tension)
@@ -74,7 +69,7 @@ class Apart:
             _largest("tension", "N", tolerance, one.time, along, np.full(len(along), pull), one.s),
             Series(one.time, distance.max(axis=1) / length),
             (Series(reference.time, top[:, 0] / pull), Series(one.time, along.max(axis=1) / pull)),
-            float(slack[0]) if slack.size else math.inf,
+            taut_until(reference.time, lowest, largest),
         )
 
 

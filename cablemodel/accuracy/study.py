@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from cablemodel.accuracy.apart import Apart
 from cablemodel.accuracy.verdict import Convergence, Row, conclude
+from cablemodel.error_estimate import FINER, PLACES
 from cablemodel.errors import CableModelError, SceneError
 from cablemodel.run import Progress, Run, simulate
 
@@ -24,13 +25,6 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-FINER = 4.0
-"""Ratio of the finest tolerance to that of the reference, and of the default ones."""
-_PARTS = 101
-"""Of the line, between the places at which shapes and tensions are compared. The ends' parts are
-the shortest; a prime, for then no place but the ends is at a round number, as bodies are, where a
-tension jumps and rounding would choose the side."""
-_PLACES: Floats = 0.5 - 0.5 * np.cos(np.pi * np.arange(_PARTS + 1) / _PARTS)
 _SHORT, _AGAIN = 0.1, 3
 """Steps that take less processor time [s] are made again, so many times: clocks are coarse."""
 
@@ -164,4 +158,4 @@ class _Watched:
 
     def state(self) -> CableState:
         # Between nodes by the solver itself: a tension is no straight line there.
-        return self._model.sample(_PLACES * self._model.line_length)
+        return self._model.sample(PLACES * self._model.line_length)

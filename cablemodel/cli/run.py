@@ -56,6 +56,14 @@ def run(
     ] = None,
     until: UntilOption = None,
     overrides: SetOption = None,
+    error_estimate: Annotated[
+        bool,
+        typer.Option(
+            "--error-estimate",
+            help="Say how far the run may be wrong, from one at a quarter of its tolerance beside "
+            "it (solver.error_estimate); the results are the same.",
+        ),
+    ] = False,
     state_interval: Annotated[
         str | None,
         typer.Option(
@@ -76,7 +84,8 @@ def run(
 
     if log is not None:
         writable(log, (".mcap",), "--log")
-    loaded = load_scene(scene, overrides or ())
+    estimate = ["solver.error_estimate=true"] if error_estimate else []
+    loaded = load_scene(scene, [*(overrides or ()), *estimate])
     end = None if until is None else seconds_of("--until", until)
     interval = None if state_interval is None else seconds_of("--state-interval", state_interval)
     reached = [math.nan]
@@ -222,10 +231,20 @@ def _print_summary(result: Run, log: Path | None) -> None:
     table = Table(title=result.scene.title or "Run", title_justify="left", show_header=False)
     table.add_column(style="dim")
     table.add_column(justify="right")
-    for row in _rows(summary):
+    for row in [*_rows(summary), *_error_rows(result)]:
         table.add_row(*row)
     console = Console()
     console.print(table)
+    estimate = result.error_estimate
+    problems = estimate.problems(result.scene.solver.tolerance) if estimate is not None else []
+    for problem in problems:
+        console.print(f"[yellow]warning:[/yellow] {problem}", highlight=False, soft_wrap=True)
+    if problems:
+        console.print(
+            "A tolerance that keeps the promise, if there is one: cablemodel convergence SCENE",
+            highlight=False,
+            soft_wrap=True,
+        )
     if log is not None:
         size = log.stat().st_size
         console.print(
@@ -249,6 +268,24 @@ def _rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
         if summary[key] is not None:
             name = "rejected steps" if key == "rejected" else key
             rows.append((name, f"{summary[key]:,}"))
+    return rows
+
+
+def _error_rows(result: Run) -> list[tuple[str, str]]:
+    """What positions and tensions may be wrong by, where that is estimated."""
+    estimate = result.error_estimate
+    if estimate is None:
+        return []
+    rows = []
+    for name, unit, error in (
+        ("positions", "m", estimate.position), ("top tension", "N", estimate.tension)
+    ):  # fmt: skip
+        text = "not promised: slack, or not at rest at the start"
+        if not math.isnan(error.share):
+            text = f"{error.largest:.3g} {unit}, {error.share:.2g} of what is allowed"
+        rows.append((f"estimated error, {name}", text))
+    if not math.isnan(estimate.tension.share) and estimate.taut_until < math.inf:
+        rows[-1] = (rows[-1][0], f"{rows[-1][1]}, until slack at t = {estimate.taut_until:g} s")
     return rows
 
 

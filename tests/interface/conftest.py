@@ -57,6 +57,7 @@ FULL: dict[str, Any] = {
         "rate": [{"t": 0, "rate": 0}, {"t": 1, "rate": 0.1}],
         "drum": [{"cable": {"type": "K", "length": 50}}],
     },
+    "solver": {"error_estimate": True},
 }
 
 
@@ -191,6 +192,14 @@ class SwingingCable:
     @property
     def touchdown_reaction(self) -> float:
         return math.exp(-self.time)
+
+    @property
+    def position_error(self) -> float:
+        return 1e-3 * self.time
+
+    @property
+    def tension_error(self) -> float:
+        return 2.0 - math.exp(-self.time)
 
     @property
     def floor_force(self) -> np.ndarray:

@@ -30,6 +30,8 @@ INTERFACES = {
     "touchdown_reaction": ("touchdown.reaction", "~/touchdown_reaction"),
     "floor_force": ("floor.force[i]", "~/floor_force"),
     "floor_length": ("floor.length", "~/floor_length"),
+    "position_error": ("error.position", "~/position_error"),
+    "tension_error": ("error.tension", "~/tension_error"),
 }
 
 
@@ -93,6 +95,7 @@ def test_labels_name_every_component() -> None:
     ("line", "drum", "floor", "expected"),
     [
         ([], [], None, {"always"}),
+        ([], [], None, {"always", "error_estimate"}),
         (["body"], [], None, {"always", "bodies"}),
         ([], ["cable"], None, {"always", "drum"}),
         ([], ["body"], object(), {"always", "drum", "bodies", "floor"}),
@@ -108,10 +111,12 @@ def test_a_scene_has_only_the_variables_of_its_parts(
         line=items(line),
         payout=SimpleNamespace(drum=items(drum)),
         environment=SimpleNamespace(floor=floor),
+        solver=SimpleNamespace(error_estimate="error_estimate" in expected),
     )
     assert variables.features(scene) == expected
     topics = variables.topics_of(scene)
     assert ("/cable/touchdown" in topics) == (floor is not None)
     assert ("/cable/bodies" in topics) == ("bodies" in expected)
     assert ("/cable/drum_length" in topics) == ("drum" in expected)
+    assert ("/cable/position_error" in topics) == ("error_estimate" in expected)
     assert topics["/cable/nodes"] == "sensor_msgs/msg/PointCloud2"

@@ -1,0 +1,71 @@
+"""How far a run may be wrong, while it runs: the same cable at a quarter of the tolerance, stepped
+beside it.
+
+What the two differ by is the error of the coarser one, which gives the results: they are those of a
+run without an estimate, bit by bit. No cheaper sign of a wrong run was found (docs/engine.md).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from cablemodel.finite_element import FiniteElementSolver
+from cablemodel.kernels import layout as at
+from cablemodel.solver import FloatArray, IntArray
+
+if TYPE_CHECKING:
+    from cablemodel.scene import Scene
+
+_TENSION, _LENGTH = 6, 21
+"""At the top, and of the line: their places among the numbers of kernels/outputs.py: summarise."""
+FINER = 4.0
+"""Ratio of a tolerance to that of a run that it is judged by."""
+_PARTS = 101
+PLACES: FloatArray = 0.5 - 0.5 * np.cos(np.pi * np.arange(_PARTS + 1) / _PARTS)
+"""Parts of the line at which shapes and tensions are compared. The ends' parts are the shortest; a
+prime, for then no place but the ends is at a round number, as bodies are, where a tension jumps and
+rounding would choose the side."""
+
+
+class EstimatingSolver(FiniteElementSolver):
+    """The finite elements, and the same at a quarter of the tolerance beside them."""
+
+    def __init__(
+        self, scene: Scene, *, planar: bool | None = None, sleep: bool | None = None
+    ) -> None:
+        super().__init__(scene, planar=planar, sleep=sleep)
+        settings = scene.solver.model_copy(update={"tolerance": scene.solver.tolerance / FINER})
+        finer = scene.model_copy(update={"solver": settings})
+        self._finer = FiniteElementSolver(finer, planar=planar, sleep=sleep)
+
+    @property
+    def images(self) -> tuple[IntArray, ...]:
+        return (*super().images, *self._finer.images)
+
+    def step(self, end: float, inputs: FloatArray) -> int:
+        # A finer run that could not make a step stays behind for good: there is no estimate then.
+        beside = self._beside
+        status = super().step(end, inputs)
+        if beside and status == at.OK:
+            self._finer.step(end, inputs)
+        return status
+
+    @property
+    def _beside(self) -> bool:
+        return bool(self._finer.memory.reals[at.S_TIME] == self.memory.reals[at.S_TIME])
+
+    def errors(self) -> tuple[float, float]:
+        if not self._beside:
+            return math.nan, math.nan
+        numbers, finer = np.zeros((2, at.SUMMARY_WORDS))
+        self.summary(numbers)
+        self._finer.summary(finer)
+        stations = PLACES * min(numbers[_LENGTH], finer[_LENGTH])
+        shapes = np.empty((2, len(stations), at.STATION_WORDS))
+        self.sample(stations, shapes[0].reshape(-1))
+        self._finer.sample(stations, shapes[1].reshape(-1))
+        apart = np.linalg.norm(shapes[0, :, :3] - shapes[1, :, :3], axis=1)
+        return float(apart.max()), float(abs(numbers[_TENSION] - finer[_TENSION]))
