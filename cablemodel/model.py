@@ -406,9 +406,10 @@ class CableModel:
     def position_error(self) -> float:
         """What positions are estimated to be wrong by, the largest along the cable [m].
 
-        The promise of a tolerance tau is tau times the line's length. The estimate is the distance
-        of the cable from that of a run at tau/4, which a scene with ``solver.error_estimate`` makes
-        beside this one. It stays not a number once that run could not make a step.
+        The promise of a tolerance tau is tau times the line's length. The estimate is twice the
+        distance of the cable from that of a run at tau/4, which a scene with
+        ``solver.error_estimate`` makes beside this one. It stays not a number once that run could
+        not make a step.
 
         Raises:
             CableModelError: the scene does not ask for it.

@@ -58,6 +58,8 @@ _BETWEEN = 24
 FLOOR_COLOUR = "#8c6d46"
 MARKS = {"bodies.position": ("o", "body"), "touchdown_position": ("^", "touchdown")}
 """Marker and name of what is marked on a shape, by the output that gives its places."""
+_ERROR = "0.7"
+"""Colour of the shade of estimated errors."""
 _WIDEST = 4.0
 """Largest ratio of sides at which a view is drawn to scale."""
 
@@ -276,6 +278,13 @@ def _draw_top_tension(axes: Axes, run: Run, chosen: list[int], colours: list[Any
     seconds, time_unit = time_scale(run.time)
     newtons, unit = tension_scale(run)
     axes.plot(run.time / seconds, run.top_tension / newtons, color="0.25", linewidth=1.1)
+    if "tension_error" in run.names:
+        limits = axes.get_ylim()
+        error = run["tension_error"]
+        lower, upper = run.top_tension - error, run.top_tension + error
+        axes.fill_between(run.time / seconds, lower / newtons, upper / newtons, color=_ERROR,
+                          linewidth=0.0, zorder=1.5)  # fmt: skip
+        axes.set_ylim(limits)  # what a snap may be off by must not hide all else
     at = run.states.time[chosen]
     values = np.interp(at, run.time, run.top_tension) / newtons
     axes.scatter(
@@ -322,6 +331,8 @@ def _label(figure: Figure, run: Run, times: Floats, colours: list[Any]) -> None:
         for name, (marker, label) in MARKS.items()
         if name in run.names and np.isfinite(marked_places(run, name)[..., 0]).any()
     ]
+    if "tension_error" in run.names:
+        handles.append(Line2D([], [], color=_ERROR, linewidth=5.0, label="estimated error"))
     figure.legend(
         handles=handles,
         loc="outside lower center",

@@ -109,10 +109,10 @@ class ErrorEstimate:
     def problems(self, tolerance: float) -> list[str]:
         """Where the promise of the tolerance is not kept, or that is not known, in sentences."""
         found = []
-        for what, error in (("positions are", self.position), ("the top tension is", self.tension)):
+        for what, error in (("positions", self.position), ("the top tension", self.tension)):
             if error.broken_at is not None:
                 found.append(
-                    f"{what} off by more than a tolerance of {tolerance:g} allows, first at "
+                    f"{what} may be off by more than a tolerance of {tolerance:g} allows, first at "
                     f"t = {error.broken_at:g} s, by up to {error.share:.2g} times as much"
                 )
         if self.unknown_from is not None:

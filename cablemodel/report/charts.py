@@ -104,10 +104,26 @@ def top_tension(run: Run, seconds: float, hours: str, newtons: float, unit: str)
     traces = []
     if np.max(highest - top) > _NOTABLE * np.max(np.abs(highest)):
         traces.append(_curve(time, highest, "highest along the cable", color=COLOURS[1], width=1))
+    if "tension_error" in run.names:
+        traces += _band(time, top, run["tension_error"] / newtons)
     traces.append(_curve(time, top, "at the tow point", color=COLOURS[0], width=2))
     traces.append(_curve(time, lowest, "lowest along the cable", color="#8a97a5", width=1))
     layout = _over_time(time, hours, f"tension [{unit}]", **_legend())
     return {"data": traces, "layout": layout}
+
+
+def _band(time: Floats, values: Floats, errors: Floats) -> list[dict[str, Any]]:
+    """Values more and less their estimated errors, as a shade; none where these are not known."""
+    errors = np.where(np.isnan(errors), 0.0, errors)
+    kept = thinned(errors)
+    time, values, errors = time[kept], values[kept], errors[kept]
+    edge = {"type": "scatter", "mode": "lines", "x": time, "line": {"width": 0},
+            "hoverinfo": "skip"}  # fmt: skip
+    return [
+        {**edge, "y": values - errors, "showlegend": False},
+        {**edge, "y": values + errors, "name": "estimated error", "fill": "tonexty",
+         "fillcolor": "rgba(31,95,168,0.25)"},
+    ]  # fmt: skip
 
 
 def profile(along: Along, field: Field, label: str, colour: str, scale: float) -> Figure:

@@ -79,6 +79,19 @@ def key_figures(run: Run, along: Along, newtons: float, unit: str) -> list[Key]:
     found.append(
         Key("Curvature, largest", number(curvature.value), "1/m", radius + _where(curvature))
     )
+    estimate = run.error_estimate
+    for name, error, divide, its_unit in (
+        (
+            ("positions", estimate.position, 1.0, "m"),
+            ("top tension", estimate.tension, newtons, unit),
+        )
+        if estimate is not None
+        else ()
+    ):
+        share = f"{error.share:.2g} of what the tolerance allows"
+        if not math.isnan(error.share):
+            title = f"Estimated error, {name}"
+            found.append(Key(title, number(error.largest / divide), its_unit, share))
     end = run.states[-1].position
     away = float(np.hypot(*(end[-1] - end[0])[:2]))
     below = float(end[0, 2] - end[-1, 2])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass, field
 
@@ -80,10 +81,12 @@ class Diagnostics:
             status.add(WARN, "the foreign clock jumped: reset")
         if model.winch != "free":
             status.add(WARN, f"the winch stands: {model.winch}")
+        if session.scene.solver.error_estimate:
+            self._errors(status)
         if self._loop.running and not speed:
             status.add(WARN, "time stands still: waiting for /clock?")
         statistics = model.statistics
-        status.values = {
+        status.values |= {
             "simulated time [s]": f"{model.time:.3f}",
             "times real time": f"{speed:.3f}",
             "top tension [N]": f"{model.top_tension:.3f}",
@@ -105,6 +108,18 @@ class Diagnostics:
             counts = (f"{span}: {count}" for span, count in times.table().items())
             status.values[f"{name} times [ms]"] = ", ".join(counts)
         return status
+
+    def _errors(self, status: Status) -> None:
+        """What the model estimates to be wrong by. Tensions of slack lines are not promised."""
+        model, tolerance = self._session.model, self._session.scene.solver.tolerance
+        error = model.position_error
+        status.values["estimated error of positions [m]"] = f"{error:.6g}"
+        status.values["estimated error of the top tension [N]"] = f"{model.tension_error:.6g}"
+        if math.isnan(error):
+            status.add(WARN, "errors are not known: the finer run could not go on")
+        elif error > tolerance * model.line_length:
+            status.add(WARN, f"positions may be off by {error:.3g} m, more than the tolerance of "
+                             f"{tolerance:g} allows")  # fmt: skip
 
     def _commands(self) -> Status:
         session = self._session

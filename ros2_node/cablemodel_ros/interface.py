@@ -51,7 +51,12 @@ def _outputs() -> tuple[Topic, ...]:
     found: dict[str, list[variables.Variable]] = {}
     for variable in variables.OUTPUTS:
         found.setdefault(variable.topic, []).append(variable)
-    when = {"bodies": " (scenes with bodies)", "drum": " (with a drum)", "floor": " (with a floor)"}
+    when = {
+        "bodies": " (scenes with bodies)",
+        "drum": " (with a drum)",
+        "floor": " (with a floor)",
+        "error_estimate": " (with `solver.error_estimate`)",
+    }
     return tuple(
         Topic(
             name,

@@ -13,12 +13,11 @@ from typer.testing import CliRunner, Result
 import cablemodel as cm
 from cablemodel.accuracy.study import runs_of
 from cablemodel.cli import app
-from tests.verification.references.motion import spring_pendulum
+from tests.verification.scenes import pendulum
 
 ROOT = Path(__file__).parents[2]
 SCENE = ROOT / "scenes" / "towed_cable.yaml"
 UNTIL = 10.0
-GRAVITY = 9.80665
 
 
 def command(*arguments: str | Path, scene: Path = SCENE) -> Result:
@@ -81,37 +80,6 @@ def test_the_table_has_the_differences_that_runs_by_hand_have() -> None:
         assert 0.0 < row.processor_time < 0.1
     assert found.passed
     assert found.own.tolerance == 1e-3
-
-
-def pendulum() -> tuple[cm.Scene, Any]:
-    """1 kg on an elastic line of 1 m, let go at 60 degrees under its tension, and its exact path.
-
-    A straight cable adds a third of its mass and half of its weight to those of the bob.
-    """
-    stiffness, ratio, angle = 1e5, 1e-5, np.radians(60.0)
-    stretch = 1.0 + GRAVITY * np.cos(angle) / stiffness
-    place = [stretch * np.sin(angle), 0.0, -stretch * np.cos(angle)]
-    cable = {
-        "diameter": 0.01, "mass": ratio, "submerged_weight": ratio * GRAVITY,
-        "axial_stiffness": stiffness, "drag_normal": 0, "drag_tangential": 0, "added_mass": 0,
-    }  # fmt: skip
-    scene = cm.load_scene(
-        {
-            "environment": {"gravity": GRAVITY, "water_density": 0.0},
-            "cable_types": {"C": cable},
-            "line": [
-                {"cable": {"type": "C", "length": 1.0, "model": "cable", "elements": 2}},
-                {"body": {"mass": 1.0, "submerged_weight": GRAVITY, "half_length": 0.0}},
-            ],
-            "initial": {"points": [[0.0, 0.0, 0.0], place]},
-            "solver": {"tolerance": 1e-2},
-            "run": {"duration": 4.0, "output_interval": 0.25},
-        }
-    )
-    times = np.arange(1, 17) * 0.25
-    start = (place[0], place[2])
-    path = spring_pendulum(1.0, stiffness, 1 + ratio / 3, GRAVITY * (1 + ratio / 2), start, times)
-    return scene, path
 
 
 def test_errors_are_those_from_the_exact_path_of_a_pendulum() -> None:

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 import cablemodel as cm
+from tests.verification.references.motion import spring_pendulum
 
 CABLE_K = {
     "diameter": 0.01666,
@@ -94,3 +97,34 @@ def turned(angle: str = "180 deg", **settings: Any) -> cm.Scene:
         {"straight": {"duration": 1000.0, "speed": 0.8}},
     ]
     return scene(30.0, CABLE_K, vessel={"path": legs}, **settings)
+
+
+def pendulum() -> tuple[cm.Scene, Any]:
+    """1 kg on an elastic line of 1 m, let go at 60 degrees under its tension, and its exact path.
+
+    A straight cable adds a third of its mass and half of its weight to those of the bob.
+    """
+    gravity, stiffness, ratio, angle = 9.80665, 1e5, 1e-5, np.radians(60.0)
+    stretch = 1.0 + gravity * np.cos(angle) / stiffness
+    place = [stretch * np.sin(angle), 0.0, -stretch * np.cos(angle)]
+    cable = {
+        "diameter": 0.01, "mass": ratio, "submerged_weight": ratio * gravity,
+        "axial_stiffness": stiffness, "drag_normal": 0, "drag_tangential": 0, "added_mass": 0,
+    }  # fmt: skip
+    scene = cm.load_scene(
+        {
+            "environment": {"gravity": gravity, "water_density": 0.0},
+            "cable_types": {"C": cable},
+            "line": [
+                {"cable": {"type": "C", "length": 1.0, "model": "cable", "elements": 2}},
+                {"body": {"mass": 1.0, "submerged_weight": gravity, "half_length": 0.0}},
+            ],
+            "initial": {"points": [[0.0, 0.0, 0.0], place]},
+            "solver": {"tolerance": 1e-2},
+            "run": {"duration": 4.0, "output_interval": 0.25},
+        }
+    )
+    times = np.arange(1, 17) * 0.25
+    start = (place[0], place[2])
+    path = spring_pendulum(1.0, stiffness, 1 + ratio / 3, gravity * (1 + ratio / 2), start, times)
+    return scene, path
