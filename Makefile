@@ -103,6 +103,7 @@ stress: $(READY_BENCH)  ## run the stress scenes (long)
 	$(BIN)/python -m benchmarks.stress_scenes
 	$(BIN)/python -m benchmarks.soak
 	$(BIN)/python -m benchmarks.random_scenes.heave
+	$(BIN)/python -m benchmarks.random_scenes.estimate
 	$(BIN)/python -m benchmarks.random_scenes --waves; in_waves=$$?; \
 		$(BIN)/python -m benchmarks.random_scenes && exit $$in_waves
 

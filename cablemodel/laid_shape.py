@@ -140,8 +140,11 @@ def _catenary(slack: float, rise: float, smallest: float) -> FloatArray:
     """A catenary that leaves a level floor, from its top down to the touchdown, (n, 2) [m].
 
     slack: its length less its span; rise: its height; smallest: least radius at its foot [m].
-    Columns: distance from the touchdown, height. Empty where the slack is all of the rise.
+    Columns: distance from the touchdown, height. Empty where the slack is all of the rise, or where
+    there is no rise.
     """
+    if rise <= 0.0:
+        return np.empty((0, 2))
 
     def excess(log_radius: float) -> float:
         radius = math.exp(log_radius)
@@ -166,15 +169,17 @@ def _rounded(hung: FloatArray, laid: FloatArray, radius: float) -> FloatArray:
     smaller where one of them is short.
     """
     corner = laid[0]
-    if len(hung) < 2 or np.linalg.norm(laid[-1] - corner) == 0.0:
+    hangs, lies = float(np.linalg.norm(hung[0] - corner)), float(np.linalg.norm(laid[-1] - corner))
+    if hangs == 0.0:
+        return laid
+    if len(hung) < 2 or lies == 0.0:
         return np.vstack([hung[:-1], laid])
     down = corner - hung[-2]
     along = laid[1] - corner
-    hangs, lies = float(np.linalg.norm(hung[0] - corner)), float(np.linalg.norm(laid[-1] - corner))
     down, along = down / np.linalg.norm(down), along / np.linalg.norm(along)
     angle = math.acos(max(-1.0, min(1.0, float(down @ along))))
     inward = along - float(along @ down) * down
-    if angle < 1e-3 or hangs == 0.0 or np.linalg.norm(inward) < 1e-9:
+    if angle < 1e-3 or np.linalg.norm(inward) < 1e-9:
         return np.vstack([hung[:-1], laid])
     reach = min(radius * math.tan(0.5 * angle), 0.4 * hangs, 0.4 * lies)
     radius = reach / math.tan(0.5 * angle)

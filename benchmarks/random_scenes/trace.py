@@ -33,9 +33,10 @@ class Trace:
     exception), ``not finite`` or ``too slow``; message: the error. times: (n,) [s] of the instants;
     shapes: (n, STATIONS, 3) [m]; top, lowest, highest: (n,) tension at the top, the
     smallest and the largest [N]. on_floor: (n,) length that lies on the floor [m]. lengths: (n,)
-    out [m]. clamped: first time at which the winch could not follow [s]. broken: limits that every
-    state must keep and one did not. energy_gain: energy from nowhere, over what went through the
-    cable [-]; not a number where no balance can be drawn up.
+    out [m]. errors: what the model says of its own, of positions [m] and top tension [N], if the
+    scene asks for that. clamped: first time at which the winch could not follow [s]. broken: limits
+    that every state must keep and one did not. energy_gain: energy from nowhere, over what went
+    through the cable [-]; not a number where no balance can be drawn up.
     """
 
     end: str = "completed"
@@ -47,6 +48,7 @@ class Trace:
     highest: list[float] = field(default_factory=list)
     on_floor: list[float] = field(default_factory=list)
     lengths: list[float] = field(default_factory=list)
+    errors: list[tuple[float, float]] = field(default_factory=list)
     clamped: float = float("inf")
     broken: list[str] = field(default_factory=list)
     energy_gain: float = float("nan")
@@ -134,6 +136,8 @@ def _keep(trace: Trace, model: Any, scene: dict[str, Any], tolerance: float, tot
     trace.highest.append(model.tension_max)
     trace.on_floor.append(model.floor_length)
     trace.lengths.append(out)
+    if scene["solver"].get("error_estimate"):
+        trace.errors.append((model.position_error, model.tension_error))
     at = f"at t = {model.time:g} s"
     if abs(out + model.drum_length - total) > 1e-9 * total:
         trace.broken.append(f"{at} {out + model.drum_length - total:.1e} m of cable appeared")

@@ -14,6 +14,7 @@ from cablemodel.cli.errors import reported
 from cablemodel.cli.numbers import readable
 from cablemodel.cli.plausibility import scene_warnings, start_warnings
 from cablemodel.cli.run import JsonOption, SceneArgument, SetOption, explained_start, fixed
+from cablemodel.error_estimate import FINER
 
 if TYPE_CHECKING:
     from cablemodel.model import CableModel, CableState
@@ -252,7 +253,10 @@ def _accuracy(elements: int, solver: dict[str, Any]) -> str:
     if solver["method"] == "direct_integration":
         spacing, step = solver["node_spacing"], solver["time_step"]
         return f"{elements} intervals of {spacing:g} m, steps of {step:g} s (direct integration)"
-    return f"{elements} for a tolerance of {solver['tolerance']:g}"
+    text = f"{elements} for a tolerance of {solver['tolerance']:g}"
+    if solver.get("error_estimate"):
+        text += f", whose errors a run at {solver['tolerance'] / FINER:g} estimates"
+    return text
 
 
 def _words(item: dict[str, Any]) -> str:
