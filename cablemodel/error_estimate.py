@@ -26,13 +26,22 @@ FINER = 4.0
 """Ratio of a tolerance to that of a run that it is judged by."""
 _ORDER = 0.5
 """The slowest convergence: errors as this power of the tolerance."""
-_FACTOR = 1.0 / (1.0 - FINER**-_ORDER)
+FACTOR = 1.0 / (1.0 - FINER**-_ORDER)
 """Error over difference, with that convergence: 2."""
 _PARTS = 101
-PLACES: FloatArray = 0.5 - 0.5 * np.cos(np.pi * np.arange(_PARTS + 1) / _PARTS)
+PLACES: FloatArray = np.array(
+    [0.5 - 0.5 * math.cos(math.pi * k / _PARTS) for k in range(_PARTS + 1)]
+)
 """Parts of the line at which shapes and tensions are compared. The ends' parts are the shortest; a
 prime, for then no place but the ends is at a round number, as bodies are, where a tension jumps and
-rounding would choose the side."""
+rounding would choose the side. The cosine is that of the C library, as in the FMU: NumPy's own may
+differ in the last digit."""
+
+
+def finer(scene: Scene) -> Scene:
+    """The scene at the tolerance that its runs are judged by."""
+    settings = scene.solver.model_copy(update={"tolerance": scene.solver.tolerance / FINER})
+    return scene.model_copy(update={"solver": settings})
 
 
 class EstimatingSolver(FiniteElementSolver):
@@ -42,9 +51,7 @@ class EstimatingSolver(FiniteElementSolver):
         self, scene: Scene, *, planar: bool | None = None, sleep: bool | None = None
     ) -> None:
         super().__init__(scene, planar=planar, sleep=sleep)
-        settings = scene.solver.model_copy(update={"tolerance": scene.solver.tolerance / FINER})
-        finer = scene.model_copy(update={"solver": settings})
-        self._finer = FiniteElementSolver(finer, planar=planar, sleep=sleep)
+        self._finer = FiniteElementSolver(finer(scene), planar=planar, sleep=sleep)
 
     @property
     def images(self) -> tuple[IntArray, ...]:
@@ -65,13 +72,13 @@ class EstimatingSolver(FiniteElementSolver):
     def errors(self) -> tuple[float, float]:
         if not self._beside:
             return math.nan, math.nan
-        numbers, finer = np.zeros((2, at.SUMMARY_WORDS))
+        numbers, others = np.zeros((2, at.SUMMARY_WORDS))
         self.summary(numbers)
-        self._finer.summary(finer)
-        stations = PLACES * min(numbers[_LENGTH], finer[_LENGTH])
+        self._finer.summary(others)
+        stations = PLACES * min(numbers[_LENGTH], others[_LENGTH])
         shapes = np.empty((2, len(stations), at.STATION_WORDS))
         self.sample(stations, shapes[0].reshape(-1))
         self._finer.sample(stations, shapes[1].reshape(-1))
         apart = np.linalg.norm(shapes[0, :, :3] - shapes[1, :, :3], axis=1)
-        tensions = abs(numbers[_TENSION] - finer[_TENSION])
-        return _FACTOR * float(apart.max()), _FACTOR * float(tensions)
+        tensions = abs(numbers[_TENSION] - others[_TENSION])
+        return FACTOR * float(apart.max()), FACTOR * float(tensions)

@@ -11,7 +11,7 @@ import json
 from types import ModuleType
 from typing import Any
 
-from cablemodel import block
+from cablemodel import block, error_estimate
 from cablemodel.direct import block as direct_block
 from cablemodel.direct.failures import MEANING
 from cablemodel.direct.kernels import layout as direct_layout
@@ -94,6 +94,8 @@ def header(kernel_hash: str) -> str:
             lines.append(f"#define {name} INT64_C({value})")
     for name, number in start_constants().items():
         lines.append(f"#define {name} {number!r}")
+    lines.append(f"#define ERROR_PLACES {len(error_estimate.PLACES)}")
+    lines.append(f"#define ERROR_FACTOR {error_estimate.FACTOR!r}")
     lines.append(f"#define KERNEL_HASH INT64_C({hash_number(kernel_hash)})")
     for name, value in constants(direct_layout).items():
         if not name.startswith("_"):

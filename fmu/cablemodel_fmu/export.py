@@ -7,13 +7,15 @@ import re
 import uuid
 import zipfile
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cablemodel.block import Block
 from cablemodel.direct.block import DirectBlock
+from cablemodel.error_estimate import finer
 from cablemodel.errors import CableModelError
 from cablemodel.instance import build as build_block
 from cablemodel.instance import local
@@ -54,6 +56,8 @@ class Contents:
     guid: str
     signals: list[Signal]
     model: bytes
+    finer: bytes | None
+    """The run by which errors are estimated, where the scene asks for that."""
     description: bytes
 
 
@@ -95,6 +99,7 @@ def export_fmu(
         "modelDescription.xml": contents.description,
         "model.png": picture(scene),
         "resources/model.bin": contents.model,
+        **({} if contents.finer is None else {"resources/finer.bin": contents.finer}),
         "resources/scene.yaml": scene.to_yaml().encode(),
         "documentation/index.html": index_html(scene, contents.signals).encode(),
         **{f"documentation/licenses/{name}": text for name, text in licences().items()},
@@ -130,9 +135,7 @@ def contents_of(scene: Scene, stations: int) -> Contents:
     position, velocity, _ = scene.motion().evaluate(0.0)
     rate = float(scene.payout.rate[0].rate) if scene.payout.rate else 0.0
     starts = [*map(float, velocity), *map(float, position), rate, 0.0, 0.0, 0.0]
-    constants: list[Coefficient] = coefficients(scene, block)
-    if isinstance(block, Block):  # the direct solver's nodes are those of its lengths
-        constants += lengths(scene, len(constants))
+    constants = _constants(scene, block)
     if len(constants) > VR_ZERO - VR_PARAMETER:
         raise ExportError(
             f"the scene has {len(constants)} coefficients and lengths: an FMU has "
@@ -146,20 +149,17 @@ def contents_of(scene: Scene, stations: int) -> Contents:
     ]
     text = f"{scene.to_yaml()}\n{stations}\n{kernel_hash()}\n{cablemodel.__version__}"
     guid = "{" + str(uuid.UUID(bytes=hashlib.sha256(text.encode()).digest()[:16])) + "}"
-    static = scene.initial.kind == "static"
-    frame = np.zeros(3)
-    if static and isinstance(block, Block):
-        frame = local(block, velocity, point=False)
     model = ModelFile(
         guid=guid,
         block=block,
         stations=stations,
         starts=starts,
-        frame=frame,
+        frame=_frame(scene, block),
         coefficients=constants,
         scheduled=scheduled(scene),
-        static=static,
+        static=scene.initial.kind == "static",
         pinned=scene.vessel.connection.kind == "pinned",
+        estimate=scene.solver.error_estimate,
     )
     name = _model_name(scene)
     xml = model_description(
@@ -172,7 +172,21 @@ def contents_of(scene: Scene, stations: int) -> Contents:
         stop=scene.run.duration,
         tolerance=scene.solver.tolerance,
     )
-    return Contents(name, guid, signals, model.to_bytes(), xml)
+    beside = _beside(scene, model).to_bytes() if model.estimate else None
+    return Contents(name, guid, signals, model.to_bytes(), beside, xml)
+
+
+def _beside(scene: Scene, model: ModelFile) -> ModelFile:
+    """Of the run that the errors of a scene's own are estimated by."""
+    judge = finer(scene)
+    block = _block(judge)
+    return replace(
+        model,
+        block=block,
+        frame=_frame(judge, block),
+        coefficients=_constants(judge, block),
+        estimate=False,
+    )
 
 
 def _block(scene: Scene) -> Block | DirectBlock:
@@ -182,6 +196,21 @@ def _block(scene: Scene) -> Block | DirectBlock:
 
         return build_direct_block(scene)
     return build_block(scene, drum_room=LONGEST)
+
+
+def _constants(scene: Scene, block: Block | DirectBlock) -> list[Coefficient]:
+    """Coefficients, and lengths where they may be set."""
+    constants = coefficients(scene, block)
+    if isinstance(block, Block):  # the direct solver's nodes are those of its lengths
+        constants += lengths(scene, len(constants))
+    return constants
+
+
+def _frame(scene: Scene, block: Block | DirectBlock) -> NDArray[np.float64]:
+    """Velocity of the static equilibrium in the block's coordinates [m/s]."""
+    if scene.initial.kind == "static" and isinstance(block, Block):
+        return local(block, scene.motion().evaluate(0.0)[1], point=False)
+    return np.zeros(3)
 
 
 def scheduled(scene: Scene) -> bool:

@@ -1,4 +1,5 @@
-"""``resources/model.bin``: what the shared library needs to know of one scene.
+"""``resources/model.bin``: what the shared library needs to know of one scene; ``finer.bin``, where
+its errors are estimated: the same of the finer run.
 
 64-bit little-endian words; the C side (c/cable.h, c/model_file.c) checks all of them.
 """
@@ -21,7 +22,7 @@ MAGIC = 0x554D46454C424143  # "CABLEFMU"
 FORMAT = 1
 HEADER_WORDS = 32
 _CHECKSUM, _KERNELS, _GUID, _FLAGS, _INPUTS, _FRAME = 3, 4, 5, 10, 16, 26
-SCENE_INPUTS, STATIC, PINNED = 1, 2, 4
+SCENE_INPUTS, STATIC, PINNED, ESTIMATE = 1, 2, 4, 8
 LARGEST = 1e30
 """Bound of a coefficient that has none."""
 
@@ -41,6 +42,8 @@ class ModelFile:
     scheduled: bool
     static: bool
     pinned: bool
+    estimate: bool = False
+    """Whether finer.bin is beside it."""
 
     def to_bytes(self) -> bytes:
         """The file, with its checksum."""
@@ -51,6 +54,7 @@ class ModelFile:
         header[_KERNELS] = hash_number(kernel_hash())
         header[_GUID : _GUID + 5] = np.frombuffer(self.guid.encode().ljust(40, b"\0"), "<i8")
         header[_FLAGS] = SCENE_INPUTS * self.scheduled + STATIC * self.static + PINNED * self.pinned
+        header[_FLAGS] += ESTIMATE * self.estimate
         header[_FLAGS + 1 : _FLAGS + 5] = (
             len(image),
             int(self.block.ints[at.I_BYTES]) // 8,

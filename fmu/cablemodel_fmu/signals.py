@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 VR_INPUT = 0
 VR_PARAMETER = 100
 VR_ZERO = 900
+VR_ERROR = 950
 VR_SUMMARY = 1000
 VR_STATION = 10000
 VR_BODY = 20000000
@@ -44,6 +45,7 @@ _SUMMARY = {
     "touchdown_position": 28,
     "touchdown_reaction": 31,
 }
+_ERROR = {"position_error": 0, "tension_error": 1}
 _AXES = ("x (east)", "y (north)", "z (up)")
 _STATION = {"state.position": 0, "state.tension": 9, "state.curvature": 10}
 _BODY = {"bodies.position": 0, "bodies.direction": 3}
@@ -181,6 +183,8 @@ def _references(variable: Variable, stations: int, rows: list[int]) -> list[tupl
         return []
     if key in _SUMMARY:
         return [(name, VR_SUMMARY + _SUMMARY[key] + i) for i, name in enumerate(names)]
+    if key in _ERROR:
+        return [(name, VR_ERROR + _ERROR[key]) for name in names]
     tables = {**dict.fromkeys(_STATION, VR_STATION), **dict.fromkeys(_BODY, VR_BODY)}
     if key not in tables:
         raise KeyError(f"the FMU does not give {key} yet")

@@ -172,6 +172,9 @@ def python_outputs(model, stations: int) -> dict[str, np.ndarray]:
         found["floor.length"] = model.floor_length
         found["touchdown.position"] = model.touchdown_position
         found["touchdown.reaction"] = model.touchdown_reaction
+    if model.scene.solver.error_estimate:
+        found["error.position"] = model.position_error
+        found["error.tension"] = model.tension_error
     return {name: np.asarray(value) for name, value in found.items()}
 
 

@@ -81,7 +81,7 @@ def test_a_step_beyond_the_stop_time(still):
     slave.close()
 
 
-@pytest.mark.parametrize("reference", [10, 99, 901, 1032, 9999, 10039, 20000013, 2**32 - 1])
+@pytest.mark.parametrize("reference", [10, 99, 901, 950, 1032, 9999, 10039, 20000013, 2**32 - 1])
 def test_unknown_value_references(slave, reference):
     words = "unknown value reference"
     assert_refused(slave, words, slave.fmu.getReal, [reference])

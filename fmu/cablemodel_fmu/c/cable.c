@@ -5,13 +5,14 @@
 
 #include "cable.h"
 
-static const int64_t *initial_image(const Cable *cable) {
+const int64_t *initial_image(const Cable *cable) {
     return cable->file + F_HEADER_WORDS +
            cable->parameter_count * (int64_t)(sizeof(Parameter) / 8);
 }
 
-static void outputs_changed(Cable *cable) {
-    cable->summary_current = cable->stations_current = 0;
+void outputs_changed(Cable *cable) {
+    cable->summary_current = cable->stations_current = cable->errors_current = 0;
+    if (cable->finer != NULL) outputs_changed(cable->finer);
 }
 
 double cable_time(const Cable *cable) { return cable->M[S_TIME] + cable->now.start_time; }
@@ -30,6 +31,7 @@ void restart_cable(Cable *cable) {
     cable->coarse = 0;
     cable->has_slope = 0;
     memset(cable->slope, 0, sizeof cable->slope);
+    if (cable->finer != NULL) restart_cable(cable->finer);
     outputs_changed(cable);
 }
 
@@ -103,10 +105,16 @@ static void explain(const Cable *cable, int64_t status, char *message, size_t si
              problem, advice);
 }
 
+/* A finer run that could not make a step stays behind for good: there is no estimate then. */
+static int is_beside(const Cable *cable) {
+    return cable->finer != NULL && cable->finer->M[S_TIME] == cable->M[S_TIME];
+}
+
 /* To the instance's own time t_end; on failure the message says why and nothing has changed. */
 int64_t step_cable(Cable *cable, double t_end, double dt, char *message, size_t size) {
     double inputs[INPUT_WORDS];
     collect_inputs(cable, dt, inputs);
+    const int beside = is_beside(cable);
     const int64_t status =
         is_direct(cable->I)
             ? direct_step(cable, t_end, inputs)
@@ -115,6 +123,8 @@ int64_t step_cable(Cable *cable, double t_end, double dt, char *message, size_t 
         explain(cable, status, message, size);
         return status;
     }
+    if (beside)
+        cablemodel_step(cable->finer->I, cable->finer->block_words, t_end, inputs, INPUT_WORDS);
     cable->has_slope = 0;
     outputs_changed(cable);
     return OK;
@@ -159,6 +169,33 @@ static const double *rows(Cable *cable) {
     return cable->rows;
 }
 
+/* What positions [m] and the top tension [N] may be wrong by: errors of
+   cablemodel/error_estimate.py. */
+static const double *errors(Cable *cable) {
+    if (cable->errors_current) return cable->errors;
+    cable->errors_current = 1;
+    cable->errors[0] = cable->errors[1] = NAN;
+    if (!is_beside(cable)) return cable->errors;
+    Cable *finer = cable->finer;
+    const double *numbers = summary(cable), *others = summary(finer);
+    const double length = fmin(numbers[21], others[21]), pi = 3.14159265358979323846;
+    enum { WORDS = STATION_WORDS * ERROR_PLACES };
+    double arcs[ERROR_PLACES], shapes[2][WORDS], largest = 0.0;
+    for (int k = 0; k < ERROR_PLACES; k++)
+        arcs[k] = (0.5 - 0.5 * cos(pi * k / (ERROR_PLACES - 1))) * length;
+    cablemodel_sample(cable->I, cable->block_words, arcs, ERROR_PLACES, shapes[0], WORDS);
+    cablemodel_sample(finer->I, finer->block_words, arcs, ERROR_PLACES, shapes[1], WORDS);
+    for (int place = 0; place < WORDS; place += STATION_WORDS) {
+        double square = 0.0;
+        for (int i = place; i < place + 3; i++)
+            square += (shapes[0][i] - shapes[1][i]) * (shapes[0][i] - shapes[1][i]);
+        largest = fmax(largest, sqrt(square));
+    }
+    cable->errors[0] = ERROR_FACTOR * largest;
+    cable->errors[1] = ERROR_FACTOR * fabs(numbers[6] - others[6]);
+    return cable->errors;
+}
+
 static int is_parameter(const Cable *cable, unsigned vr) {
     return vr >= VR_PARAMETER && vr < VR_PARAMETER + (unsigned)cable->parameter_count;
 }
@@ -184,6 +221,8 @@ const char *read_value(Cable *cable, unsigned vr, double *value) {
         *value = rows(cable)[vr - VR_STATION];
     else if (vr >= VR_BODY && vr < VR_BODY + STATION_WORDS * (unsigned)cable->bodies)
         *value = rows(cable)[STATION_WORDS * cable->stations + (vr - VR_BODY)];
+    else if (cable->finer != NULL && vr >= VR_ERROR && vr < VR_ERROR + 2)
+        *value = errors(cable)[vr - VR_ERROR];
     else
         return "unknown value reference";
     return NULL;
@@ -252,6 +291,7 @@ void write_value(Cable *cable, unsigned vr, double value) {
     cable->values[vr - VR_PARAMETER] = value;
     if (cable->now.phase == STEPPING) {
         tune(cable, &cable->parameters[vr - VR_PARAMETER], value);
+        if (cable->finer != NULL) tune(cable->finer, &cable->parameters[vr - VR_PARAMETER], value);
         outputs_changed(cable);
     } else {
         cable->now.unsettled = 1;

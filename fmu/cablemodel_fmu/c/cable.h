@@ -12,6 +12,7 @@ enum {
     VR_VELOCITY = 0, VR_POSITION = 3, VR_PAYOUT = 6, VR_CURRENT = 7, VR_INPUTS = 10,
     VR_PARAMETER = 100,
     VR_ZERO = 900,
+    VR_ERROR = 950,
     VR_SUMMARY = 1000,
     VR_STATION = 10000,
     VR_BODY = 20000000
@@ -21,7 +22,8 @@ enum { VR_VESSEL_INPUT = 0 };      /* the only Integer, an enumeration */
 enum { BY_VELOCITY = 1, BY_POSITION = 2, BY_BOTH = 3 };
 enum { INSTANTIATED = 1, INITIALISING, STEPPING, TERMINATED };
 
-/* Words of resources/model.bin, all 64 bits, little endian; see cablemodel_fmu/model_file.py. */
+/* Words of resources/model.bin and of finer.bin, all 64 bits, little endian; see
+   cablemodel_fmu/model_file.py. */
 enum {
     F_MAGIC, F_FORMAT, F_WORDS, F_CHECKSUM, F_KERNELS,
     F_GUID, /* 40 characters, padded with zeros */
@@ -30,7 +32,7 @@ enum {
     F_FRAME = F_INPUTS + VR_INPUTS,
     F_HEADER_WORDS = 32
 };
-enum { FLAG_SCENE_INPUTS = 1, FLAG_STATIC = 2, FLAG_PINNED = 4 };
+enum { FLAG_SCENE_INPUTS = 1, FLAG_STATIC = 2, FLAG_PINNED = 4, FLAG_ESTIMATE = 8 };
 #define FILE_MAGIC INT64_C(0x554d46454c424143) /* "CABLEFMU" */
 #define STATE_MAGIC INT64_C(0x5441545346434243)
 #define FILE_FORMAT 1
@@ -56,7 +58,7 @@ typedef struct {
     double input[VR_INPUTS];
 } Controls;
 
-typedef struct {
+typedef struct Cable {
     int64_t *file; /* model.bin as read */
     int64_t *I;    /* the block, as integers and as reals */
     double *M;
@@ -68,6 +70,11 @@ typedef struct {
     int has_slope;
     int summary_current, stations_current;
     int coarse; /* the shape at the start bends more than the exported elements can follow */
+    /* The run that the errors of this one are estimated by; NULL where that is not asked for. Its
+       block counts: inputs, parameters and phase are those of this one. */
+    struct Cable *finer;
+    int errors_current;
+    double errors[2];
     double summary[SUMMARY_WORDS];
     double *arcs, *rows;
     char message[200]; /* where a message has numbers in it */
@@ -110,6 +117,8 @@ const char *check_block(const int64_t *I, int64_t image_words, int64_t block_wor
 uint32_t checksum(const void *data, size_t bytes);
 
 /* cable.c */
+const int64_t *initial_image(const Cable *cable);
+void outputs_changed(Cable *cable);
 void restart_cable(Cable *cable);
 void restore_exported(Cable *cable);
 double cable_time(const Cable *cable);

@@ -350,12 +350,9 @@ static int64_t stretch_line(Cable *cable, double from, double to) {
     return find_initial_state(cable);
 }
 
-/* The state at the start for the values set. From the exported one, so that it does not matter in
-   which order they were set; in one leap or, where that fails, in steps. */
-const char *settle_cable(Cable *cable) {
-    if (!cable->now.unsettled) return NULL;
-    cable->now.unsettled = 0;
-    cable->summary_current = cable->stations_current = 0;
+/* From the exported state, so that it does not matter in which order values were set; in one leap or,
+   where that fails, in steps. */
+static const char *settle(Cable *cable) {
     int64_t status = STATICS_FAILED;
     const int resized = lengths_changed(cable);
     restore_exported(cable);
@@ -363,7 +360,6 @@ const char *settle_cable(Cable *cable) {
         if ((cable->flags & FLAG_STATIC) == 0) return NULL;
         status = is_direct(cable->I) ? direct_settle(cable) : find_initial_state(cable);
     } else if (out_of_reach(cable)) {
-        cable->now.unsettled = 1;
         return cable->message;
     } else {
         for (int leaps = 1; leaps <= 16 && status != OK; leaps *= 4) {
@@ -377,7 +373,25 @@ const char *settle_cable(Cable *cable) {
         cable->coarse = resized && (cable->flags & FLAG_STATIC) != 0 && bends_too_much(cable);
         return NULL;
     }
-    cable->now.unsettled = 1;
     return resized ? "no static equilibrium was found for these lengths and coefficients"
                    : "no static equilibrium was found for these coefficients";
+}
+
+/* The finer run at the same values; one that has no start there is left behind. */
+static void settle_finer(Cable *cable) {
+    Cable *finer = cable->finer;
+    memcpy(finer->values, cable->values, sizeof(double) * (size_t)cable->parameter_count);
+    if (settle(finer) == NULL) return;
+    restore_exported(finer);
+    finer->M[S_TIME] = cable->M[S_TIME] - 1.0;
+}
+
+/* The state at the start for the values set. */
+const char *settle_cable(Cable *cable) {
+    if (!cable->now.unsettled) return NULL;
+    outputs_changed(cable);
+    const char *problem = settle(cable);
+    cable->now.unsettled = problem != NULL;
+    if (problem == NULL && cable->finer != NULL) settle_finer(cable);
+    return problem;
 }

@@ -1,4 +1,5 @@
-/* resources/model.bin: found, read, and not believed until every size and offset is checked. */
+/* resources/model.bin, and finer.bin beside it: found, read, and not believed until every size and
+   offset is checked. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -37,9 +38,8 @@ static int hex(char c) {
     return -1;
 }
 
-/* Path of model.bin in the folder that a file URI (or, leniently, a path) names; to be freed. */
-static char *model_path(const char *location) {
-    static const char name[] = "/model.bin";
+/* Path of a file in the folder that a file URI (or, leniently, a path) names; to be freed. */
+static char *path_of(const char *location, const char *name) {
     const int uri = strncmp(location, "file:", 5) == 0;
     const char *from = uri ? location + 5 : location;
     if (uri && strncmp(from, "//", 2) == 0) {
@@ -49,7 +49,7 @@ static char *model_path(const char *location) {
 #ifdef _WIN32
     if (from[0] == '/' && from[1] != 0 && from[2] == ':') from++;
 #endif
-    char *path = malloc(strlen(from) + sizeof name);
+    char *path = malloc(strlen(from) + strlen(name) + 2);
     if (path == NULL) return NULL;
     size_t length = 0;
     while (*from != 0) {
@@ -61,7 +61,8 @@ static char *model_path(const char *location) {
         }
     }
     while (length > 1 && path[length - 1] == '/') length--;
-    memcpy(path + length, name, sizeof name);
+    path[length] = '/';
+    strcpy(path + length + 1, name);
     return path;
 }
 
@@ -81,12 +82,12 @@ static FILE *open_file(const char *path) {
 
 static const char *read_file(const char *path, int64_t **words, int64_t *count) {
     FILE *file = open_file(path);
-    if (file == NULL) return "resources/model.bin cannot be opened";
-    const char *problem = "resources/model.bin cannot be read";
+    if (file == NULL) return "cannot be opened";
+    const char *problem = "cannot be read";
     if (fseek(file, 0, SEEK_END) == 0) {
         const int64_t size = ftell(file);
         if (size < 8 * F_HEADER_WORDS || size % 8 != 0 || size > LARGEST_FILE) {
-            problem = "resources/model.bin is truncated or not a model";
+            problem = "truncated or not a model";
         } else if (fseek(file, 0, SEEK_SET) == 0) {
             *words = malloc((size_t)size);
             *count = size / 8;
@@ -209,15 +210,15 @@ static const char *check_parameters(const Cable *cable, const int64_t *I) {
         if (is_direct(I) && direct_word(I, p) != 0 && fabs(p->factor) < 1e300 &&
             p->minimum <= p->start && p->start <= p->maximum)
             continue;
-        if (is_direct(I)) return "a parameter in resources/model.bin is out of range";
+        if (is_direct(I)) return "a parameter is out of range";
         const int64_t rows[] = {INT64_MAX, I[I_BODIES], I[I_CABLES], I[I_CABLES]};
         if (!within(p->kind, OF_CABLES, OF_DRUM) || !(fabs(p->factor) < 1e300) ||
             !within(p->index, 0, rows[p->kind] - 1) || !(fabs(p->reach) < 1e300) ||
             !(p->minimum <= p->start && p->start <= p->maximum))
-            return "a parameter in resources/model.bin is out of range";
+            return "a parameter is out of range";
         if (p->kind >= OF_LINE) {
             if (!(p->minimum > 0.0) || !(p->maximum < 1e300))
-                return "a parameter in resources/model.bin is out of range";
+                return "a parameter is out of range";
             continue;
         }
         /* What is no coefficient, such as a length or an index, must stay out of reach. */
@@ -226,7 +227,7 @@ static const char *check_parameters(const Cable *cable, const int64_t *I) {
                 ? p->word == B_DRAG || p->word == B_DRAG_AXIAL || p->word == B_WEIGHT
                 : p->word == E_DRAG_NORMAL || p->word == E_DRAG_TANGENTIAL || p->word == E_WEIGHT ||
                       p->word == E_ADDED;
-        if (!coefficient) return "a parameter in resources/model.bin is out of range";
+        if (!coefficient) return "a parameter is out of range";
     }
     return NULL;
 }
@@ -234,12 +235,12 @@ static const char *check_parameters(const Cable *cable, const int64_t *I) {
 static const char *check_file(Cable *cable, int64_t count, const char *guid) {
     const int64_t *file = cable->file;
     if (file[F_MAGIC] != FILE_MAGIC || file[F_FORMAT] != FILE_FORMAT)
-        return "resources/model.bin is not a model of this version";
-    if (file[F_WORDS] != count) return "resources/model.bin is truncated or too long";
+        return "not a model of this version";
+    if (file[F_WORDS] != count) return "truncated or too long";
     if ((uint32_t)file[F_CHECKSUM] != checksum(file + F_KERNELS, 8 * (size_t)(count - F_KERNELS)))
-        return "resources/model.bin is corrupted (checksum)";
+        return "corrupted (checksum)";
     if (file[F_KERNELS] != KERNEL_HASH)
-        return "resources/model.bin was made for another version of this library";
+        return "made for another version of this library";
     const char *own = (const char *)(file + F_GUID);
     if (guid == NULL || strlen(guid) > 39 || strncmp(own, guid, 40) != 0)
         return "the GUID is not that of this FMU";
@@ -250,13 +251,13 @@ static const char *check_file(Cable *cable, int64_t count, const char *guid) {
     cable->block_words = file[F_BLOCK_WORDS];
     if (!within(cable->stations, 2, 100000) || !within(cable->parameter_count, 0, VR_ZERO - VR_PARAMETER) ||
         !within(cable->image_words, 1, count) || !within(cable->block_words, 1, LARGEST_FILE / 8))
-        return "a size in resources/model.bin is out of range";
+        return "a size is out of range";
     const int64_t row = (int64_t)(sizeof(Parameter) / 8);
     if (F_HEADER_WORDS + row * cable->parameter_count + cable->image_words != count)
-        return "the sizes in resources/model.bin do not agree";
+        return "the sizes do not agree";
     for (int n = 0; n < VR_INPUTS + 3; n++)
         if (!(fabs(((const double *)file)[F_INPUTS + n]) < 1e100))
-            return "a start value in resources/model.bin is not finite";
+            return "a start value is not finite";
     cable->parameters = (const Parameter *)(file + F_HEADER_WORDS);
     const int64_t *image = file + F_HEADER_WORDS + row * cable->parameter_count;
     const char *problem = check_block(image, cable->image_words, cable->block_words);
@@ -265,16 +266,18 @@ static const char *check_file(Cable *cable, int64_t count, const char *guid) {
     return check_parameters(cable, image);
 }
 
-const char *load_cable(Cable *cable, const char *resource_location, const char *guid) {
-    memset(cable, 0, sizeof *cable);
-    if (resource_location == NULL) return "the resource location is missing";
-    char *path = model_path(resource_location);
+static const char *load_block(Cable *cable, const char *resource_location, const char *name,
+                              const char *guid) {
+    char *path = path_of(resource_location, name);
     if (path == NULL) return "out of memory";
     int64_t count = 0;
     const char *problem = read_file(path, &cable->file, &count);
     free(path);
     if (problem == NULL) problem = check_file(cable, count, guid);
-    if (problem != NULL) return problem;
+    if (problem != NULL) {
+        snprintf(cable->message, sizeof cable->message, "resources/%s: %s", name, problem);
+        return cable->message;
+    }
     const size_t samples = (size_t)(cable->stations + cable->bodies);
     cable->I = calloc((size_t)cable->block_words, 8);
     cable->M = (double *)cable->I;
@@ -283,6 +286,31 @@ const char *load_cable(Cable *cable, const char *resource_location, const char *
     cable->rows = calloc(samples * STATION_WORDS, sizeof(double));
     if (cable->I == NULL || cable->values == NULL || cable->arcs == NULL || cable->rows == NULL)
         return "out of memory";
+    return NULL;
+}
+
+/* The run that errors are estimated by: of the same line, with the same parameters. */
+static const char *load_finer(Cable *cable, const char *resource_location, const char *guid) {
+    Cable *finer = cable->finer = calloc(1, sizeof *finer);
+    if (finer == NULL) return "out of memory";
+    const char *problem = load_block(finer, resource_location, "finer.bin", guid);
+    if (problem != NULL) return problem;
+    if (is_direct(initial_image(cable)) || is_direct(initial_image(finer)) ||
+        cable->flags != (finer->flags | FLAG_ESTIMATE) || (finer->flags & FLAG_ESTIMATE) ||
+        cable->parameter_count != finer->parameter_count ||
+        memcmp(cable->parameters, finer->parameters,
+               sizeof(Parameter) * (size_t)cable->parameter_count) != 0)
+        return "resources/finer.bin: not of the scene of resources/model.bin";
+    return NULL;
+}
+
+const char *load_cable(Cable *cable, const char *resource_location, const char *guid) {
+    memset(cable, 0, sizeof *cable);
+    if (resource_location == NULL) return "the resource location is missing";
+    const char *problem = load_block(cable, resource_location, "model.bin", guid);
+    if (problem == NULL && (cable->flags & FLAG_ESTIMATE))
+        problem = load_finer(cable, resource_location, guid);
+    if (problem != NULL) return problem;
     cable->now.magic = STATE_MAGIC;
     cable->now.words = (int64_t)(state_bytes(cable) / 8);
     cable->now.kernels = KERNEL_HASH;
@@ -292,6 +320,8 @@ const char *load_cable(Cable *cable, const char *resource_location, const char *
 }
 
 void free_cable(Cable *cable) {
+    if (cable->finer != NULL) free_cable(cable->finer);
+    free(cable->finer);
     free(cable->file);
     free(cable->I);
     free(cable->values);

@@ -1,11 +1,13 @@
-/* The state of an instance as one piece of memory: controls, parameters, image of the block. */
+/* The state of an instance as one piece of memory: controls, parameters, image of the block, and of
+   the finer run's where errors are estimated. */
 #include <math.h>
 #include <string.h>
 
 #include "cable.h"
 
 size_t state_bytes(const Cable *cable) {
-    return sizeof(Controls) + 8 * (size_t)(cable->parameter_count + cable->image_words);
+    const int64_t finer = cable->finer == NULL ? 0 : cable->finer->image_words;
+    return sizeof(Controls) + 8 * (size_t)(cable->parameter_count + cable->image_words + finer);
 }
 
 static uint32_t state_checksum(const void *state, size_t bytes) {
@@ -18,7 +20,11 @@ void save_state(const Cable *cable, void *to) {
     const size_t parameters = 8 * (size_t)cable->parameter_count;
     memcpy(at, &cable->now, sizeof(Controls));
     memcpy(at + sizeof(Controls), cable->values, parameters);
-    memcpy(at + sizeof(Controls) + parameters, cable->I, 8 * (size_t)cable->image_words);
+    at += sizeof(Controls) + parameters;
+    memcpy(at, cable->I, 8 * (size_t)cable->image_words);
+    if (cable->finer != NULL)
+        memcpy(at + 8 * cable->image_words, cable->finer->I,
+               8 * (size_t)cable->finer->image_words);
     ((Controls *)to)->checksum = state_checksum(to, state_bytes(cable));
 }
 
@@ -42,8 +48,12 @@ const char *check_state(const Cable *cable, const void *from, size_t bytes) {
         if (!(values[n] >= cable->parameters[n].minimum && values[n] <= cable->parameters[n].maximum))
             return "the state is corrupted";
     const int64_t *image = (const int64_t *)(values + cable->parameter_count);
-    if (image[I_MAGIC] != cable->I[I_MAGIC]) return "the state is corrupted";
-    return check_block(image, cable->image_words, cable->block_words);
+    for (; cable != NULL; image += cable->image_words, cable = cable->finer) {
+        if (image[I_MAGIC] != cable->I[I_MAGIC]) return "the state is corrupted";
+        const char *problem = check_block(image, cable->image_words, cable->block_words);
+        if (problem != NULL) return problem;
+    }
+    return NULL;
 }
 
 /* Take over a saved state; if it is refused nothing changes. */
@@ -54,8 +64,12 @@ const char *restore_state(Cable *cable, const void *from) {
     const size_t parameters = 8 * (size_t)cable->parameter_count;
     memcpy(&cable->now, at, sizeof(Controls));
     memcpy(cable->values, at + sizeof(Controls), parameters);
-    memcpy(cable->I, at + sizeof(Controls) + parameters, 8 * (size_t)cable->image_words);
+    at += sizeof(Controls) + parameters;
+    memcpy(cable->I, at, 8 * (size_t)cable->image_words);
+    if (cable->finer != NULL)
+        memcpy(cable->finer->I, at + 8 * cable->image_words,
+               8 * (size_t)cable->finer->image_words);
     cable->has_slope = 0;
-    cable->summary_current = cable->stations_current = 0;
+    outputs_changed(cable);
     return NULL;
 }
