@@ -20,6 +20,7 @@ from .system import factorise
 
 SLOPE_WEIGHT = 0.3  # weight of h |d| in norms, against |r|
 SLOPE_RANGE = 0.5, 1.6  # of |r'| at a node, beside its stretch
+NO_TENSION = 1e-8  # of a typical tension: what a line at rest without any has by rounding
 
 
 @inlined

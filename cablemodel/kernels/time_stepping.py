@@ -75,6 +75,7 @@ from .layout import (
     S_SLEEP_AFTER,
     S_STAGE_TENSION,
     S_STEP,
+    S_TENSION_SCALE,
     S_TIME,
     S_TIME_TOLERANCE,
     S_TOLERANCE,
@@ -83,7 +84,7 @@ from .layout import (
     STALLED,
     TOO_MANY_STEPS,
 )
-from .newton import increment_norm, is_folded, refactor
+from .newton import NO_TENSION, increment_norm, is_folded, refactor
 from .passing import cable_paid
 from .refine import follow_bending
 from .sleep import disturbance, fall_asleep, may_sleep, prepare_joining, rejoin, wake
@@ -163,7 +164,7 @@ def solve_stage(I, M, t, gamma_dt, tolerance, to_output, ratio):
         tension_change = recover_tension(I, M, constraint, x, tension)
         settled = True
         if to_output:
-            largest = 0.0
+            largest = NO_TENSION * M[S_TENSION_SCALE]
             for n in range(1, nodes):
                 largest = max(largest, abs(tension[2 * n]))
             settled = tension_change <= 1e-4 * largest

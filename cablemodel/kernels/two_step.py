@@ -49,11 +49,12 @@ from .layout import (
     S_LARGEST_TENSION,
     S_LAST_STEP,
     S_PERIOD,
+    S_TENSION_SCALE,
     S_TIME,
     S_TIME_TOLERANCE,
     S_TWO_STEP_RATIO,
 )
-from .newton import increment_norm, refactor
+from .newton import NO_TENSION, increment_norm, refactor
 from .system import (
     impose_motion,
     newton_increment,
@@ -185,7 +186,7 @@ def try_two_step(I, M, dt):
             not measure
             and ratio < 0.5
             and ratio * size <= enough
-            and ratio * tension_change <= 1e-4 * largest
+            and ratio * tension_change <= 1e-4 * max(largest, NO_TENSION * M[S_TENSION_SCALE])
         ):
             I[I_TWO_STEP_CHECK] -= 1
             M[S_LARGEST_TENSION] = max(M[S_LARGEST_TENSION], largest)
