@@ -152,7 +152,9 @@ def _lying(
         bears += share * piece.contact
     holds = floor.friction * bears
     if dragged:
-        load -= holds * velocity[:2] / float(np.hypot(*velocity[:2]))
+        # Of a vessel at rest that reels in it comes along itself.
+        goes = velocity[:2] if np.any(velocity[:2]) else -behind
+        load -= holds * goes / float(np.hypot(*goes))
         holds = 0.0
     if np.hypot(*load) <= holds or not np.any(load):
         return behind, 0.0

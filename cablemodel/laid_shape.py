@@ -176,6 +176,8 @@ def _rounded(hung: FloatArray, laid: FloatArray, radius: float) -> FloatArray:
         return np.vstack([hung[:-1], laid])
     down = corner - hung[-2]
     along = laid[1] - corner
+    if not np.any(along):  # the anchor is right below
+        return np.vstack([hung[:-1], laid])
     down, along = down / np.linalg.norm(down), along / np.linalg.norm(along)
     angle = math.acos(max(-1.0, min(1.0, float(down @ along))))
     inward = along - float(along @ down) * down

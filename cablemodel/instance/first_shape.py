@@ -237,7 +237,8 @@ def place_nodes(block: Block, line: Line, points: FloatArray, length: float) -> 
     Bodies of finite length keep theirs: the cable takes what is left.
     """
     chords = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    arc = np.concatenate([[0.0], np.cumsum(chords)])
+    points = points[np.concatenate([[True], chords > 0.0])]
+    arc = np.concatenate([[0.0], np.cumsum(chords[chords > 0.0])])
     if arc[-1] <= line.passed[-1]:
         problem = f"the shape is {arc[-1]:g} m long, no longer than its bodies"
         raise SceneError.at("initial.points", None, problem, f"more than {line.passed[-1]:g} m")
