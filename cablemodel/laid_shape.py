@@ -40,6 +40,8 @@ def on_floor(scene: Scene, points: FloatArray, *, drawn: bool = False) -> FloatA
     start = points[0]
     if scene.end.kind == "anchor":
         end = np.asarray(scene.end.position, dtype=float)
+        if np.array_equal(start, end):
+            return points
         length = scene.line_length
         return _laid_to(floor, start, end, length, points, BEND * thinnest_layer(scene))
     # A clamp's bend stays as it is.

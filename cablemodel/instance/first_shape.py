@@ -257,7 +257,8 @@ def place_nodes(block: Block, line: Line, points: FloatArray, length: float) -> 
         # Linear in the points, so that a turned polyline gives the turned shape (PCHIP does not).
         along = np.gradient(points, arc, axis=0)
         places, slopes = (part.T.copy() for part in hermite(where, arc, points.T, along.T))
-    slopes *= stretch / np.linalg.norm(slopes, axis=1)[:, None]
+    sizes = np.linalg.norm(slopes, axis=1)  # 0 where a line turns back on itself
+    slopes *= stretch / np.where(sizes > 0.0, sizes, 1.0)[:, None]
     for node, body, _place in line.bodies:
         if body.half_length > 0.0 and node >= 0:
             # Its ends lie on the shape; the chord between them is shorter than a curved shape.

@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
+_PLACES = 201
+"""At which the length of a line is measured."""
+
 
 def find_initial_state(block: Block, scene: Scene, attempt: Attempt) -> None:
     """The state of a block whose nodes are placed: velocities, tensions, a static shape.
@@ -50,6 +53,8 @@ def find_initial_state(block: Block, scene: Scene, attempt: Attempt) -> None:
             )
         try:
             solve_static(block, scene, frame, attempt)
+            if _is_crushed(block, scene):
+                raise StaticsError("no static equilibrium was found")
         except StaticsError:
             reason = _without_shape(scene)
             if not reason:
@@ -72,6 +77,23 @@ def stand_still(block: Block, scene: Scene) -> None:
     entry.place_supports(block.ints, block.reals)
     if block.ints[at.I_PAYOUT]:
         block.reals[at.S_PAYOUT_RATE] = rate_at_start(scene)
+
+
+def _is_crushed(block: Block, scene: Scene) -> bool:
+    """Whether a straight line to an anchor is shorter by half of its slack, which it cannot be.
+
+    Straight along a level floor, all that is on one side of the equations is on the other, too.
+    """
+    slack = laid_shape.surplus(scene)
+    if slack == 0.0:
+        return False
+    from cablemodel import library as entry
+
+    rows = np.empty((_PLACES, at.STATION_WORDS))
+    stations = np.linspace(0.0, scene.line_length, _PLACES)
+    entry.sample(block.ints, block.reals, stations, rows.reshape(-1))
+    chords = np.linalg.norm(np.diff(rows[:, :3], axis=0), axis=1)
+    return float(chords.sum()) < scene.line_length - 0.5 * slack
 
 
 def _without_shape(scene: Scene) -> str:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import cablemodel as cm
 from tests.verification.references.moored import moored_catenary
@@ -320,3 +321,96 @@ def test_a_rod_that_leans_on_its_end_stands_where_it_is():
     assert -0.1 * tolerance * length < model.tip_position[2] - floor < 0.0
     finer = start(tolerance / 4.0)
     assert np.linalg.norm(model.tip_position - finer.tip_position) < tolerance * length
+
+
+# Slack on the floor, and lines that a winch draws over it -----------------------------------------
+
+
+@pytest.mark.parametrize("bending", [0.0, 0.1])
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+@pytest.mark.parametrize("initial", ["static", {"straight": [-1, 0, 0]}])
+def test_a_line_that_lies_at_rest_without_tension_takes_easy_steps(bending, friction, initial):
+    """All its tensions are rounding, which nothing may ask to settle; then it is picked up."""
+    kind = {**CABLE_K, "bending_stiffness": bending}
+    floor = {"z": -70, "friction": friction}
+    at = {"vessel": {"position": [0, 0, -70]}, "initial": initial}
+    model = on_floor([cable(50.0, "hybrid")], floor, 1e-3, None, kind, **at)
+    first = model.sample(np.linspace(0.0, 50.0, 51)).position
+    for step in (1e-3, 1.0, 10.0):
+        model.step(step)
+    statistics = model.statistics
+    assert statistics["rejected"] == 0
+    assert statistics["steps"] < 10
+    assert abs(model.top_tension) < 1e-6
+    later = model.sample(np.linspace(0.0, 50.0, 51)).position
+    assert np.linalg.norm(later - first, axis=1).max() < 1e-3
+    model.step(5.0, vessel_velocity=(0.0, 0.0, 0.4))
+    model.step(60.0, vessel_velocity=(0.0, 0.0, 0.0))
+    model.step(600.0)
+    hangs = model.vessel_position[2] + 70.0
+    lies = hangs * WEIGHT + (friction * WEIGHT * model.floor_length if friction else 0.0)
+    assert hangs * WEIGHT * 0.99 < model.top_tension < 1.01 * lies
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("slope", [[0, 0], [0.1, 0.05]])
+@pytest.mark.parametrize("current", [None, [0.2, 0.1, 0]])
+def test_a_vessel_at_rest_reels_in_what_lies(slope, current):
+    """What comes along itself feels the friction of that: a catenary with that pull at its foot."""
+    friction, length, depth = 0.4, 120.0, 50.0
+    kind = {**CABLE_K, "drag_tangential": 0.0, "bending_stiffness": 0.0}
+    floor = {"z": -depth, "slope": slope, "friction": friction}
+    winch = {"payout": {"rate": -0.3, "drum": [cable(100.0)]}}
+    model = cm.CableModel(
+        cm.load_scene(
+            {
+                "environment": {"floor": floor, "current": current},
+                "cable_types": {"C": kind},
+                "line": [cable(length)],
+                "solver": {"tolerance": 1e-4},
+                **winch,
+            }
+        )
+    )
+    assert 0.0 < model.floor_length < length
+    before = model.top_tension
+    if current is None and not any(slope):
+        hangs = brentq(lambda s: s**2 - depth**2 - 2.0 * depth * friction * (length - s), 0.0, 1e3)
+        pull = friction * WEIGHT * (length - hangs)
+        assert before == pytest.approx(pull + WEIGHT * depth, rel=1e-3)
+    # It goes on as it started: what was found is the steady motion.
+    model.step(0.5)
+    assert model.top_tension == pytest.approx(before, rel=0.01)
+
+
+def to_anchor(across, above, model):
+    """50 m of line from the floor to an anchor above it."""
+    at = {"vessel": {"position": [0, 0, -70]}, "end": {"anchor": [across, 0, -70 + above]}}
+    return on_floor([cable(50.0, model)], {"z": -70, "friction": 0.3}, 1e-3, **at)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("above", [0.0, 1e-3, 10.0])
+def test_a_taut_line_from_the_floor_to_an_anchor_as_high_or_higher(above):
+    model = to_anchor(50.1, above, "hybrid")
+    strain = np.hypot(50.1, above) / 50.0 - 1.0
+    assert model.top_tension == pytest.approx(strain * CABLE_K["axial_stiffness"], rel=1e-2)
+    model.step(1.0)
+    assert model.statistics["rejected"] == 0
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("across", [0.0, 45.0])
+def test_a_slack_line_to_an_anchor_as_high_as_the_tow_point_is_refused_in_words(across):
+    with pytest.raises(cm.StaticsError, match="longer than straight down and along the floor"):
+        to_anchor(across, 0.0, "hybrid")
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("across", [20.0, 30.0])
+def test_a_line_that_hangs_from_its_anchor_down_to_the_floor(across):
+    model = to_anchor(across, 30.0, "hybrid")
+    assert model.tension_max == pytest.approx(30.0 * WEIGHT, rel=0.5)
+    before = model.tip_position
+    model.step(5.0)
+    assert model.tip_position == pytest.approx(before, abs=1e-9)
