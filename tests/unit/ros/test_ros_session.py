@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from pathlib import Path
@@ -33,8 +34,8 @@ SCENE: dict[str, Any] = {
 }
 
 
-def settings(**values: object) -> Settings:
-    scene = cm.load_scene(SCENE).to_yaml()
+def settings(*overrides: str, **values: object) -> Settings:
+    scene = cm.load_scene(SCENE, overrides).to_yaml()
     names = {name.replace("__", "."): value for name, value in values.items()}
     return Settings.of({"scene": scene, "vessel_input": "cmd_vel", **names})
 
@@ -366,6 +367,39 @@ def test_a_model_that_is_too_slow_sheds_publication_before_physics(session: Sess
     assert status.level == WARN
     assert "deadlines missed" in status.message
     assert "publications left out" in status.message
+
+
+def test_what_a_cable_may_be_wrong_by_is_published_logged_and_told(tmp_path: Path) -> None:
+    session = Session(settings("solver.error_estimate=true", log__folder=str(tmp_path)))
+    model: Any = session.model
+    session.start(0)
+    drive(session, 100)
+    error = model.position_error
+    assert error > 0.0
+    topics = [topic for topic, _ in session.sampler.outputs(model, session.stamp())]
+    assert {"~/position_error", "~/tension_error"} < set(topics)
+    diagnostics = Diagnostics(session, loop_of(session)[0])
+    status = diagnostics.statuses()[0]
+    assert status.level == OK
+    assert float(status.values["estimated error of positions [m]"]) == pytest.approx(
+        error, rel=1e-5
+    )
+    saved = model.snapshot()
+    for wrong, text in ((1.0, "positions may be off by 1 m, more than the tolerance of 0.001"),
+                        (math.nan, "errors are not known")):  # fmt: skip
+        model._errors = (wrong, 0.5)
+        status = diagnostics.statuses()[0]
+        assert status.level == WARN
+        assert text in status.message
+        assert status.values["estimated error of the top tension [N]"] == "0.5"
+    session.close()
+    (log,) = tmp_path.glob(PATTERN)
+    run = cm.open_run(log)
+    assert run["position_error"][-1] == error
+    # A state that was saved brings the finer run along.
+    model.reset()
+    model.restore(saved)
+    assert model.position_error == error
 
 
 def test_a_failure_ends_the_loop_and_is_told_once(session: Session) -> None:
