@@ -30,6 +30,8 @@ class Attempt:
     where it pushes, what lies is not pushed aside by it (first_shape, free_hanging)."""
     halved: bool = False
     """On elements half as long."""
+    bight: bool = False
+    """From a catenary between two ends that are close to each other, on elements graded to it."""
 
 
 def attempts(scene: Scene) -> Iterator[Attempt]:
@@ -50,6 +52,8 @@ def attempts(scene: Scene) -> Iterator[Attempt]:
         yield Attempt(patient=True, halved=True)
     if swept and halved:
         yield Attempt(patient=True, swept=True, halved=True)
+    if scene.end.kind == "anchor":
+        yield Attempt(patient=True, bight=True)
 
 
 def _is_clamped(scene: Scene) -> bool:

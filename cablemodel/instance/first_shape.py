@@ -104,18 +104,7 @@ def drawn_by_weight(scene: Scene, start: FloatArray, way: FloatArray) -> Drawn |
     line = [piece.end - piece.start for piece in pieces]
     layers, bends = [], []
     for place in turns:
-        arc = passed = 0.0
-        layer = 0.0
-        for item in scene.line:
-            if item.body is not None:
-                passed += 2.0 * item.body.half_length if place > arc + passed else 0.0
-            elif item.cable is not None:
-                arc += item.cable.length
-                if place <= arc + passed * (1.0 + 1e-12):
-                    kind = scene.cable_types[item.cable.type]
-                    if not is_flexible(scene, item.cable) and kind.submerged_weight != 0.0:
-                        layer = (kind.bending_stiffness / abs(kind.submerged_weight)) ** (1.0 / 3.0)
-                    break
+        layer, passed = _layer_at(scene, place)
         if layer == 0.0:
             return None
         layers.append(layer)
@@ -137,6 +126,61 @@ def drawn_by_weight(scene: Scene, start: FloatArray, way: FloatArray) -> Drawn |
     aside, down = np.cumsum(step * np.sin(middle)), np.cumsum(step * np.cos(middle))
     points = np.column_stack([np.outer(aside, way), -down])
     return Drawn(start + np.vstack([np.zeros(3), points]), bends, layers)
+
+
+def _layer_at(scene: Scene, place: float) -> tuple[float, float]:
+    """(EI/w)^(1/3) at a place along the line [m], 0 of cable that does not bend; and what of the
+    place is bodies [m]."""
+    arc = passed = 0.0
+    for item in scene.line:
+        if item.body is not None:
+            passed += 2.0 * item.body.half_length if place > arc + passed else 0.0
+        elif item.cable is not None:
+            arc += item.cable.length
+            if place <= arc + passed * (1.0 + 1e-12):
+                kind = scene.cable_types[item.cable.type]
+                if is_flexible(scene, item.cable) or not kind.submerged_weight:
+                    return 0.0, passed
+                return (kind.bending_stiffness / abs(kind.submerged_weight)) ** (1.0 / 3.0), passed
+    return 0.0, passed
+
+
+def bight(scene: Scene, start: FloatArray) -> Drawn | None:
+    """A line between two ends that are close to each other: a catenary, graded to its bend.
+
+    A parabola turns far too sharply there, and elements as they come cannot turn back. None where
+    the line has no bend, or ends one below the other and nothing that says how wide it is.
+    """
+    end = np.asarray(scene.end.position, dtype=float)
+    length = scene.line_length + bodies_length(scene)
+    down = -1.0 if sinks(scene) else 1.0
+    way = (end - start)[:2]
+    span, rise = float(np.hypot(*way)), down * float(start[2] - end[2])
+    if span == 0.0 or abs(rise) >= length:
+        return None
+    # sinh(x) / x = ratio, x the half span in units of the radius at the bend.
+    ratio = math.log(math.sqrt(length**2 - rise**2) / span)
+    if ratio <= 0.0:
+        return None
+
+    def excess(x: float) -> float:
+        return x + math.log(-math.expm1(-2.0 * x) / (2.0 * x)) - ratio
+
+    low, high = 1e-3, 2.0 * ratio + 4.0
+    half = crossing(excess, low, high, at_low=excess(low), at_high=excess(high), near=0.0,
+                    width=1e-12)  # fmt: skip
+    radius = 0.5 * span / half
+    middle = math.atanh(rise / length)
+    first, last = (radius * math.sinh(middle + sign * half) for sign in (-1.0, 1.0))
+    if first >= 0.0 or last <= 0.0:
+        return None
+    near = np.clip(radius * np.linspace(-20.0, 20.0, 241), first, last)
+    s = np.unique(np.concatenate([np.linspace(first, last, 201), near]))
+    along = radius * (np.arcsinh(s / radius) - math.asinh(first / radius))
+    up = radius * (np.hypot(1.0, s / radius) - math.hypot(1.0, first / radius))
+    points = start + np.column_stack([np.outer(along, way / span), -down * up])
+    layer, passed = _layer_at(scene, -first)
+    return Drawn(points, [-first - passed], [max(radius, layer)])
 
 
 def graded(

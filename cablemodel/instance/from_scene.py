@@ -14,7 +14,7 @@ from cablemodel.block import Block
 from cablemodel.errors import StaticsError
 from cablemodel.instance import line_tables, tables, unstable_start
 from cablemodel.instance.attempts import Attempt, attempts
-from cablemodel.instance.first_shape import first_points, place_nodes
+from cablemodel.instance.first_shape import bight, first_points, graded, place_nodes
 from cablemodel.instance.first_state import find_initial_state, stand_still
 from cablemodel.instance.frame import vertical_plane
 from cablemodel.instance.line import Line, lay_out, spans_of
@@ -64,9 +64,14 @@ def _built(scene: Scene, planar: bool | None, drum_room: float, attempt: Attempt
     scale = tension_scale(scene)
     position = scene.motion().evaluate(0.0)[0]
     points = first_points(scene, position, swept=attempt.swept)
+    hangs = bight(scene, position) if attempt.bight else None
+    if hangs is not None:
+        points = hangs.points
     points = laid_shape.on_floor(scene, points, drawn=attempt.swept)
     sea_floor.check(scene, points)
     nodes = line_nodes(spans_of(scene, scale), scene.solver.tolerance, start_conditions(scene))
+    if hangs is not None:
+        nodes = graded(scene, nodes, hangs.bends, hangs.layers)
     nodes = laid_shape.refine_guess(scene, nodes, points)
     nodes = waves.refine(scene, nodes, points)
     if attempt.halved:

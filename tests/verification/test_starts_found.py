@@ -6,9 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import cablemodel as cm
 from benchmarks.random_scenes.draw import draw
+from tests.verification.scenes import CABLE_K
 
 PLACES = np.linspace(0.0, 1.0, 33)
 
@@ -136,3 +138,61 @@ def test_a_tow_point_at_the_floor_starts(height, stiffness, clamped, speed):
     assert heights.max() < height + 2.0  # a stiff one may arch, none stands
     model.step(1.0)
     assert np.isfinite(model.top_tension)
+
+
+def bight(
+    model: str, bending: float, across: float, deeper: float = 0.0, **cable: float
+) -> cm.Scene:
+    """50 m of cable between two ends near each other, the anchor `deeper` than the tow point."""
+    way = np.array([0.6, 0.8])
+    return cm.load_scene(
+        {
+            "cable_types": {"K": {**CABLE_K, "bending_stiffness": bending, **cable}},
+            "line": [{"cable": {"type": "K", "length": 50.0, "model": model}}],
+            "end": {"anchor": [*(across * way).tolist(), -deeper]},
+            "vessel": {"position": [0.0, 0.0, 0.0]},
+            "solver": {"tolerance": 1e-3},
+        }
+    )
+
+
+@pytest.mark.parametrize("model", ["cable", "hybrid"])
+@pytest.mark.parametrize("weight", [2.33333, -2.33333])
+@pytest.mark.parametrize("across", [0.1, 0.3, 1.0, 1.5])
+@pytest.mark.parametrize("deeper", [0.0, 5.0])
+def test_a_bight_is_a_catenary(model: str, weight: float, across: float, deeper: float) -> None:
+    found = cm.CableModel(bight(model, 0.0, across, deeper, submerged_weight=weight))
+    # The radius at the bend: sinh(x) / x = sqrt(L^2 - v^2) / h, x = h / 2a.
+    ratio = math.sqrt(50.0**2 - deeper**2) / across
+    half = brentq(lambda x: math.sinh(x) / x - ratio, 1e-3, 20.0)
+    radius = 0.5 * across / half
+    rise = math.copysign(deeper, weight)
+    first = radius * math.sinh(math.atanh(rise / 50.0) + half)
+    depth = radius * (math.hypot(1.0, first / radius) - 1.0)
+    heights = found.sample(np.linspace(0.0, 50.0, 2001)).position[:, 2]
+    lowest = heights.min() if weight > 0.0 else -heights.max()
+    assert lowest == pytest.approx(-depth, abs=1e-3 * 50.0)
+    assert found.top_tension == pytest.approx(abs(weight) * (radius + depth), rel=1e-2)
+    before = found.sample(PLACES * 50.0).position
+    found.step(5.0)
+    later = found.sample(PLACES * 50.0).position
+    assert np.linalg.norm(later - before, axis=1).max() < 0.5e-3 * 50.0
+
+
+@pytest.mark.parametrize("bending", [0.1, 10.0])
+@pytest.mark.parametrize("across", [0.1, 1.0])
+def test_a_stiff_bight_turns_within_its_layer(bending: float, across: float) -> None:
+    """Below the legs, which hang straight, its shape is that of (EI/w)^(1/3) alone: of eight times
+    the stiffness it is twice as large. And it rests."""
+    layer = (bending / 2.33333) ** (1.0 / 3.0)
+    curvatures = []
+    for stiff, wide in ((bending, across), (8.0 * bending, 2.0 * across)):
+        scene = bight("elastica", stiff, wide)
+        found = cm.CableModel(scene)
+        curvatures.append(found.state().curvature.max())
+        before = found.sample(PLACES * 50.0).position
+        found.step(5.0)
+        later = found.sample(PLACES * 50.0).position
+        assert np.linalg.norm(later - before, axis=1).max() < 0.5e-3 * 50.0
+    assert curvatures[0] == pytest.approx(2.0 * curvatures[1], rel=0.1)
+    assert 0.3 < curvatures[0] * layer < 3.0
