@@ -167,7 +167,13 @@ def explained_start(quiet: bool, console: Console | None = None) -> Iterator[Cal
     """
 
     def say() -> None:
-        text = "Compiling the solver for this machine: once after an installation, about a minute."
+        from cablemodel.library import library_path
+
+        text = (
+            "Looking for a static start: hard for this line; initial: {points: ...} gives it one."
+        )
+        if library_path() is None:
+            text = "Compiling the solver for this machine, once after an installation: a minute."
         if console is not None:
             console.print(text, highlight=False)
         else:

@@ -6,6 +6,7 @@ import os
 import pty
 import subprocess
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from typer.testing import CliRunner, Result
 
 import cablemodel as cm
 from cablemodel.cli import app
+from cablemodel.cli.run import explained_start
 
 ROOT = Path(__file__).parents[2]
 SCENE = ROOT / "scenes" / "towed_cable.yaml"
@@ -439,3 +441,22 @@ def test_the_example_refuses_a_run_that_is_not_steady(log: Path) -> None:
     )  # fmt: skip
     assert done.returncode != 0
     assert "not that of the closed form" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("library", "said"), [(Path("library"), "static start"), (None, "Compiling the solver")]
+)
+def test_a_long_start_says_why(
+    library: Path | None,
+    said: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setattr("cablemodel.library.library_path", lambda: library)
+    monkeypatch.setattr("cablemodel.cli.run._LONG_START", 0.01)
+    with explained_start(quiet=True):
+        time.sleep(0.1)
+    assert capsys.readouterr().err == ""
+    with explained_start(quiet=False):
+        time.sleep(0.3)
+    assert said in capsys.readouterr().err
