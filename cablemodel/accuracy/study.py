@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from cablemodel.accuracy.apart import Apart
 from cablemodel.accuracy.verdict import Convergence, Row, conclude
-from cablemodel.error_estimate import FINER, PLACES
+from cablemodel.error_estimate import PLACES
 from cablemodel.errors import CableModelError, SceneError
 from cablemodel.run import Progress, Run, simulate
+from cablemodel.solver import FINER
 
 if TYPE_CHECKING:
     from cablemodel.model import CableModel, CableState
