@@ -15,15 +15,13 @@ import numpy as np
 
 from cablemodel.finite_element import FiniteElementSolver
 from cablemodel.kernels import layout as at
-from cablemodel.solver import FloatArray, IntArray
+from cablemodel.solver import FINER, FloatArray, IntArray
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
 
 _TENSION, _LENGTH = 6, 21
 """At the top, and of the line: their places among the numbers of kernels/outputs.py: summarise."""
-FINER = 4.0
-"""Ratio of a tolerance to that of a run that it is judged by."""
 _ORDER = 0.5
 """The slowest convergence: errors as this power of the tolerance."""
 FACTOR = 1.0 / (1.0 - FINER**-_ORDER)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel.error_estimate import FINER
+from cablemodel.solver import FINER
 
 if TYPE_CHECKING:
     from cablemodel.run import Run

@@ -14,6 +14,10 @@ if TYPE_CHECKING:
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
+FINER = 4.0
+"""Ratio of a tolerance to that of a run that it is judged by. Here, for those who only read what
+such a run said do without the finite elements."""
+
 
 @dataclass(frozen=True)
 class PlacedBody:

@@ -27,6 +27,7 @@ LABELS = {
     "wall_time": "computing time [s]",
     "steps": "steps",
     "elements": "elements",
+    "error_share": "estimated error, of what is allowed",
 }
 """Results of a sweep, as an axis of the picture names them."""
 
@@ -61,6 +62,8 @@ def save_sweep_figure(
     good = table[table["error"] == ""]
     if good.empty:
         raise CableModelError("no run of the sweep came to its end: there is nothing to draw")
+    if result not in good or good[result].isna().all():
+        raise CableModelError(f"no run of the sweep has a value of {result}: nothing to draw")
     others = [name for name in swept if name != against]
     curves = list(good.groupby(others, sort=False)) if others else [((), good)]
     with matplotlib.rc_context(STYLE):

@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from cablemodel.accuracy.apart import Apart
 from cablemodel.accuracy.verdict import Convergence, Row, conclude
-from cablemodel.error_estimate import FINER, PLACES
+from cablemodel.error_estimate import PLACES
 from cablemodel.errors import CableModelError, SceneError
 from cablemodel.run import Progress, Run, simulate
+from cablemodel.solver import FINER
 
 if TYPE_CHECKING:
     from cablemodel.model import CableModel, CableState
@@ -118,7 +119,7 @@ def _run(
 ) -> tuple[Run, Row]:
     from cablemodel.model import CableModel
 
-    # What others say of a run is no part of its cost.
+    # Without an estimate of its own errors: what it takes is the time of its own steps.
     changes = {"tolerance": tolerance, "error_estimate": False}
     settings = scene.solver.model_copy(update=changes)
     model = CableModel(scene.model_copy(update={"solver": settings}))

@@ -14,7 +14,7 @@ from cablemodel.cli.errors import reported
 from cablemodel.cli.numbers import readable
 from cablemodel.cli.plausibility import scene_warnings, start_warnings
 from cablemodel.cli.run import JsonOption, SceneArgument, SetOption, explained_start, fixed
-from cablemodel.error_estimate import FINER
+from cablemodel.solver import FINER
 
 if TYPE_CHECKING:
     from cablemodel.model import CableModel, CableState

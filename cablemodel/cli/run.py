@@ -283,15 +283,20 @@ def _error_rows(result: Run) -> list[tuple[str, str]]:
     if estimate is None:
         return []
     rows = []
-    for name, unit, error in (
-        ("positions", "m", estimate.position), ("top tension", "N", estimate.tension)
-    ):  # fmt: skip
-        text = "not promised: slack, or not at rest at the start"
-        if not math.isnan(error.share):
-            text = f"{error.largest:.3g} {unit}, {error.share:.2g} of what is allowed"
+    for name, unit, error, until in (
+        ("positions", "m", estimate.position, math.inf),
+        ("top tension", "N", estimate.tension, estimate.taut_until),
+    ):
+        text = f"{error.largest:.3g} {unit}, {error.share:.2g} of what is allowed"
+        if until <= result.time[0]:
+            text = "not promised: slack, or not at rest at the start"
+        elif math.isnan(error.share):
+            text = "not known"
+        elif estimate.unknown_from is not None and estimate.unknown_from < until:
+            text += f", not known from t = {estimate.unknown_from:g} s on"
+        elif until < math.inf:
+            text += f", until slack at t = {until:g} s"
         rows.append((f"estimated error, {name}", text))
-    if not math.isnan(estimate.tension.share) and estimate.taut_until < math.inf:
-        rows[-1] = (rows[-1][0], f"{rows[-1][1]}, until slack at t = {estimate.taut_until:g} s")
     return rows
 
 

@@ -24,8 +24,11 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-_PLACES = 201
-"""At which the length of a line is measured."""
+_PARTS = 32
+"""Of an element, whose chords are its length: of the whole line a few hundred would cut the corner
+at the touchdown, by more than what is slack."""
+_LEAST = 1e-4
+"""Of the line's length: what lies on the floor may push so much shorter."""
 
 
 def find_initial_state(block: Block, scene: Scene, attempt: Attempt) -> None:
@@ -84,16 +87,19 @@ def _is_crushed(block: Block, scene: Scene) -> bool:
 
     Straight along a level floor, all that is on one side of the equations is on the other, too.
     """
-    slack = laid_shape.surplus(scene)
+    slack, length = laid_shape.surplus(scene), scene.line_length
     if slack == 0.0:
         return False
     from cablemodel import library as entry
 
-    rows = np.empty((_PLACES, at.STATION_WORDS))
-    stations = np.linspace(0.0, scene.line_length, _PLACES)
+    edges = block.array(at.O_EDGE, int(block.ints[at.I_NODES]), at.EDGE_WORDS)
+    nodes = np.unique([0.0, *np.clip(edges[1:, at.E_START], 0.0, length), length])
+    parts = np.arange(_PARTS * (len(nodes) - 1) + 1) / _PARTS
+    stations = np.interp(parts, np.arange(len(nodes)), nodes)
+    rows = np.empty((len(stations), at.STATION_WORDS))
     entry.sample(block.ints, block.reals, stations, rows.reshape(-1))
     chords = np.linalg.norm(np.diff(rows[:, :3], axis=0), axis=1)
-    return float(chords.sum()) < scene.line_length - 0.5 * slack
+    return length - float(chords.sum()) > max(0.5 * slack, _LEAST * length)
 
 
 def _without_shape(scene: Scene) -> str:

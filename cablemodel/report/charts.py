@@ -115,7 +115,8 @@ def top_tension(run: Run, seconds: float, hours: str, newtons: float, unit: str)
 def _band(time: Floats, values: Floats, errors: Floats) -> list[dict[str, Any]]:
     """Values more and less their estimated errors, as a shade; none where these are not known."""
     errors = np.where(np.isnan(errors), 0.0, errors)
-    kept = thinned(errors)
+    # No peak of either edge is lost, nor of the curve between them.
+    kept = np.unique(np.concatenate([thinned(values - errors), thinned(values + errors)]))
     time, values, errors = time[kept], values[kept], errors[kept]
     edge = {"type": "scatter", "mode": "lines", "x": time, "line": {"width": 0},
             "hoverinfo": "skip"}  # fmt: skip

@@ -79,19 +79,7 @@ def key_figures(run: Run, along: Along, newtons: float, unit: str) -> list[Key]:
     found.append(
         Key("Curvature, largest", number(curvature.value), "1/m", radius + _where(curvature))
     )
-    estimate = run.error_estimate
-    for name, error, divide, its_unit in (
-        (
-            ("positions", estimate.position, 1.0, "m"),
-            ("top tension", estimate.tension, newtons, unit),
-        )
-        if estimate is not None
-        else ()
-    ):
-        share = f"{error.share:.2g} of what the tolerance allows"
-        if not math.isnan(error.share):
-            title = f"Estimated error, {name}"
-            found.append(Key(title, number(error.largest / divide), its_unit, share))
+    found += _error_figures(run, newtons, unit)
     end = run.states[-1].position
     away = float(np.hypot(*(end[-1] - end[0])[:2]))
     below = float(end[0, 2] - end[-1, 2])
@@ -100,6 +88,28 @@ def key_figures(run: Run, along: Along, newtons: float, unit: str) -> list[Key]:
             f"horizontally; {number(abs(below), away)} m "
             f"{'below' if below >= 0.0 else 'above'} the tow point"),
     )  # fmt: skip
+    return found
+
+
+def _error_figures(run: Run, newtons: float, unit: str) -> list[Key]:
+    """What positions and the top tension may be wrong by, where that is estimated."""
+    estimate = run.error_estimate
+    if estimate is None:
+        return []
+    found = []
+    for name, error, divide, its_unit in (
+        ("positions", estimate.position, 1.0, "m"),
+        ("top tension", estimate.tension, newtons, unit),
+    ):
+        title, note = f"Estimated error, {name}", ""
+        if estimate.unknown_from is not None:
+            note = f"not known from t = {place(estimate.unknown_from)} s on"
+        if math.isnan(error.share):
+            if note:
+                found.append(Key(title, "–", "", note))
+            continue
+        note = f"{error.share:.2g} of what the tolerance allows{'; ' if note else ''}{note}"
+        found.append(Key(title, number(error.largest / divide), its_unit, note))
     return found
 
 

@@ -11,6 +11,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 import cablemodel as cm
+from cablemodel import error_estimate
 from cablemodel.accuracy.study import runs_of
 from cablemodel.cli import app
 from tests.verification.scenes import pendulum
@@ -322,3 +323,15 @@ def test_commands_and_code_of_the_page(tmp_path: Path, monkeypatch: pytest.Monke
         assert result.exit_code == 0, (line, result.output)
     assert (tmp_path / "cost.png").exists()
     exec(compile(code[0], "docs/convergence.md", "exec"), {})
+
+
+def test_its_runs_estimate_no_errors_of_their_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Processor time is that of the steps alone, whatever the scene asks of a run."""
+
+    def refused(*_: Any, **__: Any) -> None:
+        raise AssertionError("a second run beside it")
+
+    monkeypatch.setattr(error_estimate, "EstimatingSolver", refused)
+    scene = cm.load_scene(SCENE, ["solver.error_estimate=true"])
+    found = cm.convergence(scene, [2e-3], until=2.0)
+    assert [row.error for row in found.rows] == [""] * len(found.rows)

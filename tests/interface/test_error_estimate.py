@@ -15,6 +15,7 @@ from typer.testing import CliRunner, Result
 
 import cablemodel as cm
 from cablemodel.cli import app
+from cablemodel.cli.run import _error_rows
 from cablemodel.finite_element import FiniteElementSolver
 from cablemodel.kernels import layout as at
 from cablemodel.promise import EstimatedError
@@ -289,3 +290,37 @@ def test_the_command_line_says_it(tmp_path: Path) -> None:
     assert "not promised" in whip.output
     assert "warning: positions may be off by more than a tolerance of 0.001" in whip.output
     assert "cablemodel convergence SCENE" in whip.output
+
+
+@pytest.mark.parametrize(
+    ("fails_at", "row", "note"),
+    [
+        (6.0, ", not known from t = 6 s on", " of what the tolerance allows; not known from t = 6"),
+        (0.0, "not known", "not known from t = 0"),
+    ],
+)
+def test_tables_say_from_when_on_errors_are_not_known(
+    fails_at: float, row: str, note: str, tmp_path: Path
+) -> None:
+    """The largest of those that are known would be the error of the first second, or of rest."""
+    model = cm.CableModel(cm.load_scene(TOW, [ESTIMATE]))
+    finer: Any = model._solver
+    if not fails_at:
+        finer._finer.memory.reals[at.S_TIME] = -1.0
+    with cm.Recorder(model, tmp_path / "run.mcap", output_interval=1.0) as recorder:
+        for time in range(1, 11):
+            if time == fails_at:
+                finer._finer.step = lambda end, inputs: at.NOT_CONVERGED
+            recorder.step_to(float(time))
+    run = cm.open_run(tmp_path / "run.mcap")
+    estimate = run.error_estimate
+    assert estimate is not None
+    assert estimate.unknown_from == fails_at
+    rows = _error_rows(run)
+    assert [name for name, _ in rows] == [
+        f"estimated error, {w}" for w in ("positions", "top tension")
+    ]
+    assert all(text.endswith(row) for _, text in rows)
+    page = command("report", tmp_path / "run.mcap", "-o", tmp_path / "run.html")
+    assert page.exit_code == 0, page.output
+    assert (tmp_path / "run.html").read_text(encoding="utf-8").count(note) == 2

@@ -1,5 +1,6 @@
 """Sweeps: every combination is run, failures are rows, what has ended survives an interruption."""
 
+import math
 import subprocess
 import sys
 import time
@@ -14,7 +15,8 @@ from typer.testing import CliRunner, Result
 
 import cablemodel as cm
 from cablemodel.cli import app
-from cablemodel.parameter_sweep import Axis, write_table
+from cablemodel.parameter_sweep import RESULTS, Axis, write_table
+from cablemodel.sweep_plot import save_sweep_figure
 
 ROOT = Path(__file__).parents[2]
 SCENE = ROOT / "scenes" / "towed_cable.yaml"
@@ -91,6 +93,22 @@ def test_the_command_writes_a_table_and_a_picture(tmp_path: Path) -> None:
     assert table["error"].tolist() == [""] * 6
     assert "6 runs, 0 failed" in result.stdout
     assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("result", RESULTS)
+def test_every_result_can_be_drawn(result: str, tmp_path: Path) -> None:
+    rows = [{DIAMETER: d, **dict.fromkeys(RESULTS, d), "error": ""} for d in (0.01, 0.02)]
+    save_sweep_figure(pandas.DataFrame(rows), tmp_path / "sweep.png", result=result)
+    assert (tmp_path / "sweep.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_errors_that_no_run_estimates_are_not_drawn(
+    table: pandas.DataFrame, tmp_path: Path
+) -> None:
+    """Nor those of a table that was written before there were any."""
+    for given in (table, table.assign(error_share=math.nan)):
+        with pytest.raises(cm.CableModelError, match="no run of the sweep has a value of error_sh"):
+            save_sweep_figure(given, tmp_path / "sweep.png", result="error_share")
 
 
 def test_an_interruption_keeps_the_runs_that_have_ended(tmp_path: Path) -> None:

@@ -23,6 +23,7 @@ HEAVY = [
     "scipy",
     "pandas",
     "plotly",
+    "cablemodel.library",
 ]
 
 # Layers from the inside out: a module may import from its own layer and from those before it.
@@ -142,6 +143,16 @@ def test_loading_a_scene_without_units_or_files_loads_nothing_heavy() -> None:
         "line: [{cable: {type: K, length: 1}}]"
     )
     assert loaded_after(f"import cablemodel; cablemodel.load_scene('{scene}').motion()") == set()
+
+
+@pytest.mark.parametrize("module", ["cablemodel.run", "cablemodel.compare", "cablemodel.plot"])
+def test_reading_runs_loads_no_solver(module: str) -> None:
+    """Where no library is built for this machine its kernels bring numba along."""
+    assert "cablemodel.library" not in loaded_after(f"import {module}")
+
+
+def test_the_command_line_loads_no_solver_before_it_needs_one() -> None:
+    assert not {"numba", "cablemodel.library"} & loaded_after("import cablemodel.cli")
 
 
 def test_pint_loads_with_the_first_unit() -> None:

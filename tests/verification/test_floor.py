@@ -414,3 +414,15 @@ def test_a_line_that_hangs_from_its_anchor_down_to_the_floor(across):
     before = model.tip_position
     model.step(5.0)
     assert model.tip_position == pytest.approx(before, abs=1e-9)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("slack", [0.001, 0.01, 0.1, 0.3])
+def test_a_line_with_a_little_slack_hangs_and_lies(slack):
+    """The corner at its touchdown is sharp: what is slack is less than chords would cut off it."""
+    kind = {**CABLE_K, "bending_stiffness": 0.0}
+    floor, depth, across = {"z": -5, "friction": 0.3}, 5.0, 200.0
+    at = {"end": {"anchor": [across, 0, -depth]}}
+    model = on_floor([cable(depth + across + slack)], floor, 1e-3, None, kind, **at)
+    assert model.top_tension == pytest.approx(depth * WEIGHT, rel=0.15)
+    assert model.tension_min > -0.3 * WEIGHT * across
