@@ -105,7 +105,8 @@ def differences_of(run: Run, tolerance: float) -> tuple[dict[str, Difference], .
             largest[unit] = float(np.max(finite, initial=largest.get(unit, 0.0)))
 
     for name in run.names:
-        note(rows[name].unit, run[name])
+        if rows[name].present != "error_estimate":
+            note(rows[name].unit, run[name])
     for state in run.states:
         for name, unit in STATE_UNITS.items():
             note(unit, np.asarray(getattr(state, name), float))
@@ -199,7 +200,9 @@ def compare(one: Run, other: Run, *, tolerance: float = 0.0) -> Comparison:
 def _unmatched(one: Run, other: Run) -> list[str]:
     found = []
     for run, missing, which in ((one, other, "first"), (other, one, "second")):
-        names = [name for name in run.names if name not in missing.names]
+        # What a run says of its own errors is said beside its results.
+        own = (name for name in run.names if run.variable(name).present != "error_estimate")
+        names = [name for name in own if name not in missing.names]
         if names:
             found.append(f"only the {which} run has {', '.join(names)}")
     if abs(one.time[0] - other.time[0]) > SAME_TIME or (

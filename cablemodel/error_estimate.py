@@ -8,11 +8,13 @@ finer run has half of them (docs/engine.md).
 
 from __future__ import annotations
 
+import contextlib
 import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from cablemodel.errors import StaticsError
 from cablemodel.finite_element import FiniteElementSolver
 from cablemodel.kernels import layout as at
 from cablemodel.solver import FINER, FloatArray, IntArray
@@ -49,34 +51,42 @@ class EstimatingSolver(FiniteElementSolver):
         self, scene: Scene, *, planar: bool | None = None, sleep: bool | None = None
     ) -> None:
         super().__init__(scene, planar=planar, sleep=sleep)
-        self._finer = FiniteElementSolver(finer(scene), planar=planar, sleep=sleep)
+        self._finer: FiniteElementSolver | None = None
+        with contextlib.suppress(StaticsError):  # without a start of the finer run: no estimate
+            self._finer = FiniteElementSolver(finer(scene), planar=planar, sleep=sleep)
 
     @property
     def images(self) -> tuple[IntArray, ...]:
-        return (*super().images, *self._finer.images)
+        beside = self._finer.images if self._finer is not None else ()
+        return (*super().images, *beside)
 
     def step(self, end: float, inputs: FloatArray) -> int:
         # A finer run that could not make a step stays behind for good: there is no estimate then.
         beside = self._beside
         status = super().step(end, inputs)
-        if beside and status == at.OK:
-            self._finer.step(end, inputs)
+        if beside is not None and status == at.OK:
+            beside.step(end, inputs)
         return status
 
     @property
-    def _beside(self) -> bool:
-        return bool(self._finer.memory.reals[at.S_TIME] == self.memory.reals[at.S_TIME])
+    def _beside(self) -> FiniteElementSolver | None:
+        """The finer run, if it stands where this one does."""
+        other = self._finer
+        if other is None or other.memory.reals[at.S_TIME] != self.memory.reals[at.S_TIME]:
+            return None
+        return other
 
     def errors(self) -> tuple[float, float]:
-        if not self._beside:
+        beside = self._beside
+        if beside is None:
             return math.nan, math.nan
         numbers, others = np.zeros((2, at.SUMMARY_WORDS))
         self.summary(numbers)
-        self._finer.summary(others)
+        beside.summary(others)
         stations = PLACES * min(numbers[_LENGTH], others[_LENGTH])
         shapes = np.empty((2, len(stations), at.STATION_WORDS))
         self.sample(stations, shapes[0].reshape(-1))
-        self._finer.sample(stations, shapes[1].reshape(-1))
+        beside.sample(stations, shapes[1].reshape(-1))
         apart = np.linalg.norm(shapes[0, :, :3] - shapes[1, :, :3], axis=1)
         tensions = abs(numbers[_TENSION] - others[_TENSION])
         return FACTOR * float(apart.max()), FACTOR * float(tensions)

@@ -241,9 +241,6 @@ class CableModel:
         """Back to the scene's initial state, t = 0."""
         for image, initial in zip(self._solver.images, self._initial, strict=True):
             image[:] = initial
-        self._state_changed()
-
-    def _state_changed(self) -> None:
         self._summary_current, self._errors = False, None
 
     def snapshot(self) -> Snapshot:
@@ -293,7 +290,7 @@ class CableModel:
                 )
         for image, part in zip(own, parts, strict=True):
             image[:] = part
-        self._state_changed()
+        self._summary_current, self._errors = False, None
 
     # -- what the model says --------------------------------------------------------------------
 

@@ -331,7 +331,7 @@ def _label(figure: Figure, run: Run, times: Floats, colours: list[Any]) -> None:
         for name, (marker, label) in MARKS.items()
         if name in run.names and np.isfinite(marked_places(run, name)[..., 0]).any()
     ]
-    if "tension_error" in run.names:
+    if "tension_error" in run.names and np.isfinite(run["tension_error"]).any():
         handles.append(Line2D([], [], color=_ERROR, linewidth=5.0, label="estimated error"))
     figure.legend(
         handles=handles,

@@ -89,7 +89,8 @@ class ErrorEstimate:
     """Time from which on tensions are not promised [s]: the line is slack, or starts out of
     equilibrium and rings; infinite if there is none."""
     unknown_from: float | None
-    """First time without an estimate [s]: the finer run could not go on. None if there is none."""
+    """First time without an estimate [s]: the finer run has no start, or could not go on. None if
+    there is none."""
 
     @property
     def share(self) -> float:
@@ -118,7 +119,7 @@ class ErrorEstimate:
         if self.unknown_from is not None:
             found.append(
                 f"from t = {self.unknown_from:g} s on errors are not known: the run at "
-                f"{tolerance / FINER:g} that they are estimated by could not go on"
+                f"{tolerance / FINER:g} that they are estimated by has no start, or could not go on"
             )
         return found
 

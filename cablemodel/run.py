@@ -150,7 +150,8 @@ class Run:
     @cached_property
     def error_estimate(self) -> ErrorEstimate | None:
         """What the run says of its own errors: whether it keeps what its tolerance promises, from
-        when on it does not. None unless the scene has ``solver.error_estimate``."""
+        when on it does not. None unless the scene has ``solver.error_estimate``, and of a run
+        without outputs."""
         if not self.scene.solver.error_estimate or not len(self.time):
             return None
         return ErrorEstimate.of(self)
@@ -179,8 +180,9 @@ class Run:
         for name in ("wall_time", "steps", "rejected", "factorisations", "elements"):
             found[name] = self.statistics.get(name)
         if (estimate := self.error_estimate) is not None:
-            found["position_error"] = estimate.position.largest
-            found["tension_error"] = estimate.tension.largest
+            known = estimate.unknown_from is None
+            found["position_error"] = estimate.position.largest if known else None
+            found["tension_error"] = estimate.tension.largest if known else None
             found["error_share"] = estimate.share
         return {key: _finite(value) for key, value in found.items()}
 

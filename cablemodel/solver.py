@@ -59,9 +59,11 @@ class OfBlock:
 
     @property
     def images(self) -> tuple[IntArray, ...]:
+        """All that a snapshot keeps."""
         return (self.memory.image,)
 
     def errors(self) -> tuple[float, float] | None:
+        """None: not estimated."""
         return None
 
 

@@ -83,9 +83,9 @@ def stand_still(block: Block, scene: Scene) -> None:
 
 
 def _is_crushed(block: Block, scene: Scene) -> bool:
-    """Whether a straight line to an anchor is shorter by half of its slack, which it cannot be.
+    """Whether a line to an anchor takes up half of its slack by becoming shorter, which none does.
 
-    Straight along a level floor, all that is on one side of the equations is on the other, too.
+    A straight one along a level floor may: nothing in the equations pushes it aside.
     """
     slack, length = laid_shape.surplus(scene), scene.line_length
     if slack == 0.0:

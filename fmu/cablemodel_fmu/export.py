@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from cablemodel.block import Block
 from cablemodel.direct.block import DirectBlock
 from cablemodel.error_estimate import finer
-from cablemodel.errors import CableModelError
+from cablemodel.errors import CableModelError, StaticsError
 from cablemodel.instance import build as build_block
 from cablemodel.instance import local
 from cablemodel.library import BINARIES, description, kernel_hash
@@ -179,7 +179,13 @@ def contents_of(scene: Scene, stations: int) -> Contents:
 def _beside(scene: Scene, model: ModelFile) -> ModelFile:
     """Of the run that the errors of a scene's own are estimated by."""
     judge = finer(scene)
-    block = _block(judge)
+    try:
+        block = _block(judge)
+    except StaticsError as error:
+        raise ExportError(
+            f"solver.error_estimate: the run at a tolerance of {judge.solver.tolerance:g} that "
+            f"errors are estimated by has no start: {error}"
+        ) from error
     return replace(
         model,
         block=block,

@@ -16,6 +16,7 @@ from typer.testing import CliRunner, Result
 import cablemodel as cm
 from cablemodel.cli import app
 from cablemodel.cli.run import _error_rows
+from cablemodel.compare import compare
 from cablemodel.finite_element import FiniteElementSolver
 from cablemodel.kernels import layout as at
 from cablemodel.promise import EstimatedError
@@ -204,6 +205,52 @@ def test_a_finer_run_that_cannot_go_on_ends_the_estimate_and_nothing_else() -> N
     model.restore(snapshot)
     model.step(1.0)
     assert model.position_error > 0.0
+
+
+def test_a_finer_run_without_a_start_leaves_the_run_as_it_is(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    build = FiniteElementSolver.__init__
+
+    def without(self: Any, scene: cm.Scene, **settings: Any) -> None:
+        if scene.solver.tolerance == 2.5e-4:
+            raise cm.StaticsError("no static equilibrium was found")
+        build(self, scene, **settings)
+
+    monkeypatch.setattr(FiniteElementSolver, "__init__", without)
+    scene = cm.load_scene(TOW, [ESTIMATE])
+    model, plain = cm.CableModel(scene), cm.CableModel(cm.load_scene(TOW))
+    snapshot = model.snapshot()
+    for each in (model, plain):
+        each.step(5.0)
+    assert math.isnan(model.position_error)
+    assert np.array_equal(copy.deepcopy(model).state().position, plain.state().position)
+    model.restore(snapshot)
+    assert model.time == 0.0
+    run = cm.simulate(scene, until=5.0)
+    found = run.error_estimate
+    assert found is not None
+    assert found.unknown_from == 0.0
+    assert not found.kept
+    assert "has no start" in found.problems(1e-3)[0]
+    summary = run.summary()
+    assert [summary[key] for key in ("position_error", "tension_error", "error_share")] == [
+        None
+    ] * 3
+
+
+def test_runs_with_and_without_it_are_no_different() -> None:
+    path = SCENES / "recovery.yaml"
+    plain, run = (cm.simulate(cm.load_scene(path, given), until=20.0) for given in ((), [ESTIMATE]))
+    for one, other in ((plain, run), (run, plain)):
+        found = compare(one, other)
+        assert found.identical
+        assert found.passed
+    allowed = [
+        {item.name: item.allowed for item in compare(one, run, tolerance=1e-3).differences}
+        for one in (plain, run)
+    ]
+    assert allowed[1].items() >= allowed[0].items()
 
 
 def test_a_step_that_is_refused_changes_neither_run(monkeypatch: pytest.MonkeyPatch) -> None:

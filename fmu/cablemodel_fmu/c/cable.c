@@ -185,11 +185,11 @@ static const double *errors(Cable *cable) {
         arcs[k] = (0.5 - 0.5 * cos(pi * k / (ERROR_PLACES - 1))) * length;
     cablemodel_sample(cable->I, cable->block_words, arcs, ERROR_PLACES, shapes[0], WORDS);
     cablemodel_sample(finer->I, finer->block_words, arcs, ERROR_PLACES, shapes[1], WORDS);
-    for (int place = 0; place < WORDS; place += STATION_WORDS) {
+    for (int place = 0; place < WORDS && largest == largest; place += STATION_WORDS) {
         double square = 0.0;
         for (int i = place; i < place + 3; i++)
             square += (shapes[0][i] - shapes[1][i]) * (shapes[0][i] - shapes[1][i]);
-        largest = fmax(largest, sqrt(square));
+        if (!(sqrt(square) <= largest)) largest = sqrt(square); /* NaN, too */
     }
     cable->errors[0] = ERROR_FACTOR * largest;
     cable->errors[1] = ERROR_FACTOR * fabs(numbers[6] - others[6]);
