@@ -318,7 +318,7 @@ def test_commands_and_code_of_the_page(tmp_path: Path, monkeypatch: pytest.Monke
     shell, code = (
         re.findall(rf"```{name}\n(.*?)```", page, re.DOTALL) for name in ("sh", "python")
     )
-    for line in shell[0].splitlines():
+    for line in "".join(shell).splitlines():
         result = CliRunner().invoke(app, shlex.split(line)[1:])
         assert result.exit_code == 0, (line, result.output)
     assert (tmp_path / "cost.png").exists()

@@ -282,23 +282,6 @@ def test_without_it_there_is_no_estimate() -> None:
         cm.load_scene(TOW, ["solver.error_estimate=0.3"])
 
 
-def test_a_study_of_several_runs_makes_each_of_them_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    made: list[float] = []
-    build = FiniteElementSolver.__init__
-
-    def counted(self: Any, scene: cm.Scene, **settings: Any) -> None:
-        made.append(scene.solver.tolerance)
-        build(self, scene, **settings)
-
-    monkeypatch.setattr(FiniteElementSolver, "__init__", counted)
-    cm.convergence(cm.load_scene(TOW, [ESTIMATE]), [1e-2], until=3.0)
-    assert set(made) == {1e-2, 1e-3, 2.5e-4}
-    own = made.count(1e-3)
-    made.clear()
-    cm.convergence(cm.load_scene(TOW), [1e-2], until=3.0)
-    assert made.count(1e-3) == own
-
-
 def test_estimates_are_shares_of_what_is_allowed() -> None:
     time, errors = np.arange(5.0), np.array([0.0, 3.0, np.nan, 1.0, 2.0])
     found = EstimatedError.of(time, errors, np.array([1.0, 4.0, 1.0, 0.5, 4.0]))
