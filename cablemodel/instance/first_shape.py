@@ -33,6 +33,8 @@ FloatArray = NDArray[np.float64]
 
 WIDE = 3.0
 """Of a layer: half the length of cable in which a line that hangs and floats turns back."""
+TIGHT = 0.3
+"""Of a layer: a bight whose catenary would have a smaller radius is a loop, as wide as that."""
 LONG = 30.0
 """Of its bending layers: a clamped line that is longer hangs, a shorter one stands as a beam."""
 
@@ -146,41 +148,82 @@ def _layer_at(scene: Scene, place: float) -> tuple[float, float]:
 
 
 def bight(scene: Scene, start: FloatArray) -> Drawn | None:
-    """A line between two ends that are close to each other: a catenary, graded to its bend.
+    """A line between two ends that are close to each other, graded to its bend.
 
-    A parabola turns far too sharply there, and elements as they come cannot turn back. None where
-    the line has no bend, or ends one below the other and nothing that says how wide it is.
+    A parabola turns far too sharply there, and elements as they come cannot turn back. A catenary,
+    or a loop as wide as its stiffness makes it. None where the line has no bend, or ends at one
+    place and nothing says how wide it is.
     """
     end = np.asarray(scene.end.position, dtype=float)
     length = scene.line_length + bodies_length(scene)
     down = -1.0 if sinks(scene) else 1.0
     way = (end - start)[:2]
     span, rise = float(np.hypot(*way)), down * float(start[2] - end[2])
-    if span == 0.0 or abs(rise) >= length:
+    if abs(rise) >= length:
         return None
-    # sinh(x) / x = ratio, x the half span in units of the radius at the bend.
-    ratio = math.log(math.sqrt(length**2 - rise**2) / span)
-    if ratio <= 0.0:
-        return None
+    lowest = 0.5 * (length - rise)
+    if span > 0.0:
+        # sinh(x) / x = ratio, x the half span in units of the radius at the bend.
+        ratio = math.log(math.sqrt(length**2 - rise**2) / span)
+        if ratio <= 0.0:
+            return None
 
-    def excess(x: float) -> float:
-        return x + math.log(-math.expm1(-2.0 * x) / (2.0 * x)) - ratio
+        def excess(x: float) -> float:
+            return x + math.log(-math.expm1(-2.0 * x) / (2.0 * x)) - ratio
 
-    low, high = 1e-3, 2.0 * ratio + 4.0
-    half = crossing(excess, low, high, at_low=excess(low), at_high=excess(high), near=0.0,
-                    width=1e-12)  # fmt: skip
-    radius = 0.5 * span / half
-    middle = math.atanh(rise / length)
-    first, last = (radius * math.sinh(middle + sign * half) for sign in (-1.0, 1.0))
-    if first >= 0.0 or last <= 0.0:
-        return None
-    near = np.clip(radius * np.linspace(-20.0, 20.0, 241), first, last)
-    s = np.unique(np.concatenate([np.linspace(first, last, 201), near]))
+        low, high = 1e-3, 2.0 * ratio + 4.0
+        half = crossing(excess, low, high, at_low=excess(low), at_high=excess(high), near=0.0,
+                        width=1e-12)  # fmt: skip
+        radius = 0.5 * span / half
+        middle = math.atanh(rise / length)
+        first, last = (radius * math.sinh(middle + sign * half) for sign in (-1.0, 1.0))
+        if first >= 0.0 or last <= 0.0:
+            return None
+        lowest = -first
+    layer, passed = _layer_at(scene, lowest)
+    if span == 0.0 or radius < TIGHT * layer:
+        if layer == 0.0:
+            return None
+        way = way / span if span > 0.0 else np.array([1.0, 0.0])
+        points = _loop(start, end, lowest, length, min(layer, length / 8.0), way, down)
+        return Drawn(points, [lowest - passed], [layer])
+    s = _places(first, last, radius * np.linspace(-20.0, 20.0, 241))
     along = radius * (np.arcsinh(s / radius) - math.asinh(first / radius))
     up = radius * (np.hypot(1.0, s / radius) - math.hypot(1.0, first / radius))
     points = start + np.column_stack([np.outer(along, way / span), -down * up])
-    layer, passed = _layer_at(scene, -first)
-    return Drawn(points, [-first - passed], [max(radius, layer)])
+    return Drawn(points, [lowest - passed], [max(radius, layer)])
+
+
+def _loop(
+    start: FloatArray,
+    end: FloatArray,
+    lowest: float,
+    length: float,
+    wide: float,
+    way: FloatArray,
+    down: float,
+) -> FloatArray:
+    """Down, round and up again, then sheared so that it ends where it should, (n, 3) [m].
+
+    lowest: arc length at the bend; wide: half the length of its bend [m]; way: horizontal unit
+    vector (2,) towards which it turns; down: -1, or 1 where the line floats.
+    """
+    s = _places(0.0, length, lowest + wide * np.linspace(-6.0, 6.0, 241))
+    angle = 0.5 * math.pi * (1.0 + np.tanh((s - lowest) / wide))  # from straight down
+    middle, step = 0.5 * (angle[1:] + angle[:-1]), np.diff(s)
+    aside, along = np.cumsum(step * np.sin(middle)), np.cumsum(step * np.cos(middle))
+    points: FloatArray = start + np.vstack(
+        [np.zeros(3), np.column_stack([np.outer(aside, way), down * along])]
+    )
+    shear: FloatArray = np.outer(s / length, end - points[-1])
+    return points + shear
+
+
+def _places(first: float, last: float, near: FloatArray) -> FloatArray:
+    """Arc lengths of a first shape, from end to end and closer where it bends, none twice."""
+    s = np.unique(np.concatenate([np.linspace(first, last, 201), np.clip(near, first, last)]))
+    kept: FloatArray = s[np.diff(s, prepend=-math.inf) > 1e-9 * (last - first)]
+    return kept
 
 
 def graded(
