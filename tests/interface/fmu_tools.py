@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import shutil
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -140,6 +142,52 @@ class Slave:
 
     def close(self) -> None:
         self.fmu.freeInstance()
+
+
+def step_alike(slave: Slave, model, rng: np.random.Generator, dt: float) -> None:
+    """One step of both with the same random inputs: motion in all directions, current, pay-out."""
+    velocity, current = rng.uniform(-0.5, 0.5, 3), rng.uniform(-0.1, 0.1, 3)
+    rate = rng.uniform(-0.2, 0.4)
+    slave.set("vessel.velocity", velocity)
+    slave.set("current.velocity", current)
+    slave.set("payout.rate", rate)
+    slave.step(dt)
+    model.step(dt, vessel_velocity=velocity, payout_rate=rate, current=current)
+
+
+PROCESS = """
+import sys
+from pathlib import Path
+from fmpy import read_model_description
+sys.path[:0] = {paths!r}
+from fmu_tools import Slave
+from {module} import drive
+place = Path({place!r})
+slave = Slave(place, read_model_description(str(place)))
+slave.fmu.setFMUstate(slave.fmu.deSerializeFMUstate(Path({state!r}).read_bytes()))
+slave.time = {time!r}
+Path({out!r}).write_bytes(drive(slave, {first}, {last}))
+"""
+
+
+def driven_elsewhere(
+    slave: Slave, place: Path, folder: Path, module: str, first: int, last: int
+) -> bytes:
+    """What ``drive`` of a test module gives in another process, from an instance's state."""
+    state, out = folder / "state", folder / "out"
+    state.write_bytes(slave.fmu.serializeFMUstate(slave.fmu.getFMUstate()))
+    code = PROCESS.format(
+        paths=sys.path,
+        module=module,
+        place=str(place),
+        state=str(state),
+        time=slave.time,
+        out=str(out),
+        first=first,
+        last=last,
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
+    return out.read_bytes()
 
 
 def python_outputs(model, stations: int) -> dict[str, np.ndarray]:

@@ -8,7 +8,7 @@ import pytest
 import test_fmu_refusals as files
 from fmpy import extract, read_model_description
 from fmpy.fmi1 import FMICallException
-from fmu_tools import Slave, assert_same_bits, still_scene, unpacked
+from fmu_tools import Slave, assert_same_bits, step_alike, still_scene, unpacked
 from test_fmu_platforms import DT, STEPS, WINE, drive
 
 import cablemodel as cm
@@ -59,13 +59,7 @@ def test_inputs_of_a_master_and_variable_steps(still):
     slave, model = Slave(place, description), cm.CableModel(scene)
     rng = np.random.default_rng(2)
     for dt in (0.001, 0.3, 3.0, 0.01, 0.5, 1.0):
-        velocity, current = rng.uniform(-0.5, 0.5, 3), rng.uniform(-0.1, 0.1, 3)
-        rate = rng.uniform(-0.2, 0.4)
-        slave.set("vessel.velocity", velocity)
-        slave.set("current.velocity", current)
-        slave.set("payout.rate", rate)
-        slave.step(dt)
-        model.step(dt, vessel_velocity=velocity, payout_rate=rate, current=current)
+        step_alike(slave, model, rng, dt)
         assert_same_bits(slave, model, STATIONS)
     assert not model.planar
     slave.close()

@@ -3,8 +3,6 @@
 import contextlib
 import copy
 import struct
-import subprocess
-import sys
 import threading
 import zlib
 from pathlib import Path
@@ -12,7 +10,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
-from fmu_tools import CABLE, Slave, assert_same_bits, still_scene, unpacked
+from fmu_tools import (
+    CABLE,
+    Slave,
+    assert_same_bits,
+    driven_elsewhere,
+    step_alike,
+    still_scene,
+    unpacked,
+)
 
 import cablemodel as cm
 from cablemodel.kernels import layout as at
@@ -73,13 +79,7 @@ def test_every_output_over_a_run_with_inputs(still):
     rng = np.random.default_rng(1)
     seen = []
     for dt in (0.001, 0.02, 0.3, 3.0, 0.01, 0.5, 1.0, 0.07):
-        velocity, current = rng.uniform(-0.5, 0.5, 3), rng.uniform(-0.1, 0.1, 3)
-        rate = rng.uniform(-0.2, 0.4)
-        slave.set("vessel.velocity", velocity)
-        slave.set("current.velocity", current)
-        slave.set("payout.rate", rate)
-        slave.step(dt)
-        model.step(dt, vessel_velocity=velocity, payout_rate=rate, current=current)
+        step_alike(slave, model, rng, dt)
         assert_same_bits(slave, model, STATIONS)
         seen.append(errors(slave))
     assert np.isfinite(seen).all()
@@ -125,41 +125,18 @@ def test_the_results_are_those_without_an_estimate(still, tmp_path):
 # -- states and instances --------------------------------------------------------------------------
 
 
-PROCESS = """
-import sys
-from pathlib import Path
-from fmpy import read_model_description
-sys.path[:0] = {paths!r}
-from fmu_tools import Slave
-from test_fmu_error_estimate import drive
-place = Path({place!r})
-slave = Slave(place, read_model_description(str(place)))
-slave.fmu.setFMUstate(slave.fmu.deSerializeFMUstate(Path({state!r}).read_bytes()))
-slave.time = {time!r}
-Path({out!r}).write_bytes(drive(slave, 25, 45))
-"""
-
-
 def test_a_state_goes_on_identically_here_and_in_another_process(still, tmp_path):
     slave = Slave(*still)
     drive(slave, 0, 25)
     state, time = slave.fmu.getFMUstate(), slave.time
-    (tmp_path / "state").write_bytes(slave.fmu.serializeFMUstate(state))
     here = errors(slave)
+    elsewhere = driven_elsewhere(slave, still[0], tmp_path, "test_fmu_error_estimate", 25, 45)
     expected = drive(slave, 25, 45)
     slave.fmu.setFMUstate(state)
     slave.time = time
     assert errors(slave) == here
     assert drive(slave, 25, 45) == expected
-    code = PROCESS.format(
-        paths=sys.path,
-        place=str(still[0]),
-        state=str(tmp_path / "state"),
-        out=str(tmp_path / "out"),
-        time=time,
-    )
-    subprocess.run([sys.executable, "-c", code], check=True)
-    assert (tmp_path / "out").read_bytes() == expected
+    assert elsewhere == expected
     slave.close()
 
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fmu_tools import Slave, assert_same_bits, still_scene, unpacked
+from fmu_tools import Slave, assert_same_bits, step_alike, still_scene, unpacked
 
 import cablemodel as cm
 from cablemodel import library
@@ -46,14 +46,7 @@ def test_inputs_and_variable_steps(still):
     assert_same_bits(slave, model, STATIONS)
     rng = np.random.default_rng(1)
     for dt in (0.001, 0.02, 0.3, 3.0, 0.01, 0.5, 1.0, 0.07):
-        velocity = rng.uniform(-0.5, 0.5, 3)
-        current = rng.uniform(-0.1, 0.1, 3)
-        rate = rng.uniform(-0.2, 0.4)
-        slave.set("vessel.velocity", velocity)
-        slave.set("current.velocity", current)
-        slave.set("payout.rate", rate)
-        slave.step(dt)
-        model.step(dt, vessel_velocity=velocity, payout_rate=rate, current=current)
+        step_alike(slave, model, rng, dt)
         assert_same_bits(slave, model, STATIONS)
     assert not model.planar
     assert model.drum_length != 15.0

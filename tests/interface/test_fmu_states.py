@@ -1,14 +1,12 @@
 """FMU states: saved, restored, moved to another process; many instances; threads."""
 
 import shutil
-import subprocess
-import sys
 import threading
 
 import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
-from fmu_tools import Slave, still_scene, unpacked
+from fmu_tools import Slave, driven_elsewhere, still_scene, unpacked
 
 
 @pytest.fixture(scope="module")
@@ -73,36 +71,11 @@ def test_a_state_overwrites_one_that_is_given(still):
     slave.close()
 
 
-PROCESS = """
-import sys
-from pathlib import Path
-from fmpy import read_model_description
-sys.path[:0] = {paths!r}
-from fmu_tools import Slave
-from test_fmu_states import drive
-place = Path({place!r})
-slave = Slave(place, read_model_description(str(place)))
-slave.fmu.setFMUstate(slave.fmu.deSerializeFMUstate(Path({state!r}).read_bytes()))
-slave.time = {time!r}
-Path({out!r}).write_bytes(drive(slave, 25, 60))
-"""
-
-
 def test_state_goes_on_in_another_process(still, tmp_path):
     slave = Slave(*still)
     drive(slave, 0, 25)
-    (tmp_path / "state").write_bytes(slave.fmu.serializeFMUstate(slave.fmu.getFMUstate()))
-    time = slave.time
-    expected = drive(slave, 25, 60)
-    code = PROCESS.format(
-        paths=sys.path,
-        place=str(still[0]),
-        state=str(tmp_path / "state"),
-        out=str(tmp_path / "out"),
-        time=time,
-    )
-    subprocess.run([sys.executable, "-c", code], check=True)
-    assert (tmp_path / "out").read_bytes() == expected
+    elsewhere = driven_elsewhere(slave, still[0], tmp_path, "test_fmu_states", 25, 60)
+    assert elsewhere == drive(slave, 25, 60)
     slave.close()
 
 
