@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from cablemodel.accuracy.study import convergence
+    from cablemodel.converged_run import ConvergenceError, converge
     from cablemodel.errors import (
         CableModelError,
         LogError,
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 
 _HOME = {
     "CableModelError": "cablemodel.errors",
+    "ConvergenceError": "cablemodel.converged_run",
     "LogError": "cablemodel.errors",
     "SceneError": "cablemodel.errors",
     "StaticsError": "cablemodel.errors",
@@ -36,6 +38,7 @@ _HOME = {
     "UnstableStartWarning": "cablemodel.errors",
     "CableModel": "cablemodel.model",
     "CableState": "cablemodel.model",
+    "converge": "cablemodel.converged_run",
     "convergence": "cablemodel.accuracy.study",
     "sweep": "cablemodel.parameter_sweep",
     "Recorder": "cablemodel.recorder",
@@ -50,6 +53,7 @@ __all__ = [
     "CableModel",
     "CableModelError",
     "CableState",
+    "ConvergenceError",
     "LogError",
     "Recorder",
     "Run",
@@ -59,6 +63,7 @@ __all__ = [
     "StepError",
     "UnstableStartWarning",
     "__version__",
+    "converge",
     "convergence",
     "load_scene",
     "open_run",

@@ -38,7 +38,7 @@ PAUSE = 0.02
 RESULTS = (
     "time", "top_tension", "highest_tension", "lowest_tension", "max_curvature",
     "tip_x", "tip_y", "tip_z", "line_length", "wall_time", "steps", "elements",
-    "error_share",
+    "tolerance", "error_share",
 )  # fmt: skip
 """Columns of a result, after those of the values swept over; ``error`` is the last."""
 
@@ -122,6 +122,8 @@ def sweep(
     until: float | None = None,
     scheduler: str | None = None,
     workers: int | None = None,
+    converge: bool = False,
+    tensions: bool = True,
     finished: Callable[[int, pandas.DataFrame], None] | None = None,
 ) -> pandas.DataFrame:
     """Simulate a scene for every combination of values.
@@ -135,6 +137,8 @@ def sweep(
         scheduler: address of a dask scheduler, ``tcp://host:8786``; by default processes of this
             machine. Its workers need cablemodel, and the files that the scene names.
         workers: processes on this machine; by default one for each processor.
+        converge: make every run by `converge`, at the tolerance that keeps what is asked of it.
+        tensions: whether that asks for top tensions, too.
         finished: called with the number of finished runs and the table so far, about once a second
             and at the end, also when the sweep is interrupted.
 
@@ -167,7 +171,9 @@ def sweep(
         if finished is not None:
             finished(len(rows), _table(axes, points, rows))
 
-    simulate = partial(simulate_point, text, folder, until=until)
+    simulate = partial(
+        simulate_point, text, folder, until=until, converge=converge, tensions=tensions
+    )
     with _client(scheduler, workers, count) as client:
         try:
             _collect(client, simulate, changes, rows, report)
@@ -177,16 +183,31 @@ def sweep(
 
 
 def simulate_point(
-    text: str, folder: str, overrides: Sequence[str], until: float | None = None
+    text: str,
+    folder: str,
+    overrides: Sequence[str],
+    until: float | None = None,
+    converge: bool = False,
+    tensions: bool = True,
 ) -> dict[str, Any]:
-    """One run of a sweep: its results by `RESULTS`, or ``error``. Runs in a worker."""
+    """One run of a sweep: its results by `RESULTS`, and ``error``. Runs in a worker."""
+    from cablemodel.converged_run import ConvergenceError
+    from cablemodel.converged_run import converge as run_until_converged
     from cablemodel.run import simulate
     from cablemodel.scene import load_scene
 
+    found = ""
     try:
-        run = simulate(load_scene(text, overrides, folder=folder), until=until)
+        scene = load_scene(text, overrides, folder=folder)
+        if converge:
+            run = run_until_converged(scene, tensions=tensions, until=until)
+        else:
+            run = simulate(scene, until=until)
     except CableModelError as error:
-        return {"error": str(error)}
+        found = str(error)
+        if not isinstance(error, ConvergenceError) or error.run is None:
+            return {"error": found}
+        run = error.run
     summary = run.summary()
     tip = summary["tip_position"]
     return {
@@ -202,8 +223,9 @@ def simulate_point(
         "wall_time": summary["wall_time"],
         "steps": summary["steps"],
         "elements": summary["elements"],
+        "tolerance": summary.get("tolerance"),
         "error_share": summary.get("error_share"),
-        "error": "",
+        "error": found,
     }
 
 

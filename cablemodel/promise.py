@@ -2,7 +2,8 @@
 
 A tolerance tau promises positions within tau L, L the length of the line, and tensions within 10
 tau of the largest one of the run, while the line is taut: snaps peak between any two outputs, and
-the ringing that they leave is damped by the steps, which are chosen by positions.
+the ringing that they leave is damped by the steps, which are chosen by positions. A scene that
+gives ``solver.accuracy`` is judged by that in place of the tolerance at which it is computed.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from cablemodel.solver import FINER
 
 if TYPE_CHECKING:
     from cablemodel.run import Run
+    from cablemodel.scene.schema import Solver
 
 Floats = NDArray[np.float64]
 
@@ -107,36 +109,40 @@ class ErrorEstimate:
         """Whether the promise is known to be kept at all outputs."""
         return self.share <= 1.0
 
-    def problems(self, tolerance: float) -> list[str]:
-        """Where the promise of the tolerance is not kept, or that is not known, in sentences."""
+    def problems(self, settings: Solver, *, tensions: bool = True) -> list[str]:
+        """Where the promise of a run with these settings is not kept, or that is not known, in
+        sentences. tensions: whether that of tensions counts."""
         found = []
-        for what, error in (("positions", self.position), ("the top tension", self.tension)):
+        asked = "a tolerance" if settings.accuracy is None else "an accuracy"
+        quantities = [("positions", self.position), ("the top tension", self.tension)]
+        for what, error in quantities if tensions else quantities[:1]:
             if error.broken_at is not None:
                 found.append(
-                    f"{what} may be off by more than a tolerance of {tolerance:g} allows, first at "
-                    f"t = {error.broken_at:g} s, by up to {error.share:.2g} times as much"
+                    f"{what} may be off by more than {asked} of {settings.promised:g} allows, "
+                    f"first at t = {error.broken_at:g} s, by up to {error.share:.2g} times as much"
                 )
         if self.unknown_from is not None:
             found.append(
                 f"from t = {self.unknown_from:g} s on errors are not known: the run at "
-                f"{tolerance / FINER:g} that they are estimated by has no start, or could not go on"
+                f"{settings.tolerance / FINER:g} that they are estimated by has no start, or could "
+                "not go on"
             )
         return found
 
     @classmethod
     def of(cls, run: Run) -> ErrorEstimate:
         """Of a run whose scene has ``solver.error_estimate``."""
-        time, tolerance = run.time, run.scene.solver.tolerance
+        time, promised = run.time, run.scene.solver.promised
         largest = largest_tension(run)
         taut = float(time[0])
         if run.scene.initial.kind == "static":
             taut = taut_until(time, run.tension_min, largest)
         judged = time < taut
-        pull = max(looseness("N") * tolerance * largest, float(np.finfo(float).tiny))
+        pull = max(looseness("N") * promised * largest, float(np.finfo(float).tiny))
         position, tension = run["position_error"], run["tension_error"]
         unknown = time[np.isnan(position)]
         return cls(
-            EstimatedError.of(time, position, tolerance * run["line_length"]),
+            EstimatedError.of(time, position, promised * run["line_length"]),
             EstimatedError.of(time[judged], tension[judged], np.full(judged.sum(), pull)),
             taut,
             float(unknown[0]) if unknown.size else None,

@@ -162,9 +162,10 @@ class Run:
         ``time`` [s], ``top_tension`` [N] and ``tip_position`` [m] are those at the end;
         ``min_tension`` [N] and ``max_curvature`` [1/m] the extremes over the cable and all output
         times; ``wall_time`` [s], ``steps``, ``rejected``, ``factorisations``, ``elements`` are of
-        the solver. With ``solver.error_estimate`` also ``position_error`` [m], ``tension_error``
-        [N], the largest at any output while they are promised, and ``error_share`` of what the
-        tolerance allows, the larger one's. None where a value is not known or not finite.
+        the solver. With ``solver.error_estimate`` also the ``tolerance``, the ``accuracy`` that
+        is asked for, ``position_error`` [m], ``tension_error`` [N], the largest at any output while
+        they are promised, and ``error_share`` of what is allowed, the larger one's. None where a
+        value is not known or not finite.
         """
         if len(self.time):
             found: dict[str, Any] = {
@@ -181,6 +182,8 @@ class Run:
             found[name] = self.statistics.get(name)
         if (estimate := self.error_estimate) is not None:
             known = estimate.unknown_from is None
+            found["tolerance"] = self.scene.solver.tolerance
+            found["accuracy"] = self.scene.solver.promised
             found["position_error"] = estimate.position.largest if known else None
             found["tension_error"] = estimate.tension.largest if known else None
             found["error_share"] = estimate.share

@@ -27,6 +27,7 @@ LABELS = {
     "wall_time": "computing time [s]",
     "steps": "steps",
     "elements": "elements",
+    "tolerance": "tolerance",
     "error_share": "estimated error, of what is allowed",
 }
 """Results of a sweep, as an axis of the picture names them."""

@@ -19,7 +19,7 @@ from pathlib import Path
 from benchmarks.random_scenes.chance import COUNT
 from benchmarks.random_scenes.draw import draw
 from benchmarks.random_scenes.judge import Verdict
-from benchmarks.random_scenes.report import ALL, AT_SEA, section
+from benchmarks.random_scenes.report import ALL, AT_SEA, CONVERGED, section
 from benchmarks.random_scenes.watch import search, work
 from benchmarks.sections import write_section
 
@@ -42,6 +42,7 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0, help="seed to begin with")
     parser.add_argument("--count", type=int, default=COUNT, help="how many seeds from there on")
     parser.add_argument("--waves", action="store_true", help="scenes in waves")
+    parser.add_argument("--converge", action="store_true", help="runs that are asked to converge")
     parser.add_argument("--only", help="show these seeds, with commas; keep nothing")
     parser.add_argument("--seeds", help="judge and keep these seeds, with commas")
     parser.add_argument("--again", help="judge anew those kept with these outcomes, with commas")
@@ -50,7 +51,7 @@ def main() -> None:
     parser.add_argument("--worker", help=argparse.SUPPRESS)
     chosen = parser.parse_args()
     if chosen.worker:
-        work([int(seed) for seed in chosen.worker.split(",")])
+        work([int(seed) for seed in chosen.worker.split(",")], converged=chosen.converge)
         return
     if chosen.only:
         import cablemodel as cm
@@ -59,7 +60,7 @@ def main() -> None:
             drawn = draw(seed)
             print(cm.load_scene(drawn.scene).to_yaml())
             print(f"# caller's step {drawn.step!r} s; {drawn.traits}")
-            for verdict in search([seed], show):
+            for verdict in search([seed], show, converged=chosen.converge):
                 print(json.dumps(asdict(verdict), indent=1))
         return
     if chosen.set != 1:
@@ -75,7 +76,7 @@ def main() -> None:
         print(", ".join(f"{outcome}: {number}" for outcome, number in outcomes.most_common()))
         return
     kept = {}
-    kind = AT_SEA if chosen.waves else ALL
+    kind = AT_SEA if chosen.waves else CONVERGED if chosen.converge else ALL
     store = kind.beside(PAGE, ".json")
     if store.exists():
         kept = {row["seed"]: row for row in json.loads(store.read_text())}
@@ -94,7 +95,7 @@ def main() -> None:
         store.write_text(json.dumps(rows, indent=1) + "\n")
 
     if not chosen.report:
-        search(seeds, keep)
+        search(seeds, keep, converged=chosen.converge)
     verdicts = [Verdict(**kept[seed]) for seed in sorted(kept)]
     write_section(PAGE, "Stress", kind.title, section(kind, verdicts, PAGE))
     bad = [v.seed for v in verdicts if v.outcome in ("wrong", "crashed", "too slow")]

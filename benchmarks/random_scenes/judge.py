@@ -1,4 +1,5 @@
 """Judge a scene: by itself at a quarter of its tolerance, by energy, by limits that always hold.
+(Runs that are asked to converge: `judge_converged`.)
 
 The promise: positions within tau L, tensions within 10 tau of the largest. A run and one at tau/4
 that both keep it differ by at most 5/4 of that. It is asked for as long as the motion can be
@@ -20,6 +21,8 @@ hour, carries its weight.
 
 from __future__ import annotations
 
+import time
+import traceback
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -31,6 +34,8 @@ from benchmarks.random_scenes.trace import Trace, perturbed, run
 
 RUN_LIMIT = 30.0
 """CPU seconds that a run may take; more is ``too slow`` [s]."""
+CONVERGE_LIMIT = 40.0
+"""CPU seconds that all attempts of a run that is asked to converge may take [s]."""
 CHECK_LIMIT = 10.0
 """The same for each of the two runs at tau/4 [s]."""
 ENERGY_LIMIT = 100.0
@@ -38,6 +43,10 @@ ENERGY_LIMIT = 100.0
 WITHIN = 16
 """Parts of a step in that."""
 FINER = 0.25
+CONVERGED_WITHIN = 1.0 + FINER**3
+"""Of the promise: what a run that converged, at tau/4 or less, may differ from a far finer one."""
+TOOK = "tolerance "
+"""The words before the tolerance at which a run converged."""
 FAINT = 0.01
 """Size of the perturbation over tau."""
 MOVED = 0.1
@@ -56,8 +65,9 @@ class Verdict:
 
     outcome: completed, refused, stopped, unsettled, wrong, crashed, too slow. why: in words, empty
     where completed; kinds: of what is wrong (position, tension, energy, limit, rest, not finite).
-    position, tension: largest difference from the run at tau/4, in units of the
-    promise (1.25 is allowed). compared: share of the run that was. energy_gain as in the trace.
+    position, tension: largest difference from the finer run, in units of the promise (1.25 is
+    allowed where that is at tau/4). compared: share of the run that was. energy_gain as in the
+    trace.
     """
 
     seed: int
@@ -97,23 +107,9 @@ def judge(
         if trace.end == "not finite":
             _wrong(verdict, "not finite", trace.message)
         return verdict
-    if trace.broken:
-        _wrong(verdict, "limit", "; ".join(trace.broken[:2]))
-    if trace.energy_gain > MOST_ENERGY_GAIN:
-        # What goes through between two of the caller's steps may be all of it.
-        started("energy", None)
-        closer, _ = run(drawn, drawn.scene, tau, ENERGY_LIMIT, WITHIN)
-        if closer.end == trace.end:
-            verdict.energy_gain = closer.energy_gain
-        if verdict.energy_gain > MOST_ENERGY_GAIN:
-            _wrong(verdict, "energy", f"{verdict.energy_gain:.2g} of the energy from nowhere")
+    _check_limits(verdict, drawn, tau, trace, model, started)
     if trace.end == "refused":
         return verdict
-    if trace.end == "completed" and model is not None and hangs_free(drawn):
-        started("rest", None)
-        problem = settled(drawn, model)
-        if problem:
-            _wrong(verdict, "rest", problem)
     started("check", verdict)
     fine, _ = run(drawn, drawn.scene, tau * FINER, CHECK_LIMIT)
     started("perturbed", verdict)
@@ -131,6 +127,51 @@ def judge(
         started("finest", replace(verdict, outcome=doubtful, kinds=[], why=""))
         finest, _ = run(drawn, drawn.scene, tau * FINER**2, CHECK_LIMIT)
         settle(verdict, drawn, trace, fine, finest, off)
+    return verdict
+
+
+def judge_converged(
+    drawn: Drawn, started: Callable[[str, Verdict | None], None] = lambda _phase, _verdict: None
+) -> Verdict:
+    """Ask a scene to converge, and judge the run by one that no attempt has seen.
+
+    That is at a sixteenth of the tolerance of the run, and is compared with it at all instants,
+    whether the motion can be predicted or not: a run that says that it has converged has no excuse.
+    Tensions are asked for where nothing makes the line ring along itself. What a ConvergenceError
+    refuses is *unsettled*.
+    """
+    import cablemodel as cm
+
+    verdict = Verdict(drawn.seed, "completed")
+    started("converge", None)
+    begin = time.process_time()
+    try:
+        found = cm.converge(drawn.scene, tensions=drawn.shock > drawn.duration)
+    except (cm.SceneError, cm.StaticsError) as error:
+        verdict.outcome, verdict.why = "refused", f"{type(error).__name__}: {error}"
+    except cm.StepError as error:
+        verdict.outcome, verdict.why = "stopped", f"{type(error).__name__}: {error}"
+    except cm.ConvergenceError as error:
+        verdict.outcome, verdict.why = "unsettled", f"{type(error).__name__}: {error}"
+    except Exception:  # the search is for exactly these
+        verdict.outcome, verdict.why = "crashed", traceback.format_exc(limit=-3)
+    verdict.cpu = time.process_time() - begin
+    if verdict.outcome != "completed":
+        return verdict
+    tau = found.scene.solver.tolerance
+    verdict.note = f"{TOOK}tau/{drawn.tolerance / tau:g}"
+    started("run", verdict)
+    trace, model = run(drawn, drawn.scene, tau, RUN_LIMIT)
+    if trace.end != "completed" or trace.statistics["steps"] != found.statistics["steps"]:
+        _wrong(verdict, "position", f"not the run that was made: {trace.end} {trace.message}")
+        return verdict
+    _check_limits(verdict, drawn, tau, trace, model, started)
+    started("finest", verdict)
+    finest, _ = run(drawn, drawn.scene, tau * FINER**2, CHECK_LIMIT)
+    verdict.check_cpu = finest.cpu
+    if finest.end != "completed":
+        verdict.note += f"; at a sixteenth of that {finest.end}: {finest.message}"
+    compare(verdict, drawn, trace, finest, finest, limit=CONVERGED_WITHIN)
     return verdict
 
 
@@ -158,6 +199,33 @@ def settle(
             verdict.outcome, verdict.why = trace.end, trace.message
 
 
+def _check_limits(
+    verdict: Verdict,
+    drawn: Drawn,
+    tau: float,
+    trace: Trace,
+    model: Any,
+    started: Callable[[str, Verdict | None], None],
+) -> None:
+    """What must hold whether the motion can be predicted or not: limits, energy, rest."""
+    if trace.broken:
+        _wrong(verdict, "limit", "; ".join(trace.broken[:2]))
+    if trace.energy_gain > MOST_ENERGY_GAIN:
+        # What goes through between two of the caller's steps may be all of it.
+        started("energy", None)
+        closer, _ = run(drawn, drawn.scene, tau, ENERGY_LIMIT, WITHIN)
+        verdict.energy_gain = trace.energy_gain
+        if closer.end == trace.end:
+            verdict.energy_gain = closer.energy_gain
+        if verdict.energy_gain > MOST_ENERGY_GAIN:
+            _wrong(verdict, "energy", f"{verdict.energy_gain:.2g} of the energy from nowhere")
+    if trace.end == "completed" and model is not None and hangs_free(drawn):
+        started("rest", None)
+        problem = settled(drawn, model)
+        if problem:
+            _wrong(verdict, "rest", problem)
+
+
 def _wrong(verdict: Verdict, kind: str, why: str) -> None:
     if kind not in verdict.kinds:
         verdict.kinds.append(kind)
@@ -165,8 +233,17 @@ def _wrong(verdict: Verdict, kind: str, why: str) -> None:
     verdict.outcome = "wrong"
 
 
-def compare(verdict: Verdict, drawn: Drawn, trace: Trace, fine: Trace, shaken: Trace) -> int | None:
+def compare(
+    verdict: Verdict,
+    drawn: Drawn,
+    trace: Trace,
+    fine: Trace,
+    shaken: Trace,
+    limit: float = 1.0 + FINER,
+) -> int | None:
     """Fill in the largest differences while the motion is predictable; too large ones are wrong.
+
+    limit: the largest difference that is not, in units of the promise.
 
     Returns the instant of the first one that is too large, or None.
     """
@@ -185,12 +262,12 @@ def compare(verdict: Verdict, drawn: Drawn, trace: Trace, fine: Trace, shaken: T
         tension = abs(trace.top[k] - fine.top[k]) / pull if k < read else 0.0
         verdict.position = float(np.fmax(verdict.position, position))
         verdict.tension = float(np.fmax(verdict.tension, tension))
-        if not (position <= 1.0 + FINER and tension <= 1.0 + FINER):
+        if not (position <= limit and tension <= limit):
             _wrong(
                 verdict,
-                "tension" if position <= 1.0 + FINER else "position",
+                "tension" if position <= limit else "position",
                 f"at t = {trace.times[k]:.3g} s {position:.2g} tau L and {tension:.2g} of 10 tau T "
-                f"({trace.top[k]:.4g}, {fine.top[k]:.4g} N) from the run at tau/4",
+                f"({trace.top[k]:.4g}, {fine.top[k]:.4g} N) from the run that judges it",
             )
             off = k
             break

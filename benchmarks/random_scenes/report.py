@@ -12,7 +12,14 @@ import numpy as np
 
 from benchmarks.random_scenes.chance import COUNT
 from benchmarks.random_scenes.draw import IN_WAVES, Drawn, draw
-from benchmarks.random_scenes.judge import FINER, RUN_LIMIT, Verdict
+from benchmarks.random_scenes.judge import (
+    CONVERGE_LIMIT,
+    CONVERGED_WITHIN,
+    FINER,
+    RUN_LIMIT,
+    TOOK,
+    Verdict,
+)
 from benchmarks.report import number, table
 
 OUTCOMES = ("completed", "refused", "stopped", "unsettled", "wrong", "too slow", "crashed")
@@ -45,17 +52,36 @@ still water. Lines that float without tension have no shape at rest: most of wha
 """
 
 
+_CONVERGED = """Written by `make stress` (`python -m benchmarks.random_scenes --converge`). The
+scenes of *Random scenes*, each made by `cablemodel.converge`, which repeats it at finer tolerances
+until two attempts in a row estimate their errors to be within what its tolerance tau promises, and
+judged by a run at a sixteenth of the tolerance that it took: no attempt has seen that. They are
+compared to the end, however the motion multiplies differences; tensions are asked for, and
+compared, where no command makes the line ring along itself. *Wrong*: more than {limit:.4g} of the
+promise away; *unsettled*: a ConvergenceError, which says that no run at tau, tau/4, tau/16 and
+tau/64 is known to keep the promise, and why none is; *too slow*: more than {slow:g} s of processor
+time.
+"""
+
+BAD = ("crashed", "too slow", "wrong", "unsettled", "stopped")
+
+
 @dataclass(frozen=True)
 class Search:
     """Scenes that are judged and told of together: ``count`` of them, from the number ``first`` on.
 
-    title: of their section; their file and their figure are named by it.
+    title: of their section; their file and their figure are named by it. by: what they are
+    compared with; limit: what they may differ from it by, in units of the promise. listed: outcomes
+    whose scenes are told of one by one.
     """
 
     title: str
     header: str
     first: int
     count: int
+    by: str = "the run at tau/4"
+    limit: float = 1.0 + FINER
+    listed: tuple[str, ...] = BAD
 
     def beside(self, page: Path, suffix: str) -> Path:
         """The file of that suffix, in the folder of the page's files."""
@@ -65,6 +91,15 @@ class Search:
 
 ALL = Search("Random scenes", _HEADER.format(limit=RUN_LIMIT), 0, COUNT)
 AT_SEA = Search("Random scenes in waves", _IN_WAVES, IN_WAVES, 200)
+CONVERGED = Search(
+    "Random scenes that are asked to converge",
+    _CONVERGED.format(limit=CONVERGED_WITHIN, slow=CONVERGE_LIMIT),
+    0,
+    COUNT,
+    by="a far finer run",
+    limit=CONVERGED_WITHIN,
+    listed=("crashed", "too slow", "wrong", "stopped"),
+)
 
 
 def outcome_table(rows: Sequence[tuple[Drawn, Verdict]]) -> str:
@@ -87,7 +122,7 @@ def _counts(name: str, verdicts: Sequence[Verdict]) -> tuple[str, ...]:
     return (name, str(len(verdicts)), *shares)
 
 
-def wrong_table(verdicts: Sequence[Verdict]) -> str:
+def wrong_table(search: Search, verdicts: Sequence[Verdict]) -> str:
     """What is wrong, and by how much."""
 
     verdicts = [v for v in verdicts if v.outcome == "wrong"]
@@ -99,7 +134,7 @@ def wrong_table(verdicts: Sequence[Verdict]) -> str:
         return count(lambda v: "position" in v.kinds and low < v.position <= high)
 
     rows = [
-        (f"position {1 + FINER:g} to 3 tau L from the run at tau/4", beyond(1.0 + FINER, 3.0)),
+        (f"position {search.limit:.4g} to 3 tau L from {search.by}", beyond(search.limit, 3.0)),
         ("position 3 to 10 tau L", beyond(3.0, 10.0)),
         ("position more than 10 tau L", beyond(10.0, math.inf)),
         ("tension, positions right", count(lambda v: v.kinds == ["tension"])),
@@ -111,15 +146,15 @@ def wrong_table(verdicts: Sequence[Verdict]) -> str:
     return table(("what is wrong", "scenes"), rows)
 
 
-def worst_table(rows: Sequence[tuple[Drawn, Verdict]], most: int = 80) -> str:
+def worst_table(search: Search, rows: Sequence[tuple[Drawn, Verdict]], most: int = 80) -> str:
     """The worst scenes: crashed, too slow, then by how far they are off."""
 
     def badness(row: tuple[Drawn, Verdict]) -> tuple[int, float]:
         verdict = row[1]
-        rank = BAD.index(verdict.outcome)
+        rank = search.listed.index(verdict.outcome)
         return rank, -max(np.nan_to_num([verdict.position, verdict.tension]))
 
-    bad = [row for row in rows if row[1].outcome in BAD]
+    bad = [row for row in rows if row[1].outcome in search.listed]
     lines = [
         (
             str(v.seed),
@@ -132,9 +167,6 @@ def worst_table(rows: Sequence[tuple[Drawn, Verdict]], most: int = 80) -> str:
         for _, v in sorted(bad, key=badness)[:most]
     ]
     return table(("seed", "outcome", "what", "position", "tension", "in words"), lines)
-
-
-BAD = ("crashed", "too slow", "wrong", "unsettled", "stopped")
 
 
 def figure(rows: Sequence[tuple[Drawn, Verdict]], path: Path) -> None:
@@ -183,6 +215,13 @@ LABELS = {
 }
 
 
+def _taken(verdicts: Sequence[Verdict]) -> str:
+    """At what tolerances runs converged, where they were asked to."""
+    taken = Counter(v.note.partition(";")[0] for v in verdicts if v.note.startswith(TOOK))
+    counts = ", ".join(f"{count} at {name.removeprefix(TOOK)}" for name, count in taken.items())
+    return f" Converged: {counts}." if counts else ""
+
+
 def section(search: Search, verdicts: Sequence[Verdict], page: Path) -> str:
     """The whole section; its figure lies beside the page."""
     rows = [(draw(v.seed), v) for v in verdicts]
@@ -196,13 +235,13 @@ def section(search: Search, verdicts: Sequence[Verdict], page: Path) -> str:
             search.header,
             f"{len(rows)} of {search.count} scenes. Of the {len(judged)} that ran to their end, "
             f"{whole} could be compared to the end, and {100 * part:.0f} % of all instants; "
-            "comparing stops where the motion cannot be predicted or where a scene is already "
-            "wrong.\n",
+            "comparing stops where the motion cannot be predicted, the finer run takes too long, "
+            f"or a scene is already wrong.{_taken(verdicts)}\n",
             f"![outcomes](stress/{picture.name})\n",
             outcome_table(rows),
-            wrong_table(verdicts),
-            "The worst of them (differences from the run at tau/4 in units of the promise, of "
-            f"which {1 + FINER:g} is allowed):\n",
-            worst_table(rows),
+            wrong_table(search, verdicts),
+            f"The worst of them (differences from {search.by} in units of the promise, of "
+            f"which {search.limit:.4g} is allowed):\n",
+            worst_table(search, rows),
         )
     )

@@ -19,12 +19,21 @@ from dataclasses import asdict
 from typing import Any
 
 from benchmarks.random_scenes.draw import draw
-from benchmarks.random_scenes.judge import CHECK_LIMIT, ENERGY_LIMIT, RUN_LIMIT, Verdict, judge
+from benchmarks.random_scenes.judge import (
+    CHECK_LIMIT,
+    CONVERGE_LIMIT,
+    ENERGY_LIMIT,
+    RUN_LIMIT,
+    Verdict,
+    judge,
+    judge_converged,
+)
 
 GRACE = 3.0
 """CPU seconds beyond a run's limit until its process is ended: steps may be long [s]."""
 LIMITS = {
     "run": RUN_LIMIT,
+    "converge": CONVERGE_LIMIT,
     "rest": RUN_LIMIT,
     "energy": ENERGY_LIMIT,
     "check": CHECK_LIMIT,
@@ -33,8 +42,11 @@ LIMITS = {
 }
 
 
-def work(seeds: Sequence[int]) -> None:
-    """The worker: judge scene after scene, tell on standard output."""
+def work(seeds: Sequence[int], *, converged: bool = False) -> None:
+    """The worker: judge scene after scene, tell on standard output.
+
+    converged: judge runs that are asked to converge.
+    """
 
     def tell(**words: Any) -> None:
         print(json.dumps(words), flush=True)
@@ -47,17 +59,20 @@ def work(seeds: Sequence[int]) -> None:
             resource.setrlimit(resource.RLIMIT_CPU, (int(used + LIMITS[phase] + GRACE), hard))
             tell(seed=seed, phase=phase, so_far=None if verdict is None else asdict(verdict))
 
-        verdict = judge(draw(seed), started)
+        verdict = (judge_converged if converged else judge)(draw(seed), started)
         tell(seed=seed, verdict=asdict(verdict))
 
 
-def search(seeds: Sequence[int], report: Callable[[Verdict], None]) -> list[Verdict]:
+def search(
+    seeds: Sequence[int], report: Callable[[Verdict], None], *, converged: bool = False
+) -> list[Verdict]:
     """Judge all of these scenes, in worker processes one after the other."""
     verdicts: list[Verdict] = []
     left = list(seeds)
     while left:
         command = [sys.executable, "-m", "benchmarks.random_scenes", "--worker"]
         command.append(",".join(str(seed) for seed in left))
+        command += ["--converge"] if converged else []
         phase, so_far = "", None
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=os.environ) as worker:
             assert worker.stdout is not None
@@ -86,7 +101,7 @@ def _ended(seed: int, phase: str, so_far: dict[str, Any] | None, code: int) -> V
         name = signal.Signals(-code).name if code < 0 else f"exit code {code}"
         return Verdict(seed, "crashed", f"{phase}: {name}")
     if so_far is None:
-        return Verdict(seed, "too slow", f"{phase}: a single step beyond the limit", cpu=RUN_LIMIT)
+        return Verdict(seed, "too slow", f"{phase}: beyond the limit", cpu=LIMITS[phase])
     verdict = Verdict(**so_far)
     verdict.note = f"{verdict.note} {phase}: a step beyond the limit".strip()
     return verdict

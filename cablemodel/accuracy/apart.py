@@ -1,6 +1,6 @@
 """How far runs are from a reference over time, and where that can be judged.
 
-Where even the two finest runs differ by more than half of what the scene's tolerance allows, there
+Where even the two finest runs differ by more than half of what is asked of the scene, there
 is nothing to judge the others by: between the first and the last such time for the motion, which
 remembers; at these times only for tensions. Those are promised while the line is taut: snaps peak
 between any two outputs, and the ringing that they leave is damped by the steps, which are chosen by

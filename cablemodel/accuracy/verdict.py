@@ -15,6 +15,7 @@ from cablemodel.accuracy.apart import Apart, Settled
 if TYPE_CHECKING:
     from cablemodel.compare import Difference
     from cablemodel.scene import Scene
+    from cablemodel.scene.schema import Solver
 
 Outcome = Literal["kept", "broken", "unsettled", "failed"]
 
@@ -102,15 +103,15 @@ def conclude(
         reference: one of them, the finest that came to its end.
         apart: how far the others are from it that did.
     """
-    own, finest = scene.solver.tolerance, reference.tolerance
+    own, asked, finest = scene.solver.tolerance, scene.solver.promised, reference.tolerance
     rows, settled = dict(done), None
     if apart:
         fine = min(apart)
         settled = Settled.of(
-            apart[fine], max(SETTLED * own, fine + finest), static=scene.initial.kind == "static"
+            apart[fine], max(SETTLED * asked, fine + finest), static=scene.initial.kind == "static"
         )
         for tolerance, found in apart.items():
-            judged = settled.judge(found, tolerance + finest)
+            judged = settled.judge(found, (asked if tolerance == own else tolerance) + finest)
             rows[tolerance] = replace(
                 done[tolerance],
                 position=found.position,
@@ -122,15 +123,17 @@ def conclude(
             )
     order = sorted(rows, reverse=True)
     listed = tuple(rows[tolerance] for tolerance in order if tolerance != finest)
-    outcome, sentence = _verdict(own, listed, reference, settled)
+    outcome, sentence = _verdict(scene.solver, listed, reference, settled)
     notes = tuple(_notes(scene, order[-1], reference, apart, settled))
     span = settled.span if settled is not None else None
     return Convergence(own, listed, reference, outcome, sentence, notes, span)
 
 
 def _verdict(
-    own: float, rows: tuple[Row, ...], reference: Row, settled: Settled | None
+    solver: Solver, rows: tuple[Row, ...], reference: Row, settled: Settled | None
 ) -> tuple[Outcome, str]:
+    own, asked = solver.tolerance, solver.promised
+    promise = "the promise" if solver.accuracy is None else f"an accuracy of {asked:g}"
     found = next(row for row in (*rows, reference) if row.tolerance == own)
     good = [row for row in rows if not row.error]
     run = f"At its tolerance of {own:g} the run"
@@ -139,26 +142,26 @@ def _verdict(
         return "failed", f"{run} fails; it comes to its end at {others}."
     if found is reference or settled is None:
         return "failed", f"{run} has nothing to be judged by: no finer one comes to its end."
-    enough = [row for row in good if row.accuracy <= own + reference.tolerance]
-    share = f"{found.accuracy / own:.2g}"
-    unsettled = _unsettled(own, min(good, key=lambda row: row.tolerance), reference, settled)
+    enough = [row for row in good if row.accuracy <= asked + reference.tolerance]
+    share = f"{found.accuracy / asked:.2g}"
+    unsettled = _unsettled(asked, min(good, key=lambda row: row.tolerance), reference, settled)
     if found.broken:
         finer = [f"{row.tolerance:g}" for row in enough if row.tolerance < own]
         keeps = finer[0] if finer else "none of the others"
         sentence = (
-            f"{run} does not keep the promise: from t = {found.broken_at:g} s on {found.broken} "
+            f"{run} does not keep {promise}: from t = {found.broken_at:g} s on {found.broken} "
             f"are off by up to {share} times what it allows; {keeps} keeps the accuracy that was "
             "asked for."
         )
         return "broken", f"{sentence} {unsettled}".rstrip()
     if unsettled:
         whole = settled.span == (settled.begin, settled.end)
-        return "unsettled", unsettled if whole else f"{unsettled} Else the run keeps the promise."
-    kept = "the promise"
+        return "unsettled", unsettled if whole else f"{unsettled} Else the run keeps {promise}."
+    kept = promise
     if settled.taut_until <= settled.begin:
-        kept = "the promise of positions"
+        kept = f"{promise} of positions"
     elif math.isfinite(settled.taut_until):
-        kept = f"the promise (of tensions until t = {settled.taut_until:g} s)"
+        kept = f"{promise} (of tensions until t = {settled.taut_until:g} s)"
     sentence = f"{run} keeps {kept}, off by {share} of what it allows"
     ratio = enough[0].processor_time / found.processor_time
     if enough[0].tolerance > own and ratio < _CHEAPER:
@@ -166,7 +169,7 @@ def _verdict(
     return "kept", f"{sentence}."
 
 
-def _unsettled(own: float, fine: Row, reference: Row, settled: Settled) -> str:
+def _unsettled(asked: float, fine: Row, reference: Row, settled: Settled) -> str:
     """Where nothing can be said about the motion, in a sentence; empty if there is no such time."""
     if settled.span is None:
         return ""
@@ -174,8 +177,8 @@ def _unsettled(own: float, fine: Row, reference: Row, settled: Settled) -> str:
     when = f"from t = {first:g} s on" if last >= settled.end else f"at t = {first:g} to {last:g} s"
     return (
         f"The motion does not converge {when}: even the runs at {fine.tolerance:g} and "
-        f"{reference.tolerance:g} differ by up to {settled.apart / own:.2g} times what {own:g} "
-        "allows."
+        f"{reference.tolerance:g} differ by up to {settled.apart / asked:.2g} times what "
+        f"{asked:g} allows."
     )
 
 

@@ -254,6 +254,8 @@ def _accuracy(elements: int, solver: dict[str, Any]) -> str:
         spacing, step = solver["node_spacing"], solver["time_step"]
         return f"{elements} intervals of {spacing:g} m, steps of {step:g} s (direct integration)"
     text = f"{elements} for a tolerance of {solver['tolerance']:g}"
+    if "accuracy" in solver:
+        text += f" (an accuracy of {solver['accuracy']:g} is asked for)"
     if solver.get("error_estimate"):
         text += f", whose errors a run at {solver['tolerance'] / FINER:g} estimates"
     return text

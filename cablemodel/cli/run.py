@@ -40,6 +40,22 @@ UntilOption = Annotated[
         show_default=False,
     ),
 ]
+ConvergeOption = Annotated[
+    bool,
+    typer.Option(
+        "--converge",
+        help="Run again at ever finer tolerances, until the errors are known to be no larger than "
+        "the scene's own tolerance (or solver.accuracy) allows; status 1 if none is that good.",
+    ),
+]
+TensionsOption = Annotated[
+    bool,
+    typer.Option(
+        "--tensions/--positions-only",
+        help="With --converge: whether the top tension must be right, too. Stiff lines that are "
+        "jerked ring along themselves, and no two tolerances agree on that.",
+    ),
+]
 
 _LONG_START = 3.0
 """Seconds after which a start is said to be compiling: a warm one takes less."""
@@ -64,6 +80,8 @@ def run(
             "it (solver.error_estimate); the results are the same.",
         ),
     ] = False,
+    converge: ConvergeOption = False,
+    tensions: TensionsOption = True,
     state_interval: Annotated[
         str | None,
         typer.Option(
@@ -79,6 +97,8 @@ def run(
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress.")] = False,
 ) -> None:
     """Simulate a scene to its end."""
+    from cablemodel.converged_run import ConvergenceError
+    from cablemodel.converged_run import converge as run_until_converged
     from cablemodel.run import simulate
     from cablemodel.scene import load_scene
 
@@ -89,27 +109,42 @@ def run(
     end = None if until is None else seconds_of("--until", until)
     interval = None if state_interval is None else seconds_of("--state-interval", state_interval)
     reached = [math.nan]
+    unconverged: ConvergenceError | None = None
     with _progress(quiet or as_json) as show:
 
         def progress(now: Progress) -> None:
             reached[0] = now.time
-            show(now)
+            show(now, "")
+
+        def attempt(tolerance: float, now: Progress) -> None:
+            reached[0] = now.time
+            show(now, f"tolerance {tolerance:g} · ")
 
         try:
-            result = simulate(
-                loaded, log=log, until=end, progress=progress, state_interval=interval
-            )
+            if converge:
+                result = run_until_converged(
+                    loaded, tensions=tensions, log=log, until=end, progress=attempt,
+                    state_interval=interval,
+                )  # fmt: skip
+            else:
+                result = simulate(
+                    loaded, log=log, until=end, progress=progress, state_interval=interval
+                )
         except KeyboardInterrupt:
             typer.echo(f"cablemodel: interrupted{_kept(reached[0], log)}", err=True)
             raise typer.Exit(INTERRUPTED) from None
         except Exception as error:
             if math.isnan(reached[0]) or not _expected(error):
                 raise
-            raise FailedRunError(f"{error}{_kept(reached[0], log)}") from error
+            if not isinstance(error, ConvergenceError) or error.run is None:
+                raise FailedRunError(f"{error}{_kept(reached[0], log)}") from error
+            result, unconverged = error.run, error
     if as_json:
         typer.echo(json.dumps(result.summary()))
     else:
         _print_summary(result, log)
+    if unconverged is not None:
+        raise unconverged
 
 
 def _expected(error: Exception) -> bool:
@@ -146,8 +181,9 @@ def _kept(reached: float, log: Path | None) -> str:
 
 
 @contextmanager
-def _progress(quiet: bool) -> Iterator[Callable[[Progress], None]]:
-    """A function that shows progress on a terminal; elsewhere, and when quiet, it shows nothing."""
+def _progress(quiet: bool) -> Iterator[Callable[[Progress, str], None]]:
+    """A function that shows progress on a terminal, after a word on which run it is of; elsewhere,
+    and when quiet, it shows nothing."""
     from rich.console import Console
 
     console = Console(stderr=True)
@@ -156,7 +192,7 @@ def _progress(quiet: bool) -> Iterator[Callable[[Progress], None]]:
             with _bar(console, started) as show:
                 yield show
         else:
-            yield lambda now: started() if now.time > 0.0 else None
+            yield lambda now, _run: started() if now.time > 0.0 else None
 
 
 @contextmanager
@@ -190,7 +226,9 @@ def explained_start(quiet: bool, console: Console | None = None) -> Iterator[Cal
 
 
 @contextmanager
-def _bar(console: Console, started: Callable[[], None]) -> Iterator[Callable[[Progress], None]]:
+def _bar(
+    console: Console, started: Callable[[], None]
+) -> Iterator[Callable[[Progress, str], None]]:
     from rich import progress as rich_progress
 
     bar = rich_progress.Progress(
@@ -205,12 +243,12 @@ def _bar(console: Console, started: Callable[[], None]) -> Iterator[Callable[[Pr
         # The clock of the first step: a first start spends its time before it, compiling.
         began = [math.nan, 0.0]
 
-        def show(now: Progress) -> None:
+        def show(now: Progress, run: str) -> None:
             nonlocal last
             clock = time.perf_counter()
             if now.time > 0.0:
                 started()
-            if math.isnan(began[0]):
+            if math.isnan(began[0]) or now.time < began[1]:
                 began[:] = [clock, now.time]
             if clock - last < _REFRESH and now.time < now.until:
                 return
@@ -219,7 +257,7 @@ def _bar(console: Console, started: Callable[[], None]) -> Iterator[Callable[[Pr
             rate = (now.time - began[1]) / elapsed if elapsed > 0.0 else 0.0
             steps, iterations = (now.statistics.get(key, 0) for key in ("steps", "iterations"))
             text = (
-                f"t = {now.time:.1f} of {now.until:g} s · {rate:,.0f} × real time · "
+                f"{run}t = {now.time:.1f} of {now.until:g} s · {rate:,.0f} × real time · "
                 f"top tension {now.top_tension:,.1f} N · {steps:,} steps · "
                 f"{iterations:,} iterations"
             )
@@ -242,12 +280,12 @@ def _print_summary(result: Run, log: Path | None) -> None:
     console = Console()
     console.print(table)
     estimate = result.error_estimate
-    problems = estimate.problems(result.scene.solver.tolerance) if estimate is not None else []
+    problems = estimate.problems(result.scene.solver) if estimate is not None else []
     for problem in problems:
         console.print(f"[yellow]warning:[/yellow] {problem}", highlight=False, soft_wrap=True)
     if problems:
         console.print(
-            "A tolerance that keeps the promise, if there is one: cablemodel convergence SCENE",
+            "A run that keeps the promise, if there is one: cablemodel run SCENE --converge",
             highlight=False,
             soft_wrap=True,
         )
@@ -274,6 +312,10 @@ def _rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
         if summary[key] is not None:
             name = "rejected steps" if key == "rejected" else key
             rows.append((name, f"{summary[key]:,}"))
+    if (tolerance := summary.get("tolerance")) is not None:
+        finer = tolerance < summary["accuracy"]
+        asked = f", for an accuracy of {summary['accuracy']:g}" if finer else ""
+        rows.append(("tolerance", f"{tolerance:g}{asked}"))
     return rows
 
 

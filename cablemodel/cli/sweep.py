@@ -11,7 +11,14 @@ import typer
 
 from cablemodel.cli.errors import FAILED, INTERRUPTED, bad_option, reported
 from cablemodel.cli.files import PICTURES, writable
-from cablemodel.cli.run import SceneArgument, SetOption, UntilOption, seconds_of
+from cablemodel.cli.run import (
+    ConvergeOption,
+    SceneArgument,
+    SetOption,
+    TensionsOption,
+    UntilOption,
+    seconds_of,
+)
 
 if TYPE_CHECKING:
     import pandas
@@ -72,6 +79,8 @@ def sweep(
             min=1, help="Processes on this machine; by default one a processor.", show_default=False
         ),
     ] = None,
+    converge: ConvergeOption = False,
+    tensions: TensionsOption = True,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress.")] = False,
 ) -> None:
     """Run a scene for every combination of some of its values, in parallel, into one table."""
@@ -104,7 +113,7 @@ def sweep(
         try:
             table = run_all(
                 scene, axes, overrides=overrides or (), until=end, scheduler=scheduler,
-                workers=workers, finished=finished,
+                workers=workers, converge=converge, tensions=tensions, finished=finished,
             )  # fmt: skip
         except KeyboardInterrupt:
             done = len(kept[0]) if kept else 0

@@ -108,7 +108,7 @@ def _error_figures(run: Run, newtons: float, unit: str) -> list[Key]:
             if note:
                 found.append(Key(title, "–", "", note))
             continue
-        note = f"{error.share:.2g} of what the tolerance allows{'; ' if note else ''}{note}"
+        note = f"{error.share:.2g} of what is allowed{'; ' if note else ''}{note}"
         found.append(Key(title, number(error.largest / divide), its_unit, note))
     return found
 
@@ -170,6 +170,8 @@ def solver_facts(run: Run) -> list[tuple[str, str]]:
         ("method", scene.solver.method.replace("_", " ")),
         ("tolerance", place(scene.solver.tolerance)),
     ]
+    if scene.solver.accuracy is not None:
+        facts.append(("accuracy asked for", place(scene.solver.accuracy)))
     known = {"rejected": "rejected steps", "wall_time": "computing time"}
     for name, value in run.statistics.items():
         if isinstance(value, bool) or not isinstance(value, int | float):

@@ -31,7 +31,7 @@ _BREAKING_STRESS = 0.5e9
 _SHORTEST_BODY = 1e-6
 """Of the line's length: a body's direction follows from the places of its two ends."""
 
-_FINITE_ELEMENT_ONLY = ("tolerance", "error_estimate")
+_FINITE_ELEMENT_ONLY = ("tolerance", "accuracy", "error_estimate")
 _DIRECT_ONLY = (
     "time_step",
     "node_spacing",
@@ -54,6 +54,11 @@ class Solver(SceneModel):
         default=1e-3,
         description="finite_element: positions are right within this times the line's length, "
         "tensions within ten times this times the largest",
+    )
+    accuracy: Annotated[float | None, Quantity(above=0, below=1)] = Field(
+        default=None,
+        description="finite_element: the tolerance whose promise is asked of the run, where it is "
+        "computed at a finer one to keep that; by default the tolerance",
     )
     error_estimate: bool = Field(
         default=False,
@@ -92,13 +97,23 @@ class Solver(SceneModel):
                 problem = f"{self.method} has no such setting"
                 allowed = ", ".join(_DIRECT_ONLY if direct else _FINITE_ELEMENT_ONLY)
                 raise rejection(problem, allowed, getattr(self, key), (key,))
+        if self.accuracy is not None and self.accuracy < self.tolerance:
+            problem = f"finer than the tolerance of {self.tolerance:g}, which is all that is kept"
+            raise rejection(problem, "the tolerance or more", self.accuracy, ("accuracy",))
         return self
+
+    @property
+    def promised(self) -> float:
+        """What errors are judged by: positions within this times the line's length."""
+        return self.tolerance if self.accuracy is None else self.accuracy
 
     def as_written(self) -> dict[str, Any]:
         """The settings of the chosen method only."""
-        keys = _DIRECT_ONLY if self.method == "direct_integration" else ("tolerance",)
-        found = {"method": self.method, **{key: getattr(self, key) for key in keys}}
-        return {**found, "error_estimate": True} if self.error_estimate else found
+        keys: tuple[str, ...] = _DIRECT_ONLY
+        if self.method == "finite_element":
+            asked = {"accuracy": self.accuracy is not None, "error_estimate": self.error_estimate}
+            keys = ("tolerance", *(key for key, given in asked.items() if given))
+        return {"method": self.method, **{key: getattr(self, key) for key in keys}}
 
 
 class RunSettings(SceneModel):

@@ -111,15 +111,15 @@ class Diagnostics:
 
     def _errors(self, status: Status) -> None:
         """What the model estimates to be wrong by. Tensions of slack lines are not promised."""
-        model, tolerance = self._session.model, self._session.scene.solver.tolerance
+        model, settings = self._session.model, self._session.scene.solver
         error = model.position_error
         status.values["estimated error of positions [m]"] = f"{error:.6g}"
         status.values["estimated error of the top tension [N]"] = f"{model.tension_error:.6g}"
         if math.isnan(error):
             status.add(WARN, "errors are not known: the finer run could not go on")
-        elif error > tolerance * model.line_length:
-            status.add(WARN, f"positions may be off by {error:.3g} m, more than the tolerance of "
-                             f"{tolerance:g} allows")  # fmt: skip
+        elif error > settings.promised * model.line_length:
+            status.add(WARN, f"positions may be off by {error:.3g} m, more than an accuracy of "
+                             f"{settings.promised:g} allows")  # fmt: skip
 
     def _commands(self) -> Status:
         session = self._session

@@ -91,11 +91,12 @@ def test_the_estimate_bounds_the_distance_from_a_far_finer_run(name: str) -> Non
 
 
 def test_it_knows_a_run_that_breaks_its_promise_from_one_that_keeps_it() -> None:
-    kept = cm.simulate(cm.load_scene(TOW, [ESTIMATE])).error_estimate
+    tow = cm.load_scene(TOW, [ESTIMATE])
+    kept = cm.simulate(tow).error_estimate
     assert kept is not None
     assert kept.kept
     assert 0.0 < kept.share < 0.5
-    assert kept.problems(1e-3) == []
+    assert kept.problems(tow.solver) == []
     assert (kept.position.broken_at, kept.tension.broken_at, kept.unknown_from) == (None,) * 3
     assert kept.taut_until == math.inf
     run = cm.simulate(cm.load_scene(SCENES / "whip.yaml", [ESTIMATE]))
@@ -109,7 +110,7 @@ def test_it_knows_a_run_that_breaks_its_promise_from_one_that_keeps_it() -> None
     # It starts slack: tensions are not promised.
     assert broken.taut_until == 0.0
     assert math.isnan(broken.tension.share)
-    (problem,) = broken.problems(run.scene.solver.tolerance)
+    (problem,) = broken.problems(run.scene.solver)
     assert f"first at t = {broken.position.broken_at:g} s" in problem
     assert "positions may be off" in problem
 
@@ -201,7 +202,8 @@ def test_a_finer_run_that_cannot_go_on_ends_the_estimate_and_nothing_else() -> N
     assert found.unknown_from == 6.0
     assert not found.kept
     assert math.isnan(found.share)
-    assert "from t = 6 s on errors are not known: the run at 0.00025" in found.problems(1e-3)[-1]
+    last = found.problems(plain.scene.solver)[-1]
+    assert "from t = 6 s on errors are not known: the run at 0.00025" in last
     model.restore(snapshot)
     model.step(1.0)
     assert model.position_error > 0.0
@@ -232,7 +234,7 @@ def test_a_finer_run_without_a_start_leaves_the_run_as_it_is(
     assert found is not None
     assert found.unknown_from == 0.0
     assert not found.kept
-    assert "has no start" in found.problems(1e-3)[0]
+    assert "has no start" in found.problems(run.scene.solver)[0]
     summary = run.summary()
     assert [summary[key] for key in ("position_error", "tension_error", "error_share")] == [
         None
@@ -319,13 +321,13 @@ def test_the_command_line_says_it(tmp_path: Path) -> None:
     assert whip.exit_code == 0
     assert "not promised" in whip.output
     assert "warning: positions may be off by more than a tolerance of 0.001" in whip.output
-    assert "cablemodel convergence SCENE" in whip.output
+    assert "cablemodel run SCENE --converge" in whip.output
 
 
 @pytest.mark.parametrize(
     ("fails_at", "row", "note"),
     [
-        (6.0, ", not known from t = 6 s on", " of what the tolerance allows; not known from t = 6"),
+        (6.0, ", not known from t = 6 s on", " of what is allowed; not known from t = 6"),
         (0.0, "not known", "not known from t = 0"),
     ],
 )

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import signal
 from dataclasses import asdict, replace
+from typing import Any
 
 import numpy as np
 import pytest
 
-from benchmarks.random_scenes.draw import COLUMNS, draw, hypercube
-from benchmarks.random_scenes.judge import Verdict, compare, judge, settle
+from benchmarks.random_scenes import judge as judging
+from benchmarks.random_scenes.draw import COLUMNS, Drawn, draw, hypercube
+from benchmarks.random_scenes.judge import Verdict, compare, judge, judge_converged, settle
 from benchmarks.random_scenes.trace import Trace, _Balance, run
 from benchmarks.random_scenes.watch import _ended
 
@@ -147,6 +149,41 @@ def test_where_nothing_tells_who_is_right_the_end_of_the_run_counts(end: str, ou
     assert verdict.why == coarse.message if end == "stopped" else "from the run" in verdict.why
 
 
+def test_a_run_that_converged_is_judged_by_one_that_it_has_not_seen(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    drawn, tolerances = draw(22), []
+
+    def watched(drawn: Drawn, scene: Any, tolerance: float, *more: Any) -> Any:
+        tolerances.append(tolerance)
+        return run(drawn, scene, tolerance, *more)
+
+    monkeypatch.setattr(judging, "run", watched)
+    verdict = judge_converged(drawn)
+    assert verdict.outcome == "completed", verdict.why
+    assert verdict.compared == 1.0
+    assert verdict.note == "tolerance tau/4"
+    assert tolerances == [drawn.tolerance / 4.0, drawn.tolerance / 64.0]
+
+    def off(drawn: Drawn, scene: Any, tolerance: float, *more: Any) -> Any:
+        trace, model = run(drawn, scene, tolerance, *more)
+        if tolerance < drawn.tolerance / 16.0:
+            trace.shapes[7][:, 1] += 1.1 * drawn.tolerance * trace.lengths[7]
+        return trace, model
+
+    monkeypatch.setattr(judging, "run", off)
+    verdict = judge_converged(drawn)
+    assert verdict.outcome == "wrong"
+    assert verdict.kinds == ["position"]
+    assert "1.1 tau L" in verdict.why
+
+
+def test_what_does_not_converge_is_unsettled_and_says_why() -> None:
+    verdict = judge_converged(draw(11))
+    assert verdict.outcome == "unsettled"
+    assert "no run is known to keep an accuracy of" in verdict.why
+
+
 class Growing:
     """A model whose kinetic energy grows, with nobody to feed it."""
 
@@ -178,6 +215,7 @@ def test_energy_from_nowhere_is_seen() -> None:
         (-signal.SIGSEGV, "run", "crashed"),
         (-signal.SIGXCPU, "run", "too slow"),
         (-signal.SIGXCPU, "rest", "too slow"),
+        (-signal.SIGXCPU, "converge", "too slow"),
         # Of the checks of a run that has ended already: what that run is by itself.
         (-signal.SIGXCPU, "check", "stopped"),
         (-signal.SIGXCPU, "finest", "unsettled"),

@@ -58,6 +58,7 @@ LAYERS = (
         "cablemodel.promise",
         "cablemodel.recorder",
         "cablemodel.run",
+        "cablemodel.converged_run",
         "cablemodel.columns",
         "cablemodel.dataset",
     ),
