@@ -104,8 +104,8 @@ stress: $(READY_BENCH)  ## run the stress scenes (long)
 	$(BIN)/python -m benchmarks.soak
 	$(BIN)/python -m benchmarks.random_scenes.heave
 	$(BIN)/python -m benchmarks.random_scenes.estimate
-	$(BIN)/python -m benchmarks.random_scenes --waves; in_waves=$$?; \
-		$(BIN)/python -m benchmarks.random_scenes && exit $$in_waves
+	for kind in --waves --converge ""; do \
+		$(BIN)/python -m benchmarks.random_scenes $$kind || failed=1; done; exit $${failed:-0}
 
 golden: $(READY_DEV)  ## make the golden logs of tests/replay anew, where results have changed
 	$(BIN)/python tests/replay/make_golden.py

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from cablemodel.accuracy.study import convergence
-    from cablemodel.converged_run import ConvergenceError, converge
+    from cablemodel.converged_run import converge
     from cablemodel.errors import (
         CableModelError,
+        ConvergenceError,
         LogError,
         SceneError,
         StaticsError,
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
 
 _HOME = {
     "CableModelError": "cablemodel.errors",
-    "ConvergenceError": "cablemodel.converged_run",
+    "ConvergenceError": "cablemodel.errors",
     "LogError": "cablemodel.errors",
     "SceneError": "cablemodel.errors",
     "StaticsError": "cablemodel.errors",

@@ -1,23 +1,31 @@
 """A run that keeps what is asked of it: the scene again at ever finer tolerances, until two
-attempts in a row know their errors to be small enough.
+attempts in a row know their errors to be small enough, and they do not grow.
 
 Every attempt estimates its own errors by a run at a quarter of its tolerance (`error_estimate`), so
-that three tolerances agree in the end, as is asked of grids in convergence studies (Roache, 1994):
-of two that agree the third is another one in one case of seventy (docs/stress.md). An attempt whose
-positions are off by more than is allowed is given up at that output, but for the last that may be
-made: its run is for users to look at.
+that three tolerances agree in the end, as is asked of grids in convergence studies (Roache, 1994).
+An attempt whose positions are off by more than is allowed is given up at that output, but for the
+last that may be made: its run is for users to look at.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+import os
+from collections.abc import Callable, Mapping
 from os import PathLike
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cablemodel.errors import CableModelError, SceneError, StaticsError, StepError
-from cablemodel.run import Progress, Run, simulate
+from cablemodel.errors import (
+    Attempt,
+    CableModelError,
+    ConvergenceError,
+    SceneError,
+    StaticsError,
+    StepError,
+)
+from cablemodel.promise import ErrorEstimate
+from cablemodel.run import Progress, Run, open_run, simulate
 from cablemodel.solver import FINER
 
 if TYPE_CHECKING:
@@ -26,41 +34,8 @@ if TYPE_CHECKING:
 
 ATTEMPTS = 4
 """At the scene's tolerance, and at 1/4, 1/16 and 1/64 of it."""
-
-
-@dataclass(frozen=True)
-class Attempt:
-    """A run at one tolerance."""
-
-    tolerance: float
-    problem: str = ""
-    """From when on it is not known to keep what is asked of it, or why it failed; else empty."""
-
-
-class ConvergenceError(CableModelError):
-    """No attempt at a scene is known to keep the accuracy that is asked for.
-
-    Attributes: ``accuracy`` that is asked for; ``attempts``, the tolerances that were tried and
-    what became of each; ``run``, the last attempt, None if it did not come to its end.
-    """
-
-    def __init__(
-        self, accuracy: float, attempts: Sequence[Attempt], run: Run | None = None
-    ) -> None:
-        super().__init__(accuracy, tuple(attempts), run)
-        self.accuracy = accuracy
-        self.attempts = tuple(attempts)
-        self.run = run
-
-    def __str__(self) -> str:
-        alone = "errors are estimated to be small enough, which no other attempt confirms"
-        tried = "".join(
-            f"\n  tolerance {each.tolerance:g}: {each.problem or alone}" for each in self.attempts
-        )
-        return (
-            f"no run is known to keep an accuracy of {self.accuracy:g}: the motion cannot be "
-            f"predicted so far, or converges slowly{tried}"
-        )
+SMALL = 0.25
+"""Of what is allowed: estimated errors that may be larger than at the tolerance before."""
 
 
 class _GivenUpError(Exception):
@@ -70,7 +45,6 @@ class _GivenUpError(Exception):
 def converge(
     scene: Scene | str | PathLike[str] | Mapping[str, Any],
     *,
-    tensions: bool = True,
     attempts: int = ATTEMPTS,
     log: str | PathLike[str] | None = None,
     until: float | None = None,
@@ -81,15 +55,14 @@ def converge(
 
     Asked is what ``solver.accuracy``, by default ``solver.tolerance``, promises: positions within
     it times the line's length, top tensions within ten times it times the largest while the line
-    is taut. The first attempt is at the scene's tolerance, each further one at a quarter of the
-    last; the second of two in a row whose error estimates keep it is the result.
+    is taut (not with ``solver.accuracy_of: positions``). The first attempt is at the scene's
+    tolerance, each further one at a quarter of the last; the second of two in a row whose error
+    estimates keep it, and do not grow, is the result.
 
     Args:
         scene: a scene, or what `load_scene` takes.
-        tensions: whether top tensions must be right, too. What jerks a stiff line, as a kink in its
-            vessel's speed does, makes it ring along itself, and no two tolerances agree on that.
         attempts: how many at most, 2 or more.
-        log: file to write the log of the last attempt to (MCAP).
+        log: file to write the log of the result to (MCAP).
         until: end of the run [s] instead of the scene's duration.
         progress: called at every output with the tolerance of the attempt.
         state_interval: time between exact states [s], rounded to whole output intervals.
@@ -100,7 +73,8 @@ def converge(
 
     Raises:
         ConvergenceError: no attempt is known to keep it: the motion cannot be predicted, or
-            converges slowly. Its ``run`` is the last attempt, made to its end.
+            converges slowly. Its ``run``, and the log, are those of the last attempt that came to
+            its end; without one the log has how far the last attempt came.
         StaticsError, StepError: no attempt came as far as to be judged; the first one's error.
         SceneError: no scene, or one whose method has no tolerance.
         LogError: the log cannot be written.
@@ -109,7 +83,7 @@ def converge(
     from cablemodel.model import CableModel
     from cablemodel.scene import Scene, load_scene
 
-    if attempts < 2:
+    if not isinstance(attempts, int) or attempts < 2:
         raise ValueError(f"attempts is {attempts}, it must be 2 or more: one confirms another")
     if not isinstance(scene, Scene):
         scene = load_scene(scene)
@@ -119,6 +93,8 @@ def converge(
         raise SceneError.at("solver.method", settings.method, problem, "finite_element")
     made: list[Attempt] = []
     failures: list[CableModelError] = []
+    last: Run | None = None
+    before: ErrorEstimate | None = None
     for k in range(attempts):
         changes = {
             "tolerance": settings.tolerance / FINER**k,
@@ -126,31 +102,79 @@ def converge(
             "error_estimate": True,
         }
         tried = scene.model_copy(update={"solver": settings.model_copy(update=changes)})
-        run = None
-        try:
-            model = CableModel(tried)
-            look = _watch(model, give_up=k + 2 < attempts, progress=progress)
-            run = simulate(
-                tried, log=log, until=until, progress=look, model=model,
-                state_interval=state_interval,
-            )  # fmt: skip
-        except _GivenUpError as reason:
-            problem = str(reason)
-        except (StaticsError, StepError) as error:
-            failures.append(error)
-            problem = str(error)
-        else:
-            estimate = run.error_estimate
-            assert estimate is not None  # the scene asks for it
-            problem = "; ".join(estimate.problems(tried.solver, tensions=tensions))
-            if not problem and made and not made[-1].problem:
-                return run
+        kept = None
+        with _Log(log, keep=last is None) as file:
+            try:
+                model = CableModel(tried)
+                look = _watch(model, give_up=k + 2 < attempts, progress=progress)
+                run = simulate(
+                    tried, log=file.path, until=until, progress=look, model=model,
+                    state_interval=state_interval,
+                )  # fmt: skip
+            except _GivenUpError as reason:
+                problem = str(reason)
+            except (StaticsError, StepError) as error:
+                failures.append(error)
+                problem = str(error)
+            else:
+                file.keep = True
+                last, estimate = run, run.error_estimate
+                assert estimate is not None  # the scene asks for it
+                problem = "; ".join(estimate.problems(tried.solver))
+                if not problem:
+                    problem = _growth(before, estimate)
+                    kept = None if problem else estimate
+        if last is not None and log is not None:
+            last = open_run(log)  # by its name
+        if kept is not None and before is not None and last is not None:
+            return last
         made.append(Attempt(tried.solver.tolerance, problem))
+        before = kept
         if problem and k + 2 >= attempts:
             break  # nothing is left that could confirm another
     if len(failures) == len(made):
         raise failures[0]
-    raise ConvergenceError(settings.promised, made, run)
+    raise ConvergenceError(settings.promised, made, last)
+
+
+def _growth(before: ErrorEstimate | None, now: ErrorEstimate) -> str:
+    """What of the errors grows from one attempt that keeps the promise to the next, in words."""
+    if before is None:
+        return ""
+    found = []
+    for what, one, other in (
+        ("positions", before.position, now.position),
+        ("the top tension", before.tension, now.tension),
+    ):
+        if other.share > max(one.share, SMALL):
+            found.append(
+                f"errors of {what} grow, from {one.share:.2g} to {other.share:.2g} of what is "
+                "allowed"
+            )
+    return "; ".join(found)
+
+
+class _Log:
+    """The file of an attempt, beside the log; at its end it takes the log's place or goes.
+
+    keep: whether it takes its place. An attempt that fails is no loss once one came to its end.
+    """
+
+    def __init__(self, log: str | PathLike[str] | None, *, keep: bool) -> None:
+        self._log = None if log is None else Path(log)
+        self.path = None if self._log is None else self._log.with_name(f".{self._log.name}.part")
+        self.keep = keep
+
+    def __enter__(self) -> _Log:
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        if self.path is None or self._log is None or not self.path.exists():
+            return
+        if self.keep:
+            os.replace(self.path, self._log)
+        else:
+            self.path.unlink()
 
 
 def _watch(

@@ -105,6 +105,40 @@ def _rebuild_step_error(problem: str, state: dict[str, Any]) -> StepError:
     return StepError(problem, **state)
 
 
+@dataclass(frozen=True)
+class Attempt:
+    """A run at one tolerance."""
+
+    tolerance: float
+    problem: str = ""
+    """From when on it is not known to keep what is asked of it, or why it failed; else empty."""
+
+
+class ConvergenceError(CableModelError):
+    """No attempt at a scene is known to keep the accuracy that is asked for.
+
+    Attributes: ``accuracy`` that is asked for; ``attempts``, the tolerances that were tried and
+    what became of each; ``run``, the :class:`~cablemodel.run.Run` of the last attempt that came to
+    its end, None if none did.
+    """
+
+    def __init__(self, accuracy: float, attempts: Sequence[Attempt], run: Any = None) -> None:
+        super().__init__(accuracy, tuple(attempts), run)
+        self.accuracy = accuracy
+        self.attempts = tuple(attempts)
+        self.run = run
+
+    def __str__(self) -> str:
+        alone = "errors are estimated to be small enough, which no other attempt confirms"
+        tried = "".join(
+            f"\n  tolerance {each.tolerance:g}: {each.problem or alone}" for each in self.attempts
+        )
+        return (
+            f"no run is known to keep an accuracy of {self.accuracy:g}: the motion cannot be "
+            f"predicted so far, or converges slowly{tried}"
+        )
+
+
 class UnstableStartWarning(UserWarning):
     """A static start is an equilibrium that the line leaves by itself, and no other was found.
 

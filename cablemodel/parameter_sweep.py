@@ -22,7 +22,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cablemodel.errors import CableModelError, SceneError, shown
+from cablemodel.errors import CableModelError, ConvergenceError, SceneError, shown
 from cablemodel.extras import require
 
 if TYPE_CHECKING:
@@ -123,7 +123,6 @@ def sweep(
     scheduler: str | None = None,
     workers: int | None = None,
     converge: bool = False,
-    tensions: bool = True,
     finished: Callable[[int, pandas.DataFrame], None] | None = None,
 ) -> pandas.DataFrame:
     """Simulate a scene for every combination of values.
@@ -138,7 +137,6 @@ def sweep(
             machine. Its workers need cablemodel, and the files that the scene names.
         workers: processes on this machine; by default one for each processor.
         converge: make every run by `converge`, at the tolerance that keeps what is asked of it.
-        tensions: whether that asks for top tensions, too.
         finished: called with the number of finished runs and the table so far, about once a second
             and at the end, also when the sweep is interrupted.
 
@@ -171,9 +169,7 @@ def sweep(
         if finished is not None:
             finished(len(rows), _table(axes, points, rows))
 
-    simulate = partial(
-        simulate_point, text, folder, until=until, converge=converge, tensions=tensions
-    )
+    simulate = partial(simulate_point, text, folder, until=until, converge=converge)
     with _client(scheduler, workers, count) as client:
         try:
             _collect(client, simulate, changes, rows, report)
@@ -188,10 +184,8 @@ def simulate_point(
     overrides: Sequence[str],
     until: float | None = None,
     converge: bool = False,
-    tensions: bool = True,
 ) -> dict[str, Any]:
     """One run of a sweep: its results by `RESULTS`, and ``error``. Runs in a worker."""
-    from cablemodel.converged_run import ConvergenceError
     from cablemodel.converged_run import converge as run_until_converged
     from cablemodel.run import simulate
     from cablemodel.scene import load_scene
@@ -199,12 +193,9 @@ def simulate_point(
     found = ""
     try:
         scene = load_scene(text, overrides, folder=folder)
-        if converge:
-            run = run_until_converged(scene, tensions=tensions, until=until)
-        else:
-            run = simulate(scene, until=until)
+        run = run_until_converged(scene, until=until) if converge else simulate(scene, until=until)
     except CableModelError as error:
-        found = str(error)
+        found = " ".join(str(error).split())
         if not isinstance(error, ConvergenceError) or error.run is None:
             return {"error": found}
         run = error.run

@@ -19,6 +19,7 @@ from cablemodel.solver import FINER
 
 if TYPE_CHECKING:
     from cablemodel.run import Run
+    from cablemodel.scene import Scene
     from cablemodel.scene.schema import Solver
 
 Floats = NDArray[np.float64]
@@ -34,6 +35,12 @@ PUSHES = 0.01
 def looseness(unit: str) -> float:
     """How many times the tolerance a quantity of this unit may be wrong by."""
     return _LOOSE.get(unit, _LOOSE_OTHERWISE)
+
+
+def tensions_promised(scene: Scene) -> bool:
+    """Whether tensions are promised as long as the line is taut: not if it starts out of
+    equilibrium, and rings, nor if they are not asked for."""
+    return scene.initial.kind == "static" and scene.solver.accuracy_of == "all"
 
 
 def largest_tension(run: Run) -> float:
@@ -89,7 +96,7 @@ class ErrorEstimate:
     """At the tow point, while tensions are promised [N]."""
     taut_until: float
     """Time from which on tensions are not promised [s]: the line is slack, or starts out of
-    equilibrium and rings; infinite if there is none."""
+    equilibrium and rings, or they are not asked for; infinite if there is none."""
     unknown_from: float | None
     """First time without an estimate [s]: the finer run has no start, or could not go on. None if
     there is none."""
@@ -109,16 +116,14 @@ class ErrorEstimate:
         """Whether the promise is known to be kept at all outputs."""
         return self.share <= 1.0
 
-    def problems(self, settings: Solver, *, tensions: bool = True) -> list[str]:
+    def problems(self, settings: Solver) -> list[str]:
         """Where the promise of a run with these settings is not kept, or that is not known, in
-        sentences. tensions: whether that of tensions counts."""
+        sentences."""
         found = []
-        asked = "a tolerance" if settings.accuracy is None else "an accuracy"
-        quantities = [("positions", self.position), ("the top tension", self.tension)]
-        for what, error in quantities if tensions else quantities[:1]:
+        for what, error in (("positions", self.position), ("the top tension", self.tension)):
             if error.broken_at is not None:
                 found.append(
-                    f"{what} may be off by more than {asked} of {settings.promised:g} allows, "
+                    f"{what} may be off by more than {settings.asked} allows, "
                     f"first at t = {error.broken_at:g} s, by up to {error.share:.2g} times as much"
                 )
         if self.unknown_from is not None:
@@ -135,7 +140,7 @@ class ErrorEstimate:
         time, promised = run.time, run.scene.solver.promised
         largest = largest_tension(run)
         taut = float(time[0])
-        if run.scene.initial.kind == "static":
+        if tensions_promised(run.scene):
             taut = taut_until(time, run.tension_min, largest)
         judged = time < taut
         pull = max(looseness("N") * promised * largest, float(np.finfo(float).tiny))

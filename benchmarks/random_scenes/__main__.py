@@ -5,7 +5,8 @@ The section *Random scenes* of ``docs/stress.md`` is written from all that are k
 ``--only`` prints the scene and all about its outcome, and keeps nothing. ``--set 2`` judges another
 thousand scenes (seeds 1000 to 1999), to see whether what was made better for the first holds for
 scenes that nobody has looked at; their verdicts are printed and counted, not kept. ``--waves``
-judges 200 scenes in waves (from 10000 on), which have a file and a section of their own.
+judges 200 scenes in waves (from 10000 on), ``--converge`` the thousand as runs that are asked to
+converge; both have a file and a section of their own.
 """
 
 from __future__ import annotations
@@ -50,6 +51,8 @@ def main() -> None:
     parser.add_argument("--set", type=int, default=1, help="which thousand; others than 1: no page")
     parser.add_argument("--worker", help=argparse.SUPPRESS)
     chosen = parser.parse_args()
+    if chosen.waves and chosen.converge:
+        parser.error("--waves and --converge are two searches: choose one")
     if chosen.worker:
         work([int(seed) for seed in chosen.worker.split(",")], converged=chosen.converge)
         return
@@ -72,7 +75,7 @@ def main() -> None:
             outcomes[verdict.outcome] += 1
 
         rows = range(chosen.first, min(chosen.first + chosen.count, COUNT))
-        search([start + row for row in rows], count)
+        search([start + row for row in rows], count, converged=chosen.converge)
         print(", ".join(f"{outcome}: {number}" for outcome, number in outcomes.most_common()))
         return
     kept = {}

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from scipy.stats import binomtest
 
 from benchmarks.random_scenes.chance import COUNT
 from benchmarks.random_scenes.draw import IN_WAVES, Drawn, draw
@@ -56,8 +57,9 @@ _CONVERGED = """Written by `make stress` (`python -m benchmarks.random_scenes --
 scenes of *Random scenes*, each made by `cablemodel.converge`, which repeats it at finer tolerances
 until two attempts in a row estimate their errors to be within what its tolerance tau promises, and
 judged by a run at a sixteenth of the tolerance that it took: no attempt has seen that. They are
-compared to the end, however the motion multiplies differences; tensions are asked for, and
-compared, where no command makes the line ring along itself. *Wrong*: more than {limit:.4g} of the
+compared to the end, at all outputs and 102 places, however the motion multiplies differences;
+tensions are asked for and compared (until the line is slack) where no command makes it ring along
+itself. *Wrong*: more than {limit:.4g} of the
 promise away; *unsettled*: a ConvergenceError, which says that no run at tau, tau/4, tau/16 and
 tau/64 is known to keep the promise, and why none is; *too slow*: more than {slow:g} s of processor
 time.
@@ -216,10 +218,19 @@ LABELS = {
 
 
 def _taken(verdicts: Sequence[Verdict]) -> str:
-    """At what tolerances runs converged, where they were asked to."""
-    taken = Counter(v.note.partition(";")[0] for v in verdicts if v.note.startswith(TOOK))
-    counts = ", ".join(f"{count} at {name.removeprefix(TOOK)}" for name, count in taken.items())
-    return f" Converged: {counts}." if counts else ""
+    """At what tolerances runs converged, where they were asked to, and how sure that is."""
+    judged = [v for v in verdicts if v.statistics.get(TOOK) and v.outcome in ("completed", "wrong")]
+    if not judged:
+        return ""
+    counts = sorted(Counter(v.statistics[TOOK] for v in judged).items())
+    wrong = sum(v.outcome == "wrong" for v in judged)
+    sure = binomtest(wrong, len(judged)).proportion_ci(0.95)
+    return (
+        f"{len(judged)} runs converged and were judged: "
+        + ", ".join(f"{count} at tau/{finer}" for finer, count in counts)
+        + f". {wrong} of them are wrong; of as many again of the same kind between "
+        f"{100 * sure.low:.1g} and {100 * sure.high:.1g} % would be (95 %, exact binomial).\n"
+    )
 
 
 def section(search: Search, verdicts: Sequence[Verdict], page: Path) -> str:
@@ -233,10 +244,11 @@ def section(search: Search, verdicts: Sequence[Verdict], page: Path) -> str:
     return "\n".join(
         (
             search.header,
-            f"{len(rows)} of {search.count} scenes. Of the {len(judged)} that ran to their end, "
+            _taken(verdicts)
+            or f"{len(rows)} of {search.count} scenes. Of the {len(judged)} that ran to their end, "
             f"{whole} could be compared to the end, and {100 * part:.0f} % of all instants; "
-            "comparing stops where the motion cannot be predicted, the finer run takes too long, "
-            f"or a scene is already wrong.{_taken(verdicts)}\n",
+            "comparing stops where the motion cannot be predicted or where a scene is already "
+            "wrong.\n",
             f"![outcomes](stress/{picture.name})\n",
             outcome_table(rows),
             wrong_table(search, verdicts),

@@ -23,6 +23,7 @@ from benchmarks.random_scenes.judge import (
     CHECK_LIMIT,
     CONVERGE_LIMIT,
     ENERGY_LIMIT,
+    JUDGE_LIMIT,
     RUN_LIMIT,
     Verdict,
     judge,
@@ -39,6 +40,7 @@ LIMITS = {
     "check": CHECK_LIMIT,
     "perturbed": CHECK_LIMIT,
     "finest": CHECK_LIMIT,
+    "judge": JUDGE_LIMIT,
 }
 
 

@@ -59,7 +59,7 @@ class Apart:
         largest = largest_tension(reference)
         pull = max(looseness("N") * largest, float(np.finfo(float).tiny))
         lowest = np.minimum(run.tension_min, reference.tension_min)
-        tolerance = run.scene.solver.tolerance
+        tolerance = run.scene.solver.promised
         distance = np.linalg.norm(other.position - one.position, axis=2)
         along = np.abs(other.tension - one.tension)
         top = np.abs(run.top_tension - reference.top_tension)[:, None]

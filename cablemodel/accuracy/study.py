@@ -55,7 +55,7 @@ def convergence(
     if not isinstance(scene, Scene):
         scene = load_scene(scene)
     *listed, finest = runs_of(scene, tolerances)
-    own = scene.solver.tolerance
+    own, asked = scene.solver.tolerance, scene.solver.accuracy
     done: dict[float, Row] = {}
     errors: dict[float, CableModelError] = {}
     apart: dict[float, Apart] = {}
@@ -64,7 +64,10 @@ def convergence(
         try:
             run, row = _run(scene, tolerance, until, progress)
         except CableModelError as error:
-            errors[tolerance], done[tolerance] = error, Row(tolerance, error=str(error))
+            errors[tolerance], done[tolerance] = (
+                error,
+                Row(tolerance, error=str(error), asked=asked),
+            )
             continue
         done[tolerance] = row
         if reference is None:
@@ -141,7 +144,13 @@ def _run(
             model.step_to(target)
         seconds = min(seconds, time.process_time() - begin)
     simulated = float(run.time[-1] - run.time[0])
-    return run, Row(tolerance, seconds / simulated, int(run.statistics["steps"]), elements)
+    return run, Row(
+        tolerance,
+        seconds / simulated,
+        int(run.statistics["steps"]),
+        elements,
+        asked=scene.solver.accuracy,
+    )
 
 
 class _Watched:

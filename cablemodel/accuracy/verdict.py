@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 from cablemodel.accuracy.apart import Apart, Settled
+from cablemodel.promise import tensions_promised
 
 if TYPE_CHECKING:
     from cablemodel.compare import Difference
@@ -49,18 +50,25 @@ class Row:
     """First time at which it did not [s]."""
     error: str = ""
     """Why the run failed."""
+    asked: float | None = None
+    """The accuracy that the scene asks for, if that is not the tolerance."""
+
+    @property
+    def promised(self) -> float:
+        """What the run is judged by: the tolerance, or the accuracy that is asked for."""
+        return self.tolerance if self.asked is None else self.asked
 
     @property
     def position_share(self) -> float:
-        """The position's difference as a part of what the tolerance allows."""
-        return math.nan if self.position is None else self.position.share / self.tolerance
+        """The position's difference as a part of what is allowed."""
+        return math.nan if self.position is None else self.position.share / self.promised
 
     @property
     def tension_share(self) -> float:
-        """The larger of both differences in tension as a part of what the tolerance allows."""
+        """The larger of both differences in tension as a part of what is allowed."""
         if self.top_tension is None or self.tension is None:
             return math.nan
-        return max(self.top_tension.share, self.tension.share) / self.tolerance
+        return max(self.top_tension.share, self.tension.share) / self.promised
 
 
 @dataclass(frozen=True)
@@ -108,10 +116,10 @@ def conclude(
     if apart:
         fine = min(apart)
         settled = Settled.of(
-            apart[fine], max(SETTLED * asked, fine + finest), static=scene.initial.kind == "static"
+            apart[fine], max(SETTLED * asked, fine + finest), static=tensions_promised(scene)
         )
         for tolerance, found in apart.items():
-            judged = settled.judge(found, (asked if tolerance == own else tolerance) + finest)
+            judged = settled.judge(found, done[tolerance].promised + finest)
             rows[tolerance] = replace(
                 done[tolerance],
                 position=found.position,
@@ -191,7 +199,9 @@ def _notes(
 ) -> Iterator[str]:
     if finest != reference.tolerance:
         yield f"The run at {finest:g} failed: the others are compared with {reference.tolerance:g}."
-    if settled is not None and settled.taut_until <= settled.begin:
+    if scene.solver.accuracy_of == "positions":
+        yield "Tensions are not judged: the scene asks for positions."
+    elif settled is not None and settled.taut_until <= settled.begin:
         yield "Tensions are not judged: the line starts out of equilibrium, or slack, and rings."
     elif settled is not None:
         if math.isfinite(settled.taut_until):

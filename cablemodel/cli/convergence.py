@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 _KEY = (
     "CPU: of the steps, for a simulated second. off: the largest difference from the reference "
-    "(ref.). share: of what the tolerance allows, tau L or 10 tau of the largest tension. worst, "
+    "(ref.). share: of what is allowed, tau L or 10 tau of the largest tension. worst, "
     "place: of the position."
 )
 
@@ -143,8 +143,10 @@ def _table(found: Convergence, title: str) -> Table:
     from rich.markup import escape
     from rich.table import Table
 
+    asked = found.own.asked
+    accuracy = "" if asked is None else f", for an accuracy of {asked:g}"
     table = Table(
-        title=f"{escape(title)}: tolerance {found.tolerance:g}",
+        title=f"{escape(title)}: tolerance {found.tolerance:g}{accuracy}",
         caption=_KEY,
         title_justify="left",
         caption_justify="left",

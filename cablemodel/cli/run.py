@@ -48,15 +48,6 @@ ConvergeOption = Annotated[
         "the scene's own tolerance (or solver.accuracy) allows; status 1 if none is that good.",
     ),
 ]
-TensionsOption = Annotated[
-    bool,
-    typer.Option(
-        "--tensions/--positions-only",
-        help="With --converge: whether the top tension must be right, too. Stiff lines that are "
-        "jerked ring along themselves, and no two tolerances agree on that.",
-    ),
-]
-
 _LONG_START = 3.0
 """Seconds after which a start is said to be compiling: a warm one takes less."""
 _REFRESH = 0.05
@@ -81,7 +72,6 @@ def run(
         ),
     ] = False,
     converge: ConvergeOption = False,
-    tensions: TensionsOption = True,
     state_interval: Annotated[
         str | None,
         typer.Option(
@@ -97,8 +87,8 @@ def run(
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress.")] = False,
 ) -> None:
     """Simulate a scene to its end."""
-    from cablemodel.converged_run import ConvergenceError
     from cablemodel.converged_run import converge as run_until_converged
+    from cablemodel.errors import ConvergenceError
     from cablemodel.run import simulate
     from cablemodel.scene import load_scene
 
@@ -123,9 +113,8 @@ def run(
         try:
             if converge:
                 result = run_until_converged(
-                    loaded, tensions=tensions, log=log, until=end, progress=attempt,
-                    state_interval=interval,
-                )  # fmt: skip
+                    loaded, log=log, until=end, progress=attempt, state_interval=interval
+                )
             else:
                 result = simulate(
                     loaded, log=log, until=end, progress=progress, state_interval=interval
@@ -142,7 +131,7 @@ def run(
     if as_json:
         typer.echo(json.dumps(result.summary()))
     else:
-        _print_summary(result, log)
+        _print_summary(result, log, converged=converge)
     if unconverged is not None:
         raise unconverged
 
@@ -242,14 +231,16 @@ def _bar(
         last = -math.inf
         # The clock of the first step: a first start spends its time before it, compiling.
         began = [math.nan, 0.0]
+        reached = 0.0
 
         def show(now: Progress, run: str) -> None:
-            nonlocal last
+            nonlocal last, reached
             clock = time.perf_counter()
             if now.time > 0.0:
                 started()
-            if math.isnan(began[0]) or now.time < began[1]:
+            if math.isnan(began[0]) or now.time < reached:
                 began[:] = [clock, now.time]
+            reached = now.time
             if clock - last < _REFRESH and now.time < now.until:
                 return
             last = clock
@@ -266,8 +257,8 @@ def _bar(
         yield show
 
 
-def _print_summary(result: Run, log: Path | None) -> None:
-    """The end of the run as a table."""
+def _print_summary(result: Run, log: Path | None, *, converged: bool) -> None:
+    """The end of the run as a table. converged: whether it was asked to converge."""
     from rich.console import Console
     from rich.table import Table
 
@@ -283,7 +274,7 @@ def _print_summary(result: Run, log: Path | None) -> None:
     problems = estimate.problems(result.scene.solver) if estimate is not None else []
     for problem in problems:
         console.print(f"[yellow]warning:[/yellow] {problem}", highlight=False, soft_wrap=True)
-    if problems:
+    if problems and not converged:
         console.print(
             "A run that keeps the promise, if there is one: cablemodel run SCENE --converge",
             highlight=False,
@@ -324,7 +315,7 @@ def _error_rows(result: Run) -> list[tuple[str, str]]:
     estimate = result.error_estimate
     if estimate is None:
         return []
-    rows = []
+    rows, settings = [], result.scene.solver
     for name, unit, error, until in (
         ("positions", "m", estimate.position, math.inf),
         ("top tension", "N", estimate.tension, estimate.taut_until),
@@ -332,6 +323,8 @@ def _error_rows(result: Run) -> list[tuple[str, str]]:
         text = f"{error.largest:.3g} {unit}, {error.share:.2g} of what is allowed"
         if until <= result.time[0]:
             text = "not promised: slack, or not at rest at the start"
+            if settings.accuracy_of == "positions":
+                text = "not asked for"
         elif math.isnan(error.share):
             text = "not known"
         elif estimate.unknown_from is not None and estimate.unknown_from < until:

@@ -15,7 +15,6 @@ from cablemodel.cli.run import (
     ConvergeOption,
     SceneArgument,
     SetOption,
-    TensionsOption,
     UntilOption,
     seconds_of,
 )
@@ -80,7 +79,6 @@ def sweep(
         ),
     ] = None,
     converge: ConvergeOption = False,
-    tensions: TensionsOption = True,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress.")] = False,
 ) -> None:
     """Run a scene for every combination of some of its values, in parallel, into one table."""
@@ -113,7 +111,7 @@ def sweep(
         try:
             table = run_all(
                 scene, axes, overrides=overrides or (), until=end, scheduler=scheduler,
-                workers=workers, converge=converge, tensions=tensions, finished=finished,
+                workers=workers, converge=converge, finished=finished,
             )  # fmt: skip
         except KeyboardInterrupt:
             done = len(kept[0]) if kept else 0

@@ -31,7 +31,7 @@ _BREAKING_STRESS = 0.5e9
 _SHORTEST_BODY = 1e-6
 """Of the line's length: a body's direction follows from the places of its two ends."""
 
-_FINITE_ELEMENT_ONLY = ("tolerance", "accuracy", "error_estimate")
+_FINITE_ELEMENT_ONLY = ("tolerance", "accuracy", "accuracy_of", "error_estimate")
 _DIRECT_ONLY = (
     "time_step",
     "node_spacing",
@@ -59,6 +59,11 @@ class Solver(SceneModel):
         default=None,
         description="finite_element: the tolerance whose promise is asked of the run, where it is "
         "computed at a finer one to keep that; by default the tolerance",
+    )
+    accuracy_of: Literal["all", "positions"] = Field(
+        default="all",
+        description="finite_element: what is asked to be so accurate: positions and the top "
+        "tension, or positions alone, as where jerks make a stiff line ring along itself",
     )
     error_estimate: bool = Field(
         default=False,
@@ -107,11 +112,21 @@ class Solver(SceneModel):
         """What errors are judged by: positions within this times the line's length."""
         return self.tolerance if self.accuracy is None else self.accuracy
 
+    @property
+    def asked(self) -> str:
+        """The same in words."""
+        name = "a tolerance" if self.accuracy is None else "an accuracy"
+        return f"{name} of {self.promised:g}"
+
     def as_written(self) -> dict[str, Any]:
         """The settings of the chosen method only."""
         keys: tuple[str, ...] = _DIRECT_ONLY
         if self.method == "finite_element":
-            asked = {"accuracy": self.accuracy is not None, "error_estimate": self.error_estimate}
+            asked = {
+                "accuracy": self.accuracy is not None,
+                "accuracy_of": self.accuracy_of != "all",
+                "error_estimate": self.error_estimate,
+            }
             keys = ("tolerance", *(key for key, given in asked.items() if given))
         return {"method": self.method, **{key: getattr(self, key) for key in keys}}
 

@@ -118,8 +118,8 @@ class Diagnostics:
         if math.isnan(error):
             status.add(WARN, "errors are not known: the finer run could not go on")
         elif error > settings.promised * model.line_length:
-            status.add(WARN, f"positions may be off by {error:.3g} m, more than an accuracy of "
-                             f"{settings.promised:g} allows")  # fmt: skip
+            status.add(WARN, f"positions may be off by {error:.3g} m, more than "
+                             f"{settings.asked} allows")  # fmt: skip
 
     def _commands(self) -> Status:
         session = self._session

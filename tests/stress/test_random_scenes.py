@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import signal
 from dataclasses import asdict, replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -152,34 +151,36 @@ def test_where_nothing_tells_who_is_right_the_end_of_the_run_counts(end: str, ou
 def test_a_run_that_converged_is_judged_by_one_that_it_has_not_seen(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    drawn, tolerances = draw(22), []
+    drawn, tolerances, off = draw(22), [], 0.0
 
-    def watched(drawn: Drawn, scene: Any, tolerance: float, *more: Any) -> Any:
-        tolerances.append(tolerance)
-        return run(drawn, scene, tolerance, *more)
+    class Watched(judging._Outputs):
+        def __init__(self, drawn: Drawn, tolerance: float, limit: float) -> None:
+            super().__init__(drawn, tolerance, limit)
+            tolerances.append(tolerance)
+            if off and tolerance < drawn.tolerance / 16.0:
+                self.shapes[7][:, 1] += off * drawn.tolerance * self.lengths[7]
 
-    monkeypatch.setattr(judging, "run", watched)
+    monkeypatch.setattr(judging, "_Outputs", Watched)
     verdict = judge_converged(drawn)
     assert verdict.outcome == "completed", verdict.why
     assert verdict.compared == 1.0
-    assert verdict.note == "tolerance tau/4"
+    assert 0.0 < verdict.position < 0.5
+    assert verdict.statistics == {"finer": 4}
     assert tolerances == [drawn.tolerance / 4.0, drawn.tolerance / 64.0]
-
-    def off(drawn: Drawn, scene: Any, tolerance: float, *more: Any) -> Any:
-        trace, model = run(drawn, scene, tolerance, *more)
-        if tolerance < drawn.tolerance / 16.0:
-            trace.shapes[7][:, 1] += 1.1 * drawn.tolerance * trace.lengths[7]
-        return trace, model
-
-    monkeypatch.setattr(judging, "run", off)
+    off = 2.0
     verdict = judge_converged(drawn)
     assert verdict.outcome == "wrong"
     assert verdict.kinds == ["position"]
-    assert "1.1 tau L" in verdict.why
+    assert "at output 7 of" in verdict.why
+    monkeypatch.setattr(judging, "JUDGE_LIMIT", 0.0)
+    off = 0.0
+    verdict = judge_converged(drawn)
+    assert verdict.outcome == "too slow"
+    assert verdict.compared < 0.1
 
 
 def test_what_does_not_converge_is_unsettled_and_says_why() -> None:
-    verdict = judge_converged(draw(11))
+    verdict = judge_converged(draw(2))
     assert verdict.outcome == "unsettled"
     assert "no run is known to keep an accuracy of" in verdict.why
 

@@ -385,7 +385,7 @@ def test_what_a_cable_may_be_wrong_by_is_published_logged_and_told(tmp_path: Pat
         error, rel=1e-5
     )
     saved = model.snapshot()
-    for wrong, text in ((1.0, "positions may be off by 1 m, more than an accuracy of 0.001"),
+    for wrong, text in ((1.0, "positions may be off by 1 m, more than a tolerance of 0.001"),
                         (math.nan, "errors are not known")):  # fmt: skip
         model._errors = (wrong, 0.5)
         status = diagnostics.statuses()[0]
