@@ -149,13 +149,14 @@ def judge_converged(
 
     That is at a sixteenth of the tolerance of the run, and is compared with it at all outputs,
     whether the motion can be predicted or not: a run that says that it has converged has no excuse.
-    Tensions are asked for where no command makes the line ring along itself, and count until the
-    line is slack in either run. What a ConvergenceError refuses is *unsettled*; *too slow* is also
-    a run whose judge does not come to its end.
+    Tensions are asked for where no command makes the line ring along itself, nor a turn, at whose
+    ends the acceleration jumps; they count until the line is slack in either run or the winch has
+    reached an end. What a ConvergenceError refuses is *unsettled*; *too slow* is also a run whose
+    judge does not come to its end.
     """
     import cablemodel as cm
 
-    tensions = drawn.shock > drawn.duration
+    tensions = drawn.shock > drawn.duration and drawn.traits["manoeuvre"] != "turn"
     asked = {**drawn.scene["solver"], "accuracy_of": "all" if tensions else "positions"}
     scene = cm.load_scene({**drawn.scene, "solver": asked})
     verdict = Verdict(drawn.seed, "completed")
@@ -207,6 +208,7 @@ class _Outputs:
         self.shapes: list[FloatArray] = []
         self.lengths: list[float] = []
         self._tensions: list[tuple[float, float, float]] = []
+        self._stands: list[bool] = []
         self.end = ""
         try:
             model = cm.CableModel(cm.load_scene(scene))
@@ -216,6 +218,7 @@ class _Outputs:
                 self.lengths.append(model.line_length)
                 tensions = model.top_tension, model.tension_min, model.tension_max
                 self._tensions.append(tensions)
+                self._stands.append(model.winch != "free")
                 if time.process_time() - begin > limit:
                     raise _TooSlowError(f"more than {limit:g} s at t = {model.time:g} s")
 
@@ -238,8 +241,8 @@ class _Outputs:
         if tensions:
             lowest = np.minimum(self.lowest[:count], judge.lowest[:count])
             largest = max(float(np.abs([judge.lowest, judge.highest]).max()), 1e-9)
-            slack = np.flatnonzero(lowest < -PUSHES * largest)
-            taut = slack[0] if slack.size else count
+            ends = np.flatnonzero((lowest < -PUSHES * largest) | self._stands[:count])
+            taut = ends[0] if ends.size else count
             off = np.abs(self.top[:taut] - judge.top[:taut]) / (10.0 * tau * largest)
             shares["tension"] = np.concatenate([off, np.zeros(count - taut)])
         verdict.position = float(shares["position"].max())
