@@ -102,7 +102,7 @@ def converge(
             "error_estimate": True,
         }
         tried = scene.model_copy(update={"solver": settings.model_copy(update=changes)})
-        kept = None
+        run = estimate = None
         with _Log(log, keep=last is None) as file:
             try:
                 model = CableModel(tried)
@@ -120,21 +120,17 @@ def converge(
                 file.keep = True
                 last, estimate = run, run.error_estimate
                 assert estimate is not None  # the scene asks for it
-                problem = "; ".join(estimate.problems(tried.solver))
-                if not problem:
-                    problem = _growth(before, estimate)
-                    kept = None if problem else estimate
-        if last is not None and log is not None:
-            last = open_run(log)  # by its name
-        if kept is not None and before is not None and last is not None:
-            return last
+                problem = "; ".join(estimate.problems(tried.solver)) or _growth(before, estimate)
+        if run is not None and before is not None and not problem:
+            return _at_its_place(run, log)
         made.append(Attempt(tried.solver.tolerance, problem))
-        before = kept
+        before = None if problem else estimate
         if problem and k + 2 >= attempts:
             break  # nothing is left that could confirm another
     if len(failures) == len(made):
         raise failures[0]
-    raise ConvergenceError(settings.promised, made, last)
+    whole = None if last is None else _at_its_place(last, log)
+    raise ConvergenceError(settings.promised, made, whole)
 
 
 def _growth(before: ErrorEstimate | None, now: ErrorEstimate) -> str:
@@ -175,6 +171,11 @@ class _Log:
             os.replace(self.path, self._log)
         else:
             self.path.unlink()
+
+
+def _at_its_place(run: Run, log: str | PathLike[str] | None) -> Run:
+    """A run whose attempt's file has become the log."""
+    return run if log is None else open_run(log)
 
 
 def _watch(

@@ -190,14 +190,14 @@ def simulate_point(
     from cablemodel.run import simulate
     from cablemodel.scene import load_scene
 
-    found = ""
+    problem = ""
     try:
         scene = load_scene(text, overrides, folder=folder)
         run = run_until_converged(scene, until=until) if converge else simulate(scene, until=until)
     except CableModelError as error:
-        found = " ".join(str(error).split())
+        problem = " ".join(str(error).split())
         if not isinstance(error, ConvergenceError) or error.run is None:
-            return {"error": found}
+            return {"error": problem}
         run = error.run
     summary = run.summary()
     tip = summary["tip_position"]
@@ -216,7 +216,7 @@ def simulate_point(
         "elements": summary["elements"],
         "tolerance": summary.get("tolerance"),
         "error_share": summary.get("error_share"),
-        "error": found,
+        "error": problem,
     }
 
 

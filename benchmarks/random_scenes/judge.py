@@ -23,7 +23,6 @@ from __future__ import annotations
 
 import math
 import time
-import traceback
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
@@ -31,7 +30,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from benchmarks.random_scenes.draw import Drawn
-from benchmarks.random_scenes.trace import FloatArray, Trace, perturbed, run
+from benchmarks.random_scenes.trace import FloatArray, Trace, ending, perturbed, run
 from cablemodel.error_estimate import PLACES
 
 if TYPE_CHECKING:
@@ -164,14 +163,8 @@ def judge_converged(
     begin = time.process_time()
     try:
         found = cm.converge(scene)
-    except (cm.SceneError, cm.StaticsError) as error:
-        verdict.outcome, verdict.why = "refused", f"{type(error).__name__}: {error}"
-    except cm.StepError as error:
-        verdict.outcome, verdict.why = "stopped", f"{type(error).__name__}: {error}"
-    except cm.ConvergenceError as error:
-        verdict.outcome, verdict.why = "unsettled", f"{type(error).__name__}: {error}"
-    except Exception:  # the search is for exactly these
-        verdict.outcome, verdict.why = "crashed", traceback.format_exc(limit=-3)
+    except Exception as error:
+        verdict.outcome, verdict.why = ending(error)
     verdict.cpu = time.process_time() - begin
     if verdict.outcome != "completed":
         return verdict
@@ -307,13 +300,7 @@ def _wrong(verdict: Verdict, kind: str, why: str) -> None:
     verdict.outcome = "wrong"
 
 
-def compare(
-    verdict: Verdict,
-    drawn: Drawn,
-    trace: Trace,
-    fine: Trace,
-    shaken: Trace,
-) -> int | None:
+def compare(verdict: Verdict, drawn: Drawn, trace: Trace, fine: Trace, shaken: Trace) -> int | None:
     """Fill in the largest differences while the motion is predictable; too large ones are wrong.
 
     Returns the instant of the first one that is too large, or None.

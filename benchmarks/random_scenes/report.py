@@ -61,11 +61,10 @@ their errors to be within what its tolerance tau promises, and judged by a run a
 tolerance that it took: no attempt has seen that. They are compared to the end, at all outputs and
 102 places, however the motion multiplies differences; tensions are asked for and compared (until
 the line is slack, or the winch has reached an end) where no command makes it ring along itself, nor
-the ends of a turn. The judge is the same solver, only
-finer: what all its runs share is not seen. *Wrong*: more than {limit:.4g} of the promise away;
-*unsettled*: a ConvergenceError, which says that no run at tau, tau/4, tau/16 and tau/64 is known to
-keep the promise, and why none is; *too slow*: more than {slow:g} s of processor time for all
-attempts, or more than {judge:g} s for the judge.
+the ends of a turn. The judge is the same solver, only finer: what all its runs share is not seen.
+*Wrong*: more than {limit:.4g} of the promise away; *unsettled*: a ConvergenceError, which says that
+no run at tau, tau/4, tau/16 and tau/64 is known to keep the promise, and why none is; *too slow*:
+more than {slow:g} s of processor time for all attempts, or more than {judge:g} s for the judge.
 """
 
 BAD = ("crashed", "too slow", "wrong", "unsettled", "stopped")

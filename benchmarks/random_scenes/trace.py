@@ -112,17 +112,28 @@ def run(
             if time.process_time() - begin > cpu_limit:
                 trace.end, trace.message = "too slow", f"at t = {model.time:g} s"
                 break
-    except (cm.SceneError, cm.StaticsError) as error:
-        trace.end, trace.message = "refused", f"{type(error).__name__}: {error}"
-    except cm.StepError as error:
-        trace.end, trace.message = "stopped", f"{type(error).__name__}: {error}"
-    except Exception:  # the search is for exactly these
-        trace.end, trace.message = "crashed", traceback.format_exc(limit=-3)
+    except Exception as error:
+        trace.end, trace.message = ending(error)
     trace.cpu = time.process_time() - begin
     trace.energy_gain = balance.gain()
     if model is not None:
         trace.statistics = model.statistics
     return trace, model
+
+
+def ending(error: Exception) -> tuple[str, str]:
+    """The outcome of a run that an error ended, and the error in words."""
+    import cablemodel as cm
+
+    for outcome, kinds in (
+        ("refused", (cm.SceneError, cm.StaticsError)),
+        ("stopped", (cm.StepError,)),
+        ("unsettled", (cm.ConvergenceError,)),
+    ):
+        if isinstance(error, kinds):
+            return outcome, f"{type(error).__name__}: {error}"
+    # The search is for exactly these.
+    return "crashed", "".join(traceback.format_exception(error, limit=-3))
 
 
 def _keep(trace: Trace, model: Any, scene: dict[str, Any], tolerance: float, total: float) -> None:

@@ -64,10 +64,8 @@ def convergence(
         try:
             run, row = _run(scene, tolerance, until, progress)
         except CableModelError as error:
-            errors[tolerance], done[tolerance] = (
-                error,
-                Row(tolerance, error=str(error), asked=asked),
-            )
+            errors[tolerance] = error
+            done[tolerance] = Row(tolerance, error=str(error), asked=asked)
             continue
         done[tolerance] = row
         if reference is None:
@@ -144,13 +142,8 @@ def _run(
             model.step_to(target)
         seconds = min(seconds, time.process_time() - begin)
     simulated = float(run.time[-1] - run.time[0])
-    return run, Row(
-        tolerance,
-        seconds / simulated,
-        int(run.statistics["steps"]),
-        elements,
-        asked=scene.solver.accuracy,
-    )
+    steps, asked = int(run.statistics["steps"]), scene.solver.accuracy
+    return run, Row(tolerance, seconds / simulated, steps, elements, asked=asked)
 
 
 class _Watched:

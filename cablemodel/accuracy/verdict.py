@@ -141,7 +141,7 @@ def _verdict(
     solver: Solver, rows: tuple[Row, ...], reference: Row, settled: Settled | None
 ) -> tuple[Outcome, str]:
     own, asked = solver.tolerance, solver.promised
-    promise = "the promise" if solver.accuracy is None else f"an accuracy of {asked:g}"
+    promise = "the promise" if solver.accuracy is None else solver.asked
     found = next(row for row in (*rows, reference) if row.tolerance == own)
     good = [row for row in rows if not row.error]
     run = f"At its tolerance of {own:g} the run"

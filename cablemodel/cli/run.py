@@ -48,6 +48,7 @@ ConvergeOption = Annotated[
         "the scene's own tolerance (or solver.accuracy) allows; status 1 if none is that good.",
     ),
 ]
+
 _LONG_START = 3.0
 """Seconds after which a start is said to be compiling: a warm one takes less."""
 _REFRESH = 0.05
@@ -102,13 +103,12 @@ def run(
     unconverged: ConvergenceError | None = None
     with _progress(quiet or as_json) as show:
 
-        def progress(now: Progress) -> None:
+        def progress(now: Progress, which: str = "") -> None:
             reached[0] = now.time
-            show(now, "")
+            show(now, which)
 
         def attempt(tolerance: float, now: Progress) -> None:
-            reached[0] = now.time
-            show(now, f"tolerance {tolerance:g} · ")
+            progress(now, f"tolerance {tolerance:g} · ")
 
         try:
             if converge:

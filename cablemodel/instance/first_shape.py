@@ -161,37 +161,42 @@ def bight(scene: Scene, start: FloatArray) -> Drawn | None:
     span, rise = float(np.hypot(*way)), down * float(start[2] - end[2])
     if abs(rise) >= length:
         return None
-    lowest = 0.5 * (length - rise)
-    if span > 0.0:
-        # sinh(x) / x = ratio, x the half span in units of the radius at the bend.
-        ratio = math.log(math.sqrt(length**2 - rise**2) / span)
-        if ratio <= 0.0:
-            return None
-
-        def excess(x: float) -> float:
-            return x + math.log(-math.expm1(-2.0 * x) / (2.0 * x)) - ratio
-
-        low, high = 1e-3, 2.0 * ratio + 4.0
-        half = crossing(excess, low, high, at_low=excess(low), at_high=excess(high), near=0.0,
-                        width=1e-12)  # fmt: skip
-        radius = 0.5 * span / half
-        middle = math.atanh(rise / length)
-        first, last = (radius * math.sinh(middle + sign * half) for sign in (-1.0, 1.0))
-        if first >= 0.0 or last <= 0.0:
-            return None
-        lowest = -first
+    catenary = _catenary(span, rise, length) if span > 0.0 else None
+    if span > 0.0 and catenary is None:
+        return None
+    lowest = 0.5 * (length - rise) if catenary is None else -catenary[1]
     layer, passed = _layer_at(scene, lowest)
-    if span == 0.0 or radius < TIGHT * layer:
+    if catenary is None or catenary[0] < TIGHT * layer:
         if layer == 0.0:
             return None
         way = way / span if span > 0.0 else np.array([1.0, 0.0])
         points = _loop(start, end, lowest, length, min(layer, length / 8.0), way, down)
         return Drawn(points, [lowest - passed], [layer])
+    radius, first, last = catenary
     s = _places(first, last, radius * np.linspace(-20.0, 20.0, 241))
     along = radius * (np.arcsinh(s / radius) - math.asinh(first / radius))
     up = radius * (np.hypot(1.0, s / radius) - math.hypot(1.0, first / radius))
     points = start + np.column_stack([np.outer(along, way / span), -down * up])
     return Drawn(points, [lowest - passed], [max(radius, layer)])
+
+
+def _catenary(span: float, rise: float, length: float) -> tuple[float, float, float] | None:
+    """Radius at the bend [m], and arc lengths of both ends from there; None without a bend."""
+    # sinh(x) / x = ratio, x the half span in units of the radius.
+    ratio = math.log(math.sqrt(length**2 - rise**2) / span)
+    if ratio <= 0.0:
+        return None
+
+    def excess(x: float) -> float:
+        return x + math.log(-math.expm1(-2.0 * x) / (2.0 * x)) - ratio
+
+    low, high = 1e-3, 2.0 * ratio + 4.0
+    half = crossing(excess, low, high, at_low=excess(low), at_high=excess(high), near=0.0,
+                    width=1e-12)  # fmt: skip
+    radius = 0.5 * span / half
+    middle = math.atanh(rise / length)
+    first, last = (radius * math.sinh(middle + sign * half) for sign in (-1.0, 1.0))
+    return None if first >= 0.0 or last <= 0.0 else (radius, first, last)
 
 
 def _loop(
