@@ -85,22 +85,15 @@ def refined(block: Block, scene: Scene, nodes: list[FloatArray]) -> list[FloatAr
         chord = (r1 - r0) / h[node]
         start[node] = (6.0 * chord - 4.0 * d0 - 2.0 * d1) / h[node]
         end[node] = (2.0 * d0 + 4.0 * d1 - 6.0 * chord) / h[node]
-    by_spring = _bent_by_a_spring(block)
     jump = np.zeros(count)  # at the child end of each element
     for node in range(1, count - 1):
         if not joints[node] and not joints[node + 1]:
             bend = start[node + 1] - end[node]
-            if by_spring:
-                # Across the line: what |r'| does along it is no bend, see `follow.jump_at`.
-                slope = q[node, dimension:] / np.linalg.norm(q[node, dimension:])
-                bend -= (bend @ slope) * slope
             jump[node] = float(np.linalg.norm(bend))
     # Flexible ends have no neighbour to compare with: half of the change inside stands for it.
     inside = np.linalg.norm(start - end, axis=1)
     indicator = h**2 * np.maximum(jump, np.concatenate([[0.0], jump[:-1]]))
     indicator[1] = max(indicator[1], 0.25 * h[1] ** 2 * inside[1])
-    if by_spring:
-        indicator[1] = 0.0  # the spring stands for a layer that elements here do not resolve
     last = int(np.flatnonzero(joints == 0)[-1])  # beyond it there may be a body
     indicator[last] = max(indicator[last], 0.25 * h[last] ** 2 * inside[last])
     split = indicator > BENT * scene.solver.tolerance * scene.line_length
@@ -132,13 +125,6 @@ def halved(scene: Scene, nodes: list[FloatArray]) -> list[FloatArray]:
         else np.sort(np.concatenate([places, 0.5 * (places[1:] + places[:-1])]))
         for cable, places in zip(scene.cables, nodes, strict=True)
     ]
-
-
-def _bent_by_a_spring(block: Block) -> bool:
-    """Whether a spring clamps a cable that bends; one without bending stiffness feels no clamp."""
-    if block.array(at.O_CONSTRAINT, at.CONSTRAINT_WORDS)[at.C_CLAMPED] != at.BY_SPRING:
-        return False
-    return float(block.array(at.O_EDGE, 2, at.EDGE_WORDS)[1, at.E_BENDING_FULL]) > 0.0
 
 
 def shape_of(block: Block) -> FloatArray:

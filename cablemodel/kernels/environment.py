@@ -2,9 +2,12 @@
 
 import math
 
+from .clamp_layer import add_layer_motion
 from .compile import kernel
 from .layout import (
+    BY_SPRING,
     C_ANCHOR,
+    C_CLAMPED,
     C_KIND,
     C_POSITION,
     I_CURRENT,
@@ -122,6 +125,8 @@ def prescribed_motion(I, M, row, t, out):
         out[3] = M[motion + 5]
         out[4] = px * M[motion + 6] + py * M[motion + 7]
         out[5] = M[motion + 8]
+    if M[row + C_CLAMPED] == BY_SPRING:
+        add_layer_motion(I, M, t, out)
 
 
 @kernel

@@ -16,6 +16,7 @@ from .floor_surface import lowest_gap
 from .layout import (
     BY_SPRING,
     C_CLAMPED,
+    C_SHARE,
     CABLE_WORDS,
     E_BENDING_FULL,
     E_BORNE,
@@ -193,7 +194,9 @@ def may_be_halved(I, M, node):
     row = I[O_CABLES] + I[I_TOP_CABLE] * CABLE_WORDS
     if I[I_TOP_CABLE] + 1 < I[I_CABLES] and M[S_TRAVEL] > M[row + K_LEAVES]:
         return False
-    if M[I[O_CONSTRAINT] + C_CLAMPED] == BY_SPRING and M[edge + E_BENDING_FULL] > 0.0:
+    row = I[O_CONSTRAINT]
+    bends = M[row + C_CLAMPED] == BY_SPRING and M[edge + E_BENDING_FULL] > 0.0
+    if bends and M[row + C_SHARE] < 1.0:
         return False
     passed = PASSED * abs(M[S_PAYOUT_RATE]) * M[S_PERIOD]
     return M[edge + E_LENGTH] > min(SHORTEST_TOP * M[row + K_NOMINAL], passed)

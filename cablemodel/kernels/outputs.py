@@ -3,6 +3,7 @@
 import math
 
 from .bodies import add_waves, body_kinematics
+from .clamp_layer import add_layer_motion, add_layer_shape
 from .compile import kernel, view
 from .environment import current_at
 from .floor_outputs import floor_energy, floor_summary, lying_gap
@@ -14,8 +15,11 @@ from .layout import (
     B_OFFSET,
     B_WEIGHT,
     BODY_WORDS,
+    BY_SPRING,
+    C_CLAMPED,
     E_ADDED,
     E_BENDING,
+    E_BENDING_FULL,
     E_DRAG_NORMAL,
     E_DRAG_TANGENTIAL,
     E_LENGTH,
@@ -39,6 +43,7 @@ from .layout import (
     I_WAVES,
     O_ACCELERATION,
     O_BODY,
+    O_CONSTRAINT,
     O_CONSTRAINT_RESIDUAL,
     O_EDGE,
     O_END_FORCE,
@@ -105,6 +110,20 @@ def to_earth(I, M, local, at, out, to, origin):
 
 
 @kernel
+def way_from_tow_point(I, M, w):
+    """Where the elements begin, from the tow point, and its rate, earth frame, into w[0:6].
+
+    0 but for a clamp past which cable runs (`clamp_layer.py`). w: 15 words.
+    """
+    for i in range(15):
+        w[i] = 0.0
+    if M[I[O_CONSTRAINT] + C_CLAMPED] == BY_SPRING:
+        add_layer_motion(I, M, M[S_TIME], w[6:15])
+        to_earth(I, M, w, 6, w, 0, 0)
+        to_earth(I, M, w, 6 + I[I_DIMENSION], w, 3, 0)
+
+
+@kernel
 def end_forces(I, M):
     """Residual of the present state into the workspace: the supports' forces at their nodes."""
     count = 2 * I[I_DIMENSION] * I[I_NODES]
@@ -147,6 +166,13 @@ def support_force(I, M, node, out):
     out[3] = w[1] * w[5] - w[2] * w[4]
     out[4] = w[2] * w[3] - w[0] * w[5]
     out[5] = w[0] * w[4] - w[1] * w[3]
+    if node == 0:
+        # The force acts where the elements begin, beside the tow point.
+        way = M[I[O_MOTION] + 28 : I[O_MOTION] + 43]
+        way_from_tow_point(I, M, way)
+        out[3] += way[1] * out[2] - way[2] * out[1]
+        out[4] += way[2] * out[0] - way[0] * out[2]
+        out[5] += way[0] * out[1] - way[1] * out[0]
 
 
 @kernel
@@ -206,7 +232,7 @@ def sample_stations(I, M, stations, out):
     dimension = I[I_DIMENSION]
     size = 2 * dimension
     nodes = I[I_NODES]
-    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
+    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 56]
     end_forces(I, M)
     total = line_length(I, M)
     above = overhang(I, M)
@@ -273,6 +299,9 @@ def sample_stations(I, M, stations, out):
         for i in range(dimension):
             curvature += ((w[6 + i] - along * w[3 + i]) / g) ** 2
         curvature = math.sqrt(curvature)
+        moment = 0.0
+        if I[I_PAYOUT] != 0:
+            moment = add_layer_shape(I, M, s, w, M[S_STAGE_RATE])
         left = end_tension(I, M, low, 0)
         right = end_tension(I, M, low, 1)
         row = STATION_WORDS * n
@@ -288,6 +317,9 @@ def sample_stations(I, M, stations, out):
         out[row + 9] = left + x * (right - left) + bow * x * y
         out[row + 10] = curvature
         out[row + 11] = M[edge + E_BENDING] * curvature
+        if moment > 0.0:
+            out[row + 10] += moment / M[edge + E_BENDING_FULL]
+            out[row + 11] += moment
     return len(stations)
 
 
@@ -366,6 +398,10 @@ def summarise(I, M, out):
     to_earth(I, M, v, last, out, 12, 0)
     to_earth(I, M, q, 0, out, 15, 1)
     to_earth(I, M, v, 0, out, 18, 0)
+    way = M[I[O_MOTION] + 28 : I[O_MOTION] + 43]
+    way_from_tow_point(I, M, way)
+    for i in range(6):
+        out[15 + i] -= way[i]
     out[21] = line_length(I, M)
     out[22] = M[S_STAGE_RATE] if I[I_PAYOUT] != 0 else 0.0
     out[23] = M[S_PAID_MOST] - M[S_PAID]

@@ -3,8 +3,11 @@
 from .backup import keep_sleepers
 from .compile import kernel
 from .layout import (
+    C_AWAY,
     C_CLAMPED,
     C_DIRECTION,
+    C_DRIFT,
+    C_PLACE,
     C_POSITION,
     CONSTRAINT_WORDS,
     I_CONSTRAINTS,
@@ -64,6 +67,9 @@ def promote(I, M):
         unfold(M, row + C_POSITION, px, py)
         if M[row + C_CLAMPED] != 0.0:
             unfold(M, row + C_DIRECTION, px, py)
+            unfold(M, row + C_PLACE, px, py)
+            unfold(M, row + C_AWAY, px, py)
+            unfold(M, row + C_DRIFT, px, py)
     I[I_DIMENSION] = 3
     I[I_FACTORED] = 0
     I[I_HISTORY] = 0

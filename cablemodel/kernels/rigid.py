@@ -76,6 +76,7 @@ from .layout import (
     S_TOLERANCE,
 )
 from .passing import part_row
+from .slopes import slope_direction
 from .waves import P_WET
 
 CLAMP = 1e4  # stiffness of a clamp, in units of EI over the shorter of element and body
@@ -237,23 +238,6 @@ def update_clamps(I, M, share):
                 bend = 1.0 - cosine
                 target = stiffen_gently(M, M[k], target, M[past], before, bend, share)
             M[k] = target
-
-
-@kernel
-def slope_direction(dimension, q, at, w):
-    """Unit vector along the slope at word `at` of q into w[3:6], its cosine with the axis w[0:3].
-
-    Returns (length of the slope, cosine).
-    """
-    square = 0.0
-    for i in range(dimension):
-        square += q[at + i] * q[at + i]
-    length = math.sqrt(square)
-    cosine = 0.0
-    for i in range(dimension):
-        w[3 + i] = q[at + i] / length
-        cosine += w[3 + i] * w[i]
-    return length, cosine
 
 
 @kernel

@@ -5,7 +5,8 @@ limit is Newton's method on the static equations, reached from any guess. With k
 step starts from rest: slack cable settles where it would bounce otherwise.
 """
 
-from .compile import copy_words, kernel
+from .clamp_layer import settle_layer
+from .compile import copy_words, kernel, view
 from .floor_memory import bear
 from .layout import (
     E_LENGTH,
@@ -26,6 +27,7 @@ from .layout import (
     O_FAILED,
     O_INCREMENT,
     O_JOINT,
+    O_MOTION,
     O_PARENT,
     O_POSITION,
     O_RESIDUAL,
@@ -173,6 +175,8 @@ def relax(I, M, frame, damped, strict):
         for n in range(2 * nodes):
             t0[n] = tension[n]
         if springs and dt > 1e3 * M[S_FIRST_STEP]:
+            if I[I_PAYOUT] != 0:
+                settle_layer(I, M, view(M, I[O_MOTION] + 16, 9), q0)
             update_springs(I, M, 1.0)
         # Light cable may not come closer to its place than round-off lets it.
         still = still + 1 if moved <= ROUND_OFF[0] * length and dt == LONGEST_STEP else 0

@@ -9,6 +9,7 @@ step, is estimated from those of the stages.
 import math
 
 from .backup import keep_sleepers
+from .clamp_layer import follow_layer
 from .compile import copy_words, inlined, kernel, view
 from .consistency import make_consistent, project_velocity, take_rates_from_velocity
 from .environment import find_piece
@@ -47,6 +48,7 @@ from .layout import (
     O_EDGE,
     O_FAILED,
     O_INCREMENT,
+    O_MOTION,
     O_POSITION,
     O_RESIDUAL,
     O_STAGE_A,
@@ -494,6 +496,8 @@ def advance_to(I, M, t_end):
             if I[I_HYBRID] == 1:
                 update_bending(I, M)
             if I[I_RIGID] > 0 or I[I_PAYOUT] != 0:
+                if I[I_PAYOUT] != 0:
+                    follow_layer(I, M, dt, view(M, I[O_MOTION] + 16, 15))
                 update_springs(I, M, dt / (dt + M[S_PERIOD]))
             stiffen_third_mode(I, M, dt / (dt + M[S_PERIOD]))
             if I[I_LIVE] == 0:

@@ -10,12 +10,16 @@ hold a body of finite length that passes.
 
 import math
 
+from .clamp_layer import share_of_layer
 from .compile import kernel
 from .layout import (
     BY_SPRING,
     C_CLAMPED,
     C_DIRECTION,
+    C_PULL,
+    C_SHARE,
     C_SPRING,
+    E_BENDING_FULL,
     E_LENGTH,
     EDGE_WORDS,
     EXACTLY,
@@ -32,9 +36,8 @@ from .layout import (
     S_CLAMP_PULL,
     S_PASSING,
 )
-from .rigid import clamp_stiffness, slope_direction, stiffen_gently, update_clamps
-
-LEAST_HALF_COSINE = 0.05
+from .rigid import clamp_stiffness, stiffen_gently, update_clamps
+from .slopes import half_cosine, slope_direction
 
 
 @kernel
@@ -53,12 +56,6 @@ def slope_at_vessel(I, M, q, w):
     for i in range(dimension):
         w[i] = M[I[O_CONSTRAINT] + C_DIRECTION + i]
     return slope_direction(dimension, q, dimension, w)
-
-
-@kernel
-def half_cosine(cosine):
-    """cos(angle/2), not so small that the moment of a line turned right back has no direction."""
-    return max(LEAST_HALF_COSINE, math.sqrt(max(0.0, 0.5 * (1.0 + cosine))))
 
 
 @kernel
@@ -114,13 +111,24 @@ def update_springs(I, M, share):
     if I[I_RIGID] > 0:
         update_clamps(I, M, share)
     row = I[O_CONSTRAINT]
-    if M[row + C_CLAMPED] != BY_SPRING or M[S_PASSING] != 0.0:
+    if M[row + C_CLAMPED] != BY_SPRING:
+        return
+    if M[S_PASSING] != 0.0:
+        M[row + C_SHARE] = 0.0
         return
     pull = M[I[O_TENSION] + 2] - M[I[O_TENSION] + 3]
     before = M[S_CLAMP_PULL]
     M[S_CLAMP_PULL] += share * (pull - before)
     edge = I[O_EDGE] + EDGE_WORDS
+    M[row + C_SHARE] = share_of_layer(I, M)
     target = clamp_stiffness(M, edge, M[S_CLAMP_PULL], M[edge + E_LENGTH], False)
+    part = M[row + C_SHARE]
+    if part == 1.0:
+        target = 0.0
+    elif part > 0.0 and target > 0.0:
+        # What the element has of the layer's stiffness, and this in series, are what is left of it.
+        layer = math.sqrt(M[edge + E_BENDING_FULL] * M[row + C_PULL])
+        target = 1.0 / (1.0 / target + part / ((1.0 - part) * layer))
     k = M[row + C_SPRING]
     if target > k:
         q = M[I[O_POSITION] : I[O_POSITION] + 2 * I[I_DIMENSION]]

@@ -1,0 +1,309 @@
+"""Where elements begin whose cable runs past a clamp: at the end of the layer in which it bends.
+
+A cable of stiffness EI under the tension T leaves a clamp along the clamp's direction c and turns
+to its own, u, over some layers lambda = sqrt(EI/T). From there on it is straight, and seems to come
+from a place beside the tow point (the elastica under tension, tan(psi/4) = tan(angle/4)
+exp(-s/lambda), integrated):
+
+    lambda (2 sin(angle/2) n - 2 (1 - cos(angle/2)) u),  n towards c across u.
+
+A force T u that acts there has the clamp's moment about the tow point, 2 sqrt(EI T) sin(angle/2).
+Elements many layers long therefore begin at that place, hinged: a spring at the tow point gives
+them the moment as well, but bends the top one along its whole length. Elements that are not so
+long have some of the spring (`vessel_clamp.py`) and some of the way, by C_SHARE.
+
+In motion the place follows with two equal time constants, of a part of sqrt(L/g): its course over a
+step is known before the step is made, smooth however long that is, and prescribed as the vessel's.
+"""
+
+import math
+
+from .compile import kernel
+from .layout import (
+    B_NODE,
+    BODY_WORDS,
+    BY_SPRING,
+    C_AWAY,
+    C_CLAMPED,
+    C_DIRECTION,
+    C_DRIFT,
+    C_LAYER_RATE,
+    C_LAYER_TIME,
+    C_PLACE,
+    C_PULL,
+    C_PULL_CHANGE,
+    C_PULL_GAIN,
+    C_SHARE,
+    E_BENDING_FULL,
+    E_LENGTH,
+    E_WEIGHT,
+    EDGE_WORDS,
+    I_BODIES,
+    I_DIMENSION,
+    I_NODES,
+    O_BODY,
+    O_CONSTRAINT,
+    O_EDGE,
+    O_JOINT,
+    O_POSITION,
+    O_TENSION,
+    S_LENGTH,
+    S_PASSING,
+    S_PAYOUT_RATE,
+    S_PERIOD,
+    S_TIME,
+    S_TOLERANCE,
+)
+from .slopes import half_cosine, slope_direction
+
+FEW, MANY = 4.0, 8.0  # layers in the cable's length, up to which the spring has all of it, or none
+FOLLOWS = 6.0  # rate at which the place follows, times sqrt(L/g); faster what a winch changes
+SPREAD = 5.0  # length along which a place that is not there yet is made up for, over its distance
+CALMS = 1.25  # what a gain that was too large grows by again, at most by one
+NEXT = 0.25  # part of that length in which the highest tension is that of the layer
+UNSEEN = 0.003  # of tau L: by what a place may be off in an equilibrium
+GONE = 40.0  # layers from the tow point on which nothing is left of it
+
+
+@kernel
+def layer_thickness(I, M):
+    """sqrt(EI/T) at a clamp past which cable runs [m]; 0: there is none."""
+    stiffness = M[I[O_EDGE] + EDGE_WORDS + E_BENDING_FULL]
+    row = I[O_CONSTRAINT]
+    if M[row + C_CLAMPED] != BY_SPRING or M[S_PASSING] != 0.0 or stiffness == 0.0:
+        return 0.0
+    if not M[row + C_PULL] > 0.0:
+        return 0.0
+    return math.sqrt(stiffness / M[row + C_PULL])
+
+
+@kernel
+def free_length(I, M):
+    """Cable between the tow point and the first body or joint [m]."""
+    length = 0.0
+    node = 1
+    while node < I[I_NODES] and I[I[O_JOINT] + node] == 0:
+        length += M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
+        for body in range(I[I_BODIES]):
+            if M[I[O_BODY] + body * BODY_WORDS + B_NODE] == node:
+                node = I[I_NODES]
+                break
+        node += 1
+    return length
+
+
+@kernel
+def present_pull(I, M):
+    """Tension that bends the cable out of the clamp [N]: the highest in what follows next.
+
+    Where elements resolve the layer, that in the first of them is its part along the clamp.
+    """
+    near = NEXT * free_length(I, M)
+    pull = M[I[O_TENSION] + 2] - M[I[O_TENSION] + 3]
+    length = M[I[O_EDGE] + EDGE_WORDS + E_LENGTH]
+    node = 2
+    while node < I[I_NODES] and length < near:
+        pull = max(pull, M[I[O_TENSION] + 2 * node])
+        length += M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
+        node += 1
+    return pull
+
+
+@kernel
+def follow_pull(I, M, share):
+    """Bring the tension that the layer goes by towards the present one, by `share` of the way.
+
+    A line that hardly stretches answers a small change of the layer with a large one of tension:
+    what goes to and fro goes by ever less.
+    """
+    row = I[O_CONSTRAINT]
+    change = present_pull(I, M) - M[row + C_PULL]
+    gain = M[row + C_PULL_GAIN]
+    if change * M[row + C_PULL_CHANGE] < 0.0:
+        gain *= 0.5
+    else:
+        gain = min(1.0, CALMS * gain)
+    if gain == 0.0:
+        gain = 1.0
+    M[row + C_PULL_GAIN] = gain
+    M[row + C_PULL_CHANGE] = change
+    M[row + C_PULL] += share * gain * change
+
+
+@kernel
+def share_of_layer(I, M):
+    """Which part of a clamp is the way of a hinge, by how many layers its cable has: 0 to 1.
+
+    Up to the first body, and to twice the radius to which its weight bends a level cable.
+    """
+    layer = layer_thickness(I, M)
+    if layer == 0.0:
+        return 0.0
+    weight = abs(M[I[O_EDGE] + EDGE_WORDS + E_WEIGHT])
+    bends = 2.0 * M[I[O_CONSTRAINT] + C_PULL] / max(weight, 1e-300)
+    x = (min(free_length(I, M), bends) / layer - FEW) / (MANY - FEW)
+    x = min(1.0, max(0.0, x))
+    return x * x * (3.0 - 2.0 * x)
+
+
+@kernel
+def way_of_layer(dimension, thickness, cosine, w, out):
+    """The way from the tow point to where the cable seems to come from, into out.
+
+    w: the clamp's direction in w[0:3], the cable's in w[3:6]; cosine: of the angle between them.
+    """
+    half = half_cosine(cosine)
+    for i in range(dimension):
+        across = (w[i] - cosine * w[3 + i]) / half
+        out[i] = thickness * (across - 2.0 * (1.0 - half) * w[3 + i])
+
+
+@kernel
+def layer_target(I, M, w, out):
+    """Where the elements should begin, from the tow point, into out [m]; w: 6 words."""
+    dimension = I[I_DIMENSION]
+    row = I[O_CONSTRAINT]
+    share = M[row + C_SHARE]
+    layer = layer_thickness(I, M)
+    for i in range(dimension):
+        out[i] = 0.0
+        w[i] = M[row + C_DIRECTION + i]
+    if share == 0.0 or layer == 0.0:
+        return
+    q = M[I[O_POSITION] : I[O_POSITION] + 2 * dimension]
+    _length, cosine = slope_direction(dimension, q, dimension, w)
+    way_of_layer(dimension, share * layer, cosine, w, out)
+
+
+@kernel
+def add_layer_motion(I, M, t, out):
+    """Add to the tow point's position, velocity and acceleration those of where elements begin."""
+    dimension = I[I_DIMENSION]
+    row = I[O_CONSTRAINT]
+    rate = M[row + C_LAYER_RATE]
+    tau = max(0.0, t - M[row + C_LAYER_TIME])
+    fade = math.exp(-rate * tau)
+    for i in range(dimension):
+        drift = M[row + C_DRIFT + i]
+        away = M[row + C_AWAY + i] + drift * tau
+        out[i] += M[row + C_PLACE + i] + away * fade
+        out[dimension + i] += (drift - rate * away) * fade
+        out[2 * dimension + i] += rate * (rate * away - 2.0 * drift) * fade
+
+
+@kernel
+def follow_layer(I, M, dt, w):
+    """After a step of dt: the place goes on from where and as fast as it is, to where it should be.
+
+    Followed at once, its jumps from one step to the next would shake the line. w: 15 words.
+    """
+    row = I[O_CONSTRAINT]
+    if M[row + C_CLAMPED] != BY_SPRING:
+        return
+    dimension = I[I_DIMENSION]
+    for i in range(3 * dimension):
+        w[6 + i] = 0.0
+    now = w[6 : 6 + 3 * dimension]
+    add_layer_motion(I, M, M[S_TIME], now)
+    rate = FOLLOWS / M[S_PERIOD]
+    layer = layer_thickness(I, M)
+    if layer > 0.0:
+        rate += abs(M[S_PAYOUT_RATE]) / layer
+    elif M[S_PASSING] != 0.0:
+        rate = max(rate, M[row + C_LAYER_RATE])  # as before the body came
+    M[row + C_LAYER_RATE] = rate
+    follow_pull(I, M, dt / (dt + M[S_PERIOD]))
+    M[row + C_SHARE] = share_of_layer(I, M)
+    target = M[row + C_PLACE : row + C_PLACE + dimension]
+    layer_target(I, M, w, target)
+    for i in range(dimension):
+        away = now[i] - target[i]
+        M[row + C_AWAY + i] = away
+        M[row + C_DRIFT + i] = now[dimension + i] + rate * away
+    M[row + C_LAYER_TIME] = M[S_TIME]
+
+
+@kernel
+def settle_layer(I, M, w, q):
+    """In a search for an equilibrium: the place is at once where it should be, and q with it.
+
+    Differences that nobody sees are left: what is sought is at rest to many more digits.
+    w: 9 words.
+    """
+    row = I[O_CONSTRAINT]
+    if M[row + C_CLAMPED] != BY_SPRING:
+        return
+    dimension = I[I_DIMENSION]
+    follow_pull(I, M, 1.0)
+    M[row + C_SHARE] = share_of_layer(I, M)
+    target = w[6 : 6 + dimension]
+    layer_target(I, M, w, target)
+    square = 0.0
+    for i in range(dimension):
+        target[i] -= M[row + C_PLACE + i] + M[row + C_AWAY + i]
+        square += target[i] * target[i]
+    if math.sqrt(square) <= UNSEEN * M[S_TOLERANCE] * M[S_LENGTH]:
+        return
+    for i in range(dimension):
+        q[i] += target[i]
+        M[row + C_PLACE + i] += target[i] + M[row + C_AWAY + i]
+        M[row + C_AWAY + i] = 0.0
+        M[row + C_DRIFT + i] = 0.0
+    M[row + C_LAYER_TIME] = M[S_TIME]
+
+
+@kernel
+def add_layer_shape(I, M, s, w, rate):
+    """Add to a station of the elements what the layer itself adds; returns its bending moment.
+
+    s: arc length from the tow point [m]; rate: of the pay-out [m/s]. w: position, unit tangent,
+    -, velocity in w[0:12], all changed; w[12:27] are changed, too. The moment is in N m.
+    """
+    row = I[O_CONSTRAINT]
+    if M[row + C_CLAMPED] != BY_SPRING:
+        return 0.0
+    dimension = I[I_DIMENSION]
+    share = M[row + C_SHARE]
+    layer = layer_thickness(I, M)
+    now = w[18 : 18 + 3 * dimension]
+    for i in range(3 * dimension):
+        now[i] = 0.0
+    add_layer_motion(I, M, M[S_TIME], now)
+    for i in range(dimension):
+        w[12 + i] = M[row + C_DIRECTION + i]
+    moment = 0.0
+    if share > 0.0:
+        q = M[I[O_POSITION] : I[O_POSITION] + 2 * dimension]
+        _length, cosine = slope_direction(dimension, q, dimension, w[12:18])
+        way_of_layer(dimension, share * layer, cosine, w[12:18], w[24:27])
+        for i in range(dimension):
+            now[i] -= w[24 + i]
+        # The angle that is left at s, and the direction there.
+        angle = math.acos(min(1.0, max(-1.0, cosine)))
+        left = 4.0 * math.atan(math.tan(0.25 * angle) * math.exp(-min(s / layer, GONE)))
+        sine = max(math.sin(angle), 1e-12)
+        for i in range(dimension):
+            across = (w[12 + i] - cosine * w[15 + i]) / sine
+            turned = math.cos(left) * w[15 + i] + math.sin(left) * across
+            w[12 + i] = turned
+            w[3 + i] += share * (turned - w[15 + i])
+            w[9 + i] += rate * share * (turned - w[15 + i])
+        way_of_layer(dimension, share * layer, math.cos(left), w[12:18], w[24:27])
+        for i in range(dimension):
+            w[i] -= w[24 + i]
+        size = 0.0
+        for i in range(dimension):
+            size += w[3 + i] * w[3 + i]
+        for i in range(dimension):
+            w[3 + i] /= math.sqrt(size)
+        moment = 2.0 * share * layer * M[I[O_CONSTRAINT] + C_PULL] * math.sin(0.5 * left)
+    apart = 0.0
+    for i in range(dimension):
+        apart += now[i] * now[i]
+    apart = max(layer, SPREAD * math.sqrt(apart))
+    if 0.0 < apart and s < GONE * apart:
+        fade = math.exp(-s / apart)
+        for i in range(dimension):
+            w[i] -= fade * now[i]
+            w[9 + i] -= fade * now[dimension + i]
+    return moment
