@@ -14,6 +14,7 @@ from cablemodel.instance import laid_start
 from cablemodel.instance.scales import is_flexible
 
 if TYPE_CHECKING:
+    from cablemodel.block import Block
     from cablemodel.scene import Scene
 
 
@@ -23,6 +24,8 @@ class Attempt:
 
     as_laid: bool = False
     """Friction holds what lies on the floor, see laid_start; else what has a free end slides."""
+    lies: Block | None = None
+    """What lies is where it is in this one, at a coarser tolerance, and stays there."""
     patient: bool = False
     """By all of easier_ways: clamps are turned bit by bit, floors harden from several depths."""
     swept: bool = False

@@ -153,7 +153,7 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, attempt: Attempt
         solve = partial(easier_ways.first_of, block, [ways[0], turning, *ways[1:]])
 
     if attempt.as_laid:
-        status = laid_start.lie_still(block, scene, solve)
+        status = laid_start.lie_still(block, scene, solve, attempt.lies)
     else:
         if not held:
             # A free end comes to rest without friction; it holds the line from there.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 from cablemodel import laid_shape, sea_floor, waves
 from cablemodel.block import Block
 from cablemodel.errors import StaticsError
-from cablemodel.instance import line_tables, tables, unstable_start
+from cablemodel.instance import laid_start, line_tables, tables, unstable_start
 from cablemodel.instance.attempts import Attempt, attempts
 from cablemodel.instance.first_shape import bight, first_points, graded, place_nodes
 from cablemodel.instance.first_state import find_initial_state, stand_still
@@ -51,8 +52,9 @@ def build(scene: Scene, *, planar: bool | None = None, drum_room: float = 1.0) -
     refuse_unsupported(scene)
     first: StaticsError | None = None
     for attempt in attempts(scene):
+        built = _built_as_laid if attempt.as_laid else _built
         try:
-            return _built(scene, planar, drum_room, attempt)
+            return built(scene, planar, drum_room, attempt)
         except StaticsError as problem:
             if not attempt.as_laid:  # without friction it may come to rest
                 first = first or problem
@@ -60,14 +62,37 @@ def build(scene: Scene, *, planar: bool | None = None, drum_room: float = 1.0) -
     raise first
 
 
-def _built(scene: Scene, planar: bool | None, drum_room: float, attempt: Attempt) -> Block:
+def _built_as_laid(
+    scene: Scene, planar: bool | None, drum_room: float, attempt: Attempt
+) -> Block:
+    """What friction holds, from where it lies at coarser tolerances."""
+    coarser = laid_start.coarser(scene)
+    if coarser is not None:
+        try:
+            lies = _built_as_laid(coarser, planar, 1.0, attempt)
+            return _built(scene, planar, drum_room, replace(attempt, lies=lies))
+        except StaticsError:
+            pass  # anew, from the first shape
+    return _built(scene, planar, drum_room, attempt)
+
+
+def _built(
+    scene: Scene,
+    planar: bool | None,
+    drum_room: float,
+    attempt: Attempt,
+) -> Block:
     scale = tension_scale(scene)
-    position = scene.motion().evaluate(0.0)[0]
-    points = first_points(scene, position, swept=attempt.swept)
-    hangs = bight(scene, position) if attempt.bight else None
-    if hangs is not None:
-        points = hangs.points
-    points = laid_shape.on_floor(scene, points, drawn=attempt.swept)
+    hangs = None
+    if attempt.lies is not None:
+        points = shape_of(attempt.lies)
+    else:
+        position = scene.motion().evaluate(0.0)[0]
+        points = first_points(scene, position, swept=attempt.swept)
+        hangs = bight(scene, position) if attempt.bight else None
+        if hangs is not None:
+            points = hangs.points
+        points = laid_shape.on_floor(scene, points, drawn=attempt.swept)
     sea_floor.check(scene, points)
     nodes = line_nodes(spans_of(scene, scale), scene.solver.tolerance, start_conditions(scene))
     if hangs is not None:

@@ -48,6 +48,10 @@ STIFFER = 8
 """Steps in which bristles get their own length, where at once finds no equilibrium."""
 GROWN = 0.01
 """Change of what the floor bears at a node from one pass to the next, at most."""
+COARSEST, FINER = 1e-2, 4.0
+"""Tolerances at which what lies is looked for in turn: this one, a quarter of it, and so on."""
+LEAST = 1.5
+"""Of the tolerance that is asked for: by what these are coarser at least."""
 STEPS = 200
 """Of a relaxation over a depth table, at most. What lies on ridges slides over them a crest at a
 time, or never gets there: the plainest start, in which valleys hold it, is next."""
@@ -69,7 +73,24 @@ def applies(scene: Scene) -> bool:
     return flows or moves or floor.z is None or any(floor.slope)
 
 
-def lie_still(block: Block, scene: Scene, solve: Callable[[], int]) -> int:
+def coarser(scene: Scene) -> Scene | None:
+    """The scene at the tolerance whose start says where this one's cable lies; None: it finds that.
+
+    Where cable lies that friction holds depends on how it came there. Found anew at each tolerance,
+    a finer one lay metres from the coarser one; from coarser to finer all agree.
+    """
+    tolerance = COARSEST
+    if scene.solver.tolerance * LEAST > tolerance or laid_loads.is_dragged(scene):
+        return None
+    while scene.solver.tolerance * LEAST * FINER <= tolerance:
+        tolerance /= FINER
+    settings = scene.solver.model_copy(update={"tolerance": tolerance})
+    return scene.model_copy(update={"solver": settings})
+
+
+def lie_still(
+    block: Block, scene: Scene, solve: Callable[[], int], coarser: Block | None = None
+) -> int:
     """Bring a block to equilibrium with what lies held by its own friction; a status.
 
     First without the drag on what lies, and with bristles so long that what lies slides to where no
@@ -77,6 +98,7 @@ def lie_still(block: Block, scene: Scene, solve: Callable[[], int]) -> int:
 
     Args:
         solve: equilibrium of the block as it is, a status.
+        coarser: leaves the first of them out; what lies is where it is in this block.
     """
     reals = block.reals
     nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
@@ -88,9 +110,9 @@ def lie_still(block: Block, scene: Scene, solve: Callable[[], int]) -> int:
     even = scene.environment.floor is not None and scene.environment.floor.z is not None
     if not even:
         solve = partial(_in_few_steps, block, solve)
-    laid = _laid_line(block, scene, q)
+    laid = _laid_line(block, scene, q) if coarser is None else _places_in(coarser, block)
     grown, _drags = _loads(block, scene)
-    for _ in range(PASSES):
+    for _ in range(PASSES if coarser is None else 0):
         bears = grown
         reals[at.S_BRISTLE] = soft
         rest[:] = laid - soft * _shares(block, scene, bears, None, dragged)
@@ -114,7 +136,7 @@ def lie_still(block: Block, scene: Scene, solve: Callable[[], int]) -> int:
     slid = block.image.copy()
     if dragged:
         laid = q.copy()  # no line was laid: bristles are drawn from where the cable is
-    else:
+    elif coarser is None:
         _put_on(block, laid, _lies(block, scene))
     stiffer = [bristle]
     for _attempt in range(2):
@@ -132,6 +154,25 @@ def lie_still(block: Block, scene: Scene, solve: Callable[[], int]) -> int:
         block.image[:] = slid
         stiffer = np.geomspace(0.1 * soft, bristle, STIFFER).tolist()
     return status
+
+
+def _places_in(other: Block, block: Block) -> FloatArray:
+    """Where the nodes of a block are in another one, (nodes, dimension) [m]."""
+    from cablemodel import library as entry
+
+    nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
+    edges = block.array(at.O_EDGE, nodes, at.EDGE_WORDS)
+    arcs = edges[:, at.E_START] + edges[:, at.E_LENGTH]
+    arcs[0] = 0.0
+    joints = block.integers(at.O_JOINT, nodes)
+    parents = block.integers(at.O_PARENT, nodes)
+    rows = np.empty(at.STATION_WORDS * nodes)
+    entry.sample(other.ints, other.reals, np.minimum(arcs, arcs[-1]), rows)
+    places = np.array([local(block, row[:3], point=True) for row in rows.reshape(nodes, -1)])
+    own = _positions(block)
+    for node in np.flatnonzero(joints):  # both ends of a body have the same arc length
+        places[node] = places[parents[node]] + own[node] - own[parents[node]]
+    return places[:, :dimension]
 
 
 def _in_few_steps(block: Block, solve: Callable[[], int]) -> int:
