@@ -32,6 +32,8 @@ FASTEST = 1e6
 """The same, beyond which none is looked for."""
 ACCURACY = 1e-4
 """Of a growth rate, relative."""
+STRIDE = 1.03
+"""From one rate to the next, where one is looked for by the sign of what resists it least."""
 ITERATIONS = 6
 """For the shape of a growing motion, whose rate is known."""
 ASIDE = 1e-6
@@ -145,9 +147,12 @@ def growing_motion(block: Block, way: FloatArray | None = None) -> GrowingMotion
         else:
             low = middle
     axes = _axes(int(block.ints[at.I_DIMENSION]), way)
-    motion, held = _motion(_Elimination(block, high), axes)
-    if held < SAME or _motion(_Elimination(block, low), axes)[1] > -SAME:
-        return None  # no resistance has changed its sign: complex ones have, of nodes alone
+    if not _changes_sign(block, low, high, axes):
+        # Complex resistances have, of nodes alone: what does may be below.
+        low, high = _bracket_below(block, low, slowest, axes)
+        if not low < high:
+            return None
+    motion, _held = _motion(_Elimination(block, high), axes)
     sizes = np.linalg.norm(motion[:, 0], axis=1)
     furthest = int(np.argmax(sizes))
     motion /= sizes[furthest]
@@ -157,6 +162,39 @@ def growing_motion(block: Block, way: FloatArray | None = None) -> GrowingMotion
     edges = block.array(at.O_EDGE, len(motion), at.EDGE_WORDS)
     arc = float(edges[furthest, at.E_START] + edges[furthest, at.E_LENGTH]) if furthest else 0.0
     return GrowingMotion(high, motion, arc)
+
+
+def _changes_sign(block: Block, low: float, high: float, axes: FloatArray) -> bool:
+    """Whether a single motion is helped just below a rate and held just above it [1/s]."""
+    if _motion(_Elimination(block, high), axes)[1] < SAME:
+        return False
+    return _motion(_Elimination(block, low), axes)[1] <= -SAME
+
+
+def _bracket_below(
+    block: Block, high: float, slowest: float, axes: FloatArray
+) -> tuple[float, float]:
+    """The fastest rate below one at which the least resistance changes its sign, from both sides.
+
+    Two equal ones: there is none [1/s].
+    """
+    held = _motion(_Elimination(block, high), axes)[1]
+    while high > slowest:
+        low, before = high / STRIDE, held
+        held = _motion(_Elimination(block, low), axes)[1]
+        if held < 0.0 < before:
+            upper = high
+            while upper > (1.0 + ACCURACY) * low:
+                middle = float(np.sqrt(low * upper))
+                if _motion(_Elimination(block, middle), axes)[1] > 0.0:
+                    upper = middle
+                else:
+                    low = middle
+            if _changes_sign(block, low, upper, axes):
+                return low, upper
+            low = high / STRIDE
+        high = low
+    return high, high
 
 
 def slowest_growth(block: Block) -> float:

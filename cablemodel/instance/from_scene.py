@@ -62,9 +62,7 @@ def build(scene: Scene, *, planar: bool | None = None, drum_room: float = 1.0) -
     raise first
 
 
-def _built_as_laid(
-    scene: Scene, planar: bool | None, drum_room: float, attempt: Attempt
-) -> Block:
+def _built_as_laid(scene: Scene, planar: bool | None, drum_room: float, attempt: Attempt) -> Block:
     """What friction holds, from where it lies at coarser tolerances."""
     coarser = laid_start.coarser(scene)
     if coarser is not None:

@@ -18,7 +18,9 @@ step is known before the step is made, smooth however long that is, and prescrib
 
 import math
 
-from .compile import kernel
+from .compile import kernel, view
+from .environment import add_layer_motion
+from .floor_surface import gap_at
 from .layout import (
     B_NODE,
     BODY_WORDS,
@@ -40,11 +42,13 @@ from .layout import (
     EDGE_WORDS,
     I_BODIES,
     I_DIMENSION,
+    I_FLOOR,
     I_NODES,
     O_BODY,
     O_CONSTRAINT,
     O_EDGE,
     O_JOINT,
+    O_MOTION,
     O_POSITION,
     O_TENSION,
     S_LENGTH,
@@ -57,8 +61,8 @@ from .layout import (
 from .slopes import half_cosine, slope_direction
 
 FEW, MANY = 4.0, 8.0  # layers in the cable's length, up to which the spring has all of it, or none
-FOLLOWS = 6.0  # rate at which the place follows, times sqrt(L/g); faster what a winch changes
-SPREAD = 5.0  # length along which a place that is not there yet is made up for, over its distance
+FOLLOWS = 8.0  # rate at which the place follows, times sqrt(L/g); faster what a winch changes
+SPREAD = 2.0  # length along which a place that is not there yet is made up for, over its distance
 CALMS = 1.25  # what a gain that was too large grows by again, at most by one
 NEXT = 0.25  # part of that length in which the highest tension is that of the layer
 UNSEEN = 0.003  # of tau L: by what a place may be off in an equilibrium
@@ -134,14 +138,19 @@ def follow_pull(I, M, share):
 def share_of_layer(I, M):
     """Which part of a clamp is the way of a hinge, by how many layers its cable has: 0 to 1.
 
-    Up to the first body, and to twice the radius to which its weight bends a level cable.
+    Up to the first body, to twice the radius to which its weight bends a level cable, and to twice
+    the height above the floor.
     """
     layer = layer_thickness(I, M)
     if layer == 0.0:
         return 0.0
     weight = abs(M[I[O_EDGE] + EDGE_WORDS + E_WEIGHT])
     bends = 2.0 * M[I[O_CONSTRAINT] + C_PULL] / max(weight, 1e-300)
-    x = (min(free_length(I, M), bends) / layer - FEW) / (MANY - FEW)
+    room = min(free_length(I, M), bends)
+    if I[I_FLOOR] != 0:
+        place = view(M, I[O_POSITION], I[I_DIMENSION])
+        room = min(room, 2.0 * gap_at(I, M, place, view(M, I[O_MOTION] + 40, 3)))
+    x = (room / layer - FEW) / (MANY - FEW)
     x = min(1.0, max(0.0, x))
     return x * x * (3.0 - 2.0 * x)
 
@@ -173,22 +182,6 @@ def layer_target(I, M, w, out):
     q = M[I[O_POSITION] : I[O_POSITION] + 2 * dimension]
     _length, cosine = slope_direction(dimension, q, dimension, w)
     way_of_layer(dimension, share * layer, cosine, w, out)
-
-
-@kernel
-def add_layer_motion(I, M, t, out):
-    """Add to the tow point's position, velocity and acceleration those of where elements begin."""
-    dimension = I[I_DIMENSION]
-    row = I[O_CONSTRAINT]
-    rate = M[row + C_LAYER_RATE]
-    tau = max(0.0, t - M[row + C_LAYER_TIME])
-    fade = math.exp(-rate * tau)
-    for i in range(dimension):
-        drift = M[row + C_DRIFT + i]
-        away = M[row + C_AWAY + i] + drift * tau
-        out[i] += M[row + C_PLACE + i] + away * fade
-        out[dimension + i] += (drift - rate * away) * fade
-        out[2 * dimension + i] += rate * (rate * away - 2.0 * drift) * fade
 
 
 @kernel

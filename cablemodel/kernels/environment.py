@@ -2,13 +2,17 @@
 
 import math
 
-from .clamp_layer import add_layer_motion
 from .compile import kernel
 from .layout import (
     BY_SPRING,
     C_ANCHOR,
+    C_AWAY,
     C_CLAMPED,
+    C_DRIFT,
     C_KIND,
+    C_LAYER_RATE,
+    C_LAYER_TIME,
+    C_PLACE,
     C_POSITION,
     I_CURRENT,
     I_DEPTHS,
@@ -17,6 +21,7 @@ from .layout import (
     I_PIECE,
     I_PIECES,
     I_TIMES,
+    O_CONSTRAINT,
     O_CURRENT,
     O_DEPTHS,
     O_GAUSS,
@@ -94,6 +99,25 @@ def vessel_motion(I, M, t):
         evaluate_piece(M, I[O_PIECES] + k * PIECE_WORDS, t, out)
         for i in range(3):
             out[i] += M[S_SHIFT + i]
+
+
+@kernel
+def add_layer_motion(I, M, t, out):
+    """Add to the tow point's position, velocity and acceleration those of where elements begin.
+
+    Beside a clamp past which cable runs: see `clamp_layer.py`.
+    """
+    dimension = I[I_DIMENSION]
+    row = I[O_CONSTRAINT]
+    rate = M[row + C_LAYER_RATE]
+    tau = max(0.0, t - M[row + C_LAYER_TIME])
+    fade = math.exp(-rate * tau)
+    for i in range(dimension):
+        drift = M[row + C_DRIFT + i]
+        away = M[row + C_AWAY + i] + drift * tau
+        out[i] += M[row + C_PLACE + i] + away * fade
+        out[dimension + i] += (drift - rate * away) * fade
+        out[2 * dimension + i] += rate * (rate * away - 2.0 * drift) * fade
 
 
 @kernel

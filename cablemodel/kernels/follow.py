@@ -14,11 +14,7 @@ from .contact import ends_in_something, touchdown_layer
 from .floor_memory import bear
 from .floor_surface import lowest_gap
 from .layout import (
-    BY_SPRING,
-    C_CLAMPED,
-    C_SHARE,
     CABLE_WORDS,
-    E_BENDING_FULL,
     E_BORNE,
     E_CONTACT,
     E_LENGTH,
@@ -36,7 +32,6 @@ from .layout import (
     K_NOMINAL,
     LAYER,
     O_CABLES,
-    O_CONSTRAINT,
     O_EDGE,
     O_JOINT,
     O_MOTION,
@@ -100,8 +95,7 @@ def jump_at(I, M, node, across):
     """Jump of r'' at an element's child end [1/m]: 0 at a joint, all of it at the line's end.
 
     across: only what of it is across the line, a bend. Along it r'' jumps where |r'| does not stay
-    the same: in waves along the line, and all along one whose clamp's spring turns the top element
-    by more than a cubic can. That falls as h in shorter elements, not as h^2.
+    the same, as in waves along the line. That falls as h in shorter elements, not as h^2.
     """
     if I[I[O_JOINT] + node] != 0:
         return 0.0
@@ -184,19 +178,13 @@ def finest_length(I, M, node, gap):
 def may_be_halved(I, M, node):
     """Whether an element may be shorter: any but some at the top of a line that a winch moves.
 
-    The first bit of another cable that has begun to leave the drum lies in the top element. And a
-    clamp's spring bends that element for as long as it is longer than the clamp's layer, for which
-    the spring stands.
+    The first bit of another cable that has begun to leave the drum lies in the top element.
     """
     if node > 1 or I[I_PAYOUT] == 0:
         return True
     edge = I[O_EDGE] + node * EDGE_WORDS
     row = I[O_CABLES] + I[I_TOP_CABLE] * CABLE_WORDS
     if I[I_TOP_CABLE] + 1 < I[I_CABLES] and M[S_TRAVEL] > M[row + K_LEAVES]:
-        return False
-    row = I[O_CONSTRAINT]
-    bends = M[row + C_CLAMPED] == BY_SPRING and M[edge + E_BENDING_FULL] > 0.0
-    if bends and M[row + C_SHARE] < 1.0:
         return False
     passed = PASSED * abs(M[S_PAYOUT_RATE]) * M[S_PERIOD]
     return M[edge + E_LENGTH] > min(SHORTEST_TOP * M[row + K_NOMINAL], passed)

@@ -3,9 +3,9 @@
 import math
 
 from .bodies import add_waves, body_kinematics
-from .clamp_layer import add_layer_motion, add_layer_shape
+from .clamp_layer import add_layer_shape
 from .compile import kernel, view
-from .environment import current_at
+from .environment import add_layer_motion, current_at
 from .floor_outputs import floor_energy, floor_summary, lying_gap
 from .floor_surface import gap_at
 from .layout import (
