@@ -12,8 +12,9 @@ Elements many layers long therefore begin at that place, hinged: a spring at the
 them the moment as well, but bends the top one along its whole length. Elements that are not so
 long have some of the spring (`vessel_clamp.py`) and some of the way, by C_SHARE.
 
-In motion the place follows with two equal time constants, of a part of sqrt(L/g): its course over a
-step is known before the step is made, smooth however long that is, and prescribed as the vessel's.
+In motion the place follows with three equal time constants, of a part of sqrt(L/g): its course
+over a step is known before the step is made, smooth however long that is, and prescribed as the
+vessel's. With two of them its acceleration jumped at each step, and shook stiff lines.
 """
 
 import math
@@ -29,6 +30,7 @@ from .layout import (
     C_CLAMPED,
     C_DIRECTION,
     C_DRIFT,
+    C_DRIFT_RATE,
     C_LAYER_RATE,
     C_LAYER_TIME,
     C_PLACE,
@@ -212,7 +214,10 @@ def follow_layer(I, M, dt, w):
     for i in range(dimension):
         away = now[i] - target[i]
         M[row + C_AWAY + i] = away
-        M[row + C_DRIFT + i] = now[dimension + i] + rate * away
+        drift = now[dimension + i] + rate * away
+        M[row + C_DRIFT + i] = drift
+        turn = now[2 * dimension + i] + rate * (2.0 * drift - rate * away)
+        M[row + C_DRIFT_RATE + i] = 0.5 * turn
     M[row + C_LAYER_TIME] = M[S_TIME]
 
 
@@ -242,6 +247,7 @@ def settle_layer(I, M, w, q):
         M[row + C_PLACE + i] += target[i] + M[row + C_AWAY + i]
         M[row + C_AWAY + i] = 0.0
         M[row + C_DRIFT + i] = 0.0
+        M[row + C_DRIFT_RATE + i] = 0.0
     M[row + C_LAYER_TIME] = M[S_TIME]
 
 
@@ -271,17 +277,20 @@ def add_layer_shape(I, M, s, w, rate):
         way_of_layer(dimension, share * layer, cosine, w[12:18], w[24:27])
         for i in range(dimension):
             now[i] -= w[24 + i]
-        # The angle that is left at s, and the direction there.
-        angle = math.acos(min(1.0, max(-1.0, cosine)))
-        left = 4.0 * math.atan(math.tan(0.25 * angle) * math.exp(-min(s / layer, GONE)))
-        sine = max(math.sin(angle), 1e-12)
+        # The angle psi that is left at s, from its quarter's tangent, and the direction there.
+        half = math.sqrt(max(0.0, 0.5 * (1.0 + cosine)))
+        quarter = math.sqrt((1.0 - half) / (1.0 + half)) * math.exp(-min(s / layer, GONE))
+        half = (1.0 - quarter * quarter) / (1.0 + quarter * quarter)
+        half_sine = 2.0 * quarter / (1.0 + quarter * quarter)
+        left = 2.0 * half * half - 1.0
+        sine = max(math.sqrt(max(0.0, 1.0 - cosine * cosine)), 1e-12)
         for i in range(dimension):
             across = (w[12 + i] - cosine * w[15 + i]) / sine
-            turned = math.cos(left) * w[15 + i] + math.sin(left) * across
+            turned = left * w[15 + i] + 2.0 * half * half_sine * across
             w[12 + i] = turned
             w[3 + i] += share * (turned - w[15 + i])
             w[9 + i] += rate * share * (turned - w[15 + i])
-        way_of_layer(dimension, share * layer, math.cos(left), w[12:18], w[24:27])
+        way_of_layer(dimension, share * layer, left, w[12:18], w[24:27])
         for i in range(dimension):
             w[i] -= w[24 + i]
         size = 0.0
@@ -289,7 +298,7 @@ def add_layer_shape(I, M, s, w, rate):
             size += w[3 + i] * w[3 + i]
         for i in range(dimension):
             w[3 + i] /= math.sqrt(size)
-        moment = 2.0 * share * layer * M[I[O_CONSTRAINT] + C_PULL] * math.sin(0.5 * left)
+        moment = 2.0 * share * layer * M[I[O_CONSTRAINT] + C_PULL] * half_sine
     apart = 0.0
     for i in range(dimension):
         apart += now[i] * now[i]

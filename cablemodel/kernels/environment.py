@@ -9,6 +9,7 @@ from .layout import (
     C_AWAY,
     C_CLAMPED,
     C_DRIFT,
+    C_DRIFT_RATE,
     C_KIND,
     C_LAYER_RATE,
     C_LAYER_TIME,
@@ -113,11 +114,12 @@ def add_layer_motion(I, M, t, out):
     tau = max(0.0, t - M[row + C_LAYER_TIME])
     fade = math.exp(-rate * tau)
     for i in range(dimension):
-        drift = M[row + C_DRIFT + i]
-        away = M[row + C_AWAY + i] + drift * tau
+        second = 2.0 * M[row + C_DRIFT_RATE + i]
+        first = M[row + C_DRIFT + i] + second * tau
+        away = M[row + C_AWAY + i] + (first - 0.5 * second * tau) * tau
         out[i] += M[row + C_PLACE + i] + away * fade
-        out[dimension + i] += (drift - rate * away) * fade
-        out[2 * dimension + i] += rate * (rate * away - 2.0 * drift) * fade
+        out[dimension + i] += (first - rate * away) * fade
+        out[2 * dimension + i] += (second - rate * (2.0 * first - rate * away)) * fade
 
 
 @kernel

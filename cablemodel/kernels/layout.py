@@ -208,7 +208,7 @@ B_PULL = 16  # 2 words: tensions there, smoothed over time [N]
 B_BORNE = 18  # 2 words: what the floor bears for long at its ends, in units of its weight
 
 # Rows of the constraint table: nodes with a prescribed position or tangent; the vessel's is first.
-CONSTRAINT_WORDS = 25
+CONSTRAINT_WORDS = 28
 C_NODE, C_KIND, C_POSITION, C_CLAMPED, C_DIRECTION = (
     0,
     1,
@@ -222,6 +222,7 @@ C_PLACE = 11  # 3 words: where that goes to, from the tow point [m]
 C_AWAY, C_DRIFT = 14, 17  # 3 words each: how far from there it was [m], and a rate [m/s]
 C_LAYER_TIME, C_LAYER_RATE = 20, 21  # when [s]; how fast it goes there [1/s]
 C_PULL = 22  # tension by which the layer is as thick as it is [N]
+C_DRIFT_RATE = 25  # 3 words: another rate, see `add_layer_motion`
 C_PULL_GAIN, C_PULL_CHANGE = 23, 24  # how it follows, and what it was off last [N]
 C_VESSEL, C_ANCHOR = 1, 2
 EXACTLY, BY_SPRING = 1, 2  # how the tangent is held (C_CLAMPED); 0: it is free

@@ -7,6 +7,7 @@ from .layout import (
     C_CLAMPED,
     C_DIRECTION,
     C_DRIFT,
+    C_DRIFT_RATE,
     C_PLACE,
     C_POSITION,
     CONSTRAINT_WORDS,
@@ -70,6 +71,7 @@ def promote(I, M):
             unfold(M, row + C_PLACE, px, py)
             unfold(M, row + C_AWAY, px, py)
             unfold(M, row + C_DRIFT, px, py)
+            unfold(M, row + C_DRIFT_RATE, px, py)
     I[I_DIMENSION] = 3
     I[I_FACTORED] = 0
     I[I_HISTORY] = 0
