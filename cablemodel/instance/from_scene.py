@@ -65,13 +65,13 @@ def build(scene: Scene, *, planar: bool | None = None, drum_room: float = 1.0) -
 def _built_as_laid(scene: Scene, planar: bool | None, drum_room: float, attempt: Attempt) -> Block:
     """What friction holds, from where it lies at coarser tolerances."""
     coarser = laid_start.coarser(scene)
-    if coarser is not None:
-        try:
-            lies = _built_as_laid(coarser, planar, 1.0, attempt)
-            return _built(scene, planar, drum_room, replace(attempt, lies=lies))
-        except StaticsError:
-            pass  # anew, from the first shape
-    return _built(scene, planar, drum_room, attempt)
+    if coarser is None:
+        return _built(scene, planar, drum_room, attempt)
+    lies = _built_as_laid(coarser, planar, 1.0, attempt)
+    try:
+        return _built(scene, planar, drum_room, replace(attempt, lies=lies))
+    except StaticsError:
+        return _built(scene, planar, drum_room, attempt)  # anew, from the first shape
 
 
 def _built(

@@ -48,7 +48,7 @@ STIFFER = 8
 """Steps in which bristles get their own length, where at once finds no equilibrium."""
 GROWN = 0.01
 """Change of what the floor bears at a node from one pass to the next, at most."""
-COARSEST, FINER = 1e-2, 4.0
+COARSEST, FINER = 1e-2, 16.0
 """Tolerances at which what lies is looked for in turn: this one, a quarter of it, and so on."""
 LEAST = 1.5
 """Of the tolerance that is asked for: by what these are coarser at least."""

@@ -63,7 +63,7 @@ from .layout import (
 from .slopes import half_cosine, slope_direction
 
 FEW, MANY = 4.0, 8.0  # layers in the cable's length, up to which the spring has all of it, or none
-FOLLOWS = 8.0  # rate at which the place follows, times sqrt(L/g); faster what a winch changes
+FOLLOWS = 6.0  # rate at which the place follows, times sqrt(L/g); faster what a winch changes
 SPREAD = 2.0  # length along which a place that is not there yet is made up for, over its distance
 CALMS = 1.25  # what a gain that was too large grows by again, at most by one
 NEXT = 0.25  # part of that length in which the highest tension is that of the layer
@@ -140,18 +140,18 @@ def follow_pull(I, M, share):
 def share_of_layer(I, M):
     """Which part of a clamp is the way of a hinge, by how many layers its cable has: 0 to 1.
 
-    Up to the first body, to twice the radius to which its weight bends a level cable, and to twice
-    the height above the floor.
+    Up to the first body, to the radius to which its weight bends a level cable, and to the height
+    above the floor.
     """
     layer = layer_thickness(I, M)
     if layer == 0.0:
         return 0.0
     weight = abs(M[I[O_EDGE] + EDGE_WORDS + E_WEIGHT])
-    bends = 2.0 * M[I[O_CONSTRAINT] + C_PULL] / max(weight, 1e-300)
+    bends = M[I[O_CONSTRAINT] + C_PULL] / max(weight, 1e-300)
     room = min(free_length(I, M), bends)
     if I[I_FLOOR] != 0:
         place = view(M, I[O_POSITION], I[I_DIMENSION])
-        room = min(room, 2.0 * gap_at(I, M, place, view(M, I[O_MOTION] + 40, 3)))
+        room = min(room, gap_at(I, M, place, view(M, I[O_MOTION] + 40, 3)))
     x = (room / layer - FEW) / (MANY - FEW)
     x = min(1.0, max(0.0, x))
     return x * x * (3.0 - 2.0 * x)

@@ -106,7 +106,7 @@ def test_cable_runs_along_the_shape_that_the_layer_has():
 
 
 def towed(winch, tolerance):
-    """60 m with a body of 400 N, whose clamp points forward; towed faster and turned."""
+    """60 m with a body of 400 N, whose clamp points down and forward; towed faster and turned."""
     cable = {"type": "C", "length": 60.0, "model": "hybrid"}
     kind = {"diameter": 0.03, "mass": 1.5, "axial_stiffness": 2e6, "bending_stiffness": 50.0}
     ways = [(0, (0, 0, 0)), (8, (2, 0, 0)), (20, (2, 0, 0)), (26, (0, 2, 0)), (60, (0, 2, 0))]
@@ -118,7 +118,7 @@ def towed(winch, tolerance):
                 {"body": {"mass": 60, "submerged_weight": 400, "drag_area": 0.2}},
             ],
             "vessel": {
-                "connection": {"clamped": [1.0, 0.0, -0.2]},
+                "connection": {"clamped": [0.8, 0.0, -1.0]},
                 "velocity": [{"t": t, "velocity": velocity} for t, velocity in ways],
             },
             "payout": {"drum": [{"cable": {**cable, "length": 10.0}}]} if winch else {},
@@ -130,7 +130,8 @@ def towed(winch, tolerance):
 def test_with_a_winch_as_without_one_in_motion():
     """A winch that stands still changes nothing of a tow and a turn.
 
-    It was 6.9 tau L with a spring. What is left is drag on the loop in which the cable turns back.
+    It was 4.7 tau L off with a spring. (Turned right back, by a clamp that points forward, it is 1.1
+    tau L off, for drag on the loop.)
     """
     tolerance = 1e-3
     other, reference = (
@@ -144,7 +145,7 @@ def test_with_a_winch_as_without_one_in_motion():
             apart.append(model.sample(60.0 * PLACES).position)
         assert np.linalg.norm(apart[0] - apart[1], axis=1).max() < tolerance * 60.0
         tensions = [abs(model.top_tension) for model in (other, reference)]
-        assert tensions[0] == pytest.approx(tensions[1], abs=10.0 * tolerance * 900.0 * 4.0)
+        assert tensions[0] == pytest.approx(tensions[1], rel=0.02)
 
 
 def test_a_snapshot_holds_where_the_layer_is():
