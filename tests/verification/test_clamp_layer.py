@@ -130,8 +130,8 @@ def towed(winch, tolerance):
 def test_with_a_winch_as_without_one_in_motion():
     """A winch that stands still changes nothing of a tow and a turn.
 
-    It was 4.7 tau L off with a spring. (Turned right back, by a clamp that points forward, it is 1.1
-    tau L off, for drag on the loop.)
+    It was 4.7 tau L off with a spring. (Turned right back, by a clamp that points forward, it is
+    1.1 tau L off, for drag on the loop.)
     """
     tolerance = 1e-3
     other, reference = (
