@@ -1,9 +1,13 @@
 """Static starts of cable that friction holds where it was laid: on slopes, and across a current."""
 
+import itertools
+
 import numpy as np
 import pytest
 
 import cablemodel as cm
+from benchmarks.random_scenes.draw import draw
+from cablemodel.error_estimate import PLACES
 
 TOLERANCE = 1e-3
 LENGTH, DEPTH, WEIGHT = 500.0, 200.0, 17.41  # [m], [m], [N/m]
@@ -113,6 +117,24 @@ def test_a_laid_start_does_not_depend_on_the_tolerance(slope: list[float]) -> No
         end = model.tip_position
         model.step(60.0)
         assert np.linalg.norm(model.tip_position - end) < tolerance * 6.0
+
+
+@pytest.mark.parametrize("seed", [71, 230, 503, 688])
+def test_what_friction_holds_lies_alike_at_all_tolerances(seed: int) -> None:
+    """Friction would hold it elsewhere, too: by 21, 134, 89 and 9 tau L from one to the next."""
+    drawn = draw(seed)
+    shapes = []
+    for finer in (1, 4, 16):
+        settings = {**drawn.scene["solver"], "tolerance": drawn.tolerance / finer}
+        model = cm.CableModel(cm.load_scene({**drawn.scene, "solver": settings}))
+        shapes.append(model.sample(model.line_length * PLACES).position)
+    promised = drawn.tolerance * model.line_length
+    first, second = (
+        np.linalg.norm(one - other, axis=1).max() / promised
+        for one, other in itertools.pairwise(shapes)
+    )
+    assert first < 0.5
+    assert second < 0.5 * first
 
 
 def test_a_vessel_under_way_drags_what_lies() -> None:
