@@ -180,7 +180,7 @@ def test_a_run_that_converged_is_judged_by_one_that_it_has_not_seen(
 
 
 def test_what_does_not_converge_is_unsettled_and_says_why() -> None:
-    verdict = judge_converged(draw(2))
+    verdict = judge_converged(draw(479))
     assert verdict.outcome == "unsettled"
     assert "no run is known to keep an accuracy of" in verdict.why
 
