@@ -160,19 +160,19 @@ def _places_in(other: Block, block: Block) -> FloatArray:
     """Where the nodes of a block are in another one, (nodes, dimension) [m]."""
     from cablemodel import library as entry
 
-    nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
+    nodes = int(block.ints[at.I_NODES])
     edges = block.array(at.O_EDGE, nodes, at.EDGE_WORDS)
     arcs = edges[:, at.E_START] + edges[:, at.E_LENGTH]
     arcs[0] = 0.0
     joints = block.integers(at.O_JOINT, nodes)
     parents = block.integers(at.O_PARENT, nodes)
     rows = np.empty(at.STATION_WORDS * nodes)
-    entry.sample(other.ints, other.reals, np.minimum(arcs, arcs[-1]), rows)
+    entry.sample(other.ints, other.reals, arcs, rows)
     places = np.array([local(block, row[:3], point=True) for row in rows.reshape(nodes, -1)])
     own = _positions(block)
     for node in np.flatnonzero(joints):  # both ends of a body have the same arc length
         places[node] = places[parents[node]] + own[node] - own[parents[node]]
-    return places[:, :dimension]
+    return places
 
 
 def _in_few_steps(block: Block, solve: Callable[[], int]) -> int:

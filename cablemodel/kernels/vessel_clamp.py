@@ -1,11 +1,11 @@
 """A clamped tow point past which cable runs: a spring that turns the cable's slope.
 
 Elements at a tow point where nothing runs resolve the layer of thickness sqrt(EI/T) in which a
-clamped cable bends, and their slope there is prescribed. Elements that grow and shrink with the
-pay-out do not: their slope is turned towards the clamp's direction with the energy of a layer,
-4 k (1 - cos(angle/2)), k being the layer's sqrt(EI T), or what of it the element does not resolve
-(`rigid.clamp_stiffness`). A perfectly flexible cable passes no moment: k = 0. Nor does a clamp
-hold a body of finite length that passes.
+clamped cable bends, and their slope there is prescribed. Where cable runs they begin, hinged, at
+the end of the layer (`clamp_layer.py`). Where that has no room their slope is turned towards the
+clamp's direction with the energy of a layer, 4 k (1 - cos(angle/2)), k being the layer's
+sqrt(EI T), or what of it the element does not resolve (`rigid.clamp_stiffness`). A perfectly
+flexible cable passes no moment: k = 0. Nor does a clamp hold a body of finite length that passes.
 """
 
 import math
