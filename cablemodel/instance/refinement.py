@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import itertools
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cablemodel import laid_loads
 from cablemodel.block import Block
 from cablemodel.errors import StaticsError
 from cablemodel.instance.attempts import Attempt
@@ -162,7 +164,8 @@ def refine_touchdown(block: Block, scene: Scene, attempt: Attempt) -> None:
     from cablemodel import library as entry
 
     frame = steady_velocity(block, scene)
-    for _round in range(ROUNDS):
+    stays = attempt.as_laid and not laid_loads.is_dragged(scene)
+    for turn in range(ROUNDS):
         at_rest = block.image.copy()
         if not entry.refine_at_floor(block.ints, block.reals):
             break
@@ -171,10 +174,25 @@ def refine_touchdown(block: Block, scene: Scene, attempt: Attempt) -> None:
             # first step instead, it set the line ringing.
             entry.choose_bending(block.ints, block.reals)
         try:
-            solve_static(block, scene, frame, attempt)
+            if turn == 0 or not (stays and _rests_where_it_lies(block, scene, frame, attempt)):
+                solve_static(block, scene, frame, attempt)
         except StaticsError:
             if attempt.as_laid:
                 raise  # without friction it may come to rest
             block.image[:] = at_rest
             break
     count_from_zero(block)
+
+
+def _rests_where_it_lies(block: Block, scene: Scene, frame: FloatArray, attempt: Attempt) -> bool:
+    """Whether a line that was laid before rests with what lies where it is; else nothing changes.
+
+    Laid anew on every mesh it slides a little each time, and the mesh chases its contacts.
+    """
+    before = block.image.copy()
+    try:
+        solve_static(block, scene, frame, replace(attempt, lies=block))
+    except StaticsError:
+        block.image[:] = before
+        return False
+    return True

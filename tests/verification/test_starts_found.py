@@ -71,6 +71,14 @@ def test_a_start_is_found_at_both_tolerances(seed: int, finer: float) -> None:
     assert fine.top_tension == pytest.approx(coarse.top_tension, rel=2e-3)
 
 
+@pytest.mark.slow
+def test_a_mesh_does_not_chase_what_lies() -> None:
+    """Laid anew on each finer mesh, this line slid on over its slope, until 620 elements."""
+    drawn = draw(402)
+    model = cm.CableModel(cm.load_scene(drawn.scene))
+    assert model.statistics["elements"] < 200
+
+
 def test_a_clamp_that_was_turned_has_the_moment_of_its_layer() -> None:
     """A long line under a clamp that turns it back by more than a right angle, over layers that its
     elements resolve: 2 sqrt(EI T) sin(angle/2), T being the tension beyond the layer."""
