@@ -33,6 +33,7 @@ from .layout import (
     P_KIND,
     P_START,
     PIECE_WORDS,
+    S_HALVES,
     S_LENGTH,
     S_LIVE_CURRENT,
     S_LIVE_RATE,
@@ -241,10 +242,14 @@ def take_step(I, M, t_end, inputs):
     keep_plane(I, M)
     if I[I_ASLEEP] != 0:
         leave_out(I, M)
-    status = advance_to(I, M, t_end)
-    if status != OK:
-        give_back(I)
-        return status
+    status = OK
+    middle = M[S_TIME] + 0.5 * (t_end - M[S_TIME])
+    halves = 2 if M[S_HALVES] != 0.0 and middle > M[S_TIME] else 1
+    for half in range(halves):
+        status = advance_to(I, M, t_end if half == halves - 1 else middle)
+        if status != OK:
+            give_back(I)
+            return status
     if I[I_ASLEEP] != 0:
         rejoin(I, M)
     I[I_KEEP_MATRIX] = 0

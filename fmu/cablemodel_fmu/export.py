@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from cablemodel.block import Block
 from cablemodel.direct.block import DirectBlock
-from cablemodel.error_estimate import finer
+from cablemodel.error_estimate import finer, step_in_halves
 from cablemodel.errors import CableModelError, StaticsError
 from cablemodel.instance import build as build_block
 from cablemodel.instance import local
@@ -180,12 +180,13 @@ def _beside(scene: Scene, model: ModelFile) -> ModelFile:
     """Of the run that the errors of a scene's own are estimated by."""
     judge = finer(scene)
     try:
-        block = _block(judge)
+        block = build_block(judge, drum_room=LONGEST)
     except StaticsError as error:
         raise ExportError(
             f"solver.error_estimate: the run at a tolerance of {judge.solver.tolerance:g} that "
             f"errors are estimated by has no start: {error}"
         ) from error
+    step_in_halves(block)
     return replace(
         model,
         block=block,
