@@ -75,6 +75,7 @@ from .layout import (
     S_PAYOUT_SLOPE,
     S_PERIOD,
     S_SLEEP_AFTER,
+    S_SMALLEST_STEP,
     S_STAGE_TENSION,
     S_STEP,
     S_TENSION_SCALE,
@@ -91,7 +92,15 @@ from .passing import cable_paid
 from .refine import follow_bending
 from .sleep import disturbance, fall_asleep, may_sleep, prepare_joining, rejoin, wake
 from .stabilisation import stiffen_third_mode
-from .step_size import adapt_step, choose_order, follow_iterations, natural_step, next_stop, shorten
+from .step_size import (
+    adapt_step,
+    choose_order,
+    follow_iterations,
+    jolt,
+    natural_step,
+    next_stop,
+    shorten,
+)
 from .system import (
     impose_motion,
     newton_increment,
@@ -401,6 +410,7 @@ def advance_to(I, M, t_end):
     unprojected = False
     refused = 0
     mark = M[S_TIME]
+    jolted = -1e300
     while M[S_TIME] < t_end:
         last = M[S_LAST_STEP]
         # The mesh changes before a step: what is read after it is a state that a step has made.
@@ -416,9 +426,15 @@ def advance_to(I, M, t_end):
                 break
         natural = natural_step(I, M)
         stop = next_stop(I, M, t_end, natural)
+        rate = M[S_PAYOUT_RATE]
         if I[I_PAYOUT] != 0:
             stop = begin_payout(I, M, stop)
             natural = longest_payout_step(I, M, natural)
+        jump = jolt(I, M, rate)
+        if jump * natural > M[S_TIME_TOLERANCE]:
+            natural = max(M[S_TIME_TOLERANCE] / jump, 10.0 * M[S_SMALLEST_STEP])
+            M[S_STEP] = natural
+            jolted = M[S_TIME]
         remaining = stop - M[S_TIME]
         dt = natural
         landing = False
@@ -432,7 +448,9 @@ def advance_to(I, M, t_end):
         before = I[I_ITERATIONS]
         to_output = landing and stop == t_end
         if dt < 0.2 * M[S_LAST_STEP]:
-            make_consistent(I, M, False)
+            # Velocities just before a jolt do not meet what it asks for: they run into it.
+            if M[S_TIME] != jolted:
+                make_consistent(I, M, False)
         elif unprojected:
             project_velocity(I, M, GAMMA[scheme] * dt)
         unprojected = False

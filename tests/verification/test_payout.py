@@ -282,3 +282,43 @@ def test_a_string_that_is_taken_in():
     """
     assert error_of_string(-1.0, 0.4, 32, 1e-6) < 1e-2
     assert error_of_string(-1.0, 0.4, 64, 1e-6) < 4e-3
+
+
+@pytest.mark.parametrize(("tolerance", "promises"), [(1e-2, 1.0), (1e-3, 1.0), (1e-4, 2.0)])
+def test_a_winch_that_stops_dead_sends_a_wave_along_the_line(tolerance, promises):
+    """At the end of its drum, however long the steps before: the tension at the tow point jumps by
+    V sqrt(EA m), and the free end goes on at V until the wave is there, then back as far. At 1e-4
+    the end, which turns round at once, is 1.5 tau L off then: the front is one of 12 elements."""
+    mass, stiffness, speed, length, drum = 1.0, 1e5, 1.0, 100.0, 15.0
+    rope = {"type": "r", "model": "cable"}
+    kind = {
+        "diameter": 0.02,
+        "mass": mass,
+        "submerged_weight": mass * GRAVITY,
+        "axial_stiffness": stiffness,
+    }
+    scene = {
+        "environment": {"water_density": 0, "gravity": GRAVITY},
+        "cable_types": {"r": kind},
+        "line": [{"cable": {**rope, "length": length}}],
+        "payout": {
+            "rate": [{"t": 0, "rate": 0}, {"t": 20, "rate": speed}],
+            "drum": [{"cable": {**rope, "length": drum}}],
+        },
+        "solver": {"tolerance": tolerance},
+    }
+    model = cm.CableModel(cm.load_scene(scene))
+    stop = 25.0
+    model.step_to(20.0)
+    model.step_to(24.0)
+    before = model.tip_position[2]
+    weight = mass * GRAVITY * (length + drum)
+    sinking = speed * (1.0 + weight / stiffness) * (stop - model.time)
+    travel = (length + drum) / np.sqrt(stiffness / mass)  # of the wave, one way [s]
+    model.step_to(stop + 0.5 * travel)
+    wave = (model.top_tension - weight) / (speed * np.sqrt(stiffness * mass))
+    assert wave == pytest.approx(1.0, abs=0.1)
+    for part, exact in ((1.0, 1.0), (1.5, 0.5), (2.0, 0.0)):
+        model.step_to(stop + part * travel)
+        down = before - sinking - model.tip_position[2]
+        assert abs(down - exact * speed * travel) < promises * tolerance * model.line_length
