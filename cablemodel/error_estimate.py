@@ -1,5 +1,5 @@
 """How far a run may be wrong, while it runs: the same cable at a quarter of the tolerance, stepped
-beside it in halves of the caller's steps, which may be what limits both runs.
+beside it; in halves of the caller's steps where these limit both runs.
 
 The results are those of a run without an estimate, bit by bit. Its error is taken to be twice what
 the two differ by: where lines fold or crack errors fall only as the root of the tolerance, and the

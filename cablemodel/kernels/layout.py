@@ -140,7 +140,7 @@ S_END_BORNE = _S + 93  # what the floor bears for long of the line's end, in uni
 S_ORDER_3 = _S + 87  # steps by order 3 before order 4 is tried again
 S_LARGEST_TENSION = _S + 74  # so far, either way [N]
 S_STAGE_TENSION = _S + 68  # 6 words: of the top element, in the stages of the last step [N]
-S_HALVES = _S + 78  # 1: the caller's steps are made in two halves
+S_HALVES = _S + 78  # 1: in two halves where the caller's step is shorter than need be
 S_TWO_STEP_RATIO = _S + 88  # convergence ratio of Newton in the two-step scheme
 S_STAGE_RATE, S_STAGE_SLOPE = _S + 38, _S + 39  # at the time of the last set_time
 

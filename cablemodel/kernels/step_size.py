@@ -10,7 +10,6 @@ from .layout import (
     I_FLOOR,
     I_GROWTH_BARRED,
     I_LIVE,
-    I_PIECE,
     I_PIECES,
     I_REJECTED,
     I_TIMES,
@@ -23,7 +22,6 @@ from .layout import (
     P_VELOCITY_JUMP,
     PIECE_WORDS,
     S_ORDER_3,
-    S_PAYOUT_RATE,
     S_SMALLEST_STEP,
     S_STEP,
     S_TIME,
@@ -89,19 +87,6 @@ def next_stop(I, M, t_end, dt):
             if start > time and start < stop:
                 stop = start
     return stop
-
-
-@kernel
-def jolt(I, M, rate):
-    """What the speed with which the line is moved at the tow point jumps by now [m/s].
-
-    rate: of pay-out, up to now [m/s].
-    """
-    jump = abs(M[S_PAYOUT_RATE] - rate)
-    row = I[O_PIECES] + I[I_PIECE] * PIECE_WORDS
-    if I[I_LIVE] == 0 and M[row + P_START] == M[S_TIME]:
-        jump += M[row + P_VELOCITY_JUMP]
-    return jump
 
 
 @inlined

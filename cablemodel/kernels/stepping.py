@@ -43,6 +43,7 @@ from .layout import (
 )
 from .promote import promote
 from .sleep import leave_out, rejoin
+from .step_size import natural_step
 from .time_stepping import advance_to
 from .vessel_clamp import release_slope
 from .winch import commanded_rate
@@ -243,8 +244,9 @@ def take_step(I, M, t_end, inputs):
     if I[I_ASLEEP] != 0:
         leave_out(I, M)
     status = OK
-    middle = M[S_TIME] + 0.5 * (t_end - M[S_TIME])
-    halves = 2 if M[S_HALVES] != 0.0 and middle > M[S_TIME] else 1
+    span = t_end - M[S_TIME]
+    middle = M[S_TIME] + 0.5 * span
+    halves = 2 if M[S_HALVES] != 0.0 and natural_step(I, M) > span else 1
     for half in range(halves):
         status = advance_to(I, M, t_end if half == halves - 1 else middle)
         if status != OK:

@@ -96,7 +96,6 @@ from .step_size import (
     adapt_step,
     choose_order,
     follow_iterations,
-    jolt,
     natural_step,
     next_stop,
     shorten,
@@ -430,7 +429,7 @@ def advance_to(I, M, t_end):
         if I[I_PAYOUT] != 0:
             stop = begin_payout(I, M, stop)
             natural = longest_payout_step(I, M, natural)
-        jump = jolt(I, M, rate)
+        jump = abs(M[S_PAYOUT_RATE] - rate)  # a winch that stops dead at an end
         if jump * natural > M[S_TIME_TOLERANCE]:
             natural = max(M[S_TIME_TOLERANCE] / jump, 10.0 * M[S_SMALLEST_STEP])
             M[S_STEP] = natural
@@ -448,7 +447,7 @@ def advance_to(I, M, t_end):
         before = I[I_ITERATIONS]
         to_output = landing and stop == t_end
         if dt < 0.2 * M[S_LAST_STEP]:
-            # Velocities just before a jolt do not meet what it asks for: they run into it.
+            # Velocities do not meet what a jolt asks for: they run into it, and make its wave.
             if M[S_TIME] != jolted:
                 make_consistent(I, M, False)
         elif unprojected:
