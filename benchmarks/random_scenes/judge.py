@@ -157,12 +157,11 @@ def judge_converged(
 
     tensions = drawn.shock > drawn.duration and drawn.traits["manoeuvre"] != "turn"
     asked = {**drawn.scene["solver"], "accuracy_of": "all" if tensions else "positions"}
-    scene = cm.load_scene({**drawn.scene, "solver": asked})
     verdict = Verdict(drawn.seed, "completed")
     started("converge", None)
     begin = time.process_time()
     try:
-        found = cm.converge(scene)
+        found = cm.converge(cm.load_scene({**drawn.scene, "solver": asked}))
     except Exception as error:
         verdict.outcome, verdict.why = ending(error)
     verdict.cpu = time.process_time() - begin

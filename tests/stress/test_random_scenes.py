@@ -185,6 +185,11 @@ def test_what_does_not_converge_is_unsettled_and_says_why() -> None:
     assert "no run is known to keep an accuracy of" in verdict.why
 
 
+def test_a_scene_with_its_anchor_below_the_floor_is_refused() -> None:
+    drawn = draw(502)
+    assert [judge(drawn).outcome, judge_converged(drawn).outcome] == ["refused", "refused"]
+
+
 class Growing:
     """A model whose kinetic energy grows, with nobody to feed it."""
 
