@@ -3,7 +3,7 @@ beside it; in halves of the caller's steps where these limit both runs.
 
 The results are those of a run without an estimate, bit by bit. Its error is taken to be twice what
 the two differ by: where lines fold or crack errors fall only as the root of the tolerance, and the
-finer run has half of them (docs/engine.md).
+finer run has half of them (docs/engine/errors.md).
 """
 
 from __future__ import annotations

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 FloatArray = NDArray[np.float64]
 
 TIME_TOLERANCE = 0.045
-"""Local error allowed in a step, in units of tau L; calibrated, see docs/engine.md."""
+"""Local error allowed in a step, in units of tau L; calibrated, see docs/engine/time.md."""
 LIGHTLY_DAMPED = 0.35
 """Factor on it where drag hardly damps, in air above all: errors are not forgotten, but add up."""
 UNDAMPED = 0.08

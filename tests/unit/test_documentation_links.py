@@ -1,0 +1,53 @@
+"""Links from page to page lead to files and headings that are there."""
+
+import re
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from markdown_it import MarkdownIt
+
+ROOT = Path(__file__).parents[2]
+FOLDERS = ("docs", "fmu", "ros2_node")
+PAGES = sorted(
+    [*ROOT.glob("*.md"), *(page for at in FOLDERS for page in (ROOT / at).rglob("*.md"))]
+)
+
+
+def anchors(page: Path) -> set[str]:
+    """The headings of a page, as GitHub names them."""
+    tokens = MarkdownIt().parse(page.read_text(encoding="utf-8"))
+    titles = (text.content for token, text in pairwise(tokens) if token.type == "heading_open")
+    plain = (re.sub(r"[^\w\- ]", "", title.lower()) for title in titles)
+    return {title.replace(" ", "-") for title in plain}
+
+
+def links(page: Path) -> list[str]:
+    """Where a page's links and pictures lead."""
+    parser = MarkdownIt().enable("table")
+    found = []
+    for token in parser.parse(page.read_text(encoding="utf-8")):
+        for part in token.children or []:
+            target = part.attrGet("href") or part.attrGet("src")
+            if target:
+                found.append(str(target))
+    return found
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_links_lead_somewhere(page: Path) -> None:
+    broken = []
+    for target in links(page):
+        if re.match(r"[a-z]+:", target):
+            continue
+        name, _, anchor = target.partition("#")
+        there = page.parent / name if name else page
+        if not there.exists() or (anchor and anchor not in anchors(there)):
+            broken.append(target)
+    assert not broken
+
+
+def test_engine_pages_are_all_listed() -> None:
+    index = ROOT / "docs" / "engine.md"
+    listed = {Path(target).name for target in links(index) if target.startswith("engine/")}
+    assert listed == {page.name for page in (ROOT / "docs" / "engine").glob("*.md")}
