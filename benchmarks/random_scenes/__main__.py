@@ -6,7 +6,7 @@ The section *Random scenes* of ``docs/stress.md`` is written from all that are k
 thousand scenes (seeds 1000 to 1999), to see whether what was made better for the first holds for
 scenes that nobody has looked at; their verdicts are printed and counted, not kept. ``--waves``
 judges 200 scenes in waves (from 10000 on), ``--converge`` the thousand as runs that are asked to
-converge; both have a file and a section of their own.
+converge; both have a file and a section of their own. What makes a search fail: ``failures.py``.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from pathlib import Path
 
 from benchmarks.random_scenes.chance import COUNT
 from benchmarks.random_scenes.draw import draw
+from benchmarks.random_scenes.failures import failures
 from benchmarks.random_scenes.judge import Verdict
 from benchmarks.random_scenes.report import ALL, AT_SEA, CONVERGED, section
 from benchmarks.random_scenes.watch import search, work
@@ -83,6 +84,7 @@ def main() -> None:
     store = kind.beside(PAGE, ".json")
     if store.exists():
         kept = {row["seed"]: row for row in json.loads(store.read_text())}
+    before = {seed: row["outcome"] for seed, row in kept.items()}
     last = min(chosen.first + chosen.count, kind.count)
     seeds = [kind.first + row for row in range(chosen.first, last)]
     if chosen.seeds:
@@ -101,9 +103,13 @@ def main() -> None:
         search(seeds, keep, converged=chosen.converge)
     verdicts = [Verdict(**kept[seed]) for seed in sorted(kept)]
     write_section(PAGE, "Stress", kind.title, section(kind, verdicts, PAGE))
-    bad = [v.seed for v in verdicts if v.outcome in ("wrong", "crashed", "too slow")]
-    if bad:
-        raise SystemExit(f"{len(bad)} of {len(verdicts)} wrong, crashed or too slow; see {PAGE}")
+    counts = Counter(verdict.outcome for verdict in verdicts)
+    print(", ".join(f"{outcome}: {number}" for outcome, number in counts.most_common()))
+    failed = failures(verdicts, before, claimed=kind.claimed)
+    for seed, why in failed:
+        print(f"{seed} {why}")
+    if failed:
+        raise SystemExit(f"{len(failed)} of {len(verdicts)} scenes fail; see {PAGE}")
 
 
 if __name__ == "__main__":

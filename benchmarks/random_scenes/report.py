@@ -76,7 +76,7 @@ class Search:
 
     title: of their section; their file and their figure are named by it. by: what they are
     compared with; limit: what they may differ from it by, in units of the promise. listed: outcomes
-    whose scenes are told of one by one.
+    whose scenes are told of one by one. claimed: whether runs say that they keep the promise.
     """
 
     title: str
@@ -86,6 +86,7 @@ class Search:
     by: str = "the run at tau/4"
     limit: float = 1.0 + FINER
     listed: tuple[str, ...] = BAD
+    claimed: bool = False
 
     def beside(self, page: Path, suffix: str) -> Path:
         """The file of that suffix, in the folder of the page's files."""
@@ -103,6 +104,7 @@ CONVERGED = Search(
     by="a far finer run",
     limit=CONVERGED_WITHIN,
     listed=("crashed", "too slow", "wrong", "stopped"),
+    claimed=True,
 )
 
 

@@ -10,6 +10,7 @@ import pytest
 
 from benchmarks.random_scenes import judge as judging
 from benchmarks.random_scenes.draw import COLUMNS, Drawn, draw, hypercube
+from benchmarks.random_scenes.failures import failures
 from benchmarks.random_scenes.judge import Verdict, compare, judge, judge_converged, settle
 from benchmarks.random_scenes.trace import Trace, _Balance, run
 from benchmarks.random_scenes.watch import _ended
@@ -256,3 +257,34 @@ def test_what_stands_before_a_check_is_told(monkeypatch: pytest.MonkeyPatch) -> 
     judge(draw(14), started)
     assert told["check"].outcome == "too slow"
     assert told["finest"].outcome == "too slow"
+
+
+FAILURES = {  # outcome, kinds, outcome before: whether a single run fails, and one that claims
+    ("completed", (), "completed"): (False, False),
+    ("unsettled", ("position",), "completed"): (False, False),
+    ("refused", (), "completed"): (False, False),
+    ("wrong", ("position",), "wrong"): (False, True),
+    ("wrong", ("position", "tension"), "completed"): (True, True),
+    ("wrong", ("position",), None): (True, True),
+    ("wrong", ("energy",), "wrong"): (True, True),
+    ("wrong", ("tension", "limit"), "wrong"): (True, True),
+    ("wrong", ("rest",), "wrong"): (True, True),
+    ("wrong", ("not finite",), "wrong"): (True, True),
+    ("too slow", (), "too slow"): (False, False),
+    ("too slow", (), "completed"): (True, False),
+    ("crashed", (), "crashed"): (True, True),
+}
+
+
+@pytest.mark.parametrize(("case", "expected"), FAILURES.items())
+def test_what_a_search_fails_for(
+    case: tuple[str, tuple[str, ...], str | None], expected: tuple[bool, bool]
+) -> None:
+    outcome, kinds, was = case
+    verdicts = [Verdict(6, "completed"), Verdict(7, outcome, "in words", list(kinds))]
+    before = {6: "completed", **({} if was is None else {7: was})}
+
+    for claimed, fails in zip((False, True), expected, strict=True):
+        found = failures(verdicts, before, claimed=claimed)
+        assert [seed for seed, _why in found] == [7] * fails
+        assert all("in words" in why for _seed, why in found)
