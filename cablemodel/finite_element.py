@@ -36,6 +36,10 @@ _MEANING = {
         "more elements are needed than were set aside for the drum's cable",
         "give the line fewer or more even elements",
     ),
+    at.OVERSTRETCHED: (
+        f"the cable would be stretched to more than {1.0 + at.LARGEST_STRAIN:g} times its length",
+        "look for a jump in the inputs",
+    ),
     at.NOT_FINITE: ("an input is not finite", "check the inputs"),
 }
 

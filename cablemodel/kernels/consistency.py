@@ -7,7 +7,9 @@ motion or another mesh asks for more.
 import math
 
 from .compile import copy_words, kernel, view
+from .environment import prescribed_motion, vessel_motion
 from .layout import (
+    C_NODE,
     I_DIMENSION,
     I_FACTORED,
     I_HISTORY,
@@ -16,8 +18,10 @@ from .layout import (
     O_ACCELERATION,
     O_BASE_Q,
     O_BASE_V,
+    O_CONSTRAINT,
     O_CONSTRAINT_RESIDUAL,
     O_INCREMENT,
+    O_MOTION,
     O_POSITION,
     O_RESIDUAL,
     O_STAGE_T,
@@ -30,15 +34,25 @@ from .layout import (
     S_LAST_STEP,
     S_LENGTH,
     S_TIME,
+    S_TIME_TOLERANCE,
     S_UNDAMPED,
 )
 from .newton import refactor
-from .system import elongation_rate, newton_increment, recover_tension, residual, set_time
+from .system import (
+    elongation_rate,
+    impose_motion,
+    newton_increment,
+    recover_tension,
+    residual,
+    set_time,
+)
 from .tables import GAMMA
 
 MOST_NORMS = 5  # in which a state is brought to its constraints, each of a tenth of the last step
 NEGLIGIBLE = 1e-9  # of the length: what may be left of a constraint
 AXIAL_SLOW = 2.5  # gamma dt over the time that an axial wave takes along a joined element
+AFTER_A_BLOW = 4.0  # last steps: a step so much longer does not begin with that one's acceleration
+SEEN = 0.1  # of the local error: what that acceleration would move the line by
 AXIAL_RESOLVED = 5.0  # (axial frequency x gamma dt)^2 below which velocities are not projected
 
 
@@ -216,3 +230,56 @@ def take_rates_from_velocity(I, M):
     x = view(M, I[O_INCREMENT], 2 * I[I_DIMENSION] * I[I_NODES])
     x[:] = 0.0
     follow_increment(I, M, O_TENSION_RATE)
+
+
+@kernel
+def follows_a_blow(I, M, dt):
+    """Whether the vessel's acceleration was another one in the last step, one much shorter than dt.
+
+    A caller who changes the vessel's speed within a microsecond gives the line 1e6 m/s^2, which is
+    over when the next step begins with it: that moves the line by no more than a step may err, at
+    tens of metres a second.
+    """
+    last = M[S_LAST_STEP]
+    if last == 0.0 or dt < AFTER_A_BLOW * last:
+        return False
+    dimension = I[I_DIMENSION]
+    vessel_motion(I, M, M[S_TIME])
+    out = view(M, I[O_MOTION] + 16, 9)
+    row = I[O_CONSTRAINT]
+    prescribed_motion(I, M, row, M[S_TIME], out)
+    at = I[O_ACCELERATION] + 2 * dimension * int(M[row + C_NODE])
+    changed = 0.0
+    for i in range(dimension):
+        changed += (out[2 * dimension + i] - M[at + i]) ** 2
+    return math.sqrt(changed) * dt * dt > SEEN * M[S_TIME_TOLERANCE]
+
+
+@kernel
+def begin_after_a_blow(I, M):
+    """Accelerations that go with the vessel's present one, at the tensions that the line has.
+
+    What the vessel changes moves the line's mass at once; tensions follow as waves run along it.
+    The equations are linear; the matrix is that of a step as short as the last one.
+    """
+    count = 2 * I[I_DIMENSION] * I[I_NODES]
+    gamma_dt = GAMMA[0] * M[S_LAST_STEP]
+    q = view(M, I[O_POSITION], count)
+    v = view(M, I[O_VELOCITY], count)
+    a = view(M, I[O_ACCELERATION], count)
+    copy_words(I, I[O_BASE_V], I[O_ACCELERATION], count)
+    set_time(I, M, M[S_TIME])
+    impose_motion(I, M, M[S_TIME], q, v, a)
+    if refactor_state(I, M, gamma_dt) == 0:
+        state_residual(I, M)
+        constraint = view(M, I[O_CONSTRAINT_RESIDUAL], 2 * I[I_NODES])
+        constraint[:] = 0.0
+        x = view(M, I[O_INCREMENT], count)
+        newton_increment(I, M, view(M, I[O_RESIDUAL], count), constraint, x)
+        inverse = 1.0 / (gamma_dt * gamma_dt)
+        for n in range(count):
+            a[n] += inverse * x[n]
+    else:
+        copy_words(I, I[O_ACCELERATION], I[O_BASE_V], count)
+    I[I_FACTORED] = 0
+    I[I_HISTORY] = 0

@@ -246,4 +246,8 @@ WATER_COLUMNS = 6
 # Status codes of the kernels.
 OK = 0
 NOT_CONVERGED, NOT_FINITE, TOO_MANY_STEPS, SINGULAR, STATICS_FAILED = 1, 2, 3, 4, 5
-NO_CAPACITY, STALLED = 6, 7
+NO_CAPACITY, STALLED, OVERSTRETCHED = 6, 7, 8
+
+# Strain from which on a step is refused: rubber breaks before; so long a cable comes from an input
+# that is a mistake.
+LARGEST_STRAIN = 5.0

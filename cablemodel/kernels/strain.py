@@ -1,6 +1,18 @@
 """The tension-strain curve: Sun & Leonard 1998, eq. 21, without its constant term."""
 
-from .compile import inlined
+from .compile import inlined, kernel
+from .layout import (
+    E_STRAIN_OFFSET,
+    E_STRAIN_TERMS,
+    E_TENSION_HIGH,
+    E_TENSION_LOW,
+    EDGE_WORDS,
+    I_NODES,
+    LARGEST_STRAIN,
+    O_EDGE,
+    O_JOINT,
+    O_TENSION,
+)
 
 
 @inlined
@@ -18,3 +30,22 @@ def strain_and_slope(M, tension, low, high, offset, terms):
         slope = slope * t + (n + 1) * c
         strain = (strain + c) * t
     return strain + slope * (tension - t), slope
+
+
+@kernel
+def overstretched(I, M):
+    """The first node whose element is longer than any cable can be stretched to; 0: none."""
+    for node in range(1, I[I_NODES]):
+        edge = I[O_EDGE] + node * EDGE_WORDS
+        if I[I[O_JOINT] + node] == 0:
+            strain, _slope = strain_and_slope(
+                M,
+                M[I[O_TENSION] + 2 * node],
+                M[edge + E_TENSION_LOW],
+                M[edge + E_TENSION_HIGH],
+                int(M[edge + E_STRAIN_OFFSET]),
+                int(M[edge + E_STRAIN_TERMS]),
+            )
+            if strain > LARGEST_STRAIN:
+                return node
+    return 0

@@ -11,7 +11,13 @@ import math
 from .backup import keep_sleepers
 from .clamp_layer import follow_layer
 from .compile import copy_words, inlined, kernel, view
-from .consistency import make_consistent, project_velocity, take_rates_from_velocity
+from .consistency import (
+    begin_after_a_blow,
+    follows_a_blow,
+    make_consistent,
+    project_velocity,
+    take_rates_from_velocity,
+)
 from .environment import find_piece
 from .floor_memory import settle
 from .follow import follow_floor
@@ -62,6 +68,7 @@ from .layout import (
     O_TRIAL_V,
     O_VELOCITY,
     OK,
+    OVERSTRETCHED,
     S_BENT,
     S_BENT_AFTER,
     S_FACTORED_STEP,
@@ -100,6 +107,7 @@ from .step_size import (
     next_stop,
     shorten,
 )
+from .strain import overstretched
 from .system import (
     impose_motion,
     newton_increment,
@@ -450,6 +458,8 @@ def advance_to(I, M, t_end):
             # Velocities do not meet what a jolt asks for: they run into it, and make its wave.
             if M[S_TIME] != jolted:
                 make_consistent(I, M, False)
+        elif I[I_LIVE] != 0 and follows_a_blow(I, M, dt):
+            begin_after_a_blow(I, M)
         elif unprojected:
             project_velocity(I, M, GAMMA[scheme] * dt)
         unprojected = False
@@ -534,4 +544,9 @@ def advance_to(I, M, t_end):
                 status = STALLED
                 break
             mark = M[S_TIME]
+    if status == OK:
+        node = overstretched(I, M)
+        if node != 0:
+            I[I[O_FAILED]] = node
+            status = OVERSTRETCHED
     return status

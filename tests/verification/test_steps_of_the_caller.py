@@ -106,3 +106,56 @@ def test_energy_of_a_whip_at_a_hundred_hertz_does_not_grow():
         model.step_to((k + 1) * INTERVAL)
         highest = max(highest, energy(model) + 0.5 * weight * 100.0)
     assert highest < 1.01 * start
+
+
+@pytest.mark.parametrize("short", [1e-9, 1e-6, 1e-4, 1e-2])
+@pytest.mark.parametrize("change", [0.001, 0.1])
+def test_a_change_of_speed_within_a_short_step_makes_its_wave_and_no_more(short, change):
+    """A change V of the vessel's speed sends a wave of V sqrt(EA m) along the cable, which passes
+    the tow point again and again. 0.1 m/s in a tenth of a millisecond gave 9 times that, 0.001 m/s
+    in a nanosecond 20,000 times: the next step began with that one's acceleration."""
+    model = cm.CableModel(
+        cm.load_scene(
+            {
+                "cable_types": {
+                    "armoured": {
+                        "diameter": 0.011, "mass": 0.45, "axial_stiffness": 6e6,
+                        "bending_stiffness": 2.0, "drag_normal": 1.5, "drag_tangential": 0.01,
+                    }
+                },
+                "line": [
+                    {"cable": {"type": "armoured", "length": 300.0}},
+                    {"body": {"mass": 50.0, "submerged_weight": 300.0, "drag_area": 0.3}},
+                ],
+                "vessel": {"velocity": [3.0, 0.0, 0.0]},
+            }
+        )
+    )  # fmt: skip
+    model.step(0.1)
+    before = model.top_tension
+    velocity = (3.0 + change, 0.0, 0.0)
+    model.step(short, vessel_velocity=velocity)
+    tensions = []
+    for _ in range(20):
+        model.step(0.1, vessel_velocity=velocity)
+        tensions.append(model.top_tension)
+
+    wave = change * np.sqrt(6e6 * 0.45)
+    assert np.ptp(tensions) < 2.0 * wave
+    assert max(tensions) - before > 0.5 * wave
+    assert np.abs(np.array(tensions) - before).max() < 1.5 * wave
+
+
+@pytest.mark.parametrize(
+    ("far", "why"),
+    [(1e3, "small enough|stretched"), (1e4, "small enough|stretched"), (1e6, "more than 6 times")],
+)
+def test_a_jump_that_no_cable_bears_is_refused(far, why):
+    model = cm.CableModel(scenes.towed())
+    model.step(1.0)
+    before = model.snapshot()
+    with pytest.raises(cm.StepError, match=why) as error:
+        model.step(0.1, vessel_position=(far, 0.0, 0.0))
+    assert error.value.arc_length > 0.0
+    assert "inputs" in error.value.advice
+    assert model.snapshot() == before

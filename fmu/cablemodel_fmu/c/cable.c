@@ -87,6 +87,9 @@ static void explain(const Cable *cable, int64_t status, char *message, size_t si
     } else if (status == NO_CAPACITY) {
         problem = "more elements are needed than were set aside for the drum's cable";
         advice = "give the line fewer or more even elements";
+    } else if (status == OVERSTRETCHED) {
+        problem = "the cable would be stretched to more than 6 times its length";
+        advice = "look for a jump in the inputs";
     } else if (status == NOT_FINITE) {
         problem = "an input or the step is not finite";
         advice = "check the inputs";
