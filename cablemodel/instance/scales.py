@@ -102,8 +102,12 @@ def is_flexible(scene: Scene, cable: Cable) -> bool:
 
 
 def rate_at_start(scene: Scene) -> float:
-    """Pay-out rate just after t = 0 [m/s]; a table holds its first value before it begins."""
+    """Pay-out rate just after t = 0 [m/s]; a table holds its first value before it begins.
+
+    An empty drum pays out nothing.
+    """
     rates = scene.payout.rate
     if not rates:
         return 0.0
-    return float(np.interp(0.0, [row.t for row in rates], [row.rate for row in rates]))
+    rate = float(np.interp(0.0, [row.t for row in rates], [row.rate for row in rates]))
+    return rate if scene.payout.drum else min(rate, 0.0)

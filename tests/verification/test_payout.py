@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import cablemodel as cm
+from tests.verification import scenes
 
 MASS, GRAVITY, LENGTH, STIFFNESS = 1000.0, 9.80665, 10.0, 1e9
 ANGLE = 1e-3  # small: at 1e-2 the amplitude itself shifts the body by 1.3e-5 m in 10 s
@@ -322,3 +323,17 @@ def test_a_winch_that_stops_dead_sends_a_wave_along_the_line(tolerance, promises
         model.step_to(stop + part * travel)
         down = before - sinking - model.tip_position[2]
         assert abs(down - exact * speed * travel) < promises * tolerance * model.line_length
+
+
+def test_an_empty_drum_starts_as_if_its_winch_stood_still():
+    """What is asked to run out at once, and cannot, neither moves the start nor snaps after it."""
+    scene = scenes.turned(tolerance=1e-3).to_dict()
+    still = cm.CableModel(cm.load_scene(scene))
+    asked = cm.CableModel(cm.load_scene(scene, ["payout.rate=1"]))
+
+    assert asked.payout_rate == 0.0
+    assert asked.top_tension == pytest.approx(still.top_tension, rel=1e-9)
+    for model in (still, asked):
+        model.step(0.5)
+    assert asked.winch == "drum empty"
+    assert asked.top_tension == pytest.approx(still.top_tension, rel=1e-3)
