@@ -176,12 +176,12 @@ def skips() -> list[Skip]:
         ),
         Skip(
             "cable at rest on the floor (asleep, against awake)",
-            "the same lay, its first 4 km, laid elements as short as they landed",
+            "the same lay of 10 km, laid elements as short as they landed",
             _fine_lay,
             lambda: _with_words(_fine_lay(), I_SLEEP=0),
             interval=20.0,
             before=_forbid_joining,
-            end=4000.0,
+            end=10000.0,
             repeats=1,
         ),
         Skip(
@@ -246,7 +246,7 @@ def _fine_lay() -> Any:
 
     from cablemodel.instance import build
 
-    with patch("cablemodel.finite_element.build", partial(build, drum_room=60.0)):
+    with patch("cablemodel.finite_element.build", partial(build, drum_room=150.0)):
         return _lay(None)
 
 

@@ -418,6 +418,7 @@ def advance_to(I, M, t_end):
     refused = 0
     mark = M[S_TIME]
     jolted = -1e300
+    two_steps = False
     while M[S_TIME] < t_end:
         last = M[S_LAST_STEP]
         # The mesh changes before a step: what is read after it is a state that a step has made.
@@ -544,7 +545,7 @@ def advance_to(I, M, t_end):
                 status = STALLED
                 break
             mark = M[S_TIME]
-    if status == OK:
+    if status == OK and not two_steps:
         node = overstretched(I, M)
         if node != 0:
             I[I[O_FAILED]] = node
