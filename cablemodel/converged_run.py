@@ -25,7 +25,7 @@ from cablemodel.errors import (
     StepError,
 )
 from cablemodel.promise import ErrorEstimate
-from cablemodel.run import Progress, Run, open_run, simulate
+from cablemodel.run import Progress, Run, end_of, open_run, simulate
 from cablemodel.solver import FINER
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ def converge(
             converges slowly. Its ``run``, and the log, are those of the last attempt that came to
             its end; without one the log has how far the last attempt came.
         StaticsError, StepError: no attempt came as far as to be judged; the first one's error.
-        SceneError: no scene, or one whose method has no tolerance.
+        SceneError: no scene, one whose method has no tolerance, or too many outputs.
         LogError: the log cannot be written.
         ValueError: fewer than two attempts, or see `simulate`.
     """
@@ -91,6 +91,7 @@ def converge(
     if settings.method != "finite_element":
         problem = f"{settings.method} has no tolerance to make finer"
         raise SceneError.at("solver.method", settings.method, problem, "finite_element")
+    until = end_of(scene, until)
     made: list[Attempt] = []
     failures: list[CableModelError] = []
     last: Run | None = None

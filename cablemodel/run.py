@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel import variables
-from cablemodel.cadence import output_times
+from cablemodel.cadence import check_outputs, output_times
 from cablemodel.errors import LogError, SceneError
 from cablemodel.promise import ErrorEstimate
 from cablemodel.recorder import Recorder
@@ -249,13 +249,11 @@ def simulate(
 
     Raises:
         StepError: a step could not be made; a log keeps what was reached.
-        StaticsError, SceneError: the model cannot be made.
+        StaticsError, SceneError: the model cannot be made, or there are too many outputs.
         LogError: the log cannot be written.
         ValueError: ``until`` or ``state_interval`` is not a positive number.
     """
-    end = scene.run.duration if until is None else float(until)
-    if not (math.isfinite(end) and end > 0.0):
-        raise ValueError(f"until is {end}, it must be a positive time in seconds")
+    end = end_of(scene, until, 0.0 if model is None else model.time)
     if model is None:
         from cablemodel.model import CableModel
 
@@ -278,6 +276,21 @@ def simulate(
                 statistics = dict(model.statistics)
                 progress(Progress(model.time, until, wall, model.top_tension, statistics))
     return recorder.run()
+
+
+def end_of(scene: Scene, until: float | None = None, start: float = 0.0) -> float:
+    """When a run ends [s]: ``until``, or the scene's duration. Asked before a model is made, which
+    may take long.
+
+    Raises:
+        ValueError: ``until`` is not a positive number.
+        SceneError: there would be too many outputs.
+    """
+    end = scene.run.duration if until is None else float(until)
+    if not (math.isfinite(end) and end > 0.0):
+        raise ValueError(f"until is {end}, it must be a positive time in seconds")
+    check_outputs(start, end, scene.run.output_interval)
+    return end
 
 
 def open_run(path: str | PathLike[str]) -> Run:

@@ -17,7 +17,7 @@ from cablemodel.accuracy.apart import Apart
 from cablemodel.accuracy.verdict import Convergence, Row, conclude
 from cablemodel.error_estimate import PLACES
 from cablemodel.errors import CableModelError, SceneError
-from cablemodel.run import Progress, Run, simulate
+from cablemodel.run import Progress, Run, end_of, simulate
 from cablemodel.solver import FINER
 
 if TYPE_CHECKING:
@@ -46,7 +46,8 @@ def convergence(
         progress: called at every output with the tolerance of the run.
 
     Raises:
-        SceneError: the scene's method has no tolerance, or a tolerance is not allowed.
+        SceneError: the scene's method has no tolerance, a tolerance is not allowed, or there are
+            too many outputs.
         CableModelError: no run came to its end; the error of the scene's own.
         ValueError: ``until`` is not a positive number.
     """
@@ -55,6 +56,7 @@ def convergence(
     if not isinstance(scene, Scene):
         scene = load_scene(scene)
     *listed, finest = runs_of(scene, tolerances)
+    until = end_of(scene, until)
     own, asked = scene.solver.tolerance, scene.solver.accuracy
     done: dict[float, Row] = {}
     errors: dict[float, CableModelError] = {}

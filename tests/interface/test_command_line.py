@@ -140,6 +140,21 @@ def test_bad_input_is_one_message_and_status_2(arguments: list[str], words: list
     assert result.stdout == ""
 
 
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["run", SCENE, "--until", "10", "--set", "run.output_interval=1e-9"],
+        ["run", SCENE, "--set", "run.duration=1e12"],
+        ["check", SCENE, "--set", "run.duration=1e12"],
+    ],
+)
+def test_more_outputs_than_fit_are_bad_input(arguments: list[Any]) -> None:
+    result = invoke(*arguments)
+    assert result.exit_code == 2
+    assert "run.output_interval" in result.stderr
+    assert "allowed: at most 10,000,000" in result.stderr
+
+
 def test_a_failed_run_has_status_1_and_keeps_its_log(tmp_path: Path, stand_in: Any) -> None:
     stand_in(fail_at=5.2)
     path = tmp_path / "run.mcap"

@@ -399,3 +399,15 @@ def test_a_log_may_have_fewer_states_than_outputs(
     assert result.samples == len(full.time)
     with pytest.raises(ValueError, match="state_interval"):
         cm.simulate(simple_scene, model=swinging_cable(simple_scene), state_interval=0.0)
+
+
+def test_more_outputs_than_fit_are_refused_before_a_model_is_made(
+    simple_scene: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def made(*_: Any) -> None:
+        raise AssertionError("a model was made")
+
+    monkeypatch.setattr("cablemodel.model.CableModel", made)
+    for run in (cm.simulate, cm.converge, cm.convergence):
+        with pytest.raises(cm.SceneError, match=r"run\.output_interval: .* outputs; allowed"):
+            run(simple_scene, until=1e12)
