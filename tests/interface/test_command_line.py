@@ -1,5 +1,6 @@
 """The command line: what it prints, its exit status, and its errors."""
 
+import errno
 import json
 import math
 import os
@@ -232,6 +233,100 @@ def test_a_full_disk_is_said(tmp_path: Path) -> None:
     result = invoke("run", SCENE, "--log", log)
     assert result.exit_code == 2
     assert "No space left" in result.stderr
+
+
+def said(result: Result) -> str:
+    """Standard error without the frame of an option's error."""
+    return " ".join(result.stderr.replace("│", " ").split())
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
+@pytest.mark.parametrize(
+    ("words", "ending"),
+    [
+        (["plot"], ".png"), (["plot"], ".svg"), (["report"], ".html"),
+        (["export"], ".csv"), (["export"], ".nc"), (["export"], ".parquet"),
+    ],
+)  # fmt: skip
+def test_a_full_disk_is_said_of_every_file(
+    words: list[str], ending: str, log: Path, tmp_path: Path
+) -> None:
+    target = tmp_path / f"f{ending}"
+    target.symlink_to("/dev/full")
+    result = invoke(*words, log, "-o", target)
+    assert result.exit_code == 2, result.output
+    assert "cannot be written: No space left on device" in said(result)
+    assert target.name in said(result)
+    assert "defect" not in said(result)
+
+
+@pytest.mark.skipif(not Path("/proc").is_dir(), reason="needs a folder that takes no file")
+@pytest.mark.parametrize("ending", [".png", ".csv", ".nc", ".parquet", ".fmu"])
+def test_a_file_that_cannot_be_made_is_said(ending: str, log: Path) -> None:
+    words: dict[str, list[Any]] = {
+        ".png": ["plot", log],
+        ".fmu": ["fmu", SCENE, "--platform", "linux64"],
+    }
+    if ending == ".fmu":
+        pytest.importorskip("cablemodel_fmu")
+    result = invoke(*words.get(ending, ["export", log]), "-o", f"/proc/x{ending}")
+    assert result.exit_code == 2, result.output
+    assert f"--output: /proc/x{ending} cannot be written: No such file" in said(result)
+
+
+def test_a_table_and_pictures_that_cannot_be_written_are_said(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    import pandas
+
+    def full(*_: Any, **__: Any) -> None:
+        raise OSError(errno.ENOSPC, "a paragraph of a library")
+
+    def swept(*_: Any, finished: Any, **__: Any) -> Any:
+        table = pandas.DataFrame({"error": [""]})
+        finished(1, table)
+        return table
+
+    table, picture = tmp_path / "t.csv", tmp_path / "p.png"
+    monkeypatch.setattr("cablemodel.parameter_sweep.sweep", swept)
+    monkeypatch.setattr("cablemodel.sweep_plot.save_sweep_figure", full)
+    arguments = ["sweep", SCENE, "--over", "line.0.cable.length=20,30", "-o", table]
+    result = invoke(*arguments, "--plot", picture)
+    assert result.exit_code == 2
+    assert "--plot" in said(result)
+    assert "p.png cannot be written: No space left on device" in said(result)
+    monkeypatch.setattr("cablemodel.parameter_sweep.write_table", full)
+    result = invoke(*arguments)
+    assert result.exit_code == 2
+    assert "t.csv cannot be written: No space left on device" in said(result)
+    monkeypatch.setattr("cablemodel.accuracy.plot.save_convergence_figure", full)
+    options = ["--until", "0.5", "--tolerances", "1e-2", "--set", "solver.tolerance=0.01"]
+    result = invoke("convergence", SCENE, *options, "--plot", picture)
+    assert result.exit_code == 2
+    assert "p.png cannot be written: No space left on device" in said(result)
+
+
+def test_a_file_that_nobody_expected_to_fail_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    def denied(*_: Any) -> None:
+        raise PermissionError(errno.EACCES, "Permission denied", "/some/file")
+
+    monkeypatch.setattr("cablemodel.scene.scene_json_schema", denied)
+    result = invoke("schema")
+    assert result.exit_code == 2
+    assert "/some/file: cannot be read or written: Permission denied" in result.stderr
+    assert "defect" not in result.stderr
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
+def test_an_output_that_cannot_be_written_is_said() -> None:
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "cablemodel", "schema"],
+            stdout=full, stderr=subprocess.PIPE, text=True, check=False, cwd=ROOT,
+        )  # fmt: skip
+    assert done.returncode == 2
+    assert done.stderr.startswith("cablemodel: a file, or the output, cannot be read or written: ")
+    assert "Traceback" not in done.stderr
 
 
 def test_check_says_what_a_scene_holds() -> None:
