@@ -47,9 +47,9 @@ def converge(
     *,
     attempts: int = ATTEMPTS,
     log: str | PathLike[str] | None = None,
-    until: float | None = None,
+    until: float | str | None = None,
     progress: Callable[[float, Progress], None] | None = None,
-    state_interval: float | None = None,
+    state_interval: float | str | None = None,
 ) -> Run:
     """Simulate a scene at a tolerance that keeps what is asked of it.
 
@@ -63,7 +63,7 @@ def converge(
         scene: a scene, or what `load_scene` takes.
         attempts: how many at most, 2 or more.
         log: file to write the log of the result to (MCAP).
-        until: end of the run [s] instead of the scene's duration.
+        until: end of the run instead of the scene's duration: seconds, or text with a unit.
         progress: called at every output with the tolerance of the attempt.
         state_interval: time between exact states [s], rounded to whole output intervals.
 
@@ -81,12 +81,11 @@ def converge(
         ValueError: fewer than two attempts, or see `simulate`.
     """
     from cablemodel.model import CableModel
-    from cablemodel.scene import Scene, load_scene
+    from cablemodel.scene.load import scene_of
 
     if not isinstance(attempts, int) or attempts < 2:
         raise ValueError(f"attempts is {attempts}, it must be 2 or more: one confirms another")
-    if not isinstance(scene, Scene):
-        scene = load_scene(scene)
+    scene = scene_of(scene)
     settings = scene.solver
     if settings.method != "finite_element":
         problem = f"{settings.method} has no tolerance to make finer"

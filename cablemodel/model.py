@@ -6,8 +6,10 @@ import copy
 import hashlib
 import json
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -91,21 +93,27 @@ class CableModel:
     like the original.
 
     Args:
-        scene: what to simulate.
+        scene: what to simulate: a scene, or what `load_scene` takes.
         planar: False forces three dimensions where the scene lies in one vertical plane (the
             default, None, takes advantage of that).
         sleep: False keeps cable awake that friction holds at rest on the sea floor (the default,
             None, leaves it out of the steps until something moves it).
 
     Raises:
-        SceneError: the scene asks for something that its solver does not support.
+        SceneError: no scene, or one that asks for something that its solver does not support.
         StaticsError: no static equilibrium was found for its start.
     """
 
     def __init__(
-        self, scene: Scene, *, planar: bool | None = None, sleep: bool | None = None
+        self,
+        scene: Scene | str | PathLike[str] | Mapping[str, Any],
+        *,
+        planar: bool | None = None,
+        sleep: bool | None = None,
     ) -> None:
-        self.scene = scene
+        from cablemodel.scene.load import scene_of
+
+        self.scene = scene = scene_of(scene)
         self._solver = choose(scene, planar=planar, sleep=sleep)
         self._initial = [image.copy() for image in self._solver.images]
         self._inputs: FloatArray = np.zeros(_INPUT_WORDS)

@@ -95,8 +95,11 @@ def test_a_loop_that_breaks_says_why(scene: cm.Scene, tmp_path: Path) -> None:
 
 def test_a_recorder_refuses_what_is_no_interval(scene: cm.Scene) -> None:
     model = cm.CableModel(scene)
-    with pytest.raises(ValueError, match="output_interval is 0"):
+    with pytest.raises(ValueError, match=r"output_interval: 0\.0 is out of range"):
         cm.Recorder(model, output_interval=0.0)
+    for name in ("output_interval", "state_interval", "until"):
+        with pytest.raises(ValueError, match=f"{name}: 'soon' is not a number with a unit"):
+            cm.Recorder(model, **{name: "soon"})  # type: ignore[arg-type]
     recorder = cm.Recorder(model)
     with pytest.raises(cm.CableModelError, match="goes on"):
         recorder.run()
