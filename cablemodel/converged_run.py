@@ -20,6 +20,7 @@ from cablemodel.errors import (
     Attempt,
     CableModelError,
     ConvergenceError,
+    LogInUseError,
     SceneError,
     StaticsError,
     StepError,
@@ -164,9 +165,11 @@ class _Log:
     def __enter__(self) -> _Log:
         return self
 
-    def __exit__(self, *_error: object) -> None:
+    def __exit__(self, _kind: object, error: BaseException | None, _trace: object) -> None:
         if self.path is None or self._log is None or not self.path.exists():
             return
+        if isinstance(error, LogInUseError):
+            return  # it is another's
         if self.keep:
             os.replace(self.path, self._log)
         else:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from os import PathLike
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
@@ -14,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cablemodel import variables
 from cablemodel.cadence import Cadence
-from cablemodel.errors import CableModelError, shown
+from cablemodel.errors import CableModelError, LogError, shown
 from cablemodel.states import States, applied_values, bodies_in_columns, by_label, matrix_of
 
 if TYPE_CHECKING:
@@ -55,7 +56,7 @@ class Recorder:
             These times are in seconds, or text with a unit.
 
     Raises:
-        LogError: the log cannot be written.
+        LogError: the log cannot be written, or another run writes it.
         ValueError: a time is not a positive one.
         TypeError: ``model`` is no model.
     """
@@ -186,11 +187,25 @@ class Recorder:
         """End the recording with an output at the present time; leaving a ``with`` block does it.
 
         Raises:
-            CableModelError: the model was taken elsewhere without the recorder.
+            CableModelError: the model was taken elsewhere without the recorder, or the log cannot
+                be written. The recording has ended all the same, with what it has until then; the
+                run is not complete, and says why.
         """
         if self._ended:
             return
-        self._check()
+        try:
+            self._check()
+            self._end_output()
+        except BaseException as error:
+            with suppress(LogError):  # it is the error, or of no account beside it
+                self.fail(str(error) or type(error).__name__)
+            raise
+        self._ended = True
+        if self._writer is not None:
+            self._writer.close(self.statistics)
+
+    def _end_output(self) -> None:
+        """The output at the end, or what the last one left out along the cable."""
         if self._last_output != self._time:
             self._output(last=True)
         elif self._memory is not None and not self._last_exact:
@@ -199,9 +214,6 @@ class Recorder:
             self._writer.write_along(
                 self.model, exact_state=not self._last_exact, shape=not self._last_shape
             )
-        self._ended = True
-        if self._writer is not None:
-            self._writer.close(self.statistics)
 
     def fail(self, reason: str) -> None:
         """End the recording of a run that did not come to its end, and say why in its log."""

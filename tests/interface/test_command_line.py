@@ -235,6 +235,32 @@ def test_a_full_disk_is_said(tmp_path: Path) -> None:
     assert "No space left" in result.stderr
 
 
+@pytest.mark.skipif(os.name == "nt", reason="the platform has no locks of this kind")
+def test_two_runs_with_one_log_leave_the_first_whole(tmp_path: Path) -> None:
+    log = tmp_path / "run.mcap"
+    script = (
+        "import sys, cablemodel as cm\n"
+        f"with cm.Recorder(cm.CableModel({str(SCENE)!r}), {str(log)!r}) as recorder:\n"
+        "    print('writes', flush=True)\n"
+        "    sys.stdin.readline()\n"
+        "    recorder.step(1.0)\n"
+    )
+    with subprocess.Popen(
+        [sys.executable, "-c", script],
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=ROOT,
+    ) as first:  # fmt: skip
+        assert first.stdout is not None
+        assert first.stdout.readline() == "writes\n"
+        second = invoke("run", SCENE, "--until", "0.5", "--log", log)
+        first.communicate("go on\n")
+    assert first.returncode == 0
+    assert second.exit_code == 2
+    assert f"{log}: another run writes this log" in second.stderr
+    run = cm.open_run(log)
+    assert run.complete
+    assert run.time.tolist() == [0.0, 1.0]
+
+
 def said(result: Result) -> str:
     """Standard error without the frame of an option's error."""
     return " ".join(result.stderr.replace("│", " ").split())
