@@ -149,7 +149,10 @@ def _mapping(data: Any, source: str) -> Mapping[str, Any]:
 
 def _validated(data: Mapping[str, Any], folder: Path) -> Scene:
     try:
-        return Scene.model_validate(dict(data), context={"folder": folder})
+        notes: list[str] = []
+        scene = Scene.model_validate(dict(data), context={"folder": folder, "notes": notes})
+        scene._notes = tuple(notes)
+        return scene
     except ValidationError as error:
         raise SceneError(problems_of(error, Scene)) from None
     except RecursionError:

@@ -16,6 +16,7 @@ from typer.testing import CliRunner, Result
 
 import cablemodel as cm
 from cablemodel.cli import app
+from cablemodel.cli.plausibility import scene_warnings
 from cablemodel.cli.run import explained_start
 
 ROOT = Path(__file__).parents[2]
@@ -401,12 +402,86 @@ def test_check_names_what_is_not_skipped() -> None:
         ),
         (["vessel.position=[0, 0, 5]"], "above z = 0"),
         (["cable_types.K.mass=100 t/km"], "density of"),
+        (["environment.water_density=1.025"], "t/m3 need their unit: 1.025 t/m3"),
+        (["environment.water_density=0.998"], "t/m3 need their unit: 0.998 t/m3"),
+        (["cable_types.K.submerged_weight=5"], "cable type K is heavier in water (5 N/m) than in"),
+        (["cable_types.K.axial_stiffness=90"], "90 N; MN need their unit: 90 MN"),
+        (
+            ["environment.waves={regular: {height: 0.1, period: 5, direction: 90}}"],
+            "waves.regular.direction: 90 rad is 14.3 turns; degrees need their unit: 90 deg",
+        ),
+        (
+            ["environment.waves={jonswap: {hs: 0.1, tp: 5, direction: -90}}"],
+            "waves.jonswap.direction: -90 rad is 14.3 turns; degrees need their unit: -90 deg",
+        ),
     ],
 )
 def test_check_warns(overrides: list[str], words: str) -> None:
     options = [item for override in overrides for item in ("--set", override)]
     report = json.loads(invoke("check", SCENE, *options, "--json").stdout)
     assert any(words in warning for warning in report["warnings"]), report["warnings"]
+
+
+TURNED = """\
+cable_types: {K: {diameter: 11 mm, mass: 0.45, axial_stiffness: 6 MN}}
+line: [{cable: {type: K, length: 300}}, {body: {name: fish, mass: 50, submerged_weight: 300}}]
+vessel: {path: [{straight: {duration: 60, speed: 3}}, {turn: {angle: 180 deg, radius: 100}}]}
+"""
+
+
+def warned(*overrides: str) -> list[str]:
+    return scene_warnings(cm.load_scene(TURNED, overrides))
+
+
+@pytest.mark.parametrize(
+    ("override", "words"),
+    [
+        (
+            "vessel.path.1.turn.angle=180",
+            "vessel.path.1.turn.angle: 180 rad is 28.6 turns; degrees",
+        ),
+        ("vessel.path.0.straight.heading=90", "path.0.straight.heading: 90 rad is 14.3 turns"),
+        ("line.1.body.submerged_weight=600", "body fish is heavier in water (600 N) than in air"),
+        (
+            "cable_types.K.axial_stiffness=600",
+            "under the line's own weight; is its axial stiffness",
+        ),
+        (
+            "cable_types.K={diameter: 0.01, mass: 0.45, tension_strain: [1]}",
+            "under the line's own weight; is its tension_strain right?",
+        ),
+    ],
+)
+def test_a_slip_in_a_unit_is_seen(override: str, words: str) -> None:
+    found = warned(override)
+    assert len(found) == 1, found
+    assert words in found[0]
+
+
+@pytest.mark.parametrize(
+    "overrides",
+    [
+        [],
+        ["vessel.path.1.turn.angle=720 deg"],
+        ["vessel.path.1.turn.angle=-6.28"],
+        ["environment.water_density=0"],
+        ["environment.water_density=1.2"],
+        ["environment.water_density=1.025 t/m3"],
+        ["line.1.body.submerged_weight=490.33"],  # of 50 kg, in vacuum
+        ["cable_types.K.axial_stiffness=6 kN"],
+        # Most of it lies on the floor.
+        ["cable_types.K.axial_stiffness=600", "environment.floor={z: -20}"],
+    ],
+)
+def test_what_may_well_be_meant_is_no_slip(overrides: list[str]) -> None:
+    assert warned(*overrides) == []
+
+
+def test_a_stretch_is_told_once() -> None:
+    report = json.loads(
+        invoke("check", SCENE, "--set", "cable_types.K.axial_stiffness=90", "--json").stdout
+    )
+    assert len([w for w in report["warnings"] if "stretch" in w]) == 1, report["warnings"]
 
 
 def test_an_unstable_start_is_told_in_words(tmp_path: Path) -> None:
