@@ -29,6 +29,8 @@ BoolArray = NDArray[np.bool_]
 
 _INPUT_WORDS = 14
 """As kernels/stepping.py, which loads the compiler."""
+_NO_NUMBERS = frozenset((str, bytes, bool, np.bool_, np.str_, np.bytes_))
+"""What Python would make a number of, and nobody means as one."""
 _NO_INPUTS: FloatArray = np.zeros(_INPUT_WORDS)
 _NO_INPUTS.flags.writeable = False
 
@@ -214,8 +216,10 @@ class CableModel:
 
     def _number(self, name: str, value: Any) -> float:
         try:
+            if type(value) in _NO_NUMBERS:
+                raise TypeError
             number = float(value)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise StepError(
                 f"{name} is {value!r}, not a number", time=self.time, advice="give a number"
             ) from None
@@ -229,8 +233,15 @@ class CableModel:
         if value is None:
             return
         try:
-            vector = np.asarray(value, dtype=np.float64)
-        except (TypeError, ValueError):
+            vector = np.asarray(value)
+            kind = vector.dtype.kind
+            if kind != "f" or type(value) is not np.ndarray:
+                # NumPy, too, would make numbers of text and truths.
+                if kind not in "fiuO" or not _NO_NUMBERS.isdisjoint(map(type, value)):  # type: ignore[arg-type]
+                    raise TypeError
+                if kind != "f":
+                    vector = vector.astype(np.float64)
+        except (TypeError, ValueError, OverflowError):
             vector = np.empty(0)
         if vector.shape != (3,):
             raise StepError(

@@ -181,8 +181,9 @@ def _chosen(
             chosen = kept[0]
             if chosen.endswith(_FAR_END):
                 notes.append(
-                    f"vessel.velocity: the tow point moves as the far end of the line in {path.name} did, by the "
-                    f"topic {chosen}: it is the only one with velocities there"
+                    f"vessel.velocity: the tow point moves as the far end of the line in "
+                    f"{path.name} did, by the topic {chosen}: it is the only one with velocities "
+                    "there"
                 )
             elif len(offered) > 1:
                 notes.append(
