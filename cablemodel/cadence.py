@@ -11,7 +11,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from cablemodel.errors import SceneError
 from cablemodel.variables import STATE_LABELS
+
+MOST_OUTPUTS = 10_000_000
+"""Of one run: more fill the memory, and are a slip in an interval or a duration."""
 
 SHAPE_BYTES = 64e6
 """Budget of a run for shapes in 32-bit floats, before compression."""
@@ -67,7 +71,12 @@ def _round(excess: float) -> int:
 
 def output_times(start: float, end: float, interval: float) -> list[float]:
     """Multiples of the interval after ``start``, and the end: never a sum of steps, whose
-    round-off would grow. A last step shorter than a millionth of the interval is merged."""
+    round-off would grow. A last step shorter than a millionth of the interval is merged.
+
+    Raises:
+        SceneError: there are too many, see `check_outputs`.
+    """
+    check_outputs(start, end, interval)
     first = math.floor(start / interval * (1.0 + 1e-12)) + 1
     times = []
     k = first
@@ -75,3 +84,29 @@ def output_times(start: float, end: float, interval: float) -> list[float]:
         times.append(k * interval)
         k += 1
     return [*times, end] if end > start else times
+
+
+def check_outputs(start: float, end: float, interval: float) -> None:
+    """Refuse a run of more outputs than anyone reads, before any of them is made.
+
+    Raises:
+        SceneError: there are more than `MOST_OUTPUTS`.
+    """
+    outputs = (end - start) / interval
+    if outputs <= MOST_OUTPUTS:
+        return
+    count = f"{outputs:,.0f}" if outputs < 1e15 else f"{outputs:.3g}"
+    raise SceneError.at(
+        "run.output_interval",
+        interval,
+        f"an output every {interval:g} s until {end:g} s makes {count} outputs",
+        f"at most {MOST_OUTPUTS:,}: an output_interval of at least "
+        f"{_up((end - start) / MOST_OUTPUTS):g} s, or an end (run.duration, until) of at most "
+        f"{start + MOST_OUTPUTS * interval:g} s",
+    )
+
+
+def _up(value: float) -> float:
+    """The least number of three digits that is not below a positive one."""
+    unit = 10.0 ** (math.floor(math.log10(value)) - 2)
+    return math.ceil(value / unit - 1e-9) * unit

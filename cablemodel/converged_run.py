@@ -20,12 +20,13 @@ from cablemodel.errors import (
     Attempt,
     CableModelError,
     ConvergenceError,
+    LogInUseError,
     SceneError,
     StaticsError,
     StepError,
 )
 from cablemodel.promise import ErrorEstimate
-from cablemodel.run import Progress, Run, open_run, simulate
+from cablemodel.run import Progress, Run, end_of, open_run, simulate
 from cablemodel.solver import FINER
 
 if TYPE_CHECKING:
@@ -47,9 +48,9 @@ def converge(
     *,
     attempts: int = ATTEMPTS,
     log: str | PathLike[str] | None = None,
-    until: float | None = None,
+    until: float | str | None = None,
     progress: Callable[[float, Progress], None] | None = None,
-    state_interval: float | None = None,
+    state_interval: float | str | None = None,
 ) -> Run:
     """Simulate a scene at a tolerance that keeps what is asked of it.
 
@@ -63,7 +64,7 @@ def converge(
         scene: a scene, or what `load_scene` takes.
         attempts: how many at most, 2 or more.
         log: file to write the log of the result to (MCAP).
-        until: end of the run [s] instead of the scene's duration.
+        until: end of the run instead of the scene's duration: seconds, or text with a unit.
         progress: called at every output with the tolerance of the attempt.
         state_interval: time between exact states [s], rounded to whole output intervals.
 
@@ -76,21 +77,21 @@ def converge(
             converges slowly. Its ``run``, and the log, are those of the last attempt that came to
             its end; without one the log has how far the last attempt came.
         StaticsError, StepError: no attempt came as far as to be judged; the first one's error.
-        SceneError: no scene, or one whose method has no tolerance.
+        SceneError: no scene, one whose method has no tolerance, or too many outputs.
         LogError: the log cannot be written.
         ValueError: fewer than two attempts, or see `simulate`.
     """
     from cablemodel.model import CableModel
-    from cablemodel.scene import Scene, load_scene
+    from cablemodel.scene.load import scene_of
 
     if not isinstance(attempts, int) or attempts < 2:
         raise ValueError(f"attempts is {attempts}, it must be 2 or more: one confirms another")
-    if not isinstance(scene, Scene):
-        scene = load_scene(scene)
+    scene = scene_of(scene)
     settings = scene.solver
     if settings.method != "finite_element":
         problem = f"{settings.method} has no tolerance to make finer"
         raise SceneError.at("solver.method", settings.method, problem, "finite_element")
+    until = end_of(scene, until)
     made: list[Attempt] = []
     failures: list[CableModelError] = []
     last: Run | None = None
@@ -164,9 +165,11 @@ class _Log:
     def __enter__(self) -> _Log:
         return self
 
-    def __exit__(self, *_error: object) -> None:
+    def __exit__(self, _kind: object, error: BaseException | None, _trace: object) -> None:
         if self.path is None or self._log is None or not self.path.exists():
             return
+        if isinstance(error, LogInUseError):
+            return  # it is another's
         if self.keep:
             os.replace(self.path, self._log)
         else:

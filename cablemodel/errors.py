@@ -165,6 +165,10 @@ class LogError(CableModelError):
     """A log that cannot be written or read."""
 
 
+class LogInUseError(LogError):
+    """A log that another run writes: it is left alone."""
+
+
 def shown(value: Any) -> str:
     """A value as an error message quotes it: on one line, and short."""
     try:

@@ -6,8 +6,10 @@ import copy
 import hashlib
 import json
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -27,6 +29,8 @@ BoolArray = NDArray[np.bool_]
 
 _INPUT_WORDS = 14
 """As kernels/stepping.py, which loads the compiler."""
+_NO_NUMBERS = frozenset((str, bytes, bool, np.bool_, np.str_, np.bytes_))
+"""What Python would make a number of, and nobody means as one."""
 _NO_INPUTS: FloatArray = np.zeros(_INPUT_WORDS)
 _NO_INPUTS.flags.writeable = False
 
@@ -91,21 +95,27 @@ class CableModel:
     like the original.
 
     Args:
-        scene: what to simulate.
+        scene: what to simulate: a scene, or what `load_scene` takes.
         planar: False forces three dimensions where the scene lies in one vertical plane (the
             default, None, takes advantage of that).
         sleep: False keeps cable awake that friction holds at rest on the sea floor (the default,
             None, leaves it out of the steps until something moves it).
 
     Raises:
-        SceneError: the scene asks for something that its solver does not support.
+        SceneError: no scene, or one that asks for something that its solver does not support.
         StaticsError: no static equilibrium was found for its start.
     """
 
     def __init__(
-        self, scene: Scene, *, planar: bool | None = None, sleep: bool | None = None
+        self,
+        scene: Scene | str | PathLike[str] | Mapping[str, Any],
+        *,
+        planar: bool | None = None,
+        sleep: bool | None = None,
     ) -> None:
-        self.scene = scene
+        from cablemodel.scene.load import scene_of
+
+        self.scene = scene = scene_of(scene)
         self._solver = choose(scene, planar=planar, sleep=sleep)
         self._initial = [image.copy() for image in self._solver.images]
         self._inputs: FloatArray = np.zeros(_INPUT_WORDS)
@@ -206,8 +216,10 @@ class CableModel:
 
     def _number(self, name: str, value: Any) -> float:
         try:
+            if type(value) in _NO_NUMBERS:
+                raise TypeError
             number = float(value)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise StepError(
                 f"{name} is {value!r}, not a number", time=self.time, advice="give a number"
             ) from None
@@ -221,8 +233,15 @@ class CableModel:
         if value is None:
             return
         try:
-            vector = np.asarray(value, dtype=np.float64)
-        except (TypeError, ValueError):
+            vector = np.asarray(value)
+            kind = vector.dtype.kind
+            if kind != "f" or type(value) is not np.ndarray:
+                # NumPy, too, would make numbers of text and truths.
+                if kind not in "fiuO" or not _NO_NUMBERS.isdisjoint(map(type, value)):  # type: ignore[arg-type]
+                    raise TypeError
+                if kind != "f":
+                    vector = vector.astype(np.float64)
+        except (TypeError, ValueError, OverflowError):
             vector = np.empty(0)
         if vector.shape != (3,):
             raise StepError(

@@ -118,8 +118,8 @@ def sweep(
     scene: Scene | str | os.PathLike[str] | Mapping[str, Any],
     over: Mapping[str, Sequence[Any]] | Sequence[Axis],
     *,
-    overrides: Iterable[str] = (),
-    until: float | None = None,
+    overrides: str | Iterable[str] = (),
+    until: float | str | None = None,
     scheduler: str | None = None,
     workers: int | None = None,
     converge: bool = False,
@@ -132,7 +132,7 @@ def sweep(
         over: values by their paths in the scene: ``{"cable_types.K.diameter": [0.01, 0.02]}``.
             The last varies fastest.
         overrides: other changes, the same for all runs: ``"run.duration=100"``.
-        until: end of the runs [s] instead of the scene's duration.
+        until: end of the runs instead of the scene's duration: seconds, or text with a unit.
         scheduler: address of a dask scheduler, ``tcp://host:8786``; by default processes of this
             machine. Its workers need cablemodel, and the files that the scene names.
         workers: processes on this machine; by default one for each processor.
@@ -151,12 +151,17 @@ def sweep(
     """
     require("distributed", extra="sweep", what="a sweep")
     require("pandas", extra="sweep", what="a sweep")
+    from cablemodel.scene.load import listed
+    from cablemodel.scene.units import seconds
+
     axes = _axes(over)
+    if until is not None:
+        until = seconds("until", until)
     count = math.prod(len(axis.values) for axis in axes)
     if count > MOST_POINTS:
         raise SceneError.at("", count, f"{count:,} combinations", f"at most {MOST_POINTS:,}")
     text, folder = _scene_text(scene)
-    fixed = tuple(overrides)
+    fixed = listed(overrides)
     points = list(itertools.product(*(axis.values for axis in axes)))
     changes = [
         (*fixed, *(axis.override(value) for axis, value in zip(axes, point, strict=True)))
@@ -182,7 +187,7 @@ def simulate_point(
     text: str,
     folder: str,
     overrides: Sequence[str],
-    until: float | None = None,
+    until: float | str | None = None,
     converge: bool = False,
 ) -> dict[str, Any]:
     """One run of a sweep: its results by `RESULTS`, and ``error``. Runs in a worker."""
@@ -222,9 +227,12 @@ def simulate_point(
 
 def _axes(over: Mapping[str, Sequence[Any]] | Sequence[Axis]) -> list[Axis]:
     if isinstance(over, Mapping):
-        axes = [Axis(path, tuple(values)) for path, values in over.items()]
-    else:
+        axes = [Axis(path, _values(path, values)) for path, values in over.items()]
+    elif isinstance(over, Sequence) and all(isinstance(axis, Axis) for axis in over):
         axes = list(over)
+    else:
+        problem = f"{shown(over)} is nothing to sweep over"
+        raise SceneError.at("", over, problem, "{path: [value, value, ...]}, or a list of Axis")
     paths = [axis.path for axis in axes]
     if not axes or not all(axis.values for axis in axes):
         raise SceneError.at("", paths, "there is nothing to sweep over", "values for every path")
@@ -234,9 +242,18 @@ def _axes(over: Mapping[str, Sequence[Any]] | Sequence[Axis]) -> list[Axis]:
     return axes
 
 
+def _values(path: str, values: Any) -> tuple[Any, ...]:
+    """The values of an axis: of a list or an array, not the letters of a text."""
+    if isinstance(values, (str, bytes, Mapping)) or not isinstance(values, Iterable):
+        problem = f"{shown(values)} is no list of values"
+        raise SceneError.at(path, values, problem, "a list such as [0.01, 0.02]")
+    return tuple(values)
+
+
 def _scene_text(scene: Scene | str | os.PathLike[str] | Mapping[str, Any]) -> tuple[str, str]:
     """A scene as YAML text, which travels to workers, and the folder of the files it names."""
-    from cablemodel.scene import Scene, load_scene
+    from cablemodel.scene import load_scene
+    from cablemodel.scene.load import scene_of
 
     if isinstance(scene, (str, os.PathLike)) and "\n" not in os.fspath(scene):
         load_scene(scene)  # a wrong one is said by its own name and lines
@@ -244,9 +261,7 @@ def _scene_text(scene: Scene | str | os.PathLike[str] | Mapping[str, Any]) -> tu
         return path.read_text(encoding="utf-8-sig") + "\n", str(path.resolve().parent)
     if isinstance(scene, str):
         return scene, str(Path.cwd())
-    if not isinstance(scene, Scene):
-        scene = load_scene(scene)
-    return scene.to_yaml() + "\n", str(Path.cwd())
+    return scene_of(scene).to_yaml() + "\n", str(Path.cwd())
 
 
 def _refuse_if_none_loads(text: str, folder: str, changes: Iterable[Sequence[str]]) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from os import PathLike
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
@@ -14,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cablemodel import variables
 from cablemodel.cadence import Cadence
-from cablemodel.errors import CableModelError
+from cablemodel.errors import CableModelError, LogError, shown
 from cablemodel.states import States, applied_values, bodies_in_columns, by_label, matrix_of
 
 if TYPE_CHECKING:
@@ -47,15 +48,17 @@ class Recorder:
     Args:
         model: the model to step, from its present time.
         log: file to write the log to (MCAP); the run is kept in memory if not given.
-        output_interval: time between outputs [s], the scene's if not given. An output is taken at
+        output_interval: time between outputs, the scene's if not given. An output is taken at
             the first step that reaches each multiple of it, at the start and at the end.
-        state_interval: time between exact states [s], rounded to whole output intervals; by
-            default what keeps a long run small (see :mod:`cablemodel.cadence`).
-        until: when the run will probably end [s], to judge that; the scene's duration if not given.
+        state_interval: time between exact states, rounded to whole output intervals; by default
+            what keeps a long run small (see :mod:`cablemodel.cadence`).
+        until: when the run will probably end, to judge that; the scene's duration if not given.
+            These times are in seconds, or text with a unit.
 
     Raises:
-        LogError: the log cannot be written.
-        ValueError: an interval is not a positive number.
+        LogError: the log cannot be written, or another run writes it.
+        ValueError: a time is not a positive one.
+        TypeError: ``model`` is no model.
     """
 
     def __init__(
@@ -63,15 +66,21 @@ class Recorder:
         model: CableModel,
         log: str | PathLike[str] | None = None,
         *,
-        output_interval: float | None = None,
-        state_interval: float | None = None,
-        until: float | None = None,
+        output_interval: float | str | None = None,
+        state_interval: float | str | None = None,
+        until: float | str | None = None,
     ) -> None:
+        from cablemodel.scene.units import seconds
+
+        check_model(model)
         settings = model.scene.run
-        interval = settings.output_interval if output_interval is None else float(output_interval)
-        if not (math.isfinite(interval) and interval > 0.0):
-            raise ValueError(f"output_interval is {interval}, it must be a positive time in s")
-        end = settings.duration if until is None else until
+        interval, end = settings.output_interval, settings.duration
+        if output_interval is not None:
+            interval = seconds("output_interval", output_interval)
+        if state_interval is not None:
+            state_interval = seconds("state_interval", state_interval)
+        if until is not None:
+            end = seconds("until", until)
         outputs = max(0, math.ceil((end - model.time) / interval)) + 1
         nodes = len(model.state().s)
         self.model = model
@@ -178,11 +187,25 @@ class Recorder:
         """End the recording with an output at the present time; leaving a ``with`` block does it.
 
         Raises:
-            CableModelError: the model was taken elsewhere without the recorder.
+            CableModelError: the model was taken elsewhere without the recorder, or the log cannot
+                be written. The recording has ended all the same, with what it has until then; the
+                run is not complete, and says why.
         """
         if self._ended:
             return
-        self._check()
+        try:
+            self._check()
+            self._end_output()
+        except BaseException as error:
+            with suppress(LogError):  # it is the error, or of no account beside it
+                self.fail(str(error) or type(error).__name__)
+            raise
+        self._ended = True
+        if self._writer is not None:
+            self._writer.close(self.statistics)
+
+    def _end_output(self) -> None:
+        """The output at the end, or what the last one left out along the cable."""
         if self._last_output != self._time:
             self._output(last=True)
         elif self._memory is not None and not self._last_exact:
@@ -191,9 +214,6 @@ class Recorder:
             self._writer.write_along(
                 self.model, exact_state=not self._last_exact, shape=not self._last_shape
             )
-        self._ended = True
-        if self._writer is not None:
-            self._writer.close(self.statistics)
 
     def fail(self, reason: str) -> None:
         """End the recording of a run that did not come to its end, and say why in its log."""
@@ -238,6 +258,16 @@ class Recorder:
             complete=not self._reason,
             reason=self._reason,
         )
+
+
+def check_model(model: Any) -> None:
+    """Refuse what cannot be stepped, such as a scene or its file.
+
+    Raises:
+        TypeError: it is no model.
+    """
+    if not callable(getattr(model, "step_to", None)):
+        raise TypeError(f"model is {shown(model)}; allowed: a CableModel, CableModel(scene)")
 
 
 class Memory:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike
@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel import variables
-from cablemodel.cadence import output_times
+from cablemodel.cadence import check_outputs, output_times
 from cablemodel.errors import LogError, SceneError
 from cablemodel.promise import ErrorEstimate
-from cablemodel.recorder import Recorder
+from cablemodel.recorder import Recorder, check_model
 from cablemodel.states import States
 
 if TYPE_CHECKING:
@@ -226,13 +226,13 @@ class Progress:
 
 
 def simulate(
-    scene: Scene,
+    scene: Scene | str | PathLike[str] | Mapping[str, Any],
     *,
     log: str | PathLike[str] | None = None,
-    until: float | None = None,
+    until: float | str | None = None,
     progress: Callable[[Progress], None] | None = None,
     model: CableModel | None = None,
-    state_interval: float | None = None,
+    state_interval: float | str | None = None,
 ) -> Run:
     """Run a scene from its initial state to its end.
 
@@ -240,22 +240,26 @@ def simulate(
     the cable is not (see :mod:`cablemodel.cadence`), unless ``state_interval`` says how often.
 
     Args:
-        scene: what to simulate.
+        scene: what to simulate: a scene, or what `load_scene` takes.
         log: file to write the log to (MCAP); the states are then read from it, not kept.
-        until: end of the run [s] instead of the scene's duration.
+        until: end of the run instead of the scene's duration: seconds, or text with a unit.
         progress: called at every output.
         model: a model of this scene to go on with, from its present time.
-        state_interval: time between exact states [s], rounded to whole output intervals.
+        state_interval: time between exact states, as ``until``, rounded to whole output intervals.
 
     Raises:
         StepError: a step could not be made; a log keeps what was reached.
-        StaticsError, SceneError: the model cannot be made.
+        StaticsError, SceneError: the model cannot be made, or there are too many outputs.
         LogError: the log cannot be written.
-        ValueError: ``until`` or ``state_interval`` is not a positive number.
+        ValueError: ``until`` or ``state_interval`` is not a positive time.
+        TypeError: ``model`` is no model.
     """
-    end = scene.run.duration if until is None else float(until)
-    if not (math.isfinite(end) and end > 0.0):
-        raise ValueError(f"until is {end}, it must be a positive time in seconds")
+    from cablemodel.scene.load import scene_of
+
+    scene = scene_of(scene)
+    if model is not None:
+        check_model(model)
+    end = end_of(scene, until, 0.0 if model is None else model.time)
     if model is None:
         from cablemodel.model import CableModel
 
@@ -278,6 +282,20 @@ def simulate(
                 statistics = dict(model.statistics)
                 progress(Progress(model.time, until, wall, model.top_tension, statistics))
     return recorder.run()
+
+
+def end_of(scene: Scene, until: float | str | None = None, start: float = 0.0) -> float:
+    """When a run ends [s]: ``until``, or the scene's duration. Asked before a model is made, which
+    may take long.
+
+    Raises:
+        SceneError: ``until`` is not a positive time, or there would be too many outputs.
+    """
+    from cablemodel.scene.units import seconds
+
+    end = scene.run.duration if until is None else seconds("until", until)
+    check_outputs(start, end, scene.run.output_interval)
+    return end
 
 
 def open_run(path: str | PathLike[str]) -> Run:

@@ -17,7 +17,7 @@ from cablemodel.accuracy.apart import Apart
 from cablemodel.accuracy.verdict import Convergence, Row, conclude
 from cablemodel.error_estimate import PLACES
 from cablemodel.errors import CableModelError, SceneError
-from cablemodel.run import Progress, Run, simulate
+from cablemodel.run import Progress, Run, end_of, simulate
 from cablemodel.solver import FINER
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def convergence(
     scene: Scene | str | PathLike[str] | Mapping[str, Any],
     tolerances: Iterable[float] | None = None,
     *,
-    until: float | None = None,
+    until: float | str | None = None,
     progress: Callable[[float, Progress], None] | None = None,
 ) -> Convergence:
     """Run a scene at its own tolerance and at others, and compare all with a finer reference.
@@ -42,19 +42,20 @@ def convergence(
     Args:
         scene: a scene, or what `load_scene` takes.
         tolerances: besides the scene's own; by default four times and a quarter of it.
-        until: end of the runs [s] instead of the scene's duration.
+        until: end of the runs instead of the scene's duration: seconds, or text with a unit.
         progress: called at every output with the tolerance of the run.
 
     Raises:
-        SceneError: the scene's method has no tolerance, or a tolerance is not allowed.
+        SceneError: the scene's method has no tolerance, a tolerance is not allowed, or there are
+            too many outputs.
         CableModelError: no run came to its end; the error of the scene's own.
         ValueError: ``until`` is not a positive number.
     """
-    from cablemodel.scene import Scene, load_scene
+    from cablemodel.scene.load import scene_of
 
-    if not isinstance(scene, Scene):
-        scene = load_scene(scene)
+    scene = scene_of(scene)
     *listed, finest = runs_of(scene, tolerances)
+    until = end_of(scene, until)
     own, asked = scene.solver.tolerance, scene.solver.accuracy
     done: dict[float, Row] = {}
     errors: dict[float, CableModelError] = {}

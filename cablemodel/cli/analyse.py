@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from cablemodel.cli.errors import FAILED, bad_option, reported
-from cablemodel.cli.files import writable
+from cablemodel.cli.files import writable, writing
 from cablemodel.cli.inspect import RunArgument, say_incomplete
 from cablemodel.cli.numbers import readable
 from cablemodel.cli.run import JsonOption, seconds_of
@@ -99,7 +99,8 @@ def export(
         raise bad_option("--table", "a .nc file holds all tables")
     opened = open_run(run)
     say_incomplete(opened.reason)
-    written(opened, output, table=table or "outputs")  # type: ignore[arg-type]  # checked above
+    with writing(output):
+        written(opened, output, table=table or "outputs")  # type: ignore[arg-type]  # checked above
     typer.echo(f"{output} ({output.stat().st_size / 1e6:.2f} MB)")
 
 

@@ -34,9 +34,11 @@ def check(
     """Say what a scene holds, what will be skipped, its first tensions, and what looks wrong."""
     from cablemodel.errors import StaticsError, UnstableStartWarning
     from cablemodel.model import CableModel
+    from cablemodel.run import end_of
     from cablemodel.scene import load_scene
 
     loaded = load_scene(scene, overrides or ())
+    end_of(loaded)  # a run that is refused
     try:
         with explained_start(quiet=as_json), warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", UnstableStartWarning)

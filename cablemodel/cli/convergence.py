@@ -14,7 +14,7 @@ import typer
 
 from cablemodel.cli.differences import difference_report
 from cablemodel.cli.errors import FAILED, bad_option, reported
-from cablemodel.cli.files import PICTURES, writable
+from cablemodel.cli.files import PICTURES, writable, writing
 from cablemodel.cli.numbers import readable
 from cablemodel.cli.run import (
     JsonOption,
@@ -81,7 +81,8 @@ def convergence(
     if plot is not None:
         from cablemodel.accuracy.plot import save_convergence_figure
 
-        save_convergence_figure(found, plot)
+        with writing(plot, "--plot"):
+            save_convergence_figure(found, plot)
         typer.echo(f"Picture: {plot}", err=as_json)
     if not found.passed:
         raise typer.Exit(FAILED)

@@ -49,6 +49,8 @@ def reported(command: Callable[Parameters, None]) -> Callable[Parameters, None]:
             # The reader of our output (head, less) has gone; there is nobody to tell.
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             raise typer.Exit(FAILED) from None
+        except OSError as error:
+            _end(_in_words(error), BAD_INPUT, error)
         except (SceneError, LogError) as error:
             _end(str(error), BAD_INPUT, error)
         except (CableModelError, FailedRunError) as error:
@@ -62,6 +64,21 @@ def reported(command: Callable[Parameters, None]) -> Callable[Parameters, None]:
             _end(message, FAILED, error)
 
     return guarded
+
+
+def reason_of(error: OSError) -> str:
+    """Why a file could not be read or written, in the system's words."""
+    # Libraries put a paragraph in the place of the system's words.
+    return os.strerror(error.errno) if error.errno else " ".join(str(error).split())
+
+
+def _in_words(error: OSError) -> str:
+    """The file and the reason; standard output, if that is what cannot be written."""
+    reason = reason_of(error)
+    if error.filename is not None:
+        named = error.filename if error.filename2 is None else error.filename2
+        return f"{os.fsdecode(named)}: cannot be read or written: {reason}"
+    return f"a file, or the output, cannot be read or written: {reason}"
 
 
 def bad_option(name: str, problem: str) -> typer.BadParameter:
@@ -91,6 +108,9 @@ def _end(message: str, status: int, error: BaseException | None = None) -> None:
         import traceback
 
         traceback.print_exception(error)
-    sys.stdout.flush()
+    try:
+        sys.stdout.flush()
+    except OSError:  # what is left of it cannot be written at the end either
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     typer.echo(f"cablemodel: {message}", err=True)
     raise typer.Exit(status)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
-from cablemodel.cli.errors import bad_option
+from cablemodel.cli.errors import bad_option, reason_of
 
 PICTURES = (".png", ".pdf", ".svg")
 """Endings of a picture's file."""
@@ -26,3 +28,18 @@ def writable(target: Path, endings: tuple[str, ...], option: str = "--output") -
     if target.is_dir():
         raise bad_option(option, f"{target} is a folder")
     return target
+
+
+@contextmanager
+def writing(target: Path, option: str = "--output") -> Iterator[None]:
+    """A block that writes a file: where it cannot, that is said of the option that names it.
+
+    Raises:
+        typer.BadParameter: the file cannot be written.
+    """
+    try:
+        yield
+    except BrokenPipeError:
+        raise  # the reader of our output has gone
+    except OSError as error:
+        raise bad_option(option, f"{target} cannot be written: {reason_of(error)}") from error

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from cablemodel.cli.errors import reported
-from cablemodel.cli.files import writable
+from cablemodel.cli.files import writable, writing
 from cablemodel.cli.run import SceneArgument, SetOption
 
 
@@ -48,7 +48,8 @@ def fmu(
         typer.echo(f"cablemodel: {line}", err=True)
 
     names = [name.strip() for name in platform.split(",") if name.strip()]
-    export_fmu(loaded, target, platforms=names, stations=stations, progress=say)
+    with writing(target):
+        export_fmu(loaded, target, platforms=names, stations=stations, progress=say)
     size = target.stat().st_size / 1e6
     typer.echo(f"FMU: {target} ({size:.1f} MB) for {', '.join(names)}")
     typer.echo(f"Its ports, for the Open Simulation Platform: {ports_file(loaded, target)}")

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from cablemodel.cli.errors import reported
-from cablemodel.cli.files import PICTURES, writable
+from cablemodel.cli.files import PICTURES, writable, writing
 from cablemodel.cli.run import JsonOption
 
 if TYPE_CHECKING:
@@ -53,7 +53,8 @@ def plot(
 
     target = writable(output or run.with_suffix(".png"), PICTURES)
     opened = opened_with_states(run)
-    save_figure(opened, target)
+    with writing(target):
+        save_figure(opened, target)
     say_incomplete(opened.reason)
     typer.echo(f"Picture: {target}")
 

@@ -8,12 +8,21 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from cablemodel.model import CableModel, CableState
     from cablemodel.scene import Scene
+    from cablemodel.scene.line import CableType
 
 _AIR = 100.0
 """Densities [kg/m3] below this are air; nothing is surprising about it above z = 0."""
 _LIGHTEST, _HEAVIEST = 100.0, 12_000.0
 """Densities [kg/m3] of cables: foam and lead."""
+_TONNES = (0.95, 1.1)
+"""Densities of water in t/m3; air has 1.2 kg/m3."""
 _LARGE_STRAIN = 0.02
+_HANGING_STRAIN = 0.5
+"""Of a cable by its own weight: no cable stretches by half its length before it is used."""
+_WHOLE_DEGREE = 1e-6
+"""Angles so near to whole degrees were given in degrees."""
+_HEAVIER = 1e-6
+"""Part of a weight in air by which rounding may make that in water the larger one."""
 _ABOVE_WATER = 0.01
 """Height [m] by which a cable may stand above z = 0 without a word."""
 
@@ -22,12 +31,19 @@ def scene_warnings(scene: Scene) -> list[str]:
     """What is seen without a start."""
     from cablemodel.instance.scales import is_flexible
 
-    found = []
+    found = list(scene.notes)
     settings = scene.run
     if settings.output_interval > settings.duration:
         found.append(
             f"run.output_interval ({settings.output_interval:g} s) is longer than run.duration "
             f"({settings.duration:g} s): only the start and the end are output"
+        )
+    found += _angles_without_unit(scene)
+    density = scene.environment.water_density
+    if _TONNES[0] <= density <= _TONNES[1]:
+        found.append(
+            f"environment.water_density is {density:g} kg/m3, that of air; t/m3 need their unit: "
+            f"{density:g} t/m3"
         )
     if scene.vessel.connection.kind == "clamped" and is_flexible(scene, scene.cables[0]):
         found.append("vessel.connection is clamped, but the first cable has no bending: no effect")
@@ -47,17 +63,108 @@ def scene_warnings(scene: Scene) -> list[str]:
         weight = kind.submerged_weight or 0.0
         if weight < 0.0 and scene.environment.waves is None:  # a surface to float on
             found.append(f"cable type {name} floats: its submerged weight is {weight:g} N/m")
+        found += _heavier_in_water(scene, f"cable type {name}", weight, kind.mass, "/m")
+    for item in (*scene.line, *scene.payout.drum):
+        if (body := item.body) is not None:
+            what = f"body {body.name}" if body.name else "a body"
+            found += _heavier_in_water(scene, what, body.submerged_weight, body.mass, "")
+    for name, strain in _stretched_by_weight(scene).items():
+        kind = scene.cable_types[name]
+        found.append(
+            f"cable type {name} would stretch by {100 * strain:.3g} % under the line's own weight; "
+            + _stiffness_asked(kind)
+        )
     return found
+
+
+def _angles_without_unit(scene: Scene) -> list[str]:
+    """Angles of more than a turn that are no whole degrees: degrees without their unit."""
+    angles: list[tuple[str, float | None]] = []
+    for index, leg in enumerate(scene.vessel.path or ()):
+        place = f"vessel.path.{index}"
+        if leg.straight is not None:
+            angles.append((f"{place}.straight.heading", leg.straight.heading))
+        if leg.turn is not None:
+            angles.append((f"{place}.turn.angle", leg.turn.angle))
+            angles.append((f"{place}.turn.heading", leg.turn.heading))
+    if (waves := scene.environment.waves) is not None:
+        if waves.regular is not None:
+            angles.append(("environment.waves.regular.direction", waves.regular.direction))
+            angles.append(("environment.waves.regular.phase", waves.regular.phase))
+        if waves.jonswap is not None:
+            angles.append(("environment.waves.jonswap.direction", waves.jonswap.direction))
+    found = []
+    for place, angle in angles:
+        if angle is None or abs(angle) <= 2.0 * math.pi:
+            continue
+        degrees = math.degrees(angle)
+        if abs(degrees - round(degrees)) > _WHOLE_DEGREE:
+            found.append(
+                f"{place}: {angle:g} rad is {abs(angle) / (2.0 * math.pi):.3g} turns; degrees need "
+                f"their unit: {angle:g} deg"
+            )
+    return found
+
+
+def _heavier_in_water(scene: Scene, what: str, weight: float, mass: float, per: str) -> list[str]:
+    """A weight in water that is more than that in air."""
+    in_air = mass * scene.environment.gravity
+    if weight <= (1.0 + _HEAVIER) * in_air:
+        return []
+    return [
+        f"{what} is heavier in water ({weight:g} N{per}) than in air ({mass:g} kg{per}, "
+        f"{in_air:.4g} N{per}): are its submerged weight, in N{per}, and its mass right?"
+    ]
+
+
+def _stretched_by_weight(scene: Scene) -> dict[str, float]:
+    """Cable types that the line's weight stretches by more than half, and by how much: hanging
+    down from the vessel, as far as the water is deep."""
+    x, y, z = scene.vessel.position
+    floor, gravity = scene.environment.floor, scene.environment.gravity
+    room = math.inf if floor is None else max(z - floor.height(x, y), 0.0)
+    hanging: list[tuple[str | None, float, float]] = []
+    """Cable type (None: a body), length [m] and weight [N]."""
+    for item in scene.line:
+        if room <= 0.0:
+            break
+        if item.cable is not None:
+            kind, length = scene.cable_types[item.cable.type], min(item.cable.length, room)
+            weight = max(kind.mass * gravity, abs(kind.submerged_weight or 0.0)) * length
+            hanging.append((item.cable.type, length, weight))
+            room -= length
+        elif item.body is not None:
+            hanging.append((None, 0.0, abs(item.body.submerged_weight)))
+    found: dict[str, float] = {}
+    below = 0.0
+    for name, _, weight in reversed(hanging):
+        if name is not None:
+            strain = _strain(scene.cable_types[name], below + 0.5 * weight)
+            if strain > _HANGING_STRAIN:
+                found[name] = max(strain, found.get(name, 0.0))
+        below += weight
+    return found
+
+
+def _strain(kind: CableType, tension: float) -> float:
+    return sum(c * tension ** (k + 1) for k, c in enumerate(kind.strain_coefficients))
+
+
+def _stiffness_asked(kind: CableType) -> str:
+    if kind.axial_stiffness is None:
+        return "is its tension_strain right?"
+    return (
+        f"is its axial stiffness right? {kind.axial_stiffness:g} N; MN need their unit: "
+        f"{kind.axial_stiffness:g} MN"
+    )
 
 
 def start_warnings(scene: Scene, model: CableModel, state: CableState) -> list[str]:
     """What is seen at the start."""
     found = []
-    for name in sorted({cable.type for cable in scene.cables}):
-        kind = scene.cable_types[name]
-        strain = sum(
-            c * model.tension_max ** (k + 1) for k, c in enumerate(kind.strain_coefficients)
-        )
+    said = _stretched_by_weight(scene)
+    for name in sorted({cable.type for cable in scene.cables} - said.keys()):
+        strain = _strain(scene.cable_types[name], model.tension_max)
         if strain > _LARGE_STRAIN:
             found.append(
                 f"cable type {name} would stretch by {100 * strain:.1f} % under the highest "

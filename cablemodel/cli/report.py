@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from cablemodel.cli.errors import bad_option, reported
-from cablemodel.cli.files import writable
+from cablemodel.cli.files import writable, writing
 from cablemodel.cli.inspect import RunArgument, opened_with_states, say_incomplete
 
 
@@ -30,10 +30,8 @@ def report(
 
     target = writable(output or run.with_suffix(".html"), (".html", ".htm"))
     opened = opened_with_states(run)
-    try:
+    with writing(target):
         save_report(opened, target)
-    except OSError as error:
-        raise bad_option("--output", f"{target} cannot be written: {error.strerror}") from error
     say_incomplete(opened.reason)
     typer.echo(f"Report: {target} ({target.stat().st_size / 1e6:.1f} MB)")
 
@@ -67,9 +65,7 @@ def animate(
     if seconds is not None and not 0.0 < seconds <= LONGEST:
         raise bad_option("--seconds", f"{seconds} is not above 0 and at most {LONGEST:g}")
     opened = opened_with_states(run)
-    try:
+    with writing(target):
         save_animation(opened, target, seconds=seconds, fps=fps)
-    except OSError as error:
-        raise bad_option("--output", f"{target} cannot be written: {error.strerror}") from error
     say_incomplete(opened.reason)
     typer.echo(f"Film: {target} ({target.stat().st_size / 1e6:.1f} MB)")

@@ -144,22 +144,13 @@ def _expected(error: Exception) -> bool:
 
 def seconds_of(option: str, text: str) -> float:
     """A time [s] that an option gives, with or without a unit."""
-    from pydantic import TypeAdapter, ValidationError
-
-    from cablemodel.scene.base import Duration
+    from cablemodel.errors import SceneError
+    from cablemodel.scene.units import seconds
 
     try:
-        return TypeAdapter(Duration).validate_python(text if _has_unit(text) else float(text))
-    except (ValidationError, ValueError):
+        return seconds(option, text)
+    except SceneError:
         raise bad_option(option, f"{text!r} is no time above 0, such as 200 or '3 min'") from None
-
-
-def _has_unit(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return True
-    return False
 
 
 def _kept(reached: float, log: Path | None) -> str:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cablemodel.cli.errors import FAILED, INTERRUPTED, bad_option, reported
-from cablemodel.cli.files import PICTURES, writable
+from cablemodel.cli.files import PICTURES, writable, writing
 from cablemodel.cli.run import (
     ConvergeOption,
     SceneArgument,
@@ -105,7 +105,8 @@ def sweep(
         def finished(done: int, table: pandas.DataFrame) -> None:
             kept[:] = [table]
             if done:
-                write_table(table, target)
+                with writing(target):
+                    write_table(table, target)
             show(done, int((table["error"] != "").sum()))
 
         try:
@@ -125,7 +126,8 @@ def sweep(
         from cablemodel.sweep_plot import save_sweep_figure
 
         chosen = None if against is None else columns[against]
-        save_sweep_figure(table, plot, result=result, against=chosen)
+        with writing(plot, "--plot"):
+            save_sweep_figure(table, plot, result=result, against=chosen)
         typer.echo(f"Picture: {plot}")
 
 

@@ -22,6 +22,7 @@ import yaml
 
 from cablemodel import variables
 from cablemodel.errors import LogError
+from cablemodel.log import lock
 from cablemodel.log.messages import Messages, definition, type_hash
 from cablemodel.log.provenance import provenance
 from cablemodel.states import applied_values
@@ -78,7 +79,7 @@ class LogWriter:
         epoch: time that stands for t = 0 [ns since 1970]; now (whole seconds) if not given.
 
     Raises:
-        LogError: the file cannot be written.
+        LogError: the file cannot be written, or another run writes it.
     """
 
     def __init__(
@@ -89,7 +90,7 @@ class LogWriter:
         self.path = Path(path)
         self.epoch = int(time.time()) * 1_000_000_000 if epoch is None else int(epoch)
         try:
-            self._file = self.path.open("wb")
+            self._file = lock.open_alone(self.path)
         except OSError as error:
             raise LogError(f"cannot write the log {self.path}: {error.strerror}") from error
         self._messages = Messages()
@@ -316,7 +317,7 @@ class LogWriter:
 
     def _close_file(self) -> None:
         with suppress(OSError):  # what could not be written was reported where it happened
-            self._file.close()
+            lock.close(self._file)
 
     def _write_error(self, error: OSError) -> LogError:
         return LogError(f"cannot write the log {self.path}: {error.strerror or error}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Mapping
 from functools import cached_property
 from typing import Annotated, Any
 
@@ -10,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
 
+from cablemodel.errors import shown
 from cablemodel.scene.base import (
     Angle,
     Coefficient,
@@ -49,6 +51,9 @@ class Current(SceneModel):
     def _from_vector(cls, value: Any) -> Any:
         if isinstance(value, (list, tuple, np.ndarray)):
             return {"table": [{"z": 0.0, "velocity": Vector("m/s")(value)}]}
+        if not isinstance(value, (Mapping, Current)):
+            allowed = f"none, {Vector('m/s').allowed}, or a mapping with the key table"
+            raise rejection(f"{shown(value)} is no current", allowed, value)
         return value
 
     @field_validator("table")

@@ -18,19 +18,22 @@ from cablemodel.scene.text import parse_yaml
 _LOG = b"\x89MCAP"
 """What an MCAP file begins with."""
 
+_OVERRIDES = 'texts "path=value", such as "line.0.cable.length=50"'
+
 SceneSource = str | os.PathLike[str] | Mapping[str, Any]
 
 
 def load_scene(
     source: SceneSource,
-    overrides: Iterable[str] = (),
+    overrides: str | Iterable[str] = (),
     folder: str | os.PathLike[str] | None = None,
 ) -> Scene:
     """Read and check a scene.
 
     Args:
         source: a file, YAML text (text with a line break), or a mapping as YAML would give.
-        overrides: ``"line.0.cable.length=50"``: values in YAML put in place before the check.
+        overrides: ``"line.0.cable.length=50"``: values in YAML put in place before the check; one,
+            or several.
         folder: where files that the scene names are; by default that of the scene's own file,
             else the working directory.
 
@@ -43,7 +46,7 @@ def load_scene(
     text, name, data = _content(source)
     if folder is None:
         folder = Path(name).parent if name is not None else Path()
-    overrides = list(overrides)
+    overrides = listed(overrides)
     try:
         data = apply_overrides(data, overrides)
         scene = _validated(data, Path(folder))
@@ -54,6 +57,28 @@ def load_scene(
     scene._source_text = None if overrides else text
     scene._source_path = name
     return scene
+
+
+def scene_of(source: Scene | SceneSource) -> Scene:
+    """A scene as it is, or read from what `load_scene` takes.
+
+    Raises:
+        SceneError: neither, or a scene that is wrong.
+    """
+    return source if isinstance(source, Scene) else load_scene(source)
+
+
+def listed(overrides: str | Iterable[str]) -> list[str]:
+    """Overrides as a list; a single one may stand alone.
+
+    Raises:
+        SceneError: something else.
+    """
+    if isinstance(overrides, str):
+        return [overrides]
+    if not isinstance(overrides, Iterable):
+        raise SceneError.at("", overrides, f"{shown(overrides)} are no overrides", _OVERRIDES)
+    return list(overrides)
 
 
 def apply_overrides(data: Mapping[str, Any], overrides: Iterable[str]) -> dict[str, Any]:
@@ -69,6 +94,8 @@ def apply_overrides(data: Mapping[str, Any], overrides: Iterable[str]) -> dict[s
     """
     changed = dict(data)
     for override in overrides:
+        if not isinstance(override, str):
+            raise SceneError.at("", override, f"{shown(override)} is no override", _OVERRIDES)
         path, equals, text = override.partition("=")
         if not equals or not path.strip():
             raise SceneError.at("", override, f"{shown(override)} is no override", "path=value")
@@ -122,7 +149,10 @@ def _mapping(data: Any, source: str) -> Mapping[str, Any]:
 
 def _validated(data: Mapping[str, Any], folder: Path) -> Scene:
     try:
-        return Scene.model_validate(dict(data), context={"folder": folder})
+        notes: list[str] = []
+        scene = Scene.model_validate(dict(data), context={"folder": folder, "notes": notes})
+        scene._notes = tuple(notes)
+        return scene
     except ValidationError as error:
         raise SceneError(problems_of(error, Scene)) from None
     except RecursionError:

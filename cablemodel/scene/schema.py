@@ -166,6 +166,7 @@ class Scene(SceneModel):
 
     _source_text: str | None = PrivateAttr(default=None)
     _source_path: str | None = PrivateAttr(default=None)
+    _notes: tuple[str, ...] = PrivateAttr(default=())
     _motion: tuple[Vessel, VesselMotion] | None = PrivateAttr(default=None)
 
     @field_validator("cable_types")
@@ -323,6 +324,11 @@ class Scene(SceneModel):
     def source_path(self) -> str | None:
         """The file that it was read from; None for a scene from text or a mapping."""
         return self._source_path
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What was chosen when it was read, where the scene leaves a doubt."""
+        return self._notes
 
     def motion(self) -> VesselMotion:
         """The prescribed motion of the tow point, made once."""

@@ -15,6 +15,10 @@ if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
 
 _VELOCITY_TYPES = ("nav_msgs/msg/Odometry", "geometry_msgs/msg/TwistStamped")
+_FAR_END = "/end_odom"
+"""How the topic of the far end's motion ends, in the logs of this project."""
+_TOW_POINT = "/applied_odom"
+"""And that of the tow point's."""
 
 
 def velocity_from_file(
@@ -25,7 +29,9 @@ def velocity_from_file(
     Args:
         name: the file, relative to the folder of the scene.
         context: validation context; ``context["folder"]`` is that folder.
-        topic: of the MCAP file; None where it holds only one that fits.
+        topic: of the MCAP file; None where it holds only one that fits, but for those of a run of
+            this project: of these it is the tow point's, and the far end's if there is no other.
+            What is chosen with a doubt is noted in the context's ``notes``.
         at: place of the file's name below the validated value, for messages.
 
     Raises:
@@ -33,7 +39,7 @@ def velocity_from_file(
     """
     path = _found(name, context, at)
     if path.suffix.lower() == ".mcap":
-        return _velocity_from_mcap(path, topic, at)
+        return _velocity_from_mcap(path, topic, at, (context or {}).get("notes", []))
     if topic is not None:
         allowed = "no topic with a CSV file"
         raise rejection("only an MCAP file has topics", allowed, topic, (*at[:-1], "topic"))
@@ -98,7 +104,9 @@ def _rows_from_csv(
     return rows
 
 
-def _velocity_from_mcap(path: Path, topic: str | None, at: tuple[str, ...]) -> list[dict[str, Any]]:
+def _velocity_from_mcap(
+    path: Path, topic: str | None, at: tuple[str, ...], notes: list[str]
+) -> list[dict[str, Any]]:
     """Velocity over time from Odometry or TwistStamped messages; t = 0 is the first one's stamp.
 
     Odometry gives its twist in the child frame, so it is turned by the pose; TwistStamped is taken
@@ -113,7 +121,7 @@ def _velocity_from_mcap(path: Path, topic: str | None, at: tuple[str, ...]) -> l
             reader = make_reader(stream)
             summary = reader.get_summary()
             offered = _velocity_topics(summary)
-            chosen = _chosen(offered, topic, path, allowed, at)
+            chosen = _chosen(offered, topic, path, allowed, at, notes)
             types = get_typestore(Stores.ROS2_JAZZY)
             rows = [
                 _row(types, offered[chosen], message.data)
@@ -157,11 +165,31 @@ def _velocity_topics(summary: Any) -> dict[str, str]:
 
 
 def _chosen(
-    offered: dict[str, str], topic: str | None, path: Path, allowed: str, at: tuple[str, ...]
+    offered: dict[str, str],
+    topic: str | None,
+    path: Path,
+    allowed: str,
+    at: tuple[str, ...],
+    notes: list[str],
 ) -> str:
     names = ", ".join(sorted(offered)) or "none"
-    if topic is None and len(offered) == 1:
-        return next(iter(offered))
+    if topic is None and offered:
+        # The far end is at the other end of the line, whatever else there is.
+        other = [name for name in offered if not name.endswith(_FAR_END)] or list(offered)
+        kept = [name for name in other if name.endswith(_TOW_POINT)] or other
+        if len(kept) == 1:
+            chosen = kept[0]
+            if chosen.endswith(_FAR_END):
+                notes.append(
+                    f"vessel.velocity: the tow point moves as the far end of the line in "
+                    f"{path.name} did, by the topic {chosen}: it is the only one with velocities "
+                    "there"
+                )
+            elif len(offered) > 1:
+                notes.append(
+                    f"vessel.velocity: the topic {chosen} is taken from {path.name}, of {names}"
+                )
+            return chosen
     if topic is None:
         problem = f"{path.name} has {len(offered)} topics with velocities ({names})"
         raise _RefusedError(problem, "topic: one of them" if offered else allowed, path.name, at)

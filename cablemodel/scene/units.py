@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from cablemodel.cache import cache_root
-from cablemodel.errors import SceneProblem, shown
+from cablemodel.errors import SceneError, SceneProblem, shown
 
 if TYPE_CHECKING:
     from pint import UnitRegistry
@@ -174,6 +174,19 @@ class Quantity:
 
     def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
         return self.json_schema()
+
+
+def seconds(name: str, value: Any) -> float:
+    """A time above 0 [s] that an argument gives, as a scene would: a number, or text with a unit.
+
+    Raises:
+        SceneError: something else; it is a ValueError.
+    """
+    try:
+        return Quantity("s", above=0)(value)
+    except PydanticCustomError as error:
+        context = error.context or {}
+        raise SceneError.at(name, value, context["problem"], context["allowed"]) from None
 
 
 @dataclass(frozen=True)

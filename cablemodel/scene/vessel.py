@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
@@ -35,6 +36,7 @@ from cablemodel.scene.motion import VesselMotion
 from cablemodel.scene.tables import velocity_from_file
 from cablemodel.scene.units import Quantity, Vector, rejection
 
+_FILE_NAME = re.compile(r"\.[A-Za-z]\w{0,5}\s*$")
 _SAME_HEADING = 1e-6
 _STANDSTILL = 1e-9
 
@@ -54,9 +56,12 @@ def _velocity_rows(value: Any, info: ValidationInfo) -> Any:
         and not any(isinstance(item, (Mapping, SceneModel)) for item in value)
     ):
         return [{"t": 0.0, "velocity": Vector("m/s")(value)}]
+    allowed = "a vector, a list of {t, velocity}, or {file: NAME} with an optional topic"
+    if isinstance(value, str):
+        named = f"; a file is named by {{file: {value}}}" if _FILE_NAME.search(value) else ""
+        raise rejection(f"{shown(value)} is a text{named}", allowed, value)
     if not isinstance(value, Mapping):
         return value
-    allowed = "a vector, a list of {t, velocity}, or {file: NAME} with an optional topic"
     if set(value) - {"file", "topic"} or not isinstance(value.get("file"), str):
         raise rejection(f"{shown(value)} is not understood", allowed, value)
     topic = value.get("topic")

@@ -1,5 +1,6 @@
 """The command line: what it prints, its exit status, and its errors."""
 
+import errno
 import json
 import math
 import os
@@ -15,6 +16,7 @@ from typer.testing import CliRunner, Result
 
 import cablemodel as cm
 from cablemodel.cli import app
+from cablemodel.cli.plausibility import scene_warnings
 from cablemodel.cli.run import explained_start
 
 ROOT = Path(__file__).parents[2]
@@ -140,6 +142,21 @@ def test_bad_input_is_one_message_and_status_2(arguments: list[str], words: list
     assert result.stdout == ""
 
 
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["run", SCENE, "--until", "10", "--set", "run.output_interval=1e-9"],
+        ["run", SCENE, "--set", "run.duration=1e12"],
+        ["check", SCENE, "--set", "run.duration=1e12"],
+    ],
+)
+def test_more_outputs_than_fit_are_bad_input(arguments: list[Any]) -> None:
+    result = invoke(*arguments)
+    assert result.exit_code == 2
+    assert "run.output_interval" in result.stderr
+    assert "allowed: at most 10,000,000" in result.stderr
+
+
 def test_a_failed_run_has_status_1_and_keeps_its_log(tmp_path: Path, stand_in: Any) -> None:
     stand_in(fail_at=5.2)
     path = tmp_path / "run.mcap"
@@ -219,6 +236,126 @@ def test_a_full_disk_is_said(tmp_path: Path) -> None:
     assert "No space left" in result.stderr
 
 
+@pytest.mark.skipif(os.name == "nt", reason="the platform has no locks of this kind")
+def test_two_runs_with_one_log_leave_the_first_whole(tmp_path: Path) -> None:
+    log = tmp_path / "run.mcap"
+    script = (
+        "import sys, cablemodel as cm\n"
+        f"with cm.Recorder(cm.CableModel({str(SCENE)!r}), {str(log)!r}) as recorder:\n"
+        "    print('writes', flush=True)\n"
+        "    sys.stdin.readline()\n"
+        "    recorder.step(1.0)\n"
+    )
+    with subprocess.Popen(
+        [sys.executable, "-c", script],
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=ROOT,
+    ) as first:  # fmt: skip
+        assert first.stdout is not None
+        assert first.stdout.readline() == "writes\n"
+        second = invoke("run", SCENE, "--until", "0.5", "--log", log)
+        first.communicate("go on\n")
+    assert first.returncode == 0
+    assert second.exit_code == 2
+    assert f"{log}: another run writes this log" in second.stderr
+    run = cm.open_run(log)
+    assert run.complete
+    assert run.time.tolist() == [0.0, 1.0]
+
+
+def said(result: Result) -> str:
+    """Standard error without the frame of an option's error."""
+    return " ".join(result.stderr.replace("│", " ").split())
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
+@pytest.mark.parametrize(
+    ("words", "ending"),
+    [
+        (["plot"], ".png"), (["plot"], ".svg"), (["report"], ".html"),
+        (["export"], ".csv"), (["export"], ".nc"), (["export"], ".parquet"),
+    ],
+)  # fmt: skip
+def test_a_full_disk_is_said_of_every_file(
+    words: list[str], ending: str, log: Path, tmp_path: Path
+) -> None:
+    target = tmp_path / f"f{ending}"
+    target.symlink_to("/dev/full")
+    result = invoke(*words, log, "-o", target)
+    assert result.exit_code == 2, result.output
+    assert "cannot be written: No space left on device" in said(result)
+    assert target.name in said(result)
+    assert "defect" not in said(result)
+
+
+@pytest.mark.skipif(not Path("/proc").is_dir(), reason="needs a folder that takes no file")
+@pytest.mark.parametrize("ending", [".png", ".csv", ".nc", ".parquet", ".fmu"])
+def test_a_file_that_cannot_be_made_is_said(ending: str, log: Path) -> None:
+    words: dict[str, list[Any]] = {
+        ".png": ["plot", log],
+        ".fmu": ["fmu", SCENE, "--platform", "linux64"],
+    }
+    if ending == ".fmu":
+        pytest.importorskip("cablemodel_fmu")
+    result = invoke(*words.get(ending, ["export", log]), "-o", f"/proc/x{ending}")
+    assert result.exit_code == 2, result.output
+    assert f"--output: /proc/x{ending} cannot be written: No such file" in said(result)
+
+
+def test_a_table_and_pictures_that_cannot_be_written_are_said(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    import pandas
+
+    def full(*_: Any, **__: Any) -> None:
+        raise OSError(errno.ENOSPC, "a paragraph of a library")
+
+    def swept(*_: Any, finished: Any, **__: Any) -> Any:
+        table = pandas.DataFrame({"error": [""]})
+        finished(1, table)
+        return table
+
+    table, picture = tmp_path / "t.csv", tmp_path / "p.png"
+    monkeypatch.setattr("cablemodel.parameter_sweep.sweep", swept)
+    monkeypatch.setattr("cablemodel.sweep_plot.save_sweep_figure", full)
+    arguments = ["sweep", SCENE, "--over", "line.0.cable.length=20,30", "-o", table]
+    result = invoke(*arguments, "--plot", picture)
+    assert result.exit_code == 2
+    assert "--plot" in said(result)
+    assert "p.png cannot be written: No space left on device" in said(result)
+    monkeypatch.setattr("cablemodel.parameter_sweep.write_table", full)
+    result = invoke(*arguments)
+    assert result.exit_code == 2
+    assert "t.csv cannot be written: No space left on device" in said(result)
+    monkeypatch.setattr("cablemodel.accuracy.plot.save_convergence_figure", full)
+    options = ["--until", "0.5", "--tolerances", "1e-2", "--set", "solver.tolerance=0.01"]
+    result = invoke("convergence", SCENE, *options, "--plot", picture)
+    assert result.exit_code == 2
+    assert "p.png cannot be written: No space left on device" in said(result)
+
+
+def test_a_file_that_nobody_expected_to_fail_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    def denied(*_: Any) -> None:
+        raise PermissionError(errno.EACCES, "Permission denied", "/some/file")
+
+    monkeypatch.setattr("cablemodel.scene.scene_json_schema", denied)
+    result = invoke("schema")
+    assert result.exit_code == 2
+    assert "/some/file: cannot be read or written: Permission denied" in result.stderr
+    assert "defect" not in result.stderr
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
+def test_an_output_that_cannot_be_written_is_said() -> None:
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "cablemodel", "schema"],
+            stdout=full, stderr=subprocess.PIPE, text=True, check=False, cwd=ROOT,
+        )  # fmt: skip
+    assert done.returncode == 2
+    assert done.stderr.startswith("cablemodel: a file, or the output, cannot be read or written: ")
+    assert "Traceback" not in done.stderr
+
+
 def test_check_says_what_a_scene_holds() -> None:
     result = invoke("check", SCENE)
     assert result.exit_code == 0, result.output
@@ -265,12 +402,86 @@ def test_check_names_what_is_not_skipped() -> None:
         ),
         (["vessel.position=[0, 0, 5]"], "above z = 0"),
         (["cable_types.K.mass=100 t/km"], "density of"),
+        (["environment.water_density=1.025"], "t/m3 need their unit: 1.025 t/m3"),
+        (["environment.water_density=0.998"], "t/m3 need their unit: 0.998 t/m3"),
+        (["cable_types.K.submerged_weight=5"], "cable type K is heavier in water (5 N/m) than in"),
+        (["cable_types.K.axial_stiffness=90"], "90 N; MN need their unit: 90 MN"),
+        (
+            ["environment.waves={regular: {height: 0.1, period: 5, direction: 90}}"],
+            "waves.regular.direction: 90 rad is 14.3 turns; degrees need their unit: 90 deg",
+        ),
+        (
+            ["environment.waves={jonswap: {hs: 0.1, tp: 5, direction: -90}}"],
+            "waves.jonswap.direction: -90 rad is 14.3 turns; degrees need their unit: -90 deg",
+        ),
     ],
 )
 def test_check_warns(overrides: list[str], words: str) -> None:
     options = [item for override in overrides for item in ("--set", override)]
     report = json.loads(invoke("check", SCENE, *options, "--json").stdout)
     assert any(words in warning for warning in report["warnings"]), report["warnings"]
+
+
+TURNED = """\
+cable_types: {K: {diameter: 11 mm, mass: 0.45, axial_stiffness: 6 MN}}
+line: [{cable: {type: K, length: 300}}, {body: {name: fish, mass: 50, submerged_weight: 300}}]
+vessel: {path: [{straight: {duration: 60, speed: 3}}, {turn: {angle: 180 deg, radius: 100}}]}
+"""
+
+
+def warned(*overrides: str) -> list[str]:
+    return scene_warnings(cm.load_scene(TURNED, overrides))
+
+
+@pytest.mark.parametrize(
+    ("override", "words"),
+    [
+        (
+            "vessel.path.1.turn.angle=180",
+            "vessel.path.1.turn.angle: 180 rad is 28.6 turns; degrees",
+        ),
+        ("vessel.path.0.straight.heading=90", "path.0.straight.heading: 90 rad is 14.3 turns"),
+        ("line.1.body.submerged_weight=600", "body fish is heavier in water (600 N) than in air"),
+        (
+            "cable_types.K.axial_stiffness=600",
+            "under the line's own weight; is its axial stiffness",
+        ),
+        (
+            "cable_types.K={diameter: 0.01, mass: 0.45, tension_strain: [1]}",
+            "under the line's own weight; is its tension_strain right?",
+        ),
+    ],
+)
+def test_a_slip_in_a_unit_is_seen(override: str, words: str) -> None:
+    found = warned(override)
+    assert len(found) == 1, found
+    assert words in found[0]
+
+
+@pytest.mark.parametrize(
+    "overrides",
+    [
+        [],
+        ["vessel.path.1.turn.angle=720 deg"],
+        ["vessel.path.1.turn.angle=-6.28"],
+        ["environment.water_density=0"],
+        ["environment.water_density=1.2"],
+        ["environment.water_density=1.025 t/m3"],
+        ["line.1.body.submerged_weight=490.33"],  # of 50 kg, in vacuum
+        ["cable_types.K.axial_stiffness=6 kN"],
+        # Most of it lies on the floor.
+        ["cable_types.K.axial_stiffness=600", "environment.floor={z: -20}"],
+    ],
+)
+def test_what_may_well_be_meant_is_no_slip(overrides: list[str]) -> None:
+    assert warned(*overrides) == []
+
+
+def test_a_stretch_is_told_once() -> None:
+    report = json.loads(
+        invoke("check", SCENE, "--set", "cable_types.K.axial_stiffness=90", "--json").stdout
+    )
+    assert len([w for w in report["warnings"] if "stretch" in w]) == 1, report["warnings"]
 
 
 def test_an_unstable_start_is_told_in_words(tmp_path: Path) -> None:

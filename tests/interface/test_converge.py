@@ -249,7 +249,7 @@ def test_tensions_may_be_left_out(tmp_path: Path) -> None:
     [
         ([], {"attempts": 2.5}, "attempts is 2.5, it must be 2 or more"),
         ([], {"attempts": 1}, "attempts is 1, it must be 2 or more"),
-        ([], {"until": -1.0}, "until is -1.0"),
+        ([], {"until": -1.0}, "until: -1.0 is out of range"),
         (
             ["solver={method: direct_integration}"],
             {},

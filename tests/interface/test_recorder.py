@@ -1,5 +1,8 @@
 """A loop of one's own, recorded: the run is what the model did, in memory and in a log."""
 
+import importlib.util
+import os
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +11,9 @@ import pytest
 import cablemodel as cm
 from cablemodel.replay import replay
 
+needs_locks = pytest.mark.skipif(
+    importlib.util.find_spec("fcntl") is None, reason="the platform has no locks of this kind"
+)
 SCENE = Path(__file__).parents[2] / "scenes" / "towed_cable.yaml"
 
 
@@ -95,8 +101,99 @@ def test_a_loop_that_breaks_says_why(scene: cm.Scene, tmp_path: Path) -> None:
 
 def test_a_recorder_refuses_what_is_no_interval(scene: cm.Scene) -> None:
     model = cm.CableModel(scene)
-    with pytest.raises(ValueError, match="output_interval is 0"):
+    with pytest.raises(ValueError, match=r"output_interval: 0\.0 is out of range"):
         cm.Recorder(model, output_interval=0.0)
+    for name in ("output_interval", "state_interval", "until"):
+        with pytest.raises(ValueError, match=f"{name}: 'soon' is not a number with a unit"):
+            cm.Recorder(model, **{name: "soon"})  # type: ignore[arg-type]
     recorder = cm.Recorder(model)
     with pytest.raises(cm.CableModelError, match="goes on"):
         recorder.run()
+
+
+def test_a_recording_whose_model_was_taken_elsewhere_can_be_closed(
+    scene: cm.Scene, tmp_path: Path
+) -> None:
+    for log in (tmp_path / "run.mcap", None):
+        model = cm.CableModel(scene)
+        recorder = cm.Recorder(model, log)
+        recorder.step(0.5)
+        model.step(0.5)
+        with pytest.raises(cm.CableModelError, match="taken to 1 s without it"):
+            recorder.close()
+        recorder.close()  # it is told once
+        run = recorder.run()
+        assert not run.complete
+        assert "taken to 1 s without it" in run.reason
+        assert run.time.tolist() == [0.0, 0.5]
+        assert run.applied_inputs["time"].tolist() == [0.5]
+        with pytest.raises(cm.CableModelError, match="has ended"):
+            recorder.step(0.5)
+
+
+def test_a_log_that_cannot_be_ended_is_closed(
+    scene: cm.Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    model = cm.CableModel(scene)
+    recorder = cm.Recorder(model, tmp_path / "run.mcap", output_interval=1.0)
+    recorder.step(0.5)
+
+    def fails() -> None:
+        raise RuntimeError("no state")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(model, "state", fails)
+        with pytest.raises(RuntimeError, match="no state"):
+            recorder.close()
+    run = recorder.run()
+    assert run.reason == "no state"
+    assert run.time.tolist() == [0.0]
+
+
+@needs_locks
+def test_a_log_has_one_writer(scene: cm.Scene, tmp_path: Path) -> None:
+    log = tmp_path / "run.mcap"
+    with cm.Recorder(cm.CableModel(scene), log) as recorder:
+        recorder.step(0.5)
+        with pytest.raises(cm.LogError, match="another run writes this log"):
+            cm.Recorder(cm.CableModel(scene), log)
+        with pytest.raises(cm.LogError, match="another run writes this log"):
+            cm.simulate(scene, until=1.0, log=log)
+        recorder.step(0.5)
+    assert recorder.run().complete
+    assert recorder.run().time.tolist() == [0.0, 0.5, 1.0]
+    assert len(cm.simulate(scene, until=0.5, log=log).time) == 2  # the log is free again
+
+
+@needs_locks
+def test_a_log_that_converge_writes_is_left_alone(scene: cm.Scene, tmp_path: Path) -> None:
+    log, part = tmp_path / "run.mcap", tmp_path / ".run.mcap.part"
+    with cm.Recorder(cm.CableModel(scene), part) as recorder:
+        recorder.step(0.5)
+        with pytest.raises(cm.LogError, match="another run writes this log"):
+            cm.converge(scene, until=1.0, log=log)
+        assert part.exists()
+        assert not log.exists()
+    assert recorder.run().complete
+
+
+@needs_locks
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
+def test_a_forked_process_does_not_keep_a_closed_log(scene: cm.Scene, tmp_path: Path) -> None:
+    log = tmp_path / "run.mcap"
+    waits, ends = os.pipe()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)  # a fork beside threads
+        with cm.Recorder(cm.CableModel(scene), log) as recorder:
+            recorder.step(0.5)
+            child = os.fork()
+            if child == 0:
+                os.close(ends)
+                os.read(waits, 1)
+                os._exit(0)
+    try:
+        assert cm.simulate(scene, until=0.5, log=log).complete
+    finally:
+        os.close(ends)
+        os.close(waits)
+        os.waitpid(child, 0)

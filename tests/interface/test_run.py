@@ -399,3 +399,48 @@ def test_a_log_may_have_fewer_states_than_outputs(
     assert result.samples == len(full.time)
     with pytest.raises(ValueError, match="state_interval"):
         cm.simulate(simple_scene, model=swinging_cable(simple_scene), state_interval=0.0)
+
+
+def test_more_outputs_than_fit_are_refused_before_a_model_is_made(
+    simple_scene: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def made(*_: Any) -> None:
+        raise AssertionError("a model was made")
+
+    monkeypatch.setattr("cablemodel.model.CableModel", made)
+    for run in (cm.simulate, cm.converge, cm.convergence):
+        with pytest.raises(cm.SceneError, match=r"run\.output_interval: .* outputs; allowed"):
+            run(simple_scene, until=1e12)
+
+
+def test_a_run_and_a_model_take_what_load_scene_takes(tmp_path: Path) -> None:
+    path = Path(__file__).parents[2] / "scenes" / "towed_cable.yaml"
+    scene = load_scene(path)
+    expected = cm.simulate(scene, until=1.0)
+    for source in (path, str(path), path.read_text(), scene.to_dict()):
+        run = cm.simulate(source, until="1000 ms", state_interval="500 ms")
+        assert run.scene == scene
+        assert same(run.top_tension, expected.top_tension)
+        assert cm.CableModel(source).top_tension == cm.CableModel(scene).top_tension
+    for make in (cm.simulate, cm.CableModel):
+        with pytest.raises(cm.SceneError, match="line: is missing"):
+            make({})
+        with pytest.raises(cm.SceneError, match=r"no\.yaml: cannot be read"):
+            make(tmp_path / "no.yaml")
+        with pytest.raises(cm.SceneError, match="5 is no scene; allowed: a file"):
+            make(5)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("until", ["2 m", "soon", True, [2.0], "-1 s"])
+def test_a_wrong_end_is_said_in_the_words_of_a_scene(until: Any, simple_scene: Scene) -> None:
+    for run in (cm.simulate, cm.converge, cm.convergence):
+        with pytest.raises(cm.SceneError, match=r"^until: .*; allowed: a number above 0 in s"):
+            run(simple_scene, until=until)
+
+
+def test_what_is_no_model_is_said(simple_scene: Scene) -> None:
+    for wrong in ("m", simple_scene, 3):
+        with pytest.raises(TypeError, match=r"^model is .*; allowed: a CableModel"):
+            cm.simulate(simple_scene, model=wrong)  # type: ignore[arg-type]
+        with pytest.raises(TypeError, match=r"^model is .*; allowed: a CableModel"):
+            cm.Recorder(wrong)  # type: ignore[arg-type]

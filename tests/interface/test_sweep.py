@@ -6,6 +6,7 @@ import sys
 import time
 from pathlib import Path
 from signal import SIGINT
+from typing import Any
 
 import pandas
 import pytest
@@ -182,3 +183,27 @@ def test_without_dask_the_error_names_the_extra() -> None:
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.returncode == 1
     assert "pip install 'cablemodel[sweep]'" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("over", "words"),
+    [
+        (
+            {"line.0.cable.length": 5},
+            "line.0.cable.length: 5 is no list of values; allowed: a list",
+        ),
+        ({"line.0.cable.length": "20"}, "line.0.cable.length: '20' is no list of values"),
+        (["line.0.cable.length=20,30"], "is nothing to sweep over; allowed: {path:"),
+        ("line.0.cable.length=20,30", "is nothing to sweep over; allowed: {path:"),
+        (5, "5 is nothing to sweep over"),
+    ],
+)
+def test_what_is_no_list_of_values_is_said(over: Any, words: str) -> None:
+    with pytest.raises(cm.SceneError) as refused:
+        cm.sweep(SCENE, over)
+    assert words in str(refused.value)
+
+
+def test_a_wrong_end_of_a_sweep_is_said_before_it_begins() -> None:
+    with pytest.raises(cm.SceneError, match="until: 'soon' is not a number with a unit"):
+        cm.sweep(SCENE, {"line.0.cable.length": [20, 30]}, until="soon")

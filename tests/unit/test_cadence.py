@@ -4,7 +4,15 @@ import math
 
 import pytest
 
-from cablemodel.cadence import SHAPE_BYTES, STATE_BYTES, Cadence
+from cablemodel import SceneError
+from cablemodel.cadence import (
+    MOST_OUTPUTS,
+    SHAPE_BYTES,
+    STATE_BYTES,
+    Cadence,
+    check_outputs,
+    output_times,
+)
 from cablemodel.variables import STATE_LABELS
 
 
@@ -42,3 +50,31 @@ def test_the_user_may_ask_for_states() -> None:
 def test_an_interval_is_a_positive_time(interval: float) -> None:
     with pytest.raises(ValueError, match="state_interval"):
         Cadence.of(101, 64, 0.5, interval)
+
+
+@pytest.mark.parametrize(
+    ("end", "interval", "count", "least", "latest"),
+    [
+        (10.0, 1e-9, "10,000,000,000", "1e-06", "0.01"),
+        (1e12, 0.5, "2,000,000,000,000", "100000", "5e+06"),
+        (1e30, 1e-30, "1e+60", "1e+23", "1e-23"),
+    ],
+)
+def test_outputs_without_number_are_refused_before_they_are_made(
+    end: float, interval: float, count: str, least: str, latest: str
+) -> None:
+    with pytest.raises(SceneError) as refused:
+        output_times(0.0, end, interval)
+    assert refused.value.path == "run.output_interval"
+    assert f"makes {count} outputs" in str(refused.value)
+    assert f"at most 10,000,000: an output_interval of at least {least} s" in str(refused.value)
+    assert f"(run.duration, until) of at most {latest} s" in str(refused.value)
+
+
+def test_what_a_refusal_allows_is_allowed() -> None:
+    check_outputs(0.0, 7.3, 7.3e-7)
+    with pytest.raises(SceneError) as refused:
+        check_outputs(0.0, 7.3, 7.2e-7)
+    least = float(refused.value.allowed.partition("at least ")[2].split()[0])
+    check_outputs(0.0, 7.3, least)
+    check_outputs(5.0, 5.0 + MOST_OUTPUTS * 0.5, 0.5)

@@ -95,7 +95,18 @@ def refusal(data: Any, *overrides: str) -> cm.SceneError:
         ("vessel.velocity=[{t: 0}]", "vessel.velocity.0.velocity", "is missing"),
         ("vessel.velocity=[1, 2]", "vessel.velocity", "not a list of 3 numbers"),
         ("vessel.velocity=[1, 2, x]", "vessel.velocity.2", "not a number"),
-        ("vessel.velocity=log.csv", "vessel.velocity", "not a list"),
+        ("vessel.velocity=log.csv", "vessel.velocity", "a file is named by {file: log.csv}"),
+        (
+            "vessel.velocity=3 m/s",
+            "vessel.velocity",
+            "'3 m/s' is a text; allowed: a vector, a list",
+        ),
+        (
+            "environment.current=100",
+            "environment.current",
+            "100 is no current; allowed: none, a list of numbers [x, y, z] in m/s, or a mapping",
+        ),
+        ("environment.current=1 m/s", "environment.current", "or a mapping with the key table"),
         (
             "vessel.velocity=0.5",
             "vessel.velocity",

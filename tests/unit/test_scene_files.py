@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,8 @@ from rosbags.typesys import Stores, get_typestore
 from scene_examples import minimal
 
 import cablemodel as cm
+from cablemodel import variables
+from cablemodel.cli.plausibility import scene_warnings
 
 ODOMETRY = "nav_msgs/msg/Odometry"
 TWIST = "geometry_msgs/msg/TwistStamped"
@@ -225,3 +228,30 @@ def test_floor_from_csv(tmp_path: Path) -> None:
         data["environment"]["floor"]["depth_table"] = name
         with pytest.raises(cm.SceneError, match=words):
             cm.load_scene(data, folder=tmp_path)
+
+
+def test_the_vessels_own_motion_is_preferred_to_the_far_ends(tmp_path: Path) -> None:
+    far = variables.resolved("~/end_odom")
+    end = {far: (ODOMETRY, [odometry_message(START, (9, 0, 0), 0.0)])}
+    own = {"/odom": (ODOMETRY, [odometry_message(START, (1, 0, 0), 0.0)])}
+    applied = {
+        "/cable/applied_odom": (ODOMETRY, [odometry_message(START, (2, 0, 0), 0.0)]),
+        "/cable/applied_cmd_vel": (TWIST, [twist_message(START, (2, 0, 0))]),
+    }
+    for topics, speed, note in (
+        (end, 9, f"vessel.velocity: the tow point moves as the far end .* by the topic {far}"),
+        (own, 1, None),
+        (end | own, 1, rf"the topic /odom is taken from run\.mcap, of {far}, /odom"),
+        (end | own | applied, 2, r"the topic /cable/applied_odom is taken from run\.mcap"),
+    ):
+        write_log(tmp_path / "run.mcap", topics)
+        scene = scene_with(tmp_path, file="run.mcap")
+        assert rows(scene)[0][1][0] == speed
+        assert bool(scene.notes) == (note is not None)
+        if note is not None:
+            assert re.search(note, scene.notes[0])
+            assert scene_warnings(scene)[0] == scene.notes[0]
+        for topic in topics:
+            assert scene_with(tmp_path, file="run.mcap", topic=topic).notes == ()
+    write_log(tmp_path / "run.mcap", end | own | {"/nav": own["/odom"]})
+    assert "has 3 topics with velocities" in str(refusal(tmp_path, file="run.mcap"))

@@ -240,3 +240,18 @@ def test_merge_keys_and_anchors_work() -> None:
     )
     assert [kind.mass for kind in scene.cable_types.values()] == [0.1, 0.5, 0.9]
     assert scene.cable_types["heavier"].diameter == 0.01
+
+
+def test_a_single_override_may_stand_alone() -> None:
+    scene = cm.load_scene(minimal(), "line.0.cable.length=7")
+    assert scene.line_length == 7.0
+
+
+@pytest.mark.parametrize(
+    ("overrides", "words"),
+    [(5, "5 are no overrides"), ([5], "5 is no override"), ([("a", 1)], "is no override")],
+)
+def test_what_is_no_override_is_said(overrides: Any, words: str) -> None:
+    with pytest.raises(cm.SceneError, match=words) as refused:
+        cm.load_scene(minimal(), overrides)
+    assert "allowed: texts" in str(refused.value)
