@@ -110,7 +110,9 @@ class Along:
 
 def _field(states: list[CableState], name: str, s: Floats, frames: Indices) -> Field:
     """Everything about one quantity, from every node of every state."""
-    table = np.stack([_at_stations(state, name, s) for state in states])
+    table = np.stack(
+        [np.interp(s, state.s, getattr(state, name), left=np.nan, right=np.nan) for state in states]
+    )
     ever = ~np.all(np.isnan(table), axis=0)
     lower, upper = (np.full(len(s), np.nan) for _ in range(2))
     lower[ever] = np.nanmin(table[:, ever], axis=0)
@@ -127,12 +129,6 @@ def _field(states: list[CableState], name: str, s: Floats, frames: Indices) -> F
         _extreme(states[low], name, lows[low]),
         _extreme(states[high], name, highs[high]),
     )
-
-
-def _at_stations(state: CableState, name: str, s: Floats) -> Floats:
-    """Values at stations, NaN beyond the end, which a last station may miss by rounding."""
-    out = s > state.s[-1] * (1.0 + 1e-9)
-    return np.where(out, np.nan, np.interp(s, state.s, getattr(state, name), left=np.nan))
 
 
 def _extreme(state: CableState, name: str, node: int) -> Extreme:

@@ -203,11 +203,7 @@ def described(scene: Scene, run: Run) -> str:
     """The run in one sentence."""
     cables = [item.cable for item in scene.line if item.cable is not None]
     bodies = sum(item.body is not None for item in scene.line)
-    length, end_length = scene.line_length, float(run.states[-1].s[-1])
-    metres = place(length)
-    if abs(end_length - length) > 1e-6 * length:
-        metres += f" m, at the end {place(end_length)}"
-    parts = [f"{metres} m of {_joined([cable.type for cable in cables])}"]
+    parts = [f"{place(scene.line_length)} m of {_joined([cable.type for cable in cables])}"]
     if bodies:
         parts.append("one body" if bodies == 1 else f"{bodies} bodies")
     end = "anchored" if scene.end.kind == "anchor" else "free"

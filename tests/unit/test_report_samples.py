@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-import cablemodel as cm
-from cablemodel.report.samples import Along, evenly_spaced, nearest, thinned
-from cablemodel.report.tables import described, number
+from cablemodel.report.samples import evenly_spaced, nearest, thinned
+from cablemodel.report.tables import number
 
 
 def test_thinned_curves_keep_every_peak_and_both_ends() -> None:
@@ -60,29 +59,3 @@ def test_nearest_time() -> None:
 )
 def test_numbers_have_four_digits(value: float, scale: float, text: str) -> None:
     assert number(value, scale) == text
-
-
-def test_curves_along_the_cable_reach_its_end_and_the_sentence_tells_both_lengths() -> None:
-    """Lengths out differ by rounding between outputs where cable runs out and in again."""
-    rope = {"type": "r", "length": 30.0}
-    scene = cm.load_scene(
-        {
-            "cable_types": {"r": {"diameter": 0.01, "mass": 0.2, "axial_stiffness": 1e6}},
-            "line": [{"cable": rope}],
-            "payout": {
-                "rate": [{"t": 0, "rate": 0.3}, {"t": 3, "rate": 0.1}, {"t": 6, "rate": -0.1}],
-                "drum": [{"cable": rope}],
-            },
-            "run": {"duration": 9, "output_interval": 0.3},
-        }
-    )
-    run = cm.simulate(scene)
-    along = Along.of(run)
-    out = np.array([state.s[-1] for state in run.states])
-    reached = np.array([along.s[np.isfinite(row)].max() for row in along.tension.values])
-    apart = along.s[1] - along.s[0]
-
-    assert np.all(reached > out - apart)
-    longest = out > out.max() * (1.0 - 1e-9)
-    assert np.all(np.isfinite(along.tension.values[longest, -1]))
-    assert described(scene, run).startswith(f"30 m, at the end {out[-1]:.4g} m of r")
