@@ -408,8 +408,6 @@ class CableModel:
     @property
     def touchdown_position(self) -> FloatArray:
         """Touchdown point nearest the vessel (3,) [m]; not a number where nothing touches."""
-        if self.scene.environment.floor is None:
-            return np.full(3, np.nan)
         return self._numbers()[28:31].copy()
 
     @property

@@ -44,8 +44,7 @@ class CableType(SceneModel):
     tension_strain: tuple[float, ...] | None = Field(
         default=None,
         description="coefficients c1, c2, ... [1/N^k] of strain = c1 T + c2 T^2 + ..., "
-        "instead of axial_stiffness; beyond the tensions between which the curve rises its "
-        "tangents go on",
+        "instead of axial_stiffness",
         json_schema_extra=lambda schema: schema.update(
             anyOf=[
                 {
@@ -145,9 +144,7 @@ class Body(SceneModel):
     half_length: Annotated[float, Quantity("m", at_least=0)] = Field(
         default=0.0,
         description="half of the length between its attachments, which is no longer than the "
-        "cables next to it; 0 is a point. Drag of a point is by its whole speed, CdA |u| u along "
-        "and across the line, of a body with a length by its speed along and across the axis, "
-        "each by its own square",
+        "cables next to it; 0 is a point",
     )
     centre_offset: Annotated[float, Quantity(at_least=-1, at_most=1)] = Field(
         default=0.0,

@@ -182,9 +182,8 @@ class Vessel(SceneModel):
     ] = Field(
         default=None,
         description="velocity of the tow point: one vector, a table over time that holds its first "
-        "and last value, or `{file: NAME}`: CSV with the columns t, vx, vy, vz in SI, or MCAP with "
-        "an Odometry or TwistStamped topic, `{file: NAME, topic: NAME}` where it has several; "
-        "none: at rest",
+        "and last value, or a file: CSV with the columns t, vx, vy, vz in SI, or MCAP with an "
+        "Odometry or TwistStamped topic; none: at rest",
         json_schema_extra=also(Vector("m/s").json_schema(), _FILE_FORM),
     )
     interpolation: Literal["linear", "cubic"] = Field(

@@ -80,33 +80,6 @@ def test_fmpy_simulates_with_an_input_series(folder):
     np.testing.assert_allclose(result["end.position[1]"][-1], model.tip_position[0], atol=1e-4)
 
 
-def test_fmpy_drives_with_a_series_a_step_early(folder):
-    """As docs/fmu.md says: fmpy sets what a step begins with, an FMU takes what it ends with."""
-    step, count = 0.1, 100
-    time = step * np.arange(count + 1)
-    speed = 0.3 * np.sin(0.5 * time)
-    series = np.zeros(count + 1, dtype=[("time", float), ("vessel.velocity[1]", float)])
-    series["vessel.velocity[1]"] = speed
-    model = cm.CableModel(scene())
-    expected = []
-    for value in speed[1:]:
-        model.step(step, (value, 0, 0))
-        expected.append(model.top_tension)
-
-    def driven(times):
-        series["time"] = times
-        found = simulate_fmu(
-            str(folder / "cable.fmu"), input=series, stop_time=10, step_size=step,
-            output_interval=step, start_values={"use_scene_inputs": False},
-        )  # fmt: skip
-        return np.asarray(found["tension.top"])[1 : count + 1]
-
-    np.testing.assert_allclose(driven(time - step), expected, rtol=1e-6)
-    late = driven(time)
-    np.testing.assert_allclose(late[1:], expected[:-1], rtol=1e-3)
-    assert np.abs(late - expected).max() > 1e-3 * max(expected)
-
-
 LIBCOSIM = """
 import json, sys
 from libcosimpy.CosimExecution import CosimExecution

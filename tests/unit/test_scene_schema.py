@@ -88,24 +88,3 @@ def test_example_on_the_reference_page_loads() -> None:
     scene = cm.load_scene(text)
     assert scene.cable_types["rope"].diameter == 0.012
     assert scene.cable_types["rope"].axial_stiffness == 1e6
-
-
-def keys_of(schema: Any) -> set[str]:
-    """All keys that any part of a schema has."""
-    if isinstance(schema, list):
-        return set().union(*map(keys_of, schema))
-    if not isinstance(schema, dict):
-        return set()
-    own = set(schema["properties"]) if isinstance(schema.get("properties"), dict) else set()
-    return own.union(*map(keys_of, schema.values()))
-
-
-def test_reference_page_has_every_key_of_the_schema() -> None:
-    """Also those of forms that have no section of their own, as {file: NAME, topic: NAME}."""
-    written = (ROOT / "docs" / "scene.md").read_text(encoding="utf-8")
-    missing = {
-        key
-        for key in keys_of(scene_json_schema())
-        if f"| `{key}` |" not in written and f"{key}: NAME" not in written
-    }
-    assert not missing

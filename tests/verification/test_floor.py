@@ -6,7 +6,7 @@ from scipy.optimize import brentq
 
 import cablemodel as cm
 from tests.verification.references.moored import moored_catenary
-from tests.verification.scenes import CABLE_K, towed
+from tests.verification.scenes import CABLE_K
 
 WEIGHT = CABLE_K["submerged_weight"]
 BODY = {
@@ -426,8 +426,3 @@ def test_a_line_with_a_little_slack_hangs_and_lies(slack):
     model = on_floor([cable(depth + across + slack)], floor, 1e-3, None, kind, **at)
     assert model.top_tension == pytest.approx(depth * WEIGHT, rel=0.15)
     assert model.tension_min > -0.3 * WEIGHT * across
-
-
-def test_without_a_floor_there_is_no_touchdown():
-    model = cm.CableModel(towed())
-    assert np.isnan(model.touchdown_position).all()
