@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import re
+from collections import Counter
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -81,6 +83,25 @@ def page_writer() -> ModuleType:
 def test_reference_page_is_up_to_date() -> None:
     written = (ROOT / "docs" / "scene.md").read_text(encoding="utf-8")
     assert written == page_writer().scene_reference(), "run `make docs`"
+
+
+def keys_of(schema: Any) -> Counter[str]:
+    """Every key that any mapping of a JSON schema may have, as often as there are such mappings."""
+    if isinstance(schema, list):
+        return sum((keys_of(part) for part in schema), Counter())
+    if not isinstance(schema, dict):
+        return Counter()
+    own = schema.get("properties", {})
+    rest = (part for word, part in schema.items() if word not in ("properties", "default"))
+    return sum((keys_of(part) for part in (*own.values(), *rest)), Counter(own.keys()))
+
+
+def test_reference_page_lists_every_key_of_the_schema() -> None:
+    """Also those of mappings inside a field, as {file: NAME, topic: NAME} for a velocity."""
+    page = (ROOT / "docs" / "scene.md").read_text(encoding="utf-8")
+    listed = re.findall(r"^\| `([\w.]+)` \|", page, flags=re.MULTILINE)
+    assert "velocity.topic" in listed
+    assert Counter(path.rpartition(".")[2] for path in listed) == keys_of(scene_json_schema())
 
 
 def test_example_on_the_reference_page_loads() -> None:
