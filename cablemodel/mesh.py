@@ -1,7 +1,7 @@
 """Where the nodes of a line lie: from the accuracy that is asked for, or an element count.
 
-The rules are measured (docs/engine/mesh.md): how many elements a line needs at an accuracy, where they
-must be small. A cubic element's error falls like h^4, so counts grow like tau^(-1/4).
+The rules are measured (docs/engine/mesh.md): how many elements a line needs at an accuracy, where
+they must be small. A cubic element's error falls like h^4, so counts grow like tau^(-1/4).
 """
 
 from __future__ import annotations
