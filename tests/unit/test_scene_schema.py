@@ -16,7 +16,7 @@ from jsonschema import Draft202012Validator
 from scene_examples import full, minimal
 
 import cablemodel as cm
-from cablemodel.scene import scene_json_schema
+from cablemodel.scene import scene_json_schema, unit_at
 
 ROOT = Path(__file__).parents[2]
 
@@ -68,6 +68,28 @@ def test_schema_names_unit_and_meaning_of_every_key() -> None:
         mapping = definition["anyOf"][1] if "anyOf" in definition else definition
         for key, field in mapping["properties"].items():
             assert field.get("description"), f"{name}.{key} has no description"
+
+
+@pytest.mark.parametrize(
+    ("path", "unit"),
+    [
+        ("line.0.cable.length", "m"),
+        ("cable_types.K.mass", "kg/m"),
+        ("payout.drum.1.body.drag_area", "m2"),
+        ("environment.waves.jonswap.tp", "s"),
+        ("vessel.velocity", "m/s"),
+        ("vessel.velocity.0", "m/s"),
+        ("vessel.velocity.0.velocity.2", "m/s"),
+        ("vessel.path.1.turn.angle", "rad"),
+        ("end.anchor.0", "m"),
+        ("cable_types.K.drag_normal", ""),
+        ("line.0.cable.model", ""),
+        ("line.0", ""),
+        ("nothing.like.it", ""),
+    ],
+)
+def test_unit_of_a_place(path: str, unit: str) -> None:
+    assert unit_at(path) == unit
 
 
 def page_writer() -> ModuleType:
