@@ -93,8 +93,8 @@ def _off(one: ArrayLike, other: ArrayLike) -> Floats:
 def differences_of(run: Run, tolerance: float) -> tuple[dict[str, Difference], ...]:
     """Differences yet to be found, of the outputs and of the states of a run, by name.
 
-    A tolerance allows lengths this part of the line's length; curvatures and moments a hundred
-    times this part, and all else ten times, of the largest value in the same unit.
+    A tolerance allows lengths this part of the line's length at the start; curvatures and moments
+    a hundred times this part, and all else ten times, of the largest value in the same unit.
     """
     rows = {row.python: row for row in variables.outputs_of(run.scene)}
     largest = {"m": run.scene.line_length}

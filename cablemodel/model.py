@@ -407,7 +407,12 @@ class CableModel:
 
     @property
     def touchdown_position(self) -> FloatArray:
-        """Touchdown point nearest the vessel (3,) [m]; not a number where nothing touches."""
+        """Touchdown point nearest the vessel (3,) [m]; not a number where nothing touches.
+
+        Nothing does where the scene has no floor: its force, length and reaction are then zero.
+        """
+        if self.scene.environment.floor is None:
+            return np.full(3, math.nan)
         return self._numbers()[28:31].copy()
 
     @property

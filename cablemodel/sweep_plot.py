@@ -10,6 +10,7 @@ import numpy as np
 from cablemodel.errors import CableModelError
 from cablemodel.parameter_sweep import RESULTS
 from cablemodel.plot import STYLE, import_matplotlib
+from cablemodel.scene import unit_at
 
 if TYPE_CHECKING:
     import pandas
@@ -71,13 +72,14 @@ def save_sweep_figure(
         figure = Figure(figsize=(5.6, 3.8), layout="constrained")
         axes = figure.add_subplot()
         colours = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.88, len(curves)))
+        named = [with_unit(table, name) for name in others]
         for (values, rows), colour in zip(curves, colours, strict=True):
             axes.plot(rows[against], rows[result], "o-", color=colour, markersize=3.5,
-                      label=_named(others, values))  # fmt: skip
+                      label=_named(named, values))  # fmt: skip
         for place in table.loc[table["error"] != "", against].unique():
             # A gap in a curve could be anything; a failed run is marked.
             axes.axvline(place, color="#d1495b", linewidth=0.8, linestyle=":", zorder=0.5)
-        axes.set_xlabel(against)
+        axes.set_xlabel(with_unit(table, against))
         axes.set_ylabel(LABELS[result])
         if others and len(curves) <= _MOST_NAMED:
             axes.legend(fontsize=7)
@@ -93,6 +95,20 @@ def save_sweep_figure(
 def swept_columns(table: pandas.DataFrame) -> list[str]:
     """Columns of the values swept over."""
     return [str(name) for name in table.columns if name not in (*RESULTS, "error")]
+
+
+def with_unit(table: pandas.DataFrame, column: str) -> str:
+    """A column swept over, with the unit of its numbers: what the sweep was given, else SI."""
+    if " [" in column or not is_numeric(table[column]):
+        return column
+    unit = unit_at(column)
+    return f"{column} [{unit}]" if unit else column
+
+
+def is_numeric(values: pandas.Series) -> bool:
+    from pandas.api.types import is_bool_dtype, is_numeric_dtype
+
+    return bool(is_numeric_dtype(values) and not is_bool_dtype(values))
 
 
 def _named(names: list[str], values: Any) -> str:

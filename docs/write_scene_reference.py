@@ -97,12 +97,23 @@ def _section(title: str, schema: dict[str, Any]) -> str:
     if word is not None:
         lines += ["", f"The word `{word}`, or a mapping:"]
     lines += ["", "| key | value | unit | default | meaning |", "|---|---|---|---|---|"]
+    return "\n".join([*lines, *_rows(schema)]) + "\n"
+
+
+def _rows(schema: dict[str, Any], above: str = "") -> list[str]:
+    """A row for every key, each followed by those of mappings that have no section of their own."""
+    lines = []
     required = set(schema.get("required", ()))
     for key, field in schema["properties"].items():
-        default = "required" if key in required else _default(field)
+        path = f"{above}{key}"
+        needed = "required in it" if above else "required"
+        default = needed if key in required else _default(field)
         meaning = field.get("description", "").replace("|", "\\|")
-        lines.append(f"| `{key}` | {_kind(field)} | {_unit(field)} | {default} | {meaning} |")
-    return "\n".join(lines) + "\n"
+        lines.append(f"| `{path}` | {_kind(field)} | {_unit(field)} | {default} | {meaning} |")
+        for part in (field, *field.get("anyOf", ())):
+            if "properties" in part:
+                lines += _rows(part, f"{path}.")
+    return lines
 
 
 def _default(field: dict[str, Any]) -> str:

@@ -29,9 +29,9 @@ def diff(
     tolerance: Annotated[
         float,
         typer.Option(
-            help="Allowed difference: this part of the line's length for lengths; of the largest "
-            "value, ten times it for tensions and all else, a hundred times it for curvatures and "
-            "moments.",
+            help="Allowed difference: this part of the line's length at the start for lengths; of "
+            "the largest value, ten times it for tensions and all else, a hundred times it for "
+            "curvatures and moments.",
         ),
     ] = 0.0,
     as_json: JsonOption = False,

@@ -23,9 +23,9 @@ def replay(
     tolerance: Annotated[
         float | None,
         typer.Option(
-            help="Allowed difference: this part of the line's length for lengths; of the largest "
-            "value, ten times it for tensions and all else, a hundred times it for curvatures and "
-            "moments. By default 0 on the version and processor of the "
+            help="Allowed difference: this part of the line's length at the start for lengths; of "
+            "the largest value, ten times it for tensions and all else, a hundred times it for "
+            "curvatures and moments. By default 0 on the version and processor of the "
             "log, else the tolerance of the scene's solver.",
             show_default=False,
         ),

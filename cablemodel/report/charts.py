@@ -132,11 +132,13 @@ def profile(along: Along, field: Field, label: str, colour: str, scale: float) -
     lower, upper = field.lower / scale, field.upper / scale
     edge = {"type": "scatter", "mode": "lines", "x": along.s, "hovertemplate": "%{y:.4g}"}
     shade = {"width": 0.8, "color": "#b9c3cd"}
+    there = along.s < along.ends[0]
     traces = [
         {**edge, "y": lower, "name": "lowest of the run", "line": shade},
         {**edge, "y": upper, "name": "highest of the run", "line": shade,
          "fill": "tonexty", "fillcolor": "rgba(154,165,177,0.22)"},
-        {**edge, "y": field.values[0] / scale, "name": NOW,
+        {**edge, "x": [*along.s[there], along.ends[0]],
+         "y": [*field.values[0, there] / scale, field.ends[0] / scale], "name": NOW,
          "line": {"width": 2.2, "color": colour}},
     ]  # fmt: skip
     return {"data": traces, "layout": _layout("arc length from the vessel [m]", label)}

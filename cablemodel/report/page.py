@@ -103,6 +103,12 @@ def _data(run: Run) -> tuple[dict[str, Any], dict[str, str]]:
         "hours": hours,
         # The curves of the profiles are the columns of the heat maps.
         "profiles": {"tension-along": "tension-map", "curvature-along": "curvature-map"},
+        # They go on to the far end, which lies between two rows.
+        "ends": {
+            "s": along.ends,
+            "tension-along": along.tension.ends / newtons,
+            "curvature-along": along.curvature.ends,
+        },
         "overTime": [
             name
             for name in ("top-tension", "touchdown", "inputs", "tension-map", "curvature-map")

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+
+from cablemodel.compare import SAME_TIME
 
 if TYPE_CHECKING:
     from cablemodel.model import CableState
@@ -20,6 +23,8 @@ FRAMES = 500
 STATIONS = 101
 """Points of a shape at least."""
 MOST_STATIONS = 201
+_SAME_PLACE = 1e-9
+"""Part of its length by which a line may end before a station that is its end."""
 BUCKETS = 1000
 """A curve over time has at most two points in each of this many stretches."""
 
@@ -64,7 +69,7 @@ class Extreme:
     time: float
     """[s]"""
     s: float
-    """Arc length from the vessel [m]."""
+    """Arc length from the vessel [m]; NaN where no state tells it."""
 
 
 @dataclass(frozen=True)
@@ -73,6 +78,8 @@ class Field:
 
     values: Floats
     """At the frames and stations (nf, n); NaN where there is no cable."""
+    ends: Floats
+    """At the far end of the line, which lies between stations, at the frames (nf,)."""
     lower: Floats
     """Lowest (n,) and ..."""
     upper: Floats
@@ -89,6 +96,8 @@ class Along:
     """(nf,) [s]"""
     s: Floats
     """(n,) [m]"""
+    ends: Floats
+    """Arc length of the far end at the frames (nf,) [m]."""
     tension: Field
     curvature: Field
     bending_moment: Field
@@ -105,14 +114,32 @@ class Along:
             name: _field(everything, name, s, frames)
             for name in ("tension", "curvature", "bending_moment")
         }
-        return cls(states.time[frames], s, **fields)
+        tension = fields["tension"]
+        # What `run`, `stats` and all other outputs say: at nodes the two sides differ, and in long
+        # runs there are fewer states than outputs.
+        fields["tension"] = replace(
+            tension,
+            lowest=_of_outputs(run, run.tension_min, np.argmin),
+            highest=_of_outputs(run, run.tension_max, np.argmax),
+        )
+        ends = np.array([float(everything[frame].s[-1]) for frame in frames])
+        return cls(states.time[frames], s, ends, **fields)
+
+
+def _of_outputs(run: Run, values: Floats, which: Callable[[Floats], np.intp]) -> Extreme:
+    """The extreme tension of all outputs; its place is that of the node nearest to it."""
+    row = int(which(values))
+    time, state = float(run.time[row]), int(nearest(run.states.time, run.time[row : row + 1])[0])
+    s = float("nan")
+    if abs(run.states.time[state] - time) <= SAME_TIME:
+        there = run.states[state]
+        s = float(there.s[which(there.tension)])
+    return Extreme(float(values[row]), time, s)
 
 
 def _field(states: list[CableState], name: str, s: Floats, frames: Indices) -> Field:
     """Everything about one quantity, from every node of every state."""
-    table = np.stack(
-        [np.interp(s, state.s, getattr(state, name), left=np.nan, right=np.nan) for state in states]
-    )
+    table = np.stack([_at(s, state, name) for state in states])
     ever = ~np.all(np.isnan(table), axis=0)
     lower, upper = (np.full(len(s), np.nan) for _ in range(2))
     lower[ever] = np.nanmin(table[:, ever], axis=0)
@@ -124,11 +151,19 @@ def _field(states: list[CableState], name: str, s: Floats, frames: Indices) -> F
     high = int(np.argmax([getattr(state, name)[k] for state, k in zip(states, highs, strict=True)]))
     return Field(
         table[frames],
+        np.array([float(getattr(states[frame], name)[-1]) for frame in frames]),
         lower,
         upper,
         _extreme(states[low], name, lows[low]),
         _extreme(states[high], name, highs[high]),
     )
+
+
+def _at(s: Floats, state: CableState, name: str) -> Floats:
+    """A quantity at stations (n,); NaN beyond the end, but for what rounding puts there."""
+    end = float(state.s[-1])
+    at = np.where(s <= end * (1.0 + _SAME_PLACE), np.minimum(s, end), s)
+    return np.asarray(np.interp(at, state.s, getattr(state, name), left=np.nan, right=np.nan))
 
 
 def _extreme(state: CableState, name: str, node: int) -> Extreme:

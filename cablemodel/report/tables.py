@@ -114,7 +114,13 @@ def _error_figures(run: Run, newtons: float, unit: str) -> list[Key]:
 
 
 def _where(extreme: Extreme) -> str:
-    return f"at t = {place(extreme.time)} s, s = {place(extreme.s)} m"
+    return f"at t = {_when(extreme)}"
+
+
+def _when(extreme: Extreme) -> str:
+    """Time, and the place on the cable where a state tells it."""
+    at = "" if math.isnan(extreme.s) else f", s = {place(extreme.s)} m"
+    return f"{place(extreme.time)} s{at}"
 
 
 def extremes(run: Run, along: Along, newtons: float, unit: str) -> list[Row]:
@@ -131,9 +137,8 @@ def extremes(run: Run, along: Along, newtons: float, unit: str) -> list[Row]:
         rows.append(
             Row(
                 name, its_unit,
-                number(low.value / divide, scale), f"{place(low.time)} s, s = {place(low.s)} m",
-                number(high.value / divide, scale),
-                f"{place(high.time)} s, s = {place(high.s)} m",
+                number(low.value / divide, scale), _when(low),
+                number(high.value / divide, scale), _when(high),
             )
         )  # fmt: skip
     for axis, name in enumerate(("x", "y", "z")):
@@ -204,6 +209,10 @@ def described(scene: Scene, run: Run) -> str:
     cables = [item.cable for item in scene.line if item.cable is not None]
     bodies = sum(item.body is not None for item in scene.line)
     parts = [f"{place(scene.line_length)} m of {_joined([cable.type for cable in cables])}"]
+    at_end = place(run["line_length"][-1])
+    if at_end != place(run["line_length"][0]):
+        # Cable was paid out, or reeled in.
+        parts[0] += f" at the start, {at_end} m at the end"
     if bodies:
         parts.append("one body" if bodies == 1 else f"{bodies} bodies")
     end = "anchored" if scene.end.kind == "anchor" else "free"

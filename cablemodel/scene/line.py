@@ -44,7 +44,9 @@ class CableType(SceneModel):
     tension_strain: tuple[float, ...] | None = Field(
         default=None,
         description="coefficients c1, c2, ... [1/N^k] of strain = c1 T + c2 T^2 + ..., "
-        "instead of axial_stiffness",
+        "instead of axial_stiffness; its tangents continue the curve below T = 0, and beyond the "
+        "tension at which its slope has fallen to a tenth of c1: what a curve does that bends over "
+        "further, or turns down, is not computed",
         json_schema_extra=lambda schema: schema.update(
             anyOf=[
                 {
@@ -132,7 +134,14 @@ class Cable(SceneModel):
 
 
 class Body(SceneModel):
-    """A rigid body of revolution in the line or at its end."""
+    """A rigid body of revolution in the line or at its end.
+
+    Drag depends on half_length. At 0 it is 1/2 rho |u| (CdA_n u_n + CdA_a u_a), by the whole
+    relative speed |u|, with the cable's direction for the axis: with equal areas that of a sphere.
+    Above 0 it is 1/2 rho (CdA_n |u_n| u_n + CdA_a |u_a| u_a), of each part by itself (cross-flow
+    principle), with an axis of its own. The two differ wherever water comes askew, however short
+    the body is.
+    """
 
     name: Annotated[str, Field(strict=True)] | None = Field(
         default=None, description="what outputs call it"
@@ -144,7 +153,7 @@ class Body(SceneModel):
     half_length: Annotated[float, Quantity("m", at_least=0)] = Field(
         default=0.0,
         description="half of the length between its attachments, which is no longer than the "
-        "cables next to it; 0 is a point",
+        "cables next to it; 0 is a point, whose drag follows another law (above)",
     )
     centre_offset: Annotated[float, Quantity(at_least=-1, at_most=1)] = Field(
         default=0.0,
@@ -162,11 +171,15 @@ class Body(SceneModel):
         default=0.0, description="of motion along the axis"
     )
     drag_area: Annotated[float, Quantity("m**2", at_least=0)] = Field(
-        default=0.0, description="area for drag across the axis"
+        default=0.0,
+        description="area for drag across the axis, which this times drag_coefficient makes "
+        "CdA_n; the law depends on half_length (above)",
     )
     drag_coefficient: Coefficient = Field(default=1.0, description="of drag across the axis")
     drag_area_axial: Annotated[float, Quantity("m**2", at_least=0)] = Field(
-        default=0.0, description="area for drag along the axis"
+        default=0.0,
+        description="area for drag along the axis, which this times drag_coefficient_axial makes "
+        "CdA_a",
     )
     drag_coefficient_axial: Coefficient = Field(default=1.0, description="of drag along the axis")
 

@@ -113,6 +113,38 @@ def scene_json_schema() -> dict[str, Any]:
     }
 
 
+def unit_at(path: str) -> str:
+    """SI unit of the numbers at a place of a scene (``line.0.cable.length``: m), as scene.md writes
+    it; empty where there is none."""
+    schema = scene_json_schema()
+    forms = _forms(schema, schema)
+    for part in path.split("."):
+        forms = [form for above in forms for form in _below(schema, above, part)]
+    units = [str(form["unit"]) for form in forms if "unit" in form]
+    return units[0] if units else ""
+
+
+def _forms(schema: Mapping[str, Any], here: Any) -> list[dict[str, Any]]:
+    """What a value may be by a part of a schema, with whatever that refers to."""
+    if not isinstance(here, dict):
+        return []
+    more = list(here.get("anyOf", ()))
+    if "$ref" in here:
+        more.append(schema["$defs"][here["$ref"].rpartition("/")[2]])
+    return [here, *(form for part in more for form in _forms(schema, part))]
+
+
+def _below(schema: Mapping[str, Any], form: dict[str, Any], part: str) -> list[dict[str, Any]]:
+    """What a key of a mapping, or an item of a list, of this form may be."""
+    if part.isdecimal() and "items" in form:
+        # A vector has its unit as a whole.
+        own = {"unit": form["unit"]} if "unit" in form else {}
+        return [own, *_forms(schema, form["items"])]
+    if part in form.get("properties", {}):
+        return _forms(schema, form["properties"][part])
+    return _forms(schema, form.get("additionalProperties"))
+
+
 def _content(source: SceneSource) -> tuple[str | None, str | None, Mapping[str, Any]]:
     """Text, file name and data of a source."""
     if isinstance(source, Mapping):

@@ -72,7 +72,18 @@ def _velocity_rows(value: Any, info: ValidationInfo) -> Any:
 
 _FILE_FORM: JsonDict = {
     "type": "object",
-    "properties": {"file": {"type": "string"}, "topic": {"type": "string"}},
+    "properties": {
+        "file": {
+            "type": "string",
+            "description": "instead of vector or table: a CSV file with the columns t, vx, vy, vz "
+            "in SI, or an MCAP log with velocities",
+        },
+        "topic": {
+            "type": "string",
+            "description": "topic of the MCAP log, of Odometry or TwistStamped; needed where it "
+            "has more than one",
+        },
+    },
     "required": ["file"],
     "additionalProperties": False,
 }

@@ -2,6 +2,7 @@
 
 import re
 import runpy
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 
 import cablemodel as cm
+from cablemodel.model import Snapshot
 from cablemodel.replay import replay
 
 ROOT = Path(__file__).parents[2]
@@ -30,6 +32,35 @@ def test_the_code_of_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     assert names["model"].time == pytest.approx(60.1)
     assert names["depth"] == pytest.approx(124.2, abs=0.1)
     assert names["layback"] == pytest.approx(268.7, abs=0.5)
+
+
+def test_a_change_of_speed_in_a_short_step_is_a_blow() -> None:
+    """The numbers of the page."""
+    model = cm.CableModel(cm.load_scene(ROOT / "scenes" / "depressor_tow.yaml"))
+    faster = np.add(model.vessel_velocity, (0.5, 0.0, 0.0))
+    start = model.snapshot()
+    assert model.top_tension == pytest.approx(1.88e3, rel=0.01)
+    for step, tension in ((1e-6, 922e3), (1e-4, 11e3), (1.0, 2.2e3)):
+        model.restore(start)
+        model.step(step, vessel_velocity=faster)
+        assert model.top_tension == pytest.approx(tension, rel=0.01)
+
+
+def test_models_in_threads_do_not_disturb_each_other() -> None:
+    scene = cm.load_scene(ROOT / "scenes" / "depressor_tow.yaml")
+    start = cm.CableModel(scene).snapshot()
+
+    def tow(speed: float) -> Snapshot:
+        model = cm.CableModel(scene)
+        model.restore(start)
+        for _ in range(50):
+            model.step(0.1, vessel_velocity=(speed, 0.0, 0.0))
+        return model.snapshot()
+
+    speeds = [1.6, 2.0, 2.4, 2.8]
+    with ThreadPoolExecutor(4) as threads:
+        together = list(threads.map(tow, speeds))
+    assert together == [tow(speed) for speed in speeds]
 
 
 def test_the_example_controls_the_depth(tmp_path: Path) -> None:

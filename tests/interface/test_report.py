@@ -17,6 +17,7 @@ from typer.testing import CliRunner
 
 import cablemodel as cm
 from cablemodel.cli import app
+from cablemodel.report.tables import number
 
 pytest.importorskip("plotly")
 
@@ -124,8 +125,26 @@ def test_a_scene_with_everything_has_all_charts(everything: Path) -> None:
     assert np.isfinite(values[-1, -1])
 
 
+def test_what_is_paid_out_is_told(towed: Path, everything: Path) -> None:
+    """The length at the end too, where it is another; curves along the cable go up to there."""
+    assert "30 m of K · far end free" in made(towed).read_text(encoding="utf-8")
+    run, page = cm.open_run(everything), made(everything)
+    start, end = (f"{length:.5g}" for length in run["line_length"][[0, -1]])
+    kinds = f"{start} m of [^·<]* at the start, {end} m at the end · "
+    assert re.search(kinds, page.read_text(encoding="utf-8"))
+    data = data_of(page)
+    ends = plain(data["ends"])
+    assert ends["s"] == pytest.approx(run["line_length"])
+    assert ends["tension-along"][-1] == pytest.approx(run.states[-1].tension[-1])
+    now = plain(data["figures"]["tension-along"])["data"][2]
+    assert now["x"][-1] == pytest.approx(run["line_length"][0])
+    assert len(now["x"]) == len(now["y"]) < 101
+
+
 def test_extremes_are_those_of_all_outputs(towed: Path) -> None:
     text = made(towed).read_text(encoding="utf-8")
+    lowest = cm.open_run(towed).tension_min.min()
+    assert f"<h3>Tension, lowest</h3><p><b>{number(lowest, 100.0)}</b>" in text.replace("\n", "")
     largest = cm.open_run(towed).states.max_curvature
     assert f"<b>{largest:#.4g}</b>" in text
     assert "at t = 30 s, s = 0 m" in text
@@ -267,6 +286,10 @@ def test_browsers_show_the_page(
     wait(browser, f"document.body.dataset.frame === '{last}'")
     length = "document.getElementById('tension-along').data[2].y"
     wait(browser, f"Math.abs({length}[0] - {run.top_tension[-1]}) < 1e-3 * {run.top_tension[-1]}")
+    reached = browser.execute_script(
+        "const x = document.getElementById('tension-along').data[2].x; return x[x.length - 1]"
+    )
+    assert reached == pytest.approx(run["line_length"][-1])
     height = browser.execute_script(
         "const z = document.getElementById('shape').data[0].z; return z[z.length - 1]"
     )

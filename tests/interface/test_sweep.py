@@ -12,6 +12,7 @@ import pandas
 import pytest
 import xarray
 from distributed import LocalCluster
+from matplotlib.figure import Figure
 from typer.testing import CliRunner, Result
 
 import cablemodel as cm
@@ -101,6 +102,27 @@ def test_every_result_can_be_drawn(result: str, tmp_path: Path) -> None:
     rows = [{DIAMETER: d, **dict.fromkeys(RESULTS, d), "error": ""} for d in (0.01, 0.02)]
     save_sweep_figure(pandas.DataFrame(rows), tmp_path / "sweep.png", result=result)
     assert (tmp_path / "sweep.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("values", "label", "curve"),
+    [
+        ({DIAMETER: [0.01, 0.02], LENGTH: 20}, f"{DIAMETER} [m]", "length 20 m"),
+        ({f"{LENGTH} [ft]": [60.0, 90.0], DIAMETER: 0.01}, f"{LENGTH} [ft]", "diameter 0.01 m"),
+        ({LENGTH: ["60 ft", "20 m"], "solver.tolerance": 0.01}, LENGTH, "tolerance 0.01"),
+    ],
+)
+def test_a_picture_names_units(
+    values: dict[str, Any], label: str, curve: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The unit that the values were given with, or that of the scene's numbers, which is SI."""
+    drawn: list[Figure] = []
+    monkeypatch.setattr(Figure, "savefig", lambda figure, path, **_: drawn.append(figure))
+    table = pandas.DataFrame({**values, **dict.fromkeys(RESULTS, 1.0), "error": ""})
+    save_sweep_figure(table, "sweep.png", result="highest_tension")
+    (axes,) = drawn[0].axes
+    assert axes.get_xlabel() == label
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == [curve]
 
 
 def test_errors_that_no_run_estimates_are_not_drawn(

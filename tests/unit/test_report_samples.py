@@ -1,10 +1,15 @@
 """Thinning a run for the report keeps what matters of it."""
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 
-from cablemodel.report.samples import evenly_spaced, nearest, thinned
+from cablemodel.report.samples import Along, evenly_spaced, nearest, thinned
 from cablemodel.report.tables import number
+from cablemodel.states import States
+from cablemodel.variables import STATE_LABELS
 
 
 def test_thinned_curves_keep_every_peak_and_both_ends() -> None:
@@ -37,6 +42,39 @@ def test_instants_are_evenly_spaced_in_time_and_hold_both_ends(count: int) -> No
     assert len(chosen) == min(count, len(set(chosen.tolist())))
     if count == 5000:
         assert np.max(np.diff(time[chosen])) < 1.5 * (time[-1] - time[0]) / 499
+
+
+def run_of(lengths: list[float], lowest: list[float]) -> Any:
+    """A run with tension 300 N at the vessel and 200 N at the end, and these outputs."""
+    matrices = []
+    for length in lengths:
+        matrix = np.zeros((len(STATE_LABELS), 3))
+        matrix[STATE_LABELS.index("s")] = 0.0, 0.3 * length, length
+        matrix[STATE_LABELS.index("tension")] = 300.0, 270.0, 200.0
+        matrices.append(matrix)
+    states = States(np.arange(len(lengths)) * 1.0, matrices)
+    time = np.arange(len(lowest)) / (len(lowest) / len(lengths))
+    return SimpleNamespace(
+        states=states, time=time, tension_min=np.array(lowest), tension_max=np.full(len(time), 3e2)
+    )
+
+
+def test_curves_along_the_cable_reach_its_end() -> None:
+    """Lengths that a run adds up differ in the last digits, and none of them is no end."""
+    along = Along.of(run_of([300.0, 300.00000000000006, 150.7], [200.0] * 3))
+    assert along.tension.values[:2, -1].tolist() == [200.0, 200.0]
+    assert along.ends.tolist() == [300.0, 300.00000000000006, 150.7]
+    assert along.tension.ends.tolist() == [200.0] * 3
+    assert np.isnan(along.tension.values[2, along.s > 150.7]).all()
+
+
+def test_the_extreme_tensions_are_those_of_the_outputs() -> None:
+    """At a node the states have the mean of both sides; and there may be fewer states."""
+    low = Along.of(run_of([300.0, 300.0], [200.0, 199.9])).tension.lowest
+    assert (low.value, low.time, low.s) == (199.9, 1.0, 300.0)
+    low = Along.of(run_of([300.0, 300.0], [200.0, 180.0, 200.0, 200.0])).tension.lowest
+    assert (low.value, low.time) == (180.0, 0.5)
+    assert np.isnan(low.s)
 
 
 def test_nearest_time() -> None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import re
+from collections import Counter
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -14,7 +16,7 @@ from jsonschema import Draft202012Validator
 from scene_examples import full, minimal
 
 import cablemodel as cm
-from cablemodel.scene import scene_json_schema
+from cablemodel.scene import scene_json_schema, unit_at
 
 ROOT = Path(__file__).parents[2]
 
@@ -68,6 +70,28 @@ def test_schema_names_unit_and_meaning_of_every_key() -> None:
             assert field.get("description"), f"{name}.{key} has no description"
 
 
+@pytest.mark.parametrize(
+    ("path", "unit"),
+    [
+        ("line.0.cable.length", "m"),
+        ("cable_types.K.mass", "kg/m"),
+        ("payout.drum.1.body.drag_area", "m2"),
+        ("environment.waves.jonswap.tp", "s"),
+        ("vessel.velocity", "m/s"),
+        ("vessel.velocity.0", "m/s"),
+        ("vessel.velocity.0.velocity.2", "m/s"),
+        ("vessel.path.1.turn.angle", "rad"),
+        ("end.anchor.0", "m"),
+        ("cable_types.K.drag_normal", ""),
+        ("line.0.cable.model", ""),
+        ("line.0", ""),
+        ("nothing.like.it", ""),
+    ],
+)
+def test_unit_of_a_place(path: str, unit: str) -> None:
+    assert unit_at(path) == unit
+
+
 def page_writer() -> ModuleType:
     path = ROOT / "docs" / "write_scene_reference.py"
     spec = importlib.util.spec_from_file_location("write_scene_reference", path)
@@ -81,6 +105,25 @@ def page_writer() -> ModuleType:
 def test_reference_page_is_up_to_date() -> None:
     written = (ROOT / "docs" / "scene.md").read_text(encoding="utf-8")
     assert written == page_writer().scene_reference(), "run `make docs`"
+
+
+def keys_of(schema: Any) -> Counter[str]:
+    """Every key that any mapping of a JSON schema may have, as often as there are such mappings."""
+    if isinstance(schema, list):
+        return sum((keys_of(part) for part in schema), Counter())
+    if not isinstance(schema, dict):
+        return Counter()
+    own = schema.get("properties", {})
+    rest = (part for word, part in schema.items() if word not in ("properties", "default"))
+    return sum((keys_of(part) for part in (*own.values(), *rest)), Counter(own.keys()))
+
+
+def test_reference_page_lists_every_key_of_the_schema() -> None:
+    """Also those of mappings inside a field, as {file: NAME, topic: NAME} for a velocity."""
+    page = (ROOT / "docs" / "scene.md").read_text(encoding="utf-8")
+    listed = re.findall(r"^\| `([\w.]+)` \|", page, flags=re.MULTILINE)
+    assert "velocity.topic" in listed
+    assert Counter(path.rpartition(".")[2] for path in listed) == keys_of(scene_json_schema())
 
 
 def test_example_on_the_reference_page_loads() -> None:

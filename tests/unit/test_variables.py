@@ -4,8 +4,10 @@ import re
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
+import cablemodel as cm
 from cablemodel import variables
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "variables.md"
@@ -120,3 +122,21 @@ def test_a_scene_has_only_the_variables_of_its_parts(
     assert ("/cable/drum_length" in topics) == ("drum" in expected)
     assert ("/cable/position_error" in topics) == ("error_estimate" in expected)
     assert topics["/cable/nodes"] == "sensor_msgs/msg/PointCloud2"
+
+
+@pytest.mark.parametrize("method", ["finite_element", "direct_integration"])
+def test_nothing_touches_down_without_a_floor(method: str) -> None:
+    """Python's attributes are there in all scenes: what is nowhere is no point."""
+    scene = cm.load_scene(
+        {
+            "cable_types": {"K": {"diameter": 0.02, "mass": 0.5, "axial_stiffness": 1e6}},
+            "line": [{"cable": {"type": "K", "length": 20}}],
+            "vessel": {"velocity": [1, 0, 0]},
+            "solver": {"method": method},
+        }
+    )
+    model = cm.CableModel(scene)
+    model.step(0.5)
+    assert np.isnan(model.touchdown_position).all()
+    assert not model.floor_force.any()
+    assert (model.floor_length, model.touchdown_reaction) == (0.0, 0.0)

@@ -25,8 +25,10 @@
   const boxes = { follow: decoded(shape.boxes.follow).values, map: decoded(shape.boxes.map).values };
   const floor = shape.floor && { level: shape.floor.level, x: decoded(shape.floor.x).values,
     y: decoded(shape.floor.y).values, z: decoded(shape.floor.z).values };
-  const maps = {};
+  const maps = {}, ends = {};
   for (const [profile, map] of Object.entries(run.profiles)) maps[profile] = decoded(run.figures[map].data[0].z);
+  for (const [name, values] of Object.entries(run.ends)) ends[name] = decoded(values).values;
+  const stations = decoded(run.figures["tension-map"].data[0].y).values;
 
   let view = shape.follow ? "follow" : "map";
   let frame = -1, clock = 0, playing = false, last = 0, waiting = false;
@@ -147,9 +149,16 @@
 
   function drawProfiles(index) {
     return Promise.all(Object.entries(maps).map(([name, map]) => {
-      const [rows, columns] = map.shape, values = new Float32Array(rows);
-      for (let i = 0; i < rows; i++) values[i] = map.values[i * columns + index];
-      return Plotly.restyle(name, { y: [values] }, [2]);
+      const columns = map.shape[1], x = [], y = [];
+      for (let i = 0; i < stations.length && stations[i] < ends.s[index]; i++) {
+        const value = map.values[i * columns + index];
+        if (Number.isNaN(value)) break;
+        x.push(stations[i]);
+        y.push(value);
+      }
+      x.push(ends.s[index]);
+      y.push(ends[name][index]);
+      return Plotly.restyle(name, { x: [x], y: [y] }, [2]);
     }));
   }
 
