@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 if TYPE_CHECKING:
     from cablemodel.model import CableModel, CableState
@@ -25,6 +28,8 @@ _HEAVIER = 1e-6
 """Part of a weight in air by which rounding may make that in water the larger one."""
 _ABOVE_WATER = 0.01
 """Height [m] by which a cable may stand above z = 0 without a word."""
+_EMPTY = 1e-6
+"""Part of a pay-out that the drum may lack: rounding."""
 
 
 def scene_warnings(scene: Scene) -> list[str]:
@@ -68,6 +73,7 @@ def scene_warnings(scene: Scene) -> list[str]:
         if (body := item.body) is not None:
             what = f"body {body.name}" if body.name else "a body"
             found += _heavier_in_water(scene, what, body.submerged_weight, body.mass, "")
+    found += _end_of_the_drum(scene)
     for name, strain in _stretched_by_weight(scene).items():
         kind = scene.cable_types[name]
         found.append(
@@ -115,6 +121,38 @@ def _heavier_in_water(scene: Scene, what: str, weight: float, mass: float, per: 
         f"{what} is heavier in water ({weight:g} N{per}) than in air ({mass:g} kg{per}, "
         f"{in_air:.4g} N{per}): are its submerged weight, in N{per}, and its mass right?"
     ]
+
+
+def _end_of_the_drum(scene: Scene) -> list[str]:
+    """A pay-out that asks for more than the drum holds."""
+    from scipy.interpolate import PPoly
+
+    rows, end = scene.payout.rate, scene.run.duration
+    if all(row.rate <= 0.0 for row in rows):
+        return []
+    cables = sum(item.cable.length for item in scene.payout.drum if item.cable is not None)
+    bodies = sum(2.0 * item.body.half_length for item in scene.payout.drum if item.body is not None)
+    held = cables + bodies
+    times = np.array(sorted({0.0, end, *(row.t for row in rows if 0.0 < row.t < end)}))
+    rates = np.interp(times, [row.t for row in rows], [row.rate for row in rows])
+    slopes = np.diff(rates) / np.diff(times)
+    rate = PPoly(np.stack([slopes, rates[:-1]]), times)
+    paid_out = rate.antiderivative()
+    turns = rate.roots(extrapolate=False)
+    stretches = np.unique([*times, *turns[np.isfinite(turns)]])
+    enough = (1.0 + _EMPTY) * held + _EMPTY
+    for first, last in pairwise(stretches):  # monotonic each
+        if paid_out(last) <= enough:
+            continue
+        reached = paid_out.solve(held, extrapolate=False)
+        inside = reached[(reached >= first) & (reached <= last)]
+        empty = float(inside[0]) if len(inside) else float(first)
+        return [
+            f"payout.drum holds {held:g} m, and payout.rate asks for "
+            f"{paid_out(stretches).max():.6g} m within the run: it is empty at t = {empty:.6g} s, "
+            "and no more is paid out"
+        ]
+    return []
 
 
 def _stretched_by_weight(scene: Scene) -> dict[str, float]:

@@ -426,6 +426,7 @@ TURNED = """\
 cable_types: {K: {diameter: 11 mm, mass: 0.45, axial_stiffness: 6 MN}}
 line: [{cable: {type: K, length: 300}}, {body: {name: fish, mass: 50, submerged_weight: 300}}]
 vessel: {path: [{straight: {duration: 60, speed: 3}}, {turn: {angle: 180 deg, radius: 100}}]}
+run: {duration: 600}
 """
 
 
@@ -450,6 +451,18 @@ def warned(*overrides: str) -> list[str]:
             "cable_types.K={diameter: 0.01, mass: 0.45, tension_strain: [1]}",
             "under the line's own weight; is its tension_strain right?",
         ),
+        (
+            "payout.rate=0.5",
+            "holds 0 m, and payout.rate asks for 300 m within the run: it is empty at t = 0",
+        ),
+        (
+            "payout={rate: 0.5, drum: [{cable: {type: K, length: 240}}]}",
+            "holds 240 m, and payout.rate asks for 300 m within the run: it is empty at t = 480 s",
+        ),
+        (
+            "payout.rate=[{t: 0, rate: -1}, {t: 10, rate: -1}, {t: 20, rate: 1}]",
+            "holds 0 m, and payout.rate asks for 570 m within the run: it is empty at t = 30 s",
+        ),
     ],
 )
 def test_a_slip_in_a_unit_is_seen(override: str, words: str) -> None:
@@ -468,6 +481,9 @@ def test_a_slip_in_a_unit_is_seen(override: str, words: str) -> None:
         ["environment.water_density=1.2"],
         ["environment.water_density=1.025 t/m3"],
         ["line.1.body.submerged_weight=490.33"],  # of 50 kg, in vacuum
+        ["payout={rate: 0.5, drum: [{cable: {type: K, length: 300}}]}"],
+        ["payout.rate=[{t: 0, rate: -1}, {t: 300, rate: -1}, {t: 300.001, rate: 0.5}]"],
+        ["payout.rate=[{t: 600, rate: 0}, {t: 700, rate: 1}]"],
         ["cable_types.K.axial_stiffness=6 kN"],
         # Most of it lies on the floor.
         ["cable_types.K.axial_stiffness=600", "environment.floor={z: -20}"],
