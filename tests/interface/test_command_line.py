@@ -29,7 +29,8 @@ SUMMARY = [
 
 
 def invoke(*arguments: str | Path) -> Result:
-    return CliRunner().invoke(app, [str(item) for item in arguments])
+    """On a screen so wide that no folder of a test breaks a message."""
+    return CliRunner(env={"COLUMNS": "300"}).invoke(app, [str(item) for item in arguments])
 
 
 def command(*arguments: str | Path, **options: Any) -> "subprocess.CompletedProcess[str]":
