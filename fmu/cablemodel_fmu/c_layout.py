@@ -76,6 +76,13 @@ def start_constants() -> dict[str, float]:
     }
 
 
+def input_names() -> list[str]:
+    """Of the ten inputs, by value reference."""
+    from cablemodel_fmu.signals import inputs
+
+    return [signal.name for signal in inputs([0.0] * 10)]
+
+
 def constants(module: ModuleType, prefixes: tuple[str, ...] = ("",)) -> dict[str, int]:
     """The module's whole numbers with names in capitals."""
     return {
@@ -96,6 +103,7 @@ def header(kernel_hash: str) -> str:
         lines.append(f"#define {name} {number!r}")
     lines.append(f"#define ERROR_PLACES {len(error_estimate.PLACES)}")
     lines.append(f"#define ERROR_FACTOR {error_estimate.FACTOR!r}")
+    lines.append(f"#define INPUT_NAMES {{{', '.join(map(json.dumps, input_names()))}}}")
     lines.append(f"#define KERNEL_HASH INT64_C({hash_number(kernel_hash)})")
     for name, value in constants(direct_layout).items():
         if not name.startswith("_"):

@@ -19,8 +19,10 @@ from cablemodel_fmu.c_layout import hash_number
 from cablemodel_fmu.signals import Coefficient
 
 MAGIC = 0x554D46454C424143  # "CABLEFMU"
-FORMAT = 1
+FORMAT = 2
 HEADER_WORDS = 32
+NAME_WORDS = 12
+"""Of a coefficient's row: its variable's name, for messages."""
 _CHECKSUM, _KERNELS, _GUID, _FLAGS, _INPUTS, _FRAME = 3, 4, 5, 10, 16, 26
 SCENE_INPUTS, STATIC, PINNED, ESTIMATE = 1, 2, 4, 8
 LARGEST = 1e30
@@ -63,14 +65,24 @@ class ModelFile:
         )
         reals[_INPUTS : _INPUTS + 10] = self.starts
         reals[_FRAME : _FRAME + len(self.frame)] = self.frame
-        rows = np.zeros((len(self.coefficients), 8), dtype="<i8")
+        rows = np.zeros((len(self.coefficients), 8 + NAME_WORDS), dtype="<i8")
         values = rows.view("<f8")
         for row, value, item in zip(rows, values, self.coefficients, strict=True):
             row[:3] = item.kind, item.word, item.index
             least = -LARGEST if item.signal.minimum is None else item.signal.minimum
             most = LARGEST if item.signal.maximum is None else item.signal.maximum
             value[3:8] = item.factor, item.signal.start, least, most, item.reach
+            row[8:] = np.frombuffer(_name(item.signal.name), "<i8")
         header[2] = HEADER_WORDS + rows.size + len(image)
         body = header[_KERNELS:].tobytes() + rows.tobytes() + image.astype("<i8").tobytes()
         header[_CHECKSUM] = zlib.crc32(body)
         return header[:_KERNELS].tobytes() + body
+
+
+def _name(name: str) -> bytes:
+    """A variable's name, or its beginning where it is too long, ended by zeros."""
+    most = 8 * NAME_WORDS - 1
+    whole = name.encode()
+    if len(whole) > most:
+        whole = whole[: most - 3].decode(errors="ignore").encode() + b"..."
+    return whole.ljust(8 * NAME_WORDS, b"\0")

@@ -8,7 +8,15 @@ import pytest
 import test_fmu_refusals as files
 from fmpy import extract, read_model_description
 from fmpy.fmi1 import FMICallException
-from fmu_tools import Slave, assert_same_bits, step_alike, still_scene, unpacked
+from fmu_tools import (
+    Slave,
+    assert_same_bits,
+    image_start,
+    sealed,
+    step_alike,
+    still_scene,
+    unpacked,
+)  # fmt: skip
 from test_fmu_platforms import DT, STEPS, WINE, drive
 
 import cablemodel as cm
@@ -125,7 +133,7 @@ def test_a_step_that_cannot_be_made_says_what_python_says(tmp_path):
 def model_file(still):
     """The FMU as the tests of refusals take it, its model file, and where its block begins."""
     data = files._model(still[1:])
-    return still[1:], data, files._image_start(data)
+    return still[1:], data, image_start(data)
 
 
 def accepted(model_file, word: int, value: int | float) -> bool:
@@ -133,7 +141,7 @@ def accepted(model_file, word: int, value: int | float) -> bool:
     fmu, data, start = model_file
     changed = bytearray(data)
     struct.pack_into("<q" if isinstance(value, int) else "<d", changed, start + 8 * word, value)
-    return files._with_model(fmu, None, files._sealed(changed))
+    return files._with_model(fmu, None, sealed(changed))
 
 
 def word_of(model_file, word: int) -> int:
@@ -195,7 +203,7 @@ def test_sealed_nonsense_does_no_harm(model_file):
         for _ in range(int(rng.integers(1, 4))):
             word = int(rng.integers(start // 8, len(data) // 8))
             struct.pack_into("<q", changed, 8 * word, values[int(rng.integers(0, len(values)))])
-        taken += files._with_model(fmu, None, files._sealed(changed))
+        taken += files._with_model(fmu, None, sealed(changed))
     assert 0 < taken < 200
 
 

@@ -15,6 +15,8 @@ from fmu_tools import (
     Slave,
     assert_same_bits,
     driven_elsewhere,
+    image_start,
+    sealed,
     step_alike,
     still_scene,
     unpacked,
@@ -258,16 +260,6 @@ def test_coefficients_and_lengths_set_before_the_start_reach_the_finer_run(still
 # -- a finer run that is left behind, or is not what it should be ----------------------------------
 
 
-def _sealed(data: bytearray) -> bytes:
-    """With the checksum that belongs to the contents."""
-    data[24:32] = struct.pack("<q", zlib.crc32(data[32:]))
-    return bytes(data)
-
-
-def _image_start(data: bytes) -> int:
-    return 8 * (32 + 8 * struct.unpack_from("<q", data, 8 * 14)[0])
-
-
 @contextlib.contextmanager
 def with_finer(still, data: bytes | None):
     """Other contents of finer.bin; None: there is no such file."""
@@ -287,9 +279,9 @@ def test_a_finer_run_that_cannot_make_a_step_stays_behind(still):
     """The results go on; there is no estimate any more, in states of then either."""
     finer = bytearray((still[0] / "resources" / "finer.bin").read_bytes())
     # Three internal steps are enough for 1 ms and for what is at rest, but not to get under way.
-    struct.pack_into("<q", finer, _image_start(finer) + 8 * at.I_MAXIMUM_STEPS, 3)
+    struct.pack_into("<q", finer, image_start(finer) + 8 * at.I_MAXIMUM_STEPS, 3)
     whole = Slave(*still)
-    with with_finer(still, _sealed(finer)):
+    with with_finer(still, sealed(finer)):
         slave = Slave(*still)
     for cable in (slave, whole):
         cable.step(1e-3)
@@ -316,13 +308,13 @@ def test_a_finer_run_that_cannot_make_a_step_stays_behind(still):
 
 def test_a_finer_run_without_an_equilibrium_is_left_behind(still):
     finer = bytearray((still[0] / "resources" / "finer.bin").read_bytes())
-    start = _image_start(finer)
+    start = image_start(finer)
     (edges,) = struct.unpack_from("<q", finer, start + 8 * at.O_EDGE)
     word = edges + 2 * at.EDGE_WORDS + at.E_WEIGHT
     struct.pack_into("<q", finer, start + 8 * word, NAN)
     values = {"cable_types.K.drag_normal": 1.5}
     whole = Slave(*still, **values)
-    with with_finer(still, _sealed(finer)):
+    with with_finer(still, sealed(finer)):
         slave = Slave(*still, **values)
     assert slave.messages == []
     for _ in range(2):
@@ -354,8 +346,8 @@ def _damaged(still, how: str) -> bytes | None:
     elif how == "parameters":  # the largest value of the first: the kernels' bounds are the model's
         struct.pack_into("<d", finer, 8 * (32 + 6), 1e29)
     elif how == "an offset":
-        finer[_image_start(finer) + 8 * at.O_EDGE] ^= 1
-    return _sealed(finer)
+        finer[image_start(finer) + 8 * at.O_EDGE] ^= 1
+    return sealed(finer)
 
 
 @pytest.mark.parametrize(
@@ -395,7 +387,7 @@ def test_sealed_nonsense_in_the_finer_run_does_no_harm(still):
         for _ in range(int(rng.integers(1, 4))):
             word = int(rng.integers(4, len(data) // 8))
             struct.pack_into("<q", changed, 8 * word, values[int(rng.integers(0, len(values)))])
-        with with_finer(still, _sealed(changed)):
+        with with_finer(still, sealed(changed)):
             try:
                 slave = Slave(*still)
             except Exception as error:  # fmpy raises nothing more special

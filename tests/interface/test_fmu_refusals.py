@@ -1,13 +1,12 @@
 """What an FMU refuses: wrong calls, values and files; cleanly, and with the state as before."""
 
 import struct
-import zlib
 
 import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import fmi2Discard, fmi2Error
-from fmu_tools import Slave, still_scene, unpacked
+from fmu_tools import CABLE, Slave, image_start, sealed, still_scene, unpacked
 
 from cablemodel.kernels import layout as at
 from cablemodel_fmu.export import ExportError, export_fmu
@@ -53,6 +52,27 @@ def test_values_that_are_not_finite(slave, value):
         slave, "not finite", slave.fmu.setRealInputDerivatives, [reference], [1], [value]
     )  # fmt: skip
     slave.step(0.5)
+
+
+def test_messages_name_the_variable(slave):
+    words = "fmi2SetReal: vessel.velocity[2] (value reference 1), value 1e+200: the value is not"
+    assert_refused(slave, words, slave.set, "vessel.velocity", (0.1, 1e200, 0.0))
+    words = "fmi2SetReal: cable_types.K.drag_normal (value reference 1"
+    assert_refused(slave, words, slave.set, "cable_types.K.drag_normal", -0.1)
+    words = "fmi2SetReal: value reference 1006, value 5: an output cannot be set"
+    assert_refused(slave, words, slave.set, "tension.top", 5.0)
+
+
+def test_a_long_name_is_said_as_far_as_it_fits(tmp_path):
+    kind = "ö" * 60
+    line = [{"cable": {"type": kind, "length": 20}}]
+    scene = still_scene(cable_types={kind: CABLE}, line=line, payout={})
+    with unpacked(scene, tmp_path, stations=3) as found:
+        slave = Slave(*found)
+        name = next(name for name in slave.references if name.endswith("drag_normal"))
+        assert_refused(slave, f"{name[:40]}", slave.set, name, -0.1)
+        assert "... (value reference 1" in slave.messages[0][1]
+        slave.close()
 
 
 def test_values_out_of_range(slave):
@@ -234,15 +254,9 @@ def _model(still) -> bytes:
     return (still[0] / "resources" / "model.bin").read_bytes()
 
 
-def _sealed(data: bytearray) -> bytes:
-    """With the checksum that belongs to the contents: what a vandal with a manual would write."""
-    data[24:32] = struct.pack("<q", zlib.crc32(data[32:]))
-    return bytes(data)
-
-
 def test_the_models_own_file_is_accepted(still, tmp_path):
     assert _with_model(still, tmp_path, _model(still))
-    assert _with_model(still, tmp_path, _sealed(bytearray(_model(still))))
+    assert _with_model(still, tmp_path, sealed(bytearray(_model(still))))
 
 
 def test_truncated_model_files(still, tmp_path):
@@ -250,7 +264,7 @@ def test_truncated_model_files(still, tmp_path):
     for length in (0, 1, 8, 255, 256, 1000, len(data) // 2, len(data) - 8, len(data) - 1):
         assert not _with_model(still, tmp_path, data[:length])
         if length > 40:
-            assert not _with_model(still, tmp_path, _sealed(bytearray(data[:length])))
+            assert not _with_model(still, tmp_path, sealed(bytearray(data[:length])))
     assert not _with_model(still, tmp_path, data + bytes(8))
 
 
@@ -265,14 +279,9 @@ def test_any_changed_byte_of_a_model_file(still, tmp_path):
         assert not _with_model(still, tmp_path, bytes(changed)), position
 
 
-def _image_start(data: bytes) -> int:
-    parameters = struct.unpack_from("<q", data, 8 * 14)[0]
-    return 8 * (32 + 8 * parameters)
-
-
 def test_every_size_and_offset_of_a_model_file_is_checked(still, tmp_path):
     data = _model(still)
-    start = _image_start(data)
+    start = image_start(data)
     used = [
         value
         for name, value in vars(at).items()
@@ -286,13 +295,13 @@ def test_every_size_and_offset_of_a_model_file_is_checked(still, tmp_path):
             changed = bytearray(data)
             (value,) = struct.unpack_from("<q", data, start + 8 * word)
             struct.pack_into("<q", changed, start + 8 * word, value + change)
-            assert not _with_model(still, tmp_path, _sealed(changed)), (word, change)
+            assert not _with_model(still, tmp_path, sealed(changed)), (word, change)
     for word in (2, 11, 12, 14):  # those of the file itself; 13 only says how many stations to give
         for change in (1, -1, 1 << 40):
             changed = bytearray(data)
             (value,) = struct.unpack_from("<q", data, 8 * word)
             struct.pack_into("<q", changed, 8 * word, value + change)
-            assert not _with_model(still, tmp_path, _sealed(changed)), (word, change)
+            assert not _with_model(still, tmp_path, sealed(changed)), (word, change)
 
 
 def test_sealed_nonsense_does_no_harm(still, tmp_path):
@@ -307,7 +316,7 @@ def test_sealed_nonsense_does_no_harm(still, tmp_path):
         for _ in range(int(rng.integers(1, 4))):
             word = int(rng.integers(4, len(data) // 8))
             struct.pack_into("<q", changed, 8 * word, values[int(rng.integers(0, len(values)))])
-        accepted += _with_model(still, tmp_path, _sealed(changed))
+        accepted += _with_model(still, tmp_path, sealed(changed))
     assert 0 < accepted < 400
 
 

@@ -203,6 +203,13 @@ static int is_parameter(const Cable *cable, unsigned vr) {
     return vr >= VR_PARAMETER && vr < VR_PARAMETER + (unsigned)cable->parameter_count;
 }
 
+/* Of an input or a parameter, for messages; NULL of what else there is, or is not. */
+const char *name_of(const Cable *cable, unsigned vr) {
+    static const char *const inputs[VR_INPUTS] = INPUT_NAMES;
+    if (vr < VR_INPUTS) return inputs[vr];
+    return is_parameter(cable, vr) ? cable->parameters[vr - VR_PARAMETER].name : NULL;
+}
+
 const char *read_value(Cable *cable, unsigned vr, double *value) {
     if (vr < VR_INPUTS) {
         *value = cable->now.input[vr];

@@ -35,7 +35,7 @@ enum {
 enum { FLAG_SCENE_INPUTS = 1, FLAG_STATIC = 2, FLAG_PINNED = 4, FLAG_ESTIMATE = 8 };
 #define FILE_MAGIC INT64_C(0x554d46454c424143) /* "CABLEFMU" */
 #define STATE_MAGIC INT64_C(0x5441545346434243)
-#define FILE_FORMAT 1
+#define FILE_FORMAT 2
 
 /* A tunable coefficient: word = factor * value in the edges of a cable type or in one body. Or a
    length that is fixed at the start, of a cable of the line or on the drum: from the vessel outwards,
@@ -47,6 +47,7 @@ typedef struct {
     double factor; /* of a length of the line: its part in the typical tension [N/m] */
     double start, minimum, maximum;
     double reach; /* of a length of the line: how far it can reach when stretched, in lengths */
+    char name[96]; /* of the variable, ended by zeros */
 } Parameter;
 
 /* Everything of an instance that a saved state holds, apart from the block's image. */
@@ -123,6 +124,7 @@ void restart_cable(Cable *cable);
 void restore_exported(Cable *cable);
 double cable_time(const Cable *cable);
 int64_t step_cable(Cable *cable, double t_end, double dt, char *message, size_t size);
+const char *name_of(const Cable *cable, unsigned vr);
 const char *read_value(Cable *cable, unsigned vr, double *value);
 const char *check_value(Cable *cable, unsigned vr, double value);
 void write_value(Cable *cable, unsigned vr, double value);

@@ -221,14 +221,21 @@ static fmi2Status unknown(Instance *in, const char *call, fmi2ValueReference vr)
     return report(in, fmi2Error, "%s: unknown value reference %u", call, vr);
 }
 
+static fmi2Status refused(Instance *in, const char *call, fmi2ValueReference vr, const char *given,
+                          const char *problem) {
+    const char *name = name_of(&in->cable, vr);
+    return report(in, fmi2Error, "%s: %s%svalue reference %u%s%s: %s", call,
+                  name == NULL ? "" : name, name == NULL ? "" : " (", vr, name == NULL ? "" : ")",
+                  given, problem);
+}
+
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t count,
                        fmi2Real value[]) {
     ALLOW(c, ANY);
     GIVEN(vr, count, value);
     for (size_t n = 0; n < count; n++) {
         const char *problem = read_value(&in->cable, vr[n], &value[n]);
-        if (problem != NULL)
-            return report(in, fmi2Error, "fmi2GetReal: value reference %u: %s", vr[n], problem);
+        if (problem != NULL) return refused(in, __func__, vr[n], "", problem);
     }
     return fmi2OK;
 }
@@ -269,9 +276,11 @@ fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t co
     GIVEN(vr, count, value);
     for (size_t n = 0; n < count; n++) {
         const char *problem = check_value(&in->cable, vr[n], value[n]);
-        if (problem != NULL)
-            return report(in, fmi2Error, "fmi2SetReal: value reference %u, value %g: %s", vr[n],
-                          value[n], problem);
+        if (problem != NULL) {
+            char given[40];
+            snprintf(given, sizeof given, ", value %g", value[n]);
+            return refused(in, __func__, vr[n], given, problem);
+        }
     }
     for (size_t n = 0; n < count; n++) write_value(&in->cable, vr[n], value[n]);
     return fmi2OK;

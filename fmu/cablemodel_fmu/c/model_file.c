@@ -207,6 +207,7 @@ const char *check_block(const int64_t *I, int64_t image_words, int64_t block_wor
 static const char *check_parameters(const Cable *cable, const int64_t *I) {
     for (int64_t n = 0; n < cable->parameter_count; n++) {
         const Parameter *p = &cable->parameters[n];
+        if (p->name[sizeof p->name - 1] != 0) return "a parameter's name is too long";
         if (is_direct(I) && direct_word(I, p) != 0 && fabs(p->factor) < 1e300 &&
             p->minimum <= p->start && p->start <= p->maximum)
             continue;
