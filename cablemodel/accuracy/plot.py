@@ -11,6 +11,9 @@ from cablemodel.plot import STYLE, import_matplotlib
 if TYPE_CHECKING:
     from cablemodel.accuracy.verdict import Convergence
 
+_FEW_DECADES = 50.0
+"""Ratio of times below which numbers stand at 1, 2 and 5, not at powers of ten alone."""
+
 
 def save_convergence_figure(found: Convergence, path: str | PathLike[str]) -> None:
     """Draw the largest error of the position against the processor time of a simulated second.
@@ -26,6 +29,7 @@ def save_convergence_figure(found: Convergence, path: str | PathLike[str]) -> No
     import_matplotlib()
     import matplotlib
     from matplotlib.figure import Figure
+    from matplotlib.ticker import LogLocator, NullFormatter
 
     points = [
         (row, row.position)
@@ -39,11 +43,11 @@ def save_convergence_figure(found: Convergence, path: str | PathLike[str]) -> No
         axes = figure.add_subplot()
         axes.set_xscale("log")
         axes.set_yscale("log")
-        times = [row.processor_time for row, _ in points]
+        times = [1e3 * row.processor_time for row, _ in points]
         axes.plot(times, [position.largest for _, position in points], "-", color="0.75")
         for row, position in points:
             own = row.tolerance == found.tolerance
-            place = (row.processor_time, position.largest)
+            place = (1e3 * row.processor_time, position.largest)
             axes.plot(*place, "o", markersize=6 if own else 4, color="#2a6f97" if own else "0.35",
                       label="the scene's tolerance" if own else None)  # fmt: skip
             axes.annotate(f"{row.tolerance:g}", place, xytext=(6, 5), textcoords="offset points",
@@ -51,9 +55,13 @@ def save_convergence_figure(found: Convergence, path: str | PathLike[str]) -> No
         allowed = found.tolerance * points[0][1].scale
         axes.axhline(allowed, color="#d1495b", linewidth=0.8, linestyle="--", zorder=1.5,
                      label=f"allowed at {found.tolerance:g}")  # fmt: skip
-        axes.set_xlabel("processor time of a simulated second [s]")
+        axes.set_xlabel("processor time of a simulated second [ms]")
         axes.set_ylabel("largest error of the position [m]")
         axes.margins(0.18, 0.15)
+        if max(times) < _FEW_DECADES * min(times):
+            axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+            axes.xaxis.set_minor_formatter(NullFormatter())
+        axes.xaxis.set_major_formatter("{x:g}")
         axes.legend()
         try:
             figure.savefig(path, dpi=200)
