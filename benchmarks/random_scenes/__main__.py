@@ -17,6 +17,7 @@ from collections import Counter
 from dataclasses import asdict
 from pathlib import Path
 
+from benchmarks.random_scenes import overview
 from benchmarks.random_scenes.chance import COUNT
 from benchmarks.random_scenes.draw import draw
 from benchmarks.random_scenes.failures import failures
@@ -103,6 +104,7 @@ def main() -> None:
         search(seeds, keep, converged=chosen.converge)
     verdicts = [Verdict(**kept[seed]) for seed in sorted(kept)]
     write_section(PAGE, "Stress", kind.title, section(kind, verdicts, PAGE))
+    overview.write(PAGE)
     counts = Counter(verdict.outcome for verdict in verdicts)
     print(", ".join(f"{outcome}: {number}" for outcome, number in counts.most_common()))
     failed = failures(verdicts, before, claimed=kind.claimed)

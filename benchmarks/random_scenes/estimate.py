@@ -163,6 +163,8 @@ def search(seeds: Iterable[int], workers: int) -> list[Row]:
 
 def main() -> None:
     """Measure all of them; write the section of the page."""
+    from benchmarks.random_scenes import overview  # which imports this module
+
     parser = argparse.ArgumentParser(prog="python -m benchmarks.random_scenes.estimate")
     parser.add_argument("--count", type=int, default=COUNT, help="how many seeds")
     parser.add_argument("--workers", type=int, default=os.cpu_count(), help="processes")
@@ -175,6 +177,7 @@ def main() -> None:
         rows = search(range(chosen.count), chosen.workers)
         STORE.write_text(json.dumps([asdict(row) for row in rows]) + "\n")
     write_section(PAGE, "Stress", "What runs say of their own errors", section(rows))
+    overview.write(PAGE)
 
 
 if __name__ == "__main__":

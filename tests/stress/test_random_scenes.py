@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import json
 import signal
 from dataclasses import asdict, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from benchmarks.random_scenes import judge as judging
+from benchmarks.random_scenes import overview
 from benchmarks.random_scenes.draw import COLUMNS, Drawn, draw, hypercube
 from benchmarks.random_scenes.failures import failures
 from benchmarks.random_scenes.judge import Verdict, compare, judge, judge_converged, settle
@@ -288,3 +291,27 @@ def test_what_a_search_fails_for(
         found = failures(verdicts, before, claimed=claimed)
         assert [seed for seed, _why in found] == [7] * fails
         assert all("in words" in why for _seed, why in found)
+
+
+def test_the_overview_counts_what_is_stored(tmp_path: Path) -> None:
+    def store(name: str, rows: list[tuple[str, list[str]]]) -> None:
+        text = json.dumps([{"outcome": outcome, "kinds": kinds} for outcome, kinds in rows])
+        (tmp_path / "stress" / name).write_text(text)
+
+    (tmp_path / "stress").mkdir()
+    page = tmp_path / "stress.md"
+    page.write_text(f"# Stress\n\n## {overview.TITLE}\n\nold\n\n## Soak\n\nflat\n")
+    single = [("completed", [])] * 5 + [("wrong", ["position"]), ("wrong", ["energy", "position"])]
+    store("random_scenes.json", [*single, ("unsettled", ["tension"]), ("crashed", [])])
+    converged = [("completed", [])] * 3 + [("wrong", ["tension"]), ("unsettled", [])]
+    store("random_scenes_that_are_asked_to_converge.json", converged)
+    said = ["right, and says so"] * 6 + ["wrong in silence", "wrong, and says so before or then"]
+    store("error_estimates.json", [(outcome, []) for outcome in said])
+    overview.write(page)
+    text = page.read_text()
+    assert "| single runs | 9 | 1 | 1 | claims nothing |  | 2 of 8 (25 %) |" in text
+    assert "| runs that are asked to converge | 5 | 0 | 0 | 4 | 1 | 1 of 4 (25 %) |" in text
+    assert "| 8 |  |  | 7 | 1 | 2 of 8 (25 %) |" in text
+    assert "in waves" not in text
+    assert text.index(overview.TITLE) < text.index("## Soak\n\nflat")
+    assert "old" not in text
