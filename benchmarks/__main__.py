@@ -70,6 +70,7 @@ def main(given: Sequence[str] | None = None) -> None:
             revision = f"(revision {described['revision']})"
             loads[f"{part} of {', '.join(names)}"] = f"{load} {revision}"
         else:
+            loads = {ran: then for ran, then in loads.items() if not ran.startswith(f"{part} of ")}
             loads[part] = load
     if some:
         described = stored.get("machine", described)
