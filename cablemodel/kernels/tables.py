@@ -167,6 +167,7 @@ def _tension_test(abscissae, degree, weight):
 # as much about a smooth curve: a parabola for order 4, a line for order 3. With these weights the
 # largest residual exceeds nine tenths of the errors of stiff lines in smooth heave.
 TENSION_TEST = np.stack([_tension_test(_C3[1:4], 1, 2.5), _tension_test(_C4[1:], 2, 1.5)])
+
 STAGES = np.array([4, 6])
 GAMMA = np.array([_G3, 0.25])
 STAGE_A = np.stack([_A3, _A4])

@@ -1,24 +1,28 @@
-"""Tension of a state whose steps are too long for it: from what holds the line's length now.
+"""The tension of a step: how wrong it is, and what it is where the step is too long to follow it.
 
-A step finds the tension from the differences that it makes of positions; where its line is too
-stiff to stretch within the step, that is of order 2 only, and wrong by far more than the positions
-(a line in heave, 0.05 tau L and ten times the promise of tension). The positions and velocities at
-its end are good enough to do without: the acceleration meets the second derivative of
-|r'| = 1 + strain(T) in time and the equations of motion, in which the tension is then linear. What
-the strain's own second derivative adds, compliance times that of the tension, is left out at first,
-and added from how the tension so found changes with the motion (`add_swing`).
+Tension follows the line's stretch. Where steps resolve the motion along the line, an error of that
+motion is one of the tension, and adds up from step to step. Where the line is too stiff for its
+steps, the tension holds it at its length: a step finds it from differences of positions, of order 2
+only, but what is wrong there is forgotten by the next step. The matrix of the stages tells one from
+the other: it takes out of the embedded solution's error what the scheme damps.
+
+Where the second kind of error is too large, the tension is solved for from the positions and
+velocities at the step's end: the acceleration meets the second derivative of |r'| = 1 + strain(T)
+in time and the equations of motion, in which the tension is linear. That holds for a line that does
+not ring along itself. One that rings leaves its stages apart, but by its end a long step has damped
+it, and the tension that is solved for is that of the step: such a step is refused.
 """
 
 import math
 
-from .compile import copy_words, kernel, outlined, view
-from .environment import vessel_motion
-from .floor_surface import may_touch
+from .compile import copy_words, inlined, kernel, outlined, view
+from .environment import prescribed_motion, vessel_motion
 from .layout import (
     B_COMPLIANCE,
     B_MASS,
     BODY_WORDS,
     C_CLAMPED,
+    C_NODE,
     CONSTRAINT_WORDS,
     E_COMPLIANCE,
     E_LENGTH,
@@ -30,12 +34,11 @@ from .layout import (
     I_CONSTRAINTS,
     I_DIMENSION,
     I_FACTORED,
-    I_FLOOR,
+    I_HISTORY,
     I_NODES,
     I_PAYOUT,
+    I_SETTLED,
     O_ACCELERATION,
-    O_BASE_Q,
-    O_BASE_V,
     O_BODY,
     O_CONSTRAINT,
     O_CONSTRAINT_RESIDUAL,
@@ -46,7 +49,6 @@ from .layout import (
     O_POSITION,
     O_RESIDUAL,
     O_STAGE_A,
-    O_STAGE_T,
     O_STAGE_V,
     O_TENSION,
     O_TENSION_RATE,
@@ -65,6 +67,7 @@ from .layout import (
     S_TIME,
     S_TOLERANCE,
 )
+from .newton import increment_norm
 from .payout import set_top_length
 from .system import (
     factorise,
@@ -77,25 +80,25 @@ from .system import (
 )
 from .tables import STAGES, TENSION_TEST
 
-PROMISED = 0.75  # of the error of tension that is promised
-AXIAL_DAMPED = 1.25  # steps that do not resolve axial waves, in times that one takes along the line
-WORSE = 0.05  # error of a step's tension over its tolerance, from which on it is read anew
-SHARE = 0.5  # of that error: what a kink of the vessel's acceleration may change
-KINKED = 4.0  # tolerances: the same where that error is small
-SHORT = 0.1  # of the step: time in which waves that it resolves hardly move
-LARGEST_CHANGE = 20.0, 0.5  # of the error: what reading may change; tolerances it counts as
-LARGEST_ANCHORED = 12.0, 0.15  # the same for an anchored line, which moves by its stretch when taut
+PROMISED = 0.5  # of the error of tension that is promised
+SHARE = 0.045  # of that: what a step may add to an error that lasts, as of positions
+SHARE_OF_LIMITED = 0.03  # the same where the caller makes steps short
+UNSEEN = 0.05  # of that: scatter of the stages below which nothing is looked at
+SOLVED_FROM = 0.25  # of that: scatter of what is forgotten from which on tensions are solved for
+STIFF = 0.2  # part of the embedded error that lasts, from which on a step follows what rings
+LARGEST_CHANGE = 20.0  # of the scatter: what solving may change
+SHORT = 0.1  # of the step: that of the matrix with which the tension is solved for
 APART = 1e-3  # periods of the line over which the stretch's second derivative is a difference
-SWINGS = 0.25  # of the largest tension: its second derivative times the square of a long step
-STILL = 0.05  # of the tolerance: what the strain's own second derivative may add unseen
-LARGEST_SWING = 0.1  # of the largest tension: where it adds more, the line rings along itself
-ASIDE = 0.25  # of the step: how far to both sides of an output it is looked for
-RIGID = 1e-3  # compliance of the line over what its inertia gives way by in a matrix's step
+RIGID = 1e-3  # compliance of the line over what its inertia gives way by in that matrix's step
+
+
+# What a step does along the line.
+PASSES_OVER, FOLLOWS, SOLVED = 0, 1, 2
 
 
 @kernel
 def tension_tolerance(M):
-    """Error of the top tension allowed at an output [N], by the largest tension so far.
+    """Error of the top tension that is allowed [N], by the largest tension so far.
 
     A typical one stands for it at first.
     """
@@ -104,11 +107,8 @@ def tension_tolerance(M):
 
 
 @kernel
-def stage_error(M, scheme):
-    """Error of a step's top tension over what is allowed, from those of its implicit stages.
-
-    They scatter about a smooth curve by as much as the last one is wrong.
-    """
+def stage_scatter(M, scheme):
+    """How far the top tensions of a step's implicit stages are off a smooth curve [tolerances]."""
     stages = STAGES[scheme] - 1
     worst = 0.0
     for i in range(stages):
@@ -120,11 +120,70 @@ def stage_error(M, scheme):
 
 
 @kernel
+def top_stretch_tension(I, M, x):
+    """What a motion x of the nodes changes of the top element's tension by stretching it [N]."""
+    constraint = view(M, I[O_CONSTRAINT_RESIDUAL], 2 * I[I_NODES])
+    change = view(M, I[O_STAGE_V], 2 * I[I_NODES])
+    constraint[:] = 0.0
+    change[:] = 0.0
+    recover_tension(I, M, constraint, x, change)
+    return abs(change[2])
+
+
+@kernel
+def filter_motion(I, M, motion, gamma_dt):
+    """Leave of a motion of the nodes, (nodes, 2, dimension), what the stages' matrix makes of its
+    inertia: all where the step resolves it, 1 / (1 + (omega gamma dt)^2) of what swings. Returns
+    what is left in the tension at the top [N]."""
+    count = 2 * I[I_DIMENSION] * I[I_NODES]
+    words = 2 * I[I_NODES]
+    forces = view(M, I[O_RESIDUAL], count)
+    constraint = view(M, I[O_CONSTRAINT_RESIDUAL], words)
+    x = view(M, I[O_INCREMENT], count)
+    a = view(M, I[O_STAGE_A], count)
+    inverse2 = 1.0 / (gamma_dt * gamma_dt)
+    for n in range(count):
+        a[n] = M[I[O_TRIAL_A] + n] - inverse2 * motion[n]
+    q = view(M, I[O_TRIAL_Q], count)
+    v = view(M, I[O_TRIAL_V], count)
+    residual(I, M, q, v, a, view(M, I[O_TRIAL_T], words), forces, constraint)
+    constraint[:] = 0.0
+    newton_increment(I, M, forces, constraint, x)
+    for n in range(count):
+        motion[n] = x[n]
+    constraint[:] = 0.0
+    change = view(M, I[O_STAGE_V], words)
+    change[:] = 0.0
+    recover_tension(I, M, constraint, x, change)
+    return abs(change[2])
+
+
+@outlined
+def embedded_error(I, M, error, gamma_dt):
+    """Error of the top tension by the embedded solution [tolerances], and its part that lasts.
+
+    error: of the positions, (nodes, 2, dimension) [m]; it is overwritten.
+    """
+    left = filter_motion(I, M, error, gamma_dt)
+    again = filter_motion(I, M, error, gamma_dt)
+    return left / tension_tolerance(M), again / left if left > again else 1.0
+
+
+@kernel
 def two_step_error(I, M, dt):
-    """The same of a two-step step that is to be accepted: its tension is wrong by dt^2 T'', and so
-    is the prediction from the last step's rate."""
+    """Error of the top tension of a two-step step [tolerances], and what it does along the line.
+
+    Where the line is too stiff for it to follow, dt^2 T'' at most, by which the prediction from
+    the last step's rate is off; else half of what the predicted positions stretch it by more or
+    less, which lasts.
+    """
+    final = M[I[O_TRIAL_T] + 2]
     predicted = M[I[O_TENSION] + 2] + dt * M[I[O_TENSION_RATE] + 2]
-    return abs(M[I[O_TRIAL_T] + 2] - predicted) / tension_tolerance(M)
+    lasting = 0.5 * abs(final - M[S_STAGE_TENSION]) / SHARE_OF_LIMITED
+    passed_over = abs(final - predicted)
+    if passed_over < lasting:
+        return passed_over / tension_tolerance(M), PASSES_OVER
+    return lasting / tension_tolerance(M), FOLLOWS
 
 
 @kernel
@@ -141,288 +200,251 @@ def inertia(I, M):
 
 
 @kernel
-def kink_force(I, M, t, apart):
-    """What a kink of the vessel's acceleration near t changes of the tension [N].
-
-    The third difference of the acceleration over four times `apart`: a smooth one has none, where
-    a kink is as large as what the acceleration changes by over that time.
-    """
-    at = I[O_MOTION]
-    w = M[at + 40 : at + 43]
-    for i in range(3):
-        w[i] = 0.0
-    for k in range(4):
-        vessel_motion(I, M, t + (k - 2) * apart)
-        weight = 3.0 if k == 1 or k == 2 else 1.0
-        for i in range(3):
-            w[i] += (weight if k % 2 == 1 else -weight) * M[at + 6 + i]
-    vessel_motion(I, M, t)
-    return inertia(I, M) * math.sqrt(w[0] ** 2 + w[1] ** 2 + w[2] ** 2)
-
-
-@kernel
-def worth_reading(I, M, dt, span, pull):
-    """Whether to read the tension anew after the trial, a step of dt that is to be accepted and
-    whose own tension is wrong by `pull` tolerances: 0 no, 1 yes, 2 with `add_swing`.
-
-    span: the longer of this step and the one before it, whose error a short one has. Not where
-    steps resolve axial waves, where a strain curve is no line, where an end is clamped, or while a
-    body passes the tow point.
-    """
-    slow = 1.0 / math.sqrt(M[S_AXIAL])
-    if span < AXIAL_DAMPED * slow or M[S_PASSING] != 0.0:
-        return 0
-    if pull < WORSE:
-        return 0  # by far the most steps
+def may_be_solved_for(I, M):
+    """Whether tensions can be solved for: with Hooke's law, ends that are hinged, and no body of
+    finite length at the tow point."""
+    if M[S_PASSING] != 0.0:
+        return False
     for n in range(I[I_CONSTRAINTS]):
         if M[I[O_CONSTRAINT] + n * CONSTRAINT_WORDS + C_CLAMPED] != 0.0:
-            return 0
+            return False
     for node in range(1, I[I_NODES]):
         if I[I[O_JOINT] + node] == 0:
             if M[I[O_EDGE] + node * EDGE_WORDS + E_STRAIN_TERMS] != 1.0:
-                return 0
-    tolerance = tension_tolerance(M)
-    if kink_force(I, M, M[S_TIME] + dt, slow) >= tolerance * max(SHARE * pull, KINKED):
-        return 0
-    # A long step hardly follows the tension up and down: by its square, the second derivative.
-    added = SWINGS * M[S_LARGEST_TENSION] * (slow / span) ** 2
-    if added < STILL * tolerance:
-        return 1
-    if I[I_FLOOR] != 0:
-        q = view(M, I[O_TRIAL_Q], 2 * I[I_DIMENSION] * I[I_NODES])
-        if may_touch(I, M, q, view(M, I[O_MOTION] + 28, 9)):
-            # Cable that lands has no second derivative: a lay read so rings by a per cent. Without
-            # it what is read may be wrong by more than the step's own tension.
-            return 1 if added < pull * tolerance else 0
-    return 2
+                return False
+    return True
+
+
+@inlined
+def region(I, n):
+    """Word of the n-th region of 6 words a node in the workspace of the stages, of eight."""
+    words = 6 * I[I_CAPACITY]
+    if n < 4:
+        return I[O_STAGE_V] + n * words
+    return I[O_STAGE_A] + (n - 4) * words
+
+
+# These regions: what is solved for, then what that takes.
+SOLVED_Q, SOLVED_V, SOLVED_A, SOLVED_T, SOLVED_RATE, CURVED, STRAINED, SOFTNESS = range(8)
 
 
 @kernel
 def stiffen(I, M, ca):
     """Make the line all but inextensible in a matrix whose mass is ca times that of the line.
 
+    With each element's own mass a light line with a heavy body would keep a fifth of the error.
     `soften` gives the compliances of elements and bodies back.
     """
     soft = RIGID / (ca * inertia(I, M))
     length = M[S_LENGTH]
+    kept = region(I, SOFTNESS)
     for node in range(1, I[I_NODES]):
         edge = I[O_EDGE] + node * EDGE_WORDS
-        M[I[O_STAGE_T] + node] = M[edge + E_COMPLIANCE]
+        M[kept + node] = M[edge + E_COMPLIANCE]
         if I[I[O_JOINT] + node] == 0:
             M[edge + E_COMPLIANCE] = soft / length
     for body in range(I[I_BODIES]):
         row = I[O_BODY] + body * BODY_WORDS
-        M[I[O_STAGE_T] + I[I_NODES] + body] = M[row + B_COMPLIANCE]
+        M[kept + I[I_NODES] + body] = M[row + B_COMPLIANCE]
         M[row + B_COMPLIANCE] = soft
 
 
 @kernel
 def soften(I, M):
     """Undo `stiffen`."""
+    kept = region(I, SOFTNESS)
     for node in range(1, I[I_NODES]):
-        M[I[O_EDGE] + node * EDGE_WORDS + E_COMPLIANCE] = M[I[O_STAGE_T] + node]
+        M[I[O_EDGE] + node * EDGE_WORDS + E_COMPLIANCE] = M[kept + node]
     for body in range(I[I_BODIES]):
         row = I[O_BODY] + body * BODY_WORDS
-        M[row + B_COMPLIANCE] = M[I[O_STAGE_T] + I[I_NODES] + body]
+        M[row + B_COMPLIANCE] = M[kept + I[I_NODES] + body]
 
 
 @outlined
-def balance(I, M, q, v, a, tension, second, t, short):
-    """Make accelerations and tensions at time t meet the equations of motion and the second
-    derivative of |r'| = 1 + strain(T).
+def solve_for_tension(I, M, t, short, q, v, tension):
+    """Tensions and accelerations of a line that does not ring, at time t, from positions and
+    velocities, and what these are then, into the regions SOLVED_...
 
-    second: that of the tensions. The stored matrix is that of a step of `short`.
+    q, v: (nodes, 2, dimension), tension: (nodes, 2), near which it is. The region SOLVED_A holds
+    accelerations near those that are looked for, STRAINED the rates of the tensions. short: the
+    matrix is that of a step so long [s]; what is far too quick for it has to follow.
+
+    Returns by how much the top tension, and that of what the velocities stretch the line by, are
+    other ones [tolerances]; negative: there is no answer.
     """
     count = 2 * I[I_DIMENSION] * I[I_NODES]
     words = 2 * I[I_NODES]
-    near = view(M, I[O_TRIAL_Q], count)
-    strained = view(M, I[O_STAGE_A], words)
+    solved_q = view(M, region(I, SOLVED_Q), count)
+    solved_v = view(M, region(I, SOLVED_V), count)
+    a = view(M, region(I, SOLVED_A), count)
+    solved = view(M, region(I, SOLVED_T), words)
+    curved = view(M, region(I, CURVED), words)
+    strained = view(M, region(I, STRAINED), words)
     forces = view(M, I[O_RESIDUAL], count)
     constraint = view(M, I[O_CONSTRAINT_RESIDUAL], words)
-    curved = view(M, I[O_STAGE_T], words)
     x = view(M, I[O_INCREMENT], count)
+    ca = 1.0 / (short * short)
+    set_time(I, M, t)
+    for n in range(count):
+        solved_q[n] = q[n]
+        solved_v[n] = v[n]
+    for n in range(words):
+        solved[n] = tension[n]
+        strained[n] += tension[n]
+    impose_motion(I, M, t, solved_q, solved_v, a)
+    stiffen(I, M, ca)
+    failed = factorise(I, M, q, solved_v, a, tension, ca, 0.0)
+    soften(I, M)
+    I[I_FACTORED] = 0
+    if failed != 0:
+        return -1.0, -1.0
+    # Velocities that stretch the line at the rate at which the tensions change.
+    residual(I, M, q, solved_v, a, strained, forces, curved)
+    residual(I, M, q, solved_v, a, tension, forces, constraint)
+    for n in range(words):
+        curved[n] -= constraint[n]
+    material_stretch_rate(I, M, solved_v, constraint)
+    for n in range(words):
+        constraint[n] += curved[n]
+        curved[n] = 0.0
+    forces[:] = 0.0
+    newton_increment(I, M, forces, constraint, x)
+    speed, _where = increment_norm(I, M, x)
+    for n in range(count):
+        solved_v[n] += x[n]
+    # The second derivative of |r'|, of a motion without a jerk.
     step = APART * M[S_PERIOD]
-    curved[:] = 0.0
     for k in range(3):
         ahead = (k - 1) * step
-        half = 0.5 * ahead * ahead
         for n in range(count):
-            near[n] = q[n] + ahead * v[n] + half * a[n]
-        for n in range(words):
-            strained[n] = tension[n] + half * second[n]
+            solved_q[n] = q[n] + ahead * (solved_v[n] + 0.5 * ahead * a[n])
         if I[I_PAYOUT] != 0:
             set_top_length(I, M, t + ahead)
-        residual(I, M, near, v, a, strained, forces, constraint)
+        residual(I, M, solved_q, solved_v, a, tension, forces, constraint)
         weight = -2.0 if k == 1 else 1.0
         for n in range(words):
             curved[n] += weight * constraint[n]
     if I[I_PAYOUT] != 0:
         set_top_length(I, M, t)
-    residual(I, M, q, v, a, tension, forces, constraint)
+    residual(I, M, q, solved_v, a, tension, forces, constraint)
     scale = short * short / (step * step)
     for n in range(words):
         constraint[n] = scale * curved[n]
     newton_increment(I, M, forces, constraint, x)
-    recover_tension(I, M, constraint, x, tension)
-    inverse = 1.0 / (short * short)
+    recover_tension(I, M, constraint, x, solved)
     for n in range(count):
-        a[n] += inverse * x[n]
-
-
-@outlined
-def add_stretching(I, M, q, v, a, tension, rate):
-    """Add to velocities that stretch nothing what stretches the line as its tension changes.
-
-    rate: of the tensions [N/s]. An anchored line gives way by it, and moves across itself.
-    """
-    count = 2 * I[I_DIMENSION] * I[I_NODES]
-    words = 2 * I[I_NODES]
-    later = view(M, I[O_STAGE_A], words)
-    forces = view(M, I[O_RESIDUAL], count)
-    constraint = view(M, I[O_CONSTRAINT_RESIDUAL], words)
-    now = view(M, I[O_STAGE_T], words)
-    x = view(M, I[O_INCREMENT], count)
-    residual(I, M, q, v, a, tension, forces, constraint)
-    for n in range(words):
-        now[n] = constraint[n]
-        later[n] = tension[n] + rate[n]
-    residual(I, M, q, v, a, later, forces, constraint)
-    for n in range(words):
-        constraint[n] -= now[n]
+        a[n] += ca * x[n]
+    # Positions whose stretch has these tensions.
+    residual(I, M, q, solved_v, a, solved, forces, constraint)
     forces[:] = 0.0
     newton_increment(I, M, forces, constraint, x)
     for n in range(count):
-        v[n] += x[n]
-
-
-@outlined
-def look_aside(I, M, q, v, a, jerk, second, t, aside, short):
-    """Balance accelerations and tensions at t - aside and t + aside of a line that moves on so.
-
-    They stand in O_STAGE_V: accelerations before and after, then the tensions.
-    """
-    count = 2 * I[I_DIMENSION] * I[I_NODES]
-    words = 2 * I[I_NODES]
-    room = 6 * I[I_CAPACITY]
-    place = view(M, I[O_BASE_Q], count)
-    speed = view(M, I[O_BASE_V], count)
-    for side in range(2):
-        there = view(M, I[O_STAGE_V] + side * room, count)
-        pull = view(M, I[O_STAGE_V] + (2 + side) * room, words)
-        ahead = aside if side == 1 else -aside
-        for n in range(count):
-            speed[n] = v[n] + ahead * (a[n] + 0.5 * ahead * jerk[n])
-            place[n] = q[n] + ahead * (v[n] + ahead * (0.5 * a[n] + ahead * jerk[n] / 6.0))
-        set_time(I, M, t + ahead)
-        impose_motion(I, M, t + ahead, place, speed, there)
-        balance(I, M, place, speed, there, pull, second, t + ahead, short)
-    set_time(I, M, t)
-    if I[I_PAYOUT] != 0:
-        set_top_length(I, M, t)
-
-
-@outlined
-def add_swing(I, M, q, v, a, tension, t, aside, short):
-    """Add to accelerations and tensions at t what the rate and second derivative of the stretch do.
-
-    They are the compliance times the tension's, which are found from the tensions at t - aside and
-    t + aside of a line that moves on as if it could not stretch: first with the acceleration at t,
-    then with its rate, too, which the tension of what moves across itself depends on.
-    """
-    count = 2 * I[I_DIMENSION] * I[I_NODES]
-    words = 2 * I[I_NODES]
-    room = 6 * I[I_CAPACITY]
-    a_before = view(M, I[O_STAGE_V], count)
-    a_after = view(M, I[O_STAGE_V] + room, count)
-    before = view(M, I[O_STAGE_V] + 2 * room, words)
-    after = view(M, I[O_STAGE_V] + 3 * room, words)
-    second = view(M, I[O_STAGE_A] + room, words)
-    jerk = view(M, I[O_STAGE_A] + 2 * room, count)
-    rate = view(M, I[O_STAGE_A] + 3 * room, words)
-    second[:] = 0.0
-    jerk[:] = 0.0
-    for n in range(count):
-        a_before[n] = a[n]
-        a_after[n] = a[n]
-    for n in range(words):
-        before[n] = tension[n]
-        after[n] = tension[n]
-    look_aside(I, M, q, v, a, jerk, second, t, aside, short)
-    for n in range(count):
-        jerk[n] = (a_after[n] - a_before[n]) / (2.0 * aside)
-    for n in range(words):
-        rate[n] = (after[n] - before[n]) / (2.0 * aside)
-    add_stretching(I, M, q, v, a, tension, rate)
-    balance(I, M, q, v, a, tension, second, t, short)
-    look_aside(I, M, q, v, a, jerk, second, t, aside, short)
-    for n in range(words):
-        second[n] = (before[n] - 2.0 * tension[n] + after[n]) / (aside * aside)
-    balance(I, M, q, v, a, tension, second, t, short)
+        solved_q[n] = q[n] + x[n]
+    change = abs(solved[2] - tension[2])
+    if not change < 1e300:
+        return -1.0, -1.0
+    allowed = tension_tolerance(M)
+    return change / allowed, inertia(I, M) * math.sqrt(M[S_AXIAL]) * speed / allowed
 
 
 @kernel
-def read_tension(I, M, dt, span, pull, swings):
-    """Tensions and accelerations of the state after a step of dt from its positions and velocities.
+def solve_at_end(I, M, dt):
+    """`solve_for_tension` at the trial after a step of dt: by how much the top tension changes."""
+    count = 2 * I[I_DIMENSION] * I[I_NODES]
+    words = 2 * I[I_NODES]
+    copy_words(I, region(I, SOLVED_A), I[O_TRIAL_A], count)
+    tension = view(M, I[O_TRIAL_T], words)
+    rate = view(M, region(I, STRAINED), words)
+    for n in range(words):
+        rate[n] = (tension[n] - M[I[O_TENSION] + n]) / dt
+    q = view(M, I[O_TRIAL_Q], count)
+    v = view(M, I[O_TRIAL_V], count)
+    change, _moving = solve_for_tension(I, M, M[S_TIME] + dt, SHORT * dt, q, v, tension)
+    for n in range(words):
+        solved = M[region(I, SOLVED_T) + n]
+        M[region(I, SOLVED_RATE) + n] = (solved - M[I[O_TENSION] + n]) / dt
+    return change
 
-    span, pull: as in `worth_reading`, swings: whether to `add_swing`. Nothing is taken over that
-    is anywhere much further from the step's tension than that at the top is wrong, nor where the
-    line rings along itself, nor of an anchored line that gives way by its stretch: one that is all
-    but taut cannot move without. The velocities are those of the state without what stretches the
-    line; the state keeps its own. What is far too quick for the step, as bending of short
-    elements, has to follow: the matrix is that of a step of SHORT span.
+
+@kernel
+def begins_smoothly(I, M):
+    """Whether the vessel's acceleration goes on as it was in the last step."""
+    dimension = I[I_DIMENSION]
+    vessel_motion(I, M, M[S_TIME])
+    out = view(M, I[O_MOTION] + 16, 9)
+    row = I[O_CONSTRAINT]
+    prescribed_motion(I, M, row, M[S_TIME], out)
+    at = I[O_ACCELERATION] + 2 * dimension * int(M[row + C_NODE])
+    changed = 0.0
+    for i in range(dimension):
+        changed += (out[2 * dimension + i] - M[at + i]) ** 2
+    return inertia(I, M) * math.sqrt(changed) <= SOLVED_FROM * tension_tolerance(M)
+
+
+@kernel
+def rings(I, M, dt):
+    """Whether the state rings along itself by more than is allowed, as a step of dt begins at
+    whose end tensions have been solved for: they tell the rate at which what rings not changes.
     """
     count = 2 * I[I_DIMENSION] * I[I_NODES]
     words = 2 * I[I_NODES]
+    tension = view(M, I[O_TENSION], words)
+    rate = view(M, region(I, STRAINED), words)
+    for n in range(words):
+        rate[n] = (M[region(I, SOLVED_T) + n] - tension[n]) / dt
+    copy_words(I, region(I, SOLVED_A), I[O_ACCELERATION], count)
     q = view(M, I[O_POSITION], count)
-    v = view(M, I[O_TRIAL_V], count)
-    a = view(M, I[O_TRIAL_A], count)
-    before = view(M, I[O_TENSION], words)
-    tension = view(M, I[O_TRIAL_T], words)
-    forces = view(M, I[O_RESIDUAL], count)
-    constraint = view(M, I[O_CONSTRAINT_RESIDUAL], words)
-    x = view(M, I[O_INCREMENT], count)
-    anchored = I[I_CONSTRAINTS] > 1
-    short = SHORT * span
-    aside = max(ASIDE * span, 1.0 / math.sqrt(M[S_AXIAL]))
-    if swings:
-        # What is far too quick for it would grow aside, by (aside / short)^2 / 2 at each look.
-        short = max(short, aside)
-    ca = 1.0 / (short * short)
-    t = M[S_TIME] + dt
-    copy_words(I, I[O_TRIAL_V], I[O_VELOCITY], count)
-    copy_words(I, I[O_TRIAL_A], I[O_ACCELERATION], count)
-    copy_words(I, I[O_TRIAL_T], I[O_TENSION], words)
-    stiffen(I, M, ca)
-    failed = factorise(I, M, q, v, a, before, ca, 0.0)
-    soften(I, M)
-    I[I_FACTORED] = 0
-    if failed != 0:
-        return
-    if I[I_PAYOUT] != 0:
-        residual(I, M, q, v, a, before, forces, constraint)
-    material_stretch_rate(I, M, v, constraint)
-    forces[:] = 0.0
-    newton_increment(I, M, forces, constraint, x)
-    for n in range(count):
-        v[n] += x[n]
-    still = view(M, I[O_STAGE_V], words)
-    still[:] = 0.0
-    balance(I, M, q, v, a, tension, still, t, short)
-    if swings:
-        before_it = tension[2]
-        add_swing(I, M, q, v, a, tension, t, aside, short)
-        added = abs(tension[2] - before_it)
-        if not added <= LARGEST_SWING * M[S_LARGEST_TENSION]:
-            return
-        if anchored and added > pull * tension_tolerance(M):
-            return
-    changed = 0.0
-    for node in range(1, I[I_NODES]):
-        if I[I[O_JOINT] + node] == 0:
-            changed = max(changed, abs(tension[2 * node] - before[2 * node]))
-    most, least = LARGEST_CHANGE
-    if anchored:
-        most, least = LARGEST_ANCHORED
-    if changed <= most * max(pull, least) * tension_tolerance(M):
-        copy_words(I, I[O_TENSION], I[O_TRIAL_T], words)
-        copy_words(I, I[O_ACCELERATION], I[O_TRIAL_A], count)
+    v = view(M, I[O_VELOCITY], count)
+    change, moving = solve_for_tension(I, M, M[S_TIME], SHORT * dt, q, v, tension)
+    return not (0.0 <= change and change <= 1.0 and moving <= 1.0)
+
+
+@kernel
+def take_solved(I, M):
+    """Make what was solved for the state: it does not ring."""
+    count = 2 * I[I_DIMENSION] * I[I_NODES]
+    copy_words(I, I[O_POSITION], region(I, SOLVED_Q), count)
+    copy_words(I, I[O_VELOCITY], region(I, SOLVED_V), count)
+    copy_words(I, I[O_ACCELERATION], region(I, SOLVED_A), count)
+    copy_words(I, I[O_TENSION], region(I, SOLVED_T), 2 * I[I_NODES])
+    copy_words(I, I[O_TENSION_RATE], region(I, SOLVED_RATE), 2 * I[I_NODES])
+    I[I_SETTLED] = 1
+    I[I_HISTORY] = 0  # the two-step scheme would differentiate what was solved for
+
+
+@kernel
+def bend_of_tension(I, M, dt):
+    """What the top tension changes by in a step of dt, or in the one before it, and twice what
+    that differs by: a bound of its second derivative times the square of dt [tolerances]."""
+    change = M[I[O_TRIAL_T] + 2] - M[I[O_TENSION] + 2]
+    before = dt * M[I[O_TENSION_RATE] + 2]
+    largest = max(0.25 * max(abs(change), abs(before)), 2.0 * abs(change - before))
+    return largest / tension_tolerance(M)
+
+
+@kernel
+def tension_error(I, M, dt, scheme, gamma_dt, error):
+    """Error of the top tension of a step from the state to the trial [tolerances], and what the
+    step does along the line: PASSES_OVER, FOLLOWS, or SOLVED, for which see `take_solved`.
+
+    error: of the positions, (nodes, 2, dimension) [m].
+    """
+    scatter = stage_scatter(M, scheme)
+    if scatter <= UNSEEN:
+        return scatter, PASSES_OVER
+    left, share = embedded_error(I, M, error, gamma_dt)
+    lasting = left * share * share / SHARE
+    forgotten = (1.0 - share * share) * scatter
+    unseen = bend_of_tension(I, M, dt) / (M[S_AXIAL] * dt * dt)
+    if share > STIFF or unseen > SOLVED_FROM:
+        return max(lasting, forgotten), FOLLOWS
+    settled = I[I_SETTLED] != 0 and begins_smoothly(I, M)
+    if (settled or forgotten > SOLVED_FROM) and lasting <= 1.0 and may_be_solved_for(I, M):
+        change = solve_at_end(I, M, dt)
+        if 0.0 <= change and change <= LARGEST_CHANGE * max(scatter, 0.5):
+            if settled:
+                return lasting, SOLVED
+            if not rings(I, M, dt):
+                solve_at_end(I, M, dt)
+                return lasting, SOLVED
+    return max(lasting, forgotten), PASSES_OVER

@@ -43,6 +43,7 @@ from .layout import (
     I_PIECE,
     I_REJECTED,
     I_RIGID,
+    I_SETTLED,
     I_SLEEP,
     I_STEPS,
     MODEL_HYBRID,
@@ -116,7 +117,7 @@ from .system import (
     set_time,
 )
 from .tables import GAMMA, STAGE_A, STAGE_C, STAGE_ERROR, STAGES
-from .tension import read_tension, stage_error, two_step_error, worth_reading
+from .tension import FOLLOWS, PASSES_OVER, SOLVED, take_solved, tension_error, two_step_error
 from .top_of_line import adapt_top, next_change
 from .two_step import accept_two_step, remember, try_two_step
 from .vessel_clamp import update_springs
@@ -243,7 +244,8 @@ def share_of_error(M, dt):
 def try_step(I, M, dt, scheme, to_output):
     """One ESDIRK step from the state to the trial.
 
-    Returns the status, and the errors of position and top tension over their tolerances.
+    Returns the status, the error of position or top tension over what is allowed, and what the
+    step does along the line (`tension_error`).
     """
     count = 2 * I[I_DIMENSION] * I[I_NODES]
     nodes = I[I_NODES]
@@ -289,7 +291,7 @@ def try_step(I, M, dt, scheme, to_output):
             I, M, stage_time, gamma_dt, tolerance, to_output and last, ratio
         )
         if status != OK:
-            return status, 0.0, 0.0
+            return status, 0.0, PASSES_OVER
         if not last:
             place_v, place_a = stage_words(I, i, stages)
             copy_words(I, place_v, I[O_TRIAL_V], count)
@@ -308,7 +310,11 @@ def try_step(I, M, dt, scheme, to_output):
             base_q[n] += weight * stage_v[n]
     error, where = increment_norm(I, M, base_q)
     I[I[O_FAILED]] = where
-    return OK, error / (tolerance * share_of_error(M, dt)), stage_error(M, scheme)
+    error /= tolerance * share_of_error(M, dt)
+    if not error <= 1.0:
+        return OK, error, PASSES_OVER
+    of_tension, along = tension_error(I, M, dt, scheme, gamma_dt, base_q)
+    return OK, max(error, of_tension), along
 
 
 @kernel
@@ -420,7 +426,6 @@ def advance_to(I, M, t_end):
     jolted = -1e300
     two_steps = False
     while M[S_TIME] < t_end:
-        last = M[S_LAST_STEP]
         # The mesh changes before a step: what is read after it is a state that a step has made.
         rests = I[I_SLEEP] != 0 and M[S_TIME] >= M[S_SLEEP_AFTER] and may_sleep(I, M)
         if (
@@ -436,7 +441,10 @@ def advance_to(I, M, t_end):
         stop = next_stop(I, M, t_end, natural)
         rate = M[S_PAYOUT_RATE]
         if I[I_PAYOUT] != 0:
+            slope = M[S_PAYOUT_SLOPE]
             stop = begin_payout(I, M, stop)
+            if M[S_PAYOUT_SLOPE] != slope:
+                I[I_SETTLED] = 0
             natural = longest_payout_step(I, M, natural)
         jump = abs(M[S_PAYOUT_RATE] - rate)  # a winch that stops dead at an end
         if jump * natural > M[S_TIME_TOLERANCE]:
@@ -451,8 +459,10 @@ def advance_to(I, M, t_end):
             landing = True
         elif dt > 0.5 * remaining:
             dt = 0.5 * remaining
-        # Steps that the caller limits need no high order: three stages instead of five.
-        scheme = 1 if I[I_ORDER] == 4 and dt > 0.25 * natural and M[S_ORDER_3] == 0.0 else 0
+        # Steps that the caller limits need no high order: three stages instead of five. But from
+        # those three nobody can tell the error of the tension of a line that is too stiff for them.
+        high = dt > 0.25 * natural or I[I_SETTLED] != 0
+        scheme = 1 if I[I_ORDER] == 4 and high and M[S_ORDER_3] == 0.0 else 0
         before = I[I_ITERATIONS]
         to_output = landing and stop == t_end
         if dt < 0.2 * M[S_LAST_STEP]:
@@ -466,10 +476,13 @@ def advance_to(I, M, t_end):
         unprojected = False
         status = OK
         error = 0.0
-        pull = 0.0
+        along = PASSES_OVER
         two_steps = to_output and dt <= 0.25 * natural and try_two_step(I, M, dt)
+        if two_steps:
+            of_tension, along = two_step_error(I, M, dt)
+            two_steps = of_tension <= 1.0
         if not two_steps:
-            status, error, pull = try_step(I, M, dt, scheme, to_output)
+            status, error, along = try_step(I, M, dt, scheme, to_output)
             if (
                 status == OK
                 and I[I_FLOOR] != 0
@@ -496,17 +509,13 @@ def advance_to(I, M, t_end):
             status = OK
         else:
             if two_steps:
-                pull = two_step_error(I, M, dt)
-            # After a long step a short one has that one's error, of which its stages see little.
-            span = max(dt, last)
-            pull *= span / dt
-            read = worth_reading(I, M, dt, span, pull) if to_output else 0
-            if two_steps:
                 accept_two_step(I, M, dt)
             else:
                 accept_trial(I, M, dt, scheme)
-            if read > 0:
-                read_tension(I, M, dt, span, pull, read == 2)
+            if along == SOLVED:
+                take_solved(I, M)
+            elif along == FOLLOWS:
+                I[I_SETTLED] = 0
             if I[I_PAYOUT] != 0:
                 paid = paid_since(M, dt)
                 M[S_TRAVEL] += paid

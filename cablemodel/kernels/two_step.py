@@ -28,6 +28,7 @@ from .layout import (
     I_TWO_STEP_REST,
     I_TWO_STEP_WAIT,
     O_ACCELERATION,
+    O_COMPLIANCE,
     O_CONSTRAINT_RESIDUAL,
     O_HISTORY,
     O_INCREMENT,
@@ -49,6 +50,7 @@ from .layout import (
     S_LARGEST_TENSION,
     S_LAST_STEP,
     S_PERIOD,
+    S_STAGE_TENSION,
     S_TENSION_SCALE,
     S_TIME,
     S_TIME_TOLERANCE,
@@ -162,6 +164,9 @@ def try_two_step(I, M, dt):
         newton_increment(I, M, forces, constraint, x)
         I[I_ITERATIONS] += 1
         size, _where = increment_norm(I, M, x)
+        if iteration == 0:
+            s = view(M, I[O_COMPLIANCE] + 3, 3)
+            M[S_STAGE_TENSION] = tension[2] + s[0] * constraint[2] + s[1] * constraint[3]
         moved += size
         if not 0.5 * moved <= LARGEST_ERROR * tolerance:
             return refuse(I)
