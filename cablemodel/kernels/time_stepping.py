@@ -9,6 +9,7 @@ step, is estimated from those of the stages.
 import math
 
 from .backup import keep_sleepers
+from .buckling import is_held, is_pressed, make_crooked
 from .clamp_layer import follow_layer
 from .compile import copy_words, inlined, kernel, view
 from .consistency import (
@@ -119,7 +120,7 @@ from .system import (
 from .tables import GAMMA, STAGE_A, STAGE_C, STAGE_ERROR, STAGES
 from .tension import FOLLOWS, PASSES_OVER, SOLVED, take_solved, tension_error, two_step_error
 from .top_of_line import adapt_top, next_change
-from .two_step import accept_two_step, remember, try_two_step
+from .two_step import accept_two_step, remember, try_two_step, two_step_gamma
 from .vessel_clamp import update_springs
 from .winch import begin_payout, longest_payout_step, paid_since
 
@@ -131,6 +132,7 @@ AT_ONCE = 0.02  # of the tolerance: what a stage's first iteration may leave, by
 UNSEEN = 1e-4  # tau down to which what that leaves is not seen
 BEST_RATIO = 0.003  # that is believed for the next stage
 UNSEEN_RATIO = 0.03  # the same where increments were so small that it says little
+UNSTABLE = 30.0  # error of a step that is too long for what grows: the next has 0.4 of it
 FOLDS_ITSELF = 1e-4  # sqrt(L/g): steps so short follow the motion into a fold, none is refused
 BENDING_ON, BENDING_OFF = 0.01, 0.005  # hybrid: (EI/T)/h^2 above which bending is kept
 BENDING_SEEN = 1e-5  # tau below which what leaving it out misplaces, EI/T times r'', would be seen
@@ -409,6 +411,19 @@ def update_bending(I, M):
             I[I_HISTORY] = 0
 
 
+@kernel
+def grows_unseen(I, M, gamma_dt):
+    """Whether something grows that is pressed aside in the trial, faster than its step follows."""
+    tension = view(M, I[O_TRIAL_T], 2 * I[I_NODES])
+    if gamma_dt < FOLDS_ITSELF * M[S_PERIOD] or not is_pressed(I, M, tension):
+        return False
+    count = 2 * I[I_DIMENSION] * I[I_NODES]
+    q = view(M, I[O_TRIAL_Q], count)
+    v = view(M, I[O_TRIAL_V], count)
+    a = view(M, I[O_TRIAL_A], count)
+    return refactor(I, M, q, v, a, tension, gamma_dt) != 0 or not is_held(I, M)
+
+
 @inlined
 def mesh_is_due(I, M):
     """Whether the mesh of a line without a floor may be looked at again."""
@@ -502,6 +517,11 @@ def advance_to(I, M, t_end):
                 if status != OK:
                     break
                 continue
+        if status == OK and error <= 1.0:
+            gamma_dt = two_step_gamma(M, dt) if two_steps else GAMMA[scheme] * dt
+            if grows_unseen(I, M, gamma_dt):
+                along = PASSES_OVER
+                error = UNSTABLE
         if status != OK or not error <= 1.0:
             if not shorten(I, M, dt, scheme, status, error):
                 status = NOT_CONVERGED
@@ -514,6 +534,8 @@ def advance_to(I, M, t_end):
                 accept_trial(I, M, dt, scheme)
             if along == SOLVED:
                 take_solved(I, M)
+            if is_pressed(I, M, view(M, I[O_TENSION], 2 * I[I_NODES])):
+                make_crooked(I, M, view(M, I[O_MOTION] + 16, 3))
             elif along == FOLLOWS:
                 I[I_SETTLED] = 0
             if I[I_PAYOUT] != 0:

@@ -132,7 +132,8 @@ def try_two_step(I, M, dt):
     x = view(M, I[O_INCREMENT], count)
 
     rho = dt / last
-    b0 = (1.0 + 2.0 * rho) / ((1.0 + rho) * dt)
+    gamma_dt = two_step_gamma(M, dt)
+    b0 = 1.0 / gamma_dt
     b1 = -(1.0 + rho) / dt
     b2 = rho * rho / ((1.0 + rho) * dt)
     half = 0.5 * dt * dt
@@ -144,7 +145,6 @@ def try_two_step(I, M, dt):
         tension[n] = t0[n] + dt * rate[n]
     set_time(I, M, M[S_TIME] + dt)
     impose_motion(I, M, M[S_TIME] + dt, q, v, a)
-    gamma_dt = 1.0 / b0
     I[I_FRESH] = 0
     change = M[S_FACTORED_STEP] / gamma_dt
     if I[I_FACTORED] == 0 or change < 0.87 or change > 1.15:
@@ -203,6 +203,13 @@ def try_two_step(I, M, dt):
                 return False
         previous = size
     return refuse(I)
+
+
+@kernel
+def two_step_gamma(M, dt):
+    """Of a two-step step of dt, what gamma dt is of a one-step step [s]."""
+    rho = dt / M[S_LAST_STEP]
+    return dt * (1.0 + rho) / (1.0 + 2.0 * rho)
 
 
 @kernel

@@ -1,0 +1,169 @@
+"""A line under pressure leaves the straight: no rope is a strut.
+
+A line that is exactly straight stays so in arithmetic, whatever presses it, where any real one is a
+little crooked and bends aside. And an implicit step much longer than the time in which that grows
+leads back to the straight, instead of away from it. So where an element is pressed by more than
+tensions may be wrong by, a step must be so short that nothing grows within it: the matrix of its
+stages, M / (gamma dt)^2 + C / (gamma dt) + K, has no negative pivot then (Sylvester's law of
+inertia, see cablemodel/stability.py). And what is pressed and straight is made crooked, by a part
+of what a step may err, in all waves that the mesh has: the fastest of them grows.
+
+A strut that is stiff enough, as a riser below its Euler load, has no negative pivot at any step.
+"""
+
+import math
+
+from .compile import kernel, view
+from .layout import (
+    C_CLAMPED,
+    C_NODE,
+    CONSTRAINT_WORDS,
+    E_COMPLIANCE,
+    E_LENGTH,
+    EDGE_WORDS,
+    EXACTLY,
+    I_CONSTRAINTS,
+    I_DIMENSION,
+    I_NODES,
+    I_RIGID,
+    JOINT_HINGE,
+    O_CONSTRAINT,
+    O_DIAGONAL,
+    O_EDGE,
+    O_GAUSS,
+    O_JOINT,
+    O_PARENT,
+    O_POSITION,
+    O_TENSION,
+    S_LARGEST_TENSION,
+    S_LENGTH,
+    S_TENSION_SCALE,
+    S_TOLERANCE,
+)
+
+TURN = 2.399963229728653  # golden angle: its multiples hold all waves of the mesh [rad]
+
+
+@kernel
+def pressure_seen(M):
+    """Pressure that counts [N]: what tensions may be wrong by."""
+    return 10.0 * M[S_TOLERANCE] * max(M[S_LARGEST_TENSION], M[S_TENSION_SCALE])
+
+
+@kernel
+def is_pressed(I, M, tension):
+    """Whether an element is pressed by more than tensions, (nodes, 2), may be wrong by."""
+    least = -pressure_seen(M)
+    for node in range(1, I[I_NODES]):
+        if tension[2 * node] < least and I[I[O_JOINT] + node] == 0:
+            return True
+    return False
+
+
+@kernel
+def is_held(I, M):
+    """Whether the matrix that is factored has no negative pivot."""
+    size = 2 * I[I_DIMENSION]
+    work = view(M, I[O_GAUSS] + 80, size * size)
+    for node in range(I[I_NODES]):
+        D = view(M, I[O_DIAGONAL] + size * size * node, size * size)
+        hinge = I[I[O_JOINT] + node] == JOINT_HINGE
+        if hinge or I[I_RIGID] > 0:
+            for k in range(size // 2 if hinge else 0, size):
+                if D[size * k + k] <= 0.0:
+                    return False
+            continue
+        # The inverse of the node's block is kept: it has as many negative pivots.
+        for i in range(size):
+            for j in range(size):
+                work[size * i + j] = 0.5 * (D[size * i + j] + D[size * j + i])
+        for k in range(size):
+            pivot = work[size * k + k]
+            if pivot <= 0.0:
+                return False
+            for i in range(k + 1, size):
+                factor = work[size * i + k] / pivot
+                for j in range(k + 1, size):
+                    work[size * i + j] -= factor * work[size * k + j]
+    return True
+
+
+@kernel
+def across(I, M, node, w):
+    """A horizontal unit vector across the line at a node, or the one nearest to it, into w."""
+    dimension = I[I_DIMENSION]
+    slope = view(M, I[O_POSITION] + (2 * node + 1) * dimension, dimension)
+    square = 0.0
+    for i in range(dimension):
+        square += slope[i] * slope[i]
+    if dimension == 2:
+        w[0] = -slope[1] / math.sqrt(square)
+        w[1] = slope[0] / math.sqrt(square)
+        return
+    # The first axis without its part along the line, or the second one where that is short.
+    first = 0 if slope[0] * slope[0] < 0.5 * square else 1
+    along = slope[first] / square
+    length = 0.0
+    for i in range(3):
+        w[i] = (1.0 if i == first else 0.0) - along * slope[i]
+        length += w[i] * w[i]
+    for i in range(3):
+        w[i] /= math.sqrt(length)
+
+
+@kernel
+def crookedness(M, edge, least):
+    """By how much the slopes of an element are turned that is straight [rad]: no more than what
+    positions may be wrong by, nor than what changes its tension by as much as that may be wrong."""
+    place = M[S_TOLERANCE] * M[S_LENGTH] / M[edge + E_LENGTH]
+    return min(place, math.sqrt(-least * M[edge + E_COMPLIANCE]))
+
+
+@kernel
+def turned(I, M, node):
+    """By how much the slopes of the element above a node are off its chord, at most [rad]."""
+    dimension = I[I_DIMENSION]
+    h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
+    q0 = I[O_POSITION] + 2 * dimension * I[I[O_PARENT] + node]
+    q1 = I[O_POSITION] + 2 * dimension * node
+    above = 0.0
+    below = 0.0
+    for i in range(dimension):
+        chord = (M[q1 + i] - M[q0 + i]) / h
+        above += (M[q0 + dimension + i] - chord) ** 2
+        below += (M[q1 + dimension + i] - chord) ** 2
+    return math.sqrt(max(above, below))
+
+
+@kernel
+def make_crooked(I, M, w):
+    """Turn the slopes at the ends of elements of the state that are pressed and straight.
+
+    w: 3 words.
+    """
+    dimension = I[I_DIMENSION]
+    least = -pressure_seen(M)
+    for node in range(1, I[I_NODES]):
+        if I[I[O_JOINT] + node] != 0 or M[I[O_TENSION] + 2 * node] >= least:
+            continue
+        angle = crookedness(M, I[O_EDGE] + node * EDGE_WORDS, least)
+        if turned(I, M, node) >= angle:
+            continue
+        across(I, M, node, w)
+        for end in range(2):
+            at = node if end == 1 else I[I[O_PARENT] + node]
+            if is_prescribed(I, M, at):
+                continue
+            slope = view(M, I[O_POSITION] + (2 * at + 1) * dimension, dimension)
+            for i in range(dimension):
+                slope[i] += angle * math.cos(TURN * at) * w[i]
+
+
+@kernel
+def is_prescribed(I, M, node):
+    """Whether a node's place is given, and its slope with it."""
+    for n in range(I[I_CONSTRAINTS]):
+        row = I[O_CONSTRAINT] + n * CONSTRAINT_WORDS
+        if int(M[row + C_NODE]) == node and M[row + C_CLAMPED] == EXACTLY:
+            return True
+    return False
