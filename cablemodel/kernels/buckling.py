@@ -2,11 +2,12 @@
 
 A line that is exactly straight stays so in arithmetic, whatever presses it, where any real one is a
 little crooked and bends aside. And an implicit step much longer than the time in which that grows
-leads back to the straight, instead of away from it. So where an element is pressed by more than
-tensions may be wrong by, a step must be so short that nothing grows within it: the matrix of its
-stages, M / (gamma dt)^2 + C / (gamma dt) + K, has no negative pivot then (Sylvester's law of
-inertia, see cablemodel/stability.py). And what is pressed and straight is made crooked, by a part
-of what a step may err, in all waves that the mesh has: the fastest of them grows.
+leads back to the straight, instead of away from it. So where an element that hangs free is pressed
+by more than tensions may be wrong by, a step must be so short that nothing grows within it: the
+matrix of its stages, M / (gamma dt)^2 + C / (gamma dt) + K, has no negative pivot then (Sylvester's
+law of inertia, see cablemodel/stability.py). And what is pressed and straight is made crooked, by a
+part of what positions and tensions may be wrong by, in all waves that the mesh has: the fastest of
+them grows.
 
 A strut that is stiff enough, as a riser below its Euler load, has no negative pivot at any step.
 """
@@ -14,6 +15,7 @@ A strut that is stiff enough, as a riser below its Euler load, has no negative p
 import math
 
 from .compile import kernel, view
+from .floor_surface import gap_at
 from .layout import (
     C_CLAMPED,
     C_NODE,
@@ -24,22 +26,30 @@ from .layout import (
     EXACTLY,
     I_CONSTRAINTS,
     I_DIMENSION,
+    I_FACTORED,
+    I_FLOOR,
     I_NODES,
     I_RIGID,
     JOINT_HINGE,
+    O_ACCELERATION,
     O_CONSTRAINT,
     O_DIAGONAL,
     O_EDGE,
     O_GAUSS,
     O_JOINT,
+    O_MOTION,
     O_PARENT,
     O_POSITION,
     O_TENSION,
+    O_VELOCITY,
+    S_FLOOR_DEPTH,
     S_LARGEST_TENSION,
     S_LENGTH,
+    S_PERIOD,
     S_TENSION_SCALE,
     S_TOLERANCE,
 )
+from .newton import refactor
 
 TURN = 2.399963229728653  # golden angle: its multiples hold all waves of the mesh [rad]
 
@@ -51,11 +61,32 @@ def pressure_seen(M):
 
 
 @kernel
-def is_pressed(I, M, tension):
-    """Whether an element is pressed by more than tensions, (nodes, 2), may be wrong by."""
-    least = -pressure_seen(M)
+def near_floor(I, M, node, q, w):
+    """Whether a node is so near to the floor that it may bear on it. w: 3 words."""
+    return gap_at(I, M, view(q, 2 * I[I_DIMENSION] * node, I[I_DIMENSION]), w) < M[S_FLOOR_DEPTH]
+
+
+@kernel
+def is_pressed(I, M, node, q, tension, least, w):
+    """Whether the element above a node is pressed by more than `least` [N], and hangs free.
+
+    q: (nodes, 2, dimension), tension: (nodes, 2). What lies on the floor is held by it.
+    """
+    if I[I[O_JOINT] + node] != 0 or tension[2 * node] >= -least:
+        return False
+    if I[I_FLOOR] == 0:
+        return True
+    parent = I[I[O_PARENT] + node]
+    return not (near_floor(I, M, node, q, w) or near_floor(I, M, parent, q, w))
+
+
+@kernel
+def any_pressed(I, M, q, tension):
+    """Whether `is_pressed` by more than tensions may be wrong by."""
+    least = pressure_seen(M)
+    w = view(M, I[O_MOTION] + 16, 3)
     for node in range(1, I[I_NODES]):
-        if tension[2 * node] < least and I[I[O_JOINT] + node] == 0:
+        if is_pressed(I, M, node, q, tension, least, w):
             return True
     return False
 
@@ -114,9 +145,9 @@ def across(I, M, node, w):
 @kernel
 def crookedness(M, edge, least):
     """By how much the slopes of an element are turned that is straight [rad]: no more than what
-    positions may be wrong by, nor than what changes its tension by as much as that may be wrong."""
+    positions may be wrong by, nor than what changes its tension by `least` [N]."""
     place = M[S_TOLERANCE] * M[S_LENGTH] / M[edge + E_LENGTH]
-    return min(place, math.sqrt(-least * M[edge + E_COMPLIANCE]))
+    return min(place, math.sqrt(least * M[edge + E_COMPLIANCE]))
 
 
 @kernel
@@ -136,19 +167,40 @@ def turned(I, M, node):
 
 
 @kernel
-def make_crooked(I, M, w):
-    """Turn the slopes at the ends of elements of the state that are pressed and straight.
+def is_strut(I, M, node, q, tension, least, w):
+    """Whether the element above a node `is_pressed` and straight."""
+    if not is_pressed(I, M, node, q, tension, least, w):
+        return False
+    return turned(I, M, node) < crookedness(M, I[O_EDGE] + node * EDGE_WORDS, least)
 
-    w: 3 words.
-    """
+
+@kernel
+def make_crooked(I, M):
+    """Turn the slopes at the ends of elements of the state that are pressed and straight, where
+    a line so pressed does not stay."""
     dimension = I[I_DIMENSION]
-    least = -pressure_seen(M)
+    count = 2 * dimension * I[I_NODES]
+    least = pressure_seen(M)
+    w = view(M, I[O_MOTION] + 16, 3)
+    q = view(M, I[O_POSITION], count)
+    tension = view(M, I[O_TENSION], 2 * I[I_NODES])
+    first = 0
     for node in range(1, I[I_NODES]):
-        if I[I[O_JOINT] + node] != 0 or M[I[O_TENSION] + 2 * node] >= least:
+        if is_strut(I, M, node, q, tension, least, w):
+            first = node
+            break
+    if first == 0:
+        return
+    v = view(M, I[O_VELOCITY], count)
+    a = view(M, I[O_ACCELERATION], count)
+    stays = refactor(I, M, q, v, a, tension, M[S_PERIOD]) == 0 and is_held(I, M)
+    I[I_FACTORED] = 0
+    if stays:
+        return
+    for node in range(first, I[I_NODES]):
+        if not is_strut(I, M, node, q, tension, least, w):
             continue
         angle = crookedness(M, I[O_EDGE] + node * EDGE_WORDS, least)
-        if turned(I, M, node) >= angle:
-            continue
         across(I, M, node, w)
         for end in range(2):
             at = node if end == 1 else I[I[O_PARENT] + node]

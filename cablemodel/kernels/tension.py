@@ -85,6 +85,7 @@ SHARE = 0.045  # of that: what a step may add to an error that lasts, as of posi
 SHARE_OF_LIMITED = 0.03  # the same where the caller makes steps short
 UNSEEN = 0.05  # of that: scatter of the stages below which nothing is looked at
 SOLVED_FROM = 0.25  # of that: scatter of what is forgotten from which on tensions are solved for
+NOTHING = 0.01  # of the scatter: an embedded error that explains none of it
 STIFF = 0.2  # part of the embedded error that lasts, from which on a step follows what rings
 LARGEST_CHANGE = 20.0  # of the scatter: what solving may change
 SHORT = 0.1  # of the step: that of the matrix with which the tension is solved for
@@ -159,14 +160,16 @@ def filter_motion(I, M, motion, gamma_dt):
 
 
 @outlined
-def embedded_error(I, M, error, gamma_dt):
+def embedded_error(I, M, error, gamma_dt, scatter):
     """Error of the top tension by the embedded solution [tolerances], and its part that lasts.
 
-    error: of the positions, (nodes, 2, dimension) [m]; it is overwritten.
+    error: of the positions, (nodes, 2, dimension) [m]; it is overwritten. scatter: beside which an
+    error is none that is much smaller [tolerances].
     """
-    left = filter_motion(I, M, error, gamma_dt)
-    again = filter_motion(I, M, error, gamma_dt)
-    return left / tension_tolerance(M), again / left if left > again else 1.0
+    allowed = tension_tolerance(M)
+    left = filter_motion(I, M, error, gamma_dt) / allowed
+    again = filter_motion(I, M, error, gamma_dt) / allowed
+    return left, min(1.0, again / max(left, NOTHING * scatter))
 
 
 @kernel
@@ -432,7 +435,7 @@ def tension_error(I, M, dt, scheme, gamma_dt, error):
     scatter = stage_scatter(M, scheme)
     if scatter <= UNSEEN:
         return scatter, PASSES_OVER
-    left, share = embedded_error(I, M, error, gamma_dt)
+    left, share = embedded_error(I, M, error, gamma_dt, scatter)
     lasting = left * share * share / SHARE
     forgotten = (1.0 - share * share) * scatter
     unseen = bend_of_tension(I, M, dt) / (M[S_AXIAL] * dt * dt)

@@ -9,7 +9,7 @@ step, is estimated from those of the stages.
 import math
 
 from .backup import keep_sleepers
-from .buckling import is_held, is_pressed, make_crooked
+from .buckling import any_pressed, is_held, make_crooked
 from .clamp_layer import follow_layer
 from .compile import copy_words, inlined, kernel, view
 from .consistency import (
@@ -414,11 +414,11 @@ def update_bending(I, M):
 @kernel
 def grows_unseen(I, M, gamma_dt):
     """Whether something grows that is pressed aside in the trial, faster than its step follows."""
-    tension = view(M, I[O_TRIAL_T], 2 * I[I_NODES])
-    if gamma_dt < FOLDS_ITSELF * M[S_PERIOD] or not is_pressed(I, M, tension):
-        return False
     count = 2 * I[I_DIMENSION] * I[I_NODES]
     q = view(M, I[O_TRIAL_Q], count)
+    tension = view(M, I[O_TRIAL_T], 2 * I[I_NODES])
+    if gamma_dt < FOLDS_ITSELF * M[S_PERIOD] or not any_pressed(I, M, q, tension):
+        return False
     v = view(M, I[O_TRIAL_V], count)
     a = view(M, I[O_TRIAL_A], count)
     return refactor(I, M, q, v, a, tension, gamma_dt) != 0 or not is_held(I, M)
@@ -534,10 +534,9 @@ def advance_to(I, M, t_end):
                 accept_trial(I, M, dt, scheme)
             if along == SOLVED:
                 take_solved(I, M)
-            if is_pressed(I, M, view(M, I[O_TENSION], 2 * I[I_NODES])):
-                make_crooked(I, M, view(M, I[O_MOTION] + 16, 3))
             elif along == FOLLOWS:
                 I[I_SETTLED] = 0
+            make_crooked(I, M)
             if I[I_PAYOUT] != 0:
                 paid = paid_since(M, dt)
                 M[S_TRAVEL] += paid
