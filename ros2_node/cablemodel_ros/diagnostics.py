@@ -74,6 +74,9 @@ class Diagnostics:
         slipped = self._new("slipped", pacer.slipped)
         if slipped:
             status.add(WARN, f"simulated time slipped by {slipped:.3g} s: too slow for this rate")
+        if self._new("clock steps", session.timebase.clock_steps):
+            status.add(WARN, f"the system's clock was set by {session.timebase.clock_step:+.3g} s: "
+                             "stamps follow it")  # fmt: skip
         shed = self._new("shed", session.shed)
         if shed:
             status.add(WARN, f"{shed:g} publications left out to keep up")
@@ -145,8 +148,13 @@ class Diagnostics:
         recorder = self._session.recorder
         assert recorder is not None
         status = Status("log")
+        failed = self._new("log failures", recorder.failures)
         if recorder.error:
-            status.add(ERROR, f"nothing is logged any more: {recorder.error}")
+            status.add(ERROR, f"nothing is logged: {recorder.error}; it is tried again")
+        elif failed:
+            status.add(WARN, "nothing was logged for a while: a new file begins after the gap")
+        if recorder.problem:
+            status.add(WARN, recorder.problem)
         if self._new("dropped", recorder.dropped):
             status.add(WARN, "outputs were left out: the disk is too slow")
         if self._new("gaps", recorder.gaps):

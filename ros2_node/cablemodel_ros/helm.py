@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel_ros.commands import Commands
+from cablemodel_ros.commands import Commands, Odometry, PayoutRate, Twist
 from cablemodel_ros.frames import heading_rotation
 from cablemodel_ros.limits import Motion, follow_position, follow_rate, follow_velocity
 from cablemodel_ros.settings import Settings
+from cablemodel_ros.times import Moment
 
 Floats = NDArray[np.float64]
 
@@ -83,8 +84,8 @@ class Helm:
         """Whether pay-out follows commands (else the scene's schedule)."""
         return self._settings.payout_input == "command"
 
-    def inputs(self, now: float, dt: float, present: Present) -> Applied:
-        """Inputs of a step of dt [s] that ends at `now` [s] on the ROS clock."""
+    def inputs(self, now: Moment, dt: float, present: Present) -> Applied:
+        """Inputs of a step of dt [s] that ends at `now`."""
         latest = self._commands.latest()
         motion: Motion | None = None
         if self._settings.vessel_input == "cmd_vel":
@@ -113,18 +114,20 @@ class Helm:
             return Applied(None, None, rate)
         return Applied(motion.velocity, motion.position, rate)
 
-    def _fresh(self, topic: str, now: float, command: object) -> bool:
+    def _fresh(
+        self, topic: str, now: Moment, command: Twist | Odometry | PayoutRate | None
+    ) -> bool:
         """Whether a command is in force; keeps the set of stale ones."""
         if command is None:
             return False
         self._seen.add(topic)
-        if now - command.time <= self._settings.command_timeout:  # type: ignore[attr-defined]
+        if now - command.given <= self._settings.command_timeout:
             self.stale.discard(topic)
             return True
         self.stale.add(topic)
         return False
 
-    def _by_twist(self, now: float, dt: float, present: Present) -> Motion:
+    def _by_twist(self, now: Moment, dt: float, present: Present) -> Motion:
         s = self._settings
         twist = self._commands.latest().twist
         target = np.zeros(3)
@@ -138,7 +141,7 @@ class Helm:
             target = linear + np.cross([0.0, 0.0, turn_rate], arm)
         return follow_velocity(present.velocity, target, dt, s.limits_speed, s.limits_acceleration)
 
-    def _by_odometry(self, now: float, dt: float, present: Present) -> Motion:
+    def _by_odometry(self, now: Moment, dt: float, present: Present) -> Motion:
         s = self._settings
         sample = self._commands.latest().odometry
         if not self._fresh("odom", now, sample):
@@ -147,7 +150,7 @@ class Helm:
             )
         assert sample is not None
         self.rotation = sample.rotation
-        target = sample.position + sample.velocity * (now - sample.time)
+        target = sample.position + sample.velocity * (now - sample.measured)
         distance = float(np.linalg.norm(target - present.position))
         if distance > s.limits_position_jump:
             self.last_refusal = self._commands.refuse_odometry_jump(distance)

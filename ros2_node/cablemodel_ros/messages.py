@@ -12,12 +12,14 @@ from nav_msgs.msg import Odometry
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
+from std_msgs.msg import Header
 
 from cablemodel_ros.diagnostics import Status
 from cablemodel_ros.frames import quaternion_of
 from cablemodel_ros.interface import Quality
 from cablemodel_ros.session import Session
 from cablemodel_ros.settings import Parameter
+from cablemodel_ros.times import Stamp
 
 Vector = tuple[float, float, float]
 
@@ -65,25 +67,26 @@ def descriptor(parameter: Parameter) -> ParameterDescriptor:
     return made
 
 
-def nanoseconds(time: Time) -> int:
-    """[ns]."""
-    return int(time.sec * 1_000_000_000 + time.nanosec)
+def stamp_of(time: Time) -> Stamp:
+    """ROS time of a message's."""
+    return Stamp(int(time.sec * 1_000_000_000 + time.nanosec))
 
 
-def seconds(time: Time) -> float:
-    """[s]."""
-    return float(1e-9 * nanoseconds(time))
+def given_stamp(header: Header) -> Stamp | None:
+    """Stamp of a header; None where it is zero, which is how a message is not stamped."""
+    stamp = stamp_of(header.stamp)
+    return stamp if stamp.ns else None
 
 
-def stamp_of(stamp: int) -> Time:
-    """A message's time, of nanoseconds."""
-    whole, rest = divmod(stamp, 1_000_000_000)
+def message_time(stamp: Stamp) -> Time:
+    """A message's time, of ROS time."""
+    whole, rest = divmod(stamp.ns, 1_000_000_000)
     return Time(sec=whole, nanosec=rest)
 
 
-def clock(stamp: int) -> Clock:
+def clock(stamp: Stamp) -> Clock:
     """A message of /clock."""
-    return Clock(clock=stamp_of(stamp))
+    return Clock(clock=message_time(stamp))
 
 
 def twist_vectors(twist: Twist) -> tuple[Vector, Vector]:
@@ -93,11 +96,11 @@ def twist_vectors(twist: Twist) -> tuple[Vector, Vector]:
 
 
 def odometry_arguments(message: Odometry) -> tuple[Any, ...]:
-    """Arguments of `Commands.take_odometry` behind `now`."""
+    """Arguments of `Commands.take_odometry`."""
     pose = message.pose.pose
     place, turn = pose.position, pose.orientation
     return (
-        seconds(message.header.stamp),
+        given_stamp(message.header),
         message.header.frame_id,
         message.child_frame_id,
         (place.x, place.y, place.z),
@@ -123,14 +126,14 @@ def diagnostics(statuses: list[Status], node: str, stamp: Time) -> DiagnosticArr
     return array
 
 
-def vessel_transform(session: Session, stamp: int) -> Any:
+def vessel_transform(session: Session, stamp: Stamp) -> Any:
     """A message of /tf: the vessel's frame in the map."""
     kind = message_class("tf2_msgs/msg/TFMessage")
     turn = session.helm.rotation
     arm = turn @ session.settings.tow_point
     place = session.model.vessel_position - arm
     made = TransformStamped()
-    made.header.stamp, made.header.frame_id = stamp_of(stamp), "map"
+    made.header.stamp, made.header.frame_id = message_time(stamp), "map"
     made.child_frame_id = session.settings.vessel_frame
     translation, rotation = made.transform.translation, made.transform.rotation
     translation.x, translation.y, translation.z = place.tolist()

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 import rclpy
-from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import Odometry
@@ -34,8 +33,10 @@ from cablemodel_ros import interface, messages
 from cablemodel_ros.control import ControlLoop, ForeignClock
 from cablemodel_ros.diagnostics import ERROR, Diagnostics, Status
 from cablemodel_ros.markers import Picture, markers
-from cablemodel_ros.session import Cycle, Session
+from cablemodel_ros.session import Cycle, Names, Session
 from cablemodel_ros.settings import BY_NAME, PARAMETERS, Settings, SettingsError
+from cablemodel_ros.timebase import Followed, Published, RealTime, Timebase
+from cablemodel_ros.times import Stamp
 
 SUCCESS = TransitionCallbackReturn.SUCCESS
 FAILURE = TransitionCallbackReturn.FAILURE
@@ -59,7 +60,6 @@ class CableNode(LifecycleNode):
         self._publishers_by_topic: dict[str, Any] = {}
         self._entities: list[Callable[[], Any]] = []
         self._steady = RclpyClock(clock_type=ClockType.STEADY_TIME)
-        self._last_stamp = 0
         self._failure = ""
         for parameter in PARAMETERS:
             default = list(p) if isinstance(p := parameter.default, tuple) else p
@@ -109,7 +109,9 @@ class CableNode(LifecycleNode):
                     "use_sim_time follows a foreign /clock; then real_time_factor must be 1 and "
                     "publish_clock false"
                 )
-            self._session = Session(settings)
+            self._foreign = ForeignClock() if follows else None
+            names = Names(self.get_fully_qualified_name(), self.resolve_topic_name)
+            self._session = Session(settings, self._timebase(settings), names)
             self._connect(settings, follows)
         except (CableModelError, SettingsError, OSError) as error:
             self._report(f"cannot configure: {error}")
@@ -132,7 +134,6 @@ class CableNode(LifecycleNode):
         assert self._loop is not None
         super().on_activate(state)
         self._failure = ""
-        self._last_stamp = self._session.stamp()
         summary = json.dumps(self._session.summary())
         self._publishers_by_topic["~/scene"].publish(String(data=summary))
         self._loop.start()
@@ -172,6 +173,13 @@ class CableNode(LifecycleNode):
             response.success = False
             return response
 
+    def _timebase(self, settings: Settings) -> Timebase:
+        if self._foreign is not None:
+            return Followed(self._foreign.now)
+        if settings.publishes_clock:
+            return Published()
+        return RealTime(lambda: Stamp(self.get_clock().now().nanoseconds))
+
     # -- connections ----------------------------------------------------------------------------
 
     def _connect(self, settings: Settings, follows: bool) -> None:
@@ -190,14 +198,12 @@ class CableNode(LifecycleNode):
             publisher = self.create_lifecycle_publisher(kind, topic.name, quality)
             self._publishers_by_topic[topic.name] = publisher
             self._entities.append(partial(self.destroy_lifecycle_publisher, publisher))
-        self._foreign = ForeignClock() if follows else None
         self._loop = ControlLoop(
             session,
             self._lock,
             self._publish,
             self._on_failure,
             clock=self._foreign,
-            ros_now=lambda: self.get_clock().now().nanoseconds,
         )
         self._diagnostics = Diagnostics(session, self._loop)
         self._failed = self.create_guard_condition(self._fail)
@@ -250,7 +256,6 @@ class CableNode(LifecycleNode):
 
     def _publish(self, cycle: Cycle) -> None:
         """Called by the control thread after every step."""
-        self._last_stamp = cycle.stamp
         publishers = self._publishers_by_topic
         clock = publishers.get("/clock")
         if clock is not None:
@@ -284,17 +289,9 @@ class CableNode(LifecycleNode):
         with self._lock:
             picture = Picture.of(self._session.model, self._session.settings.stations)
             stamp = self._session.stamp()
-        seconds, nanoseconds = divmod(stamp, 1_000_000_000)
-        publisher.publish(markers(picture, Time(sec=seconds, nanosec=nanoseconds)))
+        publisher.publish(markers(picture, messages.message_time(stamp)))
 
     # -- in -------------------------------------------------------------------------------------
-
-    def _now(self) -> float:
-        """ROS time [s] that commands are measured by."""
-        session = self._session
-        if session is not None and session.settings.publishes_clock:
-            return 1e-9 * self._last_stamp
-        return float(1e-9 * self.get_clock().now().nanoseconds)
 
     def _tell(self, refusal: str) -> None:
         if refusal:
@@ -303,28 +300,28 @@ class CableNode(LifecycleNode):
     def _on_odometry(self, message: Odometry) -> None:
         if self._session is not None:
             arguments = messages.odometry_arguments(message)
-            self._tell(self._session.commands.take_odometry(self._now(), *arguments))
+            self._tell(self._session.commands.take_odometry(*arguments))
 
     def _on_twist_stamped(self, message: TwistStamped) -> None:
         if self._session is not None:
-            stamp = messages.seconds(message.header.stamp)
+            stamp = messages.given_stamp(message.header)
             vectors = messages.twist_vectors(message.twist)
             frame = message.header.frame_id
-            self._tell(self._session.commands.take_twist(self._now(), stamp, frame, *vectors))
+            self._tell(self._session.commands.take_twist(stamp, frame, *vectors))
 
     def _on_twist(self, message: Twist) -> None:
         if self._session is not None:
             frame = self._session.settings.vessel_frame
             vectors = messages.twist_vectors(message)
-            self._tell(self._session.commands.take_twist(self._now(), 0.0, frame, *vectors))
+            self._tell(self._session.commands.take_twist(None, frame, *vectors))
 
     def _on_payout_rate(self, message: Float64) -> None:
         if self._session is not None:
-            self._tell(self._session.commands.take_payout_rate(self._now(), message.data))
+            self._tell(self._session.commands.take_payout_rate(message.data))
 
     def _on_clock(self, message: Clock) -> None:
         if self._foreign is not None:
-            self._foreign.set(messages.nanoseconds(message.clock))
+            self._foreign.set(messages.stamp_of(message.clock))
 
     def _on_reset(self, request: Any, response: Any) -> Any:
         if self._loop is None:

@@ -16,6 +16,7 @@ from cablemodel.log.messages import Messages, typestore
 from cablemodel.log.writer import encode_outputs
 from cablemodel.states import applied_values
 from cablemodel_ros.helm import Applied
+from cablemodel_ros.times import Stamp
 
 if TYPE_CHECKING:
     from cablemodel import CableModel, Scene
@@ -51,7 +52,7 @@ class Sampler:
         self._twist = _twist()
 
     def step(
-        self, model: CableModel, step: float, applied: Applied, stamp: int
+        self, model: CableModel, step: float, applied: Applied, stamp: Stamp
     ) -> tuple[Message, list[Message]]:
         """What a step applied: the exact record, and what controllers read.
 
@@ -66,7 +67,7 @@ class Sampler:
             values[_VELOCITY] = applied.velocity
         if applied.payout_rate is not None:
             values[_PAYOUT] = applied.payout_rate
-        seconds, nanoseconds = divmod(stamp, 1_000_000_000)
+        seconds, nanoseconds = divmod(stamp.ns, 1_000_000_000)
         position, velocity = values[_POSITION].tolist(), values[_VELOCITY].tolist()
         odometry, twist = self._odometry, self._twist
         _STAMP.pack_into(odometry, 4, seconds, nanoseconds)
@@ -78,17 +79,17 @@ class Sampler:
         record = (variables.APPLIED_INPUTS_TOPIC, self._messages.applied_inputs(values))
         return record, [(APPLIED_ODOMETRY, bytes(odometry)), (APPLIED_TWIST, bytes(twist))]
 
-    def outputs(self, model: CableModel, stamp: int) -> list[Message]:
+    def outputs(self, model: CableModel, stamp: Stamp) -> list[Message]:
         """All outputs of the table; ``~/nodes`` at the stations."""
         state = model.sample(self._fractions * model.line_length)
-        return encode_outputs(self._messages, self.topics, stamp, model, state)
+        return encode_outputs(self._messages, self.topics, stamp.ns, model, state)
 
-    def record(self, model: CableModel, stamp: int) -> list[Message]:
+    def record(self, model: CableModel, stamp: Stamp) -> list[Message]:
         """All outputs with ``~/nodes`` at the model's own nodes, and the exact state: what
         ``cablemodel run`` logs at an output time."""
         state = model.state()
         exact = (variables.STATE_TOPIC, self._messages.state(model.time, state))
-        return [*encode_outputs(self._messages, self.topics, stamp, model, state), exact]
+        return [*encode_outputs(self._messages, self.topics, stamp.ns, model, state), exact]
 
 
 def topics(scene: Scene) -> tuple[str, ...]:

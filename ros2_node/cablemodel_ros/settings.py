@@ -137,7 +137,7 @@ PARAMETERS: tuple[Parameter, ...] = (
               "Broadcast the transform from map to the vessel frame (needs tf2_msgs)."),
     Parameter("log.folder", "", "Folder of the MCAP logs; empty: no log."),
     Parameter("log.max_size", 256.0, "Size at which the next file is begun.", "MB", 0.1, 1.0e5),
-    Parameter("log.max_files", 8, "Files cable_*.mcap that stay in the folder; older ones go.", "",
+    Parameter("log.max_files", 8, "Files of this node's that stay; older ones go.", "",
               1, 100000),
     Parameter("autostart", False, "Configure and activate at start-up, without being told.",
               change="never"),

@@ -9,13 +9,13 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import Float64
 
 from .conftest import NodeProcess, Talker, wait_until
+from .helmsman import Helmsman, Watch
 
 Start = Callable[..., NodeProcess]
 
@@ -24,77 +24,6 @@ def cloud_of(message: PointCloud2) -> np.ndarray:
     """Points (n, 6): x, y, z, tension, curvature, s."""
     assert [field.name for field in message.fields] == ["x", "y", "z", "tension", "curvature", "s"]
     return np.frombuffer(bytes(message.data), "<f4").reshape(message.width, 6)
-
-
-class Helmsman:
-    """Commands the vessel and the winch, until told otherwise."""
-
-    def __init__(self, talker: Talker, frame: str = "map") -> None:
-        self.talker, self.frame = talker, frame
-        self.velocity = [0.0, 0.0, 0.0]
-        self.turn_rate = 0.0
-        self.rate: float | None = None
-        self._twist = talker.node.create_publisher(TwistStamped, "cmd_vel", 1)
-        self._winch = talker.node.create_publisher(Float64, "/cable/payout_rate_cmd", 1)
-        self._end: Callable[[], None] | None = None
-        self.start()
-
-    def start(self) -> None:
-        self._end = self.talker.repeat(50.0, self.send)
-
-    def stop(self) -> None:
-        assert self._end is not None
-        self._end()
-
-    def send(self) -> None:
-        message = TwistStamped()
-        message.header.stamp = self.talker.node.get_clock().now().to_msg()
-        message.header.frame_id = self.frame
-        linear = message.twist.linear
-        linear.x, linear.y, linear.z = self.velocity
-        message.twist.angular.z = self.turn_rate
-        self._twist.publish(message)
-        if self.rate is not None:
-            self._winch.publish(Float64(data=self.rate))
-
-
-class Watch:
-    """The newest of what the node says."""
-
-    def __init__(self, talker: Talker) -> None:
-        self.tension = talker.listen("/cable/tension_top", Float64)
-        self.applied = talker.listen("/cable/applied_cmd_vel", TwistStamped)
-        self.motion = talker.listen("/cable/applied_odom", Odometry)
-        self.length = talker.listen("/cable/line_length", Float64)
-        self.rate = talker.listen("/cable/payout_rate", Float64)
-        self.diagnostics = talker.listen("/diagnostics", DiagnosticArray)
-
-    @property
-    def velocity(self) -> list[float]:
-        linear = self.applied[-1].twist.linear
-        return [linear.x, linear.y, linear.z]
-
-    def said(self, name: str, words: str) -> bool:
-        return any(
-            words in status.message
-            for array in self.diagnostics
-            for status in array.status
-            if status.name == f"cable: {name}"
-        )
-
-    def known(self, name: str, key: str) -> list[str]:
-        """All values of it so far, the newest last."""
-        return [
-            str(item.value)
-            for array in self.diagnostics
-            for status in array.status
-            if status.name == f"cable: {name}"
-            for item in status.values
-            if item.key == key
-        ]
-
-    def value(self, name: str, key: str) -> str:
-        return self.known(name, key)[-1]
 
 
 @pytest.fixture

@@ -15,6 +15,7 @@ from cablemodel_ros import messages
 from cablemodel_ros.diagnostics import WARN, Status
 from cablemodel_ros.frames import heading_rotation
 from cablemodel_ros.markers import Picture, markers
+from cablemodel_ros.times import Stamp
 from std_msgs.msg import Float64
 from visualization_msgs.msg import Marker, MarkerArray
 
@@ -25,7 +26,7 @@ def test_markers_draw_cable_bodies_and_tension() -> None:
     position = np.array([[0.0, 0, 0], [10, 0, -10], [20, 0, -20]])
     tension = np.array([100.0, 50.0, -1.0])
     picture = Picture(position, tension, [position[1]], 100.0, 0.02)
-    line, figures, body = markers(picture, messages.stamp_of(1_500_000_000)).markers
+    line, figures, body = markers(picture, messages.message_time(Stamp(1_500_000_000))).markers
     assert line.type == Marker.LINE_STRIP
     assert [(p.x, p.z) for p in line.points] == [(0, 0), (10, -10), (20, -20)]
     assert (line.colors[0].r, line.colors[0].b) == (1.0, 0.0)
@@ -47,7 +48,7 @@ def test_the_vessel_frame_is_where_the_tow_point_says(monkeypatch: pytest.Monkey
         settings=SimpleNamespace(tow_point=(-2.0, 0.0, 0.5), vessel_frame="base_link"),
         model=SimpleNamespace(vessel_position=np.array([10.0, 20.0, 0.5])),
     )
-    (transform,) = messages.vessel_transform(session, 2_000_000_000).transforms  # type: ignore[arg-type]
+    (transform,) = messages.vessel_transform(session, Stamp(2_000_000_000)).transforms  # type: ignore[arg-type]
     place, turn = transform.transform.translation, transform.transform.rotation
     assert (place.x, place.y, place.z) == pytest.approx((10.0, 22.0, 0.0))
     assert (turn.z, turn.w) == pytest.approx((math.sqrt(0.5), math.sqrt(0.5)))
@@ -56,7 +57,7 @@ def test_the_vessel_frame_is_where_the_tow_point_says(monkeypatch: pytest.Monkey
 
 def test_diagnostics_carry_level_message_and_values() -> None:
     status = Status("commands", WARN, ["a", "b"], {"count": "3"})
-    (made,) = messages.diagnostics([status], "cable", messages.stamp_of(0)).status
+    (made,) = messages.diagnostics([status], "cable", messages.message_time(Stamp(0))).status
     assert made.level == b"\x01"
     assert (made.name, made.message) == ("cable: commands", "a; b")
     assert (made.values[0].key, made.values[0].value) == ("count", "3")

@@ -16,12 +16,14 @@ import numpy as np
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import TwistStamped
+from rosbags.rosbag2 import Reader
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64
 
 import cablemodel as cm
 
 from .conftest import ROOT, NodeProcess, Talker, wait_until
+from .helmsman import Watch
 
 Start = Callable[..., NodeProcess]
 EXAMPLES = ROOT / "ros2_node/examples"
@@ -117,6 +119,42 @@ def test_a_kill_loses_at_most_the_last_second(
     assert seconds(tensions[-1].header.stamp) - (epoch + logged[-1]) < 1.0
     assert epoch + logged[0] <= begin + 1e-6  # seconds of the epoch as a float end at 2.4e-7
     assert len(run.states) >= 6
+
+
+def test_a_node_in_a_namespace_logs_what_is_on_the_wire(
+    start_node: Start, talker: Talker, tmp_path: Path
+) -> None:
+    folder = tmp_path / "log"
+    node = start_node(**FREE_RUN, log__folder=folder, log__max_size=0.1,
+                      remap=("__ns:=/tug", "~/tension_top:=/load_cell"))  # fmt: skip
+    tensions = talker.listen("/load_cell", Float64)
+    diagnostics = talker.listen("/diagnostics", DiagnosticArray)
+    wait_until(lambda: len(tensions) > 200, 300)
+    wait_until(lambda: any(s.name == "tug/cable: log" for a in diagnostics for s in a.status))
+    assert node.stop() == 0
+    with Reader(folder) as bag:
+        assert {"/load_cell", "/tug/cable/nodes", "/tug/cable/applied_inputs"} <= set(bag.topics)
+        assert not [topic for topic in bag.topics if topic.startswith("/cable")]
+    for path in folder.glob("tug_cable_*.mcap"):
+        assert cm.open_run(path).top_tension[0] == pytest.approx(50 * 2.33333, rel=0.1)
+
+
+def test_a_log_whose_folder_fails_goes_on_when_its_cause_is_gone(
+    start_node: Start, talker: Talker, tmp_path: Path
+) -> None:
+    folder = tmp_path / "log"
+    folder.write_text("not a folder")
+    node = start_node(**FREE_RUN, log__folder=folder, diagnostics_rate=10)
+    watch = Watch(talker)
+    wait_until(lambda: watch.said("log", "nothing is logged"), 300)
+    folder.unlink()
+    wait_until(lambda: watch.said("log", "a new file begins after the gap"), 60)
+    watch.diagnostics.clear()
+    wait_until(lambda: watch.known("log", "file"))
+    assert not watch.said("log", "nothing is logged")
+    assert node.stop() == 0
+    (path,) = folder.glob("cable_*.mcap")
+    assert cm.open_run(path).complete
 
 
 def test_a_controller_may_die_and_come_back(start_node: Start, talker: Talker) -> None:

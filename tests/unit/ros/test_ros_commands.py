@@ -10,17 +10,21 @@ from cablemodel_ros.commands import Commands
 from cablemodel_ros.frames import heading_rotation, quaternion_of, rotation
 from cablemodel_ros.helm import Helm, Present
 from cablemodel_ros.settings import Settings
+from cablemodel_ros.times import Moment, Stamp
+from clocks_by_hand import Clocks
 from hypothesis import given
 from hypothesis import strategies as st
 
-NOW = 1000.0
+STAMP = Stamp(0) + 1000.0
+NOW = Moment(0) + 7.0
+"""The same instant, by the clock that commands age by."""
 EAST_TO_NORTH = (0.0, 0.0, math.sqrt(0.5), math.sqrt(0.5))
 
 
 def made(**values: object) -> tuple[Commands, Helm]:
     names = {name.replace("__", "."): value for name, value in values.items()}
     settings = Settings.of(names)
-    commands = Commands(settings, (0.0, 0.0, 0.0))
+    commands = Commands(settings, Clocks().timebase, (0.0, 0.0, 0.0))
     return commands, Helm(settings, commands)
 
 
@@ -28,9 +32,9 @@ def at_rest(velocity=(0.0, 0.0, 0.0), rate: float = 0.0, drum: float = 100.0) ->
     return Present(np.zeros(3), np.array(velocity), rate, 50.0, drum)
 
 
-def odometry(commands: Commands, stamp: float = NOW, **changes: object) -> str:
+def odometry(commands: Commands, stamp: Stamp | None = STAMP, **changes: object) -> str:
     values = {
-        "now": NOW, "stamp": stamp, "frame": "map", "child_frame": "base_link",
+        "stamp": stamp, "frame": "map", "child_frame": "base_link",
         "position": (0.0, 0.0, 0.0), "orientation": (0.0, 0.0, 0.0, 1.0),
         "linear": (1.0, 0.0, 0.0), "angular": (0.0, 0.0, 0.0),
     }  # fmt: skip
@@ -40,10 +44,10 @@ def odometry(commands: Commands, stamp: float = NOW, **changes: object) -> str:
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
 def test_what_is_not_finite_is_refused_and_the_command_before_stays(bad: float) -> None:
     commands, _ = made()
-    assert commands.take_twist(NOW, NOW, "map", (1, 0, 0), (0, 0, 0)) == ""
-    assert "not finite" in commands.take_twist(NOW, NOW, "map", (1, bad, 0), (0, 0, 0))
-    assert commands.take_payout_rate(NOW, 0.5) == ""
-    assert "not finite" in commands.take_payout_rate(NOW, bad)
+    assert commands.take_twist(STAMP, "map", (1, 0, 0), (0, 0, 0)) == ""
+    assert "not finite" in commands.take_twist(STAMP, "map", (1, bad, 0), (0, 0, 0))
+    assert commands.take_payout_rate(0.5) == ""
+    assert "not finite" in commands.take_payout_rate(bad)
     assert odometry(commands) == ""
     for name in ("position", "orientation", "linear", "angular"):
         size = 4 if name == "orientation" else 3
@@ -59,7 +63,7 @@ def test_what_is_not_finite_is_refused_and_the_command_before_stays(bad: float) 
 
 def test_frames_that_are_not_known_are_refused_by_name() -> None:
     commands, _ = made()
-    reason = commands.take_twist(NOW, NOW, "camera", (1, 0, 0), (0, 0, 0))
+    reason = commands.take_twist(STAMP, "camera", (1, 0, 0), (0, 0, 0))
     assert "'camera'" in reason
     assert "map, base_link" in reason
     assert "'odom'" in odometry(commands, frame="odom")
@@ -67,9 +71,9 @@ def test_frames_that_are_not_known_are_refused_by_name() -> None:
 
 def test_stamps_that_are_old_or_in_the_future_are_refused() -> None:
     commands, _ = made(command_timeout=0.5)
-    assert "0.6 s old" in commands.take_twist(NOW, NOW - 0.6, "map", (1, 0, 0), (0, 0, 0))
-    assert "in the future" in odometry(commands, stamp=NOW + 2.0)
-    assert commands.take_twist(NOW, 0.0, "map", (1, 0, 0), (0, 0, 0)) == ""  # not stamped
+    assert "0.6 s old" in commands.take_twist(STAMP + -0.6, "map", (1, 0, 0), (0, 0, 0))
+    assert "in the future" in odometry(commands, stamp=STAMP + 2.0)
+    assert commands.take_twist(None, "map", (1, 0, 0), (0, 0, 0)) == ""  # not stamped
 
 
 def test_an_orientation_that_is_no_rotation_is_refused() -> None:
@@ -80,12 +84,12 @@ def test_an_orientation_that_is_no_rotation_is_refused() -> None:
 def test_a_twist_in_the_vessel_frame_turns_with_the_vessel() -> None:
     commands, helm = made(vessel_input="cmd_vel", initial_heading=math.pi / 2,
                           limits__acceleration=1000.0)  # fmt: skip
-    commands.take_twist(NOW, NOW, "base_link", (1, 0, 0), (0, 0, 0))
+    commands.take_twist(STAMP, "base_link", (1, 0, 0), (0, 0, 0))
     applied = helm.inputs(NOW, 0.01, at_rest())
     assert applied.velocity == pytest.approx([0, 1, 0], abs=1e-12)
-    commands.take_twist(NOW, NOW, "map", (1, 0, 0), (0, 0, 0))
+    commands.take_twist(STAMP, "map", (1, 0, 0), (0, 0, 0))
     assert helm.inputs(NOW, 0.01, at_rest()).velocity == pytest.approx([1, 0, 0])
-    commands.take_twist(NOW, NOW, "base_link", (1, 0, 0), (0, 0, 0.5))
+    commands.take_twist(STAMP, "base_link", (1, 0, 0), (0, 0, 0.5))
     for _ in range(100):  # half a radian in a second
         applied = helm.inputs(NOW, 0.01, at_rest())
     assert applied.velocity == pytest.approx([-math.sin(0.5), math.cos(0.5), 0], abs=1e-9)
@@ -94,7 +98,7 @@ def test_a_twist_in_the_vessel_frame_turns_with_the_vessel() -> None:
 def test_the_tow_point_of_a_turning_vessel_moves_by_its_arm() -> None:
     commands, helm = made(vessel_input="cmd_vel", tow_point=[-5.0, 0.0, 0.0],
                           limits__acceleration=1000.0)  # fmt: skip
-    commands.take_twist(NOW, NOW, "base_link", (0, 0, 0), (0, 0, 0.2))
+    commands.take_twist(STAMP, "base_link", (0, 0, 0), (0, 0, 0.2))
     applied = helm.inputs(NOW, 0.01, at_rest())
     assert applied.velocity == pytest.approx([0.002, -1.0, 0], abs=1e-5)
 
@@ -130,9 +134,12 @@ def test_a_jump_in_position_is_refused_with_distance_and_advice() -> None:
 
 
 def test_a_stale_command_ramps_to_zero_and_comes_back() -> None:
-    commands, helm = made(vessel_input="cmd_vel", command_timeout=0.5, limits__acceleration=2.0)
-    commands.take_twist(NOW, NOW, "map", (1, 0, 0), (0, 0, 0))
-    commands.take_payout_rate(NOW, 0.5)
+    clocks = Clocks()
+    settings = Settings.of({"vessel_input": "cmd_vel", "command_timeout": 0.5})
+    commands = Commands(settings, clocks.timebase)
+    helm = Helm(settings, commands)
+    commands.take_twist(STAMP, "map", (1, 0, 0), (0, 0, 0))
+    commands.take_payout_rate(0.5)
     moving = at_rest((1.0, 0.0, 0.0), 0.5)
     fresh = helm.inputs(NOW + 0.5, 0.1, moving)
     assert fresh.velocity == pytest.approx([1, 0, 0])
@@ -142,9 +149,35 @@ def test_a_stale_command_ramps_to_zero_and_comes_back() -> None:
     assert late.velocity == pytest.approx([0.8, 0, 0])
     assert late.payout_rate == pytest.approx(0.4)
     assert helm.stale == {"cmd_vel", "payout_rate_cmd"}
-    commands.take_twist(NOW + 1, NOW + 1, "map", (1, 0, 0), (0, 0, 0))
-    helm.inputs(NOW + 1, 0.1, moving)
+    clocks.wait(1.0)
+    commands.take_twist(STAMP + 1.0, "map", (1, 0, 0), (0, 0, 0))
+    helm.inputs(NOW + 1.0, 0.1, moving)
     assert helm.stale == {"payout_rate_cmd"}
+
+
+@pytest.mark.parametrize("step", [-20.0, 30.0])
+def test_a_system_clock_that_is_set_makes_commands_neither_older_nor_younger(step: float) -> None:
+    clocks = Clocks()
+    settings = Settings.of({"vessel_input": "cmd_vel", "limits.acceleration": 1000.0})
+    commands = Commands(settings, clocks.timebase)
+    helm = Helm(settings, commands)
+    commands.take_twist(clocks.ros, "map", (1, 0, 0), (0, 0, 0))
+    clocks.wait(0.1)
+    clocks.set(step)
+    assert helm.inputs(clocks.timebase.now(), 0.01, at_rest()).velocity[0] == 1.0
+    # The controller's stamps follow the clock, and are as good as before.
+    assert commands.take_twist(clocks.ros, "map", (2, 0, 0), (0, 0, 0)) == ""
+    assert helm.inputs(clocks.timebase.now(), 0.01, at_rest()).velocity[0] == 2.0
+    clocks.wait(0.6)  # then it dies
+    assert helm.inputs(clocks.timebase.now(), 0.01, at_rest()).velocity[0] == 0.0
+    assert helm.stale == {"cmd_vel"}
+
+
+def test_a_stamp_in_the_future_does_not_keep_a_command_alive() -> None:
+    commands, helm = made(vessel_input="cmd_vel")
+    assert commands.take_twist(STAMP + 0.9, "map", (1, 0, 0), (0, 0, 0)) == ""
+    helm.inputs(NOW + 0.6, 0.01, at_rest())
+    assert helm.stale == {"cmd_vel"}
 
 
 def test_before_the_first_command_nothing_moves_and_the_helm_waits() -> None:
