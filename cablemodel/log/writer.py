@@ -362,7 +362,9 @@ def encode_outputs(
 def _encoders() -> dict[str, _Encode]:
     """How the message of each output topic is made from a model and its state."""
     special: dict[str, _Encode] = {
-        "~/top_wrench": lambda m, t, model, state: m.wrench(t, model.top_force, model.top_moment),
+        "~/top_wrench": lambda m, t, model, state: m.top_wrench(
+            t, model.top_force, model.top_moment
+        ),
         "~/end_odom": lambda m, t, model, state: m.odometry(
             t, model.tip_position, model.tip_velocity
         ),

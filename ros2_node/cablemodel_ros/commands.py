@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cablemodel_ros.frames import rotation
+from cablemodel_ros.limits import Course
 from cablemodel_ros.settings import Settings
 from cablemodel_ros.timebase import Arrival, Timebase
 from cablemodel_ros.times import Moment, Stamp
@@ -34,10 +35,10 @@ class Twist:
     """When it was made; never later than it came."""
     linear: Floats
     """(3,) [m/s]."""
-    turn_rate: float
-    """About the vertical, to port [rad/s]."""
+    angular: Floats
+    """(3,) [rad/s]."""
     in_vessel: bool
-    """Whether `linear` is in vessel axes (else the map's)."""
+    """Whether both are in vessel axes (else the map's)."""
 
 
 @dataclass(frozen=True)
@@ -47,10 +48,10 @@ class Odometry:
     given: Moment
     measured: Moment
     """The moment of its stamp, which may lie in the future."""
-    position: Floats
-    """(3,) [m]."""
-    velocity: Floats
-    """(3,) [m/s]."""
+    course: Course
+    """At that moment; its acceleration is that of the samples so far, smoothed."""
+    interval: float
+    """Since the sample before it [s]; 0 for the first."""
     rotation: Floats
     """Vessel axes to map axes (3, 3)."""
 
@@ -155,7 +156,7 @@ class Commands:
         if reason:
             return self._refuse("cmd_vel", reason)
         in_vessel = frame == self._settings.vessel_frame
-        twist = Twist(_given(arrival), values[:3], float(values[5]), in_vessel)
+        twist = Twist(_given(arrival), values[:3], values[3:], in_vessel)
         with self._lock:
             self._latest.twist = twist
             self.tallies["cmd_vel"].received += 1
@@ -171,12 +172,22 @@ class Commands:
         linear: Sequence[float],
         angular: Sequence[float],
     ) -> str:
-        """Motion of the vessel: pose in `frame`, twist in `child_frame` (as Odometry has it)."""
+        """Motion of the vessel: pose in `frame`, twist in `child_frame` (as Odometry has it).
+
+        Empty frames are `odom_frame` and `vessel_frame`, as the message's definition means them.
+        """
         values = np.array([*position, *orientation, *linear, *angular], dtype=np.float64)
         if not np.isfinite(values).all():
             return self._refuse("odom", f"not finite: {values.tolist()}")
         if frame not in ("", self._settings.odom_frame):
             return self._refuse("odom", f"frame {frame!r}; allowed: {self._settings.odom_frame}")
+        fixed = (self._settings.odom_frame, MAP)
+        if child_frame not in ("", self._settings.vessel_frame, *fixed):
+            return self._refuse(
+                "odom",
+                f"child frame {child_frame!r}; allowed: {self._settings.vessel_frame}, "
+                f"{', '.join(dict.fromkeys(fixed))}",
+            )
         arrival = self._timebase.arrival(stamp)
         reason = self._wrong_stamp(arrival)
         if reason:
@@ -187,22 +198,35 @@ class Commands:
             return self._refuse("odom", str(error))
         arm = turn @ self._tow_point
         velocity, spin = values[7:10], values[10:13]
-        if child_frame not in (frame, MAP):
+        if child_frame not in fixed:
             velocity, spin = turn @ velocity, turn @ spin
         tow_point = values[:3] + arm
         with self._lock:
             if self._shift is None:
                 self._shift = self._origin - tow_point
-            sample = Odometry(
-                _given(arrival),
-                arrival.made,
-                tow_point + self._shift,
-                velocity + np.cross(spin, arm),
-                turn,
+            self._latest.odometry = self._sample(
+                arrival, tow_point + self._shift, velocity + np.cross(spin, arm), turn
             )
-            self._latest.odometry = sample
             self.tallies["odom"].received += 1
         return ""
+
+    def _sample(
+        self, arrival: Arrival, position: Floats, velocity: Floats, turn: Floats
+    ) -> Odometry:
+        """A sample with the acceleration that it and those before it show."""
+        before = self._latest.odometry
+        acceleration, interval = np.zeros(3), 0.0
+        if before is not None:
+            interval = arrival.made - before.measured
+            acceleration = before.course.acceleration
+            if interval > self._settings.command_timeout:
+                acceleration = np.zeros(3)
+            elif interval > 0.0:
+                seen = (velocity - before.course.velocity) / interval
+                share = -math.expm1(-interval / max(self._settings.odom_smoothing, 1e-9))
+                acceleration = acceleration + share * (seen - acceleration)
+        course = Course(position, velocity, acceleration)
+        return Odometry(_given(arrival), arrival.made, course, max(interval, 0.0), turn)
 
     def take_payout_rate(self, rate: float) -> str:
         """A pay-out rate [m/s], positive out."""

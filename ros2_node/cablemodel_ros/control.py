@@ -130,19 +130,31 @@ class ControlLoop:
         self.pacer.start(Simulated(self.session.model.time))
 
     def _run(self) -> None:
-        seen: Stamp | None = None
         try:
             while not self._stop.is_set():
-                if self._clock is not None:
-                    seen = self._follow(seen)
-                    continue
-                wait = self._turn()
-                if wait is not None and wait > 0.0:
-                    time.sleep(min(wait, _LONGEST_WAIT))
-        except SessionError as failure:
-            self._failed(str(failure))
+                try:
+                    self._go()
+                except SessionError as failure:
+                    with self._lock:
+                        goes_on = self.session.retry()
+                        if goes_on:
+                            self._restart_pacer()
+                    if not goes_on:
+                        self._failed(str(failure))
+                        return
         except Exception as error:
             self._failed(f"{type(error).__name__}: {error}")
+
+    def _go(self) -> None:
+        """Step until told to stop."""
+        seen: Stamp | None = None
+        while not self._stop.is_set():
+            if self._clock is not None:
+                seen = self._follow(seen)
+                continue
+            wait = self._turn()
+            if wait is not None and wait > 0.0:
+                time.sleep(min(wait, _LONGEST_WAIT))
 
     def _follow(self, seen: Stamp | None) -> Stamp | None:
         """Make all steps that the foreign clock allows, then wait for it."""

@@ -36,6 +36,17 @@ def heading_rotation(heading: float) -> Floats:
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
+def turned(matrix: Floats, spin: Floats, dt: float) -> Floats:
+    """A rotation matrix (3, 3) after dt [s] of a spin (3,) [rad/s] in map axes."""
+    angle = float(np.linalg.norm(spin)) * dt
+    if angle == 0.0:
+        return matrix
+    x, y, z = spin * (dt / angle)
+    across = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    turn = np.eye(3) + math.sin(angle) * across + (1.0 - math.cos(angle)) * across @ across
+    return rotation(quaternion_of(turn @ matrix))  # round-off does not add up
+
+
 def quaternion_of(matrix: Floats) -> tuple[float, float, float, float]:
     """Quaternion (x, y, z, w) of a rotation matrix (3, 3), w not negative."""
     m = matrix

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 from typing import Any
 
+import numpy as np
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import TransformStamped, Twist
@@ -15,10 +16,10 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Header
 
 from cablemodel_ros.diagnostics import Status
-from cablemodel_ros.frames import quaternion_of
+from cablemodel_ros.frames import Floats, quaternion_of
 from cablemodel_ros.interface import Quality
-from cablemodel_ros.session import Session
-from cablemodel_ros.settings import Parameter
+from cablemodel_ros.session import Cycle
+from cablemodel_ros.settings import Parameter, Settings
 from cablemodel_ros.times import Stamp
 
 Vector = tuple[float, float, float]
@@ -126,16 +127,23 @@ def diagnostics(statuses: list[Status], node: str, stamp: Time) -> DiagnosticArr
     return array
 
 
-def vessel_transform(session: Session, stamp: Stamp) -> Any:
-    """A message of /tf: the vessel's frame in the map."""
+def transforms(cycle: Cycle, settings: Settings) -> Any:
+    """A message of /tf: the tow point's frame in the map, and on request the vessel's."""
     kind = message_class("tf2_msgs/msg/TFMessage")
-    turn = session.helm.rotation
-    arm = turn @ session.settings.tow_point
-    place = session.model.vessel_position - arm
+    found = []
+    if settings.tf:
+        found.append(_transform(cycle, settings.tow_point_frame, np.zeros(3), np.eye(3)))
+    if settings.tf_vessel:
+        arm = cycle.rotation @ settings.tow_point
+        found.append(_transform(cycle, settings.vessel_frame, -arm, cycle.rotation))
+    return kind(transforms=found)
+
+
+def _transform(cycle: Cycle, frame: str, offset: Floats, turn: Floats) -> TransformStamped:
     made = TransformStamped()
-    made.header.stamp, made.header.frame_id = message_time(stamp), "map"
-    made.child_frame_id = session.settings.vessel_frame
+    made.header.stamp, made.header.frame_id = message_time(cycle.stamp), "map"
+    made.child_frame_id = frame
     translation, rotation = made.transform.translation, made.transform.rotation
-    translation.x, translation.y, translation.z = place.tolist()
+    translation.x, translation.y, translation.z = (cycle.tow_point + offset).tolist()
     rotation.x, rotation.y, rotation.z, rotation.w = quaternion_of(turn)
-    return kind(transforms=[made])
+    return made

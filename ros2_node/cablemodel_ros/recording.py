@@ -69,8 +69,9 @@ class Recorder:
         wait: wait for the disk instead of leaving anything out.
 
     Attributes: ``path`` (file being written, or None), ``error`` (why nothing is written now, or
-    empty), ``failures`` (how often writing began to fail), ``dropped`` outputs and ``gaps`` (steps
-    left out, each of which begins a new file), ``wants_file`` (call `begin` at the next step).
+    empty), ``failures`` and ``recoveries`` (how often writing began to fail, and went on again),
+    ``dropped`` outputs and ``gaps`` (steps left out, each of which begins a new file),
+    ``wants_file`` (call `begin` at the next step).
     """
 
     def __init__(
@@ -96,7 +97,7 @@ class Recorder:
         self._stop = threading.Event()
         self.path: Path | None = None
         self.error = ""
-        self.failures = 0
+        self.failures = self.recoveries = 0
         self._patience, self._retry_at = RETRY, 0.0
         self._flushed = False
         self.dropped = 0
@@ -184,6 +185,7 @@ class Recorder:
         if isinstance(item, _Begin):
             self._finish("")
             self._open(item)
+            self.recoveries += bool(self.error)
             self.error = ""
         elif isinstance(item, _End):
             self._finish(item.reason)

@@ -15,7 +15,9 @@ from cablemodel import variables
 from cablemodel.log.messages import Messages, typestore
 from cablemodel.log.writer import encode_outputs
 from cablemodel.states import applied_values
+from cablemodel_ros.frames import Floats
 from cablemodel_ros.helm import Applied
+from cablemodel_ros.settings import Settings
 from cablemodel_ros.times import Stamp
 
 if TYPE_CHECKING:
@@ -29,7 +31,7 @@ APPLIED_ODOMETRY = "~/applied_odom"
 APPLIED_TWIST = "~/applied_cmd_vel"
 TWIST = "geometry_msgs/msg/TwistStamped"
 
-TOW_POINT_FRAME = "tow_point"
+VESSEL_WRENCH = "~/vessel_wrench"
 
 _STAMP = struct.Struct("<iI")
 _THREE = struct.Struct("<3d")
@@ -41,14 +43,16 @@ class Sampler:
 
     Args:
         scene: scene of the model.
-        stations: points of ``~/nodes``.
+        settings: how many points ``~/nodes`` has, and names of frames.
     """
 
-    def __init__(self, scene: Scene, stations: int) -> None:
-        self._messages = Messages()
+    def __init__(self, scene: Scene, settings: Settings) -> None:
+        self._messages = Messages(settings.tow_point_frame)
+        self._in_vessel = Messages(settings.vessel_frame)
+        self._arm = np.array(settings.tow_point)
         self.topics = topics(scene)
-        self._fractions = np.linspace(0.0, 1.0, stations)
-        self._odometry = _odometry()
+        self._fractions = np.linspace(0.0, 1.0, settings.stations)
+        self._odometry = _odometry(settings.tow_point_frame)
         self._twist = _twist()
 
     def step(
@@ -61,8 +65,6 @@ class Sampler:
         values = applied_values(model, step, applied.given)
         # The value asked for, not the last bit that evaluating the motion makes of it: a replay
         # that gives it again is then exact.
-        if applied.position is not None:
-            values[_POSITION] = applied.position
         if applied.velocity is not None:
             values[_VELOCITY] = applied.velocity
         if applied.payout_rate is not None:
@@ -79,10 +81,21 @@ class Sampler:
         record = (variables.APPLIED_INPUTS_TOPIC, self._messages.applied_inputs(values))
         return record, [(APPLIED_ODOMETRY, bytes(odometry)), (APPLIED_TWIST, bytes(twist))]
 
-    def outputs(self, model: CableModel, stamp: Stamp) -> list[Message]:
-        """All outputs of the table; ``~/nodes`` at the stations."""
+    def outputs(self, model: CableModel, stamp: Stamp, rotation: Floats) -> list[Message]:
+        """All outputs of the table, with ``~/nodes`` at the stations, and the wrench on the vessel.
+
+        rotation: vessel axes to map axes (3, 3).
+        """
         state = model.sample(self._fractions * model.line_length)
-        return encode_outputs(self._messages, self.topics, stamp.ns, model, state)
+        found = encode_outputs(self._messages, self.topics, stamp.ns, model, state)
+        force, moment = self.vessel_wrench(model, rotation)
+        found.append((VESSEL_WRENCH, self._in_vessel.top_wrench(stamp.ns, force, moment)))
+        return found
+
+    def vessel_wrench(self, model: CableModel, rotation: Floats) -> tuple[Floats, Floats]:
+        """Force [N] and moment [N m] of the cable about the vessel frame's origin, in its axes."""
+        force = model.top_force @ rotation
+        return force, model.top_moment @ rotation + np.cross(self._arm, force)
 
     def record(self, model: CableModel, stamp: Stamp) -> list[Message]:
         """All outputs with ``~/nodes`` at the model's own nodes, and the exact state: what
@@ -120,7 +133,7 @@ def _serialized(message: Any, name: str) -> bytearray:
     return bytearray(typestore().serialize_cdr(message, name))
 
 
-def _odometry() -> bytearray:
+def _odometry(frame: str) -> bytearray:
     """Odometry of the tow point; its frame is parallel to the map."""
     point = _new("geometry_msgs/msg/Point", 0.0, 0.0, 0.0)
     turn = _new("geometry_msgs/msg/Quaternion", 0.0, 0.0, 0.0, 1.0)
@@ -128,7 +141,7 @@ def _odometry() -> bytearray:
     message = _new(
         variables.ODOMETRY,
         _header(),
-        TOW_POINT_FRAME,
+        frame,
         _new("geometry_msgs/msg/PoseWithCovariance", pose, np.zeros(36)),
         _new("geometry_msgs/msg/TwistWithCovariance", _zero_twist(), np.zeros(36)),
     )

@@ -17,7 +17,9 @@ import numpy as np
 
 from cablemodel import CableModel, Scene, StepError, load_scene, variables
 from cablemodel.errors import SceneError
+from cablemodel_ros.checkpoints import Checkpoints
 from cablemodel_ros.commands import Commands
+from cablemodel_ros.frames import Floats
 from cablemodel_ros.helm import Applied, Helm, Present
 from cablemodel_ros.recording import Recorder
 from cablemodel_ros.samples import Message, Sampler, topics
@@ -37,6 +39,10 @@ class Cycle:
     """What was applied; always published."""
     outputs: list[Message]
     """All outputs; empty where publication was shed."""
+    tow_point: Floats
+    """Its position in the map (3,) [m]."""
+    rotation: Floats
+    """Vessel axes to map axes (3, 3)."""
 
 
 @dataclass(frozen=True)
@@ -89,8 +95,9 @@ class Session:
         self._start = self.model.snapshot()
         self.commands = Commands(settings, self.timebase, self.model.vessel_position)
         self.helm = Helm(settings, self.commands)
-        self.sampler = Sampler(self.scene, settings.stations)
-        self.sampler.outputs(self.model, Stamp(0))  # libraries load now, not in the first cycle
+        self.sampler = Sampler(self.scene, settings)
+        # Libraries load now, not in the first cycle.
+        self.sampler.outputs(self.model, Stamp(0), self.helm.rotation)
         self.sampler.record(self.model, Stamp(0))
         self.recorder: Recorder | None = None
         self.step_times = Durations()
@@ -99,6 +106,8 @@ class Session:
         self.shed = 0
         self.payout_refusals = 0
         self.failure = ""
+        self.last_failure = ""
+        self.checkpoints = Checkpoints()
         self._next_output = 0.0
         if settings.log_folder:
             names = names or Names()
@@ -154,6 +163,11 @@ class Session:
         self.recorder.begin(self.timebase.epoch, snapshot)
         self._log_outputs(self.stamp())
 
+    @property
+    def has_drum(self) -> bool:
+        """Whether the scene has cable on a drum."""
+        return "drum" in variables.features(self.scene)
+
     def stamp(self) -> Stamp:
         """Stamp of the model's time."""
         return self.timebase.stamp(self.time)
@@ -184,14 +198,17 @@ class Session:
         self.timebase.reached(self.time)
         stamp = self.stamp()
         record, motion = self.sampler.step(self.model, target - begin, applied, stamp)
-        outputs = self.sampler.outputs(self.model, stamp) if publish() else []
+        turn = self.helm.rotation
+        outputs = self.sampler.outputs(self.model, stamp, turn) if publish() else []
+        if self.settings.on_failure == "retry":
+            self.checkpoints.keep(self.model)
         self.cycles += 1
         self.shed += not outputs
         if self.recorder is not None:
             self.recorder.step(stamp, [record])
             if self.model.time >= self._next_output - 1e-9:
                 self._log_outputs(stamp)
-        return Cycle(stamp, [record, *motion], outputs)
+        return Cycle(stamp, [record, *motion], outputs, self.model.vessel_position, turn)
 
     def _log_outputs(self, stamp: Stamp) -> None:
         assert self.recorder is not None
@@ -219,7 +236,7 @@ class Session:
                 self._fail(error)
             self.payout_refusals += 1
             self.commands.refuse_payout(str(error))
-            applied = Applied(applied.velocity, applied.position, 0.0)
+            applied = Applied(applied.velocity, 0.0)
             try:
                 self._advance(target, applied)
             except StepError as second:
@@ -231,15 +248,22 @@ class Session:
         self.model.step_to(
             target.seconds,
             vessel_velocity=applied.velocity,
-            vessel_position=applied.position,
             payout_rate=applied.payout_rate,
         )
 
     def _fail(self, error: StepError) -> None:
-        self.failure = str(error)
+        self.failure = self.last_failure = str(error)
         if self.recorder is not None:
             self.recorder.end(self.failure)
         raise SessionError(self.failure) from error
+
+    def retry(self) -> bool:
+        """After a failure: back to the last good state, if that is wanted and makes sense."""
+        if self.settings.on_failure != "retry" or not self.checkpoints.restore(self.model):
+            return False
+        self.failure = ""
+        self.start()
+        return True
 
     # -- services -------------------------------------------------------------------------------
 
@@ -252,6 +276,7 @@ class Session:
     def reset(self) -> None:
         """Back to the initial state, which is now."""
         self.model.restore(self._start)
+        self.checkpoints.clear()
         self.commands.forget()
         self.helm.reset()
         self.start()

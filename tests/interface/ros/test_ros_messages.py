@@ -15,6 +15,8 @@ from cablemodel_ros import messages
 from cablemodel_ros.diagnostics import WARN, Status
 from cablemodel_ros.frames import heading_rotation
 from cablemodel_ros.markers import Picture, markers
+from cablemodel_ros.session import Cycle
+from cablemodel_ros.settings import Settings
 from cablemodel_ros.times import Stamp
 from std_msgs.msg import Float64
 from visualization_msgs.msg import Marker, MarkerArray
@@ -43,12 +45,16 @@ def test_the_vessel_frame_is_where_the_tow_point_says(monkeypatch: pytest.Monkey
         stand_in.TFMessage = SimpleNamespace  # type: ignore[attr-defined]
         monkeypatch.setitem(sys.modules, "tf2_msgs", types.ModuleType("tf2_msgs"))
         monkeypatch.setitem(sys.modules, "tf2_msgs.msg", stand_in)
-    session = SimpleNamespace(
-        helm=SimpleNamespace(rotation=heading_rotation(math.pi / 2)),
-        settings=SimpleNamespace(tow_point=(-2.0, 0.0, 0.5), vessel_frame="base_link"),
-        model=SimpleNamespace(vessel_position=np.array([10.0, 20.0, 0.5])),
-    )
-    (transform,) = messages.vessel_transform(session, Stamp(2_000_000_000)).transforms  # type: ignore[arg-type]
+    cycle = Cycle(Stamp(2_000_000_000), [], [], np.array([10.0, 20.0, 0.5]),
+                  heading_rotation(math.pi / 2))  # fmt: skip
+    settings = Settings.of({"tow_point": [-2.0, 0.0, 0.5], "tf": True})
+    (own,) = messages.transforms(cycle, settings).transforms  # the vessel's frame is not ours
+    assert (own.header.frame_id, own.child_frame_id) == ("map", "tow_point")
+    place = own.transform.translation
+    assert (place.x, place.y, place.z) == (10.0, 20.0, 0.5)
+    assert own.transform.rotation.w == 1.0
+    settings = Settings.of({"tow_point": [-2.0, 0.0, 0.5], "tf_vessel": True})
+    (transform,) = messages.transforms(cycle, settings).transforms
     place, turn = transform.transform.translation, transform.transform.rotation
     assert (place.x, place.y, place.z) == pytest.approx((10.0, 22.0, 0.0))
     assert (turn.z, turn.w) == pytest.approx((math.sqrt(0.5), math.sqrt(0.5)))

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TwistStamped
 from rosbags.rosbag2 import Reader
 from rosgraph_msgs.msg import Clock
@@ -176,46 +176,6 @@ def test_a_controller_may_die_and_come_back(start_node: Start, talker: Talker) -
             lambda: any("cmd_vel is stale" in s.message for a in diagnostics for s in a.status)
         )
     assert talker.state == "active"
-
-
-FAILING = """
-import sys
-import cablemodel as cm
-from cablemodel_ros import node
-
-whole = cm.CableModel.step_to
-
-def step_to(self, time, *arguments, **inputs):
-    if time > 0.505:
-        raise cm.StepError("no convergence", time=self.time, arc_length=3.0)
-    whole(self, time, *arguments, **inputs)
-
-cm.CableModel.step_to = step_to
-sys.exit(node.main())
-"""
-
-
-def test_a_model_that_fails_leads_through_error_processing(
-    start_node: Start, talker: Talker, tmp_path: Path
-) -> None:
-    diagnostics = talker.listen("/diagnostics", DiagnosticArray)
-    node = start_node(**FREE_RUN, program=FAILING, log__folder=tmp_path / "log")
-    wait_until(
-        lambda: any(
-            "the simulation stopped" in s.message and s.level == DiagnosticStatus.ERROR
-            for a in diagnostics
-            for s in a.status
-        ),
-        120,
-    )
-    wait_until(lambda: talker.state == "unconfigured")
-    assert "3 m along the cable: no convergence" in node.text
-    (path,) = (tmp_path / "log").glob("cable_*.mcap")
-    run = cm.open_run(path)
-    assert "no convergence" in run.reason
-    assert run.applied_inputs["time"][-1] == pytest.approx(0.5)
-    assert talker.transition("configure")  # and it can be used again
-    assert talker.transition("cleanup")
 
 
 def test_node_and_library_fed_the_same_commands_give_the_same_states(

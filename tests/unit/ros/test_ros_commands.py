@@ -3,18 +3,26 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 from cablemodel_ros.commands import Commands
 from cablemodel_ros.frames import heading_rotation, quaternion_of, rotation
 from cablemodel_ros.helm import Helm, Present
+from cablemodel_ros.samples import Sampler
 from cablemodel_ros.settings import Settings
 from cablemodel_ros.times import Moment, Stamp
 from clocks_by_hand import Clocks
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
+from cablemodel import load_scene
+
+SCENE = Path(__file__).parents[3] / "ros2_node/scenes/waypoint_tow.yaml"
 STAMP = Stamp(0) + 1000.0
 NOW = Moment(0) + 7.0
 """The same instant, by the clock that commands age by."""
@@ -109,9 +117,65 @@ def test_odometry_gives_the_tow_point_in_the_map() -> None:
                     angular=(0.0, 0.0, 0.1)) == ""  # fmt: skip
     sample = commands.latest().odometry
     assert sample is not None
-    assert sample.position == pytest.approx([10.0, -2.0, 1.0])
+    assert sample.course.position == pytest.approx([10.0, -2.0, 1.0])
     # The bow points north; turning to port swings the stern to the east.
-    assert sample.velocity == pytest.approx([0.2, 1.0, 0.0])
+    assert sample.course.velocity == pytest.approx([0.2, 1.0, 0.0])
+
+
+def test_roll_and_pitch_rates_move_the_tow_point_by_its_arm() -> None:
+    """A tow point 3 m above and 5 m behind the origin: v + omega x r, with all three rates."""
+    ahead, spin = np.array([1.0, 0.0, 0.0]), np.array([0.3, -0.2, 0.1])
+    arm = np.array([-5.0, 0.0, 3.0])
+    commands, helm = made(vessel_input="cmd_vel", tow_point=arm.tolist(),
+                          limits__acceleration=1.0e3, limits__speed=100.0)  # fmt: skip
+    commands.take_twist(STAMP, "base_link", (1, 0, 0), spin)
+    dt = 1e-3
+    applied = helm.inputs(NOW, dt, at_rest(tuple(ahead + np.cross(spin, arm))))
+    assert applied.velocity == pytest.approx(ahead + np.cross(spin, arm), abs=2e-3)
+    for _ in range(999):  # for a second, against scipy's rotation by the same vector
+        helm.inputs(NOW, dt, at_rest())
+    assert helm.rotation == pytest.approx(Rotation.from_rotvec(spin).as_matrix(), abs=1e-9)
+    commands, _ = made(tow_point=arm.tolist())
+    assert odometry(commands, angular=tuple(spin)) == ""
+    sample = commands.latest().odometry
+    assert sample is not None
+    assert sample.course.velocity == pytest.approx(ahead + np.cross(spin, arm))
+
+
+def test_empty_frames_of_odometry_are_what_the_message_means() -> None:
+    """A vessel that heads north: its own speed ahead is northward, one in the map is eastward."""
+    for frame, child, velocity in (
+        ("", "", [0, 1, 0]), ("map", "", [0, 1, 0]), ("", "base_link", [0, 1, 0]),
+        ("map", "map", [1, 0, 0]),
+    ):  # fmt: skip
+        commands, _ = made()
+        assert odometry(commands, frame=frame, child_frame=child, orientation=EAST_TO_NORTH) == ""
+        sample = commands.latest().odometry
+        assert sample is not None
+        assert sample.course.velocity == pytest.approx(velocity)
+    commands, _ = made()
+    assert "child frame 'imu'; allowed: base_link, map" in odometry(commands, child_frame="imu")
+
+
+def test_pay_out_without_a_drum_is_told() -> None:
+    commands, helm = made(vessel_input="scene")
+    commands.take_payout_rate(0.2)
+    assert helm.inputs(NOW, 0.01, at_rest(drum=0.0)).payout_rate == 0.0
+    assert helm.idle_payout
+    helm.inputs(NOW, 0.01, at_rest(drum=5.0))
+    assert not helm.idle_payout
+
+
+def test_the_wrench_on_the_vessel_has_the_moment_of_its_arm() -> None:
+    """10 N to the east, 2 m behind the origin of a vessel that heads north: in vessel axes the
+    force is (0, -10, 0) at (-2, 0, 0), and turns the bow to port with 20 N m."""
+    sampler = Sampler(load_scene(SCENE), Settings.of({"tow_point": [-2.0, 0.0, 0.0]}))
+    model: Any = SimpleNamespace(
+        top_force=np.array([10.0, 0.0, 0.0]), top_moment=np.array([0.0, 0.0, 3.0])
+    )
+    force, moment = sampler.vessel_wrench(model, heading_rotation(math.pi / 2))
+    assert force == pytest.approx([0, -10, 0], abs=1e-12)
+    assert moment == pytest.approx([0, 0, 23.0])
 
 
 def test_relative_odometry_counts_from_the_first_message() -> None:
@@ -120,7 +184,7 @@ def test_relative_odometry_counts_from_the_first_message() -> None:
     odometry(commands, position=(501.0, 300.0, 0.0))
     sample = commands.latest().odometry
     assert sample is not None
-    assert sample.position == pytest.approx([1.0, 0.0, 0.0])
+    assert sample.course.position == pytest.approx([1.0, 0.0, 0.0])
 
 
 def test_a_jump_in_position_is_refused_with_distance_and_advice() -> None:

@@ -135,6 +135,9 @@ def test_a_log_that_fails_is_tried_again_and_says_so(
     wait_until(lambda: steps(session, 1) or not recorder.error)
     before = session.model.time
     steps(session, 50)
+    status = diagnostics.statuses()[2]
+    assert status.level == WARN
+    assert "a new file begins after the gap" in status.message
     assert diagnostics.statuses()[2].level == OK
     session.close()
     (path,) = folder.glob("cable_*.mcap")

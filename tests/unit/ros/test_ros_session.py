@@ -397,7 +397,7 @@ def test_what_a_cable_may_be_wrong_by_is_published_logged_and_told(tmp_path: Pat
     drive(session, 100)
     error = model.position_error
     assert error > 0.0
-    topics = [topic for topic, _ in session.sampler.outputs(model, session.stamp())]
+    topics = [topic for topic, _ in session.sampler.outputs(model, session.stamp(), np.eye(3))]
     assert {"~/position_error", "~/tension_error"} < set(topics)
     diagnostics = Diagnostics(session, loop_of(session)[0])
     status = diagnostics.statuses()[0]
