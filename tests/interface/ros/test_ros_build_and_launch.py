@@ -44,14 +44,15 @@ def overlay(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def in_overlay(overlay: Path, command: str, folder: Path) -> subprocess.Popen[str]:
     """A shell that sources the overlay; this environment's Python comes first."""
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    return subprocess.Popen(
-        ["bash", "-c", f"source {overlay}/install/setup.bash && exec {command}"],
-        stdout=(folder / "out").open("w"),
-        stderr=subprocess.STDOUT,
-        text=True,
-        cwd=folder,
-        env={**os.environ, "PATH": path, "ROS_LOG_DIR": str(folder / "ros_log")},
-    )
+    with (folder / "out").open("w") as out:
+        return subprocess.Popen(
+            ["bash", "-c", f"source {overlay}/install/setup.bash && exec {command}"],
+            stdout=out,
+            stderr=subprocess.STDOUT,
+            text=True,
+            cwd=folder,
+            env={**os.environ, "PATH": path, "ROS_LOG_DIR": str(folder / "ros_log")},
+        )
 
 
 @pytest.fixture
