@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cablemodel_ros.frames import rotation
+from cablemodel_ros.frames import cross, rotation
 from cablemodel_ros.limits import Course
 from cablemodel_ros.settings import Settings
 from cablemodel_ros.timebase import Arrival, Timebase
@@ -205,7 +205,7 @@ class Commands:
             if self._shift is None:
                 self._shift = self._origin - tow_point
             self._latest.odometry = self._sample(
-                arrival, tow_point + self._shift, velocity + np.cross(spin, arm), turn
+                arrival, tow_point + self._shift, velocity + cross(spin, arm), turn
             )
             self.tallies["odom"].received += 1
         return ""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 
 from cablemodel_ros.pacing import MERGE, ClockPacer, FreePacer, Pacer, WallPacer
 from cablemodel_ros.session import Cycle, Session, SessionError
@@ -58,6 +58,7 @@ class ControlLoop:
         publish: called with every cycle, outside the lock.
         failed: called (from the thread) when the session cannot go on; the thread ends.
         clock: a foreign clock to follow, or None.
+        listened: topics that somebody reads; None: all.
 
     Attributes: ``pacer``, ``resets`` that a jump of the foreign clock caused.
     """
@@ -70,12 +71,13 @@ class ControlLoop:
         failed: Callable[[str], None],
         *,
         clock: ForeignClock | None = None,
+        listened: Callable[[], Collection[str] | None] = lambda: None,
     ) -> None:
         self.session = session
         self.pacer = pacer_for(session.settings, clock)
         self.resets = 0
         self._lock, self._publish, self._failed = lock, publish, failed
-        self._clock = clock
+        self._clock, self._listened = clock, listened
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
         self._shed_in_a_row = 0
@@ -192,7 +194,9 @@ class ControlLoop:
                 self._restart_pacer()
             if plan.target is None:
                 return plan.wait
-            cycle = session.cycle(plan.target, plan.due, publish=self._has_time)
+            cycle = session.cycle(
+                plan.target, plan.due, publish=self._has_time, topics=self._listened()
+            )
         self._publish(cycle)
         session.cycle_times.add(time.perf_counter() - begin)
         return None

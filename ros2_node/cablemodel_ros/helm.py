@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel_ros.commands import Commands, Odometry, PayoutRate, Twist
-from cablemodel_ros.frames import heading_rotation, turned
+from cablemodel_ros.frames import cross, heading_rotation, turned
 from cablemodel_ros.limits import Motion, clipped, follow_course, follow_rate, follow_velocity
 from cablemodel_ros.settings import Settings
 from cablemodel_ros.times import Moment
@@ -137,7 +137,7 @@ class Helm:
             spin = self.rotation @ spin if twist.in_vessel else spin
             self.rotation = turned(self.rotation, spin, dt)
             linear = self.rotation @ twist.linear if twist.in_vessel else twist.linear
-            target = linear + np.cross(spin, self.rotation @ np.array(s.tow_point))
+            target = linear + cross(spin, self.rotation @ np.array(s.tow_point))
         return follow_velocity(present.velocity, target, dt, s.limits_speed, s.limits_acceleration)
 
     def _by_odometry(self, now: Moment, dt: float, present: Present) -> Motion:

@@ -33,7 +33,8 @@ from cablemodel_ros.control import ControlLoop, ForeignClock
 from cablemodel_ros.diagnostics import ERROR, Diagnostics, Status
 from cablemodel_ros.inputs import Inputs
 from cablemodel_ros.markers import Picture, markers
-from cablemodel_ros.session import Cycle, Names, Session
+from cablemodel_ros.outputs import Outputs
+from cablemodel_ros.session import Names, Session
 from cablemodel_ros.settings import BY_NAME, PARAMETERS, Settings, SettingsError
 from cablemodel_ros.timebase import Followed, Published, RealTime, Timebase
 from cablemodel_ros.times import Stamp
@@ -60,7 +61,7 @@ class CableNode(LifecycleNode):
         self._diagnostics: Diagnostics | None = None
         self._lock = threading.Lock()
         self._foreign: ForeignClock | None = None
-        self._publishers_by_topic: dict[str, Any] = {}
+        self._outputs: Outputs | None = None
         self._entities: list[Callable[[], Any]] = []
         self._steady = RclpyClock(clock_type=ClockType.STEADY_TIME)
         self._failure = ""
@@ -143,7 +144,8 @@ class CableNode(LifecycleNode):
         super().on_activate(state)
         self._failure = ""
         summary = json.dumps(self._session.summary())
-        self._publishers_by_topic["~/scene"].publish(String(data=summary))
+        assert self._outputs is not None
+        self._outputs.publishers["~/scene"].publish(String(data=summary))
         self._loop.start()
         return SUCCESS
 
@@ -193,29 +195,15 @@ class CableNode(LifecycleNode):
     def _connect(self, settings: Settings) -> None:
         session = self._session
         assert session is not None
-        for topic in (*interface.topics_of(session.scene), *interface.OTHERS):
-            wanted = {
-                "/diagnostics": False,
-                "/clock": settings.publishes_clock,
-                "/tf": settings.tf or settings.tf_vessel,
-                "~/markers": settings.markers_rate > 0.0,
-            }
-            if not wanted.get(topic.name, True):
-                continue
-            kind = messages.message_class(topic.message)
-            if kind is None:
-                self.get_logger().warning(f"{topic.name} is left out: no {topic.message} here")
-                continue
-            quality = messages.qos(topic.quality)
-            publisher = self.create_lifecycle_publisher(kind, topic.name, quality)
-            self._publishers_by_topic[topic.name] = publisher
-            self._entities.append(partial(self.destroy_lifecycle_publisher, publisher))
+        self._outputs = Outputs(self, session)
+        self._entities.append(self._outputs.destroy)
         self._loop = ControlLoop(
             session,
             self._lock,
-            self._publish,
+            self._outputs.publish,
             self._on_failure,
             clock=self._foreign,
+            listened=self._outputs.listened,
         )
         if settings.tf_vessel and settings.vessel_input == "odom":
             self.get_logger().warning(
@@ -244,8 +232,7 @@ class CableNode(LifecycleNode):
         for destroy in self._entities:
             destroy()
         self._entities.clear()
-        self._publishers_by_topic.clear()
-        self._session = self._loop = self._diagnostics = self._foreign = None
+        self._session = self._loop = self._diagnostics = self._foreign = self._outputs = None
         self._failure = ""
         gc.unfreeze()
 
@@ -255,20 +242,6 @@ class CableNode(LifecycleNode):
         super().destroy_node()
 
     # -- out ------------------------------------------------------------------------------------
-
-    def _publish(self, cycle: Cycle) -> None:
-        """Called by the control thread after every step."""
-        publishers = self._publishers_by_topic
-        clock = publishers.get("/clock")
-        if clock is not None:
-            clock.publish(messages.clock(cycle.stamp))
-        for topic, data in cycle.applied:
-            publishers[topic].publish(data)
-        for topic, data in cycle.outputs:
-            publishers[topic].publish(data)
-        if "/tf" in publishers and cycle.outputs:
-            assert self._session is not None
-            publishers["/tf"].publish(messages.transforms(cycle, self._session.settings))
 
     def _publish_diagnostics(self) -> None:
         if self._diagnostics is None:
@@ -283,9 +256,9 @@ class CableNode(LifecycleNode):
         self._diagnostics_publisher.publish(array)
 
     def _publish_markers(self) -> None:
-        publisher = self._publishers_by_topic.get("~/markers")
-        if publisher is None or self._session is None:
+        if self._outputs is None or self._session is None:
             return
+        publisher = self._outputs.publishers["~/markers"]
         if not publisher.is_activated or not publisher.get_subscription_count():
             return
         with self._lock:

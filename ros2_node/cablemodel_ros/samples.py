@@ -7,6 +7,7 @@ that is several times cheaper than message objects, and the log is what was on t
 from __future__ import annotations
 
 import struct
+from collections.abc import Collection
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from cablemodel import variables
 from cablemodel.log.messages import Messages, typestore
 from cablemodel.log.writer import encode_outputs
 from cablemodel.states import applied_values
-from cablemodel_ros.frames import Floats
+from cablemodel_ros.frames import Floats, cross
 from cablemodel_ros.helm import Applied
 from cablemodel_ros.settings import Settings
 from cablemodel_ros.times import Stamp
@@ -81,21 +82,31 @@ class Sampler:
         record = (variables.APPLIED_INPUTS_TOPIC, self._messages.applied_inputs(values))
         return record, [(APPLIED_ODOMETRY, bytes(odometry)), (APPLIED_TWIST, bytes(twist))]
 
-    def outputs(self, model: CableModel, stamp: Stamp, rotation: Floats) -> list[Message]:
+    def outputs(
+        self,
+        model: CableModel,
+        stamp: Stamp,
+        rotation: Floats,
+        wanted: Collection[str] | None = None,
+    ) -> list[Message]:
         """All outputs of the table, with ``~/nodes`` at the stations, and the wrench on the vessel.
 
-        rotation: vessel axes to map axes (3, 3).
+        rotation: vessel axes to map axes (3, 3); wanted: topics, None: all.
         """
-        state = model.sample(self._fractions * model.line_length)
-        found = encode_outputs(self._messages, self.topics, stamp.ns, model, state)
-        force, moment = self.vessel_wrench(model, rotation)
-        found.append((VESSEL_WRENCH, self._in_vessel.top_wrench(stamp.ns, force, moment)))
+        topics = [topic for topic in self.topics if wanted is None or topic in wanted]
+        state: Any = None
+        if NODES in topics:
+            state = model.sample(self._fractions * model.line_length)
+        found = encode_outputs(self._messages, topics, stamp.ns, model, state)
+        if wanted is None or VESSEL_WRENCH in wanted:
+            force, moment = self.vessel_wrench(model, rotation)
+            found.append((VESSEL_WRENCH, self._in_vessel.top_wrench(stamp.ns, force, moment)))
         return found
 
     def vessel_wrench(self, model: CableModel, rotation: Floats) -> tuple[Floats, Floats]:
         """Force [N] and moment [N m] of the cable about the vessel frame's origin, in its axes."""
         force = model.top_force @ rotation
-        return force, model.top_moment @ rotation + np.cross(self._arm, force)
+        return force, model.top_moment @ rotation + cross(self._arm, force)
 
     def record(self, model: CableModel, stamp: Stamp) -> list[Message]:
         """All outputs with ``~/nodes`` at the model's own nodes, and the exact state: what

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -38,11 +38,13 @@ class Cycle:
     applied: list[Message]
     """What was applied; always published."""
     outputs: list[Message]
-    """All outputs; empty where publication was shed."""
+    """All outputs that were wanted."""
     tow_point: Floats
     """Its position in the map (3,) [m]."""
     rotation: Floats
     """Vessel axes to map axes (3, 3)."""
+    shed: bool = False
+    """Whether outputs were left out to keep up."""
 
 
 @dataclass(frozen=True)
@@ -178,6 +180,7 @@ class Session:
         due: Monotonic | None = None,
         *,
         publish: Callable[[], bool] = lambda: True,
+        topics: Collection[str] | None = None,
     ) -> Cycle:
         """Step to `target` with the commands in force.
 
@@ -185,6 +188,7 @@ class Session:
             target: simulated time to reach.
             due: when it was due, where the monotonic clock decides that.
             publish: asked after the step; False makes no outputs, to save the time.
+            topics: outputs that are wanted; None: all.
 
         Raises:
             SessionError: the step cannot be made; the model stands as it was.
@@ -199,16 +203,18 @@ class Session:
         stamp = self.stamp()
         record, motion = self.sampler.step(self.model, target - begin, applied, stamp)
         turn = self.helm.rotation
-        outputs = self.sampler.outputs(self.model, stamp, turn) if publish() else []
+        shed = not publish()
+        outputs = [] if shed else self.sampler.outputs(self.model, stamp, turn, topics)
         if self.settings.on_failure == "retry":
             self.checkpoints.keep(self.model)
         self.cycles += 1
-        self.shed += not outputs
+        self.shed += shed
         if self.recorder is not None:
             self.recorder.step(stamp, [record])
             if self.model.time >= self._next_output - 1e-9:
                 self._log_outputs(stamp)
-        return Cycle(stamp, [record, *motion], outputs, self.model.vessel_position, turn)
+        place = self.model.vessel_position
+        return Cycle(stamp, [record, *motion], outputs, place, turn, shed)
 
     def _log_outputs(self, stamp: Stamp) -> None:
         assert self.recorder is not None
