@@ -13,6 +13,7 @@ import os
 import time
 import zlib
 from contextlib import suppress
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -101,18 +102,30 @@ class LogFolder:
     def _write_bag(self) -> None:
         """Write ``metadata.yaml`` of all finished files that are there."""
         path = self._folder / BAG
-        try:
-            written = yaml.safe_load(path.read_text(encoding="utf-8"))
-            owner = written["rosbag2_bagfile_information"]["custom_data"][_OWNER]
-        except FileNotFoundError:
-            owner = self._node
-        except (yaml.YAMLError, KeyError, TypeError):
-            owner = "somebody else"
+        owner = _owner_of(path) or self._node
         self.problem = "" if owner == self._node else f"{path} is of {owner}: left as it is"
         files = [entry for entry in self._entries() if entry.get("bag")]
         if self.problem or not files:
             return
-        _replace(path, yaml.safe_dump(_bag(self._node, files), sort_keys=False))
+        # JSON is YAML too, and takes a hundredth of the time and memory to write.
+        _replace(path, json.dumps(_bag(self._node, files), indent=1))
+
+
+def _owner_of(bag: Path) -> str:
+    """The node that wrote a bag's ``metadata.yaml``; empty where there is none."""
+    try:
+        information = json.loads(bag.read_text(encoding="utf-8"))["rosbag2_bagfile_information"]
+        return str(information["custom_data"][_OWNER])
+    except FileNotFoundError:
+        return ""
+    except (ValueError, KeyError, TypeError):  # ours would be JSON
+        return "somebody else"
+
+
+@cache
+def _profiles(text: str) -> Any:
+    """QoS profiles of a channel, of which a log has one or two."""
+    return yaml.safe_load(text or "[]")
 
 
 def _head(path: Path, length: int) -> int:
@@ -184,7 +197,7 @@ def _bag(node: str, files: list[dict[str, Any]]) -> dict[str, Any]:
                     "name": topic["name"],
                     "type": topic["type"],
                     "serialization_format": "cdr",
-                    "offered_qos_profiles": yaml.safe_load(topic["qos"] or "[]"),
+                    "offered_qos_profiles": _profiles(topic["qos"]),
                     "type_description_hash": topic["hash"],
                 },
                 "message_count": topic["count"],
