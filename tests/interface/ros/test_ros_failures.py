@@ -67,8 +67,12 @@ def test_on_request_the_process_ends_with_a_status_for_who_started_it(
     start_node: Start, talker: Talker, tmp_path: Path
 ) -> None:
     diagnostics = talker.listen("/diagnostics", DiagnosticArray)
-    program = FAILING.format(after=2.0, times=10**6)
+    now = tmp_path / "now"
+    after = f"(0.0 if __import__('pathlib').Path({str(now)!r}).exists() else 1e9)"
+    program = FAILING.format(after=after, times=10**6)
     node = start_node(**FREE_RUN, program=program, log__folder=tmp_path / "log", on_failure="exit")
+    wait_until(lambda: diagnostics, 120)  # the two have found each other
+    now.touch()
     assert node.process.wait(120) == 3
     assert told(diagnostics, "the node ends (on_failure: exit)")
     assert "Traceback" not in node.text
