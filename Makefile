@@ -123,7 +123,7 @@ clean:  ## remove environments, builds, caches and output
 $(READY_ROS): pyproject.toml ros2_node/setup.py
 	$(call environment,$(VENV_ROS))
 	$(VENV_ROS)/bin/python -m pip install --quiet --quiet --editable . \
-		--editable './ros2_node[wheels]' 'matplotlib>=3.8,<4' 'pytest>=8,<10'
+		--editable './ros2_node[wheels,colcon]' 'matplotlib>=3.8,<4' 'pytest>=8,<10'
 	@touch $@
 
 # The stamps keep a second call from installing again; a change of pyproject.toml does.

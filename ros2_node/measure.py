@@ -173,7 +173,7 @@ def main() -> int:
     print(json.dumps(long, indent=2), flush=True)
     rclpy.shutdown()
     kept = [
-        live["processor [% of one core]"] <= 15.0,
+        live["processor [% of one core]"] <= 10.0,
         float(live["step time 99.9 % [ms]"]) < 5.0,
         long["memory at the end [MB]"] - long["memory after a tenth [MB]"] < 5.0,
     ]

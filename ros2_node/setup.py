@@ -20,7 +20,8 @@ setup(
     install_requires=["setuptools", "cablemodel"],
     # rclpy comes with ROS 2 on a robot; elsewhere the wheels of PyPI do.
     extras_require={
-        "wheels": ["ros-jazzy-rclpy[fastrtps]==7.1.6", "ros-jazzy-common-interfaces==5.3.6"]
+        "wheels": ["ros-jazzy-rclpy[fastrtps]==7.1.6", "ros-jazzy-common-interfaces==5.3.6"],
+        "colcon": ["colcon-common-extensions>=0.3,<0.4", "ros-jazzy-ament-package==0.16.4"],
     },
     zip_safe=True,
     description="ROS 2 node of cablemodel, an ocean-cable simulator",

@@ -76,7 +76,7 @@ def info(
         "metadata": log.metadata,
         "statistics": log.statistics,
         "channels": [
-            {"topic": topic, "type": log.topics[topic], "messages": count}
+            {"topic": log.names.get(topic, topic), "type": log.topics[topic], "messages": count}
             for topic, count in log.counts().items()
         ],
     }

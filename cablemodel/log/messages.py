@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 FRAME = "map"
+TOW_POINT_FRAME = "tow_point"
+"""Frame at the tow point, parallel to the map: the wrench on the vessel acts there."""
 END_FRAME = "cable_end"
 """Frame at the far end, parallel to the map (the twist of an Odometry is in its child's frame)."""
 
@@ -85,12 +87,17 @@ def through_quaternion(direction: Floats) -> Floats:
 
 class Messages:
     """Makes the messages of one log (not thread-safe). Every method returns CDR bytes; ``stamp``
-    is in nanoseconds since 1970, vectors are in the map's axes."""
+    is in nanoseconds since 1970, vectors are in the map's axes.
 
-    def __init__(self) -> None:
+    Args:
+        tow_point_frame: name of the frame at the tow point.
+    """
+
+    def __init__(self, tow_point_frame: str = TOW_POINT_FRAME) -> None:
         build = _Prototypes()
         self._float64 = build.float64()
-        self._wrench = build.wrench()
+        self._wrench = build.wrench(FRAME)
+        self._top_wrench = build.wrench(tow_point_frame)
         self._odometry = build.odometry()
         self._point = build.point()
         self._inputs = build.labelled(variables.APPLIED_INPUT_LABELS)
@@ -107,10 +114,11 @@ class Messages:
 
     def wrench(self, stamp: int, force: Floats, torque: Floats | None = None) -> bytes:
         """Force (3,) [N] and moment (3,) [N m]."""
-        at = _stamped(self._wrench, stamp) - 48
-        _THREE.pack_into(self._wrench, at, *force)
-        _THREE.pack_into(self._wrench, at + 24, *(_ZERO if torque is None else torque))
-        return bytes(self._wrench)
+        return _wrench(self._wrench, stamp, force, torque)
+
+    def top_wrench(self, stamp: int, force: Floats, torque: Floats) -> bytes:
+        """Force (3,) [N] and moment (3,) [N m] of the cable on the vessel, at the tow point."""
+        return _wrench(self._top_wrench, stamp, force, torque)
 
     def odometry(self, stamp: int, position: Floats, velocity: Floats) -> bytes:
         """Position (3,) [m] and velocity (3,) [m/s] of the far end; its frame does not turn."""
@@ -182,6 +190,13 @@ class Messages:
 _ZERO = (0.0, 0.0, 0.0)
 
 
+def _wrench(data: bytearray, stamp: int, force: Floats, torque: Floats | None) -> bytes:
+    at = _stamped(data, stamp) - 48
+    _THREE.pack_into(data, at, *force)
+    _THREE.pack_into(data, at + 24, *(_ZERO if torque is None else torque))
+    return bytes(data)
+
+
 def _stamped(data: bytearray, stamp: int) -> int:
     """Put a time into a message's header; gives the length of the message."""
     _STAMP.pack_into(data, _STAMP_AT, *divmod(stamp, 1_000_000_000))
@@ -193,8 +208,11 @@ class _Prototypes:
 
     def __init__(self) -> None:
         self._types = typestore().types
+        self._header = self._header_in(FRAME)
+
+    def _header_in(self, frame: str) -> Any:
         time = self._new("builtin_interfaces/msg/Time", 0, 0)
-        self._header = self._new("std_msgs/msg/Header", time, FRAME)
+        return self._new("std_msgs/msg/Header", time, frame)
 
     def _new(self, name: str, *values: Any) -> Any:
         return self._types[name](*values)
@@ -215,9 +233,9 @@ class _Prototypes:
     def float64(self) -> bytearray:
         return self._serialized(variables.FLOAT64, 0.0)
 
-    def wrench(self) -> bytearray:
+    def wrench(self, frame: str) -> bytearray:
         wrench = self._new("geometry_msgs/msg/Wrench", self._vector(), self._vector())
-        return self._serialized(variables.WRENCH, self._header, wrench)
+        return self._serialized(variables.WRENCH, self._header_in(frame), wrench)
 
     def point(self) -> bytearray:
         return self._serialized(variables.POINT, self._header, self._point())

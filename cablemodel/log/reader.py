@@ -33,6 +33,7 @@ from cablemodel.log.writer import (
     SCENE_ATTACHMENT,
     SCHEMA_VERSION,
     SOURCE_ATTACHMENT,
+    TOPIC_NAMES,
 )
 
 _RECORD_HEADER = struct.Struct("<BQ")
@@ -69,7 +70,8 @@ class LogFile:
 
     Attributes: ``scene_text`` (YAML in SI), ``source_text`` (as the user wrote it, or None),
     ``metadata`` and ``end`` (records at the start and the end), ``epoch`` [ns], ``cut`` (whether
-    the end of the file is missing), ``complete`` and ``reason``.
+    the end of the file is missing), ``complete`` and ``reason``, ``names`` (topics of the table
+    that have another name in the file: a node in a namespace wrote it).
 
     Raises:
         LogError: no such file, not a log of this project, by another schema version, or damaged.
@@ -98,7 +100,9 @@ class LogFile:
             # No checksum covers the whole file: trust only what a chunk's own one covers.
             for chunk in self._chunks:
                 chunk.indexes = self._walk_chunk(chunk)
-        self._ids = {channel.topic: key for key, channel in self._channels.items()}
+        self.names: dict[str, str] = json.loads(self.metadata.get(TOPIC_NAMES, "{}"))
+        tables = {name: topic for topic, name in self.names.items()}
+        self._ids = {tables.get(c.topic, c.topic): key for key, c in self._channels.items()}
 
     @property
     def epoch(self) -> int:
@@ -127,8 +131,9 @@ class LogFile:
 
     @property
     def topics(self) -> dict[str, str]:
-        """Topics of the file and their message types."""
-        return {c.topic: self._schemas[c.schema_id].name for c in self._channels.values()}
+        """Topics of the table that are in the file, and their message types."""
+        found = {topic: self._channels[key] for topic, key in self._ids.items()}
+        return {topic: self._schemas[c.schema_id].name for topic, c in found.items()}
 
     def counts(self) -> dict[str, int]:
         """Number of messages of every topic."""

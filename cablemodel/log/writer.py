@@ -36,6 +36,8 @@ SCHEMA_VERSION = "1"
 
 METADATA_START = "cablemodel"
 METADATA_END = "cablemodel_end"
+TOPIC_NAMES = "topics"
+"""In the metadata: topics of the table whose names in the file are others (JSON)."""
 SCENE_ATTACHMENT = "scene.yaml"
 SOURCE_ATTACHMENT = "scene_as_written.yaml"
 
@@ -77,13 +79,20 @@ class LogWriter:
         path: file to write; an existing one is replaced.
         scene: scene of the run; attached to the file with all its values in SI.
         epoch: time that stands for t = 0 [ns since 1970]; now (whole seconds) if not given.
+        topics: names in the file of topics that are not to have those of the table there, such as
+            ``{"/cable/nodes": "/tug/cable/nodes"}``.
 
     Raises:
         LogError: the file cannot be written, or another run writes it.
     """
 
     def __init__(
-        self, path: str | PathLike[str], scene: Scene, *, epoch: int | None = None
+        self,
+        path: str | PathLike[str],
+        scene: Scene,
+        *,
+        epoch: int | None = None,
+        topics: Mapping[str, str] | None = None,
     ) -> None:
         from cablemodel.log.container import Container
 
@@ -95,6 +104,7 @@ class LogWriter:
             raise LogError(f"cannot write the log {self.path}: {error.strerror}") from error
         self._messages = Messages()
         self._topics = variables.topics_of(scene)
+        self._names = dict(topics or {})
         self._topics_over_time = [topic for topic in self._topics if topic not in _GROUPS]
         self._channels: dict[str, int] = {}
         self._lock = threading.Lock()
@@ -130,6 +140,7 @@ class LogWriter:
                 "epoch_ns": str(self.epoch),
                 "title": scene.title or "",
                 "solver": json.dumps(solver),
+                **({TOPIC_NAMES: json.dumps(self._names)} if self._names else {}),
                 **provenance(),
             },
         )
@@ -142,7 +153,7 @@ class LogWriter:
                     message, "ros2msg", definition(message).encode()
                 )
             self._channels[topic] = self._mcap.add_channel(
-                topic,
+                self._names.get(topic, topic),
                 "cdr",
                 schemas[message],
                 {"offered_qos_profiles": _QOS, "topic_type_hash": type_hash(message)},
@@ -351,7 +362,9 @@ def encode_outputs(
 def _encoders() -> dict[str, _Encode]:
     """How the message of each output topic is made from a model and its state."""
     special: dict[str, _Encode] = {
-        "~/top_wrench": lambda m, t, model, state: m.wrench(t, model.top_force, model.top_moment),
+        "~/top_wrench": lambda m, t, model, state: m.top_wrench(
+            t, model.top_force, model.top_moment
+        ),
         "~/end_odom": lambda m, t, model, state: m.odometry(
             t, model.tip_position, model.tip_velocity
         ),

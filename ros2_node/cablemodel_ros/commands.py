@@ -14,8 +14,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cablemodel_ros.frames import rotation
+from cablemodel_ros.frames import cross, rotation
+from cablemodel_ros.limits import Course
 from cablemodel_ros.settings import Settings
+from cablemodel_ros.timebase import Arrival, Timebase
+from cablemodel_ros.times import Moment, Stamp
 
 Floats = NDArray[np.float64]
 
@@ -28,25 +31,27 @@ FUTURE = 1.0
 class Twist:
     """A commanded velocity of the vessel."""
 
-    time: float
-    """When it was given [s], on the node's ROS clock."""
+    given: Moment
+    """When it was made; never later than it came."""
     linear: Floats
     """(3,) [m/s]."""
-    turn_rate: float
-    """About the vertical, to port [rad/s]."""
+    angular: Floats
+    """(3,) [rad/s]."""
     in_vessel: bool
-    """Whether `linear` is in vessel axes (else the map's)."""
+    """Whether both are in vessel axes (else the map's)."""
 
 
 @dataclass(frozen=True)
 class Odometry:
     """Motion of the tow point as measured, in the map."""
 
-    time: float
-    position: Floats
-    """(3,) [m]."""
-    velocity: Floats
-    """(3,) [m/s]."""
+    given: Moment
+    measured: Moment
+    """The moment of its stamp, which may lie in the future."""
+    course: Course
+    """At that moment; its acceleration is that of the samples so far, smoothed."""
+    interval: float
+    """Since the sample before it [s]; 0 for the first."""
     rotation: Floats
     """Vessel axes to map axes (3, 3)."""
 
@@ -55,7 +60,7 @@ class Odometry:
 class PayoutRate:
     """A commanded pay-out rate."""
 
-    time: float
+    given: Moment
     rate: float
     """[m/s], positive out."""
 
@@ -92,10 +97,16 @@ class Commands:
     """Takes commands from any thread; gives the newest to the control loop.
 
     Every ``take`` returns an empty text, or why it refused.
+
+    A stamp says how long a message was under way, by the clock that it was stamped with. From then
+    on it ages by the time base's own clock: no clock that is set makes it older or younger.
     """
 
-    def __init__(self, settings: Settings, origin: ArrayLike = (0.0, 0.0, 0.0)) -> None:
+    def __init__(
+        self, settings: Settings, timebase: Timebase, origin: ArrayLike = (0.0, 0.0, 0.0)
+    ) -> None:
         self._settings = settings
+        self._timebase = timebase
         self._origin = np.array(origin, dtype=np.float64)
         self._shift: Floats | None = None if settings.odom_relative else np.zeros(3)
         self._tow_point = np.array(settings.tow_point)
@@ -126,13 +137,13 @@ class Commands:
 
     def take_twist(
         self,
-        now: float,
-        stamp: float,
+        stamp: Stamp | None,
         frame: str,
         linear: Sequence[float],
         angular: Sequence[float],
     ) -> str:
-        """A velocity command: `stamp` [s] (0: none), `frame` of its axes (empty: the map's)."""
+        """A velocity command: its `stamp` (None: not stamped), `frame` of its axes (empty: the
+        map's)."""
         values = np.array([*linear, *angular], dtype=np.float64)
         if not np.isfinite(values).all():
             return self._refuse("cmd_vel", f"not finite: {values.tolist()}")
@@ -140,11 +151,12 @@ class Commands:
             return self._refuse(
                 "cmd_vel", f"frame {frame!r}; allowed: {MAP}, {self._settings.vessel_frame}"
             )
-        reason = self._wrong_stamp(now, stamp)
+        arrival = self._timebase.arrival(stamp)
+        reason = self._wrong_stamp(arrival)
         if reason:
             return self._refuse("cmd_vel", reason)
         in_vessel = frame == self._settings.vessel_frame
-        twist = Twist(stamp or now, values[:3], float(values[5]), in_vessel)
+        twist = Twist(_given(arrival), values[:3], values[3:], in_vessel)
         with self._lock:
             self._latest.twist = twist
             self.tallies["cmd_vel"].received += 1
@@ -152,8 +164,7 @@ class Commands:
 
     def take_odometry(
         self,
-        now: float,
-        stamp: float,
+        stamp: Stamp | None,
         frame: str,
         child_frame: str,
         position: Sequence[float],
@@ -161,13 +172,24 @@ class Commands:
         linear: Sequence[float],
         angular: Sequence[float],
     ) -> str:
-        """Motion of the vessel: pose in `frame`, twist in `child_frame` (as Odometry has it)."""
+        """Motion of the vessel: pose in `frame`, twist in `child_frame` (as Odometry has it).
+
+        Empty frames are `odom_frame` and `vessel_frame`, as the message's definition means them.
+        """
         values = np.array([*position, *orientation, *linear, *angular], dtype=np.float64)
         if not np.isfinite(values).all():
             return self._refuse("odom", f"not finite: {values.tolist()}")
         if frame not in ("", self._settings.odom_frame):
             return self._refuse("odom", f"frame {frame!r}; allowed: {self._settings.odom_frame}")
-        reason = self._wrong_stamp(now, stamp)
+        fixed = (self._settings.odom_frame, MAP)
+        if child_frame not in ("", self._settings.vessel_frame, *fixed):
+            return self._refuse(
+                "odom",
+                f"child frame {child_frame!r}; allowed: {self._settings.vessel_frame}, "
+                f"{', '.join(dict.fromkeys(fixed))}",
+            )
+        arrival = self._timebase.arrival(stamp)
+        reason = self._wrong_stamp(arrival)
         if reason:
             return self._refuse("odom", reason)
         try:
@@ -176,25 +198,42 @@ class Commands:
             return self._refuse("odom", str(error))
         arm = turn @ self._tow_point
         velocity, spin = values[7:10], values[10:13]
-        if child_frame not in (frame, MAP):
+        if child_frame not in fixed:
             velocity, spin = turn @ velocity, turn @ spin
         tow_point = values[:3] + arm
         with self._lock:
             if self._shift is None:
                 self._shift = self._origin - tow_point
-            sample = Odometry(
-                stamp or now, tow_point + self._shift, velocity + np.cross(spin, arm), turn
+            self._latest.odometry = self._sample(
+                arrival, tow_point + self._shift, velocity + cross(spin, arm), turn
             )
-            self._latest.odometry = sample
             self.tallies["odom"].received += 1
         return ""
 
-    def take_payout_rate(self, now: float, rate: float) -> str:
+    def _sample(
+        self, arrival: Arrival, position: Floats, velocity: Floats, turn: Floats
+    ) -> Odometry:
+        """A sample with the acceleration that it and those before it show."""
+        before = self._latest.odometry
+        acceleration, interval = np.zeros(3), 0.0
+        if before is not None:
+            interval = arrival.made - before.measured
+            acceleration = before.course.acceleration
+            if interval > self._settings.command_timeout:
+                acceleration = np.zeros(3)
+            elif interval > 0.0:
+                seen = (velocity - before.course.velocity) / interval
+                share = -math.expm1(-interval / max(self._settings.odom_smoothing, 1e-9))
+                acceleration = acceleration + share * (seen - acceleration)
+        course = Course(position, velocity, acceleration)
+        return Odometry(_given(arrival), arrival.made, course, max(interval, 0.0), turn)
+
+    def take_payout_rate(self, rate: float) -> str:
         """A pay-out rate [m/s], positive out."""
         if not math.isfinite(rate):
             return self._refuse("payout_rate_cmd", f"not finite: {rate}")
         with self._lock:
-            self._latest.payout = PayoutRate(now, float(rate))
+            self._latest.payout = PayoutRate(self._timebase.now(), float(rate))
             self.tallies["payout_rate_cmd"].received += 1
         return ""
 
@@ -221,12 +260,13 @@ class Commands:
             tally.reason = reason
         return f"{topic} refused: {reason}"
 
-    def _wrong_stamp(self, now: float, stamp: float) -> str:
-        if stamp == 0.0:
-            return ""
-        age = now - stamp
-        if age > self._settings.command_timeout:
-            return f"its stamp is {age:.3g} s old; allowed: command_timeout"
-        if age < -FUTURE:
-            return f"its stamp lies {-age:.3g} s in the future: do the clocks agree?"
+    def _wrong_stamp(self, arrival: Arrival) -> str:
+        if arrival.delay > self._settings.command_timeout:
+            return f"its stamp is {arrival.delay:.3g} s old; allowed: command_timeout"
+        if arrival.delay < -FUTURE:
+            return f"its stamp lies {-arrival.delay:.3g} s in the future: do the clocks agree?"
         return ""
+
+
+def _given(arrival: Arrival) -> Moment:
+    return min(arrival.made, arrival.now)

@@ -4,46 +4,46 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 
 from cablemodel_ros.pacing import MERGE, ClockPacer, FreePacer, Pacer, WallPacer
 from cablemodel_ros.session import Cycle, Session, SessionError
 from cablemodel_ros.settings import Settings
+from cablemodel_ros.times import Simulated, Stamp
 
 _LONGEST_WAIT = 0.1
 """[s], so that a stop is noticed."""
 
 
 class ForeignClock:
-    """The last time of a foreign clock [ns], and a way to wait for the next."""
+    """The last time of a foreign clock, and a way to wait for the next."""
 
     def __init__(self) -> None:
         self._condition = threading.Condition()
-        self._now: int | None = None
+        self._now: Stamp | None = None
 
-    def set(self, now: int) -> None:
+    def set(self, now: Stamp) -> None:
         """Called for every message of the clock."""
         with self._condition:
             self._now = now
             self._condition.notify_all()
 
-    @property
-    def now(self) -> int | None:
-        """[ns]; None before the first message."""
+    def now(self) -> Stamp | None:
+        """None before the first message."""
         return self._now
 
-    def wait(self, seen: int | None, timeout: float) -> int | None:
+    def wait(self, seen: Stamp | None, timeout: float) -> Stamp | None:
         """The time, as soon as it differs from `seen`, or after `timeout` [s]."""
         with self._condition:
             self._condition.wait_for(lambda: self._now != seen, timeout)
             return self._now
 
 
-def pacer_for(settings: Settings, foreign: bool) -> Pacer:
-    """The pacer that the settings ask for; `foreign`: follow a foreign clock."""
+def pacer_for(settings: Settings, foreign: ForeignClock | None) -> Pacer:
+    """The pacer that the settings ask for; `foreign`: a foreign clock to follow."""
     period = 1.0 / settings.rate
-    if foreign:
-        return ClockPacer(period)
+    if foreign is not None:
+        return ClockPacer(period, lambda: foreign.now() or Stamp(0))
     if settings.real_time_factor == 0.0:
         return FreePacer(period)
     return WallPacer(period, settings.real_time_factor, settings.lag_limit)
@@ -58,7 +58,7 @@ class ControlLoop:
         publish: called with every cycle, outside the lock.
         failed: called (from the thread) when the session cannot go on; the thread ends.
         clock: a foreign clock to follow, or None.
-        ros_now: ROS time [ns], where simulated time is not that time itself.
+        listened: topics that somebody reads; None: all.
 
     Attributes: ``pacer``, ``resets`` that a jump of the foreign clock caused.
     """
@@ -71,13 +71,13 @@ class ControlLoop:
         failed: Callable[[str], None],
         *,
         clock: ForeignClock | None = None,
-        ros_now: Callable[[], int] = time.time_ns,
+        listened: Callable[[], Collection[str] | None] = lambda: None,
     ) -> None:
         self.session = session
-        self.pacer = pacer_for(session.settings, clock is not None)
+        self.pacer = pacer_for(session.settings, clock)
         self.resets = 0
         self._lock, self._publish, self._failed = lock, publish, failed
-        self._clock, self._ros_now = clock, ros_now
+        self._clock, self._listened = clock, listened
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
         self._shed_in_a_row = 0
@@ -117,47 +117,48 @@ class ControlLoop:
     def reset(self) -> None:
         """The session back to its initial state; time goes on from now."""
         with self._lock:
-            self.session.reset(self._now_ns())
+            self.session.reset()
             if self.running:
                 self._restart_pacer()
             else:
                 self.session.stop()
 
     def _begin(self) -> None:
-        self.session.start(self._now_ns())
+        self.session.start()
         self._restart_pacer()
         self._started = True
 
     def _restart_pacer(self) -> None:
-        now = 1e-9 * self.session.stamp() if self._clock is not None else time.monotonic()
-        self.pacer.start(now, self.session.model.time)
-
-    def _now_ns(self) -> int:
-        """ROS time [ns] that belongs to the session's present time when it starts."""
-        if self._clock is not None:
-            return self._clock.now or 0
-        if self.session.settings.publishes_clock:
-            return self.session.stamp()  # counts from 0, and goes on over a reset
-        return self._ros_now()
+        self.pacer.start(Simulated(self.session.model.time))
 
     def _run(self) -> None:
-        seen: int | None = None
         try:
             while not self._stop.is_set():
-                if self._clock is not None:
-                    seen = self._follow(seen)
-                    continue
-                plan = self.pacer.plan(time.monotonic())
-                if plan.wait > 0.0:
-                    time.sleep(min(plan.wait, _LONGEST_WAIT))
-                elif plan.target is not None:
-                    self._cycle(plan.target)
-        except SessionError as failure:
-            self._failed(str(failure))
+                try:
+                    self._go()
+                except SessionError as failure:
+                    with self._lock:
+                        goes_on = self.session.retry()
+                        if goes_on:
+                            self._restart_pacer()
+                    if not goes_on:
+                        self._failed(str(failure))
+                        return
         except Exception as error:
             self._failed(f"{type(error).__name__}: {error}")
 
-    def _follow(self, seen: int | None) -> int | None:
+    def _go(self) -> None:
+        """Step until told to stop."""
+        seen: Stamp | None = None
+        while not self._stop.is_set():
+            if self._clock is not None:
+                seen = self._follow(seen)
+                continue
+            wait = self._turn()
+            if wait is not None and wait > 0.0:
+                time.sleep(min(wait, _LONGEST_WAIT))
+
+    def _follow(self, seen: Stamp | None) -> Stamp | None:
         """Make all steps that the foreign clock allows, then wait for it."""
         assert self._clock is not None
         now = self._clock.wait(seen, _LONGEST_WAIT)
@@ -166,34 +167,36 @@ class ControlLoop:
         if not self._started:
             with self._lock:
                 self._begin()
-        while not self._stop.is_set():
-            # Counted from the start of the run: absolute times in 64-bit floats would lose digits.
-            target = self.pacer.plan(1e-9 * now).target
-            if getattr(self.pacer, "jumped", False):
-                with self._lock:
-                    self.resets += 1
-                    self.session.reset(now)
-                    self._restart_pacer()
-                break
-            if target is None:
-                break
-            self._cycle(target)
+        while not self._stop.is_set() and self._turn() is None:
+            pass
         return now
 
     def _has_time(self) -> bool:
         """Whether to publish: what is late is not, but for one cycle in ten, so that topics stay
         alive."""
-        publish = self._shed_in_a_row >= MERGE - 1 or not self.pacer.late(time.monotonic())
+        publish = self._shed_in_a_row >= MERGE - 1 or not self.pacer.late()
         self._shed_in_a_row = 0 if publish else self._shed_in_a_row + 1
         return publish
 
-    def _cycle(self, target: float) -> None:
+    def _turn(self) -> float | None:
+        """A step and its publication (then None), or how long to wait [s].
+
+        Planned and made under one lock: a reset between the two would make one step of all the
+        time before it.
+        """
         begin = time.perf_counter()
+        session = self.session
         with self._lock:
-            session = self.session
-            if target <= session.model.time:
-                return  # a reset came between the plan and the step
-            now = 1e-9 * session.epoch + target + self.pacer.slipped
-            cycle = session.cycle(target, now, publish=self._has_time)
+            plan = self.pacer.plan()
+            if self.pacer.jumped:
+                self.resets += 1
+                session.reset()
+                self._restart_pacer()
+            if plan.target is None:
+                return plan.wait
+            cycle = session.cycle(
+                plan.target, plan.due, publish=self._has_time, topics=self._listened()
+            )
         self._publish(cycle)
         session.cycle_times.add(time.perf_counter() - begin)
+        return None

@@ -68,12 +68,18 @@ class Diagnostics:
             status.add(ERROR, session.failure)
         elif not self._loop.running:
             status.add(OK, "paused")
+        if self._new("retries", session.checkpoints.retries):
+            status.add(ERROR, f"a step could not be made: {session.last_failure}; gone back by "
+                              f"{session.checkpoints.gone_back:.3g} s")  # fmt: skip
         missed = self._new("missed", pacer.missed)
         if missed:
             status.add(WARN, f"{missed:g} deadlines missed")
         slipped = self._new("slipped", pacer.slipped)
         if slipped:
             status.add(WARN, f"simulated time slipped by {slipped:.3g} s: too slow for this rate")
+        if self._new("clock steps", session.timebase.clock_steps):
+            status.add(WARN, f"the system's clock was set by {session.timebase.clock_step:+.3g} s: "
+                             "stamps follow it")  # fmt: skip
         shed = self._new("shed", session.shed)
         if shed:
             status.add(WARN, f"{shed:g} publications left out to keep up")
@@ -95,6 +101,7 @@ class Diagnostics:
             "time slipped [s]": f"{pacer.slipped:.3f}",
             "behind [s]": f"{pacer.behind:.4f}",
             "publications left out": str(session.shed),
+            "gone back after a failure": str(session.checkpoints.retries),
             "processor [% of one core]": f"{load:.1f}",
             **{f"solver {name}": str(value) for name, value in statistics.items()},
         }
@@ -126,6 +133,9 @@ class Diagnostics:
         helm, status = session.helm, Status("commands")
         for topic in sorted(helm.stale):
             status.add(WARN, f"{topic} is stale: ramping to zero")
+        if helm.idle_payout:
+            why = "the drum is empty" if session.has_drum else "the scene has no payout.drum"
+            status.add(WARN, f"payout_rate_cmd asks for cable, and {why}")
         for topic in sorted(helm.waiting):
             status.add(WARN, f"no {topic} yet")
         for topic, tally in session.commands.tallies.items():
@@ -145,8 +155,13 @@ class Diagnostics:
         recorder = self._session.recorder
         assert recorder is not None
         status = Status("log")
+        recovered = self._new("log recoveries", recorder.recoveries)
         if recorder.error:
-            status.add(ERROR, f"nothing is logged any more: {recorder.error}")
+            status.add(ERROR, f"nothing is logged: {recorder.error}; it is tried again")
+        elif recovered:
+            status.add(WARN, "nothing was logged for a while: a new file begins after the gap")
+        if recorder.problem:
+            status.add(WARN, recorder.problem)
         if self._new("dropped", recorder.dropped):
             status.add(WARN, "outputs were left out: the disk is too slow")
         if self._new("gaps", recorder.gaps):

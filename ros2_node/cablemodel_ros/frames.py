@@ -30,10 +30,28 @@ def rotation(quaternion: ArrayLike) -> Floats:
     )
 
 
+def cross(a: Floats, b: Floats) -> Floats:
+    """Cross product of two vectors (3,); NumPy's takes ten times as long for one pair."""
+    x, y, z = a.tolist()
+    u, v, w = b.tolist()
+    return np.array([y * w - z * v, z * u - x * w, x * v - y * u])
+
+
 def heading_rotation(heading: float) -> Floats:
     """Matrix (3, 3) of a vessel on even keel with its bow `heading` [rad] from the x axis."""
     c, s = math.cos(heading), math.sin(heading)
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def turned(matrix: Floats, spin: Floats, dt: float) -> Floats:
+    """A rotation matrix (3, 3) after dt [s] of a spin (3,) [rad/s] in map axes."""
+    angle = float(np.linalg.norm(spin)) * dt
+    if angle == 0.0:
+        return matrix
+    x, y, z = spin * (dt / angle)
+    across = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    turn = np.eye(3) + math.sin(angle) * across + (1.0 - math.cos(angle)) * across @ across
+    return rotation(quaternion_of(turn @ matrix))  # round-off does not add up
 
 
 def quaternion_of(matrix: Floats) -> tuple[float, float, float, float]:

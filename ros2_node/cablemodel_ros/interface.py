@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from cablemodel import variables
-from cablemodel_ros.samples import APPLIED_ODOMETRY, APPLIED_TWIST, NODES, TWIST
+from cablemodel_ros.samples import APPLIED_ODOMETRY, APPLIED_TWIST, NODES, TWIST, VESSEL_WRENCH
 
 
 @dataclass(frozen=True)
@@ -81,6 +81,8 @@ APPLIED: tuple[Topic, ...] = (
     Topic(APPLIED_TWIST, TWIST, OUTPUT, "velocity of the tow point as applied, in map axes"),
     Topic(variables.APPLIED_INPUTS_TOPIC, variables.ARRAY, OUTPUT,
           "all inputs of the step in 64-bit floats, as logged"),
+    Topic(VESSEL_WRENCH, variables.WRENCH, OUTPUT,
+          "force and moment of the cable on the vessel about `vessel_frame`, in its axes"),
 )  # fmt: skip
 
 OTHERS: tuple[Topic, ...] = (
@@ -91,14 +93,16 @@ OTHERS: tuple[Topic, ...] = (
           "how the node is", "`diagnostics_rate`"),
     Topic("/clock", "rosgraph_msgs/msg/Clock", CLOCK,
           "simulated time, when it is not real time, or asked for", "every step"),
-    Topic("/tf", "tf2_msgs/msg/TFMessage", OUTPUT, "map to vessel frame, with `tf`", "every step"),
+    Topic("/tf", "tf2_msgs/msg/TFMessage", OUTPUT,
+          "map to the tow point's frame, with `tf`; to the vessel's, with `tf_vessel`",
+          "every step"),
 )  # fmt: skip
 
 ODOM = Topic("~/odom", "nav_msgs/msg/Odometry", COMMAND,
-             "motion of the vessel: pose in `odom_frame`, twist in vessel axes")  # fmt: skip
+             "motion of the vessel: pose in `odom_frame`, twist in `vessel_frame`")  # fmt: skip
 CMD_VEL = Topic("cmd_vel", TWIST, COMMAND,
                 "velocity of the vessel in map or vessel axes (`header.frame_id`), "
-                "rate of turn")  # fmt: skip
+                "rates of roll, pitch and turn")  # fmt: skip
 PAYOUT_RATE = Topic("~/payout_rate_cmd", variables.FLOAT64, PAYOUT,
                     "pay-out rate, unstretched, positive out [m/s]")  # fmt: skip
 FOREIGN_CLOCK = Topic("/clock", "rosgraph_msgs/msg/Clock", CLOCK,

@@ -10,20 +10,22 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
-TRACKING_RATE = 1.0
-"""[1/s] at which a position error dies away where it cannot be met at once."""
+
+def length(vector: Floats) -> float:
+    """Of a vector (3,); `np.linalg.norm` takes several times as long for one."""
+    return math.hypot(*vector.tolist())
 
 
 def clipped(vector: Floats, largest: float) -> Floats:
     """A vector (3,) shortened to a length, its direction kept."""
-    size = float(np.linalg.norm(vector))
+    size = length(vector)
     return vector if size <= largest else vector * (largest / size)
 
 
 def approached(value: Floats, target: Floats, largest_change: float) -> Floats:
     """A vector (3,) moved towards a target by no more than a distance; exact when it arrives."""
     change = target - value
-    size = float(np.linalg.norm(change))
+    size = length(change)
     return target.copy() if size <= largest_change else value + change * (largest_change / size)
 
 
@@ -34,11 +36,10 @@ def approached_number(value: float, target: float, largest_change: float) -> flo
 
 @dataclass(frozen=True)
 class Motion:
-    """How the tow point is to move over a step: velocity reached at its end, and the position
-    too where both can be met (None: the velocity alone)."""
+    """How the tow point is to move over a step."""
 
     velocity: Floats
-    position: Floats | None
+    """Reached at the step's end (3,) [m/s]."""
     limited: bool
     """Whether a limit kept it from what was wanted."""
 
@@ -49,39 +50,65 @@ def follow_velocity(
     """Towards a velocity (3,) [m/s] within speed [m/s] and acceleration [m/s2] limits."""
     wanted = clipped(target, speed)
     applied = approached(velocity, wanted, acceleration * dt)
-    return Motion(applied, None, not np.array_equal(applied, target))
+    return Motion(applied, applied.tolist() != target.tolist())
 
 
-def follow_position(
+@dataclass(frozen=True)
+class Course:
+    """Where something is at an instant, and how it moves."""
+
+    position: Floats
+    """(3,) [m]."""
+    velocity: Floats
+    """(3,) [m/s]."""
+    acceleration: Floats
+    """(3,) [m/s2]."""
+
+    def after(self, span: float) -> Course:
+        """The same [s] later, or earlier."""
+        change = self.acceleration * span
+        return Course(
+            self.position + (self.velocity + 0.5 * change) * span,
+            self.velocity + change,
+            self.acceleration,
+        )
+
+
+def follow_course(
     position: Floats,
     velocity: Floats,
-    target_position: Floats,
-    target_velocity: Floats,
+    course: Course,
     dt: float,
+    smoothing: float,
     speed: float,
     acceleration: float,
 ) -> Motion:
-    """Towards a position and velocity (3,) at the step's end, without drift.
+    """Towards a course that is known with noise, without drift.
 
-    Where the cubic that meets both stays within the limits it is taken. Else (noise, jumps, a
-    vessel that starts elsewhere) the velocity is corrected by the position error, and never more
-    than can be braked away again.
+    The course's own acceleration is applied, and errors of position and velocity die away as in a
+    critically damped system of time constant `smoothing` [s] (at least two steps): noise in a
+    sample is not taken for motion. An error that is too large for that is made good as fast as can
+    be braked again.
+
+    Args:
+        position, velocity: of the tow point at the step's start (3,).
+        course: at the step's start.
+        dt: length of the step [s].
+        smoothing: time constant [s].
+        speed, acceleration: limits [m/s], [m/s2].
     """
-    mean = (target_position - position) / dt
-    start = (6.0 * mean - 4.0 * velocity - 2.0 * target_velocity) / dt
-    end = (2.0 * velocity + 4.0 * target_velocity - 6.0 * mean) / dt
-    hardest = max(float(np.linalg.norm(start)), float(np.linalg.norm(end)))
-    fastest = max(float(np.linalg.norm(mean)), float(np.linalg.norm(target_velocity)))
-    if hardest <= acceleration and fastest <= speed:
-        return Motion(target_velocity.copy(), target_position.copy(), False)
-    error = target_position - (position + 0.5 * (velocity + target_velocity) * dt)
-    size = float(np.linalg.norm(error))
-    wanted = target_velocity.copy()
+    half = 0.5 * max(smoothing, 2.0 * dt)
+    error = course.position - position
+    size = length(error)
+    wanted = course.velocity
     if size > 0.0:
-        rate = min(TRACKING_RATE, 0.5 / dt)
-        wanted += error / size * min(rate * size, math.sqrt(acceleration * size))
-    applied = approached(velocity, clipped(wanted, speed), acceleration * dt)
-    return Motion(applied, None, True)
+        pull = min(0.25 * size / half, math.sqrt(acceleration * size))
+        wanted = wanted + error * (pull / size)
+    kept = clipped(wanted, speed)
+    asked = course.acceleration + (kept - velocity) / half
+    given = clipped(asked, acceleration)
+    fastest = max(speed, length(velocity))
+    return Motion(clipped(velocity + given * dt, fastest), given is not asked or kept is not wanted)
 
 
 def follow_rate(

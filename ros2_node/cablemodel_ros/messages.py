@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 from typing import Any
 
+import numpy as np
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import TransformStamped, Twist
@@ -12,12 +13,14 @@ from nav_msgs.msg import Odometry
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
+from std_msgs.msg import Header
 
 from cablemodel_ros.diagnostics import Status
-from cablemodel_ros.frames import quaternion_of
+from cablemodel_ros.frames import Floats, quaternion_of
 from cablemodel_ros.interface import Quality
-from cablemodel_ros.session import Session
-from cablemodel_ros.settings import Parameter
+from cablemodel_ros.session import Cycle
+from cablemodel_ros.settings import Parameter, Settings
+from cablemodel_ros.times import Stamp
 
 Vector = tuple[float, float, float]
 
@@ -65,25 +68,26 @@ def descriptor(parameter: Parameter) -> ParameterDescriptor:
     return made
 
 
-def nanoseconds(time: Time) -> int:
-    """[ns]."""
-    return int(time.sec * 1_000_000_000 + time.nanosec)
+def stamp_of(time: Time) -> Stamp:
+    """ROS time of a message's."""
+    return Stamp(int(time.sec * 1_000_000_000 + time.nanosec))
 
 
-def seconds(time: Time) -> float:
-    """[s]."""
-    return float(1e-9 * nanoseconds(time))
+def given_stamp(header: Header) -> Stamp | None:
+    """Stamp of a header; None where it is zero, which is how a message is not stamped."""
+    stamp = stamp_of(header.stamp)
+    return stamp if stamp.ns else None
 
 
-def stamp_of(stamp: int) -> Time:
-    """A message's time, of nanoseconds."""
-    whole, rest = divmod(stamp, 1_000_000_000)
+def message_time(stamp: Stamp) -> Time:
+    """A message's time, of ROS time."""
+    whole, rest = divmod(stamp.ns, 1_000_000_000)
     return Time(sec=whole, nanosec=rest)
 
 
-def clock(stamp: int) -> Clock:
+def clock(stamp: Stamp) -> Clock:
     """A message of /clock."""
-    return Clock(clock=stamp_of(stamp))
+    return Clock(clock=message_time(stamp))
 
 
 def twist_vectors(twist: Twist) -> tuple[Vector, Vector]:
@@ -93,11 +97,11 @@ def twist_vectors(twist: Twist) -> tuple[Vector, Vector]:
 
 
 def odometry_arguments(message: Odometry) -> tuple[Any, ...]:
-    """Arguments of `Commands.take_odometry` behind `now`."""
+    """Arguments of `Commands.take_odometry`."""
     pose = message.pose.pose
     place, turn = pose.position, pose.orientation
     return (
-        seconds(message.header.stamp),
+        given_stamp(message.header),
         message.header.frame_id,
         message.child_frame_id,
         (place.x, place.y, place.z),
@@ -123,16 +127,23 @@ def diagnostics(statuses: list[Status], node: str, stamp: Time) -> DiagnosticArr
     return array
 
 
-def vessel_transform(session: Session, stamp: int) -> Any:
-    """A message of /tf: the vessel's frame in the map."""
+def transforms(cycle: Cycle, settings: Settings) -> Any:
+    """A message of /tf: the tow point's frame in the map, and on request the vessel's."""
     kind = message_class("tf2_msgs/msg/TFMessage")
-    turn = session.helm.rotation
-    arm = turn @ session.settings.tow_point
-    place = session.model.vessel_position - arm
+    found = []
+    if settings.tf:
+        found.append(_transform(cycle, settings.tow_point_frame, np.zeros(3), np.eye(3)))
+    if settings.tf_vessel:
+        arm = cycle.rotation @ settings.tow_point
+        found.append(_transform(cycle, settings.vessel_frame, -arm, cycle.rotation))
+    return kind(transforms=found)
+
+
+def _transform(cycle: Cycle, frame: str, offset: Floats, turn: Floats) -> TransformStamped:
     made = TransformStamped()
-    made.header.stamp, made.header.frame_id = stamp_of(stamp), "map"
-    made.child_frame_id = session.settings.vessel_frame
+    made.header.stamp, made.header.frame_id = message_time(cycle.stamp), "map"
+    made.child_frame_id = frame
     translation, rotation = made.transform.translation, made.transform.rotation
-    translation.x, translation.y, translation.z = place.tolist()
+    translation.x, translation.y, translation.z = (cycle.tow_point + offset).tolist()
     rotation.x, rotation.y, rotation.z, rotation.w = quaternion_of(turn)
-    return kind(transforms=[made])
+    return made

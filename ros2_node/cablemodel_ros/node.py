@@ -13,33 +13,38 @@ from pathlib import Path
 from typing import Any
 
 import rclpy
-from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import Twist, TwistStamped
-from nav_msgs.msg import Odometry
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.clock import Clock as RclpyClock
 from rclpy.clock import ClockType
+from rclpy.duration import Duration
 from rclpy.exceptions import ParameterException
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 from rclpy.parameter import Parameter as RclpyParameter
-from rosgraph_msgs.msg import Clock
-from std_msgs.msg import Float64, String
+from rclpy.task import Future
+from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from cablemodel.errors import CableModelError
 from cablemodel_ros import interface, messages
 from cablemodel_ros.control import ControlLoop, ForeignClock
 from cablemodel_ros.diagnostics import ERROR, Diagnostics, Status
+from cablemodel_ros.inputs import Inputs
 from cablemodel_ros.markers import Picture, markers
-from cablemodel_ros.session import Cycle, Session
+from cablemodel_ros.outputs import Outputs
+from cablemodel_ros.session import Names, Session
 from cablemodel_ros.settings import BY_NAME, PARAMETERS, Settings, SettingsError
+from cablemodel_ros.timebase import Followed, Published, RealTime, Timebase
+from cablemodel_ros.times import Stamp
 
 SUCCESS = TransitionCallbackReturn.SUCCESS
 FAILURE = TransitionCallbackReturn.FAILURE
 FAULT = TransitionCallbackReturn.ERROR
+
+FAILED = 3
+"""Exit status after a failure."""
 
 _SWITCH = 5e-4
 """How long one thread may keep others from running Python [s]: the control loop must not wait
@@ -56,10 +61,9 @@ class CableNode(LifecycleNode):
         self._diagnostics: Diagnostics | None = None
         self._lock = threading.Lock()
         self._foreign: ForeignClock | None = None
-        self._publishers_by_topic: dict[str, Any] = {}
+        self._outputs: Outputs | None = None
         self._entities: list[Callable[[], Any]] = []
         self._steady = RclpyClock(clock_type=ClockType.STEADY_TIME)
-        self._last_stamp = 0
         self._failure = ""
         for parameter in PARAMETERS:
             default = list(p) if isinstance(p := parameter.default, tuple) else p
@@ -71,7 +75,10 @@ class CableNode(LifecycleNode):
         self._diagnostics_publisher = self.create_publisher(
             DiagnosticArray, "/diagnostics", messages.qos(interface.DIAGNOSTICS)
         )
+        self._follows = bool(self.get_parameter("use_sim_time").value)
         self._trouble = ""
+        self.ended: Future = Future()
+        """Done, with the exit status, when the process is to end by itself."""
         self.create_timer(1.0, self._repeat_trouble, clock=self._steady)
 
     # -- parameters -----------------------------------------------------------------------------
@@ -81,6 +88,9 @@ class CableNode(LifecycleNode):
 
     def _check_parameters(self, parameters: list[RclpyParameter]) -> SetParametersResult:
         for parameter in parameters:
+            if parameter.name == "use_sim_time" and parameter.value != self._follows:
+                reason = "use_sim_time may change at start-up only: stamps would jump"
+                return SetParametersResult(successful=False, reason=reason)
             known = BY_NAME.get(parameter.name)
             if known is None:
                 continue
@@ -103,14 +113,15 @@ class CableNode(LifecycleNode):
         """Build the scene, warm the kernels up, make topics and services."""
         try:
             settings = self._settings()
-            follows = self.get_parameter("use_sim_time").value
-            if follows and settings.publishes_clock:
+            if self._follows and settings.publishes_clock:
                 raise SettingsError(
                     "use_sim_time follows a foreign /clock; then real_time_factor must be 1 and "
                     "publish_clock false"
                 )
-            self._session = Session(settings)
-            self._connect(settings, follows)
+            self._foreign = ForeignClock() if self._follows else None
+            names = Names(self.get_fully_qualified_name(), self.resolve_topic_name)
+            self._session = Session(settings, self._timebase(settings), names)
+            self._connect(settings)
         except (CableModelError, SettingsError, OSError) as error:
             self._report(f"cannot configure: {error}")
             self._tear_down()
@@ -132,9 +143,9 @@ class CableNode(LifecycleNode):
         assert self._loop is not None
         super().on_activate(state)
         self._failure = ""
-        self._last_stamp = self._session.stamp()
         summary = json.dumps(self._session.summary())
-        self._publishers_by_topic["~/scene"].publish(String(data=summary))
+        assert self._outputs is not None
+        self._outputs.publishers["~/scene"].publish(String(data=summary))
         self._loop.start()
         return SUCCESS
 
@@ -172,57 +183,42 @@ class CableNode(LifecycleNode):
             response.success = False
             return response
 
+    def _timebase(self, settings: Settings) -> Timebase:
+        if self._foreign is not None:
+            return Followed(self._foreign.now)
+        if settings.publishes_clock:
+            return Published()
+        return RealTime(lambda: Stamp(self.get_clock().now().nanoseconds))
+
     # -- connections ----------------------------------------------------------------------------
 
-    def _connect(self, settings: Settings, follows: bool) -> None:
+    def _connect(self, settings: Settings) -> None:
         session = self._session
         assert session is not None
-        for topic in (*interface.topics_of(session.scene), *interface.OTHERS):
-            wanted = {"/diagnostics": False, "/clock": settings.publishes_clock, "/tf": settings.tf,
-                      "~/markers": settings.markers_rate > 0.0}  # fmt: skip
-            if not wanted.get(topic.name, True):
-                continue
-            kind = messages.message_class(topic.message)
-            if kind is None:
-                self.get_logger().warning(f"{topic.name} is left out: no {topic.message} here")
-                continue
-            quality = messages.qos(topic.quality)
-            publisher = self.create_lifecycle_publisher(kind, topic.name, quality)
-            self._publishers_by_topic[topic.name] = publisher
-            self._entities.append(partial(self.destroy_lifecycle_publisher, publisher))
-        self._foreign = ForeignClock() if follows else None
+        self._outputs = Outputs(self, session)
+        self._entities.append(self._outputs.destroy)
         self._loop = ControlLoop(
             session,
             self._lock,
-            self._publish,
+            self._outputs.publish,
             self._on_failure,
             clock=self._foreign,
-            ros_now=lambda: self.get_clock().now().nanoseconds,
+            listened=self._outputs.listened,
         )
+        if settings.tf_vessel and settings.vessel_input == "odom":
+            self.get_logger().warning(
+                f"tf_vessel broadcasts map -> {settings.vessel_frame}: what gives ~/odom must not"
+            )
         self._diagnostics = Diagnostics(session, self._loop)
         self._failed = self.create_guard_condition(self._fail)
         self._entities.append(lambda: self.destroy_guard_condition(self._failed))
-        if settings.vessel_input == "odom":
-            self._subscribe(interface.ODOM, Odometry, self._on_odometry)
-        if settings.vessel_input == "cmd_vel":
-            if settings.cmd_vel_stamped:
-                self._subscribe(interface.CMD_VEL, TwistStamped, self._on_twist_stamped)
-            else:
-                self._subscribe(interface.CMD_VEL, Twist, self._on_twist)
-        if settings.payout_input == "command":
-            self._subscribe(interface.PAYOUT_RATE, Float64, self._on_payout_rate)
-        if follows:
-            self._subscribe(interface.FOREIGN_CLOCK, Clock, self._on_clock)
+        self._entities.append(Inputs(self, session, self._foreign).destroy)
         for name, call in (("~/reset", self._on_reset), ("~/save", self._on_save)):
             service = self.create_service(Trigger, name, call)
             self._entities.append(partial(self.destroy_service, service))
         self._repeat(settings.diagnostics_rate, self._publish_diagnostics)
         if settings.markers_rate > 0.0:
             self._repeat(settings.markers_rate, self._publish_markers)
-
-    def _subscribe(self, topic: interface.Topic, kind: Any, call: Callable[[Any], None]) -> None:
-        made = self.create_subscription(kind, topic.name, call, messages.qos(topic.quality))
-        self._entities.append(lambda: self.destroy_subscription(made))
 
     def _repeat(self, rate: float, call: Callable[[], None]) -> None:
         timer = self.create_timer(1.0 / rate, call, clock=self._steady)
@@ -236,8 +232,7 @@ class CableNode(LifecycleNode):
         for destroy in self._entities:
             destroy()
         self._entities.clear()
-        self._publishers_by_topic.clear()
-        self._session = self._loop = self._diagnostics = self._foreign = None
+        self._session = self._loop = self._diagnostics = self._foreign = self._outputs = None
         self._failure = ""
         gc.unfreeze()
 
@@ -247,21 +242,6 @@ class CableNode(LifecycleNode):
         super().destroy_node()
 
     # -- out ------------------------------------------------------------------------------------
-
-    def _publish(self, cycle: Cycle) -> None:
-        """Called by the control thread after every step."""
-        self._last_stamp = cycle.stamp
-        publishers = self._publishers_by_topic
-        clock = publishers.get("/clock")
-        if clock is not None:
-            clock.publish(messages.clock(cycle.stamp))
-        for topic, data in cycle.applied:
-            publishers[topic].publish(data)
-        for topic, data in cycle.outputs:
-            publishers[topic].publish(data)
-        if "/tf" in publishers and cycle.outputs:
-            assert self._session is not None
-            publishers["/tf"].publish(messages.vessel_transform(self._session, cycle.stamp))
 
     def _publish_diagnostics(self) -> None:
         if self._diagnostics is None:
@@ -276,55 +256,17 @@ class CableNode(LifecycleNode):
         self._diagnostics_publisher.publish(array)
 
     def _publish_markers(self) -> None:
-        publisher = self._publishers_by_topic.get("~/markers")
-        if publisher is None or self._session is None:
+        if self._outputs is None or self._session is None:
             return
+        publisher = self._outputs.publishers["~/markers"]
         if not publisher.is_activated or not publisher.get_subscription_count():
             return
         with self._lock:
             picture = Picture.of(self._session.model, self._session.settings.stations)
             stamp = self._session.stamp()
-        seconds, nanoseconds = divmod(stamp, 1_000_000_000)
-        publisher.publish(markers(picture, Time(sec=seconds, nanosec=nanoseconds)))
+        publisher.publish(markers(picture, messages.message_time(stamp)))
 
-    # -- in -------------------------------------------------------------------------------------
-
-    def _now(self) -> float:
-        """ROS time [s] that commands are measured by."""
-        session = self._session
-        if session is not None and session.settings.publishes_clock:
-            return 1e-9 * self._last_stamp
-        return float(1e-9 * self.get_clock().now().nanoseconds)
-
-    def _tell(self, refusal: str) -> None:
-        if refusal:
-            self.get_logger().warning(refusal, throttle_duration_sec=1.0)
-
-    def _on_odometry(self, message: Odometry) -> None:
-        if self._session is not None:
-            arguments = messages.odometry_arguments(message)
-            self._tell(self._session.commands.take_odometry(self._now(), *arguments))
-
-    def _on_twist_stamped(self, message: TwistStamped) -> None:
-        if self._session is not None:
-            stamp = messages.seconds(message.header.stamp)
-            vectors = messages.twist_vectors(message.twist)
-            frame = message.header.frame_id
-            self._tell(self._session.commands.take_twist(self._now(), stamp, frame, *vectors))
-
-    def _on_twist(self, message: Twist) -> None:
-        if self._session is not None:
-            frame = self._session.settings.vessel_frame
-            vectors = messages.twist_vectors(message)
-            self._tell(self._session.commands.take_twist(self._now(), 0.0, frame, *vectors))
-
-    def _on_payout_rate(self, message: Float64) -> None:
-        if self._session is not None:
-            self._tell(self._session.commands.take_payout_rate(self._now(), message.data))
-
-    def _on_clock(self, message: Clock) -> None:
-        if self._foreign is not None:
-            self._foreign.set(messages.nanoseconds(message.clock))
+    # -- services -------------------------------------------------------------------------------
 
     def _on_reset(self, request: Any, response: Any) -> Any:
         if self._loop is None:
@@ -357,9 +299,27 @@ class CableNode(LifecycleNode):
         self._failed.trigger()
 
     def _fail(self) -> None:
-        if self._failure:
-            self._report(f"the simulation stopped: {self._failure}")
-            self.trigger_deactivate()  # fails, which leads through error processing
+        if not self._failure:
+            return
+        policy = self._settings().on_failure
+        then = "the node ends" if policy == "exit" else "the node is unconfigured until configured"
+        self._report(f"the simulation stopped: {self._failure}; {then} (on_failure: {policy})")
+        self.trigger_deactivate()  # fails, which leads through error processing
+        self._end_if_wanted()
+
+    def _end_if_wanted(self) -> None:
+        """Let the process end where a failure is to be seen by who started it."""
+        if self._settings().on_failure == "exit" and not self.ended.done():
+            self._repeat_trouble()
+            self._diagnostics_publisher.wait_for_all_acked(Duration(seconds=1.0))
+            self.ended.set_result(FAILED)
+
+    def autostart(self) -> None:
+        """Configure and activate."""
+        if self.trigger_configure() == SUCCESS:
+            self.trigger_activate()
+        else:
+            self._end_if_wanted()
 
     def _report(self, message: str) -> None:
         self.get_logger().error(message)
@@ -389,7 +349,8 @@ def until_shutdown(context: rclpy.Context | None = None) -> Iterator[None]:
 
 
 def main(args: list[str] | None = None) -> int:
-    """Run the node until it is interrupted; 2 when it cannot start."""
+    """Run the node until it is interrupted; 2 when it cannot start, 3 after a failure, where
+    `on_failure` asks for that."""
     sys.setswitchinterval(_SWITCH)
     rclpy.init(args=args)
     try:
@@ -402,15 +363,15 @@ def main(args: list[str] | None = None) -> int:
     executor.add_node(node)
     try:
         with until_shutdown():
-            if node.get_parameter("autostart").value and node.trigger_configure() == SUCCESS:
-                node.trigger_activate()
-            executor.spin()
+            if node.get_parameter("autostart").value:
+                node.autostart()
+            executor.spin_until_future_complete(node.ended)
     finally:
         # A second interrupt must not leave the log unfinished.
         with contextlib.suppress(KeyboardInterrupt):
             node.destroy_node()
         rclpy.try_shutdown()
-    return 0
+    return node.ended.result() if node.ended.done() else 0
 
 
 if __name__ == "__main__":

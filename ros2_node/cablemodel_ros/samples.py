@@ -7,6 +7,7 @@ that is several times cheaper than message objects, and the log is what was on t
 from __future__ import annotations
 
 import struct
+from collections.abc import Collection
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,7 +16,10 @@ from cablemodel import variables
 from cablemodel.log.messages import Messages, typestore
 from cablemodel.log.writer import encode_outputs
 from cablemodel.states import applied_values
+from cablemodel_ros.frames import Floats, cross
 from cablemodel_ros.helm import Applied
+from cablemodel_ros.settings import Settings
+from cablemodel_ros.times import Stamp
 
 if TYPE_CHECKING:
     from cablemodel import CableModel, Scene
@@ -28,7 +32,7 @@ APPLIED_ODOMETRY = "~/applied_odom"
 APPLIED_TWIST = "~/applied_cmd_vel"
 TWIST = "geometry_msgs/msg/TwistStamped"
 
-TOW_POINT_FRAME = "tow_point"
+VESSEL_WRENCH = "~/vessel_wrench"
 
 _STAMP = struct.Struct("<iI")
 _THREE = struct.Struct("<3d")
@@ -40,18 +44,20 @@ class Sampler:
 
     Args:
         scene: scene of the model.
-        stations: points of ``~/nodes``.
+        settings: how many points ``~/nodes`` has, and names of frames.
     """
 
-    def __init__(self, scene: Scene, stations: int) -> None:
-        self._messages = Messages()
+    def __init__(self, scene: Scene, settings: Settings) -> None:
+        self._messages = Messages(settings.tow_point_frame)
+        self._in_vessel = Messages(settings.vessel_frame)
+        self._arm = np.array(settings.tow_point)
         self.topics = topics(scene)
-        self._fractions = np.linspace(0.0, 1.0, stations)
-        self._odometry = _odometry()
+        self._fractions = np.linspace(0.0, 1.0, settings.stations)
+        self._odometry = _odometry(settings.tow_point_frame)
         self._twist = _twist()
 
     def step(
-        self, model: CableModel, step: float, applied: Applied, stamp: int
+        self, model: CableModel, step: float, applied: Applied, stamp: Stamp
     ) -> tuple[Message, list[Message]]:
         """What a step applied: the exact record, and what controllers read.
 
@@ -60,13 +66,11 @@ class Sampler:
         values = applied_values(model, step, applied.given)
         # The value asked for, not the last bit that evaluating the motion makes of it: a replay
         # that gives it again is then exact.
-        if applied.position is not None:
-            values[_POSITION] = applied.position
         if applied.velocity is not None:
             values[_VELOCITY] = applied.velocity
         if applied.payout_rate is not None:
             values[_PAYOUT] = applied.payout_rate
-        seconds, nanoseconds = divmod(stamp, 1_000_000_000)
+        seconds, nanoseconds = divmod(stamp.ns, 1_000_000_000)
         position, velocity = values[_POSITION].tolist(), values[_VELOCITY].tolist()
         odometry, twist = self._odometry, self._twist
         _STAMP.pack_into(odometry, 4, seconds, nanoseconds)
@@ -78,17 +82,38 @@ class Sampler:
         record = (variables.APPLIED_INPUTS_TOPIC, self._messages.applied_inputs(values))
         return record, [(APPLIED_ODOMETRY, bytes(odometry)), (APPLIED_TWIST, bytes(twist))]
 
-    def outputs(self, model: CableModel, stamp: int) -> list[Message]:
-        """All outputs of the table; ``~/nodes`` at the stations."""
-        state = model.sample(self._fractions * model.line_length)
-        return encode_outputs(self._messages, self.topics, stamp, model, state)
+    def outputs(
+        self,
+        model: CableModel,
+        stamp: Stamp,
+        rotation: Floats,
+        wanted: Collection[str] | None = None,
+    ) -> list[Message]:
+        """All outputs of the table, with ``~/nodes`` at the stations, and the wrench on the vessel.
 
-    def record(self, model: CableModel, stamp: int) -> list[Message]:
+        rotation: vessel axes to map axes (3, 3); wanted: topics, None: all.
+        """
+        topics = [topic for topic in self.topics if wanted is None or topic in wanted]
+        state: Any = None
+        if NODES in topics:
+            state = model.sample(self._fractions * model.line_length)
+        found = encode_outputs(self._messages, topics, stamp.ns, model, state)
+        if wanted is None or VESSEL_WRENCH in wanted:
+            force, moment = self.vessel_wrench(model, rotation)
+            found.append((VESSEL_WRENCH, self._in_vessel.top_wrench(stamp.ns, force, moment)))
+        return found
+
+    def vessel_wrench(self, model: CableModel, rotation: Floats) -> tuple[Floats, Floats]:
+        """Force [N] and moment [N m] of the cable about the vessel frame's origin, in its axes."""
+        force = model.top_force @ rotation
+        return force, model.top_moment @ rotation + cross(self._arm, force)
+
+    def record(self, model: CableModel, stamp: Stamp) -> list[Message]:
         """All outputs with ``~/nodes`` at the model's own nodes, and the exact state: what
         ``cablemodel run`` logs at an output time."""
         state = model.state()
         exact = (variables.STATE_TOPIC, self._messages.state(model.time, state))
-        return [*encode_outputs(self._messages, self.topics, stamp, model, state), exact]
+        return [*encode_outputs(self._messages, self.topics, stamp.ns, model, state), exact]
 
 
 def topics(scene: Scene) -> tuple[str, ...]:
@@ -119,7 +144,7 @@ def _serialized(message: Any, name: str) -> bytearray:
     return bytearray(typestore().serialize_cdr(message, name))
 
 
-def _odometry() -> bytearray:
+def _odometry(frame: str) -> bytearray:
     """Odometry of the tow point; its frame is parallel to the map."""
     point = _new("geometry_msgs/msg/Point", 0.0, 0.0, 0.0)
     turn = _new("geometry_msgs/msg/Quaternion", 0.0, 0.0, 0.0, 1.0)
@@ -127,7 +152,7 @@ def _odometry() -> bytearray:
     message = _new(
         variables.ODOMETRY,
         _header(),
-        TOW_POINT_FRAME,
+        frame,
         _new("geometry_msgs/msg/PoseWithCovariance", pose, np.zeros(36)),
         _new("geometry_msgs/msg/TwistWithCovariance", _zero_twist(), np.zeros(36)),
     )

@@ -8,20 +8,24 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from cablemodel import CableModel, Scene, StepError, load_scene
+from cablemodel import CableModel, Scene, StepError, load_scene, variables
 from cablemodel.errors import SceneError
+from cablemodel_ros.checkpoints import Checkpoints
 from cablemodel_ros.commands import Commands
+from cablemodel_ros.frames import Floats
 from cablemodel_ros.helm import Applied, Helm, Present
 from cablemodel_ros.recording import Recorder
-from cablemodel_ros.samples import Message, Sampler
+from cablemodel_ros.samples import Message, Sampler, topics
 from cablemodel_ros.settings import Settings
+from cablemodel_ros.timebase import Published, RealTime, Timebase
+from cablemodel_ros.times import Moment, Monotonic, Simulated, Stamp
 from cablemodel_ros.timing import Durations
 
 
@@ -29,12 +33,34 @@ from cablemodel_ros.timing import Durations
 class Cycle:
     """What a step gave."""
 
-    stamp: int
-    """Time stamp of the step's end [ns]."""
+    stamp: Stamp
+    """Of the step's end."""
     applied: list[Message]
     """What was applied; always published."""
     outputs: list[Message]
-    """All outputs; empty where publication was shed."""
+    """All outputs that were wanted."""
+    tow_point: Floats
+    """Its position in the map (3,) [m]."""
+    rotation: Floats
+    """Vessel axes to map axes (3, 3)."""
+    shed: bool = False
+    """Whether outputs were left out to keep up."""
+
+
+@dataclass(frozen=True)
+class Names:
+    """What a node and its topics are called."""
+
+    node: str = "/cable"
+    """Full name."""
+    topic: Callable[[str], str] = variables.resolved
+    """Name of a topic of the table (``~/nodes``), as it is on the wire."""
+
+    def of(self, scene: Scene) -> dict[str, str]:
+        """Topics of a scene's log that are not called as in the table."""
+        table = (*topics(scene), variables.APPLIED_INPUTS_TOPIC, variables.STATE_TOPIC)
+        found = {variables.resolved(topic): self.topic(topic) for topic in table}
+        return {topic: name for topic, name in found.items() if name != topic}
 
 
 class SessionError(Exception):
@@ -46,14 +72,22 @@ class Session:
 
     Args:
         settings: see `settings.PARAMETERS`.
+        timebase: which stamps belong to the model's time; by default what the settings ask for.
+        names: what the node and its topics are called, for the log.
 
     Raises:
         SceneError, StaticsError: the scene cannot be used; its own message says why.
         SettingsError, OSError: the saved state cannot be read.
     """
 
-    def __init__(self, settings: Settings) -> None:
+    def __init__(
+        self,
+        settings: Settings,
+        timebase: Timebase | None = None,
+        names: Names | None = None,
+    ) -> None:
         self.settings = settings
+        self.timebase = timebase or (Published() if settings.publishes_clock else RealTime())
         self.scene = scene_of(settings)
         self.model = CableModel(self.scene)
         self._warm_up()
@@ -61,24 +95,29 @@ class Session:
         if settings.initial_state:
             restore_saved(self.model, Path(settings.initial_state))
         self._start = self.model.snapshot()
-        self.commands = Commands(settings, self.model.vessel_position)
+        self.commands = Commands(settings, self.timebase, self.model.vessel_position)
         self.helm = Helm(settings, self.commands)
-        self.sampler = Sampler(self.scene, settings.stations)
-        self.sampler.outputs(self.model, 0)  # libraries load now, not in the first cycle
-        self.sampler.record(self.model, 0)
+        self.sampler = Sampler(self.scene, settings)
+        # Libraries load now, not in the first cycle.
+        self.sampler.outputs(self.model, Stamp(0), self.helm.rotation)
+        self.sampler.record(self.model, Stamp(0))
         self.recorder: Recorder | None = None
-        self.epoch = 0
         self.step_times = Durations()
         self.cycle_times = Durations()
         self.cycles = 0
         self.shed = 0
         self.payout_refusals = 0
         self.failure = ""
+        self.last_failure = ""
+        self.checkpoints = Checkpoints()
         self._next_output = 0.0
         if settings.log_folder:
+            names = names or Names()
             self.recorder = Recorder(
                 Path(settings.log_folder),
                 self.scene,
+                node=names.node,
+                topics=names.of(self.scene),
                 max_bytes=settings.log_max_size * 1e6,
                 max_files=settings.log_max_files,
                 wait=settings.real_time_factor == 0.0,
@@ -96,9 +135,14 @@ class Session:
 
     # -- running --------------------------------------------------------------------------------
 
-    def start(self, now: int) -> None:
-        """Begin or go on: the model's time is `now` [ns] on the ROS clock."""
-        self.epoch = now - round(self.model.time * 1e9)
+    @property
+    def time(self) -> Simulated:
+        """The model's time."""
+        return Simulated(self.model.time)
+
+    def start(self) -> None:
+        """Begin or go on: the model's time is now."""
+        self.timebase.begin(self.time)
         self._begin_file()
 
     def stop(self) -> None:
@@ -118,55 +162,68 @@ class Session:
             return
         initial = self.model.time == 0.0 and self.started_at_scene
         snapshot = None if initial else self.model.snapshot().image
-        self.recorder.begin(self.epoch, snapshot)
+        self.recorder.begin(self.timebase.epoch, snapshot)
         self._log_outputs(self.stamp())
 
-    def stamp(self) -> int:
-        """Time stamp of the model's time [ns]."""
-        return self.epoch + round(self.model.time * 1e9)
+    @property
+    def has_drum(self) -> bool:
+        """Whether the scene has cable on a drum."""
+        return "drum" in variables.features(self.scene)
+
+    def stamp(self) -> Stamp:
+        """Stamp of the model's time."""
+        return self.timebase.stamp(self.time)
 
     def cycle(
         self,
-        target: float,
-        now: float | None = None,
+        target: Simulated,
+        due: Monotonic | None = None,
         *,
         publish: Callable[[], bool] = lambda: True,
+        topics: Collection[str] | None = None,
     ) -> Cycle:
-        """Step to `target` [s] with the commands in force.
+        """Step to `target` with the commands in force.
 
         Args:
-            target: simulated time to reach [s].
-            now: ROS time that belongs to it [s]; by default that of its stamp.
+            target: simulated time to reach.
+            due: when it was due, where the monotonic clock decides that.
             publish: asked after the step; False makes no outputs, to save the time.
+            topics: outputs that are wanted; None: all.
 
         Raises:
             SessionError: the step cannot be made; the model stands as it was.
         """
-        if now is None:
-            now = 1e-9 * self.epoch + target
-        if self.recorder is not None and self.recorder.wants_file:
+        # A file has one epoch: where stamps move against the model's time a new one begins.
+        moved = self.timebase.follow_clock_step()
+        if moved or (self.recorder is not None and self.recorder.wants_file):
             self._begin_file()
-        begin = self.model.time
-        applied = self._step(target, now)
+        begin = self.time
+        applied = self._step(target, self.timebase.at(target, due))
+        self.timebase.reached(self.time)
         stamp = self.stamp()
         record, motion = self.sampler.step(self.model, target - begin, applied, stamp)
-        outputs = self.sampler.outputs(self.model, stamp) if publish() else []
+        turn = self.helm.rotation
+        shed = not publish()
+        outputs = [] if shed else self.sampler.outputs(self.model, stamp, turn, topics)
+        if self.settings.on_failure == "retry":
+            self.checkpoints.keep(self.model)
         self.cycles += 1
-        self.shed += not outputs
+        self.shed += shed
         if self.recorder is not None:
             self.recorder.step(stamp, [record])
             if self.model.time >= self._next_output - 1e-9:
                 self._log_outputs(stamp)
-        return Cycle(stamp, [record, *motion], outputs)
+        place = self.model.vessel_position
+        return Cycle(stamp, [record, *motion], outputs, place, turn, shed)
 
-    def _log_outputs(self, stamp: int) -> None:
+    def _log_outputs(self, stamp: Stamp) -> None:
         assert self.recorder is not None
         interval = self.scene.run.output_interval
         while self._next_output <= self.model.time + 1e-9:
             self._next_output += interval
         self.recorder.outputs(stamp, self.sampler.record(self.model, stamp))
 
-    def _step(self, target: float, now: float) -> Applied:
+    def _step(self, target: Simulated, now: Moment) -> Applied:
         """One step of the model; pay-out that it refuses is given up, and the step made without."""
         model = self.model
         present = Present(
@@ -176,7 +233,7 @@ class Session:
             model.line_length,
             model.drum_length,
         )
-        applied = self.helm.inputs(now, target - model.time, present)
+        applied = self.helm.inputs(now, target - self.time, present)
         begin = time.perf_counter()
         try:
             self._advance(target, applied)
@@ -185,7 +242,7 @@ class Session:
                 self._fail(error)
             self.payout_refusals += 1
             self.commands.refuse_payout(str(error))
-            applied = Applied(applied.velocity, applied.position, 0.0)
+            applied = Applied(applied.velocity, 0.0)
             try:
                 self._advance(target, applied)
             except StepError as second:
@@ -193,19 +250,26 @@ class Session:
         self.step_times.add(time.perf_counter() - begin)
         return applied
 
-    def _advance(self, target: float, applied: Applied) -> None:
+    def _advance(self, target: Simulated, applied: Applied) -> None:
         self.model.step_to(
-            target,
+            target.seconds,
             vessel_velocity=applied.velocity,
-            vessel_position=applied.position,
             payout_rate=applied.payout_rate,
         )
 
     def _fail(self, error: StepError) -> None:
-        self.failure = str(error)
+        self.failure = self.last_failure = str(error)
         if self.recorder is not None:
             self.recorder.end(self.failure)
         raise SessionError(self.failure) from error
+
+    def retry(self) -> bool:
+        """After a failure: back to the last good state, if that is wanted and makes sense."""
+        if self.settings.on_failure != "retry" or not self.checkpoints.restore(self.model):
+            return False
+        self.failure = ""
+        self.start()
+        return True
 
     # -- services -------------------------------------------------------------------------------
 
@@ -215,12 +279,13 @@ class Session:
         self.commands.update(settings)
         self.helm.update(settings)
 
-    def reset(self, now: int) -> None:
-        """Back to the initial state and time; `now` [ns] is the ROS time that belongs to it."""
+    def reset(self) -> None:
+        """Back to the initial state, which is now."""
         self.model.restore(self._start)
+        self.checkpoints.clear()
         self.commands.forget()
         self.helm.reset()
-        self.start(now)
+        self.start()
 
     def save(self) -> SavedState:
         """The present state, to be written."""

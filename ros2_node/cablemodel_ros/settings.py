@@ -110,7 +110,12 @@ PARAMETERS: tuple[Parameter, ...] = (
     Parameter("odom_frame", "map", "Frame of ~/odom's pose; taken to be aligned with the map."),
     Parameter("odom_relative", False,
               "Count positions of ~/odom from its first message, which is where the scene begins."),
+    Parameter("odom_smoothing", 0.2,
+              "Time constant with which the tow point follows ~/odom; noise of a sample is not "
+              "taken for motion.", "s", 0.0, 10.0, change="always"),
     Parameter("tow_point", (0.0, 0.0, 0.0), "Tow point in the vessel frame.", "m"),
+    Parameter("tow_point_frame", "tow_point",
+              "Name of the frame at the tow point, parallel to the map.", change="never"),
     Parameter("initial_heading", 0.0, "Heading of the vessel at the start, for cmd_vel.", "rad",
               -6.2832, 6.2832),
     Parameter("command_timeout", 0.5, "Age at which a command is stale and ramps to zero.", "s",
@@ -134,13 +139,19 @@ PARAMETERS: tuple[Parameter, ...] = (
     Parameter("markers_rate", 2.0, "Publications of ~/markers; 0: none.", "Hz", 0.0, 30.0),
     Parameter("diagnostics_rate", 1.0, "Publications of /diagnostics.", "Hz", 0.1, 20.0),
     Parameter("tf", False,
-              "Broadcast the transform from map to the vessel frame (needs tf2_msgs)."),
+              "Broadcast the transform from map to the tow point's frame (needs tf2_msgs)."),
+    Parameter("tf_vessel", False,
+              "Broadcast the transform from map to the vessel frame too; only where nobody else "
+              "(a localisation) does."),
     Parameter("log.folder", "", "Folder of the MCAP logs; empty: no log."),
     Parameter("log.max_size", 256.0, "Size at which the next file is begun.", "MB", 0.1, 1.0e5),
-    Parameter("log.max_files", 8, "Files cable_*.mcap that stay in the folder; older ones go.", "",
+    Parameter("log.max_files", 8, "Files of this node's that stay; older ones go.", "",
               1, 100000),
     Parameter("autostart", False, "Configure and activate at start-up, without being told.",
               change="never"),
+    Parameter("on_failure", "stay",
+              "After a step that cannot be made: stay, unconfigured; retry from the last good "
+              "state; exit, with status 3.", choices=("stay", "retry", "exit"), change="always"),
     Parameter("save_folder", ".", "Folder that ~/save writes to.", change="always"),
 )  # fmt: skip
 
@@ -163,7 +174,9 @@ class Settings:
     vessel_frame: str
     odom_frame: str
     odom_relative: bool
+    odom_smoothing: float
     tow_point: tuple[float, ...]
+    tow_point_frame: str
     initial_heading: float
     command_timeout: float
     limits_speed: float
@@ -177,10 +190,12 @@ class Settings:
     markers_rate: float
     diagnostics_rate: float
     tf: bool
+    tf_vessel: bool
     log_folder: str
     log_max_size: float
     log_max_files: int
     autostart: bool
+    on_failure: str
     save_folder: str
 
     @classmethod

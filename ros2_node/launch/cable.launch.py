@@ -1,6 +1,6 @@
 """Start the node `cable`, configure and activate it; RViz on request.
 
-ros2 launch cablemodel_ros cable.launch.py scene:=/path/to/scene.yaml rviz:=true
+ros2 launch cablemodel_ros cable.launch.py scene:=/path/to/scene.yaml rviz:=true namespace:=tug
 """
 
 from pathlib import Path
@@ -15,28 +15,32 @@ from launch_ros.parameter_descriptions import ParameterValue
 
 
 def generate_launch_description() -> LaunchDescription:
-    """Arguments: scene, config, namespace, use_sim_time, rviz."""
+    """Arguments: see below. RViz is in the node's namespace: its topics are relative to that."""
     share = Path(get_package_share_directory("cablemodel_ros"))
     arguments = [
         DeclareLaunchArgument("scene", default_value=str(share / "scenes/waypoint_tow.yaml")),
         DeclareLaunchArgument("config", default_value=str(share / "config/cable.yaml")),
         DeclareLaunchArgument("namespace", default_value=""),
         DeclareLaunchArgument("use_sim_time", default_value="false"),
+        DeclareLaunchArgument("on_failure", default_value="stay"),
+        DeclareLaunchArgument("respawn", default_value="false"),  # with on_failure:=exit
         DeclareLaunchArgument("rviz", default_value="false"),
     ]
+    use_sim_time = ParameterValue(LaunchConfiguration("use_sim_time"), value_type=bool)
     cable = LifecycleNode(
         package="cablemodel_ros",
         executable="cable",
         name="cable",
         namespace=LaunchConfiguration("namespace"),
         output="screen",
+        respawn=LaunchConfiguration("respawn"),
+        respawn_delay=2.0,
         parameters=[
             LaunchConfiguration("config"),
             {
                 "scene": ParameterValue(LaunchConfiguration("scene"), value_type=str),
-                "use_sim_time": ParameterValue(
-                    LaunchConfiguration("use_sim_time"), value_type=bool
-                ),
+                "use_sim_time": use_sim_time,
+                "on_failure": ParameterValue(LaunchConfiguration("on_failure"), value_type=str),
                 "autostart": True,
             },
         ],
@@ -44,7 +48,9 @@ def generate_launch_description() -> LaunchDescription:
     rviz = Node(
         package="rviz2",
         executable="rviz2",
+        namespace=LaunchConfiguration("namespace"),
         arguments=["-d", str(share / "rviz/cable.rviz")],
+        parameters=[{"use_sim_time": use_sim_time}],
         condition=IfCondition(LaunchConfiguration("rviz")),
     )
     return LaunchDescription([*arguments, cable, rviz])

@@ -132,7 +132,7 @@ def test_vectors_and_stamps_are_exact(log: Path, full_scene: Scene, swinging_cab
     wrench = decoded(log, "/cable/top_wrench")[1]
     assert xyz(wrench.wrench.force) == model.top_force.tolist()
     assert xyz(wrench.wrench.torque) == model.top_moment.tolist()
-    assert wrench.header.frame_id == "map"
+    assert wrench.header.frame_id == "tow_point"
     assert (wrench.header.stamp.sec, wrench.header.stamp.nanosec) == (1_700_000_000, 300_000_000)
     end = decoded(log, "/cable/end_odom")[1]
     assert xyz(end.pose.pose.position) == model.tip_position.tolist()

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from cablemodel_ros.session import Session
 from cablemodel_ros.settings import Settings
+from cablemodel_ros.times import Simulated
 from fmu_tools import Slave, python_outputs, unpacked
 
 import cablemodel as cm
@@ -30,13 +31,13 @@ def test_node_library_and_fmu_give_the_same_states(tmp_path: Path) -> None:
          "log.folder": str(tmp_path)}
     )  # fmt: skip
     session = Session(settings)
-    session.start(0)
+    session.start()
     for k in range(1, 501):
         t = k * DT
         velocity = (0.8 * math.cos(0.3 * t), 0.8 * math.sin(0.3 * t), 0.0)
-        session.commands.take_twist(t, 0.0, "map", velocity, (0, 0, 0))
-        session.commands.take_payout_rate(t, 0.4 * math.sin(t))
-        session.cycle(t)
+        session.commands.take_twist(None, "map", velocity, (0, 0, 0))
+        session.commands.take_payout_rate(0.4 * math.sin(t))
+        session.cycle(Simulated(t))
     session.close()
     (path,) = tmp_path.glob("cable_*.mcap")
     inputs = cm.open_run(path).applied_inputs

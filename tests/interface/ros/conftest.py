@@ -35,9 +35,11 @@ os.environ["ROS_DOMAIN_ID"] = str(1 + os.getpid() % 100)
 class NodeProcess:
     """The node `cable`, started and stopped by its process id."""
 
-    def __init__(self, folder: Path, program: str = "", **parameters: Any) -> None:
+    def __init__(
+        self, folder: Path, program: str = "", remap: tuple[str, ...] = (), **parameters: Any
+    ) -> None:
         self.output = folder / "node.txt"
-        arguments = []
+        arguments = [word for rule in remap for word in ("-r", rule)]
         for name, value in parameters.items():
             text = str(value).lower() if isinstance(value, bool) else str(value)
             arguments += ["-p", f"{name.replace('__', '.')}:={text}"]

@@ -6,16 +6,17 @@ import math
 import threading
 import time
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
-from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import Twist, TwistStamped
+from geometry_msgs.msg import Twist, TwistStamped, WrenchStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import Float64
 
-from .conftest import NodeProcess, Talker, wait_until
+from .conftest import SCENE, NodeProcess, Talker, wait_until
+from .helmsman import Helmsman, Watch
 
 Start = Callable[..., NodeProcess]
 
@@ -24,77 +25,6 @@ def cloud_of(message: PointCloud2) -> np.ndarray:
     """Points (n, 6): x, y, z, tension, curvature, s."""
     assert [field.name for field in message.fields] == ["x", "y", "z", "tension", "curvature", "s"]
     return np.frombuffer(bytes(message.data), "<f4").reshape(message.width, 6)
-
-
-class Helmsman:
-    """Commands the vessel and the winch, until told otherwise."""
-
-    def __init__(self, talker: Talker, frame: str = "map") -> None:
-        self.talker, self.frame = talker, frame
-        self.velocity = [0.0, 0.0, 0.0]
-        self.turn_rate = 0.0
-        self.rate: float | None = None
-        self._twist = talker.node.create_publisher(TwistStamped, "cmd_vel", 1)
-        self._winch = talker.node.create_publisher(Float64, "/cable/payout_rate_cmd", 1)
-        self._end: Callable[[], None] | None = None
-        self.start()
-
-    def start(self) -> None:
-        self._end = self.talker.repeat(50.0, self.send)
-
-    def stop(self) -> None:
-        assert self._end is not None
-        self._end()
-
-    def send(self) -> None:
-        message = TwistStamped()
-        message.header.stamp = self.talker.node.get_clock().now().to_msg()
-        message.header.frame_id = self.frame
-        linear = message.twist.linear
-        linear.x, linear.y, linear.z = self.velocity
-        message.twist.angular.z = self.turn_rate
-        self._twist.publish(message)
-        if self.rate is not None:
-            self._winch.publish(Float64(data=self.rate))
-
-
-class Watch:
-    """The newest of what the node says."""
-
-    def __init__(self, talker: Talker) -> None:
-        self.tension = talker.listen("/cable/tension_top", Float64)
-        self.applied = talker.listen("/cable/applied_cmd_vel", TwistStamped)
-        self.motion = talker.listen("/cable/applied_odom", Odometry)
-        self.length = talker.listen("/cable/line_length", Float64)
-        self.rate = talker.listen("/cable/payout_rate", Float64)
-        self.diagnostics = talker.listen("/diagnostics", DiagnosticArray)
-
-    @property
-    def velocity(self) -> list[float]:
-        linear = self.applied[-1].twist.linear
-        return [linear.x, linear.y, linear.z]
-
-    def said(self, name: str, words: str) -> bool:
-        return any(
-            words in status.message
-            for array in self.diagnostics
-            for status in array.status
-            if status.name == f"cable: {name}"
-        )
-
-    def known(self, name: str, key: str) -> list[str]:
-        """All values of it so far, the newest last."""
-        return [
-            str(item.value)
-            for array in self.diagnostics
-            for status in array.status
-            if status.name == f"cable: {name}"
-            for item in status.values
-            if item.key == key
-        ]
-
-    def value(self, name: str, key: str) -> str:
-        return self.known(name, key)[-1]
 
 
 @pytest.fixture
@@ -278,3 +208,81 @@ def test_plain_twist_on_request(start_node: Start, talker: Talker) -> None:
     talker.repeat(20.0, lambda: publisher.publish(message))
     wait_until(lambda: watch.velocity == pytest.approx([0.0, 0.3, 0.0], abs=1e-6))
     assert watch.velocity == pytest.approx([0.0, 0.3, 0.0], abs=1e-6)
+
+
+def test_at_default_limits_live_odometry_is_met_and_limits_are_idle(
+    start_node: Start, talker: Talker
+) -> None:
+    """A vessel in a seaway, seen with 5 mm of noise and stamps as they come."""
+    start_node(vessel_input="odom", payout_input="scene", autostart=True, diagnostics_rate=10)
+    watch = Watch(talker)
+    wait_until(lambda: watch.known("simulation", "cycles"), 300)
+    publisher = talker.node.create_publisher(Odometry, "/cable/odom", 1)
+    random = np.random.default_rng(1)
+    begin = 1e-9 * talker.node.get_clock().now().nanoseconds
+
+    def course(now: float) -> tuple[np.ndarray, np.ndarray]:
+        """Half a knot ahead, half a metre up and down in six seconds."""
+        t, w = now - begin, 2.0 * math.pi / 6.0
+        place = np.array([0.25 * t, 0.0, 0.5 * (1.0 - math.cos(w * t))])
+        return place, np.array([0.25, 0.0, 0.5 * w * math.sin(w * t)])
+
+    def send() -> None:
+        stamp = talker.node.get_clock().now()
+        place, velocity = course(1e-9 * stamp.nanoseconds)
+        message = Odometry()
+        message.header.stamp, message.header.frame_id = stamp.to_msg(), "map"
+        message.child_frame_id = "base_link"
+        position, linear = message.pose.pose.position, message.twist.twist.linear
+        position.x, position.y, position.z = place + 0.005 * random.standard_normal(3)
+        linear.x, linear.y, linear.z = velocity
+        publisher.publish(message)
+
+    talker.repeat(50.0, send)
+    wait_until(lambda: len(watch.motion) > 300, 30)
+    steps = int(watch.value("simulation", "cycles"))
+    limited = int(watch.value("commands", "steps with a limit at work"))
+    watch.motion.clear()
+    time.sleep(6.0)
+    errors = []
+    for message in list(watch.motion):
+        place, _ = course(message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec)
+        at = message.pose.pose.position
+        errors.append(math.dist((at.x, at.y, at.z), place))
+    steps = int(watch.value("simulation", "cycles")) - steps
+    limited = int(watch.value("commands", "steps with a limit at work")) - limited
+    assert steps > 300
+    assert limited < 0.02 * steps
+    assert np.percentile(errors, 95) < 0.03
+
+
+def test_pay_out_that_nothing_can_answer_is_told(
+    start_node: Start, talker: Talker, tmp_path: Path
+) -> None:
+    scene = tmp_path / "no_drum.yaml"
+    scene.write_text(SCENE.read_text().split("payout:")[0])
+    start_node(scene=scene, vessel_input="scene", autostart=True, rate=50, diagnostics_rate=10)
+    watch = Watch(talker)
+    wait_until(lambda: watch.known("simulation", "cycles"), 300)
+    winch = talker.node.create_publisher(Float64, "/cable/payout_rate_cmd", 1)
+    talker.repeat(20.0, lambda: winch.publish(Float64(data=0.3)))
+    wait_until(lambda: watch.said("commands", "asks for cable, and the scene has no payout.drum"))
+
+
+def test_the_wrench_is_given_where_it_acts_and_about_the_vessel(
+    start_node: Start, talker: Talker
+) -> None:
+    start_node(vessel_input="scene", payout_input="scene", autostart=True, rate=50,
+               initial_heading=math.pi / 2, tow_point="[-2.0, 1.0, 0.0]")  # fmt: skip
+    tow = talker.listen("/cable/top_wrench", WrenchStamped)
+    vessel = talker.listen("/cable/vessel_wrench", WrenchStamped)
+    wait_until(lambda: tow and vessel, 300)
+    assert tow[-1].header.frame_id == "tow_point"
+    assert tow[-1].wrench.force.z == pytest.approx(-50 * 2.33333, rel=1e-2)
+    found = vessel[-1]
+    assert found.header.frame_id == "base_link"
+    # The cable hangs: 117 N down, two metres behind and one to port of the vessel's origin.
+    weight, moment = -found.wrench.force.z, found.wrench.torque
+    assert moment.x == pytest.approx(-1.0 * weight, abs=1e-6)
+    assert moment.y == pytest.approx(-2.0 * weight, abs=1e-6)
+    assert moment.z == pytest.approx(0.0, abs=1e-6)

@@ -79,6 +79,10 @@ def test_bad_parameters_are_refused_with_reasons(start_node: Start, talker: Talk
         result = talker.set_parameter(name, value)
         assert not result.successful
         assert reason in result.reason, result.reason
+    result = talker.set_parameter("use_sim_time", True)
+    assert not result.successful
+    assert "at start-up only" in result.reason
+    assert talker.set_parameter("use_sim_time", False).successful  # as it is
     assert talker.transition("configure")
     result = talker.set_parameter("rate", 20.0)
     assert not result.successful

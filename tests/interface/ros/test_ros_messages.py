@@ -15,6 +15,9 @@ from cablemodel_ros import messages
 from cablemodel_ros.diagnostics import WARN, Status
 from cablemodel_ros.frames import heading_rotation
 from cablemodel_ros.markers import Picture, markers
+from cablemodel_ros.session import Cycle
+from cablemodel_ros.settings import Settings
+from cablemodel_ros.times import Stamp
 from std_msgs.msg import Float64
 from visualization_msgs.msg import Marker, MarkerArray
 
@@ -25,7 +28,7 @@ def test_markers_draw_cable_bodies_and_tension() -> None:
     position = np.array([[0.0, 0, 0], [10, 0, -10], [20, 0, -20]])
     tension = np.array([100.0, 50.0, -1.0])
     picture = Picture(position, tension, [position[1]], 100.0, 0.02)
-    line, figures, body = markers(picture, messages.stamp_of(1_500_000_000)).markers
+    line, figures, body = markers(picture, messages.message_time(Stamp(1_500_000_000))).markers
     assert line.type == Marker.LINE_STRIP
     assert [(p.x, p.z) for p in line.points] == [(0, 0), (10, -10), (20, -20)]
     assert (line.colors[0].r, line.colors[0].b) == (1.0, 0.0)
@@ -42,12 +45,16 @@ def test_the_vessel_frame_is_where_the_tow_point_says(monkeypatch: pytest.Monkey
         stand_in.TFMessage = SimpleNamespace  # type: ignore[attr-defined]
         monkeypatch.setitem(sys.modules, "tf2_msgs", types.ModuleType("tf2_msgs"))
         monkeypatch.setitem(sys.modules, "tf2_msgs.msg", stand_in)
-    session = SimpleNamespace(
-        helm=SimpleNamespace(rotation=heading_rotation(math.pi / 2)),
-        settings=SimpleNamespace(tow_point=(-2.0, 0.0, 0.5), vessel_frame="base_link"),
-        model=SimpleNamespace(vessel_position=np.array([10.0, 20.0, 0.5])),
-    )
-    (transform,) = messages.vessel_transform(session, 2_000_000_000).transforms  # type: ignore[arg-type]
+    cycle = Cycle(Stamp(2_000_000_000), [], [], np.array([10.0, 20.0, 0.5]),
+                  heading_rotation(math.pi / 2))  # fmt: skip
+    settings = Settings.of({"tow_point": [-2.0, 0.0, 0.5], "tf": True})
+    (own,) = messages.transforms(cycle, settings).transforms  # the vessel's frame is not ours
+    assert (own.header.frame_id, own.child_frame_id) == ("map", "tow_point")
+    place = own.transform.translation
+    assert (place.x, place.y, place.z) == (10.0, 20.0, 0.5)
+    assert own.transform.rotation.w == 1.0
+    settings = Settings.of({"tow_point": [-2.0, 0.0, 0.5], "tf_vessel": True})
+    (transform,) = messages.transforms(cycle, settings).transforms
     place, turn = transform.transform.translation, transform.transform.rotation
     assert (place.x, place.y, place.z) == pytest.approx((10.0, 22.0, 0.0))
     assert (turn.z, turn.w) == pytest.approx((math.sqrt(0.5), math.sqrt(0.5)))
@@ -56,7 +63,7 @@ def test_the_vessel_frame_is_where_the_tow_point_says(monkeypatch: pytest.Monkey
 
 def test_diagnostics_carry_level_message_and_values() -> None:
     status = Status("commands", WARN, ["a", "b"], {"count": "3"})
-    (made,) = messages.diagnostics([status], "cable", messages.stamp_of(0)).status
+    (made,) = messages.diagnostics([status], "cable", messages.message_time(Stamp(0))).status
     assert made.level == b"\x01"
     assert (made.name, made.message) == ("cable: commands", "a; b")
     assert (made.values[0].key, made.values[0].value) == ("count", "3")

@@ -14,14 +14,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TwistStamped
+from rosbags.rosbag2 import Reader
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64
 
 import cablemodel as cm
 
 from .conftest import ROOT, NodeProcess, Talker, wait_until
+from .helmsman import Watch
 
 Start = Callable[..., NodeProcess]
 EXAMPLES = ROOT / "ros2_node/examples"
@@ -119,6 +121,42 @@ def test_a_kill_loses_at_most_the_last_second(
     assert len(run.states) >= 6
 
 
+def test_a_node_in_a_namespace_logs_what_is_on_the_wire(
+    start_node: Start, talker: Talker, tmp_path: Path
+) -> None:
+    folder = tmp_path / "log"
+    node = start_node(**FREE_RUN, log__folder=folder, log__max_size=0.1,
+                      remap=("__ns:=/tug", "~/tension_top:=/load_cell"))  # fmt: skip
+    tensions = talker.listen("/load_cell", Float64)
+    diagnostics = talker.listen("/diagnostics", DiagnosticArray)
+    wait_until(lambda: len(tensions) > 200, 300)
+    wait_until(lambda: any(s.name == "tug/cable: log" for a in diagnostics for s in a.status))
+    assert node.stop() == 0
+    with Reader(folder) as bag:
+        assert {"/load_cell", "/tug/cable/nodes", "/tug/cable/applied_inputs"} <= set(bag.topics)
+        assert not [topic for topic in bag.topics if topic.startswith("/cable")]
+    for path in folder.glob("tug_cable_*.mcap"):
+        assert cm.open_run(path).top_tension[0] == pytest.approx(50 * 2.33333, rel=0.1)
+
+
+def test_a_log_whose_folder_fails_goes_on_when_its_cause_is_gone(
+    start_node: Start, talker: Talker, tmp_path: Path
+) -> None:
+    folder = tmp_path / "log"
+    folder.write_text("not a folder")
+    node = start_node(**FREE_RUN, log__folder=folder, diagnostics_rate=10)
+    watch = Watch(talker)
+    wait_until(lambda: watch.said("log", "nothing is logged"), 300)
+    folder.unlink()
+    wait_until(lambda: watch.said("log", "a new file begins after the gap"), 60)
+    watch.diagnostics.clear()
+    wait_until(lambda: watch.known("log", "file"))
+    assert not watch.said("log", "nothing is logged")
+    assert node.stop() == 0
+    (path,) = folder.glob("cable_*.mcap")
+    assert cm.open_run(path).complete
+
+
 def test_a_controller_may_die_and_come_back(start_node: Start, talker: Talker) -> None:
     start_node(vessel_input="cmd_vel", autostart=True, rate=50, diagnostics_rate=10)
     applied = talker.listen("/cable/applied_cmd_vel", TwistStamped)
@@ -138,46 +176,6 @@ def test_a_controller_may_die_and_come_back(start_node: Start, talker: Talker) -
             lambda: any("cmd_vel is stale" in s.message for a in diagnostics for s in a.status)
         )
     assert talker.state == "active"
-
-
-FAILING = """
-import sys
-import cablemodel as cm
-from cablemodel_ros import node
-
-whole = cm.CableModel.step_to
-
-def step_to(self, time, *arguments, **inputs):
-    if time > 0.505:
-        raise cm.StepError("no convergence", time=self.time, arc_length=3.0)
-    whole(self, time, *arguments, **inputs)
-
-cm.CableModel.step_to = step_to
-sys.exit(node.main())
-"""
-
-
-def test_a_model_that_fails_leads_through_error_processing(
-    start_node: Start, talker: Talker, tmp_path: Path
-) -> None:
-    diagnostics = talker.listen("/diagnostics", DiagnosticArray)
-    node = start_node(**FREE_RUN, program=FAILING, log__folder=tmp_path / "log")
-    wait_until(
-        lambda: any(
-            "the simulation stopped" in s.message and s.level == DiagnosticStatus.ERROR
-            for a in diagnostics
-            for s in a.status
-        ),
-        120,
-    )
-    wait_until(lambda: talker.state == "unconfigured")
-    assert "3 m along the cable: no convergence" in node.text
-    (path,) = (tmp_path / "log").glob("cable_*.mcap")
-    run = cm.open_run(path)
-    assert "no convergence" in run.reason
-    assert run.applied_inputs["time"][-1] == pytest.approx(0.5)
-    assert talker.transition("configure")  # and it can be used again
-    assert talker.transition("cleanup")
 
 
 def test_node_and_library_fed_the_same_commands_give_the_same_states(

@@ -3,24 +3,36 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 from cablemodel_ros.commands import Commands
 from cablemodel_ros.frames import heading_rotation, quaternion_of, rotation
 from cablemodel_ros.helm import Helm, Present
+from cablemodel_ros.samples import Sampler
 from cablemodel_ros.settings import Settings
+from cablemodel_ros.times import Moment, Stamp
+from clocks_by_hand import Clocks
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
-NOW = 1000.0
+from cablemodel import load_scene
+
+SCENE = Path(__file__).parents[3] / "ros2_node/scenes/waypoint_tow.yaml"
+STAMP = Stamp(0) + 1000.0
+NOW = Moment(0) + 7.0
+"""The same instant, by the clock that commands age by."""
 EAST_TO_NORTH = (0.0, 0.0, math.sqrt(0.5), math.sqrt(0.5))
 
 
 def made(**values: object) -> tuple[Commands, Helm]:
     names = {name.replace("__", "."): value for name, value in values.items()}
     settings = Settings.of(names)
-    commands = Commands(settings, (0.0, 0.0, 0.0))
+    commands = Commands(settings, Clocks().timebase, (0.0, 0.0, 0.0))
     return commands, Helm(settings, commands)
 
 
@@ -28,9 +40,9 @@ def at_rest(velocity=(0.0, 0.0, 0.0), rate: float = 0.0, drum: float = 100.0) ->
     return Present(np.zeros(3), np.array(velocity), rate, 50.0, drum)
 
 
-def odometry(commands: Commands, stamp: float = NOW, **changes: object) -> str:
+def odometry(commands: Commands, stamp: Stamp | None = STAMP, **changes: object) -> str:
     values = {
-        "now": NOW, "stamp": stamp, "frame": "map", "child_frame": "base_link",
+        "stamp": stamp, "frame": "map", "child_frame": "base_link",
         "position": (0.0, 0.0, 0.0), "orientation": (0.0, 0.0, 0.0, 1.0),
         "linear": (1.0, 0.0, 0.0), "angular": (0.0, 0.0, 0.0),
     }  # fmt: skip
@@ -40,10 +52,10 @@ def odometry(commands: Commands, stamp: float = NOW, **changes: object) -> str:
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
 def test_what_is_not_finite_is_refused_and_the_command_before_stays(bad: float) -> None:
     commands, _ = made()
-    assert commands.take_twist(NOW, NOW, "map", (1, 0, 0), (0, 0, 0)) == ""
-    assert "not finite" in commands.take_twist(NOW, NOW, "map", (1, bad, 0), (0, 0, 0))
-    assert commands.take_payout_rate(NOW, 0.5) == ""
-    assert "not finite" in commands.take_payout_rate(NOW, bad)
+    assert commands.take_twist(STAMP, "map", (1, 0, 0), (0, 0, 0)) == ""
+    assert "not finite" in commands.take_twist(STAMP, "map", (1, bad, 0), (0, 0, 0))
+    assert commands.take_payout_rate(0.5) == ""
+    assert "not finite" in commands.take_payout_rate(bad)
     assert odometry(commands) == ""
     for name in ("position", "orientation", "linear", "angular"):
         size = 4 if name == "orientation" else 3
@@ -59,7 +71,7 @@ def test_what_is_not_finite_is_refused_and_the_command_before_stays(bad: float) 
 
 def test_frames_that_are_not_known_are_refused_by_name() -> None:
     commands, _ = made()
-    reason = commands.take_twist(NOW, NOW, "camera", (1, 0, 0), (0, 0, 0))
+    reason = commands.take_twist(STAMP, "camera", (1, 0, 0), (0, 0, 0))
     assert "'camera'" in reason
     assert "map, base_link" in reason
     assert "'odom'" in odometry(commands, frame="odom")
@@ -67,9 +79,9 @@ def test_frames_that_are_not_known_are_refused_by_name() -> None:
 
 def test_stamps_that_are_old_or_in_the_future_are_refused() -> None:
     commands, _ = made(command_timeout=0.5)
-    assert "0.6 s old" in commands.take_twist(NOW, NOW - 0.6, "map", (1, 0, 0), (0, 0, 0))
-    assert "in the future" in odometry(commands, stamp=NOW + 2.0)
-    assert commands.take_twist(NOW, 0.0, "map", (1, 0, 0), (0, 0, 0)) == ""  # not stamped
+    assert "0.6 s old" in commands.take_twist(STAMP + -0.6, "map", (1, 0, 0), (0, 0, 0))
+    assert "in the future" in odometry(commands, stamp=STAMP + 2.0)
+    assert commands.take_twist(None, "map", (1, 0, 0), (0, 0, 0)) == ""  # not stamped
 
 
 def test_an_orientation_that_is_no_rotation_is_refused() -> None:
@@ -80,12 +92,12 @@ def test_an_orientation_that_is_no_rotation_is_refused() -> None:
 def test_a_twist_in_the_vessel_frame_turns_with_the_vessel() -> None:
     commands, helm = made(vessel_input="cmd_vel", initial_heading=math.pi / 2,
                           limits__acceleration=1000.0)  # fmt: skip
-    commands.take_twist(NOW, NOW, "base_link", (1, 0, 0), (0, 0, 0))
+    commands.take_twist(STAMP, "base_link", (1, 0, 0), (0, 0, 0))
     applied = helm.inputs(NOW, 0.01, at_rest())
     assert applied.velocity == pytest.approx([0, 1, 0], abs=1e-12)
-    commands.take_twist(NOW, NOW, "map", (1, 0, 0), (0, 0, 0))
+    commands.take_twist(STAMP, "map", (1, 0, 0), (0, 0, 0))
     assert helm.inputs(NOW, 0.01, at_rest()).velocity == pytest.approx([1, 0, 0])
-    commands.take_twist(NOW, NOW, "base_link", (1, 0, 0), (0, 0, 0.5))
+    commands.take_twist(STAMP, "base_link", (1, 0, 0), (0, 0, 0.5))
     for _ in range(100):  # half a radian in a second
         applied = helm.inputs(NOW, 0.01, at_rest())
     assert applied.velocity == pytest.approx([-math.sin(0.5), math.cos(0.5), 0], abs=1e-9)
@@ -94,7 +106,7 @@ def test_a_twist_in_the_vessel_frame_turns_with_the_vessel() -> None:
 def test_the_tow_point_of_a_turning_vessel_moves_by_its_arm() -> None:
     commands, helm = made(vessel_input="cmd_vel", tow_point=[-5.0, 0.0, 0.0],
                           limits__acceleration=1000.0)  # fmt: skip
-    commands.take_twist(NOW, NOW, "base_link", (0, 0, 0), (0, 0, 0.2))
+    commands.take_twist(STAMP, "base_link", (0, 0, 0), (0, 0, 0.2))
     applied = helm.inputs(NOW, 0.01, at_rest())
     assert applied.velocity == pytest.approx([0.002, -1.0, 0], abs=1e-5)
 
@@ -105,9 +117,65 @@ def test_odometry_gives_the_tow_point_in_the_map() -> None:
                     angular=(0.0, 0.0, 0.1)) == ""  # fmt: skip
     sample = commands.latest().odometry
     assert sample is not None
-    assert sample.position == pytest.approx([10.0, -2.0, 1.0])
+    assert sample.course.position == pytest.approx([10.0, -2.0, 1.0])
     # The bow points north; turning to port swings the stern to the east.
-    assert sample.velocity == pytest.approx([0.2, 1.0, 0.0])
+    assert sample.course.velocity == pytest.approx([0.2, 1.0, 0.0])
+
+
+def test_roll_and_pitch_rates_move_the_tow_point_by_its_arm() -> None:
+    """A tow point 3 m above and 5 m behind the origin: v + omega x r, with all three rates."""
+    ahead, spin = np.array([1.0, 0.0, 0.0]), np.array([0.3, -0.2, 0.1])
+    arm = np.array([-5.0, 0.0, 3.0])
+    commands, helm = made(vessel_input="cmd_vel", tow_point=arm.tolist(),
+                          limits__acceleration=1.0e3, limits__speed=100.0)  # fmt: skip
+    commands.take_twist(STAMP, "base_link", (1, 0, 0), spin)
+    dt = 1e-3
+    applied = helm.inputs(NOW, dt, at_rest(tuple(ahead + np.cross(spin, arm))))
+    assert applied.velocity == pytest.approx(ahead + np.cross(spin, arm), abs=2e-3)
+    for _ in range(999):  # for a second, against scipy's rotation by the same vector
+        helm.inputs(NOW, dt, at_rest())
+    assert helm.rotation == pytest.approx(Rotation.from_rotvec(spin).as_matrix(), abs=1e-9)
+    commands, _ = made(tow_point=arm.tolist())
+    assert odometry(commands, angular=tuple(spin)) == ""
+    sample = commands.latest().odometry
+    assert sample is not None
+    assert sample.course.velocity == pytest.approx(ahead + np.cross(spin, arm))
+
+
+def test_empty_frames_of_odometry_are_what_the_message_means() -> None:
+    """A vessel that heads north: its own speed ahead is northward, one in the map is eastward."""
+    for frame, child, velocity in (
+        ("", "", [0, 1, 0]), ("map", "", [0, 1, 0]), ("", "base_link", [0, 1, 0]),
+        ("map", "map", [1, 0, 0]),
+    ):  # fmt: skip
+        commands, _ = made()
+        assert odometry(commands, frame=frame, child_frame=child, orientation=EAST_TO_NORTH) == ""
+        sample = commands.latest().odometry
+        assert sample is not None
+        assert sample.course.velocity == pytest.approx(velocity)
+    commands, _ = made()
+    assert "child frame 'imu'; allowed: base_link, map" in odometry(commands, child_frame="imu")
+
+
+def test_pay_out_without_a_drum_is_told() -> None:
+    commands, helm = made(vessel_input="scene")
+    commands.take_payout_rate(0.2)
+    assert helm.inputs(NOW, 0.01, at_rest(drum=0.0)).payout_rate == 0.0
+    assert helm.idle_payout
+    helm.inputs(NOW, 0.01, at_rest(drum=5.0))
+    assert not helm.idle_payout
+
+
+def test_the_wrench_on_the_vessel_has_the_moment_of_its_arm() -> None:
+    """10 N to the east, 2 m behind the origin of a vessel that heads north: in vessel axes the
+    force is (0, -10, 0) at (-2, 0, 0), and turns the bow to port with 20 N m."""
+    sampler = Sampler(load_scene(SCENE), Settings.of({"tow_point": [-2.0, 0.0, 0.0]}))
+    model: Any = SimpleNamespace(
+        top_force=np.array([10.0, 0.0, 0.0]), top_moment=np.array([0.0, 0.0, 3.0])
+    )
+    force, moment = sampler.vessel_wrench(model, heading_rotation(math.pi / 2))
+    assert force == pytest.approx([0, -10, 0], abs=1e-12)
+    assert moment == pytest.approx([0, 0, 23.0])
 
 
 def test_relative_odometry_counts_from_the_first_message() -> None:
@@ -116,7 +184,7 @@ def test_relative_odometry_counts_from_the_first_message() -> None:
     odometry(commands, position=(501.0, 300.0, 0.0))
     sample = commands.latest().odometry
     assert sample is not None
-    assert sample.position == pytest.approx([1.0, 0.0, 0.0])
+    assert sample.course.position == pytest.approx([1.0, 0.0, 0.0])
 
 
 def test_a_jump_in_position_is_refused_with_distance_and_advice() -> None:
@@ -130,9 +198,12 @@ def test_a_jump_in_position_is_refused_with_distance_and_advice() -> None:
 
 
 def test_a_stale_command_ramps_to_zero_and_comes_back() -> None:
-    commands, helm = made(vessel_input="cmd_vel", command_timeout=0.5, limits__acceleration=2.0)
-    commands.take_twist(NOW, NOW, "map", (1, 0, 0), (0, 0, 0))
-    commands.take_payout_rate(NOW, 0.5)
+    clocks = Clocks()
+    settings = Settings.of({"vessel_input": "cmd_vel", "command_timeout": 0.5})
+    commands = Commands(settings, clocks.timebase)
+    helm = Helm(settings, commands)
+    commands.take_twist(STAMP, "map", (1, 0, 0), (0, 0, 0))
+    commands.take_payout_rate(0.5)
     moving = at_rest((1.0, 0.0, 0.0), 0.5)
     fresh = helm.inputs(NOW + 0.5, 0.1, moving)
     assert fresh.velocity == pytest.approx([1, 0, 0])
@@ -142,9 +213,35 @@ def test_a_stale_command_ramps_to_zero_and_comes_back() -> None:
     assert late.velocity == pytest.approx([0.8, 0, 0])
     assert late.payout_rate == pytest.approx(0.4)
     assert helm.stale == {"cmd_vel", "payout_rate_cmd"}
-    commands.take_twist(NOW + 1, NOW + 1, "map", (1, 0, 0), (0, 0, 0))
-    helm.inputs(NOW + 1, 0.1, moving)
+    clocks.wait(1.0)
+    commands.take_twist(STAMP + 1.0, "map", (1, 0, 0), (0, 0, 0))
+    helm.inputs(NOW + 1.0, 0.1, moving)
     assert helm.stale == {"payout_rate_cmd"}
+
+
+@pytest.mark.parametrize("step", [-20.0, 30.0])
+def test_a_system_clock_that_is_set_makes_commands_neither_older_nor_younger(step: float) -> None:
+    clocks = Clocks()
+    settings = Settings.of({"vessel_input": "cmd_vel", "limits.acceleration": 1000.0})
+    commands = Commands(settings, clocks.timebase)
+    helm = Helm(settings, commands)
+    commands.take_twist(clocks.ros, "map", (1, 0, 0), (0, 0, 0))
+    clocks.wait(0.1)
+    clocks.set(step)
+    assert helm.inputs(clocks.timebase.now(), 0.01, at_rest()).velocity[0] == 1.0
+    # The controller's stamps follow the clock, and are as good as before.
+    assert commands.take_twist(clocks.ros, "map", (2, 0, 0), (0, 0, 0)) == ""
+    assert helm.inputs(clocks.timebase.now(), 0.01, at_rest()).velocity[0] == 2.0
+    clocks.wait(0.6)  # then it dies
+    assert helm.inputs(clocks.timebase.now(), 0.01, at_rest()).velocity[0] == 0.0
+    assert helm.stale == {"cmd_vel"}
+
+
+def test_a_stamp_in_the_future_does_not_keep_a_command_alive() -> None:
+    commands, helm = made(vessel_input="cmd_vel")
+    assert commands.take_twist(STAMP + 0.9, "map", (1, 0, 0), (0, 0, 0)) == ""
+    helm.inputs(NOW + 0.6, 0.01, at_rest())
+    assert helm.stale == {"cmd_vel"}
 
 
 def test_before_the_first_command_nothing_moves_and_the_helm_waits() -> None:

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
-from cablemodel_ros.limits import follow_position, follow_rate, follow_velocity
+from cablemodel_ros.commands import Commands
+from cablemodel_ros.helm import Helm, Present
+from cablemodel_ros.limits import follow_rate, follow_velocity
+from cablemodel_ros.settings import Settings
+from clocks_by_hand import Clocks
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -35,43 +41,87 @@ def test_velocity_ramps_at_the_acceleration_and_arrives_exactly() -> None:
     assert steps == pytest.approx(1.0 / (ACCELERATION * DT), abs=1)
 
 
-def track(course, seconds: float, noise: float = 0.0, start=(0.0, 0.0, 0.0)):
-    """Follow a course(t) -> position, velocity; gives errors, speeds and accelerations."""
+def track(
+    course: Any, seconds: float, noise: float = 0.0, start: Any = (0.0, 0.0, 0.0), **values: Any
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+    """Follow a course(t) -> position, velocity as the node does: samples at 50 Hz, steps at 100.
+
+    Gives errors, speeds, accelerations, and the share of steps with a limit at work.
+    """
     random = np.random.default_rng(1)
+    clocks = Clocks(ros=1.0, up=0.0)
+    settings = Settings.of(
+        {"limits.speed": SPEED, "limits.acceleration": ACCELERATION, "limits.position_jump": 100.0,
+         "payout_input": "scene", **values}
+    )  # fmt: skip
+    commands = Commands(settings, clocks.timebase)
+    helm = Helm(settings, commands)
     position, velocity = np.array(start, float), np.zeros(3)
     errors, speeds, accelerations = [], [], []
-    for k in range(1, round(seconds / DT) + 1):
-        place, speed = course(k * DT)
-        seen = place + noise * random.standard_normal(3)
-        motion = follow_position(position, velocity, seen, speed, DT, SPEED, ACCELERATION)
-        accelerations.append(np.linalg.norm(motion.velocity - velocity) / DT)
-        if motion.position is not None:
-            position = motion.position
-        else:
-            position = position + 0.5 * (velocity + motion.velocity) * DT
-        velocity = motion.velocity
-        errors.append(np.linalg.norm(position - place))
+    steps = round(seconds / DT)
+    for k in range(steps):
+        if k % 2 == 0:
+            place, speed = course(k * DT)
+            seen = place + noise * random.standard_normal(3)
+            refusal = commands.take_odometry(
+                clocks.ros, "map", "map", seen, (0, 0, 0, 1), speed, (0, 0, 0)
+            )
+            assert refusal == ""
+        clocks.wait(DT)
+        present = Present(position, velocity, 0.0, 50.0, 0.0)
+        applied = helm.inputs(clocks.timebase.now(), DT, present)
+        assert applied.velocity is not None
+        accelerations.append(np.linalg.norm(applied.velocity - velocity) / DT)
+        position = position + 0.5 * (velocity + applied.velocity) * DT
+        velocity = applied.velocity
+        errors.append(np.linalg.norm(position - course((k + 1) * DT)[0]))
         speeds.append(np.linalg.norm(velocity))
-    return np.array(errors), np.array(speeds), np.array(accelerations)
+    return np.array(errors), np.array(speeds), np.array(accelerations), helm.limited / steps
 
 
-def circle(t: float):
+def circle(t: float) -> tuple[np.ndarray, np.ndarray]:
     rate = 0.1
     position = np.array([10 * np.sin(rate * t), 10 - 10 * np.cos(rate * t), 0.0])
     return position, np.array([np.cos(rate * t), np.sin(rate * t), 0.0])
 
 
-def test_a_course_that_begins_elsewhere_is_caught_up_and_then_met_exactly() -> None:
-    errors, speeds, accelerations = track(circle, 60.0, start=(-3.0, 1.0, 0.0))
-    assert errors[-1] < 1e-9
+def heaving(t: float) -> tuple[np.ndarray, np.ndarray]:
+    """One metre up and down in six seconds, at a knot."""
+    w = 2.0 * np.pi / 6.0
+    return np.array([0.5 * t, 0.0, np.sin(w * t)]), np.array([0.5, 0.0, w * np.cos(w * t)])
+
+
+def test_a_course_that_begins_elsewhere_is_caught_up_and_then_met() -> None:
+    errors, speeds, accelerations, _ = track(circle, 60.0, start=(-3.0, 1.0, 0.0))
+    assert errors[-1] < 1e-3
     assert speeds.max() <= SPEED + 1e-9
     assert accelerations.max() <= ACCELERATION * (1 + 1e-9)
 
 
+def test_a_course_of_steady_acceleration_is_met_exactly() -> None:
+    def speeding_up(t: float) -> tuple[np.ndarray, np.ndarray]:
+        return np.array([0.1 * t * t, 0.0, 0.0]), np.array([0.2 * t, 0.0, 0.0])
+
+    errors, _, _, limited = track(speeding_up, 12.0)
+    assert errors[-1] < 1e-9
+    assert limited == 0.0
+
+
 def test_noise_in_position_neither_shakes_the_vessel_nor_lets_it_drift() -> None:
-    errors, _, accelerations = track(circle, 120.0, noise=0.02)
+    errors, _, accelerations, _ = track(circle, 120.0, noise=0.02)
     assert accelerations.max() <= ACCELERATION * (1 + 1e-9)
     assert errors[len(errors) // 4 :].max() < 0.02
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.005, 0.01])
+def test_at_default_limits_a_vessel_in_a_seaway_is_met_and_no_limit_is_at_work(
+    noise: float,
+) -> None:
+    errors, _, _, limited = track(
+        heaving, 60.0, noise, **{"limits.acceleration": 2.0, "limits.speed": 10.0}
+    )
+    assert limited < 0.02
+    assert errors[1000:].max() < 0.012 + noise
 
 
 @given(st.floats(-30, 30), st.floats(0.0, 100.0), st.floats(0.0, 100.0))

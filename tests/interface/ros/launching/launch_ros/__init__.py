@@ -1,0 +1,1 @@
+"""As `launch_ros`, as far as launching/launch says."""
