@@ -12,7 +12,7 @@ and added from how the tension so found changes with the motion (`add_swing`).
 import math
 
 from .compile import copy_words, kernel, outlined, view
-from .environment import vessel_motion
+from .environment import current_rate, vessel_motion
 from .floor_surface import may_touch
 from .layout import (
     B_COMPLIANCE,
@@ -314,6 +314,7 @@ def look_aside(I, M, q, v, a, jerk, second, t, aside, short):
             speed[n] = v[n] + ahead * (a[n] + 0.5 * ahead * jerk[n])
             place[n] = q[n] + ahead * (v[n] + ahead * (0.5 * a[n] + ahead * jerk[n] / 6.0))
         set_time(I, M, t + ahead)
+        current_rate(I, M, t, False)  # beyond a kink of the current the line would jump
         impose_motion(I, M, t + ahead, place, speed, there)
         balance(I, M, place, speed, there, pull, second, t + ahead, short)
     set_time(I, M, t)
