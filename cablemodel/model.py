@@ -22,6 +22,7 @@ from cablemodel.solver import choose
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
+    from cablemodel.wall_tension import Surroundings
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -50,13 +51,28 @@ class CableState:
     velocity: FloatArray
     """Of the material (n, 3) [m/s]."""
     tension: FloatArray
-    """(n,) [N]."""
+    """Effective tension (n,) [N]: that of the equations; see `wall_tension`."""
     curvature: FloatArray
     """|dt/ds| (n,) [1/m]."""
     bending_moment: FloatArray
     """EI times the curvature where bending is kept (n,) [N m]."""
     on_floor: BoolArray
     """(n,)."""
+    water: tuple[Surroundings, float] | None = field(default=None, repr=False, compare=False)
+    """What is around the line, and the line's length [m]."""
+
+    @property
+    def wall_tension(self) -> FloatArray:
+        """What the cable's material carries (n,) [N]: effective tension less the pressure of the
+        water around it times the unstretched cross-section; equal above the water.
+
+        Raises:
+            CableModelError: the state was made without its scene.
+        """
+        if self.water is None:
+            raise CableModelError("wall_tension: this state does not know the water around it")
+        around, length = self.water
+        return self.tension - around.pressure_force(self.time, self.s, self.position, length)
 
 
 @dataclass(frozen=True)
@@ -521,7 +537,14 @@ class CableModel:
             curvature=rows[:, 10].copy(),
             bending_moment=rows[:, 11].copy(),
             on_floor=rows[:, 12] > 0.5,
+            water=(self._surroundings, self._surroundings.length + self._reals.item(at.S_PAID)),
         )
+
+    @cached_property
+    def _surroundings(self) -> Surroundings:
+        from cablemodel.wall_tension import Surroundings
+
+        return Surroundings.of(self.scene)
 
     # -- analysis -------------------------------------------------------------------------------
 
