@@ -176,7 +176,8 @@ class CableModel:
             vessel_position: of the tow point (3,) [m].
             payout_rate: unstretched [m/s], positive out. It is clamped to zero where the drum is
                 empty or the shortest length is reached; `payout_rate` and `winch` say so.
-            current: water velocity (3,) [m/s], added to the scene's at every depth.
+            current: water velocity (3,) [m/s], added to the scene's at every depth. Water that
+                accelerates pushes: a change within a short step is a blow on the cable.
 
         Raises:
             StepError: an input is not finite or not allowed, or no step could be made; the model
@@ -354,7 +355,7 @@ class CableModel:
 
     @property
     def top_tension(self) -> float:
-        """Tension at the tow point, as a load cell there reads it [N].
+        """Tension at the tow point, as a load cell there reads it, effective below water [N].
 
         The size of `top_force`, negative where the cable pushes. It differs from the axial
         tension, `sample(0).tension`, by the shear force of a cable that bends there.
@@ -551,8 +552,9 @@ class CableModel:
     def energy(self) -> dict[str, float]:
         """Energies [J]: kinetic (with added mass), axial, bending, potential (of the submerged
         weight, zero at z = 0), floor (its contact springs); powers [W]: of the vessel on the
-        cable, lost to drag, lost to friction and damping on the floor, and what added mass takes
-        from cable that turns while it slides (negative: gives), beside its kinetic energy. In a
+        cable, lost to drag (less what a current that changes gives), lost to friction and damping
+        on the floor, and what added mass takes from cable that turns while it slides (negative:
+        gives), beside its kinetic energy. In a
         scene with waves the kinetic energy is without added mass, the potential that of the weight
         in air, and drag_power what the water takes by all its forces (negative: gives)."""
         from cablemodel import library as entry
