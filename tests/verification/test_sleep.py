@@ -92,14 +92,6 @@ MOVES = {
         430.0,
         375.0,
     ),
-    # 6 m/s2: its inertia is more than the friction, its drag less than half of it.
-    "jerked by the water": (
-        LAYING,
-        [(0.0, 0.5)],
-        [(0.0, (0.0, 0.0, 0.0)), (350.0, (0.0, 0.0, 0.0)), (350.05, (0.0, 0.3, 0.0))],
-        370.0,
-        350.2,
-    ),
 }
 
 
