@@ -162,7 +162,8 @@ class Block(WordBlock):
             (at.O_RESIDUAL, capacity * 6),
             (at.O_CONSTRAINT_RESIDUAL, capacity * 2),
             (at.O_INCREMENT, capacity * 6),
-            (at.O_PROFILE, depths * 3),
+            # Velocities, then their rates.
+            (at.O_PROFILE, depths * 6),
             (at.O_GAUSS, at.GAUSS_WORDS),
             (at.O_MOTION, waves * at.WATER_COLUMNS + at.MOTION_WORDS),
             # Of three Gauss points to an element, and of every body.

@@ -21,7 +21,8 @@ STATE_FIELDS: dict[str, tuple[str, str]] = {
     "position": ("m", "position along the cable"),
     "tangent": ("1", "unit tangent away from the vessel"),
     "velocity": ("m/s", "velocity of the material"),
-    "tension": ("N", "tension along the cable"),
+    "tension": ("N", "effective tension along the cable"),
+    "wall_tension": ("N", "wall tension along the cable: effective less pressure times area"),
     "curvature": ("1/m", "curvature along the cable"),
     "bending_moment": ("N.m", "bending moment along the cable"),
     "on_floor": ("1", "whether the node touches the floor"),
@@ -71,7 +72,7 @@ def _components(name: str, unit: str, quantity: str, values: Floats) -> list[Col
 
 def state_columns(run: Run) -> list[Column]:
     """Exact states as a long table, a row for each node of each state: ``time``, ``s``,
-    ``position.x``, ..."""
+    ``position.x``, ..., and what is made of them: ``wall_tension``."""
     matrices = [matrix_of(state) for state in run.states]
     nodes = [matrix.shape[1] for matrix in matrices]
     empty = np.empty((len(variables.STATE_LABELS), 0))
@@ -80,6 +81,9 @@ def state_columns(run: Run) -> list[Column]:
     for label, values in zip(variables.STATE_LABELS, table, strict=True):
         unit, quantity = STATE_FIELDS[label.partition(".")[0]]
         found.append(Column(label, unit, quantity, values))
+    for name in variables.DERIVED:
+        values = np.concatenate([np.empty(0), *(getattr(state, name) for state in run.states)])
+        found.append(Column(name, *STATE_FIELDS[name], values))
     return found
 
 

@@ -36,7 +36,8 @@ def dataset(run: Run) -> xarray.Dataset:
         dimensions += ["body" if length == "bodies" else "axis" for length in variable.shape]
         attributes = {"units": variable.unit or "1", "long_name": variable.quantity}
         data[name.replace(".", "_")] = (dimensions, run[name], attributes)
-    for name, components in variables.STATE_FIELDS:
+    derived = [(name, 1) for name in variables.DERIVED]
+    for name, components in (*variables.STATE_FIELDS, *derived):
         unit, quantity = STATE_FIELDS[name]
         dimensions = ["state_time", "node", *(["axis"] if components == 3 else [])]
         attributes = {"units": unit, "long_name": quantity}

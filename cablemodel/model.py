@@ -22,6 +22,7 @@ from cablemodel.solver import choose
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
+    from cablemodel.wall_tension import Surroundings
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -50,13 +51,28 @@ class CableState:
     velocity: FloatArray
     """Of the material (n, 3) [m/s]."""
     tension: FloatArray
-    """(n,) [N]."""
+    """Effective tension (n,) [N]: that of the equations; see `wall_tension`."""
     curvature: FloatArray
     """|dt/ds| (n,) [1/m]."""
     bending_moment: FloatArray
     """EI times the curvature where bending is kept (n,) [N m]."""
     on_floor: BoolArray
     """(n,)."""
+    water: tuple[Surroundings, float] | None = field(default=None, repr=False, compare=False)
+    """What is around the line, and the line's length [m]."""
+
+    @property
+    def wall_tension(self) -> FloatArray:
+        """What the cable's material carries (n,) [N]: effective tension less the pressure of the
+        water around it times the unstretched cross-section; equal above the water.
+
+        Raises:
+            CableModelError: the state was made without its scene.
+        """
+        if self.water is None:
+            raise CableModelError("wall_tension: this state does not know the water around it")
+        around, length = self.water
+        return self.tension - around.pressure_force(self.time, self.s, self.position, length)
 
 
 @dataclass(frozen=True)
@@ -160,7 +176,8 @@ class CableModel:
             vessel_position: of the tow point (3,) [m].
             payout_rate: unstretched [m/s], positive out. It is clamped to zero where the drum is
                 empty or the shortest length is reached; `payout_rate` and `winch` say so.
-            current: water velocity (3,) [m/s], added to the scene's at every depth.
+            current: water velocity (3,) [m/s], added to the scene's at every depth. Water that
+                accelerates pushes: a change within a short step is a blow on the cable.
 
         Raises:
             StepError: an input is not finite or not allowed, or no step could be made; the model
@@ -338,7 +355,7 @@ class CableModel:
 
     @property
     def top_tension(self) -> float:
-        """Tension at the tow point, as a load cell there reads it [N].
+        """Tension at the tow point, as a load cell there reads it, effective below water [N].
 
         The size of `top_force`, negative where the cable pushes. It differs from the axial
         tension, `sample(0).tension`, by the shear force of a cable that bends there.
@@ -521,15 +538,23 @@ class CableModel:
             curvature=rows[:, 10].copy(),
             bending_moment=rows[:, 11].copy(),
             on_floor=rows[:, 12] > 0.5,
+            water=(self._surroundings, self._surroundings.length + self._reals.item(at.S_PAID)),
         )
+
+    @cached_property
+    def _surroundings(self) -> Surroundings:
+        from cablemodel.wall_tension import Surroundings
+
+        return Surroundings.of(self.scene)
 
     # -- analysis -------------------------------------------------------------------------------
 
     def energy(self) -> dict[str, float]:
         """Energies [J]: kinetic (with added mass), axial, bending, potential (of the submerged
         weight, zero at z = 0), floor (its contact springs); powers [W]: of the vessel on the
-        cable, lost to drag, lost to friction and damping on the floor, and what added mass takes
-        from cable that turns while it slides (negative: gives), beside its kinetic energy. In a
+        cable, lost to drag (less what a current that changes gives), lost to friction and damping
+        on the floor, and what added mass takes from cable that turns while it slides (negative:
+        gives), beside its kinetic energy. In a
         scene with waves the kinetic energy is without added mass, the potential that of the weight
         in air, and drag_power what the water takes by all its forces (negative: gives)."""
         from cablemodel import library as entry

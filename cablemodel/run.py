@@ -19,6 +19,7 @@ from cablemodel.errors import LogError, SceneError
 from cablemodel.promise import ErrorEstimate
 from cablemodel.recorder import Recorder, check_model
 from cablemodel.states import States
+from cablemodel.wall_tension import Surroundings
 
 if TYPE_CHECKING:
     import xarray
@@ -81,7 +82,7 @@ class Run:
     def states(self) -> States:
         """Shape, tension, ... along the cable, exact, at ``states.time``: the output times, or in
         long runs some of them."""
-        return self._source.states()
+        return self._source.states().in_water(Surroundings.of(self.scene))
 
     @cached_property
     def applied_inputs(self) -> dict[str, Floats]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, overload
 
@@ -21,6 +22,7 @@ from cablemodel.variables import (
 
 if TYPE_CHECKING:
     from cablemodel.model import CableState
+    from cablemodel.wall_tension import Surroundings
 
 Floats = NDArray[np.float64]
 
@@ -100,10 +102,20 @@ class States(Sequence["CableState"]):
     at stations spaced evenly along the cable that is out at each time (as many as the most nodes).
     """
 
-    def __init__(self, time: Floats, matrices: list[Floats] | Callable[[], list[Floats]]) -> None:
+    def __init__(
+        self,
+        time: Floats,
+        matrices: list[Floats] | Callable[[], list[Floats]],
+        water: Surroundings | None = None,
+    ) -> None:
         self.time = time
         """Times (nt,) [s]."""
         self._given = matrices
+        self._water = water
+
+    def in_water(self, water: Surroundings) -> States:
+        """The same, which know what is around the line."""
+        return States(self.time, self._given, water)
 
     @cached_property
     def _matrices(self) -> list[Floats]:
@@ -124,6 +136,8 @@ class States(Sequence["CableState"]):
         matrix = self._matrices[index]
         fields: dict[str, Any] = {name: _field(matrix, name) for name, _ in STATE_FIELDS}
         fields["on_floor"] = fields["on_floor"] > 0.5
+        if self._water is not None:
+            fields["water"] = self._water, float(fields["s"][-1])
         return CableState(time=float(self.time[index]), **fields)
 
     def __iter__(self) -> Iterator[CableState]:
@@ -151,8 +165,16 @@ class States(Sequence["CableState"]):
 
     @property
     def tension(self) -> Floats:
-        """Tension (nt, n) [N]."""
+        """Effective tension (nt, n) [N]."""
         return self._array("tension")
+
+    @property
+    def wall_tension(self) -> Floats:
+        """Wall tension (nt, n) [N]: see :attr:`CableState.wall_tension`."""
+        if len({matrix.shape[1] for matrix in self._matrices}) > 1:
+            return self.resampled(self.s.shape[1]).wall_tension
+        found = [state.wall_tension for state in self]
+        return np.stack(found) if found else np.empty((0, 0))
 
     @property
     def curvature(self) -> Floats:
@@ -179,7 +201,7 @@ class States(Sequence["CableState"]):
         """The states of some of the times only."""
         at = np.fromiter(indices, int)
         matrices = self._matrices
-        return States(self.time[at], [matrices[index] for index in at])
+        return States(self.time[at], [matrices[index] for index in at], self._water)
 
     def resampled(self, stations: int) -> States:
         """The states at ``stations`` points spaced evenly in s at each time.
@@ -192,6 +214,7 @@ class States(Sequence["CableState"]):
                 _resampled(matrix, np.linspace(matrix[0, 0], matrix[0, -1], stations))
                 for matrix in self._matrices
             ],
+            self._water,
         )
 
     def _array(self, name: str) -> Floats:
@@ -214,7 +237,8 @@ def state_at(state: CableState, s: Floats) -> CableState:
     if np.array_equal(state.s, s):
         return state
     inside = np.clip(s, state.s[0], state.s[-1])
-    return States(np.array([state.time]), [_resampled(matrix_of(state), inside)])[0]
+    found = States(np.array([state.time]), [_resampled(matrix_of(state), inside)])[0]
+    return replace(found, water=state.water)
 
 
 def _resampled(matrix: Floats, at: Floats) -> Floats:

@@ -112,7 +112,7 @@ OUTPUTS: tuple[Variable, ...] = (
              "payout.applied", "~/payout_rate", FLOAT64),
     Variable("position along the cable", "m", "state.position", "line.position[k,i]",
              "~/nodes", CLOUD, ("stations", 3), member="x y z"),
-    Variable("tension along the cable", "N", "state.tension", "line.tension[k]",
+    Variable("effective tension along the cable", "N", "state.tension", "line.tension[k]",
              "~/nodes", CLOUD, ("stations",), member="tension"),
     Variable("curvature along the cable", "1/m", "state.curvature", "line.curvature[k]",
              "~/nodes", CLOUD, ("stations",), member="curvature"),
@@ -219,6 +219,9 @@ STATE_FIELDS: tuple[tuple[str, int], ...] = (
     ("on_floor", 1),
 )
 """Fields of a logged state and their components, in the order of the rows of ``~/state``."""
+
+DERIVED: tuple[str, ...] = ("wall_tension",)
+"""What states have beside them, one number a node, made of them and of the scene when asked for."""
 
 
 def _labels(fields: tuple[tuple[str, int], ...]) -> tuple[str, ...]:
@@ -327,6 +330,13 @@ def document() -> str:
         )  # fmt: skip
         lines.append("| " + " | ".join(cells) + " |")
     lines += [
+        "",
+        "Tensions are *effective* tensions: those of the equations, whose weight is that in",
+        "water. The *wall tension*, what the material carries, is less by the pressure of the",
+        "water around the cable times its cross-section, and equal above the water (as in",
+        "OrcaFlex). Python has it as `state().wall_tension`, a run as `run.states.wall_tension`,",
+        "an export of states as the column `wall_tension`; it is made of a state and the scene",
+        "when it is asked for, from a log as well.",
         "",
         "## Inputs",
         "",

@@ -15,10 +15,11 @@ What is like for like, and what is not:
 - Coupled points move with constant velocity within a coupling step. Steps of ``coupling_step``
   carry the exact positions at both ends; a moving vessel needs them short for its top tension.
 - Waves are given from outside (WaveKin 1), at its nodes, 100 times a second, as of the middle of
-  that time: its own are stretched to the surface, ours are not. Its force of the undisturbed water
-  has a part along the line, ours has none (tension is that in the wall): of the acceleration it is
-  given the part across. Making them is not charged to it: they are kept from a run before, in which
-  nodes were where they are in the timed one.
+  that time: its own are stretched to the surface, ours are not. Its Froude-Krylov force is ours,
+  rho A (1 + Ca) of the acceleration across and rho A (1 + CaAx) along with CaAx = 0 (MoorDyn's
+  source, ``Line.cpp``: ``Ap``, ``Aq``), and its tension, too, is the effective one. Making the
+  water's motion is not charged to it: it is kept from a run before, in which nodes were where they
+  are in the timed one.
 - The top force is the net force on the coupled point: the first segment's tension plus the
   weight and drag of half a segment, which converges with order two.
 """
@@ -279,12 +280,9 @@ class MoorDynRunner:
             yield kept[-1]
 
     def _water(self, wave: Wave, time: float) -> Water:
-        """Velocity and acceleration across the line at the nodes, as lists (n, 3)."""
+        """Velocity and acceleration of the water at the nodes, as lists (n, 3)."""
         nodes = np.array(self._api.ExternalWaveKinGetCoordinates(self._system))
         velocity, acceleration = wave.water(time, nodes)
-        along = np.gradient(nodes, axis=0)
-        along /= np.linalg.norm(along, axis=1)[:, None]
-        acceleration -= along * np.sum(along * acceleration, axis=1)[:, None]
         return velocity.tolist(), acceleration.tolist()
 
     def tip(self) -> NDArray[np.float64]:

@@ -72,13 +72,15 @@ class DirectBlock(WordBlock):
         slots = nodes + 1
         workspace = [
             (at.O_BACKUP, image_words),
-            (at.O_PROFILE, depths * 3),
+            # Velocities, then their rates.
+            (at.O_PROFILE, depths * 6),
             (at.O_GAUSS, _GAUSS_WORDS),
             (at.O_MOTION, _MOTION_WORDS),
             (own.O_PAST, nodes * own.RATES),
             (own.O_START, nodes * own.WIDTH),
             (own.O_OLD_LENGTH, nodes),
-            (own.O_CURRENTS, nodes * 3),
+            # The water's velocities at the nodes, then its accelerations.
+            (own.O_CURRENTS, nodes * 6),
             (own.O_LEFT, slots * own.BLOCK),
             (own.O_RIGHT, slots * own.BLOCK),
             (own.O_RHS, slots * own.RHS_WORDS),

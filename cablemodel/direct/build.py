@@ -149,6 +149,7 @@ def _fill_materials(block: DirectBlock, scene: Scene) -> None:
         coefficients = kind.strain_coefficients
         block.reals[used : used + len(coefficients)] = coefficients
         row[own.T_MASS] = kind.mass
+        row[own.T_DISPLACED] = rho * 0.25 * math.pi * kind.diameter**2
         row[own.T_ADDED] = rho * 0.25 * math.pi * kind.diameter**2 * kind.added_mass
         row[own.T_WEIGHT] = kind.submerged_weight
         row[own.T_NORMAL] = 0.5 * rho * kind.drag_normal * kind.diameter

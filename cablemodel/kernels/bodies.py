@@ -11,7 +11,7 @@ no moment; see rigid.py for the others. In the plane the second component is the
 import math
 
 from .compile import kernel
-from .environment import current_at
+from .environment import current_at, surge_at
 from .layout import (
     B_ADDED,
     B_ADDED_AXIAL,
@@ -25,6 +25,7 @@ from .layout import (
     I_BODIES,
     I_CAPACITY,
     I_DIMENSION,
+    I_SURGE,
     I_WAVES,
     O_BODY,
     O_DIAGONAL,
@@ -156,6 +157,10 @@ def add_waves(I, M, row, x, y, z, rise, w):
     slot = 3 * I[I_CAPACITY] + (row - I[O_BODY]) // BODY_WORDS
     wet_at(I, M, wave_at(I, M, x, y, z, half, slot), half)
     at = I[O_MOTION]
+    if I[I_SURGE] != 0:
+        surge_at(I, M, z, w[9:12])
+        for i in range(I[I_DIMENSION]):
+            M[at + P_ACCELERATION + i] += w[9 + i]
     for i in range(I[I_DIMENSION]):
         w[3 + i] += M[at + P_VELOCITY + i]
         w[6 + i] -= M[at + P_ACCELERATION + i]
@@ -171,6 +176,38 @@ def wet_force(I, M, row, w):
     mass = lift_of(M, row) / M[S_GRAVITY]
     for i in range(dimension):
         w[12 + i] = M[at + P_WET] * (w[12 + i] - mass * M[at + P_ACCELERATION + i])
+
+
+@kernel
+def surge_force(I, M, row, z, w):
+    """`flow_force` of a body at height z in a current that changes in time into w[12:15], without
+    the mass of its own, less the Froude-Krylov force."""
+    dimension = I[I_DIMENSION]
+    water = M[I[O_MOTION] + P_ACCELERATION : I[O_MOTION] + P_ACCELERATION + 3]
+    surge_at(I, M, z, water)
+    for i in range(dimension):
+        w[6 + i] -= water[i]
+    flow_force(M, row, dimension, M[row + B_ADDED], w)
+    mass = lift_of(M, row) / M[S_GRAVITY]
+    for i in range(dimension):
+        w[12 + i] -= mass * water[i]
+
+
+@kernel
+def surge_power(I, M, row, z, w):
+    """What accelerated water gives a body at height z that moves at w[12:15], axis w[0:3] [W]."""
+    dimension = I[I_DIMENSION]
+    water = M[I[O_MOTION] + P_ACCELERATION : I[O_MOTION] + P_ACCELERATION + 3]
+    surge_at(I, M, z, water)
+    along = 0.0
+    moving = 0.0
+    power = 0.0
+    for i in range(dimension):
+        along += water[i] * w[i]
+        moving += w[12 + i] * w[i]
+        power += water[i] * w[12 + i]
+    power *= lift_of(M, row) / M[S_GRAVITY] + M[row + B_ADDED]
+    return power + (M[row + B_ADDED_AXIAL] - M[row + B_ADDED]) * along * moving
 
 
 @kernel
@@ -204,6 +241,10 @@ def body_residual(I, M, q, v, a, out):
                 w[12 + i] += M[row + B_MASS] * a[at + i]
             dry = 1.0 - M[I[O_MOTION] + P_WET]
             w[12 + dimension - 1] += dry * lift_of(M, row)
+        elif I[I_SURGE] != 0:
+            surge_force(I, M, row, q[at + dimension - 1], w)
+            for i in range(dimension):
+                w[12 + i] += M[row + B_MASS] * a[at + i]
         else:
             flow_force(M, row, dimension, M[row + B_MASS] + M[row + B_ADDED], w)
         for i in range(dimension):

@@ -7,12 +7,13 @@ motion or another mesh asks for more.
 import math
 
 from .compile import copy_words, kernel, view
-from .environment import prescribed_motion, vessel_motion
+from .environment import current_rate, prescribed_motion, surge_jump, vessel_motion
 from .layout import (
     C_NODE,
     I_DIMENSION,
     I_FACTORED,
     I_HISTORY,
+    I_LIVE,
     I_NODES,
     I_PAYOUT,
     O_ACCELERATION,
@@ -33,6 +34,7 @@ from .layout import (
     S_JOINED,
     S_LAST_STEP,
     S_LENGTH,
+    S_PERIOD,
     S_TIME,
     S_TIME_TOLERANCE,
     S_UNDAMPED,
@@ -234,7 +236,8 @@ def take_rates_from_velocity(I, M):
 
 @kernel
 def follows_a_blow(I, M, dt):
-    """Whether the vessel's acceleration was another one in the last step, one much shorter than dt.
+    """Whether the vessel's acceleration, by the caller, or that of the water was another one in the
+    last step, one much shorter than dt.
 
     A caller who changes the vessel's speed within a microsecond gives the line 1e6 m/s^2, which is
     over when the next step begins with it: that moves the line by no more than a step may err, at
@@ -242,6 +245,12 @@ def follows_a_blow(I, M, dt):
     """
     last = M[S_LAST_STEP]
     if last == 0.0 or dt < AFTER_A_BLOW * last:
+        return False
+    limit = SEEN * M[S_TIME_TOLERANCE]
+    surge, _most = surge_jump(I, M, M[S_TIME])
+    if surge * dt * dt > limit:
+        return True
+    if I[I_LIVE] == 0:
         return False
     dimension = I[I_DIMENSION]
     vessel_motion(I, M, M[S_TIME])
@@ -252,18 +261,29 @@ def follows_a_blow(I, M, dt):
     changed = 0.0
     for i in range(dimension):
         changed += (out[2 * dimension + i] - M[at + i]) ** 2
-    return math.sqrt(changed) * dt * dt > SEEN * M[S_TIME_TOLERANCE]
+    return math.sqrt(changed) * dt * dt > limit
 
 
 @kernel
-def begin_after_a_blow(I, M):
-    """Accelerations that go with the vessel's present one, at the tensions that the line has.
+def begins_a_surge(I, M, dt):
+    """Whether a step of dt, much shorter than the last one, is a blow of the water.
 
-    What the vessel changes moves the line's mass at once; tensions follow as waves run along it.
-    The equations are linear; the matrix is that of a step as short as the last one.
+    The step's first stage, with the acceleration before it, has a fifth of what the water gives the
+    line: missed once and for all, where in steps that are alike all is a little late.
+    """
+    surge, _most = surge_jump(I, M, M[S_TIME])
+    return surge * dt * M[S_PERIOD] > SEEN * M[S_TIME_TOLERANCE]
+
+
+@kernel
+def begin_after_a_blow(I, M, span):
+    """Accelerations that go with those of the vessel and the water, at the tensions of the line.
+
+    What they change moves the line's mass at once; tensions follow as waves run along it.
+    The equations are linear; the matrix is that of a step of `span`, as short as the blow.
     """
     count = 2 * I[I_DIMENSION] * I[I_NODES]
-    gamma_dt = GAMMA[0] * M[S_LAST_STEP]
+    gamma_dt = GAMMA[0] * span
     q = view(M, I[O_POSITION], count)
     v = view(M, I[O_VELOCITY], count)
     a = view(M, I[O_ACCELERATION], count)
@@ -271,6 +291,7 @@ def begin_after_a_blow(I, M):
     set_time(I, M, M[S_TIME])
     impose_motion(I, M, M[S_TIME], q, v, a)
     if refactor_state(I, M, gamma_dt) == 0:
+        current_rate(I, M, M[S_TIME], True)
         state_residual(I, M)
         constraint = view(M, I[O_CONSTRAINT_RESIDUAL], 2 * I[I_NODES])
         constraint[:] = 0.0

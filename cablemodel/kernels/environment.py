@@ -2,7 +2,7 @@
 
 import math
 
-from .compile import kernel
+from .compile import inlined, kernel
 from .layout import (
     BY_SPRING,
     C_ANCHOR,
@@ -21,6 +21,7 @@ from .layout import (
     I_LIVE,
     I_PIECE,
     I_PIECES,
+    I_SURGE,
     I_TIMES,
     O_CONSTRAINT,
     O_CURRENT,
@@ -36,10 +37,13 @@ from .layout import (
     P_START,
     PIECE_WORDS,
     S_BASE,
+    S_CURRENT_SLOPE,
     S_LIVE_CURRENT,
     S_PLANE,
     S_SHIFT,
 )
+
+ROUNDING = 4e-15  # times that differ by less of themselves are the same
 
 
 @kernel
@@ -163,6 +167,7 @@ def current_profile(I, M, t):
     current of the caller, linear in time between two values, is added at every depth.
     """
     gauss = I[O_GAUSS]
+    I[I_SURGE] = 0
     if I[I_CURRENT] == 0:
         for k in range(12):
             M[gauss + k] = 0.0
@@ -203,6 +208,103 @@ def current_profile(I, M, t):
         for i in range(3):
             for g in range(4):
                 M[gauss + 4 * i + g] = M[I[O_PROFILE] + i]
+    current_rate(I, M, t, False)
+
+
+@inlined
+def holds(start, end, t, ahead):
+    """Whether start < t <= end, or, ahead, start <= t < end; times that differ by rounding are
+    the same."""
+    same = ROUNDING * abs(t)
+    if ahead:
+        return t > start - same and t < end - same
+    return t > start + same and t <= end + same
+
+
+@kernel
+def changing(I, M, t, ahead):
+    """What of the current changes at time t: the row of the scene's table before it, one over the
+    time to the next row, and one over the time of the caller's (-1: as before that); 0: nothing.
+
+    At a kink it is the piece that ends there, or, ahead, the one that begins. Until t = 0 nothing
+    changes: static starts are in a current that stays as it is.
+    """
+    piece = 0
+    slope = 0.0
+    live = 0.0
+    if t > 0.0 or ahead:
+        grid = I[O_TIMES]
+        for k in range(I[I_TIMES] - 1):
+            if holds(M[grid + k], M[grid + k + 1], t, ahead):
+                piece = k
+                slope = 1.0 / (M[grid + k + 1] - M[grid + k])
+        if holds(M[S_LIVE_CURRENT], M[S_LIVE_CURRENT + 1], t, ahead):
+            live = 1.0 / (M[S_LIVE_CURRENT + 1] - M[S_LIVE_CURRENT])
+        elif not ahead and abs(t - M[S_LIVE_CURRENT]) <= ROUNDING * t:
+            live = -1.0
+    return piece, slope, live
+
+
+@kernel
+def rate_at(I, M, j, i, piece, slope, live):
+    """Component i of the water's acceleration at depth j of the table, by what `changing` says."""
+    if live < 0.0:
+        rate = M[S_CURRENT_SLOPE + i]
+    else:
+        rate = live * (M[S_LIVE_CURRENT + 5 + i] - M[S_LIVE_CURRENT + 2 + i])
+    if slope != 0.0:
+        depths = I[I_DEPTHS]
+        at = I[O_CURRENT] + (piece * depths + j) * 3 + i
+        rate += slope * (M[at + 3 * depths] - M[at])
+    return rate
+
+
+@kernel
+def current_rate(I, M, t, ahead):
+    """Acceleration of the water at fixed places into the profile; I_SURGE says if there is any."""
+    I[I_SURGE] = 0
+    if I[I_CURRENT] == 0:
+        return
+    piece, slope, live = changing(I, M, t, ahead)
+    if slope == 0.0 and live == 0.0:
+        return
+    planar = I[I_DIMENSION] == 2
+    for j in range(I[I_DEPTHS]):
+        out = I[O_PROFILE] + 3 * (I[I_DEPTHS] + j)
+        for i in range(3):
+            M[out + i] = rate_at(I, M, j, i, piece, slope, live)
+            if M[out + i] != 0.0:
+                I[I_SURGE] = 1
+        if planar:
+            M[out] = M[S_PLANE] * M[out] + M[S_PLANE + 1] * M[out + 1]
+            M[out + 1] = M[out + 2]
+
+
+@kernel
+def surge_jump(I, M, t):
+    """What the water's acceleration changes by at time t, and how large it is then or before, the
+    most of all depths [m/s2]; 0, 0 where it does not change."""
+    largest = 0.0
+    most = 0.0
+    if I[I_CURRENT] == 0:
+        return largest, most
+    piece, slope, live = changing(I, M, t, False)
+    next_piece, next_slope, next_live = changing(I, M, t, True)
+    if piece == next_piece and slope == next_slope and live == next_live:
+        return largest, most
+    for j in range(I[I_DEPTHS]):
+        square = 0.0
+        before = 0.0
+        after = 0.0
+        for i in range(3):
+            old = rate_at(I, M, j, i, piece, slope, live)
+            new = rate_at(I, M, j, i, next_piece, next_slope, next_live)
+            square += (new - old) ** 2
+            before += old * old
+            after += new * new
+        largest = max(largest, square)
+        most = max(most, before, after)
+    return math.sqrt(largest), math.sqrt(most)
 
 
 @kernel
@@ -226,11 +328,22 @@ def interval(M, grid, count, x):
 @kernel
 def current_at(I, M, z, out):
     """Water velocity at height z (block coordinates) from the present profile; out: 3 words."""
-    profile = I[O_PROFILE]
     if I[I_CURRENT] == 0:
         for i in range(3):
             out[i] = 0.0
         return
+    over_depth(I, M, I[O_PROFILE], z, out)
+
+
+@kernel
+def surge_at(I, M, z, out):
+    """The water's acceleration at height z, as `current_at`; only where I_SURGE is not 0."""
+    over_depth(I, M, I[O_PROFILE] + 3 * I[I_DEPTHS], z, out)
+
+
+@kernel
+def over_depth(I, M, profile, z, out):
+    """Between the depths of a profile, by its first word, at height z; out: 3 words."""
     depths = I[I_DEPTHS]
     grid = I[O_DEPTHS]
     height = z + M[S_BASE + 2]

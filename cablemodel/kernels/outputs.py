@@ -2,10 +2,10 @@
 
 import math
 
-from .bodies import add_waves, body_kinematics
+from .bodies import add_waves, body_kinematics, surge_power
 from .clamp_layer import add_layer_shape
 from .compile import kernel, view
-from .environment import add_layer_motion, current_at
+from .environment import add_layer_motion, current_at, surge_at
 from .floor_outputs import floor_energy, floor_summary, lying_gap
 from .floor_surface import gap_at
 from .layout import (
@@ -40,6 +40,7 @@ from .layout import (
     I_FLOOR,
     I_NODES,
     I_PAYOUT,
+    I_SURGE,
     I_WAVES,
     O_ACCELERATION,
     O_BODY,
@@ -426,7 +427,8 @@ def energies(I, M, out):
     out: 0 kinetic (with added mass), 1 axial strain, 2 bending, 3 potential of the submerged
     weight (zero at z = 0), 4 power of the supports on the cable, 5 power lost to drag, 6 what the
     floor's springs hold, 7 power lost to friction and damping on the floor, 8 power that added mass
-    takes beyond its share of 0. With waves there is no added mass in 0 and nothing in 8, 3 is the
+    takes beyond its share of 0. 5 is less by what a current that changes in time gives as it
+    accelerates. With waves there is no added mass in 0 and nothing in 8, 3 is the
     potential of the weight in air, and 5 the power that the water takes in all its forces: drag,
     buoyancy, inertia.
 
@@ -521,6 +523,15 @@ def energies(I, M, out):
                 for i in range(dimension):
                     force = fn * (w[9 + i] - ut * w[i]) + ft * w[i]
                     out[5] -= weight * force * w[6 + i]
+                if I[I_SURGE] != 0:
+                    surge_at(I, M, height, w[12:15])
+                    turning = 0.0
+                    for i in range(dimension):
+                        turning += w[12 + i] * w[i]
+                    for i in range(dimension):
+                        force = displaced(I, M, edge) * w[12 + i]
+                        force += M[edge + E_ADDED] * (w[12 + i] - turning * w[i])
+                        out[5] -= weight * force * w[6 + i]
                 turning = 0.0  # v . dv/ds, then v . t_dot
                 stretching = 0.0
                 for i in range(dimension):
@@ -575,6 +586,8 @@ def energies(I, M, out):
         for i in range(dimension):
             flow[15 + i] = rate[i] / math.sqrt(size_of_slope)
         flow_energy(M, row, dimension, flow, out)
+        if I[I_SURGE] != 0:
+            out[5] -= surge_power(I, M, row, q[at + dimension - 1], flow)
     if I[I_PAYOUT] != 0:
         out[2] += clamp_energy(I, M, q)
     for i in range(dimension):
@@ -597,15 +610,15 @@ def cable_in_waves(I, M, W, p, edge, weight, g, un, ut, height, w, out):
         wt += W[ACCELERATION + 4 * i + p] * w[i]
     out[3] += weight * mass * M[S_GRAVITY] * (height + M[S_BASE + 2])
     added = M[edge + E_ADDED]
-    driven = added + displaced(I, M, edge)
+    mass_of_water = displaced(I, M, edge)
     fn = math.sqrt(g) * M[edge + E_DRAG_NORMAL] * un
     ft = math.sqrt(g) * M[edge + E_DRAG_TANGENTIAL] * abs(ut) * ut
     power = buoyancy(M, edge) * w[6 + dimension - 1]
     drag = 0.0
     for i in range(dimension):
         drag += (fn * (w[9 + i] - ut * w[i]) + ft * w[i]) * w[6 + i]
-        force = driven * (W[ACCELERATION + 4 * i + p] - wt * w[i])
-        force -= added * (w[18 + i] - at * w[i])
+        force = mass_of_water * W[ACCELERATION + 4 * i + p]
+        force += added * (W[ACCELERATION + 4 * i + p] - wt * w[i] - w[18 + i] + at * w[i])
         power += force * w[6 + i]
     out[5] -= weight * (W[WET + p] * power + W[DRAG + p] * drag)
 

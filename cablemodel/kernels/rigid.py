@@ -26,6 +26,8 @@ from .bodies import (
     flow_force,
     lift_of,
     speeds,
+    surge_force,
+    surge_power,
     wet_derivatives,
     wet_force,
 )
@@ -56,6 +58,7 @@ from .layout import (
     I_BODIES,
     I_DIMENSION,
     I_NODES,
+    I_SURGE,
     I_WAVES,
     MODEL_HYBRID,
     O_BODY,
@@ -121,11 +124,16 @@ def axis_of(dimension, q, inner, outer, w):
 
 
 @kernel
+def middle_height(dimension, q, inner, outer):
+    """Height of the body's middle in the block's coordinates [m]."""
+    return 0.5 * (q[inner + dimension - 1] + q[outer + dimension - 1])
+
+
+@kernel
 def middle_flow(I, M, q, v, a, inner, outer, w):
     """Water relative to the body's middle into w[3:6], the middle's acceleration into w[6:9]."""
     dimension = I[I_DIMENSION]
-    height = 0.5 * (q[inner + dimension - 1] + q[outer + dimension - 1])
-    current_at(I, M, height, w[3:6])
+    current_at(I, M, middle_height(dimension, q, inner, outer), w[3:6])
     for i in range(dimension):
         w[3 + i] -= 0.5 * (v[inner + i] + v[outer + i])
         w[6 + i] = 0.5 * (a[inner + i] + a[outer + i])
@@ -144,7 +152,7 @@ def middle_waves(I, M, row, q, inner, outer, w):
         row,
         0.5 * (q[inner] + q[outer]),
         0.5 * (q[inner + 1] + q[outer + 1]),
-        0.5 * (q[inner + up] + q[outer + up]),
+        middle_height(up + 1, q, inner, outer),
         q[outer + up] - q[inner + up],
         w,
     )
@@ -323,6 +331,8 @@ def rigid_residual(I, M, q, v, a, tension, out, out_constraint):
             middle_waves(I, M, row, q, inner, outer, w)
             wet_force(I, M, row, w)
             wet = M[I[O_MOTION] + P_WET]
+        elif I[I_SURGE] != 0:
+            surge_force(I, M, row, middle_height(dimension, q, inner, outer), w)
         else:
             flow_force(M, row, dimension, M[row + B_ADDED], w)
         w[12 + dimension - 1] -= wet * (M[row + B_DRY_WEIGHT] - M[row + B_WEIGHT])  # buoyancy
@@ -534,6 +544,8 @@ def rigid_energy(I, M, row, q, v, a, tension, out):
     for i in range(dimension):
         w[15 + i] = (v[outer + i] - v[inner + i]) / reach
     flow_energy(M, row, dimension, w, out)
+    if I[I_SURGE] != 0:
+        out[5] -= surge_power(I, M, row, middle_height(dimension, q, inner, outer), w)
 
 
 @kernel

@@ -17,7 +17,7 @@ import math
 
 from .backup import keep_sleepers
 from .compile import copy_words, kernel, view
-from .environment import current_at
+from .environment import over_depth
 from .floor_surface import gap_at, lowest_gap
 from .follow import finest_length, holds_something
 from .layout import (
@@ -55,6 +55,7 @@ from .layout import (
     I_HISTORY,
     I_LEFT_OUT,
     I_NODES,
+    I_SURGE,
     I_WAVES,
     O_ACCELERATION,
     O_BODY,
@@ -84,6 +85,7 @@ from .layout import (
     S_SLEEP_FLOW,
     S_SLEEP_HIGH,
     S_SLEEP_LOW,
+    S_SLEEP_PUSH,
     S_SLEEP_SPARE,
     S_SLEEP_TENSION,
     S_SLEEP_WAY,
@@ -251,17 +253,18 @@ def holding_tension(I, M, node):
 
 
 @kernel
-def flow_squared(I, M):
-    """Largest square of the water's speed between the lowest and the highest cable asleep."""
+def flow_squared(I, M, profile):
+    """Largest square of the water's speed between the lowest and the highest cable asleep, or of
+    its acceleration, by the first word of the profile."""
     w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
     largest = 0.0
     for end in range(2):
-        current_at(I, M, M[S_SLEEP_LOW + end], w)
+        over_depth(I, M, profile, M[S_SLEEP_LOW + end], w)
         largest = max(largest, w[0] ** 2 + w[1] ** 2 + w[2] ** 2)
     for k in range(I[I_DEPTHS]):
         z = M[I[O_DEPTHS] + k] - M[S_BASE + 2]
         if M[S_SLEEP_LOW] < z and z < M[S_SLEEP_HIGH]:
-            at = I[O_PROFILE] + 3 * k
+            at = profile + 3 * k
             largest = max(largest, M[at] ** 2 + M[at + 1] ** 2 + M[at + 2] ** 2)
     return largest
 
@@ -312,7 +315,12 @@ def water_leaves_alone(I, M, first):
             rate += orbital * M[n + W_FREQUENCY * count]
         if speed * speed > 0.1 * flow or rate > 0.1 * push:
             return False
-    return I[I_CURRENT] == 0 or flow_squared(I, M) <= CALM * flow
+    M[S_SLEEP_PUSH] = push
+    if I[I_SURGE] != 0:
+        surge = flow_squared(I, M, I[O_PROFILE] + 3 * I[I_DEPTHS])
+        if surge > CALM * push * push:
+            return False
+    return I[I_CURRENT] == 0 or flow_squared(I, M, I[O_PROFILE]) <= CALM * flow
 
 
 @kernel
@@ -428,8 +436,12 @@ def disturbance(I, M):
     near = NEAR * M[S_SLEEP_WAY]
     if lying_before(I, M, view(M, I[O_TRIAL_Q], size * (node + 1)), node, near) < near:
         return 1
-    if I[I_CURRENT] != 0 and flow_squared(I, M) > ROUGH * M[S_SLEEP_FLOW]:
+    if I[I_CURRENT] != 0 and flow_squared(I, M, I[O_PROFILE]) > ROUGH * M[S_SLEEP_FLOW]:
         return 2
+    if I[I_SURGE] != 0:
+        surge = flow_squared(I, M, I[O_PROFILE] + 3 * I[I_DEPTHS])
+        if surge > ROUGH * M[S_SLEEP_PUSH] ** 2:
+            return 2
     return 0
 
 

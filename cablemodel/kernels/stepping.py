@@ -9,7 +9,7 @@ import math
 
 from .backup import give_back, keep_state
 from .compile import kernel
-from .environment import evaluate_piece, find_piece, vessel_motion
+from .environment import ROUNDING, evaluate_piece, find_piece, vessel_motion
 from .layout import (
     I_ASLEEP,
     I_CURRENT,
@@ -33,6 +33,7 @@ from .layout import (
     P_KIND,
     P_START,
     PIECE_WORDS,
+    S_CURRENT_SLOPE,
     S_HALVES,
     S_LENGTH,
     S_LIVE_CURRENT,
@@ -103,7 +104,10 @@ def set_live_current(I, M, t_end, inputs):
     if span > 0.0:
         fraction = min(1.0, max(0.0, (time - M[at]) / span))
     flows = False
+    goes_on = span > 0.0 and time <= M[at + 1] + ROUNDING * time
     for i in range(3):
+        change = M[at + 5 + i] - M[at + 2 + i]
+        M[S_CURRENT_SLOPE + i] = change / span if goes_on else 0.0
         start = M[at + 2 + i] + fraction * (M[at + 5 + i] - M[at + 2 + i])
         end = inputs[IN_CURRENT + 1 + i] if inputs[IN_CURRENT] != 0.0 else 0.0
         M[at + 2 + i] = start

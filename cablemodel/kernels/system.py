@@ -30,10 +30,12 @@ from .layout import (
     I_BODIES,
     I_CONSTRAINTS,
     I_DIMENSION,
+    I_DRAG,
     I_FLOOR,
     I_NODES,
     I_PAYOUT,
     I_RIGID,
+    I_SURGE,
     I_WAVES,
     JOINT_HINGE,
     O_COMPLIANCE,
@@ -51,6 +53,7 @@ from .layout import (
 from .passing import add_first_bit, exchange_rates
 from .payout import material_top, set_top_length
 from .rigid import condense_rigid, rigid_jacobian, rigid_residual, stretch_rate_rigid
+from .surge import push_elements
 from .triangular_solver import (
     factor_planar_lu,
     factor_spatial_lu,
@@ -70,6 +73,8 @@ def residual(I, M, q, v, a, tension, out, out_constraint):
         residual_planar(I, M, q, v, a, tension, out, out_constraint)
     else:
         residual_spatial(I, M, q, v, a, tension, out, out_constraint)
+    if I[I_SURGE] != 0 and I[I_WAVES] == 0 and I[I_DRAG] != 0:
+        push_elements(I, M, q, out)
     if I[I_BODIES] > 0:
         body_residual(I, M, q, v, a, out)
     if I[I_RIGID] > 0:

@@ -16,7 +16,7 @@ it, and the tension that is solved for is that of the step: such a step is refus
 import math
 
 from .compile import copy_words, inlined, kernel, outlined, view
-from .environment import prescribed_motion, vessel_motion
+from .environment import current_rate, prescribed_motion, surge_jump, vessel_motion
 from .layout import (
     B_COMPLIANCE,
     B_MASS,
@@ -288,6 +288,8 @@ def solve_for_tension(I, M, t, short, q, v, tension):
     x = view(M, I[O_INCREMENT], count)
     ca = 1.0 / (short * short)
     set_time(I, M, t)
+    if t == M[S_TIME]:
+        current_rate(I, M, t, True)  # as the water goes on
     for n in range(count):
         solved_q[n] = q[n]
         solved_v[n] = v[n]
@@ -371,7 +373,7 @@ def solve_at_end(I, M, dt):
 
 @kernel
 def begins_smoothly(I, M):
-    """Whether the vessel's acceleration goes on as it was in the last step."""
+    """Whether the accelerations of vessel and water go on as they were in the last step."""
     dimension = I[I_DIMENSION]
     vessel_motion(I, M, M[S_TIME])
     out = view(M, I[O_MOTION] + 16, 9)
@@ -381,7 +383,8 @@ def begins_smoothly(I, M):
     changed = 0.0
     for i in range(dimension):
         changed += (out[2 * dimension + i] - M[at + i]) ** 2
-    return inertia(I, M) * math.sqrt(changed) <= SOLVED_FROM * tension_tolerance(M)
+    surge, _most = surge_jump(I, M, M[S_TIME])
+    return inertia(I, M) * (math.sqrt(changed) + surge) <= SOLVED_FROM * tension_tolerance(M)
 
 
 @kernel

@@ -14,6 +14,7 @@ from .clamp_layer import follow_layer
 from .compile import copy_words, inlined, kernel, view
 from .consistency import (
     begin_after_a_blow,
+    begins_a_surge,
     follows_a_blow,
     make_consistent,
     project_velocity,
@@ -28,6 +29,7 @@ from .layout import (
     E_LENGTH,
     E_MODEL,
     EDGE_WORDS,
+    I_CURRENT,
     I_DIMENSION,
     I_FACTORED,
     I_FLOOR,
@@ -484,8 +486,10 @@ def advance_to(I, M, t_end):
             # Velocities do not meet what a jolt asks for: they run into it, and make its wave.
             if M[S_TIME] != jolted:
                 make_consistent(I, M, False)
-        elif I[I_LIVE] != 0 and follows_a_blow(I, M, dt):
-            begin_after_a_blow(I, M)
+            if I[I_CURRENT] != 0 and begins_a_surge(I, M, dt):
+                begin_after_a_blow(I, M, dt)
+        elif (I[I_LIVE] != 0 or I[I_CURRENT] != 0) and follows_a_blow(I, M, dt):
+            begin_after_a_blow(I, M, last)
         elif unprojected:
             project_velocity(I, M, GAMMA[scheme] * dt)
         unprojected = False

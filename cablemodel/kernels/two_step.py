@@ -14,6 +14,7 @@ is refused here and taken by the one-step scheme, from the same state.
 """
 
 from .compile import copy_words, inlined, kernel, view
+from .environment import surge_jump
 from .layout import (
     I_DIMENSION,
     I_FACTORED,
@@ -75,7 +76,10 @@ STALE = 0.25  # convergence ratio that asks for a new factorisation
 
 @kernel
 def starts_at_a_kink(I, M, dt):
-    """Whether the vessel's motion has a kink that matters at the present time."""
+    """Whether the vessel's motion or the current has a kink that matters at the present time."""
+    surge, _most = surge_jump(I, M, M[S_TIME])
+    if surge * dt * dt > 0.1 * M[S_TIME_TOLERANCE]:
+        return True
     if I[I_LIVE] != 0:
         return False
     k = I[I_PIECE]

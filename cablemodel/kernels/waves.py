@@ -11,18 +11,20 @@ at z = 0. A ramp in time takes the waves from calm water.
 Above the surface there is neither buoyancy nor drag nor added mass: a share s is wet (wetting.py).
 Loads per unit length on a cable, u relative velocity, a_w acceleration of the water, P across:
 
-    s [drag(u) - ma P (a - a_w) + rho A P a_w] + s (m g - w) e_z - m g e_z
+    s [drag(u) - ma P (a - a_w) + rho A a_w] + s (m g - w) e_z - m g e_z
 
-(drag with a share of its own where s is below 0).
+(drag with a share of its own where s is below 0); a_w holds what a current that changes in time
+has, too.
 
-Sun & Leonard 1998, eqs. 22 and 23, with the Froude-Krylov term on the normal part.
+Sun & Leonard 1998, eqs. 22 and 23, with the Froude-Krylov force rho A a_w, along the line too: the
+tension is the effective one, whose weight is that in water.
 """
 
 import math
 
 from .airy import living, sum_components
 from .compile import kernel, outlined
-from .environment import current_at
+from .environment import current_at, surge_at
 from .layout import (
     CABLE_WORDS,
     E_ADDED,
@@ -36,6 +38,7 @@ from .layout import (
     ELEMENT_WORDS,
     I_CELL_TERMS,
     I_DIMENSION,
+    I_SURGE,
     I_WAVES,
     K_DISPLACED,
     O_CABLES,
@@ -181,6 +184,10 @@ def element_water(I, M, W, edge, x0, x1):
         for i in range(dimension):
             W[VELOCITY + 4 * i + g] = flow[i] + M[at + P_VELOCITY + i]
             W[ACCELERATION + 4 * i + g] = M[at + P_ACCELERATION + i]
+        if I[I_SURGE] != 0:
+            surge_at(I, M, w[up], flow)
+            for i in range(dimension):
+                W[ACCELERATION + 4 * i + g] += flow[i]
     wet_shares(W, WET, SLOPE, band(I, M, edge))
     drag_shares(W, WET, DRAG)
 
@@ -225,10 +232,10 @@ def wave_loads(I, M, W, edge, x0, x1, v0, v1, a0, a1):
             t = W[TANGENT + 4 * i + g]
             u = W[FORCE + 4 * i + g]
             a = a0[i] * H0[g] + a1[i] * H2[g] + h * (a0[d] * H1[g] + a1[d] * H3[g])
-            across = added * (a - at * t)
-            across -= (added + mass) * (W[ACCELERATION + 4 * i + g] - wt * t)
+            push = added * (a - at * t - W[ACCELERATION + 4 * i + g] + wt * t)
+            push -= mass * W[ACCELERATION + 4 * i + g]
             # The elements' mass holds all of ma a.
-            W[FORCE + 4 * i + g] = s * across - fn * (u - ut * t) - ft * t - added * a
+            W[FORCE + 4 * i + g] = s * push - fn * (u - ut * t) - ft * t - added * a
         W[FORCE + 4 * (dimension - 1) + g] += (1.0 - s) * lift
 
 

@@ -40,7 +40,8 @@ class CurrentPoint(SceneModel):
 
 
 class Current(SceneModel):
-    """Current over depth and time: linear between the points, constant beyond them."""
+    """Current over depth and time: linear between the points, constant beyond them. While it
+    changes, the accelerated water pushes cable and bodies (docs/theory.md)."""
 
     table: tuple[CurrentPoint, ...] = Field(
         description="points; with times, every depth must be given at every time"

@@ -76,6 +76,16 @@ class Sea:
         theta = self._phases(t, np.asarray(x, dtype=float), np.asarray(y, dtype=float))
         return self.share(t) * (self.amplitude * np.cos(theta)).sum(axis=-1)
 
+    def head(self, t: float, points: FloatArray) -> FloatArray:
+        """Pressure of the waves at points (n, 3) over rho g (n,) [m]; above z = 0 that at z = 0."""
+        points = np.asarray(points, dtype=float)
+        theta = self._phases(t, points[:, 0], points[:, 1])
+        level = np.clip(points[:, 2], -self.depth, 0.0)[:, None]
+        up = np.exp(self.number * level)
+        mirror = np.exp(-2.0 * self.number * self.depth)
+        found = self.amplitude * (up + mirror / up) / (1.0 + mirror) * np.cos(theta)
+        return self.share(t) * np.asarray(found.sum(axis=1))
+
     def velocity(self, t: float, points: FloatArray) -> FloatArray:
         """Velocity of the water at points (n, 3), without current, (n, 3) [m/s]."""
         points = np.asarray(points, dtype=float)

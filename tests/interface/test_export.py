@@ -44,7 +44,7 @@ def test_columns_name_every_number(log: Path) -> None:
     assert columns["bodies[0].direction.y"].unit == "1"
     assert all(column.quantity for column in columns.values())
     states = {column.name: column.values for column in state_columns(run)}
-    assert [*states] == ["time", *variables.STATE_LABELS]
+    assert [*states] == ["time", *variables.STATE_LABELS, *variables.DERIVED]
     assert len(states["time"]) == sum(len(state.s) for state in run.states)
     last = states["time"] == run.time[-1]
     assert same(states["position.z"][last], run.states[-1].position[:, 2])

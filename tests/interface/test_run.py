@@ -247,7 +247,7 @@ def test_to_xarray_has_everything_with_units_and_equal_values(log: Path) -> None
     assert data["applied_payout_rate"].attrs["units"] == "m/s"
     assert data["applied_payout_rate_given"].dtype == bool
     outputs = {name.replace(".", "_") for name in run.names}
-    fields = {name for name, _ in variables.STATE_FIELDS}
+    fields = {name for name, _ in variables.STATE_FIELDS} | {*variables.DERIVED}
     inputs = {f"applied_{name}" for name, _ in variables.APPLIED_INPUT_FIELDS if name != "time"}
     assert set(data.data_vars) == outputs | fields | inputs
     for name in [*data.data_vars, "time", "state_time", "step_time"]:

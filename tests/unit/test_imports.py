@@ -40,6 +40,7 @@ LAYERS = (
         "cablemodel.free_hanging",
         "cablemodel.laid_shape",
         "cablemodel.waves",
+        "cablemodel.wall_tension",
         "cablemodel.linearisation",
         "cablemodel.stability",
         "cablemodel.instance",

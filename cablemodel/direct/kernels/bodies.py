@@ -8,8 +8,11 @@ Drag is 1/2 rho |u| (CdA_n u_n + CdA_a u_a), as for the finite elements.
 
 import math
 
+from cablemodel.kernels.layout import I_SURGE, S_GRAVITY
+
 from .compile import kernel
 from .frame import to_fixed, to_local
+from .geometry import surge_word
 from .layout import (
     B_ADDED,
     B_ADDED_AXIAL,
@@ -69,6 +72,13 @@ def point_load(I, M, body, node, out):
     l1 = inertia * a1 + drag * u1
     l2 = inertia * a2 + drag * u2
     l3 = axial * a3 + M[body + B_DRAG_AXIAL] * speed * u3
+    if I[I_SURGE] != 0:
+        at = surge_word(I, node)
+        s1, s2, s3 = to_local(phi, theta, M[at], M[at + 1], M[at + 2])
+        mass = M[body + B_BUOYANCY] / M[S_GRAVITY]
+        l1 -= (mass + M[body + B_ADDED]) * s1
+        l2 -= (mass + M[body + B_ADDED]) * s2
+        l3 -= (mass + M[body + B_ADDED_AXIAL]) * s3
     gx, gy, gz = to_fixed(phi, theta, l1, l2, l3)
     out[0] = gx - M[body + B_WEIGHT]
     out[1] = gy
@@ -125,10 +135,23 @@ def rigid_rows(I, M, body, left, out):
     u2 = c2 - g2
     u3 = c3 - g3
     speed = math.sqrt(u1 * u1 + u2 * u2 + u3 * u3)
-    # h: drag and added mass; W along e1.
+    # h: drag, added mass and what accelerated water does; W along e1.
     h1 = -M[body + B_DRAG] * speed * u1 - M[body + B_ADDED] * a1
     h2 = -M[body + B_DRAG] * speed * u2 - M[body + B_ADDED] * a2
     h3 = -M[body + B_DRAG_AXIAL] * speed * u3 - M[body + B_ADDED_AXIAL] * a3
+    if I[I_SURGE] != 0:
+        before = surge_word(I, left)
+        s1, s2, s3 = to_local(
+            phi,
+            theta,
+            0.5 * (M[before] + M[before + 3]),
+            0.5 * (M[before + 1] + M[before + 4]),
+            0.5 * (M[before + 2] + M[before + 5]),
+        )
+        displaced = M[body + B_BUOYANCY] / M[S_GRAVITY]
+        h1 += (displaced + M[body + B_ADDED]) * s1
+        h2 += (displaced + M[body + B_ADDED]) * s2
+        h3 += (displaced + M[body + B_ADDED_AXIAL]) * s3
     down1, down2, down3 = to_local(phi, theta, 1.0, 0.0, 0.0)
     weight = M[body + B_WEIGHT]
     mass = M[body + B_MASS]

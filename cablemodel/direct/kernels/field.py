@@ -5,20 +5,22 @@ paper's v_p at the vessel), angles, force f and curvature k, all along the local
 and Omega = omega + c k the material rate of rotation,
 
     V' + k x V = (e_t + c e') a3 + e Omega x a3                                     (12, 13)
-    f' + k x f = (m + ma) A_n + m A_t a3 - w Lambda e1 + D                          (15, 22, 23)
+    f' + k x f = (m + ma) A_n + m A_t a3 - w Lambda e1 + D - P                      (15, 22, 23)
     A          = V_t + omega x V + c (V' + k x V)                                   (16)
     phi' sin theta = k2,  theta' = k1                                               (9)
     EI (k1' - k2 k3) = e f2,  EI (k2' + k1 k3) = -e f1,  k3 = k2 cot theta          (19, 20, 26)
 
-Written with V the terms in v_p of eq. 16 are all in c (V' + k x V), and c may differ from node to
-node where the mesh moves along the cable. A flexible cable has f = T a3 and k from its angles: its
-two normal rows of (15) replace (9), and the moment rows go.
+P is rho A (1 + Ca) on the normal part and rho A along the cable, times the acceleration of water
+whose current changes in time. Written with V the terms in v_p of eq. 16 are all in c (V' + k x V),
+and c may differ from node to node where the mesh moves along the cable. A flexible cable has f =
+T a3 and k from its angles: its two normal rows of (15) replace (9), and the moment rows go.
 
 The intermediate values are at the middle of the interval, and so is every rate.
 """
 
 import math
 
+from cablemodel.kernels.layout import I_CAPACITY, I_SURGE
 from cablemodel.kernels.strain import strain_and_slope
 
 from .compile import kernel
@@ -39,6 +41,7 @@ from .layout import (
     RATES,
     T_ADDED,
     T_BENDING,
+    T_DISPLACED,
     T_HIGH,
     T_LOW,
     T_MASS,
@@ -252,6 +255,26 @@ def field_rows(I, M, kind, material, left, h, F, at, mid, dif, both):
     M[r + K2] = -f1
     M[stretch + F3] = -m * c * beta - 0.5 * d3 / e
     M[stretch_s + F3] = -m * c * c
+
+    if I[I_SURGE] != 0:
+        water = I[O_CURRENTS] + 3 * (I[I_CAPACITY] + left)
+        g1 = 0.5 * (M[water] + M[water + 3])
+        g2 = 0.5 * (M[water + 1] + M[water + 4])
+        g3 = 0.5 * (M[water + 2] + M[water + 5])
+        aside = cp * g1 + sp * g2
+        across = cp * g2 - sp * g1
+        s2 = ct * across + s * g3
+        s3 = ct * g3 - s * across
+        along = M[material + T_DISPLACED]
+        push = along + M[material + T_ADDED]
+        F[at + F1] += push * aside
+        F[at + F2] += push * s2
+        F[at + F3] += along * s3
+        M[mid + WIDTH * F1 + PHI] += push * across
+        M[mid + WIDTH * F2 + PHI] -= push * ct * aside
+        M[mid + WIDTH * F2 + THETA] += push * s3
+        M[mid + WIDTH * F3 + PHI] += along * s * aside
+        M[mid + WIDTH * F3 + THETA] -= along * s2
 
     if kind == CABLE:
         # The normal rows of (15) stand for the angles; curvatures are differences of angles.

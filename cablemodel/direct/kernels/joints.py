@@ -6,11 +6,13 @@ of the planar unknowns: of vectors along e1, e2, e3 the rows 1, 3, 2.
 
 import math
 
+from cablemodel.kernels.layout import I_SURGE
 from cablemodel.kernels.strain import strain_and_slope
 
 from .bodies import point_load
 from .compile import kernel
 from .frame import to_fixed, to_local
+from .geometry import surge_word
 from .layout import (
     BODY_WORDS,
     CABLE,
@@ -48,6 +50,7 @@ from .layout import (
     SECTION_WORDS,
     T_ADDED,
     T_BENDING,
+    T_DISPLACED,
     T_HIGH,
     T_LOW,
     T_MASS,
@@ -230,6 +233,12 @@ def normal_balance(I, M, material, node, out):
     a2 = beta * M[y + V2] - M[p + 1] + w3 * M[y + V1] - w1 * M[y + V3]
     out[PHI] = mass * a1 - M[material + T_WEIGHT] * d1 + drag * u1
     out[THETA] = mass * a2 - M[material + T_WEIGHT] * d2 + drag * u2
+    if I[I_SURGE] != 0:
+        at = surge_word(I, node)
+        s1, s2, _s3 = to_local(phi, theta, M[at], M[at + 1], M[at + 2])
+        push = M[material + T_DISPLACED] + M[material + T_ADDED]
+        out[PHI] -= push * s1
+        out[THETA] -= push * s2
 
 
 @kernel

@@ -90,6 +90,7 @@ CABLE, ELASTICA, RIGID = 0, 1, 2
 MATERIAL_WORDS = 12
 T_MASS, T_ADDED, T_WEIGHT, T_NORMAL, T_TANGENTIAL, T_BENDING = 0, 1, 2, 3, 4, 5
 T_TERMS, T_OFFSET, T_LOW, T_HIGH = 6, 7, 8, 9
+T_DISPLACED = 10  # mass of the water that it displaces [kg/m]
 
 # Rows of the body table, with what eq. 38 needs of its past: velocity of the centre of gravity
 # (3) and angular velocity (2), then their rates. B_ITEM: its place in line and drum.

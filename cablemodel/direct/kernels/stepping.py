@@ -6,7 +6,7 @@ are read by the same kernels.
 
 import math
 
-from cablemodel.kernels.environment import current_profile, find_piece, vessel_motion
+from cablemodel.kernels.environment import current_profile, find_piece, surge_jump, vessel_motion
 from cablemodel.kernels.layout import (
     I_CLAMPED,
     I_CURRENT,
@@ -62,6 +62,8 @@ from .touchdown import change_end, time_to_landing
 SMALLEST_SHARE = 1.0 / 1024.0
 """Of the time step: below it a step that does not converge is given up."""
 AT_ONCE = 1e-9
+RESTART = 0.5
+"""Of the water's acceleration: a change by the caller after which rates before it are of no use."""
 
 
 @kernel
@@ -138,7 +140,7 @@ def one_step(I, M, dt):
 @kernel
 def next_kink(I, M, t_end):
     """The first time after S_TIME where an input has a kink, at most t_end; and whether the
-    vessel's acceleration jumps there."""
+    acceleration of vessel or water jumps there."""
     t = M[S_TIME]
     least = t + AT_ONCE * max(1.0, abs(t))
     nearest = t_end
@@ -163,7 +165,7 @@ def next_kink(I, M, t_end):
             kink = M[I[O_TIMES] + k]
             if kink > least and kink < nearest:
                 nearest = kink
-                jump = 0
+                jump = 1
     return nearest, jump
 
 
@@ -209,6 +211,9 @@ def take_step(I, M, t_end, inputs):
         return NOT_FINITE
     keep_image(I)
     returning = take_inputs(I, M, t_end, inputs)
+    jump, surge = surge_jump(I, M, M[S_TIME])
+    if jump > RESTART * surge:
+        I[D_RESTART] = 1
     leave_plane(I, M)
     status = advance(I, M, t_end)
     if status != OK:

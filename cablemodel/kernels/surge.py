@@ -1,0 +1,73 @@
+"""What a current that changes in time does to cable in water without waves.
+
+Water that accelerates by a_w at fixed places pushes a cable, per unit length, P across, with
+
+    rho A a_w + ma P a_w,
+
+the Froude-Krylov force as a whole vector and the added mass's share (Sun & Leonard 1998, eqs. 22
+and 23, where the water's velocity depends on time). Beside the residuals of the elements, and only
+while there is such water; with waves waves.py has it among theirs. The Newton matrix leaves out
+how it turns with the cable.
+"""
+
+from .compile import outlined, view
+from .environment import surge_at
+from .layout import (
+    E_ADDED,
+    E_LENGTH,
+    EDGE_WORDS,
+    I_DIMENSION,
+    I_NODES,
+    O_EDGE,
+    O_END_FORCE,
+    O_JOINT,
+    O_MOTION,
+    O_PARENT,
+)
+from .tables import D0, D1, D2, D3, H0, H1, H2, H3, WH
+from .waves import displaced
+
+
+@outlined
+def push_elements(I, M, q, out):
+    """Take the force of accelerated water on all elements from the residual and the end forces."""
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    w = view(M, I[O_MOTION] + 16, 9)  # r' and then the force, the water's acceleration
+    for node in range(1, I[I_NODES]):
+        if I[I[O_JOINT] + node] != 0:
+            continue
+        parent = I[I[O_PARENT] + node]
+        edge = I[O_EDGE] + node * EDGE_WORDS
+        h = M[edge + E_LENGTH]
+        added = M[edge + E_ADDED]
+        mass = displaced(I, M, edge)
+        above = size * parent
+        below = size * node
+        ends = I[O_END_FORCE] + size * node
+        for g in range(3):
+            height = 0.0
+            square = 0.0
+            for i in range(dimension):
+                a = q[above + i]
+                b = h * q[above + dimension + i]
+                c = q[below + i]
+                d = h * q[below + dimension + i]
+                height = a * H0[g] + b * H1[g] + c * H2[g] + d * H3[g]
+                w[i] = a * D0[g] + b * D1[g] + c * D2[g] + d * D3[g]
+                square += w[i] * w[i]
+            surge_at(I, M, height, w[3:6])
+            along = 0.0
+            for i in range(dimension):
+                along += w[i] * w[3 + i]
+            along /= square
+            for i in range(dimension):
+                force = h * ((mass + added) * w[3 + i] - added * along * w[i])
+                r0 = force * WH[g, 0]
+                r2 = force * WH[g, 2]
+                out[above + i] -= r0
+                out[above + dimension + i] -= h * force * WH[g, 1]
+                out[below + i] -= r2
+                out[below + dimension + i] -= h * force * WH[g, 3]
+                M[ends + i] += r0
+                M[ends + dimension + i] -= r2
