@@ -61,7 +61,7 @@ I_TWO_STEP_REST = 93  # what I_TWO_STEP_WAIT is set to at a refusal: doubles whi
 
 I_KEEP_MATRIX = 92  # 1 while a step has not yet saved the matrix that it may have to give back
 
-I_SETTLED = 100  # 1 while the last step left a line that does not ring along itself
+I_SETTLED = 101  # 1 while the last step left a line that does not ring along itself
 
 # Cable at rest on the floor: the nodes at the line's end that sleep.
 I_SLEEP = 83  # 1: cable may sleep (there is friction), 0: it never does

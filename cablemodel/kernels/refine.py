@@ -6,7 +6,10 @@ grows from nothing to hundreds of tau L within a second. Halves become one again
 they were at the start, once one cubic does for both.
 """
 
-from .compile import kernel
+import math
+
+from .buckling import is_pressed, pressure_seen
+from .compile import kernel, view
 from .follow import (
     finest_flexible,
     halves_are_even,
@@ -18,19 +21,26 @@ from .follow import (
 )
 from .layout import (
     E_BENDING_FULL,
+    E_COMPLIANCE,
     E_LENGTH,
     E_NOMINAL,
     E_SEGMENT,
     EDGE_WORDS,
+    I_DIMENSION,
     I_NODES,
     O_EDGE,
     O_JOINT,
+    O_MOTION,
+    O_POSITION,
     O_STAGE_V,
+    O_TENSION,
     OK,
     S_BENT,
     S_BENT_AFTER,
+    S_LENGTH,
     S_PERIOD,
     S_TIME,
+    S_TOLERANCE,
     S_UNDAMPED,
 )
 from .payout import join_at, split_edge
@@ -51,6 +61,20 @@ def bends_too_much(I, M, node, jump):
     if M[edge + E_BENDING_FULL] == 0.0 and h < finest_flexible(I, M, node):
         return False
     return h * h * jump > M[S_BENT]
+
+
+@kernel
+def is_pressed_aside(I, M, node):
+    """Whether an element is pressed so that it would have to bend further within than positions
+    may be wrong by: to get rid of its pressure T at once, by 2 / pi h sqrt(T / EA)."""
+    count = 2 * I[I_DIMENSION] * I[I_NODES]
+    q = view(M, I[O_POSITION], count)
+    tension = view(M, I[O_TENSION], 2 * I[I_NODES])
+    if not is_pressed(I, M, node, q, tension, pressure_seen(M), view(M, I[O_MOTION] + 16, 3)):
+        return False
+    edge = I[O_EDGE] + node * EDGE_WORDS
+    bend = 2.0 / math.pi * math.sqrt(-tension[2 * node] * M[edge + E_COMPLIANCE])
+    return bend * M[edge + E_LENGTH] > M[S_TOLERANCE] * M[S_LENGTH]
 
 
 @kernel
@@ -88,7 +112,9 @@ def follow_bending(I, M, change):
     node = nodes - 1
     while node >= 1:
         if I[I[O_JOINT] + node] == 0:
-            if bends_too_much(I, M, node, max(jumps[node - 1], jumps[node])):
+            if bends_too_much(I, M, node, max(jumps[node - 1], jumps[node])) or is_pressed_aside(
+                I, M, node
+            ):
                 if has_room(I, M) and may_be_halved(I, M, node) and halves_are_even(I, M, node):
                     if not change:
                         return True

@@ -489,7 +489,7 @@ def advance_to(I, M, t_end):
             if I[I_CURRENT] != 0 and begins_a_surge(I, M, dt):
                 begin_after_a_blow(I, M, dt)
         elif (I[I_LIVE] != 0 or I[I_CURRENT] != 0) and follows_a_blow(I, M, dt):
-            begin_after_a_blow(I, M, last)
+            begin_after_a_blow(I, M, M[S_LAST_STEP])
         elif unprojected:
             project_velocity(I, M, GAMMA[scheme] * dt)
         unprojected = False
@@ -526,6 +526,7 @@ def advance_to(I, M, t_end):
             if grows_unseen(I, M, gamma_dt):
                 along = PASSES_OVER
                 error = UNSTABLE
+                M[S_BENT_AFTER] = M[S_TIME]  # it bends where the mesh lets it
         if status != OK or not error <= 1.0:
             if not shorten(I, M, dt, scheme, status, error):
                 status = NOT_CONVERGED
