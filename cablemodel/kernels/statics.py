@@ -5,9 +5,11 @@ limit is Newton's method on the static equations, reached from any guess. With k
 step starts from rest: slack cable settles where it would bounce otherwise.
 """
 
+from .backup import keep_matrix
 from .clamp_layer import settle_layer
 from .compile import copy_words, kernel, view
 from .floor_memory import bear
+from .flow import flow_jacobian, flow_residual
 from .layout import (
     E_LENGTH,
     EDGE_WORDS,
@@ -48,7 +50,14 @@ from .layout import (
     STATICS_FAILED,
 )
 from .newton import increment_norm, is_folded
-from .system import factorise, jacobian, newton_increment, recover_tension, residual, set_time
+from .system import (
+    factor_assembled,
+    jacobian,
+    newton_increment,
+    recover_tension,
+    residual,
+    set_time,
+)
 from .vessel_clamp import update_springs
 
 LARGEST_STEPS = 2000
@@ -102,10 +111,8 @@ def relax(I, M, frame, damped, strict):
     x = M[I[O_INCREMENT] : I[O_INCREMENT] + count]
     length = M[S_LENGTH]
     flow = M[S_PAYOUT_RATE] if I[I_PAYOUT] != 0 else 0.0
-    # The derivatives of the flow's own terms are left out: Newton is linear with them.
-    patience = 1 if flow == 0.0 else 5
-    limit = NEWTON_LIMIT * patience
     set_time(I, M, M[S_TIME])
+    M[S_STAGE_RATE] = 0.0  # the flow is added by flow.py, at the top as elsewhere
     w0[:] = 0.0
     a0[:] = 0.0
     springs = I[I_RIGID] > 0 or I[I_PAYOUT] != 0
@@ -124,7 +131,7 @@ def relax(I, M, frame, damped, strict):
             tension[n] = t0[n]
         converged = False
         used = 0
-        for iteration in range(limit):
+        for iteration in range(NEWTON_LIMIT):
             used = iteration + 1
             for node in range(nodes):
                 for i in range(size):
@@ -134,17 +141,17 @@ def relax(I, M, frame, damped, strict):
                     v[n] = w
                     if i < dimension:
                         v[n] += frame[i]
-            # Flow along the cable has no part in the normal drag, however it turns: without it
-            # the derivatives of the drag are right where they matter.
-            M[S_STAGE_RATE] = 0.0
-            if factorise(I, M, q, v, a, tension, inverse * inverse, inverse) != 0:
-                break
+            keep_matrix(I)
+            jacobian(I, M, q, v, a, tension, inverse * inverse, inverse)
             if flow != 0.0:
-                M[S_STAGE_RATE] = flow
-                add_flow(I, M, flow, q, v)
+                flow_jacobian(I, M, flow, q, v, a, inverse * inverse, inverse)
+            if factor_assembled(I, M) != 0:
+                break
             I[I_FACTORISATIONS] += 1
             I[I_ITERATIONS] += 1
             residual(I, M, q, v, a, tension, forces, constraint)
+            if flow != 0.0:
+                flow_residual(I, M, flow, q, v, a, tension, forces, constraint)
             newton_increment(I, M, forces, constraint, x)
             change, where = increment_norm(I, M, x)
             I[I[O_FAILED]] = where
@@ -192,8 +199,8 @@ def relax(I, M, frame, damped, strict):
                 break
         else:
             calm = 0
-        if moved < 0.2 * length and used <= 8 * patience:
-            dt = min(dt * (2.5 if used <= 5 * patience else 1.3), LONGEST_STEP)
+        if moved < 0.2 * length and used <= 8:
+            dt = min(dt * (2.5 if used <= 5 else 1.3), LONGEST_STEP)
         elif moved > 0.5 * length:
             dt *= 0.5
     for node in range(nodes):
@@ -203,6 +210,7 @@ def relax(I, M, frame, damped, strict):
             if i < dimension:
                 w0[n] = frame[i]
             a0[n] = 0.0
+    set_time(I, M, M[S_TIME])
     if flow != 0.0:
         add_flow(I, M, flow, q0, w0)
     I[I_FACTORED] = 0
