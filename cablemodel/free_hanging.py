@@ -36,12 +36,13 @@ NARROW = 1e-7
 class Hanging:
     """What hangs at first, and how it goes on.
 
-    points: (n, 3) from the tow point down to where the line lands, or to its end [m]; arc: its
-    length, bodies included [m]; line_length: of all of the line, bodies included [m]; way: unit
-    vector along which the rest lies, (2,).
+    points: (n, 3) from the tow point down to where the line lands, or to its end [m]; pull: tension
+    there, (n,) [N]; arc: its length, bodies included [m]; line_length: of all of the line, bodies
+    included [m]; way: unit vector along which the rest lies, (2,).
     """
 
     points: FloatArray
+    pull: FloatArray
     arc: float
     line_length: float
     way: FloatArray
@@ -61,26 +62,27 @@ def hang(scene: Scene, start: FloatArray, passed: float, *, drawn: bool = False)
     way, tension = _lying(scene, line, start, plane, drawn=drawn)
     water = _Water(scene, start)
 
-    def above(arc: float) -> tuple[float, FloatArray]:
-        """Height of the lower end of what hangs above the floor, its polyline from the top."""
-        points = _integrate(line, water, passed, arc, tension * (total - arc), way)
+    def above(arc: float) -> tuple[float, FloatArray, FloatArray]:
+        """Height of the lower end of what hangs above the floor, its polyline and its tensions
+        from the top."""
+        points, pull = _integrate(line, water, passed, arc, tension * (total - arc), way)
         if plane is not None:
             points[:, :2] = np.outer(points[:, :2] @ plane, plane)
         points += start
         x, y, z = (float(value) for value in points[-1])
-        return z - floor.height(x, y), points
+        return z - floor.height(x, y), points, pull
 
     height = float(start[2]) - floor.height(float(start[0]), float(start[1]))
     straight_down = height > total - passed
     if straight_down and floor.z is not None and not any(floor.slope):
         return None  # nowhere does it come down further
-    gap, points = above(total)
+    gap, points, pull = above(total)
     if gap > 0.0:
-        return None if straight_down else Hanging(points, total, total, way)
+        return None if straight_down else Hanging(points, pull, total, total, way)
 
     def over(arc: float) -> float:
-        nonlocal points  # in the end those of the place that is found
-        gap, points = above(arc)
+        nonlocal points, pull  # in the end those of the place that is found
+        gap, points, pull = above(arc)
         return gap
 
     lands = crossing(
@@ -93,7 +95,7 @@ def hang(scene: Scene, start: FloatArray, passed: float, *, drawn: bool = False)
         width=NARROW * total,
     )
     points[-1, 2] = floor.height(float(points[-1, 0]), float(points[-1, 1]))
-    return Hanging(points, lands, total, way)
+    return Hanging(points, pull, lands, total, way)
 
 
 def way_of_lying(scene: Scene, start: FloatArray) -> FloatArray:
@@ -172,8 +174,10 @@ def _integrate(
     last: float,
     tension: float,
     way: FloatArray,
-) -> FloatArray:
-    """The shape of what hangs, from its lower end up: (n, 3), relative to its upper end [m].
+) -> tuple[FloatArray, FloatArray]:
+    """The shape of what hangs, (n, 3), relative to its upper end [m], and its tensions, (n,) [N].
+
+    Integrated from its lower end up.
 
     first, last: arc lengths of its ends [m]; tension: of what lies beyond, along `way` [N].
     """
@@ -185,6 +189,7 @@ def _integrate(
     pull = -tension * float(way[0]), -tension * float(way[1]), 0.0
     ahead = 0.0, 0.0, 1.0
     places = [(0.0, 0.0, 0.0)]
+    sizes = [math.hypot(*pull)]
     x = y = z = 0.0
     for upper, lower in itertools.pairwise(reversed(arcs)):
         # Reversed: `upper` is the larger arc length, further from the vessel.
@@ -209,8 +214,9 @@ def _integrate(
         pull = _loaded(start, piece, h, flow, ahead)
         x, y, z = x + h * ahead[0], y + h * ahead[1], z + h * ahead[2]
         places.append((x, y, z))
+        sizes.append(math.hypot(*pull))
     shape = np.array(places)
-    return np.asarray(shape[::-1] - shape[-1], dtype=np.float64)
+    return np.asarray(shape[::-1] - shape[-1], dtype=np.float64), np.array(sizes[::-1])
 
 
 def _loaded(

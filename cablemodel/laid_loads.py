@@ -20,8 +20,13 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-DRAGGED = 0.1
-"""Of the vessel's speed: lying cable that moves along the floor faster than that is dragged."""
+DRAGGED = 5e-4
+"""Of the rate of a lay without tension: where a lay falls short of it by more, what lies is drawn
+over the floor, and bears the friction of that. Less is rounding of a speed in knots."""
+UNEVEN = 0.1
+"""The same over a depth table, where that rate changes from place to place."""
+STEEP = 0.01
+"""Of the vessel's speed: pay-out of a lay up a slope that is steeper than the line hangs."""
 
 
 @dataclass(frozen=True)
@@ -104,8 +109,38 @@ def slopes(scene: Scene, x: float, y: float) -> tuple[float, float]:
     return 0.5 * along / step, 0.5 * across / step
 
 
-def is_dragged(scene: Scene) -> bool:
-    """Whether the vessel drags what lies over the floor: it goes faster than it pays out."""
+def lay_rate(scene: Scene) -> float:
+    """Pay-out with which a lay keeps up with its vessel, without slack and without tension [m/s].
+
+    Over a floor that rises by b along the vessel's way, at the lay angle a, the touchdown moves
+    along the floor faster than the vessel does, and the suspended cable gets shorter:
+    U (sin a - sin b) / sin(a - b) (Zajac 1957). Uphill that is less than the speed; downhill it is
+    more, and what is asked of a lay there is its speed at least.
+    """
     velocity = scene.motion().evaluate(0.0)[1]
     speed = float(np.hypot(velocity[0], velocity[1]))
-    return speed - rate_at_start(scene) > DRAGGED * speed
+    floor = scene.environment.floor
+    if speed == 0.0 or floor is None or floor.z is None:
+        return speed
+    place = scene.motion().evaluate(0.0)[0]
+    rise = np.array(slopes(scene, float(place[0]), float(place[1])))
+    up = math.atan(float(rise @ velocity[:2]) / speed)
+    line = pieces(scene)
+    weight = math.fsum(p.weight * (p.end - p.start) for p in line if p.end > p.start)
+    drag = math.fsum(p.normal * (p.end - p.start) for p in line if p.end > p.start) * speed**2
+    if weight <= 0.0:
+        return speed
+    down = math.acos(2.0 * drag / (weight + math.hypot(weight, 2.0 * drag)))  # w cos a = D sin^2 a
+    if up <= 0.0:
+        return speed
+    if up >= down:
+        return STEEP * speed  # the line does not come down to the floor behind it
+    return speed * (math.sin(down) - math.sin(up)) / math.sin(down - up)
+
+
+def is_dragged(scene: Scene) -> bool:
+    """Whether the vessel drags what lies over the floor: it pays out less than a lay takes."""
+    rate = lay_rate(scene)
+    floor = scene.environment.floor
+    uneven = floor is not None and floor.z is None
+    return rate - rate_at_start(scene) > (UNEVEN if uneven else DRAGGED) * rate

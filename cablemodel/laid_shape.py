@@ -7,6 +7,7 @@ line answers with the forces of that stretch, and may fold before it comes to re
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -29,21 +30,34 @@ GRADING = 0.5
 """Length of elements per distance from the touchdown of a first shape."""
 
 
-def on_floor(scene: Scene, points: FloatArray, *, drawn: bool = False) -> FloatArray:
-    """A first shape for a static start with what lies below the floor laid on it, (n, 3).
+@dataclass(frozen=True)
+class Guess:
+    """From what a start is sought.
+
+    points: polyline from the tow point outwards, (n, 3) [m]; pull: tension over its length, rows of
+    (arc length of cables and bodies [m], tension [N]), or None where nothing is known of it.
+    """
+
+    points: FloatArray
+    pull: FloatArray | None = None
+
+
+def on_floor(scene: Scene, points: FloatArray, *, drawn: bool = False) -> Guess:
+    """A first shape for a static start with what lies below the floor laid on it.
 
     drawn: what lies draws what hangs, see free_hanging.hang.
     """
     floor = scene.environment.floor
     if floor is None or scene.initial.kind != "static":
-        return points
+        return Guess(points)
     start = points[0]
     if scene.end.kind == "anchor":
         end = np.asarray(scene.end.position, dtype=float)
         if np.array_equal(start, end):
-            return points
+            return Guess(points)
         length = scene.line_length
-        return _laid_to(floor, start, end, length, points, BEND * thinnest_layer(scene))
+        shape = _laid_to(floor, start, end, length, points, BEND * thinnest_layer(scene))
+        return Guess(shape)
     # A clamp's bend stays as it is.
     bend = points[:-2] if len(points) > 2 else points[:0]
     passed = 0.0
@@ -51,19 +65,29 @@ def on_floor(scene: Scene, points: FloatArray, *, drawn: bool = False) -> FloatA
         start = points[-2]
         passed = float(np.linalg.norm(np.diff(points[:-1], axis=0), axis=1).sum())
     if not points[-1][2] < start[2]:
-        return points
+        return Guess(points)
     hung = free_hanging.hang(scene, start, passed, drawn=drawn)
     if hung is None:
-        return points
+        return Guess(points)
+    pull = _along(passed, hung) if not drawn else None
     length = hung.line_length - hung.arc
     if length <= 0.0:
-        return np.vstack([bend, hung.points])
+        return Guess(np.vstack([bend, hung.points]), pull)
     foot = hung.points[-1]
     steps = np.linspace(0.0, length, 65)
     laid = np.empty((len(steps), 3))
     laid[:, :2] = foot[:2] + np.outer(steps, hung.way)
     laid[:, 2] = [floor.height(float(a), float(b)) for a, b in laid[:, :2]]
-    return np.vstack([bend, _rounded(hung.points, laid, BEND * thinnest_layer(scene))])
+    shape = np.vstack([bend, _rounded(hung.points, laid, BEND * thinnest_layer(scene))])
+    return Guess(shape, pull)
+
+
+def _along(passed: float, hung: free_hanging.Hanging) -> FloatArray:
+    """Tension over the arc length of what hangs, and to the end of what lies, (n, 2)."""
+    chords = np.linalg.norm(np.diff(hung.points, axis=0), axis=1)
+    arcs = passed + np.concatenate([[0.0], np.cumsum(chords)])
+    end = max(hung.line_length, float(arcs[-1]) * (1.0 + 1e-12))
+    return np.vstack([np.column_stack([arcs, hung.pull]), [end, 0.0]])
 
 
 def surplus(scene: Scene) -> float:

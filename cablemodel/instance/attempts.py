@@ -26,6 +26,8 @@ class Attempt:
     """Friction holds what lies on the floor, see laid_start; else what has a free end slides."""
     lies: Block | None = None
     """What lies is where it is in this one, at a coarser tolerance, and stays there."""
+    passing: bool = False
+    """Only the place is wanted where cable lies: whether it stays there is asked at the end."""
     patient: bool = False
     """By all of easier_ways: clamps are turned bit by bit, floors harden from several depths."""
     swept: bool = False

@@ -174,10 +174,12 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, attempt: Attempt
             f"no static equilibrium was found; what moved last is {arc:g} m along the cable. "
             f"{advice}, or start from initial: {{straight: ...}} or {{points: ...}}"
         )
-    entry.place_supports(ints, reals)
-    # The line is at rest in the vessel's frame; the vessel's acceleration begins after t = 0. With
+    # The shape is at rest in the vessel's frame; the vessel's acceleration begins after t = 0. With
     # it the force at the top would hold the inertia of a piece as long as the mesh makes it.
-    block.array(at.O_ACCELERATION, int(ints[at.I_NODES]), 2 * int(ints[at.I_DIMENSION]))[:] = 0.0
+    words = int(ints[at.I_NODES]), 2 * int(ints[at.I_DIMENSION])
+    acceleration = block.array(at.O_ACCELERATION, *words).copy()
+    entry.place_supports(ints, reals)
+    block.array(at.O_ACCELERATION, *words)[:] = acceleration
 
 
 def _stabilise(block: Block) -> bool:

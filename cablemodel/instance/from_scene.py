@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel import laid_shape, sea_floor, waves
+from cablemodel import laid_loads, laid_shape, sea_floor, waves
 from cablemodel.block import Block
 from cablemodel.errors import StaticsError
 from cablemodel.instance import laid_start, line_tables, tables, unstable_start
@@ -21,14 +21,14 @@ from cablemodel.instance.frame import vertical_plane
 from cablemodel.instance.line import Line, lay_out, spans_of
 from cablemodel.instance.refinement import (
     ROUNDS,
+    guess_of,
     halved,
     refine_touchdown,
     refined,
-    shape_of,
     spare_nodes,
 )
 from cablemodel.instance.refusals import refuse_unsupported
-from cablemodel.instance.scales import start_conditions, tension_scale
+from cablemodel.instance.scales import rate_at_start, start_conditions, tension_scale
 from cablemodel.instance.winch import Winch, winch_of
 from cablemodel.kernels import layout as at
 from cablemodel.mesh import line_nodes
@@ -67,7 +67,7 @@ def _built_as_laid(scene: Scene, planar: bool | None, drum_room: float, attempt:
     coarser = laid_start.coarser(scene)
     if coarser is None:
         return _built(scene, planar, drum_room, attempt)
-    lies = _built_as_laid(coarser, planar, 1.0, attempt)
+    lies = _built_as_laid(coarser, planar, 1.0, replace(attempt, passing=True))
     try:
         return _built(scene, planar, drum_room, replace(attempt, lies=lies))
     except StaticsError:
@@ -83,14 +83,17 @@ def _built(
     scale = tension_scale(scene)
     hangs = None
     if attempt.lies is not None:
-        points = shape_of(attempt.lies)
+        guess = guess_of(attempt.lies, scene)
     else:
         position = scene.motion().evaluate(0.0)[0]
         points = first_points(scene, position, swept=attempt.swept)
         hangs = bight(scene, position) if attempt.bight else None
         if hangs is not None:
             points = hangs.points
-        points = laid_shape.on_floor(scene, points, drawn=attempt.swept)
+        guess = laid_shape.on_floor(scene, points, drawn=attempt.swept)
+        if rate_at_start(scene) == 0.0:
+            guess = laid_shape.Guess(guess.points)
+    points = guess.points
     sea_floor.check(scene, points)
     nodes = line_nodes(spans_of(scene, scale), scene.solver.tolerance, start_conditions(scene))
     if hangs is not None:
@@ -102,35 +105,36 @@ def _built(
     find = partial(find_initial_state, scene=scene, attempt=attempt)
     build_on = partial(_build_on, scene, scale=scale, planar=planar, drum_room=drum_room)
     if scene.initial.kind != "static":
-        return build_on(nodes, points, find=find)
+        return build_on(nodes, guess, find=find)
 
-    def start(nodes: list[FloatArray], points: FloatArray) -> Block:
-        block = build_on(nodes, points, find=find)
+    def start(nodes: list[FloatArray], guess: laid_shape.Guess) -> Block:
+        block = build_on(nodes, guess, find=find)
         for _round in range(ROUNDS):
             finer = refined(block, scene, nodes)
             if finer is None:
                 break
             nodes = finer
-            block = build_on(nodes, shape_of(block), find=find)
+            block = build_on(nodes, guess_of(block, scene), find=find)
         refine_touchdown(block, scene, attempt)
         return block
 
     stand = partial(build_on, find=partial(stand_still, scene=scene))
     ways = unstable_start.Ways(stand, start, in_place=attempt.as_laid)
-    return unstable_start.left(start(nodes, points), scene, ways)
+    found = start(nodes, guess)
+    return found if attempt.passing else unstable_start.left(found, scene, ways)
 
 
 def _build_on(
     scene: Scene,
     nodes: list[FloatArray],
-    points: FloatArray,
+    guess: laid_shape.Guess,
     *,
     scale: float,
     planar: bool | None,
     drum_room: float,
     find: Callable[[Block], None],
 ) -> Block:
-    """A block on given nodes, from a polyline (n, 3) [m] as the first guess of its shape.
+    """A block on given nodes, from a first guess of its shape.
 
     nodes: arc lengths of the nodes of every cable [m], each from 0 to its length. find: brings the
     block to its first state, from that shape.
@@ -140,7 +144,7 @@ def _build_on(
     kept = winch.extra_nodes + sea_floor.spare_nodes(scene)
     block = _allocate(scene, line, winch, kept + spare_nodes(scene, line.nodes))
     block.reals[at.S_RESERVED] = kept
-    _choose_frame(block, scene, points, planar)
+    _choose_frame(block, scene, guess.points, planar)
     block.ints[at.I_NODES] = line.nodes
     tables.fill_settings(block, scene, scale)
     tables.fill_motion(block, scene.motion().pieces)
@@ -150,8 +154,10 @@ def _build_on(
     tables.fill_payout(block, scene, winch)
     line_tables.fill_bodies(block, scene, line, scale)
     tables.fill_constraints(block, scene, line)
-    place_nodes(block, line, points, scene.line_length)
+    place_nodes(block, line, guess, scene.line_length)
     sea_floor.fill(block, scene)
+    if scene.environment.floor is not None:
+        block.reals[at.S_LAID] = float(not laid_loads.is_dragged(scene))
     waves.fill(block, sea(scene), scene.solver.tolerance)
     sea_floor.place_of_rest(block, scene)
     find(block)

@@ -316,6 +316,8 @@ def _flow(block: Block, scene: Scene) -> tuple[FloatArray, FloatArray, FloatArra
     water = laid_loads.water_velocity(scene, earth(block, _positions(block))[:, 2])
     velocity = local(block, scene.motion().evaluate(0.0)[1], point=False)
     own = velocity + rate_at_start(scene) * along
+    if block.reals[at.S_LAID]:
+        own[_lies(block, scene)] = 0.0
     flow = np.array([local(block, value, point=False) for value in water]) - own
     tangential = np.sum(flow * along, axis=1)[:, None] * along
     normal = flow - tangential

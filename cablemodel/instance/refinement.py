@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel import laid_loads
+from cablemodel import laid_loads, laid_shape
 from cablemodel.block import Block
 from cablemodel.errors import StaticsError
 from cablemodel.instance.attempts import Attempt
 from cablemodel.instance.first_state import count_from_zero, solve_static, steady_velocity
 from cablemodel.instance.frame import earth
-from cablemodel.instance.scales import pays_out, start_conditions
+from cablemodel.instance.scales import pays_out, rate_at_start, start_conditions
 from cablemodel.kernels import layout as at
 
 if TYPE_CHECKING:
@@ -147,6 +147,26 @@ def shape_of(block: Block) -> FloatArray:
         here = int(np.searchsorted(stations, ends[node] - 1e-9 * ends[-1]))
         points = np.vstack([points[:here], places[node - 1 : node + 1], points[here + 1 :]])
     return points.copy()
+
+
+def guess_of(block: Block, scene: Scene) -> laid_shape.Guess:
+    """The block's present shape; of cable that runs out, its tensions too."""
+    points = shape_of(block)
+    if rate_at_start(scene) == 0.0:
+        return laid_shape.Guess(points)
+    count = int(block.ints[at.I_NODES])
+    edges = block.array(at.O_EDGE, count, at.EDGE_WORDS)[1:]
+    tension = block.array(at.O_TENSION, count, 2)[1:]
+    cables = block.integers(at.O_JOINT, count)[1:] == 0
+    passed = np.zeros(count - 1)  # of bodies
+    for body in block.array(at.O_BODY, int(block.ints[at.I_BODIES]), at.BODY_WORDS):
+        if body[at.B_NODE] >= 0:
+            passed[int(body[at.B_NODE]) :] += body[at.B_LENGTH]
+    starts = edges[:, at.E_START] + passed
+    ends = np.stack([starts, starts + edges[:, at.E_LENGTH]], axis=-1)
+    values = np.stack([tension[:, 0] - tension[:, 1], tension[:, 0] + tension[:, 1]], axis=-1)
+    rows = np.column_stack([ends[cables].ravel(), values[cables].ravel()])
+    return laid_shape.Guess(points, rows)
 
 
 def _node_places(block: Block) -> FloatArray:

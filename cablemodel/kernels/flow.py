@@ -7,7 +7,9 @@ stands still that changes
 - the drag along the cable, whose flow is u_t - V |r'|; that across the cable stays;
 - inertia: (m + ma) V^2 r''. By parts it takes (m + ma) V^2 from the tension that straightens the
   cable, and leaves the momentum that passes each end of an element;
-- the drag of bodies, which run with their cable.
+- the drag of bodies, which run with their cable;
+- what has been laid (S_LAID): it is at rest over the ground, and only a current pulls at it. On a
+  slope its drag with the vessel's velocity would be more than its weight.
 
 All of it is computed from r' at the Gauss points, and so are its derivatives, exactly: with
 velocities interpolated between nodes the flow had a part across the cable wherever an iterate
@@ -26,12 +28,14 @@ from .bodies import (
 from .compile import kernel, view
 from .environment import current_at
 from .floor import block_of
+from .floor_surface import gap_at
 from .layout import (
     B_ADDED,
     B_LENGTH,
     B_MASS,
     B_NODE,
     BODY_WORDS,
+    E_DRAG_NORMAL,
     E_DRAG_TANGENTIAL,
     E_LENGTH,
     E_MASS,
@@ -40,6 +44,7 @@ from .layout import (
     I_BODIES,
     I_DIMENSION,
     I_DRAG,
+    I_FLOOR,
     I_NODES,
     I_RIGID,
     I_WAVES,
@@ -50,12 +55,14 @@ from .layout import (
     O_JOINT,
     O_MOTION,
     O_PARENT,
+    S_FLOOR_DEPTH,
+    S_LAID,
 )
 from .rigid import rigid_residual
 from .tables import D0, D1, D2, D3, H0, H1, H2, H3, WD, WH
 from .waves import DRAG, element_water
 
-SCRATCH = 700  # first word of ours in the elements' workspace, beyond theirs
+SCRATCH = 720  # first word of ours in the elements' workspace, beyond theirs
 
 
 @kernel
@@ -117,23 +124,83 @@ def at_point(I, M, flow, q, v, parent, node, h, g, w):
 
 
 @kernel
-def flow_residual(I, M, flow, q, v, a, tension, out, out_constraint):
-    """Add what the flow changes to forces that were found without it."""
+def is_laid(I, M, q, node, w):
+    """Whether a node lies where it has been laid, at rest over the ground."""
+    if M[S_LAID] == 0.0 or I[I_FLOOR] == 0:
+        return False
+    dimension = I[I_DIMENSION]
+    return gap_at(I, M, view(q, 2 * dimension * node, 2 * dimension), w) < M[S_FLOOR_DEPTH]
+
+
+@kernel
+def drag_at(M, edge, stretch, dimension, w):
+    """Drag per length on cable with the tangent in w[0:3] in the flow w[3:6] [N/m] into w[6:9].
+
+    Its derivatives to r' into w[9:18], by the flow into w[18:27], (dimension, dimension) each.
+    """
+    cn = math.sqrt(stretch) * M[edge + E_DRAG_NORMAL]
+    ct = math.sqrt(stretch) * M[edge + E_DRAG_TANGENTIAL]
+    along = 0.0
+    for i in range(dimension):
+        along += w[3 + i] * w[i]
+    speed = 0.0
+    for i in range(dimension):
+        speed += (w[3 + i] - along * w[i]) ** 2
+    speed = math.sqrt(speed)
+    inverse = 1.0 / max(speed, 1e-30)
+    for i in range(dimension):
+        across = w[3 + i] - along * w[i]
+        w[6 + i] = cn * speed * across + ct * abs(along) * along * w[i]
+    for i in range(dimension):
+        ni = w[3 + i] - along * w[i]
+        for j in range(dimension):
+            nj = w[3 + j] - along * w[j]
+            p = -w[i] * w[j]
+            if i == j:
+                p += 1.0
+            turned = cn * (-along * inverse * nj * ni - speed * (w[i] * nj + along * p))
+            turned += ct * (2.0 * abs(along) * nj * w[i] + abs(along) * along * p)
+            at = dimension * i + j
+            w[9 + at] = (turned + 0.5 * w[6 + i] * w[j]) / stretch
+            w[18 + at] = cn * (speed * p + inverse * ni * nj)
+            w[18 + at] += 2.0 * ct * abs(along) * w[i] * w[j]
+
+
+@kernel
+def flow_residual(I, M, flow, frame, rest, q, v, a, tension, out, out_constraint):
+    """Add what the flow changes to forces that were found without it.
+
+    rest: positions and slopes that say what lies on the floor; of these only the drag changes.
+    """
     dimension = I[I_DIMENSION]
     size = 2 * dimension
     W = view(M, I[O_GAUSS], GAUSS_WORDS)
-    w = view(W, SCRATCH, 24)
+    w = view(W, SCRATCH, 30)
     for node in range(1, I[I_NODES]):
         if I[I[O_JOINT] + node] != 0:
             continue
         parent = I[I[O_PARENT] + node]
         e = I[O_EDGE] + node * EDGE_WORDS
         h = M[e + E_LENGTH]
+        lies = is_laid(I, M, rest, parent, w) and is_laid(I, M, rest, node, w)
+        if lies and I[I_DRAG] == 0:
+            continue
         momentum = M[e + E_MASS] * flow * flow
         if I[I_WAVES] != 0:
             element_water(I, M, W, e, view(q, size * parent, size), view(q, size * node, size))
         for g in range(3):
             stretch, still, runs = at_point(I, M, flow, q, v, parent, node, h, g, w)
+            if lies:
+                for side in range(2):  # without the frame's velocity, less with it
+                    for i in range(dimension):
+                        w[3 + i] += frame[i] if side == 0 else -frame[i]
+                    drag_at(M, e, stretch, dimension, w)
+                    for k in range(4):
+                        at = size * (parent if k < 2 else node) + dimension * (k % 2)
+                        value = (2.0 * side - 1.0) * h * WH[g, k] * (h if k % 2 == 1 else 1.0)
+                        for i in range(dimension):
+                            out[at + i] += value * w[6 + i]
+                continue
             drag = 0.0
             if I[I_DRAG] != 0:
                 drag = math.sqrt(stretch) * M[e + E_DRAG_TANGENTIAL]
@@ -146,6 +213,8 @@ def flow_residual(I, M, flow, q, v, a, tension, out, out_constraint):
                 value = scale * (h * WH[g, k] * drag + WD[g, k] * momentum * stretch)
                 for i in range(dimension):
                     out[at + i] -= value * w[i]
+        if lies:
+            continue
         for i in range(dimension):
             out[size * parent + i] -= momentum * q[size * parent + dimension + i]
             out[size * node + i] += momentum * q[size * node + dimension + i]
@@ -160,16 +229,19 @@ def flow_residual(I, M, flow, q, v, a, tension, out, out_constraint):
         rigid_residual(I, M, q, v, a, tension, out, out_constraint)
     for n in range(count):
         out[n] = -out[n]
-    run_with_cable(I, M, flow, q, v)
+    run_with_cable(I, M, flow, frame, rest, 1.0, q, v)
     body_residual(I, M, q, v, a, out)
     if I[I_RIGID] > 0:
         rigid_residual(I, M, q, v, a, tension, out, out_constraint)
-    run_with_cable(I, M, -flow, q, v)
+    run_with_cable(I, M, flow, frame, rest, -1.0, q, v)
 
 
 @kernel
-def run_with_cable(I, M, flow, q, v):
-    """Add the flow to the velocities of the nodes of bodies."""
+def run_with_cable(I, M, flow, frame, rest, sign, q, v):
+    """Add the flow to the velocities of the nodes of bodies (or take it off, sign -1).
+
+    Of bodies that have been laid, minus the frame's velocity.
+    """
     dimension = I[I_DIMENSION]
     size = 2 * dimension
     for body in range(I[I_BODIES]):
@@ -178,13 +250,15 @@ def run_with_cable(I, M, flow, q, v):
         if node < 0:
             continue
         for _side in range(2 if M[row + B_LENGTH] > 0.0 else 1):
+            lies = is_laid(I, M, rest, node, view(M, I[O_GAUSS] + SCRATCH, 3))
             for i in range(dimension):
-                v[size * node + i] += flow * q[size * node + dimension + i]
+                own = -frame[i] if lies else flow * q[size * node + dimension + i]
+                v[size * node + i] += sign * own
             node = I[I[O_PARENT] + node]
 
 
 @kernel
-def flow_jacobian(I, M, flow, q, v, a, ca, cv):
+def flow_jacobian(I, M, flow, frame, rest, q, v, a, ca, cv):
     """Add the derivatives of `flow_residual` to the blocks of the effective Jacobian.
 
     Of a body of finite length they are left out: its drag is little beside what holds it.
@@ -192,18 +266,28 @@ def flow_jacobian(I, M, flow, q, v, a, ca, cv):
     dimension = I[I_DIMENSION]
     size = 2 * dimension
     W = view(M, I[O_GAUSS], GAUSS_WORDS)
-    w = view(W, SCRATCH, 24)
+    w = view(W, SCRATCH, 30)
     for node in range(1, I[I_NODES]):
         if I[I[O_JOINT] + node] != 0:
             continue
         parent = I[I[O_PARENT] + node]
         e = I[O_EDGE] + node * EDGE_WORDS
         h = M[e + E_LENGTH]
+        lies = is_laid(I, M, rest, parent, w) and is_laid(I, M, rest, node, w)
+        if lies and I[I_DRAG] == 0:
+            continue
         momentum = M[e + E_MASS] * flow * flow
         if I[I_WAVES] != 0:
             element_water(I, M, W, e, view(q, size * parent, size), view(q, size * node, size))
         for g in range(3):
             stretch, still, runs = at_point(I, M, flow, q, v, parent, node, h, g, w)
+            if lies:
+                for side in range(2):
+                    for i in range(dimension):
+                        w[3 + i] += frame[i] if side == 0 else -frame[i]
+                    drag_at(M, e, stretch, dimension, w)
+                    add_drag(I, M, node, h, g, (2.0 * side - 1.0) * h, cv, w)
+                continue
             coefficient = 0.0
             if I[I_DRAG] != 0:
                 coefficient = math.sqrt(stretch) * M[e + E_DRAG_TANGENTIAL]
@@ -225,10 +309,14 @@ def flow_jacobian(I, M, flow, q, v, a, ca, cv):
                         for j in range(dimension):
                             across = w[3 + j] - still * w[j]
                             rate = turned * across / stretch + (slides - drag / stretch) * w[j]
-                            entry = -load * (rate * w[i] * slope - cv * turned * w[i] * w[j] * value)
+                            entry = -load * (
+                                rate * w[i] * slope - cv * turned * w[i] * w[j] * value
+                            )
                             if i == j:
                                 entry -= (load * drag / stretch + bend) * slope
                             M[at + size * i + j] += entry
+        if lies:
+            continue
         area = size * size
         for i in range(dimension):
             at = size * i + dimension + i
@@ -240,8 +328,27 @@ def flow_jacobian(I, M, flow, q, v, a, ca, cv):
             row = I[O_BODY] + body * BODY_WORDS
             node = int(M[row + B_NODE])
             if node >= 0 and M[row + B_LENGTH] == 0.0:
-                add_body(I, M, flow, q, v, a, ca, cv, row, node, sign)
-        run_with_cable(I, M, flow if side == 0 else -flow, q, v)
+                lies = is_laid(I, M, rest, node, w)
+                add_body(I, M, 0.0 if lies else flow, q, v, a, ca, cv, row, node, sign)
+        run_with_cable(I, M, flow, frame, rest, 1.0 if side == 0 else -1.0, q, v)
+
+
+@kernel
+def add_drag(I, M, node, h, g, sign, cv, w):
+    """Add `sign` times the derivatives of `drag_at` at a Gauss point to an element's blocks."""
+    dimension = I[I_DIMENSION]
+    for k in range(4):
+        load = sign * WH[g, k] * (h if k % 2 == 1 else 1.0)
+        for l in range(4):
+            slope = load * slope_function(l, g, h)
+            value = load * cv * value_function(l, g, h)
+            at = block_of(I, node, k, l, dimension)
+            at += 2 * dimension * dimension * (k % 2) + dimension * (l % 2)
+            for i in range(dimension):
+                for j in range(dimension):
+                    n = dimension * i + j
+                    entry = slope * w[9 + n] - value * w[18 + n]
+                    M[at + 2 * dimension * i + j] += entry
 
 
 @kernel

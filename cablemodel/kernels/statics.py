@@ -9,7 +9,7 @@ from .backup import keep_matrix
 from .clamp_layer import settle_layer
 from .compile import copy_words, kernel, view
 from .floor_memory import bear
-from .flow import flow_jacobian, flow_residual
+from .flow import flow_jacobian, flow_residual, is_laid
 from .layout import (
     E_LENGTH,
     EDGE_WORDS,
@@ -43,6 +43,7 @@ from .layout import (
     O_VELOCITY,
     OK,
     S_FIRST_STEP,
+    S_FLOOR_DAMPING,
     S_LENGTH,
     S_PAYOUT_RATE,
     S_STAGE_RATE,
@@ -113,6 +114,9 @@ def relax(I, M, frame, damped, strict):
     flow = M[S_PAYOUT_RATE] if I[I_PAYOUT] != 0 else 0.0
     set_time(I, M, M[S_TIME])
     M[S_STAGE_RATE] = 0.0  # the flow is added by flow.py, at the top as elsewhere
+    damping = M[S_FLOOR_DAMPING]
+    if flow != 0.0:
+        M[S_FLOOR_DAMPING] = 0.0  # down a slope the frame moves towards the floor, no cable does
     w0[:] = 0.0
     a0[:] = 0.0
     springs = I[I_RIGID] > 0 or I[I_PAYOUT] != 0
@@ -144,14 +148,14 @@ def relax(I, M, frame, damped, strict):
             keep_matrix(I)
             jacobian(I, M, q, v, a, tension, inverse * inverse, inverse)
             if flow != 0.0:
-                flow_jacobian(I, M, flow, q, v, a, inverse * inverse, inverse)
+                flow_jacobian(I, M, flow, frame, q0, q, v, a, inverse * inverse, inverse)
             if factor_assembled(I, M) != 0:
                 break
             I[I_FACTORISATIONS] += 1
             I[I_ITERATIONS] += 1
             residual(I, M, q, v, a, tension, forces, constraint)
             if flow != 0.0:
-                flow_residual(I, M, flow, q, v, a, tension, forces, constraint)
+                flow_residual(I, M, flow, frame, q0, q, v, a, tension, forces, constraint)
             newton_increment(I, M, forces, constraint, x)
             change, where = increment_norm(I, M, x)
             I[I[O_FAILED]] = where
@@ -211,25 +215,30 @@ def relax(I, M, frame, damped, strict):
                 w0[n] = frame[i]
             a0[n] = 0.0
     set_time(I, M, M[S_TIME])
+    M[S_FLOOR_DAMPING] = damping
     if flow != 0.0:
-        add_flow(I, M, flow, q0, w0)
+        add_flow(I, M, flow, q0, w0, a0)
     I[I_FACTORED] = 0
     return status
 
 
 @kernel
-def add_flow(I, M, flow, q, v):
-    """Material velocity of cable that runs along its own shape at the rate `flow`.
+def add_flow(I, M, flow, q, v, a):
+    """Motion of cable that runs along its own shape at the rate `flow` (eq. 16, d/dt = 0).
 
-    v = flow r', v' = flow r'' (eq. 16 with d/dt = 0 at fixed s). r'' at a node is the mean of both
-    sides. The vessel's node gets its own by the pay-out terms of the top element. The acceleration
-    flow^2 r'' is left out: it takes (m + ma) flow^2 from the tension, a few newtons, and where the
-    cable bends without tension it would keep the iteration from converging.
+    v += flow r', v' = flow r'', a = flow^2 r''; r'' at a node is the mean of both sides. The
+    vessel's node gets its own by the pay-out terms of the top element. What has been laid is at
+    rest.
     """
     dimension = I[I_DIMENSION]
     size = 2 * dimension
     nodes = I[I_NODES]
+    w = view(M, I[O_MOTION] + 28, 3)
     for node in range(1, nodes):
+        if is_laid(I, M, q, node, w):
+            for i in range(dimension):
+                v[size * node + i] = 0.0
+            continue
         for i in range(dimension):
             n = size * node + i
             second = 0.0
@@ -250,6 +259,7 @@ def add_flow(I, M, flow, q, v):
             second /= max(sides, 1.0)
             v[n] += flow * q[n + dimension]
             v[n + dimension] += flow * second
+            a[n] = flow * flow * second
 
 
 @kernel
