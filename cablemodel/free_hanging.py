@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from cablemodel import laid_loads
 from cablemodel.curves import crossing
 from cablemodel.instance.frame import vertical_plane
+from cablemodel.instance.scales import rate_at_start
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
@@ -26,6 +27,9 @@ Triple = tuple[float, float, float]
 
 STEPS = 64
 """In which the hanging part is integrated."""
+TURNS, WIDEST, NUDGE = 50, 0.5, 1e-7
+"""Iterations for the direction of a step at most; the largest turn of one, that of a difference
+[rad]."""
 NEAR = 1e-9
 """Of the line's length: from the floor, where it has landed."""
 NARROW = 1e-7
@@ -114,6 +118,8 @@ class _Water:
         z = np.linspace(bottom, float(start[2]), STEPS + 1)
         past = laid_loads.water_velocity(scene, z) - scene.motion().evaluate(0.0)[1]
         self._rows = [tuple(row) for row in past.tolist()]
+        self.rate = rate_at_start(scene)
+        """Of the pay-out: the cable runs along its own shape [m/s]."""
 
     def at(self, share: float) -> Triple:
         """At a share of the height of the tow point above the floor [m/s]."""
@@ -199,19 +205,9 @@ def _integrate(
         flow = water.at((last - middle) / max(last - first, 1e-12))
         for body in points:
             if lower < body.start <= upper:
-                pull = _loaded(pull, body, 1.0, flow, ahead)
-        start = pull
-        for _ in range(8 if len(places) == 1 else 2):
-            pull = _loaded(start, piece, 0.5 * h, flow, ahead)
-            size = math.hypot(*pull)
-            if size > 0.0:
-                a, b, c = (0.5 * (d + p / size) for d, p in zip(ahead, pull, strict=True))
-                norm = math.hypot(a, b, c) or 1.0
-                ahead = a / norm, b / norm, c / norm
-        size = math.hypot(*pull)
-        if size > 0.0:
-            ahead = pull[0] / size, pull[1] / size, pull[2] / size
-        pull = _loaded(start, piece, h, flow, ahead)
+                pull = _loaded(pull, body, 1.0, flow, ahead, water.rate)
+        ahead = _balanced(pull, piece, h, flow, ahead, water.rate)
+        pull = _loaded(pull, piece, h, flow, ahead, water.rate)
         x, y, z = x + h * ahead[0], y + h * ahead[1], z + h * ahead[2]
         places.append((x, y, z))
         sizes.append(math.hypot(*pull))
@@ -219,13 +215,77 @@ def _integrate(
     return np.asarray(shape[::-1] - shape[-1], dtype=np.float64), np.array(sizes[::-1])
 
 
-def _loaded(
-    pull: Triple, piece: laid_loads.Piece, length: float, flow: Triple, ahead: Triple
+def _balanced(
+    pull: Triple, piece: laid_loads.Piece, length: float, flow: Triple, ahead: Triple, rate: float
 ) -> Triple:
-    """The pull from above, and what bears the loads on a length of a piece [N]."""
+    """The direction of a length of cable along which the pull above it points: a backward step.
+
+    Where drag turns the cable sharply against what it is taut (at a small lay angle, near its lower
+    end) any forward step is too long. Newton's method on the two angles, from `ahead`.
+    """
+    for _ in range(TURNS):
+        first, second = _across(ahead)
+        total = _loaded(pull, piece, length, flow, ahead, rate)
+        along = _dot(total, ahead)
+        a, b = _dot(total, first), _dot(total, second)
+        size = math.hypot(*total)
+        if math.hypot(a, b) <= 1e-9 * size and along > 0.0:
+            break
+        by_first = _loaded(pull, piece, length, flow, _turned(ahead, first, NUDGE), rate)
+        by_second = _loaded(pull, piece, length, flow, _turned(ahead, second, NUDGE), rate)
+        aa = (_dot(by_first, first) - a) / NUDGE - along
+        ba = (_dot(by_first, second) - b) / NUDGE
+        ab = (_dot(by_second, first) - a) / NUDGE
+        bb = (_dot(by_second, second) - b) / NUDGE - along
+        determinant = aa * bb - ab * ba
+        if determinant <= 0.0 or along <= 0.0:
+            # Far from balance: towards the pull.
+            turn_first, turn_second = a / max(size, 1e-300), b / max(size, 1e-300)
+        else:
+            turn_first = (ab * b - bb * a) / determinant
+            turn_second = (ba * a - aa * b) / determinant
+        turn = math.hypot(turn_first, turn_second)
+        if turn == 0.0:
+            if along >= 0.0:
+                break
+            turn_first = turn = 1.0  # exactly against the pull
+        share = min(1.0, WIDEST / turn)
+        ahead = _turned(ahead, first, share * turn_first)
+        ahead = _turned(ahead, second, share * turn_second)
+    return ahead
+
+
+def _dot(a: Triple, b: Triple) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def _turned(ahead: Triple, aside: Triple, by: float) -> Triple:
+    """A unit vector with `by` times another one added to it."""
+    x, y, z = (p + by * q for p, q in zip(ahead, aside, strict=True))
+    size = math.hypot(x, y, z)
+    return x / size, y / size, z / size
+
+
+def _across(ahead: Triple) -> tuple[Triple, Triple]:
+    """Two unit vectors across a third and each other, the second one horizontal."""
+    x, y, z = ahead
+    flat = math.hypot(x, y)
+    if flat < 1e-12:
+        return (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
+    return (-z * x / flat, -z * y / flat, flat), (-y / flat, x / flat, 0.0)
+
+
+def _loaded(
+    pull: Triple, piece: laid_loads.Piece, length: float, flow: Triple, ahead: Triple, rate: float
+) -> Triple:
+    """The pull from above, and what bears the loads on a length of a piece [N].
+
+    rate: at which the cable runs along itself, against `ahead` [m/s].
+    """
     x, y, z = ahead
     along = flow[0] * x + flow[1] * y + flow[2] * z
     a, b, c = flow[0] - along * x, flow[1] - along * y, flow[2] - along * z
+    along += rate
     normal = length * piece.normal * math.sqrt(a * a + b * b + c * c)
     tangential = length * piece.tangential * abs(along) * along
     return (
