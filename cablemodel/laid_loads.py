@@ -109,6 +109,14 @@ def slopes(scene: Scene, x: float, y: float) -> tuple[float, float]:
     return 0.5 * along / step, 0.5 * across / step
 
 
+def lay_angle(weight: float, drag: float) -> float:
+    """Angle a of a lay from the horizontal [rad]: w cos a = D sin^2 a (Zajac 1957).
+
+    weight: w [N/m]; drag: D, across a vertical cable at the vessel's speed [N/m].
+    """
+    return math.acos(2.0 * drag / (weight + math.hypot(weight, 2.0 * drag)))
+
+
 def lay_rate(scene: Scene) -> float:
     """Pay-out with which a lay keeps up with its vessel, without slack and without tension [m/s].
 
@@ -130,7 +138,7 @@ def lay_rate(scene: Scene) -> float:
     drag = math.fsum(p.normal * (p.end - p.start) for p in line if p.end > p.start) * speed**2
     if weight <= 0.0:
         return speed
-    down = math.acos(2.0 * drag / (weight + math.hypot(weight, 2.0 * drag)))  # w cos a = D sin^2 a
+    down = lay_angle(weight, drag)
     if up <= 0.0:
         return speed
     if up >= down:

@@ -13,10 +13,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel import free_hanging
+from cablemodel import free_hanging, laid_loads
 from cablemodel.curves import crossing
+from cablemodel.instance.scales import rate_at_start
+from cablemodel.laid_loads import lay_angle
 from cablemodel.mesh import halved_where
-from cablemodel.sea_floor import finest_element, thinnest_layer
+from cablemodel.sea_floor import (
+    contact_depth,
+    contact_weight,
+    finest_element,
+    thinnest_layer,
+    touchdown_layer,
+)
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
@@ -24,8 +32,16 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
+LEVELS = 25
+"""In which the way down through the contact layer is computed."""
 BEND = 2.0
 """Radius with which a first shape turns on to the floor, in touchdown layers."""
+TURN = 0.7
+"""Length of elements in units of that in which a lay's bend dies out above the touchdown."""
+DIED_OUT = 1e-8
+"""What is left of that bend where elements may be longer."""
+STEEP = math.radians(60.0)
+"""A lay at larger angles needs no elements for that: it dies out as slowly as tension grows."""
 GRADING = 0.5
 """Length of elements per distance from the touchdown of a first shape."""
 
@@ -73,6 +89,10 @@ def on_floor(scene: Scene, points: FloatArray, *, drawn: bool = False) -> Guess:
     length = hung.line_length - hung.arc
     if length <= 0.0:
         return Guess(np.vstack([bend, hung.points]), pull)
+    if rate_at_start(scene) > 0.0 and not drawn:
+        settled = _settled(scene, hung.points, hung.way, hung.line_length - passed)
+        if settled is not None:
+            return Guess(np.vstack([bend, settled]), pull)
     foot = hung.points[-1]
     steps = np.linspace(0.0, length, 65)
     laid = np.empty((len(steps), 3))
@@ -80,6 +100,57 @@ def on_floor(scene: Scene, points: FloatArray, *, drawn: bool = False) -> Guess:
     laid[:, 2] = [floor.height(float(a), float(b)) for a, b in laid[:, :2]]
     shape = np.vstack([bend, _rounded(hung.points, laid, BEND * thinnest_layer(scene))])
     return Guess(shape, pull)
+
+
+def _settled(scene: Scene, hung: FloatArray, way: FloatArray, length: float) -> FloatArray | None:
+    """A lay that comes down through the contact layer, (n, 3) [m]; None: it turns by bending.
+
+    Where the floor's layer is thick against the bend, the cable sinks more slowly the more the
+    floor bears of its weight: it goes down at the local lay angle, w (1 - p) cos a = D sin^2 a.
+
+    hung: from the vessel down to the floor; way: along which the rest lies, (2,); length: of all.
+    """
+    floor = scene.environment.floor
+    assert floor is not None
+    depth = contact_depth(scene)
+    foot = hung[-1]
+    down = (foot - hung[-2]) / np.linalg.norm(foot - hung[-2])
+    rise = laid_loads.slopes(scene, float(foot[0]), float(foot[1]))
+    along = np.array([*way, float(np.dot(rise, way))])
+    along /= np.linalg.norm(along)
+    angle = math.acos(max(-1.0, min(1.0, float(down @ along))))
+    if not 1e-3 < angle < 1.5:
+        return None
+    above = depth / math.sin(angle)
+    chords = np.linalg.norm(np.diff(hung, axis=0), axis=1)
+    arcs = np.concatenate([[0.0], np.cumsum(chords)])
+    bend = BEND * thinnest_layer(scene) * math.tan(0.5 * angle)
+    if bend > above or above > 0.2 * arcs[-1]:
+        return None
+    top = foot - above * down
+    # From the layer's edge down: heights, local angles, way along the floor.
+    heights = depth * np.linspace(1.0, 0.0, LEVELS) ** 2
+    middle = 0.5 * (heights[1:] + heights[:-1])
+    drag = math.cos(angle) / math.sin(angle) ** 2 / (1.0 - (1.0 - middle / depth) ** 2)
+    angles = np.array([lay_angle(1.0, float(value)) for value in drag])
+    drop = heights[:-1] - heights[1:]
+    steps = np.concatenate([[0.0], np.cumsum(drop / np.tan(angles))])
+    sinking = float((drop / np.sin(angles)).sum())
+    rest = length - (float(arcs[-1]) - above) - sinking
+    if rest <= 0.0:
+        return None
+    flat = math.hypot(along[0], along[1])
+    steps = np.concatenate([steps, steps[-1] + rest * np.linspace(0.0, 1.0, 65)[1:] ** 2])
+    heights = np.concatenate([heights, np.zeros(64)])
+    places = top[:2] + np.outer(steps, along[:2])
+    bottom = np.array([floor.height(float(x), float(y)) for x, y in places])
+    settled = np.column_stack([places, bottom + heights / flat])
+    # Closer and closer to it, so that its slopes are not carried far up the line.
+    last = float(arcs[-1]) - above
+    near = last - np.geomspace(above, max(0.5 * last, above), 12)[::-1]
+    upper = np.unique(np.concatenate([arcs[arcs < last - above], near[near > 0.0], [0.0]]))
+    line = np.column_stack([np.interp(upper, arcs, hung[:, k]) for k in range(3)])
+    return np.vstack([line, settled])
 
 
 def _along(passed: float, hung: free_hanging.Hanging) -> FloatArray:
@@ -120,11 +191,53 @@ def refine_guess(scene: Scene, nodes: list[FloatArray], points: FloatArray) -> l
         return nodes
     touchdown = float(arcs[lies.index(True)] / arcs[-1] * scene.line_length)
     smallest = finest_element(scene)
+    heights, longest = _bend_of_lay(scene)
 
     def is_too_long(arc: float, a: float, b: float) -> bool:
-        return b - a > max(2.0 * smallest, GRADING * distance(arc + a, arc + b, touchdown))
+        near = distance(arc + a, arc + b, touchdown)
+        if arc + a < touchdown and near < heights[-1]:
+            return b - a > float(np.interp(near, heights, longest))
+        return b - a > max(2.0 * smallest, GRADING * near)
 
     return halved_where(scene.cables, nodes, is_too_long)
+
+
+def _bend_of_lay(scene: Scene) -> tuple[FloatArray, FloatArray]:
+    """Distances above the touchdown of a lay, and how long elements may be there [m].
+
+    A turn b from the lay angle a obeys  EI d3b/ds3 = Te db/ds + k b  with the tension
+    Te = w sin a s - (m + ma) V^2, and k = w (sin a + 2 cos^2 a / sin a) by which drag turns it
+    back. At small angles k is large, and it dies out within a short way of the touchdown. On
+    elements that are long against 1/|root|, of the slowest one, it swings from one to the next up
+    the whole line instead, and Newton's method loses its way. Beyond, nothing turns.
+    """
+    rate = rate_at_start(scene)
+    velocity = scene.motion().evaluate(0.0)[1]
+    speed = float(np.hypot(velocity[0], velocity[1]))
+    cable = scene.cables[-1]
+    kind = scene.cable_types[cable.type]
+    if rate <= 0.0 or speed == 0.0 or kind.submerged_weight <= 0.0:
+        return np.zeros(1), np.zeros(1)
+    weight, density = kind.submerged_weight, scene.environment.water_density
+    angle = lay_angle(weight, 0.5 * density * kind.drag_normal * kind.diameter * speed**2)
+    if angle > STEEP:
+        return np.zeros(1), np.zeros(1)
+    layer = touchdown_layer(scene, cable)
+    stiffness = contact_weight(kind, scene.environment.gravity) * layer**3
+    added = kind.added_mass * density * 0.25 * math.pi * kind.diameter**2
+    momentum = (kind.mass + added) * rate**2
+    turns_back = weight * (math.sin(angle) + 2.0 * math.cos(angle) ** 2 / math.sin(angle))
+    heights: list[float] = [0.0]
+    longest: list[float] = []
+    left = 1.0
+    while left > DIED_OUT and heights[-1] < scene.line_length:
+        pull = weight * math.sin(angle) * heights[-1] - momentum
+        roots = np.roots([stiffness, 0.0, -pull, turns_back])
+        slowest = min((root for root in roots if root.real > 0.0), key=lambda root: root.real)
+        longest.append(TURN / abs(slowest))
+        heights.append(heights[-1] + longest[-1])
+        left *= math.exp(-float(slowest.real) * longest[-1])
+    return np.array(heights), np.array([*longest, longest[-1]])
 
 
 def distance(start: float, end: float, place: float) -> float:

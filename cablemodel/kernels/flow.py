@@ -62,6 +62,7 @@ from .rigid import rigid_residual
 from .tables import D0, D1, D2, D3, H0, H1, H2, H3, WD, WH
 from .waves import DRAG, element_water
 
+RESTS = 0.05  # of the contact layer: below that gap cable rests that has been laid
 SCRATCH = 720  # first word of ours in the elements' workspace, beyond theirs
 
 
@@ -129,7 +130,8 @@ def is_laid(I, M, q, node, w):
     if M[S_LAID] == 0.0 or I[I_FLOOR] == 0:
         return False
     dimension = I[I_DIMENSION]
-    return gap_at(I, M, view(q, 2 * dimension * node, 2 * dimension), w) < M[S_FLOOR_DEPTH]
+    gap = gap_at(I, M, view(q, 2 * dimension * node, 2 * dimension), w)
+    return gap < RESTS * M[S_FLOOR_DEPTH]
 
 
 @kernel
