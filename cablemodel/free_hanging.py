@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 Triple = tuple[float, float, float]
+Shape = tuple[FloatArray, FloatArray, FloatArray]
 
 STEPS = 64
 """In which the hanging part is integrated."""
@@ -40,12 +41,14 @@ NARROW = 1e-7
 class Hanging:
     """What hangs at first, and how it goes on.
 
-    points: (n, 3) from the tow point down to where the line lands, or to its end [m]; pull: tension
-    there, (n,) [N]; arc: its length, bodies included [m]; line_length: of all of the line, bodies
-    included [m]; way: unit vector along which the rest lies, (2,).
+    points: (n, 3) from the tow point down to where the line lands, or to its end [m]; arcs: how
+    much line, unstretched, is above each, (n,) [m]; pull: tension there, (n,) [N]; arc: its
+    length, bodies included [m]; line_length: of all of the line, bodies included [m]; way: unit
+    vector along which the rest lies, (2,).
     """
 
     points: FloatArray
+    arcs: FloatArray
     pull: FloatArray
     arc: float
     line_length: float
@@ -66,27 +69,27 @@ def hang(scene: Scene, start: FloatArray, passed: float, *, drawn: bool = False)
     way, tension = _lying(scene, line, start, plane, drawn=drawn)
     water = _Water(scene, start)
 
-    def above(arc: float) -> tuple[float, FloatArray, FloatArray]:
-        """Height of the lower end of what hangs above the floor, its polyline and its tensions
-        from the top."""
-        points, pull = _integrate(line, water, passed, arc, tension * (total - arc), way)
+    def above(arc: float) -> tuple[float, Shape]:
+        """Height of the lower end of what hangs above the floor, and its shape from the top."""
+        shape = _integrate(line, water, passed, arc, tension * (total - arc), way)
+        points = shape[0]
         if plane is not None:
             points[:, :2] = np.outer(points[:, :2] @ plane, plane)
         points += start
         x, y, z = (float(value) for value in points[-1])
-        return z - floor.height(x, y), points, pull
+        return z - floor.height(x, y), shape
 
     height = float(start[2]) - floor.height(float(start[0]), float(start[1]))
     straight_down = height > total - passed
     if straight_down and floor.z is not None and not any(floor.slope):
         return None  # nowhere does it come down further
-    gap, points, pull = above(total)
+    gap, shape = above(total)
     if gap > 0.0:
-        return None if straight_down else Hanging(points, pull, total, total, way)
+        return None if straight_down else Hanging(*shape, total, total, way)
 
     def over(arc: float) -> float:
-        nonlocal points, pull  # in the end those of the place that is found
-        gap, points, pull = above(arc)
+        nonlocal shape  # in the end that of the place that is found
+        gap, shape = above(arc)
         return gap
 
     lands = crossing(
@@ -98,8 +101,9 @@ def hang(scene: Scene, start: FloatArray, passed: float, *, drawn: bool = False)
         near=NEAR * total,
         width=NARROW * total,
     )
+    points = shape[0]
     points[-1, 2] = floor.height(float(points[-1, 0]), float(points[-1, 1]))
-    return Hanging(points, pull, lands, total, way)
+    return Hanging(*shape, lands, total, way)
 
 
 def way_of_lying(scene: Scene, start: FloatArray) -> FloatArray:
@@ -180,10 +184,11 @@ def _integrate(
     last: float,
     tension: float,
     way: FloatArray,
-) -> tuple[FloatArray, FloatArray]:
-    """The shape of what hangs, (n, 3), relative to its upper end [m], and its tensions, (n,) [N].
+) -> Shape:
+    """The shape of what hangs, from its upper end: places relative to that (n, 3) [m], arc lengths
+    (n,) [m], tensions (n,) [N].
 
-    Integrated from its lower end up.
+    Integrated from its lower end up; a line that is paid out stretches by its tension.
 
     first, last: arc lengths of its ends [m]; tension: of what lies beyond, along `way` [N].
     """
@@ -208,11 +213,13 @@ def _integrate(
                 pull = _loaded(pull, body, 1.0, flow, ahead, water.rate)
         ahead = _balanced(pull, piece, h, flow, ahead, water.rate)
         pull = _loaded(pull, piece, h, flow, ahead, water.rate)
+        if water.rate > 0.0:
+            h *= piece.stretch(math.hypot(*pull))
         x, y, z = x + h * ahead[0], y + h * ahead[1], z + h * ahead[2]
         places.append((x, y, z))
         sizes.append(math.hypot(*pull))
     shape = np.array(places)
-    return np.asarray(shape[::-1] - shape[-1], dtype=np.float64), np.array(sizes[::-1])
+    return np.asarray(shape[::-1] - shape[-1]), np.array(arcs), np.array(sizes[::-1])
 
 
 def _balanced(

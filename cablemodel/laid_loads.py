@@ -43,6 +43,13 @@ class Piece:
     """Drag over the square of the speed across [N s2/m3], [N s2/m2]."""
     tangential: float
     """The same along it."""
+    strain: tuple[float, ...] = ()
+    """Coefficients c1, c2, ... of its strain [1/N^k]; none: it does not stretch."""
+
+    def stretch(self, tension: float) -> float:
+        """Length over the unstretched one under a tension [N]."""
+        powers = enumerate(self.strain, start=1)
+        return 1.0 + math.fsum(c * tension**power for power, c in powers)
 
 
 def pieces(scene: Scene) -> list[Piece]:
@@ -57,7 +64,8 @@ def pieces(scene: Scene) -> list[Piece]:
             contact = contact_weight(kind, gravity)
             normal = rho * kind.drag_normal * kind.diameter
             along = rho * kind.drag_tangential * math.pi * kind.diameter
-            found.append(Piece(arc, end, kind.submerged_weight, contact, normal, along))
+            weight, strain = kind.submerged_weight, tuple(kind.strain_coefficients)
+            found.append(Piece(arc, end, weight, contact, normal, along, strain))
             arc = end
         elif item.body is not None:
             body = item.body
@@ -65,8 +73,9 @@ def pieces(scene: Scene) -> list[Piece]:
             weight = body.submerged_weight
             across = rho * body.drag_coefficient * body.drag_area
             along = rho * body.drag_coefficient_axial * body.drag_area_axial if length else across
-            values = [value / (length or 1.0) for value in (weight, abs(weight), across, along)]
-            found.append(Piece(arc, arc + length, *values))
+            over = length or 1.0
+            loads = weight / over, abs(weight) / over, across / over, along / over
+            found.append(Piece(arc, arc + length, *loads))
             arc += length
     return found
 

@@ -50,11 +50,13 @@ GRADING = 0.5
 class Guess:
     """From what a start is sought.
 
-    points: polyline from the tow point outwards, (n, 3) [m]; pull: tension over its length, rows of
-    (arc length of cables and bodies [m], tension [N]), or None where nothing is known of it.
+    points: polyline from the tow point outwards, (n, 3) [m]; arcs: how much of cables and bodies,
+    unstretched, is above each, (n,) [m], or None where the line is spread along it evenly; pull:
+    tension, rows of (such an arc length [m], tension [N]), or None where nothing is known of it.
     """
 
     points: FloatArray
+    arcs: FloatArray | None = None
     pull: FloatArray | None = None
 
 
@@ -85,21 +87,22 @@ def on_floor(scene: Scene, points: FloatArray, *, drawn: bool = False) -> Guess:
     hung = free_hanging.hang(scene, start, passed, drawn=drawn)
     if hung is None:
         return Guess(points)
-    pull = _along(passed, hung) if not drawn else None
+    laying = rate_at_start(scene) > 0.0 and not drawn
     length = hung.line_length - hung.arc
     if length <= 0.0:
-        return Guess(np.vstack([bend, hung.points]), pull)
-    if rate_at_start(scene) > 0.0 and not drawn:
-        settled = _settled(scene, hung.points, hung.way, hung.line_length - passed)
+        shape = np.vstack([bend, hung.points])
+        return _stretched(shape, bend, hung) if laying else Guess(shape)
+    if laying:
+        settled = _settled(scene, hung.points, hung.way, length)
         if settled is not None:
-            return Guess(np.vstack([bend, settled]), pull)
+            return _stretched(np.vstack([bend, settled]), bend, hung)
     foot = hung.points[-1]
     steps = np.linspace(0.0, length, 65)
     laid = np.empty((len(steps), 3))
     laid[:, :2] = foot[:2] + np.outer(steps, hung.way)
     laid[:, 2] = [floor.height(float(a), float(b)) for a, b in laid[:, :2]]
     shape = np.vstack([bend, _rounded(hung.points, laid, BEND * thinnest_layer(scene))])
-    return Guess(shape, pull)
+    return _stretched(shape, bend, hung) if laying else Guess(shape)
 
 
 def _settled(scene: Scene, hung: FloatArray, way: FloatArray, length: float) -> FloatArray | None:
@@ -108,7 +111,7 @@ def _settled(scene: Scene, hung: FloatArray, way: FloatArray, length: float) -> 
     Where the floor's layer is thick against the bend, the cable sinks more slowly the more the
     floor bears of its weight: it goes down at the local lay angle, w (1 - p) cos a = D sin^2 a.
 
-    hung: from the vessel down to the floor; way: along which the rest lies, (2,); length: of all.
+    hung: from the vessel down to the floor; way: along which the rest lies, (2,); length: of that.
     """
     floor = scene.environment.floor
     assert floor is not None
@@ -122,8 +125,7 @@ def _settled(scene: Scene, hung: FloatArray, way: FloatArray, length: float) -> 
     if not 1e-3 < angle < 1.5:
         return None
     above = depth / math.sin(angle)
-    chords = np.linalg.norm(np.diff(hung, axis=0), axis=1)
-    arcs = np.concatenate([[0.0], np.cumsum(chords)])
+    arcs = _arcs(hung)
     bend = BEND * thinnest_layer(scene) * math.tan(0.5 * angle)
     if bend > above or above > 0.2 * arcs[-1]:
         return None
@@ -136,7 +138,7 @@ def _settled(scene: Scene, hung: FloatArray, way: FloatArray, length: float) -> 
     drop = heights[:-1] - heights[1:]
     steps = np.concatenate([[0.0], np.cumsum(drop / np.tan(angles))])
     sinking = float((drop / np.sin(angles)).sum())
-    rest = length - (float(arcs[-1]) - above) - sinking
+    rest = length + above - sinking
     if rest <= 0.0:
         return None
     flat = math.hypot(along[0], along[1])
@@ -153,12 +155,27 @@ def _settled(scene: Scene, hung: FloatArray, way: FloatArray, length: float) -> 
     return np.vstack([line, settled])
 
 
-def _along(passed: float, hung: free_hanging.Hanging) -> FloatArray:
-    """Tension over the arc length of what hangs, and to the end of what lies, (n, 2)."""
-    chords = np.linalg.norm(np.diff(hung.points, axis=0), axis=1)
-    arcs = passed + np.concatenate([[0.0], np.cumsum(chords)])
-    end = max(hung.line_length, float(arcs[-1]) * (1.0 + 1e-12))
-    return np.vstack([np.column_stack([arcs, hung.pull]), [end, 0.0]])
+def _stretched(points: FloatArray, bend: FloatArray, hung: free_hanging.Hanging) -> Guess:
+    """A guess whose line stretches along a polyline as what hangs does, with its tensions."""
+    place = _arcs(points)
+    start = float(place[max(len(bend) - 1, 0)]) if len(bend) else 0.0
+    own = start + _arcs(hung.points)
+    arcs = np.where(
+        place < own[-1],
+        np.interp(place, own, hung.arcs),
+        hung.arcs[-1] + (place - own[-1]),
+    )
+    if len(bend):
+        arcs[: len(bend)] = place[: len(bend)]
+    arcs *= hung.line_length / arcs[-1]
+    end = [[hung.line_length * (1.0 + 1e-12), 0.0]]
+    return Guess(points, arcs, np.vstack([np.column_stack([hung.arcs, hung.pull]), end]))
+
+
+def _arcs(points: FloatArray) -> FloatArray:
+    """Length along a polyline at each of its points, (n,) [m]."""
+    chords = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    return np.concatenate([[0.0], np.cumsum(chords)])
 
 
 def surplus(scene: Scene) -> float:
@@ -174,17 +191,17 @@ def surplus(scene: Scene) -> float:
     return max(0.0, scene.line_length - down - along)
 
 
-def refine_guess(scene: Scene, nodes: list[FloatArray], points: FloatArray) -> list[FloatArray]:
+def refine_guess(scene: Scene, nodes: list[FloatArray], guess: Guess) -> list[FloatArray]:
     """Nodes graded towards where a first shape comes to lie on the floor, for a static start.
 
     nodes: arc lengths of the nodes of every cable [m], each from 0 to its length. Elsewhere than
     at that kink a coarse mesh finds its shape from anywhere.
     """
+    points = guess.points
     if scene.environment.floor is None or scene.initial.kind != "static" or len(points) < 4:
         return nodes
     floor = scene.environment.floor
-    chords = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    arcs = np.concatenate([[0.0], np.cumsum(chords)])
+    arcs = _arcs(points) if guess.arcs is None else guess.arcs
     near = 1e-3 * thinnest_layer(scene)
     lies = [z < floor.height(float(x), float(y)) + near for x, y, z in points]
     if not any(lies):

@@ -340,6 +340,9 @@ def place_nodes(block: Block, line: Line, guess: laid_shape.Guess, length: float
     where = np.zeros(line.nodes)
     for node in range(1, line.nodes):
         where[node] = line.start[node] + line.length[node]
+    if guess.arcs is not None:
+        arc = guess.arcs[np.concatenate([[True], chords > 0.0])]
+        stretch = 1.0
     where *= stretch
     where += line.passed
     where = np.minimum(where, arc[-1])
@@ -352,7 +355,8 @@ def place_nodes(block: Block, line: Line, guess: laid_shape.Guess, length: float
         along = np.gradient(points, arc, axis=0)
         places, slopes = (part.T.copy() for part in hermite(where, arc, points.T, along.T))
     sizes = np.linalg.norm(slopes, axis=1)  # 0 where a line turns back on itself
-    slopes *= stretch / np.where(sizes > 0.0, sizes, 1.0)[:, None]
+    if guess.arcs is None:
+        slopes *= stretch / np.where(sizes > 0.0, sizes, 1.0)[:, None]
     for node, body, _place in line.bodies:
         if body.half_length > 0.0 and node >= 0:
             # Its ends lie on the shape; the chord between them is shorter than a curved shape.

@@ -28,7 +28,7 @@ from cablemodel.instance.refinement import (
     spare_nodes,
 )
 from cablemodel.instance.refusals import refuse_unsupported
-from cablemodel.instance.scales import rate_at_start, start_conditions, tension_scale
+from cablemodel.instance.scales import start_conditions, tension_scale
 from cablemodel.instance.winch import Winch, winch_of
 from cablemodel.kernels import layout as at
 from cablemodel.mesh import line_nodes
@@ -91,14 +91,12 @@ def _built(
         if hangs is not None:
             points = hangs.points
         guess = laid_shape.on_floor(scene, points, drawn=attempt.swept)
-        if rate_at_start(scene) == 0.0:
-            guess = laid_shape.Guess(guess.points)
     points = guess.points
     sea_floor.check(scene, points)
     nodes = line_nodes(spans_of(scene, scale), scene.solver.tolerance, start_conditions(scene))
     if hangs is not None:
         nodes = graded(scene, nodes, hangs.bends, hangs.layers)
-    nodes = laid_shape.refine_guess(scene, nodes, points)
+    nodes = laid_shape.refine_guess(scene, nodes, guess)
     nodes = waves.refine(scene, nodes, points)
     if attempt.halved:
         nodes = halved(scene, nodes)
