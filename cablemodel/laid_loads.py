@@ -25,6 +25,8 @@ DRAGGED = 5e-4
 over the floor, and bears the friction of that. Less is rounding of a speed in knots."""
 UNEVEN = 0.1
 """The same over a depth table, where that rate changes from place to place."""
+FLAT = 0.05
+"""Between a lay and the floor [rad]: below it the touchdown runs away from the vessel."""
 STEEP = 0.01
 """Of the vessel's speed: pay-out of a lay up a slope that is steeper than the line hangs."""
 
@@ -139,20 +141,55 @@ def lay_rate(scene: Scene) -> float:
     floor = scene.environment.floor
     if speed == 0.0 or floor is None or floor.z is None:
         return speed
-    place = scene.motion().evaluate(0.0)[0]
-    rise = np.array(slopes(scene, float(place[0]), float(place[1])))
-    up = math.atan(float(rise @ velocity[:2]) / speed)
-    line = pieces(scene)
-    weight = math.fsum(p.weight * (p.end - p.start) for p in line if p.end > p.start)
-    drag = math.fsum(p.normal * (p.end - p.start) for p in line if p.end > p.start) * speed**2
-    if weight <= 0.0:
+    up = _rise_ahead(scene, scene.motion().evaluate(0.0)[0], velocity)
+    down = _angle_of(scene, speed)
+    if down is None:
         return speed
-    down = lay_angle(weight, drag)
     if up <= 0.0:
         return speed
     if up >= down:
         return STEEP * speed  # the line does not come down to the floor behind it
     return speed * (math.sin(down) - math.sin(up)) / math.sin(down - up)
+
+
+def lay_motion(scene: Scene) -> tuple[FloatArray, float]:
+    """Velocity of the frame in which a start is at rest, (3,), and of the cable along it [m/s].
+
+    The vessel's velocity and the pay-out; of a lay over a plane that rises by b along its way, the
+    touchdown's, W = U sin a / sin(a - b) along the plane. In that frame what hangs is the same
+    (W t_floor - U t_level points along it), and what has been laid is at rest.
+    """
+    place, velocity = scene.motion().evaluate(0.0)[:2]
+    velocity = np.asarray(velocity, dtype=np.float64)
+    rate = rate_at_start(scene)
+    floor, speed = scene.environment.floor, float(np.hypot(velocity[0], velocity[1]))
+    if rate <= 0.0 or speed == 0.0 or velocity[2] != 0.0 or floor is None or floor.z is None:
+        return velocity, rate
+    alike = len({cable.type for cable in scene.cables}) == 1
+    if scene.environment.current is not None or not alike or is_dragged(scene):
+        return velocity, rate
+    up = _rise_ahead(scene, place, velocity)
+    down = _angle_of(scene, speed)
+    if up == 0.0 or down is None or down - up < FLAT:
+        return velocity, rate
+    over_ground = speed * math.sin(down) / math.sin(down - up)
+    exact = speed * (math.sin(down) - math.sin(up)) / math.sin(down - up)
+    way = np.array([*(velocity[:2] / speed * math.cos(up)), math.sin(up)])
+    return over_ground * way, over_ground + rate - exact
+
+
+def _rise_ahead(scene: Scene, place: FloatArray, velocity: FloatArray) -> float:
+    """Angle by which the floor rises along the vessel's way [rad]."""
+    rise = np.array(slopes(scene, float(place[0]), float(place[1])))
+    return math.atan(float(rise @ velocity[:2]) / float(np.hypot(velocity[0], velocity[1])))
+
+
+def _angle_of(scene: Scene, speed: float) -> float | None:
+    """Lay angle of the line's cables together [rad]; None of what floats."""
+    line = [piece for piece in pieces(scene) if piece.end > piece.start]
+    weight = math.fsum(piece.weight * (piece.end - piece.start) for piece in line)
+    drag = math.fsum(piece.normal * (piece.end - piece.start) for piece in line) * speed**2
+    return lay_angle(weight, drag) if weight > 0.0 else None
 
 
 def is_dragged(scene: Scene) -> bool:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel import laid_shape, sea_floor
+from cablemodel import laid_loads, laid_shape, sea_floor
 from cablemodel.block import Block
 from cablemodel.errors import SceneError, StaticsError
 from cablemodel.instance import easier_ways, heading, laid_start
@@ -119,8 +119,8 @@ def _without_shape(scene: Scene) -> str:
 
 
 def steady_velocity(block: Block, scene: Scene) -> FloatArray:
-    """The vessel's velocity: a static start is at rest in its frame, (dimension,) [m/s]."""
-    velocity = scene.motion().evaluate(0.0)[1]
+    """Velocity of the frame in which a static start is at rest, (dimension,) [m/s]."""
+    velocity = laid_loads.lay_motion(scene)[0]
     return np.ascontiguousarray(local(block, velocity, point=False))
 
 
@@ -136,8 +136,15 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, attempt: Attempt
     held = ints[at.I_CONSTRAINTS] > 1
     friction = reals[at.S_FRICTION]
 
+    rate, through = float(reals[at.S_PAYOUT_RATE]), laid_loads.lay_motion(scene)[1]
+
     def solve_at_once() -> int:
-        return int(entry.equilibrium(ints, reals, frame))
+        if rate == 0.0:
+            return int(entry.equilibrium(ints, reals, frame))
+        reals[at.S_PAYOUT_RATE] = through
+        status = int(entry.equilibrium(ints, reals, frame))
+        reals[at.S_PAYOUT_RATE] = rate
+        return status
 
     floors = easier_ways.FLOORS if attempt.patient else easier_ways.FLOORS[:1]
     ways: list[Callable[[], int]] = [
@@ -147,6 +154,8 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, attempt: Attempt
             for softer in (floors if ints[at.I_FLOOR] else ())
         ),
     ]
+    if rate > 0.0 and ints[at.I_FLOOR] and not held:
+        ways = [partial(easier_ways.on_a_floor_that_hardens, block, solve_at_once)]
     solve = partial(easier_ways.first_of, block, ways)
     if attempt.patient:
         turning = partial(easier_ways.with_turned_clamps, block, solve, solve_at_once)

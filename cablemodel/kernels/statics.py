@@ -75,14 +75,16 @@ def find_equilibrium(I, M, frame):
 
     On success the state is at rest in that frame: v = frame, a = 0; with pay-out at S_TIME the
     shape is at rest and the cable runs along it. A shape that ends folded in line is none: the
-    next attempt allows no fold on its way, or does without kinetic damping.
+    next attempt allows no fold on its way, or does without kinetic damping. A search in few steps,
+    on a way over easier ones, is one attempt.
     """
     count = 2 * I[I_DIMENSION] * I[I_NODES]
     words = 2 * I[I_NODES]
     copy_words(I, I[O_STAGE_V], I[O_POSITION], count)
     copy_words(I, I[O_STAGE_A], I[O_TENSION], words)
     status = STATICS_FAILED
-    for attempt in range(4):
+    few = I[I_MAXIMUM_STEPS] < LARGEST_STEPS and I[I_PAYOUT] != 0 and M[S_PAYOUT_RATE] != 0.0
+    for attempt in range(1 if few else 4):
         if attempt > 0:
             copy_words(I, I[O_POSITION], I[O_STAGE_V], count)
             copy_words(I, I[O_TENSION], I[O_STAGE_A], words)
