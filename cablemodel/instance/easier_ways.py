@@ -22,7 +22,7 @@ FLOORS = (1000.0, 100.0, 10.0, 1.0), (100.0, 10.0, 1.0), (30.0, 10.0, 3.0, 1.0)
 the first row for a line that sinks too deep into the first of them, and folds there."""
 LARGEST_SOFTENING, SMALLEST_SOFTENING, SOFTEST = 10.0, 1.05, 1e4
 """Factors between the depths of two contact layers on the way of a lay, and of the softest one."""
-FEW_STEPS = 60
+FEW_STEPS = 100
 """Of a relaxation on that way."""
 LARGEST_TURN = 0.25
 """Of a clamp, from one equilibrium to the next [rad]."""

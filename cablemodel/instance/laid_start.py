@@ -40,6 +40,8 @@ FloatArray = NDArray[np.float64]
 SOFT = 3.0
 """Way in which friction is mobilised while the start is sought, in units of the line's length: it
 follows what slides along the floor, as no bristle does."""
+LAYING = 0.1
+"""The same of a lay, whose first shape is nearly at rest: little pulls it far with longer ones."""
 PASSES = 12
 """In which friction is set anew to what each piece needs, at most."""
 CALM = 0.02
@@ -79,6 +81,8 @@ def coarser(scene: Scene) -> Scene | None:
     Where cable lies that friction holds depends on how it came there. Found anew at each tolerance,
     a finer one lay metres from the coarser one; from coarser to finer all agree.
     """
+    if rate_at_start(scene) > 0.0:
+        return None  # its first shape says where it lies, at every tolerance
     tolerance = COARSEST
     if scene.solver.tolerance * LEAST > tolerance or laid_loads.is_dragged(scene):
         return None
@@ -104,7 +108,9 @@ def lie_still(
     nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
     q = block.array(at.O_POSITION, nodes, 2 * dimension)[:, :dimension]
     rest = block.array(at.O_REST, nodes, 3)[:, :dimension]
-    bristle, soft = float(reals[at.S_BRISTLE]), SOFT * float(reals[at.S_LENGTH])
+    laying = rate_at_start(scene) > 0.0
+    bristle = float(reals[at.S_BRISTLE])
+    soft = (LAYING if laying else SOFT) * float(reals[at.S_LENGTH])
     dragged = laid_loads.is_dragged(scene)
     status: int = at.OK
     even = scene.environment.floor is not None and scene.environment.floor.z is not None
