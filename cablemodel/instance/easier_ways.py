@@ -63,6 +63,15 @@ def on_hardening_floors(block: Block, solve: Callable[[], int], softer: Sequence
     return status
 
 
+def in_few_steps(block: Block, solve: Callable[[], int]) -> int:
+    """What ``solve`` finds in a relaxation of few steps; a status."""
+    most = int(block.ints[at.I_MAXIMUM_STEPS])
+    block.ints[at.I_MAXIMUM_STEPS] = min(most, FEW_STEPS)
+    status = solve()
+    block.ints[at.I_MAXIMUM_STEPS] = most
+    return status
+
+
 def on_a_floor_that_hardens(block: Block, solve: Callable[[], int]) -> int:
     """Equilibrium at once, or on floors that harden by as much as can be followed; a status.
 
@@ -72,13 +81,12 @@ def on_a_floor_that_hardens(block: Block, solve: Callable[[], int]) -> int:
     Args:
         solve: equilibrium of the block as it is, a status.
     """
-    depth, most = float(block.reals[at.S_FLOOR_DEPTH]), int(block.ints[at.I_MAXIMUM_STEPS])
-    block.ints[at.I_MAXIMUM_STEPS] = FEW_STEPS
+    depth = float(block.reals[at.S_FLOOR_DEPTH])
     guess = block.image.copy()
 
     def on(softness: float) -> int:
         block.reals[at.S_FLOOR_DEPTH] = depth * softness
-        status = solve()
+        status = in_few_steps(block, solve)
         block.reals[at.S_FLOOR_DEPTH] = depth
         return status
 
@@ -97,7 +105,6 @@ def on_a_floor_that_hardens(block: Block, solve: Callable[[], int]) -> int:
         elif step > SMALLEST_SOFTENING:
             block.image[:] = before
             status, step = at.OK, math.sqrt(step)
-    block.ints[at.I_MAXIMUM_STEPS] = most
     return status
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -14,7 +14,7 @@ from cablemodel import laid_loads, laid_shape, sea_floor, waves
 from cablemodel.block import Block
 from cablemodel.errors import StaticsError
 from cablemodel.instance import laid_start, line_tables, tables, unstable_start
-from cablemodel.instance.attempts import Attempt, attempts
+from cablemodel.instance.attempts import Attempt, attempts, described
 from cablemodel.instance.first_shape import bight, first_points, graded, place_nodes
 from cablemodel.instance.first_state import find_initial_state, stand_still
 from cablemodel.instance.frame import vertical_plane
@@ -28,10 +28,12 @@ from cablemodel.instance.refinement import (
     spare_nodes,
 )
 from cablemodel.instance.refusals import refuse_unsupported
-from cablemodel.instance.scales import start_conditions, tension_scale
+from cablemodel.instance.scales import is_steady, rate_at_start, start_conditions, tension_scale
+from cablemodel.instance.search import OutOfTime, searching, what_is_hard
 from cablemodel.instance.winch import Winch, winch_of
 from cablemodel.kernels import layout as at
 from cablemodel.mesh import line_nodes
+from cablemodel.scene.line import Initial
 from cablemodel.scene.sea import sea
 
 if TYPE_CHECKING:
@@ -47,19 +49,49 @@ def build(scene: Scene, *, planar: bool | None = None, drum_room: float = 1.0) -
     scene lies in one. ``drum_room``: elements of the drum's cable for which there is room, in units
     of those that this scene needs. A static start refines the mesh until its shape is accurate.
 
-    Raises SceneError (not supported, inconsistent), StaticsError (no equilibrium found).
+    Raises SceneError (not supported, inconsistent), StaticsError (no equilibrium found, or not
+    within `solver.start_time_limit`).
     """
     refuse_unsupported(scene)
     first: StaticsError | None = None
-    for attempt in attempts(scene):
-        built = _built_as_laid if attempt.as_laid else _built
-        try:
-            return built(scene, planar, drum_room, attempt)
-        except StaticsError as problem:
-            if not attempt.as_laid:  # without friction it may come to rest
-                first = first or problem
+    with searching(scene) as search:
+        for attempt in _attempts(scene):
+            sought = scene if attempt.points is None and not is_steady(scene) else _steady(scene)
+            built = _built_as_laid if attempt.as_laid else _built
+            search.tries(described(attempt))
+            try:
+                return built(sought, planar, drum_room, attempt)
+            except OutOfTime:
+                hard = what_is_hard(scene)
+                raise StaticsError(
+                    f"no static equilibrium was found within the {search.limit:g} s of "
+                    f"solver.start_time_limit. Tried: {'; '.join(search.tried)}. "
+                    f"{f'What makes it hard: {hard}. ' if hard else ''}"
+                    "Give it more time, or start from initial: {straight: ...} or {points: ...}"
+                ) from None
+            except StaticsError as problem:
+                if not attempt.as_laid:  # without friction it may come to rest
+                    first = first or problem
     assert first is not None
     raise first
+
+
+def _attempts(scene: Scene) -> Iterator[Attempt]:
+    """All attempts for a scene; of points that take a steady motion, those from them last."""
+    if not is_steady(scene):
+        yield from attempts(scene)
+        return
+    steady = _steady(scene)
+    yield from attempts(steady)
+    points = np.asarray(scene.initial.points, dtype=np.float64)
+    if laid_start.applies(steady):
+        yield Attempt(as_laid=True, points=points)
+    yield Attempt(points=points)
+
+
+def _steady(scene: Scene) -> Scene:
+    """The scene with a static start in place of points that take a steady motion."""
+    return scene.model_copy(update={"initial": Initial.model_validate("static")})
 
 
 def _built_as_laid(scene: Scene, planar: bool | None, drum_room: float, attempt: Attempt) -> Block:
@@ -84,6 +116,8 @@ def _built(
     hangs = None
     if attempt.lies is not None:
         guess = guess_of(attempt.lies, scene)
+    elif attempt.points is not None:
+        guess = laid_shape.Guess(attempt.points)
     else:
         position = scene.motion().evaluate(0.0)[0]
         points = first_points(scene, position, swept=attempt.swept)
@@ -105,6 +139,19 @@ def _built(
     if scene.initial.kind != "static":
         return build_on(nodes, guess, find=find)
 
+    stays = attempt.as_laid and rate_at_start(scene) > 0.0 and not laid_loads.is_dragged(scene)
+
+    def finer_block(nodes: list[FloatArray], block: Block) -> Block:
+        """On more nodes, from a block; what has been laid stays where it is in that."""
+        guess = guess_of(block, scene)
+        if stays:
+            held = partial(find, attempt=replace(attempt, lies=block))
+            try:
+                return build_on(nodes, guess, find=held)
+            except StaticsError:
+                pass  # it is laid anew
+        return build_on(nodes, guess, find=find)
+
     def start(nodes: list[FloatArray], guess: laid_shape.Guess) -> Block:
         block = build_on(nodes, guess, find=find)
         for _round in range(ROUNDS):
@@ -112,7 +159,7 @@ def _built(
             if finer is None:
                 break
             nodes = finer
-            block = build_on(nodes, guess_of(block, scene), find=find)
+            block = finer_block(nodes, block)
         refine_touchdown(block, scene, attempt)
         return block
 

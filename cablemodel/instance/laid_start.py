@@ -93,7 +93,11 @@ def coarser(scene: Scene) -> Scene | None:
 
 
 def lie_still(
-    block: Block, scene: Scene, solve: Callable[[], int], coarser: Block | None = None
+    block: Block,
+    scene: Scene,
+    solve: Callable[[], int],
+    hold: Callable[[], int],
+    coarser: Block | None = None,
 ) -> int:
     """Bring a block to equilibrium with what lies held by its own friction; a status.
 
@@ -102,6 +106,7 @@ def lie_still(
 
     Args:
         solve: equilibrium of the block as it is, a status.
+        hold: the same, to where bristles have got shorter.
         coarser: leaves the first of them out; what lies is where it is in this block.
     """
     reals = block.reals
@@ -115,7 +120,7 @@ def lie_still(
     status: int = at.OK
     even = scene.environment.floor is not None and scene.environment.floor.z is not None
     if not even:
-        solve = partial(_in_few_steps, block, solve)
+        solve, hold = partial(_in_few_steps, block, solve), partial(_in_few_steps, block, hold)
     laid = _laid_line(block, scene, q) if coarser is None else _places_in(coarser, block)
     grown, _drags = _loads(block, scene)
     for _ in range(PASSES if coarser is None else 0):
@@ -150,7 +155,7 @@ def lie_still(
             bears, drags = _loads(block, scene)
             reals[at.S_BRISTLE] = length
             rest[:] = laid - length * _shares(block, scene, bears, drags, dragged)
-            status = solve()
+            status = hold()
             reals[at.S_BRISTLE] = bristle
             if status != at.OK:
                 break

@@ -205,7 +205,8 @@ def refine_touchdown(block: Block, scene: Scene, attempt: Attempt) -> None:
             # first step instead, it set the line ringing.
             entry.choose_bending(block.ints, block.reals)
         try:
-            if turn == 0 or not (stays and _rests_where_it_lies(block, scene, frame, attempt)):
+            anew = turn == 0 and rate_at_start(scene) <= 0.0
+            if anew or not (stays and _rests_where_it_lies(block, scene, frame, attempt)):
                 solve_static(block, scene, frame, attempt)
         except StaticsError:
             if attempt.as_laid:

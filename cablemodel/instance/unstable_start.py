@@ -22,9 +22,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel import library as entry
 from cablemodel.block import Block
 from cablemodel.errors import StaticsError, UnstableStartWarning
+from cablemodel.instance import search
 from cablemodel.instance.first_shape import drawn_by_weight, graded
 from cablemodel.instance.first_state import count_from_zero, steady_velocity
 from cablemodel.instance.frame import earth, local
@@ -103,6 +103,8 @@ def left(block: Block, scene: Scene, ways: Ways) -> Block:
                 found = _fallen(found, scene, ways, growing, 1.0)
         except StaticsError:
             continue
+        except search.OutOfTime:
+            break
     warnings.warn(UnstableStartWarning(first.rate, first.arc), stacklevel=2)
     return block
 
@@ -159,7 +161,7 @@ def _fallen(
         return None
     if not ways.in_place or block.ints[at.I_NODES] != standing.ints[at.I_NODES]:
         return ways.start(_nodes_of(block, scene), guess_of(block, scene))
-    status = entry.equilibrium(block.ints, block.reals, steady_velocity(block, scene))
+    status = search.equilibrium(block, steady_velocity(block, scene))
     count_from_zero(block)
     return block if status == at.OK else None
 
@@ -205,7 +207,7 @@ def _step_from_rest(block: Block, frame: FloatArray, dt: float) -> None:
     ints, reals = block.ints, block.reals
     kept = int(ints[at.I_MAXIMUM_STEPS]), float(reals[at.S_FIRST_STEP])
     ints[at.I_MAXIMUM_STEPS], reals[at.S_FIRST_STEP] = 1, dt
-    entry.equilibrium(ints, reals, frame)
+    search.equilibrium(block, frame)
     ints[at.I_MAXIMUM_STEPS], reals[at.S_FIRST_STEP] = kept
 
 

@@ -31,7 +31,13 @@ _BREAKING_STRESS = 0.5e9
 _SHORTEST_BODY = 1e-6
 """Of the line's length: a body's direction follows from the places of its two ends."""
 
-_FINITE_ELEMENT_ONLY = ("tolerance", "accuracy", "accuracy_of", "error_estimate")
+_FINITE_ELEMENT_ONLY = (
+    "tolerance",
+    "accuracy",
+    "accuracy_of",
+    "error_estimate",
+    "start_time_limit",
+)
 _DIRECT_ONLY = (
     "time_step",
     "node_spacing",
@@ -69,6 +75,11 @@ class Solver(SceneModel):
         default=False,
         description="finite_element: say what positions and the top tension may be wrong by, from "
         "a run at a quarter of the tolerance beside this one",
+    )
+    start_time_limit: Duration = Field(
+        default=60.0,
+        description="finite_element: how long a static start may be sought, in seconds of the "
+        "clock; what is not found by then is an error that says what was tried",
     )
     time_step: Duration = Field(default=1.0, description="direct_integration: time step")
     node_spacing: Length = Field(default=1.0, description="direct_integration: distance of nodes")
@@ -126,6 +137,7 @@ class Solver(SceneModel):
                 "accuracy": self.accuracy is not None,
                 "accuracy_of": self.accuracy_of != "all",
                 "error_estimate": self.error_estimate,
+                "start_time_limit": self.start_time_limit != 60.0,
             }
             keys = ("tolerance", *(key for key, given in asked.items() if given))
         return {"method": self.method, **{key: getattr(self, key) for key in keys}}
