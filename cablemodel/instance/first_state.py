@@ -185,9 +185,10 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, attempt: Attempt
         if ints[at.I_FLOOR] and not held:
             advice += ", let motion, pay-out and current come up from zero after the start"
         hard = search.what_is_hard(scene)
+        why = f"What makes it hard: {hard}. " if hard else ""
         raise StaticsError(
             f"no static equilibrium was found; what moved last is {arc:g} m along the cable. "
-            f"{f'What makes it hard: {hard}. ' if hard else ''}{advice}, or start from initial: {{straight: ...}} or {{points: ...}}"
+            f"{why}{advice}, or start from initial: {{straight: ...}} or {{points: ...}}"
         )
     # The shape is at rest in the vessel's frame; the vessel's acceleration begins after t = 0. With
     # it the force at the top would hold the inertia of a piece as long as the mesh makes it.

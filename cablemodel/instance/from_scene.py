@@ -29,7 +29,7 @@ from cablemodel.instance.refinement import (
 )
 from cablemodel.instance.refusals import refuse_unsupported
 from cablemodel.instance.scales import is_steady, rate_at_start, start_conditions, tension_scale
-from cablemodel.instance.search import OutOfTime, searching, what_is_hard
+from cablemodel.instance.search import OutOfTimeError, searching, what_is_hard
 from cablemodel.instance.winch import Winch, winch_of
 from cablemodel.kernels import layout as at
 from cablemodel.mesh import line_nodes
@@ -61,7 +61,7 @@ def build(scene: Scene, *, planar: bool | None = None, drum_room: float = 1.0) -
             search.tries(described(attempt))
             try:
                 return built(sought, planar, drum_room, attempt)
-            except OutOfTime:
+            except OutOfTimeError:
                 hard = what_is_hard(scene)
                 raise StaticsError(
                     f"no static equilibrium was found within the {search.limit:g} s of "

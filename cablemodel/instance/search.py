@@ -36,7 +36,7 @@ SHALLOW = math.radians(33.0)
 """A lay at a smaller angle from the horizontal is named as hard."""
 
 
-class OutOfTime(Exception):
+class OutOfTimeError(Exception):
     """The time for a search has passed."""
 
 
@@ -77,7 +77,7 @@ def equilibrium(block: Block, frame: FloatArray) -> int:
     """The kernels' search for an equilibrium, a status, in as many steps as there is time for.
 
     Raises:
-        OutOfTime: there is none left.
+        OutOfTimeError: there is none left.
     """
     from cablemodel import library as entry
 
@@ -85,7 +85,7 @@ def equilibrium(block: Block, frame: FloatArray) -> int:
     if search is None:
         return int(entry.equilibrium(block.ints, block.reals, frame))
     if search.left <= 0.0:
-        raise OutOfTime
+        raise OutOfTimeError
     most = int(block.ints[at.I_MAXIMUM_STEPS])
     step = STEP * int(block.ints[at.I_NODES]) * ITERATION[int(block.ints[at.I_DIMENSION]) - 2]
     block.ints[at.I_MAXIMUM_STEPS] = min(most, max(FEWEST, int(search.left / step)))

@@ -103,7 +103,7 @@ def left(block: Block, scene: Scene, ways: Ways) -> Block:
                 found = _fallen(found, scene, ways, growing, 1.0)
         except StaticsError:
             continue
-        except search.OutOfTime:
+        except search.OutOfTimeError:
             break
     warnings.warn(UnstableStartWarning(first.rate, first.arc), stacklevel=2)
     return block

@@ -268,7 +268,7 @@ class Initial(WordOrMapping):
     )
     points: tuple[Position, ...] | None = Field(
         default=None,
-        description="points of the shape from the vessel to the end; the first one is the tow point",
+        description="points of the shape from the vessel to the end, the first one the tow point",
     )
     velocities: Literal["rest", "steady"] | tuple[Velocity, ...] | None = Field(
         default=None,

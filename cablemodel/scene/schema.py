@@ -259,6 +259,11 @@ class Scene(SceneModel):
                 if math.dist(point, place) > reach:
                     problem = f"the shape is {math.dist(point, place):g} m away from its end"
                     yield SceneProblem(f"initial.points.{index}", point, problem, name)
+        speed = math.hypot(*(float(part) for part in self.motion().evaluate(0.0)[1]))
+        if self.initial.velocities == "rest" and speed > 0.0:
+            problem = f"the tow point moves at {speed:g} m/s and would tear a cable at rest along"
+            allowed = "steady, or a velocity for each of points"
+            yield SceneProblem("initial.velocities", "rest", problem, allowed)
         if self.initial.straight is not None and anchor is not None:
             along = self.initial.straight
             far = tuple(s + self._span * a for s, a in zip(start, along, strict=True))
@@ -348,6 +353,19 @@ class Scene(SceneModel):
         if kept is None or kept[0] is not self.vessel:
             kept = self._motion = self.vessel, self.vessel.motion()
         return kept[1]
+
+    def rest_under_way(self) -> str:
+        """What to know of points that start at rest under a tow point that moves; else empty."""
+        speed = math.hypot(*(float(part) for part in self.motion().evaluate(0.0)[1]))
+        pays_out = self.environment.floor is not None and self.payout.rate and self.payout.drum
+        if self.initial.points is None or self.initial.velocities is not None or pays_out:
+            return ""
+        if speed == 0.0:
+            return ""
+        return (
+            f"initial.points start at rest under a tow point that moves at {speed:g} m/s: the "
+            "cable is torn along; velocities: steady, or one for each of points, start with it"
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """The scene in SI as plain data, files resolved; it loads again to an equal scene."""
