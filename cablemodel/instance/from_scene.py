@@ -202,7 +202,7 @@ def _build_on(
     place_nodes(block, line, guess, scene.line_length)
     sea_floor.fill(block, scene)
     if scene.environment.floor is not None:
-        block.reals[at.S_LAID] = float(not laid_loads.is_dragged(scene))
+        block.reals[at.S_LAID] = laid_loads.laid(scene)
     waves.fill(block, sea(scene), scene.solver.tolerance)
     sea_floor.place_of_rest(block, scene)
     find(block)

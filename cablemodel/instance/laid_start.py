@@ -81,7 +81,7 @@ def coarser(scene: Scene) -> Scene | None:
     Where cable lies that friction holds depends on how it came there. Found anew at each tolerance,
     a finer one lay metres from the coarser one; from coarser to finer all agree.
     """
-    if rate_at_start(scene) > 0.0:
+    if _is_lay(scene):
         return None  # its first shape says where it lies, at every tolerance
     tolerance = COARSEST
     if scene.solver.tolerance * LEAST > tolerance or laid_loads.is_dragged(scene):
@@ -90,6 +90,12 @@ def coarser(scene: Scene) -> Scene | None:
         tolerance /= FINER
     settings = scene.solver.model_copy(update={"tolerance": tolerance})
     return scene.model_copy(update={"solver": settings})
+
+
+def _is_lay(scene: Scene) -> bool:
+    """Whether a vessel under way pays out."""
+    velocity = scene.motion().evaluate(0.0)[1]
+    return rate_at_start(scene) > 0.0 and bool(np.any(velocity[:2]))
 
 
 def lie_still(
@@ -113,7 +119,7 @@ def lie_still(
     nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
     q = block.array(at.O_POSITION, nodes, 2 * dimension)[:, :dimension]
     rest = block.array(at.O_REST, nodes, 3)[:, :dimension]
-    laying = rate_at_start(scene) > 0.0
+    laying = _is_lay(scene)
     bristle = float(reals[at.S_BRISTLE])
     soft = (LAYING if laying else SOFT) * float(reals[at.S_LENGTH])
     dragged = laid_loads.is_dragged(scene)

@@ -8,8 +8,9 @@ stands still that changes
 - inertia: (m + ma) V^2 r''. By parts it takes (m + ma) V^2 from the tension that straightens the
   cable, and leaves the momentum that passes each end of an element;
 - the drag of bodies, which run with their cable;
-- what has been laid (S_LAID): it is at rest over the ground, and only a current pulls at it. On a
-  slope its drag with the vessel's velocity would be more than its weight.
+- what has been laid, where the frame does not say so (S_LAID 2): it is at rest over the ground, and
+  only a current pulls at it. On a slope its drag with the vessel's velocity would be more than its
+  weight.
 
 All of it is computed from r' at the Gauss points, and so are its derivatives, exactly: with
 velocities interpolated between nodes the flow had a part across the cable wherever an iterate
@@ -125,6 +126,12 @@ def at_point(I, M, flow, q, v, parent, node, h, g, w):
 
 
 @kernel
+def stays(I, M, q, node, w):
+    """`is_laid` where the frame's velocity and the flow say otherwise (S_LAID 2)."""
+    return M[S_LAID] == 2.0 and is_laid(I, M, q, node, w)
+
+
+@kernel
 def is_laid(I, M, q, node, w):
     """Whether a node lies where it has been laid, at rest over the ground."""
     if M[S_LAID] == 0.0 or I[I_FLOOR] == 0:
@@ -184,7 +191,7 @@ def flow_residual(I, M, flow, frame, rest, q, v, a, tension, out, out_constraint
         parent = I[I[O_PARENT] + node]
         e = I[O_EDGE] + node * EDGE_WORDS
         h = M[e + E_LENGTH]
-        lies = is_laid(I, M, rest, parent, w) and is_laid(I, M, rest, node, w)
+        lies = stays(I, M, rest, parent, w) and stays(I, M, rest, node, w)
         if lies and I[I_DRAG] == 0:
             continue
         momentum = M[e + E_MASS] * flow * flow
@@ -252,7 +259,7 @@ def run_with_cable(I, M, flow, frame, rest, sign, q, v):
         if node < 0:
             continue
         for _side in range(2 if M[row + B_LENGTH] > 0.0 else 1):
-            lies = is_laid(I, M, rest, node, view(M, I[O_GAUSS] + SCRATCH, 3))
+            lies = stays(I, M, rest, node, view(M, I[O_GAUSS] + SCRATCH, 3))
             for i in range(dimension):
                 own = -frame[i] if lies else flow * q[size * node + dimension + i]
                 v[size * node + i] += sign * own
@@ -275,7 +282,7 @@ def flow_jacobian(I, M, flow, frame, rest, q, v, a, ca, cv):
         parent = I[I[O_PARENT] + node]
         e = I[O_EDGE] + node * EDGE_WORDS
         h = M[e + E_LENGTH]
-        lies = is_laid(I, M, rest, parent, w) and is_laid(I, M, rest, node, w)
+        lies = stays(I, M, rest, parent, w) and stays(I, M, rest, node, w)
         if lies and I[I_DRAG] == 0:
             continue
         momentum = M[e + E_MASS] * flow * flow
@@ -330,7 +337,7 @@ def flow_jacobian(I, M, flow, frame, rest, q, v, a, ca, cv):
             row = I[O_BODY] + body * BODY_WORDS
             node = int(M[row + B_NODE])
             if node >= 0 and M[row + B_LENGTH] == 0.0:
-                lies = is_laid(I, M, rest, node, w)
+                lies = stays(I, M, rest, node, w)
                 add_body(I, M, 0.0 if lies else flow, q, v, a, ca, cv, row, node, sign)
         run_with_cable(I, M, flow, frame, rest, 1.0 if side == 0 else -1.0, q, v)
 

@@ -66,9 +66,9 @@ def test_matrix_is_the_derivative(planar: bool, lies: bool) -> None:
     size = 2 * dimension
     count = nodes * size
     reals[at.S_STAGE_RATE] = 0.0
-    reals[at.S_LAID] = float(lies)
+    reals[at.S_LAID] = 2.0 if lies else 0.0
     if lies:
-        reals[at.S_FLOOR_DEPTH] = 10.0
+        reals[at.S_FLOOR_DEPTH] = 1e3
     random = np.random.default_rng(4)
     q = memory.array(at.O_POSITION, count) + 0.1 * random.standard_normal(count)
     rest = q.copy()
