@@ -36,7 +36,7 @@ LEVELS = 25
 """In which the way down through the contact layer is computed."""
 BEND = 2.0
 """Radius with which a first shape turns on to the floor, in touchdown layers."""
-TURN = 0.7
+TURN = 0.4
 """Length of elements in units of that in which a lay's bend dies out above the touchdown."""
 DIED_OUT = 1e-8
 """What is left of that bend where elements may be longer."""

@@ -5,8 +5,10 @@ In the vessel's frame the shape stands still and each piece of cable moves along
 stands still that changes
 
 - the drag along the cable, whose flow is u_t - V |r'|; that across the cable stays;
-- inertia: (m + ma) V^2 r''. By parts it takes (m + ma) V^2 from the tension that straightens the
-  cable, and leaves the momentum that passes each end of an element;
+- inertia: (m + ma) (2 V dv/ds + V^2 r''), the first while a shape comes to rest: without it a line
+  whose tension is less than (m + ma) V^2 would swing up on the way. By parts the second takes
+  (m + ma) V^2 from the tension that straightens the cable, and leaves the momentum that passes
+  each end of an element;
 - the drag of bodies, which run with their cable;
 - what has been laid, where the frame does not say so (S_LAID 2): it is at rest over the ground, and
   only a current pulls at it. On a slope its drag with the vessel's velocity would be more than its
@@ -216,12 +218,18 @@ def flow_residual(I, M, flow, frame, rest, q, v, a, tension, out, out_constraint
                 drag *= abs(runs) * runs - abs(still) * still
                 if I[I_WAVES] != 0:
                     drag *= W[DRAG + g]
+            for i in range(dimension):
+                w[6 + i] = 0.0
+                for l in range(4):
+                    at = size * (parent if l < 2 else node) + dimension * (l % 2) + i
+                    w[6 + i] += 2.0 * M[e + E_MASS] * flow * slope_function(l, g, h) * v[at]
             for k in range(4):
                 at = size * (parent if k < 2 else node) + dimension * (k % 2)
                 scale = h if k % 2 == 1 else 1.0
                 value = scale * (h * WH[g, k] * drag + WD[g, k] * momentum * stretch)
+                load = scale * h * WH[g, k]
                 for i in range(dimension):
-                    out[at + i] -= value * w[i]
+                    out[at + i] += load * w[6 + i] - value * w[i]
         if lies:
             continue
         for i in range(dimension):
@@ -309,6 +317,7 @@ def flow_jacobian(I, M, flow, frame, rest, q, v, a, ca, cv):
                 scale = h if k % 2 == 1 else 1.0
                 load = scale * h * WH[g, k]
                 bend = scale * WD[g, k] * momentum
+                turning = load * 2.0 * M[e + E_MASS] * flow * cv
                 for l in range(4):
                     slope = slope_function(l, g, h)
                     value = value_function(l, g, h)
@@ -322,7 +331,7 @@ def flow_jacobian(I, M, flow, frame, rest, q, v, a, ca, cv):
                                 rate * w[i] * slope - cv * turned * w[i] * w[j] * value
                             )
                             if i == j:
-                                entry -= (load * drag / stretch + bend) * slope
+                                entry += (turning - load * drag / stretch - bend) * slope
                             M[at + size * i + j] += entry
         if lies:
             continue
