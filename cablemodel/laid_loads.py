@@ -180,13 +180,11 @@ def lay_motion(scene: Scene) -> tuple[FloatArray, float]:
 
 def laid(scene: Scene) -> float:
     """0 where the vessel drags what lies; 1 where that is at rest in the frame of the start; 2
-    where it is at rest and that frame's velocity and flow are not along it (S_LAID)."""
+    where the flow would have it run on (S_LAID)."""
     floor = scene.environment.floor
     if floor is None or is_dragged(scene):
         return 0.0
-    level = floor.z is not None and not any(floor.slope)
-    along = lay_motion(scene)[0][2] != 0.0
-    return 1.0 if level or along else 2.0
+    return 1.0 if lay_motion(scene)[0][2] != 0.0 else 2.0
 
 
 def _rise_ahead(scene: Scene, place: FloatArray, velocity: FloatArray) -> float:

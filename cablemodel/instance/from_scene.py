@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 
 from cablemodel import laid_loads, laid_shape, sea_floor, waves
 from cablemodel.block import Block
-from cablemodel.errors import StaticsError
+from cablemodel.errors import DrawnStartWarning, StaticsError
 from cablemodel.instance import laid_start, line_tables, tables, unstable_start
 from cablemodel.instance.attempts import Attempt, attempts, described
 from cablemodel.instance.first_shape import bight, first_points, graded, place_nodes
@@ -41,6 +42,9 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
+DRAWN = 0.01
+"""Of the largest tension: more where a lay lands is said."""
+
 
 def build(scene: Scene, *, planar: bool | None = None, drum_room: float = 1.0) -> Block:
     """A block at the scene's initial state, t = 0.
@@ -60,7 +64,10 @@ def build(scene: Scene, *, planar: bool | None = None, drum_room: float = 1.0) -
             built = _built_as_laid if attempt.as_laid else _built
             search.tries(described(attempt))
             try:
-                return built(sought, planar, drum_room, attempt)
+                found = built(sought, planar, drum_room, attempt)
+                if not attempt.as_laid and laid_start.applies(sought):
+                    _say_if_drawn(found, sought)
+                return found
             except OutOfTimeError:
                 hard = what_is_hard(scene)
                 raise StaticsError(
@@ -74,6 +81,16 @@ def build(scene: Scene, *, planar: bool | None = None, drum_room: float = 1.0) -
                     first = first or problem
     assert first is not None
     raise first
+
+
+def _say_if_drawn(block: Block, scene: Scene) -> None:
+    """Warn of a lay whose slope draws at what lies, where no start was found that holds it."""
+    if rate_at_start(scene) <= 0.0 or not block.reals[at.S_LAID]:
+        return
+    lies = np.flatnonzero(laid_start.which_lie(block, scene))
+    tension = block.array(at.O_TENSION, int(block.ints[at.I_NODES]), 2)[:, 0]
+    if len(lies) and tension[lies[0]] > DRAWN * tension.max():
+        warnings.warn(DrawnStartWarning(float(tension[lies[0]])), stacklevel=3)
 
 
 def _attempts(scene: Scene) -> Iterator[Attempt]:
@@ -158,8 +175,13 @@ def _built(
             finer = refined(block, scene, nodes)
             if finer is None:
                 break
+            try:
+                block = finer_block(finer, block)
+            except StaticsError:
+                if not stays:
+                    raise
+                break  # what has been laid is at rest on the mesh before it
             nodes = finer
-            block = finer_block(nodes, block)
         refine_touchdown(block, scene, attempt)
         return block
 

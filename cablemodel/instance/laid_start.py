@@ -140,7 +140,7 @@ def lie_still(
         reals[at.S_BRISTLE] = bristle
         if status != at.OK:
             return status
-        lies = _lies(block, scene)
+        lies = which_lie(block, scene)
         if not lies.any():
             return status
         moved = _slide(laid, q, lies, bears, even=even)
@@ -154,7 +154,7 @@ def lie_still(
     if dragged:
         laid = q.copy()  # no line was laid: bristles are drawn from where the cable is
     elif coarser is None:
-        _put_on(block, laid, _lies(block, scene))
+        _put_on(block, laid, which_lie(block, scene))
     stiffer = [bristle]
     for _attempt in range(2):
         for length in stiffer:
@@ -208,7 +208,7 @@ def _laid_line(block: Block, scene: Scene, q: FloatArray) -> FloatArray:
     q: positions, (nodes, dimension) [m].
     """
     line = q.copy()
-    lies = np.flatnonzero(_lies(block, scene))
+    lies = np.flatnonzero(which_lie(block, scene))
     if len(lies) < 2:
         return line
     foot, tail = int(lies[0]), int(lies[-1])
@@ -267,7 +267,7 @@ def _without_drag(block: Block, scene: Scene) -> Callable[[], None]:
     It turns with the cable, and cable that bristles so long hold would drift with it.
     """
     nodes = int(block.ints[at.I_NODES])
-    lies = _lies(block, scene)
+    lies = which_lie(block, scene)
     edges = block.array(at.O_EDGE, nodes, at.EDGE_WORDS)
     bodies = block.array(at.O_BODY, int(block.ints[at.I_BODIES]), at.BODY_WORDS)
     columns = [at.E_DRAG_NORMAL, at.E_DRAG_TANGENTIAL]
@@ -313,7 +313,7 @@ def _gaps(block: Block, scene: Scene, places: FloatArray) -> FloatArray:
     return gaps
 
 
-def _lies(block: Block, scene: Scene) -> NDArray[np.bool_]:
+def which_lie(block: Block, scene: Scene) -> NDArray[np.bool_]:
     """Which nodes touch the floor, (nodes,)."""
     gaps = _gaps(block, scene, _positions(block))
     return np.asarray(gaps < float(block.reals[at.S_FLOOR_DEPTH]))
@@ -334,7 +334,7 @@ def _flow(block: Block, scene: Scene) -> tuple[FloatArray, FloatArray, FloatArra
     velocity = local(block, scene.motion().evaluate(0.0)[1], point=False)
     own = velocity + rate_at_start(scene) * along
     if block.reals[at.S_LAID]:
-        own[_lies(block, scene)] = 0.0
+        own[which_lie(block, scene)] = 0.0
     flow = np.array([local(block, value, point=False) for value in water]) - own
     tangential = np.sum(flow * along, axis=1)[:, None] * along
     normal = flow - tangential
@@ -353,7 +353,7 @@ def _loads(block: Block, scene: Scene) -> tuple[FloatArray, FloatArray]:
     parents = block.integers(at.O_PARENT, nodes)
     joints = block.integers(at.O_JOINT, nodes)
     normal, tangential, _own = _flow(block, scene)
-    lies = _lies(block, scene)
+    lies = which_lie(block, scene)
     lying = _lying_elements(block, lies)
     bears, drags = np.zeros(nodes), np.zeros((nodes, dimension))
     for node in range(1, nodes):

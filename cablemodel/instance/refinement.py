@@ -209,8 +209,8 @@ def refine_touchdown(block: Block, scene: Scene, attempt: Attempt) -> None:
             if anew or not (stays and _rests_where_it_lies(block, scene, frame, attempt)):
                 solve_static(block, scene, frame, attempt)
         except StaticsError:
-            if attempt.as_laid:
-                raise  # without friction it may come to rest
+            if attempt.as_laid and rate_at_start(scene) <= 0.0:
+                raise  # without friction it may come to rest; a lay would be another one
             block.image[:] = at_rest
             break
     count_from_zero(block)
