@@ -87,10 +87,11 @@ def _say_if_drawn(block: Block, scene: Scene) -> None:
     """Warn of a lay whose slope draws at what lies, where no start was found that holds it."""
     if rate_at_start(scene) <= 0.0 or not block.reals[at.S_LAID]:
         return
-    lies = np.flatnonzero(laid_start.which_lie(block, scene))
+    hangs = np.flatnonzero(~laid_start.which_lie(block, scene))
     tension = block.array(at.O_TENSION, int(block.ints[at.I_NODES]), 2)[:, 0]
-    if len(lies) and tension[lies[0]] > DRAWN * tension.max():
-        warnings.warn(DrawnStartWarning(float(tension[lies[0]])), stacklevel=3)
+    lands = min(int(hangs[-1]) + 2, len(tension) - 1)  # below the last place that is clear
+    if tension[lands] > DRAWN * tension.max():
+        warnings.warn(DrawnStartWarning(float(tension[lands])), stacklevel=3)
 
 
 def _attempts(scene: Scene) -> Iterator[Attempt]:
