@@ -8,6 +8,8 @@ that was there before) is left out.
 
 from __future__ import annotations
 
+import logging
+import math
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -83,8 +85,67 @@ def measure(path: Path) -> list[str]:
     ]
 
 
+LAYS = tuple(
+    (kind, knots, depth, slope)
+    for kind in ("light", "armoured")
+    for knots in (1.0, 5.0, 8.0)
+    for depth in (20.0, 500.0, 8000.0)
+    for slope in (-15.0, 0.0, 5.0)
+)
+CABLES: dict[str, dict[str, float]] = {
+    "light": {"diameter": 0.017, "mass": 0.55, "axial_stiffness": 8e6, "bending_stiffness": 20.0,
+              "drag_normal": 1.5, "drag_tangential": 0.005},
+    "armoured": {"diameter": 0.04, "mass": 4.3, "axial_stiffness": 50e6,
+                 "bending_stiffness": 1000.0, "drag_normal": 1.2, "drag_tangential": 0.01},
+}  # fmt: skip
+
+
+def lay(kind: str, knots: float, depth: float, slope: float) -> dict[str, Any]:
+    """A steady lay without slack, the slope of its floor along the vessel's way in degrees."""
+    cable, speed, up = CABLES[kind], knots * 1852.0 / 3600.0, math.radians(slope)
+    area = 0.25 * math.pi * cable["diameter"] ** 2
+    weight = 9.80665 * (cable["mass"] - 1025.0 * area)
+    drag = 0.5 * 1025.0 * cable["drag_normal"] * cable["diameter"] * speed**2
+    down = math.acos(2.0 * drag / (weight + math.hypot(weight, 2.0 * drag)))
+    rate = speed * (math.sin(down) - math.sin(up)) / math.sin(down - up)
+    out = {"type": "c", "length": 1.05 * depth * math.cos(up) / math.sin(down - up) + 20.0}
+    floor = {"z": -depth, "slope": [math.tan(up), 0.0], "friction": 0.5}
+    return {
+        "environment": {"floor": floor},
+        "cable_types": {"c": cable},
+        "line": [{"cable": out}],
+        "vessel": {"velocity": [speed, 0, 0]},
+        "payout": {"rate": [{"t": 0, "rate": rate}], "drum": [{"cable": out}]},
+        "run": {"duration": 10},
+    }
+
+
+def measure_lay(kind: str, knots: float, depth: float, slope: float) -> list[str]:
+    """A row: what is laid, elements, start, what was tried."""
+    import cablemodel as cm
+
+    scene = cm.load_scene(lay(kind, knots, depth, slope))
+    tried: list[str] = []
+    handler = logging.Handler()
+    handler.emit = lambda record: tried.append(record.getMessage())  # type: ignore[method-assign]
+    logger = logging.getLogger("cablemodel")
+    logger.addHandler(handler)
+    logger.setLevel(logging.INFO)
+    begin = time.process_time()
+    try:
+        elements = str(cm.CableModel(scene).statistics["elements"])
+    except cm.StaticsError:
+        elements = "none found"
+    spent = time.process_time() - begin
+    logger.removeHandler(handler)
+    ways = "; ".join(what.removeprefix("start: ") for what in tried)
+    return [kind, f"{knots:g}", f"{depth:g}", f"{slope:g}", elements, f"{1e3 * spent:.0f}", ways]
+
+
 def main() -> None:
-    """Measure the ready scenes and write the page."""
+    """Measure the ready scenes and steady lays, and write the page."""
+    lays = [measure_lay(*row) for row in LAYS]
+    lay_heads = ["cable", "knots", "depth [m]", "slope [deg]", "elements", "start [ms]", "tried"]
     rows = [measure(path) for path in sorted(Path("scenes").glob("*.yaml"))]
     heads = ["scene", "elements", "start [ms]", "of it kernels [ms]", "run [ms]", "of [s]"]
     about = describe()
@@ -94,6 +155,8 @@ def main() -> None:
         "shape, look for growing motions) from a scene just loaded, and of its run by one call, "
         "the best of several, in a process that has started others before.\n\n"
         f"{table(heads, rows)}\n"
+        "## Steady lays\n\nOne start each, without slack; what was tried in turn.\n\n"
+        f"{table(lay_heads, lays)}\n"
         f"Machine: {about['processor']}, load {about['load']}, revision {about['revision']}.\n"
     )
     print(PAGE.read_text())

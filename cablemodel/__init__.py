@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from cablemodel.errors import (
         CableModelError,
         ConvergenceError,
+        DrawnStartWarning,
         LogError,
         SceneError,
         StaticsError,
@@ -36,6 +37,7 @@ _HOME = {
     "SceneError": "cablemodel.errors",
     "StaticsError": "cablemodel.errors",
     "StepError": "cablemodel.errors",
+    "DrawnStartWarning": "cablemodel.errors",
     "UnstableStartWarning": "cablemodel.errors",
     "CableModel": "cablemodel.model",
     "CableState": "cablemodel.model",
@@ -55,6 +57,7 @@ __all__ = [
     "CableModelError",
     "CableState",
     "ConvergenceError",
+    "DrawnStartWarning",
     "LogError",
     "Recorder",
     "Run",

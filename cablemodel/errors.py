@@ -139,6 +139,23 @@ class ConvergenceError(CableModelError):
         )
 
 
+class DrawnStartWarning(UserWarning):
+    """A lay starts with tension in what lies, which friction was to hold: no such start was found.
+
+    Attributes: ``tension`` at the touchdown [N].
+    """
+
+    def __init__(self, tension: float) -> None:
+        super().__init__(tension)
+        self.tension = tension
+
+    def __str__(self) -> str:
+        return (
+            f"no start was found in which friction holds what has been laid: it starts with "
+            f"{self.tension:.4g} N where it lands, drawn by its own weight down the slope"
+        )
+
+
 class UnstableStartWarning(UserWarning):
     """A static start is an equilibrium that the line leaves by itself, and no other was found.
 

@@ -17,15 +17,20 @@ from numpy.typing import NDArray
 from cablemodel import laid_loads
 from cablemodel.curves import crossing
 from cablemodel.instance.frame import vertical_plane
+from cablemodel.instance.scales import rate_at_start
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
 
 FloatArray = NDArray[np.float64]
 Triple = tuple[float, float, float]
+Shape = tuple[FloatArray, FloatArray, FloatArray]
 
 STEPS = 64
 """In which the hanging part is integrated."""
+TURNS, WIDEST, NUDGE = 50, 0.5, 1e-7
+"""Iterations for the direction of a step at most; the largest turn of one, that of a difference
+[rad]."""
 NEAR = 1e-9
 """Of the line's length: from the floor, where it has landed."""
 NARROW = 1e-7
@@ -36,12 +41,15 @@ NARROW = 1e-7
 class Hanging:
     """What hangs at first, and how it goes on.
 
-    points: (n, 3) from the tow point down to where the line lands, or to its end [m]; arc: its
+    points: (n, 3) from the tow point down to where the line lands, or to its end [m]; arcs: how
+    much line, unstretched, is above each, (n,) [m]; pull: tension there, (n,) [N]; arc: its
     length, bodies included [m]; line_length: of all of the line, bodies included [m]; way: unit
     vector along which the rest lies, (2,).
     """
 
     points: FloatArray
+    arcs: FloatArray
+    pull: FloatArray
     arc: float
     line_length: float
     way: FloatArray
@@ -61,26 +69,27 @@ def hang(scene: Scene, start: FloatArray, passed: float, *, drawn: bool = False)
     way, tension = _lying(scene, line, start, plane, drawn=drawn)
     water = _Water(scene, start)
 
-    def above(arc: float) -> tuple[float, FloatArray]:
-        """Height of the lower end of what hangs above the floor, its polyline from the top."""
-        points = _integrate(line, water, passed, arc, tension * (total - arc), way)
+    def above(arc: float) -> tuple[float, Shape]:
+        """Height of the lower end of what hangs above the floor, and its shape from the top."""
+        shape = _integrate(line, water, passed, arc, tension * (total - arc), way)
+        points = shape[0]
         if plane is not None:
             points[:, :2] = np.outer(points[:, :2] @ plane, plane)
         points += start
         x, y, z = (float(value) for value in points[-1])
-        return z - floor.height(x, y), points
+        return z - floor.height(x, y), shape
 
     height = float(start[2]) - floor.height(float(start[0]), float(start[1]))
     straight_down = height > total - passed
     if straight_down and floor.z is not None and not any(floor.slope):
         return None  # nowhere does it come down further
-    gap, points = above(total)
+    gap, shape = above(total)
     if gap > 0.0:
-        return None if straight_down else Hanging(points, total, total, way)
+        return None if straight_down else Hanging(*shape, total, total, way)
 
     def over(arc: float) -> float:
-        nonlocal points  # in the end those of the place that is found
-        gap, points = above(arc)
+        nonlocal shape  # in the end that of the place that is found
+        gap, shape = above(arc)
         return gap
 
     lands = crossing(
@@ -92,8 +101,9 @@ def hang(scene: Scene, start: FloatArray, passed: float, *, drawn: bool = False)
         near=NEAR * total,
         width=NARROW * total,
     )
+    points = shape[0]
     points[-1, 2] = floor.height(float(points[-1, 0]), float(points[-1, 1]))
-    return Hanging(points, lands, total, way)
+    return Hanging(*shape, lands, total, way)
 
 
 def way_of_lying(scene: Scene, start: FloatArray) -> FloatArray:
@@ -112,6 +122,8 @@ class _Water:
         z = np.linspace(bottom, float(start[2]), STEPS + 1)
         past = laid_loads.water_velocity(scene, z) - scene.motion().evaluate(0.0)[1]
         self._rows = [tuple(row) for row in past.tolist()]
+        self.rate = rate_at_start(scene)
+        """Of the pay-out: the cable runs along its own shape [m/s]."""
 
     def at(self, share: float) -> Triple:
         """At a share of the height of the tow point above the floor [m/s]."""
@@ -172,8 +184,11 @@ def _integrate(
     last: float,
     tension: float,
     way: FloatArray,
-) -> FloatArray:
-    """The shape of what hangs, from its lower end up: (n, 3), relative to its upper end [m].
+) -> Shape:
+    """The shape of what hangs, from its upper end: places relative to that (n, 3) [m], arc lengths
+    (n,) [m], tensions (n,) [N].
+
+    Integrated from its lower end up; a line that is paid out stretches by its tension.
 
     first, last: arc lengths of its ends [m]; tension: of what lies beyond, along `way` [N].
     """
@@ -185,6 +200,7 @@ def _integrate(
     pull = -tension * float(way[0]), -tension * float(way[1]), 0.0
     ahead = 0.0, 0.0, 1.0
     places = [(0.0, 0.0, 0.0)]
+    sizes = [math.hypot(*pull)]
     x = y = z = 0.0
     for upper, lower in itertools.pairwise(reversed(arcs)):
         # Reversed: `upper` is the larger arc length, further from the vessel.
@@ -194,32 +210,89 @@ def _integrate(
         flow = water.at((last - middle) / max(last - first, 1e-12))
         for body in points:
             if lower < body.start <= upper:
-                pull = _loaded(pull, body, 1.0, flow, ahead)
-        start = pull
-        for _ in range(8 if len(places) == 1 else 2):
-            pull = _loaded(start, piece, 0.5 * h, flow, ahead)
-            size = math.hypot(*pull)
-            if size > 0.0:
-                a, b, c = (0.5 * (d + p / size) for d, p in zip(ahead, pull, strict=True))
-                norm = math.hypot(a, b, c) or 1.0
-                ahead = a / norm, b / norm, c / norm
-        size = math.hypot(*pull)
-        if size > 0.0:
-            ahead = pull[0] / size, pull[1] / size, pull[2] / size
-        pull = _loaded(start, piece, h, flow, ahead)
+                pull = _loaded(pull, body, 1.0, flow, ahead, water.rate)
+        ahead = _balanced(pull, piece, h, flow, ahead, water.rate)
+        pull = _loaded(pull, piece, h, flow, ahead, water.rate)
+        if water.rate > 0.0:
+            h *= piece.stretch(math.hypot(*pull))
         x, y, z = x + h * ahead[0], y + h * ahead[1], z + h * ahead[2]
         places.append((x, y, z))
+        sizes.append(math.hypot(*pull))
     shape = np.array(places)
-    return np.asarray(shape[::-1] - shape[-1], dtype=np.float64)
+    return np.asarray(shape[::-1] - shape[-1]), np.array(arcs), np.array(sizes[::-1])
+
+
+def _balanced(
+    pull: Triple, piece: laid_loads.Piece, length: float, flow: Triple, ahead: Triple, rate: float
+) -> Triple:
+    """The direction of a length of cable along which the pull above it points: a backward step.
+
+    Where drag turns the cable sharply against what it is taut (at a small lay angle, near its lower
+    end) any forward step is too long. Newton's method on the two angles, from `ahead`.
+    """
+    for _ in range(TURNS):
+        first, second = _across(ahead)
+        total = _loaded(pull, piece, length, flow, ahead, rate)
+        along = _dot(total, ahead)
+        a, b = _dot(total, first), _dot(total, second)
+        size = math.hypot(*total)
+        if math.hypot(a, b) <= 1e-9 * size and along > 0.0:
+            break
+        by_first = _loaded(pull, piece, length, flow, _turned(ahead, first, NUDGE), rate)
+        by_second = _loaded(pull, piece, length, flow, _turned(ahead, second, NUDGE), rate)
+        aa = (_dot(by_first, first) - a) / NUDGE - along
+        ba = (_dot(by_first, second) - b) / NUDGE
+        ab = (_dot(by_second, first) - a) / NUDGE
+        bb = (_dot(by_second, second) - b) / NUDGE - along
+        determinant = aa * bb - ab * ba
+        if determinant <= 0.0 or along <= 0.0:
+            # Far from balance: towards the pull.
+            turn_first, turn_second = a / max(size, 1e-300), b / max(size, 1e-300)
+        else:
+            turn_first = (ab * b - bb * a) / determinant
+            turn_second = (ba * a - aa * b) / determinant
+        turn = math.hypot(turn_first, turn_second)
+        if turn == 0.0:
+            if along >= 0.0:
+                break
+            turn_first = turn = 1.0  # exactly against the pull
+        share = min(1.0, WIDEST / turn)
+        ahead = _turned(ahead, first, share * turn_first)
+        ahead = _turned(ahead, second, share * turn_second)
+    return ahead
+
+
+def _dot(a: Triple, b: Triple) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def _turned(ahead: Triple, aside: Triple, by: float) -> Triple:
+    """A unit vector with `by` times another one added to it."""
+    x, y, z = (p + by * q for p, q in zip(ahead, aside, strict=True))
+    size = math.hypot(x, y, z)
+    return x / size, y / size, z / size
+
+
+def _across(ahead: Triple) -> tuple[Triple, Triple]:
+    """Two unit vectors across a third and each other, the second one horizontal."""
+    x, y, z = ahead
+    flat = math.hypot(x, y)
+    if flat < 1e-12:
+        return (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
+    return (-z * x / flat, -z * y / flat, flat), (-y / flat, x / flat, 0.0)
 
 
 def _loaded(
-    pull: Triple, piece: laid_loads.Piece, length: float, flow: Triple, ahead: Triple
+    pull: Triple, piece: laid_loads.Piece, length: float, flow: Triple, ahead: Triple, rate: float
 ) -> Triple:
-    """The pull from above, and what bears the loads on a length of a piece [N]."""
+    """The pull from above, and what bears the loads on a length of a piece [N].
+
+    rate: at which the cable runs along itself, against `ahead` [m/s].
+    """
     x, y, z = ahead
     along = flow[0] * x + flow[1] * y + flow[2] * z
     a, b, c = flow[0] - along * x, flow[1] - along * y, flow[2] - along * z
+    along += rate
     normal = length * piece.normal * math.sqrt(a * a + b * b + c * c)
     tangential = length * piece.tangential * abs(along) * along
     return (

@@ -20,8 +20,15 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-DRAGGED = 0.1
-"""Of the vessel's speed: lying cable that moves along the floor faster than that is dragged."""
+DRAGGED = 5e-4
+"""Of the rate of a lay without tension: where a lay falls short of it by more, what lies is drawn
+over the floor, and bears the friction of that. Less is rounding of a speed in knots."""
+UNEVEN = 0.1
+"""The same over a depth table, where that rate changes from place to place."""
+FLAT = 0.05
+"""Between a lay and the floor [rad]: below it the touchdown runs away from the vessel."""
+STEEP = 0.01
+"""Of the vessel's speed: pay-out of a lay up a slope that is steeper than the line hangs."""
 
 
 @dataclass(frozen=True)
@@ -38,6 +45,13 @@ class Piece:
     """Drag over the square of the speed across [N s2/m3], [N s2/m2]."""
     tangential: float
     """The same along it."""
+    strain: tuple[float, ...] = ()
+    """Coefficients c1, c2, ... of its strain [1/N^k]; none: it does not stretch."""
+
+    def stretch(self, tension: float) -> float:
+        """Length over the unstretched one under a tension [N]."""
+        powers = enumerate(self.strain, start=1)
+        return 1.0 + math.fsum(c * tension**power for power, c in powers)
 
 
 def pieces(scene: Scene) -> list[Piece]:
@@ -52,7 +66,8 @@ def pieces(scene: Scene) -> list[Piece]:
             contact = contact_weight(kind, gravity)
             normal = rho * kind.drag_normal * kind.diameter
             along = rho * kind.drag_tangential * math.pi * kind.diameter
-            found.append(Piece(arc, end, kind.submerged_weight, contact, normal, along))
+            weight, strain = kind.submerged_weight, tuple(kind.strain_coefficients)
+            found.append(Piece(arc, end, weight, contact, normal, along, strain))
             arc = end
         elif item.body is not None:
             body = item.body
@@ -60,8 +75,9 @@ def pieces(scene: Scene) -> list[Piece]:
             weight = body.submerged_weight
             across = rho * body.drag_coefficient * body.drag_area
             along = rho * body.drag_coefficient_axial * body.drag_area_axial if length else across
-            values = [value / (length or 1.0) for value in (weight, abs(weight), across, along)]
-            found.append(Piece(arc, arc + length, *values))
+            over = length or 1.0
+            loads = weight / over, abs(weight) / over, across / over, along / over
+            found.append(Piece(arc, arc + length, *loads))
             arc += length
     return found
 
@@ -104,8 +120,90 @@ def slopes(scene: Scene, x: float, y: float) -> tuple[float, float]:
     return 0.5 * along / step, 0.5 * across / step
 
 
-def is_dragged(scene: Scene) -> bool:
-    """Whether the vessel drags what lies over the floor: it goes faster than it pays out."""
+def lay_angle(weight: float, drag: float) -> float:
+    """Angle a of a lay from the horizontal [rad]: w cos a = D sin^2 a (Zajac 1957).
+
+    weight: w [N/m]; drag: D, across a vertical cable at the vessel's speed [N/m].
+    """
+    return math.acos(2.0 * drag / (weight + math.hypot(weight, 2.0 * drag)))
+
+
+def lay_rate(scene: Scene) -> float:
+    """Pay-out with which a lay keeps up with its vessel, without slack and without tension [m/s].
+
+    Over a floor that rises by b along the vessel's way, at the lay angle a, the touchdown moves
+    along the floor faster than the vessel does, and the suspended cable gets shorter:
+    U (sin a - sin b) / sin(a - b) (Zajac 1957). Uphill that is less than the speed; downhill it is
+    more, and what is asked of a lay there is its speed at least.
+    """
     velocity = scene.motion().evaluate(0.0)[1]
     speed = float(np.hypot(velocity[0], velocity[1]))
-    return speed - rate_at_start(scene) > DRAGGED * speed
+    floor = scene.environment.floor
+    if speed == 0.0 or floor is None or floor.z is None:
+        return speed
+    up = _rise_ahead(scene, scene.motion().evaluate(0.0)[0], velocity)
+    down = _angle_of(scene, speed)
+    if down is None:
+        return speed
+    if up <= 0.0:
+        return speed
+    if up >= down:
+        return STEEP * speed  # the line does not come down to the floor behind it
+    return speed * (math.sin(down) - math.sin(up)) / math.sin(down - up)
+
+
+def lay_motion(scene: Scene) -> tuple[FloatArray, float]:
+    """Velocity of the frame in which a start is at rest, (3,), and of the cable along it [m/s].
+
+    The vessel's velocity and the pay-out; of a lay over a plane that rises by b along its way, the
+    touchdown's, W = U sin a / sin(a - b) along the plane. In that frame what hangs is the same
+    (W t_floor - U t_level points along it), and what has been laid is at rest.
+    """
+    place, velocity = scene.motion().evaluate(0.0)[:2]
+    velocity = np.asarray(velocity, dtype=np.float64)
+    rate = rate_at_start(scene)
+    floor, speed = scene.environment.floor, float(np.hypot(velocity[0], velocity[1]))
+    if rate <= 0.0 or speed == 0.0 or velocity[2] != 0.0 or floor is None or floor.z is None:
+        return velocity, rate
+    alike = len({cable.type for cable in scene.cables}) == 1
+    if scene.environment.current is not None or not alike or is_dragged(scene):
+        return velocity, rate
+    up = _rise_ahead(scene, place, velocity)
+    down = _angle_of(scene, speed)
+    if up == 0.0 or down is None or down - up < FLAT:
+        return velocity, rate
+    over_ground = speed * math.sin(down) / math.sin(down - up)
+    exact = speed * (math.sin(down) - math.sin(up)) / math.sin(down - up)
+    way = np.array([*(velocity[:2] / speed * math.cos(up)), math.sin(up)])
+    return over_ground * way, over_ground + rate - exact
+
+
+def laid(scene: Scene) -> float:
+    """0 where the vessel drags what lies; 1 where that is at rest in the frame of the start; 2
+    where the flow would have it run on (S_LAID)."""
+    floor = scene.environment.floor
+    if floor is None or is_dragged(scene):
+        return 0.0
+    return 1.0 if lay_motion(scene)[0][2] != 0.0 else 2.0
+
+
+def _rise_ahead(scene: Scene, place: FloatArray, velocity: FloatArray) -> float:
+    """Angle by which the floor rises along the vessel's way [rad]."""
+    rise = np.array(slopes(scene, float(place[0]), float(place[1])))
+    return math.atan(float(rise @ velocity[:2]) / float(np.hypot(velocity[0], velocity[1])))
+
+
+def _angle_of(scene: Scene, speed: float) -> float | None:
+    """Lay angle of the line's cables together [rad]; None of what floats."""
+    line = [piece for piece in pieces(scene) if piece.end > piece.start]
+    weight = math.fsum(piece.weight * (piece.end - piece.start) for piece in line)
+    drag = math.fsum(piece.normal * (piece.end - piece.start) for piece in line) * speed**2
+    return lay_angle(weight, drag) if weight > 0.0 else None
+
+
+def is_dragged(scene: Scene) -> bool:
+    """Whether the vessel drags what lies over the floor: it pays out less than a lay takes."""
+    rate = lay_rate(scene)
+    floor = scene.environment.floor
+    uneven = floor is not None and floor.z is None
+    return rate - rate_at_start(scene) > (UNEVEN if uneven else DRAGGED) * rate

@@ -94,6 +94,11 @@ def thinnest_layer(scene: Scene) -> float:
     return min(touchdown_layer(scene, cable) for cable in [*scene.cables, *drum])
 
 
+def contact_depth(scene: Scene) -> float:
+    """Gap below which the floor pushes [m]."""
+    return DEPTH * scene.solver.tolerance * scene.line_length
+
+
 def table_words(floor: Floor | None) -> int:
     """Words of the floor's table in a block."""
     if floor is None or floor.z is not None:
@@ -109,7 +114,7 @@ def fill(block: Block, scene: Scene) -> None:
         return
     ints, reals = block.ints, block.reals
     accuracy = scene.solver.tolerance * scene.line_length
-    reals[at.S_FLOOR_DEPTH] = DEPTH * accuracy
+    reals[at.S_FLOOR_DEPTH] = contact_depth(scene)
     reals[at.S_END_BORNE] = 1.0
     reals[at.S_BRISTLE] = BRISTLE * accuracy
     reals[at.S_FRICTION] = floor.friction

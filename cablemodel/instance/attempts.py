@@ -14,8 +14,13 @@ from cablemodel.instance import laid_start
 from cablemodel.instance.scales import is_flexible
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from cablemodel.block import Block
     from cablemodel.scene import Scene
+
+    FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -26,6 +31,10 @@ class Attempt:
     """Friction holds what lies on the floor, see laid_start; else what has a free end slides."""
     lies: Block | None = None
     """What lies is where it is in this one, at a coarser tolerance, and stays there."""
+    points: FloatArray | None = None
+    """From this polyline (n, 3) [m], instead of a first shape of the search's own."""
+    passing: bool = False
+    """Only the place is wanted where cable lies: whether it stays there is asked at the end."""
     patient: bool = False
     """By all of easier_ways: clamps are turned bit by bit, floors harden from several depths."""
     swept: bool = False
@@ -35,6 +44,17 @@ class Attempt:
     """On elements half as long."""
     bight: bool = False
     """From a catenary between two ends that are close to each other, on elements graded to it."""
+
+
+def described(attempt: Attempt) -> str:
+    """What an attempt does, in words."""
+    words = ["with friction that holds what was laid" if attempt.as_laid else "without friction"]
+    words += ["by clamps and floors that are set bit by bit"] * attempt.patient
+    words += ["from where the current draws it"] * attempt.swept
+    words += ["on elements half as long"] * attempt.halved
+    words += ["from a bight"] * attempt.bight
+    words += ["from the points"] * (attempt.points is not None)
+    return ", ".join(words)
 
 
 def attempts(scene: Scene) -> Iterator[Attempt]:

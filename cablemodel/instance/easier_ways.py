@@ -20,6 +20,10 @@ FloatArray = NDArray[np.float64]
 FLOORS = (1000.0, 100.0, 10.0, 1.0), (100.0, 10.0, 1.0), (30.0, 10.0, 3.0, 1.0)
 """Floors on which a start is tried in turn where it fails, in units of the contact layer. Beyond
 the first row for a line that sinks too deep into the first of them, and folds there."""
+LARGEST_SOFTENING, SMALLEST_SOFTENING, SOFTEST = 10.0, 1.05, 1e4
+"""Factors between the depths of two contact layers on the way of a lay, and of the softest one."""
+FEW_STEPS = 100
+"""Of a relaxation on that way."""
 LARGEST_TURN = 0.25
 """Of a clamp, from one equilibrium to the next [rad]."""
 SMALLEST_TURN = 0.01
@@ -56,6 +60,51 @@ def on_hardening_floors(block: Block, solve: Callable[[], int], softer: Sequence
         if status != at.OK:
             break
     block.reals[at.S_FLOOR_DEPTH] = depth
+    return status
+
+
+def in_few_steps(block: Block, solve: Callable[[], int]) -> int:
+    """What ``solve`` finds in a relaxation of few steps; a status."""
+    most = int(block.ints[at.I_MAXIMUM_STEPS])
+    block.ints[at.I_MAXIMUM_STEPS] = min(most, FEW_STEPS)
+    status = solve()
+    block.ints[at.I_MAXIMUM_STEPS] = most
+    return status
+
+
+def on_a_floor_that_hardens(block: Block, solve: Callable[[], int]) -> int:
+    """Equilibrium at once, or on floors that harden by as much as can be followed; a status.
+
+    A search that leads anywhere from the shape on a slightly softer floor takes few steps, so each
+    is given few, and a step in the floor's stiffness that was too long costs little.
+
+    Args:
+        solve: equilibrium of the block as it is, a status.
+    """
+    depth = float(block.reals[at.S_FLOOR_DEPTH])
+    guess = block.image.copy()
+
+    def on(softness: float) -> int:
+        block.reals[at.S_FLOOR_DEPTH] = depth * softness
+        status = in_few_steps(block, solve)
+        block.reals[at.S_FLOOR_DEPTH] = depth
+        return status
+
+    status = on(1.0)
+    softness, step = 1.0, LARGEST_SOFTENING
+    while status != at.OK and softness < SOFTEST:  # a floor soft enough to begin with
+        softness *= step
+        block.image[:] = guess
+        status = on(softness)
+    while status == at.OK and softness > 1.0:
+        before = block.image.copy()
+        harder = max(1.0, softness / step)
+        status = on(harder)
+        if status == at.OK:
+            softness, step = harder, min(step**1.5, LARGEST_SOFTENING)
+        elif step > SMALLEST_SOFTENING:
+            block.image[:] = before
+            status, step = at.OK, math.sqrt(step)
     return status
 
 

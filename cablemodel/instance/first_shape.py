@@ -323,11 +323,13 @@ def _sagging(start: FloatArray, end: FloatArray, length: float, bow: FloatArray)
     return curve(sag)
 
 
-def place_nodes(block: Block, line: Line, points: FloatArray, length: float) -> None:
+def place_nodes(block: Block, line: Line, guess: laid_shape.Guess, length: float) -> None:
     """Nodes along the polyline, at their share of its length, with slopes along it.
 
-    Bodies of finite length keep theirs: the cable takes what is left.
+    Bodies of finite length keep theirs: the cable takes what is left. Elements get the tensions
+    that are guessed.
     """
+    points = guess.points
     chords = np.linalg.norm(np.diff(points, axis=0), axis=1)
     points = points[np.concatenate([[True], chords > 0.0])]
     arc = np.concatenate([[0.0], np.cumsum(chords[chords > 0.0])])
@@ -338,6 +340,9 @@ def place_nodes(block: Block, line: Line, points: FloatArray, length: float) -> 
     where = np.zeros(line.nodes)
     for node in range(1, line.nodes):
         where[node] = line.start[node] + line.length[node]
+    if guess.arcs is not None:
+        arc = guess.arcs[np.concatenate([[True], chords > 0.0])]
+        stretch = 1.0
     where *= stretch
     where += line.passed
     where = np.minimum(where, arc[-1])
@@ -350,7 +355,8 @@ def place_nodes(block: Block, line: Line, points: FloatArray, length: float) -> 
         along = np.gradient(points, arc, axis=0)
         places, slopes = (part.T.copy() for part in hermite(where, arc, points.T, along.T))
     sizes = np.linalg.norm(slopes, axis=1)  # 0 where a line turns back on itself
-    slopes *= stretch / np.where(sizes > 0.0, sizes, 1.0)[:, None]
+    if guess.arcs is None:
+        slopes *= stretch / np.where(sizes > 0.0, sizes, 1.0)[:, None]
     for node, body, _place in line.bodies:
         if body.half_length > 0.0 and node >= 0:
             # Its ends lie on the shape; the chord between them is shorter than a curved shape.
@@ -371,3 +377,11 @@ def place_nodes(block: Block, line: Line, points: FloatArray, length: float) -> 
         if row[at.C_CLAMPED] == at.EXACTLY:
             node = int(row[at.C_NODE])
             q[node, dimension:] = stretch * row[at.C_DIRECTION : at.C_DIRECTION + dimension]
+    if guess.pull is not None:
+        arcs, pull = guess.pull.T
+        starts = np.array([s + p for s, p in zip(line.start, line.passed, strict=True)])
+        ends = np.interp([starts, starts + line.length], arcs, pull)
+        tension = block.array(at.O_TENSION, line.nodes, 2)
+        tension[:, 0] = 0.5 * (ends[0] + ends[1])
+        tension[:, 1] = 0.5 * (ends[1] - ends[0])
+        tension[0] = 0.0

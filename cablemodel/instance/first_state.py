@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel import laid_shape, sea_floor
+from cablemodel import laid_loads, laid_shape, sea_floor
 from cablemodel.block import Block
 from cablemodel.errors import SceneError, StaticsError
-from cablemodel.instance import easier_ways, heading, laid_start
+from cablemodel.instance import easier_ways, heading, laid_start, search
 from cablemodel.instance.attempts import Attempt
 from cablemodel.instance.frame import local
 from cablemodel.instance.line_tables import RIGID, STABILISATION
@@ -119,8 +119,8 @@ def _without_shape(scene: Scene) -> str:
 
 
 def steady_velocity(block: Block, scene: Scene) -> FloatArray:
-    """The vessel's velocity: a static start is at rest in its frame, (dimension,) [m/s]."""
-    velocity = scene.motion().evaluate(0.0)[1]
+    """Velocity of the frame in which a static start is at rest, (dimension,) [m/s]."""
+    velocity = laid_loads.lay_motion(scene)[0]
     return np.ascontiguousarray(local(block, velocity, point=False))
 
 
@@ -136,8 +136,19 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, attempt: Attempt
     held = ints[at.I_CONSTRAINTS] > 1
     friction = reals[at.S_FRICTION]
 
+    rate, through = float(reals[at.S_PAYOUT_RATE]), laid_loads.lay_motion(scene)[1]
+
     def solve_at_once() -> int:
-        return int(entry.equilibrium(ints, reals, frame))
+        if rate == 0.0:
+            return search.equilibrium(block, frame)
+        reals[at.S_PAYOUT_RATE] = through
+        try:
+            return search.equilibrium(block, frame)
+        finally:
+            reals[at.S_PAYOUT_RATE] = rate
+
+    def solve_in_few_steps() -> int:
+        return easier_ways.in_few_steps(block, solve_at_once)
 
     floors = easier_ways.FLOORS if attempt.patient else easier_ways.FLOORS[:1]
     ways: list[Callable[[], int]] = [
@@ -147,13 +158,16 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, attempt: Attempt
             for softer in (floors if ints[at.I_FLOOR] else ())
         ),
     ]
+    if rate > 0.0 and ints[at.I_FLOOR] and not held:
+        ways = [partial(easier_ways.on_a_floor_that_hardens, block, solve_at_once)]
     solve = partial(easier_ways.first_of, block, ways)
     if attempt.patient:
         turning = partial(easier_ways.with_turned_clamps, block, solve, solve_at_once)
         solve = partial(easier_ways.first_of, block, [ways[0], turning, *ways[1:]])
 
     if attempt.as_laid:
-        status = laid_start.lie_still(block, scene, solve, attempt.lies)
+        hold = solve_in_few_steps if rate > 0.0 else solve
+        status = laid_start.lie_still(block, scene, solve, hold, attempt.lies)
     else:
         if not held:
             # A free end comes to rest without friction; it holds the line from there.
@@ -170,14 +184,18 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, attempt: Attempt
         advice = "Check weights, ends and current"
         if ints[at.I_FLOOR] and not held:
             advice += ", let motion, pay-out and current come up from zero after the start"
+        hard = search.what_is_hard(scene)
+        why = f"What makes it hard: {hard}. " if hard else ""
         raise StaticsError(
             f"no static equilibrium was found; what moved last is {arc:g} m along the cable. "
-            f"{advice}, or start from initial: {{straight: ...}} or {{points: ...}}"
+            f"{why}{advice}, or start from initial: {{straight: ...}} or {{points: ...}}"
         )
-    entry.place_supports(ints, reals)
-    # The line is at rest in the vessel's frame; the vessel's acceleration begins after t = 0. With
+    # The shape is at rest in the vessel's frame; the vessel's acceleration begins after t = 0. With
     # it the force at the top would hold the inertia of a piece as long as the mesh makes it.
-    block.array(at.O_ACCELERATION, int(ints[at.I_NODES]), 2 * int(ints[at.I_DIMENSION]))[:] = 0.0
+    words = int(ints[at.I_NODES]), 2 * int(ints[at.I_DIMENSION])
+    acceleration = block.array(at.O_ACCELERATION, *words).copy()
+    entry.place_supports(ints, reals)
+    block.array(at.O_ACCELERATION, *words)[:] = acceleration
 
 
 def _stabilise(block: Block) -> bool:
@@ -213,12 +231,30 @@ def _start_flowing(block: Block, scene: Scene) -> None:
     of the vessel's speed, what lies on the floor is at rest.
     """
     rate = rate_at_start(scene)
+    given = scene.initial.velocities
+    if isinstance(given, tuple):
+        _give_velocities(block, scene, np.asarray(given, dtype=np.float64))
+        return
     if rate == 0.0:
         return
     nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
     q = block.array(at.O_POSITION, nodes, 2 * dimension)
     v = block.array(at.O_VELOCITY, nodes, 2 * dimension)
     v[1:, :dimension] = v[0, :dimension] + rate * q[1:, dimension:]
+
+
+def _give_velocities(block: Block, scene: Scene, velocities: FloatArray) -> None:
+    """Material velocities at the nodes from those at the points of the scene, (n, 3) [m/s]."""
+    points = np.asarray(scene.initial.points, dtype=np.float64)
+    places = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
+    edges = block.array(at.O_EDGE, nodes, at.EDGE_WORDS)
+    arcs = edges[:, at.E_START] + edges[:, at.E_LENGTH]
+    arcs[0] = 0.0
+    where = arcs * places[-1] / arcs[-1]
+    own = np.column_stack([np.interp(where, places, velocities[:, i]) for i in range(3)])
+    v = block.array(at.O_VELOCITY, nodes, 2 * dimension)
+    v[1:, :dimension] = [local(block, velocity, point=False) for velocity in own[1:]]
 
 
 def count_from_zero(block: Block) -> None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import warnings
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -10,34 +11,39 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel import laid_shape, sea_floor, waves
+from cablemodel import laid_loads, laid_shape, sea_floor, waves
 from cablemodel.block import Block
-from cablemodel.errors import StaticsError
+from cablemodel.errors import DrawnStartWarning, StaticsError
 from cablemodel.instance import laid_start, line_tables, tables, unstable_start
-from cablemodel.instance.attempts import Attempt, attempts
+from cablemodel.instance.attempts import Attempt, attempts, described
 from cablemodel.instance.first_shape import bight, first_points, graded, place_nodes
 from cablemodel.instance.first_state import find_initial_state, stand_still
 from cablemodel.instance.frame import vertical_plane
 from cablemodel.instance.line import Line, lay_out, spans_of
 from cablemodel.instance.refinement import (
     ROUNDS,
+    guess_of,
     halved,
     refine_touchdown,
     refined,
-    shape_of,
     spare_nodes,
 )
 from cablemodel.instance.refusals import refuse_unsupported
-from cablemodel.instance.scales import start_conditions, tension_scale
+from cablemodel.instance.scales import is_steady, rate_at_start, start_conditions, tension_scale
+from cablemodel.instance.search import OutOfTimeError, searching, what_is_hard
 from cablemodel.instance.winch import Winch, winch_of
 from cablemodel.kernels import layout as at
 from cablemodel.mesh import line_nodes
+from cablemodel.scene.line import Initial
 from cablemodel.scene.sea import sea
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
 
 FloatArray = NDArray[np.float64]
+
+DRAWN = 0.01
+"""Of the largest tension: more where a lay lands is said."""
 
 
 def build(scene: Scene, *, planar: bool | None = None, drum_room: float = 1.0) -> Block:
@@ -47,19 +53,63 @@ def build(scene: Scene, *, planar: bool | None = None, drum_room: float = 1.0) -
     scene lies in one. ``drum_room``: elements of the drum's cable for which there is room, in units
     of those that this scene needs. A static start refines the mesh until its shape is accurate.
 
-    Raises SceneError (not supported, inconsistent), StaticsError (no equilibrium found).
+    Raises SceneError (not supported, inconsistent), StaticsError (no equilibrium found, or not
+    within `solver.start_time_limit`).
     """
     refuse_unsupported(scene)
     first: StaticsError | None = None
-    for attempt in attempts(scene):
-        built = _built_as_laid if attempt.as_laid else _built
-        try:
-            return built(scene, planar, drum_room, attempt)
-        except StaticsError as problem:
-            if not attempt.as_laid:  # without friction it may come to rest
-                first = first or problem
+    with searching(scene) as search:
+        for attempt in _attempts(scene):
+            sought = scene if attempt.points is None and not is_steady(scene) else _steady(scene)
+            built = _built_as_laid if attempt.as_laid else _built
+            search.tries(described(attempt))
+            try:
+                found = built(sought, planar, drum_room, attempt)
+                if not attempt.as_laid and laid_start.applies(sought):
+                    _say_if_drawn(found, sought)
+                return found
+            except OutOfTimeError:
+                hard = what_is_hard(scene)
+                raise StaticsError(
+                    f"no static equilibrium was found within the {search.limit:g} s of "
+                    f"solver.start_time_limit. Tried: {'; '.join(search.tried)}. "
+                    f"{f'What makes it hard: {hard}. ' if hard else ''}"
+                    "Give it more time, or start from initial: {straight: ...} or {points: ...}"
+                ) from None
+            except StaticsError as problem:
+                if not attempt.as_laid:  # without friction it may come to rest
+                    first = first or problem
     assert first is not None
     raise first
+
+
+def _say_if_drawn(block: Block, scene: Scene) -> None:
+    """Warn of a lay whose slope draws at what lies, where no start was found that holds it."""
+    if rate_at_start(scene) <= 0.0 or not block.reals[at.S_LAID]:
+        return
+    hangs = np.flatnonzero(~laid_start.which_lie(block, scene))
+    tension = block.array(at.O_TENSION, int(block.ints[at.I_NODES]), 2)[:, 0]
+    lands = min(int(hangs[-1]) + 2, len(tension) - 1)  # below the last place that is clear
+    if tension[lands] > DRAWN * tension.max():
+        warnings.warn(DrawnStartWarning(float(tension[lands])), stacklevel=3)
+
+
+def _attempts(scene: Scene) -> Iterator[Attempt]:
+    """All attempts for a scene; of points that take a steady motion, those from them last."""
+    if not is_steady(scene):
+        yield from attempts(scene)
+        return
+    steady = _steady(scene)
+    yield from attempts(steady)
+    points = np.asarray(scene.initial.points, dtype=np.float64)
+    if laid_start.applies(steady):
+        yield Attempt(as_laid=True, points=points)
+    yield Attempt(points=points)
+
+
+def _steady(scene: Scene) -> Scene:
+    """The scene with a static start in place of points that take a steady motion."""
+    return scene.model_copy(update={"initial": Initial.model_validate("static")})
 
 
 def _built_as_laid(scene: Scene, planar: bool | None, drum_room: float, attempt: Attempt) -> Block:
@@ -67,7 +117,7 @@ def _built_as_laid(scene: Scene, planar: bool | None, drum_room: float, attempt:
     coarser = laid_start.coarser(scene)
     if coarser is None:
         return _built(scene, planar, drum_room, attempt)
-    lies = _built_as_laid(coarser, planar, 1.0, attempt)
+    lies = _built_as_laid(coarser, planar, 1.0, replace(attempt, passing=True))
     try:
         return _built(scene, planar, drum_room, replace(attempt, lies=lies))
     except StaticsError:
@@ -83,54 +133,76 @@ def _built(
     scale = tension_scale(scene)
     hangs = None
     if attempt.lies is not None:
-        points = shape_of(attempt.lies)
+        guess = guess_of(attempt.lies, scene)
+    elif attempt.points is not None:
+        guess = laid_shape.Guess(attempt.points)
     else:
         position = scene.motion().evaluate(0.0)[0]
         points = first_points(scene, position, swept=attempt.swept)
         hangs = bight(scene, position) if attempt.bight else None
         if hangs is not None:
             points = hangs.points
-        points = laid_shape.on_floor(scene, points, drawn=attempt.swept)
+        guess = laid_shape.on_floor(scene, points, drawn=attempt.swept)
+    points = guess.points
     sea_floor.check(scene, points)
     nodes = line_nodes(spans_of(scene, scale), scene.solver.tolerance, start_conditions(scene))
     if hangs is not None:
         nodes = graded(scene, nodes, hangs.bends, hangs.layers)
-    nodes = laid_shape.refine_guess(scene, nodes, points)
+    nodes = laid_shape.refine_guess(scene, nodes, guess)
     nodes = waves.refine(scene, nodes, points)
     if attempt.halved:
         nodes = halved(scene, nodes)
     find = partial(find_initial_state, scene=scene, attempt=attempt)
     build_on = partial(_build_on, scene, scale=scale, planar=planar, drum_room=drum_room)
     if scene.initial.kind != "static":
-        return build_on(nodes, points, find=find)
+        return build_on(nodes, guess, find=find)
 
-    def start(nodes: list[FloatArray], points: FloatArray) -> Block:
-        block = build_on(nodes, points, find=find)
+    stays = attempt.as_laid and rate_at_start(scene) > 0.0 and not laid_loads.is_dragged(scene)
+
+    def finer_block(nodes: list[FloatArray], block: Block) -> Block:
+        """On more nodes, from a block; what has been laid stays where it is in that."""
+        guess = guess_of(block, scene)
+        if stays:
+            held = partial(find, attempt=replace(attempt, lies=block))
+            try:
+                return build_on(nodes, guess, find=held)
+            except StaticsError:
+                pass  # it is laid anew
+        return build_on(nodes, guess, find=find)
+
+    def start(nodes: list[FloatArray], guess: laid_shape.Guess) -> Block:
+        block = build_on(nodes, guess, find=find)
         for _round in range(ROUNDS):
             finer = refined(block, scene, nodes)
             if finer is None:
                 break
+            try:
+                block = finer_block(finer, block)
+            except StaticsError:
+                if not stays:
+                    raise
+                break  # what has been laid is at rest on the mesh before it
             nodes = finer
-            block = build_on(nodes, shape_of(block), find=find)
         refine_touchdown(block, scene, attempt)
         return block
 
     stand = partial(build_on, find=partial(stand_still, scene=scene))
     ways = unstable_start.Ways(stand, start, in_place=attempt.as_laid)
-    return unstable_start.left(start(nodes, points), scene, ways)
+    found = start(nodes, guess)
+    return found if attempt.passing else unstable_start.left(found, scene, ways)
 
 
 def _build_on(
     scene: Scene,
     nodes: list[FloatArray],
-    points: FloatArray,
+    guess: laid_shape.Guess,
     *,
     scale: float,
     planar: bool | None,
     drum_room: float,
     find: Callable[[Block], None],
 ) -> Block:
-    """A block on given nodes, from a polyline (n, 3) [m] as the first guess of its shape.
+    """A block on given nodes, from a first guess of its shape.
 
     nodes: arc lengths of the nodes of every cable [m], each from 0 to its length. find: brings the
     block to its first state, from that shape.
@@ -140,7 +212,7 @@ def _build_on(
     kept = winch.extra_nodes + sea_floor.spare_nodes(scene)
     block = _allocate(scene, line, winch, kept + spare_nodes(scene, line.nodes))
     block.reals[at.S_RESERVED] = kept
-    _choose_frame(block, scene, points, planar)
+    _choose_frame(block, scene, guess.points, planar)
     block.ints[at.I_NODES] = line.nodes
     tables.fill_settings(block, scene, scale)
     tables.fill_motion(block, scene.motion().pieces)
@@ -150,8 +222,10 @@ def _build_on(
     tables.fill_payout(block, scene, winch)
     line_tables.fill_bodies(block, scene, line, scale)
     tables.fill_constraints(block, scene, line)
-    place_nodes(block, line, points, scene.line_length)
+    place_nodes(block, line, guess, scene.line_length)
     sea_floor.fill(block, scene)
+    if scene.environment.floor is not None:
+        block.reals[at.S_LAID] = laid_loads.laid(scene)
     waves.fill(block, sea(scene), scene.solver.tolerance)
     sea_floor.place_of_rest(block, scene)
     find(block)

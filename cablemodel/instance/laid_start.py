@@ -40,6 +40,8 @@ FloatArray = NDArray[np.float64]
 SOFT = 3.0
 """Way in which friction is mobilised while the start is sought, in units of the line's length: it
 follows what slides along the floor, as no bristle does."""
+LAYING = 0.1
+"""The same of a lay, whose first shape is nearly at rest: little pulls it far with longer ones."""
 PASSES = 12
 """In which friction is set anew to what each piece needs, at most."""
 CALM = 0.02
@@ -79,6 +81,8 @@ def coarser(scene: Scene) -> Scene | None:
     Where cable lies that friction holds depends on how it came there. Found anew at each tolerance,
     a finer one lay metres from the coarser one; from coarser to finer all agree.
     """
+    if _is_lay(scene):
+        return None  # its first shape says where it lies, at every tolerance
     tolerance = COARSEST
     if scene.solver.tolerance * LEAST > tolerance or laid_loads.is_dragged(scene):
         return None
@@ -88,8 +92,18 @@ def coarser(scene: Scene) -> Scene | None:
     return scene.model_copy(update={"solver": settings})
 
 
+def _is_lay(scene: Scene) -> bool:
+    """Whether a vessel under way pays out."""
+    velocity = scene.motion().evaluate(0.0)[1]
+    return rate_at_start(scene) > 0.0 and bool(np.any(velocity[:2]))
+
+
 def lie_still(
-    block: Block, scene: Scene, solve: Callable[[], int], coarser: Block | None = None
+    block: Block,
+    scene: Scene,
+    solve: Callable[[], int],
+    hold: Callable[[], int],
+    coarser: Block | None = None,
 ) -> int:
     """Bring a block to equilibrium with what lies held by its own friction; a status.
 
@@ -98,18 +112,21 @@ def lie_still(
 
     Args:
         solve: equilibrium of the block as it is, a status.
+        hold: the same, to where bristles have got shorter.
         coarser: leaves the first of them out; what lies is where it is in this block.
     """
     reals = block.reals
     nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
     q = block.array(at.O_POSITION, nodes, 2 * dimension)[:, :dimension]
     rest = block.array(at.O_REST, nodes, 3)[:, :dimension]
-    bristle, soft = float(reals[at.S_BRISTLE]), SOFT * float(reals[at.S_LENGTH])
+    laying = _is_lay(scene)
+    bristle = float(reals[at.S_BRISTLE])
+    soft = (LAYING if laying else SOFT) * float(reals[at.S_LENGTH])
     dragged = laid_loads.is_dragged(scene)
     status: int = at.OK
     even = scene.environment.floor is not None and scene.environment.floor.z is not None
     if not even:
-        solve = partial(_in_few_steps, block, solve)
+        solve, hold = partial(_in_few_steps, block, solve), partial(_in_few_steps, block, hold)
     laid = _laid_line(block, scene, q) if coarser is None else _places_in(coarser, block)
     grown, _drags = _loads(block, scene)
     for _ in range(PASSES if coarser is None else 0):
@@ -123,7 +140,7 @@ def lie_still(
         reals[at.S_BRISTLE] = bristle
         if status != at.OK:
             return status
-        lies = _lies(block, scene)
+        lies = which_lie(block, scene)
         if not lies.any():
             return status
         moved = _slide(laid, q, lies, bears, even=even)
@@ -137,14 +154,14 @@ def lie_still(
     if dragged:
         laid = q.copy()  # no line was laid: bristles are drawn from where the cable is
     elif coarser is None:
-        _put_on(block, laid, _lies(block, scene))
+        _put_on(block, laid, which_lie(block, scene))
     stiffer = [bristle]
     for _attempt in range(2):
         for length in stiffer:
             bears, drags = _loads(block, scene)
             reals[at.S_BRISTLE] = length
             rest[:] = laid - length * _shares(block, scene, bears, drags, dragged)
-            status = solve()
+            status = hold()
             reals[at.S_BRISTLE] = bristle
             if status != at.OK:
                 break
@@ -191,7 +208,7 @@ def _laid_line(block: Block, scene: Scene, q: FloatArray) -> FloatArray:
     q: positions, (nodes, dimension) [m].
     """
     line = q.copy()
-    lies = np.flatnonzero(_lies(block, scene))
+    lies = np.flatnonzero(which_lie(block, scene))
     if len(lies) < 2:
         return line
     foot, tail = int(lies[0]), int(lies[-1])
@@ -250,7 +267,7 @@ def _without_drag(block: Block, scene: Scene) -> Callable[[], None]:
     It turns with the cable, and cable that bristles so long hold would drift with it.
     """
     nodes = int(block.ints[at.I_NODES])
-    lies = _lies(block, scene)
+    lies = which_lie(block, scene)
     edges = block.array(at.O_EDGE, nodes, at.EDGE_WORDS)
     bodies = block.array(at.O_BODY, int(block.ints[at.I_BODIES]), at.BODY_WORDS)
     columns = [at.E_DRAG_NORMAL, at.E_DRAG_TANGENTIAL]
@@ -296,7 +313,7 @@ def _gaps(block: Block, scene: Scene, places: FloatArray) -> FloatArray:
     return gaps
 
 
-def _lies(block: Block, scene: Scene) -> NDArray[np.bool_]:
+def which_lie(block: Block, scene: Scene) -> NDArray[np.bool_]:
     """Which nodes touch the floor, (nodes,)."""
     gaps = _gaps(block, scene, _positions(block))
     return np.asarray(gaps < float(block.reals[at.S_FLOOR_DEPTH]))
@@ -316,6 +333,8 @@ def _flow(block: Block, scene: Scene) -> tuple[FloatArray, FloatArray, FloatArra
     water = laid_loads.water_velocity(scene, earth(block, _positions(block))[:, 2])
     velocity = local(block, scene.motion().evaluate(0.0)[1], point=False)
     own = velocity + rate_at_start(scene) * along
+    if block.reals[at.S_LAID]:
+        own[which_lie(block, scene)] = 0.0
     flow = np.array([local(block, value, point=False) for value in water]) - own
     tangential = np.sum(flow * along, axis=1)[:, None] * along
     normal = flow - tangential
@@ -334,7 +353,7 @@ def _loads(block: Block, scene: Scene) -> tuple[FloatArray, FloatArray]:
     parents = block.integers(at.O_PARENT, nodes)
     joints = block.integers(at.O_JOINT, nodes)
     normal, tangential, _own = _flow(block, scene)
-    lies = _lies(block, scene)
+    lies = which_lie(block, scene)
     lying = _lying_elements(block, lies)
     bears, drags = np.zeros(nodes), np.zeros((nodes, dimension))
     for node in range(1, nodes):

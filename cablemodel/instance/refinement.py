@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel import laid_loads
+from cablemodel import laid_loads, laid_shape
 from cablemodel.block import Block
 from cablemodel.errors import StaticsError
 from cablemodel.instance.attempts import Attempt
 from cablemodel.instance.first_state import count_from_zero, solve_static, steady_velocity
 from cablemodel.instance.frame import earth
-from cablemodel.instance.scales import pays_out, start_conditions
+from cablemodel.instance.scales import pays_out, rate_at_start, start_conditions
 from cablemodel.kernels import layout as at
 
 if TYPE_CHECKING:
@@ -129,8 +129,9 @@ def halved(scene: Scene, nodes: list[FloatArray]) -> list[FloatArray]:
     ]
 
 
-def shape_of(block: Block) -> FloatArray:
-    """The block's present shape as a fine polyline, (n, 3): the guess on a finer mesh."""
+def shape_of(block: Block) -> tuple[FloatArray, FloatArray]:
+    """The block's present shape as a fine polyline, (n, 3), and the arc lengths of cables and
+    bodies at its points, (n,): the guess on a finer mesh."""
     from cablemodel import library as entry
 
     count = int(block.ints[at.I_NODES])
@@ -141,12 +142,42 @@ def shape_of(block: Block) -> FloatArray:
     entry.sample(block.ints, block.reals, stations, out)
     points = out.reshape(-1, at.STATION_WORDS)[:, :3]
     bodies = np.flatnonzero(block.integers(at.O_JOINT, count) == at.JOINT_BODY)
+    passed = _passed(block)
+    arcs = stations
     places = _node_places(block) if len(bodies) else points
     for node in reversed(bodies):
         # Both ends of a body have the same arc length: one station, or the line's last one.
         here = int(np.searchsorted(stations, ends[node] - 1e-9 * ends[-1]))
         points = np.vstack([points[:here], places[node - 1 : node + 1], points[here + 1 :]])
-    return points.copy()
+        length = passed[node] - passed[node - 1]
+        body = [ends[node], ends[node] + length]
+        arcs = np.concatenate([arcs[:here], body, arcs[here + 1 :] + length])
+    return points.copy(), arcs
+
+
+def _passed(block: Block) -> FloatArray:
+    """Length of the bodies between the vessel and each node, (nodes,) [m]."""
+    passed = np.zeros(int(block.ints[at.I_NODES]))
+    for body in block.array(at.O_BODY, int(block.ints[at.I_BODIES]), at.BODY_WORDS):
+        if body[at.B_NODE] >= 0:
+            passed[int(body[at.B_NODE]) :] += body[at.B_LENGTH]
+    return passed
+
+
+def guess_of(block: Block, scene: Scene) -> laid_shape.Guess:
+    """The block's present shape; of cable that runs out, its stretch and its tensions too."""
+    points, arcs = shape_of(block)
+    if rate_at_start(scene) <= 0.0:
+        return laid_shape.Guess(points)
+    count = int(block.ints[at.I_NODES])
+    edges = block.array(at.O_EDGE, count, at.EDGE_WORDS)[1:]
+    tension = block.array(at.O_TENSION, count, 2)[1:]
+    cables = block.integers(at.O_JOINT, count)[1:] == 0
+    starts = edges[:, at.E_START] + _passed(block)[1:]
+    ends = np.stack([starts, starts + edges[:, at.E_LENGTH]], axis=-1)
+    values = np.stack([tension[:, 0] - tension[:, 1], tension[:, 0] + tension[:, 1]], axis=-1)
+    rows = np.column_stack([ends[cables].ravel(), values[cables].ravel()])
+    return laid_shape.Guess(points, arcs, rows)
 
 
 def _node_places(block: Block) -> FloatArray:
@@ -174,11 +205,12 @@ def refine_touchdown(block: Block, scene: Scene, attempt: Attempt) -> None:
             # first step instead, it set the line ringing.
             entry.choose_bending(block.ints, block.reals)
         try:
-            if turn == 0 or not (stays and _rests_where_it_lies(block, scene, frame, attempt)):
+            anew = turn == 0 and rate_at_start(scene) <= 0.0
+            if anew or not (stays and _rests_where_it_lies(block, scene, frame, attempt)):
                 solve_static(block, scene, frame, attempt)
         except StaticsError:
-            if attempt.as_laid:
-                raise  # without friction it may come to rest
+            if attempt.as_laid and rate_at_start(scene) <= 0.0:
+                raise  # without friction it may come to rest; a lay would be another one
             block.image[:] = at_rest
             break
     count_from_zero(block)

@@ -101,6 +101,16 @@ def is_flexible(scene: Scene, cable: Cable) -> bool:
     return cable.model == "cable" or scene.cable_types[cable.type].bending_stiffness == 0.0
 
 
+def is_steady(scene: Scene) -> bool:
+    """Whether a start from points takes the motion of a steady lay or tow."""
+    if scene.initial.kind != "points" or scene.end.kind != "free":
+        return False
+    if scene.initial.velocities is not None:
+        return scene.initial.velocities == "steady"
+    moves = bool(np.any(scene.motion().evaluate(0.0)[1]))
+    return moves and scene.environment.floor is not None and rate_at_start(scene) > 0.0
+
+
 def rate_at_start(scene: Scene) -> float:
     """Pay-out rate just after t = 0 [m/s]; a table holds its first value before it begins.
 

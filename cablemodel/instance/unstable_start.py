@@ -22,15 +22,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel import library as entry
 from cablemodel.block import Block
 from cablemodel.errors import StaticsError, UnstableStartWarning
+from cablemodel.instance import search
 from cablemodel.instance.first_shape import drawn_by_weight, graded
 from cablemodel.instance.first_state import count_from_zero, steady_velocity
 from cablemodel.instance.frame import earth, local
-from cablemodel.instance.refinement import refined, shape_of
+from cablemodel.instance.refinement import guess_of, refined
+from cablemodel.instance.scales import rate_at_start
 from cablemodel.kernels import layout as at
 from cablemodel.laid_loads import behind, water_velocity
+from cablemodel.laid_shape import Guess
 from cablemodel.stability import GrowingMotion, growing_motion, is_held, slowest_growth
 
 if TYPE_CHECKING:
@@ -60,11 +62,11 @@ LARGEST_MESH = 60, 4.0
 
 @dataclass(frozen=True)
 class Ways:
-    """To blocks from nodes and a polyline (n, 3) [m]."""
+    """To blocks from nodes and a guess of the shape."""
 
-    stand: Callable[[Nodes, FloatArray], Block]
+    stand: Callable[[Nodes, Guess], Block]
     """At rest in that shape, in equilibrium or not."""
-    start: Callable[[Nodes, FloatArray], Block]
+    start: Callable[[Nodes, Guess], Block]
     """At the equilibrium near it, on a mesh that this refines; may raise StaticsError."""
     in_place: bool
     """An equilibrium that a line has fallen to on its own mesh is not sought anew: what lies held
@@ -77,10 +79,11 @@ def left(block: Block, scene: Scene, ways: Ways) -> Block:
     Warns:
         UnstableStartWarning: no stable one was found; the block is as it was.
     """
-    if is_held(block, slowest_growth(block)):
+    still = _without_flow(block, scene)
+    if is_held(still, slowest_growth(still)):
         return block  # as nearly all are
     way = _way(block, scene)
-    first = growing_motion(block, way)
+    first = growing_motion(still, way)
     if first is None:
         return block
     attempts: list[Callable[[], Block | None]] = [
@@ -94,14 +97,32 @@ def left(block: Block, scene: Scene, ways: Ways) -> Block:
             for _time in range(TIMES):
                 if found is None:
                     break
-                growing = growing_motion(found, way)
+                growing = growing_motion(_without_flow(found, scene), way)
                 if growing is None:
                     return found
                 found = _fallen(found, scene, ways, growing, 1.0)
         except StaticsError:
             continue
+        except search.OutOfTimeError:
+            break
     warnings.warn(UnstableStartWarning(first.rate, first.arc), stacklevel=2)
     return block
+
+
+def _without_flow(block: Block, scene: Scene) -> Block:
+    """The block with cable that stands still in its shape, where a winch pays out: the drag's
+    derivatives are then those of a shape that turns, along which the flow turns with it."""
+    if rate_at_start(scene) == 0.0:
+        return block
+    still = copy.deepcopy(block)
+    nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
+    velocity = still.array(at.O_VELOCITY, nodes, 2 * dimension)
+    moves = np.any(velocity[:, :dimension] != 0.0, axis=1)  # what has been laid does not
+    velocity[:] = 0.0
+    velocity[moves, :dimension] = steady_velocity(block, scene)
+    still.array(at.O_ACCELERATION, nodes, 2 * dimension)[:] = 0.0
+    still.reals[at.S_PAYOUT_RATE] = 0.0
+    return still
 
 
 def _way(block: Block, scene: Scene) -> FloatArray:
@@ -122,7 +143,7 @@ def _hung_by_weight(standing: Block, scene: Scene, ways: Ways) -> Block | None:
     if shape is None:
         return None
     nodes = graded(scene, _nodes_of(standing, scene), shape.bends, shape.layers)
-    return None if _is_too_fine(nodes, standing) else ways.start(nodes, shape.points)
+    return None if _is_too_fine(nodes, standing) else ways.start(nodes, Guess(shape.points))
 
 
 def _is_too_fine(nodes: Nodes, standing: Block) -> bool:
@@ -139,8 +160,8 @@ def _fallen(
     if block is None:
         return None
     if not ways.in_place or block.ints[at.I_NODES] != standing.ints[at.I_NODES]:
-        return ways.start(_nodes_of(block, scene), shape_of(block))
-    status = entry.equilibrium(block.ints, block.reals, steady_velocity(block, scene))
+        return ways.start(_nodes_of(block, scene), guess_of(block, scene))
+    status = search.equilibrium(block, steady_velocity(block, scene))
     count_from_zero(block)
     return block if status == at.OK else None
 
@@ -169,7 +190,7 @@ def _fall(
             if finer is not None:
                 if _is_too_fine(finer, standing):
                     return None
-                block = ways.stand(finer, shape_of(block))
+                block = ways.stand(finer, guess_of(block, scene))
                 motion = _motion_of(block)
             dt *= 0.25
             if dt < shortest:
@@ -186,7 +207,7 @@ def _step_from_rest(block: Block, frame: FloatArray, dt: float) -> None:
     ints, reals = block.ints, block.reals
     kept = int(ints[at.I_MAXIMUM_STEPS]), float(reals[at.S_FIRST_STEP])
     ints[at.I_MAXIMUM_STEPS], reals[at.S_FIRST_STEP] = 1, dt
-    entry.equilibrium(ints, reals, frame)
+    search.equilibrium(block, frame)
     ints[at.I_MAXIMUM_STEPS], reals[at.S_FIRST_STEP] = kept
 
 

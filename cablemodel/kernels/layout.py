@@ -121,6 +121,7 @@ S_FRICTION, S_BRISTLE = _S + 49, _S + 50  # Coulomb coefficient; length of a bri
 S_FLOOR_DAMPING = _S + 51  # force grows by this per speed of approach [s/m]
 S_FLOOR_PLANE = _S + 52  # 5 words: z, slopes towards x and y, place x, y where the height is z
 S_FLOOR_TOP = _S + 57  # highest point of the floor that can be reached [m]
+S_LAID = _S + 79  # 1: what lies at a start has been laid; 2: and the start's frame moves over it
 S_FLOOR_WAIT = _S + 59  # time since what the floor bears was last looked at [s]
 S_FLOOR_BEND = _S + 58  # a bound on 1/8 of the floor's second derivatives [1/m]
 S_WAVE_TIME, S_WAVE_SHARE, S_WAVE_RISE = _S + 60, _S + 61, _S + 62  # ramp at the last set_time

@@ -5,9 +5,11 @@ limit is Newton's method on the static equations, reached from any guess. With k
 step starts from rest: slack cable settles where it would bounce otherwise.
 """
 
+from .backup import keep_matrix
 from .clamp_layer import settle_layer
 from .compile import copy_words, kernel, view
 from .floor_memory import bear
+from .flow import flow_jacobian, flow_residual, is_laid
 from .layout import (
     E_LENGTH,
     EDGE_WORDS,
@@ -41,6 +43,7 @@ from .layout import (
     O_VELOCITY,
     OK,
     S_FIRST_STEP,
+    S_FLOOR_DAMPING,
     S_LENGTH,
     S_PAYOUT_RATE,
     S_STAGE_RATE,
@@ -48,7 +51,14 @@ from .layout import (
     STATICS_FAILED,
 )
 from .newton import increment_norm, is_folded
-from .system import factorise, jacobian, newton_increment, recover_tension, residual, set_time
+from .system import (
+    factor_assembled,
+    jacobian,
+    newton_increment,
+    recover_tension,
+    residual,
+    set_time,
+)
 from .vessel_clamp import update_springs
 
 LARGEST_STEPS = 2000
@@ -65,14 +75,16 @@ def find_equilibrium(I, M, frame):
 
     On success the state is at rest in that frame: v = frame, a = 0; with pay-out at S_TIME the
     shape is at rest and the cable runs along it. A shape that ends folded in line is none: the
-    next attempt allows no fold on its way, or does without kinetic damping.
+    next attempt allows no fold on its way, or does without kinetic damping. A search in few steps,
+    on a way over easier ones, is one attempt.
     """
     count = 2 * I[I_DIMENSION] * I[I_NODES]
     words = 2 * I[I_NODES]
     copy_words(I, I[O_STAGE_V], I[O_POSITION], count)
     copy_words(I, I[O_STAGE_A], I[O_TENSION], words)
     status = STATICS_FAILED
-    for attempt in range(4):
+    few = I[I_MAXIMUM_STEPS] < LARGEST_STEPS and I[I_PAYOUT] != 0 and M[S_PAYOUT_RATE] != 0.0
+    for attempt in range(1 if few else 4):
         if attempt > 0:
             copy_words(I, I[O_POSITION], I[O_STAGE_V], count)
             copy_words(I, I[O_TENSION], I[O_STAGE_A], words)
@@ -102,10 +114,11 @@ def relax(I, M, frame, damped, strict):
     x = M[I[O_INCREMENT] : I[O_INCREMENT] + count]
     length = M[S_LENGTH]
     flow = M[S_PAYOUT_RATE] if I[I_PAYOUT] != 0 else 0.0
-    # The derivatives of the flow's own terms are left out: Newton is linear with them.
-    patience = 1 if flow == 0.0 else 5
-    limit = NEWTON_LIMIT * patience
     set_time(I, M, M[S_TIME])
+    M[S_STAGE_RATE] = 0.0  # the flow is added by flow.py, at the top as elsewhere
+    damping = M[S_FLOOR_DAMPING]
+    if flow != 0.0:
+        M[S_FLOOR_DAMPING] = 0.0  # down a slope the frame moves towards the floor, no cable does
     w0[:] = 0.0
     a0[:] = 0.0
     springs = I[I_RIGID] > 0 or I[I_PAYOUT] != 0
@@ -124,7 +137,7 @@ def relax(I, M, frame, damped, strict):
             tension[n] = t0[n]
         converged = False
         used = 0
-        for iteration in range(limit):
+        for iteration in range(NEWTON_LIMIT):
             used = iteration + 1
             for node in range(nodes):
                 for i in range(size):
@@ -134,17 +147,17 @@ def relax(I, M, frame, damped, strict):
                     v[n] = w
                     if i < dimension:
                         v[n] += frame[i]
-            # Flow along the cable has no part in the normal drag, however it turns: without it
-            # the derivatives of the drag are right where they matter.
-            M[S_STAGE_RATE] = 0.0
-            if factorise(I, M, q, v, a, tension, inverse * inverse, inverse) != 0:
-                break
+            keep_matrix(I)
+            jacobian(I, M, q, v, a, tension, inverse * inverse, inverse)
             if flow != 0.0:
-                M[S_STAGE_RATE] = flow
-                add_flow(I, M, flow, q, v)
+                flow_jacobian(I, M, flow, frame, q0, q, v, a, inverse * inverse, inverse)
+            if factor_assembled(I, M) != 0:
+                break
             I[I_FACTORISATIONS] += 1
             I[I_ITERATIONS] += 1
             residual(I, M, q, v, a, tension, forces, constraint)
+            if flow != 0.0:
+                flow_residual(I, M, flow, frame, q0, q, v, a, tension, forces, constraint)
             newton_increment(I, M, forces, constraint, x)
             change, where = increment_norm(I, M, x)
             I[I[O_FAILED]] = where
@@ -192,8 +205,8 @@ def relax(I, M, frame, damped, strict):
                 break
         else:
             calm = 0
-        if moved < 0.2 * length and used <= 8 * patience:
-            dt = min(dt * (2.5 if used <= 5 * patience else 1.3), LONGEST_STEP)
+        if moved < 0.2 * length and used <= 8:
+            dt = min(dt * (2.5 if used <= 5 else 1.3), LONGEST_STEP)
         elif moved > 0.5 * length:
             dt *= 0.5
     for node in range(nodes):
@@ -203,25 +216,31 @@ def relax(I, M, frame, damped, strict):
             if i < dimension:
                 w0[n] = frame[i]
             a0[n] = 0.0
+    set_time(I, M, M[S_TIME])
+    M[S_FLOOR_DAMPING] = damping
     if flow != 0.0:
-        add_flow(I, M, flow, q0, w0)
+        add_flow(I, M, flow, q0, w0, a0)
     I[I_FACTORED] = 0
     return status
 
 
 @kernel
-def add_flow(I, M, flow, q, v):
-    """Material velocity of cable that runs along its own shape at the rate `flow`.
+def add_flow(I, M, flow, q, v, a):
+    """Motion of cable that runs along its own shape at the rate `flow` (eq. 16, d/dt = 0).
 
-    v = flow r', v' = flow r'' (eq. 16 with d/dt = 0 at fixed s). r'' at a node is the mean of both
-    sides. The vessel's node gets its own by the pay-out terms of the top element. The acceleration
-    flow^2 r'' is left out: it takes (m + ma) flow^2 from the tension, a few newtons, and where the
-    cable bends without tension it would keep the iteration from converging.
+    v += flow r', v' = flow r'', a = flow^2 r''; r'' at a node is the mean of both sides. The
+    vessel's node gets its own by the pay-out terms of the top element. What has been laid is at
+    rest.
     """
     dimension = I[I_DIMENSION]
     size = 2 * dimension
     nodes = I[I_NODES]
+    w = view(M, I[O_MOTION] + 28, 3)
     for node in range(1, nodes):
+        if is_laid(I, M, q, node, w):
+            for i in range(dimension):
+                v[size * node + i] = 0.0
+            continue
         for i in range(dimension):
             n = size * node + i
             second = 0.0
@@ -242,6 +261,7 @@ def add_flow(I, M, flow, q, v):
             second /= max(sides, 1.0)
             v[n] += flow * q[n + dimension]
             v[n + dimension] += flow * second
+            a[n] = flow * flow * second
 
 
 @kernel

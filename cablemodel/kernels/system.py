@@ -251,6 +251,12 @@ def factorise(I, M, q, v, a, tension, ca, cv):
     """Assemble, constrain and factor; returns 0, or 1 + the node whose pivot vanished."""
     keep_matrix(I)
     jacobian(I, M, q, v, a, tension, ca, cv)
+    return factor_assembled(I, M)
+
+
+@kernel
+def factor_assembled(I, M):
+    """Constrain and factor the matrix that has been assembled; returns as `factorise`."""
     constrain_matrix(I, M)
     if I[I_RIGID] > 0:
         if I[I_DIMENSION] == 2:

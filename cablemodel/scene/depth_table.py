@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,28 +22,41 @@ class DepthSurface:
     """
 
     def __init__(self, x: FloatArray, y: FloatArray, z: FloatArray) -> None:
-        from scipy.interpolate import CubicHermiteSpline
-
-        self._x, self._y = x, y
+        self._x, self._y = x.tolist(), y.tolist()
         along_x = _slopes(x, z)
         along_y = _slopes(y, z.T).T
         both = _slopes(y, along_x.T).T
-        self._heights = CubicHermiteSpline(x, z, along_x)
-        self._slopes = CubicHermiteSpline(x, along_y, both)
+        self._along = z.tolist(), along_x.tolist()
+        self._across = along_y.tolist(), both.tolist()
 
     def height(self, x: float, y: float) -> float:
         """Height at a place [m]."""
-        from scipy.interpolate import CubicHermiteSpline
-
-        x = float(np.clip(x, self._x[0], self._x[-1]))
-        heights = self._heights(x)
+        i, x, h = _cell(self._x, x)
         if len(self._y) < 2:
-            return float(heights[0])
-        y = float(np.clip(y, self._y[0], self._y[-1]))
-        left = int(np.clip(np.searchsorted(self._y, y, side="right") - 1, 0, len(self._y) - 2))
-        cell = slice(left, left + 2)
-        across = CubicHermiteSpline(self._y[cell], heights[cell], self._slopes(x)[cell])
-        return float(across(y))
+            return _cubic(x, h, *(rows[i + k][0] for rows in self._along for k in (0, 1)))
+        j, y, width = _cell(self._y, y)
+        ends = [
+            _cubic(x, h, rows[i][k], rows[i + 1][k], slopes[i][k], slopes[i + 1][k])
+            for rows, slopes in (self._along, self._across)
+            for k in (j, j + 1)
+        ]
+        return _cubic(y, width, *ends)
+
+
+def _cell(grid: list[float], place: float) -> tuple[int, float, float]:
+    """Cell of an ascending grid that holds a place, the place in it from 0 to 1, its width."""
+    place = min(max(place, grid[0]), grid[-1])
+    cell = min(max(bisect_right(grid, place) - 1, 0), len(grid) - 2)
+    width = grid[cell + 1] - grid[cell]
+    return cell, (place - grid[cell]) / width, width
+
+
+def _cubic(x: float, h: float, first: float, last: float, start: float, end: float) -> float:
+    """Cubic with these values and slopes at the ends of a cell of width h, at x from 0 to 1."""
+    y = 1.0 - x
+    return y * y * ((1.0 + 2.0 * x) * first + h * x * start) + x * x * (
+        (1.0 + 2.0 * y) * last - h * y * end
+    )
 
 
 def _slopes(x: FloatArray, z: FloatArray) -> FloatArray:

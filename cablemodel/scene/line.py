@@ -16,6 +16,7 @@ from cablemodel.scene.base import (
     SceneModel,
     UnitVector,
     Vector3,
+    Velocity,
     WordOrMapping,
 )
 from cablemodel.scene.units import Count, Quantity, rejection
@@ -267,8 +268,13 @@ class Initial(WordOrMapping):
     )
     points: tuple[Position, ...] | None = Field(
         default=None,
-        description="points of the shape from the vessel to the end, at rest; the first one is the "
-        "tow point",
+        description="points of the shape from the vessel to the end, the first one the tow point",
+    )
+    velocities: Literal["rest", "steady"] | tuple[Velocity, ...] | None = Field(
+        default=None,
+        description="of the points: rest; one of the material at each point; or steady, where the "
+        "points are what the steady lay or tow is sought from; by default steady under a vessel "
+        "that moves and pays out, else rest",
     )
 
     word: ClassVar = "static"
@@ -284,6 +290,11 @@ class Initial(WordOrMapping):
                 if chord <= _SAME_POINT * math.fsum(chords):
                     problem = "the same point twice in a row"
                     raise rejection(problem, "different points", at=("points", index))
+        if self.velocities is not None and self.points is None:
+            raise rejection("velocities without points", "points", at=("velocities",))
+        if isinstance(self.velocities, tuple) and len(self.velocities) != len(self.points or ()):
+            allowed = f"{len(self.points or ())}, one for each of points"
+            raise rejection(f"{len(self.velocities)} velocities", allowed, at=("velocities",))
         return self
 
     @property
@@ -303,5 +314,10 @@ class Initial(WordOrMapping):
         if self.straight is not None:
             return {"straight": list(self.straight)}
         if self.points is not None:
-            return {"points": [list(point) for point in self.points]}
+            written: dict[str, Any] = {"points": [list(point) for point in self.points]}
+            if isinstance(self.velocities, tuple):
+                written["velocities"] = [list(velocity) for velocity in self.velocities]
+            elif self.velocities is not None:
+                written["velocities"] = self.velocities
+            return written
         return "static"

@@ -183,6 +183,8 @@ def _validated(data: Mapping[str, Any], folder: Path) -> Scene:
     try:
         notes: list[str] = []
         scene = Scene.model_validate(dict(data), context={"folder": folder, "notes": notes})
+        if at_rest := scene.rest_under_way():
+            notes.append(at_rest)
         scene._notes = tuple(notes)
         return scene
     except ValidationError as error:

@@ -31,7 +31,13 @@ _BREAKING_STRESS = 0.5e9
 _SHORTEST_BODY = 1e-6
 """Of the line's length: a body's direction follows from the places of its two ends."""
 
-_FINITE_ELEMENT_ONLY = ("tolerance", "accuracy", "accuracy_of", "error_estimate")
+_FINITE_ELEMENT_ONLY = (
+    "tolerance",
+    "accuracy",
+    "accuracy_of",
+    "error_estimate",
+    "start_time_limit",
+)
 _DIRECT_ONLY = (
     "time_step",
     "node_spacing",
@@ -69,6 +75,11 @@ class Solver(SceneModel):
         default=False,
         description="finite_element: say what positions and the top tension may be wrong by, from "
         "a run at a quarter of the tolerance beside this one",
+    )
+    start_time_limit: Duration = Field(
+        default=60.0,
+        description="finite_element: how long a static start may be sought, in seconds of the "
+        "clock; what is not found by then is an error that says what was tried",
     )
     time_step: Duration = Field(default=1.0, description="direct_integration: time step")
     node_spacing: Length = Field(default=1.0, description="direct_integration: distance of nodes")
@@ -126,6 +137,7 @@ class Solver(SceneModel):
                 "accuracy": self.accuracy is not None,
                 "accuracy_of": self.accuracy_of != "all",
                 "error_estimate": self.error_estimate,
+                "start_time_limit": self.start_time_limit != 60.0,
             }
             keys = ("tolerance", *(key for key, given in asked.items() if given))
         return {"method": self.method, **{key: getattr(self, key) for key in keys}}
@@ -247,6 +259,11 @@ class Scene(SceneModel):
                 if math.dist(point, place) > reach:
                     problem = f"the shape is {math.dist(point, place):g} m away from its end"
                     yield SceneProblem(f"initial.points.{index}", point, problem, name)
+        speed = math.hypot(*(float(part) for part in self.motion().evaluate(0.0)[1]))
+        if self.initial.velocities == "rest" and speed > 0.0:
+            problem = f"the tow point moves at {speed:g} m/s and would tear a cable at rest along"
+            allowed = "steady, or a velocity for each of points"
+            yield SceneProblem("initial.velocities", "rest", problem, allowed)
         if self.initial.straight is not None and anchor is not None:
             along = self.initial.straight
             far = tuple(s + self._span * a for s, a in zip(start, along, strict=True))
@@ -336,6 +353,19 @@ class Scene(SceneModel):
         if kept is None or kept[0] is not self.vessel:
             kept = self._motion = self.vessel, self.vessel.motion()
         return kept[1]
+
+    def rest_under_way(self) -> str:
+        """What to know of points that start at rest under a tow point that moves; else empty."""
+        speed = math.hypot(*(float(part) for part in self.motion().evaluate(0.0)[1]))
+        pays_out = self.environment.floor is not None and self.payout.rate and self.payout.drum
+        if self.initial.points is None or self.initial.velocities is not None or pays_out:
+            return ""
+        if speed == 0.0:
+            return ""
+        return (
+            f"initial.points start at rest under a tow point that moves at {speed:g} m/s: the "
+            "cable is torn along; velocities: steady, or one for each of points, start with it"
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """The scene in SI as plain data, files resolved; it loads again to an equal scene."""

@@ -156,7 +156,7 @@ def test_tension_of_a_lay(laying):
 
 
 def test_largest_curvature_of_a_lay(laying):
-    """0.67798 1/m; 1.4 % low at rest in the vessel's frame, 4 % high in the mean of the run."""
+    """0.67798 1/m; within 2 % at the start, 4 % high in the mean of the run."""
     assert laying[0, 2] == pytest.approx(0.67798, rel=2e-2)
     assert laying[:, 2].mean() == pytest.approx(0.67798, rel=5e-2)
 
@@ -175,11 +175,10 @@ def test_reference_of_the_touchdown_layer():
     ("tolerance", "rel"), [(1e-2, 3e-2), (1e-3, 1e-2), (1e-4, 1e-2), (1e-5, 1e-2)]
 )
 def test_concentrated_reaction_of_a_steady_start(tolerance, rel):
-    """Whatever the contact layer. The start leaves out the inertia of cable that runs round the
-    bend, and its tail is in slight compression."""
+    """Whatever the contact layer, with the inertia of cable that runs round the bend."""
     model = lay(tolerance)
     lying = model.line_length - model.floor_length + 1.5
-    reaction, _ = layer_of(model, model.sample([lying]).tension[0], 0.0)
+    reaction, _ = layer_of(model, model.sample([lying]).tension[0], 1.0)
     assert model.touchdown_reaction == pytest.approx(reaction, rel=rel)
 
 
@@ -188,7 +187,7 @@ def test_concentrated_reaction_of_a_lay(laying):
     assert laying[1:, 1].mean() == pytest.approx(1.81364, rel=4e-2)
 
 
-@pytest.mark.xfail(strict=True, reason="1.4 % low in the steady start, 4 % high in the run")
+@pytest.mark.xfail(strict=True, reason="4 % high in the run")
 def test_largest_curvature_of_a_lay_within_a_per_cent(laying):
     assert laying[:, 2].mean() == pytest.approx(0.67798, rel=1e-2)
 

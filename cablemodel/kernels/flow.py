@@ -1,0 +1,400 @@
+"""Cable that runs along its own shape at rest: what a steady pay-out adds to a static start.
+
+In the vessel's frame the shape stands still and each piece of cable moves along it with V r'
+(Sun & Leonard 1998, eq. 16, with d/dt = 0 at fixed s), V the pay-out rate. Against cable that
+stands still that changes
+
+- the drag along the cable, whose flow is u_t - V |r'|; that across the cable stays;
+- inertia: (m + ma) (2 V dv/ds + V^2 r''), the first while a shape comes to rest: without it a line
+  whose tension is less than (m + ma) V^2 would swing up on the way. By parts the second takes
+  (m + ma) V^2 from the tension that straightens the cable, and leaves the momentum that passes
+  each end of an element;
+- the drag of bodies, which run with their cable;
+- what has been laid, where the frame does not say so (S_LAID 2): it is at rest over the ground, and
+  only a current pulls at it. On a slope its drag with the vessel's velocity would be more than its
+  weight.
+
+All of it is computed from r' at the Gauss points, and so are its derivatives, exactly: with
+velocities interpolated between nodes the flow had a part across the cable wherever an iterate
+bends, and Newton's method did not converge at shallow lay angles.
+"""
+
+import math
+
+from .bodies import (
+    add_waves,
+    body_kinematics,
+    body_residual,
+    flow_derivatives,
+    wet_derivatives,
+)
+from .compile import kernel, view
+from .environment import current_at
+from .floor import block_of
+from .floor_surface import gap_at
+from .layout import (
+    B_ADDED,
+    B_LENGTH,
+    B_MASS,
+    B_NODE,
+    BODY_WORDS,
+    E_DRAG_NORMAL,
+    E_DRAG_TANGENTIAL,
+    E_LENGTH,
+    E_MASS,
+    EDGE_WORDS,
+    GAUSS_WORDS,
+    I_BODIES,
+    I_DIMENSION,
+    I_DRAG,
+    I_FLOOR,
+    I_NODES,
+    I_RIGID,
+    I_WAVES,
+    O_BODY,
+    O_DIAGONAL,
+    O_EDGE,
+    O_GAUSS,
+    O_JOINT,
+    O_MOTION,
+    O_PARENT,
+    S_FLOOR_DEPTH,
+    S_LAID,
+)
+from .rigid import rigid_residual
+from .tables import D0, D1, D2, D3, H0, H1, H2, H3, WD, WH
+from .waves import DRAG, element_water
+
+RESTS = 0.05  # of the contact layer: below that gap cable rests that has been laid
+SCRATCH = 720  # first word of ours in the elements' workspace, beyond theirs
+
+
+@kernel
+def slope_function(k, g, h):
+    """Derivative of shape function k (of r0, d0, r1, d1) at Gauss point g, along the cable."""
+    if k == 0:
+        return D0[g] / h
+    if k == 1:
+        return D1[g]
+    if k == 2:
+        return D2[g] / h
+    return D3[g]
+
+
+@kernel
+def value_function(k, g, h):
+    """Shape function k at Gauss point g."""
+    if k == 0:
+        return H0[g]
+    if k == 1:
+        return h * H1[g]
+    if k == 2:
+        return H2[g]
+    return h * H3[g]
+
+
+@kernel
+def at_point(I, M, flow, q, v, parent, node, h, g, w):
+    """Tangent into w[0:3], water past the resting shape into w[3:6]; the stretch.
+
+    And the water's speed along the cable, without and with the flow [m/s].
+    """
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    height = 0.0
+    square = 0.0
+    for i in range(dimension):
+        slope = 0.0
+        place = 0.0
+        for k in range(4):
+            at = size * (parent if k < 2 else node) + dimension * (k % 2) + i
+            slope += slope_function(k, g, h) * q[at]
+            place += value_function(k, g, h) * q[at]
+        w[i] = slope
+        square += slope * slope
+        height = place
+    stretch = math.sqrt(square)
+    current_at(I, M, height, view(w, 3, 3))
+    along = 0.0
+    for i in range(dimension):
+        w[i] /= stretch
+        speed = 0.0
+        for k in range(4):
+            at = size * (parent if k < 2 else node) + dimension * (k % 2) + i
+            speed += value_function(k, g, h) * v[at]
+        w[3 + i] -= speed
+        along += w[3 + i] * w[i]
+    return stretch, along, along - flow * stretch
+
+
+@kernel
+def stays(I, M, q, node, w):
+    """`is_laid` where the frame's velocity and the flow say otherwise (S_LAID 2)."""
+    return M[S_LAID] == 2.0 and is_laid(I, M, q, node, w)
+
+
+@kernel
+def is_laid(I, M, q, node, w):
+    """Whether a node lies where it has been laid, at rest over the ground."""
+    if M[S_LAID] == 0.0 or I[I_FLOOR] == 0:
+        return False
+    dimension = I[I_DIMENSION]
+    gap = gap_at(I, M, view(q, 2 * dimension * node, 2 * dimension), w)
+    return gap < RESTS * M[S_FLOOR_DEPTH]
+
+
+@kernel
+def drag_at(M, edge, stretch, dimension, w):
+    """Drag per length on cable with the tangent in w[0:3] in the flow w[3:6] [N/m] into w[6:9].
+
+    Its derivatives to r' into w[9:18], by the flow into w[18:27], (dimension, dimension) each.
+    """
+    cn = math.sqrt(stretch) * M[edge + E_DRAG_NORMAL]
+    ct = math.sqrt(stretch) * M[edge + E_DRAG_TANGENTIAL]
+    along = 0.0
+    for i in range(dimension):
+        along += w[3 + i] * w[i]
+    speed = 0.0
+    for i in range(dimension):
+        speed += (w[3 + i] - along * w[i]) ** 2
+    speed = math.sqrt(speed)
+    inverse = 1.0 / max(speed, 1e-30)
+    for i in range(dimension):
+        across = w[3 + i] - along * w[i]
+        w[6 + i] = cn * speed * across + ct * abs(along) * along * w[i]
+    for i in range(dimension):
+        ni = w[3 + i] - along * w[i]
+        for j in range(dimension):
+            nj = w[3 + j] - along * w[j]
+            p = -w[i] * w[j]
+            if i == j:
+                p += 1.0
+            turned = cn * (-along * inverse * nj * ni - speed * (w[i] * nj + along * p))
+            turned += ct * (2.0 * abs(along) * nj * w[i] + abs(along) * along * p)
+            at = dimension * i + j
+            w[9 + at] = (turned + 0.5 * w[6 + i] * w[j]) / stretch
+            w[18 + at] = cn * (speed * p + inverse * ni * nj)
+            w[18 + at] += 2.0 * ct * abs(along) * w[i] * w[j]
+
+
+@kernel
+def flow_residual(I, M, flow, frame, rest, q, v, a, tension, out, out_constraint):
+    """Add what the flow changes to forces that were found without it.
+
+    rest: positions and slopes that say what lies on the floor; of these only the drag changes.
+    """
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    W = view(M, I[O_GAUSS], GAUSS_WORDS)
+    w = view(W, SCRATCH, 30)
+    for node in range(1, I[I_NODES]):
+        if I[I[O_JOINT] + node] != 0:
+            continue
+        parent = I[I[O_PARENT] + node]
+        e = I[O_EDGE] + node * EDGE_WORDS
+        h = M[e + E_LENGTH]
+        lies = stays(I, M, rest, parent, w) and stays(I, M, rest, node, w)
+        if lies and I[I_DRAG] == 0:
+            continue
+        momentum = M[e + E_MASS] * flow * flow
+        if I[I_WAVES] != 0:
+            element_water(I, M, W, e, view(q, size * parent, size), view(q, size * node, size))
+        for g in range(3):
+            stretch, still, runs = at_point(I, M, flow, q, v, parent, node, h, g, w)
+            if lies:
+                for side in range(2):  # without the frame's velocity, less with it
+                    for i in range(dimension):
+                        w[3 + i] += frame[i] if side == 0 else -frame[i]
+                    drag_at(M, e, stretch, dimension, w)
+                    for k in range(4):
+                        at = size * (parent if k < 2 else node) + dimension * (k % 2)
+                        value = (2.0 * side - 1.0) * h * WH[g, k] * (h if k % 2 == 1 else 1.0)
+                        for i in range(dimension):
+                            out[at + i] += value * w[6 + i]
+                continue
+            drag = 0.0
+            if I[I_DRAG] != 0:
+                drag = math.sqrt(stretch) * M[e + E_DRAG_TANGENTIAL]
+                drag *= abs(runs) * runs - abs(still) * still
+                if I[I_WAVES] != 0:
+                    drag *= W[DRAG + g]
+            for i in range(dimension):
+                w[6 + i] = 0.0
+                for l in range(4):
+                    at = size * (parent if l < 2 else node) + dimension * (l % 2) + i
+                    w[6 + i] += 2.0 * M[e + E_MASS] * flow * slope_function(l, g, h) * v[at]
+            for k in range(4):
+                at = size * (parent if k < 2 else node) + dimension * (k % 2)
+                scale = h if k % 2 == 1 else 1.0
+                value = scale * (h * WH[g, k] * drag + WD[g, k] * momentum * stretch)
+                load = scale * h * WH[g, k]
+                for i in range(dimension):
+                    out[at + i] += load * w[6 + i] - value * w[i]
+        if lies:
+            continue
+        for i in range(dimension):
+            out[size * parent + i] -= momentum * q[size * parent + dimension + i]
+            out[size * node + i] += momentum * q[size * node + dimension + i]
+    if I[I_BODIES] == 0:
+        return
+    # Forces of the bodies with the flow in place of those without it.
+    count = size * I[I_NODES]
+    for n in range(count):
+        out[n] = -out[n]
+    body_residual(I, M, q, v, a, out)
+    if I[I_RIGID] > 0:
+        rigid_residual(I, M, q, v, a, tension, out, out_constraint)
+    for n in range(count):
+        out[n] = -out[n]
+    run_with_cable(I, M, flow, frame, rest, 1.0, q, v)
+    body_residual(I, M, q, v, a, out)
+    if I[I_RIGID] > 0:
+        rigid_residual(I, M, q, v, a, tension, out, out_constraint)
+    run_with_cable(I, M, flow, frame, rest, -1.0, q, v)
+
+
+@kernel
+def run_with_cable(I, M, flow, frame, rest, sign, q, v):
+    """Add the flow to the velocities of the nodes of bodies (or take it off, sign -1).
+
+    Of bodies that have been laid, minus the frame's velocity.
+    """
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    for body in range(I[I_BODIES]):
+        row = I[O_BODY] + body * BODY_WORDS
+        node = int(M[row + B_NODE])
+        if node < 0:
+            continue
+        for _side in range(2 if M[row + B_LENGTH] > 0.0 else 1):
+            lies = stays(I, M, rest, node, view(M, I[O_GAUSS] + SCRATCH, 3))
+            for i in range(dimension):
+                own = -frame[i] if lies else flow * q[size * node + dimension + i]
+                v[size * node + i] += sign * own
+            node = I[I[O_PARENT] + node]
+
+
+@kernel
+def flow_jacobian(I, M, flow, frame, rest, q, v, a, ca, cv):
+    """Add the derivatives of `flow_residual` to the blocks of the effective Jacobian.
+
+    Of a body of finite length they are left out: its drag is little beside what holds it.
+    """
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    W = view(M, I[O_GAUSS], GAUSS_WORDS)
+    w = view(W, SCRATCH, 30)
+    for node in range(1, I[I_NODES]):
+        if I[I[O_JOINT] + node] != 0:
+            continue
+        parent = I[I[O_PARENT] + node]
+        e = I[O_EDGE] + node * EDGE_WORDS
+        h = M[e + E_LENGTH]
+        lies = stays(I, M, rest, parent, w) and stays(I, M, rest, node, w)
+        if lies and I[I_DRAG] == 0:
+            continue
+        momentum = M[e + E_MASS] * flow * flow
+        if I[I_WAVES] != 0:
+            element_water(I, M, W, e, view(q, size * parent, size), view(q, size * node, size))
+        for g in range(3):
+            stretch, still, runs = at_point(I, M, flow, q, v, parent, node, h, g, w)
+            if lies:
+                for side in range(2):
+                    for i in range(dimension):
+                        w[3 + i] += frame[i] if side == 0 else -frame[i]
+                    drag_at(M, e, stretch, dimension, w)
+                    add_drag(I, M, node, h, g, (2.0 * side - 1.0) * h, cv, w)
+                continue
+            coefficient = 0.0
+            if I[I_DRAG] != 0:
+                coefficient = math.sqrt(stretch) * M[e + E_DRAG_TANGENTIAL]
+                if I[I_WAVES] != 0:
+                    coefficient *= W[DRAG + g]
+            drag = coefficient * (abs(runs) * runs - abs(still) * still)
+            turned = 2.0 * coefficient * (abs(runs) - abs(still))
+            slides = -2.0 * coefficient * abs(runs) * flow + 0.5 * drag / stretch
+            for k in range(4):
+                scale = h if k % 2 == 1 else 1.0
+                load = scale * h * WH[g, k]
+                bend = scale * WD[g, k] * momentum
+                turning = load * 2.0 * M[e + E_MASS] * flow * cv
+                for l in range(4):
+                    slope = slope_function(l, g, h)
+                    value = value_function(l, g, h)
+                    at = block_of(I, node, k, l, dimension)
+                    at += 2 * dimension * dimension * (k % 2) + dimension * (l % 2)
+                    for i in range(dimension):
+                        for j in range(dimension):
+                            across = w[3 + j] - still * w[j]
+                            rate = turned * across / stretch + (slides - drag / stretch) * w[j]
+                            entry = -load * (
+                                rate * w[i] * slope - cv * turned * w[i] * w[j] * value
+                            )
+                            if i == j:
+                                entry += (turning - load * drag / stretch - bend) * slope
+                            M[at + size * i + j] += entry
+        if lies:
+            continue
+        area = size * size
+        for i in range(dimension):
+            at = size * i + dimension + i
+            M[I[O_DIAGONAL] + area * parent + at] -= momentum
+            M[I[O_DIAGONAL] + area * node + at] += momentum
+    for side in range(2 if I[I_BODIES] > 0 else 0):
+        sign = 2.0 * side - 1.0
+        for body in range(I[I_BODIES]):
+            row = I[O_BODY] + body * BODY_WORDS
+            node = int(M[row + B_NODE])
+            if node >= 0 and M[row + B_LENGTH] == 0.0:
+                lies = stays(I, M, rest, node, w)
+                add_body(I, M, 0.0 if lies else flow, q, v, a, ca, cv, row, node, sign)
+        run_with_cable(I, M, flow, frame, rest, 1.0 if side == 0 else -1.0, q, v)
+
+
+@kernel
+def add_drag(I, M, node, h, g, sign, cv, w):
+    """Add `sign` times the derivatives of `drag_at` at a Gauss point to an element's blocks."""
+    dimension = I[I_DIMENSION]
+    for k in range(4):
+        load = sign * WH[g, k] * (h if k % 2 == 1 else 1.0)
+        for l in range(4):
+            slope = load * slope_function(l, g, h)
+            value = load * cv * value_function(l, g, h)
+            at = block_of(I, node, k, l, dimension)
+            at += 2 * dimension * dimension * (k % 2) + dimension * (l % 2)
+            for i in range(dimension):
+                for j in range(dimension):
+                    n = dimension * i + j
+                    entry = slope * w[9 + n] - value * w[18 + n]
+                    M[at + 2 * dimension * i + j] += entry
+
+
+@kernel
+def add_body(I, M, flow, q, v, a, ca, cv, row, node, sign):
+    """Add a point body's derivatives with the flow (sign 1), or take those without it (-1)."""
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    w = M[I[O_MOTION] + 16 : I[O_MOTION] + 46]
+    at = size * node
+    D = I[O_DIAGONAL] + size * at
+    for part in range(2):
+        # The second time what the velocity adds that turns with the slope.
+        if part == 1 and sign < 0.0:
+            break
+        rate = cv if part == 0 else flow
+        second = ca if part == 0 else 0.0
+        ig = body_kinematics(I, M, node, q, v, a, w)
+        if I[I_WAVES] != 0:
+            add_waves(I, M, row, q[at], q[at + 1], q[at + dimension - 1], 0.0, w)
+            wet_derivatives(I, M, row, ig, second, rate, w)
+        else:
+            mass = M[row + B_MASS] + M[row + B_ADDED]
+            flow_derivatives(M, row, dimension, mass, ig, second, rate, w)
+        for i in range(dimension):
+            for j in range(dimension):
+                motion = sign * w[12 + dimension * i + j]
+                if part == 0:
+                    M[D + size * i + j] += motion
+                    M[D + size * i + dimension + j] += sign * w[21 + dimension * i + j]
+                else:
+                    M[D + size * i + dimension + j] += motion

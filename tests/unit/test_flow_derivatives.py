@@ -1,0 +1,91 @@
+"""What a steady pay-out adds to a start: its Newton matrix is the derivative of its forces."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numba
+import numpy as np
+import pytest
+from newton_matrix import clear, dense, differences
+from numpy.typing import NDArray
+
+import cablemodel as cm
+from cablemodel.kernels import layout as at
+from cablemodel.kernels.compile import OPTIONS
+from cablemodel.kernels.flow import flow_jacobian, flow_residual
+
+FLOW = 1.7
+
+
+@numba.jit(**OPTIONS)
+def forces(ints: Any, reals: Any, frame: Any, rest: Any, q: Any, v: Any, a: Any, t: Any, out: Any,
+           constraint: Any) -> None:  # fmt: skip
+    flow_residual(ints, reals, FLOW, frame, rest, q, v, a, t, out, constraint)
+
+
+@numba.jit(**OPTIONS)
+def matrix(ints: Any, reals: Any, frame: Any, rest: Any, q: Any, v: Any, a: Any,
+           cv: float) -> None:  # fmt: skip
+    flow_jacobian(ints, reals, FLOW, frame, rest, q, v, a, 0.0, cv)
+
+
+@pytest.mark.parametrize("planar", [True, False])
+@pytest.mark.parametrize("lies", [False, True])
+def test_matrix_is_the_derivative(planar: bool, lies: bool) -> None:
+    """A curved line with a point body in it, all clear of the floor or all laid on it."""
+    kind = {"diameter": 0.02, "mass": 1.0, "axial_stiffness": 1e6, "bending_stiffness": 0.3}
+    model = cm.CableModel(
+        cm.load_scene(
+            {
+                "environment": {
+                    "floor": {"z": -9.0 if lies else -90.0, "friction": 0.0},
+                    "current": {"table": [{"z": 0, "velocity": [0.3, 0 if planar else 0.4, 0]}]},
+                },
+                "cable_types": {"c": {**kind, "drag_tangential": 0.05}},
+                "line": [
+                    {"cable": {"type": "c", "length": 3, "model": "elastica", "elements": 4}},
+                    {"body": {"mass": 6, "submerged_weight": 20, "drag_area": 0.02}},
+                    {"cable": {"type": "c", "length": 3, "model": "elastica", "elements": 4}},
+                ],
+                "vessel": {"position": [0, 0, -8.9 if lies else -1.0]},
+                "payout": {
+                    "rate": [{"t": 0, "rate": FLOW}],
+                    "drum": [{"cable": {"type": "c", "length": 3}}],
+                },
+                "initial": {"straight": [-1, 0, 0]},
+                "solver": {"tolerance": 1e-2},
+            }
+        ),
+        planar=planar,
+    )
+    ints, reals = model._ints, model._reals
+    memory, nodes = model._solver.memory, int(ints[at.I_NODES])
+    dimension = int(ints[at.I_DIMENSION])
+    assert dimension == (2 if planar else 3)
+    size = 2 * dimension
+    count = nodes * size
+    reals[at.S_STAGE_RATE] = 0.0
+    reals[at.S_LAID] = 2.0 if lies else 0.0
+    if lies:
+        reals[at.S_FLOOR_DEPTH] = 1e3
+    random = np.random.default_rng(4)
+    q = memory.array(at.O_POSITION, count) + 0.1 * random.standard_normal(count)
+    rest = q.copy()
+    frame = np.array([1.3, 0.2, 0.1][:dimension])
+    v = 0.2 * random.standard_normal(count)
+    v.reshape(nodes, size)[:, :dimension] += frame
+    a, tension = np.zeros(count), random.standard_normal(2 * nodes)
+    cv = 0.7
+
+    def at_change(change: NDArray[np.float64]) -> NDArray[np.float64]:
+        out, constraint = np.zeros(count), np.zeros(2 * nodes)
+        forces(ints, reals, frame, rest, q + change, v + cv * change, a, tension, out, constraint)
+        return out
+
+    assert np.abs(at_change(np.zeros(count))).max() > 0.1
+    clear(memory, nodes, size)
+    matrix(ints, reals, frame, rest, q.copy(), v.copy(), a, cv)
+    expected = differences(at_change, count, 1e-6)
+    found = dense(memory, nodes, size)
+    assert found == pytest.approx(expected, rel=1e-5, abs=1e-5 * np.abs(expected).max())

@@ -1,0 +1,272 @@
+"""Steady lays start from their own shape, in a short time, and stay steady.
+
+Independent: the ordinary differential equations of a cable that runs along its own shape in the
+frame of its touchdown (Zajac 1957, with stretch and the momentum (m + ma) V^2), by scipy, from the
+tension that the start has where it lies.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import cablemodel as cm
+
+KNOT = 1852.0 / 3600.0
+DENSITY, GRAVITY = 1025.0, 9.80665
+SCENES = Path(__file__).parents[2] / "scenes"
+SOON = 6.0
+"""Seconds for a start: within 2 on a machine of its own, more where tests run side by side."""
+
+LIGHT = {
+    "diameter": 0.017,
+    "mass": 0.55,
+    "axial_stiffness": 8e6,
+    "drag_normal": 1.5,
+    "drag_tangential": 0.005,
+}
+ARMOURED = {
+    "diameter": 0.04,
+    "mass": 4.3,
+    "axial_stiffness": 50e6,
+    "drag_normal": 1.2,
+    "drag_tangential": 0.01,
+}
+
+
+def lay_angle(kind: dict[str, float], speed: float) -> tuple[float, float]:
+    """Submerged weight [N/m] and w cos a = D sin^2 a solved for a [rad]."""
+    weight = kind["mass"] * GRAVITY - DENSITY * GRAVITY * math.pi / 4.0 * kind["diameter"] ** 2
+    drag = 0.5 * DENSITY * kind["drag_normal"] * kind["diameter"] * speed**2
+    cosine = (-weight + math.sqrt(weight**2 + 4.0 * drag**2)) / (2.0 * drag)
+    return weight, math.acos(cosine)
+
+
+def lay(
+    kind: dict[str, float],
+    knots: float,
+    depth: float,
+    *,
+    bending: float,
+    slope: float = 0.0,
+    slack: float = 0.0,
+) -> tuple[cm.Scene, float]:
+    """A lay and its pay-out [m/s]; slope: of the floor along the vessel's way [degrees]."""
+    speed, up = knots * KNOT, math.radians(slope)
+    _, down = lay_angle(kind, speed)
+    rate = speed * (math.sin(down) - math.sin(up)) / math.sin(down - up) * (1.0 + slack)
+    hanging = depth * math.cos(up) / math.sin(down - up)
+    cable = {"type": "c", "length": 1.05 * hanging + 20.0}
+    return cm.load_scene(
+        {
+            "environment": {"floor": {"z": -depth, "slope": [math.tan(up), 0.0], "friction": 0.5}},
+            "cable_types": {"c": {**kind, "bending_stiffness": bending}},
+            "line": [{"cable": cable}],
+            "vessel": {"velocity": [speed, 0, 0]},
+            "payout": {"rate": [{"t": 0, "rate": rate}], "drum": [{"cable": cable}]},
+            "run": {"duration": 10, "output_interval": 1},
+        }
+    ), rate
+
+
+def independent(
+    kind: dict[str, float], knots: float, rate: float, bottom: float, rise: float, straight: bool
+) -> tuple[float, float]:
+    """Top tension [N] and length [m] of what hangs, from a touchdown with a tension up by a rise.
+
+    straight: it leaves the floor at the lay angle, without tension to turn it.
+    """
+    speed = knots * KNOT
+    weight, down = lay_angle(kind, speed)
+    added = DENSITY * math.pi / 4.0 * kind["diameter"] ** 2
+    momentum = (kind["mass"] + added) * rate**2
+    normal = 0.5 * DENSITY * kind["drag_normal"] * kind["diameter"] * speed**2
+    along = 0.5 * DENSITY * kind["drag_tangential"] * math.pi * kind["diameter"]
+
+    def rates(_s: float, state: np.ndarray) -> list[float]:
+        angle, tension, _height = state
+        stretch = 1.0 + tension / kind["axial_stiffness"]
+        slip = rate * stretch - speed * math.cos(angle)
+        root = math.sqrt(stretch)
+        across = weight * math.cos(angle) - root * normal * math.sin(angle) * abs(math.sin(angle))
+        turns = 0.0 if straight else across / (tension - momentum * stretch)
+        force = weight * math.sin(angle) - root * along * slip * abs(slip)
+        return [turns, force, stretch * math.sin(angle)]
+
+    def top(_s: float, state: np.ndarray) -> float:
+        return float(state[2]) - rise
+
+    top.terminal = True  # type: ignore[attr-defined]
+    up = solve_ivp(rates, (0.0, 1e6), [down if straight else 0.0, bottom, 0.0], events=top,
+                   method="LSODA", rtol=1e-9, atol=1e-9)  # fmt: skip
+    return float(up.y[1, -1]), float(up.t[-1])
+
+
+def started(scene: cm.Scene) -> cm.CableModel:
+    """The model, within a short time."""
+    began = time.process_time()
+    model = cm.CableModel(scene)
+    assert time.process_time() - began < SOON
+    return model
+
+
+def bottom_tension(model: cm.CableModel) -> float:
+    """Tension a little behind the touchdown [N]."""
+    lying = model.line_length - 0.98 * model.floor_length
+    return float(model.sample([lying]).tension[0])
+
+
+@pytest.mark.parametrize(
+    ("kind", "knots", "depth", "bending", "slope", "slack"),
+    [
+        (LIGHT, 5.0, 4000.0, 20.0, 0.0, 0.0),
+        (LIGHT, 5.0, 8000.0, 20.0, 0.0, 0.02),
+        (LIGHT, 8.0, 500.0, 1.0, 0.0, 0.0),
+        (LIGHT, 8.0, 500.0, 20.0, 0.0, 0.0),
+        (LIGHT, 0.5, 500.0, 0.0, 0.0, 0.02),
+        (LIGHT, 3.0, 100.0, 0.0, 0.0, 0.0),
+        (ARMOURED, 8.0, 2000.0, 5000.0, 0.0, 0.0),
+        (ARMOURED, 3.0, 8000.0, 1000.0, 0.0, 0.02),
+        (LIGHT, 1.0, 500.0, 1.0, 15.0, 0.0),
+        (LIGHT, 2.0, 500.0, 20.0, 5.0, 0.0),
+        pytest.param(
+            *(LIGHT, 5.0, 2000.0, 20.0, 5.0, 0.0),
+            marks=pytest.mark.xfail(
+                strict=True,
+                raises=cm.DrawnStartWarning,
+                reason="at 11 degrees up a slope of 5 the start that friction holds is not found",
+            ),
+        ),
+        (ARMOURED, 2.0, 2000.0, 1000.0, -15.0, 0.0),
+        (LIGHT, 2.0, 500.0, 20.0, -5.0, 0.0),
+    ],
+)
+def test_a_steady_lay_starts_with_the_tension_of_its_lay(
+    kind: dict[str, float],
+    knots: float,
+    depth: float,
+    bending: float,
+    slope: float,
+    slack: float,
+) -> None:
+    """Within 0.5 %, and at rest: the tension that is left at the touchdown is the tolerance's."""
+    scene, rate = lay(kind, knots, depth, bending=bending, slope=slope, slack=slack)
+    model = started(scene)
+    bottom = bottom_tension(model)
+    weight, _ = lay_angle(kind, knots * KNOT)
+    assert abs(bottom) < 10.0 * scene.solver.tolerance * weight * scene.line_length
+    rise = -float(model.touchdown_position[2])
+    top, _length = independent(kind, knots, rate, bottom, rise, straight=True)
+    assert model.top_tension == pytest.approx(top, rel=5e-3)
+    before = model.top_tension
+    model.step_to(10.0)
+    assert model.top_tension == pytest.approx(before, rel=2e-2)
+
+
+@pytest.mark.parametrize(
+    ("kind", "knots", "depth", "bending"),
+    [(LIGHT, 3.0, 500.0, 1.0), (ARMOURED, 8.0, 100.0, 1000.0), (ARMOURED, 2.0, 2000.0, 5000.0)],
+)
+def test_a_taut_lay_starts_with_what_it_drags(
+    kind: dict[str, float], knots: float, depth: float, bending: float
+) -> None:
+    """0.2 % short: all that lies slides, and its friction is the tension at the touchdown; from
+    there up the differential equations with (m + ma) V^2 hold."""
+    scene, rate = lay(kind, knots, depth, bending=bending, slack=-0.002)
+    model = started(scene)
+    weight, _ = lay_angle(kind, knots * KNOT)
+    lying = model.floor_length
+    touchdown = float(model.sample([model.line_length - lying]).tension[0])
+    assert touchdown == pytest.approx(0.5 * weight * lying, rel=0.1)
+    top, _length = independent(kind, knots, rate, touchdown, depth, straight=False)
+    assert model.top_tension == pytest.approx(top, rel=1e-2)
+
+
+def test_a_lay_up_a_slope_is_not_a_drag() -> None:
+    """Less is paid out up a slope than the vessel goes, and nothing is dragged by that."""
+    scene, rate = lay(LIGHT, 1.0, 200.0, bending=1.0, slope=15.0)
+    assert rate < 0.9 * KNOT
+    model = started(scene)
+    assert abs(bottom_tension(model)) < 0.02 * model.top_tension
+
+
+def test_the_ready_lay_at_5_knots() -> None:
+    """10.8 degrees, 12.4 kN less the drag: w h, and 660 N more once the winch falls short."""
+    scene = cm.load_scene(SCENES / "cable_lay_5_knots.yaml")
+    model = started(scene)
+    kind = {**LIGHT, "drag_tangential": 0.005}
+    top, length = independent(kind, 5.0, 5.0 * KNOT, 0.0, 4000.0, straight=True)
+    assert model.top_tension == pytest.approx(top, rel=3e-3)
+    assert model.line_length - model.floor_length == pytest.approx(length, rel=3e-3)
+    model.step_to(60.0)
+    assert model.top_tension == pytest.approx(top, rel=5e-3)
+
+
+def test_cable_lay_at_two_metres_a_second() -> None:
+    """The ready lay, faster and with more cable out: 30 degrees."""
+    data: dict[str, Any] = cm.load_scene(SCENES / "cable_lay.yaml").to_dict()
+    data["line"][0]["cable"]["length"] = 7000.0
+    data["vessel"]["velocity"] = [2, 0, 0]
+    data["payout"]["rate"] = [{"t": 0, "rate": 2.0}]
+    model = started(cm.load_scene(data))
+    kind = data["cable_types"]["armoured"]
+    drag = 0.5 * DENSITY * kind["drag_normal"] * kind["diameter"] * 4.0
+    cosine = (-15.0 + math.sqrt(15.0**2 + 4.0 * drag**2)) / (2.0 * drag)
+    slip = 2.0 - 2.0 * cosine
+    along = 0.5 * DENSITY * kind["drag_tangential"] * math.pi * kind["diameter"] * slip**2
+    expected = (15.0 - along / math.sqrt(1.0 - cosine**2)) * 3000.0
+    assert model.top_tension == pytest.approx(expected, rel=5e-3)
+
+
+def from_points(**initial: Any) -> dict[str, Any]:
+    """A lay at 2 m/s in 500 m of water from three points."""
+    return {
+        "environment": {"floor": {"z": -500, "friction": 0.5}},
+        "cable_types": {"c": {**LIGHT, "bending_stiffness": 20}},
+        "line": [{"cable": {"type": "c", "length": 2350}}],
+        "vessel": {"velocity": [2, 0, 0]},
+        "payout": {
+            "rate": [{"t": 0, "rate": 2}],
+            "drum": [{"cable": {"type": "c", "length": 1000}}],
+        },
+        "initial": {"points": [[0, 0, 0], [-2000, 0, -500], [-2285, 0, -500]], **initial},
+    }
+
+
+def test_points_take_the_velocity_of_the_steady_lay() -> None:
+    model = started(cm.load_scene(from_points()))
+    weight, _ = lay_angle(LIGHT, 2.0)
+    assert model.top_tension == pytest.approx(500.0 * weight, rel=2e-2)
+    model.step_to(60.0)
+    assert model.top_tension == pytest.approx(500.0 * weight, rel=3e-2)
+
+
+def test_points_take_velocities() -> None:
+    """Of each point, between them linear along the line."""
+    given = [[2, 0, 0], [1, 0, 0.5], [0, 0, 0]]
+    model = cm.CableModel(cm.load_scene(from_points(velocities=given)))
+    chords = np.array([0.0, math.hypot(2000.0, 500.0), 285.0]).cumsum()
+    near, far = model.sample([0.25 * model.line_length, model.line_length]).velocity
+    share = 0.25 * chords[-1] / chords[1]
+    assert near[0] == pytest.approx(2.0 - share, abs=0.02)
+    assert near[2] == pytest.approx(0.5 * share, abs=0.02)
+    assert np.abs(far).max() < 1e-9
+
+
+def test_rest_under_a_ship_that_moves_is_refused() -> None:
+    with pytest.raises(cm.SceneError, match=r"initial.velocities.*moves at 2 m/s"):
+        cm.load_scene(from_points(velocities="rest"))
+
+
+def test_a_start_that_takes_too_long_says_what_was_tried() -> None:
+    """And what makes it hard; a limit of no time at all is the shortest there is."""
+    scene, _ = lay(LIGHT, 5.0, 4000.0, bending=20.0)
+    data = {**scene.to_dict(), "solver": {"start_time_limit": 1e-6}}
+    with pytest.raises(cm.StaticsError, match=r"start_time_limit.*Tried: .*11 degrees"):
+        cm.CableModel(cm.load_scene(data))
