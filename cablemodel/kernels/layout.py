@@ -8,7 +8,7 @@ the FMU's state and its serialisation are a copy of it.
 """
 
 MAGIC = 0x4C45444F4D454C42  # "BLEMODEL", little endian
-VERSION = 7
+VERSION = 8
 HEADER_WORDS = 104
 SCALAR_WORDS = 104
 
