@@ -83,6 +83,8 @@ from .tables import STAGES, TENSION_TEST
 PROMISED = 0.5  # of the error of tension that is promised
 SHARE = 0.045  # of that: what a step may add to an error that lasts, as of positions
 SHARE_OF_LIMITED = 0.03  # the same where the caller makes steps short
+LOSS_FACTOR = 0.01  # of a cable's material: 2 / (it w) is the time in which a ring of w dies away
+FINEST = 0.1  # step times the frequency of the line's axial motion: one that follows it for sure
 UNSEEN = 0.05  # of that: scatter of the stages below which nothing is looked at
 SOLVED_FROM = 0.25  # of that: scatter of what is forgotten from which on tensions are solved for
 NOTHING = 0.01  # of the scatter: an embedded error that explains none of it
@@ -180,6 +182,8 @@ def two_step_error(I, M, dt):
     the last step's rate is off; else half of what the predicted positions stretch it by more or
     less, which lasts.
     """
+    if dt * math.sqrt(M[S_AXIAL]) < FINEST:
+        return 0.0, FOLLOWS
     final = M[I[O_TRIAL_T] + 2]
     predicted = M[I[O_TENSION] + 2] + dt * M[I[O_TENSION_RATE] + 2]
     lasting = 0.5 * abs(final - M[S_STAGE_TENSION]) / SHARE_OF_LIMITED
@@ -429,15 +433,36 @@ def bend_of_tension(I, M, dt):
 
 
 @kernel
+def dies_away(M):
+    """Whether what rings along the line is over before the line has moved, by its material."""
+    return M[S_AXIAL] * M[S_PERIOD] * M[S_PERIOD] > (2.0 / LOSS_FACTOR) ** 2
+
+
+@kernel
+def solves(I, M, dt, scatter):
+    """Whether the tension at the trial could be solved for, as `take_solved` takes it."""
+    if bend_of_tension(I, M, dt) > SOLVED_FROM * M[S_AXIAL] * dt * dt:
+        return False  # what the strain's second derivative adds would be seen
+    if not may_be_solved_for(I, M):
+        return False
+    change = solve_at_end(I, M, dt)
+    return 0.0 <= change and change <= LARGEST_CHANGE * max(scatter, 0.5)
+
+
+@kernel
 def tension_error(I, M, dt, scheme, gamma_dt, error):
     """Error of the top tension of a step from the state to the trial [tolerances], and what the
     step does along the line: PASSES_OVER, FOLLOWS, or SOLVED, for which see `take_solved`.
 
     error: of the positions, (nodes, 2, dimension) [m].
     """
+    if dt * math.sqrt(M[S_AXIAL]) < FINEST:
+        return 0.0, FOLLOWS
     scatter = stage_scatter(M, scheme)
     if scatter <= UNSEEN:
         return scatter, PASSES_OVER
+    if dies_away(M):
+        return 0.0, SOLVED if solves(I, M, dt, scatter) else PASSES_OVER
     left, share = embedded_error(I, M, error, gamma_dt, scatter)
     lasting = left * share * share / SHARE
     forgotten = (1.0 - share * share) * scatter
@@ -445,12 +470,10 @@ def tension_error(I, M, dt, scheme, gamma_dt, error):
     if share > STIFF or unseen > SOLVED_FROM:
         return max(lasting, forgotten), FOLLOWS
     settled = I[I_SETTLED] != 0 and begins_smoothly(I, M)
-    if (settled or forgotten > SOLVED_FROM) and lasting <= 1.0 and may_be_solved_for(I, M):
-        change = solve_at_end(I, M, dt)
-        if 0.0 <= change and change <= LARGEST_CHANGE * max(scatter, 0.5):
-            if settled:
-                return lasting, SOLVED
-            if not rings(I, M, dt):
-                solve_at_end(I, M, dt)
-                return lasting, SOLVED
+    if (settled or forgotten > SOLVED_FROM) and lasting <= 1.0 and solves(I, M, dt, scatter):
+        if settled:
+            return lasting, SOLVED
+        if not rings(I, M, dt):
+            solve_at_end(I, M, dt)
+            return lasting, SOLVED
     return max(lasting, forgotten), PASSES_OVER
