@@ -266,7 +266,7 @@ def follows_a_blow(I, M, dt):
 
 @kernel
 def begins_a_surge(I, M, dt):
-    """Whether a step of dt, much shorter than the last one, is a blow of the water.
+    """Whether the water's acceleration jumps as a step of dt begins, so that it is seen.
 
     The step's first stage, with the acceleration before it, has a fifth of what the water gives the
     line: missed once and for all, where in steps that are alike all is a little late.

@@ -486,12 +486,12 @@ def advance_to(I, M, t_end):
             # Velocities do not meet what a jolt asks for: they run into it, and make its wave.
             if M[S_TIME] != jolted:
                 make_consistent(I, M, False)
-            if I[I_CURRENT] != 0 and begins_a_surge(I, M, dt):
-                begin_after_a_blow(I, M, dt)
         elif (I[I_LIVE] != 0 or I[I_CURRENT] != 0) and follows_a_blow(I, M, dt):
             begin_after_a_blow(I, M, M[S_LAST_STEP])
         elif unprojected:
             project_velocity(I, M, GAMMA[scheme] * dt)
+        if I[I_CURRENT] != 0 and begins_a_surge(I, M, dt):
+            begin_after_a_blow(I, M, dt)
         unprojected = False
         status = OK
         error = 0.0
