@@ -217,7 +217,7 @@ def holds(start, end, t, ahead):
     the same."""
     same = ROUNDING * abs(t)
     if ahead:
-        return t > start - same and t < end - same
+        return t >= start - same and t < end - same
     return t > start + same and t <= end + same
 
 

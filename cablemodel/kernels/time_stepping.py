@@ -120,7 +120,7 @@ from .system import (
     set_time,
 )
 from .tables import GAMMA, STAGE_A, STAGE_C, STAGE_ERROR, STAGES
-from .tension import FOLLOWS, PASSES_OVER, SOLVED, take_solved, tension_error, two_step_error
+from .tension import FOLLOWS, PASSES_OVER, SHORT, SOLVED, take_solved, tension_error, two_step_error
 from .top_of_line import adapt_top, next_change
 from .two_step import accept_two_step, remember, try_two_step, two_step_gamma
 from .vessel_clamp import update_springs
@@ -491,7 +491,7 @@ def advance_to(I, M, t_end):
         elif unprojected:
             project_velocity(I, M, GAMMA[scheme] * dt)
         if I[I_CURRENT] != 0 and begins_a_surge(I, M, dt):
-            begin_after_a_blow(I, M, dt)
+            begin_after_a_blow(I, M, SHORT * SHORT * dt)
         unprojected = False
         status = OK
         error = 0.0

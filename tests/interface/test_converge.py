@@ -237,7 +237,7 @@ def test_tensions_may_be_left_out(tmp_path: Path) -> None:
     run = cm.open_run(log)
     assert run.error_estimate is not None
     assert 0.0 < run.error_estimate.share == run.error_estimate.position.share < 1.0
-    assert run["tension_error"].max() > 10.0 * 10.0 * 1e-4 * run.top_tension.max()
+    assert run["tension_error"].max() > 10.0 * 1e-4 * run.top_tension.max()
     positions = cm.load_scene(path, ["solver.accuracy_of=positions", "run.duration=22"])
     found = cm.convergence(positions, [2.5e-5])
     assert "Tensions are not judged: the scene asks for positions." in found.notes

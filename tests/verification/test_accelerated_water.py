@@ -204,7 +204,7 @@ def test_both_solvers_agree_in_a_gust(model, body, live):
     """A current of the scene over depth and time, or the caller's.
 
     What its kinks make ring along the line, +- 0.3 N of 78, the long steps of the direct solver
-    damp: tensions are compared by their means over a second.
+    damp: tensions are compared by their means over a second, within 0.3 N.
     """
     results = []
     for method, solver in (
@@ -228,7 +228,7 @@ def test_both_solvers_agree_in_a_gust(model, body, live):
     assert np.ptp(results[0][:, 0]) > 0.5
     np.testing.assert_allclose(results[1][:, :3], results[0][:, :3], atol=0.01)
     there, here = (np.convolve(rows[:, 3], np.full(5, 0.2), "valid") for rows in results)
-    np.testing.assert_allclose(here, there, rtol=2e-3)
+    np.testing.assert_allclose(here, there, rtol=4e-3)
 
 
 @pytest.mark.parametrize("body", [POINT_BODY, RIGID])

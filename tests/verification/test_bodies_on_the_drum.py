@@ -71,7 +71,8 @@ def test_the_winch_turns_by_cable_and_bodies(model):
 def test_commands_at_random_pass_a_body_to_and_fro(interval, count, half_length):
     """Ramps of 0.2 m/s2 around a body on the drum: lengths kept, no spikes in the tension.
 
-    What a ramp's kink does to the line's mass is 12 N in a step of 10 ms; a point body that leaves
+    What a ramp's kink does to the line's mass is 12 N in a step of 10 ms, and what it makes ring
+    along the line up to 5; a point body that leaves
     adds 20 to 34 N at once. A metre of body adds nothing to the kinks.
     """
     run = cm.CableModel(towed(half_length, [{"t": 0, "rate": 0}]))
@@ -91,7 +92,7 @@ def test_commands_at_random_pass_a_body_to_and_fro(interval, count, half_length)
     assert min(tensions) > 30.0
     assert max(tensions) < 600.0
     if interval == 0.01:
-        assert np.abs(np.diff(tensions, 2)).max() < (16.0 if half_length == 0.5 else 80.0)
+        assert np.abs(np.diff(tensions, 2)).max() < (20.0 if half_length == 0.5 else 80.0)
 
 
 # Motion -------------------------------------------------------------------------------------------

@@ -145,7 +145,7 @@ def test_with_a_winch_as_without_one_in_motion():
             apart.append(model.sample(60.0 * PLACES).position)
         assert np.linalg.norm(apart[0] - apart[1], axis=1).max() < tolerance * 60.0
         tensions = [abs(model.top_tension) for model in (other, reference)]
-        assert tensions[0] == pytest.approx(tensions[1], rel=0.02)
+        assert tensions[0] == pytest.approx(tensions[1], rel=0.025)
 
 
 def test_a_snapshot_holds_where_the_layer_is():

@@ -1,0 +1,196 @@
+"""Ordinary jobs at sea against answers that no code of this project made.
+
+A snap: the load is a mass on masses and tension-only springs. A winch that stops: one mass on the
+wire's spring. A fish in a steady turn: its tension is constant.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from scipy.integrate import solve_ivp
+
+import cablemodel as cm
+
+WINCH_STOP = Path(__file__).parents[2] / "scenes" / "winch_stop.yaml"
+
+LENGTH, STIFFNESS = 110.0, 150e6
+CABLE_MASS = 14.0
+LOAD, ADDED = 20_000.0, 10_000.0
+
+
+def lumped_load(times, pieces=20):
+    """Top tension [N] of `scenes/winch_stop.yaml` at times [s] from the winch's first slow-down on:
+    the wire is lumped masses on springs, the load drags along its axis."""
+    piece = LENGTH / pieces
+    spring = STIFFNESS / piece
+    weight = CABLE_MASS * 9.80665 - 1025.0 * 9.80665 * np.pi * 0.03**2
+    masses = np.full(pieces, CABLE_MASS * piece)
+    masses[-1] = 0.5 * CABLE_MASS * piece + LOAD + ADDED
+    weights = np.full(pieces, weight * piece)
+    weights[-1] = 0.5 * weight * piece + 170e3
+
+    def stretch_rates(t, state):
+        place, speed = state[:pieces], state[pieces:]  # downwards, from where the top would be
+        ramp = np.clip(t, 0.0, 0.2)
+        paid = 0.5 * ramp - 0.5 * 2.5 * ramp**2
+        pull = spring * np.diff(np.concatenate([[paid], place]))
+        drag = np.zeros(pieces)
+        drag[-1] = 0.5 * 1025.0 * 6.0 * abs(speed[-1]) * speed[-1]
+        force = weights - pull - drag
+        force[:-1] += pull[1:]
+        return np.concatenate([speed, force / masses])
+
+    below = np.cumsum(weights[::-1])[::-1].copy()
+    below -= 0.5 * 1025.0 * 6.0 * 0.5**2
+    start = np.concatenate([np.cumsum(below / spring), np.full(pieces, 0.5)])
+    solved = solve_ivp(
+        stretch_rates, (0.0, times[-1]), start, "DOP853", t_eval=times, rtol=1e-9, atol=1e-9
+    )
+    ramp = np.clip(times, 0.0, 0.2)
+    return spring * (solved.y[0] - 0.5 * ramp + 0.5 * 2.5 * ramp**2)
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-4])
+@pytest.mark.parametrize("interval", [0.02, 0.5, 2.0])
+def test_a_load_whose_winch_stops_rings_at_any_interval(interval, tolerance):
+    """With outputs every 0.5 s it did not ring at all, or by more and more."""
+    scene = yaml.safe_load(WINCH_STOP.read_text())
+    scene["solver"] = {"tolerance": tolerance}
+    model = cm.CableModel(cm.load_scene(scene))
+    model.step_to(20.0)
+    times = np.arange(1, round(30.0 / interval) + 1) * interval
+    found = []
+    for t in times:
+        model.step_to(20.0 + t)
+        found.append(model.top_tension)
+    expected = lumped_load(times)
+    early = times < 2.5
+    # Later on the phase counts: periods differ by a fifth of a promise.
+    assert np.ptp(expected) > 100e3
+    np.testing.assert_allclose(np.array(found)[early], expected[early], atol=0.03 * 278e3)
+    if interval < 0.1:
+        assert max(found) == pytest.approx(max(expected), rel=0.01)
+    late = times > 15.0
+    assert np.std(np.array(found)[late]) == pytest.approx(np.std(expected[late]), rel=0.08)
+
+
+def tension_only_wire(rates, duration, pieces=20):
+    """Highest tension [N] of a load on a wire that cannot push, whose top moves at rates(t)."""
+    length, stiffness, mass = 50.0, 180e6, 17.0
+    piece = length / pieces
+    spring = stiffness / piece
+    weight = mass * 9.80665 - 1025.0 * 9.80665 * np.pi * 0.032**2
+    masses = np.full(pieces, mass * piece)
+    masses[-1] = 0.5 * mass * piece + 80e3
+    weights = np.full(pieces, weight * piece)
+    weights[-1] = 0.5 * weight * piece + 170e3
+    below = np.cumsum(weights[::-1])[::-1]
+    step = 0.2 * piece / np.sqrt(stiffness / mass)
+    damping = 0.3 * np.sqrt(spring * mass * piece)
+    times = np.arange(0.0, duration, step)
+    top, tops = 0.0, rates(times)
+    place = -np.arange(1, pieces + 1) * piece - np.cumsum(below / spring)
+    speed = np.zeros(pieces)
+    highest = 0.0
+    for up in tops:
+        top += up * step
+        stretch = -np.diff(np.concatenate([[top], place])) - piece
+        force = spring * stretch - damping * np.diff(np.concatenate([[up], speed]))
+        pull = np.where(stretch > 0.0, np.maximum(force, 0.0), 0.0)
+        highest = max(highest, pull[0])
+        net = pull - weights
+        net[:-1] -= pull[1:]
+        net[-1] -= 0.5 * 1025.0 * 80.0 * abs(speed[-1]) * speed[-1]
+        speed += step * net / masses
+        place += step * speed
+    return highest
+
+
+def heave(times):
+    """Speed of a tip that heaves by 2 m in 6 s, come up within 20 s [m/s]."""
+    times = np.asarray(times)
+    up = np.minimum(times / 20.0, 1.0)
+    return 2.0 * 2.0 * np.pi / 6.0 * up * np.sin(2.0 * np.pi * times / 6.0)
+
+
+@pytest.mark.parametrize(("tolerance", "within"), [(1e-3, 0.05), (3e-4, 0.05)])
+def test_a_slack_wire_does_not_push_and_snaps(tolerance, within):
+    """Exactly straight and vertical it pushed like a strut: 417 kN, and -72."""
+    grid = np.arange(0.0, 60.01, 0.05)
+    scene = {
+        "cable_types": {
+            "wire": {
+                "diameter": 0.064, "mass": 17, "axial_stiffness": 180e6, "drag_normal": 1.2
+            }
+        },
+        "line": [
+            {"cable": {"type": "wire", "length": 50}},
+            {
+                "body": {
+                    "mass": 20000, "submerged_weight": 170e3, "added_mass": 60000,
+                    "added_mass_axial": 60000, "drag_area": 40, "drag_coefficient": 2,
+                    "drag_area_axial": 40, "drag_coefficient_axial": 2,
+                }
+            },
+        ],
+        "vessel": {
+            "velocity": [
+                {"t": float(t), "velocity": [0, 0, float(v)]}
+                for t, v in zip(grid, heave(grid), strict=True)
+            ]
+        },
+        "solver": {"tolerance": tolerance},
+        "run": {"duration": 60},
+    }  # fmt: skip
+    model = cm.CableModel(cm.load_scene(scene))
+    tensions = []
+    for k in range(1, 3001):
+        model.step_to(0.02 * k)
+        tensions.append(model.top_tension)
+    highest = tension_only_wire(heave, 60.0)
+    assert highest > 500e3
+    assert max(tensions) == pytest.approx(highest, rel=within)
+    assert min(tensions) > -0.15 * highest
+
+
+@pytest.mark.parametrize("tolerance", [3e-4, 1e-4])
+def test_a_heavy_fish_in_a_steady_turn_has_a_steady_tension(tolerance):
+    """After long calls, calls of 2 s found 13.9 to 15.1 kN for ever."""
+    scene = {
+        "environment": {"gravity": 9.81},
+        "cable_types": {
+            "wire": {
+                "diameter": 0.0173, "mass": 1.12, "submerged_weight": 8.89,
+                "axial_stiffness": 4e6, "drag_normal": 1.5, "drag_tangential": 0.01,
+            }
+        },
+        "line": [
+            {"cable": {"type": "wire", "length": 1000}},
+            {
+                "body": {
+                    "mass": 1135, "submerged_weight": 6686, "added_mass": 107,
+                    "added_mass_axial": 107, "drag_area": 0.4254, "drag_area_axial": 0.4254,
+                    "drag_coefficient": 0.77, "drag_coefficient_axial": 0.77,
+                }
+            },
+        ],
+        "vessel": {
+            "path": [
+                {"straight": {"duration": 60, "speed": "6 kn"}},
+                {"turn": {"radius": 295, "angle": "3600 deg"}},
+            ]
+        },
+        "solver": {"tolerance": tolerance},
+        "run": {"duration": 5000},
+    }  # fmt: skip
+    model = cm.CableModel(cm.load_scene(scene))
+    model.step_to(4000.0)
+    tensions = []
+    for k in range(1, 201):
+        model.step_to(4000.0 + 2.0 * k)
+        tensions.append(model.top_tension)
+    promise = 10.0 * tolerance * max(tensions)
+    assert np.ptp(tensions) < 0.5 * promise
+    assert np.mean(tensions) == pytest.approx(14_490.0, abs=promise)
