@@ -43,21 +43,14 @@ from .layout import (
     O_TENSION,
     O_VELOCITY,
     S_FLOOR_DEPTH,
-    S_LARGEST_TENSION,
     S_LENGTH,
     S_PERIOD,
-    S_TENSION_SCALE,
     S_TOLERANCE,
 )
 from .newton import refactor
+from .tension import promised_tension
 
 TURN = 2.399963229728653  # golden angle: its multiples hold all waves of the mesh [rad]
-
-
-@kernel
-def pressure_seen(M):
-    """Pressure that counts [N]: what tensions may be wrong by."""
-    return 10.0 * M[S_TOLERANCE] * max(M[S_LARGEST_TENSION], M[S_TENSION_SCALE])
 
 
 @kernel
@@ -83,7 +76,7 @@ def is_pressed(I, M, node, q, tension, least, w):
 @kernel
 def any_pressed(I, M, q, tension):
     """Whether `is_pressed` by more than tensions may be wrong by."""
-    least = pressure_seen(M)
+    least = promised_tension(M)
     w = view(M, I[O_MOTION] + 16, 3)
     for node in range(1, I[I_NODES]):
         if is_pressed(I, M, node, q, tension, least, w):
@@ -180,7 +173,7 @@ def make_crooked(I, M):
     a line so pressed does not stay."""
     dimension = I[I_DIMENSION]
     count = 2 * dimension * I[I_NODES]
-    least = pressure_seen(M)
+    least = promised_tension(M)
     w = view(M, I[O_MOTION] + 16, 3)
     q = view(M, I[O_POSITION], count)
     tension = view(M, I[O_TENSION], 2 * I[I_NODES])

@@ -235,6 +235,21 @@ def take_rates_from_velocity(I, M):
 
 
 @kernel
+def vessel_jump(I, M):
+    """By how much the tow point's acceleration is now another one than the state's [m/s2]."""
+    dimension = I[I_DIMENSION]
+    vessel_motion(I, M, M[S_TIME])
+    out = view(M, I[O_MOTION] + 16, 9)
+    row = I[O_CONSTRAINT]
+    prescribed_motion(I, M, row, M[S_TIME], out)
+    at = I[O_ACCELERATION] + 2 * dimension * int(M[row + C_NODE])
+    changed = 0.0
+    for i in range(dimension):
+        changed += (out[2 * dimension + i] - M[at + i]) ** 2
+    return math.sqrt(changed)
+
+
+@kernel
 def follows_a_blow(I, M, dt):
     """Whether the vessel's acceleration, by the caller, or that of the water was another one in the
     last step, one much shorter than dt.
@@ -252,16 +267,7 @@ def follows_a_blow(I, M, dt):
         return True
     if I[I_LIVE] == 0:
         return False
-    dimension = I[I_DIMENSION]
-    vessel_motion(I, M, M[S_TIME])
-    out = view(M, I[O_MOTION] + 16, 9)
-    row = I[O_CONSTRAINT]
-    prescribed_motion(I, M, row, M[S_TIME], out)
-    at = I[O_ACCELERATION] + 2 * dimension * int(M[row + C_NODE])
-    changed = 0.0
-    for i in range(dimension):
-        changed += (out[2 * dimension + i] - M[at + i]) ** 2
-    return math.sqrt(changed) * dt * dt > limit
+    return vessel_jump(I, M) * dt * dt > limit
 
 
 @kernel

@@ -8,7 +8,7 @@ they were at the start, once one cubic does for both.
 
 import math
 
-from .buckling import is_pressed, pressure_seen
+from .buckling import is_pressed
 from .compile import kernel, view
 from .follow import (
     finest_flexible,
@@ -44,6 +44,7 @@ from .layout import (
     S_UNDAMPED,
 )
 from .payout import join_at, split_edge
+from .tension import promised_tension
 
 PAUSE = 0.02  # of sqrt(L/g): how often the mesh is looked at
 STRAIGHT = 0.02  # of what is allowed: the same for two elements that are joined
@@ -70,7 +71,7 @@ def is_pressed_aside(I, M, node):
     count = 2 * I[I_DIMENSION] * I[I_NODES]
     q = view(M, I[O_POSITION], count)
     tension = view(M, I[O_TENSION], 2 * I[I_NODES])
-    if not is_pressed(I, M, node, q, tension, pressure_seen(M), view(M, I[O_MOTION] + 16, 3)):
+    if not is_pressed(I, M, node, q, tension, promised_tension(M), view(M, I[O_MOTION] + 16, 3)):
         return False
     edge = I[O_EDGE] + node * EDGE_WORDS
     bend = 2.0 / math.pi * math.sqrt(-tension[2 * node] * M[edge + E_COMPLIANCE])

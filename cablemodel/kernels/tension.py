@@ -16,13 +16,13 @@ it, and the tension that is solved for is that of the step: such a step is refus
 import math
 
 from .compile import copy_words, inlined, kernel, outlined, view
-from .environment import current_rate, prescribed_motion, surge_jump, vessel_motion
+from .consistency import vessel_jump
+from .environment import current_rate, surge_jump
 from .layout import (
     B_COMPLIANCE,
     B_MASS,
     BODY_WORDS,
     C_CLAMPED,
-    C_NODE,
     CONSTRAINT_WORDS,
     E_COMPLIANCE,
     E_LENGTH,
@@ -45,7 +45,6 @@ from .layout import (
     O_EDGE,
     O_INCREMENT,
     O_JOINT,
-    O_MOTION,
     O_POSITION,
     O_RESIDUAL,
     O_STAGE_A,
@@ -100,13 +99,18 @@ PASSES_OVER, FOLLOWS, SOLVED = 0, 1, 2
 
 
 @kernel
-def tension_tolerance(M):
-    """Error of the top tension that is allowed [N], by the largest tension so far.
+def promised_tension(M):
+    """What tensions may be wrong by [N], by the largest tension so far.
 
     A typical one stands for it at first.
     """
-    largest = max(M[S_LARGEST_TENSION], M[S_TENSION_SCALE])
-    return PROMISED * 10.0 * M[S_TOLERANCE] * largest
+    return 10.0 * M[S_TOLERANCE] * max(M[S_LARGEST_TENSION], M[S_TENSION_SCALE])
+
+
+@kernel
+def tension_tolerance(M):
+    """Error of a step's top tension that is allowed [N]."""
+    return PROMISED * promised_tension(M)
 
 
 @kernel
@@ -154,11 +158,7 @@ def filter_motion(I, M, motion, gamma_dt):
     newton_increment(I, M, forces, constraint, x)
     for n in range(count):
         motion[n] = x[n]
-    constraint[:] = 0.0
-    change = view(M, I[O_STAGE_V], words)
-    change[:] = 0.0
-    recover_tension(I, M, constraint, x, change)
-    return abs(change[2])
+    return top_stretch_tension(I, M, x)
 
 
 @outlined
@@ -378,17 +378,8 @@ def solve_at_end(I, M, dt):
 @kernel
 def begins_smoothly(I, M):
     """Whether the accelerations of vessel and water go on as they were in the last step."""
-    dimension = I[I_DIMENSION]
-    vessel_motion(I, M, M[S_TIME])
-    out = view(M, I[O_MOTION] + 16, 9)
-    row = I[O_CONSTRAINT]
-    prescribed_motion(I, M, row, M[S_TIME], out)
-    at = I[O_ACCELERATION] + 2 * dimension * int(M[row + C_NODE])
-    changed = 0.0
-    for i in range(dimension):
-        changed += (out[2 * dimension + i] - M[at + i]) ** 2
     surge, _most = surge_jump(I, M, M[S_TIME])
-    return inertia(I, M) * (math.sqrt(changed) + surge) <= SOLVED_FROM * tension_tolerance(M)
+    return inertia(I, M) * (vessel_jump(I, M) + surge) <= SOLVED_FROM * tension_tolerance(M)
 
 
 @kernel
