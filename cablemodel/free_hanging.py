@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from cablemodel import laid_loads
 from cablemodel.curves import crossing
 from cablemodel.instance.frame import vertical_plane
-from cablemodel.instance.scales import rate_at_start
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
@@ -122,7 +121,7 @@ class _Water:
         z = np.linspace(bottom, float(start[2]), STEPS + 1)
         past = laid_loads.water_velocity(scene, z) - scene.motion().evaluate(0.0)[1]
         self._rows = [tuple(row) for row in past.tolist()]
-        self.rate = rate_at_start(scene)
+        self.rate = scene.rate_at_start
         """Of the pay-out: the cable runs along its own shape [m/s]."""
 
     def at(self, share: float) -> Triple:

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel.instance.scales import rate_at_start
 from cablemodel.sea_floor import contact_weight
 
 if TYPE_CHECKING:
@@ -161,7 +160,7 @@ def lay_motion(scene: Scene) -> tuple[FloatArray, float]:
     """
     place, velocity = scene.motion().evaluate(0.0)[:2]
     velocity = np.asarray(velocity, dtype=np.float64)
-    rate = rate_at_start(scene)
+    rate = scene.rate_at_start
     floor, speed = scene.environment.floor, float(np.hypot(velocity[0], velocity[1]))
     if rate <= 0.0 or speed == 0.0 or velocity[2] != 0.0 or floor is None or floor.z is None:
         return velocity, rate
@@ -206,4 +205,4 @@ def is_dragged(scene: Scene) -> bool:
     rate = lay_rate(scene)
     floor = scene.environment.floor
     uneven = floor is not None and floor.z is None
-    return rate - rate_at_start(scene) > (UNEVEN if uneven else DRAGGED) * rate
+    return rate - scene.rate_at_start > (UNEVEN if uneven else DRAGGED) * rate

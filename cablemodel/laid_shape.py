@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from cablemodel import free_hanging, laid_loads
 from cablemodel.curves import crossing
-from cablemodel.instance.scales import rate_at_start
 from cablemodel.laid_loads import lay_angle
 from cablemodel.mesh import halved_where
 from cablemodel.sea_floor import (
@@ -87,7 +86,7 @@ def on_floor(scene: Scene, points: FloatArray, *, drawn: bool = False) -> Guess:
     hung = free_hanging.hang(scene, start, passed, drawn=drawn)
     if hung is None:
         return Guess(points)
-    laying = rate_at_start(scene) > 0.0 and not drawn
+    laying = scene.rate_at_start > 0.0 and not drawn
     length = hung.line_length - hung.arc
     if length <= 0.0:
         shape = np.vstack([bend, hung.points])
@@ -228,7 +227,7 @@ def _bend_of_lay(scene: Scene) -> tuple[FloatArray, FloatArray]:
     elements that are long against 1/|root|, of the slowest one, it swings from one to the next up
     the whole line instead, and Newton's method loses its way. Beyond, nothing turns.
     """
-    rate = rate_at_start(scene)
+    rate = scene.rate_at_start
     velocity = scene.motion().evaluate(0.0)[1]
     speed = float(np.hypot(velocity[0], velocity[1]))
     cable = scene.cables[-1]

@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from cablemodel.scene import Scene
     from cablemodel.scene.line import CableType
 
+KNOT = 1852.0 / 3600.0
+"""A knot [m/s]."""
 _AIR = 100.0
 """Densities [kg/m3] below this are air; nothing is surprising about it above z = 0."""
 _LIGHTEST, _HEAVIEST = 100.0, 12_000.0
@@ -28,6 +30,12 @@ _HEAVIER = 1e-6
 """Part of a weight in air by which rounding may make that in water the larger one."""
 _ABOVE_WATER = 0.01
 """Height [m] by which a cable may stand above z = 0 without a word."""
+_FASTEST = 20.0
+"""Speeds [m/s] of ships and water that tow or carry a cable (39 knots)."""
+_FASTEST_WINCH = 10.0
+"""Rates [m/s] of winches; a cable ship lays at up to 4, a linear winch runs at 6."""
+_THICKEST = 0.4
+"""Diameters [m] of cables and hoses; the thickest power cable has 0.3."""
 _EMPTY = 1e-6
 """Part of a pay-out that the drum may lack: rounding."""
 
@@ -44,6 +52,7 @@ def scene_warnings(scene: Scene) -> list[str]:
             f"({settings.duration:g} s): only the start and the end are output"
         )
     found += _angles_without_unit(scene)
+    found += _too_fast(scene)
     density = scene.environment.water_density
     if _TONNES[0] <= density <= _TONNES[1]:
         found.append(
@@ -65,6 +74,11 @@ def scene_warnings(scene: Scene) -> list[str]:
                 f"{scene.environment.water_density:g}): are its diameter ({kind.diameter:g} m) and "
                 f"its mass ({kind.mass:g} kg/m) right?"
             )
+        if kind.diameter > _THICKEST:
+            found.append(
+                f"cable type {name} is {kind.diameter:g} m thick; mm need their unit: is its "
+                "diameter right?"
+            )
         weight = kind.submerged_weight or 0.0
         if weight < 0.0 and scene.environment.waves is None:  # a surface to float on
             found.append(f"cable type {name} floats: its submerged weight is {weight:g} N/m")
@@ -73,12 +87,44 @@ def scene_warnings(scene: Scene) -> list[str]:
         if (body := item.body) is not None:
             what = f"body {body.name}" if body.name else "a body"
             found += _heavier_in_water(scene, what, body.submerged_weight, body.mass, "")
+            asked = "drag_area_axial" in body.model_fields_set or body.half_length == 0.0
+            if body.drag_area > 0.0 and not asked:
+                found.append(
+                    f"{what} has a drag_area, but no drag along its axis: drag_area_axial is "
+                    "not given"
+                )
     found += _end_of_the_drum(scene)
     for name, strain in _stretched_by_weight(scene).items():
         kind = scene.cable_types[name]
         found.append(
             f"cable type {name} would stretch by {100 * strain:.3g} % under the line's own weight; "
             + _stiffness_asked(kind)
+        )
+    return found
+
+
+def _too_fast(scene: Scene) -> list[str]:
+    """Speeds that no ship, water or winch has: units left out, or the wrong ones."""
+    found = []
+    velocities = scene.motion().typical_velocities()
+    speed = float(np.linalg.norm(velocities, axis=1).max())
+    if speed > _FASTEST:
+        found.append(
+            f"the tow point moves at up to {speed:.3g} m/s ({speed / KNOT:.3g} knots): is the "
+            "vessel's velocity right? kn need their unit"
+        )
+    if scene.environment.current is not None:
+        flow = float(np.linalg.norm(scene.environment.current.velocity, axis=-1).max())
+        if flow > _FASTEST:
+            found.append(
+                f"environment.current reaches {flow:.3g} m/s ({flow / KNOT:.3g} knots): is it "
+                "right? kn need their unit"
+            )
+    rate = max((row.rate for row in scene.payout.rate), key=abs)
+    if abs(rate) > _FASTEST_WINCH:
+        found.append(
+            f"payout.rate reaches {rate:.3g} m/s: no winch is as fast; is it right? m/min need "
+            "their unit"
         )
     return found
 

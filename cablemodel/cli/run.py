@@ -182,14 +182,17 @@ def explained_start(quiet: bool, console: Console | None = None) -> Iterator[Cal
     Gives a function to call when the start is over (the end of the block is, at the latest).
     """
 
-    def say() -> None:
-        from cablemodel.library import library_path
+    from cablemodel.instance import search
+    from cablemodel.library import library_path
 
+    if library_path() is None:
+        text = "Compiling the solver for this machine, once after an installation: a minute."
+    else:
         text = (
             "Looking for a static start: hard for this line; initial: {points: ...} gives it one."
         )
-        if library_path() is None:
-            text = "Compiling the solver for this machine, once after an installation: a minute."
+
+    def say() -> None:
         if console is not None:
             console.print(text, highlight=False)
         else:
@@ -197,10 +200,16 @@ def explained_start(quiet: bool, console: Console | None = None) -> Iterator[Cal
 
     timer = threading.Timer(_LONG_START, say)
     timer.daemon = True
-    if not quiet:
-        timer.start()
+
+    def begin() -> None:
+        if not quiet and timer.ident is None and not timer.finished.is_set():
+            timer.start()
+
+    if library_path() is None:
+        begin()
     try:
-        yield timer.cancel
+        with search.told(begin):
+            yield timer.cancel
     finally:
         timer.cancel()
 

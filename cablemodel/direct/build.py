@@ -128,17 +128,13 @@ def _tension_scale(scene: Scene) -> float:
 
 def _fill_motion(block: DirectBlock, pieces: FloatArray) -> None:
     """The scene's pieces from row 1 on (row 0 is the caller's live motion), and their kinks."""
-    from cablemodel.scene.motion import evaluate_piece
+    from cablemodel.scene.motion import jumps
 
     table = block.array(at.O_PIECES, len(pieces) + 1, at.PIECE_WORDS)
     table[1:] = pieces
-    table[1:, at.P_ACCELERATION_JUMP] = 0.0
-    for k in range(1, len(pieces)):
-        t = float(pieces[k, 0])
-        before = evaluate_piece(pieces[k - 1], t)
-        after = evaluate_piece(pieces[k], t)
-        jump = np.linalg.norm(after[2] - before[2]) + np.linalg.norm(after[1] - before[1])
-        table[1 + k, at.P_ACCELERATION_JUMP] = jump if jump > 1e-12 else 0.0
+    table[1, at.P_ACCELERATION_JUMP] = 0.0
+    jump = sum(jumps(pieces))
+    table[2:, at.P_ACCELERATION_JUMP] = np.where(jump > 1e-12, jump, 0.0)
 
 
 def _fill_materials(block: DirectBlock, scene: Scene) -> None:

@@ -82,6 +82,13 @@ def _refuse_ends(scene: Scene, refuse: object) -> None:
             "integration has no static state for it",
             "free, or initial: {points: [...]}",
         )
+    if scene.initial.velocities not in (None, "rest"):
+        refuse(
+            "initial.velocities",
+            scene.initial.velocities,
+            "direct integration starts points at rest",
+            "rest",
+        )
     drum = scene.payout.drum
     if drum and drum[-1].body is not None:
         refuse(

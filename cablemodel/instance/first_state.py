@@ -16,7 +16,7 @@ from cablemodel.instance import easier_ways, heading, laid_start, search
 from cablemodel.instance.attempts import Attempt
 from cablemodel.instance.frame import local
 from cablemodel.instance.line_tables import RIGID, STABILISATION
-from cablemodel.instance.scales import rate_at_start, sinks
+from cablemodel.instance.scales import sinks
 from cablemodel.kernels import layout as at
 
 if TYPE_CHECKING:
@@ -79,7 +79,7 @@ def stand_still(block: Block, scene: Scene) -> None:
 
     entry.place_supports(block.ints, block.reals)
     if block.ints[at.I_PAYOUT]:
-        block.reals[at.S_PAYOUT_RATE] = rate_at_start(scene)
+        block.reals[at.S_PAYOUT_RATE] = scene.rate_at_start
 
 
 def _is_crushed(block: Block, scene: Scene) -> bool:
@@ -230,7 +230,7 @@ def _start_flowing(block: Block, scene: Scene) -> None:
     A cable at rest would answer with an axial shock of EA rate / c. Where it is laid at the rate
     of the vessel's speed, what lies on the floor is at rest.
     """
-    rate = rate_at_start(scene)
+    rate = scene.rate_at_start
     given = scene.initial.velocities
     if isinstance(given, tuple):
         _give_velocities(block, scene, np.asarray(given, dtype=np.float64))

@@ -29,7 +29,7 @@ from cablemodel.instance.refinement import (
     spare_nodes,
 )
 from cablemodel.instance.refusals import refuse_unsupported
-from cablemodel.instance.scales import is_steady, rate_at_start, start_conditions, tension_scale
+from cablemodel.instance.scales import start_conditions, tension_scale
 from cablemodel.instance.search import OutOfTimeError, searching, what_is_hard
 from cablemodel.instance.winch import Winch, winch_of
 from cablemodel.kernels import layout as at
@@ -60,7 +60,7 @@ def build(scene: Scene, *, planar: bool | None = None, drum_room: float = 1.0) -
     first: StaticsError | None = None
     with searching(scene) as search:
         for attempt in _attempts(scene):
-            sought = scene if attempt.points is None and not is_steady(scene) else _steady(scene)
+            sought = scene if attempt.points is None and not scene.starts_steady else _steady(scene)
             built = _built_as_laid if attempt.as_laid else _built
             search.tries(described(attempt))
             try:
@@ -85,7 +85,7 @@ def build(scene: Scene, *, planar: bool | None = None, drum_room: float = 1.0) -
 
 def _say_if_drawn(block: Block, scene: Scene) -> None:
     """Warn of a lay whose slope draws at what lies, where no start was found that holds it."""
-    if rate_at_start(scene) <= 0.0 or not block.reals[at.S_LAID]:
+    if scene.rate_at_start <= 0.0 or not block.reals[at.S_LAID]:
         return
     hangs = np.flatnonzero(~laid_start.which_lie(block, scene))
     tension = block.array(at.O_TENSION, int(block.ints[at.I_NODES]), 2)[:, 0]
@@ -96,7 +96,7 @@ def _say_if_drawn(block: Block, scene: Scene) -> None:
 
 def _attempts(scene: Scene) -> Iterator[Attempt]:
     """All attempts for a scene; of points that take a steady motion, those from them last."""
-    if not is_steady(scene):
+    if not scene.starts_steady:
         yield from attempts(scene)
         return
     steady = _steady(scene)
@@ -157,7 +157,7 @@ def _built(
     if scene.initial.kind != "static":
         return build_on(nodes, guess, find=find)
 
-    stays = attempt.as_laid and rate_at_start(scene) > 0.0 and not laid_loads.is_dragged(scene)
+    stays = attempt.as_laid and scene.rate_at_start > 0.0 and not laid_loads.is_dragged(scene)
 
     def finer_block(nodes: list[FloatArray], block: Block) -> Block:
         """On more nodes, from a block; what has been laid stays where it is in that."""

@@ -14,7 +14,7 @@ import numpy as np
 
 from cablemodel import free_hanging
 from cablemodel.block import Block
-from cablemodel.instance.scales import pays_out, rate_at_start
+from cablemodel.instance.scales import pays_out
 from cablemodel.kernels import layout as at
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ def is_free(scene: Scene) -> bool:
         return False
     if scene.environment.water_density == 0.0:
         return not pays_out(scene)
-    moves = np.any(scene.motion().evaluate(0.0)[1]) or rate_at_start(scene) != 0.0
+    moves = np.any(scene.motion().evaluate(0.0)[1]) or scene.rate_at_start != 0.0
     return not moves and (current is None or not np.any(current.velocity))
 
 

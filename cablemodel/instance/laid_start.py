@@ -22,7 +22,6 @@ from numpy.typing import NDArray
 from cablemodel import laid_loads
 from cablemodel.block import Block
 from cablemodel.instance.frame import earth, local
-from cablemodel.instance.scales import rate_at_start
 from cablemodel.kernels import layout as at
 from cablemodel.kernels.tables import (
     CONTACT_H,
@@ -95,7 +94,7 @@ def coarser(scene: Scene) -> Scene | None:
 def _is_lay(scene: Scene) -> bool:
     """Whether a vessel under way pays out."""
     velocity = scene.motion().evaluate(0.0)[1]
-    return rate_at_start(scene) > 0.0 and bool(np.any(velocity[:2]))
+    return scene.rate_at_start > 0.0 and bool(np.any(velocity[:2]))
 
 
 def lie_still(
@@ -332,7 +331,7 @@ def _flow(block: Block, scene: Scene) -> tuple[FloatArray, FloatArray, FloatArra
     along = _along(block)
     water = laid_loads.water_velocity(scene, earth(block, _positions(block))[:, 2])
     velocity = local(block, scene.motion().evaluate(0.0)[1], point=False)
-    own = velocity + rate_at_start(scene) * along
+    own = velocity + scene.rate_at_start * along
     if block.reals[at.S_LAID]:
         own[which_lie(block, scene)] = 0.0
     flow = np.array([local(block, value, point=False) for value in water]) - own

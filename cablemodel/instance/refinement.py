@@ -16,7 +16,7 @@ from cablemodel.errors import StaticsError
 from cablemodel.instance.attempts import Attempt
 from cablemodel.instance.first_state import count_from_zero, solve_static, steady_velocity
 from cablemodel.instance.frame import earth
-from cablemodel.instance.scales import pays_out, rate_at_start, start_conditions
+from cablemodel.instance.scales import pays_out, start_conditions
 from cablemodel.kernels import layout as at
 
 if TYPE_CHECKING:
@@ -167,7 +167,7 @@ def _passed(block: Block) -> FloatArray:
 def guess_of(block: Block, scene: Scene) -> laid_shape.Guess:
     """The block's present shape; of cable that runs out, its stretch and its tensions too."""
     points, arcs = shape_of(block)
-    if rate_at_start(scene) <= 0.0:
+    if scene.rate_at_start <= 0.0:
         return laid_shape.Guess(points)
     count = int(block.ints[at.I_NODES])
     edges = block.array(at.O_EDGE, count, at.EDGE_WORDS)[1:]
@@ -205,11 +205,11 @@ def refine_touchdown(block: Block, scene: Scene, attempt: Attempt) -> None:
             # first step instead, it set the line ringing.
             entry.choose_bending(block.ints, block.reals)
         try:
-            anew = turn == 0 and rate_at_start(scene) <= 0.0
+            anew = turn == 0 and scene.rate_at_start <= 0.0
             if anew or not (stays and _rests_where_it_lies(block, scene, frame, attempt)):
                 solve_static(block, scene, frame, attempt)
         except StaticsError:
-            if attempt.as_laid and rate_at_start(scene) <= 0.0:
+            if attempt.as_laid and scene.rate_at_start <= 0.0:
                 raise  # without friction it may come to rest; a lay would be another one
             block.image[:] = at_rest
             break

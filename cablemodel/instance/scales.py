@@ -32,7 +32,7 @@ def tension_per_length(scene: Scene) -> list[float]:
     """
     rho = scene.environment.water_density
     gravity = scene.environment.gravity
-    speed = max(float(np.linalg.norm(v)) for v in scene.motion().typical_velocities())
+    speed = float(np.linalg.norm(scene.motion().typical_velocities(), axis=1).max())
     if scene.environment.current is not None:
         speed += float(np.max(np.linalg.norm(scene.environment.current.velocity, axis=-1)))
     water = sea(scene)
@@ -99,25 +99,3 @@ def pays_out(scene: Scene) -> bool:
 def is_flexible(scene: Scene, cable: Cable) -> bool:
     """Whether a cable passes no moment."""
     return cable.model == "cable" or scene.cable_types[cable.type].bending_stiffness == 0.0
-
-
-def is_steady(scene: Scene) -> bool:
-    """Whether a start from points takes the motion of a steady lay or tow."""
-    if scene.initial.kind != "points" or scene.end.kind != "free":
-        return False
-    if scene.initial.velocities is not None:
-        return scene.initial.velocities == "steady"
-    moves = bool(np.any(scene.motion().evaluate(0.0)[1]))
-    return moves and scene.environment.floor is not None and rate_at_start(scene) > 0.0
-
-
-def rate_at_start(scene: Scene) -> float:
-    """Pay-out rate just after t = 0 [m/s]; a table holds its first value before it begins.
-
-    An empty drum pays out nothing.
-    """
-    rates = scene.payout.rate
-    if not rates:
-        return 0.0
-    rate = float(np.interp(0.0, [row.t for row in rates], [row.rate for row in rates]))
-    return rate if scene.payout.drum else min(rate, 0.0)

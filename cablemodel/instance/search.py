@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import math
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from cablemodel import laid_loads
 from cablemodel.block import Block
-from cablemodel.instance.scales import is_flexible, rate_at_start
+from cablemodel.instance.scales import is_flexible
 from cablemodel.kernels import layout as at
 from cablemodel.sea_floor import contact_depth, touchdown_layer
 
@@ -60,6 +60,18 @@ class Search:
 
 
 _running: ContextVar[Search | None] = ContextVar("search", default=None)
+_told: ContextVar[Callable[[], None] | None] = ContextVar("told", default=None)
+
+
+@contextmanager
+def told(begins: Callable[[], None]) -> Iterator[None]:
+    """Call a function whenever an equilibrium is sought: tables have been read and filled by then,
+    and what takes long from there on is the search."""
+    token = _told.set(begins)
+    try:
+        yield
+    finally:
+        _told.reset(token)
 
 
 @contextmanager
@@ -81,6 +93,9 @@ def equilibrium(block: Block, frame: FloatArray) -> int:
     """
     from cablemodel import library as entry
 
+    begins = _told.get()
+    if begins is not None:
+        begins()
     search = _running.get()
     if search is None:
         return int(entry.equilibrium(block.ints, block.reals, frame))
@@ -99,7 +114,7 @@ def what_is_hard(scene: Scene) -> str:
     """What of a scene makes its start hard to find, in words; empty where nothing stands out."""
     hard = []
     velocity = scene.motion().evaluate(0.0)[1]
-    speed, rate = float(np.hypot(velocity[0], velocity[1])), rate_at_start(scene)
+    speed, rate = float(np.hypot(velocity[0], velocity[1])), scene.rate_at_start
     line, floor = laid_loads.pieces(scene), scene.environment.floor
     weight = math.fsum(p.weight * (p.end - p.start) for p in line if p.end > p.start)
     drag = math.fsum(p.normal * (p.end - p.start) for p in line if p.end > p.start) * speed**2

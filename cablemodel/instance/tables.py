@@ -126,20 +126,12 @@ def first_step(scene: Scene, start: Start, period: float) -> float:
 
 def fill_motion(block: Block, pieces: FloatArray) -> None:
     """The scene's pieces from row 1 on (row 0 is the caller's live motion), and their kinks."""
-    from cablemodel.scene.motion import evaluate_piece
+    from cablemodel.scene.motion import jumps
 
     table = block.array(at.O_PIECES, len(pieces) + 1, at.PIECE_WORDS)
     table[1:] = pieces
-    table[1:, at.P_ACCELERATION_JUMP] = 0.0
-    table[1:, at.P_VELOCITY_JUMP] = 0.0
-    for k in range(1, len(pieces)):
-        t = float(pieces[k, 0])
-        before = evaluate_piece(pieces[k - 1], t)
-        after = evaluate_piece(pieces[k], t)
-        jump = float(np.linalg.norm(after[1] - before[1]))
-        scale = float(np.linalg.norm(after[1]) + np.linalg.norm(before[1]))
-        table[1 + k, at.P_VELOCITY_JUMP] = jump if jump > 1e-9 * scale else 0.0
-        table[1 + k, at.P_ACCELERATION_JUMP] = np.linalg.norm(after[2] - before[2])
+    table[1, [at.P_VELOCITY_JUMP, at.P_ACCELERATION_JUMP]] = 0.0
+    table[2:, at.P_VELOCITY_JUMP], table[2:, at.P_ACCELERATION_JUMP] = jumps(pieces)
 
 
 def fill_current(block: Block, scene: Scene) -> None:

@@ -29,7 +29,6 @@ from cablemodel.instance.first_shape import drawn_by_weight, graded
 from cablemodel.instance.first_state import count_from_zero, steady_velocity
 from cablemodel.instance.frame import earth, local
 from cablemodel.instance.refinement import guess_of, refined
-from cablemodel.instance.scales import rate_at_start
 from cablemodel.kernels import layout as at
 from cablemodel.laid_loads import behind, water_velocity
 from cablemodel.laid_shape import Guess
@@ -112,7 +111,7 @@ def left(block: Block, scene: Scene, ways: Ways) -> Block:
 def _without_flow(block: Block, scene: Scene) -> Block:
     """The block with cable that stands still in its shape, where a winch pays out: the drag's
     derivatives are then those of a shape that turns, along which the flow turns with it."""
-    if rate_at_start(scene) == 0.0:
+    if scene.rate_at_start == 0.0:
         return block
     still = copy.deepcopy(block)
     nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Annotated, Any, ClassVar, TypeVar
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, GetJsonSchemaHandler, model_validator
 from pydantic.config import JsonDict
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
 
 from cablemodel.errors import shown
+from cablemodel.scene.rows import Rows
 from cablemodel.scene.units import Direction, Quantity, Vector, rejection
 
 Vector2 = tuple[float, float]
@@ -89,21 +91,26 @@ def also(*forms: JsonDict) -> Callable[[JsonDict], None]:
 _CLOSEST = 1e-9
 """Rows of a table nearer than this are the same place or time."""
 
-Row = TypeVar("Row", bound=SceneModel)
+Table = TypeVar("Table", bound=Sequence[Any])
 
 
-def in_order_of(key: str) -> Callable[[tuple[Row, ...]], tuple[Row, ...]]:
+def in_order_of(key: str) -> Callable[[Table], Table]:
     """A validator for tables: at least one row, and ``key`` rises strictly from row to row."""
 
-    def validate(rows: tuple[Row, ...]) -> tuple[Row, ...]:
+    def validate(rows: Table) -> Table:
         if not rows:
             raise rejection("the table is empty", "at least one row", rows)
-        for index in range(1, len(rows)):
-            before, here = getattr(rows[index - 1], key), getattr(rows[index], key)
-            if here - before < _CLOSEST:
-                word = "out of order:" if here < before else "twice the same"
-                problem = f"{word} {key} ({here:g} after {before:g})"
-                raise rejection(problem, f"{key} rising from row to row", here, (index, key))
+        if isinstance(rows, Rows):
+            values = rows.column(key)
+        else:
+            values = np.array([getattr(row, key) for row in rows])
+        wrong = np.flatnonzero(np.diff(values) < _CLOSEST)
+        if len(wrong):
+            index = int(wrong[0]) + 1
+            before, here = float(values[index - 1]), float(values[index])
+            word = "out of order:" if here < before else "twice the same"
+            problem = f"{word} {key} ({here:g} after {before:g})"
+            raise rejection(problem, f"{key} rising from row to row", here, (index, key))
         return rows
 
     return validate

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Mapping
 from functools import cached_property
 from typing import Annotated, Any
@@ -25,6 +24,7 @@ from cablemodel.scene.base import (
     also,
 )
 from cablemodel.scene.depth_table import DepthSurface
+from cablemodel.scene.rows import Rows
 from cablemodel.scene.tables import table_from_file
 from cablemodel.scene.units import Count, Quantity, Vector, rejection
 
@@ -152,7 +152,8 @@ class FloorPoint(SceneModel):
 
 def _floor_rows(value: Any, info: ValidationInfo) -> Any:
     if isinstance(value, str):
-        return table_from_file(value, info.context, columns=("x", "z"), optional=("y",))
+        columns = table_from_file(value, info.context, columns=("x", "z"), optional=("y",))
+        return Rows(FloorPoint, {"y": np.zeros(len(columns["x"])), **columns})
     return value
 
 
@@ -167,7 +168,7 @@ class Floor(SceneModel):
         default=(0.0, 0.0), description="point [x, y] where the plane has the height z"
     )
     depth_table: Annotated[
-        tuple[FloorPoint, ...] | None,
+        Rows[FloorPoint] | None,
         BeforeValidator(_floor_rows),
     ] = Field(
         default=None,
@@ -205,39 +206,55 @@ class Floor(SceneModel):
     @cached_property
     def grid_x(self) -> FloatArray:
         """East coordinates of the table, ascending, (nx,) [m]; empty for a plane."""
-        return _fixed(sorted({point.x for point in self.depth_table or ()}))
+        return self._grid[0]
 
     @cached_property
     def grid_y(self) -> FloatArray:
         """North coordinates of the table, ascending, (ny,) [m]; empty for a plane."""
-        return _fixed(sorted({point.y for point in self.depth_table or ()}))
+        return self._grid[1]
 
     @cached_property
     def grid_z(self) -> FloatArray:
         """Heights of the table, (nx, ny) [m]; empty for a plane."""
-        rows = sorted(self.depth_table or (), key=lambda point: (point.x, point.y))
-        return _fixed([point.z for point in rows]).reshape(len(self.grid_x), len(self.grid_y))
+        return self._grid[2]
+
+    @cached_property
+    def _grid(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        if self.depth_table is None:
+            return _fixed([]), _fixed([]), _fixed([]).reshape(0, 0)
+        xs, ys, order = _grid_order(self.depth_table)
+        heights = self.depth_table.column("z")[order]
+        return _fixed(xs), _fixed(ys), _fixed(heights.reshape(len(xs), len(ys)))
 
 
-def _check_grid(points: tuple[FloorPoint, ...]) -> None:
+def _grid_order(points: Rows[FloorPoint]) -> tuple[FloatArray, FloatArray, NDArray[np.intp]]:
+    """The grid's x and y, ascending, and its rows by x and then y."""
+    x, y = points.column("x"), points.column("y")
+    return np.unique(x), np.unique(y), np.lexsort((y, x))
+
+
+def _check_grid(points: Rows[FloorPoint]) -> None:
     allowed = (
         "a full grid: every x with every y, each once, at least two different x; for a profile "
         "along x leave out y"
     )
-    counts = Counter((point.x, point.y) for point in points)
-    places = set(counts)
-    columns, rows = {x for x, _ in places}, {y for _, y in places}
-    if len(places) < len(points):
-        (x, y), _ = counts.most_common(1)[0]
-        raise rejection(f"x = {x:g} m, y = {y:g} m is given twice", allowed, at=("depth_table",))
-    if len(places) < len(columns) * len(rows):
-        filled = Counter(x for x, _ in places)
-        x = min(x for x in columns if filled[x] < len(rows))
-        y = min(rows - {y for column, y in places if column == x})
+    xs, ys, order = _grid_order(points)
+    x, y = points.column("x")[order], points.column("y")[order]
+    twice = np.flatnonzero((np.diff(x) == 0.0) & (np.diff(y) == 0.0))
+    if len(twice):
+        n = int(twice[0])
+        problem = f"x = {x[n]:g} m, y = {y[n]:g} m is given twice"
+        raise rejection(problem, allowed, at=("depth_table",))
+    if len(points) < len(xs) * len(ys):
+        filled = np.unique(x, return_counts=True)[1]
+        hole = xs[np.flatnonzero(filled < len(ys))[0]]
+        missing = np.setdiff1d(ys, y[x == hole])[0]
         raise rejection(
-            f"the grid has holes: no z at x = {x:g} m, y = {y:g} m", allowed, at=("depth_table",)
+            f"the grid has holes: no z at x = {hole:g} m, y = {missing:g} m",
+            allowed,
+            at=("depth_table",),
         )
-    if len(columns) < 2:
+    if len(xs) < 2:
         raise rejection("the table is too short", allowed, at=("depth_table",))
 
 

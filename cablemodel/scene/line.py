@@ -134,6 +134,13 @@ class Cable(SceneModel):
     )
 
 
+def _along_the_axis(body: dict[str, Any], across: str, otherwise: float) -> float:
+    """What is left out along the axis of a body, from its fields before: those that are wrong are
+    missing, and refused anyway."""
+    value = body.get(across, otherwise) if body.get("half_length") == 0.0 else otherwise
+    return float(value)
+
+
 class Body(SceneModel):
     """A rigid body of revolution in the line or at its end.
 
@@ -178,11 +185,19 @@ class Body(SceneModel):
     )
     drag_coefficient: Coefficient = Field(default=1.0, description="of drag across the axis")
     drag_area_axial: Annotated[float, Quantity("m**2", at_least=0)] = Field(
-        default=0.0,
+        default_factory=lambda body: _along_the_axis(body, "drag_area", 0.0),
         description="area for drag along the axis, which this times drag_coefficient_axial makes "
-        "CdA_a",
+        "CdA_a; by default drag_area of a point, which has no axis, and 0 of a body with length",
+        json_schema_extra=lambda schema: schema.update(default="drag_area of a point, else 0"),
     )
-    drag_coefficient_axial: Coefficient = Field(default=1.0, description="of drag along the axis")
+    drag_coefficient_axial: Coefficient = Field(
+        default_factory=lambda body: _along_the_axis(body, "drag_coefficient", 1.0),
+        description="of drag along the axis; by default drag_coefficient of a point, and 1 of a "
+        "body with length",
+        json_schema_extra=lambda schema: schema.update(
+            default="drag_coefficient of a point, else 1"
+        ),
+    )
 
 
 class LineItem(SceneModel):

@@ -50,8 +50,8 @@ class VesselMotion:
     @classmethod
     def from_table(
         cls,
-        t: Sequence[float],
-        velocity: Sequence[Sequence[float]],
+        t: ArrayLike,
+        velocity: ArrayLike,
         position: Sequence[float],
         interpolation: str = "linear",
     ) -> VesselMotion:
@@ -151,8 +151,10 @@ class VesselMotion:
 
         n is the number of pieces, of which each begins with what the one before ends with.
         """
-        begins, ends = self.pieces[:, T_START], self.pieces[:, T_END]
-        return self.track(np.concatenate([begins, np.minimum(ends, begins + 1.0)]))[1]
+        begins = self.pieces[:, T_START]
+        later = np.minimum(self.pieces[:, T_END] - begins, 1.0)
+        found = [_rates(self.pieces, tau)[0] for tau in (np.zeros(len(later)), later)]
+        return np.concatenate(found)
 
     def is_planar(self) -> bool:
         """Whether the tow point stays in one vertical plane."""
@@ -306,10 +308,39 @@ def evaluate_piece(piece: FloatArray, t: float) -> tuple[FloatArray, FloatArray,
     return _polynomial(piece[SHAPE : SHAPE + 15].reshape(DEGREE + 1, 3), tau)
 
 
+def jumps(pieces: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Jumps of velocity [m/s] and acceleration [m/s2] from piece to piece, (n - 1,) each.
+
+    A jump of the velocity that is rounding is none.
+    """
+    spans = pieces[1:, T_START] - pieces[:-1, T_START]
+    ends, begins = _rates(pieces[:-1], spans), _rates(pieces[1:], np.zeros(len(spans)))
+    size = np.linalg.norm(begins[0], axis=1) + np.linalg.norm(ends[0], axis=1)
+    velocity = np.linalg.norm(begins[0] - ends[0], axis=1)
+    velocity[velocity <= 1e-9 * size] = 0.0
+    return velocity, np.linalg.norm(begins[1] - ends[1], axis=1)
+
+
+def _rates(pieces: FloatArray, tau: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Velocities [m/s] and accelerations [m/s2], (n, 3), of pieces at times (n,) from their starts
+    [s]."""
+    c = pieces[:, SHAPE : SHAPE + 3 * (DEGREE + 1)].reshape(-1, DEGREE + 1, 3).transpose(1, 0, 2)
+    t = tau[:, None]
+    velocity, acceleration = _velocity(c, t), _acceleration(c, t)
+    for n in np.flatnonzero(pieces[:, KIND] == ARC):
+        velocity[n], acceleration[n] = evaluate_piece(pieces[n], pieces[n, T_START] + tau[n])[1:]
+    return velocity, acceleration
+
+
 def _polynomial(c: FloatArray, tau: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Its value and both derivatives, from the coefficients of its powers, (DEGREE + 1, ...)."""
-    return (
-        c[0] + tau * (c[1] + tau * (c[2] + tau * (c[3] + tau * c[4]))),
-        c[1] + tau * (2 * c[2] + tau * (3 * c[3] + tau * 4 * c[4])),
-        2 * c[2] + tau * (6 * c[3] + tau * 12 * c[4]),
-    )
+    place = c[0] + tau * (c[1] + tau * (c[2] + tau * (c[3] + tau * c[4])))
+    return place, _velocity(c, tau), _acceleration(c, tau)
+
+
+def _velocity(c: FloatArray, tau: Any) -> FloatArray:
+    return np.asarray(c[1] + tau * (2 * c[2] + tau * (3 * c[3] + tau * 4 * c[4])))
+
+
+def _acceleration(c: FloatArray, tau: Any) -> FloatArray:
+    return np.asarray(2 * c[2] + tau * (6 * c[3] + tau * 12 * c[4]))

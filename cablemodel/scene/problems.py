@@ -11,6 +11,7 @@ from typing import Annotated, Any, Union, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 
 from cablemodel.errors import SceneProblem, shown
+from cablemodel.scene.rows import Rows
 
 _MOST = 20
 _KEY_MARK = "[key]"
@@ -103,7 +104,7 @@ def _type_at(root: type[BaseModel], location: Location) -> Any:
         if _is_model(here):
             field = here.model_fields.get(str(part))
             here = _bare(field.annotation) if field is not None else None
-        elif get_origin(here) is tuple:
+        elif get_origin(here) in (tuple, Rows):
             here = _bare(get_args(here)[0])
         elif get_origin(here) in (dict, Mapping):
             here = _bare(get_args(here)[1])

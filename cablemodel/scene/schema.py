@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Annotated, Any, Literal
 
+import numpy as np
 import yaml
 from pydantic import Field, PrivateAttr, ValidationInfo, field_validator, model_validator
 
@@ -264,6 +265,9 @@ class Scene(SceneModel):
             problem = f"the tow point moves at {speed:g} m/s and would tear a cable at rest along"
             allowed = "steady, or a velocity for each of points"
             yield SceneProblem("initial.velocities", "rest", problem, allowed)
+        if self.initial.velocities == "steady" and anchor is not None and speed > 0.0:
+            problem = f"the tow point moves at {speed:g} m/s away from an anchor"
+            yield SceneProblem("initial.velocities", "steady", problem, "one for each of points")
         if self.initial.straight is not None and anchor is not None:
             along = self.initial.straight
             far = tuple(s + self._span * a for s, a in zip(start, along, strict=True))
@@ -354,13 +358,34 @@ class Scene(SceneModel):
             kept = self._motion = self.vessel, self.vessel.motion()
         return kept[1]
 
+    @property
+    def rate_at_start(self) -> float:
+        """Pay-out rate just after t = 0 [m/s]; a table holds its first value before it begins.
+
+        An empty drum pays out nothing.
+        """
+        rates = self.payout.rate
+        if not rates:
+            return 0.0
+        rate = float(np.interp(0.0, [row.t for row in rates], [row.rate for row in rates]))
+        return rate if self.payout.drum else min(rate, 0.0)
+
+    @property
+    def starts_steady(self) -> bool:
+        """Whether a start from points takes the motion of a steady lay or tow."""
+        if self.initial.points is None or self.end.anchor is not None:
+            return False
+        if self.initial.velocities is not None:
+            return self.initial.velocities == "steady"
+        moves = bool(np.any(self.motion().evaluate(0.0)[1]))
+        return moves and self.environment.floor is not None and self.rate_at_start > 0.0
+
     def rest_under_way(self) -> str:
         """What to know of points that start at rest under a tow point that moves; else empty."""
         speed = math.hypot(*(float(part) for part in self.motion().evaluate(0.0)[1]))
-        pays_out = self.environment.floor is not None and self.payout.rate and self.payout.drum
-        if self.initial.points is None or self.initial.velocities is not None or pays_out:
+        if self.initial.points is None or self.initial.velocities is not None or speed == 0.0:
             return ""
-        if speed == 0.0:
+        if self.starts_steady and self.solver.method == "finite_element":
             return ""
         return (
             f"initial.points start at rest under a tow point that moves at {speed:g} m/s: the "

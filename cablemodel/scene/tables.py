@@ -4,15 +4,21 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Sequence
+import warnings
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from cablemodel.errors import shown
 from cablemodel.scene.units import rejection
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
+
+FloatArray = NDArray[np.float64]
 
 _VELOCITY_TYPES = ("nav_msgs/msg/Odometry", "geometry_msgs/msg/TwistStamped")
 _FAR_END = "/end_odom"
@@ -23,8 +29,8 @@ _TOW_POINT = "/applied_odom"
 
 def velocity_from_file(
     name: str, context: Any, topic: str | None, at: tuple[str, ...]
-) -> list[dict[str, Any]]:
-    """Rows of vessel velocity, ``{t, velocity}`` in SI and ENU, from a CSV or MCAP file.
+) -> tuple[FloatArray, FloatArray]:
+    """Times (n,) [s] and velocities (n, 3) [m/s], ENU, of a vessel from a CSV or MCAP file.
 
     Args:
         name: the file, relative to the folder of the scene.
@@ -43,19 +49,19 @@ def velocity_from_file(
     if topic is not None:
         allowed = "no topic with a CSV file"
         raise rejection("only an MCAP file has topics", allowed, topic, (*at[:-1], "topic"))
-    rows = _rows_from_csv(path, ("t", "vx", "vy", "vz"), (), at)
-    return [{"t": row["t"], "velocity": (row["vx"], row["vy"], row["vz"])} for row in rows]
+    columns = _columns_from_csv(path, ("t", "vx", "vy", "vz"), (), at)
+    return columns["t"], np.stack([columns[name] for name in ("vx", "vy", "vz")], axis=1)
 
 
 def table_from_file(
     name: str, context: Any, columns: Sequence[str], optional: Sequence[str] = ()
-) -> list[dict[str, float]]:
-    """Rows of a CSV file with a header, SI, by column name; other columns are left out.
+) -> dict[str, FloatArray]:
+    """Columns (n,) of a CSV file with a header, SI, by name; other columns are left out.
 
     Raises:
         PydanticCustomError: no such file, a missing column, or a cell that is not a number.
     """
-    return _rows_from_csv(_found(name, context, ()), columns, optional, ())
+    return _columns_from_csv(_found(name, context, ()), columns, optional, ())
 
 
 def _found(name: str, context: Any, at: tuple[str, ...]) -> Path:
@@ -71,42 +77,81 @@ def _found(name: str, context: Any, at: tuple[str, ...]) -> Path:
     return path
 
 
-def _rows_from_csv(
+def _columns_from_csv(
     path: Path, columns: Sequence[str], optional: Sequence[str], at: tuple[str, ...]
-) -> list[dict[str, float]]:
+) -> dict[str, FloatArray]:
     allowed = f"a CSV file with commas, a first line {','.join(columns)}"
     allowed += f" (and {','.join(optional)})" if optional else ""
     allowed += " and below it numbers in SI"
     try:
         with path.open(newline="", encoding="utf-8-sig") as stream:
-            lines = list(csv.reader(stream))
+            reader = csv.reader(stream)
+            header = [cell.strip() for cell in next(filter(_is_filled, reader), [])]
+            for column in columns:
+                if column not in header:
+                    problem = f"{path.name} has no column {column}, its first line is"
+                    problem += f" {shown(','.join(header))}"
+                    raise rejection(problem, allowed, path.name, at)
+            names = [column for column in (*columns, *optional) if column in header]
+            places = [header.index(column) for column in names]
+            first = reader.line_num  # the lines before it are the header's
+        table = _numbers(path, first, places)
+        if table is None:
+            table = _cells(path, first, dict(zip(names, places, strict=True)), allowed, at)
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise rejection(f"{path.name} cannot be read ({error})", allowed, path.name, at) from None
-    numbered = [(number, line) for number, line in enumerate(lines, 1) if "".join(line).strip()]
-    header = [cell.strip() for cell in numbered[0][1]] if numbered else []
-    for column in columns:
-        if column not in header:
-            problem = f"{path.name} has no column {column}, its first line is"
-            raise rejection(f"{problem} {shown(','.join(header))}", allowed, path.name, at)
-    places = {column: header.index(column) for column in (*columns, *optional) if column in header}
-    rows = []
-    for number, line in numbered[1:]:
-        try:
-            row = {column: float(line[place]) for column, place in places.items()}
-        except (ValueError, IndexError):
-            row = {}
-        if not row or not all(map(math.isfinite, row.values())):
-            problem = f"line {number} of {path.name} is not all finite numbers"
-            raise rejection(problem, allowed, ",".join(line), at)
-        rows.append(row)
-    if not rows:
+    if len(table) == 0:
         raise rejection(f"{path.name} has no rows", allowed, path.name, at)
-    return rows
+    return dict(zip(names, np.ascontiguousarray(table.T), strict=True))
+
+
+def _is_filled(line: list[str]) -> bool:
+    return bool("".join(line).strip())
+
+
+def _numbers(path: Path, first: int, places: Sequence[int]) -> FloatArray | None:
+    """The cells in some columns below a line, (rows, columns); None: they are not all numbers."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # no rows
+            table = np.loadtxt(
+                path, delimiter=",", skiprows=first, usecols=places, ndmin=2, comments=None,
+                quotechar='"', encoding="utf-8-sig",
+            )  # fmt: skip
+    except ValueError:
+        return None
+    return table if np.isfinite(table).all() else None
+
+
+def _cells(
+    path: Path, first: int, places: Mapping[str, int], allowed: str, at: tuple[str, ...]
+) -> FloatArray:
+    """The same, cell by cell: slowly, and with a word about the one that is none."""
+    rows = []
+    with path.open(newline="", encoding="utf-8-sig") as stream:
+        reader = csv.reader(stream)
+        for line in reader:
+            if reader.line_num <= first or not _is_filled(line):
+                continue
+            row = []
+            for column, place in places.items():
+                cell = line[place] if place < len(line) else ""
+                try:
+                    number = float(cell)
+                except ValueError:
+                    number = math.nan
+                if not math.isfinite(number):
+                    problem = f"line {reader.line_num} of {path.name}, column {column}: "
+                    problem += f"{shown(cell)} is no finite number"
+                    raise rejection(problem, allowed, ",".join(line), at)
+                row.append(number)
+            rows.append(row)
+    return np.array(rows).reshape(-1, len(places))
 
 
 def _velocity_from_mcap(
     path: Path, topic: str | None, at: tuple[str, ...], notes: list[str]
-) -> list[dict[str, Any]]:
+) -> tuple[FloatArray, FloatArray]:
     """Velocity over time from Odometry or TwistStamped messages; t = 0 is the first one's stamp.
 
     Odometry gives its twist in the child frame, so it is turned by the pose; TwistStamped is taken
@@ -135,15 +180,15 @@ def _velocity_from_mcap(
     if not rows:
         raise rejection(f"{path.name} has no message on {chosen}", allowed, path.name, at)
     start = rows[0][0]
-    table: list[dict[str, Any]] = []
+    times: list[float] = []
     for stamp, velocity in rows:
         seconds = (stamp - start) * 1e-9
-        if not all(map(math.isfinite, velocity)) or (table and seconds <= table[-1]["t"]):
+        if not all(map(math.isfinite, velocity)) or (times and seconds <= times[-1]):
             problem = f"{chosen} in {path.name}, {seconds:g} s after its start: "
             problem += "the velocity is not finite, or the time stamp does not rise"
             raise rejection(problem, allowed, path.name, at)
-        table.append({"t": seconds, "velocity": velocity})
-    return table
+        times.append(seconds)
+    return np.array(times), np.array([velocity for _, velocity in rows], dtype=np.float64)
 
 
 class _RefusedError(Exception):

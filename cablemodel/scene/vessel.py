@@ -33,6 +33,7 @@ from cablemodel.scene.base import (
 )
 from cablemodel.scene.line import Connection, LineItem
 from cablemodel.scene.motion import VesselMotion
+from cablemodel.scene.rows import Rows
 from cablemodel.scene.tables import velocity_from_file
 from cablemodel.scene.units import Quantity, Vector, rejection
 
@@ -60,14 +61,15 @@ def _velocity_rows(value: Any, info: ValidationInfo) -> Any:
     if isinstance(value, str):
         named = f"; a file is named by {{file: {value}}}" if _FILE_NAME.search(value) else ""
         raise rejection(f"{shown(value)} is a text{named}", allowed, value)
-    if not isinstance(value, Mapping):
+    if not isinstance(value, Mapping):  # also rows that were read before
         return value
     if set(value) - {"file", "topic"} or not isinstance(value.get("file"), str):
         raise rejection(f"{shown(value)} is not understood", allowed, value)
     topic = value.get("topic")
     if topic is not None and not isinstance(topic, str):
         raise rejection(f"{shown(topic)} is not a text", "name of a topic", topic, ("topic",))
-    return velocity_from_file(value["file"], info.context, topic, ("file",))
+    times, velocities = velocity_from_file(value["file"], info.context, topic, ("file",))
+    return Rows(VelocityPoint, {"t": times, "velocity": velocities})
 
 
 _FILE_FORM: JsonDict = {
@@ -187,7 +189,7 @@ class Vessel(SceneModel):
         description="how the cable is held: pinned, or clamped in a direction",
     )
     velocity: Annotated[
-        tuple[VelocityPoint, ...] | None,
+        Rows[VelocityPoint] | None,
         AfterValidator(lambda rows: rows if rows is None else in_order_of("t")(rows)),
         BeforeValidator(_velocity_rows),
     ] = Field(
@@ -219,9 +221,10 @@ class Vessel(SceneModel):
             return VesselMotion.from_path(self.path, self.position)
         if self.velocity is None:
             return VesselMotion.from_table([0.0], [(0.0, 0.0, 0.0)], self.position)
-        times = [row.t for row in self.velocity]
-        velocities = [row.velocity for row in self.velocity]
-        return VesselMotion.from_table(times, velocities, self.position, self.interpolation)
+        table = self.velocity
+        return VesselMotion.from_table(
+            table.column("t"), table.column("velocity"), self.position, self.interpolation
+        )
 
 
 class RatePoint(SceneModel):

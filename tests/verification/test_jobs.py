@@ -194,3 +194,55 @@ def test_a_heavy_fish_in_a_steady_turn_has_a_steady_tension(tolerance):
     promise = 10.0 * tolerance * max(tensions)
     assert np.ptp(tensions) < 0.5 * promise
     assert np.mean(tensions) == pytest.approx(14_490.0, abs=promise)
+
+
+def towed_depth(cable: dict, weight: float, drag: float, speed: float, length: float):
+    """Depth [m] of a body and top tension [N] of a steady straight-ahead tow: balance of forces
+    along a cable without bending, from the body upwards."""
+    rho, d = 1025.0, cable["diameter"]
+    w = (cable["mass"] - rho * np.pi / 4 * d**2) * 9.80665
+
+    def slopes(s, state):
+        tension, angle = state[:2]  # from the horizontal
+        across, along = speed * np.sin(angle), speed * np.cos(angle)
+        normal = 0.5 * rho * cable["drag_normal"] * d * across**2
+        tangential = 0.5 * rho * cable["drag_tangential"] * np.pi * d * along**2
+        stretch = 1.0 + tension / cable["axial_stiffness"]
+        return [
+            w * np.sin(angle) + tangential,
+            (w * np.cos(angle) - normal) / tension,
+            stretch * np.sin(angle),
+        ]
+
+    start = [np.hypot(weight, drag), np.arctan2(weight, drag), 0.0]
+    tension, _, depth = solve_ivp(slopes, (0.0, length), start, rtol=1e-10, atol=1e-9).y[:, -1]
+    return depth, tension
+
+
+def test_a_fish_without_an_axial_drag_area_is_a_sphere():
+    """Its area along the axis was 0 without a word: 455.7 N held a fish of 500 N."""
+    cable = {
+        "diameter": 8.2e-3, "mass": 0.27, "axial_stiffness": 3e6, "bending_stiffness": 1.0,
+        "drag_normal": 1.5, "drag_tangential": 0.01,
+    }  # fmt: skip
+    fish = {"mass": 80, "submerged_weight": 500, "drag_area": 0.15, "drag_coefficient": 0.3}
+    speed = 6.0 * 1852.0 / 3600.0
+    scene = {
+        "cable_types": {"tow": cable},
+        "line": [{"cable": {"type": "tow", "length": 500}}, {"body": fish}],
+        "vessel": {"velocity": [speed, 0, 0]},
+    }
+    model = cm.CableModel(cm.load_scene(scene))
+    drag = 0.5 * 1025.0 * 0.15 * 0.3 * speed**2
+    depth, tension = towed_depth(cable, 500.0, drag, speed, 500.0)
+    assert -model.tip_position[2] == pytest.approx(depth, abs=1e-3 * 500.0 * 0.1)
+    assert model.top_tension == pytest.approx(tension, rel=1e-3)
+    assert model.state().tension[-1] == pytest.approx(np.hypot(500.0, drag), rel=1e-3)
+    # Another coefficient along the axis is that of the area across it, and a given area counts.
+    for axial in ({"drag_coefficient_axial": 0.3}, {"drag_area_axial": 0.15}):
+        scene["line"][1] = {"body": fish | axial}
+        same = cm.CableModel(cm.load_scene(scene))
+        assert same.top_tension == model.top_tension
+    scene["line"][1] = {"body": fish | {"half_length": 0.5, "rotary_inertia": 1.0}}
+    body = cm.load_scene(scene).bodies[0]
+    assert (body.drag_area_axial, body.drag_coefficient_axial) == (0.0, 1.0)

@@ -264,6 +264,35 @@ def test_rest_under_a_ship_that_moves_is_refused() -> None:
         cm.load_scene(from_points(velocities="rest"))
 
 
+def test_no_line_to_an_anchor_moves_steadily() -> None:
+    data = from_points(velocities="steady") | {"end": {"anchor": [-2285, 0, -500]}}
+    with pytest.raises(cm.SceneError, match=r"initial.velocities.*away from an anchor"):
+        cm.load_scene(data)
+
+
+@pytest.mark.parametrize("change", ["winch stands", "drum is empty", "anchored", "direct"])
+def test_rest_under_a_ship_that_moves_is_told(change: str) -> None:
+    """Where nothing asks for the steady lay: it was not told of under a full drum that stands."""
+    data = from_points()
+    assert not cm.load_scene(data).notes
+    if change == "winch stands":
+        data["payout"]["rate"] = 0.0
+    elif change == "drum is empty":
+        del data["payout"]["drum"]
+    elif change == "anchored":
+        data["end"] = {"anchor": [-2285, 0, -500]}
+    else:
+        data["solver"] = {"method": "direct_integration"}
+    (note,) = cm.load_scene(data).notes
+    assert "start at rest under a tow point that moves at 2 m/s" in note
+
+
+def test_direct_integration_refuses_velocities_of_points() -> None:
+    data = from_points(velocities="steady") | {"solver": {"method": "direct_integration"}}
+    with pytest.raises(cm.SceneError, match=r"initial.velocities.*starts points at rest"):
+        cm.CableModel(cm.load_scene(data))
+
+
 def test_a_start_that_takes_too_long_says_what_was_tried() -> None:
     """And what makes it hard; a limit of no time at all is the shortest there is."""
     scene, _ = lay(LIGHT, 5.0, 4000.0, bending=20.0)
