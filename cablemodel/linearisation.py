@@ -11,6 +11,14 @@ from cablemodel.kernels import layout as at
 
 FloatArray = NDArray[np.float64]
 
+OWN = 0.2
+"""Share of the stabilisation in what holds a motion above which it is the elements' own."""
+LOCKED = 0.1
+"""Of what holds motions across an element that bends: more of it would hold them too."""
+STIFFEST = 1e6
+"""Of the stabilisation: what is stiffer drowns all else in rounding, at 1e8."""
+ROUNDING = 1e-12
+
 
 def small_motions(block: Block) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Mass, damping, stiffness, (n, n) each; tension is condensed out. The block stays as it is."""
@@ -25,15 +33,46 @@ def small_motions(block: Block) -> tuple[FloatArray, FloatArray, FloatArray]:
     return basis.T @ mass @ basis, basis.T @ damping @ basis, basis.T @ stiffness @ basis
 
 
-def natural_frequencies(
-    mass: FloatArray, _damping: FloatArray, stiffness: FloatArray, count: int
-) -> FloatArray:
-    """The lowest undamped ones [rad/s], (count,)."""
+def natural_frequencies(block: Block, count: int) -> FloatArray:
+    """The lowest undamped ones [rad/s], (count,), or as many as the mesh has; the block stays.
+
+    The third mode of an element's strain is held by a stabilisation that is a number, not a
+    property of the cable: with that, elements stretch and shorten within themselves at frequencies
+    among those of the line. Here it is the cable's own stiffness where an element is straight; of
+    one that bends, which may not be held like that, a frequency that depends on the stabilisation
+    is left out.
+    """
     from scipy.linalg import eigh
 
-    symmetric = 0.5 * (stiffness + stiffness.T), 0.5 * (mass + mass.T)
-    values = eigh(*symmetric, eigvals_only=True)
-    return np.asarray(np.sqrt(np.maximum(values[:count], 0.0)), dtype=np.float64)
+    edges = block.array(at.O_EDGE, int(block.ints[at.I_NODES]), at.EDGE_WORDS)
+    kept = edges[:, at.E_STABILISATION].copy()
+    edges[:, at.E_STABILISATION] = stiff = _stiffened(block)
+    mass, _damping, stiffness = (0.5 * (m + m.T) for m in small_motions(block))
+    bent = stiff * edges[:, at.E_COMPLIANCE] < 1.0 - ROUNDING
+    edges[bent, at.E_STABILISATION] *= 2.0
+    stiffer = small_motions(block)[2]
+    edges[:, at.E_STABILISATION] = kept
+    values, motions = eigh(stiffness, mass)
+    # The derivative of the square of a frequency to the stabilisation, in units of both.
+    change = np.einsum("im,ij,jm->m", motions, 0.5 * (stiffer + stiffer.T) - stiffness, motions)
+    cable = change < OWN * np.abs(values) + ROUNDING * np.abs(values).max()
+    return np.asarray(np.sqrt(np.maximum(values[cable][:count], 0.0)), dtype=np.float64)
+
+
+def _stiffened(block: Block) -> FloatArray:
+    """The stabilisation of each element [N], (nodes,): EA, or where the element turns by an angle a
+    as much as takes from its motions across, which tension holds, a share of `LOCKED`."""
+    nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
+    edges = block.array(at.O_EDGE, nodes, at.EDGE_WORDS)
+    slopes = block.array(at.O_POSITION, nodes, 2, dimension)[:, 1]
+    slopes = slopes / np.linalg.norm(slopes, axis=1, keepdims=True)
+    turn = np.linalg.norm(slopes - slopes[block.integers(at.O_PARENT, nodes)], axis=1)
+    tension = np.abs(block.array(at.O_TENSION, nodes, 2)[:, 0])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        most = np.where(turn > ROUNDING, LOCKED * tension / turn**2, np.inf)
+        axial = np.where(edges[:, at.E_COMPLIANCE] > 0.0, 1.0 / edges[:, at.E_COMPLIANCE], 0.0)
+    most = np.minimum(most, STIFFEST * edges[:, at.E_STABILISATION])
+    return np.maximum(edges[:, at.E_STABILISATION], np.minimum(axial, most))
 
 
 def newton_blocks(

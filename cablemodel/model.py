@@ -580,10 +580,14 @@ class CableModel:
         return small_motions(self._finite_elements("linearise"))
 
     def natural_frequencies(self, count: int = 5) -> FloatArray:
-        """The lowest natural frequencies about the present state [rad/s], (count,)."""
+        """The lowest natural frequencies about the present state [rad/s], (count,).
+
+        Fewer where the mesh has no more. Those by which elements stretch and shorten within
+        themselves, which are no property of the cable, are left out.
+        """
         from cablemodel.linearisation import natural_frequencies
 
-        return natural_frequencies(*self.linearise(), count)
+        return natural_frequencies(self._finite_elements("natural_frequencies"), count)
 
     def _finite_elements(self, what: str) -> Block:
         """The block of the finite elements; other solvers have no such analysis."""

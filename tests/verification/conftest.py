@@ -20,10 +20,6 @@ LIMITS = {
         "lays start at their own tolerance only: 0.066 of the length apart, 0.051 asked"
     ),
     "test_converges_to_the_table": _TIGHT,
-    "test_axial_mode_with_an_end_mass[0.0]": (
-        "weightless, unstretched line: nothing to scale the stabilised mode by, so axial modes "
-        "converge like h^2 instead of h^4"
-    ),
     "test_run_does_not_depend_on_the_speed_of_the_frame": (
         "positions within the tolerance, not within a hundredth of it: time steps differ"
     ),
