@@ -42,6 +42,8 @@ class Attempt:
     where it pushes, what lies is not pushed aside by it (first_shape, free_hanging)."""
     halved: bool = False
     """On elements half as long."""
+    hung: bool = False
+    """From where a chain hangs between two held ends, with its bodies (held_line)."""
     bight: bool = False
     """From a catenary between two ends that are close to each other, on elements graded to it."""
 
@@ -52,6 +54,7 @@ def described(attempt: Attempt) -> str:
     words += ["by clamps and floors that are set bit by bit"] * attempt.patient
     words += ["from where the current draws it"] * attempt.swept
     words += ["on elements half as long"] * attempt.halved
+    words += ["from where a chain hangs"] * attempt.hung
     words += ["from a bight"] * attempt.bight
     words += ["from the points"] * (attempt.points is not None)
     return ", ".join(words)
@@ -62,6 +65,8 @@ def attempts(scene: Scene) -> Iterator[Attempt]:
     laid = laid_start.applies(scene)
     if laid:
         yield Attempt(as_laid=True)
+    if scene.end.kind == "anchor" and len(scene.line) > 1 and laid_shape.surplus(scene) <= 0.0:
+        yield Attempt(hung=True)
     yield Attempt()
     if scene.initial.kind != "static" or laid_shape.surplus(scene) > 0.0:
         return  # slack to an anchor has no single shape: it must not depend on where one begins

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from cablemodel import laid_loads, laid_shape, sea_floor, waves
 from cablemodel.block import Block
 from cablemodel.errors import DrawnStartWarning, StaticsError
-from cablemodel.instance import laid_start, line_tables, tables, unstable_start
+from cablemodel.instance import held_line, laid_start, line_tables, tables, unstable_start
 from cablemodel.instance.attempts import Attempt, attempts, described
 from cablemodel.instance.first_shape import bight, first_points, graded, place_nodes
 from cablemodel.instance.first_state import find_initial_state, stand_still
@@ -131,23 +131,26 @@ def _built(
     attempt: Attempt,
 ) -> Block:
     scale = tension_scale(scene)
-    hangs = None
+    hangs = hung = None
     if attempt.lies is not None:
         guess = guess_of(attempt.lies, scene)
     elif attempt.points is not None:
         guess = laid_shape.Guess(attempt.points)
     else:
         position = scene.motion().evaluate(0.0)[0]
+        hung = held_line.hung(scene, position) if attempt.hung else None
         points = first_points(scene, position, swept=attempt.swept)
         hangs = bight(scene, position) if attempt.bight else None
         if hangs is not None:
             points = hangs.points
-        guess = laid_shape.on_floor(scene, points, drawn=attempt.swept)
+        guess = hung or laid_shape.on_floor(scene, points, drawn=attempt.swept)
     points = guess.points
     sea_floor.check(scene, points)
     nodes = line_nodes(spans_of(scene, scale), scene.solver.tolerance, start_conditions(scene))
     if hangs is not None:
         nodes = graded(scene, nodes, hangs.bends, hangs.layers)
+    if hung is not None:
+        nodes = held_line.graded(scene, nodes, hung)
     nodes = laid_shape.refine_guess(scene, nodes, guess)
     nodes = waves.refine(scene, nodes, points)
     if attempt.halved:

@@ -246,3 +246,73 @@ def test_a_fish_without_an_axial_drag_area_is_a_sphere():
     scene["line"][1] = {"body": fish | {"half_length": 0.5, "rotary_inertia": 1.0}}
     body = cm.load_scene(scene).bodies[0]
     assert (body.drag_area_axial, body.drag_coefficient_axial) == (0.0, 1.0)
+
+
+def cage_above_vehicle(**tether) -> dict:
+    """A cage on 1,000 m of umbilical below a ship (the anchor), and a vehicle (the tow point) on a
+    tether that is far too long for the way between them; in a current along x."""
+    return {
+        "environment": {"current": [0.3, 0, 0]},
+        "cable_types": {
+            "umbilical": {
+                "diameter": 0.032, "mass": 3.0, "axial_stiffness": 60e6, "bending_stiffness": 300,
+                "drag_normal": 1.2, "drag_tangential": 0.008,
+            },
+            "tether": {
+                "diameter": 0.022, "mass": 0.3896, "submerged_weight": 0, "axial_stiffness": 2e6,
+                "bending_stiffness": 10, "drag_normal": 1.2, "drag_tangential": 0.01, **tether,
+            },
+        },
+        "line": [
+            {"cable": {"type": "tether", "length": 150}},
+            {
+                "body": {
+                    "mass": 2000, "submerged_weight": 14e3, "added_mass": 1500, "drag_area": 3,
+                    "drag_area_axial": 3,
+                }
+            },
+            {"cable": {"type": "umbilical", "length": 1000}},
+        ],
+        "end": {"anchor": [0, 0, 0]},
+        "vessel": {"position": [30, 0, -1000]},
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {},
+        {"vessel": {"position": [0, 60, -960]}},
+        {"vessel": {"position": [-40, 0, -1040]}},
+        {"cable_types": {"tether": {"submerged_weight": 1.0}}},
+        {"solver": {"tolerance": 1e-4}},
+    ],
+)
+def test_a_cage_hangs_below_its_ship_and_not_aside_on_a_tether_that_pushes(change):
+    """It stood 179 m aside on 3.27 kN of compression in the tether, and the start was unstable."""
+    scene = cage_above_vehicle(**change.get("cable_types", {}).get("tether", {}))
+    scene |= {key: value for key, value in change.items() if key != "cable_types"}
+    model = cm.CableModel(cm.load_scene(scene))  # warnings are errors
+    weight = 3.0 * 9.80665 - 1025.0 * 9.80665 * np.pi / 4 * 0.032**2
+    drag = 0.5 * 1025.0 * 1.2 * 0.032 * 0.3**2
+
+    def slopes(s, state):  # from the cage upwards; the angle is from the vertical
+        tension, angle = state[:2]
+        return [
+            weight * np.cos(angle),
+            -(weight * np.sin(angle) + drag * np.cos(angle) ** 2) / tension,
+            (1.0 + tension / 60e6) * np.sin(angle),
+            (1.0 + tension / 60e6) * np.cos(angle),
+        ]
+
+    aside = 0.5 * 1025.0 * 3.0 * 0.3**2
+    start = [np.hypot(14e3, aside), np.arctan2(-aside, 14e3), 0.0, 0.0]
+    top = solve_ivp(slopes, (0.0, 1000.0), start, rtol=1e-10, atol=1e-9).y[:, -1]
+    state = model.state()
+    cage = state.position[np.argmin(np.abs(state.s - 150.0))]
+    # The tether pulls at it, with a few newtons where it is neutral, or half of its weight.
+    pull = 20.0 + 150.0 * abs(scene["cable_types"]["tether"]["submerged_weight"])
+    way = pull / 14e3 * 1000.0
+    assert cage == pytest.approx([-top[2], 0.0, -top[3]], abs=way)
+    assert state.tension.max() == pytest.approx(top[0], abs=2.0 * pull)
+    assert state.tension.min() > -5.0
