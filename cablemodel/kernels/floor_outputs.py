@@ -15,18 +15,23 @@ from .contact import (
 )
 from .floor_surface import cubic_end, gap_at, lowest_gap
 from .layout import (
+    E_ADDED,
     E_BENDING_FULL,
     E_BORNE,
     E_CONTACT,
     E_LENGTH,
+    E_MASS,
+    E_SEGMENT,
     EDGE_WORDS,
     I_DIMENSION,
     I_NODES,
+    O_ACCELERATION,
     O_EDGE,
     O_JOINT,
     O_MOTION,
     O_PARENT,
     O_POSITION,
+    O_TENSION,
     O_VELOCITY,
     S_FLOOR_DEPTH,
 )
@@ -82,6 +87,25 @@ def first_contact(I, M, node, w):
 
 
 @kernel
+def lying_share(I, M, node, begin, w):
+    """Share of an element beyond a fraction of it that lies on the floor."""
+    depth = lying_gap(I, M, node)
+    share = 0.0
+    before = 0.0
+    for k in range(17):
+        x = begin + (1.0 - begin) * k / 16.0
+        hermite_point(I, M, node, x, w)
+        clear = gap_at(I, M, w, w[3:6]) - depth
+        if k > 0:
+            if clear < 0.0 and before < 0.0:
+                share += 1.0
+            elif clear < 0.0 or before < 0.0:
+                share += min(clear, before) / (min(clear, before) - max(clear, before))
+        before = clear
+    return share * (1.0 - begin) / 16.0
+
+
+@kernel
 def floor_summary(I, M, out):
     """What the floor does, in the block's coordinates, at the present state.
 
@@ -89,11 +113,13 @@ def floor_summary(I, M, out):
     point nearest the vessel (not a number where nothing touches), 7 the concentrated reaction
     there [N].
 
-    On a rigid floor cable with bending stiffness lies down with a reaction R at one point, at a
-    distance a before the end of the zone looked at, and its weight w on the length a. A soft
-    floor spreads R, but bears the same force F = R + w a and the same moment about the zone's end,
-    G = R a + w a^2 / 2: so R^2 = F^2 - 2 w G, wherever the zone ends in cable at rest. The mean
-    over the ends of several elements: cable that is just laid is not quite at rest.
+    On a rigid floor cable lies down with a reaction R at one point, at a distance a before the end
+    of the zone looked at, and its weight w on the length a. A soft floor spreads R, and cable comes
+    to it sooner, by the cube root of its depth; but it bears the same force F = R + w a and the
+    same moment about the zone's end, G = R a + w a^2 / 2: so R^2 = F^2 - 2 w G and a = (F - R) / w,
+    wherever the zone ends in cable at rest. The touchdown is where the rigid floor's would be. F is
+    the floor's force without what accelerates the cable; the mean over the ends of several elements
+    is taken.
     """
     dimension = I[I_DIMENSION]
     size = 2 * dimension
@@ -101,17 +127,21 @@ def floor_summary(I, M, out):
     w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
     q = M[I[O_POSITION] : I[O_POSITION] + size * nodes]
     v = M[I[O_VELOCITY] : I[O_VELOCITY] + size * nodes]
+    a = M[I[O_ACCELERATION] : I[O_ACCELERATION] + size * nodes]
     depth = M[S_FLOOR_DEPTH]
     for k in range(8):
         out[k] = 0.0
-    touched = False
+    touched = 0  # element
     arc = 0.0  # of the element's beginning
+    geometric = 0.0  # arc length where cable is as near the floor as it lies
     last = 1e300  # arc length in whose element the zone ends
     first = 1e300  # and where it may end at the earliest
     ends = 0
     weight_there = 0.0
     force = 0.0
     moment = 0.0  # about arc = 0
+    square = 0.0  # sums over the ends
+    before = 0.0
     for node in range(1, nodes):
         if I[I[O_JOINT] + node] != 0:
             continue
@@ -122,19 +152,27 @@ def floor_summary(I, M, out):
             continue
         parent = I[I[O_PARENT] + node]
         contact = M[edge + E_CONTACT] * M[edge + E_BORNE]
-        if not touched:
+        inertia = M[edge + E_MASS] + M[edge + E_ADDED]
+        begin = 0.0
+        if touched == 0:
             begin = first_contact(I, M, node, w)
             if begin <= 1.0:
-                touched = True
+                touched = node
+                geometric = arc + begin * h
                 layer = (M[edge + E_BENDING_FULL] / M[edge + E_CONTACT]) ** (1.0 / 3.0)
-                first = arc + begin * h + ZONE[0] * layer
-                last = arc + begin * h + ZONE[1] * layer
+                pull = max(0.0, M[I[O_TENSION] + 2 * node])
+                layer += math.sqrt(2.0 * depth * pull / M[edge + E_CONTACT])
+                first = geometric + ZONE[0] * layer
+                last = geometric + ZONE[1] * layer
                 weight_there = M[edge + E_CONTACT] * w[2 + dimension]
                 for i in range(dimension):
                     out[4 + i] = w[i]
-        lying = lying_gap(I, M, node)
+        if touched != 0 and begin <= 1.0:
+            out[3] += h * lying_share(I, M, node, begin, w)
         # Whole elements: forces of single points are not in balance.
         within = arc < last
+        if touched != 0 and M[edge + E_SEGMENT] != M[I[O_EDGE] + touched * EDGE_WORDS + E_SEGMENT]:
+            within = False  # bodies and other cable weigh something else
         for p in range(4):
             press, gap, _speed = contact_force(
                 I, M, q, v, parent, node, h, p, contact, w, dimension
@@ -144,19 +182,32 @@ def floor_summary(I, M, out):
             weight = h * CONTACT_WEIGHTS[p]
             for i in range(dimension):
                 out[i] += weight * (press * w[3 + i] + w[9 + i])
-            if gap < lying:
-                out[3] += weight
             place = arc + h * CONTACT_POINTS[p]
             if within:
+                interpolate(I, a, parent, node, h, p, w[12:15], dimension)
+                for i in range(dimension):
+                    press -= inertia * w[3 + i] * w[12 + i]
                 force += weight * press
                 moment += weight * press * place
         arc += h
-        if touched and within and (arc > first or node + 1 == nodes):
+        if touched != 0 and within and (arc > first or node + 1 == nodes):
             about_end = force * arc - moment
-            out[7] += force * force - 2.0 * weight_there * about_end
+            square += force * force - 2.0 * weight_there * about_end
+            before += arc - force / max(weight_there, 1e-300)
             ends += 1
-    if touched:
-        out[7] = math.sqrt(max(0.0, out[7] / max(ends, 1)))
+    if touched == 0:
+        out[4] = math.nan
+        out[5] = math.nan
+        out[6] = math.nan
+    elif ends > 0:
+        out[7] = math.sqrt(max(0.0, square / ends))
+        where = before / ends + out[7] / max(weight_there, 1e-300)
+        if abs(where - geometric) < last - geometric:
+            # Forward or back from where the cable is as near the floor as it lies.
+            out[3] += geometric - where
+            go_along(I, M, touched, where, w)
+            for i in range(dimension):
+                out[4 + i] = w[i]
     for place in range(contact_places(I)):
         node, contact, preload = contact_place(I, M, place)
         if contact <= 0.0:
@@ -164,10 +215,24 @@ def floor_summary(I, M, out):
         press, _gap, _speed = place_force(I, M, contact, preload, node, q, v, w)
         for i in range(dimension):
             out[i] += press * w[3 + i] + w[9 + i]
-    if not touched:
-        out[4] = math.nan
-        out[5] = math.nan
-        out[6] = math.nan
+
+
+@kernel
+def go_along(I, M, node, where, w):
+    """Position into w[0:3] at an arc length, as `floor_summary` counts it, from an element on."""
+    arc = 0.0
+    for n in range(1, node):
+        if I[I[O_JOINT] + n] == 0:
+            arc += M[I[O_EDGE] + n * EDGE_WORDS + E_LENGTH]
+    while where < arc and node > 1 and I[I[O_JOINT] + node - 1] == 0:
+        node -= 1
+        arc -= M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
+    h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
+    while where > arc + h and node + 1 < I[I_NODES] and I[I[O_JOINT] + node + 1] == 0:
+        arc += h
+        node += 1
+        h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
+    hermite_point(I, M, node, min(1.0, max(0.0, (where - arc) / h)), w)
 
 
 @kernel

@@ -24,6 +24,7 @@ from .layout import (
     E_DRAG_TANGENTIAL,
     E_LENGTH,
     E_MASS,
+    E_SEGMENT,
     E_STABILISATION,
     E_START,
     E_STRAIN_OFFSET,
@@ -221,6 +222,71 @@ def line_length(I, M):
     return M[edge + E_START] + M[edge + E_LENGTH] + M[S_PAID]
 
 
+GAUSS = 0.5 - 0.5 / math.sqrt(3.0)  # where the second derivative of a cubic is most accurate
+PRESSED = 24.0  # of EI k^2: by how much the mean of T is off in an element that bends
+
+
+@kernel
+def bend_at(I, M, node, x, out):
+    """dt/ds, the curvature as a vector, at a fraction of an element, (dimension,) [1/m]."""
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
+    p = I[O_POSITION] + size * I[I[O_PARENT] + node]
+    q = I[O_POSITION] + size * node
+    y = 1.0 - x
+    square = 0.0
+    along = 0.0
+    for i in range(dimension):
+        chord = (M[q + i] - M[p + i]) / h
+        a = M[p + dimension + i]
+        b = M[q + dimension + i]
+        slope = 6.0 * x * y * chord + y * (1.0 - 3.0 * x) * a + x * (3.0 * x - 2.0) * b
+        out[i] = ((6.0 - 12.0 * x) * chord + (6.0 * x - 4.0) * a + (6.0 * x - 2.0) * b) / h
+        out[3 + i] = slope
+        square += slope * slope
+        along += out[i] * slope
+    for i in range(dimension):
+        out[i] = (out[i] - along / square * out[3 + i]) / math.sqrt(square)
+
+
+@kernel
+def sharpest_bend(I, M, node, w):
+    """Square of the larger curvature at an element's ends [1/m2]."""
+    largest = 0.0
+    for side in range(2):
+        bend_at(I, M, node, float(side), w)
+        square = 0.0
+        for i in range(I[I_DIMENSION]):
+            square += w[i] * w[i]
+        largest = max(largest, square)
+    return largest
+
+
+@kernel
+def blend_bends(I, M, node, x, out, w):
+    """The curvature vector near an element's ends, into out: between the places in it and its
+    neighbour where cubics have it best. At the node between them it jumps, and overshoots.
+
+    Returns whether there is such a neighbour, of the same cable without anything between.
+    """
+    other = node - 1 if x < GAUSS else node + 1
+    if other < 1 or other >= I[I_NODES] or I[I[O_JOINT] + other] != 0:
+        return False
+    edge = I[O_EDGE] + node * EDGE_WORDS
+    beside = I[O_EDGE] + other * EDGE_WORDS
+    if M[edge + E_SEGMENT] != M[beside + E_SEGMENT] or M[edge + E_BENDING] != M[beside + E_BENDING]:
+        return False
+    mine = GAUSS if x < GAUSS else 1.0 - GAUSS
+    bend_at(I, M, node, mine, out)
+    bend_at(I, M, other, 1.0 - mine, w)
+    h = M[edge + E_LENGTH]
+    share = abs(x - mine) * h / (GAUSS * (h + M[beside + E_LENGTH]))
+    for i in range(I[I_DIMENSION]):
+        out[i] += share * (w[i] - out[i])
+    return True
+
+
 @kernel
 def sample_stations(I, M, stations, out):
     """State at arc lengths `stations` (ascending or not): rows of STATION_WORDS into out.
@@ -234,6 +300,7 @@ def sample_stations(I, M, stations, out):
     size = 2 * dimension
     nodes = I[I_NODES]
     w = M[I[O_MOTION] + 28 : I[O_MOTION] + 56]
+    bend = M[I[O_MOTION] + 60 : I[O_MOTION] + 72]
     end_forces(I, M)
     total = line_length(I, M)
     above = overhang(I, M)
@@ -300,6 +367,13 @@ def sample_stations(I, M, stations, out):
         for i in range(dimension):
             curvature += ((w[6 + i] - along * w[3 + i]) / g) ** 2
         curvature = math.sqrt(curvature)
+        bending = M[edge + E_BENDING]
+        if bending > 0.0 and (x < GAUSS or x > 1.0 - GAUSS):
+            if blend_bends(I, M, low, x, bend[0:6], bend[6:12]):
+                curvature = 0.0
+                for i in range(dimension):
+                    curvature += bend[i] ** 2
+                curvature = math.sqrt(curvature)
         moment = 0.0
         if I[I_PAYOUT] != 0:
             moment = add_layer_shape(I, M, s, w, M[S_STAGE_RATE])
@@ -315,6 +389,9 @@ def sample_stations(I, M, stations, out):
         mean = M[I[O_TENSION] + 2 * low]
         # The parabola through both end tensions that has the element's mean.
         bow = 6.0 * mean - 3.0 * (left + right)
+        if bending > 0.0:  # where it bends sharply, that mean is not that of the tension
+            off = PRESSED * bending * sharpest_bend(I, M, low, bend[0:6])
+            bow = math.copysign(max(0.0, abs(bow) - off), bow)
         out[row + 9] = left + x * (right - left) + bow * x * y
         out[row + 10] = curvature
         out[row + 11] = M[edge + E_BENDING] * curvature
