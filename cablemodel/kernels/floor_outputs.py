@@ -88,8 +88,11 @@ def first_contact(I, M, node, w):
 
 @kernel
 def lying_share(I, M, node, begin, w):
-    """Share of an element beyond a fraction of it that lies on the floor."""
-    depth = lying_gap(I, M, node)
+    """Share of an element beyond a fraction of it where the floor bears it.
+
+    Cable that lies rises a little behind its touchdown, without leaving the floor.
+    """
+    depth = M[S_FLOOR_DEPTH]
     share = 0.0
     before = 0.0
     for k in range(17):

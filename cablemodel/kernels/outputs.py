@@ -223,6 +223,12 @@ def line_length(I, M):
 
 
 GAUSS = 0.5 - 0.5 / math.sqrt(3.0)  # where the second derivative of a cubic is most accurate
+# A parabola k'' s^2 / 2 exceeds its mean of Gauss points in an element's middle by -h^2 k'' / 24,
+# and that of the nearest ones at a node by -GAUSS^2 h^2 k'' / 2; the first of these means exceeds
+# those at the ends by (1 / 24 - 1 / 8 - GAUSS^2 / 2) h^2 k''.
+BOW = 1.0 / 12.0 + 0.5 * GAUSS * GAUSS
+IN_MIDDLE = 1.0 / 24.0 / BOW
+AT_NODE = 0.5 * GAUSS * GAUSS / BOW
 PRESSED = 24.0  # of EI k^2: by how much the mean of T is off in an element that bends
 
 
@@ -264,26 +270,75 @@ def sharpest_bend(I, M, node, w):
 
 
 @kernel
-def blend_bends(I, M, node, x, out, w):
-    """The curvature vector near an element's ends, into out: between the places in it and its
-    neighbour where cubics have it best. At the node between them it jumps, and overshoots.
-
-    Returns whether there is such a neighbour, of the same cable without anything between.
-    """
-    other = node - 1 if x < GAUSS else node + 1
+def go_on(I, M, node, other):
+    """Whether another element goes on with the same cable, bent alike, with nothing between."""
     if other < 1 or other >= I[I_NODES] or I[I[O_JOINT] + other] != 0:
         return False
     edge = I[O_EDGE] + node * EDGE_WORDS
     beside = I[O_EDGE] + other * EDGE_WORDS
-    if M[edge + E_SEGMENT] != M[beside + E_SEGMENT] or M[edge + E_BENDING] != M[beside + E_BENDING]:
-        return False
-    mine = GAUSS if x < GAUSS else 1.0 - GAUSS
-    bend_at(I, M, node, mine, out)
-    bend_at(I, M, other, 1.0 - mine, w)
-    h = M[edge + E_LENGTH]
-    share = abs(x - mine) * h / (GAUSS * (h + M[beside + E_LENGTH]))
+    same = M[edge + E_SEGMENT] == M[beside + E_SEGMENT]
+    return same and M[edge + E_BENDING] == M[beside + E_BENDING]
+
+
+@kernel
+def bend_between(I, M, node, out, w):
+    """The curvature vector at the node between an element and the next, from both sides' places
+    where cubics have it best."""
+    bend_at(I, M, node, 1.0 - GAUSS, out)
+    bend_at(I, M, node + 1, GAUSS, w)
+    h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
+    share = h / (h + M[I[O_EDGE] + (node + 1) * EDGE_WORDS + E_LENGTH])
     for i in range(I[I_DIMENSION]):
         out[i] += share * (w[i] - out[i])
+
+
+@kernel
+def bow_of_bend(I, M, node, out, w):
+    """By how much the curvature vector of an element exceeds the mean of those at its ends, where
+    it goes on at both: -BOW h^2 k''. Returns whether it does. w: 12 words."""
+    if not (go_on(I, M, node, node - 1) and go_on(I, M, node, node + 1)):
+        return False
+    bend_between(I, M, node - 1, w[0:6], w[6:12])
+    for i in range(3):
+        out[i] = w[i]
+    bend_between(I, M, node, w[0:6], w[6:12])
+    for i in range(3):
+        out[i] = -0.5 * (out[i] + w[i])
+    bend_at(I, M, node, 0.5, w)
+    for i in range(I[I_DIMENSION]):
+        out[i] += w[i]
+    return True
+
+
+@kernel
+def smooth_bend(I, M, node, x, out, w):
+    """The curvature vector at a fraction of an element from those of it and its neighbours, into
+    out. Returns whether it goes on with the same cable at both ends. w: 18 words.
+
+    The second derivative of a cubic jumps at nodes, and swings within elements, more where their
+    lengths change. Its means from Gauss point to Gauss point do not; what such a mean, at a node
+    or in the middle, lacks of a parabola is added, and a parabola laid through the three.
+    """
+    own = w[12:15]
+    if not bow_of_bend(I, M, node, own, w):
+        return False
+    beside = w[15:18]
+    y = 1.0 - x
+    if not (go_on(I, M, node, node - 2) and bow_of_bend(I, M, node - 1, beside, w)):
+        for i in range(3):
+            beside[i] = own[i]
+    bend_between(I, M, node - 1, w[0:6], w[6:12])
+    for i in range(3):
+        out[i] = y * (1.0 - 2.0 * x) * (w[i] + 0.5 * AT_NODE * (own[i] + beside[i]))
+    if not (go_on(I, M, node, node + 2) and bow_of_bend(I, M, node + 1, beside, w)):
+        for i in range(3):
+            beside[i] = own[i]
+    bend_between(I, M, node, w[0:6], w[6:12])
+    for i in range(3):
+        out[i] += x * (2.0 * x - 1.0) * (w[i] + 0.5 * AT_NODE * (own[i] + beside[i]))
+    bend_at(I, M, node, 0.5, w)
+    for i in range(3):
+        out[i] += 4.0 * x * y * (w[i] + IN_MIDDLE * own[i])
     return True
 
 
@@ -300,7 +355,8 @@ def sample_stations(I, M, stations, out):
     size = 2 * dimension
     nodes = I[I_NODES]
     w = M[I[O_MOTION] + 28 : I[O_MOTION] + 56]
-    bend = M[I[O_MOTION] + 60 : I[O_MOTION] + 72]
+    bend = M[I[O_MOTION] + 56 : I[O_MOTION] + 62]
+    wide = M[I[O_MOTION] + 62 : I[O_MOTION] + 80]
     end_forces(I, M)
     total = line_length(I, M)
     above = overhang(I, M)
@@ -368,12 +424,11 @@ def sample_stations(I, M, stations, out):
             curvature += ((w[6 + i] - along * w[3 + i]) / g) ** 2
         curvature = math.sqrt(curvature)
         bending = M[edge + E_BENDING]
-        if bending > 0.0 and (x < GAUSS or x > 1.0 - GAUSS):
-            if blend_bends(I, M, low, x, bend[0:6], bend[6:12]):
-                curvature = 0.0
-                for i in range(dimension):
-                    curvature += bend[i] ** 2
-                curvature = math.sqrt(curvature)
+        if bending > 0.0 and smooth_bend(I, M, low, x, bend[0:3], wide):
+            curvature = 0.0
+            for i in range(dimension):
+                curvature += bend[i] ** 2
+            curvature = math.sqrt(curvature)
         moment = 0.0
         if I[I_PAYOUT] != 0:
             moment = add_layer_shape(I, M, s, w, M[S_STAGE_RATE])

@@ -53,6 +53,28 @@ def test_touchdown_layer_is_that_of_the_boundary_value_problem(lay):
     assert lay.floor_length - before == pytest.approx(10.0 * RATE, abs=1e-4)
 
 
+@pytest.mark.parametrize(("bending", "reaction"), [(10.0, 3.801), (50.0, 6.436)])
+@pytest.mark.parametrize("paid_out", ["elastica", "cable"])
+def test_the_old_end_at_the_drum_comes_down_to_the_touchdown(bending, reaction, paid_out):
+    """101 m were out, and 300 m are laid. It ended at 85 m, with intervals used up."""
+    kind = {**scenes.CABLE_K, "bending_stiffness": bending, "axial_stiffness": 1e9}
+    scene = scenes.direct(
+        [scenes.cable(101.0, "elastica")],
+        vessel={"velocity": [{"t": 0, "velocity": [SPEED, 0, 0]}]},
+        environment={"floor": {"z": -DEPTH}},
+        payout={
+            "rate": [{"t": 0, "rate": 0}, {"t": 10, "rate": RATE}],
+            "drum": [scenes.cable(300.0, paid_out)],
+        },
+        types={"K": kind},
+        time_step=0.5,
+    )
+    run = cm.CableModel(scene)
+    for time in (100.0, 160.0, 250.0, 400.0):
+        run.step_to(time)
+        assert run.touchdown_reaction == pytest.approx(reaction, rel=0.01)
+
+
 def test_tension_vanishes_above_the_touchdown(lay):
     """Compression below: T = 0 at 0.7754 m above the touchdown point."""
     end = lay.line_length - lay.floor_length

@@ -183,6 +183,18 @@ def join(I, M, section, node):
 
 
 @kernel
+def first_moving(I, M, section):
+    """The node from which on a section's mesh goes along with the touchdown point: the interval
+    before it takes up the change of length. 0: there is none."""
+    share = I[O_SHARE]
+    first = I[section + N_FIRST]
+    for node in range(first + 1, first + I[section + N_COUNT]):
+        if M[share + node] - M[share + node - 1] > 0.5:
+            return node
+    return 0
+
+
+@kernel
 def regrid_section(I, M, index):
     """Split and join the intervals of a section whose lengths change. Returns a status."""
     section = I[O_SECTION] + SECTION_WORDS * index
@@ -191,19 +203,19 @@ def regrid_section(I, M, index):
     count = I[section + N_COUNT]
     share = I[O_SHARE]
     last = first + count - 1
-    moving = M[share + last] - M[share + last - 1] > 0.5
+    moves = first_moving(I, M, section)
     if index == 0:
         h = M[I[O_LENGTH] + 1]
-        if h > SPLIT * spacing and (count > 2 or not moving):
+        if h > SPLIT * spacing and moves != 1:
             return split(I, M, section, first)
         if h < JOIN * spacing and count > 2 and M[share + 1] == 0.0:
             return join(I, M, section, 1)
-    if moving:
-        h = M[I[O_LENGTH] + last]
+    if moves != 0:
+        h = M[I[O_LENGTH] + moves]
         if h > SPLIT * spacing:
-            return split(I, M, section, last - 1)
-        if h < JOIN * spacing and count > 2:
-            return join(I, M, section, last - 1)
+            return split(I, M, section, moves - 1)
+        if h < JOIN * spacing and moves > first + 1:
+            return join(I, M, section, moves - 1)
         if h < JOIN * spacing and index > 0 and index == I[D_SECTIONS] - 2:
             return absorb(I, M, index)
         if h < 0.05 * spacing:
@@ -234,16 +246,15 @@ def make_room(I, M, dt):
     index = 0
     while index < I[D_SECTIONS] and dt * M[X_FLOW_END] > 0.0:
         section = I[O_SECTION] + SECTION_WORDS * index
-        last = I[section + N_FIRST] + I[section + N_COUNT] - 1
         used = dt * M[X_FLOW_END]
-        moving = M[share + last] - M[share + last - 1] > 0.5
-        while moving and M[I[O_LENGTH] + last] - used < least:
-            if I[section + N_COUNT] <= 2:
+        moves = first_moving(I, M, section)
+        while moves != 0 and M[I[O_LENGTH] + moves] - used < least:
+            if moves <= I[section + N_FIRST] + 1:
                 if index > 0 and index == I[D_SECTIONS] - 2:
                     absorb(I, M, index)
                 break
-            join(I, M, section, last - 1)
-            last -= 1
+            join(I, M, section, moves - 1)
+            moves -= 1
         index += 1
 
 
@@ -278,6 +289,49 @@ def absorb(I, M, index):
     M[I[O_SHARE] + first + count - 1] = 1.0
     I[D_RESTART] = 1
     return status
+
+
+@kernel
+def let_flow(I, M):
+    """Let the part that is laid go along with the touchdown point as a whole.
+
+    A mesh that shrinks evenly between a point of the cable and the touchdown point would shrink
+    to nothing as that point comes down: the old end of the line at the drum. When it is half as
+    long as the line, its nodes all move with the touchdown point, and the interval above takes up
+    the change of length. Cable flows through a joint there if both sides are of one type without
+    a body between.
+    """
+    index = I[D_SECTIONS] - 1
+    last = I[O_SECTION] + SECTION_WORDS * index
+    share = I[O_SHARE]
+    length = I[O_LENGTH]
+    first = I[last + N_FIRST]
+    end = first + I[last + N_COUNT] - 1
+    if M[share + first] > 0.0 or M[share + end] < 0.999 or first_moving(I, M, last) != 0:
+        return
+    shrinks = 0.0  # length of the mesh that does
+    begin = end
+    while begin > first and M[share + begin] > 0.0:
+        shrinks += M[length + begin]
+        begin -= 1
+    total = 0.0
+    for node in range(1, end + 1):
+        total += M[length + node]
+    if shrinks > 0.5 * total:
+        return
+    if begin == first and index > 0:
+        above = last - SECTION_WORDS
+        if I[above + N_KIND] == RIGID or I[last + N_POINT] >= 0:
+            return
+        if I[above + N_MATERIAL] != I[last + N_MATERIAL]:
+            return
+        I[last + N_HINGE] = 0
+        begin -= 1  # the other node at the joint
+    if begin == 0:
+        return
+    for node in range(begin, end + 1):
+        M[share + node] = 1.0
+    I[D_RESTART] = 1
 
 
 @kernel
@@ -429,5 +483,6 @@ def regrid(I, M):
                 return status
         if last_node(I) == before:
             break
+    let_flow(I, M)
     set_meeting(I, M)
     return OK
