@@ -37,7 +37,7 @@ from .layout import (
 )
 from .tables import CONTACT_POINTS, CONTACT_WEIGHTS
 
-ZONE = 1.5, 6.0  # touchdown layers behind a touchdown: ends of the zone of its reaction
+ZONE = 2.5, 6.0  # touchdown layers behind a touchdown: ends of the zone of its reaction
 
 
 @kernel
