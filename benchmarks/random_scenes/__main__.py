@@ -104,7 +104,7 @@ def main() -> None:
         search(seeds, keep, converged=chosen.converge)
     verdicts = [Verdict(**kept[seed]) for seed in sorted(kept)]
     report.write(PAGE, STORED)
-    overview.write(PAGE)
+    overview.write_pages()
     counts = Counter(verdict.outcome for verdict in verdicts)
     print(", ".join(f"{outcome}: {number}" for outcome, number in counts.most_common()))
     failed = failures(verdicts, before, claimed=kind.claimed)

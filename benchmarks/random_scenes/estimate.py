@@ -166,7 +166,7 @@ def main() -> None:
         rows = search(range(chosen.count), chosen.workers)
         STORE.write_text(json.dumps([asdict(row) for row in rows]) + "\n")
     write_part(PAGE, "estimates", summary(rows))
-    overview.write(PAGE)
+    overview.write_pages()
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections import Counter
 from pathlib import Path
+from typing import Any
 
 from benchmarks.random_scenes import estimate
 from benchmarks.random_scenes.failures import BY_THE_PROMISE
@@ -34,6 +35,46 @@ def summary(stored: Path) -> str:
     rows = [_of(search, words, stored) for search, words in _WORDS]
     rows.append(_of_estimates(stored))
     return table(head, [row for row in rows if row is not None])
+
+
+def write_pages() -> None:
+    """What is told of all searches: the page of stress, and the few rows of the README."""
+    write(Path("docs/stress.md"))
+    write_part(Path("README.md"), PROMISE, promise(Path("docs/stress")))
+
+
+PROMISE = "promise"
+"""The mark of the part of the README."""
+
+
+def promise(stored: Path) -> str:
+    """How often runs are wrong, by what a user asks for; all searches must be stored."""
+    rows = []
+    for search, words in ((ALL, "a single run"), (AT_SEA, "a single run in waves")):
+        found = Counter(row["outcome"] for row in _read(stored / search.file(".json")))
+        rows.append((words, *_rate(found["wrong"], found.total() - sum(found[o] for o in NEVER))))
+    said = Counter(row["outcome"] for row in _read(stored / estimate.STORE.name))
+    sure = said[estimate.KEPT] + said[estimate.SILENT]
+    rows.append(
+        ("an estimate, which says that the run is right", *_rate(said[estimate.SILENT], sure))
+    )
+    found = Counter(row["outcome"] for row in _read(stored / CONVERGED.file(".json")))
+    ended = found["completed"] + found["wrong"]
+    rows.append(("`converge`, which comes to an end", *_rate(found["wrong"], ended)))
+    return table(("you ask for", "random scenes", "wrong"), rows)
+
+
+NEVER = ("refused", "stopped", "too slow", "crashed")
+"""Outcomes of runs that do not come to their end."""
+
+
+def _read(store: Path) -> list[dict[str, Any]]:
+    rows: list[dict[str, Any]] = json.loads(store.read_text())
+    return rows
+
+
+def _rate(part: int, whole: int) -> tuple[str, str]:
+    return f"{whole:,}", f"{100 * part / whole:.2g} %"
 
 
 def _of(search: Search, words: str, stored: Path) -> tuple[str, ...] | None:
