@@ -13,16 +13,14 @@ import shutil
 import subprocess
 import tempfile
 from collections import defaultdict
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from benchmarks.instructions import DRIVER, compiler
-from benchmarks.sections import read_rows, table, write_part, write_rows
+from benchmarks.sections import write_rows
 
-PAGE = Path("docs/benchmarks.md")
 ELEMENTS = 64
 PARTS = {
     # part: words in the symbols' names, first match counts
@@ -200,27 +198,14 @@ def rows_of(name: str, found: Profile, planar: bool) -> list[tuple[str, ...]]:
     return rows
 
 
-def summary(rows: Sequence[dict[str, str]]) -> str:
-    """Where the instructions go, in a plane and in space."""
-    shares = {(row["equations"], row["part"]): row["instructions [%]"] for row in rows}
-    ratios = {(row["equations"], row["part"]): row["ratio"] for row in rows}
-    lines = []
-    for part in (*PARTS, "other"):
-        plane, space = (PLANE, part), (SPACE, part)
-        lines.append((part, shares[plane], ratios[plane], shares[space], ratios[space]))
-    head = ("part", "in a plane [%]", "over least", "in space [%]", "over least")
-    return table(head, lines)
-
-
 PLANE, SPACE = "in a plane", "in space"
 
 
 def write(library: Path, folder: Path) -> None:
-    """Measure with that library; keep the rows, write a table."""
+    """Measure with that library; keep the rows."""
     rows = rows_of(PLANE, profile(library, folder, planar=True), planar=True)
     rows += rows_of(SPACE, profile(library, folder, planar=False), planar=False)
     write_rows(STORE, HEAD, rows)
-    write_part(PAGE, "profile", summary(read_rows(STORE)))
 
 
 def main() -> None:

@@ -259,8 +259,6 @@ def summary(soaks: list[Soak]) -> str:
         rows.append(
             (
                 ", ".join(parts) or "line alone",
-                f"{found.steps:,}",
-                str(found.failed),
                 "; ".join(found.problems) or "holds",
                 f"{max(found.recent):.2f}",
                 f"{found.memory[-1] - found.memory[0]:.1f}",
@@ -270,7 +268,7 @@ def summary(soaks: list[Soak]) -> str:
             )
         )
     head = (
-        "with", "steps", "failed", "all that must hold", "kinetic energy, of what commands give",
+        "with", "all that must hold", "kinetic energy, of what commands give",
         "memory grew by [MB]", "drum at an end", "cable lay", "us a step",
     )  # fmt: skip
     return table(head, rows)
