@@ -8,6 +8,7 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 READY_DEV := $(VENV)/.ready-dev
 READY_BENCH := $(VENV)/.ready-bench
+READY_DOCS := $(VENV)/.ready-docs
 VENV_ROS := .venv-ros
 READY_ROS := $(VENV_ROS)/.ready
 SCENE := scenes/towed_cable.yaml
@@ -110,9 +111,11 @@ stress: $(READY_BENCH)  ## run the stress scenes (long)
 golden: $(READY_DEV)  ## make the golden logs of tests/replay anew, where results have changed
 	$(BIN)/python tests/replay/make_golden.py
 
-docs: $(READY_DEV)  ## write the generated pages of docs/ anew
+docs: $(READY_DOCS)  ## write the generated parts of docs/ anew, and build their site into out/site
 	$(BIN)/python docs/write_scene_reference.py
 	$(BIN)/python docs/write_ros2_tables.py
+	$(BIN)/python docs/write_constants.py
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --clean
 
 clean:  ## remove environments, builds, caches and output
 	rm -rf .venv .venv-ros build dist out *.egg-info
@@ -137,6 +140,10 @@ $(READY_DEV): pyproject.toml $(READY)
 
 $(READY_BENCH): pyproject.toml $(READY_DEV)
 	$(BIN)/python -m pip install --quiet --quiet --editable '.[bench]'
+	@touch $@
+
+$(READY_DOCS): pyproject.toml $(READY_DEV)
+	$(BIN)/python -m pip install --quiet --quiet --editable '.[docs]'
 	@touch $@
 
 $(BIN)/python:
