@@ -250,28 +250,21 @@ STORE = Path("docs/stress/soak.json")
 
 
 def summary(soaks: list[Soak]) -> str:
-    """A row for each soak."""
-    rows = []
+    """A row for each kind of soak: how many hold, and the most of what is watched."""
+    kinds: dict[str, list[Soak]] = {}
     for found in soaks:
-        kind = found.kind
-        parts = [name for name in ("winch", "floor", "body") if getattr(kind, name)]
-        looks = found.steps // 100
-        rows.append(
-            (
-                ", ".join(parts) or "line alone",
-                "; ".join(found.problems) or "holds",
-                f"{max(found.recent):.2f}",
-                f"{found.memory[-1] - found.memory[0]:.1f}",
-                f"{100 * found.clamped / looks:.0f} %" if kind.winch else "",
-                f"{100 * found.touching / looks:.0f} %" if kind.floor else "",
-                f"{1e6 * sum(found.cost) / found.steps:.0f}",
-            )
+        parts = [name for name in ("winch", "floor", "body") if getattr(found.kind, name)]
+        kinds.setdefault(", ".join(parts) or "line alone", []).append(found)
+    rows = [
+        (
+            kind,
+            f"{sum(not one.problems for one in mine)} of {len(mine)}",
+            f"{max(max(one.recent) for one in mine):.2f}",
+            f"{max(one.memory[-1] - one.memory[0] for one in mine):.1f}",
         )
-    head = (
-        "with", "all that must hold", "kinetic energy, of what commands give",
-        "memory grew by [MB]", "drum at an end", "cable lay", "us a step",
-    )  # fmt: skip
-    return table(head, rows)
+        for kind, mine in kinds.items()
+    ]
+    return table(("with", "hold", "kinetic energy, of what commands give", "memory [MB]"), rows)
 
 
 def main() -> None:

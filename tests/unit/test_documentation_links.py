@@ -66,3 +66,27 @@ def test_every_page_is_on_the_site() -> None:
     listed = re.findall(r"^ +- (?:[^:\n]+: )?(\S+\.md)$", site, flags=re.MULTILINE)
     pages = {str(page.relative_to(ROOT / "docs")) for page in (ROOT / "docs").rglob("*.md")}
     assert sorted(listed) == sorted({*pages, "engine/constants.md"})
+
+
+CODE = ("cablemodel", "tests", "benchmarks", "fmu", "ros2_node", "examples", "docs")
+MAINTAINERS = sorted(
+    [*(ROOT / "docs" / "engine").glob("*.md"), *(ROOT / "docs").glob("[ades]*.md")]
+)
+"""Pages that name files and functions: architecture, decisions, engine, stress among others."""
+
+
+def test_files_and_functions_that_pages_name_are_there() -> None:
+    places = [ROOT, ROOT / "docs", *(ROOT / folder for folder in CODE)]
+    places += [ROOT / "cablemodel" / "kernels", ROOT / "tests" / "verification"]
+    places += [ROOT / "benchmarks" / "random_scenes", ROOT / "cablemodel" / "instance"]
+    sources = (path for folder in CODE for path in (ROOT / folder).rglob("*.py"))
+    words = {word for path in sources for word in re.findall(r"\w+", path.read_text("utf-8"))}
+    missing = []
+    for page in MAINTAINERS:
+        for name in re.findall(r"`([^`\n]+)`", page.read_text(encoding="utf-8")):
+            if re.fullmatch(r"[\w/*\[\]]+\.(py|csv|json|md|yaml)", name):
+                if not any(list(place.glob(name)) for place in places):
+                    missing.append((page.name, name))
+            elif re.fullmatch(r"\w+_\w+(\(\))?", name) and name.removesuffix("()") not in words:
+                missing.append((page.name, name))
+    assert not missing
