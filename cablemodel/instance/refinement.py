@@ -16,7 +16,12 @@ from cablemodel.errors import StaticsError
 from cablemodel.instance.attempts import Attempt
 from cablemodel.instance.first_state import count_from_zero, solve_static, steady_velocity
 from cablemodel.instance.frame import earth
-from cablemodel.instance.scales import pays_out, rate_at_start, start_conditions
+from cablemodel.instance.scales import (
+    floor_is_in_reach,
+    pays_out,
+    rate_at_start,
+    start_conditions,
+)
 from cablemodel.kernels import layout as at
 
 if TYPE_CHECKING:
@@ -53,7 +58,7 @@ def follows_bending(scene: Scene) -> bool:
     start = start_conditions(scene)
     moves = not (start.slack and start.lightly_damped)
     # Above a floor what follows the touchdown joins elements, too.
-    whips_above_floor = start.lightly_damped and scene.environment.floor is not None
+    whips_above_floor = start.lightly_damped and floor_is_in_reach(scene)
     return moves and not whips_above_floor and not asked
 
 

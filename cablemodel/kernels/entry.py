@@ -9,10 +9,11 @@ from numba import float64, int64
 from . import follow, outputs, promote, statics, stepping, system, time_stepping, vessel_clamp
 from .compile import INTEGERS, REALS, entry_point
 from .layout import (
+    FLOOR_FAR,
     I_BODIES,
     I_CONSTRAINTS,
     I_DIMENSION,
-    I_FLOOR,
+    I_FLOOR_STATE,
     I_NODES,
     I_RIGID,
     O_ACCELERATION,
@@ -56,7 +57,7 @@ def choose_bending(I, M):
 @entry_point(int64(INTEGERS, REALS))
 def refine_at_floor(I, M):
     """Adapt the mesh to the floor once; returns 1 if it changed."""
-    if I[I_FLOOR] == 0:
+    if I[I_FLOOR_STATE] == FLOOR_FAR:
         return 0
     return 1 if follow.follow_floor(I, M, True) else 0
 

@@ -146,7 +146,8 @@ const char *check_block(const int64_t *I, int64_t image_words, int64_t block_wor
         !within(I[I_ASLEEP], 0, nodes - 2) || I[I_LEFT_OUT] != 0)
         return "a counter in the model is out of range";
     if (I[I_CURRENT] == 1 && I[I_DEPTHS] != 1) return "a counter in the model is out of range";
-    if (!within(I[I_FLOOR], FLOOR_NONE, FLOOR_TABLE) || !within(I[I_FLOOR_X], 0, LARGEST_COUNT) ||
+    if (!within(I[I_FLOOR], FLOOR_NONE, FLOOR_TABLE) ||
+        !within(I[I_FLOOR_STATE], FLOOR_FAR, I[I_FLOOR] ? FLOOR_TOUCHED : FLOOR_FAR) || !within(I[I_FLOOR_X], 0, LARGEST_COUNT) ||
         !within(I[I_FLOOR_Y], 0, LARGEST_COUNT) ||
         (I[I_FLOOR] == FLOOR_TABLE &&
          (I[I_FLOOR_X] < 2 || I[I_FLOOR_Y] < 1 ||
