@@ -46,7 +46,9 @@ WORDS = {
     ),
     "kernels/flow.py": "SCRATCH",
     "kernels/passing.py": "PART",
-    "kernels/sea_cells.py": "OVER HELD RISING SURFACE MIRROR CELL_T CELL_X CELL_Z ALIVE",
+    "kernels/sea_cells.py": "OVER HELD RISING SURFACE MIRROR CELL_T CELL_X CELL_Z ALIVE CELL_LAYER"
+    " STAGE WAY LEVEL WATER WITHIN",
+    "kernels/time_stepping.py": "LANDED",
     "kernels/stepping.py": "INPUT_WORDS IN_VELOCITY IN_POSITION IN_CURRENT IN_PAYOUT",
     "kernels/tables.py": "PAIRS_D PAIRS_H PAIRS_HD _G3",
     "kernels/tension.py": (

@@ -131,7 +131,6 @@ S_WAVE_STEP = _S + 64  # longest step that resolves them [s]
 S_WAVE_DEPTH = _S + 65  # water depth [m]
 S_WAVE_CREST = _S + 66  # sum of the amplitudes [m]
 S_WAVE_X, S_WAVE_Y = _S + 76, _S + 77  # their way, a horizontal unit vector
-S_TOP_TENSION_RATE = _S + 94  # of the last step, from end to end [N/s]
 S_CELL_STAYS = _S + 102  # way within which a stage keeps the water of its first iteration [m]
 S_SLEEP_AFTER = _S + 80  # time before which no more cable falls asleep [s]
 S_SLEEP_TENSION, S_SLEEP_SPARE = _S + 81, _S + 82  # at its end, what it may change by [N]

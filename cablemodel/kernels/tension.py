@@ -65,7 +65,6 @@ from .layout import (
     S_TENSION_SCALE,
     S_TIME,
     S_TOLERANCE,
-    S_TOP_TENSION_RATE,
 )
 from .newton import increment_norm
 from .payout import set_top_length
@@ -370,10 +369,9 @@ def solve_at_end(I, M, dt):
     q = view(M, I[O_TRIAL_Q], count)
     v = view(M, I[O_TRIAL_V], count)
     change, _moving = solve_for_tension(I, M, M[S_TIME] + dt, SHORT * dt, q, v, tension)
-    # What is solved for follows what was; else both ends of the step are off by the same.
-    end = region(I, SOLVED_T) if I[I_SETTLED] != 0 else I[O_TRIAL_T]
     for n in range(words):
-        M[region(I, SOLVED_RATE) + n] = (M[end + n] - M[I[O_TENSION] + n]) / dt
+        solved = M[region(I, SOLVED_T) + n]
+        M[region(I, SOLVED_RATE) + n] = (solved - M[I[O_TENSION] + n]) / dt
     return change
 
 
@@ -411,26 +409,18 @@ def take_solved(I, M):
     copy_words(I, I[O_ACCELERATION], region(I, SOLVED_A), count)
     copy_words(I, I[O_TENSION], region(I, SOLVED_T), 2 * I[I_NODES])
     copy_words(I, I[O_TENSION_RATE], region(I, SOLVED_RATE), 2 * I[I_NODES])
-    M[S_TOP_TENSION_RATE] = M[region(I, SOLVED_RATE) + 2]
     I[I_SETTLED] = 1
     I[I_HISTORY] = 0  # the two-step scheme would differentiate what was solved for
 
 
 @kernel
-def is_slow(I, M, dt, top):
-    """Whether what the strain's second derivative adds to a top tension at a step's end [N] would
-    not be seen: by what the tension changes by, or has in the step before, and twice what that
-    differs by.
-
-    Before: by its rate, or where the stages lie apart, of which the rate is made, from end to end.
-    """
-    change = top - M[I[O_TENSION] + 2]
+def bend_of_tension(I, M, dt):
+    """What the top tension changes by in a step of dt, or in the one before it, and twice what
+    that differs by: a bound of its second derivative times the square of dt [tolerances]."""
+    change = M[I[O_TRIAL_T] + 2] - M[I[O_TENSION] + 2]
     before = dt * M[I[O_TENSION_RATE] + 2]
-    from_end_to_end = dt * M[S_TOP_TENSION_RATE]
-    if abs(change - from_end_to_end) < abs(change - before):
-        before = from_end_to_end
     largest = max(0.25 * max(abs(change), abs(before)), 2.0 * abs(change - before))
-    return largest <= SOLVED_FROM * tension_tolerance(M) * M[S_AXIAL] * dt * dt
+    return largest / tension_tolerance(M)
 
 
 @kernel
@@ -442,14 +432,11 @@ def dies_away(M):
 @kernel
 def solves(I, M, dt, scatter):
     """Whether the tension at the trial could be solved for, as `take_solved` takes it."""
-    settled = I[I_SETTLED] != 0
-    if not settled and not is_slow(I, M, dt, M[I[O_TRIAL_T] + 2]):
-        return False
+    if bend_of_tension(I, M, dt) > SOLVED_FROM * M[S_AXIAL] * dt * dt:
+        return False  # what the strain's second derivative adds would be seen
     if not may_be_solved_for(I, M):
         return False
     change = solve_at_end(I, M, dt)
-    if settled and not is_slow(I, M, dt, M[region(I, SOLVED_T) + 2]):
-        return False
     return 0.0 <= change and change <= LARGEST_CHANGE * max(scatter, 0.5)
 
 
@@ -470,7 +457,8 @@ def tension_error(I, M, dt, scheme, gamma_dt, error):
     left, share = embedded_error(I, M, error, gamma_dt, scatter)
     lasting = left * share * share / SHARE
     forgotten = (1.0 - share * share) * scatter
-    if share > STIFF:
+    unseen = bend_of_tension(I, M, dt) / (M[S_AXIAL] * dt * dt)
+    if share > STIFF or unseen > SOLVED_FROM:
         return max(lasting, forgotten), FOLLOWS
     settled = I[I_SETTLED] != 0 and begins_smoothly(I, M)
     if (settled or forgotten > SOLVED_FROM) and lasting <= 1.0 and solves(I, M, dt, scatter):
@@ -479,5 +467,4 @@ def tension_error(I, M, dt, scheme, gamma_dt, error):
         if not rings(I, M, dt):
             solve_at_end(I, M, dt)
             return lasting, SOLVED
-    slow = is_slow(I, M, dt, M[I[O_TRIAL_T] + 2])
-    return max(lasting, forgotten), PASSES_OVER if slow else FOLLOWS
+    return max(lasting, forgotten), PASSES_OVER

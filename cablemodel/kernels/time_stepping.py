@@ -101,7 +101,6 @@ from .layout import (
     S_TIME_TOLERANCE,
     S_TOLERANCE,
     S_TOP_LENGTH,
-    S_TOP_TENSION_RATE,
     S_TRAVEL,
     STALLED,
     TOO_MANY_STEPS,
@@ -363,7 +362,6 @@ def accept_trial(I, M, dt, scheme):
     for node in range(1, I[I_NODES]):
         M[S_LARGEST_TENSION] = max(M[S_LARGEST_TENSION], abs(final[2 * node]))
     M[S_LAST_STEP] = dt
-    M[S_TOP_TENSION_RATE] = (final[2] - tension[2]) / dt
     copy_words(I, I[O_POSITION], I[O_TRIAL_Q], count)
     copy_words(I, I[O_VELOCITY], I[O_TRIAL_V], count)
     copy_words(I, I[O_ACCELERATION], I[O_TRIAL_A], count)

@@ -55,7 +55,6 @@ from .layout import (
     S_TENSION_SCALE,
     S_TIME,
     S_TIME_TOLERANCE,
-    S_TOP_TENSION_RATE,
     S_TWO_STEP_RATIO,
 )
 from .newton import NO_TENSION, increment_norm, refactor
@@ -238,7 +237,6 @@ def accept_two_step(I, M, dt):
     for n in range(2 * I[I_NODES]):
         rate[n] = (after[n] - before[n]) * inverse
         before[n] = after[n]
-    M[S_TOP_TENSION_RATE] = rate[2]
     copy_words(I, I[O_POSITION], I[O_TRIAL_Q], count)
     copy_words(I, I[O_VELOCITY], I[O_TRIAL_V], count)
     copy_words(I, I[O_ACCELERATION], I[O_TRIAL_A], count)
