@@ -7,6 +7,7 @@ that Newton's method is expected to manage (S_TRACTABLE).
 from .compile import inlined, kernel
 from .environment import find_piece
 from .layout import (
+    FLOOR_FAR,
     FLOOR_TOUCHED,
     I_FLOOR_STATE,
     I_GROWTH_BARRED,
@@ -34,7 +35,7 @@ from .layout import (
 from .tables import STAGES
 
 STRUGGLE = 17, 7  # iterations of a step of order 4, and of order 3, in which Newton has trouble
-AT_FLOOR = 22  # the same for order 4 where cable touches the floor
+AT_FLOOR = 22  # the same for order 4 near a floor
 STEPS_OF_ORDER_3 = 16.0  # that follow such a step
 ORDER_3_PAYS = 1e-4  # tau down to which they do
 ORDER_3_STEP = 0.6  # of the step that the error of order 4 allows, as a first guess
@@ -144,7 +145,7 @@ def choose_order(I, M, scheme, iterations, to_output):
     if to_output:
         iterations -= STAGES[scheme] - 1
     if scheme == 1:
-        many = AT_FLOOR if I[I_FLOOR_STATE] == FLOOR_TOUCHED else STRUGGLE[0]
+        many = STRUGGLE[0] if I[I_FLOOR_STATE] == FLOOR_FAR else AT_FLOOR
         if iterations > many and M[S_TOLERANCE] >= ORDER_3_PAYS:
             M[S_ORDER_3] = STEPS_OF_ORDER_3
             M[S_STEP] *= ORDER_3_STEP
