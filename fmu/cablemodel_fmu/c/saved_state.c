@@ -25,7 +25,12 @@ void save_state(const Cable *cable, void *to) {
     if (cable->finer != NULL)
         memcpy(at + 8 * cable->image_words, cable->finer->I,
                8 * (size_t)cable->finer->image_words);
-    ((Controls *)to)->checksum = state_checksum(to, state_bytes(cable));
+}
+
+/* What leaves the instance has a checksum. The bytes may lie anywhere. */
+void seal_state(const Cable *cable, void *state) {
+    const int64_t sum = state_checksum(state, state_bytes(cable));
+    memcpy((char *)state + offsetof(Controls, checksum), &sum, sizeof sum);
 }
 
 /* NULL if a saved state is whole and of this FMU. */
@@ -38,11 +43,20 @@ const char *check_state(const Cable *cable, const void *from, size_t bytes) {
         return "the state belongs to another FMU";
     if (then.checksum != (int64_t)state_checksum(from, bytes)) return "the state is corrupted";
     if (then.vessel_input < BY_VELOCITY || then.vessel_input > BY_BOTH ||
+        then.input_timing < AT_END || then.input_timing > AT_START ||
         (then.use_scene_inputs | 1) != 1 || (then.unsettled | 1) != 1 ||
+        (then.has_slope | 1) != 1 || (then.scene_inputs_given | 1) != 1 || (then.vessel_input_given | 1) != 1 ||
+        (then.set | ALL_SET) != ALL_SET || !(then.last_step >= 0.0 && then.last_step < 1e300) ||
+        !(fabs(then.growth) < 1e300) ||
         then.phase < INSTANTIATED || then.phase > TERMINATED || !(fabs(then.start_time) < 1e300))
         return "the state is corrupted";
     for (int n = 0; n < VR_INPUTS; n++)
-        if (!(fabs(then.input[n]) < 1e100)) return "the state is corrupted";
+        if (!(fabs(then.input[n]) < 1e100) || !(fabs(then.before[n]) < 1e100) ||
+            !(fabs(then.slope[n][0]) < 1e100) || !(fabs(then.slope[n][1]) < 1e100) ||
+            !(fabs(then.slope[n][2]) < 1e100))
+            return "the state is corrupted";
+    for (int n = 0; n < VR_STARTS; n++)
+        if (!(fabs(then.start[n]) < 1e100)) return "the state is corrupted";
     const double *values = (const double *)((const char *)from + sizeof then);
     for (int64_t n = 0; n < cable->parameter_count; n++)
         if (!(values[n] >= cable->parameters[n].minimum && values[n] <= cable->parameters[n].maximum))
@@ -56,10 +70,15 @@ const char *check_state(const Cable *cable, const void *from, size_t bytes) {
     return NULL;
 }
 
-/* Take over a saved state; if it is refused nothing changes. */
+/* Take over a state that was saved, or checked, here; another one's is refused, and nothing
+   changes. */
 const char *restore_state(Cable *cable, const void *from) {
-    const char *problem = check_state(cable, from, state_bytes(cable));
-    if (problem != NULL) return problem;
+    const Controls *then = from;
+    if (then->magic != STATE_MAGIC || then->words != cable->now.words)
+        return "not a state of this FMU";
+    if (then->kernels != cable->now.kernels ||
+        memcmp(then->guid, cable->now.guid, sizeof then->guid))
+        return "the state belongs to another FMU";
     const char *at = from;
     const size_t parameters = 8 * (size_t)cable->parameter_count;
     memcpy(&cable->now, at, sizeof(Controls));
@@ -69,7 +88,6 @@ const char *restore_state(Cable *cable, const void *from) {
     if (cable->finer != NULL)
         memcpy(cable->finer->I, at + 8 * cable->image_words,
                8 * (size_t)cable->finer->image_words);
-    cable->has_slope = 0;
     outputs_changed(cable);
     return NULL;
 }
