@@ -85,7 +85,7 @@ def fmus(tmp_path_factory):
         ("desktop", ("linux64", "win64", "darwin64")),
         ("arm", ("aarch64-linux",)),
     ):
-        path = export_fmu(scene, folder / f"{name}.fmu", platforms=platforms)
+        path = export_fmu(scene, folder / f"{name}.fmu", platforms=platforms, inputs="scene")
         found[name] = Path(extract(str(path), unzipdir=str(folder / name)))
     found["guid"] = read_model_description(str(folder / "desktop.fmu")).guid
     found["size"] = (folder / "desktop.fmu").stat().st_size
@@ -100,7 +100,7 @@ def drive(fmus, place: Path, library: str, command: list, zig: str, tmp_path: Pa
     resources = (place / "resources").as_uri()
     if "windows" in zig:
         resources = resources.replace("file:///", "file:///Z:/")
-    # The FMU is told use_scene_inputs by its start value: true. It runs its own schedule.
+    # It is exported to run its own schedule: the program sets inputs, and they are ignored.
     arguments = [str(place / "binaries" / library), resources, fmus["guid"]]
     arguments += [str(STEPS), str(DT), "1", *map(str, REFERENCES.values())]
     environment = {**os.environ, "WINEDEBUG": "-all", "WINEPREFIX": str(tmp_path / "wine")}

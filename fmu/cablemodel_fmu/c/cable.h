@@ -177,7 +177,7 @@ const char *settle_cable(Cable *cable);
 /* saved_state.c */
 size_t state_bytes(const Cable *cable);
 void save_state(const Cable *cable, void *to);
-void seal_state(const Cable *cable, void *state);
+void write_state(const Cable *cable, const void *state, char *bytes);
 const char *check_state(const Cable *cable, const void *from, size_t bytes);
 const char *restore_state(Cable *cable, const void *from);
 

@@ -506,8 +506,7 @@ fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte b
     ALLOW(c, ANY);
     if (state == NULL || bytes == NULL || size < state_bytes(&in->cable))
         return report(in, fmi2Error, "fmi2SerializeFMUstate: an argument is missing or too small");
-    memcpy(bytes, state, state_bytes(&in->cable));
-    seal_state(&in->cable, bytes);
+    write_state(&in->cable, state, bytes);
     return fmi2OK;
 }
 
