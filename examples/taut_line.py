@@ -3,7 +3,7 @@
 A vessel of 5 t at the end of a line of 1e4 N/m swings with a period of 4.4 s. The FMUs run side by
 side and exchange velocity and force after every step H of 0.1 s. In "plain" both models hold what
 they got: the force is late by a step and a half, which acts as a damper of -1.5 k H, at any step. A
-line that damps less than that lets the vessel swing ever more. What cures it, with means of the FMU:
+line that damps less lets the vessel swing ever more. What cures it, with means of the FMU:
 
 - "timing": `input.timing` is 2. The velocity is that at the step's start, and the FMU goes on from
   there. The vessel still holds the force: -0.5 k H is left.

@@ -82,9 +82,8 @@ def index_html(scene: Scene, signals: Sequence[Signal]) -> str:
         f"<h2>Scene</h2>\n<pre>{escape(scene.to_yaml())}</pre>\n"
         "<h2>Licences</h2>\n<p>cablemodel: Apache License 2.0. FMI header files: copyright "
         "MODELISAR consortium and Modelica Association Project FMI, 2-Clause BSD License. What the "
-        "Zig tool chain links into the libraries: its compiler runtime (MIT), on Windows the "
-        "start-up code of mingw-w64 (ZPL 2.1), on Linux that of the GNU C library (LGPL 2.1 with "
-        "its exception for start-up files). The full "
+        "Zig tool chain links into the libraries: its compiler runtime (MIT), and on Windows the "
+        "start-up code of mingw-w64 (ZPL 2.1). The full "
         'texts are in <a href="licenses/">licenses</a>.</p>\n</body></html>\n'
     )
 

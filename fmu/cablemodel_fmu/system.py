@@ -66,6 +66,7 @@ def vessel_description() -> bytes:
     ):  # fmt: skip
         element = ElementTree.SubElement(units, "Unit", {"name": unit})
         ElementTree.SubElement(element, "BaseUnit", base)
+    ElementTree.SubElement(root, "DefaultExperiment", {"startTime": "0", "stepSize": "0.1"})
     variables = ElementTree.SubElement(root, "ModelVariables")
     outputs = []
 

@@ -43,7 +43,6 @@ def test_export_takes_less_than_three_seconds(tmp_path):
         "documentation/index.html",
         "documentation/licenses/cablemodel-Apache-2.0.txt",
         "documentation/licenses/fmi-headers-BSD-2-Clause.txt",
-        "documentation/licenses/glibc-LGPL-2.1.txt",
         "documentation/licenses/mingw-w64-ZPL-2.1.txt",
         "documentation/licenses/zig-MIT.txt",
         "binaries/linux64/cablemodel.so",

@@ -24,6 +24,7 @@ from fmu_tools import (
 
 import cablemodel as cm
 from cablemodel.kernels import layout as at
+from cablemodel_fmu.model_file import HEADER_WORDS
 
 SCENES = Path(__file__).parents[2] / "scenes"
 STATIONS = 5

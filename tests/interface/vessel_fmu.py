@@ -35,15 +35,18 @@ class Vessel:
                 self.position[i] += h * self.velocity[i]
 
 
-def coupled_in_python(scene, ends: list[float]) -> np.ndarray:
+def coupled_in_python(scene, ends: list[float], first_force=None) -> np.ndarray:
     """Vessel and cable side by side, values exchanged after each step: rows of (vx, top tension).
 
-    ends: of the steps, to the last bit as the co-simulation master has them.
+    ends: of the steps, to the last bit as the co-simulation master has them. first_force: on the
+    vessel in its first step, that of the cable at rest if not given.
     """
     import cablemodel as cm
 
     cable, vessel = cm.CableModel(scene), Vessel()
     velocity, force = vessel.velocity.copy(), cable.top_force
+    if first_force is not None:
+        force = first_force
     rows = []
     for end in ends:
         dt = end - cable.time
