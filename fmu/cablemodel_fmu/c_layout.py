@@ -63,7 +63,7 @@ def start_constants() -> dict[str, float]:
         "SOFTEST": line_tables.SOFTEST,
         "BENT": refinement.BENT,
         "REFINEMENTS": refinement.ROUNDS,
-        "DRUM_ROOM": signals.LONGEST,
+        "DRUM_ROOM": signals.ROOM,
     }
 
 

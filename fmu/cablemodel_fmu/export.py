@@ -28,7 +28,7 @@ from cablemodel_fmu.description import INPUT_TIMING, VESSEL_INPUT, model_descrip
 from cablemodel_fmu.documentation import index_html, licences, osp_description, picture
 from cablemodel_fmu.model_file import ModelFile
 from cablemodel_fmu.signals import (
-    LONGEST,
+    ROOM,
     VR_PARAMETER,
     VR_ZERO,
     Coefficient,
@@ -238,7 +238,7 @@ def _beside(scene: Scene, model: ModelFile) -> ModelFile:
     """Of the run that the errors of a scene's own are estimated by."""
     judge = finer(scene)
     try:
-        block = build_block(judge, room=LONGEST)
+        block = build_block(judge, room=ROOM)
     except StaticsError as error:
         raise ExportError(
             f"solver.error_estimate: the run at a tolerance of {judge.solver.tolerance:g} that "
@@ -261,7 +261,7 @@ def _block(scene: Scene) -> Block | DirectBlock:
         from cablemodel.direct.build import build as build_direct_block
 
         return build_direct_block(scene)
-    return build_block(scene, room=LONGEST)
+    return build_block(scene, room=ROOM)
 
 
 def _constants(scene: Scene, block: Block | DirectBlock) -> list[Coefficient]:

@@ -61,6 +61,8 @@ _LARGEST = {"m": 1e7, "m/s": 1e3}
 SHORTEST, LONGEST = 0.5, 2.0
 """Lengths that may be set, in units of the scene's: elements keep their number, which is right for
 the exported length."""
+ROOM = LONGEST / SHORTEST
+"""Of a drum's cable, in elements of the line: there is room for the longest beside the shortest."""
 
 # Words of the coefficients in the rows of cables (elements or materials) and of bodies.
 _WORDS = {

@@ -98,7 +98,16 @@ static int out_of_reach(Cable *cable) {
         length += cable->values[n];
         reach += cable->values[n] * cable->parameters[n].reach;
     }
-    for (int64_t i = 0; i < I[I_DIMENSION]; i++) square += pow(anchor[i] - vessel[i], 2.0);
+    const double *scene = (const double *)cable->file + F_INPUTS, *plane = cable->M + S_PLANE;
+    double away[3];
+    for (int i = 0; i < 3; i++) away[i] = scene[VR_POSITION + i] - cable->now.start[i];
+    if (I[I_DIMENSION] == 2) {
+        for (int i = 0; i < 2; i++) away[i] += plane[i] * (anchor[0] - vessel[0]);
+        away[2] += anchor[1] - vessel[1];
+    } else {
+        for (int i = 0; i < 3; i++) away[i] += anchor[i] - vessel[i];
+    }
+    for (int i = 0; i < 3; i++) square += away[i] * away[i];
     if (sqrt(square) <= reach) return 0;
     snprintf(cable->message, sizeof cable->message,
              "the anchor is %g m from the vessel, out of reach of %g m of line", sqrt(square),
@@ -240,11 +249,17 @@ static void measure_line(Cable *cable, double share) {
         double *row = M + I[O_BODY] + n * BODY_WORDS;
         if (row[B_LENGTH] == 0.0) continue;
         row[B_PULL] = row[B_PULL + 1] = M[S_TENSION_SCALE];
+        row[B_CLAMP] = row[B_CLAMP + 1] = 0.0;
         if (row[B_TIE] != 0.0) row[B_TIE] = M[S_TENSION_SCALE] * row[B_LENGTH];
         row[B_COMPLIANCE] =
             fmin(row[B_LENGTH] / (RIGID * M[S_TENSION_SCALE]), SOFTEST * facts[FACT_SOFTNESS]);
     }
     M[S_CLAMP_PULL] = M[S_TENSION_SCALE];
+    for (int64_t n = 0; n < I[I_CONSTRAINTS]; n++) { /* a clamp past which cable runs */
+        double *row = M + I[O_CONSTRAINT] + n * CONSTRAINT_WORDS;
+        if (row[C_CLAMPED] == (double)BY_SPRING)
+            memset(row + C_SPRING, 0, (CONSTRAINT_WORDS - C_SPRING) * sizeof(double));
+    }
 }
 
 static void stabilise_row(Cable *cable, double *edge, double tension, int *changed) {
@@ -305,6 +320,20 @@ static void frame_of(const Cable *cable, double frame[3]) {
     frame[1] = velocity[2];
 }
 
+/* What holds the ends, at the start of a motion, but for accelerations: they begin after t = 0. */
+static void keep_accelerations(Cable *cable, int64_t (*place)(void *, int64_t)) {
+    const int64_t *I = cable->I, size = 2 * I[I_DIMENSION];
+    double kept[2][6];
+    for (int after = 0; after < 2; after++) {
+        for (int64_t n = 0; n < I[I_CONSTRAINTS] && n < 2; n++) {
+            const double *row = cable->M + I[O_CONSTRAINT] + n * CONSTRAINT_WORDS;
+            double *a = cable->M + I[O_ACCELERATION] + size * (int64_t)row[C_NODE];
+            memcpy(after ? a : kept[n], after ? kept[n] : a, (size_t)size * sizeof(double));
+        }
+        if (!after) place(cable->I, cable->block_words);
+    }
+}
+
 static int64_t solve_static(Cable *cable) {
     double frame[3];
     frame_of(cable, frame);
@@ -316,7 +345,7 @@ static int64_t solve_static(Cable *cable) {
         cablemodel_equilibrium(cable->I, cable->block_words, frame, cable->I[I_DIMENSION]);
     cable->M[S_FRICTION] = friction;
     if (!held) rest_here(cable);
-    if (status == OK) cablemodel_place_supports(cable->I, cable->block_words);
+    if (status == OK) keep_accelerations(cable, cablemodel_place_supports);
     return status;
 }
 
@@ -328,6 +357,7 @@ static int64_t find_initial_state(Cable *cable) {
     for (int64_t node = 1; node < cable->I[I_NODES]; node++)
         edge_of(cable, node)[E_BENDING] = edge_of(cable, node)[E_BENDING_FULL];
     cablemodel_place_supports(cable->I, words);
+    if (!is_static) rest_here(cable);
     if (is_static) status = solve_static(cable);
     else cablemodel_tension_from_stretch(cable->I, words);
     if (status == OK && stabilise(cable) && is_static) status = solve_static(cable);
