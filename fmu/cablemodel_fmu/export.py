@@ -176,7 +176,7 @@ def contents_of(scene: Scene, options: Options) -> Contents:
     """Model, variables and description of a scene's FMU."""
     import cablemodel
 
-    block = _block(scene)
+    block = block_of(scene)
     position, velocity, _ = scene.motion().evaluate(0.0)
     rate = float(scene.payout.rate[0].rate) if scene.payout.rate else 0.0
     first = [*map(float, velocity), *map(float, position), rate, 0.0, 0.0, 0.0]
@@ -255,7 +255,7 @@ def _beside(scene: Scene, model: ModelFile) -> ModelFile:
     )
 
 
-def _block(scene: Scene) -> Block | DirectBlock:
+def block_of(scene: Scene) -> Block | DirectBlock:
     """The scene's block at its initial state, of the solver that it asks for."""
     if scene.solver.method == "direct_integration":
         from cablemodel.direct.build import build as build_direct_block

@@ -10,7 +10,7 @@ from fmu_tools import CABLE, Slave, python_outputs, still_scene, unpacked
 
 import cablemodel as cm
 from cablemodel.kernels import layout as at
-from cablemodel_fmu.export import _block
+from cablemodel_fmu.export import block_of
 
 SCENES = Path(__file__).parents[2] / "scenes"
 STATIONS = 7
@@ -293,12 +293,12 @@ SIZES_OF_MEMORY = {at.I_BYTES, at.I_IMAGE_WORDS, at.I_CAPACITY}
 def blocks(data: dict, line: list[float], drum: list[float], tmp_path):
     """The block of an FMU with these lengths at its start, and that of an export with them."""
     scene = cm.load_scene(data)
-    expected = _block(with_lengths(scene.to_dict(), line, drum))
+    expected = block_of(with_lengths(scene.to_dict(), line, drum))
     with unpacked(scene, tmp_path, stations=3) as (place, description):
         slave = Slave(place, description, **parameters(line, drum))
         state = np.frombuffer(slave.fmu.serializeFMUstate(slave.fmu.getFMUstate()), dtype="<i8")
         slave.close()
-    size = len(_block(scene).image)
+    size = len(block_of(scene).image)
     return state[-size:].copy(), expected
 
 

@@ -115,8 +115,9 @@ static void collect_inputs(const Cable *cable, double dt, double *inputs) {
 }
 
 /* What derivatives and the next step want to know of one that was made. */
-static void remember_step(Cable *cable, double dt) {
+static void remember_step(Cable *cable, double dt, const double *inputs) {
     Controls *now = &cable->now;
+    memcpy(now->applied, inputs, sizeof now->applied);
     now->growth = now->last_step > 0.0 ? dt / now->last_step : 0.0;
     now->last_step = dt;
     now->last_mode = vessel_input(cable);
@@ -195,7 +196,7 @@ int64_t step_cable(Cable *cable, double t_end, double dt, char *message, size_t 
     }
     if (beside)
         cablemodel_step(cable->finer->I, cable->finer->block_words, t_end, inputs, INPUT_WORDS);
-    remember_step(cable, dt);
+    remember_step(cable, dt, inputs);
     outputs_changed(cable);
     return OK;
 }
