@@ -3,7 +3,7 @@
 Both kernels use the block up: whoever asks works on a copy.
 """
 
-from .compile import kernel, view
+from .compile import kernel, outlined, view
 from .layout import (
     I_NODES,
     JOINT_HINGE,
@@ -29,8 +29,6 @@ from .layout import (
 from .outputs import end_forces
 from .promote import promote
 from .system import (
-    constrain_vector,
-    factor_assembled,
     factorise,
     impose_motion,
     jacobian,
@@ -38,7 +36,6 @@ from .system import (
     recover_tension,
     residual,
     set_time,
-    solve_factored,
 )
 
 AHEAD = 0.25  # of the caller's last step: the time over which a rate of the force is taken
@@ -63,6 +60,12 @@ def top_reaction(I, forces, out):
     """Force of the cable on the vessel, earth frame, into out[0:3]: less that of the support."""
     for i in range(3):
         out[i] = -force_at_top(I, forces, i)
+
+
+@outlined
+def increment(I, M, forces, constraint, x):
+    """`newton_increment`, once for both kernels."""
+    newton_increment(I, M, forces, constraint, x)
 
 
 @kernel
@@ -103,7 +106,7 @@ def rate_of_force(I, M, last_step, out):
         return
     for _iteration in range(ITERATIONS):
         residual(I, M, q, v, a, tension, forces, constraint)
-        newton_increment(I, M, forces, constraint, x)
+        increment(I, M, forces, constraint, x)
         for n in range(count):
             q[n] += x[n]
             v[n] += cv * x[n]
@@ -182,14 +185,24 @@ def response_to_motion(I, M, motion, out):
                 x[i] = of_damping if part == 1 else of_mass
         assemble_here(I, M, cv if part == 1 else 0.0, ca if part == 2 else 0.0)
         add_product(I, M, x, y)
-    assemble_here(I, M, cv, ca)
-    for n in range(count):
-        solution[n] = -y[n]
-    constrain_vector(I, M, solution)
-    failed = factor_assembled(I, M)
+    failed = factorise(
+        I,
+        M,
+        view(M, I[O_POSITION], count),
+        view(M, I[O_VELOCITY], count),
+        view(M, I[O_ACCELERATION], count),
+        view(M, I[O_TENSION], 2 * I[I_NODES]),
+        ca,
+        cv,
+    )
     if failed != 0:
         return failed
-    solve_factored(I, M, solution)
+    forces = view(M, I[O_RESIDUAL], count)
+    constraint = view(M, I[O_CONSTRAINT_RESIDUAL], 2 * I[I_NODES])
+    constraint[:] = 0.0
+    for n in range(count):
+        forces[n] = y[n]
+    increment(I, M, forces, constraint, solution)
     assemble_here(I, M, cv, ca)
     add_product(I, M, solution, y)
     for i in range(3):

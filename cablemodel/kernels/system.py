@@ -268,20 +268,6 @@ def factor_assembled(I, M):
 
 
 @kernel
-def solve_factored(I, M, x):
-    """Increments of (r, d) from forces, in place, with the stored factorisation."""
-    if I[I_RIGID] > 0:
-        if I[I_DIMENSION] == 2:
-            solve_planar_lu(I, M, x)
-        else:
-            solve_spatial_lu(I, M, x)
-    elif I[I_DIMENSION] == 2:
-        solve_planar(I, M, x)
-    else:
-        solve_spatial(I, M, x)
-
-
-@kernel
 def newton_increment(I, M, forces, constraint, x):
     """x = increments of (r, d) from the residuals, with the stored factorisation.
 
@@ -297,7 +283,15 @@ def newton_increment(I, M, forces, constraint, x):
     for n in range(count):
         x[n] = -forces[n]
     constrain_vector(I, M, x)
-    solve_factored(I, M, x)
+    if I[I_RIGID] > 0:
+        if I[I_DIMENSION] == 2:
+            solve_planar_lu(I, M, x)
+        else:
+            solve_spatial_lu(I, M, x)
+    elif I[I_DIMENSION] == 2:
+        solve_planar(I, M, x)
+    else:
+        solve_spatial(I, M, x)
 
 
 @kernel
