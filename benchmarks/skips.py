@@ -247,7 +247,7 @@ def _fine_lay() -> Any:
 
     from cablemodel.instance import build
 
-    with patch("cablemodel.finite_element.build", partial(build, drum_room=150.0)):
+    with patch("cablemodel.finite_element.build", partial(build, room=150.0)):
         return _lay(None)
 
 

@@ -6,7 +6,18 @@ a count; see layout.py for the codes.
 
 from numba import float64, int64
 
-from . import follow, outputs, promote, statics, stepping, system, time_stepping, vessel_clamp
+from . import (
+    follow,
+    interface,
+    outputs,
+    promote,
+    scales,
+    statics,
+    stepping,
+    system,
+    time_stepping,
+    vessel_clamp,
+)
 from .compile import INTEGERS, REALS, entry_point
 from .layout import (
     FLOOR_FAR,
@@ -78,6 +89,13 @@ def place_supports(I, M):
     return I[I_CONSTRAINTS]
 
 
+@entry_point(int64(INTEGERS, REALS, REALS))
+def measure(I, M, facts):
+    """Write what follows from the lengths of the line: scales.measure_line."""
+    scales.measure_line(I, M, facts)
+    return 0
+
+
 @entry_point(int64(INTEGERS, REALS, REALS, REALS))
 def sample(I, M, stations, out):
     """State at arc lengths [m]; out: rows of STATION_WORDS. Returns how many are on it."""
@@ -124,6 +142,20 @@ def assemble(I, M, cv, ca):
     return 0
 
 
+@entry_point(int64(INTEGERS, REALS, float64, REALS))
+def force_rate(I, M, last_step, out):
+    """Time derivative of the force on the vessel: interface.rate_of_force. Uses the block up."""
+    interface.rate_of_force(I, M, last_step, out)
+    return 0
+
+
+@entry_point(int64(INTEGERS, REALS, REALS, REALS))
+def force_response(I, M, motion, out):
+    """Change of the force on the vessel with its motion: interface.response_to_motion. Uses the
+    block up."""
+    return interface.response_to_motion(I, M, motion, out)
+
+
 @entry_point(int64(INTEGERS, REALS))
 def to_three_dimensions(I, M):
     """Turn a planar model into a three-dimensional one, in place."""
@@ -138,10 +170,13 @@ ENTRY_POINTS = {
     "choose_bending": choose_bending,
     "refine_at_floor": refine_at_floor,
     "place_supports": place_supports,
+    "measure": measure,
     "sample": sample,
     "bodies": bodies,
     "summary": summary,
     "energy": energy,
     "assemble": assemble,
+    "force_rate": force_rate,
+    "force_response": force_response,
     "to_three_dimensions": to_three_dimensions,
 }

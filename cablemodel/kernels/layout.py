@@ -242,6 +242,20 @@ C_PULL_GAIN, C_PULL_CHANGE = 23, 24  # how it follows, and what it was off last 
 C_VESSEL, C_ANCHOR = 1, 2
 EXACTLY, BY_SPRING = 1, 2  # how the tangent is held (C_CLAMPED); 0: it is free
 
+# What a line is like as a whole, for scales.measure_line.
+FACT_LENGTH = 0  # of its cables [m]
+FACT_DAMPING = 1  # rho Cdn d L / m, dimensionless
+FACT_SOFTNESS = 2  # of the whole line [m/N]
+FACT_MASS = 3  # of cables and bodies, in air [kg]
+FACT_TENSION = 4  # a typical one [N]
+FACT_SLACK = 5  # 1: it starts without tension
+FACT_CALM = 6  # 1: its end is free, there is no floor, no cable runs
+FACT_FOLLOWS = 7  # 1: its mesh may change: the scene gives no numbers of elements
+FACT_ABOVE_FLOOR = 8
+FACT_BENDS = 9  # 1: some of its cables pass a moment
+FACT_WORDS = 10
+LIGHT_DAMPING = 10.0  # rho Cdn d L / m below which a line counts as hardly damped
+
 # What is read off a state, in words: the rows of outputs.sample_stations, outputs.summarise.
 STATION_WORDS, SUMMARY_WORDS, ENERGY_WORDS = 13, 32, 9
 
@@ -256,6 +270,8 @@ GAUSS_WORDS = ELEMENT_WORDS + 24
 # airy.py, and two more in sea_cells.py.
 MOTION_WORDS = 80
 WATER_COLUMNS = 6
+
+LONGEST_STEP = 1e9  # that a caller may ask for [s]: 30 years; more is a mistake
 
 # Status codes of the kernels.
 OK = 0

@@ -236,7 +236,7 @@ static const char *check_parameters(const Cable *cable, const int64_t *I) {
 
 static const char *check_file(Cable *cable, int64_t count, const char *guid) {
     const int64_t *file = cable->file;
-    if (file[F_MAGIC] != FILE_MAGIC || file[F_FORMAT] != FILE_FORMAT)
+    if (file[F_MAGIC] != FILE_MAGIC || file[F_FORMAT] != FILE_FORMAT || count < F_HEADER_WORDS)
         return "not a model of this version";
     if (file[F_WORDS] != count) return "truncated or too long";
     if ((uint32_t)file[F_CHECKSUM] != checksum(file + F_KERNELS, 8 * (size_t)(count - F_KERNELS)))
@@ -260,6 +260,11 @@ static const char *check_file(Cable *cable, int64_t count, const char *guid) {
     for (int n = 0; n < VR_INPUTS + 3; n++)
         if (!(fabs(((const double *)file)[F_INPUTS + n]) < 1e100))
             return "a start value is not finite";
+    for (int n = 0; n < FACT_WORDS; n++)
+        if (!(fabs(((const double *)file)[F_FACTS + n]) < 1e100))
+            return "a number of the line as a whole is not finite";
+    if (!within((cable->flags & FLAG_VESSEL_INPUT) / FLAG_VESSEL_INPUT_UNIT, BY_VELOCITY, BY_BOTH))
+        return "a start value is out of range";
     cable->parameters = (const Parameter *)(file + F_HEADER_WORDS);
     const int64_t *image = file + F_HEADER_WORDS + row * cable->parameter_count;
     const char *problem = check_block(image, cable->image_words, cable->block_words);
@@ -329,4 +334,5 @@ void free_cable(Cable *cable) {
     free(cable->values);
     free(cable->arcs);
     free(cable->rows);
+    free(cable->copy);
 }
