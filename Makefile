@@ -8,8 +8,11 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 READY_DEV := $(VENV)/.ready-dev
 READY_BENCH := $(VENV)/.ready-bench
+READY_DOCS := $(VENV)/.ready-docs
 VENV_ROS := .venv-ros
 READY_ROS := $(VENV_ROS)/.ready
+VENV_MASTERS := .venv-masters
+READY_MASTERS := $(VENV_MASTERS)/.ready
 SCENE := scenes/towed_cable.yaml
 RUN := out/towed_cable.mcap
 
@@ -29,7 +32,7 @@ demo: $(READY) native  ## simulate a towed cable: log, picture, report, and comp
 
 # What the tests need is made at the same time.
 test: $(READY_DEV)  ## check style and types, then run all tests
-	@$(MAKE) --no-print-directory -j 4 lint types libraries test-tools $(READY_ROS)
+	@$(MAKE) --no-print-directory -j 4 lint types libraries test-tools $(READY_ROS) $(READY_MASTERS)
 	$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile --no-loadscope-reorder
 	$(VENV_ROS)/bin/python -m pytest tests/interface/ros
 
@@ -110,12 +113,14 @@ stress: $(READY_BENCH)  ## run the stress scenes (long)
 golden: $(READY_DEV)  ## make the golden logs of tests/replay anew, where results have changed
 	$(BIN)/python tests/replay/make_golden.py
 
-docs: $(READY_DEV)  ## write the generated pages of docs/ anew
+docs: $(READY_DOCS)  ## write the generated parts of docs/ anew, and build their site into out/site
 	$(BIN)/python docs/write_scene_reference.py
 	$(BIN)/python docs/write_ros2_tables.py
+	$(BIN)/python docs/write_constants.py
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --clean
 
 clean:  ## remove environments, builds, caches and output
-	rm -rf .venv .venv-ros build dist out *.egg-info
+	rm -rf .venv .venv-ros .venv-masters build dist out *.egg-info
 	rm -rf .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
@@ -125,6 +130,12 @@ $(READY_ROS): pyproject.toml ros2_node/setup.py
 	$(VENV_ROS)/bin/python -m pip install --quiet --quiet --editable . \
 		--editable './ros2_node[wheels,colcon]' 'matplotlib>=3.8,<4' 'pytest>=8,<10'
 	@touch $@
+
+# CoFMPy wants versions of its own of what tests use. Without it its test is skipped.
+$(READY_MASTERS):
+	@$(PYTHON) -m venv $(VENV_MASTERS) \
+		&& $(VENV_MASTERS)/bin/python -m pip install --quiet --quiet 'cofmupy>=1,<2' \
+		&& touch $@ || echo "No CoFMPy: its test will be skipped."
 
 # The stamps keep a second call from installing again; a change of pyproject.toml does.
 $(READY): pyproject.toml | $(BIN)/python
@@ -137,6 +148,10 @@ $(READY_DEV): pyproject.toml $(READY)
 
 $(READY_BENCH): pyproject.toml $(READY_DEV)
 	$(BIN)/python -m pip install --quiet --quiet --editable '.[bench]'
+	@touch $@
+
+$(READY_DOCS): pyproject.toml $(READY_DEV)
+	$(BIN)/python -m pip install --quiet --quiet --editable '.[docs]'
 	@touch $@
 
 $(BIN)/python:

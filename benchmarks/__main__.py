@@ -10,7 +10,6 @@ import argparse
 import json
 from collections.abc import Sequence
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
 from benchmarks import machine, report, work_precision
@@ -29,7 +28,7 @@ def arguments(given: Sequence[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--quick", action="store_true", help="few settings, about a minute")
     parser.add_argument("--only", default=",".join(SCENES), help="scenes, with commas")
     parser.add_argument("--parts", default="", help=f"some of {','.join(PARTS)}")
-    parser.add_argument("--output", type=Path, default=Path("docs/benchmarks.md"))
+    parser.add_argument("--report", action="store_true", help="only write page and figures anew")
     return parser.parse_args(given)
 
 
@@ -53,13 +52,26 @@ def merge(kept: Sequence[Measurement], fresh: Sequence[Measurement]) -> list[Mea
     return [m for m in kept if key(m) not in replaced] + list(fresh)
 
 
+def write_page(stored: dict[str, Any]) -> None:
+    """Page, figures and tables of rows from the numbers that are kept."""
+    report.write(
+        stored["machine"],
+        [Measurement(**m) for m in stored["measurements"]],
+        [ScalingPoint(**p) for p in stored["scaling"]],
+        StartUp(**stored["startup"]) if stored["startup"] else None,
+    )
+
+
 def main(given: Sequence[str] | None = None) -> None:
     """Measure the chosen parts, keep the numbers, write the report."""
     chosen = arguments(given)
     names = [name for name in SCENES if name in chosen.only.split(",")]
     parts = chosen.parts.split(",") if chosen.parts else (QUICK_PARTS if chosen.quick else PARTS)
-    store = chosen.output.parent / chosen.output.stem / "results.json"
+    store = report.FOLDER / "results.json"
     stored: dict[str, Any] = json.loads(store.read_text()) if store.exists() else {}
+    if chosen.report:
+        write_page(stored)
+        return
     described = machine.describe()
     # Parts may be measured at different times: each keeps the load that it ran under.
     loads: dict[str, str] = stored.get("loads", {})
@@ -93,24 +105,18 @@ def main(given: Sequence[str] | None = None) -> None:
         start_up = measure_start_up(with_first_start=not chosen.quick)
         print(start_up)
 
+    stored = {
+        "machine": described,
+        "loads": loads,
+        "measurements": [asdict(m) for m in results],
+        "search": [asdict(m) for m in searched],
+        "scaling": [asdict(p) for p in scaling],
+        "startup": asdict(start_up) if start_up else None,
+    }
     store.parent.mkdir(parents=True, exist_ok=True)
-    store.write_text(
-        json.dumps(
-            {
-                "machine": described,
-                "loads": loads,
-                "measurements": [asdict(m) for m in results],
-                "search": [asdict(m) for m in searched],
-                "scaling": [asdict(p) for p in scaling],
-                "startup": asdict(start_up) if start_up else None,
-            },
-            indent=1,
-        )
-        + "\n"
-    )
-    described["load"] = "; ".join(f"{part}: {load}" for part, load in loads.items())
-    report.write(chosen.output, described, results, scaling, start_up, searched)
-    print(f"wrote {chosen.output}")
+    store.write_text(json.dumps(stored, indent=1) + "\n")
+    write_page(stored)
+    print(f"wrote {report.PAGE}")
 
 
 if __name__ == "__main__":

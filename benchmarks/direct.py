@@ -1,6 +1,6 @@
 """The 1998 method measured: iterations, costs of its models and linear solvers, round-off, orders.
 
-    python -m benchmarks.direct        writes docs/direct_measured.md
+    python -m benchmarks.direct
 
 Processor time of stepping alone, the least of several runs.
 """
@@ -18,8 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 import cablemodel as cm
-from benchmarks import direct_steps, machine
-from benchmarks.direct_table import table
+from benchmarks import direct_steps
+from benchmarks.direct_steps import Table
+from benchmarks.sections import read_rows, table, write_part, write_rows
 from cablemodel.direct import library
 from cablemodel.direct.build import build
 from cablemodel.direct.kernels import layout as own
@@ -27,7 +28,7 @@ from cablemodel.direct.kernels.layout import RHS_WORDS
 from tests.verification import direct_scenes, scenes
 from tests.verification.references import tables
 
-PAGE = Path(__file__).parents[1] / "docs" / "direct_measured.md"
+PAGE, FOLDER = Path("docs/benchmarks.md"), Path("docs/benchmarks")
 MODELS = ("cable", "hybrid", "elastica")
 REPEATS = 7
 LONG_LINE = 2000
@@ -47,7 +48,7 @@ def stepping_cost(model: cm.CableModel, until: float) -> tuple[float, cm.CableMo
     return min(costs), model
 
 
-def models_compared() -> list[str]:
+def models_compared() -> Table:
     """Example 2 with the three models, 200 s at 1 s and 1 m: cost over that of `cable`."""
     rows = []
     for planar, solver in itertools.product((None, False), ("superposition", "elimination")):
@@ -69,10 +70,10 @@ def models_compared() -> list[str]:
             ]
         )
     heads = ["equations", "linear solver", "cable", "hybrid", "elastica", "iterations a step"]
-    return table(heads, rows)
+    return heads, rows
 
 
-def iterations() -> list[str]:
+def iterations() -> Table:
     """Iterations a step of the paper's examples, at its tolerances and at a tight one."""
     cases: list[tuple[str, str, float, Callable[..., cm.Scene]]] = [
         ("1 (assumed data)", "0.05: 3 to 5", 200.0, lambda **k: direct_scenes.deployed("elastica")),
@@ -94,7 +95,7 @@ def iterations() -> list[str]:
                 f"({counts['rejected']} of {counts['steps']} steps halved)"
             )
         rows.append(row)
-    return table(["example", "the paper", "at its tolerance", "at 1e-8"], rows)
+    return ["example", "the paper", "at its tolerance", "at 1e-8"], rows
 
 
 def system(model: str, planar: bool, intervals: int) -> tuple[Any, int]:
@@ -169,7 +170,7 @@ def unsuppressed(block: Any, slots: int) -> Floats:
     return np.concatenate([value[:, 0] + value[:, 1:] @ z for value in values])
 
 
-def linear_solvers() -> list[str]:
+def linear_solvers() -> Table:
     """Cost and forward error of the solvers on the system of a step of S1."""
     from scipy.linalg import solve_banded
 
@@ -224,7 +225,7 @@ def linear_solvers() -> list[str]:
         "elimination",
         "LAPACK",
     ]
-    return table(heads, rows)
+    return heads, rows
 
 
 def least_time(task: Callable[[], Any]) -> float:
@@ -267,7 +268,7 @@ def errors_of(scene: cm.Scene, reference: tables.Table) -> tuple[float, float, f
     return far / reference.length, pull / reference.largest_tension, spent
 
 
-def refinement() -> list[str]:
+def refinement() -> Table:
     """Errors against the converged tables as dt and ds are refined; the elements beside."""
     cases: list[tuple[str, Callable[..., cm.Scene], tables.Table, tuple[float, ...], float]] = [
         ("S1", lambda **k: direct_scenes.towed("elastica", **k), tables.TOWED, (1, 0.5, 0.25), 1.0),
@@ -324,63 +325,63 @@ def refinement() -> list[str]:
                 ]
             )
     heads = ["scene", "settings", "tip / L", "order", "tension / largest", "CPU [ms]"]
-    return table(heads, rows)
+    return heads, rows
+
+
+STORES = {
+    "models": models_compared,
+    "iterations": iterations,
+    "linear_solvers": linear_solvers,
+    "refinement": refinement,
+    "survey": direct_steps.survey,
+    "touchdown": direct_steps.touchdown,
+}
+"""Data files in the folder, and what measures them."""
+
+
+def file_of(name: str) -> Path:
+    """The data file of that table."""
+    return FOLDER / f"direct_{name}.csv"
+
+
+def summary() -> str:
+    """What the models cost, and how far from the finite elements runs are, from the data files."""
+    models = read_rows(file_of("models"))
+    costs = table(tuple(models[0]), [list(row.values()) for row in models])
+    survey = read_rows(file_of("survey"))
+    completed = sum(int(row["completed"]) for row in survey)
+    whole = len(survey) * len(direct_steps.TOLERANCES)
+    wrong = sum(int(row["wrong"]) for row in survey)
+    names = dict.fromkeys(row["example"] for row in survey)
+    lines = []
+    for name in names:
+        mine = [row for row in survey if row["example"] == name]
+        lines.append(
+            (
+                name,
+                f"{sum(int(row['completed']) for row in mine)} of "
+                f"{len(mine) * len(direct_steps.TOLERANCES)}",
+                f"{min(float(row['tension [%]']) for row in mine):.2f} to "
+                f"{max(float(row['tension [%]']) for row in mine):.2f}",
+                f"{min(float(row['place [%]']) for row in mine):.2f} to "
+                f"{max(float(row['place [%]']) for row in mine):.2f}",
+            )
+        )
+    head = ("example, spacing", "runs completed", "tension off by [%]", "places off by [%]")
+    return (
+        f"{costs}\n{completed} of {whole} runs of the survey came to their end, the others were "
+        f"refused; {wrong} took over a wrong state.\n\n{table(head, lines)}"
+    )
 
 
 def main() -> None:
-    """Measure everything and write the page."""
-    described = machine.describe()
+    """Measure everything; keep the rows, write a summary."""
     build(direct_scenes.towed("cable"))
-    lines = [
-        "# The 1998 method, measured",
-        "",
-        "For those who compare the two solvers. Written by `python -m benchmarks.direct`; do not",
-        "edit. What it means is in",
-        "[theory.md](theory.md). Processor time, least of several runs, "
-        + ", ".join(f"{key} {value}" for key, value in described.items())
-        + ".",
-        "",
-        "## Models",
-        "",
-        "Example 2, 200 s at 1 s and 1 m; cost of hybrid and elastica over the cable's. The paper,",
-        "whose code is spatial, reports +30 % and +140 %.",
-        "",
-        *models_compared(),
-        "## Iterations a step",
-        "",
-        *iterations(),
-        "## Linear solvers",
-        "",
-        f"Time an interval on a line of {LONG_LINE}; error of the solution (random right-hand",
-        "side, 30 intervals) against one refined in extended precision, over its largest entry.",
-        "",
-        *linear_solvers(),
-        "## Refinement",
-        "",
-        "Largest errors against the converged tables of the verification; order of the tip.",
-        "",
-        *refinement(),
-        "## Steps and tolerances",
-        "",
-        "The paper's examples at Newton tolerances of 1e-2, 1e-4, 1e-6 and 1e-8, compared with the",
-        "finite elements every 5 s until the end or the refusal: largest errors of the top tension",
-        "over its largest value, and of the places of end (or touchdown point) and first body over",
-        f"the length. A state is called wrong where one of them exceeds {direct_steps.WRONG:.0%}.",
-        "Example 1 has point bodies here, which the finite elements can pay out, and nodes every",
-        "0.5 m: with 1 m, as in the scene, its folds are not resolved (errors of place up to 5 %).",
-        "",
-        *direct_steps.survey(),
-        "## Touchdown",
-        "",
-        "Example 3, elastica: 0.5 s, 0.5 m, alpha 1 but for what is named; the finite elements "
-        "with",
-        "hybrid. Without tangential drag (Cdt = 0) the laid cable does not fold.",
-        "",
-        *direct_steps.touchdown(),
-    ]
-    text = "\n".join(lines)
-    print(text)
-    PAGE.write_text(text.rstrip() + "\n", encoding="utf-8")
+    for name, measure in STORES.items():
+        head, rows = measure()
+        write_rows(file_of(name), head, rows)
+        print(table(head, rows))
+    write_part(PAGE, "method of 1998", summary())
 
 
 if __name__ == "__main__":

@@ -16,8 +16,7 @@ from mcap.writer import Writer
 
 import cablemodel as cm
 from benchmarks.measure import best
-from benchmarks.report import table
-from benchmarks.sections import write_section
+from benchmarks.sections import table, write_part
 from cablemodel.log.writer import LogWriter
 from cablemodel.report.page import save_report
 
@@ -115,7 +114,7 @@ def reporting(log: Path, what: str) -> LogCost:
 
 
 def main() -> None:
-    """Measure, print, write the section."""
+    """Measure, print, write the table."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         short = folder / "short.mcap"
@@ -138,12 +137,7 @@ def main() -> None:
     ]
     text = table(["", "CPU ms", "mcap's own [ms]", "ratio"], rows)
     print(text)
-    intro = (
-        "`python -m benchmarks.logs`: processor time, fastest of several, beside mcap's own writer "
-        "and reader over the same messages (no fields encoded or decoded)."
-    )
-    path = ROOT / "docs" / "logs.md"
-    write_section(path, path.stem, "What it costs", f"{intro}\n\n{text}")
+    write_part(ROOT / "docs" / "logs.md", "cost", text)
 
 
 if __name__ == "__main__":

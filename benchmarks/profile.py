@@ -1,4 +1,4 @@
-"""Where the instructions of a step go: ``python -m benchmarks.profile`` writes a page.
+"""Where the instructions of a step go: ``python -m benchmarks.profile``.
 
 The kernels are linked once more with their symbols (the shipped library has none), stepped under
 callgrind by ``count_steps.c``, and every executed instruction is looked up in the disassembly:
@@ -19,9 +19,8 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.instructions import DRIVER, compiler
-from benchmarks.report import table
+from benchmarks.sections import write_rows
 
-PAGE = Path("docs/benchmarks/profile.md")
 ELEMENTS = 64
 PARTS = {
     # part: words in the symbols' names, first match counts
@@ -165,8 +164,15 @@ def calls(part: str, counts: dict[str, int]) -> int | None:
     return counts["iterations"] if part in ("residuals", "solution") else None
 
 
-def section(name: str, found: Profile, planar: bool) -> str:
-    """One table."""
+STORE = Path("docs/benchmarks/profile.csv")
+HEAD = (
+    "equations", "part", "instructions [%]", "instructions an element and step",
+    "flops an element and step", "flops an element and call", "least", "least counts", "ratio",
+)  # fmt: skip
+
+
+def rows_of(name: str, found: Profile, planar: bool) -> list[tuple[str, ...]]:
+    """A row for each part of a step, and one for the whole."""
     steps, whole = found.counts["steps"], sum(found.instructions.values())
     rows = []
     for part in (*PARTS, "other"):
@@ -175,51 +181,38 @@ def section(name: str, found: Profile, planar: bool) -> str:
         a_call = flops / times / ELEMENTS if times else None
         rows.append(
             (
+                name,
                 part,
-                f"{100.0 * done / whole:.1f} %",
+                f"{100.0 * done / whole:.1f}",
                 f"{done / steps / ELEMENTS:.0f}",
                 f"{flops / steps / ELEMENTS:.0f}",
                 f"{a_call:.0f}" if a_call is not None else "",
-                f"{minimum[0]:.0f} ({minimum[1]})" if minimum else "",
+                f"{minimum[0]:.0f}" if minimum else "",
+                minimum[1] if minimum else "",
                 f"{a_call / minimum[0]:.1f}" if minimum and a_call is not None else "",
             )
         )
-    head = (
-        "part", "instructions", "an element and step", "flops an element and step",
-        "flops an element and call", "least", "ratio",
-    )  # fmt: skip
-    accounted = sum(found.operations.values()) / steps / ELEMENTS
-    return (
-        f"## {name}\n\n{steps} steps, {found.counts['iterations'] / steps:.1f} iterations and "
-        f"{found.counts['factorisations'] / steps:.2f} factorisations a step; "
-        f"{whole / steps / ELEMENTS:.0f} instructions and {accounted:.0f} floating-point "
-        f"operations an element and step.\n\n{table(head, rows)}\n"
-    )
+    flops = sum(found.operations.values()) / steps / ELEMENTS
+    each = f"{whole / steps / ELEMENTS:.0f}"
+    rows.append((name, "all", "100.0", each, f"{flops:.0f}", "", "", "", ""))
+    return rows
+
+
+PLANE, SPACE = "in a plane", "in space"
 
 
 def write(library: Path, folder: Path) -> None:
-    """Measure with that library, and write the page."""
-    parts = [
-        section("In a plane", profile(library, folder, planar=True), planar=True),
-        section("In space", profile(library, folder, planar=False), planar=False),
-    ]
-    PAGE.write_text(
-        "# Where a step goes\n\n"
-        "Written by `python -m benchmarks.profile`: the tow S1 (elastica, 64 elements, tau = 1e-3) "
-        "to 100 s under callgrind, kernels as in the library, for any x86-64. Outputs are not in "
-        "it: nothing of them is computed until asked for. Calls of residuals and solution are "
-        "counted as iterations: residuals that start a stage or a step come on top. *Least* leaves "
-        "out the material and the loads (roots, drag and its derivatives, rank-3 update of the "
-        "tension).\n\n" + "\n".join(parts).rstrip("\n") + "\n"
-    )
+    """Measure with that library; keep the rows."""
+    rows = rows_of(PLANE, profile(library, folder, planar=True), planar=True)
+    rows += rows_of(SPACE, profile(library, folder, planar=False), planar=False)
+    write_rows(STORE, HEAD, rows)
 
 
 def main() -> None:
-    """Link the kernels with their symbols; write the page."""
+    """Link the kernels with their symbols; measure."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         write(linked(folder), folder)
-    print(PAGE.read_text())
 
 
 if __name__ == "__main__":

@@ -11,7 +11,8 @@ A run is ``completed`` when every step was made and everything it reports is fin
 differ in the caller's step only must agree at the instants that they share. The run with 2 s
 steps then goes on until drag must have taken nearly all energy: at no time may there be more
 energy than at the start (nothing feeds any in), and at the end next to none may be left.
-``python -m benchmarks.robustness`` writes ``docs/stress.md``.
+``python -m benchmarks.robustness`` writes ``docs/stress/robustness.csv``, and its summary into
+``docs/stress.md``.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.scenes import GRAVITY, Cable
-from benchmarks.sections import write_section
+from benchmarks.sections import read_rows, table, write_part, write_rows
 
 BENDING_STIFFNESSES = (0.0, 1e-3, 0.1, 1.0, 10.0)
 AXIAL_STIFFNESSES = (1e4, 1e5, 1e6, 1e7, 1e9)
@@ -309,59 +310,73 @@ def describe_row(row: Row) -> tuple[str, ...]:
     )
 
 
-def write_report(path: Path, rows: Sequence[Row], machine: dict[str, str]) -> None:
-    """The outcome table as a section of a page."""
-    passed = sum(row.passed for row in rows)
-    runs = sum(len(row.outcomes) for row in rows)
-    head = ("scene", "EI", "EA", *(f"caller {step:g} s" for step in CALLER_STEPS))
-    head += ("apart [tau L]", "energy: most, left", "outcome")
-    lines = [
-        "Written by `make stress` (`python -m benchmarks.robustness`). "
-        f"{passed} of {len(rows)} rows passed ({runs} runs); tau = {TOLERANCE:g}, "
-        f"L = {LENGTH:g} m; EI = 0 takes the flexible model, the others the elastica.\n",
-        "Scenes: " + "; ".join(_describe_scene(scene) for scene in HARD_SCENES) + ".\n",
-        f"Runs with 1 ms steps last {SHORT_STEP_DURATION:g} s. A row passes when all its runs "
-        "complete with finite results and agree with each other, whatever the caller's step, at "
-        "the instants that they share up to the given one (later the motion multiplies every "
-        "difference), and when the run with 2 s steps, continued until drag must have taken "
-        "nearly all energy, never has more energy than at the start and keeps none. Energies are "
-        "above those of the hanging cable, over that of the start.\n",
-        f"Machine: {machine['processor']}, revision {machine['revision']}.\n",
-        "| " + " | ".join(head) + " |",
-        "|" + "---|" * len(head),
-    ]
-    lines += ["| " + " | ".join(describe_row(row)) + " |" for row in rows]
-    write_section(path, "Stress", "Robustness matrix", "\n".join(lines))
+PAGE = Path("docs/stress.md")
+STORE = Path("docs/stress/robustness.csv")
+HEAD = (
+    "scene", "EI [N m2]", "EA [N]",
+    *(f"steps of {step:g} s" for step in CALLER_STEPS),
+    "apart [tau L]", "most energy", "energy left", "outcome",
+)  # fmt: skip
 
 
-def _describe_scene(scene: HardScene) -> str:
-    medium = "water" if scene.in_water else "air"
+def fields(row: Row) -> tuple[object, ...]:
+    """A row of the data file: what was run, the steps of each run, how they agree, energies."""
+    last = row.outcomes[-1]
     return (
-        f"{scene.name} (in {medium}, {scene.duration:g} s, agreement within "
-        f"{scene.agreement:g} tau L asked up to {scene.predictable:g} s"
-        + (
-            f", {scene.predictable_flexible:g} s for EI < 0.1"
-            if math.isfinite(scene.predictable_flexible)
-            else ""
-        )
-        + "; less than "
-        f"{scene.left:g} of the energy left at {scene.settled:g} s)"
+        row.scene,
+        f"{row.bending_stiffness:g}",
+        f"{row.axial_stiffness:g}",
+        *(
+            f"{outcome.statistics.get('steps', math.nan):.0f}"
+            if outcome.completed
+            else outcome.message
+            for outcome in row.outcomes
+        ),
+        f"{row.disagreement.distance:.2g}",
+        f"{last.most_energy:.3g}",
+        f"{last.energy_left:.2g}",
+        "passed" if row.passed else "failed",
     )
 
 
-def main(given: Sequence[str] | None = None) -> None:
-    """Run the matrix, or a part of it, and write the table."""
-    from benchmarks import machine
+def summary(rows: Sequence[dict[str, str]]) -> str:
+    """A row for each scene, from the data file."""
+    lines = []
+    for scene in HARD_SCENES:
+        mine = [row for row in rows if row["scene"] == scene.name]
+        until = f"{scene.predictable:g} s"
+        if math.isfinite(scene.predictable_flexible):
+            until += f" ({scene.predictable_flexible:g} s for EI < 0.1)"
+        lines.append(
+            (
+                scene.name,
+                "water" if scene.in_water else "air",
+                f"{sum(row['outcome'] == 'passed' for row in mine)} of {len(mine)}",
+                f"{max(float(row['apart [tau L]']) for row in mine):.2g}",
+                f"{scene.agreement:g} up to {until}",
+                f"{max(float(row['most energy']) for row in mine):.2g}",
+                f"{max(float(row['energy left']) for row in mine):.2g} at {scene.settled:g} s",
+                f"{scene.left:g}",
+            )
+        )
+    head = (
+        "scene", "in", "passed", "apart [tau L]", "allowed", "most energy", "left", "allowed",
+    )  # fmt: skip
+    return table(head, lines)
 
+
+def main(given: Sequence[str] | None = None) -> None:
+    """Run the matrix, or a part of it; keep the rows of a whole one, and write their summary."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.robustness")
     parser.add_argument("--only", default="", help="part of a scene's name")
-    parser.add_argument("--output", type=Path, default=Path("docs/stress.md"))
     chosen = parser.parse_args(given)
     scenes = [scene for scene in HARD_SCENES if chosen.only in scene.name]
     rows = run_matrix(scenes, report=lambda row: print(" | ".join(describe_row(row)), flush=True))
-    write_report(chosen.output, rows, machine.describe())
+    if not chosen.only:
+        write_rows(STORE, HEAD, [fields(row) for row in rows])
+        write_part(PAGE, "robustness", summary(read_rows(STORE)))
     failed = [row for row in rows if not row.passed]
-    print(f"{len(rows) - len(failed)} of {len(rows)} passed; wrote {chosen.output}")
+    print(f"{len(rows) - len(failed)} of {len(rows)} passed")
     if failed:
         raise SystemExit(1)
 

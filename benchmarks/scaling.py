@@ -48,7 +48,6 @@ class Series:
     varied: str
     sizes: tuple[float, ...]
     measure: Callable[[float], ScalingPoint]
-    note: str
     from_size: float
     to_size: float = float("inf")
 
@@ -137,45 +136,19 @@ SERIES = (
         "elements",
         (10, 30, 100, 300, 1000, 3000, 10_000, 30_000),
         _short_elements,
-        "Elements of 3 mm where there are 10,000, and of 1 mm where there are 30,000: there "
-        "round-off of the positions over the length of an element reaches Newton's tolerance, "
-        "steps are refused, and a step costs several times as much. Longer lines, below, have no "
-        "such limit.",
         100,
-        3000,
+        3000,  # beyond, round-off of positions over an element reaches Newton's tolerance
     ),
-    Series(
-        "elements of 1 m",
-        "elements",
-        (10, 100, 1000, 10_000, 100_000),
-        _long_line,
-        "A line of as many metres; EA grows with it, so that it hangs with the same strain.",
-        100,
-    ),
+    Series("elements of 1 m", "elements", (10, 100, 1000, 10_000, 100_000), _long_line, 100),
     Series(
         "length, mesh from the tolerance",
         "length [m]",
         (30, 100, 300, 1000, 3000, 10_000, 30_000, 100_000),
         _own_mesh,
-        "Elements and steps as the tolerance asks.",
         30,
     ),
-    Series(
-        "steps of 10 ms",
-        "steps",
-        (100, 1000, 10_000, 100_000),
-        _steps,
-        "As a controller at 100 Hz calls it, from Python.",
-        1000,
-    ),
-    Series(
-        "instances",
-        "instances",
-        (1, 10, 100, 1000),
-        _instances,
-        "Stepped in turn in one process, 200 steps each, from Python.",
-        1,
-    ),
+    Series("steps of 10 ms", "steps", (100, 1000, 10_000, 100_000), _steps, 1000),
+    Series("instances", "instances", (1, 10, 100, 1000), _instances, 1),
 )
 
 

@@ -1,4 +1,4 @@
-"""What skipping gains: ``python -m benchmarks.skips`` writes ``docs/benchmarks/skips.md``.
+"""What skipping gains: ``python -m benchmarks.skips``.
 
 Each row runs a scene twice, with and without something that the engine leaves out by itself where
 a scene does not need it; what is left out is put back by hand. Time is the processor's, the best
@@ -7,7 +7,7 @@ of several; the change is that of the last tip position over the length, and of 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -17,6 +17,7 @@ import numpy as np
 
 from benchmarks.kernels import CABLE, towed
 from benchmarks.measure import best
+from benchmarks.sections import read_rows, table, write_part, write_rows
 
 END = 100.0
 
@@ -82,7 +83,7 @@ def skips() -> list[Skip]:
             lambda: _model(fine),
         ),
         Skip(
-            "the same where it matters",
+            "bending, where it matters (hybrid against elastica)",
             "tow, EI 1000",
             lambda: _model({**towed(16, model="hybrid"), **_flexible(1000.0)}),
             lambda: _model({**fine, **_flexible(1000.0)}),
@@ -116,7 +117,7 @@ def skips() -> list[Skip]:
             each={"I_FACTORED": 0},
         ),
         Skip(
-            "the same",
+            "a new matrix in every step (kept from step to step)",
             "turn in space, 100 Hz",
             lambda: _model(_turned()),
             lambda: _model(_turned()),
@@ -176,7 +177,7 @@ def skips() -> list[Skip]:
         ),
         Skip(
             "cable at rest on the floor (asleep, against awake)",
-            "the same lay of 10 km, laid elements as short as they landed",
+            "lay of 10 km, laid elements as short as they landed",
             _fine_lay,
             lambda: _with_words(_fine_lay(), I_SLEEP=0),
             interval=20.0,
@@ -185,7 +186,7 @@ def skips() -> list[Skip]:
             repeats=1,
         ),
         Skip(
-            "the same",
+            "cable at rest on the floor (asleep, against awake)",
             "2.6 km over a rough floor",
             _rough_lay,
             lambda: _with_words(_rough_lay(), I_SLEEP=0),
@@ -246,7 +247,7 @@ def _fine_lay() -> Any:
 
     from cablemodel.instance import build
 
-    with patch("cablemodel.finite_element.build", partial(build, drum_room=150.0)):
+    with patch("cablemodel.finite_element.build", partial(build, room=150.0)):
         return _lay(None)
 
 
@@ -299,39 +300,33 @@ def measure(make: Callable[[], Any], skip: Skip, each: dict[str, int]) -> tuple[
     return best(run, skip.repeats), model
 
 
-def table() -> str:
-    """The rows as Markdown."""
-    lines = [
-        "| left out | scene | time, put back / left out | tip, of L | top tension |",
-        "|---|---|---|---|---|",
-    ]
-    for skip in skips():
-        short, lean = measure(skip.without, skip, {})
-        long, full = measure(skip.with_it, skip, skip.each)
-        apart = lean.tip_position - full.tip_position
-        away = float(np.linalg.norm(apart)) / lean.line_length
-        pull = abs(lean.top_tension - full.top_tension) / abs(full.top_tension)
-        lines.append(
-            f"| {skip.name} | {skip.scene} | {long / short:.2f} | {away:.1e} | {pull:.1e} |"
-        )
-    return "\n".join(lines)
+PAGE, STORE = Path("docs/benchmarks.md"), Path("docs/benchmarks/skips.csv")
+HEAD = ("left out", "scene", "time, put back / left out", "tip, of L", "top tension")
+WORTH = 2.0
+"""Ratio of times from which on the page tells of a row."""
+
+
+def summary(rows: Sequence[dict[str, str]]) -> str:
+    """What gains most, without what it changes."""
+    head = HEAD[:3]
+    told = [row for row in rows if float(row[HEAD[2]]) >= WORTH]
+    return table(head, [[row[name] for name in head] for row in told])
+
+
+def measured(skip: Skip) -> tuple[str, ...]:
+    """A row: what leaving out gains, and what it changes."""
+    short, lean = measure(skip.without, skip, {})
+    long, full = measure(skip.with_it, skip, skip.each)
+    apart = lean.tip_position - full.tip_position
+    away = float(np.linalg.norm(apart)) / lean.line_length
+    pull = abs(lean.top_tension - full.top_tension) / abs(full.top_tension)
+    return skip.name, skip.scene, f"{long / short:.2f}", f"{away:.1e}", f"{pull:.1e}"
 
 
 def main() -> None:
-    """Write the page."""
-    text = (
-        "# What skipping gains\n\n"
-        "Written by `python -m benchmarks.skips`: a towed cable (S1) of 16 elements to 100 s where "
-        "no other scene is named. Processor time through the Python interface, best of several; it "
-        "adds about 3.5 us to each step at 100 Hz. The change is that of the end over the length, "
-        "and of the top tension. Of sleeping cable 5 times was asked on the lay of 10 km. It gains "
-        "that where laid elements are as short as they landed; on a level floor they become long "
-        "ones by themselves, which saves most of it already, and sleep adds little. Nothing is "
-        "skipped for a winch that stands still: that there is one costs nothing.\n\n"
-    )
-    page = Path("docs/benchmarks/skips.md")
-    page.write_text(text + table() + "\n")
-    print(page.read_text())
+    """Measure all; keep the rows, write a table."""
+    write_rows(STORE, HEAD, [measured(skip) for skip in skips()])
+    write_part(PAGE, "skips", summary(read_rows(STORE)))
 
 
 if __name__ == "__main__":

@@ -15,6 +15,7 @@ one to two seconds before, and the ``steps`` from there on: time, and the argume
 from __future__ import annotations
 
 import argparse
+import json
 import pickle
 import time
 from dataclasses import asdict, dataclass, field
@@ -23,8 +24,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.report import table
-from benchmarks.sections import write_section
+from benchmarks.sections import table, write_part
 
 STEP = 0.01
 """Time between commands [s]."""
@@ -245,56 +245,32 @@ def kinetic_scale(scene: dict[str, Any], length: float) -> float:
     return float(0.5 * mass)
 
 
-def section(found: Soak) -> str:
-    """The result in Markdown."""
+PAGE = Path("docs/stress.md")
+STORE = Path("docs/stress/soak.json")
+
+
+def summary(soaks: list[Soak]) -> str:
+    """A row for each kind of soak: how many hold, and the most of what is watched."""
+    kinds: dict[str, list[Soak]] = {}
+    for found in soaks:
+        parts = [name for name in ("winch", "floor", "body") if getattr(found.kind, name)]
+        kinds.setdefault(", ".join(parts) or "line alone", []).append(found)
     rows = [
         (
-            str(k + 1),
-            f"{found.memory[k]:.1f}",
-            f"{found.kinetic[k]:.3f}",
-            f"{found.recent[k]:.3f}",
-            f"{found.highest[k]:.0f}",
-            f"{1e7 * found.cost[k] / found.steps:.1f}",
+            kind,
+            f"{sum(not one.problems for one in mine)} of {len(mine)}",
+            f"{max(max(one.recent) for one in mine):.2f}",
+            f"{max(one.memory[-1] - one.memory[0] for one in mine):.1f}",
         )
-        for k in range(len(found.memory))
+        for kind, mine in kinds.items()
     ]
-    verdict = "; ".join(found.problems) or "all that must hold holds"
-    looks = found.steps // 100
-    what = (
-        f"a winch, pay-out up to {PAYOUT:g} m/s (at one of its ends in {found.clamped} of {looks} "
-        "looks)"
-        if found.kind.winch
-        else "no winch"
-    )
-    if found.kind.body:
-        what += f", a body of {BODY['submerged_weight']:g} N at the end"
-    if found.kind.floor:
-        what += f", a floor of friction 0.3 {MEAN_HEIGHT - FLOOR:g} m below the mean height "
-        what += f"(cable lay on it at {found.touching} of {looks} looks)"
-    return (
-        f"{found.steps:,} steps of {STEP:g} s of S4's line in space, {what}; vessel up to "
-        f"{FASTEST:g} m/s in any direction with heave, current up to {CURRENT:g} m/s, all random "
-        f"(seed {found.kind.seed}). "
-        f"**{verdict}** (failed steps: {found.failed}; lengths to {found.length_error:.0e} m).\n\n"
-        + table(
-            (
-                "tenth",
-                "memory [MB]",
-                "kinetic energy, of that at full speed",
-                "of that at the speed of late",
-                "highest tension [N]",
-                "a step with Python [us]",
-            ),
-            rows,
-        )
-    )
+    return table(("with", "hold", "kinetic energy, of what commands give", "memory [MB]"), rows)
 
 
 def main() -> None:
     """Soak, write the section; fails where something does not hold."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.soak", description=__doc__)
     parser.add_argument("--steps", type=int, default=1_000_000)
-    parser.add_argument("--output", type=Path, default=Path("docs/stress.md"))
     parser.add_argument("--only", action="store_true", help="one soak, of the kind that follows")
     for name in ("winch", "floor", "body"):
         parser.add_argument(f"--{name}", action="store_true")
@@ -309,14 +285,8 @@ def main() -> None:
         soaks.append(soak(chosen.steps, kind, chosen.keep))
         print(asdict(soaks[-1]), flush=True)
     if not chosen.only:
-        text = (
-            "Written by `python -m benchmarks.soak`. Not among them: winch, floor and body "
-            "together (`--only --winch --floor --body`), where cable piles up and steps come to "
-            "take seconds."
-            "\n\n"
-        )
-        text += "\n".join(section(found) for found in soaks)
-        write_section(chosen.output, "Stress", "Soak", text)
+        STORE.write_text(json.dumps([asdict(found) for found in soaks], indent=1) + "\n")
+        write_part(PAGE, "soaks", summary(soaks))
     problems = [problem for found in soaks for problem in found.problems]
     if problems:
         raise SystemExit("; ".join(problems))

@@ -1,4 +1,4 @@
-"""How long scenes take to start, beside their run: ``python -m benchmarks.starts`` writes a page.
+"""How long scenes take to start, beside their run: ``python -m benchmarks.starts``.
 
 Starts and runs of the ready scenes, through the Python interface: of a tow's 200 s the start takes
 more than the run. Processor time, best of several, each of a scene that has just been loaded, in a
@@ -16,11 +16,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from benchmarks.machine import describe
 from benchmarks.measure import best
-from benchmarks.report import table
+from benchmarks.sections import write_rows
 
-PAGE = Path("docs/benchmarks/starts.md")
 REPEATS = 7
 
 
@@ -142,24 +140,15 @@ def measure_lay(kind: str, knots: float, depth: float, slope: float) -> list[str
     return [kind, f"{knots:g}", f"{depth:g}", f"{slope:g}", elements, f"{1e3 * spent:.0f}", ways]
 
 
+STARTS, STEADY = Path("docs/benchmarks/starts.csv"), Path("docs/benchmarks/steady_lays.csv")
+LAY_HEAD = ("cable", "knots", "depth [m]", "slope [deg]", "elements", "start [ms]", "tried")
+HEAD = ("scene", "elements", "start [ms]", "of it kernels [ms]", "run [ms]", "of [s]")
+
+
 def main() -> None:
-    """Measure the ready scenes and steady lays, and write the page."""
-    lays = [measure_lay(*row) for row in LAYS]
-    lay_heads = ["cable", "knots", "depth [m]", "slope [deg]", "elements", "start [ms]", "tried"]
-    rows = [measure(path) for path in sorted(Path("scenes").glob("*.yaml"))]
-    heads = ["scene", "elements", "start [ms]", "of it kernels [ms]", "run [ms]", "of [s]"]
-    about = describe()
-    PAGE.write_text(
-        "# Starts\n\n"
-        "Written by `python -m benchmarks.starts`: processor time of a model's start (mesh, static "
-        "shape, look for growing motions) from a scene just loaded, and of its run by one call, "
-        "the best of several, in a process that has started others before.\n\n"
-        f"{table(heads, rows)}\n"
-        "## Steady lays\n\nOne start each, without slack; what was tried in turn.\n\n"
-        f"{table(lay_heads, lays)}\n"
-        f"Machine: {about['processor']}, load {about['load']}, revision {about['revision']}.\n"
-    )
-    print(PAGE.read_text())
+    """Measure the ready scenes and steady lays; keep the rows."""
+    write_rows(STEADY, LAY_HEAD, [measure_lay(*row) for row in LAYS])
+    write_rows(STARTS, HEAD, [measure(path) for path in sorted(Path("scenes").glob("*.yaml"))])
 
 
 if __name__ == "__main__":

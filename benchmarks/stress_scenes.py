@@ -2,7 +2,8 @@
 
 Each scene says what must hold and measures it; a row of the table is its outcome. A scene that
 raises has failed, whatever the error. ``python -m benchmarks.stress_scenes`` writes
-``docs/stress_scenes.md``; ``tests/stress`` runs the quick ones.
+``docs/stress/scenes.csv``, and its summary into ``docs/stress.md``; ``tests/stress`` runs the
+quick ones.
 """
 
 from __future__ import annotations
@@ -10,12 +11,14 @@ from __future__ import annotations
 import argparse
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from benchmarks.sections import read_rows, write_part, write_rows
 
 CABLE_K: dict[str, float] = {
     "diameter": 0.01666, "mass": 0.4613, "submerged_weight": 2.33333, "axial_stiffness": 1e6,
@@ -459,31 +462,42 @@ def run(stress: StressScene) -> Outcome:
     return Outcome(stress.name, holds, measured, simulated, time.process_time() - start)
 
 
+PAGE = Path("docs/stress.md")
+STORE = Path("docs/stress/scenes.csv")
+HEAD = ("scene", "must hold", "outcome", "measured", "simulated [s]", "CPU [s]")
+
+
+def summary(rows: Sequence[dict[str, str]]) -> str:
+    """How many hold, and which do not; what was measured is in the data file."""
+    failed = [row["scene"] for row in rows if row["outcome"] != "holds"]
+    kept = f"{len(rows) - len(failed)} of {len(rows)} hold"
+    return f"{kept}. Not: {', '.join(failed)}." if failed else f"{kept}."
+
+
 def main() -> None:
     """Run all and write the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--only", help="a part of a scene's name")
     arguments = parser.parse_args()
-    lines = [
-        "# Stress scenes\n",
-        "For those who plan something violent. "
-        "Written by `make stress` (`python -m benchmarks.stress_scenes`); CPU seconds of one core, "
-        "static start and compiling included.\n",
-        "| scene | must hold | outcome | measured | simulated [s] | CPU [s] |",
-        "|---|---|---|---|---|---|",
-    ]
+    rows = []
     for stress in SCENES:
         if arguments.only and arguments.only not in stress.name:
             continue
         outcome = run(stress)
-        word = "holds" if outcome.holds else "**fails**"
-        lines.append(
-            f"| {stress.name} | {stress.must_hold} | {word} | {outcome.measured} | "
-            f"{outcome.simulated:.0f} | {outcome.cpu:.2f} |"
+        rows.append(
+            (
+                stress.name,
+                stress.must_hold,
+                "holds" if outcome.holds else "fails",
+                outcome.measured,
+                f"{outcome.simulated:.0f}",
+                f"{outcome.cpu:.2f}",
+            )
         )
-        print(lines[-1], flush=True)
+        print(" | ".join(rows[-1]), flush=True)
     if not arguments.only:
-        Path("docs/stress_scenes.md").write_text("\n".join(lines) + "\n")
+        write_rows(STORE, HEAD, rows)
+        write_part(PAGE, "hard scenes", summary(read_rows(STORE)))
 
 
 if __name__ == "__main__":

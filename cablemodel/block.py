@@ -124,7 +124,7 @@ class Block(WordBlock):
             (at.O_CABLES, cables * at.CABLE_WORDS),
             (at.O_FLOOR, floor_words),
             (at.O_WAVES, waves * at.WAVE_WORDS),
-            (at.O_CELL_POWERS, waves * cell_terms),
+            (at.O_CELL_LAYERS, (waves + 1) * cell_terms * at.CELL_LAYERS),
             (at.O_PARENT, capacity),
             (at.O_JOINT, capacity),
             (at.O_EDGE, capacity * at.EDGE_WORDS),

@@ -104,10 +104,15 @@ def load(path: Path, arguments: dict[str, list[str]]) -> dict[str, Kernel]:
         "int64": [ctypes.c_int64],
     }
     kernels = {}
+    # They are not exported: each library in a process has its own.
+    address_of = library.cablemodel_kernel
+    address_of.restype, address_of.argtypes = ctypes.c_void_p, [ctypes.c_char_p]
     for name, kinds in arguments.items():
-        function = getattr(library, PREFIX + name)
-        function.restype = ctypes.c_int64
-        function.argtypes = [kind for word in kinds for kind in types[word]]
+        address = address_of(name.encode())
+        if address is None:
+            raise OSError(f"{path} has no kernel {name!r}")
+        kinds_in_c = [kind for word in kinds for kind in types[word]]
+        function = ctypes.CFUNCTYPE(ctypes.c_int64, *kinds_in_c)(address)
         kernels[name] = _kernel(function, tuple(kinds))
     return kernels
 

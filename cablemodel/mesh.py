@@ -16,6 +16,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from cablemodel.kernels.layout import LIGHT_DAMPING
+
 if TYPE_CHECKING:
     from cablemodel.scene.line import Cable
 
@@ -33,8 +35,6 @@ _WHIP_IN_AIR = 14.0, 0.4
 """Where a little drag damps its waves, and the power of 1e-3 / tau that it takes. Down to
 tau = 1e-4 the time steps damp what such a mesh does not resolve, and decide the error; in a vacuum
 they are too short for that."""
-LIGHT_DAMPING = 10.0
-"""rho Cdn d L / m below which a line counts as hardly damped."""
 _LAYER_GROWTH = 2.0
 """Ratio of neighbouring elements next to a bending layer."""
 _NEARLY = 1.05

@@ -208,6 +208,12 @@ class CableModel:
                 time=self.time,
                 advice="give a positive step",
             )
+        if end - self.time > at.LONGEST_STEP:
+            raise StepError(
+                f"a step of {end - self.time:g} s is longer than any that is made",
+                time=self.time,
+                advice=f"give a step of at most {at.LONGEST_STEP:g} s",
+            )
         inputs = _NO_INPUTS
         if not (
             vessel_velocity is None

@@ -119,6 +119,7 @@ def fill(block: Block, scene: Scene) -> None:
     reals[at.S_BRISTLE] = BRISTLE * accuracy
     reals[at.S_FRICTION] = floor.friction
     ints[at.I_SLEEP] = int(floor.friction > 0.0)
+    ints[at.I_FLOOR_STATE] = at.FLOOR_TOUCHED  # until it is known where the line is
     reals[at.S_FLOOR_DAMPING] = _damping(scene)
     if floor.z is not None:
         ints[at.I_FLOOR] = at.FLOOR_PLANE

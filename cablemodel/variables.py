@@ -175,9 +175,14 @@ class Parameter:
 
 
 PARAMETERS: tuple[Parameter, ...] = (
-    Parameter("true: the scene's own schedules drive and the inputs are ignored", "",
+    Parameter("true: the scene's own schedules drive what is not connected", "",
               "use_scene_inputs", "", False),
     Parameter("which inputs move the tow point", "", "vessel.input", "", False),
+    Parameter("when in a step the value of an input holds", "", "input.timing", "", False),
+    Parameter("position of the tow point at the start", "m", "vessel.start_position[i]",
+              "vessel.position", False),
+    Parameter("velocity of the tow point at the start", "m/s", "vessel.start_velocity[i]",
+              "vessel.velocity", False),
     Parameter("coefficient of normal drag", "", "cable_types.K.drag_normal",
               "cable_types.K.drag_normal", True),
     Parameter("coefficient of tangential drag, times pi diameter", "",

@@ -32,8 +32,15 @@ CELL_ERROR = 10.0, 1e-2
 times the tolerance, and at most. In most of a cell it is far less, as that of the velocity is."""
 REACH = 0.8
 """Share of a series' argument that comes from the place in a cell, over that from the time."""
-MOST_TURN = 1.25
-"""Of a cell's carrier from middle to corner [rad], where the kernel's sine is right to 1e-9."""
+MOST_TURN = 2.5
+"""Of a cell's carrier from middle to corner [rad], where the kernel's sine is right to 1e-8."""
+DEAD = 16.0
+"""k d beyond which nothing is left of a component."""
+BISECTIONS = 12
+"""Of the depth at which a layer begins."""
+STAYS = 0.25
+"""Of what is allowed: by how much it may change over the way within which a stage of a step keeps
+the water of its first iteration."""
 UNSEEN = 0.01
 """Of what is allowed: a mirror at the bottom that is less is left out."""
 
@@ -61,18 +68,23 @@ def fill(block: Block, waves: Sea | None, tolerance: float) -> None:
     order = np.argsort(waves.number, kind="stable")
     columns[:] = columns[:, order]
     if cell_terms(waves):
-        series = cells(waves, tolerance)
-        reals[at.S_CELL_TIME], reals[at.S_CELL_WIDTH] = series.time, series.width
-        reals[at.S_CELL_FREQUENCY], reals[at.S_CELL_NUMBER] = series.frequency, series.number
-        block.ints[at.I_CELL_MIRROR] = series.mirror
-        powers = block.array(at.O_CELL_POWERS, len(waves.number), at.CELL_TERMS)
-        powers[:] = series.powers[order]
+        reals[at.S_CELL_STAYS] = way_that_stays(waves, tolerance)
+        words = block.array(at.O_CELL_LAYERS, at.CELL_LAYERS, len(order) + 1, at.CELL_TERMS)
+        words[:, 0, at.L_DEPTH] = math.inf
+        for row, layer in zip(words, layers(waves, tolerance), strict=False):
+            row[0, at.L_DEPTH] = layer.depth
+            row[0, at.L_TIME], row[0, at.L_WIDTH] = layer.time, layer.width
+            row[0, at.L_FREQUENCY], row[0, at.L_NUMBER] = layer.frequency, layer.number
+            row[0, at.L_MIRROR] = layer.mirror
+            row[1:] = layer.powers[order]
 
 
 @dataclass(frozen=True)
-class Cells:
-    """Cells of space and time in which a sea is one short series (kernels/sea_cells.py)."""
+class Layer:
+    """A layer of water, and its cells of space and time in which a sea is one short series."""
 
+    depth: float
+    """Where it begins [m]."""
     time: float
     """Of a cell [s]."""
     width: float
@@ -93,60 +105,86 @@ def cell_terms(waves: Sea | None) -> int:
 
 
 @lru_cache(maxsize=8)
-def cells(waves: Sea, tolerance: float) -> Cells:
-    """The largest cells whose series are as good as they must be (`CELL_ERROR`).
+def layers(waves: Sea, tolerance: float) -> tuple[Layer, ...]:
+    """Layers of water whose cells last 1, 2, 4, ... times as long as those at the surface.
 
-    Kept: a start asks for each of its meshes.
+    Each begins where its series are as good as they must be (`CELL_ERROR`), for short waves die
+    out with the depth. Kept: a start asks for each of its meshes.
     """
     allowed = min(CELL_ERROR[0] * tolerance, CELL_ERROR[1])
     frequency, number = waves.frequency, waves.number
     speed = waves.amplitude * frequency / (1.0 - np.exp(-2.0 * number * waves.depth))
-    at_bottom = speed * np.exp(-number * waves.depth)
+    mirrored = speed * np.exp(-number * min(waves.depth, 1e9))
     scale = np.linalg.norm(speed * frequency)
+    carriers = np.linspace(frequency.min(), frequency.max(), 18)[1:-1, None]
+    carrier_numbers = np.interp(carriers, frequency, number)
+    faster, shorter = frequency - carriers, number - carrier_numbers
 
-    def around(carrier: float) -> tuple[float, FloatArray, FloatArray, float]:
-        """A carrier's number, what the components have more than it, and a place's way a second."""
-        k = float(np.interp(carrier, frequency, number))
-        faster, shorter = frequency - carrier, number - k
-        return k, faster, shorter, float(REACH * np.abs(faster).max() / np.abs(shorter).max())
+    def ways(alive: FloatArray) -> FloatArray:
+        """A place's way a second, for each carrier, (carriers, 1) [m/s]."""
+        norms = [np.linalg.norm(alive * x, axis=1, keepdims=True) for x in (faster, shorter)]
+        return np.asarray(REACH * norms[0] / norms[1])
 
-    def off(carrier: float, time: float) -> float:
-        """Error of the acceleration over that of the sea, at a corner half a cell's time away."""
-        _, faster, shorter, way = around(carrier)
-        r = (np.abs(faster) + np.abs(shorter) * way) * time
-        error = 0.0
-        for amplitude, degree in ((speed, at.CELL_DEGREE), (at_bottom, at.MIRROR_DEGREE)):
-            left = np.abs(faster) + carrier * r / (degree + 1)
-            missing = np.linalg.norm(amplitude * left * r**degree) / math.factorial(degree)
-            error = max(error, float(missing / scale))
-        return error
+    def best(depth: float, time: float) -> int | None:
+        """The carrier with the least error at the corners of such cells; None: of none it is
+        allowed."""
+        alive = speed * np.exp(-number * depth)
+        way = ways(alive)
+        r = (np.abs(faster) + np.abs(shorter) * way) * (0.5 * time)
+        error = np.zeros(len(carriers))
+        for amplitude, degree in ((alive, at.CELL_DEGREE), (mirrored, at.MIRROR_DEGREE)):
+            left = np.abs(faster) + carriers * r / (degree + 1)
+            missing = np.linalg.norm(amplitude * left * r**degree, axis=1)
+            error = np.maximum(error, missing / math.factorial(degree) / scale)
+        turn = 0.5 * time * (carriers + carrier_numbers * way)[:, 0]
+        error[turn > MOST_TURN] = np.inf
+        least = int(np.argmin(error))
+        return least if error[least] <= allowed else None
 
-    def longest(carrier: float) -> float:
-        """Half of the longest time of a cell [s]."""
-        k, _, _, way = around(carrier)
-        most = MOST_TURN / (carrier + k * way)
-        steps = most * 0.5 ** np.arange(0.0, 10.0, 0.125)
-        return float(next((time for time in steps if off(carrier, time) <= allowed), steps[-1]))
-
-    carriers = np.linspace(frequency.min(), frequency.max(), 18)[1:-1]
-    time = longest(float(np.median(carriers)))
-    carrier = float(min(carriers, key=lambda one: off(one, time)))
-    time = longest(carrier)
-    k, faster, shorter, way = around(carrier)
-    powers = [
-        shorter**q / math.factorial(q) * faster ** (n - q) / math.factorial(n - q)
-        for n in range(at.CELL_DEGREE + 1)
-        for q in range(n + 1)
-    ]
-    return Cells(
-        time=2.0 * time,
+    def layer(depth: float, time: float, one: int, below: float) -> Layer:
+        way = float(ways(speed * np.exp(-number * depth))[one, 0])
+        powers = [
+            shorter[one] ** q / math.factorial(q) * faster[one] ** (n - q) / math.factorial(n - q)
+            for n in range(at.CELL_DEGREE + 1)
+            for q in range(n + 1)
+        ]
         # A place in its corner is as far from its middle as a time gives it.
-        width=math.sqrt(2.0) * way * time,
-        frequency=carrier,
-        number=k,
-        mirror=bool(np.linalg.norm(at_bottom * frequency) > UNSEEN * allowed * scale),
-        powers=np.stack(powers, axis=1),
-    )
+        width = way * time / math.sqrt(2.0)
+        at_end = mirrored * np.exp(-number * max(0.0, waves.depth - below))
+        return Layer(
+            # The middle of a cell may lie above the level.
+            depth=depth + 0.5 * width if depth > 0.0 else 0.0,
+            time=time,
+            width=width,
+            frequency=float(carriers[one, 0]),
+            number=float(carrier_numbers[one, 0]),
+            mirror=bool(np.linalg.norm(at_end * frequency) > UNSEEN * allowed * scale),
+            powers=np.stack(powers, axis=1),
+        )
+
+    steps = 2.0 * MOST_TURN / frequency.min() * 0.5 ** np.arange(0.0, 12.0, 0.125)
+    shortest = next((float(time) for time in steps if best(0.0, time) is not None), steps[-1])
+    found = [(0.0, shortest, best(0.0, shortest) or 0)]
+    deepest = min(waves.depth, DEAD / float(number.min()))
+    for n in range(1, at.CELL_LAYERS):
+        time = shortest * 2.0**n
+        if best(deepest, time) is None:
+            break
+        above, depth = found[-1][0], deepest
+        for _ in range(BISECTIONS):
+            middle = 0.5 * (above + depth)
+            above, depth = (middle, depth) if best(middle, time) is None else (above, middle)
+        found.append((depth, time, best(depth, time) or 0))
+    ends = [depth for depth, _, _ in found[1:]] + [waves.depth]
+    return tuple(layer(*one, below) for one, below in zip(found, ends, strict=True))
+
+
+def way_that_stays(waves: Sea, tolerance: float) -> float:
+    """Way over which the water's acceleration changes by what a stage leaves out of it [m]."""
+    allowed = min(CELL_ERROR[0] * tolerance, CELL_ERROR[1])
+    acceleration = waves.amplitude * waves.frequency**2
+    change = np.linalg.norm(acceleration * waves.number) / np.linalg.norm(acceleration)
+    return float(STAYS * allowed / change)
 
 
 def refine(scene: Scene, nodes: list[FloatArray], points: FloatArray) -> list[FloatArray]:

@@ -18,7 +18,7 @@ def main() -> None:
     text = PAGE.read_text(encoding="utf-8")
     for mark, table in (("topics", interface.document()), ("parameters", settings.document())):
         pattern = rf"(<!-- {mark}: generated -->\n).*?(<!-- end -->)"
-        text = re.sub(pattern, lambda m, t=table: m[1] + t + m[2], text, flags=re.DOTALL)
+        text = re.sub(pattern, lambda m, t=table: f"{m[1]}\n{t}\n{m[2]}", text, flags=re.DOTALL)
     PAGE.write_text(text, encoding="utf-8")
 
 

@@ -33,7 +33,7 @@ whether a file is right before anything is computed.
   names are looked for in the folder of the scene.
 - On the command line, `--set PATH=VALUE` replaces any value: `--set line.0.cable.length=50`.
 
-A scene needs `cable_types` and `line`; everything else has a default.
+A scene needs `cable_types` and `line`; everything else has a default. An empty one is none.
 
 ```yaml
 cable_types:
@@ -96,7 +96,7 @@ def _section(title: str, schema: dict[str, Any]) -> str:
     lines = [f"## {title}", "", description]
     if word is not None:
         lines += ["", f"The word `{word}`, or a mapping:"]
-    lines += ["", "| key | value | unit | default | meaning |", "|---|---|---|---|---|"]
+    lines += ["", "| key | value | default | meaning |", "|---|---|---|---|"]
     return "\n".join([*lines, *_rows(schema)]) + "\n"
 
 
@@ -109,7 +109,8 @@ def _rows(schema: dict[str, Any], above: str = "") -> list[str]:
         needed = "required in it" if above else "required"
         default = needed if key in required else _default(field)
         meaning = field.get("description", "").replace("|", "\\|")
-        lines.append(f"| `{path}` | {_kind(field)} | {_unit(field)} | {default} | {meaning} |")
+        kind = " ".join(part for part in (_kind(field), _unit(field)) if part)
+        lines.append(f"| `{path}` | {kind} | {default} | {meaning} |")
         for part in (field, *field.get("anyOf", ())):
             if "properties" in part:
                 lines += _rows(part, f"{path}.")
@@ -119,7 +120,7 @@ def _rows(schema: dict[str, Any], above: str = "") -> list[str]:
 def _default(field: dict[str, Any]) -> str:
     default = field.get("default")
     if default is None:
-        return "none"
+        return ""
     if isinstance(default, dict) and "$ref" in field:
         return "as below"
     return f"`{_yaml(default)}`" if not isinstance(default, str) or " " not in default else default
@@ -137,7 +138,7 @@ def _yaml(value: Any) -> str:
 
 def _unit(field: dict[str, Any]) -> str:
     units = [str(part["unit"]) for part in (field, *field.get("anyOf", ())) if "unit" in part]
-    return units[0] if units else ""
+    return f"[{units[0]}]" if units else ""
 
 
 def _kind(field: dict[str, Any]) -> str:

@@ -1,12 +1,12 @@
 """``python -m benchmarks.random_scenes [--count 1000] [--set N] [--only SEED[,SEED...]]``.
 
 Verdicts are kept in ``docs/stress/random_scenes.json``; a part of the seeds replaces those kept.
-The section *Random scenes* of ``docs/stress.md`` is written from all that are kept.
+The tables of ``docs/stress.md`` are written from all that are kept, and ``outcomes.csv`` beside.
 ``--only`` prints the scene and all about its outcome, and keeps nothing. ``--set 2`` judges another
 thousand scenes (seeds 1000 to 1999), to see whether what was made better for the first holds for
 scenes that nobody has looked at; their verdicts are printed and counted, not kept. ``--waves``
 judges 200 scenes in waves (from 10000 on), ``--converge`` the thousand as runs that are asked to
-converge; both have a file and a section of their own. What makes a search fail: ``failures.py``.
+converge; both have a file of their own. What makes a search fail: ``failures.py``.
 """
 
 from __future__ import annotations
@@ -17,16 +17,16 @@ from collections import Counter
 from dataclasses import asdict
 from pathlib import Path
 
-from benchmarks.random_scenes import overview
+from benchmarks.random_scenes import overview, report
 from benchmarks.random_scenes.chance import COUNT
 from benchmarks.random_scenes.draw import draw
 from benchmarks.random_scenes.failures import failures
 from benchmarks.random_scenes.judge import Verdict
-from benchmarks.random_scenes.report import ALL, AT_SEA, CONVERGED, section
+from benchmarks.random_scenes.report import ALL, AT_SEA, CONVERGED
 from benchmarks.random_scenes.watch import search, work
-from benchmarks.sections import write_section
 
 PAGE = Path("docs/stress.md")
+STORED = Path("docs/stress")
 
 
 def show(verdict: Verdict) -> None:
@@ -82,7 +82,7 @@ def main() -> None:
         return
     kept = {}
     kind = AT_SEA if chosen.waves else CONVERGED if chosen.converge else ALL
-    store = kind.beside(PAGE, ".json")
+    store = STORED / kind.file(".json")
     if store.exists():
         kept = {row["seed"]: row for row in json.loads(store.read_text())}
     before = {seed: row["outcome"] for seed, row in kept.items()}
@@ -103,15 +103,15 @@ def main() -> None:
     if not chosen.report:
         search(seeds, keep, converged=chosen.converge)
     verdicts = [Verdict(**kept[seed]) for seed in sorted(kept)]
-    write_section(PAGE, "Stress", kind.title, section(kind, verdicts, PAGE))
-    overview.write(PAGE)
+    report.write(PAGE, STORED)
+    overview.write_pages()
     counts = Counter(verdict.outcome for verdict in verdicts)
     print(", ".join(f"{outcome}: {number}" for outcome, number in counts.most_common()))
     failed = failures(verdicts, before, claimed=kind.claimed)
     for seed, why in failed:
         print(f"{seed} {why}")
     if failed:
-        raise SystemExit(f"{len(failed)} of {len(verdicts)} scenes fail; see {PAGE}")
+        raise SystemExit(f"{len(failed)} of {len(verdicts)} scenes fail; see {store}")
 
 
 if __name__ == "__main__":

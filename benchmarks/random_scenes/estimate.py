@@ -25,8 +25,7 @@ from benchmarks.random_scenes.chance import COUNT
 from benchmarks.random_scenes.draw import Drawn, draw
 from benchmarks.random_scenes.judge import FINER, RUN_LIMIT, taut_instants, tension_promise
 from benchmarks.random_scenes.trace import Trace, run
-from benchmarks.report import table
-from benchmarks.sections import write_section
+from benchmarks.sections import table, write_part
 
 PAGE = Path("docs/stress.md")
 STORE = Path("docs/stress/error_estimates.json")
@@ -107,17 +106,12 @@ def _compared(drawn: Drawn, trace: Trace, finest: Trace) -> tuple[list[float], l
     return errors, estimates
 
 
-def section(rows: list[Row]) -> str:
+def summary(rows: list[Row]) -> str:
     """How many scenes are right and know it, by their kind; how large estimates are."""
     traits = {row.seed: draw(row.seed).traits for row in rows}
     groups = {"all": rows}
-    for trait, names in (
-        ("medium", ("water", "air", "vacuum")),
-        ("floor", ("none", "flat", "sloped")),
-        ("shock", ("gentle", "shock")),
-    ):
-        for name in names:
-            groups[f"{trait}: {name}"] = [r for r in rows if traits[r.seed][trait] == name]
+    for name in ("water", "air", "vacuum"):
+        groups[name] = [r for r in rows if traits[r.seed]["medium"] == name]
     lines = []
     for name, chosen in groups.items():
         counts = [sum(row.outcome == outcome for row in chosen) for outcome in OUTCOMES]
@@ -126,22 +120,17 @@ def section(rows: list[Row]) -> str:
     seen = np.isfinite(pairs).all(axis=1) & (pairs[:, 0] > SEEN) & (pairs[:, 0] < 1.0)
     ratios = np.percentile(pairs[seen, 1] / pairs[seen, 0], [5.0, 50.0, 95.0])
     costs = np.percentile([row.cost for row in rows], [5.0, 50.0, 95.0])
-    silent = [row for row in rows if row.outcome == SILENT]
-    worst = ", ".join(
-        f"{row.seed} ({next(error for error in row.errors if not error <= WRONG):.2g})"
-        for row in silent
-    )
-    text = " ".join((__doc__ or "").split("\n\n", 1)[1].replace("``", "`").split())
+    sizes = [
+        (name, *(f"{value:.2g}" for value in values))
+        for name, values in (
+            (f"estimate over error, of errors of {SEEN:g} to 1 promise", ratios),
+            ("processor time over that of a run without an estimate", costs),
+        )
+    ]
     return (
-        f"Written by `make stress` (`python -m benchmarks.random_scenes.estimate`). {text} Wrong "
-        f"is what is more than {WRONG:.4g} of what is allowed away from the run at tau/16; here, "
-        "unlike above, scenes whose runs never agree are counted with those that are wrong.\n\n"
-        + table(("scenes", "number", *OUTCOMES), lines)
-        + f"\nWhere errors are {SEEN:g} to 1 of what is allowed, estimates are {ratios[1]:.2g} "
-        f"times the error in the median; 90 % are between {ratios[0]:.2g} and {ratios[2]:.2g}. A "
-        f"run with an estimate takes {costs[1]:.2g} times the processor time, start included, of "
-        f"one without (90 %: {costs[0]:.2g} to {costs[2]:.2g}). Wrong in silence (times what is "
-        f"allowed): {worst or 'none'}.\n"
+        table(("scenes", "number", *OUTCOMES), lines)
+        + "\n"
+        + table(("ratio", "5 % are below", "median", "5 % are above"), sizes)
     )
 
 
@@ -162,7 +151,7 @@ def search(seeds: Iterable[int], workers: int) -> list[Row]:
 
 
 def main() -> None:
-    """Measure all of them; write the section of the page."""
+    """Measure all of them; keep the rows, write their summary."""
     from benchmarks.random_scenes import overview  # which imports this module
 
     parser = argparse.ArgumentParser(prog="python -m benchmarks.random_scenes.estimate")
@@ -176,8 +165,8 @@ def main() -> None:
     else:
         rows = search(range(chosen.count), chosen.workers)
         STORE.write_text(json.dumps([asdict(row) for row in rows]) + "\n")
-    write_section(PAGE, "Stress", "What runs say of their own errors", section(rows))
-    overview.write(PAGE)
+    write_part(PAGE, "estimates", summary(rows))
+    overview.write_pages()
 
 
 if __name__ == "__main__":

@@ -30,9 +30,8 @@ from benchmarks.random_scenes.draw import Drawn, draw
 from benchmarks.random_scenes.judge import FAINT, FINER, MOVED, RUN_LIMIT
 from benchmarks.random_scenes.report import OUTCOMES
 from benchmarks.random_scenes.trace import perturbed, run
-from benchmarks.report import table
 from benchmarks.scenes import BenchmarkScene, Cable
-from benchmarks.sections import write_section
+from benchmarks.sections import table, write_part
 
 SEGMENTS = 20
 FAR = 0.05
@@ -169,37 +168,19 @@ def in_its_own_process(seed: int) -> Row:
     return Row(seed, "crashed", why=f"code {done.returncode}: {done.stderr[-100:]}")
 
 
-def section(rows: list[Row], ours: dict[int, str]) -> str:
-    """Outcomes of both, side by side, and MoorDyn's by trait."""
-    outcomes = OUTCOMES
+def summary(rows: list[Row], ours: dict[int, str]) -> str:
+    """Outcomes of both, side by side."""
     both = [row for row in rows if row.seed in ours]
     sides = (("MoorDyn", [r.outcome for r in both]), ("cablemodel", [ours[r.seed] for r in both]))
     lines = []
     for name, found in sides:
         counts = Counter(found)
-        lines.append((f"{name}, all", str(len(found)), *(str(counts[o] or "") for o in outcomes)))
-    for word in ("manoeuvre", "medium", "weight", "end"):
-        for value in sorted({str(draw(r.seed).traits[word]) for r in rows}):
-            of_value = [r for r in rows if draw(r.seed).traits[word] == value]
-            counts = Counter(r.outcome for r in of_value)
-            name = f"MoorDyn, {word}: {value}"
-            lines.append((name, str(len(of_value)), *(str(counts[o] or "") for o in outcomes)))
-    right = [r.distance for r in rows if r.outcome == "completed" and math.isfinite(r.distance)]
-    seeds = ", ".join(f"{r.seed} ({r.why})" for r in rows if r.outcome == "wrong")
-    text = " ".join((__doc__ or "").split("\n\n", 1)[1].split())
-    return (
-        "Written by `python -m benchmarks.random_scenes.moordyn`. " + text + "\n\n"
-        "The two judgements are not the same: cablemodel is held to its tolerance (1e-4 to 1e-2 of "
-        f"the length, and tensions), MoorDyn to {100 * FAR:g} % of the length. A cable that "
-        "compression would bend or push is, in MoorDyn, slack.\n\n"
-        + table(("scenes", "number", *outcomes), lines)
-        + f"\nMedian distance of MoorDyn's completed runs: {np.median(right):.1e} of the length. "
-        f"Wrong: {seeds or 'none'}.\n"
-    )
+        lines.append((name, str(len(found)), *(str(counts[o] or "") for o in OUTCOMES)))
+    return table(("by", "scenes", *OUTCOMES), lines)
 
 
 def main() -> None:
-    """``python -m benchmarks.random_scenes.moordyn``: run all of these; write the section."""
+    """Run all of these; keep the rows, write their summary."""
     if len(sys.argv) > 2 and sys.argv[1] == "--worker":
         print(json.dumps(asdict(judged(int(sys.argv[2])))))
         return
@@ -211,7 +192,7 @@ def main() -> None:
             rows.append(in_its_own_process(seed))
             print(rows[-1], flush=True)
             STORE.write_text(json.dumps([asdict(row) for row in rows], indent=1) + "\n")
-    write_section(PAGE, "Stress", "Random scenes in MoorDyn", section(rows, ours))
+    write_part(PAGE, "moordyn", summary(rows, ours))
 
 
 if __name__ == "__main__":

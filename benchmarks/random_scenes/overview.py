@@ -5,23 +5,15 @@ from __future__ import annotations
 import json
 from collections import Counter
 from pathlib import Path
+from typing import Any
 
 from benchmarks.random_scenes import estimate
 from benchmarks.random_scenes.failures import BY_THE_PROMISE
 from benchmarks.random_scenes.report import ALL, AT_SEA, CONVERGED, Search
-from benchmarks.report import table
-from benchmarks.sections import write_section
+from benchmarks.sections import table, write_part
 
-TITLE = "What random scenes come to"
-
-_TEXT = """Written by `make stress`, from what its searches stored. *Impossible*: energy from
-nowhere, a limit broken, a line that does not carry its weight, numbers that are not finite. *Says
-that it is right*: of runs that are asked what they are off by; of those, how many are not. *Misses
-its promise*: of runs that come to their end, how many are further from a finer run than their
-tolerance promises, whether they say so or not. Single runs are compared as long as the motion can
-be predicted, and not where finer runs do not agree either; estimates are judged by a run at tau/16
-to the end, in all scenes, so that far more miss it. Each search has a section below.
-"""
+TITLE = "random scenes"
+"""The mark of the part."""
 _WORDS = (
     (ALL, "single runs"),
     (AT_SEA, "single runs in waves"),
@@ -30,23 +22,63 @@ _WORDS = (
 
 
 def write(page: Path) -> None:
-    """Write the section anew; what is not stored yet is left out."""
-    write_section(page, "Stress", TITLE, section(page))
+    """Write the part anew; what is not stored yet is left out."""
+    write_part(page, TITLE, summary(page.parent / page.stem))
 
 
-def section(page: Path) -> str:
-    """The table and what its columns mean."""
+def summary(stored: Path) -> str:
+    """A row for each search, from the files in that folder."""
     head = (
         "what is run", "scenes", "crashed", "impossible", "says that it is right", "is not",
         "misses its promise",
     )  # fmt: skip
-    rows = [_of(search, words, page) for search, words in _WORDS]
-    rows.append(_of_estimates(page))
-    return f"{_TEXT}\n{table(head, [row for row in rows if row is not None])}"
+    rows = [_of(search, words, stored) for search, words in _WORDS]
+    rows.append(_of_estimates(stored))
+    return table(head, [row for row in rows if row is not None])
 
 
-def _of(search: Search, words: str, page: Path) -> tuple[str, ...] | None:
-    store = search.beside(page, ".json")
+def write_pages() -> None:
+    """What is told of all searches: the page of stress, and the few rows of the README."""
+    write(Path("docs/stress.md"))
+    write_part(Path("README.md"), PROMISE, promise(Path("docs/stress")))
+
+
+PROMISE = "promise"
+"""The mark of the part of the README."""
+
+
+def promise(stored: Path) -> str:
+    """How often runs are wrong, by what a user asks for; all searches must be stored."""
+    rows = []
+    for search, words in ((ALL, "a single run"), (AT_SEA, "a single run in waves")):
+        found = Counter(row["outcome"] for row in _read(stored / search.file(".json")))
+        rows.append((words, *_rate(found["wrong"], found.total() - sum(found[o] for o in NEVER))))
+    said = Counter(row["outcome"] for row in _read(stored / estimate.STORE.name))
+    sure = said[estimate.KEPT] + said[estimate.SILENT]
+    rows.append(
+        ("an estimate, which says that the run is right", *_rate(said[estimate.SILENT], sure))
+    )
+    found = Counter(row["outcome"] for row in _read(stored / CONVERGED.file(".json")))
+    ended = found["completed"] + found["wrong"]
+    rows.append(("`converge`, which comes to an end", *_rate(found["wrong"], ended)))
+    return table(("you ask for", "random scenes", "wrong"), rows)
+
+
+NEVER = ("refused", "stopped", "too slow", "crashed")
+"""Outcomes of runs that do not come to their end."""
+
+
+def _read(store: Path) -> list[dict[str, Any]]:
+    rows: list[dict[str, Any]] = json.loads(store.read_text())
+    return rows
+
+
+def _rate(part: int, whole: int) -> tuple[str, str]:
+    return f"{whole:,}", f"{100 * part / whole:.2g} %"
+
+
+def _of(search: Search, words: str, stored: Path) -> tuple[str, ...] | None:
+    store = stored / search.file(".json")
     if not store.exists():
         return None
     rows = json.loads(store.read_text())
@@ -58,15 +90,15 @@ def _of(search: Search, words: str, page: Path) -> tuple[str, ...] | None:
     return (words, str(len(rows)), str(counts["crashed"]), str(impossible), *claims, missed)
 
 
-def _of_estimates(page: Path) -> tuple[str, ...] | None:
-    store = page.parent / page.stem / estimate.STORE.name
+def _of_estimates(stored: Path) -> tuple[str, ...] | None:
+    store = stored / estimate.STORE.name
     if not store.exists():
         return None
     counts = Counter(row["outcome"] for row in json.loads(store.read_text()))
     silent, total = counts[estimate.SILENT], counts.total()
     claims = (str(counts[estimate.KEPT] + silent), str(silent))
     missed = _share(counts[estimate.WARNED] + silent, total)
-    words = "runs with an estimate of their errors, those that come to their end"
+    words = "runs with an estimate of their errors"
     return (words, str(total), "", "", *claims, missed)
 
 

@@ -1,10 +1,11 @@
-"""The outcome map of the random search: a table, a figure, the worst scenes by number."""
+"""The outcome map of the random searches: tables, a figure each, and a data file of all traits."""
 
 from __future__ import annotations
 
+import json
 import math
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,16 +14,9 @@ from scipy.stats import binomtest
 
 from benchmarks.random_scenes.chance import COUNT
 from benchmarks.random_scenes.draw import IN_WAVES, Drawn, draw
-from benchmarks.random_scenes.judge import (
-    CONVERGE_LIMIT,
-    CONVERGED_WITHIN,
-    FINER,
-    JUDGE_LIMIT,
-    RUN_LIMIT,
-    TOOK,
-    Verdict,
-)
-from benchmarks.report import number, table
+from benchmarks.random_scenes.failures import BY_THE_PROMISE
+from benchmarks.random_scenes.judge import CONVERGED_WITHIN, FINER, TOOK, Verdict
+from benchmarks.sections import table, write_part, write_rows
 
 OUTCOMES = ("completed", "refused", "stopped", "unsettled", "wrong", "too slow", "crashed")
 COLOURS = ("#7fb77e", "#9db4c0", "#e0a458", "#d9d27a", "#c1443c", "#7d5ba6", "#222222")
@@ -34,89 +28,44 @@ WORDS = (
 NUMBERS = ("length", "strain", "bending length", "tolerance", "step", "friction")
 """Traits that are numbers: a panel of the figure for each."""
 
-_HEADER = """Written by `make stress` (`python -m benchmarks.random_scenes`). Scenes are drawn by a
-Latin hypercube over cable (length 3 to 1,000 m, density 0.5 to 8 of the water's, EI 0 or up to that
-of a solid rod, EA from the strain under a typical load), medium, current, manoeuvre, winch, floor,
-bodies, ends, model, tolerance (1e-4 to 1e-2) and the caller's step; they last 5 to 60 s. How they
-are judged is in `benchmarks/random_scenes/judge.py`: by the run at a quarter of the tolerance as
-long as the motion can be predicted, by energy, and by limits that always hold. *Refused*: a
-SceneError or StaticsError at the start; *stopped*: a StepError that names time and place; *too
-slow*: more than {limit:g} s of processor time; *unsettled*: runs at tau, tau/4 and tau/16 all
-differ, so that there is nothing to judge by; *wrong*: more than {allowed:g} of the promise away,
-or by energy, limits or numbers that are not finite. Any of them again, with the scene as YAML:
-`python -m benchmarks.random_scenes --only SEED`.
-
-A single run does not know what it is off by, and claims nothing. One that is asked to estimate its
-errors, or to converge, does: how far to be trusted is in *What runs say of their own errors* and
-*Random scenes that are asked to converge*. This search fails for what is impossible (crashes,
-energy from nowhere, broken limits), and for a scene that misses its promise and did not before
-(`benchmarks/random_scenes/failures.py`).
-"""
-
-
-_IN_WAVES = """Written by `make stress` (`python -m benchmarks.random_scenes --waves`). Scenes
-drawn and judged as above, all in water with a surface: regular waves or a JONSWAP sea of 3 to 15 s,
-up to 0.06 of their length and a fifth of the depth high, the tow point from 2 m below to 5 m above
-still water. Lines that float without tension have no shape at rest: most of what is refused.
-"""
-
-
-_CONVERGED = """Written by `make stress` (`python -m benchmarks.random_scenes --converge`). The
-scenes of *Random scenes*, and five hundred of a second set (seeds from 1000 on), each made by
-`cablemodel.converge`, which repeats it at finer tolerances until two attempts in a row estimate
-their errors to be within what its tolerance tau promises, and judged by a run at a sixteenth of the
-tolerance that it took: no attempt has seen that. They are compared to the end, at all outputs and
-102 places, however the motion multiplies differences; tensions are asked for and compared (until
-the line is slack, or the winch has reached an end) where no command makes it ring along itself, nor
-the ends of a turn. The judge is the same solver, only finer: what all its runs share is not seen.
-*Wrong*: more than {limit:.4g} of the promise away; *unsettled*: a ConvergenceError, which says that
-no run at tau, tau/4, tau/16 and tau/64 is known to keep the promise, and why none is; *too slow*:
-more than {slow:g} s of processor time for all attempts, or more than {judge:g} s for the judge.
-"""
-
-BAD = ("crashed", "too slow", "wrong", "unsettled", "stopped")
-
 
 @dataclass(frozen=True)
 class Search:
     """Scenes that are judged and told of together: ``count`` of them, from the number ``first`` on.
 
-    title: of their section; their file and their figure are named by it. by: what they are
-    compared with; limit: what they may differ from it by, in units of the promise. listed: outcomes
-    whose scenes are told of one by one. claimed: whether runs say that they keep the promise.
+    title: its file and its figure are named by it. limit: what they may differ by from the run that
+    judges, in units of the promise. claimed: whether runs say that they keep the promise.
     """
 
     title: str
-    header: str
     first: int
     count: int
-    by: str = "the run at tau/4"
     limit: float = 1.0 + FINER
-    listed: tuple[str, ...] = BAD
     claimed: bool = False
 
-    def beside(self, page: Path, suffix: str) -> Path:
-        """The file of that suffix, in the folder of the page's files."""
-        name = self.title.lower().replace(" ", "_")
-        return page.parent / page.stem / f"{name}{suffix}"
+    def file(self, suffix: str) -> str:
+        """The name of its file of that suffix."""
+        return self.title.lower().replace(" ", "_") + suffix
 
 
-ALL = Search("Random scenes", _HEADER.format(limit=RUN_LIMIT, allowed=1.0 + FINER), 0, COUNT)
-AT_SEA = Search("Random scenes in waves", _IN_WAVES, IN_WAVES, 200)
+ALL = Search("Random scenes", 0, COUNT)
+AT_SEA = Search("Random scenes in waves", IN_WAVES, 200)
 CONVERGED = Search(
     "Random scenes that are asked to converge",
-    _CONVERGED.format(limit=CONVERGED_WITHIN, slow=CONVERGE_LIMIT, judge=JUDGE_LIMIT),
     0,
     COUNT + COUNT // 2,
-    by="a far finer run",
     limit=CONVERGED_WITHIN,
-    listed=("crashed", "too slow", "wrong", "stopped"),
     claimed=True,
 )
+SEARCHES = (ALL, AT_SEA, CONVERGED)
+SHOWN = ("medium",)
+"""Traits by which the page tells of single runs; all others are in the data file."""
+
+Rows = Sequence[tuple[Drawn, Verdict]]
 
 
-def outcome_table(rows: Sequence[tuple[Drawn, Verdict]]) -> str:
-    """Outcomes in per cent for each value of each word."""
+def outcomes_by_trait(rows: Rows) -> list[tuple[str, ...]]:
+    """Outcomes in per cent: of all scenes, and for each value of each word."""
     lines = [_counts("all", [v for _, v in rows])]
     for word in WORDS:
         values = sorted({str(d.traits[word]) for d, _ in rows})
@@ -126,63 +75,41 @@ def outcome_table(rows: Sequence[tuple[Drawn, Verdict]]) -> str:
             _counts(f"{word}: {value}", [v for d, v in rows if d.traits[word] == value])
             for value in values
         ]
-    return table(("scenes", "number", *OUTCOMES), lines)
+    return lines
 
 
 def _counts(name: str, verdicts: Sequence[Verdict]) -> tuple[str, ...]:
     counts = Counter(v.outcome for v in verdicts)
-    shares = [f"{100 * counts[o] / len(verdicts):.1f} %" if counts[o] else "" for o in OUTCOMES]
+    shares = [f"{100 * counts[o] / len(verdicts):.1f}" if counts[o] else "" for o in OUTCOMES]
     return (name, str(len(verdicts)), *shares)
 
 
-def wrong_table(search: Search, verdicts: Sequence[Verdict]) -> str:
-    """What is wrong, and by how much."""
+def wrong_counts(search: Search, verdicts: Sequence[Verdict]) -> list[int]:
+    """How many scenes are wrong by what; the names are in ``WRONG_BY``."""
+    wrong = [v for v in verdicts if v.outcome == "wrong"]
 
-    verdicts = [v for v in verdicts if v.outcome == "wrong"]
+    def beyond(low: float, high: float) -> int:
+        return sum("position" in v.kinds and low < v.position <= high for v in wrong)
 
-    def count(test: Callable[[Verdict], bool]) -> str:
-        return str(sum(test(v) for v in verdicts))
-
-    def beyond(low: float, high: float) -> str:
-        return count(lambda v: "position" in v.kinds and low < v.position <= high)
-
-    rows = [
-        (f"position {search.limit:.4g} to 3 tau L from {search.by}", beyond(search.limit, 3.0)),
-        ("position 3 to 10 tau L", beyond(3.0, 10.0)),
-        ("position more than 10 tau L", beyond(10.0, math.inf)),
-        ("tension, positions right", count(lambda v: v.kinds == ["tension"])),
-        ("energy from nowhere", count(lambda v: "energy" in v.kinds)),
-        ("a limit broken (stretched, or deep in the floor)", count(lambda v: "limit" in v.kinds)),
-        ("does not carry its weight after an hour", count(lambda v: "rest" in v.kinds)),
-        ("not finite", count(lambda v: "not finite" in v.kinds)),
+    return [
+        beyond(search.limit, 3.0),
+        beyond(3.0, 10.0),
+        beyond(10.0, math.inf),
+        sum(v.kinds == ["tension"] for v in wrong),
+        sum(bool(set(v.kinds) - BY_THE_PROMISE) for v in wrong),
     ]
-    return table(("what is wrong", "scenes"), rows)
 
 
-def worst_table(search: Search, rows: Sequence[tuple[Drawn, Verdict]], most: int = 80) -> str:
-    """The worst scenes: crashed, too slow, then by how far they are off."""
-
-    def badness(row: tuple[Drawn, Verdict]) -> tuple[int, float]:
-        verdict = row[1]
-        rank = search.listed.index(verdict.outcome)
-        return rank, -max(np.nan_to_num([verdict.position, verdict.tension]))
-
-    bad = [row for row in rows if row[1].outcome in search.listed]
-    lines = [
-        (
-            str(v.seed),
-            v.outcome,
-            ", ".join(v.kinds),
-            number(v.position),
-            number(v.tension),
-            " ".join(v.why.split())[:110].replace("|", "/"),
-        )
-        for _, v in sorted(bad, key=badness)[:most]
-    ]
-    return table(("seed", "outcome", "what", "position", "tension", "in words"), lines)
+WRONG_BY = (
+    "position, up to 3 tau L",
+    "position, 3 to 10 tau L",
+    "position, more than 10 tau L",
+    "tension alone",
+    "something impossible",
+)
 
 
-def figure(rows: Sequence[tuple[Drawn, Verdict]], path: Path) -> None:
+def figure(rows: Rows, path: Path) -> None:
     """Shares of the outcomes against each drawn number, in eight bins of equal count."""
     import matplotlib
 
@@ -228,47 +155,55 @@ LABELS = {
 }
 
 
-def _taken(verdicts: Sequence[Verdict]) -> str:
-    """At what tolerances runs converged, where they were asked to, and how sure that is."""
-    sentences = []
-    for name, first in (("The first set", 0), ("The second, by which no rule was made", COUNT)):
+def converged_table(verdicts: Sequence[Verdict]) -> str:
+    """At what tolerances runs converged, how many of them are wrong, and how sure that is."""
+    rows = []
+    for name, first in (("the first set", 0), ("a second set", COUNT)):
         of_set = [v for v in verdicts if first <= v.seed < first + COUNT]
         judged = [v for v in of_set if TOOK in v.statistics and v.outcome in ("completed", "wrong")]
         if not judged:
             continue
         wrong = sum(v.outcome == "wrong" for v in judged)
         sure = binomtest(wrong, len(judged)).proportion_ci(0.95)
-        counts = sorted(Counter(v.statistics[TOOK] for v in judged).items())
-        sentences.append(
-            f"{name}: of {len(of_set)} scenes {len(judged)} converged and were judged ("
-            + ", ".join(f"{count} at tau/{finer}" for finer, count in counts)
-            + f"), {wrong} of them wrong: {100 * sure.low:.2g} to {100 * sure.high:.2g} % of such "
-            "scenes (95 %, exact binomial)."
+        counts = Counter(v.statistics[TOOK] for v in judged)
+        rows.append(
+            (
+                name,
+                str(len(of_set)),
+                *(str(counts[finer]) for finer in (4, 16, 64)),
+                str(wrong),
+                f"{100 * sure.low:.2g} to {100 * sure.high:.2g} %",
+            )
         )
-    return " ".join(sentences) + "\n" if sentences else ""
+    head = ("scenes", "number", "at tau/4", "at tau/16", "at tau/64", "wrong", "wrong, 95 % sure")
+    return table(head, rows)
 
 
-def section(search: Search, verdicts: Sequence[Verdict], page: Path) -> str:
-    """The whole section; its figure lies beside the page."""
-    rows = [(draw(v.seed), v) for v in verdicts]
-    picture = search.beside(page, ".png")
-    figure(rows, picture)
-    judged = [v for v in verdicts if v.outcome in ("completed", "unsettled", "wrong")]
-    part = np.mean([v.compared for v in judged]) if judged else math.nan
-    whole = sum(v.compared > 0.99 for v in judged)
-    return "\n".join(
-        (
-            search.header,
-            _taken(verdicts)
-            or f"{len(rows)} of {search.count} scenes. Of the {len(judged)} that ran to their end, "
-            f"{whole} could be compared to the end, and {100 * part:.0f} % of all instants; "
-            "comparing stops where the motion cannot be predicted or where a scene is already "
-            "wrong.\n",
-            f"![outcomes](stress/{picture.name})\n",
-            outcome_table(rows),
-            wrong_table(search, verdicts),
-            f"The worst of them (differences from {search.by} in units of the promise, of "
-            f"which {search.limit:.4g} is allowed):\n",
-            worst_table(search, rows),
-        )
-    )
+def write(page: Path, stored: Path) -> None:
+    """Tables and figures of all searches that are stored, and their outcomes by trait as data."""
+    every: list[tuple[str, ...]] = []
+    shown: list[tuple[str, ...]] = []
+    wrong: list[tuple[str, list[int]]] = []
+    for search in SEARCHES:
+        store = stored / search.file(".json")
+        if not store.exists():
+            continue
+        verdicts = [Verdict(**row) for row in json.loads(store.read_text())]
+        rows = [(draw(v.seed), v) for v in verdicts]
+        figure(rows, stored / search.file(".png"))
+        lines = outcomes_by_trait(rows)
+        every += [(search.title, *line) for line in lines]
+        told = ("all", *SHOWN) if search is ALL else ("all",)
+        shown += [
+            (search.title if line[0] == "all" else line[0], *line[1:])
+            for line in lines
+            if line[0].split(":")[0] in told
+        ]
+        wrong.append((search.title, wrong_counts(search, verdicts)))
+        if search.claimed:
+            write_part(page, "converged", converged_table(verdicts))
+    head = ("scenes", "number", *(f"{outcome} [%]" for outcome in OUTCOMES))
+    write_rows(stored / "outcomes.csv", ("search", *head), every)
+    write_part(page, "outcomes", table(head, shown))
+    lines = [(by, *(str(counts[k]) for _, counts in wrong)) for k, by in enumerate(WRONG_BY)]
+    write_part(page, "wrong", table(("wrong by", *(title for title, _ in wrong)), lines))

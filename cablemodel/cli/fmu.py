@@ -30,6 +30,33 @@ def fmu(
     stations: Annotated[
         int, typer.Option(min=2, help="Points along the cable that are outputs.")
     ] = 11,
+    inputs: Annotated[
+        str,
+        typer.Option(
+            help="Who drives until use_scene_inputs is set: connected (the scene where no input is "
+            "set), scene (inputs are ignored), master (the inputs)."
+        ),
+    ] = "connected",
+    vessel_input: Annotated[
+        str,
+        typer.Option(
+            help="What moves the tow point until vessel.input is set: velocity, position, or "
+            "'position and velocity'."
+        ),
+    ] = "velocity",
+    timing: Annotated[
+        str,
+        typer.Option(
+            help="When in a step inputs hold until input.timing is set: end, or start (the FMU "
+            "extrapolates)."
+        ),
+    ] = "end",
+    author: Annotated[str, typer.Option(help="Named in the model description.")] = "",
+    ssp: Annotated[
+        Path | None,
+        typer.Option("--ssp", help="Write a system of a vessel and this cable, too (SSP 1.0).",
+                     show_default=False),
+    ] = None,
     overrides: SetOption = None,
 ) -> None:  # fmt: skip
     """Export a scene as an FMU (FMI 2.0 co-simulation) that needs no Python."""
@@ -44,12 +71,19 @@ def fmu(
     loaded = load_scene(scene, overrides or ())
     target = writable(output or Path(scene.with_suffix(".fmu").name), (".fmu",))
 
+    system = None if ssp is None else writable(ssp, (".ssp",))
+
     def say(line: str) -> None:
         typer.echo(f"cablemodel: {line}", err=True)
 
     names = [name.strip() for name in platform.split(",") if name.strip()]
     with writing(target):
-        export_fmu(loaded, target, platforms=names, stations=stations, progress=say)
+        export_fmu(
+            loaded, target, platforms=names, stations=stations, progress=say, inputs=inputs,
+            vessel_input=vessel_input, timing=timing, author=author, ssp=system,
+        )  # fmt: skip
     size = target.stat().st_size / 1e6
     typer.echo(f"FMU: {target} ({size:.1f} MB) for {', '.join(names)}")
+    if system is not None:
+        typer.echo(f"A vessel with it, as a system (SSP): {system}")
     typer.echo(f"Its ports, for the Open Simulation Platform: {ports_file(loaded, target)}")

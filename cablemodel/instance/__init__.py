@@ -9,6 +9,7 @@ refines (refinement).
 from cablemodel.instance.frame import local
 from cablemodel.instance.from_scene import build
 from cablemodel.instance.line_tables import strain_range
-from cablemodel.instance.scales import tension_per_length
+from cablemodel.instance.scales import tension_per_length, tension_scale
+from cablemodel.instance.tables import facts_of
 
-__all__ = ["build", "local", "strain_range", "tension_per_length"]
+__all__ = ["build", "facts_of", "local", "strain_range", "tension_per_length", "tension_scale"]

@@ -46,12 +46,12 @@ DRAWN = 0.01
 """Of the largest tension: more where a lay lands is said."""
 
 
-def build(scene: Scene, *, planar: bool | None = None, drum_room: float = 1.0) -> Block:
+def build(scene: Scene, *, planar: bool | None = None, room: float = 1.0) -> Block:
     """A block at the scene's initial state, t = 0.
 
     ``planar``: False forces three dimensions; None and True choose a vertical plane where the
-    scene lies in one. ``drum_room``: elements of the drum's cable for which there is room, in units
-    of those that this scene needs. A static start refines the mesh until its shape is accurate.
+    scene lies in one. ``room``: lengths of line and drum for which there is room, in units of the
+    scene's. A static start refines the mesh until its shape is accurate.
 
     Raises SceneError (not supported, inconsistent), StaticsError (no equilibrium found, or not
     within `solver.start_time_limit`).
@@ -64,7 +64,7 @@ def build(scene: Scene, *, planar: bool | None = None, drum_room: float = 1.0) -
             built = _built_as_laid if attempt.as_laid else _built
             search.tries(described(attempt))
             try:
-                found = built(sought, planar, drum_room, attempt)
+                found = built(sought, planar, room, attempt)
                 if not attempt.as_laid and laid_start.applies(sought):
                     _say_if_drawn(found, sought)
                 return found
@@ -112,22 +112,22 @@ def _steady(scene: Scene) -> Scene:
     return scene.model_copy(update={"initial": Initial.model_validate("static")})
 
 
-def _built_as_laid(scene: Scene, planar: bool | None, drum_room: float, attempt: Attempt) -> Block:
+def _built_as_laid(scene: Scene, planar: bool | None, room: float, attempt: Attempt) -> Block:
     """What friction holds, from where it lies at coarser tolerances."""
     coarser = laid_start.coarser(scene)
     if coarser is None:
-        return _built(scene, planar, drum_room, attempt)
+        return _built(scene, planar, room, attempt)
     lies = _built_as_laid(coarser, planar, 1.0, replace(attempt, passing=True))
     try:
-        return _built(scene, planar, drum_room, replace(attempt, lies=lies))
+        return _built(scene, planar, room, replace(attempt, lies=lies))
     except StaticsError:
-        return _built(scene, planar, drum_room, attempt)  # anew, from the first shape
+        return _built(scene, planar, room, attempt)  # anew, from the first shape
 
 
 def _built(
     scene: Scene,
     planar: bool | None,
-    drum_room: float,
+    room: float,
     attempt: Attempt,
 ) -> Block:
     scale = tension_scale(scene)
@@ -156,7 +156,7 @@ def _built(
     if attempt.halved:
         nodes = halved(scene, nodes)
     find = partial(find_initial_state, scene=scene, attempt=attempt)
-    build_on = partial(_build_on, scene, scale=scale, planar=planar, drum_room=drum_room)
+    build_on = partial(_build_on, scene, scale=scale, planar=planar, room=room)
     if scene.initial.kind != "static":
         return build_on(nodes, guess, find=find)
 
@@ -202,7 +202,7 @@ def _build_on(
     *,
     scale: float,
     planar: bool | None,
-    drum_room: float,
+    room: float,
     find: Callable[[Block], None],
 ) -> Block:
     """A block on given nodes, from a first guess of its shape.
@@ -210,15 +210,18 @@ def _build_on(
     nodes: arc lengths of the nodes of every cable [m], each from 0 to its length. find: brings the
     block to its first state, from that shape.
     """
+    from cablemodel import library as entry
+
     line = lay_out(scene, nodes)
-    winch = winch_of(scene, line, drum_room)
+    winch = winch_of(scene, line, room)
     kept = winch.extra_nodes + sea_floor.spare_nodes(scene)
-    block = _allocate(scene, line, winch, kept + spare_nodes(scene, line.nodes))
+    block = _allocate(scene, line, winch, kept + spare_nodes(scene, line.nodes, room))
     block.reals[at.S_RESERVED] = kept
     _choose_frame(block, scene, guess.points, planar)
     block.ints[at.I_NODES] = line.nodes
-    tables.fill_settings(block, scene, scale)
+    tables.fill_settings(block, scene)
     tables.fill_motion(block, scene.motion().pieces)
+    entry.measure(block.ints, block.reals, tables.facts_of(scene, scale))
     tables.fill_current(block, scene)
     line_tables.fill_cables(block, scene, winch, scale)
     line_tables.fill_edges(block, scene, line)

@@ -18,6 +18,7 @@ from cablemodel.instance.first_state import count_from_zero, solve_static, stead
 from cablemodel.instance.frame import earth
 from cablemodel.instance.scales import pays_out, start_conditions
 from cablemodel.kernels import layout as at
+from cablemodel.kernels.layout import LIGHT_DAMPING
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
@@ -29,37 +30,32 @@ ROUNDS = 14
 BENT = 2.5
 """Of tau L: what h^2 times the jump of curvature may be in a static shape."""
 LARGEST_STATIC_MESH = 4000
-BENDS = 8.0
-"""The same in motion, in free water."""
-FOLDS = 25.0
-"""The same for a line that starts slack, and folds: it begins with smaller elements."""
-WHIPS = 60.0
-"""The same where drag hardly damps: only what cracks like a whip, and its elements stay halves."""
 SPARE = 24, 2.0
 """Nodes for shapes that bend more later on: so many, and times those at the start."""
 WINCH = 2
 """Times that many where a winch runs: it needs some of its own when all others bend."""
 
 
-def follows_bending(scene: Scene) -> bool:
-    """Whether elements are halved where the line bends in free water, above a floor too.
-
-    A mesh that the scene asks for stays as it is. So does that of a line which starts slack where
-    drag hardly damps: it cracks, to no end. Others have halves there that are not joined again:
-    that would feed a whip that hardly stretches.
-    """
+def mesh_is_free(scene: Scene) -> bool:
+    """Whether the mesh may change: one that the scene asks for stays as it is."""
     drum = [item.cable for item in scene.payout.drum if item.cable is not None]
-    asked = any(cable.elements is not None for cable in [*scene.cables, *drum])
+    return not any(cable.elements is not None for cable in [*scene.cables, *drum])
+
+
+def _may_follow_bending(scene: Scene, longest: float) -> bool:
+    """Whether elements are halved where the line bends in free water (see kernels/scales.py), at
+    lengths up to so many times its own."""
     start = start_conditions(scene)
-    moves = not (start.slack and start.lightly_damped)
-    # Above a floor what follows the touchdown joins elements, too.
-    whips_above_floor = start.lightly_damped and scene.environment.floor is not None
-    return moves and not whips_above_floor and not asked
+    damped = start.damping * longest >= LIGHT_DAMPING
+    return mesh_is_free(scene) and (
+        damped or not (start.slack or scene.environment.floor is not None)
+    )
 
 
-def spare_nodes(scene: Scene, nodes: int) -> int:
-    """Nodes that halving elements in free water may need."""
-    if not follows_bending(scene):
+def spare_nodes(scene: Scene, nodes: int, longest: float) -> int:
+    """Nodes that halving elements in free water may need, of a line whose lengths may be set up to
+    so many times its own."""
+    if not _may_follow_bending(scene, longest):
         return 0
     spare = SPARE[0] + math.ceil(SPARE[1] * nodes)
     return WINCH * spare if pays_out(scene) or scene.payout.drum else spare

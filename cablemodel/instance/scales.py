@@ -71,9 +71,20 @@ def _is_bare(scene: Scene) -> bool:
         and not pays_out(scene)
         and environment.current is None
         and environment.waves is None
-        and environment.floor is None
+        and not floor_is_in_reach(scene)
         and scene.motion().is_planar()
     )
+
+
+def floor_is_in_reach(scene: Scene) -> bool:
+    """Whether the line is so long that it may touch the floor below the tow point at t = 0."""
+    floor = scene.environment.floor
+    if floor is None:
+        return False
+    x, y, z = scene.motion().evaluate(0.0)[0]
+    top = floor.height(x, y) if floor.z is not None else float(floor.grid_z.max())
+    slope = math.hypot(*floor.slope) if floor.z is not None else 0.0
+    return bool((z - top) / math.hypot(1.0, slope) < scene.line_length + bodies_length(scene))
 
 
 def sinks(scene: Scene) -> bool:

@@ -11,41 +11,22 @@ from numpy.typing import NDArray
 from cablemodel.block import Block
 from cablemodel.instance.frame import local
 from cablemodel.instance.line import Line
-from cablemodel.instance.refinement import BENDS, FOLDS, WHIPS, follows_bending
+from cablemodel.instance.refinement import mesh_is_free
 from cablemodel.instance.scales import is_flexible, pays_out, start_conditions
 from cablemodel.instance.winch import Winch
 from cablemodel.kernels import layout as at
 
 if TYPE_CHECKING:
-    from cablemodel.mesh import Start
     from cablemodel.scene import Scene
 
 FloatArray = NDArray[np.float64]
 
-TIME_TOLERANCE = 0.045
-"""Local error allowed in a step, in units of tau L; calibrated, see docs/engine/time.md."""
-LIGHTLY_DAMPED = 0.35
-"""Factor on it where drag hardly damps, in air above all: errors are not forgotten, but add up."""
-UNDAMPED = 0.08
-"""The same in a vacuum, at tau = 1e-3."""
-MEMORY = 0.3
-"""How long an error of the velocity goes on moving the line, in sqrt(L/g): steps shorter than that
-may make less of the local error allowed. (A whip in air that bends is left out: waves that its mesh
-does not follow are damped by its steps, and decide. In a vacuum little is allowed anyhow.)"""
-ORDER_3_FIRST = 16.0
-"""Good steps by order 3 with which a line that starts slack begins: it snaps, and Newton's method
-has trouble in longer ones."""
-FINEST_IN_AIR, FINEST_IN_WATER = 1e-4, 5e-4
-"""tau down to which it does, with little drag and with much; below, tensions would suffer."""
-CALM_FIRST = 2.5, 0.01
-"""First step of a line that hangs at rest in water, in sqrt(tau) sqrt(L/g), and of tau L: how far
-the vessel may leave its uniform motion in it."""
 MOST_STEPS = 2_000_000
 """Internal steps that one call may take."""
 
 
-def fill_settings(block: Block, scene: Scene, scale: float) -> None:
-    """Tolerances, scales, gravity and water. scale: a typical tension [N]."""
+def fill_settings(block: Block, scene: Scene) -> None:
+    """Tolerance, gravity and water."""
     ints, reals = block.ints, block.reals
     ints[at.I_PIECE] = 1
     ints[at.I_ORDER] = 4
@@ -54,74 +35,31 @@ def fill_settings(block: Block, scene: Scene, scale: float) -> None:
     ints[at.I_DRAG] = int(rho > 0.0)
     reals[at.S_GRAVITY] = scene.environment.gravity
     reals[at.S_WATER_DENSITY] = rho
-    tolerance, length = scene.solver.tolerance, scene.line_length
+    reals[at.S_TOLERANCE] = scene.solver.tolerance
+
+
+def facts_of(scene: Scene, scale: float) -> FloatArray:
+    """What `kernels/scales.py` wants to know of the line, (FACT_WORDS,). scale: a typical
+    tension [N]."""
     start = start_conditions(scene)
-    reals[at.S_TOLERANCE] = tolerance
-    allowed = TIME_TOLERANCE * tolerance * length
-    if rho == 0.0:
-        # Nothing forgets an error, and a stiff line takes an order from the scheme.
-        allowed *= UNDAMPED * math.sqrt(tolerance / 1e-3)
-    elif start.lightly_damped:
-        allowed *= LIGHTLY_DAMPED
-    reals[at.S_TIME_TOLERANCE] = allowed
-    reals[at.S_LENGTH] = length
-    if follows_bending(scene):
-        bent = WHIPS if start.lightly_damped else FOLDS if start.slack else BENDS
-        reals[at.S_BENT] = bent * tolerance * length
-    reals[at.S_TENSION_SCALE] = scale
-    if start.slack:
-        # What is let go slack snaps, and rings at peaks that no output meets: its tension is left
-        # as the steps find it (kernels/tension.py reads none that is small against this).
-        reals[at.S_LARGEST_TENSION] = math.inf
-    period = math.sqrt(length / max(scene.environment.gravity, 1e-3))
-    reals[at.S_PERIOD] = period
-    bends = not all(is_flexible(scene, cable) for cable in scene.cables)
-    if rho > 0.0 and not (bends and start.slack and start.lightly_damped):
-        reals[at.S_MEMORY] = MEMORY * period
-    reals[at.S_FIRST_STEP] = 0.02 * period
-    reals[at.S_STEP] = first_step(scene, start, period)
-    reals[at.S_SMALLEST_STEP] = 1e-10 * period
     softness = masses = 0.0
     for cable in scene.cables:
         kind = scene.cable_types[cable.type]
         softness += kind.strain_coefficients[0] * cable.length
         masses += kind.mass * cable.length
-    masses += math.fsum(body.mass for body in scene.bodies)
-    reals[at.S_AXIAL] = 1.0 / (softness * masses)
-    reals[at.S_UNDAMPED] = float(start.lightly_damped)
-    finest = FINEST_IN_AIR if start.lightly_damped else FINEST_IN_WATER
-    if start.slack and tolerance >= finest:
-        reals[at.S_ORDER_3] = ORDER_3_FIRST
-
-
-def first_step(scene: Scene, start: Start, period: float) -> float:
-    """Length of the first step [s], from which they grow up to sixteenfold a step.
-
-    As a rule one in which whatever is let go hardly moves. What hangs at rest in water, with a
-    free end, is moved by the vessel only and need not begin so: three steps are saved.
-    """
-    tolerance = scene.solver.tolerance
-    scale = math.sqrt(max(tolerance, 1e-12)) * period
-    shortest = 1e-2 * scale
-    if (
-        start.slack
-        or start.lightly_damped
-        or not start.free_end
-        or scene.environment.floor is not None
-        or pays_out(scene)
-    ):
-        return shortest
-    motion = scene.motion()
-    place, velocity, _acceleration = motion.evaluate(0.0)
-    step = CALM_FIRST[0] * scale
-    way = CALM_FIRST[1] * tolerance * scene.line_length
-    while step > shortest:
-        there, speed, _acceleration = motion.evaluate(step)
-        moved = float(np.linalg.norm(there - place - step * velocity))
-        if max(moved, 0.5 * step * float(np.linalg.norm(speed - velocity))) <= way:
-            break
-        step *= 0.5
-    return max(step, shortest)
+    facts = np.zeros(at.FACT_WORDS)
+    facts[at.FACT_LENGTH] = scene.line_length
+    facts[at.FACT_DAMPING] = start.damping
+    facts[at.FACT_SOFTNESS] = softness
+    facts[at.FACT_MASS] = masses + math.fsum(body.mass for body in scene.bodies)
+    facts[at.FACT_TENSION] = scale
+    facts[at.FACT_SLACK] = start.slack
+    above_floor = scene.environment.floor is not None
+    facts[at.FACT_CALM] = start.free_end and not above_floor and not pays_out(scene)
+    facts[at.FACT_FOLLOWS] = mesh_is_free(scene)
+    facts[at.FACT_ABOVE_FLOOR] = above_floor
+    facts[at.FACT_BENDS] = not all(is_flexible(scene, cable) for cable in scene.cables)
+    return facts
 
 
 def fill_motion(block: Block, pieces: FloatArray) -> None:

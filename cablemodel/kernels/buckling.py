@@ -24,10 +24,11 @@ from .layout import (
     E_LENGTH,
     EDGE_WORDS,
     EXACTLY,
+    FLOOR_FAR,
     I_CONSTRAINTS,
     I_DIMENSION,
     I_FACTORED,
-    I_FLOOR,
+    I_FLOOR_STATE,
     I_NODES,
     I_RIGID,
     JOINT_HINGE,
@@ -67,7 +68,7 @@ def is_pressed(I, M, node, q, tension, least, w):
     """
     if I[I[O_JOINT] + node] != 0 or tension[2 * node] >= -least:
         return False
-    if I[I_FLOOR] == 0:
+    if I[I_FLOOR_STATE] == FLOOR_FAR:
         return True
     parent = I[I[O_PARENT] + node]
     return not (near_floor(I, M, node, q, w) or near_floor(I, M, parent, q, w))

@@ -6,13 +6,25 @@ a count; see layout.py for the codes.
 
 from numba import float64, int64
 
-from . import follow, outputs, promote, statics, stepping, system, time_stepping, vessel_clamp
+from . import (
+    follow,
+    interface,
+    outputs,
+    promote,
+    scales,
+    statics,
+    stepping,
+    system,
+    time_stepping,
+    vessel_clamp,
+)
 from .compile import INTEGERS, REALS, entry_point
 from .layout import (
+    FLOOR_FAR,
     I_BODIES,
     I_CONSTRAINTS,
     I_DIMENSION,
-    I_FLOOR,
+    I_FLOOR_STATE,
     I_NODES,
     I_RIGID,
     O_ACCELERATION,
@@ -56,7 +68,7 @@ def choose_bending(I, M):
 @entry_point(int64(INTEGERS, REALS))
 def refine_at_floor(I, M):
     """Adapt the mesh to the floor once; returns 1 if it changed."""
-    if I[I_FLOOR] == 0:
+    if I[I_FLOOR_STATE] == FLOOR_FAR:
         return 0
     return 1 if follow.follow_floor(I, M, True) else 0
 
@@ -75,6 +87,13 @@ def place_supports(I, M):
         M[I[O_ACCELERATION] : I[O_ACCELERATION] + count],
     )
     return I[I_CONSTRAINTS]
+
+
+@entry_point(int64(INTEGERS, REALS, REALS))
+def measure(I, M, facts):
+    """Write what follows from the lengths of the line: scales.measure_line."""
+    scales.measure_line(I, M, facts)
+    return 0
 
 
 @entry_point(int64(INTEGERS, REALS, REALS, REALS))
@@ -123,6 +142,20 @@ def assemble(I, M, cv, ca):
     return 0
 
 
+@entry_point(int64(INTEGERS, REALS, float64, REALS))
+def force_rate(I, M, last_step, out):
+    """Time derivative of the force on the vessel: interface.rate_of_force. Uses the block up."""
+    interface.rate_of_force(I, M, last_step, out)
+    return 0
+
+
+@entry_point(int64(INTEGERS, REALS, REALS, REALS))
+def force_response(I, M, motion, out):
+    """Change of the force on the vessel with its motion: interface.response_to_motion. Uses the
+    block up."""
+    return interface.response_to_motion(I, M, motion, out)
+
+
 @entry_point(int64(INTEGERS, REALS))
 def to_three_dimensions(I, M):
     """Turn a planar model into a three-dimensional one, in place."""
@@ -137,10 +170,13 @@ ENTRY_POINTS = {
     "choose_bending": choose_bending,
     "refine_at_floor": refine_at_floor,
     "place_supports": place_supports,
+    "measure": measure,
     "sample": sample,
     "bodies": bodies,
     "summary": summary,
     "energy": energy,
     "assemble": assemble,
+    "force_rate": force_rate,
+    "force_response": force_response,
     "to_three_dimensions": to_three_dimensions,
 }

@@ -32,8 +32,6 @@ from .layout import (
     S_BRISTLE,
     S_END_BORNE,
     S_FLOOR_DEPTH,
-    S_FLOOR_WAIT,
-    S_LAST_STEP,
 )
 
 FASTEST = 3.0  # growth of what is borne for long, at most, in one change of it
@@ -58,7 +56,6 @@ def settle(I, M):
     w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
     depth = M[S_FLOOR_DEPTH]
     q = M[I[O_POSITION] : I[O_POSITION] + size * I[I_NODES]]
-    M[S_FLOOR_WAIT] += M[S_LAST_STEP]  # `bear` comes before the next step
     for node in range(I[I_NODES]):
         rest = I[O_REST] + 3 * node
         for i in range(dimension):

@@ -12,10 +12,8 @@ from .layout import (
     I_FLOOR,
     I_FLOOR_X,
     I_FLOOR_Y,
-    I_NODES,
     O_EDGE,
     O_FLOOR,
-    O_JOINT,
     O_PARENT,
     S_BASE,
     S_FLOOR_BEND,
@@ -191,12 +189,3 @@ def lowest_gap(I, M, q, node, w):
                 gap += w[3 + i] * (w[i] - w[6 + i])
         lowest = min(lowest, gap)
     return lowest - M[S_FLOOR_BEND] * h * h
-
-
-@kernel
-def may_touch(I, M, q, w):
-    """Whether any element may touch the floor, by `lowest_gap`. w: 9 words of workspace."""
-    for node in range(1, I[I_NODES]):
-        if I[I[O_JOINT] + node] == 0 and lowest_gap(I, M, q, node, w) < M[S_FLOOR_DEPTH]:
-            return True
-    return False

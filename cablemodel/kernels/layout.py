@@ -8,7 +8,7 @@ the FMU's state and its serialisation are a copy of it.
 """
 
 MAGIC = 0x4C45444F4D454C42  # "BLEMODEL", little endian
-VERSION = 8
+VERSION = 9
 HEADER_WORDS = 104
 SCALAR_WORDS = 104
 
@@ -34,6 +34,7 @@ I_HYBRID = 27
 I_FLOOR, I_FLOOR_X, I_FLOOR_Y = 28, 29, 30  # FLOOR_...; columns and rows of the table
 I_FLOOR_WORDS = 31
 FLOOR_NONE, FLOOR_PLANE, FLOOR_TABLE = 0, 1, 2
+FLOOR_FAR, FLOOR_ABOVE, FLOOR_TOUCHED = 0, 1, 2  # nothing of it is felt; the mesh knows; forces
 O_FLOOR = 94  # x (nx), y (ny), then z, z_x, z_y, z_xy of every place, x slowest
 O_REST = 95  # places of rest of the friction bristles (capacity, 3)
 
@@ -48,8 +49,7 @@ O_RATES, O_CABLES, O_TOP = 76, 77, 78
 # Waves.
 I_WAVES, O_WAVES = 81, 82  # how many components there are, their rows
 I_CELL_TERMS = 96  # of the series in the sea's cells (sea_cells.py): CELL_TERMS, or 0: no cells
-I_CELL_MIRROR = 97  # 1: the bottom's mirror of the waves is felt
-O_CELL_POWERS, O_CELLS = 98, 99  # rows of a component's powers; cells of CELL_WORDS each
+O_CELL_LAYERS, O_CELLS = 98, 99  # layers of water, see below; cells of CELL_WORDS each
 
 # Bodies of finite length.
 I_RIGID = 80  # how many of the bodies have a length: 0 skips all that they need
@@ -61,6 +61,7 @@ I_TWO_STEP_REST = 93  # what I_TWO_STEP_WAIT is set to at a refusal: doubles whi
 
 I_KEEP_MATRIX = 92  # 1 while a step has not yet saved the matrix that it may have to give back
 
+I_FLOOR_STATE = 102  # FLOOR_FAR, ...: how near the line is to the floor; 0 also without one
 I_SETTLED = 101  # 1 while the last step left a line that does not ring along itself
 
 # Cable at rest on the floor: the nodes at the line's end that sleep.
@@ -130,8 +131,7 @@ S_WAVE_STEP = _S + 64  # longest step that resolves them [s]
 S_WAVE_DEPTH = _S + 65  # water depth [m]
 S_WAVE_CREST = _S + 66  # sum of the amplitudes [m]
 S_WAVE_X, S_WAVE_Y = _S + 76, _S + 77  # their way, a horizontal unit vector
-S_CELL_TIME, S_CELL_WIDTH = _S + 94, _S + 95  # of a cell of the sea [s], [m]
-S_CELL_FREQUENCY, S_CELL_NUMBER = _S + 96, _S + 97  # of its carrier [rad/s], [rad/m]
+S_CELL_STAYS = _S + 102  # way within which a stage keeps the water of its first iteration [m]
 S_SLEEP_AFTER = _S + 80  # time before which no more cable falls asleep [s]
 S_SLEEP_TENSION, S_SLEEP_SPARE = _S + 81, _S + 82  # at its end, what it may change by [N]
 S_SLEEP_WAY = _S + 83  # length of cable that lies awake before it [m]
@@ -180,7 +180,15 @@ CELL_DEGREE = 4
 CELL_TERMS = 15
 MIRROR_DEGREE = 3  # of the bottom's mirror, which long waves alone feel
 MIRROR_TERMS = 10
-CELL_WORDS = 7 * CELL_TERMS
+CELL_WORDS = 8 * CELL_TERMS
+
+# Layers of water, each with cells of its own, larger the deeper they lie: a row of CELL_TERMS
+# words, then CELL_TERMS factors of each component. What is not there lies infinitely deep.
+CELL_LAYERS = 4
+L_DEPTH = 0  # where the layer begins [m]
+L_TIME, L_WIDTH = 1, 2  # of a cell [s], along the waves' way and upwards [m]
+L_FREQUENCY, L_NUMBER = 3, 4  # of its carrier [rad/s], [rad/m]
+L_MIRROR = 5  # 1: the bottom's mirror of the waves is felt
 
 # Rows of the edge table: the element (or joint) that ties a node to its parent.
 EDGE_WORDS = 21
@@ -234,6 +242,20 @@ C_PULL_GAIN, C_PULL_CHANGE = 23, 24  # how it follows, and what it was off last 
 C_VESSEL, C_ANCHOR = 1, 2
 EXACTLY, BY_SPRING = 1, 2  # how the tangent is held (C_CLAMPED); 0: it is free
 
+# What a line is like as a whole, for scales.measure_line.
+FACT_LENGTH = 0  # of its cables [m]
+FACT_DAMPING = 1  # rho Cdn d L / m, dimensionless
+FACT_SOFTNESS = 2  # of the whole line [m/N]
+FACT_MASS = 3  # of cables and bodies, in air [kg]
+FACT_TENSION = 4  # a typical one [N]
+FACT_SLACK = 5  # 1: it starts without tension
+FACT_CALM = 6  # 1: its end is free, there is no floor, no cable runs
+FACT_FOLLOWS = 7  # 1: its mesh may change: the scene gives no numbers of elements
+FACT_ABOVE_FLOOR = 8
+FACT_BENDS = 9  # 1: some of its cables pass a moment
+FACT_WORDS = 10
+LIGHT_DAMPING = 10.0  # rho Cdn d L / m below which a line counts as hardly damped
+
 # What is read off a state, in words: the rows of outputs.sample_stations, outputs.summarise.
 STATION_WORDS, SUMMARY_WORDS, ENERGY_WORDS = 13, 32, 9
 
@@ -248,6 +270,8 @@ GAUSS_WORDS = ELEMENT_WORDS + 24
 # airy.py, and two more in sea_cells.py.
 MOTION_WORDS = 80
 WATER_COLUMNS = 6
+
+LONGEST_STEP = 1e9  # that a caller may ask for [s]: 30 years; more is a mistake
 
 # Status codes of the kernels.
 OK = 0

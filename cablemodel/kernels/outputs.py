@@ -515,7 +515,7 @@ def summarise(I, M, out):
     top = pull_along(I, M, 0, -1.0)
     out[6] = math.copysign(math.sqrt(out[0] ** 2 + out[1] ** 2 + out[2] ** 2), top)
     lowest = 1e300
-    highest = -1e300
+    highest = out[6]  # the force at the top has the shear, too
     for node in range(1, nodes):
         if I[I[O_JOINT] + node] == 0:
             for side in range(2):

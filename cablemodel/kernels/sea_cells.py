@@ -10,30 +10,36 @@ early. The terms are products of powers of z + i x and t, whose factors are summ
 components once for a cell. The bottom's mirror of the waves, e^-k (z - i x), and the surface have
 series of their own.
 
-Which cell a place belongs to is a matter of the place and the time alone, so that the water's
-motion does not depend on what was asked before; a slot of the memory holds the last cell that was
-asked for by one Gauss point or body. How large cells may be: cablemodel/waves.py.
+Short waves die out with the depth, so that cells may be larger there: the water has layers, each
+with a carrier and cells of its own. Which cell a place belongs to is a matter of the place and the
+time alone, so that the water's motion does not depend on what was asked before; a slot of the
+memory holds the last cell that was asked for by one Gauss point or body. How large cells may be:
+cablemodel/waves.py.
 """
 
 from .airy import ROUND, columns, follow_components, living, sine_and_cosine
 from .compile import inlined, kernel, outlined, view
 from .layout import (
     CELL_DEGREE,
+    CELL_LAYERS,
     CELL_TERMS,
     CELL_WORDS,
-    I_CELL_MIRROR,
+    I_CELL_TERMS,
     I_WAVES,
+    L_DEPTH,
+    L_FREQUENCY,
+    L_MIRROR,
+    L_NUMBER,
+    L_TIME,
+    L_WIDTH,
     MIRROR_DEGREE,
     MIRROR_TERMS,
     MOTION_WORDS,
-    O_CELL_POWERS,
+    O_CELL_LAYERS,
     O_CELLS,
     O_MOTION,
     O_WAVES,
-    S_CELL_FREQUENCY,
-    S_CELL_NUMBER,
-    S_CELL_TIME,
-    S_CELL_WIDTH,
+    S_CELL_STAYS,
     S_WAVE_TIME,
     W_AMPLITUDE,
 )
@@ -45,6 +51,11 @@ OVER = tuple(1.0 / max(n, 1) for n in range(10))
 RISING, SURFACE, MIRROR = 0, 2 * CELL_TERMS, 4 * CELL_TERMS
 HELD = 6 * CELL_TERMS  # 0 nothing, 1 no surface, 2 all
 CELL_T, CELL_X, CELL_Z, ALIVE = HELD + 1, HELD + 2, HELD + 3, HELD + 4
+CELL_LAYER = HELD + 5
+# The water that a stage keeps for this slot: which stage, where; elevation, velocity, acceleration.
+STAGE, WAY, LEVEL, WATER = HELD + 6, HELD + 7, HELD + 8, HELD + 9
+# The first slot has no Gauss point: there a stage's number is kept, and whether one is under way.
+WITHIN = STAGE + 1
 
 
 @inlined
@@ -55,7 +66,7 @@ def amplitudes(I, M, count):
 
 
 @kernel
-def sum_terms(I, M, series, count, terms, turn):
+def sum_terms(I, M, layer, series, count, terms, turn):
     """Write a series of the first `count` components from their parts, in `amplitudes`.
 
     They are complex numbers, times (-i)^(p + turn q) in the term x^q t^p.
@@ -65,7 +76,7 @@ def sum_terms(I, M, series, count, terms, turn):
     for first in range(0, terms, 5):
         r0, r1, r2, r3, r4 = 0.0, 0.0, 0.0, 0.0, 0.0
         i0, i1, i2, i3, i4 = 0.0, 0.0, 0.0, 0.0, 0.0
-        powers = view(M, I[O_CELL_POWERS] + first, CELL_TERMS * count)
+        powers = view(M, layer + CELL_TERMS + first, CELL_TERMS * count)
         for n in range(count):
             p = CELL_TERMS * n
             x = a[n]
@@ -131,7 +142,7 @@ def series_at(M, series, degree, x, y, t):
 
 
 @outlined
-def fill_cell(I, M, row, t, way, level, surface):
+def fill_cell(I, M, layer, row, t, way, level, surface):
     """Write the series of the cell whose middle is here, that of the surface if it is asked for."""
     every = I[I_WAVES]
     # The waves' own series are the same with the surface and without.
@@ -146,18 +157,70 @@ def fill_cell(I, M, row, t, way, level, surface):
         for n in range(count):
             a[n] = amplitude[n] * cosine[n]
             b[n] = amplitude[n] * sine[n]
-        sum_terms(I, M, row + SURFACE, count, CELL_TERMS, 3)
+        sum_terms(I, M, layer, row + SURFACE, count, CELL_TERMS, 3)
     for n in range(alive):
         speed = 0.5 * (along[n] + upward[n])
         a[n] = speed * cosine[n]
         b[n] = speed * sine[n]
-    sum_terms(I, M, row + RISING, alive, CELL_TERMS, 0)
-    if I[I_CELL_MIRROR] != 0:
+    sum_terms(I, M, layer, row + RISING, alive, CELL_TERMS, 0)
+    if M[layer + L_MIRROR] != 0.0:
         for n in range(alive):
             speed = 0.5 * (along[n] - upward[n])
             a[n] = speed * cosine[n]
             b[n] = speed * sine[n]
-        sum_terms(I, M, row + MIRROR, alive, MIRROR_TERMS, 0)
+        sum_terms(I, M, layer, row + MIRROR, alive, MIRROR_TERMS, 0)
+
+
+@inlined
+def begin_stage(I, M):
+    """From now on Newton's method keeps the water of the first iteration where it hardly moves.
+
+    Within a stage only, so that the water's motion does not depend on what was asked before.
+    """
+    if I[I_CELL_TERMS] != 0:
+        M[I[O_CELLS] + STAGE] += 1.0
+        M[I[O_CELLS] + WITHIN] = 1.0
+
+
+@inlined
+def end_stage(I, M):
+    """Water is that of its place again."""
+    if I[I_CELL_TERMS] != 0:
+        M[I[O_CELLS] + WITHIN] = 0.0
+
+
+@inlined
+def is_kept(I, M, cell, way, level, surface):
+    """Whether a slot holds what this stage has found a little way off (S_CELL_STAYS)."""
+    first = I[O_CELLS]
+    # A stage with the surface has a number and a half.
+    number = M[first + STAGE] + (0.5 if surface else 0.0)
+    return (
+        cell[STAGE] == number
+        and M[first + WITHIN] != 0.0
+        and abs(way - cell[WAY]) + abs(level - cell[LEVEL]) < M[S_CELL_STAYS]
+    )
+
+
+@inlined
+def keep(I, M, cell, way, level, surface):
+    """Say that a slot's WATER is that of this place and stage, if one is under way."""
+    first = I[O_CELLS]
+    if M[first + WITHIN] != 0.0:
+        cell[STAGE] = M[first + STAGE] + (0.5 if surface else 0.0)
+        cell[WAY] = way
+        cell[LEVEL] = level
+
+
+@inlined
+def layer_at(I, M, level):
+    """First word of the layer of water at a level z <= 0 [m]."""
+    layer = I[O_CELL_LAYERS]
+    words = CELL_TERMS * (I[I_WAVES] + 1)
+    last = layer + (CELL_LAYERS - 1) * words
+    while layer < last and M[layer + words + L_DEPTH] <= -level:
+        layer += words
+    return layer
 
 
 @kernel
@@ -168,26 +231,30 @@ def sum_in_cell(I, M, slot, way, level, surface):
     """
     row = I[O_CELLS] + slot * CELL_WORDS
     cell = view(M, row, CELL_WORDS)
-    span = M[S_CELL_TIME]
-    width = M[S_CELL_WIDTH]
+    layer = I[O_CELL_LAYERS] if surface else layer_at(I, M, level)
+    span = M[layer + L_TIME]
+    width = M[layer + L_WIDTH]
     cell_t = (M[S_WAVE_TIME] / span + ROUND) - ROUND
     cell_x = (way / width + ROUND) - ROUND
     cell_z = (level / width + ROUND) - ROUND
     same = cell_t == cell[CELL_T] and cell_x == cell[CELL_X] and cell_z == cell[CELL_Z]
-    if not same or cell[HELD] < (2.0 if surface else 1.0):
-        fill_cell(I, M, row, cell_t * span, cell_x * width, cell_z * width, surface)
+    if not (same and cell[CELL_LAYER] == layer) or cell[HELD] < (2.0 if surface else 1.0):
+        fill_cell(I, M, layer, row, cell_t * span, cell_x * width, cell_z * width, surface)
         cell[HELD] = 2.0 if surface else 1.0
         cell[CELL_T] = cell_t
         cell[CELL_X] = cell_x
         cell[CELL_Z] = cell_z
+        cell[CELL_LAYER] = layer
     if cell[ALIVE] == 0.0 and not surface:
         return 0.0, 0.0, 0.0, 0.0, 0.0
     t = M[S_WAVE_TIME] - cell_t * span
     x = way - cell_x * width
     z = level - cell_z * width
-    frequency = M[S_CELL_FREQUENCY]
-    number = M[S_CELL_NUMBER]
-    sine, cosine = sine_and_cosine(number * x - frequency * t)
+    frequency = M[layer + L_FREQUENCY]
+    number = M[layer + L_NUMBER]
+    half_sine, half_cosine = sine_and_cosine(0.5 * (number * x - frequency * t))
+    sine = 2.0 * half_sine * half_cosine
+    cosine = 1.0 - 2.0 * half_sine * half_sine
     up = 1.0
     for n in range(9, 0, -1):
         up = 1.0 + number * z * up * OVER[n]
@@ -199,7 +266,7 @@ def sum_in_cell(I, M, slot, way, level, surface):
     w = up * (sine * re + cosine * im)
     du = up * (cosine * re_rate - sine * im_rate)
     dw = up * (sine * re_rate + cosine * im_rate)
-    if I[I_CELL_MIRROR] != 0:
+    if M[layer + L_MIRROR] != 0.0:
         re, im, re_rate, im_rate = series_at(M, row + MIRROR, MIRROR_DEGREE, -z, x, t)
         re_rate += frequency * im
         im_rate -= frequency * re

@@ -9,14 +9,18 @@ from .backup import keep_matrix
 from .clamp_layer import settle_layer
 from .compile import copy_words, kernel, view
 from .floor_memory import bear
+from .floor_state import leave_floor
 from .flow import flow_jacobian, flow_residual, is_laid
 from .layout import (
     E_LENGTH,
     EDGE_WORDS,
+    FLOOR_NONE,
+    FLOOR_TOUCHED,
     I_DIMENSION,
     I_FACTORED,
     I_FACTORISATIONS,
     I_FLOOR,
+    I_FLOOR_STATE,
     I_ITERATIONS,
     I_MAXIMUM_STEPS,
     I_NODES,
@@ -83,6 +87,8 @@ def find_equilibrium(I, M, frame):
     copy_words(I, I[O_STAGE_V], I[O_POSITION], count)
     copy_words(I, I[O_STAGE_A], I[O_TENSION], words)
     status = STATICS_FAILED
+    if I[I_FLOOR] != FLOOR_NONE:
+        I[I_FLOOR_STATE] = FLOOR_TOUCHED  # on its way it may be anywhere
     few = I[I_MAXIMUM_STEPS] < LARGEST_STEPS and I[I_PAYOUT] != 0 and M[S_PAYOUT_RATE] != 0.0
     for attempt in range(1 if few else 4):
         if attempt > 0:
@@ -91,6 +97,8 @@ def find_equilibrium(I, M, frame):
         status = relax(I, M, frame, attempt < 2, attempt % 2 == 1)
         if status == OK:
             break
+    if I[I_FLOOR] != FLOOR_NONE:
+        leave_floor(I, M)
     return status
 
 

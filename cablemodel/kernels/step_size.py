@@ -7,7 +7,9 @@ that Newton's method is expected to manage (S_TRACTABLE).
 from .compile import inlined, kernel
 from .environment import find_piece
 from .layout import (
-    I_FLOOR,
+    FLOOR_FAR,
+    FLOOR_TOUCHED,
+    I_FLOOR_STATE,
     I_GROWTH_BARRED,
     I_LIVE,
     I_PIECES,
@@ -33,7 +35,7 @@ from .layout import (
 from .tables import STAGES
 
 STRUGGLE = 17, 7  # iterations of a step of order 4, and of order 3, in which Newton has trouble
-AT_FLOOR = 22  # the same for order 4 where there is a floor
+AT_FLOOR = 22  # the same for order 4 near a floor
 STEPS_OF_ORDER_3 = 16.0  # that follow such a step
 ORDER_3_PAYS = 1e-4  # tau down to which they do
 ORDER_3_STEP = 0.6  # of the step that the error of order 4 allows, as a first guess
@@ -49,7 +51,7 @@ LARGEST_GROWTH = 16.0  # of the step: the first is much shorter than any motion
 def natural_step(I, M):
     """The step that nothing but the line itself limits [s]: its error, its floor, its waves."""
     step = M[S_STEP]
-    if I[I_FLOOR] != 0 and M[S_TRACTABLE] > 0.0:
+    if I[I_FLOOR_STATE] == FLOOR_TOUCHED and M[S_TRACTABLE] > 0.0:
         step = min(step, M[S_TRACTABLE])
     if I[I_WAVES] != 0:
         step = min(step, M[S_WAVE_STEP])
@@ -102,7 +104,7 @@ def shorten(I, M, dt, scheme, status, error):
     I[I_GROWTH_BARRED] = 1
     if status != OK:
         factor = 0.4
-        if I[I_FLOOR] != 0:
+        if I[I_FLOOR_STATE] == FLOOR_TOUCHED:
             factor = FAILED
             M[S_TRACTABLE] = FAILED * dt
     else:
@@ -143,7 +145,7 @@ def choose_order(I, M, scheme, iterations, to_output):
     if to_output:
         iterations -= STAGES[scheme] - 1
     if scheme == 1:
-        many = STRUGGLE[0] if I[I_FLOOR] == 0 else AT_FLOOR
+        many = STRUGGLE[0] if I[I_FLOOR_STATE] == FLOOR_FAR else AT_FLOOR
         if iterations > many and M[S_TOLERANCE] >= ORDER_3_PAYS:
             M[S_ORDER_3] = STEPS_OF_ORDER_3
             M[S_STEP] *= ORDER_3_STEP

@@ -27,11 +27,12 @@ from .layout import (
     C_NODE,
     CONSTRAINT_WORDS,
     EXACTLY,
+    FLOOR_TOUCHED,
     I_BODIES,
     I_CONSTRAINTS,
     I_DIMENSION,
     I_DRAG,
-    I_FLOOR,
+    I_FLOOR_STATE,
     I_NODES,
     I_PAYOUT,
     I_RIGID,
@@ -87,7 +88,7 @@ def residual(I, M, q, v, a, tension, out, out_constraint):
             add_first_bit(I, M, out)
     if I[I_PAYOUT] != 0:
         add_clamp_moment(I, M, q, out)
-    if I[I_FLOOR] != 0:
+    if I[I_FLOOR_STATE] == FLOOR_TOUCHED:
         floor_residual(I, M, q, v, out)
 
 
@@ -242,7 +243,7 @@ def jacobian(I, M, q, v, a, tension, ca, cv):
             exchange_rates(I, M, v, a)
     if I[I_PAYOUT] != 0:
         add_clamp_tangent(I, M, q)
-    if I[I_FLOOR] != 0:
+    if I[I_FLOOR_STATE] == FLOOR_TOUCHED:
         floor_jacobian(I, M, q, v, cv)
 
 

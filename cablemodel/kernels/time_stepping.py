@@ -22,6 +22,7 @@ from .consistency import (
 )
 from .environment import find_piece
 from .floor_memory import settle
+from .floor_state import lands, leave_floor
 from .follow import follow_floor
 from .layout import (
     E_BENDING,
@@ -29,10 +30,15 @@ from .layout import (
     E_LENGTH,
     E_MODEL,
     EDGE_WORDS,
+    FLOOR_ABOVE,
+    FLOOR_FAR,
+    FLOOR_NONE,
+    FLOOR_TOUCHED,
     I_CURRENT,
     I_DIMENSION,
     I_FACTORED,
     I_FLOOR,
+    I_FLOOR_STATE,
     I_FRESH,
     I_HISTORY,
     I_HYBRID,
@@ -76,6 +82,7 @@ from .layout import (
     S_BENT,
     S_BENT_AFTER,
     S_FACTORED_STEP,
+    S_FLOOR_WAIT,
     S_JOINED,
     S_LARGEST_TENSION,
     S_LAST_STEP,
@@ -101,6 +108,7 @@ from .layout import (
 from .newton import NO_TENSION, increment_norm, is_folded, refactor
 from .passing import cable_paid
 from .refine import follow_bending
+from .sea_cells import begin_stage, end_stage
 from .sleep import disturbance, fall_asleep, may_sleep, prepare_joining, rejoin, wake
 from .stabilisation import stiffen_third_mode
 from .step_size import (
@@ -128,6 +136,7 @@ from .winch import begin_payout, longest_payout_step, paid_since
 
 LARGEST_ITERATIONS = 10
 STALL = 5000, 1e-5  # internal steps in a row, and their mean length in sqrt(L/g), that end a call
+LANDED = -1  # status of a step without the floor's forces that comes to where they act
 MOST_REFUSALS = 4  # of a step that ends folded
 LEAST_SHARE = 0.1  # of the local error allowed: what a step however short has
 AT_ONCE = 0.02  # of the tolerance: what a stage's first iteration may leave, by the last ratio
@@ -291,11 +300,15 @@ def try_step(I, M, dt, scheme, to_output):
             trial_q[n] = base_q[n] + gamma_dt * (base_v[n] + motion)
         last = i == stages - 1
         stage_time = time + dt if last else time + STAGE_C[scheme, i] * dt
+        begin_stage(I, M)
         status, ratio = solve_stage(
             I, M, stage_time, gamma_dt, tolerance, to_output and last, ratio
         )
+        end_stage(I, M)
         if status != OK:
             return status, 0.0, PASSES_OVER
+        if I[I_FLOOR_STATE] == FLOOR_ABOVE and lands(I, M):
+            return LANDED, 0.0, PASSES_OVER
         if not last:
             place_v, place_a = stage_words(I, i, stages)
             copy_words(I, place_v, I[O_TRIAL_V], count)
@@ -376,7 +389,7 @@ def change_mesh(I, M, rests):
             return status
     if rests:
         prepare_joining(I, M)
-    if I[I_FLOOR] != 0:
+    if I[I_FLOOR_STATE] != FLOOR_FAR:
         follow_floor(I, M, True)
     elif M[S_BENT] > 0.0:
         follow_bending(I, M, True)
@@ -428,8 +441,8 @@ def grows_unseen(I, M, gamma_dt):
 
 @inlined
 def mesh_is_due(I, M):
-    """Whether the mesh of a line without a floor may be looked at again."""
-    return I[I_FLOOR] == 0 and M[S_BENT] > 0.0 and M[S_TIME] >= M[S_BENT_AFTER]
+    """Whether the mesh of a line far from any floor may be looked at again."""
+    return I[I_FLOOR_STATE] == FLOOR_FAR and M[S_BENT] > 0.0 and M[S_TIME] >= M[S_BENT_AFTER]
 
 
 @kernel
@@ -448,7 +461,7 @@ def advance_to(I, M, t_end):
         if (
             rests
             or (I[I_PAYOUT] != 0 and next_change(I, M) != 0)
-            or (I[I_FLOOR] != 0 and follow_floor(I, M, False))
+            or (I[I_FLOOR_STATE] != FLOOR_FAR and follow_floor(I, M, False))
             or (mesh_is_due(I, M) and follow_bending(I, M, False))
         ):
             status = change_mesh(I, M, rests)
@@ -504,7 +517,7 @@ def advance_to(I, M, t_end):
             status, error, along = try_step(I, M, dt, scheme, to_output)
             if (
                 status == OK
-                and I[I_FLOOR] != 0
+                and I[I_FLOOR_STATE] != FLOOR_FAR
                 and refused < MOST_REFUSALS
                 and dt > FOLDS_ITSELF * M[S_PERIOD]
                 and folds(I, M)
@@ -512,6 +525,15 @@ def advance_to(I, M, t_end):
                 # Where the mesh follows folds; a whip on a coarse one may end so for a while.
                 refused += 1
                 status = NOT_CONVERGED
+        if status == LANDED or (
+            I[I_FLOOR] != FLOOR_NONE
+            and I[I_FLOOR_STATE] != FLOOR_TOUCHED
+            and status == OK
+            and error <= 1.0
+            and lands(I, M)
+        ):
+            I[I_REJECTED] += 1
+            continue
         if I[I_LEFT_OUT] != 0 and status == OK and error <= 1.0:
             disturbed = disturbance(I, M)
             if disturbed != 0:
@@ -554,8 +576,12 @@ def advance_to(I, M, t_end):
                 M[S_TIME] += dt
             unprojected = scheme == 1
             refused = 0
-            if I[I_FLOOR] != 0:
-                settle(I, M)
+            if I[I_FLOOR] != FLOOR_NONE:
+                M[S_FLOOR_WAIT] += dt
+                if I[I_FLOOR_STATE] == FLOOR_TOUCHED:
+                    settle(I, M)
+                if I[I_FLOOR_STATE] != FLOOR_FAR:
+                    leave_floor(I, M)
             if I[I_HYBRID] == 1:
                 update_bending(I, M)
             if I[I_RIGID] > 0 or I[I_PAYOUT] != 0:
@@ -567,7 +593,7 @@ def advance_to(I, M, t_end):
                 I[I_PIECE] = find_piece(I, M, M[S_TIME])
             I[I_STEPS] += 1
             adapt_step(I, M, dt, scheme, error)
-            if I[I_FLOOR] != 0 and not two_steps:
+            if I[I_FLOOR_STATE] == FLOOR_TOUCHED and not two_steps:
                 follow_iterations(M, dt, (I[I_ITERATIONS] - before) / (STAGES[scheme] - 1))
             if not two_steps:
                 choose_order(I, M, scheme, I[I_ITERATIONS] - before, to_output)

@@ -23,10 +23,11 @@ tension is the effective one, whose weight is that in water.
 import math
 
 from .airy import living, sum_components
-from .compile import kernel, outlined
+from .compile import kernel, outlined, view
 from .environment import current_at, surge_at
 from .layout import (
     CABLE_WORDS,
+    CELL_WORDS,
     E_ADDED,
     E_DRAG_NORMAL,
     E_DRAG_TANGENTIAL,
@@ -37,11 +38,13 @@ from .layout import (
     EDGE_WORDS,
     ELEMENT_WORDS,
     I_CELL_TERMS,
+    I_CURRENT,
     I_DIMENSION,
     I_SURGE,
     I_WAVES,
     K_DISPLACED,
     O_CABLES,
+    O_CELLS,
     O_EDGE,
     O_MOTION,
     S_BASE,
@@ -57,7 +60,7 @@ from .layout import (
     S_WAVE_X,
     S_WAVE_Y,
 )
-from .sea_cells import sum_in_cell
+from .sea_cells import WATER, is_kept, keep, sum_in_cell
 from .tables import H0, H1, H2, H3
 from .wetting import drag_shares, share_at, wet_shares
 
@@ -113,7 +116,13 @@ def wave_at(I, M, x, y, z, reach, slot):
     rise = M[S_WAVE_RISE]
     way = M[S_WAVE_X] * x + M[S_WAVE_Y] * y
     calm = share == 0.0 and rise == 0.0  # as in static starts
-    if slot >= 0 and I[I_CELL_TERMS] != 0 and not calm:
+    in_cell = slot >= 0 and I[I_CELL_TERMS] != 0 and not calm
+    cell = view(M, I[O_CELLS] + max(0, slot) * CELL_WORDS, CELL_WORDS)
+    if in_cell:
+        if is_kept(I, M, cell, way, level, near):
+            for n in range(6):
+                M[at + POINT + n] = cell[WATER + 1 + n]
+            return cell[WATER] - height if near else -height
         surface, u, uz, du, az = sum_in_cell(I, M, slot, way, level, near)
     else:
         count = I[I_WAVES] if near else living(I, M, level)
@@ -133,6 +142,11 @@ def wave_at(I, M, x, y, z, reach, slot):
     M[at + P_VELOCITY + up] = uz
     M[at + P_ACCELERATION] = a * ahead
     M[at + P_ACCELERATION + up] = az
+    if in_cell:
+        keep(I, M, cell, way, level, near)
+        cell[WATER] = share * surface
+        for n in range(6):
+            cell[WATER + 1 + n] = M[at + POINT + n]
     return share * surface - height if near else -height
 
 
@@ -171,8 +185,8 @@ def element_water(I, M, W, edge, x0, x1):
     up = dimension - 1
     at = I[O_MOTION]
     h = M[edge + E_LENGTH]
-    flow = M[at + 9 : at + 12]
-    w = M[at + 16 : at + 19]
+    flow = view(M, at + 9, 3)
+    w = view(M, at + 16, 3)
     first = (edge - I[O_EDGE]) // EDGE_WORDS * 3
     for g in range(3):
         for i in range(dimension):
@@ -180,10 +194,13 @@ def element_water(I, M, W, edge, x0, x1):
             w[i] += x1[i] * H2[g] + h * x1[dimension + i] * H3[g]
         # No point is further than h from the rest of its element.
         W[WET + g] = wave_at(I, M, w[0], w[1], w[up], h, first + g)
-        current_at(I, M, w[up], flow)
         for i in range(dimension):
-            W[VELOCITY + 4 * i + g] = flow[i] + M[at + P_VELOCITY + i]
+            W[VELOCITY + 4 * i + g] = M[at + P_VELOCITY + i]
             W[ACCELERATION + 4 * i + g] = M[at + P_ACCELERATION + i]
+        if I[I_CURRENT] != 0:
+            current_at(I, M, w[up], flow)
+            for i in range(dimension):
+                W[VELOCITY + 4 * i + g] += flow[i]
         if I[I_SURGE] != 0:
             surge_at(I, M, w[up], flow)
             for i in range(dimension):

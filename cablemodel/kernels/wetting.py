@@ -63,6 +63,12 @@ def wet_shares(W, wet, slope, half):
     d2 = W[wet + 2]
     b = (d2 - d0) / (2.0 * OUTER)
     c = (0.5 * (d0 + d2) - d1) / (OUTER * OUTER)
+    span = abs(b) + abs(c)
+    if d1 - span >= half or d1 + span <= -half:
+        for g in range(3):
+            W[wet + g] = 1.0 if d1 > 0.0 else 0.0
+            W[slope + g] = 0.0
+        return
     u0, u1 = where_zero(d1 - half, b, c)
     u2, u3 = where_zero(d1 + half, b, c)
     places = (u0, u1, u2, u3)

@@ -28,6 +28,8 @@ from cablemodel_fmu.intermediate import PARTS, kernel_module
 from cablemodel_fmu.machine_code import Machine, compile_kernels
 
 SOURCES = Path(__file__).parent / "c"
+VESSEL = "vessel"
+"""The other library of each platform, beside its own: c/vessel, for exported systems."""
 Progress = Callable[[str], None]
 
 
@@ -39,6 +41,11 @@ class Platform:
     file: str
     machines: tuple[Machine, ...]
     flags: tuple[str, ...] = ()
+
+    @property
+    def vessel_file(self) -> str:
+        """Of the vessel's library."""
+        return VESSEL + Path(self.file).suffix
 
 
 PLATFORMS = {
@@ -93,9 +100,11 @@ def build(
         with tempfile.TemporaryDirectory(prefix="cablemodel-") as work:
             made, arguments = _make(stale, Path(work), progress)
         for platform in stale:
-            thin = [made[machine] for machine in platform.machines]
-            library = thin[0] if len(thin) == 1 else universal(thin)
-            _put(platform, folder, library, {"key": key, "arguments": arguments})
+            cable, vessel = (
+                thin[0] if len(thin) == 1 else universal(list(thin))
+                for thin in zip(*(made[machine] for machine in platform.machines), strict=True)
+            )
+            _put(platform, folder, cable, vessel, {"key": key, "arguments": arguments})
     return [folder / platform.name / platform.file for platform in platforms]
 
 
@@ -104,13 +113,18 @@ def _is_up_to_date(platform: Platform, folder: Path, key: str) -> bool:
     if not (path.exists() and about.exists()):
         return False
     known = json.loads(about.read_text(encoding="utf-8"))
-    return bool(known.get("key") == key and known.get("sha256") == _sha256(path.read_bytes()))
+    vessel = folder / platform.name / platform.vessel_file
+    return bool(
+        known.get("key") == key
+        and known.get("sha256") == _sha256(path.read_bytes())
+        and vessel.exists()
+    )
 
 
 def _make(
     platforms: list[Platform], work: Path, progress: Progress
-) -> tuple[dict[Machine, bytes], dict[str, list[str]]]:
-    """Each machine's library, and the arguments of each C function."""
+) -> tuple[dict[Machine, tuple[bytes, bytes]], dict[str, list[str]]]:
+    """Each machine's libraries, of cable and vessel, and the arguments of each kernel."""
     objects: dict[Machine, list[Future[Path]]] = {
         machine: [] for platform in platforms for machine in platform.machines
     }
@@ -131,7 +145,9 @@ def _make(
             for platform in platforms:
                 for machine in platform.machines:
                     files = [job.result() for job in objects[machine]]
-                    links[machine] = pool.submit(_link, platform, machine, files, work, progress)
+                    links[machine] = pool.submit(
+                        _link, platform, machine, files, sorted(arguments), work, progress
+                    )
             libraries = {machine: link.result() for machine, link in links.items()}
             return libraries, dict(sorted(arguments.items()))
         except BaseException:
@@ -139,16 +155,19 @@ def _make(
             raise
 
 
-def _put(platform: Platform, folder: Path, library: bytes, known: dict[str, Any]) -> None:
-    """Write a library and what is known about it; the library is never there in part."""
+def _put(
+    platform: Platform, folder: Path, library: bytes, vessel: bytes, known: dict[str, Any]
+) -> None:
+    """Write libraries and what is known about them; a library is never there in part."""
     place = folder / platform.name
     place.mkdir(parents=True, exist_ok=True)
     path, about = place / platform.file, place / ABOUT
     about.unlink(missing_ok=True)
-    partial = place / f"{platform.file}.{os.getpid()}"
-    partial.write_bytes(library)
-    partial.chmod(0o755)
-    partial.replace(path)
+    for target, data in ((place / platform.vessel_file, vessel), (path, library)):
+        partial = target.with_name(f"{target.name}.{os.getpid()}")
+        partial.write_bytes(data)
+        partial.chmod(0o755)
+        partial.replace(target)
     known |= {"kernels": kernel_hash(), "file": platform.file, "sha256": _sha256(library)}
     about.write_text(json.dumps(known, indent=1) + "\n", encoding="utf-8")
 
@@ -197,13 +216,21 @@ def _prepare(machine: Machine, work: Path) -> None:
 
 
 def _link(
-    platform: Platform, machine: Machine, objects: list[Path], work: Path, progress: Progress
-) -> bytes:
-    """One machine's shared library from its objects and the C sources."""
+    platform: Platform,
+    machine: Machine,
+    objects: list[Path],
+    kernels: list[str],
+    work: Path,
+    progress: Progress,
+) -> tuple[bytes, bytes]:
+    """One machine's shared library from its objects, with these kernels, and the C sources; and the
+    vessel's."""
     progress(f"linking {platform.name} for {machine.zig}")
     output = work / machine.zig / platform.file
     output.parent.mkdir()
     (output.parent / "layout.h").write_text(header(kernel_hash()), encoding="utf-8")
+    names = " ".join(f"K({name})" for name in kernels)
+    (output.parent / "kernels.h").write_text(f"#define KERNELS(K) {names}\n", encoding="utf-8")
     compile_c(
         machine.zig,
         [*sorted(SOURCES.glob("*.c")), *sorted(objects)],
@@ -214,13 +241,18 @@ def _link(
         f"-I{SOURCES / 'fmi2'}",
         *platform.flags,
     )
-    return output.read_bytes()
+    vessel = output.with_name(platform.vessel_file)
+    own = [flag.replace(platform.file, platform.vessel_file) for flag in platform.flags]
+    headers = f"-I{SOURCES / 'fmi2'}"
+    compile_c(machine.zig, [SOURCES / VESSEL / "vessel.c"], vessel, "-shared", headers, *own)
+    return output.read_bytes(), vessel.read_bytes()
 
 
 def compile_c(zig: str, sources: Iterable[Path], output: Path, *flags: str) -> None:
     """Compile and link C with Zig's compiler for one of its targets, reproducibly."""
     command = [sys.executable, "-m", "ziglang", "cc", "-target", zig, "-std=c11", "-O2", "-g0"]
     command += ["-s", "-fvisibility=hidden", "-ffp-contract=off", "-fno-sanitize=all"]
+    command += ["-D_FORTIFY_SOURCE=0"]  # its checks are functions of macOS alone
     command += ["-Wall", "-Wextra", "-Werror", "-o", str(output)]
     command += [str(source) for source in sources]
     done = subprocess.run([*command, *flags], capture_output=True, text=True)

@@ -49,9 +49,8 @@ def input_layout() -> dict[str, int]:
 
 
 def start_constants() -> dict[str, float]:
-    """Numbers by which instance/ and mesh.py derive a block from the lengths of its cables."""
-    from cablemodel import mesh
-    from cablemodel.instance import line_tables, refinement, tables, winch
+    """Numbers by which instance/ derives a block from the lengths of its cables."""
+    from cablemodel.instance import line_tables, refinement, winch
     from cablemodel_fmu import signals
 
     return {
@@ -63,16 +62,8 @@ def start_constants() -> dict[str, float]:
         "RIGID": line_tables.RIGID,
         "SOFTEST": line_tables.SOFTEST,
         "BENT": refinement.BENT,
-        "BENDS": refinement.BENDS,
-        "WHIPS": refinement.WHIPS,
         "REFINEMENTS": refinement.ROUNDS,
-        "LIGHT_DAMPING": mesh.LIGHT_DAMPING,
-        "LIGHTLY_DAMPED": tables.LIGHTLY_DAMPED,
-        "MEMORY": tables.MEMORY,
-        "FINEST_IN_AIR": tables.FINEST_IN_AIR,
-        "FINEST_IN_WATER": tables.FINEST_IN_WATER,
-        "ORDER_3_FIRST": tables.ORDER_3_FIRST,
-        "DRUM_ROOM": signals.LONGEST,
+        "DRUM_ROOM": signals.ROOM,
     }
 
 
@@ -81,6 +72,13 @@ def input_names() -> list[str]:
     from cablemodel_fmu.signals import inputs
 
     return [signal.name for signal in inputs([0.0] * 10)]
+
+
+def start_names() -> list[str]:
+    """Of the tow point's position and velocity at the start, by value reference."""
+    from cablemodel_fmu.signals import starts
+
+    return [signal.name for signal in starts([0.0] * 10, movable=True)]
 
 
 def constants(module: ModuleType, prefixes: tuple[str, ...] = ("",)) -> dict[str, int]:
@@ -103,7 +101,9 @@ def header(kernel_hash: str) -> str:
         lines.append(f"#define {name} {number!r}")
     lines.append(f"#define ERROR_PLACES {len(error_estimate.PLACES)}")
     lines.append(f"#define ERROR_FACTOR {error_estimate.FACTOR!r}")
-    lines.append(f"#define INPUT_NAMES {{{', '.join(map(json.dumps, input_names()))}}}")
+    for macro, names in (("INPUT_NAMES", input_names()), ("START_NAMES", start_names())):
+        lines.append(f"#define {macro} {{{', '.join(map(json.dumps, names))}}}")
+    lines.append(f"#define LONGEST_STEP {layout.LONGEST_STEP!r}")
     lines.append(f"#define KERNEL_HASH INT64_C({hash_number(kernel_hash)})")
     for name, value in constants(direct_layout).items():
         if not name.startswith("_"):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Callable, Sequence
 
@@ -20,6 +21,17 @@ UNITS = {
     "s": (0, 0, 1),
     "1": (0, 0, 0),
 }
+
+# What tools may show them in: a value in it is this factor times the value.
+DISPLAY_UNITS = {
+    "N": {"kN": 1e-3},
+    "N.m": {"kN.m": 1e-3},
+    "m/s": {"kn": 3600.0 / 1852.0},
+    "m": {"km": 1e-3},
+}
+
+LARGE = {"N": ("kN", 1e4), "N.m": ("kN.m", 1e4)}
+"""Display unit of what is usually larger than this."""
 
 LOG_CATEGORIES = {
     "logStatusError": "refused calls",
@@ -43,6 +55,14 @@ VESSEL_INPUT = (
 )
 
 
+INPUT_TIMING = (
+    ("end", "a value is the one reached at the end of the step"),
+    ("start", "a value holds at the start of the step, and goes on as in the step before"),
+)
+
+ENUMERATIONS = {"VesselInput": VESSEL_INPUT, "InputTiming": INPUT_TIMING}
+
+
 def model_description(
     *,
     name: str,
@@ -53,8 +73,15 @@ def model_description(
     step: float,
     stop: float,
     tolerance: float,
+    date: str,
+    author: str = "",
+    derivatives: bool = True,
 ) -> bytes:
-    """The XML file. Signals in the order in which tools show them."""
+    """The XML file. Signals in the order in which tools show them.
+
+    date: of the export, ISO 8601 in UTC. derivatives: whether forces have them, over time and by
+    the motion of the tow point.
+    """
     root = ElementTree.Element(
         "fmiModelDescription",
         {
@@ -63,7 +90,9 @@ def model_description(
             "guid": guid,
             "description": description,
             "version": version,
+            **({"author": author} if author else {}),
             "generationTool": f"cablemodel {version}",
+            "generationDateAndTime": date,
             "variableNamingConvention": "structured",
             "numberOfEventIndicators": "0",
             "license": "Apache-2.0",
@@ -77,22 +106,23 @@ def model_description(
             "needsExecutionTool": "false",
             "canHandleVariableCommunicationStepSize": "true",
             "canInterpolateInputs": "true",
-            "maxOutputDerivativeOrder": "0",
+            "maxOutputDerivativeOrder": "1" if derivatives else "0",
             "canRunAsynchronuously": "false",
             "canBeInstantiatedOnlyOncePerProcess": "false",
             "canNotUseMemoryManagementFunctions": "true",
             "canGetAndSetFMUstate": "true",
             "canSerializeFMUstate": "true",
-            "providesDirectionalDerivative": "false",
+            "providesDirectionalDerivative": "true" if derivatives else "false",
         },
     )
     _units(root, {signal.unit or "1" for signal in signals if signal.kind == "Real"})
     types = ElementTree.SubElement(root, "TypeDefinitions")
-    simple = ElementTree.SubElement(types, "SimpleType", {"name": "VesselInput"})
-    enumeration = ElementTree.SubElement(simple, "Enumeration")
-    for value, (word, meaning) in enumerate(VESSEL_INPUT, start=1):
-        attributes = {"name": word, "value": str(value), "description": meaning}
-        ElementTree.SubElement(enumeration, "Item", attributes)
+    for type_name, items in ENUMERATIONS.items():
+        simple = ElementTree.SubElement(types, "SimpleType", {"name": type_name})
+        enumeration = ElementTree.SubElement(simple, "Enumeration")
+        for value, (word, meaning) in enumerate(items, start=1):
+            attributes = {"name": word, "value": str(value), "description": meaning}
+            ElementTree.SubElement(enumeration, "Item", attributes)
     logs = ElementTree.SubElement(root, "LogCategories")
     for category, meaning in LOG_CATEGORIES.items():
         ElementTree.SubElement(logs, "Category", {"name": category, "description": meaning})
@@ -123,6 +153,9 @@ def _units(root: ElementTree.Element, used: set[str]) -> None:
             pairs = zip(("kg", "m", "s"), exponents, strict=True)
             base = {letter: str(power) for letter, power in pairs if power}
             ElementTree.SubElement(element, "BaseUnit", base)
+            for name, factor in DISPLAY_UNITS.get(unit, {}).items():
+                attributes = {"name": name, "factor": repr(factor)}
+                ElementTree.SubElement(element, "DisplayUnit", attributes)
 
 
 def _variable(parent: ElementTree.Element, signal: Signal) -> None:
@@ -143,9 +176,15 @@ def _variable(parent: ElementTree.Element, signal: Signal) -> None:
         element.set("initial", "exact")
     attributes: dict[str, str] = {}
     if signal.kind == "Enumeration":
-        attributes = {"declaredType": "VesselInput", "min": "1", "max": str(len(VESSEL_INPUT))}
+        most = str(len(ENUMERATIONS[signal.type]))
+        attributes = {"declaredType": signal.type, "min": "1", "max": most}
     elif signal.kind == "Real":
         attributes = {"unit": signal.unit or "1"}
+        shown = display_unit(signal)
+        if shown:
+            attributes["displayUnit"] = shown
+        if signal.nominal is not None:
+            attributes["nominal"] = repr(signal.nominal)
         if signal.minimum is not None:
             attributes["min"] = repr(signal.minimum)
         if signal.maximum is not None:
@@ -153,6 +192,15 @@ def _variable(parent: ElementTree.Element, signal: Signal) -> None:
     if signal.start is not None:
         attributes["start"] = _START[signal.kind](signal.start)
     ElementTree.SubElement(element, signal.kind, attributes)
+
+
+def display_unit(signal: Signal) -> str:
+    """What tools show a variable in, where that is not its unit: knots for what moves the vessel
+    and the water, kilonewtons for large forces."""
+    if signal.name.startswith(("vessel.velocity", "vessel.start_velocity", "current.velocity")):
+        return "kn"
+    name, least = LARGE.get(signal.unit, ("", math.inf))
+    return name if signal.nominal is not None and signal.nominal >= least else ""
 
 
 def _structure(root: ElementTree.Element, signals: Sequence[Signal]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import struct
 import xml.etree.ElementTree as ElementTree
 import zlib
@@ -31,11 +32,15 @@ _NOTES = """
 x east, y north, z up, with still water at z = 0. It needs no Python and no other software.</p>
 <h2>Inputs</h2>
 <ul>
-<li><code>use_scene_inputs</code> true: the schedules in the scene below drive, inputs are ignored.
-False: the inputs drive.</li>
-<li>A value is the one reached at the end of a communication step; it varies linearly from its
-present value. With input derivatives set, the value at the end of the step follows from them; they
-hold for one step.</li>
+<li>As it starts, the schedules in the scene below drive what no input is set for: an input that is
+connected takes their place. <code>use_scene_inputs</code> set to true: inputs are ignored, and a
+warning says so. False: the inputs drive.</li>
+<li><code>input.timing</code> 1: a value is the one reached at the end of a communication step; it
+varies linearly from its present value. 2: a value holds at the start of the step, and goes on as in
+the step before. With input derivatives set, the value at the end of the step follows from them;
+they hold for one step.</li>
+<li><code>vessel.start_position</code> and <code>vessel.start_velocity</code>, set before the
+initialization ends, say where the tow point starts and how fast.</li>
 <li><code>vessel.input</code>: 1 velocity, 2 position (no drift against the vessel's own model),
 3 both.</li>
 <li><code>current.velocity</code> is added to the scene's current at every depth.</li>
@@ -46,6 +51,10 @@ reached; <code>payout.applied</code> is what the winch does.</li>
 <p>Coefficients are tunable: before the start they change the static equilibrium, later they take
 effect at the next communication step. Lengths of cables are fixed when the initialization ends;
 the state at the start is found for them. The tolerance is that of the scene.</p>
+<h2>Derivatives</h2>
+<p><code>force.top</code> and <code>tension.top</code> have output derivatives of order 1, and
+directional derivatives by <code>vessel.velocity</code> and <code>vessel.position</code>: of the
+force at the end of the last step by the values that were set for it.</p>
 <h2>Steps</h2>
 <p>Of any length. A step that cannot be made is discarded with a message; the state is then as
 before the step. State can be saved, restored, and moved to another process.</p>
@@ -72,7 +81,9 @@ def index_html(scene: Scene, signals: Sequence[Signal]) -> str:
         f"<th>meaning</th></tr>\n{rows}\n</table>\n"
         f"<h2>Scene</h2>\n<pre>{escape(scene.to_yaml())}</pre>\n"
         "<h2>Licences</h2>\n<p>cablemodel: Apache License 2.0. FMI header files: copyright "
-        "MODELISAR consortium and Modelica Association Project FMI, 2-Clause BSD License. The full "
+        "MODELISAR consortium and Modelica Association Project FMI, 2-Clause BSD License. What the "
+        "Zig tool chain links into the libraries: its compiler runtime (MIT), and on Windows the "
+        "start-up code of mingw-w64 (ZPL 2.1). The full "
         'texts are in <a href="licenses/">licenses</a>.</p>\n</body></html>\n'
     )
 
@@ -115,27 +126,65 @@ def _group(
 
 
 def picture(scene: Scene, width: int = 200, height: int = 200) -> bytes:
-    """model.png: the cable at its start, seen from the side, on water."""
+    """model.png: the cable at its start, from the side: line, bodies, tow point, water, floor.
+
+    Lines of three pixels with smooth edges: it is an icon, and small.
+    """
     from cablemodel.model import CableModel
 
     model = CableModel(scene)
-    points = model.sample(np.linspace(0.0, model.line_length, 400)).position
+    points = model.sample(np.linspace(0.0, model.line_length, 200)).position
+    bodies = np.array([body.position for body in model.bodies]).reshape(-1, 3)
     along = points[:, :2] - points[0, :2]
     spread = along[np.argmax(np.linalg.norm(along, axis=1))]
     direction = spread / max(float(np.linalg.norm(spread)), 1e-12)
-    x, z = along @ direction, points[:, 2] - points[0, 2]
-    image = np.full((height, width, 3), (232, 243, 250), dtype=np.uint8)
-    image[: height // 8] = 255
-    image[height // 8] = (120, 170, 200)
-    size = max(float(np.ptp(x)), float(np.ptp(z)), 1e-9)
-    scale = 0.75 * min(width, height) / size
-    columns = width / 2 + scale * (x - 0.5 * (x.min() + x.max()))
-    rows = height / 8 + scale * (z.max() - z)
-    for dx, dy in ((0, 0), (1, 0), (0, 1), (1, 1)):
-        r = np.clip(np.rint(rows).astype(int) + dy, 0, height - 1)
-        c = np.clip(np.rint(columns).astype(int) + dx, 0, width - 1)
-        image[r, c] = (20, 40, 60)
-    return _png(image)
+
+    def from_side(places: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.stack([(places[:, :2] - points[0, :2]) @ direction, places[:, 2]], axis=-1)
+
+    line = from_side(points)
+    low, high = line.min(axis=0), line.max(axis=0)
+    size = max(float(np.max(high - low)), 1e-9)
+    scale = 0.7 * min(width, height) / size
+    middle = 0.5 * (low + high)
+
+    def pixels(places: NDArray[np.float64]) -> NDArray[np.float64]:
+        x = 0.5 * width + scale * (places[:, 0] - middle[0])
+        return np.stack([x, 0.5 * height - scale * (places[:, 1] - middle[1])], axis=-1)
+
+    columns, rows = np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5)
+    image = np.full((height, width, 3), 255.0)
+
+    def paint(cover: NDArray[np.float64], colour: tuple[int, int, int]) -> None:
+        image[:] += cover[..., None] * (np.array(colour, dtype=float) - image)
+
+    surface = float(pixels(np.array([[0.0, 0.0]]))[0, 1])
+    if scene.environment.water_density > 100.0:
+        paint(np.clip(rows - surface + 0.5, 0.0, 1.0), (214, 234, 246))
+    floor = scene.environment.floor
+    if floor is not None and model.floor_length > 0.0:
+        ground = float(pixels(line[[int(np.argmin(line[:, 1]))]])[0, 1])
+        paint(np.clip(rows - ground - 1.0, 0.0, 1.0), (205, 188, 158))
+    distance = _distance(columns, rows, pixels(line))
+    paint(np.clip(2.0 - distance, 0.0, 1.0), (16, 42, 67))
+    marks = [(pixels(line[:1])[0], 5.0, (196, 64, 32))]
+    marks += [(place, 4.0, (16, 42, 67)) for place in pixels(from_side(bodies))]
+    for (x, y), radius, colour in marks:
+        paint(np.clip(radius + 0.5 - np.hypot(columns - x, rows - y), 0.0, 1.0), colour)
+    return _png(np.rint(image).astype(np.uint8))
+
+
+def _distance(
+    columns: NDArray[np.float64], rows: NDArray[np.float64], line: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Of every pixel from a polyline (n, 2) [pixels]."""
+    nearest = np.full(columns.shape, np.inf)
+    for (x0, y0), (x1, y1) in itertools.pairwise(line):
+        dx, dy = x1 - x0, y1 - y0
+        part = ((columns - x0) * dx + (rows - y0) * dy) / max(dx * dx + dy * dy, 1e-12)
+        part = np.clip(part, 0.0, 1.0)
+        np.minimum(nearest, np.hypot(columns - x0 - part * dx, rows - y0 - part * dy), out=nearest)
+    return nearest
 
 
 def _png(image: NDArray[np.uint8]) -> bytes:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import hashlib
+import os
 import re
+import time
 import uuid
-import zipfile
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,14 +20,15 @@ from cablemodel.direct.block import DirectBlock
 from cablemodel.error_estimate import finer, step_in_halves
 from cablemodel.errors import CableModelError, StaticsError
 from cablemodel.instance import build as build_block
-from cablemodel.instance import local
+from cablemodel.instance import facts_of, local, tension_scale
 from cablemodel.library import BINARIES, description, kernel_hash
 from cablemodel.scene import Scene
-from cablemodel_fmu.description import model_description
+from cablemodel_fmu.archive import write_archive
+from cablemodel_fmu.description import INPUT_TIMING, VESSEL_INPUT, model_description
 from cablemodel_fmu.documentation import index_html, licences, osp_description, picture
 from cablemodel_fmu.model_file import ModelFile
 from cablemodel_fmu.signals import (
-    LONGEST,
+    ROOM,
     VR_PARAMETER,
     VR_ZERO,
     Coefficient,
@@ -33,19 +36,64 @@ from cablemodel_fmu.signals import (
     coefficients,
     controls,
     inputs,
+    is_settable,
     lengths,
     outputs,
+    starts,
+    with_nominals,
 )
+from cablemodel_fmu.system import export_system
 
 DESKTOP = ("linux64", "win64", "darwin64")
 """What an FMU holds unless asked otherwise."""
 # Importers on Linux on ARM look in linux64 too: an FMU is for one of the two.
 _FOLDER = {name: name for name in DESKTOP} | {"aarch64-linux": "linux64"}
-_EPOCH = (2020, 1, 1, 0, 0, 0)  # the same scene gives the same file, whenever it is exported
+WHO_DRIVES = {
+    "connected": "the scene's schedules drive what no input is set for",
+    "scene": "the scene's schedules drive, inputs are ignored",
+    "master": "inputs drive from the start",
+}
+"""What `use_scene_inputs` begins as, and what it means while it is true."""
 
 
 class ExportError(CableModelError):
     """An FMU cannot be made as asked."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """What an FMU does where its master sets nothing, and what it says about itself.
+
+    Raises:
+        ExportError: a word that is not known.
+    """
+
+    stations: int = 11
+    """Points along the cable whose position, tension and curvature are outputs: at least 2."""
+    inputs: str = "connected"
+    """One of WHO_DRIVES."""
+    vessel_input: str = "velocity"
+    """What `vessel.input` begins as: velocity, position, or position and velocity."""
+    timing: str = "end"
+    """What `input.timing` begins as: end, start."""
+    author: str = ""
+
+    def __post_init__(self) -> None:
+        if not 2 <= self.stations <= 10000:
+            raise ExportError(f"stations is {self.stations}: allowed are 2 to 10000")
+        for name, value, allowed in (
+            ("inputs", self.inputs, list(WHO_DRIVES)),
+            ("vessel_input", self.vessel_input, [word for word, _ in VESSEL_INPUT]),
+            ("timing", self.timing, [word for word, _ in INPUT_TIMING]),
+        ):
+            if value not in allowed:
+                raise ExportError(f"{name} is {value!r}: allowed are {', '.join(allowed)}")
+
+    def first_values(self, scene: Scene) -> tuple[bool, int, int]:
+        """Start values of use_scene_inputs, vessel.input and input.timing."""
+        scene_inputs = scheduled(scene) if self.inputs == "connected" else self.inputs == "scene"
+        vessel = [word for word, _ in VESSEL_INPUT].index(self.vessel_input) + 1
+        return scene_inputs, vessel, [word for word, _ in INPUT_TIMING].index(self.timing) + 1
 
 
 @dataclass(frozen=True)
@@ -66,19 +114,23 @@ def export_fmu(
     path: str | Path,
     *,
     platforms: Iterable[str] = DESKTOP,
-    stations: int = 11,
+    ssp: str | Path | None = None,
     progress: Callable[[str], None] = lambda line: None,
+    **options: Any,
 ) -> Path:
     """Write the FMU of a scene, and its ports for the Open Simulation Platform next to it.
 
     Args:
         path: file to write, usually with the suffix .fmu.
         platforms: of linux64, win64, darwin64 (universal), or aarch64-linux alone.
-        stations: points along the cable whose position, tension and curvature are outputs, evenly
-            spaced from the vessel to the far end; at least 2.
+        ssp: where to write a system of a vessel and this cable (SSP 1.0), if it is wanted.
+        options: see Options.
+
+    Its date is now, or that of the environment's SOURCE_DATE_EPOCH: with that, the same scene gives
+    the same file.
 
     Raises:
-        ExportError: unknown platforms, or too few stations.
+        ExportError: unknown platforms or options, or too few stations.
         SceneError, StaticsError: as CableModel.
     """
     names = tuple(dict.fromkeys(platforms))
@@ -90,9 +142,7 @@ def export_fmu(
         raise ExportError(
             "linux64 and aarch64-linux share a folder in an FMU: export one for each of them"
         )
-    if not 2 <= stations <= 10000:
-        raise ExportError(f"stations is {stations}: allowed are 2 to 10000")
-    contents = contents_of(scene, stations)
+    contents = contents_of(scene, Options(**options))
     libraries = _libraries(names, progress)
     target = Path(path)
     files = {
@@ -105,15 +155,10 @@ def export_fmu(
         **{f"documentation/licenses/{name}": text for name, text in licences().items()},
         **libraries,
     }
-    partial = target.with_name(target.name + ".part")
-    with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
-        for name, data in files.items():
-            entry = zipfile.ZipInfo(name, _EPOCH)
-            entry.compress_type = zipfile.ZIP_DEFLATED
-            entry.external_attr = (0o755 if name.startswith("binaries/") else 0o644) << 16
-            archive.writestr(entry, data)
-    partial.replace(target)
+    write_archive(target, files)
     ports_file(scene, target).write_bytes(osp_description(contents.signals))
+    if ssp is not None:
+        export_system(scene, target, Path(ssp), _vessel_libraries(names))
     return target
 
 
@@ -127,14 +172,17 @@ def _model_name(scene: Scene) -> str:
     return re.sub(r"\W+", "_", scene.title or "").strip("_") or "Cable"
 
 
-def contents_of(scene: Scene, stations: int) -> Contents:
+def contents_of(scene: Scene, options: Options) -> Contents:
     """Model, variables and description of a scene's FMU."""
     import cablemodel
 
-    block = _block(scene)
+    block = block_of(scene)
     position, velocity, _ = scene.motion().evaluate(0.0)
     rate = float(scene.payout.rate[0].rate) if scene.payout.rate else 0.0
-    starts = [*map(float, velocity), *map(float, position), rate, 0.0, 0.0, 0.0]
+    first = [*map(float, velocity), *map(float, position), rate, 0.0, 0.0, 0.0]
+    stations, values = options.stations, options.first_values(scene)
+    in_elements = isinstance(block, Block)
+    movable = in_elements and is_settable(scene)
     constants = _constants(scene, block)
     if len(constants) > VR_ZERO - VR_PARAMETER:
         raise ExportError(
@@ -142,21 +190,28 @@ def contents_of(scene: Scene, stations: int) -> Contents:
             f"{VR_ZERO - VR_PARAMETER} at most"
         )
     signals = [
-        *controls(scheduled(scene)),
-        *inputs(starts),
+        *controls(*values),
+        *inputs(first),
+        *(starts(first, movable=movable) if in_elements else []),
         *(item.signal for item in constants),
         *outputs(scene, block, stations),
     ]
-    text = f"{scene.to_yaml()}\n{stations}\n{kernel_hash()}\n{cablemodel.__version__}"
+    signals = with_nominals(signals, scene, _fastest(scene))
+    text = f"{scene.to_yaml()}\n{options}\n{kernel_hash()}\n{cablemodel.__version__}"
     guid = "{" + str(uuid.UUID(bytes=hashlib.sha256(text.encode()).digest()[:16])) + "}"
     model = ModelFile(
         guid=guid,
         block=block,
         stations=stations,
-        starts=starts,
+        starts=first,
         frame=_frame(scene, block),
+        facts=_facts(scene, block),
         coefficients=constants,
-        scheduled=scheduled(scene),
+        scene_inputs=values[0],
+        ignore=options.inputs == "scene",
+        movable=movable,
+        vessel_input=values[1],
+        at_start=options.timing == "start",
         static=scene.initial.kind == "static",
         pinned=scene.vessel.connection.kind == "pinned",
         estimate=scene.solver.error_estimate,
@@ -171,6 +226,9 @@ def contents_of(scene: Scene, stations: int) -> Contents:
         step=scene.run.output_interval,
         stop=scene.run.duration,
         tolerance=scene.solver.tolerance,
+        date=_date(),
+        author=options.author,
+        derivatives=in_elements,
     )
     beside = _beside(scene, model).to_bytes() if model.estimate else None
     return Contents(name, guid, signals, model.to_bytes(), beside, xml)
@@ -180,7 +238,7 @@ def _beside(scene: Scene, model: ModelFile) -> ModelFile:
     """Of the run that the errors of a scene's own are estimated by."""
     judge = finer(scene)
     try:
-        block = build_block(judge, drum_room=LONGEST)
+        block = build_block(judge, room=ROOM)
     except StaticsError as error:
         raise ExportError(
             f"solver.error_estimate: the run at a tolerance of {judge.solver.tolerance:g} that "
@@ -191,18 +249,19 @@ def _beside(scene: Scene, model: ModelFile) -> ModelFile:
         model,
         block=block,
         frame=_frame(judge, block),
+        facts=_facts(judge, block),
         coefficients=_constants(judge, block),
         estimate=False,
     )
 
 
-def _block(scene: Scene) -> Block | DirectBlock:
+def block_of(scene: Scene) -> Block | DirectBlock:
     """The scene's block at its initial state, of the solver that it asks for."""
     if scene.solver.method == "direct_integration":
         from cablemodel.direct.build import build as build_direct_block
 
         return build_direct_block(scene)
-    return build_block(scene, drum_room=LONGEST)
+    return build_block(scene, room=ROOM)
 
 
 def _constants(scene: Scene, block: Block | DirectBlock) -> list[Coefficient]:
@@ -220,10 +279,45 @@ def _frame(scene: Scene, block: Block | DirectBlock) -> NDArray[np.float64]:
     return np.zeros(3)
 
 
+def _facts(scene: Scene, block: Block | DirectBlock) -> NDArray[np.float64]:
+    """What the kernels measure the line by; nothing for the direct solver."""
+    if isinstance(block, Block):
+        return facts_of(scene, tension_scale(scene))
+    return np.zeros(0)
+
+
+def _date() -> str:
+    """Of the export; see export_fmu."""
+    given = os.environ.get("SOURCE_DATE_EPOCH")
+    seconds = time.time() if given is None else float(given)
+    return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(seconds))
+
+
+def _fastest(scene: Scene) -> float:
+    """The largest speed in a scene, of vessel, current or pay-out [m/s]."""
+    speeds = [float(np.linalg.norm(v)) for v in scene.motion().typical_velocities()]
+    if scene.environment.current is not None:
+        flow = np.linalg.norm(scene.environment.current.velocity, axis=-1)
+        speeds.append(float(np.max(flow)))
+    speeds += [abs(row.rate) for row in scene.payout.rate]
+    return max(speeds, default=0.0)
+
+
 def scheduled(scene: Scene) -> bool:
     """Whether the scene says how the vessel moves or the drum turns."""
     moves = len(scene.motion().pieces) > 1 or bool(np.any(scene.motion().evaluate(0.0)[1] != 0.0))
     return moves or any(row.rate != 0.0 for row in scene.payout.rate)
+
+
+def _vessel_libraries(names: tuple[str, ...]) -> dict[str, bytes]:
+    """Of the platforms, for its FMU; the cable's are there, and so are these."""
+    found = {}
+    for name in names:
+        known = description(name)
+        assert known is not None
+        file = "vessel" + Path(known["file"]).suffix
+        found[f"binaries/{_FOLDER[name]}/{file}"] = (BINARIES / name / file).read_bytes()
+    return found
 
 
 def _libraries(names: tuple[str, ...], progress: Callable[[str], None]) -> dict[str, bytes]:

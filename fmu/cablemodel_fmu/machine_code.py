@@ -15,11 +15,21 @@ from typing import Any
 from cablemodel.library import PREFIX
 
 RARE_KERNELS = (
-    "consistency", "floor_memory", "follow", "passing", "payout", "promote", "refine", "rigid",
-    "sleep", "statics", "tension", "top_of_line", "vessel_clamp",
+    "buckling", "clamp_layer", "consistency", "floor_memory", "floor_outputs",
+    "floor_state", "flow", "follow", "interface", "passing", "payout", "promote", "refine",
+    "rigid", "scales", "sleep", "statics", "tension", "top_of_line",
+    "vessel_clamp", "winch",
 )  # fmt: skip
 """Modules of kernels that are little of the work: built for size."""
-RARE_ENTRIES = ("bodies", "energy", "equilibrium", "sample")
+RARE_ENTRIES = (
+    "bodies",
+    "energy",
+    "equilibrium",
+    "force_rate",
+    "force_response",
+    "measure",
+    "sample",
+)
 """The same for entry points."""
 
 
@@ -56,10 +66,9 @@ def main(part: str, triple: str, cpu: str, assembly: Path, output: Path) -> None
     )
     module.triple = triple
     module.data_layout = str(target.target_data)
-    if "windows" in triple:
-        for function in module.functions:
-            if function.name.startswith(PREFIX):
-                function.storage_class = "dllexport"
+    for function in module.functions:
+        if function.name.startswith(PREFIX) and "windows" not in triple:
+            function.visibility = "hidden"  # c/kernels.c gives them by name
     for function in module.functions:
         if not function.is_declaration and _is_rare(function.name):
             function.add_function_attribute("optsize")

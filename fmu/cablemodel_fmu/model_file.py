@@ -19,12 +19,14 @@ from cablemodel_fmu.c_layout import hash_number
 from cablemodel_fmu.signals import Coefficient
 
 MAGIC = 0x554D46454C424143  # "CABLEFMU"
-FORMAT = 2
-HEADER_WORDS = 32
+FORMAT = 3
+HEADER_WORDS = 48
 NAME_WORDS = 12
 """Of a coefficient's row: its variable's name, for messages."""
-_CHECKSUM, _KERNELS, _GUID, _FLAGS, _INPUTS, _FRAME = 3, 4, 5, 10, 16, 26
-SCENE_INPUTS, STATIC, PINNED, ESTIMATE = 1, 2, 4, 8
+_CHECKSUM, _KERNELS, _GUID, _FLAGS, _INPUTS, _FRAME, _FACTS = 3, 4, 5, 10, 16, 26, 32
+SCENE_INPUTS, STATIC, PINNED, ESTIMATE, IGNORE, MOVABLE, AT_START = 1, 2, 4, 8, 16, 32, 64
+VESSEL_INPUT = 128
+"""What vessel.input begins as, times this."""
 LARGEST = 1e30
 """Bound of a coefficient that has none."""
 
@@ -40,8 +42,19 @@ class ModelFile:
     """Start values of the ten inputs."""
     frame: NDArray[np.float64]
     """Velocity of the static equilibrium in the block's coordinates (2 or 3 words) [m/s]."""
+    facts: NDArray[np.float64]
+    """Of the line as a whole (FACT_WORDS); see instance/tables.py."""
     coefficients: list[Coefficient]
-    scheduled: bool
+    scene_inputs: bool
+    """What use_scene_inputs begins as."""
+    ignore: bool
+    """Whether inputs are ignored while it is true."""
+    movable: bool
+    """Whether the tow point's start may be set."""
+    at_start: bool
+    """Whether values hold at the start of a step, unless input.timing is set."""
+    vessel_input: int
+    """What vessel.input begins as."""
     static: bool
     pinned: bool
     estimate: bool = False
@@ -55,8 +68,20 @@ class ModelFile:
         header[:2] = MAGIC, FORMAT
         header[_KERNELS] = hash_number(kernel_hash())
         header[_GUID : _GUID + 5] = np.frombuffer(self.guid.encode().ljust(40, b"\0"), "<i8")
-        header[_FLAGS] = SCENE_INPUTS * self.scheduled + STATIC * self.static + PINNED * self.pinned
-        header[_FLAGS] += ESTIMATE * self.estimate
+        header[_FLAGS] = sum(
+            flag
+            for flag, holds in (
+                (SCENE_INPUTS, self.scene_inputs),
+                (STATIC, self.static),
+                (PINNED, self.pinned),
+                (ESTIMATE, self.estimate),
+                (IGNORE, self.ignore),
+                (MOVABLE, self.movable),
+                (AT_START, self.at_start),
+                (VESSEL_INPUT * self.vessel_input, True),
+            )
+            if holds
+        )
         header[_FLAGS + 1 : _FLAGS + 5] = (
             len(image),
             int(self.block.ints[at.I_BYTES]) // 8,
@@ -65,6 +90,7 @@ class ModelFile:
         )
         reals[_INPUTS : _INPUTS + 10] = self.starts
         reals[_FRAME : _FRAME + len(self.frame)] = self.frame
+        reals[_FACTS : _FACTS + len(self.facts)] = self.facts
         rows = np.zeros((len(self.coefficients), 8 + NAME_WORDS), dtype="<i8")
         values = rows.view("<f8")
         for row, value, item in zip(rows, values, self.coefficients, strict=True):

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from cablemodel.direct.block import DirectBlock
 from cablemodel.direct.kernels import layout as direct
-from cablemodel.instance import tension_per_length
+from cablemodel.instance import tension_per_length, tension_scale
 from cablemodel.kernels import layout as at
 from cablemodel.scene.schema import longest_stretch
 from cablemodel.variables import INPUTS, Variable, outputs_of, parameter
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     AnyBlock = Block | DirectBlock
 
 VR_INPUT = 0
+VR_CONTROL = 10
+VR_START = 20
 VR_PARAMETER = 100
 VR_ZERO = 900
 VR_ERROR = 950
@@ -53,9 +55,14 @@ _BODY = {"bodies.position": 0, "bodies.direction": 3}
 # A coefficient of a cable type or of a body; the length of a cable of the line or on the drum.
 OF_CABLES, OF_BODY, OF_LINE, OF_DRUM = range(4)
 
+_LARGEST = {"m": 1e7, "m/s": 1e3}
+"""Of inputs, by their unit, either way: FURTHEST and FASTEST in c/cable.h."""
+
 SHORTEST, LONGEST = 0.5, 2.0
 """Lengths that may be set, in units of the scene's: elements keep their number, which is right for
 the exported length."""
+ROOM = LONGEST / SHORTEST
+"""Of a drum's cable, in elements of the line: there is room for the longest beside the shortest."""
 
 # Words of the coefficients in the rows of cables (elements or materials) and of bodies.
 _WORDS = {
@@ -93,6 +100,10 @@ class Signal:
     start: float | None = None
     minimum: float | None = None
     maximum: float | None = None
+    nominal: float | None = None
+    """Its usual size, where that is not 1."""
+    type: str = ""
+    """Of an enumeration."""
 
 
 @dataclass(frozen=True)
@@ -129,6 +140,8 @@ def inputs(starts: list[float]) -> list[Signal]:
                     item.unit,
                     f"{item.quantity}{axis}, reached at the end of a step",
                     starts[reference],
+                    -_LARGEST[item.unit],
+                    _LARGEST[item.unit],
                 )
             )
     return signals
@@ -146,6 +159,38 @@ def outputs(scene: Scene, block: AnyBlock, stations: int) -> list[Signal]:
             strict=True,
         )
     ]
+
+
+def with_nominals(signals: list[Signal], scene: Scene, speed: float) -> list[Signal]:
+    """The signals with their usual sizes: of a length, a tension, a speed of the scene.
+
+    speed: of vessel, current or pay-out, the largest of the scene's [m/s]; 0: nothing moves.
+    """
+    length, tension = scene.line_length, tension_scale(scene)
+    radius = min(10.0 * length, max(scene.cable_types[c.type].diameter for c in scene.cables) * 100)
+    usual = {
+        "N": tension,
+        "N.m": tension * 0.1 * radius,
+        "m": length,
+        "m/s": max(speed, 0.1),
+        "1/m": 1.0 / radius,
+    }
+    found = []
+    for signal in signals:
+        nominal = usual.get(signal.unit)
+        if signal.causality == "parameter":
+            nominal = abs(signal.start) if signal.start else nominal
+        found.append(
+            replace(signal, nominal=_rounded(nominal))
+            if nominal is not None and signal.kind == "Real"
+            else signal
+        )
+    return found
+
+
+def _rounded(value: float) -> float:
+    """To one digit: a nominal value says a size."""
+    return float(f"{value:.0e}")
 
 
 def _descriptions(variable: Variable, stations: int, bodies: list[str]) -> list[str]:
@@ -196,15 +241,50 @@ def _references(variable: Variable, stations: int, rows: list[int]) -> list[tupl
     ]
 
 
-def controls(scheduled: bool) -> list[Signal]:
-    """What decides who drives."""
+def controls(scene_inputs: bool, vessel_input: int, timing: int) -> list[Signal]:
+    """What decides who drives, and how: references from VR_CONTROL on."""
     return [
-        Signal(row.fmu, 0, kind, "parameter", "fixed", "", row.quantity, start)
-        for row, kind, start in (
-            (parameter("use_scene_inputs"), "Boolean", float(scheduled)),
-            (parameter("vessel.input"), "Enumeration", 1.0),
+        Signal(
+            row.fmu, VR_CONTROL + n, kind, "parameter", "fixed", "", row.quantity, start,
+            type=name,
         )
-    ]
+        for n, (row, kind, start, name) in enumerate(
+            (
+                (parameter("use_scene_inputs"), "Boolean", float(scene_inputs), ""),
+                (parameter("vessel.input"), "Enumeration", float(vessel_input), "VesselInput"),
+                (parameter("input.timing"), "Enumeration", float(timing), "InputTiming"),
+            )
+        )
+    ]  # fmt: skip
+
+
+def starts(inputs_at_start: list[float], *, movable: bool) -> list[Signal]:
+    """vessel.start_position, vessel.start_velocity: references from VR_START on.
+
+    inputs_at_start: start values of the ten inputs. Where they may not be set they are bounded by
+    themselves.
+    """
+    found: list[Signal] = []
+    for name, first in (("vessel.start_position[i]", 3), ("vessel.start_velocity[i]", 0)):
+        row = parameter(name)
+        for i, axis in enumerate(_AXES):
+            value = inputs_at_start[first + i]
+            most = _LARGEST[row.unit]
+            found.append(
+                Signal(
+                    name.replace("[i]", f"[{i + 1}]"),
+                    VR_START + len(found),
+                    "Real",
+                    "parameter",
+                    "fixed",
+                    row.unit,
+                    f"{row.quantity}, {axis}",
+                    value,
+                    -most if movable else value,
+                    most if movable else value,
+                )
+            )
+    return found
 
 
 def coefficients(scene: Scene, block: AnyBlock) -> list[Coefficient]:
@@ -275,7 +355,7 @@ def lengths(scene: Scene, first: int) -> list[Coefficient]:
     drum = [item.cable for item in scene.payout.drum if item.cable is not None]
     rows = [*range(len(scene.cables) - 1, -1, -1), *_drum_rows(scene)]
     tensions = [*tension_per_length(scene), *(0.0 for _ in drum)]
-    settable = _lengths_settable(scene)
+    settable = is_settable(scene)
     for n, (cable, row, tension) in enumerate(
         zip([*scene.cables, *drum], rows, tensions, strict=True)
     ):
@@ -318,9 +398,9 @@ def _drum_rows(scene: Scene) -> list[int]:
     return rows
 
 
-def _lengths_settable(scene: Scene) -> bool:
-    """Not those of a line that starts from a given shape, or over a floor, where what lies on it
-    depends on how it was laid."""
+def is_settable(scene: Scene) -> bool:
+    """Whether lengths and the tow point's start may be set: not those of a line that starts from a
+    given shape, or over a floor, where what lies on it depends on how it was laid."""
     if scene.environment.floor is not None:
         return False
     return scene.initial.kind == "static" or (

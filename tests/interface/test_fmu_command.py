@@ -43,16 +43,23 @@ def test_export_takes_less_than_three_seconds(tmp_path):
         "documentation/index.html",
         "documentation/licenses/cablemodel-Apache-2.0.txt",
         "documentation/licenses/fmi-headers-BSD-2-Clause.txt",
+        "documentation/licenses/mingw-w64-ZPL-2.1.txt",
+        "documentation/licenses/zig-MIT.txt",
         "binaries/linux64/cablemodel.so",
         "binaries/win64/cablemodel.dll",
         "binaries/darwin64/cablemodel.dylib",
     } == set(names)
 
 
-def test_the_same_scene_gives_the_same_file(tmp_path):
+def test_the_same_scene_gives_the_same_file(tmp_path, monkeypatch):
+    """At the same date, which is now or that of reproducible builds."""
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1700000000")
     for name in ("a.fmu", "b.fmu"):
         assert command(SCENE, "-o", name, "--platform", "linux64", folder=tmp_path).returncode == 0
     assert (tmp_path / "a.fmu").read_bytes() == (tmp_path / "b.fmu").read_bytes()
+    with zipfile.ZipFile(tmp_path / "a.fmu") as archive:
+        description = archive.read("modelDescription.xml")
+    assert b'generationDateAndTime="2023-11-14T22:13:20Z"' in description
 
 
 def test_the_scene_inside_loads_again_and_can_be_changed(tmp_path):

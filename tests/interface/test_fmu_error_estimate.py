@@ -24,6 +24,7 @@ from fmu_tools import (
 
 import cablemodel as cm
 from cablemodel.kernels import layout as at
+from cablemodel_fmu.model_file import HEADER_WORDS
 
 SCENES = Path(__file__).parents[2] / "scenes"
 STATIONS = 5
@@ -344,7 +345,7 @@ def _damaged(still, how: str) -> bytes | None:
     if how == "another FMU":
         finer[8 * 5 + 3] ^= 1
     elif how == "parameters":  # the largest value of the first: the kernels' bounds are the model's
-        struct.pack_into("<d", finer, 8 * (32 + 6), 1e29)
+        struct.pack_into("<d", finer, 8 * (HEADER_WORDS + 6), 1e29)
     elif how == "an offset":
         finer[image_start(finer) + 8 * at.O_EDGE] ^= 1
     return sealed(finer)

@@ -23,7 +23,7 @@ DT, STEPS = 0.1, 100
 def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("fmus")
     export_fmu(scene(), folder / "cable.fmu", platforms=["linux64"])
-    export_vessel(folder / "vessel.fmu", folder)
+    export_vessel(folder / "vessel.fmu")
     return folder
 
 

@@ -9,6 +9,8 @@ from fmpy.fmi1 import FMICallException
 from fmu_tools import CABLE, Slave, python_outputs, still_scene, unpacked
 
 import cablemodel as cm
+from cablemodel.kernels import layout as at
+from cablemodel_fmu.export import block_of
 
 SCENES = Path(__file__).parents[2] / "scenes"
 STATIONS = 7
@@ -280,3 +282,108 @@ def test_a_shape_that_bends_more_than_the_elements_follow_is_warned_of(tmp_path)
         slave = Slave(place, description, **parameters([60.0, 120.0], []))
         assert ["export the scene with these lengths" in text for _, text in slave.messages] == [1]
         slave.close()
+
+
+# -- the block -------------------------------------------------------------------------------------
+
+SIZES_OF_MEMORY = {at.I_BYTES, at.I_IMAGE_WORDS, at.I_CAPACITY}
+"""What an export with the lengths may have another room by."""
+
+
+def blocks(data: dict, line: list[float], drum: list[float], tmp_path):
+    """The block of an FMU with these lengths at its start, and that of an export with them."""
+    scene = cm.load_scene(data)
+    expected = block_of(with_lengths(scene.to_dict(), line, drum))
+    with unpacked(scene, tmp_path, stations=3) as (place, description):
+        slave = Slave(place, description, **parameters(line, drum))
+        state = np.frombuffer(slave.fmu.serializeFMUstate(slave.fmu.getFMUstate()), dtype="<i8")
+        slave.close()
+    size = len(block_of(scene).image)
+    return state[-size:].copy(), expected
+
+
+def assert_same_scalars(found, expected) -> None:
+    reals = found.view("<f8")
+    for name, word in vars(at).items():
+        if name.startswith("I_") and word not in SIZES_OF_MEMORY:
+            assert found[word] == expected.ints[word], name
+    for word in range(at.HEADER_WORDS, at.HEADER_WORDS + at.SCALAR_WORDS):
+        if word != at.S_RESERVED:
+            name = next((n for n, w in vars(at).items() if n[:2] == "S_" and w == word), word)
+            assert reals[word] == pytest.approx(expected.reals[word], rel=1e-9), name
+
+
+def assert_same_tables(found, expected) -> None:
+    """Everything of nodes, cables, bodies and ends, to rounding."""
+    reals, ints = found.view("<f8"), expected.ints
+    nodes, size = int(ints[at.I_NODES]), 2 * int(ints[at.I_DIMENSION])
+    length, tension = expected.reals[at.S_LENGTH], expected.reals[at.S_TENSION_SCALE]
+    for place, rows, words, scale in (
+        (at.O_EDGE, nodes, at.EDGE_WORDS, 0.0),
+        (at.O_CABLES, int(ints[at.I_CABLES]), at.CABLE_WORDS, 0.0),
+        (at.O_BODY, int(ints[at.I_BODIES]), at.BODY_WORDS, 0.0),
+        (at.O_CONSTRAINT, int(ints[at.I_CONSTRAINTS]), at.CONSTRAINT_WORDS, 0.0),
+        (at.O_POSITION, nodes, size, length),
+        (at.O_VELOCITY, nodes, size, 1.0),
+        (at.O_ACCELERATION, nodes, size, 1.0),
+        (at.O_TENSION, nodes, 2, tension),
+        (at.O_TENSION_RATE, nodes, 2, tension),
+        (at.O_REST, nodes, 3, length),
+        (at.O_HISTORY, nodes, 2 * size, length),
+    ):
+        name = next(n for n, w in vars(at).items() if n[:2] == "O_" and w == place)
+        start, own = found[place], ints[place]
+        np.testing.assert_allclose(
+            reals[start : start + rows * words].reshape(rows, words),
+            expected.reals[own : own + rows * words].reshape(rows, words),
+            rtol=1e-8,
+            atol=1e-8 * scale,
+            err_msg=name,
+        )
+    for place in (at.O_PARENT, at.O_JOINT):
+        start, own = found[place], ints[place]
+        np.testing.assert_array_equal(found[start : start + nodes], ints[own : own + nodes])
+
+
+FREE = still_scene().to_dict()
+ALONE = {"cable_types": {"K": CABLE}, "run": {"duration": 2, "output_interval": 0.5}}
+STRAIGHT = {**ALONE, "initial": {"straight": [1.0, 0.0, 0.0]}}
+GETS_UNDER_WAY = [{"t": 0, "velocity": [0, 0, 0]}, {"t": 5, "velocity": [1, 0, 0]}]
+RIGID = {**FREE, "line": [cable(20.0), body(half_length=0.5, rotary_inertia=0.6), cable(10.0)]}
+
+
+@pytest.mark.parametrize(
+    ("data", "line", "drum"),
+    [
+        (FREE, [40.0, 20.0], [30.0]),
+        (FREE, [10.0, 5.0], [30.0]),
+        ({**RIGID, "end": "free"}, [30.0, 15.0], [22.5]),
+        ({**STRAIGHT, "line": [cable(4.0)]}, [8.0], []),
+        ({**STRAIGHT, "line": [cable(8.0)]}, [4.0], []),
+        ({**STRAIGHT, "line": [cable(6.0)]}, [7.0], []),
+        ({**ALONE, "line": [cable(4.0)]}, [8.0], []),
+        ({**ALONE, "line": [cable(8.0)]}, [4.0], []),
+        ({**ALONE, "line": [cable(30.0)], "vessel": {"velocity": GETS_UNDER_WAY}}, [20.0], []),
+    ],
+)
+def test_the_whole_block_is_that_of_an_export_with_the_lengths(data, line, drum, tmp_path):
+    """All numbers, not the places alone: from the first step to what the mesh may bend."""
+    found, expected = blocks(data, line, drum, tmp_path)
+    assert_same_scalars(found, expected)
+    assert_same_tables(found, expected)
+
+
+@pytest.mark.parametrize(("exported", "used"), [(30.0, 16.0), (16.0, 30.0)])
+def test_what_a_line_is_like_follows_its_length(exported, used, tmp_path):
+    """Across the limit of light damping other numbers hold, of which the elements' is not one; and
+    there is room for a mesh that follows bending, where the exported one did not."""
+    density = 14.0 * CABLE["mass"] / (1.2 * CABLE["diameter"] * 30.0)
+    kind = {**CABLE, "drag_normal": 1.2}
+    data = {**STRAIGHT, "cable_types": {"K": kind}, "environment": {"water_density": density}}
+    found, expected = blocks({**data, "line": [cable(exported)]}, [used], [], tmp_path)
+    reals = found.view("<f8")
+    for name in ("S_BENT", "S_STEP", "S_TIME_TOLERANCE", "S_MEMORY", "S_ORDER_3", "S_UNDAMPED"):
+        word = vars(at)[name]
+        assert reals[word] == pytest.approx(expected.reals[word], rel=1e-9), name
+    assert (reals[at.S_BENT] > 0.0) == (used == 30.0)
+    assert found[at.I_CAPACITY] > found[at.I_NODES] + 20 or used == 16.0

@@ -148,3 +148,79 @@ def test_instances_in_parallel_threads(still):
     assert seen == dict.fromkeys(range(8), expected)
     for slave in (*slaves, alone):
         slave.close()
+
+
+def test_a_rollback_keeps_input_derivatives(still):
+    """They are for the next step, which may be tried twice; moved elsewhere, too."""
+    slave = Slave(*still)
+    reference = slave.references["vessel.velocity[3]"].valueReference
+    slave.set("vessel.velocity", (0.0, 0.0, 0.1))
+    slave.fmu.setRealInputDerivatives([reference], [1], [2.0])
+    state = slave.fmu.getFMUstate()
+    moved = slave.fmu.deSerializeFMUstate(slave.fmu.serializeFMUstate(state))
+    tensions = []
+    for kept in (None, state, moved):
+        if kept is not None:
+            slave.fmu.setFMUstate(kept)
+            slave.time = 0.0
+        slave.step(0.1)
+        tensions.append(slave.get("tension.top"))
+    assert tensions[1:] == tensions[:1] * 2
+    slave.fmu.setFMUstate(state)
+    slave.fmu.setRealInputDerivatives([], [], [])
+    slave.time = 0.0
+    slave.step(0.1)
+    assert abs(slave.get("tension.top") - tensions[0]) > 1.0  # they do something
+    slave.close()
+
+
+def test_a_rollback_keeps_what_was_extrapolated(still):
+    slave = Slave(*still, **{"input.timing": 2})
+    for n in range(3):
+        slave.set("vessel.velocity", (0.1 * n * n, 0, 0))
+        slave.step(0.2)
+    state = slave.fmu.getFMUstate()
+    seen = set()
+    for _ in range(2):
+        slave.fmu.setFMUstate(state)
+        slave.time = 0.6
+        slave.set("vessel.velocity", (0.5, 0, 0))
+        slave.step(0.3)
+        seen.add(slave.get("end.position").tobytes())
+    assert len(seen) == 1
+    slave.close()
+
+
+def test_saving_and_restoring_take_less_than_five_microseconds(still):
+    """Beside steps of one or two: what leaves the instance has a checksum, nothing else."""
+    import ctypes
+    import time
+
+    slave = Slave(*still)
+    drive(slave, 0, 20)
+    state = slave.fmu.getFMUstate()
+    get = slave.fmu.dll.fmi2GetFMUstate
+    put = slave.fmu.dll.fmi2SetFMUstate
+    for call, argument in ((get, ctypes.byref(state)), (put, state)):
+        best = np.inf
+        for _ in range(20):
+            begin = time.perf_counter()
+            for _ in range(200):
+                call(slave.fmu.component, argument)
+            best = min(best, (time.perf_counter() - begin) / 200)
+        assert best < 5e-6
+    slave.close()
+
+
+def test_a_state_of_fewer_elements_leaves_nothing_behind(still):
+    """The mesh grows as cable is paid out; a state from before has the bytes that it had."""
+    slave = Slave(*still)
+    state = slave.fmu.getFMUstate()
+    before = slave.fmu.serializeFMUstate(state)
+    for _ in range(20):
+        slave.set("payout.rate", 1.0)
+        slave.step(0.5)
+    assert slave.get("line.length") > 39.0
+    slave.fmu.setFMUstate(state)
+    assert slave.fmu.serializeFMUstate(slave.fmu.getFMUstate()) == before
+    slave.close()

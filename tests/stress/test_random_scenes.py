@@ -18,7 +18,7 @@ from benchmarks.random_scenes.judge import Verdict, compare, judge, judge_conver
 from benchmarks.random_scenes.trace import Trace, _Balance, run
 from benchmarks.random_scenes.watch import _ended
 
-# Those that complete, cheap ones first taken; what does not is in docs/stress.md by number.
+# Those that complete, cheap ones first taken; what does not is in docs/stress/random_scenes.json.
 SEEDS = (0, 14, 22, 24, 38, 39, 48, 72, 79, 93, 96, 109, 115, 119, 130, 136, 137, 143, 151, 196)
 
 
@@ -79,14 +79,15 @@ def test_what_took_steps_without_end_comes_to_its_end(seed: int) -> None:
 
 @pytest.mark.parametrize(
     ("seed", "share", "steps"),
-    [(515, 1.0, 400), (515, 0.5, 400), (585, 1.0, 2000), (602, 0.5, 400)],
+    [(515, 1.0, 400), (515, 0.5, 400), (585, 1.0, 3000), (602, 0.5, 400)],
 )
 def test_what_failed_or_took_steps_of_nothing_completes(
     seed: int, share: float, steps: int
 ) -> None:
     """A clamp that rounding turned (515), and slack cable that a vessel pushes or pays out.
 
-    Its top element folds, and was halved into two that were a quarter too long and too short.
+    Its top element folds, and was halved into two that were a quarter too long and too short. How
+    many steps 585 takes is chance: 1,951 to 2,494 at nine tolerances within 1 % of each other.
     """
     drawn = draw(seed)
     trace, _model = run(drawn, drawn.scene, share * drawn.tolerance, cpu_limit=30.0)
@@ -300,7 +301,9 @@ def test_the_overview_counts_what_is_stored(tmp_path: Path) -> None:
 
     (tmp_path / "stress").mkdir()
     page = tmp_path / "stress.md"
-    page.write_text(f"# Stress\n\n## {overview.TITLE}\n\nold\n\n## Soak\n\nflat\n")
+    page.write_text(
+        f"# Stress\n\n<!-- {overview.TITLE}: generated -->\nold\n<!-- end -->\n\nkept\n"
+    )
     single = [("completed", [])] * 5 + [("wrong", ["position"]), ("wrong", ["energy", "position"])]
     store("random_scenes.json", [*single, ("unsettled", ["tension"]), ("crashed", [])])
     converged = [("completed", [])] * 3 + [("wrong", ["tension"]), ("unsettled", [])]
@@ -313,5 +316,5 @@ def test_the_overview_counts_what_is_stored(tmp_path: Path) -> None:
     assert "| runs that are asked to converge | 5 | 0 | 0 | 4 | 1 | 1 of 4 (25 %) |" in text
     assert "| 8 |  |  | 7 | 1 | 2 of 8 (25 %) |" in text
     assert "in waves" not in text
-    assert text.index(overview.TITLE) < text.index("## Soak\n\nflat")
+    assert text.endswith("<!-- end -->\n\nkept\n")
     assert "old" not in text

@@ -63,7 +63,7 @@ def test_the_series_is_the_sum_within_what_is_allowed(tolerance, depth, tp):
     mirror = np.exp(-2.0 * field.number * field.depth)
     speed = field.amplitude * field.frequency / (1.0 - mirror)
     scale = math.sqrt(0.5 * np.sum((speed * field.frequency) ** 2))
-    cell = waves.cells(field, tolerance)
+    layers = waves.layers(field, tolerance)
     rng = np.random.default_rng(4)
     deepest = min(field.depth, 80.0)
     for at_corner in (False, True):
@@ -72,6 +72,7 @@ def test_the_series_is_the_sum_within_what_is_allowed(tolerance, depth, tp):
             place = rng.uniform([9, -900, -900, -deepest], [2000, 900, 900, 0])
             if at_corner:  # a hair inside
                 place[2] = 0.0
+                cell = next(one for one in reversed(layers) if one.depth <= -place[3])
                 place[[0, 1, 3]] = np.round(place[[0, 1, 3]] / [cell.time, cell.width, cell.width])
                 place[[0, 1]] += 0.4999
                 place[3] -= 0.4999

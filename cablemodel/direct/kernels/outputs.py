@@ -221,7 +221,7 @@ def summarise(I, M, out):
     size = math.sqrt(fx * fx + fy * fy + fz * fz)
     out[6] = math.copysign(size, M[I[O_Y] + F3])
     lowest = M[I[O_Y] + F3]
-    highest = lowest
+    highest = out[6]  # with the shear
     last = last_node(I)
     for node in range(last + 1):
         tension = M[I[O_Y] + WIDTH * node + F3]

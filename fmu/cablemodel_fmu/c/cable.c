@@ -1,5 +1,6 @@
 /* Inputs, coefficients, steps and outputs of one cable, in the words of the value references. */
 #include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -12,6 +13,7 @@ const int64_t *initial_image(const Cable *cable) {
 
 void outputs_changed(Cable *cable) {
     cable->summary_current = cable->stations_current = cable->errors_current = 0;
+    cable->rate_current = 0;
     if (cable->finer != NULL) outputs_changed(cable->finer);
 }
 
@@ -20,43 +22,109 @@ double cable_time(const Cable *cable) { return cable->M[S_TIME] + cable->now.sta
 /* Start values everywhere, the block at the scene's initial state. */
 void restart_cable(Cable *cable) {
     memcpy(cable->I, initial_image(cable), 8 * (size_t)cable->image_words);
-    memcpy(cable->now.input, cable->file + F_INPUTS, sizeof cable->now.input);
     for (int64_t n = 0; n < cable->parameter_count; n++)
         cable->values[n] = cable->parameters[n].start;
+    const size_t identity = offsetof(Controls, phase);
+    memset((char *)&cable->now + identity, 0, sizeof cable->now - identity);
+    memcpy(cable->now.input, cable->file + F_INPUTS, sizeof cable->now.input);
+    memcpy(cable->now.start, cable->now.input + VR_POSITION, 3 * sizeof(double));
+    memcpy(cable->now.start + 3, cable->now.input + VR_VELOCITY, 3 * sizeof(double));
     cable->now.phase = INSTANTIATED;
     cable->now.use_scene_inputs = (cable->flags & FLAG_SCENE_INPUTS) != 0;
-    cable->now.vessel_input = BY_VELOCITY;
-    cable->now.unsettled = 0;
-    cable->now.start_time = 0.0;
+    cable->now.vessel_input = (cable->flags & FLAG_VESSEL_INPUT) / FLAG_VESSEL_INPUT_UNIT;
+    cable->now.input_timing = (cable->flags & FLAG_AT_START) ? AT_START : AT_END;
     cable->coarse = 0;
-    cable->has_slope = 0;
-    memset(cable->slope, 0, sizeof cable->slope);
     if (cable->finer != NULL) restart_cable(cable->finer);
     outputs_changed(cable);
 }
 
+/* -- inputs ------------------------------------------------------------------------------------ */
+
+/* Which group a real variable's reference belongs to; 0: it is no input. */
+int64_t inputs_of(unsigned vr) {
+    if (vr >= VR_INPUTS) return 0;
+    if (vr >= VR_CURRENT) return CURRENT_SET;
+    if (vr >= VR_PAYOUT) return PAYOUT_SET;
+    return vr >= VR_POSITION ? POSITION_SET : VELOCITY_SET;
+}
+
+/* Remember that the master sets an input: then it is connected. */
+void mark_set(Cable *cable, unsigned vr) {
+    cable->now.set |= inputs_of(vr);
+    if (cable->now.phase == STEPPING) cable->now.position_set_in_run |= inputs_of(vr) & POSITION_SET;
+}
+
+/* What drives: where the scene does, an input that is connected takes its place, unless the master
+   has said, or the FMU was exported, to ignore them. */
+int64_t driven(const Cable *cable) {
+    if (!cable->now.use_scene_inputs) return ALL_SET;
+    const int ignored = cable->now.scene_inputs_given || (cable->flags & FLAG_IGNORE);
+    return ignored ? 0 : cable->now.set;
+}
+
+/* Which inputs move the tow point. A master that cannot set it, and connects the position alone,
+   means the position. */
+int64_t vessel_input(const Cable *cable) {
+    const int alone = cable->now.position_set_in_run && !(cable->now.set & VELOCITY_SET);
+    return alone && !cable->now.vessel_input_given ? BY_POSITION : cable->now.vessel_input;
+}
+
+/* What an input reaches at the end of a step: as it was set; by the derivatives that the master has
+   set; or as it went on in the last step. */
 static double at_end(const Cable *cable, int n, double dt) {
-    if (!cable->has_slope) return cable->now.input[n];
-    const double *slope = cable->slope[n];
-    return cable->now.input[n] + dt * (slope[0] + dt * (slope[1] / 2.0 + dt * slope[2] / 6.0));
+    const Controls *now = &cable->now;
+    const double value = now->input[n];
+    if (now->has_slope) {
+        const double *slope = now->slope[n];
+        return value + dt * (slope[0] + dt * (slope[1] / 2.0 + dt * slope[2] / 6.0));
+    }
+    if (now->input_timing == AT_END) return value;
+    if (inputs_of((unsigned)n) == POSITION_SET && vessel_input(cable) == BY_BOTH) {
+        const int v = n - VR_POSITION + VR_VELOCITY;
+        const double gain =
+            now->last_step > 0.0 ? (now->input[v] - now->before[v]) / now->last_step : 0.0;
+        return value + dt * (now->input[v] + 0.5 * dt * gain);
+    }
+    if (!(now->last_step > 0.0)) return value;
+    return value + dt / now->last_step * (value - now->before[n]);
 }
 
 static void collect_inputs(const Cable *cable, double dt, double *inputs) {
     memset(inputs, 0, INPUT_WORDS * sizeof(double));
-    if (cable->now.use_scene_inputs) return;
-    const int64_t by = cable->now.vessel_input;
-    if (by != BY_POSITION) {
-        inputs[IN_VELOCITY] = 1.0;
-        for (int i = 0; i < 3; i++) inputs[IN_VELOCITY + 1 + i] = at_end(cable, VR_VELOCITY + i, dt);
+    const int64_t by = vessel_input(cable), drives = driven(cable);
+    if (drives & (VELOCITY_SET | POSITION_SET)) {
+        if (by != BY_POSITION) {
+            inputs[IN_VELOCITY] = 1.0;
+            for (int i = 0; i < 3; i++)
+                inputs[IN_VELOCITY + 1 + i] = at_end(cable, VR_VELOCITY + i, dt);
+        }
+        if (by != BY_VELOCITY) {
+            inputs[IN_POSITION] = 1.0;
+            for (int i = 0; i < 3; i++)
+                inputs[IN_POSITION + 1 + i] = at_end(cable, VR_POSITION + i, dt);
+        }
     }
-    if (by != BY_VELOCITY) {
-        inputs[IN_POSITION] = 1.0;
-        for (int i = 0; i < 3; i++) inputs[IN_POSITION + 1 + i] = at_end(cable, VR_POSITION + i, dt);
+    if (drives & CURRENT_SET) {
+        inputs[IN_CURRENT] = 1.0;
+        for (int i = 0; i < 3; i++) inputs[IN_CURRENT + 1 + i] = at_end(cable, VR_CURRENT + i, dt);
     }
-    inputs[IN_CURRENT] = 1.0;
-    for (int i = 0; i < 3; i++) inputs[IN_CURRENT + 1 + i] = at_end(cable, VR_CURRENT + i, dt);
-    inputs[IN_PAYOUT] = 1.0;
-    inputs[IN_PAYOUT + 1] = at_end(cable, VR_PAYOUT, dt);
+    if (drives & PAYOUT_SET) {
+        inputs[IN_PAYOUT] = 1.0;
+        inputs[IN_PAYOUT + 1] = at_end(cable, VR_PAYOUT, dt);
+    }
+}
+
+/* What derivatives and the next step want to know of one that was made. */
+static void remember_step(Cable *cable, double dt, const double *inputs) {
+    Controls *now = &cable->now;
+    memcpy(now->applied, inputs, sizeof now->applied);
+    now->growth = now->last_step > 0.0 ? dt / now->last_step : 0.0;
+    now->last_step = dt;
+    now->last_mode = vessel_input(cable);
+    now->last_driven = driven(cable);
+    now->last_sloped = now->has_slope;
+    memcpy(now->before, now->input, sizeof now->before);
+    now->has_slope = 0;
 }
 
 /* Arc length of a node from the vessel; in the words of CableModel._node_arcs. */
@@ -128,7 +196,7 @@ int64_t step_cable(Cable *cable, double t_end, double dt, char *message, size_t 
     }
     if (beside)
         cablemodel_step(cable->finer->I, cable->finer->block_words, t_end, inputs, INPUT_WORDS);
-    cable->has_slope = 0;
+    remember_step(cable, dt, inputs);
     outputs_changed(cable);
     return OK;
 }
@@ -203,10 +271,15 @@ static int is_parameter(const Cable *cable, unsigned vr) {
     return vr >= VR_PARAMETER && vr < VR_PARAMETER + (unsigned)cable->parameter_count;
 }
 
+static int is_start(const Cable *cable, unsigned vr) {
+    return vr >= VR_START && vr < VR_START + VR_STARTS && !is_direct(initial_image(cable));
+}
+
 /* Of an input or a parameter, for messages; NULL of what else there is, or is not. */
 const char *name_of(const Cable *cable, unsigned vr) {
-    static const char *const inputs[VR_INPUTS] = INPUT_NAMES;
+    static const char *const inputs[VR_INPUTS] = INPUT_NAMES, *const starts[] = START_NAMES;
     if (vr < VR_INPUTS) return inputs[vr];
+    if (is_start(cable, vr)) return starts[vr - VR_START];
     return is_parameter(cable, vr) ? cable->parameters[vr - VR_PARAMETER].name : NULL;
 }
 
@@ -217,6 +290,10 @@ const char *read_value(Cable *cable, unsigned vr, double *value) {
     }
     if (is_parameter(cable, vr)) {
         *value = cable->values[vr - VR_PARAMETER];
+        return NULL;
+    }
+    if (is_start(cable, vr)) {
+        *value = cable->now.start[vr - VR_START];
         return NULL;
     }
     if (vr == VR_ZERO) {
@@ -272,8 +349,35 @@ void restore_exported(Cable *cable) {
             tune(cable, &cable->parameters[n], cable->values[n]);
 }
 
+static const char *check_range(Cable *cable, double value, double minimum, double maximum) {
+    if (value >= minimum && value <= maximum) return NULL;
+    snprintf(cable->message, sizeof cable->message,
+             "the value is out of range (%g to %g are allowed)", minimum, maximum);
+    return cable->message;
+}
+
+static const char *check_motion(Cable *cable, int is_position, double value) {
+    if (!(fabs(value) < 1e100)) return "the value is not finite";
+    const double most = is_position ? FURTHEST : FASTEST;
+    return check_range(cable, value, -most, most);
+}
+
+static const char *check_start(Cable *cable, unsigned vr, double value) {
+    if (cable->now.phase == STEPPING)
+        return "a start is fixed: set it before the end of the initialization";
+    const double *scene = (const double *)cable->file + F_INPUTS;
+    const int is_position = vr < VR_START_VELOCITY;
+    const double own =
+        is_position ? scene[VR_POSITION + vr - VR_START] : scene[vr - VR_START_VELOCITY];
+    if (!(cable->flags & FLAG_MOVABLE) && value != own)
+        return "this line's start is that of its given shape or floor: export the scene with "
+               "another";
+    return check_motion(cable, is_position, value);
+}
+
 const char *check_value(Cable *cable, unsigned vr, double value) {
-    if (vr < VR_INPUTS) return fabs(value) < 1e100 ? NULL : "the value is not finite";
+    if (vr < VR_INPUTS) return check_motion(cable, inputs_of(vr) == POSITION_SET, value);
+    if (is_start(cable, vr)) return check_start(cable, vr, value);
     if (is_parameter(cable, vr)) {
         const Parameter *p = &cable->parameters[vr - VR_PARAMETER];
         if (p->kind >= OF_LINE && cable->now.phase == STEPPING)
@@ -282,9 +386,7 @@ const char *check_value(Cable *cable, unsigned vr, double value) {
         if (p->minimum == p->maximum)
             return "this line's lengths are those of its given shape or floor: export the scene "
                    "with others";
-        snprintf(cable->message, sizeof cable->message,
-                 "the value is out of range (%g to %g are allowed)", p->minimum, p->maximum);
-        return cable->message;
+        return check_range(cable, value, p->minimum, p->maximum);
     }
     double ignored;
     return read_value(cable, vr, &ignored) == NULL ? "an output cannot be set"
@@ -293,8 +395,19 @@ const char *check_value(Cable *cable, unsigned vr, double value) {
 
 /* Of a value that check_value has passed. */
 void write_value(Cable *cable, unsigned vr, double value) {
-    if (!is_parameter(cable, vr)) {
+    if (vr < VR_INPUTS) {
+        if (cable->now.phase == STEPPING || value != cable->now.input[vr]) mark_set(cable, vr);
         cable->now.input[vr] = value;
+        return;
+    }
+    if (is_start(cable, vr)) {
+        if (value == cable->now.start[vr - VR_START]) return;
+        cable->now.start[vr - VR_START] = value;
+        cable->now.unsettled = 1;
+        /* Until it is set, an input is what it is at the start. */
+        const unsigned input =
+            vr < VR_START_VELOCITY ? vr - VR_START + VR_POSITION : vr - VR_START_VELOCITY;
+        if (!(cable->now.set & inputs_of(input))) cable->now.input[input] = value;
         return;
     }
     if (value == cable->values[vr - VR_PARAMETER]) return;

@@ -7,9 +7,13 @@
 
 #include "layout.h" /* generated from cablemodel/kernels/layout.py and cablemodel/block.py */
 
-/* Value references of real variables; see cablemodel_fmu/signals.py, which writes the same. */
+/* Value references, of all types: no two variables have the same, for there are masters that keep
+   them in one table. See cablemodel_fmu/signals.py, which writes them. */
 enum {
     VR_VELOCITY = 0, VR_POSITION = 3, VR_PAYOUT = 6, VR_CURRENT = 7, VR_INPUTS = 10,
+    VR_USE_SCENE_INPUTS = 10, /* the only Boolean */
+    VR_VESSEL_INPUT = 11, VR_INPUT_TIMING = 12, /* the Integers, enumerations */
+    VR_START = 20, VR_START_VELOCITY = 23, VR_STARTS = 6, /* of the tow point: position, velocity */
     VR_PARAMETER = 100,
     VR_ZERO = 900,
     VR_ERROR = 950,
@@ -17,9 +21,10 @@ enum {
     VR_STATION = 10000,
     VR_BODY = 20000000
 };
-enum { VR_USE_SCENE_INPUTS = 0 };  /* the only Boolean */
-enum { VR_VESSEL_INPUT = 0 };      /* the only Integer, an enumeration */
 enum { BY_VELOCITY = 1, BY_POSITION = 2, BY_BOTH = 3 };
+enum { AT_END = 1, AT_START = 2 }; /* of a step: when a value that is set holds */
+/* Inputs that go together. */
+enum { VELOCITY_SET = 1, POSITION_SET = 2, PAYOUT_SET = 4, CURRENT_SET = 8, ALL_SET = 15 };
 enum { INSTANTIATED = 1, INITIALISING, STEPPING, TERMINATED };
 
 /* Words of resources/model.bin and of finer.bin, all 64 bits, little endian; see
@@ -30,12 +35,21 @@ enum {
     F_FLAGS = F_GUID + 5, F_IMAGE_WORDS, F_BLOCK_WORDS, F_STATIONS, F_PARAMETERS,
     F_INPUTS = 16,
     F_FRAME = F_INPUTS + VR_INPUTS,
-    F_HEADER_WORDS = 32
+    F_FACTS = 32, /* of the line as a whole: FACT_WORDS */
+    F_HEADER_WORDS = 48
 };
-enum { FLAG_SCENE_INPUTS = 1, FLAG_STATIC = 2, FLAG_PINNED = 4, FLAG_ESTIMATE = 8 };
+enum {
+    FLAG_SCENE_INPUTS = 1, FLAG_STATIC = 2, FLAG_PINNED = 4, FLAG_ESTIMATE = 8,
+    FLAG_IGNORE = 16, /* inputs, while use_scene_inputs is true */
+    FLAG_MOVABLE = 32, /* the tow point's start may be set */
+    FLAG_AT_START = 64, /* input.timing begins as 2 */
+    FLAG_VESSEL_INPUT_UNIT = 128, FLAG_VESSEL_INPUT = 3 * 128 /* what vessel.input begins as */
+};
 #define FILE_MAGIC INT64_C(0x554d46454c424143) /* "CABLEFMU" */
 #define STATE_MAGIC INT64_C(0x5441545346434243)
-#define FILE_FORMAT 2
+#define FILE_FORMAT 3
+#define FURTHEST 1e7 /* of positions [m] */
+#define FASTEST 1e3  /* of velocities and rates [m/s] */
 
 /* A tunable coefficient: word = factor * value in the edges of a cable type or in one body. Or a
    length that is fixed at the start, of a cable of the line or on the drum: from the vessel outwards,
@@ -54,9 +68,21 @@ typedef struct {
 typedef struct {
     int64_t magic, words, checksum, kernels;
     char guid[40];
-    int64_t phase, use_scene_inputs, vessel_input, unsettled;
+    int64_t phase;
+    double applied[INPUT_WORDS]; /* what the kernels were given in the last step; recording.py */
+    int64_t use_scene_inputs, scene_inputs_given, vessel_input, vessel_input_given;
+    int64_t input_timing, unsettled;
+    int64_t set, position_set_in_run; /* which inputs the master has set: ..._SET */
     double start_time;
     double input[VR_INPUTS];
+    double start[VR_STARTS]; /* of the tow point */
+    /* Derivatives of the inputs that the master has set, for the next step only. */
+    int64_t has_slope;
+    double slope[VR_INPUTS][3];
+    /* The last step: its length [s], 0: none, how much longer it was than the one before, and the
+       inputs set for it. */
+    double last_step, growth, before[VR_INPUTS];
+    int64_t last_mode, last_driven, last_sloped; /* and what drove it */
 } Controls;
 
 typedef struct Cable {
@@ -67,9 +93,10 @@ typedef struct Cable {
     double *values; /* of the parameters */
     int64_t stations, bodies, parameter_count, image_words, block_words, flags;
     Controls now;
-    double slope[VR_INPUTS][3]; /* derivatives of the inputs, for the next step only */
-    int has_slope;
     int summary_current, stations_current;
+    int64_t *copy; /* of the block, for what uses it up; NULL until it is needed */
+    int rate_current;
+    double rate[3]; /* of the force on the vessel */
     int coarse; /* the shape at the start bends more than the exported elements can follow */
     /* The run that the errors of this one are estimated by; NULL where that is not asked for. Its
        block counts: inputs, parameters and phase are those of this one. */
@@ -91,6 +118,12 @@ int64_t cablemodel_place_supports(void *block, int64_t words);
 int64_t cablemodel_bodies(void *block, int64_t words, double *out, int64_t m);
 int64_t cablemodel_sample(void *block, int64_t words, double *s, int64_t n, double *out, int64_t m);
 int64_t cablemodel_summary(void *block, int64_t words, double *out, int64_t n);
+int64_t cablemodel_measure(void *block, int64_t words, double *facts, int64_t n);
+int64_t cablemodel_to_three_dimensions(void *block, int64_t words);
+int64_t cablemodel_force_rate(void *block, int64_t words, double last_step, double *out,
+                              int64_t n);
+int64_t cablemodel_force_response(void *block, int64_t words, double *motion, int64_t n, double *out,
+                                  int64_t m);
 
 /* Those of the direct solver, whose block has another magic number. */
 int64_t cablemodel_direct_work(void *block, int64_t words, int64_t task, double number,
@@ -126,8 +159,18 @@ double cable_time(const Cable *cable);
 int64_t step_cable(Cable *cable, double t_end, double dt, char *message, size_t size);
 const char *name_of(const Cable *cable, unsigned vr);
 const char *read_value(Cable *cable, unsigned vr, double *value);
+int64_t driven(const Cable *cable);
+int64_t vessel_input(const Cable *cable);
+int64_t inputs_of(unsigned vr);
+void mark_set(Cable *cable, unsigned vr);
 const char *check_value(Cable *cable, unsigned vr, double value);
 void write_value(Cable *cable, unsigned vr, double value);
+
+/* derivatives.c */
+const char *rate_of(Cable *cable, unsigned vr, double *value);
+const char *response_of(Cable *cable, const unsigned unknown[], size_t unknowns,
+                        const unsigned known[], size_t knowns, const double change[],
+                        double response[]);
 
 /* lengths.c */
 int lengths_changed(const Cable *cable);
@@ -136,6 +179,7 @@ const char *settle_cable(Cable *cable);
 /* saved_state.c */
 size_t state_bytes(const Cable *cable);
 void save_state(const Cable *cable, void *to);
+void write_state(const Cable *cable, const void *state, char *bytes);
 const char *check_state(const Cable *cable, const void *from, size_t bytes);
 const char *restore_state(Cable *cable, const void *from);
 

@@ -32,6 +32,7 @@ typedef struct {
     int logged;
     double stop_time;
     int has_stop_time;
+    int64_t warned; /* of which inputs that are set and do nothing */
 } Instance;
 
 static void say(fmi2CallbackLogger logger, fmi2ComponentEnvironment environment, const char *name,
@@ -204,6 +205,7 @@ fmi2Status fmi2Reset(fmi2Component c) {
     ALLOW(c, ANY);
     restart_cable(&in->cable);
     in->has_stop_time = 0;
+    in->warned = 0;
     return fmi2OK;
 }
 
@@ -245,8 +247,10 @@ fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t
     ALLOW(c, ANY);
     GIVEN(vr, count, value);
     for (size_t n = 0; n < count; n++) {
-        if (vr[n] != VR_VESSEL_INPUT) return unknown(in, __func__, vr[n]);
-        value[n] = (fmi2Integer)in->cable.now.vessel_input;
+        if (vr[n] != VR_VESSEL_INPUT && vr[n] != VR_INPUT_TIMING)
+            return unknown(in, __func__, vr[n]);
+        value[n] = (fmi2Integer)(vr[n] == VR_VESSEL_INPUT ? in->cable.now.vessel_input
+                                                          : in->cable.now.input_timing);
     }
     return fmi2OK;
 }
@@ -269,6 +273,28 @@ fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t 
     return count == 0 ? fmi2OK : unknown(in, __func__, vr == NULL ? 0 : vr[0]);
 }
 
+/* Say once of a group of inputs that it is set and does nothing. */
+static void warn_of_ignored(Instance *in, int64_t group) {
+    static const char *const names[] = {"vessel.velocity", "vessel.position", "payout.rate",
+                                        "current.velocity"};
+    const Cable *cable = &in->cable;
+    if (!(group & cable->now.set & ~in->warned)) return;
+    int64_t used = driven(cable);
+    const int64_t by = vessel_input(cable);
+    const int motion = VELOCITY_SET | POSITION_SET, moves = (used & motion) != 0;
+    used &= ~motion;
+    if (moves && by != BY_POSITION) used |= VELOCITY_SET;
+    if (moves && by != BY_VELOCITY) used |= POSITION_SET;
+    if (group & used) return;
+    int n = 0;
+    while (!(group >> n & 1)) n++;
+    in->warned |= group;
+    report(in, fmi2Warning, "%s is set but ignored: %s", names[n],
+           moves && (group & motion) ? "vessel.input says what moves the tow point"
+                                     : "use_scene_inputs is true, and was set so or exported to "
+                                       "ignore inputs; set it to false, or leave it");
+}
+
 /* All or nothing. */
 fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t count,
                        const fmi2Real value[]) {
@@ -283,6 +309,7 @@ fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t co
         }
     }
     for (size_t n = 0; n < count; n++) write_value(&in->cable, vr[n], value[n]);
+    for (size_t n = 0; n < count; n++) warn_of_ignored(in, inputs_of(vr[n]));
     return fmi2OK;
 }
 
@@ -291,10 +318,20 @@ fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t
     ALLOW(c, P1 | P2);
     GIVEN(vr, count, value);
     for (size_t n = 0; n < count; n++) {
-        if (vr[n] != VR_VESSEL_INPUT) return unknown(in, __func__, vr[n]);
-        if (value[n] < BY_VELOCITY || value[n] > BY_BOTH)
-            return report(in, fmi2Error, "fmi2SetInteger: vessel.input is %d, not 1 to 3", value[n]);
-        in->cable.now.vessel_input = value[n];
+        if (vr[n] != VR_VESSEL_INPUT && vr[n] != VR_INPUT_TIMING)
+            return unknown(in, __func__, vr[n]);
+        const int is_timing = vr[n] == VR_INPUT_TIMING, most = is_timing ? AT_START : BY_BOTH;
+        if (value[n] < 1 || value[n] > most)
+            return report(in, fmi2Error, "fmi2SetInteger: %s is %d, not 1 to %d",
+                          is_timing ? "input.timing" : "vessel.input", value[n], most);
+    }
+    for (size_t n = 0; n < count; n++) {
+        if (vr[n] == VR_INPUT_TIMING) {
+            in->cable.now.input_timing = value[n];
+        } else {
+            in->cable.now.vessel_input_given |= value[n] != in->cable.now.vessel_input;
+            in->cable.now.vessel_input = value[n];
+        }
     }
     return fmi2OK;
 }
@@ -306,6 +343,7 @@ fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t
     for (size_t n = 0; n < count; n++) {
         if (vr[n] != VR_USE_SCENE_INPUTS) return unknown(in, __func__, vr[n]);
         in->cable.now.use_scene_inputs = value[n] != fmi2False;
+        in->cable.now.scene_inputs_given = 1;
     }
     return fmi2OK;
 }
@@ -329,9 +367,14 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
         if (!(fabs(value[n]) < 1e100))
             return report(in, fmi2Error, "%s: a value is not finite", __func__);
     }
-    if (!in->cable.has_slope) memset(in->cable.slope, 0, sizeof in->cable.slope);
-    in->cable.has_slope = count > 0;
-    for (size_t n = 0; n < count; n++) in->cable.slope[vr[n]][order[n] - 1] = value[n];
+    Controls *now = &in->cable.now;
+    if (!now->has_slope) memset(now->slope, 0, sizeof now->slope);
+    now->has_slope = count > 0;
+    for (size_t n = 0; n < count; n++) {
+        now->slope[vr[n]][order[n] - 1] = value[n];
+        if (now->phase == STEPPING || value[n] != 0.0) mark_set(&in->cable, vr[n]);
+    }
+    for (size_t n = 0; n < count; n++) warn_of_ignored(in, inputs_of(vr[n]));
     return fmi2OK;
 }
 
@@ -339,9 +382,15 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReferenc
                                         size_t count, const fmi2Integer order[],
                                         fmi2Real value[]) {
     ALLOW(c, P3 | P4);
-    (void)vr, (void)order, (void)value;
-    return count == 0 ? fmi2OK
-                      : report(in, fmi2Error, "%s: no output derivatives are given", __func__);
+    GIVEN(vr, count, value);
+    GIVEN(vr, count, order);
+    for (size_t n = 0; n < count; n++) {
+        if (order[n] != 1)
+            return report(in, fmi2Error, "%s: order %d, not 1", __func__, order[n]);
+        const char *problem = rate_of(&in->cable, vr[n], &value[n]);
+        if (problem != NULL) return refused(in, __func__, vr[n], "", problem);
+    }
+    return fmi2OK;
 }
 
 /* -- steps ------------------------------------------------------------------------------------- */
@@ -353,6 +402,10 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real point, fmi2Real size, fmi2Boolea
     const double time = cable_time(cable);
     if (!(fabs(point) < 1e300) || !(fabs(size) < 1e300))
         return report(in, fmi2Error, "fmi2DoStep: the step is not finite");
+    if (size > LONGEST_STEP)
+        return report(in, fmi2Error,
+                      "fmi2DoStep: at t = %g s: a step of %g s is longer than any that is made (%g s)",
+                      time, size, (double)LONGEST_STEP);
     if (!(size > 0.0))
         return report(in, fmi2Error, "fmi2DoStep: at t = %g s: a step must go forward, not by %g s",
                       time, size);
@@ -426,6 +479,7 @@ fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
 fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) {
     ALLOW(c, ANY);
     if (state == NULL) return report(in, fmi2Error, "fmi2SetFMUstate: an argument is missing");
+    /* It is in memory, as it was saved: what comes from elsewhere is checked as it comes in. */
     const char *problem = restore_state(&in->cable, state);
     return problem == NULL ? fmi2OK : report(in, fmi2Error, "fmi2SetFMUstate: %s", problem);
 }
@@ -452,7 +506,7 @@ fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte b
     ALLOW(c, ANY);
     if (state == NULL || bytes == NULL || size < state_bytes(&in->cable))
         return report(in, fmi2Error, "fmi2SerializeFMUstate: an argument is missing or too small");
-    memcpy(bytes, state, state_bytes(&in->cable));
+    write_state(&in->cable, state, bytes);
     return fmi2OK;
 }
 
@@ -479,8 +533,13 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
                                         size_t unknown_count, const fmi2ValueReference known[],
                                         size_t known_count, const fmi2Real dv_known[],
                                         fmi2Real dv_unknown[]) {
-    ALLOW(c, ANY);
-    (void)unknowns, (void)unknown_count, (void)known, (void)known_count, (void)dv_known;
-    (void)dv_unknown;
-    return report(in, fmi2Error, "fmi2GetDirectionalDerivative: not provided");
+    ALLOW(c, P2 | P3 | P4);
+    GIVEN(unknowns, unknown_count, dv_unknown);
+    GIVEN(known, known_count, dv_known);
+    for (size_t n = 0; n < known_count; n++)
+        if (!(fabs(dv_known[n]) < 1e100))
+            return report(in, fmi2Error, "%s: a value is not finite", __func__);
+    const char *problem = response_of(&in->cable, unknowns, unknown_count, known, known_count,
+                                      dv_known, dv_unknown);
+    return problem == NULL ? fmi2OK : report(in, fmi2Error, "%s: %s", __func__, problem);
 }

@@ -29,6 +29,56 @@ int lengths_changed(const Cable *cable) {
     return 0;
 }
 
+static int differs(const double *a, const double *b) {
+    return a[0] != b[0] || a[1] != b[1] || a[2] != b[2];
+}
+
+static int velocity_changed(const Cable *cable) {
+    return differs(cable->now.start + 3, (const double *)cable->file + F_INPUTS + VR_VELOCITY);
+}
+
+static int position_changed(const Cable *cable) {
+    return differs(cable->now.start, (const double *)cable->file + F_INPUTS + VR_POSITION);
+}
+
+static int leaves_plane(const Cable *cable, const double *vector) {
+    const double *plane = cable->M + S_PLANE;
+    return cable->I[I_DIMENSION] == 2 && plane[0] * vector[1] - plane[1] * vector[0] != 0.0;
+}
+
+/* The tow point to the start that was set, at the velocity that was set, and the line with it; an
+   anchor stays. Until something drives it the vessel goes on so. */
+static void move_start(Cable *cable) {
+    double *M = cable->M, way[3];
+    int64_t *I = cable->I;
+    const double *scene = (const double *)cable->file + F_INPUTS, *start = cable->now.start;
+    if (!position_changed(cable) && !velocity_changed(cable)) return;
+    for (int i = 0; i < 3; i++) way[i] = start[i] - scene[VR_POSITION + i];
+    if ((I[I_CONSTRAINTS] > 1 && leaves_plane(cable, way)) ||
+        (velocity_changed(cable) && leaves_plane(cable, start + 3)))
+        cablemodel_to_three_dimensions(I, cable->block_words);
+    for (int i = 0; i < 3; i++) {
+        M[S_BASE + i] += way[i];
+        M[S_SHIFT + i] += way[i];
+    }
+    for (int64_t n = 0; n < I[I_CONSTRAINTS]; n++) {
+        double *row = M + I[O_CONSTRAINT] + n * CONSTRAINT_WORDS;
+        if (row[C_KIND] != (double)C_ANCHOR) continue;
+        if (I[I_DIMENSION] == 2) {
+            row[C_POSITION] -= M[S_PLANE] * way[0] + M[S_PLANE + 1] * way[1];
+            row[C_POSITION + 1] -= way[2];
+        } else {
+            for (int i = 0; i < 3; i++) row[C_POSITION + i] -= way[i];
+        }
+    }
+    if (velocity_changed(cable)) {
+        double *live = M + I[O_PIECES];
+        memset(live, 0, PIECE_WORDS * sizeof(double));
+        memcpy(live + P_DATA, start, VR_STARTS * sizeof(double));
+        I[I_LIVE] = 1;
+    }
+}
+
 /* An anchor that the line cannot reach, however much it stretches; see scene/schema.py. */
 static int out_of_reach(Cable *cable) {
     const double *anchor = NULL, *vessel = cable->M + cable->I[O_POSITION];
@@ -48,7 +98,16 @@ static int out_of_reach(Cable *cable) {
         length += cable->values[n];
         reach += cable->values[n] * cable->parameters[n].reach;
     }
-    for (int64_t i = 0; i < I[I_DIMENSION]; i++) square += pow(anchor[i] - vessel[i], 2.0);
+    const double *scene = (const double *)cable->file + F_INPUTS, *plane = cable->M + S_PLANE;
+    double away[3];
+    for (int i = 0; i < 3; i++) away[i] = scene[VR_POSITION + i] - cable->now.start[i];
+    if (I[I_DIMENSION] == 2) {
+        for (int i = 0; i < 2; i++) away[i] += plane[i] * (anchor[0] - vessel[0]);
+        away[2] += anchor[1] - vessel[1];
+    } else {
+        for (int i = 0; i < 3; i++) away[i] += anchor[i] - vessel[i];
+    }
+    for (int i = 0; i < 3; i++) square += away[i] * away[i];
     if (sqrt(square) <= reach) return 0;
     snprintf(cable->message, sizeof cable->message,
              "the anchor is %g m from the vessel, out of reach of %g m of line", sqrt(square),
@@ -165,52 +224,42 @@ static void arrange_winch(Cable *cable, double from, double to, double growth) {
     M[S_TRAVEL_LEAST] = -above - (1.0 - SHORTEST_LINE) * M[S_LENGTH];
 }
 
-/* All that cablemodel/instance derives from the lengths of the line as a whole. */
-static void scale_line(Cable *cable, double from, double to, double growth) {
-    double *M = cable->M;
+/* What follows from the lengths of the line as a whole: facts_of of cablemodel/instance/tables.py. */
+static void measure_line(Cable *cable, double share) {
+    double facts[FACT_WORDS], drag = 0.0, mass = 0.0;
     const int64_t *I = cable->I;
-    M[S_LENGTH] *= growth;
-    M[S_TIME_TOLERANCE] *= growth;
-    M[S_BENT] *= growth;
-    M[S_PERIOD] *= sqrt(growth);
-    M[S_FIRST_STEP] *= sqrt(growth);
-    M[S_STEP] *= sqrt(growth);
-    M[S_SMALLEST_STEP] *= sqrt(growth);
-    double stretch = 0.0, mass = 0.0, drag = 0.0, bodies = 0.0, bending = 0.0;
+    double *M = cable->M;
+    memcpy(facts, cable->file + F_FACTS, sizeof facts);
     for (int64_t n = 0; n < cable->parameter_count; n++) {
         const Parameter *p = &cable->parameters[n];
         if (p->kind != OF_LINE) continue;
-        const double length = length_of(cable, n, to);
+        const double length = length_of(cable, n, share), longer = length - p->start;
         const double *edge = row_of(cable, p->index) + K_EDGE;
-        M[S_TENSION_SCALE] += p->factor * (length - length_of(cable, n, from));
-        stretch += edge[E_COMPLIANCE] * length;
-        mass += (edge[E_MASS] - edge[E_ADDED]) * length;
+        const double dry = edge[E_MASS] - edge[E_ADDED];
+        facts[FACT_LENGTH] += longer;
+        facts[FACT_SOFTNESS] += edge[E_COMPLIANCE] * longer;
+        facts[FACT_MASS] += dry * longer;
+        facts[FACT_TENSION] += p->factor * longer;
+        mass += dry * length;
         drag += 2.0 * edge[E_DRAG_NORMAL] * length;
-        bending = fmax(bending, edge[E_BENDING_FULL]);
     }
+    facts[FACT_DAMPING] = drag * facts[FACT_LENGTH] / mass;
+    cablemodel_measure(cable->I, cable->block_words, facts, FACT_WORDS);
     for (int64_t n = 0; n < I[I_BODIES]; n++) {
         double *row = M + I[O_BODY] + n * BODY_WORDS;
-        if (row[B_NODE] >= 0.0) bodies += row[B_MASS];
         if (row[B_LENGTH] == 0.0) continue;
         row[B_PULL] = row[B_PULL + 1] = M[S_TENSION_SCALE];
+        row[B_CLAMP] = row[B_CLAMP + 1] = 0.0;
         if (row[B_TIE] != 0.0) row[B_TIE] = M[S_TENSION_SCALE] * row[B_LENGTH];
         row[B_COMPLIANCE] =
-            fmin(row[B_LENGTH] / (RIGID * M[S_TENSION_SCALE]), SOFTEST * stretch);
+            fmin(row[B_LENGTH] / (RIGID * M[S_TENSION_SCALE]), SOFTEST * facts[FACT_SOFTNESS]);
     }
     M[S_CLAMP_PULL] = M[S_TENSION_SCALE];
-    M[S_AXIAL] = 1.0 / (stretch * (mass + bodies));
-    const double undamped = drag * M[S_LENGTH] / mass < LIGHT_DAMPING;
-    if (I[I_DRAG] != 0 && undamped != M[S_UNDAMPED]) {
-        M[S_TIME_TOLERANCE] *= undamped != 0.0 ? LIGHTLY_DAMPED : 1.0 / LIGHTLY_DAMPED;
-        M[S_BENT] *= undamped != 0.0 ? WHIPS / BENDS : BENDS / WHIPS;
+    for (int64_t n = 0; n < I[I_CONSTRAINTS]; n++) { /* a clamp past which cable runs */
+        double *row = M + I[O_CONSTRAINT] + n * CONSTRAINT_WORDS;
+        if (row[C_CLAMPED] == (double)BY_SPRING)
+            memset(row + C_SPRING, 0, (CONSTRAINT_WORDS - C_SPRING) * sizeof(double));
     }
-    const int slack = isinf(M[S_LARGEST_TENSION]);
-    if (undamped != 0.0 && slack) M[S_BENT] = 0.0;
-    const int forgets = M[S_WATER_DENSITY] > 0.0 && !(bending > 0.0 && slack && undamped != 0.0);
-    M[S_MEMORY] = forgets ? MEMORY * M[S_PERIOD] : 0.0;
-    const double finest = undamped != 0.0 ? FINEST_IN_AIR : FINEST_IN_WATER;
-    M[S_ORDER_3] = slack && M[S_TOLERANCE] >= finest ? ORDER_3_FIRST : 0.0;
-    M[S_UNDAMPED] = undamped;
 }
 
 static void stabilise_row(Cable *cable, double *edge, double tension, int *changed) {
@@ -260,9 +309,34 @@ static void rest_here(Cable *cable) {
                 cable->M[I[O_POSITION] + 2 * dimension * node + i];
 }
 
+/* The frame in which a static shape is at rest: its velocity in the block's coordinates. */
+static void frame_of(const Cable *cable, double frame[3]) {
+    const double *velocity = cable->now.start + 3, *plane = cable->M + S_PLANE;
+    memcpy(frame, cable->file + F_FRAME, 3 * sizeof(double));
+    if (!velocity_changed(cable)) return;
+    memcpy(frame, velocity, 3 * sizeof(double));
+    if (cable->I[I_DIMENSION] == 3) return;
+    frame[0] = plane[0] * velocity[0] + plane[1] * velocity[1];
+    frame[1] = velocity[2];
+}
+
+/* What holds the ends, at the start of a motion, but for accelerations: they begin after t = 0. */
+static void keep_accelerations(Cable *cable, int64_t (*place)(void *, int64_t)) {
+    const int64_t *I = cable->I, size = 2 * I[I_DIMENSION];
+    double kept[2][6];
+    for (int after = 0; after < 2; after++) {
+        for (int64_t n = 0; n < I[I_CONSTRAINTS] && n < 2; n++) {
+            const double *row = cable->M + I[O_CONSTRAINT] + n * CONSTRAINT_WORDS;
+            double *a = cable->M + I[O_ACCELERATION] + size * (int64_t)row[C_NODE];
+            memcpy(after ? a : kept[n], after ? kept[n] : a, (size_t)size * sizeof(double));
+        }
+        if (!after) place(cable->I, cable->block_words);
+    }
+}
+
 static int64_t solve_static(Cable *cable) {
     double frame[3];
-    memcpy(frame, cable->file + F_FRAME, sizeof frame);
+    frame_of(cable, frame);
     const int held = cable->I[I_CONSTRAINTS] > 1;
     const double friction = cable->M[S_FRICTION];
     /* A free end comes to rest without friction; it holds the line from there. */
@@ -271,7 +345,7 @@ static int64_t solve_static(Cable *cable) {
         cablemodel_equilibrium(cable->I, cable->block_words, frame, cable->I[I_DIMENSION]);
     cable->M[S_FRICTION] = friction;
     if (!held) rest_here(cable);
-    if (status == OK) cablemodel_place_supports(cable->I, cable->block_words);
+    if (status == OK) keep_accelerations(cable, cablemodel_place_supports);
     return status;
 }
 
@@ -283,6 +357,7 @@ static int64_t find_initial_state(Cable *cable) {
     for (int64_t node = 1; node < cable->I[I_NODES]; node++)
         edge_of(cable, node)[E_BENDING] = edge_of(cable, node)[E_BENDING_FULL];
     cablemodel_place_supports(cable->I, words);
+    if (!is_static) rest_here(cable);
     if (is_static) status = solve_static(cable);
     else cablemodel_tension_from_stretch(cable->I, words);
     if (status == OK && stabilise(cable) && is_static) status = solve_static(cable);
@@ -334,33 +409,45 @@ static int bends_too_much(const Cable *cable) {
     return 0;
 }
 
-/* The lengths at `to` from those at `from`, in shares of the way from the scene's to those set. */
+/* The lengths at `to` from those at `from`, in shares of the way from the scene's to those set; and
+   the start that was set. */
 static int64_t stretch_line(Cable *cable, double from, double to) {
     double before = 0.0, after = 0.0;
+    const int resized = lengths_changed(cable);
     for (int64_t n = 0; n < cable->parameter_count; n++) {
         if (cable->parameters[n].kind != OF_LINE) continue;
         before += length_of(cable, n, from);
         after += length_of(cable, n, to);
     }
-    scale_elements(cable, from, to);
-    scale_line(cable, from, to, after / before);
-    back_to_the_anchor(cable);
-    arrange_winch(cable, from, to, after / before);
+    if (resized) scale_elements(cable, from, to);
+    measure_line(cable, to);
+    if (from == 0.0) move_start(cable);
+    if (resized || position_changed(cable)) back_to_the_anchor(cable);
+    if (resized) arrange_winch(cable, from, to, after / before);
     forget_stabilisation(cable);
     return find_initial_state(cable);
 }
 
 /* From the exported state, so that it does not matter in which order values were set; in one leap or,
    where that fails, in steps. */
+static int moves_at_its_anchor(const Cable *cable) {
+    const double *velocity = cable->now.start + 3;
+    return (cable->flags & FLAG_STATIC) && cable->I[I_CONSTRAINTS] > 1 &&
+           (velocity[0] != 0.0 || velocity[1] != 0.0 || velocity[2] != 0.0);
+}
+
 static const char *settle(Cable *cable) {
     int64_t status = STATICS_FAILED;
     const int resized = lengths_changed(cable);
     restore_exported(cable);
-    if (!resized) {
-        if ((cable->flags & FLAG_STATIC) == 0) return NULL;
-        status = is_direct(cable->I) ? direct_settle(cable) : find_initial_state(cable);
+    if (is_direct(cable->I)) {
+        if (cable->flags & FLAG_STATIC) status = direct_settle(cable);
+        else status = OK;
     } else if (out_of_reach(cable)) {
         return cable->message;
+    } else if (moves_at_its_anchor(cable)) {
+        return "an anchored line has no steady state while the vessel moves: vessel.start_velocity "
+               "must be 0";
     } else {
         for (int leaps = 1; leaps <= 16 && status != OK; leaps *= 4) {
             restore_exported(cable);
@@ -373,8 +460,7 @@ static const char *settle(Cable *cable) {
         cable->coarse = resized && (cable->flags & FLAG_STATIC) != 0 && bends_too_much(cable);
         return NULL;
     }
-    return resized ? "no static equilibrium was found for these lengths and coefficients"
-                   : "no static equilibrium was found for these coefficients";
+    return "no static equilibrium was found for these lengths, coefficients and start";
 }
 
 /* The finer run at the same values; one that has no start there is left behind. */

@@ -146,7 +146,8 @@ const char *check_block(const int64_t *I, int64_t image_words, int64_t block_wor
         !within(I[I_ASLEEP], 0, nodes - 2) || I[I_LEFT_OUT] != 0)
         return "a counter in the model is out of range";
     if (I[I_CURRENT] == 1 && I[I_DEPTHS] != 1) return "a counter in the model is out of range";
-    if (!within(I[I_FLOOR], FLOOR_NONE, FLOOR_TABLE) || !within(I[I_FLOOR_X], 0, LARGEST_COUNT) ||
+    if (!within(I[I_FLOOR], FLOOR_NONE, FLOOR_TABLE) ||
+        !within(I[I_FLOOR_STATE], FLOOR_FAR, I[I_FLOOR] ? FLOOR_TOUCHED : FLOOR_FAR) || !within(I[I_FLOOR_X], 0, LARGEST_COUNT) ||
         !within(I[I_FLOOR_Y], 0, LARGEST_COUNT) ||
         (I[I_FLOOR] == FLOOR_TABLE &&
          (I[I_FLOOR_X] < 2 || I[I_FLOOR_Y] < 1 ||
@@ -235,7 +236,7 @@ static const char *check_parameters(const Cable *cable, const int64_t *I) {
 
 static const char *check_file(Cable *cable, int64_t count, const char *guid) {
     const int64_t *file = cable->file;
-    if (file[F_MAGIC] != FILE_MAGIC || file[F_FORMAT] != FILE_FORMAT)
+    if (file[F_MAGIC] != FILE_MAGIC || file[F_FORMAT] != FILE_FORMAT || count < F_HEADER_WORDS)
         return "not a model of this version";
     if (file[F_WORDS] != count) return "truncated or too long";
     if ((uint32_t)file[F_CHECKSUM] != checksum(file + F_KERNELS, 8 * (size_t)(count - F_KERNELS)))
@@ -259,6 +260,11 @@ static const char *check_file(Cable *cable, int64_t count, const char *guid) {
     for (int n = 0; n < VR_INPUTS + 3; n++)
         if (!(fabs(((const double *)file)[F_INPUTS + n]) < 1e100))
             return "a start value is not finite";
+    for (int n = 0; n < FACT_WORDS; n++)
+        if (!(fabs(((const double *)file)[F_FACTS + n]) < 1e100))
+            return "a number of the line as a whole is not finite";
+    if (!within((cable->flags & FLAG_VESSEL_INPUT) / FLAG_VESSEL_INPUT_UNIT, BY_VELOCITY, BY_BOTH))
+        return "a start value is out of range";
     cable->parameters = (const Parameter *)(file + F_HEADER_WORDS);
     const int64_t *image = file + F_HEADER_WORDS + row * cable->parameter_count;
     const char *problem = check_block(image, cable->image_words, cable->block_words);
@@ -328,4 +334,5 @@ void free_cable(Cable *cable) {
     free(cable->values);
     free(cable->arcs);
     free(cable->rows);
+    free(cable->copy);
 }

@@ -1,5 +1,9 @@
 /* The state of an instance as one piece of memory: controls, parameters, image of the block, and of
-   the finer run's where errors are estimated. */
+   the finer run's where errors are estimated.
+
+   In memory only what is in use of an image is copied, into its own place: a master that rolls back
+   does so at every step. What is written for elsewhere is whole, with a checksum, and is checked
+   when it is read. */
 #include <math.h>
 #include <string.h>
 
@@ -10,25 +14,78 @@ size_t state_bytes(const Cable *cable) {
     return sizeof(Controls) + 8 * (size_t)(cable->parameter_count + cable->image_words + finer);
 }
 
+typedef struct {
+    int64_t at, words;
+} Part;
+enum { TABLES = 3, PARTS = TABLES + 15 };
+
+/* What of an image is in use, as in kernels/backup.py: what may change but for the nodes, then the
+   arrays of the nodes. Tables of the scene never change. */
+static void parts_of(const int64_t *I, Part parts[PARTS]) {
+    const int64_t size = 2 * I[I_DIMENSION], nodes = I[I_NODES];
+    const struct {
+        int64_t array, words;
+    } of_nodes[PARTS - TABLES] = {
+        {O_PARENT, 1}, {O_JOINT, 1}, {O_EDGE, EDGE_WORDS}, {O_POSITION, size}, {O_VELOCITY, size},
+        {O_ACCELERATION, size}, {O_TENSION, 2}, {O_TENSION_RATE, 2}, {O_REST, 3},
+        {O_HISTORY, 2 * size}, {O_DIAGONAL, size * size}, {O_UPPER, size * size},
+        {O_LOWER, size * size}, {O_GRADIENT, 4 * size}, {O_COMPLIANCE, 3}};
+    parts[0] = (Part){0, I[O_PIECES] + PIECE_WORDS};
+    parts[1] = (Part){I[O_CABLES], I[I_CABLES] * CABLE_WORDS};
+    parts[2] = (Part){I[O_BODY], I[O_POSITION] - I[O_BODY]};
+    for (int n = TABLES; n < PARTS; n++)
+        parts[n] = (Part){I[of_nodes[n - TABLES].array], nodes * of_nodes[n - TABLES].words};
+}
+
+/* What is in use of an image, into the place of another one of the same model. */
+static void copy_used(const Cable *cable, void *to, const int64_t *from) {
+    if (is_direct(from)) {
+        memcpy(to, from, 8 * (size_t)cable->image_words);
+        return;
+    }
+    Part parts[PARTS];
+    parts_of(from, parts);
+    for (int n = 0; n < PARTS; n++)
+        memcpy((char *)to + 8 * parts[n].at, from + parts[n].at, 8 * (size_t)parts[n].words);
+}
+
+static const int64_t *images_in(const Cable *cable, const void *state) {
+    const size_t before = sizeof(Controls) + 8 * (size_t)cable->parameter_count;
+    return (const int64_t *)((const char *)state + before);
+}
+
+void save_state(const Cable *cable, void *to) {
+    memcpy(to, &cable->now, sizeof(Controls));
+    memcpy((char *)to + sizeof(Controls), cable->values, 8 * (size_t)cable->parameter_count);
+    int64_t *image = (int64_t *)images_in(cable, to);
+    for (; cable != NULL; image += cable->image_words, cable = cable->finer)
+        copy_used(cable, image, cable->I);
+}
+
 static uint32_t state_checksum(const void *state, size_t bytes) {
     const size_t skip = offsetof(Controls, kernels);
     return checksum((const char *)state + skip, bytes - skip);
 }
 
-void save_state(const Cable *cable, void *to) {
-    char *at = to;
-    const size_t parameters = 8 * (size_t)cable->parameter_count;
-    memcpy(at, &cable->now, sizeof(Controls));
-    memcpy(at + sizeof(Controls), cable->values, parameters);
-    at += sizeof(Controls) + parameters;
-    memcpy(at, cable->I, 8 * (size_t)cable->image_words);
-    if (cable->finer != NULL)
-        memcpy(at + 8 * cable->image_words, cable->finer->I,
-               8 * (size_t)cable->finer->image_words);
-    ((Controls *)to)->checksum = state_checksum(to, state_bytes(cable));
+/* A state as it leaves the instance: whole, what is not in use zero. The bytes may lie anywhere. */
+void write_state(const Cable *cable, const void *state, char *bytes) {
+    const size_t before = sizeof(Controls) + 8 * (size_t)cable->parameter_count;
+    const int64_t *image = images_in(cable, state);
+    char *at = bytes + before;
+    memcpy(bytes, state, before);
+    for (const Cable *one = cable; one != NULL; one = one->finer) {
+        const int64_t first = is_direct(image) ? 0 : image[O_PARENT];
+        memcpy(at, initial_image(one), 8 * (size_t)first);
+        memset(at + 8 * first, 0, 8 * (size_t)(one->image_words - first));
+        copy_used(one, at, image);
+        image += one->image_words;
+        at += 8 * one->image_words;
+    }
+    const int64_t sum = state_checksum(bytes, state_bytes(cable));
+    memcpy(bytes + offsetof(Controls, checksum), &sum, sizeof sum);
 }
 
-/* NULL if a saved state is whole and of this FMU. */
+/* NULL if a state that was written is whole and of this FMU. */
 const char *check_state(const Cable *cable, const void *from, size_t bytes) {
     Controls then;
     if (bytes != state_bytes(cable)) return "the state has a wrong size";
@@ -37,17 +94,26 @@ const char *check_state(const Cable *cable, const void *from, size_t bytes) {
     if (then.kernels != cable->now.kernels || memcmp(then.guid, cable->now.guid, sizeof then.guid))
         return "the state belongs to another FMU";
     if (then.checksum != (int64_t)state_checksum(from, bytes)) return "the state is corrupted";
+    const int64_t flags = then.use_scene_inputs | then.scene_inputs_given | then.unsettled |
+                          then.vessel_input_given | then.has_slope;
     if (then.vessel_input < BY_VELOCITY || then.vessel_input > BY_BOTH ||
-        (then.use_scene_inputs | 1) != 1 || (then.unsettled | 1) != 1 ||
-        then.phase < INSTANTIATED || then.phase > TERMINATED || !(fabs(then.start_time) < 1e300))
+        then.input_timing < AT_END || then.input_timing > AT_START || (flags | 1) != 1 ||
+        (then.set | ALL_SET) != ALL_SET || !(then.last_step >= 0.0 && then.last_step < 1e300) ||
+        !(fabs(then.growth) < 1e300) || then.phase < INSTANTIATED || then.phase > TERMINATED ||
+        !(fabs(then.start_time) < 1e300))
         return "the state is corrupted";
     for (int n = 0; n < VR_INPUTS; n++)
-        if (!(fabs(then.input[n]) < 1e100)) return "the state is corrupted";
+        if (!(fabs(then.input[n]) < 1e100) || !(fabs(then.before[n]) < 1e100) ||
+            !(fabs(then.slope[n][0]) < 1e100) || !(fabs(then.slope[n][1]) < 1e100) ||
+            !(fabs(then.slope[n][2]) < 1e100))
+            return "the state is corrupted";
+    for (int n = 0; n < VR_STARTS; n++)
+        if (!(fabs(then.start[n]) < 1e100)) return "the state is corrupted";
     const double *values = (const double *)((const char *)from + sizeof then);
     for (int64_t n = 0; n < cable->parameter_count; n++)
         if (!(values[n] >= cable->parameters[n].minimum && values[n] <= cable->parameters[n].maximum))
             return "the state is corrupted";
-    const int64_t *image = (const int64_t *)(values + cable->parameter_count);
+    const int64_t *image = images_in(cable, from);
     for (; cable != NULL; image += cable->image_words, cable = cable->finer) {
         if (image[I_MAGIC] != cable->I[I_MAGIC]) return "the state is corrupted";
         const char *problem = check_block(image, cable->image_words, cable->block_words);
@@ -56,20 +122,34 @@ const char *check_state(const Cable *cable, const void *from, size_t bytes) {
     return NULL;
 }
 
-/* Take over a saved state; if it is refused nothing changes. */
+/* The image as it was; of nodes that there were not, nothing is left. */
+static void restore_image(const Cable *cable, const int64_t *from) {
+    Part now[PARTS], then[PARTS];
+    if (!is_direct(from)) {
+        parts_of(cable->I, now);
+        parts_of(from, then);
+        for (int n = TABLES; n < PARTS; n++)
+            if (now[n].words > then[n].words)
+                memset(cable->I + now[n].at + then[n].words, 0,
+                       8 * (size_t)(now[n].words - then[n].words));
+    }
+    copy_used(cable, cable->I, from);
+}
+
+/* Take over a state that was saved, or checked, here; another one's is refused, and nothing
+   changes. */
 const char *restore_state(Cable *cable, const void *from) {
-    const char *problem = check_state(cable, from, state_bytes(cable));
-    if (problem != NULL) return problem;
-    const char *at = from;
-    const size_t parameters = 8 * (size_t)cable->parameter_count;
-    memcpy(&cable->now, at, sizeof(Controls));
-    memcpy(cable->values, at + sizeof(Controls), parameters);
-    at += sizeof(Controls) + parameters;
-    memcpy(cable->I, at, 8 * (size_t)cable->image_words);
-    if (cable->finer != NULL)
-        memcpy(cable->finer->I, at + 8 * cable->image_words,
-               8 * (size_t)cable->finer->image_words);
-    cable->has_slope = 0;
+    const Controls *then = from;
+    if (then->magic != STATE_MAGIC || then->words != cable->now.words)
+        return "not a state of this FMU";
+    if (then->kernels != cable->now.kernels ||
+        memcmp(then->guid, cable->now.guid, sizeof then->guid))
+        return "the state belongs to another FMU";
+    memcpy(&cable->now, from, sizeof(Controls));
+    memcpy(cable->values, then + 1, 8 * (size_t)cable->parameter_count);
+    const int64_t *image = images_in(cable, from);
+    for (Cable *one = cable; one != NULL; image += one->image_words, one = one->finer)
+        restore_image(one, image);
     outputs_changed(cable);
     return NULL;
 }

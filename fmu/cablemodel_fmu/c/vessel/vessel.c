@@ -1,13 +1,16 @@
-/* A vessel for co-simulation tests: mass, thrust along x, quadratic resistance; cable force in. */
+/* The vessel of an exported system (cablemodel_fmu/system.py): mass, thrust along x, quadratic
+   resistance; cable force in, velocity and position out. It floats: no heave. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "fmi2Functions.h"
 
-/* References: 0-2 force on the vessel, 3-5 velocity, 6-8 position, 9 mass, 10 thrust, 11 resistance. */
-typedef struct { double value[12]; } Vessel;
-static const double start[12] = {[9] = 5000.0, [10] = 300.0, [11] = 200.0};
+/* References: 0-2 force on the vessel, 3-5 velocity, 6-8 position, 9 mass, 10 thrust, 11 resistance,
+   12-14 velocity and 15-17 position at the start. */
+enum { WORDS = 18 };
+typedef struct { double value[WORDS]; } Vessel;
+static const double start[WORDS] = {[9] = 5000.0, [10] = 300.0, [11] = 200.0};
 
 fmi2Component fmi2Instantiate(fmi2String a, fmi2Type b, fmi2String c, fmi2String d,
                               const fmi2CallbackFunctions *e, fmi2Boolean f, fmi2Boolean g) {
@@ -37,7 +40,7 @@ fmi2Status fmi2Reset(fmi2Component c) {
 }
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Real value[]) {
     for (size_t k = 0; k < n; k++) {
-        if (vr[k] > 11) return fmi2Error;
+        if (vr[k] >= WORDS) return fmi2Error;
         value[k] = ((Vessel *)c)->value[vr[k]];
     }
     return fmi2OK;
@@ -45,8 +48,9 @@ fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n,
 fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n,
                        const fmi2Real value[]) {
     for (size_t k = 0; k < n; k++) {
-        if (vr[k] > 11) return fmi2Error;
+        if (vr[k] >= WORDS) return fmi2Error;
         ((Vessel *)c)->value[vr[k]] = value[k];
+        if (vr[k] >= 12) ((Vessel *)c)->value[vr[k] - 9] = value[k];
     }
     return fmi2OK;
 }
@@ -69,7 +73,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real dt, fmi2Boolean b) {
     const double h = dt / parts;
     for (int n = 0; n < parts; n++) {
         const double speed = sqrt(x[3] * x[3] + x[4] * x[4]);
-        for (int i = 0; i < 2; i++) { /* it floats: no heave */
+        for (int i = 0; i < 2; i++) {
             const double thrust = i == 0 ? x[10] : 0.0;
             x[3 + i] += h * (thrust + x[i] - x[11] * speed * x[3 + i]) / x[9];
             x[6 + i] += h * x[3 + i];

@@ -1,0 +1,210 @@
+"""How the force at the tow point follows time and motion there, for what is coupled to it.
+
+Both kernels use the block up: whoever asks works on a copy.
+"""
+
+from .compile import kernel, outlined, view
+from .layout import (
+    I_NODES,
+    JOINT_HINGE,
+    O_ACCELERATION,
+    O_CONSTRAINT_RESIDUAL,
+    O_DIAGONAL,
+    O_INCREMENT,
+    O_JOINT,
+    O_LOWER,
+    O_MOTION,
+    O_PARENT,
+    O_POSITION,
+    O_RESIDUAL,
+    O_TENSION,
+    O_TRIAL_A,
+    O_TRIAL_Q,
+    O_TRIAL_T,
+    O_TRIAL_V,
+    O_UPPER,
+    O_VELOCITY,
+    S_TIME,
+)
+from .outputs import end_forces
+from .promote import promote
+from .system import (
+    factorise,
+    impose_motion,
+    jacobian,
+    newton_increment,
+    recover_tension,
+    residual,
+    set_time,
+)
+
+AHEAD = 0.25  # of the caller's last step: the time over which a rate of the force is taken
+ITERATIONS = 2  # of Newton's method for it: tensions are linear in what little changes
+
+
+@kernel
+def force_at_top(I, y, i):
+    """Component of the forces y that acts where the line begins: at node 0 and hinges there."""
+    total = y[i]
+    for node in range(1, I[I_NODES]):
+        above = node
+        while above > 0 and I[I[O_JOINT] + above] == JOINT_HINGE:
+            above = I[I[O_PARENT] + above]
+        if above == 0:
+            total += y[6 * node + i]
+    return total
+
+
+@kernel
+def top_reaction(I, forces, out):
+    """Force of the cable on the vessel, earth frame, into out[0:3]: less that of the support."""
+    for i in range(3):
+        out[i] = -force_at_top(I, forces, i)
+
+
+@outlined
+def increment(I, M, forces, constraint, x):
+    """`newton_increment`, once for both kernels."""
+    newton_increment(I, M, forces, constraint, x)
+
+
+@kernel
+def rate_of_force(I, M, last_step, out):
+    """Time derivative of the force of the cable on the vessel, earth frame, into out[0:3] [N/s].
+
+    What a single implicit step ahead makes of it, a quarter of the caller's last step long, with
+    the vessel's acceleration of now: a state's own rates ring, with waves along the line.
+    """
+    promote(I, M)
+    count = 6 * I[I_NODES]
+    words = 2 * I[I_NODES]
+    q = view(M, I[O_TRIAL_Q], count)
+    v = view(M, I[O_TRIAL_V], count)
+    a = view(M, I[O_TRIAL_A], count)
+    tension = view(M, I[O_TRIAL_T], words)
+    forces = view(M, I[O_RESIDUAL], count)
+    constraint = view(M, I[O_CONSTRAINT_RESIDUAL], words)
+    x = view(M, I[O_INCREMENT], count)
+    before = view(M, I[O_MOTION] + 16, 3)
+    span = AHEAD * last_step
+    end_forces(I, M)
+    top_reaction(I, forces, out)
+    for n in range(words):
+        tension[n] = M[I[O_TENSION] + n]
+    for n in range(count):
+        a[n] = M[I[O_ACCELERATION] + n]
+        v[n] = M[I[O_VELOCITY] + n] + span * a[n]
+        q[n] = M[I[O_POSITION] + n] + span * (M[I[O_VELOCITY] + n] + 0.5 * span * a[n])
+    time = M[S_TIME] + span
+    set_time(I, M, time)
+    impose_motion(I, M, time, q, v, a)
+    cv = 2.0 / span
+    ca = 2.0 / (span * span)
+    if factorise(I, M, q, v, a, tension, ca, cv) != 0:
+        for i in range(3):
+            out[i] = 0.0
+        return
+    for _iteration in range(ITERATIONS):
+        residual(I, M, q, v, a, tension, forces, constraint)
+        increment(I, M, forces, constraint, x)
+        for n in range(count):
+            q[n] += x[n]
+            v[n] += cv * x[n]
+            a[n] += ca * x[n]
+        recover_tension(I, M, constraint, x, tension)
+    residual(I, M, q, v, a, tension, forces, constraint)
+    for i in range(3):
+        before[i] = out[i]
+    top_reaction(I, forces, out)
+    for i in range(3):
+        out[i] = (out[i] - before[i]) / span
+
+
+@kernel
+def assemble_here(I, M, cv, ca):
+    """K + cv C + ca M at the state, of a model in three dimensions, into the matrix arrays."""
+    count = 6 * I[I_NODES]
+    set_time(I, M, M[S_TIME])
+    jacobian(
+        I,
+        M,
+        view(M, I[O_POSITION], count),
+        view(M, I[O_VELOCITY], count),
+        view(M, I[O_ACCELERATION], count),
+        view(M, I[O_TENSION], 2 * I[I_NODES]),
+        ca,
+        cv,
+    )
+
+
+@kernel
+def add_product(I, M, x, y):
+    """y += (assembled matrix) x; a hinge is where its parent is."""
+    for node in range(1, I[I_NODES]):
+        if I[I[O_JOINT] + node] == JOINT_HINGE:
+            for i in range(3):
+                x[6 * node + i] = x[6 * I[I[O_PARENT] + node] + i]
+    for node in range(I[I_NODES]):
+        tied = node > 0 and I[I[O_JOINT] + node] != JOINT_HINGE
+        parent = 6 * I[I[O_PARENT] + node] if tied else 0
+        for i in range(6):
+            for j in range(6):
+                at = 36 * node + 6 * i + j
+                y[6 * node + i] += M[I[O_DIAGONAL] + at] * x[6 * node + j]
+                if tied:
+                    y[parent + i] += M[I[O_UPPER] + at] * x[6 * node + j]
+                    y[6 * node + i] += M[I[O_LOWER] + at] * x[parent + j]
+
+
+@kernel
+def response_to_motion(I, M, motion, out):
+    """What a small change of the tow point's motion does to the force on the vessel [N].
+
+    The change began a time ago, motion[9] [s], and is now motion[0:3] in position, [3:6] in
+    velocity, [6:9] in acceleration (earth frame). Other nodes follow with the Newton matrix of one
+    step of that length in which accelerations are constant: M, C and K act on a change x of
+    position as (2/T^2 M + 2/T C + K) x. out: the change of the force (3). Returns 0, or 1 + the
+    node whose pivot vanished.
+    """
+    promote(I, M)
+    count = 6 * I[I_NODES]
+    cv = 2.0 / motion[9]
+    ca = 2.0 / (motion[9] * motion[9])
+    x = view(M, I[O_TRIAL_Q], count)
+    y = view(M, I[O_TRIAL_V], count)
+    solution = view(M, I[O_TRIAL_A], count)
+    y[:] = 0.0
+    for part in range(3):
+        x[:] = 0.0
+        for i in range(3):
+            of_damping = motion[3 + i] / cv
+            of_mass = motion[6 + i] / ca
+            if part == 0:
+                x[i] = motion[i] - of_damping - of_mass
+            else:
+                x[i] = of_damping if part == 1 else of_mass
+        assemble_here(I, M, cv if part == 1 else 0.0, ca if part == 2 else 0.0)
+        add_product(I, M, x, y)
+    failed = factorise(
+        I,
+        M,
+        view(M, I[O_POSITION], count),
+        view(M, I[O_VELOCITY], count),
+        view(M, I[O_ACCELERATION], count),
+        view(M, I[O_TENSION], 2 * I[I_NODES]),
+        ca,
+        cv,
+    )
+    if failed != 0:
+        return failed
+    forces = view(M, I[O_RESIDUAL], count)
+    constraint = view(M, I[O_CONSTRAINT_RESIDUAL], 2 * I[I_NODES])
+    constraint[:] = 0.0
+    for n in range(count):
+        forces[n] = y[n]
+    increment(I, M, forces, constraint, solution)
+    assemble_here(I, M, cv, ca)
+    add_product(I, M, solution, y)
+    for i in range(3):
+        out[i] = -force_at_top(I, y, i)
+    return 0

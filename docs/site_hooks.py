@@ -1,0 +1,86 @@
+"""What the site adds to the pages: files of the repository that they link to, and data as tables.
+
+MkDocs calls these functions while it builds (``mkdocs.yml``). A page may link to a file outside of
+docs/, as GitHub shows it; the file is copied into the site. A link to nothing stays as it is, and
+fails the build.
+"""
+
+from __future__ import annotations
+
+import csv
+import html
+import re
+from pathlib import Path
+from typing import Any
+
+from mkdocs.structure.files import File
+
+DOCS = Path(__file__).parent
+ROOT = DOCS.parent
+CONSTANTS = "engine/constants"
+"""The data file that becomes a page."""
+
+_LINK = re.compile(r"(?<=\]\()(?![a-z]+:|#)([^)#\s]+)")
+
+
+def on_files(files: Any, config: Any, **_: Any) -> Any:
+    """The page of constants, made from its data file."""
+    with (DOCS / f"{CONSTANTS}.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.reader(file))
+    files.append(File.generated(config, f"{CONSTANTS}.md", content=_constants(rows)))
+    return files
+
+
+def on_page_markdown(markdown: str, page: Any, config: Any, files: Any, **_: Any) -> str:
+    """Links out of docs/ lead to copies in the site."""
+    here = Path(page.file.src_uri).parent
+
+    def target(match: re.Match[str]) -> str:
+        there = (DOCS / here / match[1]).resolve()
+        if there == DOCS / f"{CONSTANTS}.csv":
+            return match[1].replace(".csv", ".md")
+        if there.is_relative_to(DOCS) or not there.exists() or not there.is_relative_to(ROOT):
+            return match[1]
+        name = f"repository/{there.relative_to(ROOT)}"
+        up = "../" * len(here.parts)
+        for path in sorted(there.glob("*.yaml")) if there.is_dir() else [there]:
+            copy = f"{name}/{path.name}" if there.is_dir() else name
+            if files.get_file_from_path(copy) is None:
+                files.append(File.generated(config, copy, abs_src_path=str(path)))
+        if not there.is_dir():
+            return f"{up}{name}"
+        index = f"{name}/index.html"
+        if files.get_file_from_path(index) is None:
+            files.append(File.generated(config, index, content=_listing(there)))
+        return f"{up}{index}"
+
+    return _LINK.sub(target, markdown)
+
+
+def _listing(folder: Path) -> str:
+    names = [html.escape(path.name) for path in sorted(folder.glob("*.yaml"))]
+    items = "\n".join(f'<li><a href="{name}">{name}</a></li>' for name in names)
+    return f"<!doctype html>\n<title>{html.escape(folder.name)}</title>\n<ul>\n{items}\n</ul>\n"
+
+
+def _constants(rows: list[list[str]]) -> str:
+    """A table for each module."""
+    head, *body = rows
+    place = head.index("module")
+    lines = [
+        "# Constants",
+        "",
+        "Numbers that steer the engine, and where each comes from. Values and effects are read",
+        "from the code; the date is that of the line. `calibrated` is what was chosen by runs of",
+        "what is named.",
+    ]
+    module = ""
+    for row in body:
+        cells = [cell.replace("|", "\\|") for cell in row]
+        if cells.pop(place) != module:
+            module = row[place]
+            lines += ["", f"## `{module}`", ""]
+            names = [name for name in head if name != "module"]
+            lines += ["| " + " | ".join(names) + " |", "|" + "---|" * len(names)]
+        lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,149 @@
+"""The log (MCAP) of an FMU's run in fmpy, as of any other run: with exact states and inputs."""
+
+from __future__ import annotations
+
+import zipfile
+from os import PathLike
+from types import TracebackType
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cablemodel.errors import CableModelError
+from cablemodel.model import CableModel
+from cablemodel.recorder import Recorder
+from cablemodel.scene import load_scene
+from cablemodel_fmu.c_layout import input_layout
+from cablemodel_fmu.export import block_of
+
+_APPLIED = 10
+"""Word of a state where the inputs of the last step are; `Controls` in c/cable.h."""
+
+
+class FmuLog:
+    """Writes the log of a run that fmpy makes of an exported FMU.
+
+        with FmuLog("tow.fmu", "tow.mcap") as log:
+            simulate_fmu("tow.fmu", stop_time=200, output_interval=0.5, step_finished=log)
+
+    After every step the FMU's state is taken over, so that the log holds what the FMU computed, and
+    `cablemodel replay tow.mcap` makes the same run again in Python. Parameters must be those of the
+    scene: with others, export the scene with them.
+
+    Args:
+        fmu: the FMU that is run.
+        log: file to write.
+        options: of `cablemodel.Recorder`: output_interval, state_interval, until.
+
+    Raises:
+        CableModelError: its scene estimates errors, whose states hold two runs.
+    """
+
+    def __init__(self, fmu: str | PathLike[str], log: str | PathLike[str], **options: Any) -> None:
+        with zipfile.ZipFile(fmu) as archive:
+            scene = load_scene(archive.read("resources/scene.yaml").decode())
+        if scene.solver.error_estimate:
+            raise CableModelError(
+                "an FMU that estimates its errors cannot be logged: export it without "
+                "solver.error_estimate"
+            )
+        self._fmu = fmu
+        self._parameters: list[tuple[str, int, float]] | None = None
+        self.model = _Follower(scene)
+        self.recorder = Recorder(self.model, log, **options)
+
+    def __call__(self, time: float, recorder: Any) -> bool:
+        """Take over a step that was made; fmpy goes on.
+
+        Raises:
+            CableModelError: a parameter is not that of the scene.
+        """
+        slave = recorder.fmu
+        self._check_parameters(slave)
+        state = slave.getFMUstate()
+        try:
+            words = np.frombuffer(slave.serializeFMUstate(state), dtype=np.int64)
+        finally:
+            slave.freeFMUstate(state)
+        given = self.model.take(words)
+        if self.model.reached > self.model.time:
+            self.recorder.step_to(self.model.reached, **given)
+        return True
+
+    def _check_parameters(self, slave: Any) -> None:
+        if self._parameters is None:
+            from fmpy import read_model_description
+
+            self._parameters = [
+                (variable.name, variable.valueReference, float(variable.start))
+                for variable in read_model_description(str(self._fmu)).modelVariables
+                if variable.causality == "parameter" and variable.type == "Real"
+            ]
+        values = slave.getReal([reference for _, reference, _ in self._parameters])
+        for (name, _, start), value in zip(self._parameters, values, strict=True):
+            if value != start:
+                raise CableModelError(
+                    f"{name} is {value:g}, in the scene it is {start:g}: a log holds one scene; "
+                    "export it with this value"
+                )
+
+    def __enter__(self) -> Self:
+        self.recorder.__enter__()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.recorder.__exit__(kind, error, trace)
+
+
+class _Follower(CableModel):
+    """A model whose steps an FMU makes."""
+
+    def __init__(self, scene: Any) -> None:
+        super().__init__(scene)
+        solver: Any = self._solver
+        solver.memory = block_of(self.scene)  # with the FMU's room
+        self._initial = [image.copy() for image in solver.images]
+        self._next: NDArray[np.int64] = solver.memory.image.copy()
+        self.reached = self.time
+
+    def take(self, state: NDArray[np.int64]) -> dict[str, Any]:
+        """A state of the FMU: the next step ends there. Returns the inputs that led to it."""
+        image = self._solver.memory.image
+        self._next = state[-len(image) :]
+        layout = input_layout()
+        words = state[_APPLIED : _APPLIED + layout["INPUT_WORDS"]].view(np.float64)
+        given: dict[str, Any] = {}
+        for name, key, count in (
+            ("vessel_velocity", "IN_VELOCITY", 3),
+            ("vessel_position", "IN_POSITION", 3),
+            ("current", "IN_CURRENT", 3),
+            ("payout_rate", "IN_PAYOUT", 1),
+        ):
+            at = layout[key]
+            if words[at] != 0.0:
+                value = words[at + 1 : at + 1 + count].copy()
+                given[name] = value if count > 1 else float(value[0])
+        memory = self._solver.memory
+        now = memory.image.copy()
+        memory.image[:] = self._next
+        self.reached = self.time
+        memory.image[:] = now
+        return given
+
+    def step_to(
+        self,
+        time: float,
+        vessel_velocity: ArrayLike | None = None,
+        vessel_position: ArrayLike | None = None,
+        payout_rate: float | None = None,
+        current: ArrayLike | None = None,
+    ) -> None:
+        """Take over the state that the FMU has reached."""
+        self._solver.memory.image[:] = self._next
+        self._summary_current, self._errors = False, None

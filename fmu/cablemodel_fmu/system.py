@@ -1,0 +1,193 @@
+"""A vessel and a cable as a system of two FMUs (SSP 1.0): a start for one's own.
+
+The vessel is c/vessel/vessel.c: a mass with thrust along x and quadratic resistance. Its velocity
+moves the tow point, the cable's force pulls at it.
+"""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from cablemodel_fmu.archive import write_archive
+
+if TYPE_CHECKING:
+    from cablemodel.scene import Scene
+
+VESSEL = "vessel"
+VESSEL_GUID = "{5b0a3c5e-6f0e-4e0e-9d0c-2c7c6f0f5a11}"
+_OUTPUTS = {"velocity": "m/s", "position": "m"}
+_PARAMETERS = {
+    "mass": (5000.0, "kg", "mass"),
+    "thrust": (300.0, "N", "thrust along x"),
+    "resistance": (200.0, "kg/m", "resistance over the square of the speed"),
+}
+_AXES = ("x (east)", "y (north)", "z (up)")
+_SSD = "http://ssp-standard.org/SSP1/SystemStructureDescription"
+_SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"
+_SSV = "http://ssp-standard.org/SSP1/SystemStructureParameterValues"
+CONNECTIONS = tuple(
+    pair
+    for i in (1, 2, 3)
+    for pair in (
+        (("vessel", f"velocity[{i}]"), ("cable", f"vessel.velocity[{i}]")),
+        (("cable", f"force.top[{i}]"), ("vessel", f"force[{i}]")),
+    )
+)
+"""(component, output), (component, input)."""
+
+
+def vessel_fmu(target: Path, libraries: Mapping[str, bytes]) -> Path:
+    """Write the vessel's FMU. libraries: paths in it, binaries/linux64/vessel.so, to contents."""
+    return write_archive(target, {"modelDescription.xml": vessel_description(), **libraries})
+
+
+def vessel_description() -> bytes:
+    """modelDescription.xml of the vessel; references as in vessel.c."""
+    root = ElementTree.Element(
+        "fmiModelDescription",
+        {
+            "fmiVersion": "2.0",
+            "modelName": VESSEL,
+            "guid": VESSEL_GUID,
+            "description": "A vessel with mass, thrust along x and quadratic resistance",
+            "variableNamingConvention": "structured",
+        },
+    )
+    capabilities = {"canHandleVariableCommunicationStepSize": "true"}
+    capabilities["canNotUseMemoryManagementFunctions"] = "true"
+    ElementTree.SubElement(root, "CoSimulation", {"modelIdentifier": VESSEL, **capabilities})
+    units = ElementTree.SubElement(root, "UnitDefinitions")
+    for unit, base in (
+        ("N", {"kg": "1", "m": "1", "s": "-2"}), ("m", {"m": "1"}),
+        ("m/s", {"m": "1", "s": "-1"}), ("kg", {"kg": "1"}), ("kg/m", {"kg": "1", "m": "-1"}),
+    ):  # fmt: skip
+        element = ElementTree.SubElement(units, "Unit", {"name": unit})
+        ElementTree.SubElement(element, "BaseUnit", base)
+    ElementTree.SubElement(root, "DefaultExperiment", {"startTime": "0", "stepSize": "0.1"})
+    variables = ElementTree.SubElement(root, "ModelVariables")
+    outputs = []
+
+    def add(name: str, causality: str, unit: str, words: str, start: float | None) -> None:
+        variable = ElementTree.SubElement(
+            variables,
+            "ScalarVariable",
+            {
+                "name": name,
+                "valueReference": str(len(variables)),
+                "description": words,
+                "causality": causality,
+                "variability": "fixed" if causality == "parameter" else "continuous",
+            },
+        )
+        value = {} if start is None else {"start": repr(start)}
+        ElementTree.SubElement(variable, "Real", {"unit": unit, **value})
+        if causality == "output":
+            outputs.append(str(len(variables)))
+
+    for i, axis in enumerate(_AXES, start=1):
+        add(f"force[{i}]", "input", "N", f"force of a cable on the vessel, {axis}", 0.0)
+    for name, unit in _OUTPUTS.items():
+        for i, axis in enumerate(_AXES, start=1):
+            add(f"{name}[{i}]", "output", unit, f"{name}, {axis}", None)
+    for name, (value, unit, words) in _PARAMETERS.items():
+        add(name, "parameter", unit, words, value)
+    for name, unit in _OUTPUTS.items():
+        for i, axis in enumerate(_AXES, start=1):
+            add(f"start_{name}[{i}]", "parameter", unit, f"{name} at the start, {axis}", 0.0)
+    structure = ElementTree.SubElement(root, "ModelStructure")
+    for part in ("Outputs", "InitialUnknowns"):
+        element = ElementTree.SubElement(structure, part)
+        for index in outputs:
+            ElementTree.SubElement(element, "Unknown", {"index": index})
+    return _text(root)
+
+
+def export_system(scene: Scene, cable: Path, target: Path, libraries: Mapping[str, bytes]) -> Path:
+    """Write a system of a vessel and the cable of an FMU.
+
+    Args:
+        scene: what the FMU was exported from: the vessel starts with its motion.
+        cable: the FMU.
+        libraries: of the vessel, paths in its FMU to contents.
+    """
+    vessel = target.with_name(target.name + ".vessel")
+    try:
+        vessel_fmu(vessel, libraries)
+        files = {
+            "SystemStructure.ssd": structure(scene),
+            "resources/cable.fmu": cable.read_bytes(),
+            "resources/vessel.fmu": vessel.read_bytes(),
+        }
+    finally:
+        vessel.unlink(missing_ok=True)
+    return write_archive(target, files)
+
+
+def structure(scene: Scene) -> bytes:
+    """SystemStructure.ssd: the two components, their connectors, what is connected."""
+    for prefix, name in (("ssd", _SSD), ("ssc", _SSC), ("ssv", _SSV)):
+        ElementTree.register_namespace(prefix, name)
+    title = scene.title or "Cable"
+    root = ElementTree.Element(f"{{{_SSD}}}SystemStructureDescription",
+                               {"version": "1.0", "name": title})  # fmt: skip
+    system = ElementTree.SubElement(root, f"{{{_SSD}}}System", {"name": "tow"})
+    elements = ElementTree.SubElement(system, f"{{{_SSD}}}Elements")
+    position, velocity, _ = scene.motion().evaluate(0.0)
+    values = {name: value for name, (value, _, _) in _PARAMETERS.items()}
+    for name, vector in (("velocity", velocity), ("position", position)):
+        values |= {f"start_{name}[{i}]": float(x) for i, x in enumerate(vector, start=1)}
+    _component(elements, "vessel", values)
+    _component(elements, "cable", {})
+    connections = ElementTree.SubElement(system, f"{{{_SSD}}}Connections")
+    for (start, output), (end, reached) in CONNECTIONS:
+        ElementTree.SubElement(
+            connections,
+            f"{{{_SSD}}}Connection",
+            {
+                "startElement": start,
+                "startConnector": output,
+                "endElement": end,
+                "endConnector": reached,
+            },
+        )
+    experiment = {"startTime": "0", "stopTime": repr(scene.run.duration)}
+    ElementTree.SubElement(root, f"{{{_SSD}}}DefaultExperiment", experiment)
+    return _text(root)
+
+
+def _component(parent: ElementTree.Element, name: str, values: Mapping[str, float]) -> None:
+    component = ElementTree.SubElement(
+        parent,
+        f"{{{_SSD}}}Component",
+        {"name": name, "type": "application/x-fmu-sharedlibrary",
+         "source": f"resources/{name}.fmu"},
+    )  # fmt: skip
+    connectors = ElementTree.SubElement(component, f"{{{_SSD}}}Connectors")
+    ends: Iterable[tuple[tuple[str, str], str]] = (
+        end for start, reached in CONNECTIONS for end in ((start, "output"), (reached, "input"))
+    )
+    for (owner, connector), kind in ends:
+        if owner == name:
+            element = ElementTree.SubElement(
+                connectors, f"{{{_SSD}}}Connector", {"name": connector, "kind": kind}
+            )
+            ElementTree.SubElement(element, f"{{{_SSC}}}Real")
+    if values:
+        bindings = ElementTree.SubElement(component, f"{{{_SSD}}}ParameterBindings")
+        binding = ElementTree.SubElement(bindings, f"{{{_SSD}}}ParameterBinding")
+        inline = ElementTree.SubElement(binding, f"{{{_SSD}}}ParameterValues")
+        attributes = {"version": "1.0", "name": f"of the {name}"}
+        chosen = ElementTree.SubElement(inline, f"{{{_SSV}}}ParameterSet", attributes)
+        parameters = ElementTree.SubElement(chosen, f"{{{_SSV}}}Parameters")
+        for parameter, value in values.items():
+            row = ElementTree.SubElement(parameters, f"{{{_SSV}}}Parameter", {"name": parameter})
+            ElementTree.SubElement(row, f"{{{_SSV}}}Real", {"value": repr(value)})
+
+
+def _text(root: ElementTree.Element) -> bytes:
+    ElementTree.indent(root)
+    text: bytes = ElementTree.tostring(root, encoding="UTF-8", xml_declaration=True)
+    return text + b"\n"

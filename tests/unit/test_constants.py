@@ -1,0 +1,73 @@
+"""Each number that steers the engine has a row that says where it comes from, and no row is of
+yesterday."""
+
+import csv
+import importlib.util
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture(scope="module")
+def writer() -> ModuleType:
+    spec = importlib.util.spec_from_file_location(
+        "write_constants", ROOT / "docs" / "write_constants.py"
+    )
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    # A dataclass looks its module up.
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(__import__("sys").modules, "write_constants", module)
+        spec.loader.exec_module(module)
+    return module
+
+
+def rows() -> list[dict[str, str]]:
+    with (ROOT / "docs" / "engine" / "constants.csv").open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_every_constant_has_a_row_with_its_value(writer: ModuleType) -> None:
+    """After a change of the code: `python docs/write_constants.py`, then fill the row in."""
+    code = {(c.module, c.name): c.value for c in writer.constants()}
+    stored = {(row["module"], row["name"]): row["value"] for row in rows()}
+    assert stored == code
+    assert len(stored) > 200
+
+
+def test_effects_are_those_of_the_code(writer: ModuleType) -> None:
+    said = {(c.module, c.name): c.effect for c in writer.constants() if c.effect}
+    stored = {(row["module"], row["name"]): row["effect"] for row in rows()}
+    assert {key: stored[key] for key in said} == said
+
+
+def test_no_row_leaves_anything_out() -> None:
+    for row in rows():
+        assert all(row.values()), row
+
+
+def test_commands_of_rows_exist() -> None:
+    """Programs and tests that show what a constant is worth."""
+    for row in rows():
+        for word in row["command"].split():
+            if word.startswith("tests/"):
+                assert (ROOT / word).exists(), row
+            elif word.startswith("benchmarks."):
+                place = ROOT / word.replace(".", "/")
+                assert place.is_dir() or place.with_suffix(".py").exists(), row
+
+
+def test_a_constant_is_found_with_what_the_code_says_of_it(
+    writer: ModuleType, tmp_path: Path
+) -> None:
+    """Behind it, below it or above it; several in a line; words and names in small letters not."""
+    found = {(c.module, c.name): c for c in writer.constants()}
+    assert found["kernels/follow.py", "SPLIT_ABOVE"].value == "1.6"
+    assert found["kernels/follow.py", "JOIN_BELOW"].effect == "of the length wanted"
+    assert found["instance/refinement.py", "BENT"].effect.startswith("Of tau L: what h^2 times")
+    assert ("kernels/layout.py", "I_NODES") not in found
+    assert ("kernels/element_planar.py", "R") not in found
