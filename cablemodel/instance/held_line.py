@@ -34,6 +34,7 @@ LINKS = 400
 ROUNDS = 30
 """In which the drag follows the shape, by halves."""
 STEPS = 60
+"""Of Newton's method, at most."""
 NEAR = 1e-9
 """Of the line's length: how near to its place the far end comes."""
 WIDE = 2.0

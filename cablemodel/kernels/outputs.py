@@ -227,8 +227,8 @@ GAUSS = 0.5 - 0.5 / math.sqrt(3.0)  # where the second derivative of a cubic is 
 # and that of the nearest ones at a node by -GAUSS^2 h^2 k'' / 2; the first of these means exceeds
 # those at the ends by (1 / 24 - 1 / 8 - GAUSS^2 / 2) h^2 k''.
 BOW = 1.0 / 12.0 + 0.5 * GAUSS * GAUSS
-IN_MIDDLE = 1.0 / 24.0 / BOW
-AT_NODE = 0.5 * GAUSS * GAUSS / BOW
+IN_MIDDLE = 1.0 / 24.0 / BOW  # share of the bow in an element's middle
+AT_NODE = 0.5 * GAUSS * GAUSS / BOW  # the same at a node
 PRESSED = 24.0  # of EI k^2: by how much the mean of T is off in an element that bends
 
 
