@@ -551,7 +551,7 @@ def test_check_says_where_the_line_is_against_floor_and_vessel() -> None:
     assert "on the drum 20 m of cable wire (hybrid), 78 N in water" in words
     assert "pay-out -0.5 to 0.48 m/s" in words
     assert "tow point (0, 0, 0) m, 0.5 m/s; at the end (10, 0, 0) m" in words
-    assert "30 m on it, touchdown at (-92.090" in words
+    assert "30.07 m on it, touchdown at (-92.090" in words
     start = json.loads(
         invoke("check", SCENE, "--set", "environment.floor={z: -50}", "--json").stdout
     )
