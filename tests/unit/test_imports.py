@@ -52,6 +52,7 @@ LAYERS = (
         "cablemodel.solver",
     ),
     ("cablemodel.model",),
+    ("cablemodel.systems",),
     ("cablemodel.variables",),
     ("cablemodel.states", "cablemodel.cadence"),
     ("cablemodel.log",),
