@@ -14,6 +14,7 @@ from cablemodel.cli import (
     differences,
     fmu,
     inspect,
+    new,
     replay,
     report,
     run,
@@ -54,10 +55,12 @@ def _options(
     show_tracebacks(traceback)
 
 
+app.command("new")(new.new)
 app.command("run")(run.run)
 app.command("check")(check.check)
 app.command("plot")(inspect.plot)
 app.command("report")(report.report)
+app.command("open")(report.show)
 app.command("animate")(report.animate)
 app.command("replay")(replay.replay)
 app.command("diff")(differences.diff)
