@@ -13,6 +13,7 @@ from cablemodel.cli import (
     convergence,
     differences,
     fmu,
+    imports,
     inspect,
     new,
     replay,
@@ -57,6 +58,7 @@ def _options(
 
 app.command("new")(new.new)
 app.command("run")(run.run)
+app.add_typer(imports.imports, name="import")
 app.command("check")(check.check)
 app.command("plot")(inspect.plot)
 app.command("report")(report.report)

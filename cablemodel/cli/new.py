@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from cablemodel.cli.errors import bad_option, reported
-from cablemodel.cli.files import writable, writing
+from cablemodel.cli.files import new_file, writing
 
 TEMPLATES = Path(__file__).parents[1] / "templates"
 """Complete scenes; the first line of each says what it is."""
@@ -50,9 +50,7 @@ def new(
     options = ", ".join(f"--{name}" for name in asked)
     if len(chosen) > 1:
         raise bad_option(f"--{chosen[1]}", f"one template a scene, not also --{chosen[0]}")
-    target = writable(file, (".yaml", ".yml"), "FILE")
-    if target.exists() and not force:
-        raise bad_option("FILE", f"{target} exists; --force overwrites it")
+    target = new_file(file, force, "FILE")
     if not chosen and not sys.stdin.isatty():
         raise typer.BadParameter(f"which scene? One of {options}")
     name = chosen[0] if chosen else _answer(list(asked))
