@@ -14,6 +14,7 @@ from shutil import copy, which
 import pytest
 
 from cablemodel import library
+from cablemodel.cli.new import TEMPLATES
 
 ROOT = Path(__file__).parents[2]
 SCENE = ROOT / "scenes" / "towed_cable.yaml"
@@ -60,11 +61,13 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_the_wheel_brings_the_library_and_is_named_for_what_it_holds(wheel: Path) -> None:
+    names = zipfile.ZipFile(wheel).namelist()
     held = {
         parts[2]
-        for parts in (Path(name).parts for name in zipfile.ZipFile(wheel).namelist())
+        for parts in (Path(name).parts for name in names)
         if parts[:2] == ("cablemodel", "binaries")
     }
+    assert {f"cablemodel/templates/{path.name}" for path in TEMPLATES.iterdir()} <= set(names)
     assert library.platform_name() in held
     assert wheel.stem.endswith("-any") == (len(held) == 4)
 

@@ -32,6 +32,7 @@ LAYERS = (
     ("cablemodel.kernels",),
     ("cablemodel.library",),
     ("cablemodel.scene",),
+    ("cablemodel.moordyn_deck",),
     ("cablemodel.block",),
     ("cablemodel.mesh",),
     (
