@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,6 +41,9 @@ Arrays = list[tuple[int, Any]]
 
 class WordBlock:
     """One contiguous piece of memory, seen as int64 (``ints``) and as float64 (``reals``)."""
+
+    SIZES: ClassVar[dict[str, int]]
+    """Sizes of a block, each with the header word that holds it."""
 
     def __init__(
         self, first: int, image: Arrays, workspace: Arrays, header: dict[int, int]
@@ -90,12 +93,47 @@ class WordBlock:
         """All that a snapshot keeps: everything before the workspace."""
         return self.ints[: int(self.ints[at.I_IMAGE_WORDS])]
 
+    @staticmethod
+    def arrays(*args: Any, **sizes: Any) -> tuple[Arrays, Arrays]:
+        """Arrays of the image in order, then those of the workspace: (header word, length)."""
+        raise NotImplementedError
+
+    def sizes_of(self, image: IntArray) -> dict[str, int]:
+        """The sizes that an image of a block of this kind says it has."""
+        return {name: int(image[word]) for name, word in self.SIZES.items()}
+
+    def fits(self, image: IntArray) -> bool:
+        """Whether an image is of such a block as this one is: of another capacity at most."""
+        first = int(self.ints[at.I_IMAGE_WORDS]) - sum(
+            length for _, length in self.arrays(**self.sizes_of(self.ints))[0]
+        )
+        if len(image) < first or image[at.I_CAPACITY] < image[at.I_NODES]:
+            return False
+        sizes = self.sizes_of(image)
+        arrays, workspace = self.arrays(**sizes)
+        words = first + sum(length for _, length in arrays)
+        expected = self.sizes_of(self.ints) | {
+            name: sizes[name] for name, word in self.SIZES.items() if word == at.I_CAPACITY
+        }
+        return (
+            sizes == expected
+            and all(image[word] == self.ints[word] for word in (at.I_MAGIC, at.I_VERSION))
+            and len(image) == words == image[at.I_IMAGE_WORDS]
+            and image[at.I_BYTES] == 8 * (words + sum(length for _, length in workspace))
+        )
+
+    def take(self, image: IntArray) -> None:
+        """Become what an image says, which `fits`."""
+        if len(image) != len(self.image):
+            kind: Any = type(self)
+            self.__setstate__(kind(**self.sizes_of(image)).ints)
+        self.image[:] = image
+
 
 class Block(WordBlock):
-    """The memory of the finite elements.
+    """The memory of the finite elements."""
 
-    Sizes are capacities that stay as they are for the life of the block.
-    """
+    SIZES = SIZES
 
     @staticmethod
     def arrays(
@@ -239,3 +277,25 @@ class Block(WordBlock):
         header = {at.I_MAGIC: at.MAGIC, at.I_VERSION: at.VERSION}
         header.update({SIZES[name]: size for name, size in sizes.items()})
         super().__init__(at.HEADER_WORDS + at.SCALAR_WORDS, image, workspace, header)
+
+    def make_room(self, capacity: int) -> None:
+        """Room for so many nodes, as many as there are or more; all else of the image stays.
+
+        What belongs to nodes is stored node by node: it moves as it is.
+        """
+        sizes = self.sizes_of(self.ints)
+        other = Block(**(sizes | {"capacity": capacity}))
+        arrays, workspace = self.arrays(**sizes)
+        placed = [place for place, _ in arrays + workspace]
+        placed += [at.I_BYTES, at.I_IMAGE_WORDS, at.I_CAPACITY]
+        own = np.setdiff1d(np.arange(at.HEADER_WORDS + at.SCALAR_WORDS), placed)
+        other.ints[own] = self.ints[own]
+        others, _ = self.arrays(**other.sizes_of(other.ints))
+        for (place, length), (_, room) in zip(arrays, others, strict=True):
+            words = min(length, room)
+            other.integers(place, words)[:] = self.integers(place, words)
+        self.__setstate__(other.ints)
+
+    def grow(self) -> None:
+        """Room for twice as many nodes."""
+        self.make_room(2 * int(self.ints[at.I_CAPACITY]))

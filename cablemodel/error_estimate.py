@@ -17,7 +17,7 @@ import numpy as np
 from cablemodel.errors import StaticsError
 from cablemodel.finite_element import FiniteElementSolver
 from cablemodel.kernels import layout as at
-from cablemodel.solver import FINER, FloatArray, IntArray
+from cablemodel.solver import FINER, FloatArray, Memory
 
 if TYPE_CHECKING:
     from cablemodel.block import Block
@@ -63,9 +63,9 @@ class EstimatingSolver(FiniteElementSolver):
             step_in_halves(self._finer.memory)
 
     @property
-    def images(self) -> tuple[IntArray, ...]:
-        beside = self._finer.images if self._finer is not None else ()
-        return (*super().images, *beside)
+    def memories(self) -> tuple[Memory, ...]:
+        beside = self._finer.memories if self._finer is not None else ()
+        return (*super().memories, *beside)
 
     def step(self, end: float, inputs: FloatArray) -> int:
         # A finer run that could not make a step stays behind for good: there is no estimate then.

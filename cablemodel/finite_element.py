@@ -32,10 +32,6 @@ MEANING = {
         "slack cable without bending stiffness folds so: give it some",
     ),
     at.SINGULAR: ("the equations are singular", "give the cable bending stiffness"),
-    at.NO_CAPACITY: (
-        "more elements are needed than were set aside for the drum's cable",
-        "give the line fewer or more even elements",
-    ),
     at.OVERSTRETCHED: (
         f"the cable would be stretched to more than {1.0 + at.LARGEST_STRAIN:g} times its length",
         "look for a jump in the inputs",
@@ -60,6 +56,9 @@ class FiniteElementSolver(OfBlock):
     def step(self, end: float, inputs: FloatArray) -> int:
         memory = self.memory
         status: int = entry.step(memory.ints, memory.reals, end, inputs)
+        while status == at.NO_CAPACITY:  # the state is as it was before the step
+            memory.grow()
+            status = entry.step(memory.ints, memory.reals, end, inputs)
         return status
 
     def explain(self, status: int) -> tuple[str, str]:

@@ -133,7 +133,7 @@ class CableModel:
 
         self.scene = scene = scene_of(scene)
         self._solver = choose(scene, planar=planar, sleep=sleep)
-        self._initial = [image.copy() for image in self._solver.images]
+        self._initial = [memory.image.copy() for memory in self._solver.memories]
         self._inputs: FloatArray = np.zeros(_INPUT_WORDS)
         self._summary: FloatArray = np.zeros(at.SUMMARY_WORDS)
         self._summary_current = False
@@ -281,14 +281,14 @@ class CableModel:
 
     def reset(self) -> None:
         """Back to the scene's initial state, t = 0."""
-        for image, initial in zip(self._solver.images, self._initial, strict=True):
-            image[:] = initial
+        for memory, initial in zip(self._solver.memories, self._initial, strict=True):
+            memory.take(initial)
         self._summary_current, self._errors = False, None
 
     def snapshot(self) -> Snapshot:
         """The whole state: a model that restores it goes on bit by bit as this one does."""
         return Snapshot(
-            b"".join(image.tobytes() for image in self._solver.images), self._scene_hash
+            b"".join(memory.image.tobytes() for memory in self._solver.memories), self._scene_hash
         )
 
     @cached_property
@@ -318,20 +318,24 @@ class CableModel:
                 "it belongs to another scene, of other values",
                 "a snapshot of a model of the same scene",
             )
-        own = self._solver.images
-        saved = np.frombuffer(snapshot.image, dtype=np.int64)
-        parts = np.split(saved, np.cumsum([len(image) for image in own])[:-1])
-        fixed = [at.I_MAGIC, at.I_VERSION, at.I_BYTES, at.I_IMAGE_WORDS, at.I_CAPACITY]
-        for image, part in zip(own, parts, strict=True):
-            if len(image) != len(part) or any(image[k] != part[k] for k in fixed):
-                raise SceneError.at(
-                    "snapshot",
-                    f"{len(snapshot.image)} bytes",
-                    "it belongs to another scene or version",
-                    f"a snapshot of {sum(image.nbytes for image in own)} bytes of this scene",
-                )
-        for image, part in zip(own, parts, strict=True):
-            image[:] = part
+        own = self._solver.memories
+        rest = np.frombuffer(snapshot.image, dtype=np.int64)
+        parts = []
+        for _memory in own:
+            # Each says how long it is: what runs have added to makes no difference.
+            words = int(rest[at.I_IMAGE_WORDS]) if len(rest) > at.I_IMAGE_WORDS else 0
+            parts.append(rest[: max(0, words)])
+            rest = rest[max(0, words) :]
+        pairs = list(zip(own, parts, strict=True))
+        if len(rest) > 0 or not all(memory.fits(part) for memory, part in pairs):
+            raise SceneError.at(
+                "snapshot",
+                f"{len(snapshot.image)} bytes",
+                "it belongs to another scene or version",
+                f"a snapshot of {sum(memory.image.nbytes for memory in own)} bytes of this scene",
+            )
+        for memory, part in pairs:
+            memory.take(part)
         self._summary_current, self._errors = False, None
 
     # -- what the model says --------------------------------------------------------------------

@@ -42,6 +42,10 @@ class Memory(Protocol):
     @property
     def image(self) -> IntArray: ...
 
+    def fits(self, image: IntArray) -> bool: ...
+
+    def take(self, image: IntArray) -> None: ...
+
 
 class OfBlock:
     """What a solver reads of its block goes through the block: a copy of a solver whose views were
@@ -58,9 +62,9 @@ class OfBlock:
         return self.memory.reals
 
     @property
-    def images(self) -> tuple[IntArray, ...]:
-        """All that a snapshot keeps."""
-        return (self.memory.image,)
+    def memories(self) -> tuple[Memory, ...]:
+        """The blocks whose images are all that a snapshot keeps."""
+        return (self.memory,)
 
     def errors(self) -> tuple[float, float] | None:
         """None: not estimated."""
@@ -74,8 +78,8 @@ class Solver(Protocol):
     def memory(self) -> Memory: ...
 
     @property
-    def images(self) -> tuple[IntArray, ...]:
-        """All that a snapshot keeps; the first one is the memory's."""
+    def memories(self) -> tuple[Memory, ...]:
+        """The blocks whose images are all that a snapshot keeps; the first one is `memory`."""
 
     def errors(self) -> tuple[float, float] | None:
         """What positions [m] and the top tension [N] are estimated to be wrong by; None where that

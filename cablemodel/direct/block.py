@@ -30,6 +30,8 @@ SIZES = {
 class DirectBlock(WordBlock):
     """The memory of the direct solver."""
 
+    SIZES = SIZES
+
     @staticmethod
     def arrays(
         *,

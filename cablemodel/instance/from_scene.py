@@ -215,8 +215,9 @@ def _build_on(
     line = lay_out(scene, nodes)
     winch = winch_of(scene, line, room)
     kept = winch.extra_nodes + sea_floor.spare_nodes(scene)
-    block = _allocate(scene, line, winch, kept + spare_nodes(scene, line.nodes, room))
-    block.reals[at.S_RESERVED] = kept
+    bends = spare_nodes(scene, line.nodes, room)
+    block = _allocate(scene, line, winch, kept + bends)
+    block.reals[at.S_MOST_NODES] = line.nodes + bends
     _choose_frame(block, scene, guess.points, planar)
     block.ints[at.I_NODES] = line.nodes
     tables.fill_settings(block, scene)

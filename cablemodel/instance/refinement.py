@@ -194,7 +194,13 @@ def refine_touchdown(block: Block, scene: Scene, attempt: Attempt) -> None:
     stays = attempt.as_laid and not laid_loads.is_dragged(scene)
     for turn in range(ROUNDS):
         at_rest = block.image.copy()
-        if not entry.refine_at_floor(block.ints, block.reals):
+        changed = entry.refine_at_floor(block.ints, block.reals)
+        while changed == at.NO_CAPACITY:
+            block.take(at_rest)
+            block.grow()
+            at_rest = block.image.copy()
+            changed = entry.refine_at_floor(block.ints, block.reals)
+        if not changed:
             break
         if block.ints[at.I_HYBRID]:
             # Short elements bend where the long ones that they were did not; found out in the

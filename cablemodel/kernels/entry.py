@@ -28,6 +28,7 @@ from .layout import (
     I_FLOOR_STATE,
     I_NODES,
     I_RIGID,
+    NOTHING,
     O_ACCELERATION,
     O_POSITION,
     O_TENSION,
@@ -68,10 +69,10 @@ def choose_bending(I, M):
 
 @entry_point(int64(INTEGERS, REALS))
 def refine_at_floor(I, M):
-    """Adapt the mesh to the floor once; returns 1 if it changed."""
+    """Adapt the mesh to the floor once: returns what `follow.follow_floor` does."""
     if I[I_FLOOR_STATE] == FLOOR_FAR:
-        return 0
-    return 1 if follow.follow_floor(I, M, True) else 0
+        return NOTHING
+    return follow.follow_floor(I, M, True)
 
 
 @entry_point(int64(INTEGERS, REALS))

@@ -15,6 +15,7 @@ from .floor_memory import bear
 from .floor_surface import lowest_gap
 from .layout import (
     CABLE_WORDS,
+    CHANGED,
     E_BORNE,
     E_CONTACT,
     E_LENGTH,
@@ -31,6 +32,8 @@ from .layout import (
     K_LEAVES,
     K_NOMINAL,
     LAYER,
+    NO_CAPACITY,
+    NOTHING,
     O_CABLES,
     O_EDGE,
     O_JOINT,
@@ -45,9 +48,9 @@ from .layout import (
     S_FLOOR_DEPTH,
     S_FLOOR_WAIT,
     S_LENGTH,
+    S_MOST_NODES,
     S_PAYOUT_RATE,
     S_PERIOD,
-    S_RESERVED,
     S_STEP,
     S_TOLERANCE,
     S_TRACTABLE,
@@ -188,12 +191,6 @@ def may_be_halved(I, M, node):
         return False
     passed = PASSED * abs(M[S_PAYOUT_RATE]) * M[S_PERIOD]
     return M[edge + E_LENGTH] > min(SHORTEST_TOP * M[row + K_NOMINAL], passed)
-
-
-@kernel
-def has_room(I, M):
-    """Whether there is a node for one more bend: the winch's and the floor's are left to them."""
-    return I[I_NODES] + I[I_LEFT_OUT] + M[S_RESERVED] < I[I_CAPACITY]
 
 
 @kernel
@@ -365,7 +362,10 @@ def lower(I, M, gaps):
 
 @kernel
 def follow_floor(I, M, change):
-    """Whether the floor asks for another mesh; with `change`, halve and join elements for it."""
+    """Whether the floor asks for another mesh; with `change`, halve and join elements for it.
+
+    NOTHING, CHANGED (or to be changed), or NO_CAPACITY: the block must grow first.
+    """
     if M[S_FLOOR_WAIT] > 0.0:
         # Before a step: the forces that are read after one are those that made it.
         way = M[S_FLOOR_WAIT] / M[S_PERIOD]
@@ -389,19 +389,25 @@ def follow_floor(I, M, change):
                 # The element that the winch changes follows its bend alone.
                 layer = touchdown_layer(M, I[O_EDGE] + node * EDGE_WORDS)
                 wanted[node] = length_by_bend(I, M, node, layer, jumps)
-    changed = False
+    hanging = 0
+    for node in range(1, I[I_NODES]):
+        if gaps[node] >= M[S_FLOOR_DEPTH]:
+            hanging += 1
+    changed = NOTHING
     waiting = 0
     node = I[I_NODES] - 1
     while node >= 1:
         if I[I[O_JOINT] + node] == 0:
             h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
             if h > SPLIT_ABOVE * wanted[node] and halves_are_even(I, M, node):
-                # What bends high above the floor leaves the floor its nodes.
-                room = I[I_NODES] + I[I_LEFT_OUT] + 1 < capacity
-                if room and (gaps[node] < h or has_room(I, M)):
+                # What folds near the floor is followed at any number of nodes.
+                if gaps[node] < h or hanging < M[S_MOST_NODES]:
                     if not change:
-                        return True
-                    changed = split_edge(I, M, node, 0.5, False) == OK or changed
+                        return CHANGED
+                    if split_edge(I, M, node, 0.5, False) != OK:
+                        return NO_CAPACITY
+                    hanging += 1
+                    changed = CHANGED
             elif (
                 # Nodes after this one may have been split; those before it are as measured.
                 node > first
@@ -411,14 +417,14 @@ def follow_floor(I, M, change):
                 if not change:
                     waiting += 1
                     if waiting * TOGETHER >= I[I_NODES]:
-                        return True
+                        return CHANGED
                     node -= 1
                     continue
                 above = I[O_EDGE] + (node - 1) * EDGE_WORDS + E_BORNE
                 below = above + EDGE_WORDS
                 M[below] = max(M[above], M[below])
                 join_at(I, M, node - 1, 1)
-                changed = True
+                changed = CHANGED
                 node -= 1
         node -= 1
     return changed

@@ -150,7 +150,7 @@ S_SLEEP_PUSH = _S + 98  # the water's acceleration whose force is the friction [
 S_BENT = _S + 89  # what h^2 times the jump of r'' may be in free water [m]; 0: the mesh stays
 S_BENT_AFTER = _S + 90  # time before which the mesh is not looked at again [s]
 S_TRACTABLE = _S + 91  # at a floor: longest step that Newton's method is expected to manage [s]
-S_RESERVED = _S + 92  # nodes for the winch and the floor, which no bend may take
+S_MOST_NODES = _S + 92  # of what hangs: from there on no bend in the water gets one more
 S_END_BORNE = _S + 93  # what the floor bears for long of the line's end, in units of its contact
 S_ORDER_3 = _S + 87  # steps by order 3 before order 4 is tried again
 S_LARGEST_TENSION = _S + 74  # so far, either way [N]
@@ -339,7 +339,9 @@ LONGEST_STEP = 1e9  # that a caller may ask for [s]: 30 years; more is a mistake
 # Status codes of the kernels.
 OK = 0
 NOT_CONVERGED, NOT_FINITE, TOO_MANY_STEPS, SINGULAR, STATICS_FAILED = 1, 2, 3, 4, 5
-NO_CAPACITY, STALLED, OVERSTRETCHED = 6, 7, 8
+NO_CAPACITY = 6  # the block must grow before this step can be made
+STALLED, OVERSTRETCHED = 7, 8
+NOTHING, CHANGED = 0, 1  # what a look at the mesh finds, beside NO_CAPACITY
 
 # Strain from which on a step is refused: rubber breaks before; so long a cable comes from an input
 # that is a mistake.

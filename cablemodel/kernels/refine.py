@@ -13,13 +13,13 @@ from .compile import kernel, view
 from .follow import (
     finest_flexible,
     halves_are_even,
-    has_room,
     holds_something,
     jump_at,
     may_be_halved,
     one_cubic_does,
 )
 from .layout import (
+    CHANGED,
     E_BENDING_FULL,
     E_COMPLIANCE,
     E_LENGTH,
@@ -27,7 +27,10 @@ from .layout import (
     E_SEGMENT,
     EDGE_WORDS,
     I_DIMENSION,
+    I_LEFT_OUT,
     I_NODES,
+    NO_CAPACITY,
+    NOTHING,
     O_EDGE,
     O_JOINT,
     O_MOTION,
@@ -38,6 +41,7 @@ from .layout import (
     S_BENT,
     S_BENT_AFTER,
     S_LENGTH,
+    S_MOST_NODES,
     S_PERIOD,
     S_TIME,
     S_TOLERANCE,
@@ -102,24 +106,33 @@ def may_unite(I, M, node):
 
 @kernel
 def follow_bending(I, M, change):
-    """Whether the shape asks for another mesh; with `change`, halve and join elements for it."""
+    """Whether the shape asks for another mesh; with `change`, halve and join elements for it.
+
+    NOTHING, CHANGED (or to be changed), or NO_CAPACITY: the block must grow first.
+    """
     M[S_BENT_AFTER] = M[S_TIME] + PAUSE * M[S_PERIOD]
     nodes = I[I_NODES]
     jumps = M[I[O_STAGE_V] : I[O_STAGE_V] + nodes + 1]
     for node in range(nodes):
         # At the line's ends r'' may be anything.
         jumps[node] = jump_at(I, M, node, True) if 0 < node < nodes - 1 else 0.0
-    changed = False
+    changed = NOTHING
     node = nodes - 1
     while node >= 1:
         if I[I[O_JOINT] + node] == 0:
             if bends_too_much(I, M, node, max(jumps[node - 1], jumps[node])) or is_pressed_aside(
                 I, M, node
             ):
-                if has_room(I, M) and may_be_halved(I, M, node) and halves_are_even(I, M, node):
+                if (
+                    I[I_NODES] + I[I_LEFT_OUT] < M[S_MOST_NODES]
+                    and may_be_halved(I, M, node)
+                    and halves_are_even(I, M, node)
+                ):
                     if not change:
-                        return True
-                    changed = split_edge(I, M, node, 0.5, False) == OK or changed
+                        return CHANGED
+                    if split_edge(I, M, node, 0.5, False) != OK:
+                        return NO_CAPACITY
+                    changed = CHANGED
             elif (
                 # Nodes after this one may have been split; those before it are as measured.
                 node > 1
@@ -128,9 +141,9 @@ def follow_bending(I, M, change):
                 and may_unite(I, M, node - 1)
             ):
                 if not change:
-                    return True
+                    return CHANGED
                 join_at(I, M, node - 1, 1)
-                changed = True
+                changed = CHANGED
                 node -= 1
         node -= 1
     return changed

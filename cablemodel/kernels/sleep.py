@@ -174,13 +174,20 @@ def rest_speed(M):
 
 
 @kernel
-def is_quiet(I, M, node, limit):
-    """Whether a node is at rest: its speed, and what its acceleration makes of it in a step."""
+def is_quiet(I, M, node, arc):
+    """Whether a node is at rest: its speed, and what its acceleration makes of it in a step.
+
+    arc: length of what hangs between two places on the floor and has the node in it, else that of
+    the line [m]. What is held at both ends swings to and fro in the root of its length over g:
+    shorter arcs come as far at higher speed.
+    """
+    period = M[S_PERIOD] * math.sqrt(arc / M[S_LENGTH])
+    limit = QUIET * M[S_TOLERANCE] * M[S_LENGTH] / period
     dimension = I[I_DIMENSION]
     v = I[O_VELOCITY] + 2 * dimension * node
     a = I[O_ACCELERATION] + 2 * dimension * node
     h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
-    time = min(M[S_LAST_STEP], M[S_PERIOD])
+    time = min(M[S_LAST_STEP], period)
     speed = 0.0
     turning = 0.0
     push = 0.0
@@ -192,16 +199,36 @@ def is_quiet(I, M, node, limit):
 
 
 @kernel
+def lies(I, M, q, node, w):
+    """Whether an element touches the floor; w: workspace."""
+    return I[I[O_JOINT] + node] == 0 and lowest_gap(I, M, q, node, w) < M[S_FLOOR_DEPTH]
+
+
+@kernel
+def hanging_before(I, M, q, node, w):
+    """Length of cable before a node that does not touch the floor [m]; w: workspace."""
+    way = 0.0
+    for n in range(node, 0, -1):
+        if lies(I, M, q, n, w):
+            break
+        if I[I[O_JOINT] + n] == 0:
+            way += M[I[O_EDGE] + n * EDGE_WORDS + E_LENGTH]
+    return way
+
+
+@kernel
 def lying_before(I, M, q, node, enough):
-    """Length of cable on the floor before a node, not counted beyond `enough` [m]."""
+    """Length of cable on the floor before a node, not counted beyond `enough` [m].
+
+    Arcs between, as of slack that has come down in a pile, do not count and do not end it.
+    """
     w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
     way = 0.0
     for n in range(node, 0, -1):
-        if I[I[O_JOINT] + n] != 0:
-            continue
-        if way >= enough or lowest_gap(I, M, q, n, w) >= M[S_FLOOR_DEPTH]:
+        if way >= enough:
             break
-        way += M[I[O_EDGE] + n * EDGE_WORDS + E_LENGTH]
+        if lies(I, M, q, n, w):
+            way += M[I[O_EDGE] + n * EDGE_WORDS + E_LENGTH]
     return way
 
 
@@ -325,24 +352,33 @@ def water_leaves_alone(I, M, first):
 
 @kernel
 def place_to_sleep(I, M):
-    """The node A beyond which all may sleep, 0: none. Sets the way of lying cable before it."""
-    limit = rest_speed(M)
-    last = I[I_NODES] - 1
-    first = last
-    while first > FEWEST_AWAKE and is_quiet(I, M, first, limit):
-        first -= 1
+    """The node A beyond which all may sleep, 0: none. Sets the way of lying cable before it.
+
+    All beyond A is at rest, and so is the way before it, of which arcs do not count: friction holds
+    what touches. A itself lies.
+    """
     w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
     q = view(M, I[O_POSITION], 2 * I[I_DIMENSION] * I[I_NODES])
+    last = I[I_NODES] - 1
+    first = last
+    arc = 0.0
+    while first > FEWEST_AWAKE:
+        hangs = not lies(I, M, q, first, w)
+        if hangs and arc == 0.0:
+            arc = hanging_before(I, M, q, first, w)
+        if not is_quiet(I, M, first, arc if arc > 0.0 else M[S_LENGTH]):
+            break
+        if not hangs:
+            arc = 0.0
+        first -= 1
     way = 0.0
     for node in range(first + 1, last):
-        if I[I[O_JOINT] + node] == 0:
-            if lowest_gap(I, M, q, node, w) >= M[S_FLOOR_DEPTH]:
-                way = 0.0
-            else:
-                way += M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
+        if not lies(I, M, q, node, w):
+            continue
+        way += M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
         layer, finest = finest_length(I, M, node, 0.0)
         needed = max(LAYERS * layer, ELEMENTS * finest)
-        if way < needed or holds_something(I, M, node):
+        if way < needed or holds_something(I, M, node) or not lies(I, M, q, node + 1, w):
             continue
         friction = M[S_FRICTION] * M[I[O_EDGE] + node * EDGE_WORDS + E_CONTACT]
         if holding_tension(I, M, node) >= SPARE * friction * needed:
@@ -355,18 +391,43 @@ def place_to_sleep(I, M):
 def may_sleep(I, M):
     """Whether enough of the cable that is awake may sleep; asked from time to time."""
     M[S_SLEEP_AFTER] = M[S_TIME] + PAUSE[0] * M[S_PERIOD]
-    if M[S_LAST_STEP] == 0.0 or not is_quiet(I, M, I[I_NODES] - 2, rest_speed(M)):
+    if M[S_LAST_STEP] == 0.0 or not is_quiet(I, M, I[I_NODES] - 2, M[S_LENGTH]):
         return False
     node = place_to_sleep(I, M)
     return node > 0 and I[I_NODES] - 1 - node >= max(2.0, LEAST_PART * I[I_NODES])
 
 
 @kernel
+def wake_as_many(I, M):
+    """Wake as many nodes as are awake: what has fallen asleep last is joined with what will.
+
+    What lies further off has been looked at as often as its elements have lain there; so the cost
+    of falling asleep does not grow with the cable that sleeps.
+    """
+    if I[I_ASLEEP] == 0:
+        return
+    node = 2 * I[I_NODES] - 1
+    keep_sleepers(I)
+    rejoin(I, M)
+    last = I[I_NODES] - 1
+    while node < last and holds_something(I, M, node):
+        node += 1
+    I[I_ASLEEP] = max(0, last - node)
+    I[I_FACTORED] = 0
+    if I[I_ASLEEP] > 0:
+        hold(I, M, node)
+    leave_out(I, M)
+
+
+@kernel
 def fall_asleep(I, M):
-    """Let all sleep that may, from the whole line."""
-    I[I_ASLEEP] = 0
+    """Let all sleep that may."""
     node = place_to_sleep(I, M)
-    if node == 0 or not water_leaves_alone(I, M, node):
+    if node == 0:
+        return
+    rejoin(I, M)
+    I[I_ASLEEP] = 0
+    if not water_leaves_alone(I, M, node):
         return
     size = 2 * I[I_DIMENSION]
     I[I_ASLEEP] = I[I_NODES] - 1 - node
@@ -382,7 +443,7 @@ def fall_asleep(I, M):
 
 @kernel
 def prepare_joining(I, M):
-    """Give r' the length that the tension gives it where cable may sleep, in the whole line.
+    """Give r' the length that the tension gives it where cable may sleep.
 
     The elements' third strain mode, which only a numerical stiffness holds, moves slowly; where it
     stood still with the cable, elements that lie straight could not be joined.
@@ -414,8 +475,12 @@ def prepare_joining(I, M):
 
 @kernel
 def hold(I, M, node):
-    """Note the tension at the last node awake, and what it may change by."""
-    M[S_SLEEP_TENSION] = M[I[O_TENSION] + 2 * node] + M[I[O_TENSION] + 2 * node + 1]
+    """Note the tension before the last node awake, and what it may change by.
+
+    The mean of its element: in cable that lies bent, that at its end changes with the stretch of
+    r' there, which is no longer that of the elements beyond.
+    """
+    M[S_SLEEP_TENSION] = M[I[O_TENSION] + 2 * node]
     most = MISSED_TENSION * M[S_TOLERANCE] * M[S_TENSION_SCALE]
     M[S_SLEEP_SPARE] = min(most, holding_tension(I, M, node))
 
@@ -425,8 +490,7 @@ def disturbance(I, M):
     """What a trial step does to cable that sleeps: 0 nothing, 1 moves its end, 2 moves it all."""
     node = I[I_NODES] - 1
     size = 2 * I[I_DIMENSION]
-    tension = M[I[O_TRIAL_T] + 2 * node] + M[I[O_TRIAL_T] + 2 * node + 1]
-    if not abs(tension - M[S_SLEEP_TENSION]) <= M[S_SLEEP_SPARE]:
+    if not abs(M[I[O_TRIAL_T] + 2 * node] - M[S_SLEEP_TENSION]) <= M[S_SLEEP_SPARE]:
         return 1
     speed = 0.0
     for i in range(I[I_DIMENSION]):

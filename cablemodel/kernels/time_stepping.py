@@ -8,7 +8,6 @@ step, is estimated from those of the stages.
 
 import math
 
-from .backup import keep_sleepers
 from .buckling import any_pressed, is_held, make_crooked
 from .clamp_layer import follow_layer
 from .compile import copy_words, inlined, kernel, view
@@ -58,7 +57,9 @@ from .layout import (
     I_SLEEP,
     I_STEPS,
     MODEL_HYBRID,
+    NO_CAPACITY,
     NOT_CONVERGED,
+    NOTHING,
     O_ACCELERATION,
     O_BASE_Q,
     O_BASE_V,
@@ -111,7 +112,7 @@ from .newton import NO_TENSION, increment_norm, is_folded, refactor
 from .passing import cable_paid
 from .refine import follow_bending
 from .sea_cells import begin_stage, end_stage
-from .sleep import disturbance, fall_asleep, may_sleep, prepare_joining, rejoin, wake
+from .sleep import disturbance, fall_asleep, may_sleep, prepare_joining, wake, wake_as_many
 from .stabilisation import stiffen_third_mode
 from .step_size import (
     adapt_step,
@@ -374,7 +375,7 @@ def accept_trial(I, M, dt, scheme):
 def change_mesh(I, M, rests):
     """Let joints pass the tow point, split and join elements; then make the state consistent.
 
-    rests: whether cable may fall asleep, which is joined with all that sleeps.
+    rests: whether cable may fall asleep, which is joined with as much that sleeps.
 
     Splitting is exact. A joined element has the strain and the elongation's rate of its parts.
     """
@@ -383,18 +384,20 @@ def change_mesh(I, M, rests):
     take_rates_from_velocity(I, M)
     M[S_JOINED] = 0.0
     if rests:
-        keep_sleepers(I)
-        rejoin(I, M)
+        wake_as_many(I, M)
     if I[I_PAYOUT] != 0:
         status = adapt_top(I, M)
         if status != OK:
             return status
     if rests:
         prepare_joining(I, M)
+    found = NOTHING
     if I[I_FLOOR_STATE] != FLOOR_FAR:
-        follow_floor(I, M, True)
+        found = follow_floor(I, M, True)
     elif M[S_BENT] > 0.0:
-        follow_bending(I, M, True)
+        found = follow_bending(I, M, True)
+    if found == NO_CAPACITY:
+        return NO_CAPACITY
     if rests:
         # What is joined is made consistent while it is awake.
         last = M[S_LAST_STEP]
@@ -463,8 +466,12 @@ def advance_to(I, M, t_end):
         if (
             rests
             or (I[I_PAYOUT] != 0 and next_change(I, M) != 0)
-            or (I[I_FLOOR_STATE] != FLOOR_FAR and I[I_PARTS] == 0 and follow_floor(I, M, False))
-            or (mesh_is_due(I, M) and follow_bending(I, M, False))
+            or (
+                I[I_FLOOR_STATE] != FLOOR_FAR
+                and I[I_PARTS] == 0
+                and follow_floor(I, M, False) != NOTHING
+            )
+            or (mesh_is_due(I, M) and follow_bending(I, M, False) != NOTHING)
         ):
             status = change_mesh(I, M, rests)
             if status != OK:

@@ -108,7 +108,7 @@ class _Follower(CableModel):
         super().__init__(scene)
         solver: Any = self._solver
         solver.memory = block_of(self.scene)  # with the FMU's room
-        self._initial = [image.copy() for image in solver.images]
+        self._initial = [memory.image.copy() for memory in solver.memories]
         self._next: NDArray[np.int64] = solver.memory.image.copy()
         self.reached = self.time
 

@@ -308,7 +308,7 @@ def assert_same_scalars(found, expected) -> None:
         if name.startswith("I_") and word not in SIZES_OF_MEMORY:
             assert found[word] == expected.ints[word], name
     for word in range(at.HEADER_WORDS, at.HEADER_WORDS + at.SCALAR_WORDS):
-        if word != at.S_RESERVED:
+        if word != at.S_MOST_NODES:
             name = next((n for n, w in vars(at).items() if n[:2] == "S_" and w == word), word)
             assert reals[word] == pytest.approx(expected.reals[word], rel=1e-9), name
 

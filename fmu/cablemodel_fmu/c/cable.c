@@ -153,8 +153,8 @@ static void explain(const Cable *cable, int64_t status, char *message, size_t si
         problem = "the equations are singular";
         advice = "give the cable bending stiffness";
     } else if (status == NO_CAPACITY) {
-        problem = "more elements are needed than were set aside for the drum's cable";
-        advice = "give the line fewer or more even elements";
+        problem = "more elements are needed than the FMU has room for";
+        advice = "where slack piles up on a floor, use Python, whose memory grows";
     } else if (status == OVERSTRETCHED) {
         problem = "the cable would be stretched to more than 6 times its length";
         advice = "look for a jump in the inputs";

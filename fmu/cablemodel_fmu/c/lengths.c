@@ -364,8 +364,9 @@ static int64_t find_initial_state(Cable *cable) {
     if (cable->I[I_HYBRID] || cable->I[I_RIGID] > 0 || cable->I[I_PAYOUT])
         cablemodel_choose_bending(cable->I, words);
     for (int round = 0; round < REFINEMENTS && status == OK && is_static; round++) {
-        if (!cablemodel_refine_at_floor(cable->I, words)) break;
-        status = solve_static(cable);
+        const int64_t found = cablemodel_refine_at_floor(cable->I, words);
+        if (found == NOTHING) break;
+        status = found == CHANGED ? solve_static(cable) : found;
     }
     cable->I[I_STEPS] = cable->I[I_REJECTED] = 0;
     cable->I[I_FACTORISATIONS] = cable->I[I_ITERATIONS] = 0;
