@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import yaml
 from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
+from scipy.optimize import brentq, fsolve
 from typer.testing import CliRunner
 
 from cablemodel.cli import app
@@ -249,6 +249,75 @@ def test_depressor(deflection: float) -> None:
     assert model.lines["tow"].end_tension == pytest.approx(math.hypot(down, drag), rel=2e-3)
     depth = 30.0 * down / math.hypot(down, drag)
     assert -state.position[2] == pytest.approx(depth, abs=0.05)
+
+
+def catenary(span: np.ndarray, length: float, weight: float, stiffness: float) -> np.ndarray:
+    """Force (horizontal, vertical) of an elastic line on its upper end, (span, rise) from its lower
+    one [N]: Irvine, Cable Structures, section 2.3, the whole line off the floor."""
+
+    def missed(force: np.ndarray) -> list[float]:
+        h, v = force
+        low = v - weight * length
+        root = math.hypot(h, v) - math.hypot(h, low)
+        x = h * length / stiffness + h / weight * (math.asinh(v / h) - math.asinh(low / h))
+        z = (v**2 - low**2) / (2.0 * stiffness * weight) + root / weight
+        return [x - span[0], z - span[1]]
+
+    taut = 0.5 * weight * length / max(1.0 - math.hypot(*span) / length, 1e-3) ** 0.5
+    guess = [taut * span[0] / length, taut * span[1] / length + weight * length]
+    return np.asarray(fsolve(missed, guess, xtol=1e-12), dtype=np.float64)
+
+
+def test_buoy_on_three_legs() -> None:
+    """A buoy under water that is pushed aside: the force over its offset is that of three elastic
+    catenaries."""
+    chain = {
+        "diameter": 0.02,
+        "mass": 9.0,
+        "submerged_weight": 78.0,
+        "axial_stiffness": 3e7,
+        "drag_normal": 1.2,
+    }
+    anchors = [
+        [60.0 * math.cos(angle), 60.0 * math.sin(angle), -70.0]
+        for angle in np.radians([0.0, 120.0, 240.0])
+    ]
+    buoy = {
+        "mass": 500.0,
+        "submerged_weight": -15e3,
+        "inertia": 200.0,
+        "added_mass": 300.0,
+        "drag_area": 20.0,
+        "drag_turning": 20.0,
+        "points": {"eye": [0.0, 0.0, 0.0]},
+    }
+    legs = {
+        f"leg{k}": {
+            "from": {"anchor": place},
+            "to": "buoy.eye",
+            "items": [{"cable": {"type": "chain", "length": 90.0, "model": "cable"}}],
+        }
+        for k, place in enumerate(anchors)
+    }
+    model = SystemModel({"cable_types": {"chain": chain}, "bodies": {"buoy": buoy}, "lines": legs})
+
+    def pull(place: np.ndarray) -> np.ndarray:
+        """Force of all legs on the buoy at a place (3,) [N]."""
+        total = np.zeros(3)
+        for anchor in anchors:
+            away = place - np.array(anchor)
+            flat = math.hypot(away[0], away[1])
+            h, v = catenary(np.array([flat, away[2]]), 90.0, 78.0, 3e7)
+            total -= np.array([h * away[0] / flat, h * away[1] / flat, v])
+        return total
+
+    for push in (0.0, 3000.0):
+        model.step(200.0, forces={"buoy": [push, 0.0, 0.0, 0.0, 0.0, 0.0]})
+        model.step(100.0, forces={"buoy": [push, 0.0, 0.0, 0.0, 0.0, 0.0]})
+        outside = np.array([push, 0.0, 15e3])
+        rest = fsolve(lambda p, f=outside: pull(p) + f, model.bodies["buoy"].position, xtol=1e-10)
+        assert model.bodies["buoy"].position == pytest.approx(rest, abs=1e-3 * 90.0)
+    assert rest[0] > 1.0
 
 
 def test_fairlead_on_a_vessel_that_yaws() -> None:
