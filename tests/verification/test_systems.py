@@ -346,6 +346,46 @@ def test_fairlead_on_a_vessel_that_yaws() -> None:
     assert found.tension == pytest.approx(expected.tension, abs=1e-2 * expected.tension.max())
 
 
+def test_clamp_turns_with_its_vessel() -> None:
+    """A stiff rod that is clamped to a vessel turns with it, and sags as a cantilever does."""
+    rod = {
+        "diameter": 0.05,
+        "mass": 5.0,
+        "submerged_weight": 5.0,
+        "axial_stiffness": 1e8,
+        "bending_stiffness": 2000.0,
+        "drag_normal": 1.0,
+    }
+    end = {"point": "ship.stern", "clamped": [1.0, 0.0, 0.0]}
+    model = SystemModel(
+        {
+            "cable_types": {"rod": rod},
+            "vessels": {"ship": {"points": {"stern": [1.0, 0.0, 0.0]}}},
+            "lines": {
+                "rod": {
+                    "from": end,
+                    "to": "free",
+                    "items": [{"cable": {"type": "rod", "length": 2.0, "model": "elastica"}}],
+                }
+            },
+            "solver": {"tolerance": 1e-4},
+        }
+    )
+    sag = 5.0 * 2.0**4 / (8.0 * 2000.0)
+    tip = model.lines["rod"].sample([2.0]).position[0]
+    assert tip == pytest.approx([3.0, 0.0, -sag], abs=2e-4)
+    for k in range(60):
+        angle = 0.5 * (1.0 - math.cos(math.pi * (k + 1) / 60.0))
+        model.step(0.5, vessels={"ship": VesselInput(attitude=[0.0, 0.0, angle])})
+    still = VesselInput(attitude=[0.0, 0.0, 1.0], attitude_rate=[0.0, 0.0, 0.0])
+    model.step(5.0, vessels={"ship": still})
+    model.step(5.0)
+    tip = model.lines["rod"].sample([2.0]).position[0]
+    turned = model.vessels["ship"].attitude[2]
+    assert turned == pytest.approx(1.0, abs=1e-9)
+    assert tip == pytest.approx([3.0 * math.cos(1.0), 3.0 * math.sin(1.0), -sag], abs=1e-3)
+
+
 def test_lines_side_by_side() -> None:
     """Two lines without a tie are each as by itself."""
     scene = towed(
