@@ -9,6 +9,7 @@ by a tenth of tau L, or changes the tension by a tenth of its allowance, nothing
 Tensions are compared while the line is taut and not shocked: once it has pushed anywhere, they are
 snaps, whose peaks fall between any two instants; and after a command that makes the line ring along
 itself (``draw.shock_time``) or a winch that stops dead at its end, the ringing decides them.
+An ordinary job (``ordinary.py``) is judged to its end, and its tensions while it is taut.
 Where the runs differ by more, a run at tau/16 decides who is right: when it and the one at tau/4
 are more than half the promise apart, too, there is nothing to judge by (*unsettled*: a straight
 line that is pushed buckles the way its mesh lets it; or the solver does not converge).
@@ -123,9 +124,11 @@ def judge(
             _wrong(verdict, "rest", problem)
     started("check", verdict)
     fine, _ = run(drawn, drawn.scene, tau * FINER, CHECK_LIMIT)
-    started("perturbed", verdict)
-    shaken, _ = run(drawn, perturbed(drawn, FAINT * tau), tau * FINER, CHECK_LIMIT)
-    verdict.check_cpu = fine.cpu + shaken.cpu
+    shaken, verdict.check_cpu = fine, fine.cpu
+    if not drawn.predictable:
+        started("perturbed", verdict)
+        shaken, _ = run(drawn, perturbed(drawn, FAINT * tau), tau * FINER, CHECK_LIMIT)
+        verdict.check_cpu += shaken.cpu
     if fine.end in ("crashed", "not finite"):
         _wrong(verdict, fine.end, f"at tau/4: {fine.message}")
     elif fine.broken:
