@@ -23,6 +23,10 @@ ORDINARY = 20 * COUNT
 """First number of an ordinary scene."""
 JOBS = ("tow", "turn", "lay", "lower", "recover", "moor", "heave")
 KNOT = 1852.0 / 3600.0
+SAMPLES = 96
+"""Rows of a period of heave: the jumps of jerk at a coarser table's rows make loads ring [-]."""
+PROFILE = ((-1.0, 0.1, 1.0), (-0.4, 0.4, 0.5), (-0.1, 0.9, 0.1), (0.0, 1.0, 0.0))
+"""Of a current: heights over the depth, speeds over that of the surface, directions over 1/2 rad."""
 WORKING_STRAIN = 0.003
 """Largest strain under what hangs on a cable: about a fifth of what breaks steel wire [-]."""
 
@@ -139,10 +143,7 @@ def _body(
     hangs = max(cable["submerged_weight"], 0.0) * length
     most = max(WORKING_STRAIN * cable["axial_stiffness"] - hangs, 100.0)
     pull = min(max(decades(u["body_weight"], 100.0, 2e5), least * hangs), most)
-    if floats:
-        ratio = 0.25 + 0.5 * u["body_density"]
-    else:
-        ratio = decades(u["body_density"], 1.5, 7.0)
+    ratio = 0.25 + 0.5 * u["body_density"] if floats else decades(u["body_density"], 1.5, 7.0)
     displaced = pull / GRAVITY / abs(ratio - 1.0)
     volume = displaced / SEA
     face = volume ** (2.0 / 3.0)
@@ -163,7 +164,7 @@ def _body(
 
 
 def _carried(scene: dict[str, Any], length: float) -> float:
-    """That length, or less where four fifths of the working strain are due to its own weight [m]."""
+    """That length, or what has four fifths of the working strain under its own weight [m]."""
     cable = scene["cable_types"]["K"]
     most = 0.8 * WORKING_STRAIN * cable["axial_stiffness"] / cable["submerged_weight"]
     return float(min(length, most))
@@ -205,7 +206,7 @@ def _add_current(
     turn = 2.0 * math.pi * u["current_direction"]
     rows = []
     for t, factor in ((0.0, 1.0),) if changes is None else ((20.0, 1.0), (20.0 + changes, 0.5)):
-        for share, part, veer in ((-1.0, 0.1, 1.0), (-0.4, 0.4, 0.5), (-0.1, 0.9, 0.1), (0.0, 1.0, 0.0)):  # fmt: skip
+        for share, part, veer in PROFILE:
             speed, angle = factor * part * most * u["current_speed"], turn + 0.5 * veer
             velocity = [speed * math.cos(angle), speed * math.sin(angle), 0.0]
             rows.append({"z": share * depth, "t": t, "velocity": velocity})
@@ -252,9 +253,7 @@ def _turn(scene: dict[str, Any], u: Numbers, traits: dict[str, Any]) -> float:
     return min(20.0 + abs(angle) * radius / speed + 60.0, 600.0)
 
 
-def _winch(
-    scene: dict[str, Any], u: Numbers, rate: float, start: float, duration: float
-) -> None:
+def _winch(scene: dict[str, Any], u: Numbers, rate: float, start: float, duration: float) -> None:
     """From rest to that rate within 2 to 20 s, with cable enough on the drum."""
     ramp = decades(u["ramp"], 2.0, 20.0)
     rows = [{"t": 0.0, "rate": 0.0}, {"t": start, "rate": 0.0}, {"t": start + ramp, "rate": rate}]
@@ -279,7 +278,7 @@ def _lay(scene: dict[str, Any], u: Numbers, traits: dict[str, Any]) -> float:
     hangs = depth / math.sqrt(1.0 - ((math.sqrt(k * k + 4.0) - k) / 2.0) ** 2)
     steep = 0.05 * u["slope"] if u["slope"] > 0.5 else 0.0
     turn = 2.0 * math.pi * u["current_direction"]
-    floor = {"z": -depth, "friction": 0.2 + 0.6 * u["friction"]}
+    floor: dict[str, Any] = {"z": -depth, "friction": 0.2 + 0.6 * u["friction"]}
     if steep:
         floor["slope"] = [steep * math.cos(turn), steep * math.sin(turn)]
     scene["environment"]["floor"] = floor
@@ -315,7 +314,7 @@ def _lower(scene: dict[str, Any], u: Numbers, traits: dict[str, Any]) -> float:
 
 
 def _recover(scene: dict[str, Any], u: Numbers, traits: dict[str, Any]) -> float:
-    """A load under way is reeled in; half lift cable that was laid at up to a knot off the floor."""
+    """A load under way is reeled in; half lift cable off the floor, laid at up to a knot."""
     ramp, duration = _ramp(u), 90.0 + 210.0 * u["duration"]
     speed = decades(u["speed"], 0.3, 4.0) * KNOT
     if u["variant"] < 0.5:
@@ -381,8 +380,8 @@ def _swings(
     """To and fro about a steady motion to the last direction, to the full extent in 3 periods."""
     omega = 2.0 * math.pi / period
     rows = []
-    for k in range(math.ceil(duration / period * 24) + 1):
-        t = k * period / 24.0
+    for k in range(math.ceil(duration / period * SAMPLES) + 4):
+        t = k * period / SAMPLES
         part = amplitude * omega * math.sin(omega * t) * min(t / (3.0 * period), 1.0)
         velocity = [part * a for a in along]
         velocity[0] += speed

@@ -18,7 +18,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from benchmarks.random_scenes.ordinary import drawn
 from benchmarks.random_scenes.judge import (
     CHECK_LIMIT,
     CONVERGE_LIMIT,
@@ -29,6 +28,7 @@ from benchmarks.random_scenes.judge import (
     judge,
     judge_converged,
 )
+from benchmarks.random_scenes.ordinary import drawn
 
 GRACE = 3.0
 """CPU seconds beyond a run's limit until its process is ended: steps may be long [s]."""
