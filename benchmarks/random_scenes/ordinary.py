@@ -26,7 +26,7 @@ KNOT = 1852.0 / 3600.0
 SAMPLES = 96
 """Rows of a period of heave: the jumps of jerk at a coarser table's rows make loads ring [-]."""
 PROFILE = ((-1.0, 0.1, 1.0), (-0.4, 0.4, 0.5), (-0.1, 0.9, 0.1), (0.0, 1.0, 0.0))
-"""Of a current: heights over the depth, speeds over that of the surface, directions over 1/2 rad."""
+"""Of a current: height over depth, share of the speed at the surface, direction over 1/2 rad."""
 WORKING_STRAIN = 0.003
 """Largest strain under what hangs on a cable: about a fifth of what breaks steel wire [-]."""
 
