@@ -28,6 +28,12 @@ SIZES = {
     "floor_words": at.I_FLOOR_WORDS,
     "waves": at.I_WAVES,
     "cell_terms": at.I_CELL_TERMS,
+    "frames": at.I_FRAMES,
+    "frame_pieces": at.I_FRAME_PIECES,
+    "free_bodies": at.I_FREE,
+    "arms": at.I_ARMS,
+    "foils": at.I_FOILS,
+    "foil_words": at.I_FOIL_WORDS,
 }
 
 Arrays = list[tuple[int, Any]]
@@ -106,6 +112,12 @@ class Block(WordBlock):
         floor_words: Any,
         waves: Any,
         cell_terms: Any,
+        frames: Any = 0,
+        frame_pieces: Any = 0,
+        free_bodies: Any = 0,
+        arms: Any = 0,
+        foils: Any = 0,
+        foil_words: Any = 0,
     ) -> tuple[Arrays, Arrays]:
         """Arrays of the image in order, then those of the workspace: (header word, length).
 
@@ -125,12 +137,18 @@ class Block(WordBlock):
             (at.O_FLOOR, floor_words),
             (at.O_WAVES, waves * at.WAVE_WORDS),
             (at.O_CELL_LAYERS, (waves + 1) * cell_terms * at.CELL_LAYERS),
+            (at.O_FRAME_PIECES, frame_pieces * at.PIECE_WORDS),
+            (at.O_FOIL_TABLE, foil_words),
             (at.O_PARENT, capacity),
             (at.O_JOINT, capacity),
             (at.O_EDGE, capacity * at.EDGE_WORDS),
             (at.O_BODY, bodies * at.BODY_WORDS),
             # One more for the end of the cable that is awake.
             (at.O_CONSTRAINT, constraints * at.CONSTRAINT_WORDS + at.CONSTRAINT_WORDS),
+            (at.O_FRAMES, frames * at.FRAME_WORDS),
+            (at.O_FREE, free_bodies * at.FREE_WORDS),
+            (at.O_FOILS, foils * at.FOIL_WORDS),
+            (at.O_ARMS, arms * at.ARM_WORDS),
             (at.O_POSITION, capacity * 6),
             (at.O_VELOCITY, capacity * 6),
             (at.O_ACCELERATION, capacity * 6),
@@ -167,10 +185,11 @@ class Block(WordBlock):
             (at.O_GAUSS, at.GAUSS_WORDS),
             (at.O_MOTION, waves * at.WATER_COLUMNS + at.MOTION_WORDS),
             # Of three Gauss points to an element, and of every body.
-            (at.O_CELLS, capacity * cell * 3 + bodies * cell),
+            (at.O_CELLS, capacity * cell * 3 + bodies * cell + free_bodies * cell),
             (at.O_TOP, 24 + at.BODY_WORDS),
             (at.O_END_FORCE, capacity * 6),
             (at.O_FAILED, 1),
+            (at.O_PARTS_WORK, free_bodies * at.PARTS_WORDS),
         ]
         return image, workspace
 
@@ -189,6 +208,12 @@ class Block(WordBlock):
         floor_words: int,
         waves: int,
         cell_terms: int,
+        frames: int = 0,
+        frame_pieces: int = 0,
+        free_bodies: int = 0,
+        arms: int = 0,
+        foils: int = 0,
+        foil_words: int = 0,
     ) -> None:
         sizes = {
             "capacity": capacity,
@@ -203,6 +228,12 @@ class Block(WordBlock):
             "floor_words": floor_words,
             "waves": waves,
             "cell_terms": cell_terms,
+            "frames": frames,
+            "frame_pieces": frame_pieces,
+            "free_bodies": free_bodies,
+            "arms": arms,
+            "foils": foils,
+            "foil_words": foil_words,
         }
         image, workspace = self.arrays(**sizes)
         header = {at.I_MAGIC: at.MAGIC, at.I_VERSION: at.VERSION}

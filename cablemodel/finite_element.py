@@ -16,7 +16,7 @@ from cablemodel.solver import FloatArray, OfBlock, PlacedBody
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
 
-_MEANING = {
+MEANING = {
     at.NOT_CONVERGED: (
         "no step was small enough for Newton's method to converge",
         "look for a jump in the inputs, a stiffness far from the others, or slack cable without "
@@ -63,7 +63,7 @@ class FiniteElementSolver(OfBlock):
         return status
 
     def explain(self, status: int) -> tuple[str, str]:
-        return _MEANING[status]
+        return MEANING[status]
 
     def failed_arc(self) -> float:
         node = min(self.memory.failed_node, int(self._ints[at.I_NODES]) - 1)

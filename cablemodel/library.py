@@ -3,7 +3,7 @@
 `cablemodel/binaries` may hold a shared library that was made ahead of time from the same kernels
 (`python -m cablemodel_fmu.build`); it is the one inside an exported FMU. When its hash is that of
 the kernel sources next to it, it is loaded and nothing is compiled. Otherwise, as after an edit of
-a kernel, numba compiles. Both give the same bits.
+a kernel, numba compiles, which is told (`compiling_told`). Both give the same bits.
 
 Every entry point of kernels/entry.py is a function of this module with the same arguments:
 ``library.step(ints, reals, t_end, inputs)``. The library holds those of direct/kernels/entry.py
@@ -15,10 +15,14 @@ from __future__ import annotations
 
 import hashlib
 import json
+import logging
 import os
 import platform
 import sys
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -64,17 +68,23 @@ def description(name: str) -> dict[str, Any] | None:
     return found
 
 
+def fits(name: str) -> bool:
+    """Whether a platform's library is there and belongs to the kernels next to it."""
+    found = description(name)
+    if found is None or found["kernels"] != kernel_hash():
+        return False
+    return (BINARIES / name / str(found["file"])).exists()
+
+
 @cache
 def library_path() -> Path | None:
     """The library that will be used here; None: numba compiles the kernels."""
     name = platform_name()
-    if name is None or os.environ.get("CABLEMODEL_KERNELS") == "numba":
+    if name is None or os.environ.get("CABLEMODEL_KERNELS") == "numba" or not fits(name):
         return None
     found = description(name)
-    if found is None or found["kernels"] != kernel_hash():
-        return None
-    path = BINARIES / name / found["file"]
-    return path if path.exists() else None
+    assert found is not None
+    return BINARIES / name / str(found["file"])
 
 
 @cache
@@ -89,7 +99,59 @@ def entry_points() -> dict[str, Kernel]:
         return load(path, found["arguments"])
     from cablemodel.kernels.entry import ENTRY_POINTS
 
-    return dict(ENTRY_POINTS)
+    return telling(ENTRY_POINTS)
+
+
+COMPILING = (
+    "No compiled library for this machine is installed: the solver is compiled now, once, which "
+    "takes one to three minutes and a gigabyte of memory. A wheel brings the library, and so does "
+    "`pip install .`, or `make native`, in the sources."
+)
+LONG = 3.0
+"""Seconds after which a kernel is said to be compiling; one that is cached is there by then."""
+
+_tell: ContextVar[Callable[[str], None]] = ContextVar(
+    "tell", default=logging.getLogger("cablemodel").warning
+)
+
+
+@contextmanager
+def compiling_told(tell: Callable[[str], None]) -> Iterator[None]:
+    """Within the block, `tell` is called with COMPILING when kernels are compiled; elsewhere the
+    logger ``cablemodel`` gets it as a warning."""
+    before = _tell.set(tell)
+    try:
+        yield
+    finally:
+        _tell.reset(before)
+
+
+def telling(kernels: dict[str, Any]) -> dict[str, Kernel]:
+    """Kernels of numba, the first of which to compile for long says so."""
+    told = threading.Event()
+
+    def wrapped(compiling: Callable[[Any], Any]) -> Callable[[Any], Any]:
+        def compile_and_tell(signature: Any) -> Any:
+            tell = _tell.get()
+
+            def say() -> None:
+                if not told.is_set():
+                    told.set()
+                    tell(COMPILING)
+
+            timer = threading.Timer(LONG, say)
+            timer.daemon = True
+            timer.start()
+            try:
+                return compiling(signature)
+            finally:
+                timer.cancel()
+
+        return compile_and_tell
+
+    for kernel in kernels.values():
+        kernel.compile = wrapped(kernel.compile)
+    return dict(kernels)
 
 
 def load(path: Path, arguments: dict[str, list[str]]) -> dict[str, Kernel]:

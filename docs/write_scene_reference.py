@@ -16,10 +16,11 @@ INTRODUCTION = """\
 # Scene file
 
 For those who write scenes. A scene is a YAML file that says everything about a simulation. This
-page lists every key; ready scenes to start from are in [scenes](../scenes). It is written from the
+page lists every key; `cablemodel new` writes a first scene, `cablemodel import moordyn` takes one
+from a MoorDyn deck; ready ones are in [scenes](../scenes). It is written from the
 schema in the code (`make docs`), so it is complete; `cablemodel schema` prints the same as JSON
-schema, from which editors complete and check while you type, and `cablemodel check SCENE` tells
-whether a file is right before anything is computed.
+schema, from which editors complete and check (README.md says how), and `cablemodel check SCENE`
+tells whether a file is right before anything is computed.
 
 - **Units** are SI. Any number may also be text with a unit: `12000 ft`, `6 kn`, `180 deg`,
   `1.2 t/m3`. It is converted when it is read; a unit of another dimension is an error.

@@ -13,7 +13,9 @@ from cablemodel.cli import (
     convergence,
     differences,
     fmu,
+    imports,
     inspect,
+    new,
     replay,
     report,
     run,
@@ -54,10 +56,13 @@ def _options(
     show_tracebacks(traceback)
 
 
+app.command("new")(new.new)
 app.command("run")(run.run)
+app.add_typer(imports.imports, name="import")
 app.command("check")(check.check)
 app.command("plot")(inspect.plot)
 app.command("report")(report.report)
+app.command("open")(report.show)
 app.command("animate")(report.animate)
 app.command("replay")(replay.replay)
 app.command("diff")(differences.diff)

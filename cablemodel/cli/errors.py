@@ -43,7 +43,7 @@ def reported(command: Callable[Parameters, None]) -> Callable[Parameters, None]:
                 command(*args, **kwargs)
         except (typer.Exit, typer.BadParameter):
             raise  # typer knows what to do
-        except KeyboardInterrupt:
+        except (KeyboardInterrupt, typer.Abort):  # the latter at a question
             _end("interrupted", INTERRUPTED)
         except BrokenPipeError:
             # The reader of our output (head, less) has gone; there is nobody to tell.

@@ -30,6 +30,18 @@ def writable(target: Path, endings: tuple[str, ...], option: str = "--output") -
     return target
 
 
+def new_file(target: Path, force: bool, option: str) -> Path:
+    """A scene to write that is not there yet, or is to be overwritten.
+
+    Raises:
+        typer.BadParameter: as of `writable`; or there is such a file.
+    """
+    writable(target, (".yaml", ".yml"), option)
+    if target.exists() and not force:
+        raise bad_option(option, f"{target} exists; --force overwrites it")
+    return target
+
+
 @contextmanager
 def writing(target: Path, option: str = "--output") -> Iterator[None]:
     """A block that writes a file: where it cannot, that is said of the option that names it.

@@ -1,7 +1,10 @@
-"""``cablemodel report`` and ``cablemodel animate``: show a run to others."""
+"""``cablemodel report``, ``open`` and ``animate``: show a run to oneself and to others."""
 
 from __future__ import annotations
 
+import os
+import tempfile
+import webbrowser
 from pathlib import Path
 from typing import Annotated
 
@@ -34,6 +37,24 @@ def report(
         save_report(opened, target)
     say_incomplete(opened.reason)
     typer.echo(f"Report: {target} ({target.stat().st_size / 1e6:.1f} MB)")
+
+
+@reported
+def show(run: RunArgument) -> None:
+    """Make a run's report and show it in the browser."""
+    from cablemodel.report import save_report
+
+    opened = opened_with_states(run)
+    target = run.with_suffix(".html")
+    # Logs of others, or on a medium that cannot be written, have no place beside them.
+    if not os.access(target if target.exists() else target.parent, os.W_OK):
+        target = Path(tempfile.mkdtemp(prefix="cablemodel-")) / target.name
+    with writing(target, "RUN"):
+        save_report(opened, target)
+    say_incomplete(opened.reason)
+    typer.echo(f"Report: {target}")
+    if not webbrowser.open(target.resolve().as_uri()):
+        typer.echo("cablemodel: no browser is found here; open the report in one", err=True)
 
 
 @reported

@@ -50,7 +50,7 @@ ConvergeOption = Annotated[
 ]
 
 _LONG_START = 3.0
-"""Seconds after which a start is said to be compiling: a warm one takes less."""
+"""Seconds after which a start is said to be hard: others take less."""
 _REFRESH = 0.05
 """Least time between updates of the progress line [s]."""
 
@@ -183,32 +183,28 @@ def explained_start(quiet: bool, console: Console | None = None) -> Iterator[Cal
     """
 
     from cablemodel.instance import search
-    from cablemodel.library import library_path
+    from cablemodel.library import compiling_told, library_path
 
-    if library_path() is None:
-        text = "Compiling the solver for this machine, once after an installation: a minute."
-    else:
-        text = (
-            "Looking for a static start: hard for this line; initial: {points: ...} gives it one."
-        )
-
-    def say() -> None:
+    def say(text: str) -> None:
+        if quiet:
+            return
         if console is not None:
             console.print(text, highlight=False)
         else:
             typer.echo(text, err=True)
 
-    timer = threading.Timer(_LONG_START, say)
+    hard = "Looking for a static start: hard for this line; initial: {points: ...} gives it one."
+    timer = threading.Timer(_LONG_START, say, [hard])
     timer.daemon = True
 
     def begin() -> None:
+        if library_path() is None:
+            return  # compiling may be what takes long
         if not quiet and timer.ident is None and not timer.finished.is_set():
             timer.start()
 
-    if library_path() is None:
-        begin()
     try:
-        with search.told(begin):
+        with search.told(begin), compiling_told(say):
             yield timer.cancel
     finally:
         timer.cancel()

@@ -46,7 +46,7 @@ def fill_cables(block: Block, scene: Scene, winch: Winch, scale: float) -> None:
         row[at.K_BODY] = winch.bodies[index]
         diameter = scene.cable_types[cable.type].diameter
         row[at.K_DISPLACED] = scene.environment.water_density * 0.25 * math.pi * diameter**2
-        row[at.K_EDGE :] = _edge_row(scene, cable, index, offset, scale)
+        row[at.K_EDGE :] = edge_row(scene, cable, index, offset, scale)
         row[at.K_EDGE + at.E_NOMINAL] = winch.nominal[index]
         edge = row[at.K_EDGE :]
         if edge[at.E_MODEL] == at.MODEL_HYBRID and edge[at.E_BENDING_FULL] > 0.0:
@@ -54,7 +54,7 @@ def fill_cables(block: Block, scene: Scene, winch: Winch, scale: float) -> None:
     block.ints[at.I_TOP_CABLE] = len(scene.cables) - 1
 
 
-def _edge_row(
+def edge_row(
     scene: Scene, cable: Cable, segment: int, strain_offset: int, scale: float
 ) -> FloatArray:
     """A row of the edge table for elements of a cable, without length and place."""

@@ -15,16 +15,56 @@ from typing import Any
 
 from .compile import block_kernels, copy_words, kernel, matrix_vector, view
 from .elimination import hinge_kernels
-from .layout import I_NODES, JOINT_HINGE, O_DIAGONAL, O_GAUSS, O_JOINT, O_LOWER, O_PARENT, O_UPPER
+from .layout import (
+    I_NODES,
+    JOINT_ARM,
+    JOINT_FREE,
+    JOINT_HINGE,
+    JOINT_ROOT,
+    O_DIAGONAL,
+    O_GAUSS,
+    O_JOINT,
+    O_LOWER,
+    O_PARENT,
+    O_UPPER,
+)
 
 
-def make_block_solver(size: int) -> tuple[Any, Any]:
-    """factor(I, M) -> status and solve(I, M, x) for nodes of `size` unknowns (4 or 6)."""
+def make_block_solver(size: int, parts: bool = False) -> tuple[Any, Any]:
+    """factor(I, M) -> status and solve(I, M, x) for nodes of `size` unknowns (4 or 6).
+
+    parts: with free bodies and several trees. The first node at an arm has its parent's place r and
+    theta as r + A theta, with A as `free_jacobian` leaves it beside Z.
+    """
     area = size * size
+    half = size // 2
     set_product = matrix_vector(size, 1.0, add=False)
     subtract_product = matrix_vector(size, -1.0, add=True)
     transpose, invert = block_kernels(size)
     factor_hinge, condense_hinge, reduce_hinge, substitute_hinge = hinge_kernels(size)
+
+    @kernel
+    def take_arm(S, Z, A):
+        """A += [1, G]^T S [1, G], S the Schur complement of the place at an arm, G = dr/dtheta."""
+        G = half * size
+        for i in range(half):
+            for j in range(half):
+                value = S[size * i + j]
+                A[size * i + j] += value
+                right = 0.0
+                left = 0.0
+                for k in range(half):
+                    right += S[size * i + k] * Z[G + half * k + j]
+                    left += Z[G + half * k + i] * S[size * k + j]
+                A[size * i + half + j] += right
+                A[size * (half + i) + j] += left
+                S[size * (half + i) + j] = left  # G^T S
+        for i in range(half):
+            for j in range(half):
+                value = 0.0
+                for k in range(half):
+                    value += S[size * (half + i) + k] * Z[G + half * k + j]
+                A[size * (half + i) + half + j] += value
 
     @kernel
     def factor(I, M):
@@ -32,18 +72,29 @@ def make_block_solver(size: int) -> tuple[Any, Any]:
         for node in range(nodes - 1, -1, -1):
             at = I[O_DIAGONAL] + area * node
             D = view(M, at, area)
-            hinge = I[I[O_JOINT] + node] == JOINT_HINGE
+            joint = I[I[O_JOINT] + node]
+            hinge = joint == JOINT_HINGE
+            if parts:
+                hinge = hinge or joint == JOINT_ARM or joint == JOINT_FREE
             factored = factor_hinge(D) if hinge else invert(D, 0)
             if not factored:
                 return node + 1
             if node == 0:
                 break
+            if parts and joint >= JOINT_ROOT:
+                continue
             parent = I[I[O_PARENT] + node]
             above = I[O_DIAGONAL] + area * parent
             A = view(M, above, area)
             Z = view(M, I[O_LOWER] + area * node, area)
             U = view(M, I[O_UPPER] + area * node, area)
-            if hinge:
+            if parts and joint == JOINT_ARM:
+                S = view(M, I[O_GAUSS] + 80, area)
+                for k in range(area):
+                    S[k] = 0.0
+                condense_hinge(D, Z, S)
+                take_arm(S, Z, A)
+            elif hinge:
                 condense_hinge(D, Z, A)
             else:
                 # Columns of Z = D^-1 L and of W = U D^-1, then the parent's rows: A -= W L.
@@ -69,7 +120,19 @@ def make_block_solver(size: int) -> tuple[Any, Any]:
             y = view(x, size * node, size)
             parent = parents[node]
             b = view(x, size * parent, size)
-            if joints[node] == JOINT_HINGE:
+            if parts and joints[node] >= JOINT_ROOT:
+                continue
+            if parts and joints[node] == JOINT_ARM:
+                w = view(M, I[O_GAUSS] + 80, size)
+                for k in range(size):
+                    w[k] = 0.0
+                reduce_hinge(D, y, w)
+                Z = view(M, I[O_LOWER] + area * node, area)
+                for i in range(half):
+                    b[i] += w[i]
+                    for k in range(half):
+                        b[half + i] += Z[half * size + half * k + i] * w[k]
+            elif joints[node] == JOINT_HINGE or (parts and joints[node] == JOINT_FREE):
                 reduce_hinge(D, y, b)
             else:
                 U = view(M, I[O_UPPER] + area * node, area)
@@ -80,7 +143,16 @@ def make_block_solver(size: int) -> tuple[Any, Any]:
             y = view(x, size * node, size)
             p = view(x, size * parent, size)
             Z = view(M, I[O_LOWER] + area * node, area)
-            if joints[node] == JOINT_HINGE:
+            if parts and joints[node] >= JOINT_ROOT:
+                set_product(M, I[O_DIAGONAL] + area * node, y, 0, 1, y, 0)
+            elif parts and joints[node] == JOINT_ARM:
+                w = view(M, I[O_GAUSS] + 80, size)
+                for i in range(half):
+                    w[i] = p[i]
+                    for k in range(half):
+                        w[i] += Z[half * size + half * i + k] * p[half + k]
+                substitute_hinge(Z, w, y)
+            elif joints[node] == JOINT_HINGE or (parts and joints[node] == JOINT_FREE):
                 substitute_hinge(Z, p, y)
             else:
                 set_product(M, I[O_DIAGONAL] + area * node, y, 0, 1, y, 0)
@@ -91,3 +163,4 @@ def make_block_solver(size: int) -> tuple[Any, Any]:
 
 factor_planar, solve_planar = make_block_solver(4)
 factor_spatial, solve_spatial = make_block_solver(6)
+factor_parts, solve_parts = make_block_solver(6, parts=True)

@@ -31,6 +31,8 @@ from .layout import (
     I_FLOOR_STATE,
     I_NODES,
     I_RIGID,
+    JOINT_ARM,
+    JOINT_FREE,
     JOINT_HINGE,
     O_ACCELERATION,
     O_CONSTRAINT,
@@ -92,7 +94,8 @@ def is_held(I, M):
     work = view(M, I[O_GAUSS] + 80, size * size)
     for node in range(I[I_NODES]):
         D = view(M, I[O_DIAGONAL] + size * size * node, size * size)
-        hinge = I[I[O_JOINT] + node] == JOINT_HINGE
+        joint = I[I[O_JOINT] + node]
+        hinge = joint == JOINT_HINGE or joint == JOINT_ARM or joint == JOINT_FREE
         if hinge or I[I_RIGID] > 0:
             for k in range(size // 2 if hinge else 0, size):
                 if D[size * k + k] <= 0.0:

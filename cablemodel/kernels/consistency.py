@@ -8,6 +8,7 @@ import math
 
 from .compile import copy_words, kernel, view
 from .environment import current_rate, prescribed_motion, surge_jump, vessel_motion
+from .frames import frames_jump, move_frames
 from .layout import (
     C_NODE,
     I_DIMENSION,
@@ -15,6 +16,7 @@ from .layout import (
     I_HISTORY,
     I_LIVE,
     I_NODES,
+    I_PARTS,
     I_PAYOUT,
     O_ACCELERATION,
     O_BASE_Q,
@@ -237,6 +239,9 @@ def take_rates_from_velocity(I, M):
 @kernel
 def vessel_jump(I, M):
     """By how much the tow point's acceleration is now another one than the state's [m/s2]."""
+    if I[I_PARTS] != 0:
+        move_frames(I, M, M[S_TIME])
+        return frames_jump(I, M, view(M, I[O_MOTION] + 16, 18))
     dimension = I[I_DIMENSION]
     vessel_motion(I, M, M[S_TIME])
     out = view(M, I[O_MOTION] + 16, 9)
@@ -265,7 +270,7 @@ def follows_a_blow(I, M, dt):
     surge, _most = surge_jump(I, M, M[S_TIME])
     if surge * dt * dt > limit:
         return True
-    if I[I_LIVE] == 0:
+    if I[I_LIVE] == 0 and I[I_PARTS] == 0:
         return False
     return vessel_jump(I, M) * dt * dt > limit
 

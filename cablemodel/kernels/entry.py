@@ -10,6 +10,7 @@ from . import (
     follow,
     interface,
     outputs,
+    part_outputs,
     promote,
     scales,
     statics,
@@ -156,6 +157,32 @@ def force_response(I, M, motion, out):
     return interface.response_to_motion(I, M, motion, out)
 
 
+@entry_point(int64(INTEGERS, REALS, float64, REALS, REALS, REALS))
+def drive(I, M, t_end, motion, forces, angles):
+    """Inputs of a system for a step to t_end [s], before `step`.
+
+    motion: FRAME_INPUTS words for each frame: 0 its own motion, 1 velocities given, 2 places, 3
+    both; then position [m], roll, pitch and yaw [rad], and their rates. forces: outside force [N]
+    and torque [N m] on each free body, earth frame. angles: deflection of each foil [rad].
+    """
+    part_outputs.drive_parts(I, M, t_end, motion, forces, angles)
+    return 0
+
+
+@entry_point(int64(INTEGERS, REALS, REALS, REALS, REALS))
+def sample_elements(I, M, elements, fractions, out):
+    """State at places within elements, by their numbers; out: rows of STATION_WORDS."""
+    part_outputs.element_stations(I, M, elements, fractions, out)
+    return len(elements)
+
+
+@entry_point(int64(INTEGERS, REALS, REALS, REALS, REALS))
+def parts(I, M, bodies, frames, ends):
+    """Motion of bodies and frames, forces at the ends of lines: part_outputs.parts_motion."""
+    part_outputs.parts_motion(I, M, bodies, frames, ends)
+    return I[I_BODIES]
+
+
 @entry_point(int64(INTEGERS, REALS))
 def to_three_dimensions(I, M):
     """Turn a planar model into a three-dimensional one, in place."""
@@ -178,5 +205,8 @@ ENTRY_POINTS = {
     "assemble": assemble,
     "force_rate": force_rate,
     "force_response": force_response,
+    "drive": drive,
+    "sample_elements": sample_elements,
+    "parts": parts,
     "to_three_dimensions": to_three_dimensions,
 }

@@ -8,8 +8,8 @@ the FMU's state and its serialisation are a copy of it.
 """
 
 MAGIC = 0x4C45444F4D454C42  # "BLEMODEL", little endian
-VERSION = 9
-HEADER_WORDS = 104
+VERSION = 10
+HEADER_WORDS = 120
 SCALAR_WORDS = 104
 
 # Header: identity, sizes, state counters.
@@ -71,6 +71,14 @@ I_LEFT_OUT = 85  # as many while a step is made without them, else 0
 I_KEEP_SLEEPERS = 86  # how many of them a step has not yet saved
 I_ANCHOR_KEPT = 87  # 1 where the row of the far end's constraint waits for them
 
+# Systems: frames that are driven, free bodies, lines between them. 0 in a scene of one line.
+I_PARTS = 103
+I_FRAMES, I_FRAME_PIECES = 104, 105
+I_FREE, I_ARMS = 106, 107  # free bodies; ends of lines at their points
+I_FOILS, I_FOIL_WORDS = 108, 109
+O_FRAMES, O_FRAME_PIECES, O_FREE, O_ARMS, O_FOILS, O_FOIL_TABLE = 110, 111, 112, 113, 114, 115
+O_PARTS_WORK = 116  # PARTS_WORDS of the workspace
+
 # Header: word offsets of the arrays.
 O_PIECES, O_DEPTHS, O_TIMES, O_CURRENT, O_STRAIN = 32, 33, 34, 35, 36
 O_PARENT, O_JOINT, O_EDGE, O_ARC, O_BODY, O_CONSTRAINT = 37, 38, 39, 40, 41, 42
@@ -131,6 +139,7 @@ S_WAVE_STEP = _S + 64  # longest step that resolves them [s]
 S_WAVE_DEPTH = _S + 65  # water depth [m]
 S_WAVE_CREST = _S + 66  # sum of the amplitudes [m]
 S_WAVE_X, S_WAVE_Y = _S + 76, _S + 77  # their way, a horizontal unit vector
+S_STAGE_TIME = _S + 103  # of the last set_time, in a system [s]
 S_CELL_STAYS = _S + 102  # way within which a stage keeps the water of its first iteration [m]
 S_SLEEP_AFTER = _S + 80  # time before which no more cable falls asleep [s]
 S_SLEEP_TENSION, S_SLEEP_SPARE = _S + 81, _S + 82  # at its end, what it may change by [N]
@@ -208,6 +217,10 @@ MODEL_ELASTICA, MODEL_CABLE, MODEL_HYBRID = 0, 1, 2
 JOINT_NONE = 0  # an element
 JOINT_HINGE = 1  # the same place, a slope of its own
 JOINT_BODY = 2  # a rigid body of finite length, from the parent to the node
+JOINT_ARM = 3  # a point of the free body that is the parent: its place follows, its slope is free
+JOINT_FREE = 4  # a free body whose reference point is the parent's place; it turns by itself
+JOINT_ROOT = 5  # nothing: a tree of its own
+JOINT_ROOT_FREE = 6  # nothing: a free body that is a root
 
 # Rows of the body table.
 BODY_WORDS = 20
@@ -223,7 +236,7 @@ B_PULL = 16  # 2 words: tensions there, smoothed over time [N]
 B_BORNE = 18  # 2 words: what the floor bears for long at its ends, in units of its weight
 
 # Rows of the constraint table: nodes with a prescribed position or tangent; the vessel's is first.
-CONSTRAINT_WORDS = 28
+CONSTRAINT_WORDS = 32
 C_NODE, C_KIND, C_POSITION, C_CLAMPED, C_DIRECTION = (
     0,
     1,
@@ -239,8 +252,55 @@ C_LAYER_TIME, C_LAYER_RATE = 20, 21  # when [s]; how fast it goes there [1/s]
 C_PULL = 22  # tension by which the layer is as thick as it is [N]
 C_DRIFT_RATE = 25  # 3 words: another rate, see `add_layer_motion`
 C_PULL_GAIN, C_PULL_CHANGE = 23, 24  # how it follows, and what it was off last [N]
-C_VESSEL, C_ANCHOR = 1, 2
+C_FRAME = 28  # row of the frame whose point it is (C_POINT), at C_POSITION in its axes [m]
+C_OWN_DIRECTION = 29  # 3 words: a clamp's direction in the frame's axes
+C_VESSEL, C_ANCHOR, C_POINT = 1, 2, 3
 EXACTLY, BY_SPRING = 1, 2  # how the tangent is held (C_CLAMPED); 0: it is free
+
+# Rows of the frame table: rigid frames that move as prescribed, vessels and driven ends.
+FRAME_WORDS = 84
+F_POSITION, F_VELOCITY, F_ACCELERATION = 0, 3, 6  # of its origin, earth frame, at the last set_time
+F_ROTATION = 9  # 9 words, by rows: its axes in the earth's, columns
+F_SPIN, F_SPIN_RATE = 18, 21  # angular velocity [rad/s] and its rate, earth frame
+F_LIVE = 24  # 1: the caller's motion drives it, 0: its pieces
+F_FIRST, F_COUNT = 25, 26  # pieces of the origin's motion: first row, how many
+F_TURN_FIRST, F_TURN_COUNT = 27, 28  # the same of roll, pitch and yaw [rad]; 0: it does not turn
+F_SHIFT = 29  # 6 words: position and angles minus those of its own pieces
+F_PIECE, F_TURN_PIECE = 36, 60  # live pieces
+
+# Rows of the table of free bodies, axes and places those of the body, from its reference point.
+FREE_WORDS = 180
+Y_NODE = 0
+Y_SIZE = 1  # by which a turn moves what is far out [m]
+Y_WEIGHT, Y_BUOYANCY = 2, 3  # in air; of what it displaces [N]
+Y_CENTRE, Y_BUOYANCY_CENTRE, Y_DRAG_CENTRE = 4, 7, 10
+Y_DRAG = 13  # 3 words: 1/2 rho CdA along its axes [kg/m]
+Y_TURN_DRAG = 16  # 3 words: moment per square of the angular velocity about its axes [N m s2]
+Y_ORIGIN = 19  # of the body's own axes
+Y_SOLID, Y_ADDED = 22, 58  # (6, 6) matrices of inertia, of the body and of the water
+Y_ROTATION = 94  # 9 words, by rows: from which the state's rotation vector turns
+Y_FORCE = 103  # 14 words: t0, t1, force and torque about the origin then, earth frame
+Y_MOTION = 117  # BODY_MOTION words, at the last residual
+BODY_MOTION = 33
+M_TURN, M_RATES, M_SPIN, M_SPIN_RATE = 0, 9, 18, 21  # axes; Omega = T d(theta)/dt; body axes
+M_PLACE, M_SPEED, M_GAIN = 24, 27, 30  # of the reference point
+Y_FIRST_FOIL, Y_FOILS = 150, 151
+Y_RADIUS = 152  # of a hull that pierces the surface: half of its height [m], 0: none
+
+# Rows of the table of arms.
+ARM_WORDS = 8
+A_NODE, A_BODY, A_PLACE = 0, 1, 2  # node, row of the body, 3 words in its axes
+A_FORCE = 5  # 3 words: what the line pulled with at the last residual [N]
+
+# Rows of the table of foils.
+FOIL_WORDS = 20
+L_PLACE, L_CHORD, L_SPAN = 0, 3, 6  # chord to the leading edge; span; lift along chord x span
+L_AREA = 9  # times half of the water's density [kg/m]
+L_TABLE = 10  # word of its table: lift and drag coefficients at FOIL_ANGLES angles
+L_DEFLECTION = 11  # 4 words: t0, t1, angle then [rad]
+FOIL_ANGLES = 361  # from -180 to 180 degrees
+
+PARTS_WORDS = 160  # of the workspace
 
 # What a line is like as a whole, for scales.measure_line.
 FACT_LENGTH = 0  # of its cables [m]
@@ -258,6 +318,9 @@ LIGHT_DAMPING = 10.0  # rho Cdn d L / m below which a line counts as hardly damp
 
 # What is read off a state, in words: the rows of outputs.sample_stations, outputs.summarise.
 STATION_WORDS, SUMMARY_WORDS, ENERGY_WORDS = 13, 32, 9
+FRAME_INPUTS = 13  # words of a frame's input: see entry.drive
+# Of a body or frame: place, velocity, acceleration of its origin; axes; angular velocity, its rate.
+PART_WORDS = 24
 
 # Elements at a touchdown.
 LAYER = 0.4  # smallest element in units of the touchdown layer (EI/w)^(1/3)

@@ -12,8 +12,12 @@ from .layout import (
     I_FACTORISATIONS,
     I_FRESH,
     I_NODES,
+    I_PARTS,
+    JOINT_FREE,
+    JOINT_ROOT_FREE,
     O_EDGE,
     O_FAILED,
+    O_JOINT,
     S_FACTORED_STEP,
 )
 from .system import factorise
@@ -59,6 +63,13 @@ def increment_norm(I, M, x):
     return math.sqrt(square), where
 
 
+@inlined
+def is_free_body(I, node):
+    """Whether a node is a free body: it has a rotation vector in place of a slope."""
+    joint = I[I[O_JOINT] + node]
+    return joint == JOINT_FREE or joint == JOINT_ROOT_FREE
+
+
 @kernel
 def is_folded(I, M, q, tension):
     """Whether an element lies folded in line: a root of the discrete equations, of no cable.
@@ -72,6 +83,8 @@ def is_folded(I, M, q, tension):
     for node in range(1, I[I_NODES]):
         longest = max(longest, SLOPE_RANGE[1] + edge[node * EDGE_WORDS] * tension[2 * node])
     for node in range(I[I_NODES]):
+        if I[I_PARTS] != 0 and is_free_body(I, node):
+            continue
         at = view(q, (2 * node + 1) * dimension, dimension)
         square = 0.0
         for i in range(dimension):

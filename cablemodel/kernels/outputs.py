@@ -343,6 +343,93 @@ def smooth_bend(I, M, node, x, out, w):
 
 
 @kernel
+def station_in_element(I, M, low, x, s, out, row):
+    """State at a fraction x of the element above node `low`, s from the vessel, into out[row:].
+
+    `end_forces` has been called.
+    """
+    dimension = I[I_DIMENSION]
+    size = 2 * dimension
+    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 56]
+    bend = M[I[O_MOTION] + 56 : I[O_MOTION] + 62]
+    wide = M[I[O_MOTION] + 62 : I[O_MOTION] + 80]
+    edge = I[O_EDGE] + low * EDGE_WORDS
+    parent = I[I[O_PARENT] + low]
+    h = M[edge + E_LENGTH]
+    y = 1.0 - x
+    n0 = y * y * (1.0 + 2.0 * x)
+    n1 = h * x * y * y
+    n2 = x * x * (3.0 - 2.0 * x)
+    n3 = -h * x * x * y
+    d0 = -6.0 * x * y / h
+    d1 = y * (1.0 - 3.0 * x)
+    d3 = x * (3.0 * x - 2.0)
+    e0 = (12.0 * x - 6.0) / (h * h)
+    e1 = (6.0 * x - 4.0) / h
+    e3 = (6.0 * x - 2.0) / h
+    q0 = I[O_POSITION] + size * parent
+    q1 = I[O_POSITION] + size * low
+    v0 = I[O_VELOCITY] + size * parent
+    v1 = I[O_VELOCITY] + size * low
+    if parent == 0 and I[I_PAYOUT] != 0:
+        v0 = I[O_TOP]
+    g2 = 0.0
+    for i in range(dimension):
+        a = M[q0 + i]
+        b = M[q0 + dimension + i]
+        c = M[q1 + i]
+        d = M[q1 + dimension + i]
+        w[i] = n0 * a + n1 * b + n2 * c + n3 * d
+        w[3 + i] = d0 * (a - c) + d1 * b + d3 * d
+        w[6 + i] = e0 * (a - c) + e1 * b + e3 * d
+        w[9 + i] = (
+            n0 * M[v0 + i]
+            + n1 * M[v0 + dimension + i]
+            + n2 * M[v1 + i]
+            + n3 * M[v1 + dimension + i]
+        )
+        g2 += w[3 + i] * w[3 + i]
+    g = math.sqrt(g2)
+    along = 0.0
+    for i in range(dimension):
+        w[3 + i] /= g
+        along += w[6 + i] * w[3 + i]
+    curvature = 0.0
+    for i in range(dimension):
+        curvature += ((w[6 + i] - along * w[3 + i]) / g) ** 2
+    curvature = math.sqrt(curvature)
+    bending = M[edge + E_BENDING]
+    if bending > 0.0 and smooth_bend(I, M, low, x, bend[0:3], wide):
+        curvature = 0.0
+        for i in range(dimension):
+            curvature += bend[i] ** 2
+        curvature = math.sqrt(curvature)
+    moment = 0.0
+    if I[I_PAYOUT] != 0:
+        moment = add_layer_shape(I, M, s, w, M[S_STAGE_RATE])
+    left = end_tension(I, M, low, 0)
+    right = end_tension(I, M, low, 1)
+    out[row + 12] = 0.0
+    if I[I_FLOOR] != 0 and gap_at(I, M, w, w[12:15]) < lying_gap(I, M, low):
+        out[row + 12] = 1.0
+    to_earth(I, M, w, 0, out, row, 1)
+    to_earth(I, M, w, 3, out, row + 3, 0)
+    to_earth(I, M, w, 9, out, row + 6, 0)
+    mean = M[I[O_TENSION] + 2 * low]
+    # The parabola through both end tensions that has the element's mean.
+    bow = 6.0 * mean - 3.0 * (left + right)
+    if bending > 0.0:  # where it bends sharply, that mean is not that of the tension
+        off = PRESSED * bending * sharpest_bend(I, M, low, bend[0:6])
+        bow = math.copysign(max(0.0, abs(bow) - off), bow)
+    out[row + 9] = left + x * (right - left) + bow * x * y
+    out[row + 10] = curvature
+    out[row + 11] = M[edge + E_BENDING] * curvature
+    if moment > 0.0:
+        out[row + 10] += moment / M[edge + E_BENDING_FULL]
+        out[row + 11] += moment
+
+
+@kernel
 def sample_stations(I, M, stations, out):
     """State at arc lengths `stations` (ascending or not): rows of STATION_WORDS into out.
 
@@ -351,12 +438,7 @@ def sample_stations(I, M, stations, out):
     Returns the index of the first station that lies outside the line (then nothing more is
     written), or the number of stations.
     """
-    dimension = I[I_DIMENSION]
-    size = 2 * dimension
     nodes = I[I_NODES]
-    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 56]
-    bend = M[I[O_MOTION] + 56 : I[O_MOTION] + 62]
-    wide = M[I[O_MOTION] + 62 : I[O_MOTION] + 80]
     end_forces(I, M)
     total = line_length(I, M)
     above = overhang(I, M)
@@ -377,82 +459,9 @@ def sample_stations(I, M, stations, out):
         if I[I[O_JOINT] + low] != 0:
             low = low - 1 if low > 1 else 2
         edge = I[O_EDGE] + low * EDGE_WORDS
-        parent = I[I[O_PARENT] + low]
-        h = M[edge + E_LENGTH]
-        start = M[edge + E_START] + M[S_PAID] if parent > 0 else -above
-        x = min(1.0, max(0.0, (s - start) / h))
-        y = 1.0 - x
-        n0 = y * y * (1.0 + 2.0 * x)
-        n1 = h * x * y * y
-        n2 = x * x * (3.0 - 2.0 * x)
-        n3 = -h * x * x * y
-        d0 = -6.0 * x * y / h
-        d1 = y * (1.0 - 3.0 * x)
-        d3 = x * (3.0 * x - 2.0)
-        e0 = (12.0 * x - 6.0) / (h * h)
-        e1 = (6.0 * x - 4.0) / h
-        e3 = (6.0 * x - 2.0) / h
-        q0 = I[O_POSITION] + size * parent
-        q1 = I[O_POSITION] + size * low
-        v0 = I[O_VELOCITY] + size * parent
-        v1 = I[O_VELOCITY] + size * low
-        if parent == 0 and I[I_PAYOUT] != 0:
-            v0 = I[O_TOP]
-        g2 = 0.0
-        for i in range(dimension):
-            a = M[q0 + i]
-            b = M[q0 + dimension + i]
-            c = M[q1 + i]
-            d = M[q1 + dimension + i]
-            w[i] = n0 * a + n1 * b + n2 * c + n3 * d
-            w[3 + i] = d0 * (a - c) + d1 * b + d3 * d
-            w[6 + i] = e0 * (a - c) + e1 * b + e3 * d
-            w[9 + i] = (
-                n0 * M[v0 + i]
-                + n1 * M[v0 + dimension + i]
-                + n2 * M[v1 + i]
-                + n3 * M[v1 + dimension + i]
-            )
-            g2 += w[3 + i] * w[3 + i]
-        g = math.sqrt(g2)
-        along = 0.0
-        for i in range(dimension):
-            w[3 + i] /= g
-            along += w[6 + i] * w[3 + i]
-        curvature = 0.0
-        for i in range(dimension):
-            curvature += ((w[6 + i] - along * w[3 + i]) / g) ** 2
-        curvature = math.sqrt(curvature)
-        bending = M[edge + E_BENDING]
-        if bending > 0.0 and smooth_bend(I, M, low, x, bend[0:3], wide):
-            curvature = 0.0
-            for i in range(dimension):
-                curvature += bend[i] ** 2
-            curvature = math.sqrt(curvature)
-        moment = 0.0
-        if I[I_PAYOUT] != 0:
-            moment = add_layer_shape(I, M, s, w, M[S_STAGE_RATE])
-        left = end_tension(I, M, low, 0)
-        right = end_tension(I, M, low, 1)
-        row = STATION_WORDS * n
-        out[row + 12] = 0.0
-        if I[I_FLOOR] != 0 and gap_at(I, M, w, w[12:15]) < lying_gap(I, M, low):
-            out[row + 12] = 1.0
-        to_earth(I, M, w, 0, out, row, 1)
-        to_earth(I, M, w, 3, out, row + 3, 0)
-        to_earth(I, M, w, 9, out, row + 6, 0)
-        mean = M[I[O_TENSION] + 2 * low]
-        # The parabola through both end tensions that has the element's mean.
-        bow = 6.0 * mean - 3.0 * (left + right)
-        if bending > 0.0:  # where it bends sharply, that mean is not that of the tension
-            off = PRESSED * bending * sharpest_bend(I, M, low, bend[0:6])
-            bow = math.copysign(max(0.0, abs(bow) - off), bow)
-        out[row + 9] = left + x * (right - left) + bow * x * y
-        out[row + 10] = curvature
-        out[row + 11] = M[edge + E_BENDING] * curvature
-        if moment > 0.0:
-            out[row + 10] += moment / M[edge + E_BENDING_FULL]
-            out[row + 11] += moment
+        start = M[edge + E_START] + M[S_PAID] if I[I[O_PARENT] + low] > 0 else -above
+        x = min(1.0, max(0.0, (s - start) / M[edge + E_LENGTH]))
+        station_in_element(I, M, low, x, s, out, STATION_WORDS * n)
     return len(stations)
 
 

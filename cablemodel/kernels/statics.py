@@ -11,6 +11,7 @@ from .compile import copy_words, kernel, view
 from .floor_memory import bear
 from .floor_state import leave_floor
 from .flow import flow_jacobian, flow_residual, is_laid
+from .free_bodies import count_turns_anew
 from .layout import (
     E_LENGTH,
     EDGE_WORDS,
@@ -24,6 +25,7 @@ from .layout import (
     I_ITERATIONS,
     I_MAXIMUM_STEPS,
     I_NODES,
+    I_PARTS,
     I_PAYOUT,
     I_RIGID,
     O_ACCELERATION,
@@ -195,6 +197,8 @@ def relax(I, M, frame, damped, strict):
             q0[n] = q[n]
         for n in range(2 * nodes):
             t0[n] = tension[n]
+        if I[I_PARTS] != 0:
+            count_turns_anew(I, M, q0, w0, a0)
         if springs and dt > 1e3 * M[S_FIRST_STEP]:
             if I[I_PAYOUT] != 0:
                 settle_layer(I, M, view(M, I[O_MOTION] + 16, 9), q0)

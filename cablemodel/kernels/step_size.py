@@ -6,12 +6,14 @@ that Newton's method is expected to manage (S_TRACTABLE).
 
 from .compile import inlined, kernel
 from .environment import find_piece
+from .frames import next_frame_stop
 from .layout import (
     FLOOR_FAR,
     FLOOR_TOUCHED,
     I_FLOOR_STATE,
     I_GROWTH_BARRED,
     I_LIVE,
+    I_PARTS,
     I_PIECES,
     I_REJECTED,
     I_TIMES,
@@ -88,6 +90,8 @@ def next_stop(I, M, t_end, dt):
             start = M[I[O_TIMES] + k]
             if start > time and start < stop:
                 stop = start
+    if I[I_PARTS] != 0:
+        stop = next_frame_stop(I, M, stop, dt)
     return stop
 
 

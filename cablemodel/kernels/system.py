@@ -4,7 +4,14 @@ Everything that depends on the dimension (planar or three-dimensional) is chosen
 """
 
 from .backup import keep_matrix
-from .block_solver import factor_planar, factor_spatial, solve_planar, solve_spatial
+from .block_solver import (
+    factor_parts,
+    factor_planar,
+    factor_spatial,
+    solve_parts,
+    solve_planar,
+    solve_spatial,
+)
 from .bodies import body_jacobian, body_residual
 from .compile import kernel, outlined, view
 from .element_planar import (
@@ -21,19 +28,26 @@ from .element_spatial import (
 )
 from .environment import current_profile, prescribed_motion, vessel_motion
 from .floor import floor_jacobian, floor_residual
+from .frames import move_frames, point_motion, turn_clamps, turn_slope
+from .free_bodies import follow_bodies, free_jacobian, free_residual
 from .layout import (
     C_CLAMPED,
     C_DIRECTION,
+    C_FRAME,
+    C_KIND,
     C_NODE,
+    C_POINT,
     CONSTRAINT_WORDS,
     EXACTLY,
     FLOOR_TOUCHED,
+    FRAME_WORDS,
     I_BODIES,
     I_CONSTRAINTS,
     I_DIMENSION,
     I_DRAG,
     I_FLOOR_STATE,
     I_NODES,
+    I_PARTS,
     I_PAYOUT,
     I_RIGID,
     I_SURGE,
@@ -42,6 +56,7 @@ from .layout import (
     O_COMPLIANCE,
     O_CONSTRAINT,
     O_DIAGONAL,
+    O_FRAMES,
     O_JOINT,
     O_LOWER,
     O_MOTION,
@@ -50,6 +65,7 @@ from .layout import (
     O_TOP,
     O_UPPER,
     S_PASSING,
+    S_STAGE_TIME,
 )
 from .passing import add_first_bit, exchange_rates
 from .payout import material_top, set_top_length
@@ -67,7 +83,12 @@ from .waves import set_wave_time
 
 @outlined
 def residual(I, M, q, v, a, tension, out, out_constraint):
-    """Forces conjugate to (r, d) that the equations of motion leave, and constraint residuals."""
+    """Forces conjugate to (r, d) that the equations of motion leave, and constraint residuals.
+
+    Of a system, places at the arms of free bodies are made those of the bodies first.
+    """
+    if I[I_PARTS] != 0:
+        follow_bodies(I, M, q, v, a)
     if I[I_PAYOUT] != 0:
         material_top(I, M, q, v, a)
     if I[I_DIMENSION] == 2:
@@ -90,6 +111,8 @@ def residual(I, M, q, v, a, tension, out, out_constraint):
         add_clamp_moment(I, M, q, out)
     if I[I_FLOOR_STATE] == FLOOR_TOUCHED:
         floor_residual(I, M, q, v, out)
+    if I[I_PARTS] != 0:
+        free_residual(I, M, M[S_STAGE_TIME], out)
 
 
 @kernel
@@ -98,6 +121,10 @@ def set_time(I, M, t):
     if I[I_PAYOUT] != 0:
         set_top_length(I, M, t)
     vessel_motion(I, M, t)
+    if I[I_PARTS] != 0:
+        M[S_STAGE_TIME] = t
+        move_frames(I, M, t)
+        turn_clamps(I, M)
     current_profile(I, M, t)
     if I[I_WAVES] != 0:
         set_wave_time(M, t)
@@ -125,8 +152,19 @@ def impose_motion(I, M, t, q, v, a):
     out = view(M, I[O_MOTION] + 16, 9)
     for n in range(I[I_CONSTRAINTS]):
         row = I[O_CONSTRAINT] + n * CONSTRAINT_WORDS
-        prescribed_motion(I, M, row, t, out)
         at = size * int(M[row + C_NODE])
+        if M[row + C_KIND] == C_POINT:
+            frame = I[O_FRAMES] + int(M[row + C_FRAME]) * FRAME_WORDS
+            w = view(M, I[O_MOTION] + 28, 9)
+            point_motion(M, row, frame, out, w)
+            for i in range(3):
+                q[at + i] = out[i]
+                v[at + i] = out[3 + i]
+                a[at + i] = out[6 + i]
+            if M[row + C_CLAMPED] == EXACTLY:
+                turn_slope(M, row, frame, q, v, a, at + 3, w)
+            continue
+        prescribed_motion(I, M, row, t, out)
         for i in range(dimension):
             q[at + i] = out[i]
             v[at + i] = out[dimension + i]
@@ -227,6 +265,8 @@ def constrain_vector(I, M, x):
 @outlined
 def jacobian(I, M, q, v, a, tension, ca, cv):
     """Assemble the effective Jacobian (not constrained, not factored)."""
+    if I[I_PARTS] != 0:
+        follow_bodies(I, M, q, v, a)
     if I[I_PAYOUT] != 0:
         material_top(I, M, q, v, a)
     if I[I_DIMENSION] == 2:
@@ -245,6 +285,8 @@ def jacobian(I, M, q, v, a, tension, ca, cv):
         add_clamp_tangent(I, M, q)
     if I[I_FLOOR_STATE] == FLOOR_TOUCHED:
         floor_jacobian(I, M, q, v, cv)
+    if I[I_PARTS] != 0:
+        free_jacobian(I, M, M[S_STAGE_TIME], q, v, a, ca, cv)
 
 
 @outlined
@@ -259,6 +301,8 @@ def factorise(I, M, q, v, a, tension, ca, cv):
 def factor_assembled(I, M):
     """Constrain and factor the matrix that has been assembled; returns as `factorise`."""
     constrain_matrix(I, M)
+    if I[I_PARTS] != 0:
+        return factor_parts(I, M)
     if I[I_RIGID] > 0:
         if I[I_DIMENSION] == 2:
             return factor_planar_lu(I, M)
@@ -284,7 +328,9 @@ def newton_increment(I, M, forces, constraint, x):
     for n in range(count):
         x[n] = -forces[n]
     constrain_vector(I, M, x)
-    if I[I_RIGID] > 0:
+    if I[I_PARTS] != 0:
+        solve_parts(I, M, x)
+    elif I[I_RIGID] > 0:
         if I[I_DIMENSION] == 2:
             solve_planar_lu(I, M, x)
         else:

@@ -24,6 +24,7 @@ from .environment import find_piece
 from .floor_memory import settle
 from .floor_state import lands, leave_floor
 from .follow import follow_floor
+from .free_bodies import count_turns_anew
 from .layout import (
     E_BENDING,
     E_BENDING_FULL,
@@ -48,6 +49,7 @@ from .layout import (
     I_MAXIMUM_STEPS,
     I_NODES,
     I_ORDER,
+    I_PARTS,
     I_PAYOUT,
     I_PIECE,
     I_REJECTED,
@@ -461,7 +463,7 @@ def advance_to(I, M, t_end):
         if (
             rests
             or (I[I_PAYOUT] != 0 and next_change(I, M) != 0)
-            or (I[I_FLOOR_STATE] != FLOOR_FAR and follow_floor(I, M, False))
+            or (I[I_FLOOR_STATE] != FLOOR_FAR and I[I_PARTS] == 0 and follow_floor(I, M, False))
             or (mesh_is_due(I, M) and follow_bending(I, M, False))
         ):
             status = change_mesh(I, M, rests)
@@ -499,7 +501,7 @@ def advance_to(I, M, t_end):
             # Velocities do not meet what a jolt asks for: they run into it, and make its wave.
             if M[S_TIME] != jolted:
                 make_consistent(I, M, False)
-        elif (I[I_LIVE] != 0 or I[I_CURRENT] != 0) and follows_a_blow(I, M, dt):
+        elif (I[I_LIVE] != 0 or I[I_CURRENT] != 0 or I[I_PARTS] != 0) and follows_a_blow(I, M, dt):
             begin_after_a_blow(I, M, M[S_LAST_STEP])
         elif unprojected:
             project_velocity(I, M, GAMMA[scheme] * dt)
@@ -563,6 +565,15 @@ def advance_to(I, M, t_end):
                 take_solved(I, M)
             elif along == FOLLOWS:
                 I[I_SETTLED] = 0
+            if I[I_PARTS] != 0:
+                count = 6 * I[I_NODES]
+                count_turns_anew(
+                    I,
+                    M,
+                    view(M, I[O_POSITION], count),
+                    view(M, I[O_VELOCITY], count),
+                    view(M, I[O_ACCELERATION], count),
+                )
             make_crooked(I, M)
             if I[I_PAYOUT] != 0:
                 paid = paid_since(M, dt)

@@ -43,7 +43,7 @@ def load_scene(
     Raises:
         SceneError: naming every problem with its path, its value and what is allowed.
     """
-    text, name, data = _content(source)
+    text, name, data = read_content(source)
     if folder is None:
         folder = Path(name).parent if name is not None else Path()
     overrides = listed(overrides)
@@ -145,7 +145,7 @@ def _below(schema: Mapping[str, Any], form: dict[str, Any], part: str) -> list[d
     return _forms(schema, form.get("additionalProperties"))
 
 
-def _content(source: SceneSource) -> tuple[str | None, str | None, Mapping[str, Any]]:
+def read_content(source: SceneSource) -> tuple[str | None, str | None, Mapping[str, Any]]:
     """Text, file name and data of a source."""
     if isinstance(source, Mapping):
         return None, None, source

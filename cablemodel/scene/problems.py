@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 import types
 import typing
 from collections.abc import Mapping
@@ -81,8 +82,30 @@ def _unknown_key(root: type[BaseModel], location: Location, value: Any) -> Scene
 
 
 def _near(word: Any, words: list[str]) -> str:
-    close = difflib.get_close_matches(str(word), words, n=1)
-    return f", did you mean {close[0]}?" if close else ""
+    given = str(word)
+    close = max(words, key=lambda known: _likeness(given, known), default="")
+    return f", did you mean {close}?" if _likeness(given, close) >= _ALIKE else ""
+
+
+_ALIKE = 0.6
+"""Likeness from which on one word may be meant for another: difflib's own bound."""
+
+
+def _likeness(given: str, known: str) -> float:
+    """How alike two keys are: as the part between underscores is that is least so.
+
+    What they share elsewhere says nothing of what was meant: lift_coefficient is no slip of the pen
+    for drag_coefficient, though most of its letters are the same.
+    """
+    ours, theirs = (re.split(r"[_\W]", word.lower()) for word in (given, known))
+    if "".join(ours) == "".join(theirs):
+        return 1.0  # but for what stands between the parts
+    if len(ours) != len(theirs):
+        return 0.0
+    pairs = list(zip(ours, theirs, strict=True))
+    # Beside longer parts, two letters (accuracy_of) are too few to mean something else.
+    long = [pair for pair in pairs if len(pair[1]) > 2] or pairs
+    return min(difflib.SequenceMatcher(None, *pair).ratio() for pair in long)
 
 
 def _keys_at(root: type[BaseModel], location: Location) -> list[str]:

@@ -28,6 +28,7 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from cablemodel.errors import CableModelError
+from cablemodel.library import compiling_told
 from cablemodel_ros import interface, messages
 from cablemodel_ros.control import ControlLoop, ForeignClock
 from cablemodel_ros.diagnostics import ERROR, Diagnostics, Status
@@ -120,7 +121,8 @@ class CableNode(LifecycleNode):
                 )
             self._foreign = ForeignClock() if self._follows else None
             names = Names(self.get_fully_qualified_name(), self.resolve_topic_name)
-            self._session = Session(settings, self._timebase(settings), names)
+            with compiling_told(self.get_logger().warning):
+                self._session = Session(settings, self._timebase(settings), names)
             self._connect(settings)
         except (CableModelError, SettingsError, OSError) as error:
             self._report(f"cannot configure: {error}")

@@ -15,6 +15,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 import cablemodel as cm
+from cablemodel import library
 from cablemodel.cli import app
 from cablemodel.cli.plausibility import scene_warnings
 from cablemodel.cli.run import explained_start
@@ -682,16 +683,10 @@ def test_the_example_refuses_a_run_that_is_not_steady(log: Path) -> None:
     assert "not that of the closed form" in done.stderr
 
 
-@pytest.mark.parametrize(
-    ("library", "said"), [(Path("library"), "static start"), (None, "Compiling the solver")]
-)
 def test_a_long_start_says_why(
-    library: Path | None,
-    said: str,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("cablemodel.library.library_path", lambda: library)
+    monkeypatch.setattr("cablemodel.library.library_path", lambda: Path("library"))
     monkeypatch.setattr("cablemodel.cli.run._LONG_START", 0.01)
 
     class BeganError(Exception):
@@ -708,7 +703,26 @@ def test_a_long_start_says_why(
     assert capsys.readouterr().err == ""
     with pytest.raises(BeganError), explained_start(quiet=False):
         cm.CableModel(scene)
-    assert said in capsys.readouterr().err
+    assert "static start" in capsys.readouterr().err
+
+
+def test_compiling_is_told_on_standard_error(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("cablemodel.library.LONG", 0.01)
+    for quiet in (True, False):
+        (kernel,) = library.telling({"step": SlowKernel()}).values()
+        with explained_start(quiet=quiet):
+            kernel.compile(None)
+        assert (library.COMPILING in capsys.readouterr().err) == (not quiet)
+
+
+class SlowKernel:
+    """What numba makes of a kernel, as far as `telling` knows it."""
+
+    def compile(self, signature: object) -> str:
+        time.sleep(0.2)
+        return f"compiled for {signature}"
 
 
 def test_a_wait_for_tables_is_not_blamed_on_the_start(

@@ -32,6 +32,7 @@ LAYERS = (
     ("cablemodel.kernels",),
     ("cablemodel.library",),
     ("cablemodel.scene",),
+    ("cablemodel.moordyn_deck",),
     ("cablemodel.block",),
     ("cablemodel.mesh",),
     (
@@ -52,6 +53,7 @@ LAYERS = (
         "cablemodel.solver",
     ),
     ("cablemodel.model",),
+    ("cablemodel.systems",),
     ("cablemodel.variables",),
     ("cablemodel.states", "cablemodel.cadence"),
     ("cablemodel.log",),

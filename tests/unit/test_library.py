@@ -5,6 +5,7 @@ import os
 import shutil
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -112,6 +113,32 @@ def test_a_library_that_is_gone_is_not_missed(copy):
 def test_numba_can_be_asked_for(copy, monkeypatch):
     monkeypatch.setenv("CABLEMODEL_KERNELS", "numba")
     assert library.library_path() is None
+
+
+class Kernel:
+    """What numba makes of a kernel, as far as `telling` knows it."""
+
+    def __init__(self, seconds):
+        self.seconds = seconds
+
+    def compile(self, signature):
+        time.sleep(self.seconds)
+        return f"compiled for {signature}"
+
+
+def test_compiling_for_long_is_told_once(caplog, monkeypatch):
+    monkeypatch.setattr(library, "LONG", 0.05)
+    told = []
+    kernels = library.telling({"quick": Kernel(0.0), "step": Kernel(0.2), "sample": Kernel(0.2)})
+    with library.compiling_told(told.append):
+        assert kernels["quick"].compile("reals") == "compiled for reals"
+        assert told == []
+        assert kernels["step"].compile("reals") == "compiled for reals"
+        kernels["sample"].compile("reals")
+    assert told == [library.COMPILING]
+    assert not caplog.records
+    library.telling({"step": Kernel(0.2)})["step"].compile("reals")
+    assert [record.message for record in caplog.records] == [library.COMPILING]
 
 
 @pytest.mark.parametrize("edited", ["kernels/stepping.py", "direct/kernels/stepping.py"])

@@ -19,6 +19,7 @@ import cablemodel as cm
 from cablemodel.scene import scene_json_schema, unit_at
 
 ROOT = Path(__file__).parents[2]
+READY = sorted([*ROOT.glob("scenes/*.yaml"), *ROOT.glob("cablemodel/templates/*.yaml")])
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +35,7 @@ def test_schema_accepts_what_loads(validator: Draft202012Validator, data: dict[s
     assert list(validator.iter_errors(cm.load_scene(data).to_dict())) == []
 
 
-@pytest.mark.parametrize("path", sorted((ROOT / "scenes").glob("*.yaml")), ids=lambda p: p.stem)
+@pytest.mark.parametrize("path", READY, ids=lambda p: p.stem)
 def test_schema_accepts_the_ready_scenes(validator: Draft202012Validator, path: Path) -> None:
     data = yaml.safe_load(path.read_text(encoding="utf-8"))
     assert list(validator.iter_errors(data)) == []

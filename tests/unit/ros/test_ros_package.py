@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import ast
 import re
+import sys
+import tomllib
 import xml.etree.ElementTree as ElementTree
+from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
@@ -30,13 +33,43 @@ def test_package_xml_and_setup_agree() -> None:
     assert isinstance(version, ast.Constant)
     assert root.findtext("version") == version.value
     assert root.findtext("export/build_type") == "ament_python"
-    depends = {element.text for element in root.findall("exec_depend")}
-    used = set()
-    for path in PACKAGE.glob("cablemodel_ros/*.py"):
-        used |= set(re.findall(r"^from (\w+(?:_msgs|_srvs|_interfaces))\.", path.read_text(), re.M))
-    assert used <= depends
-    messages = {t.message.split("/")[0] for t in (*interface.OUTPUTS, *interface.OTHERS)}
-    assert messages <= depends
+
+
+def imported(paths: Iterable[Path]) -> set[str]:
+    """Packages that sources import, wherever in them, but for Python's own."""
+    found = set()
+    for path in paths:
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Import):
+                found |= {name.name.partition(".")[0] for name in node.names}
+            elif isinstance(node, ast.ImportFrom) and node.module:
+                found.add(node.module.partition(".")[0])
+    return found - sys.stdlib_module_names
+
+
+UBUNTU = {"numpy": "python3-numpy", "yaml": "python3-yaml"}
+"""Packages of Ubuntu by what is imported of them."""
+
+
+def test_package_xml_names_what_is_used_and_nothing_else() -> None:
+    launch = PACKAGE / "launch/cable.launch.py"
+    used = imported([*PACKAGE.glob("cablemodel_ros/*.py"), launch])
+    # By name: messages of topics, what the launch file starts and is started by, RViz's plugins.
+    topics = (*interface.OUTPUTS, *interface.APPLIED, *interface.OTHERS, *interface.INPUTS)
+    used |= {topic.message.split("/")[0] for topic in topics}
+    used |= set(re.findall(r'package="(\w+)"', launch.read_text(encoding="utf-8")))
+    used |= {"ros2launch"}
+    rviz = (PACKAGE / "rviz/cable.rviz").read_text(encoding="utf-8")
+    used |= set(re.findall(r"Class: (\w+)/", rviz))
+    used -= {"cablemodel", "cablemodel_ros"}
+    # What the library brings and Ubuntu has no package of.
+    project = tomllib.loads((PACKAGE.parent / "pyproject.toml").read_text(encoding="utf-8"))
+    brought = {re.split(r"\W", need)[0] for need in project["project"]["dependencies"]}
+    used = {UBUNTU.get(name, name) for name in used - (brought - set(UBUNTU))}
+    root = ElementTree.parse(PACKAGE / "package.xml").getroot()
+    named = [element.text for element in root.findall("exec_depend")]
+    assert named == sorted(used)
+    assert not root.findall("test_depend")  # nor tests in the package
 
 
 def test_every_file_that_is_installed_exists() -> None:

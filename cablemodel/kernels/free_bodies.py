@@ -1,0 +1,471 @@
+"""Free bodies: rigid, six degrees of freedom, with lines at several of their points.
+
+Unknowns of a body are the place r of its reference point and a rotation vector theta, which turns
+it from a fixed attitude (rotation.py): six, as of a node of cable, whose place in the tree of nodes
+it takes. Where a line comes to it from the tree's root, the reference point is that line's end and
+r is shared, as at a hinge. Other lines begin at arms: their first nodes' places follow from r and
+theta, and forces there go to the body.
+
+With v and Omega the velocity of the reference point and the angular velocity, both in the body's
+axes, momentum p = M11 v + M12 Omega and angular momentum L = M21 v + M22 Omega about that point:
+
+    dp/dt + Omega x p = F,   dL/dt + Omega x L + v x p = N
+
+(Kirchhoff's equations: Lamb, Hydrodynamics, section 124). They hold for the body's own inertia with
+its velocity, and for that of the water with its velocity through the water. Conjugate to theta is
+T^T N. Drag goes by the whole speed of the water at the centre of drag, along each axis with that
+axis's area. A foil has lift and drag by its angle of attack, from a table.
+"""
+
+import math
+
+from .compile import kernel, view
+from .environment import current_at
+from .layout import (
+    A_BODY,
+    A_FORCE,
+    A_NODE,
+    A_PLACE,
+    ARM_WORDS,
+    FOIL_ANGLES,
+    FOIL_WORDS,
+    FREE_WORDS,
+    I_ARMS,
+    I_BODIES,
+    I_CAPACITY,
+    I_FACTORED,
+    I_FREE,
+    I_HISTORY,
+    I_WAVES,
+    L_AREA,
+    L_CHORD,
+    L_DEFLECTION,
+    L_PLACE,
+    L_SPAN,
+    L_TABLE,
+    M_GAIN,
+    M_PLACE,
+    M_RATES,
+    M_SPEED,
+    M_SPIN,
+    M_SPIN_RATE,
+    M_TURN,
+    O_ARMS,
+    O_DIAGONAL,
+    O_FOIL_TABLE,
+    O_FOILS,
+    O_FREE,
+    O_LOWER,
+    O_MOTION,
+    O_PARTS_WORK,
+    S_GRAVITY,
+    S_TIME,
+    Y_ADDED,
+    Y_BUOYANCY,
+    Y_BUOYANCY_CENTRE,
+    Y_CENTRE,
+    Y_DRAG,
+    Y_DRAG_CENTRE,
+    Y_FIRST_FOIL,
+    Y_FOILS,
+    Y_FORCE,
+    Y_MOTION,
+    Y_NODE,
+    Y_ORIGIN,
+    Y_RADIUS,
+    Y_ROTATION,
+    Y_SIZE,
+    Y_SOLID,
+    Y_TURN_DRAG,
+    Y_WEIGHT,
+)
+from .rotation import convective_spin, cross, to_body_axes, to_earth_axes, turn_and_rates
+from .waves import P_ACCELERATION, P_VELOCITY, P_WET, wave_at, wet_at
+
+FAR = 0.5  # rotation vector from which on it counts from the present attitude [rad]
+STEP = 1e-6  # of the differences for a body's derivatives, in radians and in its size
+
+
+@kernel
+def set_body_motion(row, M, x, v, a, at):
+    """Axes, rates and motion of the reference point into a body's row. x, v, a: `at` is its node's
+    first word."""
+    out = view(M, row + Y_MOTION, 33)
+    theta = view(x, at + 3, 3)
+    rate = view(v, at + 3, 3)
+    second = view(a, at + 3, 3)
+    turn_and_rates(view(M, row + Y_ROTATION, 9), theta, out[M_TURN : M_TURN + 9], out[9:18])
+    to_earth_axes(out[9:18], rate, out[M_SPIN : M_SPIN + 3])
+    w = view(M, row + Y_MOTION + M_PLACE, 9)
+    convective_spin(theta, rate, out[M_SPIN_RATE : M_SPIN_RATE + 3], w)
+    to_earth_axes(out[9:18], second, w)
+    for i in range(3):
+        out[M_SPIN_RATE + i] += w[i]
+    for i in range(3):
+        out[M_PLACE + i] = x[at + i]
+        out[M_SPEED + i] = v[at + i]
+        out[M_GAIN + i] = a[at + i]
+
+
+@kernel
+def follow_bodies(I, M, q, v, a):
+    """Motion of all bodies from the state, and of the ends of lines at their arms into it."""
+    for body in range(I[I_FREE]):
+        row = I[O_FREE] + body * FREE_WORDS
+        set_body_motion(row, M, q, v, a, 6 * int(M[row + Y_NODE]))
+    for n in range(I[I_ARMS]):
+        arm = I[O_ARMS] + n * ARM_WORDS
+        row = I[O_FREE] + int(M[arm + A_BODY]) * FREE_WORDS
+        w = view(M, I[O_PARTS_WORK], 9)
+        m = view(M, row + Y_MOTION, 33)
+        place = view(M, arm + A_PLACE, 3)
+        turn = m[M_TURN : M_TURN + 9]
+        spin = m[M_SPIN : M_SPIN + 3]
+        at = 6 * int(M[arm + A_NODE])
+        to_earth_axes(turn, place, w[0:3])
+        for i in range(3):
+            q[at + i] = m[M_PLACE + i] + w[i]
+        cross(spin, place, w[3:6])
+        to_earth_axes(turn, w[3:6], w[0:3])
+        for i in range(3):
+            v[at + i] = m[M_SPEED + i] + w[i]
+        cross(spin, w[3:6], w[6:9])
+        cross(m[M_SPIN_RATE : M_SPIN_RATE + 3], place, w[3:6])
+        for i in range(3):
+            w[6 + i] += w[3 + i]
+        to_earth_axes(turn, w[6:9], w[0:3])
+        for i in range(3):
+            a[at + i] = m[M_GAIN + i] + w[i]
+
+
+@kernel
+def ramp(M, at, words, i, t):
+    """Component i of an input that goes linearly from one value to the next: t0, t1, both."""
+    t0 = M[at]
+    t1 = M[at + 1]
+    start = M[at + 2 + i]
+    end = M[at + 2 + words + i]
+    if t >= t1:
+        return end
+    return start + (end - start) * max(0.0, (t - t0) / (t1 - t0))
+
+
+@kernel
+def add_inertia(M, matrix, v, spin, gain, spin_rate, share, out, w):
+    """Add share of dp/dt + Omega x p and dL/dt + Omega x L + v x p to out (6). w: 15 words."""
+    for i in range(6):
+        value = 0.0
+        rate = 0.0
+        for j in range(3):
+            first = M[matrix + 6 * i + j]
+            second = M[matrix + 6 * i + 3 + j]
+            value += first * v[j] + second * spin[j]
+            rate += first * gain[j] + second * spin_rate[j]
+        w[i] = value
+        out[i] += share * rate
+    cross(spin, w[0:3], w[6:9])
+    cross(spin, w[3:6], w[9:12])
+    cross(v, w[0:3], w[12:15])
+    for i in range(3):
+        out[i] += share * w[6 + i]
+        out[3 + i] += share * (w[9 + i] + w[12 + i])
+
+
+@kernel
+def add_force(force, place, sign, out, w):
+    """Add sign times a force at a place, and its moment, to out (6): body's axes. w: 3 words."""
+    cross(place, force, w)
+    for i in range(3):
+        out[i] += sign * force[i]
+        out[3 + i] += sign * w[i]
+
+
+@kernel
+def foil_coefficients(M, table, angle):
+    """Lift and drag coefficients at an angle of attack [rad], by a cubic through four rows."""
+    x = (angle + math.pi) * (FOIL_ANGLES - 1) / (2.0 * math.pi)
+    k = math.floor(x)
+    x -= k
+    period = FOIL_ANGLES - 1
+    w0 = -0.5 * x * (1.0 - x) * (1.0 - x)
+    w1 = 1.0 + x * x * (1.5 * x - 2.5)
+    w2 = x * (0.5 + x * (2.0 - 1.5 * x))
+    w3 = -0.5 * x * x * (1.0 - x)
+    lift = 0.0
+    drag = 0.0
+    for n in range(4):
+        row = table + 2 * ((k - 1 + n) % period)
+        weight = w0 if n == 0 else (w1 if n == 1 else (w2 if n == 2 else w3))
+        lift += weight * M[row]
+        drag += weight * M[row + 1]
+    return lift, drag
+
+
+@kernel
+def add_foil(M, foil, table, t, flow, spin, out, w):
+    """Subtract a foil's lift and drag from out. flow: velocity of the water past the reference
+    point, body's axes. w: 15 words."""
+    place = view(M, foil + L_PLACE, 3)
+    cross(place, spin, w[0:3])  # what the turning adds to the flow: -Omega x place
+    angle = ramp(M, foil + L_DEFLECTION, 1, 0, t)
+    c = math.cos(angle)
+    s = math.sin(angle)
+    chord = view(M, foil + L_CHORD, 3)
+    span = view(M, foil + L_SPAN, 3)
+    cross(chord, span, w[3:6])
+    against = 0.0
+    up = 0.0
+    for i in range(3):
+        u = flow[i] + w[i]
+        # Leading edge up: chord and normal turn about the span.
+        against -= u * (c * chord[i] + s * w[3 + i])
+        up += u * (c * w[3 + i] - s * chord[i])
+    speed = math.sqrt(against * against + up * up)
+    if speed == 0.0:
+        return
+    lift, drag = foil_coefficients(M, table + int(M[foil + L_TABLE]), math.atan2(up, against))
+    # Drag along the flow in the plane across the span, lift at right angles to it.
+    force = M[foil + L_AREA] * speed
+    forward = force * (lift * up - drag * against)
+    normal = force * (lift * against + drag * up)
+    for i in range(3):
+        w[6 + i] = forward * (c * chord[i] + s * w[3 + i])
+        w[6 + i] += normal * (c * w[3 + i] - s * chord[i])
+    add_force(w[6:9], place, -1.0, out, w[9:12])
+
+
+@kernel
+def body_forces(I, M, body, t, out):
+    """Inertia minus loads of a body at the motion in its row: force in the earth's frame, and what
+    is conjugate to theta, 6 words. t: time [s]."""
+    row = I[O_FREE] + body * FREE_WORDS
+    m = view(M, row + Y_MOTION, 33)
+    w = view(M, I[O_PARTS_WORK] + 40, 60)
+    turn = m[M_TURN : M_TURN + 9]
+    spin = m[M_SPIN : M_SPIN + 3]
+    spin_rate = m[M_SPIN_RATE : M_SPIN_RATE + 3]
+    v = w[0:3]
+    gain = w[3:6]
+    water = w[6:9]
+    pull = w[9:12]  # acceleration of the water
+    f = w[12:18]
+    s = w[18:33]
+    place = w[33:36]
+    for i in range(6):
+        f[i] = 0.0
+    for i in range(3):
+        pull[i] = 0.0
+    to_earth_axes(turn, view(M, row + Y_BUOYANCY_CENTRE, 3), place)
+    for i in range(3):
+        place[i] += m[M_PLACE + i]
+    current_at(I, M, place[2], water)
+    wet = 1.0
+    if I[I_WAVES] != 0:
+        slot = 3 * I[I_CAPACITY] + I[I_BODIES] + body
+        reach = max(1e-3, M[row + Y_RADIUS])
+        depth = wave_at(I, M, place[0], place[1], place[2], reach, slot)
+        wet_at(I, M, depth, reach)
+        at = I[O_MOTION]
+        wet = M[at + P_WET]
+        for i in range(3):
+            water[i] += M[at + P_VELOCITY + i]
+            pull[i] = M[at + P_ACCELERATION + i]
+    # Its own inertia.
+    to_body_axes(turn, m[M_SPEED : M_SPEED + 3], v)
+    to_body_axes(turn, m[M_GAIN : M_GAIN + 3], gain)
+    cross(spin, v, s[0:3])
+    for i in range(3):
+        gain[i] -= s[i]
+    add_inertia(M, row + Y_SOLID, v, spin, gain, spin_rate, 1.0, f, s)
+    # That of the water, by what moves through it.
+    for i in range(3):
+        place[i] = m[M_SPEED + i] - water[i]
+        water[i] = m[M_GAIN + i] - pull[i]
+    to_body_axes(turn, place, v)
+    to_body_axes(turn, water, gain)
+    cross(spin, v, s[0:3])
+    for i in range(3):
+        gain[i] -= s[i]
+    add_inertia(M, row + Y_ADDED, v, spin, gain, spin_rate, wet, f, s)
+    # Weight, buoyancy with the acceleration of the water (Froude and Krylov).
+    for i in range(3):
+        place[i] = 0.0
+    place[2] = -M[row + Y_WEIGHT]
+    to_body_axes(turn, place, water)
+    add_force(water, view(M, row + Y_CENTRE, 3), -1.0, f, s)
+    lift = wet * M[row + Y_BUOYANCY]
+    for i in range(3):
+        place[i] = lift * pull[i] / M[S_GRAVITY] if M[S_GRAVITY] > 0.0 else 0.0
+    place[2] += lift
+    to_body_axes(turn, place, water)
+    add_force(water, view(M, row + Y_BUOYANCY_CENTRE, 3), -1.0, f, s)
+    # Drag.
+    centre = view(M, row + Y_DRAG_CENTRE, 3)
+    cross(spin, centre, s[0:3])
+    speed = 0.0
+    turning = 0.0
+    for i in range(3):
+        s[3 + i] = -v[i] - s[i]
+        speed += s[3 + i] * s[3 + i]
+        turning += spin[i] * spin[i]
+    speed = wet * math.sqrt(speed)
+    turning = wet * math.sqrt(turning)
+    for i in range(3):
+        water[i] = M[row + Y_DRAG + i] * speed * s[3 + i]
+        f[3 + i] += M[row + Y_TURN_DRAG + i] * turning * spin[i]
+    add_force(water, centre, -1.0, f, s)
+    for i in range(3):
+        place[i] = -v[i]
+    for n in range(int(M[row + Y_FOILS])):
+        foil = I[O_FOILS] + (int(M[row + Y_FIRST_FOIL]) + n) * FOIL_WORDS
+        add_foil(M, foil, I[O_FOIL_TABLE], t, place, spin, f, s)
+    # What the caller pushes with, at the body's own origin.
+    for i in range(3):
+        place[i] = ramp(M, row + Y_FORCE, 6, i, t)
+        s[6 + i] = ramp(M, row + Y_FORCE, 6, 3 + i, t)
+    to_body_axes(turn, place, water)
+    add_force(water, view(M, row + Y_ORIGIN, 3), -1.0, f, s)
+    to_body_axes(turn, s[6:9], water)
+    for i in range(3):
+        f[3 + i] -= water[i]
+    to_earth_axes(turn, f[0:3], out)
+    to_body_axes(m[M_RATES : M_RATES + 9], f[3:6], water)  # T^T
+    for i in range(3):
+        out[3 + i] = water[i]
+
+
+@kernel
+def arm_moment(M, arm, m, force, out, w):
+    """What a force at an arm is, conjugate to theta: T^T (place x R^T force). w: 6 words."""
+    to_body_axes(m[M_TURN : M_TURN + 9], force, w[0:3])
+    cross(view(M, arm + A_PLACE, 3), w[0:3], w[3:6])
+    to_body_axes(m[M_RATES : M_RATES + 9], w[3:6], out)
+
+
+@kernel
+def free_residual(I, M, t, out):
+    """Add the bodies' inertia and loads to the forces, and take over those at their arms."""
+    f = view(M, I[O_PARTS_WORK] + 16, 6)
+    w = view(M, I[O_PARTS_WORK] + 22, 12)
+    for body in range(I[I_FREE]):
+        at = 6 * int(M[I[O_FREE] + body * FREE_WORDS + Y_NODE])
+        body_forces(I, M, body, t, f)
+        for i in range(6):
+            out[at + i] += f[i]
+    for n in range(I[I_ARMS]):
+        arm = I[O_ARMS] + n * ARM_WORDS
+        row = I[O_FREE] + int(M[arm + A_BODY]) * FREE_WORDS
+        end = 6 * int(M[arm + A_NODE])
+        at = 6 * int(M[row + Y_NODE])
+        force = view(out, end, 3)
+        arm_moment(M, arm, view(M, row + Y_MOTION, 33), force, w[0:3], w[3:9])
+        for i in range(3):
+            out[at + i] += force[i]
+            out[at + 3 + i] += w[i]
+            M[arm + A_FORCE + i] = force[i]
+            force[i] = 0.0
+
+
+@kernel
+def free_jacobian(I, M, t, q, v, a, ca, cv):
+    """Add the bodies' derivatives, by central differences, to the diagonal blocks of their nodes;
+    and leave at each arm how its place follows theta, for the elimination.
+
+    The state is as in the last residual; forces at arms are those of that.
+    """
+    f = view(M, I[O_PARTS_WORK] + 16, 6)
+    w = view(M, I[O_PARTS_WORK] + 22, 12)
+    for body in range(I[I_FREE]):
+        row = I[O_FREE] + body * FREE_WORDS
+        node = int(M[row + Y_NODE])
+        at = 6 * node
+        D = view(M, I[O_DIAGONAL] + 36 * node, 36)
+        for j in range(6):
+            step = STEP * (M[row + Y_SIZE] if j < 3 else 1.0)
+            x0 = q[at + j]
+            v0 = v[at + j]
+            a0 = a[at + j]
+            for side in range(2):
+                e = step if side == 0 else -step
+                q[at + j] = x0 + e
+                v[at + j] = v0 + cv * e
+                a[at + j] = a0 + ca * e
+                set_body_motion(row, M, q, v, a, at)
+                body_forces(I, M, body, t, f)
+                for n in range(I[I_ARMS]):
+                    arm = I[O_ARMS] + n * ARM_WORDS
+                    if j >= 3 and int(M[arm + A_BODY]) == body:
+                        # Of a line that goes on pulling so at the arm.
+                        m = view(M, row + Y_MOTION, 33)
+                        arm_moment(M, arm, m, view(M, arm + A_FORCE, 3), w[0:3], w[3:9])
+                        for i in range(3):
+                            f[3 + i] += w[i]
+                for i in range(6):
+                    D[6 * i + j] += f[i] / (2.0 * e)
+            q[at + j] = x0
+            v[at + j] = v0
+            a[at + j] = a0
+        set_body_motion(row, M, q, v, a, at)
+    for n in range(I[I_ARMS]):
+        arm = I[O_ARMS] + n * ARM_WORDS
+        row = I[O_FREE] + int(M[arm + A_BODY]) * FREE_WORDS
+        m = view(M, row + Y_MOTION, 33)
+        to = I[O_LOWER] + 36 * int(M[arm + A_NODE]) + 18  # beside Z
+        for j in range(3):
+            for i in range(3):
+                w[i] = m[M_RATES + 3 * i + j]  # a column of T
+            cross(w[0:3], view(M, arm + A_PLACE, 3), w[3:6])
+            to_earth_axes(m[M_TURN : M_TURN + 9], w[3:6], w[0:3])
+            for i in range(3):
+                M[to + 3 * i + j] = w[i]
+
+
+@kernel
+def count_turns_anew(I, M, q, v, a):
+    """Rotation vectors that have become large count from the present attitudes on."""
+    for body in range(I[I_FREE]):
+        row = I[O_FREE] + body * FREE_WORDS
+        at = 6 * int(M[row + Y_NODE])
+        square = 0.0
+        for i in range(3):
+            square += q[at + 3 + i] ** 2
+        if square < FAR * FAR:
+            continue
+        set_body_motion(row, M, q, v, a, at)
+        m = view(M, row + Y_MOTION, 33)
+        for i in range(9):
+            M[row + Y_ROTATION + i] = m[M_TURN + i]
+        for i in range(3):
+            q[at + 3 + i] = 0.0
+            v[at + 3 + i] = m[M_SPIN + i]
+            a[at + 3 + i] = m[M_SPIN_RATE + i]
+        set_body_motion(row, M, q, v, a, at)
+        I[I_FACTORED] = 0
+        I[I_HISTORY] = 0
+
+
+@kernel
+def push_bodies(I, M, t_end, forces):
+    """Let the outside forces and torques (bodies, 6) be reached linearly at the end of a step."""
+    for body in range(I[I_FREE]):
+        at = I[O_FREE] + body * FREE_WORDS + Y_FORCE
+        follow_ramp(M, at, 6, M[S_TIME], t_end, forces, 6 * body)
+
+
+@kernel
+def deflect_foils(I, M, t_end, angles, foils):
+    """Let the deflections of the foils be reached linearly at the end of a step."""
+    for n in range(foils):
+        at = I[O_FOILS] + n * FOIL_WORDS + L_DEFLECTION
+        follow_ramp(M, at, 1, M[S_TIME], t_end, angles, n)
+
+
+@kernel
+def follow_ramp(M, at, words, time, t_end, values, first):
+    """An input of so many words goes on from its present value to another one at t_end."""
+    for i in range(words):
+        M[at + 2 + i] = ramp(M, at, words, i, time)
+    for i in range(words):
+        M[at + 2 + words + i] = values[first + i]
+    M[at] = time
+    M[at + 1] = t_end

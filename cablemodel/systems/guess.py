@@ -1,0 +1,182 @@
+"""Where the parts of a system are at first: strings of masses, with weight and steady drag.
+
+Strings pull and do not push, so the energy is convex and has one lowest place, whatever the start.
+Bodies keep the attitude that the scene gives them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from cablemodel.systems.motion import first_angles
+from cablemodel.systems.scene import LineEnd, SystemScene
+
+FloatArray = NDArray[np.float64]
+
+PARTS = 12
+"""Strings that a line is made of."""
+STRETCH = 0.002
+"""By which all forces together stretch one of them."""
+SHARE_OF_DRAG = 0.3
+"""Of a line's drag across, that it has on the average as it hangs."""
+
+
+def axes_of(attitude: tuple[float, float, float]) -> FloatArray:
+    """Axes (3, 3), in columns, from roll, pitch and yaw: Rz Ry Rx."""
+    from scipy.spatial.transform import Rotation
+
+    return np.asarray(Rotation.from_euler("xyz", attitude).as_matrix(), dtype=np.float64)
+
+
+@dataclass
+class Guess:
+    """The first places of all parts."""
+
+    lines: dict[str, FloatArray]
+    """Points at equal steps of each line's length (PARTS + 1, 3) [m]."""
+    bodies: dict[str, FloatArray]
+    """Of bodies' origins (3,) [m]."""
+
+    def at(self, line: str, share: FloatArray) -> FloatArray:
+        """Places (n, 3) at shares of a line's length (n,)."""
+        points = self.lines[line]
+        grid = np.linspace(0.0, 1.0, len(points))
+        return np.column_stack([np.interp(share, grid, points[:, i]) for i in range(3)])
+
+
+def held_place(scene: SystemScene, end: LineEnd) -> FloatArray | None:
+    """Where an end is held at t = 0 (3,) [m]; None where it is not."""
+    if end.anchor is not None:
+        return np.array(end.anchor)
+    if end.point is None:
+        return None
+    owner, _dot, point = end.point.partition(".")
+    vessel = scene.vessels.get(owner)
+    if vessel is None:
+        return None
+    arm = axes_of(first_angles(vessel)) @ np.array(vessel.points[point])
+    return np.asarray(np.array(vessel.position) + arm, dtype=np.float64)
+
+
+def first_guess(scene: SystemScene, velocity: FloatArray) -> Guess:
+    """The first places. velocity: of the frame in which the start is at rest (3,) [m/s]."""
+    count = 0
+    bodies: dict[str, int] = {}
+    for name in scene.bodies:
+        bodies[name] = count
+        count += 1
+    # A point of a string: (variable or -1, offset).
+    rho, gravity = scene.environment.water_density, scene.environment.gravity
+    current = scene.environment.current
+    flow = -velocity
+    if current is not None:
+        flow = flow + current.velocity.reshape(-1, 3).mean(axis=0)
+    speed = float(np.linalg.norm(flow))
+    lines: dict[str, list[tuple[int, FloatArray]]] = {}
+    for name in scene.lines:
+        lines[name] = [(count + k, np.zeros(3)) for k in range(PARTS + 1)]
+        count += PARTS + 1
+    pulls = np.zeros((count, 3))
+    for name, body in scene.bodies.items():
+        pulls[bodies[name], 2] -= body.submerged_weight
+        pulls[bodies[name]] += 0.5 * rho * speed * np.mean(body.drag_area) * flow
+    for name, line in scene.lines.items():
+        along = 0.0
+        for item in line.items:
+            if item.body is not None:
+                k = round(along / line.length * PARTS)
+                load = np.array([0.0, 0.0, -item.body.submerged_weight])
+                area = item.body.drag_coefficient * item.body.drag_area
+                pulls[lines[name][k][0]] += load + 0.5 * rho * speed * area * flow
+                continue
+            assert item.cable is not None
+            kind = scene.cable_types[item.cable.type]
+            weight = kind.submerged_weight or 1e-6 * kind.mass * gravity
+            load = np.array([0.0, 0.0, -weight])
+            load += SHARE_OF_DRAG * 0.5 * rho * kind.drag_normal * kind.diameter * speed * flow
+            edges = np.linspace(0.0, line.length, PARTS + 1)
+            low, high = along, along + item.cable.length
+            for k in range(PARTS):
+                part = max(0.0, min(high, edges[k + 1]) - max(low, edges[k]))
+                for node in (k, k + 1):
+                    pulls[lines[name][node][0]] += 0.5 * part * load
+            along = high
+    fixed: dict[int, FloatArray] = {}
+    ties: list[tuple[int, int, FloatArray]] = []  # place = that of another variable, and an offset
+    for name, line in scene.lines.items():
+        for side, end in enumerate(line.ends):
+            node = lines[name][-1 if side else 0][0]
+            place = held_place(scene, end)
+            if place is not None:
+                fixed[node] = place
+            elif end.point is not None:
+                owner, _dot, point = end.point.partition(".")
+                body = scene.bodies[owner]
+                arm = axes_of(body.attitude) @ np.array(body.points[point])
+                ties.append((node, bodies[owner], arm))
+            elif end.line is not None:
+                assert end.at is not None
+                share = end.at / scene.lines[end.line].length * PARTS
+                ties.append((node, lines[end.line][round(share)][0], np.zeros(3)))
+    owner_of = np.arange(count)
+    offset = np.zeros((count, 3))
+    for node, other, arm in ties:
+        owner_of[node], offset[node] = other, arm
+    for node, other, _arm in ties:  # of a branch from a line's end at a body
+        if owner_of[other] != other:
+            offset[node] += offset[other]
+            owner_of[node] = owner_of[other]
+    free = np.array([k for k in range(count) if owner_of[k] == k and k not in fixed])
+    column = np.full(count, -1)
+    column[free] = np.arange(len(free))
+    base = offset.copy()
+    for node, place in fixed.items():
+        base[node] = place
+    where = column[owner_of]
+    left = np.array([lines[n][k][0] for n in lines for k in range(PARTS)])
+    right = np.array([lines[n][k + 1][0] for n in lines for k in range(PARTS)])
+    rest = np.array([scene.lines[n].length / PARTS for n in lines for _ in range(PARTS)])
+    total = float(np.abs(pulls).sum()) + 1e-9
+    stiff = total / (STRETCH * rest)
+
+    def places(x: FloatArray) -> FloatArray:
+        return base + np.where((where >= 0)[:, None], x[np.maximum(where, 0)], 0.0)
+
+    def energy(flat: FloatArray) -> tuple[float, FloatArray]:
+        p = places(flat.reshape(-1, 3))
+        d = p[right] - p[left]
+        size = np.maximum(np.linalg.norm(d, axis=1), 1e-12)
+        over = np.maximum(0.0, size - rest)
+        value = float((0.5 * stiff * over**2).sum() - (pulls * p).sum())
+        force = (stiff * over / size)[:, None] * d
+        slope = -pulls.copy()
+        np.add.at(slope, right, force)
+        np.add.at(slope, left, -force)
+        out = np.zeros((len(free), 3))
+        use = where >= 0
+        np.add.at(out, where[use], slope[use])
+        return value / total, out.reshape(-1) / total
+
+    middle = np.mean(list(fixed.values()), axis=0) if fixed else np.zeros(3)
+    start = np.tile(middle, (len(free), 1))
+    for own, index in bodies.items():
+        near = scene.bodies[own].position
+        if near is not None and column[index] >= 0:
+            start[column[index]] = near
+    rng = np.random.default_rng(0)  # no string may have length 0
+    start += 1e-3 * float(rest.min()) * rng.standard_normal(start.shape)
+    if len(free):
+        found = minimize(
+            energy, start.reshape(-1), jac=True, method="L-BFGS-B", options={"maxiter": 5000}
+        ).x
+        p = places(found.reshape(-1, 3))
+    else:
+        p = base
+    return Guess(
+        {name: p[[k for k, _ in nodes]] for name, nodes in lines.items()},
+        {name: p[index] for name, index in bodies.items()},
+    )

@@ -1,0 +1,381 @@
+"""The stepping model of a system: lines, bodies and vessels by the user's names."""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from pydantic import ValidationError
+
+from cablemodel.errors import SceneError, StepError
+from cablemodel.finite_element import MEANING
+from cablemodel.kernels import layout as at
+from cablemodel.model import CableState
+from cablemodel.scene.load import apply_overrides, listed, read_content
+from cablemodel.scene.problems import problems_of
+from cablemodel.systems.build import build
+from cablemodel.systems.scene import SystemScene
+
+FloatArray = NDArray[np.float64]
+
+_INPUT_WORDS = 14
+_NO_INPUTS: FloatArray = np.zeros(_INPUT_WORDS)
+
+
+@dataclass(frozen=True)
+class Motion:
+    """How a vessel or body moves; SI units, earth frame."""
+
+    position: FloatArray
+    """Of its origin (3,) [m]."""
+    velocity: FloatArray
+    """(3,) [m/s]."""
+    acceleration: FloatArray
+    """(3,) [m/s2]."""
+    axes: FloatArray
+    """Its x, y and z axes in the columns (3, 3)."""
+    angular_velocity: FloatArray
+    """(3,) [rad/s]."""
+    angular_acceleration: FloatArray
+    """(3,) [rad/s2]."""
+
+    @property
+    def attitude(self) -> FloatArray:
+        """Roll, pitch and yaw (3,) [rad]."""
+        from scipy.spatial.transform import Rotation
+
+        return np.asarray(Rotation.from_matrix(self.axes).as_euler("xyz"), dtype=np.float64)
+
+
+@dataclass(frozen=True)
+class VesselInput:
+    """Where a vessel or driven end is to be at the end of a step, how fast, or both.
+
+    Attitudes are roll, pitch and yaw [rad], their rates [rad/s]. What is None is as it is: a place
+    at rest, an attitude that stays.
+    """
+
+    position: ArrayLike | None = None
+    velocity: ArrayLike | None = None
+    attitude: ArrayLike | None = None
+    attitude_rate: ArrayLike | None = None
+
+
+class LineView:
+    """One line of a model, by its name."""
+
+    def __init__(self, model: SystemModel, name: str) -> None:
+        self._model, self.name = model, name
+        tree = model.built.tree
+        nodes = [node for node, element in tree.elements.items() if element.line == name]
+        nodes.sort(key=lambda node: tree.elements[node].start)
+        self._nodes = np.array(nodes)
+        self._starts = np.array([tree.elements[node].start for node in nodes])
+        self._lengths = np.array([tree.elements[node].length for node in nodes])
+        self._backward = np.array([tree.elements[node].backward for node in nodes])
+
+    @property
+    def length(self) -> float:
+        """Unstretched [m]."""
+        return float(self._starts[-1] + self._lengths[-1])
+
+    def sample(self, stations: ArrayLike | None = None) -> CableState:
+        """The line at arc lengths from its beginning (n,) [m]; by default at its nodes.
+
+        Raises:
+            ValueError: a station is not on the line.
+        """
+        if stations is None:
+            s = np.append(self._starts, self.length)
+        else:
+            s = np.atleast_1d(np.asarray(stations, dtype=np.float64))
+        if not np.all((s >= 0.0) & (s <= self.length * (1.0 + 1e-12))):
+            raise ValueError(f"{self.name}: stations are 0 to {self.length:g} m")
+        which = np.clip(np.searchsorted(self._starts, s, side="right") - 1, 0, None)
+        x = np.clip((s - self._starts[which]) / self._lengths[which], 0.0, 1.0)
+        backward = self._backward[which]
+        x = np.where(backward, 1.0 - x, x)
+        rows = self._model.sample_elements(self._nodes[which].astype(np.float64), x)
+        sign = np.where(backward, -1.0, 1.0)[:, None]
+        return CableState(
+            time=self._model.time,
+            s=s,
+            position=rows[:, 0:3],
+            tangent=sign * rows[:, 3:6],
+            velocity=rows[:, 6:9],
+            tension=rows[:, 9],
+            curvature=rows[:, 10],
+            bending_moment=rows[:, 11],
+            on_floor=rows[:, 12] != 0.0,
+        )
+
+    @property
+    def start_tension(self) -> float:
+        """Along the line at its beginning [N]."""
+        return float(self.sample([0.0]).tension[0])
+
+    @property
+    def end_tension(self) -> float:
+        """Along the line at its end [N]."""
+        return float(self.sample([self.length]).tension[0])
+
+
+class SystemModel:
+    """Lines between vessels, bodies and anchors, at the scene's initial state until it is stepped.
+
+    ``lines``, ``bodies`` and ``vessels`` are by the names of the scene. Copies go on by themselves.
+
+    Args:
+        scene: what to simulate, or what `load_system` takes.
+
+    Raises:
+        SceneError: a scene that is wrong, or asks for what is not computed.
+        StaticsError: no equilibrium was found for its start.
+    """
+
+    def __init__(self, scene: SystemScene | str | PathLike[str] | Mapping[str, Any]) -> None:
+        self.scene = scene if isinstance(scene, SystemScene) else load_system(scene)
+        self.built = build(self.scene)
+        self._initial = self.built.block.image.copy()
+        self.lines = {name: LineView(self, name) for name in self.scene.lines}
+        self._foils = [
+            (body, foil) for body, part in self.scene.bodies.items() for foil in part.foils
+        ]
+        self._forces = np.zeros((len(self.scene.bodies), 6))
+        self._angles = np.array(
+            [self.scene.bodies[body].foils[foil].deflection for body, foil in self._foils]
+        )
+
+    def __copy__(self) -> SystemModel:
+        return copy.deepcopy(self)
+
+    @property
+    def time(self) -> float:
+        """[s]."""
+        return float(self.built.block.reals[at.S_TIME])
+
+    def step(
+        self,
+        dt: float,
+        vessels: Mapping[str, VesselInput] | None = None,
+        forces: Mapping[str, ArrayLike] | None = None,
+        deflections: Mapping[str, float] | None = None,
+    ) -> None:
+        """Advance by dt [s], of any length.
+
+        An input is the value reached at the end of the step, from its present value.
+
+        Args:
+            vessels: motion of vessels and driven ends by name; others follow the scene.
+            forces: outside force and torque about the origin of bodies by name, (6,) [N, N m],
+                earth frame; a body that is not named has none.
+            deflections: of foils, by ``BODY.FOIL`` [rad]; those not named stay.
+
+        Raises:
+            StepError: an input is wrong, or no step could be made; the model is as it was.
+        """
+        end = self.time + float(dt)
+        if not self.time < end < math.inf or float(dt) > at.LONGEST_STEP:
+            raise self._wrong("dt", dt, f"a positive step of at most {at.LONGEST_STEP:g} s")
+        block = self.built.block
+        motion = self._motion_inputs(end, vessels or {})
+        pushes = self._pushes(forces or {})
+        angles = self._deflected(deflections or {})
+        from cablemodel import library as entry
+
+        before = block.image.copy()
+        if vessels or self._drives(block) or pushes.any() or self._forces.any() or deflections:
+            entry.drive(block.ints, block.reals, end, motion.ravel(), pushes.ravel(), angles)
+        status = int(entry.step(block.ints, block.reals, end, _NO_INPUTS))
+        if status != at.OK:
+            failed = min(block.failed_node, len(self.built.tree.arcs) - 1)
+            block.image[:] = before
+            problem, advice = MEANING[status]
+            part, arc = self.built.tree.arcs[failed]
+            raise StepError(f"{part}: {problem}", time=self.time, arc_length=arc, advice=advice)
+        self._forces, self._angles = pushes, angles
+
+    def _drives(self, block: Any) -> bool:
+        rows = block.array(at.O_FRAMES, len(self.scene.vessels), at.FRAME_WORDS)
+        return bool(np.any(rows[:, at.F_LIVE] != 0.0))
+
+    def _wrong(self, name: str, value: Any, allowed: str) -> StepError:
+        return StepError(f"{name} is {value!r}", time=self.time, advice=f"give {allowed}")
+
+    def _vector(self, name: str, value: ArrayLike, size: int) -> FloatArray:
+        try:
+            vector = np.asarray(value, dtype=np.float64)
+        except (TypeError, ValueError):
+            vector = np.empty(0)
+        if vector.shape != (size,) or not np.isfinite(vector).all():
+            raise self._wrong(name, value, f"{size} finite numbers")
+        return vector
+
+    def _motion_inputs(self, end: float, given: Mapping[str, VesselInput]) -> FloatArray:
+        names = list(self.scene.vessels)
+        inputs = np.zeros((len(names), at.FRAME_INPUTS))
+        for name, wanted in given.items():
+            if name not in names:
+                raise self._wrong("vessels", name, f"one of {', '.join(names) or 'none'}")
+            row = inputs[names.index(name)]
+            now, angles = self.vessels[name], self.vessels[name].attitude
+            places = wanted.position is not None or wanted.attitude is not None
+            speeds = wanted.velocity is not None or wanted.attitude_rate is not None
+            row[0] = (2.0 if places else 0.0) + (1.0 if speeds else 0.0)
+            row[1:4], row[4:7] = now.position, angles
+            for start, key in ((1, "position"), (4, "attitude")):
+                value = getattr(wanted, key)
+                if value is not None:
+                    row[start : start + 3] = self._vector(f"{name}.{key}", value, 3)
+            for start, key in ((7, "velocity"), (10, "attitude_rate")):
+                value = getattr(wanted, key)
+                if value is not None:
+                    row[start : start + 3] = self._vector(f"{name}.{key}", value, 3)
+            turns = np.round((angles - row[4:7]) / (2.0 * math.pi))
+            row[4:7] += 2.0 * math.pi * turns
+        return inputs
+
+    def _pushes(self, given: Mapping[str, ArrayLike]) -> FloatArray:
+        names = list(self.scene.bodies)
+        pushes = np.zeros((len(names), 6))
+        for name, value in given.items():
+            if name not in names:
+                raise self._wrong("forces", name, f"one of {', '.join(names) or 'none'}")
+            pushes[names.index(name)] = self._vector(f"forces.{name}", value, 6)
+        return pushes
+
+    def _deflected(self, given: Mapping[str, float]) -> FloatArray:
+        names = [f"{body}.{foil}" for body, foil in self._foils]
+        angles = self._angles.copy()
+        for name, value in given.items():
+            if name not in names:
+                raise self._wrong("deflections", name, f"one of {', '.join(names) or 'none'}")
+            angles[names.index(name)] = self._vector(f"deflections.{name}", [value], 1)[0]
+        return angles
+
+    def _parts(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        from cablemodel import library as entry
+
+        block = self.built.block
+        bodies = np.zeros((len(self.scene.bodies), at.PART_WORDS))
+        frames = np.zeros((len(self.scene.vessels), at.PART_WORDS))
+        ends = np.zeros((len(self.built.tree.held), 3))
+        entry.parts(block.ints, block.reals, bodies.ravel(), frames.ravel(), ends.ravel())
+        return bodies, frames, ends
+
+    @property
+    def bodies(self) -> dict[str, Motion]:
+        """Motion of the free bodies by name."""
+        return {
+            name: _motion(row)
+            for name, row in zip(self.scene.bodies, self._parts()[0], strict=True)
+        }
+
+    @property
+    def vessels(self) -> dict[str, Motion]:
+        """Motion of vessels and driven ends by name."""
+        return {
+            name: _motion(row)
+            for name, row in zip(self.scene.vessels, self._parts()[1], strict=True)
+        }
+
+    @property
+    def wrenches(self) -> dict[str, FloatArray]:
+        """Force and moment about its origin (6,) [N, N m] of all lines on each vessel, earth
+        frame."""
+        _bodies, frames, ends = self._parts()
+        found = {name: np.zeros(6) for name in self.scene.vessels}
+        q = self.built.block.array(at.O_POSITION, len(self.built.tree.parent), 6)
+        rows = dict(zip(self.scene.vessels, frames, strict=True))
+        for held, force in zip(self.built.tree.held, ends, strict=True):
+            if held.end.point is None:
+                continue
+            owner = held.end.point.partition(".")[0]
+            base = self.built.block.reals[at.S_BASE : at.S_BASE + 3]
+            arm = q[held.node, :3] + base - rows[owner][:3]
+            found[owner][:3] -= force
+            found[owner][3:] -= np.cross(arm, force)
+        return found
+
+    def sample_elements(self, elements: FloatArray, fractions: FloatArray) -> FloatArray:
+        """Rows of STATION_WORDS at fractions of elements, by the numbers of their nodes."""
+        from cablemodel import library as entry
+
+        out = np.zeros((len(elements), at.STATION_WORDS))
+        block = self.built.block
+        entry.sample_elements(
+            block.ints,
+            block.reals,
+            np.ascontiguousarray(elements),
+            np.ascontiguousarray(fractions),
+            out.reshape(-1),
+        )
+        return out
+
+    def snapshot(self) -> bytes:
+        """The whole state: a model of the same scene that restores it goes on bit by bit."""
+        return self.built.block.image.tobytes() + self._forces.tobytes() + self._angles.tobytes()
+
+    def restore(self, snapshot: bytes) -> None:
+        """Take over a snapshot of a model of the same scene.
+
+        Raises:
+            SceneError: it belongs to another scene.
+        """
+        own = self.built.block.image
+        words = np.frombuffer(snapshot, dtype=np.int64)
+        rest = self._forces.size + self._angles.size
+        fixed = [at.I_MAGIC, at.I_VERSION, at.I_BYTES, at.I_IMAGE_WORDS, at.I_CAPACITY, at.I_FREE]
+        if len(words) != len(own) + rest or any(own[k] != words[k] for k in fixed):
+            raise SceneError.at(
+                "snapshot", len(snapshot), "it belongs to another scene", "one of this scene"
+            )
+        own[:] = words[: len(own)]
+        more = words[len(own) :].view(np.float64)
+        self._forces = more[: self._forces.size].reshape(self._forces.shape).copy()
+        self._angles = more[self._forces.size :].copy()
+
+    def reset(self) -> None:
+        """Back to the initial state, t = 0."""
+        self.built.block.image[:] = self._initial
+        self._forces[:] = 0.0
+        self._angles = np.array(
+            [self.scene.bodies[body].foils[foil].deflection for body, foil in self._foils]
+        )
+
+
+def _motion(row: FloatArray) -> Motion:
+    return Motion(
+        position=row[0:3].copy(),
+        velocity=row[3:6].copy(),
+        acceleration=row[6:9].copy(),
+        axes=row[9:18].reshape(3, 3).copy(),
+        angular_velocity=row[18:21].copy(),
+        angular_acceleration=row[21:24].copy(),
+    )
+
+
+def load_system(
+    source: str | PathLike[str] | Mapping[str, Any], overrides: Any = ()
+) -> SystemScene:
+    """Read and check the scene of a system: a file, YAML text, or a mapping.
+
+    Raises:
+        SceneError: naming every problem with its path, its value and what is allowed.
+    """
+    _text, name, data = read_content(source)
+    folder = Path(name).parent if name is not None else Path()
+    data = apply_overrides(data, listed(overrides))
+    try:
+        return SystemScene.model_validate(data, context={"folder": folder, "notes": []})
+    except ValidationError as error:
+        found = SceneError(problems_of(error, SystemScene))
+        found.source = name or ""
+        raise found from None

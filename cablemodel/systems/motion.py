@@ -1,0 +1,58 @@
+"""How vessels move and turn: pieces of motion for the frames of kernels/frames.py."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cablemodel.kernels import layout as at
+
+if TYPE_CHECKING:
+    from cablemodel.systems.scene import VesselFrame
+
+FloatArray = NDArray[np.float64]
+
+
+def turning(vessel: VesselFrame) -> FloatArray:
+    """Pieces of roll, pitch and yaw over time, (n, PIECE_WORDS).
+
+    Along a path the yaw is that of the track, and its rate that of the turns; the attitude of the
+    scene is added. Else it stays as it is.
+    """
+    pieces = vessel.motion().pieces
+    if vessel.path is None:
+        pieces = pieces[:1].copy()
+        pieces[0, at.P_END] = math.inf
+    found = np.zeros((len(pieces), at.PIECE_WORDS))
+    heading = 0.0
+    for row, piece in zip(found, pieces, strict=True):
+        row[at.P_START], row[at.P_END] = piece[at.P_START], piece[at.P_END]
+        data, own = row[at.P_DATA :], piece[at.P_DATA :]
+        data[0:2] = vessel.attitude[:2]
+        if vessel.path is None:
+            data[2] = vessel.attitude[2]
+            continue
+        if piece[at.P_KIND] == 0.0:
+            way = own[3:5] if np.hypot(*own[3:5]) > 0.0 else own[6:8]
+            if np.hypot(*way) > 0.0:
+                heading += math.remainder(math.atan2(way[1], way[0]) - heading, 2.0 * math.pi)
+            data[2] = heading + vessel.attitude[2]
+            continue
+        rate, spin = own[5], own[6]
+        ahead = own[4] + math.copysign(0.5 * math.pi, rate or spin)
+        heading += math.remainder(ahead - heading, 2.0 * math.pi)
+        data[2] = heading + vessel.attitude[2]
+        data[5], data[8] = rate, 0.5 * spin
+        span = piece[at.P_END] - piece[at.P_START]
+        if math.isfinite(span):
+            heading += rate * span + 0.5 * spin * span**2
+    return found
+
+
+def first_angles(vessel: VesselFrame) -> tuple[float, float, float]:
+    """Roll, pitch and yaw at t = 0 [rad]."""
+    yaw = turning(vessel)[0, at.P_DATA + 2]
+    return vessel.attitude[0], vessel.attitude[1], float(yaw)

@@ -1,0 +1,321 @@
+"""The scene of a system: vessels with points, free bodies, lines between them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Annotated, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
+
+from cablemodel.errors import SceneProblem, shown
+from cablemodel.scene.base import Angle, Coefficient, Length, Position, SceneModel, UnitVector
+from cablemodel.scene.environment import Environment
+from cablemodel.scene.line import CableType, LineItem
+from cablemodel.scene.schema import RunSettings, Solver
+from cablemodel.scene.units import Quantity, Vector, rejection, several
+from cablemodel.scene.vessel import Vessel
+
+FloatArray = NDArray[np.float64]
+
+Attitude = Annotated[tuple[float, float, float], Vector("rad")]
+
+
+class VesselFrame(Vessel):
+    """A vessel, or a driven end: a rigid frame that moves as prescribed, with named points.
+
+    ``position``, ``velocity`` and ``path`` are those of its origin. Along a path its x axis keeps
+    to the track.
+    """
+
+    attitude: Attitude = Field(
+        default=(0.0, 0.0, 0.0),
+        description="roll, pitch and yaw at t = 0, about its x, y and z axes: R = Rz Ry Rx",
+    )
+    points: dict[str, Position] = Field(
+        default_factory=dict, description="places of its fairleads, in its own axes"
+    )
+
+
+class Foil(SceneModel):
+    """A wing of a body: lift along chord x span, drag along the flow, by its angle of attack."""
+
+    position: Position = Field(default=(0.0, 0.0, 0.0), description="where its forces act")
+    area: Annotated[float, Quantity("m**2", above=0)] = Field(description="of its planform")
+    chord: UnitVector = Field(default=(1.0, 0.0, 0.0), description="towards its leading edge")
+    span: UnitVector = Field(
+        default=(0.0, 1.0, 0.0), description="along its leading edge; it lifts along chord x span"
+    )
+    aspect_ratio: Annotated[float, Quantity(above=0)] = Field(
+        default=6.0, description="of a thin wing: span squared over area"
+    )
+    stall: Annotated[float, Quantity("rad", above=0)] = Field(
+        default=math.radians(15.0), description="angle of attack at which it stalls"
+    )
+    drag: Coefficient = Field(default=0.01, description="drag coefficient without lift")
+    deflection: Angle = Field(
+        default=0.0, description="angle by which it is turned about its span, leading edge up"
+    )
+    table: tuple[tuple[float, float, float], ...] | None = Field(
+        default=None,
+        description="instead of a thin wing: rows of angle of attack in degrees, lift and drag "
+        "coefficient, from -180 to 180",
+    )
+
+    @model_validator(mode="after")
+    def _table_in_order(self) -> Foil:
+        if self.table is not None:
+            angles = [row[0] for row in self.table]
+            if angles[0] != -180.0 or angles[-1] != 180.0 or np.any(np.diff(angles) <= 0.0):
+                allowed = "angles that rise from -180 to 180"
+                raise rejection("angles out of order", allowed, angles, ("table",))
+        return self
+
+    def coefficients(self, angles: FloatArray) -> FloatArray:
+        """Lift and drag coefficients (n, 2) at angles of attack (n,) [rad].
+
+        A thin wing of finite span (lifting-line theory) up to the stall; beyond it a flat plate
+        across the flow, with two quarters of the stall angle in between.
+        """
+        if self.table is not None:
+            rows = np.array(self.table)
+            at = np.degrees(angles)
+            return np.column_stack([np.interp(at, rows[:, 0], rows[:, k]) for k in (1, 2)])
+        slope = 2.0 * math.pi * self.aspect_ratio / (self.aspect_ratio + 2.0)
+        folded = np.arcsin(np.sin(angles))  # flow from behind meets a plate alike
+        lift = slope * np.sin(folded) * np.cos(folded)
+        drag = self.drag + lift**2 / (math.pi * self.aspect_ratio)
+        normal = 2.0 * np.sin(folded)
+        plate = np.column_stack([normal * np.cos(folded), self.drag + normal * np.sin(folded)])
+        x = np.clip((np.abs(folded) / self.stall - 0.75) / 0.5, 0.0, 1.0)
+        stalled = (x * x * (3.0 - 2.0 * x))[:, None]
+        wing = np.column_stack([lift, drag])
+        found = wing + stalled * (plate - wing)
+        found[:, 0] *= np.sign(np.cos(angles))
+        return np.asarray(found, dtype=np.float64)
+
+
+def _three(value: Any) -> Any:
+    """One number for all three axes."""
+    if isinstance(value, (int, float, str)) and not isinstance(value, bool):
+        return [value, value, value]
+    return value
+
+
+class FreeBody(SceneModel):
+    """A rigid body with six degrees of freedom; places and axes are its own."""
+
+    mass: Annotated[float, Quantity("kg", above=0)] = Field(description="mass in air")
+    submerged_weight: Annotated[float, Quantity("N")] = Field(
+        description="weight in water (negative: it floats)"
+    )
+    inertia: Annotated[tuple[float, float, float], Vector("kg*m**2"), BeforeValidator(_three)] = (
+        Field(
+            description="moments of inertia about the axes through the centre of gravity, "
+            "without the water's; one number for all three"
+        )
+    )
+    centre_of_gravity: Position = Field(default=(0.0, 0.0, 0.0), description="its place")
+    centre_of_buoyancy: Position = Field(
+        default=(0.0, 0.0, 0.0), description="place of buoyancy and added mass"
+    )
+    centre_of_drag: Position = Field(default=(0.0, 0.0, 0.0), description="where drag acts")
+    added_mass: Annotated[tuple[float, float, float], Vector("kg"), BeforeValidator(_three)] = (
+        Field(default=(0.0, 0.0, 0.0), description="of motion along its axes")
+    )
+    added_inertia: Annotated[
+        tuple[float, float, float], Vector("kg*m**2"), BeforeValidator(_three)
+    ] = Field(default=(0.0, 0.0, 0.0), description="of turning about its axes")
+    drag_area: Annotated[tuple[float, float, float], Vector("m**2"), BeforeValidator(_three)] = (
+        Field(
+            default=(0.0, 0.0, 0.0),
+            description="drag coefficient times area of flow along its axes; the law is "
+            "1/2 rho |u| CdA u",
+        )
+    )
+    drag_turning: Annotated[tuple[float, float, float], Vector("m**5"), BeforeValidator(_three)] = (
+        Field(
+            default=(0.0, 0.0, 0.0),
+            description="of turning: the moment is 1/2 rho times this times the angular velocity "
+            "squared",
+        )
+    )
+    points: dict[str, Position] = Field(
+        default_factory=dict, description="places at which lines are attached"
+    )
+    foils: dict[str, Foil] = Field(default_factory=dict, description="wings")
+    position: Position | None = Field(
+        default=None, description="at t = 0, where the start is not static or is sought from"
+    )
+    attitude: Attitude = Field(
+        default=(0.0, 0.0, 0.0), description="roll, pitch and yaw from which a start is sought"
+    )
+
+    @model_validator(mode="after")
+    def _inertia_of_a_body(self) -> FreeBody:
+        a = sorted(self.inertia)
+        if a[0] <= 0.0 or a[2] > a[0] + a[1] + 1e-9 * a[2]:
+            allowed = "above 0, none larger than the sum of the others"
+            raise rejection("not of a rigid body", allowed, self.inertia, ("inertia",))
+        return self
+
+
+class LineEnd(SceneModel):
+    """Where a line begins or ends: exactly one of point, anchor, line; free without any."""
+
+    point: Annotated[str, Field(strict=True)] | None = Field(
+        default=None, description="a vessel's or body's point: NAME.POINT"
+    )
+    anchor: Position | None = Field(default=None, description="a place where it is held")
+    line: Annotated[str, Field(strict=True)] | None = Field(
+        default=None, description="another line, of which this is a branch"
+    )
+    at: Length | None = Field(default=None, description="arc length of the branch on that line")
+    clamped: UnitVector | None = Field(
+        default=None,
+        description="at a vessel's point: direction of the line there, from its beginning to its "
+        "end, in the vessel's axes",
+    )
+
+    @property
+    def is_free(self) -> bool:
+        """Nothing holds it."""
+        return self.point is None and self.anchor is None and self.line is None
+
+    @model_validator(mode="after")
+    def _one_of_them(self) -> LineEnd:
+        given = [key for key in ("point", "anchor", "line") if getattr(self, key) is not None]
+        if len(given) > 1:
+            raise rejection(f"{' and '.join(given)} exclude each other", "one of them")
+        if (self.line is None) != (self.at is None):
+            raise rejection("line and at belong together", "both or none")
+        if self.clamped is not None and self.point is None:
+            raise rejection("only a vessel's point holds a clamp", "point with clamped")
+        return self
+
+
+def _end(value: Any) -> Any:
+    if isinstance(value, str):
+        return {} if value == "free" else {"point": value}
+    return value
+
+
+class SystemLine(SceneModel):
+    """Cables and point bodies between two ends."""
+
+    start: Annotated[LineEnd, BeforeValidator(_end)] = Field(
+        alias="from", description="where it begins: NAME.POINT, free, or a mapping"
+    )
+    end: Annotated[LineEnd, BeforeValidator(_end)] = Field(
+        alias="to", description="where it ends: NAME.POINT, free, or a mapping"
+    )
+    items: tuple[LineItem, ...] = Field(description="cables and point bodies along it")
+
+    @property
+    def length(self) -> float:
+        """Unstretched [m]."""
+        return math.fsum(item.cable.length for item in self.items if item.cable is not None)
+
+    @property
+    def ends(self) -> tuple[LineEnd, LineEnd]:
+        """Both."""
+        return self.start, self.end
+
+
+class SystemScene(SceneModel):
+    """A scene of several lines, vessels and bodies, in SI units, checked and unchangeable."""
+
+    title: Annotated[str, Field(strict=True)] = Field(default="", description="what it shows")
+    environment: Environment = Field(default=Environment(), description="what surrounds it")
+    cable_types: dict[str, CableType] = Field(min_length=1, description="kinds of cable by name")
+    vessels: dict[str, VesselFrame] = Field(
+        default_factory=dict, description="vessels and driven ends by name"
+    )
+    bodies: dict[str, FreeBody] = Field(default_factory=dict, description="free bodies by name")
+    lines: dict[str, SystemLine] = Field(min_length=1, description="lines by name")
+    solver: Solver = Field(default=Solver(), description="how the scene is computed")
+    run: RunSettings = Field(default=RunSettings(), description="length of a run and its output")
+
+    _notes: tuple[str, ...] = PrivateAttr(default=())
+
+    @model_validator(mode="after")
+    def _consistent(self) -> SystemScene:
+        density, gravity = self.environment.water_density, self.environment.gravity
+        for name, kind in list(self.cable_types.items()):
+            self.cable_types[name] = kind.resolved(density, gravity)
+        problems = list(self._problems())
+        if problems:
+            raise several(problems)
+        return self
+
+    def _problems(self) -> Iterator[SceneProblem]:
+        for name in self.vessels:
+            if name in self.bodies:
+                yield SceneProblem(f"bodies.{name}", name, "a vessel has this name", "another one")
+        used: set[str] = set()
+        for name, line in self.lines.items():
+            path = f"lines.{name}"
+            if not any(item.cable for item in line.items):
+                yield SceneProblem(f"{path}.items", None, "no cable", "at least one cable")
+            for index, item in enumerate(line.items):
+                at = f"{path}.items.{index}"
+                if item.cable is not None and item.cable.type not in self.cable_types:
+                    problem = f"{shown(item.cable.type)} is not one of the cable types"
+                    known = ", ".join(self.cable_types)
+                    yield SceneProblem(f"{at}.cable.type", item.cable.type, problem, known)
+                if item.body is not None and item.body.half_length > 0.0:
+                    problem = "a body with length in a line of a system"
+                    allowed = "a body of its own in bodies, or half_length: 0"
+                    yield SceneProblem(
+                        f"{at}.body.half_length", item.body.half_length, problem, allowed
+                    )
+                ends_item = index in (0, len(line.items) - 1)
+                if item.body is not None and ends_item and line.ends[index != 0].point is not None:
+                    problem = "a body where the line is attached"
+                    yield SceneProblem(at, None, problem, "cable at an attached end")
+            for word, end in (("from", line.start), ("to", line.end)):
+                yield from self._end_problems(name, f"{path}.{word}", end, used)
+        for name in self.bodies:
+            if name not in used:
+                problem = "no line is attached to it"
+                yield SceneProblem(
+                    f"bodies.{name}", name, problem, f"a line from or to {name}.POINT"
+                )
+        if self.environment.waves is not None:
+            problem = "waves are not computed in a system yet"
+            yield SceneProblem("environment.waves", None, problem, "none")
+        if self.environment.floor is not None:
+            problem = "a floor is not computed in a system yet"
+            yield SceneProblem("environment.floor", None, problem, "none")
+
+    def _end_problems(
+        self, name: str, path: str, end: LineEnd, used: set[str]
+    ) -> Iterator[SceneProblem]:
+        if end.point is not None:
+            owner, _dot, point = end.point.partition(".")
+            places = self.vessels.get(owner) or self.bodies.get(owner)
+            if places is None or point not in places.points:
+                points = [
+                    f"{other}.{key}"
+                    for group in (self.vessels, self.bodies)
+                    for other, part in group.items()
+                    for key in part.points
+                ]
+                problem = f"{shown(end.point)} is no point of a vessel or body"
+                yield SceneProblem(path, end.point, problem, ", ".join(points) or "a point")
+                return
+            used.add(owner)
+            if end.clamped is not None and owner in self.bodies:
+                problem = "a clamp at a body is not computed yet"
+                yield SceneProblem(f"{path}.clamped", end.clamped, problem, "a vessel's point")
+        if end.line is not None:
+            other = self.lines.get(end.line)
+            if other is None or end.line == name:
+                problem = f"{shown(end.line)} is not another line"
+                known = ", ".join(key for key in self.lines if key != name)
+                yield SceneProblem(f"{path}.line", end.line, problem, known)
+            elif end.at is not None and not 0.0 < end.at < other.length:
+                problem = "a branch beyond the line"
+                yield SceneProblem(f"{path}.at", end.at, problem, f"0 to {other.length:g} m")

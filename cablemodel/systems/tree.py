@@ -1,0 +1,264 @@
+"""The parts of a system as a tree of nodes: lines from where they are held, bodies between them.
+
+Elimination runs from the leaves to the roots (kernels/block_solver.py). A line's end that is held
+is a root or a leaf, so that lines between vessels and anchors close no cycle. A body takes its
+place where the first line comes to it; all others begin at it.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cablemodel.errors import SceneError
+from cablemodel.kernels import layout as at
+from cablemodel.scene.line import Body, Cable
+from cablemodel.systems.scene import LineEnd, SystemScene
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Held:
+    """A node whose place is prescribed."""
+
+    node: int
+    line: str
+    end: LineEnd
+    outward: bool
+    """The tree goes from this end along the line, not to it."""
+
+
+@dataclass(frozen=True)
+class Element:
+    """An element of a line."""
+
+    line: str
+    cable: int
+    """Which item of the line."""
+    start: float
+    """Arc length along the line at which it begins [m]."""
+    length: float
+    backward: bool
+    """The tree goes through it from the line's end to its beginning."""
+
+
+@dataclass
+class Tree:
+    """Nodes, each with what ties it to its parent."""
+
+    parent: list[int] = field(default_factory=list)
+    joint: list[int] = field(default_factory=list)
+    elements: dict[int, Element] = field(default_factory=dict)
+    """By the node at the far end of each."""
+    arcs: list[tuple[str, float]] = field(default_factory=list)
+    """Line and arc length of every node; of a body its name and 0."""
+    held: list[Held] = field(default_factory=list)
+    bodies: dict[str, tuple[int, str]] = field(default_factory=dict)
+    """Free bodies: node, and the point that is the reference (empty: the body's origin)."""
+    arms: list[tuple[int, str, str]] = field(default_factory=list)
+    """Nodes at bodies' points: node, body, point."""
+    masses: list[tuple[int, Body, str, int]] = field(default_factory=list)
+    """Point bodies in lines: node, body, line, item."""
+
+    def add(self, parent: int, joint: int, place: tuple[str, float]) -> int:
+        """A new node's number."""
+        self.parent.append(max(parent, 0))
+        self.joint.append(joint)
+        self.arcs.append(place)
+        return len(self.parent) - 1
+
+
+class _Builder:
+    def __init__(self, scene: SystemScene, nodes: dict[str, list[FloatArray]]) -> None:
+        self.scene = scene
+        self.nodes = nodes
+        self.tree = Tree()
+        self.placed: set[str] = set()
+
+    def build(self) -> Tree:
+        """All parts, those that are held first."""
+        lines = self.scene.lines
+        for wanted in ("held", "free", "body"):
+            for name, line in lines.items():
+                for side, end in enumerate(line.ends):
+                    if name in self.placed or self._kind(end) != wanted:
+                        continue
+                    if wanted == "body":
+                        assert end.point is not None
+                        body, _dot, _point = end.point.partition(".")
+                        self._place_body(body, -1, "")
+                    else:
+                        self._begin(name, side)
+        return self.tree
+
+    def _kind(self, end: LineEnd) -> str:
+        if end.anchor is not None:
+            return "held"
+        if end.line is not None:
+            return "branch"
+        if end.point is None:
+            return "free"
+        return "held" if end.point.partition(".")[0] in self.scene.vessels else "body"
+
+    def _begin(self, name: str, side: int) -> None:
+        """A root at an end of a line."""
+        tree, line = self.tree, self.scene.lines[name]
+        arc = line.length if side else 0.0
+        joint = at.JOINT_ROOT if tree.parent else 0
+        node = tree.add(0, joint, (name, arc))
+        end = line.ends[side]
+        if self._kind(end) == "held":
+            tree.held.append(Held(node, name, end, outward=True))
+        self.placed.add(name)
+        self._run(name, node, arc, 0.0 if side else line.length)
+
+    def _place_body(self, body: str, parent: int, point: str) -> None:
+        """A body at the end of a line, or as a root, and all lines that begin at it."""
+        tree = self.tree
+        joint = at.JOINT_FREE if parent >= 0 else at.JOINT_ROOT_FREE
+        node = tree.add(parent, joint, (body, 0.0))
+        tree.bodies[body] = node, point
+        for name, line in self.scene.lines.items():
+            for side, end in enumerate(line.ends):
+                if name in self.placed or end.point is None:
+                    continue
+                owner, _dot, place = end.point.partition(".")
+                if owner == body:
+                    arc = line.length if side else 0.0
+                    arm = tree.add(node, at.JOINT_ARM, (name, arc))
+                    tree.arms.append((arm, body, place))
+                    self.placed.add(name)
+                    self._run(name, arm, arc, 0.0 if side else line.length)
+
+    def _run(self, name: str, node: int, start: float, stop: float) -> None:
+        """Elements of a line from a node at one arc length to another, and what is at its end."""
+        tree, line = self.tree, self.scene.lines[name]
+        backward = stop < start
+        branches: list[tuple[int, str, int]] = []
+        for item, left, right, hinged, mass in self._pieces(name, start, stop):
+            if hinged:
+                node = tree.add(node, at.JOINT_HINGE, (name, left))
+            if mass is not None:
+                tree.masses.append((node, mass[1], name, mass[0]))
+            node = tree.add(node, at.JOINT_NONE, (name, right))
+            low = min(left, right)
+            tree.elements[node] = Element(name, item, low, abs(right - left), backward)
+            for other, side in self._branches(name, right):
+                branches.append((node, other, side))
+        last = line.items[0 if backward else -1]
+        side = 0 if backward else 1
+        if last.body is not None:
+            index = 0 if backward else len(line.items) - 1
+            tree.masses.append((node, last.body, name, index))
+        self._finish(name, line.ends[side], node)
+        for junction, other, other_side in branches:
+            if other in self.placed:
+                continue
+            self.placed.add(other)
+            arc = self.scene.lines[other].length if other_side else 0.0
+            branch = tree.add(junction, at.JOINT_HINGE, (other, arc))
+            self._run(other, branch, arc, 0.0 if other_side else self.scene.lines[other].length)
+
+    def _finish(self, name: str, end: LineEnd, node: int) -> None:
+        """What a line comes to."""
+        kind = self._kind(end)
+        if kind == "held":
+            self.tree.held.append(Held(node, name, end, outward=False))
+        elif kind == "body":
+            assert end.point is not None
+            body, _dot, point = end.point.partition(".")
+            if body in self.tree.bodies:
+                raise self._cycle(name, body)
+            self._place_body(body, node, point)
+        elif kind == "branch":
+            assert end.line is not None
+            assert end.at is not None
+            if end.line in self.placed:
+                raise self._cycle(name, end.line)
+            self.placed.add(end.line)
+            for stop in (self.scene.lines[end.line].length, 0.0):
+                begin = self.tree.add(node, at.JOINT_HINGE, (end.line, end.at))
+                self._run(end.line, begin, end.at, stop)
+
+    def _cycle(self, name: str, other: str) -> SceneError:
+        return SceneError.at(
+            f"lines.{name}",
+            name,
+            f"it closes a cycle of lines and free bodies at {other!r}, which is not computed yet",
+            "free bodies and branches that are tied to each other by one way only; vessels and "
+            "anchors may be tied to any number of them",
+        )
+
+    def _branches(self, name: str, arc: float) -> list[tuple[str, int]]:
+        """Lines, each with the end of it, that begin or end on a line at an arc length."""
+        return [
+            (other, side)
+            for other, line in self.scene.lines.items()
+            for side, end in enumerate(line.ends)
+            if end.line == name and end.at == arc
+        ]
+
+    def _pieces(
+        self, name: str, start: float, stop: float
+    ) -> list[tuple[int, float, float, bool, tuple[int, Body] | None]]:
+        """Elements between two arc lengths in the order of the way: item, both ends, whether a
+        hinge comes before it, and a body there."""
+        line = self.scene.lines[name]
+        backward = stop < start
+        found = []
+        offset = 0.0
+        cables = [k for k, item in enumerate(line.items) if item.cable is not None]
+        for index, places in zip(cables, self.nodes[name], strict=True):
+            for left, right in itertools.pairwise(places + offset):
+                found.append((index, float(left), float(right)))
+            offset += float(places[-1])
+        low, high = sorted((start, stop))
+        within = [piece for piece in found if piece[1] >= low - 1e-9 and piece[2] <= high + 1e-9]
+        if backward:
+            within = [(index, right, left) for index, left, right in reversed(within)]
+        pieces = []
+        before: int | None = None
+        for index, left, right in within:
+            hinged, mass = False, None
+            if before is not None and before != index:
+                between = line.items[min(before, index) + 1]
+                if between.body is not None:
+                    mass = (min(before, index) + 1, between.body)
+                hinged = self._hinged(name, before, index, mass is not None)
+            elif before is None:
+                first = line.items[-1 if backward else 0]
+                if first.body is not None and start in (0.0, line.length):
+                    mass = (len(line.items) - 1 if backward else 0, first.body)
+            pieces.append((index, left, right, hinged, mass))
+            before = index
+        return pieces
+
+    def _hinged(self, name: str, one: int, other: int, body: bool) -> bool:
+        """Whether the slope may jump from one cable to the next."""
+        cables = [self._cable(name, index) for index in (one, other)]
+        flexible = any(
+            cable.model == "cable" or self.scene.cable_types[cable.type].bending_stiffness == 0.0
+            for cable in cables
+        )
+        return flexible or (body and any(cable.model == "hybrid" for cable in cables))
+
+    def _cable(self, name: str, index: int) -> Cable:
+        cable = self.scene.lines[name].items[index].cable
+        assert cable is not None
+        return cable
+
+
+def tree_of(scene: SystemScene, nodes: dict[str, list[FloatArray]]) -> Tree:
+    """The tree of a system.
+
+    nodes: for every line the arc lengths of the nodes of each of its cables, from 0 to the cable's
+    length [m]; branches are at nodes.
+
+    Raises:
+        SceneError: a cycle of lines and free bodies.
+    """
+    return _Builder(scene, nodes).build()

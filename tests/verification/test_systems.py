@@ -1,0 +1,391 @@
+"""Systems of lines, bodies and vessels against closed forms that no code of ours produced."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from cablemodel.errors import SceneError, StepError
+from cablemodel.systems import SystemModel
+from cablemodel.systems.model import VesselInput
+
+G = 9.81
+STRING = {"diameter": 0.002, "mass": 0.002, "axial_stiffness": 2e6, "submerged_weight": 0.002 * G}
+
+
+def string(length: float, **more: Any) -> list[dict[str, Any]]:
+    """A perfectly flexible, light line."""
+    return [{"cable": {"type": "string", "length": length, "model": "cable", **more}}]
+
+
+def in_vacuum(**parts: Any) -> dict[str, Any]:
+    """A scene without water."""
+    return {
+        "environment": {"water_density": 0.0, "gravity": G},
+        "cable_types": {"string": STRING},
+        **parts,
+    }
+
+
+def hung_bar(tolerance: float = 1e-4) -> dict[str, Any]:
+    """A bar on two equal strings."""
+    bar = {
+        "mass": 20.0,
+        "submerged_weight": 20.0 * G,
+        "inertia": [0.5, 3.0, 3.0],
+        "points": {"a": [0.6, 0, 0], "b": [-0.6, 0, 0]},
+    }
+    return in_vacuum(
+        bodies={"bar": bar},
+        lines={
+            "one": {"from": {"anchor": [0.6, 0, 0]}, "to": "bar.a", "items": string(5.0)},
+            "two": {"from": {"anchor": [-0.6, 0, 0]}, "to": "bar.b", "items": string(5.0)},
+        },
+        solver={"tolerance": tolerance},
+    )
+
+
+def crossings(times: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Times at which values change sign."""
+    k = np.flatnonzero(np.diff(np.sign(values)) != 0)
+    return times[k] - values[k] * (times[k + 1] - times[k]) / (values[k + 1] - values[k])
+
+
+def test_bifilar_pendulum() -> None:
+    """A bar on two strings turns with the period 2 pi sqrt(I h / (m g a b)), small angles."""
+    model = SystemModel(hung_bar())
+    assert model.bodies["bar"].position == pytest.approx([0.0, 0.0, -5.0], abs=1e-3)
+    model.step(0.5, forces={"bar": [0, 0, 0, 0, 0, 0.5]})
+    model.step(0.5)
+    times, yaws = [], []
+    for _ in range(500):
+        model.step(0.02)
+        times.append(model.time)
+        yaws.append(model.bodies["bar"].attitude[2])
+    assert max(np.abs(yaws)) < 0.05
+    half = np.diff(crossings(np.array(times), np.array(yaws)))
+    expected = 2.0 * math.pi * math.sqrt(3.0 * 5.0 / (20.0 * G * 0.6 * 0.6))
+    assert 2.0 * half.mean() == pytest.approx(expected, rel=2e-3)
+
+
+def test_plate_on_three_strings() -> None:
+    """An off-centre weight on three vertical strings: tensions by balance of forces and moments."""
+    places = {"a": [1.0, 0.0, 0.0], "b": [-0.5, 0.8, 0.0], "c": [-0.5, -0.8, 0.0]}
+    centre = np.array([0.1, 0.15, 0.0])
+    plate = {
+        "mass": 50.0,
+        "submerged_weight": 50.0 * G,
+        "inertia": [5.0, 5.0, 9.0],
+        "centre_of_gravity": centre.tolist(),
+        "points": places,
+    }
+    lines = {
+        name: {"from": {"anchor": [*place[:2], 0]}, "to": f"plate.{name}", "items": string(4.0)}
+        for name, place in places.items()
+    }
+    model = SystemModel(in_vacuum(bodies={"plate": plate}, lines=lines))
+    arms = np.array(list(places.values()))
+    balance = np.vstack([np.ones(3), arms[:, 0], arms[:, 1]])
+    expected = np.linalg.solve(balance, 50.0 * G * np.array([1.0, *centre[:2]]))
+    found = [model.lines[name].end_tension for name in places]
+    assert found == pytest.approx(expected, rel=1e-4)
+
+
+def test_torque_free_body() -> None:
+    """A body that hangs by its centre of gravity turns as Euler's equations say, and keeps its
+    angular momentum and energy (Poinsot)."""
+    inertia = np.array([1.0, 2.0, 2.5])
+    body = {
+        "mass": 10.0,
+        "submerged_weight": 98.1,
+        "inertia": inertia.tolist(),
+        "points": {"c": [0, 0, 0]},
+    }
+    model = SystemModel(
+        in_vacuum(
+            bodies={"body": body},
+            lines={"line": {"from": {"anchor": [0, 0, 0]}, "to": "body.c", "items": string(3.0)}},
+            solver={"tolerance": 1e-5},
+        )
+    )
+    model.step(1.0, forces={"body": [0, 0, 0, 0.3, 3.0, 0.6]})
+    model.step(1.0)
+
+    def spin() -> np.ndarray:
+        state = model.bodies["body"]
+        return state.axes.T @ state.angular_velocity
+
+    def momentum() -> np.ndarray:
+        return np.asarray(model.bodies["body"].axes @ (inertia * spin()))
+
+    first, energy = momentum(), 0.5 * inertia @ spin() ** 2
+    start, begun = spin(), model.time
+    worst = 0.0
+    solution = solve_ivp(
+        lambda _t, w: np.cross(inertia * w, w) / inertia,
+        (0.0, 30.0),
+        start,
+        rtol=1e-11,
+        atol=1e-12,
+        dense_output=True,
+    ).sol
+    for _ in range(60):
+        model.step(0.5)
+        worst = max(worst, float(np.abs(spin() - solution(model.time - begun)).max()))
+    assert np.linalg.norm(start) > 0.5
+    assert worst < 2e-3 * float(np.linalg.norm(start))
+    assert momentum() == pytest.approx(first, abs=1e-3 * float(np.linalg.norm(first)))
+    assert 0.5 * inertia @ spin() ** 2 == pytest.approx(energy, rel=1e-3)
+
+
+def towed(**parts: Any) -> dict[str, Any]:
+    """A scene in water behind a tug at 2 m/s, lines that hardly weigh or drag."""
+    wire = {
+        "diameter": 0.004,
+        "mass": 0.0129,
+        "axial_stiffness": 1e6,
+        "submerged_weight": 0.001,
+        "drag_normal": 0.0,
+        "drag_tangential": 0.0,
+    }
+    return {
+        "environment": {"water_density": 1025.0},
+        "cable_types": {"wire": wire},
+        **parts,
+    }
+
+
+def wire(length: float) -> list[dict[str, Any]]:
+    return [{"cable": {"type": "wire", "length": length, "model": "cable"}}]
+
+
+def test_bridle() -> None:
+    """Legs of a Y bridle carry T / (2 cos(half angle)) each."""
+    tug = {
+        "points": {"port": [0.0, 6.0, 0.0], "starboard": [0.0, -6.0, 0.0]},
+        "velocity": [2.0, 0.0, 0.0],
+        "position": [0.0, 0.0, -50.0],
+    }
+    model = SystemModel(
+        towed(
+            vessels={"tug": tug},
+            bodies={
+                "fish": {
+                    "mass": 100.0,
+                    "submerged_weight": 0.5,
+                    "inertia": 10.0,
+                    "drag_area": 0.8,
+                    "points": {"nose": [0.5, 0.0, 0.0]},
+                }
+            },
+            lines={
+                "port": {"from": "tug.port", "to": "fish.nose", "items": wire(20.0)},
+                "starboard": {"from": "tug.starboard", "to": "fish.nose", "items": wire(20.0)},
+            },
+        )
+    )
+    drag = 0.5 * 1025.0 * 0.8 * 2.0**2
+    half = math.asin(6.0 / 20.0)
+    for name in ("port", "starboard"):
+        assert model.lines[name].start_tension == pytest.approx(
+            drag / (2.0 * math.cos(half)), rel=1e-3
+        )
+    force = model.wrenches["tug"]
+    assert force[:3] == pytest.approx([-drag, 0.0, -0.54], abs=2.0)
+    before = model.bodies["fish"].position[0]
+    model.step(10.0)
+    assert model.bodies["fish"].position[0] - before == pytest.approx(20.0, abs=1e-3)
+
+
+@pytest.mark.parametrize("deflection", [0.0, -0.08])
+def test_depressor(deflection: float) -> None:
+    """A foil on a line that neither weighs nor drags: its depth by lift, drag and weight."""
+    wing = {"area": 0.5, "aspect_ratio": 4.0, "drag": 0.02, "deflection": deflection}
+    bird = {
+        "mass": 60.0,
+        "submerged_weight": 200.0,
+        "inertia": [5.0, 8.0, 8.0],
+        "drag_area": [0.05, 0.05, 0.05],
+        "drag_turning": 5.0,
+        "points": {"nose": [0.0, 0.0, 0.0]},
+        "foils": {"wing": wing, "tail": {"area": 0.2, "position": [-1.5, 0.0, 0.0], "drag": 0.02}},
+    }
+    model = SystemModel(
+        towed(
+            vessels={"tug": {"points": {"stern": [0, 0, 0]}, "velocity": [3.0, 0.0, 0.0]}},
+            bodies={"bird": bird},
+            lines={"tow": {"from": "tug.stern", "to": "bird.nose", "items": wire(30.0)}},
+        )
+    )
+    state = model.bodies["bird"]
+    pitch = -math.asin(state.axes[2, 0])  # nose down
+    own = model.scene.bodies["bird"].foils
+    q = 0.5 * 1025.0 * 9.0
+
+    def forces(nose_down: float) -> tuple[float, float, float]:
+        lift = drag = moment = 0.0
+        for name, foil in own.items():
+            angle = np.array([-nose_down + (deflection if name == "wing" else 0.0)])
+            cl, cd = foil.coefficients(angle)[0]
+            lift += q * foil.area * cl
+            drag += q * foil.area * cd
+            arm = foil.position[0]
+            moment += arm * q * foil.area * (cl * math.cos(nose_down) - cd * math.sin(nose_down))
+        return lift, drag + q * 0.05, moment
+
+    balanced = brentq(lambda angle: forces(angle)[2], -0.2, 0.2)
+    assert pitch == pytest.approx(balanced, abs=2e-3)
+    lift, drag, _moment = forces(balanced)
+    down = 200.0 - lift
+    assert model.lines["tow"].end_tension == pytest.approx(math.hypot(down, drag), rel=2e-3)
+    depth = 30.0 * down / math.hypot(down, drag)
+    assert -state.position[2] == pytest.approx(depth, abs=0.05)
+
+
+def test_fairlead_on_a_vessel_that_yaws() -> None:
+    """A fairlead on an arm of a vessel that yaws is the circle prescribed to a bare point."""
+    rate, arm = 0.02, 8.0
+    line = {"items": [{"cable": {"type": "wire", "length": 60.0, "model": "cable"}}], "to": "free"}
+    scene = towed(
+        vessels={"tug": {"points": {"stern": [-arm, 0.0, 0.0]}}},
+        lines={"tow": {"from": "tug.stern", **line}},
+    )
+    scene["cable_types"]["wire"].update(drag_normal=1.2, drag_tangential=0.01, submerged_weight=2.0)
+    turns = SystemModel(scene)
+    bare = dict(scene, vessels={"tug": {"points": {"stern": [0, 0, 0]}, "position": [-arm, 0, 0]}})
+    moves = SystemModel(bare)
+    for k in range(40):
+        t = 0.5 * (k + 1)
+        angle = rate * t
+        turns.step(
+            0.5, vessels={"tug": VesselInput(attitude=[0, 0, angle], attitude_rate=[0, 0, rate])}
+        )
+        place = [-arm * math.cos(angle), -arm * math.sin(angle), 0.0]
+        speed = [arm * rate * math.sin(angle), -arm * rate * math.cos(angle), 0.0]
+        moves.step(0.5, vessels={"tug": VesselInput(position=place, velocity=speed)})
+    found, expected = (model.lines["tow"].sample() for model in (turns, moves))
+    assert found.position == pytest.approx(expected.position, abs=1e-3 * 60.0)
+    assert found.tension == pytest.approx(expected.tension, abs=1e-2 * expected.tension.max())
+
+
+def test_lines_side_by_side() -> None:
+    """Two lines without a tie are each as by itself."""
+    scene = towed(
+        vessels={
+            "tug": {
+                "points": {"port": [0, 5, 0], "starboard": [0, -5, 0]},
+                "velocity": [{"t": 0, "velocity": [1, 0, 0]}, {"t": 20, "velocity": [2, 0.5, 0]}],
+            }
+        },
+        lines={
+            "long": {"from": "tug.port", "to": "free", "items": wire(80.0)},
+            "short": {"from": "tug.starboard", "to": "free", "items": wire(30.0)},
+        },
+    )
+    scene["cable_types"]["wire"].update(drag_normal=1.2, drag_tangential=0.01, submerged_weight=2.0)
+    both = SystemModel(scene)
+    both.step(30.0)
+    for name in ("long", "short"):
+        alone = SystemModel(dict(scene, lines={name: scene["lines"][name]}))
+        alone.step(30.0)
+        length = both.lines[name].length
+        stations = np.linspace(0.0, length, 7)
+        found, expected = (m.lines[name].sample(stations) for m in (both, alone))
+        assert found.position == pytest.approx(expected.position, abs=1e-3 * length)
+
+
+def test_junction_passes_on_a_line() -> None:
+    """A line of two halves that a junction joins is the same line in one piece."""
+    scene = towed(
+        vessels={"tug": {"points": {"stern": [0, 0, 0]}, "velocity": [1.5, 0, 0]}},
+        lines={
+            "whole": {"from": "tug.stern", "to": "free", "items": wire(60.0)},
+        },
+    )
+    scene["cable_types"]["wire"].update(drag_normal=1.2, drag_tangential=0.01, submerged_weight=2.0)
+    whole = SystemModel(scene)
+    tiny = {"mass": 1e-3, "submerged_weight": 0.0, "inertia": 1e-6, "points": {"eye": [0, 0, 0]}}
+    halves = SystemModel(
+        dict(
+            scene,
+            bodies={"ring": tiny},
+            lines={
+                "upper": {"from": "tug.stern", "to": "ring.eye", "items": wire(30.0)},
+                "lower": {"from": "ring.eye", "to": "free", "items": wire(30.0)},
+            },
+        )
+    )
+    for model in (whole, halves):
+        model.step(5.0)
+    stations = np.linspace(0.0, 30.0, 5)
+    expected = whole.lines["whole"].sample(30.0 + stations).position
+    assert halves.lines["lower"].sample(stations).position == pytest.approx(expected, abs=0.03)
+    assert halves.lines["upper"].start_tension == pytest.approx(
+        whole.lines["whole"].start_tension, rel=2e-3
+    )
+
+
+def test_one_line_is_that_of_a_scene_of_one_line() -> None:
+    """A system of one line is the scene of one line."""
+    import cablemodel as cm
+
+    kinds = {
+        "wire": {
+            "diameter": 0.01,
+            "mass": 0.3,
+            "axial_stiffness": 1e6,
+            "drag_normal": 1.2,
+            "bending_stiffness": 0.0,
+        }
+    }
+    fish = {"body": {"mass": 50.0, "submerged_weight": 300.0, "drag_area": 0.1}}
+    items = [{"cable": {"type": "wire", "length": 100.0}}, fish]
+    one = cm.CableModel({"cable_types": kinds, "line": items, "vessel": {"velocity": [1.5, 0, 0]}})
+    system = SystemModel(
+        {
+            "cable_types": kinds,
+            "vessels": {"ship": {"points": {"stern": [0, 0, 0]}, "velocity": [1.5, 0, 0]}},
+            "lines": {"tow": {"from": "ship.stern", "to": "free", "items": items}},
+        }
+    )
+    for k in range(20):
+        speed = 1.5 + 0.05 * (k + 1)
+        one.step(1.0, vessel_velocity=[speed, 0.02 * (k + 1), 0.0])
+        system.step(1.0, vessels={"ship": VesselInput(velocity=[speed, 0.02 * (k + 1), 0.0])})
+    stations = np.linspace(0.0, 100.0, 9)
+    found = system.lines["tow"].sample(stations)
+    expected = one.sample(stations)
+    assert found.position == pytest.approx(expected.position, abs=0.1)
+    assert found.tension == pytest.approx(expected.tension, abs=0.01 * expected.tension.max())
+
+
+def test_snapshot_and_failure() -> None:
+    """A restored system goes on bit by bit; a wrong input leaves it as it was."""
+    model = SystemModel(hung_bar(1e-3))
+    model.step(1.0, forces={"bar": [2.0, 1.0, 0, 0, 0, 1.0]})
+    kept = model.snapshot()
+    model.step(2.0)
+    after = model.snapshot()
+    model.restore(kept)
+    model.step(2.0)
+    assert model.snapshot() == after
+    with pytest.raises(StepError, match=r"forces is 'beam'.*one of bar"):
+        model.step(1.0, forces={"beam": [0.0] * 6})
+    assert model.snapshot() == after
+
+
+def test_what_is_wrong_is_named() -> None:
+    """Wrong references name the place, the value and what is allowed."""
+    scene = hung_bar()
+    scene["lines"]["one"]["to"] = "bar.c"
+    with pytest.raises(SceneError, match=r"lines\.one\.to.*bar\.a, bar\.b"):
+        SystemModel(scene)
+    scene = hung_bar()
+    scene["bodies"]["lost"] = scene["bodies"]["bar"]
+    with pytest.raises(SceneError, match=r"bodies\.lost.*no line is attached"):
+        SystemModel(scene)
