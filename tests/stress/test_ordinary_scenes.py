@@ -38,6 +38,11 @@ def test_ordinary_scene_starts_and_ends_within_its_promise(job: str) -> None:
     assert 0.0 < verdict.tension <= 1.25
 
 
+def test_a_light_line_has_the_time_that_it_takes_to_sink() -> None:
+    """1,339 m that sink at 0.18 m/s: after an hour they carry nine tenths of their weight."""
+    assert judge(drawn(20498)).outcome == "completed"
+
+
 def test_a_number_means_the_same_ordinary_scene_everywhere() -> None:
     scene = drawn(ORDINARY + 8)
 
