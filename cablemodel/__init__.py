@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from cablemodel.recorder import Recorder
     from cablemodel.run import Run, open_run, simulate
     from cablemodel.scene import Scene, load_scene
+    from cablemodel.systems import SystemModel, SystemScene, VesselInput, load_system
 
     __version__: str
 
@@ -50,6 +51,10 @@ _HOME = {
     "simulate": "cablemodel.run",
     "Scene": "cablemodel.scene",
     "load_scene": "cablemodel.scene",
+    "SystemModel": "cablemodel.systems",
+    "SystemScene": "cablemodel.systems",
+    "VesselInput": "cablemodel.systems",
+    "load_system": "cablemodel.systems",
 }
 
 __all__ = [
@@ -65,11 +70,15 @@ __all__ = [
     "SceneError",
     "StaticsError",
     "StepError",
+    "SystemModel",
+    "SystemScene",
     "UnstableStartWarning",
+    "VesselInput",
     "__version__",
     "converge",
     "convergence",
     "load_scene",
+    "load_system",
     "open_run",
     "simulate",
     "sweep",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import warnings
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -36,7 +37,11 @@ def check(
     from cablemodel.model import CableModel
     from cablemodel.run import end_of
     from cablemodel.scene import load_scene
+    from cablemodel.scene.load import is_system, read_content
 
+    if is_system(read_content(scene)[2]):
+        _check_system(scene, overrides or (), as_json=as_json)
+        return
     loaded = load_scene(scene, overrides or ())
     end_of(loaded)  # a run that is refused
     try:
@@ -53,6 +58,25 @@ def check(
         typer.echo(json.dumps(report))
     else:
         _print_report(report)
+
+
+def _check_system(source: Any, overrides: Iterable[str], *, as_json: bool) -> None:
+    """Print what a system is made of, and its start."""
+    from cablemodel.systems import SystemModel, load_system
+    from cablemodel.systems.words import at_start, topology
+
+    scene = load_system(source, overrides)
+    with explained_start(quiet=as_json):
+        model = SystemModel(scene)
+    parts, start = list(topology(scene)), list(at_start(model))
+    if as_json:
+        elements = len(model.built.tree.elements)
+        found = {"title": scene.title, "topology": parts, "start": start, "elements": elements}
+        typer.echo(json.dumps(found))
+        return
+    for line in [scene.title, *parts, "At the start:", *start]:
+        if line:
+            typer.echo(line)
 
 
 @reported

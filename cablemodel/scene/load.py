@@ -49,6 +49,10 @@ def load_scene(
     overrides = listed(overrides)
     try:
         data = apply_overrides(data, overrides)
+        if is_system(data):
+            problem = "lines between vessels and bodies are a system, not a scene of one line"
+            allowed = "cablemodel.load_system and SystemModel, or `cablemodel check`"
+            raise SceneError.at("lines", None, problem, allowed)
         scene = _validated(data, Path(folder))
     except SceneError as error:
         error.source = error.source or name or ""
@@ -57,6 +61,11 @@ def load_scene(
     scene._source_text = None if overrides else text
     scene._source_path = name
     return scene
+
+
+def is_system(data: Mapping[str, Any]) -> bool:
+    """Whether plain data are those of a system (cablemodel/systems), by the key ``lines``."""
+    return "lines" in data and "line" not in data
 
 
 def scene_of(source: Scene | SceneSource) -> Scene:

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
+from typer.testing import CliRunner
 
+from cablemodel.cli import app
 from cablemodel.errors import SceneError, StepError
 from cablemodel.systems import SystemModel
 from cablemodel.systems.model import VesselInput
@@ -377,6 +381,20 @@ def test_snapshot_and_failure() -> None:
     with pytest.raises(StepError, match=r"forces is 'beam'.*one of bar"):
         model.step(1.0, forces={"beam": [0.0] * 6})
     assert model.snapshot() == after
+
+
+def test_check_tells_what_is_tied_to_what(tmp_path: Path) -> None:
+    """`cablemodel check` draws a system in words; a scene of one line says what it is."""
+    import cablemodel as cm
+
+    path = tmp_path / "bar.yaml"
+    path.write_text(yaml.safe_dump(hung_bar(1e-3)))
+    result = CliRunner().invoke(app, ["check", str(path)])
+    assert result.exit_code == 0, result.output
+    assert "body bar, 20 kg: held by one, two" in result.output
+    assert "line two: from an anchor at [-0.6, 0.0, 0.0] m to bar.b: 5 m of string" in result.output
+    with pytest.raises(SceneError, match="a system, not a scene of one line"):
+        cm.load_scene(path)
 
 
 def test_what_is_wrong_is_named() -> None:

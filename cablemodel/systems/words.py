@@ -1,0 +1,53 @@
+"""What a system is made of, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from cablemodel.systems.model import SystemModel
+from cablemodel.systems.scene import LineEnd, SystemScene
+
+
+def _place(end: LineEnd) -> str:
+    if end.point is not None:
+        return end.point + (" (clamped)" if end.clamped is not None else "")
+    if end.anchor is not None:
+        return f"an anchor at {list(end.anchor)} m"
+    if end.line is not None:
+        return f"{end.line} at {end.at:g} m"
+    return "a free end"
+
+
+def topology(scene: SystemScene) -> Iterator[str]:
+    """A line of text for every vessel, body and line."""
+    for name, vessel in scene.vessels.items():
+        points = ", ".join(vessel.points) or "none"
+        moves = "moves" if vessel.path is not None or vessel.velocity is not None else "at rest"
+        yield f"vessel {name}, {moves}: points {points}"
+    for name, body in scene.bodies.items():
+        tied = [
+            f"{line_name}"
+            for line_name, line in scene.lines.items()
+            for end in line.ends
+            if end.point is not None and end.point.partition(".")[0] == name
+        ]
+        wings = f", foils {', '.join(body.foils)}" if body.foils else ""
+        yield f"body {name}, {body.mass:g} kg: held by {', '.join(tied)}{wings}"
+    for name, line in scene.lines.items():
+        parts = []
+        for item in line.items:
+            if item.cable is not None:
+                parts.append(f"{item.cable.length:g} m of {item.cable.type}")
+            elif item.body is not None:
+                parts.append(f"body {item.body.name or ''}".strip())
+        yield f"line {name}: from {_place(line.start)} to {_place(line.end)}: {', '.join(parts)}"
+
+
+def at_start(model: SystemModel) -> Iterator[str]:
+    """Tensions at the ends of all lines, and where bodies are."""
+    for name, line in model.lines.items():
+        ends = line.sample([0.0, line.length]).tension
+        yield f"{name}: {ends[0]:.5g} N at its beginning, {ends[1]:.5g} N at its end"
+    for name, motion in model.bodies.items():
+        place = ", ".join(f"{value:.5g}" for value in motion.position)
+        yield f"{name}: at {place} m"
