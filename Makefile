@@ -107,7 +107,7 @@ stress: $(READY_BENCH)  ## run the stress scenes (long)
 	$(BIN)/python -m benchmarks.soak
 	$(BIN)/python -m benchmarks.random_scenes.heave
 	$(BIN)/python -m benchmarks.random_scenes.estimate
-	for kind in --waves --converge ""; do \
+	for kind in --waves --ordinary --converge ""; do \
 		$(BIN)/python -m benchmarks.random_scenes $$kind || failed=1; done; exit $${failed:-0}
 
 golden: $(READY_DEV)  ## make the golden logs of tests/replay anew, where results have changed

@@ -5,8 +5,9 @@ The tables of ``docs/stress.md`` are written from all that are kept, and ``outco
 ``--only`` prints the scene and all about its outcome, and keeps nothing. ``--set 2`` judges another
 thousand scenes (seeds 1000 to 1999), to see whether what was made better for the first holds for
 scenes that nobody has looked at; their verdicts are printed and counted, not kept. ``--waves``
-judges 200 scenes in waves (from 10000 on), ``--converge`` the thousand as runs that are asked to
-converge; both have a file of their own. What makes a search fail: ``failures.py``.
+judges 200 scenes in waves (from 10000 on), ``--ordinary`` those of ordinary jobs (from 20000 on),
+``--converge`` the thousand as runs that are asked to converge; each has a file of its own. What
+makes a search fail: ``failures.py``.
 """
 
 from __future__ import annotations
@@ -19,10 +20,10 @@ from pathlib import Path
 
 from benchmarks.random_scenes import overview, report
 from benchmarks.random_scenes.chance import COUNT
-from benchmarks.random_scenes.draw import draw
 from benchmarks.random_scenes.failures import failures
 from benchmarks.random_scenes.judge import Verdict
-from benchmarks.random_scenes.report import ALL, AT_SEA, CONVERGED
+from benchmarks.random_scenes.ordinary import drawn
+from benchmarks.random_scenes.report import ALL, AT_SEA, CONVERGED, JOBS
 from benchmarks.random_scenes.watch import search, work
 
 PAGE = Path("docs/stress.md")
@@ -45,6 +46,7 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0, help="seed to begin with")
     parser.add_argument("--count", type=int, default=COUNT, help="how many seeds from there on")
     parser.add_argument("--waves", action="store_true", help="scenes in waves")
+    parser.add_argument("--ordinary", action="store_true", help="scenes of ordinary jobs")
     parser.add_argument("--converge", action="store_true", help="runs that are asked to converge")
     parser.add_argument("--only", help="show these seeds, with commas; keep nothing")
     parser.add_argument("--seeds", help="judge and keep these seeds, with commas")
@@ -53,8 +55,8 @@ def main() -> None:
     parser.add_argument("--set", type=int, default=1, help="which thousand; others than 1: no page")
     parser.add_argument("--worker", help=argparse.SUPPRESS)
     chosen = parser.parse_args()
-    if chosen.waves and chosen.converge:
-        parser.error("--waves and --converge are two searches: choose one")
+    if chosen.waves + chosen.ordinary + chosen.converge > 1:
+        parser.error("--waves, --ordinary and --converge are three searches: choose one")
     if chosen.worker:
         work([int(seed) for seed in chosen.worker.split(",")], converged=chosen.converge)
         return
@@ -62,9 +64,9 @@ def main() -> None:
         import cablemodel as cm
 
         for seed in (int(word) for word in chosen.only.split(",")):
-            drawn = draw(seed)
-            print(cm.load_scene(drawn.scene).to_yaml())
-            print(f"# caller's step {drawn.step!r} s; {drawn.traits}")
+            scene = drawn(seed)
+            print(cm.load_scene(scene.scene).to_yaml())
+            print(f"# caller's step {scene.step!r} s; {scene.traits}")
             for verdict in search([seed], show, converged=chosen.converge):
                 print(json.dumps(asdict(verdict), indent=1))
         return
@@ -81,7 +83,9 @@ def main() -> None:
         print(", ".join(f"{outcome}: {number}" for outcome, number in outcomes.most_common()))
         return
     kept = {}
-    kind = AT_SEA if chosen.waves else CONVERGED if chosen.converge else ALL
+    kind = AT_SEA if chosen.waves else JOBS if chosen.ordinary else ALL
+    if chosen.converge:
+        kind = CONVERGED
     store = STORED / kind.file(".json")
     if store.exists():
         kept = {row["seed"]: row for row in json.loads(store.read_text())}

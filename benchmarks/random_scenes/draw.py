@@ -47,7 +47,7 @@ class Drawn:
 
     scene: in the project's schema. step: of the caller [s]. shock: when a command first changes so
     fast that the line rings along itself (see :func:`shock_time`) [s]. traits: the words and
-    numbers by which outcomes are mapped.
+    numbers by which outcomes are mapped. predictable: all of its motion is held to the promise.
     """
 
     seed: int
@@ -57,6 +57,7 @@ class Drawn:
     tolerance: float
     shock: float
     traits: dict[str, str | float]
+    predictable: bool = False
 
 
 @functools.cache

@@ -9,7 +9,7 @@ from typing import Any
 
 from benchmarks.random_scenes import estimate
 from benchmarks.random_scenes.failures import BY_THE_PROMISE
-from benchmarks.random_scenes.report import ALL, AT_SEA, CONVERGED, Search
+from benchmarks.random_scenes.report import ALL, AT_SEA, CONVERGED, JOBS, Search
 from benchmarks.sections import table, write_part
 
 TITLE = "random scenes"
@@ -17,6 +17,7 @@ TITLE = "random scenes"
 _WORDS = (
     (ALL, "single runs"),
     (AT_SEA, "single runs in waves"),
+    (JOBS, "single runs of ordinary jobs"),
     (CONVERGED, "runs that are asked to converge"),
 )
 

@@ -13,9 +13,10 @@ import numpy as np
 from scipy.stats import binomtest
 
 from benchmarks.random_scenes.chance import COUNT
-from benchmarks.random_scenes.draw import IN_WAVES, Drawn, draw
+from benchmarks.random_scenes.draw import IN_WAVES, Drawn
 from benchmarks.random_scenes.failures import BY_THE_PROMISE
 from benchmarks.random_scenes.judge import CONVERGED_WITHIN, FINER, TOOK, Verdict
+from benchmarks.random_scenes.ordinary import ORDINARY, drawn
 from benchmarks.sections import table, write_part, write_rows
 
 OUTCOMES = ("completed", "refused", "stopped", "unsettled", "wrong", "too slow", "crashed")
@@ -34,7 +35,8 @@ class Search:
     """Scenes that are judged and told of together: ``count`` of them, from the number ``first`` on.
 
     title: its file and its figure are named by it. limit: what they may differ by from the run that
-    judges, in units of the promise. claimed: whether runs say that they keep the promise.
+    judges, in units of the promise. claimed: whether runs say that they keep the promise. pictured:
+    whether there is a figure of them.
     """
 
     title: str
@@ -42,6 +44,7 @@ class Search:
     count: int
     limit: float = 1.0 + FINER
     claimed: bool = False
+    pictured: bool = True
 
     def file(self, suffix: str) -> str:
         """The name of its file of that suffix."""
@@ -57,7 +60,8 @@ CONVERGED = Search(
     limit=CONVERGED_WITHIN,
     claimed=True,
 )
-SEARCHES = (ALL, AT_SEA, CONVERGED)
+JOBS = Search("Ordinary scenes", ORDINARY, 140, pictured=False)
+SEARCHES = (ALL, AT_SEA, JOBS, CONVERGED)
 SHOWN = ("medium",)
 """Traits by which the page tells of single runs; all others are in the data file."""
 
@@ -189,8 +193,9 @@ def write(page: Path, stored: Path) -> None:
         if not store.exists():
             continue
         verdicts = [Verdict(**row) for row in json.loads(store.read_text())]
-        rows = [(draw(v.seed), v) for v in verdicts]
-        figure(rows, stored / search.file(".png"))
+        rows = [(drawn(v.seed), v) for v in verdicts]
+        if search.pictured:
+            figure(rows, stored / search.file(".png"))
         lines = outcomes_by_trait(rows)
         every += [(search.title, *line) for line in lines]
         told = ("all", *SHOWN) if search is ALL else ("all",)

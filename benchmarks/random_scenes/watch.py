@@ -18,7 +18,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from benchmarks.random_scenes.draw import draw
 from benchmarks.random_scenes.judge import (
     CHECK_LIMIT,
     CONVERGE_LIMIT,
@@ -29,6 +28,7 @@ from benchmarks.random_scenes.judge import (
     judge,
     judge_converged,
 )
+from benchmarks.random_scenes.ordinary import drawn
 
 GRACE = 3.0
 """CPU seconds beyond a run's limit until its process is ended: steps may be long [s]."""
@@ -61,7 +61,7 @@ def work(seeds: Sequence[int], *, converged: bool = False) -> None:
             resource.setrlimit(resource.RLIMIT_CPU, (int(used + LIMITS[phase] + GRACE), hard))
             tell(seed=seed, phase=phase, so_far=None if verdict is None else asdict(verdict))
 
-        verdict = (judge_converged if converged else judge)(draw(seed), started)
+        verdict = (judge_converged if converged else judge)(drawn(seed), started)
         tell(seed=seed, verdict=asdict(verdict))
 
 

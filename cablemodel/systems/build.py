@@ -20,7 +20,7 @@ from cablemodel.mesh import Span, Start, line_nodes
 from cablemodel.scene import Scene
 from cablemodel.scene.motion import jumps
 from cablemodel.systems.guess import Guess, axes_of, first_guess
-from cablemodel.systems.motion import turning
+from cablemodel.systems.motion import first_angles, turning
 from cablemodel.systems.scene import FreeBody, SystemLine, SystemScene
 from cablemodel.systems.tree import Tree, tree_of
 
@@ -488,6 +488,13 @@ def _place(scene: SystemScene, built: Built, guess: Guess, before: Built | None)
             parent = tree.parent[node]
             if tree.joint[parent] != 0 or parent == 0:
                 q[parent, 3:] *= -1.0
+    rows = built.block.array(at.O_CONSTRAINT, len(tree.held), at.CONSTRAINT_WORDS)
+    for row, held in zip(rows, tree.held, strict=True):
+        if row[at.C_CLAMPED]:
+            assert held.end.point is not None
+            vessel = scene.vessels[held.end.point.partition(".")[0]]
+            own = row[at.C_OWN_DIRECTION : at.C_OWN_DIRECTION + 3]
+            q[held.node, 3:] = axes_of(first_angles(vessel)) @ own
     if before is None:
         return
     shape = Shape(before)

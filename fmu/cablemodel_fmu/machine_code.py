@@ -16,9 +16,9 @@ from cablemodel.library import PREFIX
 
 RARE_KERNELS = (
     "buckling", "clamp_layer", "consistency", "floor_memory", "floor_outputs",
-    "floor_state", "flow", "follow", "frames", "free_bodies", "interface", "part_outputs", "passing",
-    "payout", "promote", "refine", "rigid", "rotation", "scales", "sleep", "statics", "tension", "top_of_line",
-    "vessel_clamp", "winch",
+    "floor_state", "flow", "follow", "frames", "free_bodies", "interface", "part_outputs",
+    "passing", "payout", "promote", "refine", "rigid", "rotation", "scales", "sleep", "statics",
+    "tension", "top_of_line", "vessel_clamp", "winch",
 )  # fmt: skip
 """Modules of kernels that are little of the work: built for size."""
 RARE_ENTRIES = (

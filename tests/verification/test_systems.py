@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import yaml
 from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
+from scipy.optimize import brentq, fsolve
 from typer.testing import CliRunner
 
 from cablemodel.cli import app
@@ -251,6 +251,75 @@ def test_depressor(deflection: float) -> None:
     assert -state.position[2] == pytest.approx(depth, abs=0.05)
 
 
+def catenary(span: np.ndarray, length: float, weight: float, stiffness: float) -> np.ndarray:
+    """Force (horizontal, vertical) of an elastic line on its upper end, (span, rise) from its lower
+    one [N]: Irvine, Cable Structures, section 2.3, the whole line off the floor."""
+
+    def missed(force: np.ndarray) -> list[float]:
+        h, v = force
+        low = v - weight * length
+        root = math.hypot(h, v) - math.hypot(h, low)
+        x = h * length / stiffness + h / weight * (math.asinh(v / h) - math.asinh(low / h))
+        z = (v**2 - low**2) / (2.0 * stiffness * weight) + root / weight
+        return [x - span[0], z - span[1]]
+
+    taut = 0.5 * weight * length / max(1.0 - math.hypot(*span) / length, 1e-3) ** 0.5
+    guess = [taut * span[0] / length, taut * span[1] / length + weight * length]
+    return np.asarray(fsolve(missed, guess, xtol=1e-12), dtype=np.float64)
+
+
+def test_buoy_on_three_legs() -> None:
+    """A buoy under water that is pushed aside: the force over its offset is that of three elastic
+    catenaries."""
+    chain = {
+        "diameter": 0.02,
+        "mass": 9.0,
+        "submerged_weight": 78.0,
+        "axial_stiffness": 3e7,
+        "drag_normal": 1.2,
+    }
+    anchors = [
+        [60.0 * math.cos(angle), 60.0 * math.sin(angle), -70.0]
+        for angle in np.radians([0.0, 120.0, 240.0])
+    ]
+    buoy = {
+        "mass": 500.0,
+        "submerged_weight": -15e3,
+        "inertia": 200.0,
+        "added_mass": 300.0,
+        "drag_area": 20.0,
+        "drag_turning": 20.0,
+        "points": {"eye": [0.0, 0.0, 0.0]},
+    }
+    legs = {
+        f"leg{k}": {
+            "from": {"anchor": place},
+            "to": "buoy.eye",
+            "items": [{"cable": {"type": "chain", "length": 90.0, "model": "cable"}}],
+        }
+        for k, place in enumerate(anchors)
+    }
+    model = SystemModel({"cable_types": {"chain": chain}, "bodies": {"buoy": buoy}, "lines": legs})
+
+    def pull(place: np.ndarray) -> np.ndarray:
+        """Force of all legs on the buoy at a place (3,) [N]."""
+        total = np.zeros(3)
+        for anchor in anchors:
+            away = place - np.array(anchor)
+            flat = math.hypot(away[0], away[1])
+            h, v = catenary(np.array([flat, away[2]]), 90.0, 78.0, 3e7)
+            total -= np.array([h * away[0] / flat, h * away[1] / flat, v])
+        return total
+
+    for push in (0.0, 3000.0):
+        model.step(200.0, forces={"buoy": [push, 0.0, 0.0, 0.0, 0.0, 0.0]})
+        model.step(100.0, forces={"buoy": [push, 0.0, 0.0, 0.0, 0.0, 0.0]})
+        outside = np.array([push, 0.0, 15e3])
+        rest = fsolve(lambda p, f=outside: pull(p) + f, model.bodies["buoy"].position, xtol=1e-10)
+        assert model.bodies["buoy"].position == pytest.approx(rest, abs=1e-3 * 90.0)
+    assert rest[0] > 1.0
+
+
 def test_fairlead_on_a_vessel_that_yaws() -> None:
     """A fairlead on an arm of a vessel that yaws is the circle prescribed to a bare point."""
     rate, arm = 0.02, 8.0
@@ -275,6 +344,46 @@ def test_fairlead_on_a_vessel_that_yaws() -> None:
     found, expected = (model.lines["tow"].sample() for model in (turns, moves))
     assert found.position == pytest.approx(expected.position, abs=1e-3 * 60.0)
     assert found.tension == pytest.approx(expected.tension, abs=1e-2 * expected.tension.max())
+
+
+def test_clamp_turns_with_its_vessel() -> None:
+    """A stiff rod that is clamped to a vessel turns with it, and sags as a cantilever does."""
+    rod = {
+        "diameter": 0.05,
+        "mass": 5.0,
+        "submerged_weight": 5.0,
+        "axial_stiffness": 1e8,
+        "bending_stiffness": 2000.0,
+        "drag_normal": 1.0,
+    }
+    end = {"point": "ship.stern", "clamped": [1.0, 0.0, 0.0]}
+    model = SystemModel(
+        {
+            "cable_types": {"rod": rod},
+            "vessels": {"ship": {"points": {"stern": [1.0, 0.0, 0.0]}}},
+            "lines": {
+                "rod": {
+                    "from": end,
+                    "to": "free",
+                    "items": [{"cable": {"type": "rod", "length": 2.0, "model": "elastica"}}],
+                }
+            },
+            "solver": {"tolerance": 1e-4},
+        }
+    )
+    sag = 5.0 * 2.0**4 / (8.0 * 2000.0)
+    tip = model.lines["rod"].sample([2.0]).position[0]
+    assert tip == pytest.approx([3.0, 0.0, -sag], abs=2e-4)
+    for k in range(60):
+        angle = 0.5 * (1.0 - math.cos(math.pi * (k + 1) / 60.0))
+        model.step(0.5, vessels={"ship": VesselInput(attitude=[0.0, 0.0, angle])})
+    still = VesselInput(attitude=[0.0, 0.0, 1.0], attitude_rate=[0.0, 0.0, 0.0])
+    model.step(5.0, vessels={"ship": still})
+    model.step(5.0)
+    tip = model.lines["rod"].sample([2.0]).position[0]
+    turned = model.vessels["ship"].attitude[2]
+    assert turned == pytest.approx(1.0, abs=1e-9)
+    assert tip == pytest.approx([3.0 * math.cos(1.0), 3.0 * math.sin(1.0), -sag], abs=1e-3)
 
 
 def test_lines_side_by_side() -> None:
