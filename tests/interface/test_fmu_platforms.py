@@ -207,7 +207,7 @@ def test_symbols_on_windows(fmus):
 
 
 def test_the_fmu_for_all_desktops_is_small(fmus):
-    assert fmus["size"] <= 1_130_000
+    assert fmus["size"] <= 1_210_000  # four machine codes, each with the kernels of systems
 
 
 def test_a_build_gives_the_same_file_again(tmp_path):
