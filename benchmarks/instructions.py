@@ -100,7 +100,7 @@ def count(scene: Any, times: list[float], folder: Path) -> int:
     driver = folder / "count_steps"
     if not driver.exists():
         subprocess.run([compiler(), "-O1", "-o", driver, DRIVER, "-ldl"], check=True)
-    command = [valgrind, "--tool=callgrind", "--toggle-collect=cablemodel_step"]
+    command = [valgrind, "--tool=callgrind", "--toggle-collect=counted_step"]
     command += [f"--callgrind-out-file={folder}/out", str(driver), str(path), f"{folder}/block"]
     done = subprocess.run(
         command + [repr(t) for t in times], capture_output=True, text=True, check=False
