@@ -330,7 +330,7 @@ class SavedState:
     def __init__(self, scene: Scene, model: CableModel) -> None:
         self._scene = scene.to_yaml()
         self._state = model.state()
-        self._snapshot = model.snapshot().image
+        self._snapshot = model.snapshot()
         self._facts = {
             "time": model.time,
             "top_tension": model.top_tension,
@@ -355,7 +355,8 @@ class SavedState:
                     for name in ("time", "s", "position", "tangent", "velocity", "tension",
                                  "curvature", "bending_moment", "on_floor")
                 },
-                snapshot=np.frombuffer(self._snapshot, dtype=np.uint8),
+                snapshot=np.frombuffer(self._snapshot.image, dtype=np.uint8),
+                scene=np.array(self._snapshot.scene),
                 facts=np.array(json.dumps(self._facts)),
             )  # fmt: skip
         return path
@@ -372,7 +373,9 @@ def restore_saved(model: CableModel, path: Path) -> None:
 
     try:
         with np.load(path) as saved:
-            image = saved["snapshot"].tobytes()
+            # A state of before scenes were named in it is judged by its size alone.
+            scene = str(saved["scene"]) if "scene" in saved else ""
+            snapshot = Snapshot(saved["snapshot"].tobytes(), scene)
     except (KeyError, ValueError) as error:
         raise SceneError.at("initial_state", str(path), f"no saved state: {error}") from error
-    model.restore(Snapshot(image))
+    model.restore(snapshot)
