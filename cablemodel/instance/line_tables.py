@@ -122,20 +122,25 @@ def fill_bodies(block: Block, scene: Scene, line: Line, scale: float) -> None:
     rho = scene.environment.water_density
     table = block.array(at.O_BODY, len(line.bodies), at.BODY_WORDS)
     for row, (node, body, place) in zip(table, line.bodies, strict=True):
-        row[at.B_NODE] = node
-        row[at.B_MASS] = body.mass
-        row[at.B_WEIGHT] = body.submerged_weight
-        row[at.B_ADDED] = body.added_mass
-        row[at.B_ADDED_AXIAL] = body.added_mass_axial
-        row[at.B_DRAG] = 0.5 * rho * body.drag_coefficient * body.drag_area
-        row[at.B_DRAG_AXIAL] = 0.5 * rho * body.drag_coefficient_axial * body.drag_area_axial
+        fill_body(row, node, body, rho)
         row[at.B_ITEM] = place
-        row[at.B_BORNE : at.B_BORNE + 2] = 1.0
         if body.half_length > 0.0:
             _fill_rigid(row, body, scene, scale)
             block.ints[at.I_RIGID] += 1
             if place == len(scene.line) - 1:
                 row[at.B_TIE] = scale * row[at.B_LENGTH]
+
+
+def fill_body(row: FloatArray, node: int, body: Body, rho: float) -> None:
+    """What every body has, into its row: at a node, in water of a density [kg/m3]."""
+    row[at.B_NODE] = node
+    row[at.B_MASS] = body.mass
+    row[at.B_WEIGHT] = body.submerged_weight
+    row[at.B_ADDED] = body.added_mass
+    row[at.B_ADDED_AXIAL] = body.added_mass_axial
+    row[at.B_DRAG] = 0.5 * rho * body.drag_coefficient * body.drag_area
+    row[at.B_DRAG_AXIAL] = 0.5 * rho * body.drag_coefficient_axial * body.drag_area_axial
+    row[at.B_BORNE : at.B_BORNE + 2] = 1.0
 
 
 def _fill_rigid(row: FloatArray, body: Body, scene: Scene, scale: float) -> None:

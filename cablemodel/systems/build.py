@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from cablemodel.block import Block
 from cablemodel.errors import SceneError, StaticsError
 from cablemodel.instance.first_state import count_from_zero
-from cablemodel.instance.line_tables import STABILISATION, edge_row
+from cablemodel.instance.line_tables import STABILISATION, edge_row, fill_body
 from cablemodel.instance.refinement import BENT, LARGEST_STATIC_MESH, ROUNDS
-from cablemodel.instance.tables import MOST_STEPS, fill_current
+from cablemodel.instance.scales import is_flexible
+from cablemodel.instance.tables import fill_current, fill_settings
 from cablemodel.kernels import layout as at
 from cablemodel.mesh import Span, Start, line_nodes
 from cablemodel.scene import Scene
@@ -98,7 +99,7 @@ def steady_velocity(scene: SystemScene) -> FloatArray:
 def _flexible(scene: SystemScene, line: SystemLine, index: int) -> bool:
     cable = line.items[index].cable
     assert cable is not None
-    return cable.model == "cable" or scene.cable_types[cable.type].bending_stiffness == 0.0
+    return is_flexible(cast(Scene, scene), cable)  # its cable types alone
 
 
 def _nodes(scene: SystemScene, name: str) -> list[FloatArray]:
@@ -266,14 +267,7 @@ def _fill_settings(scene: SystemScene, built: Built) -> None:
 
     block = built.block
     ints, reals = block.ints, block.reals
-    ints[at.I_PIECE] = 1
-    ints[at.I_ORDER] = 4
-    ints[at.I_MAXIMUM_STEPS] = MOST_STEPS
-    rho = scene.environment.water_density
-    ints[at.I_DRAG] = int(rho > 0.0)
-    reals[at.S_GRAVITY] = scene.environment.gravity
-    reals[at.S_WATER_DENSITY] = rho
-    reals[at.S_TOLERANCE] = scene.solver.tolerance
+    fill_settings(block, cast(Scene, scene))  # its solver and water alone
     reals[at.S_PLANE : at.S_PLANE + 2] = 1.0, 0.0
     rest = block.array(at.O_PIECES, 2, at.PIECE_WORDS)
     rest[:, at.P_END] = math.inf
@@ -328,14 +322,7 @@ def _fill_cables(scene: SystemScene, built: Built) -> None:
         edges[node, at.E_START] = element.start
     bodies = block.array(at.O_BODY, len(tree.masses), at.BODY_WORDS)
     for row, (node, body, _line, _item) in zip(bodies, tree.masses, strict=True):
-        row[at.B_NODE] = node
-        row[at.B_MASS] = body.mass
-        row[at.B_WEIGHT] = body.submerged_weight
-        row[at.B_ADDED] = body.added_mass
-        row[at.B_ADDED_AXIAL] = body.added_mass_axial
-        row[at.B_DRAG] = 0.5 * rho * body.drag_coefficient * body.drag_area
-        row[at.B_DRAG_AXIAL] = 0.5 * rho * body.drag_coefficient_axial * body.drag_area_axial
-        row[at.B_BORNE : at.B_BORNE + 2] = 1.0
+        fill_body(row, node, body, rho)
 
 
 def _fill_frames(scene: SystemScene, block: Block) -> None:

@@ -190,13 +190,15 @@ class SystemModel:
         angles = self._deflected(deflections or {})
         from cablemodel import library as entry
 
-        before = block.image.copy()
+        before = None  # a step that fails gives the state back, but not what drives it
         if vessels or self._drives(block) or pushes.any() or self._forces.any() or deflections:
+            before = block.image.copy()
             entry.drive(block.ints, block.reals, end, motion.ravel(), pushes.ravel(), angles)
         status = int(entry.step(block.ints, block.reals, end, _NO_INPUTS))
         if status != at.OK:
             failed = min(block.failed_node, len(self.built.tree.arcs) - 1)
-            block.image[:] = before
+            if before is not None:
+                block.image[:] = before
             problem, advice = MEANING[status]
             part, arc = self.built.tree.arcs[failed]
             raise StepError(f"{part}: {problem}", time=self.time, arc_length=arc, advice=advice)

@@ -9,12 +9,15 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass, field
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel.errors import SceneError
+from cablemodel.instance.line import hinged
 from cablemodel.kernels import layout as at
+from cablemodel.scene import Scene
 from cablemodel.scene.line import Body, Cable
 from cablemodel.systems.scene import LineEnd, SystemScene
 
@@ -139,8 +142,8 @@ class _Builder:
         tree, line = self.tree, self.scene.lines[name]
         backward = stop < start
         branches: list[tuple[int, str, int]] = []
-        for item, left, right, hinged, mass in self._pieces(name, start, stop):
-            if hinged:
+        for item, left, right, jumps, mass in self._pieces(name, start, stop):
+            if jumps:
                 node = tree.add(node, at.JOINT_HINGE, (name, left))
             if mass is not None:
                 tree.masses.append((node, mass[1], name, mass[0]))
@@ -223,28 +226,24 @@ class _Builder:
         pieces = []
         before: int | None = None
         for index, left, right in within:
-            hinged, mass = False, None
+            jumps, mass = False, None
             if before is not None and before != index:
                 between = line.items[min(before, index) + 1]
                 if between.body is not None:
                     mass = (min(before, index) + 1, between.body)
-                hinged = self._hinged(name, before, index, mass is not None)
+                jumps = self._hinged(name, before, index, mass is not None)
             elif before is None:
                 first = line.items[-1 if backward else 0]
                 if first.body is not None and start in (0.0, line.length):
                     mass = (len(line.items) - 1 if backward else 0, first.body)
-            pieces.append((index, left, right, hinged, mass))
+            pieces.append((index, left, right, jumps, mass))
             before = index
         return pieces
 
     def _hinged(self, name: str, one: int, other: int, body: bool) -> bool:
         """Whether the slope may jump from one cable to the next."""
-        cables = [self._cable(name, index) for index in (one, other)]
-        flexible = any(
-            cable.model == "cable" or self.scene.cable_types[cable.type].bending_stiffness == 0.0
-            for cable in cables
-        )
-        return flexible or (body and any(cable.model == "hybrid" for cable in cables))
+        cables = self._cable(name, one), self._cable(name, other)
+        return hinged(cast(Scene, self.scene), *cables, body)  # its cable types alone
 
     def _cable(self, name: str, index: int) -> Cable:
         cable = self.scene.lines[name].items[index].cable
