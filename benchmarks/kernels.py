@@ -63,21 +63,22 @@ def kernel_times() -> None:
     import numba
 
     import cablemodel as cm
-    from cablemodel.kernels import layout as at
     from cablemodel.kernels import newton, system
     from cablemodel.kernels.compile import OPTIONS, view
+    from cablemodel.kernels.layout import Header
 
     @numba.jit(**OPTIONS)
     def repeat(ints, reals, kernel, times):  # type: ignore[no-untyped-def]
-        nodes = ints[at.I_NODES]
-        count = 2 * ints[at.I_DIMENSION] * nodes
-        q = view(reals, ints[at.O_POSITION], count)
-        v = view(reals, ints[at.O_VELOCITY], count)
-        a = view(reals, ints[at.O_ACCELERATION], count)
-        x = view(reals, ints[at.O_INCREMENT], count)
-        tension = view(reals, ints[at.O_TENSION], 2 * nodes)
-        forces = view(reals, ints[at.O_RESIDUAL], count)
-        constraint = view(reals, ints[at.O_CONSTRAINT_RESIDUAL], 2 * nodes)
+        head = Header(ints)
+        nodes = head.nodes
+        count = 2 * head.dimension * nodes
+        q = view(reals, head.position, count)
+        v = view(reals, head.velocity, count)
+        a = view(reals, head.acceleration, count)
+        x = view(reals, head.increment, count)
+        tension = view(reals, head.tension, 2 * nodes)
+        forces = view(reals, head.residual, count)
+        constraint = view(reals, head.constraint_residual, 2 * nodes)
         for _ in range(times):
             if kernel == 0:
                 system.residual(ints, reals, q, v, a, tension, forces, constraint)

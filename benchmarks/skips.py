@@ -50,14 +50,11 @@ def _model(scene: Any, planar: bool | None = None) -> Any:
 
 
 def _with_words(model: Any, **words: float) -> Any:
-    """The model with words of its block set: header words as integers, S_ words as reals."""
-    from cablemodel.kernels import layout as at
-
+    """The model with fields of its block's header set."""
     for name, value in words.items():
-        if name.startswith("S_"):
-            model._reals[getattr(at, name)] = value
-        else:
-            model._ints[getattr(at, name)] = int(value)
+        if name not in model._header.FIELDS:
+            raise AttributeError(f"a block's header has no {name!r}")
+        setattr(model._header, name, value)
     return model
 
 
@@ -99,13 +96,13 @@ def skips() -> list[Skip]:
             "pay-out",
             "tow",
             lambda: _model(fine),
-            lambda: _with_words(_model(fine), I_PAYOUT=1),
+            lambda: _with_words(_model(fine), payout=1),
         ),
         Skip(
             "stages (two-step scheme against one-step)",
             "tow, 100 Hz",
             lambda: _model(fine),
-            lambda: _with_words(_model(fine), I_TWO_STEP_WAIT=1 << 40),
+            lambda: _with_words(_model(fine), two_step_wait=1 << 40),
             interval=0.01,
         ),
         Skip(
@@ -114,7 +111,7 @@ def skips() -> list[Skip]:
             lambda: _model(fine),
             lambda: _model(fine),
             interval=0.01,
-            each={"I_FACTORED": 0},
+            each={"factored": 0},
         ),
         Skip(
             "a new matrix in every step (kept from step to step)",
@@ -122,13 +119,13 @@ def skips() -> list[Skip]:
             lambda: _model(_turned()),
             lambda: _model(_turned()),
             interval=0.01,
-            each={"I_FACTORED": 0},
+            each={"factored": 0},
         ),
         Skip(
             "drag and added mass (in a vacuum, of water without density)",
             "swing in a vacuum",
             lambda: _model(_swing()),
-            lambda: _with_words(_model(_swing()), I_DRAG=1),
+            lambda: _with_words(_model(_swing()), drag=1),
             end=10.0,
         ),
         *(
@@ -161,7 +158,7 @@ def skips() -> list[Skip]:
             "cable at rest on the floor (asleep, against awake)",
             "lay of 10 km in 3,000 m, long elements behind the touchdown",
             lambda: _lay(None),
-            lambda: _with_words(_lay(None), I_SLEEP=0),
+            lambda: _with_words(_lay(None), sleep=0),
             interval=20.0,
             end=9000.0,
             repeats=1,
@@ -170,7 +167,7 @@ def skips() -> list[Skip]:
             "both (long elements asleep, against 25 m ones awake)",
             "lay of 10 km in 3,000 m",
             lambda: _lay(None),
-            lambda: _with_words(_lay(25.0), I_SLEEP=0),
+            lambda: _with_words(_lay(25.0), sleep=0),
             interval=20.0,
             end=9000.0,
             repeats=1,
@@ -179,7 +176,7 @@ def skips() -> list[Skip]:
             "cable at rest on the floor (asleep, against awake)",
             "lay of 10 km, laid elements as short as they landed",
             _fine_lay,
-            lambda: _with_words(_fine_lay(), I_SLEEP=0),
+            lambda: _with_words(_fine_lay(), sleep=0),
             interval=20.0,
             before=_forbid_joining,
             end=10000.0,
@@ -189,7 +186,7 @@ def skips() -> list[Skip]:
             "cable at rest on the floor (asleep, against awake)",
             "2.6 km over a rough floor",
             _rough_lay,
-            lambda: _with_words(_rough_lay(), I_SLEEP=0),
+            lambda: _with_words(_rough_lay(), sleep=0),
             interval=20.0,
             end=2600.0,
             repeats=1,
@@ -254,9 +251,10 @@ def _fine_lay() -> Any:
 def _forbid_joining(model: Any) -> None:
     """Make every element one of a segment of its own: elements of two are not joined."""
     from cablemodel.kernels import layout as at
+    from cablemodel.kernels.layout import Header
 
-    nodes = int(model._ints[at.I_NODES])
-    edges = model._solver.memory.array(at.O_EDGE, nodes, at.EDGE_WORDS)
+    nodes = int(model._header.nodes)
+    edges = model._solver.memory.array(Header.edges, nodes, at.EDGE_WORDS)
     edges[:, at.E_SEGMENT] = np.floor(edges[:, at.E_SEGMENT]) + 1e-6 * np.arange(nodes)
 
 

@@ -377,10 +377,9 @@ def pay_out_to_floor(
 ) -> tuple[float, float]:
     """Scene S3: mean top tension over 94 to 98 s [N] and CPU seconds per simulated second."""
     import cablemodel as cm
-    from cablemodel.kernels import layout as at
 
     model = cm.CableModel(pay_out_scene(friction, tolerance, ramp))
-    model._reals[at.S_FLOOR_DEPTH] *= depth
+    model._scalars.floor_depth *= depth
     start = time.process_time()
     tensions = []
     for k in range(196):

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import Any, ClassVar
+from typing import Any, ClassVar, SupportsIndex
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel.kernels import layout as at
+from cablemodel.kernels.layout import Header, Scalars
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -16,24 +17,24 @@ IntArray = NDArray[np.int64]
 
 # Sizes of a block, each with the header word that holds it.
 SIZES = {
-    "capacity": at.I_CAPACITY,
-    "pieces": at.I_PIECES,
-    "depths": at.I_DEPTHS,
-    "times": at.I_TIMES,
-    "strain_words": at.I_STRAIN,
-    "bodies": at.I_BODIES,
-    "constraints": at.I_CONSTRAINTS,
-    "rates": at.I_RATES,
-    "cables": at.I_CABLES,
-    "floor_words": at.I_FLOOR_WORDS,
-    "waves": at.I_WAVES,
-    "cell_terms": at.I_CELL_TERMS,
-    "frames": at.I_FRAMES,
-    "frame_pieces": at.I_FRAME_PIECES,
-    "free_bodies": at.I_FREE,
-    "arms": at.I_ARMS,
-    "foils": at.I_FOILS,
-    "foil_words": at.I_FOIL_WORDS,
+    "capacity": Header.capacity.word,
+    "pieces": Header.piece_count.word,
+    "depths": Header.depth_count.word,
+    "times": Header.time_count.word,
+    "strain_words": Header.strain_words.word,
+    "bodies": Header.body_count.word,
+    "constraints": Header.constraint_count.word,
+    "rates": Header.rate_count.word,
+    "cables": Header.cable_count.word,
+    "floor_words": Header.floor_words.word,
+    "waves": Header.wave_count.word,
+    "cell_terms": Header.cell_terms.word,
+    "frames": Header.frame_count.word,
+    "frame_pieces": Header.frame_piece_count.word,
+    "free_bodies": Header.free_count.word,
+    "arms": Header.arm_count.word,
+    "foils": Header.foil_count.word,
+    "foil_words": Header.foil_words.word,
 }
 
 Arrays = list[tuple[int, Any]]
@@ -60,8 +61,8 @@ class WordBlock:
             words += length
         self.ints: IntArray = np.zeros(words, dtype=np.int64)
         self.reals: FloatArray = self.ints.view(np.float64)
-        self.ints[at.I_BYTES] = 8 * words
-        self.ints[at.I_IMAGE_WORDS] = first + sum(length for _, length in image)
+        self.header.byte_count = 8 * words
+        self.header.image_words = first + sum(length for _, length in image)
         for place, value in (header | offsets).items():
             self.ints[place] = value
 
@@ -73,25 +74,35 @@ class WordBlock:
         self.ints = ints
         self.reals = ints.view(np.float64)
 
-    def array(self, place: int, *shape: int) -> FloatArray:
+    def array(self, place: SupportsIndex, *shape: int) -> FloatArray:
         """A view of an array of the block, by its header word."""
         start = int(self.ints[place])
         return self.reals[start : start + math.prod(shape)].reshape(shape)
 
-    def integers(self, place: int, *shape: int) -> IntArray:
+    def integers(self, place: SupportsIndex, *shape: int) -> IntArray:
         """A view of an integer array of the block, by its header word."""
         start = int(self.ints[place])
         return self.ints[start : start + math.prod(shape)].reshape(shape)
 
     @property
+    def header(self) -> Header:
+        """Sizes and counters by name, and the words where arrays start."""
+        return Header(self.ints)
+
+    @property
+    def scalars(self) -> Scalars:
+        """The numbers that there is one of, by name."""
+        return Scalars(self.reals)
+
+    @property
     def failed_node(self) -> int:
         """The node at fault in the last step or start that failed: no part of the image."""
-        return int(self.integers(at.O_FAILED, 1)[0])
+        return int(self.integers(Header.failed, 1)[0])
 
     @property
     def image(self) -> IntArray:
         """All that a snapshot keeps: everything before the workspace."""
-        return self.ints[: int(self.ints[at.I_IMAGE_WORDS])]
+        return self.ints[: int(self.header.image_words)]
 
     @staticmethod
     def arrays(*args: Any, **sizes: Any) -> tuple[Arrays, Arrays]:
@@ -104,22 +115,25 @@ class WordBlock:
 
     def fits(self, image: IntArray) -> bool:
         """Whether an image is of such a block as this one is: of another capacity at most."""
-        first = int(self.ints[at.I_IMAGE_WORDS]) - sum(
+        head = Header(image)
+        first = int(self.header.image_words) - sum(
             length for _, length in self.arrays(**self.sizes_of(self.ints))[0]
         )
-        if len(image) < first or image[at.I_CAPACITY] < image[at.I_NODES]:
+        if len(image) < first or head.capacity < head.nodes:
             return False
         sizes = self.sizes_of(image)
         arrays, workspace = self.arrays(**sizes)
         words = first + sum(length for _, length in arrays)
         expected = self.sizes_of(self.ints) | {
-            name: sizes[name] for name, word in self.SIZES.items() if word == at.I_CAPACITY
+            name: sizes[name] for name, word in self.SIZES.items() if word == Header.capacity.word
         }
         return (
             sizes == expected
-            and all(image[word] == self.ints[word] for word in (at.I_MAGIC, at.I_VERSION))
-            and len(image) == words == image[at.I_IMAGE_WORDS]
-            and image[at.I_BYTES] == 8 * (words + sum(length for _, length in workspace))
+            and all(
+                image[word] == self.ints[word] for word in (Header.magic.word, Header.version.word)
+            )
+            and len(image) == words == head.image_words
+            and head.byte_count == 8 * (words + sum(length for _, length in workspace))
         )
 
     def take(self, image: IntArray) -> None:
@@ -159,75 +173,75 @@ class Block(WordBlock):
     ) -> tuple[Arrays, Arrays]:
         """Arrays of the image in order, then those of the workspace: (header word, length).
 
-        In the image: tables that no step changes (but for row 0 of O_PIECES), from O_PARENT on the
-        state, from O_DIAGONAL on the factorisation; kernels/backup.py relies on it.
+        In the image: tables that no step changes (but for row 0 of `pieces`), from `parent` on the
+        state, from `diagonal` on the factorisation; kernels/backup.py relies on it.
 
         Sizes are numbers, or the symbols from which the FMU's C code of the same rule is written.
         """
         image = [
-            (at.O_PIECES, pieces * at.PIECE_WORDS),
-            (at.O_DEPTHS, depths),
-            (at.O_TIMES, times),
-            (at.O_CURRENT, depths * times * 3),
-            (at.O_STRAIN, strain_words),
-            (at.O_RATES, rates * at.RATE_WORDS),
-            (at.O_CABLES, cables * at.CABLE_WORDS),
-            (at.O_FLOOR, floor_words),
-            (at.O_WAVES, waves * at.WAVE_WORDS),
-            (at.O_CELL_LAYERS, (waves + 1) * cell_terms * at.CELL_LAYERS),
-            (at.O_FRAME_PIECES, frame_pieces * at.PIECE_WORDS),
-            (at.O_FOIL_TABLE, foil_words),
-            (at.O_PARENT, capacity),
-            (at.O_JOINT, capacity),
-            (at.O_EDGE, capacity * at.EDGE_WORDS),
-            (at.O_BODY, bodies * at.BODY_WORDS),
+            (Header.pieces.word, pieces * at.PIECE_WORDS),
+            (Header.depths.word, depths),
+            (Header.times.word, times),
+            (Header.current.word, depths * times * 3),
+            (Header.strain.word, strain_words),
+            (Header.rates.word, rates * at.RATE_WORDS),
+            (Header.cables.word, cables * at.CABLE_WORDS),
+            (Header.floor.word, floor_words),
+            (Header.waves.word, waves * at.WAVE_WORDS),
+            (Header.cell_layers.word, (waves + 1) * cell_terms * at.CELL_LAYERS),
+            (Header.frame_pieces.word, frame_pieces * at.PIECE_WORDS),
+            (Header.foil_table.word, foil_words),
+            (Header.parent.word, capacity),
+            (Header.joint.word, capacity),
+            (Header.edges.word, capacity * at.EDGE_WORDS),
+            (Header.bodies.word, bodies * at.BODY_WORDS),
             # One more for the end of the cable that is awake.
-            (at.O_CONSTRAINT, constraints * at.CONSTRAINT_WORDS + at.CONSTRAINT_WORDS),
-            (at.O_FRAMES, frames * at.FRAME_WORDS),
-            (at.O_FREE, free_bodies * at.FREE_WORDS),
-            (at.O_FOILS, foils * at.FOIL_WORDS),
-            (at.O_ARMS, arms * at.ARM_WORDS),
-            (at.O_POSITION, capacity * 6),
-            (at.O_VELOCITY, capacity * 6),
-            (at.O_ACCELERATION, capacity * 6),
-            (at.O_TENSION, capacity * 2),
-            (at.O_TENSION_RATE, capacity * 2),
-            (at.O_REST, capacity * 3),
-            (at.O_HISTORY, capacity * 12),
-            (at.O_DIAGONAL, capacity * 36),
-            (at.O_UPPER, capacity * 36),
-            (at.O_LOWER, capacity * 36),
-            (at.O_GRADIENT, capacity * 24),
-            (at.O_COMPLIANCE, capacity * 3),
+            (Header.constraints.word, constraints * at.CONSTRAINT_WORDS + at.CONSTRAINT_WORDS),
+            (Header.frames.word, frames * at.FRAME_WORDS),
+            (Header.free_bodies.word, free_bodies * at.FREE_WORDS),
+            (Header.foils.word, foils * at.FOIL_WORDS),
+            (Header.arms.word, arms * at.ARM_WORDS),
+            (Header.position.word, capacity * 6),
+            (Header.velocity.word, capacity * 6),
+            (Header.acceleration.word, capacity * 6),
+            (Header.tension.word, capacity * 2),
+            (Header.tension_rate.word, capacity * 2),
+            (Header.rest.word, capacity * 3),
+            (Header.history.word, capacity * 12),
+            (Header.diagonal.word, capacity * 36),
+            (Header.upper.word, capacity * 36),
+            (Header.lower.word, capacity * 36),
+            (Header.gradient.word, capacity * 24),
+            (Header.compliance.word, capacity * 3),
         ]
         image_words = at.HEADER_WORDS + at.SCALAR_WORDS + sum(length for _, length in image)
         cell = cell_terms * (at.CELL_WORDS // at.CELL_TERMS)  # words of one; 0: there are none
         workspace = [
-            (at.O_BACKUP, image_words),
+            (Header.backup.word, image_words),
             # The first stage is the state, the last one the trial.
-            (at.O_STAGE_V, capacity * 24),
-            (at.O_STAGE_A, capacity * 24),
-            (at.O_BASE_Q, capacity * 6),
-            (at.O_BASE_V, capacity * 6),
-            (at.O_TRIAL_Q, capacity * 6),
-            (at.O_TRIAL_V, capacity * 6),
-            (at.O_TRIAL_A, capacity * 6),
-            (at.O_TRIAL_T, capacity * 2),
-            (at.O_STAGE_T, capacity * 2),
-            (at.O_STRETCH, capacity * 2),
-            (at.O_RESIDUAL, capacity * 6),
-            (at.O_CONSTRAINT_RESIDUAL, capacity * 2),
-            (at.O_INCREMENT, capacity * 6),
+            (Header.stage_velocity.word, capacity * 24),
+            (Header.stage_acceleration.word, capacity * 24),
+            (Header.base_position.word, capacity * 6),
+            (Header.base_velocity.word, capacity * 6),
+            (Header.trial_position.word, capacity * 6),
+            (Header.trial_velocity.word, capacity * 6),
+            (Header.trial_acceleration.word, capacity * 6),
+            (Header.trial_tension.word, capacity * 2),
+            (Header.stage_tension.word, capacity * 2),
+            (Header.stretch.word, capacity * 2),
+            (Header.residual.word, capacity * 6),
+            (Header.constraint_residual.word, capacity * 2),
+            (Header.increment.word, capacity * 6),
             # Velocities, then their rates.
-            (at.O_PROFILE, depths * 6),
-            (at.O_GAUSS, at.GAUSS_WORDS),
-            (at.O_MOTION, waves * at.WATER_COLUMNS + at.MOTION_WORDS),
+            (Header.profile.word, depths * 6),
+            (Header.gauss.word, at.GAUSS_WORDS),
+            (Header.motion.word, waves * at.WATER_COLUMNS + at.MOTION_WORDS),
             # Of three Gauss points to an element, and of every body.
-            (at.O_CELLS, capacity * cell * 3 + bodies * cell + free_bodies * cell),
-            (at.O_TOP, 24 + at.BODY_WORDS),
-            (at.O_END_FORCE, capacity * 6),
-            (at.O_FAILED, 1),
-            (at.O_PARTS_WORK, free_bodies * at.PARTS_WORDS),
+            (Header.cells.word, capacity * cell * 3 + bodies * cell + free_bodies * cell),
+            (Header.top.word, 24 + at.BODY_WORDS),
+            (Header.end_force.word, capacity * 6),
+            (Header.failed.word, 1),
+            (Header.parts_work.word, free_bodies * at.PARTS_WORDS),
         ]
         return image, workspace
 
@@ -274,7 +288,7 @@ class Block(WordBlock):
             "foil_words": foil_words,
         }
         image, workspace = self.arrays(**sizes)
-        header = {at.I_MAGIC: at.MAGIC, at.I_VERSION: at.VERSION}
+        header = {Header.magic.word: at.MAGIC, Header.version.word: at.VERSION}
         header.update({SIZES[name]: size for name, size in sizes.items()})
         super().__init__(at.HEADER_WORDS + at.SCALAR_WORDS, image, workspace, header)
 
@@ -287,7 +301,7 @@ class Block(WordBlock):
         other = Block(**(sizes | {"capacity": capacity}))
         arrays, workspace = self.arrays(**sizes)
         placed = [place for place, _ in arrays + workspace]
-        placed += [at.I_BYTES, at.I_IMAGE_WORDS, at.I_CAPACITY]
+        placed += [Header.byte_count.word, Header.image_words.word, Header.capacity.word]
         own = np.setdiff1d(np.arange(at.HEADER_WORDS + at.SCALAR_WORDS), placed)
         other.ints[own] = self.ints[own]
         others, _ = self.arrays(**other.sizes_of(other.ints))
@@ -298,4 +312,4 @@ class Block(WordBlock):
 
     def grow(self) -> None:
         """Room for twice as many nodes."""
-        self.make_room(2 * int(self.ints[at.I_CAPACITY]))
+        self.make_room(2 * int(self.header.capacity))

@@ -47,7 +47,7 @@ def finer(scene: Scene) -> Scene:
 
 def step_in_halves(block: Block) -> None:
     """Make a block's run one to judge others by, even where the caller's steps limit both."""
-    block.reals[at.S_HALVES] = 1.0
+    block.scalars.halves = 1.0
 
 
 class EstimatingSolver(FiniteElementSolver):
@@ -79,7 +79,7 @@ class EstimatingSolver(FiniteElementSolver):
     def _beside(self) -> FiniteElementSolver | None:
         """The finer run, if it stands where this one does."""
         other = self._finer
-        if other is None or other.memory.reals[at.S_TIME] != self.memory.reals[at.S_TIME]:
+        if other is None or other.memory.scalars.time != self.memory.scalars.time:
             return None
         return other
 

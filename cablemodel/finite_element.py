@@ -11,6 +11,7 @@ from cablemodel import library as entry
 from cablemodel.block import Block
 from cablemodel.instance import build
 from cablemodel.kernels import layout as at
+from cablemodel.kernels.layout import Header
 from cablemodel.solver import FloatArray, OfBlock, PlacedBody
 
 if TYPE_CHECKING:
@@ -51,7 +52,7 @@ class FiniteElementSolver(OfBlock):
         self.scene = scene
         self.memory = build(scene, planar=planar)
         if sleep is False:
-            self.memory.ints[at.I_SLEEP] = 0
+            self.memory.header.sleep = 0
 
     def step(self, end: float, inputs: FloatArray) -> int:
         memory = self.memory
@@ -65,7 +66,7 @@ class FiniteElementSolver(OfBlock):
         return MEANING[status]
 
     def failed_arc(self) -> float:
-        node = min(self.memory.failed_node, int(self._ints[at.I_NODES]) - 1)
+        node = min(self.memory.failed_node, int(self._header.nodes) - 1)
         return float(self._all_arcs()[node])
 
     def summary(self, out: FloatArray) -> None:
@@ -76,31 +77,31 @@ class FiniteElementSolver(OfBlock):
         return int(entry.sample(self._ints, self._reals, stations, out))
 
     def node_arcs(self) -> FloatArray:
-        joints = self.memory.integers(at.O_JOINT, int(self._ints[at.I_NODES]))
+        joints = self.memory.integers(Header.joint, int(self._header.nodes))
         return np.asarray(self._all_arcs()[joints == 0], dtype=np.float64)
 
     def _all_arcs(self) -> FloatArray:
         """Arc lengths of all nodes from the vessel (nodes,) [m]."""
-        nodes = int(self._ints[at.I_NODES])
-        edges = self.memory.array(at.O_EDGE, nodes, at.EDGE_WORDS)
-        arcs = edges[:, at.E_START] + edges[:, at.E_LENGTH] + self._reals[at.S_PAID]
+        nodes = int(self._header.nodes)
+        edges = self.memory.array(Header.edges, nodes, at.EDGE_WORDS)
+        arcs = edges[:, at.E_START] + edges[:, at.E_LENGTH] + self._scalars.paid
         arcs[0] = 0.0
         arcs[1] = edges[1, at.E_LENGTH]
-        if self._ints[at.I_RIGID] > 0 and nodes > 2:
+        if self._header.rigid > 0 and nodes > 2:
             # The first bit of a body that comes is no cable, though the top element covers it.
-            arcs[1] = edges[2, at.E_START] + self._reals[at.S_PAID]
+            arcs[1] = edges[2, at.E_START] + self._scalars.paid
         # Rounding must not put a node beyond the end of the line, where there is no station.
         return np.asarray(np.minimum(arcs, arcs[-1]), dtype=np.float64)
 
     def bodies(self) -> list[PlacedBody]:
         rows: NDArray[np.float64] = self.memory.array(
-            at.O_BODY, int(self._ints[at.I_BODIES]), at.BODY_WORDS
+            Header.bodies, int(self._header.body_count), at.BODY_WORDS
         )
         items = [*self.scene.line, *self.scene.payout.drum]
         arcs = self._all_arcs()
         placed = []
         motion = np.zeros((len(rows), at.STATION_WORDS))
-        if self._ints[at.I_RIGID] > 0:
+        if self._header.rigid > 0:
             entry.bodies(self._ints, self._reals, motion.reshape(-1))
         for index in np.argsort(rows[:, at.B_NODE], kind="stable"):
             row = rows[index]
@@ -120,13 +121,13 @@ class FiniteElementSolver(OfBlock):
 
     @property
     def planar(self) -> bool:
-        return bool(self._ints[at.I_DIMENSION] == 2)
+        return bool(self._header.dimension == 2)
 
     @property
     def elements(self) -> int:
-        joints = self.memory.integers(at.O_JOINT, int(self._ints[at.I_NODES]))
+        joints = self.memory.integers(Header.joint, int(self._header.nodes))
         return int(np.count_nonzero(joints[1:] == 0))
 
     @property
     def asleep(self) -> int:
-        return int(self._ints[at.I_ASLEEP])
+        return int(self._header.asleep)

@@ -179,7 +179,7 @@ def lay_motion(scene: Scene) -> tuple[FloatArray, float]:
 
 def laid(scene: Scene) -> float:
     """0 where the vessel drags what lies; 1 where that is at rest in the frame of the start; 2
-    where the flow would have it run on (S_LAID)."""
+    where the flow would have it run on (`laid`)."""
     floor = scene.environment.floor
     if floor is None or is_dragged(scene):
         return 0.0

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from cablemodel import library as entry
 from cablemodel.block import Block
 from cablemodel.kernels import layout as at
+from cablemodel.kernels.layout import Header
 
 FloatArray = NDArray[np.float64]
 
@@ -44,7 +45,7 @@ def natural_frequencies(block: Block, count: int) -> FloatArray:
     """
     from scipy.linalg import eigh
 
-    edges = block.array(at.O_EDGE, int(block.ints[at.I_NODES]), at.EDGE_WORDS)
+    edges = block.array(Header.edges, int(block.header.nodes), at.EDGE_WORDS)
     kept = edges[:, at.E_STABILISATION].copy()
     edges[:, at.E_STABILISATION] = stiff = _stiffened(block)
     mass, _damping, stiffness = (0.5 * (m + m.T) for m in small_motions(block))
@@ -62,12 +63,12 @@ def natural_frequencies(block: Block, count: int) -> FloatArray:
 def _stiffened(block: Block) -> FloatArray:
     """The stabilisation of each element [N], (nodes,): EA, or where the element turns by an angle a
     as much as takes from its motions across, which tension holds, a share of `LOCKED`."""
-    nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
-    edges = block.array(at.O_EDGE, nodes, at.EDGE_WORDS)
-    slopes = block.array(at.O_POSITION, nodes, 2, dimension)[:, 1]
+    nodes, dimension = int(block.header.nodes), int(block.header.dimension)
+    edges = block.array(Header.edges, nodes, at.EDGE_WORDS)
+    slopes = block.array(Header.position, nodes, 2, dimension)[:, 1]
     slopes = slopes / np.linalg.norm(slopes, axis=1, keepdims=True)
-    turn = np.linalg.norm(slopes - slopes[block.integers(at.O_PARENT, nodes)], axis=1)
-    tension = np.abs(block.array(at.O_TENSION, nodes, 2)[:, 0])
+    turn = np.linalg.norm(slopes - slopes[block.integers(Header.parent, nodes)], axis=1)
+    tension = np.abs(block.array(Header.tension, nodes, 2)[:, 0])
     with np.errstate(divide="ignore", invalid="ignore"):
         most = np.where(turn > ROUNDING, LOCKED * tension / turn**2, np.inf)
         axial = np.where(edges[:, at.E_COMPLIANCE] > 0.0, 1.0 / edges[:, at.E_COMPLIANCE], 0.0)
@@ -84,12 +85,13 @@ def newton_blocks(
     to its parent, (nodes, size, size) each; size: places and slopes. The block stays as it is.
     """
     ints = block.ints
+    head = Header(ints)
     kept = block.image.copy()
     entry.assemble(ints, block.reals, of_velocity, of_acceleration)
-    nodes, size = int(ints[at.I_NODES]), 2 * int(ints[at.I_DIMENSION])
+    nodes, size = int(head.nodes), 2 * int(head.dimension)
     diagonal, upper, lower = (
         block.array(place, nodes, size, size).copy()
-        for place in (at.O_DIAGONAL, at.O_UPPER, at.O_LOWER)
+        for place in (Header.diagonal.word, Header.upper.word, Header.lower.word)
     )
     block.image[:] = kept
     return diagonal, upper, lower
@@ -99,8 +101,8 @@ def _newton_matrix(block: Block, of_velocity: float, of_acceleration: float) -> 
     """Stiffness and these multiples of damping and mass, over all nodes' unknowns, dense."""
     diagonal, upper, lower = newton_blocks(block, of_velocity, of_acceleration)
     nodes, size = diagonal.shape[:2]
-    parent = block.integers(at.O_PARENT, nodes)
-    joint = block.integers(at.O_JOINT, nodes)
+    parent = block.integers(Header.parent, nodes)
+    joint = block.integers(Header.joint, nodes)
     matrix = np.zeros((nodes * size, nodes * size))
     for node in range(nodes):
         rows = slice(node * size, (node + 1) * size)
@@ -115,11 +117,12 @@ def _newton_matrix(block: Block, of_velocity: float, of_acceleration: float) -> 
 def _free_motions(block: Block) -> FloatArray:
     """Columns that span the motions which supports and joints allow."""
     ints = block.ints
-    nodes, dimension = int(ints[at.I_NODES]), int(ints[at.I_DIMENSION])
+    head = Header(ints)
+    nodes, dimension = int(head.nodes), int(head.dimension)
     size = 2 * dimension
     basis = np.eye(nodes * size)
     drop: list[int] = []
-    for row in block.array(at.O_CONSTRAINT, int(ints[at.I_CONSTRAINTS]), at.CONSTRAINT_WORDS):
+    for row in block.array(Header.constraints, int(head.constraint_count), at.CONSTRAINT_WORDS):
         first = int(row[at.C_NODE]) * size
         drop += range(first, first + dimension)
         if row[at.C_CLAMPED] == at.EXACTLY:
@@ -128,8 +131,8 @@ def _free_motions(block: Block) -> FloatArray:
             basis[slopes, slopes] = 0.0
             basis[slopes, first + dimension] = direction
             drop += range(first + dimension + 1, first + size)
-    parent = block.integers(at.O_PARENT, nodes)
-    hinged = block.integers(at.O_JOINT, nodes) == at.JOINT_HINGE
+    parent = block.integers(Header.parent, nodes)
+    hinged = block.integers(Header.joint, nodes) == at.JOINT_HINGE
     for node in np.flatnonzero(hinged):
         own = slice(int(node) * size, int(node) * size + dimension)
         above = slice(int(parent[node]) * size, int(parent[node]) * size + dimension)

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from cablemodel.block import Block
 from cablemodel.errors import CableModelError, SceneError, StepError
 from cablemodel.kernels import layout as at
+from cablemodel.kernels.layout import Header, Scalars
 from cablemodel.solver import choose
 
 if TYPE_CHECKING:
@@ -84,7 +85,7 @@ class Snapshot:
     """Hash of the scene that it belongs to; empty where that is not known."""
 
     def __repr__(self) -> str:
-        time = np.frombuffer(self.image, dtype=np.float64, count=at.S_TIME + 1)[at.S_TIME]
+        time = Scalars(np.frombuffer(self.image, dtype=np.float64)).time
         return f"<Snapshot at t = {time:g} s: {len(self.image)} bytes>"
 
     def __len__(self) -> int:
@@ -154,6 +155,14 @@ class CableModel:
     @property
     def _reals(self) -> FloatArray:
         return self._solver.memory.reals
+
+    @property
+    def _header(self) -> Header:
+        return self._solver.memory.header
+
+    @property
+    def _scalars(self) -> Scalars:
+        return self._solver.memory.scalars
 
     # -- stepping -------------------------------------------------------------------------------
 
@@ -323,7 +332,7 @@ class CableModel:
         parts = []
         for _memory in own:
             # Each says how long it is: what runs have added to makes no difference.
-            words = int(rest[at.I_IMAGE_WORDS]) if len(rest) > at.I_IMAGE_WORDS else 0
+            words = int(Header(rest).image_words) if len(rest) >= at.HEADER_WORDS else 0
             parts.append(rest[: max(0, words)])
             rest = rest[max(0, words) :]
         pairs = list(zip(own, parts, strict=True))
@@ -343,7 +352,7 @@ class CableModel:
     @property
     def time(self) -> float:
         """Simulated time [s]."""
-        return self._solver.memory.reals.item(at.S_TIME)
+        return float(self._solver.memory.scalars.time)
 
     def _numbers(self) -> FloatArray:
         if not self._summary_current:
@@ -420,7 +429,7 @@ class CableModel:
     @property
     def winch(self) -> str:
         """``free``, ``drum empty`` or ``shortest length``: what clamps the pay-out rate."""
-        return {0: "free", 1: "drum empty", -1: "shortest length"}[int(self._ints[at.I_CLAMPED])]
+        return {0: "free", 1: "drum empty", -1: "shortest length"}[int(self._header.clamped)]
 
     @property
     def floor_force(self) -> FloatArray:
@@ -499,10 +508,10 @@ class CableModel:
         """Counters since the start: steps, rejected, factorisations, iterations; at present:
         elements, and how many of them are asleep on the floor."""
         return {
-            "steps": int(self._ints[at.I_STEPS]),
-            "rejected": int(self._ints[at.I_REJECTED]),
-            "factorisations": int(self._ints[at.I_FACTORISATIONS]),
-            "iterations": int(self._ints[at.I_ITERATIONS]),
+            "steps": int(self._header.steps),
+            "rejected": int(self._header.rejected),
+            "factorisations": int(self._header.factorisations),
+            "iterations": int(self._header.iterations),
             "elements": self._solver.elements,
             "asleep": self._solver.asleep,
         }
@@ -510,7 +519,7 @@ class CableModel:
     @property
     def applied_inputs(self) -> dict[str, Any]:
         """What drives the model at the present time: vessel motion, pay-out, live current."""
-        live = self._reals[at.S_LIVE_CURRENT : at.S_LIVE_CURRENT + 8]
+        live = self._scalars.live_current
         return {
             "vessel_position": self.vessel_position,
             "vessel_velocity": self.vessel_velocity,
@@ -548,7 +557,7 @@ class CableModel:
             curvature=rows[:, 10].copy(),
             bending_moment=rows[:, 11].copy(),
             on_floor=rows[:, 12] > 0.5,
-            water=(self._surroundings, self._surroundings.length + self._reals.item(at.S_PAID)),
+            water=(self._surroundings, self._surroundings.length + float(self._scalars.paid)),
         )
 
     @cached_property

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from cablemodel.block import Block
 from cablemodel.errors import SceneError
 from cablemodel.kernels import layout as at
+from cablemodel.kernels.layout import Header, Scalars
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
@@ -113,30 +114,32 @@ def fill(block: Block, scene: Scene) -> None:
     if floor is None:
         return
     ints, reals = block.ints, block.reals
+    head = Header(ints)
+    state = Scalars(reals)
     accuracy = scene.solver.tolerance * scene.line_length
-    reals[at.S_FLOOR_DEPTH] = contact_depth(scene)
-    reals[at.S_END_BORNE] = 1.0
-    reals[at.S_BRISTLE] = BRISTLE * accuracy
-    reals[at.S_FRICTION] = floor.friction
-    ints[at.I_SLEEP] = int(floor.friction > 0.0)
-    ints[at.I_FLOOR_STATE] = at.FLOOR_TOUCHED  # until it is known where the line is
-    reals[at.S_FLOOR_DAMPING] = _damping(scene)
+    state.floor_depth = contact_depth(scene)
+    state.end_support = 1.0
+    state.bristle = BRISTLE * accuracy
+    state.friction = floor.friction
+    head.sleep = int(floor.friction > 0.0)
+    head.floor_state = at.FLOOR_TOUCHED  # until it is known where the line is
+    state.floor_damping = _damping(scene)
     if floor.z is not None:
-        ints[at.I_FLOOR] = at.FLOOR_PLANE
-        reals[at.S_FLOOR_PLANE : at.S_FLOOR_PLANE + 5] = (floor.z, *floor.slope, *floor.at)
-        reals[at.S_FLOOR_TOP] = 1e300 if any(floor.slope) else floor.z
+        head.floor_kind = at.FLOOR_PLANE
+        state.floor_plane = (floor.z, *floor.slope, *floor.at)
+        state.floor_top = 1e300 if any(floor.slope) else floor.z
         return
-    ints[at.I_FLOOR] = at.FLOOR_TABLE
+    head.floor_kind = at.FLOOR_TABLE
     x, y, z = floor.grid_x, floor.grid_y, floor.grid_z
-    ints[at.I_FLOOR_X], ints[at.I_FLOOR_Y] = len(x), len(y)
+    head.floor_columns, head.floor_rows = len(x), len(y)
     along_x = _slopes(x, z)
     along_y = _slopes(y, z.T).T
     both = _slopes(y, along_x.T).T
-    words = block.array(at.O_FLOOR, table_words(floor))
+    words = block.array(Header.floor, table_words(floor))
     words[:] = np.concatenate([x, y, np.stack([z, along_x, along_y, both], axis=-1).ravel()])
-    reals[at.S_FLOOR_TOP] = float(z.max() + 0.05 * np.ptp(z))
+    state.floor_top = float(z.max() + 0.05 * np.ptp(z))
     bend = _sharpest(x, z, along_x) + _sharpest(y, z.T, along_y.T)
-    reals[at.S_FLOOR_BEND] = bend / 8.0
+    state.floor_bend = bend / 8.0
 
 
 def _slopes(x: FloatArray, z: FloatArray) -> FloatArray:
@@ -177,13 +180,13 @@ def place_of_rest(block: Block, scene: Scene) -> None:
     An anchored cable was laid from its anchor towards the vessel, and then pulled: friction holds
     back what has stretched. Elsewhere the first shape is the place of rest.
     """
-    nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
-    q = block.array(at.O_POSITION, nodes, 2 * dimension)
-    rest = block.array(at.O_REST, nodes, 3)
+    nodes, dimension = int(block.header.nodes), int(block.header.dimension)
+    q = block.array(Header.position, nodes, 2 * dimension)
+    rest = block.array(Header.rest, nodes, 3)
     rest_where_it_is(block)
     if scene.end.kind != "anchor" or scene.initial.kind != "static":
         return
-    edges = block.array(at.O_EDGE, nodes, at.EDGE_WORDS)
+    edges = block.array(Header.edges, nodes, at.EDGE_WORDS)
     arcs = edges[:, at.E_START] + edges[:, at.E_LENGTH]
     way = q[0, :dimension] - q[-1, :dimension]
     way[dimension - 1] = 0.0
@@ -194,9 +197,9 @@ def place_of_rest(block: Block, scene: Scene) -> None:
 
 def rest_where_it_is(block: Block) -> None:
     """Make the present positions the places of rest: no friction yet."""
-    nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
-    q = block.array(at.O_POSITION, nodes, 2 * dimension)
-    block.array(at.O_REST, nodes, 3)[:, :dimension] = q[:, :dimension]
+    nodes, dimension = int(block.header.nodes), int(block.header.dimension)
+    q = block.array(Header.position, nodes, 2 * dimension)
+    block.array(Header.rest, nodes, 3)[:, :dimension] = q[:, :dimension]
 
 
 def check(scene: Scene, points: FloatArray) -> None:

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from cablemodel.kernels.layout import Header, Scalars
+
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
 
@@ -40,6 +42,12 @@ class Memory(Protocol):
     reals: FloatArray
 
     @property
+    def header(self) -> Header: ...
+
+    @property
+    def scalars(self) -> Scalars: ...
+
+    @property
     def image(self) -> IntArray: ...
 
     def fits(self, image: IntArray) -> bool: ...
@@ -60,6 +68,14 @@ class OfBlock:
     @property
     def _reals(self) -> FloatArray:
         return self.memory.reals
+
+    @property
+    def _header(self) -> Header:
+        return self.memory.header
+
+    @property
+    def _scalars(self) -> Scalars:
+        return self.memory.scalars
 
     @property
     def memories(self) -> tuple[Memory, ...]:

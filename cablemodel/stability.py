@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from cablemodel.block import Block
 from cablemodel.kernels import layout as at
+from cablemodel.kernels.layout import Header
 from cablemodel.linearisation import newton_blocks
 
 FloatArray = NDArray[np.float64]
@@ -66,8 +67,8 @@ class _Elimination:
         nodes, size = diagonal.shape[:2]
         half = size // 2
         self._projectors = _hold(block, diagonal, upper, lower)
-        self._hinged = (block.integers(at.O_JOINT, nodes) == at.JOINT_HINGE).tolist()
-        self._parents = block.integers(at.O_PARENT, nodes).tolist()
+        self._hinged = (block.integers(Header.joint, nodes) == at.JOINT_HINGE).tolist()
+        self._parents = block.integers(Header.parent, nodes).tolist()
         self._upper = upper
         self._back = np.zeros_like(lower)
         """What a node's parent moves it by, negative."""
@@ -146,7 +147,7 @@ def growing_motion(block: Block, way: FloatArray | None = None) -> GrowingMotion
             high = middle
         else:
             low = middle
-    axes = _axes(int(block.ints[at.I_DIMENSION]), way)
+    axes = _axes(int(block.header.dimension), way)
     if not _changes_sign(block, low, high, axes):
         # Complex resistances have, of nodes alone: what does may be below.
         low, high = _bracket_below(block, low, slowest, axes)
@@ -159,7 +160,7 @@ def growing_motion(block: Block, way: FloatArray | None = None) -> GrowingMotion
     much = np.flatnonzero(sizes > MUCH * sizes[furthest])
     components = axes @ motion[much[-1], 0]
     motion *= np.sign(components[np.abs(components) > ACROSS][0])
-    edges = block.array(at.O_EDGE, len(motion), at.EDGE_WORDS)
+    edges = block.array(Header.edges, len(motion), at.EDGE_WORDS)
     arc = float(edges[furthest, at.E_START] + edges[furthest, at.E_LENGTH]) if furthest else 0.0
     return GrowingMotion(high, motion, arc)
 
@@ -199,7 +200,7 @@ def _bracket_below(
 
 def slowest_growth(block: Block) -> float:
     """Growth that matters [1/s]."""
-    return SLOWEST / float(block.reals[at.S_PERIOD])
+    return SLOWEST / float(block.scalars.period)
 
 
 def is_held(block: Block, rate: float) -> bool:
@@ -219,8 +220,8 @@ def _hold(
     block: Block, diagonal: FloatArray, upper: FloatArray, lower: FloatArray
 ) -> list[tuple[FloatArray, int]]:
     """Fix what supports hold, as `system.constrain_matrix` does; the projectors and their nodes."""
-    dimension = int(block.ints[at.I_DIMENSION])
-    table = block.array(at.O_CONSTRAINT, int(block.ints[at.I_CONSTRAINTS]), at.CONSTRAINT_WORDS)
+    dimension = int(block.header.dimension)
+    table = block.array(Header.constraints, int(block.header.constraint_count), at.CONSTRAINT_WORDS)
     projectors = []
     for row in table:
         node = int(row[at.C_NODE])
@@ -233,7 +234,7 @@ def _hold(
         size = max(1.0, abs(float(np.trace(diagonal[node]))))
         diagonal[node] = free @ diagonal[node] @ free + size * fixed
         lower[node], upper[node] = free @ lower[node], upper[node] @ free
-        for child in np.flatnonzero(block.integers(at.O_PARENT, len(diagonal)) == node):
+        for child in np.flatnonzero(block.integers(Header.parent, len(diagonal)) == node):
             if child > node:
                 upper[child], lower[child] = free @ upper[child], lower[child] @ free
         projectors.append((free, node))

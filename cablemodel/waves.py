@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from cablemodel.block import Block
 from cablemodel.kernels import layout as at
+from cablemodel.kernels.layout import Header, Scalars
 from cablemodel.mesh import halved_where
 from cablemodel.scene.sea import Sea, sea
 
@@ -50,15 +51,17 @@ def fill(block: Block, waves: Sea | None, tolerance: float) -> None:
     if waves is None:
         return
     reals = block.reals
-    reals[at.S_WAVE_RAMP] = waves.ramp
+    state = Scalars(reals)
+    state.wave_ramp = waves.ramp
     # The shortest waves that matter: a twentieth of the energy is in shorter ones.
     fast = float(np.quantile(waves.frequency, 0.95))
-    reals[at.S_WAVE_STEP] = 2.0 * math.pi / fast / RESOLUTION
-    reals[at.S_WAVE_DEPTH] = min(waves.depth, 1e300)
-    reals[at.S_WAVE_CREST] = float(waves.amplitude.sum())
-    reals[at.S_WAVE_X : at.S_WAVE_Y + 1] = math.cos(waves.direction), math.sin(waves.direction)
+    state.wave_step = 2.0 * math.pi / fast / RESOLUTION
+    state.wave_depth = min(waves.depth, 1e300)
+    state.wave_crest = float(waves.amplitude.sum())
+    state.wave_x = math.cos(waves.direction)
+    state.wave_y = math.sin(waves.direction)
     mirror = np.exp(-2.0 * waves.number * waves.depth)
-    columns = block.array(at.O_WAVES, at.WAVE_WORDS, len(waves.number))
+    columns = block.array(Header.waves, at.WAVE_WORDS, len(waves.number))
     columns[at.W_AMPLITUDE] = waves.amplitude
     columns[at.W_FREQUENCY] = waves.frequency
     columns[at.W_NUMBER] = waves.number
@@ -68,8 +71,8 @@ def fill(block: Block, waves: Sea | None, tolerance: float) -> None:
     order = np.argsort(waves.number, kind="stable")
     columns[:] = columns[:, order]
     if cell_terms(waves):
-        reals[at.S_CELL_STAYS] = way_that_stays(waves, tolerance)
-        words = block.array(at.O_CELL_LAYERS, at.CELL_LAYERS, len(order) + 1, at.CELL_TERMS)
+        state.cell_stays = way_that_stays(waves, tolerance)
+        words = block.array(Header.cell_layers, at.CELL_LAYERS, len(order) + 1, at.CELL_TERMS)
         words[:, 0, at.L_DEPTH] = math.inf
         for row, layer in zip(words, layers(waves, tolerance), strict=False):
             row[0, at.L_DEPTH] = layer.depth

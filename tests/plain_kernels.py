@@ -40,6 +40,22 @@ def view(array: Any, start: Any, count: Any) -> Any:
     return array[start : start + count] if count != 1 else array[start:]
 
 
+def record_in(record: Any) -> Any:
+    """The record is the view itself."""
+    return record
+
+
+def record_at(record: Any) -> Any:
+    """The record is the view itself."""
+    return record
+
+
+def row_of(record: Any, table: Any) -> Any:
+    """As the compiled one."""
+    start, width = table.word, record.WORDS
+    return lambda header, words, row: record(words, header[start] + width * row)
+
+
 def copy_words(array: Any, to: Any, start: Any, count: Any) -> None:
     """As the compiled one."""
     array[to : to + count] = array[start : start + count].copy()
@@ -110,6 +126,9 @@ def install() -> None:
     for function in (
         entry_point,
         view,
+        record_in,
+        record_at,
+        row_of,
         copy_words,
         table_product,
         matrix_vector,

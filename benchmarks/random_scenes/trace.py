@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.random_scenes.draw import Drawn
-from cablemodel.kernels import layout
 
 FloatArray = NDArray[np.float64]
 
@@ -94,7 +93,7 @@ def run(
     balance = _Balance(scene, tolerance)
     try:
         model = cm.CableModel(cm.load_scene(scene))
-        model._solver.memory.reals[layout.S_TIME_TOLERANCE] *= time_error
+        model._solver.memory.scalars.time_tolerance *= time_error
         total = model.line_length + model.drum_length
         _keep(trace, model, scene, tolerance, total)
         balance.add(model)

@@ -7,6 +7,7 @@ from typing import Any
 from cablemodel.block import Arrays, WordBlock
 from cablemodel.direct.kernels import layout as own
 from cablemodel.kernels import layout as at
+from cablemodel.kernels.layout import Header
 
 _GAUSS_WORDS = 512
 _MOTION_WORDS = 64
@@ -14,16 +15,16 @@ _MOTION_WORDS = 64
 
 # Sizes of a block, each with the header word that holds it.
 SIZES = {
-    "nodes": at.I_CAPACITY,
+    "nodes": Header.capacity.word,
     "sections": own.D_SECTION_CAPACITY,
     "materials": own.D_MATERIALS,
     "bodies": own.D_BODIES,
     "drum": own.D_DRUM_CAPACITY,
-    "pieces": at.I_PIECES,
-    "depths": at.I_DEPTHS,
-    "times": at.I_TIMES,
-    "strain_words": at.I_STRAIN,
-    "rates": at.I_RATES,
+    "pieces": Header.piece_count.word,
+    "depths": Header.depth_count.word,
+    "times": Header.time_count.word,
+    "strain_words": Header.strain_words.word,
+    "rates": Header.rate_count.word,
 }
 
 
@@ -52,12 +53,12 @@ class DirectBlock(WordBlock):
         FMU's C code of the same rule is written.
         """
         image = [
-            (at.O_PIECES, pieces * at.PIECE_WORDS),
-            (at.O_DEPTHS, depths),
-            (at.O_TIMES, times),
-            (at.O_CURRENT, depths * times * 3),
-            (at.O_STRAIN, strain_words),
-            (at.O_RATES, rates * at.RATE_WORDS),
+            (Header.pieces.word, pieces * at.PIECE_WORDS),
+            (Header.depths.word, depths),
+            (Header.times.word, times),
+            (Header.current.word, depths * times * 3),
+            (Header.strain.word, strain_words),
+            (Header.rates.word, rates * at.RATE_WORDS),
             (own.O_SECTION, (sections + 1) * own.SECTION_WORDS),
             (own.O_MATERIAL, materials * own.MATERIAL_WORDS),
             (own.O_BODY, bodies * own.BODY_WORDS),
@@ -73,11 +74,11 @@ class DirectBlock(WordBlock):
         image_words = own.FIRST_FREE + sum(length for _, length in image)
         slots = nodes + 1
         workspace = [
-            (at.O_BACKUP, image_words),
+            (Header.backup.word, image_words),
             # Velocities, then their rates.
-            (at.O_PROFILE, depths * 6),
-            (at.O_GAUSS, _GAUSS_WORDS),
-            (at.O_MOTION, _MOTION_WORDS),
+            (Header.profile.word, depths * 6),
+            (Header.gauss.word, _GAUSS_WORDS),
+            (Header.motion.word, _MOTION_WORDS),
             (own.O_PAST, nodes * own.RATES),
             (own.O_START, nodes * own.WIDTH),
             (own.O_OLD_LENGTH, nodes),
@@ -90,7 +91,7 @@ class DirectBlock(WordBlock):
             (own.O_DELTA, slots * 2 * own.WIDTH),
             (own.O_SWEEP, slots * own.SWEEP_WORDS),
             (own.O_WORK, own.WORK_WORDS),
-            (at.O_FAILED, 1),
+            (Header.failed.word, 1),
         ]
         return image, workspace
 
@@ -122,8 +123,8 @@ class DirectBlock(WordBlock):
         }
         image, workspace = self.arrays(**sizes)
         header = {word: sizes[name] for name, word in SIZES.items()}
-        header[at.I_MAGIC] = own.MAGIC
-        header[at.I_VERSION] = own.VERSION
+        header[Header.magic.word] = own.MAGIC
+        header[Header.version.word] = own.VERSION
         # The shared kernels see the earth frame: the vertical plane is this solver's own.
-        header[at.I_DIMENSION] = 3
+        header[Header.dimension.word] = 3
         super().__init__(own.FIRST_FREE, image, workspace, header)

@@ -16,6 +16,7 @@ from cablemodel.direct.start import find_initial_state, vertical_plane
 from cablemodel.errors import StaticsError
 from cablemodel.instance import strain_range
 from cablemodel.kernels import layout as at
+from cablemodel.kernels.layout import Header, Scalars
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
@@ -68,6 +69,8 @@ def build(scene: Scene, *, planar: bool | None = None) -> DirectBlock:
         rates=len(scene.payout.rate),
     )
     ints, reals = block.ints, block.reals
+    head = Header(ints)
+    state = Scalars(reals)
     plane = vertical_plane(scene)
     ints[own.D_PLANAR] = int(plane.flat and planar is not False)
     ints[own.D_JOINT] = own.PAPER if scene.solver.joint == "paper" else own.MOMENT_FREE
@@ -76,10 +79,10 @@ def build(scene: Scene, *, planar: bool | None = None) -> DirectBlock:
     )
     ints[own.D_END] = own.END_ANCHOR if scene.end.kind == "anchor" else own.END_FREE
     ints[own.D_RESTART] = 1
-    ints[at.I_PIECE] = 1
-    reals[at.S_PLANE : at.S_PLANE + 2] = plane.direction
-    reals[at.S_WATER_DENSITY] = scene.environment.water_density
-    reals[at.S_GRAVITY] = scene.environment.gravity
+    head.piece = 1
+    state.plane = plane.direction
+    state.water_density = scene.environment.water_density
+    state.gravity = scene.environment.gravity
     reals[own.X_TIME_STEP] = scene.solver.time_step
     reals[own.X_SPACING] = spacing
     reals[own.X_ALPHA] = scene.solver.alpha
@@ -88,10 +91,10 @@ def build(scene: Scene, *, planar: bool | None = None) -> DirectBlock:
     reals[own.X_DRIFT] = DRIFT * scene.line_length
     _fill_motion(block, motion.pieces)
     if current is not None:
-        ints[at.I_CURRENT] = 1 if len(current.z) == 1 else 2
-        block.array(at.O_DEPTHS, len(current.z))[:] = current.z
-        block.array(at.O_TIMES, len(current.t))[:] = current.t
-        block.array(at.O_CURRENT, len(current.t), len(current.z), 3)[:] = current.velocity
+        head.current_kind = 1 if len(current.z) == 1 else 2
+        block.array(Header.depths, len(current.z))[:] = current.z
+        block.array(Header.times, len(current.t))[:] = current.t
+        block.array(Header.current, len(current.t), len(current.z), 3)[:] = current.velocity
     _fill_materials(block, scene)
     _fill_bodies(block, scene, bodies)
     _fill_sections(block, scene, sections)
@@ -130,7 +133,7 @@ def _fill_motion(block: DirectBlock, pieces: FloatArray) -> None:
     """The scene's pieces from row 1 on (row 0 is the caller's live motion), and their kinks."""
     from cablemodel.scene.motion import jumps
 
-    table = block.array(at.O_PIECES, len(pieces) + 1, at.PIECE_WORDS)
+    table = block.array(Header.pieces, len(pieces) + 1, at.PIECE_WORDS)
     table[1:] = pieces
     table[1, at.P_ACCELERATION_JUMP] = 0.0
     jump = sum(jumps(pieces))
@@ -140,7 +143,7 @@ def _fill_motion(block: DirectBlock, pieces: FloatArray) -> None:
 def _fill_materials(block: DirectBlock, scene: Scene) -> None:
     rho = scene.environment.water_density
     rows = block.array(own.O_MATERIAL, len(scene.cable_types), own.MATERIAL_WORDS)
-    used = int(block.ints[at.O_STRAIN])
+    used = int(block.header.strain)
     for row, kind in zip(rows, scene.cable_types.values(), strict=True):
         coefficients = kind.strain_coefficients
         block.reals[used : used + len(coefficients)] = coefficients
@@ -215,6 +218,7 @@ def _fill_sections(block: DirectBlock, scene: Scene, sections: list[Section]) ->
 def _fill_drum(block: DirectBlock, scene: Scene, sections: list[Section]) -> None:
     """Rows of the joints in the order in which they pass the tow point; those of the line first."""
     ints, reals = block.ints, block.reals
+    state = Scalars(reals)
     types = list(scene.cable_types)
     rows: list[tuple[int, int, int, int, float, int, int]] = []
     below = scene.line_length
@@ -263,11 +267,11 @@ def _fill_drum(block: DirectBlock, scene: Scene, sections: list[Section]) -> Non
         row[own.R_MATERIAL], row[own.R_KIND], row[own.R_POINT], row[own.R_ITEM] = values[:4]
         row[own.R_HINGE], row[own.R_RIGID] = values[5:]
         row.view(np.float64)[own.R_LEAVES] = values[4]
-    reals[at.S_PAID_MOST] = out
+    state.paid_most = out
     total = scene.line_length
-    reals[at.S_PAID_LEAST] = -(total - SHORTEST_LINE * total)
+    state.paid_least = -(total - SHORTEST_LINE * total)
     for rate_row, point_of_rate in zip(
-        block.array(at.O_RATES, len(scene.payout.rate), at.RATE_WORDS),
+        block.array(Header.rates, len(scene.payout.rate), at.RATE_WORDS),
         scene.payout.rate,
         strict=True,
     ):
@@ -280,9 +284,10 @@ def _fill_floor(block: DirectBlock, scene: Scene) -> None:
     assert floor is not None
     assert floor.z is not None
     reals = block.reals
+    state = Scalars(reals)
     normal = np.array([-floor.slope[0], -floor.slope[1], 1.0])
     normal /= np.linalg.norm(normal)
-    px, py = reals[at.S_PLANE : at.S_PLANE + 2]
+    px, py = state.plane
     reals[own.X_FLOOR : own.X_FLOOR + 3] = (
         -normal[2],
         px * normal[0] + py * normal[1],

@@ -14,7 +14,7 @@ from cablemodel.direct.kernels.layout import (
     TASK_SOLVE,
     TASK_STEP,
 )
-from cablemodel.kernels.layout import S_TIME
+from cablemodel.kernels.layout import Scalars
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -45,7 +45,8 @@ def step(ints: IntArray, reals: FloatArray, end: float, inputs: FloatArray) -> i
 
 def equilibrium(ints: IntArray, reals: FloatArray) -> int:
     """The steady state at the block's time; the status."""
-    return int(_kernels()["work"](ints, reals, TASK_EQUILIBRIUM, float(reals[S_TIME]), _NO_INPUTS))
+    state = Scalars(reals)
+    return int(_kernels()["work"](ints, reals, TASK_EQUILIBRIUM, float(state.time), _NO_INPUTS))
 
 
 def assemble(ints: IntArray, reals: FloatArray) -> int:

@@ -15,6 +15,7 @@ from cablemodel.direct.kernels import layout as own
 from cablemodel.direct.sections import Section
 from cablemodel.instance.frame import shared_direction
 from cablemodel.kernels import layout as at
+from cablemodel.kernels.layout import Header
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
@@ -95,14 +96,19 @@ def find_initial_state(block: DirectBlock, scene: Scene, sections: list[Section]
         entry.place(ints, reals, 0.0)
         entry.assemble(ints, reals)  # gives the bodies their velocities
         status = at.OK
-    for counter in (at.I_STEPS, at.I_REJECTED, at.I_FACTORISATIONS, at.I_ITERATIONS):
+    for counter in (
+        Header.steps.word,
+        Header.rejected.word,
+        Header.factorisations.word,
+        Header.iterations.word,
+    ):
         ints[counter] = 0
     return int(status)
 
 
 def _paper_axes(block: DirectBlock, vectors: FloatArray) -> FloatArray:
     """Earth-frame vectors (n, 3) along e1 (down), e2, e3."""
-    px, py = block.reals[at.S_PLANE : at.S_PLANE + 2]
+    px, py = block.scalars.plane
     x, y, z = vectors.T
     return np.stack([-z, px * x + py * y, py * x - px * y], axis=1)
 

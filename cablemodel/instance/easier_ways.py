@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from cablemodel.block import Block
 from cablemodel.kernels import layout as at
+from cablemodel.kernels.layout import Header
 
 FloatArray = NDArray[np.float64]
 
@@ -52,23 +53,23 @@ def on_hardening_floors(block: Block, solve: Callable[[], int], softer: Sequence
         solve: equilibrium of the block as it is, a status.
         softer: the floors, in units of the contact layer.
     """
-    depth = block.reals[at.S_FLOOR_DEPTH]
+    depth = block.scalars.floor_depth
     status: int = at.OK
     for softness in softer:
-        block.reals[at.S_FLOOR_DEPTH] = softness * depth
+        block.scalars.floor_depth = softness * depth
         status = solve()
         if status != at.OK:
             break
-    block.reals[at.S_FLOOR_DEPTH] = depth
+    block.scalars.floor_depth = depth
     return status
 
 
 def in_few_steps(block: Block, solve: Callable[[], int]) -> int:
     """What ``solve`` finds in a relaxation of few steps; a status."""
-    most = int(block.ints[at.I_MAXIMUM_STEPS])
-    block.ints[at.I_MAXIMUM_STEPS] = min(most, FEW_STEPS)
+    most = int(block.header.maximum_steps)
+    block.header.maximum_steps = min(most, FEW_STEPS)
     status = solve()
-    block.ints[at.I_MAXIMUM_STEPS] = most
+    block.header.maximum_steps = most
     return status
 
 
@@ -81,13 +82,13 @@ def on_a_floor_that_hardens(block: Block, solve: Callable[[], int]) -> int:
     Args:
         solve: equilibrium of the block as it is, a status.
     """
-    depth = float(block.reals[at.S_FLOOR_DEPTH])
+    depth = float(block.scalars.floor_depth)
     guess = block.image.copy()
 
     def on(softness: float) -> int:
-        block.reals[at.S_FLOOR_DEPTH] = depth * softness
+        block.scalars.floor_depth = depth * softness
         status = in_few_steps(block, solve)
-        block.reals[at.S_FLOOR_DEPTH] = depth
+        block.scalars.floor_depth = depth
         return status
 
     status = on(1.0)
@@ -119,15 +120,15 @@ def with_turned_clamps(
         solve: equilibrium of the block as it is, from any guess, a status.
         solve_nearby: the same from a guess that is nearly one.
     """
-    nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
-    table = block.array(at.O_CONSTRAINT, int(block.ints[at.I_CONSTRAINTS]), at.CONSTRAINT_WORDS)
+    nodes, dimension = int(block.header.nodes), int(block.header.dimension)
+    table = block.array(Header.constraints, int(block.header.constraint_count), at.CONSTRAINT_WORDS)
     clamped = table[table[:, at.C_CLAMPED] != 0.0]  # a copy
     rows = np.flatnonzero(table[:, at.C_CLAMPED] != 0.0)
     if not len(rows):
         return at.STATICS_FAILED
     ends = clamped[:, at.C_NODE].astype(int)
     directions = slice(at.C_DIRECTION, at.C_DIRECTION + dimension)
-    q = block.array(at.O_POSITION, nodes, 2 * dimension)
+    q = block.array(Header.position, nodes, 2 * dimension)
     places, slopes = q[:, :dimension], q[:, dimension:]
     table[rows, at.C_CLAMPED] = 0.0
     for end in ends:

@@ -24,6 +24,7 @@ from cablemodel.instance.scales import (
     tension_scale,
 )
 from cablemodel.kernels import layout as at
+from cablemodel.kernels.layout import Header
 from cablemodel.mesh import halved_where
 
 if TYPE_CHECKING:
@@ -367,12 +368,12 @@ def place_nodes(block: Block, line: Line, guess: laid_shape.Guess, length: float
             places[node] = middle + body.half_length * axis
             if node == line.nodes - 1:
                 slopes[node] = axis
-    dimension = int(block.ints[at.I_DIMENSION])
-    q = block.array(at.O_POSITION, line.nodes, 2 * dimension)
+    dimension = int(block.header.dimension)
+    q = block.array(Header.position, line.nodes, 2 * dimension)
     for node in range(line.nodes):
         q[node, :dimension] = local(block, places[node], point=True)
         q[node, dimension:] = local(block, slopes[node], point=False)
-    table = block.array(at.O_CONSTRAINT, int(block.ints[at.I_CONSTRAINTS]), at.CONSTRAINT_WORDS)
+    table = block.array(Header.constraints, int(block.header.constraint_count), at.CONSTRAINT_WORDS)
     for row in table:
         if row[at.C_CLAMPED] == at.EXACTLY:
             node = int(row[at.C_NODE])
@@ -381,7 +382,7 @@ def place_nodes(block: Block, line: Line, guess: laid_shape.Guess, length: float
         arcs, pull = guess.pull.T
         starts = np.array([s + p for s, p in zip(line.start, line.passed, strict=True)])
         ends = np.interp([starts, starts + line.length], arcs, pull)
-        tension = block.array(at.O_TENSION, line.nodes, 2)
+        tension = block.array(Header.tension, line.nodes, 2)
         tension[:, 0] = 0.5 * (ends[0] + ends[1])
         tension[:, 1] = 0.5 * (ends[1] - ends[0])
         tension[0] = 0.0

@@ -18,6 +18,7 @@ from cablemodel.instance.frame import local
 from cablemodel.instance.line_tables import RIGID, STABILISATION
 from cablemodel.instance.scales import sinks
 from cablemodel.kernels import layout as at
+from cablemodel.kernels.layout import Header, Scalars
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
@@ -41,6 +42,7 @@ def find_initial_state(block: Block, scene: Scene, attempt: Attempt) -> None:
     from cablemodel import library as entry
 
     ints, reals = block.ints, block.reals
+    head = Header(ints)
     stand_still(block, scene)
     frame = steady_velocity(block, scene)
     if scene.initial.kind != "static":
@@ -69,7 +71,7 @@ def find_initial_state(block: Block, scene: Scene, attempt: Attempt) -> None:
         # The new stiffness changes the forces by a little: the state must meet them.
         solve_static(block, scene, frame, attempt)
     count_from_zero(block)
-    if ints[at.I_HYBRID] or ints[at.I_RIGID] or ints[at.I_PAYOUT]:
+    if head.hybrid or head.rigid or head.payout:
         entry.choose_bending(ints, reals)
 
 
@@ -78,8 +80,8 @@ def stand_still(block: Block, scene: Scene) -> None:
     from cablemodel import library as entry
 
     entry.place_supports(block.ints, block.reals)
-    if block.ints[at.I_PAYOUT]:
-        block.reals[at.S_PAYOUT_RATE] = scene.rate_at_start
+    if block.header.payout:
+        block.scalars.payout_rate = scene.rate_at_start
 
 
 def _is_crushed(block: Block, scene: Scene) -> bool:
@@ -92,7 +94,7 @@ def _is_crushed(block: Block, scene: Scene) -> bool:
         return False
     from cablemodel import library as entry
 
-    edges = block.array(at.O_EDGE, int(block.ints[at.I_NODES]), at.EDGE_WORDS)
+    edges = block.array(Header.edges, int(block.header.nodes), at.EDGE_WORDS)
     nodes = np.unique([0.0, *np.clip(edges[1:, at.E_START], 0.0, length), length])
     parts = np.arange(_PARTS * (len(nodes) - 1) + 1) / _PARTS
     stations = np.interp(parts, np.arange(len(nodes)), nodes)
@@ -133,19 +135,21 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, attempt: Attempt
     from cablemodel import library as entry
 
     ints, reals = block.ints, block.reals
-    held = ints[at.I_CONSTRAINTS] > 1
-    friction = reals[at.S_FRICTION]
+    head = Header(ints)
+    state = Scalars(reals)
+    held = head.constraint_count > 1
+    friction = state.friction
 
-    rate, through = float(reals[at.S_PAYOUT_RATE]), laid_loads.lay_motion(scene)[1]
+    rate, through = float(state.payout_rate), laid_loads.lay_motion(scene)[1]
 
     def solve_at_once() -> int:
         if rate == 0.0:
             return search.equilibrium(block, frame)
-        reals[at.S_PAYOUT_RATE] = through
+        state.payout_rate = through
         try:
             return search.equilibrium(block, frame)
         finally:
-            reals[at.S_PAYOUT_RATE] = rate
+            state.payout_rate = rate
 
     def solve_in_few_steps() -> int:
         return easier_ways.in_few_steps(block, solve_at_once)
@@ -155,10 +159,10 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, attempt: Attempt
         solve_at_once,
         *(
             partial(easier_ways.on_hardening_floors, block, solve_at_once, softer)
-            for softer in (floors if ints[at.I_FLOOR] else ())
+            for softer in (floors if head.floor_kind else ())
         ),
     ]
-    if rate > 0.0 and ints[at.I_FLOOR] and not held:
+    if rate > 0.0 and head.floor_kind and not held:
         ways = [partial(easier_ways.on_a_floor_that_hardens, block, solve_at_once)]
     solve = partial(easier_ways.first_of, block, ways)
     if attempt.patient:
@@ -171,18 +175,18 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, attempt: Attempt
     else:
         if not held:
             # A free end comes to rest without friction; it holds the line from there.
-            reals[at.S_FRICTION] = 0.0
+            state.friction = 0.0
         status = solve()
-        reals[at.S_FRICTION] = friction
+        state.friction = friction
         if status == at.OK and heading.is_free(scene):
             heading.turn_back(block, scene)  # as a whole: it stays at rest
         if not held:
             sea_floor.rest_where_it_is(block)
     if status != at.OK:
         node = block.failed_node
-        arc = block.array(at.O_EDGE, int(ints[at.I_NODES]), at.EDGE_WORDS)[node, at.E_START]
+        arc = block.array(Header.edges, int(head.nodes), at.EDGE_WORDS)[node, at.E_START]
         advice = "Check weights, ends and current"
-        if ints[at.I_FLOOR] and not held:
+        if head.floor_kind and not held:
             advice += ", let motion, pay-out and current come up from zero after the start"
         hard = search.what_is_hard(scene)
         why = f"What makes it hard: {hard}. " if hard else ""
@@ -192,10 +196,10 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, attempt: Attempt
         )
     # The shape is at rest in the vessel's frame; the vessel's acceleration begins after t = 0. With
     # it the force at the top would hold the inertia of a piece as long as the mesh makes it.
-    words = int(ints[at.I_NODES]), 2 * int(ints[at.I_DIMENSION])
-    acceleration = block.array(at.O_ACCELERATION, *words).copy()
+    words = int(head.nodes), 2 * int(head.dimension)
+    acceleration = block.array(Header.acceleration, *words).copy()
     entry.place_supports(ints, reals)
-    block.array(at.O_ACCELERATION, *words)[:] = acceleration
+    block.array(Header.acceleration, *words)[:] = acceleration
 
 
 def _stabilise(block: Block) -> bool:
@@ -205,20 +209,20 @@ def _stabilise(block: Block) -> bool:
     weightless and held by its bending stiffness. Returns whether anything changed.
     """
     changed = False
-    nodes = int(block.ints[at.I_NODES])
-    tension = float(np.max(np.abs(block.array(at.O_TENSION, nodes, 2)[:, 0])))
+    nodes = int(block.header.nodes)
+    tension = float(np.max(np.abs(block.array(Header.tension, nodes, 2)[:, 0])))
     for rows in (
-        block.array(at.O_EDGE, nodes, at.EDGE_WORDS)[1:],
-        block.array(at.O_CABLES, int(block.ints[at.I_CABLES]), at.CABLE_WORDS)[:, at.K_EDGE :],
+        block.array(Header.edges, nodes, at.EDGE_WORDS)[1:],
+        block.array(Header.cables, int(block.header.cable_count), at.CABLE_WORDS)[:, at.K_EDGE :],
     ):
         for row in rows:
             if row[at.E_COMPLIANCE] > 0.0:
-                bending = 10.0 * row[at.E_BENDING_FULL] / block.reals[at.S_LENGTH] ** 2
+                bending = 10.0 * row[at.E_BENDING_FULL] / block.scalars.length**2
                 wanted = max(row[at.E_STABILISATION], STABILISATION * tension, bending)
                 wanted = min(wanted, 1.0 / row[at.E_COMPLIANCE])
                 changed = changed or wanted != row[at.E_STABILISATION]
                 row[at.E_STABILISATION] = wanted
-    for row in block.array(at.O_BODY, int(block.ints[at.I_BODIES]), at.BODY_WORDS):
+    for row in block.array(Header.bodies, int(block.header.body_count), at.BODY_WORDS):
         if row[at.B_LENGTH] > 0.0 and tension > 0.0:
             row[at.B_COMPLIANCE] = min(row[at.B_COMPLIANCE], row[at.B_LENGTH] / (RIGID * tension))
     return changed
@@ -237,9 +241,9 @@ def _start_flowing(block: Block, scene: Scene) -> None:
         return
     if rate == 0.0:
         return
-    nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
-    q = block.array(at.O_POSITION, nodes, 2 * dimension)
-    v = block.array(at.O_VELOCITY, nodes, 2 * dimension)
+    nodes, dimension = int(block.header.nodes), int(block.header.dimension)
+    q = block.array(Header.position, nodes, 2 * dimension)
+    v = block.array(Header.velocity, nodes, 2 * dimension)
     v[1:, :dimension] = v[0, :dimension] + rate * q[1:, dimension:]
 
 
@@ -247,19 +251,24 @@ def _give_velocities(block: Block, scene: Scene, velocities: FloatArray) -> None
     """Material velocities at the nodes from those at the points of the scene, (n, 3) [m/s]."""
     points = np.asarray(scene.initial.points, dtype=np.float64)
     places = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
-    nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
-    edges = block.array(at.O_EDGE, nodes, at.EDGE_WORDS)
+    nodes, dimension = int(block.header.nodes), int(block.header.dimension)
+    edges = block.array(Header.edges, nodes, at.EDGE_WORDS)
     arcs = edges[:, at.E_START] + edges[:, at.E_LENGTH]
     arcs[0] = 0.0
     where = arcs * places[-1] / arcs[-1]
     own = np.column_stack([np.interp(where, places, velocities[:, i]) for i in range(3)])
-    v = block.array(at.O_VELOCITY, nodes, 2 * dimension)
+    v = block.array(Header.velocity, nodes, 2 * dimension)
     v[1:, :dimension] = [local(block, velocity, point=False) for velocity in own[1:]]
 
 
 def count_from_zero(block: Block) -> None:
     """Forget what finding the start took: counters, factorisation and history begin with a run."""
-    for counter in (at.I_STEPS, at.I_REJECTED, at.I_FACTORISATIONS, at.I_ITERATIONS):
+    for counter in (
+        Header.steps.word,
+        Header.rejected.word,
+        Header.factorisations.word,
+        Header.iterations.word,
+    ):
         block.ints[counter] = 0
-    block.ints[at.I_FACTORED] = 0
-    block.ints[at.I_HISTORY] = 0
+    block.header.factored = 0
+    block.header.has_history = 0

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel.block import Block
-from cablemodel.kernels import layout as at
 from cablemodel.scene.sea import sea
 
 if TYPE_CHECKING:
@@ -59,18 +58,18 @@ def shared_direction(vectors: list[FloatArray]) -> tuple[FloatArray, bool]:
 
 def earth(block: Block, points: FloatArray) -> FloatArray:
     """Points in the block's coordinates (n, dimension) in the earth's frame, (n, 3) [m]."""
-    if block.ints[at.I_DIMENSION] == 2:
-        plane = block.reals[at.S_PLANE : at.S_PLANE + 2]
+    if block.header.dimension == 2:
+        plane = block.scalars.plane
         points = points @ np.array([[plane[0], plane[1], 0.0], [0.0, 0.0, 1.0]])
-    return np.asarray(points + block.reals[at.S_BASE : at.S_BASE + 3], dtype=np.float64)
+    return np.asarray(points + block.scalars.origin, dtype=np.float64)
 
 
 def local(block: Block, vector: FloatArray, *, point: bool) -> FloatArray:
     """An earth-frame point or vector in the block's coordinates, (dimension,)."""
     value = np.asarray(vector, dtype=float)
     if point:
-        value = value - block.reals[at.S_BASE : at.S_BASE + 3]
-    if block.ints[at.I_DIMENSION] == 3:
+        value = value - block.scalars.origin
+    if block.header.dimension == 3:
         return value
-    plane = block.reals[at.S_PLANE : at.S_PLANE + 2]
+    plane = block.scalars.plane
     return np.array([plane @ value[:2], value[2]])

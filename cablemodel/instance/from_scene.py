@@ -32,7 +32,7 @@ from cablemodel.instance.refusals import refuse_unsupported
 from cablemodel.instance.scales import start_conditions, tension_scale
 from cablemodel.instance.search import OutOfTimeError, searching, what_is_hard
 from cablemodel.instance.winch import Winch, winch_of
-from cablemodel.kernels import layout as at
+from cablemodel.kernels.layout import Header
 from cablemodel.mesh import line_nodes
 from cablemodel.scene.line import Initial
 from cablemodel.scene.sea import sea
@@ -85,10 +85,10 @@ def build(scene: Scene, *, planar: bool | None = None, room: float = 1.0) -> Blo
 
 def _say_if_drawn(block: Block, scene: Scene) -> None:
     """Warn of a lay whose slope draws at what lies, where no start was found that holds it."""
-    if scene.rate_at_start <= 0.0 or not block.reals[at.S_LAID]:
+    if scene.rate_at_start <= 0.0 or not block.scalars.laid:
         return
     hangs = np.flatnonzero(~laid_start.which_lie(block, scene))
-    tension = block.array(at.O_TENSION, int(block.ints[at.I_NODES]), 2)[:, 0]
+    tension = block.array(Header.tension, int(block.header.nodes), 2)[:, 0]
     lands = min(int(hangs[-1]) + 2, len(tension) - 1)  # below the last place that is clear
     if tension[lands] > DRAWN * tension.max():
         warnings.warn(DrawnStartWarning(float(tension[lands])), stacklevel=3)
@@ -217,9 +217,9 @@ def _build_on(
     kept = winch.extra_nodes + sea_floor.spare_nodes(scene)
     bends = spare_nodes(scene, line.nodes, room)
     block = _allocate(scene, line, winch, kept + bends)
-    block.reals[at.S_MOST_NODES] = line.nodes + bends
+    block.scalars.most_nodes = line.nodes + bends
     _choose_frame(block, scene, guess.points, planar)
-    block.ints[at.I_NODES] = line.nodes
+    block.header.nodes = line.nodes
     tables.fill_settings(block, scene)
     tables.fill_motion(block, scene.motion().pieces)
     entry.measure(block.ints, block.reals, tables.facts_of(scene, scale))
@@ -232,7 +232,7 @@ def _build_on(
     place_nodes(block, line, guess, scene.line_length)
     sea_floor.fill(block, scene)
     if scene.environment.floor is not None:
-        block.reals[at.S_LAID] = laid_loads.laid(scene)
+        block.scalars.laid = laid_loads.laid(scene)
     waves.fill(block, sea(scene), scene.solver.tolerance)
     sea_floor.place_of_rest(block, scene)
     find(block)
@@ -271,6 +271,6 @@ def _choose_frame(block: Block, scene: Scene, points: FloatArray, planar: bool |
         if connection.kind == "clamped"
     ]
     plane = None if planar is False else vertical_plane(scene, directions)
-    block.ints[at.I_DIMENSION] = 3 if plane is None else 2
-    block.reals[at.S_BASE : at.S_BASE + 3] = position
-    block.reals[at.S_PLANE : at.S_PLANE + 2] = (1.0, 0.0) if plane is None else plane
+    block.header.dimension = 3 if plane is None else 2
+    block.scalars.origin = position
+    block.scalars.plane = (1.0, 0.0) if plane is None else plane

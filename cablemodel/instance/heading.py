@@ -15,7 +15,7 @@ import numpy as np
 from cablemodel import free_hanging
 from cablemodel.block import Block
 from cablemodel.instance.scales import pays_out
-from cablemodel.kernels import layout as at
+from cablemodel.kernels.layout import Header
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
@@ -39,10 +39,10 @@ def turn_back(block: Block, scene: Scene) -> None:
 
     Does nothing in a plane, or to a line that lies that way within the tolerance.
     """
-    nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
+    nodes, dimension = int(block.header.nodes), int(block.header.dimension)
     if dimension != 3:
         return
-    q = block.array(at.O_POSITION, nodes, 6)
+    q = block.array(Header.position, nodes, 6)
     end = q[-1, :2] - q[0, :2]
     way = free_hanging.way_of_lying(scene, scene.motion().evaluate(0.0)[0])
     angle = math.atan2(end[0] * way[1] - end[1] * way[0], float(end @ way))

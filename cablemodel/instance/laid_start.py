@@ -23,6 +23,7 @@ from cablemodel import laid_loads
 from cablemodel.block import Block
 from cablemodel.instance.frame import earth, local
 from cablemodel.kernels import layout as at
+from cablemodel.kernels.layout import Header, Scalars
 from cablemodel.kernels.tables import (
     CONTACT_H,
     CONTACT_POINTS,
@@ -115,12 +116,13 @@ def lie_still(
         coarser: leaves the first of them out; what lies is where it is in this block.
     """
     reals = block.reals
-    nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
-    q = block.array(at.O_POSITION, nodes, 2 * dimension)[:, :dimension]
-    rest = block.array(at.O_REST, nodes, 3)[:, :dimension]
+    state = Scalars(reals)
+    nodes, dimension = int(block.header.nodes), int(block.header.dimension)
+    q = block.array(Header.position, nodes, 2 * dimension)[:, :dimension]
+    rest = block.array(Header.rest, nodes, 3)[:, :dimension]
     laying = _is_lay(scene)
-    bristle = float(reals[at.S_BRISTLE])
-    soft = (LAYING if laying else SOFT) * float(reals[at.S_LENGTH])
+    bristle = float(state.bristle)
+    soft = (LAYING if laying else SOFT) * float(state.length)
     dragged = laid_loads.is_dragged(scene)
     status: int = at.OK
     even = scene.environment.floor is not None and scene.environment.floor.z is not None
@@ -130,20 +132,20 @@ def lie_still(
     grown, _drags = _loads(block, scene)
     for _ in range(PASSES if coarser is None else 0):
         bears = grown
-        reals[at.S_BRISTLE] = soft
+        state.bristle = soft
         rest[:] = laid - soft * _shares(block, scene, bears, None, dragged)
         kept = None if dragged else _without_drag(block, scene)
         status = solve()
         if kept is not None:
             kept()
-        reals[at.S_BRISTLE] = bristle
+        state.bristle = bristle
         if status != at.OK:
             return status
         lies = which_lie(block, scene)
         if not lies.any():
             return status
         moved = _slide(laid, q, lies, bears, even=even)
-        held = reals[at.S_FRICTION] * float(bears[lies] @ moved[lies]) / soft
+        held = state.friction * float(bears[lies] @ moved[lies]) / soft
         # What the floor bears for long has grown meanwhile, and friction with it.
         grown, _drags = _loads(block, scene)
         calm = held <= CALM * scene.solver.tolerance * float(bears.sum())
@@ -158,10 +160,10 @@ def lie_still(
     for _attempt in range(2):
         for length in stiffer:
             bears, drags = _loads(block, scene)
-            reals[at.S_BRISTLE] = length
+            state.bristle = length
             rest[:] = laid - length * _shares(block, scene, bears, drags, dragged)
             status = hold()
-            reals[at.S_BRISTLE] = bristle
+            state.bristle = bristle
             if status != at.OK:
                 break
         if status == at.OK:
@@ -176,12 +178,12 @@ def _places_in(other: Block, block: Block) -> FloatArray:
     """Where the nodes of a block are in another one, (nodes, dimension) [m]."""
     from cablemodel import library as entry
 
-    nodes = int(block.ints[at.I_NODES])
-    edges = block.array(at.O_EDGE, nodes, at.EDGE_WORDS)
+    nodes = int(block.header.nodes)
+    edges = block.array(Header.edges, nodes, at.EDGE_WORDS)
     arcs = edges[:, at.E_START] + edges[:, at.E_LENGTH]
     arcs[0] = 0.0
-    joints = block.integers(at.O_JOINT, nodes)
-    parents = block.integers(at.O_PARENT, nodes)
+    joints = block.integers(Header.joint, nodes)
+    parents = block.integers(Header.parent, nodes)
     rows = np.empty(at.STATION_WORDS * nodes)
     entry.sample(other.ints, other.reals, arcs, rows)
     places = np.array([local(block, row[:3], point=True) for row in rows.reshape(nodes, -1)])
@@ -193,10 +195,10 @@ def _places_in(other: Block, block: Block) -> FloatArray:
 
 def _in_few_steps(block: Block, solve: Callable[[], int]) -> int:
     """What ``solve`` finds in relaxations of a few steps."""
-    most = int(block.ints[at.I_MAXIMUM_STEPS])
-    block.ints[at.I_MAXIMUM_STEPS] = STEPS
+    most = int(block.header.maximum_steps)
+    block.header.maximum_steps = STEPS
     status = solve()
-    block.ints[at.I_MAXIMUM_STEPS] = most
+    block.header.maximum_steps = most
     return status
 
 
@@ -213,9 +215,9 @@ def _laid_line(block: Block, scene: Scene, q: FloatArray) -> FloatArray:
     foot, tail = int(lies[0]), int(lies[-1])
     way = q[tail] - q[foot]
     way /= max(float(np.linalg.norm(way)), 1e-12)
-    edges = block.array(at.O_EDGE, len(q), at.EDGE_WORDS)
-    lengths = np.where(block.integers(at.O_JOINT, len(q)) == 0, edges[:, at.E_LENGTH], 0.0)
-    for body in block.array(at.O_BODY, int(block.ints[at.I_BODIES]), at.BODY_WORDS):
+    edges = block.array(Header.edges, len(q), at.EDGE_WORDS)
+    lengths = np.where(block.integers(Header.joint, len(q)) == 0, edges[:, at.E_LENGTH], 0.0)
+    for body in block.array(Header.bodies, int(block.header.body_count), at.BODY_WORDS):
         if body[at.B_NODE] >= 0:
             lengths[int(body[at.B_NODE])] += body[at.B_LENGTH]
     arcs = np.cumsum(lengths)
@@ -229,8 +231,8 @@ def _laid_line(block: Block, scene: Scene, q: FloatArray) -> FloatArray:
 
 def _put_on(block: Block, line: FloatArray, lies: NDArray[np.bool_]) -> None:
     """Put what lies back on its line, with slopes along it."""
-    nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
-    q = block.array(at.O_POSITION, nodes, 2 * dimension)
+    nodes, dimension = int(block.header.nodes), int(block.header.dimension)
+    q = block.array(Header.position, nodes, 2 * dimension)
     places = np.flatnonzero(lies)
     if len(places) < 3:
         return
@@ -265,10 +267,10 @@ def _without_drag(block: Block, scene: Scene) -> Callable[[], None]:
 
     It turns with the cable, and cable that bristles so long hold would drift with it.
     """
-    nodes = int(block.ints[at.I_NODES])
+    nodes = int(block.header.nodes)
     lies = which_lie(block, scene)
-    edges = block.array(at.O_EDGE, nodes, at.EDGE_WORDS)
-    bodies = block.array(at.O_BODY, int(block.ints[at.I_BODIES]), at.BODY_WORDS)
+    edges = block.array(Header.edges, nodes, at.EDGE_WORDS)
+    bodies = block.array(Header.bodies, int(block.header.body_count), at.BODY_WORDS)
     columns = [at.E_DRAG_NORMAL, at.E_DRAG_TANGENTIAL]
     of_body = [at.B_DRAG, at.B_DRAG_AXIAL]
     kept, kept_bodies = edges[:, columns].copy(), bodies[:, of_body].copy()
@@ -289,15 +291,15 @@ def _without_drag(block: Block, scene: Scene) -> Callable[[], None]:
 
 def _lying_elements(block: Block, lies: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Which elements, by the node at their far end, lie at both ends, (nodes,)."""
-    nodes = int(block.ints[at.I_NODES])
-    parents = block.integers(at.O_PARENT, nodes)
+    nodes = int(block.header.nodes)
+    parents = block.integers(Header.parent, nodes)
     return np.asarray(lies & lies[np.maximum(parents, 0)])
 
 
 def _positions(block: Block) -> FloatArray:
     """Positions of the nodes, (nodes, dimension) [m]."""
-    nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
-    q: FloatArray = block.array(at.O_POSITION, nodes, 2 * dimension)[:, :dimension]
+    nodes, dimension = int(block.header.nodes), int(block.header.dimension)
+    q: FloatArray = block.array(Header.position, nodes, 2 * dimension)[:, :dimension]
     return q
 
 
@@ -315,13 +317,13 @@ def _gaps(block: Block, scene: Scene, places: FloatArray) -> FloatArray:
 def which_lie(block: Block, scene: Scene) -> NDArray[np.bool_]:
     """Which nodes touch the floor, (nodes,)."""
     gaps = _gaps(block, scene, _positions(block))
-    return np.asarray(gaps < float(block.reals[at.S_FLOOR_DEPTH]))
+    return np.asarray(gaps < float(block.scalars.floor_depth))
 
 
 def _along(block: Block) -> FloatArray:
     """Unit vectors along the cable at the nodes, away from the vessel, (nodes, dimension)."""
-    nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
-    slopes = block.array(at.O_POSITION, nodes, 2 * dimension)[:, dimension:]
+    nodes, dimension = int(block.header.nodes), int(block.header.dimension)
+    slopes = block.array(Header.position, nodes, 2 * dimension)[:, dimension:]
     return np.asarray(slopes / np.maximum(np.linalg.norm(slopes, axis=1), 1e-12)[:, None])
 
 
@@ -332,7 +334,7 @@ def _flow(block: Block, scene: Scene) -> tuple[FloatArray, FloatArray, FloatArra
     water = laid_loads.water_velocity(scene, earth(block, _positions(block))[:, 2])
     velocity = local(block, scene.motion().evaluate(0.0)[1], point=False)
     own = velocity + scene.rate_at_start * along
-    if block.reals[at.S_LAID]:
+    if block.scalars.laid:
         own[which_lie(block, scene)] = 0.0
     flow = np.array([local(block, value, point=False) for value in water]) - own
     tangential = np.sum(flow * along, axis=1)[:, None] * along
@@ -347,10 +349,10 @@ def _loads(block: Block, scene: Scene) -> tuple[FloatArray, FloatArray]:
 
     (nodes,) and (nodes, dimension) [N].
     """
-    nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
-    edges = block.array(at.O_EDGE, nodes, at.EDGE_WORDS)
-    parents = block.integers(at.O_PARENT, nodes)
-    joints = block.integers(at.O_JOINT, nodes)
+    nodes, dimension = int(block.header.nodes), int(block.header.dimension)
+    edges = block.array(Header.edges, nodes, at.EDGE_WORDS)
+    parents = block.integers(Header.parent, nodes)
+    joints = block.integers(Header.joint, nodes)
     normal, tangential, _own = _flow(block, scene)
     lies = which_lie(block, scene)
     lying = _lying_elements(block, lies)
@@ -364,7 +366,7 @@ def _loads(block: Block, scene: Scene) -> tuple[FloatArray, FloatArray]:
             if lying[node]:
                 drags[end] += half * edge[at.E_DRAG_NORMAL] * normal[end]
                 drags[end] += half * edge[at.E_DRAG_TANGENTIAL] * tangential[end]
-    for body in block.array(at.O_BODY, int(block.ints[at.I_BODIES]), at.BODY_WORDS):
+    for body in block.array(Header.bodies, int(block.header.body_count), at.BODY_WORDS):
         node = int(body[at.B_NODE])
         if node < 0:
             continue
@@ -385,7 +387,7 @@ def _shares(
     They make the floor's whole force vertical, as the weight is that it bears, and hold the drag.
     dragged: they are drawn by the motion over the floor instead.
     """
-    friction = float(block.reals[at.S_FRICTION])
+    friction = float(block.scalars.friction)
     own = _flow(block, scene)[2]
     share = np.zeros_like(own)
     places = earth(block, _positions(block))
@@ -420,14 +422,14 @@ def _drawn(block: Block, scene: Scene, wanted: FloatArray) -> FloatArray:
     """
     q = _positions(block)
     nodes, dimension = q.shape
-    slopes = block.array(at.O_POSITION, nodes, 2 * dimension)[:, dimension:]
-    edges = block.array(at.O_EDGE, nodes, at.EDGE_WORDS)
-    parents = block.integers(at.O_PARENT, nodes)
-    depth = float(block.reals[at.S_FLOOR_DEPTH])
+    slopes = block.array(Header.position, nodes, 2 * dimension)[:, dimension:]
+    edges = block.array(Header.edges, nodes, at.EDGE_WORDS)
+    parents = block.integers(Header.parent, nodes)
+    depth = float(block.scalars.floor_depth)
     gaps = _gaps(block, scene, q)
     drawn = wanted * (gaps < depth)  # at a body, or anywhere on the level
     ends = [
-        (int(parents[n]), n) for n in np.flatnonzero(block.integers(at.O_JOINT, nodes) == 0)[1:]
+        (int(parents[n]), n) for n in np.flatnonzero(block.integers(Header.joint, nodes) == 0)[1:]
     ]
     near = [(p, n) for p, n in ends if min(gaps[p], gaps[n]) < depth + 0.5 * edges[n, at.E_LENGTH]]
     if not near:

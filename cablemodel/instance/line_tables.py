@@ -13,6 +13,7 @@ from cablemodel.block import Block
 from cablemodel.instance.line import Line
 from cablemodel.instance.winch import Winch
 from cablemodel.kernels import layout as at
+from cablemodel.kernels.layout import Header
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
@@ -31,13 +32,13 @@ _MODELS = {"elastica": 0.0, "cable": 1.0, "hybrid": 2.0}
 
 def fill_cables(block: Block, scene: Scene, winch: Winch, scale: float) -> None:
     """A row for every cable of line and drum, outermost first, with the edge that it is made of."""
-    strain = block.array(at.O_STRAIN, int(block.ints[at.I_STRAIN]))
+    strain = block.array(Header.strain, int(block.header.strain_words))
     used = 0
-    table = block.array(at.O_CABLES, len(winch.cables), at.CABLE_WORDS)
+    table = block.array(Header.cables, len(winch.cables), at.CABLE_WORDS)
     for index, (cable, row) in enumerate(zip(winch.cables, table, strict=True)):
         coefficients = scene.cable_types[cable.type].strain_coefficients
         strain[used : used + len(coefficients)] = coefficients
-        offset = int(block.ints[at.O_STRAIN]) + used
+        offset = int(block.header.strain) + used
         used += len(coefficients)
         row[at.K_LEAVES] = winch.leaves[index]
         row[at.K_NOMINAL] = winch.nominal[index]
@@ -50,8 +51,8 @@ def fill_cables(block: Block, scene: Scene, winch: Winch, scale: float) -> None:
         row[at.K_EDGE + at.E_NOMINAL] = winch.nominal[index]
         edge = row[at.K_EDGE :]
         if edge[at.E_MODEL] == at.MODEL_HYBRID and edge[at.E_BENDING_FULL] > 0.0:
-            block.ints[at.I_HYBRID] = 1
-    block.ints[at.I_TOP_CABLE] = len(scene.cables) - 1
+            block.header.hybrid = 1
+    block.header.top_cable = len(scene.cables) - 1
 
 
 def edge_row(
@@ -103,30 +104,30 @@ def strain_range(coefficients: tuple[float, ...]) -> tuple[float, float]:
 
 def fill_edges(block: Block, scene: Scene, line: Line) -> None:
     """The tree of nodes, and for each the edge to its parent: its cable's, with its own length."""
-    cables = block.array(at.O_CABLES, int(block.ints[at.I_CABLES]), at.CABLE_WORDS)
-    block.integers(at.O_PARENT, line.nodes)[:] = line.parent
-    block.integers(at.O_JOINT, line.nodes)[:] = line.joint
-    edges = block.array(at.O_EDGE, line.nodes, at.EDGE_WORDS)
-    outermost = int(block.ints[at.I_TOP_CABLE])
+    cables = block.array(Header.cables, int(block.header.cable_count), at.CABLE_WORDS)
+    block.integers(Header.parent, line.nodes)[:] = line.parent
+    block.integers(Header.joint, line.nodes)[:] = line.joint
+    edges = block.array(Header.edges, line.nodes, at.EDGE_WORDS)
+    outermost = int(block.header.top_cable)
     for node in range(1, line.nodes):
         edges[node] = cables[outermost - line.cable[node], at.K_EDGE :]
         edges[node, at.E_LENGTH] = line.length[node]
         edges[node, at.E_START] = line.start[node]
         if scene.environment.floor is None:
             edges[node, at.E_NOMINAL] = line.length[node]
-    block.reals[at.S_TOP_LENGTH] = line.length[1]
+    block.scalars.top_length = line.length[1]
 
 
 def fill_bodies(block: Block, scene: Scene, line: Line, scale: float) -> None:
     """A row for every body of line and drum. scale: a typical tension [N]."""
     rho = scene.environment.water_density
-    table = block.array(at.O_BODY, len(line.bodies), at.BODY_WORDS)
+    table = block.array(Header.bodies, len(line.bodies), at.BODY_WORDS)
     for row, (node, body, place) in zip(table, line.bodies, strict=True):
         fill_body(row, node, body, rho)
         row[at.B_ITEM] = place
         if body.half_length > 0.0:
             _fill_rigid(row, body, scene, scale)
-            block.ints[at.I_RIGID] += 1
+            block.header.rigid += 1
             if place == len(scene.line) - 1:
                 row[at.B_TIE] = scale * row[at.B_LENGTH]
 

@@ -18,7 +18,7 @@ from cablemodel.instance.first_state import count_from_zero, solve_static, stead
 from cablemodel.instance.frame import earth
 from cablemodel.instance.scales import pays_out, start_conditions
 from cablemodel.kernels import layout as at
-from cablemodel.kernels.layout import LIGHT_DAMPING
+from cablemodel.kernels.layout import LIGHT_DAMPING, Header
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
@@ -67,11 +67,11 @@ def refined(block: Block, scene: Scene, nodes: list[FloatArray]) -> list[FloatAr
     The curvature of a cubic element changes by D over its length h and jumps by J at its nodes;
     what it cannot follow misplaces the cable by a fraction of h^2 J.
     """
-    count = int(block.ints[at.I_NODES])
-    dimension = int(block.ints[at.I_DIMENSION])
-    q = block.array(at.O_POSITION, count, 2 * dimension)
-    edges = block.array(at.O_EDGE, count, at.EDGE_WORDS)
-    joints = block.integers(at.O_JOINT, count)
+    count = int(block.header.nodes)
+    dimension = int(block.header.dimension)
+    q = block.array(Header.position, count, 2 * dimension)
+    edges = block.array(Header.edges, count, at.EDGE_WORDS)
+    joints = block.integers(Header.joint, count)
     start = np.zeros((count, dimension))
     end = np.zeros((count, dimension))
     h = edges[:, at.E_LENGTH]
@@ -130,14 +130,14 @@ def shape_of(block: Block) -> tuple[FloatArray, FloatArray]:
     bodies at its points, (n,): the guess on a finer mesh."""
     from cablemodel import library as entry
 
-    count = int(block.ints[at.I_NODES])
-    edges = block.array(at.O_EDGE, count, at.EDGE_WORDS)[1:]
+    count = int(block.header.nodes)
+    edges = block.array(Header.edges, count, at.EDGE_WORDS)[1:]
     ends = np.concatenate([[0.0], edges[:, at.E_START] + edges[:, at.E_LENGTH]])
     stations = np.unique(np.interp(np.arange(8 * count - 7) / 8.0, np.arange(count), ends))
     out = np.empty(at.STATION_WORDS * len(stations))
     entry.sample(block.ints, block.reals, stations, out)
     points = out.reshape(-1, at.STATION_WORDS)[:, :3]
-    bodies = np.flatnonzero(block.integers(at.O_JOINT, count) == at.JOINT_BODY)
+    bodies = np.flatnonzero(block.integers(Header.joint, count) == at.JOINT_BODY)
     passed = _passed(block)
     arcs = stations
     places = _node_places(block) if len(bodies) else points
@@ -153,8 +153,8 @@ def shape_of(block: Block) -> tuple[FloatArray, FloatArray]:
 
 def _passed(block: Block) -> FloatArray:
     """Length of the bodies between the vessel and each node, (nodes,) [m]."""
-    passed = np.zeros(int(block.ints[at.I_NODES]))
-    for body in block.array(at.O_BODY, int(block.ints[at.I_BODIES]), at.BODY_WORDS):
+    passed = np.zeros(int(block.header.nodes))
+    for body in block.array(Header.bodies, int(block.header.body_count), at.BODY_WORDS):
         if body[at.B_NODE] >= 0:
             passed[int(body[at.B_NODE]) :] += body[at.B_LENGTH]
     return passed
@@ -165,10 +165,10 @@ def guess_of(block: Block, scene: Scene) -> laid_shape.Guess:
     points, arcs = shape_of(block)
     if scene.rate_at_start <= 0.0:
         return laid_shape.Guess(points)
-    count = int(block.ints[at.I_NODES])
-    edges = block.array(at.O_EDGE, count, at.EDGE_WORDS)[1:]
-    tension = block.array(at.O_TENSION, count, 2)[1:]
-    cables = block.integers(at.O_JOINT, count)[1:] == 0
+    count = int(block.header.nodes)
+    edges = block.array(Header.edges, count, at.EDGE_WORDS)[1:]
+    tension = block.array(Header.tension, count, 2)[1:]
+    cables = block.integers(Header.joint, count)[1:] == 0
     starts = edges[:, at.E_START] + _passed(block)[1:]
     ends = np.stack([starts, starts + edges[:, at.E_LENGTH]], axis=-1)
     values = np.stack([tension[:, 0] - tension[:, 1], tension[:, 0] + tension[:, 1]], axis=-1)
@@ -178,8 +178,8 @@ def guess_of(block: Block, scene: Scene) -> laid_shape.Guess:
 
 def _node_places(block: Block) -> FloatArray:
     """Positions of the nodes in the earth frame, (n, 3) [m]."""
-    count, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
-    return earth(block, block.array(at.O_POSITION, count, 2 * dimension)[:, :dimension])
+    count, dimension = int(block.header.nodes), int(block.header.dimension)
+    return earth(block, block.array(Header.position, count, 2 * dimension)[:, :dimension])
 
 
 def refine_touchdown(block: Block, scene: Scene, attempt: Attempt) -> None:
@@ -202,7 +202,7 @@ def refine_touchdown(block: Block, scene: Scene, attempt: Attempt) -> None:
             changed = entry.refine_at_floor(block.ints, block.reals)
         if not changed:
             break
-        if block.ints[at.I_HYBRID]:
+        if block.header.hybrid:
             # Short elements bend where the long ones that they were did not; found out in the
             # first step instead, it set the line ringing.
             entry.choose_bending(block.ints, block.reals)

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from cablemodel import laid_loads
 from cablemodel.block import Block
 from cablemodel.instance.scales import is_flexible
-from cablemodel.kernels import layout as at
 from cablemodel.sea_floor import contact_depth, touchdown_layer
 
 if TYPE_CHECKING:
@@ -101,13 +100,13 @@ def equilibrium(block: Block, frame: FloatArray) -> int:
         return int(entry.equilibrium(block.ints, block.reals, frame))
     if search.left <= 0.0:
         raise OutOfTimeError
-    most = int(block.ints[at.I_MAXIMUM_STEPS])
-    step = STEP * int(block.ints[at.I_NODES]) * ITERATION[int(block.ints[at.I_DIMENSION]) - 2]
-    block.ints[at.I_MAXIMUM_STEPS] = min(most, max(FEWEST, int(search.left / step)))
+    most = int(block.header.maximum_steps)
+    step = STEP * int(block.header.nodes) * ITERATION[int(block.header.dimension) - 2]
+    block.header.maximum_steps = min(most, max(FEWEST, int(search.left / step)))
     try:
         return int(entry.equilibrium(block.ints, block.reals, frame))
     finally:
-        block.ints[at.I_MAXIMUM_STEPS] = most
+        block.header.maximum_steps = most
 
 
 def what_is_hard(scene: Scene) -> str:

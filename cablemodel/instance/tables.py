@@ -15,6 +15,7 @@ from cablemodel.instance.refinement import mesh_is_free
 from cablemodel.instance.scales import is_flexible, pays_out, start_conditions
 from cablemodel.instance.winch import Winch
 from cablemodel.kernels import layout as at
+from cablemodel.kernels.layout import Header, Scalars
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
@@ -28,14 +29,16 @@ MOST_STEPS = 2_000_000
 def fill_settings(block: Block, scene: Scene) -> None:
     """Tolerance, gravity and water."""
     ints, reals = block.ints, block.reals
-    ints[at.I_PIECE] = 1
-    ints[at.I_ORDER] = 4
-    ints[at.I_MAXIMUM_STEPS] = MOST_STEPS
+    head = Header(ints)
+    state = Scalars(reals)
+    head.piece = 1
+    head.order = 4
+    head.maximum_steps = MOST_STEPS
     rho = scene.environment.water_density
-    ints[at.I_DRAG] = int(rho > 0.0)
-    reals[at.S_GRAVITY] = scene.environment.gravity
-    reals[at.S_WATER_DENSITY] = rho
-    reals[at.S_TOLERANCE] = scene.solver.tolerance
+    head.drag = int(rho > 0.0)
+    state.gravity = scene.environment.gravity
+    state.water_density = rho
+    state.tolerance = scene.solver.tolerance
 
 
 def facts_of(scene: Scene, scale: float) -> FloatArray:
@@ -66,7 +69,7 @@ def fill_motion(block: Block, pieces: FloatArray) -> None:
     """The scene's pieces from row 1 on (row 0 is the caller's live motion), and their kinks."""
     from cablemodel.scene.motion import jumps
 
-    table = block.array(at.O_PIECES, len(pieces) + 1, at.PIECE_WORDS)
+    table = block.array(Header.pieces, len(pieces) + 1, at.PIECE_WORDS)
     table[1:] = pieces
     table[1, [at.P_VELOCITY_JUMP, at.P_ACCELERATION_JUMP]] = 0.0
     table[2:, at.P_VELOCITY_JUMP], table[2:, at.P_ACCELERATION_JUMP] = jumps(pieces)
@@ -78,21 +81,23 @@ def fill_current(block: Block, scene: Scene) -> None:
     if current is None:
         return
     depths, times = len(current.z), len(current.t)
-    block.ints[at.I_CURRENT] = 1 if depths == 1 else 2
-    block.array(at.O_DEPTHS, depths)[:] = current.z
-    block.array(at.O_TIMES, times)[:] = current.t
-    block.array(at.O_CURRENT, times, depths, 3)[:] = current.velocity
+    block.header.current_kind = 1 if depths == 1 else 2
+    block.array(Header.depths, depths)[:] = current.z
+    block.array(Header.times, times)[:] = current.t
+    block.array(Header.current, times, depths, 3)[:] = current.velocity
 
 
 def fill_payout(block: Block, scene: Scene, winch: Winch) -> None:
     """The table of the pay-out's rate, and what it may reach."""
     ints, reals = block.ints, block.reals
+    head = Header(ints)
+    state = Scalars(reals)
     rates = scene.payout.rate
-    ints[at.I_PAYOUT] = int(pays_out(scene))
-    reals[at.S_PAID_MOST] = winch.most
-    reals[at.S_TRAVEL_MOST] = winch.most_travel
-    reals[at.S_TRAVEL_LEAST] = winch.least_travel
-    block.array(at.O_RATES, len(rates), at.RATE_WORDS)[:] = [(row.t, row.rate) for row in rates]
+    head.payout = int(pays_out(scene))
+    state.paid_most = winch.most
+    state.travel_most = winch.most_travel
+    state.travel_least = winch.least_travel
+    block.array(Header.rates, len(rates), at.RATE_WORDS)[:] = [(row.t, row.rate) for row in rates]
 
 
 def fill_constraints(block: Block, scene: Scene, line: Line) -> None:
@@ -100,12 +105,12 @@ def fill_constraints(block: Block, scene: Scene, line: Line) -> None:
 
     Where cable runs past the tow point its clamp is a spring (kernels/vessel_clamp.py).
     """
-    table = block.array(at.O_CONSTRAINT, int(block.ints[at.I_CONSTRAINTS]), at.CONSTRAINT_WORDS)
+    table = block.array(Header.constraints, int(block.header.constraint_count), at.CONSTRAINT_WORDS)
     ends = [(0, at.C_VESSEL, scene.vessel.connection)]
     if scene.end.kind == "anchor":
         ends.append((line.nodes - 1, at.C_ANCHOR, scene.end.connection))
-    dimension = int(block.ints[at.I_DIMENSION])
-    block.reals[at.S_CLAMP_PULL] = block.reals[at.S_TENSION_SCALE]  # until the tension is known
+    dimension = int(block.header.dimension)
+    block.scalars.clamp_tension = block.scalars.tension_scale  # until the tension is known
     for row, (node, kind, connection) in zip(table, ends, strict=True):
         row[at.C_NODE] = node
         row[at.C_KIND] = kind

@@ -30,6 +30,7 @@ from cablemodel.instance.first_state import count_from_zero, steady_velocity
 from cablemodel.instance.frame import earth, local
 from cablemodel.instance.refinement import guess_of, refined
 from cablemodel.kernels import layout as at
+from cablemodel.kernels.layout import Header, Scalars
 from cablemodel.laid_loads import behind, water_velocity
 from cablemodel.laid_shape import Guess
 from cablemodel.stability import GrowingMotion, growing_motion, is_held, slowest_growth
@@ -114,13 +115,13 @@ def _without_flow(block: Block, scene: Scene) -> Block:
     if scene.rate_at_start == 0.0:
         return block
     still = copy.deepcopy(block)
-    nodes, dimension = int(block.ints[at.I_NODES]), int(block.ints[at.I_DIMENSION])
-    velocity = still.array(at.O_VELOCITY, nodes, 2 * dimension)
+    nodes, dimension = int(block.header.nodes), int(block.header.dimension)
+    velocity = still.array(Header.velocity, nodes, 2 * dimension)
     moves = np.any(velocity[:, :dimension] != 0.0, axis=1)  # what has been laid does not
     velocity[:] = 0.0
     velocity[moves, :dimension] = steady_velocity(block, scene)
-    still.array(at.O_ACCELERATION, nodes, 2 * dimension)[:] = 0.0
-    still.reals[at.S_PAYOUT_RATE] = 0.0
+    still.array(Header.acceleration, nodes, 2 * dimension)[:] = 0.0
+    still.scalars.payout_rate = 0.0
     return still
 
 
@@ -130,14 +131,14 @@ def _way(block: Block, scene: Scene) -> FloatArray:
     position, velocity = scene.motion().evaluate(0.0)[:2]
     current = water_velocity(scene, position[2:3])[0]
     way = local(block, np.array([*behind(scene, velocity[:2], current[:2]), 0.0]), point=False)
-    if block.ints[at.I_DIMENSION] == 2:
+    if block.header.dimension == 2:
         way = np.array([math.copysign(1.0, float(way[0])), 0.0])
     return way
 
 
 def _hung_by_weight(standing: Block, scene: Scene, ways: Ways) -> Block | None:
     """Start anew from where the line is drawn by what hangs or floats beyond each place."""
-    way = earth(standing, _way(standing, scene)[None])[0] - standing.reals[at.S_BASE :][:3]
+    way = earth(standing, _way(standing, scene)[None])[0] - standing.scalars.origin
     shape = drawn_by_weight(scene, scene.motion().evaluate(0.0)[0], way[:2])
     if shape is None:
         return None
@@ -147,7 +148,7 @@ def _hung_by_weight(standing: Block, scene: Scene, ways: Ways) -> Block | None:
 
 def _is_too_fine(nodes: Nodes, standing: Block) -> bool:
     """Whether a mesh is finer than a way off an equilibrium is worth."""
-    most = LARGEST_MESH[0] + LARGEST_MESH[1] * float(standing.ints[at.I_NODES])
+    most = LARGEST_MESH[0] + LARGEST_MESH[1] * float(standing.header.nodes)
     return sum(map(len, nodes)) > most
 
 
@@ -158,7 +159,7 @@ def _fallen(
     block = _fall(standing, scene, ways, growing, side)
     if block is None:
         return None
-    if not ways.in_place or block.ints[at.I_NODES] != standing.ints[at.I_NODES]:
+    if not ways.in_place or block.header.nodes != standing.header.nodes:
         return ways.start(_nodes_of(block, scene), guess_of(block, scene))
     status = search.equilibrium(block, steady_velocity(block, scene))
     count_from_zero(block)
@@ -171,7 +172,7 @@ def _fall(
     """Push a line off its equilibrium and follow it till it rests; None: it does not, or folds."""
     block = copy.deepcopy(standing)
     frame = steady_velocity(block, scene)
-    length = float(block.reals[at.S_LENGTH])
+    length = float(block.scalars.length)
     slowest = slowest_growth(block)
     turned = float(np.linalg.norm(growing.motion[:, 1], axis=1).max())
     motion = _motion_of(block)
@@ -204,23 +205,25 @@ def _fall(
 def _step_from_rest(block: Block, frame: FloatArray, dt: float) -> None:
     """One implicit step [s] with everything that depends on time as it is; or none, in place."""
     ints, reals = block.ints, block.reals
-    kept = int(ints[at.I_MAXIMUM_STEPS]), float(reals[at.S_FIRST_STEP])
-    ints[at.I_MAXIMUM_STEPS], reals[at.S_FIRST_STEP] = 1, dt
+    head = Header(ints)
+    state = Scalars(reals)
+    kept = int(head.maximum_steps), float(state.first_step)
+    head.maximum_steps, state.first_step = 1, dt
     search.equilibrium(block, frame)
-    ints[at.I_MAXIMUM_STEPS], reals[at.S_FIRST_STEP] = kept
+    head.maximum_steps, state.first_step = kept
 
 
 def _motion_of(block: Block) -> FloatArray:
     """Places and slopes of the nodes, a view (nodes, 2, dimension) [m, -]."""
-    dimension = int(block.ints[at.I_DIMENSION])
-    return block.array(at.O_POSITION, int(block.ints[at.I_NODES]), 2, dimension)
+    dimension = int(block.header.dimension)
+    return block.array(Header.position, int(block.header.nodes), 2, dimension)
 
 
 def _nodes_of(block: Block, scene: Scene) -> Nodes:
     """The nodes on which a block stands."""
-    count = int(block.ints[at.I_NODES])
-    edges = block.array(at.O_EDGE, count, at.EDGE_WORDS)[1:]
-    edges = edges[block.integers(at.O_JOINT, count)[1:] == 0]
+    count = int(block.header.nodes)
+    edges = block.array(Header.edges, count, at.EDGE_WORDS)[1:]
+    edges = edges[block.integers(Header.joint, count)[1:] == 0]
     groups = [list(rows) for _, rows in itertools.groupby(edges, key=lambda row: row[at.E_SEGMENT])]
     nodes = []
     for cable, rows in zip(scene.cables, groups, strict=True):

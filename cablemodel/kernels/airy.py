@@ -7,13 +7,10 @@ vectors of it, with the same bits on every machine. Of values of 1 they are righ
 
 import math
 
+from .access import header, scalars
 from .compile import inlined, kernel, outlined, view
 from .layout import (
-    I_WAVES,
     MOTION_WORDS,
-    O_MOTION,
-    O_WAVES,
-    S_WAVE_TIME,
     W_AMPLITUDE,
     W_FREQUENCY,
     W_MIRROR,
@@ -42,8 +39,9 @@ E0, E1, E2, E3, E4, E5, E6, E7, E8, E9 = (
 @kernel
 def living(I, M, level):
     """How many components, in the order of their numbers, have not died out at a level z [m]."""
-    count = I[I_WAVES]
-    k = view(M, I[O_WAVES] + W_NUMBER * count, count)
+    head = header(I)
+    count = head.wave_count
+    k = view(M, head.waves + W_NUMBER * count, count)
     while count > 0 and k[count - 1] * level < -STILL:
         count -= 1
     return count
@@ -52,8 +50,9 @@ def living(I, M, level):
 @inlined
 def columns(I, M, count):
     """Views of the columns that `follow_components` writes."""
-    every = I[I_WAVES]
-    space = I[O_MOTION] + MOTION_WORDS
+    head = header(I)
+    every = head.wave_count
+    space = head.motion + MOTION_WORDS
     cosine = view(M, space, count)
     sine = view(M, space + every, count)
     along = view(M, space + 2 * every, count)
@@ -79,8 +78,9 @@ def follow_components(I, M, count, way, level, t):
     Writes four columns: cosine and sine of their phase, amplitude of the velocity along their way
     and upwards.
     """
-    every = I[I_WAVES]
-    table = I[O_WAVES]
+    head = header(I)
+    every = head.wave_count
+    table = head.waves
     frequency = view(M, table + W_FREQUENCY * every, count)
     number = view(M, table + W_NUMBER * every, count)
     phase = view(M, table + W_PHASE * every, count)
@@ -121,10 +121,12 @@ def sum_components(I, M, count, way, level):
     Returns elevation of the surface, velocity of the water along their way and upwards, and its
     acceleration, as from waves that have come up.
     """
-    follow_components(I, M, count, way, level, M[S_WAVE_TIME])
-    every = I[I_WAVES]
-    amplitude = view(M, I[O_WAVES] + W_AMPLITUDE * every, count)
-    frequency = view(M, I[O_WAVES] + W_FREQUENCY * every, count)
+    head = header(I)
+    state = scalars(M)
+    follow_components(I, M, count, way, level, state.wave_time)
+    every = head.wave_count
+    amplitude = view(M, head.waves + W_AMPLITUDE * every, count)
+    frequency = view(M, head.waves + W_FREQUENCY * every, count)
     cosine, sine, along, upward = columns(I, M, count)
     surface = 0.0
     u = 0.0

@@ -7,159 +7,143 @@ caller at 100 Hz do not do, and cable that sleeps only when it is moved in memor
 tables between them change in no step.
 """
 
+from .access import header, header_at
 from .compile import copy_words, kernel
 from .layout import (
     EDGE_WORDS,
-    I_ASLEEP,
-    I_CAPACITY,
-    I_DIMENSION,
-    I_HISTORY,
-    I_KEEP_MATRIX,
-    I_KEEP_SLEEPERS,
-    I_LEFT_OUT,
-    I_NODES,
-    O_ACCELERATION,
-    O_BACKUP,
-    O_BODY,
-    O_COMPLIANCE,
-    O_DIAGONAL,
-    O_EDGE,
-    O_GRADIENT,
-    O_HISTORY,
-    O_JOINT,
-    O_LOWER,
-    O_PARENT,
-    O_PIECES,
-    O_POSITION,
-    O_REST,
-    O_TENSION,
-    O_TENSION_RATE,
-    O_UPPER,
-    O_VELOCITY,
     PIECE_WORDS,
 )
 
 
 @kernel
-def copy_part(I, to, source, place, words, first, count):
-    """Copy rows first ... first + count - 1, of `words` each, of an array by its header word.
+def copy_part(I, to, source, array, words, first, count):
+    """Copy rows first ... first + count - 1, of `words` each, of the array at a word of the image.
 
     to, source: 0 for the image itself, the backup's offset for the backup.
     """
-    start = I[place] + words * first
+    start = array + words * first
     copy_words(I, to + start, source + start, words * count)
 
 
 @kernel
 def copy_nodes(I, to, source, first, count):
     """Copy the state of nodes, and of the edges above them."""
-    size = 2 * I[I_DIMENSION]
-    copy_part(I, to, source, O_PARENT, 1, first, count)
-    copy_part(I, to, source, O_JOINT, 1, first, count)
-    copy_part(I, to, source, O_EDGE, EDGE_WORDS, first, count)
-    copy_part(I, to, source, O_POSITION, size, first, count)
-    copy_part(I, to, source, O_VELOCITY, size, first, count)
-    copy_part(I, to, source, O_ACCELERATION, size, first, count)
-    copy_part(I, to, source, O_TENSION, 2, first, count)
-    copy_part(I, to, source, O_TENSION_RATE, 2, first, count)
-    copy_part(I, to, source, O_REST, 3, first, count)
+    head = header(I)
+    size = 2 * head.dimension
+    copy_part(I, to, source, head.parent, 1, first, count)
+    copy_part(I, to, source, head.joint, 1, first, count)
+    copy_part(I, to, source, head.edges, EDGE_WORDS, first, count)
+    copy_part(I, to, source, head.position, size, first, count)
+    copy_part(I, to, source, head.velocity, size, first, count)
+    copy_part(I, to, source, head.acceleration, size, first, count)
+    copy_part(I, to, source, head.tension, 2, first, count)
+    copy_part(I, to, source, head.tension_rate, 2, first, count)
+    copy_part(I, to, source, head.rest, 3, first, count)
 
 
 @kernel
 def copy_awake(I, to, source):
     """Copy the state of what is awake, bodies and constraints."""
-    awake = I[I_NODES] - I[I_ASLEEP]
+    head = header(I)
+    awake = head.nodes - head.asleep
     copy_nodes(I, to, source, 0, awake)
-    copy_part(I, to, source, O_BODY, 1, 0, I[O_POSITION] - I[O_BODY])
-    if I[I_HISTORY] != 0:
-        copy_part(I, to, source, O_HISTORY, 4 * I[I_DIMENSION], 0, awake)
+    copy_part(I, to, source, head.bodies, 1, 0, head.position - head.bodies)
+    if head.has_history != 0:
+        copy_part(I, to, source, head.history, 4 * head.dimension, 0, awake)
 
 
 @kernel
 def copy_matrix(I, to, source, nodes, dimension):
     """Copy the factorisation of a line of so many nodes."""
+    head = header(I)
     area = 4 * dimension * dimension
-    copy_part(I, to, source, O_DIAGONAL, area, 0, nodes)
-    copy_part(I, to, source, O_UPPER, area, 0, nodes)
-    copy_part(I, to, source, O_LOWER, area, 0, nodes)
-    copy_part(I, to, source, O_GRADIENT, 8 * dimension, 0, nodes)
-    copy_part(I, to, source, O_COMPLIANCE, 3, 0, nodes)
+    copy_part(I, to, source, head.diagonal, area, 0, nodes)
+    copy_part(I, to, source, head.upper, area, 0, nodes)
+    copy_part(I, to, source, head.lower, area, 0, nodes)
+    copy_part(I, to, source, head.gradient, 8 * dimension, 0, nodes)
+    copy_part(I, to, source, head.compliance, 3, 0, nodes)
 
 
 @kernel
 def keep_state(I):
     """Before a step, of the whole line: keep all that it changes but for matrix and sleepers."""
-    backup = I[O_BACKUP]
-    copy_words(I, backup, 0, I[O_PIECES] + PIECE_WORDS)
+    head = header(I)
+    backup = head.backup
+    copy_words(I, backup, 0, head.pieces + PIECE_WORDS)
     copy_awake(I, backup, 0)
-    I[I_KEEP_MATRIX] = 1
-    I[I_KEEP_SLEEPERS] = I[I_ASLEEP]
+    head.keep_matrix = 1
+    head.keep_sleepers = head.asleep
 
 
 @kernel
 def keep_matrix(I):
     """Before the matrix is replaced: keep it, once a step."""
-    if I[I_KEEP_MATRIX] != 0:
-        backup = I[O_BACKUP]
-        awake = I[backup + I_NODES] - I[backup + I_ASLEEP]
-        copy_matrix(I, backup, 0, awake, I[backup + I_DIMENSION])
-        I[I_KEEP_MATRIX] = 0
+    head = header(I)
+    if head.keep_matrix != 0:
+        backup = head.backup
+        kept = header_at(I, backup)
+        awake = kept.nodes - kept.asleep
+        copy_matrix(I, backup, 0, awake, kept.dimension)
+        head.keep_matrix = 0
 
 
 @kernel
 def keep_sleepers(I):
     """Before cable that sleeps is moved or wakes: keep its state, once a step."""
-    asleep = I[I_KEEP_SLEEPERS]
+    head = header(I)
+    asleep = head.keep_sleepers
     if asleep != 0:
-        backup = I[O_BACKUP]
-        copy_nodes(I, backup, 0, I[backup + I_NODES] - asleep, asleep)
-        I[I_KEEP_SLEEPERS] = 0
+        backup = head.backup
+        copy_nodes(I, backup, 0, header_at(I, backup).nodes - asleep, asleep)
+        head.keep_sleepers = 0
 
 
 @kernel
-def clear_part(I, place, used, room):
+def clear_part(I, array, used, room):
     """Zero what is beyond the words in use of an array."""
-    for word in range(I[place] + used, I[place] + room):
+    for word in range(array + used, array + room):
         I[word] = 0
 
 
 @kernel
 def clear_unused(I):
     """Zero what nodes would use that there are not: a failed step may have made some."""
-    nodes = I[I_NODES]
-    room = I[I_CAPACITY]
-    size = 2 * I[I_DIMENSION]
+    head = header(I)
+    nodes = head.nodes
+    room = head.capacity
+    size = 2 * head.dimension
     area = size * size
-    clear_part(I, O_PARENT, nodes, room)
-    clear_part(I, O_JOINT, nodes, room)
-    clear_part(I, O_EDGE, EDGE_WORDS * nodes, EDGE_WORDS * room)
-    clear_part(I, O_POSITION, size * nodes, 6 * room)
-    clear_part(I, O_VELOCITY, size * nodes, 6 * room)
-    clear_part(I, O_ACCELERATION, size * nodes, 6 * room)
-    clear_part(I, O_TENSION, 2 * nodes, 2 * room)
-    clear_part(I, O_TENSION_RATE, 2 * nodes, 2 * room)
-    clear_part(I, O_REST, 3 * nodes, 3 * room)
-    clear_part(I, O_HISTORY, 2 * size * nodes, 12 * room)
-    clear_part(I, O_DIAGONAL, area * nodes, 36 * room)
-    clear_part(I, O_UPPER, area * nodes, 36 * room)
-    clear_part(I, O_LOWER, area * nodes, 36 * room)
-    clear_part(I, O_GRADIENT, 4 * size * nodes, 24 * room)
-    clear_part(I, O_COMPLIANCE, 3 * nodes, 3 * room)
+    clear_part(I, head.parent, nodes, room)
+    clear_part(I, head.joint, nodes, room)
+    clear_part(I, head.edges, EDGE_WORDS * nodes, EDGE_WORDS * room)
+    clear_part(I, head.position, size * nodes, 6 * room)
+    clear_part(I, head.velocity, size * nodes, 6 * room)
+    clear_part(I, head.acceleration, size * nodes, 6 * room)
+    clear_part(I, head.tension, 2 * nodes, 2 * room)
+    clear_part(I, head.tension_rate, 2 * nodes, 2 * room)
+    clear_part(I, head.rest, 3 * nodes, 3 * room)
+    clear_part(I, head.history, 2 * size * nodes, 12 * room)
+    clear_part(I, head.diagonal, area * nodes, 36 * room)
+    clear_part(I, head.upper, area * nodes, 36 * room)
+    clear_part(I, head.lower, area * nodes, 36 * room)
+    clear_part(I, head.gradient, 4 * size * nodes, 24 * room)
+    clear_part(I, head.compliance, 3 * nodes, 3 * room)
 
 
 @kernel
 def give_back(I):
     """After a step that failed: the image as it was, of all that is in use."""
-    made = I[I_NODES] + I[I_LEFT_OUT]
-    backup = I[O_BACKUP]
-    matrix_stands = I[I_KEEP_MATRIX]
-    sleepers_stand = I[I_KEEP_SLEEPERS]
-    copy_words(I, 0, backup, I[O_PIECES] + PIECE_WORDS)
+    head = header(I)
+    made = head.nodes + head.left_out
+    backup = head.backup
+    matrix_stands = head.keep_matrix
+    sleepers_stand = head.keep_sleepers
+    copy_words(I, 0, backup, head.pieces + PIECE_WORDS)
     copy_awake(I, 0, backup)
-    awake = I[I_NODES] - I[I_ASLEEP]
+    awake = head.nodes - head.asleep
     if matrix_stands == 0:
-        copy_matrix(I, 0, backup, awake, I[I_DIMENSION])
-    if I[I_ASLEEP] != 0 and sleepers_stand == 0:
-        copy_nodes(I, 0, backup, awake, I[I_ASLEEP])
-    if made > I[I_NODES]:
+        copy_matrix(I, 0, backup, awake, head.dimension)
+    if head.asleep != 0 and sleepers_stand == 0:
+        copy_nodes(I, 0, backup, awake, head.asleep)
+    if made > head.nodes:
         clear_unused(I)

@@ -13,20 +13,14 @@ pivot is reported and the caller takes a smaller step.
 
 from typing import Any
 
+from .access import header
 from .compile import block_kernels, copy_words, kernel, matrix_vector, view
 from .elimination import hinge_kernels
 from .layout import (
-    I_NODES,
     JOINT_ARM,
     JOINT_FREE,
     JOINT_HINGE,
     JOINT_ROOT,
-    O_DIAGONAL,
-    O_GAUSS,
-    O_JOINT,
-    O_LOWER,
-    O_PARENT,
-    O_UPPER,
 )
 
 
@@ -68,11 +62,12 @@ def make_block_solver(size: int, parts: bool = False) -> tuple[Any, Any]:
 
     @kernel
     def factor(I, M):
-        nodes = I[I_NODES]
+        head = header(I)
+        nodes = head.nodes
         for node in range(nodes - 1, -1, -1):
-            at = I[O_DIAGONAL] + area * node
+            at = head.diagonal + area * node
             D = view(M, at, area)
-            joint = I[I[O_JOINT] + node]
+            joint = I[head.joint + node]
             hinge = joint == JOINT_HINGE
             if parts:
                 hinge = hinge or joint == JOINT_ARM or joint == JOINT_FREE
@@ -83,13 +78,13 @@ def make_block_solver(size: int, parts: bool = False) -> tuple[Any, Any]:
                 break
             if parts and joint >= JOINT_ROOT:
                 continue
-            parent = I[I[O_PARENT] + node]
-            above = I[O_DIAGONAL] + area * parent
+            parent = I[head.parent + node]
+            above = head.diagonal + area * parent
             A = view(M, above, area)
-            Z = view(M, I[O_LOWER] + area * node, area)
-            U = view(M, I[O_UPPER] + area * node, area)
+            Z = view(M, head.lower + area * node, area)
+            U = view(M, head.upper + area * node, area)
             if parts and joint == JOINT_ARM:
-                S = view(M, I[O_GAUSS] + 80, area)
+                S = view(M, head.gauss + 80, area)
                 for k in range(area):
                     S[k] = 0.0
                 condense_hinge(D, Z, S)
@@ -98,10 +93,10 @@ def make_block_solver(size: int, parts: bool = False) -> tuple[Any, Any]:
                 condense_hinge(D, Z, A)
             else:
                 # Columns of Z = D^-1 L and of W = U D^-1, then the parent's rows: A -= W L.
-                work = I[O_GAUSS] + 80
+                work = head.gauss + 80
                 columns = work + area
-                copy_words(M, work, I[O_LOWER] + area * node, area)
-                transpose(M, I[O_UPPER] + area * node, columns)
+                copy_words(M, work, head.lower + area * node, area)
+                transpose(M, head.upper + area * node, columns)
                 for k in range(size):
                     set_product(D, 0, M, work + k, size, Z, size * k)
                     set_product(M, columns, D, size * k, 1, U, size * k)
@@ -111,11 +106,12 @@ def make_block_solver(size: int, parts: bool = False) -> tuple[Any, Any]:
 
     @kernel
     def solve(I, M, x):
-        nodes = I[I_NODES]
-        joints = view(I, I[O_JOINT], nodes)
-        parents = view(I, I[O_PARENT], nodes)
+        head = header(I)
+        nodes = head.nodes
+        joints = view(I, head.joint, nodes)
+        parents = view(I, head.parent, nodes)
         for node in range(nodes - 1, 0, -1):
-            at = I[O_DIAGONAL] + area * node
+            at = head.diagonal + area * node
             D = view(M, at, area)
             y = view(x, size * node, size)
             parent = parents[node]
@@ -123,11 +119,11 @@ def make_block_solver(size: int, parts: bool = False) -> tuple[Any, Any]:
             if parts and joints[node] >= JOINT_ROOT:
                 continue
             if parts and joints[node] == JOINT_ARM:
-                w = view(M, I[O_GAUSS] + 80, size)
+                w = view(M, head.gauss + 80, size)
                 for k in range(size):
                     w[k] = 0.0
                 reduce_hinge(D, y, w)
-                Z = view(M, I[O_LOWER] + area * node, area)
+                Z = view(M, head.lower + area * node, area)
                 for i in range(half):
                     b[i] += w[i]
                     for k in range(half):
@@ -135,18 +131,18 @@ def make_block_solver(size: int, parts: bool = False) -> tuple[Any, Any]:
             elif joints[node] == JOINT_HINGE or (parts and joints[node] == JOINT_FREE):
                 reduce_hinge(D, y, b)
             else:
-                U = view(M, I[O_UPPER] + area * node, area)
+                U = view(M, head.upper + area * node, area)
                 subtract_product(U, 0, y, 0, 1, b, 0)
-        set_product(M, I[O_DIAGONAL], x, 0, 1, x, 0)
+        set_product(M, head.diagonal, x, 0, 1, x, 0)
         for node in range(1, nodes):
             parent = parents[node]
             y = view(x, size * node, size)
             p = view(x, size * parent, size)
-            Z = view(M, I[O_LOWER] + area * node, area)
+            Z = view(M, head.lower + area * node, area)
             if parts and joints[node] >= JOINT_ROOT:
-                set_product(M, I[O_DIAGONAL] + area * node, y, 0, 1, y, 0)
+                set_product(M, head.diagonal + area * node, y, 0, 1, y, 0)
             elif parts and joints[node] == JOINT_ARM:
-                w = view(M, I[O_GAUSS] + 80, size)
+                w = view(M, head.gauss + 80, size)
                 for i in range(half):
                     w[i] = p[i]
                     for k in range(half):
@@ -155,7 +151,7 @@ def make_block_solver(size: int, parts: bool = False) -> tuple[Any, Any]:
             elif joints[node] == JOINT_HINGE or (parts and joints[node] == JOINT_FREE):
                 substitute_hinge(Z, p, y)
             else:
-                set_product(M, I[O_DIAGONAL] + area * node, y, 0, 1, y, 0)
+                set_product(M, head.diagonal + area * node, y, 0, 1, y, 0)
                 subtract_product(Z, 0, p, 0, 1, y, 0)
 
     return factor, solve

@@ -10,6 +10,7 @@ no moment; see rigid.py for the others. In the plane the second component is the
 
 import math
 
+from .access import header, scalars
 from .compile import kernel
 from .environment import current_at, surge_at
 from .layout import (
@@ -22,16 +23,6 @@ from .layout import (
     B_NODE,
     B_WEIGHT,
     BODY_WORDS,
-    I_BODIES,
-    I_CAPACITY,
-    I_DIMENSION,
-    I_SURGE,
-    I_WAVES,
-    O_BODY,
-    O_DIAGONAL,
-    O_MOTION,
-    S_GRAVITY,
-    S_WATER_DENSITY,
 )
 from .waves import P_ACCELERATION, P_SLOPE, P_VELOCITY, P_WET, SMALLEST, wave_at, wet_at
 
@@ -39,7 +30,8 @@ from .waves import P_ACCELERATION, P_SLOPE, P_VELOCITY, P_WET, SMALLEST, wave_at
 @kernel
 def body_kinematics(I, M, node, q, v, a, w):
     """t (w[0:3]), relative water velocity (w[3:6]), acceleration (w[6:9]); returns 1/|r'|."""
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    dimension = head.dimension
     at = 2 * dimension * node
     current_at(I, M, q[at + dimension - 1], w[3:6])
     norm = 0.0
@@ -141,7 +133,8 @@ def flow_derivatives(M, row, dimension, inertia, ig, ca, cv, w):
 @kernel
 def lift_of(M, row):
     """Buoyancy of a wet body [N]: weight in air less the submerged one."""
-    return M[row + B_MASS] * M[S_GRAVITY] - M[row + B_WEIGHT]
+    state = scalars(M)
+    return M[row + B_MASS] * state.gravity - M[row + B_WEIGHT]
 
 
 @kernel
@@ -151,17 +144,19 @@ def add_waves(I, M, row, x, y, z, rise, w):
     rise [m]: height of its upper end over its lower one. The band around the surface is a sphere
     of the body's volume, and what it stands across. Leaves the point of `wave_at` and `wet_at`.
     """
-    volume = max(0.0, lift_of(M, row)) / (M[S_GRAVITY] * M[S_WATER_DENSITY])
+    head = header(I)
+    state = scalars(M)
+    volume = max(0.0, lift_of(M, row)) / (state.gravity * state.water_density)
     radius = math.pow(0.75 * volume / math.pi, 1.0 / 3.0)
     half = max(SMALLEST, radius + 0.5 * abs(rise))
-    slot = 3 * I[I_CAPACITY] + (row - I[O_BODY]) // BODY_WORDS
+    slot = 3 * head.capacity + (row - head.bodies) // BODY_WORDS
     wet_at(I, M, wave_at(I, M, x, y, z, half, slot), half)
-    at = I[O_MOTION]
-    if I[I_SURGE] != 0:
+    at = head.motion
+    if head.surge != 0:
         surge_at(I, M, z, w[9:12])
-        for i in range(I[I_DIMENSION]):
+        for i in range(head.dimension):
             M[at + P_ACCELERATION + i] += w[9 + i]
-    for i in range(I[I_DIMENSION]):
+    for i in range(head.dimension):
         w[3 + i] += M[at + P_VELOCITY + i]
         w[6 + i] -= M[at + P_ACCELERATION + i]
 
@@ -170,10 +165,12 @@ def add_waves(I, M, row, x, y, z, rise, w):
 def wet_force(I, M, row, w):
     """`flow_force` of a body in waves into w[12:15], without the mass of its own: the wet share,
     less the Froude-Krylov force; `add_waves` has been called."""
-    dimension = I[I_DIMENSION]
-    at = I[O_MOTION]
+    head = header(I)
+    state = scalars(M)
+    dimension = head.dimension
+    at = head.motion
     flow_force(M, row, dimension, M[row + B_ADDED], w)
-    mass = lift_of(M, row) / M[S_GRAVITY]
+    mass = lift_of(M, row) / state.gravity
     for i in range(dimension):
         w[12 + i] = M[at + P_WET] * (w[12 + i] - mass * M[at + P_ACCELERATION + i])
 
@@ -182,13 +179,15 @@ def wet_force(I, M, row, w):
 def surge_force(I, M, row, z, w):
     """`flow_force` of a body at height z in a current that changes in time into w[12:15], without
     the mass of its own, less the Froude-Krylov force."""
-    dimension = I[I_DIMENSION]
-    water = M[I[O_MOTION] + P_ACCELERATION : I[O_MOTION] + P_ACCELERATION + 3]
+    head = header(I)
+    state = scalars(M)
+    dimension = head.dimension
+    water = M[head.motion + P_ACCELERATION : head.motion + P_ACCELERATION + 3]
     surge_at(I, M, z, water)
     for i in range(dimension):
         w[6 + i] -= water[i]
     flow_force(M, row, dimension, M[row + B_ADDED], w)
-    mass = lift_of(M, row) / M[S_GRAVITY]
+    mass = lift_of(M, row) / state.gravity
     for i in range(dimension):
         w[12 + i] -= mass * water[i]
 
@@ -196,8 +195,10 @@ def surge_force(I, M, row, z, w):
 @kernel
 def surge_power(I, M, row, z, w):
     """What accelerated water gives a body at height z that moves at w[12:15], axis w[0:3] [W]."""
-    dimension = I[I_DIMENSION]
-    water = M[I[O_MOTION] + P_ACCELERATION : I[O_MOTION] + P_ACCELERATION + 3]
+    head = header(I)
+    state = scalars(M)
+    dimension = head.dimension
+    water = M[head.motion + P_ACCELERATION : head.motion + P_ACCELERATION + 3]
     surge_at(I, M, z, water)
     along = 0.0
     moving = 0.0
@@ -206,15 +207,16 @@ def surge_power(I, M, row, z, w):
         along += water[i] * w[i]
         moving += w[12 + i] * w[i]
         power += water[i] * w[12 + i]
-    power *= lift_of(M, row) / M[S_GRAVITY] + M[row + B_ADDED]
+    power *= lift_of(M, row) / state.gravity + M[row + B_ADDED]
     return power + (M[row + B_ADDED_AXIAL] - M[row + B_ADDED]) * along * moving
 
 
 @kernel
 def wet_derivatives(I, M, row, ig, ca, cv, w):
     """`flow_derivatives` of a body in waves, without the mass of its own."""
-    dimension = I[I_DIMENSION]
-    at = I[O_MOTION]
+    head = header(I)
+    dimension = head.dimension
+    at = head.motion
     flow_derivatives(M, row, dimension, M[row + B_ADDED], ig, ca, cv, w)
     for n in range(dimension * dimension):
         w[12 + n] *= M[at + P_WET]
@@ -225,23 +227,24 @@ def wet_derivatives(I, M, row, ig, ca, cv, w):
 @kernel
 def body_residual(I, M, q, v, a, out):
     """Add inertia, weight and minus drag of every body to the forces of its node."""
-    dimension = I[I_DIMENSION]
-    w = M[I[O_MOTION] + 16 : I[O_MOTION] + 46]
-    for body in range(I[I_BODIES]):
-        row = I[O_BODY] + body * BODY_WORDS
+    head = header(I)
+    dimension = head.dimension
+    w = M[head.motion + 16 : head.motion + 46]
+    for body in range(head.body_count):
+        row = head.bodies + body * BODY_WORDS
         node = int(M[row + B_NODE])
         if node < 0 or M[row + B_LENGTH] > 0.0:  # still on the drum, or in rigid.py
             continue
         body_kinematics(I, M, node, q, v, a, w)
         at = 2 * dimension * node
-        if I[I_WAVES] != 0:
+        if head.wave_count != 0:
             add_waves(I, M, row, q[at], q[at + 1], q[at + dimension - 1], 0.0, w)
             wet_force(I, M, row, w)
             for i in range(dimension):
                 w[12 + i] += M[row + B_MASS] * a[at + i]
-            dry = 1.0 - M[I[O_MOTION] + P_WET]
+            dry = 1.0 - M[head.motion + P_WET]
             w[12 + dimension - 1] += dry * lift_of(M, row)
-        elif I[I_SURGE] != 0:
+        elif head.surge != 0:
             surge_force(I, M, row, q[at + dimension - 1], w)
             for i in range(dimension):
                 w[12 + i] += M[row + B_MASS] * a[at + i]
@@ -255,16 +258,17 @@ def body_residual(I, M, q, v, a, out):
 @kernel
 def body_jacobian(I, M, q, v, a, ca, cv):
     """Add the bodies' derivatives to the diagonal blocks of their nodes."""
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    dimension = head.dimension
     size = 2 * dimension
-    w = M[I[O_MOTION] + 16 : I[O_MOTION] + 46]
-    for body in range(I[I_BODIES]):
-        row = I[O_BODY] + body * BODY_WORDS
+    w = M[head.motion + 16 : head.motion + 46]
+    for body in range(head.body_count):
+        row = head.bodies + body * BODY_WORDS
         node = int(M[row + B_NODE])
         if node < 0 or M[row + B_LENGTH] > 0.0:
             continue
         ig = body_kinematics(I, M, node, q, v, a, w)
-        if I[I_WAVES] != 0:
+        if head.wave_count != 0:
             at = size * node
             add_waves(I, M, row, q[at], q[at + 1], q[at + dimension - 1], 0.0, w)
             wet_derivatives(I, M, row, ig, ca, cv, w)
@@ -272,7 +276,7 @@ def body_jacobian(I, M, q, v, a, ca, cv):
                 w[12 + (dimension + 1) * i] += ca * M[row + B_MASS]
         else:
             flow_derivatives(M, row, dimension, M[row + B_MASS] + M[row + B_ADDED], ig, ca, cv, w)
-        D = M[I[O_DIAGONAL] + size * size * node : I[O_DIAGONAL] + size * size * (node + 1)]
+        D = M[head.diagonal + size * size * node : head.diagonal + size * size * (node + 1)]
         for i in range(dimension):
             for j in range(dimension):
                 D[size * i + j] += w[12 + dimension * i + j]

@@ -14,6 +14,7 @@ A strut that is stiff enough, as a riser below its Euler load, has no negative p
 
 import math
 
+from .access import header, scalars
 from .compile import kernel, view
 from .floor_surface import gap_at
 from .layout import (
@@ -25,30 +26,9 @@ from .layout import (
     EDGE_WORDS,
     EXACTLY,
     FLOOR_FAR,
-    I_CONSTRAINTS,
-    I_DIMENSION,
-    I_FACTORED,
-    I_FLOOR_STATE,
-    I_NODES,
-    I_RIGID,
     JOINT_ARM,
     JOINT_FREE,
     JOINT_HINGE,
-    O_ACCELERATION,
-    O_CONSTRAINT,
-    O_DIAGONAL,
-    O_EDGE,
-    O_GAUSS,
-    O_JOINT,
-    O_MOTION,
-    O_PARENT,
-    O_POSITION,
-    O_TENSION,
-    O_VELOCITY,
-    S_FLOOR_DEPTH,
-    S_LENGTH,
-    S_PERIOD,
-    S_TOLERANCE,
 )
 from .newton import refactor
 from .tension import promised_tension
@@ -59,7 +39,9 @@ TURN = 2.399963229728653  # golden angle: its multiples hold all waves of the me
 @kernel
 def near_floor(I, M, node, q, w):
     """Whether a node is so near to the floor that it may bear on it. w: 3 words."""
-    return gap_at(I, M, view(q, 2 * I[I_DIMENSION] * node, I[I_DIMENSION]), w) < M[S_FLOOR_DEPTH]
+    head = header(I)
+    state = scalars(M)
+    return gap_at(I, M, view(q, 2 * head.dimension * node, head.dimension), w) < state.floor_depth
 
 
 @kernel
@@ -68,20 +50,22 @@ def is_pressed(I, M, node, q, tension, least, w):
 
     q: (nodes, 2, dimension), tension: (nodes, 2). What lies on the floor is held by it.
     """
-    if I[I[O_JOINT] + node] != 0 or tension[2 * node] >= -least:
+    head = header(I)
+    if I[head.joint + node] != 0 or tension[2 * node] >= -least:
         return False
-    if I[I_FLOOR_STATE] == FLOOR_FAR:
+    if head.floor_state == FLOOR_FAR:
         return True
-    parent = I[I[O_PARENT] + node]
+    parent = I[head.parent + node]
     return not (near_floor(I, M, node, q, w) or near_floor(I, M, parent, q, w))
 
 
 @kernel
 def any_pressed(I, M, q, tension):
     """Whether `is_pressed` by more than tensions may be wrong by."""
+    head = header(I)
     least = promised_tension(M)
-    w = view(M, I[O_MOTION] + 16, 3)
-    for node in range(1, I[I_NODES]):
+    w = view(M, head.motion + 16, 3)
+    for node in range(1, head.nodes):
         if is_pressed(I, M, node, q, tension, least, w):
             return True
     return False
@@ -90,13 +74,14 @@ def any_pressed(I, M, q, tension):
 @kernel
 def is_held(I, M):
     """Whether the matrix that is factored has no negative pivot."""
-    size = 2 * I[I_DIMENSION]
-    work = view(M, I[O_GAUSS] + 80, size * size)
-    for node in range(I[I_NODES]):
-        D = view(M, I[O_DIAGONAL] + size * size * node, size * size)
-        joint = I[I[O_JOINT] + node]
+    head = header(I)
+    size = 2 * head.dimension
+    work = view(M, head.gauss + 80, size * size)
+    for node in range(head.nodes):
+        D = view(M, head.diagonal + size * size * node, size * size)
+        joint = I[head.joint + node]
         hinge = joint == JOINT_HINGE or joint == JOINT_ARM or joint == JOINT_FREE
-        if hinge or I[I_RIGID] > 0:
+        if hinge or head.rigid > 0:
             for k in range(size // 2 if hinge else 0, size):
                 if D[size * k + k] <= 0.0:
                     return False
@@ -119,8 +104,9 @@ def is_held(I, M):
 @kernel
 def across(I, M, node, w):
     """A horizontal unit vector across the line at a node, or the one nearest to it, into w."""
-    dimension = I[I_DIMENSION]
-    slope = view(M, I[O_POSITION] + (2 * node + 1) * dimension, dimension)
+    head = header(I)
+    dimension = head.dimension
+    slope = view(M, head.position + (2 * node + 1) * dimension, dimension)
     square = 0.0
     for i in range(dimension):
         square += slope[i] * slope[i]
@@ -143,17 +129,19 @@ def across(I, M, node, w):
 def crookedness(M, edge, least):
     """By how much the slopes of an element are turned that is straight [rad]: no more than what
     positions may be wrong by, nor than what changes its tension by `least` [N]."""
-    place = M[S_TOLERANCE] * M[S_LENGTH] / M[edge + E_LENGTH]
+    state = scalars(M)
+    place = state.tolerance * state.length / M[edge + E_LENGTH]
     return min(place, math.sqrt(least * M[edge + E_COMPLIANCE]))
 
 
 @kernel
 def turned(I, M, node):
     """By how much the slopes of the element above a node are off its chord, at most [rad]."""
-    dimension = I[I_DIMENSION]
-    h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
-    q0 = I[O_POSITION] + 2 * dimension * I[I[O_PARENT] + node]
-    q1 = I[O_POSITION] + 2 * dimension * node
+    head = header(I)
+    dimension = head.dimension
+    h = M[head.edges + node * EDGE_WORDS + E_LENGTH]
+    q0 = head.position + 2 * dimension * I[head.parent + node]
+    q1 = head.position + 2 * dimension * node
     above = 0.0
     below = 0.0
     for i in range(dimension):
@@ -166,44 +154,47 @@ def turned(I, M, node):
 @kernel
 def is_strut(I, M, node, q, tension, least, w):
     """Whether the element above a node `is_pressed` and straight."""
+    head = header(I)
     if not is_pressed(I, M, node, q, tension, least, w):
         return False
-    return turned(I, M, node) < crookedness(M, I[O_EDGE] + node * EDGE_WORDS, least)
+    return turned(I, M, node) < crookedness(M, head.edges + node * EDGE_WORDS, least)
 
 
 @kernel
 def make_crooked(I, M):
     """Turn the slopes at the ends of elements of the state that are pressed and straight, where
     a line so pressed does not stay."""
-    dimension = I[I_DIMENSION]
-    count = 2 * dimension * I[I_NODES]
+    head = header(I)
+    state = scalars(M)
+    dimension = head.dimension
+    count = 2 * dimension * head.nodes
     least = promised_tension(M)
-    w = view(M, I[O_MOTION] + 16, 3)
-    q = view(M, I[O_POSITION], count)
-    tension = view(M, I[O_TENSION], 2 * I[I_NODES])
+    w = view(M, head.motion + 16, 3)
+    q = view(M, head.position, count)
+    tension = view(M, head.tension, 2 * head.nodes)
     first = 0
-    for node in range(1, I[I_NODES]):
+    for node in range(1, head.nodes):
         if is_strut(I, M, node, q, tension, least, w):
             first = node
             break
     if first == 0:
         return
-    v = view(M, I[O_VELOCITY], count)
-    a = view(M, I[O_ACCELERATION], count)
-    stays = refactor(I, M, q, v, a, tension, M[S_PERIOD]) == 0 and is_held(I, M)
-    I[I_FACTORED] = 0
+    v = view(M, head.velocity, count)
+    a = view(M, head.acceleration, count)
+    stays = refactor(I, M, q, v, a, tension, state.period) == 0 and is_held(I, M)
+    head.factored = 0
     if stays:
         return
-    for node in range(first, I[I_NODES]):
+    for node in range(first, head.nodes):
         if not is_strut(I, M, node, q, tension, least, w):
             continue
-        angle = crookedness(M, I[O_EDGE] + node * EDGE_WORDS, least)
+        angle = crookedness(M, head.edges + node * EDGE_WORDS, least)
         across(I, M, node, w)
         for end in range(2):
-            at = node if end == 1 else I[I[O_PARENT] + node]
+            at = node if end == 1 else I[head.parent + node]
             if is_prescribed(I, M, at):
                 continue
-            slope = view(M, I[O_POSITION] + (2 * at + 1) * dimension, dimension)
+            slope = view(M, head.position + (2 * at + 1) * dimension, dimension)
             for i in range(dimension):
                 slope[i] += angle * math.cos(TURN * at) * w[i]
 
@@ -211,8 +202,9 @@ def make_crooked(I, M):
 @kernel
 def is_prescribed(I, M, node):
     """Whether a node's place is given, and its slope with it."""
-    for n in range(I[I_CONSTRAINTS]):
-        row = I[O_CONSTRAINT] + n * CONSTRAINT_WORDS
+    head = header(I)
+    for n in range(head.constraint_count):
+        row = head.constraints + n * CONSTRAINT_WORDS
         if int(M[row + C_NODE]) == node and M[row + C_CLAMPED] == EXACTLY:
             return True
     return False

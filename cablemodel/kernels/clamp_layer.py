@@ -19,6 +19,7 @@ vessel's. With two of them its acceleration jumped at each step, and shook stiff
 
 import math
 
+from .access import header, scalars
 from .compile import kernel, view
 from .environment import add_layer_motion
 from .floor_surface import gap_at
@@ -42,23 +43,6 @@ from .layout import (
     E_LENGTH,
     E_WEIGHT,
     EDGE_WORDS,
-    I_BODIES,
-    I_DIMENSION,
-    I_FLOOR,
-    I_NODES,
-    O_BODY,
-    O_CONSTRAINT,
-    O_EDGE,
-    O_JOINT,
-    O_MOTION,
-    O_POSITION,
-    O_TENSION,
-    S_LENGTH,
-    S_PASSING,
-    S_PAYOUT_RATE,
-    S_PERIOD,
-    S_TIME,
-    S_TOLERANCE,
 )
 from .slopes import half_cosine, slope_direction
 
@@ -74,9 +58,11 @@ GONE = 40.0  # layers from the tow point on which nothing is left of it
 @kernel
 def layer_thickness(I, M):
     """sqrt(EI/T) at a clamp past which cable runs [m]; 0: there is none."""
-    stiffness = M[I[O_EDGE] + EDGE_WORDS + E_BENDING_FULL]
-    row = I[O_CONSTRAINT]
-    if M[row + C_CLAMPED] != BY_SPRING or M[S_PASSING] != 0.0 or stiffness == 0.0:
+    head = header(I)
+    state = scalars(M)
+    stiffness = M[head.edges + EDGE_WORDS + E_BENDING_FULL]
+    row = head.constraints
+    if M[row + C_CLAMPED] != BY_SPRING or state.body_passage != 0.0 or stiffness == 0.0:
         return 0.0
     if not M[row + C_PULL] > 0.0:
         return 0.0
@@ -86,13 +72,14 @@ def layer_thickness(I, M):
 @kernel
 def free_length(I, M):
     """Cable between the tow point and the first body or joint [m]."""
+    head = header(I)
     length = 0.0
     node = 1
-    while node < I[I_NODES] and I[I[O_JOINT] + node] == 0:
-        length += M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
-        for body in range(I[I_BODIES]):
-            if M[I[O_BODY] + body * BODY_WORDS + B_NODE] == node:
-                node = I[I_NODES]
+    while node < head.nodes and I[head.joint + node] == 0:
+        length += M[head.edges + node * EDGE_WORDS + E_LENGTH]
+        for body in range(head.body_count):
+            if M[head.bodies + body * BODY_WORDS + B_NODE] == node:
+                node = head.nodes
                 break
         node += 1
     return length
@@ -104,13 +91,14 @@ def present_pull(I, M):
 
     Where elements resolve the layer, that in the first of them is its part along the clamp.
     """
+    head = header(I)
     near = NEXT * free_length(I, M)
-    pull = M[I[O_TENSION] + 2] - M[I[O_TENSION] + 3]
-    length = M[I[O_EDGE] + EDGE_WORDS + E_LENGTH]
+    pull = M[head.tension + 2] - M[head.tension + 3]
+    length = M[head.edges + EDGE_WORDS + E_LENGTH]
     node = 2
-    while node < I[I_NODES] and length < near:
-        pull = max(pull, M[I[O_TENSION] + 2 * node])
-        length += M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
+    while node < head.nodes and length < near:
+        pull = max(pull, M[head.tension + 2 * node])
+        length += M[head.edges + node * EDGE_WORDS + E_LENGTH]
         node += 1
     return pull
 
@@ -122,7 +110,8 @@ def follow_pull(I, M, share):
     A line that hardly stretches answers a small change of the layer with a large one of tension:
     what goes to and fro goes by ever less.
     """
-    row = I[O_CONSTRAINT]
+    head = header(I)
+    row = head.constraints
     change = present_pull(I, M) - M[row + C_PULL]
     gain = M[row + C_PULL_GAIN]
     if change * M[row + C_PULL_CHANGE] < 0.0:
@@ -143,15 +132,16 @@ def share_of_layer(I, M):
     Up to the first body, to the radius to which its weight bends a level cable, and to the height
     above the floor.
     """
+    head = header(I)
     layer = layer_thickness(I, M)
     if layer == 0.0:
         return 0.0
-    weight = abs(M[I[O_EDGE] + EDGE_WORDS + E_WEIGHT])
-    bends = M[I[O_CONSTRAINT] + C_PULL] / max(weight, 1e-300)
+    weight = abs(M[head.edges + EDGE_WORDS + E_WEIGHT])
+    bends = M[head.constraints + C_PULL] / max(weight, 1e-300)
     room = min(free_length(I, M), bends)
-    if I[I_FLOOR] != 0:
-        place = view(M, I[O_POSITION], I[I_DIMENSION])
-        room = min(room, gap_at(I, M, place, view(M, I[O_MOTION] + 40, 3)))
+    if head.floor_kind != 0:
+        place = view(M, head.position, head.dimension)
+        room = min(room, gap_at(I, M, place, view(M, head.motion + 40, 3)))
     x = (room / layer - FEW) / (MANY - FEW)
     x = min(1.0, max(0.0, x))
     return x * x * (3.0 - 2.0 * x)
@@ -172,8 +162,9 @@ def way_of_layer(dimension, thickness, cosine, w, out):
 @kernel
 def layer_target(I, M, w, out):
     """Where the elements should begin, from the tow point, into out [m]; w: 6 words."""
-    dimension = I[I_DIMENSION]
-    row = I[O_CONSTRAINT]
+    head = header(I)
+    dimension = head.dimension
+    row = head.constraints
     share = M[row + C_SHARE]
     layer = layer_thickness(I, M)
     for i in range(dimension):
@@ -181,7 +172,7 @@ def layer_target(I, M, w, out):
         w[i] = M[row + C_DIRECTION + i]
     if share == 0.0 or layer == 0.0:
         return
-    q = M[I[O_POSITION] : I[O_POSITION] + 2 * dimension]
+    q = M[head.position : head.position + 2 * dimension]
     _length, cosine = slope_direction(dimension, q, dimension, w)
     way_of_layer(dimension, share * layer, cosine, w, out)
 
@@ -192,22 +183,24 @@ def follow_layer(I, M, dt, w):
 
     Followed at once, its jumps from one step to the next would shake the line. w: 15 words.
     """
-    row = I[O_CONSTRAINT]
+    head = header(I)
+    state = scalars(M)
+    row = head.constraints
     if M[row + C_CLAMPED] != BY_SPRING:
         return
-    dimension = I[I_DIMENSION]
+    dimension = head.dimension
     for i in range(3 * dimension):
         w[6 + i] = 0.0
     now = w[6 : 6 + 3 * dimension]
-    add_layer_motion(I, M, M[S_TIME], now)
-    rate = FOLLOWS / M[S_PERIOD]
+    add_layer_motion(I, M, state.time, now)
+    rate = FOLLOWS / state.period
     layer = layer_thickness(I, M)
     if layer > 0.0:
-        rate += abs(M[S_PAYOUT_RATE]) / layer
-    elif M[S_PASSING] != 0.0:
+        rate += abs(state.payout_rate) / layer
+    elif state.body_passage != 0.0:
         rate = max(rate, M[row + C_LAYER_RATE])  # as before the body came
     M[row + C_LAYER_RATE] = rate
-    follow_pull(I, M, dt / (dt + M[S_PERIOD]))
+    follow_pull(I, M, dt / (dt + state.period))
     M[row + C_SHARE] = share_of_layer(I, M)
     target = M[row + C_PLACE : row + C_PLACE + dimension]
     layer_target(I, M, w, target)
@@ -218,7 +211,7 @@ def follow_layer(I, M, dt, w):
         M[row + C_DRIFT + i] = drift
         turn = now[2 * dimension + i] + rate * (2.0 * drift - rate * away)
         M[row + C_DRIFT_RATE + i] = 0.5 * turn
-    M[row + C_LAYER_TIME] = M[S_TIME]
+    M[row + C_LAYER_TIME] = state.time
 
 
 @kernel
@@ -228,10 +221,12 @@ def settle_layer(I, M, w, q):
     Differences that nobody sees are left: what is sought is at rest to many more digits.
     w: 9 words.
     """
-    row = I[O_CONSTRAINT]
+    head = header(I)
+    state = scalars(M)
+    row = head.constraints
     if M[row + C_CLAMPED] != BY_SPRING:
         return
-    dimension = I[I_DIMENSION]
+    dimension = head.dimension
     follow_pull(I, M, 1.0)
     M[row + C_SHARE] = share_of_layer(I, M)
     target = w[6 : 6 + dimension]
@@ -240,7 +235,7 @@ def settle_layer(I, M, w, q):
     for i in range(dimension):
         target[i] -= M[row + C_PLACE + i] + M[row + C_AWAY + i]
         square += target[i] * target[i]
-    if math.sqrt(square) <= UNSEEN * M[S_TOLERANCE] * M[S_LENGTH]:
+    if math.sqrt(square) <= UNSEEN * state.tolerance * state.length:
         return
     for i in range(dimension):
         q[i] += target[i]
@@ -248,7 +243,7 @@ def settle_layer(I, M, w, q):
         M[row + C_AWAY + i] = 0.0
         M[row + C_DRIFT + i] = 0.0
         M[row + C_DRIFT_RATE + i] = 0.0
-    M[row + C_LAYER_TIME] = M[S_TIME]
+    M[row + C_LAYER_TIME] = state.time
 
 
 @kernel
@@ -258,21 +253,23 @@ def add_layer_shape(I, M, s, w, rate):
     s: arc length from the tow point [m]; rate: of the pay-out [m/s]. w: position, unit tangent,
     -, velocity in w[0:12], all changed; w[12:27] are changed, too. The moment is in N m.
     """
-    row = I[O_CONSTRAINT]
+    head = header(I)
+    state = scalars(M)
+    row = head.constraints
     if M[row + C_CLAMPED] != BY_SPRING:
         return 0.0
-    dimension = I[I_DIMENSION]
+    dimension = head.dimension
     share = M[row + C_SHARE]
     layer = layer_thickness(I, M)
     now = w[18 : 18 + 3 * dimension]
     for i in range(3 * dimension):
         now[i] = 0.0
-    add_layer_motion(I, M, M[S_TIME], now)
+    add_layer_motion(I, M, state.time, now)
     for i in range(dimension):
         w[12 + i] = M[row + C_DIRECTION + i]
     moment = 0.0
     if share > 0.0:
-        q = M[I[O_POSITION] : I[O_POSITION] + 2 * dimension]
+        q = M[head.position : head.position + 2 * dimension]
         _length, cosine = slope_direction(dimension, q, dimension, w[12:18])
         way_of_layer(dimension, share * layer, cosine, w[12:18], w[24:27])
         for i in range(dimension):
@@ -298,7 +295,7 @@ def add_layer_shape(I, M, s, w, rate):
             size += w[3 + i] * w[3 + i]
         for i in range(dimension):
             w[3 + i] /= math.sqrt(size)
-        moment = 2.0 * share * layer * M[I[O_CONSTRAINT] + C_PULL] * half_sine
+        moment = 2.0 * share * layer * M[head.constraints + C_PULL] * half_sine
     apart = 0.0
     for i in range(dimension):
         apart += now[i] * now[i]

@@ -23,10 +23,20 @@ from numba.core.compiler_machinery import AnalysisPass, register_pass
 from numba.core.targetconfig import ConfigStack
 from numba.core.typed_passes import AnnotateTypes
 from numba.core.types.functions import BaseFunction
-from numba.extending import intrinsic
+from numba.core.typing.templates import AttributeTemplate
+from numba.extending import (
+    infer_getattr,
+    intrinsic,
+    lower_getattr_generic,
+    lower_setattr_generic,
+    models,
+    register_model,
+)
 from numba.np.arrayobj import make_array, populate_array
 
 from cablemodel.cache import cache_root
+
+from .record import INTEGER, Field, Part, Record, Several
 
 _intrinsic: Any = intrinsic  # for callers, what it makes takes one argument less
 
@@ -246,6 +256,130 @@ def entry_point(
     return decorate
 
 
+class RecordType(types.Type):
+    """A view of words by name (record.py): in machine code the address of the first."""
+
+    def __init__(self, record: type[Record]) -> None:
+        self.record = record
+        super().__init__(name=record.__name__)
+
+
+@register_model(RecordType)
+class _RecordModel(models.PrimitiveModel):
+    def __init__(self, manager: Any, kind: Any) -> None:
+        super().__init__(manager, kind, ir.IntType(64).as_pointer())
+
+
+def _type_of(field: Field) -> Any:
+    """What a field is in a kernel: a number, an array, or a record."""
+    if isinstance(field, Part):
+        return RecordType(field.of)
+    if isinstance(field, Several):
+        return INTEGERS if field.kind == INTEGER else REALS
+    return types.int64 if field.kind == INTEGER else types.float64
+
+
+@infer_getattr
+class _RecordAttributes(AttributeTemplate):
+    key = RecordType
+
+    def generic_resolve(self, record: Any, name: str) -> Any:  # type: ignore[override]
+        field = record.record.FIELDS.get(name)
+        return None if field is None else _type_of(field)
+
+
+def _place_of(builder: Any, address: Any, field: Field) -> Any:
+    """Address of a field's first word."""
+    place = builder.gep(address, [ir.Constant(ir.IntType(64), field.word)])
+    if field.kind == INTEGER or isinstance(field, Part):
+        return place
+    return builder.bitcast(place, ir.DoubleType().as_pointer())
+
+
+@lower_getattr_generic(RecordType)
+def _get_field(context: Any, builder: Any, kind: Any, address: Any, name: str) -> Any:
+    field = kind.record.FIELDS[name]
+    place = _place_of(builder, address, field)
+    if isinstance(field, Part):
+        return place
+    if isinstance(field, Several):
+        return _array_at(context, builder, _type_of(field), place, field.words)
+    return builder.load(place)
+
+
+@lower_setattr_generic(RecordType)
+def _set_field(context: Any, builder: Any, signature: Any, values: Any, name: str) -> None:
+    builder.store(values[1], _place_of(builder, values[0], signature.args[0].record.FIELDS[name]))
+
+
+def _array_at(context: Any, builder: Any, kind: Any, data: Any, count: Any) -> Any:
+    """An array of so many words from an address on."""
+    array = make_array(kind)(context, builder)
+    word = context.get_constant(types.intp, 8)
+    if isinstance(count, int):
+        count = context.get_constant(types.intp, count)
+    populate_array(
+        array,
+        data=data,
+        shape=cgutils.pack_array(builder, [count]),
+        strides=cgutils.pack_array(builder, [word]),
+        itemsize=word,
+        meminfo=None,
+    )
+    return array._getvalue()
+
+
+def _address(context: Any, builder: Any, kind: Any, words: Any, word: Any) -> Any:
+    """Address of a word of an array."""
+    data = make_array(kind)(context, builder, words).data
+    return builder.bitcast(builder.gep(data, [word]), ir.IntType(64).as_pointer())
+
+
+def record_in(record: type[Record]) -> Any:
+    """Kernel f(words): the record at its own place in a block's words, without a copy."""
+
+    @_intrinsic
+    def named(typing_context: Any, words: Any) -> Any:
+        def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+            word = ir.Constant(ir.IntType(64), record.FIRST)
+            return _address(context, builder, signature.args[0], values[0], word)
+
+        return RecordType(record)(words), generate
+
+    return named
+
+
+def record_at(record: type[Record]) -> Any:
+    """Kernel f(words, word): the record at a word of an array, without a copy."""
+
+    @_intrinsic
+    def named(typing_context: Any, words: Any, word: Any) -> Any:
+        def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+            return _address(context, builder, signature.args[0], *values)
+
+        return RecordType(record)(words, types.int64), generate
+
+    return named
+
+
+def row_of(record: type[Record], table: Field) -> Any:
+    """Kernel f(I, M, n): row n of the table of records that starts at the header's word `table`."""
+
+    @_intrinsic
+    def named(typing_context: Any, header: Any, words: Any, row: Any) -> Any:
+        def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+            integer = ir.IntType(64)
+            data = make_array(signature.args[0])(context, builder, values[0]).data
+            start = builder.load(builder.gep(data, [ir.Constant(integer, table.word)]))
+            offset = builder.mul(values[2], ir.Constant(integer, record.WORDS))
+            word = builder.add(start, offset)
+            return _address(context, builder, signature.args[1], values[1], word)
+
+        return RecordType(record)(header, words, types.int64), generate
+
+    return named
+
+
 @_intrinsic
 def view(typing_context: Any, array: Any, start: Any, count: Any) -> Any:
     """``array[start : start + count]`` without the checks of a Python slice: 0 <= start.
@@ -257,18 +391,8 @@ def view(typing_context: Any, array: Any, start: Any, count: Any) -> Any:
 
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         kind = signature.args[0]
-        whole = make_array(kind)(context, builder, values[0])
-        part = make_array(kind)(context, builder)
-        word = context.get_constant(types.intp, 8)
-        populate_array(
-            part,
-            data=builder.gep(whole.data, [values[1]]),
-            shape=cgutils.pack_array(builder, [values[2]]),
-            strides=cgutils.pack_array(builder, [word]),
-            itemsize=word,
-            meminfo=None,
-        )
-        return part._getvalue()
+        data = make_array(kind)(context, builder, values[0]).data
+        return _array_at(context, builder, kind, builder.gep(data, [values[1]]), values[2])
 
     return signature, generate
 

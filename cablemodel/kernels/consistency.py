@@ -6,40 +6,12 @@ motion or another mesh asks for more.
 
 import math
 
+from .access import header, scalars
 from .compile import copy_words, kernel, view
 from .environment import current_rate, prescribed_motion, surge_jump, vessel_motion
 from .frames import frames_jump, move_frames
 from .layout import (
     C_NODE,
-    I_DIMENSION,
-    I_FACTORED,
-    I_HISTORY,
-    I_LIVE,
-    I_NODES,
-    I_PARTS,
-    I_PAYOUT,
-    O_ACCELERATION,
-    O_BASE_Q,
-    O_BASE_V,
-    O_CONSTRAINT,
-    O_CONSTRAINT_RESIDUAL,
-    O_INCREMENT,
-    O_MOTION,
-    O_POSITION,
-    O_RESIDUAL,
-    O_STAGE_T,
-    O_TENSION,
-    O_TENSION_RATE,
-    O_TRIAL_T,
-    O_VELOCITY,
-    S_AXIAL,
-    S_JOINED,
-    S_LAST_STEP,
-    S_LENGTH,
-    S_PERIOD,
-    S_TIME,
-    S_TIME_TOLERANCE,
-    S_UNDAMPED,
 )
 from .newton import refactor
 from .system import (
@@ -63,64 +35,70 @@ AXIAL_RESOLVED = 5.0  # (axial frequency x gamma dt)^2 below which velocities ar
 @kernel
 def refactor_state(I, M, gamma_dt):
     """Factor the Newton matrix of a step at the state itself; 0 on success."""
-    count = 2 * I[I_DIMENSION] * I[I_NODES]
-    q = view(M, I[O_POSITION], count)
-    v = view(M, I[O_VELOCITY], count)
-    a = view(M, I[O_ACCELERATION], count)
-    set_time(I, M, M[S_TIME])
-    return refactor(I, M, q, v, a, view(M, I[O_TENSION], 2 * I[I_NODES]), gamma_dt)
+    head = header(I)
+    state = scalars(M)
+    count = 2 * head.dimension * head.nodes
+    q = view(M, head.position, count)
+    v = view(M, head.velocity, count)
+    a = view(M, head.acceleration, count)
+    set_time(I, M, state.time)
+    return refactor(I, M, q, v, a, view(M, head.tension, 2 * head.nodes), gamma_dt)
 
 
 @kernel
 def state_residual(I, M):
     """Residual of the state: forces, and what is left of the constraint."""
-    count = 2 * I[I_DIMENSION] * I[I_NODES]
-    words = 2 * I[I_NODES]
+    head = header(I)
+    count = 2 * head.dimension * head.nodes
+    words = 2 * head.nodes
     residual(
         I,
         M,
-        view(M, I[O_POSITION], count),
-        view(M, I[O_VELOCITY], count),
-        view(M, I[O_ACCELERATION], count),
-        view(M, I[O_TENSION], words),
-        view(M, I[O_RESIDUAL], count),
-        view(M, I[O_CONSTRAINT_RESIDUAL], words),
+        view(M, head.position, count),
+        view(M, head.velocity, count),
+        view(M, head.acceleration, count),
+        view(M, head.tension, words),
+        view(M, head.residual, count),
+        view(M, head.constraint_residual, words),
     )
 
 
 @kernel
-def project(I, M, place, share):
-    """Remove a share of what is left of the constraint from an array of the state."""
-    count = 2 * I[I_DIMENSION] * I[I_NODES]
-    forces = view(M, I[O_RESIDUAL], count)
-    constraint = view(M, I[O_CONSTRAINT_RESIDUAL], 2 * I[I_NODES])
-    x = view(M, I[O_INCREMENT], count)
-    array = view(M, I[place], count)
+def project(I, M, array, share):
+    """Remove a share of what is left of the constraint from an array of the state, by its word."""
+    head = header(I)
+    count = 2 * head.dimension * head.nodes
+    forces = view(M, head.residual, count)
+    constraint = view(M, head.constraint_residual, 2 * head.nodes)
+    x = view(M, head.increment, count)
+    motion = view(M, array, count)
     if share != 1.0:
-        for n in range(2 * I[I_NODES]):
+        for n in range(2 * head.nodes):
             constraint[n] *= share
     forces[:] = 0.0
     newton_increment(I, M, forces, constraint, x)
     for n in range(count):
-        array[n] += x[n]
+        motion[n] += x[n]
 
 
 @kernel
 def state_elongation_rate(I, M):
     """Rate of the constraint's residual at the state, with the rates of the tensions."""
-    words = 2 * I[I_NODES]
-    v = view(M, I[O_VELOCITY], 2 * I[I_DIMENSION] * I[I_NODES])
-    rate = view(M, I[O_TENSION_RATE], words)
-    elongation_rate(I, M, v, rate, view(M, I[O_CONSTRAINT_RESIDUAL], words))
+    head = header(I)
+    words = 2 * head.nodes
+    v = view(M, head.velocity, 2 * head.dimension * head.nodes)
+    rate = view(M, head.tension_rate, words)
+    elongation_rate(I, M, v, rate, view(M, head.constraint_residual, words))
 
 
 @kernel
-def follow_increment(I, M, place):
-    """Let tensions, or their rates, by their header word, follow the last increment."""
-    words = 2 * I[I_NODES]
-    constraint = view(M, I[O_CONSTRAINT_RESIDUAL], words)
-    x = view(M, I[O_INCREMENT], 2 * I[I_DIMENSION] * I[I_NODES])
-    recover_tension(I, M, constraint, x, view(M, I[place], words))
+def follow_increment(I, M, array):
+    """Let tensions, or their rates, by their word, follow the last increment."""
+    head = header(I)
+    words = 2 * head.nodes
+    constraint = view(M, head.constraint_residual, words)
+    x = view(M, head.increment, 2 * head.dimension * head.nodes)
+    recover_tension(I, M, constraint, x, view(M, array, words))
 
 
 @kernel
@@ -134,24 +112,27 @@ def project_velocity(I, M, gamma_dt):
     to be resolved, this would replace that motion by an estimate from the rate of T: the share of
     the correction fades with the line's axial frequency times the step.
     """
-    if M[S_UNDAMPED] == 0.0:
+    head = header(I)
+    state = scalars(M)
+    if state.undamped == 0.0:
         return
-    stiffness = M[S_AXIAL] * gamma_dt * gamma_dt
+    stiffness = state.axial * gamma_dt * gamma_dt
     share = stiffness / (stiffness + AXIAL_RESOLVED)
     if share < 0.1 or refactor_state(I, M, gamma_dt) != 0:
         return
     state_elongation_rate(I, M)
-    project(I, M, O_VELOCITY, share)
-    I[I_HISTORY] = 0
+    project(I, M, head.velocity, share)
+    head.has_history = 0
 
 
 @kernel
 def constraint_size(I, M):
     """Largest of what is left of the constraint at the state; leaves it and the forces."""
+    head = header(I)
     state_residual(I, M)
-    constraint = view(M, I[O_CONSTRAINT_RESIDUAL], 2 * I[I_NODES])
+    constraint = view(M, head.constraint_residual, 2 * head.nodes)
     largest = 0.0
-    for n in range(2 * I[I_NODES]):
+    for n in range(2 * head.nodes):
         if not abs(constraint[n]) < 1e300:
             return 1e300
         largest = max(largest, abs(constraint[n]))
@@ -161,24 +142,26 @@ def constraint_size(I, M):
 @kernel
 def meet_constraints(I, M, gamma_dt, changed):
     """Bring positions and velocities to the constraint in the norm of a step; False: it failed."""
+    head = header(I)
+    state = scalars(M)
     if refactor_state(I, M, gamma_dt) != 0:
         return False
     before = constraint_size(I, M)
     for iteration in range(4 if changed else 3):
         if iteration > 0:
             state_residual(I, M)
-        project(I, M, O_POSITION, 1.0)
+        project(I, M, head.position, 1.0)
         if not changed:
-            follow_increment(I, M, O_TENSION)
+            follow_increment(I, M, head.tension)
     after = constraint_size(I, M)
     for _iteration in range(2):
-        if I[I_PAYOUT] != 0:
+        if head.payout != 0:
             state_residual(I, M)
         state_elongation_rate(I, M)
-        project(I, M, O_VELOCITY, 1.0)
+        project(I, M, head.velocity, 1.0)
         if not changed:
-            follow_increment(I, M, O_TENSION_RATE)
-    return after <= before + NEGLIGIBLE * M[S_LENGTH]
+            follow_increment(I, M, head.tension_rate)
+    return after <= before + NEGLIGIBLE * state.length
 
 
 @kernel
@@ -193,30 +176,32 @@ def make_consistent(I, M, changed):
     Where the mesh has changed the errors are those of joined elements: tensions and their rates
     are held, in the norm of a step that does not resolve these elements' axial motion.
     """
-    if M[S_LAST_STEP] == 0.0:
+    head = header(I)
+    state = scalars(M)
+    if state.last_step == 0.0:
         return
-    gamma_dt = GAMMA[0] * M[S_LAST_STEP]
+    gamma_dt = GAMMA[0] * state.last_step
     if changed:
-        slow = AXIAL_SLOW * M[S_JOINED] / (M[S_LENGTH] * math.sqrt(M[S_AXIAL]))
+        slow = AXIAL_SLOW * state.joined / (state.length * math.sqrt(state.axial))
         gamma_dt = max(slow, gamma_dt)
-    count = 2 * I[I_DIMENSION] * I[I_NODES]
-    words = 2 * I[I_NODES]
+    count = 2 * head.dimension * head.nodes
+    words = 2 * head.nodes
     for _attempt in range(MOST_NORMS):
-        copy_words(I, I[O_BASE_Q], I[O_POSITION], count)
-        copy_words(I, I[O_BASE_V], I[O_VELOCITY], count)
-        copy_words(I, I[O_TRIAL_T], I[O_TENSION], words)
-        copy_words(I, I[O_STAGE_T], I[O_TENSION_RATE], words)
+        copy_words(I, head.base_position, head.position, count)
+        copy_words(I, head.base_velocity, head.velocity, count)
+        copy_words(I, head.trial_tension, head.tension, words)
+        copy_words(I, head.stage_tension, head.tension_rate, words)
         if meet_constraints(I, M, gamma_dt, changed):
             break
         # Under pressure a long step's matrix may have no sign: inertia has.
-        copy_words(I, I[O_POSITION], I[O_BASE_Q], count)
-        copy_words(I, I[O_VELOCITY], I[O_BASE_V], count)
-        copy_words(I, I[O_TENSION], I[O_TRIAL_T], words)
-        copy_words(I, I[O_TENSION_RATE], I[O_STAGE_T], words)
+        copy_words(I, head.position, head.base_position, count)
+        copy_words(I, head.velocity, head.base_velocity, count)
+        copy_words(I, head.tension, head.trial_tension, words)
+        copy_words(I, head.tension_rate, head.stage_tension, words)
         gamma_dt *= 0.1
-    I[I_FACTORED] = 0
-    I[I_HISTORY] = 0
-    M[S_LAST_STEP] = 0.0
+    head.factored = 0
+    head.has_history = 0
+    state.last_step = 0.0
 
 
 @kernel
@@ -226,28 +211,32 @@ def take_rates_from_velocity(I, M):
     From one step to the next they are differences, which a projection of velocities on to them
     would feed back: an axial motion that steps resolve would grow with every change of the mesh.
     """
-    if refactor_state(I, M, GAMMA[0] * M[S_LAST_STEP]) != 0:
+    head = header(I)
+    state = scalars(M)
+    if refactor_state(I, M, GAMMA[0] * state.last_step) != 0:
         return
-    if I[I_PAYOUT] != 0:
+    if head.payout != 0:
         state_residual(I, M)
     state_elongation_rate(I, M)
-    x = view(M, I[O_INCREMENT], 2 * I[I_DIMENSION] * I[I_NODES])
+    x = view(M, head.increment, 2 * head.dimension * head.nodes)
     x[:] = 0.0
-    follow_increment(I, M, O_TENSION_RATE)
+    follow_increment(I, M, head.tension_rate)
 
 
 @kernel
 def vessel_jump(I, M):
     """By how much the tow point's acceleration is now another one than the state's [m/s2]."""
-    if I[I_PARTS] != 0:
-        move_frames(I, M, M[S_TIME])
-        return frames_jump(I, M, view(M, I[O_MOTION] + 16, 18))
-    dimension = I[I_DIMENSION]
-    vessel_motion(I, M, M[S_TIME])
-    out = view(M, I[O_MOTION] + 16, 9)
-    row = I[O_CONSTRAINT]
-    prescribed_motion(I, M, row, M[S_TIME], out)
-    at = I[O_ACCELERATION] + 2 * dimension * int(M[row + C_NODE])
+    head = header(I)
+    state = scalars(M)
+    if head.parts != 0:
+        move_frames(I, M, state.time)
+        return frames_jump(I, M, view(M, head.motion + 16, 18))
+    dimension = head.dimension
+    vessel_motion(I, M, state.time)
+    out = view(M, head.motion + 16, 9)
+    row = head.constraints
+    prescribed_motion(I, M, row, state.time, out)
+    at = head.acceleration + 2 * dimension * int(M[row + C_NODE])
     changed = 0.0
     for i in range(dimension):
         changed += (out[2 * dimension + i] - M[at + i]) ** 2
@@ -263,14 +252,16 @@ def follows_a_blow(I, M, dt):
     over when the next step begins with it: that moves the line by no more than a step may err, at
     tens of metres a second.
     """
-    last = M[S_LAST_STEP]
+    head = header(I)
+    state = scalars(M)
+    last = state.last_step
     if last == 0.0 or dt < AFTER_A_BLOW * last:
         return False
-    limit = SEEN * M[S_TIME_TOLERANCE]
-    surge, _most = surge_jump(I, M, M[S_TIME])
+    limit = SEEN * state.time_tolerance
+    surge, _most = surge_jump(I, M, state.time)
     if surge * dt * dt > limit:
         return True
-    if I[I_LIVE] == 0 and I[I_PARTS] == 0:
+    if head.live == 0 and head.parts == 0:
         return False
     return vessel_jump(I, M) * dt * dt > limit
 
@@ -282,8 +273,9 @@ def begins_a_surge(I, M, dt):
     The step's first stage, with the acceleration before it, has a fifth of what the water gives the
     line: missed once and for all, where in steps that are alike all is a little late.
     """
-    surge, _most = surge_jump(I, M, M[S_TIME])
-    return surge * dt * M[S_PERIOD] > SEEN * M[S_TIME_TOLERANCE]
+    state = scalars(M)
+    surge, _most = surge_jump(I, M, state.time)
+    return surge * dt * state.period > SEEN * state.time_tolerance
 
 
 @kernel
@@ -293,25 +285,27 @@ def begin_after_a_blow(I, M, span):
     What they change moves the line's mass at once; tensions follow as waves run along it.
     The equations are linear; the matrix is that of a step of `span`, as short as the blow.
     """
-    count = 2 * I[I_DIMENSION] * I[I_NODES]
+    head = header(I)
+    state = scalars(M)
+    count = 2 * head.dimension * head.nodes
     gamma_dt = GAMMA[0] * span
-    q = view(M, I[O_POSITION], count)
-    v = view(M, I[O_VELOCITY], count)
-    a = view(M, I[O_ACCELERATION], count)
-    copy_words(I, I[O_BASE_V], I[O_ACCELERATION], count)
-    set_time(I, M, M[S_TIME])
-    impose_motion(I, M, M[S_TIME], q, v, a)
+    q = view(M, head.position, count)
+    v = view(M, head.velocity, count)
+    a = view(M, head.acceleration, count)
+    copy_words(I, head.base_velocity, head.acceleration, count)
+    set_time(I, M, state.time)
+    impose_motion(I, M, state.time, q, v, a)
     if refactor_state(I, M, gamma_dt) == 0:
-        current_rate(I, M, M[S_TIME], True)
+        current_rate(I, M, state.time, True)
         state_residual(I, M)
-        constraint = view(M, I[O_CONSTRAINT_RESIDUAL], 2 * I[I_NODES])
+        constraint = view(M, head.constraint_residual, 2 * head.nodes)
         constraint[:] = 0.0
-        x = view(M, I[O_INCREMENT], count)
-        newton_increment(I, M, view(M, I[O_RESIDUAL], count), constraint, x)
+        x = view(M, head.increment, count)
+        newton_increment(I, M, view(M, head.residual, count), constraint, x)
         inverse = 1.0 / (gamma_dt * gamma_dt)
         for n in range(count):
             a[n] += inverse * x[n]
     else:
-        copy_words(I, I[O_ACCELERATION], I[O_BASE_V], count)
-    I[I_FACTORED] = 0
-    I[I_HISTORY] = 0
+        copy_words(I, head.acceleration, head.base_velocity, count)
+    head.factored = 0
+    head.has_history = 0

@@ -9,6 +9,7 @@ p0 is the force at rest and e the way along the floor from the place where a nod
 
 import math
 
+from .access import header, scalars
 from .compile import inlined, kernel, view
 from .floor_surface import gap_at, gap_below
 from .layout import (
@@ -22,20 +23,6 @@ from .layout import (
     E_BENDING_FULL,
     E_CONTACT,
     EDGE_WORDS,
-    I_BODIES,
-    I_CONSTRAINTS,
-    I_DIMENSION,
-    I_NODES,
-    O_BODY,
-    O_CONSTRAINT,
-    O_EDGE,
-    O_PARENT,
-    O_REST,
-    S_BRISTLE,
-    S_END_BORNE,
-    S_FLOOR_DAMPING,
-    S_FLOOR_DEPTH,
-    S_FRICTION,
 )
 from .tables import CONTACT_H, CONTACT_POINTS, STEEPEST, STIFFENING
 
@@ -89,8 +76,10 @@ def friction(I, M, q, parent, node, x, contact, press, w, dimension):
     e is linear between the nodes; its part along the normal has been removed. Returns whether it
     sticks, the length of e and the stiffness: minus force over e.
     """
+    head = header(I)
+    state = scalars(M)
     size = 2 * dimension
-    rest = I[O_REST]
+    rest = head.rest
     along = 0.0
     for i in range(dimension):
         e0 = q[size * parent + i] - M[rest + 3 * parent + i]
@@ -102,8 +91,8 @@ def friction(I, M, q, parent, node, x, contact, press, w, dimension):
         w[6 + i] -= along * w[3 + i]
         length += w[6 + i] ** 2
     length = math.sqrt(length)
-    stiffness = M[S_FRICTION] * contact / M[S_BRISTLE]
-    limit = M[S_FRICTION] * press
+    stiffness = state.friction * contact / state.bristle
+    limit = state.friction * press
     sticks = stiffness * length <= limit
     if not sticks:
         stiffness = limit / length
@@ -163,17 +152,18 @@ def contact_force(I, M, q, v, parent, node, h, p, contact, w, dimension):
     Position into w[0:3], normal into w[3:6], what acts along the floor [N/m] into w[9:12]. Returns
     force, gap and speed of approach.
     """
+    state = scalars(M)
     interpolate(I, q, parent, node, h, p, w, dimension)
     gap = gap_below(I, M, w, view(w, 3, 3), dimension)
     for i in range(dimension):
         w[9 + i] = 0.0
-    if gap >= M[S_FLOOR_DEPTH]:
+    if gap >= state.floor_depth:
         return 0.0, gap, 0.0
     speed = approach(I, v, parent, node, h, p, w, dimension)
-    share, _stiffness, _energy = contact_law(gap, M[S_FLOOR_DEPTH])
+    share, _stiffness, _energy = contact_law(gap, state.floor_depth)
     press = contact * share
-    press *= max(0.0, 1.0 - M[S_FLOOR_DAMPING] * speed)
-    if M[S_FRICTION] > 0.0 and press > 0.0:
+    press *= max(0.0, 1.0 - state.floor_damping * speed)
+    if state.friction > 0.0 and press > 0.0:
         friction(I, M, q, parent, node, CONTACT_POINTS[p], contact, press, w, dimension)
     w[9] += press * tipping(I, q, parent, node, p, w, dimension)
     return press, gap, speed
@@ -188,7 +178,8 @@ def touchdown_layer(M, edge):
 @inlined
 def contact_places(I):
     """How many places touch as points: two of each body, and the line's end."""
-    return 2 * I[I_BODIES] + 1
+    head = header(I)
+    return 2 * head.body_count + 1
 
 
 @kernel
@@ -199,19 +190,21 @@ def contact_place(I, M, place):
     without a body has no weight of its own; cable that comes down on it end-on would go through
     the floor as far as the first Gauss point is away. Force 0: a place that there is not.
     """
-    if place == 2 * I[I_BODIES]:
-        node = I[I_NODES] - 1
+    head = header(I)
+    state = scalars(M)
+    if place == 2 * head.body_count:
+        node = head.nodes - 1
         if node == 0 or ends_in_something(I, M, node):
             return 0, 0.0, False
-        edge = I[O_EDGE] + node * EDGE_WORDS
-        return node, M[edge + E_CONTACT] * touchdown_layer(M, edge) * M[S_END_BORNE], False
-    row = I[O_BODY] + place // 2 * BODY_WORDS
+        edge = head.edges + node * EDGE_WORDS
+        return node, M[edge + E_CONTACT] * touchdown_layer(M, edge) * state.end_support, False
+    row = head.bodies + place // 2 * BODY_WORDS
     node = int(M[row + B_NODE])
     if node < 0:  # on the drum
         return 0, 0.0, True
     if M[row + B_LENGTH] > 0.0:
         if place % 2 == 1:
-            node = I[I[O_PARENT] + node]
+            node = I[head.parent + node]
         return node, 0.5 * M[row + B_WEIGHT] * M[row + B_BORNE + place % 2], True
     return node, M[row + B_WEIGHT] * M[row + B_BORNE] if place % 2 == 0 else 0.0, True
 
@@ -219,11 +212,12 @@ def contact_place(I, M, place):
 @kernel
 def ends_in_something(I, M, node):
     """Whether a body or a prescribed end sits at a node."""
-    for body in range(I[I_BODIES]):
-        if M[I[O_BODY] + body * BODY_WORDS + B_NODE] == node:
+    head = header(I)
+    for body in range(head.body_count):
+        if M[head.bodies + body * BODY_WORDS + B_NODE] == node:
             return True
-    for n in range(I[I_CONSTRAINTS]):
-        if M[I[O_CONSTRAINT] + n * CONSTRAINT_WORDS + C_NODE] == node:
+    for n in range(head.constraint_count):
+        if M[head.constraints + n * CONSTRAINT_WORDS + C_NODE] == node:
             return True
     return False
 
@@ -234,9 +228,11 @@ def place_force(I, M, contact, preload, node, q, v, w):
 
     The normal goes into w[3:6], friction [N] into w[9:12].
     """
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    state = scalars(M)
+    dimension = head.dimension
     size = 2 * dimension
-    depth = M[S_FLOOR_DEPTH]
+    depth = state.floor_depth
     for i in range(3):
         w[i] = 0.0
         w[9 + i] = 0.0
@@ -249,8 +245,8 @@ def place_force(I, M, contact, preload, node, q, v, w):
     for i in range(dimension):
         speed += v[size * node + i] * w[3 + i]
     share, _stiffness, _energy = place_law(preload, gap, depth)
-    press = contact * share * max(0.0, 1.0 - M[S_FLOOR_DAMPING] * speed)
-    if M[S_FRICTION] > 0.0 and press > 0.0:
+    press = contact * share * max(0.0, 1.0 - state.floor_damping * speed)
+    if state.friction > 0.0 and press > 0.0:
         friction(I, M, q, node, node, 0.0, contact, press, w, dimension)
     w[9] += press * tipping(I, q, node, node, 0, w, dimension)
     return press, gap, speed

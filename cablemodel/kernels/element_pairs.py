@@ -6,15 +6,10 @@ their slopes, with a word for every pair of components (see tables.py for the pa
 
 from typing import Any
 
+from .access import header
 from .compile import inlined, kernel, matrix_vector, two_products, view
 from .layout import (
     ELEMENT_WORDS,
-    I_NODES,
-    O_COMPLIANCE,
-    O_GAUSS,
-    O_GRADIENT,
-    O_JOINT,
-    O_PARENT,
 )
 from .tables import P1, P2, WD
 
@@ -148,15 +143,16 @@ def constraint_kernels(dimension: int) -> tuple[Any, Any]:
     @kernel
     def condense(I, M, out_constraint, out):
         """Add B^T S (constraint residual) of every element to the forces: T condensed out."""
-        nodes = I[I_NODES]
-        joints = view(I, I[O_JOINT], nodes)
-        parents = view(I, I[O_PARENT], nodes)
-        gradients = view(M, I[O_GRADIENT], words * nodes)
-        z = view(M, I[O_GAUSS] + 64, 2)  # where residuals keep an element vector
+        head = header(I)
+        nodes = head.nodes
+        joints = view(I, head.joint, nodes)
+        parents = view(I, head.parent, nodes)
+        gradients = view(M, head.gradient, words * nodes)
+        z = view(M, head.gauss + 64, 2)  # where residuals keep an element vector
         for node in range(1, nodes):
             if joints[node] != 0:
                 continue
-            s = view(M, I[O_COMPLIANCE] + 3 * node, 3)
+            s = view(M, head.compliance + 3 * node, 3)
             r0 = out_constraint[2 * node]
             r1 = out_constraint[2 * node + 1]
             z[0] = s[0] * r0 + s[1] * r1
@@ -167,15 +163,16 @@ def constraint_kernels(dimension: int) -> tuple[Any, Any]:
     @kernel
     def stretch_rate(I, M, x, out):
         """Gradient B of the constraints times a vector x (nodes, size): out (nodes, 2)."""
-        nodes = I[I_NODES]
-        joints = view(I, I[O_JOINT], nodes)
-        parents = view(I, I[O_PARENT], nodes)
+        head = header(I)
+        nodes = head.nodes
+        joints = view(I, head.joint, nodes)
+        parents = view(I, head.parent, nodes)
         for node in range(1, nodes):
             if joints[node] != 0:
                 out[2 * node] = 0.0
                 out[2 * node + 1] = 0.0
                 continue
-            B = view(M, I[O_GRADIENT] + words * node, words)
+            B = view(M, head.gradient + words * node, words)
             set_products(B, x, size * parents[node], size * node, out, 2 * node)
 
     return condense, stretch_rate

@@ -7,6 +7,7 @@ curvature k is a number and P = n n^T, which saves a root and most of the produc
 
 import math
 
+from .access import header
 from .compile import inlined, kernel, table_product, view
 from .element_pairs import constraint_kernels, pair_kernels
 from .environment import current_at
@@ -26,23 +27,6 @@ from .layout import (
     E_WEIGHT,
     EDGE_WORDS,
     GAUSS_WORDS,
-    I_DEPTHS,
-    I_DRAG,
-    I_NODES,
-    I_PAYOUT,
-    I_WAVES,
-    O_COMPLIANCE,
-    O_DIAGONAL,
-    O_EDGE,
-    O_END_FORCE,
-    O_GAUSS,
-    O_GRADIENT,
-    O_JOINT,
-    O_LOWER,
-    O_MOTION,
-    O_PARENT,
-    O_TOP,
-    O_UPPER,
 )
 from .strain import strain_and_slope
 from .tables import (
@@ -102,7 +86,8 @@ condense_planar, stretch_rate_planar = constraint_kernels(2)
 @inlined
 def element_current(I, M, W, x0, x1, h):
     """Water velocity at the Gauss points of an element, when it varies over depth."""
-    motion = I[O_MOTION] + 9
+    head = header(I)
+    motion = head.motion + 9
     z = view(M, motion, 3)
     for g in range(3):
         height = x0[1] * H0[g] + h * x0[3] * H1[g] + x1[1] * H2[g] + h * x1[3] * H3[g]
@@ -208,15 +193,16 @@ def load_forces(W, v0, v1, a0, a1, h, cn, ct, added):
 @kernel
 def residual_planar(I, M, q, v, a, tension, out, out_constraint):
     """Residual of all elements: out (nodes, 4), out_constraint (nodes, 2); see residual_spatial."""
-    W = view(M, I[O_GAUSS], GAUSS_WORDS)
-    nodes = I[I_NODES]
-    drag = I[I_DRAG]
-    payout = I[I_PAYOUT]
-    sheared = I[I_DEPTHS] > 1
-    waves = I[I_WAVES]
-    ends = view(M, I[O_END_FORCE], 4 * nodes)
-    joints = view(I, I[O_JOINT], nodes)
-    parents = view(I, I[O_PARENT], nodes)
+    head = header(I)
+    W = view(M, head.gauss, GAUSS_WORDS)
+    nodes = head.nodes
+    drag = head.drag
+    payout = head.payout
+    sheared = head.depth_count > 1
+    waves = head.wave_count
+    ends = view(M, head.end_force, 4 * nodes)
+    joints = view(I, head.joint, nodes)
+    parents = view(I, head.parent, nodes)
     out[0 : 4 * nodes] = 0.0
     for node in range(1, nodes):
         if joints[node] != 0:
@@ -224,7 +210,7 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
             out_constraint[2 * node + 1] = 0.0
             continue
         parent = parents[node]
-        e = I[O_EDGE] + node * EDGE_WORDS
+        e = head.edges + node * EDGE_WORDS
         edge = view(M, e, EDGE_WORDS)
         h = edge[E_LENGTH]
         bending = edge[E_BENDING]
@@ -235,8 +221,8 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
         a0 = view(a, 4 * parent, 4)
         a1 = view(a, 4 * node, 4)
         if parent == 0 and payout != 0:
-            v0 = view(M, I[O_TOP], 4)
-            a0 = view(M, I[O_TOP] + 6, 4)
+            v0 = view(M, head.top, 4)
+            a0 = view(M, head.top + 6, 4)
         geometry(W, x0, x1, h)
         t0 = tension[2 * node]
         t1 = tension[2 * node + 1]
@@ -401,23 +387,24 @@ def tangent_matrices(
 @kernel
 def jacobian_planar(I, M, q, v, a, tension, ca, cv):
     """Blocks of the effective Jacobian with T condensed out; see jacobian_spatial."""
-    W = view(M, I[O_GAUSS], GAUSS_WORDS)
-    nodes = I[I_NODES]
-    drag = I[I_DRAG]
-    payout = I[I_PAYOUT]
-    sheared = I[I_DEPTHS] > 1
-    waves = I[I_WAVES]
-    diagonal = view(M, I[O_DIAGONAL], 16 * nodes)
-    upper = view(M, I[O_UPPER], 16 * nodes)
-    lower = view(M, I[O_LOWER], 16 * nodes)
-    joints = view(I, I[O_JOINT], nodes)
-    parents = view(I, I[O_PARENT], nodes)
+    head = header(I)
+    W = view(M, head.gauss, GAUSS_WORDS)
+    nodes = head.nodes
+    drag = head.drag
+    payout = head.payout
+    sheared = head.depth_count > 1
+    waves = head.wave_count
+    diagonal = view(M, head.diagonal, 16 * nodes)
+    upper = view(M, head.upper, 16 * nodes)
+    lower = view(M, head.lower, 16 * nodes)
+    joints = view(I, head.joint, nodes)
+    parents = view(I, head.parent, nodes)
     diagonal[:] = 0.0
     for node in range(1, nodes):
         if joints[node] != 0:
             continue
         parent = parents[node]
-        e = I[O_EDGE] + node * EDGE_WORDS
+        e = head.edges + node * EDGE_WORDS
         edge = view(M, e, EDGE_WORDS)
         h = edge[E_LENGTH]
         bending = edge[E_BENDING]
@@ -428,8 +415,8 @@ def jacobian_planar(I, M, q, v, a, tension, ca, cv):
         v0 = view(v, 4 * parent, 4)
         v1 = view(v, 4 * node, 4)
         if parent == 0 and payout != 0:
-            v0 = view(M, I[O_TOP], 4)
-            a0 = view(M, I[O_TOP] + 6, 4)
+            v0 = view(M, head.top, 4)
+            a0 = view(M, head.top + 6, 4)
         geometry(W, x0, x1, h)
         if waves != 0:
             element_water(I, M, W, e, x0, x1)
@@ -459,7 +446,7 @@ def jacobian_planar(I, M, q, v, a, tension, ca, cv):
             cv,
         )
 
-        constraint_gradient(W, h, view(M, I[O_GRADIENT] + 16 * node, 16))
+        constraint_gradient(W, h, view(M, head.gradient + 16 * node, 16))
         c00 = 0.0
         c01 = 0.0
         c11 = 0.0
@@ -483,7 +470,7 @@ def jacobian_planar(I, M, q, v, a, tension, ca, cv):
         s00 = c11 * determinant
         s01 = -c01 * determinant
         s11 = c00 * determinant
-        stiffness = view(M, I[O_COMPLIANCE] + 3 * node, 3)
+        stiffness = view(M, head.compliance + 3 * node, 3)
         stiffness[0] = s00
         stiffness[1] = s01
         stiffness[2] = s11

@@ -11,6 +11,7 @@ water relative to the cable. In comments g = |r'|, y = r'', P = I - t t^T, k = P
 
 import math
 
+from .access import header
 from .compile import inlined, kernel, table_product, view
 from .element_pairs import constraint_kernels, pair_kernels
 from .environment import current_at
@@ -30,23 +31,6 @@ from .layout import (
     E_WEIGHT,
     EDGE_WORDS,
     GAUSS_WORDS,
-    I_DEPTHS,
-    I_DRAG,
-    I_NODES,
-    I_PAYOUT,
-    I_WAVES,
-    O_COMPLIANCE,
-    O_DIAGONAL,
-    O_EDGE,
-    O_END_FORCE,
-    O_GAUSS,
-    O_GRADIENT,
-    O_JOINT,
-    O_LOWER,
-    O_MOTION,
-    O_PARENT,
-    O_TOP,
-    O_UPPER,
 )
 from .strain import strain_and_slope
 from .tables import (
@@ -107,7 +91,8 @@ condense_spatial, stretch_rate_spatial = constraint_kernels(3)
 @inlined
 def element_current(I, M, W, x0, x1, h):
     """Water velocity at the Gauss points of an element whose heights are x0.., when it varies."""
-    motion = I[O_MOTION] + 9
+    head = header(I)
+    motion = head.motion + 9
     z = view(M, motion, 3)
     for g in range(3):
         height = x0[2] * H0[g] + h * x0[5] * H1[g] + x1[2] * H2[g] + h * x1[5] * H3[g]
@@ -252,15 +237,16 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
     out is set to zero first; residual = inertia + internal forces - loads, so the force that a
     support must exert is the residual at its node.
     """
-    W = view(M, I[O_GAUSS], GAUSS_WORDS)
-    nodes = I[I_NODES]
-    drag = I[I_DRAG]
-    payout = I[I_PAYOUT]
-    sheared = I[I_DEPTHS] > 1
-    waves = I[I_WAVES]
-    ends = view(M, I[O_END_FORCE], 6 * nodes)
-    joints = view(I, I[O_JOINT], nodes)
-    parents = view(I, I[O_PARENT], nodes)
+    head = header(I)
+    W = view(M, head.gauss, GAUSS_WORDS)
+    nodes = head.nodes
+    drag = head.drag
+    payout = head.payout
+    sheared = head.depth_count > 1
+    waves = head.wave_count
+    ends = view(M, head.end_force, 6 * nodes)
+    joints = view(I, head.joint, nodes)
+    parents = view(I, head.parent, nodes)
     out[0 : 6 * nodes] = 0.0
     for node in range(1, nodes):
         if joints[node] != 0:
@@ -268,7 +254,7 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
             out_constraint[2 * node + 1] = 0.0
             continue
         parent = parents[node]
-        e = I[O_EDGE] + node * EDGE_WORDS
+        e = head.edges + node * EDGE_WORDS
         edge = view(M, e, EDGE_WORDS)
         h = edge[E_LENGTH]
         bending = edge[E_BENDING]
@@ -279,8 +265,8 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
         a0 = view(a, 6 * parent, 6)
         a1 = view(a, 6 * node, 6)
         if parent == 0 and payout != 0:
-            v0 = view(M, I[O_TOP], 6)
-            a0 = view(M, I[O_TOP] + 6, 6)
+            v0 = view(M, head.top, 6)
+            a0 = view(M, head.top + 6, 6)
         geometry(W, x0, x1, h)
         t0 = tension[2 * node]
         t1 = tension[2 * node + 1]
@@ -584,23 +570,24 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
     Fills, for every element, its share of the diagonal blocks of both nodes, the two off-diagonal
     blocks, the gradient B of its constraint (2, 12) and the inverse of the compliance (3).
     """
-    W = view(M, I[O_GAUSS], GAUSS_WORDS)
-    nodes = I[I_NODES]
-    drag = I[I_DRAG]
-    payout = I[I_PAYOUT]
-    sheared = I[I_DEPTHS] > 1
-    waves = I[I_WAVES]
-    diagonal = view(M, I[O_DIAGONAL], 36 * nodes)
-    upper = view(M, I[O_UPPER], 36 * nodes)
-    lower = view(M, I[O_LOWER], 36 * nodes)
-    joints = view(I, I[O_JOINT], nodes)
-    parents = view(I, I[O_PARENT], nodes)
+    head = header(I)
+    W = view(M, head.gauss, GAUSS_WORDS)
+    nodes = head.nodes
+    drag = head.drag
+    payout = head.payout
+    sheared = head.depth_count > 1
+    waves = head.wave_count
+    diagonal = view(M, head.diagonal, 36 * nodes)
+    upper = view(M, head.upper, 36 * nodes)
+    lower = view(M, head.lower, 36 * nodes)
+    joints = view(I, head.joint, nodes)
+    parents = view(I, head.parent, nodes)
     diagonal[:] = 0.0
     for node in range(1, nodes):
         if joints[node] != 0:
             continue
         parent = parents[node]
-        e = I[O_EDGE] + node * EDGE_WORDS
+        e = head.edges + node * EDGE_WORDS
         edge = view(M, e, EDGE_WORDS)
         h = edge[E_LENGTH]
         bending = edge[E_BENDING]
@@ -611,8 +598,8 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
         v0 = view(v, 6 * parent, 6)
         v1 = view(v, 6 * node, 6)
         if parent == 0 and payout != 0:
-            v0 = view(M, I[O_TOP], 6)
-            a0 = view(M, I[O_TOP] + 6, 6)
+            v0 = view(M, head.top, 6)
+            a0 = view(M, head.top + 6, 6)
         geometry(W, x0, x1, h)
         if waves != 0:
             element_water(I, M, W, e, x0, x1)
@@ -643,7 +630,7 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
         )
 
         # Gradient of the constraints, and the compliance.
-        constraint_gradient(W, h, view(M, I[O_GRADIENT] + 24 * node, 24))
+        constraint_gradient(W, h, view(M, head.gradient + 24 * node, 24))
         c00 = 0.0
         c01 = 0.0
         c11 = 0.0
@@ -667,7 +654,7 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
         s00 = c11 * determinant
         s01 = -c01 * determinant
         s11 = c00 * determinant
-        stiffness = view(M, I[O_COMPLIANCE] + 3 * node, 3)
+        stiffness = view(M, head.compliance + 3 * node, 3)
         stiffness[0] = s00
         stiffness[1] = s01
         stiffness[2] = s11

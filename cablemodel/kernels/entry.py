@@ -19,21 +19,11 @@ from . import (
     time_stepping,
     vessel_clamp,
 )
+from .access import header, scalars
 from .compile import INTEGERS, REALS, entry_point
 from .layout import (
     FLOOR_FAR,
-    I_BODIES,
-    I_CONSTRAINTS,
-    I_DIMENSION,
-    I_FLOOR_STATE,
-    I_NODES,
-    I_RIGID,
     NOTHING,
-    O_ACCELERATION,
-    O_POSITION,
-    O_TENSION,
-    O_VELOCITY,
-    S_TIME,
 )
 
 
@@ -70,7 +60,8 @@ def choose_bending(I, M):
 @entry_point(int64(INTEGERS, REALS))
 def refine_at_floor(I, M):
     """Adapt the mesh to the floor once: returns what `follow.follow_floor` does."""
-    if I[I_FLOOR_STATE] == FLOOR_FAR:
+    head = header(I)
+    if head.floor_state == FLOOR_FAR:
         return NOTHING
     return follow.follow_floor(I, M, True)
 
@@ -78,17 +69,19 @@ def refine_at_floor(I, M):
 @entry_point(int64(INTEGERS, REALS))
 def place_supports(I, M):
     """Write the prescribed motion at the present time into the state."""
-    count = 2 * I[I_DIMENSION] * I[I_NODES]
-    system.set_time(I, M, M[S_TIME])
+    head = header(I)
+    state = scalars(M)
+    count = 2 * head.dimension * head.nodes
+    system.set_time(I, M, state.time)
     system.impose_motion(
         I,
         M,
-        M[S_TIME],
-        M[I[O_POSITION] : I[O_POSITION] + count],
-        M[I[O_VELOCITY] : I[O_VELOCITY] + count],
-        M[I[O_ACCELERATION] : I[O_ACCELERATION] + count],
+        state.time,
+        M[head.position : head.position + count],
+        M[head.velocity : head.velocity + count],
+        M[head.acceleration : head.acceleration + count],
     )
-    return I[I_CONSTRAINTS]
+    return head.constraint_count
 
 
 @entry_point(int64(INTEGERS, REALS, REALS))
@@ -107,8 +100,9 @@ def sample(I, M, stations, out):
 @entry_point(int64(INTEGERS, REALS, REALS))
 def bodies(I, M, out):
     """Motion of bodies of finite length; out: rows of STATION_WORDS, see outputs.body_stations."""
+    head = header(I)
     outputs.body_stations(I, M, out)
-    return I[I_RIGID]
+    return head.rigid
 
 
 @entry_point(int64(INTEGERS, REALS, REALS))
@@ -121,23 +115,26 @@ def summary(I, M, out):
 @entry_point(int64(INTEGERS, REALS, REALS))
 def energy(I, M, out):
     """The numbers of outputs.energies (ENERGY_WORDS)."""
+    head = header(I)
     outputs.energies(I, M, out)
-    return I[I_BODIES]
+    return head.body_count
 
 
 @entry_point(int64(INTEGERS, REALS, float64, float64))
 def assemble(I, M, cv, ca):
     """Effective Jacobian K + cv C + ca M at the present state into the block's matrix arrays."""
-    size = 2 * I[I_DIMENSION]
-    count = size * I[I_NODES]
-    system.set_time(I, M, M[S_TIME])
+    head = header(I)
+    state = scalars(M)
+    size = 2 * head.dimension
+    count = size * head.nodes
+    system.set_time(I, M, state.time)
     system.jacobian(
         I,
         M,
-        M[I[O_POSITION] : I[O_POSITION] + count],
-        M[I[O_VELOCITY] : I[O_VELOCITY] + count],
-        M[I[O_ACCELERATION] : I[O_ACCELERATION] + count],
-        M[I[O_TENSION] : I[O_TENSION] + 2 * I[I_NODES]],
+        M[head.position : head.position + count],
+        M[head.velocity : head.velocity + count],
+        M[head.acceleration : head.acceleration + count],
+        M[head.tension : head.tension + 2 * head.nodes],
         ca,
         cv,
     )
@@ -180,8 +177,9 @@ def sample_elements(I, M, elements, fractions, out):
 @entry_point(int64(INTEGERS, REALS, REALS, REALS, REALS))
 def parts(I, M, bodies, frames, ends):
     """Motion of bodies and frames, forces at the ends of lines: part_outputs.parts_motion."""
+    head = header(I)
     part_outputs.parts_motion(I, M, bodies, frames, ends)
-    return I[I_BODIES]
+    return head.body_count
 
 
 @entry_point(int64(INTEGERS, REALS))

@@ -2,6 +2,7 @@
 
 import math
 
+from .access import header, scalars
 from .compile import inlined, kernel
 from .layout import (
     BY_SPRING,
@@ -15,32 +16,11 @@ from .layout import (
     C_LAYER_TIME,
     C_PLACE,
     C_POSITION,
-    I_CURRENT,
-    I_DEPTHS,
-    I_DIMENSION,
-    I_LIVE,
-    I_PIECE,
-    I_PIECES,
-    I_SURGE,
-    I_TIMES,
-    O_CONSTRAINT,
-    O_CURRENT,
-    O_DEPTHS,
-    O_GAUSS,
-    O_MOTION,
-    O_PIECES,
-    O_PROFILE,
-    O_TIMES,
     P_DATA,
     P_END,
     P_KIND,
     P_START,
     PIECE_WORDS,
-    S_BASE,
-    S_CURRENT_SLOPE,
-    S_LIVE_CURRENT,
-    S_PLANE,
-    S_SHIFT,
 )
 
 ROUNDING = 4e-15  # times that differ by less of themselves are the same
@@ -83,9 +63,10 @@ def evaluate_piece(M, row, t, out):
 @kernel
 def find_piece(I, M, t):
     """Row of the scene's piece with start < t <= end: at a breakpoint, the one that ends there."""
-    count = I[I_PIECES]
-    k = I[I_PIECE]
-    table = I[O_PIECES]
+    head = header(I)
+    count = head.piece_count
+    k = head.piece
+    table = head.pieces
     while k < count - 1 and t > M[table + k * PIECE_WORDS + P_END]:
         k += 1
     while k > 1 and t <= M[table + k * PIECE_WORDS + P_START]:
@@ -96,14 +77,16 @@ def find_piece(I, M, t):
 @kernel
 def vessel_motion(I, M, t):
     """Tow point's position, velocity, acceleration at time t, earth frame, into the block."""
-    out = M[I[O_MOTION] : I[O_MOTION] + 9]
-    if I[I_LIVE] == 1:
-        evaluate_piece(M, I[O_PIECES], t, out)
+    head = header(I)
+    state = scalars(M)
+    out = M[head.motion : head.motion + 9]
+    if head.live == 1:
+        evaluate_piece(M, head.pieces, t, out)
     else:
         k = find_piece(I, M, t)
-        evaluate_piece(M, I[O_PIECES] + k * PIECE_WORDS, t, out)
+        evaluate_piece(M, head.pieces + k * PIECE_WORDS, t, out)
         for i in range(3):
-            out[i] += M[S_SHIFT + i]
+            out[i] += state.shift[i]
 
 
 @kernel
@@ -112,8 +95,9 @@ def add_layer_motion(I, M, t, out):
 
     Beside a clamp past which cable runs: see `clamp_layer.py`.
     """
-    dimension = I[I_DIMENSION]
-    row = I[O_CONSTRAINT]
+    head = header(I)
+    dimension = head.dimension
+    row = head.constraints
     rate = M[row + C_LAYER_RATE]
     tau = max(0.0, t - M[row + C_LAYER_TIME])
     fade = math.exp(-rate * tau)
@@ -133,24 +117,26 @@ def prescribed_motion(I, M, row, t, out):
     out: 3 * dimension words. `row` is the constraint's row; for the vessel, `vessel_motion` has
     been called for this time.
     """
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    state = scalars(M)
+    dimension = head.dimension
     if M[row + C_KIND] == C_ANCHOR:
         for i in range(3 * dimension):
             out[i] = 0.0
         for i in range(dimension):
             out[i] = M[row + C_POSITION + i]
         return
-    motion = I[O_MOTION]
+    motion = head.motion
     if dimension == 3:
         for i in range(3):
-            out[i] = M[motion + i] - M[S_BASE + i]
+            out[i] = M[motion + i] - state.origin[i]
             out[3 + i] = M[motion + 3 + i]
             out[6 + i] = M[motion + 6 + i]
     else:
-        px = M[S_PLANE]
-        py = M[S_PLANE + 1]
-        out[0] = px * (M[motion] - M[S_BASE]) + py * (M[motion + 1] - M[S_BASE + 1])
-        out[1] = M[motion + 2] - M[S_BASE + 2]
+        px = state.plane[0]
+        py = state.plane[1]
+        out[0] = px * (M[motion] - state.origin[0]) + py * (M[motion + 1] - state.origin[1])
+        out[1] = M[motion + 2] - state.origin[2]
         out[2] = px * M[motion + 3] + py * M[motion + 4]
         out[3] = M[motion + 5]
         out[4] = px * M[motion + 6] + py * M[motion + 7]
@@ -166,16 +152,18 @@ def current_profile(I, M, t):
     The scene's table is bilinear over depth and time and constant beyond its ends; the live
     current of the caller, linear in time between two values, is added at every depth.
     """
-    gauss = I[O_GAUSS]
-    I[I_SURGE] = 0
-    if I[I_CURRENT] == 0:
+    head = header(I)
+    state = scalars(M)
+    gauss = head.gauss
+    head.surge = 0
+    if head.current_kind == 0:
         for k in range(12):
             M[gauss + k] = 0.0
         return
-    depths = I[I_DEPTHS]
-    times = I[I_TIMES]
-    table = I[O_CURRENT]
-    grid = I[O_TIMES]
+    depths = head.depth_count
+    times = head.time_count
+    table = head.current
+    grid = head.times
     k = 0
     fraction = 0.0
     if times > 1:
@@ -186,28 +174,28 @@ def current_profile(I, M, t):
             while t > M[grid + k + 1]:
                 k += 1
             fraction = (t - M[grid + k]) / (M[grid + k + 1] - M[grid + k])
-    t0 = M[S_LIVE_CURRENT]
-    t1 = M[S_LIVE_CURRENT + 1]
+    t0 = state.live_current[0]
+    t1 = state.live_current[1]
     live = 1.0
     if t < t1:
         live = max(0.0, (t - t0) / (t1 - t0))
-    planar = I[I_DIMENSION] == 2
+    planar = head.dimension == 2
     for j in range(depths):
-        out = I[O_PROFILE] + 3 * j
+        out = head.profile + 3 * j
         for i in range(3):
             at = table + (k * depths + j) * 3 + i
             value = M[at]
             if fraction > 0.0:
                 value += fraction * (M[at + 3 * depths] - value)
-            start = M[S_LIVE_CURRENT + 2 + i]
-            M[out + i] = value + start + live * (M[S_LIVE_CURRENT + 5 + i] - start)
+            start = state.live_current[2 + i]
+            M[out + i] = value + start + live * (state.live_current[5 + i] - start)
         if planar:
-            M[out] = M[S_PLANE] * M[out] + M[S_PLANE + 1] * M[out + 1]
+            M[out] = state.plane[0] * M[out] + state.plane[1] * M[out + 1]
             M[out + 1] = M[out + 2]
     if depths == 1:
         for i in range(3):
             for g in range(4):
-                M[gauss + 4 * i + g] = M[I[O_PROFILE] + i]
+                M[gauss + 4 * i + g] = M[head.profile + i]
     current_rate(I, M, t, False)
 
 
@@ -229,18 +217,20 @@ def changing(I, M, t, ahead):
     At a kink it is the piece that ends there, or, ahead, the one that begins. Until t = 0 nothing
     changes: static starts are in a current that stays as it is.
     """
+    head = header(I)
+    state = scalars(M)
     piece = 0
     slope = 0.0
     live = 0.0
     if t > 0.0 or ahead:
-        grid = I[O_TIMES]
-        for k in range(I[I_TIMES] - 1):
+        grid = head.times
+        for k in range(head.time_count - 1):
             if holds(M[grid + k], M[grid + k + 1], t, ahead):
                 piece = k
                 slope = 1.0 / (M[grid + k + 1] - M[grid + k])
-        if holds(M[S_LIVE_CURRENT], M[S_LIVE_CURRENT + 1], t, ahead):
-            live = 1.0 / (M[S_LIVE_CURRENT + 1] - M[S_LIVE_CURRENT])
-        elif not ahead and abs(t - M[S_LIVE_CURRENT]) <= ROUNDING * t:
+        if holds(state.live_current[0], state.live_current[1], t, ahead):
+            live = 1.0 / (state.live_current[1] - state.live_current[0])
+        elif not ahead and abs(t - state.live_current[0]) <= ROUNDING * t:
             live = -1.0
     return piece, slope, live
 
@@ -248,35 +238,39 @@ def changing(I, M, t, ahead):
 @kernel
 def rate_at(I, M, j, i, piece, slope, live):
     """Component i of the water's acceleration at depth j of the table, by what `changing` says."""
+    head = header(I)
+    state = scalars(M)
     if live < 0.0:
-        rate = M[S_CURRENT_SLOPE + i]
+        rate = state.current_slope[i]
     else:
-        rate = live * (M[S_LIVE_CURRENT + 5 + i] - M[S_LIVE_CURRENT + 2 + i])
+        rate = live * (state.live_current[5 + i] - state.live_current[2 + i])
     if slope != 0.0:
-        depths = I[I_DEPTHS]
-        at = I[O_CURRENT] + (piece * depths + j) * 3 + i
+        depths = head.depth_count
+        at = head.current + (piece * depths + j) * 3 + i
         rate += slope * (M[at + 3 * depths] - M[at])
     return rate
 
 
 @kernel
 def current_rate(I, M, t, ahead):
-    """Acceleration of the water at fixed places into the profile; I_SURGE says if there is any."""
-    I[I_SURGE] = 0
-    if I[I_CURRENT] == 0:
+    """Acceleration of the water at fixed places into the profile; `surge` says if there is any."""
+    head = header(I)
+    state = scalars(M)
+    head.surge = 0
+    if head.current_kind == 0:
         return
     piece, slope, live = changing(I, M, t, ahead)
     if slope == 0.0 and live == 0.0:
         return
-    planar = I[I_DIMENSION] == 2
-    for j in range(I[I_DEPTHS]):
-        out = I[O_PROFILE] + 3 * (I[I_DEPTHS] + j)
+    planar = head.dimension == 2
+    for j in range(head.depth_count):
+        out = head.profile + 3 * (head.depth_count + j)
         for i in range(3):
             M[out + i] = rate_at(I, M, j, i, piece, slope, live)
             if M[out + i] != 0.0:
-                I[I_SURGE] = 1
+                head.surge = 1
         if planar:
-            M[out] = M[S_PLANE] * M[out] + M[S_PLANE + 1] * M[out + 1]
+            M[out] = state.plane[0] * M[out] + state.plane[1] * M[out + 1]
             M[out + 1] = M[out + 2]
 
 
@@ -284,15 +278,16 @@ def current_rate(I, M, t, ahead):
 def surge_jump(I, M, t):
     """What the water's acceleration changes by at time t, and how large it is then or before, the
     most of all depths [m/s2]; 0, 0 where it does not change."""
+    head = header(I)
     largest = 0.0
     most = 0.0
-    if I[I_CURRENT] == 0:
+    if head.current_kind == 0:
         return largest, most
     piece, slope, live = changing(I, M, t, False)
     next_piece, next_slope, next_live = changing(I, M, t, True)
     if piece == next_piece and slope == next_slope and live == next_live:
         return largest, most
-    for j in range(I[I_DEPTHS]):
+    for j in range(head.depth_count):
         square = 0.0
         before = 0.0
         after = 0.0
@@ -328,25 +323,29 @@ def interval(M, grid, count, x):
 @kernel
 def current_at(I, M, z, out):
     """Water velocity at height z (block coordinates) from the present profile; out: 3 words."""
-    if I[I_CURRENT] == 0:
+    head = header(I)
+    if head.current_kind == 0:
         for i in range(3):
             out[i] = 0.0
         return
-    over_depth(I, M, I[O_PROFILE], z, out)
+    over_depth(I, M, head.profile, z, out)
 
 
 @kernel
 def surge_at(I, M, z, out):
-    """The water's acceleration at height z, as `current_at`; only where I_SURGE is not 0."""
-    over_depth(I, M, I[O_PROFILE] + 3 * I[I_DEPTHS], z, out)
+    """The water's acceleration at height z, as `current_at`; only where `surge` is not 0."""
+    head = header(I)
+    over_depth(I, M, head.profile + 3 * head.depth_count, z, out)
 
 
 @kernel
 def over_depth(I, M, profile, z, out):
     """Between the depths of a profile, by its first word, at height z; out: 3 words."""
-    depths = I[I_DEPTHS]
-    grid = I[O_DEPTHS]
-    height = z + M[S_BASE + 2]
+    head = header(I)
+    state = scalars(M)
+    depths = head.depth_count
+    grid = head.depths
+    height = z + state.origin[2]
     low = 0
     fraction = 0.0
     if depths > 1:

@@ -1,5 +1,6 @@
 """The sea floor's forces on cable and bodies, and their derivatives."""
 
+from .access import header, scalars
 from .compile import inlined, kernel, view
 from .contact import (
     approach,
@@ -19,21 +20,6 @@ from .layout import (
     E_LENGTH,
     EDGE_WORDS,
     FLOOR_TABLE,
-    I_DIMENSION,
-    I_FLOOR,
-    I_NODES,
-    O_DIAGONAL,
-    O_EDGE,
-    O_END_FORCE,
-    O_GAUSS,
-    O_JOINT,
-    O_LOWER,
-    O_MOTION,
-    O_PARENT,
-    O_UPPER,
-    S_FLOOR_DAMPING,
-    S_FLOOR_DEPTH,
-    S_FRICTION,
 )
 from .tables import CONTACT_H, CONTACT_POINTS, CONTACT_WEIGHTS
 
@@ -41,19 +27,21 @@ from .tables import CONTACT_H, CONTACT_POINTS, CONTACT_WEIGHTS
 @inlined
 def elements_residual(I, M, q, v, out, dimension):
     """Subtract the floor's forces on the elements. dimension: a constant to the compiler."""
+    head = header(I)
+    state = scalars(M)
     size = 2 * dimension
-    w = view(M, I[O_MOTION] + 28, 24)
-    ends = view(M, I[O_END_FORCE], size * I[I_NODES])
-    joints = view(I, I[O_JOINT], I[I_NODES])
-    parents = view(I, I[O_PARENT], I[I_NODES])
-    depth = M[S_FLOOR_DEPTH]
-    for node in range(1, I[I_NODES]):
+    w = view(M, head.motion + 28, 24)
+    ends = view(M, head.end_force, size * head.nodes)
+    joints = view(I, head.joint, head.nodes)
+    parents = view(I, head.parent, head.nodes)
+    depth = state.floor_depth
+    for node in range(1, head.nodes):
         if joints[node] != 0:
             continue
         if lowest_gap(I, M, q, node, w) >= depth:
             continue
         parent = parents[node]
-        edge = view(M, I[O_EDGE] + node * EDGE_WORDS, EDGE_WORDS)
+        edge = view(M, head.edges + node * EDGE_WORDS, EDGE_WORDS)
         h = edge[E_LENGTH]
         contact = edge[E_CONTACT] * edge[E_BORNE]
         above = view(out, size * parent, size)
@@ -86,13 +74,14 @@ def floor_residual(I, M, q, v, out):
 
     The elements' end forces get their share, so that tensions inside the line know of the floor.
     """
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    dimension = head.dimension
     size = 2 * dimension
     if dimension == 2:
         elements_residual(I, M, q, v, out, 2)
     else:
         elements_residual(I, M, q, v, out, 3)
-    w = view(M, I[O_MOTION] + 28, 24)
+    w = view(M, head.motion + 28, 24)
     for place in range(contact_places(I)):
         node, contact, preload = contact_place(I, M, place)
         if contact <= 0.0:
@@ -105,9 +94,10 @@ def floor_residual(I, M, q, v, out):
 @kernel
 def add_at_node(I, M, node, value, ni, nj, w, project):
     """Add value (ni nj^T, or 1 - n n^T with project) to a node's block for its position."""
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    dimension = head.dimension
     size = 2 * dimension
-    at = I[O_DIAGONAL] + size * size * node
+    at = head.diagonal + size * size * node
     for i in range(dimension):
         for j in range(dimension):
             entry = w[ni + i] * w[nj + j]
@@ -124,8 +114,10 @@ def turn_of_normal(I, M, w):
 
     By differences over the contact layer: the table is C1, its second derivatives jump.
     """
-    dimension = I[I_DIMENSION]
-    step = M[S_FLOOR_DEPTH]
+    head = header(I)
+    state = scalars(M)
+    dimension = head.dimension
+    step = state.floor_depth
     for j in range(dimension):
         r = w[j]
         w[j] = r + step
@@ -142,15 +134,16 @@ def turn_of_normal(I, M, w):
 @inlined
 def block_of(I, node, k, l, dimension):
     """Where the block of shape functions k (row) and l (column) of an element starts."""
+    head = header(I)
     area = 4 * dimension * dimension
-    parent = I[I[O_PARENT] + node]
+    parent = I[head.parent + node]
     if k < 2 and l < 2:
-        return I[O_DIAGONAL] + area * parent
+        return head.diagonal + area * parent
     if k >= 2 and l >= 2:
-        return I[O_DIAGONAL] + area * node
+        return head.diagonal + area * node
     if k < 2:
-        return I[O_UPPER] + area * node
-    return I[O_LOWER] + area * node
+        return head.upper + area * node
+    return head.lower + area * node
 
 
 @inlined
@@ -198,23 +191,25 @@ def add_sums(I, M, node, sums, dimension):
 @inlined
 def elements_jacobian(I, M, q, v, cv, dimension):
     """Add the derivatives of the floor's forces on the elements; dimension as above."""
-    w = view(M, I[O_MOTION] + 28, 24)
+    head = header(I)
+    state = scalars(M)
+    w = view(M, head.motion + 28, 24)
     normal = view(w, 3, 3)
-    depth = M[S_FLOOR_DEPTH]
-    damping = M[S_FLOOR_DAMPING]
-    rubs = M[S_FRICTION] > 0.0
-    bends = I[I_FLOOR] == FLOOR_TABLE
+    depth = state.floor_depth
+    damping = state.floor_damping
+    rubs = state.friction > 0.0
+    bends = head.floor_kind == FLOOR_TABLE
     # The elements' workspace, beyond what lasts there.
-    sums = view(M, I[O_GAUSS] + 400, 16 * dimension * dimension)
+    sums = view(M, head.gauss + 400, 16 * dimension * dimension)
     for n in range(16 * dimension * dimension):
         sums[n] = 0.0
-    for node in range(1, I[I_NODES]):
-        if I[I[O_JOINT] + node] != 0:
+    for node in range(1, head.nodes):
+        if I[head.joint + node] != 0:
             continue
         if lowest_gap(I, M, q, node, w) >= depth:
             continue
-        parent = I[I[O_PARENT] + node]
-        edge = I[O_EDGE] + node * EDGE_WORDS
+        parent = I[head.parent + node]
+        edge = head.edges + node * EDGE_WORDS
         h = M[edge + E_LENGTH]
         contact = M[edge + E_CONTACT] * M[edge + E_BORNE]
         touched = False
@@ -247,7 +242,7 @@ def elements_jacobian(I, M, q, v, cv, dimension):
                 )
                 for i in range(dimension):
                     w[6 + i] = 0.0 if sticks else w[6 + i] / length
-                    push = weight * M[S_FRICTION] * stiff * w[6 + i]
+                    push = weight * state.friction * stiff * w[6 + i]
                     for j in range(dimension):
                         w[12 + 3 * i + j] -= push * w[3 + j]
             add_point(p, h, weight * rub, w, sums, dimension)
@@ -258,17 +253,19 @@ def elements_jacobian(I, M, q, v, cv, dimension):
 @kernel
 def floor_jacobian(I, M, q, v, cv):
     """Add the derivatives of the floor's forces to the blocks of the effective Jacobian."""
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    state = scalars(M)
+    dimension = head.dimension
     size = 2 * dimension
     if dimension == 2:
         elements_jacobian(I, M, q, v, cv, 2)
     else:
         elements_jacobian(I, M, q, v, cv, 3)
-    w = view(M, I[O_MOTION] + 28, 24)
-    depth = M[S_FLOOR_DEPTH]
-    damping = M[S_FLOOR_DAMPING]
-    rubs = M[S_FRICTION] > 0.0
-    bends = I[I_FLOOR] == FLOOR_TABLE
+    w = view(M, head.motion + 28, 24)
+    depth = state.floor_depth
+    damping = state.floor_damping
+    rubs = state.friction > 0.0
+    bends = head.floor_kind == FLOOR_TABLE
     for place in range(contact_places(I)):
         node, contact, preload = contact_place(I, M, place)
         if contact <= 0.0:
@@ -282,7 +279,7 @@ def floor_jacobian(I, M, q, v, cv):
         add_at_node(I, M, node, stiff, 3, 3, w, False)
         if bends:
             turn_of_normal(I, M, w)
-            at = I[O_DIAGONAL] + size * size * node
+            at = head.diagonal + size * size * node
             for i in range(dimension):
                 for j in range(dimension):
                     M[at + size * i + j] -= press * w[12 + 3 * i + j]
@@ -293,4 +290,4 @@ def floor_jacobian(I, M, q, v, cv):
                 for i in range(dimension):
                     w[6 + i] /= length
                 add_at_node(I, M, node, -rub, 6, 6, w, False)
-                add_at_node(I, M, node, -M[S_FRICTION] * stiff, 6, 3, w, False)
+                add_at_node(I, M, node, -state.friction * stiff, 6, 3, w, False)

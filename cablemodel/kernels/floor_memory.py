@@ -2,6 +2,7 @@
 
 import math
 
+from .access import header, scalars
 from .compile import inlined, kernel
 from .contact import (
     contact_law,
@@ -18,20 +19,6 @@ from .layout import (
     E_BORNE,
     E_LENGTH,
     EDGE_WORDS,
-    I_BODIES,
-    I_DIMENSION,
-    I_NODES,
-    O_BODY,
-    O_EDGE,
-    O_JOINT,
-    O_MOTION,
-    O_PARENT,
-    O_POSITION,
-    O_REST,
-    O_VELOCITY,
-    S_BRISTLE,
-    S_END_BORNE,
-    S_FLOOR_DEPTH,
 )
 
 FASTEST = 3.0  # growth of what is borne for long, at most, in one change of it
@@ -51,18 +38,20 @@ def settle(I, M):
     that in its bristles it was laid pressed, by 3 N/m in 3,000 m of water. A place of rest lies as
     high as the node did when it was drawn there.
     """
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    state = scalars(M)
+    dimension = head.dimension
     size = 2 * dimension
-    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
-    depth = M[S_FLOOR_DEPTH]
-    q = M[I[O_POSITION] : I[O_POSITION] + size * I[I_NODES]]
-    for node in range(I[I_NODES]):
-        rest = I[O_REST] + 3 * node
+    w = M[head.motion + 28 : head.motion + 52]
+    depth = state.floor_depth
+    q = M[head.position : head.position + size * head.nodes]
+    for node in range(head.nodes):
+        rest = head.rest + 3 * node
         for i in range(dimension):
             w[i] = q[size * node + i]
         gap = gap_at(I, M, w, w[3:6])
         share, _stiffness, _energy = contact_law(gap, depth)
-        limit = M[S_BRISTLE] * share
+        limit = state.bristle * share
         along = 0.0
         for i in range(dimension):
             w[6 + i] = w[i] - M[rest + i]
@@ -99,21 +88,23 @@ def bear(I, M, share):
     the floor as others do; what strikes it finds it as soft as it is. Returns the largest
     difference, relative to what was borne.
     """
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    state = scalars(M)
+    dimension = head.dimension
     size = 2 * dimension
-    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
-    q = M[I[O_POSITION] : I[O_POSITION] + size * I[I_NODES]]
-    v = M[I[O_VELOCITY] : I[O_VELOCITY] + size * I[I_NODES]]
-    depth = M[S_FLOOR_DEPTH]
+    w = M[head.motion + 28 : head.motion + 52]
+    q = M[head.position : head.position + size * head.nodes]
+    v = M[head.velocity : head.velocity + size * head.nodes]
+    depth = state.floor_depth
     largest = 0.0
-    for node in range(1, I[I_NODES]):
-        if I[I[O_JOINT] + node] != 0:
+    for node in range(1, head.nodes):
+        if I[head.joint + node] != 0:
             continue
-        edge = I[O_EDGE] + node * EDGE_WORDS
+        edge = head.edges + node * EDGE_WORDS
         borne = M[edge + E_BORNE]
         load = 0.0
         if lowest_gap(I, M, q, node, w) < depth:
-            parent = I[I[O_PARENT] + node]
+            parent = I[head.parent + node]
             for p in range(4):
                 interpolate(I, q, parent, node, M[edge + E_LENGTH], p, w, dimension)
                 law, _stiffness, _energy = contact_law(gap_at(I, M, w, w[3:6]), depth)
@@ -127,10 +118,13 @@ def bear(I, M, share):
             continue
         _press, gap, _speed = place_force(I, M, contact, preload, node, q, v, w)
         law, _stiffness, _energy = place_law(preload, gap, depth)
-        at = I[O_BODY] + place // 2 * BODY_WORDS + B_BORNE + place % 2
-        if place == 2 * I[I_BODIES]:
-            at = S_END_BORNE
-        difference = load_aimed_at(M[at], law) - M[at]
-        largest = max(largest, abs(difference) / M[at])
-        M[at] += share * difference
+        at = head.bodies + place // 2 * BODY_WORDS + B_BORNE + place % 2
+        at_end = place == 2 * head.body_count
+        borne = state.end_support if at_end else M[at]
+        difference = load_aimed_at(borne, law) - borne
+        largest = max(largest, abs(difference) / borne)
+        if at_end:
+            state.end_support += share * difference
+        else:
+            M[at] += share * difference
     return largest

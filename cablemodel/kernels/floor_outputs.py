@@ -2,6 +2,7 @@
 
 import math
 
+from .access import header, scalars
 from .compile import kernel
 from .contact import (
     LYING,
@@ -23,17 +24,6 @@ from .layout import (
     E_MASS,
     E_SEGMENT,
     EDGE_WORDS,
-    I_DIMENSION,
-    I_NODES,
-    O_ACCELERATION,
-    O_EDGE,
-    O_JOINT,
-    O_MOTION,
-    O_PARENT,
-    O_POSITION,
-    O_TENSION,
-    O_VELOCITY,
-    S_FLOOR_DEPTH,
 )
 from .tables import CONTACT_POINTS, CONTACT_WEIGHTS
 
@@ -43,13 +33,14 @@ ZONE = 2.5, 6.0  # touchdown layers behind a touchdown: ends of the zone of its 
 @kernel
 def hermite_point(I, M, node, x, w):
     """Position at a fraction x of an element into w[0:3]."""
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    dimension = head.dimension
     size = 2 * dimension
-    h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
+    h = M[head.edges + node * EDGE_WORDS + E_LENGTH]
     n0, n1, _d0, _d1 = cubic_end(0, x, h)
     n2, n3, _d2, _d3 = cubic_end(1, x, h)
-    p = I[O_POSITION] + size * I[I[O_PARENT] + node]
-    q = I[O_POSITION] + size * node
+    p = head.position + size * I[head.parent + node]
+    q = head.position + size * node
     for i in range(dimension):
         w[i] = n0 * M[p + i] + n1 * M[p + dimension + i]
         w[i] += n2 * M[q + i] + n3 * M[q + dimension + i]
@@ -58,8 +49,10 @@ def hermite_point(I, M, node, x, w):
 @kernel
 def lying_gap(I, M, node):
     """Gap below which cable of an element lies: where the floor bears as much of its weight [m]."""
-    share = (1.0 - LYING) * (1.0 - LYING) / M[I[O_EDGE] + node * EDGE_WORDS + E_BORNE]
-    return M[S_FLOOR_DEPTH] * (1.0 - math.sqrt(share))
+    head = header(I)
+    state = scalars(M)
+    share = (1.0 - LYING) * (1.0 - LYING) / M[head.edges + node * EDGE_WORDS + E_BORNE]
+    return state.floor_depth * (1.0 - math.sqrt(share))
 
 
 @kernel
@@ -92,7 +85,8 @@ def lying_share(I, M, node, begin, w):
 
     Cable that lies rises a little behind its touchdown, without leaving the floor.
     """
-    depth = M[S_FLOOR_DEPTH]
+    state = scalars(M)
+    depth = state.floor_depth
     share = 0.0
     before = 0.0
     for k in range(17):
@@ -124,14 +118,16 @@ def floor_summary(I, M, out):
     the floor's force without what accelerates the cable; the mean over the ends of several elements
     is taken.
     """
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    state = scalars(M)
+    dimension = head.dimension
     size = 2 * dimension
-    nodes = I[I_NODES]
-    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
-    q = M[I[O_POSITION] : I[O_POSITION] + size * nodes]
-    v = M[I[O_VELOCITY] : I[O_VELOCITY] + size * nodes]
-    a = M[I[O_ACCELERATION] : I[O_ACCELERATION] + size * nodes]
-    depth = M[S_FLOOR_DEPTH]
+    nodes = head.nodes
+    w = M[head.motion + 28 : head.motion + 52]
+    q = M[head.position : head.position + size * nodes]
+    v = M[head.velocity : head.velocity + size * nodes]
+    a = M[head.acceleration : head.acceleration + size * nodes]
+    depth = state.floor_depth
     for k in range(8):
         out[k] = 0.0
     touched = 0  # element
@@ -146,14 +142,14 @@ def floor_summary(I, M, out):
     square = 0.0  # sums over the ends
     before = 0.0
     for node in range(1, nodes):
-        if I[I[O_JOINT] + node] != 0:
+        if I[head.joint + node] != 0:
             continue
-        edge = I[O_EDGE] + node * EDGE_WORDS
+        edge = head.edges + node * EDGE_WORDS
         h = M[edge + E_LENGTH]
         if lowest_gap(I, M, q, node, w) >= depth:
             arc += h
             continue
-        parent = I[I[O_PARENT] + node]
+        parent = I[head.parent + node]
         contact = M[edge + E_CONTACT] * M[edge + E_BORNE]
         inertia = M[edge + E_MASS] + M[edge + E_ADDED]
         begin = 0.0
@@ -163,7 +159,7 @@ def floor_summary(I, M, out):
                 touched = node
                 geometric = arc + begin * h
                 layer = (M[edge + E_BENDING_FULL] / M[edge + E_CONTACT]) ** (1.0 / 3.0)
-                pull = max(0.0, M[I[O_TENSION] + 2 * node])
+                pull = max(0.0, M[head.tension + 2 * node])
                 layer += math.sqrt(2.0 * depth * pull / M[edge + E_CONTACT])
                 first = geometric + ZONE[0] * layer
                 last = geometric + ZONE[1] * layer
@@ -174,7 +170,7 @@ def floor_summary(I, M, out):
             out[3] += h * lying_share(I, M, node, begin, w)
         # Whole elements: forces of single points are not in balance.
         within = arc < last
-        if touched != 0 and M[edge + E_SEGMENT] != M[I[O_EDGE] + touched * EDGE_WORDS + E_SEGMENT]:
+        if touched != 0 and M[edge + E_SEGMENT] != M[head.edges + touched * EDGE_WORDS + E_SEGMENT]:
             within = False  # bodies and other cable weigh something else
         for p in range(4):
             press, gap, _speed = contact_force(
@@ -223,37 +219,40 @@ def floor_summary(I, M, out):
 @kernel
 def go_along(I, M, node, where, w):
     """Position into w[0:3] at an arc length, as `floor_summary` counts it, from an element on."""
+    head = header(I)
     arc = 0.0
     for n in range(1, node):
-        if I[I[O_JOINT] + n] == 0:
-            arc += M[I[O_EDGE] + n * EDGE_WORDS + E_LENGTH]
-    while where < arc and node > 1 and I[I[O_JOINT] + node - 1] == 0:
+        if I[head.joint + n] == 0:
+            arc += M[head.edges + n * EDGE_WORDS + E_LENGTH]
+    while where < arc and node > 1 and I[head.joint + node - 1] == 0:
         node -= 1
-        arc -= M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
-    h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
-    while where > arc + h and node + 1 < I[I_NODES] and I[I[O_JOINT] + node + 1] == 0:
+        arc -= M[head.edges + node * EDGE_WORDS + E_LENGTH]
+    h = M[head.edges + node * EDGE_WORDS + E_LENGTH]
+    while where > arc + h and node + 1 < head.nodes and I[head.joint + node + 1] == 0:
         arc += h
         node += 1
-        h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
+        h = M[head.edges + node * EDGE_WORDS + E_LENGTH]
     hermite_point(I, M, node, min(1.0, max(0.0, (where - arc) / h)), w)
 
 
 @kernel
 def floor_energy(I, M, out):
     """Energy of the contact springs into out[6] [J], power lost on the floor into out[7] [W]."""
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    state = scalars(M)
+    dimension = head.dimension
     size = 2 * dimension
-    nodes = I[I_NODES]
-    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
-    q = M[I[O_POSITION] : I[O_POSITION] + size * nodes]
-    v = M[I[O_VELOCITY] : I[O_VELOCITY] + size * nodes]
-    depth = M[S_FLOOR_DEPTH]
+    nodes = head.nodes
+    w = M[head.motion + 28 : head.motion + 52]
+    q = M[head.position : head.position + size * nodes]
+    v = M[head.velocity : head.velocity + size * nodes]
+    depth = state.floor_depth
     for node in range(1, nodes):
-        if I[I[O_JOINT] + node] != 0 or lowest_gap(I, M, q, node, w) >= depth:
+        if I[head.joint + node] != 0 or lowest_gap(I, M, q, node, w) >= depth:
             continue
-        parent = I[I[O_PARENT] + node]
-        h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
-        edge = I[O_EDGE] + node * EDGE_WORDS
+        parent = I[head.parent + node]
+        h = M[head.edges + node * EDGE_WORDS + E_LENGTH]
+        edge = head.edges + node * EDGE_WORDS
         contact = M[edge + E_CONTACT] * M[edge + E_BORNE]
         for p in range(4):
             press, gap, speed = contact_force(I, M, q, v, parent, node, h, p, contact, w, dimension)

@@ -4,6 +4,7 @@ FLOOR_FAR: nothing knows of the floor. FLOOR_ABOVE: the mesh does. FLOOR_TOUCHED
 A step without forces is refused if it ends in the contact layer, so none is ever missed.
 """
 
+from .access import header, scalars
 from .compile import kernel, view
 from .floor_memory import settle
 from .floor_surface import gap_at, lowest_gap
@@ -13,20 +14,6 @@ from .layout import (
     FLOOR_ABOVE,
     FLOOR_FAR,
     FLOOR_TOUCHED,
-    I_ASLEEP,
-    I_DIMENSION,
-    I_FLOOR_STATE,
-    I_NODES,
-    O_EDGE,
-    O_JOINT,
-    O_MOTION,
-    O_PARENT,
-    O_POSITION,
-    O_TRIAL_Q,
-    O_TRIAL_V,
-    O_VELOCITY,
-    S_FLOOR_DEPTH,
-    S_STEP,
 )
 
 CLEAR = 2.0  # contact layers: what is higher has left the floor
@@ -38,11 +25,12 @@ SOON = 2.0  # steps for which what comes down is near before it is
 @kernel
 def gap_of(I, M, q, node, w):
     """A gap that nothing between a node and its parent undercuts [m]; w: 9 words of workspace."""
-    if I[I[O_JOINT] + node] == 0:
+    head = header(I)
+    if I[head.joint + node] == 0:
         return lowest_gap(I, M, q, node, w)
-    dimension = I[I_DIMENSION]
+    dimension = head.dimension
     normal = view(w, 3, 3)
-    parent = I[I[O_PARENT] + node]
+    parent = I[head.parent + node]
     above = gap_at(I, M, view(q, 2 * dimension * parent, dimension), normal)
     return min(above, gap_at(I, M, view(q, 2 * dimension * node, dimension), normal))
 
@@ -53,9 +41,11 @@ def touches(I, M, q, layers):
 
     q: (nodes, 2, dimension).
     """
-    w = view(M, I[O_MOTION] + 28, 9)
-    for node in range(I[I_NODES] - 1, 0, -1):
-        if gap_of(I, M, q, node, w) < layers * M[S_FLOOR_DEPTH]:
+    head = header(I)
+    state = scalars(M)
+    w = view(M, head.motion + 28, 9)
+    for node in range(head.nodes - 1, 0, -1):
+        if gap_of(I, M, q, node, w) < layers * state.floor_depth:
             return True
     return False
 
@@ -66,12 +56,14 @@ def is_near(I, M, q, v, lengths):
 
     q, v: (nodes, 2, dimension).
     """
-    dimension = I[I_DIMENSION]
-    w = view(M, I[O_MOTION] + 28, 9)
-    for node in range(I[I_NODES] - 1, 0, -1):
-        h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
-        way = SOON * M[S_STEP] * max(0.0, -v[2 * dimension * node + dimension - 1])
-        if gap_of(I, M, q, node, w) < M[S_FLOOR_DEPTH] + lengths * h + way:
+    head = header(I)
+    state = scalars(M)
+    dimension = head.dimension
+    w = view(M, head.motion + 28, 9)
+    for node in range(head.nodes - 1, 0, -1):
+        h = M[head.edges + node * EDGE_WORDS + E_LENGTH]
+        way = SOON * state.step * max(0.0, -v[2 * dimension * node + dimension - 1])
+        if gap_of(I, M, q, node, w) < state.floor_depth + lengths * h + way:
             return True
     return False
 
@@ -79,26 +71,28 @@ def is_near(I, M, q, v, lengths):
 @kernel
 def leave_floor(I, M):
     """After a step: what has left the floor feels it no more."""
-    count = 2 * I[I_DIMENSION] * I[I_NODES]
-    q = view(M, I[O_POSITION], count)
-    if I[I_FLOOR_STATE] == FLOOR_TOUCHED and (I[I_ASLEEP] > 0 or touches(I, M, q, CLEAR)):
+    head = header(I)
+    count = 2 * head.dimension * head.nodes
+    q = view(M, head.position, count)
+    if head.floor_state == FLOOR_TOUCHED and (head.asleep > 0 or touches(I, M, q, CLEAR)):
         return
-    I[I_FLOOR_STATE] = FLOOR_ABOVE
-    if not is_near(I, M, q, view(M, I[O_VELOCITY], count), AWAY):
-        I[I_FLOOR_STATE] = FLOOR_FAR
+    head.floor_state = FLOOR_ABOVE
+    if not is_near(I, M, q, view(M, head.velocity, count), AWAY):
+        head.floor_state = FLOOR_FAR
 
 
 @kernel
 def lands(I, M):
     """After a step without the floor's forces: whether it ends where they act; now they do."""
-    count = 2 * I[I_DIMENSION] * I[I_NODES]
-    q = view(M, I[O_TRIAL_Q], count)
-    if I[I_FLOOR_STATE] == FLOOR_FAR:
-        if not is_near(I, M, q, view(M, I[O_TRIAL_V], count), NEAR):
+    head = header(I)
+    count = 2 * head.dimension * head.nodes
+    q = view(M, head.trial_position, count)
+    if head.floor_state == FLOOR_FAR:
+        if not is_near(I, M, q, view(M, head.trial_velocity, count), NEAR):
             return False
-        I[I_FLOOR_STATE] = FLOOR_ABOVE
+        head.floor_state = FLOOR_ABOVE
     if not touches(I, M, q, 1.0):
         return False
-    I[I_FLOOR_STATE] = FLOOR_TOUCHED
+    head.floor_state = FLOOR_TOUCHED
     settle(I, M)
     return True

@@ -2,34 +2,23 @@
 
 import math
 
+from .access import header, scalars
 from .compile import inlined, kernel, view
 from .environment import interval
 from .layout import (
     E_LENGTH,
     EDGE_WORDS,
     FLOOR_PLANE,
-    I_DIMENSION,
-    I_FLOOR,
-    I_FLOOR_X,
-    I_FLOOR_Y,
-    O_EDGE,
-    O_FLOOR,
-    O_PARENT,
-    S_BASE,
-    S_FLOOR_BEND,
-    S_FLOOR_DEPTH,
-    S_FLOOR_PLANE,
-    S_FLOOR_TOP,
-    S_PLANE,
 )
 
 
 @kernel
 def table_height(I, M, x, y):
     """Height and slopes at a place (earth) of the table: bicubic, C1; level beyond its edges."""
-    nx = I[I_FLOOR_X]
-    ny = I[I_FLOOR_Y]
-    grid_x = I[O_FLOOR]
+    head = header(I)
+    nx = head.floor_columns
+    ny = head.floor_rows
+    grid_x = head.floor
     grid_y = grid_x + nx
     data = grid_y + ny
     i, u = interval(M, grid_x, nx, x)
@@ -93,17 +82,19 @@ def gap_at(I, M, r, n):
 
     Along the floor's normal, which goes into n (dimension words).
     """
-    x = M[S_BASE] + r[0]
-    y = M[S_BASE + 1] + r[1]
-    planar = I[I_DIMENSION] == 2
+    head = header(I)
+    state = scalars(M)
+    x = state.origin[0] + r[0]
+    y = state.origin[1] + r[1]
+    planar = head.dimension == 2
     if planar:
-        x = M[S_BASE] + M[S_PLANE] * r[0]
-        y = M[S_BASE + 1] + M[S_PLANE + 1] * r[0]
-    if I[I_FLOOR] == FLOOR_PLANE:
-        zx = M[S_FLOOR_PLANE + 1]
-        zy = M[S_FLOOR_PLANE + 2]
-        z = M[S_FLOOR_PLANE]
-        z += zx * (x - M[S_FLOOR_PLANE + 3]) + zy * (y - M[S_FLOOR_PLANE + 4])
+        x = state.origin[0] + state.plane[0] * r[0]
+        y = state.origin[1] + state.plane[1] * r[0]
+    if head.floor_kind == FLOOR_PLANE:
+        zx = state.floor_plane[1]
+        zy = state.floor_plane[2]
+        z = state.floor_plane[0]
+        z += zx * (x - state.floor_plane[3]) + zy * (y - state.floor_plane[4])
     else:
         z, zx, zy = table_height(I, M, x, y)
     if zx == 0.0 and zy == 0.0:
@@ -111,32 +102,35 @@ def gap_at(I, M, r, n):
         n[0] = 0.0
         n[1] = 0.0
         n[level] = 1.0
-        return r[level] + M[S_BASE + 2] - z
+        return r[level] + state.origin[2] - z
     nz = 1.0 / math.sqrt(1.0 + zx * zx + zy * zy)
     if planar:
-        n[0] = -(M[S_PLANE] * zx + M[S_PLANE + 1] * zy) * nz
+        n[0] = -(state.plane[0] * zx + state.plane[1] * zy) * nz
         n[1] = nz
-        return (r[1] + M[S_BASE + 2] - z) * nz
+        return (r[1] + state.origin[2] - z) * nz
     n[0] = -zx * nz
     n[1] = -zy * nz
     n[2] = nz
-    return (r[2] + M[S_BASE + 2] - z) * nz
+    return (r[2] + state.origin[2] - z) * nz
 
 
 @inlined
 def is_level(I, M):
     """Whether the floor is a plane without a slope, whose top is its height everywhere."""
-    return I[I_FLOOR] == FLOOR_PLANE and M[S_FLOOR_TOP] == M[S_FLOOR_PLANE]
+    head = header(I)
+    state = scalars(M)
+    return head.floor_kind == FLOOR_PLANE and state.floor_top == state.floor_plane[0]
 
 
 @inlined
 def gap_below(I, M, r, n, dimension):
     """As `gap_at`, for callers that know the dimension; quick over a level floor."""
+    state = scalars(M)
     if is_level(I, M):
         for i in range(dimension - 1):
             n[i] = 0.0
         n[dimension - 1] = 1.0
-        return r[dimension - 1] + M[S_BASE + 2] - M[S_FLOOR_TOP]
+        return r[dimension - 1] + state.origin[2] - state.floor_top
     return gap_at(I, M, r, n)
 
 
@@ -157,18 +151,20 @@ def lowest_gap(I, M, q, node, w):
     The element's gap itself where that is below some metres, something large far above the floor.
     w: 9 words of workspace.
     """
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    state = scalars(M)
+    dimension = head.dimension
     size = 2 * dimension
-    parent = I[I[O_PARENT] + node]
-    h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
+    parent = I[head.parent + node]
+    h = M[head.edges + node * EDGE_WORDS + E_LENGTH]
     up = dimension - 1
     lowest = 1e300
     for k in range(4):
         end = parent if k < 2 else node
         third = bezier_third(k, h)
         lowest = min(lowest, q[size * end + up] + third * q[size * end + dimension + up])
-    clear = lowest + M[S_BASE + 2] - M[S_FLOOR_TOP]
-    if clear > 4.0 * h + M[S_FLOOR_DEPTH] or is_level(I, M):
+    clear = lowest + state.origin[2] - state.floor_top
+    if clear > 4.0 * h + state.floor_depth or is_level(I, M):
         return clear
     normal = view(w, 3, 3)
     lowest = 1e300
@@ -178,7 +174,7 @@ def lowest_gap(I, M, q, node, w):
         third = bezier_third(k, h)
         for i in range(dimension):
             w[i] = q[size * end + i] + third * q[size * end + dimension + i]
-        if k == 0 or I[I_FLOOR] != FLOOR_PLANE:
+        if k == 0 or head.floor_kind != FLOOR_PLANE:
             gap = gap_at(I, M, w, normal)
             first = gap
             for i in range(dimension):
@@ -188,4 +184,4 @@ def lowest_gap(I, M, q, node, w):
             for i in range(dimension):
                 gap += w[3 + i] * (w[i] - w[6 + i])
         lowest = min(lowest, gap)
-    return lowest - M[S_FLOOR_BEND] * h * h
+    return lowest - state.floor_bend * h * h

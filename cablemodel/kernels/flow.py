@@ -10,7 +10,7 @@ stands still that changes
   (m + ma) V^2 from the tension that straightens the cable, and leaves the momentum that passes
   each end of an element;
 - the drag of bodies, which run with their cable;
-- what has been laid, where the frame does not say so (S_LAID 2): it is at rest over the ground, and
+- what has been laid, where the frame does not say so (`laid` 2): it is at rest over the ground, and
   only a current pulls at it. On a slope its drag with the vessel's velocity would be more than its
   weight.
 
@@ -21,6 +21,7 @@ bends, and Newton's method did not converge at shallow lay angles.
 
 import math
 
+from .access import header, scalars
 from .bodies import (
     add_waves,
     body_kinematics,
@@ -44,22 +45,6 @@ from .layout import (
     E_MASS,
     EDGE_WORDS,
     GAUSS_WORDS,
-    I_BODIES,
-    I_DIMENSION,
-    I_DRAG,
-    I_FLOOR,
-    I_NODES,
-    I_RIGID,
-    I_WAVES,
-    O_BODY,
-    O_DIAGONAL,
-    O_EDGE,
-    O_GAUSS,
-    O_JOINT,
-    O_MOTION,
-    O_PARENT,
-    S_FLOOR_DEPTH,
-    S_LAID,
 )
 from .rigid import rigid_residual
 from .tables import D0, D1, D2, D3, H0, H1, H2, H3, WD, WH
@@ -99,7 +84,8 @@ def at_point(I, M, flow, q, v, parent, node, h, g, w):
 
     And the water's speed along the cable, without and with the flow [m/s].
     """
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    dimension = head.dimension
     size = 2 * dimension
     height = 0.0
     square = 0.0
@@ -129,18 +115,21 @@ def at_point(I, M, flow, q, v, parent, node, h, g, w):
 
 @kernel
 def stays(I, M, q, node, w):
-    """`is_laid` where the frame's velocity and the flow say otherwise (S_LAID 2)."""
-    return M[S_LAID] == 2.0 and is_laid(I, M, q, node, w)
+    """`is_laid` where the frame's velocity and the flow say otherwise (`laid` 2)."""
+    state = scalars(M)
+    return state.laid == 2.0 and is_laid(I, M, q, node, w)
 
 
 @kernel
 def is_laid(I, M, q, node, w):
     """Whether a node lies where it has been laid, at rest over the ground."""
-    if M[S_LAID] == 0.0 or I[I_FLOOR] == 0:
+    head = header(I)
+    state = scalars(M)
+    if state.laid == 0.0 or head.floor_kind == 0:
         return False
-    dimension = I[I_DIMENSION]
+    dimension = head.dimension
     gap = gap_at(I, M, view(q, 2 * dimension * node, 2 * dimension), w)
-    return gap < RESTS * M[S_FLOOR_DEPTH]
+    return gap < RESTS * state.floor_depth
 
 
 @kernel
@@ -183,21 +172,22 @@ def flow_residual(I, M, flow, frame, rest, q, v, a, tension, out, out_constraint
 
     rest: positions and slopes that say what lies on the floor; of these only the drag changes.
     """
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    dimension = head.dimension
     size = 2 * dimension
-    W = view(M, I[O_GAUSS], GAUSS_WORDS)
+    W = view(M, head.gauss, GAUSS_WORDS)
     w = view(W, SCRATCH, 30)
-    for node in range(1, I[I_NODES]):
-        if I[I[O_JOINT] + node] != 0:
+    for node in range(1, head.nodes):
+        if I[head.joint + node] != 0:
             continue
-        parent = I[I[O_PARENT] + node]
-        e = I[O_EDGE] + node * EDGE_WORDS
+        parent = I[head.parent + node]
+        e = head.edges + node * EDGE_WORDS
         h = M[e + E_LENGTH]
         lies = stays(I, M, rest, parent, w) and stays(I, M, rest, node, w)
-        if lies and I[I_DRAG] == 0:
+        if lies and head.drag == 0:
             continue
         momentum = M[e + E_MASS] * flow * flow
-        if I[I_WAVES] != 0:
+        if head.wave_count != 0:
             element_water(I, M, W, e, view(q, size * parent, size), view(q, size * node, size))
         for g in range(3):
             stretch, still, runs = at_point(I, M, flow, q, v, parent, node, h, g, w)
@@ -213,10 +203,10 @@ def flow_residual(I, M, flow, frame, rest, q, v, a, tension, out, out_constraint
                             out[at + i] += value * w[6 + i]
                 continue
             drag = 0.0
-            if I[I_DRAG] != 0:
+            if head.drag != 0:
                 drag = math.sqrt(stretch) * M[e + E_DRAG_TANGENTIAL]
                 drag *= abs(runs) * runs - abs(still) * still
-                if I[I_WAVES] != 0:
+                if head.wave_count != 0:
                     drag *= W[DRAG + g]
             for i in range(dimension):
                 w[6 + i] = 0.0
@@ -235,20 +225,20 @@ def flow_residual(I, M, flow, frame, rest, q, v, a, tension, out, out_constraint
         for i in range(dimension):
             out[size * parent + i] -= momentum * q[size * parent + dimension + i]
             out[size * node + i] += momentum * q[size * node + dimension + i]
-    if I[I_BODIES] == 0:
+    if head.body_count == 0:
         return
     # Forces of the bodies with the flow in place of those without it.
-    count = size * I[I_NODES]
+    count = size * head.nodes
     for n in range(count):
         out[n] = -out[n]
     body_residual(I, M, q, v, a, out)
-    if I[I_RIGID] > 0:
+    if head.rigid > 0:
         rigid_residual(I, M, q, v, a, tension, out, out_constraint)
     for n in range(count):
         out[n] = -out[n]
     run_with_cable(I, M, flow, frame, rest, 1.0, q, v)
     body_residual(I, M, q, v, a, out)
-    if I[I_RIGID] > 0:
+    if head.rigid > 0:
         rigid_residual(I, M, q, v, a, tension, out, out_constraint)
     run_with_cable(I, M, flow, frame, rest, -1.0, q, v)
 
@@ -259,19 +249,20 @@ def run_with_cable(I, M, flow, frame, rest, sign, q, v):
 
     Of bodies that have been laid, minus the frame's velocity.
     """
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    dimension = head.dimension
     size = 2 * dimension
-    for body in range(I[I_BODIES]):
-        row = I[O_BODY] + body * BODY_WORDS
+    for body in range(head.body_count):
+        row = head.bodies + body * BODY_WORDS
         node = int(M[row + B_NODE])
         if node < 0:
             continue
         for _side in range(2 if M[row + B_LENGTH] > 0.0 else 1):
-            lies = stays(I, M, rest, node, view(M, I[O_GAUSS] + SCRATCH, 3))
+            lies = stays(I, M, rest, node, view(M, head.gauss + SCRATCH, 3))
             for i in range(dimension):
                 own = -frame[i] if lies else flow * q[size * node + dimension + i]
                 v[size * node + i] += sign * own
-            node = I[I[O_PARENT] + node]
+            node = I[head.parent + node]
 
 
 @kernel
@@ -280,21 +271,22 @@ def flow_jacobian(I, M, flow, frame, rest, q, v, a, ca, cv):
 
     Of a body of finite length they are left out: its drag is little beside what holds it.
     """
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    dimension = head.dimension
     size = 2 * dimension
-    W = view(M, I[O_GAUSS], GAUSS_WORDS)
+    W = view(M, head.gauss, GAUSS_WORDS)
     w = view(W, SCRATCH, 30)
-    for node in range(1, I[I_NODES]):
-        if I[I[O_JOINT] + node] != 0:
+    for node in range(1, head.nodes):
+        if I[head.joint + node] != 0:
             continue
-        parent = I[I[O_PARENT] + node]
-        e = I[O_EDGE] + node * EDGE_WORDS
+        parent = I[head.parent + node]
+        e = head.edges + node * EDGE_WORDS
         h = M[e + E_LENGTH]
         lies = stays(I, M, rest, parent, w) and stays(I, M, rest, node, w)
-        if lies and I[I_DRAG] == 0:
+        if lies and head.drag == 0:
             continue
         momentum = M[e + E_MASS] * flow * flow
-        if I[I_WAVES] != 0:
+        if head.wave_count != 0:
             element_water(I, M, W, e, view(q, size * parent, size), view(q, size * node, size))
         for g in range(3):
             stretch, still, runs = at_point(I, M, flow, q, v, parent, node, h, g, w)
@@ -306,9 +298,9 @@ def flow_jacobian(I, M, flow, frame, rest, q, v, a, ca, cv):
                     add_drag(I, M, node, h, g, (2.0 * side - 1.0) * h, cv, w)
                 continue
             coefficient = 0.0
-            if I[I_DRAG] != 0:
+            if head.drag != 0:
                 coefficient = math.sqrt(stretch) * M[e + E_DRAG_TANGENTIAL]
-                if I[I_WAVES] != 0:
+                if head.wave_count != 0:
                     coefficient *= W[DRAG + g]
             drag = coefficient * (abs(runs) * runs - abs(still) * still)
             turned = 2.0 * coefficient * (abs(runs) - abs(still))
@@ -338,12 +330,12 @@ def flow_jacobian(I, M, flow, frame, rest, q, v, a, ca, cv):
         area = size * size
         for i in range(dimension):
             at = size * i + dimension + i
-            M[I[O_DIAGONAL] + area * parent + at] -= momentum
-            M[I[O_DIAGONAL] + area * node + at] += momentum
-    for side in range(2 if I[I_BODIES] > 0 else 0):
+            M[head.diagonal + area * parent + at] -= momentum
+            M[head.diagonal + area * node + at] += momentum
+    for side in range(2 if head.body_count > 0 else 0):
         sign = 2.0 * side - 1.0
-        for body in range(I[I_BODIES]):
-            row = I[O_BODY] + body * BODY_WORDS
+        for body in range(head.body_count):
+            row = head.bodies + body * BODY_WORDS
             node = int(M[row + B_NODE])
             if node >= 0 and M[row + B_LENGTH] == 0.0:
                 lies = stays(I, M, rest, node, w)
@@ -354,7 +346,8 @@ def flow_jacobian(I, M, flow, frame, rest, q, v, a, ca, cv):
 @kernel
 def add_drag(I, M, node, h, g, sign, cv, w):
     """Add `sign` times the derivatives of `drag_at` at a Gauss point to an element's blocks."""
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    dimension = head.dimension
     for k in range(4):
         load = sign * WH[g, k] * (h if k % 2 == 1 else 1.0)
         for l in range(4):
@@ -372,11 +365,12 @@ def add_drag(I, M, node, h, g, sign, cv, w):
 @kernel
 def add_body(I, M, flow, q, v, a, ca, cv, row, node, sign):
     """Add a point body's derivatives with the flow (sign 1), or take those without it (-1)."""
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    dimension = head.dimension
     size = 2 * dimension
-    w = M[I[O_MOTION] + 16 : I[O_MOTION] + 46]
+    w = M[head.motion + 16 : head.motion + 46]
     at = size * node
-    D = I[O_DIAGONAL] + size * at
+    D = head.diagonal + size * at
     for part in range(2):
         # The second time what the velocity adds that turns with the slope.
         if part == 1 and sign < 0.0:
@@ -384,7 +378,7 @@ def add_body(I, M, flow, q, v, a, ca, cv, row, node, sign):
         rate = cv if part == 0 else flow
         second = ca if part == 0 else 0.0
         ig = body_kinematics(I, M, node, q, v, a, w)
-        if I[I_WAVES] != 0:
+        if head.wave_count != 0:
             add_waves(I, M, row, q[at], q[at + 1], q[at + dimension - 1], 0.0, w)
             wet_derivatives(I, M, row, ig, second, rate, w)
         else:

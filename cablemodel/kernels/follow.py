@@ -9,6 +9,7 @@ docs/engine.md, "Sea floor".
 
 import math
 
+from .access import header, scalars
 from .compile import kernel
 from .contact import ends_in_something, touchdown_layer
 from .floor_memory import bear
@@ -22,40 +23,12 @@ from .layout import (
     E_NOMINAL,
     E_SEGMENT,
     EDGE_WORDS,
-    I_CABLES,
-    I_CAPACITY,
-    I_DIMENSION,
-    I_LEFT_OUT,
-    I_NODES,
-    I_PAYOUT,
-    I_TOP_CABLE,
     K_LEAVES,
     K_NOMINAL,
     LAYER,
     NO_CAPACITY,
     NOTHING,
-    O_CABLES,
-    O_EDGE,
-    O_JOINT,
-    O_MOTION,
-    O_PARENT,
-    O_POSITION,
-    O_STAGE_V,
-    O_TENSION,
-    O_VELOCITY,
     OK,
-    S_BENT,
-    S_FLOOR_DEPTH,
-    S_FLOOR_WAIT,
-    S_LENGTH,
-    S_MOST_NODES,
-    S_PAYOUT_RATE,
-    S_PERIOD,
-    S_STEP,
-    S_TOLERANCE,
-    S_TRACTABLE,
-    S_TRAVEL,
-    S_UNDAMPED,
 )
 from .payout import hermite, join_at, split_edge
 from .tables import CONTACT_POINTS, CONTACT_WEIGHTS
@@ -78,11 +51,12 @@ PASSED = 4.0  # of what passes the tow point in sqrt(L/g): a top element so long
 @kernel
 def second_derivative(I, M, node, side, out):
     """r'' at the parent's (side 0) or the child's end of an element, (dimension,) [1/m]."""
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    dimension = head.dimension
     size = 2 * dimension
-    h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
-    p = I[O_POSITION] + size * I[I[O_PARENT] + node]
-    q = I[O_POSITION] + size * node
+    h = M[head.edges + node * EDGE_WORDS + E_LENGTH]
+    p = head.position + size * I[head.parent + node]
+    q = head.position + size * node
     for i in range(dimension):
         chord = (M[q + i] - M[p + i]) / h
         d0 = M[p + dimension + i]
@@ -100,18 +74,19 @@ def jump_at(I, M, node, across):
     across: only what of it is across the line, a bend. Along it r'' jumps where |r'| does not stay
     the same, as in waves along the line. That falls as h in shorter elements, not as h^2.
     """
-    if I[I[O_JOINT] + node] != 0:
+    head = header(I)
+    if I[head.joint + node] != 0:
         return 0.0
-    dimension = I[I_DIMENSION]
-    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 34]
+    dimension = head.dimension
+    w = M[head.motion + 28 : head.motion + 34]
     second_derivative(I, M, node, 1, w[0:3])
     for i in range(3):
         w[3 + i] = 0.0
-    if node + 1 < I[I_NODES] + I[I_LEFT_OUT]:
-        if I[I[O_JOINT] + node + 1] != 0:
+    if node + 1 < head.nodes + head.left_out:
+        if I[head.joint + node + 1] != 0:
             return 0.0
         second_derivative(I, M, node + 1, 0, w[3:6])
-    slope = I[O_POSITION] + 2 * dimension * node + dimension
+    slope = head.position + 2 * dimension * node + dimension
     square = 0.0
     along = 0.0
     size = 1e-300
@@ -128,35 +103,37 @@ def jump_at(I, M, node, across):
 @kernel
 def measure(I, M, gaps, behind, jumps):
     """Gap of every element, its distance from hanging cable, jump of r'' at its child end."""
-    nodes = I[I_NODES]
-    dimension = I[I_DIMENSION]
-    depth = M[S_FLOOR_DEPTH]
-    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
-    q = M[I[O_POSITION] : I[O_POSITION] + 2 * dimension * nodes]
+    head = header(I)
+    state = scalars(M)
+    nodes = head.nodes
+    dimension = head.dimension
+    depth = state.floor_depth
+    w = M[head.motion + 28 : head.motion + 52]
+    q = M[head.position : head.position + 2 * dimension * nodes]
     way = 1e300
     jumps[0] = 0.0
     for node in range(1, nodes):
         gaps[node] = 1e300
         behind[node] = way
         jumps[node] = 0.0
-        if I[I[O_JOINT] + node] != 0:
+        if I[head.joint + node] != 0:
             continue
         gaps[node] = lowest_gap(I, M, q, node, w)
         if gaps[node] >= depth:
             way = 0.0
             behind[node] = 0.0
         else:
-            way += M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
+            way += M[head.edges + node * EDGE_WORDS + E_LENGTH]
         jumps[node] = jump_at(I, M, node, gaps[node] >= depth)
     way = 1e300
     for node in range(nodes - 1, 0, -1):
-        if I[I[O_JOINT] + node] != 0:
+        if I[head.joint + node] != 0:
             continue
         behind[node] = min(behind[node], way)
         if gaps[node] >= depth:
             way = 0.0
         else:
-            way += M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
+            way += M[head.edges + node * EDGE_WORDS + E_LENGTH]
 
 
 @kernel
@@ -165,11 +142,13 @@ def finest_length(I, M, node, gap):
 
     gap: height of the element at present [m].
     """
-    edge = I[O_EDGE] + node * EDGE_WORDS
-    accuracy = M[S_TOLERANCE] * M[S_LENGTH]
+    head = header(I)
+    state = scalars(M)
+    edge = head.edges + node * EDGE_WORDS
+    accuracy = state.tolerance * state.length
     layer = touchdown_layer(M, edge)
     # T - w z hardly changes along a hanging cable: the tension that it will land with.
-    at = I[O_TENSION] + 2 * node
+    at = head.tension + 2 * node
     radius = (M[at] - abs(M[at + 1])) / M[edge + E_CONTACT] - max(0.0, gap)
     radius = layer + max(0.0, radius)
     # By the place of the cable, and by the angle that an element turns: what it misses of its
@@ -183,13 +162,15 @@ def may_be_halved(I, M, node):
 
     The first bit of another cable that has begun to leave the drum lies in the top element.
     """
-    if node > 1 or I[I_PAYOUT] == 0:
+    head = header(I)
+    state = scalars(M)
+    if node > 1 or head.payout == 0:
         return True
-    edge = I[O_EDGE] + node * EDGE_WORDS
-    row = I[O_CABLES] + I[I_TOP_CABLE] * CABLE_WORDS
-    if I[I_TOP_CABLE] + 1 < I[I_CABLES] and M[S_TRAVEL] > M[row + K_LEAVES]:
+    edge = head.edges + node * EDGE_WORDS
+    row = head.cables + head.top_cable * CABLE_WORDS
+    if head.top_cable + 1 < head.cable_count and state.travel > M[row + K_LEAVES]:
         return False
-    passed = PASSED * abs(M[S_PAYOUT_RATE]) * M[S_PERIOD]
+    passed = PASSED * abs(state.payout_rate) * state.period
     return M[edge + E_LENGTH] > min(SHORTEST_TOP * M[row + K_NOMINAL], passed)
 
 
@@ -199,10 +180,12 @@ def finest_flexible(I, M, node):
 
     Under pressure, where it buckles, sooner; where drag hardly damps, none is halved then.
     """
-    accuracy = M[S_TOLERANCE] * M[S_LENGTH]
-    if M[I[O_TENSION] + 2 * node] < 0.0:
-        return 1e300 if M[S_UNDAMPED] != 0.0 else PUSHED * accuracy
-    return M[S_BENT] if M[S_UNDAMPED] != 0.0 else FINEST * accuracy
+    head = header(I)
+    state = scalars(M)
+    accuracy = state.tolerance * state.length
+    if M[head.tension + 2 * node] < 0.0:
+        return 1e300 if state.undamped != 0.0 else PUSHED * accuracy
+    return state.bent if state.undamped != 0.0 else FINEST * accuracy
 
 
 @kernel
@@ -212,12 +195,14 @@ def length_by_bend(I, M, node, layer, jumps):
     layer: that of its touchdown [m]. Cable in which bending reaches no further than the finest
     element is as good as perfectly flexible: see `refine.bends_too_much`.
     """
-    allowed = M[S_BENT]
+    head = header(I)
+    state = scalars(M)
+    allowed = state.bent
     if allowed == 0.0 or not may_be_halved(I, M, node):
         return 1e300
     # At the line's ends r'' may be anything.
     bend = jumps[node - 1]
-    if node < I[I_NODES] - 1:
+    if node < head.nodes - 1:
         bend = max(bend, jumps[node])
     if bend == 0.0:
         return 1e300
@@ -231,8 +216,9 @@ def length_by_bend(I, M, node, layer, jumps):
 @kernel
 def wanted_length(I, M, node, gaps, behind, jumps):
     """The length that an element should have where it is [m]."""
-    accuracy = M[S_TOLERANCE] * M[S_LENGTH]
-    depth = M[S_FLOOR_DEPTH]
+    state = scalars(M)
+    accuracy = state.tolerance * state.length
+    depth = state.floor_depth
     layer, finest = finest_length(I, M, node, gaps[node])
     shortest = LAYER * layer
     if gaps[node] >= depth:
@@ -254,9 +240,10 @@ def wanted_length(I, M, node, gaps, behind, jumps):
 @kernel
 def holds_something(I, M, node):
     """Whether a body, a prescribed end or a joint sits at a node."""
+    head = header(I)
     if ends_in_something(I, M, node):
         return True
-    return I[I[O_JOINT] + node] != 0 or I[I[O_JOINT] + node + 1] != 0
+    return I[head.joint + node] != 0 or I[head.joint + node + 1] != 0
 
 
 @kernel
@@ -265,8 +252,9 @@ def arc_length(I, M, p0, p1, h, start, share):
 
     By Gauss's rule of 4 points [m].
     """
-    dimension = I[I_DIMENSION]
-    w = M[I[O_MOTION] + 34 : I[O_MOTION] + 40]
+    head = header(I)
+    dimension = head.dimension
+    w = M[head.motion + 34 : head.motion + 40]
     length = 0.0
     for p in range(4):
         hermite(M, p0, p1, dimension, h, start + share * CONTACT_POINTS[p], w)
@@ -285,10 +273,11 @@ def halves_are_even(I, M, node):
     element of 1.17 m had halves 27 % too long and too short, which no projection undoes, and what
     the next step made of it were 1e6 N.
     """
-    size = 2 * I[I_DIMENSION]
-    h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
-    p0 = I[O_POSITION] + size * I[I[O_PARENT] + node]
-    p1 = I[O_POSITION] + size * node
+    head = header(I)
+    size = 2 * head.dimension
+    h = M[head.edges + node * EDGE_WORDS + E_LENGTH]
+    p0 = head.position + size * I[head.parent + node]
+    p1 = head.position + size * node
     upper = arc_length(I, M, p0, p1, h, 0.0, 0.5)
     return abs(upper - arc_length(I, M, p0, p1, h, 0.5, 0.5)) <= UNEVEN * h
 
@@ -296,8 +285,10 @@ def halves_are_even(I, M, node):
 @kernel
 def is_straight(I, M, node, jump):
     """Whether the cable is straight enough at a node for its two elements to become one."""
-    accuracy = M[S_TOLERANCE] * M[S_LENGTH]
-    edge = I[O_EDGE] + node * EDGE_WORDS
+    head = header(I)
+    state = scalars(M)
+    accuracy = state.tolerance * state.length
+    edge = head.edges + node * EDGE_WORDS
     h = M[edge + E_LENGTH] + M[edge + EDGE_WORDS + E_LENGTH]
     if jump * h * h > STRAIGHT * accuracy or jump * h > STRAIGHT * KINK:
         return False
@@ -307,13 +298,15 @@ def is_straight(I, M, node, jump):
 @kernel
 def one_cubic_does(I, M, node):
     """Whether a cubic in the place of the two at a node goes where they go, and is as long."""
-    accuracy = M[S_TOLERANCE] * M[S_LENGTH]
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    state = scalars(M)
+    accuracy = state.tolerance * state.length
+    dimension = head.dimension
     size = 2 * dimension
-    h1 = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
-    h = h1 + M[I[O_EDGE] + (node + 1) * EDGE_WORDS + E_LENGTH]
-    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 34]
-    at = I[O_POSITION] + size * node
+    h1 = M[head.edges + node * EDGE_WORDS + E_LENGTH]
+    h = h1 + M[head.edges + (node + 1) * EDGE_WORDS + E_LENGTH]
+    w = M[head.motion + 28 : head.motion + 34]
+    at = head.position + size * node
     hermite(M, at - size, at + size, dimension, h, h1 / h, w)
     off = 0.0
     turn = 0.0
@@ -330,10 +323,12 @@ def one_cubic_does(I, M, node):
 @kernel
 def may_join(I, M, node, gaps, wanted):
     """Whether an element may become one with that before it."""
-    lower = I[O_EDGE] + node * EDGE_WORDS
+    head = header(I)
+    state = scalars(M)
+    lower = head.edges + node * EDGE_WORDS
     upper = lower - EDGE_WORDS
     aim = JOIN_BELOW * min(wanted[node - 1], wanted[node])
-    if max(gaps[node - 1], gaps[node]) >= M[S_FLOOR_DEPTH]:
+    if max(gaps[node - 1], gaps[node]) >= state.floor_depth:
         aim = min(aim, M[upper + E_NOMINAL])
     return (
         M[lower + E_LENGTH] + M[upper + E_LENGTH] < aim
@@ -348,14 +343,16 @@ def lower(I, M, gaps):
 
     Every change of the mesh takes matrices: what has to be split soon is split with the rest.
     """
-    dimension = I[I_DIMENSION]
-    depth = M[S_FLOOR_DEPTH]
-    step = M[S_STEP]
-    if M[S_TRACTABLE] > 0.0:
-        step = min(step, M[S_TRACTABLE])
-    for node in range(1, I[I_NODES]):
+    head = header(I)
+    state = scalars(M)
+    dimension = head.dimension
+    depth = state.floor_depth
+    step = state.step
+    if state.tractable > 0.0:
+        step = min(step, state.tractable)
+    for node in range(1, head.nodes):
         if gaps[node] >= depth and gaps[node] < 1e299:
-            sinking = -M[I[O_VELOCITY] + 2 * dimension * node + dimension - 1]
+            sinking = -M[head.velocity + 2 * dimension * node + dimension - 1]
             way = SOON * step * max(0.0, sinking)
             gaps[node] = max(depth, gaps[node] - min(way, 0.5 * gaps[node]))
 
@@ -366,13 +363,15 @@ def follow_floor(I, M, change):
 
     NOTHING, CHANGED (or to be changed), or NO_CAPACITY: the block must grow first.
     """
-    if M[S_FLOOR_WAIT] > 0.0:
+    head = header(I)
+    state = scalars(M)
+    if state.floor_wait > 0.0:
         # Before a step: the forces that are read after one are those that made it.
-        way = M[S_FLOOR_WAIT] / M[S_PERIOD]
+        way = state.floor_wait / state.period
         bear(I, M, way / (1.0 + way))
-        M[S_FLOOR_WAIT] = 0.0
-    capacity = I[I_CAPACITY]
-    work = I[O_STAGE_V]
+        state.floor_wait = 0.0
+    capacity = head.capacity
+    work = head.stage_velocity
     gaps = M[work : work + capacity]
     behind = M[work + capacity : work + 2 * capacity]
     jumps = M[work + 2 * capacity : work + 3 * capacity]
@@ -380,28 +379,28 @@ def follow_floor(I, M, change):
     measure(I, M, gaps, behind, jumps)
     if change:
         lower(I, M, gaps)
-    first = 2 if I[I_PAYOUT] != 0 else 1
-    for node in range(1, I[I_NODES]):
-        if I[I[O_JOINT] + node] == 0:
+    first = 2 if head.payout != 0 else 1
+    for node in range(1, head.nodes):
+        if I[head.joint + node] == 0:
             if node >= first:
                 wanted[node] = wanted_length(I, M, node, gaps, behind, jumps)
             else:
                 # The element that the winch changes follows its bend alone.
-                layer = touchdown_layer(M, I[O_EDGE] + node * EDGE_WORDS)
+                layer = touchdown_layer(M, head.edges + node * EDGE_WORDS)
                 wanted[node] = length_by_bend(I, M, node, layer, jumps)
     hanging = 0
-    for node in range(1, I[I_NODES]):
-        if gaps[node] >= M[S_FLOOR_DEPTH]:
+    for node in range(1, head.nodes):
+        if gaps[node] >= state.floor_depth:
             hanging += 1
     changed = NOTHING
     waiting = 0
-    node = I[I_NODES] - 1
+    node = head.nodes - 1
     while node >= 1:
-        if I[I[O_JOINT] + node] == 0:
-            h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
+        if I[head.joint + node] == 0:
+            h = M[head.edges + node * EDGE_WORDS + E_LENGTH]
             if h > SPLIT_ABOVE * wanted[node] and halves_are_even(I, M, node):
                 # What folds near the floor is followed at any number of nodes.
-                if gaps[node] < h or hanging < M[S_MOST_NODES]:
+                if gaps[node] < h or hanging < state.most_nodes:
                     if not change:
                         return CHANGED
                     if split_edge(I, M, node, 0.5, False) != OK:
@@ -416,11 +415,11 @@ def follow_floor(I, M, change):
             ):
                 if not change:
                     waiting += 1
-                    if waiting * TOGETHER >= I[I_NODES]:
+                    if waiting * TOGETHER >= head.nodes:
                         return CHANGED
                     node -= 1
                     continue
-                above = I[O_EDGE] + (node - 1) * EDGE_WORDS + E_BORNE
+                above = head.edges + (node - 1) * EDGE_WORDS + E_BORNE
                 below = above + EDGE_WORDS
                 M[below] = max(M[above], M[below])
                 join_at(I, M, node - 1, 1)

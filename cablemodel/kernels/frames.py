@@ -4,6 +4,7 @@ A frame's origin and its roll, pitch and yaw follow pieces of motion, as the tow
 one line does (`environment.evaluate_piece`), or what the caller gives for a step.
 """
 
+from .access import header, scalars
 from .compile import kernel, view
 from .environment import evaluate_piece
 from .layout import (
@@ -32,12 +33,6 @@ from .layout import (
     F_TURN_PIECE,
     F_VELOCITY,
     FRAME_WORDS,
-    I_CONSTRAINTS,
-    I_FRAMES,
-    O_ACCELERATION,
-    O_CONSTRAINT,
-    O_FRAME_PIECES,
-    O_FRAMES,
     P_ACCELERATION_JUMP,
     P_DATA,
     P_END,
@@ -45,9 +40,6 @@ from .layout import (
     P_START,
     P_VELOCITY_JUMP,
     PIECE_WORDS,
-    S_BASE,
-    S_TIME,
-    S_TIME_TOLERANCE,
 )
 from .rotation import attitude, cross, to_earth_axes
 
@@ -75,20 +67,22 @@ def evaluate_frame(I, M, row, t, turning, out):
 @kernel
 def own_pieces(I, M, row, t, turning, out):
     """The same by the frame's own pieces, without the shift; angles that have none are zero."""
+    head = header(I)
     count = int(M[row + (F_TURN_COUNT if turning else F_COUNT)])
     if count == 0:
         for i in range(9):
             out[i] = 0.0
         return
-    first = I[O_FRAME_PIECES] + PIECE_WORDS * int(M[row + (F_TURN_FIRST if turning else F_FIRST)])
+    first = head.frame_pieces + PIECE_WORDS * int(M[row + (F_TURN_FIRST if turning else F_FIRST)])
     evaluate_piece(M, piece_at(M, first, count, t), t, out)
 
 
 @kernel
 def move_frames(I, M, t):
     """Place, attitude and their rates of all frames at time t into their rows."""
-    for n in range(I[I_FRAMES]):
-        row = I[O_FRAMES] + n * FRAME_WORDS
+    head = header(I)
+    for n in range(head.frame_count):
+        row = head.frames + n * FRAME_WORDS
         evaluate_frame(I, M, row, t, True, view(M, row + F_POSITION, 9))
         angles = view(M, row + F_POSITION, 9)
         attitude(
@@ -108,13 +102,14 @@ def point_motion(M, constraint, frame, out, w):
 
     constraint, frame: words of their rows. w: 9 words.
     """
+    state = scalars(M)
     arm = w[0:3]
     to_earth_axes(view(M, frame + F_ROTATION, 9), view(M, constraint + C_POSITION, 3), arm)
     spin = view(M, frame + F_SPIN, 3)
     cross(spin, arm, w[3:6])
     cross(spin, w[3:6], w[6:9])
     for i in range(3):
-        out[i] = M[frame + F_POSITION + i] + arm[i] - M[S_BASE + i]
+        out[i] = M[frame + F_POSITION + i] + arm[i] - state.origin[i]
         out[3 + i] = M[frame + F_VELOCITY + i] + w[3 + i]
         out[6 + i] = M[frame + F_ACCELERATION + i] + w[6 + i]
     cross(view(M, frame + F_SPIN_RATE, 3), arm, w[6:9])
@@ -125,10 +120,11 @@ def point_motion(M, constraint, frame, out, w):
 @kernel
 def turn_clamps(I, M):
     """Directions of clamps in the earth's frame, as their frames have turned."""
-    for n in range(I[I_CONSTRAINTS]):
-        row = I[O_CONSTRAINT] + n * CONSTRAINT_WORDS
+    head = header(I)
+    for n in range(head.constraint_count):
+        row = head.constraints + n * CONSTRAINT_WORDS
         if M[row + C_KIND] == C_POINT and M[row + C_CLAMPED] == EXACTLY:
-            frame = I[O_FRAMES] + int(M[row + C_FRAME]) * FRAME_WORDS
+            frame = head.frames + int(M[row + C_FRAME]) * FRAME_WORDS
             own = view(M, row + C_OWN_DIRECTION, 3)
             to_earth_axes(view(M, frame + F_ROTATION, 9), own, view(M, row + C_DIRECTION, 3))
 
@@ -165,22 +161,24 @@ def turn_slope(M, row, frame, q, v, a, at, w):
 @kernel
 def next_frame_stop(I, M, stop, dt):
     """A time to land on exactly before `stop`, as step_size.next_stop, of all frames' pieces."""
-    time = M[S_TIME]
-    for n in range(I[I_FRAMES]):
-        row = I[O_FRAMES] + n * FRAME_WORDS
+    head = header(I)
+    state = scalars(M)
+    time = state.time
+    for n in range(head.frame_count):
+        row = head.frames + n * FRAME_WORDS
         if M[row + F_LIVE] != 0.0:
             continue
         for turning in range(2):
             count = int(M[row + (F_TURN_COUNT if turning == 1 else F_COUNT)])
             first = int(M[row + (F_TURN_FIRST if turning == 1 else F_FIRST)])
             for k in range(1, count):
-                piece = I[O_FRAME_PIECES] + (first + k) * PIECE_WORDS
+                piece = head.frame_pieces + (first + k) * PIECE_WORDS
                 start = M[piece + P_START]
                 if start <= time or start >= stop or start > time + dt:
                     continue
                 if (
                     M[piece + P_VELOCITY_JUMP] > 0.0
-                    or M[piece + P_ACCELERATION_JUMP] * dt * dt > 0.8 * M[S_TIME_TOLERANCE]
+                    or M[piece + P_ACCELERATION_JUMP] * dt * dt > 0.8 * state.time_tolerance
                 ):
                     stop = start
     return stop
@@ -190,14 +188,15 @@ def next_frame_stop(I, M, stop, dt):
 def frames_jump(I, M, w):
     """The most by which the acceleration of a frame's point is another one than the state's
     [m/s2]. w: 18 words; `move_frames` has been called."""
+    head = header(I)
     largest = 0.0
-    for n in range(I[I_CONSTRAINTS]):
-        row = I[O_CONSTRAINT] + n * CONSTRAINT_WORDS
+    for n in range(head.constraint_count):
+        row = head.constraints + n * CONSTRAINT_WORDS
         if M[row + C_KIND] != C_POINT:
             continue
-        frame = I[O_FRAMES] + int(M[row + C_FRAME]) * FRAME_WORDS
+        frame = head.frames + int(M[row + C_FRAME]) * FRAME_WORDS
         point_motion(M, row, frame, w[0:9], w[9:18])
-        at = I[O_ACCELERATION] + 6 * int(M[row + C_NODE])
+        at = head.acceleration + 6 * int(M[row + C_NODE])
         changed = 0.0
         for i in range(3):
             changed += (w[6 + i] - M[at + i]) ** 2
@@ -212,7 +211,8 @@ def drive_frame(I, M, row, t_end, given, target, w):
     given: 0 nothing, 1 velocities, 2 places, 3 both; target: position, angles, velocity and rates
     of the angles at t_end (3 words each). w: 18 words.
     """
-    time = M[S_TIME]
+    state = scalars(M)
+    time = state.time
     dt = t_end - time
     for turning in range(2):
         evaluate_frame(I, M, row, time, turning == 1, w[0:9])

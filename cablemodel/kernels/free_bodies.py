@@ -19,6 +19,7 @@ axis's area. A foil has lift and drag by its angle of attack, from a table.
 
 import math
 
+from .access import header, scalars
 from .compile import kernel, view
 from .environment import current_at
 from .layout import (
@@ -30,13 +31,6 @@ from .layout import (
     FOIL_ANGLES,
     FOIL_WORDS,
     FREE_WORDS,
-    I_ARMS,
-    I_BODIES,
-    I_CAPACITY,
-    I_FACTORED,
-    I_FREE,
-    I_HISTORY,
-    I_WAVES,
     L_AREA,
     L_CHORD,
     L_DEFLECTION,
@@ -50,16 +44,6 @@ from .layout import (
     M_SPIN,
     M_SPIN_RATE,
     M_TURN,
-    O_ARMS,
-    O_DIAGONAL,
-    O_FOIL_TABLE,
-    O_FOILS,
-    O_FREE,
-    O_LOWER,
-    O_MOTION,
-    O_PARTS_WORK,
-    S_GRAVITY,
-    S_TIME,
     Y_ADDED,
     Y_BUOYANCY,
     Y_BUOYANCY_CENTRE,
@@ -110,13 +94,14 @@ def set_body_motion(row, M, x, v, a, at):
 @kernel
 def follow_bodies(I, M, q, v, a):
     """Motion of all bodies from the state, and of the ends of lines at their arms into it."""
-    for body in range(I[I_FREE]):
-        row = I[O_FREE] + body * FREE_WORDS
+    head = header(I)
+    for body in range(head.free_count):
+        row = head.free_bodies + body * FREE_WORDS
         set_body_motion(row, M, q, v, a, 6 * int(M[row + Y_NODE]))
-    for n in range(I[I_ARMS]):
-        arm = I[O_ARMS] + n * ARM_WORDS
-        row = I[O_FREE] + int(M[arm + A_BODY]) * FREE_WORDS
-        w = view(M, I[O_PARTS_WORK], 9)
+    for n in range(head.arm_count):
+        arm = head.arms + n * ARM_WORDS
+        row = head.free_bodies + int(M[arm + A_BODY]) * FREE_WORDS
+        w = view(M, head.parts_work, 9)
         m = view(M, row + Y_MOTION, 33)
         place = view(M, arm + A_PLACE, 3)
         turn = m[M_TURN : M_TURN + 9]
@@ -238,9 +223,11 @@ def add_foil(M, foil, table, t, flow, spin, out, w):
 def body_forces(I, M, body, t, out):
     """Inertia minus loads of a body at the motion in its row: force in the earth's frame, and what
     is conjugate to theta, 6 words. t: time [s]."""
-    row = I[O_FREE] + body * FREE_WORDS
+    head = header(I)
+    state = scalars(M)
+    row = head.free_bodies + body * FREE_WORDS
     m = view(M, row + Y_MOTION, 33)
-    w = view(M, I[O_PARTS_WORK] + 40, 60)
+    w = view(M, head.parts_work + 40, 60)
     turn = m[M_TURN : M_TURN + 9]
     spin = m[M_SPIN : M_SPIN + 3]
     spin_rate = m[M_SPIN_RATE : M_SPIN_RATE + 3]
@@ -260,12 +247,12 @@ def body_forces(I, M, body, t, out):
         place[i] += m[M_PLACE + i]
     current_at(I, M, place[2], water)
     wet = 1.0
-    if I[I_WAVES] != 0:
-        slot = 3 * I[I_CAPACITY] + I[I_BODIES] + body
+    if head.wave_count != 0:
+        slot = 3 * head.capacity + head.body_count + body
         reach = max(1e-3, M[row + Y_RADIUS])
         depth = wave_at(I, M, place[0], place[1], place[2], reach, slot)
         wet_at(I, M, depth, reach)
-        at = I[O_MOTION]
+        at = head.motion
         wet = M[at + P_WET]
         for i in range(3):
             water[i] += M[at + P_VELOCITY + i]
@@ -295,7 +282,7 @@ def body_forces(I, M, body, t, out):
     add_force(water, view(M, row + Y_CENTRE, 3), -1.0, f, s)
     lift = wet * M[row + Y_BUOYANCY]
     for i in range(3):
-        place[i] = lift * pull[i] / M[S_GRAVITY] if M[S_GRAVITY] > 0.0 else 0.0
+        place[i] = lift * pull[i] / state.gravity if state.gravity > 0.0 else 0.0
     place[2] += lift
     to_body_axes(turn, place, water)
     add_force(water, view(M, row + Y_BUOYANCY_CENTRE, 3), -1.0, f, s)
@@ -317,8 +304,8 @@ def body_forces(I, M, body, t, out):
     for i in range(3):
         place[i] = -v[i]
     for n in range(int(M[row + Y_FOILS])):
-        foil = I[O_FOILS] + (int(M[row + Y_FIRST_FOIL]) + n) * FOIL_WORDS
-        add_foil(M, foil, I[O_FOIL_TABLE], t, place, spin, f, s)
+        foil = head.foils + (int(M[row + Y_FIRST_FOIL]) + n) * FOIL_WORDS
+        add_foil(M, foil, head.foil_table, t, place, spin, f, s)
     # What the caller pushes with, at the body's own origin.
     for i in range(3):
         place[i] = ramp(M, row + Y_FORCE, 6, i, t)
@@ -345,16 +332,17 @@ def arm_moment(M, arm, m, force, out, w):
 @kernel
 def free_residual(I, M, t, out):
     """Add the bodies' inertia and loads to the forces, and take over those at their arms."""
-    f = view(M, I[O_PARTS_WORK] + 16, 6)
-    w = view(M, I[O_PARTS_WORK] + 22, 12)
-    for body in range(I[I_FREE]):
-        at = 6 * int(M[I[O_FREE] + body * FREE_WORDS + Y_NODE])
+    head = header(I)
+    f = view(M, head.parts_work + 16, 6)
+    w = view(M, head.parts_work + 22, 12)
+    for body in range(head.free_count):
+        at = 6 * int(M[head.free_bodies + body * FREE_WORDS + Y_NODE])
         body_forces(I, M, body, t, f)
         for i in range(6):
             out[at + i] += f[i]
-    for n in range(I[I_ARMS]):
-        arm = I[O_ARMS] + n * ARM_WORDS
-        row = I[O_FREE] + int(M[arm + A_BODY]) * FREE_WORDS
+    for n in range(head.arm_count):
+        arm = head.arms + n * ARM_WORDS
+        row = head.free_bodies + int(M[arm + A_BODY]) * FREE_WORDS
         end = 6 * int(M[arm + A_NODE])
         at = 6 * int(M[row + Y_NODE])
         force = view(out, end, 3)
@@ -373,13 +361,14 @@ def free_jacobian(I, M, t, q, v, a, ca, cv):
 
     The state is as in the last residual; forces at arms are those of that.
     """
-    f = view(M, I[O_PARTS_WORK] + 16, 6)
-    w = view(M, I[O_PARTS_WORK] + 22, 12)
-    for body in range(I[I_FREE]):
-        row = I[O_FREE] + body * FREE_WORDS
+    head = header(I)
+    f = view(M, head.parts_work + 16, 6)
+    w = view(M, head.parts_work + 22, 12)
+    for body in range(head.free_count):
+        row = head.free_bodies + body * FREE_WORDS
         node = int(M[row + Y_NODE])
         at = 6 * node
-        D = view(M, I[O_DIAGONAL] + 36 * node, 36)
+        D = view(M, head.diagonal + 36 * node, 36)
         for j in range(6):
             step = STEP * (M[row + Y_SIZE] if j < 3 else 1.0)
             x0 = q[at + j]
@@ -392,8 +381,8 @@ def free_jacobian(I, M, t, q, v, a, ca, cv):
                 a[at + j] = a0 + ca * e
                 set_body_motion(row, M, q, v, a, at)
                 body_forces(I, M, body, t, f)
-                for n in range(I[I_ARMS]):
-                    arm = I[O_ARMS] + n * ARM_WORDS
+                for n in range(head.arm_count):
+                    arm = head.arms + n * ARM_WORDS
                     if j >= 3 and int(M[arm + A_BODY]) == body:
                         # Of a line that goes on pulling so at the arm.
                         m = view(M, row + Y_MOTION, 33)
@@ -406,11 +395,11 @@ def free_jacobian(I, M, t, q, v, a, ca, cv):
             v[at + j] = v0
             a[at + j] = a0
         set_body_motion(row, M, q, v, a, at)
-    for n in range(I[I_ARMS]):
-        arm = I[O_ARMS] + n * ARM_WORDS
-        row = I[O_FREE] + int(M[arm + A_BODY]) * FREE_WORDS
+    for n in range(head.arm_count):
+        arm = head.arms + n * ARM_WORDS
+        row = head.free_bodies + int(M[arm + A_BODY]) * FREE_WORDS
         m = view(M, row + Y_MOTION, 33)
-        to = I[O_LOWER] + 36 * int(M[arm + A_NODE]) + 18  # beside Z
+        to = head.lower + 36 * int(M[arm + A_NODE]) + 18  # beside Z
         for j in range(3):
             for i in range(3):
                 w[i] = m[M_RATES + 3 * i + j]  # a column of T
@@ -423,8 +412,9 @@ def free_jacobian(I, M, t, q, v, a, ca, cv):
 @kernel
 def count_turns_anew(I, M, q, v, a):
     """Rotation vectors that have become large count from the present attitudes on."""
-    for body in range(I[I_FREE]):
-        row = I[O_FREE] + body * FREE_WORDS
+    head = header(I)
+    for body in range(head.free_count):
+        row = head.free_bodies + body * FREE_WORDS
         at = 6 * int(M[row + Y_NODE])
         square = 0.0
         for i in range(3):
@@ -440,24 +430,28 @@ def count_turns_anew(I, M, q, v, a):
             v[at + 3 + i] = m[M_SPIN + i]
             a[at + 3 + i] = m[M_SPIN_RATE + i]
         set_body_motion(row, M, q, v, a, at)
-        I[I_FACTORED] = 0
-        I[I_HISTORY] = 0
+        head.factored = 0
+        head.has_history = 0
 
 
 @kernel
 def push_bodies(I, M, t_end, forces):
     """Let the outside forces and torques (bodies, 6) be reached linearly at the end of a step."""
-    for body in range(I[I_FREE]):
-        at = I[O_FREE] + body * FREE_WORDS + Y_FORCE
-        follow_ramp(M, at, 6, M[S_TIME], t_end, forces, 6 * body)
+    head = header(I)
+    state = scalars(M)
+    for body in range(head.free_count):
+        at = head.free_bodies + body * FREE_WORDS + Y_FORCE
+        follow_ramp(M, at, 6, state.time, t_end, forces, 6 * body)
 
 
 @kernel
 def deflect_foils(I, M, t_end, angles, foils):
     """Let the deflections of the foils be reached linearly at the end of a step."""
+    head = header(I)
+    state = scalars(M)
     for n in range(foils):
-        at = I[O_FOILS] + n * FOIL_WORDS + L_DEFLECTION
-        follow_ramp(M, at, 1, M[S_TIME], t_end, angles, n)
+        at = head.foils + n * FOIL_WORDS + L_DEFLECTION
+        follow_ramp(M, at, 1, state.time, t_end, angles, n)
 
 
 @kernel

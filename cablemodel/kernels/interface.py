@@ -3,28 +3,10 @@
 Both kernels use the block up: whoever asks works on a copy.
 """
 
+from .access import header, scalars
 from .compile import kernel, outlined, view
 from .layout import (
-    I_NODES,
     JOINT_HINGE,
-    O_ACCELERATION,
-    O_CONSTRAINT_RESIDUAL,
-    O_DIAGONAL,
-    O_INCREMENT,
-    O_JOINT,
-    O_LOWER,
-    O_MOTION,
-    O_PARENT,
-    O_POSITION,
-    O_RESIDUAL,
-    O_TENSION,
-    O_TRIAL_A,
-    O_TRIAL_Q,
-    O_TRIAL_T,
-    O_TRIAL_V,
-    O_UPPER,
-    O_VELOCITY,
-    S_TIME,
 )
 from .outputs import end_forces
 from .promote import promote
@@ -45,11 +27,12 @@ ITERATIONS = 2  # of Newton's method for it: tensions are linear in what little 
 @kernel
 def force_at_top(I, y, i):
     """Component of the forces y that acts where the line begins: at node 0 and hinges there."""
+    head = header(I)
     total = y[i]
-    for node in range(1, I[I_NODES]):
+    for node in range(1, head.nodes):
         above = node
-        while above > 0 and I[I[O_JOINT] + above] == JOINT_HINGE:
-            above = I[I[O_PARENT] + above]
+        while above > 0 and I[head.joint + above] == JOINT_HINGE:
+            above = I[head.parent + above]
         if above == 0:
             total += y[6 * node + i]
     return total
@@ -75,27 +58,29 @@ def rate_of_force(I, M, last_step, out):
     What a single implicit step ahead makes of it, a quarter of the caller's last step long, with
     the vessel's acceleration of now: a state's own rates ring, with waves along the line.
     """
+    head = header(I)
+    state = scalars(M)
     promote(I, M)
-    count = 6 * I[I_NODES]
-    words = 2 * I[I_NODES]
-    q = view(M, I[O_TRIAL_Q], count)
-    v = view(M, I[O_TRIAL_V], count)
-    a = view(M, I[O_TRIAL_A], count)
-    tension = view(M, I[O_TRIAL_T], words)
-    forces = view(M, I[O_RESIDUAL], count)
-    constraint = view(M, I[O_CONSTRAINT_RESIDUAL], words)
-    x = view(M, I[O_INCREMENT], count)
-    before = view(M, I[O_MOTION] + 16, 3)
+    count = 6 * head.nodes
+    words = 2 * head.nodes
+    q = view(M, head.trial_position, count)
+    v = view(M, head.trial_velocity, count)
+    a = view(M, head.trial_acceleration, count)
+    tension = view(M, head.trial_tension, words)
+    forces = view(M, head.residual, count)
+    constraint = view(M, head.constraint_residual, words)
+    x = view(M, head.increment, count)
+    before = view(M, head.motion + 16, 3)
     span = AHEAD * last_step
     end_forces(I, M)
     top_reaction(I, forces, out)
     for n in range(words):
-        tension[n] = M[I[O_TENSION] + n]
+        tension[n] = M[head.tension + n]
     for n in range(count):
-        a[n] = M[I[O_ACCELERATION] + n]
-        v[n] = M[I[O_VELOCITY] + n] + span * a[n]
-        q[n] = M[I[O_POSITION] + n] + span * (M[I[O_VELOCITY] + n] + 0.5 * span * a[n])
-    time = M[S_TIME] + span
+        a[n] = M[head.acceleration + n]
+        v[n] = M[head.velocity + n] + span * a[n]
+        q[n] = M[head.position + n] + span * (M[head.velocity + n] + 0.5 * span * a[n])
+    time = state.time + span
     set_time(I, M, time)
     impose_motion(I, M, time, q, v, a)
     cv = 2.0 / span
@@ -123,15 +108,17 @@ def rate_of_force(I, M, last_step, out):
 @kernel
 def assemble_here(I, M, cv, ca):
     """K + cv C + ca M at the state, of a model in three dimensions, into the matrix arrays."""
-    count = 6 * I[I_NODES]
-    set_time(I, M, M[S_TIME])
+    head = header(I)
+    state = scalars(M)
+    count = 6 * head.nodes
+    set_time(I, M, state.time)
     jacobian(
         I,
         M,
-        view(M, I[O_POSITION], count),
-        view(M, I[O_VELOCITY], count),
-        view(M, I[O_ACCELERATION], count),
-        view(M, I[O_TENSION], 2 * I[I_NODES]),
+        view(M, head.position, count),
+        view(M, head.velocity, count),
+        view(M, head.acceleration, count),
+        view(M, head.tension, 2 * head.nodes),
         ca,
         cv,
     )
@@ -140,20 +127,21 @@ def assemble_here(I, M, cv, ca):
 @kernel
 def add_product(I, M, x, y):
     """y += (assembled matrix) x; a hinge is where its parent is."""
-    for node in range(1, I[I_NODES]):
-        if I[I[O_JOINT] + node] == JOINT_HINGE:
+    head = header(I)
+    for node in range(1, head.nodes):
+        if I[head.joint + node] == JOINT_HINGE:
             for i in range(3):
-                x[6 * node + i] = x[6 * I[I[O_PARENT] + node] + i]
-    for node in range(I[I_NODES]):
-        tied = node > 0 and I[I[O_JOINT] + node] != JOINT_HINGE
-        parent = 6 * I[I[O_PARENT] + node] if tied else 0
+                x[6 * node + i] = x[6 * I[head.parent + node] + i]
+    for node in range(head.nodes):
+        tied = node > 0 and I[head.joint + node] != JOINT_HINGE
+        parent = 6 * I[head.parent + node] if tied else 0
         for i in range(6):
             for j in range(6):
                 at = 36 * node + 6 * i + j
-                y[6 * node + i] += M[I[O_DIAGONAL] + at] * x[6 * node + j]
+                y[6 * node + i] += M[head.diagonal + at] * x[6 * node + j]
                 if tied:
-                    y[parent + i] += M[I[O_UPPER] + at] * x[6 * node + j]
-                    y[6 * node + i] += M[I[O_LOWER] + at] * x[parent + j]
+                    y[parent + i] += M[head.upper + at] * x[6 * node + j]
+                    y[6 * node + i] += M[head.lower + at] * x[parent + j]
 
 
 @kernel
@@ -166,13 +154,14 @@ def response_to_motion(I, M, motion, out):
     position as (2/T^2 M + 2/T C + K) x. out: the change of the force (3). Returns 0, or 1 + the
     node whose pivot vanished.
     """
+    head = header(I)
     promote(I, M)
-    count = 6 * I[I_NODES]
+    count = 6 * head.nodes
     cv = 2.0 / motion[9]
     ca = 2.0 / (motion[9] * motion[9])
-    x = view(M, I[O_TRIAL_Q], count)
-    y = view(M, I[O_TRIAL_V], count)
-    solution = view(M, I[O_TRIAL_A], count)
+    x = view(M, head.trial_position, count)
+    y = view(M, head.trial_velocity, count)
+    solution = view(M, head.trial_acceleration, count)
     y[:] = 0.0
     for part in range(3):
         x[:] = 0.0
@@ -188,17 +177,17 @@ def response_to_motion(I, M, motion, out):
     failed = factorise(
         I,
         M,
-        view(M, I[O_POSITION], count),
-        view(M, I[O_VELOCITY], count),
-        view(M, I[O_ACCELERATION], count),
-        view(M, I[O_TENSION], 2 * I[I_NODES]),
+        view(M, head.position, count),
+        view(M, head.velocity, count),
+        view(M, head.acceleration, count),
+        view(M, head.tension, 2 * head.nodes),
         ca,
         cv,
     )
     if failed != 0:
         return failed
-    forces = view(M, I[O_RESIDUAL], count)
-    constraint = view(M, I[O_CONSTRAINT_RESIDUAL], 2 * I[I_NODES])
+    forces = view(M, head.residual, count)
+    constraint = view(M, head.constraint_residual, 2 * head.nodes)
     constraint[:] = 0.0
     for n in range(count):
         forces[n] = y[n]

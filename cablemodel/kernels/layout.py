@@ -7,157 +7,247 @@ copied, saved and mapped by another process. All before the workspace is the *im
 the FMU's state and its serialisation are a copy of it.
 """
 
+from .record import Record, integer, real, reals, spare
+
 MAGIC = 0x4C45444F4D454C42  # "BLEMODEL", little endian
 VERSION = 10
-HEADER_WORDS = 120
-SCALAR_WORDS = 104
 
-# Header: identity, sizes, state counters.
-I_MAGIC, I_VERSION, I_BYTES, I_IMAGE_WORDS = 0, 1, 2, 3
-I_CAPACITY, I_NODES, I_DIMENSION = 4, 5, 6
-I_BODIES, I_CONSTRAINTS, I_PIECES, I_DEPTHS, I_TIMES, I_STRAIN = 7, 8, 9, 10, 11, 12
-I_LIVE = 13  # 1: the live motion piece (row 0) drives the vessel, 0: the scene's own pieces
-I_PIECE = 14  # the scene's piece that holds the present time
-I_CURRENT = 15  # 0 none, 1 uniform over depth, 2 a table over depth
-I_SURGE = 100  # 1 while the current changes in time, as of the last set_time
-I_FACTORED = 16  # 1 while the stored factorisation may be used
-I_FRESH = 17  # 1 while that factorisation was made at the present step
-I_ORDER = 18  # 3 or 4: order of the time integrator
-I_GROWTH_BARRED = 19  # 1 after a rejection: the next step may not grow
-I_STEPS, I_REJECTED, I_FACTORISATIONS, I_ITERATIONS = 20, 21, 22, 23
-O_FAILED = 24  # of a word of the workspace: the node at fault when a step or a start fails
-I_MAXIMUM_STEPS = 25  # that a call may take, or a relaxation of a static start
-I_DRAG = 26  # 0 in vacuum: no water terms
-I_HYBRID = 27
-
-# Sea floor.
-I_FLOOR, I_FLOOR_X, I_FLOOR_Y = 28, 29, 30  # FLOOR_...; columns and rows of the table
-I_FLOOR_WORDS = 31
 FLOOR_NONE, FLOOR_PLANE, FLOOR_TABLE = 0, 1, 2
 FLOOR_FAR, FLOOR_ABOVE, FLOOR_TOUCHED = 0, 1, 2  # nothing of it is felt; the mesh knows; forces
-O_FLOOR = 94  # x (nx), y (ny), then z, z_x, z_y, z_xy of every place, x slowest
-O_REST = 95  # places of rest of the friction bristles (capacity, 3)
 
-# Pay-out.
-I_PAYOUT = 70  # 1 where cable may pass the tow point: the top element's length varies
-I_RATES, I_CABLES = 71, 72  # rows of the rate table and of the cable table
-I_TOP_CABLE = 73  # row of the cable that passes the tow point
-I_RATE_LIVE = 74  # 1: the caller's rate drives, 0: the scene's table
-I_CLAMPED = 75  # +1 the drum is empty, -1 the shortest length is reached, 0 neither
-O_RATES, O_CABLES, O_TOP = 76, 77, 78
 
-# Waves.
-I_WAVES, O_WAVES = 81, 82  # how many components there are, their rows
-I_CELL_TERMS = 96  # of the series in the sea's cells (sea_cells.py): CELL_TERMS, or 0: no cells
-O_CELL_LAYERS, O_CELLS = 98, 99  # layers of water, see below; cells of CELL_WORDS each
+class Header(Record):
+    """Identity, sizes and counters of a block, and the words where its arrays start."""
 
-# Bodies of finite length.
-I_RIGID = 80  # how many of the bodies have a length: 0 skips all that they need
-# Two-step scheme.
-I_HISTORY = 88  # 1 while O_HISTORY holds the state one step of S_LAST_STEP ago
-I_TWO_STEP_WAIT = 89  # steps to take by the one-step scheme before it is tried again
-I_TWO_STEP_CHECK = 90  # steps until its convergence is measured again
-I_TWO_STEP_REST = 93  # what I_TWO_STEP_WAIT is set to at a refusal: doubles while it is refused
+    magic = integer("identity: MAGIC")
+    version = integer("VERSION")
+    byte_count = integer("bytes of the whole block")
+    image_words = integer("words before the workspace")
+    capacity = integer("nodes that there is room for")
+    nodes = integer("nodes in use")
+    dimension = integer("2 in a plane, 3 in space")
+    body_count = integer("bodies")
+    constraint_count = integer("constraints")
+    piece_count = integer("motion pieces, with row 0, the live one")
+    depth_count = integer("depths of the table of currents")
+    time_count = integer("times of the table of currents")
+    strain_words = integer("words of the strain curves' coefficients")
+    live = integer("1: the live motion piece (row 0) drives the vessel, 0: the scene's pieces")
+    piece = integer("the scene's motion piece that holds the present time")
+    current_kind = integer("0: no current, 1: uniform over depth, 2: a table over depth")
+    factored = integer("1 while the stored factorisation may be used")
+    fresh = integer("1 while that factorisation was made at the present step")
+    order = integer("3 or 4: order of the time integrator")
+    growth_barred = integer("1 after a rejection: the next step may not grow")
+    steps = integer("steps taken")
+    rejected = integer("steps rejected")
+    factorisations = integer("factorisations made")
+    iterations = integer("of Newton's method")
+    failed = integer("word (of the workspace) with the node at fault when a step or a start fails")
+    maximum_steps = integer("that a call may take, or a relaxation of a static start")
+    drag = integer("0 in vacuum: no water terms")
+    hybrid = integer("1: elements choose between elastica and cable by their tension")
+    floor_kind = integer("FLOOR_NONE, FLOOR_PLANE or FLOOR_TABLE")
+    floor_columns = integer("columns of the floor's table, along x")
+    floor_rows = integer("rows of the floor's table, along y")
+    floor_words = integer("words of the floor's table")
 
-I_KEEP_MATRIX = 92  # 1 while a step has not yet saved the matrix that it may have to give back
+    # Words where arrays start.
+    pieces = integer("motion pieces (Piece)")
+    depths = integer("depths of the table of currents [m]")
+    times = integer("times of the table of currents [s]")
+    current = integer("velocities of the table of currents (times, depths, 3) [m/s]")
+    strain = integer("coefficients of the strain curves")
+    parent = integer("parent of each node, an integer")
+    joint = integer("what ties each node to its parent, an integer: JOINT_...")
+    edges = integer("edge above each node (Edge)")
+    arc = integer("not used")
+    bodies = integer("bodies (Body)")
+    constraints = integer("constraints (Constraint), and one more for the end that is awake")
+    position = integer("places and tangents r, d (nodes, 2, dimension) [m], [-]")
+    velocity = integer("their rates (nodes, 2, dimension)")
+    acceleration = integer("their second derivatives (nodes, 2, dimension)")
+    tension = integer("at both ends of each element (nodes, 2) [N]")
+    diagonal = integer("blocks of the factorisation, each (2 dimension, 2 dimension)")
+    upper = integer("the same, above the diagonal")
+    lower = integer("the same, below the diagonal")
+    gradient = integer("of the constraint of each element (nodes, 2, 4, dimension)")
+    compliance = integer("inverse of the constraints' compliance (nodes, 3)")
+    backup = integer("copy of the image while a step is made")
+    stage_velocity = integer("velocities of the stages of a step, four of them")
+    stage_acceleration = integer("accelerations of the stages of a step, four of them")
+    base_position = integer("positions that a stage starts from")
+    base_velocity = integer("velocities that a stage starts from")
+    trial_position = integer("positions that are tried")
+    trial_velocity = integer("velocities that are tried")
+    trial_acceleration = integer("accelerations that are tried")
+    trial_tension = integer("tensions that are tried")
+    residual = integer("forces out of balance (nodes, 2, dimension) [N]")
+    constraint_residual = integer("of each element's two constraints (nodes, 2)")
+    increment = integer("of Newton's method (nodes, 2, dimension)")
+    profile = integer("current at each depth, now: velocities, then their rates")
+    gauss = integer("workspace of an element: GAUSS_WORDS")
+    motion = integer("workspace of motions: MOTION_WORDS, then columns for the waves' components")
+    tension_rate = integer("rates of the tensions (nodes, 2) [N/s]")
+    stage_tension = integer("tensions of the stages of a step")
+    stretch = integer("rates of stretch that the tensions ask for (nodes, 2)")
 
-I_FLOOR_STATE = 102  # FLOOR_FAR, ...: how near the line is to the floor; 0 also without one
-I_SETTLED = 101  # 1 while the last step left a line that does not ring along itself
+    # Pay-out.
+    payout = integer("1 where cable may pass the tow point: the top element's length varies")
+    rate_count = integer("rows of the rate table")
+    cable_count = integer("rows of the cable table")
+    top_cable = integer("row of the cable that passes the tow point")
+    rate_live = integer("1: the caller's rate drives, 0: the scene's table")
+    clamped = integer("+1: the drum is empty, -1: the shortest length is reached, 0: neither")
+    rates = integer("start of the rate table (Rate)")
+    cables = integer("start of the cable table (Cable)")
+    top = integer("start of the workspace of what passes the tow point")
+    end_force = integer("start of internal forces at the ends of each element: parent's, child's")
 
-# Cable at rest on the floor: the nodes at the line's end that sleep.
-I_SLEEP = 83  # 1: cable may sleep (there is friction), 0: it never does
-I_ASLEEP = 84  # how many nodes sleep
-I_LEFT_OUT = 85  # as many while a step is made without them, else 0
-I_KEEP_SLEEPERS = 86  # how many of them a step has not yet saved
-I_ANCHOR_KEPT = 87  # 1 where the row of the far end's constraint waits for them
+    rigid = integer("how many of the bodies have a length: 0 skips all that they need")
+    wave_count = integer("components of the waves")
+    waves = integer("start of their table: columns AMPLITUDE, ... of so many words")
 
-# Systems: frames that are driven, free bodies, lines between them. 0 in a scene of one line.
-I_PARTS = 103
-I_FRAMES, I_FRAME_PIECES = 104, 105
-I_FREE, I_ARMS = 106, 107  # free bodies; ends of lines at their points
-I_FOILS, I_FOIL_WORDS = 108, 109
-O_FRAMES, O_FRAME_PIECES, O_FREE, O_ARMS, O_FOILS, O_FOIL_TABLE = 110, 111, 112, 113, 114, 115
-O_PARTS_WORK = 116  # PARTS_WORDS of the workspace
+    # Cable at rest on the floor: the nodes at the line's end that sleep.
+    sleep = integer("1: cable may sleep (there is friction), 0: it never does")
+    asleep = integer("how many nodes sleep")
+    left_out = integer("as many while a step is made without them, else 0")
+    keep_sleepers = integer("how many of them a step has not yet saved")
+    anchor_kept = integer("1 where the row of the far end's constraint waits for them")
 
-# Header: word offsets of the arrays.
-O_PIECES, O_DEPTHS, O_TIMES, O_CURRENT, O_STRAIN = 32, 33, 34, 35, 36
-O_PARENT, O_JOINT, O_EDGE, O_ARC, O_BODY, O_CONSTRAINT = 37, 38, 39, 40, 41, 42
-O_POSITION, O_VELOCITY, O_ACCELERATION, O_TENSION = 43, 44, 45, 46
-O_DIAGONAL, O_UPPER, O_LOWER, O_GRADIENT, O_COMPLIANCE = 47, 48, 49, 50, 51
-O_BACKUP, O_STAGE_V, O_STAGE_A, O_BASE_Q, O_BASE_V = 52, 53, 54, 55, 56
-O_TRIAL_Q, O_TRIAL_V, O_TRIAL_A, O_TRIAL_T = 57, 58, 59, 60
-O_RESIDUAL, O_CONSTRAINT_RESIDUAL, O_INCREMENT = 61, 62, 63
-O_PROFILE, O_GAUSS, O_MOTION = 64, 65, 66
-O_TENSION_RATE, O_STAGE_T, O_STRETCH = 67, 68, 69
-O_HISTORY = 91  # r, d, then their velocities, one step ago: 6 words a node each
-O_END_FORCE = 79  # internal force at both ends of each element: parent's end, child's end
+    # Two-step scheme.
+    has_history = integer("1 while `history` holds the state one step of `last_step` ago")
+    two_step_wait = integer("steps to take by the one-step scheme before it is tried again")
+    two_step_check = integer("steps until its convergence is measured again")
+    history = integer("start of r, d, then their velocities, one step ago (nodes, 2, dimension)")
+    keep_matrix = integer("1 while a step has not yet saved the matrix that it may give back")
+    two_step_rest = integer(
+        "what two_step_wait is set to at a refusal: doubles while it is refused"
+    )
 
-# Scalars, at HEADER_WORDS.
-_S = HEADER_WORDS
-S_TIME, S_STEP, S_FACTORED_STEP = _S, _S + 1, _S + 2
-S_TOLERANCE = _S + 3  # tau, the accuracy that the user asked for
-S_TIME_TOLERANCE = _S + 4  # local error allowed in a step [m]
-S_LENGTH = _S + 5
-S_SMALLEST_STEP = _S + 6
-S_TENSION_SCALE = _S + 7
-S_BASE = _S + 8  # 3 words: origin of the coordinates in the block [m]
-S_PLANE = _S + 11  # 2 words: horizontal direction of the plane of a planar model
-S_SHIFT = _S + 13  # 3 words: vessel position minus that of the scene's own motion
-S_LIVE_CURRENT = _S + 16  # 8 words: t0, t1, velocity at t0 (3), at t1 (3)
-S_CURRENT_SLOPE = _S + 99  # 3 words: the live current's rate before that [m/s2]
-S_GRAVITY = _S + 24
-S_WATER_DENSITY = _S + 25
-S_FIRST_STEP = _S + 26
-S_LAST_STEP = _S + 27  # length of the last accepted step [s]
+    floor = integer("start of x (nx), y (ny), then z, z_x, z_y, z_xy of every place, x slowest")
+    rest = integer("start of the places of rest of the friction bristles (nodes, 3) [m]")
+    cell_terms = integer("terms of the series in the sea's cells: CELL_TERMS, or 0: no cells")
+    _spare_1 = spare(1)
+    cell_layers = integer("start of the layers of water that have cells (Layer)")
+    cells = integer("start of the cells: three to an element, one to a body, of CELL_WORDS")
+    surge = integer("1 while the current changes in time, as of the last set_time")
+    settled = integer("1 while the last step left a line that does not ring along itself")
+    floor_state = integer("FLOOR_FAR, ...: how near the line is to the floor; 0 also without one")
 
-# Pay-out: travel(t) = S_TRAVEL + rate tau + slope tau^2 / 2, tau = t - S_TIME, within one step.
-# Travel is all that has passed the tow point, cable (S_PAID) and bodies of finite length.
-S_PAID, S_PAYOUT_RATE, S_PAYOUT_SLOPE = _S + 28, _S + 29, _S + 30
-S_TOP_LENGTH = _S + 31  # length of the top element, or of what is out of a body, at S_TIME [m]
-S_PAID_MOST, S_PAID_LEAST = _S + 32, _S + 33
-S_LIVE_RATE = _S + 34  # 4 words: t0, t1, rate at t0, at t1
-S_CLAMP_PULL = _S + 67  # tension at a clamped tow point, smoothed over time [N]
-S_PASSING = _S + 47  # 1 + row of the body of finite length that passes the tow point, 0: none
-S_TRAVEL = _S + 44
-S_TRAVEL_MOST, S_TRAVEL_LEAST = _S + 45, _S + 46
-S_PERIOD = _S + 40  # sqrt(L/g) [s]
-S_MEMORY = _S + 75  # how long an error of the velocity moves the line [s]; 0: not looked at
-S_AXIAL = _S + 41  # stiffness of the whole line over its mass [1/s2]
-S_UNDAMPED = _S + 42  # 1: drag does not damp the line's motion
-S_JOINED = _S + 43  # longest element that a change of the mesh has joined [m]
-S_FLOOR_DEPTH = _S + 48  # delta: the gap below which the floor pushes [m]
-S_FRICTION, S_BRISTLE = _S + 49, _S + 50  # Coulomb coefficient; length of a bristle [m]
-S_FLOOR_DAMPING = _S + 51  # force grows by this per speed of approach [s/m]
-S_FLOOR_PLANE = _S + 52  # 5 words: z, slopes towards x and y, place x, y where the height is z
-S_FLOOR_TOP = _S + 57  # highest point of the floor that can be reached [m]
-S_LAID = _S + 79  # 1: what lies at a start has been laid; 2: and the start's frame moves over it
-S_FLOOR_WAIT = _S + 59  # time since what the floor bears was last looked at [s]
-S_FLOOR_BEND = _S + 58  # a bound on 1/8 of the floor's second derivatives [1/m]
-S_WAVE_TIME, S_WAVE_SHARE, S_WAVE_RISE = _S + 60, _S + 61, _S + 62  # ramp at the last set_time
-S_WAVE_RAMP = _S + 63  # time in which the waves come up [s]
-S_WAVE_STEP = _S + 64  # longest step that resolves them [s]
-S_WAVE_DEPTH = _S + 65  # water depth [m]
-S_WAVE_CREST = _S + 66  # sum of the amplitudes [m]
-S_WAVE_X, S_WAVE_Y = _S + 76, _S + 77  # their way, a horizontal unit vector
-S_STAGE_TIME = _S + 103  # of the last set_time, in a system [s]
-S_CELL_STAYS = _S + 102  # way within which a stage keeps the water of its first iteration [m]
-S_SLEEP_AFTER = _S + 80  # time before which no more cable falls asleep [s]
-S_SLEEP_TENSION, S_SLEEP_SPARE = _S + 81, _S + 82  # at its end, what it may change by [N]
-S_SLEEP_WAY = _S + 83  # length of cable that lies awake before it [m]
-S_SLEEP_LOW, S_SLEEP_HIGH = _S + 84, _S + 85  # heights between which it lies [m]
-S_SLEEP_FLOW = _S + 86  # square of the water's speed whose drag is the friction [m2/s2]
-S_SLEEP_PUSH = _S + 98  # the water's acceleration whose force is the friction [m/s2]
-S_BENT = _S + 89  # what h^2 times the jump of r'' may be in free water [m]; 0: the mesh stays
-S_BENT_AFTER = _S + 90  # time before which the mesh is not looked at again [s]
-S_TRACTABLE = _S + 91  # at a floor: longest step that Newton's method is expected to manage [s]
-S_MOST_NODES = _S + 92  # of what hangs: from there on no bend in the water gets one more
-S_END_BORNE = _S + 93  # what the floor bears for long of the line's end, in units of its contact
-S_ORDER_3 = _S + 87  # steps by order 3 before order 4 is tried again
-S_LARGEST_TENSION = _S + 74  # so far, either way [N]
-S_STAGE_TENSION = _S + 68  # 6 words: of the top element, in the stages of the last step [N]
-S_HALVES = _S + 78  # 1: in two halves where the caller's step is shorter than need be
-S_TWO_STEP_RATIO = _S + 88  # convergence ratio of Newton in the two-step scheme
-S_STAGE_RATE, S_STAGE_SLOPE = _S + 38, _S + 39  # at the time of the last set_time
+    # Systems: frames that are driven, free bodies, lines between them. 0 in a scene of one line.
+    parts = integer("1: the block is a system's")
+    frame_count = integer("frames")
+    frame_piece_count = integer("pieces of the frames' motion")
+    free_count = integer("free bodies")
+    arm_count = integer("ends of lines at points of free bodies")
+    foil_count = integer("foils")
+    foil_words = integer("words of the foils' tables")
+    frames = integer("start of the frames (Frame)")
+    frame_pieces = integer("start of the pieces of their motion (Piece)")
+    free_bodies = integer("start of the free bodies (FreeBody)")
+    arms = integer("start of the arms (Arm)")
+    foils = integer("start of the foils (Foil)")
+    foil_table = integer("start of their coefficients")
+    parts_work = integer("start of a workspace, PARTS_WORDS for each free body")
+    _spare_2 = spare(3)
+
+
+HEADER_WORDS = Header.WORDS
+
+
+class Scalars(Record, first=HEADER_WORDS):
+    """Numbers of a block that there is one of."""
+
+    time = real("present time", "s")
+    step = real("next step of the integrator", "s")
+    factored_step = real("gamma dt of the stored factorisation", "s")
+    tolerance = real("tau, the accuracy that the user asked for")
+    time_tolerance = real("local error allowed in a step", "m")
+    length = real("of the line", "m")
+    smallest_step = real("below which a step fails", "s")
+    tension_scale = real("a typical tension", "N")
+    origin = reals(3, "origin of the coordinates in the block, earth frame", "m")
+    plane = reals(2, "horizontal direction of the plane of a planar model")
+    shift = reals(3, "vessel position minus that of the scene's own motion", "m")
+    live_current = reals(8, "t0, t1 [s], velocity at t0 (3), at t1 (3)", "m/s")
+    gravity = real("gravity", "m/s2")
+    water_density = real("density of the water", "kg/m3")
+    first_step = real("of a motion that starts", "s")
+    last_step = real("length of the last accepted step", "s")
+
+    # Pay-out: travel(t) = travel + rate tau + slope tau^2 / 2, tau = t - time, within one step.
+    # Travel is all that has passed the tow point, cable (paid) and bodies of finite length.
+    paid = real("cable that has passed the tow point", "m")
+    payout_rate = real("rate of pay-out at `time`", "m/s")
+    payout_slope = real("and its rate", "m/s2")
+    top_length = real("of the top element, or of what is out of a body, at `time`", "m")
+    paid_most = real("largest `paid`: the drum is empty", "m")
+    paid_least = real("smallest `paid`: the line is at its shortest", "m")
+    live_rate = reals(4, "t0, t1 [s], rate at t0, at t1", "m/s")
+    stage_rate = real("rate of pay-out at the time of the last set_time", "m/s")
+    stage_slope = real("and its rate", "m/s2")
+    period = real("sqrt(L/g)", "s")
+    axial = real("stiffness of the whole line over its mass", "1/s2")
+    undamped = real("1: drag does not damp the line's motion")
+    joined = real("longest element that a change of the mesh has joined", "m")
+    travel = real("all that has passed the tow point", "m")
+    travel_most = real("largest `travel`", "m")
+    travel_least = real("smallest `travel`", "m")
+    body_passage = real("1 + row of the body of finite length that passes the tow point, 0: none")
+
+    # Sea floor.
+    floor_depth = real("delta: the gap below which the floor pushes", "m")
+    friction = real("Coulomb coefficient")
+    bristle = real("length of a bristle", "m")
+    floor_damping = real("force grows by this per speed of approach", "s/m")
+    floor_plane = reals(5, "z, slopes towards x and y, place x, y where the height is z")
+    floor_top = real("highest point of the floor that can be reached", "m")
+    floor_bend = real("a bound on 1/8 of the floor's second derivatives", "1/m")
+    floor_wait = real("time since what the floor bears was last looked at", "s")
+
+    # Waves.
+    wave_time = real("time of the ramp, as of the last set_time", "s")
+    wave_share = real("share of the waves that is up at that time")
+    wave_rise = real("rate of that share", "1/s")
+    wave_ramp = real("time in which the waves come up", "s")
+    wave_step = real("longest step that resolves them", "s")
+    wave_depth = real("water depth", "m")
+    wave_crest = real("sum of the amplitudes", "m")
+
+    clamp_tension = real("tension at a clamped tow point, smoothed over time", "N")
+    stage_top_tension = reals(6, "of the top element, in the stages of the last step", "N")
+    largest_tension = real("so far, either way", "N")
+    memory = real("how long an error of the velocity moves the line; 0: not looked at", "s")
+    wave_x = real("x of the way that the waves go, a horizontal unit vector")
+    wave_y = real("y of it")
+    halves = real("1: in two halves where the caller's step is shorter than need be")
+    laid = real("1: what lies at a start has been laid; 2: and the start's frame moves over it")
+
+    # Cable that sleeps.
+    sleep_after = real("time before which no more cable falls asleep", "s")
+    sleep_tension = real("at its end", "N")
+    sleep_spare = real("what that tension may change by", "N")
+    sleep_awake = real("length of cable that lies awake before it", "m")
+    sleep_low = real("least height at which it lies", "m")
+    sleep_high = real("largest height at which it lies", "m")
+    sleep_flow = real("square of the water's speed whose drag is the friction", "m2/s2")
+
+    order_3 = real("steps by order 3 before order 4 is tried again")
+    two_step_ratio = real("convergence ratio of Newton in the two-step scheme")
+    bent = real("what h^2 times the jump of r'' may be in free water; 0: the mesh stays", "m")
+    bent_after = real("time before which the mesh is not looked at again", "s")
+    tractable = real("at a floor: longest step that Newton's method is expected to manage", "s")
+    most_nodes = real("of what hangs: from there on no bend in the water gets one more")
+    end_support = real("what the floor bears for long of the line's end, over its contact")
+    _spare = spare(4)
+    sleep_push = real("the water's acceleration whose force is the friction", "m/s2")
+    current_slope = reals(3, "rate of the live current before t0", "m/s2")
+    cell_stays = real("way within which a stage keeps the water of its first iteration", "m")
+    stage_time = real("of the last set_time, in a system", "s")
+
+
+SCALAR_WORDS = Scalars.WORDS
 
 # Rows of the rate table: time, rate. Rows of the cable table: the cables of the line and of the
 # drum in the order in which they pass the tow point on the way out.
@@ -213,7 +303,7 @@ E_NOMINAL = 19  # length up to which elements in free water are joined again [m]
 E_BORNE = 20  # what the floor bears for long, in units of E_CONTACT: at least 1
 MODEL_ELASTICA, MODEL_CABLE, MODEL_HYBRID = 0, 1, 2
 
-# What ties a node to its parent (O_JOINT).
+# What ties a node to its parent (`joint`).
 JOINT_NONE = 0  # an element
 JOINT_HINGE = 1  # the same place, a slope of its own
 JOINT_BODY = 2  # a rigid body of finite length, from the parent to the node
@@ -325,11 +415,11 @@ PART_WORDS = 24
 # Elements at a touchdown.
 LAYER = 0.4  # smallest element in units of the touchdown layer (EI/w)^(1/3)
 
-# Words of the workspace at O_GAUSS: those of an element, then the water that it moves through.
+# Words of the workspace at `gauss`: those of an element, then the water that it moves through.
 ELEMENT_WORDS = 768
 GAUSS_WORDS = ELEMENT_WORDS + 24
 
-# Words of the workspace at O_MOTION; then columns for the components of the waves: four in
+# Words of the workspace at `motion`; then columns for the components of the waves: four in
 # airy.py, and two more in sea_cells.py.
 MOTION_WORDS = 80
 WATER_COLUMNS = 6

@@ -2,23 +2,14 @@
 
 import math
 
+from .access import header, scalars
 from .compile import inlined, kernel, outlined, view
 from .layout import (
     E_COMPLIANCE,
     E_LENGTH,
     EDGE_WORDS,
-    I_DIMENSION,
-    I_FACTORED,
-    I_FACTORISATIONS,
-    I_FRESH,
-    I_NODES,
-    I_PARTS,
     JOINT_FREE,
     JOINT_ROOT_FREE,
-    O_EDGE,
-    O_FAILED,
-    O_JOINT,
-    S_FACTORED_STEP,
 )
 from .system import factorise
 
@@ -30,10 +21,11 @@ NO_TENSION = 1e-8  # of a typical tension: what a line at rest without any has b
 @inlined
 def _largest_square(I, M, x, dimension):
     """Square of the norm, and the node where it is reached."""
+    head = header(I)
     largest = 0.0
     where = 0
-    edge = view(M, I[O_EDGE] + EDGE_WORDS + E_LENGTH, 1)
-    for node in range(I[I_NODES]):
+    edge = view(M, head.edges + EDGE_WORDS + E_LENGTH, 1)
+    for node in range(head.nodes):
         h = edge[max(node - 1, 0) * EDGE_WORDS]
         at = view(x, 2 * dimension * node, 2 * dimension)
         motion = 0.0
@@ -56,7 +48,8 @@ def increment_norm(I, M, x):
 
     Lengths of vectors, not of components: a run does not depend on the direction of the axes.
     """
-    if I[I_DIMENSION] == 2:
+    head = header(I)
+    if head.dimension == 2:
         square, where = _largest_square(I, M, x, 2)
     else:
         square, where = _largest_square(I, M, x, 3)
@@ -66,7 +59,8 @@ def increment_norm(I, M, x):
 @inlined
 def is_free_body(I, node):
     """Whether a node is a free body: it has a rotation vector in place of a slope."""
-    joint = I[I[O_JOINT] + node]
+    head = header(I)
+    joint = I[head.joint + node]
     return joint == JOINT_FREE or joint == JOINT_ROOT_FREE
 
 
@@ -77,20 +71,21 @@ def is_folded(I, M, q, tension):
     Its slope passes through zero and back along itself; the two means of |r'| that are held to
     1 + strain are met with slopes of length 2 at its ends. It costs no bending energy.
     """
-    dimension = I[I_DIMENSION]
-    edge = view(M, I[O_EDGE] + E_COMPLIANCE, 1)
+    head = header(I)
+    dimension = head.dimension
+    edge = view(M, head.edges + E_COMPLIANCE, 1)
     longest = SLOPE_RANGE[1]
-    for node in range(1, I[I_NODES]):
+    for node in range(1, head.nodes):
         longest = max(longest, SLOPE_RANGE[1] + edge[node * EDGE_WORDS] * tension[2 * node])
-    for node in range(I[I_NODES]):
-        if I[I_PARTS] != 0 and is_free_body(I, node):
+    for node in range(head.nodes):
+        if head.parts != 0 and is_free_body(I, node):
             continue
         at = view(q, (2 * node + 1) * dimension, dimension)
         square = 0.0
         for i in range(dimension):
             square += at[i] * at[i]
         if not (SLOPE_RANGE[0] ** 2 <= square and square <= longest * longest):
-            I[I[O_FAILED]] = node
+            I[head.failed] = node
             return True
     return False
 
@@ -98,10 +93,12 @@ def is_folded(I, M, q, tension):
 @outlined
 def refactor(I, M, q, v, a, tension, gamma_dt):
     """Factor the Newton matrix of a stage at the given iterate; 0 on success."""
+    head = header(I)
+    state = scalars(M)
     inverse = 1.0 / gamma_dt
     failed = factorise(I, M, q, v, a, tension, inverse * inverse, inverse)
-    I[I_FACTORISATIONS] += 1
-    I[I_FRESH] = 1
-    I[I_FACTORED] = 1 if failed == 0 else 0
-    M[S_FACTORED_STEP] = gamma_dt
+    head.factorisations += 1
+    head.fresh = 1
+    head.factored = 1 if failed == 0 else 0
+    state.factored_step = gamma_dt
     return failed

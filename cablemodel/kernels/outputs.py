@@ -2,6 +2,7 @@
 
 import math
 
+from .access import header, scalars
 from .bodies import add_waves, body_kinematics, surge_power
 from .clamp_layer import add_layer_shape
 from .compile import kernel, view
@@ -35,37 +36,6 @@ from .layout import (
     EDGE_WORDS,
     ENERGY_WORDS,
     GAUSS_WORDS,
-    I_BODIES,
-    I_DIMENSION,
-    I_DRAG,
-    I_FLOOR,
-    I_NODES,
-    I_PAYOUT,
-    I_SURGE,
-    I_WAVES,
-    O_ACCELERATION,
-    O_BODY,
-    O_CONSTRAINT,
-    O_CONSTRAINT_RESIDUAL,
-    O_EDGE,
-    O_END_FORCE,
-    O_GAUSS,
-    O_JOINT,
-    O_MOTION,
-    O_PARENT,
-    O_POSITION,
-    O_RESIDUAL,
-    O_TENSION,
-    O_TOP,
-    O_VELOCITY,
-    S_BASE,
-    S_GRAVITY,
-    S_PAID,
-    S_PAID_MOST,
-    S_PASSING,
-    S_PLANE,
-    S_STAGE_RATE,
-    S_TIME,
     STATION_WORDS,
     SUMMARY_WORDS,
 )
@@ -98,17 +68,19 @@ from .waves import ACCELERATION, DRAG, VELOCITY, WET, buoyancy, displaced, eleme
 @kernel
 def to_earth(I, M, local, at, out, to, origin):
     """A vector (or with origin = 1 a point) in the block's coordinates into the earth frame."""
-    if I[I_DIMENSION] == 3:
+    head = header(I)
+    state = scalars(M)
+    if head.dimension == 3:
         out[to] = local[at]
         out[to + 1] = local[at + 1]
         out[to + 2] = local[at + 2]
     else:
-        out[to] = M[S_PLANE] * local[at]
-        out[to + 1] = M[S_PLANE + 1] * local[at]
+        out[to] = state.plane[0] * local[at]
+        out[to + 1] = state.plane[1] * local[at]
         out[to + 2] = local[at + 1]
     if origin != 0:
         for i in range(3):
-            out[to + i] += M[S_BASE + i]
+            out[to + i] += state.origin[i]
 
 
 @kernel
@@ -117,28 +89,32 @@ def way_from_tow_point(I, M, w):
 
     0 but for a clamp past which cable runs (`clamp_layer.py`). w: 15 words.
     """
+    head = header(I)
+    state = scalars(M)
     for i in range(15):
         w[i] = 0.0
-    if M[I[O_CONSTRAINT] + C_CLAMPED] == BY_SPRING:
-        add_layer_motion(I, M, M[S_TIME], w[6:15])
+    if M[head.constraints + C_CLAMPED] == BY_SPRING:
+        add_layer_motion(I, M, state.time, w[6:15])
         to_earth(I, M, w, 6, w, 0, 0)
-        to_earth(I, M, w, 6 + I[I_DIMENSION], w, 3, 0)
+        to_earth(I, M, w, 6 + head.dimension, w, 3, 0)
 
 
 @kernel
 def end_forces(I, M):
     """Residual of the present state into the workspace: the supports' forces at their nodes."""
-    count = 2 * I[I_DIMENSION] * I[I_NODES]
-    set_time(I, M, M[S_TIME])
+    head = header(I)
+    state = scalars(M)
+    count = 2 * head.dimension * head.nodes
+    set_time(I, M, state.time)
     residual(
         I,
         M,
-        M[I[O_POSITION] : I[O_POSITION] + count],
-        M[I[O_VELOCITY] : I[O_VELOCITY] + count],
-        M[I[O_ACCELERATION] : I[O_ACCELERATION] + count],
-        M[I[O_TENSION] : I[O_TENSION] + 2 * I[I_NODES]],
-        M[I[O_RESIDUAL] : I[O_RESIDUAL] + count],
-        M[I[O_CONSTRAINT_RESIDUAL] : I[O_CONSTRAINT_RESIDUAL] + 2 * I[I_NODES]],
+        M[head.position : head.position + count],
+        M[head.velocity : head.velocity + count],
+        M[head.acceleration : head.acceleration + count],
+        M[head.tension : head.tension + 2 * head.nodes],
+        M[head.residual : head.residual + count],
+        M[head.constraint_residual : head.constraint_residual + 2 * head.nodes],
     )
 
 
@@ -148,21 +124,22 @@ def support_force(I, M, node, out):
 
     `end_forces` has been called. The moment is r' x (force conjugate to r').
     """
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    dimension = head.dimension
     size = 2 * dimension
-    w = M[I[O_MOTION] + 16 : I[O_MOTION] + 28]
-    forces = M[I[O_RESIDUAL] + size * node : I[O_RESIDUAL] + size * (node + 1)]
-    q = M[I[O_POSITION] + size * node : I[O_POSITION] + size * (node + 1)]
+    w = M[head.motion + 16 : head.motion + 28]
+    forces = M[head.residual + size * node : head.residual + size * (node + 1)]
+    q = M[head.position + size * node : head.position + size * (node + 1)]
     to_earth(I, M, forces, 0, out, 0, 0)
     to_earth(I, M, q, dimension, w, 0, 0)
     to_earth(I, M, forces, dimension, w, 3, 0)
-    if node == 0 and I[I_PAYOUT] != 0:
+    if node == 0 and head.payout != 0:
         # A spring's moment is no reaction: it is among the forces that the residual balances.
-        moment = M[I[O_MOTION] + 28 : I[O_MOTION] + 28 + size]
+        moment = M[head.motion + 28 : head.motion + 28 + size]
         moment[:] = 0.0
-        add_clamp_moment(I, M, M[I[O_POSITION] : I[O_POSITION] + size], moment)
+        add_clamp_moment(I, M, M[head.position : head.position + size], moment)
         for i in range(dimension):
-            moment[dimension + i] = M[I[O_RESIDUAL] + dimension + i] - moment[dimension + i]
+            moment[dimension + i] = M[head.residual + dimension + i] - moment[dimension + i]
         to_earth(I, M, moment, dimension, w, 3, 0)
         to_earth(I, M, q, dimension, w, 0, 0)
     out[3] = w[1] * w[5] - w[2] * w[4]
@@ -170,7 +147,7 @@ def support_force(I, M, node, out):
     out[5] = w[0] * w[4] - w[1] * w[3]
     if node == 0:
         # The force acts where the elements begin, beside the tow point.
-        way = M[I[O_MOTION] + 28 : I[O_MOTION] + 43]
+        way = M[head.motion + 28 : head.motion + 43]
         way_from_tow_point(I, M, way)
         out[3] += way[1] * out[2] - way[2] * out[1]
         out[4] += way[2] * out[0] - way[0] * out[2]
@@ -180,10 +157,11 @@ def support_force(I, M, node, out):
 @kernel
 def pull_along(I, M, node, sign):
     """Component along the tangent of the support's force at an end node: the tension there [N]."""
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    dimension = head.dimension
     at = 2 * dimension * node
-    q = I[O_POSITION] + at + dimension
-    f = I[O_RESIDUAL] + at
+    q = head.position + at + dimension
+    f = head.residual + at
     norm = 0.0
     along = 0.0
     for i in range(dimension):
@@ -199,11 +177,12 @@ def end_tension(I, M, element, side):
     The end forces are the weak form's own reactions, inertia and loads included: they are as
     accurate inside the line as the force at its top, where the element's T is only its mean.
     """
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    dimension = head.dimension
     size = 2 * dimension
-    node = element if side == 1 else I[I[O_PARENT] + element]
-    q = I[O_POSITION] + size * node + dimension
-    f = I[O_END_FORCE] + size * element + dimension * side
+    node = element if side == 1 else I[head.parent + element]
+    q = head.position + size * node + dimension
+    f = head.end_force + size * element + dimension * side
     norm = 0.0
     along = 0.0
     for i in range(dimension):
@@ -215,11 +194,13 @@ def end_tension(I, M, element, side):
 @kernel
 def line_length(I, M):
     """Unstretched length of the cable that is out [m]."""
-    last = I[I_NODES] - 1
-    edge = I[O_EDGE] + last * EDGE_WORDS
+    head = header(I)
+    state = scalars(M)
+    last = head.nodes - 1
+    edge = head.edges + last * EDGE_WORDS
     if last == 1:
         return M[edge + E_LENGTH] - overhang(I, M)
-    return M[edge + E_START] + M[edge + E_LENGTH] + M[S_PAID]
+    return M[edge + E_START] + M[edge + E_LENGTH] + state.paid
 
 
 GAUSS = 0.5 - 0.5 / math.sqrt(3.0)  # where the second derivative of a cubic is most accurate
@@ -235,11 +216,12 @@ PRESSED = 24.0  # of EI k^2: by how much the mean of T is off in an element that
 @kernel
 def bend_at(I, M, node, x, out):
     """dt/ds, the curvature as a vector, at a fraction of an element, (dimension,) [1/m]."""
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    dimension = head.dimension
     size = 2 * dimension
-    h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
-    p = I[O_POSITION] + size * I[I[O_PARENT] + node]
-    q = I[O_POSITION] + size * node
+    h = M[head.edges + node * EDGE_WORDS + E_LENGTH]
+    p = head.position + size * I[head.parent + node]
+    q = head.position + size * node
     y = 1.0 - x
     square = 0.0
     along = 0.0
@@ -259,11 +241,12 @@ def bend_at(I, M, node, x, out):
 @kernel
 def sharpest_bend(I, M, node, w):
     """Square of the larger curvature at an element's ends [1/m2]."""
+    head = header(I)
     largest = 0.0
     for side in range(2):
         bend_at(I, M, node, float(side), w)
         square = 0.0
-        for i in range(I[I_DIMENSION]):
+        for i in range(head.dimension):
             square += w[i] * w[i]
         largest = max(largest, square)
     return largest
@@ -272,10 +255,11 @@ def sharpest_bend(I, M, node, w):
 @kernel
 def go_on(I, M, node, other):
     """Whether another element goes on with the same cable, bent alike, with nothing between."""
-    if other < 1 or other >= I[I_NODES] or I[I[O_JOINT] + other] != 0:
+    head = header(I)
+    if other < 1 or other >= head.nodes or I[head.joint + other] != 0:
         return False
-    edge = I[O_EDGE] + node * EDGE_WORDS
-    beside = I[O_EDGE] + other * EDGE_WORDS
+    edge = head.edges + node * EDGE_WORDS
+    beside = head.edges + other * EDGE_WORDS
     same = M[edge + E_SEGMENT] == M[beside + E_SEGMENT]
     return same and M[edge + E_BENDING] == M[beside + E_BENDING]
 
@@ -284,11 +268,12 @@ def go_on(I, M, node, other):
 def bend_between(I, M, node, out, w):
     """The curvature vector at the node between an element and the next, from both sides' places
     where cubics have it best."""
+    head = header(I)
     bend_at(I, M, node, 1.0 - GAUSS, out)
     bend_at(I, M, node + 1, GAUSS, w)
-    h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
-    share = h / (h + M[I[O_EDGE] + (node + 1) * EDGE_WORDS + E_LENGTH])
-    for i in range(I[I_DIMENSION]):
+    h = M[head.edges + node * EDGE_WORDS + E_LENGTH]
+    share = h / (h + M[head.edges + (node + 1) * EDGE_WORDS + E_LENGTH])
+    for i in range(head.dimension):
         out[i] += share * (w[i] - out[i])
 
 
@@ -296,6 +281,7 @@ def bend_between(I, M, node, out, w):
 def bow_of_bend(I, M, node, out, w):
     """By how much the curvature vector of an element exceeds the mean of those at its ends, where
     it goes on at both: -BOW h^2 k''. Returns whether it does. w: 12 words."""
+    head = header(I)
     if not (go_on(I, M, node, node - 1) and go_on(I, M, node, node + 1)):
         return False
     bend_between(I, M, node - 1, w[0:6], w[6:12])
@@ -305,7 +291,7 @@ def bow_of_bend(I, M, node, out, w):
     for i in range(3):
         out[i] = -0.5 * (out[i] + w[i])
     bend_at(I, M, node, 0.5, w)
-    for i in range(I[I_DIMENSION]):
+    for i in range(head.dimension):
         out[i] += w[i]
     return True
 
@@ -348,13 +334,15 @@ def station_in_element(I, M, low, x, s, out, row):
 
     `end_forces` has been called.
     """
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    state = scalars(M)
+    dimension = head.dimension
     size = 2 * dimension
-    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 56]
-    bend = M[I[O_MOTION] + 56 : I[O_MOTION] + 62]
-    wide = M[I[O_MOTION] + 62 : I[O_MOTION] + 80]
-    edge = I[O_EDGE] + low * EDGE_WORDS
-    parent = I[I[O_PARENT] + low]
+    w = M[head.motion + 28 : head.motion + 56]
+    bend = M[head.motion + 56 : head.motion + 62]
+    wide = M[head.motion + 62 : head.motion + 80]
+    edge = head.edges + low * EDGE_WORDS
+    parent = I[head.parent + low]
     h = M[edge + E_LENGTH]
     y = 1.0 - x
     n0 = y * y * (1.0 + 2.0 * x)
@@ -367,12 +355,12 @@ def station_in_element(I, M, low, x, s, out, row):
     e0 = (12.0 * x - 6.0) / (h * h)
     e1 = (6.0 * x - 4.0) / h
     e3 = (6.0 * x - 2.0) / h
-    q0 = I[O_POSITION] + size * parent
-    q1 = I[O_POSITION] + size * low
-    v0 = I[O_VELOCITY] + size * parent
-    v1 = I[O_VELOCITY] + size * low
-    if parent == 0 and I[I_PAYOUT] != 0:
-        v0 = I[O_TOP]
+    q0 = head.position + size * parent
+    q1 = head.position + size * low
+    v0 = head.velocity + size * parent
+    v1 = head.velocity + size * low
+    if parent == 0 and head.payout != 0:
+        v0 = head.top
     g2 = 0.0
     for i in range(dimension):
         a = M[q0 + i]
@@ -405,17 +393,17 @@ def station_in_element(I, M, low, x, s, out, row):
             curvature += bend[i] ** 2
         curvature = math.sqrt(curvature)
     moment = 0.0
-    if I[I_PAYOUT] != 0:
-        moment = add_layer_shape(I, M, s, w, M[S_STAGE_RATE])
+    if head.payout != 0:
+        moment = add_layer_shape(I, M, s, w, state.stage_rate)
     left = end_tension(I, M, low, 0)
     right = end_tension(I, M, low, 1)
     out[row + 12] = 0.0
-    if I[I_FLOOR] != 0 and gap_at(I, M, w, w[12:15]) < lying_gap(I, M, low):
+    if head.floor_kind != 0 and gap_at(I, M, w, w[12:15]) < lying_gap(I, M, low):
         out[row + 12] = 1.0
     to_earth(I, M, w, 0, out, row, 1)
     to_earth(I, M, w, 3, out, row + 3, 0)
     to_earth(I, M, w, 9, out, row + 6, 0)
-    mean = M[I[O_TENSION] + 2 * low]
+    mean = M[head.tension + 2 * low]
     # The parabola through both end tensions that has the element's mean.
     bow = 6.0 * mean - 3.0 * (left + right)
     if bending > 0.0:  # where it bends sharply, that mean is not that of the tension
@@ -438,7 +426,9 @@ def sample_stations(I, M, stations, out):
     Returns the index of the first station that lies outside the line (then nothing more is
     written), or the number of stations.
     """
-    nodes = I[I_NODES]
+    head = header(I)
+    state = scalars(M)
+    nodes = head.nodes
     end_forces(I, M)
     total = line_length(I, M)
     above = overhang(I, M)
@@ -452,14 +442,14 @@ def sample_stations(I, M, stations, out):
         high = nodes
         while high - low > 1:
             middle = (low + high) // 2
-            if s - M[S_PAID] + slack >= M[I[O_EDGE] + middle * EDGE_WORDS + E_START]:
+            if s - state.paid + slack >= M[head.edges + middle * EDGE_WORDS + E_START]:
                 low = middle
             else:
                 high = middle
-        if I[I[O_JOINT] + low] != 0:
+        if I[head.joint + low] != 0:
             low = low - 1 if low > 1 else 2
-        edge = I[O_EDGE] + low * EDGE_WORDS
-        start = M[edge + E_START] + M[S_PAID] if I[I[O_PARENT] + low] > 0 else -above
+        edge = head.edges + low * EDGE_WORDS
+        start = M[edge + E_START] + state.paid if I[head.parent + low] > 0 else -above
         x = min(1.0, max(0.0, (s - start) / M[edge + E_LENGTH]))
         station_in_element(I, M, low, x, s, out, STATION_WORDS * n)
     return len(stations)
@@ -472,24 +462,26 @@ def body_stations(I, M, out):
     out: the first 9 words of rows of STATION_WORDS, one for each body of the table; those of other
     bodies stay as they are (they move with the cable: see sample_stations).
     """
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    state = scalars(M)
+    dimension = head.dimension
     size = 2 * dimension
-    count = size * I[I_NODES]
-    q = M[I[O_POSITION] : I[O_POSITION] + count]
-    v = M[I[O_VELOCITY] : I[O_VELOCITY] + count]
-    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
-    a = M[I[O_ACCELERATION] : I[O_ACCELERATION] + count]
-    passing = M[S_PASSING] != 0.0
+    count = size * head.nodes
+    q = M[head.position : head.position + count]
+    v = M[head.velocity : head.velocity + count]
+    w = M[head.motion + 28 : head.motion + 52]
+    a = M[head.acceleration : head.acceleration + count]
+    passing = state.body_passage != 0.0
     if passing:
         end_forces(I, M)
         exchange_rates(I, M, v, a)
-    for body in range(I[I_BODIES]):
+    for body in range(head.body_count):
         row = rigid_row(I, M, body)
         if row < 0:
             continue
         node = int(M[row + B_NODE])
         outer = size * node
-        inner = size * I[I[O_PARENT] + node]
+        inner = size * I[head.parent + node]
         axis_of(dimension, q, inner, outer, w)
         near = 0.5 * (1.0 - M[row + B_OFFSET])
         far = 0.5 * (1.0 + M[row + B_OFFSET])
@@ -514,9 +506,11 @@ def summarise(I, M, out):
     24-26 force of the floor on the cable, 27 length on the floor, 28-30 touchdown point (not a
     number: none), 31 its reaction.
     """
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    state = scalars(M)
+    dimension = head.dimension
     size = 2 * dimension
-    nodes = I[I_NODES]
+    nodes = head.nodes
     end_forces(I, M)
     support_force(I, M, 0, out)
     for i in range(6):
@@ -526,7 +520,7 @@ def summarise(I, M, out):
     lowest = 1e300
     highest = out[6]  # the force at the top has the shear, too
     for node in range(1, nodes):
-        if I[I[O_JOINT] + node] == 0:
+        if I[head.joint + node] == 0:
             for side in range(2):
                 value = end_tension(I, M, node, side)
                 lowest = min(lowest, value)
@@ -534,23 +528,23 @@ def summarise(I, M, out):
     out[7] = lowest
     out[8] = highest
     last = size * (nodes - 1)
-    q = M[I[O_POSITION] : I[O_POSITION] + size * nodes]
-    v = M[I[O_VELOCITY] : I[O_VELOCITY] + size * nodes]
+    q = M[head.position : head.position + size * nodes]
+    v = M[head.velocity : head.velocity + size * nodes]
     to_earth(I, M, q, last, out, 9, 1)
     to_earth(I, M, v, last, out, 12, 0)
     to_earth(I, M, q, 0, out, 15, 1)
     to_earth(I, M, v, 0, out, 18, 0)
-    way = M[I[O_MOTION] + 28 : I[O_MOTION] + 43]
+    way = M[head.motion + 28 : head.motion + 43]
     way_from_tow_point(I, M, way)
     for i in range(6):
         out[15 + i] -= way[i]
     out[21] = line_length(I, M)
-    out[22] = M[S_STAGE_RATE] if I[I_PAYOUT] != 0 else 0.0
-    out[23] = M[S_PAID_MOST] - M[S_PAID]
+    out[22] = state.stage_rate if head.payout != 0 else 0.0
+    out[23] = state.paid_most - state.paid
     for k in range(24, SUMMARY_WORDS):
         out[k] = 0.0
-    if I[I_FLOOR] != 0:
-        w = M[I[O_MOTION] + 16 : I[O_MOTION] + 24]
+    if head.floor_kind != 0:
+        w = M[head.motion + 16 : head.motion + 24]
         floor_summary(I, M, w)
         to_earth(I, M, w, 0, out, 24, 0)
         to_earth(I, M, w, 4, out, 28, 1)
@@ -577,36 +571,38 @@ def energies(I, M, out):
     the second part is what the water takes, or gives, where cable turns while it slides. In whips
     and fast tows it is a quarter of all that goes through the line.
     """
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    state = scalars(M)
+    dimension = head.dimension
     size = 2 * dimension
-    nodes = I[I_NODES]
-    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
-    W = view(M, I[O_GAUSS], GAUSS_WORDS)
+    nodes = head.nodes
+    w = M[head.motion + 28 : head.motion + 52]
+    W = view(M, head.gauss, GAUSS_WORDS)
     for i in range(ENERGY_WORDS):
         out[i] = 0.0
     end_forces(I, M)
-    if I[I_FLOOR] != 0:
+    if head.floor_kind != 0:
         floor_energy(I, M, out)
     for node in range(1, nodes):
-        if I[I[O_JOINT] + node] != 0:
+        if I[head.joint + node] != 0:
             continue
-        parent = I[I[O_PARENT] + node]
-        edge = I[O_EDGE] + node * EDGE_WORDS
+        parent = I[head.parent + node]
+        edge = head.edges + node * EDGE_WORDS
         h = M[edge + E_LENGTH]
-        q0 = I[O_POSITION] + size * parent
-        q1 = I[O_POSITION] + size * node
-        v0 = I[O_VELOCITY] + size * parent
-        v1 = I[O_VELOCITY] + size * node
-        a0 = I[O_ACCELERATION] + size * parent
-        a1 = I[O_ACCELERATION] + size * node
-        if parent == 0 and I[I_PAYOUT] != 0:
-            v0 = I[O_TOP]
-            a0 = I[O_TOP] + 6
-        mean = M[I[O_TENSION] + 2 * node]
-        slope = M[I[O_TENSION] + 2 * node + 1]
-        dry = M[edge + E_ADDED] if I[I_WAVES] != 0 else 0.0
+        q0 = head.position + size * parent
+        q1 = head.position + size * node
+        v0 = head.velocity + size * parent
+        v1 = head.velocity + size * node
+        a0 = head.acceleration + size * parent
+        a1 = head.acceleration + size * node
+        if parent == 0 and head.payout != 0:
+            v0 = head.top
+            a0 = head.top + 6
+        mean = M[head.tension + 2 * node]
+        slope = M[head.tension + 2 * node + 1]
+        dry = M[edge + E_ADDED] if head.wave_count != 0 else 0.0
         out[0] += 0.5 * h * (M[edge + E_MASS] - dry) * square(M, v0, v1, dimension, h)
-        if I[I_WAVES] != 0:
+        if head.wave_count != 0:
             element_water(I, M, W, edge, view(M, q0, size), view(M, q1, size))
         e2 = 0.0
         for p in range(3):
@@ -631,7 +627,7 @@ def energies(I, M, out):
                 w[18 + i] += h * (M[a0 + d] * H1[p] + M[a1 + d] * H3[p])
                 g2 += w[i] * w[i]
             g = math.sqrt(g2)
-            if I[I_WAVES] == 0:
+            if head.wave_count == 0:
                 current_at(I, M, height, w[12:15])
             else:
                 for i in range(dimension):
@@ -649,22 +645,22 @@ def energies(I, M, out):
                 curvature += ((w[3 + i] - along * w[i]) / g) ** 2
                 un2 += (w[9 + i] - ut * w[i]) ** 2
             un = math.sqrt(un2)
-            if I[I_WAVES] == 0:
+            if head.wave_count == 0:
                 out[0] -= 0.5 * weight * M[edge + E_ADDED] * vt * vt
-                out[3] += weight * M[edge + E_WEIGHT] * (height + M[S_BASE + 2])
+                out[3] += weight * M[edge + E_WEIGHT] * (height + state.origin[2])
             # Complementary energy subtracted from T strain: exact for a curved law too.
             out[1] += weight * strain_energy(M, edge, mean + slope * P1[p])
             out[2] += 0.5 * weight * M[edge + E_BENDING] * curvature
-            if I[I_WAVES] != 0:
+            if head.wave_count != 0:
                 cable_in_waves(I, M, W, p, edge, weight, g, un, ut, height, w, out)
-            elif I[I_DRAG] != 0:
+            elif head.drag != 0:
                 root = math.sqrt(g)
                 fn = root * M[edge + E_DRAG_NORMAL] * un
                 ft = root * M[edge + E_DRAG_TANGENTIAL] * abs(ut) * ut
                 for i in range(dimension):
                     force = fn * (w[9 + i] - ut * w[i]) + ft * w[i]
                     out[5] -= weight * force * w[6 + i]
-                if I[I_SURGE] != 0:
+                if head.surge != 0:
                     surge_at(I, M, height, w[12:15])
                     turning = 0.0
                     for i in range(dimension):
@@ -686,17 +682,17 @@ def energies(I, M, out):
             e2 += WEIGHT_P2[p] * (g - 1.0)
         e2 *= 5.0
         out[1] += 0.1 * h * M[edge + E_STABILISATION] * e2 * e2
-    q = M[I[O_POSITION] : I[O_POSITION] + size * nodes]
-    v = M[I[O_VELOCITY] : I[O_VELOCITY] + size * nodes]
-    a = M[I[O_ACCELERATION] : I[O_ACCELERATION] + size * nodes]
-    flow = M[I[O_MOTION] + 16 : I[O_MOTION] + 46]
-    passing = M[S_PASSING] != 0.0
-    for body in range(I[I_BODIES]):
-        row = I[O_BODY] + body * BODY_WORDS
+    q = M[head.position : head.position + size * nodes]
+    v = M[head.velocity : head.velocity + size * nodes]
+    a = M[head.acceleration : head.acceleration + size * nodes]
+    flow = M[head.motion + 16 : head.motion + 46]
+    passing = state.body_passage != 0.0
+    for body in range(head.body_count):
+        row = head.bodies + body * BODY_WORDS
         if M[row + B_NODE] < 0.0:
             continue
         if M[row + B_LENGTH] > 0.0:
-            tension = M[I[O_TENSION] : I[O_TENSION] + 2 * nodes]
+            tension = M[head.tension : head.tension + 2 * nodes]
             if passing:
                 exchange_rates(I, M, v, a)
             rigid_energy(I, M, rigid_row(I, M, body), q, v, a, tension, out)
@@ -709,30 +705,30 @@ def energies(I, M, out):
         for i in range(dimension):
             speed += v[at + i] ** 2
         out[0] += 0.5 * M[row + B_MASS] * speed
-        height = q[at + dimension - 1] + M[S_BASE + 2]
+        height = q[at + dimension - 1] + state.origin[2]
         body_kinematics(I, M, node, q, v, a, flow)
         for i in range(dimension):
             flow[12 + i] = v[at + i]
-        if I[I_WAVES] != 0:
-            out[3] += M[row + B_MASS] * M[S_GRAVITY] * height
+        if head.wave_count != 0:
+            out[3] += M[row + B_MASS] * state.gravity * height
             add_waves(I, M, row, q[at], q[at + 1], q[at + dimension - 1], 0.0, flow)
             wave_power(I, M, row, flow, out)
             continue
         out[3] += M[row + B_WEIGHT] * height
-        slope = view(M, I[O_POSITION] + at + dimension, dimension)
-        rate = view(M, I[O_VELOCITY] + at + dimension, dimension)
+        slope = view(M, head.position + at + dimension, dimension)
+        rate = view(M, head.velocity + at + dimension, dimension)
         size_of_slope = 0.0
         for i in range(dimension):
             size_of_slope += slope[i] ** 2
         for i in range(dimension):
             flow[15 + i] = rate[i] / math.sqrt(size_of_slope)
         flow_energy(M, row, dimension, flow, out)
-        if I[I_SURGE] != 0:
+        if head.surge != 0:
             out[5] -= surge_power(I, M, row, q[at + dimension - 1], flow)
-    if I[I_PAYOUT] != 0:
+    if head.payout != 0:
         out[2] += clamp_energy(I, M, q)
     for i in range(dimension):
-        out[4] += M[I[O_RESIDUAL] + i] * M[I[O_VELOCITY] + i]
+        out[4] += M[head.residual + i] * M[head.velocity + i]
 
 
 @kernel
@@ -742,14 +738,16 @@ def cable_in_waves(I, M, W, p, edge, weight, g, un, ut, height, w, out):
     weight: length of the piece [m], at Gauss point p; w: tangent, -, velocity, relative flow (3
     words each, at 0, 6 and 9), acceleration at 18; W: what `element_water` has written.
     """
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    state = scalars(M)
+    dimension = head.dimension
     mass = M[edge + E_MASS] - M[edge + E_ADDED]
     at = 0.0
     wt = 0.0
     for i in range(dimension):
         at += w[18 + i] * w[i]
         wt += W[ACCELERATION + 4 * i + p] * w[i]
-    out[3] += weight * mass * M[S_GRAVITY] * (height + M[S_BASE + 2])
+    out[3] += weight * mass * state.gravity * (height + state.origin[2])
     added = M[edge + E_ADDED]
     mass_of_water = displaced(I, M, edge)
     fn = math.sqrt(g) * M[edge + E_DRAG_NORMAL] * un

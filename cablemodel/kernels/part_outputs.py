@@ -1,5 +1,6 @@
 """Systems of parts: what the caller drives, and what is read of bodies, frames and lines' ends."""
 
+from .access import header, scalars
 from .compile import kernel, view
 from .frames import drive_frame
 from .free_bodies import deflect_foils, push_bodies
@@ -12,24 +13,13 @@ from .layout import (
     FRAME_INPUTS,
     FRAME_WORDS,
     FREE_WORDS,
-    I_CONSTRAINTS,
-    I_FOILS,
-    I_FRAMES,
-    I_FREE,
     M_GAIN,
     M_PLACE,
     M_SPEED,
     M_SPIN,
     M_SPIN_RATE,
     M_TURN,
-    O_CONSTRAINT,
-    O_EDGE,
-    O_FRAMES,
-    O_FREE,
-    O_MOTION,
-    O_RESIDUAL,
     PART_WORDS,
-    S_BASE,
     STATION_WORDS,
     Y_MOTION,
     Y_ORIGIN,
@@ -41,22 +31,24 @@ from .rotation import cross, to_earth_axes
 @kernel
 def drive_parts(I, M, t_end, motion, forces, angles):
     """Inputs of a step to t_end: see entry.drive."""
-    for n in range(I[I_FRAMES]):
-        row = I[O_FRAMES] + n * FRAME_WORDS
+    head = header(I)
+    for n in range(head.frame_count):
+        row = head.frames + n * FRAME_WORDS
         given = int(motion[FRAME_INPUTS * n])
         target = motion[FRAME_INPUTS * n + 1 : FRAME_INPUTS * (n + 1)]
-        drive_frame(I, M, row, t_end, given, target, view(M, I[O_MOTION] + 28, 18))
+        drive_frame(I, M, row, t_end, given, target, view(M, head.motion + 28, 18))
     push_bodies(I, M, t_end, forces)
-    deflect_foils(I, M, t_end, angles, I[I_FOILS])
+    deflect_foils(I, M, t_end, angles, head.foil_count)
 
 
 @kernel
 def element_stations(I, M, elements, fractions, out):
     """State at fractions of elements: rows of STATION_WORDS, as outputs.sample_stations."""
+    head = header(I)
     end_forces(I, M)
     for n in range(len(elements)):
         node = int(elements[n])
-        s = fractions[n] * M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
+        s = fractions[n] * M[head.edges + node * EDGE_WORDS + E_LENGTH]
         station_in_element(I, M, node, fractions[n], s, out, STATION_WORDS * n)
 
 
@@ -64,12 +56,14 @@ def element_stations(I, M, elements, fractions, out):
 def parts_motion(I, M, bodies, frames, ends):
     """Motion of all bodies and frames (PART_WORDS words each), and the forces
     that the supports exert at the nodes that are held, 3 words each in the order of constraints."""
+    head = header(I)
+    state = scalars(M)
     end_forces(I, M)
-    for n in range(I[I_FREE]):
-        row = I[O_FREE] + n * FREE_WORDS
+    for n in range(head.free_count):
+        row = head.free_bodies + n * FREE_WORDS
         m = view(M, row + Y_MOTION, 33)
         origin = view(M, row + Y_ORIGIN, 3)
-        w = view(M, I[O_MOTION] + 28, 15)
+        w = view(M, head.motion + 28, 15)
         out = bodies[PART_WORDS * n : PART_WORDS * (n + 1)]
         turn = m[M_TURN : M_TURN + 9]
         spin = m[M_SPIN : M_SPIN + 3]
@@ -79,7 +73,7 @@ def parts_motion(I, M, bodies, frames, ends):
         cross(spin, w[3:6], w[9:12])
         cross(m[M_SPIN_RATE : M_SPIN_RATE + 3], origin, w[3:6])
         for i in range(3):
-            out[i] = m[M_PLACE + i] + w[i] + M[S_BASE + i]
+            out[i] = m[M_PLACE + i] + w[i] + state.origin[i]
             out[3 + i] = m[M_SPEED + i] + w[6 + i]
             w[3 + i] += w[9 + i]
         to_earth_axes(turn, w[3:6], w[0:3])
@@ -89,10 +83,10 @@ def parts_motion(I, M, bodies, frames, ends):
             out[9 + i] = turn[i]
         to_earth_axes(turn, spin, out[18:21])
         to_earth_axes(turn, m[M_SPIN_RATE : M_SPIN_RATE + 3], out[21:24])
-    for n in range(I[I_FRAMES]):
+    for n in range(head.frame_count):
         for i in range(PART_WORDS):
-            frames[PART_WORDS * n + i] = M[I[O_FRAMES] + n * FRAME_WORDS + F_POSITION + i]
-    for n in range(I[I_CONSTRAINTS]):
-        node = int(M[I[O_CONSTRAINT] + n * CONSTRAINT_WORDS + C_NODE])
+            frames[PART_WORDS * n + i] = M[head.frames + n * FRAME_WORDS + F_POSITION + i]
+    for n in range(head.constraint_count):
+        node = int(M[head.constraints + n * CONSTRAINT_WORDS + C_NODE])
         for i in range(3):
-            ends[3 * n + i] = M[I[O_RESIDUAL] + 6 * node + i]
+            ends[3 * n + i] = M[head.residual + 6 * node + i]

@@ -15,6 +15,7 @@ that is paid out at v_p (payout.py), with
 With these in place of the vessel's motion the body is computed like any other one (rigid.py).
 """
 
+from .access import header, scalars
 from .compile import kernel
 from .layout import (
     B_ADDED,
@@ -30,43 +31,33 @@ from .layout import (
     B_WEIGHT,
     BODY_WORDS,
     CABLE_WORDS,
-    I_CABLES,
-    I_DIMENSION,
-    I_RIGID,
-    I_TOP_CABLE,
     K_BODY,
     K_LEAVES,
     K_SHORTEST,
-    O_BODY,
-    O_CABLES,
-    O_TOP,
-    S_PASSING,
-    S_STAGE_RATE,
-    S_STAGE_SLOPE,
-    S_TENSION_SCALE,
-    S_TRAVEL,
 )
 
 BARE = 0.05  # of its length: what is out of a body before it takes the top element's place,
 LARGEST_BARE = 0.25  # or this where it is short against elements
-PART = 24  # in O_TOP: the row of what is out of the body that passes
+PART = 24  # in `top`: the row of what is out of the body that passes
 
 
 @kernel
 def part_row(I):
     """Word of the row of what is out of the body that passes; `set_part` has filled it."""
-    return I[O_TOP] + PART
+    head = header(I)
+    return head.top + PART
 
 
 @kernel
 def body_above(I, M, cable):
     """Row of the body of finite length at the vessel's end of a cable of the winch, or -1."""
-    if cable + 1 >= I[I_CABLES]:
+    head = header(I)
+    if cable + 1 >= head.cable_count:
         return -1
-    body = int(M[I[O_CABLES] + (cable + 1) * CABLE_WORDS + K_BODY])
+    body = int(M[head.cables + (cable + 1) * CABLE_WORDS + K_BODY])
     if body < 0:
         return -1
-    row = I[O_BODY] + body * BODY_WORDS
+    row = head.bodies + body * BODY_WORDS
     if M[row + B_LENGTH] == 0.0:
         return -1
     return row
@@ -86,11 +77,12 @@ def bare_length(M, body, above):
 @kernel
 def bodies_passed(I, M, travel):
     """Length of the bodies that have passed the tow point since the outermost cable did [m]."""
+    head = header(I)
     length = 0.0
-    for cable in range(I[I_CABLES] - 1):
+    for cable in range(head.cable_count - 1):
         row = body_above(I, M, cable)
         if row >= 0:
-            out = travel - M[I[O_CABLES] + cable * CABLE_WORDS + K_LEAVES]
+            out = travel - M[head.cables + cable * CABLE_WORDS + K_LEAVES]
             length += min(max(out, 0.0), M[row + B_LENGTH])
     return length
 
@@ -98,8 +90,10 @@ def bodies_passed(I, M, travel):
 @kernel
 def cable_paid(I, M):
     """Cable that has passed the tow point since t = 0 [m]: the travel without the bodies."""
-    travel = M[S_TRAVEL]
-    if I[I_RIGID] == 0:
+    head = header(I)
+    state = scalars(M)
+    travel = state.travel
+    if head.rigid == 0:
         return travel
     return travel - bodies_passed(I, M, travel) + bodies_passed(I, M, 0.0)
 
@@ -107,33 +101,37 @@ def cable_paid(I, M):
 @kernel
 def overhang(I, M):
     """What of the top element is not cable but the first bit of a body that comes [m]."""
-    if I[I_RIGID] == 0 or M[S_PASSING] != 0.0:
+    head = header(I)
+    state = scalars(M)
+    if head.rigid == 0 or state.body_passage != 0.0:
         return 0.0
-    row = body_above(I, M, I[I_TOP_CABLE])
+    row = body_above(I, M, head.top_cable)
     if row < 0:
         return 0.0
-    out = M[S_TRAVEL] - M[I[O_CABLES] + I[I_TOP_CABLE] * CABLE_WORDS + K_LEAVES]
+    out = state.travel - M[head.cables + head.top_cable * CABLE_WORDS + K_LEAVES]
     return min(max(out, 0.0), M[row + B_LENGTH])
 
 
 @kernel
 def next_mark(I, M, outwards):
     """Way of the winch to where a body that comes or goes must be met exactly [m]; 1e300: none."""
-    if I[I_RIGID] == 0:
+    head = header(I)
+    state = scalars(M)
+    if head.rigid == 0:
         return 1e300
-    cable = I[I_TOP_CABLE]
+    cable = head.top_cable
     row = body_above(I, M, cable)
     if row < 0:
         return 1e300
-    at = I[O_CABLES] + cable * CABLE_WORDS
-    out = M[S_TRAVEL] - M[at + K_LEAVES]
+    at = head.cables + cable * CABLE_WORDS
+    out = state.travel - M[at + K_LEAVES]
     length = M[row + B_LENGTH]
     near = 1e-9 * length
     if not outwards:
-        if M[S_PASSING] != 0.0 and out > length + near:
+        if state.body_passage != 0.0 and out > length + near:
             return out - length
         return 1e300
-    if M[S_PASSING] == 0.0:
+    if state.body_passage == 0.0:
         return max(bare_length(M, row, at + CABLE_WORDS) - out, near)
     if out < length - near:
         return length - out
@@ -146,25 +144,29 @@ def set_part(I, M, length):
 
     Beyond its own length it is the whole body on a weightless stick: the bit of the next cable.
     """
-    whole = I[O_BODY] + (int(M[S_PASSING]) - 1) * BODY_WORDS
+    head = header(I)
+    state = scalars(M)
+    whole = head.bodies + (int(state.body_passage) - 1) * BODY_WORDS
     take_share(I, M, whole, length)
     # Nothing but this spring holds the slope at the vessel.
-    M[part_row(I) + B_CLAMP] = M[S_TENSION_SCALE] * length
+    M[part_row(I) + B_CLAMP] = state.tension_scale * length
 
 
 @kernel
 def set_first_bit(I, M, out):
     """The same while the first bit of a body is a piece of the top element: B_MASS 0: none is.
 
-    out: what has passed the tow point since S_TIME [m].
+    out: what has passed the tow point since `time` [m].
     """
+    head = header(I)
+    state = scalars(M)
     part = part_row(I)
     M[part + B_MASS] = 0.0
-    cable = I[I_TOP_CABLE]
+    cable = head.top_cable
     row = body_above(I, M, cable)
     if row < 0:
         return
-    out += M[S_TRAVEL] - M[I[O_CABLES] + cable * CABLE_WORDS + K_LEAVES]
+    out += state.travel - M[head.cables + cable * CABLE_WORDS + K_LEAVES]
     if out > 0.0:
         take_share(I, M, row, out)
 
@@ -194,12 +196,13 @@ def add_first_bit(I, M, out):
 
     The cable of its length, which stands in its place, bears its own.
     """
+    head = header(I)
     part = part_row(I)
     if M[part + B_MASS] == 0.0:
         return
-    dimension = I[I_DIMENSION]
+    dimension = head.dimension
     for i in range(dimension):
-        out[i] += M[part + B_MASS] * M[I[O_TOP] + 6 + i]
+        out[i] += M[part + B_MASS] * M[head.top + 6 + i]
     out[dimension - 1] += M[part + B_WEIGHT]
 
 
@@ -209,7 +212,8 @@ def axis_motion(I, M, q, v, a, length, rate, slope, w):
 
     length: what is out of it [m], which grows with `rate` and `slope`.
     """
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    dimension = head.dimension
     size = 2 * dimension
     square = 0.0
     for i in range(dimension):
@@ -224,12 +228,14 @@ def axis_motion(I, M, q, v, a, length, rate, slope, w):
 
 @kernel
 def material_end(I, M, q, v, a):
-    """Motion of the passing body's matter at the tow point into the O_TOP words (12)."""
-    dimension = I[I_DIMENSION]
-    out = I[O_TOP]
+    """Motion of the passing body's matter at the tow point into the `top` words (12)."""
+    head = header(I)
+    state = scalars(M)
+    dimension = head.dimension
+    out = head.top
     w = M[out + 12 : out + 21]
-    rate = M[S_STAGE_RATE]
-    slope = M[S_STAGE_SLOPE]
+    rate = state.stage_rate
+    slope = state.stage_slope
     axis_motion(I, M, q, v, a, M[part_row(I) + B_LENGTH], rate, slope, w)
     for i in range(dimension):
         M[out + i] = v[i] + rate * w[i]
@@ -240,11 +246,12 @@ def material_end(I, M, q, v, a):
 
 @kernel
 def exchange_rates(I, M, v, a):
-    """Put the matter's motion in O_TOP in place of the vessel node's; a second call, back."""
-    for n in range(2 * I[I_DIMENSION]):
+    """Put the matter's motion in `top` in place of the vessel node's; a second call, back."""
+    head = header(I)
+    for n in range(2 * head.dimension):
         kept = v[n]
-        v[n] = M[I[O_TOP] + n]
-        M[I[O_TOP] + n] = kept
+        v[n] = M[head.top + n]
+        M[head.top + n] = kept
         kept = a[n]
-        a[n] = M[I[O_TOP] + 6 + n]
-        M[I[O_TOP] + 6 + n] = kept
+        a[n] = M[head.top + 6 + n]
+        M[head.top + 6 + n] = kept

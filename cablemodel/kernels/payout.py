@@ -13,6 +13,7 @@ the nodal rates the element is computed like any other one. Elements are split a
 steps; splitting a cubic is exact, in position, velocity, acceleration and tension.
 """
 
+from .access import header, scalars
 from .backup import keep_sleepers
 from .compile import kernel
 from .layout import (
@@ -26,42 +27,9 @@ from .layout import (
     E_START,
     EDGE_WORDS,
     EXACTLY,
-    I_BODIES,
-    I_CAPACITY,
-    I_CONSTRAINTS,
-    I_DIMENSION,
-    I_FACTORED,
-    I_HISTORY,
-    I_LEFT_OUT,
-    I_NODES,
-    I_PAYOUT,
-    I_RIGID,
     K_EDGE,
     NO_CAPACITY,
-    O_ACCELERATION,
-    O_BODY,
-    O_CABLES,
-    O_CONSTRAINT,
-    O_EDGE,
-    O_JOINT,
-    O_MOTION,
-    O_PARENT,
-    O_POSITION,
-    O_REST,
-    O_TENSION,
-    O_TENSION_RATE,
-    O_TOP,
-    O_VELOCITY,
     OK,
-    S_JOINED,
-    S_PAID,
-    S_PASSING,
-    S_PAYOUT_RATE,
-    S_PAYOUT_SLOPE,
-    S_STAGE_RATE,
-    S_STAGE_SLOPE,
-    S_TIME,
-    S_TOP_LENGTH,
 )
 from .passing import material_end, overhang, set_first_bit, set_part
 from .winch import paid_since
@@ -70,30 +38,34 @@ from .winch import paid_since
 @kernel
 def set_top_length(I, M, t):
     """Length of the top element, or of what is out of a body there, and the rate at time t."""
-    tau = t - M[S_TIME]
-    length = M[S_TOP_LENGTH] + paid_since(M, tau)
-    if M[S_PASSING] != 0.0:
+    head = header(I)
+    state = scalars(M)
+    tau = t - state.time
+    length = state.top_length + paid_since(M, tau)
+    if state.body_passage != 0.0:
         set_part(I, M, length)
     else:
-        M[I[O_EDGE] + EDGE_WORDS + E_LENGTH] = length
-        if I[I_RIGID] > 0:
-            set_first_bit(I, M, length - M[S_TOP_LENGTH])
-    M[S_STAGE_RATE] = M[S_PAYOUT_RATE] + M[S_PAYOUT_SLOPE] * tau
-    M[S_STAGE_SLOPE] = M[S_PAYOUT_SLOPE]
+        M[head.edges + EDGE_WORDS + E_LENGTH] = length
+        if head.rigid > 0:
+            set_first_bit(I, M, length - state.top_length)
+    state.stage_rate = state.payout_rate + state.payout_slope * tau
+    state.stage_slope = state.payout_slope
 
 
 @kernel
 def material_top(I, M, q, v, a):
-    """Material velocity and acceleration of the vessel's node into the O_TOP words (12)."""
-    if M[S_PASSING] != 0.0:
+    """Material velocity and acceleration of the vessel's node into the `top` words (12)."""
+    head = header(I)
+    state = scalars(M)
+    if state.body_passage != 0.0:
         material_end(I, M, q, v, a)
         return
-    dimension = I[I_DIMENSION]
+    dimension = head.dimension
     size = 2 * dimension
-    out = I[O_TOP]
-    rate = M[S_STAGE_RATE]
-    slope = M[S_STAGE_SLOPE]
-    h = M[I[O_EDGE] + EDGE_WORDS + E_LENGTH]
+    out = head.top
+    rate = state.stage_rate
+    slope = state.stage_slope
+    h = M[head.edges + EDGE_WORDS + E_LENGTH]
     ih = 1.0 / h
     for i in range(dimension):
         r0 = q[i]
@@ -120,14 +92,16 @@ def material_top(I, M, q, v, a):
 @kernel
 def material_motion(I, M):
     """`material_top` of the state itself."""
-    size = 2 * I[I_DIMENSION]
-    set_top_length(I, M, M[S_TIME])
+    head = header(I)
+    state = scalars(M)
+    size = 2 * head.dimension
+    set_top_length(I, M, state.time)
     material_top(
         I,
         M,
-        M[I[O_POSITION] : I[O_POSITION] + 2 * size],
-        M[I[O_VELOCITY] : I[O_VELOCITY] + 2 * size],
-        M[I[O_ACCELERATION] : I[O_ACCELERATION] + 2 * size],
+        M[head.position : head.position + 2 * size],
+        M[head.velocity : head.velocity + 2 * size],
+        M[head.acceleration : head.acceleration + 2 * size],
     )
 
 
@@ -139,40 +113,43 @@ def turn_with_matter(I, M, rate, second):
     element at the same place has another r'', so that rates kept from before would be a jump of
     the matter's velocity, which grew with every joined element where v_p is near the waves' speed.
     """
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    dimension = head.dimension
     for array in range(2):
         # The accelerations need the velocities.
         material_motion(I, M)
-        to = I[O_VELOCITY] if array == 0 else I[O_ACCELERATION]
+        to = head.velocity if array == 0 else head.acceleration
         wanted = rate if array == 0 else second
         for i in range(dimension):
-            off = wanted[i] - M[I[O_TOP] + 6 * array + dimension + i]
+            off = wanted[i] - M[head.top + 6 * array + dimension + i]
             M[to + dimension + i] += off
 
 
 @kernel
 def move_node(I, M, node, to):
     """Copy all that belongs to a node and to the element above it to another place."""
-    size = 2 * I[I_DIMENSION]
+    head = header(I)
+    size = 2 * head.dimension
     for k in range(size):
-        M[I[O_POSITION] + size * to + k] = M[I[O_POSITION] + size * node + k]
-        M[I[O_VELOCITY] + size * to + k] = M[I[O_VELOCITY] + size * node + k]
-        M[I[O_ACCELERATION] + size * to + k] = M[I[O_ACCELERATION] + size * node + k]
+        M[head.position + size * to + k] = M[head.position + size * node + k]
+        M[head.velocity + size * to + k] = M[head.velocity + size * node + k]
+        M[head.acceleration + size * to + k] = M[head.acceleration + size * node + k]
     for k in range(3):
-        M[I[O_REST] + 3 * to + k] = M[I[O_REST] + 3 * node + k]
+        M[head.rest + 3 * to + k] = M[head.rest + 3 * node + k]
     for k in range(2):
-        M[I[O_TENSION] + 2 * to + k] = M[I[O_TENSION] + 2 * node + k]
-        M[I[O_TENSION_RATE] + 2 * to + k] = M[I[O_TENSION_RATE] + 2 * node + k]
+        M[head.tension + 2 * to + k] = M[head.tension + 2 * node + k]
+        M[head.tension_rate + 2 * to + k] = M[head.tension_rate + 2 * node + k]
     for k in range(EDGE_WORDS):
-        M[I[O_EDGE] + EDGE_WORDS * to + k] = M[I[O_EDGE] + EDGE_WORDS * node + k]
-    I[I[O_JOINT] + to] = I[I[O_JOINT] + node]
+        M[head.edges + EDGE_WORDS * to + k] = M[head.edges + EDGE_WORDS * node + k]
+    I[head.joint + to] = I[head.joint + node]
 
 
 @kernel
 def open_gap(I, M, at, count):
     """Move nodes from `at` on by `count` places and renumber all that points to them."""
+    head = header(I)
     keep_sleepers(I)
-    for node in range(I[I_NODES] + I[I_LEFT_OUT] - 1, at - 1, -1):
+    for node in range(head.nodes + head.left_out - 1, at - 1, -1):
         move_node(I, M, node, node + count)
     renumber(I, M, at, count)
 
@@ -180,8 +157,9 @@ def open_gap(I, M, at, count):
 @kernel
 def close_gap(I, M, at, count):
     """Remove nodes at ... at + count - 1."""
+    head = header(I)
     keep_sleepers(I)
-    for node in range(at + count, I[I_NODES] + I[I_LEFT_OUT]):
+    for node in range(at + count, head.nodes + head.left_out):
         move_node(I, M, node, node - count)
     renumber(I, M, at + count, -count)
 
@@ -189,21 +167,22 @@ def close_gap(I, M, at, count):
 @kernel
 def renumber(I, M, first, count):
     """Node numbers >= first change by count, in bodies, constraints and parents (a chain)."""
-    for body in range(I[I_BODIES]):
-        row = I[O_BODY] + body * BODY_WORDS + B_NODE
+    head = header(I)
+    for body in range(head.body_count):
+        row = head.bodies + body * BODY_WORDS + B_NODE
         if M[row] >= first:
             M[row] += count
         elif M[row] < -1.0:
             M[row] -= count  # asleep, see sleep.py
-    for n in range(I[I_CONSTRAINTS]):
-        row = I[O_CONSTRAINT] + n * CONSTRAINT_WORDS + C_NODE
+    for n in range(head.constraint_count):
+        row = head.constraints + n * CONSTRAINT_WORDS + C_NODE
         if M[row] >= first:
             M[row] += count
-    I[I_NODES] += count
-    for node in range(1, I[I_NODES] + I[I_LEFT_OUT]):
-        I[I[O_PARENT] + node] = node - 1
-    I[I_FACTORED] = 0
-    I[I_HISTORY] = 0
+    head.nodes += count
+    for node in range(1, head.nodes + head.left_out):
+        I[head.parent + node] = node - 1
+    head.factored = 0
+    head.has_history = 0
 
 
 @kernel
@@ -227,68 +206,70 @@ def split_edge(I, M, edge, x, hinge):
 
     All fields stay as they were, exactly. The new elements have the old one's properties.
     """
+    head = header(I)
+    state = scalars(M)
     count = 2 if hinge else 1
-    if I[I_NODES] + I[I_LEFT_OUT] + count > I[I_CAPACITY]:
+    if head.nodes + head.left_out + count > head.capacity:
         return NO_CAPACITY
-    dimension = I[I_DIMENSION]
+    dimension = head.dimension
     size = 2 * dimension
-    w = I[O_MOTION] + 28
-    row = I[O_EDGE] + edge * EDGE_WORDS
+    w = head.motion + 28
+    row = head.edges + edge * EDGE_WORDS
     h = M[row + E_LENGTH]
-    p = I[I[O_PARENT] + edge]
-    v0 = I[O_VELOCITY] + size * p
-    a0 = I[O_ACCELERATION] + size * p
-    if edge == 1 and I[I_PAYOUT] == 1:
+    p = I[head.parent + edge]
+    v0 = head.velocity + size * p
+    a0 = head.acceleration + size * p
+    if edge == 1 and head.payout == 1:
         material_motion(I, M)
-        v0 = I[O_TOP]
-        a0 = I[O_TOP] + 6
+        v0 = head.top
+        a0 = head.top + 6
     hermite(
-        M, I[O_POSITION] + size * p, I[O_POSITION] + size * edge, dimension, h, x, M[w : w + size]
+        M, head.position + size * p, head.position + size * edge, dimension, h, x, M[w : w + size]
     )
-    hermite(M, v0, I[O_VELOCITY] + size * edge, dimension, h, x, M[w + 6 : w + 6 + size])
-    hermite(M, a0, I[O_ACCELERATION] + size * edge, dimension, h, x, M[w + 12 : w + 12 + size])
+    hermite(M, v0, head.velocity + size * edge, dimension, h, x, M[w + 6 : w + 6 + size])
+    hermite(M, a0, head.acceleration + size * edge, dimension, h, x, M[w + 12 : w + 12 + size])
     # The bristle of friction is linear between the nodes: it stays as it was there too.
     for i in range(dimension):
-        above = M[I[O_POSITION] + size * p + i] - M[I[O_REST] + 3 * p + i]
-        below = M[I[O_POSITION] + size * edge + i] - M[I[O_REST] + 3 * edge + i]
+        above = M[head.position + size * p + i] - M[head.rest + 3 * p + i]
+        below = M[head.position + size * edge + i] - M[head.rest + 3 * edge + i]
         M[w + 18 + i] = M[w + i] - ((1.0 - x) * above + x * below)
     open_gap(I, M, edge, count)
     lower = edge + count
     for node in range(edge, lower):
         for k in range(size):
-            M[I[O_POSITION] + size * node + k] = M[w + k]
-            M[I[O_VELOCITY] + size * node + k] = M[w + 6 + k]
-            M[I[O_ACCELERATION] + size * node + k] = M[w + 12 + k]
+            M[head.position + size * node + k] = M[w + k]
+            M[head.velocity + size * node + k] = M[w + 6 + k]
+            M[head.acceleration + size * node + k] = M[w + 12 + k]
         for k in range(dimension):
-            M[I[O_REST] + 3 * node + k] = M[w + 18 + k]
+            M[head.rest + 3 * node + k] = M[w + 18 + k]
         for k in range(EDGE_WORDS):
-            M[I[O_EDGE] + EDGE_WORDS * node + k] = M[I[O_EDGE] + EDGE_WORDS * lower + k]
+            M[head.edges + EDGE_WORDS * node + k] = M[head.edges + EDGE_WORDS * lower + k]
         for k in range(2):
-            M[I[O_TENSION] + 2 * node + k] = 0.0
-            M[I[O_TENSION_RATE] + 2 * node + k] = 0.0
-        I[I[O_JOINT] + node] = 0
+            M[head.tension + 2 * node + k] = 0.0
+            M[head.tension_rate + 2 * node + k] = 0.0
+        I[head.joint + node] = 0
     if hinge:
-        I[I[O_JOINT] + edge + 1] = 1
-        M[I[O_EDGE] + EDGE_WORDS * (edge + 1) + E_LENGTH] = 0.0
-        M[I[O_EDGE] + EDGE_WORDS * (edge + 1) + E_START] += x * h
+        I[head.joint + edge + 1] = 1
+        M[head.edges + EDGE_WORDS * (edge + 1) + E_LENGTH] = 0.0
+        M[head.edges + EDGE_WORDS * (edge + 1) + E_START] += x * h
     for array in range(2):
-        t = I[O_TENSION] if array == 0 else I[O_TENSION_RATE]
+        t = head.tension if array == 0 else head.tension_rate
         mean = M[t + 2 * lower]
         slope = M[t + 2 * lower + 1]
         M[t + 2 * edge] = mean + slope * (x - 1.0)
         M[t + 2 * edge + 1] = slope * x
         M[t + 2 * lower] = mean + slope * x
         M[t + 2 * lower + 1] = slope * (1.0 - x)
-    M[I[O_EDGE] + EDGE_WORDS * edge + E_LENGTH] = x * h
-    M[I[O_EDGE] + EDGE_WORDS * lower + E_LENGTH] = h - x * h
-    M[I[O_EDGE] + EDGE_WORDS * lower + E_START] += x * h
+    M[head.edges + EDGE_WORDS * edge + E_LENGTH] = x * h
+    M[head.edges + EDGE_WORDS * lower + E_LENGTH] = h - x * h
+    M[head.edges + EDGE_WORDS * lower + E_START] += x * h
     if edge == 1:
-        M[S_TOP_LENGTH] = M[I[O_EDGE] + EDGE_WORDS + E_LENGTH]
+        state.top_length = M[head.edges + EDGE_WORDS + E_LENGTH]
         # The lower part begins where the cable is that is out now, less the new top element.
-        start = x * h - overhang(I, M) - M[S_PAID]
-        M[I[O_EDGE] + EDGE_WORDS * lower + E_START] = start
+        start = x * h - overhang(I, M) - state.paid
+        M[head.edges + EDGE_WORDS * lower + E_START] = start
         if hinge:
-            M[I[O_EDGE] + EDGE_WORDS * 2 + E_START] = start
+            M[head.edges + EDGE_WORDS * 2 + E_START] = start
     return OK
 
 
@@ -298,42 +279,45 @@ def join_at(I, M, node, count):
 
     What the merged cubic cannot hold is lost; the caller makes the state consistent.
     """
+    head = header(I)
+    state = scalars(M)
     upper = node
     lower = node + count
-    h1 = M[I[O_EDGE] + EDGE_WORDS * upper + E_LENGTH]
-    h2 = M[I[O_EDGE] + EDGE_WORDS * lower + E_LENGTH]
+    h1 = M[head.edges + EDGE_WORDS * upper + E_LENGTH]
+    h2 = M[head.edges + EDGE_WORDS * lower + E_LENGTH]
     h = h1 + h2
-    dimension = I[I_DIMENSION]
-    turn = M[I[O_TOP] + 12 : I[O_TOP] + 12 + 2 * dimension]
-    if node == 1 and I[I_PAYOUT] == 1:
+    dimension = head.dimension
+    turn = M[head.top + 12 : head.top + 12 + 2 * dimension]
+    if node == 1 and head.payout == 1:
         material_motion(I, M)
         for i in range(dimension):
-            turn[i] = M[I[O_TOP] + dimension + i]
-            turn[dimension + i] = M[I[O_TOP] + 6 + dimension + i]
-    start = M[I[O_EDGE] + EDGE_WORDS * upper + E_START]
+            turn[i] = M[head.top + dimension + i]
+            turn[dimension + i] = M[head.top + 6 + dimension + i]
+    start = M[head.edges + EDGE_WORDS * upper + E_START]
     for array in range(2):
-        t = I[O_TENSION] if array == 0 else I[O_TENSION_RATE]
+        t = head.tension if array == 0 else head.tension_rate
         top = M[t + 2 * upper] - M[t + 2 * upper + 1]
         bottom = M[t + 2 * lower] + M[t + 2 * lower + 1]
         M[t + 2 * lower] = (h1 * M[t + 2 * upper] + h2 * M[t + 2 * lower]) / h
         M[t + 2 * lower + 1] = 0.5 * (bottom - top)
-    M[I[O_EDGE] + EDGE_WORDS * lower + E_LENGTH] = h
-    M[I[O_EDGE] + EDGE_WORDS * lower + E_START] = start
+    M[head.edges + EDGE_WORDS * lower + E_LENGTH] = h
+    M[head.edges + EDGE_WORDS * lower + E_START] = start
     close_gap(I, M, node, count)
     if node == 1:
-        M[S_TOP_LENGTH] = h
-        if I[I_PAYOUT] == 1 and M[I[O_CONSTRAINT] + C_CLAMPED] != EXACTLY:
+        state.top_length = h
+        if head.payout == 1 and M[head.constraints + C_CLAMPED] != EXACTLY:
             turn_with_matter(I, M, turn[0:dimension], turn[dimension : 2 * dimension])
-    M[S_JOINED] = max(M[S_JOINED], h)
+    state.joined = max(state.joined, h)
 
 
 @kernel
 def give_properties(I, M, edge, cable):
     """Make an element one of another cable: all of the row but its length and place."""
-    row = I[O_EDGE] + EDGE_WORDS * edge
+    head = header(I)
+    row = head.edges + EDGE_WORDS * edge
     h = M[row + E_LENGTH]
     start = M[row + E_START]
     for k in range(EDGE_WORDS):
-        M[row + k] = M[I[O_CABLES] + cable * CABLE_WORDS + K_EDGE + k]
+        M[row + k] = M[head.cables + cable * CABLE_WORDS + K_EDGE + k]
     M[row + E_LENGTH] = h
     M[row + E_START] = start

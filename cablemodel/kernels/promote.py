@@ -1,5 +1,6 @@
 """A planar model becomes three-dimensional when something leaves its plane."""
 
+from .access import header, scalars
 from .backup import keep_sleepers
 from .compile import kernel
 from .layout import (
@@ -11,17 +12,6 @@ from .layout import (
     C_PLACE,
     C_POSITION,
     CONSTRAINT_WORDS,
-    I_CONSTRAINTS,
-    I_DIMENSION,
-    I_FACTORED,
-    I_HISTORY,
-    I_NODES,
-    O_ACCELERATION,
-    O_CONSTRAINT,
-    O_POSITION,
-    O_REST,
-    O_VELOCITY,
-    S_PLANE,
 )
 
 
@@ -38,18 +28,20 @@ def unfold(M, at, px, py):
 @kernel
 def promote(I, M):
     """Rewrite positions, velocities, accelerations and constraints from 4 to 6 words a node."""
-    if I[I_DIMENSION] == 3:
+    head = header(I)
+    state = scalars(M)
+    if head.dimension == 3:
         return
     keep_sleepers(I)
-    px = M[S_PLANE]
-    py = M[S_PLANE + 1]
+    px = state.plane[0]
+    py = state.plane[1]
     for array in range(3):
-        start = I[O_POSITION]
+        start = head.position
         if array == 1:
-            start = I[O_VELOCITY]
+            start = head.velocity
         elif array == 2:
-            start = I[O_ACCELERATION]
-        for node in range(I[I_NODES] - 1, -1, -1):
+            start = head.acceleration
+        for node in range(head.nodes - 1, -1, -1):
             h = M[start + 4 * node]
             z = M[start + 4 * node + 1]
             dh = M[start + 4 * node + 2]
@@ -61,10 +53,10 @@ def promote(I, M):
             M[to + 3] = px * dh
             M[to + 4] = py * dh
             M[to + 5] = dz
-    for node in range(I[I_NODES]):
-        unfold(M, I[O_REST] + 3 * node, px, py)
-    for n in range(I[I_CONSTRAINTS]):
-        row = I[O_CONSTRAINT] + n * CONSTRAINT_WORDS
+    for node in range(head.nodes):
+        unfold(M, head.rest + 3 * node, px, py)
+    for n in range(head.constraint_count):
+        row = head.constraints + n * CONSTRAINT_WORDS
         unfold(M, row + C_POSITION, px, py)
         if M[row + C_CLAMPED] != 0.0:
             unfold(M, row + C_DIRECTION, px, py)
@@ -72,6 +64,6 @@ def promote(I, M):
             unfold(M, row + C_AWAY, px, py)
             unfold(M, row + C_DRIFT, px, py)
             unfold(M, row + C_DRIFT_RATE, px, py)
-    I[I_DIMENSION] = 3
-    I[I_FACTORED] = 0
-    I[I_HISTORY] = 0
+    head.dimension = 3
+    head.factored = 0
+    head.has_history = 0

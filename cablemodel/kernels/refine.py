@@ -8,6 +8,7 @@ they were at the start, once one cubic does for both.
 
 import math
 
+from .access import header, scalars
 from .buckling import is_pressed
 from .compile import kernel, view
 from .follow import (
@@ -26,26 +27,9 @@ from .layout import (
     E_NOMINAL,
     E_SEGMENT,
     EDGE_WORDS,
-    I_DIMENSION,
-    I_LEFT_OUT,
-    I_NODES,
     NO_CAPACITY,
     NOTHING,
-    O_EDGE,
-    O_JOINT,
-    O_MOTION,
-    O_POSITION,
-    O_STAGE_V,
-    O_TENSION,
     OK,
-    S_BENT,
-    S_BENT_AFTER,
-    S_LENGTH,
-    S_MOST_NODES,
-    S_PERIOD,
-    S_TIME,
-    S_TOLERANCE,
-    S_UNDAMPED,
 )
 from .payout import join_at, split_edge
 from .tension import promised_tension
@@ -61,25 +45,29 @@ def bends_too_much(I, M, node, jump):
     Cable without bending stiffness that is pushed buckles at the scale of its elements, whatever
     that is, and let go slack it folds ever finer: there an end is set, sooner under pressure.
     """
-    edge = I[O_EDGE] + node * EDGE_WORDS
+    head = header(I)
+    state = scalars(M)
+    edge = head.edges + node * EDGE_WORDS
     h = M[edge + E_LENGTH]
     if M[edge + E_BENDING_FULL] == 0.0 and h < finest_flexible(I, M, node):
         return False
-    return h * h * jump > M[S_BENT]
+    return h * h * jump > state.bent
 
 
 @kernel
 def is_pressed_aside(I, M, node):
     """Whether an element is pressed so that it would have to bend further within than positions
     may be wrong by: to get rid of its pressure T at once, by 2 / pi h sqrt(T / EA)."""
-    count = 2 * I[I_DIMENSION] * I[I_NODES]
-    q = view(M, I[O_POSITION], count)
-    tension = view(M, I[O_TENSION], 2 * I[I_NODES])
-    if not is_pressed(I, M, node, q, tension, promised_tension(M), view(M, I[O_MOTION] + 16, 3)):
+    head = header(I)
+    state = scalars(M)
+    count = 2 * head.dimension * head.nodes
+    q = view(M, head.position, count)
+    tension = view(M, head.tension, 2 * head.nodes)
+    if not is_pressed(I, M, node, q, tension, promised_tension(M), view(M, head.motion + 16, 3)):
         return False
-    edge = I[O_EDGE] + node * EDGE_WORDS
+    edge = head.edges + node * EDGE_WORDS
     bend = 2.0 / math.pi * math.sqrt(-tension[2 * node] * M[edge + E_COMPLIANCE])
-    return bend * M[edge + E_LENGTH] > M[S_TOLERANCE] * M[S_LENGTH]
+    return bend * M[edge + E_LENGTH] > state.tolerance * state.length
 
 
 @kernel
@@ -90,16 +78,18 @@ def may_unite(I, M, node):
     along the line either: the strains of two elements that differ make a mode of the joined one
     which nothing but its stabilisation holds.
     """
-    if M[S_UNDAMPED] != 0.0:
+    head = header(I)
+    state = scalars(M)
+    if state.undamped != 0.0:
         return False
-    upper = I[O_EDGE] + node * EDGE_WORDS
+    upper = head.edges + node * EDGE_WORDS
     lower = upper + EDGE_WORDS
     h = M[upper + E_LENGTH] + M[lower + E_LENGTH]
     return (
         h <= 1.001 * min(M[upper + E_NOMINAL], M[lower + E_NOMINAL])
         and M[upper + E_SEGMENT] == M[lower + E_SEGMENT]
         and not holds_something(I, M, node)
-        and h * h * jump_at(I, M, node, False) < STRAIGHT * M[S_BENT]
+        and h * h * jump_at(I, M, node, False) < STRAIGHT * state.bent
         and one_cubic_does(I, M, node)
     )
 
@@ -110,21 +100,23 @@ def follow_bending(I, M, change):
 
     NOTHING, CHANGED (or to be changed), or NO_CAPACITY: the block must grow first.
     """
-    M[S_BENT_AFTER] = M[S_TIME] + PAUSE * M[S_PERIOD]
-    nodes = I[I_NODES]
-    jumps = M[I[O_STAGE_V] : I[O_STAGE_V] + nodes + 1]
+    head = header(I)
+    state = scalars(M)
+    state.bent_after = state.time + PAUSE * state.period
+    nodes = head.nodes
+    jumps = M[head.stage_velocity : head.stage_velocity + nodes + 1]
     for node in range(nodes):
         # At the line's ends r'' may be anything.
         jumps[node] = jump_at(I, M, node, True) if 0 < node < nodes - 1 else 0.0
     changed = NOTHING
     node = nodes - 1
     while node >= 1:
-        if I[I[O_JOINT] + node] == 0:
+        if I[head.joint + node] == 0:
             if bends_too_much(I, M, node, max(jumps[node - 1], jumps[node])) or is_pressed_aside(
                 I, M, node
             ):
                 if (
-                    I[I_NODES] + I[I_LEFT_OUT] < M[S_MOST_NODES]
+                    head.nodes + head.left_out < state.most_nodes
                     and may_be_halved(I, M, node)
                     and halves_are_even(I, M, node)
                 ):
@@ -136,7 +128,7 @@ def follow_bending(I, M, change):
             elif (
                 # Nodes after this one may have been split; those before it are as measured.
                 node > 1
-                and I[I[O_JOINT] + node - 1] == 0
+                and I[head.joint + node - 1] == 0
                 and not bends_too_much(I, M, node - 1, max(jumps[node - 2], jumps[node - 1]))
                 and may_unite(I, M, node - 1)
             ):

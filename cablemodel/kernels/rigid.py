@@ -20,6 +20,7 @@ where it does not (a hybrid under tension). A flexible cable is hinged: k = 0.
 
 import math
 
+from .access import header, scalars
 from .bodies import (
     add_waves,
     flow_derivatives,
@@ -55,28 +56,7 @@ from .layout import (
     E_LENGTH,
     E_MODEL,
     EDGE_WORDS,
-    I_BODIES,
-    I_DIMENSION,
-    I_NODES,
-    I_SURGE,
-    I_WAVES,
     MODEL_HYBRID,
-    O_BODY,
-    O_COMPLIANCE,
-    O_DIAGONAL,
-    O_EDGE,
-    O_GRADIENT,
-    O_LOWER,
-    O_MOTION,
-    O_PARENT,
-    O_POSITION,
-    O_TENSION,
-    O_UPPER,
-    S_BASE,
-    S_LENGTH,
-    S_PASSING,
-    S_TENSION_SCALE,
-    S_TOLERANCE,
 )
 from .passing import part_row
 from .slopes import slope_direction
@@ -92,10 +72,12 @@ SLOPE_INERTIA = 1e-9  # of m l^2: keeps the mass matrix regular for the slope at
 @kernel
 def rigid_row(I, M, body):
     """Row of a body of finite length that is out, or of the part that is out of it, else -1."""
-    row = I[O_BODY] + body * BODY_WORDS
+    head = header(I)
+    state = scalars(M)
+    row = head.bodies + body * BODY_WORDS
     if M[row + B_LENGTH] == 0.0 or M[row + B_NODE] < 0.0:
         return -1
-    if body + 1 == M[S_PASSING]:
+    if body + 1 == state.body_passage:
         return part_row(I)
     return row
 
@@ -103,9 +85,10 @@ def rigid_row(I, M, body):
 @inlined
 def attachments(I, M, row):
     """Outer node of a body that is out, and the first words of its outer and its inner node."""
-    size = 2 * I[I_DIMENSION]
+    head = header(I)
+    size = 2 * head.dimension
     node = int(M[row + B_NODE])
-    return node, size * node, size * I[I[O_PARENT] + node]
+    return node, size * node, size * I[head.parent + node]
 
 
 @kernel
@@ -132,7 +115,8 @@ def middle_height(dimension, q, inner, outer):
 @kernel
 def middle_flow(I, M, q, v, a, inner, outer, w):
     """Water relative to the body's middle into w[3:6], the middle's acceleration into w[6:9]."""
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    dimension = head.dimension
     current_at(I, M, middle_height(dimension, q, inner, outer), w[3:6])
     for i in range(dimension):
         w[3 + i] -= 0.5 * (v[inner + i] + v[outer + i])
@@ -145,7 +129,8 @@ def middle_flow(I, M, q, v, a, inner, outer, w):
 @kernel
 def middle_waves(I, M, row, q, inner, outer, w):
     """Add the waves at the body's middle to what `middle_flow` wrote."""
-    up = I[I_DIMENSION] - 1
+    head = header(I)
+    up = head.dimension - 1
     add_waves(
         I,
         M,
@@ -196,12 +181,13 @@ def stiffen_gently(M, k, target, pull, before, bend, share):
     snapping line got hundreds of times all the energy that there was. A layer's stiffness follows
     the tension, as its root; what goes beyond comes as its bend fades.
     """
+    state = scalars(M)
     if target <= k or k <= 0.0 or not 0.0 < share < 1.0:
         return target
     allowed = k
     if before > 0.0 and pull > before:
         allowed *= math.sqrt(pull / before)
-    work = share * FREE_WORK * M[S_TOLERANCE] * M[S_LENGTH] * M[S_TENSION_SCALE]
+    work = share * FREE_WORK * state.tolerance * state.length * state.tension_scale
     if (target - allowed) * bend <= work:
         return target
     return allowed + work / bend
@@ -214,32 +200,33 @@ def update_clamps(I, M, share):
     They hold until the next step is made, and follow axial vibrations by their mean only: a
     stiffness that changes while the clamp is bent does work, and would feed such vibrations.
     """
-    dimension = I[I_DIMENSION]
-    w = M[I[O_MOTION] + 16 : I[O_MOTION] + 22]
-    tension = I[O_TENSION]
-    for body in range(I[I_BODIES]):
+    head = header(I)
+    dimension = head.dimension
+    w = M[head.motion + 16 : head.motion + 22]
+    tension = head.tension
+    for body in range(head.body_count):
         if rigid_row(I, M, body) < 0:
             continue
-        row = I[O_BODY] + body * BODY_WORDS
+        row = head.bodies + body * BODY_WORDS
         node = int(M[row + B_NODE])
         for side in range(2):
             k = row + B_CLAMP + side
             past = row + B_PULL + side
-            edge = I[I[O_PARENT] + node] if side == 0 else node + 1
+            edge = I[head.parent + node] if side == 0 else node + 1
             if edge == 0 or (side == 1 and M[row + B_TIE] != 0.0):
                 M[k] = 0.0  # no cable there: the vessel or a spring holds the slope
                 continue
             slope = M[tension + 2 * edge + 1]
             pull = M[tension + 2 * edge] + (slope if side == 0 else -slope)
-            row_of_edge = I[O_EDGE] + edge * EDGE_WORDS
+            row_of_edge = head.edges + edge * EDGE_WORDS
             before = M[past]
             M[past] += share * (pull - M[past])
             resolved = M[row_of_edge + E_MODEL] != MODEL_HYBRID
             target = clamp_stiffness(M, row_of_edge, M[past], M[row + B_LENGTH], resolved)
             if not resolved and target > M[k]:
-                inner = 2 * dimension * I[I[O_PARENT] + node]
+                inner = 2 * dimension * I[head.parent + node]
                 outer = 2 * dimension * node
-                q = M[I[O_POSITION] : I[O_POSITION] + 2 * dimension * I[I_NODES]]
+                q = M[head.position : head.position + 2 * dimension * head.nodes]
                 axis_of(dimension, q, inner, outer, w)
                 at = dimension + (inner if side == 0 else outer)
                 _length, cosine = slope_direction(dimension, q, at, w)
@@ -305,9 +292,10 @@ def add_tie(M, row, dimension, tie, ca, inner_side, D_inner, D_outer, U, L):
 @kernel
 def rigid_residual(I, M, q, v, a, tension, out, out_constraint):
     """Add the bodies' forces to those of their nodes, and set their constraint residuals."""
-    dimension = I[I_DIMENSION]
-    w = M[I[O_MOTION] + 16 : I[O_MOTION] + 46]
-    for body in range(I[I_BODIES]):
+    head = header(I)
+    dimension = head.dimension
+    w = M[head.motion + 16 : head.motion + 46]
+    for body in range(head.body_count):
         row = rigid_row(I, M, body)
         if row < 0:
             continue
@@ -327,11 +315,11 @@ def rigid_residual(I, M, q, v, a, tension, out, out_constraint):
         turning = M[row + B_INERTIA] / (length * length)
         middle_flow(I, M, q, v, a, inner, outer, w)
         wet = 1.0
-        if I[I_WAVES] != 0:
+        if head.wave_count != 0:
             middle_waves(I, M, row, q, inner, outer, w)
             wet_force(I, M, row, w)
-            wet = M[I[O_MOTION] + P_WET]
-        elif I[I_SURGE] != 0:
+            wet = M[head.motion + P_WET]
+        elif head.surge != 0:
             surge_force(I, M, row, middle_height(dimension, q, inner, outer), w)
         else:
             flow_force(M, row, dimension, M[row + B_ADDED], w)
@@ -403,20 +391,21 @@ def rigid_jacobian(I, M, q, v, a, tension, ca, cv):
 
     The force on a node is a sum of terms in g and in the middle's motion; see jacobian_spatial.
     """
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    dimension = head.dimension
     size = 2 * dimension
     area = size * size
-    w = M[I[O_MOTION] + 16 : I[O_MOTION] + 46]
-    for body in range(I[I_BODIES]):
+    w = M[head.motion + 16 : head.motion + 46]
+    for body in range(head.body_count):
         row = rigid_row(I, M, body)
         if row < 0:
             continue
         node, outer, inner = attachments(I, M, row)
-        parent = I[I[O_PARENT] + node]
-        D_inner = M[I[O_DIAGONAL] + area * parent : I[O_DIAGONAL] + area * (parent + 1)]
-        D_outer = M[I[O_DIAGONAL] + area * node : I[O_DIAGONAL] + area * (node + 1)]
-        U = M[I[O_UPPER] + area * node : I[O_UPPER] + area * (node + 1)]
-        L = M[I[O_LOWER] + area * node : I[O_LOWER] + area * (node + 1)]
+        parent = I[head.parent + node]
+        D_inner = M[head.diagonal + area * parent : head.diagonal + area * (parent + 1)]
+        D_outer = M[head.diagonal + area * node : head.diagonal + area * (node + 1)]
+        U = M[head.upper + area * node : head.upper + area * (node + 1)]
+        L = M[head.lower + area * node : head.lower + area * (node + 1)]
         U[:] = 0.0
         L[:] = 0.0
         length = M[row + B_LENGTH]
@@ -428,17 +417,17 @@ def rigid_jacobian(I, M, q, v, a, tension, ca, cv):
         if k != 0.0:
             add_clamp(dimension, k, q, outer + dimension, False, reach, w, D_inner, D_outer, U, L)
         stiffness = 1.0 / M[row + B_COMPLIANCE]
-        M[I[O_COMPLIANCE] + 3 * node] = stiffness
-        M[I[O_COMPLIANCE] + 3 * node + 1] = 0.0
-        M[I[O_COMPLIANCE] + 3 * node + 2] = stiffness
-        B = M[I[O_GRADIENT] + 4 * size * node : I[O_GRADIENT] + 4 * size * node + dimension]
+        M[head.compliance + 3 * node] = stiffness
+        M[head.compliance + 3 * node + 1] = 0.0
+        M[head.compliance + 3 * node + 2] = stiffness
+        B = M[head.gradient + 4 * size * node : head.gradient + 4 * size * node + dimension]
         geometric = tension[2 * node] / reach
         near = 0.5 * (1.0 - M[row + B_OFFSET])
         far = 0.5 * (1.0 + M[row + B_OFFSET])
         mass = ca * M[row + B_MASS]
         turning = ca * M[row + B_INERTIA] / (length * length)
         middle_flow(I, M, q, v, a, inner, outer, w)
-        if I[I_WAVES] != 0:
+        if head.wave_count != 0:
             middle_waves(I, M, row, q, inner, outer, w)
             wet_derivatives(I, M, row, 1.0 / reach, ca, cv, w)
         else:
@@ -470,15 +459,16 @@ def rigid_jacobian(I, M, q, v, a, tension, ca, cv):
 @kernel
 def condense_rigid(I, M, out_constraint, out):
     """Add B^T S (constraint residual) of every body: N condensed out."""
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    dimension = head.dimension
     size = 2 * dimension
-    for body in range(I[I_BODIES]):
+    for body in range(head.body_count):
         row = rigid_row(I, M, body)
         if row < 0:
             continue
         node, outer, inner = attachments(I, M, row)
-        z = M[I[O_COMPLIANCE] + 3 * node] * out_constraint[2 * node]
-        B = I[O_GRADIENT] + 4 * size * node
+        z = M[head.compliance + 3 * node] * out_constraint[2 * node]
+        B = head.gradient + 4 * size * node
         for i in range(dimension):
             out[inner + i] -= z * M[B + i]
             out[outer + i] += z * M[B + i]
@@ -487,14 +477,15 @@ def condense_rigid(I, M, out_constraint, out):
 @kernel
 def stretch_rate_rigid(I, M, x, out):
     """Gradient B of the bodies' constraints times a vector x of the nodes."""
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    dimension = head.dimension
     size = 2 * dimension
-    for body in range(I[I_BODIES]):
+    for body in range(head.body_count):
         row = rigid_row(I, M, body)
         if row < 0:
             continue
         node, outer, inner = attachments(I, M, row)
-        B = I[O_GRADIENT] + 4 * size * node
+        B = head.gradient + 4 * size * node
         value = 0.0
         for i in range(dimension):
             value += M[B + i] * (x[outer + i] - x[inner + i])
@@ -505,8 +496,10 @@ def stretch_rate_rigid(I, M, x, out):
 @kernel
 def rigid_energy(I, M, row, q, v, a, tension, out):
     """Add a body's energies and its loss to drag to those of outputs.energies."""
-    dimension = I[I_DIMENSION]
-    w = M[I[O_MOTION] + 16 : I[O_MOTION] + 46]
+    head = header(I)
+    state = scalars(M)
+    dimension = head.dimension
+    w = M[head.motion + 16 : head.motion + 46]
     node, outer, inner = attachments(I, M, row)
     reach = axis_of(dimension, q, inner, outer, w)
     bar = tension[2 * node]
@@ -522,11 +515,11 @@ def rigid_energy(I, M, row, q, v, a, tension, out):
     near = 0.5 * (1.0 - M[row + B_OFFSET])
     far = 0.5 * (1.0 + M[row + B_OFFSET])
     up = dimension - 1
-    low = q[inner + up] + M[S_BASE + 2]
-    high = q[outer + up] + M[S_BASE + 2]
+    low = q[inner + up] + state.origin[2]
+    high = q[outer + up] + state.origin[2]
     weight = M[row + B_DRY_WEIGHT]
     out[3] += weight * (near * low + far * high)
-    if I[I_WAVES] == 0:
+    if head.wave_count == 0:
         out[3] -= 0.5 * (weight - M[row + B_WEIGHT]) * (low + high)
     speed = 0.0
     turn = 0.0
@@ -537,27 +530,28 @@ def rigid_energy(I, M, row, q, v, a, tension, out):
     middle_flow(I, M, q, v, a, inner, outer, w)
     for i in range(dimension):
         w[12 + i] = 0.5 * (v[inner + i] + v[outer + i])
-    if I[I_WAVES] != 0:
+    if head.wave_count != 0:
         middle_waves(I, M, row, q, inner, outer, w)
         wave_power(I, M, row, w, out)
         return
     for i in range(dimension):
         w[15 + i] = (v[outer + i] - v[inner + i]) / reach
     flow_energy(M, row, dimension, w, out)
-    if I[I_SURGE] != 0:
+    if head.surge != 0:
         out[5] -= surge_power(I, M, row, middle_height(dimension, q, inner, outer), w)
 
 
 @kernel
 def wave_power(I, M, row, w, out):
     """What the water of a scene with waves takes from a body that moves at w[12:15] [W]."""
-    up = I[I_DIMENSION] - 1
+    head = header(I)
+    up = head.dimension - 1
     for i in range(up + 1):
         w[21 + i] = w[12 + i]
     wet_force(I, M, row, w)
     for i in range(up + 1):
         out[5] += w[12 + i] * w[21 + i]
-    out[5] -= M[I[O_MOTION] + P_WET] * lift_of(M, row) * w[21 + up]
+    out[5] -= M[head.motion + P_WET] * lift_of(M, row) * w[21 + up]
 
 
 @kernel

@@ -5,6 +5,7 @@ Of a scene as it is built, and of an FMU whose lengths and coefficients are set 
 
 import math
 
+from .access import header, scalars
 from .compile import kernel
 from .environment import evaluate_piece, find_piece
 from .layout import (
@@ -19,25 +20,7 @@ from .layout import (
     FACT_SOFTNESS,
     FACT_TENSION,
     LIGHT_DAMPING,
-    O_MOTION,
-    O_PIECES,
     PIECE_WORDS,
-    S_AXIAL,
-    S_BENT,
-    S_FIRST_STEP,
-    S_GRAVITY,
-    S_LARGEST_TENSION,
-    S_LENGTH,
-    S_MEMORY,
-    S_ORDER_3,
-    S_PERIOD,
-    S_SMALLEST_STEP,
-    S_STEP,
-    S_TENSION_SCALE,
-    S_TIME_TOLERANCE,
-    S_TOLERANCE,
-    S_UNDAMPED,
-    S_WATER_DENSITY,
 )
 
 TIME_TOLERANCE = 0.045  # of tau L: local error allowed in a step; calibrated, docs/engine/time.md
@@ -68,17 +51,19 @@ def first_step(I, M, period, calm):
     As a rule one in which whatever is let go hardly moves. What is calm, hanging at rest in water
     with a free end, is moved by the vessel only and need not begin so: three steps are saved.
     """
-    scale = math.sqrt(max(M[S_TOLERANCE], 1e-12)) * period
+    head = header(I)
+    state = scalars(M)
+    scale = math.sqrt(max(state.tolerance, 1e-12)) * period
     shortest = 1e-2 * scale
     if not calm:
         return shortest
     step = CALM_FIRST[0] * scale
-    way = CALM_FIRST[1] * M[S_TOLERANCE] * M[S_LENGTH]
-    begin = M[I[O_MOTION] + 16 : I[O_MOTION] + 25]
-    there = M[I[O_MOTION] + 25 : I[O_MOTION] + 34]
-    evaluate_piece(M, I[O_PIECES] + find_piece(I, M, 0.0) * PIECE_WORDS, 0.0, begin)
+    way = CALM_FIRST[1] * state.tolerance * state.length
+    begin = M[head.motion + 16 : head.motion + 25]
+    there = M[head.motion + 25 : head.motion + 34]
+    evaluate_piece(M, head.pieces + find_piece(I, M, 0.0) * PIECE_WORDS, 0.0, begin)
     while step > shortest:
-        evaluate_piece(M, I[O_PIECES] + find_piece(I, M, step) * PIECE_WORDS, step, there)
+        evaluate_piece(M, head.pieces + find_piece(I, M, step) * PIECE_WORDS, step, there)
         moved = 0.0
         faster = 0.0
         for i in range(3):
@@ -96,9 +81,10 @@ def measure_line(I, M, facts):
 
     facts: FACT_WORDS, see layout.py. Tolerance, gravity, water and motion are in the block.
     """
-    tolerance = M[S_TOLERANCE]
+    state = scalars(M)
+    tolerance = state.tolerance
     length = facts[FACT_LENGTH]
-    rho = M[S_WATER_DENSITY]
+    rho = state.water_density
     slack = facts[FACT_SLACK] != 0.0
     undamped = facts[FACT_DAMPING] < LIGHT_DAMPING
     allowed = TIME_TOLERANCE * tolerance * length
@@ -107,12 +93,12 @@ def measure_line(I, M, facts):
         allowed *= UNDAMPED * math.sqrt(tolerance / 1e-3)
     elif undamped:
         allowed *= LIGHTLY_DAMPED
-    M[S_TIME_TOLERANCE] = allowed
-    M[S_LENGTH] = length
+    state.time_tolerance = allowed
+    state.length = length
     # What starts slack where drag hardly damps cracks, to no end: its mesh stays. Others there have
     # halves that are not joined again: that would feed a whip that hardly stretches; above a floor
     # what follows the touchdown joins elements, too.
-    M[S_BENT] = 0.0
+    state.bent = 0.0
     stays = undamped and (slack or facts[FACT_ABOVE_FLOOR] != 0.0)
     if facts[FACT_FOLLOWS] != 0.0 and not stays:
         bent = BENDS
@@ -120,23 +106,23 @@ def measure_line(I, M, facts):
             bent = WHIPS
         elif slack:
             bent = FOLDS
-        M[S_BENT] = bent * tolerance * length
-    M[S_TENSION_SCALE] = facts[FACT_TENSION]
+        state.bent = bent * tolerance * length
+    state.tension_scale = facts[FACT_TENSION]
     if slack:
         # What is let go slack snaps, and rings at peaks that no output meets: its tension is left
         # as the steps find it (tension.py reads none that is small against this).
-        M[S_LARGEST_TENSION] = math.inf
-    period = math.sqrt(length / max(M[S_GRAVITY], 1e-3))
-    M[S_PERIOD] = period
-    M[S_MEMORY] = 0.0
+        state.largest_tension = math.inf
+    period = math.sqrt(length / max(state.gravity, 1e-3))
+    state.period = period
+    state.memory = 0.0
     if rho > 0.0 and not (facts[FACT_BENDS] != 0.0 and slack and undamped):
-        M[S_MEMORY] = MEMORY * period
-    M[S_FIRST_STEP] = 0.02 * period
-    M[S_STEP] = first_step(I, M, period, facts[FACT_CALM] != 0.0 and not slack and not undamped)
-    M[S_SMALLEST_STEP] = 1e-10 * period
-    M[S_AXIAL] = 1.0 / (facts[FACT_SOFTNESS] * facts[FACT_MASS])
-    M[S_UNDAMPED] = 1.0 if undamped else 0.0
+        state.memory = MEMORY * period
+    state.first_step = 0.02 * period
+    state.step = first_step(I, M, period, facts[FACT_CALM] != 0.0 and not slack and not undamped)
+    state.smallest_step = 1e-10 * period
+    state.axial = 1.0 / (facts[FACT_SOFTNESS] * facts[FACT_MASS])
+    state.undamped = 1.0 if undamped else 0.0
     finest = FINEST_IN_AIR if undamped else FINEST_IN_WATER
-    M[S_ORDER_3] = 0.0
+    state.order_3 = 0.0
     if slack and tolerance >= finest:
-        M[S_ORDER_3] = ORDER_3_FIRST
+        state.order_3 = ORDER_3_FIRST

@@ -17,6 +17,7 @@ memory holds the last cell that was asked for by one Gauss point or body. How la
 cablemodel/waves.py.
 """
 
+from .access import header, scalars
 from .airy import ROUND, columns, follow_components, living, sine_and_cosine
 from .compile import inlined, kernel, outlined, view
 from .layout import (
@@ -24,8 +25,6 @@ from .layout import (
     CELL_LAYERS,
     CELL_TERMS,
     CELL_WORDS,
-    I_CELL_TERMS,
-    I_WAVES,
     L_DEPTH,
     L_FREQUENCY,
     L_MIRROR,
@@ -35,12 +34,6 @@ from .layout import (
     MIRROR_DEGREE,
     MIRROR_TERMS,
     MOTION_WORDS,
-    O_CELL_LAYERS,
-    O_CELLS,
-    O_MOTION,
-    O_WAVES,
-    S_CELL_STAYS,
-    S_WAVE_TIME,
     W_AMPLITUDE,
 )
 
@@ -61,8 +54,9 @@ WITHIN = STAGE + 1
 @inlined
 def amplitudes(I, M, count):
     """Views of two more columns, beside those of `columns`: parts of complex amplitudes."""
-    space = I[O_MOTION] + MOTION_WORDS + 4 * I[I_WAVES]
-    return view(M, space, count), view(M, space + I[I_WAVES], count)
+    head = header(I)
+    space = head.motion + MOTION_WORDS + 4 * head.wave_count
+    return view(M, space, count), view(M, space + head.wave_count, count)
 
 
 @kernel
@@ -144,7 +138,8 @@ def series_at(M, series, degree, x, y, t):
 @outlined
 def fill_cell(I, M, layer, row, t, way, level, surface):
     """Write the series of the cell whose middle is here, that of the surface if it is asked for."""
-    every = I[I_WAVES]
+    head = header(I)
+    every = head.wave_count
     # The waves' own series are the same with the surface and without.
     alive = living(I, M, level)
     M[row + ALIVE] = alive
@@ -153,7 +148,7 @@ def fill_cell(I, M, layer, row, t, way, level, surface):
     cosine, sine, along, upward = columns(I, M, count)
     a, b = amplitudes(I, M, count)
     if surface:
-        amplitude = view(M, I[O_WAVES] + W_AMPLITUDE * every, count)
+        amplitude = view(M, head.waves + W_AMPLITUDE * every, count)
         for n in range(count):
             a[n] = amplitude[n] * cosine[n]
             b[n] = amplitude[n] * sine[n]
@@ -177,35 +172,40 @@ def begin_stage(I, M):
 
     Within a stage only, so that the water's motion does not depend on what was asked before.
     """
-    if I[I_CELL_TERMS] != 0:
-        M[I[O_CELLS] + STAGE] += 1.0
-        M[I[O_CELLS] + WITHIN] = 1.0
+    head = header(I)
+    if head.cell_terms != 0:
+        M[head.cells + STAGE] += 1.0
+        M[head.cells + WITHIN] = 1.0
 
 
 @inlined
 def end_stage(I, M):
     """Water is that of its place again."""
-    if I[I_CELL_TERMS] != 0:
-        M[I[O_CELLS] + WITHIN] = 0.0
+    head = header(I)
+    if head.cell_terms != 0:
+        M[head.cells + WITHIN] = 0.0
 
 
 @inlined
 def is_kept(I, M, cell, way, level, surface):
-    """Whether a slot holds what this stage has found a little way off (S_CELL_STAYS)."""
-    first = I[O_CELLS]
+    """Whether a slot holds what this stage has found a little way off (`cell_stays`)."""
+    head = header(I)
+    state = scalars(M)
+    first = head.cells
     # A stage with the surface has a number and a half.
     number = M[first + STAGE] + (0.5 if surface else 0.0)
     return (
         cell[STAGE] == number
         and M[first + WITHIN] != 0.0
-        and abs(way - cell[WAY]) + abs(level - cell[LEVEL]) < M[S_CELL_STAYS]
+        and abs(way - cell[WAY]) + abs(level - cell[LEVEL]) < state.cell_stays
     )
 
 
 @inlined
 def keep(I, M, cell, way, level, surface):
     """Say that a slot's WATER is that of this place and stage, if one is under way."""
-    first = I[O_CELLS]
+    head = header(I)
+    first = head.cells
     if M[first + WITHIN] != 0.0:
         cell[STAGE] = M[first + STAGE] + (0.5 if surface else 0.0)
         cell[WAY] = way
@@ -215,8 +215,9 @@ def keep(I, M, cell, way, level, surface):
 @inlined
 def layer_at(I, M, level):
     """First word of the layer of water at a level z <= 0 [m]."""
-    layer = I[O_CELL_LAYERS]
-    words = CELL_TERMS * (I[I_WAVES] + 1)
+    head = header(I)
+    layer = head.cell_layers
+    words = CELL_TERMS * (head.wave_count + 1)
     last = layer + (CELL_LAYERS - 1) * words
     while layer < last and M[layer + words + L_DEPTH] <= -level:
         layer += words
@@ -229,12 +230,14 @@ def sum_in_cell(I, M, slot, way, level, surface):
 
     slot: where the cell may be kept, from 0.
     """
-    row = I[O_CELLS] + slot * CELL_WORDS
+    head = header(I)
+    state = scalars(M)
+    row = head.cells + slot * CELL_WORDS
     cell = view(M, row, CELL_WORDS)
-    layer = I[O_CELL_LAYERS] if surface else layer_at(I, M, level)
+    layer = head.cell_layers if surface else layer_at(I, M, level)
     span = M[layer + L_TIME]
     width = M[layer + L_WIDTH]
-    cell_t = (M[S_WAVE_TIME] / span + ROUND) - ROUND
+    cell_t = (state.wave_time / span + ROUND) - ROUND
     cell_x = (way / width + ROUND) - ROUND
     cell_z = (level / width + ROUND) - ROUND
     same = cell_t == cell[CELL_T] and cell_x == cell[CELL_X] and cell_z == cell[CELL_Z]
@@ -247,7 +250,7 @@ def sum_in_cell(I, M, slot, way, level, surface):
         cell[CELL_LAYER] = layer
     if cell[ALIVE] == 0.0 and not surface:
         return 0.0, 0.0, 0.0, 0.0, 0.0
-    t = M[S_WAVE_TIME] - cell_t * span
+    t = state.wave_time - cell_t * span
     x = way - cell_x * width
     z = level - cell_z * width
     frequency = M[layer + L_FREQUENCY]

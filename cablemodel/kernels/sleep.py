@@ -15,6 +15,7 @@ water that drags at what sleeps: such a step is made again with more of the cabl
 
 import math
 
+from .access import header, scalars
 from .backup import keep_sleepers
 from .compile import copy_words, kernel, view
 from .environment import over_depth
@@ -44,54 +45,6 @@ from .layout import (
     E_TENSION_HIGH,
     E_TENSION_LOW,
     EDGE_WORDS,
-    I_ANCHOR_KEPT,
-    I_ASLEEP,
-    I_BODIES,
-    I_CONSTRAINTS,
-    I_CURRENT,
-    I_DEPTHS,
-    I_DIMENSION,
-    I_FACTORED,
-    I_HISTORY,
-    I_LEFT_OUT,
-    I_NODES,
-    I_SURGE,
-    I_WAVES,
-    O_ACCELERATION,
-    O_BODY,
-    O_CONSTRAINT,
-    O_DEPTHS,
-    O_EDGE,
-    O_JOINT,
-    O_MOTION,
-    O_POSITION,
-    O_PROFILE,
-    O_REST,
-    O_TENSION,
-    O_TENSION_RATE,
-    O_TRIAL_Q,
-    O_TRIAL_T,
-    O_TRIAL_V,
-    O_VELOCITY,
-    O_WAVES,
-    S_BASE,
-    S_BRISTLE,
-    S_FLOOR_DEPTH,
-    S_FRICTION,
-    S_LAST_STEP,
-    S_LENGTH,
-    S_PERIOD,
-    S_SLEEP_AFTER,
-    S_SLEEP_FLOW,
-    S_SLEEP_HIGH,
-    S_SLEEP_LOW,
-    S_SLEEP_PUSH,
-    S_SLEEP_SPARE,
-    S_SLEEP_TENSION,
-    S_SLEEP_WAY,
-    S_TENSION_SCALE,
-    S_TIME,
-    S_TOLERANCE,
     W_FREQUENCY,
     W_MIRROR,
     W_NUMBER,
@@ -119,24 +72,25 @@ PAUSE = 0.1, 4.0  # between looks for cable at rest, and after waking, in units 
 @kernel
 def leave_out(I, M):
     """Before a step: the line ends at A, the last node that is awake, which is held."""
-    asleep = I[I_ASLEEP]
+    head = header(I)
+    asleep = head.asleep
     if asleep == 0:
         return
-    dimension = I[I_DIMENSION]
-    I[I_NODES] -= asleep
-    I[I_LEFT_OUT] = asleep
-    last = I[I_NODES] - 1
-    for body in range(I[I_BODIES]):
-        row = I[O_BODY] + body * BODY_WORDS + B_NODE
+    dimension = head.dimension
+    head.nodes -= asleep
+    head.left_out = asleep
+    last = head.nodes - 1
+    for body in range(head.body_count):
+        row = head.bodies + body * BODY_WORDS + B_NODE
         if M[row] > last:
             M[row] = -M[row] - 2.0  # like those on the drum: at no node
-    row = I[O_CONSTRAINT] + CONSTRAINT_WORDS
-    I[I_ANCHOR_KEPT] = 0
-    if I[I_CONSTRAINTS] == 2:
+    row = head.constraints + CONSTRAINT_WORDS
+    head.anchor_kept = 0
+    if head.constraint_count == 2:
         copy_words(I, row + CONSTRAINT_WORDS, row, CONSTRAINT_WORDS)
-        I[I_ANCHOR_KEPT] = 1
-    I[I_CONSTRAINTS] = 2
-    at = I[O_POSITION] + 2 * dimension * last
+        head.anchor_kept = 1
+    head.constraint_count = 2
+    at = head.position + 2 * dimension * last
     square = 0.0
     for i in range(dimension):
         square += M[at + dimension + i] ** 2
@@ -151,26 +105,28 @@ def leave_out(I, M):
 @kernel
 def rejoin(I, M):
     """After a step: the line is whole again."""
-    if I[I_LEFT_OUT] == 0:
+    head = header(I)
+    if head.left_out == 0:
         return
-    I[I_NODES] += I[I_LEFT_OUT]
-    I[I_LEFT_OUT] = 0
-    for body in range(I[I_BODIES]):
-        row = I[O_BODY] + body * BODY_WORDS + B_NODE
+    head.nodes += head.left_out
+    head.left_out = 0
+    for body in range(head.body_count):
+        row = head.bodies + body * BODY_WORDS + B_NODE
         if M[row] < -1.0:
             M[row] = -M[row] - 2.0
-    row = I[O_CONSTRAINT] + CONSTRAINT_WORDS
-    if I[I_ANCHOR_KEPT] != 0:
+    row = head.constraints + CONSTRAINT_WORDS
+    if head.anchor_kept != 0:
         copy_words(I, row, row + CONSTRAINT_WORDS, CONSTRAINT_WORDS)
-        M[row + C_NODE] = I[I_NODES] - 1
+        M[row + C_NODE] = head.nodes - 1
     else:
-        I[I_CONSTRAINTS] = 1
+        head.constraint_count = 1
 
 
 @kernel
 def rest_speed(M):
     """The speed below which cable is at rest [m/s]."""
-    return QUIET * M[S_TOLERANCE] * M[S_LENGTH] / M[S_PERIOD]
+    state = scalars(M)
+    return QUIET * state.tolerance * state.length / state.period
 
 
 @kernel
@@ -181,13 +137,15 @@ def is_quiet(I, M, node, arc):
     the line [m]. What is held at both ends swings to and fro in the root of its length over g:
     shorter arcs come as far at higher speed.
     """
-    period = M[S_PERIOD] * math.sqrt(arc / M[S_LENGTH])
-    limit = QUIET * M[S_TOLERANCE] * M[S_LENGTH] / period
-    dimension = I[I_DIMENSION]
-    v = I[O_VELOCITY] + 2 * dimension * node
-    a = I[O_ACCELERATION] + 2 * dimension * node
-    h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
-    time = min(M[S_LAST_STEP], period)
+    head = header(I)
+    state = scalars(M)
+    period = state.period * math.sqrt(arc / state.length)
+    limit = QUIET * state.tolerance * state.length / period
+    dimension = head.dimension
+    v = head.velocity + 2 * dimension * node
+    a = head.acceleration + 2 * dimension * node
+    h = M[head.edges + node * EDGE_WORDS + E_LENGTH]
+    time = min(state.last_step, period)
     speed = 0.0
     turning = 0.0
     push = 0.0
@@ -201,18 +159,21 @@ def is_quiet(I, M, node, arc):
 @kernel
 def lies(I, M, q, node, w):
     """Whether an element touches the floor; w: workspace."""
-    return I[I[O_JOINT] + node] == 0 and lowest_gap(I, M, q, node, w) < M[S_FLOOR_DEPTH]
+    head = header(I)
+    state = scalars(M)
+    return I[head.joint + node] == 0 and lowest_gap(I, M, q, node, w) < state.floor_depth
 
 
 @kernel
 def hanging_before(I, M, q, node, w):
     """Length of cable before a node that does not touch the floor [m]; w: workspace."""
+    head = header(I)
     way = 0.0
     for n in range(node, 0, -1):
         if lies(I, M, q, n, w):
             break
-        if I[I[O_JOINT] + n] == 0:
-            way += M[I[O_EDGE] + n * EDGE_WORDS + E_LENGTH]
+        if I[head.joint + n] == 0:
+            way += M[head.edges + n * EDGE_WORDS + E_LENGTH]
     return way
 
 
@@ -222,50 +183,55 @@ def lying_before(I, M, q, node, enough):
 
     Arcs between, as of slack that has come down in a pile, do not count and do not end it.
     """
-    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
+    head = header(I)
+    w = M[head.motion + 28 : head.motion + 52]
     way = 0.0
     for n in range(node, 0, -1):
         if way >= enough:
             break
         if lies(I, M, q, n, w):
-            way += M[I[O_EDGE] + n * EDGE_WORDS + E_LENGTH]
+            way += M[head.edges + n * EDGE_WORDS + E_LENGTH]
     return way
 
 
 @kernel
 def spare_friction(I, M, node):
     """Share of the friction at a node that nothing calls on yet, 0 to 1."""
-    dimension = I[I_DIMENSION]
-    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
-    at = I[O_POSITION] + 2 * dimension * node
+    head = header(I)
+    state = scalars(M)
+    dimension = head.dimension
+    w = M[head.motion + 28 : head.motion + 52]
+    at = head.position + 2 * dimension * node
     for i in range(dimension):
         w[i] = M[at + i]
     gap = gap_at(I, M, w, w[3:6])
     along = 0.0
     for i in range(dimension):
-        w[6 + i] = w[i] - M[I[O_REST] + 3 * node + i]
+        w[6 + i] = w[i] - M[head.rest + 3 * node + i]
         along += w[6 + i] * w[3 + i]
     square = 0.0
     for i in range(dimension):
         square += (w[6 + i] - along * w[3 + i]) ** 2
-    share = min(1.0, 1.0 - gap / M[S_FLOOR_DEPTH])
-    return max(0.0, share - math.sqrt(square) / M[S_BRISTLE])
+    share = min(1.0, 1.0 - gap / state.floor_depth)
+    return max(0.0, share - math.sqrt(square) / state.bristle)
 
 
 @kernel
 def holding_tension(I, M, node):
     """Change of the tension at a node that the cable beyond it takes up [N], see above."""
-    allowed = MISSED * M[S_TOLERANCE] * M[S_LENGTH]
+    head = header(I)
+    state = scalars(M)
+    allowed = MISSED * state.tolerance * state.length
     spare = 0.0
     way = 0.0
     before = spare_friction(I, M, node)
-    for n in range(node + 1, I[I_NODES] + I[I_LEFT_OUT]):
-        if I[I[O_JOINT] + n] != 0:
+    for n in range(node + 1, head.nodes + head.left_out):
+        if I[head.joint + n] != 0:
             continue
-        edge = I[O_EDGE] + n * EDGE_WORDS
+        edge = head.edges + n * EDGE_WORDS
         h = M[edge + E_LENGTH]
         after = spare_friction(I, M, n)
-        slope = 0.5 * (before + after) * M[S_FRICTION] * M[edge + E_CONTACT]
+        slope = 0.5 * (before + after) * state.friction * M[edge + E_CONTACT]
         before = after
         # A change of spare/2 moves A by less than spare/2 x way/EA: where is that `allowed`?
         most = 2.0 * allowed / M[edge + E_COMPLIANCE]
@@ -283,14 +249,16 @@ def holding_tension(I, M, node):
 def flow_squared(I, M, profile):
     """Largest square of the water's speed between the lowest and the highest cable asleep, or of
     its acceleration, by the first word of the profile."""
-    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
+    head = header(I)
+    state = scalars(M)
+    w = M[head.motion + 28 : head.motion + 52]
     largest = 0.0
     for end in range(2):
-        over_depth(I, M, profile, M[S_SLEEP_LOW + end], w)
+        over_depth(I, M, profile, state.sleep_low if end == 0 else state.sleep_high, w)
         largest = max(largest, w[0] ** 2 + w[1] ** 2 + w[2] ** 2)
-    for k in range(I[I_DEPTHS]):
-        z = M[I[O_DEPTHS] + k] - M[S_BASE + 2]
-        if M[S_SLEEP_LOW] < z and z < M[S_SLEEP_HIGH]:
+    for k in range(head.depth_count):
+        z = M[head.depths + k] - state.origin[2]
+        if state.sleep_low < z and z < state.sleep_high:
             at = profile + 3 * k
             largest = max(largest, M[at] ** 2 + M[at + 1] ** 2 + M[at + 2] ** 2)
     return largest
@@ -303,51 +271,55 @@ def water_leaves_alone(I, M, first):
     Their drag must be a small share of the friction; cable that hangs between two places on the
     floor stays awake where water moves.
     """
-    dimension = I[I_DIMENSION]
-    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
-    q = view(M, I[O_POSITION], 2 * dimension * I[I_NODES])
-    M[S_SLEEP_LOW] = 1e300
-    M[S_SLEEP_HIGH] = -1e300
+    head = header(I)
+    state = scalars(M)
+    dimension = head.dimension
+    w = M[head.motion + 28 : head.motion + 52]
+    q = view(M, head.position, 2 * dimension * head.nodes)
+    state.sleep_low = 1e300
+    state.sleep_high = -1e300
     flow = 1e300  # square of the speed whose drag is the friction
     push = 1e300  # acceleration of the water whose force is the friction
-    for n in range(first, I[I_NODES]):
+    for n in range(first, head.nodes):
         z = q[2 * dimension * n + dimension - 1]
-        M[S_SLEEP_LOW] = min(M[S_SLEEP_LOW], z)
-        M[S_SLEEP_HIGH] = max(M[S_SLEEP_HIGH], z)
-        if n == first or I[I[O_JOINT] + n] != 0:
+        state.sleep_low = min(state.sleep_low, z)
+        state.sleep_high = max(state.sleep_high, z)
+        if n == first or I[head.joint + n] != 0:
             continue
-        if (I[I_CURRENT] != 0 or I[I_WAVES] != 0) and lowest_gap(I, M, q, n, w) >= M[S_FLOOR_DEPTH]:
+        if (head.current_kind != 0 or head.wave_count != 0) and lowest_gap(
+            I, M, q, n, w
+        ) >= state.floor_depth:
             return False
-        edge = I[O_EDGE] + n * EDGE_WORDS
-        friction = M[S_FRICTION] * M[edge + E_CONTACT]
+        edge = head.edges + n * EDGE_WORDS
+        friction = state.friction * M[edge + E_CONTACT]
         drag = M[edge + E_DRAG_NORMAL] + M[edge + E_DRAG_TANGENTIAL]
         flow = min(flow, friction / max(drag, 1e-300))
         driven = M[edge + E_ADDED] + displaced(I, M, edge)
         push = min(push, friction / max(driven, 1e-300))
-    for body in range(I[I_BODIES]):
-        row = I[O_BODY] + body * BODY_WORDS
+    for body in range(head.body_count):
+        row = head.bodies + body * BODY_WORDS
         if M[row + B_NODE] > first:
-            friction = M[S_FRICTION] * max(0.0, M[row + B_WEIGHT])
+            friction = state.friction * max(0.0, M[row + B_WEIGHT])
             flow = min(flow, friction / max(M[row + B_DRAG] + M[row + B_DRAG_AXIAL], 1e-300))
-    M[S_SLEEP_FLOW] = flow
-    if I[I_WAVES] != 0:
-        z = M[S_SLEEP_HIGH] + M[S_BASE + 2]
+    state.sleep_flow = flow
+    if head.wave_count != 0:
+        z = state.sleep_high + state.origin[2]
         speed = 0.0
         rate = 0.0
-        count = I[I_WAVES]
-        for n in range(I[O_WAVES], I[O_WAVES] + count):
+        count = head.wave_count
+        for n in range(head.waves, head.waves + count):
             up = math.exp(M[n + W_NUMBER * count] * min(0.0, z))
             orbital = M[n + W_SPEED * count] * (up + M[n + W_MIRROR * count] / up)
             speed += orbital
             rate += orbital * M[n + W_FREQUENCY * count]
         if speed * speed > 0.1 * flow or rate > 0.1 * push:
             return False
-    M[S_SLEEP_PUSH] = push
-    if I[I_SURGE] != 0:
-        surge = flow_squared(I, M, I[O_PROFILE] + 3 * I[I_DEPTHS])
+    state.sleep_push = push
+    if head.surge != 0:
+        surge = flow_squared(I, M, head.profile + 3 * head.depth_count)
         if surge > CALM * push * push:
             return False
-    return I[I_CURRENT] == 0 or flow_squared(I, M, I[O_PROFILE]) <= CALM * flow
+    return head.current_kind == 0 or flow_squared(I, M, head.profile) <= CALM * flow
 
 
 @kernel
@@ -357,16 +329,18 @@ def place_to_sleep(I, M):
     All beyond A is at rest, and so is the way before it, of which arcs do not count: friction holds
     what touches. A itself lies.
     """
-    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]
-    q = view(M, I[O_POSITION], 2 * I[I_DIMENSION] * I[I_NODES])
-    last = I[I_NODES] - 1
+    head = header(I)
+    state = scalars(M)
+    w = M[head.motion + 28 : head.motion + 52]
+    q = view(M, head.position, 2 * head.dimension * head.nodes)
+    last = head.nodes - 1
     first = last
     arc = 0.0
     while first > FEWEST_AWAKE:
         hangs = not lies(I, M, q, first, w)
         if hangs and arc == 0.0:
             arc = hanging_before(I, M, q, first, w)
-        if not is_quiet(I, M, first, arc if arc > 0.0 else M[S_LENGTH]):
+        if not is_quiet(I, M, first, arc if arc > 0.0 else state.length):
             break
         if not hangs:
             arc = 0.0
@@ -375,14 +349,14 @@ def place_to_sleep(I, M):
     for node in range(first + 1, last):
         if not lies(I, M, q, node, w):
             continue
-        way += M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
+        way += M[head.edges + node * EDGE_WORDS + E_LENGTH]
         layer, finest = finest_length(I, M, node, 0.0)
         needed = max(LAYERS * layer, ELEMENTS * finest)
         if way < needed or holds_something(I, M, node) or not lies(I, M, q, node + 1, w):
             continue
-        friction = M[S_FRICTION] * M[I[O_EDGE] + node * EDGE_WORDS + E_CONTACT]
+        friction = state.friction * M[head.edges + node * EDGE_WORDS + E_CONTACT]
         if holding_tension(I, M, node) >= SPARE * friction * needed:
-            M[S_SLEEP_WAY] = needed
+            state.sleep_awake = needed
             return node
     return 0
 
@@ -390,11 +364,13 @@ def place_to_sleep(I, M):
 @kernel
 def may_sleep(I, M):
     """Whether enough of the cable that is awake may sleep; asked from time to time."""
-    M[S_SLEEP_AFTER] = M[S_TIME] + PAUSE[0] * M[S_PERIOD]
-    if M[S_LAST_STEP] == 0.0 or not is_quiet(I, M, I[I_NODES] - 2, M[S_LENGTH]):
+    head = header(I)
+    state = scalars(M)
+    state.sleep_after = state.time + PAUSE[0] * state.period
+    if state.last_step == 0.0 or not is_quiet(I, M, head.nodes - 2, state.length):
         return False
     node = place_to_sleep(I, M)
-    return node > 0 and I[I_NODES] - 1 - node >= max(2.0, LEAST_PART * I[I_NODES])
+    return node > 0 and head.nodes - 1 - node >= max(2.0, LEAST_PART * head.nodes)
 
 
 @kernel
@@ -404,17 +380,18 @@ def wake_as_many(I, M):
     What lies further off has been looked at as often as its elements have lain there; so the cost
     of falling asleep does not grow with the cable that sleeps.
     """
-    if I[I_ASLEEP] == 0:
+    head = header(I)
+    if head.asleep == 0:
         return
-    node = 2 * I[I_NODES] - 1
+    node = 2 * head.nodes - 1
     keep_sleepers(I)
     rejoin(I, M)
-    last = I[I_NODES] - 1
+    last = head.nodes - 1
     while node < last and holds_something(I, M, node):
         node += 1
-    I[I_ASLEEP] = max(0, last - node)
-    I[I_FACTORED] = 0
-    if I[I_ASLEEP] > 0:
+    head.asleep = max(0, last - node)
+    head.factored = 0
+    if head.asleep > 0:
         hold(I, M, node)
     leave_out(I, M)
 
@@ -422,21 +399,22 @@ def wake_as_many(I, M):
 @kernel
 def fall_asleep(I, M):
     """Let all sleep that may."""
+    head = header(I)
     node = place_to_sleep(I, M)
     if node == 0:
         return
     rejoin(I, M)
-    I[I_ASLEEP] = 0
+    head.asleep = 0
     if not water_leaves_alone(I, M, node):
         return
-    size = 2 * I[I_DIMENSION]
-    I[I_ASLEEP] = I[I_NODES] - 1 - node
-    for n in range(size * node, size * I[I_NODES]):
-        M[I[O_VELOCITY] + n] = 0.0
-        M[I[O_ACCELERATION] + n] = 0.0
-    for n in range(2 * node + 2, 2 * I[I_NODES]):
-        M[I[O_TENSION_RATE] + n] = 0.0
-    I[I_FACTORED] = 0
+    size = 2 * head.dimension
+    head.asleep = head.nodes - 1 - node
+    for n in range(size * node, size * head.nodes):
+        M[head.velocity + n] = 0.0
+        M[head.acceleration + n] = 0.0
+    for n in range(2 * node + 2, 2 * head.nodes):
+        M[head.tension_rate + n] = 0.0
+    head.factored = 0
     hold(I, M, node)
     leave_out(I, M)
 
@@ -448,23 +426,24 @@ def prepare_joining(I, M):
     The elements' third strain mode, which only a numerical stiffness holds, moves slowly; where it
     stood still with the cable, elements that lie straight could not be joined.
     """
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    dimension = head.dimension
     first = place_to_sleep(I, M)
     if first == 0:
         return
-    for node in range(first + 1, I[I_NODES]):
-        if I[I[O_JOINT] + node] != 0:
+    for node in range(first + 1, head.nodes):
+        if I[head.joint + node] != 0:
             continue
-        edge = I[O_EDGE] + node * EDGE_WORDS
+        edge = head.edges + node * EDGE_WORDS
         strain, _slope = strain_and_slope(
             M,
-            M[I[O_TENSION] + 2 * node] + M[I[O_TENSION] + 2 * node + 1],
+            M[head.tension + 2 * node] + M[head.tension + 2 * node + 1],
             M[edge + E_TENSION_LOW],
             M[edge + E_TENSION_HIGH],
             int(M[edge + E_STRAIN_OFFSET]),
             int(M[edge + E_STRAIN_TERMS]),
         )
-        at = I[O_POSITION] + dimension * (2 * node + 1)
+        at = head.position + dimension * (2 * node + 1)
         square = 0.0
         for i in range(dimension):
             square += M[at + i] ** 2
@@ -480,31 +459,35 @@ def hold(I, M, node):
     The mean of its element: in cable that lies bent, that at its end changes with the stretch of
     r' there, which is no longer that of the elements beyond.
     """
-    M[S_SLEEP_TENSION] = M[I[O_TENSION] + 2 * node]
-    most = MISSED_TENSION * M[S_TOLERANCE] * M[S_TENSION_SCALE]
-    M[S_SLEEP_SPARE] = min(most, holding_tension(I, M, node))
+    head = header(I)
+    state = scalars(M)
+    state.sleep_tension = M[head.tension + 2 * node]
+    most = MISSED_TENSION * state.tolerance * state.tension_scale
+    state.sleep_spare = min(most, holding_tension(I, M, node))
 
 
 @kernel
 def disturbance(I, M):
     """What a trial step does to cable that sleeps: 0 nothing, 1 moves its end, 2 moves it all."""
-    node = I[I_NODES] - 1
-    size = 2 * I[I_DIMENSION]
-    if not abs(M[I[O_TRIAL_T] + 2 * node] - M[S_SLEEP_TENSION]) <= M[S_SLEEP_SPARE]:
+    head = header(I)
+    state = scalars(M)
+    node = head.nodes - 1
+    size = 2 * head.dimension
+    if not abs(M[head.trial_tension + 2 * node] - state.sleep_tension) <= state.sleep_spare:
         return 1
     speed = 0.0
-    for i in range(I[I_DIMENSION]):
-        speed += M[I[O_TRIAL_V] + size * (node - 1) + i] ** 2
+    for i in range(head.dimension):
+        speed += M[head.trial_velocity + size * (node - 1) + i] ** 2
     if not speed <= (STIRRING * rest_speed(M)) ** 2:
         return 1
-    near = NEAR * M[S_SLEEP_WAY]
-    if lying_before(I, M, view(M, I[O_TRIAL_Q], size * (node + 1)), node, near) < near:
+    near = NEAR * state.sleep_awake
+    if lying_before(I, M, view(M, head.trial_position, size * (node + 1)), node, near) < near:
         return 1
-    if I[I_CURRENT] != 0 and flow_squared(I, M, I[O_PROFILE]) > ROUGH * M[S_SLEEP_FLOW]:
+    if head.current_kind != 0 and flow_squared(I, M, head.profile) > ROUGH * state.sleep_flow:
         return 2
-    if I[I_SURGE] != 0:
-        surge = flow_squared(I, M, I[O_PROFILE] + 3 * I[I_DEPTHS])
-        if surge > ROUGH * M[S_SLEEP_PUSH] ** 2:
+    if head.surge != 0:
+        surge = flow_squared(I, M, head.profile + 3 * head.depth_count)
+        if surge > ROUGH * state.sleep_push**2:
             return 2
     return 0
 
@@ -512,20 +495,22 @@ def disturbance(I, M):
 @kernel
 def wake(I, M, everything):
     """Wake as much cable as lies awake already, and the way before A, or everything."""
-    node = I[I_NODES] - 1
-    size = 2 * I[I_DIMENSION]
+    head = header(I)
+    state = scalars(M)
+    node = head.nodes - 1
+    size = 2 * head.dimension
     keep_sleepers(I)
-    wanted = lying_before(I, M, view(M, I[O_POSITION], size * (node + 1)), node, 1e300)
-    wanted += M[S_SLEEP_WAY]
+    wanted = lying_before(I, M, view(M, head.position, size * (node + 1)), node, 1e300)
+    wanted += state.sleep_awake
     rejoin(I, M)
     way = 0.0
-    while node < I[I_NODES] - 1 and (everything or way < wanted or holds_something(I, M, node)):
+    while node < head.nodes - 1 and (everything or way < wanted or holds_something(I, M, node)):
         node += 1
-        way += M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
-    I[I_ASLEEP] = I[I_NODES] - 1 - node
-    I[I_FACTORED] = 0
-    I[I_HISTORY] = 0
-    M[S_SLEEP_AFTER] = M[S_TIME] + PAUSE[1] * M[S_PERIOD]
-    if I[I_ASLEEP] > 0:
+        way += M[head.edges + node * EDGE_WORDS + E_LENGTH]
+    head.asleep = head.nodes - 1 - node
+    head.factored = 0
+    head.has_history = 0
+    state.sleep_after = state.time + PAUSE[1] * state.period
+    if head.asleep > 0:
         hold(I, M, node)
     leave_out(I, M)

@@ -8,24 +8,13 @@ element by tenths and shortened the other.
 
 import math
 
+from .access import header, scalars
 from .compile import kernel
 from .layout import (
     E_COMPLIANCE,
     E_LENGTH,
     E_STABILISATION,
     EDGE_WORDS,
-    I_DIMENSION,
-    I_FACTORED,
-    I_HISTORY,
-    I_NODES,
-    O_EDGE,
-    O_JOINT,
-    O_PARENT,
-    O_POSITION,
-    O_TENSION,
-    S_LARGEST_TENSION,
-    S_TENSION_SCALE,
-    S_TOLERANCE,
 )
 from .tables import D0, D1, D2, D3, WEIGHT_P2
 
@@ -35,11 +24,12 @@ STABILISATION = 3.0  # of the tension, as at the start: see instance/line_tables
 @kernel
 def third_strain(I, M, node):
     """Amplitude of the third strain mode in the element above a node [-]."""
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    dimension = head.dimension
     size = 2 * dimension
-    h = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]
-    q0 = I[O_POSITION] + size * I[I[O_PARENT] + node]
-    q1 = I[O_POSITION] + size * node
+    h = M[head.edges + node * EDGE_WORDS + E_LENGTH]
+    q0 = head.position + size * I[head.parent + node]
+    q1 = head.position + size * node
     strain = 0.0
     for p in range(3):
         square = 0.0
@@ -59,20 +49,22 @@ def stiffen_third_mode(I, M, share):
     element's length in each sqrt(L/g), of which the step is `share`. The mode stays as stiff as it
     has become: elements that bend as much as they may hardly have any of it.
     """
-    if M[S_LARGEST_TENSION] <= STABILISATION * M[S_TENSION_SCALE]:
+    head = header(I)
+    state = scalars(M)
+    if state.largest_tension <= STABILISATION * state.tension_scale:
         return  # all but the few lines that are drawn taut
-    for node in range(1, I[I_NODES]):
-        if I[I[O_JOINT] + node] != 0:
+    for node in range(1, head.nodes):
+        if I[head.joint + node] != 0:
             continue
-        edge = I[O_EDGE] + node * EDGE_WORDS
-        tension = M[I[O_TENSION] + 2 * node]
+        edge = head.edges + node * EDGE_WORDS
+        tension = M[head.tension + 2 * node]
         stiffness = M[edge + E_STABILISATION]
         if tension <= stiffness or stiffness * M[edge + E_COMPLIANCE] >= 1.0:
             continue
         strain = third_strain(I, M, node)
         # A tenth of the square of the strain, by the element's length and the stiffness, is held.
-        more = 10.0 * share * M[S_TOLERANCE] * tension / max(strain * strain, 1e-20)
+        more = 10.0 * share * state.tolerance * tension / max(strain * strain, 1e-20)
         wanted = min(STABILISATION * tension, stiffness + more)
         M[edge + E_STABILISATION] = min(wanted, 1.0 / M[edge + E_COMPLIANCE])
-        I[I_FACTORED] = 0
-        I[I_HISTORY] = 0
+        head.factored = 0
+        head.has_history = 0

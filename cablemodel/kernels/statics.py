@@ -5,6 +5,7 @@ limit is Newton's method on the static equations, reached from any guess. With k
 step starts from rest: slack cable settles where it would bounce otherwise.
 """
 
+from .access import header, scalars
 from .backup import keep_matrix
 from .clamp_layer import settle_layer
 from .compile import copy_words, kernel, view
@@ -17,43 +18,7 @@ from .layout import (
     EDGE_WORDS,
     FLOOR_NONE,
     FLOOR_TOUCHED,
-    I_DIMENSION,
-    I_FACTORED,
-    I_FACTORISATIONS,
-    I_FLOOR,
-    I_FLOOR_STATE,
-    I_ITERATIONS,
-    I_MAXIMUM_STEPS,
-    I_NODES,
-    I_PARTS,
-    I_PAYOUT,
-    I_RIGID,
-    O_ACCELERATION,
-    O_COMPLIANCE,
-    O_CONSTRAINT_RESIDUAL,
-    O_EDGE,
-    O_FAILED,
-    O_INCREMENT,
-    O_JOINT,
-    O_MOTION,
-    O_PARENT,
-    O_POSITION,
-    O_RESIDUAL,
-    O_STAGE_A,
-    O_STAGE_V,
-    O_TENSION,
-    O_TRIAL_A,
-    O_TRIAL_Q,
-    O_TRIAL_T,
-    O_TRIAL_V,
-    O_VELOCITY,
     OK,
-    S_FIRST_STEP,
-    S_FLOOR_DAMPING,
-    S_LENGTH,
-    S_PAYOUT_RATE,
-    S_STAGE_RATE,
-    S_TIME,
     STATICS_FAILED,
 )
 from .newton import increment_norm, is_folded
@@ -79,27 +44,29 @@ ROUND_OFF = 1e-8, 20  # of the length, where so many of the longest steps in a r
 def find_equilibrium(I, M, frame):
     """Equilibrium from the positions in the block; frame: velocity of the frame (dimension words).
 
-    On success the state is at rest in that frame: v = frame, a = 0; with pay-out at S_TIME the
+    On success the state is at rest in that frame: v = frame, a = 0; with pay-out at `time` the
     shape is at rest and the cable runs along it. A shape that ends folded in line is none: the
     next attempt allows no fold on its way, or does without kinetic damping. A search in few steps,
     on a way over easier ones, is one attempt.
     """
-    count = 2 * I[I_DIMENSION] * I[I_NODES]
-    words = 2 * I[I_NODES]
-    copy_words(I, I[O_STAGE_V], I[O_POSITION], count)
-    copy_words(I, I[O_STAGE_A], I[O_TENSION], words)
+    head = header(I)
+    state = scalars(M)
+    count = 2 * head.dimension * head.nodes
+    words = 2 * head.nodes
+    copy_words(I, head.stage_velocity, head.position, count)
+    copy_words(I, head.stage_acceleration, head.tension, words)
     status = STATICS_FAILED
-    if I[I_FLOOR] != FLOOR_NONE:
-        I[I_FLOOR_STATE] = FLOOR_TOUCHED  # on its way it may be anywhere
-    few = I[I_MAXIMUM_STEPS] < LARGEST_STEPS and I[I_PAYOUT] != 0 and M[S_PAYOUT_RATE] != 0.0
+    if head.floor_kind != FLOOR_NONE:
+        head.floor_state = FLOOR_TOUCHED  # on its way it may be anywhere
+    few = head.maximum_steps < LARGEST_STEPS and head.payout != 0 and state.payout_rate != 0.0
     for attempt in range(1 if few else 4):
         if attempt > 0:
-            copy_words(I, I[O_POSITION], I[O_STAGE_V], count)
-            copy_words(I, I[O_TENSION], I[O_STAGE_A], words)
+            copy_words(I, head.position, head.stage_velocity, count)
+            copy_words(I, head.tension, head.stage_acceleration, words)
         status = relax(I, M, frame, attempt < 2, attempt % 2 == 1)
         if status == OK:
             break
-    if I[I_FLOOR] != FLOOR_NONE:
+    if head.floor_kind != FLOOR_NONE:
         leave_floor(I, M)
     return status
 
@@ -107,39 +74,41 @@ def find_equilibrium(I, M, frame):
 @kernel
 def relax(I, M, frame, damped, strict):
     """One attempt; damped: every step starts from rest; strict: no step may end folded."""
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    state = scalars(M)
+    dimension = head.dimension
     size = 2 * dimension
-    nodes = I[I_NODES]
+    nodes = head.nodes
     count = size * nodes
-    q0 = M[I[O_POSITION] : I[O_POSITION] + count]
-    w0 = M[I[O_VELOCITY] : I[O_VELOCITY] + count]
-    a0 = M[I[O_ACCELERATION] : I[O_ACCELERATION] + count]
-    t0 = M[I[O_TENSION] : I[O_TENSION] + 2 * nodes]
-    q = M[I[O_TRIAL_Q] : I[O_TRIAL_Q] + count]
-    v = M[I[O_TRIAL_V] : I[O_TRIAL_V] + count]
-    a = M[I[O_TRIAL_A] : I[O_TRIAL_A] + count]
-    tension = M[I[O_TRIAL_T] : I[O_TRIAL_T] + 2 * nodes]
-    forces = M[I[O_RESIDUAL] : I[O_RESIDUAL] + count]
-    constraint = M[I[O_CONSTRAINT_RESIDUAL] : I[O_CONSTRAINT_RESIDUAL] + 2 * nodes]
-    x = M[I[O_INCREMENT] : I[O_INCREMENT] + count]
-    length = M[S_LENGTH]
-    flow = M[S_PAYOUT_RATE] if I[I_PAYOUT] != 0 else 0.0
-    set_time(I, M, M[S_TIME])
-    M[S_STAGE_RATE] = 0.0  # the flow is added by flow.py, at the top as elsewhere
-    damping = M[S_FLOOR_DAMPING]
+    q0 = M[head.position : head.position + count]
+    w0 = M[head.velocity : head.velocity + count]
+    a0 = M[head.acceleration : head.acceleration + count]
+    t0 = M[head.tension : head.tension + 2 * nodes]
+    q = M[head.trial_position : head.trial_position + count]
+    v = M[head.trial_velocity : head.trial_velocity + count]
+    a = M[head.trial_acceleration : head.trial_acceleration + count]
+    tension = M[head.trial_tension : head.trial_tension + 2 * nodes]
+    forces = M[head.residual : head.residual + count]
+    constraint = M[head.constraint_residual : head.constraint_residual + 2 * nodes]
+    x = M[head.increment : head.increment + count]
+    length = state.length
+    flow = state.payout_rate if head.payout != 0 else 0.0
+    set_time(I, M, state.time)
+    state.stage_rate = 0.0  # the flow is added by flow.py, at the top as elsewhere
+    damping = state.floor_damping
     if flow != 0.0:
-        M[S_FLOOR_DAMPING] = 0.0  # down a slope the frame moves towards the floor, no cable does
+        state.floor_damping = 0.0  # down a slope the frame moves towards the floor, no cable does
     w0[:] = 0.0
     a0[:] = 0.0
-    springs = I[I_RIGID] > 0 or I[I_PAYOUT] != 0
+    springs = head.rigid > 0 or head.payout != 0
     if springs:
         update_springs(I, M, 0.0)
-    dt = M[S_FIRST_STEP]
+    dt = state.first_step
     calm = 0
     still = 0
     rounds = 0
     status = STATICS_FAILED
-    for _step in range(min(LARGEST_STEPS, I[I_MAXIMUM_STEPS])):
+    for _step in range(min(LARGEST_STEPS, head.maximum_steps)):
         inverse = 1.0 / dt
         for n in range(count):
             q[n] = q0[n]
@@ -163,14 +132,14 @@ def relax(I, M, frame, damped, strict):
                 flow_jacobian(I, M, flow, frame, q0, q, v, a, inverse * inverse, inverse)
             if factor_assembled(I, M) != 0:
                 break
-            I[I_FACTORISATIONS] += 1
-            I[I_ITERATIONS] += 1
+            head.factorisations += 1
+            head.iterations += 1
             residual(I, M, q, v, a, tension, forces, constraint)
             if flow != 0.0:
                 flow_residual(I, M, flow, frame, q0, q, v, a, tension, forces, constraint)
             newton_increment(I, M, forces, constraint, x)
             change, where = increment_norm(I, M, x)
-            I[I[O_FAILED]] = where
+            I[head.failed] = where
             if not change < 10.0 * length:
                 break
             for n in range(count):
@@ -186,7 +155,7 @@ def relax(I, M, frame, damped, strict):
                 break
         if not converged or (strict and is_folded(I, M, q, tension)):
             dt *= 0.25
-            if dt < 1e-9 * M[S_FIRST_STEP]:
+            if dt < 1e-9 * state.first_step:
                 break
             continue
         for n in range(count):
@@ -197,17 +166,22 @@ def relax(I, M, frame, damped, strict):
             q0[n] = q[n]
         for n in range(2 * nodes):
             t0[n] = tension[n]
-        if I[I_PARTS] != 0:
+        if head.parts != 0:
             count_turns_anew(I, M, q0, w0, a0)
-        if springs and dt > 1e3 * M[S_FIRST_STEP]:
-            if I[I_PAYOUT] != 0:
-                settle_layer(I, M, view(M, I[O_MOTION] + 16, 9), q0)
+        if springs and dt > 1e3 * state.first_step:
+            if head.payout != 0:
+                settle_layer(I, M, view(M, head.motion + 16, 9), q0)
             update_springs(I, M, 1.0)
         # Light cable may not come closer to its place than round-off lets it.
         still = still + 1 if moved <= ROUND_OFF[0] * length and dt == LONGEST_STEP else 0
-        if still >= ROUND_OFF[1] or (moved <= CALM * length and dt > 1e3 * M[S_FIRST_STEP]):
+        if still >= ROUND_OFF[1] or (moved <= CALM * length and dt > 1e3 * state.first_step):
             calm += 1
-            if calm >= 2 and I[I_FLOOR] != 0 and rounds < FLOOR_ROUNDS and bear(I, M, 0.0) > 1e-3:
+            if (
+                calm >= 2
+                and head.floor_kind != 0
+                and rounds < FLOOR_ROUNDS
+                and bear(I, M, 0.0) > 1e-3
+            ):
                 bear(I, M, 1.0)
                 rounds += 1
                 calm = 0
@@ -228,11 +202,11 @@ def relax(I, M, frame, damped, strict):
             if i < dimension:
                 w0[n] = frame[i]
             a0[n] = 0.0
-    set_time(I, M, M[S_TIME])
-    M[S_FLOOR_DAMPING] = damping
+    set_time(I, M, state.time)
+    state.floor_damping = damping
     if flow != 0.0:
         add_flow(I, M, flow, q0, w0, a0)
-    I[I_FACTORED] = 0
+    head.factored = 0
     return status
 
 
@@ -244,10 +218,11 @@ def add_flow(I, M, flow, q, v, a):
     vessel's node gets its own by the pay-out terms of the top element. What has been laid is at
     rest.
     """
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    dimension = head.dimension
     size = 2 * dimension
-    nodes = I[I_NODES]
-    w = view(M, I[O_MOTION] + 28, 3)
+    nodes = head.nodes
+    w = view(M, head.motion + 28, 3)
     for node in range(1, nodes):
         if is_laid(I, M, q, node, w):
             for i in range(dimension):
@@ -259,10 +234,10 @@ def add_flow(I, M, flow, q, v, a):
             sides = 0.0
             for side in range(2):
                 edge = node + side
-                if edge >= nodes or I[I[O_JOINT] + edge] != 0:
+                if edge >= nodes or I[head.joint + edge] != 0:
                     continue
-                h = M[I[O_EDGE] + edge * EDGE_WORDS + E_LENGTH]
-                p = size * I[I[O_PARENT] + edge] + i
+                h = M[head.edges + edge * EDGE_WORDS + E_LENGTH]
+                p = size * I[head.parent + edge] + i
                 c = size * edge + i
                 chord = (q[c] - q[p]) / h
                 if side == 0:
@@ -279,22 +254,24 @@ def add_flow(I, M, flow, q, v, a):
 @kernel
 def stretch_to_tension(I, M):
     """Tensions that belong to the stretch of the positions in the block (at rest)."""
-    count = 2 * I[I_DIMENSION] * I[I_NODES]
-    nodes = I[I_NODES]
-    q = M[I[O_POSITION] : I[O_POSITION] + count]
-    v = M[I[O_VELOCITY] : I[O_VELOCITY] + count]
-    a = M[I[O_ACCELERATION] : I[O_ACCELERATION] + count]
-    tension = M[I[O_TENSION] : I[O_TENSION] + 2 * nodes]
-    forces = M[I[O_RESIDUAL] : I[O_RESIDUAL] + count]
-    constraint = M[I[O_CONSTRAINT_RESIDUAL] : I[O_CONSTRAINT_RESIDUAL] + 2 * nodes]
-    set_time(I, M, M[S_TIME])
+    head = header(I)
+    state = scalars(M)
+    count = 2 * head.dimension * head.nodes
+    nodes = head.nodes
+    q = M[head.position : head.position + count]
+    v = M[head.velocity : head.velocity + count]
+    a = M[head.acceleration : head.acceleration + count]
+    tension = M[head.tension : head.tension + 2 * nodes]
+    forces = M[head.residual : head.residual + count]
+    constraint = M[head.constraint_residual : head.constraint_residual + 2 * nodes]
+    set_time(I, M, state.time)
     for _iteration in range(30):
         residual(I, M, q, v, a, tension, forces, constraint)
         jacobian(I, M, q, v, a, tension, 1.0, 1.0)
         for node in range(1, nodes):
-            s = I[O_COMPLIANCE] + 3 * node
+            s = head.compliance + 3 * node
             r0 = constraint[2 * node]
             r1 = constraint[2 * node + 1]
             tension[2 * node] += M[s] * r0 + M[s + 1] * r1
             tension[2 * node + 1] += M[s + 1] * r0 + M[s + 2] * r1
-    I[I_FACTORED] = 0
+    head.factored = 0

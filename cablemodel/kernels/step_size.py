@@ -1,38 +1,21 @@
 """How long the next step is: by the error, by Newton's method, by what must be landed on.
 
-Two limits stand beside each other: the step that the error allows (S_STEP), and at a floor the one
-that Newton's method is expected to manage (S_TRACTABLE).
+Two limits stand beside each other: the step that the error allows (`step`), and at a floor the one
+that Newton's method is expected to manage (`tractable`).
 """
 
+from .access import header, scalars
 from .compile import inlined, kernel
 from .environment import find_piece
 from .frames import next_frame_stop
 from .layout import (
     FLOOR_FAR,
     FLOOR_TOUCHED,
-    I_FLOOR_STATE,
-    I_GROWTH_BARRED,
-    I_LIVE,
-    I_PARTS,
-    I_PIECES,
-    I_REJECTED,
-    I_TIMES,
-    I_WAVES,
-    O_PIECES,
-    O_TIMES,
     OK,
     P_ACCELERATION_JUMP,
     P_START,
     P_VELOCITY_JUMP,
     PIECE_WORDS,
-    S_ORDER_3,
-    S_SMALLEST_STEP,
-    S_STEP,
-    S_TIME,
-    S_TIME_TOLERANCE,
-    S_TOLERANCE,
-    S_TRACTABLE,
-    S_WAVE_STEP,
 )
 from .tables import STAGES
 
@@ -52,11 +35,13 @@ LARGEST_GROWTH = 16.0  # of the step: the first is much shorter than any motion
 @kernel
 def natural_step(I, M):
     """The step that nothing but the line itself limits [s]: its error, its floor, its waves."""
-    step = M[S_STEP]
-    if I[I_FLOOR_STATE] == FLOOR_TOUCHED and M[S_TRACTABLE] > 0.0:
-        step = min(step, M[S_TRACTABLE])
-    if I[I_WAVES] != 0:
-        step = min(step, M[S_WAVE_STEP])
+    head = header(I)
+    state = scalars(M)
+    step = state.step
+    if head.floor_state == FLOOR_TOUCHED and state.tractable > 0.0:
+        step = min(step, state.tractable)
+    if head.wave_count != 0:
+        step = min(step, state.wave_step)
     return step
 
 
@@ -67,12 +52,14 @@ def next_stop(I, M, t_end, dt):
     A jump of the vessel's acceleration that a step of dt smears over makes an error of about
     jump dt^2 / 8; below a tenth of the tolerance it is not worth a step.
     """
-    time = M[S_TIME]
+    head = header(I)
+    state = scalars(M)
+    time = state.time
     stop = t_end
-    if I[I_LIVE] == 0:
-        count = I[I_PIECES]
+    if head.live == 0:
+        count = head.piece_count
         for k in range(find_piece(I, M, time), count):
-            row = I[O_PIECES] + k * PIECE_WORDS
+            row = head.pieces + k * PIECE_WORDS
             start = M[row + P_START]
             if start <= time:
                 continue
@@ -80,17 +67,17 @@ def next_stop(I, M, t_end, dt):
                 break
             if (
                 M[row + P_VELOCITY_JUMP] > 0.0
-                or M[row + P_ACCELERATION_JUMP] * dt * dt > 0.8 * M[S_TIME_TOLERANCE]
+                or M[row + P_ACCELERATION_JUMP] * dt * dt > 0.8 * state.time_tolerance
             ):
                 stop = start
                 break
-    times = I[I_TIMES]
+    times = head.time_count
     if times > 1:
         for k in range(times):
-            start = M[I[O_TIMES] + k]
+            start = M[head.times + k]
             if start > time and start < stop:
                 stop = start
-    if I[I_PARTS] != 0:
+    if head.parts != 0:
         stop = next_frame_stop(I, M, stop, dt)
     return stop
 
@@ -104,36 +91,40 @@ def by_error(scheme, error):
 @kernel
 def shorten(I, M, dt, scheme, status, error):
     """After a step that is refused: a shorter one; False where there is none."""
-    I[I_REJECTED] += 1
-    I[I_GROWTH_BARRED] = 1
+    head = header(I)
+    state = scalars(M)
+    head.rejected += 1
+    head.growth_barred = 1
     if status != OK:
         factor = 0.4
-        if I[I_FLOOR_STATE] == FLOOR_TOUCHED:
+        if head.floor_state == FLOOR_TOUCHED:
             factor = FAILED
-            M[S_TRACTABLE] = FAILED * dt
+            state.tractable = FAILED * dt
     else:
         factor = max(0.3, by_error(scheme, error))
         if not factor < 0.9:
             factor = 0.3 if error != error else 0.9
-    M[S_STEP] = factor * dt
-    return not M[S_STEP] < M[S_SMALLEST_STEP]
+    state.step = factor * dt
+    return not state.step < state.smallest_step
 
 
 @kernel
 def adapt_step(I, M, dt, scheme, error):
     """After a step that is accepted: the one that its error allows."""
+    head = header(I)
+    state = scalars(M)
     factor = LARGEST_GROWTH
     if error > 1e-12:
         factor = min(LARGEST_GROWTH, max(0.3, by_error(scheme, error)))
-    if I[I_GROWTH_BARRED] == 1:
+    if head.growth_barred == 1:
         factor = min(factor, 1.0)
-        I[I_GROWTH_BARRED] = 0
+        head.growth_barred = 0
     if 0.95 <= factor and factor <= 1.3:
         factor = 1.0
     if factor >= 1.0:
-        M[S_STEP] = max(M[S_STEP], factor * dt)
+        state.step = max(state.step, factor * dt)
     else:
-        M[S_STEP] = factor * dt
+        state.step = factor * dt
 
 
 @kernel
@@ -146,20 +137,22 @@ def choose_order(I, M, scheme, iterations, to_output):
     long steps gave it energy without end. A step that is read afterwards takes one more in each
     stage, without any trouble.
     """
+    head = header(I)
+    state = scalars(M)
     if to_output:
         iterations -= STAGES[scheme] - 1
     if scheme == 1:
-        many = STRUGGLE[0] if I[I_FLOOR_STATE] == FLOOR_FAR else AT_FLOOR
-        if iterations > many and M[S_TOLERANCE] >= ORDER_3_PAYS:
-            M[S_ORDER_3] = STEPS_OF_ORDER_3
-            M[S_STEP] *= ORDER_3_STEP
-    elif M[S_ORDER_3] > 0.0:
+        many = STRUGGLE[0] if head.floor_state == FLOOR_FAR else AT_FLOOR
+        if iterations > many and state.tolerance >= ORDER_3_PAYS:
+            state.order_3 = STEPS_OF_ORDER_3
+            state.step *= ORDER_3_STEP
+    elif state.order_3 > 0.0:
         if iterations > STRUGGLE[1]:
-            M[S_ORDER_3] = STEPS_OF_ORDER_3
+            state.order_3 = STEPS_OF_ORDER_3
         else:
-            M[S_ORDER_3] -= 1.0
-            if M[S_ORDER_3] == 0.0:
-                M[S_STEP] /= ORDER_3_STEP
+            state.order_3 -= 1.0
+            if state.order_3 == 0.0:
+                state.step /= ORDER_3_STEP
 
 
 @kernel
@@ -169,11 +162,12 @@ def follow_iterations(M, dt, iterations):
     What limits a step where cable lands and folds is Newton's method, not the error: a growth by
     the error alone fails every second time.
     """
-    limit = M[S_TRACTABLE]
+    state = scalars(M)
+    limit = state.tractable
     if limit == 0.0:
         return
     if iterations <= EASY[0]:
         # Of longer steps one that the caller limits tells little.
-        M[S_TRACTABLE] = limit * (EASY[1] if dt > 0.8 * limit else FAIR[1])
+        state.tractable = limit * (EASY[1] if dt > 0.8 * limit else FAIR[1])
     elif iterations <= HARD and dt > 0.8 * limit:
-        M[S_TRACTABLE] = limit * (FAIR[1] if iterations <= FAIR[0] else PROBED)
+        state.tractable = limit * (FAIR[1] if iterations <= FAIR[0] else PROBED)

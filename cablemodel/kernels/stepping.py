@@ -7,40 +7,18 @@ the mean velocity of the step as the final one. Inputs that are not given follow
 
 import math
 
+from .access import header, scalars
 from .backup import give_back, keep_state
 from .compile import kernel
 from .environment import ROUNDING, evaluate_piece, find_piece, vessel_motion
 from .layout import (
-    I_ASLEEP,
-    I_CURRENT,
-    I_DIMENSION,
-    I_KEEP_MATRIX,
-    I_KEEP_SLEEPERS,
-    I_LIVE,
-    I_NODES,
-    I_PAYOUT,
-    I_RATE_LIVE,
-    I_WAVES,
     NOT_FINITE,
-    O_ACCELERATION,
-    O_MOTION,
-    O_PIECES,
-    O_POSITION,
-    O_VELOCITY,
     OK,
     P_DATA,
     P_END,
     P_KIND,
     P_START,
     PIECE_WORDS,
-    S_CURRENT_SLOPE,
-    S_HALVES,
-    S_LENGTH,
-    S_LIVE_CURRENT,
-    S_LIVE_RATE,
-    S_PLANE,
-    S_SHIFT,
-    S_TIME,
 )
 from .promote import promote
 from .sleep import leave_out, rejoin
@@ -57,16 +35,18 @@ INPUT_WORDS = 14
 @kernel
 def set_live_motion(I, M, t_end, inputs):
     """Make row 0 of the motion table the polynomial that the inputs ask for."""
-    time = M[S_TIME]
+    head = header(I)
+    state = scalars(M)
+    time = state.time
     dt = t_end - time
-    motion = I[O_MOTION]
+    motion = head.motion
     target = M[motion + 32 : motion + 41]
     if inputs[IN_VELOCITY] == 0.0 and inputs[IN_POSITION] == 0.0:
         # Back to the scene's motion: its velocity at the step's end, then its own course, shifted.
         k = find_piece(I, M, t_end)
-        evaluate_piece(M, I[O_PIECES] + k * PIECE_WORDS, t_end, target)
+        evaluate_piece(M, head.pieces + k * PIECE_WORDS, t_end, target)
     vessel_motion(I, M, time)
-    row = I[O_PIECES]
+    row = head.pieces
     for i in range(3):
         p0 = M[motion + i]
         v0 = M[motion + 3 + i]
@@ -83,7 +63,7 @@ def set_live_motion(I, M, t_end, inputs):
             c2 = 0.5 * (inputs[IN_VELOCITY + 1 + i] - v0) / dt
         else:
             c2 = 0.5 * (target[3 + i] - v0) / dt
-            M[S_SHIFT + i] = p0 + 0.5 * (v0 + target[3 + i]) * dt - target[i]
+            state.shift[i] = p0 + 0.5 * (v0 + target[3 + i]) * dt - target[i]
         M[row + P_DATA + i] = p0
         M[row + P_DATA + 3 + i] = v0
         M[row + P_DATA + 6 + i] = c2
@@ -97,72 +77,79 @@ def set_live_motion(I, M, t_end, inputs):
 @kernel
 def set_live_current(I, M, t_end, inputs):
     """The caller's current, added to the scene's: linear from its present value."""
-    at = S_LIVE_CURRENT
-    time = M[S_TIME]
-    span = M[at + 1] - M[at]
+    head = header(I)
+    state = scalars(M)
+    live = state.live_current
+    time = state.time
+    span = live[1] - live[0]
     fraction = 1.0
     if span > 0.0:
-        fraction = min(1.0, max(0.0, (time - M[at]) / span))
+        fraction = min(1.0, max(0.0, (time - live[0]) / span))
     flows = False
-    goes_on = span > 0.0 and time <= M[at + 1] + ROUNDING * time
+    goes_on = span > 0.0 and time <= live[1] + ROUNDING * time
     for i in range(3):
-        change = M[at + 5 + i] - M[at + 2 + i]
-        M[S_CURRENT_SLOPE + i] = change / span if goes_on else 0.0
-        start = M[at + 2 + i] + fraction * (M[at + 5 + i] - M[at + 2 + i])
+        change = live[5 + i] - live[2 + i]
+        state.current_slope[i] = change / span if goes_on else 0.0
+        start = live[2 + i] + fraction * (live[5 + i] - live[2 + i])
         end = inputs[IN_CURRENT + 1 + i] if inputs[IN_CURRENT] != 0.0 else 0.0
-        M[at + 2 + i] = start
-        M[at + 5 + i] = end
+        live[2 + i] = start
+        live[5 + i] = end
         if start != 0.0 or end != 0.0:
             flows = True
-    M[at] = time
-    M[at + 1] = t_end
-    if flows and I[I_CURRENT] == 0:
-        I[I_CURRENT] = 1
+    live[0] = time
+    live[1] = t_end
+    if flows and head.current_kind == 0:
+        head.current_kind = 1
 
 
 @kernel
 def set_live_rate(I, M, t_end, inputs):
     """The caller's pay-out rate, or back to the scene's: linear from the present command."""
-    present, _slope, _until = commanded_rate(I, M, M[S_TIME])
+    head = header(I)
+    state = scalars(M)
+    present, _slope, _until = commanded_rate(I, M, state.time)
     target = inputs[IN_PAYOUT + 1]
     if inputs[IN_PAYOUT] == 0.0:
-        I[I_RATE_LIVE] = 0
+        head.rate_live = 0
         target, _slope, _until = commanded_rate(I, M, t_end)
-    I[I_RATE_LIVE] = 1
-    M[S_LIVE_RATE] = M[S_TIME]
-    M[S_LIVE_RATE + 1] = t_end
-    M[S_LIVE_RATE + 2] = present
-    M[S_LIVE_RATE + 3] = target
+    head.rate_live = 1
+    state.live_rate[0] = state.time
+    state.live_rate[1] = t_end
+    state.live_rate[2] = present
+    state.live_rate[3] = target
     if present != 0.0 or target != 0.0:
-        I[I_PAYOUT] = 1
+        head.payout = 1
         release_slope(I, M)
 
 
 @kernel
 def out_of_plane(I, M, x, y):
     """Whether a horizontal vector leaves the plane of a planar model."""
-    across = M[S_PLANE] * y - M[S_PLANE + 1] * x
+    state = scalars(M)
+    across = state.plane[0] * y - state.plane[1] * x
     return abs(across) > 1e-12 * (abs(x) + abs(y))
 
 
 @kernel
 def leave_plane(I, M, x, y):
     """Turn the plane to (x, y) where the cable is vertical and still, else leave the plane."""
-    nodes = I[I_NODES]
+    head = header(I)
+    state = scalars(M)
+    nodes = head.nodes
     largest = 0.0
     for n in range(nodes):
         for k in range(2):
             at = 4 * n + 2 * k
             largest = max(
                 largest,
-                abs(M[I[O_POSITION] + at]) / M[S_LENGTH],
-                abs(M[I[O_VELOCITY] + at]),
-                abs(M[I[O_ACCELERATION] + at]),
+                abs(M[head.position + at]) / state.length,
+                abs(M[head.velocity + at]),
+                abs(M[head.acceleration + at]),
             )
-    if largest <= 1e-12 and I[I_CURRENT] == 0 and I[I_WAVES] == 0:
+    if largest <= 1e-12 and head.current_kind == 0 and head.wave_count == 0:
         size = math.hypot(x, y)
-        M[S_PLANE] = x / size
-        M[S_PLANE + 1] = y / size
+        state.plane[0] = x / size
+        state.plane[1] = y / size
     else:
         promote(I, M)
 
@@ -170,27 +157,30 @@ def leave_plane(I, M, x, y):
 @kernel
 def keep_plane(I, M):
     """Promote a planar model whose live inputs leave its plane."""
-    if I[I_DIMENSION] == 3:
+    head = header(I)
+    state = scalars(M)
+    if head.dimension == 3:
         return
-    if I[I_LIVE] == 1:
+    live = state.live_current
+    if head.live == 1:
         for k in range(1, 4):
-            at = I[O_PIECES] + P_DATA + 3 * k
-            if I[I_DIMENSION] == 2 and out_of_plane(I, M, M[at], M[at + 1]):
+            at = head.pieces + P_DATA + 3 * k
+            if head.dimension == 2 and out_of_plane(I, M, M[at], M[at + 1]):
                 leave_plane(I, M, M[at], M[at + 1])
     for k in range(2):
-        at = S_LIVE_CURRENT + 2 + 3 * k
-        if I[I_DIMENSION] == 2 and out_of_plane(I, M, M[at], M[at + 1]):
-            leave_plane(I, M, M[at], M[at + 1])
-    if I[I_DIMENSION] == 2:
+        at = 2 + 3 * k
+        if head.dimension == 2 and out_of_plane(I, M, live[at], live[at + 1]):
+            leave_plane(I, M, live[at], live[at + 1])
+    if head.dimension == 2:
         # A plane that was turned for one input must hold for all of them.
         for k in range(1, 4):
-            at = I[O_PIECES] + P_DATA + 3 * k
-            if I[I_LIVE] == 1 and out_of_plane(I, M, M[at], M[at + 1]):
+            at = head.pieces + P_DATA + 3 * k
+            if head.live == 1 and out_of_plane(I, M, M[at], M[at + 1]):
                 promote(I, M)
                 return
         for k in range(2):
-            at = S_LIVE_CURRENT + 2 + 3 * k
-            if out_of_plane(I, M, M[at], M[at + 1]):
+            at = 2 + 3 * k
+            if out_of_plane(I, M, live[at], live[at + 1]):
                 promote(I, M)
                 return
 
@@ -198,7 +188,8 @@ def keep_plane(I, M):
 @kernel
 def possible(M, t_end, inputs):
     """Whether a step goes forward in time and all its inputs are finite."""
-    if not abs(t_end) < 1e300 or not t_end > M[S_TIME]:
+    state = scalars(M)
+    if not abs(t_end) < 1e300 or not t_end > state.time:
         return False
     for n in range(INPUT_WORDS):
         if not abs(inputs[n]) < 1e100:
@@ -210,17 +201,18 @@ def possible(M, t_end, inputs):
 def take_inputs(I, M, t_end, inputs):
     """Make the inputs of a step to t_end what drives the block. Returns what goes back to the
     scene's own schedule by it, for `release_inputs`: 1 the vessel, 2 the pay-out, 3 both."""
+    head = header(I)
     returning = 0
     given = inputs[IN_VELOCITY] != 0.0 or inputs[IN_POSITION] != 0.0
-    if given or I[I_LIVE] == 1:
+    if given or head.live == 1:
         set_live_motion(I, M, t_end, inputs)
-        I[I_LIVE] = 1
+        head.live = 1
         if not given:
             returning += 1
-    if inputs[IN_CURRENT] != 0.0 or I[I_CURRENT] != 0:
+    if inputs[IN_CURRENT] != 0.0 or head.current_kind != 0:
         set_live_current(I, M, t_end, inputs)
     given_rate = inputs[IN_PAYOUT] != 0.0
-    returning_rate = I[I_RATE_LIVE] == 1 and not given_rate
+    returning_rate = head.rate_live == 1 and not given_rate
     if given_rate or returning_rate:
         set_live_rate(I, M, t_end, inputs)
     if returning_rate:
@@ -231,34 +223,37 @@ def take_inputs(I, M, t_end, inputs):
 @kernel
 def release_inputs(I, returning):
     """After a step that was made: from its end on the scene drives what has gone back to it."""
+    head = header(I)
     if returning & 1:
-        I[I_LIVE] = 0
+        head.live = 0
     if returning & 2:
-        I[I_RATE_LIVE] = 0
+        head.rate_live = 0
 
 
 @kernel
 def take_step(I, M, t_end, inputs):
     """Step to t_end [s] with the given inputs (INPUT_WORDS); on failure nothing has changed."""
+    head = header(I)
+    state = scalars(M)
     if not possible(M, t_end, inputs):
         return NOT_FINITE
     keep_state(I)
     returning = take_inputs(I, M, t_end, inputs)
     keep_plane(I, M)
-    if I[I_ASLEEP] != 0:
+    if head.asleep != 0:
         leave_out(I, M)
     status = OK
-    span = t_end - M[S_TIME]
-    middle = M[S_TIME] + 0.5 * span
-    halves = 2 if M[S_HALVES] != 0.0 and natural_step(I, M) > span else 1
+    span = t_end - state.time
+    middle = state.time + 0.5 * span
+    halves = 2 if state.halves != 0.0 and natural_step(I, M) > span else 1
     for half in range(halves):
         status = advance_to(I, M, t_end if half == halves - 1 else middle)
         if status != OK:
             give_back(I)
             return status
-    if I[I_ASLEEP] != 0:
+    if head.asleep != 0:
         rejoin(I, M)
-    I[I_KEEP_MATRIX] = 0
-    I[I_KEEP_SLEEPERS] = 0
+    head.keep_matrix = 0
+    head.keep_sleepers = 0
     release_inputs(I, returning)
     return status

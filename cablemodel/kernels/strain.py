@@ -1,5 +1,6 @@
 """The tension-strain curve: Sun & Leonard 1998, eq. 21, without its constant term."""
 
+from .access import header
 from .compile import inlined, kernel
 from .layout import (
     E_STRAIN_OFFSET,
@@ -7,11 +8,7 @@ from .layout import (
     E_TENSION_HIGH,
     E_TENSION_LOW,
     EDGE_WORDS,
-    I_NODES,
     LARGEST_STRAIN,
-    O_EDGE,
-    O_JOINT,
-    O_TENSION,
 )
 
 
@@ -35,12 +32,13 @@ def strain_and_slope(M, tension, low, high, offset, terms):
 @kernel
 def overstretched(I, M):
     """The first node whose element is longer than any cable can be stretched to; 0: none."""
-    for node in range(1, I[I_NODES]):
-        edge = I[O_EDGE] + node * EDGE_WORDS
-        if I[I[O_JOINT] + node] == 0:
+    head = header(I)
+    for node in range(1, head.nodes):
+        edge = head.edges + node * EDGE_WORDS
+        if I[head.joint + node] == 0:
             strain, _slope = strain_and_slope(
                 M,
-                M[I[O_TENSION] + 2 * node],
+                M[head.tension + 2 * node],
                 M[edge + E_TENSION_LOW],
                 M[edge + E_TENSION_HIGH],
                 int(M[edge + E_STRAIN_OFFSET]),

@@ -10,19 +10,13 @@ while there is such water; with waves waves.py has it among theirs. The Newton m
 how it turns with the cable.
 """
 
+from .access import header
 from .compile import outlined, view
 from .environment import surge_at
 from .layout import (
     E_ADDED,
     E_LENGTH,
     EDGE_WORDS,
-    I_DIMENSION,
-    I_NODES,
-    O_EDGE,
-    O_END_FORCE,
-    O_JOINT,
-    O_MOTION,
-    O_PARENT,
 )
 from .tables import D0, D1, D2, D3, H0, H1, H2, H3, WH
 from .waves import displaced
@@ -31,20 +25,21 @@ from .waves import displaced
 @outlined
 def push_elements(I, M, q, out):
     """Take the force of accelerated water on all elements from the residual and the end forces."""
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    dimension = head.dimension
     size = 2 * dimension
-    w = view(M, I[O_MOTION] + 16, 9)  # r' and then the force, the water's acceleration
-    for node in range(1, I[I_NODES]):
-        if I[I[O_JOINT] + node] != 0:
+    w = view(M, head.motion + 16, 9)  # r' and then the force, the water's acceleration
+    for node in range(1, head.nodes):
+        if I[head.joint + node] != 0:
             continue
-        parent = I[I[O_PARENT] + node]
-        edge = I[O_EDGE] + node * EDGE_WORDS
+        parent = I[head.parent + node]
+        edge = head.edges + node * EDGE_WORDS
         h = M[edge + E_LENGTH]
         added = M[edge + E_ADDED]
         mass = displaced(I, M, edge)
         above = size * parent
         below = size * node
-        ends = I[O_END_FORCE] + size * node
+        ends = head.end_force + size * node
         for g in range(3):
             height = 0.0
             square = 0.0

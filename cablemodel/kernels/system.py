@@ -3,6 +3,7 @@
 Everything that depends on the dimension (planar or three-dimensional) is chosen here, once a call.
 """
 
+from .access import header, scalars
 from .backup import keep_matrix
 from .block_solver import (
     factor_parts,
@@ -41,31 +42,7 @@ from .layout import (
     EXACTLY,
     FLOOR_TOUCHED,
     FRAME_WORDS,
-    I_BODIES,
-    I_CONSTRAINTS,
-    I_DIMENSION,
-    I_DRAG,
-    I_FLOOR_STATE,
-    I_NODES,
-    I_PARTS,
-    I_PAYOUT,
-    I_RIGID,
-    I_SURGE,
-    I_WAVES,
     JOINT_HINGE,
-    O_COMPLIANCE,
-    O_CONSTRAINT,
-    O_DIAGONAL,
-    O_FRAMES,
-    O_JOINT,
-    O_LOWER,
-    O_MOTION,
-    O_PARENT,
-    O_STRETCH,
-    O_TOP,
-    O_UPPER,
-    S_PASSING,
-    S_STAGE_TIME,
 )
 from .passing import add_first_bit, exchange_rates
 from .payout import material_top, set_top_length
@@ -87,46 +64,50 @@ def residual(I, M, q, v, a, tension, out, out_constraint):
 
     Of a system, places at the arms of free bodies are made those of the bodies first.
     """
-    if I[I_PARTS] != 0:
+    head = header(I)
+    state = scalars(M)
+    if head.parts != 0:
         follow_bodies(I, M, q, v, a)
-    if I[I_PAYOUT] != 0:
+    if head.payout != 0:
         material_top(I, M, q, v, a)
-    if I[I_DIMENSION] == 2:
+    if head.dimension == 2:
         residual_planar(I, M, q, v, a, tension, out, out_constraint)
     else:
         residual_spatial(I, M, q, v, a, tension, out, out_constraint)
-    if I[I_SURGE] != 0 and I[I_WAVES] == 0 and I[I_DRAG] != 0:
+    if head.surge != 0 and head.wave_count == 0 and head.drag != 0:
         push_elements(I, M, q, out)
-    if I[I_BODIES] > 0:
+    if head.body_count > 0:
         body_residual(I, M, q, v, a, out)
-    if I[I_RIGID] > 0:
-        if M[S_PASSING] != 0.0:
+    if head.rigid > 0:
+        if state.body_passage != 0.0:
             exchange_rates(I, M, v, a)
         rigid_residual(I, M, q, v, a, tension, out, out_constraint)
-        if M[S_PASSING] != 0.0:
+        if state.body_passage != 0.0:
             exchange_rates(I, M, v, a)
-        elif I[I_PAYOUT] != 0:
+        elif head.payout != 0:
             add_first_bit(I, M, out)
-    if I[I_PAYOUT] != 0:
+    if head.payout != 0:
         add_clamp_moment(I, M, q, out)
-    if I[I_FLOOR_STATE] == FLOOR_TOUCHED:
+    if head.floor_state == FLOOR_TOUCHED:
         floor_residual(I, M, q, v, out)
-    if I[I_PARTS] != 0:
-        free_residual(I, M, M[S_STAGE_TIME], out)
+    if head.parts != 0:
+        free_residual(I, M, state.stage_time, out)
 
 
 @kernel
 def set_time(I, M, t):
     """Evaluate what depends on time alone: vessel motion, current profile, cable paid out."""
-    if I[I_PAYOUT] != 0:
+    head = header(I)
+    state = scalars(M)
+    if head.payout != 0:
         set_top_length(I, M, t)
     vessel_motion(I, M, t)
-    if I[I_PARTS] != 0:
-        M[S_STAGE_TIME] = t
+    if head.parts != 0:
+        state.stage_time = t
         move_frames(I, M, t)
         turn_clamps(I, M)
     current_profile(I, M, t)
-    if I[I_WAVES] != 0:
+    if head.wave_count != 0:
         set_wave_time(M, t)
 
 
@@ -147,15 +128,16 @@ def impose_motion(I, M, t, q, v, a):
     Of a clamped slope the length is free, the direction is not: nothing pulls back what rounding
     has turned it by, and a rate of turning, however small, would go on for ever.
     """
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    dimension = head.dimension
     size = 2 * dimension
-    out = view(M, I[O_MOTION] + 16, 9)
-    for n in range(I[I_CONSTRAINTS]):
-        row = I[O_CONSTRAINT] + n * CONSTRAINT_WORDS
+    out = view(M, head.motion + 16, 9)
+    for n in range(head.constraint_count):
+        row = head.constraints + n * CONSTRAINT_WORDS
         at = size * int(M[row + C_NODE])
         if M[row + C_KIND] == C_POINT:
-            frame = I[O_FRAMES] + int(M[row + C_FRAME]) * FRAME_WORDS
-            w = view(M, I[O_MOTION] + 28, 9)
+            frame = head.frames + int(M[row + C_FRAME]) * FRAME_WORDS
+            w = view(M, head.motion + 28, 9)
             point_motion(M, row, frame, out, w)
             for i in range(3):
                 q[at + i] = out[i]
@@ -178,7 +160,8 @@ def impose_motion(I, M, t, q, v, a):
 @kernel
 def project_rows(I, M, row, at):
     """Left-multiply a block by the constraint's projector: no r, d only along the clamp."""
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    dimension = head.dimension
     size = 2 * dimension
     for j in range(size):
         for i in range(dimension):
@@ -194,7 +177,8 @@ def project_rows(I, M, row, at):
 @kernel
 def project_columns(I, M, row, at):
     """Right-multiply a block by the constraint's projector."""
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    dimension = head.dimension
     size = 2 * dimension
     for i in range(size):
         for j in range(dimension):
@@ -214,13 +198,14 @@ def constrain_matrix(I, M):
     For a clamped slope k is the stiffness that A K A has along it: beside 1e16 N m of a line that
     hardly stretches a 1 would be lost in rounding, and with it what holds the direction.
     """
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    dimension = head.dimension
     size = 2 * dimension
     area = size * size
-    for n in range(I[I_CONSTRAINTS]):
-        row = I[O_CONSTRAINT] + n * CONSTRAINT_WORDS
+    for n in range(head.constraint_count):
+        row = head.constraints + n * CONSTRAINT_WORDS
         node = int(M[row + C_NODE])
-        at = I[O_DIAGONAL] + area * node
+        at = head.diagonal + area * node
         project_rows(I, M, row, at)
         project_columns(I, M, row, at)
         for i in range(dimension):
@@ -237,20 +222,21 @@ def constrain_matrix(I, M):
                         value += 1.0
                     M[at + size * (dimension + i) + dimension + j] += along * value
         if node > 0:
-            project_rows(I, M, row, I[O_LOWER] + area * node)
-            project_columns(I, M, row, I[O_UPPER] + area * node)
-        for child in range(node + 1, I[I_NODES]):
-            if I[I[O_PARENT] + child] == node:
-                project_rows(I, M, row, I[O_UPPER] + area * child)
-                project_columns(I, M, row, I[O_LOWER] + area * child)
+            project_rows(I, M, row, head.lower + area * node)
+            project_columns(I, M, row, head.upper + area * node)
+        for child in range(node + 1, head.nodes):
+            if I[head.parent + child] == node:
+                project_rows(I, M, row, head.upper + area * child)
+                project_columns(I, M, row, head.lower + area * child)
 
 
 @kernel
 def constrain_vector(I, M, x):
     """Remove the prescribed components of a right-hand side."""
-    dimension = I[I_DIMENSION]
-    for n in range(I[I_CONSTRAINTS]):
-        row = I[O_CONSTRAINT] + n * CONSTRAINT_WORDS
+    head = header(I)
+    dimension = head.dimension
+    for n in range(head.constraint_count):
+        row = head.constraints + n * CONSTRAINT_WORDS
         at = 2 * dimension * int(M[row + C_NODE])
         for i in range(dimension):
             x[at + i] = 0.0
@@ -265,28 +251,30 @@ def constrain_vector(I, M, x):
 @outlined
 def jacobian(I, M, q, v, a, tension, ca, cv):
     """Assemble the effective Jacobian (not constrained, not factored)."""
-    if I[I_PARTS] != 0:
+    head = header(I)
+    state = scalars(M)
+    if head.parts != 0:
         follow_bodies(I, M, q, v, a)
-    if I[I_PAYOUT] != 0:
+    if head.payout != 0:
         material_top(I, M, q, v, a)
-    if I[I_DIMENSION] == 2:
+    if head.dimension == 2:
         jacobian_planar(I, M, q, v, a, tension, ca, cv)
     else:
         jacobian_spatial(I, M, q, v, a, tension, ca, cv)
-    if I[I_BODIES] > 0:
+    if head.body_count > 0:
         body_jacobian(I, M, q, v, a, ca, cv)
-    if I[I_RIGID] > 0:
-        if M[S_PASSING] != 0.0:
+    if head.rigid > 0:
+        if state.body_passage != 0.0:
             exchange_rates(I, M, v, a)
         rigid_jacobian(I, M, q, v, a, tension, ca, cv)
-        if M[S_PASSING] != 0.0:
+        if state.body_passage != 0.0:
             exchange_rates(I, M, v, a)
-    if I[I_PAYOUT] != 0:
+    if head.payout != 0:
         add_clamp_tangent(I, M, q)
-    if I[I_FLOOR_STATE] == FLOOR_TOUCHED:
+    if head.floor_state == FLOOR_TOUCHED:
         floor_jacobian(I, M, q, v, cv)
-    if I[I_PARTS] != 0:
-        free_jacobian(I, M, M[S_STAGE_TIME], q, v, a, ca, cv)
+    if head.parts != 0:
+        free_jacobian(I, M, state.stage_time, q, v, a, ca, cv)
 
 
 @outlined
@@ -300,14 +288,15 @@ def factorise(I, M, q, v, a, tension, ca, cv):
 @kernel
 def factor_assembled(I, M):
     """Constrain and factor the matrix that has been assembled; returns as `factorise`."""
+    head = header(I)
     constrain_matrix(I, M)
-    if I[I_PARTS] != 0:
+    if head.parts != 0:
         return factor_parts(I, M)
-    if I[I_RIGID] > 0:
-        if I[I_DIMENSION] == 2:
+    if head.rigid > 0:
+        if head.dimension == 2:
             return factor_planar_lu(I, M)
         return factor_spatial_lu(I, M)
-    if I[I_DIMENSION] == 2:
+    if head.dimension == 2:
         return factor_planar(I, M)
     return factor_spatial(I, M)
 
@@ -318,24 +307,25 @@ def newton_increment(I, M, forces, constraint, x):
 
     `forces` is overwritten by its condensed form.
     """
-    count = 2 * I[I_DIMENSION] * I[I_NODES]
-    if I[I_DIMENSION] == 2:
+    head = header(I)
+    count = 2 * head.dimension * head.nodes
+    if head.dimension == 2:
         condense_planar(I, M, constraint, forces)
     else:
         condense_spatial(I, M, constraint, forces)
-    if I[I_RIGID] > 0:
+    if head.rigid > 0:
         condense_rigid(I, M, constraint, forces)
     for n in range(count):
         x[n] = -forces[n]
     constrain_vector(I, M, x)
-    if I[I_PARTS] != 0:
+    if head.parts != 0:
         solve_parts(I, M, x)
-    elif I[I_RIGID] > 0:
-        if I[I_DIMENSION] == 2:
+    elif head.rigid > 0:
+        if head.dimension == 2:
             solve_planar_lu(I, M, x)
         else:
             solve_spatial_lu(I, M, x)
-    elif I[I_DIMENSION] == 2:
+    elif head.dimension == 2:
         solve_planar(I, M, x)
     else:
         solve_spatial(I, M, x)
@@ -344,26 +334,28 @@ def newton_increment(I, M, forces, constraint, x):
 @kernel
 def stretch_rate(I, M, x, out):
     """B x: what a motion x of the nodes adds to the constraint residuals."""
-    if I[I_DIMENSION] == 2:
+    head = header(I)
+    if head.dimension == 2:
         stretch_rate_planar(I, M, x, out)
     else:
         stretch_rate_spatial(I, M, x, out)
-    if I[I_RIGID] > 0:
+    if head.rigid > 0:
         stretch_rate_rigid(I, M, x, out)
 
 
 @kernel
 def recover_tension(I, M, constraint, x, tension):
     """Add the tension increments S (constraint + B x) that belong to x; returns the largest [N]."""
-    nodes = I[I_NODES]
-    joints = view(I, I[O_JOINT], nodes)
-    work = view(M, I[O_STRETCH], 2 * nodes)
+    head = header(I)
+    nodes = head.nodes
+    joints = view(I, head.joint, nodes)
+    work = view(M, head.stretch, 2 * nodes)
     stretch_rate(I, M, x, work)
     largest = 0.0
     for node in range(1, nodes):
         if joints[node] == JOINT_HINGE:
             continue
-        s = view(M, I[O_COMPLIANCE] + 3 * node, 3)
+        s = view(M, head.compliance + 3 * node, 3)
         r0 = constraint[2 * node] + work[2 * node]
         r1 = constraint[2 * node + 1] + work[2 * node + 1]
         d0 = s[0] * r0 + s[1] * r1
@@ -380,13 +372,14 @@ def material_stretch_rate(I, M, v, out):
 
     With pay-out the last residual was that of these velocities.
     """
-    if I[I_PAYOUT] != 0:
-        # Material velocities, which the last residual left in O_TOP, in place of the mesh's.
-        size = 2 * I[I_DIMENSION]
-        kept = view(M, I[O_TOP] + 12, size)
+    head = header(I)
+    if head.payout != 0:
+        # Material velocities, which the last residual left in `top`, in place of the mesh's.
+        size = 2 * head.dimension
+        kept = view(M, head.top + 12, size)
         for n in range(size):
             kept[n] = v[n]
-            v[n] = M[I[O_TOP] + n]
+            v[n] = M[head.top + n]
         stretch_rate(I, M, v, out)
         for n in range(size):
             v[n] = kept[n]
@@ -400,9 +393,10 @@ def elongation_rate(I, M, v, tension_rate, out):
 
     With tension_rate the solution of the projected system, out is what is left of the constraint.
     """
+    head = header(I)
     material_stretch_rate(I, M, v, out)
-    for node in range(1, I[I_NODES]):
-        s = I[O_COMPLIANCE] + 3 * node
+    for node in range(1, head.nodes):
+        s = head.compliance + 3 * node
         determinant = M[s] * M[s + 2] - M[s + 1] * M[s + 1]
         if determinant == 0.0:
             continue

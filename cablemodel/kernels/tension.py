@@ -15,6 +15,7 @@ it, and the tension that is solved for is that of the step: such a step is refus
 
 import math
 
+from .access import header, scalars
 from .compile import copy_words, inlined, kernel, outlined, view
 from .consistency import vessel_jump
 from .environment import current_rate, surge_jump
@@ -29,42 +30,6 @@ from .layout import (
     E_MASS,
     E_STRAIN_TERMS,
     EDGE_WORDS,
-    I_BODIES,
-    I_CAPACITY,
-    I_CONSTRAINTS,
-    I_DIMENSION,
-    I_FACTORED,
-    I_HISTORY,
-    I_NODES,
-    I_PAYOUT,
-    I_SETTLED,
-    O_ACCELERATION,
-    O_BODY,
-    O_CONSTRAINT,
-    O_CONSTRAINT_RESIDUAL,
-    O_EDGE,
-    O_INCREMENT,
-    O_JOINT,
-    O_POSITION,
-    O_RESIDUAL,
-    O_STAGE_A,
-    O_STAGE_V,
-    O_TENSION,
-    O_TENSION_RATE,
-    O_TRIAL_A,
-    O_TRIAL_Q,
-    O_TRIAL_T,
-    O_TRIAL_V,
-    O_VELOCITY,
-    S_AXIAL,
-    S_LARGEST_TENSION,
-    S_LENGTH,
-    S_PASSING,
-    S_PERIOD,
-    S_STAGE_TENSION,
-    S_TENSION_SCALE,
-    S_TIME,
-    S_TOLERANCE,
 )
 from .newton import increment_norm
 from .payout import set_top_length
@@ -104,7 +69,8 @@ def promised_tension(M):
 
     A typical one stands for it at first.
     """
-    return 10.0 * M[S_TOLERANCE] * max(M[S_LARGEST_TENSION], M[S_TENSION_SCALE])
+    state = scalars(M)
+    return 10.0 * state.tolerance * max(state.largest_tension, state.tension_scale)
 
 
 @kernel
@@ -116,12 +82,13 @@ def tension_tolerance(M):
 @kernel
 def stage_scatter(M, scheme):
     """How far the top tensions of a step's implicit stages are off a smooth curve [tolerances]."""
+    state = scalars(M)
     stages = STAGES[scheme] - 1
     worst = 0.0
     for i in range(stages):
         missed = 0.0
         for j in range(stages):
-            missed += TENSION_TEST[scheme, i, j] * M[S_STAGE_TENSION + j]
+            missed += TENSION_TEST[scheme, i, j] * state.stage_top_tension[j]
         worst = max(worst, abs(missed))
     return worst / tension_tolerance(M)
 
@@ -129,8 +96,9 @@ def stage_scatter(M, scheme):
 @kernel
 def top_stretch_tension(I, M, x):
     """What a motion x of the nodes changes of the top element's tension by stretching it [N]."""
-    constraint = view(M, I[O_CONSTRAINT_RESIDUAL], 2 * I[I_NODES])
-    change = view(M, I[O_STAGE_V], 2 * I[I_NODES])
+    head = header(I)
+    constraint = view(M, head.constraint_residual, 2 * head.nodes)
+    change = view(M, head.stage_velocity, 2 * head.nodes)
     constraint[:] = 0.0
     change[:] = 0.0
     recover_tension(I, M, constraint, x, change)
@@ -142,18 +110,19 @@ def filter_motion(I, M, motion, gamma_dt):
     """Leave of a motion of the nodes, (nodes, 2, dimension), what the stages' matrix makes of its
     inertia: all where the step resolves it, 1 / (1 + (omega gamma dt)^2) of what swings. Returns
     what is left in the tension at the top [N]."""
-    count = 2 * I[I_DIMENSION] * I[I_NODES]
-    words = 2 * I[I_NODES]
-    forces = view(M, I[O_RESIDUAL], count)
-    constraint = view(M, I[O_CONSTRAINT_RESIDUAL], words)
-    x = view(M, I[O_INCREMENT], count)
-    a = view(M, I[O_STAGE_A], count)
+    head = header(I)
+    count = 2 * head.dimension * head.nodes
+    words = 2 * head.nodes
+    forces = view(M, head.residual, count)
+    constraint = view(M, head.constraint_residual, words)
+    x = view(M, head.increment, count)
+    a = view(M, head.stage_acceleration, count)
     inverse2 = 1.0 / (gamma_dt * gamma_dt)
     for n in range(count):
-        a[n] = M[I[O_TRIAL_A] + n] - inverse2 * motion[n]
-    q = view(M, I[O_TRIAL_Q], count)
-    v = view(M, I[O_TRIAL_V], count)
-    residual(I, M, q, v, a, view(M, I[O_TRIAL_T], words), forces, constraint)
+        a[n] = M[head.trial_acceleration + n] - inverse2 * motion[n]
+    q = view(M, head.trial_position, count)
+    v = view(M, head.trial_velocity, count)
+    residual(I, M, q, v, a, view(M, head.trial_tension, words), forces, constraint)
     constraint[:] = 0.0
     newton_increment(I, M, forces, constraint, x)
     for n in range(count):
@@ -182,11 +151,13 @@ def two_step_error(I, M, dt):
     the last step's rate is off; else half of what the predicted positions stretch it by more or
     less, which lasts.
     """
-    if dt * math.sqrt(M[S_AXIAL]) < FINEST:
+    head = header(I)
+    state = scalars(M)
+    if dt * math.sqrt(state.axial) < FINEST:
         return 0.0, FOLLOWS
-    final = M[I[O_TRIAL_T] + 2]
-    predicted = M[I[O_TENSION] + 2] + dt * M[I[O_TENSION_RATE] + 2]
-    lasting = 0.5 * abs(final - M[S_STAGE_TENSION]) / SHARE_OF_LIMITED
+    final = M[head.trial_tension + 2]
+    predicted = M[head.tension + 2] + dt * M[head.tension_rate + 2]
+    lasting = 0.5 * abs(final - state.stage_top_tension[0]) / SHARE_OF_LIMITED
     passed_over = abs(final - predicted)
     if passed_over < lasting:
         return passed_over / tension_tolerance(M), PASSES_OVER
@@ -196,13 +167,14 @@ def two_step_error(I, M, dt):
 @kernel
 def inertia(I, M):
     """Mass of all that hangs on the tow point [kg]."""
+    head = header(I)
     mass = 0.0
-    for node in range(1, I[I_NODES]):
-        if I[I[O_JOINT] + node] == 0:
-            edge = I[O_EDGE] + node * EDGE_WORDS
+    for node in range(1, head.nodes):
+        if I[head.joint + node] == 0:
+            edge = head.edges + node * EDGE_WORDS
             mass += M[edge + E_MASS] * M[edge + E_LENGTH]
-    for body in range(I[I_BODIES]):
-        mass += M[I[O_BODY] + body * BODY_WORDS + B_MASS]
+    for body in range(head.body_count):
+        mass += M[head.bodies + body * BODY_WORDS + B_MASS]
     return mass
 
 
@@ -210,14 +182,16 @@ def inertia(I, M):
 def may_be_solved_for(I, M):
     """Whether tensions can be solved for: with Hooke's law, ends that are hinged, and no body of
     finite length at the tow point."""
-    if M[S_PASSING] != 0.0:
+    head = header(I)
+    state = scalars(M)
+    if state.body_passage != 0.0:
         return False
-    for n in range(I[I_CONSTRAINTS]):
-        if M[I[O_CONSTRAINT] + n * CONSTRAINT_WORDS + C_CLAMPED] != 0.0:
+    for n in range(head.constraint_count):
+        if M[head.constraints + n * CONSTRAINT_WORDS + C_CLAMPED] != 0.0:
             return False
-    for node in range(1, I[I_NODES]):
-        if I[I[O_JOINT] + node] == 0:
-            if M[I[O_EDGE] + node * EDGE_WORDS + E_STRAIN_TERMS] != 1.0:
+    for node in range(1, head.nodes):
+        if I[head.joint + node] == 0:
+            if M[head.edges + node * EDGE_WORDS + E_STRAIN_TERMS] != 1.0:
                 return False
     return True
 
@@ -225,10 +199,11 @@ def may_be_solved_for(I, M):
 @inlined
 def region(I, n):
     """Word of the n-th region of 6 words a node in the workspace of the stages, of eight."""
-    words = 6 * I[I_CAPACITY]
+    head = header(I)
+    words = 6 * head.capacity
     if n < 4:
-        return I[O_STAGE_V] + n * words
-    return I[O_STAGE_A] + (n - 4) * words
+        return head.stage_velocity + n * words
+    return head.stage_acceleration + (n - 4) * words
 
 
 # These regions: what is solved for, then what that takes.
@@ -242,29 +217,32 @@ def stiffen(I, M, ca):
     With each element's own mass a light line with a heavy body would keep a fifth of the error.
     `soften` gives the compliances of elements and bodies back.
     """
+    head = header(I)
+    state = scalars(M)
     soft = RIGID / (ca * inertia(I, M))
-    length = M[S_LENGTH]
+    length = state.length
     kept = region(I, SOFTNESS)
-    for node in range(1, I[I_NODES]):
-        edge = I[O_EDGE] + node * EDGE_WORDS
+    for node in range(1, head.nodes):
+        edge = head.edges + node * EDGE_WORDS
         M[kept + node] = M[edge + E_COMPLIANCE]
-        if I[I[O_JOINT] + node] == 0:
+        if I[head.joint + node] == 0:
             M[edge + E_COMPLIANCE] = soft / length
-    for body in range(I[I_BODIES]):
-        row = I[O_BODY] + body * BODY_WORDS
-        M[kept + I[I_NODES] + body] = M[row + B_COMPLIANCE]
+    for body in range(head.body_count):
+        row = head.bodies + body * BODY_WORDS
+        M[kept + head.nodes + body] = M[row + B_COMPLIANCE]
         M[row + B_COMPLIANCE] = soft
 
 
 @kernel
 def soften(I, M):
     """Undo `stiffen`."""
+    head = header(I)
     kept = region(I, SOFTNESS)
-    for node in range(1, I[I_NODES]):
-        M[I[O_EDGE] + node * EDGE_WORDS + E_COMPLIANCE] = M[kept + node]
-    for body in range(I[I_BODIES]):
-        row = I[O_BODY] + body * BODY_WORDS
-        M[row + B_COMPLIANCE] = M[kept + I[I_NODES] + body]
+    for node in range(1, head.nodes):
+        M[head.edges + node * EDGE_WORDS + E_COMPLIANCE] = M[kept + node]
+    for body in range(head.body_count):
+        row = head.bodies + body * BODY_WORDS
+        M[row + B_COMPLIANCE] = M[kept + head.nodes + body]
 
 
 @outlined
@@ -279,20 +257,22 @@ def solve_for_tension(I, M, t, short, q, v, tension):
     Returns by how much the top tension, and that of what the velocities stretch the line by, are
     other ones [tolerances]; negative: there is no answer.
     """
-    count = 2 * I[I_DIMENSION] * I[I_NODES]
-    words = 2 * I[I_NODES]
+    head = header(I)
+    state = scalars(M)
+    count = 2 * head.dimension * head.nodes
+    words = 2 * head.nodes
     solved_q = view(M, region(I, SOLVED_Q), count)
     solved_v = view(M, region(I, SOLVED_V), count)
     a = view(M, region(I, SOLVED_A), count)
     solved = view(M, region(I, SOLVED_T), words)
     curved = view(M, region(I, CURVED), words)
     strained = view(M, region(I, STRAINED), words)
-    forces = view(M, I[O_RESIDUAL], count)
-    constraint = view(M, I[O_CONSTRAINT_RESIDUAL], words)
-    x = view(M, I[O_INCREMENT], count)
+    forces = view(M, head.residual, count)
+    constraint = view(M, head.constraint_residual, words)
+    x = view(M, head.increment, count)
     ca = 1.0 / (short * short)
     set_time(I, M, t)
-    if t == M[S_TIME]:
+    if t == state.time:
         current_rate(I, M, t, True)  # as the water goes on
     for n in range(count):
         solved_q[n] = q[n]
@@ -304,7 +284,7 @@ def solve_for_tension(I, M, t, short, q, v, tension):
     stiffen(I, M, ca)
     failed = factorise(I, M, q, solved_v, a, tension, ca, 0.0)
     soften(I, M)
-    I[I_FACTORED] = 0
+    head.factored = 0
     if failed != 0:
         return -1.0, -1.0
     # Velocities that stretch the line at the rate at which the tensions change.
@@ -322,18 +302,18 @@ def solve_for_tension(I, M, t, short, q, v, tension):
     for n in range(count):
         solved_v[n] += x[n]
     # The second derivative of |r'|, of a motion without a jerk.
-    step = APART * M[S_PERIOD]
+    step = APART * state.period
     for k in range(3):
         ahead = (k - 1) * step
         for n in range(count):
             solved_q[n] = q[n] + ahead * (solved_v[n] + 0.5 * ahead * a[n])
-        if I[I_PAYOUT] != 0:
+        if head.payout != 0:
             set_top_length(I, M, t + ahead)
         residual(I, M, solved_q, solved_v, a, tension, forces, constraint)
         weight = -2.0 if k == 1 else 1.0
         for n in range(words):
             curved[n] += weight * constraint[n]
-    if I[I_PAYOUT] != 0:
+    if head.payout != 0:
         set_top_length(I, M, t)
     residual(I, M, q, solved_v, a, tension, forces, constraint)
     scale = short * short / (step * step)
@@ -353,32 +333,35 @@ def solve_for_tension(I, M, t, short, q, v, tension):
     if not change < 1e300:
         return -1.0, -1.0
     allowed = tension_tolerance(M)
-    return change / allowed, inertia(I, M) * math.sqrt(M[S_AXIAL]) * speed / allowed
+    return change / allowed, inertia(I, M) * math.sqrt(state.axial) * speed / allowed
 
 
 @kernel
 def solve_at_end(I, M, dt):
     """`solve_for_tension` at the trial after a step of dt: by how much the top tension changes."""
-    count = 2 * I[I_DIMENSION] * I[I_NODES]
-    words = 2 * I[I_NODES]
-    copy_words(I, region(I, SOLVED_A), I[O_TRIAL_A], count)
-    tension = view(M, I[O_TRIAL_T], words)
+    head = header(I)
+    state = scalars(M)
+    count = 2 * head.dimension * head.nodes
+    words = 2 * head.nodes
+    copy_words(I, region(I, SOLVED_A), head.trial_acceleration, count)
+    tension = view(M, head.trial_tension, words)
     rate = view(M, region(I, STRAINED), words)
     for n in range(words):
-        rate[n] = (tension[n] - M[I[O_TENSION] + n]) / dt
-    q = view(M, I[O_TRIAL_Q], count)
-    v = view(M, I[O_TRIAL_V], count)
-    change, _moving = solve_for_tension(I, M, M[S_TIME] + dt, SHORT * dt, q, v, tension)
+        rate[n] = (tension[n] - M[head.tension + n]) / dt
+    q = view(M, head.trial_position, count)
+    v = view(M, head.trial_velocity, count)
+    change, _moving = solve_for_tension(I, M, state.time + dt, SHORT * dt, q, v, tension)
     for n in range(words):
         solved = M[region(I, SOLVED_T) + n]
-        M[region(I, SOLVED_RATE) + n] = (solved - M[I[O_TENSION] + n]) / dt
+        M[region(I, SOLVED_RATE) + n] = (solved - M[head.tension + n]) / dt
     return change
 
 
 @kernel
 def begins_smoothly(I, M):
     """Whether the accelerations of vessel and water go on as they were in the last step."""
-    surge, _most = surge_jump(I, M, M[S_TIME])
+    state = scalars(M)
+    surge, _most = surge_jump(I, M, state.time)
     return inertia(I, M) * (vessel_jump(I, M) + surge) <= SOLVED_FROM * tension_tolerance(M)
 
 
@@ -387,38 +370,42 @@ def rings(I, M, dt):
     """Whether the state rings along itself by more than is allowed, as a step of dt begins at
     whose end tensions have been solved for: they tell the rate at which what rings not changes.
     """
-    count = 2 * I[I_DIMENSION] * I[I_NODES]
-    words = 2 * I[I_NODES]
-    tension = view(M, I[O_TENSION], words)
+    head = header(I)
+    state = scalars(M)
+    count = 2 * head.dimension * head.nodes
+    words = 2 * head.nodes
+    tension = view(M, head.tension, words)
     rate = view(M, region(I, STRAINED), words)
     for n in range(words):
         rate[n] = (M[region(I, SOLVED_T) + n] - tension[n]) / dt
-    copy_words(I, region(I, SOLVED_A), I[O_ACCELERATION], count)
-    q = view(M, I[O_POSITION], count)
-    v = view(M, I[O_VELOCITY], count)
-    change, moving = solve_for_tension(I, M, M[S_TIME], SHORT * dt, q, v, tension)
+    copy_words(I, region(I, SOLVED_A), head.acceleration, count)
+    q = view(M, head.position, count)
+    v = view(M, head.velocity, count)
+    change, moving = solve_for_tension(I, M, state.time, SHORT * dt, q, v, tension)
     return not (0.0 <= change and change <= 1.0 and moving <= 1.0)
 
 
 @kernel
 def take_solved(I, M):
     """Make what was solved for the state: it does not ring."""
-    count = 2 * I[I_DIMENSION] * I[I_NODES]
-    copy_words(I, I[O_POSITION], region(I, SOLVED_Q), count)
-    copy_words(I, I[O_VELOCITY], region(I, SOLVED_V), count)
-    copy_words(I, I[O_ACCELERATION], region(I, SOLVED_A), count)
-    copy_words(I, I[O_TENSION], region(I, SOLVED_T), 2 * I[I_NODES])
-    copy_words(I, I[O_TENSION_RATE], region(I, SOLVED_RATE), 2 * I[I_NODES])
-    I[I_SETTLED] = 1
-    I[I_HISTORY] = 0  # the two-step scheme would differentiate what was solved for
+    head = header(I)
+    count = 2 * head.dimension * head.nodes
+    copy_words(I, head.position, region(I, SOLVED_Q), count)
+    copy_words(I, head.velocity, region(I, SOLVED_V), count)
+    copy_words(I, head.acceleration, region(I, SOLVED_A), count)
+    copy_words(I, head.tension, region(I, SOLVED_T), 2 * head.nodes)
+    copy_words(I, head.tension_rate, region(I, SOLVED_RATE), 2 * head.nodes)
+    head.settled = 1
+    head.has_history = 0  # the two-step scheme would differentiate what was solved for
 
 
 @kernel
 def bend_of_tension(I, M, dt):
     """What the top tension changes by in a step of dt, or in the one before it, and twice what
     that differs by: a bound of its second derivative times the square of dt [tolerances]."""
-    change = M[I[O_TRIAL_T] + 2] - M[I[O_TENSION] + 2]
-    before = dt * M[I[O_TENSION_RATE] + 2]
+    head = header(I)
+    change = M[head.trial_tension + 2] - M[head.tension + 2]
+    before = dt * M[head.tension_rate + 2]
     largest = max(0.25 * max(abs(change), abs(before)), 2.0 * abs(change - before))
     return largest / tension_tolerance(M)
 
@@ -426,13 +413,15 @@ def bend_of_tension(I, M, dt):
 @kernel
 def dies_away(M):
     """Whether what rings along the line is over before the line has moved, by its material."""
-    return M[S_AXIAL] * M[S_PERIOD] * M[S_PERIOD] > (2.0 / LOSS_FACTOR) ** 2
+    state = scalars(M)
+    return state.axial * state.period * state.period > (2.0 / LOSS_FACTOR) ** 2
 
 
 @kernel
 def solves(I, M, dt, scatter):
     """Whether the tension at the trial could be solved for, as `take_solved` takes it."""
-    if bend_of_tension(I, M, dt) > SOLVED_FROM * M[S_AXIAL] * dt * dt:
+    state = scalars(M)
+    if bend_of_tension(I, M, dt) > SOLVED_FROM * state.axial * dt * dt:
         return False  # what the strain's second derivative adds would be seen
     if not may_be_solved_for(I, M):
         return False
@@ -447,7 +436,9 @@ def tension_error(I, M, dt, scheme, gamma_dt, error):
 
     error: of the positions, (nodes, 2, dimension) [m].
     """
-    if dt * math.sqrt(M[S_AXIAL]) < FINEST:
+    head = header(I)
+    state = scalars(M)
+    if dt * math.sqrt(state.axial) < FINEST:
         return 0.0, FOLLOWS
     scatter = stage_scatter(M, scheme)
     if scatter <= UNSEEN:
@@ -457,10 +448,10 @@ def tension_error(I, M, dt, scheme, gamma_dt, error):
     left, share = embedded_error(I, M, error, gamma_dt, scatter)
     lasting = left * share * share / SHARE
     forgotten = (1.0 - share * share) * scatter
-    unseen = bend_of_tension(I, M, dt) / (M[S_AXIAL] * dt * dt)
+    unseen = bend_of_tension(I, M, dt) / (state.axial * dt * dt)
     if share > STIFF or unseen > SOLVED_FROM:
         return max(lasting, forgotten), FOLLOWS
-    settled = I[I_SETTLED] != 0 and begins_smoothly(I, M)
+    settled = head.settled != 0 and begins_smoothly(I, M)
     if (settled or forgotten > SOLVED_FROM) and lasting <= 1.0 and solves(I, M, dt, scatter):
         if settled:
             return lasting, SOLVED

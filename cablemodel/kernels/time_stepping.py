@@ -8,6 +8,7 @@ step, is estimated from those of the stages.
 
 import math
 
+from .access import header, scalars
 from .buckling import any_pressed, is_held, make_crooked
 from .clamp_layer import follow_layer
 from .compile import copy_words, inlined, kernel, view
@@ -34,77 +35,12 @@ from .layout import (
     FLOOR_FAR,
     FLOOR_NONE,
     FLOOR_TOUCHED,
-    I_CURRENT,
-    I_DIMENSION,
-    I_FACTORED,
-    I_FLOOR,
-    I_FLOOR_STATE,
-    I_FRESH,
-    I_HISTORY,
-    I_HYBRID,
-    I_ITERATIONS,
-    I_LEFT_OUT,
-    I_LIVE,
-    I_MAXIMUM_STEPS,
-    I_NODES,
-    I_ORDER,
-    I_PARTS,
-    I_PAYOUT,
-    I_PIECE,
-    I_REJECTED,
-    I_RIGID,
-    I_SETTLED,
-    I_SLEEP,
-    I_STEPS,
     MODEL_HYBRID,
     NO_CAPACITY,
     NOT_CONVERGED,
     NOTHING,
-    O_ACCELERATION,
-    O_BASE_Q,
-    O_BASE_V,
-    O_CONSTRAINT_RESIDUAL,
-    O_EDGE,
-    O_FAILED,
-    O_INCREMENT,
-    O_MOTION,
-    O_POSITION,
-    O_RESIDUAL,
-    O_STAGE_A,
-    O_STAGE_T,
-    O_STAGE_V,
-    O_TENSION,
-    O_TENSION_RATE,
-    O_TRIAL_A,
-    O_TRIAL_Q,
-    O_TRIAL_T,
-    O_TRIAL_V,
-    O_VELOCITY,
     OK,
     OVERSTRETCHED,
-    S_BENT,
-    S_BENT_AFTER,
-    S_FACTORED_STEP,
-    S_FLOOR_WAIT,
-    S_JOINED,
-    S_LARGEST_TENSION,
-    S_LAST_STEP,
-    S_MEMORY,
-    S_ORDER_3,
-    S_PAID,
-    S_PAYOUT_RATE,
-    S_PAYOUT_SLOPE,
-    S_PERIOD,
-    S_SLEEP_AFTER,
-    S_SMALLEST_STEP,
-    S_STAGE_TENSION,
-    S_STEP,
-    S_TENSION_SCALE,
-    S_TIME,
-    S_TIME_TOLERANCE,
-    S_TOLERANCE,
-    S_TOP_LENGTH,
-    S_TRAVEL,
     STALLED,
     TOO_MANY_STEPS,
 )
@@ -159,38 +95,40 @@ def solve_stage(I, M, t, gamma_dt, tolerance, to_output, ratio):
     ratio: convergence of the matrix in the stages before, 1 where it is not known. Returns a
     status, and the ratio for the next stage.
     """
-    count = 2 * I[I_DIMENSION] * I[I_NODES]
-    nodes = I[I_NODES]
-    q = view(M, I[O_TRIAL_Q], count)
-    v = view(M, I[O_TRIAL_V], count)
-    a = view(M, I[O_TRIAL_A], count)
-    tension = view(M, I[O_TRIAL_T], 2 * nodes)
-    forces = view(M, I[O_RESIDUAL], count)
-    constraint = view(M, I[O_CONSTRAINT_RESIDUAL], 2 * nodes)
-    x = view(M, I[O_INCREMENT], count)
+    head = header(I)
+    state = scalars(M)
+    count = 2 * head.dimension * head.nodes
+    nodes = head.nodes
+    q = view(M, head.trial_position, count)
+    v = view(M, head.trial_velocity, count)
+    a = view(M, head.trial_acceleration, count)
+    tension = view(M, head.trial_tension, 2 * nodes)
+    forces = view(M, head.residual, count)
+    constraint = view(M, head.constraint_residual, 2 * nodes)
+    x = view(M, head.increment, count)
     inverse = 1.0 / gamma_dt
     inverse2 = inverse * inverse
     set_time(I, M, t)
     impose_motion(I, M, t, q, v, a)
-    if I[I_FACTORED] == 0 or abs(M[S_FACTORED_STEP] - gamma_dt) > 1e-6 * gamma_dt:
+    if head.factored == 0 or abs(state.factored_step - gamma_dt) > 1e-6 * gamma_dt:
         if refactor(I, M, q, v, a, tension, gamma_dt) != 0:
             return NOT_CONVERGED, ratio
     previous = 0.0
     since = 0  # iterations with a factorisation made in this stage
     growing = 0
     good = 0.02 if to_output else 0.1
-    at_once = 0.0 if to_output or M[S_TOLERANCE] < UNSEEN else AT_ONCE
+    at_once = 0.0 if to_output or state.tolerance < UNSEEN else AT_ONCE
     # What is left of a stage leaves that over gamma dt in the velocity, which an undamped motion
     # keeps: it must be small against the tolerance over a period, however short the steps are.
-    tolerance *= min(1.0, gamma_dt / (0.1 * M[S_PERIOD]))
+    tolerance *= min(1.0, gamma_dt / (0.1 * state.period))
     for iteration in range(LARGEST_ITERATIONS):
         residual(I, M, q, v, a, tension, forces, constraint)
         newton_increment(I, M, forces, constraint, x)
-        I[I_ITERATIONS] += 1
+        head.iterations += 1
         size, where = increment_norm(I, M, x)
         if not size < 1e30:
-            I[I[O_FAILED]] = where
-            I[I_FACTORED] = 0
+            I[head.failed] = where
+            head.factored = 0
             return NOT_CONVERGED, ratio
         for n in range(count):
             q[n] += x[n]
@@ -199,7 +137,7 @@ def solve_stage(I, M, t, gamma_dt, tolerance, to_output, ratio):
         tension_change = recover_tension(I, M, constraint, x, tension)
         settled = True
         if to_output:
-            largest = NO_TENSION * M[S_TENSION_SCALE]
+            largest = NO_TENSION * state.tension_scale
             for n in range(1, nodes):
                 largest = max(largest, abs(tension[2 * n]))
             settled = tension_change <= 1e-4 * largest
@@ -218,27 +156,28 @@ def solve_stage(I, M, t, gamma_dt, tolerance, to_output, ratio):
                 return OK, ratio
             growing = growing + 1 if shrunk > 2.0 else 0
             if growing == 2 and size > tolerance:
-                I[I[O_FAILED]] = where
+                I[head.failed] = where
                 return NOT_CONVERGED, ratio
-            if shrunk > (0.2 if I[I_FRESH] == 0 else 0.4) and since > 0:
+            if shrunk > (0.2 if head.fresh == 0 else 0.4) and since > 0:
                 if refactor(I, M, q, v, a, tension, gamma_dt) != 0:
                     return NOT_CONVERGED, ratio
                 since = -1
         since += 1
         previous = size
-        I[I[O_FAILED]] = where
+        I[head.failed] = where
     return NOT_CONVERGED, ratio
 
 
 @inlined
 def stage_words(I, i, stages):
     """Words where velocity and acceleration of a stage are: state, stages between, trial."""
+    head = header(I)
     if i == 0:
-        return I[O_VELOCITY], I[O_ACCELERATION]
+        return head.velocity, head.acceleration
     if i == stages - 1:
-        return I[O_TRIAL_V], I[O_TRIAL_A]
-    between = 2 * I[I_DIMENSION] * I[I_NODES] * (i - 1)
-    return I[O_STAGE_V] + between, I[O_STAGE_A] + between
+        return head.trial_velocity, head.trial_acceleration
+    between = 2 * head.dimension * head.nodes * (i - 1)
+    return head.stage_velocity + between, head.stage_acceleration + between
 
 
 @kernel
@@ -250,7 +189,8 @@ def share_of_error(M, dt):
     steps would become ever shorter where stiff axial motion decides the estimate; the root of it
     does for what was wrong, and has a floor.
     """
-    memory = M[S_MEMORY]
+    state = scalars(M)
+    memory = state.memory
     if dt >= memory:
         return 1.0
     return max(LEAST_SHARE, math.sqrt(dt / memory))
@@ -263,26 +203,28 @@ def try_step(I, M, dt, scheme, to_output):
     Returns the status, the error of position or top tension over what is allowed, and what the
     step does along the line (`tension_error`).
     """
-    count = 2 * I[I_DIMENSION] * I[I_NODES]
-    nodes = I[I_NODES]
+    head = header(I)
+    state = scalars(M)
+    count = 2 * head.dimension * head.nodes
+    nodes = head.nodes
     stages = STAGES[scheme]
     gamma_dt = GAMMA[scheme] * dt
-    time = M[S_TIME]
-    tolerance = M[S_TIME_TOLERANCE]
-    q = view(M, I[O_POSITION], count)
-    v = view(M, I[O_VELOCITY], count)
-    a = view(M, I[O_ACCELERATION], count)
-    base_q = view(M, I[O_BASE_Q], count)
-    base_v = view(M, I[O_BASE_V], count)
-    trial_q = view(M, I[O_TRIAL_Q], count)
-    trial_v = view(M, I[O_TRIAL_V], count)
-    trial_a = view(M, I[O_TRIAL_A], count)
-    I[I_FRESH] = 0
+    time = state.time
+    tolerance = state.time_tolerance
+    q = view(M, head.position, count)
+    v = view(M, head.velocity, count)
+    a = view(M, head.acceleration, count)
+    base_q = view(M, head.base_position, count)
+    base_v = view(M, head.base_velocity, count)
+    trial_q = view(M, head.trial_position, count)
+    trial_v = view(M, head.trial_velocity, count)
+    trial_a = view(M, head.trial_acceleration, count)
+    head.fresh = 0
     ratio = 1.0
     for n in range(count):
         trial_a[n] = a[n]
     for n in range(2 * nodes):
-        M[I[O_TRIAL_T] + n] = M[I[O_TENSION] + n]
+        M[head.trial_tension + n] = M[head.tension + n]
     for i in range(1, stages):
         weight = dt * STAGE_A[scheme, i, 0]
         for n in range(count):
@@ -310,16 +252,16 @@ def try_step(I, M, dt, scheme, to_output):
         end_stage(I, M)
         if status != OK:
             return status, 0.0, PASSES_OVER
-        if I[I_FLOOR_STATE] == FLOOR_ABOVE and lands(I, M):
+        if head.floor_state == FLOOR_ABOVE and lands(I, M):
             return LANDED, 0.0, PASSES_OVER
         if not last:
             place_v, place_a = stage_words(I, i, stages)
-            copy_words(I, place_v, I[O_TRIAL_V], count)
-            copy_words(I, place_a, I[O_TRIAL_A], count)
-        M[S_STAGE_TENSION + i - 1] = M[I[O_TRIAL_T] + 2]
+            copy_words(I, place_v, head.trial_velocity, count)
+            copy_words(I, place_a, head.trial_acceleration, count)
+        state.stage_top_tension[i - 1] = M[head.trial_tension + 2]
         if i == stages - 2:
             for n in range(2 * nodes):
-                M[I[O_STAGE_T] + n] = M[I[O_TRIAL_T] + n]
+                M[head.stage_tension + n] = M[head.trial_tension + n]
     for n in range(count):
         base_q[n] = 0.0
     for i in range(stages):
@@ -329,7 +271,7 @@ def try_step(I, M, dt, scheme, to_output):
         for n in range(count):
             base_q[n] += weight * stage_v[n]
     error, where = increment_norm(I, M, base_q)
-    I[I[O_FAILED]] = where
+    I[head.failed] = where
     error /= tolerance * share_of_error(M, dt)
     if not error <= 1.0:
         return OK, error, PASSES_OVER
@@ -340,35 +282,38 @@ def try_step(I, M, dt, scheme, to_output):
 @kernel
 def folds(I, M):
     """Whether the trial is folded in line where the state is not yet."""
-    count = 2 * I[I_DIMENSION] * I[I_NODES]
-    words = 2 * I[I_NODES]
-    return is_folded(I, M, view(M, I[O_TRIAL_Q], count), view(M, I[O_TRIAL_T], words)) and not (
-        is_folded(I, M, view(M, I[O_POSITION], count), view(M, I[O_TENSION], words))
-    )
+    head = header(I)
+    count = 2 * head.dimension * head.nodes
+    words = 2 * head.nodes
+    return is_folded(
+        I, M, view(M, head.trial_position, count), view(M, head.trial_tension, words)
+    ) and not (is_folded(I, M, view(M, head.position, count), view(M, head.tension, words)))
 
 
 @kernel
 def accept_trial(I, M, dt, scheme):
     """The trial becomes the state; the tension's rate is that of a parabola through the step."""
-    count = 2 * I[I_DIMENSION] * I[I_NODES]
+    head = header(I)
+    state = scalars(M)
+    count = 2 * head.dimension * head.nodes
     c = STAGE_C[scheme, STAGES[scheme] - 2]
     remember(I, M)
     w0 = (1.0 - c) / (c * dt)
     wc = -1.0 / (c * (1.0 - c) * dt)
     w1 = (2.0 - c) / ((1.0 - c) * dt)
-    tension = view(M, I[O_TENSION], 2 * I[I_NODES])
-    inner = view(M, I[O_STAGE_T], 2 * I[I_NODES])
-    final = view(M, I[O_TRIAL_T], 2 * I[I_NODES])
-    rate = view(M, I[O_TENSION_RATE], 2 * I[I_NODES])
-    for n in range(2 * I[I_NODES]):
+    tension = view(M, head.tension, 2 * head.nodes)
+    inner = view(M, head.stage_tension, 2 * head.nodes)
+    final = view(M, head.trial_tension, 2 * head.nodes)
+    rate = view(M, head.tension_rate, 2 * head.nodes)
+    for n in range(2 * head.nodes):
         rate[n] = w0 * tension[n] + wc * inner[n] + w1 * final[n]
-    for node in range(1, I[I_NODES]):
-        M[S_LARGEST_TENSION] = max(M[S_LARGEST_TENSION], abs(final[2 * node]))
-    M[S_LAST_STEP] = dt
-    copy_words(I, I[O_POSITION], I[O_TRIAL_Q], count)
-    copy_words(I, I[O_VELOCITY], I[O_TRIAL_V], count)
-    copy_words(I, I[O_ACCELERATION], I[O_TRIAL_A], count)
-    copy_words(I, I[O_TENSION], I[O_TRIAL_T], 2 * I[I_NODES])
+    for node in range(1, head.nodes):
+        state.largest_tension = max(state.largest_tension, abs(final[2 * node]))
+    state.last_step = dt
+    copy_words(I, head.position, head.trial_position, count)
+    copy_words(I, head.velocity, head.trial_velocity, count)
+    copy_words(I, head.acceleration, head.trial_acceleration, count)
+    copy_words(I, head.tension, head.trial_tension, 2 * head.nodes)
 
 
 @kernel
@@ -379,96 +324,106 @@ def change_mesh(I, M, rests):
 
     Splitting is exact. A joined element has the strain and the elongation's rate of its parts.
     """
-    if M[S_LAST_STEP] == 0.0:
-        M[S_LAST_STEP] = M[S_STEP]
+    head = header(I)
+    state = scalars(M)
+    if state.last_step == 0.0:
+        state.last_step = state.step
     take_rates_from_velocity(I, M)
-    M[S_JOINED] = 0.0
+    state.joined = 0.0
     if rests:
         wake_as_many(I, M)
-    if I[I_PAYOUT] != 0:
+    if head.payout != 0:
         status = adapt_top(I, M)
         if status != OK:
             return status
     if rests:
         prepare_joining(I, M)
     found = NOTHING
-    if I[I_FLOOR_STATE] != FLOOR_FAR:
+    if head.floor_state != FLOOR_FAR:
         found = follow_floor(I, M, True)
-    elif M[S_BENT] > 0.0:
+    elif state.bent > 0.0:
         found = follow_bending(I, M, True)
     if found == NO_CAPACITY:
         return NO_CAPACITY
     if rests:
         # What is joined is made consistent while it is awake.
-        last = M[S_LAST_STEP]
+        last = state.last_step
         make_consistent(I, M, True)
-        M[S_LAST_STEP] = last
+        state.last_step = last
         fall_asleep(I, M)
     make_consistent(I, M, True)
-    M[S_JOINED] = 0.0
+    state.joined = 0.0
     return OK
 
 
 @kernel
 def update_bending(I, M):
     """Hybrid model: bending is kept where sqrt(EI/T) is long enough for the mesh to see it."""
-    fine = min(1.0, M[S_TOLERANCE] / BENDING_SEEN) ** 2
-    for node in range(1, I[I_NODES]):
-        e = I[O_EDGE] + node * EDGE_WORDS
+    head = header(I)
+    state = scalars(M)
+    fine = min(1.0, state.tolerance / BENDING_SEEN) ** 2
+    for node in range(1, head.nodes):
+        e = head.edges + node * EDGE_WORDS
         if M[e + E_MODEL] != MODEL_HYBRID:
             continue
         h = M[e + E_LENGTH]
         stiffness = M[e + E_BENDING_FULL]
-        pull = h * h * (M[I[O_TENSION] + 2 * node] - abs(M[I[O_TENSION] + 2 * node + 1]))
+        pull = h * h * (M[head.tension + 2 * node] - abs(M[head.tension + 2 * node + 1]))
         if M[e + E_BENDING] == 0.0:
             if stiffness > BENDING_ON * fine * pull:
                 M[e + E_BENDING] = stiffness
-                I[I_FACTORED] = 0
-                I[I_HISTORY] = 0
+                head.factored = 0
+                head.has_history = 0
         elif stiffness < BENDING_OFF * fine * pull:
             M[e + E_BENDING] = 0.0
-            I[I_FACTORED] = 0
-            I[I_HISTORY] = 0
+            head.factored = 0
+            head.has_history = 0
 
 
 @kernel
 def grows_unseen(I, M, gamma_dt):
     """Whether something grows that is pressed aside in the trial, faster than its step follows."""
-    count = 2 * I[I_DIMENSION] * I[I_NODES]
-    q = view(M, I[O_TRIAL_Q], count)
-    tension = view(M, I[O_TRIAL_T], 2 * I[I_NODES])
-    if gamma_dt < FOLDS_ITSELF * M[S_PERIOD] or not any_pressed(I, M, q, tension):
+    head = header(I)
+    state = scalars(M)
+    count = 2 * head.dimension * head.nodes
+    q = view(M, head.trial_position, count)
+    tension = view(M, head.trial_tension, 2 * head.nodes)
+    if gamma_dt < FOLDS_ITSELF * state.period or not any_pressed(I, M, q, tension):
         return False
-    v = view(M, I[O_TRIAL_V], count)
-    a = view(M, I[O_TRIAL_A], count)
+    v = view(M, head.trial_velocity, count)
+    a = view(M, head.trial_acceleration, count)
     return refactor(I, M, q, v, a, tension, gamma_dt) != 0 or not is_held(I, M)
 
 
 @inlined
 def mesh_is_due(I, M):
     """Whether the mesh of a line far from any floor may be looked at again."""
-    return I[I_FLOOR_STATE] == FLOOR_FAR and M[S_BENT] > 0.0 and M[S_TIME] >= M[S_BENT_AFTER]
+    head = header(I)
+    state = scalars(M)
+    return head.floor_state == FLOOR_FAR and state.bent > 0.0 and state.time >= state.bent_after
 
 
 @kernel
 def advance_to(I, M, t_end):
     """Integrate to t_end exactly; on failure the status says why and the state is of no use."""
+    head = header(I)
+    state = scalars(M)
     status = OK
     taken = 0
     unprojected = False
     refused = 0
-    mark = M[S_TIME]
+    mark = state.time
     jolted = -1e300
     two_steps = False
-    while M[S_TIME] < t_end:
+    while state.time < t_end:
         # The mesh changes before a step: what is read after it is a state that a step has made.
-        rests = I[I_SLEEP] != 0 and M[S_TIME] >= M[S_SLEEP_AFTER] and may_sleep(I, M)
+        rests = head.sleep != 0 and state.time >= state.sleep_after and may_sleep(I, M)
         if (
             rests
-            or (I[I_PAYOUT] != 0 and next_change(I, M) != 0)
+            or (head.payout != 0 and next_change(I, M) != 0)
             or (
-                I[I_FLOOR_STATE] != FLOOR_FAR
-                and I[I_PARTS] == 0
+                head.floor_state != FLOOR_FAR
+                and head.parts == 0
                 and follow_floor(I, M, False) != NOTHING
             )
             or (mesh_is_due(I, M) and follow_bending(I, M, False) != NOTHING)
@@ -478,19 +433,19 @@ def advance_to(I, M, t_end):
                 break
         natural = natural_step(I, M)
         stop = next_stop(I, M, t_end, natural)
-        rate = M[S_PAYOUT_RATE]
-        if I[I_PAYOUT] != 0:
-            slope = M[S_PAYOUT_SLOPE]
+        rate = state.payout_rate
+        if head.payout != 0:
+            slope = state.payout_slope
             stop = begin_payout(I, M, stop)
-            if M[S_PAYOUT_SLOPE] != slope:
-                I[I_SETTLED] = 0
+            if state.payout_slope != slope:
+                head.settled = 0
             natural = longest_payout_step(I, M, natural)
-        jump = abs(M[S_PAYOUT_RATE] - rate)  # a winch that stops dead at an end
-        if jump * natural > M[S_TIME_TOLERANCE]:
-            natural = max(M[S_TIME_TOLERANCE] / jump, 10.0 * M[S_SMALLEST_STEP])
-            M[S_STEP] = natural
-            jolted = M[S_TIME]
-        remaining = stop - M[S_TIME]
+        jump = abs(state.payout_rate - rate)  # a winch that stops dead at an end
+        if jump * natural > state.time_tolerance:
+            natural = max(state.time_tolerance / jump, 10.0 * state.smallest_step)
+            state.step = natural
+            jolted = state.time
+        remaining = stop - state.time
         dt = natural
         landing = False
         if dt >= remaining * 0.999:
@@ -500,19 +455,21 @@ def advance_to(I, M, t_end):
             dt = 0.5 * remaining
         # Steps that the caller limits need no high order: three stages instead of five. But from
         # those three nobody can tell the error of the tension of a line that is too stiff for them.
-        high = dt > 0.25 * natural or I[I_SETTLED] != 0
-        scheme = 1 if I[I_ORDER] == 4 and high and M[S_ORDER_3] == 0.0 else 0
-        before = I[I_ITERATIONS]
+        high = dt > 0.25 * natural or head.settled != 0
+        scheme = 1 if head.order == 4 and high and state.order_3 == 0.0 else 0
+        before = head.iterations
         to_output = landing and stop == t_end
-        if dt < 0.2 * M[S_LAST_STEP]:
+        if dt < 0.2 * state.last_step:
             # Velocities do not meet what a jolt asks for: they run into it, and make its wave.
-            if M[S_TIME] != jolted:
+            if state.time != jolted:
                 make_consistent(I, M, False)
-        elif (I[I_LIVE] != 0 or I[I_CURRENT] != 0 or I[I_PARTS] != 0) and follows_a_blow(I, M, dt):
-            begin_after_a_blow(I, M, M[S_LAST_STEP])
+        elif (head.live != 0 or head.current_kind != 0 or head.parts != 0) and follows_a_blow(
+            I, M, dt
+        ):
+            begin_after_a_blow(I, M, state.last_step)
         elif unprojected:
             project_velocity(I, M, GAMMA[scheme] * dt)
-        if I[I_CURRENT] != 0 and begins_a_surge(I, M, dt):
+        if head.current_kind != 0 and begins_a_surge(I, M, dt):
             begin_after_a_blow(I, M, SHORT * SHORT * dt)
         unprojected = False
         status = OK
@@ -526,27 +483,27 @@ def advance_to(I, M, t_end):
             status, error, along = try_step(I, M, dt, scheme, to_output)
             if (
                 status == OK
-                and I[I_FLOOR_STATE] != FLOOR_FAR
+                and head.floor_state != FLOOR_FAR
                 and refused < MOST_REFUSALS
-                and dt > FOLDS_ITSELF * M[S_PERIOD]
+                and dt > FOLDS_ITSELF * state.period
                 and folds(I, M)
             ):
                 # Where the mesh follows folds; a whip on a coarse one may end so for a while.
                 refused += 1
                 status = NOT_CONVERGED
         if status == LANDED or (
-            I[I_FLOOR] != FLOOR_NONE
-            and I[I_FLOOR_STATE] != FLOOR_TOUCHED
+            head.floor_kind != FLOOR_NONE
+            and head.floor_state != FLOOR_TOUCHED
             and status == OK
             and error <= 1.0
             and lands(I, M)
         ):
-            I[I_REJECTED] += 1
+            head.rejected += 1
             continue
-        if I[I_LEFT_OUT] != 0 and status == OK and error <= 1.0:
+        if head.left_out != 0 and status == OK and error <= 1.0:
             disturbed = disturbance(I, M)
             if disturbed != 0:
-                I[I_REJECTED] += 1
+                head.rejected += 1
                 wake(I, M, disturbed == 2)
                 status = change_mesh(I, M, False)
                 if status != OK:
@@ -557,7 +514,7 @@ def advance_to(I, M, t_end):
             if grows_unseen(I, M, gamma_dt):
                 along = PASSES_OVER
                 error = UNSTABLE
-                M[S_BENT_AFTER] = M[S_TIME]  # it bends where the mesh lets it
+                state.bent_after = state.time  # it bends where the mesh lets it
         if status != OK or not error <= 1.0:
             if not shorten(I, M, dt, scheme, status, error):
                 status = NOT_CONVERGED
@@ -571,62 +528,62 @@ def advance_to(I, M, t_end):
             if along == SOLVED:
                 take_solved(I, M)
             elif along == FOLLOWS:
-                I[I_SETTLED] = 0
-            if I[I_PARTS] != 0:
-                count = 6 * I[I_NODES]
+                head.settled = 0
+            if head.parts != 0:
+                count = 6 * head.nodes
                 count_turns_anew(
                     I,
                     M,
-                    view(M, I[O_POSITION], count),
-                    view(M, I[O_VELOCITY], count),
-                    view(M, I[O_ACCELERATION], count),
+                    view(M, head.position, count),
+                    view(M, head.velocity, count),
+                    view(M, head.acceleration, count),
                 )
             make_crooked(I, M)
-            if I[I_PAYOUT] != 0:
+            if head.payout != 0:
                 paid = paid_since(M, dt)
-                M[S_TRAVEL] += paid
-                M[S_PAID] = cable_paid(I, M)
-                M[S_TOP_LENGTH] += paid
-                M[S_PAYOUT_RATE] += M[S_PAYOUT_SLOPE] * dt
+                state.travel += paid
+                state.paid = cable_paid(I, M)
+                state.top_length += paid
+                state.payout_rate += state.payout_slope * dt
             if landing:
-                M[S_TIME] = stop
+                state.time = stop
             else:
-                M[S_TIME] += dt
+                state.time += dt
             unprojected = scheme == 1
             refused = 0
-            if I[I_FLOOR] != FLOOR_NONE:
-                M[S_FLOOR_WAIT] += dt
-                if I[I_FLOOR_STATE] == FLOOR_TOUCHED:
+            if head.floor_kind != FLOOR_NONE:
+                state.floor_wait += dt
+                if head.floor_state == FLOOR_TOUCHED:
                     settle(I, M)
-                if I[I_FLOOR_STATE] != FLOOR_FAR:
+                if head.floor_state != FLOOR_FAR:
                     leave_floor(I, M)
-            if I[I_HYBRID] == 1:
+            if head.hybrid == 1:
                 update_bending(I, M)
-            if I[I_RIGID] > 0 or I[I_PAYOUT] != 0:
-                if I[I_PAYOUT] != 0:
-                    follow_layer(I, M, dt, view(M, I[O_MOTION] + 16, 15))
-                update_springs(I, M, dt / (dt + M[S_PERIOD]))
-            stiffen_third_mode(I, M, dt / (dt + M[S_PERIOD]))
-            if I[I_LIVE] == 0:
-                I[I_PIECE] = find_piece(I, M, M[S_TIME])
-            I[I_STEPS] += 1
+            if head.rigid > 0 or head.payout != 0:
+                if head.payout != 0:
+                    follow_layer(I, M, dt, view(M, head.motion + 16, 15))
+                update_springs(I, M, dt / (dt + state.period))
+            stiffen_third_mode(I, M, dt / (dt + state.period))
+            if head.live == 0:
+                head.piece = find_piece(I, M, state.time)
+            head.steps += 1
             adapt_step(I, M, dt, scheme, error)
-            if I[I_FLOOR_STATE] == FLOOR_TOUCHED and not two_steps:
-                follow_iterations(M, dt, (I[I_ITERATIONS] - before) / (STAGES[scheme] - 1))
+            if head.floor_state == FLOOR_TOUCHED and not two_steps:
+                follow_iterations(M, dt, (head.iterations - before) / (STAGES[scheme] - 1))
             if not two_steps:
-                choose_order(I, M, scheme, I[I_ITERATIONS] - before, to_output)
+                choose_order(I, M, scheme, head.iterations - before, to_output)
         taken += 1
-        if taken > I[I_MAXIMUM_STEPS]:
+        if taken > head.maximum_steps:
             status = TOO_MANY_STEPS
             break
         if taken % STALL[0] == 0:
-            if M[S_TIME] - mark < STALL[0] * STALL[1] * M[S_PERIOD]:
+            if state.time - mark < STALL[0] * STALL[1] * state.period:
                 status = STALLED
                 break
-            mark = M[S_TIME]
+            mark = state.time
     if status == OK and not two_steps:
         node = overstretched(I, M)
         if node != 0:
-            I[I[O_FAILED]] = node
+            I[head.failed] = node
             status = OVERSTRETCHED
     return status

@@ -8,6 +8,7 @@ above it comes when the body is out, and goes before it is taken in.
 
 import math
 
+from .access import header, scalars
 from .compile import kernel
 from .follow import jump_at
 from .layout import (
@@ -23,12 +24,6 @@ from .layout import (
     E_SEGMENT,
     E_START,
     EDGE_WORDS,
-    I_CABLES,
-    I_CAPACITY,
-    I_DIMENSION,
-    I_LEFT_OUT,
-    I_NODES,
-    I_TOP_CABLE,
     JOINT_BODY,
     K_BODY,
     K_HINGE,
@@ -36,28 +31,7 @@ from .layout import (
     K_NOMINAL,
     K_SHORTEST,
     NO_CAPACITY,
-    O_ACCELERATION,
-    O_BODY,
-    O_CABLES,
-    O_EDGE,
-    O_JOINT,
-    O_MOTION,
-    O_POSITION,
-    O_REST,
-    O_TENSION,
-    O_TENSION_RATE,
-    O_VELOCITY,
     OK,
-    S_BENT,
-    S_JOINED,
-    S_LENGTH,
-    S_PAID,
-    S_PASSING,
-    S_PAYOUT_RATE,
-    S_PAYOUT_SLOPE,
-    S_TOLERANCE,
-    S_TOP_LENGTH,
-    S_TRAVEL,
 )
 from .passing import axis_motion, bare_length, body_above
 from .payout import (
@@ -86,9 +60,10 @@ STOPS, ENTERS = 7, 8  # the cable before a body, and the body, on the way in
 @kernel
 def element_number(I, M):
     """Elements of the line."""
+    head = header(I)
     count = 0
-    for node in range(1, I[I_NODES]):
-        if I[I[O_JOINT] + node] == 0:
+    for node in range(1, head.nodes):
+        if I[head.joint + node] == 0:
             count += 1
     return count
 
@@ -96,11 +71,12 @@ def element_number(I, M):
 @kernel
 def is_too_large(I, M, length, elements):
     """Whether a top element of this length is most of a line of few elements."""
+    head = header(I)
     if elements > 2 * FEWEST_ELEMENTS:
         return False
     total = 0.0
-    for node in range(1, I[I_NODES]):
-        total += M[I[O_EDGE] + EDGE_WORDS * node + E_LENGTH]
+    for node in range(1, head.nodes):
+        total += M[head.edges + EDGE_WORDS * node + E_LENGTH]
     return length > LARGEST_SHARE * total
 
 
@@ -112,10 +88,12 @@ def bends_with_next(I, M):
     fold that is straightened so stores energy from nowhere. Or, where the mesh follows what bends,
     what is joined would be halved at once, and what it was is lost.
     """
-    if moved_by_joining(I, M) > M[S_TOLERANCE] * M[S_LENGTH]:
+    head = header(I)
+    state = scalars(M)
+    if moved_by_joining(I, M) > state.tolerance * state.length:
         return True
-    length = M[S_TOP_LENGTH] + M[I[O_EDGE] + 2 * EDGE_WORDS + E_LENGTH]
-    return M[S_BENT] > 0.0 and length * length * jump_at(I, M, 1, False) > M[S_BENT]
+    length = state.top_length + M[head.edges + 2 * EDGE_WORDS + E_LENGTH]
+    return state.bent > 0.0 and length * length * jump_at(I, M, 1, False) > state.bent
 
 
 @kernel
@@ -124,27 +102,31 @@ def moved_by_joining(I, M):
 
     A bend that both elements have part of, as at a clamp that cable is drawn through, has no jump.
     """
-    dimension = I[I_DIMENSION]
-    first = M[S_TOP_LENGTH]
-    length = first + M[I[O_EDGE] + 2 * EDGE_WORDS + E_LENGTH]
+    head = header(I)
+    state = scalars(M)
+    dimension = head.dimension
+    first = state.top_length
+    length = first + M[head.edges + 2 * EDGE_WORDS + E_LENGTH]
     size = 2 * dimension
-    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 34]
-    hermite(M, I[O_POSITION], I[O_POSITION] + 2 * size, dimension, length, first / length, w)
+    w = M[head.motion + 28 : head.motion + 34]
+    hermite(M, head.position, head.position + 2 * size, dimension, length, first / length, w)
     square = 0.0
     for i in range(dimension):
-        square += (w[i] - M[I[O_POSITION] + size + i]) ** 2
+        square += (w[i] - M[head.position + size + i]) ** 2
     return math.sqrt(square)
 
 
 @kernel
 def next_change(I, M):
     """What the top of the line asks for next; 0: nothing."""
-    cable = I[I_TOP_CABLE]
-    row = I[O_CABLES] + cable * CABLE_WORDS
-    if cable + 1 < I[I_CABLES]:
-        out = M[S_TRAVEL] - M[row + K_LEAVES]
+    head = header(I)
+    state = scalars(M)
+    cable = head.top_cable
+    row = head.cables + cable * CABLE_WORDS
+    if cable + 1 < head.cable_count:
+        out = state.travel - M[row + K_LEAVES]
         body = body_above(I, M, cable)
-        if M[S_PASSING] != 0.0:
+        if state.body_passage != 0.0:
             beyond = out - M[body + B_LENGTH]
             if beyond >= (1.0 - NEARLY) * M[row + CABLE_WORDS + K_SHORTEST]:
                 return FOLLOWS
@@ -154,12 +136,12 @@ def next_change(I, M):
         if body >= 0:
             if out >= (1.0 - NEARLY) * bare_length(M, body, row + CABLE_WORDS):
                 return COMES
-        elif out >= M[row + CABLE_WORDS + K_SHORTEST] and out < M[S_TOP_LENGTH]:
+        elif out >= M[row + CABLE_WORDS + K_SHORTEST] and out < state.top_length:
             # A joint leaves the vessel once enough of the next cable is out.
             return LEAVES
     if cable > 0:
         # It is taken back when less than half of that is left.
-        out = M[S_TRAVEL] - M[row - CABLE_WORDS + K_LEAVES]
+        out = state.travel - M[row - CABLE_WORDS + K_LEAVES]
         body = body_above(I, M, cable - 1)
         if body >= 0:
             if out - M[body + B_LENGTH] <= 0.5 * M[row + K_SHORTEST]:
@@ -167,18 +149,18 @@ def next_change(I, M):
         elif out <= 0.5 * M[row + K_SHORTEST]:
             return RETURNS
     nominal = M[row + K_NOMINAL]
-    if M[S_TOP_LENGTH] > SPLIT * nominal or is_too_large(I, M, M[S_TOP_LENGTH], I[I_NODES] - 1):
+    if state.top_length > SPLIT * nominal or is_too_large(I, M, state.top_length, head.nodes - 1):
         return DIVIDES
-    first = I[O_EDGE] + EDGE_WORDS
+    first = head.edges + EDGE_WORDS
     below = first + EDGE_WORDS
-    if I[I_NODES] > 2 and M[S_TOP_LENGTH] < JOIN * min(nominal, M[below + E_LENGTH]):
-        if bends_with_next(I, M) and M[S_TOP_LENGTH] > SLIGHT * M[below + E_LENGTH]:
+    if head.nodes > 2 and state.top_length < JOIN * min(nominal, M[below + E_LENGTH]):
+        if bends_with_next(I, M) and state.top_length > SLIGHT * M[below + E_LENGTH]:
             return 0
-        if M[below + E_SEGMENT] == M[first + E_SEGMENT] and I[I[O_JOINT] + 2] == 0:
+        if M[below + E_SEGMENT] == M[first + E_SEGMENT] and I[head.joint + 2] == 0:
             # One of few elements goes only where another one gains by being halved.
-            if M[S_TOP_LENGTH] < UNEVEN * M[below + E_LENGTH] or (
+            if state.top_length < UNEVEN * M[below + E_LENGTH] or (
                 element_number(I, M) > FEWEST_ELEMENTS
-                and not is_too_large(I, M, M[S_TOP_LENGTH] + M[below + E_LENGTH], I[I_NODES] - 2)
+                and not is_too_large(I, M, state.top_length + M[below + E_LENGTH], head.nodes - 2)
             ):
                 return UNITES
     return 0
@@ -188,23 +170,25 @@ def next_change(I, M):
 def along_the_body(I, M):
     """Let the vessel node's slope point along the body that passes, and turn with it.
 
-    Leaves axis, its rate and second rate in w[0:9], the words of O_MOTION from 28 on.
+    Leaves axis, its rate and second rate in w[0:9], the words of `motion` from 28 on.
     """
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    state = scalars(M)
+    dimension = head.dimension
     count = 4 * dimension
-    q = I[O_POSITION]
-    v = I[O_VELOCITY]
-    a = I[O_ACCELERATION]
-    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 37]
+    q = head.position
+    v = head.velocity
+    a = head.acceleration
+    w = M[head.motion + 28 : head.motion + 37]
     axis_motion(
         I,
         M,
         M[q : q + count],
         M[v : v + count],
         M[a : a + count],
-        M[S_TOP_LENGTH],
-        M[S_PAYOUT_RATE],
-        M[S_PAYOUT_SLOPE],
+        state.top_length,
+        state.payout_rate,
+        state.payout_slope,
         w,
     )
     for i in range(dimension):
@@ -219,35 +203,39 @@ def body_moved(I, M, row):
 
     A body weighs as much as a piece of cable that axial waves take longer for.
     """
+    head = header(I)
+    state = scalars(M)
     node = int(M[row + B_NODE])
-    edge = I[O_EDGE] + (node + 1) * EDGE_WORDS
-    if node + 1 < I[I_NODES]:
+    edge = head.edges + (node + 1) * EDGE_WORDS
+    if node + 1 < head.nodes:
         reach = M[edge + E_LENGTH] + M[row + B_MASS] / M[edge + E_MASS]
-        M[S_JOINED] = max(M[S_JOINED], reach)
+        state.joined = max(state.joined, reach)
 
 
 @kernel
 def let_body_come(I, M):
     """The first bit of a body, until now a piece of the top element, becomes the body itself."""
-    cable = I[I_TOP_CABLE]
-    out = M[S_TRAVEL] - M[I[O_CABLES] + cable * CABLE_WORDS + K_LEAVES]
-    if split_edge(I, M, 1, out / M[S_TOP_LENGTH], False) != OK:
+    head = header(I)
+    state = scalars(M)
+    cable = head.top_cable
+    out = state.travel - M[head.cables + cable * CABLE_WORDS + K_LEAVES]
+    if split_edge(I, M, 1, out / state.top_length, False) != OK:
         return NO_CAPACITY
-    edge = I[O_EDGE] + EDGE_WORDS
-    I[I[O_JOINT] + 1] = JOINT_BODY
+    edge = head.edges + EDGE_WORDS
+    I[head.joint + 1] = JOINT_BODY
     M[edge + E_LENGTH] = 0.0
-    M[edge + E_START] = -M[S_PAID]
-    M[edge + EDGE_WORDS + E_START] = -M[S_PAID]
+    M[edge + E_START] = -state.paid
+    M[edge + EDGE_WORDS + E_START] = -state.paid
     for array in range(2):
         # The split has left the mean of the piece above: the tension at the new node.
-        t = I[O_TENSION] if array == 0 else I[O_TENSION_RATE]
+        t = head.tension if array == 0 else head.tension_rate
         M[t + 2] += M[t + 3]
         M[t + 3] = 0.0
     row = body_above(I, M, cable)
     M[row + B_NODE] = 1.0
-    M[row + B_PULL] = M[I[O_TENSION] + 2]
-    M[row + B_PULL + 1] = M[I[O_TENSION] + 2]
-    M[S_PASSING] = 1.0 + (row - I[O_BODY]) // BODY_WORDS
+    M[row + B_PULL] = M[head.tension + 2]
+    M[row + B_PULL + 1] = M[head.tension + 2]
+    state.body_passage = 1.0 + (row - head.bodies) // BODY_WORDS
     along_the_body(I, M)
     body_moved(I, M, row)
     update_springs(I, M, 0.0)
@@ -257,45 +245,47 @@ def let_body_come(I, M):
 @kernel
 def let_cable_follow(I, M):
     """The body is out: the first bit of the next cable takes its place at the tow point."""
-    if I[I_NODES] + I[I_LEFT_OUT] + 1 > I[I_CAPACITY]:
+    head = header(I)
+    state = scalars(M)
+    if head.nodes + head.left_out + 1 > head.capacity:
         return NO_CAPACITY
-    dimension = I[I_DIMENSION]
+    dimension = head.dimension
     size = 2 * dimension
-    cable = I[I_TOP_CABLE]
+    cable = head.top_cable
     row = body_above(I, M, cable)
-    length = M[S_TOP_LENGTH] - M[row + B_LENGTH]
+    length = state.top_length - M[row + B_LENGTH]
     along_the_body(I, M)
-    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 37]
-    pull = M[I[O_TENSION] + 2]
-    rate = M[I[O_TENSION_RATE] + 2]
+    w = M[head.motion + 28 : head.motion + 37]
+    pull = M[head.tension + 2]
+    rate = M[head.tension_rate + 2]
     open_gap(I, M, 1, 1)
     for k in range(EDGE_WORDS):
-        M[I[O_EDGE] + EDGE_WORDS + k] = 0.0
+        M[head.edges + EDGE_WORDS + k] = 0.0
     give_properties(I, M, 1, cable + 1)
-    M[I[O_EDGE] + EDGE_WORDS + E_LENGTH] = length
-    M[I[O_EDGE] + EDGE_WORDS + E_START] = -M[S_PAID]
-    M[I[O_EDGE] + 2 * EDGE_WORDS + E_START] = length - M[S_PAID]
-    I[I[O_JOINT] + 1] = 0
-    M[I[O_TENSION] + 2] = pull
-    M[I[O_TENSION] + 3] = 0.0
-    M[I[O_TENSION_RATE] + 2] = rate
-    M[I[O_TENSION_RATE] + 3] = 0.0
-    speed = M[S_PAYOUT_RATE]
+    M[head.edges + EDGE_WORDS + E_LENGTH] = length
+    M[head.edges + EDGE_WORDS + E_START] = -state.paid
+    M[head.edges + 2 * EDGE_WORDS + E_START] = length - state.paid
+    I[head.joint + 1] = 0
+    M[head.tension + 2] = pull
+    M[head.tension + 3] = 0.0
+    M[head.tension_rate + 2] = rate
+    M[head.tension_rate + 3] = 0.0
+    speed = state.payout_rate
     for i in range(dimension):
         at = size + i
-        M[I[O_POSITION] + at] = M[I[O_POSITION] + i] + length * w[i]
-        M[I[O_VELOCITY] + at] = M[I[O_VELOCITY] + i] + speed * w[i] + length * w[3 + i]
-        M[I[O_ACCELERATION] + at] = M[I[O_ACCELERATION] + i] + M[S_PAYOUT_SLOPE] * w[i]
-        M[I[O_ACCELERATION] + at] += 2.0 * speed * w[3 + i] + length * w[6 + i]
-        M[I[O_POSITION] + at + dimension] = w[i]
-        M[I[O_VELOCITY] + at + dimension] = w[3 + i]
-        M[I[O_ACCELERATION] + at + dimension] = w[6 + i]
+        M[head.position + at] = M[head.position + i] + length * w[i]
+        M[head.velocity + at] = M[head.velocity + i] + speed * w[i] + length * w[3 + i]
+        M[head.acceleration + at] = M[head.acceleration + i] + state.payout_slope * w[i]
+        M[head.acceleration + at] += 2.0 * speed * w[3 + i] + length * w[6 + i]
+        M[head.position + at + dimension] = w[i]
+        M[head.velocity + at + dimension] = w[3 + i]
+        M[head.acceleration + at + dimension] = w[6 + i]
     for i in range(3):
-        M[I[O_REST] + 3 + i] = M[I[O_REST] + i]
-    M[S_TOP_LENGTH] = length
+        M[head.rest + 3 + i] = M[head.rest + i]
+    state.top_length = length
     body_moved(I, M, row)
-    M[S_PASSING] = 0.0
-    I[I_TOP_CABLE] = cable + 1
+    state.body_passage = 0.0
+    head.top_cable = cable + 1
     M[row + B_PULL] = pull
     update_springs(I, M, 0.0)
     return OK
@@ -304,15 +294,17 @@ def let_cable_follow(I, M):
 @kernel
 def let_body_stop(I, M):
     """The cable above a body is taken in: the body's inner end comes to the tow point."""
-    while I[I[O_JOINT] + 2] == 0:
+    head = header(I)
+    state = scalars(M)
+    while I[head.joint + 2] == 0:
         join_at(I, M, 1, 1)
-    cable = I[I_TOP_CABLE] - 1
+    cable = head.top_cable - 1
     row = body_above(I, M, cable)
     close_gap(I, M, 1, 1)
     body_moved(I, M, row)
-    M[S_TOP_LENGTH] = M[S_TRAVEL] - M[I[O_CABLES] + cable * CABLE_WORDS + K_LEAVES]
-    M[S_PASSING] = 1.0 + (row - I[O_BODY]) // BODY_WORDS
-    I[I_TOP_CABLE] = cable
+    state.top_length = state.travel - M[head.cables + cable * CABLE_WORDS + K_LEAVES]
+    state.body_passage = 1.0 + (row - head.bodies) // BODY_WORDS
+    head.top_cable = cable
     along_the_body(I, M)
     update_springs(I, M, 0.0)
 
@@ -320,46 +312,52 @@ def let_body_stop(I, M):
 @kernel
 def let_body_enter(I, M):
     """The last bit of a body that is taken in becomes a piece of the top element."""
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    state = scalars(M)
+    dimension = head.dimension
     size = 2 * dimension
-    cable = I[I_TOP_CABLE]
+    cable = head.top_cable
     row = body_above(I, M, cable)
     M[row + B_NODE] = -1.0
-    M[S_PASSING] = 0.0
-    w = M[I[O_MOTION] + 28 : I[O_MOTION] + 37]
+    state.body_passage = 0.0
+    w = M[head.motion + 28 : head.motion + 37]
     for i in range(dimension):
-        w[i] = M[I[O_POSITION] + size + dimension + i]
-        w[3 + i] = M[I[O_VELOCITY] + size + dimension + i]
-        w[6 + i] = M[I[O_ACCELERATION] + size + dimension + i]
+        w[i] = M[head.position + size + dimension + i]
+        w[3 + i] = M[head.velocity + size + dimension + i]
+        w[6 + i] = M[head.acceleration + size + dimension + i]
     close_gap(I, M, 1, 1)
-    M[S_TOP_LENGTH] += M[I[O_EDGE] + EDGE_WORDS + E_LENGTH]
-    M[I[O_EDGE] + EDGE_WORDS + E_LENGTH] = M[S_TOP_LENGTH]
-    M[S_JOINED] = max(M[S_JOINED], M[S_TOP_LENGTH])
+    state.top_length += M[head.edges + EDGE_WORDS + E_LENGTH]
+    M[head.edges + EDGE_WORDS + E_LENGTH] = state.top_length
+    state.joined = max(state.joined, state.top_length)
     for i in range(dimension):
-        M[I[O_POSITION] + dimension + i] = w[i]
+        M[head.position + dimension + i] = w[i]
     turn_with_matter(I, M, w[3 : 3 + dimension], w[6 : 6 + dimension])
 
 
 @kernel
 def keep_length(I, M, edge):
     """An element that the winch has made stays as long as it is: only its halves are joined."""
-    if M[S_BENT] > 0.0:
-        row = I[O_EDGE] + EDGE_WORDS * edge
+    head = header(I)
+    state = scalars(M)
+    if state.bent > 0.0:
+        row = head.edges + EDGE_WORDS * edge
         M[row + E_NOMINAL] = M[row + E_LENGTH]
 
 
 @kernel
 def unite(I, M):
     """Join the top element with the next one; of the fewest, halve the longest instead."""
+    head = header(I)
+    state = scalars(M)
     join_at(I, M, 1, 1)
-    M[I[O_EDGE] + EDGE_WORDS + E_LENGTH] = M[S_TOP_LENGTH]
+    M[head.edges + EDGE_WORDS + E_LENGTH] = state.top_length
     if element_number(I, M) >= FEWEST_ELEMENTS:
         return OK
     longest = 1
-    for node in range(1, I[I_NODES]):
+    for node in range(1, head.nodes):
         if (
-            M[I[O_EDGE] + EDGE_WORDS * node + E_LENGTH]
-            > M[I[O_EDGE] + EDGE_WORDS * longest + E_LENGTH]
+            M[head.edges + EDGE_WORDS * node + E_LENGTH]
+            > M[head.edges + EDGE_WORDS * longest + E_LENGTH]
         ):
             longest = node
     status = split_edge(I, M, longest, 0.5, False)
@@ -372,35 +370,37 @@ def unite(I, M):
 @kernel
 def adapt_top(I, M):
     """Before a step: let joints and bodies pass the tow point, split or join the top element."""
+    head = header(I)
+    state = scalars(M)
     for _pass in range(64):
         change = next_change(I, M)
         if change == 0:
             break
-        cable = I[I_TOP_CABLE]
-        row = I[O_CABLES] + cable * CABLE_WORDS
+        cable = head.top_cable
+        row = head.cables + cable * CABLE_WORDS
         status = OK
         if change == LEAVES:
             above = row + CABLE_WORDS
-            out = M[S_TRAVEL] - M[row + K_LEAVES]
+            out = state.travel - M[row + K_LEAVES]
             hinge = M[above + K_HINGE] != 0.0
-            status = split_edge(I, M, 1, out / M[S_TOP_LENGTH], hinge)
+            status = split_edge(I, M, 1, out / state.top_length, hinge)
             if status == OK:
                 give_properties(I, M, 1, cable + 1)
                 if M[above + K_BODY] >= 0.0:
-                    M[I[O_BODY] + int(M[above + K_BODY]) * BODY_WORDS + B_NODE] = 1.0
-                I[I_TOP_CABLE] = cable + 1
+                    M[head.bodies + int(M[above + K_BODY]) * BODY_WORDS + B_NODE] = 1.0
+                head.top_cable = cable + 1
         elif change == RETURNS:
             if M[row + K_BODY] >= 0.0:
-                M[I[O_BODY] + int(M[row + K_BODY]) * BODY_WORDS + B_NODE] = -1.0
+                M[head.bodies + int(M[row + K_BODY]) * BODY_WORDS + B_NODE] = -1.0
             # All of the upper cable's elements go.
-            while I[I[O_JOINT] + 2] == 0 and (
-                M[I[O_EDGE] + 2 * EDGE_WORDS + E_SEGMENT] == M[I[O_EDGE] + EDGE_WORDS + E_SEGMENT]
+            while I[head.joint + 2] == 0 and (
+                M[head.edges + 2 * EDGE_WORDS + E_SEGMENT] == M[head.edges + EDGE_WORDS + E_SEGMENT]
             ):
                 join_at(I, M, 1, 1)
             join_at(I, M, 1, 2 if M[row + K_HINGE] != 0.0 else 1)
             give_properties(I, M, 1, cable - 1)
-            M[I[O_EDGE] + EDGE_WORDS + E_LENGTH] = M[S_TOP_LENGTH]
-            I[I_TOP_CABLE] = cable - 1
+            M[head.edges + EDGE_WORDS + E_LENGTH] = state.top_length
+            head.top_cable = cable - 1
         elif change == COMES:
             status = let_body_come(I, M)
         elif change == FOLLOWS:
@@ -410,7 +410,7 @@ def adapt_top(I, M):
         elif change == ENTERS:
             let_body_enter(I, M)
         elif change == DIVIDES:
-            pieces = max(2, int(M[S_TOP_LENGTH] / M[row + K_NOMINAL]))
+            pieces = max(2, int(state.top_length / M[row + K_NOMINAL]))
             status = split_edge(I, M, 1, 1.0 - 1.0 / pieces, False)
             if status == OK:
                 keep_length(I, M, 2)

@@ -8,9 +8,10 @@ of the node's Schur complement, lower is replaced by Z = D^-1 lower.
 
 from typing import Any
 
+from .access import header
 from .compile import kernel
 from .elimination import hinge_kernels, lower_upper
-from .layout import I_NODES, JOINT_HINGE, O_DIAGONAL, O_JOINT, O_LOWER, O_PARENT, O_UPPER
+from .layout import JOINT_HINGE
 
 
 def make_triangular_solver(size: int) -> tuple[Any, Any]:
@@ -21,21 +22,22 @@ def make_triangular_solver(size: int) -> tuple[Any, Any]:
 
     @kernel
     def factor(I, M):
-        nodes = I[I_NODES]
+        head = header(I)
+        nodes = head.nodes
         for node in range(nodes - 1, -1, -1):
-            at = I[O_DIAGONAL] + area * node
+            at = head.diagonal + area * node
             D = M[at : at + area]
-            hinge = I[I[O_JOINT] + node] == JOINT_HINGE
+            hinge = I[head.joint + node] == JOINT_HINGE
             factored = factor_hinge(D) if hinge else factor_block(D)
             if not factored:
                 return node + 1
             if node == 0:
                 break
-            parent = I[I[O_PARENT] + node]
-            above = I[O_DIAGONAL] + area * parent
+            parent = I[head.parent + node]
+            above = head.diagonal + area * parent
             A = M[above : above + area]
-            Z = M[I[O_LOWER] + area * node : I[O_LOWER] + area * node + area]
-            U = M[I[O_UPPER] + area * node : I[O_UPPER] + area * node + area]
+            Z = M[head.lower + area * node : head.lower + area * node + area]
+            U = M[head.upper + area * node : head.upper + area * node + area]
             if hinge:
                 condense_hinge(D, Z, A)
             else:
@@ -61,31 +63,32 @@ def make_triangular_solver(size: int) -> tuple[Any, Any]:
 
     @kernel
     def solve(I, M, x):
-        nodes = I[I_NODES]
+        head = header(I)
+        nodes = head.nodes
         for node in range(nodes - 1, -1, -1):
-            at = I[O_DIAGONAL] + area * node
+            at = head.diagonal + area * node
             D = M[at : at + area]
             y = x[size * node : size * node + size]
-            if I[I[O_JOINT] + node] == JOINT_HINGE:
-                parent = I[I[O_PARENT] + node]
+            if I[head.joint + node] == JOINT_HINGE:
+                parent = I[head.parent + node]
                 reduce_hinge(D, y, x[size * parent : size * parent + size])
                 continue
             solve_block(D, y)
             if node > 0:
-                parent = I[I[O_PARENT] + node]
+                parent = I[head.parent + node]
                 b = x[size * parent : size * parent + size]
-                U = M[I[O_UPPER] + area * node : I[O_UPPER] + area * node + area]
+                U = M[head.upper + area * node : head.upper + area * node + area]
                 for i in range(size):
                     value = b[i]
                     for k in range(size):
                         value -= U[size * i + k] * y[k]
                     b[i] = value
         for node in range(1, nodes):
-            parent = I[I[O_PARENT] + node]
+            parent = I[head.parent + node]
             y = x[size * node : size * node + size]
             p = x[size * parent : size * parent + size]
-            Z = M[I[O_LOWER] + area * node : I[O_LOWER] + area * node + area]
-            if I[I[O_JOINT] + node] == JOINT_HINGE:
+            Z = M[head.lower + area * node : head.lower + area * node + area]
+            if I[head.joint + node] == JOINT_HINGE:
                 substitute_hinge(Z, p, y)
             else:
                 for i in range(size):

@@ -13,49 +13,14 @@ result, C d^3 q''', is the error's measure. Whatever is not smooth, or does not 
 is refused here and taken by the one-step scheme, from the same state.
 """
 
+from .access import header, scalars
 from .compile import copy_words, inlined, kernel, view
 from .environment import surge_jump
 from .layout import (
-    I_DIMENSION,
-    I_FACTORED,
-    I_FRESH,
-    I_HISTORY,
-    I_ITERATIONS,
-    I_LIVE,
-    I_NODES,
-    I_PIECE,
-    I_PIECES,
-    I_TWO_STEP_CHECK,
-    I_TWO_STEP_REST,
-    I_TWO_STEP_WAIT,
-    O_ACCELERATION,
-    O_COMPLIANCE,
-    O_CONSTRAINT_RESIDUAL,
-    O_HISTORY,
-    O_INCREMENT,
-    O_PIECES,
-    O_POSITION,
-    O_RESIDUAL,
-    O_TENSION,
-    O_TENSION_RATE,
-    O_TRIAL_A,
-    O_TRIAL_Q,
-    O_TRIAL_T,
-    O_TRIAL_V,
-    O_VELOCITY,
     P_ACCELERATION_JUMP,
     P_END,
     P_VELOCITY_JUMP,
     PIECE_WORDS,
-    S_FACTORED_STEP,
-    S_LARGEST_TENSION,
-    S_LAST_STEP,
-    S_PERIOD,
-    S_STAGE_TENSION,
-    S_TENSION_SCALE,
-    S_TIME,
-    S_TIME_TOLERANCE,
-    S_TWO_STEP_RATIO,
 )
 from .newton import NO_TENSION, increment_norm, refactor
 from .system import (
@@ -77,30 +42,33 @@ STALE = 0.25  # convergence ratio that asks for a new factorisation
 @kernel
 def starts_at_a_kink(I, M, dt):
     """Whether the vessel's motion or the current has a kink that matters at the present time."""
-    surge, _most = surge_jump(I, M, M[S_TIME])
-    if surge * dt * dt > 0.1 * M[S_TIME_TOLERANCE]:
+    head = header(I)
+    state = scalars(M)
+    surge, _most = surge_jump(I, M, state.time)
+    if surge * dt * dt > 0.1 * state.time_tolerance:
         return True
-    if I[I_LIVE] != 0:
+    if head.live != 0:
         return False
-    k = I[I_PIECE]
-    if k + 1 >= I[I_PIECES]:
+    k = head.piece
+    if k + 1 >= head.piece_count:
         return False
-    row = I[O_PIECES] + k * PIECE_WORDS
-    if M[row + P_END] > M[S_TIME]:
+    row = head.pieces + k * PIECE_WORDS
+    if M[row + P_END] > state.time:
         return False
     row += PIECE_WORDS
     return (
         M[row + P_VELOCITY_JUMP] > 0.0
-        or M[row + P_ACCELERATION_JUMP] * dt * dt > 0.1 * M[S_TIME_TOLERANCE]
+        or M[row + P_ACCELERATION_JUMP] * dt * dt > 0.1 * state.time_tolerance
     )
 
 
 @inlined
 def refuse(I):
     """Leave the next steps to the one-step scheme, and more of them each time in a row."""
-    rest = min(LONGEST_WAIT, max(SHORTEST_WAIT, 2 * I[I_TWO_STEP_REST]))
-    I[I_TWO_STEP_REST] = rest
-    I[I_TWO_STEP_WAIT] = rest
+    head = header(I)
+    rest = min(LONGEST_WAIT, max(SHORTEST_WAIT, 2 * head.two_step_rest))
+    head.two_step_rest = rest
+    head.two_step_wait = rest
     return False
 
 
@@ -110,30 +78,32 @@ def try_two_step(I, M, dt):
 
     The state is as before; the factorisation may be another one.
     """
-    last = M[S_LAST_STEP]
-    if I[I_HISTORY] == 0 or dt > LARGEST_GROWTH * last or last > 2.5 * dt:
+    head = header(I)
+    state = scalars(M)
+    last = state.last_step
+    if head.has_history == 0 or dt > LARGEST_GROWTH * last or last > 2.5 * dt:
         return False
-    if I[I_TWO_STEP_WAIT] > 0:
-        I[I_TWO_STEP_WAIT] -= 1
+    if head.two_step_wait > 0:
+        head.two_step_wait -= 1
         return False
     if starts_at_a_kink(I, M, dt):
         return False
-    count = 2 * I[I_DIMENSION] * I[I_NODES]
-    nodes = I[I_NODES]
-    q0 = view(M, I[O_POSITION], count)
-    v0 = view(M, I[O_VELOCITY], count)
-    a0 = view(M, I[O_ACCELERATION], count)
-    q1 = view(M, I[O_HISTORY], count)
-    v1 = view(M, I[O_HISTORY] + count, count)
-    q = view(M, I[O_TRIAL_Q], count)
-    v = view(M, I[O_TRIAL_V], count)
-    a = view(M, I[O_TRIAL_A], count)
-    t0 = view(M, I[O_TENSION], 2 * nodes)
-    rate = view(M, I[O_TENSION_RATE], 2 * nodes)
-    tension = view(M, I[O_TRIAL_T], 2 * nodes)
-    forces = view(M, I[O_RESIDUAL], count)
-    constraint = view(M, I[O_CONSTRAINT_RESIDUAL], 2 * nodes)
-    x = view(M, I[O_INCREMENT], count)
+    count = 2 * head.dimension * head.nodes
+    nodes = head.nodes
+    q0 = view(M, head.position, count)
+    v0 = view(M, head.velocity, count)
+    a0 = view(M, head.acceleration, count)
+    q1 = view(M, head.history, count)
+    v1 = view(M, head.history + count, count)
+    q = view(M, head.trial_position, count)
+    v = view(M, head.trial_velocity, count)
+    a = view(M, head.trial_acceleration, count)
+    t0 = view(M, head.tension, 2 * nodes)
+    rate = view(M, head.tension_rate, 2 * nodes)
+    tension = view(M, head.trial_tension, 2 * nodes)
+    forces = view(M, head.residual, count)
+    constraint = view(M, head.constraint_residual, 2 * nodes)
+    x = view(M, head.increment, count)
 
     rho = dt / last
     gamma_dt = two_step_gamma(M, dt)
@@ -147,30 +117,30 @@ def try_two_step(I, M, dt):
         a[n] = b0 * v[n] + b1 * v0[n] + b2 * v1[n]
     for n in range(2 * nodes):
         tension[n] = t0[n] + dt * rate[n]
-    set_time(I, M, M[S_TIME] + dt)
-    impose_motion(I, M, M[S_TIME] + dt, q, v, a)
-    I[I_FRESH] = 0
-    change = M[S_FACTORED_STEP] / gamma_dt
-    if I[I_FACTORED] == 0 or change < 0.87 or change > 1.15:
+    set_time(I, M, state.time + dt)
+    impose_motion(I, M, state.time + dt, q, v, a)
+    head.fresh = 0
+    change = state.factored_step / gamma_dt
+    if head.factored == 0 or change < 0.87 or change > 1.15:
         if refactor(I, M, q, v, a, tension, gamma_dt) != 0:
             return False
-        I[I_TWO_STEP_CHECK] = 0
+        head.two_step_check = 0
     # What is left of a step is a force that acts as long as it is left; over a period of the line
     # it must move it by less than the tolerance.
-    tolerance = M[S_TIME_TOLERANCE]
-    share = min(1.0, dt / M[S_PERIOD])
+    tolerance = state.time_tolerance
+    share = min(1.0, dt / state.period)
     enough = 0.1 * tolerance * share * share
-    measure = I[I_TWO_STEP_CHECK] <= 0
+    measure = head.two_step_check <= 0
     previous = 0.0
     moved = 0.0
     for iteration in range(MOST_ITERATIONS):
         residual(I, M, q, v, a, tension, forces, constraint)
         newton_increment(I, M, forces, constraint, x)
-        I[I_ITERATIONS] += 1
+        head.iterations += 1
         size, _where = increment_norm(I, M, x)
         if iteration == 0:
-            s = view(M, I[O_COMPLIANCE] + 3, 3)
-            M[S_STAGE_TENSION] = tension[2] + s[0] * constraint[2] + s[1] * constraint[3]
+            s = view(M, head.compliance + 3, 3)
+            state.stage_top_tension[0] = tension[2] + s[0] * constraint[2] + s[1] * constraint[3]
         moved += size
         if not 0.5 * moved <= LARGEST_ERROR * tolerance:
             return refuse(I)
@@ -186,22 +156,22 @@ def try_two_step(I, M, dt):
             ratio = size / previous if previous > 0.0 else 0.0
             if size < 1e-3 * enough:
                 ratio = min(ratio, 0.05)  # rounding
-            M[S_TWO_STEP_RATIO] = max(ratio, 0.01)
-            I[I_TWO_STEP_REST] = I[I_TWO_STEP_REST] // 2
-            I[I_TWO_STEP_CHECK] = CHECK
+            state.two_step_ratio = max(ratio, 0.01)
+            head.two_step_rest = head.two_step_rest // 2
+            head.two_step_check = CHECK
             measure = False
-        ratio = M[S_TWO_STEP_RATIO]
+        ratio = state.two_step_ratio
         if (
             not measure
             and ratio < 0.5
             and ratio * size <= enough
-            and ratio * tension_change <= 1e-4 * max(largest, NO_TENSION * M[S_TENSION_SCALE])
+            and ratio * tension_change <= 1e-4 * max(largest, NO_TENSION * state.tension_scale)
         ):
-            I[I_TWO_STEP_CHECK] -= 1
-            M[S_LARGEST_TENSION] = max(M[S_LARGEST_TENSION], largest)
+            head.two_step_check -= 1
+            state.largest_tension = max(state.largest_tension, largest)
             return True
         if iteration > 0 and ratio > STALE:
-            if I[I_FRESH] == 1:
+            if head.fresh == 1:
                 break
             if refactor(I, M, q, v, a, tension, gamma_dt) != 0:
                 return False
@@ -212,32 +182,36 @@ def try_two_step(I, M, dt):
 @kernel
 def two_step_gamma(M, dt):
     """Of a two-step step of dt, what gamma dt is of a one-step step [s]."""
-    rho = dt / M[S_LAST_STEP]
+    state = scalars(M)
+    rho = dt / state.last_step
     return dt * (1.0 + rho) / (1.0 + 2.0 * rho)
 
 
 @kernel
 def remember(I, M):
     """Keep the state that a step is about to replace."""
-    count = 2 * I[I_DIMENSION] * I[I_NODES]
-    copy_words(I, I[O_HISTORY], I[O_POSITION], count)
-    copy_words(I, I[O_HISTORY] + count, I[O_VELOCITY], count)
-    I[I_HISTORY] = 1
+    head = header(I)
+    count = 2 * head.dimension * head.nodes
+    copy_words(I, head.history, head.position, count)
+    copy_words(I, head.history + count, head.velocity, count)
+    head.has_history = 1
 
 
 @kernel
 def accept_two_step(I, M, dt):
     """The trial becomes the state."""
+    head = header(I)
+    state = scalars(M)
     remember(I, M)
-    count = 2 * I[I_DIMENSION] * I[I_NODES]
-    before = view(M, I[O_TENSION], 2 * I[I_NODES])
-    after = view(M, I[O_TRIAL_T], 2 * I[I_NODES])
-    rate = view(M, I[O_TENSION_RATE], 2 * I[I_NODES])
+    count = 2 * head.dimension * head.nodes
+    before = view(M, head.tension, 2 * head.nodes)
+    after = view(M, head.trial_tension, 2 * head.nodes)
+    rate = view(M, head.tension_rate, 2 * head.nodes)
     inverse = 1.0 / dt
-    for n in range(2 * I[I_NODES]):
+    for n in range(2 * head.nodes):
         rate[n] = (after[n] - before[n]) * inverse
         before[n] = after[n]
-    copy_words(I, I[O_POSITION], I[O_TRIAL_Q], count)
-    copy_words(I, I[O_VELOCITY], I[O_TRIAL_V], count)
-    copy_words(I, I[O_ACCELERATION], I[O_TRIAL_A], count)
-    M[S_LAST_STEP] = dt
+    copy_words(I, head.position, head.trial_position, count)
+    copy_words(I, head.velocity, head.trial_velocity, count)
+    copy_words(I, head.acceleration, head.trial_acceleration, count)
+    state.last_step = dt

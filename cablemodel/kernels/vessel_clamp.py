@@ -10,6 +10,7 @@ flexible cable passes no moment: k = 0. Nor does a clamp hold a body of finite l
 
 import math
 
+from .access import header, scalars
 from .clamp_layer import share_of_layer
 from .compile import kernel
 from .layout import (
@@ -23,18 +24,6 @@ from .layout import (
     E_LENGTH,
     EDGE_WORDS,
     EXACTLY,
-    I_DIMENSION,
-    I_FACTORED,
-    I_HISTORY,
-    I_RIGID,
-    O_CONSTRAINT,
-    O_DIAGONAL,
-    O_EDGE,
-    O_MOTION,
-    O_POSITION,
-    O_TENSION,
-    S_CLAMP_PULL,
-    S_PASSING,
 )
 from .rigid import clamp_stiffness, stiffen_gently, update_clamps
 from .slopes import half_cosine, slope_direction
@@ -43,8 +32,10 @@ from .slopes import half_cosine, slope_direction
 @kernel
 def clamp_spring(I, M):
     """Stiffness of the clamp [N m]; 0 where there is none."""
-    row = I[O_CONSTRAINT]
-    if M[row + C_CLAMPED] != BY_SPRING or M[S_PASSING] != 0.0:
+    head = header(I)
+    state = scalars(M)
+    row = head.constraints
+    if M[row + C_CLAMPED] != BY_SPRING or state.body_passage != 0.0:
         return 0.0
     return M[row + C_SPRING]
 
@@ -52,20 +43,22 @@ def clamp_spring(I, M):
 @kernel
 def slope_at_vessel(I, M, q, w):
     """Clamp's direction into w[0:3], the slope's into w[3:6]; (its length, their cosine)."""
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    dimension = head.dimension
     for i in range(dimension):
-        w[i] = M[I[O_CONSTRAINT] + C_DIRECTION + i]
+        w[i] = M[head.constraints + C_DIRECTION + i]
     return slope_direction(dimension, q, dimension, w)
 
 
 @kernel
 def add_clamp_moment(I, M, q, out):
     """Add minus the clamp's force on the slope to the forces of the vessel's node."""
+    head = header(I)
     k = clamp_spring(I, M)
     if k == 0.0:
         return
-    dimension = I[I_DIMENSION]
-    w = M[I[O_MOTION] + 16 : I[O_MOTION] + 22]
+    dimension = head.dimension
+    w = M[head.motion + 16 : head.motion + 22]
     length, cosine = slope_at_vessel(I, M, q, w)
     force = k / (length * half_cosine(cosine))
     for i in range(dimension):
@@ -75,12 +68,13 @@ def add_clamp_moment(I, M, q, out):
 @kernel
 def add_clamp_tangent(I, M, q):
     """Add its derivative to the vessel node's block of the Newton matrix."""
+    head = header(I)
     k = clamp_spring(I, M)
     if k == 0.0:
         return
-    dimension = I[I_DIMENSION]
+    dimension = head.dimension
     size = 2 * dimension
-    w = M[I[O_MOTION] + 16 : I[O_MOTION] + 22]
+    w = M[head.motion + 16 : head.motion + 22]
     length, cosine = slope_at_vessel(I, M, q, w)
     half = half_cosine(cosine)
     first = k / (length * length * half)
@@ -90,7 +84,7 @@ def add_clamp_tangent(I, M, q):
             unit = 1.0 if i == j else 0.0
             value = w[3 + i] * w[j] + w[i] * w[3 + j]
             value += cosine * (unit - 3.0 * w[3 + i] * w[3 + j])
-            at = I[O_DIAGONAL] + size * (dimension + i) + dimension + j
+            at = head.diagonal + size * (dimension + i) + dimension + j
             across = (w[i] - cosine * w[3 + i]) * (w[j] - cosine * w[3 + j])
             M[at] += first * value + second * across
 
@@ -98,30 +92,33 @@ def add_clamp_tangent(I, M, q):
 @kernel
 def clamp_energy(I, M, q):
     """What the spring holds [J]."""
+    head = header(I)
     k = clamp_spring(I, M)
     if k == 0.0:
         return 0.0
-    _length, cosine = slope_at_vessel(I, M, q, M[I[O_MOTION] + 16 : I[O_MOTION] + 22])
+    _length, cosine = slope_at_vessel(I, M, q, M[head.motion + 16 : head.motion + 22])
     return 4.0 * k * (1.0 - half_cosine(cosine))
 
 
 @kernel
 def update_springs(I, M, share):
     """Stiffness of all clamps by the tensions, of which `share` is the present one."""
-    if I[I_RIGID] > 0:
+    head = header(I)
+    state = scalars(M)
+    if head.rigid > 0:
         update_clamps(I, M, share)
-    row = I[O_CONSTRAINT]
+    row = head.constraints
     if M[row + C_CLAMPED] != BY_SPRING:
         return
-    if M[S_PASSING] != 0.0:
+    if state.body_passage != 0.0:
         M[row + C_SHARE] = 0.0
         return
-    pull = M[I[O_TENSION] + 2] - M[I[O_TENSION] + 3]
-    before = M[S_CLAMP_PULL]
-    M[S_CLAMP_PULL] += share * (pull - before)
-    edge = I[O_EDGE] + EDGE_WORDS
+    pull = M[head.tension + 2] - M[head.tension + 3]
+    before = state.clamp_tension
+    state.clamp_tension += share * (pull - before)
+    edge = head.edges + EDGE_WORDS
     M[row + C_SHARE] = share_of_layer(I, M)
-    target = clamp_stiffness(M, edge, M[S_CLAMP_PULL], M[edge + E_LENGTH], False)
+    target = clamp_stiffness(M, edge, state.clamp_tension, M[edge + E_LENGTH], False)
     part = M[row + C_SHARE]
     if part == 1.0:
         target = 0.0
@@ -131,19 +128,20 @@ def update_springs(I, M, share):
         target = 1.0 / (1.0 / target + part / ((1.0 - part) * layer))
     k = M[row + C_SPRING]
     if target > k:
-        q = M[I[O_POSITION] : I[O_POSITION] + 2 * I[I_DIMENSION]]
-        _length, cosine = slope_at_vessel(I, M, q, M[I[O_MOTION] + 16 : I[O_MOTION] + 22])
+        q = M[head.position : head.position + 2 * head.dimension]
+        _length, cosine = slope_at_vessel(I, M, q, M[head.motion + 16 : head.motion + 22])
         bend = 4.0 * (1.0 - half_cosine(cosine))
-        target = stiffen_gently(M, k, target, M[S_CLAMP_PULL], before, bend, share)
+        target = stiffen_gently(M, k, target, state.clamp_tension, before, bend, share)
     M[row + C_SPRING] = target
 
 
 @kernel
 def release_slope(I, M):
     """Cable begins to run past the tow point: from now on a spring holds what was prescribed."""
-    row = I[O_CONSTRAINT]
+    head = header(I)
+    row = head.constraints
     if M[row + C_CLAMPED] == EXACTLY:
         M[row + C_CLAMPED] = BY_SPRING
         update_springs(I, M, 1.0)
-        I[I_FACTORED] = 0
-        I[I_HISTORY] = 0
+        head.factored = 0
+        head.has_history = 0

@@ -22,6 +22,7 @@ tension is the effective one, whose weight is that in water.
 
 import math
 
+from .access import header, scalars
 from .airy import living, sum_components
 from .compile import kernel, outlined, view
 from .environment import current_at, surge_at
@@ -37,28 +38,7 @@ from .layout import (
     E_WEIGHT,
     EDGE_WORDS,
     ELEMENT_WORDS,
-    I_CELL_TERMS,
-    I_CURRENT,
-    I_DIMENSION,
-    I_SURGE,
-    I_WAVES,
     K_DISPLACED,
-    O_CABLES,
-    O_CELLS,
-    O_EDGE,
-    O_MOTION,
-    S_BASE,
-    S_GRAVITY,
-    S_PLANE,
-    S_WATER_DENSITY,
-    S_WAVE_CREST,
-    S_WAVE_DEPTH,
-    S_WAVE_RAMP,
-    S_WAVE_RISE,
-    S_WAVE_SHARE,
-    S_WAVE_TIME,
-    S_WAVE_X,
-    S_WAVE_Y,
 )
 from .sea_cells import WATER, is_kept, keep, sum_in_cell
 from .tables import H0, H1, H2, H3
@@ -75,7 +55,7 @@ ACCELERATION = ELEMENT_WORDS  # of the water: three slots
 WET, SLOPE = ELEMENT_WORDS + 12, ELEMENT_WORDS + 16  # share s, ds/dz
 DRAG = ELEMENT_WORDS + 20  # share by which drag counts
 
-# What `wave_at` writes at O_MOTION + POINT.
+# What `wave_at` writes at `motion` + POINT.
 POINT = 64
 P_VELOCITY, P_ACCELERATION, P_WET, P_SLOPE = POINT, POINT + 3, POINT + 6, POINT + 7
 
@@ -83,13 +63,14 @@ P_VELOCITY, P_ACCELERATION, P_WET, P_SLOPE = POINT, POINT + 3, POINT + 6, POINT 
 @kernel
 def set_wave_time(M, t):
     """Time, share of the waves (0 to 1, quintic) and its derivative; calm until t = 0."""
-    M[S_WAVE_TIME] = t
-    M[S_WAVE_RISE] = 0.0
-    M[S_WAVE_SHARE] = 1.0 if t > 0.0 else 0.0
-    if 0.0 < t and t < M[S_WAVE_RAMP]:
-        x = t / M[S_WAVE_RAMP]
-        M[S_WAVE_SHARE] = x * x * x * (10.0 + x * (6.0 * x - 15.0))
-        M[S_WAVE_RISE] = 30.0 * x * x * (1.0 - x) ** 2 / M[S_WAVE_RAMP]
+    state = scalars(M)
+    state.wave_time = t
+    state.wave_rise = 0.0
+    state.wave_share = 1.0 if t > 0.0 else 0.0
+    if 0.0 < t and t < state.wave_ramp:
+        x = t / state.wave_ramp
+        state.wave_share = x * x * x * (10.0 + x * (6.0 * x - 15.0))
+        state.wave_rise = 30.0 * x * x * (1.0 - x) ** 2 / state.wave_ramp
 
 
 @outlined
@@ -101,23 +82,25 @@ def wave_at(I, M, x, y, z, reach, slot):
     still water: on the same element a crest's height less or more. slot: where the sea's cell about
     the place may be kept (sea_cells.py); -1: its components are summed for this place alone.
     """
-    at = I[O_MOTION]
-    planar = I[I_DIMENSION] == 2
+    head = header(I)
+    state = scalars(M)
+    at = head.motion
+    planar = head.dimension == 2
     if planar:
-        y = M[S_BASE + 1] + M[S_PLANE + 1] * x
-        x = M[S_BASE] + M[S_PLANE] * x
+        y = state.origin[1] + state.plane[1] * x
+        x = state.origin[0] + state.plane[0] * x
     else:
-        x += M[S_BASE]
-        y += M[S_BASE + 1]
-    height = z + M[S_BASE + 2]
-    level = max(min(height, 0.0), -M[S_WAVE_DEPTH])
-    near = height > -2.0 * M[S_WAVE_CREST] - reach
-    share = M[S_WAVE_SHARE]
-    rise = M[S_WAVE_RISE]
-    way = M[S_WAVE_X] * x + M[S_WAVE_Y] * y
+        x += state.origin[0]
+        y += state.origin[1]
+    height = z + state.origin[2]
+    level = max(min(height, 0.0), -state.wave_depth)
+    near = height > -2.0 * state.wave_crest - reach
+    share = state.wave_share
+    rise = state.wave_rise
+    way = state.wave_x * x + state.wave_y * y
     calm = share == 0.0 and rise == 0.0  # as in static starts
-    in_cell = slot >= 0 and I[I_CELL_TERMS] != 0 and not calm
-    cell = view(M, I[O_CELLS] + max(0, slot) * CELL_WORDS, CELL_WORDS)
+    in_cell = slot >= 0 and head.cell_terms != 0 and not calm
+    cell = view(M, head.cells + max(0, slot) * CELL_WORDS, CELL_WORDS)
     if in_cell:
         if is_kept(I, M, cell, way, level, near):
             for n in range(6):
@@ -125,19 +108,19 @@ def wave_at(I, M, x, y, z, reach, slot):
             return cell[WATER] - height if near else -height
         surface, u, uz, du, az = sum_in_cell(I, M, slot, way, level, near)
     else:
-        count = I[I_WAVES] if near else living(I, M, level)
+        count = head.wave_count if near else living(I, M, level)
         surface, u, uz, du, az = sum_components(I, M, 0 if calm else count, way, level)
     a = share * du + rise * u
     az = share * az + rise * uz
     u *= share
     uz *= share
-    ahead = M[S_WAVE_X]
+    ahead = state.wave_x
     if planar:
-        ahead = ahead * M[S_PLANE] + M[S_WAVE_Y] * M[S_PLANE + 1]
+        ahead = ahead * state.plane[0] + state.wave_y * state.plane[1]
     else:
-        M[at + P_VELOCITY + 1] = u * M[S_WAVE_Y]
-        M[at + P_ACCELERATION + 1] = a * M[S_WAVE_Y]
-    up = I[I_DIMENSION] - 1
+        M[at + P_VELOCITY + 1] = u * state.wave_y
+        M[at + P_ACCELERATION + 1] = a * state.wave_y
+    up = head.dimension - 1
     M[at + P_VELOCITY] = u * ahead
     M[at + P_VELOCITY + up] = uz
     M[at + P_ACCELERATION] = a * ahead
@@ -153,7 +136,8 @@ def wave_at(I, M, x, y, z, reach, slot):
 @kernel
 def wet_at(I, M, depth, half):
     """Write the share that is wet at a depth with a band of +- half [m], and its slope upwards."""
-    at = I[O_MOTION]
+    head = header(I)
+    at = head.motion
     share, rate = share_at(depth, half)
     M[at + P_WET] = share
     M[at + P_SLOPE] = -rate
@@ -162,32 +146,36 @@ def wet_at(I, M, depth, half):
 @kernel
 def displaced(I, M, edge):
     """Mass of the water that a cable displaces, of the edge's cable [kg/m]."""
-    return M[I[O_CABLES] + int(M[edge + E_SEGMENT]) * CABLE_WORDS + K_DISPLACED]
+    head = header(I)
+    return M[head.cables + int(M[edge + E_SEGMENT]) * CABLE_WORDS + K_DISPLACED]
 
 
 @kernel
 def band(I, M, edge):
     """Half of the band around the surface [m]: of the cable's diameter."""
-    square = displaced(I, M, edge) / (math.pi * M[S_WATER_DENSITY])
+    state = scalars(M)
+    square = displaced(I, M, edge) / (math.pi * state.water_density)
     return max(SMALLEST, math.sqrt(square))
 
 
 @kernel
 def buoyancy(M, edge):
     """Of a wet cable [N/m]: weight in air less the submerged one."""
-    return (M[edge + E_MASS] - M[edge + E_ADDED]) * M[S_GRAVITY] - M[edge + E_WEIGHT]
+    state = scalars(M)
+    return (M[edge + E_MASS] - M[edge + E_ADDED]) * state.gravity - M[edge + E_WEIGHT]
 
 
 @outlined
 def element_water(I, M, W, edge, x0, x1):
     """Motion of the water, waves and current, and wet shares at an element's Gauss points."""
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    dimension = head.dimension
     up = dimension - 1
-    at = I[O_MOTION]
+    at = head.motion
     h = M[edge + E_LENGTH]
     flow = view(M, at + 9, 3)
     w = view(M, at + 16, 3)
-    first = (edge - I[O_EDGE]) // EDGE_WORDS * 3
+    first = (edge - head.edges) // EDGE_WORDS * 3
     for g in range(3):
         for i in range(dimension):
             w[i] = x0[i] * H0[g] + h * x0[dimension + i] * H1[g]
@@ -197,11 +185,11 @@ def element_water(I, M, W, edge, x0, x1):
         for i in range(dimension):
             W[VELOCITY + 4 * i + g] = M[at + P_VELOCITY + i]
             W[ACCELERATION + 4 * i + g] = M[at + P_ACCELERATION + i]
-        if I[I_CURRENT] != 0:
+        if head.current_kind != 0:
             current_at(I, M, w[up], flow)
             for i in range(dimension):
                 W[VELOCITY + 4 * i + g] += flow[i]
-        if I[I_SURGE] != 0:
+        if head.surge != 0:
             surge_at(I, M, w[up], flow)
             for i in range(dimension):
                 W[ACCELERATION + 4 * i + g] += flow[i]
@@ -215,7 +203,8 @@ def wave_loads(I, M, W, edge, x0, x1, v0, v1, a0, a1):
 
     In place of the elements' load_forces; geometry(...) has been called.
     """
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    dimension = head.dimension
     h = M[edge + E_LENGTH]
     added = M[edge + E_ADDED]
     mass = displaced(I, M, edge)
@@ -264,7 +253,8 @@ def wet_rows(I, M, W, edge, motion, slope, width, ca):
     Gauss point: see the elements' tangent_matrices. The water's own gradients are left out, and all
     loads count by the shares of drag: it grows with the speed, and added mass is little beside all.
     """
-    dimension = I[I_DIMENSION]
+    head = header(I)
+    dimension = head.dimension
     h = M[edge + E_LENGTH]
     added = ca * M[edge + E_ADDED]
     lift = buoyancy(M, edge)

@@ -1,23 +1,10 @@
 """The winch: at what rate the line passes the tow point, until when, and how far a step may go."""
 
+from .access import header, scalars
 from .compile import kernel
 from .layout import (
     CABLE_WORDS,
-    I_CLAMPED,
-    I_RATE_LIVE,
-    I_RATES,
-    I_TOP_CABLE,
     K_NOMINAL,
-    O_CABLES,
-    O_RATES,
-    S_LIVE_RATE,
-    S_PAYOUT_RATE,
-    S_PAYOUT_SLOPE,
-    S_TIME,
-    S_TOP_LENGTH,
-    S_TRAVEL,
-    S_TRAVEL_LEAST,
-    S_TRAVEL_MOST,
 )
 from .passing import next_mark
 
@@ -27,15 +14,17 @@ FASTEST_GROWTH = 20.0  # in a step, of the top element or of what is out of a bo
 @kernel
 def commanded_rate(I, M, t):
     """Commanded rate just after t, its slope, and the time until which they hold."""
-    if I[I_RATE_LIVE] == 1:
-        t0 = M[S_LIVE_RATE]
-        t1 = M[S_LIVE_RATE + 1]
+    head = header(I)
+    state = scalars(M)
+    if head.rate_live == 1:
+        t0 = state.live_rate[0]
+        t1 = state.live_rate[1]
         if t < t1:
-            slope = (M[S_LIVE_RATE + 3] - M[S_LIVE_RATE + 2]) / (t1 - t0)
-            return M[S_LIVE_RATE + 2] + slope * (t - t0), slope, t1
-        return M[S_LIVE_RATE + 3], 0.0, 1e300
-    table = I[O_RATES]
-    count = I[I_RATES]
+            slope = (state.live_rate[3] - state.live_rate[2]) / (t1 - t0)
+            return state.live_rate[2] + slope * (t - t0), slope, t1
+        return state.live_rate[3], 0.0, 1e300
+    table = head.rates
+    count = head.rate_count
     if count == 0:
         return 0.0, 0.0, 1e300
     if t < M[table]:
@@ -74,7 +63,9 @@ def begin_payout(I, M, stop):
     shortest length: there the rate is clamped to zero until the command turns round. Bodies of
     finite length are met where their turn comes.
     """
-    time = M[S_TIME]
+    head = header(I)
+    state = scalars(M)
+    time = state.time
     rate, slope, until = commanded_rate(I, M, time)
     stop = min(stop, until)
     if rate == 0.0:
@@ -87,19 +78,19 @@ def begin_payout(I, M, stop):
                 sign = slope  # it turns round now: what is left of the rate is round-off
             elif zero < stop:
                 stop = zero
-    most = M[S_TRAVEL_MOST] - M[S_TRAVEL]
-    least = M[S_TRAVEL] - M[S_TRAVEL_LEAST]
-    I[I_CLAMPED] = 0
-    if sign > 0.0 and most <= 1e-12 * (1.0 + abs(M[S_TRAVEL_MOST])):
-        I[I_CLAMPED] = 1
-    elif sign < 0.0 and least <= 1e-12 * (1.0 + abs(M[S_TRAVEL_LEAST])):
-        I[I_CLAMPED] = -1
-    if I[I_CLAMPED] != 0:
-        M[S_PAYOUT_RATE] = 0.0
-        M[S_PAYOUT_SLOPE] = 0.0
+    most = state.travel_most - state.travel
+    least = state.travel - state.travel_least
+    head.clamped = 0
+    if sign > 0.0 and most <= 1e-12 * (1.0 + abs(state.travel_most)):
+        head.clamped = 1
+    elif sign < 0.0 and least <= 1e-12 * (1.0 + abs(state.travel_least)):
+        head.clamped = -1
+    if head.clamped != 0:
+        state.payout_rate = 0.0
+        state.payout_slope = 0.0
         return stop
-    M[S_PAYOUT_RATE] = rate
-    M[S_PAYOUT_SLOPE] = slope
+    state.payout_rate = rate
+    state.payout_slope = slope
     tau = 1e300
     if sign > 0.0:
         tau = first_crossing(min(most, next_mark(I, M, True)), rate, slope)
@@ -116,18 +107,21 @@ def longest_payout_step(I, M, dt):
 
     What has just begun to come out grows by a multiple of its own length.
     """
-    row = I[O_CABLES] + I[I_TOP_CABLE] * CABLE_WORDS
-    rate = abs(M[S_PAYOUT_RATE] + 0.5 * M[S_PAYOUT_SLOPE] * dt)
-    rate = max(rate, abs(M[S_PAYOUT_RATE]))
+    head = header(I)
+    state = scalars(M)
+    row = head.cables + head.top_cable * CABLE_WORDS
+    rate = abs(state.payout_rate + 0.5 * state.payout_slope * dt)
+    rate = max(rate, abs(state.payout_rate))
     if rate == 0.0:
         return dt
-    room = min(M[row + K_NOMINAL], FASTEST_GROWTH * M[S_TOP_LENGTH])
-    if M[S_PAYOUT_RATE] < 0.0 or (M[S_PAYOUT_RATE] == 0.0 and M[S_PAYOUT_SLOPE] < 0.0):
-        room = 0.5 * M[S_TOP_LENGTH]
+    room = min(M[row + K_NOMINAL], FASTEST_GROWTH * state.top_length)
+    if state.payout_rate < 0.0 or (state.payout_rate == 0.0 and state.payout_slope < 0.0):
+        room = 0.5 * state.top_length
     return min(dt, room / rate)
 
 
 @kernel
 def paid_since(M, tau):
-    """What has passed the tow point in tau since S_TIME, at the step's rate [m]."""
-    return tau * (M[S_PAYOUT_RATE] + 0.5 * M[S_PAYOUT_SLOPE] * tau)
+    """What has passed the tow point in tau since `time`, at the step's rate [m]."""
+    state = scalars(M)
+    return tau * (state.payout_rate + 0.5 * state.payout_slope * tau)

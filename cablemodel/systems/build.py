@@ -17,6 +17,7 @@ from cablemodel.instance.refinement import BENT, LARGEST_STATIC_MESH, ROUNDS
 from cablemodel.instance.scales import is_flexible
 from cablemodel.instance.tables import fill_current, fill_settings
 from cablemodel.kernels import layout as at
+from cablemodel.kernels.layout import Header, Scalars
 from cablemodel.mesh import Span, Start, line_nodes
 from cablemodel.scene import Scene
 from cablemodel.scene.motion import jumps
@@ -178,6 +179,8 @@ def _solved(
     built = _allocated(scene, tree)
     block = built.block
     ints, reals = block.ints, block.reals
+    head = Header(ints)
+    state = Scalars(reals)
     _fill_settings(scene, built)
     _fill_cables(scene, built)
     _fill_frames(scene, block)
@@ -185,7 +188,7 @@ def _solved(
     _fill_bodies(scene, built, guess, before)
     _place(scene, built, guess, before)
     entry.place_supports(ints, reals)
-    scale = reals[at.S_TENSION_SCALE]
+    scale = state.tension_scale
     for _attempt in range(2):
         status = int(entry.equilibrium(ints, reals, velocity.copy()))
         if status != at.OK:
@@ -194,22 +197,22 @@ def _solved(
                 f"no static equilibrium of the system was found; what moved last is {line!r} at "
                 f"{arc:g} m. Check weights, lengths and attachments"
             )
-        tension = block.array(at.O_TENSION, len(tree.parent), 2)[:, 0]
+        tension = block.array(Header.tension, len(tree.parent), 2)[:, 0]
         largest = float(np.abs(tension).max())
         if largest <= scale:
             break
-        edges = block.array(at.O_EDGE, len(tree.parent), at.EDGE_WORDS)
+        edges = block.array(Header.edges, len(tree.parent), at.EDGE_WORDS)
         for node in tree.elements:
             row = edges[node]
             row[at.E_STABILISATION] = min(
                 max(row[at.E_STABILISATION], STABILISATION * largest), 1.0 / row[at.E_COMPLIANCE]
             )
         scale = math.inf
-    acceleration = block.array(at.O_ACCELERATION, len(tree.parent), 6).copy()
+    acceleration = block.array(Header.acceleration, len(tree.parent), 6).copy()
     entry.place_supports(ints, reals)
-    block.array(at.O_ACCELERATION, len(tree.parent), 6)[:] = acceleration
+    block.array(Header.acceleration, len(tree.parent), 6)[:] = acceleration
     count_from_zero(block)
-    if ints[at.I_HYBRID]:
+    if head.hybrid:
         entry.choose_bending(ints, reals)
     return built
 
@@ -247,11 +250,11 @@ def _allocated(scene: SystemScene, tree: Tree) -> Built:
         foils=len(foils),
         foil_words=2 * at.FOIL_ANGLES * len(foils),
     )
-    block.ints[at.I_PARTS] = 1
-    block.ints[at.I_NODES] = len(tree.parent)
-    block.ints[at.I_DIMENSION] = 3
-    block.integers(at.O_PARENT, len(tree.parent))[:] = tree.parent
-    block.integers(at.O_JOINT, len(tree.parent))[:] = tree.joint
+    block.header.parts = 1
+    block.header.nodes = len(tree.parent)
+    block.header.dimension = 3
+    block.integers(Header.parent, len(tree.parent))[:] = tree.parent
+    block.integers(Header.joint, len(tree.parent))[:] = tree.joint
     return Built(block, tree, cables)
 
 
@@ -267,9 +270,10 @@ def _fill_settings(scene: SystemScene, built: Built) -> None:
 
     block = built.block
     ints, reals = block.ints, block.reals
+    state = Scalars(reals)
     fill_settings(block, cast(Scene, scene))  # its solver and water alone
-    reals[at.S_PLANE : at.S_PLANE + 2] = 1.0, 0.0
-    rest = block.array(at.O_PIECES, 2, at.PIECE_WORDS)
+    state.plane = 1.0, 0.0
+    rest = block.array(Header.pieces, 2, at.PIECE_WORDS)
     rest[:, at.P_END] = math.inf
     lengths = {name: line.length for name, line in scene.lines.items()}
     longest, shortest = max(lengths.values()), min(lengths.values())
@@ -292,43 +296,43 @@ def _fill_settings(scene: SystemScene, built: Built) -> None:
     facts[at.FACT_TENSION] = _scale(scene)
     entry.measure(ints, reals, facts)
     # Of every line tau times its own length is promised: the shortest one decides.
-    reals[at.S_TIME_TOLERANCE] *= shortest / longest
+    state.time_tolerance *= shortest / longest
     fill_current(block, cast(Scene, scene))  # its water alone
 
 
 def _fill_cables(scene: SystemScene, built: Built) -> None:
     """Rows of all elements, and point bodies in lines."""
     block, tree = built.block, built.tree
-    scale = float(block.reals[at.S_TENSION_SCALE])
+    scale = float(block.scalars.tension_scale)
     rho = scene.environment.water_density
-    strain = block.array(at.O_STRAIN, int(block.ints[at.I_STRAIN]))
-    table = block.array(at.O_CABLES, len(built.cables), at.CABLE_WORDS)
+    strain = block.array(Header.strain, int(block.header.strain_words))
+    table = block.array(Header.cables, len(built.cables), at.CABLE_WORDS)
     used = 0
     for index, ((name, item), row) in enumerate(zip(built.cables, table, strict=True)):
         cable = _cable(scene, name, item)
         kind = scene.cable_types[cable.type]
         strain[used : used + len(kind.strain_coefficients)] = kind.strain_coefficients
-        offset = int(block.ints[at.O_STRAIN]) + used
+        offset = int(block.header.strain) + used
         used += len(kind.strain_coefficients)
         row[at.K_DISPLACED] = rho * 0.25 * math.pi * kind.diameter**2
         row[at.K_EDGE :] = edge_row(cast(Scene, scene), cable, index, offset, scale)
         if cable.model == "hybrid" and kind.bending_stiffness > 0.0:
-            block.ints[at.I_HYBRID] = 1
+            block.header.hybrid = 1
     rows = {place: index for index, place in enumerate(built.cables)}
-    edges = block.array(at.O_EDGE, len(tree.parent), at.EDGE_WORDS)
+    edges = block.array(Header.edges, len(tree.parent), at.EDGE_WORDS)
     for node, element in tree.elements.items():
         edges[node] = table[rows[element.line, element.cable], at.K_EDGE :]
         edges[node, at.E_LENGTH] = edges[node, at.E_NOMINAL] = element.length
         edges[node, at.E_START] = element.start
-    bodies = block.array(at.O_BODY, len(tree.masses), at.BODY_WORDS)
+    bodies = block.array(Header.bodies, len(tree.masses), at.BODY_WORDS)
     for row, (node, body, _line, _item) in zip(bodies, tree.masses, strict=True):
         fill_body(row, node, body, rho)
 
 
 def _fill_frames(scene: SystemScene, block: Block) -> None:
     """Motion of all vessels."""
-    rows = block.array(at.O_FRAMES, len(scene.vessels), at.FRAME_WORDS)
-    table = block.array(at.O_FRAME_PIECES, int(block.ints[at.I_FRAME_PIECES]), at.PIECE_WORDS)
+    rows = block.array(Header.frames, len(scene.vessels), at.FRAME_WORDS)
+    table = block.array(Header.frame_pieces, int(block.header.frame_piece_count), at.PIECE_WORDS)
     used = 0
     for row, vessel in zip(rows, scene.vessels.values(), strict=True):
         for place, pieces in (
@@ -347,7 +351,7 @@ def _fill_held(scene: SystemScene, built: Built) -> None:
     """Nodes at vessels' points and anchors."""
     block = built.block
     names = list(scene.vessels)
-    table = block.array(at.O_CONSTRAINT, len(built.tree.held), at.CONSTRAINT_WORDS)
+    table = block.array(Header.constraints, len(built.tree.held), at.CONSTRAINT_WORDS)
     for row, held in zip(table, built.tree.held, strict=True):
         row[at.C_NODE] = held.node
         if held.end.anchor is not None:
@@ -384,12 +388,12 @@ def _fill_bodies(scene: SystemScene, built: Built, guess: Guess, before: Built |
     """Rows of the free bodies, their arms and foils."""
     block, tree = built.block, built.tree
     rho, gravity = scene.environment.water_density, scene.environment.gravity
-    rows = block.array(at.O_FREE, len(scene.bodies), at.FREE_WORDS)
-    foils = block.array(at.O_FOILS, int(block.ints[at.I_FOILS]), at.FOIL_WORDS)
-    tables = block.array(at.O_FOIL_TABLE, len(foils), at.FOIL_ANGLES, 2)
+    rows = block.array(Header.free_bodies, len(scene.bodies), at.FREE_WORDS)
+    foils = block.array(Header.foils, int(block.header.foil_count), at.FOIL_WORDS)
+    tables = block.array(Header.foil_table, len(foils), at.FOIL_ANGLES, 2)
     used = 0
     names = list(scene.bodies)
-    edges = block.array(at.O_EDGE, len(tree.parent), at.EDGE_WORDS)
+    edges = block.array(Header.edges, len(tree.parent), at.EDGE_WORDS)
     for index, (row, (name, body)) in enumerate(zip(rows, scene.bodies.items(), strict=True)):
         node, point = tree.bodies[name]
         reference = np.array(body.points[point] if point else (0.0, 0.0, 0.0))
@@ -418,7 +422,7 @@ def _fill_bodies(scene: SystemScene, built: Built, guess: Guess, before: Built |
         row[at.Y_ADDED : at.Y_ADDED + 36] = added.ravel()
         row[at.Y_ROTATION : at.Y_ROTATION + 9] = axes_of(body.attitude).ravel()
         if before is not None:
-            old = before.block.array(at.O_FREE, len(scene.bodies), at.FREE_WORDS)[index]
+            old = before.block.array(Header.free_bodies, len(scene.bodies), at.FREE_WORDS)[index]
             row[at.Y_ROTATION : at.Y_ROTATION + 9] = old[at.Y_MOTION : at.Y_MOTION + 9]
         row[at.Y_FIRST_FOIL], row[at.Y_FOILS] = used, len(body.foils)
         for foil in body.foils.values():
@@ -433,7 +437,7 @@ def _fill_bodies(scene: SystemScene, built: Built, guess: Guess, before: Built |
             angles = np.linspace(-math.pi, math.pi, at.FOIL_ANGLES)
             tables[used] = foil.coefficients(angles)
             used += 1
-    arms = block.array(at.O_ARMS, len(tree.arms), at.ARM_WORDS)
+    arms = block.array(Header.arms, len(tree.arms), at.ARM_WORDS)
     for row, (node, name, point) in zip(arms, tree.arms, strict=True):
         body = scene.bodies[name]
         own = tree.bodies[name][1]
@@ -453,8 +457,8 @@ def _place(scene: SystemScene, built: Built, guess: Guess, before: Built | None)
     """Nodes along the first guess, or along the shape on coarser nodes."""
     tree = built.tree
     count = len(tree.parent)
-    q = built.block.array(at.O_POSITION, count, 6)
-    tension = built.block.array(at.O_TENSION, count, 2)
+    q = built.block.array(Header.position, count, 6)
+    tension = built.block.array(Header.tension, count, 2)
     bodies = {node: name for name, (node, _point) in tree.bodies.items()}
     for node, (name, arc) in enumerate(tree.arcs):
         if node in bodies:
@@ -475,7 +479,7 @@ def _place(scene: SystemScene, built: Built, guess: Guess, before: Built | None)
             parent = tree.parent[node]
             if tree.joint[parent] != 0 or parent == 0:
                 q[parent, 3:] *= -1.0
-    rows = built.block.array(at.O_CONSTRAINT, len(tree.held), at.CONSTRAINT_WORDS)
+    rows = built.block.array(Header.constraints, len(tree.held), at.CONSTRAINT_WORDS)
     for row, held in zip(rows, tree.held, strict=True):
         if row[at.C_CLAMPED]:
             assert held.end.point is not None
@@ -508,8 +512,8 @@ class Shape:
 
     def __init__(self, built: Built) -> None:
         tree, block = built.tree, built.block
-        self.q = block.array(at.O_POSITION, len(tree.parent), 6)
-        self.t = block.array(at.O_TENSION, len(tree.parent), 2)
+        self.q = block.array(Header.position, len(tree.parent), 6)
+        self.t = block.array(Header.tension, len(tree.parent), 2)
         self.tree = tree
         self.bodies = {name: self.q[node, :3] for name, (node, _p) in tree.bodies.items()}
         self.lines: dict[str, list[int]] = {}
@@ -548,7 +552,7 @@ def _refined(
 ) -> dict[str, list[FloatArray]] | None:
     """Nodes with those elements halved that bend too much (instance/refinement.py); None: none."""
     tree, block = built.tree, built.block
-    q = block.array(at.O_POSITION, len(tree.parent), 6)
+    q = block.array(Header.position, len(tree.parent), 6)
     bends: dict[int, tuple[FloatArray, FloatArray]] = {}
     for node, element in tree.elements.items():
         p, own, h = q[tree.parent[node]], q[node], element.length

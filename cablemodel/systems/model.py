@@ -17,6 +17,7 @@ from pydantic import ValidationError
 from cablemodel.errors import SceneError, StepError
 from cablemodel.finite_element import MEANING
 from cablemodel.kernels import layout as at
+from cablemodel.kernels.layout import Header
 from cablemodel.model import CableState
 from cablemodel.scene.load import apply_overrides, listed, read_content
 from cablemodel.scene.problems import problems_of
@@ -159,7 +160,7 @@ class SystemModel:
     @property
     def time(self) -> float:
         """[s]."""
-        return float(self.built.block.reals[at.S_TIME])
+        return float(self.built.block.scalars.time)
 
     def step(
         self,
@@ -205,7 +206,7 @@ class SystemModel:
         self._forces, self._angles = pushes, angles
 
     def _drives(self, block: Any) -> bool:
-        rows = block.array(at.O_FRAMES, len(self.scene.vessels), at.FRAME_WORDS)
+        rows = block.array(Header.frames, len(self.scene.vessels), at.FRAME_WORDS)
         return bool(np.any(rows[:, at.F_LIVE] != 0.0))
 
     def _wrong(self, name: str, value: Any, allowed: str) -> StepError:
@@ -294,13 +295,13 @@ class SystemModel:
         frame."""
         _bodies, frames, ends = self._parts()
         found = {name: np.zeros(6) for name in self.scene.vessels}
-        q = self.built.block.array(at.O_POSITION, len(self.built.tree.parent), 6)
+        q = self.built.block.array(Header.position, len(self.built.tree.parent), 6)
         rows = dict(zip(self.scene.vessels, frames, strict=True))
         for held, force in zip(self.built.tree.held, ends, strict=True):
             if held.end.point is None:
                 continue
             owner = held.end.point.partition(".")[0]
-            base = self.built.block.reals[at.S_BASE : at.S_BASE + 3]
+            base = self.built.block.scalars.origin
             arm = q[held.node, :3] + base - rows[owner][:3]
             found[owner][:3] -= force
             found[owner][3:] -= np.cross(arm, force)
@@ -334,7 +335,14 @@ class SystemModel:
         own = self.built.block.image
         words = np.frombuffer(snapshot, dtype=np.int64)
         rest = self._forces.size + self._angles.size
-        fixed = [at.I_MAGIC, at.I_VERSION, at.I_BYTES, at.I_IMAGE_WORDS, at.I_CAPACITY, at.I_FREE]
+        fixed = [
+            Header.magic.word,
+            Header.version.word,
+            Header.byte_count.word,
+            Header.image_words.word,
+            Header.capacity.word,
+            Header.free_count.word,
+        ]
         if len(words) != len(own) + rest or any(own[k] != words[k] for k in fixed):
             raise SceneError.at(
                 "snapshot", len(snapshot), "it belongs to another scene", "one of this scene"

@@ -16,6 +16,15 @@ from cablemodel.direct import block as direct_block
 from cablemodel.direct.failures import MEANING
 from cablemodel.direct.kernels import layout as direct_layout
 from cablemodel.kernels import layout
+from cablemodel.kernels.record import Record, c_struct, records
+
+ACCESS = (
+    "/* The word of a record at which a field starts. */",
+    "#define WORD(record, field) ((int64_t)(offsetof(record, field) / 8))",
+    "static inline Header *header(const int64_t *I) { return (Header *)I; }",
+    "static inline Scalars *scalars(const double *M) { return (Scalars *)(M + HEADER_WORDS); }",
+)
+"""The block's records in C: a view each, as in kernels/access.py."""
 
 
 class Symbol:
@@ -97,6 +106,9 @@ def header(kernel_hash: str) -> str:
     for name, value in {**constants(layout), **input_layout()}.items():
         if not name.startswith("_"):
             lines.append(f"#define {name} INT64_C({value})")
+    for record in records(layout):
+        lines += [c_struct(record), _same_size(record)]
+    lines += list(ACCESS)
     for name, number in start_constants().items():
         lines.append(f"#define {name} {number!r}")
     lines.append(f"#define ERROR_PLACES {len(error_estimate.PLACES)}")
@@ -118,6 +130,12 @@ def header(kernel_hash: str) -> str:
         lines.append(f"    {{{status}, {problem}, {advice}}}, \\")
     lines += ["    {0, 0, 0}", ""]
     return "\n".join(lines)
+
+
+def _same_size(record: type[Record]) -> str:
+    """That C gives a record as many words as Python."""
+    name = record.__name__
+    return f'_Static_assert(sizeof({name}) == 8 * {record.WORDS}, "words of {name}");'
 
 
 def _rule(prefix: str, words: dict[str, int], arrays: Any, first: str) -> list[str]:

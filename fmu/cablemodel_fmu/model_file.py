@@ -12,7 +12,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel.kernels import layout as at
 from cablemodel.library import kernel_hash
 from cablemodel.solver import Memory
 from cablemodel_fmu.c_layout import hash_number
@@ -84,7 +83,7 @@ class ModelFile:
         )
         header[_FLAGS + 1 : _FLAGS + 5] = (
             len(image),
-            int(self.block.ints[at.I_BYTES]) // 8,
+            int(self.block.header.byte_count) // 8,
             self.stations,
             len(self.coefficients),
         )

@@ -11,6 +11,7 @@ from cablemodel.direct.block import DirectBlock
 from cablemodel.direct.kernels import layout as direct
 from cablemodel.instance import tension_per_length, tension_scale
 from cablemodel.kernels import layout as at
+from cablemodel.kernels.layout import Header
 from cablemodel.scene.schema import longest_stretch
 from cablemodel.variables import INPUTS, Variable, outputs_of, parameter
 
@@ -424,7 +425,7 @@ def _items(block: AnyBlock) -> list[int]:
     if isinstance(block, DirectBlock):
         of_direct = (int(block.ints[direct.D_BODIES]), direct.BODY_WORDS)
         return [int(row[direct.B_ITEM]) for row in block.array(direct.O_BODY, *of_direct)]
-    rows = block.array(at.O_BODY, int(block.ints[at.I_BODIES]), at.BODY_WORDS)
+    rows = block.array(Header.bodies, int(block.header.body_count), at.BODY_WORDS)
     return [int(row[at.B_ITEM]) for row in rows]
 
 

@@ -338,7 +338,7 @@ def test_tables_say_from_when_on_errors_are_not_known(
     model = cm.CableModel(cm.load_scene(TOW, [ESTIMATE]))
     finer: Any = model._solver
     if not fails_at:
-        finer._finer.memory.reals[at.S_TIME] = -1.0
+        finer._finer.memory.scalars.time = -1.0
     with cm.Recorder(model, tmp_path / "run.mcap", output_interval=1.0) as recorder:
         for time in range(1, 11):
             if time == fails_at:

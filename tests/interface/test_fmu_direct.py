@@ -20,9 +20,10 @@ from fmu_tools import (
 from test_fmu_platforms import DT, STEPS, WINE, drive
 
 import cablemodel as cm
-from cablemodel.direct.block import SIZES
+from cablemodel.direct.block import SIZES, DirectBlock
 from cablemodel.direct.kernels import layout as own
 from cablemodel.kernels import layout as at
+from cablemodel.kernels.layout import Header
 from cablemodel_fmu.export import export_fmu
 
 SCENES = Path(__file__).parents[2] / "scenes"
@@ -151,14 +152,10 @@ def word_of(model_file, word: int) -> int:
 
 
 def test_every_size_and_offset_is_checked(model_file):
-    offsets = [
-        value
-        for module in (at, own)
-        for name, value in vars(module).items()
-        if name.startswith("O_") and word_of(model_file, value) != 0
-    ]
+    rule = DirectBlock.arrays(**dict.fromkeys(SIZES, 0))
+    offsets = [place for arrays in rule for place, _length in arrays]
     assert len(offsets) > 25
-    for word in (*offsets, *SIZES.values(), at.I_BYTES, at.I_IMAGE_WORDS):
+    for word in (*offsets, *SIZES.values(), Header.byte_count.word, Header.image_words.word):
         value = word_of(model_file, word)
         assert accepted(model_file, word, value)
         for change in (1, -1, 1 << 20, -(1 << 62)):
@@ -170,12 +167,12 @@ def test_what_kernels_follow_is_checked(model_file):
     section, material = (word_of(model_file, word) for word in (own.O_SECTION, own.O_MATERIAL))
     length, drum = (word_of(model_file, word) for word in (own.O_LENGTH, own.O_DRUM))
     broken: list[tuple[int, int | float]] = [
-        (at.I_MAGIC, at.MAGIC),
+        (Header.magic.word, at.MAGIC),
         (own.D_SECTIONS, 0),
         (own.D_DRUM_USED, 9),
         (own.D_MEETING, 3),
         (own.D_END, 4),
-        (at.O_FAILED, 0),
+        (Header.failed.word, 0),
         (section + own.N_FIRST, 1),
         (section + own.N_COUNT, 10**6),
         (section + own.N_KIND, own.RIGID),

@@ -24,6 +24,7 @@ from fmu_tools import (
 
 import cablemodel as cm
 from cablemodel.kernels import layout as at
+from cablemodel.kernels.layout import Header
 from cablemodel_fmu.model_file import HEADER_WORDS
 
 SCENES = Path(__file__).parents[2] / "scenes"
@@ -187,7 +188,14 @@ def test_a_damaged_finer_run_in_a_state_is_refused(still):
     finer = len(good) - 8 * struct.unpack_from(
         "<q", (still[0] / "resources" / "finer.bin").read_bytes(), 8 * 11
     )[0]  # fmt: skip
-    for word in (at.I_MAGIC, at.I_VERSION, at.I_NODES, at.I_CAPACITY, at.O_POSITION, at.O_EDGE):
+    for word in (
+        Header.magic.word,
+        Header.version.word,
+        Header.nodes.word,
+        Header.capacity.word,
+        Header.position.word,
+        Header.edges.word,
+    ):
         bad = bytearray(good)
         (value,) = struct.unpack_from("<q", bad, finer + 8 * word)
         struct.pack_into("<q", bad, finer + 8 * word, value + (1 << 20))
@@ -280,7 +288,7 @@ def test_a_finer_run_that_cannot_make_a_step_stays_behind(still):
     """The results go on; there is no estimate any more, in states of then either."""
     finer = bytearray((still[0] / "resources" / "finer.bin").read_bytes())
     # Three internal steps are enough for 1 ms and for what is at rest, but not to get under way.
-    struct.pack_into("<q", finer, image_start(finer) + 8 * at.I_MAXIMUM_STEPS, 3)
+    struct.pack_into("<q", finer, image_start(finer) + 8 * Header.maximum_steps.word, 3)
     whole = Slave(*still)
     with with_finer(still, sealed(finer)):
         slave = Slave(*still)
@@ -310,7 +318,7 @@ def test_a_finer_run_that_cannot_make_a_step_stays_behind(still):
 def test_a_finer_run_without_an_equilibrium_is_left_behind(still):
     finer = bytearray((still[0] / "resources" / "finer.bin").read_bytes())
     start = image_start(finer)
-    (edges,) = struct.unpack_from("<q", finer, start + 8 * at.O_EDGE)
+    (edges,) = struct.unpack_from("<q", finer, start + 8 * Header.edges.word)
     word = edges + 2 * at.EDGE_WORDS + at.E_WEIGHT
     struct.pack_into("<q", finer, start + 8 * word, NAN)
     values = {"cable_types.K.drag_normal": 1.5}
@@ -347,7 +355,7 @@ def _damaged(still, how: str) -> bytes | None:
     elif how == "parameters":  # the largest value of the first: the kernels' bounds are the model's
         struct.pack_into("<d", finer, 8 * (HEADER_WORDS + 6), 1e29)
     elif how == "an offset":
-        finer[image_start(finer) + 8 * at.O_EDGE] ^= 1
+        finer[image_start(finer) + 8 * Header.edges.word] ^= 1
     return sealed(finer)
 
 

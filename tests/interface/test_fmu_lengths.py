@@ -9,7 +9,9 @@ from fmpy.fmi1 import FMICallException
 from fmu_tools import CABLE, Slave, python_outputs, still_scene, unpacked
 
 import cablemodel as cm
+from cablemodel.block import SIZES, Block
 from cablemodel.kernels import layout as at
+from cablemodel.kernels.layout import Header, Scalars
 from cablemodel_fmu.export import block_of
 
 SCENES = Path(__file__).parents[2] / "scenes"
@@ -286,7 +288,7 @@ def test_a_shape_that_bends_more_than_the_elements_follow_is_warned_of(tmp_path)
 
 # -- the block -------------------------------------------------------------------------------------
 
-SIZES_OF_MEMORY = {at.I_BYTES, at.I_IMAGE_WORDS, at.I_CAPACITY}
+SIZES_OF_MEMORY = {Header.byte_count.word, Header.image_words.word, Header.capacity.word}
 """What an export with the lengths may have another room by."""
 
 
@@ -304,34 +306,38 @@ def blocks(data: dict, line: list[float], drum: list[float], tmp_path):
 
 def assert_same_scalars(found, expected) -> None:
     reals = found.view("<f8")
-    for name, word in vars(at).items():
-        if name.startswith("I_") and word not in SIZES_OF_MEMORY:
-            assert found[word] == expected.ints[word], name
-    for word in range(at.HEADER_WORDS, at.HEADER_WORDS + at.SCALAR_WORDS):
-        if word != at.S_MOST_NODES:
-            name = next((n for n, w in vars(at).items() if n[:2] == "S_" and w == word), word)
-            assert reals[word] == pytest.approx(expected.reals[word], rel=1e-9), name
+    placed = {place for arrays in Block.arrays(**dict.fromkeys(SIZES, 0)) for place, _ in arrays}
+    for name, word_of in Header.FIELDS.items():
+        if word_of.word not in SIZES_OF_MEMORY | placed:
+            assert found[word_of.word] == expected.ints[word_of.word], name
+    for name, word_of in Scalars.FIELDS.items():
+        if name != "most_nodes":
+            own = slice(
+                at.HEADER_WORDS + word_of.word, at.HEADER_WORDS + word_of.word + word_of.words
+            )
+            assert reals[own] == pytest.approx(expected.reals[own], rel=1e-9), name
 
 
 def assert_same_tables(found, expected) -> None:
     """Everything of nodes, cables, bodies and ends, to rounding."""
     reals, ints = found.view("<f8"), expected.ints
-    nodes, size = int(ints[at.I_NODES]), 2 * int(ints[at.I_DIMENSION])
-    length, tension = expected.reals[at.S_LENGTH], expected.reals[at.S_TENSION_SCALE]
+    head = Header(ints)
+    nodes, size = int(head.nodes), 2 * int(head.dimension)
+    length, tension = expected.scalars.length, expected.scalars.tension_scale
     for place, rows, words, scale in (
-        (at.O_EDGE, nodes, at.EDGE_WORDS, 0.0),
-        (at.O_CABLES, int(ints[at.I_CABLES]), at.CABLE_WORDS, 0.0),
-        (at.O_BODY, int(ints[at.I_BODIES]), at.BODY_WORDS, 0.0),
-        (at.O_CONSTRAINT, int(ints[at.I_CONSTRAINTS]), at.CONSTRAINT_WORDS, 0.0),
-        (at.O_POSITION, nodes, size, length),
-        (at.O_VELOCITY, nodes, size, 1.0),
-        (at.O_ACCELERATION, nodes, size, 1.0),
-        (at.O_TENSION, nodes, 2, tension),
-        (at.O_TENSION_RATE, nodes, 2, tension),
-        (at.O_REST, nodes, 3, length),
-        (at.O_HISTORY, nodes, 2 * size, length),
+        (Header.edges.word, nodes, at.EDGE_WORDS, 0.0),
+        (Header.cables.word, int(head.cable_count), at.CABLE_WORDS, 0.0),
+        (Header.bodies.word, int(head.body_count), at.BODY_WORDS, 0.0),
+        (Header.constraints.word, int(head.constraint_count), at.CONSTRAINT_WORDS, 0.0),
+        (Header.position.word, nodes, size, length),
+        (Header.velocity.word, nodes, size, 1.0),
+        (Header.acceleration.word, nodes, size, 1.0),
+        (Header.tension.word, nodes, 2, tension),
+        (Header.tension_rate.word, nodes, 2, tension),
+        (Header.rest.word, nodes, 3, length),
+        (Header.history.word, nodes, 2 * size, length),
     ):
-        name = next(n for n, w in vars(at).items() if n[:2] == "O_" and w == place)
+        name = next(n for n, word_of in Header.FIELDS.items() if word_of.word == place)
         start, own = found[place], ints[place]
         np.testing.assert_allclose(
             reals[start : start + rows * words].reshape(rows, words),
@@ -340,7 +346,7 @@ def assert_same_tables(found, expected) -> None:
             atol=1e-8 * scale,
             err_msg=name,
         )
-    for place in (at.O_PARENT, at.O_JOINT):
+    for place in (Header.parent.word, Header.joint.word):
         start, own = found[place], ints[place]
         np.testing.assert_array_equal(found[start : start + nodes], ints[own : own + nodes])
 
@@ -381,9 +387,11 @@ def test_what_a_line_is_like_follows_its_length(exported, used, tmp_path):
     kind = {**CABLE, "drag_normal": 1.2}
     data = {**STRAIGHT, "cable_types": {"K": kind}, "environment": {"water_density": density}}
     found, expected = blocks({**data, "line": [cable(exported)]}, [used], [], tmp_path)
+    head = Header(found)
     reals = found.view("<f8")
-    for name in ("S_BENT", "S_STEP", "S_TIME_TOLERANCE", "S_MEMORY", "S_ORDER_3", "S_UNDAMPED"):
-        word = vars(at)[name]
-        assert reals[word] == pytest.approx(expected.reals[word], rel=1e-9), name
-    assert (reals[at.S_BENT] > 0.0) == (used == 30.0)
-    assert found[at.I_CAPACITY] > found[at.I_NODES] + 20 or used == 16.0
+    state = Scalars(reals)
+    for name in ("bent", "step", "time_tolerance", "memory", "order_3", "undamped"):
+        told = getattr(expected.scalars, name)
+        assert getattr(Scalars(reals), name) == pytest.approx(told, rel=1e-9), name
+    assert (state.bent > 0.0) == (used == 30.0)
+    assert head.capacity > head.nodes + 20 or used == 16.0

@@ -10,7 +10,8 @@ from fmpy.fmi2 import fmi2Discard, fmi2Error
 from fmu_tools import CABLE, Slave, image_start, sealed, still_scene, unpacked
 
 import cablemodel as cm
-from cablemodel.kernels import layout as at
+from cablemodel.block import SIZES, Block
+from cablemodel.kernels.layout import Header
 from cablemodel_fmu.export import ExportError, export_fmu
 
 NAN = float("nan")
@@ -299,13 +300,23 @@ def test_any_changed_byte_of_a_model_file(still, tmp_path):
 def test_every_size_and_offset_of_a_model_file_is_checked(still, tmp_path):
     data = _model(still)
     start = image_start(data)
-    used = [
-        value
-        for name, value in vars(at).items()
-        if name.startswith("O_") and struct.unpack_from("<q", data, start + 8 * value)[0] != 0
+    rule = Block.arrays(**dict.fromkeys(SIZES, 0))
+    used = [place for arrays in rule for place, _length in arrays]
+    sizes = [
+        Header.byte_count.word,
+        Header.image_words.word,
+        Header.capacity.word,
+        Header.piece_count.word,
+        Header.depth_count.word,
+        Header.time_count.word,
     ]
-    sizes = [at.I_BYTES, at.I_IMAGE_WORDS, at.I_CAPACITY, at.I_PIECES, at.I_DEPTHS, at.I_TIMES]
-    sizes += [at.I_STRAIN, at.I_BODIES, at.I_CONSTRAINTS, at.I_RATES, at.I_CABLES]
+    sizes += [
+        Header.strain_words.word,
+        Header.body_count.word,
+        Header.constraint_count.word,
+        Header.rate_count.word,
+        Header.cable_count.word,
+    ]
     assert len(used) > 30
     for word in (*used, *sizes):
         for change in (1, -1, 8, 1 << 20, 1 << 40, -(1 << 62)):

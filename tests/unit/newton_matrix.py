@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel.block import Block
-from cablemodel.kernels import layout as at
+from cablemodel.kernels.layout import Header
 
 FloatArray = NDArray[np.float64]
 
@@ -16,7 +16,8 @@ FloatArray = NDArray[np.float64]
 def blocks(memory: Block, nodes: int, size: int) -> list[FloatArray]:
     """Views of diagonal, upper and lower blocks, each (nodes, size, size)."""
     return [
-        memory.array(place, nodes, size, size) for place in (at.O_DIAGONAL, at.O_UPPER, at.O_LOWER)
+        memory.array(place, nodes, size, size)
+        for place in (Header.diagonal.word, Header.upper.word, Header.lower.word)
     ]
 
 

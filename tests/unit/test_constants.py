@@ -69,5 +69,5 @@ def test_a_constant_is_found_with_what_the_code_says_of_it(
     assert found["kernels/follow.py", "SPLIT_ABOVE"].value == "1.6"
     assert found["kernels/follow.py", "JOIN_BELOW"].effect == "of the length wanted"
     assert found["instance/refinement.py", "BENT"].effect.startswith("Of tau L: what h^2 times")
-    assert ("kernels/layout.py", "I_NODES") not in found
+    assert ("kernels/layout.py", "EDGE_WORDS") not in found
     assert ("kernels/element_planar.py", "R") not in found

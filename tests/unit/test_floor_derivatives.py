@@ -17,6 +17,7 @@ from cablemodel.kernels import layout as at
 from cablemodel.kernels.compile import OPTIONS
 from cablemodel.kernels.contact import LYING, contact_law
 from cablemodel.kernels.floor import floor_jacobian, floor_residual
+from cablemodel.kernels.layout import Header, Scalars
 
 
 @numba.jit(**OPTIONS)
@@ -104,13 +105,15 @@ def test_matrix_is_the_derivative(floor: dict[str, Any]) -> None:
         planar=False,
     )
     ints, reals = model._ints, model._reals
-    memory, nodes, size = model._solver.memory, int(ints[at.I_NODES]), 6
-    depth = float(reals[at.S_FLOOR_DEPTH])
-    memory.array(at.O_EDGE, nodes, at.EDGE_WORDS)[4:7, at.E_BORNE] = 3.0
-    reals[at.S_END_BORNE] = 2.0
+    head = Header(ints)
+    state = Scalars(reals)
+    memory, nodes, size = model._solver.memory, int(head.nodes), 6
+    depth = float(state.floor_depth)
+    memory.array(Header.edges, nodes, at.EDGE_WORDS)[4:7, at.E_BORNE] = 3.0
+    state.end_support = 2.0
     height = model.scene.environment.floor.height
-    q = memory.array(at.O_POSITION, nodes, size).copy()
-    base = reals[at.S_BASE : at.S_BASE + 3]
+    q = memory.array(Header.position, nodes, size).copy()
+    base = state.origin
     random = np.random.default_rng(3)
     for node in range(nodes):
         x, y = base[:2] + q[node, :2]

@@ -11,9 +11,9 @@ from newton_matrix import clear, dense, differences
 from numpy.typing import NDArray
 
 import cablemodel as cm
-from cablemodel.kernels import layout as at
 from cablemodel.kernels.compile import OPTIONS
 from cablemodel.kernels.flow import flow_jacobian, flow_residual
+from cablemodel.kernels.layout import Header, Scalars
 
 FLOW = 1.7
 
@@ -60,17 +60,19 @@ def test_matrix_is_the_derivative(planar: bool, lies: bool) -> None:
         planar=planar,
     )
     ints, reals = model._ints, model._reals
-    memory, nodes = model._solver.memory, int(ints[at.I_NODES])
-    dimension = int(ints[at.I_DIMENSION])
+    head = Header(ints)
+    state = Scalars(reals)
+    memory, nodes = model._solver.memory, int(head.nodes)
+    dimension = int(head.dimension)
     assert dimension == (2 if planar else 3)
     size = 2 * dimension
     count = nodes * size
-    reals[at.S_STAGE_RATE] = 0.0
-    reals[at.S_LAID] = 2.0 if lies else 0.0
+    state.stage_rate = 0.0
+    state.laid = 2.0 if lies else 0.0
     if lies:
-        reals[at.S_FLOOR_DEPTH] = 1e3
+        state.floor_depth = 1e3
     random = np.random.default_rng(4)
-    q = memory.array(at.O_POSITION, count) + 0.1 * random.standard_normal(count)
+    q = memory.array(Header.position, count) + 0.1 * random.standard_normal(count)
     rest = q.copy()
     frame = np.array([1.3, 0.2, 0.1][:dimension])
     v = 0.2 * random.standard_normal(count)

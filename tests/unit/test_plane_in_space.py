@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 import cablemodel as cm
 from cablemodel import library as entry
 from cablemodel.block import Block
-from cablemodel.kernels import layout as at
 
 WAVES = {"regular": {"height": 1.5, "period": 6.0}}
 CURRENT = [0.4, 0.0, 0.0]
@@ -40,7 +39,7 @@ def matrix(environment: dict[str, Any], *, planar: bool | None) -> NDArray[np.fl
     model.step_to(3.0)
     memory = model._solver.memory
     assert isinstance(memory, Block)
-    nodes, size = int(memory.ints[at.I_NODES]), 2 * int(memory.ints[at.I_DIMENSION])
+    nodes, size = int(memory.header.nodes), 2 * int(memory.header.dimension)
     entry.assemble(memory.ints, memory.reals, 3.0, 7.0)
     return dense(memory, nodes, size).reshape(nodes, size, nodes, size)
 

@@ -9,6 +9,7 @@ import cablemodel as cm
 from cablemodel.kernels import layout as at
 from cablemodel.kernels.compile import OPTIONS
 from cablemodel.kernels.environment import current_profile
+from cablemodel.kernels.layout import Header
 from cablemodel.kernels.rigid import rigid_jacobian, rigid_residual
 from cablemodel.kernels.vessel_clamp import add_clamp_moment, add_clamp_tangent
 
@@ -78,12 +79,13 @@ def test_matrix_is_the_derivative(planar, place):
         assert len(model.bodies) == 1
         assert model.top_tension > 0.0  # what is out of the body is computed with it
     ints, reals = model._ints, model._reals
-    nodes, size = int(ints[at.I_NODES]), 2 * int(ints[at.I_DIMENSION])
+    head = Header(ints)
+    nodes, size = int(head.nodes), 2 * int(head.dimension)
     assert model.planar == (planar is None)
     # A softer clamp and tie, so that differences see everything at once.
-    model._solver.memory.array(at.O_EDGE, nodes, at.EDGE_WORDS)[:, at.E_BENDING_FULL] *= 1e-6
+    model._solver.memory.array(Header.edges, nodes, at.EDGE_WORDS)[:, at.E_BENDING_FULL] *= 1e-6
     random = np.random.default_rng(4)
-    q = model._solver.memory.array(at.O_POSITION, nodes, size).ravel().copy()
+    q = model._solver.memory.array(Header.position, nodes, size).ravel().copy()
     q += 0.1 * random.standard_normal(len(q))
     v, a = random.standard_normal((2, len(q)))
     tension = 20.0 + random.standard_normal(2 * nodes)
@@ -100,7 +102,7 @@ def test_matrix_is_the_derivative(planar, place):
     expected = dense(model._solver.memory, nodes, size)
     found = differences(residual, len(q), 1e-5)
     # The multiplier is condensed out: its stiffness along the axis is no part of the forces.
-    (body,) = model._solver.memory.array(at.O_BODY, 1, at.BODY_WORDS)
+    (body,) = model._solver.memory.array(Header.bodies, 1, at.BODY_WORDS)
     node, dimension = int(body[at.B_NODE]), size // 2
     axis = q[size * node :][:dimension] - q[size * (node - 1) :][:dimension]
     pull = np.zeros(len(q))
@@ -119,7 +121,8 @@ def test_matrix_of_a_clamp_is_the_derivative(planar):
     scene["payout"] = {"rate": 0.1, "drum": [scene["line"][0]]}
     model = cm.CableModel(cm.load_scene(scene), planar=planar)
     ints, reals = model._ints, model._reals
-    dimension = int(ints[at.I_DIMENSION])
+    head = Header(ints)
+    dimension = int(head.dimension)
     size = 2 * dimension
     q = np.zeros(size)
     q[dimension:] = 1.3 * np.array([0.5, 0.2, -0.7])[-dimension:]
@@ -129,7 +132,7 @@ def test_matrix_of_a_clamp_is_the_derivative(planar):
         moment(ints, reals, q + change, out)
         return out
 
-    block = model._solver.memory.array(at.O_DIAGONAL, size, size)
+    block = model._solver.memory.array(Header.diagonal, size, size)
     block[:] = 0.0
     clamp_matrix(ints, reals, q)
     step = 1e-6

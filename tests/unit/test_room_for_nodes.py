@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import cablemodel as cm
-from cablemodel.kernels import layout as at
+from cablemodel.kernels.layout import Header
 
 UNTIL = 30.0
 SLACK = {
@@ -40,7 +40,7 @@ LAYING = {
 def nodes_of(model: cm.CableModel) -> dict[int, np.ndarray]:
     """All that the image keeps of a model's nodes, by header word."""
     memory = model._solver.memory
-    count, room = (int(memory.ints[word]) for word in (at.I_NODES, at.I_CAPACITY))
+    count, room = (int(memory.ints[word]) for word in (Header.nodes.word, Header.capacity.word))
     arrays, _ = memory.arrays(**memory.sizes_of(memory.ints))
     more, _ = memory.arrays(**{**memory.sizes_of(memory.ints), "capacity": room + 1})
     kept = {}
@@ -63,20 +63,20 @@ def test_a_run_with_no_room_at_its_start_is_the_same(data: dict) -> None:
     scene = cm.load_scene(data)
     roomy, bare = cm.CableModel(scene), cm.CableModel(scene)
     memory = bare._solver.memory
-    nodes = int(memory.ints[at.I_NODES])
+    nodes = int(memory.header.nodes)
     memory.make_room(nodes)
     assert len(memory.image) < len(roomy._solver.memory.image)
     for each in (roomy, bare):
         while each.time < UNTIL:
             each.step(0.5)
-    assert int(memory.ints[at.I_NODES]) > 2 * nodes, "it needed room twice"
+    assert int(memory.header.nodes) > 2 * nodes, "it needed room twice"
     assert_same(bare, roomy)
 
 
 def test_snapshots_of_before_and_after_go_both_ways() -> None:
     scene = cm.load_scene(SLACK)
     model, grown = cm.CableModel(scene), cm.CableModel(scene)
-    grown._solver.memory.make_room(int(grown._ints[at.I_NODES]))
+    grown._solver.memory.make_room(int(grown._header.nodes))
     before, small = model.snapshot(), grown.snapshot()
     assert len(small) < len(before)
     for each in (model, grown):
@@ -101,13 +101,13 @@ def test_a_step_that_fails_after_growing_leaves_the_state_as_it_was() -> None:
     model, undisturbed = cm.CableModel(scene), cm.CableModel(scene)
     for each in (model, undisturbed):
         each.step_to(10.0)
-    model._solver.memory.make_room(int(model._ints[at.I_NODES]))
-    most = int(model._ints[at.I_MAXIMUM_STEPS])
-    model._ints[at.I_MAXIMUM_STEPS] = 100
+    model._solver.memory.make_room(int(model._header.nodes))
+    most = int(model._header.maximum_steps)
+    model._header.maximum_steps = 100
     with pytest.raises(cm.StepError):
         model.step_to(40.0)
-    assert int(model._ints[at.I_CAPACITY]) > int(model._ints[at.I_NODES]), "it had grown"
-    model._ints[at.I_MAXIMUM_STEPS] = most
+    assert int(model._header.capacity) > int(model._header.nodes), "it had grown"
+    model._header.maximum_steps = most
     assert_same(model, undisturbed)
 
 
@@ -116,13 +116,13 @@ def test_a_snapshot_cut_off_or_of_wrong_sizes_is_refused() -> None:
     kept = model.snapshot()
     words = np.frombuffer(kept.image, dtype=np.int64)
     for word, value in (
-        (at.I_CAPACITY, 5),
-        (at.I_CAPACITY, -1),
-        (at.I_IMAGE_WORDS, -1),
-        (at.I_IMAGE_WORDS, 3),
-        (at.I_BODIES, 7),
-        (at.I_VERSION, 1),
-        (at.I_BYTES, 8),
+        (Header.capacity.word, 5),
+        (Header.capacity.word, -1),
+        (Header.image_words.word, -1),
+        (Header.image_words.word, 3),
+        (Header.body_count.word, 7),
+        (Header.version.word, 1),
+        (Header.byte_count.word, 8),
     ):
         wrong = words.copy()
         wrong[word] = value

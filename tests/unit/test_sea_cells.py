@@ -8,8 +8,8 @@ import pytest
 
 import cablemodel as cm
 from cablemodel import waves
-from cablemodel.kernels import layout as at
 from cablemodel.kernels.compile import OPTIONS
+from cablemodel.kernels.layout import Header
 from cablemodel.kernels.system import set_time
 from cablemodel.kernels.waves import P_ACCELERATION, P_VELOCITY, wave_at
 from cablemodel.scene.sea import sea
@@ -42,8 +42,9 @@ def water(ints, reals, t, x, y, z, reach, slot):
 def motion(model, place, slot, reach=1e3):
     """Velocity, acceleration and height of the surface at a place of (t, x, y, z)."""
     ints, reals = model._ints, model._reals
+    head = Header(ints)
     surface = water(ints, reals, *place, reach, slot)
-    point = reals[ints[at.O_MOTION] :]
+    point = reals[head.motion :]
     velocity, acceleration = point[P_VELOCITY:][:3].copy(), point[P_ACCELERATION:][:3].copy()
     return velocity, acceleration, surface
 
@@ -119,11 +120,11 @@ def test_calm_and_dead_water():
 def test_few_components_have_no_cells(monkeypatch):
     given = scene(components=waves.FEWEST - 1)
     model = cm.CableModel(given, planar=False)
-    assert model._ints[at.I_CELL_TERMS] == 0
+    assert model._header.cell_terms == 0
     place = [30.0, 3.0, 4.0, -2.0]
     for mine, exact in zip(motion(model, place, 0), motion(model, place, ALL), strict=True):
         assert np.array_equal(mine, exact)
-    assert cm.CableModel(scene(components=waves.FEWEST))._ints[at.I_CELL_TERMS] > 0
+    assert cm.CableModel(scene(components=waves.FEWEST))._header.cell_terms > 0
 
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-5])

@@ -10,10 +10,10 @@ from scipy.integrate import quad
 
 import cablemodel as cm
 from cablemodel.errors import SceneError
-from cablemodel.kernels import layout as at
 from cablemodel.kernels.airy import STILL
 from cablemodel.kernels.bodies import body_jacobian, body_residual
 from cablemodel.kernels.compile import OPTIONS
+from cablemodel.kernels.layout import Header
 from cablemodel.kernels.system import set_time
 from cablemodel.kernels.waves import P_ACCELERATION, P_SLOPE, P_VELOCITY, P_WET, wave_at, wet_at
 from cablemodel.scene.sea import sea, wave_number
@@ -106,6 +106,7 @@ def test_kernel_sums_the_same_components(waves, planar):
     field = sea(given)
     model = cm.CableModel(given, planar=planar)
     ints, reals = model._ints, model._reals
+    head = Header(ints)
     assert model.planar == (planar is None)
     local = np.eye(3)
     if planar is None:
@@ -119,7 +120,7 @@ def test_kernel_sums_the_same_components(waves, planar):
         x, z, y = inner[0], inner[-1], inner[1]
         half = 3.0
         surface = place[2] + water(ints, reals, t, x, y, z, half)
-        point = reals[ints[at.O_MOTION] :][:80]
+        point = reals[head.motion :][:80]
         size = len(inner)
         velocity = point[P_VELOCITY : P_VELOCITY + size].copy()
         acceleration = point[P_ACCELERATION : P_ACCELERATION + size].copy()
@@ -144,13 +145,14 @@ def test_sums_are_right_at_any_time_and_place(depth):
     field = sea(given)
     model = cm.CableModel(given, planar=False)
     ints, reals = model._ints, model._reals
+    head = Header(ints)
     speed = float((field.amplitude * field.frequency).sum())
     rng = np.random.default_rng(6)
     for _ in range(200):
         t = 10.0 ** rng.uniform(0.0, 5.0)
         place = rng.uniform([-4000, -4000, -1], [4000, 4000, 0]) * [1, 1, min(depth, 400.0)]
         water(ints, reals, t, *place, 1.0)
-        point = reals[ints[at.O_MOTION] :][P_VELOCITY : P_VELOCITY + 3]
+        point = reals[head.motion :][P_VELOCITY : P_VELOCITY + 3]
         gone = speed * math.exp(-STILL)
         # The phase itself, of this size, is known to some bits of 2^-52.
         known = 1e-12 + 4.0 * 2.0**-52 * (field.frequency[-1] * t + 6000.0 * field.number[-1])
@@ -234,13 +236,14 @@ def test_derivative_of_a_body_at_the_surface(planar, height):
     data["line"].append({"body": body})
     model = cm.CableModel(cm.load_scene(data), planar=planar)
     ints, reals = model._ints, model._reals
-    nodes, size = int(ints[at.I_NODES]), 2 * int(ints[at.I_DIMENSION])
-    q = model._solver.memory.array(at.O_POSITION, nodes * size).copy()
+    head = Header(ints)
+    nodes, size = int(head.nodes), 2 * int(head.dimension)
+    q = model._solver.memory.array(Header.position, nodes * size).copy()
     q[-size:] = np.random.default_rng(1).standard_normal(size)
     q[-size // 2 - 1] = height
     rest = np.zeros_like(q)
     ca, cv, step = 0.4, 0.9, 1e-6
-    blocks = model._solver.memory.array(at.O_DIAGONAL, nodes, size, size)
+    blocks = model._solver.memory.array(Header.diagonal, nodes, size, size)
     blocks[:] = 0.0
     matrix(ints, reals, q, rest, rest, ca, cv)
     found = np.zeros((size, size))

@@ -6,7 +6,9 @@ import pytest
 
 import cablemodel as cm
 from cablemodel.kernels import layout as at
+from cablemodel.kernels.access import header
 from cablemodel.kernels.compile import OPTIONS, view
+from cablemodel.kernels.layout import Header
 from cablemodel.kernels.system import set_time
 from cablemodel.kernels.tables import D0, D1, D2, D3, H0, H1, H2, H3, WEIGHT
 from cablemodel.kernels.waves import DRAG, FORCE, STRETCH, TANGENT, WET, wave_loads
@@ -25,8 +27,8 @@ def give_shares(words):
 def loads(ints, reals, x0, x1, v0, v1, rest):
     """Of the element above node 1; its tangents and stretch are in the workspace."""
     set_time(ints, reals, 0.0)
-    words = view(reals, ints[at.O_GAUSS], at.GAUSS_WORDS)
-    edge = ints[at.O_EDGE] + at.EDGE_WORDS
+    words = view(reals, header(ints).gauss, at.GAUSS_WORDS)
+    edge = header(ints).edges + at.EDGE_WORDS
     wave_loads(ints, reals, words, edge, x0, x1, v0, v1, rest, rest)
 
 
@@ -80,9 +82,10 @@ def test_drag_at_the_surface_takes_energy(planar):
     }  # fmt: skip
     model = cm.CableModel(cm.load_scene(data), planar=planar)
     ints, reals = model._ints, model._reals
-    dimension = int(ints[at.I_DIMENSION])
-    h = float(reals[ints[at.O_EDGE] + at.EDGE_WORDS + at.E_LENGTH])
-    words = reals[ints[at.O_GAUSS] :][: at.GAUSS_WORDS]
+    head = Header(ints)
+    dimension = int(head.dimension)
+    h = float(reals[head.edges + at.EDGE_WORDS + at.E_LENGTH])
+    words = reals[head.gauss :][: at.GAUSS_WORDS]
     rng, rest = np.random.default_rng(3), np.zeros(2 * dimension)
     below = 0
     for _ in range(200):

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import cablemodel as cm
-from cablemodel.kernels import layout as at
 
 CABLE = {
     "diameter": 0.02,
@@ -132,14 +131,14 @@ def test_a_step_that_fails_gives_sleeping_cable_back() -> None:
     before = model.statistics
     shape = model.state().position
     assert before["asleep"] > 0
-    most = int(model._ints[at.I_MAXIMUM_STEPS])
+    most = int(model._header.maximum_steps)
     for steps in (2, 10, 30, 60):
-        model._ints[at.I_MAXIMUM_STEPS] = steps
+        model._header.maximum_steps = steps
         with pytest.raises(cm.StepError):
             model.step_to(530.0)
         assert model.statistics == before
         np.testing.assert_array_equal(model.state().position, shape)
-    model._ints[at.I_MAXIMUM_STEPS] = most
+    model._header.maximum_steps = most
     for one in (model, undisturbed):
         one.step_to(530.0)
     np.testing.assert_array_equal(model.state().position, undisturbed.state().position)

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import cablemodel as cm
-from cablemodel.kernels import layout as at
 from tests.verification import scenes
 
 INTERVAL = 0.01
@@ -67,13 +66,13 @@ def test_a_restored_model_goes_on_with_the_same_bits():
 def test_a_step_that_fails_leaves_every_bit_as_it_was(interval):
     """Also the matrix, which is kept only once it is about to be replaced."""
     model = stepped(scenes.turned(tolerance=1e-3), 2.0)
-    limit = int(model._ints[at.I_MAXIMUM_STEPS])
-    model._ints[at.I_MAXIMUM_STEPS] = 0
+    limit = int(model._header.maximum_steps)
+    model._header.maximum_steps = 0
     before = bytes(model._solver.memory.image)
     with pytest.raises(cm.StepError):
         model.step(interval)
     assert bytes(model._solver.memory.image) == before
-    model._ints[at.I_MAXIMUM_STEPS] = limit
+    model._header.maximum_steps = limit
     model.step(interval)
 
 

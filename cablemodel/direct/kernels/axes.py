@@ -2,13 +2,9 @@
 
 import math
 
+from cablemodel.kernels.access import header, scalars
 from cablemodel.kernels.layout import (
-    I_CURRENT,
-    I_LIVE,
-    O_PIECES,
     P_DATA,
-    S_LIVE_CURRENT,
-    S_PLANE,
 )
 
 from .compile import kernel
@@ -56,19 +52,22 @@ _ALIGNED = 1e-12
 @kernel
 def leave_plane(I, M):
     """Go on in three dimensions where the caller's motion or current leaves the plane."""
+    head = header(I)
+    state = scalars(M)
     if I[D_PLANAR] == 0:
         return
-    px = M[S_PLANE]
-    py = M[S_PLANE + 1]
-    if I[I_LIVE] == 1:
+    px = state.plane[0]
+    py = state.plane[1]
+    if head.live == 1:
         for k in range(1, 4):
-            at = I[O_PIECES] + P_DATA + 3 * k
+            at = head.pieces + P_DATA + 3 * k
             if abs(px * M[at + 1] - py * M[at]) > _ALIGNED * (abs(M[at]) + abs(M[at + 1])):
                 I[D_PLANAR] = 0
-    if I[I_CURRENT] != 0:
+    if head.current_kind != 0:
         for k in range(2):
-            at = S_LIVE_CURRENT + 2 + 3 * k
-            if abs(px * M[at + 1] - py * M[at]) > _ALIGNED * (abs(M[at]) + abs(M[at + 1])):
+            x = state.live_current[2 + 3 * k]
+            y = state.live_current[3 + 3 * k]
+            if abs(px * y - py * x) > _ALIGNED * (abs(x) + abs(y)):
                 I[D_PLANAR] = 0
 
 
@@ -95,6 +94,7 @@ def turn_axes(I, M):
     The paper's own way out of its singular angle (after eq. 10). The rates of eq. 38 are not
     carried over: the next step is backward Euler.
     """
+    state = scalars(M)
     if I[D_PLANAR] != 0:
         return
     count = last_node(I) + 1
@@ -129,9 +129,9 @@ def turn_axes(I, M):
         M[y + K2] = b
         M[y + PHI] = new_phi
         M[y + THETA] = new_theta
-    px = M[S_PLANE]
-    M[S_PLANE] = M[S_PLANE + 1]
-    M[S_PLANE + 1] = -px
+    px = state.plane[0]
+    state.plane[0] = state.plane[1]
+    state.plane[1] = -px
     # What is kept along e2 and e3: the floor's normal, the tow point and its velocity.
     for vector in range(3):
         at = X_FLOOR if vector == 2 else X_VESSEL + 3 * vector

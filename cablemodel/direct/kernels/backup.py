@@ -1,7 +1,8 @@
 """All or nothing: what a call of `step`, and what one implicit step, gives back when it fails."""
 
+from cablemodel.kernels.access import header
 from cablemodel.kernels.compile import copy_words
-from cablemodel.kernels.layout import I_IMAGE_WORDS, O_BACKUP, O_PIECES, PIECE_WORDS
+from cablemodel.kernels.layout import PIECE_WORDS
 
 from .assembly import set_strains
 from .compile import kernel
@@ -31,7 +32,8 @@ from .layout import (
 def copy_changing(I, target, source):
     """What a call of `step` may change of an image: header, scalars and the live piece of motion,
     sections, bodies and nodes. The tables of the scene change in no step."""
-    copy_words(I, target, source, I[O_PIECES] + PIECE_WORDS)
+    head = header(I)
+    copy_words(I, target, source, head.pieces + PIECE_WORDS)
     for part in range(3):
         if part == 0:
             first = I[O_SECTION]
@@ -41,20 +43,22 @@ def copy_changing(I, target, source):
             after = I[O_DRUM]
         else:
             first = I[O_Y]
-            after = I[I_IMAGE_WORDS]
+            after = head.image_words
         copy_words(I, target + first, source + first, after - first)
 
 
 @kernel
 def keep_image(I):
     """Before a call of `step`."""
-    copy_changing(I, I[O_BACKUP], 0)
+    head = header(I)
+    copy_changing(I, head.backup, 0)
 
 
 @kernel
 def give_back_image(I):
     """After a call that failed. Sizes and offsets, which say where, are the same in both."""
-    copy_changing(I, 0, I[O_BACKUP])
+    head = header(I)
+    copy_changing(I, 0, head.backup)
 
 
 @kernel

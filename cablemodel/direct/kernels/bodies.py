@@ -8,7 +8,7 @@ Drag is 1/2 rho |u| (CdA_n u_n + CdA_a u_a), as for the finite elements.
 
 import math
 
-from cablemodel.kernels.layout import I_SURGE, S_GRAVITY
+from cablemodel.kernels.access import header, scalars
 
 from .compile import kernel
 from .frame import to_fixed, to_local
@@ -51,6 +51,8 @@ def point_load(I, M, body, node, out):
 
     Its velocity and axis are those of `node`, at its vessel side.
     """
+    head = header(I)
+    state = scalars(M)
     y = I[O_Y] + WIDTH * node
     phi = M[y + PHI]
     theta = M[y + THETA]
@@ -72,10 +74,10 @@ def point_load(I, M, body, node, out):
     l1 = inertia * a1 + drag * u1
     l2 = inertia * a2 + drag * u2
     l3 = axial * a3 + M[body + B_DRAG_AXIAL] * speed * u3
-    if I[I_SURGE] != 0:
+    if head.surge != 0:
         at = surge_word(I, node)
         s1, s2, s3 = to_local(phi, theta, M[at], M[at + 1], M[at + 2])
-        mass = M[body + B_BUOYANCY] / M[S_GRAVITY]
+        mass = M[body + B_BUOYANCY] / state.gravity
         l1 -= (mass + M[body + B_ADDED]) * s1
         l2 -= (mass + M[body + B_ADDED]) * s2
         l3 -= (mass + M[body + B_ADDED_AXIAL]) * s3
@@ -92,6 +94,8 @@ def rigid_rows(I, M, body, left, out):
     Rows of the velocities: v_after = v_before + 2 R1 omega x a3; of the angles: equal; of the
     forces: eq. 28; of the curvatures, which are moments here: eq. 31 with omega x H.
     """
+    head = header(I)
+    state = scalars(M)
     a = I[O_Y] + WIDTH * left
     b = a + WIDTH
     past = I[O_PAST] + RATES * left
@@ -110,15 +114,15 @@ def rigid_rows(I, M, body, left, out):
     out[V2] = M[b + V2] - M[a + V2] + 2.0 * half * w1
     out[V3] = M[b + V3] - M[a + V3]
     arm = (1.0 + offset) * half
-    state = body + B_STATE
-    M[state] = M[a + V1] + arm * w2
-    M[state + 1] = M[a + V2] - arm * w1
-    M[state + 2] = M[a + V3]
-    M[state + 3] = w1
-    M[state + 4] = w2
-    c1 = M[state]
-    c2 = M[state + 1]
-    c3 = M[state + 2]
+    velocities = body + B_STATE
+    M[velocities] = M[a + V1] + arm * w2
+    M[velocities + 1] = M[a + V2] - arm * w1
+    M[velocities + 2] = M[a + V3]
+    M[velocities + 3] = w1
+    M[velocities + 4] = w2
+    c1 = M[velocities]
+    c2 = M[velocities + 1]
+    c3 = M[velocities + 2]
     p = body + B_PAST
     a1 = beta * c1 - M[p] + w2 * c3 - w3 * c2
     a2 = beta * c2 - M[p + 1] + w3 * c1 - w1 * c3
@@ -139,7 +143,7 @@ def rigid_rows(I, M, body, left, out):
     h1 = -M[body + B_DRAG] * speed * u1 - M[body + B_ADDED] * a1
     h2 = -M[body + B_DRAG] * speed * u2 - M[body + B_ADDED] * a2
     h3 = -M[body + B_DRAG_AXIAL] * speed * u3 - M[body + B_ADDED_AXIAL] * a3
-    if I[I_SURGE] != 0:
+    if head.surge != 0:
         before = surge_word(I, left)
         s1, s2, s3 = to_local(
             phi,
@@ -148,7 +152,7 @@ def rigid_rows(I, M, body, left, out):
             0.5 * (M[before + 1] + M[before + 4]),
             0.5 * (M[before + 2] + M[before + 5]),
         )
-        displaced = M[body + B_BUOYANCY] / M[S_GRAVITY]
+        displaced = M[body + B_BUOYANCY] / state.gravity
         h1 += (displaced + M[body + B_ADDED]) * s1
         h2 += (displaced + M[body + B_ADDED]) * s2
         h3 += (displaced + M[body + B_ADDED_AXIAL]) * s3

@@ -20,7 +20,7 @@ The intermediate values are at the middle of the interval, and so is every rate.
 
 import math
 
-from cablemodel.kernels.layout import I_CAPACITY, I_SURGE
+from cablemodel.kernels.access import header
 from cablemodel.kernels.strain import strain_and_slope
 
 from .compile import kernel
@@ -86,6 +86,7 @@ def field_rows(I, M, kind, material, left, h, F, at, mid, dif, both):
     included) and by the differences over h; both: offset of two columns, the same by the stretch.
     `set_strain` has been called for both nodes.
     """
+    head = header(I)
     a = I[O_Y] + WIDTH * left
     b = a + WIDTH
     p = I[O_PAST] + RATES * left
@@ -256,8 +257,8 @@ def field_rows(I, M, kind, material, left, h, F, at, mid, dif, both):
     M[stretch + F3] = -m * c * beta - 0.5 * d3 / e
     M[stretch_s + F3] = -m * c * c
 
-    if I[I_SURGE] != 0:
-        water = I[O_CURRENTS] + 3 * (I[I_CAPACITY] + left)
+    if head.surge != 0:
+        water = I[O_CURRENTS] + 3 * (head.capacity + left)
         g1 = 0.5 * (M[water] + M[water + 3])
         g2 = 0.5 * (M[water + 1] + M[water + 4])
         g3 = 0.5 * (M[water + 2] + M[water + 5])

@@ -7,7 +7,7 @@ cable lies along e3. In a vertical plane theta is pi/2 and phi alone turns.
 
 import math
 
-from cablemodel.kernels.layout import S_PLANE
+from cablemodel.kernels.access import scalars
 
 from .compile import inlined
 
@@ -43,14 +43,16 @@ def to_local(phi, theta, g1, g2, g3):
 @inlined
 def to_earth(M, g1, g2, g3):
     """East, north, up of a vector along e1 (down), e2 = (px, py, 0), e3 = (py, -px, 0)."""
-    px = M[S_PLANE]
-    py = M[S_PLANE + 1]
+    state = scalars(M)
+    px = state.plane[0]
+    py = state.plane[1]
     return px * g2 + py * g3, py * g2 - px * g3, -g1
 
 
 @inlined
 def from_earth(M, x, y, z):
     """Components along e1, e2, e3 of an earth-frame vector."""
-    px = M[S_PLANE]
-    py = M[S_PLANE + 1]
+    state = scalars(M)
+    px = state.plane[0]
+    py = state.plane[1]
     return -z, px * x + py * y, py * x - px * y

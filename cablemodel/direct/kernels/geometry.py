@@ -2,8 +2,8 @@
 
 import math
 
+from cablemodel.kernels.access import header
 from cablemodel.kernels.environment import current_at, surge_at
-from cablemodel.kernels.layout import I_CAPACITY, I_CURRENT, I_SURGE
 
 from .compile import kernel
 from .frame import from_earth, to_earth, to_fixed
@@ -74,15 +74,17 @@ def set_flow(I, M):
 
 @kernel
 def surge_word(I, node):
-    """First of three words with the water's acceleration at a node (paper's axes), while I_SURGE
+    """First of three words with the water's acceleration at a node (paper's axes), while `surge`
     is not 0."""
-    return I[O_CURRENTS] + 3 * (I[I_CAPACITY] + node)
+    head = header(I)
+    return I[O_CURRENTS] + 3 * (head.capacity + node)
 
 
 @kernel
 def set_places(I, M):
     """Places of all nodes (earth frame) by integrating the tangent from the vessel, and velocity
     and acceleration of the water there (paper's axes)."""
+    head = header(I)
     x, y, z = to_earth(M, M[X_VESSEL], M[X_VESSEL + 1], M[X_VESSEL + 2])
     water = M[I[O_WORK] : I[O_WORK] + 3]
     place = I[O_PLACE]
@@ -109,7 +111,7 @@ def set_places(I, M):
             M[place + 3 * node + 1] = y
             M[place + 3 * node + 2] = z
             at = I[O_CURRENTS] + 3 * node
-            if I[I_CURRENT] == 0:
+            if head.current_kind == 0:
                 M[at] = 0.0
                 M[at + 1] = 0.0
                 M[at + 2] = 0.0
@@ -119,7 +121,7 @@ def set_places(I, M):
                 M[at] = M[X_SHARE] * c1
                 M[at + 1] = M[X_SHARE] * c2
                 M[at + 2] = M[X_SHARE] * c3
-            if I[I_SURGE] != 0:
+            if head.surge != 0:
                 surge_at(I, M, z, water)
                 at = surge_word(I, node)
                 M[at], M[at + 1], M[at + 2] = from_earth(M, water[0], water[1], water[2])

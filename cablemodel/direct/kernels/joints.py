@@ -6,7 +6,7 @@ of the planar unknowns: of vectors along e1, e2, e3 the rows 1, 3, 2.
 
 import math
 
-from cablemodel.kernels.layout import I_SURGE
+from cablemodel.kernels.access import header
 from cablemodel.kernels.strain import strain_and_slope
 
 from .bodies import point_load
@@ -213,6 +213,7 @@ def joint_rows(I, M, index, out):
 @kernel
 def normal_balance(I, M, material, node, out):
     """R1 and R2 of a flexible cable's end, where T = 0: they must vanish for k to be finite."""
+    head = header(I)
     y = I[O_Y] + WIDTH * node
     p = I[O_PAST] + RATES * node
     beta = M[X_BETA]
@@ -233,7 +234,7 @@ def normal_balance(I, M, material, node, out):
     a2 = beta * M[y + V2] - M[p + 1] + w3 * M[y + V1] - w1 * M[y + V3]
     out[PHI] = mass * a1 - M[material + T_WEIGHT] * d1 + drag * u1
     out[THETA] = mass * a2 - M[material + T_WEIGHT] * d2 + drag * u2
-    if I[I_SURGE] != 0:
+    if head.surge != 0:
         at = surge_word(I, node)
         s1, s2, _s3 = to_local(phi, theta, M[at], M[at + 1], M[at + 2])
         push = M[material + T_DISPLACED] + M[material + T_ADDED]

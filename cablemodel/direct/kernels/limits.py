@@ -9,7 +9,8 @@ gone through the floor. Steps that end there are halved.
 
 import math
 
-from cablemodel.kernels.layout import O_FAILED, OK
+from cablemodel.kernels.access import header
+from cablemodel.kernels.layout import OK
 
 from .compile import kernel
 from .frame import from_earth
@@ -62,21 +63,22 @@ OVERSHOOT = 0.05
 @kernel
 def check_state(I, M):
     """OK, or why the state that has been found is none: the status, with the node at fault."""
+    head = header(I)
     for index in range(I[D_SECTIONS]):
         section = I[O_SECTION] + SECTION_WORDS * index
         first = I[section + N_FIRST]
         for node in range(first, first + I[section + N_COUNT]):
             y = I[O_Y] + WIDTH * node
             if abs(math.sin(M[y + THETA])) < AT_POLE:
-                I[I[O_FAILED]] = node
+                I[head.failed] = node
                 return SINGULAR_ANGLE
             if I[section + N_KIND] == CABLE and M[y + F3] < -M[X_LOWEST]:
-                I[I[O_FAILED]] = node
+                I[head.failed] = node
                 return SLACK
             if node == first or I[section + N_KIND] == RIGID:
                 continue
             if not M[I[O_LENGTH] + node] > LEFT_OVER * M[I[O_OLD_LENGTH] + node]:
-                I[I[O_FAILED]] = node
+                I[head.failed] = node
                 return USED_UP
     if I[D_END] == END_ANCHOR:
         node = last_node(I)
@@ -84,7 +86,7 @@ def check_state(I, M):
         for i in range(3):
             total += (M[I[O_PLACE] + 3 * node + i] - M[X_ANCHOR + i]) ** 2
         if total > M[X_DRIFT] ** 2:
-            I[I[O_FAILED]] = node
+            I[head.failed] = node
             return DRIFT
     return OK
 
@@ -92,11 +94,12 @@ def check_state(I, M):
 @kernel
 def check_floor(I, M):
     """No node below the floor, and no end that should have been caught there. Returns a status."""
+    head = header(I)
     if I[D_FLOOR] == 0:
         return OK
     deep = DEEP * M[X_SPACING]
     last = last_node(I)
-    I[I[O_FAILED]] = last
+    I[head.failed] = last
     if I[D_END] == END_FREE and gap(I, M) < -deep:
         return OVERSHOT
     if I[D_END] == END_CONTACT and end_component(I, M, 2, 1) > OVERSHOOT:
@@ -106,6 +109,6 @@ def check_floor(I, M):
         g1, g2, g3 = from_earth(M, M[at], M[at + 1], M[at + 2])
         height = g1 * M[X_FLOOR] + g2 * M[X_FLOOR + 1] + g3 * M[X_FLOOR + 2] - M[X_FLOOR + 3]
         if height < -deep:
-            I[I[O_FAILED]] = node
+            I[head.failed] = node
             return BODY_ON_FLOOR
     return OK

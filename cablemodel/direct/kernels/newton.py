@@ -1,10 +1,8 @@
 """Newton-Raphson on field and boundary equations at one time level (section 5)."""
 
+from cablemodel.kernels.access import header
 from cablemodel.kernels.layout import (
-    I_FACTORISATIONS,
-    I_ITERATIONS,
     NOT_CONVERGED,
-    O_FAILED,
     OK,
 )
 
@@ -56,7 +54,8 @@ ROUND_OFF = 1e-6
 @kernel
 def solve_linear(I, M, slots):
     """Changes of all unknowns (over their scales) by the chosen method."""
-    I[I_FACTORISATIONS] += 1
+    head = header(I)
+    head.factorisations += 1
     if I[D_METHOD] == ELIMINATION:
         return eliminate(I, M, slots, I[O_SWEEP])
     return superpose(I, M, slots, I[O_SWEEP])
@@ -109,13 +108,14 @@ def solve_level(I, M):
     Velocities are measured by the largest of them, forces likewise, angles by a radian; each by at
     least its own scale.
     """
+    head = header(I)
     floor = I[D_END] == END_CONTACT or I[D_END] == END_TOUCHDOWN
     I[D_RIGHT_SIDES] = 2 if floor else 1
     sides = I[D_RIGHT_SIDES]
     set_flow(I, M)
     previous = 1e300
     for _iteration in range(MOST_ITERATIONS):
-        I[I_ITERATIONS] += 1
+        head.iterations += 1
         set_strains(I, M)
         set_places(I, M)
         slots = fill_system(I, M, 0)
@@ -148,7 +148,7 @@ def solve_level(I, M):
                 size = abs(M[y + j])
                 delta = abs(M[at + j])
                 if not delta < 1e200:
-                    I[I[O_FAILED]] = node
+                    I[head.failed] = node
                     return NOT_CONVERGED
                 if j <= V3:
                     largest_v = max(largest_v, size)
@@ -163,7 +163,7 @@ def solve_level(I, M):
                 else:
                     largest_k = max(largest_k, size)
                     dk = max(dk, delta)
-        I[I[O_FAILED]] = place
+        I[head.failed] = place
         factor = 1.0
         if turn > LARGEST_TURN:
             factor = LARGEST_TURN / turn

@@ -2,7 +2,8 @@
 
 import math
 
-from cablemodel.kernels.layout import S_PAID, S_PAID_MOST, STATION_WORDS
+from cablemodel.kernels.access import scalars
+from cablemodel.kernels.layout import STATION_WORDS
 
 from .compile import kernel
 from .frame import to_earth, to_fixed
@@ -209,6 +210,7 @@ def body_station(I, M, body, node, out):
 @kernel
 def summarise(I, M, out):
     """The numbers of cablemodel/kernels/outputs.py, in the same order."""
+    state = scalars(M)
     fx, fy, fz = node_vector(I, M, 0, 1)
     out[0] = fx
     out[1] = fy
@@ -252,7 +254,7 @@ def summarise(I, M, out):
     out[20] = z
     out[21] = line_out(I, M) + laid
     out[22] = M[X_RATE]
-    out[23] = M[S_PAID_MOST] - M[S_PAID]
+    out[23] = state.paid_most - state.paid
     for k in range(24, 32):
         out[k] = 0.0
     for k in range(28, 31):

@@ -1,6 +1,7 @@
 """The mesh follows the cable: intervals are split and joined, joints leave the drum and return."""
 
-from cablemodel.kernels.layout import I_CAPACITY, NO_CAPACITY, OK, S_PAID
+from cablemodel.kernels.access import header, scalars
+from cablemodel.kernels.layout import NO_CAPACITY, OK
 
 from .compile import kernel
 from .frame import to_fixed
@@ -87,8 +88,9 @@ def copy_node(I, M, source, target):
 @kernel
 def shift_nodes(I, M, first, by):
     """Move the nodes from `first` on by `by` places. Returns a status."""
+    head = header(I)
     last = last_node(I)
-    if last + 1 + by > I[I_CAPACITY]:
+    if last + 1 + by > head.capacity:
         return NO_CAPACITY
     if by > 0:
         for node in range(last, first - 1, -1):
@@ -154,7 +156,8 @@ def blend(I, M, section, left, x, target):
 @kernel
 def split(I, M, section, left):
     """A new node in the middle of the interval after node `left`. Returns a status."""
-    if last_node(I) + 3 > I[I_CAPACITY]:
+    head = header(I)
+    if last_node(I) + 3 > head.capacity:
         return NO_CAPACITY
     # The blended state waits behind the last node until the others have moved.
     spare = last_node(I) + 2
@@ -341,10 +344,11 @@ def new_joint(I, M, row, extra):
     A new section comes first, and one of two nodes for a rigid body. Velocities are those of the
     cable there: no impulse. Returns a status.
     """
+    head = header(I)
     rigid = I[row + R_RIGID] >= 0
     more = 2 if rigid else 1
     nodes = 2 * more
-    if I[D_SECTIONS] + more > I[D_SECTION_CAPACITY] or last_node(I) + nodes + 2 > I[I_CAPACITY]:
+    if I[D_SECTIONS] + more > I[D_SECTION_CAPACITY] or last_node(I) + nodes + 2 > head.capacity:
         return NO_CAPACITY
     old = I[O_SECTION]
     h = M[I[O_LENGTH] + 1]
@@ -452,11 +456,12 @@ def set_meeting(I, M):
 @kernel
 def regrid(I, M):
     """After a step: joints that pass the tow point, and intervals that have changed too much."""
+    state = scalars(M)
     used = I[D_DRUM_USED]
     spacing = M[X_SPACING]
     if used < I[D_DRUM]:
         row = I[O_DRUM] + DRUM_WORDS * used
-        extra = M[S_PAID] - M[row + R_LEAVES]
+        extra = state.paid - M[row + R_LEAVES]
         if extra >= FIRST_PIECE * spacing:
             # The interval at the vessel must reach past the joint.
             while M[I[O_LENGTH] + 1] - extra < 0.1 * spacing and I[I[O_SECTION] + N_COUNT] > 2:
@@ -469,7 +474,7 @@ def regrid(I, M):
             I[D_DRUM_USED] += 1
     if used > 0 and used == I[D_DRUM_USED]:
         row = I[O_DRUM] + DRUM_WORDS * (used - 1)
-        extra = M[S_PAID] - M[row + R_LEAVES]
+        extra = state.paid - M[row + R_LEAVES]
         if extra < 0.5 * FIRST_PIECE * spacing:
             status = take_joint_back(I, M, row, extra)
             if status != OK:

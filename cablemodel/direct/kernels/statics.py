@@ -1,7 +1,8 @@
 """The steady state by the same equations without time derivatives, by growing implicit steps."""
 
+from cablemodel.kernels.access import scalars
 from cablemodel.kernels.environment import current_profile
-from cablemodel.kernels.layout import OK, S_TIME, STATICS_FAILED
+from cablemodel.kernels.layout import OK, STATICS_FAILED
 
 from .backup import give_back_start, keep_start
 from .compile import kernel
@@ -47,8 +48,9 @@ def steady_level(I, M):
 def find_steady_state(I, M):
     """From the block's state, with the vessel's velocity and the current at its time, to the steady
     one. A bare Newton first, then backward Euler steps that grow, then Newton again."""
-    set_vessel(I, M, M[S_TIME])
-    current_profile(I, M, M[S_TIME])
+    state = scalars(M)
+    set_vessel(I, M, state.time)
+    current_profile(I, M, state.time)
     M[X_RATE] = 0.0
     M[X_PAID_IN_STEP] = 0.0
     asked = M[X_TOLERANCE]

@@ -6,29 +6,14 @@ are read by the same kernels.
 
 import math
 
+from cablemodel.kernels.access import header, scalars
 from cablemodel.kernels.environment import current_profile, find_piece, surge_jump, vessel_motion
 from cablemodel.kernels.layout import (
-    I_CLAMPED,
-    I_CURRENT,
-    I_ITERATIONS,
-    I_LIVE,
-    I_PIECE,
-    I_PIECES,
-    I_REJECTED,
-    I_STEPS,
-    I_TIMES,
     NOT_FINITE,
-    O_MOTION,
-    O_PIECES,
-    O_TIMES,
     OK,
     P_ACCELERATION_JUMP,
     P_END,
     PIECE_WORDS,
-    S_PAID,
-    S_PAID_LEAST,
-    S_PAID_MOST,
-    S_TIME,
 )
 from cablemodel.kernels.stepping import possible, release_inputs, take_inputs
 from cablemodel.kernels.winch import commanded_rate
@@ -69,8 +54,9 @@ RESTART = 0.5
 @kernel
 def set_vessel(I, M, t):
     """Tow point and its velocity at time t in the paper's axes."""
+    head = header(I)
     vessel_motion(I, M, t)
-    at = I[O_MOTION]
+    at = head.motion
     g1, g2, g3 = from_earth(M, M[at], M[at + 1], M[at + 2])
     M[X_VESSEL] = g1
     M[X_VESSEL + 1] = g2
@@ -84,17 +70,19 @@ def set_vessel(I, M, t):
 @kernel
 def pay_out(I, M, t, dt):
     """Rate at the end of a step and cable paid out within it; clamped where the drum ends."""
+    head = header(I)
+    state = scalars(M)
     rate, slope, _until = commanded_rate(I, M, t)
     paid = (rate + 0.5 * slope * dt) * dt
     rate += slope * dt
-    I[I_CLAMPED] = 0
-    if M[S_PAID] + paid > M[S_PAID_MOST]:
-        paid = M[S_PAID_MOST] - M[S_PAID]
-        I[I_CLAMPED] = 1
-    elif M[S_PAID] + paid < M[S_PAID_LEAST]:
-        paid = M[S_PAID_LEAST] - M[S_PAID]
-        I[I_CLAMPED] = -1
-    if I[I_CLAMPED] != 0:
+    head.clamped = 0
+    if state.paid + paid > state.paid_most:
+        paid = state.paid_most - state.paid
+        head.clamped = 1
+    elif state.paid + paid < state.paid_least:
+        paid = state.paid_least - state.paid
+        head.clamped = -1
+    if head.clamped != 0:
         rate = 0.0 if abs(paid) < 1e-12 else paid / dt
     M[X_RATE] = rate
     M[X_PAID_IN_STEP] = paid
@@ -102,9 +90,11 @@ def pay_out(I, M, t, dt):
 
 @kernel
 def one_step(I, M, dt):
-    """One implicit step of dt from S_TIME, for which `pay_out` has been called. On failure the
+    """One implicit step of dt from `time`, for which `pay_out` has been called. On failure the
     state is that of the start."""
-    t = M[S_TIME]
+    head = header(I)
+    state = scalars(M)
+    t = state.time
     alpha = 1.0 if I[D_RESTART] != 0 else M[X_ALPHA]
     M[X_DT] = dt
     M[X_BETA] = 1.0 / (alpha * dt)
@@ -113,7 +103,7 @@ def one_step(I, M, dt):
     keep_past(I, M)
     set_vessel(I, M, t + dt)
     current_profile(I, M, t + dt)
-    before = I[I_ITERATIONS]
+    before = head.iterations
     status = solve_level(I, M)
     if status == OK:
         status = check_state(I, M)
@@ -123,36 +113,38 @@ def one_step(I, M, dt):
         set_vessel(I, M, t)
         give_back_start(I, M)
         return status
-    taken = I[I_ITERATIONS] - before
+    taken = head.iterations - before
     if taken > I[D_ITERATIONS_MOST]:
         I[D_ITERATIONS_MOST] = taken
     set_rates(I, M)
     I[D_RESTART] = 0
-    M[S_PAID] += M[X_PAID_IN_STEP]
+    state.paid += M[X_PAID_IN_STEP]
     if I[D_END] == END_TOUCHDOWN:
         M[X_LAID] += dt * M[X_FLOW_END]
     M[X_PAID_IN_STEP] = 0.0
-    M[S_TIME] = t + dt
-    I[I_STEPS] += 1
+    state.time = t + dt
+    head.steps += 1
     return OK
 
 
 @kernel
 def next_kink(I, M, t_end):
-    """The first time after S_TIME where an input has a kink, at most t_end; and whether the
+    """The first time after `time` where an input has a kink, at most t_end; and whether the
     acceleration of vessel or water jumps there."""
-    t = M[S_TIME]
+    head = header(I)
+    state = scalars(M)
+    t = state.time
     least = t + AT_ONCE * max(1.0, abs(t))
     nearest = t_end
     jump = 0
-    if I[I_LIVE] == 0:
+    if head.live == 0:
         k = find_piece(I, M, t)
-        while k < I[I_PIECES] - 1:
-            end = M[I[O_PIECES] + k * PIECE_WORDS + P_END]
+        while k < head.piece_count - 1:
+            end = M[head.pieces + k * PIECE_WORDS + P_END]
             if not end < nearest:
                 break
             k += 1
-            if end > least and M[I[O_PIECES] + k * PIECE_WORDS + P_ACCELERATION_JUMP] > 0.0:
+            if end > least and M[head.pieces + k * PIECE_WORDS + P_ACCELERATION_JUMP] > 0.0:
                 nearest = end
                 jump = 1
                 break
@@ -160,9 +152,9 @@ def next_kink(I, M, t_end):
     if until > least and until < nearest:
         nearest = until
         jump = 1
-    if I[I_CURRENT] != 0:
-        for k in range(I[I_TIMES]):
-            kink = M[I[O_TIMES] + k]
+    if head.current_kind != 0:
+        for k in range(head.time_count):
+            kink = M[head.times + k]
             if kink > least and kink < nearest:
                 nearest = kink
                 jump = 1
@@ -172,9 +164,11 @@ def next_kink(I, M, t_end):
 @kernel
 def advance(I, M, t_end):
     """Step to t_end in equal sub-steps between kinks; halved where one does not converge."""
+    head = header(I)
+    state = scalars(M)
     share = 1.0
-    while M[S_TIME] < t_end:
-        t = M[S_TIME]
+    while state.time < t_end:
+        t = state.time
         stop, jump = next_kink(I, M, t_end)
         count = max(1.0, math.ceil((stop - t) / (share * M[X_TIME_STEP]) - 1e-9))
         dt = time_to_landing(I, M, (stop - t) / count)
@@ -190,14 +184,14 @@ def advance(I, M, t_end):
             if status != OK:
                 return status
             if count == 1.0:
-                M[S_TIME] = stop
+                state.time = stop
                 if jump != 0:
                     I[D_RESTART] = 1
-                if I[I_LIVE] == 0:
-                    I[I_PIECE] = find_piece(I, M, stop)
+                if head.live == 0:
+                    head.piece = find_piece(I, M, stop)
             share = min(1.0, 2.0 * share)
             continue
-        I[I_REJECTED] += 1
+        head.rejected += 1
         share = 0.5 * min(share, dt / M[X_TIME_STEP])
         if share < SMALLEST_SHARE:
             return status
@@ -207,11 +201,12 @@ def advance(I, M, t_end):
 @kernel
 def take_step(I, M, t_end, inputs):
     """Step to t_end [s] with the given inputs (INPUT_WORDS); on failure nothing has changed."""
+    state = scalars(M)
     if not possible(M, t_end, inputs):
         return NOT_FINITE
     keep_image(I)
     returning = take_inputs(I, M, t_end, inputs)
-    jump, surge = surge_jump(I, M, M[S_TIME])
+    jump, surge = surge_jump(I, M, state.time)
     if jump > RESTART * surge:
         I[D_RESTART] = 1
     leave_plane(I, M)

@@ -17,7 +17,7 @@ void outputs_changed(Cable *cable) {
     if (cable->finer != NULL) outputs_changed(cable->finer);
 }
 
-double cable_time(const Cable *cable) { return cable->M[S_TIME] + cable->now.start_time; }
+double cable_time(const Cable *cable) { return scalars(cable->M)->time + cable->now.start_time; }
 
 /* Start values everywhere, the block at the scene's initial state. */
 void restart_cable(Cable *cable) {
@@ -129,11 +129,11 @@ static void remember_step(Cable *cable, double dt, const double *inputs) {
 
 /* Arc length of a node from the vessel; in the words of CableModel._node_arcs. */
 static double arc_of(const Cable *cable, int64_t node) {
-    const double *edge = cable->M + cable->I[O_EDGE] + node * EDGE_WORDS;
+    const double *edge = cable->M + header(cable->I)->edges + node * EDGE_WORDS;
     if (node <= 0) return 0.0;
-    if (node == 1 && (cable->I[I_RIGID] == 0 || cable->I[I_NODES] < 3)) return edge[E_LENGTH];
-    if (node == 1) return edge[EDGE_WORDS + E_START] + cable->M[S_PAID];
-    return edge[E_START] + edge[E_LENGTH] + cable->M[S_PAID];
+    if (node == 1 && (header(cable->I)->rigid == 0 || header(cable->I)->nodes < 3)) return edge[E_LENGTH];
+    if (node == 1) return edge[EDGE_WORDS + E_START] + scalars(cable->M)->paid;
+    return edge[E_START] + edge[E_LENGTH] + scalars(cable->M)->paid;
 }
 
 static void explain(const Cable *cable, int64_t status, char *message, size_t size) {
@@ -168,8 +168,8 @@ static void explain(const Cable *cable, int64_t status, char *message, size_t si
                  problem, advice);
         return;
     }
-    const int64_t last = cable->I[I_NODES] - 1;
-    const int64_t failed = cable->I[cable->I[O_FAILED]];
+    const int64_t last = header(cable->I)->nodes - 1;
+    const int64_t failed = cable->I[header(cable->I)->failed];
     const int64_t node = failed < last ? failed : last;
     const double arc = arc_of(cable, node);
     snprintf(message, size, "at t = %g s, %g m along the cable: %s; %s", cable_time(cable), arc,
@@ -178,7 +178,7 @@ static void explain(const Cable *cable, int64_t status, char *message, size_t si
 
 /* A finer run that could not make a step stays behind for good: there is no estimate then. */
 static int is_beside(const Cable *cable) {
-    return cable->finer != NULL && cable->finer->M[S_TIME] == cable->M[S_TIME];
+    return cable->finer != NULL && scalars(cable->finer->M)->time == scalars(cable->M)->time;
 }
 
 /* To the instance's own time t_end; on failure the message says why and nothing has changed. */
@@ -227,13 +227,13 @@ static const double *rows(Cable *cable) {
         }
         for (int64_t j = 0; j < cable->bodies; j++) {
             /* A body on the drum (node -1) is at the tow point. */
-            const int64_t node = (int64_t)cable->M[cable->I[O_BODY] + j * BODY_WORDS + B_NODE];
+            const int64_t node = (int64_t)cable->M[header(cable->I)->bodies + j * BODY_WORDS + B_NODE];
             const double arc = arc_of(cable, node);
             cable->arcs[n + j] = arc < length ? arc : length;
         }
         cablemodel_sample(cable->I, cable->block_words, cable->arcs, n + cable->bodies,
                           cable->rows, STATION_WORDS * (n + cable->bodies));
-        if (cable->I[I_RIGID] > 0) /* Bodies of finite length do not move with the cable. */
+        if (header(cable->I)->rigid > 0) /* Bodies of finite length do not move with the cable. */
             cablemodel_bodies(cable->I, cable->block_words, cable->rows + STATION_WORDS * n,
                               STATION_WORDS * cable->bodies);
     }
@@ -329,16 +329,16 @@ static void tune(Cable *cable, const Parameter *p, double value) {
     if (is_direct(I)) {
         M[direct_word(I, p)] = p->factor * value;
     } else if (p->kind == OF_BODY) {
-        M[I[O_BODY] + p->index * BODY_WORDS + p->word] = p->factor * value;
+        M[header(I)->bodies + p->index * BODY_WORDS + p->word] = p->factor * value;
     } else if (p->kind == OF_CABLES) {
         /* Elements that are out, and the rows from which elements are made as cable is paid out. */
-        for (int64_t node = 1; node < I[I_NODES]; node++)
-            if (I[I[O_JOINT] + node] == 0) tune_edge(M + I[O_EDGE] + node * EDGE_WORDS, p, value);
-        for (int64_t n = 0; n < I[I_CABLES]; n++)
-            tune_edge(M + I[O_CABLES] + n * CABLE_WORDS + K_EDGE, p, value);
+        for (int64_t node = 1; node < header(I)->nodes; node++)
+            if (I[header(I)->joint + node] == 0) tune_edge(M + header(I)->edges + node * EDGE_WORDS, p, value);
+        for (int64_t n = 0; n < header(I)->cable_count; n++)
+            tune_edge(M + header(I)->cables + n * CABLE_WORDS + K_EDGE, p, value);
     }
-    if (!is_direct(I)) cable->I[I_ASLEEP] = cable->I[I_HISTORY] = 0; /* what rests may not now */
-    cable->I[I_FACTORED] = 0;
+    if (!is_direct(I)) header(cable->I)->asleep = header(cable->I)->has_history = 0; /* what rests may not now */
+    header(cable->I)->factored = 0;
 }
 
 /* The exported state with the coefficients that are set. */

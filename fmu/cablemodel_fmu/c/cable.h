@@ -134,7 +134,7 @@ int64_t cablemodel_direct_sample(void *block, int64_t words, double *s, int64_t 
 int64_t cablemodel_direct_summary(void *block, int64_t words, double *out, int64_t n);
 
 /* direct.c */
-static inline int is_direct(const int64_t *I) { return I[I_MAGIC] == DIRECT_MAGIC; }
+static inline int is_direct(const int64_t *I) { return header(I)->magic == DIRECT_MAGIC; }
 const char *check_direct_block(const int64_t *I, int64_t image_words, int64_t block_words);
 int64_t direct_nodes(const int64_t *I);
 int64_t direct_word(const int64_t *I, const Parameter *p);

@@ -32,7 +32,7 @@ static const char *check_sections(const int64_t *I) {
     for (int64_t n = 0; n < I[DIRECT_D_SECTIONS]; n++) {
         const int64_t *row = section(I, n);
         const int rigid = row[DIRECT_N_KIND] == DIRECT_RIGID;
-        if (row[DIRECT_N_FIRST] != node || !within(row[DIRECT_N_COUNT], 2, I[I_CAPACITY] - node) ||
+        if (row[DIRECT_N_FIRST] != node || !within(row[DIRECT_N_COUNT], 2, header(I)->capacity - node) ||
             !within(row[DIRECT_N_KIND], DIRECT_CABLE, DIRECT_RIGID) ||
             !within(row[DIRECT_N_MATERIAL], 0, materials - 1) ||
             !within(row[DIRECT_N_BODY], rigid ? 0 : -1, bodies - 1) ||
@@ -54,13 +54,13 @@ const char *check_direct_block(const int64_t *I, int64_t image_words, int64_t bl
     int64_t expected[DIRECT_FIRST_FREE] = {0};
     int64_t image = 0, words = 0;
     if (image_words < DIRECT_FIRST_FREE) return "the model's image is too short";
-    if (I[I_VERSION] != DIRECT_VERSION) return "not a model of this version";
-    if (!direct_sizes_within(I, LARGEST_COUNT) || I[I_CAPACITY] < 2 || I[I_PIECES] < 2 ||
-        I[I_DEPTHS] < 1 || I[I_TIMES] < 1)
+    if (header(I)->version != DIRECT_VERSION) return "not a model of this version";
+    if (!direct_sizes_within(I, LARGEST_COUNT) || header(I)->capacity < 2 || header(I)->piece_count < 2 ||
+        header(I)->depth_count < 1 || header(I)->time_count < 1)
         return "a size in the model is out of range";
     direct_arrange(I, expected, &image, &words);
-    if (image != image_words || words != block_words || I[I_IMAGE_WORDS] != image ||
-        I[I_BYTES] != 8 * words)
+    if (image != image_words || words != block_words || header(I)->image_words != image ||
+        header(I)->byte_count != 8 * words)
         return "the model's sizes do not agree";
     for (int n = 0; n < DIRECT_FIRST_FREE; n++)
         if (expected[n] != 0 && I[n] != expected[n]) return "an offset in the model is wrong";
@@ -73,19 +73,19 @@ const char *check_direct_block(const int64_t *I, int64_t image_words, int64_t bl
         !within(I[DIRECT_D_END], DIRECT_END_FREE, DIRECT_END_TOUCHDOWN) ||
         !within(I[DIRECT_D_CLAMPED], 0, 3) || !within(I[DIRECT_D_FLOOR], 0, 1) ||
         !within(I[DIRECT_D_RESTART], 0, 1) || !within(I[DIRECT_D_STICKS], 0, 1) ||
-        !within(I[I_PIECE], 1, I[I_PIECES] - 1) || !within(I[I_LIVE], 0, 1) ||
-        !within(I[I_CURRENT], 0, 2) || (I[I_CURRENT] == 1 && I[I_DEPTHS] != 1) ||
-        !within(I[I_PAYOUT], 0, 1) ||
-        !within(I[I_RATE_LIVE], 0, 1) || !within(I[I_CLAMPED], -1, 1) || I[I_DIMENSION] != 3)
+        !within(header(I)->piece, 1, header(I)->piece_count - 1) || !within(header(I)->live, 0, 1) ||
+        !within(header(I)->current_kind, 0, 2) || (header(I)->current_kind == 1 && header(I)->depth_count != 1) ||
+        !within(header(I)->payout, 0, 1) ||
+        !within(header(I)->rate_live, 0, 1) || !within(header(I)->clamped, -1, 1) || header(I)->dimension != 3)
         return "a counter in the model is out of range";
-    if (!(fabs(M[S_TIME]) < 1e300) || !(M[DIRECT_X_TIME_STEP] > 1e-9) ||
+    if (!(fabs(scalars(M)->time) < 1e300) || !(M[DIRECT_X_TIME_STEP] > 1e-9) ||
         !(M[DIRECT_X_SPACING] > 1e-9) || !(M[DIRECT_X_TOLERANCE] > 0.0) ||
         !(M[DIRECT_X_ALPHA] >= 0.5 && M[DIRECT_X_ALPHA] <= 1.0))
         return "a setting in the model is out of range";
     for (int64_t n = 0; n < I[DIRECT_D_MATERIALS]; n++) {
         const double *row = M + I[DIRECT_O_MATERIAL] + n * DIRECT_MATERIAL_WORDS;
-        const int64_t first = I[O_STRAIN], last = first + I[I_STRAIN];
-        if (!whole(row[DIRECT_T_TERMS], 1, I[I_STRAIN]) ||
+        const int64_t first = header(I)->strain, last = first + header(I)->strain_words;
+        if (!whole(row[DIRECT_T_TERMS], 1, header(I)->strain_words) ||
             !whole(row[DIRECT_T_OFFSET], first, last) ||
             row[DIRECT_T_OFFSET] + row[DIRECT_T_TERMS] > (double)last)
             return "a cable is out of range";
@@ -124,10 +124,10 @@ int64_t direct_step(Cable *cable, double t_end, double *inputs) {
 int64_t direct_settle(Cable *cable) {
     double none[INPUT_WORDS] = {0};
     const int64_t status = cablemodel_direct_work(
-        cable->I, cable->block_words, DIRECT_TASK_EQUILIBRIUM, cable->M[S_TIME], none, INPUT_WORDS);
+        cable->I, cable->block_words, DIRECT_TASK_EQUILIBRIUM, scalars(cable->M)->time, none, INPUT_WORDS);
     if (status != OK) return status;
-    cable->I[I_STEPS] = cable->I[I_REJECTED] = 0;
-    cable->I[I_FACTORISATIONS] = cable->I[I_ITERATIONS] = 0;
+    header(cable->I)->steps = header(cable->I)->rejected = 0;
+    header(cable->I)->factorisations = header(cable->I)->iterations = 0;
     return OK;
 }
 
@@ -155,7 +155,7 @@ double direct_failure(const Cable *cable, int64_t status, const char **problem,
         }
     double arc = 0.0;
     const int64_t last = direct_nodes(I) - 1;
-    const int64_t failed = I[I[O_FAILED]];
+    const int64_t failed = I[header(I)->failed];
     const int64_t place = failed < last ? failed : last;
     for (int64_t n = 0; n < I[DIRECT_D_SECTIONS]; n++) {
         const int64_t *row = section(I, n);

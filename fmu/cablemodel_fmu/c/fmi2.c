@@ -148,7 +148,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid,
     }
     in->logged = logging ? categories[CATEGORIES - 1].bit : QUIET;
     report(in, fmi2OK, "instantiated: %lld nodes, %lld stations",
-           (long long)(is_direct(in->cable.I) ? direct_nodes(in->cable.I) : in->cable.I[I_NODES]),
+           (long long)(is_direct(in->cable.I) ? direct_nodes(in->cable.I) : header(in->cable.I)->nodes),
            (long long)in->cable.stations);
     return in;
 }
@@ -198,7 +198,7 @@ fmi2Status fmi2Terminate(fmi2Component c) {
     ALLOW(c, P3);
     in->cable.now.phase = TERMINATED;
     return report(in, fmi2OK, "terminated after %lld steps, %lld rejected",
-                  (long long)in->cable.I[I_STEPS], (long long)in->cable.I[I_REJECTED]);
+                  (long long)header(in->cable.I)->steps, (long long)header(in->cable.I)->rejected);
 }
 
 fmi2Status fmi2Reset(fmi2Component c) {
@@ -413,7 +413,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real point, fmi2Real size, fmi2Boolea
         return report(in, fmi2Error, "fmi2DoStep: the step starts at %.17g s, the cable is at %.17g s",
                       point, time);
     const double end = point + size - cable->now.start_time;
-    if (!(end > cable->M[S_TIME]))
+    if (!(end > scalars(cable->M)->time))
         return report(in, fmi2Error, "fmi2DoStep: at t = %g s: a step of %g s is lost in rounding",
                       time, size);
     if (in->has_stop_time && point + size > in->stop_time + 1e-9 * fabs(in->stop_time) + 1e-6 * size)

@@ -15,11 +15,11 @@ static double length_of(const Cable *cable, int64_t n, double share) {
 }
 
 static double *edge_of(const Cable *cable, int64_t node) {
-    return cable->M + cable->I[O_EDGE] + node * EDGE_WORDS;
+    return cable->M + header(cable->I)->edges + node * EDGE_WORDS;
 }
 
 static double *row_of(const Cable *cable, int64_t index) {
-    return cable->M + cable->I[O_CABLES] + index * CABLE_WORDS;
+    return cable->M + header(cable->I)->cables + index * CABLE_WORDS;
 }
 
 int lengths_changed(const Cable *cable) {
@@ -42,8 +42,8 @@ static int position_changed(const Cable *cable) {
 }
 
 static int leaves_plane(const Cable *cable, const double *vector) {
-    const double *plane = cable->M + S_PLANE;
-    return cable->I[I_DIMENSION] == 2 && plane[0] * vector[1] - plane[1] * vector[0] != 0.0;
+    const double *plane = scalars(cable->M)->plane;
+    return header(cable->I)->dimension == 2 && plane[0] * vector[1] - plane[1] * vector[0] != 0.0;
 }
 
 /* The tow point to the start that was set, at the velocity that was set, and the line with it; an
@@ -54,43 +54,43 @@ static void move_start(Cable *cable) {
     const double *scene = (const double *)cable->file + F_INPUTS, *start = cable->now.start;
     if (!position_changed(cable) && !velocity_changed(cable)) return;
     for (int i = 0; i < 3; i++) way[i] = start[i] - scene[VR_POSITION + i];
-    if ((I[I_CONSTRAINTS] > 1 && leaves_plane(cable, way)) ||
+    if ((header(I)->constraint_count > 1 && leaves_plane(cable, way)) ||
         (velocity_changed(cable) && leaves_plane(cable, start + 3)))
         cablemodel_to_three_dimensions(I, cable->block_words);
     for (int i = 0; i < 3; i++) {
-        M[S_BASE + i] += way[i];
-        M[S_SHIFT + i] += way[i];
+        scalars(M)->origin[i] += way[i];
+        scalars(M)->shift[i] += way[i];
     }
-    for (int64_t n = 0; n < I[I_CONSTRAINTS]; n++) {
-        double *row = M + I[O_CONSTRAINT] + n * CONSTRAINT_WORDS;
+    for (int64_t n = 0; n < header(I)->constraint_count; n++) {
+        double *row = M + header(I)->constraints + n * CONSTRAINT_WORDS;
         if (row[C_KIND] != (double)C_ANCHOR) continue;
-        if (I[I_DIMENSION] == 2) {
-            row[C_POSITION] -= M[S_PLANE] * way[0] + M[S_PLANE + 1] * way[1];
+        if (header(I)->dimension == 2) {
+            row[C_POSITION] -= scalars(M)->plane[0] * way[0] + scalars(M)->plane[1] * way[1];
             row[C_POSITION + 1] -= way[2];
         } else {
             for (int i = 0; i < 3; i++) row[C_POSITION + i] -= way[i];
         }
     }
     if (velocity_changed(cable)) {
-        double *live = M + I[O_PIECES];
+        double *live = M + header(I)->pieces;
         memset(live, 0, PIECE_WORDS * sizeof(double));
         memcpy(live + P_DATA, start, VR_STARTS * sizeof(double));
-        I[I_LIVE] = 1;
+        header(I)->live = 1;
     }
 }
 
 /* An anchor that the line cannot reach, however much it stretches; see scene/schema.py. */
 static int out_of_reach(Cable *cable) {
-    const double *anchor = NULL, *vessel = cable->M + cable->I[O_POSITION];
+    const double *anchor = NULL, *vessel = cable->M + header(cable->I)->position;
     const int64_t *I = cable->I;
-    for (int64_t n = 0; n < I[I_CONSTRAINTS]; n++) {
-        const double *row = cable->M + I[O_CONSTRAINT] + n * CONSTRAINT_WORDS;
+    for (int64_t n = 0; n < header(I)->constraint_count; n++) {
+        const double *row = cable->M + header(I)->constraints + n * CONSTRAINT_WORDS;
         if (row[C_KIND] == (double)C_ANCHOR) anchor = row + C_POSITION;
     }
     if (anchor == NULL) return 0;
     double length = 0.0, reach = 0.0, square = 0.0;
-    for (int64_t n = 0; n < I[I_BODIES]; n++) {
-        const double *row = cable->M + I[O_BODY] + n * BODY_WORDS;
+    for (int64_t n = 0; n < header(I)->body_count; n++) {
+        const double *row = cable->M + header(I)->bodies + n * BODY_WORDS;
         if (row[B_NODE] >= 0.0) length += row[B_LENGTH], reach += row[B_LENGTH];
     }
     for (int64_t n = 0; n < cable->parameter_count; n++) {
@@ -98,10 +98,10 @@ static int out_of_reach(Cable *cable) {
         length += cable->values[n];
         reach += cable->values[n] * cable->parameters[n].reach;
     }
-    const double *scene = (const double *)cable->file + F_INPUTS, *plane = cable->M + S_PLANE;
+    const double *scene = (const double *)cable->file + F_INPUTS, *plane = scalars(cable->M)->plane;
     double away[3];
     for (int i = 0; i < 3; i++) away[i] = scene[VR_POSITION + i] - cable->now.start[i];
-    if (I[I_DIMENSION] == 2) {
+    if (header(I)->dimension == 2) {
         for (int i = 0; i < 2; i++) away[i] += plane[i] * (anchor[0] - vessel[0]);
         away[2] += anchor[1] - vessel[1];
     } else {
@@ -117,9 +117,9 @@ static int out_of_reach(Cable *cable) {
 
 /* Scale the chords of the elements: the line keeps its strains, its far end moves. */
 static void scale_elements(Cable *cable, double from, double to) {
-    const int64_t *I = cable->I, *parent = I + I[O_PARENT], *joint = I + I[O_JOINT];
-    const int64_t nodes = I[I_NODES], dimension = I[I_DIMENSION], size = 2 * dimension;
-    double *q = cable->M + I[O_POSITION];
+    const int64_t *I = cable->I, *parent = I + header(I)->parent, *joint = I + header(I)->joint;
+    const int64_t nodes = header(I)->nodes, dimension = header(I)->dimension, size = 2 * dimension;
+    double *q = cable->M + header(I)->position;
     for (int64_t node = nodes - 1; node > 0; node--) {
         double ratio = 1.0;
         for (int64_t n = 0; n < cable->parameter_count; n++) {
@@ -144,20 +144,20 @@ static void scale_elements(Cable *cable, double from, double to) {
 
 /* An anchored end back to its anchor: the way to it is shared out along the cable. */
 static void back_to_the_anchor(Cable *cable) {
-    const int64_t *I = cable->I, dimension = I[I_DIMENSION], size = 2 * dimension;
-    double *q = cable->M + I[O_POSITION];
-    for (int64_t c = 0; c < I[I_CONSTRAINTS]; c++) {
-        const double *row = cable->M + I[O_CONSTRAINT] + c * CONSTRAINT_WORDS;
+    const int64_t *I = cable->I, dimension = header(I)->dimension, size = 2 * dimension;
+    double *q = cable->M + header(I)->position;
+    for (int64_t c = 0; c < header(I)->constraint_count; c++) {
+        const double *row = cable->M + header(I)->constraints + c * CONSTRAINT_WORDS;
         if (row[C_KIND] != (double)C_ANCHOR) continue;
         double way[3] = {0};
         for (int64_t i = 0; i < dimension; i++)
             way[i] = row[C_POSITION + i] - q[size * (int64_t)row[C_NODE] + i];
-        for (int64_t node = 1; node < I[I_NODES]; node++) {
+        for (int64_t node = 1; node < header(I)->nodes; node++) {
             const double *edge = edge_of(cable, node);
-            const double share = (edge[E_START] + edge[E_LENGTH]) / cable->M[S_LENGTH];
+            const double share = (edge[E_START] + edge[E_LENGTH]) / scalars(cable->M)->length;
             for (int64_t i = 0; i < dimension; i++) {
                 q[size * node + i] += share * way[i];
-                q[size * node + dimension + i] += way[i] / cable->M[S_LENGTH];
+                q[size * node + dimension + i] += way[i] / scalars(cable->M)->length;
             }
         }
     }
@@ -167,13 +167,13 @@ static void back_to_the_anchor(Cable *cable) {
 static double body_below(const Cable *cable, int64_t index) {
     const double body = row_of(cable, index)[K_BODY];
     if (body < 0.0) return 0.0;
-    return cable->M[cable->I[O_BODY] + (int64_t)body * BODY_WORDS + B_LENGTH];
+    return cable->M[header(cable->I)->bodies + (int64_t)body * BODY_WORDS + B_LENGTH];
 }
 
 /* The cables as they pass the tow point: see cablemodel/instance/winch.py. */
 static void arrange_winch(Cable *cable, double from, double to, double growth) {
     double below = 0.0, most = 0.0, travel = 0.0;
-    double left = SHORTEST_LINE * cable->M[S_LENGTH], above = 0.0; /* at the end of reel-in */
+    double left = SHORTEST_LINE * scalars(cable->M)->length, above = 0.0; /* at the end of reel-in */
     int64_t last = 0;
     for (int64_t n = cable->parameter_count - 1; n >= 0; n--)
         if (cable->parameters[n].kind == OF_LINE)
@@ -207,7 +207,7 @@ static void arrange_winch(Cable *cable, double from, double to, double growth) {
         if (row[K_NOMINAL] < least) row[K_NOMINAL] = least;
         row[K_LEAVES] = travel;
     }
-    for (int64_t index = 0; index < cable->I[I_CABLES]; index++) {
+    for (int64_t index = 0; index < header(cable->I)->cable_count; index++) {
         double *row = row_of(cable, index), length = row[K_NOMINAL];
         const double body = body_below(cable, index);
         if (index > 0) length = fmin(length, row[K_LEAVES] - row_of(cable, index - 1)[K_LEAVES] - body);
@@ -218,10 +218,10 @@ static void arrange_winch(Cable *cable, double from, double to, double growth) {
         row[K_EDGE + E_NOMINAL] = row[K_NOMINAL];
     }
     double *M = cable->M;
-    M[S_TOP_LENGTH] = edge_of(cable, 1)[E_LENGTH];
-    M[S_PAID_MOST] = most;
-    M[S_TRAVEL_MOST] = travel;
-    M[S_TRAVEL_LEAST] = -above - (1.0 - SHORTEST_LINE) * M[S_LENGTH];
+    scalars(M)->top_length = edge_of(cable, 1)[E_LENGTH];
+    scalars(M)->paid_most = most;
+    scalars(M)->travel_most = travel;
+    scalars(M)->travel_least = -above - (1.0 - SHORTEST_LINE) * scalars(M)->length;
 }
 
 /* What follows from the lengths of the line as a whole: facts_of of cablemodel/instance/tables.py. */
@@ -245,18 +245,18 @@ static void measure_line(Cable *cable, double share) {
     }
     facts[FACT_DAMPING] = drag * facts[FACT_LENGTH] / mass;
     cablemodel_measure(cable->I, cable->block_words, facts, FACT_WORDS);
-    for (int64_t n = 0; n < I[I_BODIES]; n++) {
-        double *row = M + I[O_BODY] + n * BODY_WORDS;
+    for (int64_t n = 0; n < header(I)->body_count; n++) {
+        double *row = M + header(I)->bodies + n * BODY_WORDS;
         if (row[B_LENGTH] == 0.0) continue;
-        row[B_PULL] = row[B_PULL + 1] = M[S_TENSION_SCALE];
+        row[B_PULL] = row[B_PULL + 1] = scalars(M)->tension_scale;
         row[B_CLAMP] = row[B_CLAMP + 1] = 0.0;
-        if (row[B_TIE] != 0.0) row[B_TIE] = M[S_TENSION_SCALE] * row[B_LENGTH];
+        if (row[B_TIE] != 0.0) row[B_TIE] = scalars(M)->tension_scale * row[B_LENGTH];
         row[B_COMPLIANCE] =
-            fmin(row[B_LENGTH] / (RIGID * M[S_TENSION_SCALE]), SOFTEST * facts[FACT_SOFTNESS]);
+            fmin(row[B_LENGTH] / (RIGID * scalars(M)->tension_scale), SOFTEST * facts[FACT_SOFTNESS]);
     }
-    M[S_CLAMP_PULL] = M[S_TENSION_SCALE];
-    for (int64_t n = 0; n < I[I_CONSTRAINTS]; n++) { /* a clamp past which cable runs */
-        double *row = M + I[O_CONSTRAINT] + n * CONSTRAINT_WORDS;
+    scalars(M)->clamp_tension = scalars(M)->tension_scale;
+    for (int64_t n = 0; n < header(I)->constraint_count; n++) { /* a clamp past which cable runs */
+        double *row = M + header(I)->constraints + n * CONSTRAINT_WORDS;
         if (row[C_CLAMPED] == (double)BY_SPRING)
             memset(row + C_SPRING, 0, (CONSTRAINT_WORDS - C_SPRING) * sizeof(double));
     }
@@ -264,7 +264,7 @@ static void measure_line(Cable *cable, double share) {
 
 static void stabilise_row(Cable *cable, double *edge, double tension, int *changed) {
     if (!(edge[E_COMPLIANCE] > 0.0)) return;
-    const double bending = 10.0 * edge[E_BENDING_FULL] / (cable->M[S_LENGTH] * cable->M[S_LENGTH]);
+    const double bending = 10.0 * edge[E_BENDING_FULL] / (scalars(cable->M)->length * scalars(cable->M)->length);
     double wanted = fmax(edge[E_STABILISATION], fmax(STABILISATION * tension, bending));
     wanted = fmin(wanted, 1.0 / edge[E_COMPLIANCE]);
     if (wanted != edge[E_STABILISATION]) *changed = 1;
@@ -276,14 +276,14 @@ static int stabilise(Cable *cable) {
     int changed = 0;
     double tension = 0.0;
     const int64_t *I = cable->I;
-    for (int64_t node = 0; node < I[I_NODES]; node++)
-        tension = fmax(tension, fabs(cable->M[I[O_TENSION] + 2 * node]));
-    for (int64_t node = 1; node < I[I_NODES]; node++)
+    for (int64_t node = 0; node < header(I)->nodes; node++)
+        tension = fmax(tension, fabs(cable->M[header(I)->tension + 2 * node]));
+    for (int64_t node = 1; node < header(I)->nodes; node++)
         stabilise_row(cable, edge_of(cable, node), tension, &changed);
-    for (int64_t index = 0; index < I[I_CABLES]; index++)
+    for (int64_t index = 0; index < header(I)->cable_count; index++)
         stabilise_row(cable, row_of(cable, index) + K_EDGE, tension, &changed);
-    for (int64_t n = 0; n < I[I_BODIES]; n++) {
-        double *row = cable->M + I[O_BODY] + n * BODY_WORDS;
+    for (int64_t n = 0; n < header(I)->body_count; n++) {
+        double *row = cable->M + header(I)->bodies + n * BODY_WORDS;
         if (row[B_LENGTH] > 0.0 && tension > 0.0)
             row[B_COMPLIANCE] = fmin(row[B_COMPLIANCE], row[B_LENGTH] / (RIGID * tension));
     }
@@ -292,42 +292,42 @@ static int stabilise(Cable *cable) {
 
 /* Every element as it was before a tension was known. */
 static void forget_stabilisation(Cable *cable) {
-    const int64_t nodes = cable->I[I_NODES], rows = cable->I[I_CABLES];
+    const int64_t nodes = header(cable->I)->nodes, rows = header(cable->I)->cable_count;
     for (int64_t n = 1; n < nodes + rows; n++) {
         double *edge = n < nodes ? edge_of(cable, n) : row_of(cable, n - nodes) + K_EDGE;
         if (!(edge[E_COMPLIANCE] > 0.0)) continue;
         edge[E_STABILISATION] =
-            fmin(STABILISATION * cable->M[S_TENSION_SCALE], 1.0 / edge[E_COMPLIANCE]);
+            fmin(STABILISATION * scalars(cable->M)->tension_scale, 1.0 / edge[E_COMPLIANCE]);
     }
 }
 
 static void rest_here(Cable *cable) {
-    const int64_t *I = cable->I, dimension = I[I_DIMENSION];
-    for (int64_t node = 0; node < I[I_NODES]; node++)
+    const int64_t *I = cable->I, dimension = header(I)->dimension;
+    for (int64_t node = 0; node < header(I)->nodes; node++)
         for (int64_t i = 0; i < dimension; i++)
-            cable->M[I[O_REST] + 3 * node + i] =
-                cable->M[I[O_POSITION] + 2 * dimension * node + i];
+            cable->M[header(I)->rest + 3 * node + i] =
+                cable->M[header(I)->position + 2 * dimension * node + i];
 }
 
 /* The frame in which a static shape is at rest: its velocity in the block's coordinates. */
 static void frame_of(const Cable *cable, double frame[3]) {
-    const double *velocity = cable->now.start + 3, *plane = cable->M + S_PLANE;
+    const double *velocity = cable->now.start + 3, *plane = scalars(cable->M)->plane;
     memcpy(frame, cable->file + F_FRAME, 3 * sizeof(double));
     if (!velocity_changed(cable)) return;
     memcpy(frame, velocity, 3 * sizeof(double));
-    if (cable->I[I_DIMENSION] == 3) return;
+    if (header(cable->I)->dimension == 3) return;
     frame[0] = plane[0] * velocity[0] + plane[1] * velocity[1];
     frame[1] = velocity[2];
 }
 
 /* What holds the ends, at the start of a motion, but for accelerations: they begin after t = 0. */
 static void keep_accelerations(Cable *cable, int64_t (*place)(void *, int64_t)) {
-    const int64_t *I = cable->I, size = 2 * I[I_DIMENSION];
+    const int64_t *I = cable->I, size = 2 * header(I)->dimension;
     double kept[2][6];
     for (int after = 0; after < 2; after++) {
-        for (int64_t n = 0; n < I[I_CONSTRAINTS] && n < 2; n++) {
-            const double *row = cable->M + I[O_CONSTRAINT] + n * CONSTRAINT_WORDS;
-            double *a = cable->M + I[O_ACCELERATION] + size * (int64_t)row[C_NODE];
+        for (int64_t n = 0; n < header(I)->constraint_count && n < 2; n++) {
+            const double *row = cable->M + header(I)->constraints + n * CONSTRAINT_WORDS;
+            double *a = cable->M + header(I)->acceleration + size * (int64_t)row[C_NODE];
             memcpy(after ? a : kept[n], after ? kept[n] : a, (size_t)size * sizeof(double));
         }
         if (!after) place(cable->I, cable->block_words);
@@ -337,13 +337,13 @@ static void keep_accelerations(Cable *cable, int64_t (*place)(void *, int64_t)) 
 static int64_t solve_static(Cable *cable) {
     double frame[3];
     frame_of(cable, frame);
-    const int held = cable->I[I_CONSTRAINTS] > 1;
-    const double friction = cable->M[S_FRICTION];
+    const int held = header(cable->I)->constraint_count > 1;
+    const double friction = scalars(cable->M)->friction;
     /* A free end comes to rest without friction; it holds the line from there. */
-    if (!held) cable->M[S_FRICTION] = 0.0;
+    if (!held) scalars(cable->M)->friction = 0.0;
     const int64_t status =
-        cablemodel_equilibrium(cable->I, cable->block_words, frame, cable->I[I_DIMENSION]);
-    cable->M[S_FRICTION] = friction;
+        cablemodel_equilibrium(cable->I, cable->block_words, frame, header(cable->I)->dimension);
+    scalars(cable->M)->friction = friction;
     if (!held) rest_here(cable);
     if (status == OK) keep_accelerations(cable, cablemodel_place_supports);
     return status;
@@ -354,31 +354,31 @@ static int64_t find_initial_state(Cable *cable) {
     const int64_t words = cable->block_words;
     const int is_static = (cable->flags & FLAG_STATIC) != 0;
     int64_t status = OK;
-    for (int64_t node = 1; node < cable->I[I_NODES]; node++)
+    for (int64_t node = 1; node < header(cable->I)->nodes; node++)
         edge_of(cable, node)[E_BENDING] = edge_of(cable, node)[E_BENDING_FULL];
     cablemodel_place_supports(cable->I, words);
     if (!is_static) rest_here(cable);
     if (is_static) status = solve_static(cable);
     else cablemodel_tension_from_stretch(cable->I, words);
     if (status == OK && stabilise(cable) && is_static) status = solve_static(cable);
-    if (cable->I[I_HYBRID] || cable->I[I_RIGID] > 0 || cable->I[I_PAYOUT])
+    if (header(cable->I)->hybrid || header(cable->I)->rigid > 0 || header(cable->I)->payout)
         cablemodel_choose_bending(cable->I, words);
     for (int round = 0; round < REFINEMENTS && status == OK && is_static; round++) {
         const int64_t found = cablemodel_refine_at_floor(cable->I, words);
         if (found == NOTHING) break;
         status = found == CHANGED ? solve_static(cable) : found;
     }
-    cable->I[I_STEPS] = cable->I[I_REJECTED] = 0;
-    cable->I[I_FACTORISATIONS] = cable->I[I_ITERATIONS] = 0;
-    cable->I[I_FACTORED] = cable->I[I_HISTORY] = 0;
+    header(cable->I)->steps = header(cable->I)->rejected = 0;
+    header(cable->I)->factorisations = header(cable->I)->iterations = 0;
+    header(cable->I)->factored = header(cable->I)->has_history = 0;
     return status;
 }
 
 /* Second derivative of an element towards x at its parent's end (0) or its own end (1). */
 static double second(const Cable *cable, int64_t node, int64_t i, int end) {
-    const int64_t dimension = cable->I[I_DIMENSION], size = 2 * dimension;
-    const double *q = cable->M + cable->I[O_POSITION], h = edge_of(cable, node)[E_LENGTH];
-    const int64_t p = size * cable->I[cable->I[O_PARENT] + node] + i, c = size * node + i;
+    const int64_t dimension = header(cable->I)->dimension, size = 2 * dimension;
+    const double *q = cable->M + header(cable->I)->position, h = edge_of(cable, node)[E_LENGTH];
+    const int64_t p = size * cable->I[header(cable->I)->parent + node] + i, c = size * node + i;
     const double chord = (q[c] - q[p]) / h, before = q[p + dimension], after = q[c + dimension];
     return end ? (2.0 * before + 4.0 * after - 6.0 * chord) / h
                : (6.0 * chord - 4.0 * before - 2.0 * after) / h;
@@ -387,15 +387,15 @@ static double second(const Cable *cable, int64_t node, int64_t i, int end) {
 /* Whether a static shape bends more than its elements can follow: by the rule by which
    refined of cablemodel/instance/refinement.py would halve some of them. */
 static int bends_too_much(const Cable *cable) {
-    const int64_t *I = cable->I, *joint = I + I[O_JOINT], nodes = I[I_NODES];
-    const double allowed = BENT * cable->M[S_TOLERANCE] * cable->M[S_LENGTH];
+    const int64_t *I = cable->I, *joint = I + header(I)->joint, nodes = header(I)->nodes;
+    const double allowed = BENT * scalars(cable->M)->tolerance * scalars(cable->M)->length;
     int64_t last = nodes - 1;
     while (last > 1 && joint[last] != JOINT_NONE) last--;
     for (int64_t node = 1; node < nodes; node++) {
         if (joint[node] != JOINT_NONE) continue;
         const double h = edge_of(cable, node)[E_LENGTH];
         double inside = 0.0, before = 0.0, after = 0.0;
-        for (int64_t i = 0; i < I[I_DIMENSION]; i++) {
+        for (int64_t i = 0; i < header(I)->dimension; i++) {
             const double start = second(cable, node, i, 0), end = second(cable, node, i, 1);
             inside += (end - start) * (end - start);
             if (node > 1 && joint[node - 1] == JOINT_NONE)
@@ -433,7 +433,7 @@ static int64_t stretch_line(Cable *cable, double from, double to) {
    where that fails, in steps. */
 static int moves_at_its_anchor(const Cable *cable) {
     const double *velocity = cable->now.start + 3;
-    return (cable->flags & FLAG_STATIC) && cable->I[I_CONSTRAINTS] > 1 &&
+    return (cable->flags & FLAG_STATIC) && header(cable->I)->constraint_count > 1 &&
            (velocity[0] != 0.0 || velocity[1] != 0.0 || velocity[2] != 0.0);
 }
 
@@ -470,7 +470,7 @@ static void settle_finer(Cable *cable) {
     memcpy(finer->values, cable->values, sizeof(double) * (size_t)cable->parameter_count);
     if (settle(finer) == NULL) return;
     restore_exported(finer);
-    finer->M[S_TIME] = cable->M[S_TIME] - 1.0;
+    scalars(finer->M)->time = scalars(cable->M)->time - 1.0;
 }
 
 /* The state at the start for the values set. */

@@ -110,12 +110,12 @@ static int within(int64_t value, int64_t low, int64_t high) {
 
 /* The strain curve of a row of the edge table lies in its table, its cable in the cable table. */
 static int check_edge(const int64_t *I, const double *edge) {
-    const double first = (double)I[O_STRAIN], last = (double)(I[O_STRAIN] + I[I_STRAIN]);
-    return whole(edge[E_STRAIN_TERMS], 1, I[I_STRAIN]) &&
-           whole(edge[E_STRAIN_OFFSET], I[O_STRAIN], I[O_STRAIN] + I[I_STRAIN]) &&
+    const double first = (double)header(I)->strain, last = (double)(header(I)->strain + header(I)->strain_words);
+    return whole(edge[E_STRAIN_TERMS], 1, header(I)->strain_words) &&
+           whole(edge[E_STRAIN_OFFSET], header(I)->strain, header(I)->strain + header(I)->strain_words) &&
            edge[E_STRAIN_OFFSET] >= first &&
            edge[E_STRAIN_OFFSET] + edge[E_STRAIN_TERMS] <= last &&
-           whole(edge[E_SEGMENT], 0, I[I_CABLES] - 1);
+           whole(edge[E_SEGMENT], 0, header(I)->cable_count - 1);
 }
 
 const char *check_block(const int64_t *I, int64_t image_words, int64_t block_words) {
@@ -124,58 +124,58 @@ const char *check_block(const int64_t *I, int64_t image_words, int64_t block_wor
     int64_t image = 0, words = 0;
     if (image_words < HEADER_WORDS + SCALAR_WORDS) return "the model's image is too short";
     if (is_direct(I)) return check_direct_block(I, image_words, block_words);
-    if (I[I_MAGIC] != MAGIC || I[I_VERSION] != VERSION) return "not a model of this version";
+    if (header(I)->magic != MAGIC || header(I)->version != VERSION) return "not a model of this version";
     if (!sizes_within(I, LARGEST_COUNT)) return "a size in the model is out of range";
-    if (I[I_CAPACITY] < 2 || I[I_PIECES] < 2 || I[I_DEPTHS] < 1 || I[I_TIMES] < 1 ||
-        I[I_CABLES] < 1)
+    if (header(I)->capacity < 2 || header(I)->piece_count < 2 || header(I)->depth_count < 1 || header(I)->time_count < 1 ||
+        header(I)->cable_count < 1)
         return "a size in the model is out of range";
     arrange(I, expected, &image, &words);
-    if (image != image_words || words != block_words || I[I_IMAGE_WORDS] != image ||
-        I[I_BYTES] != 8 * words)
+    if (image != image_words || words != block_words || header(I)->image_words != image ||
+        header(I)->byte_count != 8 * words)
         return "the model's sizes do not agree";
     for (int n = 0; n < HEADER_WORDS; n++)
         if (expected[n] != 0 && I[n] != expected[n]) return "an offset in the model is wrong";
 
-    const int64_t nodes = I[I_NODES];
-    if (!within(nodes, 2, I[I_CAPACITY]) || !within(I[I_DIMENSION], 2, 3) ||
-        !within(I[I_PIECE], 1, I[I_PIECES] - 1) || !within(I[I_LIVE], 0, 1) ||
-        !within(I[I_CURRENT], 0, 2) || !within(I[I_ORDER], 3, 4) ||
-        !within(I[I_TOP_CABLE], 0, I[I_CABLES] - 1) || !within(I[I_PAYOUT], 0, 1) ||
-        !within(I[I_RATE_LIVE], 0, 1) || !within(I[I_CLAMPED], -1, 1) ||
-        !within(I[I_MAXIMUM_STEPS], 1, 10000000) || !within(I[I_SLEEP], 0, 1) ||
-        !within(I[I_ASLEEP], 0, nodes - 2) || I[I_LEFT_OUT] != 0)
+    const int64_t nodes = header(I)->nodes;
+    if (!within(nodes, 2, header(I)->capacity) || !within(header(I)->dimension, 2, 3) ||
+        !within(header(I)->piece, 1, header(I)->piece_count - 1) || !within(header(I)->live, 0, 1) ||
+        !within(header(I)->current_kind, 0, 2) || !within(header(I)->order, 3, 4) ||
+        !within(header(I)->top_cable, 0, header(I)->cable_count - 1) || !within(header(I)->payout, 0, 1) ||
+        !within(header(I)->rate_live, 0, 1) || !within(header(I)->clamped, -1, 1) ||
+        !within(header(I)->maximum_steps, 1, 10000000) || !within(header(I)->sleep, 0, 1) ||
+        !within(header(I)->asleep, 0, nodes - 2) || header(I)->left_out != 0)
         return "a counter in the model is out of range";
-    if (I[I_CURRENT] == 1 && I[I_DEPTHS] != 1) return "a counter in the model is out of range";
-    if (!within(I[I_FLOOR], FLOOR_NONE, FLOOR_TABLE) ||
-        !within(I[I_FLOOR_STATE], FLOOR_FAR, I[I_FLOOR] ? FLOOR_TOUCHED : FLOOR_FAR) || !within(I[I_FLOOR_X], 0, LARGEST_COUNT) ||
-        !within(I[I_FLOOR_Y], 0, LARGEST_COUNT) ||
-        (I[I_FLOOR] == FLOOR_TABLE &&
-         (I[I_FLOOR_X] < 2 || I[I_FLOOR_Y] < 1 ||
-          I[I_FLOOR_X] + I[I_FLOOR_Y] + 4 * I[I_FLOOR_X] * I[I_FLOOR_Y] != I[I_FLOOR_WORDS])))
+    if (header(I)->current_kind == 1 && header(I)->depth_count != 1) return "a counter in the model is out of range";
+    if (!within(header(I)->floor_kind, FLOOR_NONE, FLOOR_TABLE) ||
+        !within(header(I)->floor_state, FLOOR_FAR, header(I)->floor_kind ? FLOOR_TOUCHED : FLOOR_FAR) || !within(header(I)->floor_columns, 0, LARGEST_COUNT) ||
+        !within(header(I)->floor_rows, 0, LARGEST_COUNT) ||
+        (header(I)->floor_kind == FLOOR_TABLE &&
+         (header(I)->floor_columns < 2 || header(I)->floor_rows < 1 ||
+          header(I)->floor_columns + header(I)->floor_rows + 4 * header(I)->floor_columns * header(I)->floor_rows != header(I)->floor_words)))
         return "the model's floor is out of range";
-    if (!(fabs(M[S_TIME]) < 1e300) || !(M[S_STEP] > 0.0) || !(M[S_SMALLEST_STEP] > 0.0) ||
-        !(M[S_TIME_TOLERANCE] > 0.0))
+    if (!(fabs(scalars(M)->time) < 1e300) || !(scalars(M)->step > 0.0) || !(scalars(M)->smallest_step > 0.0) ||
+        !(scalars(M)->time_tolerance > 0.0))
         return "a time in the model is out of range";
-    const int64_t *parent = I + I[O_PARENT], *joint = I + I[O_JOINT];
+    const int64_t *parent = I + header(I)->parent, *joint = I + header(I)->joint;
     for (int64_t node = 1; node < nodes; node++) {
-        const double *edge = M + I[O_EDGE] + node * EDGE_WORDS;
+        const double *edge = M + header(I)->edges + node * EDGE_WORDS;
         if (!within(parent[node], 0, node - 1) || !within(joint[node], JOINT_NONE, JOINT_BODY))
             return "the model's line is not connected";
         if (joint[node] != 0) continue;
         if (!(edge[E_LENGTH] > 0.0) || !check_edge(I, edge)) return "an element is out of range";
     }
-    for (int64_t n = 0; n < I[I_CABLES]; n++) {
-        const double *row = M + I[O_CABLES] + n * CABLE_WORDS;
-        if (!whole(row[K_BODY], -1, I[I_BODIES] - 1) || !(row[K_NOMINAL] > 0.0) ||
+    for (int64_t n = 0; n < header(I)->cable_count; n++) {
+        const double *row = M + header(I)->cables + n * CABLE_WORDS;
+        if (!whole(row[K_BODY], -1, header(I)->body_count - 1) || !(row[K_NOMINAL] > 0.0) ||
             !check_edge(I, row + K_EDGE))
             return "a cable is out of range";
     }
-    for (int64_t n = 0; n < I[I_BODIES]; n++)
-        if (!whole(M[I[O_BODY] + n * BODY_WORDS + B_NODE], -1, nodes - 1))
+    for (int64_t n = 0; n < header(I)->body_count; n++)
+        if (!whole(M[header(I)->bodies + n * BODY_WORDS + B_NODE], -1, nodes - 1))
             return "a body is at no node";
     int64_t rigid = 0;
-    for (int64_t n = 0; n < I[I_BODIES]; n++) {
-        const double *row = M + I[O_BODY] + n * BODY_WORDS;
+    for (int64_t n = 0; n < header(I)->body_count; n++) {
+        const double *row = M + header(I)->bodies + n * BODY_WORDS;
         if (row[B_LENGTH] == 0.0) continue;
         const int64_t node = (int64_t)row[B_NODE];
         rigid++;
@@ -184,21 +184,21 @@ const char *check_block(const int64_t *I, int64_t image_words, int64_t block_wor
         if (node < 0) continue; /* on the drum */
         /* Its clamps read the elements on both sides, but where the line ends with it, or where it
            passes the tow point. */
-        const int passing = M[S_PASSING] == (double)(n + 1);
+        const int passing = scalars(M)->body_passage == (double)(n + 1);
         if (node < (passing ? 1 : 2) || (passing && node > 1) || joint[node] != JOINT_BODY ||
             parent[node] != node - 1 || (row[B_TIE] == 0.0 && node + 1 >= nodes))
             return "a body of finite length is out of range";
         if (!passing && (joint[node - 1] != JOINT_NONE || parent[node - 1] != node - 2))
             return "a body of finite length is out of range";
     }
-    if (I[I_RIGID] != rigid || !whole(M[S_PASSING], 0, I[I_BODIES]))
+    if (header(I)->rigid != rigid || !whole(scalars(M)->body_passage, 0, header(I)->body_count))
         return "a body of finite length is out of range";
-    if (M[S_PASSING] != 0.0 &&
-        !(M[I[O_BODY] + ((int64_t)M[S_PASSING] - 1) * BODY_WORDS + B_LENGTH] > 0.0 &&
-          M[I[O_BODY] + ((int64_t)M[S_PASSING] - 1) * BODY_WORDS + B_NODE] == 1.0))
+    if (scalars(M)->body_passage != 0.0 &&
+        !(M[header(I)->bodies + ((int64_t)scalars(M)->body_passage - 1) * BODY_WORDS + B_LENGTH] > 0.0 &&
+          M[header(I)->bodies + ((int64_t)scalars(M)->body_passage - 1) * BODY_WORDS + B_NODE] == 1.0))
         return "a body of finite length is out of range";
-    for (int64_t n = 0; n < I[I_CONSTRAINTS]; n++) {
-        const double *row = M + I[O_CONSTRAINT] + n * CONSTRAINT_WORDS;
+    for (int64_t n = 0; n < header(I)->constraint_count; n++) {
+        const double *row = M + header(I)->constraints + n * CONSTRAINT_WORDS;
         if (!whole(row[C_NODE], 0, nodes - 1) || !whole(row[C_KIND], C_VESSEL, C_ANCHOR))
             return "a constraint is at no node";
     }
@@ -213,7 +213,7 @@ static const char *check_parameters(const Cable *cable, const int64_t *I) {
             p->minimum <= p->start && p->start <= p->maximum)
             continue;
         if (is_direct(I)) return "a parameter is out of range";
-        const int64_t rows[] = {INT64_MAX, I[I_BODIES], I[I_CABLES], I[I_CABLES]};
+        const int64_t rows[] = {INT64_MAX, header(I)->body_count, header(I)->cable_count, header(I)->cable_count};
         if (!within(p->kind, OF_CABLES, OF_DRUM) || !(fabs(p->factor) < 1e300) ||
             !within(p->index, 0, rows[p->kind] - 1) || !(fabs(p->reach) < 1e300) ||
             !(p->minimum <= p->start && p->start <= p->maximum))
@@ -269,7 +269,7 @@ static const char *check_file(Cable *cable, int64_t count, const char *guid) {
     const int64_t *image = file + F_HEADER_WORDS + row * cable->parameter_count;
     const char *problem = check_block(image, cable->image_words, cable->block_words);
     if (problem != NULL) return problem;
-    cable->bodies = is_direct(image) ? image[DIRECT_D_BODIES] : image[I_BODIES];
+    cable->bodies = is_direct(image) ? image[DIRECT_D_BODIES] : header(image)->body_count;
     return check_parameters(cable, image);
 }
 

@@ -22,17 +22,17 @@ enum { TABLES = 3, PARTS = TABLES + 15 };
 /* What of an image is in use, as in kernels/backup.py: what may change but for the nodes, then the
    arrays of the nodes. Tables of the scene never change. */
 static void parts_of(const int64_t *I, Part parts[PARTS]) {
-    const int64_t size = 2 * I[I_DIMENSION], nodes = I[I_NODES];
+    const int64_t size = 2 * header(I)->dimension, nodes = header(I)->nodes;
     const struct {
         int64_t array, words;
     } of_nodes[PARTS - TABLES] = {
-        {O_PARENT, 1}, {O_JOINT, 1}, {O_EDGE, EDGE_WORDS}, {O_POSITION, size}, {O_VELOCITY, size},
-        {O_ACCELERATION, size}, {O_TENSION, 2}, {O_TENSION_RATE, 2}, {O_REST, 3},
-        {O_HISTORY, 2 * size}, {O_DIAGONAL, size * size}, {O_UPPER, size * size},
-        {O_LOWER, size * size}, {O_GRADIENT, 4 * size}, {O_COMPLIANCE, 3}};
-    parts[0] = (Part){0, I[O_PIECES] + PIECE_WORDS};
-    parts[1] = (Part){I[O_CABLES], I[I_CABLES] * CABLE_WORDS};
-    parts[2] = (Part){I[O_BODY], I[O_POSITION] - I[O_BODY]};
+        {WORD(Header, parent), 1}, {WORD(Header, joint), 1}, {WORD(Header, edges), EDGE_WORDS}, {WORD(Header, position), size}, {WORD(Header, velocity), size},
+        {WORD(Header, acceleration), size}, {WORD(Header, tension), 2}, {WORD(Header, tension_rate), 2}, {WORD(Header, rest), 3},
+        {WORD(Header, history), 2 * size}, {WORD(Header, diagonal), size * size}, {WORD(Header, upper), size * size},
+        {WORD(Header, lower), size * size}, {WORD(Header, gradient), 4 * size}, {WORD(Header, compliance), 3}};
+    parts[0] = (Part){0, header(I)->pieces + PIECE_WORDS};
+    parts[1] = (Part){header(I)->cables, header(I)->cable_count * CABLE_WORDS};
+    parts[2] = (Part){header(I)->bodies, header(I)->position - header(I)->bodies};
     for (int n = TABLES; n < PARTS; n++)
         parts[n] = (Part){I[of_nodes[n - TABLES].array], nodes * of_nodes[n - TABLES].words};
 }
@@ -74,7 +74,7 @@ void write_state(const Cable *cable, const void *state, char *bytes) {
     char *at = bytes + before;
     memcpy(bytes, state, before);
     for (const Cable *one = cable; one != NULL; one = one->finer) {
-        const int64_t first = is_direct(image) ? 0 : image[O_PARENT];
+        const int64_t first = is_direct(image) ? 0 : header(image)->parent;
         memcpy(at, initial_image(one), 8 * (size_t)first);
         memset(at + 8 * first, 0, 8 * (size_t)(one->image_words - first));
         copy_used(one, at, image);
@@ -115,7 +115,7 @@ const char *check_state(const Cable *cable, const void *from, size_t bytes) {
             return "the state is corrupted";
     const int64_t *image = images_in(cable, from);
     for (; cable != NULL; image += cable->image_words, cable = cable->finer) {
-        if (image[I_MAGIC] != cable->I[I_MAGIC]) return "the state is corrupted";
+        if (header(image)->magic != header(cable->I)->magic) return "the state is corrupted";
         const char *problem = check_block(image, cable->image_words, cable->block_words);
         if (problem != NULL) return problem;
     }
