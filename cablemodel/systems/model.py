@@ -4,22 +4,21 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from os import PathLike
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import ValidationError
 
 from cablemodel.errors import SceneError, StepError
 from cablemodel.finite_element import MEANING
 from cablemodel.kernels import layout as at
 from cablemodel.model import CableState
-from cablemodel.scene.load import apply_overrides, listed, read_content
-from cablemodel.scene.problems import problems_of
+from cablemodel.scene import Scene
+from cablemodel.scene.load import SceneSource, is_system, loaded, read_content
+from cablemodel.scene.schema import Document
 from cablemodel.systems.build import build
 from cablemodel.systems.scene import SystemScene
 
@@ -372,12 +371,18 @@ def load_system(
     Raises:
         SceneError: naming every problem with its path, its value and what is allowed.
     """
-    _text, name, data = read_content(source)
-    folder = Path(name).parent if name is not None else Path()
-    data = apply_overrides(data, listed(overrides))
-    try:
-        return SystemScene.model_validate(data, context={"folder": folder, "notes": []})
-    except ValidationError as error:
-        found = SceneError(problems_of(error, SystemScene))
-        found.source = name or ""
-        raise found from None
+    return loaded(SystemScene, read_content(source), overrides)
+
+
+def read_scene(
+    source: Scene | SystemScene | SceneSource, overrides: str | Iterable[str] = ()
+) -> Scene | SystemScene:
+    """A scene of one line or of a system, as it is or read: a file, YAML text, or a mapping.
+
+    Raises:
+        SceneError: as `load_scene`, `load_system`.
+    """
+    if isinstance(source, Document):
+        return source  # type: ignore[return-value]  # there is no third kind
+    content = read_content(source)
+    return loaded(SystemScene if is_system(content[2]) else Scene, content, overrides)

@@ -8,13 +8,13 @@ from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from cablemodel.errors import SceneProblem, shown
 from cablemodel.scene.base import Angle, Coefficient, Length, Position, SceneModel, UnitVector
 from cablemodel.scene.environment import Environment
 from cablemodel.scene.line import CableType, LineItem
-from cablemodel.scene.schema import RunSettings, Solver
+from cablemodel.scene.schema import Document, RunSettings, Solver
 from cablemodel.scene.units import Quantity, Vector, rejection, several
 from cablemodel.scene.vessel import Vessel
 
@@ -224,7 +224,7 @@ class SystemLine(SceneModel):
         return self.start, self.end
 
 
-class SystemScene(SceneModel):
+class SystemScene(Document):
     """A scene of several lines, vessels and bodies, in SI units, checked and unchangeable."""
 
     title: Annotated[str, Field(strict=True)] = Field(default="", description="what it shows")
@@ -237,8 +237,6 @@ class SystemScene(SceneModel):
     lines: dict[str, SystemLine] = Field(min_length=1, description="lines by name")
     solver: Solver = Field(default=Solver(), description="how the scene is computed")
     run: RunSettings = Field(default=RunSettings(), description="length of a run and its output")
-
-    _notes: tuple[str, ...] = PrivateAttr(default=())
 
     @model_validator(mode="after")
     def _consistent(self) -> SystemScene:
