@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cablemodel import variables
 from cablemodel.errors import SceneError, StepError
 from cablemodel.finite_element import MEANING
 from cablemodel.kernels import layout as at
 from cablemodel.model import CableState
 from cablemodel.scene import Scene
 from cablemodel.scene.load import SceneSource, is_system, loaded, read_content
-from cablemodel.scene.schema import Document
 from cablemodel.systems.build import build
 from cablemodel.systems.scene import SystemScene
 
@@ -180,13 +180,22 @@ class SystemModel:
         Raises:
             StepError: an input is wrong, or no step could be made; the model is as it was.
         """
-        end = self.time + float(dt)
-        if not self.time < end < math.inf or float(dt) > at.LONGEST_STEP:
+        self._advance(self.time + float(dt), vessels or {}, forces or {}, deflections or {})
+
+    def _advance(
+        self,
+        end: float,
+        vessels: Mapping[str, VesselInput],
+        forces: Mapping[str, ArrayLike],
+        deflections: Mapping[str, float],
+    ) -> None:
+        if not self.time < end < math.inf or end - self.time > at.LONGEST_STEP:
+            dt = end - self.time
             raise self._wrong("dt", dt, f"a positive step of at most {at.LONGEST_STEP:g} s")
         block = self.built.block
-        motion = self._motion_inputs(end, vessels or {})
-        pushes = self._pushes(forces or {})
-        angles = self._deflected(deflections or {})
+        motion = self._motion_inputs(end, vessels)
+        pushes = self._pushes(forces)
+        angles = self._deflected(deflections)
         from cablemodel import library as entry
 
         before = None  # a step that fails gives the state back, but not what drives it
@@ -202,6 +211,16 @@ class SystemModel:
             part, arc = self.built.tree.arcs[failed]
             raise StepError(f"{part}: {problem}", time=self.time, arc_length=arc, advice=advice)
         self._forces, self._angles = pushes, angles
+
+    def step_to(
+        self,
+        time: float,
+        vessels: Mapping[str, VesselInput] | None = None,
+        forces: Mapping[str, ArrayLike] | None = None,
+        deflections: Mapping[str, float] | None = None,
+    ) -> None:
+        """Advance to a time [s] exactly; otherwise like `step`."""
+        self._advance(float(time), vessels or {}, forces or {}, deflections or {})
 
     def _drives(self, block: Any) -> bool:
         rows = block.array(at.O_FRAMES, len(self.scene.vessels), at.FRAME_WORDS)
@@ -288,6 +307,82 @@ class SystemModel:
         }
 
     @property
+    def top_tension(self) -> float:
+        """The largest tension at the beginning of a line [N]."""
+        return max(line.start_tension for line in self.lines.values())
+
+    @property
+    def statistics(self) -> dict[str, int]:
+        """Counters since the start: steps, rejected, factorisations, iterations; elements."""
+        ints = self.built.block.ints
+        return {
+            "steps": int(ints[at.I_STEPS]),
+            "rejected": int(ints[at.I_REJECTED]),
+            "factorisations": int(ints[at.I_FACTORISATIONS]),
+            "iterations": int(ints[at.I_ITERATIONS]),
+            "elements": len(self.built.tree.elements),
+        }
+
+    def shapes(self) -> dict[str, CableState]:
+        """All lines at their nodes, by name."""
+        return {name: line.sample() for name, line in self.lines.items()}
+
+    def outputs(self, shapes: Mapping[str, CableState] | None = None) -> dict[str, FloatArray]:
+        """Everything that a run keeps over time, by the names of the table of variables:
+        ``port.start_tension``, ``plate.position``, ``tug.force``, ...
+
+        shapes: of `shapes`, if the caller has them.
+        """
+        found: dict[str, FloatArray] = {}
+        for name, state in (shapes or self.shapes()).items():
+            tension = state.tension
+            found[f"{name}.start_tension"], found[f"{name}.end_tension"] = tension[[0, -1]]
+            found[f"{name}.tension_min"], found[f"{name}.tension_max"] = (
+                tension.min(),
+                tension.max(),
+            )
+        wrenches = self.wrenches
+        for name, motion in (*self.bodies.items(), *self.vessels.items()):
+            for key in ("position", "attitude", "velocity", "angular_velocity"):
+                found[f"{name}.{key}"] = getattr(motion, key)
+            if name in wrenches:
+                found[f"{name}.force"], found[f"{name}.moment"] = np.split(wrenches[name], 2)
+        return found
+
+    def input_row(self, step: float, given: Mapping[str, Any]) -> FloatArray:
+        """What a step was given, in the order of ``variables.input_labels``.
+
+        Args:
+            step: its length [s].
+            given: arguments of `step_to`, by name.
+        """
+        row = [np.array([self.time, step])]
+        for name, item in variables.inputs_of_system(self.scene):
+            value = _given(given, name, item.python)
+            row.append(np.full(max((1, *item.shape)), np.nan if value is None else value))
+        return np.concatenate(row)
+
+    def given_by(self, row: FloatArray) -> dict[str, Any]:
+        """The arguments of `step_to` that made a row of `input_row`."""
+        vessels: dict[str, dict[str, FloatArray]] = {}
+        forces: dict[str, FloatArray] = {}
+        deflections: dict[str, float] = {}
+        place = 2
+        for name, item in variables.inputs_of_system(self.scene):
+            size = max((1, *item.shape))
+            value, place = row[place : place + size], place + size
+            if np.isnan(value).any():
+                continue
+            if name in self.scene.vessels:
+                vessels.setdefault(name, {})[item.python] = value
+            elif name in self.scene.bodies:
+                forces.setdefault(name, np.zeros(6))[_HALVES[item.python]] = value
+            else:
+                deflections[name] = float(value[0])
+        inputs = {name: VesselInput(**fields) for name, fields in vessels.items()}
+        return {"vessels": inputs, "forces": forces, "deflections": deflections}
+
+    @property
     def wrenches(self) -> dict[str, FloatArray]:
         """Force and moment about its origin (6,) [N, N m] of all lines on each vessel, earth
         frame."""
@@ -352,6 +447,20 @@ class SystemModel:
         )
 
 
+def _given(given: Mapping[str, Any], name: str, field: str) -> Any:
+    """The value of one input among the arguments of a step; None: not given."""
+    if field == "deflection":
+        return (given.get("deflections") or {}).get(name)
+    if field in ("force", "torque"):
+        wrench = (given.get("forces") or {}).get(name)
+        return None if wrench is None else np.asarray(wrench, float)[_HALVES[field]]
+    wanted = (given.get("vessels") or {}).get(name)
+    return None if wanted is None else getattr(wanted, field)
+
+
+_HALVES = {"force": slice(0, 3), "torque": slice(3, 6)}
+
+
 def _motion(row: FloatArray) -> Motion:
     return Motion(
         position=row[0:3].copy(),
@@ -382,7 +491,9 @@ def read_scene(
     Raises:
         SceneError: as `load_scene`, `load_system`.
     """
-    if isinstance(source, Document):
-        return source  # type: ignore[return-value]  # there is no third kind
+    if isinstance(source, (Scene, SystemScene)):
+        return source
     content = read_content(source)
-    return loaded(SystemScene if is_system(content[2]) else Scene, content, overrides)
+    if is_system(content[2]):
+        return loaded(SystemScene, content, overrides)
+    return loaded(Scene, content, overrides)

@@ -238,6 +238,11 @@ class SystemScene(Document):
     solver: Solver = Field(default=Solver(), description="how the scene is computed")
     run: RunSettings = Field(default=RunSettings(), description="length of a run and its output")
 
+    @property
+    def line_length(self) -> float:
+        """Unstretched length of the longest line [m]."""
+        return max(line.length for line in self.lines.values())
+
     @model_validator(mode="after")
     def _consistent(self) -> SystemScene:
         density, gravity = self.environment.water_density, self.environment.gravity
