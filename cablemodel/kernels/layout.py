@@ -8,7 +8,7 @@ the FMU's state and its serialisation are a copy of it.
 """
 
 MAGIC = 0x4C45444F4D454C42  # "BLEMODEL", little endian
-VERSION = 10
+VERSION = 11
 HEADER_WORDS = 120
 SCALAR_WORDS = 104
 
@@ -162,14 +162,15 @@ S_STAGE_RATE, S_STAGE_SLOPE = _S + 38, _S + 39  # at the time of the last set_ti
 # Rows of the rate table: time, rate. Rows of the cable table: the cables of the line and of the
 # drum in the order in which they pass the tow point on the way out.
 RATE_WORDS = 2
-CABLE_WORDS = 27
+CABLE_WORDS = 28
 K_LEAVES = 0  # travel at which its vessel end passes the tow point [m]
 K_NOMINAL = 1  # length of its elements [m]
 K_SHORTEST = 2  # length below which its lower end stays on the drum [m]
 K_HINGE = 3  # 1: its lower end is a hinge, 0: the slope is shared
 K_BODY = 4  # row of the body at its lower end, -1: none
 K_DISPLACED = 5  # mass of the water that it displaces [kg/m]
-K_EDGE = 6  # a row of the edge table for its elements: EDGE_WORDS
+K_LINE = 6  # unstretched length of the line that it is a part of, in a system [m]
+K_EDGE = 7  # a row of the edge table for its elements: EDGE_WORDS
 
 # Rows of the motion table: see cablemodel/scene/motion.py.
 PIECE_WORDS = 24

@@ -466,11 +466,7 @@ def advance_to(I, M, t_end):
         if (
             rests
             or (I[I_PAYOUT] != 0 and next_change(I, M) != 0)
-            or (
-                I[I_FLOOR_STATE] != FLOOR_FAR
-                and I[I_PARTS] == 0
-                and follow_floor(I, M, False) != NOTHING
-            )
+            or (I[I_FLOOR_STATE] != FLOOR_FAR and follow_floor(I, M, False) != NOTHING)
             or (mesh_is_due(I, M) and follow_bending(I, M, False) != NOTHING)
         ):
             status = change_mesh(I, M, rests)

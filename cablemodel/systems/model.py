@@ -72,18 +72,11 @@ class LineView:
 
     def __init__(self, model: SystemModel, name: str) -> None:
         self._model, self.name = model, name
-        tree = model.built.tree
-        nodes = [node for node, element in tree.elements.items() if element.line == name]
-        nodes.sort(key=lambda node: tree.elements[node].start)
-        self._nodes = np.array(nodes)
-        self._starts = np.array([tree.elements[node].start for node in nodes])
-        self._lengths = np.array([tree.elements[node].length for node in nodes])
-        self._backward = np.array([tree.elements[node].backward for node in nodes])
 
     @property
     def length(self) -> float:
         """Unstretched [m]."""
-        return float(self._starts[-1] + self._lengths[-1])
+        return self._model.scene.lines[self.name].length
 
     def sample(self, stations: ArrayLike | None = None) -> CableState:
         """The line at arc lengths from its beginning (n,) [m]; by default at its nodes.
@@ -91,17 +84,18 @@ class LineView:
         Raises:
             ValueError: a station is not on the line.
         """
+        elements = self._model.built.elements(self.name)
         if stations is None:
-            s = np.append(self._starts, self.length)
+            s = np.append(elements.start, self.length)
         else:
             s = np.atleast_1d(np.asarray(stations, dtype=np.float64))
         if not np.all((s >= 0.0) & (s <= self.length * (1.0 + 1e-12))):
             raise ValueError(f"{self.name}: stations are 0 to {self.length:g} m")
-        which = np.clip(np.searchsorted(self._starts, s, side="right") - 1, 0, None)
-        x = np.clip((s - self._starts[which]) / self._lengths[which], 0.0, 1.0)
-        backward = self._backward[which]
+        which = np.clip(np.searchsorted(elements.start, s, side="right") - 1, 0, None)
+        x = np.clip((s - elements.start[which]) / elements.length[which], 0.0, 1.0)
+        backward = elements.backward[which]
         x = np.where(backward, 1.0 - x, x)
-        rows = self._model.sample_elements(self._nodes[which].astype(np.float64), x)
+        rows = self._model.sample_elements(elements.node[which].astype(np.float64), x)
         sign = np.where(backward, -1.0, 1.0)[:, None]
         return CableState(
             time=self._model.time,
@@ -203,12 +197,14 @@ class SystemModel:
             before = block.image.copy()
             entry.drive(block.ints, block.reals, end, motion.ravel(), pushes.ravel(), angles)
         status = int(entry.step(block.ints, block.reals, end, _NO_INPUTS))
+        while status == at.NO_CAPACITY:
+            block.grow()
+            status = int(entry.step(block.ints, block.reals, end, _NO_INPUTS))
         if status != at.OK:
-            failed = min(block.failed_node, len(self.built.tree.arcs) - 1)
+            part, arc = self.built.where(min(block.failed_node, self.built.nodes - 1))
             if before is not None:
-                block.image[:] = before
+                block.take(before)
             problem, advice = MEANING[status]
-            part, arc = self.built.tree.arcs[failed]
             raise StepError(f"{part}: {problem}", time=self.time, arc_length=arc, advice=advice)
         self._forces, self._angles = pushes, angles
 
@@ -320,7 +316,7 @@ class SystemModel:
             "rejected": int(ints[at.I_REJECTED]),
             "factorisations": int(ints[at.I_FACTORISATIONS]),
             "iterations": int(ints[at.I_ITERATIONS]),
-            "elements": len(self.built.tree.elements),
+            "elements": len(self.built.elements().node),
         }
 
     def shapes(self) -> dict[str, CableState]:
@@ -388,14 +384,15 @@ class SystemModel:
         frame."""
         _bodies, frames, ends = self._parts()
         found = {name: np.zeros(6) for name in self.scene.vessels}
-        q = self.built.block.array(at.O_POSITION, len(self.built.tree.parent), 6)
+        q = self.built.block.array(at.O_POSITION, self.built.nodes, 6)
         rows = dict(zip(self.scene.vessels, frames, strict=True))
-        for held, force in zip(self.built.tree.held, ends, strict=True):
+        nodes = self.built.held_nodes()
+        for held, node, force in zip(self.built.tree.held, nodes, ends, strict=True):
             if held.end.point is None:
                 continue
             owner = held.end.point.partition(".")[0]
             base = self.built.block.reals[at.S_BASE : at.S_BASE + 3]
-            arm = q[held.node, :3] + base - rows[owner][:3]
+            arm = q[node, :3] + base - rows[owner][:3]
             found[owner][:3] -= force
             found[owner][3:] -= np.cross(arm, force)
         return found
@@ -425,22 +422,21 @@ class SystemModel:
         Raises:
             SceneError: it belongs to another scene.
         """
-        own = self.built.block.image
+        block = self.built.block
         words = np.frombuffer(snapshot, dtype=np.int64)
         rest = self._forces.size + self._angles.size
-        fixed = [at.I_MAGIC, at.I_VERSION, at.I_BYTES, at.I_IMAGE_WORDS, at.I_CAPACITY, at.I_FREE]
-        if len(words) != len(own) + rest or any(own[k] != words[k] for k in fixed):
+        image, more = words[: len(words) - rest], words[len(words) - rest :].view(np.float64)
+        if len(words) < rest or not block.fits(image):
             raise SceneError.at(
                 "snapshot", len(snapshot), "it belongs to another scene", "one of this scene"
             )
-        own[:] = words[: len(own)]
-        more = words[len(own) :].view(np.float64)
+        block.take(image)
         self._forces = more[: self._forces.size].reshape(self._forces.shape).copy()
         self._angles = more[self._forces.size :].copy()
 
     def reset(self) -> None:
         """Back to the initial state, t = 0."""
-        self.built.block.image[:] = self._initial
+        self.built.block.take(self._initial)
         self._forces[:] = 0.0
         self._angles = np.array(
             [self.scene.bodies[body].foils[foil].deflection for body, foil in self._foils]

@@ -13,7 +13,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from cablemodel.errors import SceneProblem, shown
 from cablemodel.scene.base import Angle, Coefficient, Length, Position, SceneModel, UnitVector
 from cablemodel.scene.environment import Environment
-from cablemodel.scene.line import CableType, LineItem
+from cablemodel.scene.line import Cable, CableType, LineItem
 from cablemodel.scene.schema import Document, RunSettings, Solver
 from cablemodel.scene.units import Quantity, Vector, rejection, several
 from cablemodel.scene.vessel import Vessel
@@ -239,6 +239,12 @@ class SystemScene(Document):
     run: RunSettings = Field(default=RunSettings(), description="length of a run and its output")
 
     @property
+    def cables(self) -> list[Cable]:
+        """All cables, line by line."""
+        items = (item for line in self.lines.values() for item in line.items)
+        return [item.cable for item in items if item.cable is not None]
+
+    @property
     def line_length(self) -> float:
         """Unstretched length of the longest line [m]."""
         return max(line.length for line in self.lines.values())
@@ -289,9 +295,22 @@ class SystemScene(Document):
         if self.environment.waves is not None:
             problem = "waves are not computed in a system yet"
             yield SceneProblem("environment.waves", None, problem, "none")
-        if self.environment.floor is not None:
-            problem = "a floor is not computed in a system yet"
-            yield SceneProblem("environment.floor", None, problem, "none")
+        yield from self._floor_problems()
+
+    def _floor_problems(self) -> Iterator[SceneProblem]:
+        """Anchors and vessels' points below the floor at t = 0."""
+        floor = self.environment.floor
+        if floor is None:
+            return
+        for name, line in self.lines.items():
+            for word, end in (("from", line.start), ("to", line.end)):
+                if end.anchor is None:
+                    continue
+                height = floor.height(end.anchor[0], end.anchor[1])
+                if end.anchor[2] < height - 1e-3 * line.length:
+                    problem = "it lies below the sea floor"
+                    allowed = f"z of at least {height:g} m there"
+                    yield SceneProblem(f"lines.{name}.{word}.anchor", end.anchor, problem, allowed)
 
     def _end_problems(
         self, name: str, path: str, end: LineEnd, used: set[str]
