@@ -25,6 +25,7 @@ from cablemodel.systems.tables import (
     allocated,
     fill_bodies,
     fill_cables,
+    fill_cuts,
     fill_frames,
     fill_held,
     fill_settings_of,
@@ -74,6 +75,7 @@ def _solved(
     fill_frames(scene, block)
     fill_held(scene, built)
     fill_bodies(scene, built, before)
+    fill_cuts(scene, built)
     place_nodes(scene, built, guess, before)
     sea_floor.fill(block, scene)
     block.ints[at.I_SLEEP] = 0

@@ -160,6 +160,7 @@ class SystemModel:
         vessels: Mapping[str, VesselInput] | None = None,
         forces: Mapping[str, ArrayLike] | None = None,
         deflections: Mapping[str, float] | None = None,
+        cuts: Iterable[str] = (),
     ) -> None:
         """Advance by dt [s], of any length.
 
@@ -170,11 +171,12 @@ class SystemModel:
             forces: outside force and torque about the origin of bodies by name, (6,) [N, N m],
                 earth frame; a body that is not named has none.
             deflections: of foils, by ``BODY.FOIL`` [rad]; those not named stay.
+            cuts: names of those that are made now, at the beginning of the step.
 
         Raises:
             StepError: an input is wrong, or no step could be made; the model is as it was.
         """
-        self._advance(self.time + float(dt), vessels or {}, forces or {}, deflections or {})
+        self._advance(self.time + float(dt), vessels or {}, forces or {}, deflections or {}, cuts)
 
     def _advance(
         self,
@@ -182,6 +184,7 @@ class SystemModel:
         vessels: Mapping[str, VesselInput],
         forces: Mapping[str, ArrayLike],
         deflections: Mapping[str, float],
+        cuts: Iterable[str],
     ) -> None:
         if not self.time < end < math.inf or end - self.time > at.LONGEST_STEP:
             dt = end - self.time
@@ -190,12 +193,15 @@ class SystemModel:
         motion = self._motion_inputs(end, vessels)
         pushes = self._pushes(forces)
         angles = self._deflected(deflections)
+        orders = self._ordered(cuts)
         from cablemodel import library as entry
 
         before = None  # a step that fails gives the state back, but not what drives it
-        if vessels or self._drives(block) or pushes.any() or self._forces.any() or deflections:
+        pushed = pushes.any() or self._forces.any()
+        if vessels or self._drives(block) or pushed or deflections or orders.any():
             before = block.image.copy()
-            entry.drive(block.ints, block.reals, end, motion.ravel(), pushes.ravel(), angles)
+            inputs = motion.ravel(), pushes.ravel(), angles, orders
+            entry.drive(block.ints, block.reals, end, *inputs)
         status = int(entry.step(block.ints, block.reals, end, _NO_INPUTS))
         while status == at.NO_CAPACITY:
             block.grow()
@@ -214,9 +220,10 @@ class SystemModel:
         vessels: Mapping[str, VesselInput] | None = None,
         forces: Mapping[str, ArrayLike] | None = None,
         deflections: Mapping[str, float] | None = None,
+        cuts: Iterable[str] = (),
     ) -> None:
         """Advance to a time [s] exactly; otherwise like `step`."""
-        self._advance(float(time), vessels or {}, forces or {}, deflections or {})
+        self._advance(float(time), vessels or {}, forces or {}, deflections or {}, cuts)
 
     def _drives(self, block: Any) -> bool:
         rows = block.array(at.O_FRAMES, len(self.scene.vessels), at.FRAME_WORDS)
@@ -275,6 +282,25 @@ class SystemModel:
                 raise self._wrong("deflections", name, f"one of {', '.join(names) or 'none'}")
             angles[names.index(name)] = self._vector(f"deflections.{name}", [value], 1)[0]
         return angles
+
+    def _ordered(self, given: Iterable[str]) -> FloatArray:
+        names = list(self.scene.cuts)
+        orders = np.zeros(len(names))
+        for name in given:
+            if name not in names:
+                raise self._wrong("cuts", name, f"of {', '.join(names) or 'none'}")
+            orders[names.index(name)] = 1.0
+        return orders
+
+    @property
+    def cuts(self) -> dict[str, float | None]:
+        """When each cut was made [s], by name; None: not yet."""
+        rows = self.built.block.array(at.O_CUTS, len(self.scene.cuts), at.CUT_WORDS)
+        done = rows[:, at.CUT_DONE].tolist()
+        return {
+            name: time if time < math.inf else None
+            for name, time in zip(self.scene.cuts, done, strict=True)
+        }
 
     def _parts(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         from cablemodel import library as entry
@@ -343,6 +369,8 @@ class SystemModel:
                 found[f"{name}.{key}"] = getattr(motion, key)
             if name in wrenches:
                 found[f"{name}.force"], found[f"{name}.moment"] = np.split(wrenches[name], 2)
+        for name, time in self.cuts.items():
+            found[f"{name}.time"] = np.array(np.nan if time is None else time)
         return found
 
     def input_row(self, step: float, given: Mapping[str, Any]) -> FloatArray:
@@ -363,6 +391,7 @@ class SystemModel:
         vessels: dict[str, dict[str, FloatArray]] = {}
         forces: dict[str, FloatArray] = {}
         deflections: dict[str, float] = {}
+        cuts: list[str] = []
         place = 2
         for name, item in variables.inputs_of_system(self.scene):
             size = max((1, *item.shape))
@@ -373,10 +402,12 @@ class SystemModel:
                 vessels.setdefault(name, {})[item.python] = value
             elif name in self.scene.bodies:
                 forces.setdefault(name, np.zeros(6))[_HALVES[item.python]] = value
+            elif name in self.scene.cuts:
+                cuts.append(name)
             else:
                 deflections[name] = float(value[0])
         inputs = {name: VesselInput(**fields) for name, fields in vessels.items()}
-        return {"vessels": inputs, "forces": forces, "deflections": deflections}
+        return {"vessels": inputs, "forces": forces, "deflections": deflections, "cuts": cuts}
 
     @property
     def wrenches(self) -> dict[str, FloatArray]:
@@ -445,6 +476,8 @@ class SystemModel:
 
 def _given(given: Mapping[str, Any], name: str, field: str) -> Any:
     """The value of one input among the arguments of a step; None: not given."""
+    if field == "cut":
+        return 1.0 if name in (given.get("cuts") or ()) else None
     if field == "deflection":
         return (given.get("deflections") or {}).get(name)
     if field in ("force", "torque"):

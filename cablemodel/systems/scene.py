@@ -3,15 +3,24 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, model_validator
 
 from cablemodel.errors import SceneProblem, shown
-from cablemodel.scene.base import Angle, Coefficient, Length, Position, SceneModel, UnitVector
+from cablemodel.scene.base import (
+    Angle,
+    Coefficient,
+    Duration,
+    Length,
+    Position,
+    SceneModel,
+    UnitVector,
+)
 from cablemodel.scene.environment import Environment
 from cablemodel.scene.line import Cable, CableType, LineItem
 from cablemodel.scene.schema import Document, RunSettings, Solver
@@ -19,6 +28,8 @@ from cablemodel.scene.units import Quantity, Vector, rejection, several
 from cablemodel.scene.vessel import Vessel
 
 FloatArray = NDArray[np.float64]
+
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 Attitude = Annotated[tuple[float, float, float], Vector("rad")]
 
@@ -224,6 +235,22 @@ class SystemLine(SceneModel):
         return self.start, self.end
 
 
+class Cut(SceneModel):
+    """A place where a line is cut, let go or breaks; what is cut off goes on by itself.
+
+    By a command at any time; also at ``time``, and above ``tension``, where these are given.
+    """
+
+    line: Annotated[str, Field(strict=True)] = Field(description="name of the line")
+    at: Annotated[Literal["start", "end"] | Length, Field(union_mode="left_to_right")] = Field(
+        description="arc length from its beginning, or start or end: there it is let go"
+    )
+    time: Duration | None = Field(default=None, description="when")
+    tension: Annotated[float, Quantity("N", above=0)] | None = Field(
+        default=None, description="above which it breaks there"
+    )
+
+
 class SystemScene(Document):
     """A scene of several lines, vessels and bodies, in SI units, checked and unchangeable."""
 
@@ -235,6 +262,9 @@ class SystemScene(Document):
     )
     bodies: dict[str, FreeBody] = Field(default_factory=dict, description="free bodies by name")
     lines: dict[str, SystemLine] = Field(min_length=1, description="lines by name")
+    cuts: dict[str, Cut] = Field(
+        default_factory=dict, description="places where lines are cut, let go or break, by name"
+    )
     solver: Solver = Field(default=Solver(), description="how the scene is computed")
     run: RunSettings = Field(default=RunSettings(), description="length of a run and its output")
 
@@ -260,9 +290,17 @@ class SystemScene(Document):
         return self
 
     def _problems(self) -> Iterator[SceneProblem]:
-        for name in self.vessels:
-            if name in self.bodies:
-                yield SceneProblem(f"bodies.{name}", name, "a vessel has this name", "another one")
+        named: dict[str, str] = {}
+        for kind in ("vessels", "bodies", "lines", "cuts"):
+            for name in getattr(self, kind):
+                if name in named:
+                    problem = f"one of {named[name]} has this name"
+                    yield SceneProblem(f"{kind}.{name}", name, problem, "another one")
+                if not _NAME.fullmatch(name):
+                    problem = f"{shown(name)} is no name"
+                    allowed = "letters, digits and _, a letter first: it stands in topics"
+                    yield SceneProblem(f"{kind}.{name}", name, problem, allowed)
+                named.setdefault(name, kind)
         used: set[str] = set()
         for name, line in self.lines.items():
             path = f"lines.{name}"
@@ -296,6 +334,27 @@ class SystemScene(Document):
             problem = "waves are not computed in a system yet"
             yield SceneProblem("environment.waves", None, problem, "none")
         yield from self._floor_problems()
+        yield from self._cut_problems()
+
+    def _cut_problems(self) -> Iterator[SceneProblem]:
+        for name, cut in self.cuts.items():
+            path = f"cuts.{name}"
+            line = self.lines.get(cut.line)
+            if line is None:
+                problem = f"{shown(cut.line)} is not one of the lines"
+                yield SceneProblem(f"{path}.line", cut.line, problem, ", ".join(self.lines))
+                continue
+            if isinstance(cut.at, float) and not cut.at < line.length:
+                problem = f"{cut.line} is {line.length:g} m long"
+                allowed = f"above 0 and below {line.length:g} m, or start or end"
+                yield SceneProblem(f"{path}.at", cut.at, problem, allowed)
+            end = {"start": line.start, "end": line.end}.get(str(cut.at))
+            if end is not None and end.is_free:
+                problem = f"{cut.line} is free there"
+                yield SceneProblem(f"{path}.at", cut.at, problem, "an end that is held")
+            if end is not None and end.clamped is not None:
+                problem = "a clamped end is not let go"
+                yield SceneProblem(f"{path}.at", cut.at, problem, "a place beside it, in metres")
 
     def _floor_problems(self) -> Iterator[SceneProblem]:
         """Anchors and vessels' points below the floor at t = 0."""

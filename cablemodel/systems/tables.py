@@ -42,6 +42,7 @@ def allocated(scene: SystemScene, tree: Tree) -> Built:
     ]
     nodes = len(tree.parent)
     spare = SPARE[0] + math.ceil(SPARE[1] * nodes) if mesh_may_change(scene) else 0
+    spare += at.NODES_OF_A_CUT * len(scene.cuts)
     pieces = sum(
         len(vessel.motion().pieces) + len(turning(vessel)) for vessel in scene.vessels.values()
     )
@@ -64,6 +65,7 @@ def allocated(scene: SystemScene, tree: Tree) -> Built:
         arms=len(tree.arms),
         foils=len(foils),
         foil_words=2 * at.FOIL_ANGLES * len(foils),
+        cuts=len(scene.cuts),
     )
     block.ints[at.I_PARTS] = 1
     block.ints[at.I_NODES] = nodes
@@ -273,3 +275,26 @@ def _size(body: FreeBody) -> float:
     places = [*body.points.values(), *(foil.position for foil in body.foils.values())]
     reach = max((math.dist(a, b) for a in places for b in places), default=0.0)
     return max(reach, math.sqrt(max(body.inertia) / body.mass))
+
+
+def fill_cuts(scene: SystemScene, built: Built) -> None:
+    """Where and when lines are to be cut."""
+    tree = built.tree
+    rows = built.block.array(at.O_CUTS, len(scene.cuts), at.CUT_WORDS)
+    for row, cut in zip(rows, scene.cuts.values(), strict=True):
+        length = scene.lines[cut.line].length
+        place = {"start": 0.0, "end": length}.get(str(cut.at), cut.at)
+        assert isinstance(place, float)
+        element = min(
+            (e for e in tree.elements.values() if tree.segments[e.segment].line == cut.line),
+            key=lambda e: max(e.start - place, place - e.start - e.length),
+        )
+        backward = tree.segments[element.segment].backward
+        row[at.CUT_SEGMENT] = element.segment
+        row[at.CUT_ARC] = -place if backward else place
+        if cut.at in ("start", "end"):
+            begins = (cut.at == "start") is not backward
+            row[at.CUT_SIDE] = at.CUT_START if begins else at.CUT_END
+        row[at.CUT_TIME] = math.inf if cut.time is None else cut.time
+        row[at.CUT_TENSION] = math.inf if cut.tension is None else cut.tension
+        row[at.CUT_DONE] = math.inf
