@@ -110,10 +110,10 @@ def system(model: str, planar: bool, intervals: int) -> tuple[Any, int]:
 
 def dense_rows(block: Any, slots: int) -> tuple[Floats, Floats, list[int]]:
     """The same system as a banded matrix (LAPACK's layout), its right-hand side and bandwidths."""
-    shape = block.integers(own.O_SHAPE, slots, own.SHAPE_WORDS)
-    left = block.array(own.O_LEFT, slots, own.WIDTH, own.WIDTH)
-    right = block.array(own.O_RIGHT, slots, own.WIDTH, own.WIDTH)
-    rhs = block.array(own.O_RHS, slots, RHS_WORDS)
+    shape = block.integers(own.OwnHeader.shape, slots, own.SHAPE_WORDS)
+    left = block.array(own.OwnHeader.left, slots, own.WIDTH, own.WIDTH)
+    right = block.array(own.OwnHeader.right, slots, own.WIDTH, own.WIDTH)
+    rhs = block.array(own.OwnHeader.rhs, slots, RHS_WORDS)
     first = np.concatenate([[0], np.cumsum(shape[: slots - 1, 2])])
     rows = np.concatenate([[0], np.cumsum(shape[:, 0])])
     size = int(rows[-1])
@@ -151,10 +151,10 @@ def times_band(band: Floats, widths: list[int], x: Any) -> Any:
 
 def unsuppressed(block: Any, slots: int) -> Floats:
     """Superposition without suppression, by shooting from the vessel with raw solutions."""
-    shape = block.integers(own.O_SHAPE, slots, own.SHAPE_WORDS)
-    left = block.array(own.O_LEFT, slots, own.WIDTH, own.WIDTH)
-    right = block.array(own.O_RIGHT, slots, own.WIDTH, own.WIDTH)
-    rhs = block.array(own.O_RHS, slots, RHS_WORDS)
+    shape = block.integers(own.OwnHeader.shape, slots, own.SHAPE_WORDS)
+    left = block.array(own.OwnHeader.left, slots, own.WIDTH, own.WIDTH)
+    right = block.array(own.OwnHeader.right, slots, own.WIDTH, own.WIDTH)
+    rhs = block.array(own.OwnHeader.rhs, slots, RHS_WORDS)
     n = int(shape[0, 2])
     conditions = right[0, : shape[0, 0], :n]
     start = np.linalg.lstsq(conditions, rhs[0, : shape[0, 0]], rcond=None)[0]
@@ -178,8 +178,8 @@ def linear_solvers() -> Table:
     for model, planar in itertools.product(("cable", "elastica"), (True, False)):
         block, slots = system(model, planar, 30)
         random = np.random.default_rng(1)
-        shape = block.integers(own.O_SHAPE, slots, own.SHAPE_WORDS).copy()
-        rhs = block.array(own.O_RHS, slots, RHS_WORDS)
+        shape = block.integers(own.OwnHeader.shape, slots, own.SHAPE_WORDS).copy()
+        rhs = block.array(own.OwnHeader.rhs, slots, RHS_WORDS)
         rhs[:, :10] = random.normal(size=(slots, 10))
         band, b, widths = dense_rows(block, slots)
         exact = solve_banded(widths, band, b).astype(np.longdouble)
@@ -196,9 +196,9 @@ def linear_solvers() -> Table:
             ("superposition", own.SUPERPOSITION),
             ("elimination", own.ELIMINATION),
         ):
-            block.ints[own.D_METHOD] = method
+            block.ints[own.OwnHeader.method] = method
             library.solve(block.ints, block.reals, slots)
-            change = block.array(own.O_DELTA, slots, 20)
+            change = block.array(own.OwnHeader.delta, slots, 20)
             found = np.concatenate([change[k, : shape[k, 2]] for k in range(slots - 1)])
             errors[name] = float(np.abs(found - exact).max()) / largest
             costs[name] = long_line_cost(model, planar, method)
@@ -241,7 +241,7 @@ def least_time(task: Callable[[], Any]) -> float:
 def long_line_cost(model: str, planar: bool, method: int) -> float:
     """Time of a linear solve an interval [s]."""
     block, slots = system(model, planar, LONG_LINE)
-    block.ints[own.D_METHOD] = method
+    block.ints[own.OwnHeader.method] = method
     library.solve(block.ints, block.reals, slots)
     return least_time(lambda: library.solve(block.ints, block.reals, slots)) / LONG_LINE
 

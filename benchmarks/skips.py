@@ -255,7 +255,7 @@ def _forbid_joining(model: Any) -> None:
 
     nodes = int(model._header.nodes)
     edges = model._solver.memory.array(Header.edges, nodes, at.EDGE_WORDS)
-    edges[:, at.E_SEGMENT] = np.floor(edges[:, at.E_SEGMENT]) + 1e-6 * np.arange(nodes)
+    edges[:, at.Edge.segment] = np.floor(edges[:, at.Edge.segment]) + 1e-6 * np.arange(nodes)
 
 
 def _rough_lay() -> Any:

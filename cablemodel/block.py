@@ -35,6 +35,8 @@ SIZES = {
     "arms": Header.arm_count.word,
     "foils": Header.foil_count.word,
     "foil_words": Header.foil_words.word,
+    "cuts": Header.cut_count.word,
+    "rao_words": Header.rao_words.word,
 }
 
 Arrays = list[tuple[int, Any]]
@@ -170,6 +172,8 @@ class Block(WordBlock):
         arms: Any = 0,
         foils: Any = 0,
         foil_words: Any = 0,
+        cuts: Any = 0,
+        rao_words: Any = 0,
     ) -> tuple[Arrays, Arrays]:
         """Arrays of the image in order, then those of the workspace: (header word, length).
 
@@ -191,6 +195,7 @@ class Block(WordBlock):
             (Header.cell_layers.word, (waves + 1) * cell_terms * at.CELL_LAYERS),
             (Header.frame_pieces.word, frame_pieces * at.PIECE_WORDS),
             (Header.foil_table.word, foil_words),
+            (Header.raos.word, rao_words),
             (Header.parent.word, capacity),
             (Header.joint.word, capacity),
             (Header.edges.word, capacity * at.EDGE_WORDS),
@@ -201,6 +206,7 @@ class Block(WordBlock):
             (Header.free_bodies.word, free_bodies * at.FREE_WORDS),
             (Header.foils.word, foils * at.FOIL_WORDS),
             (Header.arms.word, arms * at.ARM_WORDS),
+            (Header.cuts.word, cuts * at.CUT_WORDS),
             (Header.position.word, capacity * 6),
             (Header.velocity.word, capacity * 6),
             (Header.acceleration.word, capacity * 6),
@@ -266,6 +272,8 @@ class Block(WordBlock):
         arms: int = 0,
         foils: int = 0,
         foil_words: int = 0,
+        cuts: int = 0,
+        rao_words: int = 0,
     ) -> None:
         sizes = {
             "capacity": capacity,
@@ -286,6 +294,8 @@ class Block(WordBlock):
             "arms": arms,
             "foils": foils,
             "foil_words": foil_words,
+            "cuts": cuts,
+            "rao_words": rao_words,
         }
         image, workspace = self.arrays(**sizes)
         header = {Header.magic.word: at.MAGIC, Header.version.word: at.VERSION}

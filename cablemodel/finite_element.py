@@ -84,12 +84,12 @@ class FiniteElementSolver(OfBlock):
         """Arc lengths of all nodes from the vessel (nodes,) [m]."""
         nodes = int(self._header.nodes)
         edges = self.memory.array(Header.edges, nodes, at.EDGE_WORDS)
-        arcs = edges[:, at.E_START] + edges[:, at.E_LENGTH] + self._scalars.paid
+        arcs = edges[:, at.Edge.start] + edges[:, at.Edge.length] + self._scalars.paid
         arcs[0] = 0.0
-        arcs[1] = edges[1, at.E_LENGTH]
+        arcs[1] = edges[1, at.Edge.length]
         if self._header.rigid > 0 and nodes > 2:
             # The first bit of a body that comes is no cable, though the top element covers it.
-            arcs[1] = edges[2, at.E_START] + self._scalars.paid
+            arcs[1] = edges[2, at.Edge.start] + self._scalars.paid
         # Rounding must not put a node beyond the end of the line, where there is no station.
         return np.asarray(np.minimum(arcs, arcs[-1]), dtype=np.float64)
 
@@ -103,14 +103,14 @@ class FiniteElementSolver(OfBlock):
         motion = np.zeros((len(rows), at.STATION_WORDS))
         if self._header.rigid > 0:
             entry.bodies(self._ints, self._reals, motion.reshape(-1))
-        for index in np.argsort(rows[:, at.B_NODE], kind="stable"):
+        for index in np.argsort(rows[:, at.Body.node], kind="stable"):
             row = rows[index]
-            node = int(row[at.B_NODE])
+            node = int(row[at.Body.node])
             if node < 0:
                 continue
-            body = items[int(row[at.B_ITEM])].body
+            body = items[int(row[at.Body.item])].body
             assert body is not None
-            if row[at.B_LENGTH] > 0.0:
+            if row[at.Body.length] > 0.0:
                 place = motion[index]
                 placed.append(PlacedBody(body.name, place[0:3], place[6:9], place[3:6]))
                 continue

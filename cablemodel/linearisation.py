@@ -46,13 +46,13 @@ def natural_frequencies(block: Block, count: int) -> FloatArray:
     from scipy.linalg import eigh
 
     edges = block.array(Header.edges, int(block.header.nodes), at.EDGE_WORDS)
-    kept = edges[:, at.E_STABILISATION].copy()
-    edges[:, at.E_STABILISATION] = stiff = _stiffened(block)
+    kept = edges[:, at.Edge.stabilisation].copy()
+    edges[:, at.Edge.stabilisation] = stiff = _stiffened(block)
     mass, _damping, stiffness = (0.5 * (m + m.T) for m in small_motions(block))
-    bent = stiff * edges[:, at.E_COMPLIANCE] < 1.0 - ROUNDING
-    edges[bent, at.E_STABILISATION] *= 2.0
+    bent = stiff * edges[:, at.Edge.compliance] < 1.0 - ROUNDING
+    edges[bent, at.Edge.stabilisation] *= 2.0
     stiffer = small_motions(block)[2]
-    edges[:, at.E_STABILISATION] = kept
+    edges[:, at.Edge.stabilisation] = kept
     values, motions = eigh(stiffness, mass)
     # The derivative of the square of a frequency to the stabilisation, in units of both.
     change = np.einsum("im,ij,jm->m", motions, 0.5 * (stiffer + stiffer.T) - stiffness, motions)
@@ -71,9 +71,11 @@ def _stiffened(block: Block) -> FloatArray:
     tension = np.abs(block.array(Header.tension, nodes, 2)[:, 0])
     with np.errstate(divide="ignore", invalid="ignore"):
         most = np.where(turn > ROUNDING, LOCKED * tension / turn**2, np.inf)
-        axial = np.where(edges[:, at.E_COMPLIANCE] > 0.0, 1.0 / edges[:, at.E_COMPLIANCE], 0.0)
-    most = np.minimum(most, STIFFEST * edges[:, at.E_STABILISATION])
-    return np.maximum(edges[:, at.E_STABILISATION], np.minimum(axial, most))
+        axial = np.where(
+            edges[:, at.Edge.compliance] > 0.0, 1.0 / edges[:, at.Edge.compliance], 0.0
+        )
+    most = np.minimum(most, STIFFEST * edges[:, at.Edge.stabilisation])
+    return np.maximum(edges[:, at.Edge.stabilisation], np.minimum(axial, most))
 
 
 def newton_blocks(
@@ -123,10 +125,10 @@ def _free_motions(block: Block) -> FloatArray:
     basis = np.eye(nodes * size)
     drop: list[int] = []
     for row in block.array(Header.constraints, int(head.constraint_count), at.CONSTRAINT_WORDS):
-        first = int(row[at.C_NODE]) * size
+        first = int(row[at.Constraint.node]) * size
         drop += range(first, first + dimension)
-        if row[at.C_CLAMPED] == at.EXACTLY:
-            direction = row[at.C_DIRECTION : at.C_DIRECTION + dimension]
+        if row[at.Constraint.clamped] == at.EXACTLY:
+            direction = row[at.Constraint.direction : at.Constraint.direction.word + dimension]
             slopes = slice(first + dimension, first + size)
             basis[slopes, slopes] = 0.0
             basis[slopes, first + dimension] = direction

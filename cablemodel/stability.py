@@ -161,7 +161,9 @@ def growing_motion(block: Block, way: FloatArray | None = None) -> GrowingMotion
     components = axes @ motion[much[-1], 0]
     motion *= np.sign(components[np.abs(components) > ACROSS][0])
     edges = block.array(Header.edges, len(motion), at.EDGE_WORDS)
-    arc = float(edges[furthest, at.E_START] + edges[furthest, at.E_LENGTH]) if furthest else 0.0
+    arc = (
+        float(edges[furthest, at.Edge.start] + edges[furthest, at.Edge.length]) if furthest else 0.0
+    )
     return GrowingMotion(high, motion, arc)
 
 
@@ -224,11 +226,11 @@ def _hold(
     table = block.array(Header.constraints, int(block.header.constraint_count), at.CONSTRAINT_WORDS)
     projectors = []
     for row in table:
-        node = int(row[at.C_NODE])
+        node = int(row[at.Constraint.node])
         free = np.zeros((2 * dimension, 2 * dimension))
         free[dimension:, dimension:] = np.eye(dimension)
-        if row[at.C_CLAMPED] == at.EXACTLY:
-            direction = row[at.C_DIRECTION : at.C_DIRECTION + dimension]
+        if row[at.Constraint.clamped] == at.EXACTLY:
+            direction = row[at.Constraint.direction : at.Constraint.direction.word + dimension]
             free[dimension:, dimension:] = np.outer(direction, direction)
         fixed = np.eye(2 * dimension) - free
         size = max(1.0, abs(float(np.trace(diagonal[node]))))

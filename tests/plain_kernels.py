@@ -52,8 +52,14 @@ def record_at(record: Any) -> Any:
 
 def row_of(record: Any, table: Any) -> Any:
     """As the compiled one."""
-    start, width = table.word, record.WORDS
+    start, width = table.__index__(), record.WORDS
     return lambda header, words, row: record(words, header[start] + width * row)
+
+
+def word_of(words: Any, record: Any) -> int:
+    """As the compiled one."""
+    word: int = record._first
+    return word
 
 
 def copy_words(array: Any, to: Any, start: Any, count: Any) -> None:
@@ -129,6 +135,7 @@ def install() -> None:
         record_in,
         record_at,
         row_of,
+        word_of,
         copy_words,
         table_product,
         matrix_vector,

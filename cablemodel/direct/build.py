@@ -72,23 +72,23 @@ def build(scene: Scene, *, planar: bool | None = None) -> DirectBlock:
     head = Header(ints)
     state = Scalars(reals)
     plane = vertical_plane(scene)
-    ints[own.D_PLANAR] = int(plane.flat and planar is not False)
-    ints[own.D_JOINT] = own.PAPER if scene.solver.joint == "paper" else own.MOMENT_FREE
-    ints[own.D_METHOD] = (
+    ints[own.OwnHeader.planar] = int(plane.flat and planar is not False)
+    ints[own.OwnHeader.joint] = own.PAPER if scene.solver.joint == "paper" else own.MOMENT_FREE
+    ints[own.OwnHeader.method] = (
         own.ELIMINATION if scene.solver.linear_solver == "elimination" else own.SUPERPOSITION
     )
-    ints[own.D_END] = own.END_ANCHOR if scene.end.kind == "anchor" else own.END_FREE
-    ints[own.D_RESTART] = 1
+    ints[own.OwnHeader.end] = own.END_ANCHOR if scene.end.kind == "anchor" else own.END_FREE
+    ints[own.OwnHeader.restart] = 1
     head.piece = 1
     state.plane = plane.direction
     state.water_density = scene.environment.water_density
     state.gravity = scene.environment.gravity
-    reals[own.X_TIME_STEP] = scene.solver.time_step
-    reals[own.X_SPACING] = spacing
-    reals[own.X_ALPHA] = scene.solver.alpha
-    reals[own.X_TOLERANCE] = scene.solver.relative_tolerance
-    reals[own.X_SHARE] = 1.0
-    reals[own.X_DRIFT] = DRIFT * scene.line_length
+    reals[own.OwnScalars.time_step] = scene.solver.time_step
+    reals[own.OwnScalars.spacing] = spacing
+    reals[own.OwnScalars.alpha] = scene.solver.alpha
+    reals[own.OwnScalars.tolerance] = scene.solver.relative_tolerance
+    reals[own.OwnScalars.share] = 1.0
+    reals[own.OwnScalars.drift] = DRIFT * scene.line_length
     _fill_motion(block, motion.pieces)
     if current is not None:
         head.current_kind = 1 if len(current.z) == 1 else 2
@@ -102,11 +102,11 @@ def build(scene: Scene, *, planar: bool | None = None) -> DirectBlock:
     if floor is not None:
         _fill_floor(block, scene)
     scale = _tension_scale(scene)
-    reals[own.X_SCALE : own.X_SCALE + own.WIDTH] = 1.0
+    reals[own.OwnScalars.scale : own.OwnScalars.scale.place + own.WIDTH] = 1.0
     speed = float(np.max(np.linalg.norm(scene.motion().typical_velocities(), axis=1), initial=0.1))
-    reals[own.X_SCALE : own.X_SCALE + 3] = speed
-    reals[own.X_SCALE + own.F1 : own.X_SCALE + own.F3 + 1] = scale
-    reals[own.X_LOWEST] = SLACK * scale
+    reals[own.OwnScalars.scale : own.OwnScalars.scale.place + 3] = speed
+    reals[own.OwnScalars.scale.place + own.F1 : own.OwnScalars.scale.place + own.F3 + 1] = scale
+    reals[own.OwnScalars.lowest] = SLACK * scale
     status = find_initial_state(block, scene, sections)
     if status != at.OK:
         from cablemodel.direct.failures import explain
@@ -135,68 +135,70 @@ def _fill_motion(block: DirectBlock, pieces: FloatArray) -> None:
 
     table = block.array(Header.pieces, len(pieces) + 1, at.PIECE_WORDS)
     table[1:] = pieces
-    table[1, at.P_ACCELERATION_JUMP] = 0.0
+    table[1, at.Piece.acceleration_jump] = 0.0
     jump = sum(jumps(pieces))
-    table[2:, at.P_ACCELERATION_JUMP] = np.where(jump > 1e-12, jump, 0.0)
+    table[2:, at.Piece.acceleration_jump] = np.where(jump > 1e-12, jump, 0.0)
 
 
 def _fill_materials(block: DirectBlock, scene: Scene) -> None:
     rho = scene.environment.water_density
-    rows = block.array(own.O_MATERIAL, len(scene.cable_types), own.MATERIAL_WORDS)
+    rows = block.array(own.OwnHeader.materials, len(scene.cable_types), own.MATERIAL_WORDS)
     used = int(block.header.strain)
     for row, kind in zip(rows, scene.cable_types.values(), strict=True):
         coefficients = kind.strain_coefficients
         block.reals[used : used + len(coefficients)] = coefficients
-        row[own.T_MASS] = kind.mass
-        row[own.T_DISPLACED] = rho * 0.25 * math.pi * kind.diameter**2
-        row[own.T_ADDED] = rho * 0.25 * math.pi * kind.diameter**2 * kind.added_mass
-        row[own.T_WEIGHT] = kind.submerged_weight
-        row[own.T_NORMAL] = 0.5 * rho * kind.drag_normal * kind.diameter
-        row[own.T_TANGENTIAL] = 0.5 * rho * kind.drag_tangential * math.pi * kind.diameter
-        row[own.T_BENDING] = kind.bending_stiffness
-        row[own.T_TERMS] = len(coefficients)
-        row[own.T_OFFSET] = used
-        row[own.T_LOW : own.T_HIGH + 1] = strain_range(coefficients)
+        row[own.Material.mass] = kind.mass
+        row[own.Material.displaced] = rho * 0.25 * math.pi * kind.diameter**2
+        row[own.Material.added_mass] = rho * 0.25 * math.pi * kind.diameter**2 * kind.added_mass
+        row[own.Material.weight] = kind.submerged_weight
+        row[own.Material.normal] = 0.5 * rho * kind.drag_normal * kind.diameter
+        row[own.Material.tangential] = 0.5 * rho * kind.drag_tangential * math.pi * kind.diameter
+        row[own.Material.bending] = kind.bending_stiffness
+        row[own.Material.terms] = len(coefficients)
+        row[own.Material.offset] = used
+        row[own.Material.low : own.Material.high.word + 1] = strain_range(coefficients)
         used += len(coefficients)
 
 
 def _fill_bodies(block: DirectBlock, scene: Scene, bodies: list[tuple[int, Body]]) -> None:
     rho, gravity = scene.environment.water_density, scene.environment.gravity
-    rows = block.array(own.O_BODY, len(bodies), own.BODY_WORDS)
+    rows = block.array(own.OwnHeader.bodies, len(bodies), own.BODY_WORDS)
     for row, (place, body) in zip(rows, bodies, strict=True):
-        row[own.B_MASS] = body.mass
-        row[own.B_WEIGHT] = body.submerged_weight
-        row[own.B_ADDED] = body.added_mass
-        row[own.B_ADDED_AXIAL] = body.added_mass_axial
-        row[own.B_DRAG] = 0.5 * rho * body.drag_coefficient * body.drag_area
-        row[own.B_DRAG_AXIAL] = 0.5 * rho * body.drag_coefficient_axial * body.drag_area_axial
-        row[own.B_HALF] = body.half_length
-        row[own.B_OFFSET] = body.centre_offset
-        row[own.B_INERTIA] = body.rotary_inertia
-        row[own.B_BUOYANCY] = body.mass * gravity - body.submerged_weight
-        row[own.B_ITEM] = place
+        row[own.RigidBody.mass] = body.mass
+        row[own.RigidBody.weight] = body.submerged_weight
+        row[own.RigidBody.added_mass] = body.added_mass
+        row[own.RigidBody.added_mass_axial] = body.added_mass_axial
+        row[own.RigidBody.drag] = 0.5 * rho * body.drag_coefficient * body.drag_area
+        row[own.RigidBody.drag_axial] = (
+            0.5 * rho * body.drag_coefficient_axial * body.drag_area_axial
+        )
+        row[own.RigidBody.half] = body.half_length
+        row[own.RigidBody.offset] = body.centre_offset
+        row[own.RigidBody.inertia] = body.rotary_inertia
+        row[own.RigidBody.buoyancy] = body.mass * gravity - body.submerged_weight
+        row[own.RigidBody.item] = place
 
 
 def _fill_sections(block: DirectBlock, scene: Scene, sections: list[Section]) -> None:
-    table = block.integers(own.O_SECTION, len(sections) + 1, own.SECTION_WORDS)
+    table = block.integers(own.OwnHeader.sections, len(sections) + 1, own.SECTION_WORDS)
     types = list(scene.cable_types)
-    table[:, own.N_BODY] = -1
-    table[:, own.N_POINT] = -1
-    length, share = int(block.ints[own.O_LENGTH]), int(block.ints[own.O_SHARE])
+    table[:, own.Section.body] = -1
+    table[:, own.Section.point] = -1
+    length, share = int(block.ints[own.OwnHeader.length]), int(block.ints[own.OwnHeader.share])
     node = 0
     material = 0
     cables = [section.cable for section in sections]
     for index, (row, section) in enumerate(zip(table, sections, strict=False)):
         if section.cable is not None:
             material = types.index(section.cable.type)
-        row[own.N_FIRST] = node
-        row[own.N_COUNT] = len(section.lengths) + 1
-        row[own.N_KIND] = section.kind
-        row[own.N_MATERIAL] = material
-        row[own.N_BODY] = section.body
-        row[own.N_POINT] = section.point
-        row[own.N_HINGE] = int(section.hinge)
-        row[own.N_ITEM] = index
+        row[own.Section.first] = node
+        row[own.Section.count] = len(section.lengths) + 1
+        row[own.Section.kind] = section.kind
+        row[own.Section.material] = material
+        row[own.Section.body] = section.body
+        row[own.Section.point] = section.point
+        row[own.Section.hinge] = int(section.hinge)
+        row[own.Section.item] = index
         block.reals[length + node + 1 : length + node + len(section.lengths) + 1] = section.lengths
         if section.follows:
             shares = block.reals[share + node : share + node + len(section.lengths) + 1]
@@ -207,12 +209,12 @@ def _fill_sections(block: DirectBlock, scene: Scene, sections: list[Section]) ->
             else:
                 shares[1:] = np.cumsum(section.lengths) / section.length
         node += len(section.lengths) + 1
-    block.ints[own.D_SECTIONS] = len(sections)
+    block.ints[own.OwnHeader.section_count] = len(sections)
     if scene.line[-1].body is not None and scene.line[-1].body.half_length == 0.0:
-        table[len(sections), own.N_POINT] = len(scene.bodies) - 1
+        table[len(sections), own.Section.point] = len(scene.bodies) - 1
     for index in range(1, len(sections)):
         if (sections[index].kind == own.CABLE) != (sections[index - 1].kind == own.CABLE):
-            block.ints[own.D_MEETING] = table[index, own.N_FIRST]
+            block.ints[own.OwnHeader.meeting] = table[index, own.Section.first]
 
 
 def _fill_drum(block: DirectBlock, scene: Scene, sections: list[Section]) -> None:
@@ -235,7 +237,7 @@ def _fill_drum(block: DirectBlock, scene: Scene, sections: list[Section]) -> Non
         assert above.cable is not None
         material = types.index(above.cable.type)
         rows.append((material, above.kind, joint.point, index, -below, int(joint.hinge), rigid))
-    ints[own.D_DRUM_USED] = len(rows)
+    ints[own.OwnHeader.drum_used] = len(rows)
     out = 0.0
     body = len(scene.bodies) - 1
     pending = -1
@@ -252,7 +254,7 @@ def _fill_drum(block: DirectBlock, scene: Scene, sections: list[Section]) -> Non
         assert top.cable is not None
         previous = (
             (rows[-1][0], rows[-1][1])
-            if len(rows) > ints[own.D_DRUM_USED]
+            if len(rows) > ints[own.OwnHeader.drum_used]
             else (types.index(top.cable.type), top.kind)
         )
         if pending >= 0 or previous != (material, kind):
@@ -261,12 +263,17 @@ def _fill_drum(block: DirectBlock, scene: Scene, sections: list[Section]) -> Non
             rows.append((material, kind, point, 100 + index, out, hinge, rigid))
         pending, half = -1, 0.0
         out += cable.length
-    ints[own.D_DRUM] = len(rows)
-    table = block.integers(own.O_DRUM, len(rows), own.DRUM_WORDS)
+    ints[own.OwnHeader.drum_count] = len(rows)
+    table = block.integers(own.OwnHeader.drum, len(rows), own.DRUM_WORDS)
     for row, values in zip(table, rows, strict=True):
-        row[own.R_MATERIAL], row[own.R_KIND], row[own.R_POINT], row[own.R_ITEM] = values[:4]
-        row[own.R_HINGE], row[own.R_RIGID] = values[5:]
-        row.view(np.float64)[own.R_LEAVES] = values[4]
+        (
+            row[own.DrumRow.material],
+            row[own.DrumRow.kind],
+            row[own.DrumRow.point],
+            row[own.DrumRow.item],
+        ) = values[:4]
+        row[own.DrumRow.hinge], row[own.DrumRow.rigid] = values[5:]
+        row.view(np.float64)[own.DrumRow.leaves] = values[4]
     state.paid_most = out
     total = scene.line_length
     state.paid_least = -(total - SHORTEST_LINE * total)
@@ -288,11 +295,11 @@ def _fill_floor(block: DirectBlock, scene: Scene) -> None:
     normal = np.array([-floor.slope[0], -floor.slope[1], 1.0])
     normal /= np.linalg.norm(normal)
     px, py = state.plane
-    reals[own.X_FLOOR : own.X_FLOOR + 3] = (
+    reals[own.OwnScalars.floor : own.OwnScalars.floor.place + 3] = (
         -normal[2],
         px * normal[0] + py * normal[1],
         py * normal[0] - px * normal[1],
     )
-    reals[own.X_FLOOR + 3] = normal @ np.array([floor.at[0], floor.at[1], floor.z])
-    reals[own.X_FRICTION] = floor.friction
-    block.ints[own.D_FLOOR] = 1
+    reals[own.OwnScalars.floor.place + 3] = normal @ np.array([floor.at[0], floor.at[1], floor.z])
+    reals[own.OwnScalars.friction] = floor.friction
+    block.ints[own.OwnHeader.floor] = 1

@@ -48,23 +48,23 @@ class DirectSolver(OfBlock):
 
     def node_arcs(self) -> FloatArray:
         arcs = np.unique(self._all_arcs())
-        laid = float(self._reals[own.X_LAID])
+        laid = float(self._reals[own.OwnScalars.laid])
         return np.append(arcs, arcs[-1] + laid) if laid > 0.0 else arcs
 
     @property
     def _sections(self) -> IntArray:
         """Rows of the sections, and the one behind the last that names the body at the end."""
-        count = int(self._ints[own.D_SECTIONS])
-        return self.memory.integers(own.O_SECTION, count + 1, own.SECTION_WORDS)
+        count = int(self._ints[own.OwnHeader.section_count])
+        return self.memory.integers(own.OwnHeader.sections, count + 1, own.SECTION_WORDS)
 
     @property
     def _nodes(self) -> int:
-        return int(self._sections[:-1, own.N_COUNT].sum())
+        return int(self._sections[:-1, own.Section.count].sum())
 
     def _all_arcs(self) -> FloatArray:
         """Arc lengths of all nodes of the mesh from the vessel (nodes,) [m]."""
-        lengths = self.memory.array(own.O_LENGTH, self._nodes).copy()
-        lengths[self._sections[:-1, own.N_FIRST]] = 0.0
+        lengths = self.memory.array(own.OwnHeader.length, self._nodes).copy()
+        lengths[self._sections[:-1, own.Section.first]] = 0.0
         return np.asarray(np.cumsum(lengths), dtype=np.float64)
 
     def bodies(self) -> list[PlacedBody]:
@@ -72,9 +72,9 @@ class DirectSolver(OfBlock):
         entry.bodies(self._ints, self._reals, out.reshape(-1))
         placed = []
         for row in self._sections:
-            index = int(row[own.N_POINT])
-            if index < 0 and row[own.N_COUNT] and row[own.N_KIND] == own.RIGID:
-                index = int(row[own.N_BODY])
+            index = int(row[own.Section.point])
+            if index < 0 and row[own.Section.count] and row[own.Section.kind] == own.RIGID:
+                index = int(row[own.Section.body])
             if index >= 0:
                 position, axis, velocity = (out[index, k : k + 3].copy() for k in (0, 3, 6))
                 placed.append(PlacedBody(self._bodies[index].name, position, velocity, axis))
@@ -82,11 +82,11 @@ class DirectSolver(OfBlock):
 
     @property
     def planar(self) -> bool:
-        return bool(self._ints[own.D_PLANAR])
+        return bool(self._ints[own.OwnHeader.planar])
 
     @property
     def elements(self) -> int:
-        return self._nodes - int(self._ints[own.D_SECTIONS])
+        return self._nodes - int(self._ints[own.OwnHeader.section_count])
 
     @property
     def asleep(self) -> int:

@@ -71,12 +71,12 @@ def find_initial_state(block: DirectBlock, scene: Scene, sections: list[Section]
     ints, reals = block.ints, block.reals
     _, velocity, _ = scene.motion().evaluate(0.0)
     nodes = sum(len(section.lengths) + 1 for section in sections)
-    y = block.array(own.O_Y, nodes, own.WIDTH)
+    y = block.array(own.OwnHeader.unknowns, nodes, own.WIDTH)
     y[:, [own.PHI, own.THETA]] = _angles(block, scene, sections)
     _clamp(block, scene, y)
     if scene.end.kind == "anchor":
         assert scene.end.position is not None
-        reals[own.X_ANCHOR : own.X_ANCHOR + 3] = scene.end.position
+        reals[own.OwnScalars.anchor.span] = scene.end.position
     if scene.initial.kind == "static":
         y[:, own.F3] = _hanging_tension(scene, sections)
         _set_velocity(block, y, velocity)
@@ -201,8 +201,8 @@ def _clamp(block: DirectBlock, scene: Scene, y: FloatArray) -> None:
         direction = np.asarray(connection.direction, dtype=float)
         phi, theta = _euler(block, (direction / np.linalg.norm(direction))[None, :])[0]
         phi += 2.0 * math.pi * round((y[node, own.PHI] - phi) / (2.0 * math.pi))
-        block.ints[own.D_CLAMPED] |= 1 << end
-        at_end = own.X_CLAMP + 2 * end
+        block.ints[own.OwnHeader.clamped] |= 1 << end
+        at_end = own.OwnScalars.clamp.place + 2 * end
         block.reals[at_end : at_end + 2] = phi, theta
 
 

@@ -122,22 +122,22 @@ def with_turned_clamps(
     """
     nodes, dimension = int(block.header.nodes), int(block.header.dimension)
     table = block.array(Header.constraints, int(block.header.constraint_count), at.CONSTRAINT_WORDS)
-    clamped = table[table[:, at.C_CLAMPED] != 0.0]  # a copy
-    rows = np.flatnonzero(table[:, at.C_CLAMPED] != 0.0)
+    clamped = table[table[:, at.Constraint.clamped] != 0.0]  # a copy
+    rows = np.flatnonzero(table[:, at.Constraint.clamped] != 0.0)
     if not len(rows):
         return at.STATICS_FAILED
-    ends = clamped[:, at.C_NODE].astype(int)
-    directions = slice(at.C_DIRECTION, at.C_DIRECTION + dimension)
+    ends = clamped[:, at.Constraint.node].astype(int)
+    directions = slice(at.Constraint.direction.word, at.Constraint.direction.word + dimension)
     q = block.array(Header.position, nodes, 2 * dimension)
     places, slopes = q[:, :dimension], q[:, dimension:]
-    table[rows, at.C_CLAMPED] = 0.0
+    table[rows, at.Constraint.clamped] = 0.0
     for end in ends:
         # Slopes that point elsewhere than the cable goes are part of a fold already.
         inner = max(end - 1, 0)
         chord = places[inner + 1] - places[inner]
         slopes[end] = chord / np.linalg.norm(chord)
     status = solve()
-    table[rows, at.C_CLAMPED] = clamped[:, at.C_CLAMPED]
+    table[rows, at.Constraint.clamped] = clamped[:, at.Constraint.clamped]
     if status == at.OK:
         hinged = slopes[ends] / np.linalg.norm(slopes[ends], axis=1)[:, None]
         angle = max(
@@ -153,7 +153,7 @@ def with_turned_clamps(
                 rows, ends, hinged, clamped[:, directions], strict=True
             ):
                 table[row, directions] = turned(own, wanted, share)
-                if table[row, at.C_CLAMPED] == at.EXACTLY:
+                if table[row, at.Constraint.clamped] == at.EXACTLY:
                     slopes[end] = np.linalg.norm(slopes[end]) * table[row, directions]
             status = solve_nearby()
             if status == at.OK:

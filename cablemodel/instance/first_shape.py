@@ -375,9 +375,11 @@ def place_nodes(block: Block, line: Line, guess: laid_shape.Guess, length: float
         q[node, dimension:] = local(block, slopes[node], point=False)
     table = block.array(Header.constraints, int(block.header.constraint_count), at.CONSTRAINT_WORDS)
     for row in table:
-        if row[at.C_CLAMPED] == at.EXACTLY:
-            node = int(row[at.C_NODE])
-            q[node, dimension:] = stretch * row[at.C_DIRECTION : at.C_DIRECTION + dimension]
+        if row[at.Constraint.clamped] == at.EXACTLY:
+            node = int(row[at.Constraint.node])
+            q[node, dimension:] = (
+                stretch * row[at.Constraint.direction : at.Constraint.direction.word + dimension]
+            )
     if guess.pull is not None:
         arcs, pull = guess.pull.T
         starts = np.array([s + p for s, p in zip(line.start, line.passed, strict=True)])

@@ -95,7 +95,7 @@ def _is_crushed(block: Block, scene: Scene) -> bool:
     from cablemodel import library as entry
 
     edges = block.array(Header.edges, int(block.header.nodes), at.EDGE_WORDS)
-    nodes = np.unique([0.0, *np.clip(edges[1:, at.E_START], 0.0, length), length])
+    nodes = np.unique([0.0, *np.clip(edges[1:, at.Edge.start], 0.0, length), length])
     parts = np.arange(_PARTS * (len(nodes) - 1) + 1) / _PARTS
     stations = np.interp(parts, np.arange(len(nodes)), nodes)
     rows = np.empty((len(stations), at.STATION_WORDS))
@@ -184,7 +184,7 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, attempt: Attempt
             sea_floor.rest_where_it_is(block)
     if status != at.OK:
         node = block.failed_node
-        arc = block.array(Header.edges, int(head.nodes), at.EDGE_WORDS)[node, at.E_START]
+        arc = block.array(Header.edges, int(head.nodes), at.EDGE_WORDS)[node, at.Edge.start]
         advice = "Check weights, ends and current"
         if head.floor_kind and not held:
             advice += ", let motion, pay-out and current come up from zero after the start"
@@ -213,18 +213,22 @@ def _stabilise(block: Block) -> bool:
     tension = float(np.max(np.abs(block.array(Header.tension, nodes, 2)[:, 0])))
     for rows in (
         block.array(Header.edges, nodes, at.EDGE_WORDS)[1:],
-        block.array(Header.cables, int(block.header.cable_count), at.CABLE_WORDS)[:, at.K_EDGE :],
+        block.array(Header.cables, int(block.header.cable_count), at.CABLE_WORDS)[
+            :, at.Cable.edge :
+        ],
     ):
         for row in rows:
-            if row[at.E_COMPLIANCE] > 0.0:
-                bending = 10.0 * row[at.E_BENDING_FULL] / block.scalars.length**2
-                wanted = max(row[at.E_STABILISATION], STABILISATION * tension, bending)
-                wanted = min(wanted, 1.0 / row[at.E_COMPLIANCE])
-                changed = changed or wanted != row[at.E_STABILISATION]
-                row[at.E_STABILISATION] = wanted
+            if row[at.Edge.compliance] > 0.0:
+                bending = 10.0 * row[at.Edge.bending_full] / block.scalars.length**2
+                wanted = max(row[at.Edge.stabilisation], STABILISATION * tension, bending)
+                wanted = min(wanted, 1.0 / row[at.Edge.compliance])
+                changed = changed or wanted != row[at.Edge.stabilisation]
+                row[at.Edge.stabilisation] = wanted
     for row in block.array(Header.bodies, int(block.header.body_count), at.BODY_WORDS):
-        if row[at.B_LENGTH] > 0.0 and tension > 0.0:
-            row[at.B_COMPLIANCE] = min(row[at.B_COMPLIANCE], row[at.B_LENGTH] / (RIGID * tension))
+        if row[at.Body.length] > 0.0 and tension > 0.0:
+            row[at.Body.compliance] = min(
+                row[at.Body.compliance], row[at.Body.length] / (RIGID * tension)
+            )
     return changed
 
 
@@ -253,7 +257,7 @@ def _give_velocities(block: Block, scene: Scene, velocities: FloatArray) -> None
     places = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     nodes, dimension = int(block.header.nodes), int(block.header.dimension)
     edges = block.array(Header.edges, nodes, at.EDGE_WORDS)
-    arcs = edges[:, at.E_START] + edges[:, at.E_LENGTH]
+    arcs = edges[:, at.Edge.start] + edges[:, at.Edge.length]
     arcs[0] = 0.0
     where = arcs * places[-1] / arcs[-1]
     own = np.column_stack([np.interp(where, places, velocities[:, i]) for i in range(3)])

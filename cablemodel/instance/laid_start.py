@@ -180,7 +180,7 @@ def _places_in(other: Block, block: Block) -> FloatArray:
 
     nodes = int(block.header.nodes)
     edges = block.array(Header.edges, nodes, at.EDGE_WORDS)
-    arcs = edges[:, at.E_START] + edges[:, at.E_LENGTH]
+    arcs = edges[:, at.Edge.start] + edges[:, at.Edge.length]
     arcs[0] = 0.0
     joints = block.integers(Header.joint, nodes)
     parents = block.integers(Header.parent, nodes)
@@ -216,10 +216,10 @@ def _laid_line(block: Block, scene: Scene, q: FloatArray) -> FloatArray:
     way = q[tail] - q[foot]
     way /= max(float(np.linalg.norm(way)), 1e-12)
     edges = block.array(Header.edges, len(q), at.EDGE_WORDS)
-    lengths = np.where(block.integers(Header.joint, len(q)) == 0, edges[:, at.E_LENGTH], 0.0)
+    lengths = np.where(block.integers(Header.joint, len(q)) == 0, edges[:, at.Edge.length], 0.0)
     for body in block.array(Header.bodies, int(block.header.body_count), at.BODY_WORDS):
-        if body[at.B_NODE] >= 0:
-            lengths[int(body[at.B_NODE])] += body[at.B_LENGTH]
+        if body[at.Body.node] >= 0:
+            lengths[int(body[at.Body.node])] += body[at.Body.length]
     arcs = np.cumsum(lengths)
     straight = np.outer(arcs - arcs[foot], way)
     line[:foot] = q[foot] + straight[:foot]
@@ -271,14 +271,14 @@ def _without_drag(block: Block, scene: Scene) -> Callable[[], None]:
     lies = which_lie(block, scene)
     edges = block.array(Header.edges, nodes, at.EDGE_WORDS)
     bodies = block.array(Header.bodies, int(block.header.body_count), at.BODY_WORDS)
-    columns = [at.E_DRAG_NORMAL, at.E_DRAG_TANGENTIAL]
-    of_body = [at.B_DRAG, at.B_DRAG_AXIAL]
+    columns = [at.Edge.drag_normal.word, at.Edge.drag_tangential.word]
+    of_body = [at.Body.drag.word, at.Body.drag_axial.word]
     kept, kept_bodies = edges[:, columns].copy(), bodies[:, of_body].copy()
     lying = _lying_elements(block, lies)
     for column in columns:
         edges[lying, column] = 0.0
     for body in bodies:
-        node = int(body[at.B_NODE])
+        node = int(body[at.Body.node])
         if node >= 0 and lies[node]:
             body[of_body] = 0.0
 
@@ -360,22 +360,22 @@ def _loads(block: Block, scene: Scene) -> tuple[FloatArray, FloatArray]:
     for node in range(1, nodes):
         if joints[node]:
             continue
-        edge, half = edges[node], 0.5 * edges[node, at.E_LENGTH]
+        edge, half = edges[node], 0.5 * edges[node, at.Edge.length]
         for end in (int(parents[node]), node):
-            bears[end] += half * edge[at.E_CONTACT] * edge[at.E_BORNE]
+            bears[end] += half * edge[at.Edge.contact] * edge[at.Edge.support]
             if lying[node]:
-                drags[end] += half * edge[at.E_DRAG_NORMAL] * normal[end]
-                drags[end] += half * edge[at.E_DRAG_TANGENTIAL] * tangential[end]
+                drags[end] += half * edge[at.Edge.drag_normal] * normal[end]
+                drags[end] += half * edge[at.Edge.drag_tangential] * tangential[end]
     for body in block.array(Header.bodies, int(block.header.body_count), at.BODY_WORDS):
-        node = int(body[at.B_NODE])
+        node = int(body[at.Body.node])
         if node < 0:
             continue
-        ends = [int(parents[node]), node] if body[at.B_LENGTH] > 0.0 else [node]
-        for end, borne in zip(ends, body[at.B_BORNE : at.B_BORNE + 2], strict=False):
-            bears[end] += abs(body[at.B_WEIGHT]) * borne / len(ends)
+        ends = [int(parents[node]), node] if body[at.Body.length] > 0.0 else [node]
+        for end, borne in zip(ends, body[at.Body.support.span], strict=False):
+            bears[end] += abs(body[at.Body.weight]) * borne / len(ends)
             if lies[node]:
-                drags[end] += body[at.B_DRAG] * normal[end] / len(ends)
-                drags[end] += body[at.B_DRAG_AXIAL] * tangential[end] / len(ends)
+                drags[end] += body[at.Body.drag] * normal[end] / len(ends)
+                drags[end] += body[at.Body.drag_axial] * tangential[end] / len(ends)
     return bears, drags
 
 
@@ -431,16 +431,20 @@ def _drawn(block: Block, scene: Scene, wanted: FloatArray) -> FloatArray:
     ends = [
         (int(parents[n]), n) for n in np.flatnonzero(block.integers(Header.joint, nodes) == 0)[1:]
     ]
-    near = [(p, n) for p, n in ends if min(gaps[p], gaps[n]) < depth + 0.5 * edges[n, at.E_LENGTH]]
+    near = [
+        (p, n) for p, n in ends if min(gaps[p], gaps[n]) < depth + 0.5 * edges[n, at.Edge.length]
+    ]
     if not near:
         return drawn
     upper, lower = np.array(near).T
-    h = edges[lower, at.E_LENGTH]
+    h = edges[lower, at.Edge.length]
     data = np.stack([q[upper], slopes[upper] * h[:, None], q[lower], slopes[lower] * h[:, None]])
     points = np.einsum("pk,ked->epd", CONTACT_H, data)
     law = law_of_contact(_gaps(block, scene, points.reshape(-1, dimension)) / depth)
     law = law.reshape(len(near), -1)
-    force = (h * edges[lower, at.E_CONTACT] * edges[lower, at.E_BORNE])[:, None] * CONTACT_WEIGHTS
+    force = (h * edges[lower, at.Edge.contact] * edges[lower, at.Edge.support])[
+        :, None
+    ] * CONTACT_WEIGHTS
 
     def at_nodes(values: FloatArray) -> FloatArray:
         """Forces at the points (elements, points), shared out to the nodes (nodes,)."""

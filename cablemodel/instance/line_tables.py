@@ -40,17 +40,17 @@ def fill_cables(block: Block, scene: Scene, winch: Winch, scale: float) -> None:
         strain[used : used + len(coefficients)] = coefficients
         offset = int(block.header.strain) + used
         used += len(coefficients)
-        row[at.K_LEAVES] = winch.leaves[index]
-        row[at.K_NOMINAL] = winch.nominal[index]
-        row[at.K_SHORTEST] = winch.shortest[index]
-        row[at.K_HINGE] = float(winch.hinges[index])
-        row[at.K_BODY] = winch.bodies[index]
+        row[at.Cable.leaves] = winch.leaves[index]
+        row[at.Cable.nominal] = winch.nominal[index]
+        row[at.Cable.shortest] = winch.shortest[index]
+        row[at.Cable.hinge] = float(winch.hinges[index])
+        row[at.Cable.body] = winch.bodies[index]
         diameter = scene.cable_types[cable.type].diameter
-        row[at.K_DISPLACED] = scene.environment.water_density * 0.25 * math.pi * diameter**2
-        row[at.K_EDGE :] = edge_row(scene, cable, index, offset, scale)
-        row[at.K_EDGE + at.E_NOMINAL] = winch.nominal[index]
-        edge = row[at.K_EDGE :]
-        if edge[at.E_MODEL] == at.MODEL_HYBRID and edge[at.E_BENDING_FULL] > 0.0:
+        row[at.Cable.displaced] = scene.environment.water_density * 0.25 * math.pi * diameter**2
+        row[at.Cable.edge :] = edge_row(scene, cable, index, offset, scale)
+        row[at.Cable.edge.word + at.Edge.nominal.word] = winch.nominal[index]
+        edge = row[at.Cable.edge :]
+        if edge[at.Edge.model] == at.MODEL_HYBRID and edge[at.Edge.bending_full] > 0.0:
             block.header.hybrid = 1
     block.header.top_cable = len(scene.cables) - 1
 
@@ -63,26 +63,28 @@ def edge_row(
     kind = scene.cable_types[cable.type]
     row = np.zeros(at.EDGE_WORDS)
     added = rho * 0.25 * math.pi * kind.diameter**2 * kind.added_mass
-    row[at.E_MASS] = kind.mass + added
-    row[at.E_ADDED] = added
-    row[at.E_WEIGHT] = kind.submerged_weight
-    row[at.E_CONTACT] = sea_floor.contact_weight(kind, scene.environment.gravity)
-    row[at.E_BORNE] = 1.0
-    row[at.E_DRAG_NORMAL] = 0.5 * rho * kind.drag_normal * kind.diameter
-    row[at.E_DRAG_TANGENTIAL] = 0.5 * rho * kind.drag_tangential * math.pi * kind.diameter
-    row[at.E_COMPLIANCE] = kind.strain_coefficients[0]
-    row[at.E_STRAIN_TERMS] = len(kind.strain_coefficients)
-    row[at.E_STRAIN_OFFSET] = strain_offset
-    row[at.E_TENSION_LOW : at.E_TENSION_HIGH + 1] = strain_range(kind.strain_coefficients)
-    row[at.E_STABILISATION] = min(STABILISATION * scale, 1.0 / kind.strain_coefficients[0])
-    row[at.E_BENDING_FULL] = 0.0 if cable.model == "cable" else kind.bending_stiffness
-    row[at.E_MODEL] = _MODELS[cable.model]
-    if row[at.E_BENDING_FULL] == 0.0 and scene.environment.floor is not None:
-        row[at.E_BENDING_FULL] = sea_floor.least_bending(scene, kind)
-        row[at.E_MODEL] = at.MODEL_HYBRID
-    row[at.E_BENDING] = row[at.E_BENDING_FULL]
-    row[at.E_SEGMENT] = segment
-    row[at.E_TYPE] = list(scene.cable_types).index(cable.type)
+    row[at.Edge.mass] = kind.mass + added
+    row[at.Edge.added_mass] = added
+    row[at.Edge.weight] = kind.submerged_weight
+    row[at.Edge.contact] = sea_floor.contact_weight(kind, scene.environment.gravity)
+    row[at.Edge.support] = 1.0
+    row[at.Edge.drag_normal] = 0.5 * rho * kind.drag_normal * kind.diameter
+    row[at.Edge.drag_tangential] = 0.5 * rho * kind.drag_tangential * math.pi * kind.diameter
+    row[at.Edge.compliance] = kind.strain_coefficients[0]
+    row[at.Edge.strain_terms] = len(kind.strain_coefficients)
+    row[at.Edge.strain_offset] = strain_offset
+    row[at.Edge.tension_low : at.Edge.tension_high.word + 1] = strain_range(
+        kind.strain_coefficients
+    )
+    row[at.Edge.stabilisation] = min(STABILISATION * scale, 1.0 / kind.strain_coefficients[0])
+    row[at.Edge.bending_full] = 0.0 if cable.model == "cable" else kind.bending_stiffness
+    row[at.Edge.model] = _MODELS[cable.model]
+    if row[at.Edge.bending_full] == 0.0 and scene.environment.floor is not None:
+        row[at.Edge.bending_full] = sea_floor.least_bending(scene, kind)
+        row[at.Edge.model] = at.MODEL_HYBRID
+    row[at.Edge.bending] = row[at.Edge.bending_full]
+    row[at.Edge.segment] = segment
+    row[at.Edge.type] = list(scene.cable_types).index(cable.type)
     return row
 
 
@@ -110,11 +112,11 @@ def fill_edges(block: Block, scene: Scene, line: Line) -> None:
     edges = block.array(Header.edges, line.nodes, at.EDGE_WORDS)
     outermost = int(block.header.top_cable)
     for node in range(1, line.nodes):
-        edges[node] = cables[outermost - line.cable[node], at.K_EDGE :]
-        edges[node, at.E_LENGTH] = line.length[node]
-        edges[node, at.E_START] = line.start[node]
+        edges[node] = cables[outermost - line.cable[node], at.Cable.edge :]
+        edges[node, at.Edge.length] = line.length[node]
+        edges[node, at.Edge.start] = line.start[node]
         if scene.environment.floor is None:
-            edges[node, at.E_NOMINAL] = line.length[node]
+            edges[node, at.Edge.nominal] = line.length[node]
     block.scalars.top_length = line.length[1]
 
 
@@ -124,35 +126,35 @@ def fill_bodies(block: Block, scene: Scene, line: Line, scale: float) -> None:
     table = block.array(Header.bodies, len(line.bodies), at.BODY_WORDS)
     for row, (node, body, place) in zip(table, line.bodies, strict=True):
         fill_body(row, node, body, rho)
-        row[at.B_ITEM] = place
+        row[at.Body.item] = place
         if body.half_length > 0.0:
             _fill_rigid(row, body, scene, scale)
             block.header.rigid += 1
             if place == len(scene.line) - 1:
-                row[at.B_TIE] = scale * row[at.B_LENGTH]
+                row[at.Body.tie] = scale * row[at.Body.length]
 
 
 def fill_body(row: FloatArray, node: int, body: Body, rho: float) -> None:
     """What every body has, into its row: at a node, in water of a density [kg/m3]."""
-    row[at.B_NODE] = node
-    row[at.B_MASS] = body.mass
-    row[at.B_WEIGHT] = body.submerged_weight
-    row[at.B_ADDED] = body.added_mass
-    row[at.B_ADDED_AXIAL] = body.added_mass_axial
-    row[at.B_DRAG] = 0.5 * rho * body.drag_coefficient * body.drag_area
-    row[at.B_DRAG_AXIAL] = 0.5 * rho * body.drag_coefficient_axial * body.drag_area_axial
-    row[at.B_BORNE : at.B_BORNE + 2] = 1.0
+    row[at.Body.node] = node
+    row[at.Body.mass] = body.mass
+    row[at.Body.weight] = body.submerged_weight
+    row[at.Body.added_mass] = body.added_mass
+    row[at.Body.added_mass_axial] = body.added_mass_axial
+    row[at.Body.drag] = 0.5 * rho * body.drag_coefficient * body.drag_area
+    row[at.Body.drag_axial] = 0.5 * rho * body.drag_coefficient_axial * body.drag_area_axial
+    row[at.Body.support.span] = 1.0
 
 
 def _fill_rigid(row: FloatArray, body: Body, scene: Scene, scale: float) -> None:
     """What a body of finite length has more than a point body."""
-    row[at.B_LENGTH] = 2.0 * body.half_length
-    row[at.B_OFFSET] = body.centre_offset
-    row[at.B_INERTIA] = body.rotary_inertia
-    row[at.B_DRY_WEIGHT] = body.mass * scene.environment.gravity
-    row[at.B_PULL : at.B_PULL + 2] = scale  # until the tensions are known
+    row[at.Body.length] = 2.0 * body.half_length
+    row[at.Body.offset] = body.centre_offset
+    row[at.Body.inertia] = body.rotary_inertia
+    row[at.Body.dry_weight] = body.mass * scene.environment.gravity
+    row[at.Body.clamp_tension.span] = scale  # until the tensions are known
     stretch = math.fsum(
         scene.cable_types[cable.type].strain_coefficients[0] * cable.length
         for cable in scene.cables
     )
-    row[at.B_COMPLIANCE] = min(row[at.B_LENGTH] / (RIGID * scale), SOFTEST * stretch)
+    row[at.Body.compliance] = min(row[at.Body.length] / (RIGID * scale), SOFTEST * stretch)

@@ -74,7 +74,7 @@ def refined(block: Block, scene: Scene, nodes: list[FloatArray]) -> list[FloatAr
     joints = block.integers(Header.joint, count)
     start = np.zeros((count, dimension))
     end = np.zeros((count, dimension))
-    h = edges[:, at.E_LENGTH]
+    h = edges[:, at.Edge.length]
     for node in range(1, count):
         if joints[node]:
             continue
@@ -132,7 +132,7 @@ def shape_of(block: Block) -> tuple[FloatArray, FloatArray]:
 
     count = int(block.header.nodes)
     edges = block.array(Header.edges, count, at.EDGE_WORDS)[1:]
-    ends = np.concatenate([[0.0], edges[:, at.E_START] + edges[:, at.E_LENGTH]])
+    ends = np.concatenate([[0.0], edges[:, at.Edge.start] + edges[:, at.Edge.length]])
     stations = np.unique(np.interp(np.arange(8 * count - 7) / 8.0, np.arange(count), ends))
     out = np.empty(at.STATION_WORDS * len(stations))
     entry.sample(block.ints, block.reals, stations, out)
@@ -155,8 +155,8 @@ def _passed(block: Block) -> FloatArray:
     """Length of the bodies between the vessel and each node, (nodes,) [m]."""
     passed = np.zeros(int(block.header.nodes))
     for body in block.array(Header.bodies, int(block.header.body_count), at.BODY_WORDS):
-        if body[at.B_NODE] >= 0:
-            passed[int(body[at.B_NODE]) :] += body[at.B_LENGTH]
+        if body[at.Body.node] >= 0:
+            passed[int(body[at.Body.node]) :] += body[at.Body.length]
     return passed
 
 
@@ -169,8 +169,8 @@ def guess_of(block: Block, scene: Scene) -> laid_shape.Guess:
     edges = block.array(Header.edges, count, at.EDGE_WORDS)[1:]
     tension = block.array(Header.tension, count, 2)[1:]
     cables = block.integers(Header.joint, count)[1:] == 0
-    starts = edges[:, at.E_START] + _passed(block)[1:]
-    ends = np.stack([starts, starts + edges[:, at.E_LENGTH]], axis=-1)
+    starts = edges[:, at.Edge.start] + _passed(block)[1:]
+    ends = np.stack([starts, starts + edges[:, at.Edge.length]], axis=-1)
     values = np.stack([tension[:, 0] - tension[:, 1], tension[:, 0] + tension[:, 1]], axis=-1)
     rows = np.column_stack([ends[cables].ravel(), values[cables].ravel()])
     return laid_shape.Guess(points, arcs, rows)

@@ -71,8 +71,8 @@ def fill_motion(block: Block, pieces: FloatArray) -> None:
 
     table = block.array(Header.pieces, len(pieces) + 1, at.PIECE_WORDS)
     table[1:] = pieces
-    table[1, [at.P_VELOCITY_JUMP, at.P_ACCELERATION_JUMP]] = 0.0
-    table[2:, at.P_VELOCITY_JUMP], table[2:, at.P_ACCELERATION_JUMP] = jumps(pieces)
+    table[1, [at.Piece.velocity_jump.word, at.Piece.acceleration_jump.word]] = 0.0
+    table[2:, at.Piece.velocity_jump], table[2:, at.Piece.acceleration_jump] = jumps(pieces)
 
 
 def fill_current(block: Block, scene: Scene) -> None:
@@ -106,21 +106,23 @@ def fill_constraints(block: Block, scene: Scene, line: Line) -> None:
     Where cable runs past the tow point its clamp is a spring (kernels/vessel_clamp.py).
     """
     table = block.array(Header.constraints, int(block.header.constraint_count), at.CONSTRAINT_WORDS)
-    ends = [(0, at.C_VESSEL, scene.vessel.connection)]
+    ends = [(0, at.HELD_BY_VESSEL, scene.vessel.connection)]
     if scene.end.kind == "anchor":
-        ends.append((line.nodes - 1, at.C_ANCHOR, scene.end.connection))
+        ends.append((line.nodes - 1, at.HELD_BY_ANCHOR, scene.end.connection))
     dimension = int(block.header.dimension)
     block.scalars.clamp_tension = block.scalars.tension_scale  # until the tension is known
     for row, (node, kind, connection) in zip(table, ends, strict=True):
-        row[at.C_NODE] = node
-        row[at.C_KIND] = kind
-        if kind == at.C_ANCHOR:
+        row[at.Constraint.node] = node
+        row[at.Constraint.kind] = kind
+        if kind == at.HELD_BY_ANCHOR:
             place = local(block, np.asarray(scene.end.position), point=True)
-            row[at.C_POSITION : at.C_POSITION + dimension] = place
-        cable = scene.cables[0 if kind == at.C_VESSEL else -1]
-        runs = kind == at.C_VESSEL and pays_out(scene)
+            row[at.Constraint.position : at.Constraint.position.word + dimension] = place
+        cable = scene.cables[0 if kind == at.HELD_BY_VESSEL else -1]
+        runs = kind == at.HELD_BY_VESSEL and pays_out(scene)
         if connection.kind == "clamped" and (runs or not is_flexible(scene, cable)):
-            row[at.C_CLAMPED] = at.BY_SPRING if runs else at.EXACTLY
+            row[at.Constraint.clamped] = at.BY_SPRING if runs else at.EXACTLY
             direction = np.asarray(connection.direction, dtype=float)
             unit = direction / np.linalg.norm(direction)
-            row[at.C_DIRECTION : at.C_DIRECTION + dimension] = local(block, unit, point=False)
+            row[at.Constraint.direction : at.Constraint.direction.word + dimension] = local(
+                block, unit, point=False
+            )

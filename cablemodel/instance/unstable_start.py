@@ -224,9 +224,11 @@ def _nodes_of(block: Block, scene: Scene) -> Nodes:
     count = int(block.header.nodes)
     edges = block.array(Header.edges, count, at.EDGE_WORDS)[1:]
     edges = edges[block.integers(Header.joint, count)[1:] == 0]
-    groups = [list(rows) for _, rows in itertools.groupby(edges, key=lambda row: row[at.E_SEGMENT])]
+    groups = [
+        list(rows) for _, rows in itertools.groupby(edges, key=lambda row: row[at.Edge.segment])
+    ]
     nodes = []
     for cable, rows in zip(scene.cables, groups, strict=True):
-        starts = np.array([row[at.E_START] - rows[0][at.E_START] for row in rows])
+        starts = np.array([row[at.Edge.start] - rows[0][at.Edge.start] for row in rows])
         nodes.append(np.array([*starts, cable.length]))
     return nodes

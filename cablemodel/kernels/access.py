@@ -1,7 +1,27 @@
-"""The block's records in kernels: by name, without a copy (layout.py declares them)."""
+"""The block's records in kernels: by name, without a copy (layout.py declares them).
 
-from .compile import record_at, record_in
-from .layout import Header, Scalars
+``edge_of(I, M, n)`` is row n of the table of edges, ``edge_at(M, word)`` the edge at a word of the
+block; so for the others.
+"""
+
+from .compile import record_at, record_in, row_of, word_of
+from .layout import (
+    Arm,
+    Body,
+    Cable,
+    Constraint,
+    Cut,
+    Edge,
+    Foil,
+    Frame,
+    FreeBody,
+    Header,
+    Layer,
+    Piece,
+    Scalars,
+)
+
+__all__ = ["word_of"]
 
 header = record_in(Header)
 """header(I): identity, sizes, counters, and the words where arrays start."""
@@ -11,3 +31,15 @@ header_at = record_at(Header)
 
 scalars = record_in(Scalars)
 """scalars(M): the numbers that there is one of."""
+
+edge_of, edge_at = row_of(Edge, Header.edges), record_at(Edge)
+cable_of, cable_at = row_of(Cable, Header.cables), record_at(Cable)
+body_of, body_at = row_of(Body, Header.bodies), record_at(Body)
+constraint_of, constraint_at = row_of(Constraint, Header.constraints), record_at(Constraint)
+motion_piece_of, motion_piece_at = row_of(Piece, Header.pieces), record_at(Piece)
+frame_of, frame_at = row_of(Frame, Header.frames), record_at(Frame)
+free_body_of, free_body_at = row_of(FreeBody, Header.free_bodies), record_at(FreeBody)
+arm_of, arm_at = row_of(Arm, Header.arms), record_at(Arm)
+foil_of, foil_at = row_of(Foil, Header.foils), record_at(Foil)
+cut_of, cut_at = row_of(Cut, Header.cuts), record_at(Cut)
+sea_layer_at = record_at(Layer)

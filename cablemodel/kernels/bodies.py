@@ -10,18 +10,10 @@ no moment; see rigid.py for the others. In the plane the second component is the
 
 import math
 
-from .access import header, scalars
+from .access import body_of, header, scalars, word_of
 from .compile import kernel
 from .environment import current_at, surge_at
 from .layout import (
-    B_ADDED,
-    B_ADDED_AXIAL,
-    B_DRAG,
-    B_DRAG_AXIAL,
-    B_LENGTH,
-    B_MASS,
-    B_NODE,
-    B_WEIGHT,
     BODY_WORDS,
 )
 from .waves import P_ACCELERATION, P_SLOPE, P_VELOCITY, P_WET, SMALLEST, wave_at, wet_at
@@ -68,7 +60,7 @@ def speeds(M, row, dimension, w):
     for i in range(dimension):
         w[9 + i] = w[3 + i] - ut * w[i]
         un2 += w[9 + i] ** 2
-    if M[row + B_LENGTH] > 0.0:
+    if row.length > 0.0:
         return ut, along, math.sqrt(un2), abs(ut)
     speed = math.sqrt(u2)
     return ut, along, speed, speed
@@ -81,9 +73,9 @@ def flow_force(M, row, dimension, inertia, w):
     ``inertia`` is the mass that resists acceleration across the axis: its own and the added one.
     """
     ut, along, sn, st = speeds(M, row, dimension, w)
-    fn = M[row + B_DRAG] * sn
-    ft = M[row + B_DRAG_AXIAL] * st * ut
-    ft += (M[row + B_ADDED] - M[row + B_ADDED_AXIAL]) * along
+    fn = row.drag * sn
+    ft = row.drag_axial * st * ut
+    ft += (row.added_mass - row.added_mass_axial) * along
     for i in range(dimension):
         w[12 + i] = inertia * w[6 + i] - fn * w[9 + i] - ft * w[i]
 
@@ -96,11 +88,11 @@ def flow_derivatives(M, row, dimension, inertia, ig, ca, cv, w):
     position; w[21:30]: for a vector along the axis, whose inverse length is ig.
     """
     ut, along, sn, st = speeds(M, row, dimension, w)
-    finite = M[row + B_LENGTH] > 0.0
+    finite = row.length > 0.0
     inverse = 1.0 / max(sn, 1e-30)
-    cn = M[row + B_DRAG]
-    ct = M[row + B_DRAG_AXIAL]
-    added = M[row + B_ADDED] - M[row + B_ADDED_AXIAL]
+    cn = row.drag
+    ct = row.drag_axial
+    added = row.added_mass - row.added_mass_axial
     e_tn = -ig * (ct * st - cn * sn)
     e_p = -ig * (ct * st * ut - cn * sn * ut + added * along)
     e_nn = 0.0
@@ -134,7 +126,7 @@ def flow_derivatives(M, row, dimension, inertia, ig, ca, cv, w):
 def lift_of(M, row):
     """Buoyancy of a wet body [N]: weight in air less the submerged one."""
     state = scalars(M)
-    return M[row + B_MASS] * state.gravity - M[row + B_WEIGHT]
+    return row.mass * state.gravity - row.weight
 
 
 @kernel
@@ -149,7 +141,7 @@ def add_waves(I, M, row, x, y, z, rise, w):
     volume = max(0.0, lift_of(M, row)) / (state.gravity * state.water_density)
     radius = math.pow(0.75 * volume / math.pi, 1.0 / 3.0)
     half = max(SMALLEST, radius + 0.5 * abs(rise))
-    slot = 3 * head.capacity + (row - head.bodies) // BODY_WORDS
+    slot = 3 * head.capacity + (word_of(M, row) - head.bodies) // BODY_WORDS
     wet_at(I, M, wave_at(I, M, x, y, z, half, slot), half)
     at = head.motion
     if head.surge != 0:
@@ -169,7 +161,7 @@ def wet_force(I, M, row, w):
     state = scalars(M)
     dimension = head.dimension
     at = head.motion
-    flow_force(M, row, dimension, M[row + B_ADDED], w)
+    flow_force(M, row, dimension, row.added_mass, w)
     mass = lift_of(M, row) / state.gravity
     for i in range(dimension):
         w[12 + i] = M[at + P_WET] * (w[12 + i] - mass * M[at + P_ACCELERATION + i])
@@ -186,7 +178,7 @@ def surge_force(I, M, row, z, w):
     surge_at(I, M, z, water)
     for i in range(dimension):
         w[6 + i] -= water[i]
-    flow_force(M, row, dimension, M[row + B_ADDED], w)
+    flow_force(M, row, dimension, row.added_mass, w)
     mass = lift_of(M, row) / state.gravity
     for i in range(dimension):
         w[12 + i] -= mass * water[i]
@@ -207,8 +199,8 @@ def surge_power(I, M, row, z, w):
         along += water[i] * w[i]
         moving += w[12 + i] * w[i]
         power += water[i] * w[12 + i]
-    power *= lift_of(M, row) / state.gravity + M[row + B_ADDED]
-    return power + (M[row + B_ADDED_AXIAL] - M[row + B_ADDED]) * along * moving
+    power *= lift_of(M, row) / state.gravity + row.added_mass
+    return power + (row.added_mass_axial - row.added_mass) * along * moving
 
 
 @kernel
@@ -217,7 +209,7 @@ def wet_derivatives(I, M, row, ig, ca, cv, w):
     head = header(I)
     dimension = head.dimension
     at = head.motion
-    flow_derivatives(M, row, dimension, M[row + B_ADDED], ig, ca, cv, w)
+    flow_derivatives(M, row, dimension, row.added_mass, ig, ca, cv, w)
     for n in range(dimension * dimension):
         w[12 + n] *= M[at + P_WET]
         w[21 + n] *= M[at + P_WET]
@@ -231,9 +223,9 @@ def body_residual(I, M, q, v, a, out):
     dimension = head.dimension
     w = M[head.motion + 16 : head.motion + 46]
     for body in range(head.body_count):
-        row = head.bodies + body * BODY_WORDS
-        node = int(M[row + B_NODE])
-        if node < 0 or M[row + B_LENGTH] > 0.0:  # still on the drum, or in rigid.py
+        row = body_of(I, M, body)
+        node = int(row.node)
+        if node < 0 or row.length > 0.0:  # still on the drum, or in rigid.py
             continue
         body_kinematics(I, M, node, q, v, a, w)
         at = 2 * dimension * node
@@ -241,18 +233,18 @@ def body_residual(I, M, q, v, a, out):
             add_waves(I, M, row, q[at], q[at + 1], q[at + dimension - 1], 0.0, w)
             wet_force(I, M, row, w)
             for i in range(dimension):
-                w[12 + i] += M[row + B_MASS] * a[at + i]
+                w[12 + i] += row.mass * a[at + i]
             dry = 1.0 - M[head.motion + P_WET]
             w[12 + dimension - 1] += dry * lift_of(M, row)
         elif head.surge != 0:
             surge_force(I, M, row, q[at + dimension - 1], w)
             for i in range(dimension):
-                w[12 + i] += M[row + B_MASS] * a[at + i]
+                w[12 + i] += row.mass * a[at + i]
         else:
-            flow_force(M, row, dimension, M[row + B_MASS] + M[row + B_ADDED], w)
+            flow_force(M, row, dimension, row.mass + row.added_mass, w)
         for i in range(dimension):
             out[at + i] += w[12 + i]
-        out[at + dimension - 1] += M[row + B_WEIGHT]
+        out[at + dimension - 1] += row.weight
 
 
 @kernel
@@ -263,9 +255,9 @@ def body_jacobian(I, M, q, v, a, ca, cv):
     size = 2 * dimension
     w = M[head.motion + 16 : head.motion + 46]
     for body in range(head.body_count):
-        row = head.bodies + body * BODY_WORDS
-        node = int(M[row + B_NODE])
-        if node < 0 or M[row + B_LENGTH] > 0.0:
+        row = body_of(I, M, body)
+        node = int(row.node)
+        if node < 0 or row.length > 0.0:
             continue
         ig = body_kinematics(I, M, node, q, v, a, w)
         if head.wave_count != 0:
@@ -273,9 +265,9 @@ def body_jacobian(I, M, q, v, a, ca, cv):
             add_waves(I, M, row, q[at], q[at + 1], q[at + dimension - 1], 0.0, w)
             wet_derivatives(I, M, row, ig, ca, cv, w)
             for i in range(dimension):
-                w[12 + (dimension + 1) * i] += ca * M[row + B_MASS]
+                w[12 + (dimension + 1) * i] += ca * row.mass
         else:
-            flow_derivatives(M, row, dimension, M[row + B_MASS] + M[row + B_ADDED], ig, ca, cv, w)
+            flow_derivatives(M, row, dimension, row.mass + row.added_mass, ig, ca, cv, w)
         D = M[head.diagonal + size * size * node : head.diagonal + size * size * (node + 1)]
         for i in range(dimension):
             for j in range(dimension):

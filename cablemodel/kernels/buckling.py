@@ -14,16 +14,10 @@ A strut that is stiff enough, as a riser below its Euler load, has no negative p
 
 import math
 
-from .access import header, scalars
+from .access import constraint_of, edge_of, header, scalars
 from .compile import kernel, view
 from .floor_surface import gap_at
 from .layout import (
-    C_CLAMPED,
-    C_NODE,
-    CONSTRAINT_WORDS,
-    E_COMPLIANCE,
-    E_LENGTH,
-    EDGE_WORDS,
     EXACTLY,
     FLOOR_FAR,
     JOINT_ARM,
@@ -130,8 +124,8 @@ def crookedness(M, edge, least):
     """By how much the slopes of an element are turned that is straight [rad]: no more than what
     positions may be wrong by, nor than what changes its tension by `least` [N]."""
     state = scalars(M)
-    place = state.tolerance * state.length / M[edge + E_LENGTH]
-    return min(place, math.sqrt(least * M[edge + E_COMPLIANCE]))
+    place = state.tolerance * state.length / edge.length
+    return min(place, math.sqrt(least * edge.compliance))
 
 
 @kernel
@@ -139,7 +133,7 @@ def turned(I, M, node):
     """By how much the slopes of the element above a node are off its chord, at most [rad]."""
     head = header(I)
     dimension = head.dimension
-    h = M[head.edges + node * EDGE_WORDS + E_LENGTH]
+    h = edge_of(I, M, node).length
     q0 = head.position + 2 * dimension * I[head.parent + node]
     q1 = head.position + 2 * dimension * node
     above = 0.0
@@ -154,10 +148,9 @@ def turned(I, M, node):
 @kernel
 def is_strut(I, M, node, q, tension, least, w):
     """Whether the element above a node `is_pressed` and straight."""
-    head = header(I)
     if not is_pressed(I, M, node, q, tension, least, w):
         return False
-    return turned(I, M, node) < crookedness(M, head.edges + node * EDGE_WORDS, least)
+    return turned(I, M, node) < crookedness(M, edge_of(I, M, node), least)
 
 
 @kernel
@@ -188,7 +181,7 @@ def make_crooked(I, M):
     for node in range(first, head.nodes):
         if not is_strut(I, M, node, q, tension, least, w):
             continue
-        angle = crookedness(M, head.edges + node * EDGE_WORDS, least)
+        angle = crookedness(M, edge_of(I, M, node), least)
         across(I, M, node, w)
         for end in range(2):
             at = node if end == 1 else I[head.parent + node]
@@ -204,7 +197,7 @@ def is_prescribed(I, M, node):
     """Whether a node's place is given, and its slope with it."""
     head = header(I)
     for n in range(head.constraint_count):
-        row = head.constraints + n * CONSTRAINT_WORDS
-        if int(M[row + C_NODE]) == node and M[row + C_CLAMPED] == EXACTLY:
+        row = constraint_of(I, M, n)
+        if int(row.node) == node and row.clamped == EXACTLY:
             return True
     return False

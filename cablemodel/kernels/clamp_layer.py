@@ -10,7 +10,7 @@ exp(-s/lambda), integrated):
 A force T u that acts there has the clamp's moment about the tow point, 2 sqrt(EI T) sin(angle/2).
 Elements many layers long therefore begin at that place, hinged: a spring at the tow point gives
 them the moment as well, but bends the top one along its whole length. Elements that are not so
-long have some of the spring (`vessel_clamp.py`) and some of the way, by C_SHARE.
+long have some of the spring (`vessel_clamp.py`) and some of the way, by `Constraint.share`.
 
 In motion the place follows with three equal time constants, of a part of sqrt(L/g): its course
 over a step is known before the step is made, smooth however long that is, and prescribed as the
@@ -19,30 +19,12 @@ vessel's. With two of them its acceleration jumped at each step, and shook stiff
 
 import math
 
-from .access import header, scalars
+from .access import body_of, constraint_of, edge_of, header, scalars
 from .compile import kernel, view
 from .environment import add_layer_motion
 from .floor_surface import gap_at
 from .layout import (
-    B_NODE,
-    BODY_WORDS,
     BY_SPRING,
-    C_AWAY,
-    C_CLAMPED,
-    C_DIRECTION,
-    C_DRIFT,
-    C_DRIFT_RATE,
-    C_LAYER_RATE,
-    C_LAYER_TIME,
-    C_PLACE,
-    C_PULL,
-    C_PULL_CHANGE,
-    C_PULL_GAIN,
-    C_SHARE,
-    E_BENDING_FULL,
-    E_LENGTH,
-    E_WEIGHT,
-    EDGE_WORDS,
 )
 from .slopes import half_cosine, slope_direction
 
@@ -58,15 +40,14 @@ GONE = 40.0  # layers from the tow point on which nothing is left of it
 @kernel
 def layer_thickness(I, M):
     """sqrt(EI/T) at a clamp past which cable runs [m]; 0: there is none."""
-    head = header(I)
     state = scalars(M)
-    stiffness = M[head.edges + EDGE_WORDS + E_BENDING_FULL]
-    row = head.constraints
-    if M[row + C_CLAMPED] != BY_SPRING or state.body_passage != 0.0 or stiffness == 0.0:
+    stiffness = edge_of(I, M, 1).bending_full
+    row = constraint_of(I, M, 0)
+    if row.clamped != BY_SPRING or state.body_passage != 0.0 or stiffness == 0.0:
         return 0.0
-    if not M[row + C_PULL] > 0.0:
+    if not row.layer_tension > 0.0:
         return 0.0
-    return math.sqrt(stiffness / M[row + C_PULL])
+    return math.sqrt(stiffness / row.layer_tension)
 
 
 @kernel
@@ -76,9 +57,9 @@ def free_length(I, M):
     length = 0.0
     node = 1
     while node < head.nodes and I[head.joint + node] == 0:
-        length += M[head.edges + node * EDGE_WORDS + E_LENGTH]
+        length += edge_of(I, M, node).length
         for body in range(head.body_count):
-            if M[head.bodies + body * BODY_WORDS + B_NODE] == node:
+            if body_of(I, M, body).node == node:
                 node = head.nodes
                 break
         node += 1
@@ -94,11 +75,11 @@ def present_pull(I, M):
     head = header(I)
     near = NEXT * free_length(I, M)
     pull = M[head.tension + 2] - M[head.tension + 3]
-    length = M[head.edges + EDGE_WORDS + E_LENGTH]
+    length = edge_of(I, M, 1).length
     node = 2
     while node < head.nodes and length < near:
         pull = max(pull, M[head.tension + 2 * node])
-        length += M[head.edges + node * EDGE_WORDS + E_LENGTH]
+        length += edge_of(I, M, node).length
         node += 1
     return pull
 
@@ -110,19 +91,18 @@ def follow_pull(I, M, share):
     A line that hardly stretches answers a small change of the layer with a large one of tension:
     what goes to and fro goes by ever less.
     """
-    head = header(I)
-    row = head.constraints
-    change = present_pull(I, M) - M[row + C_PULL]
-    gain = M[row + C_PULL_GAIN]
-    if change * M[row + C_PULL_CHANGE] < 0.0:
+    row = constraint_of(I, M, 0)
+    change = present_pull(I, M) - row.layer_tension
+    gain = row.tension_gain
+    if change * row.tension_change < 0.0:
         gain *= 0.5
     else:
         gain = min(1.0, CALMS * gain)
     if gain == 0.0:
         gain = 1.0
-    M[row + C_PULL_GAIN] = gain
-    M[row + C_PULL_CHANGE] = change
-    M[row + C_PULL] += share * gain * change
+    row.tension_gain = gain
+    row.tension_change = change
+    row.layer_tension += share * gain * change
 
 
 @kernel
@@ -136,8 +116,8 @@ def share_of_layer(I, M):
     layer = layer_thickness(I, M)
     if layer == 0.0:
         return 0.0
-    weight = abs(M[head.edges + EDGE_WORDS + E_WEIGHT])
-    bends = M[head.constraints + C_PULL] / max(weight, 1e-300)
+    weight = abs(edge_of(I, M, 1).weight)
+    bends = constraint_of(I, M, 0).layer_tension / max(weight, 1e-300)
     room = min(free_length(I, M), bends)
     if head.floor_kind != 0:
         place = view(M, head.position, head.dimension)
@@ -164,12 +144,12 @@ def layer_target(I, M, w, out):
     """Where the elements should begin, from the tow point, into out [m]; w: 6 words."""
     head = header(I)
     dimension = head.dimension
-    row = head.constraints
-    share = M[row + C_SHARE]
+    row = constraint_of(I, M, 0)
+    share = row.share
     layer = layer_thickness(I, M)
     for i in range(dimension):
         out[i] = 0.0
-        w[i] = M[row + C_DIRECTION + i]
+        w[i] = row.direction[i]
     if share == 0.0 or layer == 0.0:
         return
     q = M[head.position : head.position + 2 * dimension]
@@ -185,8 +165,8 @@ def follow_layer(I, M, dt, w):
     """
     head = header(I)
     state = scalars(M)
-    row = head.constraints
-    if M[row + C_CLAMPED] != BY_SPRING:
+    row = constraint_of(I, M, 0)
+    if row.clamped != BY_SPRING:
         return
     dimension = head.dimension
     for i in range(3 * dimension):
@@ -198,20 +178,20 @@ def follow_layer(I, M, dt, w):
     if layer > 0.0:
         rate += abs(state.payout_rate) / layer
     elif state.body_passage != 0.0:
-        rate = max(rate, M[row + C_LAYER_RATE])  # as before the body came
-    M[row + C_LAYER_RATE] = rate
+        rate = max(rate, row.layer_rate)  # as before the body came
+    row.layer_rate = rate
     follow_pull(I, M, dt / (dt + state.period))
-    M[row + C_SHARE] = share_of_layer(I, M)
-    target = M[row + C_PLACE : row + C_PLACE + dimension]
+    row.share = share_of_layer(I, M)
+    target = row.place
     layer_target(I, M, w, target)
     for i in range(dimension):
         away = now[i] - target[i]
-        M[row + C_AWAY + i] = away
+        row.away[i] = away
         drift = now[dimension + i] + rate * away
-        M[row + C_DRIFT + i] = drift
+        row.drift[i] = drift
         turn = now[2 * dimension + i] + rate * (2.0 * drift - rate * away)
-        M[row + C_DRIFT_RATE + i] = 0.5 * turn
-    M[row + C_LAYER_TIME] = state.time
+        row.drift_rate[i] = 0.5 * turn
+    row.layer_time = state.time
 
 
 @kernel
@@ -223,27 +203,27 @@ def settle_layer(I, M, w, q):
     """
     head = header(I)
     state = scalars(M)
-    row = head.constraints
-    if M[row + C_CLAMPED] != BY_SPRING:
+    row = constraint_of(I, M, 0)
+    if row.clamped != BY_SPRING:
         return
     dimension = head.dimension
     follow_pull(I, M, 1.0)
-    M[row + C_SHARE] = share_of_layer(I, M)
+    row.share = share_of_layer(I, M)
     target = w[6 : 6 + dimension]
     layer_target(I, M, w, target)
     square = 0.0
     for i in range(dimension):
-        target[i] -= M[row + C_PLACE + i] + M[row + C_AWAY + i]
+        target[i] -= row.place[i] + row.away[i]
         square += target[i] * target[i]
     if math.sqrt(square) <= UNSEEN * state.tolerance * state.length:
         return
     for i in range(dimension):
         q[i] += target[i]
-        M[row + C_PLACE + i] += target[i] + M[row + C_AWAY + i]
-        M[row + C_AWAY + i] = 0.0
-        M[row + C_DRIFT + i] = 0.0
-        M[row + C_DRIFT_RATE + i] = 0.0
-    M[row + C_LAYER_TIME] = state.time
+        row.place[i] += target[i] + row.away[i]
+        row.away[i] = 0.0
+        row.drift[i] = 0.0
+        row.drift_rate[i] = 0.0
+    row.layer_time = state.time
 
 
 @kernel
@@ -255,18 +235,18 @@ def add_layer_shape(I, M, s, w, rate):
     """
     head = header(I)
     state = scalars(M)
-    row = head.constraints
-    if M[row + C_CLAMPED] != BY_SPRING:
+    row = constraint_of(I, M, 0)
+    if row.clamped != BY_SPRING:
         return 0.0
     dimension = head.dimension
-    share = M[row + C_SHARE]
+    share = row.share
     layer = layer_thickness(I, M)
     now = w[18 : 18 + 3 * dimension]
     for i in range(3 * dimension):
         now[i] = 0.0
     add_layer_motion(I, M, state.time, now)
     for i in range(dimension):
-        w[12 + i] = M[row + C_DIRECTION + i]
+        w[12 + i] = row.direction[i]
     moment = 0.0
     if share > 0.0:
         q = M[head.position : head.position + 2 * dimension]
@@ -295,7 +275,7 @@ def add_layer_shape(I, M, s, w, rate):
             size += w[3 + i] * w[3 + i]
         for i in range(dimension):
             w[3 + i] /= math.sqrt(size)
-        moment = 2.0 * share * layer * M[head.constraints + C_PULL] * half_sine
+        moment = 2.0 * share * layer * constraint_of(I, M, 0).layer_tension * half_sine
     apart = 0.0
     for i in range(dimension):
         apart += now[i] * now[i]

@@ -370,7 +370,7 @@ def row_of(record: type[Record], table: Field) -> Any:
         def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
             integer = ir.IntType(64)
             data = make_array(signature.args[0])(context, builder, values[0]).data
-            start = builder.load(builder.gep(data, [ir.Constant(integer, table.word)]))
+            start = builder.load(builder.gep(data, [ir.Constant(integer, table.__index__())]))
             offset = builder.mul(values[2], ir.Constant(integer, record.WORDS))
             word = builder.add(start, offset)
             return _address(context, builder, signature.args[1], values[1], word)
@@ -378,6 +378,19 @@ def row_of(record: type[Record], table: Field) -> Any:
         return RecordType(record)(header, words, types.int64), generate
 
     return named
+
+
+@_intrinsic
+def word_of(typing_context: Any, words: Any, record: Any) -> Any:
+    """word_of(words, record): the word of an array at which a record in it begins."""
+
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        integer = ir.IntType(64)
+        data = make_array(signature.args[0])(context, builder, values[0]).data
+        start, end = (builder.ptrtoint(place, integer) for place in (data, values[1]))
+        return builder.ashr(builder.sub(end, start), ir.Constant(integer, 3), flags=["exact"])
+
+    return types.int64(words, record), generate
 
 
 @_intrinsic

@@ -6,13 +6,10 @@ motion or another mesh asks for more.
 
 import math
 
-from .access import header, scalars
+from .access import constraint_of, header, scalars
 from .compile import copy_words, kernel, view
 from .environment import current_rate, prescribed_motion, surge_jump, vessel_motion
 from .frames import frames_jump, move_frames
-from .layout import (
-    C_NODE,
-)
 from .newton import refactor
 from .system import (
     elongation_rate,
@@ -234,9 +231,9 @@ def vessel_jump(I, M):
     dimension = head.dimension
     vessel_motion(I, M, state.time)
     out = view(M, head.motion + 16, 9)
-    row = head.constraints
+    row = constraint_of(I, M, 0)
     prescribed_motion(I, M, row, state.time, out)
-    at = head.acceleration + 2 * dimension * int(M[row + C_NODE])
+    at = head.acceleration + 2 * dimension * int(row.node)
     changed = 0.0
     for i in range(dimension):
         changed += (out[2 * dimension + i] - M[at + i]) ** 2

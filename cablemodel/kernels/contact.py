@@ -9,20 +9,11 @@ p0 is the force at rest and e the way along the floor from the place where a nod
 
 import math
 
-from .access import header, scalars
+from .access import body_of, constraint_of, edge_of, header, scalars
 from .compile import inlined, kernel, view
 from .floor_surface import gap_at, gap_below
 from .layout import (
-    B_BORNE,
-    B_LENGTH,
-    B_NODE,
-    B_WEIGHT,
-    BODY_WORDS,
-    C_NODE,
-    CONSTRAINT_WORDS,
-    E_BENDING_FULL,
-    E_CONTACT,
-    EDGE_WORDS,
+    JOINT_BODY,
 )
 from .tables import CONTACT_H, CONTACT_POINTS, STEEPEST, STIFFENING
 
@@ -172,7 +163,7 @@ def contact_force(I, M, q, v, parent, node, h, p, contact, w, dimension):
 @kernel
 def touchdown_layer(M, edge):
     """Length over which bending spreads a touchdown [m]."""
-    return (M[edge + E_BENDING_FULL] / M[edge + E_CONTACT]) ** (1.0 / 3.0)
+    return (edge.bending_full / edge.contact) ** (1.0 / 3.0)
 
 
 @inlined
@@ -194,19 +185,19 @@ def contact_place(I, M, place):
     state = scalars(M)
     if place == 2 * head.body_count:
         node = head.nodes - 1
-        if node == 0 or ends_in_something(I, M, node):
+        if node == 0 or I[head.joint + node] > JOINT_BODY or ends_in_something(I, M, node):
             return 0, 0.0, False
-        edge = head.edges + node * EDGE_WORDS
-        return node, M[edge + E_CONTACT] * touchdown_layer(M, edge) * state.end_support, False
-    row = head.bodies + place // 2 * BODY_WORDS
-    node = int(M[row + B_NODE])
+        edge = edge_of(I, M, node)
+        return node, edge.contact * touchdown_layer(M, edge) * state.end_support, False
+    row = body_of(I, M, place // 2)
+    node = int(row.node)
     if node < 0:  # on the drum
         return 0, 0.0, True
-    if M[row + B_LENGTH] > 0.0:
+    if row.length > 0.0:
         if place % 2 == 1:
             node = I[head.parent + node]
-        return node, 0.5 * M[row + B_WEIGHT] * M[row + B_BORNE + place % 2], True
-    return node, M[row + B_WEIGHT] * M[row + B_BORNE] if place % 2 == 0 else 0.0, True
+        return node, 0.5 * row.weight * row.support[place % 2], True
+    return node, row.weight * row.support[0] if place % 2 == 0 else 0.0, True
 
 
 @kernel
@@ -214,10 +205,10 @@ def ends_in_something(I, M, node):
     """Whether a body or a prescribed end sits at a node."""
     head = header(I)
     for body in range(head.body_count):
-        if M[head.bodies + body * BODY_WORDS + B_NODE] == node:
+        if body_of(I, M, body).node == node:
             return True
     for n in range(head.constraint_count):
-        if M[head.constraints + n * CONSTRAINT_WORDS + C_NODE] == node:
+        if constraint_of(I, M, n).node == node:
             return True
     return False
 

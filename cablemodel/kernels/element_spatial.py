@@ -11,25 +11,11 @@ water relative to the cable. In comments g = |r'|, y = r'', P = I - t t^T, k = P
 
 import math
 
-from .access import header
+from .access import edge_of, header
 from .compile import inlined, kernel, table_product, view
 from .element_pairs import constraint_kernels, pair_kernels
 from .environment import current_at
 from .layout import (
-    E_ADDED,
-    E_BENDING,
-    E_COMPLIANCE,
-    E_DRAG_NORMAL,
-    E_DRAG_TANGENTIAL,
-    E_LENGTH,
-    E_MASS,
-    E_STABILISATION,
-    E_STRAIN_OFFSET,
-    E_STRAIN_TERMS,
-    E_TENSION_HIGH,
-    E_TENSION_LOW,
-    E_WEIGHT,
-    EDGE_WORDS,
     GAUSS_WORDS,
 )
 from .strain import strain_and_slope
@@ -254,10 +240,10 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
             out_constraint[2 * node + 1] = 0.0
             continue
         parent = parents[node]
-        e = head.edges + node * EDGE_WORDS
-        edge = view(M, e, EDGE_WORDS)
-        h = edge[E_LENGTH]
-        bending = edge[E_BENDING]
+        e = edge_of(I, M, node)
+        edge = e
+        h = edge.length
+        bending = edge.bending
         x0 = view(q, 6 * parent, 6)
         x1 = view(q, 6 * node, 6)
         v0 = view(v, 6 * parent, 6)
@@ -270,15 +256,15 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
         geometry(W, x0, x1, h)
         t0 = tension[2 * node]
         t1 = tension[2 * node + 1]
-        axial_forces(W, t0, t1, edge[E_STABILISATION])
+        axial_forces(W, t0, t1, edge.stabilisation)
 
-        if edge[E_STRAIN_TERMS] == 1.0:
+        if edge.strain_terms == 1.0:
             r0 = 0.0
             r1 = 0.0
             for g in range(3):
                 r0 += WEIGHT[g] * (W[G + g] - 1.0)
                 r1 += WEIGHT_P1[g] * (W[G + g] - 1.0)
-            c = edge[E_COMPLIANCE]
+            c = edge.compliance
             out_constraint[2 * node] = h * (r0 - c * t0)
             out_constraint[2 * node + 1] = h * (r1 - c * t1 * (1.0 / 3.0))
         else:
@@ -288,10 +274,10 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
                 strain, _slope = strain_and_slope(
                     M,
                     t0 + t1 * P1[g],
-                    edge[E_TENSION_LOW],
-                    edge[E_TENSION_HIGH],
-                    int(edge[E_STRAIN_OFFSET]),
-                    int(edge[E_STRAIN_TERMS]),
+                    edge.tension_low,
+                    edge.tension_high,
+                    int(edge.strain_offset),
+                    int(edge.strain_terms),
                 )
                 r0 += WEIGHT[g] * (W[G + g] - 1.0 - strain)
                 r1 += WEIGHT_P1[g] * (W[G + g] - 1.0 - strain)
@@ -312,13 +298,13 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
                 a0,
                 a1,
                 h,
-                edge[E_DRAG_NORMAL],
-                edge[E_DRAG_TANGENTIAL],
-                edge[E_ADDED],
+                edge.drag_normal,
+                edge.drag_tangential,
+                edge.added_mass,
             )
 
-        mass = edge[E_MASS] * h
-        weight = edge[E_WEIGHT] * h
+        mass = edge.mass * h
+        weight = edge.weight * h
         ih = 1.0 / h
         above = view(out, 6 * parent, 6)
         below = view(out, 6 * node, 6)
@@ -587,10 +573,10 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
         if joints[node] != 0:
             continue
         parent = parents[node]
-        e = head.edges + node * EDGE_WORDS
-        edge = view(M, e, EDGE_WORDS)
-        h = edge[E_LENGTH]
-        bending = edge[E_BENDING]
+        e = edge_of(I, M, node)
+        edge = e
+        h = edge.length
+        bending = edge.bending
         x0 = view(q, 6 * parent, 6)
         x1 = view(q, 6 * node, 6)
         a0 = view(a, 6 * parent, 6)
@@ -607,7 +593,7 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
             element_current(I, M, W, x0, x1, h)
         t0 = tension[2 * node]
         t1 = tension[2 * node + 1]
-        eas = edge[E_STABILISATION]
+        eas = edge.stabilisation
         tangent_matrices(
             W,
             x0,
@@ -622,9 +608,9 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
             eas,
             bending,
             drag,
-            edge[E_DRAG_NORMAL],
-            edge[E_DRAG_TANGENTIAL],
-            edge[E_ADDED],
+            edge.drag_normal,
+            edge.drag_tangential,
+            edge.added_mass,
             ca,
             cv,
         )
@@ -634,18 +620,18 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
         c00 = 0.0
         c01 = 0.0
         c11 = 0.0
-        if edge[E_STRAIN_TERMS] == 1.0:
-            c00 = h * edge[E_COMPLIANCE]
+        if edge.strain_terms == 1.0:
+            c00 = h * edge.compliance
             c11 = c00 / 3.0
         else:
             for g in range(3):
                 _strain, slope = strain_and_slope(
                     M,
                     t0 + t1 * P1[g],
-                    edge[E_TENSION_LOW],
-                    edge[E_TENSION_HIGH],
-                    int(edge[E_STRAIN_OFFSET]),
-                    int(edge[E_STRAIN_TERMS]),
+                    edge.tension_low,
+                    edge.tension_high,
+                    int(edge.strain_offset),
+                    int(edge.strain_terms),
                 )
                 c00 += h * WEIGHT[g] * slope
                 c01 += h * WEIGHT_P1[g] * slope
@@ -675,7 +661,7 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
                 W[SUM_H + n] = 0.0
             for n in range(120):
                 W[SUM_HD + n] = 0.0
-        mass = ca * edge[E_MASS] * h
+        mass = ca * edge.mass * h
         for n in range(10):
             W[SUM_H + 10 * n] += mass * MASS_PAIRS[n]
             W[SUM_H + 10 * n + 4] += mass * MASS_PAIRS[n]

@@ -2,24 +2,11 @@
 
 import math
 
-from .access import header, scalars
+from .access import constraint_of, header, motion_piece_at, motion_piece_of, scalars
 from .compile import inlined, kernel
 from .layout import (
     BY_SPRING,
-    C_ANCHOR,
-    C_AWAY,
-    C_CLAMPED,
-    C_DRIFT,
-    C_DRIFT_RATE,
-    C_KIND,
-    C_LAYER_RATE,
-    C_LAYER_TIME,
-    C_PLACE,
-    C_POSITION,
-    P_DATA,
-    P_END,
-    P_KIND,
-    P_START,
+    HELD_BY_ANCHOR,
     PIECE_WORDS,
 )
 
@@ -29,29 +16,28 @@ ROUNDING = 4e-15  # times that differ by less of themselves are the same
 @kernel
 def evaluate_piece(M, row, t, out):
     """Position, velocity, acceleration (out[0:9]) of one piece of vessel motion at time t."""
-    tau = t - M[row + P_START]
-    if M[row + P_KIND] == 0.0:
+    tau = t - row.start
+    data = row.data
+    if row.kind == 0.0:
         for i in range(3):
-            c = row + P_DATA + i
-            c1 = M[c + 3]
-            c2 = M[c + 6]
-            c3 = M[c + 9]
-            c4 = M[c + 12]
-            out[i] = M[c] + tau * (c1 + tau * (c2 + tau * (c3 + tau * c4)))
+            c1 = data[3 + i]
+            c2 = data[6 + i]
+            c3 = data[9 + i]
+            c4 = data[12 + i]
+            out[i] = data[i] + tau * (c1 + tau * (c2 + tau * (c3 + tau * c4)))
             out[3 + i] = c1 + tau * (2.0 * c2 + tau * (3.0 * c3 + tau * 4.0 * c4))
             out[6 + i] = 2.0 * c2 + tau * (6.0 * c3 + tau * 12.0 * c4)
     else:
-        c = row + P_DATA
-        radius = M[c + 3]
-        rate0 = M[c + 5]
-        spin = M[c + 6]
-        angle = M[c + 4] + tau * (rate0 + 0.5 * spin * tau)
+        radius = data[3]
+        rate0 = data[5]
+        spin = data[6]
+        angle = data[4] + tau * (rate0 + 0.5 * spin * tau)
         rate = rate0 + spin * tau
         cx = math.cos(angle)
         sx = math.sin(angle)
-        out[0] = M[c] + radius * cx
-        out[1] = M[c + 1] + radius * sx
-        out[2] = M[c + 2]
+        out[0] = data[0] + radius * cx
+        out[1] = data[1] + radius * sx
+        out[2] = data[2]
         out[3] = -radius * rate * sx
         out[4] = radius * rate * cx
         out[5] = 0.0
@@ -67,9 +53,9 @@ def find_piece(I, M, t):
     count = head.piece_count
     k = head.piece
     table = head.pieces
-    while k < count - 1 and t > M[table + k * PIECE_WORDS + P_END]:
+    while k < count - 1 and t > motion_piece_at(M, table + k * PIECE_WORDS).end:
         k += 1
-    while k > 1 and t <= M[table + k * PIECE_WORDS + P_START]:
+    while k > 1 and t <= motion_piece_at(M, table + k * PIECE_WORDS).start:
         k -= 1
     return k
 
@@ -81,10 +67,10 @@ def vessel_motion(I, M, t):
     state = scalars(M)
     out = M[head.motion : head.motion + 9]
     if head.live == 1:
-        evaluate_piece(M, head.pieces, t, out)
+        evaluate_piece(M, motion_piece_of(I, M, 0), t, out)
     else:
         k = find_piece(I, M, t)
-        evaluate_piece(M, head.pieces + k * PIECE_WORDS, t, out)
+        evaluate_piece(M, motion_piece_of(I, M, k), t, out)
         for i in range(3):
             out[i] += state.shift[i]
 
@@ -97,15 +83,15 @@ def add_layer_motion(I, M, t, out):
     """
     head = header(I)
     dimension = head.dimension
-    row = head.constraints
-    rate = M[row + C_LAYER_RATE]
-    tau = max(0.0, t - M[row + C_LAYER_TIME])
+    row = constraint_of(I, M, 0)
+    rate = row.layer_rate
+    tau = max(0.0, t - row.layer_time)
     fade = math.exp(-rate * tau)
     for i in range(dimension):
-        second = 2.0 * M[row + C_DRIFT_RATE + i]
-        first = M[row + C_DRIFT + i] + second * tau
-        away = M[row + C_AWAY + i] + (first - 0.5 * second * tau) * tau
-        out[i] += M[row + C_PLACE + i] + away * fade
+        second = 2.0 * row.drift_rate[i]
+        first = row.drift[i] + second * tau
+        away = row.away[i] + (first - 0.5 * second * tau) * tau
+        out[i] += row.place[i] + away * fade
         out[dimension + i] += (first - rate * away) * fade
         out[2 * dimension + i] += (second - rate * (2.0 * first - rate * away)) * fade
 
@@ -120,11 +106,11 @@ def prescribed_motion(I, M, row, t, out):
     head = header(I)
     state = scalars(M)
     dimension = head.dimension
-    if M[row + C_KIND] == C_ANCHOR:
+    if row.kind == HELD_BY_ANCHOR:
         for i in range(3 * dimension):
             out[i] = 0.0
         for i in range(dimension):
-            out[i] = M[row + C_POSITION + i]
+            out[i] = row.position[i]
         return
     motion = head.motion
     if dimension == 3:
@@ -141,7 +127,7 @@ def prescribed_motion(I, M, row, t, out):
         out[3] = M[motion + 5]
         out[4] = px * M[motion + 6] + py * M[motion + 7]
         out[5] = M[motion + 8]
-    if M[row + C_CLAMPED] == BY_SPRING:
+    if row.clamped == BY_SPRING:
         add_layer_motion(I, M, t, out)
 
 

@@ -1,6 +1,6 @@
 """The sea floor's forces on cable and bodies, and their derivatives."""
 
-from .access import header, scalars
+from .access import edge_of, header, scalars
 from .compile import inlined, kernel, view
 from .contact import (
     approach,
@@ -15,10 +15,6 @@ from .contact import (
 )
 from .floor_surface import gap_at, gap_below, lowest_gap
 from .layout import (
-    E_BORNE,
-    E_CONTACT,
-    E_LENGTH,
-    EDGE_WORDS,
     FLOOR_TABLE,
 )
 from .tables import CONTACT_H, CONTACT_POINTS, CONTACT_WEIGHTS
@@ -41,9 +37,9 @@ def elements_residual(I, M, q, v, out, dimension):
         if lowest_gap(I, M, q, node, w) >= depth:
             continue
         parent = parents[node]
-        edge = view(M, head.edges + node * EDGE_WORDS, EDGE_WORDS)
-        h = edge[E_LENGTH]
-        contact = edge[E_CONTACT] * edge[E_BORNE]
+        edge = edge_of(I, M, node)
+        h = edge.length
+        contact = edge.contact * edge.support
         above = view(out, size * parent, size)
         below = view(out, size * node, size)
         end = view(ends, size * node, size)
@@ -209,9 +205,9 @@ def elements_jacobian(I, M, q, v, cv, dimension):
         if lowest_gap(I, M, q, node, w) >= depth:
             continue
         parent = I[head.parent + node]
-        edge = head.edges + node * EDGE_WORDS
-        h = M[edge + E_LENGTH]
-        contact = M[edge + E_CONTACT] * M[edge + E_BORNE]
+        edge = edge_of(I, M, node)
+        h = edge.length
+        contact = edge.contact * edge.support
         touched = False
         for p in range(4):
             interpolate(I, q, parent, node, h, p, w, dimension)

@@ -2,7 +2,7 @@
 
 import math
 
-from .access import header, scalars
+from .access import body_of, edge_of, header, scalars
 from .compile import inlined, kernel
 from .contact import (
     contact_law,
@@ -13,13 +13,6 @@ from .contact import (
     place_law,
 )
 from .floor_surface import gap_at, lowest_gap
-from .layout import (
-    B_BORNE,
-    BODY_WORDS,
-    E_BORNE,
-    E_LENGTH,
-    EDGE_WORDS,
-)
 
 FASTEST = 3.0  # growth of what is borne for long, at most, in one change of it
 
@@ -100,17 +93,17 @@ def bear(I, M, share):
     for node in range(1, head.nodes):
         if I[head.joint + node] != 0:
             continue
-        edge = head.edges + node * EDGE_WORDS
-        borne = M[edge + E_BORNE]
+        edge = edge_of(I, M, node)
+        borne = edge.support
         load = 0.0
         if lowest_gap(I, M, q, node, w) < depth:
             parent = I[head.parent + node]
             for p in range(4):
-                interpolate(I, q, parent, node, M[edge + E_LENGTH], p, w, dimension)
+                interpolate(I, q, parent, node, edge.length, p, w, dimension)
                 law, _stiffness, _energy = contact_law(gap_at(I, M, w, w[3:6]), depth)
                 load = max(load, law)
         difference = load_aimed_at(borne, load) - borne
-        M[edge + E_BORNE] = borne + share * difference
+        edge.support = borne + share * difference
         largest = max(largest, abs(difference) / borne)
     for place in range(contact_places(I)):
         node, contact, preload = contact_place(I, M, place)
@@ -118,13 +111,13 @@ def bear(I, M, share):
             continue
         _press, gap, _speed = place_force(I, M, contact, preload, node, q, v, w)
         law, _stiffness, _energy = place_law(preload, gap, depth)
-        at = head.bodies + place // 2 * BODY_WORDS + B_BORNE + place % 2
+        row = body_of(I, M, place // 2)
         at_end = place == 2 * head.body_count
-        borne = state.end_support if at_end else M[at]
+        borne = state.end_support if at_end else row.support[place % 2]
         difference = load_aimed_at(borne, law) - borne
         largest = max(largest, abs(difference) / borne)
         if at_end:
             state.end_support += share * difference
         else:
-            M[at] += share * difference
+            row.support[place % 2] += share * difference
     return largest

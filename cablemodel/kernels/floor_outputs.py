@@ -2,7 +2,7 @@
 
 import math
 
-from .access import header, scalars
+from .access import edge_of, header, scalars
 from .compile import kernel
 from .contact import (
     LYING,
@@ -15,16 +15,6 @@ from .contact import (
     place_law,
 )
 from .floor_surface import cubic_end, gap_at, lowest_gap
-from .layout import (
-    E_ADDED,
-    E_BENDING_FULL,
-    E_BORNE,
-    E_CONTACT,
-    E_LENGTH,
-    E_MASS,
-    E_SEGMENT,
-    EDGE_WORDS,
-)
 from .tables import CONTACT_POINTS, CONTACT_WEIGHTS
 
 ZONE = 2.5, 6.0  # touchdown layers behind a touchdown: ends of the zone of its reaction
@@ -36,7 +26,7 @@ def hermite_point(I, M, node, x, w):
     head = header(I)
     dimension = head.dimension
     size = 2 * dimension
-    h = M[head.edges + node * EDGE_WORDS + E_LENGTH]
+    h = edge_of(I, M, node).length
     n0, n1, _d0, _d1 = cubic_end(0, x, h)
     n2, n3, _d2, _d3 = cubic_end(1, x, h)
     p = head.position + size * I[head.parent + node]
@@ -49,9 +39,8 @@ def hermite_point(I, M, node, x, w):
 @kernel
 def lying_gap(I, M, node):
     """Gap below which cable of an element lies: where the floor bears as much of its weight [m]."""
-    head = header(I)
     state = scalars(M)
-    share = (1.0 - LYING) * (1.0 - LYING) / M[head.edges + node * EDGE_WORDS + E_BORNE]
+    share = (1.0 - LYING) * (1.0 - LYING) / edge_of(I, M, node).support
     return state.floor_depth * (1.0 - math.sqrt(share))
 
 
@@ -144,33 +133,33 @@ def floor_summary(I, M, out):
     for node in range(1, nodes):
         if I[head.joint + node] != 0:
             continue
-        edge = head.edges + node * EDGE_WORDS
-        h = M[edge + E_LENGTH]
+        edge = edge_of(I, M, node)
+        h = edge.length
         if lowest_gap(I, M, q, node, w) >= depth:
             arc += h
             continue
         parent = I[head.parent + node]
-        contact = M[edge + E_CONTACT] * M[edge + E_BORNE]
-        inertia = M[edge + E_MASS] + M[edge + E_ADDED]
+        contact = edge.contact * edge.support
+        inertia = edge.mass + edge.added_mass
         begin = 0.0
         if touched == 0:
             begin = first_contact(I, M, node, w)
             if begin <= 1.0:
                 touched = node
                 geometric = arc + begin * h
-                layer = (M[edge + E_BENDING_FULL] / M[edge + E_CONTACT]) ** (1.0 / 3.0)
+                layer = (edge.bending_full / edge.contact) ** (1.0 / 3.0)
                 pull = max(0.0, M[head.tension + 2 * node])
-                layer += math.sqrt(2.0 * depth * pull / M[edge + E_CONTACT])
+                layer += math.sqrt(2.0 * depth * pull / edge.contact)
                 first = geometric + ZONE[0] * layer
                 last = geometric + ZONE[1] * layer
-                weight_there = M[edge + E_CONTACT] * w[2 + dimension]
+                weight_there = edge.contact * w[2 + dimension]
                 for i in range(dimension):
                     out[4 + i] = w[i]
         if touched != 0 and begin <= 1.0:
             out[3] += h * lying_share(I, M, node, begin, w)
         # Whole elements: forces of single points are not in balance.
         within = arc < last
-        if touched != 0 and M[edge + E_SEGMENT] != M[head.edges + touched * EDGE_WORDS + E_SEGMENT]:
+        if touched != 0 and edge.segment != edge_of(I, M, touched).segment:
             within = False  # bodies and other cable weigh something else
         for p in range(4):
             press, gap, _speed = contact_force(
@@ -223,15 +212,15 @@ def go_along(I, M, node, where, w):
     arc = 0.0
     for n in range(1, node):
         if I[head.joint + n] == 0:
-            arc += M[head.edges + n * EDGE_WORDS + E_LENGTH]
+            arc += edge_of(I, M, n).length
     while where < arc and node > 1 and I[head.joint + node - 1] == 0:
         node -= 1
-        arc -= M[head.edges + node * EDGE_WORDS + E_LENGTH]
-    h = M[head.edges + node * EDGE_WORDS + E_LENGTH]
+        arc -= edge_of(I, M, node).length
+    h = edge_of(I, M, node).length
     while where > arc + h and node + 1 < head.nodes and I[head.joint + node + 1] == 0:
         arc += h
         node += 1
-        h = M[head.edges + node * EDGE_WORDS + E_LENGTH]
+        h = edge_of(I, M, node).length
     hermite_point(I, M, node, min(1.0, max(0.0, (where - arc) / h)), w)
 
 
@@ -251,9 +240,9 @@ def floor_energy(I, M, out):
         if I[head.joint + node] != 0 or lowest_gap(I, M, q, node, w) >= depth:
             continue
         parent = I[head.parent + node]
-        h = M[head.edges + node * EDGE_WORDS + E_LENGTH]
-        edge = head.edges + node * EDGE_WORDS
-        contact = M[edge + E_CONTACT] * M[edge + E_BORNE]
+        h = edge_of(I, M, node).length
+        edge = edge_of(I, M, node)
+        contact = edge.contact * edge.support
         for p in range(4):
             press, gap, speed = contact_force(I, M, q, v, parent, node, h, p, contact, w, dimension)
             if gap >= depth:

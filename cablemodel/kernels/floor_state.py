@@ -4,13 +4,11 @@ FLOOR_FAR: nothing knows of the floor. FLOOR_ABOVE: the mesh does. FLOOR_TOUCHED
 A step without forces is refused if it ends in the contact layer, so none is ever missed.
 """
 
-from .access import header, scalars
+from .access import edge_of, header, scalars
 from .compile import kernel, view
 from .floor_memory import settle
 from .floor_surface import gap_at, lowest_gap
 from .layout import (
-    E_LENGTH,
-    EDGE_WORDS,
     FLOOR_ABOVE,
     FLOOR_FAR,
     FLOOR_TOUCHED,
@@ -61,7 +59,7 @@ def is_near(I, M, q, v, lengths):
     dimension = head.dimension
     w = view(M, head.motion + 28, 9)
     for node in range(head.nodes - 1, 0, -1):
-        h = M[head.edges + node * EDGE_WORDS + E_LENGTH]
+        h = edge_of(I, M, node).length
         way = SOON * state.step * max(0.0, -v[2 * dimension * node + dimension - 1])
         if gap_of(I, M, q, node, w) < state.floor_depth + lengths * h + way:
             return True

@@ -2,12 +2,10 @@
 
 import math
 
-from .access import header, scalars
+from .access import edge_of, header, scalars
 from .compile import inlined, kernel, view
 from .environment import interval
 from .layout import (
-    E_LENGTH,
-    EDGE_WORDS,
     FLOOR_PLANE,
 )
 
@@ -156,7 +154,7 @@ def lowest_gap(I, M, q, node, w):
     dimension = head.dimension
     size = 2 * dimension
     parent = I[head.parent + node]
-    h = M[head.edges + node * EDGE_WORDS + E_LENGTH]
+    h = edge_of(I, M, node).length
     up = dimension - 1
     lowest = 1e300
     for k in range(4):

@@ -21,7 +21,7 @@ bends, and Newton's method did not converge at shallow lay angles.
 
 import math
 
-from .access import header, scalars
+from .access import body_of, edge_of, header, scalars
 from .bodies import (
     add_waves,
     body_kinematics,
@@ -34,16 +34,6 @@ from .environment import current_at
 from .floor import block_of
 from .floor_surface import gap_at
 from .layout import (
-    B_ADDED,
-    B_LENGTH,
-    B_MASS,
-    B_NODE,
-    BODY_WORDS,
-    E_DRAG_NORMAL,
-    E_DRAG_TANGENTIAL,
-    E_LENGTH,
-    E_MASS,
-    EDGE_WORDS,
     GAUSS_WORDS,
 )
 from .rigid import rigid_residual
@@ -138,8 +128,8 @@ def drag_at(M, edge, stretch, dimension, w):
 
     Its derivatives to r' into w[9:18], by the flow into w[18:27], (dimension, dimension) each.
     """
-    cn = math.sqrt(stretch) * M[edge + E_DRAG_NORMAL]
-    ct = math.sqrt(stretch) * M[edge + E_DRAG_TANGENTIAL]
+    cn = math.sqrt(stretch) * edge.drag_normal
+    ct = math.sqrt(stretch) * edge.drag_tangential
     along = 0.0
     for i in range(dimension):
         along += w[3 + i] * w[i]
@@ -181,12 +171,12 @@ def flow_residual(I, M, flow, frame, rest, q, v, a, tension, out, out_constraint
         if I[head.joint + node] != 0:
             continue
         parent = I[head.parent + node]
-        e = head.edges + node * EDGE_WORDS
-        h = M[e + E_LENGTH]
+        e = edge_of(I, M, node)
+        h = e.length
         lies = stays(I, M, rest, parent, w) and stays(I, M, rest, node, w)
         if lies and head.drag == 0:
             continue
-        momentum = M[e + E_MASS] * flow * flow
+        momentum = e.mass * flow * flow
         if head.wave_count != 0:
             element_water(I, M, W, e, view(q, size * parent, size), view(q, size * node, size))
         for g in range(3):
@@ -204,7 +194,7 @@ def flow_residual(I, M, flow, frame, rest, q, v, a, tension, out, out_constraint
                 continue
             drag = 0.0
             if head.drag != 0:
-                drag = math.sqrt(stretch) * M[e + E_DRAG_TANGENTIAL]
+                drag = math.sqrt(stretch) * e.drag_tangential
                 drag *= abs(runs) * runs - abs(still) * still
                 if head.wave_count != 0:
                     drag *= W[DRAG + g]
@@ -212,7 +202,7 @@ def flow_residual(I, M, flow, frame, rest, q, v, a, tension, out, out_constraint
                 w[6 + i] = 0.0
                 for l in range(4):
                     at = size * (parent if l < 2 else node) + dimension * (l % 2) + i
-                    w[6 + i] += 2.0 * M[e + E_MASS] * flow * slope_function(l, g, h) * v[at]
+                    w[6 + i] += 2.0 * e.mass * flow * slope_function(l, g, h) * v[at]
             for k in range(4):
                 at = size * (parent if k < 2 else node) + dimension * (k % 2)
                 scale = h if k % 2 == 1 else 1.0
@@ -253,11 +243,11 @@ def run_with_cable(I, M, flow, frame, rest, sign, q, v):
     dimension = head.dimension
     size = 2 * dimension
     for body in range(head.body_count):
-        row = head.bodies + body * BODY_WORDS
-        node = int(M[row + B_NODE])
+        row = body_of(I, M, body)
+        node = int(row.node)
         if node < 0:
             continue
-        for _side in range(2 if M[row + B_LENGTH] > 0.0 else 1):
+        for _side in range(2 if row.length > 0.0 else 1):
             lies = stays(I, M, rest, node, view(M, head.gauss + SCRATCH, 3))
             for i in range(dimension):
                 own = -frame[i] if lies else flow * q[size * node + dimension + i]
@@ -280,12 +270,12 @@ def flow_jacobian(I, M, flow, frame, rest, q, v, a, ca, cv):
         if I[head.joint + node] != 0:
             continue
         parent = I[head.parent + node]
-        e = head.edges + node * EDGE_WORDS
-        h = M[e + E_LENGTH]
+        e = edge_of(I, M, node)
+        h = e.length
         lies = stays(I, M, rest, parent, w) and stays(I, M, rest, node, w)
         if lies and head.drag == 0:
             continue
-        momentum = M[e + E_MASS] * flow * flow
+        momentum = e.mass * flow * flow
         if head.wave_count != 0:
             element_water(I, M, W, e, view(q, size * parent, size), view(q, size * node, size))
         for g in range(3):
@@ -299,7 +289,7 @@ def flow_jacobian(I, M, flow, frame, rest, q, v, a, ca, cv):
                 continue
             coefficient = 0.0
             if head.drag != 0:
-                coefficient = math.sqrt(stretch) * M[e + E_DRAG_TANGENTIAL]
+                coefficient = math.sqrt(stretch) * e.drag_tangential
                 if head.wave_count != 0:
                     coefficient *= W[DRAG + g]
             drag = coefficient * (abs(runs) * runs - abs(still) * still)
@@ -309,7 +299,7 @@ def flow_jacobian(I, M, flow, frame, rest, q, v, a, ca, cv):
                 scale = h if k % 2 == 1 else 1.0
                 load = scale * h * WH[g, k]
                 bend = scale * WD[g, k] * momentum
-                turning = load * 2.0 * M[e + E_MASS] * flow * cv
+                turning = load * 2.0 * e.mass * flow * cv
                 for l in range(4):
                     slope = slope_function(l, g, h)
                     value = value_function(l, g, h)
@@ -335,9 +325,9 @@ def flow_jacobian(I, M, flow, frame, rest, q, v, a, ca, cv):
     for side in range(2 if head.body_count > 0 else 0):
         sign = 2.0 * side - 1.0
         for body in range(head.body_count):
-            row = head.bodies + body * BODY_WORDS
-            node = int(M[row + B_NODE])
-            if node >= 0 and M[row + B_LENGTH] == 0.0:
+            row = body_of(I, M, body)
+            node = int(row.node)
+            if node >= 0 and row.length == 0.0:
                 lies = stays(I, M, rest, node, w)
                 add_body(I, M, 0.0 if lies else flow, q, v, a, ca, cv, row, node, sign)
         run_with_cable(I, M, flow, frame, rest, 1.0 if side == 0 else -1.0, q, v)
@@ -382,7 +372,7 @@ def add_body(I, M, flow, q, v, a, ca, cv, row, node, sign):
             add_waves(I, M, row, q[at], q[at + 1], q[at + dimension - 1], 0.0, w)
             wet_derivatives(I, M, row, ig, second, rate, w)
         else:
-            mass = M[row + B_MASS] + M[row + B_ADDED]
+            mass = row.mass + row.added_mass
             flow_derivatives(M, row, dimension, mass, ig, second, rate, w)
         for i in range(dimension):
             for j in range(dimension):

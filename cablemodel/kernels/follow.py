@@ -9,22 +9,15 @@ docs/engine.md, "Sea floor".
 
 import math
 
-from .access import header, scalars
+from .access import cable_of, edge_at, edge_of, header, scalars, word_of
 from .compile import kernel
 from .contact import ends_in_something, touchdown_layer
 from .floor_memory import bear
 from .floor_surface import lowest_gap
 from .layout import (
-    CABLE_WORDS,
     CHANGED,
-    E_BORNE,
-    E_CONTACT,
-    E_LENGTH,
-    E_NOMINAL,
-    E_SEGMENT,
     EDGE_WORDS,
-    K_LEAVES,
-    K_NOMINAL,
+    JOINT_ARM,
     LAYER,
     NO_CAPACITY,
     NOTHING,
@@ -54,7 +47,7 @@ def second_derivative(I, M, node, side, out):
     head = header(I)
     dimension = head.dimension
     size = 2 * dimension
-    h = M[head.edges + node * EDGE_WORDS + E_LENGTH]
+    h = edge_of(I, M, node).length
     p = head.position + size * I[head.parent + node]
     q = head.position + size * node
     for i in range(dimension):
@@ -101,6 +94,35 @@ def jump_at(I, M, node, across):
 
 
 @kernel
+def begins_anew(I, node):
+    """Whether no cable comes to a node from that before it: another line of a system begins."""
+    head = header(I)
+    return I[head.parent + node] != node - 1 or I[head.joint + node] >= JOINT_ARM
+
+
+@kernel
+def position_accuracy(I, M, node):
+    """What places along the line that an element is a part of may be wrong by, tau L [m]."""
+    head = header(I)
+    state = scalars(M)
+    length = state.length
+    if head.parts != 0:
+        segment = int(edge_of(I, M, node).segment)
+        length = cable_of(I, M, segment).line
+    return state.tolerance * length
+
+
+@kernel
+def bend_allowed(I, M, node):
+    """What h^2 times the jump of r'' at an element may be in free water [m]."""
+    head = header(I)
+    state = scalars(M)
+    if head.parts == 0:
+        return state.bent
+    return state.bent * position_accuracy(I, M, node) / (state.tolerance * state.length)
+
+
+@kernel
 def measure(I, M, gaps, behind, jumps):
     """Gap of every element, its distance from hanging cable, jump of r'' at its child end."""
     head = header(I)
@@ -114,6 +136,8 @@ def measure(I, M, gaps, behind, jumps):
     jumps[0] = 0.0
     for node in range(1, nodes):
         gaps[node] = 1e300
+        if begins_anew(I, node):
+            way = 1e300
         behind[node] = way
         jumps[node] = 0.0
         if I[head.joint + node] != 0:
@@ -123,17 +147,19 @@ def measure(I, M, gaps, behind, jumps):
             way = 0.0
             behind[node] = 0.0
         else:
-            way += M[head.edges + node * EDGE_WORDS + E_LENGTH]
+            way += edge_of(I, M, node).length
         jumps[node] = jump_at(I, M, node, gaps[node] >= depth)
     way = 1e300
     for node in range(nodes - 1, 0, -1):
+        if begins_anew(I, node):
+            way = 1e300
         if I[head.joint + node] != 0:
             continue
         behind[node] = min(behind[node], way)
         if gaps[node] >= depth:
             way = 0.0
         else:
-            way += M[head.edges + node * EDGE_WORDS + E_LENGTH]
+            way += edge_of(I, M, node).length
 
 
 @kernel
@@ -143,13 +169,12 @@ def finest_length(I, M, node, gap):
     gap: height of the element at present [m].
     """
     head = header(I)
-    state = scalars(M)
-    edge = head.edges + node * EDGE_WORDS
-    accuracy = state.tolerance * state.length
+    edge = edge_of(I, M, node)
+    accuracy = position_accuracy(I, M, node)
     layer = touchdown_layer(M, edge)
     # T - w z hardly changes along a hanging cable: the tension that it will land with.
     at = head.tension + 2 * node
-    radius = (M[at] - abs(M[at + 1])) / M[edge + E_CONTACT] - max(0.0, gap)
+    radius = (M[at] - abs(M[at + 1])) / edge.contact - max(0.0, gap)
     radius = layer + max(0.0, radius)
     # By the place of the cable, and by the angle that an element turns: what it misses of its
     # length when it lands strains the laid cable.
@@ -166,12 +191,12 @@ def may_be_halved(I, M, node):
     state = scalars(M)
     if node > 1 or head.payout == 0:
         return True
-    edge = head.edges + node * EDGE_WORDS
-    row = head.cables + head.top_cable * CABLE_WORDS
-    if head.top_cable + 1 < head.cable_count and state.travel > M[row + K_LEAVES]:
+    edge = edge_of(I, M, node)
+    row = cable_of(I, M, head.top_cable)
+    if head.top_cable + 1 < head.cable_count and state.travel > row.leaves:
         return False
     passed = PASSED * abs(state.payout_rate) * state.period
-    return M[edge + E_LENGTH] > min(SHORTEST_TOP * M[row + K_NOMINAL], passed)
+    return edge.length > min(SHORTEST_TOP * row.nominal, passed)
 
 
 @kernel
@@ -182,10 +207,10 @@ def finest_flexible(I, M, node):
     """
     head = header(I)
     state = scalars(M)
-    accuracy = state.tolerance * state.length
+    accuracy = position_accuracy(I, M, node)
     if M[head.tension + 2 * node] < 0.0:
         return 1e300 if state.undamped != 0.0 else PUSHED * accuracy
-    return state.bent if state.undamped != 0.0 else FINEST * accuracy
+    return bend_allowed(I, M, node) if state.undamped != 0.0 else FINEST * accuracy
 
 
 @kernel
@@ -196,8 +221,7 @@ def length_by_bend(I, M, node, layer, jumps):
     element is as good as perfectly flexible: see `refine.bends_too_much`.
     """
     head = header(I)
-    state = scalars(M)
-    allowed = state.bent
+    allowed = bend_allowed(I, M, node)
     if allowed == 0.0 or not may_be_halved(I, M, node):
         return 1e300
     # At the line's ends r'' may be anything.
@@ -217,7 +241,7 @@ def length_by_bend(I, M, node, layer, jumps):
 def wanted_length(I, M, node, gaps, behind, jumps):
     """The length that an element should have where it is [m]."""
     state = scalars(M)
-    accuracy = state.tolerance * state.length
+    accuracy = position_accuracy(I, M, node)
     depth = state.floor_depth
     layer, finest = finest_length(I, M, node, gaps[node])
     shortest = LAYER * layer
@@ -275,7 +299,7 @@ def halves_are_even(I, M, node):
     """
     head = header(I)
     size = 2 * head.dimension
-    h = M[head.edges + node * EDGE_WORDS + E_LENGTH]
+    h = edge_of(I, M, node).length
     p0 = head.position + size * I[head.parent + node]
     p1 = head.position + size * node
     upper = arc_length(I, M, p0, p1, h, 0.0, 0.5)
@@ -285,11 +309,9 @@ def halves_are_even(I, M, node):
 @kernel
 def is_straight(I, M, node, jump):
     """Whether the cable is straight enough at a node for its two elements to become one."""
-    head = header(I)
-    state = scalars(M)
-    accuracy = state.tolerance * state.length
-    edge = head.edges + node * EDGE_WORDS
-    h = M[edge + E_LENGTH] + M[edge + EDGE_WORDS + E_LENGTH]
+    accuracy = position_accuracy(I, M, node)
+    edge = edge_of(I, M, node)
+    h = edge.length + edge_at(M, word_of(M, edge) + EDGE_WORDS).length
     if jump * h * h > STRAIGHT * accuracy or jump * h > STRAIGHT * KINK:
         return False
     return one_cubic_does(I, M, node)
@@ -299,12 +321,11 @@ def is_straight(I, M, node, jump):
 def one_cubic_does(I, M, node):
     """Whether a cubic in the place of the two at a node goes where they go, and is as long."""
     head = header(I)
-    state = scalars(M)
-    accuracy = state.tolerance * state.length
+    accuracy = position_accuracy(I, M, node)
     dimension = head.dimension
     size = 2 * dimension
-    h1 = M[head.edges + node * EDGE_WORDS + E_LENGTH]
-    h = h1 + M[head.edges + (node + 1) * EDGE_WORDS + E_LENGTH]
+    h1 = edge_of(I, M, node).length
+    h = h1 + edge_of(I, M, node + 1).length
     w = M[head.motion + 28 : head.motion + 34]
     at = head.position + size * node
     hermite(M, at - size, at + size, dimension, h, h1 / h, w)
@@ -323,16 +344,15 @@ def one_cubic_does(I, M, node):
 @kernel
 def may_join(I, M, node, gaps, wanted):
     """Whether an element may become one with that before it."""
-    head = header(I)
     state = scalars(M)
-    lower = head.edges + node * EDGE_WORDS
-    upper = lower - EDGE_WORDS
+    lower = edge_of(I, M, node)
+    upper = edge_at(M, word_of(M, lower) - EDGE_WORDS)
     aim = JOIN_BELOW * min(wanted[node - 1], wanted[node])
     if max(gaps[node - 1], gaps[node]) >= state.floor_depth:
-        aim = min(aim, M[upper + E_NOMINAL])
+        aim = min(aim, upper.nominal)
     return (
-        M[lower + E_LENGTH] + M[upper + E_LENGTH] < aim
-        and M[upper + E_SEGMENT] == M[lower + E_SEGMENT]
+        lower.length + upper.length < aim
+        and upper.segment == lower.segment
         and is_straight(I, M, node - 1, jump_at(I, M, node - 1, False))
     )
 
@@ -386,7 +406,7 @@ def follow_floor(I, M, change):
                 wanted[node] = wanted_length(I, M, node, gaps, behind, jumps)
             else:
                 # The element that the winch changes follows its bend alone.
-                layer = touchdown_layer(M, head.edges + node * EDGE_WORDS)
+                layer = touchdown_layer(M, edge_of(I, M, node))
                 wanted[node] = length_by_bend(I, M, node, layer, jumps)
     hanging = 0
     for node in range(1, head.nodes):
@@ -397,7 +417,7 @@ def follow_floor(I, M, change):
     node = head.nodes - 1
     while node >= 1:
         if I[head.joint + node] == 0:
-            h = M[head.edges + node * EDGE_WORDS + E_LENGTH]
+            h = edge_of(I, M, node).length
             if h > SPLIT_ABOVE * wanted[node] and halves_are_even(I, M, node):
                 # What folds near the floor is followed at any number of nodes.
                 if gaps[node] < h or hanging < state.most_nodes:
@@ -419,9 +439,9 @@ def follow_floor(I, M, change):
                         return CHANGED
                     node -= 1
                     continue
-                above = head.edges + (node - 1) * EDGE_WORDS + E_BORNE
-                below = above + EDGE_WORDS
-                M[below] = max(M[above], M[below])
+                above = edge_of(I, M, node - 1)
+                below = edge_of(I, M, node)
+                below.support = max(above.support, below.support)
                 join_at(I, M, node - 1, 1)
                 changed = CHANGED
                 node -= 1

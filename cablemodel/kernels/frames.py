@@ -4,43 +4,18 @@ A frame's origin and its roll, pitch and yaw follow pieces of motion, as the tow
 one line does (`environment.evaluate_piece`), or what the caller gives for a step.
 """
 
-from .access import header, scalars
-from .compile import kernel, view
+from .access import constraint_of, frame_of, header, motion_piece_at, scalars
+from .compile import kernel
 from .environment import evaluate_piece
 from .layout import (
-    C_CLAMPED,
-    C_DIRECTION,
-    C_FRAME,
-    C_KIND,
-    C_NODE,
-    C_OWN_DIRECTION,
-    C_POINT,
-    C_POSITION,
-    CONSTRAINT_WORDS,
     EXACTLY,
-    F_ACCELERATION,
-    F_COUNT,
-    F_FIRST,
-    F_LIVE,
-    F_PIECE,
-    F_POSITION,
-    F_ROTATION,
-    F_SHIFT,
-    F_SPIN,
-    F_SPIN_RATE,
-    F_TURN_COUNT,
-    F_TURN_FIRST,
-    F_TURN_PIECE,
-    F_VELOCITY,
-    FRAME_WORDS,
-    P_ACCELERATION_JUMP,
-    P_DATA,
-    P_END,
-    P_KIND,
-    P_START,
-    P_VELOCITY_JUMP,
+    HELD_BY_FRAME,
+    LIVE,
+    LIVE_NOT,
+    LIVE_RETURNS,
     PIECE_WORDS,
 )
+from .raos import add_response
 from .rotation import attitude, cross, to_earth_axes
 
 
@@ -48,7 +23,7 @@ from .rotation import attitude, cross, to_earth_axes
 def piece_at(M, first, count, t):
     """Word of the piece with start < t <= end among `count` from word `first` on."""
     k = 0
-    while k < count - 1 and t > M[first + k * PIECE_WORDS + P_END]:
+    while k < count - 1 and t > motion_piece_at(M, first + k * PIECE_WORDS).end:
         k += 1
     return first + k * PIECE_WORDS
 
@@ -56,25 +31,25 @@ def piece_at(M, first, count, t):
 @kernel
 def evaluate_frame(I, M, row, t, turning, out):
     """Position of a frame's origin, or its angles, with two derivatives at time t: 9 words."""
-    if M[row + F_LIVE] != 0.0:
-        evaluate_piece(M, row + (F_TURN_PIECE if turning else F_PIECE), t, out)
+    if (row.turn_live if turning else row.live) != LIVE_NOT:
+        evaluate_piece(M, row.turn_piece if turning else row.piece, t, out)
         return
     own_pieces(I, M, row, t, turning, out)
     for i in range(3):
-        out[i] += M[row + F_SHIFT + (3 if turning else 0) + i]
+        out[i] += row.shift[(3 if turning else 0) + i]
 
 
 @kernel
 def own_pieces(I, M, row, t, turning, out):
     """The same by the frame's own pieces, without the shift; angles that have none are zero."""
     head = header(I)
-    count = int(M[row + (F_TURN_COUNT if turning else F_COUNT)])
+    count = int(row.turn_count if turning else row.count)
     if count == 0:
         for i in range(9):
             out[i] = 0.0
         return
-    first = head.frame_pieces + PIECE_WORDS * int(M[row + (F_TURN_FIRST if turning else F_FIRST)])
-    evaluate_piece(M, piece_at(M, first, count, t), t, out)
+    first = head.frame_pieces + int(row.turn_first if turning else row.first) * PIECE_WORDS
+    evaluate_piece(M, motion_piece_at(M, piece_at(M, first, count, t)), t, out)
 
 
 @kernel
@@ -82,18 +57,43 @@ def move_frames(I, M, t):
     """Place, attitude and their rates of all frames at time t into their rows."""
     head = header(I)
     for n in range(head.frame_count):
-        row = head.frames + n * FRAME_WORDS
-        evaluate_frame(I, M, row, t, True, view(M, row + F_POSITION, 9))
-        angles = view(M, row + F_POSITION, 9)
+        row = frame_of(I, M, n)
+        if row.raos != 0.0:
+            move_in_waves(I, M, row, t)
+            continue
+        evaluate_frame(I, M, row, t, True, row.motion)
+        angles = row.motion
         attitude(
             angles[0:3],
             angles[3:6],
             angles[6:9],
-            view(M, row + F_ROTATION, 9),
-            view(M, row + F_SPIN, 3),
-            view(M, row + F_SPIN_RATE, 3),
+            row.rotation,
+            row.spin,
+            row.spin_rate,
         )
         evaluate_frame(I, M, row, t, False, angles)
+
+
+@kernel
+def move_in_waves(I, M, row, t):
+    """The same of one that the waves move."""
+    mean = row.mean
+    evaluate_frame(I, M, row, t, False, mean[0:9])
+    evaluate_frame(I, M, row, t, True, mean[9:18])
+    out = row.moved
+    for i in range(18):
+        out[i] = mean[i]
+    add_response(I, M, row, t, out)
+    attitude(
+        out[9:12],
+        out[12:15],
+        out[15:18],
+        row.rotation,
+        row.spin,
+        row.spin_rate,
+    )
+    for i in range(9):
+        row.motion[i] = out[i]
 
 
 @kernel
@@ -104,15 +104,15 @@ def point_motion(M, constraint, frame, out, w):
     """
     state = scalars(M)
     arm = w[0:3]
-    to_earth_axes(view(M, frame + F_ROTATION, 9), view(M, constraint + C_POSITION, 3), arm)
-    spin = view(M, frame + F_SPIN, 3)
+    to_earth_axes(frame.rotation, constraint.position, arm)
+    spin = frame.spin
     cross(spin, arm, w[3:6])
     cross(spin, w[3:6], w[6:9])
     for i in range(3):
-        out[i] = M[frame + F_POSITION + i] + arm[i] - state.origin[i]
-        out[3 + i] = M[frame + F_VELOCITY + i] + w[3 + i]
-        out[6 + i] = M[frame + F_ACCELERATION + i] + w[6 + i]
-    cross(view(M, frame + F_SPIN_RATE, 3), arm, w[6:9])
+        out[i] = frame.motion[i] + arm[i] - state.origin[i]
+        out[3 + i] = frame.motion[3 + i] + w[3 + i]
+        out[6 + i] = frame.motion[6 + i] + w[6 + i]
+    cross(frame.spin_rate, arm, w[6:9])
     for i in range(3):
         out[6 + i] += w[6 + i]
 
@@ -122,11 +122,11 @@ def turn_clamps(I, M):
     """Directions of clamps in the earth's frame, as their frames have turned."""
     head = header(I)
     for n in range(head.constraint_count):
-        row = head.constraints + n * CONSTRAINT_WORDS
-        if M[row + C_KIND] == C_POINT and M[row + C_CLAMPED] == EXACTLY:
-            frame = head.frames + int(M[row + C_FRAME]) * FRAME_WORDS
-            own = view(M, row + C_OWN_DIRECTION, 3)
-            to_earth_axes(view(M, frame + F_ROTATION, 9), own, view(M, row + C_DIRECTION, 3))
+        row = constraint_of(I, M, n)
+        if row.kind == HELD_BY_FRAME and row.clamped == EXACTLY:
+            frame = frame_of(I, M, int(row.frame))
+            own = row.own_direction
+            to_earth_axes(frame.rotation, own, row.direction)
 
 
 @kernel
@@ -136,11 +136,11 @@ def turn_slope(M, row, frame, q, v, a, at, w):
     q, v, a: from word `at` on the slope; of each what lies along u tells g, dg/dt and its rate.
     w: 9 words.
     """
-    u = view(M, row + C_DIRECTION, 3)
-    spin = view(M, frame + F_SPIN, 3)
+    u = row.direction
+    spin = frame.spin
     cross(spin, u, w[0:3])  # du/dt
     cross(spin, w[0:3], w[3:6])
-    cross(view(M, frame + F_SPIN_RATE, 3), u, w[6:9])
+    cross(frame.spin_rate, u, w[6:9])
     g = 0.0
     rate = 0.0
     second = 0.0
@@ -165,20 +165,20 @@ def next_frame_stop(I, M, stop, dt):
     state = scalars(M)
     time = state.time
     for n in range(head.frame_count):
-        row = head.frames + n * FRAME_WORDS
-        if M[row + F_LIVE] != 0.0:
-            continue
+        row = frame_of(I, M, n)
         for turning in range(2):
-            count = int(M[row + (F_TURN_COUNT if turning == 1 else F_COUNT)])
-            first = int(M[row + (F_TURN_FIRST if turning == 1 else F_FIRST)])
+            if (row.turn_live if turning == 1 else row.live) != LIVE_NOT:
+                continue
+            count = int(row.turn_count if turning == 1 else row.count)
+            first = int(row.turn_first if turning == 1 else row.first)
             for k in range(1, count):
-                piece = head.frame_pieces + (first + k) * PIECE_WORDS
-                start = M[piece + P_START]
+                piece = motion_piece_at(M, head.frame_pieces + (first + k) * PIECE_WORDS)
+                start = piece.start
                 if start <= time or start >= stop or start > time + dt:
                     continue
                 if (
-                    M[piece + P_VELOCITY_JUMP] > 0.0
-                    or M[piece + P_ACCELERATION_JUMP] * dt * dt > 0.8 * state.time_tolerance
+                    piece.velocity_jump > 0.0
+                    or piece.acceleration_jump * dt * dt > 0.8 * state.time_tolerance
                 ):
                     stop = start
     return stop
@@ -191,12 +191,12 @@ def frames_jump(I, M, w):
     head = header(I)
     largest = 0.0
     for n in range(head.constraint_count):
-        row = head.constraints + n * CONSTRAINT_WORDS
-        if M[row + C_KIND] != C_POINT:
+        row = constraint_of(I, M, n)
+        if row.kind != HELD_BY_FRAME:
             continue
-        frame = head.frames + int(M[row + C_FRAME]) * FRAME_WORDS
+        frame = frame_of(I, M, int(row.frame))
         point_motion(M, row, frame, w[0:9], w[9:18])
-        at = head.acceleration + 6 * int(M[row + C_NODE])
+        at = head.acceleration + 6 * int(row.node)
         changed = 0.0
         for i in range(3):
             changed += (w[6 + i] - M[at + i]) ** 2
@@ -208,41 +208,52 @@ def frames_jump(I, M, w):
 def drive_frame(I, M, row, t_end, given, target, w):
     """Make a frame's live pieces what the caller asks for at the end of a step.
 
-    given: 0 nothing, 1 velocities, 2 places, 3 both; target: position, angles, velocity and rates
-    of the angles at t_end (3 words each). w: 18 words.
+    given: of its place 1 a velocity, 2 a position, 3 both, and 4 times as much of its attitude;
+    what has none follows its own pieces, back to which it comes within a step. target: position,
+    angles, velocity and rates of the angles at t_end (3 words each). w: 18 words.
     """
     state = scalars(M)
     time = state.time
     dt = t_end - time
     for turning in range(2):
+        kind = (given >> 2 if turning == 1 else given) & 3
+        if kind == 0 and (row.turn_live if turning == 1 else row.live) != LIVE:
+            if turning == 1:
+                row.turn_live = LIVE_NOT
+            else:
+                row.live = LIVE_NOT
+            continue
         evaluate_frame(I, M, row, time, turning == 1, w[0:9])
-        if given == 0:
+        if kind == 0:
             own_pieces(I, M, row, t_end, turning == 1, w[9:18])
-        piece = row + (F_TURN_PIECE if turning == 1 else F_PIECE)
+        piece = row.turn_piece if turning == 1 else row.piece
         for i in range(3):
             p0 = w[i]
             v0 = w[3 + i]
             v1 = target[6 + 3 * turning + i]
             c2 = 0.0
             c3 = 0.0
-            if given >= 2:
+            if kind >= 2:
                 mean = (target[3 * turning + i] - p0) / dt
-                if given == 2:
+                if kind == 2:
                     v1 = mean
                 c2 = (3.0 * mean - 2.0 * v0 - v1) / dt
                 c3 = (v0 + v1 - 2.0 * mean) / (dt * dt)
-            elif given == 1:
+            elif kind == 1:
                 c2 = 0.5 * (v1 - v0) / dt
             else:
                 v1 = w[12 + i]
                 c2 = 0.5 * (v1 - v0) / dt
-                M[row + F_SHIFT + 3 * turning + i] = p0 + 0.5 * (v0 + v1) * dt - w[9 + i]
-            M[piece + P_DATA + i] = p0
-            M[piece + P_DATA + 3 + i] = v0
-            M[piece + P_DATA + 6 + i] = c2
-            M[piece + P_DATA + 9 + i] = c3
-            M[piece + P_DATA + 12 + i] = 0.0
-        M[piece + P_START] = time
-        M[piece + P_END] = t_end
-        M[piece + P_KIND] = 0.0
-    M[row + F_LIVE] = 1.0
+                row.shift[3 * turning + i] = p0 + 0.5 * (v0 + v1) * dt - w[9 + i]
+            piece.data[i] = p0
+            piece.data[3 + i] = v0
+            piece.data[6 + i] = c2
+            piece.data[9 + i] = c3
+            piece.data[12 + i] = 0.0
+        piece.start = time
+        piece.end = t_end
+        piece.kind = 0.0
+        if turning == 1:
+            row.turn_live = LIVE if kind != 0 else LIVE_RETURNS
+        else:
+            row.live = LIVE if kind != 0 else LIVE_RETURNS

@@ -19,49 +19,13 @@ axis's area. A foil has lift and drag by its angle of attack, from a table.
 
 import math
 
-from .access import header, scalars
+from .access import arm_of, foil_of, free_body_of, header, scalars
 from .compile import kernel, view
-from .environment import current_at
+from .environment import current_at, surge_at
+from .hulls import wet_hull
 from .layout import (
-    A_BODY,
-    A_FORCE,
-    A_NODE,
-    A_PLACE,
-    ARM_WORDS,
     FOIL_ANGLES,
-    FOIL_WORDS,
-    FREE_WORDS,
-    L_AREA,
-    L_CHORD,
-    L_DEFLECTION,
-    L_PLACE,
-    L_SPAN,
-    L_TABLE,
-    M_GAIN,
-    M_PLACE,
-    M_RATES,
-    M_SPEED,
-    M_SPIN,
-    M_SPIN_RATE,
-    M_TURN,
-    Y_ADDED,
-    Y_BUOYANCY,
-    Y_BUOYANCY_CENTRE,
-    Y_CENTRE,
-    Y_DRAG,
-    Y_DRAG_CENTRE,
-    Y_FIRST_FOIL,
-    Y_FOILS,
-    Y_FORCE,
-    Y_MOTION,
-    Y_NODE,
-    Y_ORIGIN,
-    Y_RADIUS,
-    Y_ROTATION,
-    Y_SIZE,
-    Y_SOLID,
-    Y_TURN_DRAG,
-    Y_WEIGHT,
+    HULL_NONE,
 )
 from .rotation import convective_spin, cross, to_body_axes, to_earth_axes, turn_and_rates
 from .waves import P_ACCELERATION, P_VELOCITY, P_WET, wave_at, wet_at
@@ -74,21 +38,21 @@ STEP = 1e-6  # of the differences for a body's derivatives, in radians and in it
 def set_body_motion(row, M, x, v, a, at):
     """Axes, rates and motion of the reference point into a body's row. x, v, a: `at` is its node's
     first word."""
-    out = view(M, row + Y_MOTION, 33)
+    out = row.motion
     theta = view(x, at + 3, 3)
     rate = view(v, at + 3, 3)
     second = view(a, at + 3, 3)
-    turn_and_rates(view(M, row + Y_ROTATION, 9), theta, out[M_TURN : M_TURN + 9], out[9:18])
-    to_earth_axes(out[9:18], rate, out[M_SPIN : M_SPIN + 3])
-    w = view(M, row + Y_MOTION + M_PLACE, 9)
-    convective_spin(theta, rate, out[M_SPIN_RATE : M_SPIN_RATE + 3], w)
-    to_earth_axes(out[9:18], second, w)
+    turn_and_rates(row.rotation, theta, out.turn, out.rates)
+    to_earth_axes(out.rates, rate, out.spin)
+    w = out.reference
+    convective_spin(theta, rate, out.spin_rate, w)
+    to_earth_axes(out.rates, second, w)
     for i in range(3):
-        out[M_SPIN_RATE + i] += w[i]
+        out.spin_rate[i] += w[i]
     for i in range(3):
-        out[M_PLACE + i] = x[at + i]
-        out[M_SPEED + i] = v[at + i]
-        out[M_GAIN + i] = a[at + i]
+        out.reference[i] = x[at + i]
+        out.reference[3 + i] = v[at + i]
+        out.reference[6 + i] = a[at + i]
 
 
 @kernel
@@ -96,54 +60,56 @@ def follow_bodies(I, M, q, v, a):
     """Motion of all bodies from the state, and of the ends of lines at their arms into it."""
     head = header(I)
     for body in range(head.free_count):
-        row = head.free_bodies + body * FREE_WORDS
-        set_body_motion(row, M, q, v, a, 6 * int(M[row + Y_NODE]))
+        row = free_body_of(I, M, body)
+        set_body_motion(row, M, q, v, a, 6 * int(row.node))
     for n in range(head.arm_count):
-        arm = head.arms + n * ARM_WORDS
-        row = head.free_bodies + int(M[arm + A_BODY]) * FREE_WORDS
+        arm = arm_of(I, M, n)
+        if arm.body < 0.0:
+            continue  # its line is cut off
+        row = free_body_of(I, M, int(arm.body))
         w = view(M, head.parts_work, 9)
-        m = view(M, row + Y_MOTION, 33)
-        place = view(M, arm + A_PLACE, 3)
-        turn = m[M_TURN : M_TURN + 9]
-        spin = m[M_SPIN : M_SPIN + 3]
-        at = 6 * int(M[arm + A_NODE])
+        m = row.motion
+        place = arm.place
+        turn = m.turn
+        spin = m.spin
+        at = 6 * int(arm.node)
         to_earth_axes(turn, place, w[0:3])
         for i in range(3):
-            q[at + i] = m[M_PLACE + i] + w[i]
+            q[at + i] = m.reference[i] + w[i]
         cross(spin, place, w[3:6])
         to_earth_axes(turn, w[3:6], w[0:3])
         for i in range(3):
-            v[at + i] = m[M_SPEED + i] + w[i]
+            v[at + i] = m.reference[3 + i] + w[i]
         cross(spin, w[3:6], w[6:9])
-        cross(m[M_SPIN_RATE : M_SPIN_RATE + 3], place, w[3:6])
+        cross(m.spin_rate, place, w[3:6])
         for i in range(3):
             w[6 + i] += w[3 + i]
         to_earth_axes(turn, w[6:9], w[0:3])
         for i in range(3):
-            a[at + i] = m[M_GAIN + i] + w[i]
+            a[at + i] = m.reference[6 + i] + w[i]
 
 
 @kernel
-def ramp(M, at, words, i, t):
+def ramp(given, words, i, t):
     """Component i of an input that goes linearly from one value to the next: t0, t1, both."""
-    t0 = M[at]
-    t1 = M[at + 1]
-    start = M[at + 2 + i]
-    end = M[at + 2 + words + i]
+    t0 = given[0]
+    t1 = given[1]
+    start = given[2 + i]
+    end = given[2 + words + i]
     if t >= t1:
         return end
     return start + (end - start) * max(0.0, (t - t0) / (t1 - t0))
 
 
 @kernel
-def add_inertia(M, matrix, v, spin, gain, spin_rate, share, out, w):
+def add_inertia(matrix, v, spin, gain, spin_rate, share, out, w):
     """Add share of dp/dt + Omega x p and dL/dt + Omega x L + v x p to out (6). w: 15 words."""
     for i in range(6):
         value = 0.0
         rate = 0.0
         for j in range(3):
-            first = M[matrix + 6 * i + j]
-            second = M[matrix + 6 * i + 3 + j]
+            first = matrix[6 * i + j]
+            second = matrix[6 * i + 3 + j]
             value += first * v[j] + second * spin[j]
             rate += first * gain[j] + second * spin_rate[j]
         w[i] = value
@@ -190,13 +156,13 @@ def foil_coefficients(M, table, angle):
 def add_foil(M, foil, table, t, flow, spin, out, w):
     """Subtract a foil's lift and drag from out. flow: velocity of the water past the reference
     point, body's axes. w: 15 words."""
-    place = view(M, foil + L_PLACE, 3)
+    place = foil.place
     cross(place, spin, w[0:3])  # what the turning adds to the flow: -Omega x place
-    angle = ramp(M, foil + L_DEFLECTION, 1, 0, t)
+    angle = ramp(foil.deflection, 1, 0, t)
     c = math.cos(angle)
     s = math.sin(angle)
-    chord = view(M, foil + L_CHORD, 3)
-    span = view(M, foil + L_SPAN, 3)
+    chord = foil.chord
+    span = foil.span
     cross(chord, span, w[3:6])
     against = 0.0
     up = 0.0
@@ -208,9 +174,9 @@ def add_foil(M, foil, table, t, flow, spin, out, w):
     speed = math.sqrt(against * against + up * up)
     if speed == 0.0:
         return
-    lift, drag = foil_coefficients(M, table + int(M[foil + L_TABLE]), math.atan2(up, against))
+    lift, drag = foil_coefficients(M, table + int(foil.table), math.atan2(up, against))
     # Drag along the flow in the plane across the span, lift at right angles to it.
-    force = M[foil + L_AREA] * speed
+    force = foil.area * speed
     forward = force * (lift * up - drag * against)
     normal = force * (lift * against + drag * up)
     for i in range(3):
@@ -225,12 +191,12 @@ def body_forces(I, M, body, t, out):
     is conjugate to theta, 6 words. t: time [s]."""
     head = header(I)
     state = scalars(M)
-    row = head.free_bodies + body * FREE_WORDS
-    m = view(M, row + Y_MOTION, 33)
+    row = free_body_of(I, M, body)
+    m = row.motion
     w = view(M, head.parts_work + 40, 60)
-    turn = m[M_TURN : M_TURN + 9]
-    spin = m[M_SPIN : M_SPIN + 3]
-    spin_rate = m[M_SPIN_RATE : M_SPIN_RATE + 3]
+    turn = m.turn
+    spin = m.spin
+    spin_rate = m.spin_rate
     v = w[0:3]
     gain = w[3:6]
     water = w[6:9]
@@ -242,52 +208,63 @@ def body_forces(I, M, body, t, out):
         f[i] = 0.0
     for i in range(3):
         pull[i] = 0.0
-    to_earth_axes(turn, view(M, row + Y_BUOYANCY_CENTRE, 3), place)
+    to_earth_axes(turn, row.buoyancy_centre, place)
     for i in range(3):
-        place[i] += m[M_PLACE + i]
+        place[i] += m.reference[i]
     current_at(I, M, place[2], water)
+    if head.surge != 0:
+        surge_at(I, M, place[2], pull)
     wet = 1.0
+    hull = row.hull != HULL_NONE
+    buoyancy_centre = row.buoyancy_centre
+    if hull:
+        to_earth_axes(turn, row.hull_centre, s[0:3])
+        for i in range(3):
+            s[i] += m.reference[i]
+        wet = wet_hull(I, M, body, s[0:3])
+        buoyancy_centre = view(M, head.parts_work + 100, 3)
     if head.wave_count != 0:
         slot = 3 * head.capacity + head.body_count + body
-        reach = max(1e-3, M[row + Y_RADIUS])
+        reach = row.radius
         depth = wave_at(I, M, place[0], place[1], place[2], reach, slot)
-        wet_at(I, M, depth, reach)
         at = head.motion
-        wet = M[at + P_WET]
+        if not hull:
+            wet_at(I, M, depth, reach)
+            wet = M[at + P_WET]
         for i in range(3):
             water[i] += M[at + P_VELOCITY + i]
-            pull[i] = M[at + P_ACCELERATION + i]
+            pull[i] += M[at + P_ACCELERATION + i]
     # Its own inertia.
-    to_body_axes(turn, m[M_SPEED : M_SPEED + 3], v)
-    to_body_axes(turn, m[M_GAIN : M_GAIN + 3], gain)
+    to_body_axes(turn, m.reference[3:6], v)
+    to_body_axes(turn, m.reference[6:], gain)
     cross(spin, v, s[0:3])
     for i in range(3):
         gain[i] -= s[i]
-    add_inertia(M, row + Y_SOLID, v, spin, gain, spin_rate, 1.0, f, s)
+    add_inertia(row.solid, v, spin, gain, spin_rate, 1.0, f, s)
     # That of the water, by what moves through it.
     for i in range(3):
-        place[i] = m[M_SPEED + i] - water[i]
-        water[i] = m[M_GAIN + i] - pull[i]
+        place[i] = m.reference[3 + i] - water[i]
+        water[i] = m.reference[6 + i] - pull[i]
     to_body_axes(turn, place, v)
     to_body_axes(turn, water, gain)
     cross(spin, v, s[0:3])
     for i in range(3):
         gain[i] -= s[i]
-    add_inertia(M, row + Y_ADDED, v, spin, gain, spin_rate, wet, f, s)
+    add_inertia(row.added, v, spin, gain, spin_rate, wet, f, s)
     # Weight, buoyancy with the acceleration of the water (Froude and Krylov).
     for i in range(3):
         place[i] = 0.0
-    place[2] = -M[row + Y_WEIGHT]
+    place[2] = -row.weight
     to_body_axes(turn, place, water)
-    add_force(water, view(M, row + Y_CENTRE, 3), -1.0, f, s)
-    lift = wet * M[row + Y_BUOYANCY]
+    add_force(water, row.centre, -1.0, f, s)
+    lift = wet * row.buoyancy
     for i in range(3):
         place[i] = lift * pull[i] / state.gravity if state.gravity > 0.0 else 0.0
     place[2] += lift
     to_body_axes(turn, place, water)
-    add_force(water, view(M, row + Y_BUOYANCY_CENTRE, 3), -1.0, f, s)
+    add_force(water, buoyancy_centre, -1.0, f, s)
     # Drag.
-    centre = view(M, row + Y_DRAG_CENTRE, 3)
+    centre = row.drag_centre
     cross(spin, centre, s[0:3])
     speed = 0.0
     turning = 0.0
@@ -298,25 +275,25 @@ def body_forces(I, M, body, t, out):
     speed = wet * math.sqrt(speed)
     turning = wet * math.sqrt(turning)
     for i in range(3):
-        water[i] = M[row + Y_DRAG + i] * speed * s[3 + i]
-        f[3 + i] += M[row + Y_TURN_DRAG + i] * turning * spin[i]
+        water[i] = row.drag[i] * speed * s[3 + i]
+        f[3 + i] += row.turn_drag[i] * turning * spin[i]
     add_force(water, centre, -1.0, f, s)
     for i in range(3):
         place[i] = -v[i]
-    for n in range(int(M[row + Y_FOILS])):
-        foil = head.foils + (int(M[row + Y_FIRST_FOIL]) + n) * FOIL_WORDS
+    for n in range(int(row.foil_count)):
+        foil = foil_of(I, M, int(row.first_foil) + n)
         add_foil(M, foil, head.foil_table, t, place, spin, f, s)
     # What the caller pushes with, at the body's own origin.
     for i in range(3):
-        place[i] = ramp(M, row + Y_FORCE, 6, i, t)
-        s[6 + i] = ramp(M, row + Y_FORCE, 6, 3 + i, t)
+        place[i] = ramp(row.force, 6, i, t)
+        s[6 + i] = ramp(row.force, 6, 3 + i, t)
     to_body_axes(turn, place, water)
-    add_force(water, view(M, row + Y_ORIGIN, 3), -1.0, f, s)
+    add_force(water, row.origin, -1.0, f, s)
     to_body_axes(turn, s[6:9], water)
     for i in range(3):
         f[3 + i] -= water[i]
     to_earth_axes(turn, f[0:3], out)
-    to_body_axes(m[M_RATES : M_RATES + 9], f[3:6], water)  # T^T
+    to_body_axes(m.rates, f[3:6], water)  # T^T
     for i in range(3):
         out[3 + i] = water[i]
 
@@ -324,9 +301,9 @@ def body_forces(I, M, body, t, out):
 @kernel
 def arm_moment(M, arm, m, force, out, w):
     """What a force at an arm is, conjugate to theta: T^T (place x R^T force). w: 6 words."""
-    to_body_axes(m[M_TURN : M_TURN + 9], force, w[0:3])
-    cross(view(M, arm + A_PLACE, 3), w[0:3], w[3:6])
-    to_body_axes(m[M_RATES : M_RATES + 9], w[3:6], out)
+    to_body_axes(m.turn, force, w[0:3])
+    cross(arm.place, w[0:3], w[3:6])
+    to_body_axes(m.rates, w[3:6], out)
 
 
 @kernel
@@ -336,21 +313,23 @@ def free_residual(I, M, t, out):
     f = view(M, head.parts_work + 16, 6)
     w = view(M, head.parts_work + 22, 12)
     for body in range(head.free_count):
-        at = 6 * int(M[head.free_bodies + body * FREE_WORDS + Y_NODE])
+        at = 6 * int(free_body_of(I, M, body).node)
         body_forces(I, M, body, t, f)
         for i in range(6):
             out[at + i] += f[i]
     for n in range(head.arm_count):
-        arm = head.arms + n * ARM_WORDS
-        row = head.free_bodies + int(M[arm + A_BODY]) * FREE_WORDS
-        end = 6 * int(M[arm + A_NODE])
-        at = 6 * int(M[row + Y_NODE])
+        arm = arm_of(I, M, n)
+        if arm.body < 0.0:
+            continue  # its line is cut off
+        row = free_body_of(I, M, int(arm.body))
+        end = 6 * int(arm.node)
+        at = 6 * int(row.node)
         force = view(out, end, 3)
-        arm_moment(M, arm, view(M, row + Y_MOTION, 33), force, w[0:3], w[3:9])
+        arm_moment(M, arm, row.motion, force, w[0:3], w[3:9])
         for i in range(3):
             out[at + i] += force[i]
             out[at + 3 + i] += w[i]
-            M[arm + A_FORCE + i] = force[i]
+            arm.force[i] = force[i]
             force[i] = 0.0
 
 
@@ -365,12 +344,12 @@ def free_jacobian(I, M, t, q, v, a, ca, cv):
     f = view(M, head.parts_work + 16, 6)
     w = view(M, head.parts_work + 22, 12)
     for body in range(head.free_count):
-        row = head.free_bodies + body * FREE_WORDS
-        node = int(M[row + Y_NODE])
+        row = free_body_of(I, M, body)
+        node = int(row.node)
         at = 6 * node
         D = view(M, head.diagonal + 36 * node, 36)
         for j in range(6):
-            step = STEP * (M[row + Y_SIZE] if j < 3 else 1.0)
+            step = STEP * (row.size if j < 3 else 1.0)
             x0 = q[at + j]
             v0 = v[at + j]
             a0 = a[at + j]
@@ -382,11 +361,11 @@ def free_jacobian(I, M, t, q, v, a, ca, cv):
                 set_body_motion(row, M, q, v, a, at)
                 body_forces(I, M, body, t, f)
                 for n in range(head.arm_count):
-                    arm = head.arms + n * ARM_WORDS
-                    if j >= 3 and int(M[arm + A_BODY]) == body:
+                    arm = arm_of(I, M, n)
+                    if j >= 3 and int(arm.body) == body:
                         # Of a line that goes on pulling so at the arm.
-                        m = view(M, row + Y_MOTION, 33)
-                        arm_moment(M, arm, m, view(M, arm + A_FORCE, 3), w[0:3], w[3:9])
+                        m = row.motion
+                        arm_moment(M, arm, m, arm.force, w[0:3], w[3:9])
                         for i in range(3):
                             f[3 + i] += w[i]
                 for i in range(6):
@@ -396,15 +375,17 @@ def free_jacobian(I, M, t, q, v, a, ca, cv):
             a[at + j] = a0
         set_body_motion(row, M, q, v, a, at)
     for n in range(head.arm_count):
-        arm = head.arms + n * ARM_WORDS
-        row = head.free_bodies + int(M[arm + A_BODY]) * FREE_WORDS
-        m = view(M, row + Y_MOTION, 33)
-        to = head.lower + 36 * int(M[arm + A_NODE]) + 18  # beside Z
+        arm = arm_of(I, M, n)
+        if arm.body < 0.0:
+            continue  # its line is cut off
+        row = free_body_of(I, M, int(arm.body))
+        m = row.motion
+        to = head.lower + 36 * int(arm.node) + 18  # beside Z
         for j in range(3):
             for i in range(3):
-                w[i] = m[M_RATES + 3 * i + j]  # a column of T
-            cross(w[0:3], view(M, arm + A_PLACE, 3), w[3:6])
-            to_earth_axes(m[M_TURN : M_TURN + 9], w[3:6], w[0:3])
+                w[i] = m.rates[3 * i + j]  # a column of T
+            cross(w[0:3], arm.place, w[3:6])
+            to_earth_axes(m.turn, w[3:6], w[0:3])
             for i in range(3):
                 M[to + 3 * i + j] = w[i]
 
@@ -414,21 +395,21 @@ def count_turns_anew(I, M, q, v, a):
     """Rotation vectors that have become large count from the present attitudes on."""
     head = header(I)
     for body in range(head.free_count):
-        row = head.free_bodies + body * FREE_WORDS
-        at = 6 * int(M[row + Y_NODE])
+        row = free_body_of(I, M, body)
+        at = 6 * int(row.node)
         square = 0.0
         for i in range(3):
             square += q[at + 3 + i] ** 2
         if square < FAR * FAR:
             continue
         set_body_motion(row, M, q, v, a, at)
-        m = view(M, row + Y_MOTION, 33)
+        m = row.motion
         for i in range(9):
-            M[row + Y_ROTATION + i] = m[M_TURN + i]
+            row.rotation[i] = m.turn[i]
         for i in range(3):
             q[at + 3 + i] = 0.0
-            v[at + 3 + i] = m[M_SPIN + i]
-            a[at + 3 + i] = m[M_SPIN_RATE + i]
+            v[at + 3 + i] = m.spin[i]
+            a[at + 3 + i] = m.spin_rate[i]
         set_body_motion(row, M, q, v, a, at)
         head.factored = 0
         head.has_history = 0
@@ -440,26 +421,25 @@ def push_bodies(I, M, t_end, forces):
     head = header(I)
     state = scalars(M)
     for body in range(head.free_count):
-        at = head.free_bodies + body * FREE_WORDS + Y_FORCE
-        follow_ramp(M, at, 6, state.time, t_end, forces, 6 * body)
+        force = free_body_of(I, M, body).force
+        follow_ramp(force, 6, state.time, t_end, forces, 6 * body)
 
 
 @kernel
 def deflect_foils(I, M, t_end, angles, foils):
     """Let the deflections of the foils be reached linearly at the end of a step."""
-    head = header(I)
     state = scalars(M)
     for n in range(foils):
-        at = head.foils + n * FOIL_WORDS + L_DEFLECTION
-        follow_ramp(M, at, 1, state.time, t_end, angles, n)
+        deflection = foil_of(I, M, n).deflection
+        follow_ramp(deflection, 1, state.time, t_end, angles, n)
 
 
 @kernel
-def follow_ramp(M, at, words, time, t_end, values, first):
+def follow_ramp(given, words, time, t_end, values, first):
     """An input of so many words goes on from its present value to another one at t_end."""
     for i in range(words):
-        M[at + 2 + i] = ramp(M, at, words, i, time)
+        given[2 + i] = ramp(given, words, i, time)
     for i in range(words):
-        M[at + 2 + words + i] = values[first + i]
-    M[at] = time
-    M[at + 1] = t_end
+        given[2 + words + i] = values[first + i]
+    given[0] = time
+    given[1] = t_end

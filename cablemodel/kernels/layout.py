@@ -7,10 +7,10 @@ copied, saved and mapped by another process. All before the workspace is the *im
 the FMU's state and its serialisation are a copy of it.
 """
 
-from .record import Record, integer, real, reals, spare
+from .record import Record, integer, part, real, reals, spare
 
 MAGIC = 0x4C45444F4D454C42  # "BLEMODEL", little endian
-VERSION = 10
+VERSION = 11
 
 FLOOR_NONE, FLOOR_PLANE, FLOOR_TABLE = 0, 1, 2
 FLOOR_FAR, FLOOR_ABOVE, FLOOR_TOUCHED = 0, 1, 2  # nothing of it is felt; the mesh knows; forces
@@ -150,7 +150,11 @@ class Header(Record):
     foils = integer("start of the foils (Foil)")
     foil_table = integer("start of their coefficients")
     parts_work = integer("start of a workspace, PARTS_WORDS for each free body")
-    _spare_2 = spare(3)
+    cut_count = integer("places where lines are cut, let go or break")
+    cuts = integer("start of them (Cut)")
+    raos = integer("start of the responses of each frame that has them: RAO_HEADINGS sets of rows")
+    rao_words = integer("their words")
+    _spare_2 = spare(7)
 
 
 HEADER_WORDS = Header.WORDS
@@ -249,22 +253,259 @@ class Scalars(Record, first=HEADER_WORDS):
 
 SCALAR_WORDS = Scalars.WORDS
 
-# Rows of the rate table: time, rate. Rows of the cable table: the cables of the line and of the
-# drum in the order in which they pass the tow point on the way out.
-RATE_WORDS = 2
-CABLE_WORDS = 27
-K_LEAVES = 0  # travel at which its vessel end passes the tow point [m]
-K_NOMINAL = 1  # length of its elements [m]
-K_SHORTEST = 2  # length below which its lower end stays on the drum [m]
-K_HINGE = 3  # 1: its lower end is a hinge, 0: the slope is shared
-K_BODY = 4  # row of the body at its lower end, -1: none
-K_DISPLACED = 5  # mass of the water that it displaces [kg/m]
-K_EDGE = 6  # a row of the edge table for its elements: EDGE_WORDS
 
-# Rows of the motion table: see cablemodel/scene/motion.py.
-PIECE_WORDS = 24
-P_START, P_END, P_KIND, P_DATA = 0, 1, 2, 3
-P_ACCELERATION_JUMP, P_VELOCITY_JUMP = 22, 23
+class Edge(Record):
+    """The element (or joint) that ties a node to its parent."""
+
+    length = real("without tension", "m")
+    mass = real("of the cable, in air", "kg/m")
+    added_mass = real("across the cable", "kg/m")
+    weight = real("in water", "N/m")
+    bending = real("stiffness in use: 0 while the element is a cable", "N m2")
+    drag_normal = real("1/2 rho Cdn d", "kg/m2")
+    drag_tangential = real("1/2 rho Cdt pi d", "kg/m2")
+    compliance = real("c_1 of the strain curve", "1/N")
+    strain_terms = real("number of coefficients of the strain curve")
+    strain_offset = real("their place in the table of strain curves")
+    tension_low = real("below which the curve is continued by its tangent", "N")
+    tension_high = real("above which it is", "N")
+    stabilisation = real("of the second constraint (stabilisation.py)")
+    bending_full = real("bending stiffness of the cable", "N m2")
+    model = real("MODEL_ELASTICA, MODEL_CABLE or MODEL_HYBRID")
+    type = real("of the cable: row of the scene's types")
+    segment = real("which cable of line and drum it belongs to: a row of the cable table")
+    start = real("length of its cable before it", "m")
+    contact = real("weight per length that the floor's preload carries", "N/m")
+    nominal = real("length up to which elements in free water are joined again", "m")
+    support = real("what the floor bears for long, over `contact`: at least 1")
+
+
+EDGE_WORDS = Edge.WORDS
+MODEL_ELASTICA, MODEL_CABLE, MODEL_HYBRID = 0, 1, 2
+
+# What ties a node to its parent (`joint`).
+JOINT_NONE = 0  # an element
+JOINT_HINGE = 1  # the same place, a slope of its own
+JOINT_BODY = 2  # a rigid body of finite length, from the parent to the node
+JOINT_ARM = 3  # a point of the free body that is the parent: its place follows, its slope is free
+JOINT_FREE = 4  # a free body whose reference point is the parent's place; it turns by itself
+JOINT_ROOT = 5  # nothing: a tree of its own
+JOINT_ROOT_FREE = 6  # nothing: a free body that is a root
+
+
+class Rate(Record):
+    """A row of the rate table."""
+
+    time = real("from which the rate goes on linearly to the next row's", "s")
+    rate = real("of pay-out then", "m/s")
+
+
+RATE_WORDS = Rate.WORDS
+
+
+class Cable(Record):
+    """A cable of the line or of the drum, in the order in which they pass the tow point."""
+
+    leaves = real("travel at which its vessel end passes the tow point", "m")
+    nominal = real("length of its elements", "m")
+    shortest = real("length below which its lower end stays on the drum", "m")
+    hinge = real("1: its lower end is a hinge, 0: the slope is shared")
+    body = real("row of the body at its lower end, -1: none")
+    displaced = real("mass of the water that it displaces", "kg/m")
+    line = real("unstretched length of the line that it is a part of, in a system", "m")
+    edge = part(Edge, "of its elements")
+
+
+CABLE_WORDS = Cable.WORDS
+
+
+class Body(Record):
+    """A body of the line or of the drum."""
+
+    node = real("its node; of one with a length the outer attachment; negative on the drum")
+    mass = real("in air", "kg")
+    weight = real("in water", "N")
+    added_mass = real("across its axis", "kg")
+    added_mass_axial = real("along its axis", "kg")
+    drag = real("1/2 rho CdA across its axis", "kg/m")
+    drag_axial = real("1/2 rho CdA along its axis", "kg/m")
+    item = real("its place in line and drum")
+    length = real("between its attachments; 0: a point body", "m")
+    offset = real("of the centre of gravity from the middle, in half lengths")
+    inertia = real("rotary, about the centre of gravity", "kg m2")
+    dry_weight = real("weight in air", "N")
+    compliance = real("of its length", "m/N")
+    tie = real("at the line's end: stiffness that ties the outer node's slope to its axis", "N m")
+    clamp = reals(2, "stiffness of the clamps to the cables before and beyond", "N m")
+    clamp_tension = reals(2, "tensions there, smoothed over time", "N")
+    support = reals(2, "what the floor bears for long at its ends, over its weight")
+
+
+BODY_WORDS = Body.WORDS
+
+
+class Constraint(Record):
+    """A node with a prescribed position or tangent; the vessel's is the first."""
+
+    node = real("that is held")
+    kind = real("HELD_BY_VESSEL, HELD_BY_ANCHOR or HELD_BY_FRAME")
+    position = reals(3, "of the anchor; of a frame's point: in the frame's axes", "m")
+    clamped = real("EXACTLY, BY_SPRING, or 0: the tangent is free")
+    direction = reals(3, "of the clamp")
+    spring = real("stiffness of a clamp that is a spring", "N m")
+    share = real("part of it that is no spring but the way of the hinge (clamp_layer.py)")
+    place = reals(3, "where that goes to, from the tow point", "m")
+    away = reals(3, "how far from there it was", "m")
+    drift = reals(3, "a rate of that", "m/s")
+    layer_time = real("when", "s")
+    layer_rate = real("how fast it goes there", "1/s")
+    layer_tension = real("by which the layer is as thick as it is", "N")
+    tension_gain = real("how that follows the tension")
+    tension_change = real("what it was off last", "N")
+    drift_rate = reals(3, "another rate (`add_layer_motion`)", "m/s")
+    frame = real("row of the frame whose point it is")
+    own_direction = reals(3, "a clamp's direction in the frame's axes")
+
+
+CONSTRAINT_WORDS = Constraint.WORDS
+HELD_BY_VESSEL, HELD_BY_ANCHOR, HELD_BY_FRAME = 1, 2, 3
+EXACTLY, BY_SPRING = 1, 2  # how the tangent is held
+ALONE = 3  # no line is left at the node
+
+
+class Piece(Record):
+    """A piece of the vessel's motion: see cablemodel/scene/motion.py."""
+
+    start = real("from which time on it holds", "s")
+    end = real("until which time", "s")
+    kind = real("of its law")
+    data = reals(18, "numbers of that law")
+    _spare = spare(1)
+    acceleration_jump = real("at its start", "m/s2")
+    velocity_jump = real("at its start", "m/s")
+
+
+PIECE_WORDS = Piece.WORDS
+
+
+class Frame(Record):
+    """A rigid frame that moves as prescribed, a vessel or a driven end, at the last set_time."""
+
+    motion = reals(9, "position [m], velocity, acceleration of its origin, earth frame")
+    rotation = reals(9, "by rows: its axes in the earth's, columns")
+    spin = reals(3, "angular velocity, earth frame", "rad/s")
+    spin_rate = reals(3, "its rate", "rad/s2")
+    live = real("LIVE_NOT, LIVE or LIVE_RETURNS: what drives its place")
+    first = real("pieces of the origin's motion: first row")
+    count = real("how many")
+    turn_first = real("the same of roll, pitch and yaw")
+    turn_count = real("how many; 0: it does not turn")
+    shift = reals(6, "position and angles minus those of its own pieces")
+    turn_live = real("what drives its attitude")
+    piece = part(Piece, "live piece of the origin")
+    turn_piece = part(Piece, "live piece of the angles")
+    raos = real("1: the waves move it on top of that, by its rows of the header's `raos`")
+    mean = reals(18, "place and angles without the waves' part, with two derivatives each")
+    moved = reals(18, "the same with it")
+    _spare = spare(1)
+
+
+FRAME_WORDS = Frame.WORDS
+LIVE_NOT, LIVE, LIVE_RETURNS = 0, 1, 2  # its pieces; the caller; a step back to its pieces
+
+# Responses of a frame to a wave of 1 m: cosine and sine parts of surge, sway, heave [m], roll,
+# pitch, yaw [rad], of each component and heading. A heading is where the waves go to, from the
+# frame's x axis.
+RAO_WORDS = 12
+RAO_HEADINGS = 36  # every 10 degrees from 0
+
+
+class BodyMotion(Record):
+    """Motion of a free body at the last residual."""
+
+    turn = reals(9, "its axes, by rows")
+    rates = reals(9, "T by rows, where Omega = T d(theta)/dt")
+    spin = reals(3, "angular velocity, body's axes", "rad/s")
+    spin_rate = reals(3, "its rate, body's axes", "rad/s2")
+    reference = reals(9, "place [m], velocity, acceleration of the reference point, earth frame")
+
+
+class FreeBody(Record):
+    """A body that moves freely; axes and places are its own, from its reference point."""
+
+    node = real("its node")
+    size = real("by which a turn moves what is far out", "m")
+    weight = real("in air", "N")
+    buoyancy = real("weight of what it displaces", "N")
+    centre = reals(3, "of gravity", "m")
+    buoyancy_centre = reals(3, "of what it displaces", "m")
+    drag_centre = reals(3, "where drag attacks", "m")
+    drag = reals(3, "1/2 rho CdA along its axes", "kg/m")
+    turn_drag = reals(3, "moment per square of the angular velocity about its axes", "N m s2")
+    origin = reals(3, "of the axes that the scene gives it", "m")
+    solid = reals(36, "(6, 6) matrix of inertia of the body")
+    added = reals(36, "(6, 6) matrix of inertia of the water")
+    rotation = reals(9, "by rows: from which the state's rotation vector turns")
+    force = reals(14, "t0, t1, force and torque about the origin then, earth frame")
+    motion = part(BodyMotion, "at the last residual")
+    first_foil = real("row of its first foil")
+    foil_count = real("how many foils it has")
+    radius = real("of a ball that displaces as much, where the body has no hull", "m")
+    hull = real("HULL_...: what of it the water can leave")
+    hull_radius = real("of that", "m")
+    hull_height = real("of that", "m")
+    hull_centre = reals(3, "its middle", "m")
+    _spare = spare(21)
+
+
+FREE_WORDS = FreeBody.WORDS
+HULL_NONE, HULL_SPHERE, HULL_CYLINDER = 0, 1, 2  # a cylinder about the body's z axis
+
+
+class Arm(Record):
+    """An end of a line at a point of a free body."""
+
+    node = real("of the line")
+    body = real("row of the body")
+    place = reals(3, "in the body's axes", "m")
+    force = reals(3, "what the line pulled with at the last residual", "N")
+
+
+ARM_WORDS = Arm.WORDS
+
+
+class Foil(Record):
+    """A foil of a free body."""
+
+    place = reals(3, "of it, body's axes", "m")
+    chord = reals(3, "towards the leading edge")
+    span = reals(3, "along it; lift along chord x span")
+    area = real("times half of the water's density", "kg/m")
+    table = real("word of its table: lift and drag coefficients at FOIL_ANGLES angles")
+    deflection = reals(4, "t0, t1, angle then", "rad")
+    _spare = spare(5)
+
+
+FOIL_WORDS = Foil.WORDS
+FOIL_ANGLES = 361  # from -180 to 180 degrees
+
+
+class Cut(Record):
+    """A place where a line of a system is cut, let go or breaks."""
+
+    segment = real("row of the cable table whose elements it is in")
+    arc = real("where, as the edges' `start` counts", "m")
+    side = real("CUT_WITHIN, or CUT_START, CUT_END: at an end of the line")
+    time = real("when; infinite: never", "s")
+    tension = real("above which; infinite: never", "N")
+    ordered = real("1: by the caller")
+    done = real("when it was made; infinite: not yet", "s")
+    _spare = spare(1)
+
+
+CUT_WORDS = Cut.WORDS
+CUT_WITHIN, CUT_START, CUT_END = 0, 1, 2
+NODES_OF_A_CUT = 2  # that it may need
 
 # Columns of the wave table, one number for each component, in the order of k.
 WAVE_WORDS = 6
@@ -280,115 +521,23 @@ CELL_TERMS = 15
 MIRROR_DEGREE = 3  # of the bottom's mirror, which long waves alone feel
 MIRROR_TERMS = 10
 CELL_WORDS = 8 * CELL_TERMS
+CELL_LAYERS = 4  # of water
 
-# Layers of water, each with cells of its own, larger the deeper they lie: a row of CELL_TERMS
-# words, then CELL_TERMS factors of each component. What is not there lies infinitely deep.
-CELL_LAYERS = 4
-L_DEPTH = 0  # where the layer begins [m]
-L_TIME, L_WIDTH = 1, 2  # of a cell [s], along the waves' way and upwards [m]
-L_FREQUENCY, L_NUMBER = 3, 4  # of its carrier [rad/s], [rad/m]
-L_MIRROR = 5  # 1: the bottom's mirror of the waves is felt
 
-# Rows of the edge table: the element (or joint) that ties a node to its parent.
-EDGE_WORDS = 21
-E_LENGTH, E_MASS, E_ADDED, E_WEIGHT, E_BENDING = 0, 1, 2, 3, 4
-E_DRAG_NORMAL, E_DRAG_TANGENTIAL = 5, 6
-E_COMPLIANCE = 7  # c_1 of the strain curve
-E_STRAIN_TERMS, E_STRAIN_OFFSET = 8, 9  # number of coefficients, place in the strain table
-E_TENSION_LOW, E_TENSION_HIGH = 10, 11  # the curve is continued by its tangent outside
-E_STABILISATION = 12
-E_BENDING_FULL, E_MODEL, E_TYPE, E_SEGMENT, E_START = 13, 14, 15, 16, 17
-E_CONTACT = 18  # weight per length that the floor's preload carries [N/m]
-E_NOMINAL = 19  # length up to which elements in free water are joined again [m]
-E_BORNE = 20  # what the floor bears for long, in units of E_CONTACT: at least 1
-MODEL_ELASTICA, MODEL_CABLE, MODEL_HYBRID = 0, 1, 2
+class Layer(Record):
+    """A layer of water with cells of its own, larger the deeper they lie.
 
-# What ties a node to its parent (`joint`).
-JOINT_NONE = 0  # an element
-JOINT_HINGE = 1  # the same place, a slope of its own
-JOINT_BODY = 2  # a rigid body of finite length, from the parent to the node
-JOINT_ARM = 3  # a point of the free body that is the parent: its place follows, its slope is free
-JOINT_FREE = 4  # a free body whose reference point is the parent's place; it turns by itself
-JOINT_ROOT = 5  # nothing: a tree of its own
-JOINT_ROOT_FREE = 6  # nothing: a free body that is a root
+    Then come CELL_TERMS factors of each component. What is not there lies infinitely deep.
+    """
 
-# Rows of the body table.
-BODY_WORDS = 20
-B_NODE, B_MASS, B_WEIGHT, B_ADDED, B_ADDED_AXIAL, B_DRAG, B_DRAG_AXIAL, B_ITEM = range(8)
-B_LENGTH = 8  # between its attachments [m]; 0: a point body. Its node is the outer attachment
-B_OFFSET = 9  # centre of gravity, in half lengths from the middle
-B_INERTIA = 10  # rotary inertia about the centre of gravity [kg m2]
-B_DRY_WEIGHT = 11  # weight in air [N]
-B_COMPLIANCE = 12  # of its length [m/N]
-B_TIE = 13  # at the line's end: stiffness that ties the outer node's slope to its axis [N m]
-B_CLAMP = 14  # 2 words: stiffness of the clamps to the cables before and beyond [N m]
-B_PULL = 16  # 2 words: tensions there, smoothed over time [N]
-B_BORNE = 18  # 2 words: what the floor bears for long at its ends, in units of its weight
+    depth = real("where the layer begins", "m")
+    time = real("of a cell", "s")
+    width = real("of a cell, along the waves' way and upwards", "m")
+    frequency = real("of its carrier", "rad/s")
+    number = real("of its carrier", "rad/m")
+    mirror = real("1: the bottom's mirror of the waves is felt")
+    _spare = spare(9)
 
-# Rows of the constraint table: nodes with a prescribed position or tangent; the vessel's is first.
-CONSTRAINT_WORDS = 32
-C_NODE, C_KIND, C_POSITION, C_CLAMPED, C_DIRECTION = (
-    0,
-    1,
-    2,
-    5,
-    6,
-)  # 3 words of position, 3 of direction
-C_SPRING = 9  # stiffness of a clamp that is a spring [N m]
-C_SHARE = 10  # which part of it is no spring but the way of the hinge, see clamp_layer.py
-C_PLACE = 11  # 3 words: where that goes to, from the tow point [m]
-C_AWAY, C_DRIFT = 14, 17  # 3 words each: how far from there it was [m], and a rate [m/s]
-C_LAYER_TIME, C_LAYER_RATE = 20, 21  # when [s]; how fast it goes there [1/s]
-C_PULL = 22  # tension by which the layer is as thick as it is [N]
-C_DRIFT_RATE = 25  # 3 words: another rate, see `add_layer_motion`
-C_PULL_GAIN, C_PULL_CHANGE = 23, 24  # how it follows, and what it was off last [N]
-C_FRAME = 28  # row of the frame whose point it is (C_POINT), at C_POSITION in its axes [m]
-C_OWN_DIRECTION = 29  # 3 words: a clamp's direction in the frame's axes
-C_VESSEL, C_ANCHOR, C_POINT = 1, 2, 3
-EXACTLY, BY_SPRING = 1, 2  # how the tangent is held (C_CLAMPED); 0: it is free
-
-# Rows of the frame table: rigid frames that move as prescribed, vessels and driven ends.
-FRAME_WORDS = 84
-F_POSITION, F_VELOCITY, F_ACCELERATION = 0, 3, 6  # of its origin, earth frame, at the last set_time
-F_ROTATION = 9  # 9 words, by rows: its axes in the earth's, columns
-F_SPIN, F_SPIN_RATE = 18, 21  # angular velocity [rad/s] and its rate, earth frame
-F_LIVE = 24  # 1: the caller's motion drives it, 0: its pieces
-F_FIRST, F_COUNT = 25, 26  # pieces of the origin's motion: first row, how many
-F_TURN_FIRST, F_TURN_COUNT = 27, 28  # the same of roll, pitch and yaw [rad]; 0: it does not turn
-F_SHIFT = 29  # 6 words: position and angles minus those of its own pieces
-F_PIECE, F_TURN_PIECE = 36, 60  # live pieces
-
-# Rows of the table of free bodies, axes and places those of the body, from its reference point.
-FREE_WORDS = 180
-Y_NODE = 0
-Y_SIZE = 1  # by which a turn moves what is far out [m]
-Y_WEIGHT, Y_BUOYANCY = 2, 3  # in air; of what it displaces [N]
-Y_CENTRE, Y_BUOYANCY_CENTRE, Y_DRAG_CENTRE = 4, 7, 10
-Y_DRAG = 13  # 3 words: 1/2 rho CdA along its axes [kg/m]
-Y_TURN_DRAG = 16  # 3 words: moment per square of the angular velocity about its axes [N m s2]
-Y_ORIGIN = 19  # of the body's own axes
-Y_SOLID, Y_ADDED = 22, 58  # (6, 6) matrices of inertia, of the body and of the water
-Y_ROTATION = 94  # 9 words, by rows: from which the state's rotation vector turns
-Y_FORCE = 103  # 14 words: t0, t1, force and torque about the origin then, earth frame
-Y_MOTION = 117  # BODY_MOTION words, at the last residual
-BODY_MOTION = 33
-M_TURN, M_RATES, M_SPIN, M_SPIN_RATE = 0, 9, 18, 21  # axes; Omega = T d(theta)/dt; body axes
-M_PLACE, M_SPEED, M_GAIN = 24, 27, 30  # of the reference point
-Y_FIRST_FOIL, Y_FOILS = 150, 151
-Y_RADIUS = 152  # of a hull that pierces the surface: half of its height [m], 0: none
-
-# Rows of the table of arms.
-ARM_WORDS = 8
-A_NODE, A_BODY, A_PLACE = 0, 1, 2  # node, row of the body, 3 words in its axes
-A_FORCE = 5  # 3 words: what the line pulled with at the last residual [N]
-
-# Rows of the table of foils.
-FOIL_WORDS = 20
-L_PLACE, L_CHORD, L_SPAN = 0, 3, 6  # chord to the leading edge; span; lift along chord x span
-L_AREA = 9  # times half of the water's density [kg/m]
-L_TABLE = 10  # word of its table: lift and drag coefficients at FOIL_ANGLES angles
-L_DEFLECTION = 11  # 4 words: t0, t1, angle then [rad]
-FOIL_ANGLES = 361  # from -180 to 180 degrees
 
 PARTS_WORDS = 160  # of the workspace
 

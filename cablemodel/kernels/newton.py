@@ -2,12 +2,9 @@
 
 import math
 
-from .access import header, scalars
+from .access import edge_of, header, scalars
 from .compile import inlined, kernel, outlined, view
 from .layout import (
-    E_COMPLIANCE,
-    E_LENGTH,
-    EDGE_WORDS,
     JOINT_FREE,
     JOINT_ROOT_FREE,
 )
@@ -24,9 +21,8 @@ def _largest_square(I, M, x, dimension):
     head = header(I)
     largest = 0.0
     where = 0
-    edge = view(M, head.edges + EDGE_WORDS + E_LENGTH, 1)
     for node in range(head.nodes):
-        h = edge[max(node - 1, 0) * EDGE_WORDS]
+        h = edge_of(I, M, max(node, 1)).length
         at = view(x, 2 * dimension * node, 2 * dimension)
         motion = 0.0
         slope = 0.0
@@ -73,10 +69,9 @@ def is_folded(I, M, q, tension):
     """
     head = header(I)
     dimension = head.dimension
-    edge = view(M, head.edges + E_COMPLIANCE, 1)
     longest = SLOPE_RANGE[1]
     for node in range(1, head.nodes):
-        longest = max(longest, SLOPE_RANGE[1] + edge[node * EDGE_WORDS] * tension[2 * node])
+        longest = max(longest, SLOPE_RANGE[1] + edge_of(I, M, node).compliance * tension[2 * node])
     for node in range(head.nodes):
         if head.parts != 0 and is_free_body(I, node):
             continue

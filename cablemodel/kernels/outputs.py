@@ -2,7 +2,7 @@
 
 import math
 
-from .access import header, scalars
+from .access import body_at, body_of, constraint_of, edge_of, header, scalars
 from .bodies import add_waves, body_kinematics, surge_power
 from .clamp_layer import add_layer_shape
 from .compile import kernel, view
@@ -10,30 +10,7 @@ from .environment import add_layer_motion, current_at, surge_at
 from .floor_outputs import floor_energy, floor_summary, lying_gap
 from .floor_surface import gap_at
 from .layout import (
-    B_LENGTH,
-    B_MASS,
-    B_NODE,
-    B_OFFSET,
-    B_WEIGHT,
-    BODY_WORDS,
     BY_SPRING,
-    C_CLAMPED,
-    E_ADDED,
-    E_BENDING,
-    E_BENDING_FULL,
-    E_DRAG_NORMAL,
-    E_DRAG_TANGENTIAL,
-    E_LENGTH,
-    E_MASS,
-    E_SEGMENT,
-    E_STABILISATION,
-    E_START,
-    E_STRAIN_OFFSET,
-    E_STRAIN_TERMS,
-    E_TENSION_HIGH,
-    E_TENSION_LOW,
-    E_WEIGHT,
-    EDGE_WORDS,
     ENERGY_WORDS,
     GAUSS_WORDS,
     STATION_WORDS,
@@ -93,7 +70,7 @@ def way_from_tow_point(I, M, w):
     state = scalars(M)
     for i in range(15):
         w[i] = 0.0
-    if M[head.constraints + C_CLAMPED] == BY_SPRING:
+    if constraint_of(I, M, 0).clamped == BY_SPRING:
         add_layer_motion(I, M, state.time, w[6:15])
         to_earth(I, M, w, 6, w, 0, 0)
         to_earth(I, M, w, 6 + head.dimension, w, 3, 0)
@@ -197,10 +174,10 @@ def line_length(I, M):
     head = header(I)
     state = scalars(M)
     last = head.nodes - 1
-    edge = head.edges + last * EDGE_WORDS
+    edge = edge_of(I, M, last)
     if last == 1:
-        return M[edge + E_LENGTH] - overhang(I, M)
-    return M[edge + E_START] + M[edge + E_LENGTH] + state.paid
+        return edge.length - overhang(I, M)
+    return edge.start + edge.length + state.paid
 
 
 GAUSS = 0.5 - 0.5 / math.sqrt(3.0)  # where the second derivative of a cubic is most accurate
@@ -219,7 +196,7 @@ def bend_at(I, M, node, x, out):
     head = header(I)
     dimension = head.dimension
     size = 2 * dimension
-    h = M[head.edges + node * EDGE_WORDS + E_LENGTH]
+    h = edge_of(I, M, node).length
     p = head.position + size * I[head.parent + node]
     q = head.position + size * node
     y = 1.0 - x
@@ -258,10 +235,10 @@ def go_on(I, M, node, other):
     head = header(I)
     if other < 1 or other >= head.nodes or I[head.joint + other] != 0:
         return False
-    edge = head.edges + node * EDGE_WORDS
-    beside = head.edges + other * EDGE_WORDS
-    same = M[edge + E_SEGMENT] == M[beside + E_SEGMENT]
-    return same and M[edge + E_BENDING] == M[beside + E_BENDING]
+    edge = edge_of(I, M, node)
+    beside = edge_of(I, M, other)
+    same = edge.segment == beside.segment
+    return same and edge.bending == beside.bending
 
 
 @kernel
@@ -271,8 +248,8 @@ def bend_between(I, M, node, out, w):
     head = header(I)
     bend_at(I, M, node, 1.0 - GAUSS, out)
     bend_at(I, M, node + 1, GAUSS, w)
-    h = M[head.edges + node * EDGE_WORDS + E_LENGTH]
-    share = h / (h + M[head.edges + (node + 1) * EDGE_WORDS + E_LENGTH])
+    h = edge_of(I, M, node).length
+    share = h / (h + edge_of(I, M, node + 1).length)
     for i in range(head.dimension):
         out[i] += share * (w[i] - out[i])
 
@@ -341,9 +318,9 @@ def station_in_element(I, M, low, x, s, out, row):
     w = M[head.motion + 28 : head.motion + 56]
     bend = M[head.motion + 56 : head.motion + 62]
     wide = M[head.motion + 62 : head.motion + 80]
-    edge = head.edges + low * EDGE_WORDS
+    edge = edge_of(I, M, low)
     parent = I[head.parent + low]
-    h = M[edge + E_LENGTH]
+    h = edge.length
     y = 1.0 - x
     n0 = y * y * (1.0 + 2.0 * x)
     n1 = h * x * y * y
@@ -386,7 +363,7 @@ def station_in_element(I, M, low, x, s, out, row):
     for i in range(dimension):
         curvature += ((w[6 + i] - along * w[3 + i]) / g) ** 2
     curvature = math.sqrt(curvature)
-    bending = M[edge + E_BENDING]
+    bending = edge.bending
     if bending > 0.0 and smooth_bend(I, M, low, x, bend[0:3], wide):
         curvature = 0.0
         for i in range(dimension):
@@ -411,9 +388,9 @@ def station_in_element(I, M, low, x, s, out, row):
         bow = math.copysign(max(0.0, abs(bow) - off), bow)
     out[row + 9] = left + x * (right - left) + bow * x * y
     out[row + 10] = curvature
-    out[row + 11] = M[edge + E_BENDING] * curvature
+    out[row + 11] = edge.bending * curvature
     if moment > 0.0:
-        out[row + 10] += moment / M[edge + E_BENDING_FULL]
+        out[row + 10] += moment / edge.bending_full
         out[row + 11] += moment
 
 
@@ -442,15 +419,15 @@ def sample_stations(I, M, stations, out):
         high = nodes
         while high - low > 1:
             middle = (low + high) // 2
-            if s - state.paid + slack >= M[head.edges + middle * EDGE_WORDS + E_START]:
+            if s - state.paid + slack >= edge_of(I, M, middle).start:
                 low = middle
             else:
                 high = middle
         if I[head.joint + low] != 0:
             low = low - 1 if low > 1 else 2
-        edge = head.edges + low * EDGE_WORDS
-        start = M[edge + E_START] + state.paid if I[head.parent + low] > 0 else -above
-        x = min(1.0, max(0.0, (s - start) / M[edge + E_LENGTH]))
+        edge = edge_of(I, M, low)
+        start = edge.start + state.paid if I[head.parent + low] > 0 else -above
+        x = min(1.0, max(0.0, (s - start) / edge.length))
         station_in_element(I, M, low, x, s, out, STATION_WORDS * n)
     return len(stations)
 
@@ -477,14 +454,15 @@ def body_stations(I, M, out):
         exchange_rates(I, M, v, a)
     for body in range(head.body_count):
         row = rigid_row(I, M, body)
+        of_body = body_at(M, row)
         if row < 0:
             continue
-        node = int(M[row + B_NODE])
+        node = int(of_body.node)
         outer = size * node
         inner = size * I[head.parent + node]
         axis_of(dimension, q, inner, outer, w)
-        near = 0.5 * (1.0 - M[row + B_OFFSET])
-        far = 0.5 * (1.0 + M[row + B_OFFSET])
+        near = 0.5 * (1.0 - of_body.offset)
+        far = 0.5 * (1.0 + of_body.offset)
         for i in range(dimension):
             w[3 + i] = near * q[inner + i] + far * q[outer + i]
             w[6 + i] = near * v[inner + i] + far * v[outer + i]
@@ -587,8 +565,8 @@ def energies(I, M, out):
         if I[head.joint + node] != 0:
             continue
         parent = I[head.parent + node]
-        edge = head.edges + node * EDGE_WORDS
-        h = M[edge + E_LENGTH]
+        edge = edge_of(I, M, node)
+        h = edge.length
         q0 = head.position + size * parent
         q1 = head.position + size * node
         v0 = head.velocity + size * parent
@@ -600,8 +578,8 @@ def energies(I, M, out):
             a0 = head.top + 6
         mean = M[head.tension + 2 * node]
         slope = M[head.tension + 2 * node + 1]
-        dry = M[edge + E_ADDED] if head.wave_count != 0 else 0.0
-        out[0] += 0.5 * h * (M[edge + E_MASS] - dry) * square(M, v0, v1, dimension, h)
+        dry = edge.added_mass if head.wave_count != 0 else 0.0
+        out[0] += 0.5 * h * (edge.mass - dry) * square(M, v0, v1, dimension, h)
         if head.wave_count != 0:
             element_water(I, M, W, edge, view(M, q0, size), view(M, q1, size))
         e2 = 0.0
@@ -646,17 +624,17 @@ def energies(I, M, out):
                 un2 += (w[9 + i] - ut * w[i]) ** 2
             un = math.sqrt(un2)
             if head.wave_count == 0:
-                out[0] -= 0.5 * weight * M[edge + E_ADDED] * vt * vt
-                out[3] += weight * M[edge + E_WEIGHT] * (height + state.origin[2])
+                out[0] -= 0.5 * weight * edge.added_mass * vt * vt
+                out[3] += weight * edge.weight * (height + state.origin[2])
             # Complementary energy subtracted from T strain: exact for a curved law too.
             out[1] += weight * strain_energy(M, edge, mean + slope * P1[p])
-            out[2] += 0.5 * weight * M[edge + E_BENDING] * curvature
+            out[2] += 0.5 * weight * edge.bending * curvature
             if head.wave_count != 0:
                 cable_in_waves(I, M, W, p, edge, weight, g, un, ut, height, w, out)
             elif head.drag != 0:
                 root = math.sqrt(g)
-                fn = root * M[edge + E_DRAG_NORMAL] * un
-                ft = root * M[edge + E_DRAG_TANGENTIAL] * abs(ut) * ut
+                fn = root * edge.drag_normal * un
+                ft = root * edge.drag_tangential * abs(ut) * ut
                 for i in range(dimension):
                     force = fn * (w[9 + i] - ut * w[i]) + ft * w[i]
                     out[5] -= weight * force * w[6 + i]
@@ -667,7 +645,7 @@ def energies(I, M, out):
                         turning += w[12 + i] * w[i]
                     for i in range(dimension):
                         force = displaced(I, M, edge) * w[12 + i]
-                        force += M[edge + E_ADDED] * (w[12 + i] - turning * w[i])
+                        force += edge.added_mass * (w[12 + i] - turning * w[i])
                         out[5] -= weight * force * w[6 + i]
                 turning = 0.0  # v . dv/ds, then v . t_dot
                 stretching = 0.0
@@ -678,43 +656,43 @@ def energies(I, M, out):
                     turning += w[6 + i] * rate
                     stretching += w[i] * rate
                 turning = (turning - vt * stretching) / g
-                out[8] += weight * M[edge + E_ADDED] * vt * turning
+                out[8] += weight * edge.added_mass * vt * turning
             e2 += WEIGHT_P2[p] * (g - 1.0)
         e2 *= 5.0
-        out[1] += 0.1 * h * M[edge + E_STABILISATION] * e2 * e2
+        out[1] += 0.1 * h * edge.stabilisation * e2 * e2
     q = M[head.position : head.position + size * nodes]
     v = M[head.velocity : head.velocity + size * nodes]
     a = M[head.acceleration : head.acceleration + size * nodes]
     flow = M[head.motion + 16 : head.motion + 46]
     passing = state.body_passage != 0.0
     for body in range(head.body_count):
-        row = head.bodies + body * BODY_WORDS
-        if M[row + B_NODE] < 0.0:
+        row = body_of(I, M, body)
+        if row.node < 0.0:
             continue
-        if M[row + B_LENGTH] > 0.0:
+        if row.length > 0.0:
             tension = M[head.tension : head.tension + 2 * nodes]
             if passing:
                 exchange_rates(I, M, v, a)
-            rigid_energy(I, M, rigid_row(I, M, body), q, v, a, tension, out)
+            rigid_energy(I, M, body_at(M, rigid_row(I, M, body)), q, v, a, tension, out)
             if passing:
                 exchange_rates(I, M, v, a)
             continue
-        node = int(M[row + B_NODE])
+        node = int(row.node)
         at = size * node
         speed = 0.0
         for i in range(dimension):
             speed += v[at + i] ** 2
-        out[0] += 0.5 * M[row + B_MASS] * speed
+        out[0] += 0.5 * row.mass * speed
         height = q[at + dimension - 1] + state.origin[2]
         body_kinematics(I, M, node, q, v, a, flow)
         for i in range(dimension):
             flow[12 + i] = v[at + i]
         if head.wave_count != 0:
-            out[3] += M[row + B_MASS] * state.gravity * height
+            out[3] += row.mass * state.gravity * height
             add_waves(I, M, row, q[at], q[at + 1], q[at + dimension - 1], 0.0, flow)
             wave_power(I, M, row, flow, out)
             continue
-        out[3] += M[row + B_WEIGHT] * height
+        out[3] += row.weight * height
         slope = view(M, head.position + at + dimension, dimension)
         rate = view(M, head.velocity + at + dimension, dimension)
         size_of_slope = 0.0
@@ -741,17 +719,17 @@ def cable_in_waves(I, M, W, p, edge, weight, g, un, ut, height, w, out):
     head = header(I)
     state = scalars(M)
     dimension = head.dimension
-    mass = M[edge + E_MASS] - M[edge + E_ADDED]
+    mass = edge.mass - edge.added_mass
     at = 0.0
     wt = 0.0
     for i in range(dimension):
         at += w[18 + i] * w[i]
         wt += W[ACCELERATION + 4 * i + p] * w[i]
     out[3] += weight * mass * state.gravity * (height + state.origin[2])
-    added = M[edge + E_ADDED]
+    added = edge.added_mass
     mass_of_water = displaced(I, M, edge)
-    fn = math.sqrt(g) * M[edge + E_DRAG_NORMAL] * un
-    ft = math.sqrt(g) * M[edge + E_DRAG_TANGENTIAL] * abs(ut) * ut
+    fn = math.sqrt(g) * edge.drag_normal * un
+    ft = math.sqrt(g) * edge.drag_tangential * abs(ut) * ut
     power = buoyancy(M, edge) * w[6 + dimension - 1]
     drag = 0.0
     for i in range(dimension):
@@ -781,10 +759,10 @@ def square(M, v0, v1, dimension, h):
 @kernel
 def strain_energy(M, edge, tension):
     """Strain energy per unit length [J/m]: T strain(T) minus the integral of strain dT."""
-    low = M[edge + E_TENSION_LOW]
-    high = M[edge + E_TENSION_HIGH]
-    offset = int(M[edge + E_STRAIN_OFFSET])
-    terms = int(M[edge + E_STRAIN_TERMS])
+    low = edge.tension_low
+    high = edge.tension_high
+    offset = int(edge.strain_offset)
+    terms = int(edge.strain_terms)
     strain, slope = strain_and_slope(M, tension, low, high, offset, terms)
     t = min(max(tension, low), high)
     at_limit, slope = strain_and_slope(M, t, low, high, offset, terms)

@@ -1,54 +1,50 @@
 """Systems of parts: what the caller drives, and what is read of bodies, frames and lines' ends."""
 
-from .access import header, scalars
+from .access import constraint_of, cut_of, edge_of, frame_of, free_body_of, header, scalars
 from .compile import kernel, view
-from .frames import drive_frame
+from .frames import drive_frame, evaluate_frame
 from .free_bodies import deflect_foils, push_bodies
 from .layout import (
-    C_NODE,
-    CONSTRAINT_WORDS,
-    E_LENGTH,
-    EDGE_WORDS,
-    F_POSITION,
     FRAME_INPUTS,
-    FRAME_WORDS,
-    FREE_WORDS,
-    M_GAIN,
-    M_PLACE,
-    M_SPEED,
-    M_SPIN,
-    M_SPIN_RATE,
-    M_TURN,
     PART_WORDS,
     STATION_WORDS,
-    Y_MOTION,
-    Y_ORIGIN,
 )
 from .outputs import end_forces, station_in_element
 from .rotation import cross, to_earth_axes
 
 
 @kernel
-def drive_parts(I, M, t_end, motion, forces, angles):
+def drive_parts(I, M, t_end, motion, forces, angles, orders):
     """Inputs of a step to t_end: see entry.drive."""
     head = header(I)
     for n in range(head.frame_count):
-        row = head.frames + n * FRAME_WORDS
+        row = frame_of(I, M, n)
         given = int(motion[FRAME_INPUTS * n])
         target = motion[FRAME_INPUTS * n + 1 : FRAME_INPUTS * (n + 1)]
         drive_frame(I, M, row, t_end, given, target, view(M, head.motion + 28, 18))
     push_bodies(I, M, t_end, forces)
     deflect_foils(I, M, t_end, angles, head.foil_count)
+    for n in range(head.cut_count):
+        if orders[n] != 0.0:
+            cut_of(I, M, n).ordered = 1.0
+
+
+@kernel
+def frame_motion(I, M, n, out):
+    """Place and angles of a frame, without what waves add, and two derivatives of each (18)."""
+    state = scalars(M)
+    row = frame_of(I, M, n)
+    evaluate_frame(I, M, row, state.time, False, out[0:9])
+    evaluate_frame(I, M, row, state.time, True, out[9:18])
 
 
 @kernel
 def element_stations(I, M, elements, fractions, out):
     """State at fractions of elements: rows of STATION_WORDS, as outputs.sample_stations."""
-    head = header(I)
     end_forces(I, M)
     for n in range(len(elements)):
         node = int(elements[n])
-        s = fractions[n] * M[head.edges + node * EDGE_WORDS + E_LENGTH]
+        s = fractions[n] * edge_of(I, M, node).length
         station_in_element(I, M, node, fractions[n], s, out, STATION_WORDS * n)
 
 
@@ -60,33 +56,33 @@ def parts_motion(I, M, bodies, frames, ends):
     state = scalars(M)
     end_forces(I, M)
     for n in range(head.free_count):
-        row = head.free_bodies + n * FREE_WORDS
-        m = view(M, row + Y_MOTION, 33)
-        origin = view(M, row + Y_ORIGIN, 3)
+        row = free_body_of(I, M, n)
+        m = row.motion
+        origin = row.origin
         w = view(M, head.motion + 28, 15)
         out = bodies[PART_WORDS * n : PART_WORDS * (n + 1)]
-        turn = m[M_TURN : M_TURN + 9]
-        spin = m[M_SPIN : M_SPIN + 3]
+        turn = m.turn
+        spin = m.spin
         to_earth_axes(turn, origin, w[0:3])
         cross(spin, origin, w[3:6])
         to_earth_axes(turn, w[3:6], w[6:9])
         cross(spin, w[3:6], w[9:12])
-        cross(m[M_SPIN_RATE : M_SPIN_RATE + 3], origin, w[3:6])
+        cross(m.spin_rate, origin, w[3:6])
         for i in range(3):
-            out[i] = m[M_PLACE + i] + w[i] + state.origin[i]
-            out[3 + i] = m[M_SPEED + i] + w[6 + i]
+            out[i] = m.reference[i] + w[i] + state.origin[i]
+            out[3 + i] = m.reference[3 + i] + w[6 + i]
             w[3 + i] += w[9 + i]
         to_earth_axes(turn, w[3:6], w[0:3])
         for i in range(3):
-            out[6 + i] = m[M_GAIN + i] + w[i]
+            out[6 + i] = m.reference[6 + i] + w[i]
         for i in range(9):
             out[9 + i] = turn[i]
         to_earth_axes(turn, spin, out[18:21])
-        to_earth_axes(turn, m[M_SPIN_RATE : M_SPIN_RATE + 3], out[21:24])
+        to_earth_axes(turn, m.spin_rate, out[21:24])
     for n in range(head.frame_count):
         for i in range(PART_WORDS):
-            frames[PART_WORDS * n + i] = M[head.frames + n * FRAME_WORDS + F_POSITION + i]
+            frames[PART_WORDS * n + i] = frame_of(I, M, n).motion[i]
     for n in range(head.constraint_count):
-        node = int(M[head.constraints + n * CONSTRAINT_WORDS + C_NODE])
+        node = int(constraint_of(I, M, n).node)
         for i in range(3):
             ends[3 * n + i] = M[head.residual + 6 * node + i]

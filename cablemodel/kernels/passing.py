@@ -15,25 +15,10 @@ that is paid out at v_p (payout.py), with
 With these in place of the vessel's motion the body is computed like any other one (rigid.py).
 """
 
-from .access import header, scalars
+from .access import body_at, body_of, cable_of, header, scalars, word_of
 from .compile import kernel
 from .layout import (
-    B_ADDED,
-    B_ADDED_AXIAL,
-    B_CLAMP,
-    B_DRAG,
-    B_DRAG_AXIAL,
-    B_DRY_WEIGHT,
-    B_INERTIA,
-    B_LENGTH,
-    B_MASS,
-    B_TIE,
-    B_WEIGHT,
     BODY_WORDS,
-    CABLE_WORDS,
-    K_BODY,
-    K_LEAVES,
-    K_SHORTEST,
 )
 
 BARE = 0.05  # of its length: what is out of a body before it takes the top element's place,
@@ -54,11 +39,12 @@ def body_above(I, M, cable):
     head = header(I)
     if cable + 1 >= head.cable_count:
         return -1
-    body = int(M[head.cables + (cable + 1) * CABLE_WORDS + K_BODY])
+    body = int(cable_of(I, M, cable + 1).body)
     if body < 0:
         return -1
     row = head.bodies + body * BODY_WORDS
-    if M[row + B_LENGTH] == 0.0:
+    of_body = body_at(M, row)
+    if of_body.length == 0.0:
         return -1
     return row
 
@@ -70,8 +56,8 @@ def bare_length(M, body, above):
     A short end of a body swings about the tow point the wider the shorter it gets. body, above:
     rows of the body and of the cable above it.
     """
-    length = M[body + B_LENGTH]
-    return max(BARE * length, min(LARGEST_BARE * length, M[above + K_SHORTEST]))
+    length = body.length
+    return max(BARE * length, min(LARGEST_BARE * length, above.shortest))
 
 
 @kernel
@@ -81,9 +67,10 @@ def bodies_passed(I, M, travel):
     length = 0.0
     for cable in range(head.cable_count - 1):
         row = body_above(I, M, cable)
+        body = body_at(M, row)
         if row >= 0:
-            out = travel - M[head.cables + cable * CABLE_WORDS + K_LEAVES]
-            length += min(max(out, 0.0), M[row + B_LENGTH])
+            out = travel - cable_of(I, M, cable).leaves
+            length += min(max(out, 0.0), body.length)
     return length
 
 
@@ -106,10 +93,11 @@ def overhang(I, M):
     if head.rigid == 0 or state.body_passage != 0.0:
         return 0.0
     row = body_above(I, M, head.top_cable)
+    body = body_at(M, row)
     if row < 0:
         return 0.0
-    out = state.travel - M[head.cables + head.top_cable * CABLE_WORDS + K_LEAVES]
-    return min(max(out, 0.0), M[row + B_LENGTH])
+    out = state.travel - cable_of(I, M, head.top_cable).leaves
+    return min(max(out, 0.0), body.length)
 
 
 @kernel
@@ -121,21 +109,22 @@ def next_mark(I, M, outwards):
         return 1e300
     cable = head.top_cable
     row = body_above(I, M, cable)
+    body = body_at(M, row)
     if row < 0:
         return 1e300
-    at = head.cables + cable * CABLE_WORDS
-    out = state.travel - M[at + K_LEAVES]
-    length = M[row + B_LENGTH]
+    at = cable_of(I, M, cable)
+    out = state.travel - at.leaves
+    length = body.length
     near = 1e-9 * length
     if not outwards:
         if state.body_passage != 0.0 and out > length + near:
             return out - length
         return 1e300
     if state.body_passage == 0.0:
-        return max(bare_length(M, row, at + CABLE_WORDS) - out, near)
+        return max(bare_length(M, body, cable_of(I, M, cable + 1)) - out, near)
     if out < length - near:
         return length - out
-    return max(length + M[at + CABLE_WORDS + K_SHORTEST] - out, near)
+    return max(length + cable_of(I, M, cable + 1).shortest - out, near)
 
 
 @kernel
@@ -144,50 +133,49 @@ def set_part(I, M, length):
 
     Beyond its own length it is the whole body on a weightless stick: the bit of the next cable.
     """
-    head = header(I)
     state = scalars(M)
-    whole = head.bodies + (int(state.body_passage) - 1) * BODY_WORDS
+    whole = body_of(I, M, int(state.body_passage) - 1)
     take_share(I, M, whole, length)
     # Nothing but this spring holds the slope at the vessel.
-    M[part_row(I) + B_CLAMP] = state.tension_scale * length
+    body_at(M, part_row(I)).clamp[0] = state.tension_scale * length
 
 
 @kernel
 def set_first_bit(I, M, out):
-    """The same while the first bit of a body is a piece of the top element: B_MASS 0: none is.
+    """The same while the first bit of a body is a piece of the top element: `Body.mass` 0: none is.
 
     out: what has passed the tow point since `time` [m].
     """
     head = header(I)
     state = scalars(M)
-    part = part_row(I)
-    M[part + B_MASS] = 0.0
+    part = body_at(M, part_row(I))
+    part.mass = 0.0
     cable = head.top_cable
     row = body_above(I, M, cable)
     if row < 0:
         return
-    out += state.travel - M[head.cables + cable * CABLE_WORDS + K_LEAVES]
+    out += state.travel - cable_of(I, M, cable).leaves
     if out > 0.0:
-        take_share(I, M, row, out)
+        take_share(I, M, body_at(M, row), out)
 
 
 @kernel
 def take_share(I, M, whole, length):
     """The part row: what is out of a body whose row is `whole`."""
-    part = part_row(I)
+    part = body_at(M, part_row(I))
     for k in range(BODY_WORDS):
-        M[part + k] = M[whole + k]
-    M[part + B_LENGTH] = length
-    share = min(1.0, length / M[whole + B_LENGTH])
-    M[part + B_MASS] *= share
-    M[part + B_WEIGHT] *= share
-    M[part + B_DRY_WEIGHT] *= share
-    M[part + B_ADDED] *= share
-    M[part + B_ADDED_AXIAL] *= share
-    M[part + B_DRAG] *= share
-    M[part + B_DRAG_AXIAL] *= share
-    M[part + B_INERTIA] *= share**3
-    M[part + B_TIE] *= share
+        M[word_of(M, part) + k] = M[word_of(M, whole) + k]
+    part.length = length
+    share = min(1.0, length / whole.length)
+    part.mass *= share
+    part.weight *= share
+    part.dry_weight *= share
+    part.added_mass *= share
+    part.added_mass_axial *= share
+    part.drag *= share
+    part.drag_axial *= share
+    part.inertia *= share**3
+    part.tie *= share
 
 
 @kernel
@@ -197,13 +185,13 @@ def add_first_bit(I, M, out):
     The cable of its length, which stands in its place, bears its own.
     """
     head = header(I)
-    part = part_row(I)
-    if M[part + B_MASS] == 0.0:
+    part = body_at(M, part_row(I))
+    if part.mass == 0.0:
         return
     dimension = head.dimension
     for i in range(dimension):
-        out[i] += M[part + B_MASS] * M[head.top + 6 + i]
-    out[dimension - 1] += M[part + B_WEIGHT]
+        out[i] += part.mass * M[head.top + 6 + i]
+    out[dimension - 1] += part.weight
 
 
 @kernel
@@ -236,7 +224,7 @@ def material_end(I, M, q, v, a):
     w = M[out + 12 : out + 21]
     rate = state.stage_rate
     slope = state.stage_slope
-    axis_motion(I, M, q, v, a, M[part_row(I) + B_LENGTH], rate, slope, w)
+    axis_motion(I, M, q, v, a, body_at(M, part_row(I)).length, rate, slope, w)
     for i in range(dimension):
         M[out + i] = v[i] + rate * w[i]
         M[out + dimension + i] = v[dimension + i]

@@ -13,21 +13,22 @@ the nodal rates the element is computed like any other one. Elements are split a
 steps; splitting a cubic is exact, in position, velocity, acceleration and tension.
 """
 
-from .access import header, scalars
+from .access import (
+    arm_of,
+    body_of,
+    cable_of,
+    constraint_of,
+    edge_of,
+    free_body_of,
+    header,
+    scalars,
+    word_of,
+)
 from .backup import keep_sleepers
-from .compile import kernel
+from .compile import kernel, view
 from .layout import (
-    B_NODE,
-    BODY_WORDS,
-    C_CLAMPED,
-    C_NODE,
-    CABLE_WORDS,
-    CONSTRAINT_WORDS,
-    E_LENGTH,
-    E_START,
     EDGE_WORDS,
     EXACTLY,
-    K_EDGE,
     NO_CAPACITY,
     OK,
 )
@@ -45,7 +46,7 @@ def set_top_length(I, M, t):
     if state.body_passage != 0.0:
         set_part(I, M, length)
     else:
-        M[head.edges + EDGE_WORDS + E_LENGTH] = length
+        edge_of(I, M, 1).length = length
         if head.rigid > 0:
             set_first_bit(I, M, length - state.top_length)
     state.stage_rate = state.payout_rate + state.payout_slope * tau
@@ -65,7 +66,7 @@ def material_top(I, M, q, v, a):
     out = head.top
     rate = state.stage_rate
     slope = state.stage_slope
-    h = M[head.edges + EDGE_WORDS + E_LENGTH]
+    h = edge_of(I, M, 1).length
     ih = 1.0 / h
     for i in range(dimension):
         r0 = q[i]
@@ -165,22 +166,59 @@ def close_gap(I, M, at, count):
 
 
 @kernel
+def renumber_tree(I, M, first, count):
+    """The same for parents in a tree, free bodies and arms; `nodes` counts the new nodes.
+
+    Nodes that come take the parent of that before which they come; to nodes that go, whatever had
+    them as parents gets the node before them.
+    """
+    head = header(I)
+    parents = view(I, head.parent, head.nodes + max(0, -count))
+    if count > 0:
+        for node in range(head.nodes - 1, first + count - 1, -1):
+            parent = parents[node - count]
+            parents[node] = parent + count if parent >= first else parent
+        for node in range(first, first + count + 1):
+            parents[node] = node - 1
+    else:
+        for node in range(first + count, head.nodes):
+            parent = parents[node - count]
+            if parent >= first:
+                parent += count
+            parents[node] = min(parent, node - 1)
+    for n in range(head.free_count):
+        row = free_body_of(I, M, n)
+        if row.node >= first:
+            row.node += count
+    for n in range(head.arm_count):
+        arm = arm_of(I, M, n)
+        if arm.node >= first:
+            arm.node += count
+
+
+@kernel
 def renumber(I, M, first, count):
-    """Node numbers >= first change by count, in bodies, constraints and parents (a chain)."""
+    """Node numbers >= first change by count, in bodies, constraints, parts and parents.
+
+    Within a line a node's parent is the node before it; one line is such a chain as a whole.
+    """
     head = header(I)
     for body in range(head.body_count):
-        row = head.bodies + body * BODY_WORDS + B_NODE
-        if M[row] >= first:
-            M[row] += count
-        elif M[row] < -1.0:
-            M[row] -= count  # asleep, see sleep.py
+        row = body_of(I, M, body)
+        if row.node >= first:
+            row.node += count
+        elif row.node < -1.0:
+            row.node -= count  # asleep, see sleep.py
     for n in range(head.constraint_count):
-        row = head.constraints + n * CONSTRAINT_WORDS + C_NODE
-        if M[row] >= first:
-            M[row] += count
+        end = constraint_of(I, M, n)
+        if end.node >= first:
+            end.node += count
     head.nodes += count
-    for node in range(1, head.nodes + head.left_out):
-        I[head.parent + node] = node - 1
+    if head.parts != 0:
+        renumber_tree(I, M, first, count)
+    else:
+        for node in range(1, head.nodes + head.left_out):
+            I[head.parent + node] = node - 1
     head.factored = 0
     head.has_history = 0
 
@@ -214,8 +252,8 @@ def split_edge(I, M, edge, x, hinge):
     dimension = head.dimension
     size = 2 * dimension
     w = head.motion + 28
-    row = head.edges + edge * EDGE_WORDS
-    h = M[row + E_LENGTH]
+    row = edge_of(I, M, edge)
+    h = row.length
     p = I[head.parent + edge]
     v0 = head.velocity + size * p
     a0 = head.acceleration + size * p
@@ -250,8 +288,8 @@ def split_edge(I, M, edge, x, hinge):
         I[head.joint + node] = 0
     if hinge:
         I[head.joint + edge + 1] = 1
-        M[head.edges + EDGE_WORDS * (edge + 1) + E_LENGTH] = 0.0
-        M[head.edges + EDGE_WORDS * (edge + 1) + E_START] += x * h
+        edge_of(I, M, edge + 1).length = 0.0
+        edge_of(I, M, edge + 1).start += x * h
     for array in range(2):
         t = head.tension if array == 0 else head.tension_rate
         mean = M[t + 2 * lower]
@@ -260,16 +298,16 @@ def split_edge(I, M, edge, x, hinge):
         M[t + 2 * edge + 1] = slope * x
         M[t + 2 * lower] = mean + slope * x
         M[t + 2 * lower + 1] = slope * (1.0 - x)
-    M[head.edges + EDGE_WORDS * edge + E_LENGTH] = x * h
-    M[head.edges + EDGE_WORDS * lower + E_LENGTH] = h - x * h
-    M[head.edges + EDGE_WORDS * lower + E_START] += x * h
+    edge_of(I, M, edge).length = x * h
+    edge_of(I, M, lower).length = h - x * h
+    edge_of(I, M, lower).start += x * h
     if edge == 1:
-        state.top_length = M[head.edges + EDGE_WORDS + E_LENGTH]
+        state.top_length = edge_of(I, M, 1).length
         # The lower part begins where the cable is that is out now, less the new top element.
         start = x * h - overhang(I, M) - state.paid
-        M[head.edges + EDGE_WORDS * lower + E_START] = start
+        edge_of(I, M, lower).start = start
         if hinge:
-            M[head.edges + EDGE_WORDS * 2 + E_START] = start
+            edge_of(I, M, 2).start = start
     return OK
 
 
@@ -283,8 +321,8 @@ def join_at(I, M, node, count):
     state = scalars(M)
     upper = node
     lower = node + count
-    h1 = M[head.edges + EDGE_WORDS * upper + E_LENGTH]
-    h2 = M[head.edges + EDGE_WORDS * lower + E_LENGTH]
+    h1 = edge_of(I, M, upper).length
+    h2 = edge_of(I, M, lower).length
     h = h1 + h2
     dimension = head.dimension
     turn = M[head.top + 12 : head.top + 12 + 2 * dimension]
@@ -293,19 +331,19 @@ def join_at(I, M, node, count):
         for i in range(dimension):
             turn[i] = M[head.top + dimension + i]
             turn[dimension + i] = M[head.top + 6 + dimension + i]
-    start = M[head.edges + EDGE_WORDS * upper + E_START]
+    start = edge_of(I, M, upper).start
     for array in range(2):
         t = head.tension if array == 0 else head.tension_rate
         top = M[t + 2 * upper] - M[t + 2 * upper + 1]
         bottom = M[t + 2 * lower] + M[t + 2 * lower + 1]
         M[t + 2 * lower] = (h1 * M[t + 2 * upper] + h2 * M[t + 2 * lower]) / h
         M[t + 2 * lower + 1] = 0.5 * (bottom - top)
-    M[head.edges + EDGE_WORDS * lower + E_LENGTH] = h
-    M[head.edges + EDGE_WORDS * lower + E_START] = start
+    edge_of(I, M, lower).length = h
+    edge_of(I, M, lower).start = start
     close_gap(I, M, node, count)
     if node == 1:
         state.top_length = h
-        if head.payout == 1 and M[head.constraints + C_CLAMPED] != EXACTLY:
+        if head.payout == 1 and constraint_of(I, M, 0).clamped != EXACTLY:
             turn_with_matter(I, M, turn[0:dimension], turn[dimension : 2 * dimension])
     state.joined = max(state.joined, h)
 
@@ -313,11 +351,10 @@ def join_at(I, M, node, count):
 @kernel
 def give_properties(I, M, edge, cable):
     """Make an element one of another cable: all of the row but its length and place."""
-    head = header(I)
-    row = head.edges + EDGE_WORDS * edge
-    h = M[row + E_LENGTH]
-    start = M[row + E_START]
+    row = edge_of(I, M, edge)
+    h = row.length
+    start = row.start
     for k in range(EDGE_WORDS):
-        M[row + k] = M[head.cables + cable * CABLE_WORDS + K_EDGE + k]
-    M[row + E_LENGTH] = h
-    M[row + E_START] = start
+        M[word_of(M, row) + k] = M[word_of(M, cable_of(I, M, cable).edge) + k]
+    row.length = h
+    row.start = start

@@ -1,28 +1,18 @@
 """A planar model becomes three-dimensional when something leaves its plane."""
 
-from .access import header, scalars
+from .access import constraint_of, header, scalars
 from .backup import keep_sleepers
-from .compile import kernel
-from .layout import (
-    C_AWAY,
-    C_CLAMPED,
-    C_DIRECTION,
-    C_DRIFT,
-    C_DRIFT_RATE,
-    C_PLACE,
-    C_POSITION,
-    CONSTRAINT_WORDS,
-)
+from .compile import kernel, view
 
 
 @kernel
-def unfold(M, at, px, py):
-    """(h, z) at `at` becomes (x, y, z) there."""
-    h = M[at]
-    z = M[at + 1]
-    M[at] = px * h
-    M[at + 1] = py * h
-    M[at + 2] = z
+def unfold(vector, px, py):
+    """(h, z) becomes (x, y, z) there."""
+    h = vector[0]
+    z = vector[1]
+    vector[0] = px * h
+    vector[1] = py * h
+    vector[2] = z
 
 
 @kernel
@@ -54,16 +44,16 @@ def promote(I, M):
             M[to + 4] = py * dh
             M[to + 5] = dz
     for node in range(head.nodes):
-        unfold(M, head.rest + 3 * node, px, py)
+        unfold(view(M, head.rest + 3 * node, 3), px, py)
     for n in range(head.constraint_count):
-        row = head.constraints + n * CONSTRAINT_WORDS
-        unfold(M, row + C_POSITION, px, py)
-        if M[row + C_CLAMPED] != 0.0:
-            unfold(M, row + C_DIRECTION, px, py)
-            unfold(M, row + C_PLACE, px, py)
-            unfold(M, row + C_AWAY, px, py)
-            unfold(M, row + C_DRIFT, px, py)
-            unfold(M, row + C_DRIFT_RATE, px, py)
+        row = constraint_of(I, M, n)
+        unfold(row.position, px, py)
+        if row.clamped != 0.0:
+            unfold(row.direction, px, py)
+            unfold(row.place, px, py)
+            unfold(row.away, px, py)
+            unfold(row.drift, px, py)
+            unfold(row.drift_rate, px, py)
     head.dimension = 3
     head.factored = 0
     head.has_history = 0

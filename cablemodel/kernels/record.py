@@ -25,11 +25,24 @@ class Field:
     def __init__(self, meaning: str, unit: str = "", words: int = 1) -> None:
         self.meaning, self.unit, self.words = meaning, unit, words
         self.name = ""
+        self.first = 0
+        """Word of a block at which the record that there is one of begins."""
         self.word = 0
         """Its first word, from the record's first."""
 
     def __index__(self) -> int:
-        return self.word
+        """In an index: its first word, in a block or in a row of a table."""
+        return self.place
+
+    @property
+    def place(self) -> int:
+        """Its first word in a block, of a record that there is one of."""
+        return self.first + self.word
+
+    @property
+    def span(self) -> slice:
+        """Its words there."""
+        return slice(self.place, self.place + self.words)
 
 
 class Integer(Field):
@@ -150,7 +163,7 @@ class Record:
         cls.FIELDS = {name: field for name, field in vars(cls).items() if isinstance(field, Field)}
         word = 0
         for name, field in cls.FIELDS.items():
-            field.name, field.word = name, word
+            field.name, field.first, field.word = name, first, word
             word += field.words
         cls.WORDS = word
 

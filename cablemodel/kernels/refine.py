@@ -8,24 +8,21 @@ they were at the start, once one cubic does for both.
 
 import math
 
-from .access import header, scalars
+from .access import edge_at, edge_of, header, scalars, word_of
 from .buckling import is_pressed
 from .compile import kernel, view
 from .follow import (
+    bend_allowed,
     finest_flexible,
     halves_are_even,
     holds_something,
     jump_at,
     may_be_halved,
     one_cubic_does,
+    position_accuracy,
 )
 from .layout import (
     CHANGED,
-    E_BENDING_FULL,
-    E_COMPLIANCE,
-    E_LENGTH,
-    E_NOMINAL,
-    E_SEGMENT,
     EDGE_WORDS,
     NO_CAPACITY,
     NOTHING,
@@ -45,13 +42,11 @@ def bends_too_much(I, M, node, jump):
     Cable without bending stiffness that is pushed buckles at the scale of its elements, whatever
     that is, and let go slack it folds ever finer: there an end is set, sooner under pressure.
     """
-    head = header(I)
-    state = scalars(M)
-    edge = head.edges + node * EDGE_WORDS
-    h = M[edge + E_LENGTH]
-    if M[edge + E_BENDING_FULL] == 0.0 and h < finest_flexible(I, M, node):
+    edge = edge_of(I, M, node)
+    h = edge.length
+    if edge.bending_full == 0.0 and h < finest_flexible(I, M, node):
         return False
-    return h * h * jump > state.bent
+    return h * h * jump > bend_allowed(I, M, node)
 
 
 @kernel
@@ -59,15 +54,14 @@ def is_pressed_aside(I, M, node):
     """Whether an element is pressed so that it would have to bend further within than positions
     may be wrong by: to get rid of its pressure T at once, by 2 / pi h sqrt(T / EA)."""
     head = header(I)
-    state = scalars(M)
     count = 2 * head.dimension * head.nodes
     q = view(M, head.position, count)
     tension = view(M, head.tension, 2 * head.nodes)
     if not is_pressed(I, M, node, q, tension, promised_tension(M), view(M, head.motion + 16, 3)):
         return False
-    edge = head.edges + node * EDGE_WORDS
-    bend = 2.0 / math.pi * math.sqrt(-tension[2 * node] * M[edge + E_COMPLIANCE])
-    return bend * M[edge + E_LENGTH] > state.tolerance * state.length
+    edge = edge_of(I, M, node)
+    bend = 2.0 / math.pi * math.sqrt(-tension[2 * node] * edge.compliance)
+    return bend * edge.length > position_accuracy(I, M, node)
 
 
 @kernel
@@ -78,18 +72,17 @@ def may_unite(I, M, node):
     along the line either: the strains of two elements that differ make a mode of the joined one
     which nothing but its stabilisation holds.
     """
-    head = header(I)
     state = scalars(M)
     if state.undamped != 0.0:
         return False
-    upper = head.edges + node * EDGE_WORDS
-    lower = upper + EDGE_WORDS
-    h = M[upper + E_LENGTH] + M[lower + E_LENGTH]
+    upper = edge_of(I, M, node)
+    lower = edge_at(M, word_of(M, upper) + EDGE_WORDS)
+    h = upper.length + lower.length
     return (
-        h <= 1.001 * min(M[upper + E_NOMINAL], M[lower + E_NOMINAL])
-        and M[upper + E_SEGMENT] == M[lower + E_SEGMENT]
+        h <= 1.001 * min(upper.nominal, lower.nominal)
+        and upper.segment == lower.segment
         and not holds_something(I, M, node)
-        and h * h * jump_at(I, M, node, False) < STRAIGHT * state.bent
+        and h * h * jump_at(I, M, node, False) < STRAIGHT * bend_allowed(I, M, node)
         and one_cubic_does(I, M, node)
     )
 

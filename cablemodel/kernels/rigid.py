@@ -20,7 +20,7 @@ where it does not (a hybrid under tension). A flexible cable is hinged: k = 0.
 
 import math
 
-from .access import header, scalars
+from .access import body_at, body_of, edge_of, header, scalars
 from .bodies import (
     add_waves,
     flow_derivatives,
@@ -35,27 +35,7 @@ from .bodies import (
 from .compile import inlined, kernel
 from .environment import current_at
 from .layout import (
-    B_ADDED,
-    B_ADDED_AXIAL,
-    B_CLAMP,
-    B_COMPLIANCE,
-    B_DRAG,
-    B_DRAG_AXIAL,
-    B_DRY_WEIGHT,
-    B_INERTIA,
-    B_LENGTH,
-    B_MASS,
-    B_NODE,
-    B_OFFSET,
-    B_PULL,
-    B_TIE,
-    B_WEIGHT,
     BODY_WORDS,
-    E_BENDING,
-    E_BENDING_FULL,
-    E_LENGTH,
-    E_MODEL,
-    EDGE_WORDS,
     MODEL_HYBRID,
 )
 from .passing import part_row
@@ -75,7 +55,8 @@ def rigid_row(I, M, body):
     head = header(I)
     state = scalars(M)
     row = head.bodies + body * BODY_WORDS
-    if M[row + B_LENGTH] == 0.0 or M[row + B_NODE] < 0.0:
+    of_body = body_at(M, row)
+    if of_body.length == 0.0 or of_body.node < 0.0:
         return -1
     if body + 1 == state.body_passage:
         return part_row(I)
@@ -87,7 +68,7 @@ def attachments(I, M, row):
     """Outer node of a body that is out, and the first words of its outer and its inner node."""
     head = header(I)
     size = 2 * head.dimension
-    node = int(M[row + B_NODE])
+    node = int(row.node)
     return node, size * node, size * I[head.parent + node]
 
 
@@ -152,10 +133,10 @@ def clamp_stiffness(M, edge, pull, length, resolved):
     turn of its end by 1/(1 - share) of the layer's sqrt(EI T); the spring in series with it makes
     up for the rest. `share` is fitted to an even mesh within 2 %.
     """
-    full = M[edge + E_BENDING_FULL]
+    full = edge.bending_full
     if full == 0.0:
         return 0.0
-    h = M[edge + E_LENGTH]
+    h = edge.length
     if resolved:
         return CLAMP * full / min(h, length)
     stiff = SOFT_CLAMP * full / min(h, length)
@@ -165,7 +146,7 @@ def clamp_stiffness(M, edge, pull, length, resolved):
     x = h * math.sqrt(pull / full)
     x4 = x**4
     share = x4 / (1440.0 + 101.7 * x * x + 8.22 * x**3 + x4)
-    if M[edge + E_BENDING] == 0.0:
+    if edge.bending == 0.0:
         # A string's cubic, which gives way by UNRESOLVED / h of the layer.
         share = max(1.0 - UNRESOLVED / x, 0.1)
     return 1.0 / (share / math.sqrt(full * pull) + 1.0 / stiff)
@@ -207,23 +188,21 @@ def update_clamps(I, M, share):
     for body in range(head.body_count):
         if rigid_row(I, M, body) < 0:
             continue
-        row = head.bodies + body * BODY_WORDS
-        node = int(M[row + B_NODE])
+        row = body_of(I, M, body)
+        node = int(row.node)
         for side in range(2):
-            k = row + B_CLAMP + side
-            past = row + B_PULL + side
             edge = I[head.parent + node] if side == 0 else node + 1
-            if edge == 0 or (side == 1 and M[row + B_TIE] != 0.0):
-                M[k] = 0.0  # no cable there: the vessel or a spring holds the slope
+            if edge == 0 or (side == 1 and row.tie != 0.0):
+                row.clamp[side] = 0.0  # no cable there: the vessel or a spring holds the slope
                 continue
             slope = M[tension + 2 * edge + 1]
             pull = M[tension + 2 * edge] + (slope if side == 0 else -slope)
-            row_of_edge = head.edges + edge * EDGE_WORDS
-            before = M[past]
-            M[past] += share * (pull - M[past])
-            resolved = M[row_of_edge + E_MODEL] != MODEL_HYBRID
-            target = clamp_stiffness(M, row_of_edge, M[past], M[row + B_LENGTH], resolved)
-            if not resolved and target > M[k]:
+            row_of_edge = edge_of(I, M, edge)
+            before = row.clamp_tension[side]
+            row.clamp_tension[side] += share * (pull - row.clamp_tension[side])
+            resolved = row_of_edge.model != MODEL_HYBRID
+            target = clamp_stiffness(M, row_of_edge, row.clamp_tension[side], row.length, resolved)
+            if not resolved and target > row.clamp[side]:
                 inner = 2 * dimension * I[head.parent + node]
                 outer = 2 * dimension * node
                 q = M[head.position : head.position + 2 * dimension * head.nodes]
@@ -231,8 +210,10 @@ def update_clamps(I, M, share):
                 at = dimension + (inner if side == 0 else outer)
                 _length, cosine = slope_direction(dimension, q, at, w)
                 bend = 1.0 - cosine
-                target = stiffen_gently(M, M[k], target, M[past], before, bend, share)
-            M[k] = target
+                target = stiffen_gently(
+                    M, row.clamp[side], target, row.clamp_tension[side], before, bend, share
+                )
+            row.clamp[side] = target
 
 
 @kernel
@@ -255,8 +236,8 @@ def tie_forces(M, row, dimension, tie, q, a, node, inner, outer, out):
 
     node: the first word of the slope's node, the inner or the outer one.
     """
-    length = M[row + B_LENGTH]
-    inertia = SLOPE_INERTIA * M[row + B_MASS] * length * length
+    length = row.length
+    inertia = SLOPE_INERTIA * row.mass * length * length
     for i in range(dimension):
         at = node + dimension + i
         force = tie * (q[at] - (q[outer + i] - q[inner + i]) / length)
@@ -269,8 +250,8 @@ def tie_forces(M, row, dimension, tie, q, a, node, inner, outer, out):
 def add_tie(M, row, dimension, tie, ca, inner_side, D_inner, D_outer, U, L):
     """Derivatives of `tie_forces`."""
     size = 2 * dimension
-    length = M[row + B_LENGTH]
-    slope = tie + ca * SLOPE_INERTIA * M[row + B_MASS] * length * length
+    length = row.length
+    slope = tie + ca * SLOPE_INERTIA * row.mass * length * length
     pull = tie / length
     for i in range(dimension):
         d = dimension + i
@@ -297,44 +278,45 @@ def rigid_residual(I, M, q, v, a, tension, out, out_constraint):
     w = M[head.motion + 16 : head.motion + 46]
     for body in range(head.body_count):
         row = rigid_row(I, M, body)
+        of_body = body_at(M, row)
         if row < 0:
             continue
-        node, outer, inner = attachments(I, M, row)
-        length = M[row + B_LENGTH]
+        node, outer, inner = attachments(I, M, of_body)
+        length = of_body.length
         reach = axis_of(dimension, q, inner, outer, w)
         bar = tension[2 * node]
-        out_constraint[2 * node] = reach - length - M[row + B_COMPLIANCE] * bar
+        out_constraint[2 * node] = reach - length - of_body.compliance * bar
         out_constraint[2 * node + 1] = 0.0
         for side in range(2):
-            k = M[row + B_CLAMP + side]
+            k = of_body.clamp[side]
             if k != 0.0 and (side == 1 or inner > 0):
                 at = dimension + (inner if side == 0 else outer)
                 clamp_forces(dimension, k, q, at, inner, outer, reach, w, out)
-        near = 0.5 * (1.0 - M[row + B_OFFSET])
-        far = 0.5 * (1.0 + M[row + B_OFFSET])
-        turning = M[row + B_INERTIA] / (length * length)
+        near = 0.5 * (1.0 - of_body.offset)
+        far = 0.5 * (1.0 + of_body.offset)
+        turning = of_body.inertia / (length * length)
         middle_flow(I, M, q, v, a, inner, outer, w)
         wet = 1.0
         if head.wave_count != 0:
-            middle_waves(I, M, row, q, inner, outer, w)
-            wet_force(I, M, row, w)
+            middle_waves(I, M, of_body, q, inner, outer, w)
+            wet_force(I, M, of_body, w)
             wet = M[head.motion + P_WET]
         elif head.surge != 0:
-            surge_force(I, M, row, middle_height(dimension, q, inner, outer), w)
+            surge_force(I, M, of_body, middle_height(dimension, q, inner, outer), w)
         else:
-            flow_force(M, row, dimension, M[row + B_ADDED], w)
-        w[12 + dimension - 1] -= wet * (M[row + B_DRY_WEIGHT] - M[row + B_WEIGHT])  # buoyancy
+            flow_force(M, of_body, dimension, of_body.added_mass, w)
+        w[12 + dimension - 1] -= wet * (of_body.dry_weight - of_body.weight)  # buoyancy
         for i in range(dimension):
-            centre = M[row + B_MASS] * (near * a[inner + i] + far * a[outer + i])
+            centre = of_body.mass * (near * a[inner + i] + far * a[outer + i])
             if i == dimension - 1:
-                centre += M[row + B_DRY_WEIGHT]
+                centre += of_body.dry_weight
             pair = bar * w[i] + turning * (a[outer + i] - a[inner + i])
             out[inner + i] += near * centre + 0.5 * w[12 + i] - pair
             out[outer + i] += far * centre + 0.5 * w[12 + i] + pair
         if inner == 0:
-            tie_forces(M, row, dimension, M[row + B_CLAMP], q, a, 0, inner, outer, out)
-        if M[row + B_TIE] != 0.0:
-            tie_forces(M, row, dimension, M[row + B_TIE], q, a, outer, inner, outer, out)
+            tie_forces(M, of_body, dimension, of_body.clamp[0], q, a, 0, inner, outer, out)
+        if of_body.tie != 0.0:
+            tie_forces(M, of_body, dimension, of_body.tie, q, a, outer, inner, outer, out)
 
 
 @kernel
@@ -398,9 +380,10 @@ def rigid_jacobian(I, M, q, v, a, tension, ca, cv):
     w = M[head.motion + 16 : head.motion + 46]
     for body in range(head.body_count):
         row = rigid_row(I, M, body)
+        of_body = body_at(M, row)
         if row < 0:
             continue
-        node, outer, inner = attachments(I, M, row)
+        node, outer, inner = attachments(I, M, of_body)
         parent = I[head.parent + node]
         D_inner = M[head.diagonal + area * parent : head.diagonal + area * (parent + 1)]
         D_outer = M[head.diagonal + area * node : head.diagonal + area * (node + 1)]
@@ -408,35 +391,35 @@ def rigid_jacobian(I, M, q, v, a, tension, ca, cv):
         L = M[head.lower + area * node : head.lower + area * (node + 1)]
         U[:] = 0.0
         L[:] = 0.0
-        length = M[row + B_LENGTH]
+        length = of_body.length
         reach = axis_of(dimension, q, inner, outer, w)
-        k = M[row + B_CLAMP]
+        k = of_body.clamp[0]
         if k != 0.0 and inner > 0:
             add_clamp(dimension, k, q, inner + dimension, True, reach, w, D_inner, D_outer, U, L)
-        k = M[row + B_CLAMP + 1]
+        k = of_body.clamp[1]
         if k != 0.0:
             add_clamp(dimension, k, q, outer + dimension, False, reach, w, D_inner, D_outer, U, L)
-        stiffness = 1.0 / M[row + B_COMPLIANCE]
+        stiffness = 1.0 / of_body.compliance
         M[head.compliance + 3 * node] = stiffness
         M[head.compliance + 3 * node + 1] = 0.0
         M[head.compliance + 3 * node + 2] = stiffness
         B = M[head.gradient + 4 * size * node : head.gradient + 4 * size * node + dimension]
         geometric = tension[2 * node] / reach
-        near = 0.5 * (1.0 - M[row + B_OFFSET])
-        far = 0.5 * (1.0 + M[row + B_OFFSET])
-        mass = ca * M[row + B_MASS]
-        turning = ca * M[row + B_INERTIA] / (length * length)
+        near = 0.5 * (1.0 - of_body.offset)
+        far = 0.5 * (1.0 + of_body.offset)
+        mass = ca * of_body.mass
+        turning = ca * of_body.inertia / (length * length)
         middle_flow(I, M, q, v, a, inner, outer, w)
         if head.wave_count != 0:
-            middle_waves(I, M, row, q, inner, outer, w)
-            wet_derivatives(I, M, row, 1.0 / reach, ca, cv, w)
+            middle_waves(I, M, of_body, q, inner, outer, w)
+            wet_derivatives(I, M, of_body, 1.0 / reach, ca, cv, w)
         else:
-            flow_derivatives(M, row, dimension, M[row + B_ADDED], 1.0 / reach, ca, cv, w)
+            flow_derivatives(M, of_body, dimension, of_body.added_mass, 1.0 / reach, ca, cv, w)
         if inner == 0:
-            k = M[row + B_CLAMP]
-            add_tie(M, row, dimension, k, ca, True, D_inner, D_outer, U, L)
-        if M[row + B_TIE] != 0.0:
-            add_tie(M, row, dimension, M[row + B_TIE], ca, False, D_inner, D_outer, U, L)
+            k = of_body.clamp[0]
+            add_tie(M, of_body, dimension, k, ca, True, D_inner, D_outer, U, L)
+        if of_body.tie != 0.0:
+            add_tie(M, of_body, dimension, of_body.tie, ca, False, D_inner, D_outer, U, L)
         for i in range(dimension):
             B[i] = w[i]
             for j in range(dimension):
@@ -466,7 +449,7 @@ def condense_rigid(I, M, out_constraint, out):
         row = rigid_row(I, M, body)
         if row < 0:
             continue
-        node, outer, inner = attachments(I, M, row)
+        node, outer, inner = attachments(I, M, body_at(M, row))
         z = M[head.compliance + 3 * node] * out_constraint[2 * node]
         B = head.gradient + 4 * size * node
         for i in range(dimension):
@@ -484,7 +467,7 @@ def stretch_rate_rigid(I, M, x, out):
         row = rigid_row(I, M, body)
         if row < 0:
             continue
-        node, outer, inner = attachments(I, M, row)
+        node, outer, inner = attachments(I, M, body_at(M, row))
         B = head.gradient + 4 * size * node
         value = 0.0
         for i in range(dimension):
@@ -503,30 +486,30 @@ def rigid_energy(I, M, row, q, v, a, tension, out):
     node, outer, inner = attachments(I, M, row)
     reach = axis_of(dimension, q, inner, outer, w)
     bar = tension[2 * node]
-    out[1] += 0.5 * M[row + B_COMPLIANCE] * bar * bar
-    k = M[row + B_CLAMP]
+    out[1] += 0.5 * row.compliance * bar * bar
+    k = row.clamp[0]
     if k != 0.0 and inner > 0:
         _length, cosine = slope_direction(dimension, q, inner + dimension, w)
         out[2] += k * (1.0 - cosine)
-    k = M[row + B_CLAMP + 1]
+    k = row.clamp[1]
     if k != 0.0:
         _length, cosine = slope_direction(dimension, q, outer + dimension, w)
         out[2] += k * (1.0 - cosine)
-    near = 0.5 * (1.0 - M[row + B_OFFSET])
-    far = 0.5 * (1.0 + M[row + B_OFFSET])
+    near = 0.5 * (1.0 - row.offset)
+    far = 0.5 * (1.0 + row.offset)
     up = dimension - 1
     low = q[inner + up] + state.origin[2]
     high = q[outer + up] + state.origin[2]
-    weight = M[row + B_DRY_WEIGHT]
+    weight = row.dry_weight
     out[3] += weight * (near * low + far * high)
     if head.wave_count == 0:
-        out[3] -= 0.5 * (weight - M[row + B_WEIGHT]) * (low + high)
+        out[3] -= 0.5 * (weight - row.weight) * (low + high)
     speed = 0.0
     turn = 0.0
     for i in range(dimension):
         speed += (near * v[inner + i] + far * v[outer + i]) ** 2
         turn += ((v[outer + i] - v[inner + i]) / reach) ** 2
-    out[0] += 0.5 * (M[row + B_MASS] * speed + M[row + B_INERTIA] * turn)
+    out[0] += 0.5 * (row.mass * speed + row.inertia * turn)
     middle_flow(I, M, q, v, a, inner, outer, w)
     for i in range(dimension):
         w[12 + i] = 0.5 * (v[inner + i] + v[outer + i])
@@ -572,10 +555,10 @@ def flow_energy(M, row, dimension, w, out):
         turning += w[12 + i] * w[15 + i]
         stretching += w[i] * w[15 + i]
     turning -= along * stretching
-    out[8] += (M[row + B_ADDED] - M[row + B_ADDED_AXIAL]) * along * turning
-    out[0] += 0.5 * M[row + B_ADDED] * (square - along * along)
-    out[0] += 0.5 * M[row + B_ADDED_AXIAL] * along * along
-    fn = M[row + B_DRAG] * sn
-    ft = M[row + B_DRAG_AXIAL] * st * ut
+    out[8] += (row.added_mass - row.added_mass_axial) * along * turning
+    out[0] += 0.5 * row.added_mass * (square - along * along)
+    out[0] += 0.5 * row.added_mass_axial * along * along
+    fn = row.drag * sn
+    ft = row.drag_axial * st * ut
     for i in range(dimension):
         out[5] -= (fn * w[9 + i] + ft * w[i]) * w[12 + i]

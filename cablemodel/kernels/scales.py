@@ -5,7 +5,7 @@ Of a scene as it is built, and of an FMU whose lengths and coefficients are set 
 
 import math
 
-from .access import header, scalars
+from .access import header, motion_piece_of, scalars
 from .compile import kernel
 from .environment import evaluate_piece, find_piece
 from .layout import (
@@ -20,7 +20,6 @@ from .layout import (
     FACT_SOFTNESS,
     FACT_TENSION,
     LIGHT_DAMPING,
-    PIECE_WORDS,
 )
 
 TIME_TOLERANCE = 0.045  # of tau L: local error allowed in a step; calibrated, docs/engine/time.md
@@ -42,6 +41,7 @@ BENDS = 8.0  # of tau L: what h^2 times the jump of curvature may be in motion, 
 FOLDS = 25.0  # the same for a line that starts slack, and folds: it begins with smaller elements
 # The same where drag hardly damps: only what cracks like a whip, and its elements stay halves.
 WHIPS = 60.0
+LET_GO = 1e-2  # of sqrt(tau L/g): a step in which whatever is let go hardly moves
 
 
 @kernel
@@ -54,16 +54,16 @@ def first_step(I, M, period, calm):
     head = header(I)
     state = scalars(M)
     scale = math.sqrt(max(state.tolerance, 1e-12)) * period
-    shortest = 1e-2 * scale
+    shortest = LET_GO * scale
     if not calm:
         return shortest
     step = CALM_FIRST[0] * scale
     way = CALM_FIRST[1] * state.tolerance * state.length
     begin = M[head.motion + 16 : head.motion + 25]
     there = M[head.motion + 25 : head.motion + 34]
-    evaluate_piece(M, head.pieces + find_piece(I, M, 0.0) * PIECE_WORDS, 0.0, begin)
+    evaluate_piece(M, motion_piece_of(I, M, find_piece(I, M, 0.0)), 0.0, begin)
     while step > shortest:
-        evaluate_piece(M, head.pieces + find_piece(I, M, step) * PIECE_WORDS, step, there)
+        evaluate_piece(M, motion_piece_of(I, M, find_piece(I, M, step)), step, there)
         moved = 0.0
         faster = 0.0
         for i in range(3):

@@ -17,7 +17,7 @@ memory holds the last cell that was asked for by one Gauss point or body. How la
 cablemodel/waves.py.
 """
 
-from .access import header, scalars
+from .access import header, scalars, sea_layer_at, word_of
 from .airy import ROUND, columns, follow_components, living, sine_and_cosine
 from .compile import inlined, kernel, outlined, view
 from .layout import (
@@ -25,12 +25,6 @@ from .layout import (
     CELL_LAYERS,
     CELL_TERMS,
     CELL_WORDS,
-    L_DEPTH,
-    L_FREQUENCY,
-    L_MIRROR,
-    L_NUMBER,
-    L_TIME,
-    L_WIDTH,
     MIRROR_DEGREE,
     MIRROR_TERMS,
     MOTION_WORDS,
@@ -152,18 +146,18 @@ def fill_cell(I, M, layer, row, t, way, level, surface):
         for n in range(count):
             a[n] = amplitude[n] * cosine[n]
             b[n] = amplitude[n] * sine[n]
-        sum_terms(I, M, layer, row + SURFACE, count, CELL_TERMS, 3)
+        sum_terms(I, M, word_of(M, layer), row + SURFACE, count, CELL_TERMS, 3)
     for n in range(alive):
         speed = 0.5 * (along[n] + upward[n])
         a[n] = speed * cosine[n]
         b[n] = speed * sine[n]
-    sum_terms(I, M, layer, row + RISING, alive, CELL_TERMS, 0)
-    if M[layer + L_MIRROR] != 0.0:
+    sum_terms(I, M, word_of(M, layer), row + RISING, alive, CELL_TERMS, 0)
+    if layer.mirror != 0.0:
         for n in range(alive):
             speed = 0.5 * (along[n] - upward[n])
             a[n] = speed * cosine[n]
             b[n] = speed * sine[n]
-        sum_terms(I, M, layer, row + MIRROR, alive, MIRROR_TERMS, 0)
+        sum_terms(I, M, word_of(M, layer), row + MIRROR, alive, MIRROR_TERMS, 0)
 
 
 @inlined
@@ -219,7 +213,7 @@ def layer_at(I, M, level):
     layer = head.cell_layers
     words = CELL_TERMS * (head.wave_count + 1)
     last = layer + (CELL_LAYERS - 1) * words
-    while layer < last and M[layer + words + L_DEPTH] <= -level:
+    while layer < last and sea_layer_at(M, layer + words).depth <= -level:
         layer += words
     return layer
 
@@ -235,14 +229,15 @@ def sum_in_cell(I, M, slot, way, level, surface):
     row = head.cells + slot * CELL_WORDS
     cell = view(M, row, CELL_WORDS)
     layer = head.cell_layers if surface else layer_at(I, M, level)
-    span = M[layer + L_TIME]
-    width = M[layer + L_WIDTH]
+    sea_layer = sea_layer_at(M, layer)
+    span = sea_layer.time
+    width = sea_layer.width
     cell_t = (state.wave_time / span + ROUND) - ROUND
     cell_x = (way / width + ROUND) - ROUND
     cell_z = (level / width + ROUND) - ROUND
     same = cell_t == cell[CELL_T] and cell_x == cell[CELL_X] and cell_z == cell[CELL_Z]
     if not (same and cell[CELL_LAYER] == layer) or cell[HELD] < (2.0 if surface else 1.0):
-        fill_cell(I, M, layer, row, cell_t * span, cell_x * width, cell_z * width, surface)
+        fill_cell(I, M, sea_layer, row, cell_t * span, cell_x * width, cell_z * width, surface)
         cell[HELD] = 2.0 if surface else 1.0
         cell[CELL_T] = cell_t
         cell[CELL_X] = cell_x
@@ -253,8 +248,8 @@ def sum_in_cell(I, M, slot, way, level, surface):
     t = state.wave_time - cell_t * span
     x = way - cell_x * width
     z = level - cell_z * width
-    frequency = M[layer + L_FREQUENCY]
-    number = M[layer + L_NUMBER]
+    frequency = sea_layer.frequency
+    number = sea_layer.number
     half_sine, half_cosine = sine_and_cosine(0.5 * (number * x - frequency * t))
     sine = 2.0 * half_sine * half_cosine
     cosine = 1.0 - 2.0 * half_sine * half_sine
@@ -269,7 +264,7 @@ def sum_in_cell(I, M, slot, way, level, surface):
     w = up * (sine * re + cosine * im)
     du = up * (cosine * re_rate - sine * im_rate)
     dw = up * (sine * re_rate + cosine * im_rate)
-    if M[layer + L_MIRROR] != 0.0:
+    if sea_layer.mirror != 0.0:
         re, im, re_rate, im_rate = series_at(M, row + MIRROR, MIRROR_DEGREE, -z, x, t)
         re_rate += frequency * im
         im_rate -= frequency * re

@@ -15,36 +15,15 @@ water that drags at what sleeps: such a step is made again with more of the cabl
 
 import math
 
-from .access import header, scalars
+from .access import body_of, constraint_of, edge_of, header, scalars, word_of
 from .backup import keep_sleepers
 from .compile import copy_words, kernel, view
 from .environment import over_depth
 from .floor_surface import gap_at, lowest_gap
 from .follow import finest_length, holds_something
 from .layout import (
-    B_DRAG,
-    B_DRAG_AXIAL,
-    B_NODE,
-    B_WEIGHT,
-    BODY_WORDS,
-    C_ANCHOR,
-    C_CLAMPED,
-    C_DIRECTION,
-    C_KIND,
-    C_NODE,
-    C_POSITION,
     CONSTRAINT_WORDS,
-    E_ADDED,
-    E_COMPLIANCE,
-    E_CONTACT,
-    E_DRAG_NORMAL,
-    E_DRAG_TANGENTIAL,
-    E_LENGTH,
-    E_STRAIN_OFFSET,
-    E_STRAIN_TERMS,
-    E_TENSION_HIGH,
-    E_TENSION_LOW,
-    EDGE_WORDS,
+    HELD_BY_ANCHOR,
     W_FREQUENCY,
     W_MIRROR,
     W_NUMBER,
@@ -81,25 +60,25 @@ def leave_out(I, M):
     head.left_out = asleep
     last = head.nodes - 1
     for body in range(head.body_count):
-        row = head.bodies + body * BODY_WORDS + B_NODE
-        if M[row] > last:
-            M[row] = -M[row] - 2.0  # like those on the drum: at no node
-    row = head.constraints + CONSTRAINT_WORDS
+        row = body_of(I, M, body)
+        if row.node > last:
+            row.node = -row.node - 2.0  # like those on the drum: at no node
+    end = constraint_of(I, M, 1)
     head.anchor_kept = 0
     if head.constraint_count == 2:
-        copy_words(I, row + CONSTRAINT_WORDS, row, CONSTRAINT_WORDS)
+        copy_words(I, word_of(M, end) + CONSTRAINT_WORDS, word_of(M, end), CONSTRAINT_WORDS)
         head.anchor_kept = 1
     head.constraint_count = 2
     at = head.position + 2 * dimension * last
     square = 0.0
     for i in range(dimension):
         square += M[at + dimension + i] ** 2
-    M[row + C_NODE] = last
-    M[row + C_KIND] = C_ANCHOR
-    M[row + C_CLAMPED] = 1.0
+    end.node = last
+    end.kind = HELD_BY_ANCHOR
+    end.clamped = 1.0
     for i in range(dimension):
-        M[row + C_POSITION + i] = M[at + i]
-        M[row + C_DIRECTION + i] = M[at + dimension + i] / math.sqrt(square)
+        end.position[i] = M[at + i]
+        end.direction[i] = M[at + dimension + i] / math.sqrt(square)
 
 
 @kernel
@@ -111,13 +90,13 @@ def rejoin(I, M):
     head.nodes += head.left_out
     head.left_out = 0
     for body in range(head.body_count):
-        row = head.bodies + body * BODY_WORDS + B_NODE
-        if M[row] < -1.0:
-            M[row] = -M[row] - 2.0
-    row = head.constraints + CONSTRAINT_WORDS
+        row = body_of(I, M, body)
+        if row.node < -1.0:
+            row.node = -row.node - 2.0
+    end = constraint_of(I, M, 1)
     if head.anchor_kept != 0:
-        copy_words(I, row, row + CONSTRAINT_WORDS, CONSTRAINT_WORDS)
-        M[row + C_NODE] = head.nodes - 1
+        copy_words(I, word_of(M, end), word_of(M, end) + CONSTRAINT_WORDS, CONSTRAINT_WORDS)
+        end.node = head.nodes - 1
     else:
         head.constraint_count = 1
 
@@ -144,7 +123,7 @@ def is_quiet(I, M, node, arc):
     dimension = head.dimension
     v = head.velocity + 2 * dimension * node
     a = head.acceleration + 2 * dimension * node
-    h = M[head.edges + node * EDGE_WORDS + E_LENGTH]
+    h = edge_of(I, M, node).length
     time = min(state.last_step, period)
     speed = 0.0
     turning = 0.0
@@ -173,7 +152,7 @@ def hanging_before(I, M, q, node, w):
         if lies(I, M, q, n, w):
             break
         if I[head.joint + n] == 0:
-            way += M[head.edges + n * EDGE_WORDS + E_LENGTH]
+            way += edge_of(I, M, n).length
     return way
 
 
@@ -190,7 +169,7 @@ def lying_before(I, M, q, node, enough):
         if way >= enough:
             break
         if lies(I, M, q, n, w):
-            way += M[head.edges + n * EDGE_WORDS + E_LENGTH]
+            way += edge_of(I, M, n).length
     return way
 
 
@@ -228,13 +207,13 @@ def holding_tension(I, M, node):
     for n in range(node + 1, head.nodes + head.left_out):
         if I[head.joint + n] != 0:
             continue
-        edge = head.edges + n * EDGE_WORDS
-        h = M[edge + E_LENGTH]
+        edge = edge_of(I, M, n)
+        h = edge.length
         after = spare_friction(I, M, n)
-        slope = 0.5 * (before + after) * state.friction * M[edge + E_CONTACT]
+        slope = 0.5 * (before + after) * state.friction * edge.contact
         before = after
         # A change of spare/2 moves A by less than spare/2 x way/EA: where is that `allowed`?
-        most = 2.0 * allowed / M[edge + E_COMPLIANCE]
+        most = 2.0 * allowed / edge.compliance
         if (spare + slope * h) * (way + h) >= most:
             b = spare + slope * way
             root = math.sqrt(b * b + 4.0 * slope * max(0.0, most - spare * way))
@@ -290,17 +269,17 @@ def water_leaves_alone(I, M, first):
             I, M, q, n, w
         ) >= state.floor_depth:
             return False
-        edge = head.edges + n * EDGE_WORDS
-        friction = state.friction * M[edge + E_CONTACT]
-        drag = M[edge + E_DRAG_NORMAL] + M[edge + E_DRAG_TANGENTIAL]
+        edge = edge_of(I, M, n)
+        friction = state.friction * edge.contact
+        drag = edge.drag_normal + edge.drag_tangential
         flow = min(flow, friction / max(drag, 1e-300))
-        driven = M[edge + E_ADDED] + displaced(I, M, edge)
+        driven = edge.added_mass + displaced(I, M, edge)
         push = min(push, friction / max(driven, 1e-300))
     for body in range(head.body_count):
-        row = head.bodies + body * BODY_WORDS
-        if M[row + B_NODE] > first:
-            friction = state.friction * max(0.0, M[row + B_WEIGHT])
-            flow = min(flow, friction / max(M[row + B_DRAG] + M[row + B_DRAG_AXIAL], 1e-300))
+        row = body_of(I, M, body)
+        if row.node > first:
+            friction = state.friction * max(0.0, row.weight)
+            flow = min(flow, friction / max(row.drag + row.drag_axial, 1e-300))
     state.sleep_flow = flow
     if head.wave_count != 0:
         z = state.sleep_high + state.origin[2]
@@ -349,12 +328,12 @@ def place_to_sleep(I, M):
     for node in range(first + 1, last):
         if not lies(I, M, q, node, w):
             continue
-        way += M[head.edges + node * EDGE_WORDS + E_LENGTH]
+        way += edge_of(I, M, node).length
         layer, finest = finest_length(I, M, node, 0.0)
         needed = max(LAYERS * layer, ELEMENTS * finest)
         if way < needed or holds_something(I, M, node) or not lies(I, M, q, node + 1, w):
             continue
-        friction = state.friction * M[head.edges + node * EDGE_WORDS + E_CONTACT]
+        friction = state.friction * edge_of(I, M, node).contact
         if holding_tension(I, M, node) >= SPARE * friction * needed:
             state.sleep_awake = needed
             return node
@@ -434,14 +413,14 @@ def prepare_joining(I, M):
     for node in range(first + 1, head.nodes):
         if I[head.joint + node] != 0:
             continue
-        edge = head.edges + node * EDGE_WORDS
+        edge = edge_of(I, M, node)
         strain, _slope = strain_and_slope(
             M,
             M[head.tension + 2 * node] + M[head.tension + 2 * node + 1],
-            M[edge + E_TENSION_LOW],
-            M[edge + E_TENSION_HIGH],
-            int(M[edge + E_STRAIN_OFFSET]),
-            int(M[edge + E_STRAIN_TERMS]),
+            edge.tension_low,
+            edge.tension_high,
+            int(edge.strain_offset),
+            int(edge.strain_terms),
         )
         at = head.position + dimension * (2 * node + 1)
         square = 0.0
@@ -506,7 +485,7 @@ def wake(I, M, everything):
     way = 0.0
     while node < head.nodes - 1 and (everything or way < wanted or holds_something(I, M, node)):
         node += 1
-        way += M[head.edges + node * EDGE_WORDS + E_LENGTH]
+        way += edge_of(I, M, node).length
     head.asleep = head.nodes - 1 - node
     head.factored = 0
     head.has_history = 0

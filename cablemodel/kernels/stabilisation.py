@@ -8,14 +8,8 @@ element by tenths and shortened the other.
 
 import math
 
-from .access import header, scalars
+from .access import edge_of, header, scalars
 from .compile import kernel
-from .layout import (
-    E_COMPLIANCE,
-    E_LENGTH,
-    E_STABILISATION,
-    EDGE_WORDS,
-)
 from .tables import D0, D1, D2, D3, WEIGHT_P2
 
 STABILISATION = 3.0  # of the tension, as at the start: see instance/line_tables.py
@@ -27,7 +21,7 @@ def third_strain(I, M, node):
     head = header(I)
     dimension = head.dimension
     size = 2 * dimension
-    h = M[head.edges + node * EDGE_WORDS + E_LENGTH]
+    h = edge_of(I, M, node).length
     q0 = head.position + size * I[head.parent + node]
     q1 = head.position + size * node
     strain = 0.0
@@ -56,15 +50,15 @@ def stiffen_third_mode(I, M, share):
     for node in range(1, head.nodes):
         if I[head.joint + node] != 0:
             continue
-        edge = head.edges + node * EDGE_WORDS
+        edge = edge_of(I, M, node)
         tension = M[head.tension + 2 * node]
-        stiffness = M[edge + E_STABILISATION]
-        if tension <= stiffness or stiffness * M[edge + E_COMPLIANCE] >= 1.0:
+        stiffness = edge.stabilisation
+        if tension <= stiffness or stiffness * edge.compliance >= 1.0:
             continue
         strain = third_strain(I, M, node)
         # A tenth of the square of the strain, by the element's length and the stiffness, is held.
         more = 10.0 * share * state.tolerance * tension / max(strain * strain, 1e-20)
         wanted = min(STABILISATION * tension, stiffness + more)
-        M[edge + E_STABILISATION] = min(wanted, 1.0 / M[edge + E_COMPLIANCE])
+        edge.stabilisation = min(wanted, 1.0 / edge.compliance)
         head.factored = 0
         head.has_history = 0

@@ -5,7 +5,7 @@ limit is Newton's method on the static equations, reached from any guess. With k
 step starts from rest: slack cable settles where it would bounce otherwise.
 """
 
-from .access import header, scalars
+from .access import edge_of, header, scalars
 from .backup import keep_matrix
 from .clamp_layer import settle_layer
 from .compile import copy_words, kernel, view
@@ -14,8 +14,6 @@ from .floor_state import leave_floor
 from .flow import flow_jacobian, flow_residual, is_laid
 from .free_bodies import count_turns_anew
 from .layout import (
-    E_LENGTH,
-    EDGE_WORDS,
     FLOOR_NONE,
     FLOOR_TOUCHED,
     OK,
@@ -236,7 +234,7 @@ def add_flow(I, M, flow, q, v, a):
                 edge = node + side
                 if edge >= nodes or I[head.joint + edge] != 0:
                     continue
-                h = M[head.edges + edge * EDGE_WORDS + E_LENGTH]
+                h = edge_of(I, M, edge).length
                 p = size * I[head.parent + edge] + i
                 c = size * edge + i
                 chord = (q[c] - q[p]) / h

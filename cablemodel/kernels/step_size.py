@@ -4,7 +4,7 @@ Two limits stand beside each other: the step that the error allows (`step`), and
 that Newton's method is expected to manage (`tractable`).
 """
 
-from .access import header, scalars
+from .access import cut_of, header, motion_piece_of, scalars
 from .compile import inlined, kernel
 from .environment import find_piece
 from .frames import next_frame_stop
@@ -12,10 +12,6 @@ from .layout import (
     FLOOR_FAR,
     FLOOR_TOUCHED,
     OK,
-    P_ACCELERATION_JUMP,
-    P_START,
-    P_VELOCITY_JUMP,
-    PIECE_WORDS,
 )
 from .tables import STAGES
 
@@ -59,15 +55,15 @@ def next_stop(I, M, t_end, dt):
     if head.live == 0:
         count = head.piece_count
         for k in range(find_piece(I, M, time), count):
-            row = head.pieces + k * PIECE_WORDS
-            start = M[row + P_START]
+            row = motion_piece_of(I, M, k)
+            start = row.start
             if start <= time:
                 continue
             if start >= stop or start > time + dt:
                 break
             if (
-                M[row + P_VELOCITY_JUMP] > 0.0
-                or M[row + P_ACCELERATION_JUMP] * dt * dt > 0.8 * state.time_tolerance
+                row.velocity_jump > 0.0
+                or row.acceleration_jump * dt * dt > 0.8 * state.time_tolerance
             ):
                 stop = start
                 break
@@ -79,6 +75,10 @@ def next_stop(I, M, t_end, dt):
                 stop = start
     if head.parts != 0:
         stop = next_frame_stop(I, M, stop, dt)
+    for n in range(head.cut_count):
+        cut = cut_of(I, M, n)
+        if cut.done > 1e300 and time < cut.time < stop:
+            stop = cut.time
     return stop
 
 

@@ -7,18 +7,13 @@ the mean velocity of the step as the final one. Inputs that are not given follow
 
 import math
 
-from .access import header, scalars
+from .access import header, motion_piece_of, scalars
 from .backup import give_back, keep_state
 from .compile import kernel
 from .environment import ROUNDING, evaluate_piece, find_piece, vessel_motion
 from .layout import (
     NOT_FINITE,
     OK,
-    P_DATA,
-    P_END,
-    P_KIND,
-    P_START,
-    PIECE_WORDS,
 )
 from .promote import promote
 from .sleep import leave_out, rejoin
@@ -44,9 +39,9 @@ def set_live_motion(I, M, t_end, inputs):
     if inputs[IN_VELOCITY] == 0.0 and inputs[IN_POSITION] == 0.0:
         # Back to the scene's motion: its velocity at the step's end, then its own course, shifted.
         k = find_piece(I, M, t_end)
-        evaluate_piece(M, head.pieces + k * PIECE_WORDS, t_end, target)
+        evaluate_piece(M, motion_piece_of(I, M, k), t_end, target)
     vessel_motion(I, M, time)
-    row = head.pieces
+    row = motion_piece_of(I, M, 0)
     for i in range(3):
         p0 = M[motion + i]
         v0 = M[motion + 3 + i]
@@ -64,14 +59,14 @@ def set_live_motion(I, M, t_end, inputs):
         else:
             c2 = 0.5 * (target[3 + i] - v0) / dt
             state.shift[i] = p0 + 0.5 * (v0 + target[3 + i]) * dt - target[i]
-        M[row + P_DATA + i] = p0
-        M[row + P_DATA + 3 + i] = v0
-        M[row + P_DATA + 6 + i] = c2
-        M[row + P_DATA + 9 + i] = c3
-        M[row + P_DATA + 12 + i] = 0.0
-    M[row + P_START] = time
-    M[row + P_END] = t_end
-    M[row + P_KIND] = 0.0
+        row.data[i] = p0
+        row.data[3 + i] = v0
+        row.data[6 + i] = c2
+        row.data[9 + i] = c3
+        row.data[12 + i] = 0.0
+    row.start = time
+    row.end = t_end
+    row.kind = 0.0
 
 
 @kernel
@@ -163,19 +158,21 @@ def keep_plane(I, M):
         return
     live = state.live_current
     if head.live == 1:
+        data = motion_piece_of(I, M, 0).data
         for k in range(1, 4):
-            at = head.pieces + P_DATA + 3 * k
-            if head.dimension == 2 and out_of_plane(I, M, M[at], M[at + 1]):
-                leave_plane(I, M, M[at], M[at + 1])
+            at = 3 * k
+            if head.dimension == 2 and out_of_plane(I, M, data[at], data[at + 1]):
+                leave_plane(I, M, data[at], data[at + 1])
     for k in range(2):
         at = 2 + 3 * k
         if head.dimension == 2 and out_of_plane(I, M, live[at], live[at + 1]):
             leave_plane(I, M, live[at], live[at + 1])
     if head.dimension == 2:
         # A plane that was turned for one input must hold for all of them.
+        data = motion_piece_of(I, M, 0).data
         for k in range(1, 4):
-            at = head.pieces + P_DATA + 3 * k
-            if head.live == 1 and out_of_plane(I, M, M[at], M[at + 1]):
+            at = 3 * k
+            if head.live == 1 and out_of_plane(I, M, data[at], data[at + 1]):
                 promote(I, M)
                 return
         for k in range(2):

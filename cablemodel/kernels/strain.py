@@ -1,13 +1,8 @@
 """The tension-strain curve: Sun & Leonard 1998, eq. 21, without its constant term."""
 
-from .access import header
+from .access import edge_of, header
 from .compile import inlined, kernel
 from .layout import (
-    E_STRAIN_OFFSET,
-    E_STRAIN_TERMS,
-    E_TENSION_HIGH,
-    E_TENSION_LOW,
-    EDGE_WORDS,
     LARGEST_STRAIN,
 )
 
@@ -34,15 +29,15 @@ def overstretched(I, M):
     """The first node whose element is longer than any cable can be stretched to; 0: none."""
     head = header(I)
     for node in range(1, head.nodes):
-        edge = head.edges + node * EDGE_WORDS
+        edge = edge_of(I, M, node)
         if I[head.joint + node] == 0:
             strain, _slope = strain_and_slope(
                 M,
                 M[head.tension + 2 * node],
-                M[edge + E_TENSION_LOW],
-                M[edge + E_TENSION_HIGH],
-                int(M[edge + E_STRAIN_OFFSET]),
-                int(M[edge + E_STRAIN_TERMS]),
+                edge.tension_low,
+                edge.tension_high,
+                int(edge.strain_offset),
+                int(edge.strain_terms),
             )
             if strain > LARGEST_STRAIN:
                 return node

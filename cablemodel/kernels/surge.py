@@ -10,14 +10,9 @@ while there is such water; with waves waves.py has it among theirs. The Newton m
 how it turns with the cable.
 """
 
-from .access import header
+from .access import edge_of, header
 from .compile import outlined, view
 from .environment import surge_at
-from .layout import (
-    E_ADDED,
-    E_LENGTH,
-    EDGE_WORDS,
-)
 from .tables import D0, D1, D2, D3, H0, H1, H2, H3, WH
 from .waves import displaced
 
@@ -33,9 +28,9 @@ def push_elements(I, M, q, out):
         if I[head.joint + node] != 0:
             continue
         parent = I[head.parent + node]
-        edge = head.edges + node * EDGE_WORDS
-        h = M[edge + E_LENGTH]
-        added = M[edge + E_ADDED]
+        edge = edge_of(I, M, node)
+        h = edge.length
+        added = edge.added_mass
         mass = displaced(I, M, edge)
         above = size * parent
         below = size * node

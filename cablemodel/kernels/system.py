@@ -3,7 +3,7 @@
 Everything that depends on the dimension (planar or three-dimensional) is chosen here, once a call.
 """
 
-from .access import header, scalars
+from .access import constraint_of, frame_of, header, scalars
 from .backup import keep_matrix
 from .block_solver import (
     factor_parts,
@@ -32,16 +32,10 @@ from .floor import floor_jacobian, floor_residual
 from .frames import move_frames, point_motion, turn_clamps, turn_slope
 from .free_bodies import follow_bodies, free_jacobian, free_residual
 from .layout import (
-    C_CLAMPED,
-    C_DIRECTION,
-    C_FRAME,
-    C_KIND,
-    C_NODE,
-    C_POINT,
-    CONSTRAINT_WORDS,
+    ALONE,
     EXACTLY,
     FLOOR_TOUCHED,
-    FRAME_WORDS,
+    HELD_BY_FRAME,
     JOINT_HINGE,
 )
 from .passing import add_first_bit, exchange_rates
@@ -112,13 +106,13 @@ def set_time(I, M, t):
 
 
 @kernel
-def keep_along(M, direction, dimension, x, at):
-    """Leave of a slope, or of its rate, at x[at] what lies along a direction, by its word."""
+def keep_along(direction, dimension, x, at):
+    """Leave of a slope, or of its rate, at x[at] what lies along a direction."""
     along = 0.0
     for i in range(dimension):
-        along += M[direction + i] * x[at + i]
+        along += direction[i] * x[at + i]
     for i in range(dimension):
-        x[at + i] = along * M[direction + i]
+        x[at + i] = along * direction[i]
 
 
 @kernel
@@ -133,17 +127,17 @@ def impose_motion(I, M, t, q, v, a):
     size = 2 * dimension
     out = view(M, head.motion + 16, 9)
     for n in range(head.constraint_count):
-        row = head.constraints + n * CONSTRAINT_WORDS
-        at = size * int(M[row + C_NODE])
-        if M[row + C_KIND] == C_POINT:
-            frame = head.frames + int(M[row + C_FRAME]) * FRAME_WORDS
+        row = constraint_of(I, M, n)
+        at = size * int(row.node)
+        if row.kind == HELD_BY_FRAME:
+            frame = frame_of(I, M, int(row.frame))
             w = view(M, head.motion + 28, 9)
             point_motion(M, row, frame, out, w)
             for i in range(3):
                 q[at + i] = out[i]
                 v[at + i] = out[3 + i]
                 a[at + i] = out[6 + i]
-            if M[row + C_CLAMPED] == EXACTLY:
+            if row.clamped == EXACTLY:
                 turn_slope(M, row, frame, q, v, a, at + 3, w)
             continue
         prescribed_motion(I, M, row, t, out)
@@ -151,10 +145,10 @@ def impose_motion(I, M, t, q, v, a):
             q[at + i] = out[i]
             v[at + i] = out[dimension + i]
             a[at + i] = out[2 * dimension + i]
-        if M[row + C_CLAMPED] == EXACTLY:
-            keep_along(M, row + C_DIRECTION, dimension, q, at + dimension)
-            keep_along(M, row + C_DIRECTION, dimension, v, at + dimension)
-            keep_along(M, row + C_DIRECTION, dimension, a, at + dimension)
+        if row.clamped == EXACTLY:
+            keep_along(row.direction, dimension, q, at + dimension)
+            keep_along(row.direction, dimension, v, at + dimension)
+            keep_along(row.direction, dimension, a, at + dimension)
 
 
 @kernel
@@ -166,12 +160,12 @@ def project_rows(I, M, row, at):
     for j in range(size):
         for i in range(dimension):
             M[at + size * i + j] = 0.0
-        if M[row + C_CLAMPED] == EXACTLY:
+        if row.clamped == EXACTLY:
             value = 0.0
             for i in range(dimension):
-                value += M[row + C_DIRECTION + i] * M[at + size * (dimension + i) + j]
+                value += row.direction[i] * M[at + size * (dimension + i) + j]
             for i in range(dimension):
-                M[at + size * (dimension + i) + j] = M[row + C_DIRECTION + i] * value
+                M[at + size * (dimension + i) + j] = row.direction[i] * value
 
 
 @kernel
@@ -183,12 +177,12 @@ def project_columns(I, M, row, at):
     for i in range(size):
         for j in range(dimension):
             M[at + size * i + j] = 0.0
-        if M[row + C_CLAMPED] == EXACTLY:
+        if row.clamped == EXACTLY:
             value = 0.0
             for j in range(dimension):
-                value += M[row + C_DIRECTION + j] * M[at + size * i + dimension + j]
+                value += row.direction[j] * M[at + size * i + dimension + j]
             for j in range(dimension):
-                M[at + size * i + dimension + j] = M[row + C_DIRECTION + j] * value
+                M[at + size * i + dimension + j] = row.direction[j] * value
 
 
 @kernel
@@ -203,31 +197,35 @@ def constrain_matrix(I, M):
     size = 2 * dimension
     area = size * size
     for n in range(head.constraint_count):
-        row = head.constraints + n * CONSTRAINT_WORDS
-        node = int(M[row + C_NODE])
+        row = constraint_of(I, M, n)
+        node = int(row.node)
         at = head.diagonal + area * node
         project_rows(I, M, row, at)
         project_columns(I, M, row, at)
         for i in range(dimension):
             M[at + size * i + i] += 1.0
-        if M[row + C_CLAMPED] == EXACTLY:
+        if row.clamped == ALONE:
+            for i in range(dimension, size):
+                M[at + size * i + i] += 1.0
+        if row.clamped == EXACTLY:
             along = 0.0
             for i in range(dimension):
                 along += M[at + size * (dimension + i) + dimension + i]
             along = max(1.0, abs(along))
             for i in range(dimension):
                 for j in range(dimension):
-                    value = -M[row + C_DIRECTION + i] * M[row + C_DIRECTION + j]
+                    value = -row.direction[i] * row.direction[j]
                     if i == j:
                         value += 1.0
                     M[at + size * (dimension + i) + dimension + j] += along * value
         if node > 0:
             project_rows(I, M, row, head.lower + area * node)
             project_columns(I, M, row, head.upper + area * node)
-        for child in range(node + 1, head.nodes):
-            if I[head.parent + child] == node:
-                project_rows(I, M, row, head.upper + area * child)
-                project_columns(I, M, row, head.lower + area * child)
+        # A line begins or ends here: nothing else than its own first element is tied to it.
+        child = node + 1
+        if child < head.nodes and I[head.parent + child] == node:
+            project_rows(I, M, row, head.upper + area * child)
+            project_columns(I, M, row, head.lower + area * child)
 
 
 @kernel
@@ -236,16 +234,16 @@ def constrain_vector(I, M, x):
     head = header(I)
     dimension = head.dimension
     for n in range(head.constraint_count):
-        row = head.constraints + n * CONSTRAINT_WORDS
-        at = 2 * dimension * int(M[row + C_NODE])
+        row = constraint_of(I, M, n)
+        at = 2 * dimension * int(row.node)
         for i in range(dimension):
             x[at + i] = 0.0
-        if M[row + C_CLAMPED] == EXACTLY:
+        if row.clamped == EXACTLY:
             value = 0.0
             for i in range(dimension):
-                value += M[row + C_DIRECTION + i] * x[at + dimension + i]
+                value += row.direction[i] * x[at + dimension + i]
             for i in range(dimension):
-                x[at + dimension + i] = M[row + C_DIRECTION + i] * value
+                x[at + dimension + i] = row.direction[i] * value
 
 
 @outlined

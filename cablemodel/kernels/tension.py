@@ -15,22 +15,10 @@ it, and the tension that is solved for is that of the step: such a step is refus
 
 import math
 
-from .access import header, scalars
+from .access import body_of, constraint_of, edge_of, header, scalars
 from .compile import copy_words, inlined, kernel, outlined, view
 from .consistency import vessel_jump
 from .environment import current_rate, surge_jump
-from .layout import (
-    B_COMPLIANCE,
-    B_MASS,
-    BODY_WORDS,
-    C_CLAMPED,
-    CONSTRAINT_WORDS,
-    E_COMPLIANCE,
-    E_LENGTH,
-    E_MASS,
-    E_STRAIN_TERMS,
-    EDGE_WORDS,
-)
 from .newton import increment_norm
 from .payout import set_top_length
 from .system import (
@@ -171,10 +159,10 @@ def inertia(I, M):
     mass = 0.0
     for node in range(1, head.nodes):
         if I[head.joint + node] == 0:
-            edge = head.edges + node * EDGE_WORDS
-            mass += M[edge + E_MASS] * M[edge + E_LENGTH]
+            edge = edge_of(I, M, node)
+            mass += edge.mass * edge.length
     for body in range(head.body_count):
-        mass += M[head.bodies + body * BODY_WORDS + B_MASS]
+        mass += body_of(I, M, body).mass
     return mass
 
 
@@ -187,11 +175,11 @@ def may_be_solved_for(I, M):
     if state.body_passage != 0.0:
         return False
     for n in range(head.constraint_count):
-        if M[head.constraints + n * CONSTRAINT_WORDS + C_CLAMPED] != 0.0:
+        if constraint_of(I, M, n).clamped != 0.0:
             return False
     for node in range(1, head.nodes):
         if I[head.joint + node] == 0:
-            if M[head.edges + node * EDGE_WORDS + E_STRAIN_TERMS] != 1.0:
+            if edge_of(I, M, node).strain_terms != 1.0:
                 return False
     return True
 
@@ -223,14 +211,14 @@ def stiffen(I, M, ca):
     length = state.length
     kept = region(I, SOFTNESS)
     for node in range(1, head.nodes):
-        edge = head.edges + node * EDGE_WORDS
-        M[kept + node] = M[edge + E_COMPLIANCE]
+        edge = edge_of(I, M, node)
+        M[kept + node] = edge.compliance
         if I[head.joint + node] == 0:
-            M[edge + E_COMPLIANCE] = soft / length
+            edge.compliance = soft / length
     for body in range(head.body_count):
-        row = head.bodies + body * BODY_WORDS
-        M[kept + head.nodes + body] = M[row + B_COMPLIANCE]
-        M[row + B_COMPLIANCE] = soft
+        row = body_of(I, M, body)
+        M[kept + head.nodes + body] = row.compliance
+        row.compliance = soft
 
 
 @kernel
@@ -239,10 +227,10 @@ def soften(I, M):
     head = header(I)
     kept = region(I, SOFTNESS)
     for node in range(1, head.nodes):
-        M[head.edges + node * EDGE_WORDS + E_COMPLIANCE] = M[kept + node]
+        edge_of(I, M, node).compliance = M[kept + node]
     for body in range(head.body_count):
-        row = head.bodies + body * BODY_WORDS
-        M[row + B_COMPLIANCE] = M[kept + head.nodes + body]
+        row = body_of(I, M, body)
+        row.compliance = M[kept + head.nodes + body]
 
 
 @outlined

@@ -8,7 +8,7 @@ step, is estimated from those of the stages.
 
 import math
 
-from .access import header, scalars
+from .access import edge_of, header, scalars
 from .buckling import any_pressed, is_held, make_crooked
 from .clamp_layer import follow_layer
 from .compile import copy_words, inlined, kernel, view
@@ -20,17 +20,13 @@ from .consistency import (
     project_velocity,
     take_rates_from_velocity,
 )
+from .cuts import let_go_step, make_cuts, share_before_a_break
 from .environment import find_piece
 from .floor_memory import settle
 from .floor_state import lands, leave_floor
 from .follow import follow_floor
 from .free_bodies import count_turns_anew
 from .layout import (
-    E_BENDING,
-    E_BENDING_FULL,
-    E_LENGTH,
-    E_MODEL,
-    EDGE_WORDS,
     FLOOR_ABOVE,
     FLOOR_FAR,
     FLOOR_NONE,
@@ -363,19 +359,19 @@ def update_bending(I, M):
     state = scalars(M)
     fine = min(1.0, state.tolerance / BENDING_SEEN) ** 2
     for node in range(1, head.nodes):
-        e = head.edges + node * EDGE_WORDS
-        if M[e + E_MODEL] != MODEL_HYBRID:
+        e = edge_of(I, M, node)
+        if e.model != MODEL_HYBRID:
             continue
-        h = M[e + E_LENGTH]
-        stiffness = M[e + E_BENDING_FULL]
+        h = e.length
+        stiffness = e.bending_full
         pull = h * h * (M[head.tension + 2 * node] - abs(M[head.tension + 2 * node + 1]))
-        if M[e + E_BENDING] == 0.0:
+        if e.bending == 0.0:
             if stiffness > BENDING_ON * fine * pull:
-                M[e + E_BENDING] = stiffness
+                e.bending = stiffness
                 head.factored = 0
                 head.has_history = 0
         elif stiffness < BENDING_OFF * fine * pull:
-            M[e + E_BENDING] = 0.0
+            e.bending = 0.0
             head.factored = 0
             head.has_history = 0
 
@@ -415,17 +411,17 @@ def advance_to(I, M, t_end):
     mark = state.time
     jolted = -1e300
     two_steps = False
+    if head.cut_count != 0:
+        status = make_cuts(I, M)
+        if status != OK:
+            return status
     while state.time < t_end:
         # The mesh changes before a step: what is read after it is a state that a step has made.
         rests = head.sleep != 0 and state.time >= state.sleep_after and may_sleep(I, M)
         if (
             rests
             or (head.payout != 0 and next_change(I, M) != 0)
-            or (
-                head.floor_state != FLOOR_FAR
-                and head.parts == 0
-                and follow_floor(I, M, False) != NOTHING
-            )
+            or (head.floor_state != FLOOR_FAR and follow_floor(I, M, False) != NOTHING)
             or (mesh_is_due(I, M) and follow_bending(I, M, False) != NOTHING)
         ):
             status = change_mesh(I, M, rests)
@@ -515,6 +511,12 @@ def advance_to(I, M, t_end):
                 along = PASSES_OVER
                 error = UNSTABLE
                 state.bent_after = state.time  # it bends where the mesh lets it
+        if head.cut_count != 0 and status == OK and error <= 1.0:
+            share = share_before_a_break(I, M)
+            if share < 1.0 and share * dt > let_go_step(M):
+                head.rejected += 1
+                state.step = share * dt
+                continue
         if status != OK or not error <= 1.0:
             if not shorten(I, M, dt, scheme, status, error):
                 status = NOT_CONVERGED
@@ -572,6 +574,10 @@ def advance_to(I, M, t_end):
                 follow_iterations(M, dt, (head.iterations - before) / (STAGES[scheme] - 1))
             if not two_steps:
                 choose_order(I, M, scheme, head.iterations - before, to_output)
+            if head.cut_count != 0:
+                status = make_cuts(I, M)
+                if status != OK:
+                    break
         taken += 1
         if taken > head.maximum_steps:
             status = TOO_MANY_STEPS

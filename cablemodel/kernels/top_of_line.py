@@ -8,28 +8,14 @@ above it comes when the body is out, and goes before it is taken in.
 
 import math
 
-from .access import header, scalars
+from .access import body_at, body_of, cable_at, cable_of, edge_at, edge_of, header, scalars, word_of
 from .compile import kernel
 from .follow import jump_at
 from .layout import (
-    B_LENGTH,
-    B_MASS,
-    B_NODE,
-    B_PULL,
     BODY_WORDS,
     CABLE_WORDS,
-    E_LENGTH,
-    E_MASS,
-    E_NOMINAL,
-    E_SEGMENT,
-    E_START,
     EDGE_WORDS,
     JOINT_BODY,
-    K_BODY,
-    K_HINGE,
-    K_LEAVES,
-    K_NOMINAL,
-    K_SHORTEST,
     NO_CAPACITY,
     OK,
 )
@@ -76,7 +62,7 @@ def is_too_large(I, M, length, elements):
         return False
     total = 0.0
     for node in range(1, head.nodes):
-        total += M[head.edges + EDGE_WORDS * node + E_LENGTH]
+        total += edge_of(I, M, node).length
     return length > LARGEST_SHARE * total
 
 
@@ -88,11 +74,10 @@ def bends_with_next(I, M):
     fold that is straightened so stores energy from nowhere. Or, where the mesh follows what bends,
     what is joined would be halved at once, and what it was is lost.
     """
-    head = header(I)
     state = scalars(M)
     if moved_by_joining(I, M) > state.tolerance * state.length:
         return True
-    length = state.top_length + M[head.edges + 2 * EDGE_WORDS + E_LENGTH]
+    length = state.top_length + edge_of(I, M, 2).length
     return state.bent > 0.0 and length * length * jump_at(I, M, 1, False) > state.bent
 
 
@@ -106,7 +91,7 @@ def moved_by_joining(I, M):
     state = scalars(M)
     dimension = head.dimension
     first = state.top_length
-    length = first + M[head.edges + 2 * EDGE_WORDS + E_LENGTH]
+    length = first + edge_of(I, M, 2).length
     size = 2 * dimension
     w = M[head.motion + 28 : head.motion + 34]
     hermite(M, head.position, head.position + 2 * size, dimension, length, first / length, w)
@@ -122,45 +107,47 @@ def next_change(I, M):
     head = header(I)
     state = scalars(M)
     cable = head.top_cable
-    row = head.cables + cable * CABLE_WORDS
+    row = cable_of(I, M, cable)
     if cable + 1 < head.cable_count:
-        out = state.travel - M[row + K_LEAVES]
+        out = state.travel - row.leaves
         body = body_above(I, M, cable)
+        of_body = body_at(M, body)
         if state.body_passage != 0.0:
-            beyond = out - M[body + B_LENGTH]
-            if beyond >= (1.0 - NEARLY) * M[row + CABLE_WORDS + K_SHORTEST]:
+            beyond = out - of_body.length
+            if beyond >= (1.0 - NEARLY) * cable_of(I, M, cable + 1).shortest:
                 return FOLLOWS
-            if out <= 0.5 * bare_length(M, body, row + CABLE_WORDS):
+            if out <= 0.5 * bare_length(M, of_body, cable_of(I, M, cable + 1)):
                 return ENTERS
             return 0
         if body >= 0:
-            if out >= (1.0 - NEARLY) * bare_length(M, body, row + CABLE_WORDS):
+            if out >= (1.0 - NEARLY) * bare_length(M, of_body, cable_of(I, M, cable + 1)):
                 return COMES
-        elif out >= M[row + CABLE_WORDS + K_SHORTEST] and out < state.top_length:
+        elif out >= cable_of(I, M, cable + 1).shortest and out < state.top_length:
             # A joint leaves the vessel once enough of the next cable is out.
             return LEAVES
     if cable > 0:
         # It is taken back when less than half of that is left.
-        out = state.travel - M[row - CABLE_WORDS + K_LEAVES]
+        out = state.travel - cable_of(I, M, cable - 1).leaves
         body = body_above(I, M, cable - 1)
+        of_body = body_at(M, body)
         if body >= 0:
-            if out - M[body + B_LENGTH] <= 0.5 * M[row + K_SHORTEST]:
+            if out - of_body.length <= 0.5 * row.shortest:
                 return STOPS
-        elif out <= 0.5 * M[row + K_SHORTEST]:
+        elif out <= 0.5 * row.shortest:
             return RETURNS
-    nominal = M[row + K_NOMINAL]
+    nominal = row.nominal
     if state.top_length > SPLIT * nominal or is_too_large(I, M, state.top_length, head.nodes - 1):
         return DIVIDES
-    first = head.edges + EDGE_WORDS
-    below = first + EDGE_WORDS
-    if head.nodes > 2 and state.top_length < JOIN * min(nominal, M[below + E_LENGTH]):
-        if bends_with_next(I, M) and state.top_length > SLIGHT * M[below + E_LENGTH]:
+    first = edge_of(I, M, 1)
+    below = edge_of(I, M, 2)
+    if head.nodes > 2 and state.top_length < JOIN * min(nominal, below.length):
+        if bends_with_next(I, M) and state.top_length > SLIGHT * below.length:
             return 0
-        if M[below + E_SEGMENT] == M[first + E_SEGMENT] and I[head.joint + 2] == 0:
+        if below.segment == first.segment and I[head.joint + 2] == 0:
             # One of few elements goes only where another one gains by being halved.
-            if state.top_length < UNEVEN * M[below + E_LENGTH] or (
+            if state.top_length < UNEVEN * below.length or (
                 element_number(I, M) > FEWEST_ELEMENTS
-                and not is_too_large(I, M, state.top_length + M[below + E_LENGTH], head.nodes - 2)
+                and not is_too_large(I, M, state.top_length + below.length, head.nodes - 2)
             ):
                 return UNITES
     return 0
@@ -205,10 +192,10 @@ def body_moved(I, M, row):
     """
     head = header(I)
     state = scalars(M)
-    node = int(M[row + B_NODE])
-    edge = head.edges + (node + 1) * EDGE_WORDS
+    node = int(row.node)
+    edge = edge_of(I, M, node + 1)
     if node + 1 < head.nodes:
-        reach = M[edge + E_LENGTH] + M[row + B_MASS] / M[edge + E_MASS]
+        reach = edge.length + row.mass / edge.mass
         state.joined = max(state.joined, reach)
 
 
@@ -218,24 +205,24 @@ def let_body_come(I, M):
     head = header(I)
     state = scalars(M)
     cable = head.top_cable
-    out = state.travel - M[head.cables + cable * CABLE_WORDS + K_LEAVES]
+    out = state.travel - cable_of(I, M, cable).leaves
     if split_edge(I, M, 1, out / state.top_length, False) != OK:
         return NO_CAPACITY
-    edge = head.edges + EDGE_WORDS
+    edge = edge_of(I, M, 1)
     I[head.joint + 1] = JOINT_BODY
-    M[edge + E_LENGTH] = 0.0
-    M[edge + E_START] = -state.paid
-    M[edge + EDGE_WORDS + E_START] = -state.paid
+    edge.length = 0.0
+    edge.start = -state.paid
+    edge_at(M, word_of(M, edge) + EDGE_WORDS).start = -state.paid
     for array in range(2):
         # The split has left the mean of the piece above: the tension at the new node.
         t = head.tension if array == 0 else head.tension_rate
         M[t + 2] += M[t + 3]
         M[t + 3] = 0.0
-    row = body_above(I, M, cable)
-    M[row + B_NODE] = 1.0
-    M[row + B_PULL] = M[head.tension + 2]
-    M[row + B_PULL + 1] = M[head.tension + 2]
-    state.body_passage = 1.0 + (row - head.bodies) // BODY_WORDS
+    row = body_at(M, body_above(I, M, cable))
+    row.node = 1.0
+    row.clamp_tension[0] = M[head.tension + 2]
+    row.clamp_tension[1] = M[head.tension + 2]
+    state.body_passage = 1.0 + (word_of(M, row) - head.bodies) // BODY_WORDS
     along_the_body(I, M)
     body_moved(I, M, row)
     update_springs(I, M, 0.0)
@@ -252,8 +239,8 @@ def let_cable_follow(I, M):
     dimension = head.dimension
     size = 2 * dimension
     cable = head.top_cable
-    row = body_above(I, M, cable)
-    length = state.top_length - M[row + B_LENGTH]
+    row = body_at(M, body_above(I, M, cable))
+    length = state.top_length - row.length
     along_the_body(I, M)
     w = M[head.motion + 28 : head.motion + 37]
     pull = M[head.tension + 2]
@@ -262,9 +249,9 @@ def let_cable_follow(I, M):
     for k in range(EDGE_WORDS):
         M[head.edges + EDGE_WORDS + k] = 0.0
     give_properties(I, M, 1, cable + 1)
-    M[head.edges + EDGE_WORDS + E_LENGTH] = length
-    M[head.edges + EDGE_WORDS + E_START] = -state.paid
-    M[head.edges + 2 * EDGE_WORDS + E_START] = length - state.paid
+    edge_of(I, M, 1).length = length
+    edge_of(I, M, 1).start = -state.paid
+    edge_of(I, M, 2).start = length - state.paid
     I[head.joint + 1] = 0
     M[head.tension + 2] = pull
     M[head.tension + 3] = 0.0
@@ -286,7 +273,7 @@ def let_cable_follow(I, M):
     body_moved(I, M, row)
     state.body_passage = 0.0
     head.top_cable = cable + 1
-    M[row + B_PULL] = pull
+    row.clamp_tension[0] = pull
     update_springs(I, M, 0.0)
     return OK
 
@@ -299,11 +286,11 @@ def let_body_stop(I, M):
     while I[head.joint + 2] == 0:
         join_at(I, M, 1, 1)
     cable = head.top_cable - 1
-    row = body_above(I, M, cable)
+    row = body_at(M, body_above(I, M, cable))
     close_gap(I, M, 1, 1)
     body_moved(I, M, row)
-    state.top_length = state.travel - M[head.cables + cable * CABLE_WORDS + K_LEAVES]
-    state.body_passage = 1.0 + (row - head.bodies) // BODY_WORDS
+    state.top_length = state.travel - cable_of(I, M, cable).leaves
+    state.body_passage = 1.0 + (word_of(M, row) - head.bodies) // BODY_WORDS
     head.top_cable = cable
     along_the_body(I, M)
     update_springs(I, M, 0.0)
@@ -317,8 +304,8 @@ def let_body_enter(I, M):
     dimension = head.dimension
     size = 2 * dimension
     cable = head.top_cable
-    row = body_above(I, M, cable)
-    M[row + B_NODE] = -1.0
+    row = body_at(M, body_above(I, M, cable))
+    row.node = -1.0
     state.body_passage = 0.0
     w = M[head.motion + 28 : head.motion + 37]
     for i in range(dimension):
@@ -326,8 +313,8 @@ def let_body_enter(I, M):
         w[3 + i] = M[head.velocity + size + dimension + i]
         w[6 + i] = M[head.acceleration + size + dimension + i]
     close_gap(I, M, 1, 1)
-    state.top_length += M[head.edges + EDGE_WORDS + E_LENGTH]
-    M[head.edges + EDGE_WORDS + E_LENGTH] = state.top_length
+    state.top_length += edge_of(I, M, 1).length
+    edge_of(I, M, 1).length = state.top_length
     state.joined = max(state.joined, state.top_length)
     for i in range(dimension):
         M[head.position + dimension + i] = w[i]
@@ -337,11 +324,10 @@ def let_body_enter(I, M):
 @kernel
 def keep_length(I, M, edge):
     """An element that the winch has made stays as long as it is: only its halves are joined."""
-    head = header(I)
     state = scalars(M)
     if state.bent > 0.0:
-        row = head.edges + EDGE_WORDS * edge
-        M[row + E_NOMINAL] = M[row + E_LENGTH]
+        row = edge_of(I, M, edge)
+        row.nominal = row.length
 
 
 @kernel
@@ -350,15 +336,12 @@ def unite(I, M):
     head = header(I)
     state = scalars(M)
     join_at(I, M, 1, 1)
-    M[head.edges + EDGE_WORDS + E_LENGTH] = state.top_length
+    edge_of(I, M, 1).length = state.top_length
     if element_number(I, M) >= FEWEST_ELEMENTS:
         return OK
     longest = 1
     for node in range(1, head.nodes):
-        if (
-            M[head.edges + EDGE_WORDS * node + E_LENGTH]
-            > M[head.edges + EDGE_WORDS * longest + E_LENGTH]
-        ):
+        if edge_of(I, M, node).length > edge_of(I, M, longest).length:
             longest = node
     status = split_edge(I, M, longest, 0.5, False)
     if status == OK:
@@ -377,29 +360,27 @@ def adapt_top(I, M):
         if change == 0:
             break
         cable = head.top_cable
-        row = head.cables + cable * CABLE_WORDS
+        row = cable_of(I, M, cable)
         status = OK
         if change == LEAVES:
-            above = row + CABLE_WORDS
-            out = state.travel - M[row + K_LEAVES]
-            hinge = M[above + K_HINGE] != 0.0
+            above = cable_at(M, word_of(M, row) + CABLE_WORDS)
+            out = state.travel - row.leaves
+            hinge = above.hinge != 0.0
             status = split_edge(I, M, 1, out / state.top_length, hinge)
             if status == OK:
                 give_properties(I, M, 1, cable + 1)
-                if M[above + K_BODY] >= 0.0:
-                    M[head.bodies + int(M[above + K_BODY]) * BODY_WORDS + B_NODE] = 1.0
+                if above.body >= 0.0:
+                    body_of(I, M, int(above.body)).node = 1.0
                 head.top_cable = cable + 1
         elif change == RETURNS:
-            if M[row + K_BODY] >= 0.0:
-                M[head.bodies + int(M[row + K_BODY]) * BODY_WORDS + B_NODE] = -1.0
+            if row.body >= 0.0:
+                body_of(I, M, int(row.body)).node = -1.0
             # All of the upper cable's elements go.
-            while I[head.joint + 2] == 0 and (
-                M[head.edges + 2 * EDGE_WORDS + E_SEGMENT] == M[head.edges + EDGE_WORDS + E_SEGMENT]
-            ):
+            while I[head.joint + 2] == 0 and (edge_of(I, M, 2).segment == edge_of(I, M, 1).segment):
                 join_at(I, M, 1, 1)
-            join_at(I, M, 1, 2 if M[row + K_HINGE] != 0.0 else 1)
+            join_at(I, M, 1, 2 if row.hinge != 0.0 else 1)
             give_properties(I, M, 1, cable - 1)
-            M[head.edges + EDGE_WORDS + E_LENGTH] = state.top_length
+            edge_of(I, M, 1).length = state.top_length
             head.top_cable = cable - 1
         elif change == COMES:
             status = let_body_come(I, M)
@@ -410,7 +391,7 @@ def adapt_top(I, M):
         elif change == ENTERS:
             let_body_enter(I, M)
         elif change == DIVIDES:
-            pieces = max(2, int(state.top_length / M[row + K_NOMINAL]))
+            pieces = max(2, int(state.top_length / row.nominal))
             status = split_edge(I, M, 1, 1.0 - 1.0 / pieces, False)
             if status == OK:
                 keep_length(I, M, 2)

@@ -13,15 +13,9 @@ result, C d^3 q''', is the error's measure. Whatever is not smooth, or does not 
 is refused here and taken by the one-step scheme, from the same state.
 """
 
-from .access import header, scalars
+from .access import header, motion_piece_of, scalars
 from .compile import copy_words, inlined, kernel, view
 from .environment import surge_jump
-from .layout import (
-    P_ACCELERATION_JUMP,
-    P_END,
-    P_VELOCITY_JUMP,
-    PIECE_WORDS,
-)
 from .newton import NO_TENSION, increment_norm, refactor
 from .system import (
     impose_motion,
@@ -52,14 +46,11 @@ def starts_at_a_kink(I, M, dt):
     k = head.piece
     if k + 1 >= head.piece_count:
         return False
-    row = head.pieces + k * PIECE_WORDS
-    if M[row + P_END] > state.time:
+    row = motion_piece_of(I, M, k)
+    if row.end > state.time:
         return False
-    row += PIECE_WORDS
-    return (
-        M[row + P_VELOCITY_JUMP] > 0.0
-        or M[row + P_ACCELERATION_JUMP] * dt * dt > 0.1 * state.time_tolerance
-    )
+    row = motion_piece_of(I, M, k + 1)
+    return row.velocity_jump > 0.0 or row.acceleration_jump * dt * dt > 0.1 * state.time_tolerance
 
 
 @inlined

@@ -10,19 +10,11 @@ flexible cable passes no moment: k = 0. Nor does a clamp hold a body of finite l
 
 import math
 
-from .access import header, scalars
+from .access import constraint_of, edge_of, header, scalars
 from .clamp_layer import share_of_layer
 from .compile import kernel
 from .layout import (
     BY_SPRING,
-    C_CLAMPED,
-    C_DIRECTION,
-    C_PULL,
-    C_SHARE,
-    C_SPRING,
-    E_BENDING_FULL,
-    E_LENGTH,
-    EDGE_WORDS,
     EXACTLY,
 )
 from .rigid import clamp_stiffness, stiffen_gently, update_clamps
@@ -32,12 +24,11 @@ from .slopes import half_cosine, slope_direction
 @kernel
 def clamp_spring(I, M):
     """Stiffness of the clamp [N m]; 0 where there is none."""
-    head = header(I)
     state = scalars(M)
-    row = head.constraints
-    if M[row + C_CLAMPED] != BY_SPRING or state.body_passage != 0.0:
+    row = constraint_of(I, M, 0)
+    if row.clamped != BY_SPRING or state.body_passage != 0.0:
         return 0.0
-    return M[row + C_SPRING]
+    return row.spring
 
 
 @kernel
@@ -46,7 +37,7 @@ def slope_at_vessel(I, M, q, w):
     head = header(I)
     dimension = head.dimension
     for i in range(dimension):
-        w[i] = M[head.constraints + C_DIRECTION + i]
+        w[i] = constraint_of(I, M, 0).direction[i]
     return slope_direction(dimension, q, dimension, w)
 
 
@@ -107,41 +98,41 @@ def update_springs(I, M, share):
     state = scalars(M)
     if head.rigid > 0:
         update_clamps(I, M, share)
-    row = head.constraints
-    if M[row + C_CLAMPED] != BY_SPRING:
+    row = constraint_of(I, M, 0)
+    if row.clamped != BY_SPRING:
         return
     if state.body_passage != 0.0:
-        M[row + C_SHARE] = 0.0
+        row.share = 0.0
         return
     pull = M[head.tension + 2] - M[head.tension + 3]
     before = state.clamp_tension
     state.clamp_tension += share * (pull - before)
-    edge = head.edges + EDGE_WORDS
-    M[row + C_SHARE] = share_of_layer(I, M)
-    target = clamp_stiffness(M, edge, state.clamp_tension, M[edge + E_LENGTH], False)
-    part = M[row + C_SHARE]
+    edge = edge_of(I, M, 1)
+    row.share = share_of_layer(I, M)
+    target = clamp_stiffness(M, edge, state.clamp_tension, edge.length, False)
+    part = row.share
     if part == 1.0:
         target = 0.0
     elif part > 0.0 and target > 0.0:
         # What the element has of the layer's stiffness, and this in series, are what is left of it.
-        layer = math.sqrt(M[edge + E_BENDING_FULL] * M[row + C_PULL])
+        layer = math.sqrt(edge.bending_full * row.layer_tension)
         target = 1.0 / (1.0 / target + part / ((1.0 - part) * layer))
-    k = M[row + C_SPRING]
+    k = row.spring
     if target > k:
         q = M[head.position : head.position + 2 * head.dimension]
         _length, cosine = slope_at_vessel(I, M, q, M[head.motion + 16 : head.motion + 22])
         bend = 4.0 * (1.0 - half_cosine(cosine))
         target = stiffen_gently(M, k, target, state.clamp_tension, before, bend, share)
-    M[row + C_SPRING] = target
+    row.spring = target
 
 
 @kernel
 def release_slope(I, M):
     """Cable begins to run past the tow point: from now on a spring holds what was prescribed."""
     head = header(I)
-    row = head.constraints
-    if M[row + C_CLAMPED] == EXACTLY:
-        M[row + C_CLAMPED] = BY_SPRING
+    row = constraint_of(I, M, 0)
+    if row.clamped == EXACTLY:
+        row.clamped = BY_SPRING
         update_springs(I, M, 1.0)
         head.factored = 0
         head.has_history = 0

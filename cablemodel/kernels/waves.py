@@ -22,23 +22,14 @@ tension is the effective one, whose weight is that in water.
 
 import math
 
-from .access import header, scalars
+from .access import cable_of, header, scalars, word_of
 from .airy import living, sum_components
 from .compile import kernel, outlined, view
 from .environment import current_at, surge_at
 from .layout import (
-    CABLE_WORDS,
     CELL_WORDS,
-    E_ADDED,
-    E_DRAG_NORMAL,
-    E_DRAG_TANGENTIAL,
-    E_LENGTH,
-    E_MASS,
-    E_SEGMENT,
-    E_WEIGHT,
     EDGE_WORDS,
     ELEMENT_WORDS,
-    K_DISPLACED,
 )
 from .sea_cells import WATER, is_kept, keep, sum_in_cell
 from .tables import H0, H1, H2, H3
@@ -146,8 +137,7 @@ def wet_at(I, M, depth, half):
 @kernel
 def displaced(I, M, edge):
     """Mass of the water that a cable displaces, of the edge's cable [kg/m]."""
-    head = header(I)
-    return M[head.cables + int(M[edge + E_SEGMENT]) * CABLE_WORDS + K_DISPLACED]
+    return cable_of(I, M, int(edge.segment)).displaced
 
 
 @kernel
@@ -162,7 +152,7 @@ def band(I, M, edge):
 def buoyancy(M, edge):
     """Of a wet cable [N/m]: weight in air less the submerged one."""
     state = scalars(M)
-    return (M[edge + E_MASS] - M[edge + E_ADDED]) * state.gravity - M[edge + E_WEIGHT]
+    return (edge.mass - edge.added_mass) * state.gravity - edge.weight
 
 
 @outlined
@@ -172,10 +162,10 @@ def element_water(I, M, W, edge, x0, x1):
     dimension = head.dimension
     up = dimension - 1
     at = head.motion
-    h = M[edge + E_LENGTH]
+    h = edge.length
     flow = view(M, at + 9, 3)
     w = view(M, at + 16, 3)
-    first = (edge - head.edges) // EDGE_WORDS * 3
+    first = (word_of(M, edge) - head.edges) // EDGE_WORDS * 3
     for g in range(3):
         for i in range(dimension):
             w[i] = x0[i] * H0[g] + h * x0[dimension + i] * H1[g]
@@ -205,8 +195,8 @@ def wave_loads(I, M, W, edge, x0, x1, v0, v1, a0, a1):
     """
     head = header(I)
     dimension = head.dimension
-    h = M[edge + E_LENGTH]
-    added = M[edge + E_ADDED]
+    h = edge.length
+    added = edge.added_mass
     mass = displaced(I, M, edge)
     lift = buoyancy(M, edge)
     element_water(I, M, W, edge, x0, x1)
@@ -228,8 +218,8 @@ def wave_loads(I, M, W, edge, x0, x1, v0, v1, a0, a1):
             wt += W[ACCELERATION + 4 * i + g] * t
         un = math.sqrt(max(0.0, u2 - ut * ut))
         root = math.sqrt(W[STRETCH + g])
-        fn = root * M[edge + E_DRAG_NORMAL] * un
-        ft = root * M[edge + E_DRAG_TANGENTIAL] * abs(ut) * ut
+        fn = root * edge.drag_normal * un
+        ft = root * edge.drag_tangential * abs(ut) * ut
         s = W[WET + g]
         fn *= W[DRAG + g]
         ft *= W[DRAG + g]
@@ -255,8 +245,8 @@ def wet_rows(I, M, W, edge, motion, slope, width, ca):
     """
     head = header(I)
     dimension = head.dimension
-    h = M[edge + E_LENGTH]
-    added = ca * M[edge + E_ADDED]
+    h = edge.length
+    added = ca * edge.added_mass
     lift = buoyancy(M, edge)
     for g in range(3):
         s = W[DRAG + g]

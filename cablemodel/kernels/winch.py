@@ -1,11 +1,7 @@
 """The winch: at what rate the line passes the tow point, until when, and how far a step may go."""
 
-from .access import header, scalars
+from .access import cable_of, header, scalars
 from .compile import kernel
-from .layout import (
-    CABLE_WORDS,
-    K_NOMINAL,
-)
 from .passing import next_mark
 
 FASTEST_GROWTH = 20.0  # in a step, of the top element or of what is out of a body, by its length
@@ -109,12 +105,12 @@ def longest_payout_step(I, M, dt):
     """
     head = header(I)
     state = scalars(M)
-    row = head.cables + head.top_cable * CABLE_WORDS
+    row = cable_of(I, M, head.top_cable)
     rate = abs(state.payout_rate + 0.5 * state.payout_slope * dt)
     rate = max(rate, abs(state.payout_rate))
     if rate == 0.0:
         return dt
-    room = min(M[row + K_NOMINAL], FASTEST_GROWTH * state.top_length)
+    room = min(row.nominal, FASTEST_GROWTH * state.top_length)
     if state.payout_rate < 0.0 or (state.payout_rate == 0.0 and state.payout_slope < 0.0):
         room = 0.5 * state.top_length
     return min(dt, room / rate)

@@ -25,17 +25,17 @@ def turning(vessel: VesselFrame) -> FloatArray:
     pieces = vessel.motion().pieces
     if vessel.path is None:
         pieces = pieces[:1].copy()
-        pieces[0, at.P_END] = math.inf
+        pieces[0, at.Piece.end] = math.inf
     found = np.zeros((len(pieces), at.PIECE_WORDS))
     heading = 0.0
     for row, piece in zip(found, pieces, strict=True):
-        row[at.P_START], row[at.P_END] = piece[at.P_START], piece[at.P_END]
-        data, own = row[at.P_DATA :], piece[at.P_DATA :]
+        row[at.Piece.start], row[at.Piece.end] = piece[at.Piece.start], piece[at.Piece.end]
+        data, own = row[at.Piece.data :], piece[at.Piece.data :]
         data[0:2] = vessel.attitude[:2]
         if vessel.path is None:
             data[2] = vessel.attitude[2]
             continue
-        if piece[at.P_KIND] == 0.0:
+        if piece[at.Piece.kind] == 0.0:
             way = own[3:5] if np.hypot(*own[3:5]) > 0.0 else own[6:8]
             if np.hypot(*way) > 0.0:
                 heading += math.remainder(math.atan2(way[1], way[0]) - heading, 2.0 * math.pi)
@@ -46,7 +46,7 @@ def turning(vessel: VesselFrame) -> FloatArray:
         heading += math.remainder(ahead - heading, 2.0 * math.pi)
         data[2] = heading + vessel.attitude[2]
         data[5], data[8] = rate, 0.5 * spin
-        span = piece[at.P_END] - piece[at.P_START]
+        span = piece[at.Piece.end] - piece[at.Piece.start]
         if math.isfinite(span):
             heading += rate * span + 0.5 * spin * span**2
     return found
@@ -54,5 +54,5 @@ def turning(vessel: VesselFrame) -> FloatArray:
 
 def first_angles(vessel: VesselFrame) -> tuple[float, float, float]:
     """Roll, pitch and yaw at t = 0 [rad]."""
-    yaw = turning(vessel)[0, at.P_DATA + 2]
+    yaw = turning(vessel)[0, at.Piece.data.word + 2]
     return vessel.attitude[0], vessel.attitude[1], float(yaw)

@@ -21,8 +21,17 @@ from cablemodel.kernels.record import Record, c_struct, records
 ACCESS = (
     "/* The word of a record at which a field starts. */",
     "#define WORD(record, field) ((int64_t)(offsetof(record, field) / 8))",
+    "/* Words as a record. */",
+    "#define AS(record, words) ((record *)(words))",
     "static inline Header *header(const int64_t *I) { return (Header *)I; }",
     "static inline Scalars *scalars(const double *M) { return (Scalars *)(M + HEADER_WORDS); }",
+    "#define OWN_WORDS (HEADER_WORDS + SCALAR_WORDS)",
+    "static inline OwnHeader *own_header(const int64_t *I) {",
+    "    return (OwnHeader *)(I + OWN_WORDS);",
+    "}",
+    "static inline OwnScalars *own_scalars(const double *M) {",
+    "    return (OwnScalars *)(M + OWN_WORDS + sizeof(OwnHeader) / 8);",
+    "}",
 )
 """The block's records in C: a view each, as in kernels/access.py."""
 
@@ -106,8 +115,8 @@ def header(kernel_hash: str) -> str:
     for name, value in {**constants(layout), **input_layout()}.items():
         if not name.startswith("_"):
             lines.append(f"#define {name} INT64_C({value})")
-    for record in records(layout):
-        lines += [c_struct(record), _same_size(record)]
+    for record in [*records(layout), *records(direct_layout)]:
+        lines += [_struct(record), _same_size(record)]
     lines += list(ACCESS)
     for name, number in start_constants().items():
         lines.append(f"#define {name} {number!r}")
@@ -132,9 +141,19 @@ def header(kernel_hash: str) -> str:
     return "\n".join(lines)
 
 
+def _name(record: type[Record]) -> str:
+    """A record's name in C, where a Cable is an instance with all that belongs to it."""
+    return {"Cable": "CableRow"}.get(record.__name__, record.__name__)
+
+
+def _struct(record: type[Record]) -> str:
+    """The record under its name in C."""
+    return c_struct(record).replace(f"}} {record.__name__};", f"}} {_name(record)};")
+
+
 def _same_size(record: type[Record]) -> str:
     """That C gives a record as many words as Python."""
-    name = record.__name__
+    name = _name(record)
     return f'_Static_assert(sizeof({name}) == 8 * {record.WORDS}, "words of {name}");'
 
 

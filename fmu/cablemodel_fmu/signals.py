@@ -67,22 +67,22 @@ ROOM = LONGEST / SHORTEST
 
 # Words of the coefficients in the rows of cables (elements or materials) and of bodies.
 _WORDS = {
-    "drag_normal": at.E_DRAG_NORMAL,
-    "drag_tangential": at.E_DRAG_TANGENTIAL,
-    "added_mass": at.E_ADDED,
-    "submerged_weight": at.E_WEIGHT,
-    "body.drag_coefficient": at.B_DRAG,
-    "body.drag_coefficient_axial": at.B_DRAG_AXIAL,
-    "body.submerged_weight": at.B_WEIGHT,
+    "drag_normal": at.Edge.drag_normal.word,
+    "drag_tangential": at.Edge.drag_tangential.word,
+    "added_mass": at.Edge.added_mass.word,
+    "submerged_weight": at.Edge.weight.word,
+    "body.drag_coefficient": at.Body.drag.word,
+    "body.drag_coefficient_axial": at.Body.drag_axial.word,
+    "body.submerged_weight": at.Body.weight.word,
 }
 _DIRECT_WORDS = {
-    "drag_normal": direct.T_NORMAL,
-    "drag_tangential": direct.T_TANGENTIAL,
-    "added_mass": direct.T_ADDED,
-    "submerged_weight": direct.T_WEIGHT,
-    "body.drag_coefficient": direct.B_DRAG,
-    "body.drag_coefficient_axial": direct.B_DRAG_AXIAL,
-    "body.submerged_weight": direct.B_WEIGHT,
+    "drag_normal": direct.Material.normal.word,
+    "drag_tangential": direct.Material.tangential.word,
+    "added_mass": direct.Material.added_mass.word,
+    "submerged_weight": direct.Material.weight.word,
+    "body.drag_coefficient": direct.RigidBody.drag.word,
+    "body.drag_coefficient_axial": direct.RigidBody.drag_axial.word,
+    "body.submerged_weight": direct.RigidBody.weight.word,
 }
 
 
@@ -423,10 +423,13 @@ def body_rows(scene: Scene, block: AnyBlock) -> list[int]:
 def _items(block: AnyBlock) -> list[int]:
     """Place of each body of the block's table in the scene: in its line, then in its drum."""
     if isinstance(block, DirectBlock):
-        of_direct = (int(block.ints[direct.D_BODIES]), direct.BODY_WORDS)
-        return [int(row[direct.B_ITEM]) for row in block.array(direct.O_BODY, *of_direct)]
+        of_direct = (int(block.ints[direct.OwnHeader.body_count]), direct.BODY_WORDS)
+        return [
+            int(row[direct.RigidBody.item])
+            for row in block.array(direct.OwnHeader.bodies, *of_direct)
+        ]
     rows = block.array(Header.bodies, int(block.header.body_count), at.BODY_WORDS)
-    return [int(row[at.B_ITEM]) for row in rows]
+    return [int(row[at.Body.item]) for row in rows]
 
 
 def _identifier(name: str) -> str:

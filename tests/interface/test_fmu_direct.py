@@ -164,25 +164,30 @@ def test_every_size_and_offset_is_checked(model_file):
 
 def test_what_kernels_follow_is_checked(model_file):
     """Sections, nodes, cables and bodies that are not there; lengths and steps that are none."""
-    section, material = (word_of(model_file, word) for word in (own.O_SECTION, own.O_MATERIAL))
-    length, drum = (word_of(model_file, word) for word in (own.O_LENGTH, own.O_DRUM))
+    section, material = (
+        word_of(model_file, word)
+        for word in (own.OwnHeader.sections.place, own.OwnHeader.materials.place)
+    )
+    length, drum = (
+        word_of(model_file, word) for word in (own.OwnHeader.length.place, own.OwnHeader.drum.place)
+    )
     broken: list[tuple[int, int | float]] = [
         (Header.magic.word, at.MAGIC),
-        (own.D_SECTIONS, 0),
-        (own.D_DRUM_USED, 9),
-        (own.D_MEETING, 3),
-        (own.D_END, 4),
+        (own.OwnHeader.section_count.place, 0),
+        (own.OwnHeader.drum_used.place, 9),
+        (own.OwnHeader.meeting.place, 3),
+        (own.OwnHeader.end.place, 4),
         (Header.failed.word, 0),
-        (section + own.N_FIRST, 1),
-        (section + own.N_COUNT, 10**6),
-        (section + own.N_KIND, own.RIGID),
-        (section + own.N_MATERIAL, 1),
-        (section + own.SECTION_WORDS + own.N_POINT, 1),
-        (drum + own.R_MATERIAL, -1),
-        (material + own.T_OFFSET, 1e9),
+        (section + own.Section.first.word, 1),
+        (section + own.Section.count.word, 10**6),
+        (section + own.Section.kind.word, own.RIGID),
+        (section + own.Section.material.word, 1),
+        (section + own.SECTION_WORDS + own.Section.point.word, 1),
+        (drum + own.DrumRow.material.word, -1),
+        (material + own.Material.offset.word, 1e9),
         (length + 1, -1.0),
-        (own.X_TIME_STEP, 0.0),
-        (own.X_ALPHA, float("nan")),
+        (own.OwnScalars.time_step.place, 0.0),
+        (own.OwnScalars.alpha.place, float("nan")),
     ]
     for word, value in broken:
         assert not accepted(model_file, word, value), (word, value)

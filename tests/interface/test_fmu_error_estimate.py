@@ -319,7 +319,7 @@ def test_a_finer_run_without_an_equilibrium_is_left_behind(still):
     finer = bytearray((still[0] / "resources" / "finer.bin").read_bytes())
     start = image_start(finer)
     (edges,) = struct.unpack_from("<q", finer, start + 8 * Header.edges.word)
-    word = edges + 2 * at.EDGE_WORDS + at.E_WEIGHT
+    word = edges + 2 * at.EDGE_WORDS + at.Edge.weight.word
     struct.pack_into("<q", finer, start + 8 * word, NAN)
     values = {"cable_types.K.drag_normal": 1.5}
     whole = Slave(*still, **values)

@@ -65,19 +65,23 @@ def disturbed(line, planar, **settings):
     block = build(scene, planar=planar)
     random = np.random.default_rng(7)
     nodes = int(
-        block.integers(own.O_SECTION, block.ints[own.D_SECTIONS], own.SECTION_WORDS)[
-            :, own.N_COUNT
-        ].sum()
+        block.integers(
+            own.OwnHeader.sections, block.ints[own.OwnHeader.section_count], own.SECTION_WORDS
+        )[:, own.Section.count].sum()
     )
     used = [own.V1, own.V3, own.PHI, own.F1, own.F3, own.K2] if planar else range(own.WIDTH)
-    y = block.array(own.O_Y, nodes, own.WIDTH)
+    y = block.array(own.OwnHeader.unknowns, nodes, own.WIDTH)
     for unknown in used:
-        size = block.reals[own.X_SCALE + unknown] if unknown in (own.F1, own.F2) else 1.0
+        size = (
+            block.reals[own.OwnScalars.scale.place + unknown]
+            if unknown in (own.F1, own.F2)
+            else 1.0
+        )
         y[:, unknown] += 0.1 * size * random.normal(size=nodes)
-    past = block.array(own.O_PAST, nodes, own.RATES)
+    past = block.array(own.OwnHeader.past, nodes, own.RATES)
     past[:] = 0.1 * random.normal(size=past.shape)
-    block.array(own.O_FLOW, nodes)[:] = 0.3 * random.normal(size=nodes)
-    block.reals[own.X_BETA] = 2.0
+    block.array(own.OwnHeader.flow, nodes)[:] = 0.3 * random.normal(size=nodes)
+    block.reals[own.OwnScalars.beta] = 2.0
     return block, y, list(used)
 
 
@@ -87,17 +91,21 @@ def test_newton_matrix_is_the_derivative_of_the_residual(name, planar):
     """Central differences of the right-hand sides, for every unknown of every node."""
     block, y, used = disturbed(LINES[name], planar)
     slots = library.assemble(block.ints, block.reals)
-    shape = block.integers(own.O_SHAPE, slots, own.SHAPE_WORDS).copy()
-    left = block.array(own.O_LEFT, slots, own.WIDTH, own.WIDTH).copy()
-    right = block.array(own.O_RIGHT, slots, own.WIDTH, own.WIDTH).copy()
-    rows = block.array(own.O_RHS, slots, RHS_WORDS)
+    shape = block.integers(own.OwnHeader.shape, slots, own.SHAPE_WORDS).copy()
+    left = block.array(own.OwnHeader.left, slots, own.WIDTH, own.WIDTH).copy()
+    right = block.array(own.OwnHeader.right, slots, own.WIDTH, own.WIDTH).copy()
+    rows = block.array(own.OwnHeader.rhs, slots, RHS_WORDS)
     scales = np.where(rows[:, 20:30] > 0.0, rows[:, 20:30], 1.0)
     kinds = {own.CABLE: {own.V1, own.V2, own.V3, own.PHI, own.THETA, own.F3}}
-    for section in block.integers(own.O_SECTION, block.ints[own.D_SECTIONS], own.SECTION_WORDS):
-        active = [k for k in used if k in kinds.get(int(section[own.N_KIND]), set(used))]
-        for node in range(section[own.N_FIRST], section[own.N_FIRST] + section[own.N_COUNT]):
+    for section in block.integers(
+        own.OwnHeader.sections, block.ints[own.OwnHeader.section_count], own.SECTION_WORDS
+    ):
+        active = [k for k in used if k in kinds.get(int(section[own.Section.kind]), set(used))]
+        for node in range(
+            section[own.Section.first], section[own.Section.first] + section[own.Section.count]
+        ):
             for column, unknown in enumerate(active):
-                scale = block.reals[own.X_SCALE + unknown]
+                scale = block.reals[own.OwnScalars.scale.place + unknown]
                 kept = y[node, unknown]
                 step = 1e-5 * scale
                 values = []
@@ -119,7 +127,7 @@ def test_superposition_and_elimination_solve_the_same_system(name, planar):
     """Round-off apart, with both meeting points: at the hybrid's joint and at the far end."""
     block, _y, _used = disturbed(LINES[name], planar)
     slots = library.assemble(block.ints, block.reals)
-    rows = block.array(own.O_RHS, slots, RHS_WORDS)
+    rows = block.array(own.OwnHeader.rhs, slots, RHS_WORDS)
     rows[:, :10] = np.random.default_rng(3).normal(size=(slots, 10))
     found = []
     for method, meeting in (
@@ -128,15 +136,15 @@ def test_superposition_and_elimination_solve_the_same_system(name, planar):
         (own.SUPERPOSITION, None),
     ):
         if meeting is not None:
-            block.ints[own.D_MEETING] = meeting
+            block.ints[own.OwnHeader.meeting] = meeting
         else:
-            block.ints[own.D_MEETING] = block.integers(
-                own.O_SECTION, block.ints[own.D_SECTIONS], own.SECTION_WORDS
-            )[-1, own.N_FIRST]
-        block.ints[own.D_METHOD] = method
+            block.ints[own.OwnHeader.meeting] = block.integers(
+                own.OwnHeader.sections, block.ints[own.OwnHeader.section_count], own.SECTION_WORDS
+            )[-1, own.Section.first]
+        block.ints[own.OwnHeader.method] = method
         assert library.solve(block.ints, block.reals, slots) == at.OK
-        shape = block.integers(own.O_SHAPE, slots, own.SHAPE_WORDS)
-        change = block.array(own.O_DELTA, slots, 20)
+        shape = block.integers(own.OwnHeader.shape, slots, own.SHAPE_WORDS)
+        change = block.array(own.OwnHeader.delta, slots, 20)
         found.append(np.concatenate([change[n, : shape[n, 2]] for n in range(slots - 1)]))
     for other in found[1:]:
         assert other == pytest.approx(found[0], rel=1e-6, abs=1e-8 * np.abs(found[0]).max())

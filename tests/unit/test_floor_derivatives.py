@@ -109,7 +109,7 @@ def test_matrix_is_the_derivative(floor: dict[str, Any]) -> None:
     state = Scalars(reals)
     memory, nodes, size = model._solver.memory, int(head.nodes), 6
     depth = float(state.floor_depth)
-    memory.array(Header.edges, nodes, at.EDGE_WORDS)[4:7, at.E_BORNE] = 3.0
+    memory.array(Header.edges, nodes, at.EDGE_WORDS)[4:7, at.Edge.support] = 3.0
     state.end_support = 2.0
     height = model.scene.environment.floor.height
     q = memory.array(Header.position, nodes, size).copy()

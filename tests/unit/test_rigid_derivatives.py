@@ -83,7 +83,7 @@ def test_matrix_is_the_derivative(planar, place):
     nodes, size = int(head.nodes), 2 * int(head.dimension)
     assert model.planar == (planar is None)
     # A softer clamp and tie, so that differences see everything at once.
-    model._solver.memory.array(Header.edges, nodes, at.EDGE_WORDS)[:, at.E_BENDING_FULL] *= 1e-6
+    model._solver.memory.array(Header.edges, nodes, at.EDGE_WORDS)[:, at.Edge.bending_full] *= 1e-6
     random = np.random.default_rng(4)
     q = model._solver.memory.array(Header.position, nodes, size).ravel().copy()
     q += 0.1 * random.standard_normal(len(q))
@@ -103,12 +103,12 @@ def test_matrix_is_the_derivative(planar, place):
     found = differences(residual, len(q), 1e-5)
     # The multiplier is condensed out: its stiffness along the axis is no part of the forces.
     (body,) = model._solver.memory.array(Header.bodies, 1, at.BODY_WORDS)
-    node, dimension = int(body[at.B_NODE]), size // 2
+    node, dimension = int(body[at.Body.node]), size // 2
     axis = q[size * node :][:dimension] - q[size * (node - 1) :][:dimension]
     pull = np.zeros(len(q))
     pull[size * node : size * node + dimension] = axis / np.linalg.norm(axis)
     pull[size * (node - 1) : size * (node - 1) + dimension] = -axis / np.linalg.norm(axis)
-    expected -= np.outer(pull, pull) / body[at.B_COMPLIANCE]
+    expected -= np.outer(pull, pull) / body[at.Body.compliance]
     assert found == pytest.approx(expected, abs=1e-7 * np.abs(expected).max())
 
 

@@ -6,7 +6,7 @@ import pytest
 
 import cablemodel as cm
 from cablemodel.kernels import layout as at
-from cablemodel.kernels.access import header
+from cablemodel.kernels.access import edge_of, header
 from cablemodel.kernels.compile import OPTIONS, view
 from cablemodel.kernels.layout import Header
 from cablemodel.kernels.system import set_time
@@ -28,7 +28,7 @@ def loads(ints, reals, x0, x1, v0, v1, rest):
     """Of the element above node 1; its tangents and stretch are in the workspace."""
     set_time(ints, reals, 0.0)
     words = view(reals, header(ints).gauss, at.GAUSS_WORDS)
-    edge = header(ints).edges + at.EDGE_WORDS
+    edge = edge_of(ints, reals, 1)
     wave_loads(ints, reals, words, edge, x0, x1, v0, v1, rest, rest)
 
 
@@ -84,7 +84,7 @@ def test_drag_at_the_surface_takes_energy(planar):
     ints, reals = model._ints, model._reals
     head = Header(ints)
     dimension = int(head.dimension)
-    h = float(reals[head.edges + at.EDGE_WORDS + at.E_LENGTH])
+    h = float(reals[head.edges + at.EDGE_WORDS + at.Edge.length.word])
     words = reals[head.gauss :][: at.GAUSS_WORDS]
     rng, rest = np.random.default_rng(3), np.zeros(2 * dimension)
     below = 0

@@ -217,7 +217,9 @@ def test_flexible_model_fails_in_example_1_where_the_elastica_goes_on():
     assert "elastica" in failure.value.advice
     stiff = cm.CableModel(scenes.deployed("elastica"))
     run_through(stiff, 200.0)
-    assert stiff._solver.memory.ints[own.D_TURNED] > 0  # and the axes have been turned on the way
+    assert (
+        stiff._solver.memory.ints[own.OwnHeader.turned] > 0
+    )  # and the axes have been turned on the way
     assert stiff.line_length == pytest.approx(30.0 + 0.75 * 129.5, abs=1e-9)
     assert len(stiff.bodies) == 3 + 10
     assert stiff.drum_length == pytest.approx(100.0 - 0.75 * 129.5, abs=1e-9)

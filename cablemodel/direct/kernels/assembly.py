@@ -9,49 +9,29 @@ Rows are divided by their largest entry. Conditions at ends and joints are few: 
 are taken by differences; those of the field equations are exact.
 """
 
+from .access import material_row, own_header, own_scalars, rigid_body_of, section_of
 from .bodies import rigid_rows
 from .compile import kernel
 from .field import field_rows, set_strain
-from .joints import end_rows, joint_rows, material_of, vessel_rows
+from .joints import end_rows, joint_rows, vessel_rows
 from .layout import (
     BLOCK,
-    BODY_WORDS,
     CABLE,
-    D_END,
-    D_PLANAR,
-    D_SECTIONS,
     END_ANCHOR,
     F1,
     F2,
     F3,
     K1,
     K2,
-    N_BODY,
-    N_COUNT,
-    N_FIRST,
-    N_KIND,
-    N_POINT,
-    O_BODY,
-    O_LEFT,
-    O_LENGTH,
-    O_RHS,
-    O_RIGHT,
-    O_SECTION,
-    O_SHAPE,
-    O_STRAINS,
-    O_WORK,
-    O_Y,
     PHI,
     RHS_WORDS,
     RIGID,
-    SECTION_WORDS,
     SHAPE_WORDS,
     THETA,
     V1,
     V2,
     V3,
     WIDTH,
-    X_SCALE,
 )
 
 _DIFFERENCE = 1e-7
@@ -67,8 +47,9 @@ _CURVATURES = (1 << K1) | (1 << K2)
 @kernel
 def unknowns(I, kind):
     """Bit set of a node's unknowns in a section of that kind."""
+    own = own_header(I)
     active = _FLEXIBLE if kind == CABLE else _FULL
-    if I[D_PLANAR] != 0:
+    if own.planar != 0:
         active &= _PLANAR
     return active
 
@@ -76,12 +57,13 @@ def unknowns(I, kind):
 @kernel
 def rows_of_joint(I, left, right):
     """Bit set of the rows of joint_rows between two kinds of section."""
+    own = own_header(I)
     rows = _VELOCITIES | _FORCES
     if left != CABLE or right != CABLE:
         rows |= _CURVATURES
     if left != CABLE and right != CABLE:
         rows |= _ANGLES
-    if I[D_PLANAR] != 0:
+    if own.planar != 0:
         rows &= _PLANAR
     return rows
 
@@ -89,7 +71,8 @@ def rows_of_joint(I, left, right):
 @kernel
 def rows_of_end(I, kind, point):
     """Bit set of the rows of end_rows."""
-    end = I[D_END]
+    own = own_header(I)
+    end = own.end
     if end == END_ANCHOR:
         rows = _VELOCITIES
         if kind != CABLE:
@@ -98,7 +81,7 @@ def rows_of_end(I, kind, point):
         rows = _ANGLES | (1 << F3)
     else:
         rows = _FORCES | _CURVATURES
-    if I[D_PLANAR] != 0:
+    if own.planar != 0:
         rows &= _PLANAR
     return rows
 
@@ -122,23 +105,25 @@ def residual_of(I, M, slot_kind, index, out):
     elif slot_kind == 2:
         end_rows(I, M, out)
     else:
-        section = I[O_SECTION] + SECTION_WORDS * index
-        body = I[O_BODY] + BODY_WORDS * I[section + N_BODY]
-        rigid_rows(I, M, body, I[section + N_FIRST], out)
+        section = section_of(I, M, index)
+        body = rigid_body_of(I, M, section.body)
+        rigid_rows(I, M, body, section.first, out)
 
 
 @kernel
 def differences(I, M, slot_kind, index, node, active, rows, out, at):
     """Derivatives of such a slot by the unknowns of one node, scaled by them, into M[at:]."""
-    base = M[I[O_WORK] : I[O_WORK] + 16]
+    own = own_header(I)
+    run = own_scalars(M)
+    base = M[own.work : own.work + 16]
     residual_of(I, M, slot_kind, index, base)
-    y = I[O_Y] + WIDTH * node
+    y = own.unknowns + WIDTH * node
     column = 0
     for j in range(WIDTH):
         if (active >> j) & 1 == 0:
             continue
         kept = M[y + j]
-        scale = M[X_SCALE + j]
+        scale = run.scale[j]
         step = _DIFFERENCE * max(abs(kept), scale)
         M[y + j] = kept + step
         step = M[y + j] - kept
@@ -155,34 +140,36 @@ def differences(I, M, slot_kind, index, node, active, rows, out, at):
 @kernel
 def scale_rows(I, M, slot, rows, left, right):
     """Divide the rows of a slot by their largest entry; the divisors are kept."""
-    at = I[O_RHS] + RHS_WORDS * slot
+    own = own_header(I)
+    at = own.rhs + RHS_WORDS * slot
     for i in range(rows):
         largest = 0.0
         for j in range(left):
-            largest = max(largest, abs(M[I[O_LEFT] + BLOCK * slot + WIDTH * i + j]))
+            largest = max(largest, abs(M[own.left + BLOCK * slot + WIDTH * i + j]))
         for j in range(right):
-            largest = max(largest, abs(M[I[O_RIGHT] + BLOCK * slot + WIDTH * i + j]))
+            largest = max(largest, abs(M[own.right + BLOCK * slot + WIDTH * i + j]))
         if largest == 0.0:
             largest = 1.0
         M[at + 2 * WIDTH + i] = largest
         for j in range(left):
-            M[I[O_LEFT] + BLOCK * slot + WIDTH * i + j] /= largest
+            M[own.left + BLOCK * slot + WIDTH * i + j] /= largest
         for j in range(right):
-            M[I[O_RIGHT] + BLOCK * slot + WIDTH * i + j] /= largest
+            M[own.right + BLOCK * slot + WIDTH * i + j] /= largest
         M[at + i] /= largest
 
 
 @kernel
 def special_slot(I, M, slot_kind, index, slot, rows, left_node, left, right_node, right, column):
     """Fill a slot of the vessel, a joint, the far end or a rigid body; see `fill_system`."""
-    out = M[I[O_WORK] + 16 : I[O_WORK] + 32]
-    at = I[O_RHS] + RHS_WORDS * slot
+    own = own_header(I)
+    out = M[own.work + 16 : own.work + 32]
+    at = own.rhs + RHS_WORDS * slot
     if column == 0:
         if left != 0:
-            place = I[O_LEFT] + BLOCK * slot
+            place = own.left + BLOCK * slot
             differences(I, M, slot_kind, index, left_node, left, rows, out, place)
         if right != 0:
-            place = I[O_RIGHT] + BLOCK * slot
+            place = own.right + BLOCK * slot
             differences(I, M, slot_kind, index, right_node, right, rows, out, place)
     residual_of(I, M, slot_kind, index, out)
     count = 0
@@ -191,7 +178,7 @@ def special_slot(I, M, slot_kind, index, slot, rows, left_node, left, right_node
             M[at + WIDTH * column + count] = -out[i]
             count += 1
     if column == 0:
-        shape = I[O_SHAPE] + SHAPE_WORDS * slot
+        shape = own.shape + SHAPE_WORDS * slot
         I[shape] = count
         I[shape + 1] = count_bits(left)
         I[shape + 2] = count_bits(right)
@@ -205,15 +192,17 @@ def special_slot(I, M, slot_kind, index, slot, rows, left_node, left, right_node
 @kernel
 def interval_slot(I, M, kind, material, active, slot, column):
     """Fill the slot of an interval of a cable or an elastica; see `fill_system`."""
+    own = own_header(I)
+    run = own_scalars(M)
     left = slot - 1
-    h = M[I[O_LENGTH] + slot]
-    work = I[O_WORK]
+    h = M[own.length + slot]
+    work = own.work
     mid = work + 32
     dif = mid + BLOCK
     both = dif + BLOCK
     F = M[work : work + WIDTH]
     field_rows(I, M, kind, material, left, h, F, 0, mid, dif, both)
-    at = I[O_RHS] + RHS_WORDS * slot
+    at = own.rhs + RHS_WORDS * slot
     if column != 0:
         row = 0
         for i in range(WIDTH):
@@ -222,16 +211,16 @@ def interval_slot(I, M, kind, material, active, slot, column):
                 M[at + WIDTH * column + row] = -F[i] / scale
                 row += 1
         return
-    slope_left = M[I[O_STRAINS] + 2 * left + 1]
-    slope_right = M[I[O_STRAINS] + 2 * left + 3]
+    slope_left = M[own.strains + 2 * left + 1]
+    slope_right = M[own.strains + 2 * left + 3]
     for i in range(WIDTH):
         # The stretch at the middle and its difference follow the tensions at both nodes.
         half = 0.5 * M[both + i]
         steep = M[both + WIDTH + i] / h
         M[both + i] = slope_left * (half - steep)
         M[both + WIDTH + i] = slope_right * (half + steep)
-    left_at = I[O_LEFT] + BLOCK * slot
-    right_at = I[O_RIGHT] + BLOCK * slot
+    left_at = own.left + BLOCK * slot
+    right_at = own.right + BLOCK * slot
     row = 0
     for i in range(WIDTH):
         if (active >> i) & 1 == 0:
@@ -247,13 +236,13 @@ def interval_slot(I, M, kind, material, active, slot, column):
             if j == F3:
                 by_left += M[both + i]
                 by_right += M[both + WIDTH + i]
-            scale = M[X_SCALE + j]
+            scale = run.scale[j]
             M[left_at + WIDTH * row + column_at] = by_left * scale
             M[right_at + WIDTH * row + column_at] = by_right * scale
             column_at += 1
         M[at + row] = -F[i]
         row += 1
-    shape = I[O_SHAPE] + SHAPE_WORDS * slot
+    shape = own.shape + SHAPE_WORDS * slot
     I[shape] = row
     I[shape + 1] = row
     I[shape + 2] = row
@@ -264,16 +253,17 @@ def interval_slot(I, M, kind, material, active, slot, column):
 @kernel
 def set_strains(I, M):
     """Strains of all nodes at their tensions; none in a rigid body."""
-    for index in range(I[D_SECTIONS]):
-        section = I[O_SECTION] + SECTION_WORDS * index
-        first = I[section + N_FIRST]
-        for node in range(first, first + I[section + N_COUNT]):
-            if I[section + N_KIND] == RIGID:
-                M[I[O_STRAINS] + 2 * node] = 0.0
-                M[I[O_STRAINS] + 2 * node + 1] = 0.0
+    own = own_header(I)
+    for index in range(own.section_count):
+        section = section_of(I, M, index)
+        first = section.first
+        for node in range(first, first + section.count):
+            if section.kind == RIGID:
+                M[own.strains + 2 * node] = 0.0
+                M[own.strains + 2 * node + 1] = 0.0
             else:
-                tension = M[I[O_Y] + WIDTH * node + F3]
-                set_strain(M, I[O_STRAINS], node, material_of(I, section), tension)
+                tension = M[own.unknowns + WIDTH * node + F3]
+                set_strain(M, own.strains, node, material_row(I, M, section.material), tension)
 
 
 @kernel
@@ -283,22 +273,23 @@ def fill_system(I, M, column):
     column 0: matrices and minus the residual as the first right-hand side. column 1: minus the
     residual alone, as the second one, with the matrices and row scales of an earlier call.
     """
+    own = own_header(I)
     set_strains(I, M)
-    sections = I[D_SECTIONS]
+    sections = own.section_count
     previous = 0
     kind = 0
     node = 0
     for index in range(sections):
-        section = I[O_SECTION] + SECTION_WORDS * index
-        kind = I[section + N_KIND]
+        section = section_of(I, M, index)
+        kind = section.kind
         active = unknowns(I, kind)
-        first = I[section + N_FIRST]
+        first = section.first
         node = first
         if index == 0:
             rows = _VELOCITIES
             if kind != CABLE:
                 rows |= _CURVATURES
-            if I[D_PLANAR] != 0:
+            if own.planar != 0:
                 rows &= _PLANAR
             special_slot(I, M, 0, 0, 0, rows, 0, 0, 0, active, column)
         else:
@@ -309,12 +300,12 @@ def fill_system(I, M, column):
             node = first + 1
             special_slot(I, M, 3, index, node, active, first, active, node, active, column)
         else:
-            material = material_of(I, section)
-            for node in range(first + 1, first + I[section + N_COUNT]):
+            material = material_row(I, M, section.material)
+            for node in range(first + 1, first + section.count):
                 interval_slot(I, M, kind, material, active, node, column)
-            node = first + I[section + N_COUNT] - 1
+            node = first + section.count - 1
         previous = kind
-    point = I[I[O_SECTION] + SECTION_WORDS * sections + N_POINT]
+    point = section_of(I, M, sections).point
     rows = rows_of_end(I, kind, point)
     special_slot(I, M, 2, 0, node + 1, rows, node, unknowns(I, kind), 0, 0, column)
     return node + 2

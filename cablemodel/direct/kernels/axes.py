@@ -2,46 +2,25 @@
 
 import math
 
-from cablemodel.kernels.access import header, scalars
-from cablemodel.kernels.layout import (
-    P_DATA,
-)
+from cablemodel.kernels.access import header, motion_piece_of, scalars
 
+from .access import own_header, own_scalars, rigid_body_of, section_of
 from .compile import kernel
 from .frame import to_fixed, to_local
 from .geometry import last_node
 from .layout import (
-    B_HALF,
-    B_STATE,
-    BODY_WORDS,
-    D_BODIES,
-    D_CLAMPED,
-    D_PLANAR,
-    D_RESTART,
-    D_SECTIONS,
-    D_TURNED,
     F1,
     F2,
     F3,
     K1,
     K2,
-    N_BODY,
-    N_FIRST,
-    N_KIND,
-    O_BODY,
-    O_SECTION,
-    O_Y,
     PHI,
     RIGID,
-    SECTION_WORDS,
     THETA,
     V1,
     V2,
     V3,
     WIDTH,
-    X_CLAMP,
-    X_FLOOR,
-    X_VESSEL,
 )
 
 NEAR_POLE = 0.25
@@ -52,23 +31,26 @@ _ALIGNED = 1e-12
 @kernel
 def leave_plane(I, M):
     """Go on in three dimensions where the caller's motion or current leaves the plane."""
+    own = own_header(I)
     head = header(I)
     state = scalars(M)
-    if I[D_PLANAR] == 0:
+    if own.planar == 0:
         return
     px = state.plane[0]
     py = state.plane[1]
     if head.live == 1:
+        data = motion_piece_of(I, M, 0).data
         for k in range(1, 4):
-            at = head.pieces + P_DATA + 3 * k
-            if abs(px * M[at + 1] - py * M[at]) > _ALIGNED * (abs(M[at]) + abs(M[at + 1])):
-                I[D_PLANAR] = 0
+            x = data[3 * k]
+            y = data[3 * k + 1]
+            if abs(px * y - py * x) > _ALIGNED * (abs(x) + abs(y)):
+                own.planar = 0
     if head.current_kind != 0:
         for k in range(2):
             x = state.live_current[2 + 3 * k]
             y = state.live_current[3 + 3 * k]
             if abs(px * y - py * x) > _ALIGNED * (abs(x) + abs(y)):
-                I[D_PLANAR] = 0
+                own.planar = 0
 
 
 @kernel
@@ -94,14 +76,16 @@ def turn_axes(I, M):
     The paper's own way out of its singular angle (after eq. 10). The rates of eq. 38 are not
     carried over: the next step is backward Euler.
     """
+    own = own_header(I)
+    run = own_scalars(M)
     state = scalars(M)
-    if I[D_PLANAR] != 0:
+    if own.planar != 0:
         return
     count = last_node(I) + 1
     now = 1.0
     then = 1.0
     for node in range(count):
-        y = I[O_Y] + WIDTH * node
+        y = own.unknowns + WIDTH * node
         s = math.sin(M[y + THETA])
         _t1, t2, _t3 = to_fixed(M[y + PHI], M[y + THETA], 0.0, 0.0, 1.0)
         now = min(now, abs(s))
@@ -111,7 +95,7 @@ def turn_axes(I, M):
     turn_bodies(I, M)
     near = 0.0
     for node in range(count):
-        y = I[O_Y] + WIDTH * node
+        y = own.unknowns + WIDTH * node
         phi = M[y + PHI]
         theta = M[y + THETA]
         new_phi, new_theta = turned(phi, theta, near)
@@ -134,20 +118,19 @@ def turn_axes(I, M):
     state.plane[1] = -px
     # What is kept along e2 and e3: the floor's normal, the tow point and its velocity.
     for vector in range(3):
-        at = X_FLOOR if vector == 2 else X_VESSEL + 3 * vector
-        kept = M[at + 1]
-        M[at + 1] = M[at + 2]
-        M[at + 2] = -kept
+        turns = run.floor if vector == 2 else run.vessel[3 * vector : 3 * vector + 3]
+        kept = turns[1]
+        turns[1] = turns[2]
+        turns[2] = -kept
     for end in range(2):
-        if I[D_CLAMPED] & (1 << end):
+        if own.clamped & (1 << end):
             node = 0 if end == 0 else count - 1
-            at = X_CLAMP + 2 * end
-            near = M[I[O_Y] + WIDTH * node + PHI]
-            new_phi, new_theta = turned(M[at], M[at + 1], near)
-            M[at] = new_phi
-            M[at + 1] = new_theta
-    I[D_RESTART] = 1
-    I[D_TURNED] += 1
+            near = M[own.unknowns + WIDTH * node + PHI]
+            new_phi, new_theta = turned(run.clamp[2 * end], run.clamp[2 * end + 1], near)
+            run.clamp[2 * end] = new_phi
+            run.clamp[2 * end + 1] = new_theta
+    own.restart = 1
+    own.turned += 1
 
 
 @kernel
@@ -157,25 +140,28 @@ def turn_bodies(I, M):
     A point body keeps its velocity along the fixed axes, a rigid one its velocity and its angular
     velocity along the local axes of its first node.
     """
-    for body in range(I[D_BODIES]):
-        row = I[O_BODY] + BODY_WORDS * body
-        if M[row + B_HALF] == 0.0:
-            kept = M[row + B_STATE + 1]
-            M[row + B_STATE + 1] = M[row + B_STATE + 2]
-            M[row + B_STATE + 2] = -kept
-    for index in range(I[D_SECTIONS]):
-        section = I[O_SECTION] + SECTION_WORDS * index
-        if I[section + N_KIND] != RIGID:
+    own = own_header(I)
+    for body in range(own.body_count):
+        row = rigid_body_of(I, M, body)
+        if row.half == 0.0:
+            kept = row.state[1]
+            row.state[1] = row.state[2]
+            row.state[2] = -kept
+    for index in range(own.section_count):
+        section = section_of(I, M, index)
+        if section.kind != RIGID:
             continue
-        at = I[O_BODY] + BODY_WORDS * I[section + N_BODY] + B_STATE
-        y = I[O_Y] + WIDTH * I[section + N_FIRST]
+        rigid = rigid_body_of(I, M, section.body)
+        y = own.unknowns + WIDTH * section.first
         phi = M[y + PHI]
         theta = M[y + THETA]
         new_phi, new_theta = turned(phi, theta, 0.0)
-        a, b, c = turn_vector(phi, theta, new_phi, new_theta, M[at], M[at + 1], M[at + 2])
-        M[at] = a
-        M[at + 1] = b
-        M[at + 2] = c
-        a, b, c = turn_vector(phi, theta, new_phi, new_theta, M[at + 3], M[at + 4], 0.0)
-        M[at + 3] = a
-        M[at + 4] = b
+        a, b, c = turn_vector(
+            phi, theta, new_phi, new_theta, rigid.state[0], rigid.state[1], rigid.state[2]
+        )
+        rigid.state[0] = a
+        rigid.state[1] = b
+        rigid.state[2] = c
+        a, b, c = turn_vector(phi, theta, new_phi, new_theta, rigid.state[3], rigid.state[4], 0.0)
+        rigid.state[3] = a
+        rigid.state[4] = b

@@ -4,27 +4,13 @@ from cablemodel.kernels.access import header
 from cablemodel.kernels.compile import copy_words
 from cablemodel.kernels.layout import PIECE_WORDS
 
+from .access import own_header, own_scalars, rigid_body_of
 from .assembly import set_strains
 from .compile import kernel
 from .geometry import last_node, set_places
 from .layout import (
-    B_START,
-    B_STATE,
     BODY_STATES,
-    BODY_WORDS,
-    D_BODIES,
-    O_BODY,
-    O_DRUM,
-    O_LENGTH,
-    O_MATERIAL,
-    O_OLD_LENGTH,
-    O_SECTION,
-    O_START,
-    O_Y,
     WIDTH,
-    X_FLOW_END,
-    X_REACTION,
-    X_START,
 )
 
 
@@ -32,17 +18,18 @@ from .layout import (
 def copy_changing(I, target, source):
     """What a call of `step` may change of an image: header, scalars and the live piece of motion,
     sections, bodies and nodes. The tables of the scene change in no step."""
+    own = own_header(I)
     head = header(I)
     copy_words(I, target, source, head.pieces + PIECE_WORDS)
     for part in range(3):
         if part == 0:
-            first = I[O_SECTION]
-            after = I[O_MATERIAL]
+            first = own.sections
+            after = own.materials
         elif part == 1:
-            first = I[O_BODY]
-            after = I[O_DRUM]
+            first = own.bodies
+            after = own.drum
         else:
-            first = I[O_Y]
+            first = own.unknowns
             after = head.image_words
         copy_words(I, target + first, source + first, after - first)
 
@@ -64,15 +51,17 @@ def give_back_image(I):
 @kernel
 def keep_start(I, M):
     """Before an implicit step: the nodes' unknowns, what bodies remember, lengths, the end."""
+    own = own_header(I)
+    run = own_scalars(M)
     count = last_node(I) + 1
-    copy_words(M, I[O_START], I[O_Y], WIDTH * count)
-    copy_words(M, I[O_OLD_LENGTH], I[O_LENGTH], count)
-    for body in range(I[D_BODIES]):
-        row = I[O_BODY] + BODY_WORDS * body
+    copy_words(M, own.start, own.unknowns, WIDTH * count)
+    copy_words(M, own.old_length, own.length, count)
+    for body in range(own.body_count):
+        row = rigid_body_of(I, M, body)
         for k in range(BODY_STATES):
-            M[row + B_START + k] = M[row + B_STATE + k]
-    M[X_START] = M[X_FLOW_END]
-    M[X_START + 1] = M[X_REACTION]
+            row.start[k] = row.state[k]
+    run.start[0] = run.flow_end
+    run.start[1] = run.reaction
 
 
 @kernel
@@ -82,14 +71,16 @@ def give_back_start(I, M):
     Strains and places follow from the unknowns: what the iterate left in them would be taken for
     the past by the next attempt.
     """
+    own = own_header(I)
+    run = own_scalars(M)
     count = last_node(I) + 1
-    copy_words(M, I[O_Y], I[O_START], WIDTH * count)
-    copy_words(M, I[O_LENGTH], I[O_OLD_LENGTH], count)
-    for body in range(I[D_BODIES]):
-        row = I[O_BODY] + BODY_WORDS * body
+    copy_words(M, own.unknowns, own.start, WIDTH * count)
+    copy_words(M, own.length, own.old_length, count)
+    for body in range(own.body_count):
+        row = rigid_body_of(I, M, body)
         for k in range(BODY_STATES):
-            M[row + B_STATE + k] = M[row + B_START + k]
-    M[X_FLOW_END] = M[X_START]
-    M[X_REACTION] = M[X_START + 1]
+            row.state[k] = row.start[k]
+    run.flow_end = run.start[0]
+    run.reaction = run.start[1]
     set_strains(I, M)
     set_places(I, M)

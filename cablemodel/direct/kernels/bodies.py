@@ -10,30 +10,16 @@ import math
 
 from cablemodel.kernels.access import header, scalars
 
+from .access import own_header, own_scalars
 from .compile import kernel
 from .frame import to_fixed, to_local
 from .geometry import surge_word
 from .layout import (
-    B_ADDED,
-    B_ADDED_AXIAL,
-    B_BUOYANCY,
-    B_DRAG,
-    B_DRAG_AXIAL,
-    B_HALF,
-    B_INERTIA,
-    B_MASS,
-    B_OFFSET,
-    B_PAST,
-    B_STATE,
-    B_WEIGHT,
     F1,
     F2,
     F3,
     K1,
     K2,
-    O_CURRENTS,
-    O_PAST,
-    O_Y,
     PHI,
     RATES,
     THETA,
@@ -41,7 +27,6 @@ from .layout import (
     V2,
     V3,
     WIDTH,
-    X_BETA,
 )
 
 
@@ -51,38 +36,40 @@ def point_load(I, M, body, node, out):
 
     Its velocity and axis are those of `node`, at its vessel side.
     """
+    own = own_header(I)
+    run = own_scalars(M)
     head = header(I)
     state = scalars(M)
-    y = I[O_Y] + WIDTH * node
+    y = own.unknowns + WIDTH * node
     phi = M[y + PHI]
     theta = M[y + THETA]
     vx, vy, vz = to_fixed(phi, theta, M[y + V1], M[y + V2], M[y + V3])
-    M[body + B_STATE] = vx
-    M[body + B_STATE + 1] = vy
-    M[body + B_STATE + 2] = vz
-    ax = M[X_BETA] * vx - M[body + B_PAST]
-    ay = M[X_BETA] * vy - M[body + B_PAST + 1]
-    az = M[X_BETA] * vz - M[body + B_PAST + 2]
-    water = I[O_CURRENTS] + 3 * node
+    body.state[0] = vx
+    body.state[1] = vy
+    body.state[2] = vz
+    ax = run.beta * vx - body.past[0]
+    ay = run.beta * vy - body.past[1]
+    az = run.beta * vz - body.past[2]
+    water = own.currents + 3 * node
     # Along the local axes the third component is the axial one.
     u1, u2, u3 = to_local(phi, theta, vx - M[water], vy - M[water + 1], vz - M[water + 2])
     a1, a2, a3 = to_local(phi, theta, ax, ay, az)
     speed = math.sqrt(u1 * u1 + u2 * u2 + u3 * u3)
-    inertia = M[body + B_MASS] + M[body + B_ADDED]
-    axial = M[body + B_MASS] + M[body + B_ADDED_AXIAL]
-    drag = M[body + B_DRAG] * speed
+    inertia = body.mass + body.added_mass
+    axial = body.mass + body.added_mass_axial
+    drag = body.drag * speed
     l1 = inertia * a1 + drag * u1
     l2 = inertia * a2 + drag * u2
-    l3 = axial * a3 + M[body + B_DRAG_AXIAL] * speed * u3
+    l3 = axial * a3 + body.drag_axial * speed * u3
     if head.surge != 0:
         at = surge_word(I, node)
         s1, s2, s3 = to_local(phi, theta, M[at], M[at + 1], M[at + 2])
-        mass = M[body + B_BUOYANCY] / state.gravity
-        l1 -= (mass + M[body + B_ADDED]) * s1
-        l2 -= (mass + M[body + B_ADDED]) * s2
-        l3 -= (mass + M[body + B_ADDED_AXIAL]) * s3
+        mass = body.buoyancy / state.gravity
+        l1 -= (mass + body.added_mass) * s1
+        l2 -= (mass + body.added_mass) * s2
+        l3 -= (mass + body.added_mass_axial) * s3
     gx, gy, gz = to_fixed(phi, theta, l1, l2, l3)
-    out[0] = gx - M[body + B_WEIGHT]
+    out[0] = gx - body.weight
     out[1] = gy
     out[2] = gz
 
@@ -94,40 +81,40 @@ def rigid_rows(I, M, body, left, out):
     Rows of the velocities: v_after = v_before + 2 R1 omega x a3; of the angles: equal; of the
     forces: eq. 28; of the curvatures, which are moments here: eq. 31 with omega x H.
     """
+    own = own_header(I)
+    run = own_scalars(M)
     head = header(I)
     state = scalars(M)
-    a = I[O_Y] + WIDTH * left
+    a = own.unknowns + WIDTH * left
     b = a + WIDTH
-    past = I[O_PAST] + RATES * left
-    beta = M[X_BETA]
+    past = own.past + RATES * left
+    beta = run.beta
     phi = M[a + PHI]
     theta = M[a + THETA]
     w1 = beta * theta - M[past + 4]
     phi_t = beta * phi - M[past + 3]
     w2 = phi_t * math.sin(theta)
     w3 = phi_t * math.cos(theta)
-    half = M[body + B_HALF]
-    offset = M[body + B_OFFSET]
+    half = body.half
+    offset = body.offset
     out[PHI] = M[b + PHI] - phi
     out[THETA] = M[b + THETA] - theta
     out[V1] = M[b + V1] - M[a + V1] - 2.0 * half * w2
     out[V2] = M[b + V2] - M[a + V2] + 2.0 * half * w1
     out[V3] = M[b + V3] - M[a + V3]
     arm = (1.0 + offset) * half
-    velocities = body + B_STATE
-    M[velocities] = M[a + V1] + arm * w2
-    M[velocities + 1] = M[a + V2] - arm * w1
-    M[velocities + 2] = M[a + V3]
-    M[velocities + 3] = w1
-    M[velocities + 4] = w2
-    c1 = M[velocities]
-    c2 = M[velocities + 1]
-    c3 = M[velocities + 2]
-    p = body + B_PAST
-    a1 = beta * c1 - M[p] + w2 * c3 - w3 * c2
-    a2 = beta * c2 - M[p + 1] + w3 * c1 - w1 * c3
-    a3 = beta * c3 - M[p + 2] + w1 * c2 - w2 * c1
-    water = I[O_CURRENTS] + 3 * left
+    body.state[0] = M[a + V1] + arm * w2
+    body.state[1] = M[a + V2] - arm * w1
+    body.state[2] = M[a + V3]
+    body.state[3] = w1
+    body.state[4] = w2
+    c1 = body.state[0]
+    c2 = body.state[1]
+    c3 = body.state[2]
+    a1 = beta * c1 - body.past[0] + w2 * c3 - w3 * c2
+    a2 = beta * c2 - body.past[1] + w3 * c1 - w1 * c3
+    a3 = beta * c3 - body.past[2] + w1 * c2 - w2 * c1
+    water = own.currents + 3 * left
     g1, g2, g3 = to_local(
         phi,
         theta,
@@ -140,9 +127,9 @@ def rigid_rows(I, M, body, left, out):
     u3 = c3 - g3
     speed = math.sqrt(u1 * u1 + u2 * u2 + u3 * u3)
     # h: drag, added mass and what accelerated water does; W along e1.
-    h1 = -M[body + B_DRAG] * speed * u1 - M[body + B_ADDED] * a1
-    h2 = -M[body + B_DRAG] * speed * u2 - M[body + B_ADDED] * a2
-    h3 = -M[body + B_DRAG_AXIAL] * speed * u3 - M[body + B_ADDED_AXIAL] * a3
+    h1 = -body.drag * speed * u1 - body.added_mass * a1
+    h2 = -body.drag * speed * u2 - body.added_mass * a2
+    h3 = -body.drag_axial * speed * u3 - body.added_mass_axial * a3
     if head.surge != 0:
         before = surge_word(I, left)
         s1, s2, s3 = to_local(
@@ -152,21 +139,21 @@ def rigid_rows(I, M, body, left, out):
             0.5 * (M[before + 1] + M[before + 4]),
             0.5 * (M[before + 2] + M[before + 5]),
         )
-        displaced = M[body + B_BUOYANCY] / state.gravity
-        h1 += (displaced + M[body + B_ADDED]) * s1
-        h2 += (displaced + M[body + B_ADDED]) * s2
-        h3 += (displaced + M[body + B_ADDED_AXIAL]) * s3
+        displaced = body.buoyancy / state.gravity
+        h1 += (displaced + body.added_mass) * s1
+        h2 += (displaced + body.added_mass) * s2
+        h3 += (displaced + body.added_mass_axial) * s3
     down1, down2, down3 = to_local(phi, theta, 1.0, 0.0, 0.0)
-    weight = M[body + B_WEIGHT]
-    mass = M[body + B_MASS]
+    weight = body.weight
+    mass = body.mass
     out[F1] = M[b + F1] - M[a + F1] + h1 + weight * down1 - mass * a1
     out[F2] = M[b + F2] - M[a + F2] + h2 + weight * down2 - mass * a2
     out[F3] = M[b + F3] - M[a + F3] + h3 + weight * down3 - mass * a3
-    up = -M[body + B_BUOYANCY]
+    up = -body.buoyancy
     l1 = (1.0 + offset) * M[a + F1] + (1.0 - offset) * M[b + F1] - offset * (h1 + up * down1)
     l2 = (1.0 + offset) * M[a + F2] + (1.0 - offset) * M[b + F2] - offset * (h2 + up * down2)
-    inertia = M[body + B_INERTIA]
-    rate1 = inertia * (beta * w1 - M[p + 3] - w3 * w2)
-    rate2 = inertia * (beta * w2 - M[p + 4] + w3 * w1)
+    inertia = body.inertia
+    rate1 = inertia * (beta * w1 - body.past[3] - w3 * w2)
+    rate2 = inertia * (beta * w2 - body.past[4] + w3 * w1)
     out[K1] = M[b + K1] - M[a + K1] - half * l2 - rate1
     out[K2] = M[b + K2] - M[a + K2] + half * l1 - rate2

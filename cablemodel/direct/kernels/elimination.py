@@ -7,16 +7,10 @@ half that the next node gets. The same rule crosses joints between different num
 
 from cablemodel.kernels.layout import OK, SINGULAR
 
+from .access import own_header
 from .compile import kernel
 from .layout import (
     BLOCK,
-    D_RIGHT_SIDES,
-    O_DELTA,
-    O_LEFT,
-    O_RHS,
-    O_RIGHT,
-    O_SHAPE,
-    O_WORK,
     RHS_WORDS,
     SHAPE_WORDS,
     SWEEP_WORDS,
@@ -29,11 +23,12 @@ COLUMNS = 2 * WIDTH + 2
 @kernel
 def eliminate(I, M, slots, store):
     """Solve all slots; store: word offset of slots x SWEEP_WORDS. Returns the status."""
-    sides = I[D_RIGHT_SIDES]
-    work = I[O_WORK]
+    own = own_header(I)
+    sides = own.right_sides
+    work = own.work
     pending = 0
     for slot in range(slots):
-        shape = I[O_SHAPE] + SHAPE_WORDS * slot
+        shape = own.shape + SHAPE_WORDS * slot
         rows = I[shape]
         left = I[shape + 1]
         right = I[shape + 2]
@@ -47,11 +42,11 @@ def eliminate(I, M, slots, store):
         for i in range(rows):
             row = work + COLUMNS * (pending + i)
             for j in range(left):
-                M[row + j] = M[I[O_LEFT] + BLOCK * slot + WIDTH * i + j]
+                M[row + j] = M[own.left + BLOCK * slot + WIDTH * i + j]
             for j in range(right):
-                M[row + left + j] = M[I[O_RIGHT] + BLOCK * slot + WIDTH * i + j]
+                M[row + left + j] = M[own.right + BLOCK * slot + WIDTH * i + j]
             for j in range(sides):
-                M[row + left + right + j] = M[I[O_RHS] + RHS_WORDS * slot + WIDTH * j + i]
+                M[row + left + right + j] = M[own.rhs + RHS_WORDS * slot + WIDTH * j + i]
         rows += pending
         for k in range(left):
             pivot = k
@@ -84,12 +79,12 @@ def eliminate(I, M, slots, store):
                 M[work + COLUMNS * i + j] = M[work + COLUMNS * (left + i) + left + j]
     # The way back: slot j gives the unknowns of node j - 1.
     for slot in range(slots - 1, 0, -1):
-        shape = I[O_SHAPE] + SHAPE_WORDS * slot
+        shape = own.shape + SHAPE_WORDS * slot
         left = I[shape + 1]
         right = I[shape + 2]
         keep = store + SWEEP_WORDS * slot
-        here = I[O_DELTA] + 2 * WIDTH * (slot - 1)
-        beyond = I[O_DELTA] + 2 * WIDTH * slot
+        here = own.delta + 2 * WIDTH * (slot - 1)
+        beyond = own.delta + 2 * WIDTH * slot
         for side in range(sides):
             for i in range(left - 1, -1, -1):
                 value = M[keep + COLUMNS * i + left + right + side]

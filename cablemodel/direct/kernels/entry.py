@@ -7,9 +7,10 @@ one entry point, `work`, with a task; cablemodel/direct/library.py gives the tas
 from numba import float64, int64
 
 from . import geometry, outputs, statics, stepping
+from .access import own_header
 from .assembly import fill_system, set_strains
 from .compile import INTEGERS, REALS, entry_point
-from .layout import D_BODIES, TASK_ASSEMBLE, TASK_EQUILIBRIUM, TASK_STEP
+from .layout import TASK_ASSEMBLE, TASK_EQUILIBRIUM, TASK_STEP
 from .newton import solve_linear
 
 
@@ -49,8 +50,9 @@ def sample(I, M, stations, out):
 @entry_point(int64(INTEGERS, REALS, REALS))
 def bodies(I, M, out):
     """Motion of the bodies; out: rows of STATION_WORDS, see outputs.body_stations."""
+    own = own_header(I)
     outputs.body_stations(I, M, out)
-    return I[D_BODIES]
+    return own.body_count
 
 
 @entry_point(int64(INTEGERS, REALS, REALS))

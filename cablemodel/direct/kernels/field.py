@@ -23,6 +23,7 @@ import math
 from cablemodel.kernels.access import header
 from cablemodel.kernels.strain import strain_and_slope
 
+from .access import own_header, own_scalars
 from .compile import kernel
 from .layout import (
     BLOCK,
@@ -32,30 +33,13 @@ from .layout import (
     F3,
     K1,
     K2,
-    O_CURRENTS,
-    O_FLOW,
-    O_PAST,
-    O_STRAINS,
-    O_Y,
     PHI,
     RATES,
-    T_ADDED,
-    T_BENDING,
-    T_DISPLACED,
-    T_HIGH,
-    T_LOW,
-    T_MASS,
-    T_NORMAL,
-    T_OFFSET,
-    T_TANGENTIAL,
-    T_TERMS,
-    T_WEIGHT,
     THETA,
     V1,
     V2,
     V3,
     WIDTH,
-    X_BETA,
 )
 
 _ROOT = 1e-12
@@ -68,10 +52,10 @@ def set_strain(M, out, node, material, tension):
     strain, slope = strain_and_slope(
         M,
         tension,
-        M[material + T_LOW],
-        M[material + T_HIGH],
-        int(M[material + T_OFFSET]),
-        int(M[material + T_TERMS]),
+        material.low,
+        material.high,
+        int(material.offset),
+        int(material.terms),
     )
     M[out + 2 * node] = strain
     M[out + 2 * node + 1] = slope
@@ -86,12 +70,14 @@ def field_rows(I, M, kind, material, left, h, F, at, mid, dif, both):
     included) and by the differences over h; both: offset of two columns, the same by the stretch.
     `set_strain` has been called for both nodes.
     """
+    own = own_header(I)
+    run = own_scalars(M)
     head = header(I)
-    a = I[O_Y] + WIDTH * left
+    a = own.unknowns + WIDTH * left
     b = a + WIDTH
-    p = I[O_PAST] + RATES * left
+    p = own.past + RATES * left
     q = p + RATES
-    beta = M[X_BETA]
+    beta = run.beta
     v1 = 0.5 * (M[a + V1] + M[b + V1])
     v2 = 0.5 * (M[a + V2] + M[b + V2])
     v3 = 0.5 * (M[a + V3] + M[b + V3])
@@ -103,12 +89,12 @@ def field_rows(I, M, kind, material, left, h, F, at, mid, dif, both):
     v3_t = beta * v3 - 0.5 * (M[p + 2] + M[q + 2])
     phi_t = beta * phi - 0.5 * (M[p + 3] + M[q + 3])
     w1 = beta * theta - 0.5 * (M[p + 4] + M[q + 4])
-    strains = I[O_STRAINS] + 2 * left
+    strains = own.strains + 2 * left
     strain = 0.5 * (M[strains] + M[strains + 2])
     e = 1.0 + strain
     e_s = (M[strains + 2] - M[strains]) / h
     e_t = beta * strain - 0.5 * (M[p + 5] + M[q + 5])
-    c = 0.5 * (M[I[O_FLOW] + left] + M[I[O_FLOW] + left + 1])
+    c = 0.5 * (M[own.flow + left] + M[own.flow + left + 1])
     phi_s = (M[b + PHI] - M[a + PHI]) / h
     theta_s = (M[b + THETA] - M[a + THETA]) / h
     sp = math.sin(phi)
@@ -142,15 +128,15 @@ def field_rows(I, M, kind, material, left, h, F, at, mid, dif, both):
     turn2 = w2 + c * k2
     stretching = e_t + c * e_s
 
-    m = M[material + T_MASS]
-    mn = m + M[material + T_ADDED]
-    w = M[material + T_WEIGHT]
-    bending = M[material + T_BENDING]
+    m = material.mass
+    mn = m + material.added_mass
+    w = material.weight
+    bending = material.bending
     a1 = v1_t + w2 * v3 - w3 * v2 + c * e * turn2
     a2 = v2_t + w3 * v1 - w1 * v3 - c * e * turn1
     a3 = v3_t + w1 * v2 - w2 * v1 + c * stretching
 
-    water = I[O_CURRENTS] + 3 * left
+    water = own.currents + 3 * left
     g1 = 0.5 * (M[water] + M[water + 3])
     g2 = 0.5 * (M[water + 1] + M[water + 4])
     g3 = 0.5 * (M[water + 2] + M[water + 5])
@@ -160,8 +146,8 @@ def field_rows(I, M, kind, material, left, h, F, at, mid, dif, both):
     u2 = v2 - water2
     u3 = v3 - water3
     root = math.sqrt(e)
-    cn = root * M[material + T_NORMAL]
-    cd = root * M[material + T_TANGENTIAL]
+    cn = root * material.normal
+    cd = root * material.tangential
     un = math.sqrt(u1 * u1 + u2 * u2)
     d1 = cn * un * u1
     d2 = cn * un * u2
@@ -258,7 +244,7 @@ def field_rows(I, M, kind, material, left, h, F, at, mid, dif, both):
     M[stretch_s + F3] = -m * c * c
 
     if head.surge != 0:
-        water = I[O_CURRENTS] + 3 * (head.capacity + left)
+        water = own.currents + 3 * (head.capacity + left)
         g1 = 0.5 * (M[water] + M[water + 3])
         g2 = 0.5 * (M[water + 1] + M[water + 4])
         g3 = 0.5 * (M[water + 2] + M[water + 5])
@@ -266,8 +252,8 @@ def field_rows(I, M, kind, material, left, h, F, at, mid, dif, both):
         across = cp * g2 - sp * g1
         s2 = ct * across + s * g3
         s3 = ct * g3 - s * across
-        along = M[material + T_DISPLACED]
-        push = along + M[material + T_ADDED]
+        along = material.displaced
+        push = along + material.added_mass
         F[at + F1] += push * aside
         F[at + F2] += push * s2
         F[at + F3] += along * s3

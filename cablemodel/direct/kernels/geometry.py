@@ -5,49 +5,24 @@ import math
 from cablemodel.kernels.access import header
 from cablemodel.kernels.environment import current_at, surge_at
 
+from .access import own_header, own_scalars, rigid_body_of, section_of
 from .compile import kernel
 from .frame import from_earth, to_earth, to_fixed
 from .layout import (
-    B_HALF,
-    BODY_WORDS,
-    D_SECTIONS,
     F3,
-    N_BODY,
-    N_COUNT,
-    N_FIRST,
-    N_KIND,
-    O_BODY,
-    O_CURRENTS,
-    O_DELTA,
-    O_FLOW,
-    O_LENGTH,
-    O_OLD_LENGTH,
-    O_PLACE,
-    O_SECTION,
-    O_SHARE,
-    O_STRAINS,
-    O_WORK,
-    O_Y,
     PHI,
     RIGID,
-    SECTION_WORDS,
     THETA,
     WIDTH,
-    X_DT,
-    X_FLOOR,
-    X_FLOW_END,
-    X_PAID_IN_STEP,
-    X_RATE,
-    X_SHARE,
-    X_VESSEL,
 )
 
 
 @kernel
 def last_node(I):
     """Index of the far end's node."""
-    section = I[O_SECTION] + SECTION_WORDS * (I[D_SECTIONS] - 1)
-    return I[section + N_FIRST] + I[section + N_COUNT] - 1
+    own = own_header(I)
+    section = section_of(I, I, own.section_count - 1)
+    return section.first + section.count - 1
 
 
 @kernel
@@ -57,49 +32,54 @@ def set_flow(I, M):
     The vessel's node sees the pay-out rate; near the touchdown point the mesh goes along with it,
     by each node's share. Everywhere else nodes are points of the cable.
     """
+    own = own_header(I)
+    run = own_scalars(M)
     count = last_node(I) + 1
-    flow = I[O_FLOW]
-    share = I[O_SHARE]
-    length = I[O_LENGTH]
-    old = I[O_OLD_LENGTH]
-    end = M[X_FLOW_END]
+    flow = own.flow
+    share = own.share
+    length = own.length
+    old = own.old_length
+    end = run.flow_end
     for node in range(count):
         M[flow + node] = end * M[share + node]
         if node > 0 and M[old + node] > 0.0:
             moved = M[share + node] - M[share + node - 1]
-            M[length + node] = M[old + node] - M[X_DT] * end * moved
-    M[flow] += M[X_RATE]
-    M[length + 1] += M[X_PAID_IN_STEP]
+            M[length + node] = M[old + node] - run.dt * end * moved
+    M[flow] += run.rate
+    M[length + 1] += run.paid_in_step
 
 
 @kernel
 def surge_word(I, node):
     """First of three words with the water's acceleration at a node (paper's axes), while `surge`
     is not 0."""
+    own = own_header(I)
     head = header(I)
-    return I[O_CURRENTS] + 3 * (head.capacity + node)
+    return own.currents + 3 * (head.capacity + node)
 
 
 @kernel
 def set_places(I, M):
     """Places of all nodes (earth frame) by integrating the tangent from the vessel, and velocity
     and acceleration of the water there (paper's axes)."""
+    own = own_header(I)
+    run = own_scalars(M)
     head = header(I)
-    x, y, z = to_earth(M, M[X_VESSEL], M[X_VESSEL + 1], M[X_VESSEL + 2])
-    water = M[I[O_WORK] : I[O_WORK] + 3]
-    place = I[O_PLACE]
-    for index in range(I[D_SECTIONS]):
-        section = I[O_SECTION] + SECTION_WORDS * index
-        first = I[section + N_FIRST]
-        for node in range(first, first + I[section + N_COUNT]):
+    x, y, z = to_earth(M, run.vessel[0], run.vessel[1], run.vessel[2])
+    water = M[own.work : own.work + 3]
+    place = own.place
+    for index in range(own.section_count):
+        section = section_of(I, M, index)
+        first = section.first
+        for node in range(first, first + section.count):
             if node > first:
-                a = I[O_Y] + WIDTH * (node - 1)
+                a = own.unknowns + WIDTH * (node - 1)
                 b = a + WIDTH
-                if I[section + N_KIND] == RIGID:
-                    h = 2.0 * M[I[O_BODY] + BODY_WORDS * I[section + N_BODY] + B_HALF]
+                if section.kind == RIGID:
+                    h = 2.0 * rigid_body_of(I, M, section.body).half
                 else:
-                    s = I[O_STRAINS] + 2 * node
-                    h = M[I[O_LENGTH] + node] * (1.0 + 0.5 * (M[s - 2] + M[s]))
+                    s = own.strains + 2 * node
+                    h = M[own.length + node] * (1.0 + 0.5 * (M[s - 2] + M[s]))
                 phi = 0.5 * (M[a + PHI] + M[b + PHI])
                 theta = 0.5 * (M[a + THETA] + M[b + THETA])
                 g1, g2, g3 = to_fixed(phi, theta, 0.0, 0.0, h)
@@ -110,7 +90,7 @@ def set_places(I, M):
             M[place + 3 * node] = x
             M[place + 3 * node + 1] = y
             M[place + 3 * node + 2] = z
-            at = I[O_CURRENTS] + 3 * node
+            at = own.currents + 3 * node
             if head.current_kind == 0:
                 M[at] = 0.0
                 M[at + 1] = 0.0
@@ -118,9 +98,9 @@ def set_places(I, M):
             else:
                 current_at(I, M, z, water)
                 c1, c2, c3 = from_earth(M, water[0], water[1], water[2])
-                M[at] = M[X_SHARE] * c1
-                M[at + 1] = M[X_SHARE] * c2
-                M[at + 2] = M[X_SHARE] * c3
+                M[at] = run.share * c1
+                M[at + 1] = run.share * c2
+                M[at + 2] = run.share * c3
             if head.surge != 0:
                 surge_at(I, M, z, water)
                 at = surge_word(I, node)
@@ -130,40 +110,44 @@ def set_places(I, M):
 @kernel
 def gap(I, M):
     """Height of the far end above the plane of the floor, along its normal [m]."""
-    at = I[O_PLACE] + 3 * last_node(I)
+    own = own_header(I)
+    run = own_scalars(M)
+    at = own.place + 3 * last_node(I)
     g1, g2, g3 = from_earth(M, M[at], M[at + 1], M[at + 2])
-    return g1 * M[X_FLOOR] + g2 * M[X_FLOOR + 1] + g3 * M[X_FLOOR + 2] - M[X_FLOOR + 3]
+    return g1 * run.floor[0] + g2 * run.floor[1] + g3 * run.floor[2] - run.floor[3]
 
 
 @kernel
 def gap_change(I, M, side, by_flow):
     """Change of the gap for the changes of the unknowns in O_DELTA (scaled back already), and, for
     by_flow = 1, for a unit change of the flow past the touchdown point."""
+    own = own_header(I)
+    run = own_scalars(M)
     total = 0.0
-    for index in range(I[D_SECTIONS]):
-        section = I[O_SECTION] + SECTION_WORDS * index
-        first = I[section + N_FIRST]
-        rigid = I[section + N_KIND] == RIGID
-        for node in range(first + 1, first + I[section + N_COUNT]):
-            a = I[O_Y] + WIDTH * (node - 1)
+    for index in range(own.section_count):
+        section = section_of(I, M, index)
+        first = section.first
+        rigid = section.kind == RIGID
+        for node in range(first + 1, first + section.count):
+            a = own.unknowns + WIDTH * (node - 1)
             b = a + WIDTH
-            da = I[O_DELTA] + 2 * WIDTH * (node - 1) + WIDTH * side
+            da = own.delta + 2 * WIDTH * (node - 1) + WIDTH * side
             db = da + 2 * WIDTH
             phi = 0.5 * (M[a + PHI] + M[b + PHI])
             theta = 0.5 * (M[a + THETA] + M[b + THETA])
             d_phi = 0.5 * (M[da + PHI] + M[db + PHI])
             d_theta = 0.5 * (M[da + THETA] + M[db + THETA])
-            s = I[O_STRAINS] + 2 * node
+            s = own.strains + 2 * node
             e = 1.0 + 0.5 * (M[s - 2] + M[s])
             d_e = 0.5 * (M[s - 1] * M[da + F3] + M[s + 1] * M[db + F3])
-            h = M[I[O_LENGTH] + node]
+            h = M[own.length + node]
             d_h = 0.0
             if rigid:
-                h = 2.0 * M[I[O_BODY] + BODY_WORDS * I[section + N_BODY] + B_HALF]
+                h = 2.0 * rigid_body_of(I, M, section.body).half
                 e = 1.0
                 d_e = 0.0
             elif by_flow != 0:
-                d_h = -M[X_DT] * (M[I[O_SHARE] + node] - M[I[O_SHARE] + node - 1])
+                d_h = -run.dt * (M[own.share + node] - M[own.share + node - 1])
             # a3 turns by d_theta towards -a2 and by d_phi sin(theta) towards a1.
             g1, g2, g3 = to_fixed(
                 phi,
@@ -172,18 +156,19 @@ def gap_change(I, M, side, by_flow):
                 -h * e * d_theta,
                 h * d_e + d_h * e,
             )
-            total += g1 * M[X_FLOOR] + g2 * M[X_FLOOR + 1] + g3 * M[X_FLOOR + 2]
+            total += g1 * run.floor[0] + g2 * run.floor[1] + g3 * run.floor[2]
     return total
 
 
 @kernel
 def line_out(I, M):
     """Unstretched length of cable from the vessel to the far end of the mesh [m]."""
+    own = own_header(I)
     total = 0.0
-    for index in range(I[D_SECTIONS]):
-        section = I[O_SECTION] + SECTION_WORDS * index
-        if I[section + N_KIND] != RIGID:
-            first = I[section + N_FIRST]
-            for node in range(first + 1, first + I[section + N_COUNT]):
-                total += M[I[O_LENGTH] + node]
+    for index in range(own.section_count):
+        section = section_of(I, M, index)
+        if section.kind != RIGID:
+            first = section.first
+            for node in range(first + 1, first + section.count):
+                total += M[own.length + node]
     return total

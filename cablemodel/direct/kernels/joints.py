@@ -6,21 +6,16 @@ of the planar unknowns: of vectors along e1, e2, e3 the rows 1, 3, 2.
 
 import math
 
-from cablemodel.kernels.access import header
+from cablemodel.kernels.access import header, word_of
 from cablemodel.kernels.strain import strain_and_slope
 
+from .access import material_row, own_header, own_scalars, rigid_body_of, section_at, section_of
 from .bodies import point_load
 from .compile import kernel
 from .frame import to_fixed, to_local
 from .geometry import surge_word
 from .layout import (
-    BODY_WORDS,
     CABLE,
-    D_CLAMPED,
-    D_END,
-    D_JOINT,
-    D_SECTIONS,
-    D_STICKS,
     END_ANCHOR,
     END_CONTACT,
     END_TOUCHDOWN,
@@ -29,56 +24,20 @@ from .layout import (
     F3,
     K1,
     K2,
-    MATERIAL_WORDS,
-    N_COUNT,
-    N_FIRST,
-    N_HINGE,
-    N_KIND,
-    N_MATERIAL,
-    N_POINT,
-    O_BODY,
-    O_CURRENTS,
-    O_FLOW,
-    O_MATERIAL,
-    O_PAST,
-    O_SECTION,
-    O_Y,
     PAPER,
     PHI,
     RATES,
     RIGID,
     SECTION_WORDS,
-    T_ADDED,
-    T_BENDING,
-    T_DISPLACED,
-    T_HIGH,
-    T_LOW,
-    T_MASS,
-    T_NORMAL,
-    T_OFFSET,
-    T_TERMS,
-    T_WEIGHT,
     THETA,
     V1,
     V2,
     V3,
     WIDTH,
-    X_BETA,
-    X_CLAMP,
-    X_FLOOR,
-    X_FRICTION_FORCE,
-    X_REACTION,
-    X_VESSEL,
 )
 
 CREEP = 1e-3
 """Slip at which friction has half of its force [m/s]: Coulomb's law without its jump."""
-
-
-@kernel
-def material_of(I, section):
-    """Word offset of the material row of a section (its word offset)."""
-    return I[O_MATERIAL] + MATERIAL_WORDS * I[section + N_MATERIAL]
 
 
 @kernel
@@ -87,10 +46,10 @@ def stretch_of(M, material, tension):
     strain, _slope = strain_and_slope(
         M,
         tension,
-        M[material + T_LOW],
-        M[material + T_HIGH],
-        int(M[material + T_OFFSET]),
-        int(M[material + T_TERMS]),
+        material.low,
+        material.high,
+        int(material.offset),
+        int(material.terms),
     )
     return 1.0 + strain
 
@@ -98,26 +57,26 @@ def stretch_of(M, material, tension):
 @kernel
 def bending_of(I, M, section):
     """What turns a section's curvature into a moment: EI; 1 for a rigid body."""
-    if I[section + N_KIND] == RIGID:
+    if section.kind == RIGID:
         return 1.0
-    return M[material_of(I, section) + T_BENDING]
+    return material_row(I, M, section.material).bending
 
 
 @kernel
 def vessel_rows(I, M, out):
     """Eq. 32 with pay-out, V = Lambda V_vessel + v_p e a3, and eq. 33 or a clamp."""
-    section = I[O_SECTION]
-    y = I[O_Y]
-    v1, v2, v3 = to_local(
-        M[y + PHI], M[y + THETA], M[X_VESSEL + 3], M[X_VESSEL + 4], M[X_VESSEL + 5]
-    )
-    e = stretch_of(M, material_of(I, section), M[y + F3])
+    own = own_header(I)
+    run = own_scalars(M)
+    section = section_of(I, M, 0)
+    y = own.unknowns
+    v1, v2, v3 = to_local(M[y + PHI], M[y + THETA], run.vessel[3], run.vessel[4], run.vessel[5])
+    e = stretch_of(M, material_row(I, M, section.material), M[y + F3])
     out[V1] = M[y + V1] - v1
     out[V2] = M[y + V2] - v2
-    out[V3] = M[y + V3] - v3 - M[I[O_FLOW]] * e
-    if I[D_CLAMPED] & 1:
-        out[K2] = M[y + PHI] - M[X_CLAMP]
-        out[K1] = M[y + THETA] - M[X_CLAMP + 1]
+    out[V3] = M[y + V3] - v3 - M[own.flow] * e
+    if own.clamped & 1:
+        out[K2] = M[y + PHI] - run.clamp[0]
+        out[K1] = M[y + THETA] - run.clamp[1]
     else:
         out[K1] = M[y + K1]
         out[K2] = M[y + K2]
@@ -130,16 +89,17 @@ def joint_rows(I, M, index, out):
     The velocity of the place and the flow of momentum are continuous, but for what a point body
     takes (eq. 28); then moments and angles, as the two sides can carry them. `paper`: eqs. 40-42.
     """
-    right = I[O_SECTION] + SECTION_WORDS * index
-    left = right - SECTION_WORDS
-    b = I[right + N_FIRST]
+    own = own_header(I)
+    right = section_of(I, M, index)
+    left = section_at(M, word_of(M, right) - SECTION_WORDS)
+    b = right.first
     a = b - 1
-    y = I[O_Y] + WIDTH * a
-    z = I[O_Y] + WIDTH * b
-    flexible_left = I[left + N_KIND] == CABLE
-    flexible_right = I[right + N_KIND] == CABLE
-    c = M[I[O_FLOW] + b]
-    mass = M[material_of(I, right) + T_MASS]
+    y = own.unknowns + WIDTH * a
+    z = own.unknowns + WIDTH * b
+    flexible_left = left.kind == CABLE
+    flexible_right = right.kind == CABLE
+    c = M[own.flow + b]
+    mass = material_row(I, M, right.material).mass
     force_left1 = 0.0 if flexible_left else M[y + F1]
     force_left2 = 0.0 if flexible_left else M[y + F2]
     force_right1 = 0.0 if flexible_right else M[z + F1]
@@ -147,8 +107,8 @@ def joint_rows(I, M, index, out):
     along_left = 0.0
     along_right = 0.0
     if c != 0.0:
-        along_left = c * stretch_of(M, material_of(I, left), M[y + F3])
-        along_right = c * stretch_of(M, material_of(I, right), M[z + F3])
+        along_left = c * stretch_of(M, material_row(I, M, left.material), M[y + F3])
+        along_right = c * stretch_of(M, material_row(I, M, right.material), M[z + F3])
     vl1, vl2, vl3 = to_fixed(M[y + PHI], M[y + THETA], M[y + V1], M[y + V2], M[y + V3] - along_left)
     vr1, vr2, vr3 = to_fixed(
         M[z + PHI], M[z + THETA], M[z + V1], M[z + V2], M[z + V3] - along_right
@@ -156,8 +116,8 @@ def joint_rows(I, M, index, out):
     out[V1] = vr1 - vl1
     out[V3] = vr2 - vl2
     out[V2] = vr3 - vl3
-    if I[D_JOINT] == PAPER and flexible_left != flexible_right and I[right + N_POINT] < 0:
-        if I[left + N_KIND] != RIGID and I[right + N_KIND] != RIGID:
+    if own.joint == PAPER and flexible_left != flexible_right and right.point < 0:
+        if left.kind != RIGID and right.kind != RIGID:
             stiff = y if flexible_right else z
             out[F1] = M[stiff + F1]
             out[F2] = M[stiff + F2]
@@ -183,10 +143,10 @@ def joint_rows(I, M, index, out):
     out[F1] = fr1 - fl1
     out[F3] = fr2 - fl2
     out[F2] = fr3 - fl3
-    point = I[right + N_POINT]
+    point = right.point
     if point >= 0:
         load = out[WIDTH : WIDTH + 3]
-        point_load(I, M, I[O_BODY] + BODY_WORDS * point, a, load)
+        point_load(I, M, rigid_body_of(I, M, point), a, load)
         out[F1] -= load[0]
         out[F3] -= load[1]
         out[F2] -= load[2]
@@ -198,7 +158,7 @@ def joint_rows(I, M, index, out):
     elif flexible_right:
         out[K1] = bending_left * M[y + K1]
         out[K2] = bending_left * M[y + K2]
-    elif I[right + N_HINGE] != 0:
+    elif right.hinge != 0:
         out[K1] = bending_right * M[z + K1]
         out[K2] = bending_right * M[z + K2]
         out[THETA] = bending_left * M[y + K1]
@@ -213,31 +173,33 @@ def joint_rows(I, M, index, out):
 @kernel
 def normal_balance(I, M, material, node, out):
     """R1 and R2 of a flexible cable's end, where T = 0: they must vanish for k to be finite."""
+    own = own_header(I)
+    run = own_scalars(M)
     head = header(I)
-    y = I[O_Y] + WIDTH * node
-    p = I[O_PAST] + RATES * node
-    beta = M[X_BETA]
+    y = own.unknowns + WIDTH * node
+    p = own.past + RATES * node
+    beta = run.beta
     phi = M[y + PHI]
     theta = M[y + THETA]
     phi_t = beta * phi - M[p + 3]
     w1 = beta * theta - M[p + 4]
     w2 = phi_t * math.sin(theta)
     w3 = phi_t * math.cos(theta)
-    water = I[O_CURRENTS] + 3 * node
+    water = own.currents + 3 * node
     g1, g2, _g3 = to_local(phi, theta, M[water], M[water + 1], M[water + 2])
     d1, d2, _d3 = to_local(phi, theta, 1.0, 0.0, 0.0)
     u1 = M[y + V1] - g1
     u2 = M[y + V2] - g2
-    drag = M[material + T_NORMAL] * math.sqrt(u1 * u1 + u2 * u2)
-    mass = M[material + T_MASS] + M[material + T_ADDED]
+    drag = material.normal * math.sqrt(u1 * u1 + u2 * u2)
+    mass = material.mass + material.added_mass
     a1 = beta * M[y + V1] - M[p] + w2 * M[y + V3] - w3 * M[y + V2]
     a2 = beta * M[y + V2] - M[p + 1] + w3 * M[y + V1] - w1 * M[y + V3]
-    out[PHI] = mass * a1 - M[material + T_WEIGHT] * d1 + drag * u1
-    out[THETA] = mass * a2 - M[material + T_WEIGHT] * d2 + drag * u2
+    out[PHI] = mass * a1 - material.weight * d1 + drag * u1
+    out[THETA] = mass * a2 - material.weight * d2 + drag * u2
     if head.surge != 0:
         at = surge_word(I, node)
         s1, s2, _s3 = to_local(phi, theta, M[at], M[at + 1], M[at + 2])
-        push = M[material + T_DISPLACED] + M[material + T_ADDED]
+        push = material.displaced + material.added_mass
         out[PHI] -= push * s1
         out[THETA] -= push * s2
 
@@ -245,32 +207,34 @@ def normal_balance(I, M, material, node, out):
 @kernel
 def end_rows(I, M, out):
     """The far end: free, with a point body, anchored, on the floor, or where cable is laid."""
-    last = I[D_SECTIONS] - 1
-    section = I[O_SECTION] + SECTION_WORDS * last
-    node = I[section + N_FIRST] + I[section + N_COUNT] - 1
-    y = I[O_Y] + WIDTH * node
-    flexible = I[section + N_KIND] == CABLE
-    end = I[D_END]
+    own = own_header(I)
+    run = own_scalars(M)
+    last = own.section_count - 1
+    section = section_of(I, M, last)
+    node = section.first + section.count - 1
+    y = own.unknowns + WIDTH * node
+    flexible = section.kind == CABLE
+    end = own.end
     out[K1] = M[y + K1]
     out[K2] = M[y + K2]
     if end == END_ANCHOR:
         out[V1] = M[y + V1]
         out[V2] = M[y + V2]
         out[V3] = M[y + V3]
-        if I[D_CLAMPED] & 2:
-            out[K2] = M[y + PHI] - M[X_CLAMP + 2]
-            out[K1] = M[y + THETA] - M[X_CLAMP + 3]
+        if own.clamped & 2:
+            out[K2] = M[y + PHI] - run.clamp[2]
+            out[K1] = M[y + THETA] - run.clamp[3]
         return
     f1 = 0.0 if flexible else M[y + F1]
     f2 = 0.0 if flexible else M[y + F2]
     # The row of the section after the last one names the body at the far end.
-    point = I[section + SECTION_WORDS + N_POINT]
+    point = section_at(M, word_of(M, section) + SECTION_WORDS).point
     if end == END_CONTACT or end == END_TOUCHDOWN:
         floor_rows(I, M, y, end, f1, f2, out)
         return
     if point < 0 and flexible:
         out[F3] = M[y + F3]
-        normal_balance(I, M, material_of(I, section), node, out)
+        normal_balance(I, M, material_row(I, M, section.material), node, out)
         return
     if point < 0:
         out[F1] = f1
@@ -279,7 +243,7 @@ def end_rows(I, M, out):
         return
     g1, g2, g3 = to_fixed(M[y + PHI], M[y + THETA], f1, f2, M[y + F3])
     load = out[WIDTH : WIDTH + 3]
-    point_load(I, M, I[O_BODY] + BODY_WORDS * point, node, load)
+    point_load(I, M, rigid_body_of(I, M, point), node, load)
     # Force after the body is zero: f_before + (M a - h - W) = 0.
     if flexible:
         out[PHI] = g1 + load[0]
@@ -298,9 +262,11 @@ def floor_rows(I, M, y, end, f1, f2, out):
     plane: f = reaction n + friction, f being the force of what lies beyond on the cable. At the
     touchdown point the tangent lies in the floor and the curvature vanishes (section 4.3).
     """
-    n1 = M[X_FLOOR]
-    n2 = M[X_FLOOR + 1]
-    n3 = M[X_FLOOR + 2]
+    own = own_header(I)
+    run = own_scalars(M)
+    n1 = run.floor[0]
+    n2 = run.floor[1]
+    n3 = run.floor[2]
     phi = M[y + PHI]
     theta = M[y + THETA]
     g1, g2, g3 = to_fixed(phi, theta, f1, f2, M[y + F3])
@@ -320,15 +286,15 @@ def floor_rows(I, M, y, end, f1, f2, out):
     vx, vy, vz = to_fixed(phi, theta, M[y + V1], M[y + V2], M[y + V3])
     along = vx * p1 + vy * p2 + vz * p3
     aside = vx * b1 + vy * b2 + vz * b3
-    if I[D_STICKS] != 0:
+    if own.sticks != 0:
         out[F3] = along
         out[F2] = aside
     else:
         speed = math.sqrt(along * along + aside * aside) + CREEP
-        friction = M[X_FRICTION_FORCE]
+        friction = run.friction_force
         out[F3] = g1 * p1 + g2 * p2 + g3 * p3 + friction * along / speed
         out[F2] = g1 * b1 + g2 * b2 + g3 * b3 + friction * aside / speed
     if end == END_TOUCHDOWN:
         out[F1] = across
     else:
-        out[F1] = g1 * n1 + g2 * n2 + g3 * n3 - M[X_REACTION]
+        out[F1] = g1 * n1 + g2 * n2 + g3 * n3 - run.reaction

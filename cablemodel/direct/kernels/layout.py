@@ -9,67 +9,100 @@ joint are two nodes at one place.
 """
 
 from cablemodel.kernels.layout import HEADER_WORDS, SCALAR_WORDS
+from cablemodel.kernels.record import Record, integer, real, reals, spare
 
 MAGIC = 0x5443455249444243  # "CBDIRECT", little endian
 VERSION = 3
-OWN_WORDS = 64
 
-# Header (int64).
-_D = HEADER_WORDS + SCALAR_WORDS
-D_SECTIONS, D_SECTION_CAPACITY = _D, _D + 1
-D_PLANAR = _D + 2  # 1: four and six unknowns a node in a vertical plane; 0: six and ten
-D_METHOD = _D + 3  # linear systems by superposition (0) or elimination (1)
-D_JOINT = _D + 4  # joint of the hybrid: 0 as in the paper, 1 moment free
-D_END = _D + 5  # what holds the far end, END_...
-D_CLAMPED = _D + 6  # bit 0: clamped at the vessel, bit 1: at the anchor
-D_FLOOR = _D + 7  # 1 where there is a sea floor
-D_RESTART = _D + 8  # 1: the next step is backward Euler, for the rates are not those of the past
-D_BODIES, D_DRUM, D_DRUM_USED = _D + 9, _D + 10, _D + 11
-D_ITERATIONS_MOST = _D + 12  # most iterations that a step has taken
-D_STICKS = _D + 13  # 1 while friction holds the touchdown point
-D_MEETING = _D + 14  # slot at which the two sweeps of a superposition meet
-D_RIGHT_SIDES = _D + 15  # 1, or 2 where the line ends on the floor
-D_TURNED = _D + 16  # how often the frame was turned away from its singularity
-D_MATERIALS, D_DRUM_CAPACITY = _D + 17, _D + 18
 
-# Header: word offsets of arrays.
-O_SECTION, O_MATERIAL, O_BODY, O_DRUM = _D + 30, _D + 31, _D + 32, _D + 33
-O_Y, O_RATE, O_LENGTH, O_FLOW, O_SHARE, O_PLACE = (
-    _D + 35,
-    _D + 36,
-    _D + 37,
-    _D + 38,
-    _D + 39,
-    _D + 40,
-)
-O_PAST, O_START, O_CURRENTS, O_STRAINS = _D + 41, _D + 42, _D + 43, _D + 44
-O_LEFT, O_RIGHT, O_RHS, O_SHAPE = _D + 45, _D + 46, _D + 47, _D + 48
-O_SWEEP, O_WORK, O_DELTA, O_OLD_LENGTH = _D + 49, _D + 50, _D + 51, _D + 53
+class OwnHeader(Record, first=HEADER_WORDS + SCALAR_WORDS):
+    """Sizes, switches and counters of the direct solver, and the words where its arrays start."""
 
-# Scalars (float64).
-_X = _D + OWN_WORDS
-X_TIME_STEP, X_SPACING, X_ALPHA, X_TOLERANCE = _X, _X + 1, _X + 2, _X + 3
-X_BETA = _X + 4  # 1/(alpha dt) of the step that is being made; 0 in a steady state
-X_MEMORY = _X + 5  # gamma of eq. 38 in that step
-X_DT = _X + 6
-X_SHARE = _X + 7  # of the flow (tow speed and current) in a steady state: continuation
-X_RATE = _X + 8  # pay-out rate at the end of the step
-X_LAID = _X + 9  # cable that lies on the floor behind the touchdown point [m]
-X_FLOW_END = _X + 10  # cable that passes the touchdown point [m/s]
-X_REACTION = _X + 11  # of the floor on the line's end, normal to the floor [N]
-X_VESSEL = _X + 12  # 6 words: tow point, its velocity, in the paper's axes at the end of the step
-X_SCALE = _X + 18  # 10 words: size of each unknown
-X_FLOOR = _X + 29  # 4 words: unit normal n (paper's axes), and n.x of the plane
-X_FRICTION = _X + 33
-X_CLAMP = _X + 34  # 4 words: phi, theta of a clamp at the vessel, at the anchor
-X_ANCHOR = _X + 38  # 3 words, earth frame
-X_DRIFT = _X + 41  # how far a held end may drift [m]
-X_FRICTION_FORCE = _X + 42
-X_LOWEST = _X + 45  # tension below which a flexible section counts as slack [N]
-X_PAID_IN_STEP = _X + 47  # cable paid out within the step [m]
-X_START = _X + 48  # 2 words: X_FLOW_END and X_REACTION at the start of the step
+    section_count = integer("sections of the line")
+    section_capacity = integer("sections that there is room for")
+    planar = integer("1: four and six unknowns a node in a vertical plane; 0: six and ten")
+    method = integer("SUPERPOSITION or ELIMINATION: how linear systems are solved")
+    joint = integer("PAPER or MOMENT_FREE: joint of the hybrid")
+    end = integer("what holds the far end: END_...")
+    clamped = integer("bit 0: clamped at the vessel, bit 1: at the anchor")
+    floor = integer("1 where there is a sea floor")
+    restart = integer("1: the next step is backward Euler, for the rates are not those of the past")
+    body_count = integer("bodies")
+    drum_count = integer("rows of the drum table")
+    drum_used = integer("how many of them have passed the tow point")
+    most_iterations = integer("most iterations that a step has taken")
+    sticks = integer("1 while friction holds the touchdown point")
+    meeting = integer("slot at which the two sweeps of a superposition meet")
+    right_sides = integer("1, or 2 where the line ends on the floor")
+    turned = integer("how often the frame was turned away from its singularity")
+    material_count = integer("materials")
+    drum_capacity = integer("rows that the drum table has room for")
+    _spare_1 = spare(11)
 
-FIRST_FREE = _X + OWN_WORDS
+    # Words where arrays start.
+    sections = integer("sections (Section)")
+    materials = integer("materials (Material)")
+    bodies = integer("bodies (RigidBody)")
+    drum = integer("what passes the tow point (DrumRow)")
+    _spare_2 = spare(1)
+    unknowns = integer("of the nodes (nodes, WIDTH)")
+    rate = integer("rates of what eq. 38 differentiates (nodes, RATES)")
+    length = integer("unstretched length of the interval behind each node [m]")
+    flow = integer("current and its like at each node")
+    share = integer("of the strain at each node")
+    place = integer("place of each node (nodes, 3) [m]")
+    past = integer("what eq. 38 keeps of the past (nodes, RATES)")
+    start = integer("unknowns at the start of the step (nodes, WIDTH)")
+    currents = integer("velocity of the water at each node (nodes, 3), then its acceleration")
+    strains = integer("strain and its slope at each node (nodes, 2)")
+    left = integer("blocks of each slot's unknowns on its left (slots, WIDTH, WIDTH)")
+    right = integer("the same on its right")
+    rhs = integer("two right-hand sides and the scales of rows of each slot (slots, RHS_WORDS)")
+    shape = integer("rows and unknowns of each slot (slots, SHAPE_WORDS)")
+    sweep = integer("partial solutions (Sweep)")
+    work = integer("workspace: WORK_WORDS")
+    delta = integer("changes of the unknowns, for two right-hand sides")
+    _spare_3 = spare(1)
+    old_length = integer("`length` at the start of the step [m]")
+    _spare_4 = spare(10)
+
+
+OWN_WORDS = OwnHeader.WORDS
+
+
+class OwnScalars(Record, first=OwnHeader.FIRST + OWN_WORDS):
+    """Numbers of the direct solver that there is one of."""
+
+    time_step = real("longest step", "s")
+    spacing = real("of nodes", "m")
+    alpha = real("of eq. 38")
+    tolerance = real("of Newton's method")
+    beta = real("1/(alpha dt) of the step that is being made; 0 in a steady state", "1/s")
+    memory = real("gamma of eq. 38 in that step")
+    dt = real("that step", "s")
+    share = real("of the flow (tow speed and current) in a steady state: continuation")
+    rate = real("pay-out rate at the end of the step", "m/s")
+    laid = real("cable that lies on the floor behind the touchdown point", "m")
+    flow_end = real("cable that passes the touchdown point", "m/s")
+    reaction = real("of the floor on the line's end, normal to the floor", "N")
+    vessel = reals(6, "tow point, its velocity, in the paper's axes at the end of the step")
+    scale = reals(10, "size of each unknown")
+    _spare_1 = spare(1)
+    floor = reals(4, "unit normal n (paper's axes), and n.x of the plane")
+    friction = real("Coulomb coefficient")
+    clamp = reals(4, "phi, theta of a clamp at the vessel, at the anchor", "rad")
+    anchor = reals(3, "place of the anchor, earth frame", "m")
+    drift = real("how far a held end may drift", "m")
+    friction_force = real("at the touchdown point", "N")
+    _spare_2 = spare(2)
+    lowest = real("tension below which a flexible section counts as slack", "N")
+    _spare_3 = spare(1)
+    paid_in_step = real("cable paid out within the step", "m")
+    start = reals(2, "`flow_end` and `reaction` at the start of the step")
+    _spare_4 = spare(14)
+
+
+FIRST_FREE = OwnScalars.FIRST + OwnScalars.WORDS
 
 # A node's unknowns, the paper's order: velocity of the material and internal force along a1, a2,
 # a3; Euler angles; curvatures about a1 and a2.
@@ -78,34 +111,85 @@ V1, V2, V3, PHI, THETA, F1, F2, F3, K1, K2 = range(WIDTH)
 RATES = 6
 """Words a node of what eq. 38 differentiates in time: velocity, angles, strain."""
 
-# Rows of the section table (int64).
-SECTION_WORDS = 10
-N_FIRST, N_COUNT, N_KIND, N_MATERIAL, N_BODY = 0, 1, 2, 3, 4
-N_POINT = 5  # row of the point body at its start, -1: none
-N_HINGE = 6  # 1: the joint at its start is a hinge even between two elasticas
-N_ITEM = 7  # which cable of line and drum it belongs to
+
+class Section(Record):
+    """A section of the line, all in integers."""
+
+    first = integer("its first node")
+    count = integer("how many nodes it has")
+    kind = integer("CABLE, ELASTICA or RIGID")
+    material = integer("row of the material")
+    body = integer("row of the body of finite length that it is")
+    point = integer("row of the point body at its start, -1: none")
+    hinge = integer("1: the joint at its start is a hinge even between two elasticas")
+    item = integer("which cable of line and drum it belongs to")
+    _spare = spare(2)
+
+
+SECTION_WORDS = Section.WORDS
 CABLE, ELASTICA, RIGID = 0, 1, 2
 
-# Rows of the material table.
-MATERIAL_WORDS = 12
-T_MASS, T_ADDED, T_WEIGHT, T_NORMAL, T_TANGENTIAL, T_BENDING = 0, 1, 2, 3, 4, 5
-T_TERMS, T_OFFSET, T_LOW, T_HIGH = 6, 7, 8, 9
-T_DISPLACED = 10  # mass of the water that it displaces [kg/m]
 
-# Rows of the body table, with what eq. 38 needs of its past: velocity of the centre of gravity
-# (3) and angular velocity (2), then their rates. B_ITEM: its place in line and drum.
-BODY_WORDS = 32
-B_MASS, B_WEIGHT, B_ADDED, B_ADDED_AXIAL, B_DRAG, B_DRAG_AXIAL = 0, 1, 2, 3, 4, 5
-B_HALF, B_OFFSET, B_INERTIA, B_BUOYANCY, B_ITEM = 6, 7, 8, 9, 10
-B_STATE, B_STATE_RATE, B_PAST = 11, 16, 21
-B_START = 26  # B_STATE at the start of the step
+class Material(Record):
+    """A kind of cable."""
+
+    mass = real("in air", "kg/m")
+    added_mass = real("across the cable", "kg/m")
+    weight = real("in water", "N/m")
+    normal = real("1/2 rho Cdn d", "kg/m2")
+    tangential = real("1/2 rho Cdt pi d", "kg/m2")
+    bending = real("bending stiffness", "N m2")
+    terms = real("number of coefficients of the strain curve")
+    offset = real("their place in the table of strain curves")
+    low = real("tension below which the curve is continued by its tangent", "N")
+    high = real("tension above which it is", "N")
+    displaced = real("mass of the water that it displaces", "kg/m")
+    _spare = spare(1)
+
+
+MATERIAL_WORDS = Material.WORDS
 BODY_STATES = 5
 
-# Rows of the drum table (int64 words): what passes the tow point, in order.
-DRUM_WORDS = 8
-R_MATERIAL, R_KIND, R_POINT, R_ITEM = 0, 1, 2, 3
-R_LEAVES = 4  # as float64: pay-out at which its outer end passes the tow point [m]
-R_HINGE, R_RIGID = 5, 6
+
+class RigidBody(Record):
+    """A body, with what eq. 38 needs of its past: of BODY_STATES velocities, of the centre of
+    gravity (3) and of turning (2)."""
+
+    mass = real("in air", "kg")
+    weight = real("in water", "N")
+    added_mass = real("across its axis", "kg")
+    added_mass_axial = real("along its axis", "kg")
+    drag = real("1/2 rho CdA across its axis", "kg/m")
+    drag_axial = real("1/2 rho CdA along its axis", "kg/m")
+    half = real("half of its length; 0: a point body", "m")
+    offset = real("of the centre of gravity from the middle, in half lengths")
+    inertia = real("rotary, about the centre of gravity", "kg m2")
+    buoyancy = real("weight of what it displaces", "N")
+    item = real("its place in line and drum")
+    state = reals(5, "velocities")
+    state_rate = reals(5, "their rates")
+    past = reals(5, "what eq. 38 keeps of them")
+    start = reals(5, "`state` at the start of the step")
+    _spare = spare(1)
+
+
+BODY_WORDS = RigidBody.WORDS
+
+
+class DrumRow(Record):
+    """What passes the tow point, in order; integers but for `leaves`."""
+
+    material = integer("row of the material")
+    kind = integer("CABLE, ELASTICA or RIGID")
+    point = integer("row of the point body at its outer end, -1: none")
+    item = integer("its place in line and drum")
+    leaves = real("pay-out at which its outer end passes the tow point", "m")
+    hinge = integer("1: the joint at its outer end is a hinge")
+    rigid = integer("row of the body of finite length that it is")
+    _spare = spare(1)
+
+
+DRUM_WORDS = DrumRow.WORDS
 
 END_FREE, END_ANCHOR, END_CONTACT, END_TOUCHDOWN = 0, 1, 2, 3
 

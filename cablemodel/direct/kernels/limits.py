@@ -12,41 +12,25 @@ import math
 from cablemodel.kernels.access import header
 from cablemodel.kernels.layout import OK
 
+from .access import own_header, own_scalars, section_of
 from .compile import kernel
 from .frame import from_earth
 from .geometry import gap, last_node
 from .layout import (
     BODY_ON_FLOOR,
     CABLE,
-    D_END,
-    D_FLOOR,
-    D_SECTIONS,
     DRIFT,
     END_ANCHOR,
     END_CONTACT,
     END_FREE,
     F3,
-    N_COUNT,
-    N_FIRST,
-    N_KIND,
-    O_LENGTH,
-    O_OLD_LENGTH,
-    O_PLACE,
-    O_SECTION,
-    O_Y,
     OVERSHOT,
     RIGID,
-    SECTION_WORDS,
     SINGULAR_ANGLE,
     SLACK,
     THETA,
     USED_UP,
     WIDTH,
-    X_ANCHOR,
-    X_DRIFT,
-    X_FLOOR,
-    X_LOWEST,
-    X_SPACING,
 )
 from .touchdown import end_component
 
@@ -63,29 +47,31 @@ OVERSHOOT = 0.05
 @kernel
 def check_state(I, M):
     """OK, or why the state that has been found is none: the status, with the node at fault."""
+    own = own_header(I)
+    run = own_scalars(M)
     head = header(I)
-    for index in range(I[D_SECTIONS]):
-        section = I[O_SECTION] + SECTION_WORDS * index
-        first = I[section + N_FIRST]
-        for node in range(first, first + I[section + N_COUNT]):
-            y = I[O_Y] + WIDTH * node
+    for index in range(own.section_count):
+        section = section_of(I, M, index)
+        first = section.first
+        for node in range(first, first + section.count):
+            y = own.unknowns + WIDTH * node
             if abs(math.sin(M[y + THETA])) < AT_POLE:
                 I[head.failed] = node
                 return SINGULAR_ANGLE
-            if I[section + N_KIND] == CABLE and M[y + F3] < -M[X_LOWEST]:
+            if section.kind == CABLE and M[y + F3] < -run.lowest:
                 I[head.failed] = node
                 return SLACK
-            if node == first or I[section + N_KIND] == RIGID:
+            if node == first or section.kind == RIGID:
                 continue
-            if not M[I[O_LENGTH] + node] > LEFT_OVER * M[I[O_OLD_LENGTH] + node]:
+            if not M[own.length + node] > LEFT_OVER * M[own.old_length + node]:
                 I[head.failed] = node
                 return USED_UP
-    if I[D_END] == END_ANCHOR:
+    if own.end == END_ANCHOR:
         node = last_node(I)
         total = 0.0
         for i in range(3):
-            total += (M[I[O_PLACE] + 3 * node + i] - M[X_ANCHOR + i]) ** 2
-        if total > M[X_DRIFT] ** 2:
+            total += (M[own.place + 3 * node + i] - run.anchor[i]) ** 2
+        if total > run.drift**2:
             I[head.failed] = node
             return DRIFT
     return OK
@@ -94,20 +80,22 @@ def check_state(I, M):
 @kernel
 def check_floor(I, M):
     """No node below the floor, and no end that should have been caught there. Returns a status."""
+    own = own_header(I)
+    run = own_scalars(M)
     head = header(I)
-    if I[D_FLOOR] == 0:
+    if own.floor == 0:
         return OK
-    deep = DEEP * M[X_SPACING]
+    deep = DEEP * run.spacing
     last = last_node(I)
     I[head.failed] = last
-    if I[D_END] == END_FREE and gap(I, M) < -deep:
+    if own.end == END_FREE and gap(I, M) < -deep:
         return OVERSHOT
-    if I[D_END] == END_CONTACT and end_component(I, M, 2, 1) > OVERSHOOT:
+    if own.end == END_CONTACT and end_component(I, M, 2, 1) > OVERSHOOT:
         return OVERSHOT
     for node in range(last):
-        at = I[O_PLACE] + 3 * node
+        at = own.place + 3 * node
         g1, g2, g3 = from_earth(M, M[at], M[at + 1], M[at + 2])
-        height = g1 * M[X_FLOOR] + g2 * M[X_FLOOR + 1] + g3 * M[X_FLOOR + 2] - M[X_FLOOR + 3]
+        height = g1 * run.floor[0] + g2 * run.floor[1] + g3 * run.floor[2] - run.floor[3]
         if height < -deep:
             I[head.failed] = node
             return BODY_ON_FLOOR

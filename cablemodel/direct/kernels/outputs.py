@@ -5,19 +5,13 @@ import math
 from cablemodel.kernels.access import scalars
 from cablemodel.kernels.layout import STATION_WORDS
 
+from .access import material_row, own_header, own_scalars, rigid_body_of, section_of
 from .compile import kernel
 from .frame import to_earth, to_fixed
 from .geometry import last_node, line_out
-from .joints import bending_of, material_of
+from .joints import bending_of
 from .layout import (
-    B_HALF,
-    B_OFFSET,
-    B_STATE,
-    BODY_WORDS,
     CABLE,
-    D_BODIES,
-    D_END,
-    D_SECTIONS,
     END_CONTACT,
     END_TOUCHDOWN,
     F1,
@@ -25,37 +19,21 @@ from .layout import (
     F3,
     K1,
     K2,
-    N_BODY,
-    N_COUNT,
-    N_FIRST,
-    N_KIND,
-    N_POINT,
-    O_BODY,
-    O_LENGTH,
-    O_PLACE,
-    O_SECTION,
-    O_STRAINS,
-    O_Y,
     PHI,
     RIGID,
-    SECTION_WORDS,
-    T_WEIGHT,
     THETA,
     V1,
     V2,
     V3,
     WIDTH,
-    X_FLOOR,
-    X_LAID,
-    X_RATE,
-    X_VESSEL,
 )
 
 
 @kernel
 def node_vector(I, M, node, which):
     """Earth-frame vector of a node: 0 velocity, 1 force, 2 moment over EI, 3 tangent."""
-    y = I[O_Y] + WIDTH * node
+    own = own_header(I)
+    y = own.unknowns + WIDTH * node
     x1 = 0.0
     x2 = 0.0
     x3 = 1.0
@@ -85,22 +63,23 @@ def laid_direction(I, M):
 @kernel
 def station(I, M, section, left, x, out, row):
     """The state at a fraction x of the interval after node `left` into a row of `out`."""
+    own = own_header(I)
     right = left + 1
-    h = M[I[O_LENGTH] + right]
+    h = M[own.length + right]
     tx0, ty0, tz0 = node_vector(I, M, left, 3)
     tx1, ty1, tz1 = node_vector(I, M, right, 3)
-    e0 = h * (1.0 + M[I[O_STRAINS] + 2 * left])
-    e1 = h * (1.0 + M[I[O_STRAINS] + 2 * right])
+    e0 = h * (1.0 + M[own.strains + 2 * left])
+    e1 = h * (1.0 + M[own.strains + 2 * right])
     y = 1.0 - x
     n0 = y * y * (1.0 + 2.0 * x)
     n1 = x * y * y * e0
     n2 = x * x * (3.0 - 2.0 * x)
     n3 = -x * x * y * e1
-    p = I[O_PLACE] + 3 * left
+    p = own.place + 3 * left
     out[row] = n0 * M[p] + n1 * tx0 + n2 * M[p + 3] + n3 * tx1
     out[row + 1] = n0 * M[p + 1] + n1 * ty0 + n2 * M[p + 4] + n3 * ty1
     out[row + 2] = n0 * M[p + 2] + n1 * tz0 + n2 * M[p + 5] + n3 * tz1
-    a = I[O_Y] + WIDTH * left
+    a = own.unknowns + WIDTH * left
     b = a + WIDTH
     phi = y * M[a + PHI] + x * M[b + PHI]
     theta = y * M[a + THETA] + x * M[b + THETA]
@@ -115,7 +94,7 @@ def station(I, M, section, left, x, out, row):
     )
     out[row + 6], out[row + 7], out[row + 8] = to_earth(M, g1, g2, g3)
     out[row + 9] = y * M[a + F3] + x * M[b + F3]
-    if I[section + N_KIND] == CABLE:
+    if section.kind == CABLE:
         k1 = (M[b + THETA] - M[a + THETA]) / h
         k2 = (M[b + PHI] - M[a + PHI]) / h * math.sin(theta)
         out[row + 10] = math.sqrt(k1 * k1 + k2 * k2)
@@ -131,11 +110,13 @@ def station(I, M, section, left, x, out, row):
 def sample_stations(I, M, stations, out):
     """State at arc lengths `stations` [m]: rows of STATION_WORDS into out, as for the finite
     elements. Returns the index of the first station that is not on the line, or their number."""
+    own = own_header(I)
+    run = own_scalars(M)
     mesh = line_out(I, M)
-    total = mesh + M[X_LAID]
+    total = mesh + run.laid
     # A body may be last: what rounding puts behind the cable's end belongs to the cable's end.
-    outermost = I[D_SECTIONS] - 1
-    while I[I[O_SECTION] + SECTION_WORDS * outermost + N_KIND] == RIGID:
+    outermost = own.section_count - 1
+    while section_of(I, M, outermost).kind == RIGID:
         outermost -= 1
     for n in range(len(stations)):
         s = stations[n]
@@ -144,14 +125,14 @@ def sample_stations(I, M, stations, out):
         row = STATION_WORDS * n
         arc = 0.0
         done = False
-        for index in range(I[D_SECTIONS]):
-            section = I[O_SECTION] + SECTION_WORDS * index
-            if done or I[section + N_KIND] == RIGID:
+        for index in range(own.section_count):
+            section = section_of(I, M, index)
+            if done or section.kind == RIGID:
                 continue
-            first = I[section + N_FIRST]
-            last = first + I[section + N_COUNT] - 1
+            first = section.first
+            last = first + section.count - 1
             for node in range(first + 1, last + 1):
-                h = M[I[O_LENGTH] + node]
+                h = M[own.length + node]
                 if s <= arc + h or (index == outermost and node == last):
                     x = min(1.0, max(0.0, (s - arc) / h))
                     station(I, M, section, node - 1, x, out, row)
@@ -159,14 +140,14 @@ def sample_stations(I, M, stations, out):
                     break
                 arc += h
         beyond = s - mesh
-        if M[X_LAID] > 0.0 and beyond > 0.0:
+        if run.laid > 0.0 and beyond > 0.0:
             tx, ty, tz = laid_direction(I, M)
             out[row] += beyond * tx
             out[row + 1] += beyond * ty
             out[row + 2] += beyond * tz
             for k in range(6, 12):
                 out[row + k] = 0.0
-        out[row + 12] = 1.0 if M[X_LAID] > 0.0 and beyond >= 0.0 else 0.0
+        out[row + 12] = 1.0 if run.laid > 0.0 and beyond >= 0.0 else 0.0
     return len(stations)
 
 
@@ -175,34 +156,37 @@ def body_stations(I, M, out):
     """Motion of every body of line and drum in rows of STATION_WORDS: place (3) of the centre of
     gravity, axis (3), velocity (3); the rest is not touched. What is on the drum is at the tow
     point."""
-    for body in range(I[D_BODIES]):
+    own = own_header(I)
+    for body in range(own.body_count):
         body_station(I, M, body, 0, out)
-    for index in range(I[D_SECTIONS] + 1):
-        section = I[O_SECTION] + SECTION_WORDS * index
-        if I[section + N_POINT] >= 0:
-            node = I[section + N_FIRST] - 1 if index < I[D_SECTIONS] else last_node(I)
-            body_station(I, M, I[section + N_POINT], node, out)
-        if index < I[D_SECTIONS] and I[section + N_KIND] == RIGID:
-            body = I[section + N_BODY]
-            node = I[section + N_FIRST]
-            row = I[O_BODY] + BODY_WORDS * body
+    for index in range(own.section_count + 1):
+        section = section_of(I, M, index)
+        if section.point >= 0:
+            node = section.first - 1 if index < own.section_count else last_node(I)
+            body_station(I, M, section.point, node, out)
+        if index < own.section_count and section.kind == RIGID:
+            body = section.body
+            node = section.first
+            row = rigid_body_of(I, M, body)
             body_station(I, M, body, node, out)
             at = STATION_WORDS * body
-            arm = (1.0 + M[row + B_OFFSET]) * M[row + B_HALF]
+            arm = (1.0 + row.offset) * row.half
             for k in range(3):
                 out[at + k] += arm * out[at + 3 + k]
-            y = I[O_Y] + WIDTH * node
-            state = row + B_STATE
-            g1, g2, g3 = to_fixed(M[y + PHI], M[y + THETA], M[state], M[state + 1], M[state + 2])
+            y = own.unknowns + WIDTH * node
+            g1, g2, g3 = to_fixed(
+                M[y + PHI], M[y + THETA], row.state[0], row.state[1], row.state[2]
+            )
             out[at + 6], out[at + 7], out[at + 8] = to_earth(M, g1, g2, g3)
 
 
 @kernel
 def body_station(I, M, body, node, out):
     """A body's row from the place, tangent and velocity of a node."""
+    own = own_header(I)
     at = STATION_WORDS * body
     for k in range(3):
-        out[at + k] = M[I[O_PLACE] + 3 * node + k]
+        out[at + k] = M[own.place + 3 * node + k]
     out[at + 3], out[at + 4], out[at + 5] = node_vector(I, M, node, 3)
     out[at + 6], out[at + 7], out[at + 8] = node_vector(I, M, node, 0)
 
@@ -210,32 +194,34 @@ def body_station(I, M, body, node, out):
 @kernel
 def summarise(I, M, out):
     """The numbers of cablemodel/kernels/outputs.py, in the same order."""
+    own = own_header(I)
+    run = own_scalars(M)
     state = scalars(M)
     fx, fy, fz = node_vector(I, M, 0, 1)
     out[0] = fx
     out[1] = fy
     out[2] = fz
     mx, my, mz = node_vector(I, M, 0, 2)
-    bending = bending_of(I, M, I[O_SECTION])
+    bending = bending_of(I, M, section_of(I, M, 0))
     out[3] = bending * mx
     out[4] = bending * my
     out[5] = bending * mz
     size = math.sqrt(fx * fx + fy * fy + fz * fz)
-    out[6] = math.copysign(size, M[I[O_Y] + F3])
-    lowest = M[I[O_Y] + F3]
+    out[6] = math.copysign(size, M[own.unknowns + F3])
+    lowest = M[own.unknowns + F3]
     highest = out[6]  # with the shear
     last = last_node(I)
     for node in range(last + 1):
-        tension = M[I[O_Y] + WIDTH * node + F3]
+        tension = M[own.unknowns + WIDTH * node + F3]
         lowest = min(lowest, tension)
         highest = max(highest, tension)
     out[7] = lowest
     out[8] = highest
-    laid = M[X_LAID]
+    laid = run.laid
     tx, ty, tz = laid_direction(I, M)
-    out[9] = M[I[O_PLACE] + 3 * last] + laid * tx
-    out[10] = M[I[O_PLACE] + 3 * last + 1] + laid * ty
-    out[11] = M[I[O_PLACE] + 3 * last + 2] + laid * tz
+    out[9] = M[own.place + 3 * last] + laid * tx
+    out[10] = M[own.place + 3 * last + 1] + laid * ty
+    out[11] = M[own.place + 3 * last + 2] + laid * tz
     vx, vy, vz = node_vector(I, M, last, 0)
     if laid > 0.0:
         vx = 0.0
@@ -244,31 +230,31 @@ def summarise(I, M, out):
     out[12] = vx
     out[13] = vy
     out[14] = vz
-    x, y, z = to_earth(M, M[X_VESSEL], M[X_VESSEL + 1], M[X_VESSEL + 2])
+    x, y, z = to_earth(M, run.vessel[0], run.vessel[1], run.vessel[2])
     out[15] = x
     out[16] = y
     out[17] = z
-    x, y, z = to_earth(M, M[X_VESSEL + 3], M[X_VESSEL + 4], M[X_VESSEL + 5])
+    x, y, z = to_earth(M, run.vessel[3], run.vessel[4], run.vessel[5])
     out[18] = x
     out[19] = y
     out[20] = z
     out[21] = line_out(I, M) + laid
-    out[22] = M[X_RATE]
+    out[22] = run.rate
     out[23] = state.paid_most - state.paid
     for k in range(24, 32):
         out[k] = 0.0
     for k in range(28, 31):
         out[k] = math.nan
-    if I[D_END] != END_CONTACT and I[D_END] != END_TOUCHDOWN:
+    if own.end != END_CONTACT and own.end != END_TOUCHDOWN:
         return
     # The force at the end is the floor's; what lies beyond rests there with its weight.
     fx, fy, fz = node_vector(I, M, last, 1)
-    section = I[O_SECTION] + SECTION_WORDS * (I[D_SECTIONS] - 1)
+    section = section_of(I, M, own.section_count - 1)
     out[24] = fx
     out[25] = fy
-    out[26] = fz + M[material_of(I, section) + T_WEIGHT] * laid
+    out[26] = fz + material_row(I, M, section.material).weight * laid
     out[27] = laid
     for k in range(3):
-        out[28 + k] = M[I[O_PLACE] + 3 * last + k]
-    nx, ny, nz = to_earth(M, M[X_FLOOR], M[X_FLOOR + 1], M[X_FLOOR + 2])
+        out[28 + k] = M[own.place + 3 * last + k]
+    nx, ny, nz = to_earth(M, run.floor[0], run.floor[1], run.floor[2])
     out[31] = fx * nx + fy * ny + fz * nz

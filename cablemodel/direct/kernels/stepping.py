@@ -6,38 +6,23 @@ are read by the same kernels.
 
 import math
 
-from cablemodel.kernels.access import header, scalars
+from cablemodel.kernels.access import header, motion_piece_of, scalars
 from cablemodel.kernels.environment import current_profile, find_piece, surge_jump, vessel_motion
 from cablemodel.kernels.layout import (
     NOT_FINITE,
     OK,
-    P_ACCELERATION_JUMP,
-    P_END,
-    PIECE_WORDS,
 )
 from cablemodel.kernels.stepping import possible, release_inputs, take_inputs
 from cablemodel.kernels.winch import commanded_rate
 
+from .access import own_header, own_scalars
 from .axes import leave_plane, turn_axes
 from .backup import give_back_image, give_back_start, keep_image, keep_start
 from .compile import kernel
 from .frame import from_earth
 from .history import keep_past, set_rates
 from .layout import (
-    D_END,
-    D_ITERATIONS_MOST,
-    D_RESTART,
     END_TOUCHDOWN,
-    X_ALPHA,
-    X_BETA,
-    X_DT,
-    X_FLOW_END,
-    X_LAID,
-    X_MEMORY,
-    X_PAID_IN_STEP,
-    X_RATE,
-    X_TIME_STEP,
-    X_VESSEL,
 )
 from .limits import check_floor, check_state
 from .newton import solve_level
@@ -54,22 +39,24 @@ RESTART = 0.5
 @kernel
 def set_vessel(I, M, t):
     """Tow point and its velocity at time t in the paper's axes."""
+    run = own_scalars(M)
     head = header(I)
     vessel_motion(I, M, t)
     at = head.motion
     g1, g2, g3 = from_earth(M, M[at], M[at + 1], M[at + 2])
-    M[X_VESSEL] = g1
-    M[X_VESSEL + 1] = g2
-    M[X_VESSEL + 2] = g3
+    run.vessel[0] = g1
+    run.vessel[1] = g2
+    run.vessel[2] = g3
     g1, g2, g3 = from_earth(M, M[at + 3], M[at + 4], M[at + 5])
-    M[X_VESSEL + 3] = g1
-    M[X_VESSEL + 4] = g2
-    M[X_VESSEL + 5] = g3
+    run.vessel[3] = g1
+    run.vessel[4] = g2
+    run.vessel[5] = g3
 
 
 @kernel
 def pay_out(I, M, t, dt):
     """Rate at the end of a step and cable paid out within it; clamped where the drum ends."""
+    run = own_scalars(M)
     head = header(I)
     state = scalars(M)
     rate, slope, _until = commanded_rate(I, M, t)
@@ -84,21 +71,23 @@ def pay_out(I, M, t, dt):
         head.clamped = -1
     if head.clamped != 0:
         rate = 0.0 if abs(paid) < 1e-12 else paid / dt
-    M[X_RATE] = rate
-    M[X_PAID_IN_STEP] = paid
+    run.rate = rate
+    run.paid_in_step = paid
 
 
 @kernel
 def one_step(I, M, dt):
     """One implicit step of dt from `time`, for which `pay_out` has been called. On failure the
     state is that of the start."""
+    own = own_header(I)
+    run = own_scalars(M)
     head = header(I)
     state = scalars(M)
     t = state.time
-    alpha = 1.0 if I[D_RESTART] != 0 else M[X_ALPHA]
-    M[X_DT] = dt
-    M[X_BETA] = 1.0 / (alpha * dt)
-    M[X_MEMORY] = (1.0 - alpha) / alpha
+    alpha = 1.0 if own.restart != 0 else run.alpha
+    run.dt = dt
+    run.beta = 1.0 / (alpha * dt)
+    run.memory = (1.0 - alpha) / alpha
     keep_start(I, M)
     keep_past(I, M)
     set_vessel(I, M, t + dt)
@@ -114,14 +103,14 @@ def one_step(I, M, dt):
         give_back_start(I, M)
         return status
     taken = head.iterations - before
-    if taken > I[D_ITERATIONS_MOST]:
-        I[D_ITERATIONS_MOST] = taken
+    if taken > own.most_iterations:
+        own.most_iterations = taken
     set_rates(I, M)
-    I[D_RESTART] = 0
-    state.paid += M[X_PAID_IN_STEP]
-    if I[D_END] == END_TOUCHDOWN:
-        M[X_LAID] += dt * M[X_FLOW_END]
-    M[X_PAID_IN_STEP] = 0.0
+    own.restart = 0
+    state.paid += run.paid_in_step
+    if own.end == END_TOUCHDOWN:
+        run.laid += dt * run.flow_end
+    run.paid_in_step = 0.0
     state.time = t + dt
     head.steps += 1
     return OK
@@ -140,11 +129,11 @@ def next_kink(I, M, t_end):
     if head.live == 0:
         k = find_piece(I, M, t)
         while k < head.piece_count - 1:
-            end = M[head.pieces + k * PIECE_WORDS + P_END]
+            end = motion_piece_of(I, M, k).end
             if not end < nearest:
                 break
             k += 1
-            if end > least and M[head.pieces + k * PIECE_WORDS + P_ACCELERATION_JUMP] > 0.0:
+            if end > least and motion_piece_of(I, M, k).acceleration_jump > 0.0:
                 nearest = end
                 jump = 1
                 break
@@ -164,13 +153,15 @@ def next_kink(I, M, t_end):
 @kernel
 def advance(I, M, t_end):
     """Step to t_end in equal sub-steps between kinks; halved where one does not converge."""
+    own = own_header(I)
+    run = own_scalars(M)
     head = header(I)
     state = scalars(M)
     share = 1.0
     while state.time < t_end:
         t = state.time
         stop, jump = next_kink(I, M, t_end)
-        count = max(1.0, math.ceil((stop - t) / (share * M[X_TIME_STEP]) - 1e-9))
+        count = max(1.0, math.ceil((stop - t) / (share * run.time_step) - 1e-9))
         dt = time_to_landing(I, M, (stop - t) / count)
         if dt < (stop - t) / count:
             count = 2.0
@@ -186,13 +177,13 @@ def advance(I, M, t_end):
             if count == 1.0:
                 state.time = stop
                 if jump != 0:
-                    I[D_RESTART] = 1
+                    own.restart = 1
                 if head.live == 0:
                     head.piece = find_piece(I, M, stop)
             share = min(1.0, 2.0 * share)
             continue
         head.rejected += 1
-        share = 0.5 * min(share, dt / M[X_TIME_STEP])
+        share = 0.5 * min(share, dt / run.time_step)
         if share < SMALLEST_SHARE:
             return status
     return OK
@@ -201,6 +192,7 @@ def advance(I, M, t_end):
 @kernel
 def take_step(I, M, t_end, inputs):
     """Step to t_end [s] with the given inputs (INPUT_WORDS); on failure nothing has changed."""
+    own = own_header(I)
     state = scalars(M)
     if not possible(M, t_end, inputs):
         return NOT_FINITE
@@ -208,7 +200,7 @@ def take_step(I, M, t_end, inputs):
     returning = take_inputs(I, M, t_end, inputs)
     jump, surge = surge_jump(I, M, state.time)
     if jump > RESTART * surge:
-        I[D_RESTART] = 1
+        own.restart = 1
     leave_plane(I, M)
     status = advance(I, M, t_end)
     if status != OK:

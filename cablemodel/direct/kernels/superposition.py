@@ -14,17 +14,10 @@ import math
 
 from cablemodel.kernels.layout import OK, SINGULAR
 
+from .access import own_header
 from .compile import kernel
 from .layout import (
     BLOCK,
-    D_MEETING,
-    D_RIGHT_SIDES,
-    O_DELTA,
-    O_LEFT,
-    O_RHS,
-    O_RIGHT,
-    O_SHAPE,
-    O_WORK,
     RHS_WORDS,
     SHAPE_WORDS,
     SWEEP_WORDS,
@@ -86,6 +79,7 @@ def orthonormalise(M, at, n, p, sides):
 @kernel
 def source_terms(I, M, slot, matrix, near, n, p, sides, rows, work):
     """Into the work matrix: A Y in the first p columns, rhs - A y0 in columns from 2 WIDTH on."""
+    own = own_header(I)
     for i in range(rows):
         row = work + COLUMNS * i
         a = matrix + BLOCK * slot + WIDTH * i
@@ -95,7 +89,7 @@ def source_terms(I, M, slot, matrix, near, n, p, sides, rows, work):
                 value += M[a + j] * M[near + W_COMPLEMENTARY + HALF * j + k]
             M[row + k] = value
         for side in range(sides):
-            value = M[I[O_RHS] + RHS_WORDS * slot + WIDTH * side + i]
+            value = M[own.rhs + RHS_WORDS * slot + WIDTH * side + i]
             for j in range(n):
                 value -= M[a + j] * M[near + W_PARTICULAR + WIDTH * side + j]
             M[row + 2 * WIDTH + side] = value
@@ -225,17 +219,18 @@ def cross(I, M, slot, matrix, far, n, p, sides, rows, work):
 @kernel
 def sweep(I, M, first, last, step, store):
     """Partial solutions from slot `first` up to, not including, `last`; step +1 or -1."""
-    sides = I[D_RIGHT_SIDES]
-    work = I[O_WORK]
+    own = own_header(I)
+    sides = own.right_sides
+    work = own.work
     near = store
     n_near = 0
     slot = first
     while slot != last:
-        shape = I[O_SHAPE] + SHAPE_WORDS * slot
+        shape = own.shape + SHAPE_WORDS * slot
         node = slot if step > 0 else slot - 1
         n = I[shape + 2] if step > 0 else I[shape + 1]
-        towards = I[O_RIGHT] if step > 0 else I[O_LEFT]
-        behind = I[O_LEFT] if step > 0 else I[O_RIGHT]
+        towards = own.right if step > 0 else own.left
+        behind = own.left if step > 0 else own.right
         far = store + SWEEP_WORDS * node
         rows = I[shape]
         p = n_near // 2
@@ -264,9 +259,10 @@ def recombine(I, M, slot, slots, store):
 
     They go to the first words of the work space: WIDTH words a right-hand side, left side first.
     """
-    sides = I[D_RIGHT_SIDES]
-    work = I[O_WORK] + 4 * WIDTH
-    shape = I[O_SHAPE] + SHAPE_WORDS * slot
+    own = own_header(I)
+    sides = own.right_sides
+    work = own.work + 4 * WIDTH
+    shape = own.shape + SHAPE_WORDS * slot
     rows = I[shape]
     left = store + SWEEP_WORDS * (slot - 1)
     right = store + SWEEP_WORDS * slot
@@ -276,8 +272,8 @@ def recombine(I, M, slot, slots, store):
     p_right = n_right // 2
     for i in range(rows):
         row = work + COLUMNS * i
-        a = I[O_LEFT] + BLOCK * slot + WIDTH * i
-        b = I[O_RIGHT] + BLOCK * slot + WIDTH * i
+        a = own.left + BLOCK * slot + WIDTH * i
+        b = own.right + BLOCK * slot + WIDTH * i
         for k in range(p_left):
             value = 0.0
             for j in range(n_left):
@@ -289,7 +285,7 @@ def recombine(I, M, slot, slots, store):
                 value += M[b + j] * M[right + W_COMPLEMENTARY + HALF * j + k]
             M[row + p_left + k] = value
         for side in range(sides):
-            value = M[I[O_RHS] + RHS_WORDS * slot + WIDTH * side + i]
+            value = M[own.rhs + RHS_WORDS * slot + WIDTH * side + i]
             for j in range(n_left):
                 value -= M[a + j] * M[left + W_PARTICULAR + WIDTH * side + j]
             for j in range(n_right):
@@ -319,7 +315,7 @@ def recombine(I, M, slot, slots, store):
                 )
     for side in range(sides):
         for k in range(rows):
-            M[I[O_WORK] + WIDTH * side + k] = (
+            M[own.work + WIDTH * side + k] = (
                 M[work + COLUMNS * k + 2 * WIDTH + side] / M[work + COLUMNS * k + k]
             )
     return OK
@@ -331,17 +327,18 @@ def return_sweep(I, M, node, last, step, z, store):
 
     z: word offset of HALF coefficients for each of two right-hand sides, WIDTH words apart.
     """
-    sides = I[D_RIGHT_SIDES]
+    own = own_header(I)
+    sides = own.right_sides
     while True:
         at = store + SWEEP_WORDS * node
         slot = node if step < 0 else node + 1  # the slot that the sweep came through
-        shape = I[O_SHAPE] + SHAPE_WORDS * slot
+        shape = own.shape + SHAPE_WORDS * slot
         n = I[shape + 2] if step < 0 else I[shape + 1]
         before = I[shape + 1] if step < 0 else I[shape + 2]
         p = n // 2
         for side in range(sides):
             c = z + WIDTH * side
-            out = I[O_DELTA] + 2 * WIDTH * node + WIDTH * side
+            out = own.delta + 2 * WIDTH * node + WIDTH * side
             for i in range(n):
                 value = M[at + W_PARTICULAR + WIDTH * side + i]
                 for k in range(p):
@@ -369,8 +366,9 @@ def return_sweep(I, M, node, last, step, z, store):
 @kernel
 def superpose(I, M, slots, store):
     """Solve all slots; store: word offset of slots x SWEEP_WORDS. Returns the status."""
-    sides = I[D_RIGHT_SIDES]
-    meeting = I[D_MEETING]
+    own = own_header(I)
+    sides = own.right_sides
+    meeting = own.meeting
     if meeting <= 0 or meeting >= slots:
         meeting = slots - 1
     status = sweep(I, M, 0, meeting, 1, store)
@@ -383,17 +381,17 @@ def superpose(I, M, slots, store):
     status = recombine(I, M, meeting, slots, store)
     if status != OK:
         return status
-    z = I[O_WORK] + 4 * WIDTH
-    shape = I[O_SHAPE] + SHAPE_WORDS * meeting
+    z = own.work + 4 * WIDTH
+    shape = own.shape + SHAPE_WORDS * meeting
     p_left = I[shape + 1] // 2
     p_right = I[shape + 2] // 2
     if meeting < slots - 1:
         for side in range(sides):
             for k in range(p_right):
-                M[z + WIDTH * side + k] = M[I[O_WORK] + WIDTH * side + p_left + k]
+                M[z + WIDTH * side + k] = M[own.work + WIDTH * side + p_left + k]
         return_sweep(I, M, meeting, slots - 2, 1, z, store)
     for side in range(sides):
         for k in range(p_left):
-            M[z + WIDTH * side + k] = M[I[O_WORK] + WIDTH * side + k]
+            M[z + WIDTH * side + k] = M[own.work + WIDTH * side + k]
     return_sweep(I, M, meeting - 1, 0, -1, z, store)
     return OK

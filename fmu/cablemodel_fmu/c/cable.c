@@ -131,9 +131,9 @@ static void remember_step(Cable *cable, double dt, const double *inputs) {
 static double arc_of(const Cable *cable, int64_t node) {
     const double *edge = cable->M + header(cable->I)->edges + node * EDGE_WORDS;
     if (node <= 0) return 0.0;
-    if (node == 1 && (header(cable->I)->rigid == 0 || header(cable->I)->nodes < 3)) return edge[E_LENGTH];
-    if (node == 1) return edge[EDGE_WORDS + E_START] + scalars(cable->M)->paid;
-    return edge[E_START] + edge[E_LENGTH] + scalars(cable->M)->paid;
+    if (node == 1 && (header(cable->I)->rigid == 0 || header(cable->I)->nodes < 3)) return AS(Edge, edge)->length;
+    if (node == 1) return edge[EDGE_WORDS + WORD(Edge, start)] + scalars(cable->M)->paid;
+    return AS(Edge, edge)->start + AS(Edge, edge)->length + scalars(cable->M)->paid;
 }
 
 static void explain(const Cable *cable, int64_t status, char *message, size_t size) {
@@ -227,7 +227,7 @@ static const double *rows(Cable *cable) {
         }
         for (int64_t j = 0; j < cable->bodies; j++) {
             /* A body on the drum (node -1) is at the tow point. */
-            const int64_t node = (int64_t)cable->M[header(cable->I)->bodies + j * BODY_WORDS + B_NODE];
+            const int64_t node = (int64_t)cable->M[header(cable->I)->bodies + j * BODY_WORDS + WORD(Body, node)];
             const double arc = arc_of(cable, node);
             cable->arcs[n + j] = arc < length ? arc : length;
         }
@@ -316,10 +316,10 @@ const char *read_value(Cable *cable, unsigned vr, double *value) {
 }
 
 static void tune_edge(double *edge, const Parameter *p, double value) {
-    if (edge[E_TYPE] != (double)p->index) return;
+    if (AS(Edge, edge)->type != (double)p->index) return;
     const double before = edge[p->word];
     edge[p->word] = p->factor * value;
-    if (p->word == E_ADDED) edge[E_MASS] += edge[p->word] - before; /* in E_MASS too */
+    if (p->word == WORD(Edge, added_mass)) AS(Edge, edge)->mass += edge[p->word] - before; /* in `mass` too */
 }
 
 /* Write a coefficient into the block. */
@@ -335,7 +335,7 @@ static void tune(Cable *cable, const Parameter *p, double value) {
         for (int64_t node = 1; node < header(I)->nodes; node++)
             if (I[header(I)->joint + node] == 0) tune_edge(M + header(I)->edges + node * EDGE_WORDS, p, value);
         for (int64_t n = 0; n < header(I)->cable_count; n++)
-            tune_edge(M + header(I)->cables + n * CABLE_WORDS + K_EDGE, p, value);
+            tune_edge(M + header(I)->cables + n * CABLE_WORDS + WORD(CableRow, edge), p, value);
     }
     if (!is_direct(I)) header(cable->I)->asleep = header(cable->I)->has_history = 0; /* what rests may not now */
     header(cable->I)->factored = 0;

@@ -15,36 +15,36 @@ static int whole(double value, int64_t low, int64_t high) {
 }
 
 static const int64_t *section(const int64_t *I, int64_t index) {
-    return I + I[DIRECT_O_SECTION] + index * DIRECT_SECTION_WORDS;
+    return I + own_header(I)->sections + index * DIRECT_SECTION_WORDS;
 }
 
 int64_t direct_nodes(const int64_t *I) {
-    const int64_t *last = section(I, I[DIRECT_D_SECTIONS] - 1);
-    return last[DIRECT_N_FIRST] + last[DIRECT_N_COUNT];
+    const int64_t *last = section(I, own_header(I)->section_count - 1);
+    return AS(Section, last)->first + AS(Section, last)->count;
 }
 
 /* Sections follow one another, and all that they name is there. */
 static const char *check_sections(const int64_t *I) {
     const double *M = (const double *)I;
-    const int64_t bodies = I[DIRECT_D_BODIES], materials = I[DIRECT_D_MATERIALS];
+    const int64_t bodies = own_header(I)->body_count, materials = own_header(I)->material_count;
     int64_t node = 0;
-    int meets = I[DIRECT_D_MEETING] == 0;
-    for (int64_t n = 0; n < I[DIRECT_D_SECTIONS]; n++) {
+    int meets = own_header(I)->meeting == 0;
+    for (int64_t n = 0; n < own_header(I)->section_count; n++) {
         const int64_t *row = section(I, n);
-        const int rigid = row[DIRECT_N_KIND] == DIRECT_RIGID;
-        if (row[DIRECT_N_FIRST] != node || !within(row[DIRECT_N_COUNT], 2, header(I)->capacity - node) ||
-            !within(row[DIRECT_N_KIND], DIRECT_CABLE, DIRECT_RIGID) ||
-            !within(row[DIRECT_N_MATERIAL], 0, materials - 1) ||
-            !within(row[DIRECT_N_BODY], rigid ? 0 : -1, bodies - 1) ||
-            !within(row[DIRECT_N_POINT], -1, bodies - 1) ||
-            (rigid && (n == 0 || row[DIRECT_N_COUNT] != 2)))
+        const int rigid = AS(Section, row)->kind == DIRECT_RIGID;
+        if (AS(Section, row)->first != node || !within(AS(Section, row)->count, 2, header(I)->capacity - node) ||
+            !within(AS(Section, row)->kind, DIRECT_CABLE, DIRECT_RIGID) ||
+            !within(AS(Section, row)->material, 0, materials - 1) ||
+            !within(AS(Section, row)->body, rigid ? 0 : -1, bodies - 1) ||
+            !within(AS(Section, row)->point, -1, bodies - 1) ||
+            (rigid && (n == 0 || AS(Section, row)->count != 2)))
             return "a section of the line is out of range";
-        for (int64_t k = node + 1; k < node + row[DIRECT_N_COUNT] && !rigid; k++)
-            if (!(M[I[DIRECT_O_LENGTH] + k] > 0.0)) return "an interval of the line has no length";
-        if (n > 0 && I[DIRECT_D_MEETING] == node) meets = 1;
-        node += row[DIRECT_N_COUNT];
+        for (int64_t k = node + 1; k < node + AS(Section, row)->count && !rigid; k++)
+            if (!(M[own_header(I)->length + k] > 0.0)) return "an interval of the line has no length";
+        if (n > 0 && own_header(I)->meeting == node) meets = 1;
+        node += AS(Section, row)->count;
     }
-    if (!within(section(I, I[DIRECT_D_SECTIONS])[DIRECT_N_POINT], -1, bodies - 1) || !meets)
+    if (!within(AS(Section, section(I, own_header(I)->section_count))->point, -1, bodies - 1) || !meets)
         return "a section of the line is out of range";
     return NULL;
 }
@@ -64,38 +64,38 @@ const char *check_direct_block(const int64_t *I, int64_t image_words, int64_t bl
         return "the model's sizes do not agree";
     for (int n = 0; n < DIRECT_FIRST_FREE; n++)
         if (expected[n] != 0 && I[n] != expected[n]) return "an offset in the model is wrong";
-    if (!within(I[DIRECT_D_SECTIONS], 1, I[DIRECT_D_SECTION_CAPACITY]) ||
-        !within(I[DIRECT_D_DRUM], 0, I[DIRECT_D_DRUM_CAPACITY]) ||
-        !within(I[DIRECT_D_DRUM_USED], 0, I[DIRECT_D_DRUM]) ||
-        !within(I[DIRECT_D_PLANAR], 0, 1) ||
-        !within(I[DIRECT_D_METHOD], DIRECT_SUPERPOSITION, DIRECT_ELIMINATION) ||
-        !within(I[DIRECT_D_JOINT], DIRECT_PAPER, DIRECT_MOMENT_FREE) ||
-        !within(I[DIRECT_D_END], DIRECT_END_FREE, DIRECT_END_TOUCHDOWN) ||
-        !within(I[DIRECT_D_CLAMPED], 0, 3) || !within(I[DIRECT_D_FLOOR], 0, 1) ||
-        !within(I[DIRECT_D_RESTART], 0, 1) || !within(I[DIRECT_D_STICKS], 0, 1) ||
+    if (!within(own_header(I)->section_count, 1, own_header(I)->section_capacity) ||
+        !within(own_header(I)->drum_count, 0, own_header(I)->drum_capacity) ||
+        !within(own_header(I)->drum_used, 0, own_header(I)->drum_count) ||
+        !within(own_header(I)->planar, 0, 1) ||
+        !within(own_header(I)->method, DIRECT_SUPERPOSITION, DIRECT_ELIMINATION) ||
+        !within(own_header(I)->joint, DIRECT_PAPER, DIRECT_MOMENT_FREE) ||
+        !within(own_header(I)->end, DIRECT_END_FREE, DIRECT_END_TOUCHDOWN) ||
+        !within(own_header(I)->clamped, 0, 3) || !within(own_header(I)->floor, 0, 1) ||
+        !within(own_header(I)->restart, 0, 1) || !within(own_header(I)->sticks, 0, 1) ||
         !within(header(I)->piece, 1, header(I)->piece_count - 1) || !within(header(I)->live, 0, 1) ||
         !within(header(I)->current_kind, 0, 2) || (header(I)->current_kind == 1 && header(I)->depth_count != 1) ||
         !within(header(I)->payout, 0, 1) ||
         !within(header(I)->rate_live, 0, 1) || !within(header(I)->clamped, -1, 1) || header(I)->dimension != 3)
         return "a counter in the model is out of range";
-    if (!(fabs(scalars(M)->time) < 1e300) || !(M[DIRECT_X_TIME_STEP] > 1e-9) ||
-        !(M[DIRECT_X_SPACING] > 1e-9) || !(M[DIRECT_X_TOLERANCE] > 0.0) ||
-        !(M[DIRECT_X_ALPHA] >= 0.5 && M[DIRECT_X_ALPHA] <= 1.0))
+    if (!(fabs(scalars(M)->time) < 1e300) || !(own_scalars(M)->time_step > 1e-9) ||
+        !(own_scalars(M)->spacing > 1e-9) || !(own_scalars(M)->tolerance > 0.0) ||
+        !(own_scalars(M)->alpha >= 0.5 && own_scalars(M)->alpha <= 1.0))
         return "a setting in the model is out of range";
-    for (int64_t n = 0; n < I[DIRECT_D_MATERIALS]; n++) {
-        const double *row = M + I[DIRECT_O_MATERIAL] + n * DIRECT_MATERIAL_WORDS;
+    for (int64_t n = 0; n < own_header(I)->material_count; n++) {
+        const double *row = M + own_header(I)->materials + n * DIRECT_MATERIAL_WORDS;
         const int64_t first = header(I)->strain, last = first + header(I)->strain_words;
-        if (!whole(row[DIRECT_T_TERMS], 1, header(I)->strain_words) ||
-            !whole(row[DIRECT_T_OFFSET], first, last) ||
-            row[DIRECT_T_OFFSET] + row[DIRECT_T_TERMS] > (double)last)
+        if (!whole(AS(Material, row)->terms, 1, header(I)->strain_words) ||
+            !whole(AS(Material, row)->offset, first, last) ||
+            AS(Material, row)->offset + AS(Material, row)->terms > (double)last)
             return "a cable is out of range";
     }
-    for (int64_t n = 0; n < I[DIRECT_D_DRUM]; n++) {
-        const int64_t *row = I + I[DIRECT_O_DRUM] + n * DIRECT_DRUM_WORDS;
-        if (!within(row[DIRECT_R_MATERIAL], 0, I[DIRECT_D_MATERIALS] - 1) ||
-            !within(row[DIRECT_R_KIND], DIRECT_CABLE, DIRECT_ELASTICA) ||
-            !within(row[DIRECT_R_POINT], -1, I[DIRECT_D_BODIES] - 1) ||
-            !within(row[DIRECT_R_RIGID], -1, I[DIRECT_D_BODIES] - 1))
+    for (int64_t n = 0; n < own_header(I)->drum_count; n++) {
+        const int64_t *row = I + own_header(I)->drum + n * DIRECT_DRUM_WORDS;
+        if (!within(AS(DrumRow, row)->material, 0, own_header(I)->material_count - 1) ||
+            !within(AS(DrumRow, row)->kind, DIRECT_CABLE, DIRECT_ELASTICA) ||
+            !within(AS(DrumRow, row)->point, -1, own_header(I)->body_count - 1) ||
+            !within(AS(DrumRow, row)->rigid, -1, own_header(I)->body_count - 1))
             return "a joint on the drum is out of range";
     }
     return check_sections(I);
@@ -104,15 +104,15 @@ const char *check_direct_block(const int64_t *I, int64_t image_words, int64_t bl
 /* Where a coefficient is in the block: its material's row, or its body's; 0 if it is none. */
 int64_t direct_word(const int64_t *I, const Parameter *p) {
     if (p->kind == OF_BODY) {
-        const int known = p->word == DIRECT_B_DRAG || p->word == DIRECT_B_DRAG_AXIAL ||
-                          p->word == DIRECT_B_WEIGHT;
-        if (!known || !within(p->index, 0, I[DIRECT_D_BODIES] - 1)) return 0;
-        return I[DIRECT_O_BODY] + p->index * DIRECT_BODY_WORDS + p->word;
+        const int known = p->word == WORD(RigidBody, drag) || p->word == WORD(RigidBody, drag_axial) ||
+                          p->word == WORD(RigidBody, weight);
+        if (!known || !within(p->index, 0, own_header(I)->body_count - 1)) return 0;
+        return own_header(I)->bodies + p->index * DIRECT_BODY_WORDS + p->word;
     }
-    const int known = p->word == DIRECT_T_NORMAL || p->word == DIRECT_T_TANGENTIAL ||
-                      p->word == DIRECT_T_ADDED || p->word == DIRECT_T_WEIGHT;
-    if (p->kind != OF_CABLES || !known || !within(p->index, 0, I[DIRECT_D_MATERIALS] - 1)) return 0;
-    return I[DIRECT_O_MATERIAL] + p->index * DIRECT_MATERIAL_WORDS + p->word;
+    const int known = p->word == WORD(Material, normal) || p->word == WORD(Material, tangential) ||
+                      p->word == WORD(Material, added_mass) || p->word == WORD(Material, weight);
+    if (p->kind != OF_CABLES || !known || !within(p->index, 0, own_header(I)->material_count - 1)) return 0;
+    return own_header(I)->materials + p->index * DIRECT_MATERIAL_WORDS + p->word;
 }
 
 int64_t direct_step(Cable *cable, double t_end, double *inputs) {
@@ -157,11 +157,11 @@ double direct_failure(const Cable *cable, int64_t status, const char **problem,
     const int64_t last = direct_nodes(I) - 1;
     const int64_t failed = I[header(I)->failed];
     const int64_t place = failed < last ? failed : last;
-    for (int64_t n = 0; n < I[DIRECT_D_SECTIONS]; n++) {
+    for (int64_t n = 0; n < own_header(I)->section_count; n++) {
         const int64_t *row = section(I, n);
-        const int64_t first = row[DIRECT_N_FIRST];
-        for (int64_t k = first + 1; k < first + row[DIRECT_N_COUNT] && k <= place; k++)
-            arc += cable->M[I[DIRECT_O_LENGTH] + k];
+        const int64_t first = AS(Section, row)->first;
+        for (int64_t k = first + 1; k < first + AS(Section, row)->count && k <= place; k++)
+            arc += cable->M[own_header(I)->length + k];
     }
     return arc;
 }

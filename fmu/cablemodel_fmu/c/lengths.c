@@ -63,18 +63,18 @@ static void move_start(Cable *cable) {
     }
     for (int64_t n = 0; n < header(I)->constraint_count; n++) {
         double *row = M + header(I)->constraints + n * CONSTRAINT_WORDS;
-        if (row[C_KIND] != (double)C_ANCHOR) continue;
+        if (AS(Constraint, row)->kind != (double)HELD_BY_ANCHOR) continue;
         if (header(I)->dimension == 2) {
-            row[C_POSITION] -= scalars(M)->plane[0] * way[0] + scalars(M)->plane[1] * way[1];
-            row[C_POSITION + 1] -= way[2];
+            AS(Constraint, row)->position[0] -= scalars(M)->plane[0] * way[0] + scalars(M)->plane[1] * way[1];
+            AS(Constraint, row)->position[1] -= way[2];
         } else {
-            for (int i = 0; i < 3; i++) row[C_POSITION + i] -= way[i];
+            for (int i = 0; i < 3; i++) AS(Constraint, row)->position[i] -= way[i];
         }
     }
     if (velocity_changed(cable)) {
         double *live = M + header(I)->pieces;
         memset(live, 0, PIECE_WORDS * sizeof(double));
-        memcpy(live + P_DATA, start, VR_STARTS * sizeof(double));
+        memcpy(live + WORD(Piece, data), start, VR_STARTS * sizeof(double));
         header(I)->live = 1;
     }
 }
@@ -85,13 +85,13 @@ static int out_of_reach(Cable *cable) {
     const int64_t *I = cable->I;
     for (int64_t n = 0; n < header(I)->constraint_count; n++) {
         const double *row = cable->M + header(I)->constraints + n * CONSTRAINT_WORDS;
-        if (row[C_KIND] == (double)C_ANCHOR) anchor = row + C_POSITION;
+        if (AS(Constraint, row)->kind == (double)HELD_BY_ANCHOR) anchor = row + WORD(Constraint, position);
     }
     if (anchor == NULL) return 0;
     double length = 0.0, reach = 0.0, square = 0.0;
     for (int64_t n = 0; n < header(I)->body_count; n++) {
         const double *row = cable->M + header(I)->bodies + n * BODY_WORDS;
-        if (row[B_NODE] >= 0.0) length += row[B_LENGTH], reach += row[B_LENGTH];
+        if (AS(Body, row)->node >= 0.0) length += AS(Body, row)->length, reach += AS(Body, row)->length;
     }
     for (int64_t n = 0; n < cable->parameter_count; n++) {
         if (cable->parameters[n].kind != OF_LINE) continue;
@@ -125,18 +125,18 @@ static void scale_elements(Cable *cable, double from, double to) {
         for (int64_t n = 0; n < cable->parameter_count; n++) {
             const Parameter *p = &cable->parameters[n];
             if (joint[node] == JOINT_NONE && p->kind == OF_LINE &&
-                (double)p->index == edge_of(cable, node)[E_SEGMENT])
+                (double)p->index == AS(Edge, edge_of(cable, node))->segment)
                 ratio = length_of(cable, n, to) / length_of(cable, n, from);
         }
-        edge_of(cable, node)[E_LENGTH] *= ratio;
-        edge_of(cable, node)[E_NOMINAL] *= ratio;
+        AS(Edge, edge_of(cable, node))->length *= ratio;
+        AS(Edge, edge_of(cable, node))->nominal *= ratio;
         for (int64_t i = 0; i < dimension; i++)
             q[size * node + i] = ratio * (q[size * node + i] - q[size * parent[node] + i]);
     }
     double arc = 0.0;
     for (int64_t node = 1; node < nodes; node++) {
-        edge_of(cable, node)[E_START] = arc;
-        arc += edge_of(cable, node)[E_LENGTH];
+        AS(Edge, edge_of(cable, node))->start = arc;
+        arc += AS(Edge, edge_of(cable, node))->length;
         for (int64_t i = 0; i < dimension; i++)
             q[size * node + i] += q[size * parent[node] + i];
     }
@@ -148,13 +148,13 @@ static void back_to_the_anchor(Cable *cable) {
     double *q = cable->M + header(I)->position;
     for (int64_t c = 0; c < header(I)->constraint_count; c++) {
         const double *row = cable->M + header(I)->constraints + c * CONSTRAINT_WORDS;
-        if (row[C_KIND] != (double)C_ANCHOR) continue;
+        if (AS(Constraint, row)->kind != (double)HELD_BY_ANCHOR) continue;
         double way[3] = {0};
         for (int64_t i = 0; i < dimension; i++)
-            way[i] = row[C_POSITION + i] - q[size * (int64_t)row[C_NODE] + i];
+            way[i] = AS(Constraint, row)->position[i] - q[size * (int64_t)AS(Constraint, row)->node + i];
         for (int64_t node = 1; node < header(I)->nodes; node++) {
             const double *edge = edge_of(cable, node);
-            const double share = (edge[E_START] + edge[E_LENGTH]) / scalars(cable->M)->length;
+            const double share = (AS(Edge, edge)->start + AS(Edge, edge)->length) / scalars(cable->M)->length;
             for (int64_t i = 0; i < dimension; i++) {
                 q[size * node + i] += share * way[i];
                 q[size * node + dimension + i] += way[i] / scalars(cable->M)->length;
@@ -165,9 +165,9 @@ static void back_to_the_anchor(Cable *cable) {
 
 /* Length of the body at the lower end of a cable of the winch; 0: none, or a point. */
 static double body_below(const Cable *cable, int64_t index) {
-    const double body = row_of(cable, index)[K_BODY];
+    const double body = AS(CableRow, row_of(cable, index))->body;
     if (body < 0.0) return 0.0;
-    return cable->M[header(cable->I)->bodies + (int64_t)body * BODY_WORDS + B_LENGTH];
+    return cable->M[header(cable->I)->bodies + (int64_t)body * BODY_WORDS + WORD(Body, length)];
 }
 
 /* The cables as they pass the tow point: see cablemodel/instance/winch.py. */
@@ -186,8 +186,8 @@ static void arrange_winch(Cable *cable, double from, double to, double growth) {
         if (left <= 0.0) above += body_below(cable, last);
         left -= length;
         below -= body_below(cable, last) + length;
-        row[K_LEAVES] = -below;
-        row[K_NOMINAL] *= length / length_of(cable, n, from);
+        AS(CableRow, row)->leaves = -below;
+        AS(CableRow, row)->nominal *= length / length_of(cable, n, from);
     }
     for (int64_t n = 0; n < cable->parameter_count; n++) {
         if (cable->parameters[n].kind != OF_DRUM) continue;
@@ -201,24 +201,24 @@ static void arrange_winch(Cable *cable, double from, double to, double growth) {
         travel += length_of(cable, n, to);
         /* A cable of its own row has elements of the line's mean length, no more than there is
            room for. */
-        const int own = row[K_LEAVES] > 0.0;
-        const double least = row[K_EDGE + E_NOMINAL] * longer / DRUM_ROOM;
-        if (own) row[K_NOMINAL] *= growth;
-        if (row[K_NOMINAL] < least) row[K_NOMINAL] = least;
-        row[K_LEAVES] = travel;
+        const int own = AS(CableRow, row)->leaves > 0.0;
+        const double least = AS(CableRow, row)->edge.nominal * longer / DRUM_ROOM;
+        if (own) AS(CableRow, row)->nominal *= growth;
+        if (AS(CableRow, row)->nominal < least) AS(CableRow, row)->nominal = least;
+        AS(CableRow, row)->leaves = travel;
     }
     for (int64_t index = 0; index < header(cable->I)->cable_count; index++) {
-        double *row = row_of(cable, index), length = row[K_NOMINAL];
+        double *row = row_of(cable, index), length = AS(CableRow, row)->nominal;
         const double body = body_below(cable, index);
-        if (index > 0) length = fmin(length, row[K_LEAVES] - row_of(cable, index - 1)[K_LEAVES] - body);
-        row[K_SHORTEST] = SHORTEST_PIECE * length;
+        if (index > 0) length = fmin(length, AS(CableRow, row)->leaves - AS(CableRow, row_of(cable, index - 1))->leaves - body);
+        AS(CableRow, row)->shortest = SHORTEST_PIECE * length;
         if (body > 0.0)
-            row[K_SHORTEST] =
-                fmin(row[K_SHORTEST], fmax(FIRST_PIECE * body, LEAST_PIECE * row[K_NOMINAL]));
-        row[K_EDGE + E_NOMINAL] = row[K_NOMINAL];
+            AS(CableRow, row)->shortest =
+                fmin(AS(CableRow, row)->shortest, fmax(FIRST_PIECE * body, LEAST_PIECE * AS(CableRow, row)->nominal));
+        AS(CableRow, row)->edge.nominal = AS(CableRow, row)->nominal;
     }
     double *M = cable->M;
-    scalars(M)->top_length = edge_of(cable, 1)[E_LENGTH];
+    scalars(M)->top_length = AS(Edge, edge_of(cable, 1))->length;
     scalars(M)->paid_most = most;
     scalars(M)->travel_most = travel;
     scalars(M)->travel_least = -above - (1.0 - SHORTEST_LINE) * scalars(M)->length;
@@ -234,41 +234,41 @@ static void measure_line(Cable *cable, double share) {
         const Parameter *p = &cable->parameters[n];
         if (p->kind != OF_LINE) continue;
         const double length = length_of(cable, n, share), longer = length - p->start;
-        const double *edge = row_of(cable, p->index) + K_EDGE;
-        const double dry = edge[E_MASS] - edge[E_ADDED];
+        const double *edge = row_of(cable, p->index) + WORD(CableRow, edge);
+        const double dry = AS(Edge, edge)->mass - AS(Edge, edge)->added_mass;
         facts[FACT_LENGTH] += longer;
-        facts[FACT_SOFTNESS] += edge[E_COMPLIANCE] * longer;
+        facts[FACT_SOFTNESS] += AS(Edge, edge)->compliance * longer;
         facts[FACT_MASS] += dry * longer;
         facts[FACT_TENSION] += p->factor * longer;
         mass += dry * length;
-        drag += 2.0 * edge[E_DRAG_NORMAL] * length;
+        drag += 2.0 * AS(Edge, edge)->drag_normal * length;
     }
     facts[FACT_DAMPING] = drag * facts[FACT_LENGTH] / mass;
     cablemodel_measure(cable->I, cable->block_words, facts, FACT_WORDS);
     for (int64_t n = 0; n < header(I)->body_count; n++) {
         double *row = M + header(I)->bodies + n * BODY_WORDS;
-        if (row[B_LENGTH] == 0.0) continue;
-        row[B_PULL] = row[B_PULL + 1] = scalars(M)->tension_scale;
-        row[B_CLAMP] = row[B_CLAMP + 1] = 0.0;
-        if (row[B_TIE] != 0.0) row[B_TIE] = scalars(M)->tension_scale * row[B_LENGTH];
-        row[B_COMPLIANCE] =
-            fmin(row[B_LENGTH] / (RIGID * scalars(M)->tension_scale), SOFTEST * facts[FACT_SOFTNESS]);
+        if (AS(Body, row)->length == 0.0) continue;
+        AS(Body, row)->clamp_tension[0] = AS(Body, row)->clamp_tension[1] = scalars(M)->tension_scale;
+        AS(Body, row)->clamp[0] = AS(Body, row)->clamp[1] = 0.0;
+        if (AS(Body, row)->tie != 0.0) AS(Body, row)->tie = scalars(M)->tension_scale * AS(Body, row)->length;
+        AS(Body, row)->compliance =
+            fmin(AS(Body, row)->length / (RIGID * scalars(M)->tension_scale), SOFTEST * facts[FACT_SOFTNESS]);
     }
     scalars(M)->clamp_tension = scalars(M)->tension_scale;
     for (int64_t n = 0; n < header(I)->constraint_count; n++) { /* a clamp past which cable runs */
         double *row = M + header(I)->constraints + n * CONSTRAINT_WORDS;
-        if (row[C_CLAMPED] == (double)BY_SPRING)
-            memset(row + C_SPRING, 0, (CONSTRAINT_WORDS - C_SPRING) * sizeof(double));
+        if (AS(Constraint, row)->clamped == (double)BY_SPRING)
+            memset(row + WORD(Constraint, spring), 0, (CONSTRAINT_WORDS - WORD(Constraint, spring)) * sizeof(double));
     }
 }
 
 static void stabilise_row(Cable *cable, double *edge, double tension, int *changed) {
-    if (!(edge[E_COMPLIANCE] > 0.0)) return;
-    const double bending = 10.0 * edge[E_BENDING_FULL] / (scalars(cable->M)->length * scalars(cable->M)->length);
-    double wanted = fmax(edge[E_STABILISATION], fmax(STABILISATION * tension, bending));
-    wanted = fmin(wanted, 1.0 / edge[E_COMPLIANCE]);
-    if (wanted != edge[E_STABILISATION]) *changed = 1;
-    edge[E_STABILISATION] = wanted;
+    if (!(AS(Edge, edge)->compliance > 0.0)) return;
+    const double bending = 10.0 * AS(Edge, edge)->bending_full / (scalars(cable->M)->length * scalars(cable->M)->length);
+    double wanted = fmax(AS(Edge, edge)->stabilisation, fmax(STABILISATION * tension, bending));
+    wanted = fmin(wanted, 1.0 / AS(Edge, edge)->compliance);
+    if (wanted != AS(Edge, edge)->stabilisation) *changed = 1;
+    AS(Edge, edge)->stabilisation = wanted;
 }
 
 /* _stabilise of cablemodel/instance/first_state.py. */
@@ -281,11 +281,11 @@ static int stabilise(Cable *cable) {
     for (int64_t node = 1; node < header(I)->nodes; node++)
         stabilise_row(cable, edge_of(cable, node), tension, &changed);
     for (int64_t index = 0; index < header(I)->cable_count; index++)
-        stabilise_row(cable, row_of(cable, index) + K_EDGE, tension, &changed);
+        stabilise_row(cable, row_of(cable, index) + WORD(CableRow, edge), tension, &changed);
     for (int64_t n = 0; n < header(I)->body_count; n++) {
         double *row = cable->M + header(I)->bodies + n * BODY_WORDS;
-        if (row[B_LENGTH] > 0.0 && tension > 0.0)
-            row[B_COMPLIANCE] = fmin(row[B_COMPLIANCE], row[B_LENGTH] / (RIGID * tension));
+        if (AS(Body, row)->length > 0.0 && tension > 0.0)
+            AS(Body, row)->compliance = fmin(AS(Body, row)->compliance, AS(Body, row)->length / (RIGID * tension));
     }
     return changed;
 }
@@ -294,10 +294,10 @@ static int stabilise(Cable *cable) {
 static void forget_stabilisation(Cable *cable) {
     const int64_t nodes = header(cable->I)->nodes, rows = header(cable->I)->cable_count;
     for (int64_t n = 1; n < nodes + rows; n++) {
-        double *edge = n < nodes ? edge_of(cable, n) : row_of(cable, n - nodes) + K_EDGE;
-        if (!(edge[E_COMPLIANCE] > 0.0)) continue;
-        edge[E_STABILISATION] =
-            fmin(STABILISATION * scalars(cable->M)->tension_scale, 1.0 / edge[E_COMPLIANCE]);
+        double *edge = n < nodes ? edge_of(cable, n) : row_of(cable, n - nodes) + WORD(CableRow, edge);
+        if (!(AS(Edge, edge)->compliance > 0.0)) continue;
+        AS(Edge, edge)->stabilisation =
+            fmin(STABILISATION * scalars(cable->M)->tension_scale, 1.0 / AS(Edge, edge)->compliance);
     }
 }
 
@@ -327,7 +327,7 @@ static void keep_accelerations(Cable *cable, int64_t (*place)(void *, int64_t)) 
     for (int after = 0; after < 2; after++) {
         for (int64_t n = 0; n < header(I)->constraint_count && n < 2; n++) {
             const double *row = cable->M + header(I)->constraints + n * CONSTRAINT_WORDS;
-            double *a = cable->M + header(I)->acceleration + size * (int64_t)row[C_NODE];
+            double *a = cable->M + header(I)->acceleration + size * (int64_t)AS(Constraint, row)->node;
             memcpy(after ? a : kept[n], after ? kept[n] : a, (size_t)size * sizeof(double));
         }
         if (!after) place(cable->I, cable->block_words);
@@ -355,7 +355,7 @@ static int64_t find_initial_state(Cable *cable) {
     const int is_static = (cable->flags & FLAG_STATIC) != 0;
     int64_t status = OK;
     for (int64_t node = 1; node < header(cable->I)->nodes; node++)
-        edge_of(cable, node)[E_BENDING] = edge_of(cable, node)[E_BENDING_FULL];
+        AS(Edge, edge_of(cable, node))->bending = AS(Edge, edge_of(cable, node))->bending_full;
     cablemodel_place_supports(cable->I, words);
     if (!is_static) rest_here(cable);
     if (is_static) status = solve_static(cable);
@@ -377,7 +377,7 @@ static int64_t find_initial_state(Cable *cable) {
 /* Second derivative of an element towards x at its parent's end (0) or its own end (1). */
 static double second(const Cable *cable, int64_t node, int64_t i, int end) {
     const int64_t dimension = header(cable->I)->dimension, size = 2 * dimension;
-    const double *q = cable->M + header(cable->I)->position, h = edge_of(cable, node)[E_LENGTH];
+    const double *q = cable->M + header(cable->I)->position, h = AS(Edge, edge_of(cable, node))->length;
     const int64_t p = size * cable->I[header(cable->I)->parent + node] + i, c = size * node + i;
     const double chord = (q[c] - q[p]) / h, before = q[p + dimension], after = q[c + dimension];
     return end ? (2.0 * before + 4.0 * after - 6.0 * chord) / h
@@ -393,7 +393,7 @@ static int bends_too_much(const Cable *cable) {
     while (last > 1 && joint[last] != JOINT_NONE) last--;
     for (int64_t node = 1; node < nodes; node++) {
         if (joint[node] != JOINT_NONE) continue;
-        const double h = edge_of(cable, node)[E_LENGTH];
+        const double h = AS(Edge, edge_of(cable, node))->length;
         double inside = 0.0, before = 0.0, after = 0.0;
         for (int64_t i = 0; i < header(I)->dimension; i++) {
             const double start = second(cable, node, i, 0), end = second(cable, node, i, 1);

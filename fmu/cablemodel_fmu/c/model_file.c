@@ -111,11 +111,11 @@ static int within(int64_t value, int64_t low, int64_t high) {
 /* The strain curve of a row of the edge table lies in its table, its cable in the cable table. */
 static int check_edge(const int64_t *I, const double *edge) {
     const double first = (double)header(I)->strain, last = (double)(header(I)->strain + header(I)->strain_words);
-    return whole(edge[E_STRAIN_TERMS], 1, header(I)->strain_words) &&
-           whole(edge[E_STRAIN_OFFSET], header(I)->strain, header(I)->strain + header(I)->strain_words) &&
-           edge[E_STRAIN_OFFSET] >= first &&
-           edge[E_STRAIN_OFFSET] + edge[E_STRAIN_TERMS] <= last &&
-           whole(edge[E_SEGMENT], 0, header(I)->cable_count - 1);
+    return whole(AS(Edge, edge)->strain_terms, 1, header(I)->strain_words) &&
+           whole(AS(Edge, edge)->strain_offset, header(I)->strain, header(I)->strain + header(I)->strain_words) &&
+           AS(Edge, edge)->strain_offset >= first &&
+           AS(Edge, edge)->strain_offset + AS(Edge, edge)->strain_terms <= last &&
+           whole(AS(Edge, edge)->segment, 0, header(I)->cable_count - 1);
 }
 
 const char *check_block(const int64_t *I, int64_t image_words, int64_t block_words) {
@@ -162,31 +162,31 @@ const char *check_block(const int64_t *I, int64_t image_words, int64_t block_wor
         if (!within(parent[node], 0, node - 1) || !within(joint[node], JOINT_NONE, JOINT_BODY))
             return "the model's line is not connected";
         if (joint[node] != 0) continue;
-        if (!(edge[E_LENGTH] > 0.0) || !check_edge(I, edge)) return "an element is out of range";
+        if (!(AS(Edge, edge)->length > 0.0) || !check_edge(I, edge)) return "an element is out of range";
     }
     for (int64_t n = 0; n < header(I)->cable_count; n++) {
         const double *row = M + header(I)->cables + n * CABLE_WORDS;
-        if (!whole(row[K_BODY], -1, header(I)->body_count - 1) || !(row[K_NOMINAL] > 0.0) ||
-            !check_edge(I, row + K_EDGE))
+        if (!whole(AS(CableRow, row)->body, -1, header(I)->body_count - 1) || !(AS(CableRow, row)->nominal > 0.0) ||
+            !check_edge(I, row + WORD(CableRow, edge)))
             return "a cable is out of range";
     }
     for (int64_t n = 0; n < header(I)->body_count; n++)
-        if (!whole(M[header(I)->bodies + n * BODY_WORDS + B_NODE], -1, nodes - 1))
+        if (!whole(M[header(I)->bodies + n * BODY_WORDS + WORD(Body, node)], -1, nodes - 1))
             return "a body is at no node";
     int64_t rigid = 0;
     for (int64_t n = 0; n < header(I)->body_count; n++) {
         const double *row = M + header(I)->bodies + n * BODY_WORDS;
-        if (row[B_LENGTH] == 0.0) continue;
-        const int64_t node = (int64_t)row[B_NODE];
+        if (AS(Body, row)->length == 0.0) continue;
+        const int64_t node = (int64_t)AS(Body, row)->node;
         rigid++;
-        if (!(row[B_LENGTH] > 0.0) || !(row[B_COMPLIANCE] > 0.0))
+        if (!(AS(Body, row)->length > 0.0) || !(AS(Body, row)->compliance > 0.0))
             return "a body of finite length is out of range";
         if (node < 0) continue; /* on the drum */
         /* Its clamps read the elements on both sides, but where the line ends with it, or where it
            passes the tow point. */
         const int passing = scalars(M)->body_passage == (double)(n + 1);
         if (node < (passing ? 1 : 2) || (passing && node > 1) || joint[node] != JOINT_BODY ||
-            parent[node] != node - 1 || (row[B_TIE] == 0.0 && node + 1 >= nodes))
+            parent[node] != node - 1 || (AS(Body, row)->tie == 0.0 && node + 1 >= nodes))
             return "a body of finite length is out of range";
         if (!passing && (joint[node - 1] != JOINT_NONE || parent[node - 1] != node - 2))
             return "a body of finite length is out of range";
@@ -194,12 +194,12 @@ const char *check_block(const int64_t *I, int64_t image_words, int64_t block_wor
     if (header(I)->rigid != rigid || !whole(scalars(M)->body_passage, 0, header(I)->body_count))
         return "a body of finite length is out of range";
     if (scalars(M)->body_passage != 0.0 &&
-        !(M[header(I)->bodies + ((int64_t)scalars(M)->body_passage - 1) * BODY_WORDS + B_LENGTH] > 0.0 &&
-          M[header(I)->bodies + ((int64_t)scalars(M)->body_passage - 1) * BODY_WORDS + B_NODE] == 1.0))
+        !(M[header(I)->bodies + ((int64_t)scalars(M)->body_passage - 1) * BODY_WORDS + WORD(Body, length)] > 0.0 &&
+          M[header(I)->bodies + ((int64_t)scalars(M)->body_passage - 1) * BODY_WORDS + WORD(Body, node)] == 1.0))
         return "a body of finite length is out of range";
     for (int64_t n = 0; n < header(I)->constraint_count; n++) {
         const double *row = M + header(I)->constraints + n * CONSTRAINT_WORDS;
-        if (!whole(row[C_NODE], 0, nodes - 1) || !whole(row[C_KIND], C_VESSEL, C_ANCHOR))
+        if (!whole(AS(Constraint, row)->node, 0, nodes - 1) || !whole(AS(Constraint, row)->kind, HELD_BY_VESSEL, HELD_BY_ANCHOR))
             return "a constraint is at no node";
     }
     return NULL;
@@ -226,9 +226,9 @@ static const char *check_parameters(const Cable *cable, const int64_t *I) {
         /* What is no coefficient, such as a length or an index, must stay out of reach. */
         const int coefficient =
             p->kind == OF_BODY
-                ? p->word == B_DRAG || p->word == B_DRAG_AXIAL || p->word == B_WEIGHT
-                : p->word == E_DRAG_NORMAL || p->word == E_DRAG_TANGENTIAL || p->word == E_WEIGHT ||
-                      p->word == E_ADDED;
+                ? p->word == WORD(Body, drag) || p->word == WORD(Body, drag_axial) || p->word == WORD(Body, weight)
+                : p->word == WORD(Edge, drag_normal) || p->word == WORD(Edge, drag_tangential) || p->word == WORD(Edge, weight) ||
+                      p->word == WORD(Edge, added_mass);
         if (!coefficient) return "a parameter is out of range";
     }
     return NULL;
@@ -269,7 +269,7 @@ static const char *check_file(Cable *cable, int64_t count, const char *guid) {
     const int64_t *image = file + F_HEADER_WORDS + row * cable->parameter_count;
     const char *problem = check_block(image, cable->image_words, cable->block_words);
     if (problem != NULL) return problem;
-    cable->bodies = is_direct(image) ? image[DIRECT_D_BODIES] : header(image)->body_count;
+    cable->bodies = is_direct(image) ? own_header(image)->body_count : header(image)->body_count;
     return check_parameters(cable, image);
 }
 

@@ -1,0 +1,228 @@
+"""Lines of a system are cut, let go or break: at a time, by command, above a tension.
+
+Nothing of the state changes but what is tied to what: places, velocities and tensions stay, and
+with them momentum and energy. What has been cut off begins a tree of its own at a new node; the
+wave of what it was pulled with runs from there.
+"""
+
+import math
+
+from .access import arm_of, constraint_at, cut_of, edge_of, header, scalars
+from .compile import kernel
+from .consistency import begin_after_a_blow
+from .layout import (
+    ALONE,
+    CONSTRAINT_WORDS,
+    CUT_END,
+    CUT_START,
+    EDGE_WORDS,
+    JOINT_ARM,
+    JOINT_FREE,
+    JOINT_HINGE,
+    JOINT_ROOT,
+    JOINT_ROOT_FREE,
+    NO_CAPACITY,
+    NODES_OF_A_CUT,
+    OK,
+)
+from .payout import open_gap, split_edge
+from .scales import LET_GO
+
+AT_A_NODE = 1e-6  # of an element: a place so near its end is there
+
+
+@kernel
+def element_of_cut(I, M, row):
+    """The node of the element that a cut is in, and the fraction of it from its parent's end."""
+    head = header(I)
+    segment = row.segment
+    side = int(row.side)
+    found = 0
+    best = 0.0
+    for node in range(1, head.nodes):
+        edge = edge_of(I, M, node)
+        if I[head.joint + node] != 0 or edge.segment != segment:
+            continue
+        start = edge.start
+        if side == CUT_START:
+            if found == 0 or start < best:
+                found, best = node, start
+        elif side == CUT_END:
+            if found == 0 or start > best:
+                found, best = node, start
+        elif start <= row.arc and (found == 0 or start > best):
+            found, best = node, start
+    if side == CUT_START:
+        return found, 0.0
+    if side == CUT_END:
+        return found, 1.0
+    x = (row.arc - best) / edge_of(I, M, found).length
+    return found, min(1.0, max(0.0, x))
+
+
+@kernel
+def let_go_step(M):
+    """A step in which what is let go hardly moves [s]: when a line breaks is known to it."""
+    state = scalars(M)
+    return LET_GO * math.sqrt(max(state.tolerance, 1e-12)) * state.period
+
+
+@kernel
+def tension_there(M, tension, node, x):
+    """Tension at a fraction of an element [N]; tension: word of an array of them."""
+    return M[tension + 2 * node] + (2.0 * x - 1.0) * M[tension + 2 * node + 1]
+
+
+@kernel
+def share_before_a_break(I, M):
+    """The part of the trial step after which a tension reaches where its line breaks; 1: none does,
+    or by no more than tau of it."""
+    head = header(I)
+    state = scalars(M)
+    share = 1.0
+    for n in range(head.cut_count):
+        row = cut_of(I, M, n)
+        limit = row.tension
+        if row.done < 1e300 or not limit < 1e300:
+            continue
+        node, x = element_of_cut(I, M, row)
+        before = tension_there(M, head.tension, node, x)
+        after = tension_there(M, head.trial_tension, node, x)
+        if before < limit and after > limit * (1.0 + state.tolerance):
+            aim = limit * (1.0 + 0.5 * state.tolerance)
+            share = min(share, max(0.1, min(0.9, (aim - before) / (after - before))))
+    return share
+
+
+@kernel
+def new_node(I, M, like, node):
+    """Put a node at a number, alone, at the place and with the motion of another one before it."""
+    head = header(I)
+    size = 2 * head.dimension
+    open_gap(I, M, node, 1)
+    for k in range(size):
+        M[head.position + size * node + k] = M[head.position + size * like + k]
+        M[head.velocity + size * node + k] = M[head.velocity + size * like + k]
+        M[head.acceleration + size * node + k] = M[head.acceleration + size * like + k]
+    for k in range(3):
+        M[head.rest + 3 * node + k] = M[head.rest + 3 * like + k]
+    for k in range(2):
+        M[head.tension + 2 * node + k] = 0.0
+        M[head.tension_rate + 2 * node + k] = 0.0
+    for k in range(EDGE_WORDS):
+        M[head.edges + EDGE_WORDS * node + k] = 0.0
+    I[head.joint + node] = JOINT_ROOT
+
+
+@kernel
+def constraint_row_at(I, M, node):
+    """Row of the constraint that holds a node; -1: none does."""
+    head = header(I)
+    for n in range(head.constraint_count):
+        row = head.constraints + n * CONSTRAINT_WORDS
+        constraint = constraint_at(M, row)
+        if constraint.node == node:
+            return row
+    return -1
+
+
+@kernel
+def part_above(I, M, edge):
+    """Cut an element off from its parent's end."""
+    head = header(I)
+    parent = I[head.parent + edge]
+    joint = I[head.joint + parent]
+    if joint == JOINT_HINGE:
+        I[head.joint + parent] = JOINT_ROOT
+        return
+    if joint == JOINT_ARM:
+        I[head.joint + parent] = JOINT_ROOT
+        for n in range(head.arm_count):
+            arm = arm_of(I, M, n)
+            if arm.node == parent:
+                arm.body = -1.0
+        return
+    if joint == JOINT_ROOT and constraint_row_at(I, M, parent) < 0:
+        return  # it was cut off there before
+    new_node(I, M, parent, edge)
+    row = constraint_row_at(I, M, parent)
+    constraint = constraint_at(M, row)
+    if row >= 0:
+        constraint.clamped = ALONE
+
+
+@kernel
+def part_below(I, M, node):
+    """Cut a line off from what it comes to at its last node."""
+    head = header(I)
+    row = constraint_row_at(I, M, node)
+    constraint = constraint_at(M, row)
+    if row >= 0:
+        new_node(I, M, node, node + 1)
+        constraint.node = node + 1
+        constraint.clamped = ALONE
+        return
+    first = 0
+    for child in range(node + 1, head.nodes):
+        if I[head.parent + child] != node or I[head.joint + child] >= JOINT_ROOT:
+            continue
+        if I[head.joint + child] == JOINT_FREE:
+            I[head.joint + child] = JOINT_ROOT_FREE
+        elif first == 0:
+            I[head.joint + child] = JOINT_ROOT  # of what it was a branch
+            first = child
+        else:
+            I[head.parent + child] = first
+
+
+@kernel
+def cut(I, M, row):
+    """Make a cut. The block has room for NODES_OF_A_CUT."""
+    head = header(I)
+    state = scalars(M)
+    edge, x = element_of_cut(I, M, row)
+    side = int(row.side)
+    if side == CUT_END:
+        part_below(I, M, edge)
+    elif x < AT_A_NODE:
+        part_above(I, M, edge)
+    else:
+        if x < 1.0 - AT_A_NODE:
+            split_edge(I, M, edge, x, False)
+        # What comes after the node begins anew: a hinge there, or the next element.
+        if I[head.joint + edge + 1] == JOINT_HINGE:
+            I[head.joint + edge + 1] = JOINT_ROOT
+        else:
+            part_above(I, M, edge + 1)
+    row.done = state.time
+
+
+@kernel
+def make_cuts(I, M):
+    """Make all cuts that are due at the state: a status."""
+    head = header(I)
+    state = scalars(M)
+    due = False
+    for n in range(head.cut_count):
+        row = cut_of(I, M, n)
+        if row.done < 1e300:
+            continue
+        over = row.ordered != 0.0 or row.time <= state.time
+        if not over and row.tension < 1e300:
+            node, x = element_of_cut(I, M, row)
+            over = tension_there(M, head.tension, node, x) >= row.tension
+        if not over:
+            continue
+        if head.nodes + NODES_OF_A_CUT > head.capacity:
+            return NO_CAPACITY
+        cut(I, M, row)
+        due = True
+    if due:
+        head.factored = 0
+        head.has_history = 0
+        head.settled = 0
+        step = let_go_step(M)
+        begin_after_a_blow(I, M, step)
+        state.step = min(state.step, step)
+        state.last_step = 0.0
+    return OK
