@@ -229,6 +229,9 @@ class FreeBody(SceneModel):
         default_factory=dict, description="places at which lines are attached"
     )
     foils: dict[str, Foil] = Field(default_factory=dict, description="wings")
+    feet: tuple[Position, ...] | None = Field(
+        default=None, description="places that touch the sea floor; by default its points"
+    )
     position: Position | None = Field(
         default=None, description="at t = 0, where the start is not static or is sought from"
     )
