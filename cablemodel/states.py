@@ -206,6 +206,11 @@ class States(Sequence["CableState"]):
         largest = [np.max(matrix[_ROW["curvature"]]) for matrix in self._matrices]
         return float(max(largest, default=np.nan))
 
+    @property
+    def most_nodes(self) -> int:
+        """Number of nodes, the most of all times."""
+        return max((matrix.shape[1] for matrix in self._matrices), default=0)
+
     def chosen(self, indices: Iterable[int]) -> States:
         """The states of some of the times only."""
         at = np.fromiter(indices, int)
