@@ -21,6 +21,7 @@ from cablemodel.scene import Scene
 from cablemodel.scene.load import SceneSource, is_system, loaded, read_content
 from cablemodel.systems.build import build
 from cablemodel.systems.scene import SystemScene
+from cablemodel.wall_tension import Surroundings
 
 FloatArray = NDArray[np.float64]
 
@@ -79,6 +80,7 @@ class LineView:
         self._starts = np.array([tree.elements[node].start for node in nodes])
         self._lengths = np.array([tree.elements[node].length for node in nodes])
         self._backward = np.array([tree.elements[node].backward for node in nodes])
+        self._water = Surroundings.of_line(model.scene, name)
 
     @property
     def length(self) -> float:
@@ -113,6 +115,7 @@ class LineView:
             curvature=rows[:, 10],
             bending_moment=rows[:, 11],
             on_floor=rows[:, 12] != 0.0,
+            water=(self._water, self.length),
         )
 
     @property
