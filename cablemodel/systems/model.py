@@ -487,9 +487,13 @@ def load_system(
 
 
 def read_scene(
-    source: Scene | SystemScene | SceneSource, overrides: str | Iterable[str] = ()
+    source: Scene | SystemScene | SceneSource,
+    overrides: str | Iterable[str] = (),
+    folder: str | PathLike[str] | None = None,
 ) -> Scene | SystemScene:
     """A scene of one line or of a system, as it is or read: a file, YAML text, or a mapping.
+
+    overrides, folder: as of `load_scene`.
 
     Raises:
         SceneError: as `load_scene`, `load_system`.
@@ -498,5 +502,5 @@ def read_scene(
         return source
     content = read_content(source)
     if is_system(content[2]):
-        return loaded(SystemScene, content, overrides)
-    return loaded(Scene, content, overrides)
+        return loaded(SystemScene, content, overrides, folder)
+    return loaded(Scene, content, overrides, folder)
