@@ -212,10 +212,12 @@ class _Panel:
             for places, style in styles
         ]
         self._names = [
-            (axes.annotate(name, (0, 0), (5, 5), textcoords="offset points", fontsize=8,
-                           animated=True), flat(place))
-            for name, place in parts.names.items()
-        ]  # fmt: skip
+            axes.annotate(
+                name, (0, 0), (5, 5), textcoords="offset points", fontsize=8, animated=True
+            )
+            for name in parts.names.names
+        ]
+        self._named = flat(parts.names.places)
         # Invisible points hold the limits, which must not move with the cable.
         seen = [self._points, *(places for _, places in self._marks)]
         edges = np.concatenate([places.reshape(-1, 2) for places in seen])
@@ -236,11 +238,11 @@ class _Panel:
         self.cable.set_array(forces[there] / 2)
         for marks, places in self._marks:
             marks.set_data(*at(places).T)
-        for name, place in self._names:
-            name.xy = tuple(at(place))
+        for name, place in zip(self._names, at(self._named), strict=True):
+            name.xy = tuple(place)
 
     def draw(self) -> None:
         """Draw what moves, onto what stands still."""
         self.axes.draw_artist(self.cable)
-        for artist, _places in (*self._marks, *self._names):
+        for artist in (*(marks for marks, _places in self._marks), *self._names):
             self.axes.draw_artist(artist)

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
+COLOURS = ("#1f5fa8", "#d1495b", "#2a9d6f", "#8a6bbf")
+"""Told apart by the colour-blind, and readable on white."""
 STATIONS = 101
 """Points of a shape at least."""
 AXES = (1.0, 0.5, 0.5)
@@ -184,15 +186,24 @@ def held_of(run: Run, shapes: Shapes) -> Marks:
     return Marks(kind, tuple(found), places)
 
 
-def skeletons_of(run: Run, time: Floats, size: float) -> Floats:
+def names_of(run: Run, shapes: Shapes, bodies: Marks) -> Marks:
+    """Names of vessels, at their origins, and of bodies that have one."""
+    vessels = parts_of(run, "vessels", shapes.time)
+    found = {part.name: part.position for part in vessels}
+    found |= {name: bodies.places[:, k] for k, name in enumerate(bodies.names) if name}
+    return Marks("name", tuple(found), _stacked([*found.values()], shapes.time))
+
+
+def skeletons_of(run: Run, time: Floats, seen: Floats) -> Floats:
     """Vessels and free bodies as lines (nt, n, 3) [m], with gaps (NaN): from the origin to every
-    point, and of bodies their axes, the x axis of this size [m]."""
+    point, and of bodies their axes, in proportion to what is seen (nt, n, 3) [m]."""
     lines: list[Floats] = []
+    sides = np.nanmax(seen, axis=(0, 1)) - np.nanmin(seen, axis=(0, 1))
+    lengths = AXES_SIZE * float(np.max(sides)) * np.array(AXES)
     for kind in ("vessels", "bodies"):
         for part in parts_of(run, kind, time):
             ends = list(part.points.values())
             if kind == "bodies":
-                lengths = size * np.array(AXES)
                 ends += [part.position + lengths[k] * part.axes[..., k] for k in range(3)]
             for end in ends:
                 lines += [part.position, end, np.full_like(end, np.nan)]

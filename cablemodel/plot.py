@@ -12,14 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel.drawing import (
-    AXES_SIZE,
+    COLOURS,
     Marks,
     Reference,
     Shapes,
     bodies_of,
     has_states,
     held_of,
-    parts_of,
+    names_of,
     skeletons_of,
     start_tensions,
     tension_scale,
@@ -74,9 +74,8 @@ _BETWEEN = 24
 FLOOR_COLOUR = "#8c6d46"
 MARKS = {"body": "o", "touchdown": "^"}
 """Marker of what is marked on a shape."""
-LINES = ("#1f5fa8", "#d1495b", "#2a9d6f", "#8a6bbf")
-"""Colours of lines, told apart by the colour-blind, and readable on white; then dashes differ."""
 DASHES = ("-", "--", ":", "-.")
+"""Of lines that have the same colour."""
 _ERROR = "0.7"
 """Colour of the shade of estimated errors."""
 _IN_A_ROW = 3
@@ -223,20 +222,18 @@ class View:
 
     def parts(self, run: Run) -> Parts:
         """What is drawn beside the lines."""
-        size = AXES_SIZE * float(
-            np.max(np.nanmax(self.shape, (0, 1)) - np.nanmin(self.shape, (0, 1)))
-        )
-        held, bodies, touchdown = (
+        shapes = self.shapes
+        bodies = bodies_of(run, shapes)
+        held, bodies, touchdown, names = (
             replace(marks, places=self.seen(marks.places))
-            for marks in (of(run, self.shapes) for of in (held_of, bodies_of, touchdown_of))
-        )
-        skeletons = self.seen(skeletons_of(run, self.time, size))
-        vessels = parts_of(run, "vessels", self.time)
-        names = {part.name: self.seen(part.position[:, None])[:, 0] for part in vessels}
-        names |= {name: bodies.places[:, k] for k, name in enumerate(bodies.names) if name}
-        return Parts(
-            held, [marks for marks in (bodies, touchdown) if marks.names], skeletons, names
-        )
+            for marks in (
+                held_of(run, shapes), bodies, touchdown_of(run, shapes),
+                names_of(run, shapes, bodies),
+            )
+        )  # fmt: skip
+        skeletons = self.seen(skeletons_of(run, self.time, self.shape))
+        found = [marks for marks in (bodies, touchdown) if marks.names]
+        return Parts(held, found, skeletons, names)
 
     @property
     def ups(self) -> tuple[int, ...]:
@@ -271,14 +268,14 @@ class Parts:
     """Bodies and touchdown, where there are any."""
     skeletons: Floats
     """Vessels and free bodies as lines (nt, n, 3) [m], with gaps (NaN)."""
-    names: dict[str, Floats]
-    """Where a name is written (nt, 3) [m]."""
+    names: Marks
+    """Of vessels and bodies."""
 
     def key(self) -> list[tuple[str, str, str]]:
         """Kind, marker and colour of what needs a word in the key."""
         seen = [marks for marks in self.marks if np.isfinite(marks.places[..., 0]).any()]
         found = [(marks.kind, MARKS[marks.kind], "0.4") for marks in seen]
-        if self.names and self.held.names:
+        if self.names.names and self.held.names:
             found.append((self.held.kind, "o", "0.15"))
         return found
 
@@ -317,8 +314,8 @@ def _draw_parts(
             seen = marks.places[index][np.isfinite(marks.places[index, :, 0])]
             axes.plot(*flat(seen), MARKS[marks.kind], color=colour, markersize=4)
     axes.plot(*map(np.ravel, flat(parts.held.places[chosen])), "o", color="0.15", markersize=4)
-    for name, place in parts.names.items():
-        axes.annotate(name, flat(place[chosen[-1]]), (4, 4), textcoords="offset points", fontsize=7)
+    for name, place in zip(parts.names.names, parts.names.places[chosen[-1]], strict=True):
+        axes.annotate(name, flat(place), (4, 4), textcoords="offset points", fontsize=7)
 
 
 def _draw_shapes(
@@ -378,8 +375,8 @@ def draw_start_tensions(axes: Axes, run: Run) -> None:
     named = "" not in run.shapes
     for k, (name, tension) in enumerate(start_tensions(run).items()):
         axes.plot(
-            run.time / seconds, tension / newtons, DASHES[k // len(LINES) % len(DASHES)],
-            color=LINES[k % len(LINES)] if named else "0.25", linewidth=1.1, label=name,
+            run.time / seconds, tension / newtons, DASHES[k // len(COLOURS) % len(DASHES)],
+            color=COLOURS[k % len(COLOURS)] if named else "0.25", linewidth=1.1, label=name,
         )  # fmt: skip
     axes.set_xlabel(f"time [{time_unit}]")
     axes.set_ylabel(f"{'start tension' if named else 'top tension'} [{unit}]")
