@@ -199,7 +199,7 @@ class _Panel:
         low, high = float(np.nanmin(tension)), float(np.nanmax(tension))
         self.cable.set_clim(low, max(high, low + 1e-9))
         axes.add_collection(self.cable)
-        styles = [
+        styles: list[tuple[NDArray[np.float64], dict[str, Any]]] = [
             (parts.skeletons, {"linestyle": "-", "color": "0.3", "linewidth": 1.0}),
             (parts.held.places, {"linestyle": "", "marker": "s", "color": "0.15"}),
             *(
@@ -229,7 +229,7 @@ class _Panel:
 
     def show(self, left: int, right: int, part: float) -> None:
         def at(values: NDArray[np.float64]) -> NDArray[np.float64]:
-            return (1.0 - part) * values[left] + part * values[right]
+            return np.asarray((1.0 - part) * values[left] + part * values[right])
 
         points, tension = at(self._points), at(self._tension)
         segments, forces = np.stack([points[:-1], points[1:]], axis=1), tension[:-1] + tension[1:]

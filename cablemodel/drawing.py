@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel.variables import is_system
+from cablemodel.run import Run, SystemRun
 
 if TYPE_CHECKING:
-    from cablemodel.run import Run
     from cablemodel.states import States
 
 Floats = NDArray[np.float64]
@@ -95,7 +94,7 @@ class Part:
 def parts_of(run: Run, kind: str, time: Floats) -> list[Part]:
     """The ``vessels`` or ``bodies`` of a system at the outputs nearest to times (nt,) [s]; none in
     a scene of one line."""
-    if not is_system(run.scene):
+    if not isinstance(run, SystemRun):
         return []
     at = nearest(run.time, time)
     found = []
@@ -134,7 +133,7 @@ class Marks:
 def bodies_of(run: Run, shapes: Shapes) -> Marks:
     """Bodies: free ones, and those on lines. NaN while a body is on the drum."""
     time = shapes.time
-    if not is_system(run.scene):
+    if not isinstance(run, SystemRun):
         places = np.empty((len(time), 0, 3))
         if "bodies.position" in run.names:
             places = run["bodies.position"][nearest(run.time, time)]
@@ -172,7 +171,7 @@ def touchdown_of(run: Run, shapes: Shapes) -> Marks:
 
 def held_of(run: Run, shapes: Shapes) -> Marks:
     """What drives or holds the lines: the tow point, or points of vessels, and anchors."""
-    if not is_system(run.scene):
+    if not isinstance(run, SystemRun):
         return Marks("tow point", ("tow point",), shapes.position[:, :1])
     vessels = parts_of(run, "vessels", shapes.time)
     found = {f"{part.name}.{point}": at for part in vessels for point, at in part.points.items()}
@@ -247,7 +246,7 @@ def start_of(name: str) -> str:
 
 def arc_length_label(run: Run) -> str:
     """Of an axis with the arc lengths of lines."""
-    beginning = "its beginning" if is_system(run.scene) else "the vessel"
+    beginning = "its beginning" if isinstance(run, SystemRun) else "the vessel"
     return f"arc length from {beginning} [m]"
 
 

@@ -222,12 +222,16 @@ def simulate_point(
     """One run of a sweep: its results by `results_of`, and ``error``. Runs in a worker."""
     from cablemodel.converged_run import converge as run_until_converged
     from cablemodel.run import simulate
+    from cablemodel.scene.load import scene_of
     from cablemodel.systems import read_scene
 
     problem = ""
     try:
         scene = read_scene(text, overrides, folder=folder)
-        run = run_until_converged(scene, until=until) if converge else simulate(scene, until=until)
+        if converge:
+            run = run_until_converged(scene_of(scene), until=until)
+        else:
+            run = simulate(scene, until=until)
     except CableModelError as error:
         problem = " ".join(str(error).split())
         if not isinstance(error, ConvergenceError) or error.run is None:

@@ -155,20 +155,19 @@ def _panels(view: View, lines: list[str]) -> tuple[Figure, list[Axes], Axes, lis
     rows = 0 if len(lines) == 1 else -(-len(lines) // _IN_A_ROW)
     height = 6.4 if spatial else 4.4 if rows == 0 else 3.2
     figure = Figure(figsize=(7.2, height + _ROW * rows), layout="constrained")
-    outer = figure.add_gridspec(1 + rows, 1, height_ratios=(height, *[_ROW] * rows))
+    heights = [height, *([_ROW * rows] if rows else [])]
+    outer = figure.add_gridspec(len(heights), 1, height_ratios=heights)
     grid = outer[0].subgridspec(2, 2, width_ratios=(1.25, 1.0))
     cells = [grid[0, 0], grid[1, 0]] if spatial else [grid[:, 0]]
     sides = [figure.add_subplot(cell) for cell in cells]
-    top = figure.add_subplot(grid[0, 1] if rows == 0 else grid[:, 1])
-    if rows == 0:
+    top = figure.add_subplot(grid[:, 1] if rows else grid[0, 1])
+    if not rows:
         return figure, sides, top, [figure.add_subplot(grid[1, 1])]
     columns = min(len(lines), _IN_A_ROW)
-    alongs = []
-    for row in range(rows):
-        below = outer[1 + row].subgridspec(1, columns)
-        for column, name in enumerate(lines[row * columns : (row + 1) * columns]):
-            alongs.append(figure.add_subplot(below[column]))
-            alongs[-1].set_title(name)
+    below = outer[1].subgridspec(rows, columns)
+    alongs = [figure.add_subplot(below[divmod(k, columns)]) for k in range(len(lines))]
+    for axes, name in zip(alongs, lines, strict=True):
+        axes.set_title(name)
     return figure, sides, top, alongs
 
 

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel import variables
 from cablemodel.columns import input_fields
 from cablemodel.drawing import COLOURS, start_of, start_tensions
 from cablemodel.report.samples import Along, Field, thinned
-
-if TYPE_CHECKING:
-    from cablemodel.run import Run
+from cablemodel.run import Run, SystemRun
 
 Floats = NDArray[np.float64]
 Figure = dict[str, Any]
@@ -231,7 +228,7 @@ def inputs(run: Run, seconds: float, hours: str) -> Figure | None:
     or there is nothing of it."""
     if not len(run.applied_inputs["time"]):
         return None
-    found = _inputs_of_system(run) if variables.is_system(run.scene) else _inputs_of_line(run)
+    found = _inputs_of_system(run) if isinstance(run, SystemRun) else _inputs_of_line(run)
     rows = [row for row in found if row[1]]
     if not rows:
         return None
@@ -272,7 +269,7 @@ def _inputs_of_line(run: Run) -> Iterator[_Row]:
         yield label, pairs, applied["time"]
 
 
-def _inputs_of_system(run: Run) -> Iterator[_Row]:
+def _inputs_of_system(run: SystemRun) -> Iterator[_Row]:
     applied = run.applied_inputs
     for name in run.scene.vessels:
         velocity = run[f"{name}.velocity"]

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cablemodel.drawing import arc_length_label, has_states, tension_scale, time_scale
+from cablemodel.drawing import COLOURS, arc_length_label, has_states, tension_scale, time_scale
 from cablemodel.errors import CableModelError
 from cablemodel.report import charts, tables
 from cablemodel.report.samples import Along, Frames
@@ -112,9 +112,9 @@ def _line(
     """Figures of one line, what to say under its heat maps, and where its curves end."""
     figures, notes, ends = {}, {}, {"s": along.ends}
     for name, field, label, colour, scale, colours in (
-        ("tension", along.tension, f"tension [{unit}]", charts.COLOURS[0], newtons,
+        ("tension", along.tension, f"tension [{unit}]", COLOURS[0], newtons,
          charts.TENSION_SCALE),
-        ("curvature", along.curvature, "curvature [1/m]", charts.COLOURS[2], 1.0, "Viridis"),
+        ("curvature", along.curvature, "curvature [1/m]", COLOURS[2], 1.0, "Viridis"),
     ):  # fmt: skip
         figures[f"{name}-along"] = charts.profile(along, field, arc, label, colour, scale)
         figures[f"{name}-map"], notes[f"{name}-map"] = charts.heat_map(

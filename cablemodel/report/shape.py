@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel.report.charts import COLOURS, INK, TENSION_SCALE, axis_style, base_layout
+from cablemodel.drawing import COLOURS
+from cablemodel.report.charts import INK, TENSION_SCALE, axis_style, base_layout
 from cablemodel.report.samples import Frames
 
 if TYPE_CHECKING:
@@ -136,7 +137,8 @@ def shape_figure(
         "views": {name: one.layout(direction) for name, one in views.items()},
         "boxes": {name: one.box for name, one in views.items()},
         "follow": follow,
-        "travels": travel > 0.0,
+        # By more than the page can tell.
+        "travels": travel > float(np.finfo(np.float32).eps) * shapes.length,
         "reference": reference.name,
         "position": moved(shapes.position),
         # The traces after that of the lines, in their order.

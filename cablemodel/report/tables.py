@@ -6,17 +6,13 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel import variables
 from cablemodel.drawing import start_of, start_tensions
 from cablemodel.report.samples import Along, Extreme
-
-if TYPE_CHECKING:
-    from cablemodel.run import Run
+from cablemodel.run import Run, SystemRun
 
 Floats = NDArray[np.float64]
 
@@ -89,7 +85,9 @@ def key_figures(run: Run, alongs: dict[str, Along], newtons: float, unit: str) -
     title = _of(name, "curvature, largest")
     found.append(Key(title, number(curvature.value), "1/m", radius + _where(curvature)))
     found += _error_figures(run, newtons, unit)
-    return found + (_part_figures(run, newtons, unit) if name else [_far_end(run)])
+    if isinstance(run, SystemRun):
+        return found + _part_figures(run, newtons, unit)
+    return [*found, _far_end(run)]
 
 
 def _of(line: str, text: str) -> str:
@@ -108,7 +106,7 @@ def _far_end(run: Run) -> Key:
     )  # fmt: skip
 
 
-def _part_figures(run: Run, newtons: float, unit: str) -> list[Key]:
+def _part_figures(run: SystemRun, newtons: float, unit: str) -> list[Key]:
     """Where bodies end, and the largest forces on vessels."""
     found = []
     for name in run.scene.bodies:
@@ -180,18 +178,15 @@ def extremes(run: Run, alongs: dict[str, Along], newtons: float, unit: str) -> l
                     number(high.value / divide, scale), _when(high),
                 )
             )  # fmt: skip
-    parts = _part_rows if variables.is_system(run.scene) else _line_rows
-    return rows + [
-        _over_time(text, its_unit, run.time, values)
-        for text, its_unit, values in parts(run, newtons, unit)
-    ]
+    more = _part_rows(run, newtons, unit) if isinstance(run, SystemRun) else _line_rows(run)
+    return rows + [_over_time(name, its_unit, run.time, values) for name, its_unit, values in more]
 
 
 _Values = Iterator[tuple[str, str, Floats]]
 """Quantity, unit and values over time."""
 
 
-def _line_rows(run: Run, newtons: float, unit: str) -> _Values:
+def _line_rows(run: Run) -> _Values:
     """Of the far end, bodies and lengths of a scene of one line."""
     for axis, name in enumerate("xyz"):
         yield f"far end, {name}", "m", run.tip_position[:, axis]
@@ -205,7 +200,7 @@ def _line_rows(run: Run, newtons: float, unit: str) -> _Values:
             yield label, "m", run[name]
 
 
-def _part_rows(run: Run, newtons: float, unit: str) -> _Values:
+def _part_rows(run: SystemRun, newtons: float, unit: str) -> _Values:
     """Of the bodies and vessels of a system."""
     for name in run.scene.bodies:
         for axis, word in enumerate("xyz"):
@@ -269,12 +264,12 @@ def origin_facts(run: Run) -> list[tuple[str, str]]:
 
 def described(run: Run) -> str:
     """The run in one sentence."""
-    parts = _parts_of_system if variables.is_system(run.scene) else _parts_of_line
+    parts = _parts_of_system(run) if isinstance(run, SystemRun) else _parts_of_line(run)
     span = f"t = {place(run.time[0])} to {place(run.time[-1])} s"
-    return " · ".join([*parts(run), span])
+    return " · ".join([*parts, span])
 
 
-def _parts_of_system(run: Run) -> Iterator[str]:
+def _parts_of_system(run: SystemRun) -> Iterator[str]:
     scene = run.scene
     for name, line in scene.lines.items():
         types = _joined([item.cable.type for item in line.items if item.cable is not None])

@@ -86,15 +86,17 @@ def is_system(data: Mapping[str, Any]) -> bool:
     return "lines" in data and "line" not in data
 
 
-def scene_of(source: Scene | SceneSource) -> Scene:
+def scene_of(source: Document | SceneSource) -> Scene:
     """A scene as it is, or read from what `load_scene` takes.
 
     Raises:
         SceneError: neither, or a scene that is wrong.
     """
-    if isinstance(source, Document) and not isinstance(source, Scene):
+    if isinstance(source, Scene):
+        return source
+    if isinstance(source, Document):
         raise _no_single_line("")
-    return source if isinstance(source, Scene) else load_scene(source)
+    return load_scene(source)
 
 
 def listed(overrides: str | Iterable[str]) -> list[str]:

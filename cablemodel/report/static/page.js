@@ -324,6 +324,7 @@
     });
     element("line").addEventListener("change", (event) => showLine(event.target.value));
     element("view").hidden = !shape.travels;
+    if (line) document.querySelector("[data-view=follow]").textContent = `follow ${shape.reference}`;
     await setView(view);
     await show(0, true);
     document.body.dataset.ready = "true";
