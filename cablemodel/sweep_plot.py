@@ -96,5 +96,7 @@ def _named(names: list[str], values: Any) -> str:
     for name, value in zip(names, values, strict=True):
         path, _, unit = name.partition(" [")
         text = f"{value:g}" if isinstance(value, float) else str(value)
-        words.append(" ".join([path.rpartition(".")[2], text, unit.removesuffix("]")]).strip())
+        *above, last = path.split(".")
+        last = f"{above[-1]}.{last}" if above and last.isdecimal() else last
+        words.append(" ".join([last, text, unit.removesuffix("]")]).strip())
     return ", ".join(words)
