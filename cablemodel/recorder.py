@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from os import PathLike
 from types import TracebackType
@@ -278,9 +278,10 @@ class SystemRecorder(Recorder):
         vessels: Mapping[str, VesselInput] | None = None,
         forces: Mapping[str, ArrayLike] | None = None,
         deflections: Mapping[str, float] | None = None,
+        cuts: Iterable[str] = (),
     ) -> None:
         """As :meth:`SystemModel.step`, recorded."""
-        self._take(self.model.step, dt, _named(vessels, forces, deflections))
+        self._take(self.model.step, dt, _named(vessels, forces, deflections, cuts))
 
     def step_to(  # type: ignore[override]
         self,
@@ -288,9 +289,10 @@ class SystemRecorder(Recorder):
         vessels: Mapping[str, VesselInput] | None = None,
         forces: Mapping[str, ArrayLike] | None = None,
         deflections: Mapping[str, float] | None = None,
+        cuts: Iterable[str] = (),
     ) -> None:
         """As :meth:`SystemModel.step_to`, recorded."""
-        self._take(self.model.step_to, end, _named(vessels, forces, deflections))
+        self._take(self.model.step_to, end, _named(vessels, forces, deflections, cuts))
 
 
 def recorder_of(model: Any, *arguments: Any, **options: Any) -> Recorder:
@@ -306,8 +308,9 @@ def _by_name(inputs: tuple[Any, ...]) -> dict[str, Any]:
     return {item.python: value for item, value in pairs if value is not None}
 
 
-def _named(vessels: Any, forces: Any, deflections: Any) -> dict[str, Any]:
+def _named(vessels: Any, forces: Any, deflections: Any, cuts: Iterable[str]) -> dict[str, Any]:
     given = {"vessels": vessels, "forces": forces, "deflections": deflections}
+    given["cuts"] = list(cuts)
     return {name: value for name, value in given.items() if value}
 
 

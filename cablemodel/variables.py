@@ -188,6 +188,13 @@ VESSEL_OUTPUTS: tuple[Variable, ...] = (
 """Of each vessel or driven end; in the earth's frame."""
 
 
+CUT_OUTPUTS: tuple[Variable, ...] = (
+    Variable("when the line was cut there (NaN: not yet)", "s", "NAME.time", "NAME.time",
+             "~/NAME/time", FLOAT64),
+)  # fmt: skip
+"""Of each cut of a system."""
+
+
 @dataclass(frozen=True)
 class Input:
     """One input of a step, and what it is called in each interface."""
@@ -237,6 +244,9 @@ BODY_INPUTS: tuple[Input, ...] = (
 FOIL_INPUT = Input("deflection", "rad", "deflection", "NAME.deflection", "~/NAME/deflection",
                    FLOAT64)  # fmt: skip
 """Of each foil of a system, by the names of its body and its own."""
+
+CUT_INPUT = Input("1: make the cut now", "", "cut", "NAME.cut", "~/NAME/cut", FLOAT64)
+"""Of each cut of a system."""
 
 
 @dataclass(frozen=True)
@@ -375,6 +385,7 @@ def inputs_of_system(scene: Any) -> tuple[tuple[str, Input], ...]:
             (VESSEL_INPUTS, scene.vessels),
             (BODY_INPUTS, scene.bodies),
             ((FOIL_INPUT,), foils),
+            ((CUT_INPUT,), scene.cuts),
         )
         for name in names
         for row in rows
@@ -429,6 +440,7 @@ def outputs_of(scene: Any) -> tuple[Variable, ...]:
                 (LINE_OUTPUTS, scene.lines),
                 (BODY_OUTPUTS, scene.bodies),
                 (VESSEL_OUTPUTS, scene.vessels),
+                (CUT_OUTPUTS, scene.cuts),
             )
             for name in names
             for row in rows

@@ -54,7 +54,7 @@ class Surroundings:
         """Those of a line of a system."""
         line = scene.lines[name]
         cables = [item.cable for item in reversed(line.items) if item.cable is not None]
-        return cls._around(scene, cables, line.length, None)
+        return cls._around(scene, cables, line.length, sea(scene))
 
     @classmethod
     def _around(

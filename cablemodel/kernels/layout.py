@@ -8,8 +8,8 @@ the FMU's state and its serialisation are a copy of it.
 """
 
 MAGIC = 0x4C45444F4D454C42  # "BLEMODEL", little endian
-VERSION = 10
-HEADER_WORDS = 120
+VERSION = 11
+HEADER_WORDS = 128
 SCALAR_WORDS = 104
 
 # Header: identity, sizes, state counters.
@@ -78,6 +78,11 @@ I_FREE, I_ARMS = 106, 107  # free bodies; ends of lines at their points
 I_FOILS, I_FOIL_WORDS = 108, 109
 O_FRAMES, O_FRAME_PIECES, O_FREE, O_ARMS, O_FOILS, O_FOIL_TABLE = 110, 111, 112, 113, 114, 115
 O_PARTS_WORK = 116  # PARTS_WORDS of the workspace
+I_CUTS, O_CUTS = 117, 118  # places where lines are cut, let go or break
+O_RAOS, I_RAO_WORDS = (
+    119,
+    120,
+)  # of each frame that has them: RAO_HEADINGS, then of each its rows of components
 
 # Header: word offsets of the arrays.
 O_PIECES, O_DEPTHS, O_TIMES, O_CURRENT, O_STRAIN = 32, 33, 34, 35, 36
@@ -162,14 +167,15 @@ S_STAGE_RATE, S_STAGE_SLOPE = _S + 38, _S + 39  # at the time of the last set_ti
 # Rows of the rate table: time, rate. Rows of the cable table: the cables of the line and of the
 # drum in the order in which they pass the tow point on the way out.
 RATE_WORDS = 2
-CABLE_WORDS = 27
+CABLE_WORDS = 28
 K_LEAVES = 0  # travel at which its vessel end passes the tow point [m]
 K_NOMINAL = 1  # length of its elements [m]
 K_SHORTEST = 2  # length below which its lower end stays on the drum [m]
 K_HINGE = 3  # 1: its lower end is a hinge, 0: the slope is shared
 K_BODY = 4  # row of the body at its lower end, -1: none
 K_DISPLACED = 5  # mass of the water that it displaces [kg/m]
-K_EDGE = 6  # a row of the edge table for its elements: EDGE_WORDS
+K_LINE = 6  # unstretched length of the line that it is a part of, in a system [m]
+K_EDGE = 7  # a row of the edge table for its elements: EDGE_WORDS
 
 # Rows of the motion table: see cablemodel/scene/motion.py.
 PIECE_WORDS = 24
@@ -256,17 +262,29 @@ C_FRAME = 28  # row of the frame whose point it is (C_POINT), at C_POSITION in i
 C_OWN_DIRECTION = 29  # 3 words: a clamp's direction in the frame's axes
 C_VESSEL, C_ANCHOR, C_POINT = 1, 2, 3
 EXACTLY, BY_SPRING = 1, 2  # how the tangent is held (C_CLAMPED); 0: it is free
+ALONE = 3  # no line is left at the node
 
 # Rows of the frame table: rigid frames that move as prescribed, vessels and driven ends.
-FRAME_WORDS = 84
+FRAME_WORDS = 122
 F_POSITION, F_VELOCITY, F_ACCELERATION = 0, 3, 6  # of its origin, earth frame, at the last set_time
 F_ROTATION = 9  # 9 words, by rows: its axes in the earth's, columns
 F_SPIN, F_SPIN_RATE = 18, 21  # angular velocity [rad/s] and its rate, earth frame
-F_LIVE = 24  # 1: the caller's motion drives it, 0: its pieces
+F_LIVE = 24  # LIVE_...: what drives its place; F_TURN_LIVE: its attitude
 F_FIRST, F_COUNT = 25, 26  # pieces of the origin's motion: first row, how many
 F_TURN_FIRST, F_TURN_COUNT = 27, 28  # the same of roll, pitch and yaw [rad]; 0: it does not turn
 F_SHIFT = 29  # 6 words: position and angles minus those of its own pieces
+F_TURN_LIVE = 35
+LIVE_NOT, LIVE, LIVE_RETURNS = 0, 1, 2  # its pieces; the caller; a step back to its pieces
 F_PIECE, F_TURN_PIECE = 36, 60  # live pieces
+F_RAOS = 84  # 1: the waves move it on top of that, by its rows of O_RAOS
+F_MEAN = 85  # 18 words: place and angles without the waves' part, with two derivatives each
+F_MOVED = 103  # 18 words: the same with it
+
+# Responses of a frame to a wave of 1 m: cosine and sine parts of surge, sway, heave [m], roll,
+# pitch, yaw [rad], of each component and heading. A heading is where the waves go to, from the
+# frame's x axis.
+RAO_WORDS = 12
+RAO_HEADINGS = 36  # every 10 degrees from 0
 
 # Rows of the table of free bodies, axes and places those of the body, from its reference point.
 FREE_WORDS = 180
@@ -285,7 +303,11 @@ BODY_MOTION = 33
 M_TURN, M_RATES, M_SPIN, M_SPIN_RATE = 0, 9, 18, 21  # axes; Omega = T d(theta)/dt; body axes
 M_PLACE, M_SPEED, M_GAIN = 24, 27, 30  # of the reference point
 Y_FIRST_FOIL, Y_FOILS = 150, 151
-Y_RADIUS = 152  # of a hull that pierces the surface: half of its height [m], 0: none
+Y_RADIUS = 152  # of a ball that displaces as much, where the body has no hull [m]
+Y_HULL = 153  # HULL_...: what of it the water can leave
+Y_HULL_RADIUS, Y_HULL_HEIGHT = 154, 155  # [m]
+Y_HULL_CENTRE = 156  # 3 words
+HULL_NONE, HULL_SPHERE, HULL_CYLINDER = 0, 1, 2  # a cylinder about the body's z axis
 
 # Rows of the table of arms.
 ARM_WORDS = 8
@@ -299,6 +321,17 @@ L_AREA = 9  # times half of the water's density [kg/m]
 L_TABLE = 10  # word of its table: lift and drag coefficients at FOIL_ANGLES angles
 L_DEFLECTION = 11  # 4 words: t0, t1, angle then [rad]
 FOIL_ANGLES = 361  # from -180 to 180 degrees
+
+# Rows of the table of cuts.
+CUT_WORDS = 8
+CUT_SEGMENT = 0  # row of the cable table whose elements it is in
+CUT_ARC = 1  # where, as E_START counts [m]
+CUT_SIDE = 2  # CUT_START, CUT_END: at an end of the line, of which these are the first or last
+CUT_TIME, CUT_TENSION = 3, 4  # when, and above which tension; infinite: never
+CUT_ORDERED = 5  # 1: by the caller
+CUT_DONE = 6  # when it was made [s]; infinite: not yet
+CUT_WITHIN, CUT_START, CUT_END = 0, 1, 2
+NODES_OF_A_CUT = 2  # that it may need
 
 PARTS_WORDS = 160  # of the workspace
 

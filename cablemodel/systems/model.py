@@ -58,8 +58,8 @@ class Motion:
 class VesselInput:
     """Where a vessel or driven end is to be at the end of a step, how fast, or both.
 
-    Attitudes are roll, pitch and yaw [rad], their rates [rad/s]. What is None is as it is: a place
-    at rest, an attitude that stays.
+    Attitudes are roll, pitch and yaw [rad], their rates [rad/s]. Of place and attitude, what is
+    not given follows the scene.
     """
 
     position: ArrayLike | None = None
@@ -73,19 +73,12 @@ class LineView:
 
     def __init__(self, model: SystemModel, name: str) -> None:
         self._model, self.name = model, name
-        tree = model.built.tree
-        nodes = [node for node, element in tree.elements.items() if element.line == name]
-        nodes.sort(key=lambda node: tree.elements[node].start)
-        self._nodes = np.array(nodes)
-        self._starts = np.array([tree.elements[node].start for node in nodes])
-        self._lengths = np.array([tree.elements[node].length for node in nodes])
-        self._backward = np.array([tree.elements[node].backward for node in nodes])
         self._water = Surroundings.of_line(model.scene, name)
 
     @property
     def length(self) -> float:
         """Unstretched [m]."""
-        return float(self._starts[-1] + self._lengths[-1])
+        return self._model.scene.lines[self.name].length
 
     def sample(self, stations: ArrayLike | None = None) -> CableState:
         """The line at arc lengths from its beginning (n,) [m]; by default at its nodes.
@@ -93,17 +86,18 @@ class LineView:
         Raises:
             ValueError: a station is not on the line.
         """
+        elements = self._model.built.elements(self.name)
         if stations is None:
-            s = np.append(self._starts, self.length)
+            s = np.append(elements.start, self.length)
         else:
             s = np.atleast_1d(np.asarray(stations, dtype=np.float64))
         if not np.all((s >= 0.0) & (s <= self.length * (1.0 + 1e-12))):
             raise ValueError(f"{self.name}: stations are 0 to {self.length:g} m")
-        which = np.clip(np.searchsorted(self._starts, s, side="right") - 1, 0, None)
-        x = np.clip((s - self._starts[which]) / self._lengths[which], 0.0, 1.0)
-        backward = self._backward[which]
+        which = np.clip(np.searchsorted(elements.start, s, side="right") - 1, 0, None)
+        x = np.clip((s - elements.start[which]) / elements.length[which], 0.0, 1.0)
+        backward = elements.backward[which]
         x = np.where(backward, 1.0 - x, x)
-        rows = self._model.sample_elements(self._nodes[which].astype(np.float64), x)
+        rows = self._model.sample_elements(elements.node[which].astype(np.float64), x)
         sign = np.where(backward, -1.0, 1.0)[:, None]
         return CableState(
             time=self._model.time,
@@ -169,6 +163,7 @@ class SystemModel:
         vessels: Mapping[str, VesselInput] | None = None,
         forces: Mapping[str, ArrayLike] | None = None,
         deflections: Mapping[str, float] | None = None,
+        cuts: Iterable[str] = (),
     ) -> None:
         """Advance by dt [s], of any length.
 
@@ -179,11 +174,12 @@ class SystemModel:
             forces: outside force and torque about the origin of bodies by name, (6,) [N, N m],
                 earth frame; a body that is not named has none.
             deflections: of foils, by ``BODY.FOIL`` [rad]; those not named stay.
+            cuts: names of those that are made now, at the beginning of the step.
 
         Raises:
             StepError: an input is wrong, or no step could be made; the model is as it was.
         """
-        self._advance(self.time + float(dt), vessels or {}, forces or {}, deflections or {})
+        self._advance(self.time + float(dt), vessels or {}, forces or {}, deflections or {}, cuts)
 
     def _advance(
         self,
@@ -191,6 +187,7 @@ class SystemModel:
         vessels: Mapping[str, VesselInput],
         forces: Mapping[str, ArrayLike],
         deflections: Mapping[str, float],
+        cuts: Iterable[str],
     ) -> None:
         if not self.time < end < math.inf or end - self.time > at.LONGEST_STEP:
             dt = end - self.time
@@ -199,19 +196,24 @@ class SystemModel:
         motion = self._motion_inputs(end, vessels)
         pushes = self._pushes(forces)
         angles = self._deflected(deflections)
+        orders = self._ordered(cuts)
         from cablemodel import library as entry
 
         before = None  # a step that fails gives the state back, but not what drives it
-        if vessels or self._drives(block) or pushes.any() or self._forces.any() or deflections:
+        pushed = pushes.any() or self._forces.any()
+        if vessels or self._drives(block) or pushed or deflections or orders.any():
             before = block.image.copy()
-            entry.drive(block.ints, block.reals, end, motion.ravel(), pushes.ravel(), angles)
+            inputs = motion.ravel(), pushes.ravel(), angles, orders
+            entry.drive(block.ints, block.reals, end, *inputs)
         status = int(entry.step(block.ints, block.reals, end, _NO_INPUTS))
+        while status == at.NO_CAPACITY:
+            block.grow()
+            status = int(entry.step(block.ints, block.reals, end, _NO_INPUTS))
         if status != at.OK:
-            failed = min(block.failed_node, len(self.built.tree.arcs) - 1)
+            part, arc = self.built.where(min(block.failed_node, self.built.nodes - 1))
             if before is not None:
-                block.image[:] = before
+                block.take(before)
             problem, advice = MEANING[status]
-            part, arc = self.built.tree.arcs[failed]
             raise StepError(f"{part}: {problem}", time=self.time, arc_length=arc, advice=advice)
         self._forces, self._angles = pushes, angles
 
@@ -221,13 +223,14 @@ class SystemModel:
         vessels: Mapping[str, VesselInput] | None = None,
         forces: Mapping[str, ArrayLike] | None = None,
         deflections: Mapping[str, float] | None = None,
+        cuts: Iterable[str] = (),
     ) -> None:
         """Advance to a time [s] exactly; otherwise like `step`."""
-        self._advance(float(time), vessels or {}, forces or {}, deflections or {})
+        self._advance(float(time), vessels or {}, forces or {}, deflections or {}, cuts)
 
     def _drives(self, block: Any) -> bool:
         rows = block.array(at.O_FRAMES, len(self.scene.vessels), at.FRAME_WORDS)
-        return bool(np.any(rows[:, at.F_LIVE] != 0.0))
+        return bool(np.any(rows[:, [at.F_LIVE, at.F_TURN_LIVE]] != at.LIVE_NOT))
 
     def _wrong(self, name: str, value: Any, allowed: str) -> StepError:
         return StepError(f"{name} is {value!r}", time=self.time, advice=f"give {allowed}")
@@ -248,22 +251,24 @@ class SystemModel:
             if name not in names:
                 raise self._wrong("vessels", name, f"one of {', '.join(names) or 'none'}")
             row = inputs[names.index(name)]
-            now, angles = self.vessels[name], self.vessels[name].attitude
-            places = wanted.position is not None or wanted.attitude is not None
-            speeds = wanted.velocity is not None or wanted.attitude_rate is not None
-            row[0] = (2.0 if places else 0.0) + (1.0 if speeds else 0.0)
-            row[1:4], row[4:7] = now.position, angles
-            for start, key in ((1, "position"), (4, "attitude")):
+            for word, place, key in _MOTION_INPUTS:
                 value = getattr(wanted, key)
                 if value is not None:
-                    row[start : start + 3] = self._vector(f"{name}.{key}", value, 3)
-            for start, key in ((7, "velocity"), (10, "attitude_rate")):
-                value = getattr(wanted, key)
-                if value is not None:
-                    row[start : start + 3] = self._vector(f"{name}.{key}", value, 3)
-            turns = np.round((angles - row[4:7]) / (2.0 * math.pi))
-            row[4:7] += 2.0 * math.pi * turns
+                    row[0] += word
+                    row[place : place + 3] = self._vector(f"{name}.{key}", value, 3)
+            if wanted.attitude is not None:  # the nearest turn of it
+                angles = self._mean_motion(names.index(name))[9:12]
+                row[4:7] += 2.0 * math.pi * np.round((angles - row[4:7]) / (2.0 * math.pi))
         return inputs
+
+    def _mean_motion(self, index: int) -> FloatArray:
+        """Place and angles of a vessel, with two derivatives each (18,), without the waves."""
+        from cablemodel import library as entry
+
+        out = np.zeros(18)
+        block = self.built.block
+        entry.frame_motion(block.ints, block.reals, float(index), out)
+        return out
 
     def _pushes(self, given: Mapping[str, ArrayLike]) -> FloatArray:
         names = list(self.scene.bodies)
@@ -282,6 +287,25 @@ class SystemModel:
                 raise self._wrong("deflections", name, f"one of {', '.join(names) or 'none'}")
             angles[names.index(name)] = self._vector(f"deflections.{name}", [value], 1)[0]
         return angles
+
+    def _ordered(self, given: Iterable[str]) -> FloatArray:
+        names = list(self.scene.cuts)
+        orders = np.zeros(len(names))
+        for name in given:
+            if name not in names:
+                raise self._wrong("cuts", name, f"of {', '.join(names) or 'none'}")
+            orders[names.index(name)] = 1.0
+        return orders
+
+    @property
+    def cuts(self) -> dict[str, float | None]:
+        """When each cut was made [s], by name; None: not yet."""
+        rows = self.built.block.array(at.O_CUTS, len(self.scene.cuts), at.CUT_WORDS)
+        done = rows[:, at.CUT_DONE].tolist()
+        return {
+            name: time if time < math.inf else None
+            for name, time in zip(self.scene.cuts, done, strict=True)
+        }
 
     def _parts(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         from cablemodel import library as entry
@@ -323,7 +347,7 @@ class SystemModel:
             "rejected": int(ints[at.I_REJECTED]),
             "factorisations": int(ints[at.I_FACTORISATIONS]),
             "iterations": int(ints[at.I_ITERATIONS]),
-            "elements": len(self.built.tree.elements),
+            "elements": len(self.built.elements().node),
         }
 
     def shapes(self) -> dict[str, CableState]:
@@ -350,6 +374,8 @@ class SystemModel:
                 found[f"{name}.{key}"] = getattr(motion, key)
             if name in wrenches:
                 found[f"{name}.force"], found[f"{name}.moment"] = np.split(wrenches[name], 2)
+        for name, time in self.cuts.items():
+            found[f"{name}.time"] = np.array(np.nan if time is None else time)
         return found
 
     def input_row(self, step: float, given: Mapping[str, Any]) -> FloatArray:
@@ -370,6 +396,7 @@ class SystemModel:
         vessels: dict[str, dict[str, FloatArray]] = {}
         forces: dict[str, FloatArray] = {}
         deflections: dict[str, float] = {}
+        cuts: list[str] = []
         place = 2
         for name, item in variables.inputs_of_system(self.scene):
             size = max((1, *item.shape))
@@ -380,10 +407,12 @@ class SystemModel:
                 vessels.setdefault(name, {})[item.python] = value
             elif name in self.scene.bodies:
                 forces.setdefault(name, np.zeros(6))[_HALVES[item.python]] = value
+            elif name in self.scene.cuts:
+                cuts.append(name)
             else:
                 deflections[name] = float(value[0])
         inputs = {name: VesselInput(**fields) for name, fields in vessels.items()}
-        return {"vessels": inputs, "forces": forces, "deflections": deflections}
+        return {"vessels": inputs, "forces": forces, "deflections": deflections, "cuts": cuts}
 
     @property
     def wrenches(self) -> dict[str, FloatArray]:
@@ -391,14 +420,15 @@ class SystemModel:
         frame."""
         _bodies, frames, ends = self._parts()
         found = {name: np.zeros(6) for name in self.scene.vessels}
-        q = self.built.block.array(at.O_POSITION, len(self.built.tree.parent), 6)
+        q = self.built.block.array(at.O_POSITION, self.built.nodes, 6)
         rows = dict(zip(self.scene.vessels, frames, strict=True))
-        for held, force in zip(self.built.tree.held, ends, strict=True):
+        nodes = self.built.held_nodes()
+        for held, node, force in zip(self.built.tree.held, nodes, ends, strict=True):
             if held.end.point is None:
                 continue
             owner = held.end.point.partition(".")[0]
             base = self.built.block.reals[at.S_BASE : at.S_BASE + 3]
-            arm = q[held.node, :3] + base - rows[owner][:3]
+            arm = q[node, :3] + base - rows[owner][:3]
             found[owner][:3] -= force
             found[owner][3:] -= np.cross(arm, force)
         return found
@@ -428,22 +458,21 @@ class SystemModel:
         Raises:
             SceneError: it belongs to another scene.
         """
-        own = self.built.block.image
+        block = self.built.block
         words = np.frombuffer(snapshot, dtype=np.int64)
         rest = self._forces.size + self._angles.size
-        fixed = [at.I_MAGIC, at.I_VERSION, at.I_BYTES, at.I_IMAGE_WORDS, at.I_CAPACITY, at.I_FREE]
-        if len(words) != len(own) + rest or any(own[k] != words[k] for k in fixed):
+        image, more = words[: len(words) - rest], words[len(words) - rest :].view(np.float64)
+        if len(words) < rest or not block.fits(image):
             raise SceneError.at(
                 "snapshot", len(snapshot), "it belongs to another scene", "one of this scene"
             )
-        own[:] = words[: len(own)]
-        more = words[len(own) :].view(np.float64)
+        block.take(image)
         self._forces = more[: self._forces.size].reshape(self._forces.shape).copy()
         self._angles = more[self._forces.size :].copy()
 
     def reset(self) -> None:
         """Back to the initial state, t = 0."""
-        self.built.block.image[:] = self._initial
+        self.built.block.take(self._initial)
         self._forces[:] = 0.0
         self._angles = np.array(
             [self.scene.bodies[body].foils[foil].deflection for body, foil in self._foils]
@@ -452,6 +481,8 @@ class SystemModel:
 
 def _given(given: Mapping[str, Any], name: str, field: str) -> Any:
     """The value of one input among the arguments of a step; None: not given."""
+    if field == "cut":
+        return 1.0 if name in (given.get("cuts") or ()) else None
     if field == "deflection":
         return (given.get("deflections") or {}).get(name)
     if field in ("force", "torque"):
@@ -460,6 +491,14 @@ def _given(given: Mapping[str, Any], name: str, field: str) -> Any:
     wanted = (given.get("vessels") or {}).get(name)
     return None if wanted is None else getattr(wanted, field)
 
+
+_MOTION_INPUTS = (
+    (1.0, 7, "velocity"),
+    (2.0, 1, "position"),
+    (4.0, 10, "attitude_rate"),
+    (8.0, 4, "attitude"),
+)
+"""What says that it is given, its place in a vessel's words (entry.drive), its name."""
 
 _HALVES = {"force": slice(0, 3), "torque": slice(3, 6)}
 

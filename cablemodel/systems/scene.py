@@ -3,24 +3,71 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
 
 from cablemodel.errors import SceneProblem, shown
-from cablemodel.scene.base import Angle, Coefficient, Length, Position, SceneModel, UnitVector
+from cablemodel.scene import sea
+from cablemodel.scene.base import (
+    Angle,
+    Coefficient,
+    Duration,
+    Length,
+    Position,
+    SceneModel,
+    UnitVector,
+)
 from cablemodel.scene.environment import Environment
-from cablemodel.scene.line import CableType, LineItem
+from cablemodel.scene.line import Cable, CableType, LineItem
 from cablemodel.scene.schema import Document, RunSettings, Solver
+from cablemodel.scene.tables import table_from_file
 from cablemodel.scene.units import Quantity, Vector, rejection, several
 from cablemodel.scene.vessel import Vessel
 
 FloatArray = NDArray[np.float64]
 
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+
 Attitude = Annotated[tuple[float, float, float], Vector("rad")]
+
+
+class RaoPoint(SceneModel):
+    """How a vessel answers a wave of 1 m amplitude, of one period and heading.
+
+    Amplitudes and phases of the displacements of its origin, in degrees where the name says so. A
+    response is amplitude times cos(w t + phase) where the wave there is cos(w t).
+    """
+
+    heading_deg: Annotated[float, Quantity()] = Field(
+        description="where the waves go to, from the vessel's bow: 0 from astern, 180 head sea"
+    )
+    period: Duration = Field(description="of the wave")
+    surge: Coefficient = Field(default=0.0, description="[m/m]")
+    surge_phase_deg: Annotated[float, Quantity()] = Field(default=0.0, description="its phase")
+    sway: Coefficient = Field(default=0.0, description="[m/m]")
+    sway_phase_deg: Annotated[float, Quantity()] = Field(default=0.0, description="its phase")
+    heave: Coefficient = Field(default=0.0, description="[m/m]")
+    heave_phase_deg: Annotated[float, Quantity()] = Field(default=0.0, description="its phase")
+    roll_deg: Coefficient = Field(default=0.0, description="degrees per metre")
+    roll_phase_deg: Annotated[float, Quantity()] = Field(default=0.0, description="its phase")
+    pitch_deg: Coefficient = Field(default=0.0, description="degrees per metre")
+    pitch_phase_deg: Annotated[float, Quantity()] = Field(default=0.0, description="its phase")
+    yaw_deg: Coefficient = Field(default=0.0, description="degrees per metre")
+    yaw_phase_deg: Annotated[float, Quantity()] = Field(default=0.0, description="its phase")
+
+
+def _rao_rows(value: Any, info: ValidationInfo) -> Any:
+    if isinstance(value, str):
+        given = ("heading_deg", "period")
+        more = tuple(key for key in RaoPoint.model_fields if key not in given)
+        columns = table_from_file(value, info.context, columns=given, optional=more)
+        return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+    return value
 
 
 class VesselFrame(Vessel):
@@ -37,6 +84,22 @@ class VesselFrame(Vessel):
     points: dict[str, Position] = Field(
         default_factory=dict, description="places of its fairleads, in its own axes"
     )
+    raos: Annotated[tuple[RaoPoint, ...], BeforeValidator(_rao_rows)] = Field(
+        default=(),
+        description="how the scene's waves move it on top of that: a CSV file with the columns of "
+        "the rows, or these; of headings from 0 to 180 the others are mirror images",
+    )
+
+    @field_validator("raos")
+    @classmethod
+    def _full_grid(cls, rows: tuple[RaoPoint, ...]) -> tuple[RaoPoint, ...]:
+        headings = sorted({row.heading_deg for row in rows})
+        periods = sorted({row.period for row in rows})
+        if len(rows) != len(headings) * len(periods):
+            allowed = "one row for every period at every heading"
+            problem = f"{len(rows)} rows of {len(headings)} headings and {len(periods)} periods"
+            raise rejection(problem, allowed, len(rows))
+        return rows
 
 
 class Foil(SceneModel):
@@ -104,12 +167,32 @@ def _three(value: Any) -> Any:
     return value
 
 
+class Hull(SceneModel):
+    """A ball, or a cylinder about the body's z axis, that floats at the surface or below it."""
+
+    diameter: Length = Field(description="of ball or cylinder")
+    height: Length | None = Field(default=None, description="of a cylinder; none: a ball")
+    centre: Position = Field(default=(0.0, 0.0, 0.0), description="place of its middle")
+
+    @property
+    def volume(self) -> float:
+        """[m3]."""
+        if self.height is None:
+            return math.pi / 6.0 * self.diameter**3
+        return 0.25 * math.pi * self.diameter**2 * self.height
+
+
 class FreeBody(SceneModel):
     """A rigid body with six degrees of freedom; places and axes are its own."""
 
     mass: Annotated[float, Quantity("kg", above=0)] = Field(description="mass in air")
-    submerged_weight: Annotated[float, Quantity("N")] = Field(
-        description="weight in water (negative: it floats)"
+    submerged_weight: Annotated[float, Quantity("N")] | None = Field(
+        default=None,
+        description="weight in water (negative: it floats); of a body with a hull that of its mass "
+        "and of the water that the whole hull displaces",
+    )
+    hull: Hull | None = Field(
+        default=None, description="what displaces water: a shape that may leave it"
     )
     inertia: Annotated[tuple[float, float, float], Vector("kg*m**2"), BeforeValidator(_three)] = (
         Field(
@@ -152,6 +235,20 @@ class FreeBody(SceneModel):
     attitude: Attitude = Field(
         default=(0.0, 0.0, 0.0), description="roll, pitch and yaw from which a start is sought"
     )
+
+    @model_validator(mode="after")
+    def _weight_or_hull(self) -> FreeBody:
+        if (self.submerged_weight is None) == (self.hull is None):
+            raise rejection("not exactly one of submerged_weight and hull", "one of them")
+        return self
+
+    def weight_in(self, environment: Environment) -> float:
+        """Its weight in water, wholly submerged [N]."""
+        if self.submerged_weight is not None:
+            return self.submerged_weight
+        assert self.hull is not None
+        mass = self.mass - environment.water_density * self.hull.volume
+        return mass * environment.gravity
 
     @model_validator(mode="after")
     def _inertia_of_a_body(self) -> FreeBody:
@@ -224,6 +321,22 @@ class SystemLine(SceneModel):
         return self.start, self.end
 
 
+class Cut(SceneModel):
+    """A place where a line is cut, let go or breaks; what is cut off goes on by itself.
+
+    By a command at any time; also at ``time``, and above ``tension``, where these are given.
+    """
+
+    line: Annotated[str, Field(strict=True)] = Field(description="name of the line")
+    at: Annotated[Literal["start", "end"] | Length, Field(union_mode="left_to_right")] = Field(
+        description="arc length from its beginning, or start or end: there it is let go"
+    )
+    time: Duration | None = Field(default=None, description="when")
+    tension: Annotated[float, Quantity("N", above=0)] | None = Field(
+        default=None, description="above which it breaks there"
+    )
+
+
 class SystemScene(Document):
     """A scene of several lines, vessels and bodies, in SI units, checked and unchangeable."""
 
@@ -235,8 +348,25 @@ class SystemScene(Document):
     )
     bodies: dict[str, FreeBody] = Field(default_factory=dict, description="free bodies by name")
     lines: dict[str, SystemLine] = Field(min_length=1, description="lines by name")
+    cuts: dict[str, Cut] = Field(
+        default_factory=dict, description="places where lines are cut, let go or break, by name"
+    )
     solver: Solver = Field(default=Solver(), description="how the scene is computed")
     run: RunSettings = Field(default=RunSettings(), description="length of a run and its output")
+
+    @property
+    def cables(self) -> list[Cable]:
+        """All cables, line by line."""
+        items = (item for line in self.lines.values() for item in line.items)
+        return [item.cable for item in items if item.cable is not None]
+
+    @property
+    def place(self) -> tuple[float, float, float]:
+        """Where it is: the first vessel at t = 0, else the first anchor [m]."""
+        for vessel in self.vessels.values():
+            return vessel.position
+        ends = (end for line in self.lines.values() for end in line.ends)
+        return next((end.anchor for end in ends if end.anchor is not None), (0.0, 0.0, 0.0))
 
     @property
     def line_length(self) -> float:
@@ -254,9 +384,17 @@ class SystemScene(Document):
         return self
 
     def _problems(self) -> Iterator[SceneProblem]:
-        for name in self.vessels:
-            if name in self.bodies:
-                yield SceneProblem(f"bodies.{name}", name, "a vessel has this name", "another one")
+        named: dict[str, str] = {}
+        for kind in ("vessels", "bodies", "lines", "cuts"):
+            for name in getattr(self, kind):
+                if name in named:
+                    problem = f"one of {named[name]} has this name"
+                    yield SceneProblem(f"{kind}.{name}", name, problem, "another one")
+                if not _NAME.fullmatch(name):
+                    problem = f"{shown(name)} is no name"
+                    allowed = "letters, digits and _, a letter first: it stands in topics"
+                    yield SceneProblem(f"{kind}.{name}", name, problem, allowed)
+                named.setdefault(name, kind)
         used: set[str] = set()
         for name, line in self.lines.items():
             path = f"lines.{name}"
@@ -286,12 +424,48 @@ class SystemScene(Document):
                 yield SceneProblem(
                     f"bodies.{name}", name, problem, f"a line from or to {name}.POINT"
                 )
-        if self.environment.waves is not None:
-            problem = "waves are not computed in a system yet"
-            yield SceneProblem("environment.waves", None, problem, "none")
-        if self.environment.floor is not None:
-            problem = "a floor is not computed in a system yet"
-            yield SceneProblem("environment.floor", None, problem, "none")
+        yield from sea.problems(self)
+        for name, vessel in self.vessels.items():
+            if vessel.raos and self.environment.waves is None:
+                problem = "there are no waves that it could answer"
+                yield SceneProblem(f"vessels.{name}.raos", len(vessel.raos), problem, "waves")
+        yield from self._floor_problems()
+        yield from self._cut_problems()
+
+    def _cut_problems(self) -> Iterator[SceneProblem]:
+        for name, cut in self.cuts.items():
+            path = f"cuts.{name}"
+            line = self.lines.get(cut.line)
+            if line is None:
+                problem = f"{shown(cut.line)} is not one of the lines"
+                yield SceneProblem(f"{path}.line", cut.line, problem, ", ".join(self.lines))
+                continue
+            if isinstance(cut.at, float) and not cut.at < line.length:
+                problem = f"{cut.line} is {line.length:g} m long"
+                allowed = f"above 0 and below {line.length:g} m, or start or end"
+                yield SceneProblem(f"{path}.at", cut.at, problem, allowed)
+            end = {"start": line.start, "end": line.end}.get(str(cut.at))
+            if end is not None and end.is_free:
+                problem = f"{cut.line} is free there"
+                yield SceneProblem(f"{path}.at", cut.at, problem, "an end that is held")
+            if end is not None and end.clamped is not None:
+                problem = "a clamped end is not let go"
+                yield SceneProblem(f"{path}.at", cut.at, problem, "a place beside it, in metres")
+
+    def _floor_problems(self) -> Iterator[SceneProblem]:
+        """Anchors and vessels' points below the floor at t = 0."""
+        floor = self.environment.floor
+        if floor is None:
+            return
+        for name, line in self.lines.items():
+            for word, end in (("from", line.start), ("to", line.end)):
+                if end.anchor is None:
+                    continue
+                height = floor.height(end.anchor[0], end.anchor[1])
+                if end.anchor[2] < height - 1e-3 * line.length:
+                    problem = "it lies below the sea floor"
+                    allowed = f"z of at least {height:g} m there"
+                    yield SceneProblem(f"lines.{name}.{word}.anchor", end.anchor, problem, allowed)
 
     def _end_problems(
         self, name: str, path: str, end: LineEnd, used: set[str]
