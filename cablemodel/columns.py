@@ -101,7 +101,7 @@ def input_columns(run: Run) -> list[Column]:
     given to it, NaN where nothing was."""
     fields = input_fields(run.scene)
     return [
-        Column(label, *fields[name][:2], run.applied_inputs[label])
+        Column(label, fields[name][0] or "1", fields[name][1], run.applied_inputs[label])
         for name in fields
         for label in fields[name][2]
     ]

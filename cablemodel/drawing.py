@@ -32,7 +32,7 @@ AXES_SIZE = 0.07
 @dataclass(frozen=True)
 class Shapes:
     """All lines at the times of their states, at stations spaced evenly in s: one line after the
-    other in one array, with a gap, a NaN, between two."""
+    other in one array, with a gap, a NaN, between two, and where a line may be cut."""
 
     time: Floats
     """(nt,) [s]"""
@@ -50,18 +50,21 @@ class Shapes:
         """chosen: some of the states only; most: stations of a line at most."""
         places: dict[str, slice] = {}
         parts: dict[str, list[Floats]] = {"s": [], "position": [], "tension": []}
-        first, time = 0, np.empty(0)
+        end, time = -1, np.empty(0)
         for name, states in run.shapes.items():
             seen = states if chosen is None else states.chosen(chosen)
-            count = stations_of(seen, most)
-            even, time = seen.resampled(count), seen.time
-            places[name] = slice(first, first + count)
-            for field, columns in parts.items():
-                values = getattr(even, field)
-                if first:
-                    columns.append(np.full_like(values[:, :1], np.nan))
-                columns.append(values)
-            first += count + 1
+            cuts = run.scene.cuts_along(name) if isinstance(run, SystemRun) else []
+            first, time = end + 1, seen.time
+            for piece in seen.split(cuts):
+                count = stations_of(piece, most)
+                even = piece.resampled(count)
+                for field, columns in parts.items():
+                    values = getattr(even, field)
+                    if end > 0:
+                        columns.append(np.full_like(values[:, :1], np.nan))
+                    columns.append(values)
+                end += count + 1
+            places[name] = slice(first, end)
         joined = {field: np.concatenate(columns, axis=1) for field, columns in parts.items()}
         return cls(time, places, **joined)
 
@@ -155,8 +158,8 @@ def _on_line(s: Floats, position: Floats, along: float) -> Floats:
     """Places (nt, 3) at an arc length [m] of a line."""
     return np.array(
         [
-            [np.interp(along, row, place[:, axis]) for axis in range(3)]
-            for row, place in zip(s, position, strict=True)
+            [np.interp(along, row[there], place[there, axis]) for axis in range(3)]
+            for row, place, there in zip(s, position, np.isfinite(s), strict=True)
         ]
     )
 

@@ -286,7 +286,7 @@ def _inputs_of_system(run: SystemRun) -> Iterator[_Row]:
             for label in labels
             if _any(applied[label]) or len(labels) == 1
         ]
-        yield f"{words} [{unit}]", curves, applied["time"]
+        yield f"{words} [{unit}]" if unit else words, curves, applied["time"]
 
 
 def _any(values: Floats) -> bool:

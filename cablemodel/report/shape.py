@@ -249,7 +249,8 @@ def _levels(scene: Scene | SystemScene, frames: Frames) -> tuple[float, ...]:
     """Heights that a view should hold where they are near: still water, and the floor below."""
     found = [0.0] if _has_sea(scene) else []
     if scene.environment.floor is not None:
-        places = frames.shapes.position.reshape(-1, 3)[::10]
+        places = frames.shapes.position.reshape(-1, 3)
+        places = places[np.isfinite(places[:, 0])][::10]
         heights = [scene.environment.floor.height(x, y) for x, y, _ in places]
         found += [float(min(heights)), float(max(heights))]
     return tuple(found)

@@ -120,6 +120,11 @@ def _part_figures(run: SystemRun, newtons: float, unit: str) -> list[Key]:
         note = f"at t = {place(run.time[peak])} s; {number(force[-1])} {unit} at the end"
         title = f"{name}: force of the lines, largest"
         found.append(Key(title, number(force[peak]), unit, note))
+    for name, cut in run.scene.cuts.items():
+        made = run[f"{name}.time"][-1]
+        when = ("not cut", "") if math.isnan(made) else (place(made), "s")
+        where = f"s = {place(cut.at)} m" if isinstance(cut.at, float) else f"its {cut.at}"
+        found.append(Key(f"{name}: {cut.line} is cut", *when, f"at {where}"))
     return found
 
 

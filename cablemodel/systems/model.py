@@ -25,6 +25,8 @@ from cablemodel.wall_tension import Surroundings
 
 FloatArray = NDArray[np.float64]
 
+_SAME_PLACE = 1e-9
+"""Part of a line's length by which a node is at a cut."""
 _INPUT_WORDS = 14
 _NO_INPUTS: FloatArray = np.zeros(_INPUT_WORDS)
 
@@ -74,6 +76,7 @@ class LineView:
     def __init__(self, model: SystemModel, name: str) -> None:
         self._model, self.name = model, name
         self._water = Surroundings.of_line(model.scene, name)
+        self._cuts = np.array(model.scene.cuts_along(name))
 
     @property
     def length(self) -> float:
@@ -81,7 +84,8 @@ class LineView:
         return self._model.scene.lines[self.name].length
 
     def sample(self, stations: ArrayLike | None = None) -> CableState:
-        """The line at arc lengths from its beginning (n,) [m]; by default at its nodes.
+        """The line at arc lengths from its beginning (n,) [m]; by default at its nodes, with both
+        sides of where it is cut.
 
         Raises:
             ValueError: a station is not on the line.
@@ -94,6 +98,11 @@ class LineView:
         if not np.all((s >= 0.0) & (s <= self.length * (1.0 + 1e-12))):
             raise ValueError(f"{self.name}: stations are 0 to {self.length:g} m")
         which = np.clip(np.searchsorted(elements.start, s, side="right") - 1, 0, None)
+        if stations is None:
+            gaps = np.abs(elements.start[:, None] - self._cuts)
+            sides = np.flatnonzero(np.any(gaps <= _SAME_PLACE * self.length, axis=1))
+            s = np.insert(s, sides, s[sides])
+            which = np.insert(which, sides, sides - 1)
         x = np.clip((s - elements.start[which]) / elements.length[which], 0.0, 1.0)
         backward = elements.backward[which]
         x = np.where(backward, 1.0 - x, x)

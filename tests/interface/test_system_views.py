@@ -31,14 +31,16 @@ def invoke(*arguments: Any) -> Result:
 
 @pytest.fixture(scope="module")
 def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A tug with a wing on two lines and a streamer turns; the wing is pushed, and steers."""
+    """A tug with a wing on two lines and a streamer turns; the wing is pushed, and steers,
+    and the streamer is cut."""
     path = tmp_path_factory.mktemp("system") / "bridle.mcap"
     model = SystemModel(SCENE)
     with recorder_of(model, path, until=20.0) as recorder:
         while model.time < 20.0 - 1e-9:
             push = [0.0, 200.0 * (model.time > 8.0), 0.0, 0.0, 0.0, 0.0]
             wing = {"wing.elevator": 0.1 * np.sin(model.time / 3.0)}
-            recorder.step(0.5, forces={"wing": push}, deflections=wing)
+            cuts = ["knife"] if model.time == 15.0 else []
+            recorder.step(0.5, forces={"wing": push}, deflections=wing, cuts=cuts)
     return path
 
 
@@ -73,15 +75,22 @@ def test_places_of_parts_are_where_the_lines_end(run: SystemRun) -> None:
     bodies = bodies_of(run, shapes)
     assert bodies.names == ("wing", "drogue", "")
     assert bodies.places[:, 2] == pytest.approx(ends["streamer"][:, 1], abs=1e-6)
-    node = int(np.flatnonzero(run.lines["streamer"].s[0] == 20.0)[0])
-    assert bodies.places[:, 1] == pytest.approx(run.lines["streamer"].position[:, node], abs=0.05)
+    for state, place in zip(run.lines["streamer"], bodies.places[:, 1], strict=True):
+        assert place == pytest.approx(state.position[state.s == 20.0][0], abs=0.05)
 
 
 def test_lines_stand_side_by_side_with_gaps(run: SystemRun) -> None:
     shapes = Shapes.of(run)
     assert list(shapes.places) == LINES
     gaps = np.flatnonzero(np.isnan(shapes.tension[0]))
-    assert gaps.tolist() == [at.stop for at in list(shapes.places.values())[:-1]]
+    between, cut = gaps[:2], gaps[2]
+    assert between.tolist() == [at.stop for at in list(shapes.places.values())[:-1]]
+    # Both sides of the cut: together until it is made, then apart.
+    assert shapes.s[0, [cut - 1, cut + 1]].tolist() == [25.0, 25.0]
+    apart = np.linalg.norm(shapes.position[:, cut + 1] - shapes.position[:, cut - 1], axis=-1)
+    assert apart[shapes.time <= 15.0].max() < 1e-9
+    assert apart[-1] > 1.0
+    assert run["knife.time"][-1] == 15.0
     for name, at in shapes.places.items():
         assert np.array_equal(shapes.tension[:, at.start], run[f"{name}.start_tension"])
         assert np.array_equal(shapes.position[:, at.stop - 1], run.lines[name].position[:, -1])
@@ -134,7 +143,7 @@ def test_a_film_moves_lines_bodies_and_names(run: SystemRun) -> None:
     segments = np.array(side.cable.get_segments())
     shapes = Shapes.of(run)
     # No segment joins two lines.
-    assert len(segments) == sum(at.stop - at.start - 1 for at in shapes.places.values())
+    assert len(segments) == np.isfinite(np.diff(shapes.s[0])).sum()
     assert np.isfinite(segments).all()
     named = {text.get_text(): text.xy for text in side.axes.texts}
     assert named["wing"] == pytest.approx(tuple(run["wing.position"][-1, [0, 2]]))
@@ -162,9 +171,10 @@ def test_the_report_holds_all_lines(log: Path, run: SystemRun) -> None:
     curves = {curve["name"]: curve["y"] for curve in figures["top-tension"]["data"]}
     assert np.array_equal(curves["starboard"], run["starboard.start_tension"])
     inputs = {curve["name"]: curve for curve in figures["inputs"]["data"]}
-    assert [*inputs] == ["tug x", "tug y", "wing force y", "wing.elevator deflection"]
+    assert [*inputs] == ["tug x", "tug y", "wing force y", "wing.elevator deflection", "knife cut"]
     assert np.array_equal(inputs["wing force y"]["y"], run.applied_inputs["wing.force.y"])
     assert np.array_equal(inputs["tug y"]["y"], run["tug.velocity"][:, 1])
+    assert np.nansum(inputs["knife cut"]["y"]) == 1.0
 
 
 def test_the_shape_of_the_report_moves_every_part(log: Path, run: SystemRun) -> None:
@@ -192,6 +202,7 @@ def test_numbers_of_the_report_are_of_named_parts(log: Path, run: SystemRun) -> 
     assert f"<h3>starboard: tension at its beginning, highest</h3><p><b>{highest}</b>" in (
         text.replace("\n", "")
     )
+    assert "<h3>knife: streamer is cut</h3><p><b>15</b> s" in text
     for words in ("tension along streamer", "tension at the end of port", "wing, pitch",
                   "force of the lines on tug", "speed of wing"):  # fmt: skip
         assert f'<th scope="row">{words} <i>' in text
@@ -235,8 +246,9 @@ def test_tables_name_lines_and_parts(run: SystemRun) -> None:
     states = {column.name: column.values for column in state_columns(run)}
     for name in LINES:
         rows = states["line"] == name
-        assert np.array_equal(states["tension"][rows], run.lines[name].tension.ravel())
-        assert np.array_equal(states["wall_tension"][rows], run.lines[name].wall_tension.ravel())
+        for field in ("tension", "wall_tension"):
+            values = np.concatenate([getattr(state, field) for state in run.lines[name]])
+            assert np.array_equal(states[field][rows], values)
     inputs = {column.name: column for column in input_columns(run)}
     assert [*inputs] == [*run.applied_inputs]
     assert inputs["wing.elevator.deflection"].unit == "rad"
@@ -315,7 +327,7 @@ def test_a_cut_log_has_states_of_all_lines_at_the_same_times(log: Path, tmp_path
 def test_a_sweep_over_a_system_is_what_its_runs_are(tmp_path: Path) -> None:
     target, picture = tmp_path / "sweep.csv", tmp_path / "sweep.png"
     data = yaml.safe_load(SCENE.read_text())
-    del data["lines"]["streamer"]
+    del data["lines"]["streamer"], data["cuts"]
     scene, length = tmp_path / "wing.yaml", "lines.port.items.0.cable.length"
     scene.write_text(yaml.safe_dump(data))
     result = invoke("sweep", scene, "--over", f"{length}=-1 m, 61 m", "--until", "2",
