@@ -91,8 +91,11 @@ def _legend() -> dict[str, Any]:
 
 def _curve(time: Floats, values: Floats, name: str, **line: Any) -> dict[str, Any]:
     kept = thinned(values)
+    there = np.isfinite(values)
+    alone = there & ~np.append(there[1:], False) & ~np.insert(there[:-1], 0, False)
     return {
-        "type": "scatter", "mode": "lines", "name": name, "x": time[kept], "y": values[kept],
+        # A value between two gaps is no line.
+        "type": "scatter", "mode": "lines+markers" if np.any(alone) else "lines", "name": name, "x": time[kept], "y": values[kept],
         "line": {"width": 1.6, **line},
         "hovertemplate": "%{y:.5g}",
     }  # fmt: skip

@@ -175,6 +175,8 @@ def test_the_report_holds_all_lines(log: Path, run: SystemRun) -> None:
     assert np.array_equal(inputs["wing force y"]["y"], run.applied_inputs["wing.force.y"])
     assert np.array_equal(inputs["tug y"]["y"], run["tug.velocity"][:, 1])
     assert np.nansum(inputs["knife cut"]["y"]) == 1.0
+    assert inputs["knife cut"]["mode"] == "lines+markers"
+    assert inputs["tug y"]["mode"] == "lines"
 
 
 def test_the_shape_of_the_report_moves_every_part(log: Path, run: SystemRun) -> None:
