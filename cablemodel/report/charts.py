@@ -94,8 +94,9 @@ def _curve(time: Floats, values: Floats, name: str, **line: Any) -> dict[str, An
     there = np.isfinite(values)
     alone = there & ~np.append(there[1:], False) & ~np.insert(there[:-1], 0, False)
     return {
+        "type": "scatter", "name": name, "x": time[kept], "y": values[kept],
         # A value between two gaps is no line.
-        "type": "scatter", "mode": "lines+markers" if np.any(alone) else "lines", "name": name, "x": time[kept], "y": values[kept],
+        "mode": "lines+markers" if np.any(alone) else "lines",
         "line": {"width": 1.6, **line},
         "hovertemplate": "%{y:.5g}",
     }  # fmt: skip
