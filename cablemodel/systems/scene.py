@@ -363,6 +363,11 @@ class SystemScene(Document):
         items = (item for line in self.lines.values() for item in line.items)
         return [item.cable for item in items if item.cable is not None]
 
+    def cuts_along(self, line: str) -> list[float]:
+        """Arc lengths between the ends of a line at which it may be cut, in order [m]."""
+        places = (cut.at for cut in self.cuts.values() if cut.line == line)
+        return sorted({place for place in places if isinstance(place, float)})
+
     @property
     def place(self) -> tuple[float, float, float]:
         """Where it is: the first vessel at t = 0, else the first anchor [m]."""
