@@ -37,6 +37,7 @@ SIZES = {
     "foil_words": Header.foil_words.word,
     "cuts": Header.cut_count.word,
     "rao_words": Header.rao_words.word,
+    "feet": Header.foot_count.word,
 }
 
 Arrays = list[tuple[int, Any]]
@@ -174,6 +175,7 @@ class Block(WordBlock):
         foil_words: Any = 0,
         cuts: Any = 0,
         rao_words: Any = 0,
+        feet: Any = 0,
     ) -> tuple[Arrays, Arrays]:
         """Arrays of the image in order, then those of the workspace: (header word, length).
 
@@ -207,6 +209,7 @@ class Block(WordBlock):
             (Header.foils.word, foils * at.FOIL_WORDS),
             (Header.arms.word, arms * at.ARM_WORDS),
             (Header.cuts.word, cuts * at.CUT_WORDS),
+            (Header.feet.word, feet * at.FOOT_WORDS),
             (Header.position.word, capacity * 6),
             (Header.velocity.word, capacity * 6),
             (Header.acceleration.word, capacity * 6),
@@ -274,6 +277,7 @@ class Block(WordBlock):
         foil_words: int = 0,
         cuts: int = 0,
         rao_words: int = 0,
+        feet: int = 0,
     ) -> None:
         sizes = {
             "capacity": capacity,
@@ -296,6 +300,7 @@ class Block(WordBlock):
             "foil_words": foil_words,
             "cuts": cuts,
             "rao_words": rao_words,
+            "feet": feet,
         }
         image, workspace = self.arrays(**sizes)
         header = {Header.magic.word: at.MAGIC, Header.version.word: at.VERSION}

@@ -17,6 +17,7 @@ from cablemodel.kernels.layout import Header
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
+    from cablemodel.scene.common import CableScene
     from cablemodel.scene.line import Body, Cable
 
 FloatArray = NDArray[np.float64]
@@ -56,7 +57,7 @@ def fill_cables(block: Block, scene: Scene, winch: Winch, scale: float) -> None:
 
 
 def edge_row(
-    scene: Scene, cable: Cable, segment: int, strain_offset: int, scale: float
+    scene: CableScene, cable: Cable, segment: int, strain_offset: int, scale: float
 ) -> FloatArray:
     """A row of the edge table for elements of a cable, without length and place."""
     rho = scene.environment.water_density

@@ -19,6 +19,7 @@ from cablemodel.kernels.layout import Header, Scalars
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
+    from cablemodel.scene.common import CableScene
 
 FloatArray = NDArray[np.float64]
 
@@ -26,7 +27,7 @@ MOST_STEPS = 2_000_000
 """Internal steps that one call may take."""
 
 
-def fill_settings(block: Block, scene: Scene) -> None:
+def fill_settings(block: Block, scene: CableScene) -> None:
     """Tolerance, gravity and water."""
     ints, reals = block.ints, block.reals
     head = Header(ints)
@@ -75,7 +76,7 @@ def fill_motion(block: Block, pieces: FloatArray) -> None:
     table[2:, at.Piece.velocity_jump], table[2:, at.Piece.acceleration_jump] = jumps(pieces)
 
 
-def fill_current(block: Block, scene: Scene) -> None:
+def fill_current(block: Block, scene: CableScene) -> None:
     """The table of the current over depth and time."""
     current = scene.environment.current
     if current is None:

@@ -13,6 +13,7 @@ from .layout import (
     Cut,
     Edge,
     Foil,
+    Foot,
     Frame,
     FreeBody,
     Header,
@@ -42,4 +43,5 @@ free_body_of, free_body_at = row_of(FreeBody, Header.free_bodies), record_at(Fre
 arm_of, arm_at = row_of(Arm, Header.arms), record_at(Arm)
 foil_of, foil_at = row_of(Foil, Header.foils), record_at(Foil)
 cut_of, cut_at = row_of(Cut, Header.cuts), record_at(Cut)
+foot_of, foot_at = row_of(Foot, Header.feet), record_at(Foot)
 sea_layer_at = record_at(Layer)

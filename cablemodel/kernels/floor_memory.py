@@ -12,6 +12,7 @@ from .contact import (
     place_force,
     place_law,
 )
+from .feet import settle_feet
 from .floor_surface import gap_at, lowest_gap
 
 FASTEST = 3.0  # growth of what is borne for long, at most, in one change of it
@@ -33,6 +34,8 @@ def settle(I, M):
     """
     head = header(I)
     state = scalars(M)
+    if head.foot_count != 0:
+        settle_feet(I, M)
     dimension = head.dimension
     size = 2 * dimension
     w = M[head.motion + 28 : head.motion + 52]

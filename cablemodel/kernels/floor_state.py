@@ -6,6 +6,7 @@ A step without forces is refused if it ends in the contact layer, so none is eve
 
 from .access import edge_of, header, scalars
 from .compile import kernel, view
+from .feet import feet_are_near, lowest_foot
 from .floor_memory import settle
 from .floor_surface import gap_at, lowest_gap
 from .layout import (
@@ -45,7 +46,7 @@ def touches(I, M, q, layers):
     for node in range(head.nodes - 1, 0, -1):
         if gap_of(I, M, q, node, w) < layers * state.floor_depth:
             return True
-    return False
+    return head.foot_count != 0 and lowest_foot(I, M) < layers * state.floor_depth
 
 
 @kernel
@@ -63,7 +64,9 @@ def is_near(I, M, q, v, lengths):
         way = SOON * state.step * max(0.0, -v[2 * dimension * node + dimension - 1])
         if gap_of(I, M, q, node, w) < state.floor_depth + lengths * h + way:
             return True
-    return False
+    return head.foot_count != 0 and feet_are_near(
+        I, M, state.floor_depth, SOON * state.step, lengths
+    )
 
 
 @kernel

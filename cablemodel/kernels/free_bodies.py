@@ -22,8 +22,10 @@ import math
 from .access import arm_of, foil_of, free_body_of, header, scalars
 from .compile import kernel, view
 from .environment import current_at, surge_at
+from .feet import FOOT_SCRATCH, add_feet
 from .hulls import wet_hull
 from .layout import (
+    FLOOR_TOUCHED,
     FOIL_ANGLES,
     HULL_NONE,
 )
@@ -283,6 +285,8 @@ def body_forces(I, M, body, t, out):
     for n in range(int(row.foil_count)):
         foil = foil_of(I, M, int(row.first_foil) + n)
         add_foil(M, foil, head.foil_table, t, place, spin, f, s)
+    if head.foot_count != 0 and head.floor_state == FLOOR_TOUCHED:
+        add_feet(I, M, body, f, view(M, head.parts_work + FOOT_SCRATCH, 18))
     # What the caller pushes with, at the body's own origin.
     for i in range(3):
         place[i] = ramp(row.force, 6, i, t)

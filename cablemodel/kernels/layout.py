@@ -154,7 +154,9 @@ class Header(Record):
     cuts = integer("start of them (Cut)")
     raos = integer("start of the responses of each frame that has them: RAO_HEADINGS sets of rows")
     rao_words = integer("their words")
-    _spare_2 = spare(7)
+    foot_count = integer("places of free bodies that touch the floor")
+    feet = integer("start of them (Foot)")
+    _spare_2 = spare(5)
 
 
 HEADER_WORDS = Header.WORDS
@@ -506,6 +508,18 @@ class Cut(Record):
 CUT_WORDS = Cut.WORDS
 CUT_WITHIN, CUT_START, CUT_END = 0, 1, 2
 NODES_OF_A_CUT = 2  # that it may need
+
+
+class Foot(Record):
+    """A place of a free body that touches the floor."""
+
+    body = real("row of the body")
+    place = reals(3, "from its reference point, in its axes", "m")
+    load = real("its part of the body's weight", "N")
+    rest = reals(3, "where friction holds it, block's coordinates", "m")
+
+
+FOOT_WORDS = Foot.WORDS
 
 # Columns of the wave table, one number for each component, in the order of k.
 WAVE_WORDS = 6
