@@ -155,11 +155,11 @@ LINE_OUTPUTS: tuple[Variable, ...] = (
              "~/NAME/tension_min", FLOAT64),
     Variable("highest tension along it", "N", "NAME.tension_max", "NAME.tension.max",
              "~/NAME/tension_max", FLOAT64),
-    Variable("position along it", "m", "NAME.state.position", "NAME.position[k,i]",
+    Variable("position along it", "m", "NAME.state.position", "NAME.line.position[k,i]",
              "~/NAME/nodes", CLOUD, ("stations", 3), member="x y z"),
-    Variable("effective tension along it", "N", "NAME.state.tension", "NAME.tension[k]",
+    Variable("effective tension along it", "N", "NAME.state.tension", "NAME.line.tension[k]",
              "~/NAME/nodes", CLOUD, ("stations",), member="tension"),
-    Variable("curvature along it", "1/m", "NAME.state.curvature", "NAME.curvature[k]",
+    Variable("curvature along it", "1/m", "NAME.state.curvature", "NAME.line.curvature[k]",
              "~/NAME/nodes", CLOUD, ("stations",), member="curvature"),
     Variable("unstretched arc length from its beginning", "m", "NAME.state.s", "",
              "~/NAME/nodes", CLOUD, ("stations",), member="s"),
@@ -245,7 +245,7 @@ FOIL_INPUT = Input("deflection", "rad", "deflection", "NAME.deflection", "~/NAME
                    FLOAT64)  # fmt: skip
 """Of each foil of a system, by the names of its body and its own."""
 
-CUT_INPUT = Input("1: make the cut now", "", "cut", "NAME.cut", "~/NAME/cut", FLOAT64)
+CUT_INPUT = Input("above 0.5: make the cut now", "", "cut", "NAME.cut", "~/NAME/cut", FLOAT64)
 """Of each cut of a system."""
 
 
@@ -293,6 +293,10 @@ PARAMETERS: tuple[Parameter, ...] = (
               "drum.cable[n].length", "payout.drum.N.cable.length", False),
 )  # fmt: skip
 """What an FMU's user may set before the start or, where tunable, during a run."""
+
+
+VESSEL_CHOICE = Parameter("which inputs move it", "", "NAME.input", "", False)
+"""Of each vessel or driven end of a system."""
 
 
 def parameter(fmu: str) -> Parameter:

@@ -162,10 +162,10 @@ def force_response(I, M, motion, out):
 def drive(I, M, t_end, motion, forces, angles, orders):
     """Inputs of a system for a step to t_end [s], before `step`.
 
-    motion: FRAME_INPUTS words for each frame: 0 its own motion, 1 velocities given, 2 places, 3
-    both; then position [m], roll, pitch and yaw [rad], and their rates. forces: outside force [N]
-    and torque [N m] on each free body, earth frame. angles: deflection of each foil [rad].
-    orders: of each cut, whether it is to be made now.
+    motion: FRAME_INPUTS words for each frame: what is given (GIVEN_..., 0: its own motion); then
+    position [m], roll, pitch and yaw [rad], and their rates: see frames.drive_frame. forces:
+    outside force [N] and torque [N m] on each free body, earth frame. angles: deflection of each
+    foil [rad]. orders: of each cut, whether it is to be made now.
     """
     part_outputs.drive_parts(I, M, t_end, motion, forces, angles, orders)
     return 0
@@ -178,10 +178,10 @@ def sample_elements(I, M, elements, fractions, out):
     return len(elements)
 
 
-@entry_point(int64(INTEGERS, REALS, REALS, REALS, REALS))
-def parts(I, M, bodies, frames, ends):
-    """Motion of bodies and frames, forces at the ends of lines: part_outputs.parts_motion."""
-    part_outputs.parts_motion(I, M, bodies, frames, ends)
+@entry_point(int64(INTEGERS, REALS, REALS, REALS))
+def parts(I, M, bodies, frames):
+    """Motion of bodies and frames, and what lines pull frames with: part_outputs.parts_motion."""
+    part_outputs.parts_motion(I, M, bodies, frames)
     return I[I_BODIES]
 
 

@@ -4,6 +4,8 @@ A frame's origin and its roll, pitch and yaw follow pieces of motion, as the tow
 one line does (`environment.evaluate_piece`), or what the caller gives for a step.
 """
 
+import math
+
 from .compile import kernel, view
 from .environment import evaluate_piece
 from .layout import (
@@ -32,6 +34,10 @@ from .layout import (
     F_TURN_PIECE,
     F_VELOCITY,
     FRAME_WORDS,
+    GIVEN_ATTITUDE,
+    GIVEN_POSITION,
+    GIVEN_RATE,
+    GIVEN_VELOCITY,
     I_CONSTRAINTS,
     I_FRAMES,
     O_ACCELERATION,
@@ -209,29 +215,37 @@ def frames_jump(I, M, w):
 def drive_frame(I, M, row, t_end, given, target, w):
     """Make a frame's live pieces what the caller asks for at the end of a step.
 
-    given: 0 nothing, 1 velocities, 2 places, 3 both; target: position, angles, velocity and rates
-    of the angles at t_end (3 words each). w: 18 words.
+    given: bits of what the caller gives (GIVEN_...), 0: nothing; target: position, angles, velocity
+    and rates of the angles at t_end (3 words each). A place that is not given stays, beside another
+    one that is; a speed is zero. Angles are reached by the shorter way. w: 18 words.
     """
     time = M[S_TIME]
     dt = t_end - time
+    places = given & (GIVEN_POSITION | GIVEN_ATTITUDE) != 0
+    speeds = given & (GIVEN_VELOCITY | GIVEN_RATE) != 0
     for turning in range(2):
         evaluate_frame(I, M, row, time, turning == 1, w[0:9])
         if given == 0:
             own_pieces(I, M, row, t_end, turning == 1, w[9:18])
         piece = row + (F_TURN_PIECE if turning == 1 else F_PIECE)
+        place = given & (GIVEN_ATTITUDE if turning == 1 else GIVEN_POSITION) != 0
+        speed = given & (GIVEN_RATE if turning == 1 else GIVEN_VELOCITY) != 0
         for i in range(3):
             p0 = w[i]
             v0 = w[3 + i]
-            v1 = target[6 + 3 * turning + i]
+            v1 = target[6 + 3 * turning + i] if speed else 0.0
             c2 = 0.0
             c3 = 0.0
-            if given >= 2:
-                mean = (target[3 * turning + i] - p0) / dt
-                if given == 2:
+            if places:
+                p1 = target[3 * turning + i] if place else p0
+                if turning == 1:
+                    p1 += 2.0 * math.pi * math.floor((p0 - p1) / (2.0 * math.pi) + 0.5)
+                mean = (p1 - p0) / dt
+                if not speeds:
                     v1 = mean
                 c2 = (3.0 * mean - 2.0 * v0 - v1) / dt
                 c3 = (v0 + v1 - 2.0 * mean) / (dt * dt)
-            elif given == 1:
+            elif speeds:
                 c2 = 0.5 * (v1 - v0) / dt
             else:
                 v1 = w[12 + i]

@@ -4,12 +4,18 @@ from .compile import kernel, view
 from .frames import drive_frame
 from .free_bodies import deflect_foils, push_bodies
 from .layout import (
+    C_CLAMPED,
+    C_FRAME,
+    C_KIND,
     C_NODE,
+    C_POINT,
     CONSTRAINT_WORDS,
     CUT_ORDERED,
     CUT_WORDS,
     E_LENGTH,
     EDGE_WORDS,
+    EXACTLY,
+    F_LIVE,
     F_POSITION,
     FRAME_INPUTS,
     FRAME_WORDS,
@@ -31,6 +37,7 @@ from .layout import (
     O_FRAMES,
     O_FREE,
     O_MOTION,
+    O_POSITION,
     O_RESIDUAL,
     PART_WORDS,
     S_BASE,
@@ -39,15 +46,18 @@ from .layout import (
     Y_ORIGIN,
 )
 from .outputs import end_forces, station_in_element
-from .rotation import cross, to_earth_axes
+from .rotation import angles_of, cross, to_earth_axes
 
 
 @kernel
 def drive_parts(I, M, t_end, motion, forces, angles, orders):
-    """Inputs of a step to t_end: see entry.drive."""
+    """Inputs of a step to t_end: see entry.drive. A frame that nobody has driven yet keeps to its
+    own pieces."""
     for n in range(I[I_FRAMES]):
         row = I[O_FRAMES] + n * FRAME_WORDS
         given = int(motion[FRAME_INPUTS * n])
+        if given == 0 and M[row + F_LIVE] == 0.0:
+            continue
         target = motion[FRAME_INPUTS * n + 1 : FRAME_INPUTS * (n + 1)]
         drive_frame(I, M, row, t_end, given, target, view(M, I[O_MOTION] + 28, 18))
     push_bodies(I, M, t_end, forces)
@@ -68,9 +78,9 @@ def element_stations(I, M, elements, fractions, out):
 
 
 @kernel
-def parts_motion(I, M, bodies, frames, ends):
-    """Motion of all bodies and frames (PART_WORDS words each), and the forces
-    that the supports exert at the nodes that are held, 3 words each in the order of constraints."""
+def parts_motion(I, M, bodies, frames):
+    """Motion of all bodies and frames, and the lines' forces and moments on frames about their
+    origins, earth frame: PART_WORDS words each."""
     end_forces(I, M)
     for n in range(I[I_FREE]):
         row = I[O_FREE] + n * FREE_WORDS
@@ -96,10 +106,32 @@ def parts_motion(I, M, bodies, frames, ends):
             out[9 + i] = turn[i]
         to_earth_axes(turn, spin, out[18:21])
         to_earth_axes(turn, m[M_SPIN_RATE : M_SPIN_RATE + 3], out[21:24])
+        angles_of(turn, out[24:27])
+        for i in range(27, PART_WORDS):
+            out[i] = 0.0
     for n in range(I[I_FRAMES]):
-        for i in range(PART_WORDS):
+        for i in range(24):
             frames[PART_WORDS * n + i] = M[I[O_FRAMES] + n * FRAME_WORDS + F_POSITION + i]
+        out = frames[PART_WORDS * n : PART_WORDS * (n + 1)]
+        angles_of(out[9:18], out[24:27])
+        for i in range(27, PART_WORDS):
+            out[i] = 0.0
+    w = view(M, I[O_MOTION] + 28, 9)
     for n in range(I[I_CONSTRAINTS]):
-        node = int(M[I[O_CONSTRAINT] + n * CONSTRAINT_WORDS + C_NODE])
+        row = I[O_CONSTRAINT] + n * CONSTRAINT_WORDS
+        if M[row + C_KIND] != C_POINT:
+            continue
+        node = int(M[row + C_NODE])
+        at = PART_WORDS * int(M[row + C_FRAME])
+        force = view(M, I[O_RESIDUAL] + 6 * node, 3)
         for i in range(3):
-            ends[3 * n + i] = M[I[O_RESIDUAL] + 6 * node + i]
+            w[i] = M[I[O_POSITION] + 6 * node + i] + M[S_BASE + i] - frames[at + i]
+        cross(w[0:3], force, w[3:6])
+        for i in range(3):
+            w[6 + i] = 0.0
+        if M[row + C_CLAMPED] == EXACTLY:
+            bend = view(M, I[O_RESIDUAL] + 6 * node + 3, 3)
+            cross(view(M, I[O_POSITION] + 6 * node + 3, 3), bend, w[6:9])
+        for i in range(3):
+            frames[at + 27 + i] -= force[i]
+            frames[at + 30 + i] -= w[3 + i] + w[6 + i]

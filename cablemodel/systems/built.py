@@ -72,12 +72,6 @@ class Built:
         rows = self.block.array(at.O_FREE, count, at.FREE_WORDS)
         return rows[:, at.Y_NODE].astype(np.intp)
 
-    def held_nodes(self) -> Indices:
-        """Nodes that are held, in the order of ``tree.held``."""
-        count = int(self.block.ints[at.I_CONSTRAINTS])
-        rows = self.block.array(at.O_CONSTRAINT, count, at.CONSTRAINT_WORDS)
-        return rows[:, at.C_NODE].astype(np.intp)
-
     def where(self, node: int) -> tuple[str, float]:
         """The part that a node is of, and its arc length there [m]; of a body 0."""
         bodies = self.body_nodes()

@@ -44,13 +44,8 @@ class Motion:
     """(3,) [rad/s]."""
     angular_acceleration: FloatArray
     """(3,) [rad/s2]."""
-
-    @property
-    def attitude(self) -> FloatArray:
-        """Roll, pitch and yaw (3,) [rad]."""
-        from scipy.spatial.transform import Rotation
-
-        return np.asarray(Rotation.from_matrix(self.axes).as_euler("xyz"), dtype=np.float64)
+    attitude: FloatArray
+    """Roll, pitch and yaw (3,) [rad]."""
 
 
 @dataclass(frozen=True)
@@ -190,7 +185,7 @@ class SystemModel:
             dt = end - self.time
             raise self._wrong("dt", dt, f"a positive step of at most {at.LONGEST_STEP:g} s")
         block = self.built.block
-        motion = self._motion_inputs(end, vessels)
+        motion = self._motion_inputs(vessels)
         pushes = self._pushes(forces)
         angles = self._deflected(deflections)
         orders = self._ordered(cuts)
@@ -241,28 +236,18 @@ class SystemModel:
             raise self._wrong(name, value, f"{size} finite numbers")
         return vector
 
-    def _motion_inputs(self, end: float, given: Mapping[str, VesselInput]) -> FloatArray:
+    def _motion_inputs(self, vessels: Mapping[str, VesselInput]) -> FloatArray:
         names = list(self.scene.vessels)
         inputs = np.zeros((len(names), at.FRAME_INPUTS))
-        for name, wanted in given.items():
+        for name, wanted in vessels.items():
             if name not in names:
                 raise self._wrong("vessels", name, f"one of {', '.join(names) or 'none'}")
             row = inputs[names.index(name)]
-            now, angles = self.vessels[name], self.vessels[name].attitude
-            places = wanted.position is not None or wanted.attitude is not None
-            speeds = wanted.velocity is not None or wanted.attitude_rate is not None
-            row[0] = (2.0 if places else 0.0) + (1.0 if speeds else 0.0)
-            row[1:4], row[4:7] = now.position, angles
-            for start, key in ((1, "position"), (4, "attitude")):
+            for start, (key, given) in zip(range(1, at.FRAME_INPUTS, 3), _GIVEN, strict=True):
                 value = getattr(wanted, key)
                 if value is not None:
+                    row[0] += given
                     row[start : start + 3] = self._vector(f"{name}.{key}", value, 3)
-            for start, key in ((7, "velocity"), (10, "attitude_rate")):
-                value = getattr(wanted, key)
-                if value is not None:
-                    row[start : start + 3] = self._vector(f"{name}.{key}", value, 3)
-            turns = np.round((angles - row[4:7]) / (2.0 * math.pi))
-            row[4:7] += 2.0 * math.pi * turns
         return inputs
 
     def _pushes(self, given: Mapping[str, ArrayLike]) -> FloatArray:
@@ -302,15 +287,14 @@ class SystemModel:
             for name, time in zip(self.scene.cuts, done, strict=True)
         }
 
-    def _parts(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _parts(self) -> tuple[FloatArray, FloatArray]:
         from cablemodel import library as entry
 
         block = self.built.block
         bodies = np.zeros((len(self.scene.bodies), at.PART_WORDS))
         frames = np.zeros((len(self.scene.vessels), at.PART_WORDS))
-        ends = np.zeros((len(self.built.tree.held), 3))
-        entry.parts(block.ints, block.reals, bodies.ravel(), frames.ravel(), ends.ravel())
-        return bodies, frames, ends
+        entry.parts(block.ints, block.reals, bodies.ravel(), frames.ravel())
+        return bodies, frames
 
     @property
     def bodies(self) -> dict[str, Motion]:
@@ -413,20 +397,10 @@ class SystemModel:
     def wrenches(self) -> dict[str, FloatArray]:
         """Force and moment about its origin (6,) [N, N m] of all lines on each vessel, earth
         frame."""
-        _bodies, frames, ends = self._parts()
-        found = {name: np.zeros(6) for name in self.scene.vessels}
-        q = self.built.block.array(at.O_POSITION, self.built.nodes, 6)
-        rows = dict(zip(self.scene.vessels, frames, strict=True))
-        nodes = self.built.held_nodes()
-        for held, node, force in zip(self.built.tree.held, nodes, ends, strict=True):
-            if held.end.point is None:
-                continue
-            owner = held.end.point.partition(".")[0]
-            base = self.built.block.reals[at.S_BASE : at.S_BASE + 3]
-            arm = q[node, :3] + base - rows[owner][:3]
-            found[owner][:3] -= force
-            found[owner][3:] -= np.cross(arm, force)
-        return found
+        frames = self._parts()[1]
+        return {
+            name: row[27:33].copy() for name, row in zip(self.scene.vessels, frames, strict=True)
+        }
 
     def sample_elements(self, elements: FloatArray, fractions: FloatArray) -> FloatArray:
         """Rows of STATION_WORDS at fractions of elements, by the numbers of their nodes."""
@@ -487,6 +461,14 @@ def _given(given: Mapping[str, Any], name: str, field: str) -> Any:
     return None if wanted is None else getattr(wanted, field)
 
 
+_GIVEN = (
+    ("position", at.GIVEN_POSITION),
+    ("attitude", at.GIVEN_ATTITUDE),
+    ("velocity", at.GIVEN_VELOCITY),
+    ("attitude_rate", at.GIVEN_RATE),
+)
+"""Fields of VesselInput in the order of a frame's input, and their bits."""
+
 _HALVES = {"force": slice(0, 3), "torque": slice(3, 6)}
 
 
@@ -498,6 +480,7 @@ def _motion(row: FloatArray) -> Motion:
         axes=row[9:18].reshape(3, 3).copy(),
         angular_velocity=row[18:21].copy(),
         angular_acceleration=row[21:24].copy(),
+        attitude=row[24:27].copy(),
     )
 
 

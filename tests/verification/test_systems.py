@@ -374,6 +374,8 @@ def test_clamp_turns_with_its_vessel() -> None:
     sag = 5.0 * 2.0**4 / (8.0 * 2000.0)
     tip = model.lines["rod"].sample([2.0]).position[0]
     assert tip == pytest.approx([3.0, 0.0, -sag], abs=2e-4)
+    # Its weight acts at its middle, 2 m from the ship's origin: half of the moment is the clamp's.
+    assert model.wrenches["ship"] == pytest.approx([0, 0, -10.0, 0, 20.0, 0], abs=1e-2)
     for k in range(60):
         angle = 0.5 * (1.0 - math.cos(math.pi * (k + 1) / 60.0))
         model.step(0.5, vessels={"ship": VesselInput(attitude=[0.0, 0.0, angle])})
