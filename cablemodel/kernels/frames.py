@@ -23,23 +23,29 @@ from .layout import (
     F_COUNT,
     F_FIRST,
     F_LIVE,
+    F_MEAN,
+    F_MOVED,
     F_PIECE,
     F_POSITION,
+    F_RAOS,
     F_ROTATION,
     F_SHIFT,
     F_SPIN,
     F_SPIN_RATE,
     F_TURN_COUNT,
     F_TURN_FIRST,
+    F_TURN_LIVE,
     F_TURN_PIECE,
     F_VELOCITY,
     FRAME_WORDS,
-    GIVEN_ATTITUDE,
     GIVEN_POSITION,
     GIVEN_RATE,
     GIVEN_VELOCITY,
     I_CONSTRAINTS,
     I_FRAMES,
+    LIVE,
+    LIVE_NOT,
+    LIVE_RETURNS,
     O_ACCELERATION,
     O_CONSTRAINT,
     O_FRAME_PIECES,
@@ -55,6 +61,7 @@ from .layout import (
     S_TIME,
     S_TIME_TOLERANCE,
 )
+from .raos import add_response
 from .rotation import attitude, cross, to_earth_axes
 
 
@@ -70,7 +77,7 @@ def piece_at(M, first, count, t):
 @kernel
 def evaluate_frame(I, M, row, t, turning, out):
     """Position of a frame's origin, or its angles, with two derivatives at time t: 9 words."""
-    if M[row + F_LIVE] != 0.0:
+    if M[row + (F_TURN_LIVE if turning else F_LIVE)] != LIVE_NOT:
         evaluate_piece(M, row + (F_TURN_PIECE if turning else F_PIECE), t, out)
         return
     own_pieces(I, M, row, t, turning, out)
@@ -95,6 +102,9 @@ def move_frames(I, M, t):
     """Place, attitude and their rates of all frames at time t into their rows."""
     for n in range(I[I_FRAMES]):
         row = I[O_FRAMES] + n * FRAME_WORDS
+        if M[row + F_RAOS] != 0.0:
+            move_in_waves(I, M, row, t)
+            continue
         evaluate_frame(I, M, row, t, True, view(M, row + F_POSITION, 9))
         angles = view(M, row + F_POSITION, 9)
         attitude(
@@ -106,6 +116,28 @@ def move_frames(I, M, t):
             view(M, row + F_SPIN_RATE, 3),
         )
         evaluate_frame(I, M, row, t, False, angles)
+
+
+@kernel
+def move_in_waves(I, M, row, t):
+    """The same of one that the waves move."""
+    mean = view(M, row + F_MEAN, 18)
+    evaluate_frame(I, M, row, t, False, mean[0:9])
+    evaluate_frame(I, M, row, t, True, mean[9:18])
+    out = view(M, row + F_MOVED, 18)
+    for i in range(18):
+        out[i] = mean[i]
+    add_response(I, M, row, t, out)
+    attitude(
+        out[9:12],
+        out[12:15],
+        out[15:18],
+        view(M, row + F_ROTATION, 9),
+        view(M, row + F_SPIN, 3),
+        view(M, row + F_SPIN_RATE, 3),
+    )
+    for i in range(9):
+        M[row + F_POSITION + i] = out[i]
 
 
 @kernel
@@ -174,9 +206,9 @@ def next_frame_stop(I, M, stop, dt):
     time = M[S_TIME]
     for n in range(I[I_FRAMES]):
         row = I[O_FRAMES] + n * FRAME_WORDS
-        if M[row + F_LIVE] != 0.0:
-            continue
         for turning in range(2):
+            if M[row + (F_TURN_LIVE if turning == 1 else F_LIVE)] != LIVE_NOT:
+                continue
             count = int(M[row + (F_TURN_COUNT if turning == 1 else F_COUNT)])
             first = int(M[row + (F_TURN_FIRST if turning == 1 else F_FIRST)])
             for k in range(1, count):
@@ -215,37 +247,38 @@ def frames_jump(I, M, w):
 def drive_frame(I, M, row, t_end, given, target, w):
     """Make a frame's live pieces what the caller asks for at the end of a step.
 
-    given: bits of what the caller gives (GIVEN_...), 0: nothing; target: position, angles, velocity
-    and rates of the angles at t_end (3 words each). A place that is not given stays, beside another
-    one that is; a speed is zero. Angles are reached by the shorter way. w: 18 words.
+    given: bits of what the caller gives (GIVEN_...); of place and attitude, what has none follows
+    its own pieces, back to which it comes within a step. target: position, angles, velocity and
+    rates of the angles at t_end (3 words each). Angles are reached by the shorter way. w: 18 words.
     """
     time = M[S_TIME]
     dt = t_end - time
-    places = given & (GIVEN_POSITION | GIVEN_ATTITUDE) != 0
-    speeds = given & (GIVEN_VELOCITY | GIVEN_RATE) != 0
     for turning in range(2):
+        live = row + (F_TURN_LIVE if turning == 1 else F_LIVE)
+        kind = (given // GIVEN_RATE if turning == 1 else given) & (GIVEN_VELOCITY | GIVEN_POSITION)
+        if kind == 0 and M[live] != LIVE:
+            M[live] = LIVE_NOT
+            continue
         evaluate_frame(I, M, row, time, turning == 1, w[0:9])
-        if given == 0:
+        if kind == 0:
             own_pieces(I, M, row, t_end, turning == 1, w[9:18])
         piece = row + (F_TURN_PIECE if turning == 1 else F_PIECE)
-        place = given & (GIVEN_ATTITUDE if turning == 1 else GIVEN_POSITION) != 0
-        speed = given & (GIVEN_RATE if turning == 1 else GIVEN_VELOCITY) != 0
         for i in range(3):
             p0 = w[i]
             v0 = w[3 + i]
-            v1 = target[6 + 3 * turning + i] if speed else 0.0
+            v1 = target[6 + 3 * turning + i]
             c2 = 0.0
             c3 = 0.0
-            if places:
-                p1 = target[3 * turning + i] if place else p0
+            if kind >= 2:
+                p1 = target[3 * turning + i]
                 if turning == 1:
                     p1 += 2.0 * math.pi * math.floor((p0 - p1) / (2.0 * math.pi) + 0.5)
                 mean = (p1 - p0) / dt
-                if not speeds:
+                if kind == 2:
                     v1 = mean
                 c2 = (3.0 * mean - 2.0 * v0 - v1) / dt
                 c3 = (v0 + v1 - 2.0 * mean) / (dt * dt)
-            elif speeds:
+            elif kind == 1:
                 c2 = 0.5 * (v1 - v0) / dt
             else:
                 v1 = w[12 + i]
@@ -259,4 +292,4 @@ def drive_frame(I, M, row, t_end, given, target, w):
         M[piece + P_START] = time
         M[piece + P_END] = t_end
         M[piece + P_KIND] = 0.0
-    M[row + F_LIVE] = 1.0
+        M[live] = LIVE if kind != 0 else LIVE_RETURNS

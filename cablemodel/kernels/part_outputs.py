@@ -15,7 +15,6 @@ from .layout import (
     E_LENGTH,
     EDGE_WORDS,
     EXACTLY,
-    F_LIVE,
     F_POSITION,
     FRAME_INPUTS,
     FRAME_WORDS,
@@ -51,13 +50,10 @@ from .rotation import angles_of, cross, to_earth_axes
 
 @kernel
 def drive_parts(I, M, t_end, motion, forces, angles, orders):
-    """Inputs of a step to t_end: see entry.drive. A frame that nobody has driven yet keeps to its
-    own pieces."""
+    """Inputs of a step to t_end: see entry.drive."""
     for n in range(I[I_FRAMES]):
         row = I[O_FRAMES] + n * FRAME_WORDS
         given = int(motion[FRAME_INPUTS * n])
-        if given == 0 and M[row + F_LIVE] == 0.0:
-            continue
         target = motion[FRAME_INPUTS * n + 1 : FRAME_INPUTS * (n + 1)]
         drive_frame(I, M, row, t_end, given, target, view(M, I[O_MOTION] + 28, 18))
     push_bodies(I, M, t_end, forces)

@@ -9,6 +9,7 @@ import math
 
 from .backup import give_back, keep_state
 from .compile import kernel
+from .consistency import state_residual
 from .environment import ROUNDING, evaluate_piece, find_piece, vessel_motion
 from .layout import (
     I_ASLEEP,
@@ -18,6 +19,7 @@ from .layout import (
     I_KEEP_SLEEPERS,
     I_LIVE,
     I_NODES,
+    I_PARTS,
     I_PAYOUT,
     I_RATE_LIVE,
     I_WAVES,
@@ -45,6 +47,7 @@ from .layout import (
 from .promote import promote
 from .sleep import leave_out, rejoin
 from .step_size import natural_step
+from .system import set_time
 from .time_stepping import advance_to
 from .vessel_clamp import release_slope
 from .winch import commanded_rate
@@ -245,6 +248,11 @@ def take_step(I, M, t_end, inputs):
     keep_state(I)
     returning = take_inputs(I, M, t_end, inputs)
     keep_plane(I, M)
+    if I[I_PARTS] != 0:
+        # The matrix goes by what lines pulled bodies with at the last residual: that of the state,
+        # whether its outputs have been read or not.
+        set_time(I, M, M[S_TIME])
+        state_residual(I, M)
     if I[I_ASLEEP] != 0:
         leave_out(I, M)
     status = OK

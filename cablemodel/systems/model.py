@@ -52,8 +52,8 @@ class Motion:
 class VesselInput:
     """Where a vessel or driven end is to be at the end of a step, how fast, or both.
 
-    Attitudes are roll, pitch and yaw [rad], their rates [rad/s]. What is None is as it is: a place
-    at rest, an attitude that stays.
+    Attitudes are roll, pitch and yaw [rad], their rates [rad/s]. Of place and attitude, what is
+    not given follows the scene.
     """
 
     position: ArrayLike | None = None
@@ -222,7 +222,7 @@ class SystemModel:
 
     def _drives(self, block: Any) -> bool:
         rows = block.array(at.O_FRAMES, len(self.scene.vessels), at.FRAME_WORDS)
-        return bool(np.any(rows[:, at.F_LIVE] != 0.0))
+        return bool(np.any(rows[:, [at.F_LIVE, at.F_TURN_LIVE]] != at.LIVE_NOT))
 
     def _wrong(self, name: str, value: Any, allowed: str) -> StepError:
         return StepError(f"{name} is {value!r}", time=self.time, advice=f"give {allowed}")

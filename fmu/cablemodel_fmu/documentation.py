@@ -74,8 +74,8 @@ varies linearly from its present value. 2: a value holds at the start of the ste
 the step before. With input derivatives set, the value at the end of the step follows from them;
 they hold for one step.</li>
 <li><code>NAME.input</code> of each vessel or driven end: 1 velocity and rates of roll, pitch and
-yaw, 2 position and attitude, 3 all of them. Where a position is given and no attitude, the attitude
-stays, and the other way round.</li>
+yaw, 2 position and attitude, 3 all of them. Of place and attitude, what is not connected follows
+the scene.</li>
 <li>Outside forces and torques act on bodies at their origins; axes are the earth's.</li>
 <li>A <code>NAME.cut</code> above 0.5 makes the cut as the next step begins, once;
 <code>NAME.time</code> says when it was made, and is not a number before.</li>

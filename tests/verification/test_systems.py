@@ -388,6 +388,22 @@ def test_clamp_turns_with_its_vessel() -> None:
     assert tip == pytest.approx([3.0 * math.cos(1.0), 3.0 * math.sin(1.0), -sag], abs=1e-3)
 
 
+def test_reading_changes_nothing() -> None:
+    """A run whose outputs are read at every step is the same, bit for bit, as one without."""
+    scene = hung_bar()
+    scene["bodies"]["bar"]["points"]["c"] = [0.0, 0.2, 0.1]
+    scene["lines"] = {"one": scene["lines"]["one"]}
+    scene["lines"]["tail"] = {"from": "bar.c", "to": "free", "items": string(2.0)}
+    read, left = SystemModel(scene), SystemModel(scene)
+    for k in range(6):
+        push = {"bar": [5.0 * math.cos(k), 3.0, 0.0, 0.5, 0.0, 0.2]}
+        read.outputs()
+        for model in (read, left):
+            model.step(0.1, forces=push)
+    one, other = read.outputs(), left.outputs()
+    assert all(np.array_equal(one[name], other[name]) for name in one)
+
+
 def test_lines_side_by_side() -> None:
     """Two lines without a tie are each as by itself."""
     scene = towed(

@@ -65,7 +65,8 @@ static int pieces_fit(const int64_t *I, const double *row) {
 const char *check_parts(const int64_t *I) {
     const double *M = (const double *)I;
     const int64_t last = I[I_NODES] - 1;
-    if (I[I_DIMENSION] != 3 || I[I_PAYOUT] != 0 || I[I_WAVES] != 0 || I[I_SLEEP] != 0)
+    const int64_t responses = RAO_HEADINGS * RAO_WORDS * I[I_WAVES];
+    if (I[I_DIMENSION] != 3 || I[I_PAYOUT] != 0 || I[I_SLEEP] != 0)
         return "a counter in the model is out of range";
     for (int64_t n = 0; n < I[I_CONSTRAINTS]; n++) {
         const double *row = M + I[O_CONSTRAINT] + n * CONSTRAINT_WORDS;
@@ -74,13 +75,16 @@ const char *check_parts(const int64_t *I) {
     }
     for (int64_t n = 0; n < I[I_FRAMES]; n++) {
         const double *row = M + I[O_FRAMES] + n * FRAME_WORDS;
-        if (!pieces_fit(I, row + F_FIRST) || !pieces_fit(I, row + F_TURN_FIRST))
+        if (!pieces_fit(I, row + F_FIRST) || !pieces_fit(I, row + F_TURN_FIRST) ||
+            !whole(row[F_RAOS], 0, I[I_FRAMES]) ||
+            row[F_RAOS] * (double)responses > (double)I[I_RAO_WORDS])
             return "a vessel's motion is out of range";
     }
     for (int64_t n = 0; n < I[I_FREE]; n++) {
         const double *row = M + I[O_FREE] + n * FREE_WORDS;
         if (!whole(row[Y_NODE], 0, last) || !whole(row[Y_FIRST_FOIL], 0, I[I_FOILS]) ||
             !whole(row[Y_FOILS], 0, I[I_FOILS]) ||
+            !whole(row[Y_HULL], HULL_NONE, HULL_CYLINDER) ||
             row[Y_FIRST_FOIL] + row[Y_FOILS] > (double)I[I_FOILS])
             return "a free body is out of range";
     }
@@ -362,7 +366,8 @@ static int collect_parts(const Cable *cable, double dt) {
     memset(s->motion, 0, sizeof(double) * (size_t)(s->vessels * FRAME_INPUTS));
     for (int64_t n = 0; n < s->vessels; n++) {
         any |= collect_motion(cable, n, dt, s->motion + FRAME_INPUTS * n);
-        any |= cable->M[I[O_FRAMES] + n * FRAME_WORDS + F_LIVE] != 0.0;
+        const double *row = cable->M + I[O_FRAMES] + n * FRAME_WORDS;
+        any |= row[F_LIVE] != (double)LIVE_NOT || row[F_TURN_LIVE] != (double)LIVE_NOT;
     }
     int64_t input = OF_VESSEL * s->vessels;
     for (int64_t n = 0; n < s->bodies; n++)
