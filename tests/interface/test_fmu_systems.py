@@ -33,9 +33,9 @@ def wire(length: float, **more: Any) -> dict[str, Any]:
 
 
 def tow() -> cm.SystemScene:
-    """A plate with a foil and a tail behind a tug on a turning path, which the waves move, and a load
-    on a crane's line, which is clamped and told from its lower end; what can be cut, and what comes
-    off at its time."""
+    """A plate with a foil and a tail behind a tug on a turning path, which the waves move, and a
+    load on a crane's line, which is clamped and told from its lower end; what can be cut, and what
+    comes off at its time."""
     data: dict[str, Any] = {
         "title": "Bridle",
         "cable_types": {
@@ -49,7 +49,7 @@ def tow() -> cm.SystemScene:
         },
         "vessels": {
             "tug": {
-                "points": {"port": [-18, 5, 2], "starboard": [-18, -5, 2]},
+                "points": {"port": [-18, 5, 2]},
                 "path": [{"straight": {"duration": 1, "speed": 2, "heading": 0}},
                          {"turn": {"angle": "30 deg", "radius": 30, "speed": 2}}],
                 "raos": [{"heading_deg": 0, "period": 6, "heave": 0.5, "roll_deg": 2}],
@@ -62,17 +62,15 @@ def tow() -> cm.SystemScene:
                 "mass": 800, "submerged_weight": 6800, "inertia": [60, 200, 200],
                 "drag_area": [0.3, 2, 2], "added_mass": 200.0,
                 "drag_turning": 1.0,
-                "points": {"left": [1.2, 0.4, 0.2], "right": [1.2, -0.4, 0.2],
-                           "stern": [-1.0, 0, 0]},
+                "points": {"left": [1.2, 0.4, 0.2], "stern": [-1.0, 0, 0]},
+                "position": [-20, 5, -38],
                 "foils": {"wing": {"area": 0.5, "position": [0.2, 0, 0]}},
             },
             "buoy": {"mass": 100, "submerged_weight": 500, "inertia": 20.0, "drag_area": 0.5,
-                     "points": {"eye": [0, 0, 0.4]}},
+                     "points": {"eye": [0, 0, 0.4]}, "position": [0, 60, -17]},
         },
         "lines": {
             "port": {"from": "tug.port", "to": "plate.left", "items": [wire(40)]},
-            "starboard": {"from": "tug.starboard", "to": "free",
-                          "items": [wire(30, elements=4)]},
             "tail": {"from": "plate.stern", "to": "free", "items": [wire(15, elements=3)]},
             "hoist": {
                 "from": "buoy.eye", "to": {"point": "crane.tip", "clamped": [0, 0, 1]},
@@ -80,8 +78,8 @@ def tow() -> cm.SystemScene:
             },
         },
         "cuts": {
-            "knife": {"line": "tail", "at": 6.0},
-            "weak": {"line": "starboard", "at": "start", "time": 3.0},
+            "knife": {"line": "port", "at": 25.0},
+            "weak": {"line": "tail", "at": "start", "time": 3.0},
         },
         "run": {"duration": 10, "output_interval": 0.5},
     }  # fmt: skip
