@@ -218,9 +218,10 @@ def responses(rows: tuple[RaoPoint, ...], frequency: FloatArray) -> FloatArray:
             found[h, w, k] = size * np.exp(1j * math.radians(getattr(row, phase)))
     if headings[0] >= 0.0 and headings[-1] <= 180.0 and len(headings) > 1:
         # Port and starboard are alike: sway, roll and yaw change their sign.
-        mirrored = found[::-1] * np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
-        headings = np.concatenate([-headings[::-1], headings])
-        found = np.concatenate([mirrored, found])
+        beside = (headings > 0.0) & (headings < 180.0)
+        mirrored = found[beside] * np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
+        headings = np.concatenate([headings, 360.0 - headings[beside]])
+        found = np.concatenate([found, mirrored])
     at_frequencies = np.stack(
         [
             [
