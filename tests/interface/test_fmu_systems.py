@@ -26,6 +26,7 @@ from cablemodel_fmu.export import Options as ExportOptions
 from cablemodel_fmu.recording import FmuLog
 
 STATIONS = 5
+SCENES = sorted((Path(__file__).parents[2] / "scenes" / "systems").glob("*.yaml"))
 
 
 def wire(length: float, **more: Any) -> dict[str, Any]:
@@ -244,6 +245,26 @@ def test_a_position_alone_moves_the_vessel(towed: Any) -> None:
     np.testing.assert_allclose(slave.get("crane.position"), where)
     np.testing.assert_array_equal(slave.get("crane.attitude"), 0.0)
     slave.close()
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+def test_scenes_to_copy_are_the_same_in_both(path: Path, tmp_path: Path) -> None:
+    """All parts that scenes of systems have, with what the scene schedules and forces on bodies."""
+    model = SystemModel(cm.load_system(path))
+    with unpacked(model.scene, tmp_path, stations=STATIONS) as (place, description):
+        slave = Slave(place, description)
+        still = cm.VesselInput(velocity=[0, 0, 0], attitude_rate=[0, 0, 0])
+        scheduled = slave.fmu.getBoolean([10]) == [1]
+        vessels = {} if scheduled else dict.fromkeys(model.vessels, still)
+        for k in range(1, 5):
+            push = {name: np.array([30.0 * k, -20, 10, 0, 5, 0]) for name in model.bodies}
+            for name, wrench in push.items():
+                slave.set(f"{name}.force_input", wrench[:3])
+                slave.set(f"{name}.torque_input", wrench[3:])
+            slave.step(0.5)
+            model.step(0.5, vessels=vessels, forces=push)
+        assert_same_bits(slave, model)
+        slave.close()
 
 
 def test_all_inputs_drive_a_system_at_rest(hung: Any) -> None:
