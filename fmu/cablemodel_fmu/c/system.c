@@ -41,6 +41,7 @@ struct System {
     int current; /* the numbers below are those of the state */
     double *values;
     Element *elements;
+    int64_t *counts; /* samples at the nodes of each line */
     double *nodes, *fractions, *samples, *parts;
     double *motion, *forces, *angles, *orders, *kept; /* of a step */
 };
@@ -97,6 +98,9 @@ const char *check_parts(const int64_t *I) {
         if (!whole(M[I[O_FOILS] + n * FOIL_WORDS + L_TABLE], 0,
                    I[I_FOIL_WORDS] - 2 * FOIL_ANGLES))
             return "a foil is out of range";
+    for (int64_t n = 0; n < I[I_FEET]; n++)
+        if (!whole(M[I[O_FEET] + n * FOOT_WORDS + FOOT_BODY], 0, I[I_FREE] - 1))
+            return "a body's foot is out of range";
     for (int64_t n = 0; n < I[I_CUTS]; n++) {
         const double *row = M + I[O_CUTS] + n * CUT_WORDS;
         if (!whole(row[CUT_SEGMENT], 0, I[I_CABLES] - 1) ||
@@ -149,10 +153,11 @@ const char *load_system(Cable *cable, const int64_t *section, int64_t words, con
     s->outputs = s->lines * (LINE_OUTPUTS + STATION_OUTPUTS * cable->stations) +
                  s->bodies * BODY_OUTPUTS + s->vessels * VESSEL_OUTPUTS + s->cuts;
     const size_t elements = (size_t)I[I_CAPACITY];
-    const size_t samples = elements + (size_t)(s->lines * (1 + cable->stations));
+    const size_t samples = 2 * elements + (size_t)(s->lines * (1 + cable->stations));
     s->told = calloc((size_t)s->inputs + 1, 1);
     s->values = calloc((size_t)s->outputs, sizeof(double));
     s->elements = calloc(elements, sizeof(Element));
+    s->counts = calloc((size_t)s->lines, sizeof(int64_t));
     s->nodes = calloc(samples, sizeof(double));
     s->fractions = calloc(samples, sizeof(double));
     s->samples = calloc(samples * STATION_WORDS, sizeof(double));
@@ -162,7 +167,7 @@ const char *load_system(Cable *cable, const int64_t *section, int64_t words, con
     s->angles = calloc((size_t)s->foils + 1, sizeof(double));
     s->orders = calloc((size_t)s->cuts + 1, sizeof(double));
     s->kept = calloc((size_t)(I[O_POSITION] - I[O_FRAMES]) + 1, sizeof(double));
-    if (s->told == NULL || s->values == NULL || s->elements == NULL || s->nodes == NULL || s->fractions == NULL || s->samples == NULL || s->parts == NULL ||
+    if (s->told == NULL || s->values == NULL || s->elements == NULL || s->counts == NULL || s->nodes == NULL || s->fractions == NULL || s->samples == NULL || s->parts == NULL ||
         s->motion == NULL || s->forces == NULL || s->angles == NULL || s->orders == NULL ||
         s->kept == NULL)
         return "out of memory";
@@ -171,7 +176,7 @@ const char *load_system(Cable *cable, const int64_t *section, int64_t words, con
 
 void free_system(System *s) {
     if (s == NULL) return;
-    void *const all[] = {s->told, s->values, s->elements, s->nodes, s->fractions,
+    void *const all[] = {s->told, s->values, s->elements, s->counts, s->nodes, s->fractions,
                          s->samples, s->parts, s->motion, s->forces, s->angles, s->orders, s->kept};
     for (size_t n = 0; n < sizeof all / sizeof all[0]; n++) free(all[n]);
     free(s);
@@ -473,7 +478,21 @@ static void place_sample(const Cable *cable, const Element *elements, int64_t co
     *fraction = is_backward(cable, found->node) ? 1.0 - x : x;
 }
 
-/* Places to sample of all lines: of each its elements' beginnings and its end, then stations. */
+/* Whether a line may be cut at an arc length: there both sides are looked at. */
+static int is_cut_at(const Cable *cable, int64_t line, double arc, double length) {
+    const System *s = cable->system;
+    for (int64_t n = 0; n < s->cuts; n++) {
+        const double *row = cable->M + cable->I[O_CUTS] + n * CUT_WORDS;
+        const int64_t segment = s->segments[(int64_t)row[CUT_SEGMENT]];
+        const double place = segment & 1 ? -row[CUT_ARC] : row[CUT_ARC];
+        if (row[CUT_SIDE] == (double)CUT_WITHIN && segment >> 1 == line &&
+            fabs(arc - place) <= SAME_PLACE * length)
+            return 1;
+    }
+    return 0;
+}
+
+/* Places to sample of all lines: of each its nodes, both sides of a cut, then stations. */
 static int64_t place_samples(const Cable *cable, int64_t elements) {
     const System *s = cable->system;
     int64_t placed = 0;
@@ -481,12 +500,19 @@ static int64_t place_samples(const Cable *cable, int64_t elements) {
         const Element *own = s->elements + first;
         next = first;
         while (next < elements && s->elements[next].line == own->line) next++;
-        const int64_t count = next - first;
+        const int64_t count = next - first, begin = placed;
         const double length = line_length(cable, own);
         int64_t which = 0;
-        for (int64_t n = 0; n <= count; n++, placed++)
-            place_sample(cable, own, count, &which, n < count ? own[n].start : length,
-                         s->nodes + placed, s->fractions + placed);
+        for (int64_t n = 0; n <= count; n++, placed++) {
+            const double at = n < count ? own[n].start : length;
+            int64_t before = n - 1;
+            if (n > 0 && n < count && is_cut_at(cable, own->line, at, length)) {
+                place_sample(cable, own, n, &before, at, s->nodes + placed, s->fractions + placed);
+                placed++;
+            }
+            place_sample(cable, own, count, &which, at, s->nodes + placed, s->fractions + placed);
+        }
+        s->counts[own->line] = placed - begin;
         which = 0;
         for (int64_t k = 0; k < cable->stations; k++, placed++)
             place_sample(cable, own, count, &which,
@@ -539,8 +565,9 @@ static const double *outputs(Cable *cable) {
     for (int64_t first = 0, next; first < elements; first = next) {
         next = first;
         while (next < elements && s->elements[next].line == s->elements[first].line) next++;
-        out = line_outputs(rows, next - first + 1, cable->stations, out);
-        rows += STATION_WORDS * (next - first + 1 + cable->stations);
+        const int64_t count = s->counts[s->elements[first].line];
+        out = line_outputs(rows, count, cable->stations, out);
+        rows += STATION_WORDS * (count + cable->stations);
     }
     cablemodel_parts(cable->I, cable->block_words, s->parts, PART_WORDS * s->bodies, vessels,
                      PART_WORDS * s->vessels);
