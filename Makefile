@@ -112,6 +112,7 @@ stress: $(READY_BENCH)  ## run the stress scenes (long)
 
 validate: $(READY_BENCH) native  ## compare with measurements, other programs and closed forms
 	$(BIN)/python -m validation
+	$(BIN)/python -m validation.jobs
 
 golden: $(READY_DEV)  ## make the golden logs of tests/replay anew, where results have changed
 	$(BIN)/python tests/replay/make_golden.py

@@ -22,7 +22,7 @@ from tests.verification.references.jobs import (
     zajac,
 )
 
-WINCH_STOP = Path(__file__).parents[2] / "scenes" / "winch_stop.yaml"
+WINCH_STOP = Path(__file__).parents[2] / "docs" / "jobs" / "winch_stop.yaml"
 
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-4])

@@ -13,7 +13,7 @@ LOAD, ADDED = 20_000.0, 10_000.0
 
 
 def lumped_load(times, pieces=20):
-    """Top tension [N] of `scenes/winch_stop.yaml` at times [s] from the winch's first slow-down on:
+    """Top tension [N] of `docs/jobs/winch_stop.yaml` at times [s] from the winch's first slow-down on:
     the wire is lumped masses on springs, the load drags along its axis."""
     piece = LENGTH / pieces
     spring = STIFFNESS / piece
@@ -125,3 +125,185 @@ def zajac(speed: float, depth: float) -> tuple[float, float]:
     along = 0.5 * 1025.0 * FIBRE["drag_tangential"] * np.pi * FIBRE["diameter"] * slip**2
     length = depth / np.sqrt(1.0 - cosine**2)
     return weight * depth - along * length, length
+
+
+GRAVITY, DENSITY = 9.80665, 1025.0
+
+
+class Kind:
+    """A cable of a scene's data, as the equations below need it."""
+
+    def __init__(self, data: dict, gravity: float = GRAVITY) -> None:
+        area = np.pi / 4 * data["diameter"] ** 2
+        self.mass = data["mass"]
+        self.added = DENSITY * area * data.get("added_mass", 1.0)
+        self.weight = data.get("submerged_weight", (data["mass"] - DENSITY * area) * gravity)
+        self.stiffness = data["axial_stiffness"]
+        self.normal = 0.5 * DENSITY * data.get("drag_normal", 1.0) * data["diameter"]
+        self.tangential = 0.5 * DENSITY * data.get("drag_tangential", 0.01) * np.pi
+        self.tangential *= data["diameter"]
+
+    def drag(self, tangent, flow, stretch):
+        """Force [N/m] of relative water velocity flow (3,) [m/s]."""
+        along = flow @ tangent
+        across = flow - along * tangent
+        force = self.normal * np.linalg.norm(across) * across
+        return (force + self.tangential * abs(along) * along * tangent) * np.sqrt(stretch)
+
+
+def body_force(weight, area, flow):
+    """Of a sphere's drag and weight (3,) [N]; area: drag area times coefficient [m2]."""
+    return 0.5 * DENSITY * area * np.linalg.norm(flow) * flow - np.array([0.0, 0.0, weight])
+
+
+def hanging_line(items, water, top, end=None):
+    """Static line of cables and sphere-like bodies below (or above) its first point at `top` (3,).
+
+    items: (Kind, length) and (weight, drag area) from the far end inwards, the first one a body;
+    water(z) the relative velocity of the water (3,). Integrates force and place from the far end,
+    whose depth is sought. Returns the far end's place, the force at the top (3,), places (n, 3).
+    """
+    from scipy.optimize import brentq
+
+    def run(depth):
+        force, place, shape = np.zeros(3), np.array([0.0, 0.0, depth]), []
+        for one, other in items:
+            if not isinstance(one, Kind):
+                force = force - body_force(one, other, water(place[2]))
+                continue
+
+            def slopes(_s, y, kind=one):
+                pull = np.linalg.norm(y[3:])
+                tangent = y[3:] / pull
+                stretch = 1.0 + pull / kind.stiffness
+                load = kind.drag(tangent, water(y[2]), stretch) - [0.0, 0.0, kind.weight]
+                return np.r_[stretch * tangent, -load]
+
+            start = np.r_[place, force]
+            found = solve_ivp(
+                slopes, (0.0, other), start, "LSODA", rtol=1e-9, atol=1e-8,
+                t_eval=np.linspace(0.0, other, 80),
+            )  # fmt: skip
+            place, force = found.y[:3, -1], found.y[3:, -1]
+            shape.append(found.y[:3].T)
+        return place, force, np.concatenate(shape)
+
+    length = sum(other for one, other in items if isinstance(one, Kind))
+    low, high = end or (top[2] - 1.05 * length, top[2])
+    depth = brentq(lambda z: run(z)[0][2] - top[2], low, high, xtol=1e-6)
+    place, force, shape = run(depth)
+    shape = shape + (np.asarray(top) - place)
+    return shape[0], force, shape
+
+
+def steady_turn(kind, length, weight, area, mass, radius, speed):
+    """Top tension [N] and place of a sphere-like body, from the centre of the circle on which the
+    line's top at (radius, 0, 0) goes; all turns steadily. mass: with what water it moves [kg].
+
+    In the frame that turns: drag of u = -W x r, inertia of W x (W x r); the end's place is sought.
+    """
+    from scipy.optimize import root
+
+    rate = speed / radius
+
+    def flow(r):
+        return np.array([rate * r[1], -rate * r[0], 0.0])
+
+    def inwards(r):  # acceleration
+        return -(rate**2) * np.array([r[0], r[1], 0.0])
+
+    def run(end):
+        force = -body_force(weight, area, flow(end)) + mass * inwards(end)
+
+        def slopes(_s, y):
+            pull = np.linalg.norm(y[3:])
+            tangent = y[3:] / pull
+            stretch = 1.0 + pull / kind.stiffness
+            load = kind.drag(tangent, flow(y[:3]), stretch) - [0.0, 0.0, kind.weight]
+            moves = inwards(y[:3])
+            across = moves - (moves @ tangent) * tangent
+            return np.r_[stretch * tangent, kind.mass * moves + kind.added * across - load]
+
+        return solve_ivp(slopes, (0.0, length), np.r_[end, force], "DOP853", rtol=1e-9, atol=1e-8)
+
+    def missed(end):
+        return run(end).y[:3, -1] - [radius, 0.0, 0.0]
+
+    # From slow turns, where it hangs almost straight, to the one that is asked for.
+    guess, asked = np.array([radius, -0.3 * length, -0.9 * length]), speed
+    for share in (0.3, 0.45, 0.6, 0.7, 0.8, 0.9, 1.0):
+        rate = share * asked / radius
+        found = root(missed, guess, tol=1e-8)
+        guess = found.x
+    if not found.success:
+        raise ArithmeticError(found.message)
+    return float(np.linalg.norm(run(guess).y[3:, -1])), guess
+
+
+def lumped_line(pieces, body, motion, start, times, floor=None, step=0.5):
+    """Lumped masses on springs, for fast motions of a line with a sphere-like body at its end.
+
+    pieces: (Kind, length, segments) from the top; body: mass with added mass [kg], weight [N], drag
+    area times coefficient [m2]; motion(t): place and velocity of the top (3,); start (n + 1, 3) at
+    rest against the top's velocity; a floor at z = `floor` is a stiff, damped spring below it.
+    Returns places (len(times), n, 3) and the top's tension. Second order in the spacing.
+    """
+    kinds = [(kind, length / count) for kind, length, count in pieces for _ in range(count)]
+    rest = np.array([h for _, h in kinds])
+    stiff = np.array([kind.stiffness for kind, _ in kinds])
+    halves = 0.5 * np.array([[k.mass * h, k.added * h, k.weight * h] for k, h in kinds])
+    nodal = halves.copy()
+    nodal[:-1] += halves[1:]
+    normal = 0.5 * np.array([k.normal * h for k, h in kinds])
+    tangential = 0.5 * np.array([k.tangential * h for k, h in kinds])
+    normal[:-1] += normal[1:].copy()
+    tangential[:-1] += tangential[1:].copy()
+    mass, added, weight = nodal.T.copy()
+    mass[-1] += body[0]
+    weight[-1] += body[1]
+    damping = 0.02 * np.sqrt(stiff * rest * np.array([k.mass for k, _ in kinds]) * rest) / rest
+    count = len(kinds)
+
+    def segments(t, y):
+        state = y.reshape(count, 6)
+        place, velocity = motion(t)
+        r, v = np.vstack((place, state[:, :3])), np.vstack((velocity, state[:, 3:]))
+        chord = np.diff(r, axis=0)
+        distance = np.linalg.norm(chord, axis=1)
+        way = chord / distance[:, None]
+        speed = np.einsum("ij,ij->i", np.diff(v, axis=0), way)
+        return r, v, way, stiff * np.maximum(distance / rest - 1.0, -1e-6) + damping * speed
+
+    def slope(t, y):
+        r, v, way, pull = segments(t, y)
+        force = -pull[:, None] * way
+        force[:-1] -= force[1:]
+        tangent = way.copy()
+        tangent[:-1] += way[1:]
+        tangent /= np.linalg.norm(tangent, axis=1)[:, None]
+        u = -v[1:]
+        along = np.einsum("ij,ij->i", u, tangent)
+        across = u - along[:, None] * tangent
+        force += normal[:, None] * np.linalg.norm(across, axis=1)[:, None] * across
+        force += (tangential * np.abs(along) * along)[:, None] * tangent
+        force[:, 2] -= weight
+        force[-1] += 0.5 * DENSITY * body[2] * np.linalg.norm(u[-1]) * u[-1]
+        if floor is not None:
+            sunk = np.maximum(floor - r[1:, 2], 0.0)
+            force[:, 2] += weight * sunk / 0.05 - mass * 4.0 * (sunk > 0.0) * np.minimum(
+                v[1:, 2], 0.0
+            )
+        lengthwise = np.einsum("ij,ij->i", force, tangent)[:, None] * tangent
+        acceleration = lengthwise / mass[:, None] + (force - lengthwise) / (mass + added)[:, None]
+        return np.hstack((v[1:], acceleration)).ravel()
+
+    begin = np.hstack((np.asarray(start)[1:], np.tile(motion(0.0)[1], (count, 1)))).ravel()
+    found = solve_ivp(
+        slope, (0.0, times[-1]), begin, "LSODA", t_eval=times, rtol=1e-4, atol=1e-4,
+        lband=11, uband=11, max_step=step,
+    )  # fmt: skip
+    if not found.success:
+        raise ArithmeticError(found.message)
+    places = found.y.T.reshape(len(times), count, 6)[:, :, :3]
+    tops = np.array([segments(t, y)[3][0] for t, y in zip(times, found.y.T, strict=True)])
+    return places, tops
