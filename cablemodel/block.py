@@ -34,6 +34,7 @@ SIZES = {
     "arms": at.I_ARMS,
     "foils": at.I_FOILS,
     "foil_words": at.I_FOIL_WORDS,
+    "cuts": at.I_CUTS,
 }
 
 Arrays = list[tuple[int, Any]]
@@ -156,6 +157,7 @@ class Block(WordBlock):
         arms: Any = 0,
         foils: Any = 0,
         foil_words: Any = 0,
+        cuts: Any = 0,
     ) -> tuple[Arrays, Arrays]:
         """Arrays of the image in order, then those of the workspace: (header word, length).
 
@@ -187,6 +189,7 @@ class Block(WordBlock):
             (at.O_FREE, free_bodies * at.FREE_WORDS),
             (at.O_FOILS, foils * at.FOIL_WORDS),
             (at.O_ARMS, arms * at.ARM_WORDS),
+            (at.O_CUTS, cuts * at.CUT_WORDS),
             (at.O_POSITION, capacity * 6),
             (at.O_VELOCITY, capacity * 6),
             (at.O_ACCELERATION, capacity * 6),
@@ -252,6 +255,7 @@ class Block(WordBlock):
         arms: int = 0,
         foils: int = 0,
         foil_words: int = 0,
+        cuts: int = 0,
     ) -> None:
         sizes = {
             "capacity": capacity,
@@ -272,6 +276,7 @@ class Block(WordBlock):
             "arms": arms,
             "foils": foils,
             "foil_words": foil_words,
+            "cuts": cuts,
         }
         image, workspace = self.arrays(**sizes)
         header = {at.I_MAGIC: at.MAGIC, at.I_VERSION: at.VERSION}

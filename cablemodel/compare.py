@@ -90,11 +90,12 @@ def _off(one: ArrayLike, other: ArrayLike) -> Floats:
     return np.where(np.isnan(off), np.inf, off)
 
 
-def differences_of(run: Run, tolerance: float) -> tuple[dict[str, Difference], ...]:
-    """Differences yet to be found, of the outputs and of the states of a run, by name.
+def differences_of(run: Run, tolerance: float) -> tuple[dict[str, Difference], Along]:
+    """Differences yet to be found, of the outputs of a run by name, and of its lines' states.
 
-    A tolerance allows lengths this part of the line's length at the start; curvatures and moments
-    a hundred times this part, and all else ten times, of the largest value in the same unit.
+    A tolerance allows lengths this part of the (longest) line's length at the start; curvatures and
+    moments a hundred times this part, and all else ten times, of the largest value in the same
+    unit.
     """
     rows = {row.python: row for row in variables.outputs_of(run.scene)}
     largest = {"m": run.scene.line_length}
@@ -107,17 +108,26 @@ def differences_of(run: Run, tolerance: float) -> tuple[dict[str, Difference], .
     for name in run.names:
         if rows[name].present != "error_estimate":
             note(rows[name].unit, run[name])
-    for state in run.states:
-        for name, unit in STATE_UNITS.items():
-            note(unit, np.asarray(getattr(state, name), float))
+    for states in run.shapes.values():
+        for state in states:
+            for name, unit in STATE_UNITS.items():
+                note(unit, np.asarray(getattr(state, name), float))
 
     def difference(name: str, unit: str) -> Difference:
         scale = looseness(unit) * largest.get(unit, 0.0)
         return Difference(name, unit, tolerance * scale, scale)
 
     outputs = {name: difference(name, rows[name].unit) for name in run.names}
-    along = {name: difference(f"state.{name}", unit) for name, unit in STATE_UNITS.items()}
+    along = {
+        (line, name): difference(f"{line}.state.{name}".lstrip("."), unit)
+        for line in run.shapes
+        for name, unit in STATE_UNITS.items()
+    }
     return outputs, along
+
+
+Along = dict[tuple[str, str], Difference]
+"""By line and field of its states."""
 
 
 @dataclass
@@ -187,13 +197,16 @@ def compare(one: Run, other: Run, *, tolerance: float = 0.0) -> Comparison:
             values = other[name][others]
         outputs[name].take_all(*_as_wide(one[name][rows], values), one.time[rows])
 
-    rows, others = _common(one.states.time, other.states.time)
-    result.states = len(rows)
-    for row, theirs in zip(rows.tolist(), others.tolist(), strict=True):
-        state = one.states[row]
-        again = state_at(other.states[theirs], state.s)
-        for name, difference in along.items():
-            difference.take(getattr(state, name), getattr(again, name), state.time, state.s)
+    for line in set(one.shapes) & set(other.shapes):
+        mine, theirs = one.shapes[line], other.shapes[line]
+        rows, others = _common(mine.time, theirs.time)
+        result.states = len(rows)
+        for row, match in zip(rows.tolist(), others.tolist(), strict=True):
+            state = mine[row]
+            again = state_at(theirs[match], state.s)
+            for name in STATE_UNITS:
+                ours = getattr(state, name)
+                along[line, name].take(ours, getattr(again, name), state.time, state.s)
     return result
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from os import PathLike
 from types import TracebackType
@@ -16,13 +16,21 @@ from numpy.typing import ArrayLike, NDArray
 from cablemodel import variables
 from cablemodel.cadence import Cadence
 from cablemodel.errors import CableModelError, LogError, shown
-from cablemodel.states import States, applied_values, bodies_in_columns, by_label, matrix_of
+from cablemodel.states import (
+    States,
+    applied_values,
+    bodies_in_columns,
+    by_label,
+    matrix_of,
+    shapes_of,
+)
 
 if TYPE_CHECKING:
     from cablemodel.log.writer import LogWriter
     from cablemodel.model import CableModel, CableState
     from cablemodel.run import Run
     from cablemodel.scene import Scene
+    from cablemodel.systems import SystemScene, VesselInput
 
 Floats = NDArray[np.float64]
 
@@ -82,7 +90,7 @@ class Recorder:
         if until is not None:
             end = seconds("until", until)
         outputs = max(0, math.ceil((end - model.time) / interval)) + 1
-        nodes = len(model.state().s)
+        nodes = sum(len(shape.s) for shape in shapes_of(model).values())
         self.model = model
         self._interval = interval
         self._cadence = Cadence.of(outputs, nodes, interval, state_interval)
@@ -117,7 +125,8 @@ class Recorder:
         current: ArrayLike | None = None,
     ) -> None:
         """As :meth:`CableModel.step`, recorded."""
-        self._take(self.model.step, dt, vessel_velocity, vessel_position, payout_rate, current)
+        inputs = (vessel_velocity, vessel_position, payout_rate, current)
+        self._take(self.model.step, dt, _by_name(inputs))
 
     def step_to(
         self,
@@ -128,7 +137,8 @@ class Recorder:
         current: ArrayLike | None = None,
     ) -> None:
         """As :meth:`CableModel.step_to`, recorded."""
-        self._take(self.model.step_to, end, vessel_velocity, vessel_position, payout_rate, current)
+        inputs = (vessel_velocity, vessel_position, payout_rate, current)
+        self._take(self.model.step_to, end, _by_name(inputs))
 
     def _check(self) -> None:
         if self._ended:
@@ -139,13 +149,11 @@ class Recorder:
                 f"{self.model.time:g} s without it: restore it, or step it with the recorder"
             )
 
-    def _take(self, step: Callable[..., None], *arguments: Any) -> None:
+    def _take(self, step: Callable[..., None], to: float, given: dict[str, Any]) -> None:
         """Call a step of the model with its time and inputs, and record it."""
         self._check()
         begin = time.perf_counter()
-        step(*arguments)
-        inputs = zip(variables.INPUTS, arguments[1:], strict=True)
-        given = {variable.python: value for variable, value in inputs if value is not None}
+        step(to, **given)
         model, length = self.model, self.model.time - self._time
         self._time = model.time
         if self._memory is not None:
@@ -164,14 +172,15 @@ class Recorder:
 
     def _output(self, *, last: bool = False) -> None:
         model = self.model
-        state = model.state()
-        self._largest_curvature = max(self._largest_curvature, float(np.max(state.curvature)))
+        shapes = shapes_of(model)
+        for state in shapes.values():
+            self._largest_curvature = max(self._largest_curvature, float(np.max(state.curvature)))
         exact = last or self._outputs % self._cadence.states == 0
         shape = last or self._outputs % self._cadence.shapes == 0
         if self._memory is not None:
-            self._memory.output(model, state if exact else None)
+            self._memory.output(model, shapes, exact=exact)
         if self._writer is not None:
-            self._writer.write_outputs(model, state, exact_state=exact, shape=shape)
+            self._writer.write_outputs(model, shapes, exact_state=exact, shape=shape)
         self._outputs += 1
         self._last_output, self._last_exact, self._last_shape = model.time, exact, shape
 
@@ -209,7 +218,7 @@ class Recorder:
         if self._last_output != self._time:
             self._output(last=True)
         elif self._memory is not None and not self._last_exact:
-            self._memory.keep(self.model.state())
+            self._memory.keep(shapes_of(self.model))
         elif self._writer is not None:
             self._writer.write_along(
                 self.model, exact_state=not self._last_exact, shape=not self._last_shape
@@ -244,20 +253,65 @@ class Recorder:
         Raises:
             CableModelError: the recording goes on.
         """
-        from cablemodel.run import Run, open_run
+        from cablemodel.run import open_run, run_of
 
         if not self._ended:
             raise CableModelError("the recording goes on: close it first, or leave its with block")
         if self._log is not None:
             return open_run(self._log)
         assert self._memory is not None
-        return Run(
+        return run_of(
             self.model.scene,
             self._memory,
             statistics=self.statistics,
             complete=not self._reason,
             reason=self._reason,
         )
+
+
+class SystemRecorder(Recorder):
+    """A `Recorder` of a `SystemModel`."""
+
+    def step(  # type: ignore[override]  # a system has other inputs
+        self,
+        dt: float,
+        vessels: Mapping[str, VesselInput] | None = None,
+        forces: Mapping[str, ArrayLike] | None = None,
+        deflections: Mapping[str, float] | None = None,
+        cuts: Iterable[str] = (),
+    ) -> None:
+        """As :meth:`SystemModel.step`, recorded."""
+        self._take(self.model.step, dt, _named(vessels, forces, deflections, cuts))
+
+    def step_to(  # type: ignore[override]
+        self,
+        end: float,
+        vessels: Mapping[str, VesselInput] | None = None,
+        forces: Mapping[str, ArrayLike] | None = None,
+        deflections: Mapping[str, float] | None = None,
+        cuts: Iterable[str] = (),
+    ) -> None:
+        """As :meth:`SystemModel.step_to`, recorded."""
+        self._take(self.model.step_to, end, _named(vessels, forces, deflections, cuts))
+
+
+def recorder_of(model: Any, *arguments: Any, **options: Any) -> Recorder:
+    """A recorder of a model of one line or of a system; arguments as those of `Recorder`."""
+    check_model(model)
+    kind = SystemRecorder if variables.is_system(model.scene) else Recorder
+    return kind(model, *arguments, **options)
+
+
+def _by_name(inputs: tuple[Any, ...]) -> dict[str, Any]:
+    """Those inputs of a step of one line that are given."""
+    pairs = zip(variables.INPUTS, inputs, strict=True)
+    return {item.python: value for item, value in pairs if value is not None}
+
+
+def _named(vessels: Any, forces: Any, deflections: Any, cuts: Iterable[str]) -> dict[str, Any]:
+    given = {"vessels": vessels, "forces": forces, "deflections": deflections}
+    given["cuts"] = list(cuts)
+    return {name: value for name, value in given.items() if value}
 
 
 def check_model(model: Any) -> None:
@@ -273,34 +327,42 @@ def check_model(model: Any) -> None:
 class Memory:
     """Outputs, states and applied inputs of a run, kept in memory (a ``Source`` of a Run)."""
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: Scene | SystemScene) -> None:
         self.steps: list[Floats] = []
-        """What each step applied, in the order of ``variables.APPLIED_INPUT_LABELS``."""
+        """What each step applied, in the order of ``variables.input_labels``."""
+        self._labels = variables.input_labels(scene)
+        self._system = variables.is_system(scene)
         self._times: list[float] = []
         self._state_times: list[float] = []
-        self._states: list[Floats] = []
+        self._states: dict[str, list[Floats]] = {
+            line: [] for line in variables.state_topics_of(scene)
+        }
         self._values: dict[str, list[Any]] = {
             variable.python: []
             for variable in variables.outputs_of(scene)
-            if not variable.python.startswith("state.")
+            if variable.message != variables.CLOUD
         }
 
-    def output(self, model: Any, state: CableState | None) -> None:
-        """Keep all outputs at the model's time, and its state if it is given."""
+    def output(self, model: Any, shapes: Mapping[str, CableState], *, exact: bool) -> None:
+        """Keep all outputs at the model's time, and its shapes if they are to be exact."""
         self._times.append(model.time)
-        if state is not None:
-            self.keep(state)
+        if exact:
+            self.keep(shapes)
+        outputs = model.outputs(shapes) if self._system else {}
         for name, values in self._values.items():
             owner, _, attribute = name.rpartition(".")
-            if owner == "bodies":
+            if self._system:
+                values.append(np.array(outputs[name], float))
+            elif owner == "bodies":
                 vectors = [getattr(body, attribute) for body in model.bodies]
                 values.append(np.array(vectors, float).reshape(-1, 3))
             else:
                 values.append(np.array(getattr(model, name), float))
 
-    def keep(self, state: CableState) -> None:
+    def keep(self, shapes: Mapping[str, CableState]) -> None:
+        for name, state in shapes.items():
+            self._states[name].append(matrix_of(state))
         self._state_times.append(state.time)
-        self._states.append(matrix_of(state))
 
     def times(self) -> Floats:
         return np.array(self._times)
@@ -311,8 +373,9 @@ class Memory:
             return bodies_in_columns(values)
         return np.array(values, float)
 
-    def states(self) -> States:
-        return States(np.array(self._state_times), self._states)
+    def shapes(self) -> dict[str, States]:
+        times = np.array(self._state_times)
+        return {name: States(times, matrices) for name, matrices in self._states.items()}
 
     def applied_inputs(self) -> dict[str, Floats]:
-        return by_label(self.steps)
+        return by_label(self.steps, self._labels)

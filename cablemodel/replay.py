@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel import variables
-from cablemodel.compare import SAME_TIME, Difference, differences_of
+from cablemodel.compare import SAME_TIME, STATE_UNITS, Along, Difference, differences_of
 from cablemodel.errors import LogError, StepError
 from cablemodel.states import bodies_in_columns
 
@@ -86,11 +86,7 @@ def replay(
         raise LogError("the log holds no outputs: there is nothing to compare")
     inputs = run.applied_inputs
     _check_begin(run, inputs)
-    if make_model is None:
-        from cablemodel.model import CableModel
-
-        make_model = CableModel
-    model = make_model(run.scene)
+    model: Any = (make_model or _model_of)(run.scene)
     changed = changes(run.metadata)
     if tolerance is None:
         tolerance = run.scene.solver.tolerance if changed else 0.0
@@ -102,7 +98,7 @@ def replay(
         if comparison.done:
             break
         try:
-            model.step_to(float(inputs["time"][step]), **_given(inputs, step))
+            model.step_to(float(inputs["time"][step]), **_given(model, inputs, step))
         except StepError as error:
             result.failure = f"a step that the log has cannot be made again: {error}"
             break
@@ -135,8 +131,22 @@ def _check_begin(run: Run, inputs: dict[str, Floats]) -> None:
         raise LogError(f"the log begins at t = {begin:g} s: only a run from t = 0 can be replayed")
 
 
-def _given(inputs: dict[str, Floats], step: int) -> dict[str, Any]:
+def _model_of(scene: Any) -> Any:
+    """A model of a scene, of one line or of a system."""
+    if variables.is_system(scene):
+        from cablemodel.systems import SystemModel
+
+        return SystemModel(scene)
+    from cablemodel.model import CableModel
+
+    return CableModel(scene)
+
+
+def _given(model: Any, inputs: dict[str, Floats], step: int) -> dict[str, Any]:
     """The inputs that the caller of a step gave; the others come from the scene again."""
+    if variables.is_system(model.scene):
+        row = np.array([inputs[label][step] for label in variables.input_labels(model.scene)])
+        return dict(model.given_by(row))
     given: dict[str, Any] = {}
     for item in variables.INPUTS:
         if inputs[f"{item.python}_given"][step] > 0.5:
@@ -155,7 +165,7 @@ class _Comparison:
     samples: int = 0
     _states: int = 0
     _outputs: dict[str, Difference] = field(default_factory=dict)
-    _along: dict[str, Difference] = field(default_factory=dict)
+    _along: Along = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self._outputs, self._along = differences_of(self.run, self.tolerance)
@@ -167,22 +177,31 @@ class _Comparison:
     @property
     def done(self) -> bool:
         """Whether all outputs and states of the log were met."""
-        return self.samples == len(self.run.time) and self._states == len(self.run.states)
+        return self.samples == len(self.run.time) and self._states == len(self._state_times)
 
-    def take(self, model: CableModel) -> None:
+    @property
+    def _state_times(self) -> Floats:
+        return next(iter(self.run.shapes.values())).time
+
+    def take(self, model: Any) -> None:
         """Compare at the model's time, if the log has an output there."""
         now = model.time
         if self.samples < len(self.run.time) and _same(now, self.run.time[self.samples]):
+            system = variables.is_system(model.scene)
+            outputs = model.outputs() if system else {}
             for name, difference in self._outputs.items():
                 logged = self.run[name][self.samples]
-                difference.take(logged, _output(model, name, logged), now)
+                again = outputs[name] if system else _output(model, name, logged)
+                difference.take(logged, again, now)
             self.samples += 1
-        times = self.run.states.time
+        times = self._state_times
         if self._states < len(times) and _same(now, times[self._states]):
-            state = self.run.states[self._states]
-            again = _state_at(model, state.s)
-            for name, difference in self._along.items():
-                difference.take(getattr(state, name), getattr(again, name), now, state.s)
+            for line, states in self.run.shapes.items():
+                state = states[self._states]
+                again = _state_at(model, line, state.s)
+                for name in STATE_UNITS:
+                    values = getattr(state, name), getattr(again, name)
+                    self._along[line, name].take(*values, now, state.s)
             self._states += 1
 
 
@@ -206,7 +225,8 @@ def _output(model: CableModel, name: str, logged: Any) -> Any:
     return bodies_in_columns([values], len(logged))[0]
 
 
-def _state_at(model: CableModel, s: Floats) -> CableState:
-    """The model's state at the nodes of a log, which another version may mesh differently."""
-    state = model.state()
-    return state if np.array_equal(state.s, s) else model.sample(s)
+def _state_at(model: Any, line: str, s: Floats) -> CableState:
+    """A line's state at the nodes of a log, which another version may mesh differently."""
+    part = model.lines[line] if line else model
+    state: CableState = part.sample() if line else model.state()
+    return state if np.array_equal(state.s, s) else part.sample(s)

@@ -17,7 +17,7 @@ from cablemodel import variables
 from cablemodel.cadence import check_outputs, output_times
 from cablemodel.errors import LogError, SceneError
 from cablemodel.promise import ErrorEstimate
-from cablemodel.recorder import Recorder, check_model
+from cablemodel.recorder import check_model, recorder_of
 from cablemodel.states import States
 from cablemodel.wall_tension import Surroundings
 
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
     from cablemodel.model import CableModel
     from cablemodel.scene import Scene
+    from cablemodel.systems import SystemModel, SystemScene
 
 Floats = NDArray[np.float64]
 
@@ -35,7 +36,7 @@ class Source(Protocol):
 
     def times(self) -> Floats: ...
     def column(self, variable: variables.Variable) -> Floats: ...
-    def states(self) -> States: ...
+    def shapes(self) -> dict[str, States]: ...
     def applied_inputs(self) -> dict[str, Floats]: ...
 
 
@@ -82,7 +83,13 @@ class Run:
     def states(self) -> States:
         """Shape, tension, ... along the cable, exact, at ``states.time``: the output times, or in
         long runs some of them."""
-        return self._source.states().in_water(Surroundings.of(self.scene))
+        return self.shapes[""]
+
+    @cached_property
+    def shapes(self) -> dict[str, States]:
+        """The states of every line by its name: of one line those of ``""``."""
+        water = Surroundings.of(self.scene)
+        return {name: states.in_water(water) for name, states in self._source.shapes().items()}
 
     @cached_property
     def applied_inputs(self) -> dict[str, Floats]:
@@ -101,7 +108,7 @@ class Run:
         """
         if name not in self._columns:
             variable = self._variables.get(name)
-            if variable is None or name.startswith("state."):
+            if variable is None or variable.message == variables.CLOUD:
                 known = ", ".join(self.names)
                 raise KeyError(f"{name} is no output of this run; it has {known}")
             self._columns[name] = self._source.column(variable)
@@ -114,7 +121,8 @@ class Run:
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the outputs over time."""
-        return tuple(name for name in self._variables if not name.startswith("state."))
+        rows = self._variables.items()
+        return tuple(name for name, row in rows if row.message != variables.CLOUD)
 
     @property
     def top_tension(self) -> Floats:
@@ -141,7 +149,8 @@ class Run:
         """Largest curvature over the cable and all output times [1/m]; NaN without any."""
         found = self.statistics.get("max_curvature")
         # Logs that no run wrote, or that were cut, know the curvatures of their states only.
-        return self.states.max_curvature if found is None else float(found)
+        known = (states.max_curvature for states in self.shapes.values())
+        return max(known) if found is None else float(found)
 
     @property
     def wall_time(self) -> float:
@@ -204,6 +213,90 @@ class Run:
         return dataset(self)
 
 
+class SystemRun(Run):
+    """Results of a system over time: ``run["port.start_tension"]`` (n,), ``run["plate.position"]``
+    (n, 3), ``run["tug.force"]``; the states of each line are ``run.lines["port"]``.
+    """
+
+    scene: SystemScene  # type: ignore[assignment]
+
+    @property
+    def states(self) -> States:
+        """There are those of every line: `lines`.
+
+        Raises:
+            AttributeError: always.
+        """
+        raise AttributeError(f"a system has states of each line: lines[{next(iter(self.lines))!r}]")
+
+    @property
+    def lines(self) -> dict[str, States]:
+        """Shape, tension, ... along each line by its name; see `Run.states`."""
+        return self.shapes
+
+    @cached_property
+    def shapes(self) -> dict[str, States]:
+        return self._source.shapes()
+
+    @property
+    def top_tension(self) -> Floats:
+        """The largest tension at the beginning of a line (n,) [N]."""
+        return self._over_lines("start_tension", np.max)
+
+    @property
+    def tension_min(self) -> Floats:
+        """Lowest tension of all lines (n,) [N]."""
+        return self._over_lines("tension_min", np.min)
+
+    @property
+    def tension_max(self) -> Floats:
+        """Highest tension of all lines (n,) [N]."""
+        return self._over_lines("tension_max", np.max)
+
+    def _over_lines(self, name: str, extreme: Callable[..., Any]) -> Floats:
+        values = [self[f"{line}.{name}"] for line in self.scene.lines]
+        return np.asarray(extreme(values, axis=0), dtype=np.float64)
+
+    @property
+    def error_estimate(self) -> ErrorEstimate | None:
+        """None: a system's errors are not estimated."""
+        return None
+
+    def summary(self) -> dict[str, Any]:
+        """What ``cablemodel run --json`` prints: the time, and for every line ``tension_min`` and
+        ``tension_max`` of the run [N], tensions at its ends; for every body its ``position`` [m]
+        and ``attitude`` [rad], for every vessel ``force`` [N] and ``moment`` [N m], all at the
+        end. The rest is as of one line."""
+        ended = len(self.time) > 0
+        found: dict[str, Any] = {"time": float(self.time[-1]) if ended else None}
+        found["lines"], found["bodies"], found["vessels"] = {}, {}, {}
+        if ended:
+            for name in self.scene.lines:
+                found["lines"][name] = {
+                    "start_tension": _finite(self[f"{name}.start_tension"][-1]),
+                    "end_tension": _finite(self[f"{name}.end_tension"][-1]),
+                    "tension_min": _finite(np.min(self[f"{name}.tension_min"])),
+                    "tension_max": _finite(np.max(self[f"{name}.tension_max"])),
+                }
+            for kind, keys in (("bodies", ("position", "attitude")), ("vessels", _WRENCH)):
+                for name in getattr(self.scene, kind):
+                    values = {key: self[f"{name}.{key}"][-1] for key in keys}
+                    found[kind][name] = {k: [_finite(x) for x in v] for k, v in values.items()}
+        found["max_curvature"] = _finite(self.max_curvature)
+        for name in ("wall_time", "steps", "rejected", "factorisations", "elements"):
+            found[name] = _finite(self.statistics.get(name))
+        return found
+
+
+_WRENCH = ("force", "moment")
+
+
+def run_of(scene: Scene | SystemScene, source: Source, **about: Any) -> Run:
+    """A run of one line or of a system; ``about`` as for `Run`."""
+    kind = SystemRun if variables.is_system(scene) else Run
+    return kind(scene, source, **about)  # type: ignore[arg-type]
+
+
 def _finite(value: Any) -> Any:
     """NumPy's numbers as Python's, and None for what JSON has no number for."""
     value = value.item() if isinstance(value, np.generic) else value
@@ -227,12 +320,12 @@ class Progress:
 
 
 def simulate(
-    scene: Scene | str | PathLike[str] | Mapping[str, Any],
+    scene: Scene | SystemScene | str | PathLike[str] | Mapping[str, Any],
     *,
     log: str | PathLike[str] | None = None,
     until: float | str | None = None,
     progress: Callable[[Progress], None] | None = None,
-    model: CableModel | None = None,
+    model: CableModel | SystemModel | None = None,
     state_interval: float | str | None = None,
 ) -> Run:
     """Run a scene from its initial state to its end.
@@ -241,7 +334,7 @@ def simulate(
     the cable is not (see :mod:`cablemodel.cadence`), unless ``state_interval`` says how often.
 
     Args:
-        scene: what to simulate: a scene, or what `load_scene` takes.
+        scene: what to simulate: a scene of one line or of a system, or what `load_scene` takes.
         log: file to write the log to (MCAP); the states are then read from it, not kept.
         until: end of the run instead of the scene's duration: seconds, or text with a unit.
         progress: called at every output.
@@ -255,19 +348,20 @@ def simulate(
         ValueError: ``until`` or ``state_interval`` is not a positive time.
         TypeError: ``model`` is no model.
     """
-    from cablemodel.scene.load import scene_of
+    from cablemodel.systems import SystemModel, read_scene
 
-    scene = scene_of(scene)
+    scene = read_scene(scene)
     if model is not None:
         check_model(model)
     end = end_of(scene, until, 0.0 if model is None else model.time)
     if model is None:
         from cablemodel.model import CableModel
+        from cablemodel.scene import Scene
 
-        model = CableModel(scene)
+        model = CableModel(scene) if isinstance(scene, Scene) else SystemModel(scene)
     times = output_times(model.time, end, scene.run.output_interval)
     begin = time.perf_counter()
-    with Recorder(
+    with recorder_of(
         model,
         log,
         output_interval=scene.run.output_interval,
@@ -285,7 +379,9 @@ def simulate(
     return recorder.run()
 
 
-def end_of(scene: Scene, until: float | str | None = None, start: float = 0.0) -> float:
+def end_of(
+    scene: Scene | SystemScene, until: float | str | None = None, start: float = 0.0
+) -> float:
     """When a run ends [s]: ``until``, or the scene's duration. Asked before a model is made, which
     may take long.
 
@@ -309,17 +405,17 @@ def open_run(path: str | PathLike[str]) -> Run:
         LogError: no log of this project, damaged, or of another version.
     """
     from cablemodel.log.reader import LogFile
-    from cablemodel.log.source import LogSource
-    from cablemodel.scene import load_scene
+    from cablemodel.log.source import source_of
+    from cablemodel.systems import read_scene
 
     log = LogFile(path)
     try:
-        scene = load_scene(log.scene_text)
+        scene = read_scene(log.scene_text)
     except SceneError as error:
         raise LogError(f"{path}: this version cannot read the scene in the log: {error}") from error
-    return Run(
+    return run_of(
         scene,
-        LogSource(log),
+        source_of(log, scene),
         statistics=log.statistics,
         complete=log.complete,
         reason=log.reason,

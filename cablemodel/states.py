@@ -17,6 +17,7 @@ from cablemodel.variables import (
     INPUTS,
     STATE_FIELDS,
     STATE_LABELS,
+    is_system,
     span,
 )
 
@@ -38,11 +39,14 @@ def matrix_of(state: Any) -> Floats:
 
 
 def applied_values(model: Any, step: float, given: Collection[str] | Mapping[str, Any]) -> Floats:
-    """What a step applied, in the order of ``APPLIED_INPUT_LABELS``.
+    """What a step applied, in the order of ``variables.input_labels``.
 
     ``given`` names the inputs that the caller gave. As a mapping it has their values too, which are
     then kept rather than what evaluating the motion makes of them, a last bit of round-off away.
     """
+    if is_system(model.scene):
+        assert isinstance(given, Mapping)
+        return np.asarray(model.input_row(step, given), dtype=np.float64)
     values = np.full(len(APPLIED_INPUT_LABELS), np.nan)
     values[0], values[1] = model.time, step
     applied = model.applied_inputs
@@ -73,10 +77,15 @@ _GIVEN = [
 ]
 
 
-def by_label(rows: list[Floats]) -> dict[str, Floats]:
-    """Applied inputs of all steps: label to values (steps,)."""
-    table = np.array(rows).reshape(len(rows), len(APPLIED_INPUT_LABELS))
-    return {label: table[:, index] for index, label in enumerate(APPLIED_INPUT_LABELS)}
+def shapes_of(model: Any) -> dict[str, CableState]:
+    """The present state of every line of a model by its name, which is "" where there is one."""
+    return model.shapes() if is_system(model.scene) else {"": model.state()}
+
+
+def by_label(rows: list[Floats], labels: Sequence[str]) -> dict[str, Floats]:
+    """Rows of numbers, such as the inputs of all steps: label to values (rows,)."""
+    table = np.array(rows).reshape(len(rows), len(labels))
+    return {label: table[:, index] for index, label in enumerate(labels)}
 
 
 def bodies_in_columns(samples: list[Floats], columns: int | None = None) -> Floats:

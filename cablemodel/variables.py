@@ -7,7 +7,7 @@ generated from this table, so that a name is written once. Units are SI; axes ar
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any, Literal
 
@@ -55,6 +55,20 @@ class Variable:
     def resolved_topic(self) -> str:
         """Topic with ``~`` replaced by the node's name: ``/cable/tension_top``."""
         return resolved(self.topic)
+
+    def of_part(self, name: str) -> Variable:
+        """The same of a part of a system: NAME stands for it in all names."""
+
+        def named(text: str) -> str:
+            return text.replace("NAME", name)
+
+        return replace(
+            self,
+            quantity=f"{name}: {self.quantity}",
+            python=named(self.python),
+            fmu=named(self.fmu),
+            topic=named(self.topic),
+        )
 
     def in_scene(self, scene: Any) -> bool:
         """Whether a scene has this variable."""
@@ -132,6 +146,54 @@ OUTPUTS: tuple[Variable, ...] = (
              "error.tension", "~/tension_error", FLOAT64, present="error_estimate"),
 )  # fmt: skip
 
+LINE_OUTPUTS: tuple[Variable, ...] = (
+    Variable("tension at its beginning", "N", "NAME.start_tension", "NAME.tension.start",
+             "~/NAME/tension_start", FLOAT64),
+    Variable("tension at its end", "N", "NAME.end_tension", "NAME.tension.end",
+             "~/NAME/tension_end", FLOAT64),
+    Variable("lowest tension along it", "N", "NAME.tension_min", "NAME.tension.min",
+             "~/NAME/tension_min", FLOAT64),
+    Variable("highest tension along it", "N", "NAME.tension_max", "NAME.tension.max",
+             "~/NAME/tension_max", FLOAT64),
+    Variable("position along it", "m", "NAME.state.position", "NAME.position[k,i]",
+             "~/NAME/nodes", CLOUD, ("stations", 3), member="x y z"),
+    Variable("effective tension along it", "N", "NAME.state.tension", "NAME.tension[k]",
+             "~/NAME/nodes", CLOUD, ("stations",), member="tension"),
+    Variable("curvature along it", "1/m", "NAME.state.curvature", "NAME.curvature[k]",
+             "~/NAME/nodes", CLOUD, ("stations",), member="curvature"),
+    Variable("unstretched arc length from its beginning", "m", "NAME.state.s", "",
+             "~/NAME/nodes", CLOUD, ("stations",), member="s"),
+)  # fmt: skip
+"""Of each line of a system."""
+
+BODY_OUTPUTS: tuple[Variable, ...] = (
+    Variable("position of its origin", "m", "NAME.position", "NAME.position[i]",
+             "~/NAME/odom", ODOMETRY, (3,), member="pose.pose.position"),
+    Variable("roll, pitch and yaw", "rad", "NAME.attitude", "NAME.attitude[i]",
+             "~/NAME/odom", ODOMETRY, (3,), member="pose.pose.orientation"),
+    Variable("velocity of its origin", "m/s", "NAME.velocity", "NAME.velocity[i]",
+             "~/NAME/odom", ODOMETRY, (3,), member="twist.twist.linear (in its own axes)"),
+    Variable("angular velocity", "rad/s", "NAME.angular_velocity", "NAME.angular_velocity[i]",
+             "~/NAME/odom", ODOMETRY, (3,), member="twist.twist.angular (in its own axes)"),
+)  # fmt: skip
+"""Of each free body of a system; in the earth's frame."""
+
+VESSEL_OUTPUTS: tuple[Variable, ...] = (
+    *BODY_OUTPUTS,
+    Variable("force of all lines on it", "N", "NAME.force", "NAME.force[i]",
+             "~/NAME/wrench", WRENCH, (3,), member="wrench.force (in its own axes)"),
+    Variable("moment of all lines about its origin", "N.m", "NAME.moment", "NAME.moment[i]",
+             "~/NAME/wrench", WRENCH, (3,), member="wrench.torque (in its own axes)"),
+)  # fmt: skip
+"""Of each vessel or driven end; in the earth's frame."""
+
+
+CUT_OUTPUTS: tuple[Variable, ...] = (
+    Variable("when the line was cut there (NaN: not yet)", "s", "NAME.time", "NAME.time",
+             "~/NAME/time", FLOAT64),
+)  # fmt: skip
+"""Of each cut of a system."""
+
 
 @dataclass(frozen=True)
 class Input:
@@ -157,6 +219,34 @@ INPUTS: tuple[Input, ...] = (
           "~/payout_rate_cmd", FLOAT64),
     Input("current, added to the scene's", "m/s", "current", "current.velocity[i]", "", "", (3,)),
 )  # fmt: skip
+
+_STEP_OF_SYSTEM: tuple[tuple[str, int], ...] = (("time", 1), ("step", 1))
+
+VESSEL_INPUTS: tuple[Input, ...] = (
+    Input("position of its origin", "m", "position", "NAME.position_input[i]",
+          "~/NAME/odom_in", ODOMETRY, (3,)),
+    Input("velocity of its origin", "m/s", "velocity", "NAME.velocity_input[i]",
+          "~/NAME/odom_in", ODOMETRY, (3,)),
+    Input("roll, pitch and yaw", "rad", "attitude", "NAME.attitude_input[i]",
+          "~/NAME/odom_in", ODOMETRY, (3,)),
+    Input("their rates", "rad/s", "attitude_rate", "NAME.attitude_rate_input[i]",
+          "~/NAME/odom_in", ODOMETRY, (3,)),
+)  # fmt: skip
+"""Of each vessel or driven end of a system: fields of ``VesselInput``."""
+
+BODY_INPUTS: tuple[Input, ...] = (
+    Input("outside force", "N", "force", "NAME.force_input[i]", "~/NAME/wrench_in", WRENCH, (3,)),
+    Input("outside torque about its origin", "N.m", "torque", "NAME.torque_input[i]",
+          "~/NAME/wrench_in", WRENCH, (3,)),
+)  # fmt: skip
+"""Of each free body of a system."""
+
+FOIL_INPUT = Input("deflection", "rad", "deflection", "NAME.deflection", "~/NAME/deflection",
+                   FLOAT64)  # fmt: skip
+"""Of each foil of a system, by the names of its body and its own."""
+
+CUT_INPUT = Input("1: make the cut now", "", "cut", "NAME.cut", "~/NAME/cut", FLOAT64)
+"""Of each cut of a system."""
 
 
 @dataclass(frozen=True)
@@ -212,6 +302,27 @@ def parameter(fmu: str) -> Parameter:
 
 APPLIED_INPUTS_TOPIC = "~/applied_inputs"
 STATE_TOPIC = "~/state"
+LINE_STATE_TOPIC = "~/NAME/state"
+OUTPUTS_TOPIC = "~/outputs"
+"""Of a system: all outputs over time, exact; the other topics are for viewers."""
+
+
+def state_topics_of(scene: Any) -> dict[str, str]:
+    """Topics (resolved) of the exact states of each line; of a scene of one line that of ""."""
+    if not is_system(scene):
+        return {"": resolved(STATE_TOPIC)}
+    return {name: resolved(LINE_STATE_TOPIC.replace("NAME", name)) for name in scene.lines}
+
+
+def output_labels(scene: Any) -> tuple[str, ...]:
+    """Names of the numbers of OUTPUTS_TOPIC: the time, and every component of every output."""
+    rows = [
+        (row.python, max((1, *(size for size in row.shape if isinstance(size, int)))))
+        for row in outputs_of(scene)
+        if row.message != CLOUD
+    ]
+    return _labels((("time", 1), *rows))
+
 
 STATE_FIELDS: tuple[tuple[str, int], ...] = (
     ("s", 1),
@@ -265,6 +376,31 @@ input whether the caller gave it (1) or the scene's own table drove it (0)."""
 APPLIED_INPUT_LABELS: tuple[str, ...] = _labels(APPLIED_INPUT_FIELDS)
 
 
+def inputs_of_system(scene: Any) -> tuple[tuple[str, Input], ...]:
+    """Every input of a system's step: name of its part, and its row."""
+    foils = [f"{name}.{foil}" for name, body in scene.bodies.items() for foil in body.foils]
+    return tuple(
+        (name, row)
+        for rows, names in (
+            (VESSEL_INPUTS, scene.vessels),
+            (BODY_INPUTS, scene.bodies),
+            ((FOIL_INPUT,), foils),
+            ((CUT_INPUT,), scene.cuts),
+        )
+        for name in names
+        for row in rows
+    )
+
+
+def input_labels(scene: Any) -> tuple[str, ...]:
+    """Names of the numbers that a logged step holds. Of a system: end and length of the step, and
+    what the caller gave, NaN where he gave nothing."""
+    if not is_system(scene):
+        return APPLIED_INPUT_LABELS
+    rows = [(f"{name}.{row.python}", max((1, *row.shape))) for name, row in inputs_of_system(scene)]
+    return _labels((*_STEP_OF_SYSTEM, *rows))
+
+
 @cache
 def resolved(topic: str) -> str:
     """Topic with a leading ``~`` replaced by the node's name."""
@@ -285,13 +421,30 @@ def features(scene: Any) -> frozenset[str]:
     return frozenset(found)
 
 
+def is_system(scene: Any) -> bool:
+    """Whether a scene has lines by name."""
+    return hasattr(scene, "lines")
+
+
 def _drum(scene: Any) -> tuple[Any, ...]:
     payout = getattr(scene, "payout", None)
     return tuple(payout.drum) if payout is not None else ()
 
 
 def outputs_of(scene: Any) -> tuple[Variable, ...]:
-    """The rows of the table that a scene has."""
+    """The rows of the table that a scene has; of a system those of its parts, by their names."""
+    if is_system(scene):
+        return tuple(
+            row.of_part(name)
+            for rows, names in (
+                (LINE_OUTPUTS, scene.lines),
+                (BODY_OUTPUTS, scene.bodies),
+                (VESSEL_OUTPUTS, scene.vessels),
+                (CUT_OUTPUTS, scene.cuts),
+            )
+            for name in names
+            for row in rows
+        )
     return tuple(variable for variable in OUTPUTS if variable.in_scene(scene))
 
 

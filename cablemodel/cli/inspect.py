@@ -116,7 +116,7 @@ def opened_with_states(path: Path) -> Run:
     from cablemodel.run import open_run
 
     opened = open_run(path)
-    if len(opened.states) == 0:
+    if not any(len(states) for states in opened.shapes.values()):
         raise typer.BadParameter(f"{path} holds no states: there is nothing to draw")
     return opened
 

@@ -91,12 +91,13 @@ def run(
     from cablemodel.converged_run import converge as run_until_converged
     from cablemodel.errors import ConvergenceError
     from cablemodel.run import simulate
-    from cablemodel.scene import load_scene
+    from cablemodel.scene import Scene
+    from cablemodel.systems import read_scene
 
     if log is not None:
         writable(log, (".mcap",), "--log")
     estimate = ["solver.error_estimate=true"] if error_estimate else []
-    loaded = load_scene(scene, [*(overrides or ()), *estimate])
+    loaded = read_scene(scene, [*(overrides or ()), *estimate])
     end = None if until is None else seconds_of("--until", until)
     interval = None if state_interval is None else seconds_of("--state-interval", state_interval)
     reached = [math.nan]
@@ -112,6 +113,8 @@ def run(
 
         try:
             if converge:
+                if not isinstance(loaded, Scene):
+                    raise bad_option("--converge", "a system is not run until it converges yet")
                 result = run_until_converged(
                     loaded, log=log, until=end, progress=attempt, state_interval=interval
                 )
@@ -286,13 +289,13 @@ def _print_summary(result: Run, log: Path | None, *, converged: bool) -> None:
 def _rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
     end = summary["time"]
     wall = summary["wall_time"]
-    rows = [
-        ("simulated time", f"{end:g} s"),
+    rows = [("simulated time", f"{end:g} s")]
+    rows += _part_rows(summary) if "lines" in summary else [
         ("top tension at the end", f"{fixed(summary['top_tension'])} N"),
         ("far end at the end (x, y, z)", _vector(summary["tip_position"])),
         ("lowest tension of the run", f"{fixed(summary['min_tension'])} N"),
-        ("largest curvature of the run", f"{summary['max_curvature']:.4g} 1/m"),
-    ]
+    ]  # fmt: skip
+    rows.append(("largest curvature of the run", f"{summary['max_curvature']:.4g} 1/m"))
     if wall:
         rows.append(("computing time", f"{wall:.3g} s ({end / wall:,.0f} × real time)"))
     for key in ("steps", "rejected", "factorisations", "elements"):
@@ -303,6 +306,22 @@ def _rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
         finer = tolerance < summary["accuracy"]
         asked = f", for an accuracy of {summary['accuracy']:g}" if finer else ""
         rows.append(("tolerance", f"{tolerance:g}{asked}"))
+    return rows
+
+
+def _part_rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
+    """Lines, bodies and vessels of a system."""
+    rows = []
+    for name, line in summary["lines"].items():
+        ends = f"{fixed(line['start_tension'])} N, {fixed(line['end_tension'])} N"
+        range_ = f"{fixed(line['tension_min'])} to {fixed(line['tension_max'])} N"
+        rows.append((f"{name}: tension at its ends, at the end", ends))
+        rows.append((f"{name}: tension of the run", range_))
+    for name, body in summary["bodies"].items():
+        rows.append((f"{name}: position at the end (x, y, z)", _vector(body["position"])))
+    for name, vessel in summary["vessels"].items():
+        force = ", ".join(map(fixed, vessel["force"]))
+        rows.append((f"{name}: force of the lines at the end (x, y, z)", f"({force}) N"))
     return rows
 
 

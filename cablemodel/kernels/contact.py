@@ -26,9 +26,11 @@ from .layout import (
     I_CONSTRAINTS,
     I_DIMENSION,
     I_NODES,
+    JOINT_BODY,
     O_BODY,
     O_CONSTRAINT,
     O_EDGE,
+    O_JOINT,
     O_PARENT,
     O_REST,
     S_BRISTLE,
@@ -201,7 +203,7 @@ def contact_place(I, M, place):
     """
     if place == 2 * I[I_BODIES]:
         node = I[I_NODES] - 1
-        if node == 0 or ends_in_something(I, M, node):
+        if node == 0 or I[I[O_JOINT] + node] > JOINT_BODY or ends_in_something(I, M, node):
             return 0, 0.0, False
         edge = I[O_EDGE] + node * EDGE_WORDS
         return node, M[edge + E_CONTACT] * touchdown_layer(M, edge) * M[S_END_BORNE], False

@@ -158,15 +158,16 @@ def force_response(I, M, motion, out):
     return interface.response_to_motion(I, M, motion, out)
 
 
-@entry_point(int64(INTEGERS, REALS, float64, REALS, REALS, REALS))
-def drive(I, M, t_end, motion, forces, angles):
+@entry_point(int64(INTEGERS, REALS, float64, REALS, REALS, REALS, REALS))
+def drive(I, M, t_end, motion, forces, angles, orders):
     """Inputs of a system for a step to t_end [s], before `step`.
 
     motion: FRAME_INPUTS words for each frame: 0 its own motion, 1 velocities given, 2 places, 3
     both; then position [m], roll, pitch and yaw [rad], and their rates. forces: outside force [N]
     and torque [N m] on each free body, earth frame. angles: deflection of each foil [rad].
+    orders: of each cut, whether it is to be made now.
     """
-    part_outputs.drive_parts(I, M, t_end, motion, forces, angles)
+    part_outputs.drive_parts(I, M, t_end, motion, forces, angles, orders)
     return 0
 
 

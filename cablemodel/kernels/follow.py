@@ -27,9 +27,12 @@ from .layout import (
     I_DIMENSION,
     I_LEFT_OUT,
     I_NODES,
+    I_PARTS,
     I_PAYOUT,
     I_TOP_CABLE,
+    JOINT_ARM,
     K_LEAVES,
+    K_LINE,
     K_NOMINAL,
     LAYER,
     NO_CAPACITY,
@@ -126,6 +129,30 @@ def jump_at(I, M, node, across):
 
 
 @kernel
+def begins_anew(I, node):
+    """Whether no cable comes to a node from that before it: another line of a system begins."""
+    return I[I[O_PARENT] + node] != node - 1 or I[I[O_JOINT] + node] >= JOINT_ARM
+
+
+@kernel
+def position_accuracy(I, M, node):
+    """What places along the line that an element is a part of may be wrong by, tau L [m]."""
+    length = M[S_LENGTH]
+    if I[I_PARTS] != 0:
+        segment = int(M[I[O_EDGE] + node * EDGE_WORDS + E_SEGMENT])
+        length = M[I[O_CABLES] + segment * CABLE_WORDS + K_LINE]
+    return M[S_TOLERANCE] * length
+
+
+@kernel
+def bend_allowed(I, M, node):
+    """What h^2 times the jump of r'' at an element may be in free water [m]."""
+    if I[I_PARTS] == 0:
+        return M[S_BENT]
+    return M[S_BENT] * position_accuracy(I, M, node) / (M[S_TOLERANCE] * M[S_LENGTH])
+
+
+@kernel
 def measure(I, M, gaps, behind, jumps):
     """Gap of every element, its distance from hanging cable, jump of r'' at its child end."""
     nodes = I[I_NODES]
@@ -137,6 +164,8 @@ def measure(I, M, gaps, behind, jumps):
     jumps[0] = 0.0
     for node in range(1, nodes):
         gaps[node] = 1e300
+        if begins_anew(I, node):
+            way = 1e300
         behind[node] = way
         jumps[node] = 0.0
         if I[I[O_JOINT] + node] != 0:
@@ -150,6 +179,8 @@ def measure(I, M, gaps, behind, jumps):
         jumps[node] = jump_at(I, M, node, gaps[node] >= depth)
     way = 1e300
     for node in range(nodes - 1, 0, -1):
+        if begins_anew(I, node):
+            way = 1e300
         if I[I[O_JOINT] + node] != 0:
             continue
         behind[node] = min(behind[node], way)
@@ -166,7 +197,7 @@ def finest_length(I, M, node, gap):
     gap: height of the element at present [m].
     """
     edge = I[O_EDGE] + node * EDGE_WORDS
-    accuracy = M[S_TOLERANCE] * M[S_LENGTH]
+    accuracy = position_accuracy(I, M, node)
     layer = touchdown_layer(M, edge)
     # T - w z hardly changes along a hanging cable: the tension that it will land with.
     at = I[O_TENSION] + 2 * node
@@ -199,10 +230,10 @@ def finest_flexible(I, M, node):
 
     Under pressure, where it buckles, sooner; where drag hardly damps, none is halved then.
     """
-    accuracy = M[S_TOLERANCE] * M[S_LENGTH]
+    accuracy = position_accuracy(I, M, node)
     if M[I[O_TENSION] + 2 * node] < 0.0:
         return 1e300 if M[S_UNDAMPED] != 0.0 else PUSHED * accuracy
-    return M[S_BENT] if M[S_UNDAMPED] != 0.0 else FINEST * accuracy
+    return bend_allowed(I, M, node) if M[S_UNDAMPED] != 0.0 else FINEST * accuracy
 
 
 @kernel
@@ -212,7 +243,7 @@ def length_by_bend(I, M, node, layer, jumps):
     layer: that of its touchdown [m]. Cable in which bending reaches no further than the finest
     element is as good as perfectly flexible: see `refine.bends_too_much`.
     """
-    allowed = M[S_BENT]
+    allowed = bend_allowed(I, M, node)
     if allowed == 0.0 or not may_be_halved(I, M, node):
         return 1e300
     # At the line's ends r'' may be anything.
@@ -231,7 +262,7 @@ def length_by_bend(I, M, node, layer, jumps):
 @kernel
 def wanted_length(I, M, node, gaps, behind, jumps):
     """The length that an element should have where it is [m]."""
-    accuracy = M[S_TOLERANCE] * M[S_LENGTH]
+    accuracy = position_accuracy(I, M, node)
     depth = M[S_FLOOR_DEPTH]
     layer, finest = finest_length(I, M, node, gaps[node])
     shortest = LAYER * layer
@@ -296,7 +327,7 @@ def halves_are_even(I, M, node):
 @kernel
 def is_straight(I, M, node, jump):
     """Whether the cable is straight enough at a node for its two elements to become one."""
-    accuracy = M[S_TOLERANCE] * M[S_LENGTH]
+    accuracy = position_accuracy(I, M, node)
     edge = I[O_EDGE] + node * EDGE_WORDS
     h = M[edge + E_LENGTH] + M[edge + EDGE_WORDS + E_LENGTH]
     if jump * h * h > STRAIGHT * accuracy or jump * h > STRAIGHT * KINK:
@@ -307,7 +338,7 @@ def is_straight(I, M, node, jump):
 @kernel
 def one_cubic_does(I, M, node):
     """Whether a cubic in the place of the two at a node goes where they go, and is as long."""
-    accuracy = M[S_TOLERANCE] * M[S_LENGTH]
+    accuracy = position_accuracy(I, M, node)
     dimension = I[I_DIMENSION]
     size = 2 * dimension
     h1 = M[I[O_EDGE] + node * EDGE_WORDS + E_LENGTH]

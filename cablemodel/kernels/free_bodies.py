@@ -115,6 +115,8 @@ def follow_bodies(I, M, q, v, a):
         set_body_motion(row, M, q, v, a, 6 * int(M[row + Y_NODE]))
     for n in range(I[I_ARMS]):
         arm = I[O_ARMS] + n * ARM_WORDS
+        if M[arm + A_BODY] < 0.0:
+            continue  # its line is cut off
         row = I[O_FREE] + int(M[arm + A_BODY]) * FREE_WORDS
         w = view(M, I[O_PARTS_WORK], 9)
         m = view(M, row + Y_MOTION, 33)
@@ -354,6 +356,8 @@ def free_residual(I, M, t, out):
             out[at + i] += f[i]
     for n in range(I[I_ARMS]):
         arm = I[O_ARMS] + n * ARM_WORDS
+        if M[arm + A_BODY] < 0.0:
+            continue  # its line is cut off
         row = I[O_FREE] + int(M[arm + A_BODY]) * FREE_WORDS
         end = 6 * int(M[arm + A_NODE])
         at = 6 * int(M[row + Y_NODE])
@@ -408,6 +412,8 @@ def free_jacobian(I, M, t, q, v, a, ca, cv):
         set_body_motion(row, M, q, v, a, at)
     for n in range(I[I_ARMS]):
         arm = I[O_ARMS] + n * ARM_WORDS
+        if M[arm + A_BODY] < 0.0:
+            continue  # its line is cut off
         row = I[O_FREE] + int(M[arm + A_BODY]) * FREE_WORDS
         m = view(M, row + Y_MOTION, 33)
         to = I[O_LOWER] + 36 * int(M[arm + A_NODE]) + 18  # beside Z

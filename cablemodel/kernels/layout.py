@@ -8,7 +8,7 @@ the FMU's state and its serialisation are a copy of it.
 """
 
 MAGIC = 0x4C45444F4D454C42  # "BLEMODEL", little endian
-VERSION = 10
+VERSION = 11
 HEADER_WORDS = 120
 SCALAR_WORDS = 104
 
@@ -78,6 +78,7 @@ I_FREE, I_ARMS = 106, 107  # free bodies; ends of lines at their points
 I_FOILS, I_FOIL_WORDS = 108, 109
 O_FRAMES, O_FRAME_PIECES, O_FREE, O_ARMS, O_FOILS, O_FOIL_TABLE = 110, 111, 112, 113, 114, 115
 O_PARTS_WORK = 116  # PARTS_WORDS of the workspace
+I_CUTS, O_CUTS = 117, 118  # places where lines are cut, let go or break
 
 # Header: word offsets of the arrays.
 O_PIECES, O_DEPTHS, O_TIMES, O_CURRENT, O_STRAIN = 32, 33, 34, 35, 36
@@ -162,14 +163,15 @@ S_STAGE_RATE, S_STAGE_SLOPE = _S + 38, _S + 39  # at the time of the last set_ti
 # Rows of the rate table: time, rate. Rows of the cable table: the cables of the line and of the
 # drum in the order in which they pass the tow point on the way out.
 RATE_WORDS = 2
-CABLE_WORDS = 27
+CABLE_WORDS = 28
 K_LEAVES = 0  # travel at which its vessel end passes the tow point [m]
 K_NOMINAL = 1  # length of its elements [m]
 K_SHORTEST = 2  # length below which its lower end stays on the drum [m]
 K_HINGE = 3  # 1: its lower end is a hinge, 0: the slope is shared
 K_BODY = 4  # row of the body at its lower end, -1: none
 K_DISPLACED = 5  # mass of the water that it displaces [kg/m]
-K_EDGE = 6  # a row of the edge table for its elements: EDGE_WORDS
+K_LINE = 6  # unstretched length of the line that it is a part of, in a system [m]
+K_EDGE = 7  # a row of the edge table for its elements: EDGE_WORDS
 
 # Rows of the motion table: see cablemodel/scene/motion.py.
 PIECE_WORDS = 24
@@ -256,6 +258,7 @@ C_FRAME = 28  # row of the frame whose point it is (C_POINT), at C_POSITION in i
 C_OWN_DIRECTION = 29  # 3 words: a clamp's direction in the frame's axes
 C_VESSEL, C_ANCHOR, C_POINT = 1, 2, 3
 EXACTLY, BY_SPRING = 1, 2  # how the tangent is held (C_CLAMPED); 0: it is free
+ALONE = 3  # no line is left at the node
 
 # Rows of the frame table: rigid frames that move as prescribed, vessels and driven ends.
 FRAME_WORDS = 84
@@ -299,6 +302,17 @@ L_AREA = 9  # times half of the water's density [kg/m]
 L_TABLE = 10  # word of its table: lift and drag coefficients at FOIL_ANGLES angles
 L_DEFLECTION = 11  # 4 words: t0, t1, angle then [rad]
 FOIL_ANGLES = 361  # from -180 to 180 degrees
+
+# Rows of the table of cuts.
+CUT_WORDS = 8
+CUT_SEGMENT = 0  # row of the cable table whose elements it is in
+CUT_ARC = 1  # where, as E_START counts [m]
+CUT_SIDE = 2  # CUT_START, CUT_END: at an end of the line, of which these are the first or last
+CUT_TIME, CUT_TENSION = 3, 4  # when, and above which tension; infinite: never
+CUT_ORDERED = 5  # 1: by the caller
+CUT_DONE = 6  # when it was made [s]; infinite: not yet
+CUT_WITHIN, CUT_START, CUT_END = 0, 1, 2
+NODES_OF_A_CUT = 2  # that it may need
 
 PARTS_WORDS = 160  # of the workspace
 

@@ -6,6 +6,8 @@ from .free_bodies import deflect_foils, push_bodies
 from .layout import (
     C_NODE,
     CONSTRAINT_WORDS,
+    CUT_ORDERED,
+    CUT_WORDS,
     E_LENGTH,
     EDGE_WORDS,
     F_POSITION,
@@ -13,6 +15,7 @@ from .layout import (
     FRAME_WORDS,
     FREE_WORDS,
     I_CONSTRAINTS,
+    I_CUTS,
     I_FOILS,
     I_FRAMES,
     I_FREE,
@@ -23,6 +26,7 @@ from .layout import (
     M_SPIN_RATE,
     M_TURN,
     O_CONSTRAINT,
+    O_CUTS,
     O_EDGE,
     O_FRAMES,
     O_FREE,
@@ -39,7 +43,7 @@ from .rotation import cross, to_earth_axes
 
 
 @kernel
-def drive_parts(I, M, t_end, motion, forces, angles):
+def drive_parts(I, M, t_end, motion, forces, angles, orders):
     """Inputs of a step to t_end: see entry.drive."""
     for n in range(I[I_FRAMES]):
         row = I[O_FRAMES] + n * FRAME_WORDS
@@ -48,6 +52,9 @@ def drive_parts(I, M, t_end, motion, forces, angles):
         drive_frame(I, M, row, t_end, given, target, view(M, I[O_MOTION] + 28, 18))
     push_bodies(I, M, t_end, forces)
     deflect_foils(I, M, t_end, angles, I[I_FOILS])
+    for n in range(I[I_CUTS]):
+        if orders[n] != 0.0:
+            M[I[O_CUTS] + n * CUT_WORDS + CUT_ORDERED] = 1.0
 
 
 @kernel

@@ -14,8 +14,10 @@ steps; splitting a cubic is exact, in position, velocity, acceleration and tensi
 """
 
 from .backup import keep_sleepers
-from .compile import kernel
+from .compile import kernel, view
 from .layout import (
+    A_NODE,
+    ARM_WORDS,
     B_NODE,
     BODY_WORDS,
     C_CLAMPED,
@@ -26,23 +28,29 @@ from .layout import (
     E_START,
     EDGE_WORDS,
     EXACTLY,
+    FREE_WORDS,
+    I_ARMS,
     I_BODIES,
     I_CAPACITY,
     I_CONSTRAINTS,
     I_DIMENSION,
     I_FACTORED,
+    I_FREE,
     I_HISTORY,
     I_LEFT_OUT,
     I_NODES,
+    I_PARTS,
     I_PAYOUT,
     I_RIGID,
     K_EDGE,
     NO_CAPACITY,
     O_ACCELERATION,
+    O_ARMS,
     O_BODY,
     O_CABLES,
     O_CONSTRAINT,
     O_EDGE,
+    O_FREE,
     O_JOINT,
     O_MOTION,
     O_PARENT,
@@ -62,6 +70,7 @@ from .layout import (
     S_STAGE_SLOPE,
     S_TIME,
     S_TOP_LENGTH,
+    Y_NODE,
 )
 from .passing import material_end, overhang, set_first_bit, set_part
 from .winch import paid_since
@@ -187,8 +196,41 @@ def close_gap(I, M, at, count):
 
 
 @kernel
+def renumber_tree(I, M, first, count):
+    """The same for parents in a tree, free bodies and arms; I_NODES counts the new nodes.
+
+    Nodes that come take the parent of that before which they come; to nodes that go, whatever had
+    them as parents gets the node before them.
+    """
+    parents = view(I, I[O_PARENT], I[I_NODES] + max(0, -count))
+    if count > 0:
+        for node in range(I[I_NODES] - 1, first + count - 1, -1):
+            parent = parents[node - count]
+            parents[node] = parent + count if parent >= first else parent
+        for node in range(first, first + count + 1):
+            parents[node] = node - 1
+    else:
+        for node in range(first + count, I[I_NODES]):
+            parent = parents[node - count]
+            if parent >= first:
+                parent += count
+            parents[node] = min(parent, node - 1)
+    for n in range(I[I_FREE]):
+        row = I[O_FREE] + n * FREE_WORDS + Y_NODE
+        if M[row] >= first:
+            M[row] += count
+    for n in range(I[I_ARMS]):
+        row = I[O_ARMS] + n * ARM_WORDS + A_NODE
+        if M[row] >= first:
+            M[row] += count
+
+
+@kernel
 def renumber(I, M, first, count):
-    """Node numbers >= first change by count, in bodies, constraints and parents (a chain)."""
+    """Node numbers >= first change by count, in bodies, constraints, parts and parents.
+
+    Within a line a node's parent is the node before it; one line is such a chain as a whole.
+    """
     for body in range(I[I_BODIES]):
         row = I[O_BODY] + body * BODY_WORDS + B_NODE
         if M[row] >= first:
@@ -200,8 +242,11 @@ def renumber(I, M, first, count):
         if M[row] >= first:
             M[row] += count
     I[I_NODES] += count
-    for node in range(1, I[I_NODES] + I[I_LEFT_OUT]):
-        I[I[O_PARENT] + node] = node - 1
+    if I[I_PARTS] != 0:
+        renumber_tree(I, M, first, count)
+    else:
+        for node in range(1, I[I_NODES] + I[I_LEFT_OUT]):
+            I[I[O_PARENT] + node] = node - 1
     I[I_FACTORED] = 0
     I[I_HISTORY] = 0
 

@@ -11,12 +11,14 @@ import math
 from .buckling import is_pressed
 from .compile import kernel, view
 from .follow import (
+    bend_allowed,
     finest_flexible,
     halves_are_even,
     holds_something,
     jump_at,
     may_be_halved,
     one_cubic_does,
+    position_accuracy,
 )
 from .layout import (
     CHANGED,
@@ -38,13 +40,10 @@ from .layout import (
     O_STAGE_V,
     O_TENSION,
     OK,
-    S_BENT,
     S_BENT_AFTER,
-    S_LENGTH,
     S_MOST_NODES,
     S_PERIOD,
     S_TIME,
-    S_TOLERANCE,
     S_UNDAMPED,
 )
 from .payout import join_at, split_edge
@@ -65,7 +64,7 @@ def bends_too_much(I, M, node, jump):
     h = M[edge + E_LENGTH]
     if M[edge + E_BENDING_FULL] == 0.0 and h < finest_flexible(I, M, node):
         return False
-    return h * h * jump > M[S_BENT]
+    return h * h * jump > bend_allowed(I, M, node)
 
 
 @kernel
@@ -79,7 +78,7 @@ def is_pressed_aside(I, M, node):
         return False
     edge = I[O_EDGE] + node * EDGE_WORDS
     bend = 2.0 / math.pi * math.sqrt(-tension[2 * node] * M[edge + E_COMPLIANCE])
-    return bend * M[edge + E_LENGTH] > M[S_TOLERANCE] * M[S_LENGTH]
+    return bend * M[edge + E_LENGTH] > position_accuracy(I, M, node)
 
 
 @kernel
@@ -99,7 +98,7 @@ def may_unite(I, M, node):
         h <= 1.001 * min(M[upper + E_NOMINAL], M[lower + E_NOMINAL])
         and M[upper + E_SEGMENT] == M[lower + E_SEGMENT]
         and not holds_something(I, M, node)
-        and h * h * jump_at(I, M, node, False) < STRAIGHT * M[S_BENT]
+        and h * h * jump_at(I, M, node, False) < STRAIGHT * bend_allowed(I, M, node)
         and one_cubic_does(I, M, node)
     )
 

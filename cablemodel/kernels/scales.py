@@ -59,6 +59,7 @@ BENDS = 8.0  # of tau L: what h^2 times the jump of curvature may be in motion, 
 FOLDS = 25.0  # the same for a line that starts slack, and folds: it begins with smaller elements
 # The same where drag hardly damps: only what cracks like a whip, and its elements stay halves.
 WHIPS = 60.0
+LET_GO = 1e-2  # of sqrt(tau L/g): a step in which whatever is let go hardly moves
 
 
 @kernel
@@ -69,7 +70,7 @@ def first_step(I, M, period, calm):
     with a free end, is moved by the vessel only and need not begin so: three steps are saved.
     """
     scale = math.sqrt(max(M[S_TOLERANCE], 1e-12)) * period
-    shortest = 1e-2 * scale
+    shortest = LET_GO * scale
     if not calm:
         return shortest
     step = CALM_FIRST[0] * scale

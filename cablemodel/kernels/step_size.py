@@ -8,8 +8,12 @@ from .compile import inlined, kernel
 from .environment import find_piece
 from .frames import next_frame_stop
 from .layout import (
+    CUT_DONE,
+    CUT_TIME,
+    CUT_WORDS,
     FLOOR_FAR,
     FLOOR_TOUCHED,
+    I_CUTS,
     I_FLOOR_STATE,
     I_GROWTH_BARRED,
     I_LIVE,
@@ -18,6 +22,7 @@ from .layout import (
     I_REJECTED,
     I_TIMES,
     I_WAVES,
+    O_CUTS,
     O_PIECES,
     O_TIMES,
     OK,
@@ -92,6 +97,10 @@ def next_stop(I, M, t_end, dt):
                 stop = start
     if I[I_PARTS] != 0:
         stop = next_frame_stop(I, M, stop, dt)
+    for n in range(I[I_CUTS]):
+        row = I[O_CUTS] + n * CUT_WORDS
+        if M[row + CUT_DONE] > 1e300 and time < M[row + CUT_TIME] < stop:
+            stop = M[row + CUT_TIME]
     return stop
 
 

@@ -31,6 +31,7 @@ from .floor import floor_jacobian, floor_residual
 from .frames import move_frames, point_motion, turn_clamps, turn_slope
 from .free_bodies import follow_bodies, free_jacobian, free_residual
 from .layout import (
+    ALONE,
     C_CLAMPED,
     C_DIRECTION,
     C_FRAME,
@@ -225,6 +226,9 @@ def constrain_matrix(I, M):
         project_columns(I, M, row, at)
         for i in range(dimension):
             M[at + size * i + i] += 1.0
+        if M[row + C_CLAMPED] == ALONE:
+            for i in range(dimension, size):
+                M[at + size * i + i] += 1.0
         if M[row + C_CLAMPED] == EXACTLY:
             along = 0.0
             for i in range(dimension):
@@ -239,10 +243,11 @@ def constrain_matrix(I, M):
         if node > 0:
             project_rows(I, M, row, I[O_LOWER] + area * node)
             project_columns(I, M, row, I[O_UPPER] + area * node)
-        for child in range(node + 1, I[I_NODES]):
-            if I[I[O_PARENT] + child] == node:
-                project_rows(I, M, row, I[O_UPPER] + area * child)
-                project_columns(I, M, row, I[O_LOWER] + area * child)
+        # A line begins or ends here: nothing else than its own first element is tied to it.
+        child = node + 1
+        if child < I[I_NODES] and I[I[O_PARENT] + child] == node:
+            project_rows(I, M, row, I[O_UPPER] + area * child)
+            project_columns(I, M, row, I[O_LOWER] + area * child)
 
 
 @kernel

@@ -19,6 +19,7 @@ from .consistency import (
     project_velocity,
     take_rates_from_velocity,
 )
+from .cuts import let_go_step, make_cuts, share_before_a_break
 from .environment import find_piece
 from .floor_memory import settle
 from .floor_state import lands, leave_floor
@@ -35,6 +36,7 @@ from .layout import (
     FLOOR_NONE,
     FLOOR_TOUCHED,
     I_CURRENT,
+    I_CUTS,
     I_DIMENSION,
     I_FACTORED,
     I_FLOOR,
@@ -460,17 +462,17 @@ def advance_to(I, M, t_end):
     mark = M[S_TIME]
     jolted = -1e300
     two_steps = False
+    if I[I_CUTS] != 0:
+        status = make_cuts(I, M)
+        if status != OK:
+            return status
     while M[S_TIME] < t_end:
         # The mesh changes before a step: what is read after it is a state that a step has made.
         rests = I[I_SLEEP] != 0 and M[S_TIME] >= M[S_SLEEP_AFTER] and may_sleep(I, M)
         if (
             rests
             or (I[I_PAYOUT] != 0 and next_change(I, M) != 0)
-            or (
-                I[I_FLOOR_STATE] != FLOOR_FAR
-                and I[I_PARTS] == 0
-                and follow_floor(I, M, False) != NOTHING
-            )
+            or (I[I_FLOOR_STATE] != FLOOR_FAR and follow_floor(I, M, False) != NOTHING)
             or (mesh_is_due(I, M) and follow_bending(I, M, False) != NOTHING)
         ):
             status = change_mesh(I, M, rests)
@@ -558,6 +560,12 @@ def advance_to(I, M, t_end):
                 along = PASSES_OVER
                 error = UNSTABLE
                 M[S_BENT_AFTER] = M[S_TIME]  # it bends where the mesh lets it
+        if I[I_CUTS] != 0 and status == OK and error <= 1.0:
+            share = share_before_a_break(I, M)
+            if share < 1.0 and share * dt > let_go_step(M):
+                I[I_REJECTED] += 1
+                M[S_STEP] = share * dt
+                continue
         if status != OK or not error <= 1.0:
             if not shorten(I, M, dt, scheme, status, error):
                 status = NOT_CONVERGED
@@ -615,6 +623,10 @@ def advance_to(I, M, t_end):
                 follow_iterations(M, dt, (I[I_ITERATIONS] - before) / (STAGES[scheme] - 1))
             if not two_steps:
                 choose_order(I, M, scheme, I[I_ITERATIONS] - before, to_output)
+            if I[I_CUTS] != 0:
+                status = make_cuts(I, M)
+                if status != OK:
+                    break
         taken += 1
         if taken > I[I_MAXIMUM_STEPS]:
             status = TOO_MANY_STEPS

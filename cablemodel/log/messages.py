@@ -74,6 +74,14 @@ def quaternion_onto(direction: Floats) -> tuple[float, float, float, float]:
     return 0.0, -0.5 * z / w, 0.5 * y / w, w
 
 
+def quaternion_of(axes: Floats) -> tuple[float, float, float, float]:
+    """The rotation (x, y, z, w) that turns the earth's axes onto those in the columns (3, 3)."""
+    from scipy.spatial.transform import Rotation
+
+    x, y, z, w = (float(value) for value in Rotation.from_matrix(axes).as_quat())
+    return x, y, z, w
+
+
 def direction_of(quaternions: Floats) -> Floats:
     """Where quaternions (..., 4) in the order x, y, z, w turn the x axis to, (..., 3)."""
     x, y, z, w = np.moveaxis(quaternions, -1, 0)
@@ -100,13 +108,13 @@ class Messages:
         self._top_wrench = build.wrench(tow_point_frame)
         self._odometry = build.odometry()
         self._point = build.point()
-        self._inputs = build.labelled(variables.APPLIED_INPUT_LABELS)
-        self._inputs_at = len(self._inputs) - 8 * len(variables.APPLIED_INPUT_LABELS)
-        # These depend on how many bodies or nodes there are.
+        # These depend on how many bodies or nodes there are, or on what parts a system has.
         self._build = build
+        self._parts: dict[tuple[str, str], bytearray] = {}
+        self._rows: dict[tuple[str, ...], bytearray] = {}
         self._poses: tuple[int, bytearray] = (-1, bytearray())
         self._cloud: tuple[int, bytearray, NDArray[np.float32]] | None = None
-        self._state: tuple[int, bytearray, Floats] | None = None
+        self._states: dict[str, tuple[int, bytearray, Floats]] = {}
 
     def float64(self, value: float) -> bytes:
         _ONE.pack_into(self._float64, len(self._float64) - 8, value)
@@ -126,6 +134,36 @@ class Messages:
         _THREE.pack_into(self._odometry, at, *position)
         _THREE.pack_into(self._odometry, at + 8 * ODOMETRY_TWIST, *velocity)
         return bytes(self._odometry)
+
+    def part_odometry(self, stamp: int, name: str, motion: Any) -> bytes:
+        """A part of a system (see `systems.Motion`): its pose in the map, its twist in its own
+        axes."""
+        key = variables.ODOMETRY, name
+        if key not in self._parts:
+            self._parts[key] = self._build.odometry(name)
+        data = self._parts[key]
+        at = _stamped(data, stamp) - 8 * ODOMETRY_FLOATS
+        _POSE.pack_into(data, at, *motion.position, *quaternion_of(motion.axes))
+        at += 8 * ODOMETRY_TWIST
+        _THREE.pack_into(data, at, *(motion.velocity @ motion.axes))
+        _THREE.pack_into(data, at + 24, *(motion.angular_velocity @ motion.axes))
+        return bytes(data)
+
+    def part_wrench(self, stamp: int, name: str, axes: Floats, wrench: Floats) -> bytes:
+        """Force and moment (6,) [N, N m], earth frame, in the axes (3, 3) of the part that they
+        act on."""
+        key = variables.WRENCH, name
+        if key not in self._parts:
+            self._parts[key] = self._build.wrench(name)
+        return _wrench(self._parts[key], stamp, wrench[:3] @ axes, wrench[3:] @ axes)
+
+    def row(self, labels: tuple[str, ...], values: Floats) -> bytes:
+        """Values with a name for each."""
+        if labels not in self._rows:
+            self._rows[labels] = self._build.labelled(labels)
+        data = self._rows[labels]
+        data[len(data) - 8 * len(labels) :] = values.astype("<f8", copy=False).tobytes()
+        return bytes(data)
 
     def point(self, stamp: int, position: Floats) -> bytes:
         """A point (3,) [m]."""
@@ -161,23 +199,18 @@ class Messages:
         rows[:, 5] = state.s
         return bytes(data)
 
-    def applied_inputs(self, values: Floats) -> bytes:
-        """Values in the order of ``variables.APPLIED_INPUT_LABELS``."""
-        self._inputs[self._inputs_at :] = values.astype("<f8", copy=False).tobytes()
-        return bytes(self._inputs)
-
-    def state(self, time: float, state: Any) -> bytes:
-        """Exact state: the time, then a row for every label of ``variables.STATE_LABELS``.
+    def state(self, time: float, state: Any, line: str = "") -> bytes:
+        """Exact state of a line: the time, then a row for each of ``variables.STATE_LABELS``.
 
         Each component's values lie together: they compress far better than node by node.
         """
         count = len(state.s)
-        if self._state is None or self._state[0] != count:
+        if line not in self._states or self._states[line][0] != count:
             data = self._build.matrix(variables.STATE_LABELS, count)
             size = 1 + len(variables.STATE_LABELS) * count
             values = np.frombuffer(data, "<f8", size, len(data) - 8 * size)
-            self._state = (count, data, values)
-        _, data, values = self._state
+            self._states[line] = (count, data, values)
+        _, data, values = self._states[line]
         values[0] = time
         rows = values[1:].reshape(len(variables.STATE_LABELS), count)
         row = 0
@@ -240,12 +273,12 @@ class _Prototypes:
     def point(self) -> bytearray:
         return self._serialized(variables.POINT, self._header, self._point())
 
-    def odometry(self) -> bytearray:
+    def odometry(self, child: str = END_FRAME) -> bytearray:
         twist = self._new("geometry_msgs/msg/Twist", self._vector(), self._vector())
         return self._serialized(
             variables.ODOMETRY,
             self._header,
-            END_FRAME,
+            child,
             self._new("geometry_msgs/msg/PoseWithCovariance", self._pose(), np.zeros(36)),
             self._new("geometry_msgs/msg/TwistWithCovariance", twist, np.zeros(36)),
         )

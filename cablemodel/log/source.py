@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,11 @@ from cablemodel.log.messages import (
     direction_of,
 )
 from cablemodel.log.reader import LogFile
+from cablemodel.scene import Scene
 from cablemodel.states import States, bodies_in_columns, by_label
+
+if TYPE_CHECKING:
+    from cablemodel.systems import SystemScene
 
 Floats = NDArray[np.float64]
 
@@ -67,8 +72,8 @@ class LogSource:
             raise LogError(f"{self.log.path}: states have other fields than this version knows")
         return values
 
-    def states(self) -> States:
-        return States(self.state_times, self._matrices)
+    def shapes(self) -> dict[str, States]:
+        return {"": States(self.state_times, self._matrices)}
 
     def _matrices(self) -> list[Floats]:
         rows = len(variables.STATE_LABELS)
@@ -97,7 +102,66 @@ class LogSource:
 
     def applied_inputs(self) -> dict[str, Floats]:
         """Applied inputs of every step by label: ``time``, ``step``, ``payout_rate``, ..."""
-        labels, values = self.log.arrays(_INPUTS)
-        if values and labels != variables.APPLIED_INPUT_LABELS:
-            raise LogError(f"{self.log.path}: inputs have other fields than this version knows")
-        return by_label(values)
+        return applied_inputs_of(self.log, variables.APPLIED_INPUT_LABELS)
+
+
+class SystemSource:
+    """The same from the log of a system: all outputs stand in one topic, exact."""
+
+    def __init__(self, log: LogFile, scene: SystemScene) -> None:
+        self.log, self.scene = log, scene
+
+    @cached_property
+    def _outputs(self) -> dict[str, Floats]:
+        labels = variables.output_labels(self.scene)
+        return labelled_rows(self.log, variables.resolved(variables.OUTPUTS_TOPIC), labels)
+
+    def times(self) -> Floats:
+        return self._outputs["time"]
+
+    def column(self, variable: variables.Variable) -> Floats:
+        if not variable.shape:
+            return self._outputs[variable.python]
+        return np.column_stack([self._outputs[f"{variable.python}.{axis}"] for axis in "xyz"])
+
+    def shapes(self) -> dict[str, States]:
+        topics = variables.state_topics_of(self.scene)
+        return {name: self._states(topic) for name, topic in topics.items()}
+
+    def _states(self, topic: str) -> States:
+        def matrices() -> list[Floats]:
+            labels, values = self.log.arrays(topic)
+            if values and labels != variables.STATE_LABELS:
+                raise _other_fields(self.log, "states")
+            return [row[1:].reshape(len(variables.STATE_LABELS), -1) for row in values]
+
+        return States(self.log.first_floats(topic), matrices)
+
+    def applied_inputs(self) -> dict[str, Floats]:
+        return applied_inputs_of(self.log, variables.input_labels(self.scene))
+
+
+def source_of(log: LogFile, scene: Scene | SystemScene) -> LogSource | SystemSource:
+    """What a log of a scene holds."""
+    return LogSource(log) if isinstance(scene, Scene) else SystemSource(log, scene)
+
+
+def applied_inputs_of(log: LogFile, labels: tuple[str, ...]) -> dict[str, Floats]:
+    """What every step applied, by label."""
+    return labelled_rows(log, _INPUTS, labels)
+
+
+def labelled_rows(log: LogFile, topic: str, labels: tuple[str, ...]) -> dict[str, Floats]:
+    """All rows of numbers of a topic by label.
+
+    Raises:
+        LogError: they have other labels.
+    """
+    found, values = log.arrays(topic)
+    if values and found != labels:
+        raise _other_fields(log, topic)
+    return by_label(values, labels)
+
+
+def _other_fields(log: LogFile, what: str) -> LogError:
+    return LogError(f"{log.path}: {what} have other fields than this version knows")

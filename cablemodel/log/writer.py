@@ -24,12 +24,14 @@ from cablemodel import variables
 from cablemodel.errors import LogError
 from cablemodel.log import lock
 from cablemodel.log.messages import Messages, definition, type_hash
+from cablemodel.log.parts import encode_parts
 from cablemodel.log.provenance import provenance
-from cablemodel.states import applied_values
+from cablemodel.states import applied_values, shapes_of
 
 if TYPE_CHECKING:
     from cablemodel.model import CableModel, CableState
     from cablemodel.scene import Scene
+    from cablemodel.systems import SystemScene
 
 SCHEMA_VERSION = "1"
 """Version of what this project adds to MCAP and ROS 2: names, layouts, metadata."""
@@ -89,7 +91,7 @@ class LogWriter:
     def __init__(
         self,
         path: str | PathLike[str],
-        scene: Scene,
+        scene: Scene | SystemScene,
         *,
         epoch: int | None = None,
         topics: Mapping[str, str] | None = None,
@@ -104,8 +106,13 @@ class LogWriter:
             raise LogError(f"cannot write the log {self.path}: {error.strerror}") from error
         self._messages = Messages()
         self._topics = variables.topics_of(scene)
+        self._states = variables.state_topics_of(scene)
+        self._input_labels = variables.input_labels(scene)
+        self._output_labels = variables.output_labels(scene) if variables.is_system(scene) else ()
         self._names = dict(topics or {})
-        self._topics_over_time = [topic for topic in self._topics if topic not in _GROUPS]
+        self._topics_over_time = [
+            topic for topic, message in self._topics.items() if message != variables.CLOUD
+        ]
         self._channels: dict[str, int] = {}
         self._lock = threading.Lock()
         self._failure: OSError | None = None
@@ -127,7 +134,7 @@ class LogWriter:
         )
         self._timer.start()
 
-    def _begin(self, scene: Scene) -> None:
+    def _begin(self, scene: Scene | SystemScene) -> None:
         """Header, scene and versions, and the channels of everything that may follow."""
         self._attach(SCENE_ATTACHMENT, scene.to_yaml())
         if scene.source_text is not None:
@@ -146,8 +153,15 @@ class LogWriter:
         )
         self._file.flush()
         schemas: dict[str, int] = {}
-        every = {**self._topics, _INPUTS: variables.ARRAY, _STATE: variables.ARRAY}
-        for topic, message in every.items():
+        groups = dict.fromkeys(self._states.values(), STATES)
+        groups |= {t: SHAPES for t, message in self._topics.items() if message == variables.CLOUD}
+        every = {**self._topics, _INPUTS: variables.ARRAY}
+        if self._output_labels:
+            every[_OUTPUTS] = variables.ARRAY
+        for topic, message in {
+            **every,
+            **dict.fromkeys(self._states.values(), variables.ARRAY),
+        }.items():
             if message not in schemas:
                 schemas[message] = self._mcap.add_schema(
                     message, "ros2msg", definition(message).encode()
@@ -157,7 +171,7 @@ class LogWriter:
                 "cdr",
                 schemas[message],
                 {"offered_qos_profiles": _QOS, "topic_type_hash": type_hash(message)},
-                _GROUPS.get(topic, VALUES),
+                groups.get(topic, VALUES),
             )
 
     def _attach(self, name: str, text: str) -> None:
@@ -179,12 +193,13 @@ class LogWriter:
                 name; replay gives the same ones again. For an exact replay, with their values.
         """
         values = applied_values(model, step, given)
-        self.write(self.stamp(model.time), [(_INPUTS, self._messages.applied_inputs(values))])
+        message = self._messages.row(self._input_labels, values)
+        self.write(self.stamp(model.time), [(_INPUTS, message)])
 
     def write_outputs(
         self,
-        model: CableModel,
-        state: CableState | None = None,
+        model: Any,
+        shapes: CableState | Mapping[str, CableState] | None = None,
         *,
         exact_state: bool = True,
         shape: bool = True,
@@ -193,29 +208,46 @@ class LogWriter:
 
         Args:
             model: the model at an output time.
-            state: ``model.state()`` if the caller has it already.
+            shapes: ``model.state()``, or of a system ``model.shapes()``, if the caller has it.
             exact_state: False leaves out the state in 64-bit floats, most of a log's size, for
                 outputs more frequent than states are wanted.
             shape: False leaves out the shape for viewers, most of what is then left.
         """
-        if state is None:
-            state = model.state()
-        stamp = self.stamp(model.time)
-        topics = self._topics if shape else self._topics_over_time
-        found = encode_outputs(self._messages, topics, stamp, model, state)
-        if exact_state:
-            found.append((_STATE, self._messages.state(model.time, state)))
-        self.write(stamp, found)
+        topics = list(self._topics) if shape else self._topics_over_time
+        found = self._outputs(model, shapes, topics, exact_state=exact_state)
+        self.write(self.stamp(model.time), found)
 
-    def write_along(self, model: CableModel, *, exact_state: bool, shape: bool) -> None:
+    def write_along(self, model: Any, *, exact_state: bool, shape: bool) -> None:
         """Log what an output at the model's time left out along the cable."""
-        stamp, state = self.stamp(model.time), model.state()
-        topics = [topic for topic in self._topics if _GROUPS.get(topic) == SHAPES and shape]
-        found = encode_outputs(self._messages, topics, stamp, model, state)
-        if exact_state:
-            found.append((_STATE, self._messages.state(model.time, state)))
+        over_time = set(self._topics_over_time)
+        topics = [topic for topic in self._topics if shape and topic not in over_time]
+        found = self._outputs(model, None, topics, exact_state=exact_state)
         if found:
-            self.write(stamp, found)
+            self.write(self.stamp(model.time), found)
+
+    def _outputs(
+        self,
+        model: Any,
+        shapes: CableState | Mapping[str, CableState] | None,
+        topics: list[str],
+        *,
+        exact_state: bool,
+    ) -> list[tuple[str, bytes]]:
+        if shapes is None:
+            shapes = shapes_of(model)
+        elif not isinstance(shapes, Mapping):
+            shapes = {"": shapes}
+        stamp = self.stamp(model.time)
+        if self._output_labels:
+            found = encode_parts(self._messages, topics, stamp, model, shapes, self._output_labels)
+        else:
+            found = encode_outputs(self._messages, topics, stamp, model, shapes[""])
+        if exact_state:
+            found += [
+                (self._states[name], self._messages.state(model.time, state, name))
+                for name, state in shapes.items()
+            ]
+        return found
 
     def write(self, stamp: int, messages: Iterable[tuple[str, bytes]]) -> None:
         """Log messages that are serialised already, all of one time.
@@ -336,11 +368,7 @@ class LogWriter:
 
 _CHUNK_NANOSECONDS = round(CHUNK_SIMULATED_SECONDS * 1e9)
 _INPUTS = variables.resolved(variables.APPLIED_INPUTS_TOPIC)
-_STATE = variables.resolved(variables.STATE_TOPIC)
-_GROUPS = {
-    _STATE: STATES,
-    **{row.resolved_topic: SHAPES for row in variables.OUTPUTS if row.message == variables.CLOUD},
-}
+_OUTPUTS = variables.resolved(variables.OUTPUTS_TOPIC)
 
 _Encode = Callable[[Messages, int, Any, Any], bytes]
 

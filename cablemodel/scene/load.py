@@ -6,19 +6,21 @@ import copy
 import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
 from cablemodel.errors import SceneError, shown
 from cablemodel.scene.problems import problems_of
-from cablemodel.scene.schema import Scene
+from cablemodel.scene.schema import Document, Scene
 from cablemodel.scene.text import parse_yaml
 
 _LOG = b"\x89MCAP"
 """What an MCAP file begins with."""
 
 _OVERRIDES = 'texts "path=value", such as "line.0.cable.length=50"'
+
+Kind = TypeVar("Kind", bound=Document)
 
 SceneSource = str | os.PathLike[str] | Mapping[str, Any]
 
@@ -44,16 +46,28 @@ def load_scene(
         SceneError: naming every problem with its path, its value and what is allowed.
     """
     text, name, data = read_content(source)
+    if is_system(data):
+        problem = "lines between vessels and bodies are a system, not a scene of one line"
+        allowed = "cablemodel.load_system and SystemModel"
+        error = SceneError.at("lines", None, problem, allowed)
+        error.source = name or ""
+        raise error
+    return loaded(Scene, (text, name, data), overrides, folder)
+
+
+def loaded(
+    kind: type[Kind],
+    content: tuple[str | None, str | None, Mapping[str, Any]],
+    overrides: str | Iterable[str] = (),
+    folder: str | os.PathLike[str] | None = None,
+) -> Kind:
+    """A scene of a kind from what `read_content` gave; otherwise as `load_scene`."""
+    text, name, data = content
     if folder is None:
         folder = Path(name).parent if name is not None else Path()
     overrides = listed(overrides)
     try:
-        data = apply_overrides(data, overrides)
-        if is_system(data):
-            problem = "lines between vessels and bodies are a system, not a scene of one line"
-            allowed = "cablemodel.load_system and SystemModel, or `cablemodel check`"
-            raise SceneError.at("lines", None, problem, allowed)
-        scene = _validated(data, Path(folder))
+        scene = _validated(kind, apply_overrides(data, overrides), Path(folder))
     except SceneError as error:
         error.source = error.source or name or ""
         raise
@@ -188,16 +202,16 @@ def _mapping(data: Any, source: str) -> Mapping[str, Any]:
     return data
 
 
-def _validated(data: Mapping[str, Any], folder: Path) -> Scene:
+def _validated(kind: type[Kind], data: Mapping[str, Any], folder: Path) -> Kind:
     try:
         notes: list[str] = []
-        scene = Scene.model_validate(dict(data), context={"folder": folder, "notes": notes})
-        if at_rest := scene.rest_under_way():
+        scene = kind.model_validate(dict(data), context={"folder": folder, "notes": notes})
+        if isinstance(scene, Scene) and (at_rest := scene.rest_under_way()):
             notes.append(at_rest)
         scene._notes = tuple(notes)
         return scene
     except ValidationError as error:
-        raise SceneError(problems_of(error, Scene)) from None
+        raise SceneError(problems_of(error, kind)) from None
     except RecursionError:
         raise SceneError.at("", None, "nested too deeply", "a finite tree of data") from None
 

@@ -8,7 +8,14 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 import yaml
-from pydantic import Field, PrivateAttr, ValidationInfo, field_validator, model_validator
+from pydantic import (
+    Field,
+    PrivateAttr,
+    ValidationInfo,
+    field_validator,
+    model_serializer,
+    model_validator,
+)
 
 from cablemodel.errors import SceneProblem, shown
 from cablemodel.scene import sea
@@ -130,6 +137,7 @@ class Solver(SceneModel):
         name = "a tolerance" if self.accuracy is None else "an accuracy"
         return f"{name} of {self.promised:g}"
 
+    @model_serializer
     def as_written(self) -> dict[str, Any]:
         """The settings of the chosen method only."""
         keys: tuple[str, ...] = _DIRECT_ONLY
@@ -159,7 +167,46 @@ def longest_stretch(kind: CableType) -> float:
     return 1.0 + max(_LEAST_STRETCH, stretch)
 
 
-class Scene(SceneModel):
+class Document(SceneModel):
+    """What stands in a scene file as a whole, of one line or of a system."""
+
+    _source_text: str | None = PrivateAttr(default=None)
+    _source_path: str | None = PrivateAttr(default=None)
+    _notes: tuple[str, ...] = PrivateAttr(default=())
+
+    @property
+    def source_text(self) -> str | None:
+        """The YAML text as it was read, before any override; None for a scene from a mapping."""
+        return self._source_text
+
+    @property
+    def source_path(self) -> str | None:
+        """The file that it was read from; None for a scene from text or a mapping."""
+        return self._source_path
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What was chosen when it was read, where the scene leaves a doubt."""
+        return self._notes
+
+    def to_dict(self) -> dict[str, Any]:
+        """The scene in SI as plain data, files resolved; it loads again to an equal scene."""
+        return self.model_dump(mode="json", by_alias=True, exclude_none=True)
+
+    def to_yaml(self) -> str:
+        """The scene in SI as YAML text, files resolved; it loads again to an equal scene."""
+        return yaml.dump(
+            self.to_dict(), Dumper=SceneDumper, sort_keys=False, default_flow_style=None
+        )
+
+    def __eq__(self, other: object) -> bool:
+        """Equal content, wherever it was read from."""
+        return isinstance(other, type(self)) and self.to_dict() == other.to_dict()
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+class Scene(Document):
     """A scene: everything that a simulation needs, in SI units, checked and unchangeable."""
 
     title: Annotated[str, Field(strict=True)] = Field(default="", description="what it shows")
@@ -177,9 +224,6 @@ class Scene(SceneModel):
     solver: Solver = Field(default=Solver(), description="how the scene is computed")
     run: RunSettings = Field(default=RunSettings(), description="length of a run and its output")
 
-    _source_text: str | None = PrivateAttr(default=None)
-    _source_path: str | None = PrivateAttr(default=None)
-    _notes: tuple[str, ...] = PrivateAttr(default=())
     _motion: tuple[Vessel, VesselMotion] | None = PrivateAttr(default=None)
 
     @field_validator("cable_types")
@@ -336,21 +380,6 @@ class Scene(SceneModel):
         """Total unstretched length of the cables that are out at t = 0 [m]."""
         return math.fsum(cable.length for cable in self.cables)
 
-    @property
-    def source_text(self) -> str | None:
-        """The YAML text as it was read, before any override; None for a scene from a mapping."""
-        return self._source_text
-
-    @property
-    def source_path(self) -> str | None:
-        """The file that it was read from; None for a scene from text or a mapping."""
-        return self._source_path
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """What was chosen when it was read, where the scene leaves a doubt."""
-        return self._notes
-
     def motion(self) -> VesselMotion:
         """The prescribed motion of the tow point, made once."""
         kept = self._motion
@@ -391,21 +420,3 @@ class Scene(SceneModel):
             f"initial.points start at rest under a tow point that moves at {speed:g} m/s: the "
             "cable is torn along; velocities: steady, or one for each of points, start with it"
         )
-
-    def to_dict(self) -> dict[str, Any]:
-        """The scene in SI as plain data, files resolved; it loads again to an equal scene."""
-        data = self.model_dump(mode="json", exclude_none=True)
-        data["solver"] = self.solver.as_written()
-        return data
-
-    def to_yaml(self) -> str:
-        """The scene in SI as YAML text, files resolved; it loads again to an equal scene."""
-        return yaml.dump(
-            self.to_dict(), Dumper=SceneDumper, sort_keys=False, default_flow_style=None
-        )
-
-    def __eq__(self, other: object) -> bool:
-        """Equal content, wherever it was read from."""
-        return isinstance(other, Scene) and self.to_dict() == other.to_dict()
-
-    __hash__ = None  # type: ignore[assignment]

@@ -1,6 +1,6 @@
 """Systems: several lines between vessels, bodies with six degrees of freedom, anchors, branches."""
 
-from cablemodel.systems.model import SystemModel, VesselInput, load_system
+from cablemodel.systems.model import SystemModel, VesselInput, load_system, read_scene
 from cablemodel.systems.scene import SystemScene
 
-__all__ = ["SystemModel", "SystemScene", "VesselInput", "load_system"]
+__all__ = ["SystemModel", "SystemScene", "VesselInput", "load_system", "read_scene"]

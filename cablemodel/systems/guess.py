@@ -142,6 +142,8 @@ def first_guess(scene: SystemScene, velocity: FloatArray) -> Guess:
     rest = np.array([scene.lines[n].length / PARTS for n in lines for _ in range(PARTS)])
     total = float(np.abs(pulls).sum()) + 1e-9
     stiff = total / (STRETCH * rest)
+    floor = scene.environment.floor
+    hard = total / (STRETCH * float(rest.min()))
 
     def places(x: FloatArray) -> FloatArray:
         return base + np.where((where >= 0)[:, None], x[np.maximum(where, 0)], 0.0)
@@ -154,6 +156,11 @@ def first_guess(scene: SystemScene, velocity: FloatArray) -> Guess:
         value = float((0.5 * stiff * over**2).sum() - (pulls * p).sum())
         force = (stiff * over / size)[:, None] * d
         slope = -pulls.copy()
+        if floor is not None:
+            sunk = np.array([floor.height(float(x), float(y)) - z for x, y, z in p])
+            sunk = np.maximum(0.0, sunk)
+            value += float(0.5 * hard * (sunk**2).sum())
+            slope[:, 2] -= hard * sunk  # of a slope the rise alone: it need only come near
         np.add.at(slope, right, force)
         np.add.at(slope, left, -force)
         out = np.zeros((len(free), 3))

@@ -4,22 +4,21 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from os import PathLike
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import ValidationError
 
+from cablemodel import variables
 from cablemodel.errors import SceneError, StepError
 from cablemodel.finite_element import MEANING
 from cablemodel.kernels import layout as at
 from cablemodel.model import CableState
-from cablemodel.scene.load import apply_overrides, listed, read_content
-from cablemodel.scene.problems import problems_of
+from cablemodel.scene import Scene
+from cablemodel.scene.load import SceneSource, is_system, loaded, read_content
 from cablemodel.systems.build import build
 from cablemodel.systems.scene import SystemScene
 
@@ -73,18 +72,11 @@ class LineView:
 
     def __init__(self, model: SystemModel, name: str) -> None:
         self._model, self.name = model, name
-        tree = model.built.tree
-        nodes = [node for node, element in tree.elements.items() if element.line == name]
-        nodes.sort(key=lambda node: tree.elements[node].start)
-        self._nodes = np.array(nodes)
-        self._starts = np.array([tree.elements[node].start for node in nodes])
-        self._lengths = np.array([tree.elements[node].length for node in nodes])
-        self._backward = np.array([tree.elements[node].backward for node in nodes])
 
     @property
     def length(self) -> float:
         """Unstretched [m]."""
-        return float(self._starts[-1] + self._lengths[-1])
+        return self._model.scene.lines[self.name].length
 
     def sample(self, stations: ArrayLike | None = None) -> CableState:
         """The line at arc lengths from its beginning (n,) [m]; by default at its nodes.
@@ -92,17 +84,18 @@ class LineView:
         Raises:
             ValueError: a station is not on the line.
         """
+        elements = self._model.built.elements(self.name)
         if stations is None:
-            s = np.append(self._starts, self.length)
+            s = np.append(elements.start, self.length)
         else:
             s = np.atleast_1d(np.asarray(stations, dtype=np.float64))
         if not np.all((s >= 0.0) & (s <= self.length * (1.0 + 1e-12))):
             raise ValueError(f"{self.name}: stations are 0 to {self.length:g} m")
-        which = np.clip(np.searchsorted(self._starts, s, side="right") - 1, 0, None)
-        x = np.clip((s - self._starts[which]) / self._lengths[which], 0.0, 1.0)
-        backward = self._backward[which]
+        which = np.clip(np.searchsorted(elements.start, s, side="right") - 1, 0, None)
+        x = np.clip((s - elements.start[which]) / elements.length[which], 0.0, 1.0)
+        backward = elements.backward[which]
         x = np.where(backward, 1.0 - x, x)
-        rows = self._model.sample_elements(self._nodes[which].astype(np.float64), x)
+        rows = self._model.sample_elements(elements.node[which].astype(np.float64), x)
         sign = np.where(backward, -1.0, 1.0)[:, None]
         return CableState(
             time=self._model.time,
@@ -167,6 +160,7 @@ class SystemModel:
         vessels: Mapping[str, VesselInput] | None = None,
         forces: Mapping[str, ArrayLike] | None = None,
         deflections: Mapping[str, float] | None = None,
+        cuts: Iterable[str] = (),
     ) -> None:
         """Advance by dt [s], of any length.
 
@@ -177,32 +171,59 @@ class SystemModel:
             forces: outside force and torque about the origin of bodies by name, (6,) [N, N m],
                 earth frame; a body that is not named has none.
             deflections: of foils, by ``BODY.FOIL`` [rad]; those not named stay.
+            cuts: names of those that are made now, at the beginning of the step.
 
         Raises:
             StepError: an input is wrong, or no step could be made; the model is as it was.
         """
-        end = self.time + float(dt)
-        if not self.time < end < math.inf or float(dt) > at.LONGEST_STEP:
+        self._advance(self.time + float(dt), vessels or {}, forces or {}, deflections or {}, cuts)
+
+    def _advance(
+        self,
+        end: float,
+        vessels: Mapping[str, VesselInput],
+        forces: Mapping[str, ArrayLike],
+        deflections: Mapping[str, float],
+        cuts: Iterable[str],
+    ) -> None:
+        if not self.time < end < math.inf or end - self.time > at.LONGEST_STEP:
+            dt = end - self.time
             raise self._wrong("dt", dt, f"a positive step of at most {at.LONGEST_STEP:g} s")
         block = self.built.block
-        motion = self._motion_inputs(end, vessels or {})
-        pushes = self._pushes(forces or {})
-        angles = self._deflected(deflections or {})
+        motion = self._motion_inputs(end, vessels)
+        pushes = self._pushes(forces)
+        angles = self._deflected(deflections)
+        orders = self._ordered(cuts)
         from cablemodel import library as entry
 
         before = None  # a step that fails gives the state back, but not what drives it
-        if vessels or self._drives(block) or pushes.any() or self._forces.any() or deflections:
+        pushed = pushes.any() or self._forces.any()
+        if vessels or self._drives(block) or pushed or deflections or orders.any():
             before = block.image.copy()
-            entry.drive(block.ints, block.reals, end, motion.ravel(), pushes.ravel(), angles)
+            inputs = motion.ravel(), pushes.ravel(), angles, orders
+            entry.drive(block.ints, block.reals, end, *inputs)
         status = int(entry.step(block.ints, block.reals, end, _NO_INPUTS))
+        while status == at.NO_CAPACITY:
+            block.grow()
+            status = int(entry.step(block.ints, block.reals, end, _NO_INPUTS))
         if status != at.OK:
-            failed = min(block.failed_node, len(self.built.tree.arcs) - 1)
+            part, arc = self.built.where(min(block.failed_node, self.built.nodes - 1))
             if before is not None:
-                block.image[:] = before
+                block.take(before)
             problem, advice = MEANING[status]
-            part, arc = self.built.tree.arcs[failed]
             raise StepError(f"{part}: {problem}", time=self.time, arc_length=arc, advice=advice)
         self._forces, self._angles = pushes, angles
+
+    def step_to(
+        self,
+        time: float,
+        vessels: Mapping[str, VesselInput] | None = None,
+        forces: Mapping[str, ArrayLike] | None = None,
+        deflections: Mapping[str, float] | None = None,
+        cuts: Iterable[str] = (),
+    ) -> None:
+        """Advance to a time [s] exactly; otherwise like `step`."""
+        self._advance(float(time), vessels or {}, forces or {}, deflections or {}, cuts)
 
     def _drives(self, block: Any) -> bool:
         rows = block.array(at.O_FRAMES, len(self.scene.vessels), at.FRAME_WORDS)
@@ -262,6 +283,25 @@ class SystemModel:
             angles[names.index(name)] = self._vector(f"deflections.{name}", [value], 1)[0]
         return angles
 
+    def _ordered(self, given: Iterable[str]) -> FloatArray:
+        names = list(self.scene.cuts)
+        orders = np.zeros(len(names))
+        for name in given:
+            if name not in names:
+                raise self._wrong("cuts", name, f"of {', '.join(names) or 'none'}")
+            orders[names.index(name)] = 1.0
+        return orders
+
+    @property
+    def cuts(self) -> dict[str, float | None]:
+        """When each cut was made [s], by name; None: not yet."""
+        rows = self.built.block.array(at.O_CUTS, len(self.scene.cuts), at.CUT_WORDS)
+        done = rows[:, at.CUT_DONE].tolist()
+        return {
+            name: time if time < math.inf else None
+            for name, time in zip(self.scene.cuts, done, strict=True)
+        }
+
     def _parts(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         from cablemodel import library as entry
 
@@ -289,19 +329,101 @@ class SystemModel:
         }
 
     @property
+    def top_tension(self) -> float:
+        """The largest tension at the beginning of a line [N]."""
+        return max(line.start_tension for line in self.lines.values())
+
+    @property
+    def statistics(self) -> dict[str, int]:
+        """Counters since the start: steps, rejected, factorisations, iterations; elements."""
+        ints = self.built.block.ints
+        return {
+            "steps": int(ints[at.I_STEPS]),
+            "rejected": int(ints[at.I_REJECTED]),
+            "factorisations": int(ints[at.I_FACTORISATIONS]),
+            "iterations": int(ints[at.I_ITERATIONS]),
+            "elements": len(self.built.elements().node),
+        }
+
+    def shapes(self) -> dict[str, CableState]:
+        """All lines at their nodes, by name."""
+        return {name: line.sample() for name, line in self.lines.items()}
+
+    def outputs(self, shapes: Mapping[str, CableState] | None = None) -> dict[str, FloatArray]:
+        """Everything that a run keeps over time, by the names of the table of variables:
+        ``port.start_tension``, ``plate.position``, ``tug.force``, ...
+
+        shapes: of `shapes`, if the caller has them.
+        """
+        found: dict[str, FloatArray] = {}
+        for name, state in (shapes or self.shapes()).items():
+            tension = state.tension
+            found[f"{name}.start_tension"], found[f"{name}.end_tension"] = tension[[0, -1]]
+            found[f"{name}.tension_min"], found[f"{name}.tension_max"] = (
+                tension.min(),
+                tension.max(),
+            )
+        wrenches = self.wrenches
+        for name, motion in (*self.bodies.items(), *self.vessels.items()):
+            for key in ("position", "attitude", "velocity", "angular_velocity"):
+                found[f"{name}.{key}"] = getattr(motion, key)
+            if name in wrenches:
+                found[f"{name}.force"], found[f"{name}.moment"] = np.split(wrenches[name], 2)
+        for name, time in self.cuts.items():
+            found[f"{name}.time"] = np.array(np.nan if time is None else time)
+        return found
+
+    def input_row(self, step: float, given: Mapping[str, Any]) -> FloatArray:
+        """What a step was given, in the order of ``variables.input_labels``.
+
+        Args:
+            step: its length [s].
+            given: arguments of `step_to`, by name.
+        """
+        row = [np.array([self.time, step])]
+        for name, item in variables.inputs_of_system(self.scene):
+            value = _given(given, name, item.python)
+            row.append(np.full(max((1, *item.shape)), np.nan if value is None else value))
+        return np.concatenate(row)
+
+    def given_by(self, row: FloatArray) -> dict[str, Any]:
+        """The arguments of `step_to` that made a row of `input_row`."""
+        vessels: dict[str, dict[str, FloatArray]] = {}
+        forces: dict[str, FloatArray] = {}
+        deflections: dict[str, float] = {}
+        cuts: list[str] = []
+        place = 2
+        for name, item in variables.inputs_of_system(self.scene):
+            size = max((1, *item.shape))
+            value, place = row[place : place + size], place + size
+            if np.isnan(value).any():
+                continue
+            if name in self.scene.vessels:
+                vessels.setdefault(name, {})[item.python] = value
+            elif name in self.scene.bodies:
+                forces.setdefault(name, np.zeros(6))[_HALVES[item.python]] = value
+            elif name in self.scene.cuts:
+                cuts.append(name)
+            else:
+                deflections[name] = float(value[0])
+        inputs = {name: VesselInput(**fields) for name, fields in vessels.items()}
+        return {"vessels": inputs, "forces": forces, "deflections": deflections, "cuts": cuts}
+
+    @property
     def wrenches(self) -> dict[str, FloatArray]:
         """Force and moment about its origin (6,) [N, N m] of all lines on each vessel, earth
         frame."""
         _bodies, frames, ends = self._parts()
         found = {name: np.zeros(6) for name in self.scene.vessels}
-        q = self.built.block.array(at.O_POSITION, len(self.built.tree.parent), 6)
+        q = self.built.block.array(at.O_POSITION, self.built.nodes, 6)
         rows = dict(zip(self.scene.vessels, frames, strict=True))
-        for held, force in zip(self.built.tree.held, ends, strict=True):
+        nodes = self.built.held_nodes()
+        for held, node, force in zip(self.built.tree.held, nodes, ends, strict=True):
             if held.end.point is None:
                 continue
             owner = held.end.point.partition(".")[0]
             base = self.built.block.reals[at.S_BASE : at.S_BASE + 3]
-            arm = q[held.node, :3] + base - rows[owner][:3]
+            arm = q[node, :3] + base - rows[owner][:3]
             found[owner][:3] -= force
             found[owner][3:] -= np.cross(arm, force)
         return found
@@ -331,26 +453,41 @@ class SystemModel:
         Raises:
             SceneError: it belongs to another scene.
         """
-        own = self.built.block.image
+        block = self.built.block
         words = np.frombuffer(snapshot, dtype=np.int64)
         rest = self._forces.size + self._angles.size
-        fixed = [at.I_MAGIC, at.I_VERSION, at.I_BYTES, at.I_IMAGE_WORDS, at.I_CAPACITY, at.I_FREE]
-        if len(words) != len(own) + rest or any(own[k] != words[k] for k in fixed):
+        image, more = words[: len(words) - rest], words[len(words) - rest :].view(np.float64)
+        if len(words) < rest or not block.fits(image):
             raise SceneError.at(
                 "snapshot", len(snapshot), "it belongs to another scene", "one of this scene"
             )
-        own[:] = words[: len(own)]
-        more = words[len(own) :].view(np.float64)
+        block.take(image)
         self._forces = more[: self._forces.size].reshape(self._forces.shape).copy()
         self._angles = more[self._forces.size :].copy()
 
     def reset(self) -> None:
         """Back to the initial state, t = 0."""
-        self.built.block.image[:] = self._initial
+        self.built.block.take(self._initial)
         self._forces[:] = 0.0
         self._angles = np.array(
             [self.scene.bodies[body].foils[foil].deflection for body, foil in self._foils]
         )
+
+
+def _given(given: Mapping[str, Any], name: str, field: str) -> Any:
+    """The value of one input among the arguments of a step; None: not given."""
+    if field == "cut":
+        return 1.0 if name in (given.get("cuts") or ()) else None
+    if field == "deflection":
+        return (given.get("deflections") or {}).get(name)
+    if field in ("force", "torque"):
+        wrench = (given.get("forces") or {}).get(name)
+        return None if wrench is None else np.asarray(wrench, float)[_HALVES[field]]
+    wanted = (given.get("vessels") or {}).get(name)
+    return None if wanted is None else getattr(wanted, field)
+
+
+_HALVES = {"force": slice(0, 3), "torque": slice(3, 6)}
 
 
 def _motion(row: FloatArray) -> Motion:
@@ -372,12 +509,20 @@ def load_system(
     Raises:
         SceneError: naming every problem with its path, its value and what is allowed.
     """
-    _text, name, data = read_content(source)
-    folder = Path(name).parent if name is not None else Path()
-    data = apply_overrides(data, listed(overrides))
-    try:
-        return SystemScene.model_validate(data, context={"folder": folder, "notes": []})
-    except ValidationError as error:
-        found = SceneError(problems_of(error, SystemScene))
-        found.source = name or ""
-        raise found from None
+    return loaded(SystemScene, read_content(source), overrides)
+
+
+def read_scene(
+    source: Scene | SystemScene | SceneSource, overrides: str | Iterable[str] = ()
+) -> Scene | SystemScene:
+    """A scene of one line or of a system, as it is or read: a file, YAML text, or a mapping.
+
+    Raises:
+        SceneError: as `load_scene`, `load_system`.
+    """
+    if isinstance(source, (Scene, SystemScene)):
+        return source
+    content = read_content(source)
+    if is_system(content[2]):
+        return loaded(SystemScene, content, overrides)
+    return loaded(Scene, content, overrides)

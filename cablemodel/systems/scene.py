@@ -3,22 +3,33 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from cablemodel.errors import SceneProblem, shown
-from cablemodel.scene.base import Angle, Coefficient, Length, Position, SceneModel, UnitVector
+from cablemodel.scene.base import (
+    Angle,
+    Coefficient,
+    Duration,
+    Length,
+    Position,
+    SceneModel,
+    UnitVector,
+)
 from cablemodel.scene.environment import Environment
-from cablemodel.scene.line import CableType, LineItem
-from cablemodel.scene.schema import RunSettings, Solver
+from cablemodel.scene.line import Cable, CableType, LineItem
+from cablemodel.scene.schema import Document, RunSettings, Solver
 from cablemodel.scene.units import Quantity, Vector, rejection, several
 from cablemodel.scene.vessel import Vessel
 
 FloatArray = NDArray[np.float64]
+
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 Attitude = Annotated[tuple[float, float, float], Vector("rad")]
 
@@ -224,7 +235,23 @@ class SystemLine(SceneModel):
         return self.start, self.end
 
 
-class SystemScene(SceneModel):
+class Cut(SceneModel):
+    """A place where a line is cut, let go or breaks; what is cut off goes on by itself.
+
+    By a command at any time; also at ``time``, and above ``tension``, where these are given.
+    """
+
+    line: Annotated[str, Field(strict=True)] = Field(description="name of the line")
+    at: Annotated[Literal["start", "end"] | Length, Field(union_mode="left_to_right")] = Field(
+        description="arc length from its beginning, or start or end: there it is let go"
+    )
+    time: Duration | None = Field(default=None, description="when")
+    tension: Annotated[float, Quantity("N", above=0)] | None = Field(
+        default=None, description="above which it breaks there"
+    )
+
+
+class SystemScene(Document):
     """A scene of several lines, vessels and bodies, in SI units, checked and unchangeable."""
 
     title: Annotated[str, Field(strict=True)] = Field(default="", description="what it shows")
@@ -235,10 +262,22 @@ class SystemScene(SceneModel):
     )
     bodies: dict[str, FreeBody] = Field(default_factory=dict, description="free bodies by name")
     lines: dict[str, SystemLine] = Field(min_length=1, description="lines by name")
+    cuts: dict[str, Cut] = Field(
+        default_factory=dict, description="places where lines are cut, let go or break, by name"
+    )
     solver: Solver = Field(default=Solver(), description="how the scene is computed")
     run: RunSettings = Field(default=RunSettings(), description="length of a run and its output")
 
-    _notes: tuple[str, ...] = PrivateAttr(default=())
+    @property
+    def cables(self) -> list[Cable]:
+        """All cables, line by line."""
+        items = (item for line in self.lines.values() for item in line.items)
+        return [item.cable for item in items if item.cable is not None]
+
+    @property
+    def line_length(self) -> float:
+        """Unstretched length of the longest line [m]."""
+        return max(line.length for line in self.lines.values())
 
     @model_validator(mode="after")
     def _consistent(self) -> SystemScene:
@@ -251,9 +290,17 @@ class SystemScene(SceneModel):
         return self
 
     def _problems(self) -> Iterator[SceneProblem]:
-        for name in self.vessels:
-            if name in self.bodies:
-                yield SceneProblem(f"bodies.{name}", name, "a vessel has this name", "another one")
+        named: dict[str, str] = {}
+        for kind in ("vessels", "bodies", "lines", "cuts"):
+            for name in getattr(self, kind):
+                if name in named:
+                    problem = f"one of {named[name]} has this name"
+                    yield SceneProblem(f"{kind}.{name}", name, problem, "another one")
+                if not _NAME.fullmatch(name):
+                    problem = f"{shown(name)} is no name"
+                    allowed = "letters, digits and _, a letter first: it stands in topics"
+                    yield SceneProblem(f"{kind}.{name}", name, problem, allowed)
+                named.setdefault(name, kind)
         used: set[str] = set()
         for name, line in self.lines.items():
             path = f"lines.{name}"
@@ -286,9 +333,43 @@ class SystemScene(SceneModel):
         if self.environment.waves is not None:
             problem = "waves are not computed in a system yet"
             yield SceneProblem("environment.waves", None, problem, "none")
-        if self.environment.floor is not None:
-            problem = "a floor is not computed in a system yet"
-            yield SceneProblem("environment.floor", None, problem, "none")
+        yield from self._floor_problems()
+        yield from self._cut_problems()
+
+    def _cut_problems(self) -> Iterator[SceneProblem]:
+        for name, cut in self.cuts.items():
+            path = f"cuts.{name}"
+            line = self.lines.get(cut.line)
+            if line is None:
+                problem = f"{shown(cut.line)} is not one of the lines"
+                yield SceneProblem(f"{path}.line", cut.line, problem, ", ".join(self.lines))
+                continue
+            if isinstance(cut.at, float) and not cut.at < line.length:
+                problem = f"{cut.line} is {line.length:g} m long"
+                allowed = f"above 0 and below {line.length:g} m, or start or end"
+                yield SceneProblem(f"{path}.at", cut.at, problem, allowed)
+            end = {"start": line.start, "end": line.end}.get(str(cut.at))
+            if end is not None and end.is_free:
+                problem = f"{cut.line} is free there"
+                yield SceneProblem(f"{path}.at", cut.at, problem, "an end that is held")
+            if end is not None and end.clamped is not None:
+                problem = "a clamped end is not let go"
+                yield SceneProblem(f"{path}.at", cut.at, problem, "a place beside it, in metres")
+
+    def _floor_problems(self) -> Iterator[SceneProblem]:
+        """Anchors and vessels' points below the floor at t = 0."""
+        floor = self.environment.floor
+        if floor is None:
+            return
+        for name, line in self.lines.items():
+            for word, end in (("from", line.start), ("to", line.end)):
+                if end.anchor is None:
+                    continue
+                height = floor.height(end.anchor[0], end.anchor[1])
+                if end.anchor[2] < height - 1e-3 * line.length:
+                    problem = "it lies below the sea floor"
+                    allowed = f"z of at least {height:g} m there"
+                    yield SceneProblem(f"lines.{name}.{word}.anchor", end.anchor, problem, allowed)
 
     def _end_problems(
         self, name: str, path: str, end: LineEnd, used: set[str]

@@ -8,6 +8,7 @@ place where the first line comes to it; all others begin at it.
 from __future__ import annotations
 
 import itertools
+import math
 from dataclasses import dataclass, field
 from typing import cast
 
@@ -36,17 +37,24 @@ class Held:
 
 
 @dataclass(frozen=True)
-class Element:
-    """An element of a line."""
+class Segment:
+    """A stretch of cable of one kind without branches, within which elements may be joined."""
 
     line: str
     cable: int
     """Which item of the line."""
+    backward: bool
+    """The tree goes along it from the line's end towards its beginning."""
+
+
+@dataclass(frozen=True)
+class Element:
+    """An element of a line."""
+
+    segment: int
     start: float
     """Arc length along the line at which it begins [m]."""
     length: float
-    backward: bool
-    """The tree goes through it from the line's end to its beginning."""
 
 
 @dataclass
@@ -55,6 +63,7 @@ class Tree:
 
     parent: list[int] = field(default_factory=list)
     joint: list[int] = field(default_factory=list)
+    segments: list[Segment] = field(default_factory=list)
     elements: dict[int, Element] = field(default_factory=dict)
     """By the node at the far end of each."""
     arcs: list[tuple[str, float]] = field(default_factory=list)
@@ -142,16 +151,22 @@ class _Builder:
         tree, line = self.tree, self.scene.lines[name]
         backward = stop < start
         branches: list[tuple[int, str, int]] = []
+        segment = Segment(name, -1, backward)
+        parts = False
         for item, left, right, jumps, mass in self._pieces(name, start, stop):
-            if jumps:
+            if parts or item != segment.cable:
+                segment = Segment(name, item, backward)
+                tree.segments.append(segment)
+            if jumps or (parts and self._hinged(name, item, item, body=True)):
                 node = tree.add(node, at.JOINT_HINGE, (name, left))
             if mass is not None:
                 tree.masses.append((node, mass[1], name, mass[0]))
             node = tree.add(node, at.JOINT_NONE, (name, right))
-            low = min(left, right)
-            tree.elements[node] = Element(name, item, low, abs(right - left), backward)
-            for other, side in self._branches(name, right):
-                branches.append((node, other, side))
+            index = len(tree.segments) - 1
+            tree.elements[node] = Element(index, min(left, right), abs(right - left))
+            joined = [(node, *branch) for branch in self._branches(name, right)]
+            branches += joined
+            parts = len(joined) > 0
         last = line.items[0 if backward else -1]
         side = 0 if backward else 1
         if last.body is not None:
@@ -202,7 +217,7 @@ class _Builder:
             (other, side)
             for other, line in self.scene.lines.items()
             for side, end in enumerate(line.ends)
-            if end.line == name and end.at == arc
+            if end.line == name and end.at is not None and math.isclose(end.at, arc, abs_tol=1e-9)
         ]
 
     def _pieces(
@@ -231,7 +246,7 @@ class _Builder:
                 between = line.items[min(before, index) + 1]
                 if between.body is not None:
                     mass = (min(before, index) + 1, between.body)
-                jumps = self._hinged(name, before, index, mass is not None)
+                jumps = self._hinged(name, before, index, body=mass is not None)
             elif before is None:
                 first = line.items[-1 if backward else 0]
                 if first.body is not None and start in (0.0, line.length):
@@ -240,8 +255,8 @@ class _Builder:
             before = index
         return pieces
 
-    def _hinged(self, name: str, one: int, other: int, body: bool) -> bool:
-        """Whether the slope may jump from one cable to the next."""
+    def _hinged(self, name: str, one: int, other: int, *, body: bool) -> bool:
+        """Whether the slope may jump from one cable to the next. body: a force acts between."""
         cables = self._cable(name, one), self._cable(name, other)
         return hinged(cast(Scene, self.scene), *cables, body)  # its cable types alone
 

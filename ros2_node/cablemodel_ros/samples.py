@@ -79,7 +79,8 @@ class Sampler:
         _THREE.pack_into(odometry, at + 8 * _TWIST_IN_ODOMETRY, *velocity)
         _STAMP.pack_into(twist, 4, seconds, nanoseconds)
         _THREE.pack_into(twist, len(twist) - 48, *velocity)
-        record = (variables.APPLIED_INPUTS_TOPIC, self._messages.applied_inputs(values))
+        exact = self._messages.row(variables.APPLIED_INPUT_LABELS, values)
+        record = (variables.APPLIED_INPUTS_TOPIC, exact)
         return record, [(APPLIED_ODOMETRY, bytes(odometry)), (APPLIED_TWIST, bytes(twist))]
 
     def outputs(

@@ -36,7 +36,8 @@ def write_an_hour(path: Path, scene: Scene, source: Any) -> None:
     states = noisy(source, random)
     cadence = Cadence.of(OUTPUTS, NODES, 0.05)
     names = [row.python for row in variables.outputs_of(scene) if "." not in row.python]
-    model: Any = SimpleNamespace(**{name: getattr(source, name) for name in names}, time=0.0)
+    fields = {name: getattr(source, name) for name in names}
+    model: Any = SimpleNamespace(**fields, time=0.0, scene=scene)
     top_force = model.top_force
     with LogWriter(path, scene, epoch=0) as writer:
         for k, factor in enumerate(random.uniform(0.9, 1.1, OUTPUTS).tolist()):

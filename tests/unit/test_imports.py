@@ -52,9 +52,9 @@ LAYERS = (
         "cablemodel.error_estimate",
         "cablemodel.solver",
     ),
+    ("cablemodel.variables",),
     ("cablemodel.model",),
     ("cablemodel.systems",),
-    ("cablemodel.variables",),
     ("cablemodel.states", "cablemodel.cadence"),
     ("cablemodel.log",),
     (

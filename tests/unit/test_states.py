@@ -70,6 +70,6 @@ def test_an_index_out_of_range_is_an_error() -> None:
 
 
 def test_inputs_by_label_also_without_steps() -> None:
-    assert by_label([])["payout_rate"].shape == (0,)
+    assert by_label([], APPLIED_INPUT_LABELS)["payout_rate"].shape == (0,)
     row = np.arange(float(len(APPLIED_INPUT_LABELS)))
-    assert by_label([row, row])["step"].tolist() == [1.0, 1.0]
+    assert by_label([row, row], APPLIED_INPUT_LABELS)["step"].tolist() == [1.0, 1.0]

@@ -1,0 +1,133 @@
+"""A system's block, with what tells its nodes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cablemodel.block import Block
+from cablemodel.kernels import layout as at
+from cablemodel.systems.tree import Tree
+
+FloatArray = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class Elements:
+    """Elements in the order of the tree, (n,) each."""
+
+    node: Indices
+    """At the far end of each, along the tree."""
+    segment: Indices
+    start: FloatArray
+    """Arc length along its line at which it begins [m]."""
+    length: FloatArray
+    backward: NDArray[np.bool_]
+    """The tree goes along it from the line's end to its beginning."""
+
+
+@dataclass
+class Built:
+    """A block, and the tree on which it began; its mesh may have changed since."""
+
+    block: Block
+    tree: Tree
+
+    def __post_init__(self) -> None:
+        segments = self.tree.segments
+        self._backward = np.array([part.backward for part in segments], dtype=bool)
+        self.lines = list(dict.fromkeys(part.line for part in segments))
+        self._line = np.array([self.lines.index(part.line) for part in segments])
+
+    @property
+    def nodes(self) -> int:
+        """How many there are."""
+        return int(self.block.ints[at.I_NODES])
+
+    def elements(self, line: str | None = None) -> Elements:
+        """All elements, or those of a line from its beginning to its end."""
+        joints = self.block.integers(at.O_JOINT, self.nodes)
+        edges = self.block.array(at.O_EDGE, self.nodes, at.EDGE_WORDS)
+        node = np.flatnonzero(joints == 0)
+        node = node[node > 0]
+        segment = edges[node, at.E_SEGMENT].astype(np.intp)
+        if line is not None:
+            own = self._line[segment] == self.lines.index(line)
+            node, segment = node[own], segment[own]
+        length, backward = edges[node, at.E_LENGTH], self._backward[segment]
+        start = edges[node, at.E_START]
+        start = np.where(backward, -start - length, start)
+        if line is not None:
+            order = np.argsort(start, kind="stable")
+            node, segment, start = node[order], segment[order], start[order]
+            length, backward = length[order], backward[order]
+        return Elements(node, segment, start, length, backward)
+
+    def body_nodes(self) -> Indices:
+        """Nodes of the free bodies."""
+        count = int(self.block.ints[at.I_FREE])
+        rows = self.block.array(at.O_FREE, count, at.FREE_WORDS)
+        return rows[:, at.Y_NODE].astype(np.intp)
+
+    def held_nodes(self) -> Indices:
+        """Nodes that are held, in the order of ``tree.held``."""
+        count = int(self.block.ints[at.I_CONSTRAINTS])
+        rows = self.block.array(at.O_CONSTRAINT, count, at.CONSTRAINT_WORDS)
+        return rows[:, at.C_NODE].astype(np.intp)
+
+    def where(self, node: int) -> tuple[str, float]:
+        """The part that a node is of, and its arc length there [m]; of a body 0."""
+        bodies = self.body_nodes()
+        if node in bodies:
+            return list(self.tree.bodies)[int(np.flatnonzero(bodies == node)[0])], 0.0
+        found = self.elements()
+        place = min(int(np.searchsorted(found.node, node)), len(found.node) - 1)
+        arc = found.start[place]
+        if (found.node[place] == node) is not bool(found.backward[place]):
+            arc += found.length[place]
+        return self.tree.segments[found.segment[place]].line, float(arc)
+
+
+class Shape:
+    """Cubics of a block's elements, to start from on other nodes."""
+
+    def __init__(self, built: Built) -> None:
+        block, count = built.block, built.nodes
+        self._q = block.array(at.O_POSITION, count, 6)
+        self._t = block.array(at.O_TENSION, count, 2)
+        self._parents = block.integers(at.O_PARENT, count)
+        self.bodies = {
+            name: self._q[node, :3]
+            for name, node in zip(built.tree.bodies, built.body_nodes(), strict=True)
+        }
+        self._lines = {name: built.elements(name) for name in built.lines}
+
+    def _element(self, name: str, arc: float) -> tuple[int, int]:
+        """Number of the element at an arc length among those of its line, and its node."""
+        elements = self._lines[name]
+        place = int(np.searchsorted(elements.start, arc + 1e-9, side="right")) - 1
+        place = max(place, 0)
+        return place, int(elements.node[place])
+
+    def at(self, name: str, arc: float, *, forward: bool) -> FloatArray:
+        """Place and slope (6,) at an arc length of a line."""
+        place, node = self._element(name, arc)
+        elements = self._lines[name]
+        h, backward = float(elements.length[place]), bool(elements.backward[place])
+        x = min(1.0, max(0.0, (arc - float(elements.start[place])) / h))
+        x = 1.0 - x if backward else x
+        p, q = self._q[self._parents[node]], self._q[node]
+        y = 1.0 - x
+        point = y * y * (1 + 2 * x) * p[:3] + h * x * y * y * p[3:]
+        point = point + x * x * (3 - 2 * x) * q[:3] - h * x * x * y * q[3:]
+        slope = 6 * x * y * (q[:3] - p[:3]) / h + y * (1 - 3 * x) * p[3:] + x * (3 * x - 2) * q[3:]
+        if backward is forward:
+            slope = -slope
+        return np.concatenate([point, slope])
+
+    def tension(self, name: str, arc: float) -> float:
+        """Mean tension of the element there [N]."""
+        return float(self._t[self._element(name, arc)[1], 0])

@@ -1,0 +1,138 @@
+"""What a system's lines are like: their nodes at first, typical forces, the frame at rest."""
+
+from __future__ import annotations
+
+import math
+from typing import cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cablemodel.errors import SceneError
+from cablemodel.instance.scales import is_flexible
+from cablemodel.mesh import Span, Start, line_nodes
+from cablemodel.scene import Scene
+from cablemodel.scene.line import Cable
+from cablemodel.systems.scene import SystemLine, SystemScene
+
+FloatArray = NDArray[np.float64]
+
+
+def flexible_at(scene: SystemScene, line: SystemLine, index: int) -> bool:
+    """Whether a cable of a line, by the number of its item, passes no moment."""
+    cable = line.items[index].cable
+    assert cable is not None
+    return is_flexible(cast(Scene, scene), cable)  # its cable types alone
+
+
+def nodes_of(scene: SystemScene, name: str) -> list[FloatArray]:
+    """Arc lengths of the nodes of a line's cables, with nodes at all branches."""
+    line = scene.lines[name]
+    spans = []
+    places = [index for index, item in enumerate(line.items) if item.cable is not None]
+    for index in places:
+        cable = line.items[index].cable
+        assert cable is not None
+        layers = []
+        for end, here in ((line.start, index == places[0]), (line.end, index == places[-1])):
+            clamped = end.clamped is not None and here and not flexible_at(scene, line, index)
+            stiffness = scene.cable_types[cable.type].bending_stiffness
+            layers.append(math.sqrt(stiffness / tension_scale(scene)) if clamped else math.inf)
+        spans.append(Span(cable.length, cable.elements, layers[0], layers[1]))
+    nodes = line_nodes(spans, scene.solver.tolerance, start_of(scene, name))
+    offset = 0.0
+    for k, own in enumerate(nodes):
+        ends = [
+            end.at - offset
+            for other in scene.lines.values()
+            for end in other.ends
+            if end.line == name and end.at is not None
+        ]
+        within = [place for place in ends if 0.0 < place < own[-1]]
+        nodes[k] = np.unique(np.concatenate([own, within]))
+        offset += float(own[-1])
+    return nodes
+
+
+def start_of(scene: SystemScene, name: str) -> Start:
+    """What a line is like as it starts."""
+    line = scene.lines[name]
+    rho = scene.environment.water_density
+    drag = mass = 0.0
+    for item in line.items:
+        if item.cable is not None:
+            kind = scene.cable_types[item.cable.type]
+            drag += rho * kind.drag_normal * kind.diameter * item.cable.length
+            mass += kind.mass * item.cable.length
+    free = any(end.is_free for end in line.ends)
+    return Start(slack=False, damping=drag * line.length / mass, free_end=free)
+
+
+def tension_scale(scene: SystemScene) -> float:
+    """A typical tension of the system [N]."""
+    gravity = scene.environment.gravity
+    total = 0.0
+    for line in scene.lines.values():
+        for item in line.items:
+            if item.cable is not None:
+                kind = scene.cable_types[item.cable.type]
+                weight = max(abs(kind.submerged_weight), 1e-3 * kind.mass * gravity)
+                total += weight * item.cable.length
+            elif item.body is not None:
+                total += abs(item.body.submerged_weight)
+    total += sum(abs(body.submerged_weight) for body in scene.bodies.values())
+    speed = float(np.linalg.norm(steady_velocity(scene)))
+    rho = scene.environment.water_density
+    for body in scene.bodies.values():
+        total += 0.5 * rho * speed**2 * float(np.mean(body.drag_area))
+    return max(total, 1e-6)
+
+
+def steady_velocity(scene: SystemScene) -> FloatArray:
+    """Velocity of the frame in which the system is at rest at t = 0, (3,) [m/s].
+
+    Raises:
+        SceneError: there is none.
+    """
+    found: FloatArray | None = None
+    first = ""
+    for name, vessel in scene.vessels.items():
+        used = any(
+            end.point is not None and end.point.partition(".")[0] == name
+            for line in scene.lines.values()
+            for end in line.ends
+        )
+        if not used:
+            continue
+        own = vessel.motion().evaluate(0.0)[1]
+        if found is not None and np.linalg.norm(own - found) > 1e-9 * (1.0 + np.linalg.norm(own)):
+            raise SceneError.at(
+                f"vessels.{name}",
+                own.tolist(),
+                f"its velocity at t = 0 is not that of {first!r}: there is no steady state",
+                "vessels that begin with one velocity",
+            )
+        found, first = own, name
+    anchored = any(end.anchor is not None for line in scene.lines.values() for end in line.ends)
+    if found is None:
+        return np.zeros(3)
+    if anchored and np.any(found != 0.0):
+        raise SceneError.at(
+            f"vessels.{first}",
+            found.tolist(),
+            "a system that is anchored has no steady state while a vessel moves",
+            "vessels at rest at t = 0",
+        )
+    return np.asarray(found, dtype=np.float64)
+
+
+def cable_of(scene: SystemScene, line: str, item: int) -> Cable:
+    """A cable of a line, by the number of its item."""
+    cable = scene.lines[line].items[item].cable
+    assert cable is not None
+    return cable
+
+
+def mesh_may_change(scene: SystemScene) -> bool:
+    """Whether no line asks for a number of elements."""
+    return all(cable.elements is None for cable in scene.cables)

@@ -1,0 +1,111 @@
+"""Where a system's nodes are at first, and where its static shape needs more of them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cablemodel.instance.refinement import BENT, LARGEST_STATIC_MESH
+from cablemodel.kernels import layout as at
+from cablemodel.systems.built import Built, Shape
+from cablemodel.systems.guess import Guess, axes_of
+from cablemodel.systems.lines import cable_of
+from cablemodel.systems.motion import first_angles
+from cablemodel.systems.scene import SystemScene
+from cablemodel.systems.tree import Tree
+
+FloatArray = NDArray[np.float64]
+
+
+def place_nodes(scene: SystemScene, built: Built, guess: Guess, before: Built | None) -> None:
+    """Nodes along the first guess, or along the shape on coarser nodes."""
+    tree = built.tree
+    count = len(tree.parent)
+    q = built.block.array(at.O_POSITION, count, 6)
+    tension = built.block.array(at.O_TENSION, count, 2)
+    bodies = {node: name for name, (node, _point) in tree.bodies.items()}
+    for node, (name, arc) in enumerate(tree.arcs):
+        if node in bodies:
+            body = scene.bodies[name]
+            point = tree.bodies[name][1]
+            arm = axes_of(body.attitude) @ np.array(body.points[point] if point else (0.0,) * 3)
+            q[node, :3] = guess.bodies[name] + arm
+            continue
+        length = scene.lines[name].length
+        near = np.clip(np.array([arc - 1e-3 * length, arc, arc + 1e-3 * length]), 0.0, length)
+        places = guess.at(name, near / length)
+        slope = places[2] - places[0]
+        q[node, :3] = places[1]
+        q[node, 3:] = slope / max(float(np.linalg.norm(slope)), 1e-30)
+    for node, element in tree.elements.items():
+        if tree.segments[element.segment].backward:
+            q[node, 3:] *= -1.0
+            parent = tree.parent[node]
+            if tree.joint[parent] != 0 or parent == 0:
+                q[parent, 3:] *= -1.0
+    rows = built.block.array(at.O_CONSTRAINT, len(tree.held), at.CONSTRAINT_WORDS)
+    for row, held in zip(rows, tree.held, strict=True):
+        if row[at.C_CLAMPED]:
+            assert held.end.point is not None
+            vessel = scene.vessels[held.end.point.partition(".")[0]]
+            own = row[at.C_OWN_DIRECTION : at.C_OWN_DIRECTION + 3]
+            q[held.node, 3:] = axes_of(first_angles(vessel)) @ own
+    if before is None:
+        return
+    shape = Shape(before)
+    for node, (name, arc) in enumerate(tree.arcs):
+        if node in bodies:
+            q[node, :3] = shape.bodies[name]
+            continue
+        q[node] = shape.at(name, arc, forward=_forward(tree, node))
+    for node, element in tree.elements.items():
+        name = tree.segments[element.segment].line
+        tension[node, 0] = shape.tension(name, element.start + 0.5 * element.length)
+
+
+def _forward(tree: Tree, node: int) -> bool:
+    """Whether the slope at a node goes along its line from beginning to end."""
+    element = tree.elements.get(node)
+    if element is None:
+        after = [k for k in tree.elements if tree.parent[k] == node]
+        element = tree.elements[after[0]]
+    return not tree.segments[element.segment].backward
+
+
+def refined(
+    scene: SystemScene, nodes: dict[str, list[FloatArray]], built: Built
+) -> dict[str, list[FloatArray]] | None:
+    """Nodes with those elements halved that bend too much (instance/refinement.py); None: none."""
+    found, tree = built.elements(), built.tree
+    q = built.block.array(at.O_POSITION, built.nodes, 6)
+    parents = built.block.integers(at.O_PARENT, built.nodes)
+    p, own, h = q[parents[found.node]], q[found.node], found.length[:, None]
+    chord = (own[:, :3] - p[:, :3]) / h
+    start = (6.0 * chord - 4.0 * p[:, 3:] - 2.0 * own[:, 3:]) / h
+    end = (2.0 * p[:, 3:] + 4.0 * own[:, 3:] - 6.0 * chord) / h
+    # Ends have no neighbour to compare with: half of the change inside stands for it.
+    inside = 0.25 * np.linalg.norm(start - end, axis=1)
+    above, below = inside.copy(), inside.copy()
+    tied = found.node[1:] == found.node[:-1] + 1
+    jump = np.linalg.norm(start[1:] - end[:-1], axis=1)
+    above[1:][tied] = jump[tied]
+    below[:-1][tied] = jump[tied]
+    indicator = found.length**2 * np.maximum(above, below)
+    split: dict[str, set[float]] = {}
+    for k in range(len(found.node)):
+        segment = tree.segments[found.segment[k]]
+        allowed = BENT * scene.solver.tolerance * scene.lines[segment.line].length
+        if indicator[k] > allowed and cable_of(scene, segment.line, segment.cable).elements is None:
+            split.setdefault(segment.line, set()).add(float(found.start[k] + 0.5 * found.length[k]))
+    if not split or built.nodes > LARGEST_STATIC_MESH:
+        return None
+    finer = {}
+    for name, cables in nodes.items():
+        offset, new = 0.0, []
+        for places in cables:
+            last = float(places[-1])
+            more = [m - offset for m in split.get(name, ()) if 0.0 < m - offset < last]
+            new.append(np.unique(np.concatenate([places, more])))
+            offset += last
+        finer[name] = new
+    return finer

@@ -1,0 +1,300 @@
+"""A system's numbers in its block: settings, elements, vessels' motion, supports, bodies."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cablemodel.block import Block
+from cablemodel.instance.line_tables import edge_row, fill_body
+from cablemodel.instance.refinement import SPARE
+from cablemodel.instance.scales import is_flexible
+from cablemodel.instance.tables import fill_current, fill_settings
+from cablemodel.kernels import layout as at
+from cablemodel.scene import Scene
+from cablemodel.scene.motion import jumps
+from cablemodel.sea_floor import table_words
+from cablemodel.systems.built import Built
+from cablemodel.systems.guess import axes_of
+from cablemodel.systems.lines import (
+    cable_of,
+    flexible_at,
+    mesh_may_change,
+    start_of,
+    tension_scale,
+)
+from cablemodel.systems.motion import turning
+from cablemodel.systems.scene import FreeBody, SystemScene
+from cablemodel.systems.tree import Tree
+
+FloatArray = NDArray[np.float64]
+
+
+def allocated(scene: SystemScene, tree: Tree) -> Built:
+    """A block with room for a system on a tree, and its tree in it."""
+    current = scene.environment.current
+    foils = [foil for body in scene.bodies.values() for foil in body.foils.values()]
+    types = [
+        scene.cable_types[cable_of(scene, part.line, part.cable).type] for part in tree.segments
+    ]
+    nodes = len(tree.parent)
+    spare = SPARE[0] + math.ceil(SPARE[1] * nodes) if mesh_may_change(scene) else 0
+    spare += at.NODES_OF_A_CUT * len(scene.cuts)
+    pieces = sum(
+        len(vessel.motion().pieces) + len(turning(vessel)) for vessel in scene.vessels.values()
+    )
+    block = Block(
+        capacity=nodes + spare,
+        pieces=2,
+        depths=1 if current is None else len(current.z),
+        times=1 if current is None else len(current.t),
+        strain_words=sum(len(kind.strain_coefficients) for kind in types),
+        bodies=len(tree.masses),
+        constraints=len(tree.held),
+        rates=1,
+        cables=len(tree.segments),
+        floor_words=table_words(scene.environment.floor),
+        waves=0,
+        cell_terms=0,
+        frames=len(scene.vessels),
+        frame_pieces=pieces,
+        free_bodies=len(scene.bodies),
+        arms=len(tree.arms),
+        foils=len(foils),
+        foil_words=2 * at.FOIL_ANGLES * len(foils),
+        cuts=len(scene.cuts),
+    )
+    block.ints[at.I_PARTS] = 1
+    block.ints[at.I_NODES] = nodes
+    block.reals[at.S_MOST_NODES] = nodes + spare
+    block.ints[at.I_DIMENSION] = 3
+    block.integers(at.O_PARENT, nodes)[:] = tree.parent
+    block.integers(at.O_JOINT, nodes)[:] = tree.joint
+    return Built(block, tree)
+
+
+def fill_settings_of(scene: SystemScene, built: Built) -> None:
+    """Tolerances, water, current, and what `kernels/scales.py` wants to know."""
+    from cablemodel import library as entry
+
+    block = built.block
+    ints, reals = block.ints, block.reals
+    fill_settings(block, cast(Scene, scene))  # its solver and water alone
+    reals[at.S_PLANE : at.S_PLANE + 2] = 1.0, 0.0
+    rest = block.array(at.O_PIECES, 2, at.PIECE_WORDS)
+    rest[:, at.P_END] = math.inf
+    lengths = {name: line.length for name, line in scene.lines.items()}
+    longest, shortest = max(lengths.values()), min(lengths.values())
+    softest, mass = 0.0, math.fsum(body.mass for body in scene.bodies.values())
+    for line in scene.lines.values():
+        softness = 0.0
+        for item in line.items:
+            if item.cable is not None:
+                kind = scene.cable_types[item.cable.type]
+                softness += kind.strain_coefficients[0] * item.cable.length
+                mass += kind.mass * item.cable.length
+            elif item.body is not None:
+                mass += item.body.mass
+        softest = max(softest, softness)
+    facts = np.zeros(at.FACT_WORDS)
+    facts[at.FACT_LENGTH] = longest
+    facts[at.FACT_DAMPING] = min(start_of(scene, name).damping for name in scene.lines)
+    facts[at.FACT_SOFTNESS] = softest
+    facts[at.FACT_MASS] = mass
+    facts[at.FACT_TENSION] = tension_scale(scene)
+    facts[at.FACT_FOLLOWS] = mesh_may_change(scene)
+    facts[at.FACT_ABOVE_FLOOR] = scene.environment.floor is not None
+    flexible = (
+        is_flexible(cast(Scene, scene), item.cable)
+        for line in scene.lines.values()
+        for item in line.items
+        if item.cable is not None
+    )
+    facts[at.FACT_BENDS] = not all(flexible)
+    entry.measure(ints, reals, facts)
+    # Of every line tau times its own length is promised: the shortest one decides.
+    reals[at.S_TIME_TOLERANCE] *= shortest / longest
+    fill_current(block, cast(Scene, scene))  # its water alone
+
+
+def fill_cables(scene: SystemScene, built: Built) -> None:
+    """Rows of all elements, and point bodies in lines."""
+    block, tree = built.block, built.tree
+    scale = float(block.reals[at.S_TENSION_SCALE])
+    rho = scene.environment.water_density
+    strain = block.array(at.O_STRAIN, int(block.ints[at.I_STRAIN]))
+    table = block.array(at.O_CABLES, len(tree.segments), at.CABLE_WORDS)
+    used = 0
+    for index, (segment, row) in enumerate(zip(tree.segments, table, strict=True)):
+        cable = cable_of(scene, segment.line, segment.cable)
+        kind = scene.cable_types[cable.type]
+        strain[used : used + len(kind.strain_coefficients)] = kind.strain_coefficients
+        offset = int(block.ints[at.O_STRAIN]) + used
+        used += len(kind.strain_coefficients)
+        row[at.K_DISPLACED] = rho * 0.25 * math.pi * kind.diameter**2
+        row[at.K_LINE] = scene.lines[segment.line].length
+        edge = row[at.K_EDGE :]
+        edge[:] = edge_row(cast(Scene, scene), cable, index, offset, scale)
+        if edge[at.E_MODEL] == at.MODEL_HYBRID and edge[at.E_BENDING_FULL] > 0.0:
+            block.ints[at.I_HYBRID] = 1
+    edges = block.array(at.O_EDGE, len(tree.parent), at.EDGE_WORDS)
+    for node, element in tree.elements.items():
+        edges[node] = table[element.segment, at.K_EDGE :]
+        edges[node, at.E_LENGTH] = edges[node, at.E_NOMINAL] = element.length
+        # Along the tree: where it goes back along a line, arc lengths count as negative.
+        backward = tree.segments[element.segment].backward
+        start = -element.start - element.length if backward else element.start
+        edges[node, at.E_START] = start
+    bodies = block.array(at.O_BODY, len(tree.masses), at.BODY_WORDS)
+    for row, (node, body, _line, _item) in zip(bodies, tree.masses, strict=True):
+        fill_body(row, node, body, rho)
+
+
+def fill_frames(scene: SystemScene, block: Block) -> None:
+    """Motion of all vessels."""
+    rows = block.array(at.O_FRAMES, len(scene.vessels), at.FRAME_WORDS)
+    table = block.array(at.O_FRAME_PIECES, int(block.ints[at.I_FRAME_PIECES]), at.PIECE_WORDS)
+    used = 0
+    for row, vessel in zip(rows, scene.vessels.values(), strict=True):
+        for place, pieces in (
+            (at.F_FIRST, vessel.motion().pieces),
+            (at.F_TURN_FIRST, turning(vessel)),
+        ):
+            row[place], row[place + 1] = used, len(pieces)
+            own = table[used : used + len(pieces)]
+            own[:] = pieces
+            own[0, [at.P_VELOCITY_JUMP, at.P_ACCELERATION_JUMP]] = 0.0
+            own[1:, at.P_VELOCITY_JUMP], own[1:, at.P_ACCELERATION_JUMP] = jumps(pieces)
+            used += len(pieces)
+
+
+def fill_held(scene: SystemScene, built: Built) -> None:
+    """Nodes at vessels' points and anchors."""
+    block = built.block
+    names = list(scene.vessels)
+    table = block.array(at.O_CONSTRAINT, len(built.tree.held), at.CONSTRAINT_WORDS)
+    for row, held in zip(table, built.tree.held, strict=True):
+        row[at.C_NODE] = held.node
+        if held.end.anchor is not None:
+            row[at.C_KIND] = at.C_ANCHOR
+            row[at.C_POSITION : at.C_POSITION + 3] = held.end.anchor
+            continue
+        assert held.end.point is not None
+        owner, _dot, point = held.end.point.partition(".")
+        row[at.C_KIND] = at.C_POINT
+        row[at.C_FRAME] = names.index(owner)
+        row[at.C_POSITION : at.C_POSITION + 3] = scene.vessels[owner].points[point]
+        line = scene.lines[held.line]
+        at_end = held.end is line.end
+        cable = max(k for k, i in enumerate(line.items) if i.cable) if at_end else 0
+        if held.end.clamped is not None and not flexible_at(scene, line, cable):
+            row[at.C_CLAMPED] = at.EXACTLY
+            sign = 1.0 if held.outward is not at_end else -1.0  # along the way of the tree
+            row[at.C_OWN_DIRECTION : at.C_OWN_DIRECTION + 3] = sign * np.array(held.end.clamped)
+
+
+def cross_matrix(x: FloatArray) -> FloatArray:
+    """[x] with [x] y = x x y, (3, 3)."""
+    return np.array([[0.0, -x[2], x[1]], [x[2], 0.0, -x[0]], [-x[1], x[0], 0.0]])
+
+
+def _inertia(mass: tuple[float, ...], turning: tuple[float, ...], place: FloatArray) -> FloatArray:
+    """Matrix of inertia (6, 6) about a point from which masses along the axes and moments of
+    inertia about them are at a place."""
+    m, c = np.diag(mass), cross_matrix(place)
+    return np.block([[m, -m @ c], [c @ m, np.diag(turning) - c @ m @ c]])
+
+
+def fill_bodies(scene: SystemScene, built: Built, before: Built | None) -> None:
+    """Rows of the free bodies, their arms and foils."""
+    block, tree = built.block, built.tree
+    rho, gravity = scene.environment.water_density, scene.environment.gravity
+    rows = block.array(at.O_FREE, len(scene.bodies), at.FREE_WORDS)
+    foils = block.array(at.O_FOILS, int(block.ints[at.I_FOILS]), at.FOIL_WORDS)
+    tables = block.array(at.O_FOIL_TABLE, len(foils), at.FOIL_ANGLES, 2)
+    used = 0
+    names = list(scene.bodies)
+    edges = block.array(at.O_EDGE, len(tree.parent), at.EDGE_WORDS)
+    for index, (row, (name, body)) in enumerate(zip(rows, scene.bodies.items(), strict=True)):
+        node, point = tree.bodies[name]
+        reference = np.array(body.points[point] if point else (0.0, 0.0, 0.0))
+
+        def from_reference(place: Any, reference: FloatArray = reference) -> FloatArray:
+            return np.array(place) - reference
+
+        size = _size(body)
+        row[at.Y_NODE], row[at.Y_SIZE] = node, size
+        edges[node, at.E_LENGTH] = size / 0.3  # increment_norm weighs turns by .3 of it
+        row[at.Y_WEIGHT] = body.mass * gravity
+        row[at.Y_BUOYANCY] = body.mass * gravity - body.submerged_weight
+        centre, water = (
+            from_reference(body.centre_of_gravity),
+            from_reference(body.centre_of_buoyancy),
+        )
+        row[at.Y_CENTRE : at.Y_CENTRE + 3] = centre
+        row[at.Y_BUOYANCY_CENTRE : at.Y_BUOYANCY_CENTRE + 3] = water
+        row[at.Y_DRAG_CENTRE : at.Y_DRAG_CENTRE + 3] = from_reference(body.centre_of_drag)
+        row[at.Y_DRAG : at.Y_DRAG + 3] = 0.5 * rho * np.array(body.drag_area)
+        row[at.Y_TURN_DRAG : at.Y_TURN_DRAG + 3] = 0.5 * rho * np.array(body.drag_turning)
+        row[at.Y_ORIGIN : at.Y_ORIGIN + 3] = -reference
+        mass = (body.mass,) * 3
+        row[at.Y_SOLID : at.Y_SOLID + 36] = _inertia(mass, body.inertia, centre).ravel()
+        added = _inertia(body.added_mass, body.added_inertia, water)
+        row[at.Y_ADDED : at.Y_ADDED + 36] = added.ravel()
+        row[at.Y_ROTATION : at.Y_ROTATION + 9] = axes_of(body.attitude).ravel()
+        if before is not None:
+            old = before.block.array(at.O_FREE, len(scene.bodies), at.FREE_WORDS)[index]
+            row[at.Y_ROTATION : at.Y_ROTATION + 9] = old[at.Y_MOTION : at.Y_MOTION + 9]
+        row[at.Y_FIRST_FOIL], row[at.Y_FOILS] = used, len(body.foils)
+        for foil in body.foils.values():
+            wing = foils[used]
+            span = np.array(foil.span) - np.dot(foil.span, foil.chord) * np.array(foil.chord)
+            wing[at.L_PLACE : at.L_PLACE + 3] = from_reference(foil.position)
+            wing[at.L_CHORD : at.L_CHORD + 3] = foil.chord
+            wing[at.L_SPAN : at.L_SPAN + 3] = span / np.linalg.norm(span)
+            wing[at.L_AREA] = 0.5 * rho * foil.area
+            wing[at.L_TABLE] = 2 * at.FOIL_ANGLES * used
+            wing[at.L_DEFLECTION + 2] = wing[at.L_DEFLECTION + 3] = foil.deflection
+            angles = np.linspace(-math.pi, math.pi, at.FOIL_ANGLES)
+            tables[used] = foil.coefficients(angles)
+            used += 1
+    arms = block.array(at.O_ARMS, len(tree.arms), at.ARM_WORDS)
+    for row, (node, name, point) in zip(arms, tree.arms, strict=True):
+        body = scene.bodies[name]
+        own = tree.bodies[name][1]
+        origin: FloatArray = np.array(body.points[own] if own else (0.0, 0.0, 0.0))
+        row[at.A_NODE], row[at.A_BODY] = node, names.index(name)
+        row[at.A_PLACE : at.A_PLACE + 3] = np.array(body.points[point]) - origin
+
+
+def _size(body: FreeBody) -> float:
+    """By how much a turn of 1 rad moves what is far out on a body [m]."""
+    places = [*body.points.values(), *(foil.position for foil in body.foils.values())]
+    reach = max((math.dist(a, b) for a in places for b in places), default=0.0)
+    return max(reach, math.sqrt(max(body.inertia) / body.mass))
+
+
+def fill_cuts(scene: SystemScene, built: Built) -> None:
+    """Where and when lines are to be cut."""
+    tree = built.tree
+    rows = built.block.array(at.O_CUTS, len(scene.cuts), at.CUT_WORDS)
+    for row, cut in zip(rows, scene.cuts.values(), strict=True):
+        length = scene.lines[cut.line].length
+        place = {"start": 0.0, "end": length}.get(str(cut.at), cut.at)
+        assert isinstance(place, float)
+        element = min(
+            (e for e in tree.elements.values() if tree.segments[e.segment].line == cut.line),
+            key=lambda e: max(e.start - place, place - e.start - e.length),
+        )
+        backward = tree.segments[element.segment].backward
+        row[at.CUT_SEGMENT] = element.segment
+        row[at.CUT_ARC] = -place if backward else place
+        if cut.at in ("start", "end"):
+            begins = (cut.at == "start") is not backward
+            row[at.CUT_SIDE] = at.CUT_START if begins else at.CUT_END
+        row[at.CUT_TIME] = math.inf if cut.time is None else cut.time
+        row[at.CUT_TENSION] = math.inf if cut.tension is None else cut.tension
+        row[at.CUT_DONE] = math.inf

@@ -1,0 +1,181 @@
+"""Lines that are cut, let go or break."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import trapezoid
+
+import cablemodel as cm
+from cablemodel.systems import SystemModel
+
+MASS, STIFFNESS = 0.5, 1e6
+G = 9.81
+
+
+def wire(**more: Any) -> dict[str, Any]:
+    kind = {"diameter": 0.01, "mass": MASS, "axial_stiffness": STIFFNESS, **more}
+    return {"environment": {"water_density": 0.0, "gravity": G}, "cable_types": {"wire": kind}}
+
+
+def cable(length: float, **more: Any) -> dict[str, Any]:
+    return {"cable": {"type": "wire", "length": length, **more}}
+
+
+def hanging(**cut: Any) -> dict[str, Any]:
+    """A body of 200 kg on 20 m of wire below a vessel."""
+    return {
+        **wire(),
+        "vessels": {"ship": {"points": {"hook": [0, 0, 0]}}},
+        "bodies": {
+            "load": {
+                "mass": 200.0, "submerged_weight": 200.0 * G, "inertia": 50.0,
+                "points": {"eye": [0, 0, 0.5]},
+            }
+        },
+        "lines": {"wire": {"from": "ship.hook", "to": "load.eye", "items": [cable(20.0)]}},
+        "cuts": {"knife": {"line": "wire", **cut}},
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("at", ["start", 7.0, "end"])
+def test_what_is_cut_off_falls(at: Any) -> None:
+    """Weight is all that acts below the cut: the momentum is that of free fall."""
+    model = SystemModel(hanging(at=at, time=1.0))
+    model.step(1.0)
+    assert model.cuts == {"knife": 1.0} or model.cuts == {"knife": None}
+    model.step(1e-9)
+    assert model.cuts["knife"] == 1.0
+    model.step(1.0 - 1e-9)
+    falls = {"start": 20.0, 7.0: 13.0, "end": 0.0}[at]
+    fallen = 200.0 * model.bodies["load"].velocity[2]
+    if falls:
+        s = np.linspace(20.0 - falls + 1e-9, 20.0, 2001)
+        fallen += MASS * trapezoid(model.lines["wire"].sample(s).velocity[:, 2], s)
+    assert fallen == pytest.approx(-G * (200.0 + MASS * falls), rel=2e-3)
+    hangs = 0.0 if at == "start" else model.wrenches["ship"][2]
+    assert abs(hangs) < 200.0 * G
+    if at == "start":
+        assert np.abs(model.wrenches["ship"]).max() < 1e-6
+
+
+def test_a_cut_sends_the_wave_of_its_tension(tmp_path: Path) -> None:
+    """A taut string without weight, cut at one end: behind the front it moves at T / sqrt(EA m)."""
+    scene = {
+        **wire(),
+        "lines": {
+            "string": {
+                "from": {"anchor": [0, 0, 0]},
+                "to": {"anchor": [101.0, 0, 0]},
+                "items": [cable(100.0, elements=100)],
+            }
+        },
+        "cuts": {"knife": {"line": "string", "at": "end"}},
+    }
+    scene["environment"]["gravity"] = 1e-6
+    model = SystemModel(scene)
+    tension = model.lines["string"].start_tension
+    assert tension == pytest.approx(0.01 * STIFFNESS, rel=1e-3)
+    front = 40.0 / math.sqrt(STIFFNESS / MASS)  # it has come 40 m
+    model.step(front, cuts=["knife"])
+    speed = tension / math.sqrt(STIFFNESS * MASS)
+    state = model.lines["string"].sample(np.linspace(70.0, 99.0, 59))
+    assert state.velocity[:, 0].mean() == pytest.approx(-speed, rel=0.02)
+    ahead = model.lines["string"].sample(np.linspace(0.0, 50.0, 51))
+    assert np.abs(ahead.velocity[:, 0]).max() < 0.05 * speed
+    assert ahead.tension.mean() == pytest.approx(tension, rel=0.01)
+
+
+def test_a_line_breaks_above_its_strength() -> None:
+    """The load is pulled down ever harder: it breaks when weight and pull come to the strength."""
+    weight = G * (200.0 + 20.0 * MASS)
+    model = SystemModel(hanging(at="start", tension=weight + 500.0))
+    reached = None
+    for k in range(1, 21):  # 50 N more each second, from one second's end to the next
+        model.step(1.0, forces={"load": [0, 0, -50.0 * k, 0, 0, 0]})
+        reached = model.cuts["knife"]
+        if reached is not None:
+            break
+    assert reached == pytest.approx(10.0, abs=0.2)  # the load's own ring is 8 N at most
+
+
+def test_a_branch_and_a_body_come_off() -> None:
+    """Every kind of end can be let go: of a branch, at a body's point, at an anchor."""
+    scene = hanging(at="end")
+    scene["bodies"]["load"]["points"]["ring"] = [0, 0, -0.5]
+    scene["lines"]["tail"] = {"from": "load.ring", "to": "free", "items": [cable(5.0)]}
+    scene["lines"]["branch"] = {
+        "from": {"line": "wire", "at": 8.0}, "to": {"anchor": [3.0, 0, -8.0]},
+        "items": [cable(4.0)],
+    }  # fmt: skip
+    scene["cuts"] |= {
+        "tail_off": {"line": "tail", "at": "start"},
+        "branch_off": {"line": "branch", "at": "start"},
+        "anchor_off": {"line": "branch", "at": "end"},
+    }
+    model = SystemModel(scene)
+    model.step(0.2)
+    masses = {"tail": 5.0 * MASS, "branch": 4.0 * MASS}
+    for name, line in (("tail_off", "tail"), ("branch_off", "branch"), ("anchor_off", "branch")):
+        model.step(0.05, cuts=[name])
+        assert model.cuts[name] == pytest.approx(model.time - 0.05)
+        assert len(model.lines[line].sample().s) > 1
+    before = {name: model.lines[name].sample().velocity[:, 2].mean() for name in masses}
+    model.step(0.5)
+    for name in masses:
+        fallen = model.lines[name].sample().velocity[:, 2].mean() - before[name]
+        assert fallen == pytest.approx(-0.5 * G, rel=0.03), name
+    top = model.lines["wire"].start_tension
+    assert top == pytest.approx(G * (200.0 + 20.0 * MASS), rel=0.1)
+    model.step(0.3, cuts=["knife"])
+    assert model.bodies["load"].velocity[2] == pytest.approx(-0.3 * G, rel=0.05)
+
+
+def test_a_cut_is_logged_replayed_and_remembered(tmp_path: Path) -> None:
+    scene = cm.load_system({**hanging(at=7.0), "run": {"duration": 2.0, "output_interval": 0.1}})
+    log = tmp_path / "cut.mcap"
+    model = SystemModel(scene)
+    with cm.SystemRecorder(model, log) as recorder:
+        for k in range(20):
+            recorder.step(0.1, cuts=["knife"] if k == 8 else [])
+            if k == 10:
+                snapshot, state = model.snapshot(), model.bodies["load"].position.copy()
+    run = cm.open_run(log)
+    assert run["knife.time"][-1] == pytest.approx(0.8)
+    assert np.isnan(run["knife.time"][8])
+    from cablemodel.replay import replay
+
+    assert replay(run).exact
+    other = SystemModel(scene)
+    other.restore(snapshot)
+    assert np.array_equal(other.bodies["load"].position, state)
+    for _ in range(9):
+        other.step(0.1)
+    assert other.snapshot() == model.snapshot()
+
+
+@pytest.mark.parametrize(
+    ("cut", "message"),
+    [
+        ({"line": "wrie", "at": 1.0}, r"cuts\.knife\.line.*'wrie' is not one of the lines.*wire"),
+        ({"line": "wire", "at": 25.0}, r"cuts\.knife\.at.*20 m long.*below 20 m"),
+        ({"line": "wire", "at": "middle"}, r"cuts\.knife\.at"),
+    ],
+)
+def test_wrong_cuts_are_named(cut: dict[str, Any], message: str) -> None:
+    scene = hanging(at=1.0)
+    scene["cuts"]["knife"] = cut
+    with pytest.raises(cm.SceneError, match=message):
+        cm.load_system(scene)
+
+
+def test_an_unknown_cut_is_refused_and_nothing_changes() -> None:
+    model = SystemModel(hanging(at=1.0))
+    before = model.snapshot()
+    with pytest.raises(cm.StepError, match="cuts is 'saw'.*knife"):
+        model.step(0.1, cuts=["saw"])
+    assert model.snapshot() == before

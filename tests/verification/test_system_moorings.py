@@ -1,0 +1,123 @@
+"""Systems above a sea floor, against catenaries that lie on it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.optimize import fsolve
+
+import cablemodel as cm
+
+LENGTH, WEIGHT, STIFFNESS, DEPTH = 280.0, 850.0, 300e6, 100.0
+ANGLES = np.radians([0.0, 120.0, 240.0])
+
+
+def buoy_on_three_legs(friction: float = 0.0) -> dict[str, Any]:
+    """Chain legs from anchors on the floor to a submerged buoy."""
+    points, lines = {}, {}
+    for name, angle in zip("abc", ANGLES, strict=True):
+        way = np.array([np.cos(angle), np.sin(angle), 0.0])
+        points[name] = (3.0 * way).tolist()
+        anchor = (250.0 * way - [0.0, 0.0, DEPTH]).tolist()
+        items = [{"cable": {"type": "chain", "length": LENGTH}}]
+        lines[name] = {"from": {"anchor": anchor}, "to": f"buoy.{name}", "items": items}
+    return {
+        "environment": {"water_density": 1025.0, "floor": {"z": -DEPTH, "friction": friction}},
+        "cable_types": {
+            "chain": {
+                "diameter": 0.1, "mass": 100.0, "submerged_weight": WEIGHT,
+                "axial_stiffness": STIFFNESS, "drag_normal": 1.2,
+            }
+        },
+        "bodies": {
+            "buoy": {
+                "mass": 3e4, "submerged_weight": -2.5e5, "inertia": 6e4, "added_mass": 2e4,
+                "drag_area": 20.0, "drag_turning": 5000.0, "position": [0, 0, -12],
+                "points": points,
+            }
+        },
+        "lines": lines,
+    }  # fmt: skip
+
+
+def leg_forces(away: float, rise: float) -> tuple[float, float]:
+    """Horizontal and vertical pull (H, V) [N] of an elastic catenary whose rest lies on the floor,
+    without friction, on its upper end so far from its anchor and above it [m]."""
+
+    def off(logs: Any) -> Any:
+        h, v = np.exp(logs)
+        lies = LENGTH - v / WEIGHT
+        x = h / WEIGHT * np.arcsinh(v / h) + h * LENGTH / STIFFNESS + lies
+        z = h / WEIGHT * (np.hypot(1.0, v / h) - 1.0) + v**2 / (2.0 * STIFFNESS * WEIGHT)
+        return [x - away, z - rise]
+
+    h, v = np.exp(fsolve(off, np.log([3e4, 8e4]), xtol=1e-13))
+    return float(h), float(v)
+
+
+@pytest.fixture(scope="module")
+def at_rest() -> cm.SystemModel:
+    return cm.SystemModel(buoy_on_three_legs())
+
+
+def pulls(model: cm.SystemModel) -> dict[str, tuple[float, float]]:
+    """Those of all legs as they stand."""
+    found = {}
+    for name, line in model.lines.items():
+        ends = line.sample([0.0, line.length]).position
+        found[name] = leg_forces(float(np.hypot(*(ends[1] - ends[0])[:2])), ends[1, 2] - ends[0, 2])
+    return found
+
+
+def test_a_buoy_floats_where_its_legs_weigh_what_it_lifts(at_rest: cm.SystemModel) -> None:
+    for name, (h, v) in pulls(at_rest).items():
+        assert at_rest.lines[name].end_tension == pytest.approx(np.hypot(h, v), rel=2e-3)
+        assert 3.0 * v == pytest.approx(2.5e5, rel=2e-3)
+    assert np.abs(at_rest.bodies["buoy"].position[:2]).max() < 0.01
+
+
+def test_a_buoy_pushed_aside_finds_the_restoring_force_of_three_catenaries(
+    at_rest: cm.SystemModel,
+) -> None:
+    model = cm.SystemModel(at_rest.scene)
+    push = np.array([2e4, 0.0, 0.0, 0.0, 0.0, 0.0])
+    for _ in range(60):
+        model.step(10.0, forces={"buoy": push})
+    total = np.zeros(3)
+    for name, (h, v) in pulls(model).items():
+        ends = model.lines[name].sample([0.0, LENGTH]).position
+        way = (ends[0] - ends[1])[:2] / np.hypot(*(ends[0] - ends[1])[:2])
+        total += [*(h * way), -v]
+    assert total[0] == pytest.approx(-2e4, rel=0.01)
+    assert abs(total[1]) < 20.0
+    assert total[2] == pytest.approx(-2.5e5, rel=2e-3)
+    assert model.bodies["buoy"].position[0] > 1.0
+
+
+def test_the_mesh_follows_a_touchdown(at_rest: cm.SystemModel) -> None:
+    """Elements come and go on all legs; those of the others stay theirs."""
+    model = cm.SystemModel(at_rest.scene)
+    for k in range(40):
+        force = 1e5 * np.sin(2.0 * np.pi * k / 10.0)
+        model.step(1.0, forces={"buoy": [force, 0.5 * force, 0.0, 0.0, 0.0, 0.0]})
+        for name, line in model.lines.items():
+            state = line.sample()
+            assert np.all(np.diff(state.s) > 0.0)
+            assert state.s[-1] == LENGTH
+            chords = np.linalg.norm(np.diff(state.position, axis=0), axis=1)
+            assert chords.sum() == pytest.approx(LENGTH, rel=0.02), name
+            assert state.position[:, 2].min() > -DEPTH - 0.1
+    again = cm.SystemModel(at_rest.scene)
+    again.restore(model.snapshot())
+    model.step(3.0)
+    again.step(3.0)
+    assert model.snapshot() == again.snapshot()
+
+
+def test_an_anchor_below_the_floor_is_named() -> None:
+    data = buoy_on_three_legs()
+    data["lines"]["b"]["from"]["anchor"][2] = -120.0
+    with pytest.raises(cm.SceneError, match=r"lines\.b\.from\.anchor.*below the sea floor"):
+        cm.load_system(data)
