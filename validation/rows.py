@@ -49,7 +49,7 @@ class Family:
 
 
 FAMILIES: dict[str, Family] = {}
-MODULES = ("statics", "motions", "lays", "tank", "published", "codes", "industry")
+MODULES = ("statics", "motions", "lays", "systems", "tank", "published", "codes", "industry")
 """Where families are defined, in the order of the page."""
 
 

@@ -112,7 +112,7 @@ def turn_with_array() -> Result:
     known, speed = kinds(given), 5.0 * KNOT
     water = np.array([-speed, 0.0, 0.0])
     items = [(1.0, 0.1), (known["array"], 1000.0), (known["leadin"], 600.0)]
-    tip, force, places = hanging_line(items, lambda z: water, np.zeros(3), (-400.0, -1.0))
+    tip, force, _ = hanging_line(items, lambda z: water, np.zeros(3), (-400.0, -1.0))
     top = float(np.linalg.norm(force))
     answers = [
         Answer("depth of the drogue, straight", -ours.tip_position[2], -tip[2], "m", 1.6),

@@ -13,8 +13,8 @@ LOAD, ADDED = 20_000.0, 10_000.0
 
 
 def lumped_load(times, pieces=20):
-    """Top tension [N] of `docs/jobs/winch_stop.yaml` at times [s] from the winch's first slow-down on:
-    the wire is lumped masses on springs, the load drags along its axis."""
+    """Top tension [N] of docs/jobs/winch_stop.yaml at times [s] from the winch's first slow-down
+    on: the wire is lumped masses on springs, the load drags along its axis."""
     piece = LENGTH / pieces
     spring = STIFFNESS / piece
     weight = CABLE_MASS * 9.80665 - 1025.0 * 9.80665 * np.pi * 0.03**2
