@@ -113,7 +113,8 @@ def read() -> list[Row]:
 def tables() -> str:
     """What the page shows: a table and a picture for each family.
 
-    Cells have no blanks about them: every one would count as a word of the documentation.
+    Cells have no blanks about them: every one would count as a word of the documentation. Case and
+    reference are those above where a row does not name them.
     """
     rows, parts = read(), []
     for one in families().values():
@@ -122,10 +123,14 @@ def tables() -> str:
             continue
         parts += [f"### {one.title}", "", f"`{mine[0].command}`", ""]
         parts += ["|case|reference|deviation|result|accepted|", "|---|---|---|---|---|"]
+        above = ("", "")
         for row in mine:
             unit = f" {row.unit}" if row.unit else ""
             limit = f"{row.limit:.3g}{unit}" + ("" if row.met else ", **not met**")
-            cells = [row.case, row.reference, row.metric, f"{row.result:.3g}{unit}", limit]
+            about = (row.case, row.reference)
+            named = ("", "") if about == above else about
+            above = about
+            cells = [*named, row.metric, f"{row.result:.3g}{unit}", limit]
             parts.append("|" + "|".join(cells) + "|")
         parts += ["", f"![{one.title}](validation/{one.name}.png)", ""]
     return "\n".join(parts)

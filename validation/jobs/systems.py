@@ -122,3 +122,32 @@ def buoy_on_legs() -> Result:
         "independent": ([place[0] for place in other], pushes),
     }
     return answers, picture(shapes, series, ("offset [m]", "push [N]"))
+
+
+@job
+def cut_loose() -> Result:
+    """V tanh(t / tau) of what sinks; what is left bears its own weight."""
+    ours = system("cut_loose")
+    before = ours.lines["wire"].start_tension
+    mass, weight, drag = 2800.0, 12e3, 0.5 * 1025.0 * 2.0
+    fastest = math.sqrt(weight / drag)
+    rise = mass * fastest / weight
+    wire = 200.0 * (1.6 - 1025.0 * math.pi / 4 * 0.02**2) * 9.80665
+    start = ours.bodies["load"].position[2]
+    shapes = {"before": shape(ours.lines["wire"], 40)}
+    times, found = [0.0], [0.0]
+    for k in range(1, 41):
+        ours.step(1.0)
+        times.append(float(k))
+        found.append(start - float(ours.bodies["load"].position[2]))
+    since = np.maximum(np.array(times) - 5.0, 0.0)
+    other = fastest * rise * np.log(np.cosh(since / rise))
+    shapes["after 40 s"] = shape(ours.lines["wire"], 40)
+    answers = [
+        Answer("tension before", before, weight + wire, "N", 0.01 * (weight + wire)),
+        Answer("tension 35 s after", ours.lines["wire"].start_tension, wire, "N", 0.03 * wire),
+        Answer("fallen in 10 s", found[15], float(other[15]), "m", 0.2),
+        Answer("speed in the end", -float(ours.bodies["load"].velocity[2]), fastest, "m/s", 0.02),
+    ]
+    series = {"cablemodel": (times, found), "independent": (times, other)}
+    return answers, picture(shapes, series, ("time [s]", "fallen [m]"))
