@@ -35,6 +35,7 @@ SIZES = {
     "foils": at.I_FOILS,
     "foil_words": at.I_FOIL_WORDS,
     "cuts": at.I_CUTS,
+    "rao_words": at.I_RAO_WORDS,
 }
 
 Arrays = list[tuple[int, Any]]
@@ -158,6 +159,7 @@ class Block(WordBlock):
         foils: Any = 0,
         foil_words: Any = 0,
         cuts: Any = 0,
+        rao_words: Any = 0,
     ) -> tuple[Arrays, Arrays]:
         """Arrays of the image in order, then those of the workspace: (header word, length).
 
@@ -179,6 +181,7 @@ class Block(WordBlock):
             (at.O_CELL_LAYERS, (waves + 1) * cell_terms * at.CELL_LAYERS),
             (at.O_FRAME_PIECES, frame_pieces * at.PIECE_WORDS),
             (at.O_FOIL_TABLE, foil_words),
+            (at.O_RAOS, rao_words),
             (at.O_PARENT, capacity),
             (at.O_JOINT, capacity),
             (at.O_EDGE, capacity * at.EDGE_WORDS),
@@ -256,6 +259,7 @@ class Block(WordBlock):
         foils: int = 0,
         foil_words: int = 0,
         cuts: int = 0,
+        rao_words: int = 0,
     ) -> None:
         sizes = {
             "capacity": capacity,
@@ -277,6 +281,7 @@ class Block(WordBlock):
             "foils": foils,
             "foil_words": foil_words,
             "cuts": cuts,
+            "rao_words": rao_words,
         }
         image, workspace = self.arrays(**sizes)
         header = {at.I_MAGIC: at.MAGIC, at.I_VERSION: at.VERSION}

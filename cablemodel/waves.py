@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING
@@ -17,6 +18,7 @@ from cablemodel.scene.sea import Sea, sea
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
+    from cablemodel.scene.line import Cable
 
 FloatArray = NDArray[np.float64]
 
@@ -196,11 +198,23 @@ def refine(scene: Scene, nodes: list[FloatArray], points: FloatArray) -> list[Fl
     waves = sea(scene)
     if waves is None:
         return nodes
+    accuracy = scene.solver.tolerance * scene.line_length
+    return refine_line(waves, accuracy, scene.cables, nodes, points)
+
+
+def refine_line(
+    waves: Sea,
+    accuracy: float,
+    cables: Sequence[Cable],
+    nodes: list[FloatArray],
+    points: FloatArray,
+) -> list[FloatArray]:
+    """The same of a line made of these cables, of an accuracy tau L [m]."""
     arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
-    arc *= scene.line_length / arc[-1]
+    arc *= math.fsum(cable.length for cable in cables) / arc[-1]
     number = 2.0 * math.pi / waves.length
     crest = 2.0 * math.sqrt(0.5 * float(np.sum(waves.amplitude**2)))  # half of hs, of a wave 1.4 a
-    tallest = max(TALLEST[0] * crest, TALLEST[1] * scene.solver.tolerance * scene.line_length)
+    tallest = max(TALLEST[0] * crest, TALLEST[1] * accuracy)
 
     def is_too_long(start: float, a: float, b: float) -> bool:
         ends = np.interp([start + a, start + b], arc, points[:, 2])
@@ -209,4 +223,4 @@ def refine(scene: Scene, nodes: list[FloatArray], points: FloatArray) -> list[Fl
         at_surface = ends.min() < crest and ends.max() > -crest
         return number * (b - a) > 1.0 or bool(at_surface and abs(ends[1] - ends[0]) > tallest)
 
-    return halved_where(scene.cables, nodes, is_too_long)
+    return halved_where(list(cables), nodes, is_too_long)

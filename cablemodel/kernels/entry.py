@@ -162,12 +162,19 @@ def force_response(I, M, motion, out):
 def drive(I, M, t_end, motion, forces, angles, orders):
     """Inputs of a system for a step to t_end [s], before `step`.
 
-    motion: FRAME_INPUTS words for each frame: 0 its own motion, 1 velocities given, 2 places, 3
-    both; then position [m], roll, pitch and yaw [rad], and their rates. forces: outside force [N]
+    motion: FRAME_INPUTS words for each frame: what is given (frames.drive_frame); then position
+    [m], roll, pitch and yaw [rad], and their rates. forces: outside force [N]
     and torque [N m] on each free body, earth frame. angles: deflection of each foil [rad].
     orders: of each cut, whether it is to be made now.
     """
     part_outputs.drive_parts(I, M, t_end, motion, forces, angles, orders)
+    return 0
+
+
+@entry_point(int64(INTEGERS, REALS, float64, REALS))
+def frame_motion(I, M, n, out):
+    """Motion of frame n: part_outputs.frame_motion."""
+    part_outputs.frame_motion(I, M, int(n), out)
     return 0
 
 
@@ -208,6 +215,7 @@ ENTRY_POINTS = {
     "force_rate": force_rate,
     "force_response": force_response,
     "drive": drive,
+    "frame_motion": frame_motion,
     "sample_elements": sample_elements,
     "parts": parts,
     "to_three_dimensions": to_three_dimensions,

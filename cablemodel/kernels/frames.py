@@ -21,19 +21,26 @@ from .layout import (
     F_COUNT,
     F_FIRST,
     F_LIVE,
+    F_MEAN,
+    F_MOVED,
     F_PIECE,
     F_POSITION,
+    F_RAOS,
     F_ROTATION,
     F_SHIFT,
     F_SPIN,
     F_SPIN_RATE,
     F_TURN_COUNT,
     F_TURN_FIRST,
+    F_TURN_LIVE,
     F_TURN_PIECE,
     F_VELOCITY,
     FRAME_WORDS,
     I_CONSTRAINTS,
     I_FRAMES,
+    LIVE,
+    LIVE_NOT,
+    LIVE_RETURNS,
     O_ACCELERATION,
     O_CONSTRAINT,
     O_FRAME_PIECES,
@@ -49,6 +56,7 @@ from .layout import (
     S_TIME,
     S_TIME_TOLERANCE,
 )
+from .raos import add_response
 from .rotation import attitude, cross, to_earth_axes
 
 
@@ -64,7 +72,7 @@ def piece_at(M, first, count, t):
 @kernel
 def evaluate_frame(I, M, row, t, turning, out):
     """Position of a frame's origin, or its angles, with two derivatives at time t: 9 words."""
-    if M[row + F_LIVE] != 0.0:
+    if M[row + (F_TURN_LIVE if turning else F_LIVE)] != LIVE_NOT:
         evaluate_piece(M, row + (F_TURN_PIECE if turning else F_PIECE), t, out)
         return
     own_pieces(I, M, row, t, turning, out)
@@ -89,6 +97,9 @@ def move_frames(I, M, t):
     """Place, attitude and their rates of all frames at time t into their rows."""
     for n in range(I[I_FRAMES]):
         row = I[O_FRAMES] + n * FRAME_WORDS
+        if M[row + F_RAOS] != 0.0:
+            move_in_waves(I, M, row, t)
+            continue
         evaluate_frame(I, M, row, t, True, view(M, row + F_POSITION, 9))
         angles = view(M, row + F_POSITION, 9)
         attitude(
@@ -100,6 +111,28 @@ def move_frames(I, M, t):
             view(M, row + F_SPIN_RATE, 3),
         )
         evaluate_frame(I, M, row, t, False, angles)
+
+
+@kernel
+def move_in_waves(I, M, row, t):
+    """The same of one that the waves move."""
+    mean = view(M, row + F_MEAN, 18)
+    evaluate_frame(I, M, row, t, False, mean[0:9])
+    evaluate_frame(I, M, row, t, True, mean[9:18])
+    out = view(M, row + F_MOVED, 18)
+    for i in range(18):
+        out[i] = mean[i]
+    add_response(I, M, row, t, out)
+    attitude(
+        out[9:12],
+        out[12:15],
+        out[15:18],
+        view(M, row + F_ROTATION, 9),
+        view(M, row + F_SPIN, 3),
+        view(M, row + F_SPIN_RATE, 3),
+    )
+    for i in range(9):
+        M[row + F_POSITION + i] = out[i]
 
 
 @kernel
@@ -168,9 +201,9 @@ def next_frame_stop(I, M, stop, dt):
     time = M[S_TIME]
     for n in range(I[I_FRAMES]):
         row = I[O_FRAMES] + n * FRAME_WORDS
-        if M[row + F_LIVE] != 0.0:
-            continue
         for turning in range(2):
+            if M[row + (F_TURN_LIVE if turning == 1 else F_LIVE)] != LIVE_NOT:
+                continue
             count = int(M[row + (F_TURN_COUNT if turning == 1 else F_COUNT)])
             first = int(M[row + (F_TURN_FIRST if turning == 1 else F_FIRST)])
             for k in range(1, count):
@@ -209,14 +242,20 @@ def frames_jump(I, M, w):
 def drive_frame(I, M, row, t_end, given, target, w):
     """Make a frame's live pieces what the caller asks for at the end of a step.
 
-    given: 0 nothing, 1 velocities, 2 places, 3 both; target: position, angles, velocity and rates
-    of the angles at t_end (3 words each). w: 18 words.
+    given: of its place 1 a velocity, 2 a position, 3 both, and 4 times as much of its attitude;
+    what has none follows its own pieces, back to which it comes within a step. target: position,
+    angles, velocity and rates of the angles at t_end (3 words each). w: 18 words.
     """
     time = M[S_TIME]
     dt = t_end - time
     for turning in range(2):
+        live = row + (F_TURN_LIVE if turning == 1 else F_LIVE)
+        kind = (given >> 2 if turning == 1 else given) & 3
+        if kind == 0 and M[live] != LIVE:
+            M[live] = LIVE_NOT
+            continue
         evaluate_frame(I, M, row, time, turning == 1, w[0:9])
-        if given == 0:
+        if kind == 0:
             own_pieces(I, M, row, t_end, turning == 1, w[9:18])
         piece = row + (F_TURN_PIECE if turning == 1 else F_PIECE)
         for i in range(3):
@@ -225,13 +264,13 @@ def drive_frame(I, M, row, t_end, given, target, w):
             v1 = target[6 + 3 * turning + i]
             c2 = 0.0
             c3 = 0.0
-            if given >= 2:
+            if kind >= 2:
                 mean = (target[3 * turning + i] - p0) / dt
-                if given == 2:
+                if kind == 2:
                     v1 = mean
                 c2 = (3.0 * mean - 2.0 * v0 - v1) / dt
                 c3 = (v0 + v1 - 2.0 * mean) / (dt * dt)
-            elif given == 1:
+            elif kind == 1:
                 c2 = 0.5 * (v1 - v0) / dt
             else:
                 v1 = w[12 + i]
@@ -245,4 +284,4 @@ def drive_frame(I, M, row, t_end, given, target, w):
         M[piece + P_START] = time
         M[piece + P_END] = t_end
         M[piece + P_KIND] = 0.0
-    M[row + F_LIVE] = 1.0
+        M[live] = LIVE if kind != 0 else LIVE_RETURNS

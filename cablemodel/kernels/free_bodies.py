@@ -20,7 +20,8 @@ axis's area. A foil has lift and drag by its angle of attack, from a table.
 import math
 
 from .compile import kernel, view
-from .environment import current_at
+from .environment import current_at, surge_at
+from .hulls import wet_hull
 from .layout import (
     A_BODY,
     A_FORCE,
@@ -30,12 +31,14 @@ from .layout import (
     FOIL_ANGLES,
     FOIL_WORDS,
     FREE_WORDS,
+    HULL_NONE,
     I_ARMS,
     I_BODIES,
     I_CAPACITY,
     I_FACTORED,
     I_FREE,
     I_HISTORY,
+    I_SURGE,
     I_WAVES,
     L_AREA,
     L_CHORD,
@@ -69,6 +72,8 @@ from .layout import (
     Y_FIRST_FOIL,
     Y_FOILS,
     Y_FORCE,
+    Y_HULL,
+    Y_HULL_CENTRE,
     Y_MOTION,
     Y_NODE,
     Y_ORIGIN,
@@ -261,17 +266,28 @@ def body_forces(I, M, body, t, out):
     for i in range(3):
         place[i] += m[M_PLACE + i]
     current_at(I, M, place[2], water)
+    if I[I_SURGE] != 0:
+        surge_at(I, M, place[2], pull)
     wet = 1.0
+    hull = M[row + Y_HULL] != HULL_NONE
+    buoyancy_centre = view(M, row + Y_BUOYANCY_CENTRE, 3)
+    if hull:
+        to_earth_axes(turn, view(M, row + Y_HULL_CENTRE, 3), s[0:3])
+        for i in range(3):
+            s[i] += m[M_PLACE + i]
+        wet = wet_hull(I, M, body, s[0:3])
+        buoyancy_centre = view(M, I[O_PARTS_WORK] + 100, 3)
     if I[I_WAVES] != 0:
         slot = 3 * I[I_CAPACITY] + I[I_BODIES] + body
-        reach = max(1e-3, M[row + Y_RADIUS])
+        reach = M[row + Y_RADIUS]
         depth = wave_at(I, M, place[0], place[1], place[2], reach, slot)
-        wet_at(I, M, depth, reach)
         at = I[O_MOTION]
-        wet = M[at + P_WET]
+        if not hull:
+            wet_at(I, M, depth, reach)
+            wet = M[at + P_WET]
         for i in range(3):
             water[i] += M[at + P_VELOCITY + i]
-            pull[i] = M[at + P_ACCELERATION + i]
+            pull[i] += M[at + P_ACCELERATION + i]
     # Its own inertia.
     to_body_axes(turn, m[M_SPEED : M_SPEED + 3], v)
     to_body_axes(turn, m[M_GAIN : M_GAIN + 3], gain)
@@ -300,7 +316,7 @@ def body_forces(I, M, body, t, out):
         place[i] = lift * pull[i] / M[S_GRAVITY] if M[S_GRAVITY] > 0.0 else 0.0
     place[2] += lift
     to_body_axes(turn, place, water)
-    add_force(water, view(M, row + Y_BUOYANCY_CENTRE, 3), -1.0, f, s)
+    add_force(water, buoyancy_centre, -1.0, f, s)
     # Drag.
     centre = view(M, row + Y_DRAG_CENTRE, 3)
     cross(spin, centre, s[0:3])

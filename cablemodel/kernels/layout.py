@@ -9,7 +9,7 @@ the FMU's state and its serialisation are a copy of it.
 
 MAGIC = 0x4C45444F4D454C42  # "BLEMODEL", little endian
 VERSION = 11
-HEADER_WORDS = 120
+HEADER_WORDS = 128
 SCALAR_WORDS = 104
 
 # Header: identity, sizes, state counters.
@@ -79,6 +79,10 @@ I_FOILS, I_FOIL_WORDS = 108, 109
 O_FRAMES, O_FRAME_PIECES, O_FREE, O_ARMS, O_FOILS, O_FOIL_TABLE = 110, 111, 112, 113, 114, 115
 O_PARTS_WORK = 116  # PARTS_WORDS of the workspace
 I_CUTS, O_CUTS = 117, 118  # places where lines are cut, let go or break
+O_RAOS, I_RAO_WORDS = (
+    119,
+    120,
+)  # of each frame that has them: RAO_HEADINGS, then of each its rows of components
 
 # Header: word offsets of the arrays.
 O_PIECES, O_DEPTHS, O_TIMES, O_CURRENT, O_STRAIN = 32, 33, 34, 35, 36
@@ -261,15 +265,26 @@ EXACTLY, BY_SPRING = 1, 2  # how the tangent is held (C_CLAMPED); 0: it is free
 ALONE = 3  # no line is left at the node
 
 # Rows of the frame table: rigid frames that move as prescribed, vessels and driven ends.
-FRAME_WORDS = 84
+FRAME_WORDS = 122
 F_POSITION, F_VELOCITY, F_ACCELERATION = 0, 3, 6  # of its origin, earth frame, at the last set_time
 F_ROTATION = 9  # 9 words, by rows: its axes in the earth's, columns
 F_SPIN, F_SPIN_RATE = 18, 21  # angular velocity [rad/s] and its rate, earth frame
-F_LIVE = 24  # 1: the caller's motion drives it, 0: its pieces
+F_LIVE = 24  # LIVE_...: what drives its place; F_TURN_LIVE: its attitude
 F_FIRST, F_COUNT = 25, 26  # pieces of the origin's motion: first row, how many
 F_TURN_FIRST, F_TURN_COUNT = 27, 28  # the same of roll, pitch and yaw [rad]; 0: it does not turn
 F_SHIFT = 29  # 6 words: position and angles minus those of its own pieces
+F_TURN_LIVE = 35
+LIVE_NOT, LIVE, LIVE_RETURNS = 0, 1, 2  # its pieces; the caller; a step back to its pieces
 F_PIECE, F_TURN_PIECE = 36, 60  # live pieces
+F_RAOS = 84  # 1: the waves move it on top of that, by its rows of O_RAOS
+F_MEAN = 85  # 18 words: place and angles without the waves' part, with two derivatives each
+F_MOVED = 103  # 18 words: the same with it
+
+# Responses of a frame to a wave of 1 m: cosine and sine parts of surge, sway, heave [m], roll,
+# pitch, yaw [rad], of each component and heading. A heading is where the waves go to, from the
+# frame's x axis.
+RAO_WORDS = 12
+RAO_HEADINGS = 36  # every 10 degrees from 0
 
 # Rows of the table of free bodies, axes and places those of the body, from its reference point.
 FREE_WORDS = 180
@@ -288,7 +303,11 @@ BODY_MOTION = 33
 M_TURN, M_RATES, M_SPIN, M_SPIN_RATE = 0, 9, 18, 21  # axes; Omega = T d(theta)/dt; body axes
 M_PLACE, M_SPEED, M_GAIN = 24, 27, 30  # of the reference point
 Y_FIRST_FOIL, Y_FOILS = 150, 151
-Y_RADIUS = 152  # of a hull that pierces the surface: half of its height [m], 0: none
+Y_RADIUS = 152  # of a ball that displaces as much, where the body has no hull [m]
+Y_HULL = 153  # HULL_...: what of it the water can leave
+Y_HULL_RADIUS, Y_HULL_HEIGHT = 154, 155  # [m]
+Y_HULL_CENTRE = 156  # 3 words
+HULL_NONE, HULL_SPHERE, HULL_CYLINDER = 0, 1, 2  # a cylinder about the body's z axis
 
 # Rows of the table of arms.
 ARM_WORDS = 8

@@ -1,7 +1,7 @@
 """Systems of parts: what the caller drives, and what is read of bodies, frames and lines' ends."""
 
 from .compile import kernel, view
-from .frames import drive_frame
+from .frames import drive_frame, evaluate_frame
 from .free_bodies import deflect_foils, push_bodies
 from .layout import (
     C_NODE,
@@ -34,6 +34,7 @@ from .layout import (
     O_RESIDUAL,
     PART_WORDS,
     S_BASE,
+    S_TIME,
     STATION_WORDS,
     Y_MOTION,
     Y_ORIGIN,
@@ -55,6 +56,14 @@ def drive_parts(I, M, t_end, motion, forces, angles, orders):
     for n in range(I[I_CUTS]):
         if orders[n] != 0.0:
             M[I[O_CUTS] + n * CUT_WORDS + CUT_ORDERED] = 1.0
+
+
+@kernel
+def frame_motion(I, M, n, out):
+    """Place and angles of a frame, without what waves add, and two derivatives of each (18)."""
+    row = I[O_FRAMES] + n * FRAME_WORDS
+    evaluate_frame(I, M, row, M[S_TIME], False, out[0:9])
+    evaluate_frame(I, M, row, M[S_TIME], True, out[9:18])
 
 
 @kernel

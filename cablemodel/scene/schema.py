@@ -380,6 +380,11 @@ class Scene(Document):
         """Total unstretched length of the cables that are out at t = 0 [m]."""
         return math.fsum(cable.length for cable in self.cables)
 
+    @property
+    def place(self) -> Vector3:
+        """Where it is: the tow point at t = 0 [m]."""
+        return self.vessel.position
+
     def motion(self) -> VesselMotion:
         """The prescribed motion of the tow point, made once."""
         kept = self._motion

@@ -20,6 +20,7 @@ from cablemodel.errors import SceneProblem
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
     from cablemodel.scene.environment import JonswapWaves, RegularWave, Waves
+    from cablemodel.systems.scene import SystemScene
 
 FloatArray = NDArray[np.float64]
 
@@ -104,7 +105,7 @@ class Sea:
         return self.number * way[..., None] - self.frequency * t + self.phase
 
 
-def sea(scene: Scene) -> Sea | None:
+def sea(scene: Scene | SystemScene) -> Sea | None:
     """The components of a scene's waves; None: it has none."""
     waves = scene.environment.waves
     if waves is None:
@@ -143,10 +144,10 @@ def _sea(waves: Waves, depth: float, gravity: float) -> Sea:
     )
 
 
-def water_depth(scene: Scene) -> float:
-    """Below the tow point at t = 0 [m]; inf without a floor."""
+def water_depth(scene: Scene | SystemScene) -> float:
+    """Below the tow point, or the first vessel, at t = 0 [m]; inf without a floor."""
     floor = scene.environment.floor
-    x, y, _ = scene.vessel.position
+    x, y, _ = scene.place
     return math.inf if floor is None else -floor.height(x, y)
 
 
@@ -185,7 +186,7 @@ def _equal_energy(waves: JonswapWaves) -> FloatArray:
     return np.interp(shares, energy / energy[-1], grid)
 
 
-def problems(scene: Scene) -> Iterator[SceneProblem]:
+def problems(scene: Scene | SystemScene) -> Iterator[SceneProblem]:
     """Waves that cannot be: in a vacuum, without gravity, on dry land, or that break."""
     waves = scene.environment.waves
     if waves is None:

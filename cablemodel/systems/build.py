@@ -16,6 +16,7 @@ from cablemodel.instance.first_state import count_from_zero
 from cablemodel.instance.line_tables import STABILISATION
 from cablemodel.instance.refinement import ROUNDS
 from cablemodel.kernels import layout as at
+from cablemodel.scene.sea import sea
 from cablemodel.systems.built import Built
 from cablemodel.systems.guess import Guess, first_guess
 from cablemodel.systems.lines import nodes_of, steady_velocity
@@ -29,8 +30,10 @@ from cablemodel.systems.tables import (
     fill_frames,
     fill_held,
     fill_settings_of,
+    fill_waves,
 )
 from cablemodel.systems.tree import tree_of
+from cablemodel.waves import refine_line
 
 FloatArray = NDArray[np.float64]
 
@@ -45,6 +48,12 @@ def build(scene: SystemScene) -> Built:
     velocity = steady_velocity(scene)
     nodes = {name: nodes_of(scene, name) for name in scene.lines}
     guess = first_guess(scene, velocity)
+    water = sea(scene)
+    if water is not None:
+        for name, line in scene.lines.items():
+            accuracy = scene.solver.tolerance * line.length
+            cables = [item.cable for item in line.items if item.cable is not None]
+            nodes[name] = refine_line(water, accuracy, cables, nodes[name], guess.lines[name])
     built = _solved(scene, nodes, guess, None, velocity)
     for _round in range(ROUNDS):
         finer = refined(scene, nodes, built)
@@ -76,6 +85,7 @@ def _solved(
     fill_held(scene, built)
     fill_bodies(scene, built, before)
     fill_cuts(scene, built)
+    fill_waves(scene, block)
     place_nodes(scene, built, guess, before)
     sea_floor.fill(block, scene)
     block.ints[at.I_SLEEP] = 0

@@ -82,7 +82,7 @@ def first_guess(scene: SystemScene, velocity: FloatArray) -> Guess:
         count += PARTS + 1
     pulls = np.zeros((count, 3))
     for name, body in scene.bodies.items():
-        pulls[bodies[name], 2] -= body.submerged_weight
+        pulls[bodies[name], 2] -= body.weight_in(scene.environment)
         pulls[bodies[name]] += 0.5 * rho * speed * np.mean(body.drag_area) * flow
     for name, line in scene.lines.items():
         along = 0.0
@@ -143,6 +143,16 @@ def first_guess(scene: SystemScene, velocity: FloatArray) -> Guess:
     total = float(np.abs(pulls).sum()) + 1e-9
     stiff = total / (STRETCH * rest)
     floor = scene.environment.floor
+    hulls = [
+        (
+            bodies[name],
+            body.hull.centre[2],
+            0.5 * (body.hull.height or body.hull.diameter),
+            rho * gravity * body.hull.volume,
+        )
+        for name, body in scene.bodies.items()
+        if body.hull is not None
+    ]
     hard = total / (STRETCH * float(rest.min()))
 
     def places(x: FloatArray) -> FloatArray:
@@ -156,6 +166,12 @@ def first_guess(scene: SystemScene, velocity: FloatArray) -> Guess:
         value = float((0.5 * stiff * over**2).sum() - (pulls * p).sum())
         force = (stiff * over / size)[:, None] * d
         slope = -pulls.copy()
+        for index, middle, half, lift in hulls:
+            # What has left the water lifts no more: by as much as its middle is above the surface.
+            dry = min(1.0, max(0.0, 0.5 * (p[index, 2] + middle) / half + 0.5))
+            above = max(0.0, p[index, 2] + middle - half)
+            value += lift * (half * dry**2 + above)
+            slope[index, 2] += lift * dry
         if floor is not None:
             sunk = np.array([floor.height(float(x), float(y)) - z for x, y, z in p])
             sunk = np.maximum(0.0, sunk)

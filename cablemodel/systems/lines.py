@@ -80,7 +80,7 @@ def tension_scale(scene: SystemScene) -> float:
                 total += weight * item.cable.length
             elif item.body is not None:
                 total += abs(item.body.submerged_weight)
-    total += sum(abs(body.submerged_weight) for body in scene.bodies.values())
+    total += sum(abs(body.weight_in(scene.environment)) for body in scene.bodies.values())
     speed = float(np.linalg.norm(steady_velocity(scene)))
     rho = scene.environment.water_density
     for body in scene.bodies.values():

@@ -57,8 +57,8 @@ class Motion:
 class VesselInput:
     """Where a vessel or driven end is to be at the end of a step, how fast, or both.
 
-    Attitudes are roll, pitch and yaw [rad], their rates [rad/s]. What is None is as it is: a place
-    at rest, an attitude that stays.
+    Attitudes are roll, pitch and yaw [rad], their rates [rad/s]. Of place and attitude, what is
+    not given follows the scene.
     """
 
     position: ArrayLike | None = None
@@ -227,7 +227,7 @@ class SystemModel:
 
     def _drives(self, block: Any) -> bool:
         rows = block.array(at.O_FRAMES, len(self.scene.vessels), at.FRAME_WORDS)
-        return bool(np.any(rows[:, at.F_LIVE] != 0.0))
+        return bool(np.any(rows[:, [at.F_LIVE, at.F_TURN_LIVE]] != at.LIVE_NOT))
 
     def _wrong(self, name: str, value: Any, allowed: str) -> StepError:
         return StepError(f"{name} is {value!r}", time=self.time, advice=f"give {allowed}")
@@ -248,22 +248,24 @@ class SystemModel:
             if name not in names:
                 raise self._wrong("vessels", name, f"one of {', '.join(names) or 'none'}")
             row = inputs[names.index(name)]
-            now, angles = self.vessels[name], self.vessels[name].attitude
-            places = wanted.position is not None or wanted.attitude is not None
-            speeds = wanted.velocity is not None or wanted.attitude_rate is not None
-            row[0] = (2.0 if places else 0.0) + (1.0 if speeds else 0.0)
-            row[1:4], row[4:7] = now.position, angles
-            for start, key in ((1, "position"), (4, "attitude")):
+            for word, place, key in _MOTION_INPUTS:
                 value = getattr(wanted, key)
                 if value is not None:
-                    row[start : start + 3] = self._vector(f"{name}.{key}", value, 3)
-            for start, key in ((7, "velocity"), (10, "attitude_rate")):
-                value = getattr(wanted, key)
-                if value is not None:
-                    row[start : start + 3] = self._vector(f"{name}.{key}", value, 3)
-            turns = np.round((angles - row[4:7]) / (2.0 * math.pi))
-            row[4:7] += 2.0 * math.pi * turns
+                    row[0] += word
+                    row[place : place + 3] = self._vector(f"{name}.{key}", value, 3)
+            if wanted.attitude is not None:  # the nearest turn of it
+                angles = self._mean_motion(names.index(name))[9:12]
+                row[4:7] += 2.0 * math.pi * np.round((angles - row[4:7]) / (2.0 * math.pi))
         return inputs
+
+    def _mean_motion(self, index: int) -> FloatArray:
+        """Place and angles of a vessel, with two derivatives each (18,), without the waves."""
+        from cablemodel import library as entry
+
+        out = np.zeros(18)
+        block = self.built.block
+        entry.frame_motion(block.ints, block.reals, float(index), out)
+        return out
 
     def _pushes(self, given: Mapping[str, ArrayLike]) -> FloatArray:
         names = list(self.scene.bodies)
@@ -486,6 +488,14 @@ def _given(given: Mapping[str, Any], name: str, field: str) -> Any:
     wanted = (given.get("vessels") or {}).get(name)
     return None if wanted is None else getattr(wanted, field)
 
+
+_MOTION_INPUTS = (
+    (1.0, 7, "velocity"),
+    (2.0, 1, "position"),
+    (4.0, 10, "attitude_rate"),
+    (8.0, 4, "attitude"),
+)
+"""What says that it is given, its place in a vessel's words (entry.drive), its name."""
 
 _HALVES = {"force": slice(0, 3), "torque": slice(3, 6)}
 

@@ -9,9 +9,10 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
 
 from cablemodel.errors import SceneProblem, shown
+from cablemodel.scene import sea
 from cablemodel.scene.base import (
     Angle,
     Coefficient,
@@ -24,6 +25,7 @@ from cablemodel.scene.base import (
 from cablemodel.scene.environment import Environment
 from cablemodel.scene.line import Cable, CableType, LineItem
 from cablemodel.scene.schema import Document, RunSettings, Solver
+from cablemodel.scene.tables import table_from_file
 from cablemodel.scene.units import Quantity, Vector, rejection, several
 from cablemodel.scene.vessel import Vessel
 
@@ -32,6 +34,40 @@ FloatArray = NDArray[np.float64]
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 Attitude = Annotated[tuple[float, float, float], Vector("rad")]
+
+
+class RaoPoint(SceneModel):
+    """How a vessel answers a wave of 1 m amplitude, of one period and heading.
+
+    Amplitudes and phases of the displacements of its origin, in degrees where the name says so. A
+    response is amplitude times cos(w t + phase) where the wave there is cos(w t).
+    """
+
+    heading_deg: Annotated[float, Quantity()] = Field(
+        description="where the waves go to, from the vessel's bow: 0 from astern, 180 head sea"
+    )
+    period: Duration = Field(description="of the wave")
+    surge: Coefficient = Field(default=0.0, description="[m/m]")
+    surge_phase_deg: Annotated[float, Quantity()] = Field(default=0.0, description="its phase")
+    sway: Coefficient = Field(default=0.0, description="[m/m]")
+    sway_phase_deg: Annotated[float, Quantity()] = Field(default=0.0, description="its phase")
+    heave: Coefficient = Field(default=0.0, description="[m/m]")
+    heave_phase_deg: Annotated[float, Quantity()] = Field(default=0.0, description="its phase")
+    roll_deg: Coefficient = Field(default=0.0, description="degrees per metre")
+    roll_phase_deg: Annotated[float, Quantity()] = Field(default=0.0, description="its phase")
+    pitch_deg: Coefficient = Field(default=0.0, description="degrees per metre")
+    pitch_phase_deg: Annotated[float, Quantity()] = Field(default=0.0, description="its phase")
+    yaw_deg: Coefficient = Field(default=0.0, description="degrees per metre")
+    yaw_phase_deg: Annotated[float, Quantity()] = Field(default=0.0, description="its phase")
+
+
+def _rao_rows(value: Any, info: ValidationInfo) -> Any:
+    if isinstance(value, str):
+        given = ("heading_deg", "period")
+        more = tuple(key for key in RaoPoint.model_fields if key not in given)
+        columns = table_from_file(value, info.context, columns=given, optional=more)
+        return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+    return value
 
 
 class VesselFrame(Vessel):
@@ -48,6 +84,22 @@ class VesselFrame(Vessel):
     points: dict[str, Position] = Field(
         default_factory=dict, description="places of its fairleads, in its own axes"
     )
+    raos: Annotated[tuple[RaoPoint, ...], BeforeValidator(_rao_rows)] = Field(
+        default=(),
+        description="how the scene's waves move it on top of that: a CSV file with the columns of "
+        "the rows, or these; of headings from 0 to 180 the others are mirror images",
+    )
+
+    @field_validator("raos")
+    @classmethod
+    def _full_grid(cls, rows: tuple[RaoPoint, ...]) -> tuple[RaoPoint, ...]:
+        headings = sorted({row.heading_deg for row in rows})
+        periods = sorted({row.period for row in rows})
+        if len(rows) != len(headings) * len(periods):
+            allowed = "one row for every period at every heading"
+            problem = f"{len(rows)} rows of {len(headings)} headings and {len(periods)} periods"
+            raise rejection(problem, allowed, len(rows))
+        return rows
 
 
 class Foil(SceneModel):
@@ -115,12 +167,32 @@ def _three(value: Any) -> Any:
     return value
 
 
+class Hull(SceneModel):
+    """A ball, or a cylinder about the body's z axis, that floats at the surface or below it."""
+
+    diameter: Length = Field(description="of ball or cylinder")
+    height: Length | None = Field(default=None, description="of a cylinder; none: a ball")
+    centre: Position = Field(default=(0.0, 0.0, 0.0), description="place of its middle")
+
+    @property
+    def volume(self) -> float:
+        """[m3]."""
+        if self.height is None:
+            return math.pi / 6.0 * self.diameter**3
+        return 0.25 * math.pi * self.diameter**2 * self.height
+
+
 class FreeBody(SceneModel):
     """A rigid body with six degrees of freedom; places and axes are its own."""
 
     mass: Annotated[float, Quantity("kg", above=0)] = Field(description="mass in air")
-    submerged_weight: Annotated[float, Quantity("N")] = Field(
-        description="weight in water (negative: it floats)"
+    submerged_weight: Annotated[float, Quantity("N")] | None = Field(
+        default=None,
+        description="weight in water (negative: it floats); of a body with a hull that of its mass "
+        "and of the water that the whole hull displaces",
+    )
+    hull: Hull | None = Field(
+        default=None, description="what displaces water: a shape that may leave it"
     )
     inertia: Annotated[tuple[float, float, float], Vector("kg*m**2"), BeforeValidator(_three)] = (
         Field(
@@ -163,6 +235,20 @@ class FreeBody(SceneModel):
     attitude: Attitude = Field(
         default=(0.0, 0.0, 0.0), description="roll, pitch and yaw from which a start is sought"
     )
+
+    @model_validator(mode="after")
+    def _weight_or_hull(self) -> FreeBody:
+        if (self.submerged_weight is None) == (self.hull is None):
+            raise rejection("not exactly one of submerged_weight and hull", "one of them")
+        return self
+
+    def weight_in(self, environment: Environment) -> float:
+        """Its weight in water, wholly submerged [N]."""
+        if self.submerged_weight is not None:
+            return self.submerged_weight
+        assert self.hull is not None
+        mass = self.mass - environment.water_density * self.hull.volume
+        return mass * environment.gravity
 
     @model_validator(mode="after")
     def _inertia_of_a_body(self) -> FreeBody:
@@ -275,6 +361,14 @@ class SystemScene(Document):
         return [item.cable for item in items if item.cable is not None]
 
     @property
+    def place(self) -> tuple[float, float, float]:
+        """Where it is: the first vessel at t = 0, else the first anchor [m]."""
+        for vessel in self.vessels.values():
+            return vessel.position
+        ends = (end for line in self.lines.values() for end in line.ends)
+        return next((end.anchor for end in ends if end.anchor is not None), (0.0, 0.0, 0.0))
+
+    @property
     def line_length(self) -> float:
         """Unstretched length of the longest line [m]."""
         return max(line.length for line in self.lines.values())
@@ -330,9 +424,11 @@ class SystemScene(Document):
                 yield SceneProblem(
                     f"bodies.{name}", name, problem, f"a line from or to {name}.POINT"
                 )
-        if self.environment.waves is not None:
-            problem = "waves are not computed in a system yet"
-            yield SceneProblem("environment.waves", None, problem, "none")
+        yield from sea.problems(self)
+        for name, vessel in self.vessels.items():
+            if vessel.raos and self.environment.waves is None:
+                problem = "there are no waves that it could answer"
+                yield SceneProblem(f"vessels.{name}.raos", len(vessel.raos), problem, "waves")
         yield from self._floor_problems()
         yield from self._cut_problems()
 

@@ -8,6 +8,7 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from cablemodel import waves
 from cablemodel.block import Block
 from cablemodel.instance.line_tables import edge_row, fill_body
 from cablemodel.instance.refinement import SPARE
@@ -16,6 +17,7 @@ from cablemodel.instance.tables import fill_current, fill_settings
 from cablemodel.kernels import layout as at
 from cablemodel.scene import Scene
 from cablemodel.scene.motion import jumps
+from cablemodel.scene.sea import Sea, sea
 from cablemodel.sea_floor import table_words
 from cablemodel.systems.built import Built
 from cablemodel.systems.guess import axes_of
@@ -27,7 +29,7 @@ from cablemodel.systems.lines import (
     tension_scale,
 )
 from cablemodel.systems.motion import turning
-from cablemodel.systems.scene import FreeBody, SystemScene
+from cablemodel.systems.scene import FreeBody, Hull, RaoPoint, SystemScene
 from cablemodel.systems.tree import Tree
 
 FloatArray = NDArray[np.float64]
@@ -36,6 +38,7 @@ FloatArray = NDArray[np.float64]
 def allocated(scene: SystemScene, tree: Tree) -> Built:
     """A block with room for a system on a tree, and its tree in it."""
     current = scene.environment.current
+    water = sea(cast(Scene, scene))
     foils = [foil for body in scene.bodies.values() for foil in body.foils.values()]
     types = [
         scene.cable_types[cable_of(scene, part.line, part.cable).type] for part in tree.segments
@@ -57,8 +60,8 @@ def allocated(scene: SystemScene, tree: Tree) -> Built:
         rates=1,
         cables=len(tree.segments),
         floor_words=table_words(scene.environment.floor),
-        waves=0,
-        cell_terms=0,
+        waves=0 if water is None else len(water.amplitude),
+        cell_terms=waves.cell_terms(water),
         frames=len(scene.vessels),
         frame_pieces=pieces,
         free_bodies=len(scene.bodies),
@@ -66,6 +69,7 @@ def allocated(scene: SystemScene, tree: Tree) -> Built:
         foils=len(foils),
         foil_words=2 * at.FOIL_ANGLES * len(foils),
         cuts=len(scene.cuts),
+        rao_words=rao_words(scene, water),
     )
     block.ints[at.I_PARTS] = 1
     block.ints[at.I_NODES] = nodes
@@ -171,6 +175,76 @@ def fill_frames(scene: SystemScene, block: Block) -> None:
             used += len(pieces)
 
 
+def rao_words(scene: SystemScene, water: Sea | None) -> int:
+    """Words of the responses of all vessels that have them."""
+    count = sum(bool(vessel.raos) for vessel in scene.vessels.values())
+    components = 0 if water is None else len(water.amplitude)
+    return count * at.RAO_HEADINGS * components * at.RAO_WORDS
+
+
+def fill_waves(scene: SystemScene, block: Block) -> None:
+    """The sea's components, and how vessels answer them."""
+    water = sea(cast(Scene, scene))
+    waves.fill(block, water, scene.solver.tolerance)
+    if water is None:
+        return
+    frequency = np.sort(water.frequency)  # as in the block: by their numbers
+    words = block.array(at.O_RAOS, rao_words(scene, water))
+    tables = words.reshape(-1, at.RAO_HEADINGS, len(frequency), at.RAO_WORDS)
+    frames = block.array(at.O_FRAMES, len(scene.vessels), at.FRAME_WORDS)
+    used = 0
+    for row, vessel in zip(frames, scene.vessels.values(), strict=True):
+        if vessel.raos:
+            tables[used] = responses(vessel.raos, frequency)
+            used += 1
+            row[at.F_RAOS] = used
+
+
+def responses(rows: tuple[RaoPoint, ...], frequency: FloatArray) -> FloatArray:
+    """Cosine and sine parts (RAO_HEADINGS, n, RAO_WORDS) at frequencies (n,) [rad/s].
+
+    Linear between the headings and frequencies of the rows, and as at the last ones beyond.
+    """
+    names = ("surge", "sway", "heave", "roll_deg", "pitch_deg", "yaw_deg")
+    phases = [name.removesuffix("_deg") + "_phase_deg" for name in names]
+    headings = np.array(sorted({row.heading_deg for row in rows}))
+    given = np.array(sorted({2.0 * math.pi / row.period for row in rows}))
+    found = np.zeros((len(headings), len(given), 6), dtype=complex)
+    for row in rows:
+        h = int(np.searchsorted(headings, row.heading_deg))
+        w = int(np.argmin(np.abs(given - 2.0 * math.pi / row.period)))
+        for k, (name, phase) in enumerate(zip(names, phases, strict=True)):
+            size = getattr(row, name) * (math.pi / 180.0 if name.endswith("_deg") else 1.0)
+            found[h, w, k] = size * np.exp(1j * math.radians(getattr(row, phase)))
+    if headings[0] >= 0.0 and headings[-1] <= 180.0 and len(headings) > 1:
+        # Port and starboard are alike: sway, roll and yaw change their sign.
+        beside = (headings > 0.0) & (headings < 180.0)
+        mirrored = found[beside] * np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
+        headings = np.concatenate([headings, 360.0 - headings[beside]])
+        found = np.concatenate([found, mirrored])
+    at_frequencies = np.stack(
+        [
+            [
+                np.interp(frequency, given, one[:, k].real)
+                + 1j * np.interp(frequency, given, one[:, k].imag)
+                for k in range(6)
+            ]
+            for one in found
+        ]
+    )  # (headings, 6, n)
+    grid = np.arange(at.RAO_HEADINGS) * 360.0 / at.RAO_HEADINGS
+    out = np.zeros((at.RAO_HEADINGS, len(frequency), at.RAO_WORDS))
+    for k in range(6):
+        for n in range(len(frequency)):
+            values = at_frequencies[:, k, n]
+            real, imaginary = (
+                np.interp(grid, headings, part, period=360.0) for part in (values.real, values.imag)
+            )
+            # cos(w t + phase) where the wave is cos(theta), theta = k x - w t.
+            out[:, n, 2 * k], out[:, n, 2 * k + 1] = real, imaginary
+    return out
+
+
 def fill_held(scene: SystemScene, built: Built) -> None:
     """Nodes at vessels' points and anchors."""
     block = built.block
@@ -229,7 +303,12 @@ def fill_bodies(scene: SystemScene, built: Built, before: Built | None) -> None:
         row[at.Y_NODE], row[at.Y_SIZE] = node, size
         edges[node, at.E_LENGTH] = size / 0.3  # increment_norm weighs turns by .3 of it
         row[at.Y_WEIGHT] = body.mass * gravity
-        row[at.Y_BUOYANCY] = body.mass * gravity - body.submerged_weight
+        row[at.Y_BUOYANCY] = body.mass * gravity - body.weight_in(scene.environment)
+        if body.hull is not None:
+            _fill_hull(row, body.hull, reference)
+        elif gravity > 0.0 and rho > 0.0:
+            volume = max(0.0, row[at.Y_BUOYANCY]) / (rho * gravity)
+            row[at.Y_RADIUS] = max(1e-3, (0.75 * volume / math.pi) ** (1.0 / 3.0))
         centre, water = (
             from_reference(body.centre_of_gravity),
             from_reference(body.centre_of_buoyancy),
@@ -268,6 +347,13 @@ def fill_bodies(scene: SystemScene, built: Built, before: Built | None) -> None:
         origin: FloatArray = np.array(body.points[own] if own else (0.0, 0.0, 0.0))
         row[at.A_NODE], row[at.A_BODY] = node, names.index(name)
         row[at.A_PLACE : at.A_PLACE + 3] = np.array(body.points[point]) - origin
+
+
+def _fill_hull(row: FloatArray, hull: Hull, reference: FloatArray) -> None:
+    row[at.Y_HULL] = at.HULL_SPHERE if hull.height is None else at.HULL_CYLINDER
+    row[at.Y_HULL_RADIUS] = row[at.Y_RADIUS] = 0.5 * hull.diameter
+    row[at.Y_HULL_HEIGHT] = hull.height or 0.0
+    row[at.Y_HULL_CENTRE : at.Y_HULL_CENTRE + 3] = np.array(hull.centre) - reference
 
 
 def _size(body: FreeBody) -> float:

@@ -15,9 +15,10 @@ from typing import Any
 from cablemodel.library import PREFIX
 
 RARE_KERNELS = (
-    "buckling", "clamp_layer", "consistency", "floor_memory", "floor_outputs",
-    "floor_state", "flow", "follow", "frames", "free_bodies", "interface", "part_outputs",
-    "passing", "payout", "promote", "refine", "rigid", "rotation", "scales", "sleep", "statics",
+    "buckling", "clamp_layer", "consistency", "cuts", "floor_memory", "floor_outputs",
+    "floor_state", "flow", "follow", "frames", "free_bodies", "hulls", "interface", "part_outputs",
+    "passing", "payout", "promote", "raos", "refine", "rigid", "rotation", "scales",
+    "sleep", "statics",
     "tension", "top_of_line", "vessel_clamp", "winch",
 )  # fmt: skip
 """Modules of kernels that are little of the work: built for size."""
@@ -28,6 +29,7 @@ RARE_ENTRIES = (
     "equilibrium",
     "force_rate",
     "force_response",
+    "frame_motion",
     "measure",
     "parts",
     "sample",

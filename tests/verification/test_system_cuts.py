@@ -176,6 +176,6 @@ def test_wrong_cuts_are_named(cut: dict[str, Any], message: str) -> None:
 def test_an_unknown_cut_is_refused_and_nothing_changes() -> None:
     model = SystemModel(hanging(at=1.0))
     before = model.snapshot()
-    with pytest.raises(cm.StepError, match="cuts is 'saw'.*knife"):
+    with pytest.raises(cm.StepError, match=r"cuts is 'saw'.*knife"):
         model.step(0.1, cuts=["saw"])
     assert model.snapshot() == before

@@ -1,0 +1,88 @@
+"""Hulls that pierce the surface: how much of one is wet, and where its buoyancy acts."""
+
+import math
+
+from .compile import kernel, view
+from .layout import (
+    FREE_WORDS,
+    HULL_SPHERE,
+    I_WAVES,
+    M_TURN,
+    O_FREE,
+    O_PARTS_WORK,
+    S_BASE,
+    Y_HULL,
+    Y_HULL_CENTRE,
+    Y_HULL_HEIGHT,
+    Y_HULL_RADIUS,
+    Y_MOTION,
+)
+from .rotation import to_earth_axes
+from .waves import wave_at
+
+COLUMNS = 6  # of equal area, that a cylinder is made of: their ring has its moments of inertia
+RING = math.sqrt(0.5)  # of its radius
+
+
+@kernel
+def depth_below(I, M, x, y, z):
+    """How deep a place of the block's coordinates lies below the surface [m]."""
+    if I[I_WAVES] == 0:
+        return -(z + M[S_BASE + 2])
+    return wave_at(I, M, x, y, z, 1e300, -1)
+
+
+@kernel
+def wet_hull(I, M, body, centre):
+    """Share of a hull that is wet, and the place of the wet part's middle (3, body's axes, from the
+    reference point) into the words of O_PARTS_WORK from 100 on.
+
+    centre: of the hull, block's coordinates (3). A ball exactly; a cylinder by columns, under a
+    surface that is plane over it.
+    """
+    row = I[O_FREE] + body * FREE_WORDS
+    radius = M[row + Y_HULL_RADIUS]
+    own = view(M, row + Y_HULL_CENTRE, 3)
+    middle = view(M, I[O_PARTS_WORK] + 100, 3)
+    for i in range(3):
+        middle[i] = own[i]
+    depth = depth_below(I, M, centre[0], centre[1], centre[2])
+    if M[row + Y_HULL] == HULL_SPHERE:
+        h = min(2.0 * radius, max(0.0, radius + depth))
+        return h * h * (3.0 * radius - h) / (4.0 * radius**3)
+    height = M[row + Y_HULL_HEIGHT]
+    turn = view(M, row + Y_MOTION + M_TURN, 9)
+    rise = turn[8]  # of its axis
+    tilt = math.sqrt(max(0.0, 1.0 - rise * rise))
+    if abs(depth) > 0.5 * height * abs(rise) + 2.0 * radius:  # no wave is so steep
+        return 1.0 if depth > 0.0 else 0.0
+    slope_x = 0.0
+    slope_y = 0.0
+    if I[I_WAVES] != 0:
+        slope_x = (depth_below(I, M, centre[0] + radius, centre[1], centre[2]) - depth) / radius
+        slope_y = (depth_below(I, M, centre[0], centre[1] + radius, centre[2]) - depth) / radius
+    w = view(M, I[O_PARTS_WORK] + 103, 6)
+    # A column has a width: lying down, it is not wet at once.
+    half = 0.5 * height * abs(rise) + tilt * radius / math.sqrt(COLUMNS)
+    wet = 0.0
+    for i in range(3):
+        middle[i] = 0.0
+    for n in range(COLUMNS):
+        angle = 2.0 * math.pi * n / COLUMNS
+        w[0] = RING * radius * math.cos(angle)
+        w[1] = RING * radius * math.sin(angle)
+        w[2] = 0.0
+        to_earth_axes(turn, w[0:3], w[3:6])
+        below = depth + slope_x * w[3] + slope_y * w[4] - w[5]
+        share = min(1.0, max(0.0, 0.5 * (below / half + 1.0)))
+        w[2] = 0.5 * height * (share - 1.0) * (1.0 if rise > 0.0 else -1.0)
+        wet += share
+        for i in range(3):
+            middle[i] += share * w[i]
+    if wet == 0.0:
+        for i in range(3):
+            middle[i] = own[i]
+        return 0.0
+    for i in range(3):
+        middle[i] = own[i] + middle[i] / wet
+    return wet / COLUMNS

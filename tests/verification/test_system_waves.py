@@ -1,0 +1,248 @@
+"""Hulls at the surface, bodies and vessels in waves, against hydrostatics and closed forms."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+import cablemodel as cm
+from cablemodel.scene.sea import sea
+from cablemodel.systems import SystemModel, VesselInput
+
+RHO, G = 1025.0, 9.80665
+TAIL = {"cable": {"type": "thread", "length": 4.0}}
+"""A light line that hangs from a floating body, which a system needs one of."""
+
+
+def floating(body: dict[str, Any], **environment: Any) -> dict[str, Any]:
+    return {
+        "environment": {"water_density": RHO, "gravity": G, **environment},
+        "cable_types": {"thread": {"diameter": 0.002, "mass": 0.02, "axial_stiffness": 1e5}},
+        "bodies": {"buoy": {"inertia": 8e3, "points": {"eye": [0, 0, -1.0]}, **body}},
+        "lines": {"tail": {"from": "buoy.eye", "to": "free", "items": [TAIL]}},
+    }
+
+
+CYLINDER = {
+    "mass": 15e3, "hull": {"diameter": 4.0, "height": 3.0}, "centre_of_gravity": [0, 0, -0.5],
+    "drag_area": 0.0,
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def cylinder() -> SystemModel:
+    return SystemModel(floating(CYLINDER))
+
+
+def test_a_cylinder_floats_by_archimedes(cylinder: SystemModel) -> None:
+    hangs = cylinder.lines["tail"].start_tension / G
+    draught = 1.5 - cylinder.bodies["buoy"].position[2]
+    assert draught == pytest.approx((15e3 + hangs) / (RHO * math.pi * 4.0), rel=1e-6)
+
+
+def test_a_ball_floats_by_archimedes() -> None:
+    model = SystemModel(floating({"mass": 2000.0, "hull": {"diameter": 2.0}}))
+    depth = 1.0 - model.bodies["buoy"].position[2]  # of its lowest point
+    hangs = model.lines["tail"].start_tension / G
+    cap = math.pi * depth**2 * (3.0 - depth) / 3.0
+    assert RHO * cap == pytest.approx(2000.0 + hangs, rel=1e-6)
+
+
+def period(times: np.ndarray, values: np.ndarray) -> float:
+    """Between upward zeros."""
+    up = np.flatnonzero((values[:-1] < 0.0) & (values[1:] >= 0.0))
+    zeros = times[up] - values[up] * np.diff(times)[up] / np.diff(values)[up]
+    return float(np.mean(np.diff(zeros)))
+
+
+def test_heave_and_pitch_have_their_periods(cylinder: SystemModel) -> None:
+    """2 pi sqrt(m / (rho g A)), and 2 pi sqrt(I / (m g GM)) about the centre of gravity."""
+    model = SystemModel(cylinder.scene)
+    rest = model.bodies["buoy"].position[2]
+    model.step(1.0, forces={"buoy": [0, 0, 2e3, 0, 2e3, 0]})
+    times, heave, pitch = [], [], []
+    for _ in range(400):
+        model.step(0.05)
+        body = model.bodies["buoy"]
+        times.append(model.time)
+        heave.append(body.position[2] - rest)
+        pitch.append(body.attitude[1])
+    area = math.pi * 4.0
+    draught = 15e3 / (RHO * area)
+    heaves = 2.0 * math.pi * math.sqrt(15e3 / (RHO * G * area))
+    assert period(np.array(times), np.array(heave)) == pytest.approx(heaves, rel=0.01)
+    # From the keel: buoyancy at half of the draught, its metacentre I_waterplane / V above.
+    metacentre = 0.5 * draught + 0.25 * math.pi * 2.0**4 / (area * draught)
+    height = metacentre - 1.0
+    pitches = 2.0 * math.pi * math.sqrt(8e3 / (15e3 * G * height))
+    assert period(np.array(times), np.array(pitch)) == pytest.approx(pitches, rel=0.02)
+
+
+def test_a_buoy_follows_a_long_wave() -> None:
+    """A wave far longer than the buoy carries it up and down with the surface."""
+    wave = {"regular": {"height": 1.0, "period": 20.0}, "ramp": 20.0}
+    body = {**CYLINDER, "drag_area": 10.0, "drag_turning": 500.0}
+    model = SystemModel(floating(body, waves=wave))
+    rest = model.bodies["buoy"].position[2]
+    heave, surface = [], []
+    water = sea(model.scene)  # type: ignore[arg-type]
+    assert water is not None
+    for k in range(160):
+        model.step(0.5)
+        if k >= 80:
+            place = model.bodies["buoy"].position
+            heave.append(place[2] - rest)
+            surface.append(float(water.elevation(model.time, place[0], place[1])))
+    assert np.ptp(surface) == pytest.approx(1.0, rel=0.02)
+    assert np.abs(np.array(heave) - surface).max() < 0.03
+
+
+RAOS = [
+    {"heading_deg": heading, "period": period, "surge": 0.3, "surge_phase_deg": -90.0,
+     "sway": 0.1, "heave": 0.8, "heave_phase_deg": 10.0, "roll_deg": 1.0, "pitch_deg": 2.0,
+     "pitch_phase_deg": 90.0, "yaw_deg": 0.5}
+    for heading in (0.0, 90.0, 180.0) for period in (6.0, 12.0)
+]  # fmt: skip
+
+
+def ship(**vessel: Any) -> dict[str, Any]:
+    return {
+        "environment": {
+            "water_density": RHO,
+            "waves": {"regular": {"height": 2.0, "period": 9.0}, "ramp": 9.0},
+        },
+        "cable_types": {"wire": {"diameter": 0.02, "mass": 1.6, "axial_stiffness": 2e7}},
+        "vessels": {"ship": {"points": {"aft": [-20.0, 4.0, 3.0]}, **vessel}},
+        "bodies": {
+            "fish": {
+                "mass": 500.0, "submerged_weight": 3e3, "inertia": 100.0, "drag_area": 0.5,
+                "points": {"eye": [0, 0, 0.3]}, "drag_turning": 5.0,
+            }
+        },
+        "lines": {
+            "wire": {
+                "from": "ship.aft", "to": "fish.eye",
+                "items": [{"cable": {"type": "wire", "length": 60}}],
+            }
+        },
+    }  # fmt: skip
+
+
+def test_a_vessel_that_the_waves_move_is_one_that_is_moved_so() -> None:
+    """The responses summed here, given as the vessel's motion, move the line alike."""
+    yaw = -0.6  # of the heading's rows, which are all alike, at 34 degrees
+    vessel = {"velocity": [1.5, 0.5, 0.0], "attitude": [0.0, 0.0, yaw]}
+    answers = SystemModel(ship(raos=RAOS, **vessel))
+    moved = SystemModel(ship(**vessel))
+    water = sea(answers.scene)  # type: ignore[arg-type]
+    assert water is not None
+    a, w, k = float(water.amplitude[0]), float(water.frequency[0]), float(water.number[0])
+    names = ("surge", "sway", "heave", "roll_deg", "pitch_deg", "yaw_deg")
+    row = RAOS[0]
+
+    def motion(t: float) -> np.ndarray:
+        """Place and angles."""
+        mean = np.array([1.5 * t, 0.5 * t])
+        theta = k * mean[0] - w * t
+        found = []
+        for name in names:
+            size = float(row[name]) * (math.pi / 180.0 if name.endswith("_deg") else 1.0)
+            phase = math.radians(float(row.get(name.removesuffix("_deg") + "_phase_deg", 0.0)))
+            found.append(a * size * math.cos(theta - phase))
+        u = water.share(t) * np.array(found)
+        c, s = math.cos(yaw), math.sin(yaw)
+        place = [mean[0] + c * u[0] - s * u[1], mean[1] + s * u[0] + c * u[1], u[2]]
+        return np.array([*place, u[3], u[4], yaw + u[5]])
+
+    step, worst, largest = 0.05, 0.0, 0.0
+    for n in range(1, 401):
+        t = n * step
+        expected, rate = motion(t), (motion(t + 1e-4) - motion(t - 1e-4)) / 2e-4
+        answers.step(step)
+        there = answers.vessels["ship"]
+        assert there.position == pytest.approx(expected[:3], abs=1e-9)
+        assert there.attitude == pytest.approx(expected[3:], abs=1e-9)
+        assert there.velocity == pytest.approx(rate[:3], abs=1e-6)
+        moved.step(
+            step,
+            vessels={
+                "ship": VesselInput(
+                    position=expected[:3], velocity=rate[:3],
+                    attitude=expected[3:], attitude_rate=rate[3:],
+                )
+            },
+        )  # fmt: skip
+        one, other = answers.lines["wire"].start_tension, moved.lines["wire"].start_tension
+        worst, largest = max(worst, abs(one - other)), max(largest, one)
+    assert worst < 10.0 * answers.scene.solver.tolerance * largest
+    gap = np.linalg.norm(answers.bodies["fish"].position - moved.bodies["fish"].position)
+    assert gap < 60.0 * answers.scene.solver.tolerance
+
+
+def test_a_line_in_waves_is_that_of_a_scene_of_one_line() -> None:
+    """The same line below the same point in the same sea, by both ways of writing it."""
+    environment = {
+        "water_density": RHO,
+        "waves": {"jonswap": {"hs": 2.0, "tp": 8.0, "seed": 3}, "ramp": 10.0},
+    }
+    kinds = {"wire": {"diameter": 0.02, "mass": 1.6, "axial_stiffness": 2e7}}
+    items = [
+        {"cable": {"type": "wire", "length": 80}},
+        {
+            "body": {
+                "mass": 300, "submerged_weight": "2 kN", "drag_area": 0.3, "drag_coefficient": 1.0,
+                "drag_area_axial": 0.3,
+            }
+        },
+    ]  # fmt: skip
+    one = cm.CableModel(
+        cm.load_scene(
+            {
+                "environment": environment, "cable_types": kinds, "line": items,
+                "vessel": {"velocity": [2.0, 0, 0]},
+            }
+        )
+    )  # fmt: skip
+    system = SystemModel(
+        {
+            "environment": environment,
+            "cable_types": kinds,
+            "vessels": {"ship": {"points": {"hook": [0, 0, 0]}, "velocity": [2.0, 0, 0]}},
+            "lines": {"line": {"from": "ship.hook", "to": "free", "items": items}},
+        }
+    )
+    largest = 0.0
+    worst = 0.0
+    for _ in range(60):
+        one.step(0.5)
+        system.step(0.5)
+        tension = system.lines["line"].start_tension
+        worst = max(worst, abs(tension - one.top_tension))
+        largest = max(largest, one.top_tension)
+        end = system.lines["line"].sample([80.0]).position[0]
+        assert np.linalg.norm(end - one.tip_position) < 2e-3 * 80.0
+    assert worst < 2.0 * 10.0 * 1e-3 * largest
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"submerged_weight": 1.0}, r"bodies\.buoy.*exactly one of submerged_weight and hull"),
+        ({"hull": {"diameter": -1.0}}, r"bodies\.buoy\.hull\.diameter"),
+    ],
+)
+def test_wrong_hulls_are_named(change: dict[str, Any], message: str) -> None:
+    with pytest.raises(cm.SceneError, match=message):
+        cm.load_system(floating({**CYLINDER, **change}))
+
+
+def test_responses_without_waves_or_rows_are_named() -> None:
+    scene = ship(raos=RAOS)
+    del scene["environment"]["waves"]
+    with pytest.raises(cm.SceneError, match=r"vessels\.ship\.raos.*no waves"):
+        cm.load_system(scene)
+    with pytest.raises(cm.SceneError, match=r"vessels\.ship\.raos.*5 rows"):
+        cm.load_system(ship(raos=RAOS[:-1]))
