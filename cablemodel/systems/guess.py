@@ -6,11 +6,14 @@ Bodies keep the attitude that the scene gives them.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize
+from scipy.sparse import csc_matrix, identity
+from scipy.sparse.linalg import spsolve
 
 from cablemodel.systems.motion import first_angles
 from cablemodel.systems.scene import LineEnd, SystemScene
@@ -19,8 +22,12 @@ FloatArray = NDArray[np.float64]
 
 PARTS = 12
 """Strings that a line is made of."""
-STRETCH = 0.002
-"""By which all forces together stretch one of them."""
+STRETCH = 0.3, 0.1, 0.03, 0.01, 0.004, 0.002
+"""By which all forces together stretch one of them, one after the other: stiff strings let a step
+turn them by little."""
+ITERATIONS = 100
+BALANCED = 1e-7
+"""Of all forces together: what may be left of them at any place."""
 SHARE_OF_DRAG = 0.3
 """Of a line's drag across, that it has on the average as it hangs."""
 
@@ -30,6 +37,35 @@ def axes_of(attitude: tuple[float, float, float]) -> FloatArray:
     from scipy.spatial.transform import Rotation
 
     return np.asarray(Rotation.from_euler("xyz", attitude).as_matrix(), dtype=np.float64)
+
+
+def _lowest(
+    energy: Callable[[FloatArray], tuple[float, FloatArray, csc_matrix]],
+    x: FloatArray,
+    force: float,
+    length: float,
+) -> FloatArray:
+    """The lowest place (n, 3) of a convex energy, by Newton's method with Levenberg's damping.
+
+    force, length: typical ones [N], [m].
+    """
+    damping = force / length
+    value, slope, matrix = energy(x)
+    unit = identity(x.size, format="csc")
+    for _iteration in range(ITERATIONS):
+        step = spsolve(matrix + damping * unit, -slope.reshape(-1)).reshape(x.shape)
+        trial = energy(x + step)
+        if trial[0] < value:
+            x = x + step
+            value, slope, matrix = trial
+            damping *= 0.3
+            if float(np.abs(slope).max()) < BALANCED * force:
+                break
+        else:
+            damping *= 4.0
+            if damping > 1e9 * force / length:
+                break
+    return x
 
 
 @dataclass
@@ -141,7 +177,6 @@ def first_guess(scene: SystemScene, velocity: FloatArray) -> Guess:
     right = np.array([lines[n][k + 1][0] for n in lines for k in range(PARTS)])
     rest = np.array([scene.lines[n].length / PARTS for n in lines for _ in range(PARTS)])
     total = float(np.abs(pulls).sum()) + 1e-9
-    stiff = total / (STRETCH * rest)
     floor = scene.environment.floor
     hulls = [
         (
@@ -153,36 +188,59 @@ def first_guess(scene: SystemScene, velocity: FloatArray) -> Guess:
         for name, body in scene.bodies.items()
         if body.hull is not None
     ]
-    hard = total / (STRETCH * float(rest.min()))
+    hard = total / (STRETCH[-1] * float(rest.min()))
 
     def places(x: FloatArray) -> FloatArray:
         return base + np.where((where >= 0)[:, None], x[np.maximum(where, 0)], 0.0)
 
-    def energy(flat: FloatArray) -> tuple[float, FloatArray]:
-        p = places(flat.reshape(-1, 3))
+    used = where >= 0
+
+    def energy(x: FloatArray, stretch: float) -> tuple[float, FloatArray, csc_matrix]:
+        """Energy, its gradient over the free places (n, 3), and its Hessian (3 n, 3 n)."""
+        stiff = total / (stretch * rest)
+        p = places(x)
         d = p[right] - p[left]
         size = np.maximum(np.linalg.norm(d, axis=1), 1e-12)
         over = np.maximum(0.0, size - rest)
         value = float((0.5 * stiff * over**2).sum() - (pulls * p).sum())
-        force = (stiff * over / size)[:, None] * d
+        unit = d / size[:, None]
+        along = unit[:, :, None] * unit[:, None, :]
+        share = over / size
+        string = share[:, None, None] * np.eye(3) + (1.0 - share)[:, None, None] * along
+        string *= (stiff * (over > 0.0))[:, None, None]
+        own = np.zeros((count, 3, 3))
         slope = -pulls.copy()
         for index, middle, half, lift in hulls:
             # What has left the water lifts no more: by as much as its middle is above the surface.
-            dry = min(1.0, max(0.0, 0.5 * (p[index, 2] + middle) / half + 0.5))
+            high = 0.5 * (p[index, 2] + middle) / half + 0.5
+            dry = min(1.0, max(0.0, high))
             above = max(0.0, p[index, 2] + middle - half)
             value += lift * (half * dry**2 + above)
             slope[index, 2] += lift * dry
+            own[index, 2, 2] += 0.5 * lift / half if 0.0 < high < 1.0 else 0.0
         if floor is not None:
             sunk = np.array([floor.height(float(x), float(y)) - z for x, y, z in p])
             sunk = np.maximum(0.0, sunk)
             value += float(0.5 * hard * (sunk**2).sum())
             slope[:, 2] -= hard * sunk  # of a slope the rise alone: it need only come near
+            own[:, 2, 2] += hard * (sunk > 0.0)
+        force = (stiff * over)[:, None] * unit
         np.add.at(slope, right, force)
         np.add.at(slope, left, -force)
         out = np.zeros((len(free), 3))
-        use = where >= 0
-        np.add.at(out, where[use], slope[use])
-        return value / total, out.reshape(-1) / total
+        np.add.at(out, where[used], slope[used])
+        rows = np.concatenate([left, right, left, right, np.arange(count)])
+        columns = np.concatenate([left, right, right, left, np.arange(count)])
+        blocks = np.concatenate([string, string, -string, -string, own])
+        keep = used[rows] & used[columns]
+        i, j = where[rows[keep]], where[columns[keep]]
+        axes = np.arange(3)
+        at = (
+            (3 * i[:, None, None] + axes[:, None] + 0 * axes).ravel(),
+            (3 * j[:, None, None] + 0 * axes[:, None] + axes).ravel(),
+        )
+        shape = 3 * len(free), 3 * len(free)
+        return value, out, csc_matrix((blocks[keep].ravel(), at), shape=shape)
 
     middle = np.mean(list(fixed.values()), axis=0) if fixed else np.zeros(3)
     start = np.tile(middle, (len(free), 1))
@@ -192,13 +250,9 @@ def first_guess(scene: SystemScene, velocity: FloatArray) -> Guess:
             start[column[index]] = near
     rng = np.random.default_rng(0)  # no string may have length 0
     start += 1e-3 * float(rest.min()) * rng.standard_normal(start.shape)
-    if len(free):
-        found = minimize(
-            energy, start.reshape(-1), jac=True, method="L-BFGS-B", options={"maxiter": 5000}
-        ).x
-        p = places(found.reshape(-1, 3))
-    else:
-        p = base
+    for stretch in STRETCH if len(free) else ():
+        start = _lowest(partial(energy, stretch=stretch), start, total, float(rest.mean()))
+    p = places(start) if len(free) else base
     return Guess(
         {name: p[[k for k, _ in nodes]] for name, nodes in lines.items()},
         {name: p[index] for name, index in bodies.items()},
