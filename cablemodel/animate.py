@@ -1,4 +1,4 @@
-"""A film of a run: the moving cable, coloured by tension, over its top tension."""
+"""A film of a run: the moving lines, coloured by tension, over the tension at their beginnings."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from cablemodel.drawing import has_states, tension_scale, time_scale
 from cablemodel.errors import CableModelError
 from cablemodel.plot import (
     MARKS,
     STYLE,
+    Parts,
     View,
     draw_floor,
+    draw_start_tensions,
     import_matplotlib,
-    marked_places,
     scale_axes,
-    tension_scale,
-    time_scale,
 )
 
 if TYPE_CHECKING:
@@ -57,9 +57,10 @@ def save_animation(
     import matplotlib
     from matplotlib.figure import Figure
 
-    if len(run.states) == 0:
+    if not has_states(run):
         raise CableModelError("the run has no states: there is nothing to animate")
-    span = float(run.states.time[-1] - run.states.time[0])
+    time = next(iter(run.shapes.values())).time
+    span = float(time[-1] - time[0])
     length = min(max(span, SHORTEST), USUAL) if seconds is None else seconds
     if not (0.0 < length <= LONGEST and fps >= 1):
         raise ValueError(f"a film of {length} s at {fps} pictures per second cannot be made")
@@ -68,14 +69,14 @@ def save_animation(
     with matplotlib.rc_context(settings):
         writer = _writer(target, fps)
         film = _Film(run)
-        times = np.linspace(run.states.time[0], run.states.time[-1], max(2, round(length * fps)))
+        times = np.linspace(time[0], time[-1], max(2, round(length * fps)))
         # The writers draw a whole figure for every picture. Theirs holds nothing but an image:
         # axes and labels are drawn once, which makes a film ten times as quick.
         screen = Figure(figsize=_SIZE, dpi=_DPI)
         picture = screen.figimage(film.picture(float(times[0])))
         with writer.saving(screen, str(target), _DPI):
-            for time in times:
-                picture.set_data(film.picture(float(time)))
+            for at in times:
+                picture.set_data(film.picture(float(at)))
                 writer.grab_frame()
 
 
@@ -118,31 +119,21 @@ class _Film:
         from matplotlib.figure import Figure
 
         self._run = run
-        self._view = View.of(run)
+        self._view = view = View.of(run)
         self._newtons, self._unit = tension_scale(run)
-        self._seconds, self._hours = time_scale(run.states.time)
-        stations = self._view.shape.shape[1]
-        self._tension = run.states.resampled(stations).tension / self._newtons
-        across, label = self._view.horizontal(self._view.shape)
-        height = self._view.shape[..., 2]
-        spatial = self._view.along is None
+        self._seconds, self._hours = time_scale(view.time)
+        tension = view.shapes.tension / self._newtons
+        parts = view.parts(run)
 
         figure = Figure(figsize=_SIZE, dpi=_DPI, layout="constrained")
         self._canvas: Any = cast(Any, FigureCanvasAgg(figure))  # its methods have no types
-        grid = figure.add_gridspec(2, 2 if spatial else 1, height_ratios=(2.4, 1.0))
-        side = figure.add_subplot(grid[0, 0])
-        below = "z from the tow point [m]" if self._view.relative else "z [m]"
-        draw_floor(side, run, self._view)
-        self._panels = [_Panel(side, across, height, self._tension, label, below)]
-        if spatial:
-            plan = figure.add_subplot(grid[0, 1])
-            after = " from the tow point" if self._view.relative else ""
-            north = self._view.shape[..., 1]
-            self._panels.append(_Panel(plan, across, north, self._tension, label, f"y{after} [m]"))
-        for name in (name for name in MARKS if name in run.names):
-            seen = marked_places(run, name) - self._view.origin[:, None]
-            for panel, up in zip(self._panels, (seen[..., 2], seen[..., 1]), strict=False):
-                panel.mark(name, self._view.horizontal(seen)[0], up)
+        grid = figure.add_gridspec(2, len(view.ups), height_ratios=(2.4, 1.0))
+        self._panels = []
+        for column, up in enumerate(view.ups):
+            axes = figure.add_subplot(grid[0, column])
+            if column == 0:
+                draw_floor(axes, run, view)
+            self._panels.append(_Panel(axes, view, parts, tension, up))
         figure.colorbar(
             self._panels[0].cable,
             ax=[panel.axes for panel in self._panels],
@@ -151,23 +142,21 @@ class _Film:
             pad=0.02,
         )
         self._top = figure.add_subplot(grid[1, :])
-        self._draw_top_tension()
+        self._draw_start_tensions()
         self._title = figure.suptitle(" ", fontsize=10, x=0.01, ha="left", animated=True)
         self._canvas.draw()
         self._still = self._canvas.copy_from_bbox(figure.bbox)
 
-    def _draw_top_tension(self) -> None:
+    def _draw_start_tensions(self) -> None:
         run = self._run
         time = run.time / self._seconds
-        self._top.plot(time, run.top_tension / self._newtons, color="0.25", linewidth=1.1)
-        self._top.set_xlabel(f"time [{self._hours}]")
-        self._top.set_ylabel(f"top tension [{self._unit}]")
+        draw_start_tensions(self._top, run)
         self._top.margins(x=0.0)
         self._now = self._top.axvline(time[0], color="#d1495b", linewidth=1.2, animated=True)
 
     def picture(self, time: float) -> NDArray[np.uint8]:
         """Everything at a time [s], (height, width, 4); shapes are linear between outputs."""
-        times = self._run.states.time
+        times = self._view.time
         right = int(np.clip(np.searchsorted(times, time), 1, max(len(times) - 1, 1)))
         left = right - 1
         right = min(right, len(times) - 1)
@@ -189,52 +178,71 @@ class _Film:
 class _Panel:
     """A view of the cable from one side."""
 
-    def __init__(
-        self, axes: Axes, across: Any, up: Any, tension: Any, horizontal: str, vertical: str
-    ) -> None:
+    def __init__(self, axes: Axes, view: View, parts: Parts, tension: Any, up: int) -> None:
         import matplotlib
         from matplotlib.collections import LineCollection
         from matplotlib.colors import LinearSegmentedColormap
 
         self.axes = axes
-        self._points = np.stack([across, up], axis=-1)
+
+        def flat(places: Any) -> NDArray[np.float64]:
+            return np.stack(view.flat(places, up), axis=-1)
+
+        self._points = flat(view.shape)
         self._tension = tension
         # Without the palest part, which is hard to see on white.
         plasma = matplotlib.colormaps["plasma"](np.linspace(0.0, 0.82, 256))
         colours = LinearSegmentedColormap.from_list("tension", plasma)
-        self._marks: list[tuple[Any, NDArray[np.float64]]] = []
         self.cable = LineCollection(
             [], cmap=colours, linewidths=2.6, capstyle="round", animated=True
         )
-        low, high = float(np.min(tension)), float(np.max(tension))
+        low, high = float(np.nanmin(tension)), float(np.nanmax(tension))
         self.cable.set_clim(low, max(high, low + 1e-9))
         axes.add_collection(self.cable)
-        (self._top,) = axes.plot([], [], "s", color="0.15", markersize=5, animated=True)
+        styles: list[tuple[NDArray[np.float64], dict[str, Any]]] = [
+            (parts.skeletons, {"linestyle": "-", "color": "0.3", "linewidth": 1.0}),
+            (parts.held.places, {"linestyle": "", "marker": "s", "color": "0.15"}),
+            *(
+                (marks.places, {"linestyle": "", "marker": MARKS[marks.kind], "color": "0.3"})
+                for marks in parts.marks
+            ),
+        ]
+        self._marks = [
+            (axes.plot([], [], markersize=5, animated=True, **style)[0], flat(places))
+            for places, style in styles
+        ]
+        self._names = [
+            axes.annotate(
+                name, (0, 0), (5, 5), textcoords="offset points", fontsize=8, animated=True
+            )
+            for name in parts.names.names
+        ]
+        self._named = flat(parts.names.places)
         # Invisible points hold the limits, which must not move with the cable.
-        edges = self._points.reshape(-1, 2)
-        axes.plot(*np.stack([edges.min(axis=0), edges.max(axis=0)]).T, alpha=0.0)
-        axes.set_xlabel(horizontal)
-        axes.set_ylabel(vertical)
+        seen = [self._points, *(places for _, places in self._marks)]
+        edges = np.concatenate([places.reshape(-1, 2) for places in seen])
+        axes.plot(*np.stack([np.nanmin(edges, axis=0), np.nanmax(edges, axis=0)]).T, alpha=0.0)
+        axes.set_xlabel(view.horizontal(view.shape)[1])
+        axes.set_ylabel(view.vertical(up))
         axes.margins(0.06)
         scale_axes(axes)
 
-    def mark(self, name: str, across: Any, up: Any) -> None:
-        """Show bodies or the touchdown, at places (states, n) that are NaN where there is none."""
-        (marks,) = self.axes.plot([], [], MARKS[name][0], color="0.3", markersize=5, animated=True)
-        self._marks.append((marks, np.stack([across, up], axis=-1)))
-
     def show(self, left: int, right: int, part: float) -> None:
-        points = (1.0 - part) * self._points[left] + part * self._points[right]
-        tension = (1.0 - part) * self._tension[left] + part * self._tension[right]
-        self.cable.set_segments(list(np.stack([points[:-1], points[1:]], axis=1)))
-        self.cable.set_array((tension[:-1] + tension[1:]) / 2)
-        self._top.set_data(points[:1, 0], points[:1, 1])
+        def at(values: NDArray[np.float64]) -> NDArray[np.float64]:
+            return np.asarray((1.0 - part) * values[left] + part * values[right])
+
+        points, tension = at(self._points), at(self._tension)
+        segments, forces = np.stack([points[:-1], points[1:]], axis=1), tension[:-1] + tension[1:]
+        there = np.isfinite(forces)  # not between two lines
+        self.cable.set_segments(list(segments[there]))
+        self.cable.set_array(forces[there] / 2)
         for marks, places in self._marks:
-            marks.set_data(*((1.0 - part) * places[left] + part * places[right]).T)
+            marks.set_data(*at(places).T)
+        for name, place in zip(self._names, at(self._named), strict=True):
+            name.xy = tuple(place)
 
     def draw(self) -> None:
         """Draw what moves, onto what stands still."""
         self.axes.draw_artist(self.cable)
-        self.axes.draw_artist(self._top)
-        for marks, _places in self._marks:
-            self.axes.draw_artist(marks)
+        for artist in (*(marks for marks, _places in self._marks), *self._names):
+            self.axes.draw_artist(artist)

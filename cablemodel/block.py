@@ -36,6 +36,7 @@ SIZES = {
     "foil_words": at.I_FOIL_WORDS,
     "cuts": at.I_CUTS,
     "rao_words": at.I_RAO_WORDS,
+    "feet": at.I_FEET,
 }
 
 Arrays = list[tuple[int, Any]]
@@ -160,6 +161,7 @@ class Block(WordBlock):
         foil_words: Any = 0,
         cuts: Any = 0,
         rao_words: Any = 0,
+        feet: Any = 0,
     ) -> tuple[Arrays, Arrays]:
         """Arrays of the image in order, then those of the workspace: (header word, length).
 
@@ -193,6 +195,7 @@ class Block(WordBlock):
             (at.O_FOILS, foils * at.FOIL_WORDS),
             (at.O_ARMS, arms * at.ARM_WORDS),
             (at.O_CUTS, cuts * at.CUT_WORDS),
+            (at.O_FEET, feet * at.FOOT_WORDS),
             (at.O_POSITION, capacity * 6),
             (at.O_VELOCITY, capacity * 6),
             (at.O_ACCELERATION, capacity * 6),
@@ -260,6 +263,7 @@ class Block(WordBlock):
         foil_words: int = 0,
         cuts: int = 0,
         rao_words: int = 0,
+        feet: int = 0,
     ) -> None:
         sizes = {
             "capacity": capacity,
@@ -282,6 +286,7 @@ class Block(WordBlock):
             "foil_words": foil_words,
             "cuts": cuts,
             "rao_words": rao_words,
+            "feet": feet,
         }
         image, workspace = self.arrays(**sizes)
         header = {at.I_MAGIC: at.MAGIC, at.I_VERSION: at.VERSION}

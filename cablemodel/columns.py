@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 STATE_FIELDS: dict[str, tuple[str, str]] = {
-    "s": ("m", "unstretched arc length from the vessel"),
+    "s": ("m", "unstretched arc length from the vessel, or the line's beginning"),
     "position": ("m", "position along the cable"),
-    "tangent": ("1", "unit tangent away from the vessel"),
+    "tangent": ("1", "unit tangent away from the vessel, or the line's beginning"),
     "velocity": ("m/s", "velocity of the material"),
     "tension": ("N", "effective tension along the cable"),
     "wall_tension": ("N", "wall tension along the cable: effective less pressure times area"),
@@ -34,14 +34,15 @@ _AXES = "xyz"
 
 @dataclass(frozen=True)
 class Column:
-    """Numbers of one kind."""
+    """Values of one kind."""
 
     name: str
     unit: str
     """SI; ``1`` for a pure number."""
     quantity: str
     """What it is, in words."""
-    values: Floats
+    values: NDArray[Any]
+    """(n,), numbers or text."""
 
 
 def output_columns(run: Run) -> list[Column]:
@@ -72,38 +73,55 @@ def _components(name: str, unit: str, quantity: str, values: Floats) -> list[Col
 
 def state_columns(run: Run) -> list[Column]:
     """Exact states as a long table, a row for each node of each state: ``time``, ``s``,
-    ``position.x``, ..., and what is made of them: ``wall_tension``."""
-    matrices = [matrix_of(state) for state in run.states]
-    nodes = [matrix.shape[1] for matrix in matrices]
+    ``position.x``, ..., and what is made of them: ``wall_tension``. Of a system the first column
+    is ``line``, the name of each row's line; one line follows the other."""
+    named = variables.is_system(run.scene)
+    matrices = {name: [matrix_of(state) for state in of] for name, of in run.shapes.items()}
+    nodes = {name: [matrix.shape[1] for matrix in of] for name, of in matrices.items()}
     empty = np.empty((len(variables.STATE_LABELS), 0))
-    table = np.concatenate([empty, *matrices], axis=1)
-    found = [Column("time", "s", "time", np.repeat(run.states.time, nodes))]
+    table = np.concatenate([empty, *(one for of in matrices.values() for one in of)], axis=1)
+    times = [np.repeat(of.time, nodes[name]) for name, of in run.shapes.items()]
+    found = []
+    if named:
+        lines = np.repeat([*nodes], [sum(of) for of in nodes.values()])
+        found.append(Column("line", "1", "name of the line", lines))
+    found.append(Column("time", "s", "time", np.concatenate(times)))
     for label, values in zip(variables.STATE_LABELS, table, strict=True):
         unit, quantity = STATE_FIELDS[label.partition(".")[0]]
         found.append(Column(label, unit, quantity, values))
     for name in variables.DERIVED:
-        values = np.concatenate([np.empty(0), *(getattr(state, name) for state in run.states)])
+        parts = [getattr(state, name) for of in run.shapes.values() for state in of]
+        values = np.concatenate([np.empty(0), *parts])
         found.append(Column(name, *STATE_FIELDS[name], values))
     return found
 
 
 def input_columns(run: Run) -> list[Column]:
-    """What every step applied, by the labels of ``variables.APPLIED_INPUT_LABELS``."""
-    found = []
-    for label in variables.APPLIED_INPUT_LABELS:
-        unit, quantity = input_field(label.partition(".")[0])
-        found.append(Column(label, unit, quantity, run.applied_inputs[label]))
-    return found
+    """What every step applied, by the labels of ``variables.input_labels``: of a system what was
+    given to it, NaN where nothing was."""
+    fields = input_fields(run.scene)
+    return [
+        Column(label, fields[name][0] or "1", fields[name][1], run.applied_inputs[label])
+        for name in fields
+        for label in fields[name][2]
+    ]
 
 
-def input_field(name: str) -> tuple[str, str]:
-    """Unit and description of a field of ``variables.APPLIED_INPUT_FIELDS``."""
-    if name == "time":
-        return "s", "end of the step"
-    if name == "step":
-        return "s", "length of the step"
-    rows = {item.python: item for item in variables.INPUTS}
-    given = name.removesuffix("_given")
-    if given != name:
-        return "1", f"whether the caller gave it: {rows[given].quantity}"
-    return rows[name].unit, rows[name].quantity
+def input_fields(scene: Any) -> dict[str, tuple[str, str, tuple[str, ...]]]:
+    """Fields of a logged step by name: their unit, what they are, and the labels of their
+    components, in the order of ``variables.input_labels``."""
+    known = {"time": ("s", "end of the step"), "step": ("s", "length of the step")}
+    if variables.is_system(scene):
+        for part, row in variables.inputs_of_system(scene):
+            known[f"{part}.{row.python}"] = row.unit, f"{part}: {row.quantity}"
+    else:
+        known |= {row.python: (row.unit, row.quantity) for row in variables.INPUTS}
+        known |= {
+            f"{row.python}_given": ("1", f"whether the caller gave it: {row.quantity}")
+            for row in variables.INPUTS
+        }
+    found: dict[str, list[str]] = {}
+    for label in variables.input_labels(scene):
+        name = label if label in known else label.rpartition(".")[0]
+        found.setdefault(name, []).append(label)
+    return {name: (*known[name], tuple(labels)) for name, labels in found.items()}

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cablemodel import variables
-from cablemodel.columns import STATE_FIELDS, input_field
+from cablemodel.columns import STATE_FIELDS, input_fields
 from cablemodel.extras import require
 
 if TYPE_CHECKING:
@@ -21,7 +21,8 @@ def dataset(run: Run) -> xarray.Dataset:
     """Outputs, states and applied inputs of a run, with ``units`` and ``long_name``.
 
     Dimensions: ``time``; ``state_time`` and ``node`` of exact states; ``step_time`` (the end of
-    each step) of applied inputs; ``axis`` (x, y, z); ``body``.
+    each step) of applied inputs; ``axis`` (x, y, z); ``body``. Of a system each line has nodes of
+    its own: ``port_state_tension`` is over ``state_time`` and ``port_node``.
 
     Raises:
         CableModelError: xarray is not installed.
@@ -37,26 +38,29 @@ def dataset(run: Run) -> xarray.Dataset:
         attributes = {"units": variable.unit or "1", "long_name": variable.quantity}
         data[name.replace(".", "_")] = (dimensions, run[name], attributes)
     derived = [(name, 1) for name in variables.DERIVED]
-    for name, components in (*variables.STATE_FIELDS, *derived):
-        unit, quantity = STATE_FIELDS[name]
-        dimensions = ["state_time", "node", *(["axis"] if components == 3 else [])]
-        attributes = {"units": unit, "long_name": quantity}
-        data[name] = (dimensions, getattr(run.states, name), attributes)
+    for line, states in run.shapes.items():
+        before, node = (f"{line}_state_", f"{line}_node") if line else ("", "node")
+        for name, components in (*variables.STATE_FIELDS, *derived):
+            unit, quantity = STATE_FIELDS[name]
+            dimensions = ["state_time", node, *(["axis"] if components == 3 else [])]
+            attributes = {"units": unit, "long_name": f"{line}: {quantity}" if line else quantity}
+            data[before + name] = (dimensions, getattr(states, name), attributes)
     inputs = run.applied_inputs
-    labels = variables.APPLIED_INPUT_LABELS
-    for name, components in variables.APPLIED_INPUT_FIELDS[1:]:
-        unit, quantity = input_field(name)
-        columns = [inputs[label] for label in labels[_place(name)]]
-        values: Any = np.stack(columns, axis=1) if components == 3 else columns[0]
+    for name, (unit, quantity, labels) in input_fields(run.scene).items():
+        if name == "time":
+            continue  # the coordinate
+        columns = [inputs[label] for label in labels]
+        values: Any = np.stack(columns, axis=1) if len(labels) == 3 else columns[0]
         if name.endswith("_given"):
             values = values > 0.5
-        dimensions = ["step_time", *(["axis"] if components == 3 else [])]
-        attributes = {"units": unit, "long_name": quantity}
-        data[f"applied_{name}"] = (dimensions, values, attributes)
+        dimensions = ["step_time", *(["axis"] if len(labels) == 3 else [])]
+        attributes = {"units": unit or "1", "long_name": quantity}
+        data[f"applied_{name.replace('.', '_')}"] = (dimensions, values, attributes)
+    times = next(iter(run.shapes.values())).time
     coordinates = {
         "time": ("time", run.time, {"units": "s", "long_name": "time of outputs"}),
         "state_time": (
-            "state_time", run.states.time, {"units": "s", "long_name": "time of exact states"},
+            "state_time", times, {"units": "s", "long_name": "time of exact states"},
         ),
         "step_time": (
             "step_time", inputs["time"], {"units": "s", "long_name": "end of the step"},
@@ -64,10 +68,6 @@ def dataset(run: Run) -> xarray.Dataset:
         "axis": ("axis", ["x", "y", "z"], {"long_name": "east, north, up"}),
     }  # fmt: skip
     return xarray.Dataset(data, coords=coordinates, attrs=_attributes(run))
-
-
-def _place(name: str) -> slice:
-    return variables.span(variables.APPLIED_INPUT_FIELDS, name)
 
 
 def _attributes(run: Run) -> dict[str, str]:

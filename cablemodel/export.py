@@ -8,8 +8,6 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-import numpy as np
-
 from cablemodel.columns import Column, input_columns, output_columns, state_columns
 from cablemodel.errors import CableModelError
 from cablemodel.extras import require
@@ -70,8 +68,14 @@ def _write_csv(columns: list[Column], path: Path) -> None:
     with path.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream)
         writer.writerow([c.name if c.unit == "1" else f"{c.name} [{c.unit}]" for c in columns])
-        for row in np.stack([c.values for c in columns], axis=1).tolist():
-            writer.writerow(["" if math.isnan(value) else repr(value) for value in row])
+        for row in zip(*(c.values.tolist() for c in columns), strict=True):
+            writer.writerow([_cell(value) for value in row])
+
+
+def _cell(value: float | str) -> str:
+    if isinstance(value, str):
+        return value
+    return "" if math.isnan(value) else repr(value)
 
 
 def _write_parquet(columns: list[Column], path: Path, title: str) -> None:
@@ -79,7 +83,9 @@ def _write_parquet(columns: list[Column], path: Path, title: str) -> None:
     parquet: Any = require("pyarrow.parquet", extra="export", what="Parquet")
     fields = [
         pyarrow.field(
-            c.name, pyarrow.float64(), metadata={"unit": c.unit, "description": c.quantity}
+            c.name,
+            pyarrow.string() if c.values.dtype.kind == "U" else pyarrow.float64(),
+            metadata={"unit": c.unit, "description": c.quantity},
         )
         for c in columns
     ]

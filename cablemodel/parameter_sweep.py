@@ -22,6 +22,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from cablemodel import variables
 from cablemodel.errors import CableModelError, ConvergenceError, SceneError, shown
 from cablemodel.extras import require
 
@@ -29,18 +30,43 @@ if TYPE_CHECKING:
     import pandas
     from distributed import Client
 
+    from cablemodel.run import Run
     from cablemodel.scene import Scene
+    from cablemodel.systems import SystemScene
 
 MOST_POINTS = 1_000_000
 """Combinations at most: more are a slip in a count."""
 PAUSE = 0.02
 """Between two looks for runs that have ended [s]."""
-RESULTS = (
-    "time", "top_tension", "highest_tension", "lowest_tension", "max_curvature",
-    "tip_x", "tip_y", "tip_z", "line_length", "wall_time", "steps", "elements",
-    "tolerance", "error_share",
+RESULTS = {
+    "time": "end of the run [s]",
+    "top_tension": "top tension at the end [N]",
+    "highest_tension": "highest tension of the run [N]",
+    "lowest_tension": "lowest tension of the run [N]",
+    "max_curvature": "largest curvature of the run [1/m]",
+    "tip_x": "x of the far end at the end [m]",
+    "tip_y": "y of the far end at the end [m]",
+    "tip_z": "z of the far end at the end [m]",
+    "line_length": "cable out at the end [m]",
+    "wall_time": "computing time [s]",
+    "steps": "steps",
+    "elements": "elements",
+    "tolerance": "tolerance",
+    "error_share": "estimated error, of what is allowed",
+}
+"""Columns of a result, after those of the values swept over, and what they are; ``error`` is the
+last. See `results_of`."""
+_ONE_LINE = ("top_tension", "tip_x", "tip_y", "tip_z", "line_length", "tolerance", "error_share")
+"""Those that a system has not."""
+_OF_PARTS: tuple[tuple[str, tuple[variables.Variable, ...], dict[str, str]], ...] = (
+    ("lines", variables.LINE_OUTPUTS, {
+        "start_tension": "at the end", "end_tension": "at the end",
+        "tension_min": "of the run", "tension_max": "of the run",
+    }),
+    ("bodies", variables.BODY_OUTPUTS, {"position": "at the end", "attitude": "at the end"}),
+    ("vessels", variables.VESSEL_OUTPUTS, {"force": "at the end", "moment": "at the end"}),
 )  # fmt: skip
-"""Columns of a result, after those of the values swept over; ``error`` is the last."""
+"""What a system has instead: kind of its parts, and the outputs and when, as `Run.summary`."""
 
 _NUMBER = (
     r"\s*(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"
@@ -115,7 +141,7 @@ class Axis:
 
 
 def sweep(
-    scene: Scene | str | os.PathLike[str] | Mapping[str, Any],
+    scene: Scene | SystemScene | str | os.PathLike[str] | Mapping[str, Any],
     over: Mapping[str, Sequence[Any]] | Sequence[Axis],
     *,
     overrides: str | Iterable[str] = (),
@@ -128,7 +154,7 @@ def sweep(
     """Simulate a scene for every combination of values.
 
     Args:
-        scene: what `load_scene` takes, or a scene.
+        scene: what `load_scene` or `load_system` takes, or a scene.
         over: values by their paths in the scene: ``{"cable_types.K.diameter": [0.01, 0.02]}``.
             The last varies fastest.
         overrides: other changes, the same for all runs: ``"run.duration=100"``.
@@ -142,11 +168,11 @@ def sweep(
 
     Returns:
         A row for every finished run, in the order of the combinations (the index): the values, the
-        results (`RESULTS`: of the end of the run, and its extremes) and ``error``, empty where all
-        went well.
+        results (`RESULTS`, of a system `results_of`: of the end of the run, and its extremes) and
+        ``error``, empty where all went well.
 
     Raises:
-        SceneError: nothing to sweep over, or no combination is a scene.
+        SceneError: nothing to sweep over, no combination is a scene, or a system is to converge.
         CableModelError: dask or pandas is not installed, or the scheduler does not answer.
     """
     require("distributed", extra="sweep", what="a sweep")
@@ -160,7 +186,10 @@ def sweep(
     count = math.prod(len(axis.values) for axis in axes)
     if count > MOST_POINTS:
         raise SceneError.at("", count, f"{count:,} combinations", f"at most {MOST_POINTS:,}")
-    text, folder = _scene_text(scene)
+    text, folder, results = _scene_text(scene)
+    if converge and "tolerance" not in results:
+        problem = "a system is not run until it converges yet"
+        raise SceneError.at("converge", converge, problem, "False")
     fixed = listed(overrides)
     points = list(itertools.product(*(axis.values for axis in axes)))
     changes = [
@@ -172,7 +201,7 @@ def sweep(
 
     def report() -> None:
         if finished is not None:
-            finished(len(rows), _table(axes, points, rows))
+            finished(len(rows), _table(axes, points, rows, results))
 
     simulate = partial(simulate_point, text, folder, until=until, converge=converge)
     with _client(scheduler, workers, count) as client:
@@ -180,7 +209,7 @@ def sweep(
             _collect(client, simulate, changes, rows, report)
         finally:
             report()
-    return _table(axes, points, rows)
+    return _table(axes, points, rows, results)
 
 
 def simulate_point(
@@ -190,39 +219,89 @@ def simulate_point(
     until: float | str | None = None,
     converge: bool = False,
 ) -> dict[str, Any]:
-    """One run of a sweep: its results by `RESULTS`, and ``error``. Runs in a worker."""
+    """One run of a sweep: its results by `results_of`, and ``error``. Runs in a worker."""
     from cablemodel.converged_run import converge as run_until_converged
     from cablemodel.run import simulate
-    from cablemodel.scene import load_scene
+    from cablemodel.scene.load import scene_of
+    from cablemodel.systems import read_scene
 
     problem = ""
     try:
-        scene = load_scene(text, overrides, folder=folder)
-        run = run_until_converged(scene, until=until) if converge else simulate(scene, until=until)
+        scene = read_scene(text, overrides, folder=folder)
+        if converge:
+            run = run_until_converged(scene_of(scene), until=until)
+        else:
+            run = simulate(scene, until=until)
     except CableModelError as error:
         problem = " ".join(str(error).split())
         if not isinstance(error, ConvergenceError) or error.run is None:
             return {"error": problem}
         run = error.run
+    return {**_values_of(run), "error": problem}
+
+
+def results_of(scene: Scene | SystemScene) -> dict[str, str]:
+    """Columns of the results of a sweep over a scene, and what they are. Those of a system are
+    named by its parts: ``port.start_tension``, ``plate.position.x``, ``tug.force.z``."""
+    if not variables.is_system(scene):
+        return RESULTS
+    found = {name: text for name, text in RESULTS.items() if name not in _ONE_LINE}
+    for kind, rows, whens in _OF_PARTS:
+        for name in getattr(scene, kind):
+            found |= _results_of_part(name, rows, whens)
+    return found
+
+
+def _results_of_part(
+    name: str, rows: Iterable[variables.Variable], whens: Mapping[str, str]
+) -> dict[str, str]:
+    """Columns of a part of a system, and what they are."""
+    found = {}
+    for row in (row.of_part(name) for row in rows):
+        when = whens.get(row.python.removeprefix(f"{name}."))
+        if when is not None and row.shape:
+            for axis in "xyz":
+                found[f"{row.python}.{axis}"] = f"{row.quantity}, {axis}, {when} [{row.unit}]"
+        elif when is not None:
+            found[row.python] = f"{row.quantity}, {when} [{row.unit}]"
+    return found
+
+
+def result_label(column: str) -> str:
+    """What a column of results is, for an axis of a picture."""
+    if column in RESULTS:
+        return RESULTS[column]
+    for _kind, rows, whens in _OF_PARTS:
+        for key in whens:
+            part = column.removesuffix(f".{key}") if column.endswith(f".{key}") else ""
+            for axis in "xyz":
+                if column.endswith(f".{key}.{axis}"):
+                    part = column.removesuffix(f".{key}.{axis}")
+            if part:
+                return _results_of_part(part, rows, whens)[column]
+    return column
+
+
+def _values_of(run: Run) -> dict[str, Any]:
+    """The results of a run by `results_of`."""
     summary = run.summary()
-    tip = summary["tip_position"]
-    return {
-        "time": summary["time"],
-        "top_tension": summary["top_tension"],
+    found: dict[str, Any] = {
         "highest_tension": float(run.tension_max.max()),
-        "lowest_tension": summary["min_tension"],
-        "max_curvature": summary["max_curvature"],
-        "tip_x": tip[0],
-        "tip_y": tip[1],
-        "tip_z": tip[2],
-        "line_length": float(run["line_length"][-1]),
-        "wall_time": summary["wall_time"],
-        "steps": summary["steps"],
-        "elements": summary["elements"],
-        "tolerance": summary.get("tolerance"),
-        "error_share": summary.get("error_share"),
-        "error": problem,
+        "lowest_tension": float(run.tension_min.min()),
+        **{name: summary[name] for name in RESULTS if name in summary},
     }
+    if not variables.is_system(run.scene):
+        tip = dict(zip(("tip_x", "tip_y", "tip_z"), summary["tip_position"], strict=True))
+        return {**found, **tip, "line_length": float(run["line_length"][-1])}
+    for kind, _rows, whens in _OF_PARTS:
+        for name, values in summary[kind].items():
+            for key in whens:
+                if isinstance(values[key], list):
+                    components = zip("xyz", values[key], strict=True)
+                    found |= {f"{name}.{key}.{axis}": value for axis, value in components}
+                else:
+                    found[f"{name}.{key}"] = values[key]
+    return found
 
 
 def _axes(over: Mapping[str, Sequence[Any]] | Sequence[Axis]) -> list[Axis]:
@@ -250,28 +329,30 @@ def _values(path: str, values: Any) -> tuple[Any, ...]:
     return tuple(values)
 
 
-def _scene_text(scene: Scene | str | os.PathLike[str] | Mapping[str, Any]) -> tuple[str, str]:
-    """A scene as YAML text, which travels to workers, and the folder of the files it names."""
-    from cablemodel.scene import load_scene
-    from cablemodel.scene.load import scene_of
+def _scene_text(
+    scene: Scene | SystemScene | str | os.PathLike[str] | Mapping[str, Any],
+) -> tuple[str, str, dict[str, str]]:
+    """A scene as YAML text, which travels to workers, the folder of the files it names, and what
+    its results are."""
+    from cablemodel.systems import read_scene
 
+    read = read_scene(scene)  # a wrong one is said by its own name and lines
     if isinstance(scene, (str, os.PathLike)) and "\n" not in os.fspath(scene):
-        load_scene(scene)  # a wrong one is said by its own name and lines
         path = Path(scene)
-        return path.read_text(encoding="utf-8-sig") + "\n", str(path.resolve().parent)
-    if isinstance(scene, str):
-        return scene, str(Path.cwd())
-    return scene_of(scene).to_yaml() + "\n", str(Path.cwd())
+        text, folder = path.read_text(encoding="utf-8-sig") + "\n", path.resolve().parent
+    else:
+        text, folder = scene if isinstance(scene, str) else read.to_yaml() + "\n", Path.cwd()
+    return text, str(folder), results_of(read)
 
 
 def _refuse_if_none_loads(text: str, folder: str, changes: Iterable[Sequence[str]]) -> None:
     """A misspelt path is an error, not a table of errors; a value out of range is a row."""
-    from cablemodel.scene import load_scene
+    from cablemodel.systems import read_scene
 
     first: SceneError | None = None
     for overrides in changes:
         try:
-            load_scene(text, overrides, folder=folder)
+            read_scene(text, overrides, folder=folder)
         except SceneError as error:
             first = first or error
         else:
@@ -362,7 +443,10 @@ def _collect(
 
 
 def _table(
-    axes: Sequence[Axis], points: Sequence[Sequence[Any]], rows: Mapping[int, dict[str, Any]]
+    axes: Sequence[Axis],
+    points: Sequence[Sequence[Any]],
+    rows: Mapping[int, dict[str, Any]],
+    results: Iterable[str],
 ) -> pandas.DataFrame:
     """Finished runs in the order of the points."""
     import pandas
@@ -371,7 +455,7 @@ def _table(
     columns: dict[str, Any] = {
         axis.column: [_cell(points[index][k]) for index in order] for k, axis in enumerate(axes)
     }
-    for name in RESULTS:
+    for name in results:
         kind = "Int64" if name in ("steps", "elements") else "float64"
         columns[name] = pandas.Series([rows[i].get(name) for i in order], index=order, dtype=kind)
     columns["error"] = [rows[index]["error"] for index in order]
@@ -381,6 +465,11 @@ def _table(
 def _cell(value: Any) -> Any:
     """Lists and mappings as text: a cell holds one value."""
     return value if isinstance(value, (int, float, str)) else json.dumps(value)
+
+
+def swept_columns(table: pandas.DataFrame) -> list[str]:
+    """Columns of the values swept over: those before the results."""
+    return [str(name) for name in table.columns[: table.columns.get_loc("time")]]
 
 
 def write_table(table: pandas.DataFrame, path: str | os.PathLike[str]) -> None:
@@ -403,8 +492,7 @@ def write_table(table: pandas.DataFrame, path: str | os.PathLike[str]) -> None:
     elif ending == ".nc":
         for package in ("xarray", "h5netcdf"):
             require(package, extra="export", what="NetCDF")
-        swept = list(table.columns[: table.columns.get_loc("time")])
-        grid = table.astype({"error": object}).set_index(swept).to_xarray()
+        grid = table.astype({"error": object}).set_index(swept_columns(table)).to_xarray()
         grid["error"] = grid["error"].fillna("not finished").astype(str)
         grid.to_netcdf(partial_file, engine="h5netcdf")
     else:

@@ -3,13 +3,29 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from os import PathLike
+from string import ascii_lowercase
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cablemodel.drawing import (
+    COLOURS,
+    Marks,
+    Reference,
+    Shapes,
+    bodies_of,
+    has_states,
+    held_of,
+    names_of,
+    skeletons_of,
+    start_tensions,
+    tension_scale,
+    time_scale,
+    touchdown_of,
+)
 from cablemodel.errors import CableModelError
 from cablemodel.extras import require
 
@@ -47,8 +63,8 @@ STYLE: Any = {
     "pdf.fonttype": 42,
 }
 
-_STATIONS = 101
-"""Points of a shape at least."""
+_SECTION = 101
+"""Points of the floor's section."""
 _OUT_OF_PLANE = 1e-6
 """Part of the line's length by which a shape may leave a plane and still count as plane."""
 _TRAVEL = 1.0
@@ -56,10 +72,16 @@ _TRAVEL = 1.0
 _BETWEEN = 24
 """Instants at which the shape is drawn thinly."""
 FLOOR_COLOUR = "#8c6d46"
-MARKS = {"bodies.position": ("o", "body"), "touchdown_position": ("^", "touchdown")}
-"""Marker and name of what is marked on a shape, by the output that gives its places."""
+MARKS = {"body": "o", "touchdown": "^"}
+"""Marker of what is marked on a shape."""
+DASHES = ("-", "--", ":", "-.")
+"""Of lines that have the same colour."""
 _ERROR = "0.7"
 """Colour of the shade of estimated errors."""
+_IN_A_ROW = 3
+"""Panels of lines in a row."""
+_ROW = 2.0
+"""Height of such a row [inch]."""
 _WIDEST = 4.0
 """Largest ratio of sides at which a view is drawn to scale."""
 
@@ -87,8 +109,8 @@ def import_matplotlib() -> None:
 
 
 def draw(run: Run, *, times: int = TIMES) -> Figure:
-    """A figure of the cable's shape at some times, the top tension over time, and the tension
-    along the cable at the same times.
+    """A figure of the shapes of all lines at some times, the tension at their beginnings over
+    time, and the tension along each line at the same times.
 
     Args:
         run: a run with states.
@@ -98,80 +120,136 @@ def draw(run: Run, *, times: int = TIMES) -> Figure:
         CableModelError: matplotlib is not installed, or the run has no states.
     """
     import_matplotlib()
-    from matplotlib.figure import Figure
-
-    if len(run.states) == 0:
+    if not has_states(run):
         raise CableModelError("the run has no states: there is nothing to draw")
     view = View.of(run)
     chosen = _instants(view.shape, times)
     between = _instants(view.shape, _BETWEEN)
     colours = _colours(len(chosen))
-    spatial = view.along is None
+    parts = view.parts(run)
 
-    figure = Figure(figsize=(7.2, 6.4 if spatial else 4.4), layout="constrained")
-    grid = figure.add_gridspec(2, 2, width_ratios=(1.25, 1.0))
-    side = figure.add_subplot(grid[0, 0] if spatial else grid[:, 0])
-    panels = [side]
-    draw_floor(side, run, view)
-    across, label = view.horizontal(view.shape)
-    _draw_shapes(side, across, view.shape[..., 2], chosen, between, colours)
-    _draw_marks(side, run, view, chosen, colours)
-    side.set_xlabel(label)
-    side.set_ylabel("z from the tow point [m]" if view.relative else "z [m]")
-    scale_axes(side)
-    if spatial:
-        plan = figure.add_subplot(grid[1, 0])
-        _draw_shapes(plan, view.shape[..., 0], view.shape[..., 1], chosen, between, colours)
-        _draw_marks(plan, run, view, chosen, colours, plan=True)
-        after = " from the tow point" if view.relative else ""
-        plan.set_xlabel(f"x{after} [m]")
-        plan.set_ylabel(f"y{after} [m]")
-        scale_axes(plan)
-        panels.append(plan)
-    top, along = figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1])
-    _draw_top_tension(top, run, chosen, colours)
-    _draw_tension_along(along, run, chosen, colours)
-    for letter, axes in zip("abcd", [*panels, top, along], strict=False):
+    figure, sides, top, alongs = _panels(view, list(run.shapes))
+    draw_floor(sides[0], run, view)
+    for axes, up in zip(sides, view.ups, strict=True):
+        _draw_shapes(axes, *view.flat(view.shape, up), chosen, between, colours)
+        _draw_parts(axes, view, parts, chosen, colours, up)
+        axes.set_xlabel(view.horizontal(view.shape)[1])
+        axes.set_ylabel(view.vertical(up))
+        scale_axes(axes)
+    draw_start_tensions(top, run)
+    _draw_chosen(top, run, view.time[chosen], colours)
+    for axes, name in zip(alongs, run.shapes, strict=True):
+        _draw_tension_along(axes, run, name, chosen, colours)
+    for letter, axes in zip(ascii_lowercase, figure.axes, strict=False):
         axes.set_title(f"({letter})", loc="left", fontweight="bold")
-    _label(figure, run, run.states.time[chosen], colours)
+    _label(figure, run, view.time[chosen], parts, colours)
     return figure
+
+
+def _panels(view: View, lines: list[str]) -> tuple[Figure, list[Axes], Axes, list[Axes]]:
+    """A figure and its panels: side view and plan, if the shapes leave a plane; tensions at the
+    beginnings; tension along each line, of several lines in rows below."""
+    from matplotlib.figure import Figure
+
+    spatial = len(view.ups) > 1
+    rows = 0 if len(lines) == 1 else -(-len(lines) // _IN_A_ROW)
+    height = 6.4 if spatial else 4.4 if rows == 0 else 3.2
+    figure = Figure(figsize=(7.2, height + _ROW * rows), layout="constrained")
+    heights = [height, *([_ROW * rows] if rows else [])]
+    outer = figure.add_gridspec(len(heights), 1, height_ratios=heights)
+    grid = outer[0].subgridspec(2, 2, width_ratios=(1.25, 1.0))
+    cells = [grid[0, 0], grid[1, 0]] if spatial else [grid[:, 0]]
+    sides = [figure.add_subplot(cell) for cell in cells]
+    top = figure.add_subplot(grid[:, 1] if rows else grid[0, 1])
+    if not rows:
+        return figure, sides, top, [figure.add_subplot(grid[1, 1])]
+    columns = min(len(lines), _IN_A_ROW)
+    below = outer[1].subgridspec(rows, columns)
+    alongs = [figure.add_subplot(below[divmod(k, columns)]) for k in range(len(lines))]
+    for axes, name in zip(alongs, lines, strict=True):
+        axes.set_title(name)
+    return figure, sides, top, alongs
 
 
 @dataclass(frozen=True)
 class View:
-    """Shapes (nt, n, 3) [m] as they are drawn, and how."""
+    """Shapes (nt, n, 3) [m] of all lines as they are drawn, and how."""
 
+    shapes: Shapes
     shape: Floats
-    relative: bool
-    """Whether they are drawn relative to the tow point, because it travels far."""
+    """Their positions, from the origin; NaN between two lines."""
+    reference: str
+    """What they are drawn from, in words, because it travels far; empty if they are not."""
     origin: Floats
-    """What the shapes are drawn from (nt, 3) [m]: the tow point, or zero."""
+    """What they are drawn from (nt, 3) [m], or zero."""
     along: Floats | None
     """Horizontal unit vector (2,) of the vertical plane that they stay in; None if in none."""
 
     @classmethod
     def of(cls, run: Run) -> View:
         # Nodes are the ends of cubics, not of straight lines.
-        shape = run.states.resampled(max(_STATIONS, run.states.s.shape[1])).position
-        top = shape[:, :1]
-        length = float(np.max(run.states.s[:, -1] - run.states.s[:, 0]))
-        travel = float(np.max(np.linalg.norm(top - top[:1], axis=-1)))
-        relative = travel > _TRAVEL * length
-        origin = top[:, 0] if relative else np.zeros((len(shape), 3))
-        shape = shape - origin[:, None]
-        across = shape[..., :2] - shape[:1, :1, :2]
-        directions = np.linalg.svd(across.reshape(-1, 2), full_matrices=False)[2]
+        shapes = Shapes.of(run)
+        reference = Reference.of(run, shapes)
+        travel = float(np.max(np.linalg.norm(reference.place - reference.place[:1], axis=-1)))
+        relative = travel > _TRAVEL * shapes.length
+        origin = reference.place if relative else np.zeros((len(shapes.time), 3))
+        shape = shapes.position - origin[:, None]
+        across = (shape[..., :2] - shape[:1, :1, :2]).reshape(-1, 2)
+        across = across[np.isfinite(across[:, 0])]
+        directions = np.linalg.svd(across, full_matrices=False)[2]
         off = float(np.max(np.abs(across @ directions[1])))
         along = None
-        if off <= _OUT_OF_PLANE * length:
+        if off <= _OUT_OF_PLANE * shapes.length:
             # The axis nearest to the plane's own direction keeps its sign, so that x is x.
             leading = directions[0][np.argmax(np.abs(directions[0]))]
             along = directions[0] * math.copysign(1.0, leading)
-        return cls(shape, relative, origin, along)
+        return cls(shapes, shape, reference.name if relative else "", origin, along)
+
+    @property
+    def time(self) -> Floats:
+        """Of the states (nt,) [s]."""
+        return self.shapes.time
+
+    @property
+    def after(self) -> str:
+        """What follows the name of a coordinate."""
+        return f" from {self.reference}" if self.reference else ""
+
+    def seen(self, places: Floats) -> Floats:
+        """Places (nt, n, 3) [m] as they are drawn."""
+        return places - self.origin[:, None]
+
+    def parts(self, run: Run) -> Parts:
+        """What is drawn beside the lines."""
+        shapes = self.shapes
+        bodies = bodies_of(run, shapes)
+        held, bodies, touchdown, names = (
+            replace(marks, places=self.seen(marks.places))
+            for marks in (
+                held_of(run, shapes), bodies, touchdown_of(run, shapes),
+                names_of(run, shapes, bodies),
+            )
+        )  # fmt: skip
+        skeletons = self.seen(skeletons_of(run, self.time, self.shape))
+        found = [marks for marks in (bodies, touchdown) if marks.names]
+        return Parts(held, found, skeletons, names)
+
+    @property
+    def ups(self) -> tuple[int, ...]:
+        """Axes that are ordinates: z of the side view, and y of the plan where there is one."""
+        return (2, 1) if self.along is None else (2,)
+
+    def flat(self, points: Floats, up: int) -> tuple[Floats, Floats]:
+        """Abscissa and ordinate of points (..., 3) [m] in the view with this ordinate."""
+        return self.horizontal(points)[0], points[..., up]
+
+    def vertical(self, up: int) -> str:
+        """Label of an ordinate."""
+        return f"{'xyz'[up]}{self.after} [m]"
 
     def horizontal(self, points: Floats) -> tuple[Floats, str]:
         """Abscissa of points (..., 3) [m] in the side view, and its label."""
-        after = " from the tow point" if self.relative else ""
+        after = self.after
         if self.along is None or abs(self.along[0]) > 1.0 - 1e-9:
             return points[..., 0], f"x{after} [m]"
         if abs(self.along[1]) > 1.0 - 1e-9:
@@ -180,9 +258,31 @@ class View:
         return points[..., :2] @ self.along, f"distance along {heading:.0f}° from x{after} [m]"
 
 
+@dataclass(frozen=True)
+class Parts:
+    """What is drawn beside the lines; all places from the origin of the view."""
+
+    held: Marks
+    marks: list[Marks]
+    """Bodies and touchdown, where there are any."""
+    skeletons: Floats
+    """Vessels and free bodies as lines (nt, n, 3) [m], with gaps (NaN)."""
+    names: Marks
+    """Of vessels and bodies."""
+
+    def key(self) -> list[tuple[str, str, str]]:
+        """Kind, marker and colour of what needs a word in the key."""
+        seen = [marks for marks in self.marks if np.isfinite(marks.places[..., 0]).any()]
+        found = [(marks.kind, MARKS[marks.kind], "0.4") for marks in seen]
+        if self.names.names and self.held.names:
+            found.append((self.held.kind, "o", "0.15"))
+        return found
+
+
 def _instants(shape: Floats, count: int) -> list[int]:
     """Indices of times, first and last included, between which the cable moves about equally."""
-    moved = np.max(np.linalg.norm(np.diff(shape, axis=0), axis=-1), axis=1, initial=0.0)
+    steps = np.nan_to_num(np.linalg.norm(np.diff(shape, axis=0), axis=-1))
+    moved = np.max(steps, axis=1, initial=0.0)
     way = np.concatenate([[0.0], np.cumsum(moved)])
     if way[-1] == 0.0:
         return [0]
@@ -198,29 +298,23 @@ def _colours(count: int) -> list[Any]:
     return [viridis(value) for value in np.linspace(0.0, 0.88, max(count, 1))]
 
 
-def marked_places(run: Run, name: str) -> Floats:
-    """Places (states, n, 3) [m] of bodies or touchdown at the times of the states.
-
-    NaN where there is none: bodies on the drum, no touchdown.
-    """
-    times = run.states.time
-    right = np.clip(np.searchsorted(run.time, times), 1, max(len(run.time) - 1, 1))
-    left = right - 1
-    right = np.minimum(right, len(run.time) - 1)
-    nearest = np.where(times - run.time[left] <= run.time[right] - times, left, right)
-    return run[name][nearest].reshape(len(times), -1, 3)
-
-
-def _draw_marks(
-    axes: Axes, run: Run, view: View, chosen: list[int], colours: list[Any], *, plan: bool = False
+def _draw_parts(
+    axes: Axes, view: View, parts: Parts, chosen: list[int], colours: list[Any], up: int
 ) -> None:
-    for name in (name for name in MARKS if name in run.names):
-        places = marked_places(run, name)
-        for index, colour in zip(chosen, colours, strict=True):
-            seen = places[index][np.isfinite(places[index, :, 0])] - view.origin[index]
-            x = seen[:, 0] if plan else view.horizontal(seen)[0]
-            marker = MARKS[name][0]
-            axes.plot(x, seen[:, 1 if plan else 2], marker, color=colour, markersize=4)
+    """What holds the lines and what hangs on them, and, at the last of the times, their names."""
+
+    def flat(places: Floats) -> tuple[Floats, Floats]:
+        return view.flat(places, up)
+
+    for index, colour in zip(chosen, colours, strict=True):
+        if parts.skeletons.size:
+            axes.plot(*flat(parts.skeletons[index]), color=colour, linewidth=0.8)
+        for marks in parts.marks:
+            seen = marks.places[index][np.isfinite(marks.places[index, :, 0])]
+            axes.plot(*flat(seen), MARKS[marks.kind], color=colour, markersize=4)
+    axes.plot(*map(np.ravel, flat(parts.held.places[chosen])), "o", color="0.15", markersize=4)
+    for name, place in zip(parts.names.names, parts.names.places[chosen[-1]], strict=True):
+        axes.annotate(name, flat(place), (4, 4), textcoords="offset points", fontsize=7)
 
 
 def _draw_shapes(
@@ -231,14 +325,13 @@ def _draw_shapes(
     between: list[int],
     colours: list[Any],
 ) -> None:
-    """Coloured shapes at the chosen times, thin grey ones between, and where the tow point was."""
+    """Coloured shapes at the chosen times, and thin grey ones between."""
     from matplotlib.collections import LineCollection
 
     thin = [np.column_stack([x[index], y[index]]) for index in between if index not in chosen]
     axes.add_collection(LineCollection(thin, colors="0.75", linewidths=0.5, zorder=1.5))
     for index, colour in zip(chosen, colours, strict=True):
         axes.plot(x[index], y[index], color=colour)
-    axes.plot(x[chosen, 0], y[chosen, 0], "o", color="0.15", markersize=4)
 
 
 def draw_floor(axes: Axes, run: Run, view: View) -> None:
@@ -251,11 +344,11 @@ def draw_floor(axes: Axes, run: Run, view: View) -> None:
         if np.ptp(heights) <= _OUT_OF_PLANE * abs(float(heights[0])):
             axes.axhline(float(heights[0]), color=FLOOR_COLOUR, linewidth=1.0, zorder=1.2)
         return
-    if view.relative or view.along is None:
+    if view.reference or view.along is None:
         return
     points = view.shape[..., :2].reshape(-1, 2)
     along = points @ view.along
-    section = np.linspace(along.min(), along.max(), _STATIONS)
+    section = np.linspace(along.min(), along.max(), _SECTION)
     places = points[0] + np.outer(section - along[0], view.along)
     height = [floor.height(float(x), float(y)) for x, y in places]
     shown = view.horizontal(np.column_stack([places, height]))[0]
@@ -274,10 +367,31 @@ def scale_axes(axes: Axes) -> None:
         axes.set_title("axes not to one scale", loc="right", color="0.4", fontsize=8)
 
 
-def _draw_top_tension(axes: Axes, run: Run, chosen: list[int], colours: list[Any]) -> None:
+def draw_start_tensions(axes: Axes, run: Run) -> None:
+    """Tensions at the beginnings of all lines over time."""
     seconds, time_unit = time_scale(run.time)
     newtons, unit = tension_scale(run)
-    axes.plot(run.time / seconds, run.top_tension / newtons, color="0.25", linewidth=1.1)
+    named = "" not in run.shapes
+    for k, (name, tension) in enumerate(start_tensions(run).items()):
+        axes.plot(
+            run.time / seconds, tension / newtons, DASHES[k // len(COLOURS) % len(DASHES)],
+            color=COLOURS[k % len(COLOURS)] if named else "0.25", linewidth=1.1, label=name,
+        )  # fmt: skip
+    axes.set_xlabel(f"time [{time_unit}]")
+    axes.set_ylabel(f"{'start tension' if named else 'top tension'} [{unit}]")
+    if named:
+        axes.legend()
+
+
+def _draw_chosen(axes: Axes, run: Run, at: Floats, colours: list[Any]) -> None:
+    """The chosen times (n,) [s] on the curves, and the estimated error around them."""
+    seconds, _ = time_scale(run.time)
+    newtons, _ = tension_scale(run)
+    for tension in start_tensions(run).values():
+        values = np.interp(at, run.time, tension) / newtons
+        axes.scatter(
+            at / seconds, values, c=colours, s=22, zorder=3, edgecolors="white", linewidths=0.6
+        )
     if "tension_error" in run.names:
         limits = axes.get_ylim()
         error = run["tension_error"]
@@ -285,38 +399,23 @@ def _draw_top_tension(axes: Axes, run: Run, chosen: list[int], colours: list[Any
         axes.fill_between(run.time / seconds, lower / newtons, upper / newtons, color=_ERROR,
                           linewidth=0.0, zorder=1.5)  # fmt: skip
         axes.set_ylim(limits)  # what a snap may be off by must not hide all else
-    at = run.states.time[chosen]
-    values = np.interp(at, run.time, run.top_tension) / newtons
-    axes.scatter(
-        at / seconds, values, c=colours, s=22, zorder=3, edgecolors="white", linewidths=0.6
-    )
-    axes.set_xlabel(f"time [{time_unit}]")
-    axes.set_ylabel(f"top tension [{unit}]")
     axes.margins(x=0.03)
 
 
-def _draw_tension_along(axes: Axes, run: Run, chosen: list[int], colours: list[Any]) -> None:
+def _draw_tension_along(
+    axes: Axes, run: Run, name: str, chosen: list[int], colours: list[Any]
+) -> None:
     newtons, unit = tension_scale(run)
     for index, colour in zip(chosen, colours, strict=True):
-        state = run.states[index]
+        state = run.shapes[name][index]
         axes.plot(state.s, state.tension / newtons, color=colour)
-    axes.set_xlabel("arc length from the vessel [m]")
+    # Panels of several lines are narrow.
+    axes.set_xlabel("from its beginning [m]" if name else "arc length from the vessel [m]")
     axes.set_ylabel(f"tension [{unit}]")
     axes.margins(x=0.03)
 
 
-def tension_scale(run: Run) -> tuple[float, str]:
-    """Newtons in the unit that the run's tensions are shown in, and its symbol."""
-    largest = float(np.nanmax(np.abs(run.tension_max), initial=0.0))
-    return (1e3, "kN") if largest >= 2e4 else (1.0, "N")
-
-
-def time_scale(time: Floats) -> tuple[float, str]:
-    """Seconds in the unit that a run's times are shown in, and its symbol."""
-    return (3600.0, "h") if time[-1] >= 3 * 3600.0 else (1.0, "s")
-
-
-def _label(figure: Figure, run: Run, times: Floats, colours: list[Any]) -> None:
+def _label(figure: Figure, run: Run, times: Floats, parts: Parts, colours: list[Any]) -> None:
     """One key for all panels: the colours' times, and what is marked."""
     from matplotlib.lines import Line2D
 
@@ -327,9 +426,8 @@ def _label(figure: Figure, run: Run, times: Floats, colours: list[Any]) -> None:
         for time, colour in zip(times, colours, strict=True)
     ]
     handles += [
-        Line2D([], [], linestyle="none", marker=marker, markersize=4, color="0.4", label=label)
-        for name, (marker, label) in MARKS.items()
-        if name in run.names and np.isfinite(marked_places(run, name)[..., 0]).any()
+        Line2D([], [], linestyle="none", marker=marker, markersize=4, color=colour, label=kind)
+        for kind, marker, colour in parts.key()
     ]
     if "tension_error" in run.names and np.isfinite(run["tension_error"]).any():
         handles.append(Line2D([], [], color=_ERROR, linewidth=5.0, label="estimated error"))

@@ -236,7 +236,10 @@ class SystemRun(Run):
 
     @cached_property
     def shapes(self) -> dict[str, States]:
-        return self._source.shapes()
+        return {
+            name: states.in_water(Surroundings.of_line(self.scene, name))
+            for name, states in self._source.shapes().items()
+        }
 
     @property
     def top_tension(self) -> Floats:

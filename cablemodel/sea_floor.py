@@ -14,9 +14,9 @@ from cablemodel.kernels import layout as at
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
+    from cablemodel.scene.common import CableScene
     from cablemodel.scene.environment import Floor
     from cablemodel.scene.line import Cable, CableType
-    from cablemodel.systems.scene import SystemScene
 
 FloatArray = NDArray[np.float64]
 
@@ -37,7 +37,7 @@ def contact_weight(kind: CableType, gravity: float) -> float:
     return max(kind.submerged_weight, 1e-3 * kind.mass * gravity, 1e-9)
 
 
-def least_bending(scene: Scene | SystemScene, kind: CableType) -> float:
+def least_bending(scene: CableScene, kind: CableType) -> float:
     """Bending stiffness that a perfectly flexible cable gets where it is slack [N m2].
 
     Its motion is not well posed where it folds without tension: it takes the shape that bending
@@ -48,7 +48,7 @@ def least_bending(scene: Scene | SystemScene, kind: CableType) -> float:
     return contact_weight(kind, scene.environment.gravity) * layer**3
 
 
-def touchdown_layer(scene: Scene | SystemScene, cable: Cable) -> float:
+def touchdown_layer(scene: CableScene, cable: Cable) -> float:
     """Length over which bending spreads a touchdown, (EI/w)^(1/3) [m]."""
     kind = scene.cable_types[cable.type]
     bending = 0.0 if cable.model == "cable" else kind.bending_stiffness
@@ -89,19 +89,19 @@ def finest_element(scene: Scene) -> float:
     return at.LAYER * thinnest_layer(scene)
 
 
-def thinnest_layer(scene: Scene | SystemScene) -> float:
+def thinnest_layer(scene: CableScene) -> float:
     """Length over which bending spreads the sharpest touchdown of a scene's cables [m]."""
     return min(touchdown_layer(scene, cable) for cable in _all_cables(scene))
 
 
-def _all_cables(scene: Scene | SystemScene) -> list[Cable]:
+def _all_cables(scene: CableScene) -> list[Cable]:
     """Those that are out, and those on a drum."""
     payout = getattr(scene, "payout", None)
     drum = () if payout is None else payout.drum
     return [*scene.cables, *(item.cable for item in drum if item.cable is not None)]
 
 
-def contact_depth(scene: Scene | SystemScene) -> float:
+def contact_depth(scene: CableScene) -> float:
     """Gap below which the floor pushes [m]."""
     return DEPTH * scene.solver.tolerance * scene.line_length
 
@@ -114,7 +114,7 @@ def table_words(floor: Floor | None) -> int:
     return nx + ny + 4 * nx * ny
 
 
-def fill(block: Block, scene: Scene | SystemScene) -> None:
+def fill(block: Block, scene: CableScene) -> None:
     """Write floor, contact and friction into a block."""
     floor = scene.environment.floor
     if floor is None:
@@ -166,7 +166,7 @@ def _sharpest(x: FloatArray, z: FloatArray, slope: FloatArray) -> float:
     return float(max(np.abs(first).max(), np.abs(last).max()))
 
 
-def _damping(scene: Scene | SystemScene) -> float:
+def _damping(scene: CableScene) -> float:
     """One over the speed at which the cable sinks: it rings little when it lands [s/m]."""
     rho = scene.environment.water_density
     speeds = []

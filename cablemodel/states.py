@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
+_SAME_PLACE = 1e-9
+"""Part of its length by which nodes of a line are at one place."""
+
 _ROW = {name: span(STATE_FIELDS, name) for name, _ in STATE_FIELDS}
 
 
@@ -206,11 +209,32 @@ class States(Sequence["CableState"]):
         largest = [np.max(matrix[_ROW["curvature"]]) for matrix in self._matrices]
         return float(max(largest, default=np.nan))
 
+    @property
+    def most_nodes(self) -> int:
+        """Number of nodes, the most of all times."""
+        return max((matrix.shape[1] for matrix in self._matrices), default=0)
+
     def chosen(self, indices: Iterable[int]) -> States:
         """The states of some of the times only."""
         at = np.fromiter(indices, int)
         matrices = self._matrices
         return States(self.time[at], [matrices[index] for index in at], self._water)
+
+    def split(self, places: Sequence[float]) -> list[States]:
+        """The states of the pieces between arc lengths within the line [m], in order. A node there
+        is the end of one piece and the beginning of the next; of two, each has its own."""
+        pieces: list[list[Floats]] = [[] for _ in range(len(places) + 1)]
+        for whole in self._matrices:
+            rest = whole
+            for piece, place in zip(pieces, places, strict=False):
+                here = np.flatnonzero(np.abs(rest[0] - place) <= _SAME_PLACE * whole[0, -1])
+                if not len(here):
+                    here = np.searchsorted(rest[0], [place])
+                    rest = np.insert(rest, here, _resampled(rest, np.array([place])), axis=1)
+                piece.append(rest[:, : here[0] + 1])
+                rest = rest[:, here[-1] :]
+            pieces[-1].append(rest)
+        return [States(self.time, matrices) for matrices in pieces]
 
     def resampled(self, stations: int) -> States:
         """The states at ``stations`` points spaced evenly in s at each time.

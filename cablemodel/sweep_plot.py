@@ -8,30 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cablemodel.errors import CableModelError
-from cablemodel.parameter_sweep import RESULTS
+from cablemodel.parameter_sweep import RESULTS, result_label, swept_columns
 from cablemodel.plot import STYLE, import_matplotlib
 from cablemodel.scene import unit_at
+from cablemodel.systems import SystemScene
 
 if TYPE_CHECKING:
     import pandas
-
-LABELS = {
-    "time": "end of the run [s]",
-    "top_tension": "top tension at the end [N]",
-    "highest_tension": "highest tension of the run [N]",
-    "lowest_tension": "lowest tension of the run [N]",
-    "max_curvature": "largest curvature of the run [1/m]",
-    "tip_x": "x of the far end at the end [m]",
-    "tip_y": "y of the far end at the end [m]",
-    "tip_z": "z of the far end at the end [m]",
-    "line_length": "cable out at the end [m]",
-    "wall_time": "computing time [s]",
-    "steps": "steps",
-    "elements": "elements",
-    "tolerance": "tolerance",
-    "error_share": "estimated error, of what is allowed",
-}
-"""Results of a sweep, as an axis of the picture names them."""
 
 _MOST_NAMED = 12
 """Curves that get a name in the key; more are told by a colour bar or not at all."""
@@ -45,7 +28,7 @@ def save_sweep_figure(
     Args:
         table: what `sweep` gave.
         path: file to write: .png, .pdf or .svg.
-        result: a column of `RESULTS`.
+        result: a column of `RESULTS`, or of the results of a system.
         against: the column of a value swept over; by default the first.
 
     Raises:
@@ -57,8 +40,9 @@ def save_sweep_figure(
     from matplotlib.figure import Figure
 
     swept = swept_columns(table)
+    results = [str(name) for name in table.columns if name not in (*swept, "error")]
     against = swept[0] if against is None else against
-    for name, allowed in ((result, list(RESULTS)), (against, swept)):
+    for name, allowed in ((result, [*dict.fromkeys([*results, *RESULTS])]), (against, swept)):
         if name not in allowed:
             raise CableModelError(f"a sweep has no column {name}; it has {', '.join(allowed)}")
     good = table[table["error"] == ""]
@@ -80,7 +64,7 @@ def save_sweep_figure(
             # A gap in a curve could be anything; a failed run is marked.
             axes.axvline(place, color="#d1495b", linewidth=0.8, linestyle=":", zorder=0.5)
         axes.set_xlabel(with_unit(table, against))
-        axes.set_ylabel(LABELS[result])
+        axes.set_ylabel(result_label(result))
         if others and len(curves) <= _MOST_NAMED:
             axes.legend(fontsize=7)
         if len(good) < len(table):
@@ -92,16 +76,11 @@ def save_sweep_figure(
             raise CableModelError(f"cannot write {path}: {error}") from error
 
 
-def swept_columns(table: pandas.DataFrame) -> list[str]:
-    """Columns of the values swept over."""
-    return [str(name) for name in table.columns if name not in (*RESULTS, "error")]
-
-
 def with_unit(table: pandas.DataFrame, column: str) -> str:
     """A column swept over, with the unit of its numbers: what the sweep was given, else SI."""
     if " [" in column or not is_numeric(table[column]):
         return column
-    unit = unit_at(column)
+    unit = unit_at(column) or unit_at(column, SystemScene)
     return f"{column} [{unit}]" if unit else column
 
 
@@ -117,5 +96,7 @@ def _named(names: list[str], values: Any) -> str:
     for name, value in zip(names, values, strict=True):
         path, _, unit = name.partition(" [")
         text = f"{value:g}" if isinstance(value, float) else str(value)
-        words.append(" ".join([path.rpartition(".")[2], text, unit.removesuffix("]")]).strip())
+        *above, last = path.split(".")
+        last = f"{above[-1]}.{last}" if above and last.isdecimal() else last
+        words.append(" ".join([last, text, unit.removesuffix("]")]).strip())
     return ", ".join(words)

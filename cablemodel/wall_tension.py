@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,7 @@ from cablemodel.scene.sea import Sea, sea
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
+    from cablemodel.scene.line import Cable
 
 FloatArray = NDArray[np.float64]
 
@@ -46,15 +47,28 @@ class Surroundings:
     def of(cls, scene: Scene) -> Surroundings:
         """Those of a scene's line and of what is on its drum."""
         drum = [item.cable for item in scene.payout.drum if item.cable is not None]
-        cables = [*reversed(scene.cables), *drum]
+        return cls._around(scene, [*reversed(scene.cables), *drum], scene.line_length, sea(scene))
+
+    @classmethod
+    def of_line(cls, scene: Any, name: str) -> Surroundings:
+        """Those of a line of a system."""
+        line = scene.lines[name]
+        cables = [item.cable for item in reversed(line.items) if item.cable is not None]
+        return cls._around(scene, cables, line.length, sea(scene))
+
+    @classmethod
+    def _around(
+        cls, scene: Any, cables: list[Cable], length: float, waves: Sea | None
+    ) -> Surroundings:
+        """cables: outermost first."""
         diameters = np.array([scene.cable_types[cable.type].diameter for cable in cables])
         environment = scene.environment
         return cls(
             weight=environment.water_density * environment.gravity,
-            sea=sea(scene),
+            sea=waves,
             ends=np.cumsum([cable.length for cable in cables]),
             areas=0.25 * math.pi * diameters**2,
-            length=scene.line_length,
+            length=length,
         )
 
     def pressure(self, time: float, position: FloatArray) -> FloatArray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -17,7 +18,7 @@ from cablemodel.cli.numbers import readable
 from cablemodel.cli.run import JsonOption, seconds_of
 
 if TYPE_CHECKING:
-    from cablemodel.analysis import Cycles, Statistic
+    from cablemodel.analysis import Cycles, Floats, Statistic
     from cablemodel.run import Run
 
 _WIDEST = 200
@@ -43,7 +44,7 @@ def stats(
         float | None,
         typer.Option(
             help="Cycles to failure at a range of the reference: N = intercept (range / "
-            "reference)^-slope. Gives damage and life of the top tension.",
+            "reference)^-slope. Gives damage and life of the top tension, or that of each line.",
             show_default=False,
         ),
     ] = None,
@@ -52,7 +53,8 @@ def stats(
     ] = 1.0,
     as_json: JsonOption = False,
 ) -> None:
-    """Extremes of all outputs, and spectrum, cycles and fatigue of the top tension."""
+    """Extremes of all outputs; spectrum, cycles and fatigue of the top tension, or of each line's
+    tension at its beginning."""
     from cablemodel.run import open_run
 
     for name, value in (("--slope", slope), ("--reference", reference), ("--intercept", intercept)):
@@ -108,6 +110,7 @@ def _report(
     run: Run, begin: float, end: float, slope: float, intercept: float | None, reference: float
 ) -> dict[str, Any]:
     from cablemodel import analysis
+    from cablemodel.drawing import start_tensions
 
     try:
         found = analysis.statistics(run, after=begin, before=end)
@@ -115,25 +118,35 @@ def _report(
         typer.echo(f"cablemodel: {error}", err=True)
         raise typer.Exit(FAILED) from None
     inside = (run.time >= begin) & (run.time <= end)
-    time, tension = run.time[inside], run.top_tension[inside]
+    time = run.time[inside]
+    motions = {
+        name: _motion(time, tension[inside], slope, intercept, reference)
+        for name, tension in start_tensions(run).items()
+    }
+    report = {
+        "from": float(time[0]), "to": float(time[-1]), "outputs": len(time), "statistics": found,
+    }  # fmt: skip
+    return report | motions.get("", {"lines": motions})
+
+
+def _motion(
+    time: Floats, tension: Floats, slope: float, intercept: float | None, reference: float
+) -> dict[str, Any]:
+    """Spectrum, cycles and fatigue of the tension at the beginning of a line."""
+    from cablemodel import analysis
+
     counted = analysis.cycles(tension)
     span = float(time[-1] - time[0])
-    report: dict[str, Any] = {
-        "from": float(time[0]),
-        "to": float(time[-1]),
-        "outputs": len(time),
-        "statistics": found,
-        "spectrum": None,
-        "fatigue": _fatigue(counted, span, slope, intercept, reference),
-    }
+    found: dict[str, Any] = {"spectrum": None}
+    found["fatigue"] = _fatigue(counted, span, slope, intercept, reference)
     if len(time) >= 32:
         density = analysis.spectrum(time, tension)
-        report["spectrum"] = {
+        found["spectrum"] = {
             "significant": density.significant,
             "peak_period": density.peak_period,
             "zero_crossing_period": density.zero_crossing_period,
         }
-    return report
+    return found
 
 
 def _fatigue(
@@ -199,26 +212,30 @@ def _print_report(report: dict[str, Any]) -> None:
     console.print(table)
     if constant:
         console.print(f"constant: {', '.join(constant)}", soft_wrap=True, markup=False)
-    spectrum, fatigue = report["spectrum"], report["fatigue"]
+    for name, motion in report.get("lines", {"": report}).items():
+        tension = f"{name}.start_tension" if name else "top tension"
+        for text in _words(motion):
+            console.print(f"{tension}: {text}", soft_wrap=True, markup=False)
+
+
+def _words(motion: dict[str, Any]) -> Iterator[str]:
+    """Spectrum, cycles and fatigue of a tension."""
+    spectrum, fatigue = motion["spectrum"], motion["fatigue"]
     if spectrum is not None:
-        console.print(
-            f"top tension: significant range {readable(spectrum['significant'])} N, peak period "
+        yield (
+            f"significant range {readable(spectrum['significant'])} N, peak period "
             f"{readable(spectrum['peak_period'], 3)} s, mean period "
-            f"{readable(spectrum['zero_crossing_period'], 3)} s",
-            soft_wrap=True,
+            f"{readable(spectrum['zero_crossing_period'], 3)} s"
         )
-    console.print(
-        f"top tension: {fatigue['cycles']:g} cycles, largest range "
-        f"{readable(fatigue['largest_range'])} N; as one cycle a second "
-        f"{readable(fatigue['equivalent_range_1_hz'])} N (slope {fatigue['slope']:g})",
-        soft_wrap=True,
+    yield (
+        f"{fatigue['cycles']:g} cycles, largest range {readable(fatigue['largest_range'])} N; "
+        f"as one cycle a second {readable(fatigue['equivalent_range_1_hz'])} N "
+        f"(slope {fatigue['slope']:g})"
     )
     if "damage" in fatigue:
         life = fatigue["life_years"]
-        console.print(
-            f"top tension: fatigue damage {fatigue['damage']:.3g}, "
-            + (f"a life of {life:.3g} years of this" if math.isfinite(life) else "no end of life"),
-            soft_wrap=True,
+        yield f"fatigue damage {fatigue['damage']:.3g}, " + (
+            f"a life of {life:.3g} years of this" if math.isfinite(life) else "no end of life"
         )
 
 

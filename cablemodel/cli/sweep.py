@@ -82,14 +82,18 @@ def sweep(
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress.")] = False,
 ) -> None:
     """Run a scene for every combination of some of its values, in parallel, into one table."""
-    from cablemodel.parameter_sweep import RESULTS, Axis, write_table
+    from cablemodel.parameter_sweep import Axis, results_of, write_table
     from cablemodel.parameter_sweep import sweep as run_all
+    from cablemodel.systems import read_scene
 
     target = writable(output or Path(f"{scene.stem}_sweep.csv"), FORMATS)
     if plot is not None:
         writable(plot, PICTURES, "--plot")
-    if result not in RESULTS:
-        raise bad_option("--result", f"{result} is none of {', '.join(RESULTS)}")
+    results = results_of(read_scene(scene))
+    if result not in results:
+        raise bad_option("--result", f"{result} is none of {', '.join(results)}")
+    if converge and "tolerance" not in results:
+        raise bad_option("--converge", "a system is not run until it converges yet")
     axes = [Axis.parse(text) for text in over]
     columns = {name: axis.column for axis in axes for name in (axis.path, axis.column)}
     if against is not None and against not in columns:

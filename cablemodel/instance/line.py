@@ -16,6 +16,7 @@ from cablemodel.mesh import Span
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
+    from cablemodel.scene.common import CableScene
     from cablemodel.scene.line import Body, Cable
 
 FloatArray = NDArray[np.float64]
@@ -130,7 +131,7 @@ def lay_out(scene: Scene, spaced: list[FloatArray]) -> Line:
     return line
 
 
-def hinged(scene: Scene, lower: Cable, upper: Cable, body: bool) -> bool:
+def hinged(scene: CableScene, lower: Cable, upper: Cable, body: bool) -> bool:
     """Whether a joint of two cables lets the slope jump.
 
     A flexible cable passes no moment, whatever its model: a slope that no stiffness holds would

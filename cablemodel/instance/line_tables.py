@@ -16,6 +16,7 @@ from cablemodel.kernels import layout as at
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
+    from cablemodel.scene.common import CableScene
     from cablemodel.scene.line import Body, Cable
 
 FloatArray = NDArray[np.float64]
@@ -55,7 +56,7 @@ def fill_cables(block: Block, scene: Scene, winch: Winch, scale: float) -> None:
 
 
 def edge_row(
-    scene: Scene, cable: Cable, segment: int, strain_offset: int, scale: float
+    scene: CableScene, cable: Cable, segment: int, strain_offset: int, scale: float
 ) -> FloatArray:
     """A row of the edge table for elements of a cable, without length and place."""
     rho = scene.environment.water_density

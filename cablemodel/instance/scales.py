@@ -12,6 +12,7 @@ from cablemodel.scene.sea import sea
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
+    from cablemodel.scene.common import CableScene
     from cablemodel.scene.line import Cable
 
 
@@ -107,6 +108,6 @@ def pays_out(scene: Scene) -> bool:
     return any(row.rate != 0.0 for row in scene.payout.rate)
 
 
-def is_flexible(scene: Scene, cable: Cable) -> bool:
+def is_flexible(scene: CableScene, cable: Cable) -> bool:
     """Whether a cable passes no moment."""
     return cable.model == "cable" or scene.cable_types[cable.type].bending_stiffness == 0.0

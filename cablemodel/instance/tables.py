@@ -18,6 +18,7 @@ from cablemodel.kernels import layout as at
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
+    from cablemodel.scene.common import CableScene
 
 FloatArray = NDArray[np.float64]
 
@@ -25,7 +26,7 @@ MOST_STEPS = 2_000_000
 """Internal steps that one call may take."""
 
 
-def fill_settings(block: Block, scene: Scene) -> None:
+def fill_settings(block: Block, scene: CableScene) -> None:
     """Tolerance, gravity and water."""
     ints, reals = block.ints, block.reals
     ints[at.I_PIECE] = 1
@@ -72,7 +73,7 @@ def fill_motion(block: Block, pieces: FloatArray) -> None:
     table[2:, at.P_VELOCITY_JUMP], table[2:, at.P_ACCELERATION_JUMP] = jumps(pieces)
 
 
-def fill_current(block: Block, scene: Scene) -> None:
+def fill_current(block: Block, scene: CableScene) -> None:
     """The table of the current over depth and time."""
     current = scene.environment.current
     if current is None:

@@ -11,6 +11,7 @@ from .contact import (
     place_force,
     place_law,
 )
+from .feet import settle_feet
 from .floor_surface import gap_at, lowest_gap
 from .layout import (
     B_BORNE,
@@ -20,6 +21,7 @@ from .layout import (
     EDGE_WORDS,
     I_BODIES,
     I_DIMENSION,
+    I_FEET,
     I_NODES,
     O_BODY,
     O_EDGE,
@@ -51,6 +53,8 @@ def settle(I, M):
     that in its bristles it was laid pressed, by 3 N/m in 3,000 m of water. A place of rest lies as
     high as the node did when it was drawn there.
     """
+    if I[I_FEET] != 0:
+        settle_feet(I, M)
     dimension = I[I_DIMENSION]
     size = 2 * dimension
     w = M[I[O_MOTION] + 28 : I[O_MOTION] + 52]

@@ -5,6 +5,7 @@ A step without forces is refused if it ends in the contact layer, so none is eve
 """
 
 from .compile import kernel, view
+from .feet import feet_are_near, lowest_foot
 from .floor_memory import settle
 from .floor_surface import gap_at, lowest_gap
 from .layout import (
@@ -15,6 +16,7 @@ from .layout import (
     FLOOR_TOUCHED,
     I_ASLEEP,
     I_DIMENSION,
+    I_FEET,
     I_FLOOR_STATE,
     I_NODES,
     O_EDGE,
@@ -57,7 +59,7 @@ def touches(I, M, q, layers):
     for node in range(I[I_NODES] - 1, 0, -1):
         if gap_of(I, M, q, node, w) < layers * M[S_FLOOR_DEPTH]:
             return True
-    return False
+    return I[I_FEET] != 0 and lowest_foot(I, M) < layers * M[S_FLOOR_DEPTH]
 
 
 @kernel
@@ -73,7 +75,7 @@ def is_near(I, M, q, v, lengths):
         way = SOON * M[S_STEP] * max(0.0, -v[2 * dimension * node + dimension - 1])
         if gap_of(I, M, q, node, w) < M[S_FLOOR_DEPTH] + lengths * h + way:
             return True
-    return False
+    return I[I_FEET] != 0 and feet_are_near(I, M, M[S_FLOOR_DEPTH], SOON * M[S_STEP], lengths)
 
 
 @kernel

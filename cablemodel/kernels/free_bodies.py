@@ -21,6 +21,7 @@ import math
 
 from .compile import kernel, view
 from .environment import current_at, surge_at
+from .feet import FOOT_SCRATCH, add_feet
 from .hulls import wet_hull
 from .layout import (
     A_BODY,
@@ -28,6 +29,7 @@ from .layout import (
     A_NODE,
     A_PLACE,
     ARM_WORDS,
+    FLOOR_TOUCHED,
     FOIL_ANGLES,
     FOIL_WORDS,
     FREE_WORDS,
@@ -36,6 +38,8 @@ from .layout import (
     I_BODIES,
     I_CAPACITY,
     I_FACTORED,
+    I_FEET,
+    I_FLOOR_STATE,
     I_FREE,
     I_HISTORY,
     I_SURGE,
@@ -337,6 +341,8 @@ def body_forces(I, M, body, t, out):
     for n in range(int(M[row + Y_FOILS])):
         foil = I[O_FOILS] + (int(M[row + Y_FIRST_FOIL]) + n) * FOIL_WORDS
         add_foil(M, foil, I[O_FOIL_TABLE], t, place, spin, f, s)
+    if I[I_FEET] != 0 and I[I_FLOOR_STATE] == FLOOR_TOUCHED:
+        add_feet(I, M, body, f, view(M, I[O_PARTS_WORK] + FOOT_SCRATCH, 18))
     # What the caller pushes with, at the body's own origin.
     for i in range(3):
         place[i] = ramp(M, row + Y_FORCE, 6, i, t)

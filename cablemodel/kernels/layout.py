@@ -79,10 +79,9 @@ I_FOILS, I_FOIL_WORDS = 108, 109
 O_FRAMES, O_FRAME_PIECES, O_FREE, O_ARMS, O_FOILS, O_FOIL_TABLE = 110, 111, 112, 113, 114, 115
 O_PARTS_WORK = 116  # PARTS_WORDS of the workspace
 I_CUTS, O_CUTS = 117, 118  # places where lines are cut, let go or break
-O_RAOS, I_RAO_WORDS = (
-    119,
-    120,
-)  # of each frame that has them: RAO_HEADINGS, then of each its rows of components
+# Of each frame that has them RAO_HEADINGS, and of each of these rows of components.
+O_RAOS, I_RAO_WORDS = 119, 120
+I_FEET, O_FEET = 121, 122  # places of free bodies that touch the floor
 
 # Header: word offsets of the arrays.
 O_PIECES, O_DEPTHS, O_TIMES, O_CURRENT, O_STRAIN = 32, 33, 34, 35, 36
@@ -313,6 +312,13 @@ HULL_NONE, HULL_SPHERE, HULL_CYLINDER = 0, 1, 2  # a cylinder about the body's z
 ARM_WORDS = 8
 A_NODE, A_BODY, A_PLACE = 0, 1, 2  # node, row of the body, 3 words in its axes
 A_FORCE = 5  # 3 words: what the line pulled with at the last residual [N]
+
+# Rows of the table of feet.
+FOOT_WORDS = 8
+FOOT_BODY = 0
+FOOT_PLACE = 1  # 3 words, from its reference point, in its axes [m]
+FOOT_LOAD = 4  # its part of the body's weight [N]
+FOOT_REST = 5  # 3 words: where friction holds it, block's coordinates [m]
 
 # Rows of the table of foils.
 FOIL_WORDS = 20

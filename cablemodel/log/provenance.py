@@ -14,9 +14,9 @@ _PACKAGES = ("numpy", "numba", "scipy", "llvmlite")
 
 _AROUND_THE_ENGINE = frozenset({
     "__init__.py", "__main__.py", "accuracy", "analysis.py", "animate.py", "cadence.py", "cli",
-    "columns.py", "compare.py", "dataset.py", "errors.py", "export.py", "extras.py", "log",
-    "parameter_sweep.py", "plot.py", "replay.py", "report", "run.py", "states.py", "sweep_plot.py",
-    "variables.py",
+    "columns.py", "compare.py", "dataset.py", "drawing.py", "errors.py", "export.py", "extras.py",
+    "log", "parameter_sweep.py", "plot.py", "replay.py", "report", "run.py", "states.py",
+    "sweep_plot.py", "variables.py",
 })  # fmt: skip
 """Parts of the package that look at results and cannot change them."""
 

@@ -126,16 +126,20 @@ class SystemSource:
 
     def shapes(self) -> dict[str, States]:
         topics = variables.state_topics_of(self.scene)
-        return {name: self._states(topic) for name, topic in topics.items()}
+        times = {name: self.log.first_floats(topic) for name, topic in topics.items()}
+        # A log that was cut may have the last state of some of the lines only.
+        count = min(map(len, times.values()))
+        return {name: self._states(topic, times[name][:count]) for name, topic in topics.items()}
 
-    def _states(self, topic: str) -> States:
+    def _states(self, topic: str, times: Floats) -> States:
         def matrices() -> list[Floats]:
             labels, values = self.log.arrays(topic)
             if values and labels != variables.STATE_LABELS:
                 raise _other_fields(self.log, "states")
-            return [row[1:].reshape(len(variables.STATE_LABELS), -1) for row in values]
+            rows = values[: len(times)]
+            return [row[1:].reshape(len(variables.STATE_LABELS), -1) for row in rows]
 
-        return States(self.log.first_floats(topic), matrices)
+        return States(times, matrices)
 
     def applied_inputs(self) -> dict[str, Floats]:
         return applied_inputs_of(self.log, variables.input_labels(self.scene))

@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cablemodel.columns import input_fields
+from cablemodel.drawing import COLOURS, start_of, start_tensions
 from cablemodel.report.samples import Along, Field, thinned
-
-if TYPE_CHECKING:
-    from cablemodel.run import Run
+from cablemodel.run import Run, SystemRun
 
 Floats = NDArray[np.float64]
 Figure = dict[str, Any]
 
 INK = "#1f2a37"
 GRID = "#e6eaee"
-COLOURS = ("#1f5fa8", "#d1495b", "#2a9d6f", "#8a6bbf")
-"""Told apart by the colour-blind, and readable on white."""
+DASHES = ("solid", "dash", "dot", "dashdot")
+"""Of curves that have the same colour."""
 TENSION_SCALE = [
     [0.0, "#0d0887"], [0.125, "#41049d"], [0.25, "#6a00a8"], [0.375, "#8f0da4"],
     [0.5, "#b12a90"], [0.625, "#cc4778"], [0.75, "#e16462"], [0.875, "#f2844b"], [1.0, "#fca636"],
@@ -90,24 +91,34 @@ def _legend() -> dict[str, Any]:
 
 def _curve(time: Floats, values: Floats, name: str, **line: Any) -> dict[str, Any]:
     kept = thinned(values)
+    there = np.isfinite(values)
+    alone = there & ~np.append(there[1:], False) & ~np.insert(there[:-1], 0, False)
     return {
-        "type": "scatter", "mode": "lines", "name": name, "x": time[kept], "y": values[kept],
+        "type": "scatter", "name": name, "x": time[kept], "y": values[kept],
+        # A value between two gaps is no line.
+        "mode": "lines+markers" if np.any(alone) else "lines",
         "line": {"width": 1.6, **line},
         "hovertemplate": "%{y:.5g}",
     }  # fmt: skip
 
 
-def top_tension(run: Run, seconds: float, hours: str, newtons: float, unit: str) -> Figure:
-    """Tension at the tow point over time, with the extremes along the cable where they differ."""
+def start_tension(run: Run, seconds: float, hours: str, newtons: float, unit: str) -> Figure:
+    """Tension at the beginnings of all lines over time, with the extremes where they differ."""
     time, top = run.time / seconds, run.top_tension / newtons
     highest, lowest = run.tension_max / newtons, run.tension_min / newtons
+    where = "along the cable" if "" in run.shapes else "along all lines"
     traces = []
     if np.max(highest - top) > _NOTABLE * np.max(np.abs(highest)):
-        traces.append(_curve(time, highest, "highest along the cable", color=COLOURS[1], width=1))
+        traces.append(_curve(time, highest, f"highest {where}", color=COLOURS[1], width=1))
     if "tension_error" in run.names:
         traces += _band(time, top, run["tension_error"] / newtons)
-    traces.append(_curve(time, top, "at the tow point", color=COLOURS[0], width=2))
-    traces.append(_curve(time, lowest, "lowest along the cable", color="#8a97a5", width=1))
+    for k, (name, tension) in enumerate(start_tensions(run).items()):
+        style = {
+            "color": COLOURS[k % len(COLOURS)],
+            "dash": DASHES[k // len(COLOURS) % len(DASHES)],
+        }
+        traces.append(_curve(time, tension / newtons, name or start_of(name), **style, width=2))
+    traces.append(_curve(time, lowest, f"lowest {where}", color="#8a97a5", width=1))
     layout = _over_time(time, hours, f"tension [{unit}]", **_legend())
     return {"data": traces, "layout": layout}
 
@@ -127,8 +138,8 @@ def _band(time: Floats, values: Floats, errors: Floats) -> list[dict[str, Any]]:
     ]  # fmt: skip
 
 
-def profile(along: Along, field: Field, label: str, colour: str, scale: float) -> Figure:
-    """A quantity along the cable: its range over the run, and a curve for the page to move."""
+def profile(along: Along, field: Field, arc: str, label: str, colour: str, scale: float) -> Figure:
+    """A quantity along a line: its range over the run, and a curve for the page to move."""
     lower, upper = field.lower / scale, field.upper / scale
     edge = {"type": "scatter", "mode": "lines", "x": along.s, "hovertemplate": "%{y:.4g}"}
     shade = {"width": 0.8, "color": "#b9c3cd"}
@@ -141,13 +152,20 @@ def profile(along: Along, field: Field, label: str, colour: str, scale: float) -
          "y": [*field.values[0, there] / scale, field.ends[0] / scale], "name": NOW,
          "line": {"width": 2.2, "color": colour}},
     ]  # fmt: skip
-    return {"data": traces, "layout": _layout("arc length from the vessel [m]", label)}
+    return {"data": traces, "layout": _layout(arc, label)}
 
 
 def heat_map(
-    along: Along, field: Field, label: str, seconds: float, hours: str, scale: float, colours: Any
+    along: Along,
+    field: Field,
+    arc: str,
+    label: str,
+    seconds: float,
+    hours: str,
+    scale: float,
+    colours: Any,
 ) -> tuple[Figure, str]:
-    """A quantity over time and along the cable, and what to say about its colours."""
+    """A quantity over time and along a line, and what to say about its colours."""
     values = field.values / scale
     largest = field.highest.value / scale
     seen = values[np.isfinite(values)]
@@ -174,9 +192,7 @@ def heat_map(
             "tickfont": {"size": 10},
         },
     }  # fmt: skip
-    layout = _over_time(
-        along.time / seconds, hours, "arc length from the vessel [m]", hovermode="closest"
-    )
+    layout = _over_time(along.time / seconds, hours, arc, hovermode="closest")
     layout["margin"] = {"l": 58, "r": 14, "t": 50, "b": 40}
     layout["yaxis"]["autorange"] = "reversed"
     for axis in ("xaxis", "yaxis"):
@@ -212,28 +228,19 @@ _INPUTS = (
 
 def inputs(run: Run, seconds: float, hours: str) -> Figure | None:
     """What the steps applied: motion of the tow point, and pay-out and current where there are
-    any. None when the run has no steps."""
-    applied = run.applied_inputs
-    if not len(applied["time"]):
+    any; of a system how its vessels move, and all that was given. None when the run has no steps,
+    or there is nothing of it."""
+    if not len(run.applied_inputs["time"]):
         return None
-    time = applied["time"] / seconds
-    rows = []
-    for name, label, parts, always in _INPUTS:
-        keys = [name] if len(parts) == 1 else [f"{name}.{axis}" for axis in "xyz"]
-        pairs = [
-            (part, applied[key])
-            for part, key in zip(parts, keys, strict=True)
-            if np.any(np.abs(np.nan_to_num(applied[key])) > _ZERO)
-        ]
-        if not pairs and always:
-            pairs = [(parts[0], applied[keys[0]])]
-        if pairs:
-            rows.append((label, pairs))
+    found = _inputs_of_system(run) if isinstance(run, SystemRun) else _inputs_of_line(run)
+    rows = [row for row in found if row[1]]
+    if not rows:
+        return None
     layout = _over_time(run.time / seconds, hours, "", **_legend())
     layout["xaxis"]["anchor"] = "y" if len(rows) == 1 else f"y{len(rows)}"
     traces = []
     height = (1.0 - 0.1 * (len(rows) - 1)) / len(rows)
-    for row, (label, pairs) in enumerate(rows):
+    for row, (label, pairs, time) in enumerate(rows):
         suffix = "" if row == 0 else str(row + 1)
         top = 1.0 - row * (height + 0.1)
         layout[f"yaxis{suffix}"] = {
@@ -241,7 +248,50 @@ def inputs(run: Run, seconds: float, hours: str) -> Figure | None:
             "rangemode": "tozero",
         }  # fmt: skip
         for index, (part, values) in enumerate(pairs):
-            curve = _curve(time, values, part, color=COLOURS[(index + row) % len(COLOURS)])
+            colour = COLOURS[(index + row) % len(COLOURS)]
+            curve = _curve(time / seconds, values, part, color=colour)
             traces.append({**curve, "yaxis": f"y{suffix}"})
     layout["height"] = 90 + 160 * len(rows)
     return {"data": traces, "layout": layout}
+
+
+_Row = tuple[str, list[tuple[str, Floats]], Floats]
+"""Label, names and values of its curves, and their times [s]."""
+
+
+def _inputs_of_line(run: Run) -> Iterator[_Row]:
+    applied = run.applied_inputs
+    for name, label, parts, always in _INPUTS:
+        keys = [name] if len(parts) == 1 else [f"{name}.{axis}" for axis in "xyz"]
+        pairs = [
+            (part, applied[key])
+            for part, key in zip(parts, keys, strict=True)
+            if _any(applied[key])
+        ]
+        if not pairs and always:
+            pairs = [(parts[0], applied[keys[0]])]
+        yield label, pairs, applied["time"]
+
+
+def _inputs_of_system(run: SystemRun) -> Iterator[_Row]:
+    applied = run.applied_inputs
+    for name in run.scene.vessels:
+        velocity = run[f"{name}.velocity"]
+        axes = [k for k in range(3) if _any(velocity[:, k])]
+        curves = [(f"{name} {'xyz'[k]}", velocity[:, k]) for k in axes]
+        yield f"{name} velocity [m/s]", curves, run.time
+    for name, (unit, _quantity, labels) in input_fields(run.scene).items():
+        if name in ("time", "step") or np.all(np.isnan(applied[labels[0]])):
+            continue
+        part, _, field = name.rpartition(".")
+        words = f"{part} {field.replace('_', ' ')}"
+        curves = [
+            (f"{words}{label.removeprefix(name).replace('.', ' ')}", applied[label])
+            for label in labels
+            if _any(applied[label]) or len(labels) == 1
+        ]
+        yield f"{words} [{unit}]" if unit else words, curves, applied["time"]
+
+
+def _any(values: Floats) -> bool:
+    return bool(np.any(np.abs(np.nan_to_num(values)) > _ZERO))

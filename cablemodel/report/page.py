@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cablemodel.drawing import COLOURS, arc_length_label, has_states, tension_scale, time_scale
 from cablemodel.errors import CableModelError
-from cablemodel.plot import tension_scale, time_scale
 from cablemodel.report import charts, tables
 from cablemodel.report.samples import Along, Frames
 from cablemodel.report.shape import shape_figure
@@ -39,24 +39,29 @@ def save_report(run: Run, path: str | PathLike[str]) -> None:
 def report_html(run: Run) -> str:
     """The page as text; see :func:`save_report`."""
     library = _plotly_js()
-    if len(run.states) == 0 or len(run.time) == 0:
+    if not has_states(run) or len(run.time) == 0:
         raise CableModelError("the run has no states: there is nothing to report")
-    data, notes = _data(run)
+    alongs = {name: Along.of(run, name) for name in run.shapes}
+    data = _data(run, alongs)
     title = run.scene.title or "Cable run"
     newtons, unit = tension_scale(run)
-    along = data.pop("along")
     page = Template(_static("page.html"))
+    first = next(iter(alongs))
     return page.substitute(
         title=html.escape(title),
-        described=html.escape(tables.described(run.scene, run)),
+        described=html.escape(tables.described(run)),
         incomplete=_incomplete(run),
-        keys=_keys(tables.key_figures(run, along, newtons, unit)),
-        tension_note=html.escape(notes["tension"]),
-        curvature_note=html.escape(notes["curvature"]),
+        keys=_keys(tables.key_figures(run, alongs, newtons, unit)),
+        line=html.escape(first or "the cable"),
+        of_line=html.escape(f", {first}" if first else ""),
+        lines="".join(f"<option>{html.escape(name)}</option>" for name in alongs),
+        lines_hidden="" if len(alongs) > 1 else "hidden",
+        start_tension="Tension at the beginnings of the lines" if first else "Top tension",
+        beginning="the beginning of the line" if first else "the vessel",
         touchdown_hidden="" if "touchdown" in data["figures"] else "hidden",
         inputs_hidden="" if "inputs" in data["figures"] else "hidden",
-        extremes=_extremes(tables.extremes(run, along, newtons, unit)),
-        outputs=f"{len(run.states):,}",
+        extremes=_extremes(tables.extremes(run, alongs, newtons, unit)),
+        outputs=f"{len(next(iter(run.shapes.values()))):,}",
         solver=_facts(tables.solver_facts(run)),
         origin=_facts(tables.origin_facts(run)),
         scene=html.escape(_scene_text(run)),
@@ -68,55 +73,56 @@ def report_html(run: Run) -> str:
     )
 
 
-def _data(run: Run) -> tuple[dict[str, Any], dict[str, str]]:
-    """All figures and moving data, and what to say under the heat maps."""
+def _data(run: Run, alongs: dict[str, Along]) -> dict[str, Any]:
+    """All figures and moving data."""
     newtons, unit = tension_scale(run)
     seconds, hours = time_scale(run.time)
-    frames, along = Frames.of(run), Along.of(run)
+    frames = Frames.of(run)
     shape, moving = shape_figure(run.scene, frames, newtons, unit)
-    tension, tension_note = charts.heat_map(
-        along, along.tension, f"tension [{unit}]", seconds, hours, newtons, charts.TENSION_SCALE
-    )
-    curvature, curvature_note = charts.heat_map(
-        along, along.curvature, "curvature [1/m]", seconds, hours, 1.0, "Viridis"
-    )
     figures = {
         "shape": shape,
-        "tension-along": charts.profile(
-            along, along.tension, f"tension [{unit}]", charts.COLOURS[0], newtons
-        ),
-        "curvature-along": charts.profile(
-            along, along.curvature, "curvature [1/m]", charts.COLOURS[2], 1.0
-        ),
-        "top-tension": charts.top_tension(run, seconds, hours, newtons, unit),
-        "tension-map": tension,
-        "curvature-map": curvature,
+        "top-tension": charts.start_tension(run, seconds, hours, newtons, unit),
         "touchdown": charts.touchdown(run, seconds, hours),
         "inputs": charts.inputs(run, seconds, hours),
     }
     figures = {name: figure for name, figure in figures.items() if figure is not None}
-    data = {
+    arc = arc_length_label(run)
+    return {
         "figures": figures,
+        "lines": {
+            name: _line(along, arc, seconds, hours, newtons, unit) for name, along in alongs.items()
+        },
         "shape": moving,
         "time": frames.time,
         "seconds": seconds,
         "hours": hours,
         # The curves of the profiles are the columns of the heat maps.
         "profiles": {"tension-along": "tension-map", "curvature-along": "curvature-map"},
-        # They go on to the far end, which lies between two rows.
-        "ends": {
-            "s": along.ends,
-            "tension-along": along.tension.ends / newtons,
-            "curvature-along": along.curvature.ends,
-        },
         "overTime": [
-            name
-            for name in ("top-tension", "touchdown", "inputs", "tension-map", "curvature-map")
-            if name in figures
+            *(name for name in ("top-tension", "touchdown", "inputs") if name in figures),
+            "tension-map",
+            "curvature-map",
         ],
-        "along": along,
     }
-    return data, {"tension": tension_note, "curvature": curvature_note}
+
+
+def _line(
+    along: Along, arc: str, seconds: float, hours: str, newtons: float, unit: str
+) -> dict[str, Any]:
+    """Figures of one line, what to say under its heat maps, and where its curves end."""
+    figures, notes, ends = {}, {}, {"s": along.ends}
+    for name, field, label, colour, scale, colours in (
+        ("tension", along.tension, f"tension [{unit}]", COLOURS[0], newtons,
+         charts.TENSION_SCALE),
+        ("curvature", along.curvature, "curvature [1/m]", COLOURS[2], 1.0, "Viridis"),
+    ):  # fmt: skip
+        figures[f"{name}-along"] = charts.profile(along, field, arc, label, colour, scale)
+        figures[f"{name}-map"], notes[f"{name}-map"] = charts.heat_map(
+            along, field, arc, label, seconds, hours, scale, colours
+        )
+        # They go on to the far end, which lies between two rows.
+        ends[f"{name}-along"] = field.ends / scale
+    return {"figures": figures, "notes": notes, "ends": ends}
 
 
 def _plotly_js() -> str:

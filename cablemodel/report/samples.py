@@ -10,19 +10,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel.compare import SAME_TIME
+from cablemodel.drawing import (
+    Marks,
+    Reference,
+    Shapes,
+    bodies_of,
+    held_of,
+    names_of,
+    nearest,
+    skeletons_of,
+    stations_of,
+)
 
 if TYPE_CHECKING:
     from cablemodel.model import CableState
     from cablemodel.run import Run
+    from cablemodel.states import States
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 FRAMES = 500
 """Instants of the animation and of the heat maps at most."""
-STATIONS = 101
-"""Points of a shape at least."""
 MOST_STATIONS = 201
+"""Points of a line."""
 _SAME_PLACE = 1e-9
 """Part of its length by which a line may end before a station that is its end."""
 BUCKETS = 1000
@@ -33,32 +44,42 @@ BUCKETS = 1000
 class Frames:
     """A run at instants spaced as evenly as its outputs allow, at stations spaced evenly in s."""
 
-    time: Floats
-    """(nf,) [s]"""
-    s: Floats
-    """Unstretched arc length from the vessel (nf, n) [m]."""
-    position: Floats
-    """(nf, n, 3) [m], east, north, up."""
-    tension: Floats
-    """(nf, n) [N]"""
-    bodies: Floats
-    """Positions (nf, bodies, 3) [m]; NaN while a body is on the drum."""
+    shapes: Shapes
+    """All lines."""
+    reference: Reference
+    """What x and y count from where the view follows it."""
+    held: Marks
+    """The tow point, or points of vessels, and anchors."""
+    bodies: Marks
+    names: Marks
+    """Of vessels and bodies."""
+    skeletons: Floats
+    """Vessels and free bodies as lines (nf, n, 3) [m], with gaps (NaN)."""
 
     @classmethod
     def of(cls, run: Run, count: int = FRAMES) -> Frames:
-        states = run.states
-        chosen = evenly_spaced(states.time, count)
-        most_nodes = max(len(states[index].s) for index in chosen)
-        even = states.chosen(chosen).resampled(min(max(most_nodes, STATIONS), MOST_STATIONS))
-        bodies = np.empty((len(chosen), 0, 3))
-        if "bodies.position" in run.names:
-            bodies = run["bodies.position"][nearest(run.time, even.time)]
-        return cls(even.time, even.s, even.position, even.tension, bodies)
+        states = next(iter(run.shapes.values()))
+        shapes = Shapes.of(run, evenly_spaced(states.time, count), most=MOST_STATIONS)
+        reference, bodies = Reference.of(run, shapes), bodies_of(run, shapes)
+        seen = shapes.position - reference.place[:, None]
+        return cls(
+            shapes,
+            reference,
+            held_of(run, shapes),
+            bodies,
+            names_of(run, shapes, bodies),
+            skeletons_of(run, shapes.time, seen),
+        )
 
     @property
-    def tow_point(self) -> Floats:
-        """(nf, 3) [m]"""
-        return self.position[:, 0]
+    def time(self) -> Floats:
+        """(nf,) [s]"""
+        return self.shapes.time
+
+    @property
+    def ground(self) -> Floats:
+        """x and y of the reference, and z = 0 (nf, 3) [m]."""
+        return np.asarray(self.reference.place * [1.0, 1.0, 0.0])
 
 
 @dataclass(frozen=True)
@@ -69,7 +90,7 @@ class Extreme:
     time: float
     """[s]"""
     s: float
-    """Arc length from the vessel [m]; NaN where no state tells it."""
+    """Arc length from the beginning of the line [m]; NaN where no state tells it."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +111,7 @@ class Field:
 
 @dataclass(frozen=True)
 class Along:
-    """Quantities at fixed stations along the cable that may ever be out."""
+    """Quantities at fixed stations along a line, along all of it that may ever be out."""
 
     time: Floats
     """(nf,) [s]"""
@@ -103,36 +124,40 @@ class Along:
     bending_moment: Field
 
     @classmethod
-    def of(cls, run: Run, count: int = FRAMES) -> Along:
-        states = run.states
+    def of(cls, run: Run, line: str = "", count: int = FRAMES) -> Along:
+        states = run.shapes[line]
         frames = evenly_spaced(states.time, count)
         everything = list(states)
         longest = max(float(state.s[-1]) for state in everything)
-        nodes = max(len(state.s) for state in everything)
-        s = np.linspace(0.0, longest, min(max(nodes, STATIONS), MOST_STATIONS))
+        s = np.linspace(0.0, longest, stations_of(states, MOST_STATIONS))
         fields = {
             name: _field(everything, name, s, frames)
             for name in ("tension", "curvature", "bending_moment")
         }
         tension = fields["tension"]
+        lowest, highest = run.tension_min, run.tension_max
+        if line:
+            lowest, highest = run[f"{line}.tension_min"], run[f"{line}.tension_max"]
         # What `run`, `stats` and all other outputs say: at nodes the two sides differ, and in long
         # runs there are fewer states than outputs.
         fields["tension"] = replace(
             tension,
-            lowest=_of_outputs(run, run.tension_min, np.argmin),
-            highest=_of_outputs(run, run.tension_max, np.argmax),
+            lowest=_of_outputs(run.time, lowest, states, np.argmin),
+            highest=_of_outputs(run.time, highest, states, np.argmax),
         )
         ends = np.array([float(everything[frame].s[-1]) for frame in frames])
         return cls(states.time[frames], s, ends, **fields)
 
 
-def _of_outputs(run: Run, values: Floats, which: Callable[[Floats], np.intp]) -> Extreme:
+def _of_outputs(
+    times: Floats, values: Floats, states: States, which: Callable[[Floats], np.intp]
+) -> Extreme:
     """The extreme tension of all outputs; its place is that of the node nearest to it."""
     row = int(which(values))
-    time, state = float(run.time[row]), int(nearest(run.states.time, run.time[row : row + 1])[0])
+    time, state = float(times[row]), int(nearest(states.time, times[row : row + 1])[0])
     s = float("nan")
-    if abs(run.states.time[state] - time) <= SAME_TIME:
-        there = run.states[state]
+    if abs(states.time[state] - time) <= SAME_TIME:
+        there = states[state]
         s = float(there.s[which(there.tension)])
     return Extreme(float(values[row]), time, s)
 
@@ -175,15 +200,6 @@ def evenly_spaced(time: Floats, count: int) -> Indices:
     if len(time) <= count:
         return np.arange(len(time))
     return np.unique(nearest(time, np.linspace(time[0], time[-1], count)))
-
-
-def nearest(time: Floats, wanted: Floats) -> Indices:
-    """Index of the time nearest to each wanted one."""
-    after = np.clip(np.searchsorted(time, wanted), 1, max(len(time) - 1, 1))
-    before = after - 1
-    after = np.minimum(after, len(time) - 1)
-    chosen = np.where(wanted - time[before] <= time[after] - wanted, before, after)
-    return np.asarray(chosen, np.intp)
 
 
 def thinned(values: Floats, buckets: int = BUCKETS) -> Indices:

@@ -9,15 +9,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel.report.charts import COLOURS, INK, TENSION_SCALE, axis_style, base_layout
+from cablemodel.drawing import COLOURS
+from cablemodel.report.charts import INK, TENSION_SCALE, axis_style, base_layout
 from cablemodel.report.samples import Frames
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
+    from cablemodel.systems import SystemScene
 
 Floats = NDArray[np.float64]
 
-CABLE, TOW_POINT, BODIES, TRACK, SEA, FLOOR = range(6)
+LINES, HELD, BODIES, SKELETONS, NAMES, TRACK, SEA, FLOOR = range(8)
 """Traces of the figure, in order; the page moves them by their number."""
 
 _THIN = 0.3
@@ -39,7 +41,7 @@ class View:
 
     box: Floats
     follows: bool
-    """Whether x and y count from the tow point."""
+    """Whether x and y count from the tow point, or what else the view follows."""
 
     @classmethod
     def around(cls, positions: Floats, follows: bool, levels: tuple[float, ...] = ()) -> View:
@@ -98,27 +100,29 @@ def _eye(direction: Floats) -> dict[str, float]:
 
 
 def shape_figure(
-    scene: Scene, frames: Frames, newtons: float, unit: str
+    scene: Scene | SystemScene, frames: Frames, newtons: float, unit: str
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """The figure at the first instant, and the data by which the page moves it.
 
     Tensions are divided by ``newtons`` [N per ``unit``].
     """
-    top = frames.tow_point
-    ground = top * [1.0, 1.0, 0.0]
-    points = np.concatenate([frames.position, frames.bodies], axis=1)
+    shapes, reference, ground = frames.shapes, frames.reference, frames.ground
+    marks = (frames.held.places, frames.bodies.places, frames.skeletons)
+    points = np.concatenate([shapes.position, *marks], axis=1)
     levels = _levels(scene, frames)
     views = {
         "follow": View.around(points - ground[:, None], True, levels),
         "map": View.around(points, False, levels),
     }
-    lengths = frames.s[:, -1] - frames.s[:, 0]
-    travel = float(np.max(np.linalg.norm(top - top[0], axis=-1)))
-    follow = travel > 0.5 * float(np.max(lengths))
+    travel = float(np.max(np.linalg.norm(reference.place - reference.place[0], axis=-1)))
+    follow = travel > 0.5 * shapes.length
     view = views["follow" if follow else "map"]
     direction = _spread(points - ground[:, None])
     floor = _floor(scene, views)
-    tension = frames.tension / newtons
+    tension = shapes.tension / newtons
+
+    def moved(places: Floats) -> NDArray[np.float32]:
+        return (places - ground[:, None]).astype(np.float32)
 
     figure = {
         "data": _traces(frames, view, tension, unit),
@@ -133,12 +137,15 @@ def shape_figure(
         "views": {name: one.layout(direction) for name, one in views.items()},
         "boxes": {name: one.box for name, one in views.items()},
         "follow": follow,
-        "travels": travel > 0.0,
-        "position": (frames.position - ground[:, None]).astype(np.float32),
-        "bodies": (frames.bodies - ground[:, None]).astype(np.float32),
+        # By more than the page can tell.
+        "travels": travel > float(np.finfo(np.float32).eps) * shapes.length,
+        "reference": reference.name,
+        "position": moved(shapes.position),
+        # The traces after that of the lines, in their order.
+        "marks": [moved(places) for places in (*marks, frames.names.places)],
         "ground": ground[:, :2],
         "tension": tension.astype(np.float32),
-        "s": frames.s.astype(np.float32),
+        "s": shapes.s.astype(np.float32),
         "sea": _has_sea(scene) and view.box[2, 0] <= 0.0 <= view.box[2, 1],
         "floor": floor,
     }
@@ -147,21 +154,28 @@ def shape_figure(
 
 def _traces(frames: Frames, view: View, tension: Floats, unit: str) -> list[dict[str, Any]]:
     """All traces at the first instant; surface and floor are for the page to fill."""
-    origin = frames.tow_point[0] * ([1.0, 1.0, 0.0] if view.follows else [0.0, 0.0, 0.0])
-    shape = frames.position[0] - origin
-    cable = {
+    shapes = frames.shapes
+    origin = frames.ground[0] if view.follows else np.zeros(3)
+    # A gap between two lines has no name.
+    named = [
+        word
+        for name, at in shapes.places.items()
+        for word in (*[f"{name}<br>" if name else ""] * (at.stop - at.start), "")
+    ][:-1]
+    lines = {
         "type": "scatter3d",
         "mode": "lines",
-        "name": "cable",
-        **dict(zip("xyz", shape.T, strict=True)),
-        "customdata": np.stack([frames.s[0], tension[0]], axis=-1),
-        "hovertemplate": f"s = %{{customdata[0]:.2f}} m<br>%{{customdata[1]:.4g}} {unit}<br>"
-        "(%{x:.2f}, %{y:.2f}, %{z:.2f}) m<extra></extra>",
+        "name": "lines",
+        **_places(shapes.position[0] - origin),
+        "text": named,
+        "customdata": np.stack([shapes.s[0], tension[0]], axis=-1),
+        "hovertemplate": f"%{{text}}s = %{{customdata[0]:.2f}} m<br>%{{customdata[1]:.4g}} {unit}"
+        "<br>(%{x:.2f}, %{y:.2f}, %{z:.2f}) m<extra></extra>",
         "line": {
             "width": 9,
             "color": tension[0],
-            "cmin": float(np.min(tension)),
-            "cmax": max(float(np.max(tension)), float(np.min(tension)) + 1e-9),
+            "cmin": float(np.nanmin(tension)),
+            "cmax": max(float(np.nanmax(tension)), float(np.nanmin(tension)) + 1e-9),
             "colorscale": TENSION_SCALE,
             "colorbar": {
                 "title": {"text": f"tension [{unit}]", "side": "top", "font": {"size": 11}},
@@ -178,24 +192,42 @@ def _traces(frames: Frames, view: View, tension: Floats, unit: str) -> list[dict
             },
         },
     }
-    tow = {
-        "type": "scatter3d", "mode": "markers", "name": "tow point",
-        **{axis: [value] for axis, value in zip("xyz", shape[0], strict=True)},
+    held = {
+        "type": "scatter3d", "mode": "markers", "name": frames.held.kind,
+        **_places(frames.held.places[0] - origin),
+        "text": list(frames.held.names),
         "marker": {"size": 5, "color": INK, "symbol": "square"},
-        "hovertemplate": "tow point<extra></extra>",
+        "hovertemplate": "%{text}<extra></extra>",
     }  # fmt: skip
     bodies = {
         "type": "scatter3d", "mode": "markers", "name": "bodies",
-        **dict(zip("xyz", (frames.bodies[0] - origin).T, strict=True)),
+        **_places(frames.bodies.places[0] - origin),
+        "text": [name or "body" for name in frames.bodies.names],
         "marker": {"size": 6, "color": COLOURS[2], "line": {"color": "#fff", "width": 1}},
-        "hovertemplate": "body<br>(%{x:.2f}, %{y:.2f}, %{z:.2f}) m<extra></extra>",
+        "hovertemplate": "%{text}<br>(%{x:.2f}, %{y:.2f}, %{z:.2f}) m<extra></extra>",
+    }  # fmt: skip
+    skeletons = {
+        "type": "scatter3d", "mode": "lines", "name": "vessels and bodies",
+        **_places(frames.skeletons[0] - origin),
+        "line": {"width": 3, "color": INK}, "hoverinfo": "skip",
+    }  # fmt: skip
+    names = {
+        "type": "scatter3d", "mode": "text", "name": "names",
+        **_places(frames.names.places[0] - origin),
+        "text": list(frames.names.names), "textposition": "top right", "hoverinfo": "skip",
     }  # fmt: skip
     track = {
-        "type": "scatter3d", "mode": "lines", "name": "track of the tow point",
-        **dict(zip("xyz", frames.tow_point.T, strict=True)),
+        "type": "scatter3d", "mode": "lines", "name": f"track of {frames.reference.name}",
+        **_places(frames.reference.place),
         "line": {"width": 2, "color": "#9aa5b1"}, "hoverinfo": "skip", "visible": not view.follows,
     }  # fmt: skip
-    return [cable, tow, bodies, track, _surface("#4f9fd8", 0.22), _surface("#b08a57", 0.55)]
+    surfaces = [_surface("#4f9fd8", 0.22), _surface("#b08a57", 0.55)]
+    return [lines, held, bodies, skeletons, names, track, *surfaces]
+
+
+def _places(points: Floats) -> dict[str, Floats]:
+    """Coordinates of points (n, 3) by their axes."""
+    return dict(zip("xyz", points.T, strict=True))
 
 
 def _surface(colour: str, opacity: float) -> dict[str, Any]:
@@ -209,15 +241,16 @@ def _surface(colour: str, opacity: float) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _has_sea(scene: Scene) -> bool:
+def _has_sea(scene: Scene | SystemScene) -> bool:
     return scene.environment.water_density > _AIR
 
 
-def _levels(scene: Scene, frames: Frames) -> tuple[float, ...]:
+def _levels(scene: Scene | SystemScene, frames: Frames) -> tuple[float, ...]:
     """Heights that a view should hold where they are near: still water, and the floor below."""
     found = [0.0] if _has_sea(scene) else []
     if scene.environment.floor is not None:
-        places = frames.position.reshape(-1, 3)[::10]
+        places = frames.shapes.position.reshape(-1, 3)
+        places = places[np.isfinite(places[:, 0])][::10]
         heights = [scene.environment.floor.height(x, y) for x, y, _ in places]
         found += [float(min(heights)), float(max(heights))]
     return tuple(found)
@@ -235,7 +268,7 @@ def _spread(offsets: Floats) -> Floats:
     return np.asarray(direction * math.copysign(1.0, leading))
 
 
-def _floor(scene: Scene, views: dict[str, View]) -> dict[str, Any] | None:
+def _floor(scene: Scene | SystemScene, views: dict[str, View]) -> dict[str, Any] | None:
     """Heights of the floor on a grid that holds everything that is ever seen, if any of it is."""
     floor = scene.environment.floor
     if floor is None:

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cablemodel.drawing import start_of, start_tensions
 from cablemodel.report.samples import Along, Extreme
-
-if TYPE_CHECKING:
-    from cablemodel.run import Run
-    from cablemodel.scene import Scene
+from cablemodel.run import Run, SystemRun
 
 Floats = NDArray[np.float64]
 
@@ -60,34 +58,73 @@ def place(value: float) -> str:
     return f"{value:.5g}".replace("-", "−")
 
 
-def key_figures(run: Run, along: Along, newtons: float, unit: str) -> list[Key]:
+def key_figures(run: Run, alongs: dict[str, Along], newtons: float, unit: str) -> list[Key]:
     """Numbers that a reader looks for first."""
-    high, low = along.tension.highest, along.tension.lowest
-    peak = int(np.argmax(run.top_tension))
-    top = run.top_tension[peak]
+    found = []
+    for name, top in start_tensions(run).items():
+        tension = alongs[name].tension
+        high, peak = tension.highest, int(np.argmax(top))
+        scale = max(abs(high.value), abs(tension.lowest.value)) / newtons
+        title = f"{name}: tension at its beginning" if name else "Top tension"
+        found.append(
+            Key(f"{title}, highest", number(top[peak] / newtons, scale), unit,
+                f"at t = {place(run.time[peak])} s; {number(top[-1] / newtons, scale)} "
+                f"{unit} at the end")
+        )  # fmt: skip
+        if high.value > top[peak] + 1e-3 * abs(top[peak]):
+            title = _of(name, "tension, highest")
+            found.append(Key(title, number(high.value / newtons), unit, _where(high)))
+    name = min(alongs, key=lambda name: alongs[name].tension.lowest.value)
+    low, high = alongs[name].tension.lowest, alongs[name].tension.highest
     scale = max(abs(high.value), abs(low.value)) / newtons
-    found = [
-        Key("Top tension, highest", number(top / newtons, scale), unit,
-            f"at t = {place(run.time[peak])} s; {number(run.top_tension[-1] / newtons, scale)} "
-            f"{unit} at the end"),
-    ]  # fmt: skip
-    if high.value > top + 1e-3 * abs(top):
-        found.append(Key("Tension, highest", number(high.value / newtons), unit, _where(high)))
-    found.append(Key("Tension, lowest", number(low.value / newtons, scale), unit, _where(low)))
-    curvature = along.curvature.highest
+    title = _of(name, "tension, lowest")
+    found.append(Key(title, number(low.value / newtons, scale), unit, _where(low)))
+    name = max(alongs, key=lambda name: alongs[name].curvature.highest.value)
+    curvature = alongs[name].curvature.highest
     radius = f"radius {number(1.0 / curvature.value)} m; " if curvature.value > 0.0 else ""
-    found.append(
-        Key("Curvature, largest", number(curvature.value), "1/m", radius + _where(curvature))
-    )
+    title = _of(name, "curvature, largest")
+    found.append(Key(title, number(curvature.value), "1/m", radius + _where(curvature)))
     found += _error_figures(run, newtons, unit)
+    if isinstance(run, SystemRun):
+        return found + _part_figures(run, newtons, unit)
+    return [*found, _far_end(run)]
+
+
+def _of(line: str, text: str) -> str:
+    """A heading of something of a line, or of the only one."""
+    return f"{line}: {text}" if line else text.capitalize()
+
+
+def _far_end(run: Run) -> Key:
     end = run.states[-1].position
     away = float(np.hypot(*(end[-1] - end[0])[:2]))
     below = float(end[0, 2] - end[-1, 2])
-    found.append(
-        Key("Far end, at the end", number(away, run.scene.line_length), "m away",
-            f"horizontally; {number(abs(below), away)} m "
-            f"{'below' if below >= 0.0 else 'above'} the tow point"),
+    return Key(
+        "Far end, at the end", number(away, run.scene.line_length), "m away",
+        f"horizontally; {number(abs(below), away)} m "
+        f"{'below' if below >= 0.0 else 'above'} the tow point",
     )  # fmt: skip
+
+
+def _part_figures(run: SystemRun, newtons: float, unit: str) -> list[Key]:
+    """Where bodies end, and the largest forces on vessels."""
+    found = []
+    for name in run.scene.bodies:
+        x, y, z = run[f"{name}.position"][-1]
+        scale = run.scene.line_length
+        note = f"at x = {number(x, scale)} m, y = {number(y, scale)} m"
+        found.append(Key(f"{name}: z at the end", number(z, scale), "m", note))
+    for name in run.scene.vessels:
+        force = np.linalg.norm(run[f"{name}.force"], axis=-1) / newtons
+        peak = int(np.argmax(force))
+        note = f"at t = {place(run.time[peak])} s; {number(force[-1])} {unit} at the end"
+        title = f"{name}: force of the lines, largest"
+        found.append(Key(title, number(force[peak]), unit, note))
+    for name, cut in run.scene.cuts.items():
+        made = run[f"{name}.time"][-1]
+        when = ("not cut", "") if math.isnan(made) else (place(made), "s")
+        where = f"s = {place(cut.at)} m" if isinstance(cut.at, float) else f"its {cut.at}"
+        found.append(Key(f"{name}: {cut.line} is cut", *when, f"at {where}"))
     return found
 
 
@@ -123,38 +160,64 @@ def _when(extreme: Extreme) -> str:
     return f"{place(extreme.time)} s{at}"
 
 
-def extremes(run: Run, along: Along, newtons: float, unit: str) -> list[Row]:
+def extremes(run: Run, alongs: dict[str, Along], newtons: float, unit: str) -> list[Row]:
     """Extremes over all output times, with time and place."""
-    rows = [_over_time("tension at the tow point", unit, run.time, run.top_tension / newtons)]
-    fields = (
-        ("tension along the cable", unit, along.tension, newtons),
-        ("curvature along the cable", "1/m", along.curvature, 1.0),
-        ("bending moment along the cable", "N m", along.bending_moment, 1.0),
-    )
-    for name, its_unit, field, divide in fields:
-        low, high = field.lowest, field.highest
-        scale = max(abs(low.value), abs(high.value)) / divide
-        rows.append(
-            Row(
-                name, its_unit,
-                number(low.value / divide, scale), _when(low),
-                number(high.value / divide, scale), _when(high),
-            )
-        )  # fmt: skip
-    for axis, name in enumerate(("x", "y", "z")):
-        values = run.tip_position[:, axis]
-        rows.append(_over_time(f"far end, {name}", "m", run.time, values))
-    speed = np.linalg.norm(run["tip_velocity"], axis=-1)
-    rows.append(_over_time("speed of the far end", "m/s", run.time, speed))
+    rows = []
+    for name, top in start_tensions(run).items():
+        along = alongs[name]
+        rows.append(_over_time(f"tension {start_of(name)}", unit, run.time, top / newtons))
+        if name:
+            tension = run[f"{name}.end_tension"] / newtons
+            rows.append(_over_time(f"tension at the end of {name}", unit, run.time, tension))
+        for quantity, its_unit, field, divide in (
+            ("tension", unit, along.tension, newtons),
+            ("curvature", "1/m", along.curvature, 1.0),
+            ("bending moment", "N m", along.bending_moment, 1.0),
+        ):
+            low, high = field.lowest, field.highest
+            scale = max(abs(low.value), abs(high.value)) / divide
+            rows.append(
+                Row(
+                    f"{quantity} along {name or 'the cable'}", its_unit,
+                    number(low.value / divide, scale), _when(low),
+                    number(high.value / divide, scale), _when(high),
+                )
+            )  # fmt: skip
+    more = _part_rows(run, newtons, unit) if isinstance(run, SystemRun) else _line_rows(run)
+    return rows + [_over_time(name, its_unit, run.time, values) for name, its_unit, values in more]
+
+
+_Values = Iterator[tuple[str, str, Floats]]
+"""Quantity, unit and values over time."""
+
+
+def _line_rows(run: Run) -> _Values:
+    """Of the far end, bodies and lengths of a scene of one line."""
+    for axis, name in enumerate("xyz"):
+        yield f"far end, {name}", "m", run.tip_position[:, axis]
+    yield "speed of the far end", "m/s", np.linalg.norm(run["tip_velocity"], axis=-1)
     if "bodies.position" in run.names:
         places = run["bodies.position"]
         for body in range(places.shape[1]):
-            name = f"body {body + 1} from the vessel, z"
-            rows.append(_over_time(name, "m", run.time, places[:, body, 2]))
+            yield f"body {body + 1} from the vessel, z", "m", places[:, body, 2]
     for name, label in (("line_length", "cable out"), ("floor_length", "length on the floor")):
         if name in run.names and np.ptp(run[name]) > 0.0:
-            rows.append(_over_time(label, "m", run.time, run[name]))
-    return rows
+            yield label, "m", run[name]
+
+
+def _part_rows(run: SystemRun, newtons: float, unit: str) -> _Values:
+    """Of the bodies and vessels of a system."""
+    for name in run.scene.bodies:
+        for axis, word in enumerate("xyz"):
+            yield f"{name}, {word}", "m", run[f"{name}.position"][:, axis]
+        for axis, word in enumerate(("roll", "pitch", "yaw")):
+            yield f"{name}, {word}", "deg", np.degrees(run[f"{name}.attitude"][:, axis])
+        yield f"speed of {name}", "m/s", np.linalg.norm(run[f"{name}.velocity"], axis=-1)
+    for name in run.scene.vessels:
+        force = np.linalg.norm(run[f"{name}.force"], axis=-1)
+        moment = np.linalg.norm(run[f"{name}.moment"], axis=-1)
+        yield f"force of the lines on {name}", unit, force / newtons
+        yield f"moment of the lines about the origin of {name}", "N m", moment
 
 
 def _over_time(name: str, unit: str, time: Floats, values: Floats) -> Row:
@@ -204,21 +267,36 @@ def origin_facts(run: Run) -> list[tuple[str, str]]:
     return facts
 
 
-def described(scene: Scene, run: Run) -> str:
+def described(run: Run) -> str:
     """The run in one sentence."""
+    parts = _parts_of_system(run) if isinstance(run, SystemRun) else _parts_of_line(run)
+    span = f"t = {place(run.time[0])} to {place(run.time[-1])} s"
+    return " · ".join([*parts, span])
+
+
+def _parts_of_system(run: SystemRun) -> Iterator[str]:
+    scene = run.scene
+    for name, line in scene.lines.items():
+        types = _joined([item.cable.type for item in line.items if item.cable is not None])
+        yield f"{name}: {place(line.length)} m of {types}"
+    for kind, word in (("bodies", "body"), ("vessels", "vessel")):
+        for name in getattr(scene, kind):
+            yield f"{word} {name}"
+
+
+def _parts_of_line(run: Run) -> Iterator[str]:
+    scene = run.scene
     cables = [item.cable for item in scene.line if item.cable is not None]
     bodies = sum(item.body is not None for item in scene.line)
-    parts = [f"{place(scene.line_length)} m of {_joined([cable.type for cable in cables])}"]
+    length = f"{place(scene.line_length)} m of {_joined([cable.type for cable in cables])}"
     at_end = place(run["line_length"][-1])
     if at_end != place(run["line_length"][0]):
         # Cable was paid out, or reeled in.
-        parts[0] += f" at the start, {at_end} m at the end"
+        length += f" at the start, {at_end} m at the end"
+    yield length
     if bodies:
-        parts.append("one body" if bodies == 1 else f"{bodies} bodies")
-    end = "anchored" if scene.end.kind == "anchor" else "free"
-    parts.append(f"far end {end}")
-    span = f"t = {place(run.time[0])} to {place(run.time[-1])} s"
-    return " · ".join([*parts, span])
+        yield "one body" if bodies == 1 else f"{bodies} bodies"
+    yield f"far end {'anchored' if scene.end.kind == 'anchor' else 'free'}"
 
 
 def _joined(names: list[str]) -> str:

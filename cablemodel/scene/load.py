@@ -47,12 +47,16 @@ def load_scene(
     """
     text, name, data = read_content(source)
     if is_system(data):
-        problem = "lines between vessels and bodies are a system, not a scene of one line"
-        allowed = "cablemodel.load_system and SystemModel"
-        error = SceneError.at("lines", None, problem, allowed)
-        error.source = name or ""
-        raise error
+        raise _no_single_line(name or "")
     return loaded(Scene, (text, name, data), overrides, folder)
+
+
+def _no_single_line(source: str) -> SceneError:
+    problem = "lines between vessels and bodies are a system, not a scene of one line"
+    allowed = "cablemodel.load_system and SystemModel"
+    error = SceneError.at("lines", None, problem, allowed)
+    error.source = source
+    return error
 
 
 def loaded(
@@ -82,13 +86,17 @@ def is_system(data: Mapping[str, Any]) -> bool:
     return "lines" in data and "line" not in data
 
 
-def scene_of(source: Scene | SceneSource) -> Scene:
+def scene_of(source: Document | SceneSource) -> Scene:
     """A scene as it is, or read from what `load_scene` takes.
 
     Raises:
         SceneError: neither, or a scene that is wrong.
     """
-    return source if isinstance(source, Scene) else load_scene(source)
+    if isinstance(source, Scene):
+        return source
+    if isinstance(source, Document):
+        raise _no_single_line("")
+    return load_scene(source)
 
 
 def listed(overrides: str | Iterable[str]) -> list[str]:
@@ -136,10 +144,10 @@ def scene_json_schema() -> dict[str, Any]:
     }
 
 
-def unit_at(path: str) -> str:
+def unit_at(path: str, kind: type[Document] = Scene) -> str:
     """SI unit of the numbers at a place of a scene (``line.0.cable.length``: m), as scene.md writes
     it; empty where there is none."""
-    schema = scene_json_schema()
+    schema = kind.model_json_schema(mode="validation")
     forms = _forms(schema, schema)
     for part in path.split("."):
         forms = [form for above in forms for form in _below(schema, above, part)]

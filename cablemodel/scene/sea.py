@@ -18,9 +18,8 @@ from numpy.typing import NDArray
 from cablemodel.errors import SceneProblem
 
 if TYPE_CHECKING:
-    from cablemodel.scene import Scene
+    from cablemodel.scene.common import CableScene
     from cablemodel.scene.environment import JonswapWaves, RegularWave, Waves
-    from cablemodel.systems.scene import SystemScene
 
 FloatArray = NDArray[np.float64]
 
@@ -105,7 +104,7 @@ class Sea:
         return self.number * way[..., None] - self.frequency * t + self.phase
 
 
-def sea(scene: Scene | SystemScene) -> Sea | None:
+def sea(scene: CableScene) -> Sea | None:
     """The components of a scene's waves; None: it has none."""
     waves = scene.environment.waves
     if waves is None:
@@ -144,7 +143,7 @@ def _sea(waves: Waves, depth: float, gravity: float) -> Sea:
     )
 
 
-def water_depth(scene: Scene | SystemScene) -> float:
+def water_depth(scene: CableScene) -> float:
     """Below the tow point, or the first vessel, at t = 0 [m]; inf without a floor."""
     floor = scene.environment.floor
     x, y, _ = scene.place
@@ -186,7 +185,7 @@ def _equal_energy(waves: JonswapWaves) -> FloatArray:
     return np.interp(shares, energy / energy[-1], grid)
 
 
-def problems(scene: Scene | SystemScene) -> Iterator[SceneProblem]:
+def problems(scene: CableScene) -> Iterator[SceneProblem]:
     """Waves that cannot be: in a vacuum, without gravity, on dry land, or that break."""
     waves = scene.environment.waves
     if waves is None:

@@ -27,10 +27,12 @@ from cablemodel.systems.tables import (
     fill_bodies,
     fill_cables,
     fill_cuts,
+    fill_feet,
     fill_frames,
     fill_held,
     fill_settings_of,
     fill_waves,
+    rest_feet,
 )
 from cablemodel.systems.tree import tree_of
 from cablemodel.waves import refine_line
@@ -85,6 +87,7 @@ def _solved(
     fill_held(scene, built)
     fill_bodies(scene, built, before)
     fill_cuts(scene, built)
+    fill_feet(scene, built)
     fill_waves(scene, block)
     place_nodes(scene, built, guess, before)
     sea_floor.fill(block, scene)
@@ -134,6 +137,7 @@ def _come_to_rest(scene: SystemScene, built: Built, velocity: FloatArray) -> Non
     entry.place_supports(ints, reals)
     block.array(at.O_ACCELERATION, built.nodes, 6)[:] = acceleration
     sea_floor.rest_where_it_is(block)
+    rest_feet(scene, built)
     count_from_zero(block)
     if ints[at.I_HYBRID]:
         entry.choose_bending(ints, reals)

@@ -25,9 +25,9 @@ PARTS = 12
 STRETCH = 0.3, 0.1, 0.03, 0.01, 0.004, 0.002
 """By which all forces together stretch one of them, one after the other: stiff strings let a step
 turn them by little."""
-ITERATIONS = 100
-BALANCED = 1e-7
-"""Of all forces together: what may be left of them at any place."""
+ITERATIONS = 1000
+BALANCED = 0.01
+"""Of the least of all forces: what may be left of them at any place."""
 SHARE_OF_DRAG = 0.3
 """Of a line's drag across, that it has on the average as it hangs."""
 
@@ -43,11 +43,12 @@ def _lowest(
     energy: Callable[[FloatArray], tuple[float, FloatArray, csc_matrix]],
     x: FloatArray,
     force: float,
+    least: float,
     length: float,
 ) -> FloatArray:
     """The lowest place (n, 3) of a convex energy, by Newton's method with Levenberg's damping.
 
-    force, length: typical ones [N], [m].
+    force, least: all together, and the least of them at a place [N]; length: a typical one [m].
     """
     damping = force / length
     value, slope, matrix = energy(x)
@@ -59,7 +60,7 @@ def _lowest(
             x = x + step
             value, slope, matrix = trial
             damping *= 0.3
-            if float(np.abs(slope).max()) < BALANCED * force:
+            if float(np.abs(slope).max()) < BALANCED * least:
                 break
         else:
             damping *= 4.0
@@ -250,8 +251,10 @@ def first_guess(scene: SystemScene, velocity: FloatArray) -> Guess:
             start[column[index]] = near
     rng = np.random.default_rng(0)  # no string may have length 0
     start += 1e-3 * float(rest.min()) * rng.standard_normal(start.shape)
+    sizes = np.linalg.norm(pulls, axis=1)
+    least = float(sizes[sizes > 0.0].min(initial=total))
     for stretch in STRETCH if len(free) else ():
-        start = _lowest(partial(energy, stretch=stretch), start, total, float(rest.mean()))
+        start = _lowest(partial(energy, stretch=stretch), start, total, least, float(rest.mean()))
     p = places(start) if len(free) else base
     return Guess(
         {name: p[[k for k, _ in nodes]] for name, nodes in lines.items()},

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +10,6 @@ from numpy.typing import NDArray
 from cablemodel.errors import SceneError
 from cablemodel.instance.scales import is_flexible
 from cablemodel.mesh import Span, Start, line_nodes
-from cablemodel.scene import Scene
 from cablemodel.scene.line import Cable
 from cablemodel.systems.scene import SystemLine, SystemScene
 
@@ -22,7 +20,7 @@ def flexible_at(scene: SystemScene, line: SystemLine, index: int) -> bool:
     """Whether a cable of a line, by the number of its item, passes no moment."""
     cable = line.items[index].cable
     assert cable is not None
-    return is_flexible(cast(Scene, scene), cable)  # its cable types alone
+    return is_flexible(scene, cable)
 
 
 def nodes_of(scene: SystemScene, name: str) -> list[FloatArray]:

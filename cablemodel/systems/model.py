@@ -21,9 +21,12 @@ from cablemodel.scene import Scene
 from cablemodel.scene.load import SceneSource, is_system, loaded, read_content
 from cablemodel.systems.build import build
 from cablemodel.systems.scene import SystemScene
+from cablemodel.wall_tension import Surroundings
 
 FloatArray = NDArray[np.float64]
 
+_SAME_PLACE = 1e-9
+"""Part of a line's length by which a node is at a cut."""
 _INPUT_WORDS = 14
 _NO_INPUTS: FloatArray = np.zeros(_INPUT_WORDS)
 
@@ -72,6 +75,8 @@ class LineView:
 
     def __init__(self, model: SystemModel, name: str) -> None:
         self._model, self.name = model, name
+        self._water = Surroundings.of_line(model.scene, name)
+        self._cuts = np.array(model.scene.cuts_along(name))
 
     @property
     def length(self) -> float:
@@ -79,7 +84,8 @@ class LineView:
         return self._model.scene.lines[self.name].length
 
     def sample(self, stations: ArrayLike | None = None) -> CableState:
-        """The line at arc lengths from its beginning (n,) [m]; by default at its nodes.
+        """The line at arc lengths from its beginning (n,) [m]; by default at its nodes, with both
+        sides of where it is cut.
 
         Raises:
             ValueError: a station is not on the line.
@@ -92,6 +98,11 @@ class LineView:
         if not np.all((s >= 0.0) & (s <= self.length * (1.0 + 1e-12))):
             raise ValueError(f"{self.name}: stations are 0 to {self.length:g} m")
         which = np.clip(np.searchsorted(elements.start, s, side="right") - 1, 0, None)
+        if stations is None:
+            gaps = np.abs(elements.start[:, None] - self._cuts)
+            sides = np.flatnonzero(np.any(gaps <= _SAME_PLACE * self.length, axis=1))
+            s = np.insert(s, sides, s[sides])
+            which = np.insert(which, sides, sides - 1)
         x = np.clip((s - elements.start[which]) / elements.length[which], 0.0, 1.0)
         backward = elements.backward[which]
         x = np.where(backward, 1.0 - x, x)
@@ -107,6 +118,7 @@ class LineView:
             curvature=rows[:, 10],
             bending_moment=rows[:, 11],
             on_floor=rows[:, 12] != 0.0,
+            water=(self._water, self.length),
         )
 
     @property
@@ -523,9 +535,13 @@ def load_system(
 
 
 def read_scene(
-    source: Scene | SystemScene | SceneSource, overrides: str | Iterable[str] = ()
+    source: Scene | SystemScene | SceneSource,
+    overrides: str | Iterable[str] = (),
+    folder: str | PathLike[str] | None = None,
 ) -> Scene | SystemScene:
     """A scene of one line or of a system, as it is or read: a file, YAML text, or a mapping.
+
+    overrides, folder: as of `load_scene`.
 
     Raises:
         SceneError: as `load_scene`, `load_system`.
@@ -534,5 +550,5 @@ def read_scene(
         return source
     content = read_content(source)
     if is_system(content[2]):
-        return loaded(SystemScene, content, overrides)
-    return loaded(Scene, content, overrides)
+        return loaded(SystemScene, content, overrides, folder)
+    return loaded(Scene, content, overrides, folder)

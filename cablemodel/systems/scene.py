@@ -229,6 +229,9 @@ class FreeBody(SceneModel):
         default_factory=dict, description="places at which lines are attached"
     )
     foils: dict[str, Foil] = Field(default_factory=dict, description="wings")
+    feet: tuple[Position, ...] | None = Field(
+        default=None, description="places that touch the sea floor; by default its points"
+    )
     position: Position | None = Field(
         default=None, description="at t = 0, where the start is not static or is sought from"
     )
@@ -359,6 +362,11 @@ class SystemScene(Document):
         """All cables, line by line."""
         items = (item for line in self.lines.values() for item in line.items)
         return [item.cable for item in items if item.cable is not None]
+
+    def cuts_along(self, line: str) -> list[float]:
+        """Arc lengths between the ends of a line at which it may be cut, in order [m]."""
+        places = (cut.at for cut in self.cuts.values() if cut.line == line)
+        return sorted({place for place in places if isinstance(place, float)})
 
     @property
     def place(self) -> tuple[float, float, float]:

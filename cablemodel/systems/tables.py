@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,6 @@ from cablemodel.instance.refinement import SPARE
 from cablemodel.instance.scales import is_flexible
 from cablemodel.instance.tables import fill_current, fill_settings
 from cablemodel.kernels import layout as at
-from cablemodel.scene import Scene
 from cablemodel.scene.motion import jumps
 from cablemodel.scene.sea import Sea, sea
 from cablemodel.sea_floor import table_words
@@ -38,7 +37,7 @@ FloatArray = NDArray[np.float64]
 def allocated(scene: SystemScene, tree: Tree) -> Built:
     """A block with room for a system on a tree, and its tree in it."""
     current = scene.environment.current
-    water = sea(cast(Scene, scene))
+    water = sea(scene)
     foils = [foil for body in scene.bodies.values() for foil in body.foils.values()]
     types = [
         scene.cable_types[cable_of(scene, part.line, part.cable).type] for part in tree.segments
@@ -70,6 +69,7 @@ def allocated(scene: SystemScene, tree: Tree) -> Built:
         foil_words=2 * at.FOIL_ANGLES * len(foils),
         cuts=len(scene.cuts),
         rao_words=rao_words(scene, water),
+        feet=len(feet_of(scene)),
     )
     block.ints[at.I_PARTS] = 1
     block.ints[at.I_NODES] = nodes
@@ -86,7 +86,7 @@ def fill_settings_of(scene: SystemScene, built: Built) -> None:
 
     block = built.block
     ints, reals = block.ints, block.reals
-    fill_settings(block, cast(Scene, scene))  # its solver and water alone
+    fill_settings(block, scene)
     reals[at.S_PLANE : at.S_PLANE + 2] = 1.0, 0.0
     rest = block.array(at.O_PIECES, 2, at.PIECE_WORDS)
     rest[:, at.P_END] = math.inf
@@ -112,7 +112,7 @@ def fill_settings_of(scene: SystemScene, built: Built) -> None:
     facts[at.FACT_FOLLOWS] = mesh_may_change(scene)
     facts[at.FACT_ABOVE_FLOOR] = scene.environment.floor is not None
     flexible = (
-        is_flexible(cast(Scene, scene), item.cable)
+        is_flexible(scene, item.cable)
         for line in scene.lines.values()
         for item in line.items
         if item.cable is not None
@@ -121,7 +121,7 @@ def fill_settings_of(scene: SystemScene, built: Built) -> None:
     entry.measure(ints, reals, facts)
     # Of every line tau times its own length is promised: the shortest one decides.
     reals[at.S_TIME_TOLERANCE] *= shortest / longest
-    fill_current(block, cast(Scene, scene))  # its water alone
+    fill_current(block, scene)
 
 
 def fill_cables(scene: SystemScene, built: Built) -> None:
@@ -141,7 +141,7 @@ def fill_cables(scene: SystemScene, built: Built) -> None:
         row[at.K_DISPLACED] = rho * 0.25 * math.pi * kind.diameter**2
         row[at.K_LINE] = scene.lines[segment.line].length
         edge = row[at.K_EDGE :]
-        edge[:] = edge_row(cast(Scene, scene), cable, index, offset, scale)
+        edge[:] = edge_row(scene, cable, index, offset, scale)
         if edge[at.E_MODEL] == at.MODEL_HYBRID and edge[at.E_BENDING_FULL] > 0.0:
             block.ints[at.I_HYBRID] = 1
     edges = block.array(at.O_EDGE, len(tree.parent), at.EDGE_WORDS)
@@ -184,7 +184,7 @@ def rao_words(scene: SystemScene, water: Sea | None) -> int:
 
 def fill_waves(scene: SystemScene, block: Block) -> None:
     """The sea's components, and how vessels answer them."""
-    water = sea(cast(Scene, scene))
+    water = sea(scene)
     waves.fill(block, water, scene.solver.tolerance)
     if water is None:
         return
@@ -361,6 +361,44 @@ def _size(body: FreeBody) -> float:
     places = [*body.points.values(), *(foil.position for foil in body.foils.values())]
     reach = max((math.dist(a, b) for a in places for b in places), default=0.0)
     return max(reach, math.sqrt(max(body.inertia) / body.mass))
+
+
+def feet_of(scene: SystemScene) -> list[tuple[str, FloatArray]]:
+    """Bodies and places of all that may touch the floor."""
+    if scene.environment.floor is None:
+        return []
+    return [
+        (name, np.array(place))
+        for name, body in scene.bodies.items()
+        for place in (body.points.values() if body.feet is None else body.feet)
+    ]
+
+
+def fill_feet(scene: SystemScene, built: Built) -> None:
+    """Where bodies touch the floor: each foot bears an equal part of the weight."""
+    feet = feet_of(scene)
+    rows = built.block.array(at.O_FEET, len(feet), at.FOOT_WORDS)
+    names = list(scene.bodies)
+    for row, (name, place) in zip(rows, feet, strict=True):
+        body = scene.bodies[name]
+        own = built.tree.bodies[name][1]
+        reference = np.array(body.points[own] if own else (0.0, 0.0, 0.0))
+        least = 1e-3 * body.mass * scene.environment.gravity  # of what floats, as of cable
+        count = sum(other == name for other, _place in feet)
+        row[at.FOOT_BODY] = names.index(name)
+        row[at.FOOT_PLACE : at.FOOT_PLACE + 3] = place - reference
+        row[at.FOOT_LOAD] = max(body.weight_in(scene.environment), least) / count
+
+
+def rest_feet(scene: SystemScene, built: Built) -> None:
+    """Make the present places of feet those of rest."""
+    block, count = built.block, len(scene.bodies)
+    bodies = block.array(at.O_FREE, count, at.FREE_WORDS)
+    for row in block.array(at.O_FEET, len(feet_of(scene)), at.FOOT_WORDS):
+        motion = bodies[int(row[at.FOOT_BODY])][at.Y_MOTION :]
+        axes = motion[at.M_TURN : at.M_TURN + 9].reshape(3, 3)
+        place = axes @ row[at.FOOT_PLACE : at.FOOT_PLACE + 3]
+        row[at.FOOT_REST : at.FOOT_REST + 3] = motion[at.M_PLACE : at.M_PLACE + 3] + place
 
 
 def fill_cuts(scene: SystemScene, built: Built) -> None:

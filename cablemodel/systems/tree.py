@@ -10,7 +10,6 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass, field
-from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +17,6 @@ from numpy.typing import NDArray
 from cablemodel.errors import SceneError
 from cablemodel.instance.line import hinged
 from cablemodel.kernels import layout as at
-from cablemodel.scene import Scene
 from cablemodel.scene.line import Body, Cable
 from cablemodel.systems.scene import LineEnd, SystemScene
 
@@ -258,7 +256,7 @@ class _Builder:
     def _hinged(self, name: str, one: int, other: int, *, body: bool) -> bool:
         """Whether the slope may jump from one cable to the next. body: a force acts between."""
         cables = self._cable(name, one), self._cable(name, other)
-        return hinged(cast(Scene, self.scene), *cables, body)  # its cable types alone
+        return hinged(self.scene, *cables, body)
 
     def _cable(self, name: str, index: int) -> Cable:
         cable = self.scene.lines[name].items[index].cable

@@ -73,9 +73,14 @@ def plain(figure: Any) -> Any:
     return [plain(item) for item in figure] if isinstance(figure, list) else figure
 
 
+def figures_of(data: Any, line: str = "") -> Any:
+    """All figures of a page, with those of a line."""
+    return plain({**data["figures"], **data["lines"][line]["figures"]})
+
+
 def test_the_page_holds_what_the_run_holds(towed: Path) -> None:
     run, data = cm.open_run(towed), data_of(made(towed))
-    figures = plain(data["figures"])
+    figures = figures_of(data)
     assert np.array_equal(figures["top-tension"]["data"][0]["y"], run.top_tension)
     heat = figures["tension-map"]["data"][0]
     assert heat["z"].shape == (len(heat["y"]), len(heat["x"])) == (101, 401)
@@ -105,17 +110,17 @@ def test_plotly_accepts_all_figures(towed: Path, everything: Path) -> None:
     import plotly.graph_objects as go
 
     for log in (towed, everything):
-        for name, figure in plain(data_of(made(log))["figures"]).items():
+        for name, figure in figures_of(data_of(made(log))).items():
             assert go.Figure(figure).data, name
 
 
 def test_a_scene_with_everything_has_all_charts(everything: Path) -> None:
     run, data = cm.open_run(everything), data_of(made(everything))
-    figures = plain(data["figures"])
+    figures = figures_of(data)
     reaction = figures["touchdown"]["data"][1]["y"]
     assert np.array_equal(reaction, run["floor_length"])
     assert len(figures["inputs"]["data"]) == 2
-    bodies = plain(data["shape"])["bodies"]
+    bodies = plain(data["shape"])["marks"][1]
     ground = plain(data["shape"])["ground"][:, None, :]
     assert bodies[..., :2] + ground == pytest.approx(run["bodies.position"][..., :2], abs=1e-4)
     assert data["shape"]["floor"]["level"] is False
@@ -133,10 +138,10 @@ def test_what_is_paid_out_is_told(towed: Path, everything: Path) -> None:
     kinds = f"{start} m of [^·<]* at the start, {end} m at the end · "
     assert re.search(kinds, page.read_text(encoding="utf-8"))
     data = data_of(page)
-    ends = plain(data["ends"])
+    ends = plain(data["lines"][""]["ends"])
     assert ends["s"] == pytest.approx(run["line_length"])
     assert ends["tension-along"][-1] == pytest.approx(run.states[-1].tension[-1])
-    now = plain(data["figures"]["tension-along"])["data"][2]
+    now = figures_of(data)["tension-along"]["data"][2]
     assert now["x"][-1] == pytest.approx(run["line_length"][0])
     assert len(now["x"]) == len(now["y"]) < 101
 

@@ -68,6 +68,7 @@ LAYERS = (
     ("cablemodel.compare",),
     ("cablemodel.replay",),
     (
+        "cablemodel.drawing",
         "cablemodel.plot",
         "cablemodel.analysis",
         "cablemodel.export",

@@ -42,8 +42,10 @@ def swing(
         rows[10] = 100.0 - s + t
         matrices.append(rows)
     tension = 100.0 + time
+    states = States(time, matrices)
     return SimpleNamespace(
-        states=States(time, matrices),
+        states=states,
+        shapes={"": states},
         time=time,
         top_tension=tension,
         tension_max=tension,
@@ -133,7 +135,7 @@ def test_high_tensions_are_in_kilonewtons() -> None:
 
 def test_a_cable_at_rest_is_drawn_once() -> None:
     run = swing()
-    run.states = States(run.time, [run.states._matrices[0]] * len(run.time))
+    run.shapes = {"": States(run.time, [run.states._matrices[0]] * len(run.time))}
     assert len(lines(draw(run).axes[0])) == 1
 
 
@@ -153,7 +155,7 @@ def test_an_unknown_format_is_a_clear_error(tmp_path: Path) -> None:
 
 def test_no_states_are_a_clear_error() -> None:
     with pytest.raises(cm.CableModelError, match="no states"):
-        draw(SimpleNamespace(states=States(np.empty(0), [])))  # type: ignore[arg-type]
+        draw(SimpleNamespace(shapes={"": States(np.empty(0), [])}))  # type: ignore[arg-type]
 
 
 def test_without_matplotlib_the_error_says_what_to_install() -> None:

@@ -55,7 +55,10 @@ def run_of(lengths: list[float], lowest: list[float]) -> Any:
     states = States(np.arange(len(lengths)) * 1.0, matrices)
     time = np.arange(len(lowest)) / (len(lowest) / len(lengths))
     return SimpleNamespace(
-        states=states, time=time, tension_min=np.array(lowest), tension_max=np.full(len(time), 3e2)
+        shapes={"": states},
+        time=time,
+        tension_min=np.array(lowest),
+        tension_max=np.full(len(time), 3e2),
     )
 
 

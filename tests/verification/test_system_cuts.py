@@ -155,7 +155,8 @@ def test_a_cut_is_logged_replayed_and_remembered(tmp_path: Path) -> None:
     assert np.array_equal(other.bodies["load"].position, state)
     for _ in range(9):
         other.step(0.1)
-    assert other.snapshot() == model.snapshot()
+    for name, value in model.outputs().items():
+        assert np.array_equal(other.outputs()[name], value, equal_nan=True), name
 
 
 @pytest.mark.parametrize(

@@ -28,3 +28,15 @@ def test_a_scene_to_copy_runs(path: Path) -> None:
     for name, body in model.bodies.items():
         assert np.isfinite(body.position).all(), name
         assert np.linalg.norm(body.velocity) < 10.0, name
+
+
+def test_a_vehicle_that_mujoco_simulates_holds_its_place_on_its_tether() -> None:
+    from examples.vehicle_on_tether import LEG, STEP, WAY, couple
+
+    run = couple()
+    ends = [int(k * LEG / STEP) - 1 for k in range(1, len(WAY) + 1)]
+    off = np.linalg.norm(run["place"] - run["wanted"], axis=1)
+    # Its controller has no integral: it is off by the tether's pull over its stiffness.
+    assert off[ends].max() < 0.3
+    assert np.abs(np.diff(run["tension"][200:])).max() < 20.0  # nothing rings
+    assert run["tension"].max() < 200.0

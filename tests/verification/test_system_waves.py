@@ -88,7 +88,7 @@ def test_a_buoy_follows_a_long_wave() -> None:
     model = SystemModel(floating(body, waves=wave))
     rest = model.bodies["buoy"].position[2]
     heave, surface = [], []
-    water = sea(model.scene)  # type: ignore[arg-type]
+    water = sea(model.scene)
     assert water is not None
     for k in range(160):
         model.step(0.5)
@@ -137,7 +137,7 @@ def test_a_vessel_that_the_waves_move_is_one_that_is_moved_so() -> None:
     vessel = {"velocity": [1.5, 0.5, 0.0], "attitude": [0.0, 0.0, yaw]}
     answers = SystemModel(ship(raos=RAOS, **vessel))
     moved = SystemModel(ship(**vessel))
-    water = sea(answers.scene)  # type: ignore[arg-type]
+    water = sea(answers.scene)
     assert water is not None
     a, w, k = float(water.amplitude[0]), float(water.frequency[0]), float(water.number[0])
     names = ("surge", "sway", "heave", "roll_deg", "pitch_deg", "yaw_deg")

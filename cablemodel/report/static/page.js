@@ -1,6 +1,6 @@
 "use strict";
 (() => {
-  const CABLE = 0, TOW_POINT = 1, BODIES = 2, TRACK = 3, SEA = 4, FLOOR = 5;
+  const LINES = 0, MARKS = [1, 2, 3, 4], TRACK = 5, SEA = 6, FLOOR = 7;
   const ALL_IN = 15;                 // seconds in which a run plays by default
   const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000];
   const FLOOR_CELLS = 16;
@@ -19,16 +19,14 @@
 
   const time = decoded(run.time).values, frames = time.length;
   const shape = run.shape;
-  const position = decoded(shape.position), bodies = decoded(shape.bodies);
+  const position = decoded(shape.position), marks = shape.marks.map(decoded);
   const ground = decoded(shape.ground).values;
   const tension = decoded(shape.tension), arc = decoded(shape.s).values;
   const boxes = { follow: decoded(shape.boxes.follow).values, map: decoded(shape.boxes.map).values };
   const floor = shape.floor && { level: shape.floor.level, x: decoded(shape.floor.x).values,
     y: decoded(shape.floor.y).values, z: decoded(shape.floor.z).values };
-  const maps = {}, ends = {};
-  for (const [profile, map] of Object.entries(run.profiles)) maps[profile] = decoded(run.figures[map].data[0].z);
-  for (const [name, values] of Object.entries(run.ends)) ends[name] = decoded(values).values;
-  const stations = decoded(run.figures["tension-map"].data[0].y).values;
+  // Of the line that is shown: its heat maps, where its curves end, and its stations.
+  let line = Object.keys(run.lines)[0], maps = {}, ends = {}, stations = [];
 
   let view = shape.follow ? "follow" : "map";
   let frame = -1, clock = 0, playing = false, last = 0, waiting = false;
@@ -49,14 +47,20 @@
 
   function drawShape(index) {
     const count = tension.shape[1];
-    const [x, y, z] = points(position, index), [bx, by, bz] = points(bodies, index);
     const force = tension.values.slice(index * count, (index + 1) * count);
     const data = Array.from(force, (value, i) => [arc[index * count + i], value]);
-    const update = { x: [x, [x[0]], bx], y: [y, [y[0]], by], z: [z, [z[0]], bz],
-      "line.color": [force], customdata: [data] };
-    const traces = [CABLE, TOW_POINT, BODIES];
-    update["line.color"].push(undefined, undefined);
-    update.customdata.push(undefined, undefined);
+    const update = { x: [], y: [], z: [], "line.color": [force], customdata: [data] };
+    const traces = [LINES, ...MARKS];
+    for (const places of [position, ...marks]) {
+      const [x, y, z] = points(places, index);
+      update.x.push(x);
+      update.y.push(y);
+      update.z.push(z);
+    }
+    for (const _ of MARKS) {
+      update["line.color"].push(undefined);
+      update.customdata.push(undefined);
+    }
     if (floor && !floor.level && view === "follow") {
       const surface = floorAround(index);
       traces.push(FLOOR);
@@ -106,7 +110,7 @@
       surfaces.visible.push(seen);
       for (const key of ["x", "y", "z"]) surfaces[key].push(surface[key]);
     }
-    element("origin").textContent = name === "follow" ? "x and y from the tow point, z from still water. " : "";
+    element("origin").textContent = name === "follow" ? `x and y from ${shape.reference}, z from still water. ` : "";
     const layout = {};
     for (const [key, value] of Object.entries(scene)) layout["scene." + key] = value;
     for (const button of document.querySelectorAll("#view button"))
@@ -146,6 +150,31 @@
   }
 
   // ---- curves that move with time ----
+
+  /** Take over a line's curves. */
+  function chooseLine(name) {
+    const { figures, notes, ends: given } = run.lines[name];
+    line = name;
+    maps = {};
+    ends = {};
+    for (const [profile, map] of Object.entries(run.profiles)) maps[profile] = decoded(figures[map].data[0].z);
+    for (const [quantity, values] of Object.entries(given)) ends[quantity] = decoded(values).values;
+    stations = decoded(figures["tension-map"].data[0].y).values;
+    for (const [map, note] of Object.entries(notes)) element(`${map}-note`).textContent = note;
+    for (const place of document.querySelectorAll(".line")) place.textContent = name || "the cable";
+    for (const place of document.querySelectorAll(".of-line")) place.textContent = name && `, ${name}`;
+  }
+
+  /** Show another line, at the same time and zoom. */
+  async function showLine(name) {
+    chooseLine(name);
+    for (const [figure, { data, layout }] of Object.entries(run.lines[name].figures)) {
+      const { range } = element(figure)._fullLayout.xaxis;
+      if (run.overTime.includes(figure)) layout.xaxis.range = range.slice();
+      await Plotly.react(figure, data, layout);
+    }
+    return show(frame, true);
+  }
 
   function drawProfiles(index) {
     return Promise.all(Object.entries(maps).map(([name, map]) => {
@@ -260,18 +289,19 @@
     const config = (name) => ({ responsive: true, displaylogo: false, displayModeBar: narrow() ? false : "hover",
       modeBarButtons: [["toImage", name === "shape" ? "resetCameraDefault3d" : "resetScale2d"]] });
     const touch = window.matchMedia("(pointer: coarse)").matches;
-    const wanted = [...Object.entries(run.figures)];
-    for (const [name, figure] of wanted) {
-      const layout = figure.layout;
-      if (touch && name !== "shape") layout.dragmode = false;    // a finger on a chart scrolls the page
-      if (narrow() && layout.margin.l) layout.margin = { ...layout.margin, l: 50, r: 8 };
-      if (narrow() && name === "shape") {
-        for (const scene of [layout.scene, ...Object.values(shape.views)])
-          for (const axis of ["xaxis", "yaxis", "zaxis"]) scene[axis] = { ...scene[axis],
-            nticks: Math.max(2, Math.ceil(scene[axis].nticks / 2)), tickfont: { size: 9 } };
+    for (const figures of [run.figures, ...Object.values(run.lines).map((one) => one.figures)])
+      for (const [name, { layout }] of Object.entries(figures)) {
+        if (touch && name !== "shape") layout.dragmode = false;    // a finger on a chart scrolls the page
+        if (narrow() && layout.margin.l) layout.margin = { ...layout.margin, l: 50, r: 8 };
+        if (narrow() && name === "shape") {
+          for (const scene of [layout.scene, ...Object.values(shape.views)])
+            for (const axis of ["xaxis", "yaxis", "zaxis"]) scene[axis] = { ...scene[axis],
+              nticks: Math.max(2, Math.ceil(scene[axis].nticks / 2)), tickfont: { size: 9 } };
+        }
       }
-      await Plotly.newPlot(name, figure.data, layout, config(name));
-    }
+    chooseLine(line);
+    for (const [name, figure] of Object.entries({ ...run.figures, ...run.lines[line].figures }))
+      await Plotly.newPlot(name, figure.data, figure.layout, config(name));
     for (const name of run.overTime) {
       element(name).on("plotly_relayout", (change) => linkZoom(name, change));
       element(name).on("plotly_afterplot", drawCursors);
@@ -292,7 +322,9 @@
     for (const button of document.querySelectorAll("#view button")) button.addEventListener("click", () => {
       setView(button.dataset.view).then(() => show(frame, true));
     });
+    element("line").addEventListener("change", (event) => showLine(event.target.value));
     element("view").hidden = !shape.travels;
+    if (line) document.querySelector("[data-view=follow]").textContent = `follow ${shape.reference}`;
     await setView(view);
     await show(0, true);
     document.body.dataset.ready = "true";
