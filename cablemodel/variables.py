@@ -481,7 +481,7 @@ def document() -> str:
         "",
         "## Outputs",
         "",
-        "| quantity | unit | Python | FMU | ROS 2 and log | message | in it | only in |",
+        "|quantity|unit|Python|FMU|ROS 2 and log|message|in it|only in|",
         "|---|---|---|---|---|---|---|---|",
     ]
     for row in OUTPUTS:
@@ -490,7 +490,7 @@ def document() -> str:
             f"`{row.fmu}`" if row.fmu else "-", f"`{row.topic}`", row.message,
             row.member, _WHEN[row.present],
         )  # fmt: skip
-        lines.append("| " + " | ".join(cells) + " |")
+        lines.append("|" + "|".join(cells) + "|")
     lines += [
         "",
         "Tensions are *effective* tensions: those of the equations, whose weight is that in",
@@ -502,7 +502,7 @@ def document() -> str:
         "",
         "## Inputs",
         "",
-        "| quantity | unit | Python: `step(...)` | FMU | ROS 2 | message |",
+        "|quantity|unit|Python: `step(...)`|FMU|ROS 2|message|",
         "|---|---|---|---|---|---|",
     ]
     for item in INPUTS:
@@ -510,7 +510,7 @@ def document() -> str:
             item.quantity, item.unit, f"`{item.python}`", f"`{item.fmu}`",
             f"`{item.topic}`" if item.topic else "-", item.message or "-",
         )  # fmt: skip
-        lines.append("| " + " | ".join(entries) + " |")
+        lines.append("|" + "|".join(entries) + "|")
     lines += [
         "",
         "## Parameters of the FMU",
@@ -519,7 +519,7 @@ def document() -> str:
         "of the drum, from the vessel, j the bodies; K is the name of a cable type, and N a place",
         "in the scene's list, from 0.",
         "",
-        "| quantity | unit | FMU | scene | |",
+        "|quantity|unit|FMU|scene||",
         "|---|---|---|---|---|",
     ]
     for entry in PARAMETERS:
@@ -527,7 +527,7 @@ def document() -> str:
             entry.quantity, entry.unit or "-", f"`{entry.fmu}`",
             f"`{entry.scene}`" if entry.scene else "-", "tunable" if entry.tunable else "fixed",
         )  # fmt: skip
-        lines.append("| " + " | ".join(texts) + " |")
+        lines.append("|" + "|".join(texts) + "|")
     lines += [
         "",
         "## Only in the log: what replay needs, exact",

@@ -13,7 +13,7 @@ import typer
 
 from cablemodel.cli.errors import reported
 from cablemodel.cli.numbers import readable
-from cablemodel.cli.plausibility import scene_warnings, start_warnings
+from cablemodel.cli.plausibility import scene_warnings, start_warnings, system_warnings
 from cablemodel.cli.run import JsonOption, SceneArgument, SetOption, explained_start, fixed
 from cablemodel.solver import FINER
 
@@ -69,14 +69,21 @@ def _check_system(source: Any, overrides: Iterable[str], *, as_json: bool) -> No
     with explained_start(quiet=as_json):
         model = SystemModel(scene)
     parts, start = list(topology(scene)), list(at_start(model))
+    looks_wrong = system_warnings(scene)
     if as_json:
-        elements = len(model.built.tree.elements)
-        found = {"title": scene.title, "topology": parts, "start": start, "elements": elements}
+        found = {
+            "title": scene.title,
+            "topology": parts,
+            "start": start,
+            "elements": model.statistics["elements"],
+            "warnings": looks_wrong,
+        }
         typer.echo(json.dumps(found))
         return
     for line in [scene.title, *parts, "At the start:", *start]:
         if line:
             typer.echo(line)
+    _print_warnings(looks_wrong)
 
 
 @reported

@@ -39,12 +39,14 @@ def new(
     lower: Annotated[bool, _flag("lower")] = False,
     mooring: Annotated[bool, _flag("mooring")] = False,
     jumper: Annotated[bool, _flag("jumper")] = False,
+    system: Annotated[bool, _flag("system")] = False,
     force: Annotated[bool, typer.Option("--force", help="Overwrite FILE.")] = False,
 ) -> None:
     """Write a complete scene with comments, to be changed; asks which where no option says it."""
     asked = {
         "tow": tow, "turn": turn, "lay": lay, "recover": recover,
         "lower": lower, "mooring": mooring, "jumper": jumper,
+        "system": system,
     }  # fmt: skip
     chosen = [name for name, wanted in asked.items() if wanted]
     options = ", ".join(f"--{name}" for name in asked)

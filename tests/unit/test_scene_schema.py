@@ -122,7 +122,7 @@ def keys_of(schema: Any) -> Counter[str]:
 def test_reference_page_lists_every_key_of_the_schema() -> None:
     """Also those of mappings inside a field, as {file: NAME, topic: NAME} for a velocity."""
     page = (ROOT / "docs" / "scene.md").read_text(encoding="utf-8")
-    listed = re.findall(r"^\| `([\w.]+)` \|", page, flags=re.MULTILINE)
+    listed = re.findall(r"^\|`([\w.]+)`\|", page, flags=re.MULTILINE)
     assert "velocity.topic" in listed
     assert Counter(path.rpartition(".")[2] for path in listed) == keys_of(scene_json_schema())
 

@@ -121,3 +121,61 @@ def test_an_anchor_below_the_floor_is_named() -> None:
     data["lines"]["b"]["from"]["anchor"][2] = -120.0
     with pytest.raises(cm.SceneError, match=r"lines\.b\.from\.anchor.*below the sea floor"):
         cm.load_system(data)
+
+
+def lander(friction: float = 0.5, pull: float = 0.0) -> dict[str, Any]:
+    """A frame on four feet that a wire lowers."""
+    corners = [[x, y, -0.5] for x in (-1.0, 1.0) for y in (-0.8, 0.8)]
+    return {
+        "environment": {"water_density": 1025.0, "floor": {"z": -30.0, "friction": friction}},
+        "cable_types": {
+            "wire": {"diameter": 0.012, "mass": 0.5, "axial_stiffness": 5e6, "drag_normal": 1.2}
+        },
+        "vessels": {"ship": {"points": {"hook": [pull, 0, 0]}}},
+        "bodies": {
+            "lander": {
+                "mass": 600.0, "submerged_weight": 4e3, "inertia": [300, 400, 500],
+                "added_mass": 300.0, "drag_area": 2.0, "drag_turning": 10.0,
+                "points": {"eye": [0, 0, 0.6]}, "feet": corners,
+            }
+        },
+        "lines": {
+            "wire": {
+                "from": "ship.hook", "to": "lander.eye",
+                "items": [{"cable": {"type": "wire", "length": 26.0}}],
+            }
+        },
+    }  # fmt: skip
+
+
+def test_a_body_stands_on_its_feet() -> None:
+    """Lowered on to the floor it stands: the wire bears its own weight alone."""
+    model = cm.SystemModel(lander())
+    assert model.lines["wire"].end_tension == pytest.approx(4e3, rel=1e-3)
+    for _ in range(100):
+        model.step(0.5, vessels={"ship": cm.VesselInput(velocity=[0, 0, -0.1])})
+    for _ in range(60):
+        model.step(0.5, vessels={"ship": cm.VesselInput(velocity=[0, 0, 0])})
+    body = model.bodies["lander"]
+    depth = 0.06 * 1e-3 * 26.0  # of the contact layer
+    assert body.position[2] == pytest.approx(-29.5, abs=depth)
+    assert np.abs(body.attitude[:2]).max() < depth
+    assert abs(model.lines["wire"].end_tension) < 20.0
+
+
+def test_friction_holds_a_body_up_to_its_limit() -> None:
+    """Pushed along the floor by less than mu W it stays; by more it slides."""
+    scene = lander()
+    scene["lines"]["wire"]["items"][0]["cable"]["length"] = 29.2
+    scene["environment"]["floor"]["z"] = -29.5
+    model = cm.SystemModel(scene)
+    for _ in range(40):
+        model.step(0.5)
+    start = model.bodies["lander"].position.copy()
+    weight = 4e3 - model.lines["wire"].end_tension
+    for _ in range(20):
+        model.step(0.5, forces={"lander": [0.35 * weight, 0, 0, 0, 0, 0]})
+    assert np.linalg.norm(model.bodies["lander"].position - start) < 0.01
+    for _ in range(4):
+        model.step(0.5, forces={"lander": [0.8 * weight, 0, 0, 0, 0, 0]})
+    assert model.bodies["lander"].position[0] - start[0] > 0.2
