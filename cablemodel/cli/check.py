@@ -6,7 +6,7 @@ import json
 import math
 import warnings
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import typer
@@ -87,11 +87,16 @@ def _check_system(source: Any, overrides: Iterable[str], *, as_json: bool) -> No
 
 
 @reported
-def schema() -> None:
+def schema(
+    system: Annotated[
+        bool, typer.Option("--system", help="Of systems: scenes with lines.")
+    ] = False,
+) -> None:
     """Print the JSON schema of scenes, from which editors check and complete."""
-    from cablemodel.scene import scene_json_schema
+    from cablemodel.scene import Scene, scene_json_schema
+    from cablemodel.systems import SystemScene
 
-    typer.echo(json.dumps(scene_json_schema(), indent=2))
+    typer.echo(json.dumps(scene_json_schema(SystemScene if system else Scene), indent=2))
 
 
 def _report(scene: Scene, model: CableModel) -> dict[str, Any]:

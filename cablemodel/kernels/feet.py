@@ -14,6 +14,7 @@ from .layout import (
     FOOT_LOAD,
     FOOT_PLACE,
     FOOT_REST,
+    FOOT_SCRATCH,
     FOOT_WORDS,
     FREE_WORDS,
     I_FEET,
@@ -32,8 +33,6 @@ from .layout import (
     Y_SIZE,
 )
 from .rotation import cross, to_body_axes, to_earth_axes
-
-FOOT_SCRATCH = 110  # of O_PARTS_WORK: 18 words
 
 
 @kernel

@@ -21,7 +21,7 @@ import math
 
 from .compile import kernel, view
 from .environment import current_at, surge_at
-from .feet import FOOT_SCRATCH, add_feet
+from .feet import add_feet
 from .hulls import wet_hull
 from .layout import (
     A_BODY,
@@ -32,6 +32,7 @@ from .layout import (
     FLOOR_TOUCHED,
     FOIL_ANGLES,
     FOIL_WORDS,
+    FOOT_SCRATCH,
     FREE_WORDS,
     HULL_NONE,
     I_ARMS,

@@ -341,6 +341,7 @@ CUT_WITHIN, CUT_START, CUT_END = 0, 1, 2
 NODES_OF_A_CUT = 2  # that it may need
 
 PARTS_WORDS = 160  # of the workspace
+FOOT_SCRATCH = 110  # of these: 18 words
 
 # What a line is like as a whole, for scales.measure_line.
 FACT_LENGTH = 0  # of its cables [m]
