@@ -45,9 +45,9 @@ ARM = Path("/usr/aarch64-linux-gnu")
 # C library functions that the libraries may use. Kernels: tests/unit/test_kernel_symbols.py.
 ALLOWED = {
     *("sin", "cos", "sincos", "pow", "hypot", "sqrt", "floor", "fabs", "atan2", "exp", "log"),
-    *("acos", "ceil"),
+    *("acos", "atan", "ceil"),
     *("malloc", "calloc", "free", "memcpy", "memmove", "memset", "memcmp", "bcmp"),
-    *("strlen", "strcmp", "strncmp", "strcpy", "snprintf", "vsnprintf"),
+    *("strlen", "strcmp", "strncmp", "strcpy", "snprintf", "vsnprintf", "qsort"),
     *("fopen", "fclose", "fread", "fseek", "ftell"),
 }
 # What the linker adds for the start and end of every library.
