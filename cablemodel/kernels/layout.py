@@ -158,7 +158,6 @@ S_MOST_NODES = _S + 92  # of what hangs: from there on no bend in the water gets
 S_END_BORNE = _S + 93  # what the floor bears for long of the line's end, in units of its contact
 S_ORDER_3 = _S + 87  # steps by order 3 before order 4 is tried again
 S_LARGEST_TENSION = _S + 74  # so far, either way [N]
-S_RING, S_RING_FOUND = _S + 94, _S + 95  # tension with which the line rings [N], and when it did
 S_STAGE_TENSION = _S + 68  # 6 words: of the top element, in the stages of the last step [N]
 S_HALVES = _S + 78  # 1: in two halves where the caller's step is shorter than need be
 S_TWO_STEP_RATIO = _S + 88  # convergence ratio of Newton in the two-step scheme

@@ -9,13 +9,8 @@ the other: it takes out of the embedded solution's error what the scheme damps.
 Where the second kind of error is too large, the tension is solved for from the positions and
 velocities at the step's end: the acceleration meets the second derivative of |r'| = 1 + strain(T)
 in time and the equations of motion, in which the tension is linear. That holds for a line that does
-not ring along itself.
-
-A ring is what a line's tension and velocity are off the ones that are solved for. A long step damps
-it, and the embedded solution with it, so that their difference tells nothing. But what a step makes
-of a ring is known: R(i angle) instead of exp(i angle), R its scheme's stability function. That much
-of the amplitude it misses, and such errors add up for as long as a ring lasts. One of less than is
-allowed may be damped away at once: no more than all of it can be missed.
+not ring along itself. One that rings leaves its stages apart, but by its end a long step has damped
+it, and the tension that is solved for is that of the step: such a step is refused.
 """
 
 import math
@@ -26,7 +21,6 @@ from .environment import current_rate, surge_jump
 from .layout import (
     B_COMPLIANCE,
     B_MASS,
-    B_NODE,
     BODY_WORDS,
     C_CLAMPED,
     CONSTRAINT_WORDS,
@@ -51,7 +45,6 @@ from .layout import (
     O_EDGE,
     O_INCREMENT,
     O_JOINT,
-    O_PARENT,
     O_POSITION,
     O_RESIDUAL,
     O_STAGE_A,
@@ -65,12 +58,9 @@ from .layout import (
     O_VELOCITY,
     S_AXIAL,
     S_LARGEST_TENSION,
-    S_LAST_STEP,
     S_LENGTH,
     S_PASSING,
     S_PERIOD,
-    S_RING,
-    S_RING_FOUND,
     S_STAGE_TENSION,
     S_TENSION_SCALE,
     S_TIME,
@@ -87,7 +77,7 @@ from .system import (
     residual,
     set_time,
 )
-from .tables import GAMMA, NUMERATOR, STAGES, TENSION_TEST
+from .tables import STAGES, TENSION_TEST
 
 PROMISED = 0.5  # of the error of tension that is promised
 SHARE = 0.045  # of that: what a step may add to an error that lasts, as of positions
@@ -232,34 +222,6 @@ def may_be_solved_for(I, M):
     return True
 
 
-@kernel
-def tension_of_speed(I, M, speed):
-    """What a line that rings along itself at that speed has of tension, sqrt(k m) of it
-    [tolerances]."""
-    return inertia(I, M) * math.sqrt(M[S_AXIAL]) * speed / tension_tolerance(M)
-
-
-@kernel
-def tension_of_motion(I, M, x):
-    """What a line that rings along itself with the energy of the velocities x has of tension
-    [tolerances]: the root of k times the sum of m x^2."""
-    size = 2 * I[I_DIMENSION]
-    twice = 0.0
-    for node in range(1, I[I_NODES]):
-        if I[I[O_JOINT] + node] == 0:
-            edge = I[O_EDGE] + node * EDGE_WORDS
-            half = 0.5 * M[edge + E_MASS] * M[edge + E_LENGTH]
-            parent = size * I[I[O_PARENT] + node]
-            for i in range(I[I_DIMENSION]):
-                twice += half * (x[size * node + i] ** 2 + x[parent + i] ** 2)
-    for body in range(I[I_BODIES]):
-        row = I[O_BODY] + body * BODY_WORDS
-        at = size * int(M[row + B_NODE])
-        for i in range(I[I_DIMENSION]):
-            twice += M[row + B_MASS] * x[at + i] ** 2
-    return math.sqrt(M[S_AXIAL] * inertia(I, M) * twice) / tension_tolerance(M)
-
-
 @inlined
 def region(I, n):
     """Word of the n-th region of 6 words a node in the workspace of the stages, of eight."""
@@ -305,36 +267,6 @@ def soften(I, M):
         M[row + B_COMPLIANCE] = M[kept + I[I_NODES] + body]
 
 
-@kernel
-def stretch_at_rate(I, M, q, a, tension):
-    """Give the velocities in SOLVED_V, by the matrix in use, what stretches the line at the rates
-    of the tensions that are in STRAINED; returns how fast that is [m/s]."""
-    count = 2 * I[I_DIMENSION] * I[I_NODES]
-    words = 2 * I[I_NODES]
-    v = view(M, region(I, SOLVED_V), count)
-    curved = view(M, region(I, CURVED), words)
-    strained = view(M, region(I, STRAINED), words)
-    forces = view(M, I[O_RESIDUAL], count)
-    constraint = view(M, I[O_CONSTRAINT_RESIDUAL], words)
-    x = view(M, I[O_INCREMENT], count)
-    for n in range(words):
-        strained[n] += tension[n]
-    residual(I, M, q, v, a, strained, forces, curved)
-    residual(I, M, q, v, a, tension, forces, constraint)
-    for n in range(words):
-        curved[n] -= constraint[n]
-    material_stretch_rate(I, M, v, constraint)
-    for n in range(words):
-        constraint[n] += curved[n]
-        curved[n] = 0.0
-    forces[:] = 0.0
-    newton_increment(I, M, forces, constraint, x)
-    speed, _where = increment_norm(I, M, x)
-    for n in range(count):
-        v[n] += x[n]
-    return speed
-
-
 @outlined
 def solve_for_tension(I, M, t, short, q, v, tension):
     """Tensions and accelerations of a line that does not ring, at time t, from positions and
@@ -354,6 +286,7 @@ def solve_for_tension(I, M, t, short, q, v, tension):
     a = view(M, region(I, SOLVED_A), count)
     solved = view(M, region(I, SOLVED_T), words)
     curved = view(M, region(I, CURVED), words)
+    strained = view(M, region(I, STRAINED), words)
     forces = view(M, I[O_RESIDUAL], count)
     constraint = view(M, I[O_CONSTRAINT_RESIDUAL], words)
     x = view(M, I[O_INCREMENT], count)
@@ -366,6 +299,7 @@ def solve_for_tension(I, M, t, short, q, v, tension):
         solved_v[n] = v[n]
     for n in range(words):
         solved[n] = tension[n]
+        strained[n] += tension[n]
     impose_motion(I, M, t, solved_q, solved_v, a)
     stiffen(I, M, ca)
     failed = factorise(I, M, q, solved_v, a, tension, ca, 0.0)
@@ -373,7 +307,20 @@ def solve_for_tension(I, M, t, short, q, v, tension):
     I[I_FACTORED] = 0
     if failed != 0:
         return -1.0, -1.0
-    speed = stretch_at_rate(I, M, q, a, tension)
+    # Velocities that stretch the line at the rate at which the tensions change.
+    residual(I, M, q, solved_v, a, strained, forces, curved)
+    residual(I, M, q, solved_v, a, tension, forces, constraint)
+    for n in range(words):
+        curved[n] -= constraint[n]
+    material_stretch_rate(I, M, solved_v, constraint)
+    for n in range(words):
+        constraint[n] += curved[n]
+        curved[n] = 0.0
+    forces[:] = 0.0
+    newton_increment(I, M, forces, constraint, x)
+    speed, _where = increment_norm(I, M, x)
+    for n in range(count):
+        solved_v[n] += x[n]
     # The second derivative of |r'|, of a motion without a jerk.
     step = APART * M[S_PERIOD]
     for k in range(3):
@@ -405,7 +352,8 @@ def solve_for_tension(I, M, t, short, q, v, tension):
     change = abs(solved[2] - tension[2])
     if not change < 1e300:
         return -1.0, -1.0
-    return change / tension_tolerance(M), tension_of_speed(I, M, speed)
+    allowed = tension_tolerance(M)
+    return change / allowed, inertia(I, M) * math.sqrt(M[S_AXIAL]) * speed / allowed
 
 
 @kernel
@@ -435,137 +383,21 @@ def begins_smoothly(I, M):
 
 
 @kernel
-def known_ring(M):
-    """Amplitude of the ring that is known of [tolerances]; 0: none that may not be damped away."""
-    ring = M[S_RING] / tension_tolerance(M)
-    return ring if ring > 1.0 else 0.0
-
-
-@kernel
-def ring_is_due(M):
-    """Whether the ring that is known of has turned once since it was measured."""
-    turned = math.sqrt(M[S_AXIAL]) * (M[S_TIME] - M[S_RING_FOUND])
-    return known_ring(M) > 0.0 and turned > 2.0 * math.pi
-
-
-@kernel
-def begin_ring(I, M, jump):
-    """The acceleration along the line jumps [m/s2]: by its inertia times that the tension does."""
-    made = inertia(I, M) * abs(jump)
-    if made > tension_tolerance(M) and not dies_away(M):
-        M[S_RING] += made
-        M[S_RING_FOUND] = M[S_TIME]
-
-
-@kernel
-def range_of_tension(I, M, scheme):
-    """Between what the top tension is in a step, at its ends and stages [tolerances]."""
-    least = M[I[O_TENSION] + 2]
-    most = least
-    for n in range(STAGES[scheme] - 1):
-        least = min(least, M[S_STAGE_TENSION + n])
-        most = max(most, M[S_STAGE_TENSION + n])
-    return (most - least) / tension_tolerance(M)
-
-
-@kernel
-def left_by_last_step(M):
-    """What the last step's matrix leaves of a ring [-]: see `filter_motion`."""
-    turn = GAMMA[1] * M[S_LAST_STEP]
-    return 1.0 / (1.0 + M[S_AXIAL] * turn * turn)
-
-
-@kernel
-def may_ring(I, M, dt, most, matters):
-    """Whether a ring may be so large that it matters, of at most that amplitude [tolerances]: it
-    comes through the last step, or begins with this one.
+def rings(I, M, dt):
+    """Whether the state rings along itself by more than is allowed, as a step of dt begins at
+    whose end tensions have been solved for: they tell the rate at which what rings not changes.
     """
-    if most <= matters:
-        return False
-    if most * left_by_last_step(M) > matters or not begins_smoothly(I, M):
-        return True
-    set_time(I, M, M[S_TIME] + dt)
-    return False
-
-
-@kernel
-def measure_ring(I, M, dt, scheme):
-    """Measure the tension with which the state rings along itself, as a step of dt begins, and keep
-    it where it is more than is allowed. Returns whether all goes on as what is solved for.
-
-    It is what the tension, and the velocity along the line, are off the ones that are solved for,
-    at the step's beginning and, for the rate at which what rings not changes, at its end. Of the
-    velocity no more counts than the last step's matrix leaves, the rest is that step's error; nor
-    more than the tensions in this step show: in a turn by some angle c (1 - cos) + v sin of them.
-    """
-    M[S_RING] = 0.0
-    if not may_be_solved_for(I, M) or solve_at_end(I, M, dt) < 0.0:
-        return False
     count = 2 * I[I_DIMENSION] * I[I_NODES]
     words = 2 * I[I_NODES]
     tension = view(M, I[O_TENSION], words)
     rate = view(M, region(I, STRAINED), words)
-    after = view(M, region(I, SOLVED_RATE), words)
-    solved = view(M, region(I, SOLVED_T), words)
     for n in range(words):
-        after[n] = solved[n]
-        rate[n] = (after[n] - tension[n]) / dt
+        rate[n] = (M[region(I, SOLVED_T) + n] - tension[n]) / dt
     copy_words(I, region(I, SOLVED_A), I[O_ACCELERATION], count)
     q = view(M, I[O_POSITION], count)
     v = view(M, I[O_VELOCITY], count)
-    change, _moving = solve_for_tension(I, M, M[S_TIME], SHORT * dt, q, v, tension)
-    moving = ringing = change
-    if change >= 0.0:
-        for n in range(words):
-            rate[n] = (after[n] - solved[n]) / dt
-        solved_q = view(M, region(I, SOLVED_Q), count)
-        solved_v = view(M, region(I, SOLVED_V), count)
-        a = view(M, region(I, SOLVED_A), count)
-        copy_words(I, region(I, SOLVED_V), I[O_VELOCITY], count)
-        impose_motion(I, M, M[S_TIME], solved_q, solved_v, a)
-        moving = tension_of_speed(I, M, stretch_at_rate(I, M, q, a, tension))
-        ringing = tension_of_motion(I, M, view(M, I[O_INCREMENT], count))
-    set_time(I, M, M[S_TIME] + dt)
-    if change < 0.0:
-        return False
-    angle = min(math.sqrt(M[S_AXIAL]) * dt, 0.5 * math.pi)
-    seen = range_of_tension(I, M, scheme) + change * (1.0 - math.cos(angle))
-    ringing = min(ringing * left_by_last_step(M), seen / math.sin(angle))
-    amplitude = math.hypot(change, ringing)
-    if amplitude > 1.0:
-        M[S_RING] = amplitude * tension_tolerance(M)
-        M[S_RING_FOUND] = M[S_TIME]
-    return change <= 1.0 and moving <= 1.0
-
-
-@kernel
-def ring_share(angle):
-    """What a step in which a ring turns by that angle [rad] may add to the error of what rings,
-    of what it may be in all: it lasts for 2 / LOSS_FACTOR radians."""
-    return 0.5 * LOSS_FACTOR * angle
-
-
-@kernel
-def ring_needs_stages(M, dt):
-    """Whether the two-step scheme would miss the ring that is known of, by a third of the cube of
-    the angle by which it turns in a step, or cannot tell how much is left of it."""
-    angle = dt * math.sqrt(M[S_AXIAL])
-    return ring_is_due(M) or known_ring(M) * angle * angle * angle / 3.0 > ring_share(angle)
-
-
-@kernel
-def error_of_ring(scheme, angle):
-    """By how much a step in which a ring turns by that angle [rad] misses it, of its amplitude:
-    by how much the scheme's stability function R(i angle) differs from exp(i angle)."""
-    real, imaginary = 0.0, 0.0
-    for n in range(STAGES[scheme]):
-        # Horner's rule in i angle, from the highest power.
-        real, imaginary = NUMERATOR[scheme, n] - angle * imaginary, angle * real
-    turn = GAMMA[scheme] * angle
-    poles = STAGES[scheme] - 1
-    size = (1.0 + turn * turn) ** (-0.5 * poles)
-    behind = angle - poles * math.atan(turn)
-    return math.hypot(size * real - math.cos(behind), size * imaginary - math.sin(behind))
+    change, moving = solve_for_tension(I, M, M[S_TIME], SHORT * dt, q, v, tension)
+    return not (0.0 <= change and change <= 1.0 and moving <= 1.0)
 
 
 @kernel
@@ -578,7 +410,6 @@ def take_solved(I, M):
     copy_words(I, I[O_TENSION], region(I, SOLVED_T), 2 * I[I_NODES])
     copy_words(I, I[O_TENSION_RATE], region(I, SOLVED_RATE), 2 * I[I_NODES])
     I[I_SETTLED] = 1
-    M[S_RING] = 0.0
     I[I_HISTORY] = 0  # the two-step scheme would differentiate what was solved for
 
 
@@ -616,43 +447,24 @@ def tension_error(I, M, dt, scheme, gamma_dt, error):
 
     error: of the positions, (nodes, 2, dimension) [m].
     """
-    angle = dt * math.sqrt(M[S_AXIAL])
-    ring = known_ring(M)
-    due = ring_is_due(M)
-    if angle < FINEST and not due:
+    if dt * math.sqrt(M[S_AXIAL]) < FINEST:
         return 0.0, FOLLOWS
     scatter = stage_scatter(M, scheme)
-    if scatter <= UNSEEN and ring == 0.0:
+    if scatter <= UNSEEN:
         return scatter, PASSES_OVER
     if dies_away(M):
         return 0.0, SOLVED if solves(I, M, dt, scatter) else PASSES_OVER
-    missed = error_of_ring(scheme, angle) / ring_share(angle)
-    # Whatever its phase, so much of a ring the tensions in the step would show.
-    most = range_of_tension(I, M, scheme) / (1.0 - math.cos(0.5 * min(angle, math.pi)))
-    if ring > most:
-        ring = most
-        M[S_RING] = most * tension_tolerance(M)
-    due = ring > 1.0 and (due or ring * missed > 1.0)
-    if scatter <= UNSEEN:
-        if due:
-            measure_ring(I, M, dt, scheme)
-        return max(scatter, known_ring(M) * missed), FOLLOWS
     left, share = embedded_error(I, M, error, gamma_dt, scatter)
     lasting = left * share * share / SHARE
     forgotten = (1.0 - share * share) * scatter
     unseen = bend_of_tension(I, M, dt) / (M[S_AXIAL] * dt * dt)
-    follows = share > STIFF or unseen > SOLVED_FROM
-    known = I[I_SETTLED] != 0 and begins_smoothly(I, M)
-    if not known and ring <= 1.0 and lasting <= 1.0:
-        if follows:
-            due = may_ring(I, M, dt, most, max(1.0, 1.0 / missed))
-        else:
-            due = forgotten > SOLVED_FROM
-    if due:
-        known = measure_ring(I, M, dt, scheme)
-    lasting = max(lasting, known_ring(M) * missed)
-    if follows:
+    if share > STIFF or unseen > SOLVED_FROM:
         return max(lasting, forgotten), FOLLOWS
-    if known and lasting <= 1.0 and solves(I, M, dt, scatter):
-        return lasting, SOLVED
+    settled = I[I_SETTLED] != 0 and begins_smoothly(I, M)
+    if (settled or forgotten > SOLVED_FROM) and lasting <= 1.0 and solves(I, M, dt, scatter):
+        if settled:
+            return lasting, SOLVED
+        if not rings(I, M, dt):
+            solve_at_end(I, M, dt)
+            return lasting, SOLVED
     return max(lasting, forgotten), PASSES_OVER
