@@ -435,20 +435,23 @@ def _drum(scene: Any) -> tuple[Any, ...]:
     return tuple(payout.drum) if payout is not None else ()
 
 
+@cache
+def _outputs_of_parts(*kinds: tuple[str, ...]) -> tuple[Variable, ...]:
+    """The rows of lines, bodies, vessels and cuts of these names: asked for at every output."""
+    rows_of_kinds = LINE_OUTPUTS, BODY_OUTPUTS, VESSEL_OUTPUTS, CUT_OUTPUTS
+    return tuple(
+        row.of_part(name)
+        for rows, names in zip(rows_of_kinds, kinds, strict=True)
+        for name in names
+        for row in rows
+    )
+
+
 def outputs_of(scene: Any) -> tuple[Variable, ...]:
     """The rows of the table that a scene has; of a system those of its parts, by their names."""
     if is_system(scene):
-        return tuple(
-            row.of_part(name)
-            for rows, names in (
-                (LINE_OUTPUTS, scene.lines),
-                (BODY_OUTPUTS, scene.bodies),
-                (VESSEL_OUTPUTS, scene.vessels),
-                (CUT_OUTPUTS, scene.cuts),
-            )
-            for name in names
-            for row in rows
-        )
+        kinds = scene.lines, scene.bodies, scene.vessels, scene.cuts
+        return _outputs_of_parts(*(tuple(names) for names in kinds))
     return tuple(variable for variable in OUTPUTS if variable.in_scene(scene))
 
 

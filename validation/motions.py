@@ -127,22 +127,7 @@ def motions() -> tuple[list[Row], Any]:
 
 def _front(one: Any) -> list[Row]:
     """A load is hoisted at 1 m/s and stopped within 50 ms; the echo is back after 0.63 s."""
-    cable, gravity = {**IDEAL, "axial_stiffness": 1e7}, 9.80665
-    table = [(0.0, 1.0), (0.1, 1.0), (0.15, 0.0)]
-    vessel = {"velocity": [{"t": t, "velocity": [0, 0, v]} for t, v in table]}
-    body = {"mass": 8000.0 / gravity, "submerged_weight": 8000.0}
-    model = cm.CableModel(
-        scene(
-            1000.0,
-            cable,
-            model="cable",
-            elements=128,
-            density=0.0,
-            tolerance=1e-8,
-            body=body,
-            vessel=vessel,
-        )
-    )
+    model = scenes.hoist_that_stops()
     times, found = np.linspace(0.02, 0.66, 33), []
     for t in times:
         model.step_to(t)

@@ -9,7 +9,7 @@ import numpy as np
 import cablemodel as cm
 from tests.verification.references import catenary, elastica, modes, static_cable
 from tests.verification.references.moored import moored_catenary
-from tests.verification.scenes import IDEAL, scene
+from tests.verification.scenes import IDEAL, cantilever, scene
 from validation import draw
 from validation.rows import Row, family, relative
 
@@ -81,28 +81,13 @@ def catenaries() -> tuple[list[Row], Any]:
     return rows, figure
 
 
-def cantilever(length: float, **settings: Any) -> cm.CableModel:
-    """EI = 1 N m2, clamped level unless said otherwise."""
-    load, weight = settings.pop("load", 0.0), settings.pop("weight", 0.0)
-    stiffness = settings.pop("axial_stiffness", 1e8 * max(load, weight, 1.0))
-    cable = {
-        **IDEAL,
-        "submerged_weight": weight,
-        "axial_stiffness": stiffness,
-        "bending_stiffness": 1.0,
-    }
-    body = {"mass": 1.0, "submerged_weight": load} if load else None
-    settings.setdefault("vessel", {"connection": {"clamped": [1.0, 0.0, 0.0]}})
-    return cm.CableModel(scene(length, cable, body=body, tolerance=TAU, **settings))
-
-
 @family("bending", "Closed forms: bending")
 def bending() -> tuple[list[Row], Any]:
     """Large deflections and the layer at a clamp."""
     rows, (figure, (left, right)) = [], draw.axes(2)
     for load in (1.0, 10.0):
         x, z, _ = elastica.cantilever_tip_load(load)
-        model = cantilever(1.0, load=load)
+        model = cantilever(1.0, load=load, axial_stiffness=1e8 * load, tolerance=TAU)
         off = float(np.hypot(model.tip_position[0] - x, model.tip_position[2] + z))
         case, source = f"end load, P L2/EI = {load:g}", "elliptic integrals (Bisshopp, Drucker)"
         rows.append(Row("bending", case, source, "end, of L", off, TAU, ""))
@@ -112,7 +97,7 @@ def bending() -> tuple[list[Row], Any]:
         left.plot(x, -z, "x", color=draw.REFERENCE)
     for weight in (1.0, 100.0):
         exact = elastica.extensible_rod(1.0, 1.0, 1e8, 0.0, weight=weight)
-        model = cantilever(1.0, weight=weight, axial_stiffness=1e8)
+        model = cantilever(1.0, weight=weight, axial_stiffness=1e8, tolerance=TAU)
         off = float(np.linalg.norm(model.tip_position[[0, 2]] - exact.tip))
         case = f"own weight, w L3/EI = {weight:g}"
         rows.append(Row("bending", case, "rod ODE", "end, of L", off, TAU, ""))
@@ -121,7 +106,7 @@ def bending() -> tuple[list[Row], Any]:
     for degrees in (10.0, 30.0, 60.0):
         angle = np.radians(degrees)
         clamp = {"connection": {"clamped": [np.sin(angle), 0.0, -np.cos(angle)]}}
-        model = cantilever(20.0, load=100.0, axial_stiffness=1e9, vessel=clamp)
+        model = cantilever(20.0, load=100.0, axial_stiffness=1e9, vessel=clamp, tolerance=TAU)
         moment = elastica.clamped_end_curvature(1.0, 100.0, angle)
         off = relative(np.linalg.norm(model.top_moment), moment)
         case, source = f"clamp at {degrees:g} degrees", "(2/lambda) sin(a/2)"

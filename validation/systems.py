@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
 import cablemodel as cm
+from tests.verification.references.bodies import free_spin
 from validation import draw
 from validation.rows import Row, family, relative
 
@@ -84,14 +84,7 @@ def bodies() -> tuple[list[Row], Any]:
         return state.axes.T @ state.angular_velocity
 
     begun, first = model.time, spin()
-    exact = solve_ivp(
-        lambda _t, w: np.cross(inertia * w, w) / inertia,
-        (0.0, 30.0),
-        first,
-        rtol=1e-11,
-        atol=1e-12,
-        dense_output=True,
-    ).sol
+    exact = free_spin(inertia, first, 30.0)
     times, found = [], []
     for _ in range(60):
         model.step(0.5)

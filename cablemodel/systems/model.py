@@ -359,12 +359,14 @@ class SystemModel:
                 tension.min(),
                 tension.max(),
             )
-        wrenches = self.wrenches
-        for name, motion in (*self.bodies.items(), *self.vessels.items()):
-            for key in ("position", "attitude", "velocity", "angular_velocity"):
-                found[f"{name}.{key}"] = getattr(motion, key)
-            if name in wrenches:
-                found[f"{name}.force"], found[f"{name}.moment"] = np.split(wrenches[name], 2)
+        bodies, frames = self._parts()
+        for names, rows in ((self.scene.bodies, bodies), (self.scene.vessels, frames)):
+            for name, row in zip(names, rows, strict=True):
+                motion = _motion(row)
+                for key in ("position", "attitude", "velocity", "angular_velocity"):
+                    found[f"{name}.{key}"] = getattr(motion, key)
+        for name, row in zip(self.scene.vessels, frames, strict=True):
+            found[f"{name}.force"], found[f"{name}.moment"] = np.split(_wrench(row), 2)
         for name, time in self.cuts.items():
             found[f"{name}.time"] = np.array(np.nan if time is None else time)
         return found
@@ -410,9 +412,7 @@ class SystemModel:
         """Force and moment about its origin (6,) [N, N m] of all lines on each vessel, earth
         frame."""
         frames = self._parts()[1]
-        return {
-            name: row[27:33].copy() for name, row in zip(self.scene.vessels, frames, strict=True)
-        }
+        return {name: _wrench(row) for name, row in zip(self.scene.vessels, frames, strict=True)}
 
     def sample_elements(self, elements: FloatArray, fractions: FloatArray) -> FloatArray:
         """Rows of STATION_WORDS at fractions of elements, by the numbers of their nodes."""
@@ -482,6 +482,11 @@ _GIVEN = (
 """Fields of VesselInput in the order of a frame's input, and their bits."""
 
 _HALVES = {"force": slice(0, 3), "torque": slice(3, 6)}
+
+
+def _wrench(row: FloatArray) -> FloatArray:
+    """Force and moment in the words of a vessel (part_outputs.parts_motion)."""
+    return row[27:33].copy()
 
 
 def _motion(row: FloatArray) -> Motion:

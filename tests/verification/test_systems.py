@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
-from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, fsolve
 from typer.testing import CliRunner
 
@@ -17,6 +16,7 @@ from cablemodel.cli import app
 from cablemodel.errors import SceneError, StepError
 from cablemodel.systems import SystemModel
 from cablemodel.systems.model import VesselInput
+from tests.verification.references.bodies import free_spin
 
 G = 9.81
 STRING = {"diameter": 0.002, "mass": 0.002, "axial_stiffness": 2e6, "submerged_weight": 0.002 * G}
@@ -130,14 +130,7 @@ def test_torque_free_body() -> None:
     first, energy = momentum(), 0.5 * inertia @ spin() ** 2
     start, begun = spin(), model.time
     worst = 0.0
-    solution = solve_ivp(
-        lambda _t, w: np.cross(inertia * w, w) / inertia,
-        (0.0, 30.0),
-        start,
-        rtol=1e-11,
-        atol=1e-12,
-        dense_output=True,
-    ).sol
+    solution = free_spin(inertia, start, 30.0)
     for _ in range(60):
         model.step(0.5)
         worst = max(worst, float(np.abs(spin() - solution(model.time - begun)).max()))
