@@ -311,18 +311,22 @@ class SystemModel:
     @property
     def bodies(self) -> dict[str, Motion]:
         """Motion of the free bodies by name."""
-        return {
-            name: _motion(row)
-            for name, row in zip(self.scene.bodies, self._parts()[0], strict=True)
-        }
+        motions = self.motions
+        return {name: motions[name] for name in self.scene.bodies}
 
     @property
     def vessels(self) -> dict[str, Motion]:
         """Motion of vessels and driven ends by name."""
-        return {
-            name: _motion(row)
-            for name, row in zip(self.scene.vessels, self._parts()[1], strict=True)
-        }
+        motions = self.motions
+        return {name: motions[name] for name in self.scene.vessels}
+
+    @property
+    def motions(self) -> dict[str, Motion]:
+        """Motion of vessels, driven ends and free bodies by name."""
+        bodies, frames = self._parts()
+        names = *self.scene.vessels, *self.scene.bodies
+        rows = *frames, *bodies
+        return {name: _motion(row) for name, row in zip(names, rows, strict=True)}
 
     @property
     def top_tension(self) -> float:
