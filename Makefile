@@ -18,7 +18,7 @@ RUN := out/towed_cable.mcap
 
 .DEFAULT_GOAL := help
 .PHONY: help demo demo-ros test test-ros lint types browser native libraries wheel test-tools
-.PHONY: bench bench-quick bench-ros count-store valgrind stress golden docs clean
+.PHONY: bench bench-quick bench-ros count-store valgrind stress validate golden docs clean
 
 help:  ## list what make can do
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -109,6 +109,10 @@ stress: $(READY_BENCH)  ## run the stress scenes (long)
 	$(BIN)/python -m benchmarks.random_scenes.estimate
 	for kind in --waves --ordinary --converge ""; do \
 		$(BIN)/python -m benchmarks.random_scenes $$kind || failed=1; done; exit $${failed:-0}
+
+validate: $(READY_BENCH) native  ## compare with measurements, other programs and closed forms
+	$(BIN)/python -m validation
+	$(BIN)/python -m validation.jobs
 
 golden: $(READY_DEV)  ## make the golden logs of tests/replay anew, where results have changed
 	$(BIN)/python tests/replay/make_golden.py

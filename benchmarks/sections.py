@@ -42,7 +42,7 @@ def read_rows(path: Path) -> list[dict[str, str]]:
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A Markdown table."""
-    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
-    lines += ["| " + " | ".join(row) + " |" for row in rows]
+    """A Markdown table, without blanks about its cells: each would count as a word."""
+    lines = ["|" + "|".join(head) + "|", "|" + "---|" * len(head)]
+    lines += ["|" + "|".join(row) + "|" for row in rows]
     return "\n".join(lines) + "\n"

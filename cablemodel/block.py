@@ -254,54 +254,8 @@ class Block(WordBlock):
         ]
         return image, workspace
 
-    def __init__(
-        self,
-        *,
-        capacity: int,
-        pieces: int,
-        depths: int,
-        times: int,
-        strain_words: int,
-        bodies: int,
-        constraints: int,
-        rates: int,
-        cables: int,
-        floor_words: int,
-        waves: int,
-        cell_terms: int,
-        frames: int = 0,
-        frame_pieces: int = 0,
-        free_bodies: int = 0,
-        arms: int = 0,
-        foils: int = 0,
-        foil_words: int = 0,
-        cuts: int = 0,
-        rao_words: int = 0,
-        feet: int = 0,
-    ) -> None:
-        sizes = {
-            "capacity": capacity,
-            "pieces": pieces,
-            "depths": depths,
-            "times": times,
-            "strain_words": strain_words,
-            "bodies": bodies,
-            "constraints": constraints,
-            "rates": rates,
-            "cables": cables,
-            "floor_words": floor_words,
-            "waves": waves,
-            "cell_terms": cell_terms,
-            "frames": frames,
-            "frame_pieces": frame_pieces,
-            "free_bodies": free_bodies,
-            "arms": arms,
-            "foils": foils,
-            "foil_words": foil_words,
-            "cuts": cuts,
-            "rao_words": rao_words,
-            "feet": feet,
-        }
+    def __init__(self, **sizes: int) -> None:
+        """Zeros, with the header; sizes: the arguments of `arrays`."""
         image, workspace = self.arrays(**sizes)
         header = {Header.magic.word: at.MAGIC, Header.version.word: at.VERSION}
         header.update({SIZES[name]: size for name, size in sizes.items()})

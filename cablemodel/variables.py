@@ -155,11 +155,11 @@ LINE_OUTPUTS: tuple[Variable, ...] = (
              "~/NAME/tension_min", FLOAT64),
     Variable("highest tension along it", "N", "NAME.tension_max", "NAME.tension.max",
              "~/NAME/tension_max", FLOAT64),
-    Variable("position along it", "m", "NAME.state.position", "NAME.position[k,i]",
+    Variable("position along it", "m", "NAME.state.position", "NAME.line.position[k,i]",
              "~/NAME/nodes", CLOUD, ("stations", 3), member="x y z"),
-    Variable("effective tension along it", "N", "NAME.state.tension", "NAME.tension[k]",
+    Variable("effective tension along it", "N", "NAME.state.tension", "NAME.line.tension[k]",
              "~/NAME/nodes", CLOUD, ("stations",), member="tension"),
-    Variable("curvature along it", "1/m", "NAME.state.curvature", "NAME.curvature[k]",
+    Variable("curvature along it", "1/m", "NAME.state.curvature", "NAME.line.curvature[k]",
              "~/NAME/nodes", CLOUD, ("stations",), member="curvature"),
     Variable("unstretched arc length from its beginning", "m", "NAME.state.s", "",
              "~/NAME/nodes", CLOUD, ("stations",), member="s"),
@@ -245,7 +245,7 @@ FOIL_INPUT = Input("deflection", "rad", "deflection", "NAME.deflection", "~/NAME
                    FLOAT64)  # fmt: skip
 """Of each foil of a system, by the names of its body and its own."""
 
-CUT_INPUT = Input("1: make the cut now", "", "cut", "NAME.cut", "~/NAME/cut", FLOAT64)
+CUT_INPUT = Input("above 0.5: make the cut now", "", "cut", "NAME.cut", "~/NAME/cut", FLOAT64)
 """Of each cut of a system."""
 
 
@@ -293,6 +293,10 @@ PARAMETERS: tuple[Parameter, ...] = (
               "drum.cable[n].length", "payout.drum.N.cable.length", False),
 )  # fmt: skip
 """What an FMU's user may set before the start or, where tunable, during a run."""
+
+
+VESSEL_CHOICE = Parameter("which inputs move it", "", "NAME.input", "", False)
+"""Of each vessel or driven end of a system."""
 
 
 def parameter(fmu: str) -> Parameter:
@@ -431,20 +435,23 @@ def _drum(scene: Any) -> tuple[Any, ...]:
     return tuple(payout.drum) if payout is not None else ()
 
 
+@cache
+def _outputs_of_parts(*kinds: tuple[str, ...]) -> tuple[Variable, ...]:
+    """The rows of lines, bodies, vessels and cuts of these names: asked for at every output."""
+    rows_of_kinds = LINE_OUTPUTS, BODY_OUTPUTS, VESSEL_OUTPUTS, CUT_OUTPUTS
+    return tuple(
+        row.of_part(name)
+        for rows, names in zip(rows_of_kinds, kinds, strict=True)
+        for name in names
+        for row in rows
+    )
+
+
 def outputs_of(scene: Any) -> tuple[Variable, ...]:
     """The rows of the table that a scene has; of a system those of its parts, by their names."""
     if is_system(scene):
-        return tuple(
-            row.of_part(name)
-            for rows, names in (
-                (LINE_OUTPUTS, scene.lines),
-                (BODY_OUTPUTS, scene.bodies),
-                (VESSEL_OUTPUTS, scene.vessels),
-                (CUT_OUTPUTS, scene.cuts),
-            )
-            for name in names
-            for row in rows
-        )
+        kinds = scene.lines, scene.bodies, scene.vessels, scene.cuts
+        return _outputs_of_parts(*(tuple(names) for names in kinds))
     return tuple(variable for variable in OUTPUTS if variable.in_scene(scene))
 
 
@@ -477,7 +484,7 @@ def document() -> str:
         "",
         "## Outputs",
         "",
-        "| quantity | unit | Python | FMU | ROS 2 and log | message | in it | only in |",
+        "|quantity|unit|Python|FMU|ROS 2 and log|message|in it|only in|",
         "|---|---|---|---|---|---|---|---|",
     ]
     for row in OUTPUTS:
@@ -486,7 +493,7 @@ def document() -> str:
             f"`{row.fmu}`" if row.fmu else "-", f"`{row.topic}`", row.message,
             row.member, _WHEN[row.present],
         )  # fmt: skip
-        lines.append("| " + " | ".join(cells) + " |")
+        lines.append("|" + "|".join(cells) + "|")
     lines += [
         "",
         "Tensions are *effective* tensions: those of the equations, whose weight is that in",
@@ -498,7 +505,7 @@ def document() -> str:
         "",
         "## Inputs",
         "",
-        "| quantity | unit | Python: `step(...)` | FMU | ROS 2 | message |",
+        "|quantity|unit|Python: `step(...)`|FMU|ROS 2|message|",
         "|---|---|---|---|---|---|",
     ]
     for item in INPUTS:
@@ -506,7 +513,7 @@ def document() -> str:
             item.quantity, item.unit, f"`{item.python}`", f"`{item.fmu}`",
             f"`{item.topic}`" if item.topic else "-", item.message or "-",
         )  # fmt: skip
-        lines.append("| " + " | ".join(entries) + " |")
+        lines.append("|" + "|".join(entries) + "|")
     lines += [
         "",
         "## Parameters of the FMU",
@@ -515,7 +522,7 @@ def document() -> str:
         "of the drum, from the vessel, j the bodies; K is the name of a cable type, and N a place",
         "in the scene's list, from 0.",
         "",
-        "| quantity | unit | FMU | scene | |",
+        "|quantity|unit|FMU|scene||",
         "|---|---|---|---|---|",
     ]
     for entry in PARAMETERS:
@@ -523,7 +530,7 @@ def document() -> str:
             entry.quantity, entry.unit or "-", f"`{entry.fmu}`",
             f"`{entry.scene}`" if entry.scene else "-", "tunable" if entry.tunable else "fixed",
         )  # fmt: skip
-        lines.append("| " + " | ".join(texts) + " |")
+        lines.append("|" + "|".join(texts) + "|")
     lines += [
         "",
         "## Only in the log: what replay needs, exact",

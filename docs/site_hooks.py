@@ -54,7 +54,17 @@ def on_page_markdown(markdown: str, page: Any, config: Any, files: Any, **_: Any
             files.append(File.generated(config, index, content=_listing(there)))
         return f"{up}{index}"
 
-    return _LINK.sub(target, markdown)
+    return _LINK.sub(target, _with_scene(markdown, DOCS / here))
+
+
+def _with_scene(markdown: str, folder: Path) -> str:
+    """A page of the job book shows its scene, which is a file beside it."""
+
+    def shown(match: re.Match[str]) -> str:
+        text = (folder / match[1]).read_text(encoding="utf-8")
+        return f"{match[0]}\n\n```yaml\n{text.strip()}\n```"
+
+    return re.sub(r"^Scene: \[[\w.]+\]\(([\w.]+)\)$", shown, markdown, flags=re.MULTILINE)
 
 
 def _listing(folder: Path) -> str:

@@ -97,7 +97,7 @@ def _section(title: str, schema: dict[str, Any]) -> str:
     lines = [f"## {title}", "", description]
     if word is not None:
         lines += ["", f"The word `{word}`, or a mapping:"]
-    lines += ["", "| key | value | default | meaning |", "|---|---|---|---|"]
+    lines += ["", "|key|value|default|meaning|", "|---|---|---|---|"]
     return "\n".join([*lines, *_rows(schema)]) + "\n"
 
 
@@ -111,7 +111,7 @@ def _rows(schema: dict[str, Any], above: str = "") -> list[str]:
         default = needed if key in required else _default(field)
         meaning = field.get("description", "").replace("|", "\\|")
         kind = " ".join(part for part in (_kind(field), _unit(field)) if part)
-        lines.append(f"| `{path}` | {kind} | {default} | {meaning} |")
+        lines.append(f"|`{path}`|{kind}|{default}|{meaning}|")
         for part in (field, *field.get("anyOf", ())):
             if "properties" in part:
                 lines += _rows(part, f"{path}.")

@@ -6,14 +6,14 @@ import json
 import math
 import warnings
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import typer
 
 from cablemodel.cli.errors import reported
 from cablemodel.cli.numbers import readable
-from cablemodel.cli.plausibility import scene_warnings, start_warnings
+from cablemodel.cli.plausibility import scene_warnings, start_warnings, system_warnings
 from cablemodel.cli.run import JsonOption, SceneArgument, SetOption, explained_start, fixed
 from cablemodel.solver import FINER
 
@@ -69,22 +69,34 @@ def _check_system(source: Any, overrides: Iterable[str], *, as_json: bool) -> No
     with explained_start(quiet=as_json):
         model = SystemModel(scene)
     parts, start = list(topology(scene)), list(at_start(model))
+    looks_wrong = system_warnings(scene)
     if as_json:
-        elements = len(model.built.tree.elements)
-        found = {"title": scene.title, "topology": parts, "start": start, "elements": elements}
+        found = {
+            "title": scene.title,
+            "topology": parts,
+            "start": start,
+            "elements": model.statistics["elements"],
+            "warnings": looks_wrong,
+        }
         typer.echo(json.dumps(found))
         return
     for line in [scene.title, *parts, "At the start:", *start]:
         if line:
             typer.echo(line)
+    _print_warnings(looks_wrong)
 
 
 @reported
-def schema() -> None:
+def schema(
+    system: Annotated[
+        bool, typer.Option("--system", help="Of systems: scenes with lines.")
+    ] = False,
+) -> None:
     """Print the JSON schema of scenes, from which editors check and complete."""
-    from cablemodel.scene import scene_json_schema
+    from cablemodel.scene import Scene, scene_json_schema
+    from cablemodel.systems import SystemScene
 
-    typer.echo(json.dumps(scene_json_schema(), indent=2))
+    typer.echo(json.dumps(scene_json_schema(SystemScene if system else Scene), indent=2))
 
 
 def _report(scene: Scene, model: CableModel) -> dict[str, Any]:

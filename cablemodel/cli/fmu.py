@@ -28,7 +28,7 @@ def fmu(
         ),
     ] = "linux64,win64,darwin64",
     stations: Annotated[
-        int, typer.Option(min=2, help="Points along the cable that are outputs.")
+        int, typer.Option(min=2, help="Points along each cable that are outputs.")
     ] = 11,
     inputs: Annotated[
         str,
@@ -40,8 +40,8 @@ def fmu(
     vessel_input: Annotated[
         str,
         typer.Option(
-            help="What moves the tow point until vessel.input is set: velocity, position, or "
-            "'position and velocity'."
+            help="What moves the tow point, or each vessel of a system, until vessel.input is set: "
+            "velocity, position, or 'position and velocity'."
         ),
     ] = "velocity",
     timing: Annotated[
@@ -61,14 +61,14 @@ def fmu(
 ) -> None:  # fmt: skip
     """Export a scene as an FMU (FMI 2.0 co-simulation) that needs no Python."""
     from cablemodel.errors import CableModelError
-    from cablemodel.scene import load_scene
+    from cablemodel.systems.model import read_scene
 
     try:
         from cablemodel_fmu.export import export_fmu, ports_file
     except ModuleNotFoundError as error:
         raise CableModelError(f"the package cablemodel_fmu is not installed: {error}") from error
 
-    loaded = load_scene(scene, overrides or ())
+    loaded = read_scene(scene, overrides or ())
     target = writable(output or Path(scene.with_suffix(".fmu").name), (".fmu",))
 
     system = None if ssp is None else writable(ssp, (".ssp",))

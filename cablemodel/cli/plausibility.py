@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -11,7 +12,9 @@ import numpy as np
 if TYPE_CHECKING:
     from cablemodel.model import CableModel, CableState
     from cablemodel.scene import Scene
-    from cablemodel.scene.line import CableType
+    from cablemodel.scene.common import CableScene
+    from cablemodel.scene.line import CableType, LineItem
+    from cablemodel.systems import SystemScene
 
 KNOT = 1852.0 / 3600.0
 """A knot [m/s]."""
@@ -61,11 +64,40 @@ def scene_warnings(scene: Scene) -> list[str]:
         )
     if scene.vessel.connection.kind == "clamped" and is_flexible(scene, scene.cables[0]):
         found.append("vessel.connection is clamped, but the first cable has no bending: no effect")
-    used = {item.cable.type for item in (*scene.line, *scene.payout.drum) if item.cable is not None}
+    items = (*scene.line, *scene.payout.drum)
+    found += _type_warnings(scene, items, "the line")
+    found += _item_warnings(scene, items)
+    found += _end_of_the_drum(scene)
+    for name, strain in _stretched_by_weight(scene).items():
+        kind = scene.cable_types[name]
+        found.append(
+            f"cable type {name} would stretch by {100 * strain:.3g} % under the line's own weight; "
+            + _stiffness_asked(kind)
+        )
+    return found
+
+
+def system_warnings(scene: SystemScene) -> list[str]:
+    """What looks wrong in the scene of a system."""
+    items = [item for line in scene.lines.values() for item in line.items]
+    found = _type_warnings(scene, items, "any line") + _item_warnings(scene, items)
+    for name, body in scene.bodies.items():
+        weight = body.weight_in(scene.environment)
+        found += _heavier_in_water(scene, f"bodies.{name}", weight, body.mass, "")
+    for name, vessel in scene.vessels.items():
+        velocities = vessel.motion().typical_velocities()
+        found += _fast_vessel(f"vessels.{name}", float(np.linalg.norm(velocities, axis=1).max()))
+    return found
+
+
+def _type_warnings(scene: CableScene, items: Iterable[LineItem], where: str) -> list[str]:
+    """Cable types that are not used, or whose numbers look wrong."""
+    found = []
+    used = {item.cable.type for item in items if item.cable is not None}
     for name in sorted(scene.cable_types):
         kind = scene.cable_types[name]
         if name not in used:
-            found.append(f"cable_types.{name} is not used in the line")
+            found.append(f"cable_types.{name} is not used in {where}")
             continue
         density = kind.mass / (0.25 * math.pi * kind.diameter**2)
         if not _LIGHTEST < density < _HEAVIEST:
@@ -83,7 +115,13 @@ def scene_warnings(scene: Scene) -> list[str]:
         if weight < 0.0 and scene.environment.waves is None:  # a surface to float on
             found.append(f"cable type {name} floats: its submerged weight is {weight:g} N/m")
         found += _heavier_in_water(scene, f"cable type {name}", weight, kind.mass, "/m")
-    for item in (*scene.line, *scene.payout.drum):
+    return found
+
+
+def _item_warnings(scene: CableScene, items: Iterable[LineItem]) -> list[str]:
+    """Bodies in lines whose numbers look wrong."""
+    found = []
+    for item in items:
         if (body := item.body) is not None:
             what = f"body {body.name}" if body.name else "a body"
             found += _heavier_in_water(scene, what, body.submerged_weight, body.mass, "")
@@ -93,26 +131,22 @@ def scene_warnings(scene: Scene) -> list[str]:
                     f"{what} has a drag_area, but no drag along its axis: drag_area_axial is "
                     "not given"
                 )
-    found += _end_of_the_drum(scene)
-    for name, strain in _stretched_by_weight(scene).items():
-        kind = scene.cable_types[name]
-        found.append(
-            f"cable type {name} would stretch by {100 * strain:.3g} % under the line's own weight; "
-            + _stiffness_asked(kind)
-        )
     return found
+
+
+def _fast_vessel(what: str, speed: float) -> list[str]:
+    if speed <= _FASTEST:
+        return []
+    return [
+        f"{what} moves at up to {speed:.3g} m/s ({speed / KNOT:.3g} knots): is the "
+        "vessel's velocity right? kn need their unit"
+    ]
 
 
 def _too_fast(scene: Scene) -> list[str]:
     """Speeds that no ship, water or winch has: units left out, or the wrong ones."""
-    found = []
     velocities = scene.motion().typical_velocities()
-    speed = float(np.linalg.norm(velocities, axis=1).max())
-    if speed > _FASTEST:
-        found.append(
-            f"the tow point moves at up to {speed:.3g} m/s ({speed / KNOT:.3g} knots): is the "
-            "vessel's velocity right? kn need their unit"
-        )
+    found = _fast_vessel("the tow point", float(np.linalg.norm(velocities, axis=1).max()))
     if scene.environment.current is not None:
         flow = float(np.linalg.norm(scene.environment.current.velocity, axis=-1).max())
         if flow > _FASTEST:
@@ -158,7 +192,9 @@ def _angles_without_unit(scene: Scene) -> list[str]:
     return found
 
 
-def _heavier_in_water(scene: Scene, what: str, weight: float, mass: float, per: str) -> list[str]:
+def _heavier_in_water(
+    scene: CableScene, what: str, weight: float, mass: float, per: str
+) -> list[str]:
     """A weight in water that is more than that in air."""
     in_air = mass * scene.environment.gravity
     if weight <= (1.0 + _HEAVIER) * in_air:

@@ -159,19 +159,12 @@ def force_response(I, M, motion, out):
 def drive(I, M, t_end, motion, forces, angles, orders):
     """Inputs of a system for a step to t_end [s], before `step`.
 
-    motion: FRAME_INPUTS words for each frame: what is given (frames.drive_frame); then position
-    [m], roll, pitch and yaw [rad], and their rates. forces: outside force [N]
-    and torque [N m] on each free body, earth frame. angles: deflection of each foil [rad].
-    orders: of each cut, whether it is to be made now.
+    motion: FRAME_INPUTS words for each frame: what is given (GIVEN_..., 0: its own motion); then
+    position [m], roll, pitch and yaw [rad], and their rates: see frames.drive_frame. forces:
+    outside force [N] and torque [N m] on each free body, earth frame. angles: deflection of each
+    foil [rad]. orders: of each cut, whether it is to be made now.
     """
     part_outputs.drive_parts(I, M, t_end, motion, forces, angles, orders)
-    return 0
-
-
-@entry_point(int64(INTEGERS, REALS, float64, REALS))
-def frame_motion(I, M, n, out):
-    """Motion of frame n: part_outputs.frame_motion."""
-    part_outputs.frame_motion(I, M, int(n), out)
     return 0
 
 
@@ -182,11 +175,11 @@ def sample_elements(I, M, elements, fractions, out):
     return len(elements)
 
 
-@entry_point(int64(INTEGERS, REALS, REALS, REALS, REALS))
-def parts(I, M, bodies, frames, ends):
-    """Motion of bodies and frames, forces at the ends of lines: part_outputs.parts_motion."""
+@entry_point(int64(INTEGERS, REALS, REALS, REALS))
+def parts(I, M, bodies, frames):
+    """Motion of bodies and frames, and what lines pull frames with: part_outputs.parts_motion."""
     head = header(I)
-    part_outputs.parts_motion(I, M, bodies, frames, ends)
+    part_outputs.parts_motion(I, M, bodies, frames)
     return head.body_count
 
 
@@ -213,7 +206,6 @@ ENTRY_POINTS = {
     "force_rate": force_rate,
     "force_response": force_response,
     "drive": drive,
-    "frame_motion": frame_motion,
     "sample_elements": sample_elements,
     "parts": parts,
     "to_three_dimensions": to_three_dimensions,

@@ -10,9 +10,10 @@ from .access import foot_of, free_body_of, header, scalars
 from .compile import kernel, view
 from .contact import contact_law
 from .floor_surface import gap_at
+from .layout import (
+    FOOT_SCRATCH,
+)
 from .rotation import cross, to_body_axes, to_earth_axes
-
-FOOT_SCRATCH = 110  # of `parts_work`: 18 words
 
 
 @kernel
@@ -63,7 +64,8 @@ def add_feet(I, M, body, f, w):
     head = header(I)
     state = scalars(M)
     depth = state.floor_depth
-    turn = free_body_of(I, M, body).motion.turn
+    m = free_body_of(I, M, body).motion
+    turn = m.turn
     for n in range(head.foot_count):
         foot = foot_of(I, M, n)
         if int(foot.body) != body:

@@ -4,11 +4,16 @@ A frame's origin and its roll, pitch and yaw follow pieces of motion, as the tow
 one line does (`environment.evaluate_piece`), or what the caller gives for a step.
 """
 
+import math
+
 from .access import constraint_of, frame_of, header, motion_piece_at, scalars
 from .compile import kernel
 from .environment import evaluate_piece
 from .layout import (
     EXACTLY,
+    GIVEN_POSITION,
+    GIVEN_RATE,
+    GIVEN_VELOCITY,
     HELD_BY_FRAME,
     LIVE,
     LIVE_NOT,
@@ -208,15 +213,15 @@ def frames_jump(I, M, w):
 def drive_frame(I, M, row, t_end, given, target, w):
     """Make a frame's live pieces what the caller asks for at the end of a step.
 
-    given: of its place 1 a velocity, 2 a position, 3 both, and 4 times as much of its attitude;
-    what has none follows its own pieces, back to which it comes within a step. target: position,
-    angles, velocity and rates of the angles at t_end (3 words each). w: 18 words.
+    given: bits of what the caller gives (GIVEN_...); of place and attitude, what has none follows
+    its own pieces, back to which it comes within a step. target: position, angles, velocity and
+    rates of the angles at t_end (3 words each). Angles are reached by the shorter way. w: 18 words.
     """
     state = scalars(M)
     time = state.time
     dt = t_end - time
     for turning in range(2):
-        kind = (given >> 2 if turning == 1 else given) & 3
+        kind = (given // GIVEN_RATE if turning == 1 else given) & (GIVEN_VELOCITY | GIVEN_POSITION)
         if kind == 0 and (row.turn_live if turning == 1 else row.live) != LIVE:
             if turning == 1:
                 row.turn_live = LIVE_NOT
@@ -234,7 +239,10 @@ def drive_frame(I, M, row, t_end, given, target, w):
             c2 = 0.0
             c3 = 0.0
             if kind >= 2:
-                mean = (target[3 * turning + i] - p0) / dt
+                p1 = target[3 * turning + i]
+                if turning == 1:
+                    p1 += 2.0 * math.pi * math.floor((p0 - p1) / (2.0 * math.pi) + 0.5)
+                mean = (p1 - p0) / dt
                 if kind == 2:
                     v1 = mean
                 c2 = (3.0 * mean - 2.0 * v0 - v1) / dt

@@ -22,11 +22,12 @@ import math
 from .access import arm_of, foil_of, free_body_of, header, scalars
 from .compile import kernel, view
 from .environment import current_at, surge_at
-from .feet import FOOT_SCRATCH, add_feet
+from .feet import add_feet
 from .hulls import wet_hull
 from .layout import (
     FLOOR_TOUCHED,
     FOIL_ANGLES,
+    FOOT_SCRATCH,
     HULL_NONE,
 )
 from .rotation import convective_spin, cross, to_body_axes, to_earth_axes, turn_and_rates

@@ -554,6 +554,7 @@ class Layer(Record):
 
 
 PARTS_WORDS = 160  # of the workspace
+FOOT_SCRATCH = 110  # of these: 18 words
 
 # What a line is like as a whole, for scales.measure_line.
 FACT_LENGTH = 0  # of its cables [m]
@@ -572,8 +573,10 @@ LIGHT_DAMPING = 10.0  # rho Cdn d L / m below which a line counts as hardly damp
 # What is read off a state, in words: the rows of outputs.sample_stations, outputs.summarise.
 STATION_WORDS, SUMMARY_WORDS, ENERGY_WORDS = 13, 32, 9
 FRAME_INPUTS = 13  # words of a frame's input: see entry.drive
-# Of a body or frame: place, velocity, acceleration of its origin; axes; angular velocity, its rate.
-PART_WORDS = 24
+GIVEN_VELOCITY, GIVEN_POSITION, GIVEN_RATE, GIVEN_ATTITUDE = 1, 2, 4, 8  # bits of its first one
+# Of a body or frame: place, velocity, acceleration of its origin; axes; angular velocity, its rate;
+# roll, pitch and yaw; force and moment of the lines about a frame's origin.
+PART_WORDS = 33
 
 # Elements at a touchdown.
 LAYER = 0.4  # smallest element in units of the touchdown layer (EI/w)^(1/3)

@@ -1,16 +1,19 @@
 """Systems of parts: what the caller drives, and what is read of bodies, frames and lines' ends."""
 
-from .access import constraint_of, cut_of, edge_of, frame_of, free_body_of, header, scalars
+from .access import constraint_at, constraint_of, cut_of, edge_of, frame_of, header, scalars
 from .compile import kernel, view
-from .frames import drive_frame, evaluate_frame
+from .frames import drive_frame
 from .free_bodies import deflect_foils, push_bodies
 from .layout import (
+    EXACTLY,
     FRAME_INPUTS,
+    FREE_WORDS,
+    HELD_BY_FRAME,
     PART_WORDS,
     STATION_WORDS,
 )
 from .outputs import end_forces, station_in_element
-from .rotation import cross, to_earth_axes
+from .rotation import angles_of, cross, to_earth_axes
 
 
 @kernel
@@ -30,15 +33,6 @@ def drive_parts(I, M, t_end, motion, forces, angles, orders):
 
 
 @kernel
-def frame_motion(I, M, n, out):
-    """Place and angles of a frame, without what waves add, and two derivatives of each (18)."""
-    state = scalars(M)
-    row = frame_of(I, M, n)
-    evaluate_frame(I, M, row, state.time, False, out[0:9])
-    evaluate_frame(I, M, row, state.time, True, out[9:18])
-
-
-@kernel
 def element_stations(I, M, elements, fractions, out):
     """State at fractions of elements: rows of STATION_WORDS, as outputs.sample_stations."""
     end_forces(I, M)
@@ -49,14 +43,14 @@ def element_stations(I, M, elements, fractions, out):
 
 
 @kernel
-def parts_motion(I, M, bodies, frames, ends):
-    """Motion of all bodies and frames (PART_WORDS words each), and the forces
-    that the supports exert at the nodes that are held, 3 words each in the order of constraints."""
+def parts_motion(I, M, bodies, frames):
+    """Motion of all bodies and frames, and the lines' forces and moments on frames about their
+    origins, earth frame: PART_WORDS words each."""
     head = header(I)
     state = scalars(M)
     end_forces(I, M)
     for n in range(head.free_count):
-        row = free_body_of(I, M, n)
+        row = constraint_at(M, head.free_bodies + n * FREE_WORDS)
         m = row.motion
         origin = row.origin
         w = view(M, head.motion + 28, 15)
@@ -79,10 +73,32 @@ def parts_motion(I, M, bodies, frames, ends):
             out[9 + i] = turn[i]
         to_earth_axes(turn, spin, out[18:21])
         to_earth_axes(turn, m.spin_rate, out[21:24])
+        angles_of(turn, out[24:27])
+        for i in range(27, PART_WORDS):
+            out[i] = 0.0
     for n in range(head.frame_count):
-        for i in range(PART_WORDS):
+        for i in range(24):
             frames[PART_WORDS * n + i] = frame_of(I, M, n).motion[i]
+        out = frames[PART_WORDS * n : PART_WORDS * (n + 1)]
+        angles_of(out[9:18], out[24:27])
+        for i in range(27, PART_WORDS):
+            out[i] = 0.0
+    w = view(M, head.motion + 28, 9)
     for n in range(head.constraint_count):
-        node = int(constraint_of(I, M, n).node)
+        row = constraint_of(I, M, n)
+        if row.kind != HELD_BY_FRAME:
+            continue
+        node = int(row.node)
+        at = PART_WORDS * int(row.frame)
+        force = view(M, head.residual + 6 * node, 3)
         for i in range(3):
-            ends[3 * n + i] = M[head.residual + 6 * node + i]
+            w[i] = M[head.position + 6 * node + i] + state.origin[i] - frames[at + i]
+        cross(w[0:3], force, w[3:6])
+        for i in range(3):
+            w[6 + i] = 0.0
+        if row.clamped == EXACTLY:
+            bend = view(M, head.residual + 6 * node + 3, 3)
+            cross(view(M, head.position + 6 * node + 3, 3), bend, w[6:9])
+        for i in range(3):
+            frames[at + 27 + i] -= force[i]
+            frames[at + 30 + i] -= w[3 + i] + w[6 + i]

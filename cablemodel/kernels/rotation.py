@@ -71,6 +71,14 @@ def to_body_axes(R, x, out):
 
 
 @kernel
+def angles_of(R, out):
+    """Roll, pitch and yaw of R = Rz Ry Rx, 9 words by rows."""
+    out[0] = math.atan2(R[7], R[8])
+    out[1] = math.atan2(-R[6], math.sqrt(R[0] * R[0] + R[3] * R[3]))
+    out[2] = math.atan2(R[3], R[0])
+
+
+@kernel
 def square_of_cross(x, f, out, g):
     """out = (1 + f [x] + g [x]^2), 9 words by rows."""
     x2 = x[0] * x[0] + x[1] * x[1] + x[2] * x[2]

@@ -10,6 +10,7 @@ import math
 from .access import header, motion_piece_of, scalars
 from .backup import give_back, keep_state
 from .compile import kernel
+from .consistency import state_residual
 from .environment import ROUNDING, evaluate_piece, find_piece, vessel_motion
 from .layout import (
     NOT_FINITE,
@@ -18,6 +19,7 @@ from .layout import (
 from .promote import promote
 from .sleep import leave_out, rejoin
 from .step_size import natural_step
+from .system import set_time
 from .time_stepping import advance_to
 from .vessel_clamp import release_slope
 from .winch import commanded_rate
@@ -237,6 +239,11 @@ def take_step(I, M, t_end, inputs):
     keep_state(I)
     returning = take_inputs(I, M, t_end, inputs)
     keep_plane(I, M)
+    if head.parts != 0:
+        # The matrix goes by what lines pulled bodies with at the last residual: that of the state,
+        # whether its outputs have been read or not.
+        set_time(I, M, state.time)
+        state_residual(I, M)
     if head.asleep != 0:
         leave_out(I, M)
     status = OK

@@ -31,7 +31,7 @@ def encode_parts(
     found: list[tuple[str, bytes]] = []
     outputs: dict[str, Any] = {}
     over_time = False
-    parts = {**model.vessels, **model.bodies}
+    parts = model.motions
     for row in variables.outputs_of(model.scene):
         topic = row.resolved_topic
         if topic not in wanted:

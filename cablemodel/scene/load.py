@@ -136,11 +136,11 @@ def apply_overrides(data: Mapping[str, Any], overrides: Iterable[str]) -> dict[s
     return changed
 
 
-def scene_json_schema() -> dict[str, Any]:
-    """JSON schema of a scene, for editors."""
+def scene_json_schema(kind: type[Document] = Scene) -> dict[str, Any]:
+    """JSON schema of a scene of a kind, for editors."""
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
-        **Scene.model_json_schema(mode="validation"),
+        **kind.model_json_schema(mode="validation"),
     }
 
 

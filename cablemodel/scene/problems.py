@@ -60,6 +60,8 @@ def _translated(finding: dict[str, Any], root: type[BaseModel]) -> list[ScenePro
         meaning = _meaning(root, location)
         allowed = f"a list{rows}{f' ({meaning})' if meaning else ''}"
         return [SceneProblem(path, value, f"{shown(value)} is not a list", allowed)]
+    if kind == "default_factory_not_called":
+        return []  # it follows from a value that is reported itself
     if kind == "string_type":
         what = "name" if location and location[-1] == _KEY_MARK else "text"
         problem = f"{shown(value)} is not a {what}"

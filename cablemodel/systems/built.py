@@ -73,12 +73,6 @@ class Built:
         rows = self.block.array(Header.free_bodies, count, at.FREE_WORDS)
         return rows[:, at.FreeBody.node].astype(np.intp)
 
-    def held_nodes(self) -> Indices:
-        """Nodes that are held, in the order of ``tree.held``."""
-        count = int(self.block.header.constraint_count)
-        rows = self.block.array(Header.constraints, count, at.CONSTRAINT_WORDS)
-        return rows[:, at.Constraint.node].astype(np.intp)
-
     def where(self, node: int) -> tuple[str, float]:
         """The part that a node is of, and its arc length there [m]; of a body 0."""
         bodies = self.body_nodes()

@@ -26,7 +26,7 @@ from cablemodel.wall_tension import Surroundings
 
 FloatArray = NDArray[np.float64]
 
-_SAME_PLACE = 1e-9
+SAME_PLACE = 1e-9
 """Part of a line's length by which a node is at a cut."""
 _INPUT_WORDS = 14
 _NO_INPUTS: FloatArray = np.zeros(_INPUT_WORDS)
@@ -48,13 +48,8 @@ class Motion:
     """(3,) [rad/s]."""
     angular_acceleration: FloatArray
     """(3,) [rad/s2]."""
-
-    @property
-    def attitude(self) -> FloatArray:
-        """Roll, pitch and yaw (3,) [rad]."""
-        from scipy.spatial.transform import Rotation
-
-        return np.asarray(Rotation.from_matrix(self.axes).as_euler("xyz"), dtype=np.float64)
+    attitude: FloatArray
+    """Roll, pitch and yaw (3,) [rad]."""
 
 
 @dataclass(frozen=True)
@@ -101,7 +96,7 @@ class LineView:
         which = np.clip(np.searchsorted(elements.start, s, side="right") - 1, 0, None)
         if stations is None:
             gaps = np.abs(elements.start[:, None] - self._cuts)
-            sides = np.flatnonzero(np.any(gaps <= _SAME_PLACE * self.length, axis=1))
+            sides = np.flatnonzero(np.any(gaps <= SAME_PLACE * self.length, axis=1))
             s = np.insert(s, sides, s[sides])
             which = np.insert(which, sides, sides - 1)
         x = np.clip((s - elements.start[which]) / elements.length[which], 0.0, 1.0)
@@ -203,7 +198,7 @@ class SystemModel:
             dt = end - self.time
             raise self._wrong("dt", dt, f"a positive step of at most {at.LONGEST_STEP:g} s")
         block = self.built.block
-        motion = self._motion_inputs(end, vessels)
+        motion = self._motion_inputs(vessels)
         pushes = self._pushes(forces)
         angles = self._deflected(deflections)
         orders = self._ordered(cuts)
@@ -254,31 +249,19 @@ class SystemModel:
             raise self._wrong(name, value, f"{size} finite numbers")
         return vector
 
-    def _motion_inputs(self, end: float, given: Mapping[str, VesselInput]) -> FloatArray:
+    def _motion_inputs(self, vessels: Mapping[str, VesselInput]) -> FloatArray:
         names = list(self.scene.vessels)
         inputs = np.zeros((len(names), at.FRAME_INPUTS))
-        for name, wanted in given.items():
+        for name, wanted in vessels.items():
             if name not in names:
                 raise self._wrong("vessels", name, f"one of {', '.join(names) or 'none'}")
             row = inputs[names.index(name)]
-            for word, place, key in _MOTION_INPUTS:
+            for start, (key, given) in zip(range(1, at.FRAME_INPUTS, 3), _GIVEN, strict=True):
                 value = getattr(wanted, key)
                 if value is not None:
-                    row[0] += word
-                    row[place : place + 3] = self._vector(f"{name}.{key}", value, 3)
-            if wanted.attitude is not None:  # the nearest turn of it
-                angles = self._mean_motion(names.index(name))[9:12]
-                row[4:7] += 2.0 * math.pi * np.round((angles - row[4:7]) / (2.0 * math.pi))
+                    row[0] += given
+                    row[start : start + 3] = self._vector(f"{name}.{key}", value, 3)
         return inputs
-
-    def _mean_motion(self, index: int) -> FloatArray:
-        """Place and angles of a vessel, with two derivatives each (18,), without the waves."""
-        from cablemodel import library as entry
-
-        out = np.zeros(18)
-        block = self.built.block
-        entry.frame_motion(block.ints, block.reals, float(index), out)
-        return out
 
     def _pushes(self, given: Mapping[str, ArrayLike]) -> FloatArray:
         names = list(self.scene.bodies)
@@ -317,31 +300,34 @@ class SystemModel:
             for name, time in zip(self.scene.cuts, done, strict=True)
         }
 
-    def _parts(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _parts(self) -> tuple[FloatArray, FloatArray]:
         from cablemodel import library as entry
 
         block = self.built.block
         bodies = np.zeros((len(self.scene.bodies), at.PART_WORDS))
         frames = np.zeros((len(self.scene.vessels), at.PART_WORDS))
-        ends = np.zeros((len(self.built.tree.held), 3))
-        entry.parts(block.ints, block.reals, bodies.ravel(), frames.ravel(), ends.ravel())
-        return bodies, frames, ends
+        entry.parts(block.ints, block.reals, bodies.ravel(), frames.ravel())
+        return bodies, frames
 
     @property
     def bodies(self) -> dict[str, Motion]:
         """Motion of the free bodies by name."""
-        return {
-            name: _motion(row)
-            for name, row in zip(self.scene.bodies, self._parts()[0], strict=True)
-        }
+        motions = self.motions
+        return {name: motions[name] for name in self.scene.bodies}
 
     @property
     def vessels(self) -> dict[str, Motion]:
         """Motion of vessels and driven ends by name."""
-        return {
-            name: _motion(row)
-            for name, row in zip(self.scene.vessels, self._parts()[1], strict=True)
-        }
+        motions = self.motions
+        return {name: motions[name] for name in self.scene.vessels}
+
+    @property
+    def motions(self) -> dict[str, Motion]:
+        """Motion of vessels, driven ends and free bodies by name."""
+        bodies, frames = self._parts()
+        names = *self.scene.vessels, *self.scene.bodies
+        rows = *frames, *bodies
+        return {name: _motion(row) for name, row in zip(names, rows, strict=True)}
 
     @property
     def top_tension(self) -> float:
@@ -379,12 +365,14 @@ class SystemModel:
                 tension.min(),
                 tension.max(),
             )
-        wrenches = self.wrenches
-        for name, motion in (*self.bodies.items(), *self.vessels.items()):
-            for key in ("position", "attitude", "velocity", "angular_velocity"):
-                found[f"{name}.{key}"] = getattr(motion, key)
-            if name in wrenches:
-                found[f"{name}.force"], found[f"{name}.moment"] = np.split(wrenches[name], 2)
+        bodies, frames = self._parts()
+        for names, rows in ((self.scene.bodies, bodies), (self.scene.vessels, frames)):
+            for name, row in zip(names, rows, strict=True):
+                motion = _motion(row)
+                for key in ("position", "attitude", "velocity", "angular_velocity"):
+                    found[f"{name}.{key}"] = getattr(motion, key)
+        for name, row in zip(self.scene.vessels, frames, strict=True):
+            found[f"{name}.force"], found[f"{name}.moment"] = np.split(_wrench(row), 2)
         for name, time in self.cuts.items():
             found[f"{name}.time"] = np.array(np.nan if time is None else time)
         return found
@@ -429,20 +417,8 @@ class SystemModel:
     def wrenches(self) -> dict[str, FloatArray]:
         """Force and moment about its origin (6,) [N, N m] of all lines on each vessel, earth
         frame."""
-        _bodies, frames, ends = self._parts()
-        found = {name: np.zeros(6) for name in self.scene.vessels}
-        q = self.built.block.array(Header.position, self.built.nodes, 6)
-        rows = dict(zip(self.scene.vessels, frames, strict=True))
-        nodes = self.built.held_nodes()
-        for held, node, force in zip(self.built.tree.held, nodes, ends, strict=True):
-            if held.end.point is None:
-                continue
-            owner = held.end.point.partition(".")[0]
-            base = self.built.block.scalars.origin
-            arm = q[node, :3] + base - rows[owner][:3]
-            found[owner][:3] -= force
-            found[owner][3:] -= np.cross(arm, force)
-        return found
+        frames = self._parts()[1]
+        return {name: _wrench(row) for name, row in zip(self.scene.vessels, frames, strict=True)}
 
     def sample_elements(self, elements: FloatArray, fractions: FloatArray) -> FloatArray:
         """Rows of STATION_WORDS at fractions of elements, by the numbers of their nodes."""
@@ -503,15 +479,20 @@ def _given(given: Mapping[str, Any], name: str, field: str) -> Any:
     return None if wanted is None else getattr(wanted, field)
 
 
-_MOTION_INPUTS = (
-    (1.0, 7, "velocity"),
-    (2.0, 1, "position"),
-    (4.0, 10, "attitude_rate"),
-    (8.0, 4, "attitude"),
+_GIVEN = (
+    ("position", at.GIVEN_POSITION),
+    ("attitude", at.GIVEN_ATTITUDE),
+    ("velocity", at.GIVEN_VELOCITY),
+    ("attitude_rate", at.GIVEN_RATE),
 )
-"""What says that it is given, its place in a vessel's words (entry.drive), its name."""
+"""Fields of VesselInput in the order of a frame's input, and their bits."""
 
 _HALVES = {"force": slice(0, 3), "torque": slice(3, 6)}
+
+
+def _wrench(row: FloatArray) -> FloatArray:
+    """Force and moment in the words of a vessel (part_outputs.parts_motion)."""
+    return row[27:33].copy()
 
 
 def _motion(row: FloatArray) -> Motion:
@@ -522,6 +503,7 @@ def _motion(row: FloatArray) -> Motion:
         axes=row[9:18].reshape(3, 3).copy(),
         angular_velocity=row[18:21].copy(),
         angular_acceleration=row[21:24].copy(),
+        attitude=row[24:27].copy(),
     )
 
 

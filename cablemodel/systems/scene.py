@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
+from pydantic.config import JsonDict
 
 from cablemodel.errors import SceneProblem, shown
 from cablemodel.scene import sea
@@ -21,6 +22,7 @@ from cablemodel.scene.base import (
     Position,
     SceneModel,
     UnitVector,
+    also,
 )
 from cablemodel.scene.environment import Environment
 from cablemodel.scene.line import Cable, CableType, LineItem
@@ -88,6 +90,7 @@ class VesselFrame(Vessel):
         default=(),
         description="how the scene's waves move it on top of that: a CSV file with the columns of "
         "the rows, or these; of headings from 0 to 180 the others are mirror images",
+        json_schema_extra=also({"type": "string"}),
     )
 
     @field_validator("raos")
@@ -167,6 +170,9 @@ def _three(value: Any) -> Any:
     return value
 
 
+_ONE: tuple[JsonDict, ...] = ({"type": "number"}, {"type": "string"})
+
+
 class Hull(SceneModel):
     """A ball, or a cylinder about the body's z axis, that floats at the surface or below it."""
 
@@ -197,7 +203,8 @@ class FreeBody(SceneModel):
     inertia: Annotated[tuple[float, float, float], Vector("kg*m**2"), BeforeValidator(_three)] = (
         Field(
             description="moments of inertia about the axes through the centre of gravity, "
-            "without the water's; one number for all three"
+            "without the water's; one number for all three",
+            json_schema_extra=also(*_ONE),
         )
     )
     centre_of_gravity: Position = Field(default=(0.0, 0.0, 0.0), description="its place")
@@ -206,16 +213,25 @@ class FreeBody(SceneModel):
     )
     centre_of_drag: Position = Field(default=(0.0, 0.0, 0.0), description="where drag acts")
     added_mass: Annotated[tuple[float, float, float], Vector("kg"), BeforeValidator(_three)] = (
-        Field(default=(0.0, 0.0, 0.0), description="of motion along its axes")
+        Field(
+            default=(0.0, 0.0, 0.0),
+            description="of motion along its axes",
+            json_schema_extra=also(*_ONE),
+        )
     )
     added_inertia: Annotated[
         tuple[float, float, float], Vector("kg*m**2"), BeforeValidator(_three)
-    ] = Field(default=(0.0, 0.0, 0.0), description="of turning about its axes")
+    ] = Field(
+        default=(0.0, 0.0, 0.0),
+        description="of turning about its axes",
+        json_schema_extra=also(*_ONE),
+    )
     drag_area: Annotated[tuple[float, float, float], Vector("m**2"), BeforeValidator(_three)] = (
         Field(
             default=(0.0, 0.0, 0.0),
             description="drag coefficient times area of flow along its axes; the law is "
             "1/2 rho |u| CdA u",
+            json_schema_extra=also(*_ONE),
         )
     )
     drag_turning: Annotated[tuple[float, float, float], Vector("m**5"), BeforeValidator(_three)] = (
@@ -223,6 +239,7 @@ class FreeBody(SceneModel):
             default=(0.0, 0.0, 0.0),
             description="of turning: the moment is 1/2 rho times this times the angular velocity "
             "squared",
+            json_schema_extra=also(*_ONE),
         )
     )
     points: dict[str, Position] = Field(
@@ -306,10 +323,14 @@ class SystemLine(SceneModel):
     """Cables and point bodies between two ends."""
 
     start: Annotated[LineEnd, BeforeValidator(_end)] = Field(
-        alias="from", description="where it begins: NAME.POINT, free, or a mapping"
+        alias="from",
+        description="where it begins: NAME.POINT, free, or a mapping",
+        json_schema_extra=also({"type": "string"}),
     )
     end: Annotated[LineEnd, BeforeValidator(_end)] = Field(
-        alias="to", description="where it ends: NAME.POINT, free, or a mapping"
+        alias="to",
+        description="where it ends: NAME.POINT, free, or a mapping",
+        json_schema_extra=also({"type": "string"}),
     )
     items: tuple[LineItem, ...] = Field(description="cables and point bodies along it")
 

@@ -49,5 +49,5 @@ def at_start(model: SystemModel) -> Iterator[str]:
         ends = line.sample([0.0, line.length]).tension
         yield f"{name}: {ends[0]:.5g} N at its beginning, {ends[1]:.5g} N at its end"
     for name, motion in model.bodies.items():
-        place = ", ".join(f"{value:.5g}" for value in motion.position)
+        place = ", ".join(f"{round(value, 3) + 0.0:.6g}" for value in motion.position)
         yield f"{name}: at {place} m"

@@ -249,8 +249,9 @@ def _link(
 
 
 def compile_c(zig: str, sources: Iterable[Path], output: Path, *flags: str) -> None:
-    """Compile and link C with Zig's compiler for one of its targets, reproducibly."""
-    command = [sys.executable, "-m", "ziglang", "cc", "-target", zig, "-std=c11", "-O2", "-g0"]
+    """Compile and link C with Zig's compiler for one of its targets, reproducibly; for size: the
+    kernels do the work."""
+    command = [sys.executable, "-m", "ziglang", "cc", "-target", zig, "-std=c11", "-Os", "-g0"]
     command += ["-s", "-fvisibility=hidden", "-ffp-contract=off", "-fno-sanitize=all"]
     command += ["-D_FORTIFY_SOURCE=0"]  # its checks are functions of macOS alone
     command += ["-Wall", "-Wextra", "-Werror", "-o", str(output)]

@@ -67,8 +67,10 @@ def input_layout() -> dict[str, int]:
 
 
 def start_constants() -> dict[str, float]:
-    """Numbers by which instance/ derives a block from the lengths of its cables."""
+    """Numbers by which instance/ derives a block from the lengths of its cables, and by which what
+    is read of a system is placed."""
     from cablemodel.instance import line_tables, refinement, winch
+    from cablemodel.systems import model
     from cablemodel_fmu import signals
 
     return {
@@ -82,6 +84,7 @@ def start_constants() -> dict[str, float]:
         "BENT": refinement.BENT,
         "REFINEMENTS": refinement.ROUNDS,
         "DRUM_ROOM": signals.ROOM,
+        "SAME_PLACE": model.SAME_PLACE,
     }
 
 

@@ -10,16 +10,18 @@ from cablemodel_fmu.signals import Signal
 
 MODEL_IDENTIFIER = "cablemodel"
 
-# Units and their exponents of kg, m, s.
+# Units and their exponents of kg, m, s, rad.
 UNITS = {
-    "N": (1, 1, -2),
-    "N.m": (1, 2, -2),
-    "N/m": (1, 0, -2),
-    "m": (0, 1, 0),
-    "m/s": (0, 1, -1),
-    "1/m": (0, -1, 0),
-    "s": (0, 0, 1),
-    "1": (0, 0, 0),
+    "N": (1, 1, -2, 0),
+    "N.m": (1, 2, -2, 0),
+    "N/m": (1, 0, -2, 0),
+    "m": (0, 1, 0, 0),
+    "m/s": (0, 1, -1, 0),
+    "1/m": (0, -1, 0, 0),
+    "s": (0, 0, 1, 0),
+    "rad": (0, 0, 0, 1),
+    "rad/s": (0, 0, -1, 1),
+    "1": (0, 0, 0, 0),
 }
 
 # What tools may show them in: a value in it is this factor times the value.
@@ -28,6 +30,8 @@ DISPLAY_UNITS = {
     "N.m": {"kN.m": 1e-3},
     "m/s": {"kn": 3600.0 / 1852.0},
     "m": {"km": 1e-3},
+    "rad": {"deg": 180.0 / math.pi},
+    "rad/s": {"deg/s": 180.0 / math.pi},
 }
 
 LARGE = {"N": ("kN", 1e4), "N.m": ("kN.m", 1e4)}
@@ -49,8 +53,8 @@ _START: dict[str, Callable[[float], str]] = {
 }
 
 VESSEL_INPUT = (
-    ("velocity", "vessel.velocity, reached at the end of each step"),
-    ("position", "vessel.position, at the mean velocity of each step"),
+    ("velocity", "its velocity, reached at the end of each step"),
+    ("position", "its position, at the mean velocity of each step"),
     ("position and velocity", "both: the cubic that meets them"),
 )
 
@@ -150,7 +154,7 @@ def _units(root: ElementTree.Element, used: set[str]) -> None:
     for unit, exponents in UNITS.items():
         if unit in used:
             element = ElementTree.SubElement(definitions, "Unit", {"name": unit})
-            pairs = zip(("kg", "m", "s"), exponents, strict=True)
+            pairs = zip(("kg", "m", "s", "rad"), exponents, strict=True)
             base = {letter: str(power) for letter, power in pairs if power}
             ElementTree.SubElement(element, "BaseUnit", base)
             for name, factor in DISPLAY_UNITS.get(unit, {}).items():
@@ -197,8 +201,11 @@ def _variable(parent: ElementTree.Element, signal: Signal) -> None:
 def display_unit(signal: Signal) -> str:
     """What tools show a variable in, where that is not its unit: knots for what moves the vessel
     and the water, kilonewtons for large forces."""
-    if signal.name.startswith(("vessel.velocity", "vessel.start_velocity", "current.velocity")):
+    motion = ("vessel.velocity", "vessel.start_velocity", "current.velocity")
+    if signal.name.startswith(motion) or ".velocity_input[" in signal.name:
         return "kn"
+    if signal.unit in ("rad", "rad/s"):
+        return "deg" + signal.unit.removeprefix("rad")
     name, least = LARGE.get(signal.unit, ("", math.inf))
     return name if signal.nominal is not None and signal.nominal >= least else ""
 

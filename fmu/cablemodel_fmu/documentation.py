@@ -9,13 +9,17 @@ import zlib
 from collections.abc import Sequence
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cablemodel.variables import is_system
+
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
+    from cablemodel.systems.model import SystemModel
+    from cablemodel.systems.scene import SystemScene
     from cablemodel_fmu.signals import Signal
 
 _OSP = "https://open-simulation-platform.com/OspModelDescription/1.0.0"
@@ -55,15 +59,45 @@ the state at the start is found for them. The tolerance is that of the scene.</p
 <p><code>force.top</code> and <code>tension.top</code> have output derivatives of order 1, and
 directional derivatives by <code>vessel.velocity</code> and <code>vessel.position</code>: of the
 force at the end of the last step by the values that were set for it.</p>
+"""
+
+_SYSTEM_NOTES = """
+<p>Ocean cables between vessels, bodies and anchors, for co-simulation (FMI 2.0). Units are SI; axes
+are x east, y north, z up, with still water at z = 0. It needs no Python and no other software.</p>
+<h2>Inputs</h2>
+<ul>
+<li>As it starts, the schedules in the scene below drive what no input is set for: a vessel whose
+inputs are connected follows them. <code>use_scene_inputs</code> set to true: inputs are ignored,
+and a warning says so. False: the inputs drive.</li>
+<li><code>input.timing</code> 1: a value is the one reached at the end of a communication step; it
+varies linearly from its present value. 2: a value holds at the start of the step, and goes on as in
+the step before. With input derivatives set, the value at the end of the step follows from them;
+they hold for one step.</li>
+<li><code>NAME.input</code> of each vessel or driven end: 1 velocity and rates of roll, pitch and
+yaw, 2 position and attitude, 3 all of them. Of place and attitude, what is not connected follows
+the scene.</li>
+<li>Outside forces and torques act on bodies at their origins; axes are the earth's.</li>
+<li>A <code>NAME.cut</code> above 0.5 makes the cut as the next step begins, once;
+<code>NAME.time</code> says when it was made, and is not a number before.</li>
+</ul>
+<h2>Outputs</h2>
+<p>Forces and moments of the lines on a vessel are about its origin, all in the earth's axes.</p>
+"""
+
+_STEPS = """
 <h2>Steps</h2>
 <p>Of any length. A step that cannot be made is discarded with a message; the state is then as
 before the step. State can be saved, restored, and moved to another process.</p>
 """
 
+TOW_POINT = [("tow point", "force.top", "vessel.velocity")]
+"""Of a scene of one line: name of its port, force, velocity."""
 
-def index_html(scene: Scene, signals: Sequence[Signal]) -> str:
+
+def index_html(scene: Scene | SystemScene, signals: Sequence[Signal]) -> str:
     """documentation/index.html: what it is, how to use it, all variables, the scene, licences."""
     title = escape(scene.title or "Cable")
+    notes = (_SYSTEM_NOTES if is_system(scene) else _NOTES) + _STEPS
     rows = "\n".join(
         "<tr><td><code>{}</code></td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>".format(
             escape(signal.name),
@@ -76,7 +110,7 @@ def index_html(scene: Scene, signals: Sequence[Signal]) -> str:
     )
     return (
         f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{title}</title>'
-        f"<style>{_STYLE}</style></head><body>\n<h1>{title}</h1>\n{_NOTES}"
+        f"<style>{_STYLE}</style></head><body>\n<h1>{title}</h1>\n{notes}"
         "<h2>Variables</h2>\n<table><tr><th>name</th><th>kind</th><th>unit</th><th>start</th>"
         f"<th>meaning</th></tr>\n{rows}\n</table>\n"
         f"<h2>Scene</h2>\n<pre>{escape(scene.to_yaml())}</pre>\n"
@@ -94,21 +128,27 @@ def licences() -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
 
 
-def osp_description(signals: Sequence[Signal]) -> bytes:
-    """Ports for the Open Simulation Platform (OSP-IS 1.0): force out, velocity in at the tow point.
+def osp_description(
+    signals: Sequence[Signal], ports: Sequence[tuple[str, str, str]] = TOW_POINT
+) -> bytes:
+    """Ports for the Open Simulation Platform (OSP-IS 1.0): force out, velocity in.
 
-    Only names that the FMU has are written. The schema wants simple groups before ports, all names
+    ports: name, output of the force and input of the velocity. Only names that the FMU has are
+    written. The schema wants simple groups before ports, all names
     different, and a force and a velocity of opposite causality in a port.
     """
     names = {signal.name for signal in signals}
     ElementTree.register_namespace("", _OSP)
     root = ElementTree.Element(f"{{{_OSP}}}OspModelDescription", {"version": "1.0"})
     groups = ElementTree.SubElement(root, f"{{{_OSP}}}VariableGroups")
-    _group(groups, "LinearVelocity", "current", "current.velocity", names)
-    _group(groups, "LinearDisplacement", "vessel position", "vessel.position", names)
-    port = ElementTree.SubElement(groups, f"{{{_OSP}}}LinearMechanicalPort", {"name": "tow point"})
-    _group(port, "Force", "cable force on the vessel", "force.top", names)
-    _group(port, "LinearVelocity", "vessel velocity", "vessel.velocity", names)
+    if "current.velocity[1]" in names:
+        _group(groups, "LinearVelocity", "current", "current.velocity", names)
+        _group(groups, "LinearDisplacement", "vessel position", "vessel.position", names)
+    for name, force, velocity in ports:
+        port = ElementTree.SubElement(groups, f"{{{_OSP}}}LinearMechanicalPort", {"name": name})
+        vessel = "vessel" if ports is TOW_POINT else name
+        _group(port, "Force", f"cable force on the {vessel}", force, names)
+        _group(port, "LinearVelocity", f"{vessel} velocity", velocity, names)
     ElementTree.indent(root)
     text: bytes = ElementTree.tostring(root, encoding="UTF-8", xml_declaration=True)
     return text + b"\n"
@@ -125,21 +165,50 @@ def _group(
         ElementTree.SubElement(group, f"{{{_OSP}}}Variable", {"ref": reference})
 
 
-def picture(scene: Scene, width: int = 200, height: int = 200) -> bytes:
-    """model.png: the cable at its start, from the side: line, bodies, tow point, water, floor.
+Places = list[NDArray[np.float64]]
 
-    Lines of three pixels with smooth edges: it is an icon, and small.
-    """
+
+def _shown(scene: Any, system: SystemModel | None) -> tuple[Places, Places, Places, bool]:
+    """At the start: lines (200, 3) each, vessels and bodies (3,) each [m], whether some cable is on
+    the floor."""
     from cablemodel.model import CableModel
 
-    model = CableModel(scene)
-    points = model.sample(np.linspace(0.0, model.line_length, 200)).position
-    bodies = np.array([body.position for body in model.bodies]).reshape(-1, 3)
+    def along(part: Any, length: float) -> Any:
+        return part.sample(np.linspace(0.0, length, 200))
+
+    if system is not None:
+        states = [along(line, line.length) for line in system.lines.values()]
+        marks = [vessel.position for vessel in system.vessels.values()]
+        bodies = [body.position for body in system.bodies.values()]
+        laid = any(state.on_floor.any() for state in states)
+    else:
+        model = CableModel(scene)
+        states = [along(model, model.line_length)]
+        marks = [states[0].position[0]]
+        bodies = [body.position for body in model.bodies]
+        laid = scene.environment.floor is not None and model.floor_length > 0.0
+    return [state.position for state in states], marks, bodies, laid
+
+
+def picture(
+    scene: Scene | SystemScene,
+    system: SystemModel | None = None,
+    width: int = 200,
+    height: int = 200,
+) -> bytes:
+    """model.png: the cables at their start, from the side: bodies, vessels, water, floor.
+
+    Lines of three pixels with smooth edges: it is an icon, and small. system: at its start, where
+    the scene is one.
+    """
+    lines, vessels, bodies, laid = _shown(scene, system)
+    points = np.concatenate(lines)
     along = points[:, :2] - points[0, :2]
     spread = along[np.argmax(np.linalg.norm(along, axis=1))]
     direction = spread / max(float(np.linalg.norm(spread)), 1e-12)
 
-    def from_side(places: NDArray[np.float64]) -> NDArray[np.float64]:
+    def from_side(places: Any) -> NDArray[np.float64]:
+        places = np.asarray(places, dtype=np.float64).reshape(-1, 3)
         return np.stack([(places[:, :2] - points[0, :2]) @ direction, places[:, 2]], axis=-1)
 
     line = from_side(points)
@@ -161,13 +230,13 @@ def picture(scene: Scene, width: int = 200, height: int = 200) -> bytes:
     surface = float(pixels(np.array([[0.0, 0.0]]))[0, 1])
     if scene.environment.water_density > 100.0:
         paint(np.clip(rows - surface + 0.5, 0.0, 1.0), (214, 234, 246))
-    floor = scene.environment.floor
-    if floor is not None and model.floor_length > 0.0:
+    if laid:
         ground = float(pixels(line[[int(np.argmin(line[:, 1]))]])[0, 1])
         paint(np.clip(rows - ground - 1.0, 0.0, 1.0), (205, 188, 158))
-    distance = _distance(columns, rows, pixels(line))
-    paint(np.clip(2.0 - distance, 0.0, 1.0), (16, 42, 67))
-    marks = [(pixels(line[:1])[0], 5.0, (196, 64, 32))]
+    for own in lines:
+        distance = _distance(columns, rows, pixels(from_side(own)))
+        paint(np.clip(2.0 - distance, 0.0, 1.0), (16, 42, 67))
+    marks = [(place, 5.0, (196, 64, 32)) for place in pixels(from_side(vessels))]
     marks += [(place, 4.0, (16, 42, 67)) for place in pixels(from_side(bodies))]
     for (x, y), radius, colour in marks:
         paint(np.clip(radius + 0.5 - np.hypot(columns - x, rows - y), 0.0, 1.0), colour)

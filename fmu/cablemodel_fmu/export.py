@@ -23,10 +23,19 @@ from cablemodel.instance import build as build_block
 from cablemodel.instance import facts_of, local, tension_scale
 from cablemodel.library import BINARIES, description, kernel_hash
 from cablemodel.scene import Scene
+from cablemodel.systems.model import SystemModel
+from cablemodel.systems.scene import SystemScene
 from cablemodel_fmu.archive import write_archive
 from cablemodel_fmu.description import INPUT_TIMING, VESSEL_INPUT, model_description
-from cablemodel_fmu.documentation import index_html, licences, osp_description, picture
+from cablemodel_fmu.documentation import (
+    TOW_POINT,
+    index_html,
+    licences,
+    osp_description,
+    picture,
+)
 from cablemodel_fmu.model_file import ModelFile
+from cablemodel_fmu.parts import fastest_vessel, ports_of, section, signals_of
 from cablemodel_fmu.signals import (
     ROOM,
     VR_PARAMETER,
@@ -89,7 +98,7 @@ class Options:
             if value not in allowed:
                 raise ExportError(f"{name} is {value!r}: allowed are {', '.join(allowed)}")
 
-    def first_values(self, scene: Scene) -> tuple[bool, int, int]:
+    def first_values(self, scene: Scene | SystemScene) -> tuple[bool, int, int]:
         """Start values of use_scene_inputs, vessel.input and input.timing."""
         scene_inputs = scheduled(scene) if self.inputs == "connected" else self.inputs == "scene"
         vessel = [word for word, _ in VESSEL_INPUT].index(self.vessel_input) + 1
@@ -107,10 +116,12 @@ class Contents:
     finer: bytes | None
     """The run by which errors are estimated, where the scene asks for that."""
     description: bytes
+    start: SystemModel | None = None
+    """Of a system: as it begins, for its picture."""
 
 
 def export_fmu(
-    scene: Scene,
+    scene: Scene | SystemScene,
     path: str | Path,
     *,
     platforms: Iterable[str] = DESKTOP,
@@ -118,12 +129,13 @@ def export_fmu(
     progress: Callable[[str], None] = lambda line: None,
     **options: Any,
 ) -> Path:
-    """Write the FMU of a scene, and its ports for the Open Simulation Platform next to it.
+    """Write the FMU of a scene or system, and its ports for the Open Simulation Platform beside it.
 
     Args:
         path: file to write, usually with the suffix .fmu.
         platforms: of linux64, win64, darwin64 (universal), or aarch64-linux alone.
-        ssp: where to write a system of a vessel and this cable (SSP 1.0), if it is wanted.
+        ssp: where to write a system of a vessel and this cable (SSP 1.0), if it is wanted; of a
+            scene of one line.
         options: see Options.
 
     Its date is now, or that of the environment's SOURCE_DATE_EPOCH: with that, the same scene gives
@@ -142,12 +154,18 @@ def export_fmu(
         raise ExportError(
             "linux64 and aarch64-linux share a folder in an FMU: export one for each of them"
         )
+    if ssp is not None and isinstance(scene, SystemScene):
+        raise ExportError(
+            "ssp: a system of parts (SSP) is written of a scene of one line alone, whose tow point "
+            f"a vessel drives; this one has {', '.join(scene.vessels) or 'no vessels'}: connect "
+            "their inputs in your own"
+        )
     contents = contents_of(scene, Options(**options))
     libraries = _libraries(names, progress)
     target = Path(path)
     files = {
         "modelDescription.xml": contents.description,
-        "model.png": picture(scene),
+        "model.png": picture(scene, contents.start),
         "resources/model.bin": contents.model,
         **({} if contents.finer is None else {"resources/finer.bin": contents.finer}),
         "resources/scene.yaml": scene.to_yaml().encode(),
@@ -156,26 +174,32 @@ def export_fmu(
         **libraries,
     }
     write_archive(target, files)
-    ports_file(scene, target).write_bytes(osp_description(contents.signals))
+    ports = ports_of(scene) if isinstance(scene, SystemScene) else TOW_POINT
+    ports_file(scene, target).write_bytes(osp_description(contents.signals, ports))
     if ssp is not None:
+        assert isinstance(scene, Scene)
         export_system(scene, target, Path(ssp), _vessel_libraries(names))
     return target
 
 
-def ports_file(scene: Scene, fmu: Path) -> Path:
+def ports_file(scene: Scene | SystemScene, fmu: Path) -> Path:
     """Where the Open Simulation Platform looks for a model's ports: next to its FMU."""
     return fmu.with_name(f"{_model_name(scene)}_OspModelDescription.xml")
 
 
-def _model_name(scene: Scene) -> str:
+def _model_name(scene: Scene | SystemScene) -> str:
     """The scene's title as FMI allows it for a model."""
     return re.sub(r"\W+", "_", scene.title or "").strip("_") or "Cable"
 
 
-def contents_of(scene: Scene, options: Options) -> Contents:
+def contents_of(scene: Scene | SystemScene, options: Options) -> Contents:
     """Model, variables and description of a scene's FMU."""
-    import cablemodel
+    if isinstance(scene, SystemScene):
+        return _of_system(scene, options)
+    return _of_line(scene, options)
 
+
+def _of_line(scene: Scene, options: Options) -> Contents:
     block = block_of(scene)
     position, velocity, _ = scene.motion().evaluate(0.0)
     rate = float(scene.payout.rate[0].rate) if scene.payout.rate else 0.0
@@ -196,9 +220,8 @@ def contents_of(scene: Scene, options: Options) -> Contents:
         *(item.signal for item in constants),
         *outputs(scene, block, stations),
     ]
-    signals = with_nominals(signals, scene, _fastest(scene))
-    text = f"{scene.to_yaml()}\n{options}\n{kernel_hash()}\n{cablemodel.__version__}"
-    guid = "{" + str(uuid.UUID(bytes=hashlib.sha256(text.encode()).digest()[:16])) + "}"
+    signals = with_nominals(signals, scene, tension_scale(scene), _fastest(scene))
+    guid = _guid(scene, options)
     model = ModelFile(
         guid=guid,
         block=block,
@@ -216,11 +239,73 @@ def contents_of(scene: Scene, options: Options) -> Contents:
         pinned=scene.vessel.connection.kind == "pinned",
         estimate=scene.solver.error_estimate,
     )
-    name = _model_name(scene)
-    xml = model_description(
-        name=name,
+    description = "Ocean cable hung from a vessel"
+    xml = _description(scene, options, guid, signals, description, derivatives=in_elements)
+    beside = _beside(scene, model).to_bytes() if model.estimate else None
+    return Contents(_model_name(scene), guid, signals, model.to_bytes(), beside, xml)
+
+
+def _of_system(scene: SystemScene, options: Options) -> Contents:
+    if scene.solver.method != "finite_element":
+        raise ExportError(
+            f"solver.method is {scene.solver.method!r}: a system is computed by finite_element"
+        )
+    if scene.solver.error_estimate:
+        raise ExportError(
+            "solver.error_estimate is true: errors of a system are not estimated in an FMU; export "
+            "it with solver.error_estimate=false"
+        )
+    start = SystemModel(scene)
+    block = start.built.block
+    values = options.first_values(scene)
+    tension = float(block.scalars.tension_scale)
+    speed = max(fastest_vessel(scene), _current_speed(scene))
+    signals = with_nominals(signals_of(scene, options.stations, values), scene, tension, speed)
+    guid = _guid(scene, options)
+    model = ModelFile(
         guid=guid,
-        description="Ocean cable hung from a vessel: " + (scene.title or "untitled scene"),
+        block=block,
+        stations=options.stations,
+        starts=[0.0] * 10,
+        frame=np.zeros(3),
+        facts=np.zeros(0),
+        coefficients=[],
+        scene_inputs=values[0],
+        ignore=options.inputs == "scene",
+        movable=False,
+        vessel_input=values[1],
+        at_start=options.timing == "start",
+        static=True,
+        pinned=True,
+        system=section(scene, start.built, values[1]),
+    )
+    description = "Ocean cables between vessels and bodies"
+    xml = _description(scene, options, guid, signals, description, derivatives=False)
+    return Contents(_model_name(scene), guid, signals, model.to_bytes(), None, xml, start)
+
+
+def _guid(scene: Scene | SystemScene, options: Options) -> str:
+    import cablemodel
+
+    text = f"{scene.to_yaml()}\n{options}\n{kernel_hash()}\n{cablemodel.__version__}"
+    return "{" + str(uuid.UUID(bytes=hashlib.sha256(text.encode()).digest()[:16])) + "}"
+
+
+def _description(
+    scene: Scene | SystemScene,
+    options: Options,
+    guid: str,
+    signals: list[Signal],
+    description: str,
+    *,
+    derivatives: bool,
+) -> bytes:
+    import cablemodel
+
+    return model_description(
+        name=_model_name(scene),
+        guid=guid,
+        description=f"{description}: {scene.title or 'untitled scene'}",
         version=cablemodel.__version__,
         signals=signals,
         step=scene.run.output_interval,
@@ -228,10 +313,8 @@ def contents_of(scene: Scene, options: Options) -> Contents:
         tolerance=scene.solver.tolerance,
         date=_date(),
         author=options.author,
-        derivatives=in_elements,
+        derivatives=derivatives,
     )
-    beside = _beside(scene, model).to_bytes() if model.estimate else None
-    return Contents(name, guid, signals, model.to_bytes(), beside, xml)
 
 
 def _beside(scene: Scene, model: ModelFile) -> ModelFile:
@@ -296,15 +379,21 @@ def _date() -> str:
 def _fastest(scene: Scene) -> float:
     """The largest speed in a scene, of vessel, current or pay-out [m/s]."""
     speeds = [float(np.linalg.norm(v)) for v in scene.motion().typical_velocities()]
-    if scene.environment.current is not None:
-        flow = np.linalg.norm(scene.environment.current.velocity, axis=-1)
-        speeds.append(float(np.max(flow)))
+    speeds.append(_current_speed(scene))
     speeds += [abs(row.rate) for row in scene.payout.rate]
-    return max(speeds, default=0.0)
+    return max(speeds)
 
 
-def scheduled(scene: Scene) -> bool:
-    """Whether the scene says how the vessel moves or the drum turns."""
+def _current_speed(scene: Scene | SystemScene) -> float:
+    """The largest one of the current [m/s]."""
+    current = scene.environment.current
+    return 0.0 if current is None else float(np.max(np.linalg.norm(current.velocity, axis=-1)))
+
+
+def scheduled(scene: Scene | SystemScene) -> bool:
+    """Whether the scene says how a vessel moves or the drum turns."""
+    if isinstance(scene, SystemScene):
+        return fastest_vessel(scene) > 0.0
     moves = len(scene.motion().pieces) > 1 or bool(np.any(scene.motion().evaluate(0.0)[1] != 0.0))
     return moves or any(row.rate != 0.0 for row in scene.payout.rate)
 

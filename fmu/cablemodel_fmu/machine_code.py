@@ -29,7 +29,6 @@ RARE_ENTRIES = (
     "equilibrium",
     "force_rate",
     "force_response",
-    "frame_motion",
     "measure",
     "parts",
     "sample",

@@ -7,7 +7,7 @@ its errors are estimated: the same of the finer run.
 from __future__ import annotations
 
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +22,7 @@ FORMAT = 3
 HEADER_WORDS = 48
 NAME_WORDS = 12
 """Of a coefficient's row: its variable's name, for messages."""
-_CHECKSUM, _KERNELS, _GUID, _FLAGS, _INPUTS, _FRAME, _FACTS = 3, 4, 5, 10, 16, 26, 32
+_CHECKSUM, _KERNELS, _GUID, _FLAGS, _SYSTEM, _INPUTS, _FRAME, _FACTS = 3, 4, 5, 10, 15, 16, 26, 32
 SCENE_INPUTS, STATIC, PINNED, ESTIMATE, IGNORE, MOVABLE, AT_START = 1, 2, 4, 8, 16, 32, 64
 VESSEL_INPUT = 128
 """What vessel.input begins as, times this."""
@@ -58,6 +58,8 @@ class ModelFile:
     pinned: bool
     estimate: bool = False
     """Whether finer.bin is beside it."""
+    system: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype="<i8"))
+    """The section of a system (cablemodel_fmu/parts.py); empty for a scene of one line."""
 
     def to_bytes(self) -> bytes:
         """The file, with its checksum."""
@@ -97,14 +99,16 @@ class ModelFile:
             least = -LARGEST if item.signal.minimum is None else item.signal.minimum
             most = LARGEST if item.signal.maximum is None else item.signal.maximum
             value[3:8] = item.factor, item.signal.start, least, most, item.reach
-            row[8:] = np.frombuffer(_name(item.signal.name), "<i8")
-        header[2] = HEADER_WORDS + rows.size + len(image)
-        body = header[_KERNELS:].tobytes() + rows.tobytes() + image.astype("<i8").tobytes()
+            row[8:] = np.frombuffer(name_words(item.signal.name), "<i8")
+        header[_SYSTEM] = len(self.system)
+        header[2] = HEADER_WORDS + rows.size + len(self.system) + len(image)
+        parts = header[_KERNELS:], rows, self.system, image.astype("<i8")
+        body = b"".join(part.tobytes() for part in parts)
         header[_CHECKSUM] = zlib.crc32(body)
         return header[:_KERNELS].tobytes() + body
 
 
-def _name(name: str) -> bytes:
+def name_words(name: str) -> bytes:
     """A variable's name, or its beginning where it is too long, ended by zeros."""
     most = 8 * NAME_WORDS - 1
     whole = name.encode()

@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from cablemodel.errors import CableModelError
 from cablemodel.model import CableModel
 from cablemodel.recorder import Recorder
-from cablemodel.scene import load_scene
+from cablemodel.systems.model import read_scene
+from cablemodel.systems.scene import SystemScene
 from cablemodel_fmu.c_layout import input_layout
 from cablemodel_fmu.export import block_of
 
@@ -37,12 +38,16 @@ class FmuLog:
         options: of `cablemodel.Recorder`: output_interval, state_interval, until.
 
     Raises:
-        CableModelError: its scene estimates errors, whose states hold two runs.
+        CableModelError: its scene is a system, or estimates errors, whose states hold two runs.
     """
 
     def __init__(self, fmu: str | PathLike[str], log: str | PathLike[str], **options: Any) -> None:
         with zipfile.ZipFile(fmu) as archive:
-            scene = load_scene(archive.read("resources/scene.yaml").decode())
+            scene = read_scene(archive.read("resources/scene.yaml").decode())
+        if isinstance(scene, SystemScene):
+            raise CableModelError(
+                "the FMU of a system cannot be logged: `cablemodel run` logs its scene"
+            )
         if scene.solver.error_estimate:
             raise CableModelError(
                 "an FMU that estimates its errors cannot be logged: export it without "

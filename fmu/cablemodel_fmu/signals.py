@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from cablemodel.direct.block import DirectBlock
 from cablemodel.direct.kernels import layout as direct
-from cablemodel.instance import tension_per_length, tension_scale
+from cablemodel.instance import tension_per_length
 from cablemodel.kernels import layout as at
 from cablemodel.kernels.layout import Header
 from cablemodel.scene.schema import longest_stretch
@@ -18,6 +18,7 @@ from cablemodel.variables import INPUTS, Variable, outputs_of, parameter
 if TYPE_CHECKING:
     from cablemodel.block import Block
     from cablemodel.scene import Scene
+    from cablemodel.systems.scene import SystemScene
 
     AnyBlock = Block | DirectBlock
 
@@ -50,13 +51,14 @@ _SUMMARY = {
 }
 _ERROR = {"position_error": 0, "tension_error": 1}
 _AXES = ("x (east)", "y (north)", "z (up)")
+_ANGLES = ("roll", "pitch", "yaw")
 _STATION = {"state.position": 0, "state.tension": 9, "state.curvature": 10}
 _BODY = {"bodies.position": 0, "bodies.direction": 3}
 
 # A coefficient of a cable type or of a body; the length of a cable of the line or on the drum.
 OF_CABLES, OF_BODY, OF_LINE, OF_DRUM = range(4)
 
-_LARGEST = {"m": 1e7, "m/s": 1e3}
+LARGEST = {"m": 1e7, "m/s": 1e3}
 """Of inputs, by their unit, either way: FURTHEST and FASTEST in c/cable.h."""
 
 SHORTEST, LONGEST = 0.5, 2.0
@@ -123,6 +125,11 @@ class Coefficient:
     """Of a length of the line: how far it can reach when stretched, in lengths."""
 
 
+def axes_of(unit: str) -> tuple[str, ...]:
+    """Words for the three components of a vector, or of an attitude."""
+    return _ANGLES if unit == "rad" else _AXES
+
+
 def inputs(starts: list[float]) -> list[Signal]:
     """vessel.velocity, vessel.position, payout.rate, current.velocity: references 0 to 9."""
     signals: list[Signal] = []
@@ -141,8 +148,8 @@ def inputs(starts: list[float]) -> list[Signal]:
                     item.unit,
                     f"{item.quantity}{axis}, reached at the end of a step",
                     starts[reference],
-                    -_LARGEST[item.unit],
-                    _LARGEST[item.unit],
+                    -LARGEST[item.unit],
+                    LARGEST[item.unit],
                 )
             )
     return signals
@@ -162,12 +169,15 @@ def outputs(scene: Scene, block: AnyBlock, stations: int) -> list[Signal]:
     ]
 
 
-def with_nominals(signals: list[Signal], scene: Scene, speed: float) -> list[Signal]:
+def with_nominals(
+    signals: list[Signal], scene: Scene | SystemScene, tension: float, speed: float
+) -> list[Signal]:
     """The signals with their usual sizes: of a length, a tension, a speed of the scene.
 
-    speed: of vessel, current or pay-out, the largest of the scene's [m/s]; 0: nothing moves.
+    tension: a typical one [N]. speed: of vessel, current or pay-out, the largest of the scene's
+    [m/s]; 0: nothing moves.
     """
-    length, tension = scene.line_length, tension_scale(scene)
+    length = scene.line_length
     radius = min(10.0 * length, max(scene.cable_types[c.type].diameter for c in scene.cables) * 100)
     usual = {
         "N": tension,
@@ -270,7 +280,7 @@ def starts(inputs_at_start: list[float], *, movable: bool) -> list[Signal]:
         row = parameter(name)
         for i, axis in enumerate(_AXES):
             value = inputs_at_start[first + i]
-            most = _LARGEST[row.unit]
+            most = LARGEST[row.unit]
             found.append(
                 Signal(
                     name.replace("[i]", f"[{i + 1}]"),

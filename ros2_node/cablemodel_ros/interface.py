@@ -123,16 +123,15 @@ def topics_of(scene: Any) -> tuple[Topic, ...]:
 
 def document() -> str:
     """Topics and services as Markdown tables."""
-    lines = ["| published | message | QoS | when | |", "|---|---|---|---|---|"]
+    lines = ["|published|message|QoS|when||", "|---|---|---|---|---|"]
     lines += [
-        f"| `{topic.name}` | {topic.message} | {topic.quality} | {topic.rate} | {topic.meaning} |"
+        f"|`{topic.name}`|{topic.message}|{topic.quality}|{topic.rate}|{topic.meaning}|"
         for topic in (*OUTPUTS, *APPLIED, *OTHERS)
     ]
-    lines += ["", "| subscribed | message | QoS | |", "|---|---|---|---|"]
+    lines += ["", "|subscribed|message|QoS||", "|---|---|---|---|"]
     lines += [
-        f"| `{topic.name}` | {topic.message} | {topic.quality} | {topic.meaning} |"
-        for topic in INPUTS
+        f"|`{topic.name}`|{topic.message}|{topic.quality}|{topic.meaning}|" for topic in INPUTS
     ]
-    lines += ["", "| service | type | |", "|---|---|---|"]
-    lines += [f"| `{name}` | std_srvs/srv/Trigger | {text} |" for name, text in SERVICES.items()]
+    lines += ["", "|service|type||", "|---|---|---|"]
+    lines += [f"|`{name}`|std_srvs/srv/Trigger|{text}|" for name, text in SERVICES.items()]
     return "\n".join(lines) + "\n"

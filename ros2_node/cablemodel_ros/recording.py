@@ -155,18 +155,22 @@ class Recorder:
         flushed = time.monotonic()
         while True:
             stopping = self._stop.is_set()  # read before the queue is emptied
-            while self._queue:
-                self._guarded(self._take, self._queue.popleft())
             now = time.monotonic()
-            if self._writer is not None and now - flushed >= _FLUSH:
+            # A queue that is filled as fast as it is emptied must not keep it from the disk.
+            while self._queue and (stopping or now - flushed < _FLUSH):
+                self._guarded(self._take, self._queue.popleft())
+                now = time.monotonic()
+            if now - flushed >= _FLUSH:
                 flushed = now
-                self._guarded(self._flush)
+                if self._writer is not None:
+                    self._guarded(self._flush)
             if self.error and now >= self._retry_at:
                 self._retry_at = now + self._patience
                 self.wants_file = True
             if stopping:
                 return
-            self._stop.wait(_PAUSE)
+            if not self._queue:
+                self._stop.wait(_PAUSE)
 
     def _guarded(self, call: Callable[..., None], *arguments: Any) -> None:
         """What the disk refuses ends the file, not this thread."""

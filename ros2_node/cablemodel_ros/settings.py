@@ -220,13 +220,13 @@ class Settings:
 def document() -> str:
     """The parameters as a Markdown table."""
     words = {"never": "at start-up only", "unconfigured": "before configure", "always": "any time"}
-    lines = ["| parameter | default | allowed | may change | |", "|---|---|---|---|---|"]
+    lines = ["|parameter|default|allowed|may change||", "|---|---|---|---|---|"]
     for p in PARAMETERS:
         default = list(p.default) if isinstance(p.default, tuple) else p.default
         text = str(default).lower() if isinstance(p.default, bool) else str(default)
         allowed = p.allowed.replace(" | ", ", ")
         lines.append(
-            f"| `{p.name}` | {f'`{text}`' if text else 'empty'} | {allowed} | "
-            f"{words[p.change]} | {p.description} |"
+            f"|`{p.name}`|{f'`{text}`' if text else 'empty'}|{allowed}|"
+            f"{words[p.change]}|{p.description}|"
         )
     return "\n".join(lines) + "\n"

@@ -41,5 +41,5 @@ def test_commands_and_code_of_the_page(
 
 
 def test_golden_logs_of_the_page_exist() -> None:
-    named = set(re.findall(r"^\| `(\w+)` \|", PAGE, flags=re.MULTILINE))
+    named = set(re.findall(r"^\|`(\w+)`\|", PAGE, flags=re.MULTILINE))
     assert named == {path.stem for path in (ROOT / "tests" / "replay" / "golden").glob("*.mcap")}

@@ -45,9 +45,9 @@ ARM = Path("/usr/aarch64-linux-gnu")
 # C library functions that the libraries may use. Kernels: tests/unit/test_kernel_symbols.py.
 ALLOWED = {
     *("sin", "cos", "sincos", "pow", "hypot", "sqrt", "floor", "fabs", "atan2", "exp", "log"),
-    *("acos", "ceil"),
+    *("acos", "atan", "ceil"),
     *("malloc", "calloc", "free", "memcpy", "memmove", "memset", "memcmp", "bcmp"),
-    *("strlen", "strcmp", "strncmp", "strcpy", "snprintf", "vsnprintf"),
+    *("strlen", "strcmp", "strncmp", "strcpy", "snprintf", "vsnprintf", "qsort"),
     *("fopen", "fclose", "fread", "fseek", "ftell"),
 }
 # What the linker adds for the start and end of every library.
@@ -207,7 +207,8 @@ def test_symbols_on_windows(fmus):
 
 
 def test_the_fmu_for_all_desktops_is_small(fmus):
-    assert fmus["size"] <= 1_210_000  # four machine codes, each with the kernels of systems
+    # Four machine codes, each with all that systems have: bodies, cuts, waves, RAOs, feet.
+    assert fmus["size"] <= 1_300_000
 
 
 def test_a_build_gives_the_same_file_again(tmp_path):

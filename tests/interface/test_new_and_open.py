@@ -45,10 +45,12 @@ def test_a_new_scene_is_complete_and_passes_the_check(name: str, tmp_path: Path)
     assert text == (TEMPLATES / f"{name}.yaml").read_text(encoding="utf-8")
     # To be changed: units and places are told, and nothing that matters is left to a default.
     given = yaml.safe_load(text)
-    sections = {"title", "environment", "cable_types", "line", "vessel", "solver", "run"}
+    sections = {"title", "environment", "cable_types", "solver", "run"}
+    sections |= {"lines", "vessels", "bodies"} if name == "system" else {"line", "vessel"}
     assert sections <= set(given)
     assert set(given["run"]) == {"duration", "output_interval"}
-    assert "position" in given["vessel"]
+    for vessel in given.get("vessels", {"": given.get("vessel")}).values():
+        assert "position" in vessel
     assert text.startswith("# ")
     assert text.count("  # ") > 10
     checked = invoke("check", target, "--json")
@@ -111,7 +113,14 @@ def jumper(run: cm.Run) -> bool:
     return bool(abs(tension.mean() / calm - 1.0) < 0.01 and tension.min() < calm < tension.max())
 
 
-@pytest.mark.parametrize("told", [tow, turn, lay, recover, lower, mooring, jumper])
+def system(run: cm.Run) -> bool:
+    """The wing holds the depressor down, in the turn as before; nothing breaks."""
+    depth = run["depressor.position"][:, 2]
+    dives = depth.max() < -40.0 and np.isnan(run["weak_link.time"]).all()
+    return bool(dives and abs(run["plate.attitude"][-1, 2]) > 0.3)
+
+
+@pytest.mark.parametrize("told", [tow, turn, lay, recover, lower, mooring, jumper, system])
 def test_what_a_template_tells_comes_true(told: Callable[[cm.Run], bool], tmp_path: Path) -> None:
     run = cm.simulate(TEMPLATES / f"{told.__name__}.yaml", log=tmp_path / "run.mcap")
     assert run.complete

@@ -51,7 +51,7 @@ def test_make_commands_of_the_readme_exist() -> None:
 
 
 def table_rows(text: str) -> list[list[str]]:
-    lines = (line for line in text.splitlines() if line.startswith("| "))
+    lines = (line for line in text.splitlines() if line.startswith("|"))
     return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
 
 

@@ -45,6 +45,8 @@ def nodes_of(model: cm.CableModel) -> dict[int, np.ndarray]:
     more, _ = memory.arrays(**{**memory.sizes_of(memory.ints), "capacity": room + 1})
     kept = {}
     for (place, length), (_, longer) in zip(arrays, more, strict=True):
+        if place == Header.history.word and memory.header.has_history == 0:
+            continue  # there is none, whatever stands there
         words = length - room * (longer - length) + count * (longer - length)
         kept[place] = memory.integers(place, words).copy()
     return kept

@@ -321,3 +321,11 @@ def test_errors_survive_pickling() -> None:
 def test_a_scene_error_is_a_value_error() -> None:
     assert isinstance(refusal({}), ValueError)
     assert isinstance(refusal({}), cm.CableModelError)
+
+
+def test_what_follows_from_a_missing_value_is_no_problem_of_its_own() -> None:
+    types = {"wire": {"diameter": 0.02, "mass": 1.6, "axial_stiffness": 2e7}}
+    line = [{"cable": {"type": "wire", "length": 10}}, {"body": {"mass": 10}}]
+    with pytest.raises(cm.SceneError) as caught:
+        cm.load_scene({"cable_types": types, "line": line})
+    assert [problem.path for problem in caught.value.problems] == ["line.1.body.submerged_weight"]

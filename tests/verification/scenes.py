@@ -99,6 +99,36 @@ def turned(angle: str = "180 deg", **settings: Any) -> cm.Scene:
     return scene(30.0, CABLE_K, vessel={"path": legs}, **settings)
 
 
+def cantilever(
+    length: float = 1.0,
+    axial_stiffness: float = 1e6,
+    weight: float = 0.0,
+    load: float = 0.0,
+    **settings: Any,
+) -> cm.CableModel:
+    """EI = 1 N m2, clamped level unless said otherwise; load: of a body at its end [N]."""
+    cable = {
+        **IDEAL,
+        "submerged_weight": weight,
+        "axial_stiffness": axial_stiffness,
+        "bending_stiffness": 1.0,
+    }
+    body = {"mass": 1.0, "submerged_weight": load} if load else None
+    settings.setdefault("vessel", {"connection": {"clamped": [1.0, 0.0, 0.0]}})
+    return cm.CableModel(scene(length, cable, body=body, **settings))
+
+
+def hoist_that_stops() -> cm.CableModel:
+    """8 kN at the end of 1 km of cable without weight, hoisted at 1 m/s until t = 0.1 s and stopped
+    within 50 ms, in vacuum: T falls by V sqrt(EA m); the echo is back after 0.63 s."""
+    cable = {**IDEAL, "axial_stiffness": 1e7}
+    table = [(0.0, 1.0), (0.1, 1.0), (0.15, 0.0)]
+    vessel = {"velocity": [{"t": t, "velocity": [0, 0, v]} for t, v in table]}
+    body = {"mass": 8000.0 / 9.80665, "submerged_weight": 8000.0}
+    settings = {"model": "cable", "elements": 128, "density": 0.0, "tolerance": 1e-8}
+    return cm.CableModel(scene(1000.0, cable, body=body, vessel=vessel, **settings))
+
+
 def pendulum() -> tuple[cm.Scene, Any]:
     """1 kg on an elastic line of 1 m, let go at 60 degrees under its tension, and its exact path.
 

@@ -5,7 +5,7 @@ import pytest
 
 import cablemodel as cm
 from tests.verification.references import motion
-from tests.verification.scenes import CABLE_K, IDEAL, scene
+from tests.verification.scenes import CABLE_K, IDEAL, hoist_that_stops, scene
 
 GRAVITY = 9.80665
 START = np.radians(60.0)
@@ -267,24 +267,7 @@ def test_sudden_stop_sends_a_front_of_minus_v_sqrt_ea_m():
 
     In vacuum; 1 km of cable hangs with 8 kN at its end, and its echo returns after 0.63 s.
     """
-    cable = {**IDEAL, "axial_stiffness": 1e7}
-    rows = [
-        {"t": 0.0, "velocity": [0, 0, 1.0]},
-        {"t": 0.1, "velocity": [0, 0, 1.0]},
-        {"t": 0.15, "velocity": [0, 0, 0.0]},
-    ]
-    model = cm.CableModel(
-        scene(
-            1000.0,
-            cable,
-            model="cable",
-            elements=128,
-            density=0.0,
-            tolerance=1e-8,
-            body={"mass": 8000.0 / GRAVITY, "submerged_weight": 8000.0},
-            vessel={"velocity": rows},
-        )
-    )
+    model = hoist_that_stops()
     assert model.top_tension == pytest.approx(8000.0, rel=1e-9)
     for time in (0.1, 0.125, 0.15, 0.3, 0.5, 0.65):
         model.step_to(time)

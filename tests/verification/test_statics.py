@@ -9,7 +9,7 @@ import pytest
 
 import cablemodel as cm
 from tests.verification.references import catenary, elastica, static_cable
-from tests.verification.scenes import IDEAL, scene
+from tests.verification.scenes import IDEAL, cantilever, scene
 
 
 def plane(vector):
@@ -70,18 +70,6 @@ def test_elastic_catenary_to_eight_digits(rise, axial_stiffness):
 
 
 # Cantilevers and the clamped end ----------------------------------------------------------------
-
-
-def cantilever(length=1.0, axial_stiffness=1e6, weight=0.0, load=0.0, **settings):
-    cable = {
-        **IDEAL,
-        "submerged_weight": weight,
-        "axial_stiffness": axial_stiffness,
-        "bending_stiffness": 1.0,
-    }
-    body = {"mass": 1.0, "submerged_weight": load} if load else None
-    settings.setdefault("vessel", {"connection": {"clamped": [1.0, 0.0, 0.0]}})
-    return cm.CableModel(scene(length, cable, body=body, **settings))
 
 
 @pytest.mark.parametrize("load", [1.0, 10.0])

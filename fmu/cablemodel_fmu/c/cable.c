@@ -7,13 +7,14 @@
 #include "cable.h"
 
 const int64_t *initial_image(const Cable *cable) {
-    return cable->file + F_HEADER_WORDS +
+    return cable->file + F_HEADER_WORDS + cable->file[F_SYSTEM_WORDS] +
            cable->parameter_count * (int64_t)(sizeof(Parameter) / 8);
 }
 
 void outputs_changed(Cable *cable) {
     cable->summary_current = cable->stations_current = cable->errors_current = 0;
     cable->rate_current = 0;
+    if (cable->system != NULL) system_changed(cable->system);
     if (cable->finer != NULL) outputs_changed(cable->finer);
 }
 
@@ -35,6 +36,7 @@ void restart_cable(Cable *cable) {
     cable->now.input_timing = (cable->flags & FLAG_AT_START) ? AT_START : AT_END;
     cable->coarse = 0;
     if (cable->finer != NULL) restart_cable(cable->finer);
+    if (cable->system != NULL) restart_system(cable);
     outputs_changed(cable);
 }
 
@@ -48,8 +50,12 @@ int64_t inputs_of(unsigned vr) {
     return vr >= VR_POSITION ? POSITION_SET : VELOCITY_SET;
 }
 
-/* Remember that the master sets an input: then it is connected. */
-void mark_set(Cable *cable, unsigned vr) {
+/* Remember that the master sets an input, or a derivative of it: then it is connected. */
+void mark_set(Cable *cable, unsigned vr, int derivative) {
+    if (cable->system != NULL) {
+        mark_part_set(cable, vr, derivative);
+        return;
+    }
     cable->now.set |= inputs_of(vr);
     if (cable->now.phase == STEPPING) cable->now.position_set_in_run |= inputs_of(vr) & POSITION_SET;
 }
@@ -71,22 +77,61 @@ int64_t vessel_input(const Cable *cable) {
 
 /* What an input reaches at the end of a step: as it was set; by the derivatives that the master has
    set; or as it went on in the last step. */
+double value_at_end(const Controls *now, const double *slope, double value, double before,
+                    double dt) {
+    if (now->has_slope)
+        return value + dt * (slope[0] + dt * (slope[1] / 2.0 + dt * slope[2] / 6.0));
+    if (now->input_timing == AT_END || !(now->last_step > 0.0)) return value;
+    return value + dt / now->last_step * (value - before);
+}
+
+/* The same of a position that is given beside its rate, whose last value was `rate_before`. */
+double place_at_end(const Controls *now, const double *slope, double value, double rate,
+                    double rate_before, double dt) {
+    if (now->has_slope || now->input_timing == AT_END)
+        return value_at_end(now, slope, value, value, dt);
+    const double gain = now->last_step > 0.0 ? (rate - rate_before) / now->last_step : 0.0;
+    return value + dt * (rate + 0.5 * dt * gain);
+}
+
 static double at_end(const Cable *cable, int n, double dt) {
     const Controls *now = &cable->now;
-    const double value = now->input[n];
-    if (now->has_slope) {
-        const double *slope = now->slope[n];
-        return value + dt * (slope[0] + dt * (slope[1] / 2.0 + dt * slope[2] / 6.0));
+    const int v = n - VR_POSITION + VR_VELOCITY;
+    if (inputs_of((unsigned)n) == POSITION_SET && vessel_input(cable) == BY_BOTH)
+        return place_at_end(now, now->slope[n], now->input[n], now->input[v], now->before[v], dt);
+    return value_at_end(now, now->slope[n], now->input[n], now->before[n], dt);
+}
+
+/* What is chosen by an enumeration; NULL: it is none. */
+const int64_t *choice_of(Cable *cable, unsigned vr) {
+    if (vr == VR_INPUT_TIMING) return &cable->now.input_timing;
+    if (cable->system != NULL) return part_choice(cable, vr);
+    return vr == VR_VESSEL_INPUT ? &cable->now.vessel_input : NULL;
+}
+
+void choose(Cable *cable, unsigned vr, int64_t value) {
+    if (vr == VR_INPUT_TIMING) {
+        cable->now.input_timing = value;
+    } else if (cable->system != NULL) {
+        choose_for_part(cable, vr, value);
+    } else {
+        cable->now.vessel_input_given |= value != cable->now.vessel_input;
+        cable->now.vessel_input = value;
     }
-    if (now->input_timing == AT_END) return value;
-    if (inputs_of((unsigned)n) == POSITION_SET && vessel_input(cable) == BY_BOTH) {
-        const int v = n - VR_POSITION + VR_VELOCITY;
-        const double gain =
-            now->last_step > 0.0 ? (now->input[v] - now->before[v]) / now->last_step : 0.0;
-        return value + dt * (now->input[v] + 0.5 * dt * gain);
-    }
-    if (!(now->last_step > 0.0)) return value;
-    return value + dt / now->last_step * (value - now->before[n]);
+}
+
+/* Three derivatives of an input for the next step; NULL: it is none, or jumps. */
+double *slope_of(Cable *cable, unsigned vr) {
+    if (cable->system == NULL) return vr < VR_INPUTS ? cable->now.slope[vr] : NULL;
+    return part_slope(cable, vr);
+}
+
+void clear_slopes(Cable *cable) {
+    memset(cable->now.slope, 0, sizeof cable->now.slope);
+    if (cable->system == NULL) return;
+    PartInput *input;
+    for (unsigned n = 0; (input = part_input(cable, VR_SYSTEM_INPUT + n)) != NULL; n++)
+        memset(input->slope, 0, sizeof input->slope);
 }
 
 static void collect_inputs(const Cable *cable, double dt, double *inputs) {
@@ -162,6 +207,10 @@ static void explain(const Cable *cable, int64_t status, char *message, size_t si
         problem = "an input or the step is not finite";
         advice = "check the inputs";
     }
+    if (cable->system != NULL) {
+        explain_in_system(cable, problem, advice, message, size);
+        return;
+    }
     if (is_direct(cable->I)) {
         const double arc = direct_failure(cable, status, &problem, &advice);
         snprintf(message, size, "at t = %g s, %g m along the cable: %s; %s", cable_time(cable), arc,
@@ -183,11 +232,12 @@ static int is_beside(const Cable *cable) {
 
 /* To the instance's own time t_end; on failure the message says why and nothing has changed. */
 int64_t step_cable(Cable *cable, double t_end, double dt, char *message, size_t size) {
-    double inputs[INPUT_WORDS];
-    collect_inputs(cable, dt, inputs);
+    double inputs[INPUT_WORDS] = {0};
+    if (cable->system == NULL) collect_inputs(cable, dt, inputs);
     const int beside = is_beside(cable);
     const int64_t status =
-        is_direct(cable->I)
+        cable->system != NULL ? step_system(cable, t_end, dt)
+        : is_direct(cable->I)
             ? direct_step(cable, t_end, inputs)
             : cablemodel_step(cable->I, cable->block_words, t_end, inputs, INPUT_WORDS);
     if (status != OK) {
@@ -278,12 +328,16 @@ static int is_start(const Cable *cable, unsigned vr) {
 /* Of an input or a parameter, for messages; NULL of what else there is, or is not. */
 const char *name_of(const Cable *cable, unsigned vr) {
     static const char *const inputs[VR_INPUTS] = INPUT_NAMES, *const starts[] = START_NAMES;
+    if (vr == VR_INPUT_TIMING) return "input.timing";
+    if (cable->system != NULL) return name_in_system(cable, vr);
+    if (vr == VR_VESSEL_INPUT) return "vessel.input";
     if (vr < VR_INPUTS) return inputs[vr];
     if (is_start(cable, vr)) return starts[vr - VR_START];
     return is_parameter(cable, vr) ? cable->parameters[vr - VR_PARAMETER].name : NULL;
 }
 
 const char *read_value(Cable *cable, unsigned vr, double *value) {
+    if (cable->system != NULL) return read_part(cable, vr, value);
     if (vr < VR_INPUTS) {
         *value = cable->now.input[vr];
         return NULL;
@@ -376,6 +430,11 @@ static const char *check_start(Cable *cable, unsigned vr, double value) {
 }
 
 const char *check_value(Cable *cable, unsigned vr, double value) {
+    if (cable->system != NULL) {
+        double minimum = 0.0, maximum = 0.0;
+        const char *problem = check_part_value(cable, vr, value, &minimum, &maximum);
+        return problem == NULL ? check_range(cable, value, minimum, maximum) : problem;
+    }
     if (vr < VR_INPUTS) return check_motion(cable, inputs_of(vr) == POSITION_SET, value);
     if (is_start(cable, vr)) return check_start(cable, vr, value);
     if (is_parameter(cable, vr)) {
@@ -395,8 +454,14 @@ const char *check_value(Cable *cable, unsigned vr, double value) {
 
 /* Of a value that check_value has passed. */
 void write_value(Cable *cable, unsigned vr, double value) {
+    if (cable->system != NULL) {
+        PartInput *input = part_input(cable, vr);
+        if (cable->now.phase == STEPPING || value != input->value) mark_set(cable, vr, 0);
+        input->value = value;
+        return;
+    }
     if (vr < VR_INPUTS) {
-        if (cable->now.phase == STEPPING || value != cable->now.input[vr]) mark_set(cable, vr);
+        if (cable->now.phase == STEPPING || value != cable->now.input[vr]) mark_set(cable, vr, 0);
         cable->now.input[vr] = value;
         return;
     }

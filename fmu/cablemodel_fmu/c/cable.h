@@ -1,4 +1,5 @@
-/* The cable behind the FMI functions: one instance block, its inputs, parameters and outputs. */
+/* The cable, or the system, behind the FMI functions: one instance block, its inputs, parameters and
+   outputs. */
 #ifndef CABLE_H
 #define CABLE_H
 
@@ -19,7 +20,9 @@ enum {
     VR_ERROR = 950,
     VR_SUMMARY = 1000,
     VR_STATION = 10000,
-    VR_BODY = 20000000
+    VR_BODY = 20000000,
+    /* Of a system: inputs of its parts, what moves each vessel (Integers), outputs. */
+    VR_SYSTEM_INPUT = 100000000, VR_SYSTEM_CHOICE = 200000000, VR_SYSTEM_OUTPUT = 300000000
 };
 enum { BY_VELOCITY = 1, BY_POSITION = 2, BY_BOTH = 3 };
 enum { AT_END = 1, AT_START = 2 }; /* of a step: when a value that is set holds */
@@ -33,6 +36,7 @@ enum {
     F_MAGIC, F_FORMAT, F_WORDS, F_CHECKSUM, F_KERNELS,
     F_GUID, /* 40 characters, padded with zeros */
     F_FLAGS = F_GUID + 5, F_IMAGE_WORDS, F_BLOCK_WORDS, F_STATIONS, F_PARAMETERS,
+    F_SYSTEM_WORDS, /* between parameters and image; see system.c */
     F_INPUTS = 16,
     F_FRAME = F_INPUTS + VR_INPUTS,
     F_FACTS = 32, /* of the line as a whole: FACT_WORDS */
@@ -64,7 +68,16 @@ typedef struct {
     char name[96]; /* of the variable, ended by zeros */
 } Parameter;
 
-/* Everything of an instance that a saved state holds, apart from the block's image. */
+/* One input of a part of a system: its value, that of the last step, derivatives for the next one,
+   and whether the master has set it: SET_EVER, SET_IN_RUN. */
+enum { SET_EVER = 1, SET_IN_RUN = 2 };
+typedef struct {
+    double value, before, slope[3];
+    int64_t set;
+} PartInput;
+typedef struct System System; /* system.c; NULL: a scene of one line */
+
+/* Everything of an instance that a saved state holds, apart from the block's image and `values`. */
 typedef struct {
     int64_t magic, words, checksum, kernels;
     char guid[40];
@@ -90,7 +103,9 @@ typedef struct Cable {
     int64_t *I;    /* the block, as integers and as reals */
     double *M;
     const Parameter *parameters;
-    double *values; /* of the parameters */
+    double *values; /* of the parameters, or what a system's inputs are */
+    int64_t value_words;
+    System *system;
     int64_t stations, bodies, parameter_count, image_words, block_words, flags;
     Controls now;
     int summary_current, stations_current;
@@ -120,6 +135,13 @@ int64_t cablemodel_sample(void *block, int64_t words, double *s, int64_t n, doub
 int64_t cablemodel_summary(void *block, int64_t words, double *out, int64_t n);
 int64_t cablemodel_measure(void *block, int64_t words, double *facts, int64_t n);
 int64_t cablemodel_to_three_dimensions(void *block, int64_t words);
+int64_t cablemodel_drive(void *block, int64_t words, double t_end, double *motion, int64_t n,
+                         double *forces, int64_t m, double *angles, int64_t k, double *orders,
+                         int64_t cuts);
+int64_t cablemodel_sample_elements(void *block, int64_t words, double *elements, int64_t n,
+                                   double *fractions, int64_t k, double *out, int64_t m);
+int64_t cablemodel_parts(void *block, int64_t words, double *bodies, int64_t n, double *frames,
+                         int64_t m);
 int64_t cablemodel_force_rate(void *block, int64_t words, double last_step, double *out,
                               int64_t n);
 int64_t cablemodel_force_response(void *block, int64_t words, double *motion, int64_t n, double *out,
@@ -144,6 +166,28 @@ void direct_rows(Cable *cable);
 double direct_failure(const Cable *cable, int64_t status, const char **problem,
                       const char **advice);
 
+/* system.c */
+static inline int is_system(const int64_t *I) { return !is_direct(I) && header(I)->parts != 0; }
+const char *check_parts(const int64_t *I);
+const char *load_system(Cable *cable, const int64_t *section, int64_t words, const int64_t *image);
+void free_system(System *system);
+void restart_system(Cable *cable);
+void system_changed(System *system);
+const char *check_part_inputs(const Cable *cable, const void *values);
+PartInput *part_input(const Cable *cable, unsigned vr);
+double *part_slope(const Cable *cable, unsigned vr);
+int64_t *part_choice(const Cable *cable, unsigned vr);
+void choose_for_part(Cable *cable, unsigned vr, int64_t value);
+const char *name_in_system(const Cable *cable, unsigned vr);
+const char *read_part(Cable *cable, unsigned vr, double *value);
+const char *check_part_value(const Cable *cable, unsigned vr, double value, double *minimum,
+                             double *maximum);
+void mark_part_set(Cable *cable, unsigned vr, int derivative);
+const char *ignored_part_input(Cable *cable, unsigned vr);
+int64_t step_system(Cable *cable, double t_end, double dt);
+void explain_in_system(const Cable *cable, const char *problem, const char *advice, char *message,
+                       size_t size);
+
 /* model_file.c: every function returns NULL or a message. */
 const char *load_cable(Cable *cable, const char *resource_location, const char *guid);
 void free_cable(Cable *cable);
@@ -158,11 +202,18 @@ void restore_exported(Cable *cable);
 double cable_time(const Cable *cable);
 int64_t step_cable(Cable *cable, double t_end, double dt, char *message, size_t size);
 const char *name_of(const Cable *cable, unsigned vr);
+const int64_t *choice_of(Cable *cable, unsigned vr);
+void choose(Cable *cable, unsigned vr, int64_t value);
+double *slope_of(Cable *cable, unsigned vr);
+void clear_slopes(Cable *cable);
+double value_at_end(const Controls *now, const double *slope, double value, double before, double dt);
+double place_at_end(const Controls *now, const double *slope, double value, double rate,
+                    double rate_before, double dt);
 const char *read_value(Cable *cable, unsigned vr, double *value);
 int64_t driven(const Cable *cable);
 int64_t vessel_input(const Cable *cable);
 int64_t inputs_of(unsigned vr);
-void mark_set(Cable *cable, unsigned vr);
+void mark_set(Cable *cable, unsigned vr, int derivative);
 const char *check_value(Cable *cable, unsigned vr, double value);
 void write_value(Cable *cable, unsigned vr, double value);
 

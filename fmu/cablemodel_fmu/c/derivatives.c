@@ -36,6 +36,7 @@ static int output_change(Cable *cable, unsigned vr, const double force[3], doubl
 /* Time derivative of an output; NULL, or what is wrong. */
 const char *rate_of(Cable *cable, unsigned vr, double *value) {
     if (is_direct(cable->I)) return "no output derivatives are given by the direct solver";
+    if (cable->system != NULL) return "no output derivatives are given of a system";
     if (!cable->rate_current) {
         int64_t *copy = copy_of(cable);
         if (copy == NULL) return "out of memory";
@@ -90,6 +91,7 @@ const char *response_of(Cable *cable, const unsigned unknown[], size_t unknowns,
                         double response[]) {
     double motion[10] = {0}, force[3] = {0};
     if (is_direct(cable->I)) return "not provided by the direct solver";
+    if (cable->system != NULL) return "not provided of a system";
     for (size_t n = 0; n < knowns; n++)
         if (!(inputs_of(known[n]) & (VELOCITY_SET | POSITION_SET)))
             return "derivatives are those by vessel.velocity and vessel.position";

@@ -1,4 +1,4 @@
-/* FMI 2.0 for co-simulation around one cable (see cable.h): order of calls, messages, states.
+/* FMI 2.0 for co-simulation around one cable or system (see cable.h): order of calls, messages, states.
 
    A refused call changes nothing and leaves the instance usable: fmi2Error says that the call was
    wrong, fmi2Discard that this step cannot be made but a shorter one or other inputs may do. */
@@ -247,10 +247,9 @@ fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t
     ALLOW(c, ANY);
     GIVEN(vr, count, value);
     for (size_t n = 0; n < count; n++) {
-        if (vr[n] != VR_VESSEL_INPUT && vr[n] != VR_INPUT_TIMING)
-            return unknown(in, __func__, vr[n]);
-        value[n] = (fmi2Integer)(vr[n] == VR_VESSEL_INPUT ? in->cable.now.vessel_input
-                                                          : in->cable.now.input_timing);
+        const int64_t *choice = choice_of(&in->cable, vr[n]);
+        if (choice == NULL) return unknown(in, __func__, vr[n]);
+        value[n] = (fmi2Integer)*choice;
     }
     return fmi2OK;
 }
@@ -274,10 +273,21 @@ fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t 
 }
 
 /* Say once of a group of inputs that it is set and does nothing. */
-static void warn_of_ignored(Instance *in, int64_t group) {
+static void warn_of_ignored(Instance *in, unsigned vr) {
     static const char *const names[] = {"vessel.velocity", "vessel.position", "payout.rate",
                                         "current.velocity"};
-    const Cable *cable = &in->cable;
+    static const char *const scene_drives =
+        "use_scene_inputs is true, and was set so or exported to ignore inputs; set it to false, or "
+        "leave it";
+    Cable *cable = &in->cable;
+    if (cable->system != NULL) {
+        const char *by = ignored_part_input(cable, vr);
+        if (by != NULL)
+            report(in, fmi2Warning, "%s is set but ignored: %s%s", name_of(cable, vr),
+                   by[0] != 0 ? by : scene_drives, by[0] != 0 ? " says what moves it" : "");
+        return;
+    }
+    const int64_t group = inputs_of(vr);
     if (!(group & cable->now.set & ~in->warned)) return;
     int64_t used = driven(cable);
     const int64_t by = vessel_input(cable);
@@ -290,9 +300,7 @@ static void warn_of_ignored(Instance *in, int64_t group) {
     while (!(group >> n & 1)) n++;
     in->warned |= group;
     report(in, fmi2Warning, "%s is set but ignored: %s", names[n],
-           moves && (group & motion) ? "vessel.input says what moves the tow point"
-                                     : "use_scene_inputs is true, and was set so or exported to "
-                                       "ignore inputs; set it to false, or leave it");
+           moves && (group & motion) ? "vessel.input says what moves the tow point" : scene_drives);
 }
 
 /* All or nothing. */
@@ -309,7 +317,7 @@ fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t co
         }
     }
     for (size_t n = 0; n < count; n++) write_value(&in->cable, vr[n], value[n]);
-    for (size_t n = 0; n < count; n++) warn_of_ignored(in, inputs_of(vr[n]));
+    for (size_t n = 0; n < count; n++) warn_of_ignored(in, vr[n]);
     return fmi2OK;
 }
 
@@ -318,21 +326,13 @@ fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t
     ALLOW(c, P1 | P2);
     GIVEN(vr, count, value);
     for (size_t n = 0; n < count; n++) {
-        if (vr[n] != VR_VESSEL_INPUT && vr[n] != VR_INPUT_TIMING)
-            return unknown(in, __func__, vr[n]);
-        const int is_timing = vr[n] == VR_INPUT_TIMING, most = is_timing ? AT_START : BY_BOTH;
+        if (choice_of(&in->cable, vr[n]) == NULL) return unknown(in, __func__, vr[n]);
+        const int most = vr[n] == VR_INPUT_TIMING ? AT_START : BY_BOTH;
         if (value[n] < 1 || value[n] > most)
             return report(in, fmi2Error, "fmi2SetInteger: %s is %d, not 1 to %d",
-                          is_timing ? "input.timing" : "vessel.input", value[n], most);
+                          name_of(&in->cable, vr[n]), value[n], most);
     }
-    for (size_t n = 0; n < count; n++) {
-        if (vr[n] == VR_INPUT_TIMING) {
-            in->cable.now.input_timing = value[n];
-        } else {
-            in->cable.now.vessel_input_given |= value[n] != in->cable.now.vessel_input;
-            in->cable.now.vessel_input = value[n];
-        }
-    }
+    for (size_t n = 0; n < count; n++) choose(&in->cable, vr[n], value[n]);
     return fmi2OK;
 }
 
@@ -361,20 +361,23 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
     GIVEN(vr, count, value);
     GIVEN(vr, count, order);
     for (size_t n = 0; n < count; n++) {
-        if (vr[n] >= VR_INPUTS) return unknown(in, __func__, vr[n]);
+        if (slope_of(&in->cable, vr[n]) == NULL)
+            return part_input(&in->cable, vr[n]) == NULL
+                       ? unknown(in, __func__, vr[n])
+                       : refused(in, __func__, vr[n], "", "a command has no derivatives");
         if (order[n] < 1 || order[n] > 3)
             return report(in, fmi2Error, "%s: order %d, not 1 to 3", __func__, order[n]);
         if (!(fabs(value[n]) < 1e100))
             return report(in, fmi2Error, "%s: a value is not finite", __func__);
     }
     Controls *now = &in->cable.now;
-    if (!now->has_slope) memset(now->slope, 0, sizeof now->slope);
+    if (!now->has_slope) clear_slopes(&in->cable);
     now->has_slope = count > 0;
     for (size_t n = 0; n < count; n++) {
-        now->slope[vr[n]][order[n] - 1] = value[n];
-        if (now->phase == STEPPING || value[n] != 0.0) mark_set(&in->cable, vr[n]);
+        slope_of(&in->cable, vr[n])[order[n] - 1] = value[n];
+        if (now->phase == STEPPING || value[n] != 0.0) mark_set(&in->cable, vr[n], 1);
     }
-    for (size_t n = 0; n < count; n++) warn_of_ignored(in, inputs_of(vr[n]));
+    for (size_t n = 0; n < count; n++) warn_of_ignored(in, vr[n]);
     return fmi2OK;
 }
 

@@ -159,14 +159,16 @@ const char *check_block(const int64_t *I, int64_t image_words, int64_t block_wor
     const int64_t *parent = I + header(I)->parent, *joint = I + header(I)->joint;
     for (int64_t node = 1; node < nodes; node++) {
         const double *edge = M + header(I)->edges + node * EDGE_WORDS;
-        if (!within(parent[node], 0, node - 1) || !within(joint[node], JOINT_NONE, JOINT_BODY))
+        const int64_t last = is_system(I) ? JOINT_ROOT_FREE : JOINT_BODY;
+        if (!within(parent[node], 0, node - 1) || !within(joint[node], JOINT_NONE, last))
             return "the model's line is not connected";
         if (joint[node] != 0) continue;
         if (!(AS(Edge, edge)->length > 0.0) || !check_edge(I, edge)) return "an element is out of range";
     }
     for (int64_t n = 0; n < header(I)->cable_count; n++) {
         const double *row = M + header(I)->cables + n * CABLE_WORDS;
-        if (!whole(AS(CableRow, row)->body, -1, header(I)->body_count - 1) || !(AS(CableRow, row)->nominal > 0.0) ||
+        const int runs = !is_system(I); /* of a system, cable does not pass a tow point */
+        if ((runs && (!whole(AS(CableRow, row)->body, -1, header(I)->body_count - 1) || !(AS(CableRow, row)->nominal > 0.0))) ||
             !check_edge(I, row + WORD(CableRow, edge)))
             return "a cable is out of range";
     }
@@ -199,10 +201,11 @@ const char *check_block(const int64_t *I, int64_t image_words, int64_t block_wor
         return "a body of finite length is out of range";
     for (int64_t n = 0; n < header(I)->constraint_count; n++) {
         const double *row = M + header(I)->constraints + n * CONSTRAINT_WORDS;
-        if (!whole(AS(Constraint, row)->node, 0, nodes - 1) || !whole(AS(Constraint, row)->kind, HELD_BY_VESSEL, HELD_BY_ANCHOR))
+        if (!whole(AS(Constraint, row)->node, 0, nodes - 1) ||
+            !whole(AS(Constraint, row)->kind, HELD_BY_VESSEL, is_system(I) ? HELD_BY_FRAME : HELD_BY_ANCHOR))
             return "a constraint is at no node";
     }
-    return NULL;
+    return is_system(I) ? check_parts(I) : NULL;
 }
 
 static const char *check_parameters(const Cable *cable, const int64_t *I) {
@@ -255,7 +258,9 @@ static const char *check_file(Cable *cable, int64_t count, const char *guid) {
         !within(cable->image_words, 1, count) || !within(cable->block_words, 1, LARGEST_FILE / 8))
         return "a size is out of range";
     const int64_t row = (int64_t)(sizeof(Parameter) / 8);
-    if (F_HEADER_WORDS + row * cable->parameter_count + cable->image_words != count)
+    if (!within(file[F_SYSTEM_WORDS], 0, count) ||
+        F_HEADER_WORDS + row * cable->parameter_count + file[F_SYSTEM_WORDS] +
+                cable->image_words != count)
         return "the sizes do not agree";
     for (int n = 0; n < VR_INPUTS + 3; n++)
         if (!(fabs(((const double *)file)[F_INPUTS + n]) < 1e100))
@@ -266,9 +271,13 @@ static const char *check_file(Cable *cable, int64_t count, const char *guid) {
     if (!within((cable->flags & FLAG_VESSEL_INPUT) / FLAG_VESSEL_INPUT_UNIT, BY_VELOCITY, BY_BOTH))
         return "a start value is out of range";
     cable->parameters = (const Parameter *)(file + F_HEADER_WORDS);
-    const int64_t *image = file + F_HEADER_WORDS + row * cable->parameter_count;
+    const int64_t *image = initial_image(cable);
     const char *problem = check_block(image, cable->image_words, cable->block_words);
     if (problem != NULL) return problem;
+    cable->value_words = cable->parameter_count;
+    if (is_system(image) != (file[F_SYSTEM_WORDS] > 0)) return "the sizes do not agree";
+    if (is_system(image))
+        return load_system(cable, image - file[F_SYSTEM_WORDS], file[F_SYSTEM_WORDS], image);
     cable->bodies = is_direct(image) ? own_header(image)->body_count : header(image)->body_count;
     return check_parameters(cable, image);
 }
@@ -288,7 +297,7 @@ static const char *load_block(Cable *cable, const char *resource_location, const
     const size_t samples = (size_t)(cable->stations + cable->bodies);
     cable->I = calloc((size_t)cable->block_words, 8);
     cable->M = (double *)cable->I;
-    cable->values = calloc((size_t)cable->parameter_count + 1, sizeof(double));
+    cable->values = calloc((size_t)cable->value_words + 1, sizeof(double));
     cable->arcs = calloc(samples, sizeof(double));
     cable->rows = calloc(samples * STATION_WORDS, sizeof(double));
     if (cable->I == NULL || cable->values == NULL || cable->arcs == NULL || cable->rows == NULL)
@@ -335,4 +344,5 @@ void free_cable(Cable *cable) {
     free(cable->arcs);
     free(cable->rows);
     free(cable->copy);
+    free_system(cable->system);
 }

@@ -11,7 +11,7 @@
 
 size_t state_bytes(const Cable *cable) {
     const int64_t finer = cable->finer == NULL ? 0 : cable->finer->image_words;
-    return sizeof(Controls) + 8 * (size_t)(cable->parameter_count + cable->image_words + finer);
+    return sizeof(Controls) + 8 * (size_t)(cable->value_words + cable->image_words + finer);
 }
 
 typedef struct {
@@ -50,13 +50,13 @@ static void copy_used(const Cable *cable, void *to, const int64_t *from) {
 }
 
 static const int64_t *images_in(const Cable *cable, const void *state) {
-    const size_t before = sizeof(Controls) + 8 * (size_t)cable->parameter_count;
+    const size_t before = sizeof(Controls) + 8 * (size_t)cable->value_words;
     return (const int64_t *)((const char *)state + before);
 }
 
 void save_state(const Cable *cable, void *to) {
     memcpy(to, &cable->now, sizeof(Controls));
-    memcpy((char *)to + sizeof(Controls), cable->values, 8 * (size_t)cable->parameter_count);
+    memcpy((char *)to + sizeof(Controls), cable->values, 8 * (size_t)cable->value_words);
     int64_t *image = (int64_t *)images_in(cable, to);
     for (; cable != NULL; image += cable->image_words, cable = cable->finer)
         copy_used(cable, image, cable->I);
@@ -69,7 +69,7 @@ static uint32_t state_checksum(const void *state, size_t bytes) {
 
 /* A state as it leaves the instance: whole, what is not in use zero. The bytes may lie anywhere. */
 void write_state(const Cable *cable, const void *state, char *bytes) {
-    const size_t before = sizeof(Controls) + 8 * (size_t)cable->parameter_count;
+    const size_t before = sizeof(Controls) + 8 * (size_t)cable->value_words;
     const int64_t *image = images_in(cable, state);
     char *at = bytes + before;
     memcpy(bytes, state, before);
@@ -113,6 +113,8 @@ const char *check_state(const Cable *cable, const void *from, size_t bytes) {
     for (int64_t n = 0; n < cable->parameter_count; n++)
         if (!(values[n] >= cable->parameters[n].minimum && values[n] <= cable->parameters[n].maximum))
             return "the state is corrupted";
+    if (cable->system != NULL && check_part_inputs(cable, values) != NULL)
+        return "the state is corrupted";
     const int64_t *image = images_in(cable, from);
     for (; cable != NULL; image += cable->image_words, cable = cable->finer) {
         if (header(image)->magic != header(cable->I)->magic) return "the state is corrupted";
@@ -146,7 +148,7 @@ const char *restore_state(Cable *cable, const void *from) {
         memcmp(then->guid, cable->now.guid, sizeof then->guid))
         return "the state belongs to another FMU";
     memcpy(&cable->now, from, sizeof(Controls));
-    memcpy(cable->values, then + 1, 8 * (size_t)cable->parameter_count);
+    memcpy(cable->values, then + 1, 8 * (size_t)cable->value_words);
     const int64_t *image = images_in(cable, from);
     for (Cable *one = cable; one != NULL; image += one->image_words, one = one->finer)
         restore_image(one, image);

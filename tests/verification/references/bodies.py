@@ -171,3 +171,18 @@ def towed_below(body, cable, length, speed, bending=0.0):
         np.array([axis[0], 0.0, axis[1]]),
         float(np.linalg.norm(solution.y[:2, -1])),
     )
+
+
+def free_spin(inertia, start, duration):
+    """Euler's equations of a body that nothing turns: angular velocity in its own axes over time.
+
+    inertia: principal moments (3,); start: angular velocity at t = 0 (3,). A function of the time.
+    """
+    return solve_ivp(
+        lambda _t, w: np.cross(inertia * w, w) / inertia,
+        (0.0, duration),
+        start,
+        rtol=1e-11,
+        atol=1e-12,
+        dense_output=True,
+    ).sol

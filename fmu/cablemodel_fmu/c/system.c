@@ -1,0 +1,621 @@
+/* A system behind the FMI functions: inputs and outputs of its lines, bodies, vessels and cuts.
+
+   A model file has a section of it: how many lines there are; a row of each input, of what moves each
+   vessel, of each line and of each body; and of each row of the cable table, 2 times its line, and 1
+   where the tree goes backward along it (cablemodel/systems/built.py). Inputs are in the order of
+   the block's tables: 12 words of each vessel, 6 of each body, 1 of each foil and of each cut. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cable.h"
+
+enum { OF_VESSEL = 12, OF_FREE_BODY = 6 };
+/* Groups of three among a vessel's inputs, and their bits. */
+enum { AT_POSITION = 0, AT_VELOCITY = 3, AT_ATTITUDE = 6, AT_RATE = 9 };
+/* Outputs of a line, but for those of its stations, and of each station; of a body, of a vessel. */
+enum { LINE_OUTPUTS = 4, STATION_OUTPUTS = 5, BODY_OUTPUTS = 12, VESSEL_OUTPUTS = 18 };
+
+/* Of an input: its start, and what is allowed. Of all: the name, ended by zeros. */
+typedef struct {
+    double start, minimum, maximum;
+    char name[96];
+} Row;
+enum { ROW_WORDS = sizeof(Row) / 8 };
+
+typedef struct {
+    int64_t by, given; /* which inputs move a vessel, and whether the master has said so */
+} Choice;
+
+typedef struct {
+    double start; /* arc length along its line [m] */
+    int64_t node, line;
+} Element;
+
+struct System {
+    int64_t lines, inputs, vessels, bodies, foils, cuts, outputs;
+    const Row *rows;
+    const int64_t *segments;
+    char *told; /* of each input: that it is set and does nothing */
+    int current; /* the numbers below are those of the state */
+    double *values;
+    Element *elements;
+    int64_t *counts; /* samples at the nodes of each line */
+    double *nodes, *fractions, *samples, *parts;
+    double *motion, *forces, *angles, *orders, *kept; /* of a step */
+};
+
+static int within(int64_t value, int64_t low, int64_t high) {
+    return value >= low && value <= high;
+}
+
+static int whole(double value, int64_t low, int64_t high) {
+    return value >= (double)low && value <= (double)high && value == floor(value);
+}
+
+/* -- what is read -------------------------------------------------------------------------------- */
+
+static int pieces_fit(const int64_t *I, const double *row) {
+    const double last = (double)header(I)->frame_piece_count;
+    return whole(row[0], 0, header(I)->frame_piece_count) && whole(row[1], 0, header(I)->frame_piece_count) &&
+           row[0] + row[1] <= last;
+}
+
+/* The parts of a block of a system: what its tables name is there. */
+const char *check_parts(const int64_t *I) {
+    const double *M = (const double *)I;
+    const int64_t last = header(I)->nodes - 1;
+    const int64_t responses = RAO_HEADINGS * RAO_WORDS * header(I)->wave_count;
+    if (header(I)->dimension != 3 || header(I)->payout != 0 || header(I)->sleep != 0)
+        return "a counter in the model is out of range";
+    for (int64_t n = 0; n < header(I)->constraint_count; n++) {
+        const double *row = M + header(I)->constraints + n * CONSTRAINT_WORDS;
+        if (AS(Constraint, row)->kind == (double)HELD_BY_FRAME && !whole(AS(Constraint, row)->frame, 0, header(I)->frame_count - 1))
+            return "a constraint is at no vessel";
+    }
+    for (int64_t n = 0; n < header(I)->frame_count; n++) {
+        const double *row = M + header(I)->frames + n * FRAME_WORDS;
+        if (!pieces_fit(I, row + WORD(Frame, first)) || !pieces_fit(I, row + WORD(Frame, turn_first)) ||
+            !whole(AS(Frame, row)->raos, 0, header(I)->frame_count) ||
+            AS(Frame, row)->raos * (double)responses > (double)header(I)->rao_words)
+            return "a vessel's motion is out of range";
+    }
+    for (int64_t n = 0; n < header(I)->free_count; n++) {
+        const double *row = M + header(I)->free_bodies + n * FREE_WORDS;
+        if (!whole(AS(FreeBody, row)->node, 0, last) || !whole(AS(FreeBody, row)->first_foil, 0, header(I)->foil_count) ||
+            !whole(AS(FreeBody, row)->foil_count, 0, header(I)->foil_count) ||
+            !whole(AS(FreeBody, row)->hull, HULL_NONE, HULL_CYLINDER) ||
+            AS(FreeBody, row)->first_foil + AS(FreeBody, row)->foil_count > (double)header(I)->foil_count)
+            return "a free body is out of range";
+    }
+    for (int64_t n = 0; n < header(I)->arm_count; n++) {
+        const double *row = M + header(I)->arms + n * ARM_WORDS;
+        if (!whole(AS(Arm, row)->node, 0, last) || !whole(AS(Arm, row)->body, -1, header(I)->free_count - 1))
+            return "a body's point is out of range";
+    }
+    for (int64_t n = 0; n < header(I)->foil_count; n++)
+        if (!whole(M[header(I)->foils + n * FOIL_WORDS + WORD(Foil, table)], 0,
+                   header(I)->foil_words - 2 * FOIL_ANGLES))
+            return "a foil is out of range";
+    for (int64_t n = 0; n < header(I)->foot_count; n++)
+        if (!whole(M[header(I)->feet + n * FOOT_WORDS + FOOT_BODY], 0, header(I)->free_count - 1))
+            return "a body's foot is out of range";
+    for (int64_t n = 0; n < header(I)->cut_count; n++) {
+        const double *row = M + header(I)->cuts + n * CUT_WORDS;
+        if (!whole(row[CUT_SEGMENT], 0, header(I)->cable_count - 1) ||
+            !whole(row[CUT_SIDE], CUT_WITHIN, CUT_END))
+            return "a cut is out of range";
+    }
+    return NULL;
+}
+
+static const char *check_section(const System *s, int64_t segments) {
+    const int64_t named = s->inputs + s->vessels + s->lines + s->bodies;
+    for (int64_t n = 0; n < named; n++) {
+        const Row *row = s->rows + n;
+        if (row->name[sizeof row->name - 1] != 0) return "a part's name is too long";
+        if (!(row->minimum <= row->start && row->start <= row->maximum) ||
+            !(fabs(row->minimum) < 1e100) || !(fabs(row->maximum) < 1e100))
+            return "a start value is out of range";
+    }
+    for (int64_t n = s->inputs; n < s->inputs + s->vessels; n++)
+        if (!whole(s->rows[n].start, BY_VELOCITY, BY_BOTH)) return "a start value is out of range";
+    for (int64_t line = 0; line < s->lines; line++) {
+        int found = 0;
+        for (int64_t n = 0; n < segments; n++) found |= s->segments[n] >> 1 == line;
+        if (!found) return "a line has no cable";
+    }
+    for (int64_t n = 0; n < segments; n++)
+        if (!within(s->segments[n], 0, 2 * s->lines - 1)) return "a cable is of no line";
+    return NULL;
+}
+
+/* Of the section in the file, for the image of a block that has passed check_block. */
+const char *load_system(Cable *cable, const int64_t *section, int64_t words, const int64_t *I) {
+    System *s = cable->system = calloc(1, sizeof *s);
+    if (s == NULL) return "out of memory";
+    s->lines = section[0];
+    s->vessels = header(I)->frame_count;
+    s->bodies = header(I)->free_count;
+    s->foils = header(I)->foil_count;
+    s->cuts = header(I)->cut_count;
+    s->inputs = OF_VESSEL * s->vessels + OF_FREE_BODY * s->bodies + s->foils + s->cuts;
+    s->rows = (const Row *)(section + 1);
+    const int64_t named = s->inputs + s->vessels + s->lines + s->bodies;
+    if (!within(s->lines, 1, header(I)->cable_count) || words != 1 + ROW_WORDS * named + header(I)->cable_count)
+        return "the sizes do not agree";
+    s->segments = section + 1 + ROW_WORDS * named;
+    const char *problem = check_section(s, header(I)->cable_count);
+    if (problem != NULL) return problem;
+    cable->value_words = s->inputs * (int64_t)(sizeof(PartInput) / 8) +
+                         s->vessels * (int64_t)(sizeof(Choice) / 8);
+    s->outputs = s->lines * (LINE_OUTPUTS + STATION_OUTPUTS * cable->stations) +
+                 s->bodies * BODY_OUTPUTS + s->vessels * VESSEL_OUTPUTS + s->cuts;
+    const size_t elements = (size_t)header(I)->capacity;
+    const size_t samples = 2 * elements + (size_t)(s->lines * (1 + cable->stations));
+    s->told = calloc((size_t)s->inputs + 1, 1);
+    s->values = calloc((size_t)s->outputs, sizeof(double));
+    s->elements = calloc(elements, sizeof(Element));
+    s->counts = calloc((size_t)s->lines, sizeof(int64_t));
+    s->nodes = calloc(samples, sizeof(double));
+    s->fractions = calloc(samples, sizeof(double));
+    s->samples = calloc(samples * STATION_WORDS, sizeof(double));
+    s->parts = calloc((size_t)((s->bodies + s->vessels) * PART_WORDS) + 1, sizeof(double));
+    s->motion = calloc((size_t)(s->vessels * FRAME_INPUTS) + 1, sizeof(double));
+    s->forces = calloc((size_t)(s->bodies * OF_FREE_BODY) + 1, sizeof(double));
+    s->angles = calloc((size_t)s->foils + 1, sizeof(double));
+    s->orders = calloc((size_t)s->cuts + 1, sizeof(double));
+    s->kept = calloc((size_t)(header(I)->position - header(I)->frames) + 1, sizeof(double));
+    if (s->told == NULL || s->values == NULL || s->elements == NULL || s->counts == NULL || s->nodes == NULL || s->fractions == NULL || s->samples == NULL || s->parts == NULL ||
+        s->motion == NULL || s->forces == NULL || s->angles == NULL || s->orders == NULL ||
+        s->kept == NULL)
+        return "out of memory";
+    return NULL;
+}
+
+void free_system(System *s) {
+    if (s == NULL) return;
+    void *const all[] = {s->told, s->values, s->elements, s->counts, s->nodes, s->fractions,
+                         s->samples, s->parts, s->motion, s->forces, s->angles, s->orders, s->kept};
+    for (size_t n = 0; n < sizeof all / sizeof all[0]; n++) free(all[n]);
+    free(s);
+}
+
+/* -- inputs -------------------------------------------------------------------------------------- */
+
+static PartInput *inputs_in(const System *s, void *values, int64_t n) {
+    return within(n, 0, s->inputs - 1) ? (PartInput *)values + n : NULL;
+}
+
+static Choice *choices_in(const System *s, void *values) {
+    return (Choice *)((PartInput *)values + s->inputs);
+}
+
+/* By a value reference; NULL: it is none. */
+PartInput *part_input(const Cable *cable, unsigned vr) {
+    if (cable->system == NULL) return NULL;
+    return inputs_in(cable->system, cable->values, (int64_t)vr - VR_SYSTEM_INPUT);
+}
+
+static int is_command(const System *s, int64_t n) { return n >= s->inputs - s->cuts; }
+
+/* The derivatives of an input that has some. */
+double *part_slope(const Cable *cable, unsigned vr) {
+    PartInput *input = part_input(cable, vr);
+    if (input == NULL || is_command(cable->system, (int64_t)vr - VR_SYSTEM_INPUT)) return NULL;
+    return input->slope;
+}
+
+static Choice *choice(const Cable *cable, unsigned vr) {
+    const int64_t n = (int64_t)vr - VR_SYSTEM_CHOICE;
+    if (!within(n, 0, cable->system->vessels - 1)) return NULL;
+    return choices_in(cable->system, cable->values) + n;
+}
+
+int64_t *part_choice(const Cable *cable, unsigned vr) {
+    Choice *found = choice(cable, vr);
+    return found == NULL ? NULL : &found->by;
+}
+
+void choose_for_part(Cable *cable, unsigned vr, int64_t value) {
+    Choice *found = choice(cable, vr);
+    found->given |= value != found->by;
+    found->by = value;
+}
+
+void restart_system(Cable *cable) {
+    System *s = cable->system;
+    memset(cable->values, 0, 8 * (size_t)cable->value_words);
+    memset(s->told, 0, (size_t)s->inputs);
+    for (int64_t n = 0; n < s->inputs; n++)
+        inputs_in(s, cable->values, n)->value = s->rows[n].start;
+    for (int64_t n = 0; n < s->vessels; n++)
+        choices_in(s, cable->values)[n].by = (int64_t)s->rows[s->inputs + n].start;
+    s->current = 0;
+}
+
+/* Of a state that comes from elsewhere. */
+const char *check_part_inputs(const Cable *cable, const void *values) {
+    const System *s = cable->system;
+    for (int64_t n = 0; n < s->inputs; n++) {
+        const PartInput *input = (const PartInput *)values + n;
+        const Row *row = s->rows + n;
+        if (!(input->value >= row->minimum && input->value <= row->maximum) ||
+            !(fabs(input->before) < 1e100) || !(fabs(input->slope[0]) < 1e100) ||
+            !(fabs(input->slope[1]) < 1e100) || !(fabs(input->slope[2]) < 1e100) ||
+            !within(input->set, 0, SET_EVER | SET_IN_RUN))
+            return "an input is out of range";
+    }
+    const Choice *choices = (const Choice *)((const PartInput *)values + s->inputs);
+    for (int64_t n = 0; n < s->vessels; n++)
+        if (!within(choices[n].by, BY_VELOCITY, BY_BOTH) || !within(choices[n].given, 0, 1))
+            return "a choice is out of range";
+    return NULL;
+}
+
+/* Of an input, or of what moves a vessel; NULL of what else there is, or is not. */
+const char *name_in_system(const Cable *cable, unsigned vr) {
+    const System *s = cable->system;
+    if (part_input(cable, vr) != NULL) return s->rows[vr - VR_SYSTEM_INPUT].name;
+    return choice(cable, vr) != NULL ? s->rows[s->inputs + (vr - VR_SYSTEM_CHOICE)].name : NULL;
+}
+
+const char *check_part_value(const Cable *cable, unsigned vr, double value, double *minimum,
+                             double *maximum) {
+    if (part_input(cable, vr) == NULL) {
+        const int known = vr >= VR_SYSTEM_OUTPUT && vr - VR_SYSTEM_OUTPUT < cable->system->outputs;
+        return known ? "an output cannot be set" : "unknown value reference";
+    }
+    if (!(fabs(value) < 1e100)) return "the value is not finite";
+    *minimum = cable->system->rows[vr - VR_SYSTEM_INPUT].minimum;
+    *maximum = cable->system->rows[vr - VR_SYSTEM_INPUT].maximum;
+    return NULL;
+}
+
+/* How many inputs go together, and the first of them: a vessel's and a body's, by threes. */
+static int64_t group_of(const System *s, int64_t n, int64_t *first) {
+    const int64_t vectors = OF_VESSEL * s->vessels + OF_FREE_BODY * s->bodies;
+    *first = n < vectors ? n - n % 3 : n;
+    return n < vectors ? 3 : 1;
+}
+
+void mark_part_set(Cable *cable, unsigned vr, int derivative) {
+    const System *s = cable->system;
+    int64_t first = 0;
+    const int64_t count = group_of(s, (int64_t)vr - VR_SYSTEM_INPUT, &first);
+    const int in_run = cable->now.phase == STEPPING && !derivative;
+    for (int64_t n = first; n < first + count; n++)
+        inputs_in(s, cable->values, n)->set |= SET_EVER | (in_run ? SET_IN_RUN : 0);
+}
+
+/* Whether an input drives, where the choice of what moves its vessel allows it: as `driven`. */
+static int drives(const Cable *cable, int64_t n) {
+    if (!cable->now.use_scene_inputs) return 1;
+    if (cable->now.scene_inputs_given || (cable->flags & FLAG_IGNORE)) return 0;
+    return inputs_in(cable->system, cable->values, n)->set != 0;
+}
+
+/* Which inputs move a vessel: as `vessel_input`. */
+static int64_t moved_by(const Cable *cable, int64_t vessel) {
+    const PartInput *own = inputs_in(cable->system, cable->values, OF_VESSEL * vessel);
+    const Choice *choice = choices_in(cable->system, cable->values) + vessel;
+    const int place = (own[AT_POSITION].set | own[AT_ATTITUDE].set) & SET_IN_RUN;
+    const int alone = place && !own[AT_VELOCITY].set && !own[AT_RATE].set;
+    return alone && !choice->given ? BY_POSITION : choice->by;
+}
+
+static int chosen(const Cable *cable, int64_t vessel, int64_t group) {
+    const int64_t by = moved_by(cable, vessel);
+    const int is_place = group == AT_POSITION || group == AT_ATTITUDE;
+    return by == BY_BOTH || (by == BY_POSITION) == is_place;
+}
+
+/* Once of a group of inputs that is set and does nothing: what says so, the name of what moves its
+   vessel, or "": use_scene_inputs. NULL: it does something, or was told before. */
+const char *ignored_part_input(Cable *cable, unsigned vr) {
+    System *s = cable->system;
+    int64_t first = 0;
+    if (part_input(cable, vr) == NULL) return NULL;
+    const int64_t n = (int64_t)vr - VR_SYSTEM_INPUT;
+    group_of(s, n, &first);
+    if (s->told[first] || !inputs_in(s, cable->values, n)->set) return NULL;
+    const char *why = NULL;
+    if (!drives(cable, n)) why = "";
+    else if (n < OF_VESSEL * s->vessels && !chosen(cable, n / OF_VESSEL, first % OF_VESSEL))
+        why = s->rows[s->inputs + n / OF_VESSEL].name;
+    s->told[first] = why != NULL;
+    return why;
+}
+
+/* -- steps --------------------------------------------------------------------------------------- */
+
+static double at_end(const Cable *cable, int64_t n, double dt) {
+    const PartInput *input = inputs_in(cable->system, cable->values, n);
+    return value_at_end(&cable->now, input->slope, input->value, input->before, dt);
+}
+
+/* A vessel's motion for a step, and whether any is given. */
+static int collect_motion(const Cable *cable, int64_t vessel, double dt, double *motion) {
+    static const struct {
+        int64_t group, given, rate;
+    } groups[] = {{AT_POSITION, GIVEN_POSITION, AT_VELOCITY},
+                  {AT_ATTITUDE, GIVEN_ATTITUDE, AT_RATE},
+                  {AT_VELOCITY, GIVEN_VELOCITY, 0},
+                  {AT_RATE, GIVEN_RATE, 0}};
+    const int64_t first = OF_VESSEL * vessel;
+    const PartInput *own = inputs_in(cable->system, cable->values, first);
+    int64_t given = 0;
+    for (int k = 0; k < 4; k++) {
+        const int64_t group = groups[k].group, rate = groups[k].rate;
+        if (!drives(cable, first + group) || !chosen(cable, vessel, group)) continue;
+        given |= groups[k].given;
+        const int beside = rate != 0 && chosen(cable, vessel, rate) && drives(cable, first + rate);
+        for (int64_t i = 0; i < 3; i++) {
+            const PartInput *x = own + group + i, *v = own + rate + i;
+            motion[1 + 3 * k + i] =
+                beside ? place_at_end(&cable->now, x->slope, x->value, v->value, v->before, dt)
+                       : at_end(cable, first + group + i, dt);
+        }
+    }
+    motion[0] = (double)given;
+    return given != 0;
+}
+
+/* What is given for a step, in the words of the kernel `drive`; returns whether anything drives, by
+   the rule of SystemModel.step. */
+static int collect_parts(const Cable *cable, double dt) {
+    System *s = cable->system;
+    const int64_t *I = cable->I;
+    int any = 0;
+    memset(s->motion, 0, sizeof(double) * (size_t)(s->vessels * FRAME_INPUTS));
+    for (int64_t n = 0; n < s->vessels; n++) {
+        any |= collect_motion(cable, n, dt, s->motion + FRAME_INPUTS * n);
+        const double *row = cable->M + header(I)->frames + n * FRAME_WORDS;
+        any |= AS(Frame, row)->live != (double)LIVE_NOT || AS(Frame, row)->turn_live != (double)LIVE_NOT;
+    }
+    int64_t input = OF_VESSEL * s->vessels;
+    for (int64_t n = 0; n < s->bodies; n++)
+        for (int64_t i = 0; i < OF_FREE_BODY; i++, input++) {
+            double *force = s->forces + OF_FREE_BODY * n + i;
+            *force = drives(cable, input) ? at_end(cable, input, dt) : 0.0;
+            /* One that acts still is let go. */
+            const double *last = cable->M + header(I)->free_bodies + n * FREE_WORDS + WORD(FreeBody, force) + 8;
+            any |= *force != 0.0 || last[i] != 0.0;
+        }
+    for (int64_t n = 0; n < s->foils; n++, input++) {
+        s->angles[n] = cable->M[header(I)->foils + n * FOIL_WORDS + WORD(Foil, deflection) + 3];
+        if (!drives(cable, input)) continue;
+        s->angles[n] = at_end(cable, input, dt);
+        any = 1;
+    }
+    for (int64_t n = 0; n < s->cuts; n++, input++) {
+        const double *row = cable->M + header(I)->cuts + n * CUT_WORDS;
+        const double value = inputs_in(s, cable->values, input)->value;
+        const int due = drives(cable, input) && value > 0.5 && !(row[CUT_DONE] < 1e300);
+        s->orders[n] = due && row[CUT_ORDERED] == 0.0 ? 1.0 : 0.0;
+        any |= s->orders[n] != 0.0;
+    }
+    return any;
+}
+
+/* On failure nothing has changed. */
+int64_t step_system(Cable *cable, double t_end, double dt) {
+    System *s = cable->system;
+    double none[INPUT_WORDS] = {0};
+    const int driven = collect_parts(cable, dt);
+    double *driving = cable->M + header(cable->I)->frames;
+    const size_t bytes = sizeof(double) * (size_t)(header(cable->I)->position - header(cable->I)->frames);
+    if (driven) {
+        memcpy(s->kept, driving, bytes);
+        cablemodel_drive(cable->I, cable->block_words, t_end, s->motion, FRAME_INPUTS * s->vessels,
+                         s->forces, OF_FREE_BODY * s->bodies, s->angles, s->foils, s->orders,
+                         s->cuts);
+    }
+    const int64_t status =
+        cablemodel_step(cable->I, cable->block_words, t_end, none, INPUT_WORDS);
+    if (status != OK) {
+        if (driven) memcpy(driving, s->kept, bytes);
+        return status;
+    }
+    for (int64_t n = 0; n < s->inputs; n++) {
+        PartInput *input = inputs_in(s, cable->values, n);
+        input->before = input->value;
+    }
+    return OK;
+}
+
+/* -- outputs ------------------------------------------------------------------------------------- */
+
+static int64_t segment_of(const Cable *cable, int64_t node) {
+    return (int64_t)cable->M[header(cable->I)->edges + node * EDGE_WORDS + WORD(Edge, segment)];
+}
+
+static double length_of(const Cable *cable, int64_t node) {
+    return cable->M[header(cable->I)->edges + node * EDGE_WORDS + WORD(Edge, length)];
+}
+
+static int is_backward(const Cable *cable, int64_t node) {
+    return (int)(cable->system->segments[segment_of(cable, node)] & 1);
+}
+
+/* The element of a node, as Built.elements of cablemodel/systems/built.py has it. */
+static Element element_of(const Cable *cable, int64_t node) {
+    const double start = cable->M[header(cable->I)->edges + node * EDGE_WORDS + WORD(Edge, start)];
+    return (Element){is_backward(cable, node) ? -start - length_of(cable, node) : start, node,
+                     cable->system->segments[segment_of(cable, node)] >> 1};
+}
+
+static int by_line_and_place(const void *one, const void *other) {
+    const Element *a = one, *b = other;
+    if (a->line != b->line) return a->line < b->line ? -1 : 1;
+    if (a->start != b->start) return a->start < b->start ? -1 : 1;
+    return a->node < b->node ? -1 : a->node > b->node;
+}
+
+static int64_t gather_elements(Cable *cable) {
+    const int64_t *joint = cable->I + header(cable->I)->joint;
+    Element *elements = cable->system->elements;
+    int64_t count = 0;
+    for (int64_t node = 1; node < header(cable->I)->nodes; node++)
+        if (joint[node] == JOINT_NONE) elements[count++] = element_of(cable, node);
+    qsort(elements, (size_t)count, sizeof *elements, by_line_and_place);
+    return count;
+}
+
+static double line_length(const Cable *cable, const Element *first) {
+    return cable->M[header(cable->I)->cables + segment_of(cable, first->node) * CABLE_WORDS + WORD(CableRow, line)];
+}
+
+/* Where along a line: the element and the fraction of it, as LineView.sample. */
+static void place_sample(const Cable *cable, const Element *elements, int64_t count, int64_t *which,
+                         double s, double *node, double *fraction) {
+    while (*which + 1 < count && elements[*which + 1].start <= s) ++*which;
+    const Element *found = elements + *which;
+    double x = (s - found->start) / length_of(cable, found->node);
+    x = x < 0.0 ? 0.0 : x > 1.0 ? 1.0 : x;
+    *node = (double)found->node;
+    *fraction = is_backward(cable, found->node) ? 1.0 - x : x;
+}
+
+/* Whether a line may be cut at an arc length: there both sides are looked at. */
+static int is_cut_at(const Cable *cable, int64_t line, double arc, double length) {
+    const System *s = cable->system;
+    for (int64_t n = 0; n < s->cuts; n++) {
+        const double *row = cable->M + header(cable->I)->cuts + n * CUT_WORDS;
+        const int64_t segment = s->segments[(int64_t)row[CUT_SEGMENT]];
+        const double place = segment & 1 ? -row[CUT_ARC] : row[CUT_ARC];
+        if (row[CUT_SIDE] == (double)CUT_WITHIN && segment >> 1 == line &&
+            fabs(arc - place) <= SAME_PLACE * length)
+            return 1;
+    }
+    return 0;
+}
+
+/* Places to sample of all lines: of each its nodes, both sides of a cut, then stations. */
+static int64_t place_samples(const Cable *cable, int64_t elements) {
+    const System *s = cable->system;
+    int64_t placed = 0;
+    for (int64_t first = 0, next; first < elements; first = next) {
+        const Element *own = s->elements + first;
+        next = first;
+        while (next < elements && s->elements[next].line == own->line) next++;
+        const int64_t count = next - first, begin = placed;
+        const double length = line_length(cable, own);
+        int64_t which = 0;
+        for (int64_t n = 0; n <= count; n++, placed++) {
+            const double at = n < count ? own[n].start : length;
+            int64_t before = n - 1;
+            if (n > 0 && n < count && is_cut_at(cable, own->line, at, length)) {
+                place_sample(cable, own, n, &before, at, s->nodes + placed, s->fractions + placed);
+                placed++;
+            }
+            place_sample(cable, own, count, &which, at, s->nodes + placed, s->fractions + placed);
+        }
+        s->counts[own->line] = placed - begin;
+        which = 0;
+        for (int64_t k = 0; k < cable->stations; k++, placed++)
+            place_sample(cable, own, count, &which,
+                         length * (double)k / (double)(cable->stations - 1), s->nodes + placed,
+                         s->fractions + placed);
+    }
+    return placed;
+}
+
+/* Outputs of a line from the rows of its samples: `count` at its nodes, then its stations. */
+static double *line_outputs(const double *rows, int64_t count, int64_t stations, double *out) {
+    enum { TENSION = 9, CURVATURE = 10 };
+    double low = rows[TENSION], high = rows[TENSION];
+    for (int64_t n = 1; n < count; n++) {
+        const double tension = rows[n * STATION_WORDS + TENSION];
+        if (!(tension >= low)) low = tension;
+        if (!(tension <= high)) high = tension;
+    }
+    *out++ = rows[TENSION];
+    *out++ = rows[(count - 1) * STATION_WORDS + TENSION];
+    *out++ = low;
+    *out++ = high;
+    rows += count * STATION_WORDS;
+    for (int64_t k = 0; k < stations; k++, out += 3)
+        memcpy(out, rows + k * STATION_WORDS, 3 * sizeof(double));
+    for (int64_t k = 0; k < stations; k++) *out++ = rows[k * STATION_WORDS + TENSION];
+    for (int64_t k = 0; k < stations; k++) *out++ = rows[k * STATION_WORDS + CURVATURE];
+    return out;
+}
+
+/* Position, attitude, velocity, angular velocity; of a vessel also force and moment. */
+static double *part_outputs(const double *row, int with_wrench, double *out) {
+    enum { PLACE = 0, SPEED = 3, SPIN = 18, ANGLES = 24, WRENCH = 27 };
+    static const int64_t vectors[] = {PLACE, ANGLES, SPEED, SPIN};
+    for (int n = 0; n < 4; n++, out += 3) memcpy(out, row + vectors[n], 3 * sizeof(double));
+    if (!with_wrench) return out;
+    memcpy(out, row + WRENCH, 6 * sizeof(double));
+    return out + 6;
+}
+
+/* All outputs in the order of the table of variables. */
+static const double *outputs(Cable *cable) {
+    System *s = cable->system;
+    if (s->current) return s->values;
+    const int64_t elements = gather_elements(cable), samples = place_samples(cable, elements);
+    cablemodel_sample_elements(cable->I, cable->block_words, s->nodes, samples, s->fractions,
+                               samples, s->samples, STATION_WORDS * samples);
+    double *out = s->values, *vessels = s->parts + PART_WORDS * s->bodies;
+    const double *rows = s->samples;
+    for (int64_t first = 0, next; first < elements; first = next) {
+        next = first;
+        while (next < elements && s->elements[next].line == s->elements[first].line) next++;
+        const int64_t count = s->counts[s->elements[first].line];
+        out = line_outputs(rows, count, cable->stations, out);
+        rows += STATION_WORDS * (count + cable->stations);
+    }
+    cablemodel_parts(cable->I, cable->block_words, s->parts, PART_WORDS * s->bodies, vessels,
+                     PART_WORDS * s->vessels);
+    for (int64_t n = 0; n < s->bodies; n++)
+        out = part_outputs(s->parts + PART_WORDS * n, 0, out);
+    for (int64_t n = 0; n < s->vessels; n++) out = part_outputs(vessels + PART_WORDS * n, 1, out);
+    for (int64_t n = 0; n < s->cuts; n++) {
+        const double time = cable->M[header(cable->I)->cuts + n * CUT_WORDS + CUT_DONE];
+        *out++ = time < 1e300 ? time + cable->now.start_time : NAN;
+    }
+    s->current = 1;
+    return s->values;
+}
+
+const char *read_part(Cable *cable, unsigned vr, double *value) {
+    const PartInput *input = part_input(cable, vr);
+    if (input != NULL) {
+        *value = input->value;
+        return NULL;
+    }
+    if (vr < VR_SYSTEM_OUTPUT || vr - VR_SYSTEM_OUTPUT >= cable->system->outputs)
+        return "unknown value reference";
+    *value = outputs(cable)[vr - VR_SYSTEM_OUTPUT];
+    return NULL;
+}
+
+void system_changed(System *system) { system->current = 0; }
+
+/* Where a step failed: Built.where of cablemodel/systems/built.py. */
+void explain_in_system(const Cable *cable, const char *problem, const char *advice, char *message,
+                       size_t size) {
+    const System *s = cable->system;
+    const int64_t *I = cable->I, *joint = I + header(I)->joint;
+    const int64_t last = header(I)->nodes - 1, failed = I[header(I)->failed];
+    const int64_t node = failed < last ? failed : last;
+    const Row *lines = s->rows + s->inputs + s->vessels, *bodies = lines + s->lines;
+    for (int64_t n = 0; n < s->bodies; n++)
+        if (cable->M[header(I)->free_bodies + n * FREE_WORDS + WORD(FreeBody, node)] == (double)node) {
+            snprintf(message, size, "at t = %g s, %s: %s; %s", cable_time(cable), bodies[n].name,
+                     problem, advice);
+            return;
+        }
+    int64_t place = 0;
+    for (int64_t k = 1; k <= last && (place == 0 || place < node); k++)
+        if (joint[k] == JOINT_NONE) place = k;
+    const Element found = element_of(cable, place);
+    double arc = found.start;
+    if ((place == node) != is_backward(cable, place)) arc += length_of(cable, place);
+    snprintf(message, size, "at t = %g s, %s at %g m: %s; %s", cable_time(cable),
+             lines[found.line].name, arc, problem, advice);
+}

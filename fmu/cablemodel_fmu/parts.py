@@ -1,0 +1,165 @@
+"""A system in an FMU: its variables, and its section of the model file; see c/system.c.
+
+Names are those of cablemodel/variables.py. Value references count through inputs, through the
+vessels, and through outputs, each in the order of that table.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cablemodel.kernels import layout as at
+from cablemodel.systems.built import Built
+from cablemodel.systems.motion import first_angles, turning
+from cablemodel.systems.scene import SystemScene
+from cablemodel.variables import CUT_OUTPUTS, VESSEL_CHOICE, Variable, inputs_of_system, outputs_of
+from cablemodel_fmu.model_file import name_words
+from cablemodel_fmu.signals import LARGEST, Signal, axes_of, controls
+
+VR_INPUT = 100000000
+VR_CHOICE = 200000000
+VR_OUTPUT = 300000000
+
+_FORCE = 1e15
+_ALLOWED = {**LARGEST, "rad": 1e4, "rad/s": 1e3, "N": _FORCE, "N.m": _FORCE, "": 1e9}
+"""What an input may be, by its unit, either way: what is larger is a mistake."""
+
+
+def signals_of(scene: SystemScene, stations: int, values: tuple[bool, int, int]) -> list[Signal]:
+    """All variables of a system.
+
+    values: start values of use_scene_inputs, of what moves each vessel, and of input.timing.
+    """
+    scene_inputs, _, timing = controls(*values)
+    return [
+        scene_inputs,
+        timing,
+        *choices(scene, values[1]),
+        *inputs(scene),
+        *outputs(scene, stations),
+    ]
+
+
+def choices(scene: SystemScene, by: int) -> list[Signal]:
+    """Of each vessel or driven end: which inputs move it."""
+    return [
+        Signal(
+            VESSEL_CHOICE.fmu.replace("NAME", name), VR_CHOICE + n, "Enumeration", "parameter",
+            "fixed", "", f"{name}: {VESSEL_CHOICE.quantity}", float(by), type="VesselInput",
+        )
+        for n, name in enumerate(scene.vessels)
+    ]  # fmt: skip
+
+
+def inputs(scene: SystemScene) -> list[Signal]:
+    """Inputs of vessels, bodies, foils and cuts, at their values at the start."""
+    found: list[Signal] = []
+    for part, row in inputs_of_system(scene):
+        values = _starts(scene, part, row.python)
+        command = row.python == "cut"
+        for i, value in enumerate(values, start=1):
+            most = LARGEST.get(row.unit)
+            words = row.quantity + ("" if command else ", reached at the end of a step")
+            found.append(
+                Signal(
+                    row.fmu.replace("NAME", part).replace("[i]", f"[{i}]"),
+                    VR_INPUT + len(found),
+                    "Real",
+                    "input",
+                    "discrete" if command else "continuous",
+                    row.unit,
+                    f"{part}: {words}" + (f", {axes_of(row.unit)[i - 1]}" if row.shape else ""),
+                    value,
+                    None if most is None else -most,
+                    most,
+                )
+            )
+    return found
+
+
+def _starts(scene: SystemScene, part: str, field: str) -> list[float]:
+    """An input's numbers at the start: those of the scene's own motion, no force, no cut."""
+    if field == "cut":
+        return [0.0]
+    if field == "deflection":
+        body, _, foil = part.partition(".")
+        return [scene.bodies[body].foils[foil].deflection]
+    if part not in scene.vessels:
+        return [0.0, 0.0, 0.0]
+    vessel = scene.vessels[part]
+    position, velocity, _ = vessel.motion().evaluate(0.0)
+    rates = turning(vessel)[0, at.Piece.data.word + 3 : at.Piece.data.word + 6]
+    found = {
+        "position": position,
+        "velocity": velocity,
+        "attitude": np.array(first_angles(vessel)),
+        "attitude_rate": rates,
+    }
+    return [float(value) for value in found[field]]
+
+
+def outputs(scene: SystemScene, stations: int) -> list[Signal]:
+    """Outputs of lines, bodies, vessels and cuts."""
+    jump = {row.quantity for row in CUT_OUTPUTS}
+    found: list[Signal] = []
+    for row in outputs_of(scene):
+        variability = "discrete" if row.quantity.partition(": ")[2] in jump else "continuous"
+        names = list(row.fmu_names(stations=stations))
+        for name, words in zip(names, _descriptions(row, stations, len(names)), strict=True):
+            found.append(
+                Signal(name, VR_OUTPUT + len(found), "Real", "output", variability, row.unit, words)
+            )
+    return found
+
+
+def _descriptions(row: Variable, stations: int, count: int) -> Iterator[str]:
+    along = "stations" in row.shape
+    places = (
+        [f", point {k} of {stations} from its beginning" for k in range(1, stations + 1)]
+        if along
+        else [""]
+    )
+    axes = [f", {axis}" for axis in axes_of(row.unit)] if row.shape[-1:] == (3,) else [""]
+    for place in places if count else []:
+        for axis in axes:
+            yield f"{row.quantity}{place}{axis}"
+
+
+def section(scene: SystemScene, built: Built, by: int) -> NDArray[np.int64]:
+    """What the shared library needs to know of the parts, in the order of c/system.c."""
+    names = list(scene.lines)
+    rows = [_row(signal) for signal in (*inputs(scene), *choices(scene, by))]
+    rows += [_row(Signal(name, 0, "", "", "", "", "", 0.0)) for name in (*names, *scene.bodies)]
+    segments = [2 * names.index(part.line) + part.backward for part in built.tree.segments]
+    return np.concatenate(
+        [np.array([len(names)], dtype="<i8"), *rows, np.array(segments, dtype="<i8")]
+    )
+
+
+def _row(signal: Signal) -> NDArray[np.int64]:
+    """Start, least, most, name."""
+    assert signal.start is not None
+    most = _ALLOWED[signal.unit]
+    numbers = np.array([signal.start, -most, most], dtype="<f8")
+    return np.concatenate([numbers.view("<i8"), np.frombuffer(name_words(signal.name), "<i8")])
+
+
+def fastest_vessel(scene: SystemScene) -> float:
+    """The largest speed that the scene gives a vessel [m/s]."""
+    return max(
+        (
+            math.sqrt(sum(float(x) ** 2 for x in velocity))
+            for vessel in scene.vessels.values()
+            for velocity in vessel.motion().typical_velocities()
+        ),
+        default=0.0,
+    )
+
+
+def ports_of(scene: SystemScene) -> list[tuple[str, str, str]]:
+    """Of each vessel, for the Open Simulation Platform: name, force, velocity."""
+    return [(name, f"{name}.force", f"{name}.velocity_input") for name in scene.vessels]

@@ -1,0 +1,453 @@
+"""Systems in an FMU: the same bits as in Python, states, refusals."""
+
+from __future__ import annotations
+
+import copy
+import math
+import shutil
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from fmpy import read_model_description
+from fmpy.validation import validate_fmu
+from fmu_tools import Slave, sealed, unpacked
+from typer.testing import CliRunner
+
+import cablemodel as cm
+from cablemodel.cli.app import app
+from cablemodel.kernels import layout as at
+from cablemodel.kernels.layout import Header
+from cablemodel.systems import SystemModel
+from cablemodel.variables import outputs_of
+from cablemodel_fmu.export import ExportError, contents_of, export_fmu
+from cablemodel_fmu.export import Options as ExportOptions
+from cablemodel_fmu.recording import FmuLog
+
+STATIONS = 5
+SCENES = sorted((Path(__file__).parents[2] / "scenes" / "systems").glob("*.yaml"))
+
+
+def wire(length: float, **more: Any) -> dict[str, Any]:
+    return {"cable": {"type": "wire", "length": length, **more}}
+
+
+def tow() -> cm.SystemScene:
+    """A plate with a foil and a tail behind a tug on a turning path, which the waves move, and a
+    load on a crane's line, which is clamped and told from its lower end; what can be cut, and what
+    comes off at its time."""
+    data: dict[str, Any] = {
+        "title": "Bridle",
+        "cable_types": {
+            "wire": {
+                "diameter": 0.02, "mass": 1.6, "axial_stiffness": 2e7, "bending_stiffness": 50.0,
+            }
+        },
+        "environment": {
+            "current": {"table": [{"z": 0, "velocity": [0.1, 0.05, 0]}]},
+            "waves": {"regular": {"height": 1.0, "period": 6.0}, "ramp": 3.0},
+        },
+        "vessels": {
+            "tug": {
+                "points": {"port": [-18, 5, 2]},
+                "path": [{"straight": {"duration": 1, "speed": 2, "heading": 0}},
+                         {"turn": {"angle": "30 deg", "radius": 30, "speed": 2}}],
+                "raos": [{"heading_deg": 0, "period": 6, "heave": 0.5, "roll_deg": 2}],
+            },
+            "crane": {"points": {"tip": [0, 0, 0]}, "position": [0, 60, 3],
+                      "velocity": [2, 0, 0]},
+        },
+        "bodies": {
+            "plate": {
+                "mass": 800, "submerged_weight": 6800, "inertia": [60, 200, 200],
+                "drag_area": [0.3, 2, 2], "added_mass": 200.0,
+                "drag_turning": 1.0,
+                "points": {"left": [1.2, 0.4, 0.2], "stern": [-1.0, 0, 0]},
+                "position": [-20, 5, -38],
+                "foils": {"wing": {"area": 0.5, "position": [0.2, 0, 0]}},
+            },
+            "buoy": {"mass": 100, "submerged_weight": 500, "inertia": 20.0, "drag_area": 0.5,
+                     "points": {"eye": [0, 0, 0.4]}, "position": [0, 60, -17]},
+        },
+        "lines": {
+            "port": {"from": "tug.port", "to": "plate.left", "items": [wire(40)]},
+            "tail": {"from": "plate.stern", "to": "free", "items": [wire(15, elements=3)]},
+            "hoist": {
+                "from": "buoy.eye", "to": {"point": "crane.tip", "clamped": [0, 0, 1]},
+                "items": [wire(20)],
+            },
+        },
+        "cuts": {
+            "knife": {"line": "port", "at": 25.0},
+            "weak": {"line": "tail", "at": "start", "time": 3.0},
+        },
+        "run": {"duration": 10, "output_interval": 0.5},
+    }  # fmt: skip
+    return cm.load_system(data)
+
+
+def still(**changes: Any) -> cm.SystemScene:
+    """A body on a wire of a fixed mesh below a ship at rest, and what cuts it."""
+    data = {
+        "cable_types": {"wire": {"diameter": 0.01, "mass": 0.5, "axial_stiffness": 1e6}},
+        "vessels": {"ship": {"points": {"hook": [1, 0, 0]}}},
+        "bodies": {
+            "load": {"mass": 200.0, "submerged_weight": 1500.0, "inertia": 50.0, "drag_area": 1.0,
+                     "points": {"eye": [0, 0, 0.5]}}
+        },
+        "lines": {"wire": {"from": "ship.hook", "to": "load.eye", "items": [wire(20, elements=8)]}},
+        "cuts": {"knife": {"line": "wire", "at": 7.0}},
+        "run": {"duration": 5, "output_interval": 0.5},
+    }  # fmt: skip
+    data.update(changes)
+    return cm.load_system(data)
+
+
+@pytest.fixture(scope="module")
+def towed(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    scene = tow()
+    with unpacked(scene, tmp_path_factory.mktemp("tow"), stations=STATIONS) as (place, description):
+        yield SystemModel(scene), place, description
+
+
+@pytest.fixture(scope="module")
+def hung(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    scene = still()
+    with unpacked(scene, tmp_path_factory.mktemp("hung"), stations=STATIONS) as (place, about):
+        yield SystemModel(scene), place, about
+
+
+def expected(model: SystemModel) -> dict[str, float]:
+    """Every output by its name in the FMU, as Python has it."""
+    values = model.outputs()
+    for name, line in model.lines.items():
+        state = line.sample([line.length * k / (STATIONS - 1) for k in range(STATIONS)])
+        values[f"{name}.state.position"] = state.position
+        values[f"{name}.state.tension"] = state.tension
+        values[f"{name}.state.curvature"] = state.curvature
+    found: dict[str, float] = {}
+    for row in outputs_of(model.scene):
+        names = list(row.fmu_names(stations=STATIONS))
+        if names:
+            numbers = np.ravel(values[row.python])
+            found.update(zip(names, numbers.tolist(), strict=True))
+    return found
+
+
+def numbers_of(slave: Slave, names: list[str]) -> list[float]:
+    return slave.fmu.getReal([slave.references[name].valueReference for name in names])
+
+
+def assert_same_bits(slave: Slave, model: SystemModel) -> None:
+    assert slave.time == model.time
+    wanted = expected(model)
+    outputs = [v.name for v in slave.description.modelVariables if v.causality == "output"]
+    assert outputs == list(wanted)
+    found = numbers_of(slave, outputs)
+    np.testing.assert_array_equal(found, list(wanted.values()), err_msg=str(outputs))
+
+
+def test_it_is_a_valid_fmu_by_the_names_of_its_parts(tmp_path: Path) -> None:
+    file = tmp_path / "bridle.yaml"
+    file.write_text(still().to_yaml())
+    target = tmp_path / "still.fmu"
+    done = CliRunner().invoke(app, ["fmu", str(file), "-o", str(target), "--platform", "linux64",
+                                    "--stations", "3"])  # fmt: skip
+    assert done.exit_code == 0, done.output
+    assert validate_fmu(str(target)) == []
+    description = read_model_description(str(target), validate=True)
+    by_name = {v.name: v for v in description.modelVariables}
+    for name in (
+        "use_scene_inputs", "input.timing", "ship.input", "ship.position_input[1]",
+        "ship.attitude_rate_input[3]", "load.force_input[2]", "load.torque_input[3]", "knife.cut",
+        "wire.tension.start", "wire.tension.max", "wire.line.position[3,3]",
+        "wire.line.tension[2]", "load.angular_velocity[1]", "ship.force[1]", "ship.moment[3]",
+        "knife.time",
+    ):  # fmt: skip
+        assert name in by_name
+    assert not any(name.startswith(("vessel.", "payout", "line.")) for name in by_name)
+    references = [v.valueReference for v in description.modelVariables]
+    assert len(set(references)) == len(references)
+    assert by_name["ship.position_input[1]"].declaredType is None
+    assert by_name["load.attitude[1]"].unit == "rad"
+    assert not description.coSimulation.providesDirectionalDerivative
+    assert description.coSimulation.maxOutputDerivativeOrder == 0
+    with zipfile.ZipFile(target) as archive:
+        page = archive.read("documentation/index.html").decode()
+    assert "NAME.cut" in page
+    ports = (tmp_path / "Cable_OspModelDescription.xml").read_text()
+    assert 'ref="ship.velocity_input[1]"' in ports
+
+
+def test_as_the_scene_says(towed: Any) -> None:
+    """Nothing is set: path, cut at its time, and all outputs, with and without reading them."""
+    start, place, description = towed
+    slave, model = Slave(place, description), copy.copy(start)
+    assert slave.fmu.getBoolean([10]) == [1]
+    assert_same_bits(slave, model)
+    for k in range(8):
+        slave.step(0.5)
+        model.step(0.5)
+        if k % 3 == 2:
+            assert_same_bits(slave, model)
+    assert slave.get("weak.time") == 3.0
+    slave.close()
+
+
+def test_driven_with_a_cut(towed: Any) -> None:
+    """Random motion of the crane, in all ways; forces, deflections, a cut; the tug keeps its path,
+    then is taken over."""
+    start, place, description = towed
+    rng = np.random.default_rng(5)
+    for by in (1, 2, 3):
+        slave, model = Slave(place, description, **{"crane.input": by}), copy.copy(start)
+        for k in range(6):
+            inputs = {
+                "velocity": np.array([2, 0, 0]) + rng.uniform(-0.3, 0.3, 3),
+                "attitude_rate": rng.uniform(-0.1, 0.1, 3),
+                "position": np.array([0.5 * 2 * (k + 1), 60, 3]) + rng.uniform(-0.1, 0.1, 3),
+                "attitude": rng.uniform(-0.05, 0.05, 3),
+            }
+            names = {1: ["velocity", "attitude_rate"], 2: ["position", "attitude"], 3: [*inputs]}
+            given = {name: inputs[name] for name in names[by]}
+            wrench = rng.uniform(-200, 200, 6)
+            angle = rng.uniform(-0.2, 0.2)
+            for name, value in given.items():
+                slave.set(f"crane.{name}_input", value)
+            slave.set("plate.force_input", wrench[:3])
+            slave.set("plate.torque_input", wrench[3:])
+            slave.set("plate.wing.deflection", angle)
+            slave.set("knife.cut", float(k >= 2))
+            vessels = {"crane": cm.VesselInput(**given)}
+            if k >= 4:
+                slave.set("tug.velocity_input", [1.5, 0.4, 0.0])
+                vessels["tug"] = cm.VesselInput(velocity=[1.5, 0.4, 0.0])
+            slave.step(0.5)
+            model.step(
+                0.5, vessels=vessels, forces={"plate": wrench},
+                deflections={"plate.wing": angle}, cuts=["knife"] if k == 2 else [],
+            )  # fmt: skip
+        assert_same_bits(slave, model)
+        assert slave.get("knife.time") == 1.0
+        slave.close()
+
+
+def test_a_position_alone_moves_the_vessel(towed: Any) -> None:
+    start, place, description = towed
+    slave, model = Slave(place, description), copy.copy(start)
+    for k in range(3):
+        where = [0.5 * 2.2 * (k + 1), 60.0, 3.0]
+        slave.set("crane.position_input", where)
+        slave.step(0.5)
+        model.step(0.5, vessels={"crane": cm.VesselInput(position=where)})
+    assert_same_bits(slave, model)
+    np.testing.assert_allclose(slave.get("crane.position"), where)
+    np.testing.assert_array_equal(slave.get("crane.attitude"), 0.0)
+    slave.close()
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+def test_scenes_to_copy_are_the_same_in_both(path: Path, tmp_path: Path) -> None:
+    """All parts that scenes of systems have, with what the scene schedules and forces on bodies."""
+    model = SystemModel(cm.load_system(path))
+    with unpacked(model.scene, tmp_path, stations=STATIONS) as (place, description):
+        slave = Slave(place, description)
+        still = cm.VesselInput(velocity=[0, 0, 0], attitude_rate=[0, 0, 0])
+        scheduled = slave.fmu.getBoolean([10]) == [1]
+        vessels = {} if scheduled else dict.fromkeys(model.vessels, still)
+        for k in range(1, 5):
+            push = {name: np.array([30.0 * k, -20, 10, 0, 5, 0]) for name in model.bodies}
+            for name, wrench in push.items():
+                slave.set(f"{name}.force_input", wrench[:3])
+                slave.set(f"{name}.torque_input", wrench[3:])
+            slave.step(0.5)
+            model.step(0.5, vessels=vessels, forces=push)
+        assert_same_bits(slave, model)
+        slave.close()
+
+
+def test_all_inputs_drive_a_system_at_rest(hung: Any) -> None:
+    """Nothing is scheduled: the inputs hold from the start."""
+    start, place, description = hung
+    slave, model = Slave(place, description), copy.copy(start)
+    assert slave.fmu.getBoolean([10]) == [0]
+    at_rest = cm.VesselInput(velocity=[0, 0, 0], attitude_rate=[0, 0, 0])
+    for _ in range(2):
+        slave.step(0.5)
+        model.step(0.5, vessels={"ship": at_rest})
+    assert_same_bits(slave, model)
+    slave.set("ship.attitude_rate_input", [0, 0, 0.2])
+    slave.step(1.0)
+    model.step(1.0, vessels={"ship": cm.VesselInput(velocity=[0, 0, 0], attitude_rate=[0, 0, 0.2])})
+    assert_same_bits(slave, model)
+    assert slave.get("ship.attitude[3]") == pytest.approx(0.1)
+    slave.close()
+
+
+def test_states_roll_back_and_travel(towed: Any) -> None:
+    """Before a cut and after it: the same steps give the same bits again, in another instance
+    too."""
+    _, place, description = towed
+    slave = Slave(place, description)
+    names = [v.name for v in description.modelVariables if v.causality == "output"]
+    fmu = slave.fmu
+
+    def on(to: Slave, first: int) -> list[list[float]]:
+        found = []
+        for k in range(first, first + 3):
+            to.set("crane.velocity_input", [2.0, 0.1 * k, 0.05])
+            to.set("knife.cut", 1.0 if k >= 1 else 0.0)
+            to.step(0.4)
+            found.append(numbers_of(to, names))
+        return found
+
+    slave.step(0.4)
+    kept, time = fmu.getFMUstate(), slave.time
+    once = on(slave, 0)
+    assert slave.get("knife.time") == pytest.approx(0.8)
+    fmu.setFMUstate(kept)
+    slave.time = time
+    assert math.isnan(slave.get("knife.time"))
+    np.testing.assert_array_equal(on(slave, 0), once)
+    after = fmu.serializeFMUstate(fmu.getFMUstate())
+    further = on(slave, 3)
+    other = Slave(place, description)
+    other.fmu.setFMUstate(other.fmu.deSerializeFMUstate(after))
+    other.time = time + 1.2
+    np.testing.assert_array_equal(on(other, 3), further)
+    broken = bytearray(after)
+    broken[-8 * 200] ^= 1
+    with pytest.raises(Exception, match="DeSerialize"):
+        other.fmu.deSerializeFMUstate(bytes(broken))
+    assert "corrupted" in other.messages[-1][1]
+    fmu.freeFMUstate(kept)
+    other.close()
+    slave.close()
+
+
+def test_timing_and_derivatives(hung: Any) -> None:
+    """A ramp is the same however it is told: by values at the end, at the start, by slopes."""
+    _, place, description = hung
+    ends, begins, slopes = (
+        Slave(place, description, **{"input.timing": timing}) for timing in (1, 2, 1)
+    )
+    ramp, dt = 0.3, 0.25
+    for k in range(5):
+        ends.set("ship.velocity_input[2]", ramp * dt * (k + 1))
+        begins.set("ship.velocity_input[2]", ramp * dt * k)
+        slopes.set("ship.velocity_input[2]", ramp * dt * k)
+        reference = slopes.references["ship.velocity_input[2]"].valueReference
+        slopes.fmu.setRealInputDerivatives([reference], [1], [ramp])
+        for slave in (ends, begins, slopes):
+            slave.step(dt)
+    np.testing.assert_allclose(
+        slopes.get("load.position"), ends.get("load.position"), rtol=0, atol=1e-12
+    )
+    np.testing.assert_allclose(begins.get("ship.velocity[2]"), ends.get("ship.velocity[2]"))
+    reference = slopes.references["knife.cut"].valueReference
+    with pytest.raises(Exception, match="InputDerivatives"):
+        slopes.fmu.setRealInputDerivatives([reference], [1], [1.0])
+    assert "knife.cut" in slopes.messages[-1][1]
+    for slave in (ends, begins, slopes):
+        slave.close()
+
+
+def test_time_begins_where_the_master_says(hung: Any) -> None:
+    _, place, description = hung
+    slave = Slave(place, description, start=100.0)
+    slave.step(0.5)
+    slave.set("knife.cut", 1.0)
+    slave.step(0.5)
+    assert slave.get("knife.time") == pytest.approx(100.5)
+    slave.close()
+
+
+def test_what_is_wrong_is_named(towed: Any) -> None:
+    _, place, description = towed
+    slave = Slave(place, description, use_scene_inputs=True)
+    slave.set("crane.velocity_input", [1, 0, 0])
+    assert "crane.velocity_input[1] is set but ignored" in slave.messages[-1][1]
+    slave.set("crane.velocity_input", [1.1, 0, 0])
+    assert len(slave.messages) == 1
+    slave.close()
+    slave = Slave(place, description)
+    slave.set("tug.position_input", [0, 0, 0])
+    slave.set("tug.velocity_input", [2, 0, 0])
+    assert "tug.position_input[1]" not in "".join(text for _, text in slave.messages)
+    slave.set("tug.position_input", [0, 1, 0])
+    assert "tug.input says what moves it" in slave.messages[-1][1]
+    for name, value, words in (
+        ("tug.position_input[1]", 1e9, "out of range"),
+        ("plate.force_input[1]", math.nan, "not finite"),
+        ("plate.position[1]", 1.0, "output cannot be set"),
+    ):
+        with pytest.raises(Exception, match="SetReal"):
+            slave.set(name, value)
+        assert words in slave.messages[-1][1]
+    with pytest.raises(Exception, match="SetInteger"):
+        slave.set("tug.input", 2)  # the initialization is over
+    slave.close()
+
+
+def test_a_step_that_fails_changes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """There is no room for a cut's node: it is said, and the run goes on without the cut."""
+    monkeypatch.setattr(at, "NODES_OF_A_CUT", 0)
+    with unpacked(still(), tmp_path, stations=STATIONS) as (place, description):
+        slave, other = Slave(place, description), Slave(place, description)
+        slave.step(0.5)
+        other.step(0.5)
+        slave.set("knife.cut", 1.0)
+        with pytest.raises(Exception, match="DoStep"):
+            slave.step(0.5)
+        slave.time = 0.5
+        text = slave.messages[-1][1]
+        assert "at t = 0.5 s" in text
+        assert "room" in text
+        slave.set("knife.cut", 0.0)
+        slave.step(0.5)
+        other.step(0.5)
+        names = [v.name for v in description.modelVariables if v.causality == "output"]
+        np.testing.assert_array_equal(numbers_of(slave, names), numbers_of(other, names))
+        slave.close()
+        other.close()
+
+
+def test_what_cannot_be_exported_is_refused_by_name(tmp_path: Path) -> None:
+    scene = still()
+    with pytest.raises(ExportError, match=r"SSP.*ship"):
+        export_fmu(scene, tmp_path / "a.fmu", ssp=tmp_path / "a.ssp")
+    estimated = still(solver={"error_estimate": True})
+    with pytest.raises(ExportError, match=r"solver\.error_estimate"):
+        export_fmu(estimated, tmp_path / "a.fmu")
+    assert list(tmp_path.iterdir()) == []
+    export_fmu(scene, tmp_path / "a.fmu", platforms=["linux64"])
+    with pytest.raises(cm.CableModelError, match="cannot be logged"):
+        FmuLog(tmp_path / "a.fmu", tmp_path / "a.mcap")
+
+
+def test_a_model_file_that_is_altered_is_refused(hung: Any, tmp_path: Path) -> None:
+    """Sizes, the section of the parts, and their tables in the block."""
+    start, place, description = hung
+    other = tmp_path / "fmu"
+    shutil.copytree(place, other)
+    whole = contents_of(start.scene, ExportOptions(stations=STATIONS)).model
+    model = other / "resources" / "model.bin"
+    words = np.frombuffer(whole, dtype="<i8")
+    section = int(words[15])
+    first_image = len(words) - int(words[11])
+    image = words[first_image:]
+    head = Header(image)
+    places = [14, 15, first_image - section, first_image - 1, first_image + Header.frame_count.word]
+    places += [first_image + int(head.cuts) + at.Cut.segment.word]
+    places += [first_image + int(head.free_bodies) + at.FreeBody.node.word]
+    places += [first_image + int(head.constraints) + at.Constraint.frame.word]
+    for place_of_word in places:
+        altered = bytearray(whole)
+        altered[8 * place_of_word : 8 * place_of_word + 8] = np.float64(1e6).tobytes()
+        model.write_bytes(sealed(altered))
+        with pytest.raises(Exception, match="instantiate"):
+            Slave(other, description)
+    model.write_bytes(whole)
+    Slave(other, description).close()

@@ -1,0 +1,63 @@
+"""Laying cable, and dragging what searches for it."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.optimize import brentq
+
+from tests.verification.references.jobs import KNOT
+from tests.verification.references.lays import LIGHT, independent, lay_angle
+from validation.jobs.book import Answer, Result, job, model, picture, scene, shape
+from validation.jobs.towing import kinds
+
+
+@job
+def lay_with_slack() -> Result:
+    """Zajac's differential equation, with stretch and the momentum of what runs."""
+    ours = model("lay_with_slack")
+    top, length = independent(LIGHT, 5.0, 5.1 * KNOT, 0.0, 4000.0, straight=True)
+    _, angle = lay_angle(LIGHT, 5.0 * KNOT)
+    shapes, start = {"at 0 s": shape(ours)}, shape(ours)
+    slope = np.degrees(np.arctan2(-start[20, 2], -start[20, 0]))
+    hung = ours.line_length - ours.floor_length
+    laid, times, tops = ours.floor_length, [], []
+    for k in range(1, 13):
+        ours.step_to(10.0 * k)
+        times.append(ours.time)
+        tops.append(ours.top_tension)
+    shapes["at 120 s"] = shape(ours)
+    answers = [
+        Answer("angle to the horizontal", float(slope), float(np.degrees(angle)), "deg", 0.1),
+        Answer("cable in the water", hung, length, "m", 0.01 * length),
+        Answer("tension at the ship", tops[-1], top, "N", 0.01 * top),
+        Answer("cable laid in 120 s", ours.floor_length - laid, 120 * 5.1 * KNOT, "m", 10.0),
+    ]
+    series = {"cablemodel": (times, tops), "independent": ([0, 120], [top, top])}
+    return answers, picture(shapes, series, ("time [s]", "top tension [N]"))
+
+
+@job
+def drag_grapnel() -> Result:
+    """A catenary that leaves the floor level, with the friction of what lies as its pull."""
+    given, ours = scene("drag_grapnel"), model("drag_grapnel")
+    weight, depth, length = kinds(given)["rope"].weight, 1000.0, 1800.0
+
+    def missing(pull):
+        hung = np.sqrt(depth**2 + 2.0 * depth * pull / weight)
+        return 0.6 * (10e3 + weight * (length - hung)) - pull
+
+    pull = brentq(missing, 1e3, 3e4)
+    hung = float(np.sqrt(depth**2 + 2.0 * depth * pull / weight))
+    times, tops = [], []
+    for k in range(1, 151):
+        ours.step_to(20.0 * k)
+        times.append(ours.time)
+        tops.append(ours.top_tension)
+    top = pull + weight * depth
+    answers = [
+        Answer("tension at the ship", tops[-1], top, "N", 0.01 * top),
+        Answer("rope on the floor", ours.floor_length, length - hung, "m", 10.0),
+        Answer("speed of the grapnel", ours.tip_velocity[0], 0.2, "m/s", 0.005),
+    ]
+    series = {"cablemodel": (times, tops), "independent": ([0, 3000], [top, top])}
+    return answers, picture({"in the end": shape(ours)}, series, ("time [s]", "top tension [N]"))
