@@ -274,9 +274,11 @@ def _fill_drum(block: DirectBlock, scene: Scene, sections: list[Section]) -> Non
         ) = values[:4]
         row[own.DrumRow.hinge], row[own.DrumRow.rigid] = values[5:]
         row.view(np.float64)[own.DrumRow.leaves] = values[4]
-    state.paid_most = out
+    winch = block.winch
+    winch.way, winch.rates = 1.0, len(scene.payout.rate)
+    winch.paid_most = out
     total = scene.line_length
-    state.paid_least = -(total - SHORTEST_LINE * total)
+    winch.paid_least = -(total - SHORTEST_LINE * total)
     for rate_row, point_of_rate in zip(
         block.array(Header.rates, len(scene.payout.rate), at.RATE_WORDS),
         scene.payout.rate,

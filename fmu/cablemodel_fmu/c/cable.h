@@ -192,6 +192,7 @@ void explain_in_system(const Cable *cable, const char *problem, const char *advi
 const char *load_cable(Cable *cable, const char *resource_location, const char *guid);
 void free_cable(Cable *cable);
 const char *check_block(const int64_t *I, int64_t image_words, int64_t block_words);
+int check_winches(const int64_t *I, int64_t cables, int64_t nodes);
 uint32_t checksum(const void *data, size_t bytes);
 
 /* cable.c */
