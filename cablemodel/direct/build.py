@@ -219,8 +219,7 @@ def _fill_sections(block: DirectBlock, scene: Scene, sections: list[Section]) ->
 
 def _fill_drum(block: DirectBlock, scene: Scene, sections: list[Section]) -> None:
     """Rows of the joints in the order in which they pass the tow point; those of the line first."""
-    ints, reals = block.ints, block.reals
-    state = Scalars(reals)
+    ints = block.ints
     types = list(scene.cable_types)
     rows: list[tuple[int, int, int, int, float, int, int]] = []
     below = scene.line_length

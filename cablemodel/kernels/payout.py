@@ -34,7 +34,7 @@ from .layout import (
     NO_CAPACITY,
     OK,
 )
-from .passing import material_end, overhang, set_first_bit, set_part
+from .passing import cable_paid, material_end, overhang, set_first_bit, set_part
 from .winch import paid_since
 
 
@@ -72,6 +72,27 @@ def set_top_length(I, M, t):
                 set_first_bit(I, M, length - winch.top_length)
         winch.stage_rate = winch.rate + winch.slope * tau
         winch.stage_slope = winch.slope
+
+
+@kernel
+def pay_out(I, M, dt):
+    """After a step of dt: what has passed the winches, and their rates at its end."""
+    head = header(I)
+    for n in range(head.winch_count):
+        winch = winch_of(I, M, n)
+        if winch.node < 0.0:
+            continue
+        paid = paid_since(winch, dt)
+        winch.travel += paid
+        winch.paid = cable_paid(I, M, n)
+        winch.top_length += paid
+        winch.rate += winch.slope * dt
+        if head.parts != 0 and winch.way > 0.0:
+            edge_of(I, M, top_edge(winch)).start = winch.start - winch.paid
+        for other in range(head.winch_count):
+            at_other_end = winch_of(I, M, other)
+            if other != n and at_other_end.cable == winch.cable:
+                at_other_end.travel_least -= paid  # what one pays out another may take in
 
 
 @kernel
@@ -393,12 +414,12 @@ def join_at(I, M, node, count):
     h2 = edge_of(I, M, lower).length
     h = h1 + h2
     dimension = head.dimension
-    top = winch_of_edge(I, M, upper)
-    if top < 0:
-        top = winch_of_edge(I, M, lower)
-    matter = head.matter + MATTER_WORDS * max(0, top)
+    winch = winch_of_edge(I, M, upper)
+    if winch < 0:
+        winch = winch_of_edge(I, M, lower)
+    matter = head.matter + MATTER_WORDS * max(0, winch)
     turn = view(M, matter + 12, 2 * dimension)
-    if top >= 0:
+    if winch >= 0:
         material_motion(I, M)
         for i in range(dimension):
             turn[i] = M[matter + dimension + i]
@@ -413,11 +434,11 @@ def join_at(I, M, node, count):
     edge_of(I, M, lower).length = h
     edge_of(I, M, lower).start = start
     close_gap(I, M, node, count)
-    if top >= 0:
-        winch_of(I, M, top).top_length = h
-        if not slope_is_held(I, M, int(winch_of(I, M, top).node)):
+    if winch >= 0:
+        winch_of(I, M, winch).top_length = h
+        if not slope_is_held(I, M, int(winch_of(I, M, winch).node)):
             turn_with_matter(
-                I, M, top, view(turn, 0, dimension), view(turn, dimension, dimension)
+                I, M, winch, view(turn, 0, dimension), view(turn, dimension, dimension)
             )
     state.joined = max(state.joined, h)
 

@@ -41,6 +41,7 @@ from .layout import (
     TOO_MANY_STEPS,
 )
 from .newton import NO_TENSION, increment_norm, is_folded, refactor
+from .payout import pay_out
 from .refine import follow_bending
 from .sea_cells import begin_stage, end_stage
 from .sleep import disturbance, fall_asleep, may_sleep, prepare_joining, wake, wake_as_many
@@ -66,7 +67,7 @@ from .tension import FOLLOWS, PASSES_OVER, SHORT, SOLVED, take_solved, tension_e
 from .top_of_line import adapt_tops, anything_passes
 from .two_step import accept_two_step, remember, try_two_step, two_step_gamma
 from .vessel_clamp import update_springs
-from .winch import begin_payout, longest_payout_step, pay_out
+from .winch import begin_payout, longest_payout_step
 
 LARGEST_ITERATIONS = 10
 STALL = 5000, 1e-5  # internal steps in a row, and their mean length in sqrt(L/g), that end a call

@@ -3,7 +3,7 @@
 from .access import cable_of, header, scalars, winch_of
 from .compile import kernel
 from .layout import LIVE, LIVE_NOT, LIVE_RETURNS, RATE_WORDS
-from .passing import cable_paid, next_mark
+from .passing import next_mark
 
 FASTEST_GROWTH = 20.0  # in a step, of the top element or of what is out of a body, by its length
 
@@ -164,17 +164,3 @@ def longest_payout_step(I, M, dt):
 def paid_since(winch, tau):
     """What has passed a winch in tau since `time`, at the step's rate [m]."""
     return tau * (winch.rate + 0.5 * winch.slope * tau)
-
-
-@kernel
-def pay_out(I, M, dt):
-    """After a step of dt: what has passed the winches, and their rates at its end."""
-    for n in range(header(I).winch_count):
-        winch = winch_of(I, M, n)
-        if winch.node < 0.0:
-            continue
-        paid = paid_since(winch, dt)
-        winch.travel += paid
-        winch.paid = cable_paid(I, M, n)
-        winch.top_length += paid
-        winch.rate += winch.slope * dt
