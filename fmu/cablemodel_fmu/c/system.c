@@ -67,7 +67,7 @@ const char *check_parts(const int64_t *I) {
     const double *M = (const double *)I;
     const int64_t last = header(I)->nodes - 1;
     const int64_t responses = RAO_HEADINGS * RAO_WORDS * header(I)->wave_count;
-    if (header(I)->dimension != 3 || header(I)->payout != 0 || header(I)->sleep != 0)
+    if (header(I)->dimension != 3 || header(I)->sleep != 0)
         return "a counter in the model is out of range";
     for (int64_t n = 0; n < header(I)->constraint_count; n++) {
         const double *row = M + header(I)->constraints + n * CONSTRAINT_WORDS;
