@@ -23,15 +23,24 @@ ROUNDING = 1e-12
 
 def small_motions(block: Block) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Mass, damping, stiffness, (n, n) each; tension is condensed out. The block stays as it is."""
-    stiffness = _newton_matrix(block, 0.0, 0.0)
-    damping = _newton_matrix(block, 1.0, 0.0) - stiffness
-    # A large factor keeps the mass from drowning in the axial stiffness.
-    guess = _newton_matrix(block, 0.0, 1.0) - stiffness
-    factor = float(np.abs(np.diag(stiffness)).max() / max(np.abs(np.diag(guess)).max(), 1e-30))
-    factor = max(1.0, factor)
-    mass = (_newton_matrix(block, 0.0, factor) - stiffness) / factor
-    basis = _free_motions(block)
+    mass, damping, stiffness = matrices(block)
+    basis, _names = free_motions(block)
     return basis.T @ mass @ basis, basis.T @ damping @ basis, basis.T @ stiffness @ basis
+
+
+def matrices(block: Block) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """The same over all nodes' places and slopes, what holds them left out."""
+    stiffness = _newton_matrix(block, 0.0, 0.0)
+
+    def part(of_velocity: float, of_acceleration: float) -> FloatArray:
+        # A large factor keeps it from drowning in the axial stiffness.
+        guess = _newton_matrix(block, of_velocity, of_acceleration) - stiffness
+        factor = float(np.abs(np.diag(stiffness)).max() / max(np.abs(np.diag(guess)).max(), 1e-30))
+        factor = max(1.0, factor)
+        whole = _newton_matrix(block, factor * of_velocity, factor * of_acceleration)
+        return np.asarray((whole - stiffness) / factor)
+
+    return part(0.0, 1.0), part(1.0, 0.0), stiffness
 
 
 def natural_frequencies(block: Block, count: int) -> FloatArray:
@@ -116,22 +125,32 @@ def _newton_matrix(block: Block, of_velocity: float, of_acceleration: float) -> 
     return matrix
 
 
-def _free_motions(block: Block) -> FloatArray:
-    """Columns that span the motions which supports and joints allow."""
+def free_motions(block: Block) -> tuple[FloatArray, tuple[str, ...]]:
+    """Columns that span the motions which supports and joints allow, orthogonal, and their names:
+    ``nodes[2].position.x``, ``nodes[2].slope.x``; of a slope that is clamped ``.along``."""
     ints = block.ints
     head = Header(ints)
     nodes, dimension = int(head.nodes), int(head.dimension)
     size = 2 * dimension
     basis = np.eye(nodes * size)
+    axes = "xyz" if dimension == 3 else "hz"
+    names = [
+        f"nodes[{node}].{kind}.{axis}"
+        for node in range(nodes)
+        for kind in ("position", "slope")
+        for axis in axes
+    ]
     drop: list[int] = []
     for row in block.array(Header.constraints, int(head.constraint_count), at.CONSTRAINT_WORDS):
-        first = int(row[at.Constraint.node]) * size
+        held = int(row[at.Constraint.node])
+        first = held * size
         drop += range(first, first + dimension)
         if row[at.Constraint.clamped] == at.EXACTLY:
             direction = row[at.Constraint.direction : at.Constraint.direction.word + dimension]
             slopes = slice(first + dimension, first + size)
             basis[slopes, slopes] = 0.0
             basis[slopes, first + dimension] = direction
+            names[first + dimension] = f"nodes[{held}].slope.along"
             drop += range(first + dimension + 1, first + size)
     parent = block.integers(Header.parent, nodes)
     hinged = block.integers(Header.joint, nodes) == at.JOINT_HINGE
@@ -140,4 +159,5 @@ def _free_motions(block: Block) -> FloatArray:
         above = slice(int(parent[node]) * size, int(parent[node]) * size + dimension)
         basis[own, above] = np.eye(dimension)
         drop += range(own.start, own.stop)
-    return np.asarray(np.delete(basis, drop, axis=1), dtype=np.float64)
+    kept = np.setdiff1d(np.arange(nodes * size), drop)
+    return basis[:, kept], tuple(names[column] for column in kept)

@@ -6,7 +6,7 @@ import copy
 import hashlib
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from os import PathLike
@@ -22,7 +22,9 @@ from cablemodel.kernels.layout import Header, Scalars
 from cablemodel.solver import choose
 
 if TYPE_CHECKING:
+    from cablemodel.linear_model import LinearModel
     from cablemodel.scene import Scene
+    from cablemodel.step_sensitivity import StepSensitivity
     from cablemodel.wall_tension import Surroundings
 
 FloatArray = NDArray[np.float64]
@@ -590,7 +592,48 @@ class CableModel:
         names += ["floor", "floor_power", "added_mass_power"]
         return dict(zip(names, out.tolist(), strict=True))
 
-    def linearise(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def linearise(self) -> LinearModel:
+        """A linear model about the present state, with named states, inputs and outputs.
+
+        Of the finite elements as they are, in space, whether the state is steady or not: see
+        :class:`~cablemodel.linear_model.LinearModel`. Tensions are eliminated through the
+        compliances. Drag on water that does not pass has no linear part.
+
+        Raises:
+            CableModelError: another solver than that of the finite elements, or something that is
+                not linear, by name: contact with the floor, waves, a slack line without bending
+                stiffness, a body that passes the tow point, a line without a force at the top.
+        """
+        from cablemodel.linear_model import linear_model
+
+        return linear_model(self)
+
+    def sensitivities(
+        self,
+        dt: float,
+        vessel_velocity: ArrayLike | None = None,
+        payout_rate: float | None = None,
+        current: ArrayLike | None = None,
+        *,
+        parameters: Sequence[str] = (),
+    ) -> StepSensitivity:
+        """What the end of a step would change by with its inputs and parameters; the model stays.
+
+        Args:
+            dt, vessel_velocity, payout_rate, current: as of `step`.
+            parameters: paths in the scene, as ``cable_types.NAME.drag_normal`` or
+                ``line.1.body.submerged_weight``: drag, weight, mass, added mass, axial stiffness.
+
+        Raises:
+            CableModelError: what `linearise` refuses, a parameter that is not one, or a mesh that
+                changes within the step.
+            StepError: the step cannot be made.
+        """
+        from cablemodel.step_sensitivity import step_sensitivity
+
+        return step_sensitivity(self, dt, vessel_velocity, payout_rate, current, parameters)
+
+    def small_motions(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Mass, damping and stiffness of small motions about the present state, (n, n) each.
 
         Over the free unknowns of all nodes, position and slope, tension condensed out; meant for
@@ -601,7 +644,7 @@ class CableModel:
         """
         from cablemodel.linearisation import small_motions
 
-        return small_motions(self._finite_elements("linearise"))
+        return small_motions(self._finite_elements("small_motions"))
 
     def natural_frequencies(self, count: int = 5) -> FloatArray:
         """The lowest natural frequencies about the present state [rad/s], (count,).

@@ -7,6 +7,7 @@ a count; see layout.py for the codes.
 from numba import float64, int64
 
 from . import (
+    environment,
     follow,
     interface,
     outputs,
@@ -141,6 +142,29 @@ def assemble(I, M, cv, ca):
     return 0
 
 
+@entry_point(int64(INTEGERS, REALS, REALS, REALS))
+def residual(I, M, forces, constraint):
+    """What the equations of motion leave at the present state, with the water's acceleration of the
+    time to come: forces conjugate to places and slopes, 2 dimension words a node, and what is left
+    of |r'| = 1 + strain(T), two words a node."""
+    head = header(I)
+    state = scalars(M)
+    count = 2 * head.dimension * head.nodes
+    system.set_time(I, M, state.time)
+    environment.current_rate(I, M, state.time, True)
+    system.residual(
+        I,
+        M,
+        M[head.position : head.position + count],
+        M[head.velocity : head.velocity + count],
+        M[head.acceleration : head.acceleration + count],
+        M[head.tension : head.tension + 2 * head.nodes],
+        forces,
+        constraint,
+    )
+    return 0
+
+
 @entry_point(int64(INTEGERS, REALS, float64, REALS))
 def force_rate(I, M, last_step, out):
     """Time derivative of the force on the vessel: interface.rate_of_force. Uses the block up."""
@@ -204,6 +228,7 @@ ENTRY_POINTS = {
     "summary": summary,
     "energy": energy,
     "assemble": assemble,
+    "residual": residual,
     "force_rate": force_rate,
     "force_response": force_response,
     "drive": drive,

@@ -332,7 +332,7 @@ def test_a_line_that_lies_along_every_horizontal_direction_says_so():
     fails(cm.CableModel(scene), 1.0, "sin theta = 0")
 
 
-@pytest.mark.parametrize("what", ["energy", "linearise", "natural_frequencies"])
+@pytest.mark.parametrize("what", ["energy", "linearise", "small_motions", "natural_frequencies"])
 def test_analyses_are_for_the_finite_elements(what):
     model = cm.CableModel(scenes.towed("cable"))
     with pytest.raises(cm.CableModelError, match="direct_integration, use finite_element"):

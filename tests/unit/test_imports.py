@@ -53,7 +53,7 @@ LAYERS = (
         "cablemodel.solver",
     ),
     ("cablemodel.variables",),
-    ("cablemodel.model",),
+    ("cablemodel.model", "cablemodel.linear_model", "cablemodel.step_sensitivity"),
     ("cablemodel.systems",),
     ("cablemodel.states", "cablemodel.cadence"),
     ("cablemodel.log",),
