@@ -1,7 +1,10 @@
 """What docs/python.md shows is what the code does, and its example program too."""
 
+import json
 import re
 import runpy
+import subprocess
+import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -32,6 +35,10 @@ def test_the_code_of_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     assert names["model"].time == pytest.approx(60.1)
     assert names["depth"] == pytest.approx(124.2, abs=0.1)
     assert names["layback"] == pytest.approx(268.7, abs=0.5)
+    assert names["higher"] == pytest.approx(70.0, abs=0.5)
+    assert names["system"].A.shape[0] == len(names["slow"].states)
+    assert names["free"][-1, names["height"]] == pytest.approx(-124.2, abs=0.1)
+    assert names["drag"] > 0.0  # a body that resists more rises
 
 
 def test_a_change_of_speed_in_a_short_step_is_a_blow() -> None:
@@ -72,3 +79,24 @@ def test_the_example_controls_the_depth(tmp_path: Path) -> None:
     assert depths["predictive"][-1] < depths["proportional"][-1]
     for name in runs:
         assert np.array_equal(cm.open_run(tmp_path / f"{name}.mcap").time, runs[name].time)
+
+
+def test_the_example_holds_depth_and_tension_through_a_turn() -> None:
+    """The first quarter of the turn: the body left alone has begun to sink. In a process of its
+    own, with as many threads as the example chooses."""
+    program = """
+import json, runpy, sys
+example = runpy.run_path(sys.argv[1])
+turns = [example["turn"](150.0, controlled=controlled).rows for controlled in (False, True)]
+print(json.dumps([turns, example["FASTEST"], example["FASTEST_WINCH"]]))
+"""
+    command = [sys.executable, "-c", program, str(ROOT / "examples" / "mpc_turn.py")]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    turns, fastest, fastest_winch = json.loads(done.stdout)
+    alone, controlled = (np.array(rows) for rows in turns)
+    off, held = (np.abs(rows[:, 1:3] - rows[0, 1:3]).max(axis=0) for rows in (alone, controlled))
+    assert off[0] > 20.0
+    assert held[0] < 0.1 * off[0]
+    assert held[1] < off[1]
+    assert np.all(controlled[:, 3] <= fastest + 1e-9)
+    assert np.all(np.abs(controlled[:, 4]) <= fastest_winch + 1e-9)
