@@ -197,7 +197,8 @@ class _Change:
         if not (self.edges.any() or self.bodies.any()):
             raise CableModelError(
                 f"sensitivities: {path} changes none of {', '.join(OF_EDGES)} of a cable, nor "
-                f"{', '.join(OF_BODIES)} of a body"
+                f"{', '.join(OF_BODIES)} of a body; of a length see `payout_rate`, and "
+                "`linearise().gains()` of `line_length`"
             )
 
     def residual(self, equations: Equations) -> FloatArray:
