@@ -363,3 +363,19 @@ def test_sensitivities_name_what_they_do_not_know():
     assert found.of("vessel_position.x", "vessel_velocity.x") == pytest.approx(0.05)
     with pytest.raises(cm.CableModelError, match="no sensitivity of 'depth'"):
         found.of("depth", "payout_rate")
+
+
+def test_sensitivity_of_a_pendulum_is_that_of_its_equation():
+    """x'' = omega^2 (p - x) while the tow point's speed grows evenly from 0 to v in a time t: then
+    x = v / t (t^2 / 2 - (1 - cos omega t) / omega^2). At rest nothing depends on its mass."""
+    model, dt = pendulum(), 2.0
+    omega = np.sqrt(GRAVITY / -model.tip_position[2])
+    found = model.sensitivities(dt, parameters=["line.1.body.mass"])
+    place = (0.5 * dt**2 - (1.0 - np.cos(omega * dt)) / omega**2) / dt
+    assert found.of("tip_position.x", "vessel_velocity.x") == pytest.approx(place, rel=1e-5)
+    pull = 1000.0 * omega**2 * (0.5 * dt - place)
+    assert found.of("top_force.x", "vessel_velocity.x") == pytest.approx(-pull, rel=1e-4)
+    assert abs(found.of("tip_position.z", "line.1.body.mass")) < 1e-12
+    # Lifted, it hardly stretches.
+    lifted = found.of("tip_position.z", "vessel_velocity.z")
+    assert lifted == pytest.approx(0.5 * dt, abs=1e-4)
