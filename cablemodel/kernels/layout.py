@@ -155,6 +155,9 @@ class Header(Record):
     rao_words = integer("their words")
     foot_count = integer("places of free bodies that touch the floor")
     feet = integer("start of them (Foot)")
+    closure_count = integer("ends of lines that close a cycle")
+    closures = integer("start of them (Closure)")
+    closure_work = integer("start of their columns, and of a dense matrix")
     _spare_2 = spare(5)
 
 
@@ -493,6 +496,23 @@ class Arm(Record):
 
 
 ARM_WORDS = Arm.WORDS
+
+
+class Closure(Record):
+    """An end of a line at a point of a free body, or at a node, that is in the tree before it."""
+
+    node = real("of the line; -1: it is cut off")
+    body = real("row of the body; -1: a node")
+    other = real("that node")
+    place = reals(3, "in the body's axes", "m")
+    force = reals(3, "that holds the line's end", "N")
+    kept = reals(3, "that of the last accepted state", "N")
+    change = reals(3, "by the last increment", "N")
+    gap = reals(3, "of both places, or rate of it", "m")
+    follows = reals(9, "how the place follows the body's rotation vector", "m")
+
+
+CLOSURE_WORDS = Closure.WORDS
 
 
 class Foil(Record):

@@ -17,6 +17,7 @@ from .access import (
     arm_of,
     body_of,
     cable_of,
+    closure_of,
     constraint_of,
     edge_of,
     free_body_of,
@@ -283,6 +284,12 @@ def renumber(I, M, first, count):
         winch = winch_of(I, M, n)
         if winch.node >= first:
             winch.node += count
+    for n in range(head.closure_count):
+        closure = closure_of(I, M, n)
+        if closure.node >= first:
+            closure.node += count
+        if closure.other >= first:
+            closure.other += count
     head.nodes += count
     if head.parts != 0:
         renumber_tree(I, M, first, count)

@@ -16,6 +16,7 @@ it, and the tension that is solved for is that of the step: such a step is refus
 import math
 
 from .access import body_of, constraint_of, edge_of, header, scalars, winch_of
+from .closures import scale_gaps
 from .compile import copy_words, inlined, kernel, outlined, view
 from .consistency import vessel_jump
 from .environment import current_rate, surge_jump
@@ -112,6 +113,7 @@ def filter_motion(I, M, motion, gamma_dt):
     v = view(M, head.trial_velocity, count)
     residual(I, M, q, v, a, view(M, head.trial_tension, words), forces, constraint)
     constraint[:] = 0.0
+    scale_gaps(I, M, 0.0)
     newton_increment(I, M, forces, constraint, x)
     for n in range(count):
         motion[n] = x[n]
@@ -168,10 +170,10 @@ def inertia(I, M):
 
 @kernel
 def may_be_solved_for(I, M):
-    """Whether tensions can be solved for: with Hooke's law, ends that are hinged, and no body of
-    finite length at the tow point."""
+    """Whether tensions can be solved for: with Hooke's law, ends that are hinged, no closures, and
+    no body of finite length at the tow point."""
     head = header(I)
-    if head.rigid > 0 and winch_of(I, M, 0).passing != 0.0:
+    if head.closure_count != 0 or (head.rigid > 0 and winch_of(I, M, 0).passing != 0.0):
         return False
     for n in range(head.constraint_count):
         if constraint_of(I, M, n).clamped != 0.0:

@@ -11,6 +11,7 @@ import math
 from .access import edge_of, header, scalars
 from .buckling import any_pressed, is_held, make_crooked
 from .clamp_layer import follow_layer
+from .closures import follow_forces, give_back_forces, keep_forces
 from .compile import copy_words, inlined, kernel, view
 from .consistency import (
     begin_after_a_blow,
@@ -131,6 +132,7 @@ def solve_stage(I, M, t, gamma_dt, tolerance, to_output, ratio):
             v[n] += inverse * x[n]
             a[n] += inverse2 * x[n]
         tension_change = recover_tension(I, M, constraint, x, tension)
+        follow_forces(I, M)
         settled = True
         if to_output:
             largest = NO_TENSION * state.tension_scale
@@ -415,7 +417,9 @@ def advance_to(I, M, t_end):
         status = make_cuts(I, M)
         if status != OK:
             return status
+    keep_forces(I, M)
     while state.time < t_end:
+        give_back_forces(I, M)
         # The mesh changes before a step: what is read after it is a state that a step has made.
         rests = head.sleep != 0 and state.time >= state.sleep_after and may_sleep(I, M)
         if (
@@ -474,6 +478,7 @@ def advance_to(I, M, t_end):
             of_tension, along = two_step_error(I, M, dt)
             two_steps = of_tension <= 1.0
         if not two_steps:
+            give_back_forces(I, M)
             status, error, along = try_step(I, M, dt, scheme, to_output)
             if (
                 status == OK
@@ -525,6 +530,7 @@ def advance_to(I, M, t_end):
                 accept_two_step(I, M, dt)
             else:
                 accept_trial(I, M, dt, scheme)
+            keep_forces(I, M)
             if along == SOLVED:
                 take_solved(I, M)
             elif along == FOLLOWS:

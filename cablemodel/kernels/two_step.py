@@ -14,6 +14,7 @@ is refused here and taken by the one-step scheme, from the same state.
 """
 
 from .access import header, motion_piece_of, scalars
+from .closures import follow_forces
 from .compile import copy_words, inlined, kernel, view
 from .environment import surge_jump
 from .newton import NO_TENSION, increment_norm, refactor
@@ -140,6 +141,7 @@ def try_two_step(I, M, dt):
             v[n] += b0 * x[n]
             a[n] += b0 * b0 * x[n]
         tension_change = recover_tension(I, M, constraint, x, tension)
+        follow_forces(I, M)
         largest = 0.0
         for n in range(1, nodes):
             largest = max(largest, abs(tension[2 * n]))

@@ -73,6 +73,7 @@ def allocated(scene: SystemScene, tree: Tree) -> Built:
         cuts=len(scene.cuts),
         rao_words=rao_words(scene, water),
         feet=len(feet_of(scene)),
+        closures=len(tree.closures),
     )
     block.header.parts = 1
     block.header.nodes = nodes
@@ -447,6 +448,23 @@ def rest_feet(scene: SystemScene, built: Built) -> None:
         row[at.Foot.rest.span] = (
             motion[at.BodyMotion.reference : at.BodyMotion.reference.word + 3] + place
         )
+
+
+def fill_closures(scene: SystemScene, built: Built) -> None:
+    """Where ends of lines come to what is in the tree before."""
+    tree, names = built.tree, list(scene.bodies)
+    rows = built.block.array(Header.closures, len(tree.closures), at.CLOSURE_WORDS)
+    for row, (node, owner, where) in zip(rows, tree.closures, strict=True):
+        row[at.Closure.node], row[at.Closure.body], row[at.Closure.other] = node, -1.0, -1.0
+        if isinstance(where, str):
+            own = tree.bodies[owner][1]
+            points = scene.bodies[owner].points
+            reference = np.array(points[own] if own else (0.0, 0.0, 0.0))
+            row[at.Closure.body] = names.index(owner)
+            row[at.Closure.place.span] = np.array(points[where]) - reference
+        else:
+            gaps = [abs(arc - where) if line == owner else math.inf for line, arc in tree.arcs]
+            row[at.Closure.other] = int(np.argmin(gaps))
 
 
 def fill_cuts(scene: SystemScene, built: Built) -> None:
