@@ -11,7 +11,7 @@ and a small dense matrix.
 """
 
 from .access import closure_of, free_body_of, header
-from .compile import kernel, view
+from .compile import inlined, kernel, view
 from .free_bodies import STEP, arm_moment, set_body_motion
 from .rotation import cross, to_earth_axes
 
@@ -133,14 +133,14 @@ def put_force(I, M, row, i, x):
         x[to + 3 + j] = -row.follows[3 * i + j]
 
 
-@kernel
+@inlined
 def column(I, M, k):
     """Column k of Y."""
     head = header(I)
     return view(M, head.closure_work + 6 * head.capacity * k, 6 * head.nodes)
 
 
-@kernel
+@inlined
 def small_matrix(I, M):
     """G Y, factored."""
     head = header(I)

@@ -177,8 +177,8 @@ def fill_winches(scene: SystemScene, built: Built) -> None:
     block, tree = built.block, built.tree
     rates = [row for winch in scene.winches.values() for row in winch.rate]
     table = block.array(Header.rates, max(1, len(rates)), at.RATE_WORDS)
-    for place, row in zip(table, rates, strict=False):
-        place[:] = row.t, row.rate
+    for place, point in zip(table, rates, strict=False):
+        place[:] = point.t, point.rate
     block.header.payout = int(any(row.rate != 0.0 for row in rates))
     edges = block.array(Header.edges, len(tree.parent), at.EDGE_WORDS)
     cables = block.array(Header.cables, len(tree.segments), at.CABLE_WORDS)
