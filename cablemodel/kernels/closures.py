@@ -134,18 +134,10 @@ def put_force(I, M, row, i, x):
 
 
 @inlined
-def column(I, M, k):
-    """Column k of Y."""
+def column_word(I, k):
+    """Word of column k of Y; behind the last one is G Y, which is factored."""
     head = header(I)
-    return view(M, head.closure_work + 6 * head.capacity * k, 6 * head.nodes)
-
-
-@inlined
-def small_matrix(I, M):
-    """G Y, factored."""
-    head = header(I)
-    count = 3 * head.closure_count
-    return view(M, head.closure_work + 6 * head.capacity * count, count * count)
+    return head.closure_work + 6 * head.capacity * k
 
 
 @kernel
@@ -154,11 +146,13 @@ def factor_small(I, M):
     of one sign). Returns 0, or 1 + a node where no force closes the gap."""
     head = header(I)
     count = 3 * head.closure_count
-    S = small_matrix(I, M)
+    S = view(M, column_word(I, count), count * count)
     for r in range(count):
         row = closure_of(I, M, r // 3)
         for c in range(count):
-            S[count * r + c] = gap_of_motion(I, M, row, r % 3, column(I, M, c))
+            S[count * r + c] = gap_of_motion(
+                I, M, row, r % 3, view(M, column_word(I, c), 6 * head.nodes)
+            )
         if row.node < 0.0:
             S[count * r + r] = 1.0
     for k in range(count):
@@ -177,7 +171,7 @@ def close_increment(I, M, x):
     """Add to the tree's increment x what closes the gaps, and keep the forces' changes."""
     head = header(I)
     count = 3 * head.closure_count
-    S = small_matrix(I, M)
+    S = view(M, column_word(I, count), count * count)
     for k in range(count):
         row = closure_of(I, M, k // 3)
         value = -row.gap[k % 3] - gap_of_motion(I, M, row, k % 3, x)
@@ -192,7 +186,7 @@ def close_increment(I, M, x):
         row.change[k % 3] = value / S[count * k + k]
     for k in range(count):
         change = closure_of(I, M, k // 3).change[k % 3]
-        y = column(I, M, k)
+        y = view(M, column_word(I, k), 6 * head.nodes)
         for n in range(6 * head.nodes):
             x[n] += change * y[n]
 

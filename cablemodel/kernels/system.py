@@ -18,7 +18,7 @@ from .closures import (
     close,
     close_increment,
     close_jacobian,
-    column,
+    column_word,
     factor_small,
     put_force,
     take_gaps_of_motion,
@@ -327,8 +327,9 @@ def factor_assembled(I, M):
 def factor_closures(I, M):
     """Columns and small matrix of the closures, by the tree's factored matrix; returns as
     `factorise`."""
-    for k in range(3 * header(I).closure_count):
-        y = column(I, M, k)
+    head = header(I)
+    for k in range(3 * head.closure_count):
+        y = view(M, column_word(I, k), 6 * head.nodes)
         y[:] = 0.0
         put_force(I, M, closure_of(I, M, k // 3), k % 3, y)
         constrain_vector(I, M, y)
