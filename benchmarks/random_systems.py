@@ -274,9 +274,9 @@ def run(scene: Data, push: list[float] | None, tolerance: float, parts: int) -> 
     bodies: dict[str, list[Any]] = {name: [] for name in model.bodies}
     for k in range(int(DURATION / INTERVAL) + 1):
         for j in range(parts if k else 0):
-            forces = {"buoy": push} if push and model.time >= 5.0 else {}
             end = INTERVAL * (k - 1) + INTERVAL * (j + 1) / parts
-            model.step_to(end, forces=forces)
+            share = min(1.0, max(0.0, (end - 5.0) / 5.0))  # at the step's end
+            model.step_to(end, forces={"buoy": share * np.array(push)} if push else {})
         for name, line in model.lines.items():
             state = line.sample(np.linspace(0.0, line.length, 5))
             lines[name].append((state.position, state.tension, line.length))

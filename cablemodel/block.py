@@ -249,6 +249,7 @@ class Block(WordBlock):
             (Header.trial_tension.word, capacity * 2),
             (Header.stage_tension.word, capacity * 2),
             (Header.stretch.word, capacity * 2),
+            (Header.stage_tensions.word, capacity * 6),
             (Header.residual.word, capacity * 6),
             (Header.constraint_residual.word, capacity * 2),
             (Header.increment.word, capacity * 6),

@@ -64,7 +64,17 @@ from .system import (
     set_time,
 )
 from .tables import GAMMA, STAGE_A, STAGE_C, STAGE_ERROR, STAGES
-from .tension import FOLLOWS, PASSES_OVER, SHORT, SOLVED, take_solved, tension_error, two_step_error
+from .tension import (
+    FOLLOWS,
+    PASSES_OVER,
+    SHORT,
+    SOLVED,
+    keep_stage_tension,
+    remember_tensions,
+    take_solved,
+    tension_error,
+    two_step_error,
+)
 from .top_of_line import adapt_tops, anything_passes
 from .two_step import accept_two_step, remember, try_two_step, two_step_gamma
 from .vessel_clamp import update_springs
@@ -256,7 +266,7 @@ def try_step(I, M, dt, scheme, to_output):
             place_v, place_a = stage_words(I, i, stages)
             copy_words(I, place_v, head.trial_velocity, count)
             copy_words(I, place_a, head.trial_acceleration, count)
-        state.stage_top_tension[i - 1] = M[head.trial_tension + 2]
+        keep_stage_tension(I, M, i - 1)
         if i == stages - 2:
             for n in range(2 * nodes):
                 M[head.stage_tension + n] = M[head.trial_tension + n]
@@ -536,6 +546,7 @@ def advance_to(I, M, t_end):
             elif along == FOLLOWS:
                 head.settled = 0
             if head.parts != 0:
+                remember_tensions(I, M)
                 count = 6 * head.nodes
                 count_turns_anew(
                     I,

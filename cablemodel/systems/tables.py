@@ -145,6 +145,7 @@ def fill_cables(scene: SystemScene, built: Built) -> None:
         used += len(kind.strain_coefficients)
         row[at.Cable.displaced] = rho * 0.25 * math.pi * kind.diameter**2
         row[at.Cable.line] = scene.lines[segment.line].length
+        row[at.Cable.tension] = weight_of(scene, segment.line)
         edge = row[at.Cable.edge :]
         edge[:] = edge_row(scene, cable, index, offset, scale)
         if edge[at.Edge.model] == at.MODEL_HYBRID and edge[at.Edge.bending_full] > 0.0:
@@ -160,6 +161,17 @@ def fill_cables(scene: SystemScene, built: Built) -> None:
     bodies = block.array(Header.bodies, len(tree.masses), at.BODY_WORDS)
     for row, (node, body, _line, _item) in zip(bodies, tree.masses, strict=True):
         fill_body(row, node, body, rho)
+
+
+def weight_of(scene: SystemScene, name: str) -> float:
+    """Weight of a line's cables in water, of what floats by a thousandth of that in air [N]."""
+    gravity, total = scene.environment.gravity, 0.0
+    for item in scene.lines[name].items:
+        if item.cable is not None:
+            kind = scene.cable_types[item.cable.type]
+            weight = max(abs(kind.submerged_weight), 1e-3 * kind.mass * max(gravity, 1.0))
+            total += weight * item.cable.length
+    return total
 
 
 def nodes_for_winches(scene: SystemScene, tree: Tree) -> int:
