@@ -3,7 +3,8 @@
 System number n is of the kind n modulo the number of KINDS, its numbers drawn from the generator
 that n seeds. Each runs at the scene's tolerance (1e-3) and at a hundredth of it, with outputs ten
 times as often; what differs by more than is promised, tau L of positions of each line and 10 tau of
-its largest tension, is a miss. Verdicts are kept in ``docs/stress/random_systems.json``. Nothing in
+its largest tension, is a miss. A line that is cut is compared until then: what is left of it is
+slack, and rings. Verdicts are kept in ``docs/stress/random_systems.json``. Nothing in
 the engine was made from these systems: a set of numbers judges once.
 """
 
@@ -292,6 +293,11 @@ def run(scene: Data, push: list[float] | None, tolerance: float, parts: int) -> 
     }
 
 
+def cut_times(scene: Data, line: str) -> list[float]:
+    """When a line is cut [s]."""
+    return [cut["time"] for cut in scene.get("cuts", {}).values() if cut["line"] == line]
+
+
 def judge(number: int) -> Data:
     """What came of a system: errors in promises, by line the worst."""
     verdict: Data = {"number": number, "kind": KINDS[number % len(KINDS)].__name__}
@@ -307,8 +313,10 @@ def judge(number: int) -> Data:
     where = ""
     for name, (positions, tensions, length) in own["lines"].items():
         true_place, true_tension, _ = finer["lines"][name]
-        off = np.linalg.norm(positions - true_place, axis=2).max() / (TAU * length)
-        force = np.abs(tensions - true_tension).max() / (10.0 * TAU * np.abs(true_tension).max())
+        taut = round(min(cut_times(scene, name), default=DURATION + 1.0) / INTERVAL)
+        off = np.linalg.norm(positions - true_place, axis=2)[:taut].max() / (TAU * length)
+        largest = np.abs(true_tension[:taut]).max()
+        force = np.abs(tensions - true_tension)[:taut].max() / (10.0 * TAU * largest)
         if max(off, force) > max(place, tension):
             where = name
         place, tension = max(place, float(off)), max(tension, float(force))

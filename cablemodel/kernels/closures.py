@@ -15,8 +15,6 @@ from .compile import inlined, kernel, view
 from .free_bodies import STEP, arm_moment, set_body_motion
 from .rotation import cross, to_earth_axes
 
-TINY = 1e-300
-
 
 @kernel
 def close(I, M, q, out):
@@ -157,7 +155,7 @@ def factor_small(I, M):
             S[count * r + r] = 1.0
     for k in range(count):
         pivot = S[count * k + k]
-        if not abs(pivot) > TINY:
+        if pivot == 0.0 or pivot != pivot:
             return 1 + int(closure_of(I, M, k // 3).node)
         for r in range(k + 1, count):
             S[count * r + k] /= pivot

@@ -91,7 +91,7 @@ class Header(Record):
     tension_rate = integer("rates of the tensions (nodes, 2) [N/s]")
     stage_tension = integer("tensions of the stages of a step")
     stretch = integer("rates of stretch that the tensions ask for (nodes, 2)")
-    stage_tensions = integer("tensions in the stages of a step (nodes, 6) [N]")
+    stage_tensions = integer("of a system, tensions in the stages of a step (nodes, 6) [N]")
 
     # Pay-out.
     payout = integer("1 where cable may pass a winch: the length of the element there varies")
@@ -210,6 +210,7 @@ class Scalars(Record, first=HEADER_WORDS):
     wave_crest = real("sum of the amplitudes", "m")
 
     clamp_tension = real("tension at a clamped tow point, smoothed over time", "N")
+    stage_top_tension = reals(6, "of the top element, in the stages of the last step", "N")
     largest_tension = real("so far, either way", "N")
     memory = real("how long an error of the velocity moves the line; 0: not looked at", "s")
     wave_x = real("x of the way that the waves go, a horizontal unit vector")

@@ -68,82 +68,37 @@ def tension_tolerance(M):
     return PROMISED * promised_tension(M)
 
 
-@inlined
-def watched(I):
-    """Elements whose tension is looked at: 1 up to this one, without it. Of one line the top one
-    tells; in a system every line may do something of its own."""
-    head = header(I)
-    return head.nodes if head.parts != 0 else 2
-
-
 @kernel
-def allowed_at(I, M, node):
-    """Error of a step's tension in an element that is allowed [N]: in a system by its own line."""
-    if header(I).parts == 0:
-        return tension_tolerance(M)
-    cable = cable_of(I, M, int(edge_of(I, M, node).segment))
-    return PROMISED * 10.0 * scalars(M).tolerance * cable.tension
-
-
-@kernel
-def remember_tensions(I, M):
-    """In a system: the largest tension of each cable, by which errors are measured."""
-    head = header(I)
-    for node in range(1, head.nodes):
-        if I[head.joint + node] == 0:
-            cable = cable_of(I, M, int(edge_of(I, M, node).segment))
-            cable.tension = max(cable.tension, abs(M[head.tension + 2 * node]))
-
-
-@kernel
-def keep_stage_tension(I, M, stage):
-    """Keep the tensions of a step's stage, by its number."""
-    head = header(I)
-    for node in range(1, watched(I)):
-        M[head.stage_tensions + 6 * node + stage] = M[head.trial_tension + 2 * node]
-
-
-@kernel
-def stage_scatter(I, M, scheme):
-    """How far the tensions of a step's implicit stages are off a smooth curve [tolerances]."""
-    head = header(I)
+def stage_scatter(M, scheme):
+    """How far the top tensions of a step's implicit stages are off a smooth curve [tolerances]."""
+    state = scalars(M)
     stages = STAGES[scheme] - 1
     worst = 0.0
-    for node in range(1, watched(I)):
-        if I[head.joint + node] != 0:
-            continue
-        tension = view(M, head.stage_tensions + 6 * node, 6)
-        off = 0.0
-        for i in range(stages):
-            missed = 0.0
-            for j in range(stages):
-                missed += TENSION_TEST[scheme, i, j] * tension[j]
-            off = max(off, abs(missed))
-        worst = max(worst, off / allowed_at(I, M, node))
-    return worst
+    for i in range(stages):
+        missed = 0.0
+        for j in range(stages):
+            missed += TENSION_TEST[scheme, i, j] * state.stage_top_tension[j]
+        worst = max(worst, abs(missed))
+    return worst / tension_tolerance(M)
 
 
 @kernel
-def stretch_tension(I, M, x):
-    """What a motion x of the nodes changes of the tension by stretching elements [tolerances]."""
+def top_stretch_tension(I, M, x):
+    """What a motion x of the nodes changes of the top element's tension by stretching it [N]."""
     head = header(I)
     constraint = view(M, head.constraint_residual, 2 * head.nodes)
     change = view(M, head.stage_velocity, 2 * head.nodes)
     constraint[:] = 0.0
     change[:] = 0.0
     recover_tension(I, M, constraint, x, change)
-    worst = 0.0
-    for node in range(1, watched(I)):
-        if I[head.joint + node] == 0:
-            worst = max(worst, abs(change[2 * node]) / allowed_at(I, M, node))
-    return worst
+    return abs(change[2])
 
 
 @kernel
 def filter_motion(I, M, motion, gamma_dt):
     """Leave of a motion of the nodes, (nodes, 2, dimension), what the stages' matrix makes of its
     inertia: all where the step resolves it, 1 / (1 + (omega gamma dt)^2) of what swings. Returns
-    what is left in the tension [tolerances]."""
+    what is left in the tension at the top [N]."""
     head = header(I)
     count = 2 * head.dimension * head.nodes
     words = 2 * head.nodes
@@ -162,53 +117,136 @@ def filter_motion(I, M, motion, gamma_dt):
     newton_increment(I, M, forces, constraint, x)
     for n in range(count):
         motion[n] = x[n]
-    return stretch_tension(I, M, x)
+    return top_stretch_tension(I, M, x)
 
 
 @outlined
 def embedded_error(I, M, error, gamma_dt, scatter):
-    """Error of the tension by the embedded solution [tolerances], and its part that lasts.
+    """Error of the top tension by the embedded solution [tolerances], and its part that lasts.
 
     error: of the positions, (nodes, 2, dimension) [m]; it is overwritten. scatter: beside which an
     error is none that is much smaller [tolerances].
     """
-    left = filter_motion(I, M, error, gamma_dt)
-    again = filter_motion(I, M, error, gamma_dt)
+    allowed = tension_tolerance(M)
+    left = filter_motion(I, M, error, gamma_dt) / allowed
+    again = filter_motion(I, M, error, gamma_dt) / allowed
     return left, min(1.0, again / max(left, NOTHING * scatter))
 
 
 @kernel
-def follows_for_sure(I, M, dt):
-    """Whether a step follows whatever rings along a line: of a system the slowest is known."""
-    return header(I).parts == 0 and dt * math.sqrt(scalars(M).axial) < FINEST
+def allowed_at(I, M, node):
+    """Error of a step's tension in an element of a system that is allowed [N], by its own line."""
+    cable = cable_of(I, M, int(edge_of(I, M, node).segment))
+    return PROMISED * 10.0 * scalars(M).tolerance * cable.tension
 
 
 @kernel
-def two_step_error(I, M, dt):
-    """Error of the tension of a two-step step [tolerances], and what it does along the line.
-
-    Where the line is too stiff for it to follow, dt^2 T'' at most, by which the prediction from
-    the last step's rate is off; else half of what the predicted positions stretch it by more or
-    less, which lasts.
-    """
+def remember_tensions(I, M):
+    """In a system: the largest tension of each cable, by which errors are measured."""
     head = header(I)
-    if follows_for_sure(I, M, dt):
-        return 0.0, FOLLOWS
-    worst = -1.0
-    along = PASSES_OVER
-    for node in range(1, watched(I)):
+    for node in range(1, head.nodes):
+        if I[head.joint + node] == 0:
+            cable = cable_of(I, M, int(edge_of(I, M, node).segment))
+            cable.tension = max(cable.tension, abs(M[head.tension + 2 * node]))
+
+
+@kernel
+def keep_stage_tensions(I, M, stage):
+    """Keep the tensions of a step's stage, by its number, of all elements of a system."""
+    head = header(I)
+    for node in range(1, head.nodes):
+        M[head.stage_tensions + 6 * node + stage] = M[head.trial_tension + 2 * node]
+
+
+@kernel
+def scatter_at(I, M, node, scheme):
+    """`stage_scatter` of an element of a system."""
+    stages = STAGES[scheme] - 1
+    tension = view(M, header(I).stage_tensions + 6 * node, 6)
+    worst = 0.0
+    for i in range(stages):
+        missed = 0.0
+        for j in range(stages):
+            missed += TENSION_TEST[scheme, i, j] * tension[j]
+        worst = max(worst, abs(missed))
+    return worst / allowed_at(I, M, node)
+
+
+@inlined
+def dies_within(M, dt):
+    """Whether what a step of dt does not follow dies away by the material before a line has moved:
+    what turns by `FINEST` in the step and more."""
+    return dt < FINEST * 0.5 * LOSS_FACTOR * scalars(M).period
+
+
+@kernel
+def error_in_parts(I, M, dt, scheme, gamma_dt, error):
+    """`tension_error` of a system, the largest of all elements. Nothing is solved for."""
+    head = header(I)
+    if dies_within(M, dt):
+        return 0.0, PASSES_OVER
+    scatter = 0.0
+    for node in range(1, head.nodes):
+        if I[head.joint + node] == 0:
+            scatter = max(scatter, scatter_at(I, M, node, scheme))
+    if scatter <= UNSEEN:
+        return scatter, PASSES_OVER
+    filter_motion(I, M, error, gamma_dt)
+    for node in range(1, head.nodes):
+        M[head.stage_tensions + 6 * node + 5] = M[head.stage_velocity + 2 * node]
+    filter_motion(I, M, error, gamma_dt)
+    worst = 0.0
+    for node in range(1, head.nodes):
+        if I[head.joint + node] != 0:
+            continue
+        allowed = allowed_at(I, M, node)
+        left = abs(M[head.stage_tensions + 6 * node + 5]) / allowed
+        again = abs(M[head.stage_velocity + 2 * node]) / allowed
+        scatter = scatter_at(I, M, node, scheme)
+        share = min(1.0, again / max(left, NOTHING * scatter, 1e-300))
+        worst = max(worst, left * share * share / SHARE, (1.0 - share * share) * scatter)
+    return worst, PASSES_OVER
+
+
+@kernel
+def two_step_error_in_parts(I, M, dt):
+    """`two_step_error` of a system, the largest of all elements."""
+    head = header(I)
+    if dies_within(M, dt):
+        return 0.0, PASSES_OVER
+    worst = 0.0
+    for node in range(1, head.nodes):
         if I[head.joint + node] != 0:
             continue
         final = M[head.trial_tension + 2 * node]
         predicted = M[head.tension + 2 * node] + dt * M[head.tension_rate + 2 * node]
         first = M[head.stage_tensions + 6 * node]
         lasting = 0.5 * abs(final - first) / SHARE_OF_LIMITED
-        passed_over = abs(final - predicted)
-        error = min(passed_over, lasting) / allowed_at(I, M, node)
-        if error > worst:
-            worst = error
-            along = PASSES_OVER if passed_over < lasting else FOLLOWS
-    return worst, along
+        worst = max(worst, min(abs(final - predicted), lasting) / allowed_at(I, M, node))
+    return worst, PASSES_OVER
+
+
+@kernel
+def two_step_error(I, M, dt):
+    """Error of the top tension of a two-step step [tolerances], and what it does along the line.
+
+    Where the line is too stiff for it to follow, dt^2 T'' at most, by which the prediction from
+    the last step's rate is off; else half of what the predicted positions stretch it by more or
+    less, which lasts.
+    """
+    head = header(I)
+    state = scalars(M)
+    if head.parts != 0:
+        return two_step_error_in_parts(I, M, dt)
+    if dt * math.sqrt(state.axial) < FINEST:
+        return 0.0, FOLLOWS
+    final = M[head.trial_tension + 2]
+    predicted = M[head.tension + 2] + dt * M[head.tension_rate + 2]
+    lasting = 0.5 * abs(final - state.stage_top_tension[0]) / SHARE_OF_LIMITED
+    passed_over = abs(final - predicted)
+    if passed_over < lasting:
+        return passed_over / tension_tolerance(M), PASSES_OVER
+    return lasting / tension_tolerance(M), FOLLOWS
 
 
 @kernel
@@ -447,18 +485,13 @@ def take_solved(I, M):
 
 @kernel
 def bend_of_tension(I, M, dt):
-    """What the tension changes by in a step of dt, or in the one before it, and twice what that
-    differs by: a bound of its second derivative times the square of dt [tolerances]."""
+    """What the top tension changes by in a step of dt, or in the one before it, and twice what
+    that differs by: a bound of its second derivative times the square of dt [tolerances]."""
     head = header(I)
-    worst = 0.0
-    for node in range(1, watched(I)):
-        if I[head.joint + node] != 0:
-            continue
-        change = M[head.trial_tension + 2 * node] - M[head.tension + 2 * node]
-        before = dt * M[head.tension_rate + 2 * node]
-        largest = max(0.25 * max(abs(change), abs(before)), 2.0 * abs(change - before))
-        worst = max(worst, largest / allowed_at(I, M, node))
-    return worst
+    change = M[head.trial_tension + 2] - M[head.tension + 2]
+    before = dt * M[head.tension_rate + 2]
+    largest = max(0.25 * max(abs(change), abs(before)), 2.0 * abs(change - before))
+    return largest / tension_tolerance(M)
 
 
 @kernel
@@ -482,21 +515,21 @@ def solves(I, M, dt, scatter):
 
 @kernel
 def tension_error(I, M, dt, scheme, gamma_dt, error):
-    """Error of the tension of a step from the state to the trial [tolerances], and what the
+    """Error of the top tension of a step from the state to the trial [tolerances], and what the
     step does along the line: PASSES_OVER, FOLLOWS, or SOLVED, for which see `take_solved`.
 
     error: of the positions, (nodes, 2, dimension) [m].
     """
     head = header(I)
     state = scalars(M)
-    if follows_for_sure(I, M, dt):
+    if head.parts != 0:
+        return error_in_parts(I, M, dt, scheme, gamma_dt, error)
+    if dt * math.sqrt(state.axial) < FINEST:
         return 0.0, FOLLOWS
-    scatter = stage_scatter(I, M, scheme)
+    scatter = stage_scatter(M, scheme)
     if scatter <= UNSEEN:
         return scatter, PASSES_OVER
     if dies_away(M):
-        if head.parts != 0:
-            return scatter, PASSES_OVER
         return 0.0, SOLVED if solves(I, M, dt, scatter) else PASSES_OVER
     left, share = embedded_error(I, M, error, gamma_dt, scatter)
     lasting = left * share * share / SHARE

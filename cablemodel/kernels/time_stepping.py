@@ -69,7 +69,7 @@ from .tension import (
     PASSES_OVER,
     SHORT,
     SOLVED,
-    keep_stage_tension,
+    keep_stage_tensions,
     remember_tensions,
     take_solved,
     tension_error,
@@ -266,7 +266,9 @@ def try_step(I, M, dt, scheme, to_output):
             place_v, place_a = stage_words(I, i, stages)
             copy_words(I, place_v, head.trial_velocity, count)
             copy_words(I, place_a, head.trial_acceleration, count)
-        keep_stage_tension(I, M, i - 1)
+        state.stage_top_tension[i - 1] = M[head.trial_tension + 2]
+        if head.parts != 0:
+            keep_stage_tensions(I, M, i - 1)
         if i == stages - 2:
             for n in range(2 * nodes):
                 M[head.stage_tension + n] = M[head.trial_tension + n]

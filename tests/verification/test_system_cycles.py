@@ -123,7 +123,6 @@ def test_a_free_ring_of_two_bodies_keeps_its_momentum() -> None:
     scene["cuts"] = {
         f"{side}_off": {"line": f"upper_{side}", "at": "end", "time": 1.0} for side in "ab"
     }
-    scene["solver"]["tolerance"] = 1e-5
     model = SystemModel(scene)
     model.step(1.0, forces={"two": [10.0, 0, 0, 0, 0, 2.0]})
     masses = [UPPER[0], LOWER[0]]
