@@ -22,6 +22,7 @@ POSES = "geometry_msgs/msg/PoseArray"
 POINT = "geometry_msgs/msg/PointStamped"
 CLOUD = "sensor_msgs/msg/PointCloud2"
 ARRAY = "std_msgs/msg/Float64MultiArray"
+TRIGGER = "std_srvs/srv/Trigger"
 
 NODE_NAME = "cable"
 """Name of the ROS 2 node: the ``~`` of a topic stands for ``/cable``."""
@@ -67,7 +68,7 @@ class Variable:
             quantity=f"{name}: {self.quantity}",
             python=named(self.python),
             fmu=named(self.fmu),
-            topic=named(self.topic),
+            topic=topic_of_part(self.topic, name),
         )
 
     def in_scene(self, scene: Any) -> bool:
@@ -243,10 +244,11 @@ BODY_INPUTS: tuple[Input, ...] = (
 
 FOIL_INPUT = Input("deflection", "rad", "deflection", "NAME.deflection", "~/NAME/deflection",
                    FLOAT64)  # fmt: skip
-"""Of each foil of a system, by the names of its body and its own."""
+"""Of each foil of a system, by the names of its body and its own: BODY.FOIL, in a topic
+BODY/FOIL."""
 
-CUT_INPUT = Input("above 0.5: make the cut now", "", "cut", "NAME.cut", "~/NAME/cut", FLOAT64)
-"""Of each cut of a system."""
+CUT_INPUT = Input("above 0.5: make the cut now", "", "cut", "NAME.cut", "~/NAME/cut", TRIGGER)
+"""Of each cut of a system: in ROS 2 a service."""
 
 
 @dataclass(frozen=True)
@@ -311,11 +313,16 @@ OUTPUTS_TOPIC = "~/outputs"
 """Of a system: all outputs over time, exact; the other topics are for viewers."""
 
 
+def topic_of_part(topic: str, name: str) -> str:
+    """A topic of the table with the name of a part, of which that of a foil is BODY.FOIL."""
+    return topic.replace("NAME", name.replace(".", "/"))
+
+
 def state_topics_of(scene: Any) -> dict[str, str]:
-    """Topics (resolved) of the exact states of each line; of a scene of one line that of ""."""
+    """Topics (``~/...``) of the exact states of each line; of a scene of one line that of ""."""
     if not is_system(scene):
-        return {"": resolved(STATE_TOPIC)}
-    return {name: resolved(LINE_STATE_TOPIC.replace("NAME", name)) for name in scene.lines}
+        return {"": STATE_TOPIC}
+    return {name: topic_of_part(LINE_STATE_TOPIC, name) for name in scene.lines}
 
 
 def output_labels(scene: Any) -> tuple[str, ...]:

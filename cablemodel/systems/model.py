@@ -300,6 +300,12 @@ class SystemModel:
             for name, time in zip(self.scene.cuts, done, strict=True)
         }
 
+    @property
+    def deflections(self) -> dict[str, float]:
+        """Of foils, by ``BODY.FOIL`` [rad]."""
+        names = (f"{body}.{foil}" for body, foil in self._foils)
+        return dict(zip(names, self._angles.tolist(), strict=True))
+
     def _parts(self) -> tuple[FloatArray, FloatArray]:
         from cablemodel import library as entry
 
