@@ -180,6 +180,11 @@ class Commands(Desk):
         with self._lock:
             return Latest(self._latest.twist, self._latest.odometry, self._latest.payout)
 
+    def begin_at(self, origin: ArrayLike) -> None:
+        """The model begins with its point elsewhere in the map (3,) [m]."""
+        with self._lock:
+            self._origin = np.array(origin, dtype=np.float64)
+
     def forget(self) -> None:
         """Drop all commands (after a reset: they were given for another state)."""
         with self._lock:

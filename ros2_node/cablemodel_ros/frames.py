@@ -7,6 +7,8 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cablemodel.log.messages import quaternion_of
+
 Floats = NDArray[np.float64]
 
 
@@ -52,30 +54,6 @@ def turned(matrix: Floats, spin: Floats, dt: float) -> Floats:
     across = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     turn = np.eye(3) + math.sin(angle) * across + (1.0 - math.cos(angle)) * across @ across
     return rotation(quaternion_of(turn @ matrix))  # round-off does not add up
-
-
-def quaternion_of(matrix: Floats) -> tuple[float, float, float, float]:
-    """Quaternion (x, y, z, w) of a rotation matrix (3, 3), w not negative."""
-    m = matrix
-    # The largest of the four squares is divided by: nothing is lost near half a turn.
-    squares = np.array(
-        [
-            1 + m[0, 0] - m[1, 1] - m[2, 2],
-            1 - m[0, 0] + m[1, 1] - m[2, 2],
-            1 - m[0, 0] - m[1, 1] + m[2, 2],
-            1 + m[0, 0] + m[1, 1] + m[2, 2],
-        ]
-    )
-    largest = int(np.argmax(squares))
-    rows = (
-        (squares[0], m[0, 1] + m[1, 0], m[0, 2] + m[2, 0], m[2, 1] - m[1, 2]),
-        (m[0, 1] + m[1, 0], squares[1], m[1, 2] + m[2, 1], m[0, 2] - m[2, 0]),
-        (m[0, 2] + m[2, 0], m[1, 2] + m[2, 1], squares[2], m[1, 0] - m[0, 1]),
-        (m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1], squares[3]),
-    )
-    q = np.array(rows[largest]) / (2.0 * math.sqrt(squares[largest]))
-    x, y, z, w = (q if q[3] >= 0.0 else -q).tolist()
-    return x, y, z, w
 
 
 def axes_of(angles: Floats) -> Floats:

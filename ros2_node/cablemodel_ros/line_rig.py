@@ -14,9 +14,9 @@ from cablemodel_ros import interface
 from cablemodel_ros.commands import Commands, Tally
 from cablemodel_ros.frames import Floats
 from cablemodel_ros.helm import Applied, Helm, Present
-from cablemodel_ros.rig import Frame, Order, Port, Strand, motion_ports
+from cablemodel_ros.rig import Frame, Order, Port, Strand, motion_ports, notes_of
 from cablemodel_ros.samples import Message, Sampler
-from cablemodel_ros.settings import Settings, unused_of
+from cablemodel_ros.settings import Settings
 from cablemodel_ros.timebase import Timebase
 from cablemodel_ros.times import Moment, Simulated, Stamp
 
@@ -37,7 +37,8 @@ class LineRig:
         if settings.payout_input == "command":
             self.ports += (Port(interface.PAYOUT_RATE, self.commands.take_payout_rate),)
         self.orders: Mapping[str, Order] = {}
-        self.unused = unused_of(("vessel_inputs",), settings)
+        frames = {interface.ODOM.name: settings.vessel_frame}
+        self.notes = notes_of(settings, ("vessel_inputs",), self.ports, frames)
 
     @property
     def stale(self) -> Collection[str]:
@@ -129,6 +130,7 @@ class LineRig:
 
     def take_image(self, image: bytes, scene: str) -> None:
         self.model.restore(Snapshot(image, scene))
+        self.commands.begin_at(self.model.vessel_position)
 
     @property
     def scene_hash(self) -> str:

@@ -208,12 +208,8 @@ class CableNode(LifecycleNode):
             clock=self._foreign,
             listened=self._outputs.listened,
         )
-        if settings.tf_vessel and settings.vessel_input == "odom":
-            self.get_logger().warning(
-                f"tf_vessel broadcasts map -> {settings.vessel_frame}: what gives ~/odom must not"
-            )
-        for name in session.rig.unused:
-            self.get_logger().warning(f"parameter {name} is set, and means nothing for this scene")
+        for note in session.rig.notes:
+            self.get_logger().warning(note)
         self._diagnostics = Diagnostics(session, self._loop)
         self._failed = self.create_guard_condition(self._fail)
         self._entities.append(lambda: self.destroy_guard_condition(self._failed))

@@ -7,7 +7,7 @@ variables; nothing else in the node asks which of the two it has.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -16,7 +16,7 @@ from cablemodel_ros import interface
 from cablemodel_ros.commands import Commands, Tally
 from cablemodel_ros.frames import Floats
 from cablemodel_ros.samples import Message
-from cablemodel_ros.settings import Settings
+from cablemodel_ros.settings import Settings, those_set
 from cablemodel_ros.timebase import Timebase
 from cablemodel_ros.times import Moment, Simulated, Stamp
 
@@ -63,7 +63,7 @@ class Rig(Protocol):
     """A model, what commands it, and what its messages are. Not thread-safe but for its ports.
 
     Attributes: ``scene``; ``model``; ``tallies`` (of commands, by topic); ``ports``; ``orders``
-    (services by name); ``unused`` (parameters that are set and mean nothing for this scene).
+    (services by name); ``notes`` (what is odd in the settings, for the console).
     """
 
     scene: Any
@@ -71,7 +71,7 @@ class Rig(Protocol):
     tallies: Mapping[str, Tally]
     ports: tuple[Port, ...]
     orders: Mapping[str, Order]
-    unused: tuple[str, ...]
+    notes: tuple[str, ...]
 
     @property
     def stale(self) -> Collection[str]:
@@ -160,6 +160,30 @@ def rig_of(scene: Any, settings: Settings, timebase: Timebase) -> Rig:
     from cablemodel_ros.line_rig import LineRig
 
     return LineRig(scene, settings, timebase)
+
+
+def notes_of(
+    settings: Settings, unused: Iterable[str], ports: Iterable[Port], frames: Mapping[str, str]
+) -> tuple[str, ...]:
+    """What is odd in the settings.
+
+    Args:
+        settings: of the session.
+        unused: parameters that mean nothing for the scene.
+        ports: of the rig.
+        frames: of vessels, by the topics of their odometry.
+    """
+    found = [
+        f"parameter {name} is set, and means nothing for this scene"
+        for name in those_set(unused, settings)
+    ]
+    topics = (port.topic.name for port in ports if settings.tf_vessel)
+    found += [
+        f"tf_vessel broadcasts map -> {frames[topic]}: what gives {topic} must not"
+        for topic in topics
+        if topic in frames
+    ]
+    return tuple(found)
 
 
 def motion_ports(

@@ -98,7 +98,8 @@ PARAMETERS: tuple[Parameter, ...] = (
     Parameter("lag_limit", 0.5, "How far simulated time may fall behind before it slips.", "s",
               0.01, 60.0, change="always"),
     Parameter("vessel_input", "odom",
-              "What moves the tow point: ~/odom, cmd_vel, or the scene's own schedule.",
+              "What moves the tow point, or a system's vessels: odometry, cmd_vel, or the scene's "
+              "own schedule.",
               choices=("odom", "cmd_vel", "scene")),
     Parameter("vessel_inputs", "",
               "Of a system: vessels and driven ends that something else moves, as "
@@ -228,8 +229,8 @@ class Settings:
         return self.publish_clock or self.real_time_factor != 1.0
 
 
-def unused_of(names: Iterable[str], settings: Settings) -> tuple[str, ...]:
-    """Those of parameters that mean nothing for a scene which are set all the same."""
+def those_set(names: Iterable[str], settings: Settings) -> tuple[str, ...]:
+    """Those of parameters that are not at their defaults."""
     parameters = (BY_NAME[name] for name in names)
     return tuple(p.name for p in parameters if getattr(settings, p.attribute) != p.default)
 

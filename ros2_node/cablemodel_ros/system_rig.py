@@ -17,9 +17,9 @@ from cablemodel_ros.commands import Commands, PartCommands, Seat, Tally
 from cablemodel_ros.frames import Floats
 from cablemodel_ros.helm import Freshness, VesselHelm
 from cablemodel_ros.limits import approached_number
-from cablemodel_ros.rig import Frame, Order, Port, Strand, motion_ports
+from cablemodel_ros.rig import Frame, Order, Port, Strand, motion_ports, notes_of
 from cablemodel_ros.samples import Message
-from cablemodel_ros.settings import Settings, SettingsError, unused_of
+from cablemodel_ros.settings import Settings, SettingsError
 from cablemodel_ros.system_samples import SystemSampler
 from cablemodel_ros.timebase import Timebase
 from cablemodel_ros.times import Moment, Simulated, Stamp
@@ -67,7 +67,8 @@ class SystemRig:
             interface.cut_service(name): partial(self._order_cut, name) for name in scene.cuts
         }
         self._freshness = Freshness()
-        self.unused = unused_of(OF_ONE_LINE, settings)
+        frames = {odometry(name).name: name for name in scene.vessels}
+        self.notes = notes_of(settings, OF_ONE_LINE, self.ports, frames)
 
     @property
     def stale(self) -> Collection[str]:
@@ -180,6 +181,8 @@ class SystemRig:
             problem = "it belongs to another scene, of other values"
             raise SceneError.at("snapshot", None, problem, "one of this scene")
         self.model.restore(image)
+        for name, motion in self.model.vessels.items():
+            self._commands[name].begin_at(motion.position)
 
     @cached_property
     def scene_hash(self) -> str:

@@ -209,6 +209,21 @@ def test_a_saved_state_goes_on_as_the_model_did(session: Session, tmp_path: Path
         assert saved["position"].shape == (len(saved["s"]), 3)
 
 
+def test_relative_odometry_counts_from_where_a_saved_state_is(
+    session: Session, tmp_path: Path
+) -> None:
+    drive(session, 300)
+    path = session.save().write(tmp_path)
+    made = settings(initial_state=str(path), vessel_input="odom", odom_relative=True)
+    other: Any = opened(made)
+    place = other.model.vessel_position
+    assert place[0] > 1.0
+    other.rig.commands.take_odometry(
+        None, "map", "map", (700.0, 0, 0), (0, 0, 0, 1), (0, 0, 0), (0, 0, 0)
+    )
+    assert other.rig.commands.latest().odometry.course.position == pytest.approx(place)
+
+
 def test_a_saved_state_of_another_scene_is_refused(session: Session, tmp_path: Path) -> None:
     path = session.save().write(tmp_path)
     other = cm.load_scene(

@@ -11,9 +11,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from cablemodel_ros import interface
 from cablemodel_ros.control import ControlLoop
 from cablemodel_ros.diagnostics import WARN, Diagnostics
-from cablemodel_ros.frames import angle_rates, angles_of, axes_of, quaternion_of
+from cablemodel_ros.frames import angle_rates, angles_of, axes_of
 from cablemodel_ros.recording import SNAPSHOT_ATTACHMENT
 from cablemodel_ros.session import Session, SessionError
 from cablemodel_ros.settings import Settings, SettingsError
@@ -26,6 +27,8 @@ from scipy.spatial.transform import Rotation
 from system_to_steer import SCENE
 
 import cablemodel as cm
+from cablemodel import variables
+from cablemodel.log.messages import quaternion_of
 from cablemodel.replay import replay
 
 DT = 0.02
@@ -103,9 +106,15 @@ def test_ports_outputs_and_services_have_the_users_names() -> None:
         "~/ship/odom_in", "~/vehicle/cmd_vel", "~/cage/wrench_in", "~/cage/fin/deflection",
     }  # fmt: skip
     assert set(bench.session.rig.orders) == {"~/weak_link/cut"}
-    topics = {topic for topic, _ in bench.session.rig.outputs(bench.session.stamp())}
+    stamp = bench.session.stamp()
+    topics = [topic for topic, _ in bench.session.rig.outputs(stamp)]
+    promised = {topic.name for topic in interface.topics_of(bench.session.scene)}
+    assert {*topics, variables.APPLIED_INPUTS_TOPIC} == promised
+    assert len(topics) == len(set(topics))
     assert {"~/ship/odom", "~/ship/wrench", "~/cage/odom", "~/tether/nodes", "~/outputs",
-            "~/umbilical/tension_start", "~/weak_link/time"} <= topics  # fmt: skip
+            "~/umbilical/tension_start", "~/weak_link/time"} <= promised  # fmt: skip
+    for some in ({"~/tether/nodes"}, {"~/outputs"}, {"~/ship/wrench", "~/cage/odom"}, set()):
+        assert {topic for topic, _ in bench.session.rig.outputs(stamp, some)} == some
     assert json.loads(json.dumps(bench.session.summary()))["lines"] == {
         "umbilical": 40.0, "tether": 25.0,
     }  # fmt: skip
@@ -166,6 +175,18 @@ def test_a_twist_in_its_own_axes_moves_a_driven_end_that_turns() -> None:
     # Circle of 4 m: up to the run-up of .2 s.
     place = vehicle.position - [10.0, 0.0, -37.0]
     assert place == pytest.approx([4 * math.sin(0.8), 4 * (1 - math.cos(0.8)), 0], abs=0.05)
+    bench.session.close()
+
+
+def test_a_twist_without_a_stamp_is_in_the_vessel_s_axes() -> None:
+    made = settings(vessel_input="scene", vessel_inputs="ship=cmd_vel", cmd_vel_stamped=False)
+    bench = Bench(made)
+    (port,) = (p for p in bench.session.rig.ports if p.topic.name == "~/ship/cmd_vel")
+    assert port.topic.message == "geometry_msgs/msg/Twist"
+    bench.steps(100, lambda: port.take((0.2, 0, 0), (0, 0, 0.4)))
+    ship = bench.model.vessels["ship"]
+    assert ship.attitude[2] > 0.6
+    assert ship.velocity @ ship.axes == pytest.approx([0.2, 0.0, 0.0], abs=1e-9)
     bench.session.close()
 
 
@@ -273,9 +294,12 @@ def test_a_vessel_that_waves_move_is_not_moved_twice() -> None:
     Session(settings(scene, vessel_inputs="ship=scene")).close()
 
 
-def test_parameters_of_one_line_are_told_with_a_system() -> None:
-    made = Session(settings(tow_point=[1.0, 0.0, 0.0], vessel_input="scene"))
-    assert made.rig.unused == ("tow_point",)
+def test_settings_that_are_odd_with_a_system_are_told() -> None:
+    made = Session(settings(tow_point=[1.0, 0.0, 0.0], vessel_inputs="ship=scene", tf_vessel=True))
+    assert made.rig.notes == (
+        "parameter tow_point is set, and means nothing for this scene",
+        "tf_vessel broadcasts map -> vehicle: what gives ~/vehicle/odom_in must not",
+    )
     made.close()
 
 
@@ -361,6 +385,13 @@ def test_files_of_a_system_begin_at_a_snapshot_and_a_saved_state_goes_on(tmp_pat
     assert cm.load_system(path.with_suffix(".yaml")) == bench.session.scene
     other = Bench(settings(vessel_inputs="vehicle=scene ship=scene", initial_state=str(path)))
     assert other.model.time == bench.model.time
+    relative = settings(initial_state=str(path), odom_relative=True)
+    moved: Any = Bench(relative)
+    place = moved.model.vessels["ship"].position
+    assert np.linalg.norm(place) > 0.1
+    moved.odometry("ship", (900.0, 0, 0))
+    sample = moved.session.rig._commands["ship"].latest().odometry
+    assert sample.course.position == pytest.approx(place)
     bench.steps(30)
     bench.session.close()
     first, second = sorted(logs.glob("*.mcap"))
