@@ -2,7 +2,11 @@
 (`system_rig`).
 
 What goes in is a table of ports, one for each topic, and what goes out is named by the table of
-variables; nothing else in the node asks which of the two it has.
+variables; nothing else in the node asks which of the two it has. A step is made so:
+
+    message -> inputs -> Port.take (commands: checked, in the map, the newest kept)
+    clock   -> control -> Rig.advance (helm: bounded motion) -> step_to of the model
+            -> Rig.applied, Rig.outputs -> outputs (topics); with Rig.record -> recording (log)
 """
 
 from __future__ import annotations

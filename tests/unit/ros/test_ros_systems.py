@@ -31,6 +31,7 @@ from cablemodel import variables
 from cablemodel.log.messages import quaternion_of
 from cablemodel.replay import replay
 
+ROOT = Path(__file__).parents[3]
 DT = 0.02
 LEVEL = (0.0, 0.0, 0.0, 1.0)
 ANGLES = st.tuples(st.floats(-3.1, 3.1), st.floats(-1.5, 1.5), st.floats(-3.1, 3.1))
@@ -163,6 +164,24 @@ def test_a_vessel_follows_odometry_in_place_and_attitude() -> None:
     bench.session.close()
 
 
+def test_a_heading_is_reached_by_the_shorter_way() -> None:
+    """From 170 degrees to -170, and back: over the south, never more than 10 degrees from it."""
+    made = settings(
+        text(vessels__ship__attitude=[0.0, 0.0, math.radians(170.0)]), vessel_inputs="vehicle=scene"
+    )
+    bench = Bench(made)
+    for heading in (-170.0, 170.0):
+        turn = quaternion_of(axes_of(np.array([0.0, 0.0, math.radians(heading)])))
+        off = []
+        for _ in range(200):
+            bench.steps(1, lambda turn=turn: bench.odometry("ship", (0, 0, 0), turn))
+            yaw = math.degrees(bench.model.vessels["ship"].attitude[2])
+            off.append(abs(math.remainder(yaw - 180.0, 360.0)))
+        assert max(off) < 10.5
+        assert math.remainder(yaw - heading, 360.0) == pytest.approx(0.0, abs=0.01)
+    bench.session.close()
+
+
 def test_a_twist_in_its_own_axes_moves_a_driven_end_that_turns() -> None:
     bench = Bench(settings(vessel_input="scene", vessel_inputs="vehicle=cmd_vel"))
     take = bench.ports["~/vehicle/cmd_vel"]
@@ -292,6 +311,20 @@ def test_a_vessel_that_waves_move_is_not_moved_twice() -> None:
     with pytest.raises(SettingsError, match=r"vessels.ship.raos .* allowed: ship=scene"):
         Session(settings(scene))
     Session(settings(scene, vessel_inputs="ship=scene")).close()
+
+
+@pytest.mark.parametrize(
+    "path", sorted((ROOT / "scenes/systems").glob("*.yaml")), ids=lambda p: p.stem
+)
+def test_the_scenes_of_systems_run_and_are_published_whole(path: Path) -> None:
+    bench = Bench(settings(str(path), vessel_input="scene"))
+    bench.steps(3)
+    assert bench.model.time == pytest.approx(3 * DT)
+    topics = {topic for topic, _ in bench.session.rig.outputs(bench.session.stamp())}
+    assert {*topics, variables.APPLIED_INPUTS_TOPIC} == {
+        topic.name for topic in interface.topics_of(bench.session.scene)
+    }
+    bench.session.close()
 
 
 def test_settings_that_are_odd_with_a_system_are_told() -> None:
