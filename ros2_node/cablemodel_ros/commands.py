@@ -308,7 +308,7 @@ class Commands(Desk):
             self._latest.odometry = None
         return self._refuse(
             self.seat.odometry,
-            f"position is {distance:.3g} m from where it is; allowed: limits.position_jump = "
+            f"position is {distance:.3g} m from the present one; allowed: limits.position_jump = "
             f"{self._settings.limits_position_jump:g} m (odom_relative counts from the first "
             "message; ~/reset begins anew)",
         )

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from cablemodel import SystemModel, SystemScene
+from cablemodel import SystemModel, SystemScene, VesselInput
 from cablemodel.errors import SceneError
 from cablemodel_ros import interface
 from cablemodel_ros.commands import Commands, PartCommands, Seat, Tally
@@ -84,7 +84,11 @@ class SystemRig:
         return sum(helm.limited for helm in self._helms.values())
 
     def warm_up(self) -> None:
+        """A step by itself, and one that is driven."""
         self.model.step(1e-3)
+        motions = self.model.vessels.items()
+        kept = {name: VesselInput(velocity=motion.velocity) for name, motion in motions}
+        self.model.step(1e-3, vessels=kept)
         assert np.isfinite(self.model.top_tension)
         self.model.reset()
 

@@ -276,9 +276,9 @@ def test_a_vehicle_that_mujoco_simulates_goes_the_same_way_over_ros(tmp_path: Pa
 
 
 def test_a_scene_of_one_line_and_a_system_take_turns(
-    start_node: Start, talker: Talker, system: Path
+    start_node: Start, talker: Talker, system: Path, tmp_path: Path
 ) -> None:
-    node = start_node(vessel_input="scene", vessel_inputs="ship=radio")
+    node = start_node(vessel_input="scene", vessel_inputs="ship=radio", save_folder=tmp_path)
     assert talker.transition("configure")
     wait_until(lambda: "vessel_inputs is set, and means nothing for this scene" in node.text)
     tension = talker.listen("/cable/tension_top", Float64)
@@ -295,6 +295,7 @@ def test_a_scene_of_one_line_and_a_system_take_turns(
     assert talker.transition("activate")
     wait_until(lambda: len(end) > 5)
     assert talker.trigger("save").success
+    assert len(list(tmp_path.glob("cable_*.npz"))) == 1
     assert talker.transition("deactivate")
     assert talker.transition("cleanup")
     assert talker.set_parameter("scene", str(SCENE)).successful
