@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel.kernels import layout as at
-from cablemodel.kernels.layout import Header, Scalars
+from cablemodel.kernels.layout import Header, Scalars, Winch
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -36,6 +36,7 @@ SIZES = {
     "foils": Header.foil_count.word,
     "foil_words": Header.foil_words.word,
     "cuts": Header.cut_count.word,
+    "winches": Header.winch_count.word,
     "rao_words": Header.rao_words.word,
     "feet": Header.foot_count.word,
 }
@@ -96,6 +97,11 @@ class WordBlock:
     def scalars(self) -> Scalars:
         """The numbers that there is one of, by name."""
         return Scalars(self.reals)
+
+    @property
+    def winch(self) -> Winch:
+        """The winch at the tow point of one line, by name."""
+        return Winch(self.reals, int(self.header.winches))
 
     @property
     def failed_node(self) -> int:
@@ -176,6 +182,7 @@ class Block(WordBlock):
         cuts: Any = 0,
         rao_words: Any = 0,
         feet: Any = 0,
+        winches: Any = 1,
     ) -> tuple[Arrays, Arrays]:
         """Arrays of the image in order, then those of the workspace: (header word, length).
 
@@ -210,6 +217,7 @@ class Block(WordBlock):
             (Header.arms.word, arms * at.ARM_WORDS),
             (Header.cuts.word, cuts * at.CUT_WORDS),
             (Header.feet.word, feet * at.FOOT_WORDS),
+            (Header.winches.word, winches * at.WINCH_WORDS),
             (Header.position.word, capacity * 6),
             (Header.velocity.word, capacity * 6),
             (Header.acceleration.word, capacity * 6),
@@ -247,7 +255,7 @@ class Block(WordBlock):
             (Header.motion.word, waves * at.WATER_COLUMNS + at.MOTION_WORDS),
             # Of three Gauss points to an element, and of every body.
             (Header.cells.word, capacity * cell * 3 + bodies * cell + free_bodies * cell),
-            (Header.top.word, 24 + at.BODY_WORDS),
+            (Header.matter.word, winches * at.MATTER_WORDS + at.BODY_WORDS),
             (Header.end_force.word, capacity * 6),
             (Header.failed.word, 1),
             (Header.parts_work.word, free_bodies * at.PARTS_WORDS),

@@ -84,12 +84,12 @@ class FiniteElementSolver(OfBlock):
         """Arc lengths of all nodes from the vessel (nodes,) [m]."""
         nodes = int(self._header.nodes)
         edges = self.memory.array(Header.edges, nodes, at.EDGE_WORDS)
-        arcs = edges[:, at.Edge.start] + edges[:, at.Edge.length] + self._scalars.paid
+        arcs = edges[:, at.Edge.start] + edges[:, at.Edge.length] + self.memory.winch.paid
         arcs[0] = 0.0
         arcs[1] = edges[1, at.Edge.length]
         if self._header.rigid > 0 and nodes > 2:
             # The first bit of a body that comes is no cable, though the top element covers it.
-            arcs[1] = edges[2, at.Edge.start] + self._scalars.paid
+            arcs[1] = edges[2, at.Edge.start] + self.memory.winch.paid
         # Rounding must not put a node beyond the end of the line, where there is no station.
         return np.asarray(np.minimum(arcs, arcs[-1]), dtype=np.float64)
 

@@ -429,7 +429,9 @@ class CableModel:
     @property
     def winch(self) -> str:
         """``free``, ``drum empty`` or ``shortest length``: what clamps the pay-out rate."""
-        return {0: "free", 1: "drum empty", -1: "shortest length"}[int(self._header.clamped)]
+        return {0: "free", 1: "drum empty", -1: "shortest length"}[
+            int(self._solver.memory.winch.at_limit)
+        ]
 
     @property
     def floor_force(self) -> FloatArray:
@@ -557,7 +559,10 @@ class CableModel:
             curvature=rows[:, 10].copy(),
             bending_moment=rows[:, 11].copy(),
             on_floor=rows[:, 12] > 0.5,
-            water=(self._surroundings, self._surroundings.length + float(self._scalars.paid)),
+            water=(
+                self._surroundings,
+                self._surroundings.length + float(self._solver.memory.winch.paid),
+            ),
         )
 
     @cached_property

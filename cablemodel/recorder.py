@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from os import PathLike
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, Self, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -30,7 +30,8 @@ if TYPE_CHECKING:
     from cablemodel.model import CableModel, CableState
     from cablemodel.run import Run
     from cablemodel.scene import Scene
-    from cablemodel.systems import SystemScene, VesselInput
+    from cablemodel.systems import SystemScene
+    from cablemodel.systems.inputs import SystemInputs
 
 Floats = NDArray[np.float64]
 
@@ -272,27 +273,13 @@ class Recorder:
 class SystemRecorder(Recorder):
     """A `Recorder` of a `SystemModel`."""
 
-    def step(  # type: ignore[override]  # a system has other inputs
-        self,
-        dt: float,
-        vessels: Mapping[str, VesselInput] | None = None,
-        forces: Mapping[str, ArrayLike] | None = None,
-        deflections: Mapping[str, float] | None = None,
-        cuts: Iterable[str] = (),
-    ) -> None:
+    def step(self, dt: float, **inputs: Unpack[SystemInputs]) -> None:  # type: ignore[override]
         """As :meth:`SystemModel.step`, recorded."""
-        self._take(self.model.step, dt, _named(vessels, forces, deflections, cuts))
+        self._take(self.model.step, dt, _kept(inputs))
 
-    def step_to(  # type: ignore[override]
-        self,
-        end: float,
-        vessels: Mapping[str, VesselInput] | None = None,
-        forces: Mapping[str, ArrayLike] | None = None,
-        deflections: Mapping[str, float] | None = None,
-        cuts: Iterable[str] = (),
-    ) -> None:
+    def step_to(self, end: float, **inputs: Unpack[SystemInputs]) -> None:  # type: ignore[override]
         """As :meth:`SystemModel.step_to`, recorded."""
-        self._take(self.model.step_to, end, _named(vessels, forces, deflections, cuts))
+        self._take(self.model.step_to, end, _kept(inputs))
 
 
 def recorder_of(model: Any, *arguments: Any, **options: Any) -> Recorder:
@@ -308,9 +295,10 @@ def _by_name(inputs: tuple[Any, ...]) -> dict[str, Any]:
     return {item.python: value for item, value in pairs if value is not None}
 
 
-def _named(vessels: Any, forces: Any, deflections: Any, cuts: Iterable[str]) -> dict[str, Any]:
-    given = {"vessels": vessels, "forces": forces, "deflections": deflections}
-    given["cuts"] = list(cuts)
+def _kept(inputs: SystemInputs) -> dict[str, Any]:
+    """Those inputs of a step of a system that are given."""
+    given: dict[str, Any] = {**inputs}
+    given["cuts"] = list(given.get("cuts") or ())
     return {name: value for name, value in given.items() if value}
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel.kernels.layout import Header, Scalars
+from cablemodel.kernels.layout import Header, Scalars, Winch
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
@@ -46,6 +46,9 @@ class Memory(Protocol):
 
     @property
     def scalars(self) -> Scalars: ...
+
+    @property
+    def winch(self) -> Winch: ...
 
     @property
     def image(self) -> IntArray: ...

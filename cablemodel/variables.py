@@ -196,6 +196,17 @@ CUT_OUTPUTS: tuple[Variable, ...] = (
 """Of each cut of a system."""
 
 
+WINCH_OUTPUTS: tuple[Variable, ...] = (
+    Variable("applied pay-out rate, unstretched, positive out", "m/s", "NAME.payout_rate",
+             "NAME.applied", "~/NAME/payout_rate", FLOAT64),
+    Variable("unstretched length of its line", "m", "NAME.line_length", "NAME.line.length",
+             "~/NAME/line_length", FLOAT64),
+    Variable("cable on the drum, unstretched", "m", "NAME.drum_length", "NAME.drum.length",
+             "~/NAME/drum_length", FLOAT64),
+)  # fmt: skip
+"""Of each winch of a system."""
+
+
 @dataclass(frozen=True)
 class Input:
     """One input of a step, and what it is called in each interface."""
@@ -246,6 +257,10 @@ FOIL_INPUT = Input("deflection", "rad", "deflection", "NAME.deflection", "~/NAME
                    FLOAT64)  # fmt: skip
 """Of each foil of a system, by the names of its body and its own: BODY.FOIL, in a topic
 BODY/FOIL."""
+
+WINCH_INPUT = Input("pay-out rate, unstretched, positive out", "m/s", "rate", "NAME.rate",
+                    "~/NAME/payout_rate_cmd", FLOAT64)  # fmt: skip
+"""Of each winch of a system."""
 
 CUT_INPUT = Input("above 0.5: make the cut now", "", "cut", "NAME.cut", "~/NAME/cut", TRIGGER)
 """Of each cut of a system: in ROS 2 a service."""
@@ -396,6 +411,7 @@ def inputs_of_system(scene: Any) -> tuple[tuple[str, Input], ...]:
             (VESSEL_INPUTS, scene.vessels),
             (BODY_INPUTS, scene.bodies),
             ((FOIL_INPUT,), foils),
+            ((WINCH_INPUT,), scene.winches),
             ((CUT_INPUT,), scene.cuts),
         )
         for name in names
@@ -444,8 +460,8 @@ def _drum(scene: Any) -> tuple[Any, ...]:
 
 @cache
 def _outputs_of_parts(*kinds: tuple[str, ...]) -> tuple[Variable, ...]:
-    """The rows of lines, bodies, vessels and cuts of these names: asked for at every output."""
-    rows_of_kinds = LINE_OUTPUTS, BODY_OUTPUTS, VESSEL_OUTPUTS, CUT_OUTPUTS
+    """The rows of parts of these names, by their kinds: asked for at every output."""
+    rows_of_kinds = LINE_OUTPUTS, BODY_OUTPUTS, VESSEL_OUTPUTS, WINCH_OUTPUTS, CUT_OUTPUTS
     return tuple(
         row.of_part(name)
         for rows, names in zip(rows_of_kinds, kinds, strict=True)
@@ -457,7 +473,7 @@ def _outputs_of_parts(*kinds: tuple[str, ...]) -> tuple[Variable, ...]:
 def outputs_of(scene: Any) -> tuple[Variable, ...]:
     """The rows of the table that a scene has; of a system those of its parts, by their names."""
     if is_system(scene):
-        kinds = scene.lines, scene.bodies, scene.vessels, scene.cuts
+        kinds = scene.lines, scene.bodies, scene.vessels, scene.winches, scene.cuts
         return _outputs_of_parts(*(tuple(names) for names in kinds))
     return tuple(variable for variable in OUTPUTS if variable.in_scene(scene))
 

@@ -70,6 +70,7 @@ class DirectBlock(WordBlock):
             (own.OwnHeader.share.place, nodes),
             (own.OwnHeader.place.place, nodes * 3),
             (own.OwnHeader.strains.place, nodes * 2),
+            (Header.winches.word, at.WINCH_WORDS),
         ]
         image_words = own.FIRST_FREE + sum(length for _, length in image)
         slots = nodes + 1
@@ -127,4 +128,5 @@ class DirectBlock(WordBlock):
         header[Header.version.word] = own.VERSION
         # The shared kernels see the earth frame: the vertical plane is this solver's own.
         header[Header.dimension.word] = 3
+        header[Header.winch_count.word] = 1
         super().__init__(own.FIRST_FREE, image, workspace, header)

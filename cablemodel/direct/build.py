@@ -219,8 +219,7 @@ def _fill_sections(block: DirectBlock, scene: Scene, sections: list[Section]) ->
 
 def _fill_drum(block: DirectBlock, scene: Scene, sections: list[Section]) -> None:
     """Rows of the joints in the order in which they pass the tow point; those of the line first."""
-    ints, reals = block.ints, block.reals
-    state = Scalars(reals)
+    ints = block.ints
     types = list(scene.cable_types)
     rows: list[tuple[int, int, int, int, float, int, int]] = []
     below = scene.line_length
@@ -274,9 +273,11 @@ def _fill_drum(block: DirectBlock, scene: Scene, sections: list[Section]) -> Non
         ) = values[:4]
         row[own.DrumRow.hinge], row[own.DrumRow.rigid] = values[5:]
         row.view(np.float64)[own.DrumRow.leaves] = values[4]
-    state.paid_most = out
+    winch = block.winch
+    winch.way, winch.rates = 1.0, len(scene.payout.rate)
+    winch.paid_most = out
     total = scene.line_length
-    state.paid_least = -(total - SHORTEST_LINE * total)
+    winch.paid_least = -(total - SHORTEST_LINE * total)
     for rate_row, point_of_rate in zip(
         block.array(Header.rates, len(scene.payout.rate), at.RATE_WORDS),
         scene.payout.rate,

@@ -81,7 +81,7 @@ def stand_still(block: Block, scene: Scene) -> None:
 
     entry.place_supports(block.ints, block.reals)
     if block.header.payout:
-        block.scalars.payout_rate = scene.rate_at_start
+        block.winch.rate = scene.rate_at_start
 
 
 def _is_crushed(block: Block, scene: Scene) -> bool:
@@ -140,16 +140,17 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, attempt: Attempt
     held = head.constraint_count > 1
     friction = state.friction
 
-    rate, through = float(state.payout_rate), laid_loads.lay_motion(scene)[1]
+    winch = block.winch
+    rate, through = float(winch.rate), laid_loads.lay_motion(scene)[1]
 
     def solve_at_once() -> int:
         if rate == 0.0:
             return search.equilibrium(block, frame)
-        state.payout_rate = through
+        winch.rate = through
         try:
             return search.equilibrium(block, frame)
         finally:
-            state.payout_rate = rate
+            winch.rate = rate
 
     def solve_in_few_steps() -> int:
         return easier_ways.in_few_steps(block, solve_at_once)

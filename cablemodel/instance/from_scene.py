@@ -258,6 +258,7 @@ def _allocate(scene: Scene, line: Line, winch: Winch, spare: int) -> Block:
         floor_words=sea_floor.table_words(scene.environment.floor),
         waves=0 if water is None else len(water.amplitude),
         cell_terms=waves.cell_terms(water),
+        winches=1,
     )
 
 

@@ -53,7 +53,7 @@ def fill_cables(block: Block, scene: Scene, winch: Winch, scale: float) -> None:
         edge = row[at.Cable.edge :]
         if edge[at.Edge.model] == at.MODEL_HYBRID and edge[at.Edge.bending_full] > 0.0:
             block.header.hybrid = 1
-    block.header.top_cable = len(scene.cables) - 1
+    block.winch.cable = len(scene.cables) - 1
 
 
 def edge_row(
@@ -111,14 +111,14 @@ def fill_edges(block: Block, scene: Scene, line: Line) -> None:
     block.integers(Header.parent, line.nodes)[:] = line.parent
     block.integers(Header.joint, line.nodes)[:] = line.joint
     edges = block.array(Header.edges, line.nodes, at.EDGE_WORDS)
-    outermost = int(block.header.top_cable)
+    outermost = int(block.winch.cable)
     for node in range(1, line.nodes):
         edges[node] = cables[outermost - line.cable[node], at.Cable.edge :]
         edges[node, at.Edge.length] = line.length[node]
         edges[node, at.Edge.start] = line.start[node]
         if scene.environment.floor is None:
             edges[node, at.Edge.nominal] = line.length[node]
-    block.scalars.top_length = line.length[1]
+    block.winch.top_length = line.length[1]
 
 
 def fill_bodies(block: Block, scene: Scene, line: Line, scale: float) -> None:

@@ -90,14 +90,13 @@ def fill_current(block: Block, scene: CableScene) -> None:
 
 def fill_payout(block: Block, scene: Scene, winch: Winch) -> None:
     """The table of the pay-out's rate, and what it may reach."""
-    ints, reals = block.ints, block.reals
-    head = Header(ints)
-    state = Scalars(reals)
     rates = scene.payout.rate
-    head.payout = int(pays_out(scene))
-    state.paid_most = winch.most
-    state.travel_most = winch.most_travel
-    state.travel_least = winch.least_travel
+    block.header.payout = int(pays_out(scene))
+    row = block.winch
+    row.way, row.rates = 1.0, len(rates)
+    row.paid_most = winch.most
+    row.travel_most = winch.most_travel
+    row.travel_least = winch.least_travel
     block.array(Header.rates, len(rates), at.RATE_WORDS)[:] = [(row.t, row.rate) for row in rates]
 
 

@@ -121,7 +121,7 @@ def _without_flow(block: Block, scene: Scene) -> Block:
     velocity[:] = 0.0
     velocity[moves, :dimension] = steady_velocity(block, scene)
     still.array(Header.acceleration, nodes, 2 * dimension)[:] = 0.0
-    still.scalars.payout_rate = 0.0
+    still.winch.rate = 0.0
     return still
 
 

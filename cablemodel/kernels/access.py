@@ -20,6 +20,7 @@ from .layout import (
     Layer,
     Piece,
     Scalars,
+    Winch,
 )
 
 __all__ = ["word_of"]
@@ -42,6 +43,7 @@ frame_of, frame_at = row_of(Frame, Header.frames), record_at(Frame)
 free_body_of, free_body_at = row_of(FreeBody, Header.free_bodies), record_at(FreeBody)
 arm_of, arm_at = row_of(Arm, Header.arms), record_at(Arm)
 foil_of, foil_at = row_of(Foil, Header.foils), record_at(Foil)
+winch_of, winch_at = row_of(Winch, Header.winches), record_at(Winch)
 cut_of, cut_at = row_of(Cut, Header.cuts), record_at(Cut)
 foot_of, foot_at = row_of(Foot, Header.feet), record_at(Foot)
 sea_layer_at = record_at(Layer)

@@ -19,7 +19,7 @@ vessel's. With two of them its acceleration jumped at each step, and shook stiff
 
 import math
 
-from .access import body_of, constraint_of, edge_of, header, scalars
+from .access import body_of, constraint_of, edge_of, header, scalars, winch_of
 from .compile import kernel, view
 from .environment import add_layer_motion
 from .floor_surface import gap_at
@@ -40,10 +40,9 @@ GONE = 40.0  # layers from the tow point on which nothing is left of it
 @kernel
 def layer_thickness(I, M):
     """sqrt(EI/T) at a clamp past which cable runs [m]; 0: there is none."""
-    state = scalars(M)
     stiffness = edge_of(I, M, 1).bending_full
     row = constraint_of(I, M, 0)
-    if row.clamped != BY_SPRING or state.body_passage != 0.0 or stiffness == 0.0:
+    if row.clamped != BY_SPRING or winch_of(I, M, 0).passing != 0.0 or stiffness == 0.0:
         return 0.0
     if not row.layer_tension > 0.0:
         return 0.0
@@ -176,8 +175,8 @@ def follow_layer(I, M, dt, w):
     rate = FOLLOWS / state.period
     layer = layer_thickness(I, M)
     if layer > 0.0:
-        rate += abs(state.payout_rate) / layer
-    elif state.body_passage != 0.0:
+        rate += abs(winch_of(I, M, 0).rate) / layer
+    elif winch_of(I, M, 0).passing != 0.0:
         rate = max(rate, row.layer_rate)  # as before the body came
     row.layer_rate = rate
     follow_pull(I, M, dt / (dt + state.period))

@@ -7,7 +7,16 @@ wave of what it was pulled with runs from there.
 
 import math
 
-from .access import arm_of, constraint_at, cut_of, edge_of, header, scalars
+from .access import (
+    arm_of,
+    cable_of,
+    constraint_at,
+    cut_of,
+    edge_of,
+    header,
+    scalars,
+    winch_of,
+)
 from .compile import kernel
 from .consistency import begin_after_a_blow
 from .layout import (
@@ -25,8 +34,9 @@ from .layout import (
     NODES_OF_A_CUT,
     OK,
 )
-from .payout import open_gap, split_edge
+from .payout import open_gap, split_edge, top_edge
 from .scales import LET_GO
+from .top_of_line import next_along
 
 AT_A_NODE = 1e-6  # of an element: a place so near its end is there
 
@@ -127,6 +137,36 @@ def constraint_row_at(I, M, node):
 
 
 @kernel
+def let_go_of_winch(I, M, node):
+    """The winch at a node has no line any more."""
+    for n in range(header(I).winch_count):
+        winch = winch_of(I, M, n)
+        if winch.node == node:
+            winch.node = -1.0
+            winch.rate = 0.0
+            winch.slope = 0.0
+
+
+@kernel
+def shorten_lines(I, M):
+    """After a cut a winch takes in no more of its cable than is left of it."""
+    for n in range(header(I).winch_count):
+        winch = winch_of(I, M, n)
+        if winch.node < 0.0:
+            continue
+        edge = top_edge(winch)
+        segment = edge_of(I, M, edge).segment
+        left = winch.top_length
+        while True:
+            edge = next_along(I, winch, edge)
+            if edge == 0 or edge_of(I, M, edge).segment != segment:
+                break
+            left += edge_of(I, M, edge).length
+        shortest = cable_of(I, M, int(winch.cable)).shortest
+        winch.travel_least = max(winch.travel_least, winch.travel - max(0.0, left - shortest))
+
+
+@kernel
 def part_above(I, M, edge):
     """Cut an element off from its parent's end."""
     head = header(I)
@@ -145,6 +185,7 @@ def part_above(I, M, edge):
     if joint == JOINT_ROOT and constraint_row_at(I, M, parent) < 0:
         return  # it was cut off there before
     new_node(I, M, parent, edge)
+    let_go_of_winch(I, M, parent)
     row = constraint_row_at(I, M, parent)
     constraint = constraint_at(M, row)
     if row >= 0:
@@ -159,6 +200,7 @@ def part_below(I, M, node):
     constraint = constraint_at(M, row)
     if row >= 0:
         new_node(I, M, node, node + 1)
+        let_go_of_winch(I, M, node)
         constraint.node = node + 1
         constraint.clamped = ALONE
         return
@@ -218,6 +260,7 @@ def make_cuts(I, M):
         cut(I, M, row)
         due = True
     if due:
+        shorten_lines(I, M)
         head.factored = 0
         head.has_history = 0
         head.settled = 0

@@ -183,7 +183,6 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
     W = view(M, head.gauss, GAUSS_WORDS)
     nodes = head.nodes
     drag = head.drag
-    payout = head.payout
     sheared = head.depth_count > 1
     waves = head.wave_count
     ends = view(M, head.end_force, 4 * nodes)
@@ -206,9 +205,6 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
         v1 = view(v, 4 * node, 4)
         a0 = view(a, 4 * parent, 4)
         a1 = view(a, 4 * node, 4)
-        if parent == 0 and payout != 0:
-            v0 = view(M, head.top, 4)
-            a0 = view(M, head.top + 6, 4)
         geometry(W, x0, x1, h)
         t0 = tension[2 * node]
         t1 = tension[2 * node + 1]
@@ -377,7 +373,6 @@ def jacobian_planar(I, M, q, v, a, tension, ca, cv):
     W = view(M, head.gauss, GAUSS_WORDS)
     nodes = head.nodes
     drag = head.drag
-    payout = head.payout
     sheared = head.depth_count > 1
     waves = head.wave_count
     diagonal = view(M, head.diagonal, 16 * nodes)
@@ -400,9 +395,6 @@ def jacobian_planar(I, M, q, v, a, tension, ca, cv):
         a1 = view(a, 4 * node, 4)
         v0 = view(v, 4 * parent, 4)
         v1 = view(v, 4 * node, 4)
-        if parent == 0 and payout != 0:
-            v0 = view(M, head.top, 4)
-            a0 = view(M, head.top + 6, 4)
         geometry(W, x0, x1, h)
         if waves != 0:
             element_water(I, M, W, e, x0, x1)

@@ -227,7 +227,6 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
     W = view(M, head.gauss, GAUSS_WORDS)
     nodes = head.nodes
     drag = head.drag
-    payout = head.payout
     sheared = head.depth_count > 1
     waves = head.wave_count
     ends = view(M, head.end_force, 6 * nodes)
@@ -250,9 +249,6 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
         v1 = view(v, 6 * node, 6)
         a0 = view(a, 6 * parent, 6)
         a1 = view(a, 6 * node, 6)
-        if parent == 0 and payout != 0:
-            v0 = view(M, head.top, 6)
-            a0 = view(M, head.top + 6, 6)
         geometry(W, x0, x1, h)
         t0 = tension[2 * node]
         t1 = tension[2 * node + 1]
@@ -560,7 +556,6 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
     W = view(M, head.gauss, GAUSS_WORDS)
     nodes = head.nodes
     drag = head.drag
-    payout = head.payout
     sheared = head.depth_count > 1
     waves = head.wave_count
     diagonal = view(M, head.diagonal, 36 * nodes)
@@ -583,9 +578,6 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
         a1 = view(a, 6 * node, 6)
         v0 = view(v, 6 * parent, 6)
         v1 = view(v, 6 * node, 6)
-        if parent == 0 and payout != 0:
-            v0 = view(M, head.top, 6)
-            a0 = view(M, head.top + 6, 6)
         geometry(W, x0, x1, h)
         if waves != 0:
             element_water(I, M, W, e, x0, x1)

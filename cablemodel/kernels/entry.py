@@ -155,16 +155,17 @@ def force_response(I, M, motion, out):
     return interface.response_to_motion(I, M, motion, out)
 
 
-@entry_point(int64(INTEGERS, REALS, float64, REALS, REALS, REALS, REALS))
-def drive(I, M, t_end, motion, forces, angles, orders):
+@entry_point(int64(INTEGERS, REALS, float64, REALS, REALS, REALS, REALS, REALS))
+def drive(I, M, t_end, motion, forces, angles, rates, orders):
     """Inputs of a system for a step to t_end [s], before `step`.
 
     motion: FRAME_INPUTS words for each frame: what is given (GIVEN_..., 0: its own motion); then
     position [m], roll, pitch and yaw [rad], and their rates: see frames.drive_frame. forces:
     outside force [N] and torque [N m] on each free body, earth frame. angles: deflection of each
-    foil [rad]. orders: of each cut, whether it is to be made now.
+    foil [rad]. rates: of each winch whether its rate is given, and that [m/s]. orders: of each
+    cut, whether it is to be made now.
     """
-    part_outputs.drive_parts(I, M, t_end, motion, forces, angles, orders)
+    part_outputs.drive_parts(I, M, t_end, motion, forces, angles, rates, orders)
     return 0
 
 

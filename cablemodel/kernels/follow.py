@@ -9,8 +9,8 @@ docs/engine.md, "Sea floor".
 
 import math
 
-from .access import cable_of, edge_at, edge_of, header, scalars, word_of
-from .compile import kernel
+from .access import cable_of, edge_at, edge_of, header, scalars, winch_of, word_of
+from .compile import inlined, kernel
 from .contact import ends_in_something, touchdown_layer
 from .floor_memory import bear
 from .floor_surface import lowest_gap
@@ -23,7 +23,7 @@ from .layout import (
     NOTHING,
     OK,
 )
-from .payout import hermite, join_at, split_edge
+from .payout import hermite, join_at, split_edge, winch_of_edge
 from .tables import CONTACT_POINTS, CONTACT_WEIGHTS
 
 AHEAD = 0.5  # growth of the wanted length per height above the floor
@@ -181,21 +181,32 @@ def finest_length(I, M, node, gap):
     return layer, max(LAYER * layer, min(math.sqrt(2.0 * accuracy * radius), TURN * radius))
 
 
+@inlined
+def moved_by_winch(I, M, edge):
+    """The winch that changes an element's length; -1: none does."""
+    if header(I).payout == 0:
+        return -1
+    return winch_of_edge(I, M, edge)
+
+
 @kernel
 def may_be_halved(I, M, node):
-    """Whether an element may be shorter: any but some at the top of a line that a winch moves.
+    """Whether an element may be shorter: any but some next to a winch that moves its line.
 
     The first bit of another cable that has begun to leave the drum lies in the top element.
     """
     head = header(I)
     state = scalars(M)
-    if node > 1 or head.payout == 0:
+    n = moved_by_winch(I, M, node)
+    if n < 0:
         return True
+    winch = winch_of(I, M, n)
+    cable = int(winch.cable)
     edge = edge_of(I, M, node)
-    row = cable_of(I, M, head.top_cable)
-    if head.top_cable + 1 < head.cable_count and state.travel > row.leaves:
+    row = cable_of(I, M, cable)
+    if head.parts == 0 and cable + 1 < head.cable_count and winch.travel > row.leaves:
         return False
-    passed = PASSED * abs(state.payout_rate) * state.period
+    passed = PASSED * abs(winch.rate) * state.period
     return edge.length > min(SHORTEST_TOP * row.nominal, passed)
 
 
@@ -399,10 +410,9 @@ def follow_floor(I, M, change):
     measure(I, M, gaps, behind, jumps)
     if change:
         lower(I, M, gaps)
-    first = 2 if head.payout != 0 else 1
     for node in range(1, head.nodes):
         if I[head.joint + node] == 0:
-            if node >= first:
+            if moved_by_winch(I, M, node) < 0:
                 wanted[node] = wanted_length(I, M, node, gaps, behind, jumps)
             else:
                 # The element that the winch changes follows its bend alone.
@@ -429,7 +439,9 @@ def follow_floor(I, M, change):
                     changed = CHANGED
             elif (
                 # Nodes after this one may have been split; those before it are as measured.
-                node > first
+                node > 1
+                and moved_by_winch(I, M, node) < 0
+                and moved_by_winch(I, M, node - 1) < 0
                 and not holds_something(I, M, node - 1)
                 and may_join(I, M, node, gaps, wanted)
             ):

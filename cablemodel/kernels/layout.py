@@ -93,15 +93,14 @@ class Header(Record):
     stretch = integer("rates of stretch that the tensions ask for (nodes, 2)")
 
     # Pay-out.
-    payout = integer("1 where cable may pass the tow point: the top element's length varies")
-    rate_count = integer("rows of the rate table")
+    payout = integer("1 where cable may pass a winch: the length of the element there varies")
+    rate_count = integer("rows of the rate tables of all winches")
     cable_count = integer("rows of the cable table")
-    top_cable = integer("row of the cable that passes the tow point")
-    rate_live = integer("1: the caller's rate drives, 0: the scene's table")
-    clamped = integer("+1: the drum is empty, -1: the shortest length is reached, 0: neither")
-    rates = integer("start of the rate table (Rate)")
+    winch_count = integer("winches: of one line one, at the tow point")
+    winches = integer("start of their table (Winch)")
+    rates = integer("start of the rate tables (Rate)")
     cables = integer("start of the cable table (Cable)")
-    top = integer("start of the workspace of what passes the tow point")
+    matter = integer("motion of the matter at winches: MATTER_WORDS for each, then what passes")
     end_force = integer("start of internal forces at the ends of each element: parent's, child's")
 
     rigid = integer("how many of the bodies have a length: 0 skips all that they need")
@@ -182,25 +181,10 @@ class Scalars(Record, first=HEADER_WORDS):
     first_step = real("of a motion that starts", "s")
     last_step = real("length of the last accepted step", "s")
 
-    # Pay-out: travel(t) = travel + rate tau + slope tau^2 / 2, tau = t - time, within one step.
-    # Travel is all that has passed the tow point, cable (paid) and bodies of finite length.
-    paid = real("cable that has passed the tow point", "m")
-    payout_rate = real("rate of pay-out at `time`", "m/s")
-    payout_slope = real("and its rate", "m/s2")
-    top_length = real("of the top element, or of what is out of a body, at `time`", "m")
-    paid_most = real("largest `paid`: the drum is empty", "m")
-    paid_least = real("smallest `paid`: the line is at its shortest", "m")
-    live_rate = reals(4, "t0, t1 [s], rate at t0, at t1", "m/s")
-    stage_rate = real("rate of pay-out at the time of the last set_time", "m/s")
-    stage_slope = real("and its rate", "m/s2")
     period = real("sqrt(L/g)", "s")
     axial = real("stiffness of the whole line over its mass", "1/s2")
     undamped = real("1: drag does not damp the line's motion")
     joined = real("longest element that a change of the mesh has joined", "m")
-    travel = real("all that has passed the tow point", "m")
-    travel_most = real("largest `travel`", "m")
-    travel_least = real("smallest `travel`", "m")
-    body_passage = real("1 + row of the body of finite length that passes the tow point, 0: none")
 
     # Sea floor.
     floor_depth = real("delta: the gap below which the floor pushes", "m")
@@ -293,6 +277,41 @@ JOINT_ARM = 3  # a point of the free body that is the parent: its place follows,
 JOINT_FREE = 4  # a free body whose reference point is the parent's place; it turns by itself
 JOINT_ROOT = 5  # nothing: a tree of its own
 JOINT_ROOT_FREE = 6  # nothing: a free body that is a root
+
+
+class Winch(Record):
+    """What pays a line out and takes it in, at a node that is held.
+
+    travel(t) = travel + rate tau + slope tau^2 / 2, tau = t - time, within one step. Travel is all
+    that has passed it, cable (paid) and bodies of finite length. The element next to the node is
+    the top one.
+    """
+
+    node = real("where it is; -1: its line has been cut off")
+    way = real("+1: the tree goes on from there, -1: it comes to there")
+    start = real("what edges' `start` counts there when no cable has passed", "m")
+    travel = real("all that has passed", "m")
+    travel_most = real("largest `travel`", "m")
+    travel_least = real("smallest `travel`", "m")
+    paid = real("cable that has passed", "m")
+    paid_most = real("largest `paid`: the drum is empty", "m")
+    paid_least = real("smallest `paid`: the line is at its shortest", "m")
+    rate = real("of travel at `time`", "m/s")
+    slope = real("rate of that", "m/s2")
+    stage_rate = real("rate at the time of the last set_time", "m/s")
+    stage_slope = real("rate of that", "m/s2")
+    top_length = real("of the top element, or of what is out of a body, at `time`", "m")
+    passing = real("1 + row of the body of finite length that passes, 0: none")
+    cable = real("row of the cable that passes")
+    at_limit = real("+1: the drum is empty, -1: the shortest length is reached, 0: neither")
+    live = real("LIVE_NOT, LIVE or LIVE_RETURNS: what drives it")
+    live_rate = reals(4, "t0, t1 [s], rate at t0, at t1", "m/s")
+    first_rate = real("its rows of the rate table: the first one")
+    rates = real("how many")
+
+
+WINCH_WORDS = Winch.WORDS
+MATTER_WORDS = 24  # velocity, acceleration of (r, d) at its node; twelve words more
 
 
 class Rate(Record):
@@ -413,7 +432,7 @@ class Frame(Record):
 
 
 FRAME_WORDS = Frame.WORDS
-LIVE_NOT, LIVE, LIVE_RETURNS = 0, 1, 2  # its pieces; the caller; a step back to its pieces
+LIVE_NOT, LIVE, LIVE_RETURNS = 0, 1, 2  # the scene; the caller; a step back to the scene
 
 # Responses of a frame to a wave of 1 m: cosine and sine parts of surge, sway, heave [m], roll,
 # pitch, yaw [rad], of each component and heading. A heading is where the waves go to, from the

@@ -2,7 +2,7 @@
 
 import math
 
-from .access import body_at, body_of, constraint_of, edge_of, header, scalars
+from .access import body_at, body_of, constraint_of, edge_of, header, scalars, winch_of
 from .bodies import add_waves, body_kinematics, surge_power
 from .clamp_layer import add_layer_shape
 from .compile import kernel, view
@@ -17,6 +17,7 @@ from .layout import (
     SUMMARY_WORDS,
 )
 from .passing import exchange_rates, overhang
+from .payout import velocity_word
 from .rigid import axis_of, flow_energy, rigid_energy, rigid_row, wave_power
 from .strain import strain_and_slope
 from .system import residual, set_time
@@ -172,12 +173,11 @@ def end_tension(I, M, element, side):
 def line_length(I, M):
     """Unstretched length of the cable that is out [m]."""
     head = header(I)
-    state = scalars(M)
     last = head.nodes - 1
     edge = edge_of(I, M, last)
     if last == 1:
         return edge.length - overhang(I, M)
-    return edge.start + edge.length + state.paid
+    return edge.start + edge.length + winch_of(I, M, 0).paid
 
 
 GAUSS = 0.5 - 0.5 / math.sqrt(3.0)  # where the second derivative of a cubic is most accurate
@@ -312,7 +312,6 @@ def station_in_element(I, M, low, x, s, out, row):
     `end_forces` has been called.
     """
     head = header(I)
-    state = scalars(M)
     dimension = head.dimension
     size = 2 * dimension
     w = M[head.motion + 28 : head.motion + 56]
@@ -336,8 +335,9 @@ def station_in_element(I, M, low, x, s, out, row):
     q1 = head.position + size * low
     v0 = head.velocity + size * parent
     v1 = head.velocity + size * low
-    if parent == 0 and head.payout != 0:
-        v0 = head.top
+    if head.payout != 0:
+        v0 = velocity_word(I, M, parent)
+        v1 = velocity_word(I, M, low)
     g2 = 0.0
     for i in range(dimension):
         a = M[q0 + i]
@@ -371,7 +371,7 @@ def station_in_element(I, M, low, x, s, out, row):
         curvature = math.sqrt(curvature)
     moment = 0.0
     if head.payout != 0:
-        moment = add_layer_shape(I, M, s, w, state.stage_rate)
+        moment = add_layer_shape(I, M, s, w, winch_of(I, M, 0).stage_rate)
     left = end_tension(I, M, low, 0)
     right = end_tension(I, M, low, 1)
     out[row + 12] = 0.0
@@ -404,11 +404,11 @@ def sample_stations(I, M, stations, out):
     written), or the number of stations.
     """
     head = header(I)
-    state = scalars(M)
     nodes = head.nodes
     end_forces(I, M)
     total = line_length(I, M)
     above = overhang(I, M)
+    paid = winch_of(I, M, 0).paid
     # A node belongs to what lies beyond it, however its arc length is rounded: tensions jump there.
     slack = 1e-10 * total
     for n in range(len(stations)):
@@ -419,14 +419,14 @@ def sample_stations(I, M, stations, out):
         high = nodes
         while high - low > 1:
             middle = (low + high) // 2
-            if s - state.paid + slack >= edge_of(I, M, middle).start:
+            if s - paid + slack >= edge_of(I, M, middle).start:
                 low = middle
             else:
                 high = middle
         if I[head.joint + low] != 0:
             low = low - 1 if low > 1 else 2
         edge = edge_of(I, M, low)
-        start = edge.start + state.paid if I[head.parent + low] > 0 else -above
+        start = edge.start + paid if I[head.parent + low] > 0 else -above
         x = min(1.0, max(0.0, (s - start) / edge.length))
         station_in_element(I, M, low, x, s, out, STATION_WORDS * n)
     return len(stations)
@@ -440,7 +440,6 @@ def body_stations(I, M, out):
     bodies stay as they are (they move with the cable: see sample_stations).
     """
     head = header(I)
-    state = scalars(M)
     dimension = head.dimension
     size = 2 * dimension
     count = size * head.nodes
@@ -448,7 +447,7 @@ def body_stations(I, M, out):
     v = M[head.velocity : head.velocity + count]
     w = M[head.motion + 28 : head.motion + 52]
     a = M[head.acceleration : head.acceleration + count]
-    passing = state.body_passage != 0.0
+    passing = head.rigid > 0 and winch_of(I, M, 0).passing != 0.0
     if passing:
         end_forces(I, M)
         exchange_rates(I, M, v, a)
@@ -485,7 +484,6 @@ def summarise(I, M, out):
     number: none), 31 its reaction.
     """
     head = header(I)
-    state = scalars(M)
     dimension = head.dimension
     size = 2 * dimension
     nodes = head.nodes
@@ -517,8 +515,9 @@ def summarise(I, M, out):
     for i in range(6):
         out[15 + i] -= way[i]
     out[21] = line_length(I, M)
-    out[22] = state.stage_rate if head.payout != 0 else 0.0
-    out[23] = state.paid_most - state.paid
+    winch = winch_of(I, M, 0)
+    out[22] = winch.stage_rate if head.payout != 0 else 0.0
+    out[23] = winch.paid_most - winch.paid
     for k in range(24, SUMMARY_WORDS):
         out[k] = 0.0
     if head.floor_kind != 0:
@@ -573,9 +572,11 @@ def energies(I, M, out):
         v1 = head.velocity + size * node
         a0 = head.acceleration + size * parent
         a1 = head.acceleration + size * node
-        if parent == 0 and head.payout != 0:
-            v0 = head.top
-            a0 = head.top + 6
+        if head.payout != 0:
+            v0 = velocity_word(I, M, parent)
+            v1 = velocity_word(I, M, node)
+            a0 = v0 + 6
+            a1 = v1 + 6
         mean = M[head.tension + 2 * node]
         slope = M[head.tension + 2 * node + 1]
         dry = edge.added_mass if head.wave_count != 0 else 0.0
@@ -664,7 +665,7 @@ def energies(I, M, out):
     v = M[head.velocity : head.velocity + size * nodes]
     a = M[head.acceleration : head.acceleration + size * nodes]
     flow = M[head.motion + 16 : head.motion + 46]
-    passing = state.body_passage != 0.0
+    passing = head.rigid > 0 and winch_of(I, M, 0).passing != 0.0
     for body in range(head.body_count):
         row = body_of(I, M, body)
         if row.node < 0.0:

@@ -13,10 +13,11 @@ from .layout import (
 )
 from .outputs import end_forces, station_in_element
 from .rotation import angles_of, cross, to_earth_axes
+from .winch import drive_winch
 
 
 @kernel
-def drive_parts(I, M, t_end, motion, forces, angles, orders):
+def drive_parts(I, M, t_end, motion, forces, angles, rates, orders):
     """Inputs of a step to t_end: see entry.drive."""
     head = header(I)
     for n in range(head.frame_count):
@@ -26,6 +27,8 @@ def drive_parts(I, M, t_end, motion, forces, angles, orders):
         drive_frame(I, M, row, t_end, given, target, view(M, head.motion + 28, 18))
     push_bodies(I, M, t_end, forces)
     deflect_foils(I, M, t_end, angles, head.foil_count)
+    for n in range(head.winch_count):
+        drive_winch(I, M, n, t_end, rates[2 * n] != 0.0, rates[2 * n + 1])
     for n in range(head.cut_count):
         if orders[n] != 0.0:
             cut_of(I, M, n).ordered = 1.0

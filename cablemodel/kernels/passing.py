@@ -15,22 +15,19 @@ that is paid out at v_p (payout.py), with
 With these in place of the vessel's motion the body is computed like any other one (rigid.py).
 """
 
-from .access import body_at, body_of, cable_of, header, scalars, word_of
-from .compile import kernel
-from .layout import (
-    BODY_WORDS,
-)
+from .access import body_at, body_of, cable_of, header, scalars, winch_of, word_of
+from .compile import kernel, view
+from .layout import BODY_WORDS, MATTER_WORDS
 
 BARE = 0.05  # of its length: what is out of a body before it takes the top element's place,
 LARGEST_BARE = 0.25  # or this where it is short against elements
-PART = 24  # in `top`: the row of what is out of the body that passes
 
 
 @kernel
 def part_row(I):
     """Word of the row of what is out of the body that passes; `set_part` has filled it."""
     head = header(I)
-    return head.top + PART
+    return head.matter + MATTER_WORDS * head.winch_count
 
 
 @kernel
@@ -75,11 +72,10 @@ def bodies_passed(I, M, travel):
 
 
 @kernel
-def cable_paid(I, M):
-    """Cable that has passed the tow point since t = 0 [m]: the travel without the bodies."""
+def cable_paid(I, M, n):
+    """Cable that has passed a winch since t = 0 [m]: the travel without the bodies."""
     head = header(I)
-    state = scalars(M)
-    travel = state.travel
+    travel = winch_of(I, M, n).travel
     if head.rigid == 0:
         return travel
     return travel - bodies_passed(I, M, travel) + bodies_passed(I, M, 0.0)
@@ -89,38 +85,39 @@ def cable_paid(I, M):
 def overhang(I, M):
     """What of the top element is not cable but the first bit of a body that comes [m]."""
     head = header(I)
-    state = scalars(M)
-    if head.rigid == 0 or state.body_passage != 0.0:
+    if head.rigid == 0:
         return 0.0
-    row = body_above(I, M, head.top_cable)
+    winch = winch_of(I, M, 0)
+    cable = int(winch.cable)
+    row = body_above(I, M, cable)
     body = body_at(M, row)
-    if row < 0:
+    if row < 0 or winch.passing != 0.0:
         return 0.0
-    out = state.travel - cable_of(I, M, head.top_cable).leaves
+    out = winch.travel - cable_of(I, M, cable).leaves
     return min(max(out, 0.0), body.length)
 
 
 @kernel
-def next_mark(I, M, outwards):
-    """Way of the winch to where a body that comes or goes must be met exactly [m]; 1e300: none."""
+def next_mark(I, M, n, outwards):
+    """Way of a winch to where a body that comes or goes must be met exactly [m]; 1e300: none."""
     head = header(I)
-    state = scalars(M)
     if head.rigid == 0:
         return 1e300
-    cable = head.top_cable
+    winch = winch_of(I, M, n)
+    cable = int(winch.cable)
     row = body_above(I, M, cable)
     body = body_at(M, row)
     if row < 0:
         return 1e300
     at = cable_of(I, M, cable)
-    out = state.travel - at.leaves
+    out = winch.travel - at.leaves
     length = body.length
     near = 1e-9 * length
     if not outwards:
-        if state.body_passage != 0.0 and out > length + near:
+        if winch.passing != 0.0 and out > length + near:
             return out - length
         return 1e300
-    if state.body_passage == 0.0:
+    if winch.passing == 0.0:
         return max(bare_length(M, body, cable_of(I, M, cable + 1)) - out, near)
     if out < length - near:
         return length - out
@@ -134,7 +131,7 @@ def set_part(I, M, length):
     Beyond its own length it is the whole body on a weightless stick: the bit of the next cable.
     """
     state = scalars(M)
-    whole = body_of(I, M, int(state.body_passage) - 1)
+    whole = body_of(I, M, int(winch_of(I, M, 0).passing) - 1)
     take_share(I, M, whole, length)
     # Nothing but this spring holds the slope at the vessel.
     body_at(M, part_row(I)).clamp[0] = state.tension_scale * length
@@ -146,15 +143,14 @@ def set_first_bit(I, M, out):
 
     out: what has passed the tow point since `time` [m].
     """
-    head = header(I)
-    state = scalars(M)
+    winch = winch_of(I, M, 0)
     part = body_at(M, part_row(I))
     part.mass = 0.0
-    cable = head.top_cable
+    cable = int(winch.cable)
     row = body_above(I, M, cable)
     if row < 0:
         return
-    out += state.travel - cable_of(I, M, cable).leaves
+    out += winch.travel - cable_of(I, M, cable).leaves
     if out > 0.0:
         take_share(I, M, body_at(M, row), out)
 
@@ -190,7 +186,7 @@ def add_first_bit(I, M, out):
         return
     dimension = head.dimension
     for i in range(dimension):
-        out[i] += part.mass * M[head.top + 6 + i]
+        out[i] += part.mass * M[head.matter + 6 + i]
     out[dimension - 1] += part.weight
 
 
@@ -216,14 +212,14 @@ def axis_motion(I, M, q, v, a, length, rate, slope, w):
 
 @kernel
 def material_end(I, M, q, v, a):
-    """Motion of the passing body's matter at the tow point into the `top` words (12)."""
+    """Motion of the passing body's matter at the tow point into the words at `matter` (12)."""
     head = header(I)
-    state = scalars(M)
+    winch = winch_of(I, M, 0)
     dimension = head.dimension
-    out = head.top
+    out = head.matter
     w = M[out + 12 : out + 21]
-    rate = state.stage_rate
-    slope = state.stage_slope
+    rate = winch.stage_rate
+    slope = winch.stage_slope
     axis_motion(I, M, q, v, a, body_at(M, part_row(I)).length, rate, slope, w)
     for i in range(dimension):
         M[out + i] = v[i] + rate * w[i]
@@ -233,13 +229,24 @@ def material_end(I, M, q, v, a):
 
 
 @kernel
-def exchange_rates(I, M, v, a):
-    """Put the matter's motion in `top` in place of the vessel node's; a second call, back."""
+def exchange_rate(I, M, n, word, x):
+    """The same for a winch's node, of velocities (word 0) or accelerations (word 6)."""
     head = header(I)
-    for n in range(2 * head.dimension):
-        kept = v[n]
-        v[n] = M[head.top + n]
-        M[head.top + n] = kept
-        kept = a[n]
-        a[n] = M[head.top + 6 + n]
-        M[head.top + 6 + n] = kept
+    node = int(winch_of(I, M, n).node)
+    if node < 0:
+        return
+    size = 2 * head.dimension
+    matter = view(M, head.matter + MATTER_WORDS * n + word, size)
+    own = view(x, size * node, size)
+    for k in range(size):
+        kept = own[k]
+        own[k] = matter[k]
+        matter[k] = kept
+
+
+@kernel
+def exchange_rates(I, M, v, a):
+    """Put the matter's motion in place of that of the nodes at winches; a second call, back."""
+    for n in range(header(I).winch_count):
+        exchange_rate(I, M, n, 0, v)
+        exchange_rate(I, M, n, 6, a)

@@ -22,71 +22,125 @@ from .access import (
     free_body_of,
     header,
     scalars,
+    winch_of,
     word_of,
 )
 from .backup import keep_sleepers
-from .compile import kernel, view
+from .compile import inlined, kernel, view
 from .layout import (
     EDGE_WORDS,
     EXACTLY,
+    MATTER_WORDS,
     NO_CAPACITY,
     OK,
 )
-from .passing import material_end, overhang, set_first_bit, set_part
+from .passing import cable_paid, material_end, overhang, set_first_bit, set_part
 from .winch import paid_since
+
+
+@inlined
+def top_edge(winch):
+    """The element next to a winch, by its node."""
+    return int(winch.node) + (1 if winch.way > 0.0 else 0)
+
+
+@kernel
+def winch_of_edge(I, M, edge):
+    """The winch whose top element that is; -1: none."""
+    for n in range(header(I).winch_count):
+        winch = winch_of(I, M, n)
+        if winch.node >= 0.0 and top_edge(winch) == edge:
+            return n
+    return -1
 
 
 @kernel
 def set_top_length(I, M, t):
-    """Length of the top element, or of what is out of a body there, and the rate at time t."""
+    """Lengths of top elements, or of what is out of a body there, and rates at time t."""
     head = header(I)
-    state = scalars(M)
-    tau = t - state.time
-    length = state.top_length + paid_since(M, tau)
-    if state.body_passage != 0.0:
-        set_part(I, M, length)
-    else:
-        edge_of(I, M, 1).length = length
-        if head.rigid > 0:
-            set_first_bit(I, M, length - state.top_length)
-    state.stage_rate = state.payout_rate + state.payout_slope * tau
-    state.stage_slope = state.payout_slope
+    tau = t - scalars(M).time
+    for n in range(head.winch_count):
+        winch = winch_of(I, M, n)
+        if winch.node < 0.0:
+            continue
+        length = winch.top_length + paid_since(winch, tau)
+        if winch.passing != 0.0:
+            set_part(I, M, length)
+        else:
+            edge_of(I, M, top_edge(winch)).length = length
+            if head.rigid > 0:
+                set_first_bit(I, M, length - winch.top_length)
+        winch.stage_rate = winch.rate + winch.slope * tau
+        winch.stage_slope = winch.slope
+
+
+@kernel
+def pay_out(I, M, dt):
+    """After a step of dt: what has passed the winches, and their rates at its end."""
+    head = header(I)
+    for n in range(head.winch_count):
+        winch = winch_of(I, M, n)
+        if winch.node < 0.0:
+            continue
+        paid = paid_since(winch, dt)
+        winch.travel += paid
+        winch.paid = cable_paid(I, M, n)
+        winch.top_length += paid
+        winch.rate += winch.slope * dt
+        if head.parts != 0 and winch.way > 0.0:
+            edge_of(I, M, top_edge(winch)).start = winch.start - winch.paid
+        for other in range(head.winch_count):
+            at_other_end = winch_of(I, M, other)
+            if other != n and at_other_end.cable == winch.cable:
+                at_other_end.travel_least -= paid  # what one pays out another may take in
 
 
 @kernel
 def material_top(I, M, q, v, a):
-    """Material velocity and acceleration of the vessel's node into the `top` words (12)."""
+    """Velocity and acceleration of the matter at winches' nodes into the words at `matter`."""
+    for n in range(header(I).winch_count):
+        winch = winch_of(I, M, n)
+        if winch.passing != 0.0:
+            material_end(I, M, q, v, a)
+        elif winch.node >= 0.0:
+            material_at(I, M, n, q, v, a)
+
+
+@kernel
+def material_at(I, M, n, q, v, a):
+    """Those of one. Slopes are counted away from the winch, whichever way the tree goes."""
     head = header(I)
-    state = scalars(M)
-    if state.body_passage != 0.0:
-        material_end(I, M, q, v, a)
-        return
+    winch = winch_of(I, M, n)
     dimension = head.dimension
     size = 2 * dimension
-    out = head.top
-    rate = state.stage_rate
-    slope = state.stage_slope
-    h = edge_of(I, M, 1).length
+    out = head.matter + MATTER_WORDS * n
+    rate = winch.stage_rate
+    slope = winch.stage_slope
+    edge = top_edge(winch)
+    way = winch.way
+    near = size * int(winch.node)
+    far = size * (edge if way > 0.0 else I[head.parent + edge])
+    h = edge_of(I, M, edge).length
     ih = 1.0 / h
     for i in range(dimension):
-        r0 = q[i]
-        d0 = q[dimension + i]
-        r1 = q[size + i]
-        d1 = q[size + dimension + i]
+        r0 = q[near + i]
+        d0 = way * q[near + dimension + i]
+        r1 = q[far + i]
+        d1 = way * q[far + dimension + i]
         second = (6.0 * (r1 - r0) * ih - 4.0 * d0 - 2.0 * d1) * ih
         third = (12.0 * (r0 - r1) * ih + 6.0 * d0 + 6.0 * d1) * ih * ih
-        v0 = v[i]
-        w0 = v[dimension + i]
-        v1 = v[size + i]
-        w1 = v[size + dimension + i]
+        v0 = v[near + i]
+        w0 = way * v[near + dimension + i]
+        v1 = v[far + i]
+        w1 = way * v[far + dimension + i]
         # Time derivative of r''(0): h grows at the rate, which acts on the difference of r only.
         second_rate = (6.0 * (v1 - v0) * ih - 4.0 * w0 - 2.0 * w1) * ih
         second_rate -= rate * ih * (12.0 * (r1 - r0) * ih - 4.0 * d0 - 2.0 * d1) * ih
         M[out + i] = v0 + rate * d0
-        M[out + dimension + i] = w0 + rate * second
-        M[out + 6 + i] = a[i] + 2.0 * rate * w0 + slope * d0 + rate * rate * second
-        M[out + 6 + dimension + i] = (
-            a[dimension + i] + 2.0 * rate * second_rate + slope * second + rate * rate * third
+        M[out + dimension + i] = way * (w0 + rate * second)
+        M[out + 6 + i] = a[near + i] + 2.0 * rate * w0 + slope * d0 + rate * rate * second
+        M[out + 6 + dimension + i] = a[near + dimension + i] + way * (
+            2.0 * rate * second_rate + slope * second + rate * rate * third
         )
 
 
@@ -94,21 +148,31 @@ def material_top(I, M, q, v, a):
 def material_motion(I, M):
     """`material_top` of the state itself."""
     head = header(I)
-    state = scalars(M)
-    size = 2 * head.dimension
-    set_top_length(I, M, state.time)
+    count = 2 * head.dimension * head.nodes
+    set_top_length(I, M, scalars(M).time)
     material_top(
         I,
         M,
-        M[head.position : head.position + 2 * size],
-        M[head.velocity : head.velocity + 2 * size],
-        M[head.acceleration : head.acceleration + 2 * size],
+        view(M, head.position, count),
+        view(M, head.velocity, count),
+        view(M, head.acceleration, count),
     )
 
 
 @kernel
-def turn_with_matter(I, M, rate, second):
-    """Make the vessel's slope one whose matter turns at `rate` and `second` (dimension).
+def velocity_word(I, M, node):
+    """Word of the velocity of the cable at a node: at a winch of the matter, which
+    `material_top` has written, its acceleration six words on."""
+    head = header(I)
+    for n in range(head.winch_count):
+        if winch_of(I, M, n).node == node:
+            return head.matter + MATTER_WORDS * n
+    return head.velocity + 2 * head.dimension * node
+
+
+@kernel
+def turn_with_matter(I, M, n, rate, second):
+    """Make the slope at a winch one whose matter turns at `rate` and `second` (dimension).
 
     The mesh's own rates differ from these by what flows past, v_p r'' and more: another top
     element at the same place has another r'', so that rates kept from before would be a jump of
@@ -116,14 +180,16 @@ def turn_with_matter(I, M, rate, second):
     """
     head = header(I)
     dimension = head.dimension
+    matter = head.matter + MATTER_WORDS * n + dimension
+    slope = 2 * dimension * int(winch_of(I, M, n).node) + dimension
     for array in range(2):
         # The accelerations need the velocities.
         material_motion(I, M)
-        to = head.velocity if array == 0 else head.acceleration
+        to = (head.velocity if array == 0 else head.acceleration) + slope
         wanted = rate if array == 0 else second
         for i in range(dimension):
-            off = wanted[i] - M[head.top + 6 * array + dimension + i]
-            M[to + dimension + i] += off
+            off = wanted[i] - M[matter + 6 * array + i]
+            M[to + i] += off
 
 
 @kernel
@@ -213,6 +279,10 @@ def renumber(I, M, first, count):
         end = constraint_of(I, M, n)
         if end.node >= first:
             end.node += count
+    for n in range(head.winch_count):
+        winch = winch_of(I, M, n)
+        if winch.node >= first:
+            winch.node += count
     head.nodes += count
     if head.parts != 0:
         renumber_tree(I, M, first, count)
@@ -245,7 +315,6 @@ def split_edge(I, M, edge, x, hinge):
     All fields stay as they were, exactly. The new elements have the old one's properties.
     """
     head = header(I)
-    state = scalars(M)
     count = 2 if hinge else 1
     if head.nodes + head.left_out + count > head.capacity:
         return NO_CAPACITY
@@ -256,16 +325,24 @@ def split_edge(I, M, edge, x, hinge):
     h = row.length
     p = I[head.parent + edge]
     v0 = head.velocity + size * p
+    v1 = head.velocity + size * edge
     a0 = head.acceleration + size * p
-    if edge == 1 and head.payout == 1:
+    a1 = head.acceleration + size * edge
+    top = winch_of_edge(I, M, edge)
+    if top >= 0:
         material_motion(I, M)
-        v0 = head.top
-        a0 = head.top + 6
+        matter = head.matter + MATTER_WORDS * top
+        if winch_of(I, M, top).way > 0.0:
+            v0 = matter
+            a0 = matter + 6
+        else:
+            v1 = matter
+            a1 = matter + 6
     hermite(
         M, head.position + size * p, head.position + size * edge, dimension, h, x, M[w : w + size]
     )
-    hermite(M, v0, head.velocity + size * edge, dimension, h, x, M[w + 6 : w + 6 + size])
-    hermite(M, a0, head.acceleration + size * edge, dimension, h, x, M[w + 12 : w + 12 + size])
+    hermite(M, v0, v1, dimension, h, x, M[w + 6 : w + 6 + size])
+    hermite(M, a0, a1, dimension, h, x, M[w + 12 : w + 12 + size])
     # The bristle of friction is linear between the nodes: it stays as it was there too.
     for i in range(dimension):
         above = M[head.position + size * p + i] - M[head.rest + 3 * p + i]
@@ -301,14 +378,26 @@ def split_edge(I, M, edge, x, hinge):
     edge_of(I, M, edge).length = x * h
     edge_of(I, M, lower).length = h - x * h
     edge_of(I, M, lower).start += x * h
-    if edge == 1:
-        state.top_length = edge_of(I, M, 1).length
-        # The lower part begins where the cable is that is out now, less the new top element.
-        start = x * h - overhang(I, M) - state.paid
-        edge_of(I, M, lower).start = start
-        if hinge:
-            edge_of(I, M, 2).start = start
+    if top >= 0:
+        winch = winch_of(I, M, top)
+        winch.top_length = edge_of(I, M, top_edge(winch)).length
+        if winch.way > 0.0:
+            # The lower part begins where the cable is that is out now, less the new top element.
+            start = winch.start + x * h - overhang(I, M) - winch.paid
+            edge_of(I, M, lower).start = start
+            if hinge:
+                edge_of(I, M, edge + 1).start = start
     return OK
+
+
+@kernel
+def slope_is_held(I, M, node):
+    """Whether the slope at a node is prescribed."""
+    for n in range(header(I).constraint_count):
+        row = constraint_of(I, M, n)
+        if row.node == node and row.clamped == EXACTLY:
+            return True
+    return False
 
 
 @kernel
@@ -325,12 +414,16 @@ def join_at(I, M, node, count):
     h2 = edge_of(I, M, lower).length
     h = h1 + h2
     dimension = head.dimension
-    turn = M[head.top + 12 : head.top + 12 + 2 * dimension]
-    if node == 1 and head.payout == 1:
+    winch = winch_of_edge(I, M, upper)
+    if winch < 0:
+        winch = winch_of_edge(I, M, lower)
+    matter = head.matter + MATTER_WORDS * max(0, winch)
+    turn = view(M, matter + 12, 2 * dimension)
+    if winch >= 0:
         material_motion(I, M)
         for i in range(dimension):
-            turn[i] = M[head.top + dimension + i]
-            turn[dimension + i] = M[head.top + 6 + dimension + i]
+            turn[i] = M[matter + dimension + i]
+            turn[dimension + i] = M[matter + 6 + dimension + i]
     start = edge_of(I, M, upper).start
     for array in range(2):
         t = head.tension if array == 0 else head.tension_rate
@@ -341,10 +434,12 @@ def join_at(I, M, node, count):
     edge_of(I, M, lower).length = h
     edge_of(I, M, lower).start = start
     close_gap(I, M, node, count)
-    if node == 1:
-        state.top_length = h
-        if head.payout == 1 and constraint_of(I, M, 0).clamped != EXACTLY:
-            turn_with_matter(I, M, turn[0:dimension], turn[dimension : 2 * dimension])
+    if winch >= 0:
+        winch_of(I, M, winch).top_length = h
+        if not slope_is_held(I, M, int(winch_of(I, M, winch).node)):
+            turn_with_matter(
+                I, M, winch, view(turn, 0, dimension), view(turn, dimension, dimension)
+            )
     state.joined = max(state.joined, h)
 
 

@@ -20,7 +20,7 @@ where it does not (a hybrid under tension). A flexible cable is hinged: k = 0.
 
 import math
 
-from .access import body_at, body_of, edge_of, header, scalars
+from .access import body_at, body_of, edge_of, header, scalars, winch_of
 from .bodies import (
     add_waves,
     flow_derivatives,
@@ -53,12 +53,11 @@ SLOPE_INERTIA = 1e-9  # of m l^2: keeps the mass matrix regular for the slope at
 def rigid_row(I, M, body):
     """Row of a body of finite length that is out, or of the part that is out of it, else -1."""
     head = header(I)
-    state = scalars(M)
     row = head.bodies + body * BODY_WORDS
     of_body = body_at(M, row)
     if of_body.length == 0.0 or of_body.node < 0.0:
         return -1
-    if body + 1 == state.body_passage:
+    if body + 1 == winch_of(I, M, 0).passing:
         return part_row(I)
     return row
 

@@ -5,7 +5,7 @@ limit is Newton's method on the static equations, reached from any guess. With k
 step starts from rest: slack cable settles where it would bounce otherwise.
 """
 
-from .access import edge_of, header, scalars
+from .access import edge_of, header, scalars, winch_of
 from .backup import keep_matrix
 from .clamp_layer import settle_layer
 from .compile import copy_words, kernel, view
@@ -48,7 +48,6 @@ def find_equilibrium(I, M, frame):
     on a way over easier ones, is one attempt.
     """
     head = header(I)
-    state = scalars(M)
     count = 2 * head.dimension * head.nodes
     words = 2 * head.nodes
     copy_words(I, head.stage_velocity, head.position, count)
@@ -56,7 +55,7 @@ def find_equilibrium(I, M, frame):
     status = STATICS_FAILED
     if head.floor_kind != FLOOR_NONE:
         head.floor_state = FLOOR_TOUCHED  # on its way it may be anywhere
-    few = head.maximum_steps < LARGEST_STEPS and head.payout != 0 and state.payout_rate != 0.0
+    few = head.maximum_steps < LARGEST_STEPS and flow_of(I, M) != 0.0
     for attempt in range(1 if few else 4):
         if attempt > 0:
             copy_words(I, head.position, head.stage_velocity, count)
@@ -67,6 +66,15 @@ def find_equilibrium(I, M, frame):
     if head.floor_kind != FLOOR_NONE:
         leave_floor(I, M)
     return status
+
+
+@kernel
+def flow_of(I, M):
+    """Rate at which cable runs along a line at a start [m/s]; in systems none does."""
+    head = header(I)
+    if head.payout == 0 or head.parts != 0:
+        return 0.0
+    return winch_of(I, M, 0).rate
 
 
 @kernel
@@ -90,9 +98,10 @@ def relax(I, M, frame, damped, strict):
     constraint = M[head.constraint_residual : head.constraint_residual + 2 * nodes]
     x = M[head.increment : head.increment + count]
     length = state.length
-    flow = state.payout_rate if head.payout != 0 else 0.0
+    flow = flow_of(I, M)
     set_time(I, M, state.time)
-    state.stage_rate = 0.0  # the flow is added by flow.py, at the top as elsewhere
+    if flow != 0.0:
+        winch_of(I, M, 0).stage_rate = 0.0  # flow.py adds the flow, at the top as elsewhere
     damping = state.floor_damping
     if flow != 0.0:
         state.floor_damping = 0.0  # down a slope the frame moves towards the floor, no cable does

@@ -22,7 +22,7 @@ from .step_size import natural_step
 from .system import set_time
 from .time_stepping import advance_to
 from .vessel_clamp import release_slope
-from .winch import commanded_rate
+from .winch import drive_winch
 
 # Words of the input vector: a flag (0: not given) before each group.
 IN_VELOCITY, IN_POSITION, IN_CURRENT, IN_PAYOUT = 0, 4, 8, 12
@@ -97,26 +97,6 @@ def set_live_current(I, M, t_end, inputs):
     live[1] = t_end
     if flows and head.current_kind == 0:
         head.current_kind = 1
-
-
-@kernel
-def set_live_rate(I, M, t_end, inputs):
-    """The caller's pay-out rate, or back to the scene's: linear from the present command."""
-    head = header(I)
-    state = scalars(M)
-    present, _slope, _until = commanded_rate(I, M, state.time)
-    target = inputs[IN_PAYOUT + 1]
-    if inputs[IN_PAYOUT] == 0.0:
-        head.rate_live = 0
-        target, _slope, _until = commanded_rate(I, M, t_end)
-    head.rate_live = 1
-    state.live_rate[0] = state.time
-    state.live_rate[1] = t_end
-    state.live_rate[2] = present
-    state.live_rate[3] = target
-    if present != 0.0 or target != 0.0:
-        head.payout = 1
-        release_slope(I, M)
 
 
 @kernel
@@ -198,35 +178,30 @@ def possible(M, t_end, inputs):
 
 @kernel
 def take_inputs(I, M, t_end, inputs):
-    """Make the inputs of a step to t_end what drives the block. Returns what goes back to the
-    scene's own schedule by it, for `release_inputs`: 1 the vessel, 2 the pay-out, 3 both."""
+    """Make the inputs of a step to t_end what drives the block. Returns whether the vessel goes
+    back to the scene's own motion by it, for `release_inputs`."""
     head = header(I)
-    returning = 0
+    returning = False
     given = inputs[IN_VELOCITY] != 0.0 or inputs[IN_POSITION] != 0.0
     if given or head.live == 1:
         set_live_motion(I, M, t_end, inputs)
         head.live = 1
         if not given:
-            returning += 1
+            returning = True
     if inputs[IN_CURRENT] != 0.0 or head.current_kind != 0:
         set_live_current(I, M, t_end, inputs)
-    given_rate = inputs[IN_PAYOUT] != 0.0
-    returning_rate = head.rate_live == 1 and not given_rate
-    if given_rate or returning_rate:
-        set_live_rate(I, M, t_end, inputs)
-    if returning_rate:
-        returning += 2
+    if head.parts == 0 and drive_winch(
+        I, M, 0, t_end, inputs[IN_PAYOUT] != 0.0, inputs[IN_PAYOUT + 1]
+    ):
+        release_slope(I, M)
     return returning
 
 
 @kernel
 def release_inputs(I, returning):
     """After a step that was made: from its end on the scene drives what has gone back to it."""
-    head = header(I)
-    if returning & 1:
-        head.live = 0
-    if returning & 2:
-        head.rate_live = 0
+    if returning:
+        header(I).live = 0
 
 
 @kernel

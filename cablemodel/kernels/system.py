@@ -3,7 +3,7 @@
 Everything that depends on the dimension (planar or three-dimensional) is chosen here, once a call.
 """
 
-from .access import constraint_of, frame_of, header, scalars
+from .access import constraint_of, frame_of, header, scalars, winch_of
 from .backup import keep_matrix
 from .block_solver import (
     factor_parts,
@@ -38,7 +38,7 @@ from .layout import (
     HELD_BY_FRAME,
     JOINT_HINGE,
 )
-from .passing import add_first_bit, exchange_rates
+from .passing import add_first_bit, exchange_rate, exchange_rates
 from .payout import material_top, set_top_length
 from .rigid import condense_rigid, rigid_jacobian, rigid_residual, stretch_rate_rigid
 from .surge import push_elements
@@ -64,19 +64,23 @@ def residual(I, M, q, v, a, tension, out, out_constraint):
         follow_bodies(I, M, q, v, a)
     if head.payout != 0:
         material_top(I, M, q, v, a)
+        exchange_rates(I, M, v, a)
     if head.dimension == 2:
         residual_planar(I, M, q, v, a, tension, out, out_constraint)
     else:
         residual_spatial(I, M, q, v, a, tension, out, out_constraint)
+    if head.payout != 0:
+        exchange_rates(I, M, v, a)
     if head.surge != 0 and head.wave_count == 0 and head.drag != 0:
         push_elements(I, M, q, out)
     if head.body_count > 0:
         body_residual(I, M, q, v, a, out)
     if head.rigid > 0:
-        if state.body_passage != 0.0:
+        passing = winch_of(I, M, 0).passing != 0.0
+        if passing:
             exchange_rates(I, M, v, a)
         rigid_residual(I, M, q, v, a, tension, out, out_constraint)
-        if state.body_passage != 0.0:
+        if passing:
             exchange_rates(I, M, v, a)
         elif head.payout != 0:
             add_first_bit(I, M, out)
@@ -255,17 +259,21 @@ def jacobian(I, M, q, v, a, tension, ca, cv):
         follow_bodies(I, M, q, v, a)
     if head.payout != 0:
         material_top(I, M, q, v, a)
+        exchange_rates(I, M, v, a)
     if head.dimension == 2:
         jacobian_planar(I, M, q, v, a, tension, ca, cv)
     else:
         jacobian_spatial(I, M, q, v, a, tension, ca, cv)
+    if head.payout != 0:
+        exchange_rates(I, M, v, a)
     if head.body_count > 0:
         body_jacobian(I, M, q, v, a, ca, cv)
     if head.rigid > 0:
-        if state.body_passage != 0.0:
+        passing = winch_of(I, M, 0).passing != 0.0
+        if passing:
             exchange_rates(I, M, v, a)
         rigid_jacobian(I, M, q, v, a, tension, ca, cv)
-        if state.body_passage != 0.0:
+        if passing:
             exchange_rates(I, M, v, a)
     if head.payout != 0:
         add_clamp_tangent(I, M, q)
@@ -371,18 +379,14 @@ def material_stretch_rate(I, M, v, out):
     With pay-out the last residual was that of these velocities.
     """
     head = header(I)
-    if head.payout != 0:
-        # Material velocities, which the last residual left in `top`, in place of the mesh's.
-        size = 2 * head.dimension
-        kept = view(M, head.top + 12, size)
-        for n in range(size):
-            kept[n] = v[n]
-            v[n] = M[head.top + n]
+    if head.payout == 0:
         stretch_rate(I, M, v, out)
-        for n in range(size):
-            v[n] = kept[n]
-    else:
-        stretch_rate(I, M, v, out)
+        return
+    for n in range(head.winch_count):
+        exchange_rate(I, M, n, 0, v)
+    stretch_rate(I, M, v, out)
+    for n in range(head.winch_count):
+        exchange_rate(I, M, n, 0, v)
 
 
 @kernel

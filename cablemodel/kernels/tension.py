@@ -15,7 +15,7 @@ it, and the tension that is solved for is that of the step: such a step is refus
 
 import math
 
-from .access import body_of, constraint_of, edge_of, header, scalars
+from .access import body_of, constraint_of, edge_of, header, scalars, winch_of
 from .compile import copy_words, inlined, kernel, outlined, view
 from .consistency import vessel_jump
 from .environment import current_rate, surge_jump
@@ -171,8 +171,7 @@ def may_be_solved_for(I, M):
     """Whether tensions can be solved for: with Hooke's law, ends that are hinged, and no body of
     finite length at the tow point."""
     head = header(I)
-    state = scalars(M)
-    if state.body_passage != 0.0:
+    if head.rigid > 0 and winch_of(I, M, 0).passing != 0.0:
         return False
     for n in range(head.constraint_count):
         if constraint_of(I, M, n).clamped != 0.0:

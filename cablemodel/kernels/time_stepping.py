@@ -41,7 +41,7 @@ from .layout import (
     TOO_MANY_STEPS,
 )
 from .newton import NO_TENSION, increment_norm, is_folded, refactor
-from .passing import cable_paid
+from .payout import pay_out
 from .refine import follow_bending
 from .sea_cells import begin_stage, end_stage
 from .sleep import disturbance, fall_asleep, may_sleep, prepare_joining, wake, wake_as_many
@@ -64,10 +64,10 @@ from .system import (
 )
 from .tables import GAMMA, STAGE_A, STAGE_C, STAGE_ERROR, STAGES
 from .tension import FOLLOWS, PASSES_OVER, SHORT, SOLVED, take_solved, tension_error, two_step_error
-from .top_of_line import adapt_top, next_change
+from .top_of_line import adapt_tops, anything_passes
 from .two_step import accept_two_step, remember, try_two_step, two_step_gamma
 from .vessel_clamp import update_springs
-from .winch import begin_payout, longest_payout_step, paid_since
+from .winch import begin_payout, longest_payout_step
 
 LARGEST_ITERATIONS = 10
 STALL = 5000, 1e-5  # internal steps in a row, and their mean length in sqrt(L/g), that end a call
@@ -329,7 +329,7 @@ def change_mesh(I, M, rests):
     if rests:
         wake_as_many(I, M)
     if head.payout != 0:
-        status = adapt_top(I, M)
+        status = adapt_tops(I, M)
         if status != OK:
             return status
     if rests:
@@ -420,7 +420,7 @@ def advance_to(I, M, t_end):
         rests = head.sleep != 0 and state.time >= state.sleep_after and may_sleep(I, M)
         if (
             rests
-            or (head.payout != 0 and next_change(I, M) != 0)
+            or (head.payout != 0 and anything_passes(I, M))
             or (head.floor_state != FLOOR_FAR and follow_floor(I, M, False) != NOTHING)
             or (mesh_is_due(I, M) and follow_bending(I, M, False) != NOTHING)
         ):
@@ -429,14 +429,12 @@ def advance_to(I, M, t_end):
                 break
         natural = natural_step(I, M)
         stop = next_stop(I, M, t_end, natural)
-        rate = state.payout_rate
+        jump = 0.0
         if head.payout != 0:
-            slope = state.payout_slope
-            stop = begin_payout(I, M, stop)
-            if state.payout_slope != slope:
+            stop, jump, kink = begin_payout(I, M, stop)
+            if kink:
                 head.settled = 0
             natural = longest_payout_step(I, M, natural)
-        jump = abs(state.payout_rate - rate)  # a winch that stops dead at an end
         if jump * natural > state.time_tolerance:
             natural = max(state.time_tolerance / jump, 10.0 * state.smallest_step)
             state.step = natural
@@ -542,11 +540,7 @@ def advance_to(I, M, t_end):
                 )
             make_crooked(I, M)
             if head.payout != 0:
-                paid = paid_since(M, dt)
-                state.travel += paid
-                state.paid = cable_paid(I, M)
-                state.top_length += paid
-                state.payout_rate += state.payout_slope * dt
+                pay_out(I, M, dt)
             if landing:
                 state.time = stop
             else:

@@ -8,13 +8,25 @@ above it comes when the body is out, and goes before it is taken in.
 
 import math
 
-from .access import body_at, body_of, cable_at, cable_of, edge_at, edge_of, header, scalars, word_of
-from .compile import kernel
-from .follow import jump_at
+from .access import (
+    body_at,
+    body_of,
+    cable_at,
+    cable_of,
+    edge_at,
+    edge_of,
+    header,
+    scalars,
+    winch_of,
+    word_of,
+)
+from .compile import inlined, kernel
+from .follow import bend_allowed, jump_at, position_accuracy
 from .layout import (
     BODY_WORDS,
     CABLE_WORDS,
     EDGE_WORDS,
+    JOINT_ARM,
     JOINT_BODY,
     NO_CAPACITY,
     OK,
@@ -27,6 +39,7 @@ from .payout import (
     join_at,
     open_gap,
     split_edge,
+    top_edge,
     turn_with_matter,
 )
 from .vessel_clamp import update_springs
@@ -44,30 +57,56 @@ STOPS, ENTERS = 7, 8  # the cable before a body, and the body, on the way in
 
 
 @kernel
-def element_number(I, M):
-    """Elements of the line."""
+def next_along(I, winch, edge):
+    """The element or joint that follows on an edge as one goes away from a winch; 0: none does."""
     head = header(I)
-    count = 0
-    for node in range(1, head.nodes):
-        if I[head.joint + node] == 0:
-            count += 1
-    return count
+    if winch.way > 0.0:
+        child = edge + 1
+        if child >= head.nodes or I[head.parent + child] != edge:
+            return 0
+        return child if I[head.joint + child] < JOINT_ARM else 0
+    parent = I[head.parent + edge]
+    return parent if parent > 0 and I[head.joint + parent] < JOINT_ARM else 0
 
 
 @kernel
-def is_too_large(I, M, length, elements):
-    """Whether a top element of this length is most of a line of few elements."""
+def measure_line(I, M, winch):
+    """Of a winch's line: edges, those of them that are elements, length [m]."""
     head = header(I)
-    if elements > 2 * FEWEST_ELEMENTS:
+    edges = 0
+    elements = 0
+    length = 0.0
+    edge = top_edge(winch)
+    while edge != 0:
+        edges += 1
+        if I[head.joint + edge] == 0:
+            elements += 1
+        length += edge_of(I, M, edge).length
+        edge = next_along(I, winch, edge)
+    return edges, elements, length
+
+
+@kernel
+def is_too_large(I, M, winch, length, joined):
+    """Whether a top element of this length is most of a line of few elements, of which so many
+    are joined with it."""
+    head = header(I)
+    if head.parts == 0 and head.nodes - 1 - joined > 2 * FEWEST_ELEMENTS:
         return False
-    total = 0.0
-    for node in range(1, head.nodes):
-        total += edge_of(I, M, node).length
-    return length > LARGEST_SHARE * total
+    edges, _elements, total = measure_line(I, M, winch)
+    return edges - joined <= 2 * FEWEST_ELEMENTS and length > LARGEST_SHARE * total
+
+
+@inlined
+def middle_of(winch):
+    """The node between a top element and the next one: that at the far end of the upper one of
+    both along the tree."""
+    edge = top_edge(winch)
+    return edge if winch.way > 0.0 else edge - 1
 
 
 @kernel
-def bends_with_next(I, M):
+def bends_with_next(I, M, winch, below):
     """Whether the top element and the next one bend more than one cubic in their place may.
 
     The node between would move by more than tau L, and the line's ends would be pulled after it: a
@@ -75,44 +114,50 @@ def bends_with_next(I, M):
     what is joined would be halved at once, and what it was is lost.
     """
     state = scalars(M)
-    if moved_by_joining(I, M) > state.tolerance * state.length:
+    if moved_by_joining(I, M, winch, below) > position_accuracy(I, M, below):
         return True
-    length = state.top_length + edge_of(I, M, 2).length
-    return state.bent > 0.0 and length * length * jump_at(I, M, 1, False) > state.bent
+    length = winch.top_length + edge_of(I, M, below).length
+    bent = bend_allowed(I, M, below)
+    return state.bent > 0.0 and length * length * jump_at(I, M, middle_of(winch), False) > bent
 
 
 @kernel
-def moved_by_joining(I, M):
-    """How far the first node lies from the cubic that would take its place [m].
+def moved_by_joining(I, M, winch, below):
+    """How far the node between lies from the cubic that would take its place [m].
 
     A bend that both elements have part of, as at a clamp that cable is drawn through, has no jump.
     """
     head = header(I)
-    state = scalars(M)
     dimension = head.dimension
-    first = state.top_length
-    length = first + edge_of(I, M, 2).length
+    other = edge_of(I, M, below).length
+    length = winch.top_length + other
+    first = winch.top_length if winch.way > 0.0 else other
     size = 2 * dimension
+    middle = middle_of(winch)
+    start = head.position + size * I[head.parent + middle]
+    end = head.position + size * (middle + 1)
     w = M[head.motion + 28 : head.motion + 34]
-    hermite(M, head.position, head.position + 2 * size, dimension, length, first / length, w)
+    hermite(M, start, end, dimension, length, first / length, w)
     square = 0.0
     for i in range(dimension):
-        square += (w[i] - M[head.position + size + i]) ** 2
+        square += (w[i] - M[head.position + size * middle + i]) ** 2
     return math.sqrt(square)
 
 
 @kernel
-def next_change(I, M):
-    """What the top of the line asks for next; 0: nothing."""
+def next_change(I, M, n):
+    """What a winch asks for next; 0: nothing."""
     head = header(I)
-    state = scalars(M)
-    cable = head.top_cable
+    winch = winch_of(I, M, n)
+    if winch.node < 0.0:
+        return 0
+    cable = int(winch.cable)
     row = cable_of(I, M, cable)
-    if cable + 1 < head.cable_count:
-        out = state.travel - row.leaves
+    if head.parts == 0 and cable + 1 < head.cable_count:
+        out = winch.travel - row.leaves
         body = body_above(I, M, cable)
         of_body = body_at(M, body)
-        if state.body_passage != 0.0:
+        if winch.passing != 0.0:
             beyond = out - of_body.length
             if beyond >= (1.0 - NEARLY) * cable_of(I, M, cable + 1).shortest:
                 return FOLLOWS
@@ -122,12 +167,12 @@ def next_change(I, M):
         if body >= 0:
             if out >= (1.0 - NEARLY) * bare_length(M, of_body, cable_of(I, M, cable + 1)):
                 return COMES
-        elif out >= cable_of(I, M, cable + 1).shortest and out < state.top_length:
+        elif out >= cable_of(I, M, cable + 1).shortest and out < winch.top_length:
             # A joint leaves the vessel once enough of the next cable is out.
             return LEAVES
-    if cable > 0:
+    if head.parts == 0 and cable > 0:
         # It is taken back when less than half of that is left.
-        out = state.travel - cable_of(I, M, cable - 1).leaves
+        out = winch.travel - cable_of(I, M, cable - 1).leaves
         body = body_above(I, M, cable - 1)
         of_body = body_at(M, body)
         if body >= 0:
@@ -135,22 +180,44 @@ def next_change(I, M):
                 return STOPS
         elif out <= 0.5 * row.shortest:
             return RETURNS
-    nominal = row.nominal
-    if state.top_length > SPLIT * nominal or is_too_large(I, M, state.top_length, head.nodes - 1):
+    length = winch.top_length
+    if length > SPLIT * row.nominal or is_too_large(I, M, winch, length, 0):
         return DIVIDES
-    first = edge_of(I, M, 1)
-    below = edge_of(I, M, 2)
-    if head.nodes > 2 and state.top_length < JOIN * min(nominal, below.length):
-        if bends_with_next(I, M) and state.top_length > SLIGHT * below.length:
-            return 0
-        if below.segment == first.segment and I[head.joint + 2] == 0:
-            # One of few elements goes only where another one gains by being halved.
-            if state.top_length < UNEVEN * below.length or (
-                element_number(I, M) > FEWEST_ELEMENTS
-                and not is_too_large(I, M, state.top_length + below.length, head.nodes - 2)
-            ):
-                return UNITES
+    if may_unite_with_next(I, M, winch, row.nominal):
+        return UNITES
     return 0
+
+
+@kernel
+def may_unite_with_next(I, M, winch, nominal):
+    """Whether the top element and the next one may become one."""
+    head = header(I)
+    edge = top_edge(winch)
+    below = next_along(I, winch, edge)
+    if below == 0:
+        return False
+    length = winch.top_length
+    other = edge_of(I, M, below)
+    if length >= JOIN * min(nominal, other.length):
+        return False
+    if bends_with_next(I, M, winch, below) and length > SLIGHT * other.length:
+        return False
+    if other.segment != edge_of(I, M, edge).segment or I[head.joint + below] != 0:
+        return False
+    # One of few elements goes only where another one gains by being halved.
+    if length < UNEVEN * other.length:
+        return True
+    _edges, elements, _length = measure_line(I, M, winch)
+    return elements > FEWEST_ELEMENTS and not is_too_large(I, M, winch, length + other.length, 1)
+
+
+@kernel
+def anything_passes(I, M):
+    """Whether any winch asks for a change."""
+    for n in range(header(I).winch_count):
+        if next_change(I, M, n) != 0:
+            return True
+    return False
 
 
 @kernel
@@ -160,7 +227,7 @@ def along_the_body(I, M):
     Leaves axis, its rate and second rate in w[0:9], the words of `motion` from 28 on.
     """
     head = header(I)
-    state = scalars(M)
+    winch = winch_of(I, M, 0)
     dimension = head.dimension
     count = 4 * dimension
     q = head.position
@@ -173,9 +240,9 @@ def along_the_body(I, M):
         M[q : q + count],
         M[v : v + count],
         M[a : a + count],
-        state.top_length,
-        state.payout_rate,
-        state.payout_slope,
+        winch.top_length,
+        winch.rate,
+        winch.slope,
         w,
     )
     for i in range(dimension):
@@ -203,16 +270,16 @@ def body_moved(I, M, row):
 def let_body_come(I, M):
     """The first bit of a body, until now a piece of the top element, becomes the body itself."""
     head = header(I)
-    state = scalars(M)
-    cable = head.top_cable
-    out = state.travel - cable_of(I, M, cable).leaves
-    if split_edge(I, M, 1, out / state.top_length, False) != OK:
+    winch = winch_of(I, M, 0)
+    cable = int(winch.cable)
+    out = winch.travel - cable_of(I, M, cable).leaves
+    if split_edge(I, M, 1, out / winch.top_length, False) != OK:
         return NO_CAPACITY
     edge = edge_of(I, M, 1)
     I[head.joint + 1] = JOINT_BODY
     edge.length = 0.0
-    edge.start = -state.paid
-    edge_at(M, word_of(M, edge) + EDGE_WORDS).start = -state.paid
+    edge.start = -winch.paid
+    edge_at(M, word_of(M, edge) + EDGE_WORDS).start = -winch.paid
     for array in range(2):
         # The split has left the mean of the piece above: the tension at the new node.
         t = head.tension if array == 0 else head.tension_rate
@@ -222,7 +289,7 @@ def let_body_come(I, M):
     row.node = 1.0
     row.clamp_tension[0] = M[head.tension + 2]
     row.clamp_tension[1] = M[head.tension + 2]
-    state.body_passage = 1.0 + (word_of(M, row) - head.bodies) // BODY_WORDS
+    winch.passing = 1.0 + (word_of(M, row) - head.bodies) // BODY_WORDS
     along_the_body(I, M)
     body_moved(I, M, row)
     update_springs(I, M, 0.0)
@@ -233,14 +300,14 @@ def let_body_come(I, M):
 def let_cable_follow(I, M):
     """The body is out: the first bit of the next cable takes its place at the tow point."""
     head = header(I)
-    state = scalars(M)
+    winch = winch_of(I, M, 0)
     if head.nodes + head.left_out + 1 > head.capacity:
         return NO_CAPACITY
     dimension = head.dimension
     size = 2 * dimension
-    cable = head.top_cable
+    cable = int(winch.cable)
     row = body_at(M, body_above(I, M, cable))
-    length = state.top_length - row.length
+    length = winch.top_length - row.length
     along_the_body(I, M)
     w = M[head.motion + 28 : head.motion + 37]
     pull = M[head.tension + 2]
@@ -250,29 +317,29 @@ def let_cable_follow(I, M):
         M[head.edges + EDGE_WORDS + k] = 0.0
     give_properties(I, M, 1, cable + 1)
     edge_of(I, M, 1).length = length
-    edge_of(I, M, 1).start = -state.paid
-    edge_of(I, M, 2).start = length - state.paid
+    edge_of(I, M, 1).start = -winch.paid
+    edge_of(I, M, 2).start = length - winch.paid
     I[head.joint + 1] = 0
     M[head.tension + 2] = pull
     M[head.tension + 3] = 0.0
     M[head.tension_rate + 2] = rate
     M[head.tension_rate + 3] = 0.0
-    speed = state.payout_rate
+    speed = winch.rate
     for i in range(dimension):
         at = size + i
         M[head.position + at] = M[head.position + i] + length * w[i]
         M[head.velocity + at] = M[head.velocity + i] + speed * w[i] + length * w[3 + i]
-        M[head.acceleration + at] = M[head.acceleration + i] + state.payout_slope * w[i]
+        M[head.acceleration + at] = M[head.acceleration + i] + winch.slope * w[i]
         M[head.acceleration + at] += 2.0 * speed * w[3 + i] + length * w[6 + i]
         M[head.position + at + dimension] = w[i]
         M[head.velocity + at + dimension] = w[3 + i]
         M[head.acceleration + at + dimension] = w[6 + i]
     for i in range(3):
         M[head.rest + 3 + i] = M[head.rest + i]
-    state.top_length = length
+    winch.top_length = length
     body_moved(I, M, row)
-    state.body_passage = 0.0
-    head.top_cable = cable + 1
+    winch.passing = 0.0
+    winch.cable = cable + 1
     row.clamp_tension[0] = pull
     update_springs(I, M, 0.0)
     return OK
@@ -282,16 +349,16 @@ def let_cable_follow(I, M):
 def let_body_stop(I, M):
     """The cable above a body is taken in: the body's inner end comes to the tow point."""
     head = header(I)
-    state = scalars(M)
+    winch = winch_of(I, M, 0)
     while I[head.joint + 2] == 0:
         join_at(I, M, 1, 1)
-    cable = head.top_cable - 1
+    cable = int(winch.cable) - 1
     row = body_at(M, body_above(I, M, cable))
     close_gap(I, M, 1, 1)
     body_moved(I, M, row)
-    state.top_length = state.travel - cable_of(I, M, cable).leaves
-    state.body_passage = 1.0 + (word_of(M, row) - head.bodies) // BODY_WORDS
-    head.top_cable = cable
+    winch.top_length = winch.travel - cable_of(I, M, cable).leaves
+    winch.passing = 1.0 + (word_of(M, row) - head.bodies) // BODY_WORDS
+    winch.cable = cable
     along_the_body(I, M)
     update_springs(I, M, 0.0)
 
@@ -301,24 +368,25 @@ def let_body_enter(I, M):
     """The last bit of a body that is taken in becomes a piece of the top element."""
     head = header(I)
     state = scalars(M)
+    winch = winch_of(I, M, 0)
     dimension = head.dimension
     size = 2 * dimension
-    cable = head.top_cable
+    cable = int(winch.cable)
     row = body_at(M, body_above(I, M, cable))
     row.node = -1.0
-    state.body_passage = 0.0
+    winch.passing = 0.0
     w = M[head.motion + 28 : head.motion + 37]
     for i in range(dimension):
         w[i] = M[head.position + size + dimension + i]
         w[3 + i] = M[head.velocity + size + dimension + i]
         w[6 + i] = M[head.acceleration + size + dimension + i]
     close_gap(I, M, 1, 1)
-    state.top_length += edge_of(I, M, 1).length
-    edge_of(I, M, 1).length = state.top_length
-    state.joined = max(state.joined, state.top_length)
+    winch.top_length += edge_of(I, M, 1).length
+    edge_of(I, M, 1).length = winch.top_length
+    state.joined = max(state.joined, winch.top_length)
     for i in range(dimension):
         M[head.position + dimension + i] = w[i]
-    turn_with_matter(I, M, w[3 : 3 + dimension], w[6 : 6 + dimension])
+    turn_with_matter(I, M, 0, w[3 : 3 + dimension], w[6 : 6 + dimension])
 
 
 @kernel
@@ -331,18 +399,20 @@ def keep_length(I, M, edge):
 
 
 @kernel
-def unite(I, M):
+def unite(I, M, n):
     """Join the top element with the next one; of the fewest, halve the longest instead."""
-    head = header(I)
-    state = scalars(M)
-    join_at(I, M, 1, 1)
-    edge_of(I, M, 1).length = state.top_length
-    if element_number(I, M) >= FEWEST_ELEMENTS:
+    winch = winch_of(I, M, n)
+    join_at(I, M, middle_of(winch), 1)
+    edge = top_edge(winch)
+    edge_of(I, M, edge).length = winch.top_length
+    _edges, elements, _length = measure_line(I, M, winch)
+    if elements >= FEWEST_ELEMENTS:
         return OK
-    longest = 1
-    for node in range(1, head.nodes):
-        if edge_of(I, M, node).length > edge_of(I, M, longest).length:
-            longest = node
+    longest = edge
+    while edge != 0:
+        if edge_of(I, M, edge).length > edge_of(I, M, longest).length:
+            longest = edge
+        edge = next_along(I, winch, edge)
     status = split_edge(I, M, longest, 0.5, False)
     if status == OK:
         keep_length(I, M, longest)
@@ -351,27 +421,49 @@ def unite(I, M):
 
 
 @kernel
-def adapt_top(I, M):
-    """Before a step: let joints and bodies pass the tow point, split or join the top element."""
+def divide(I, M, n):
+    """Split the top element: but for what is still too long it becomes one of the others."""
+    winch = winch_of(I, M, n)
+    pieces = max(2, int(winch.top_length / cable_of(I, M, int(winch.cable)).nominal))
+    edge = top_edge(winch)
+    share = 1.0 - 1.0 / pieces if winch.way > 0.0 else 1.0 / pieces
+    status = split_edge(I, M, edge, share, False)
+    if status == OK:
+        keep_length(I, M, edge + 1 if winch.way > 0.0 else edge)
+    return status
+
+
+@kernel
+def adapt_tops(I, M):
+    """Before a step: let joints and bodies pass the winches, split or join top elements."""
+    for n in range(header(I).winch_count):
+        if adapt_top(I, M, n) != OK:
+            return NO_CAPACITY
+    return OK
+
+
+@kernel
+def adapt_top(I, M, n):
+    """The same for one winch."""
     head = header(I)
-    state = scalars(M)
+    winch = winch_of(I, M, n)
     for _pass in range(64):
-        change = next_change(I, M)
+        change = next_change(I, M, n)
         if change == 0:
             break
-        cable = head.top_cable
+        cable = int(winch.cable)
         row = cable_of(I, M, cable)
         status = OK
         if change == LEAVES:
             above = cable_at(M, word_of(M, row) + CABLE_WORDS)
-            out = state.travel - row.leaves
+            out = winch.travel - row.leaves
             hinge = above.hinge != 0.0
-            status = split_edge(I, M, 1, out / state.top_length, hinge)
+            status = split_edge(I, M, 1, out / winch.top_length, hinge)
             if status == OK:
                 give_properties(I, M, 1, cable + 1)
                 if above.body >= 0.0:
                     body_of(I, M, int(above.body)).node = 1.0
-                head.top_cable = cable + 1
+                winch.cable = cable + 1
         elif change == RETURNS:
             if row.body >= 0.0:
                 body_of(I, M, int(row.body)).node = -1.0
@@ -380,8 +472,8 @@ def adapt_top(I, M):
                 join_at(I, M, 1, 1)
             join_at(I, M, 1, 2 if row.hinge != 0.0 else 1)
             give_properties(I, M, 1, cable - 1)
-            edge_of(I, M, 1).length = state.top_length
-            head.top_cable = cable - 1
+            edge_of(I, M, 1).length = winch.top_length
+            winch.cable = cable - 1
         elif change == COMES:
             status = let_body_come(I, M)
         elif change == FOLLOWS:
@@ -391,13 +483,11 @@ def adapt_top(I, M):
         elif change == ENTERS:
             let_body_enter(I, M)
         elif change == DIVIDES:
-            pieces = max(2, int(state.top_length / row.nominal))
-            status = split_edge(I, M, 1, 1.0 - 1.0 / pieces, False)
-            if status == OK:
-                keep_length(I, M, 2)
+            status = divide(I, M, n)
         else:
-            few = element_number(I, M) <= FEWEST_ELEMENTS
-            status = unite(I, M)
+            _edges, elements, _length = measure_line(I, M, winch)
+            few = elements <= FEWEST_ELEMENTS
+            status = unite(I, M, n)
             if few:
                 break
         if status != OK:

@@ -10,7 +10,7 @@ flexible cable passes no moment: k = 0. Nor does a clamp hold a body of finite l
 
 import math
 
-from .access import constraint_of, edge_of, header, scalars
+from .access import constraint_of, edge_of, header, scalars, winch_of
 from .clamp_layer import share_of_layer
 from .compile import kernel
 from .layout import (
@@ -24,9 +24,8 @@ from .slopes import half_cosine, slope_direction
 @kernel
 def clamp_spring(I, M):
     """Stiffness of the clamp [N m]; 0 where there is none."""
-    state = scalars(M)
     row = constraint_of(I, M, 0)
-    if row.clamped != BY_SPRING or state.body_passage != 0.0:
+    if row.clamped != BY_SPRING or winch_of(I, M, 0).passing != 0.0:
         return 0.0
     return row.spring
 
@@ -101,7 +100,7 @@ def update_springs(I, M, share):
     row = constraint_of(I, M, 0)
     if row.clamped != BY_SPRING:
         return
-    if state.body_passage != 0.0:
+    if winch_of(I, M, 0).passing != 0.0:
         row.share = 0.0
         return
     pull = M[head.tension + 2] - M[head.tension + 3]

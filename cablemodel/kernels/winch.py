@@ -1,26 +1,27 @@
-"""The winch: at what rate the line passes the tow point, until when, and how far a step may go."""
+"""Winches: at what rate lines pass them, until when, and how far a step may go."""
 
-from .access import cable_of, header, scalars
+from .access import cable_of, header, scalars, winch_of
 from .compile import kernel
+from .layout import LIVE, LIVE_NOT, LIVE_RETURNS, RATE_WORDS
 from .passing import next_mark
 
 FASTEST_GROWTH = 20.0  # in a step, of the top element or of what is out of a body, by its length
 
 
 @kernel
-def commanded_rate(I, M, t):
-    """Commanded rate just after t, its slope, and the time until which they hold."""
+def commanded_rate(I, M, n, t):
+    """Commanded rate of a winch just after t, its slope, and the time until which they hold."""
     head = header(I)
-    state = scalars(M)
-    if head.rate_live == 1:
-        t0 = state.live_rate[0]
-        t1 = state.live_rate[1]
+    winch = winch_of(I, M, n)
+    if winch.live != LIVE_NOT:
+        t0 = winch.live_rate[0]
+        t1 = winch.live_rate[1]
         if t < t1:
-            slope = (state.live_rate[3] - state.live_rate[2]) / (t1 - t0)
-            return state.live_rate[2] + slope * (t - t0), slope, t1
-        return state.live_rate[3], 0.0, 1e300
-    table = head.rates
-    count = head.rate_count
+            slope = (winch.live_rate[3] - winch.live_rate[2]) / (t1 - t0)
+            return winch.live_rate[2] + slope * (t - t0), slope, t1
+        return winch.live_rate[3], 0.0, 1e300
+    table = head.rates + RATE_WORDS * int(winch.first_rate)
+    count = int(winch.rates)
     if count == 0:
         return 0.0, 0.0, 1e300
     if t < M[table]:
@@ -33,6 +34,30 @@ def commanded_rate(I, M, t):
             slope = (M[table + 2 * k + 3] - r0) / (t1 - t0)
             return r0 + slope * (t - t0), slope, t1
     return M[table + 2 * count - 1], 0.0, 1e300
+
+
+@kernel
+def drive_winch(I, M, n, t_end, given, target):
+    """The caller's rate for a step to t_end, or back to the scene's where none is given: linear
+    from the present command. Returns whether cable may pass."""
+    winch = winch_of(I, M, n)
+    if not given and winch.live != LIVE:
+        winch.live = LIVE_NOT
+        return False
+    time = scalars(M).time
+    present, _slope, _until = commanded_rate(I, M, n, time)
+    if not given:
+        winch.live = LIVE_NOT
+        target, _slope, _until = commanded_rate(I, M, n, t_end)
+    winch.live = LIVE if given else LIVE_RETURNS
+    winch.live_rate[0] = time
+    winch.live_rate[1] = t_end
+    winch.live_rate[2] = present
+    winch.live_rate[3] = target
+    if present == 0.0 and target == 0.0:
+        return False
+    header(I).payout = 1
+    return True
 
 
 @kernel
@@ -52,17 +77,16 @@ def first_crossing(gap, rate, slope):
 
 
 @kernel
-def begin_payout(I, M, stop):
-    """Set the rate of the next step; returns the time by which the step must end.
+def begin_rate(I, M, n, stop):
+    """Set a winch's rate for the next step; returns the time by which the step must end.
 
     Rates hold until the next kink of the command, and not beyond the end of the drum or the
     shortest length: there the rate is clamped to zero until the command turns round. Bodies of
     finite length are met where their turn comes.
     """
-    head = header(I)
-    state = scalars(M)
-    time = state.time
-    rate, slope, until = commanded_rate(I, M, time)
+    winch = winch_of(I, M, n)
+    time = scalars(M).time
+    rate, slope, until = commanded_rate(I, M, n, time)
     stop = min(stop, until)
     if rate == 0.0:
         sign = slope
@@ -74,50 +98,69 @@ def begin_payout(I, M, stop):
                 sign = slope  # it turns round now: what is left of the rate is round-off
             elif zero < stop:
                 stop = zero
-    most = state.travel_most - state.travel
-    least = state.travel - state.travel_least
-    head.clamped = 0
-    if sign > 0.0 and most <= 1e-12 * (1.0 + abs(state.travel_most)):
-        head.clamped = 1
-    elif sign < 0.0 and least <= 1e-12 * (1.0 + abs(state.travel_least)):
-        head.clamped = -1
-    if head.clamped != 0:
-        state.payout_rate = 0.0
-        state.payout_slope = 0.0
+    most = winch.travel_most - winch.travel
+    least = winch.travel - winch.travel_least
+    winch.at_limit = 0.0
+    if sign > 0.0 and most <= 1e-12 * (1.0 + abs(winch.travel_most)):
+        winch.at_limit = 1.0
+    elif sign < 0.0 and least <= 1e-12 * (1.0 + abs(winch.travel_least)):
+        winch.at_limit = -1.0
+    if winch.at_limit != 0.0:
+        winch.rate = 0.0
+        winch.slope = 0.0
         return stop
-    state.payout_rate = rate
-    state.payout_slope = slope
+    winch.rate = rate
+    winch.slope = slope
     tau = 1e300
     if sign > 0.0:
-        tau = first_crossing(min(most, next_mark(I, M, True)), rate, slope)
+        tau = first_crossing(min(most, next_mark(I, M, n, True)), rate, slope)
     elif sign < 0.0:
-        tau = first_crossing(min(least, next_mark(I, M, False)), -rate, -slope)
+        tau = first_crossing(min(least, next_mark(I, M, n, False)), -rate, -slope)
     if tau < 1e299:
         stop = min(stop, time + tau)
     return stop
 
 
 @kernel
-def longest_payout_step(I, M, dt):
-    """A step that changes the top element by at most its nominal length, or half of its own.
-
-    What has just begun to come out grows by a multiple of its own length.
-    """
-    head = header(I)
-    state = scalars(M)
-    row = cable_of(I, M, head.top_cable)
-    rate = abs(state.payout_rate + 0.5 * state.payout_slope * dt)
-    rate = max(rate, abs(state.payout_rate))
-    if rate == 0.0:
-        return dt
-    room = min(row.nominal, FASTEST_GROWTH * state.top_length)
-    if state.payout_rate < 0.0 or (state.payout_rate == 0.0 and state.payout_slope < 0.0):
-        room = 0.5 * state.top_length
-    return min(dt, room / rate)
+def begin_payout(I, M, stop):
+    """Set the rates of all winches for the next step: the time by which it must end, the largest
+    jump of a rate [m/s], and whether a rate's slope has changed."""
+    jump = 0.0
+    kink = False
+    for n in range(header(I).winch_count):
+        winch = winch_of(I, M, n)
+        if winch.node < 0.0:
+            continue
+        rate = winch.rate
+        slope = winch.slope
+        stop = begin_rate(I, M, n, stop)
+        jump = max(jump, abs(winch.rate - rate))  # one stops dead at an end
+        if winch.slope != slope:
+            kink = True
+    return stop, jump, kink
 
 
 @kernel
-def paid_since(M, tau):
-    """What has passed the tow point in tau since `time`, at the step's rate [m]."""
-    state = scalars(M)
-    return tau * (state.payout_rate + 0.5 * state.payout_slope * tau)
+def longest_payout_step(I, M, dt):
+    """A step that changes top elements by at most their nominal length, or half of their own.
+
+    What has just begun to come out grows by a multiple of its own length.
+    """
+    for n in range(header(I).winch_count):
+        winch = winch_of(I, M, n)
+        rate = abs(winch.rate + 0.5 * winch.slope * dt)
+        rate = max(rate, abs(winch.rate))
+        if rate == 0.0 or winch.node < 0.0:
+            continue
+        nominal = cable_of(I, M, int(winch.cable)).nominal
+        room = min(nominal, FASTEST_GROWTH * winch.top_length)
+        if winch.rate < 0.0 or (winch.rate == 0.0 and winch.slope < 0.0):
+            room = 0.5 * winch.top_length
+        dt = min(dt, room / rate)
+    return dt
+
+
+@kernel
+def paid_since(winch, tau):
+    """What has passed a winch in tau since `time`, at the step's rate [m]."""
+    return tau * (winch.rate + 0.5 * winch.slope * tau)

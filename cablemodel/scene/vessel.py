@@ -242,12 +242,16 @@ def _rate_rows(value: Any) -> Any:
     return value
 
 
+RateTable = Annotated[
+    tuple[RatePoint, ...], AfterValidator(in_order_of("t")), BeforeValidator(_rate_rows)
+]
+"""Speed of a winch: one number, or a table over time."""
+
+
 class Payout(SceneModel):
     """The winch: how fast it pays out, and what its drum still holds."""
 
-    rate: Annotated[
-        tuple[RatePoint, ...], AfterValidator(in_order_of("t")), BeforeValidator(_rate_rows)
-    ] = Field(
+    rate: RateTable = Field(
         default=(RatePoint(t=0.0, rate=0.0),),
         description="speed at which cable, or a body of finite length, passes the tow point: one "
         "number, or a table over time, linear between its rows, that holds its first and last "

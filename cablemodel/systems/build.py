@@ -33,6 +33,7 @@ from cablemodel.systems.tables import (
     fill_held,
     fill_settings_of,
     fill_waves,
+    fill_winches,
     rest_feet,
 )
 from cablemodel.systems.tree import tree_of
@@ -88,6 +89,7 @@ def _solved(
     fill_held(scene, built)
     fill_bodies(scene, built, before)
     fill_cuts(scene, built)
+    fill_winches(scene, built)
     fill_feet(scene, built)
     fill_waves(scene, block)
     place_nodes(scene, built, guess, before)

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from cablemodel.block import Block
 from cablemodel.kernels import layout as at
-from cablemodel.kernels.layout import Header
+from cablemodel.kernels.layout import Header, Winch
+from cablemodel.systems.scene import SystemScene
 from cablemodel.systems.tree import Tree
 
 FloatArray = NDArray[np.float64]
@@ -34,6 +35,7 @@ class Elements:
 class Built:
     """A block, and the tree on which it began; its mesh may have changed since."""
 
+    scene: SystemScene
     block: Block
     tree: Tree
 
@@ -42,6 +44,20 @@ class Built:
         self._backward = np.array([part.backward for part in segments], dtype=bool)
         self.lines = list(dict.fromkeys(part.line for part in segments))
         self._line = np.array([self.lines.index(part.line) for part in segments])
+        self._winches = [(winch.line, winch.at) for winch in self.scene.winches.values()]
+
+    def winch(self, number: int) -> Winch:
+        """A winch by its number in the scene."""
+        first = int(self.block.header.winches) + number * at.WINCH_WORDS
+        return Winch(self.block.reals, first)
+
+    def paid(self, line: str) -> tuple[float, float]:
+        """What winches have paid out at the beginning and at the end of a line [m]."""
+        paid = {"start": 0.0, "end": 0.0}
+        for number, (of, end) in enumerate(self._winches):
+            if of == line:
+                paid[end] += self.winch(number).paid
+        return paid["start"], paid["end"]
 
     @property
     def nodes(self) -> int:
@@ -61,6 +77,11 @@ class Built:
         length, backward = edges[node, at.Edge.length], self._backward[segment]
         start = edges[node, at.Edge.start]
         start = np.where(backward, -start - length, start)
+        for number, (of, end) in enumerate(self._winches):
+            if end == "start":
+                start = start + self.winch(number).paid * (
+                    self._line[segment] == self.lines.index(of)
+                )
         if line is not None:
             order = np.argsort(start, kind="stable")
             node, segment, start = node[order], segment[order], start[order]

@@ -7,20 +7,20 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from os import PathLike
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cablemodel import variables
 from cablemodel.errors import SceneError, StepError
 from cablemodel.finite_element import MEANING
 from cablemodel.kernels import layout as at
-from cablemodel.kernels.layout import Header
+from cablemodel.kernels.layout import Header, Winch
 from cablemodel.model import CableState
 from cablemodel.scene import Scene
 from cablemodel.scene.load import SceneSource, is_system, loaded, read_content
 from cablemodel.systems.build import build
+from cablemodel.systems.inputs import InputNames, SystemInputs
 from cablemodel.systems.scene import SystemScene
 from cablemodel.wall_tension import Surroundings
 
@@ -53,17 +53,17 @@ class Motion:
 
 
 @dataclass(frozen=True)
-class VesselInput:
-    """Where a vessel or driven end is to be at the end of a step, how fast, or both.
+class WinchState:
+    """What a winch does, and has done."""
 
-    Attitudes are roll, pitch and yaw [rad], their rates [rad/s]. Of place and attitude, what is
-    not given follows the scene.
-    """
-
-    position: ArrayLike | None = None
-    velocity: ArrayLike | None = None
-    attitude: ArrayLike | None = None
-    attitude_rate: ArrayLike | None = None
+    payout_rate: float
+    """Applied, positive out [m/s]; differs from the command where it is at a limit."""
+    line_length: float
+    """Unstretched length of its line [m]."""
+    drum_length: float
+    """Cable on the drum [m]."""
+    limit: str
+    """``free``, ``drum empty`` or ``shortest length``."""
 
 
 class LineView:
@@ -76,8 +76,9 @@ class LineView:
 
     @property
     def length(self) -> float:
-        """Unstretched [m]."""
-        return self._model.scene.lines[self.name].length
+        """Unstretched [m]: with what winches have paid out."""
+        before, after = self._model.built.paid(self.name)
+        return self._model.scene.lines[self.name].length + before + after
 
     def sample(self, stations: ArrayLike | None = None) -> CableState:
         """The line at arc lengths from its beginning (n,) [m]; by default at its nodes, with both
@@ -87,16 +88,17 @@ class LineView:
             ValueError: a station is not on the line.
         """
         elements = self._model.built.elements(self.name)
+        length, before = self.length, self._model.built.paid(self.name)[0]
         if stations is None:
-            s = np.append(elements.start, self.length)
+            s = np.append(elements.start, length)
         else:
             s = np.atleast_1d(np.asarray(stations, dtype=np.float64))
-        if not np.all((s >= 0.0) & (s <= self.length * (1.0 + 1e-12))):
-            raise ValueError(f"{self.name}: stations are 0 to {self.length:g} m")
+        if not np.all((s >= 0.0) & (s <= length * (1.0 + 1e-12))):
+            raise ValueError(f"{self.name}: stations are 0 to {length:g} m")
         which = np.clip(np.searchsorted(elements.start, s, side="right") - 1, 0, None)
         if stations is None:
-            gaps = np.abs(elements.start[:, None] - self._cuts)
-            sides = np.flatnonzero(np.any(gaps <= SAME_PLACE * self.length, axis=1))
+            gaps = np.abs(elements.start[:, None] - before - self._cuts)
+            sides = np.flatnonzero(np.any(gaps <= SAME_PLACE * length, axis=1))
             s = np.insert(s, sides, s[sides])
             which = np.insert(which, sides, sides - 1)
         x = np.clip((s - elements.start[which]) / elements.length[which], 0.0, 1.0)
@@ -114,7 +116,7 @@ class LineView:
             curvature=rows[:, 10],
             bending_moment=rows[:, 11],
             on_floor=rows[:, 12] != 0.0,
-            water=(self._water, self.length),
+            water=(self._water, self._model.scene.lines[self.name].length + before),
         )
 
     @property
@@ -146,13 +148,9 @@ class SystemModel:
         self.built = build(self.scene)
         self._initial = self.built.block.image.copy()
         self.lines = {name: LineView(self, name) for name in self.scene.lines}
-        self._foils = [
-            (body, foil) for body, part in self.scene.bodies.items() for foil in part.foils
-        ]
+        self._inputs = InputNames(self.scene)
         self._forces = np.zeros((len(self.scene.bodies), 6))
-        self._angles = np.array(
-            [self.scene.bodies[body].foils[foil].deflection for body, foil in self._foils]
-        )
+        self._angles = self._inputs.first_angles.copy()
 
     def __copy__(self) -> SystemModel:
         return copy.deepcopy(self)
@@ -162,54 +160,30 @@ class SystemModel:
         """[s]."""
         return float(self.built.block.scalars.time)
 
-    def step(
-        self,
-        dt: float,
-        vessels: Mapping[str, VesselInput] | None = None,
-        forces: Mapping[str, ArrayLike] | None = None,
-        deflections: Mapping[str, float] | None = None,
-        cuts: Iterable[str] = (),
-    ) -> None:
-        """Advance by dt [s], of any length.
-
-        An input is the value reached at the end of the step, from its present value.
-
-        Args:
-            vessels: motion of vessels and driven ends by name; others follow the scene.
-            forces: outside force and torque about the origin of bodies by name, (6,) [N, N m],
-                earth frame; a body that is not named has none.
-            deflections: of foils, by ``BODY.FOIL`` [rad]; those not named stay.
-            cuts: names of those that are made now, at the beginning of the step.
+    def step(self, dt: float, **inputs: Unpack[SystemInputs]) -> None:
+        """Advance by dt [s], of any length. inputs: see `SystemInputs`.
 
         Raises:
             StepError: an input is wrong, or no step could be made; the model is as it was.
         """
-        self._advance(self.time + float(dt), vessels or {}, forces or {}, deflections or {}, cuts)
+        self.step_to(self.time + float(dt), **inputs)
 
-    def _advance(
-        self,
-        end: float,
-        vessels: Mapping[str, VesselInput],
-        forces: Mapping[str, ArrayLike],
-        deflections: Mapping[str, float],
-        cuts: Iterable[str],
-    ) -> None:
+    def step_to(self, time: float, **inputs: Unpack[SystemInputs]) -> None:
+        """Advance to a time [s] exactly; otherwise like `step`."""
+        end = float(time)
         if not self.time < end < math.inf or end - self.time > at.LONGEST_STEP:
-            dt = end - self.time
-            raise self._wrong("dt", dt, f"a positive step of at most {at.LONGEST_STEP:g} s")
-        block = self.built.block
-        motion = self._motion_inputs(vessels)
-        pushes = self._pushes(forces)
-        angles = self._deflected(deflections)
-        orders = self._ordered(cuts)
+            advice = f"give a positive step of at most {at.LONGEST_STEP:g} s"
+            raise StepError(f"dt is {end - self.time!r}", time=self.time, advice=advice)
         from cablemodel import library as entry
 
+        block = self.built.block
+        drive = self._inputs.drive(inputs, self._angles, self.time)
         before = None  # a step that fails gives the state back, but not what drives it
-        pushed = pushes.any() or self._forces.any()
-        if vessels or self._drives(block) or pushed or deflections or orders.any():
+        pushed = drive.forces.any() or self._forces.any()
+        given = any(inputs.get(key) for key in ("vessels", "deflections", "rates"))
+        if given or self._drives(block) or pushed or drive.orders.any():
             before = block.image.copy()
-            inputs = motion.ravel(), pushes.ravel(), angles, orders
-            entry.drive(block.ints, block.reals, end, *inputs)
+            entry.drive(block.ints, block.reals, end, *drive.arrays)
         status = int(entry.step(block.ints, block.reals, end, _NO_INPUTS))
         while status == at.NO_CAPACITY:
             block.grow()
@@ -220,75 +194,28 @@ class SystemModel:
                 block.take(before)
             problem, advice = MEANING[status]
             raise StepError(f"{part}: {problem}", time=self.time, arc_length=arc, advice=advice)
-        self._forces, self._angles = pushes, angles
-
-    def step_to(
-        self,
-        time: float,
-        vessels: Mapping[str, VesselInput] | None = None,
-        forces: Mapping[str, ArrayLike] | None = None,
-        deflections: Mapping[str, float] | None = None,
-        cuts: Iterable[str] = (),
-    ) -> None:
-        """Advance to a time [s] exactly; otherwise like `step`."""
-        self._advance(float(time), vessels or {}, forces or {}, deflections or {}, cuts)
+        self._forces, self._angles = drive.forces, drive.angles
 
     def _drives(self, block: Any) -> bool:
         rows = block.array(Header.frames, len(self.scene.vessels), at.FRAME_WORDS)
-        return bool(np.any(rows[:, [at.Frame.live.word, at.Frame.turn_live.word]] != at.LIVE_NOT))
+        live = rows[:, [at.Frame.live.word, at.Frame.turn_live.word]] != at.LIVE_NOT
+        return bool(np.any(live)) or any(winch.live != at.LIVE_NOT for winch in self._winches())
 
-    def _wrong(self, name: str, value: Any, allowed: str) -> StepError:
-        return StepError(f"{name} is {value!r}", time=self.time, advice=f"give {allowed}")
+    def _winches(self) -> list[Winch]:
+        return [self.built.winch(number) for number in range(len(self.scene.winches))]
 
-    def _vector(self, name: str, value: ArrayLike, size: int) -> FloatArray:
-        try:
-            vector = np.asarray(value, dtype=np.float64)
-        except (TypeError, ValueError):
-            vector = np.empty(0)
-        if vector.shape != (size,) or not np.isfinite(vector).all():
-            raise self._wrong(name, value, f"{size} finite numbers")
-        return vector
-
-    def _motion_inputs(self, vessels: Mapping[str, VesselInput]) -> FloatArray:
-        names = list(self.scene.vessels)
-        inputs = np.zeros((len(names), at.FRAME_INPUTS))
-        for name, wanted in vessels.items():
-            if name not in names:
-                raise self._wrong("vessels", name, f"one of {', '.join(names) or 'none'}")
-            row = inputs[names.index(name)]
-            for start, (key, given) in zip(range(1, at.FRAME_INPUTS, 3), _GIVEN, strict=True):
-                value = getattr(wanted, key)
-                if value is not None:
-                    row[0] += given
-                    row[start : start + 3] = self._vector(f"{name}.{key}", value, 3)
-        return inputs
-
-    def _pushes(self, given: Mapping[str, ArrayLike]) -> FloatArray:
-        names = list(self.scene.bodies)
-        pushes = np.zeros((len(names), 6))
-        for name, value in given.items():
-            if name not in names:
-                raise self._wrong("forces", name, f"one of {', '.join(names) or 'none'}")
-            pushes[names.index(name)] = self._vector(f"forces.{name}", value, 6)
-        return pushes
-
-    def _deflected(self, given: Mapping[str, float]) -> FloatArray:
-        names = [f"{body}.{foil}" for body, foil in self._foils]
-        angles = self._angles.copy()
-        for name, value in given.items():
-            if name not in names:
-                raise self._wrong("deflections", name, f"one of {', '.join(names) or 'none'}")
-            angles[names.index(name)] = self._vector(f"deflections.{name}", [value], 1)[0]
-        return angles
-
-    def _ordered(self, given: Iterable[str]) -> FloatArray:
-        names = list(self.scene.cuts)
-        orders = np.zeros(len(names))
-        for name in given:
-            if name not in names:
-                raise self._wrong("cuts", name, f"of {', '.join(names) or 'none'}")
-            orders[names.index(name)] = 1.0
-        return orders
+    @property
+    def winches(self) -> dict[str, WinchState]:
+        """What each winch has done, by name."""
+        return {
+            name: WinchState(
+                payout_rate=float(row.rate),
+                line_length=self.lines[winch.line].length,
+                drum_length=float(row.paid_most - row.paid),
+                limit=_LIMITS[int(row.at_limit)],
+            )
+            for (name, winch), row in zip(self.scene.winches.items(), self._winches(), strict=True)
+        }
 
     @property
     def cuts(self) -> dict[str, float | None]:
@@ -303,8 +230,7 @@ class SystemModel:
     @property
     def deflections(self) -> dict[str, float]:
         """Of foils, by ``BODY.FOIL`` [rad]."""
-        names = (f"{body}.{foil}" for body, foil in self._foils)
-        return dict(zip(names, self._angles.tolist(), strict=True))
+        return dict(zip(self._inputs.foils, self._angles.tolist(), strict=True))
 
     def _parts(self) -> tuple[FloatArray, FloatArray]:
         from cablemodel import library as entry
@@ -379,6 +305,9 @@ class SystemModel:
                     found[f"{name}.{key}"] = getattr(motion, key)
         for name, row in zip(self.scene.vessels, frames, strict=True):
             found[f"{name}.force"], found[f"{name}.moment"] = np.split(_wrench(row), 2)
+        for name, winch in self.winches.items():
+            for key in ("payout_rate", "line_length", "drum_length"):
+                found[f"{name}.{key}"] = np.array(getattr(winch, key))
         for name, time in self.cuts.items():
             found[f"{name}.time"] = np.array(np.nan if time is None else time)
         return found
@@ -390,34 +319,12 @@ class SystemModel:
             step: its length [s].
             given: arguments of `step_to`, by name.
         """
-        row = [np.array([self.time, step])]
-        for name, item in variables.inputs_of_system(self.scene):
-            value = _given(given, name, item.python)
-            row.append(np.full(max((1, *item.shape)), np.nan if value is None else value))
+        row = [np.array([self.time, step]), *self._inputs.row(given)]
         return np.concatenate(row)
 
-    def given_by(self, row: FloatArray) -> dict[str, Any]:
+    def given_by(self, row: FloatArray) -> SystemInputs:
         """The arguments of `step_to` that made a row of `input_row`."""
-        vessels: dict[str, dict[str, FloatArray]] = {}
-        forces: dict[str, FloatArray] = {}
-        deflections: dict[str, float] = {}
-        cuts: list[str] = []
-        place = 2
-        for name, item in variables.inputs_of_system(self.scene):
-            size = max((1, *item.shape))
-            value, place = row[place : place + size], place + size
-            if np.isnan(value).any():
-                continue
-            if name in self.scene.vessels:
-                vessels.setdefault(name, {})[item.python] = value
-            elif name in self.scene.bodies:
-                forces.setdefault(name, np.zeros(6))[_HALVES[item.python]] = value
-            elif name in self.scene.cuts:
-                cuts.append(name)
-            else:
-                deflections[name] = float(value[0])
-        inputs = {name: VesselInput(**fields) for name, fields in vessels.items()}
-        return {"vessels": inputs, "forces": forces, "deflections": deflections, "cuts": cuts}
+        return self._inputs.given_by(row[2:])
 
     @property
     def wrenches(self) -> dict[str, FloatArray]:
@@ -467,33 +374,10 @@ class SystemModel:
         """Back to the initial state, t = 0."""
         self.built.block.take(self._initial)
         self._forces[:] = 0.0
-        self._angles = np.array(
-            [self.scene.bodies[body].foils[foil].deflection for body, foil in self._foils]
-        )
+        self._angles = self._inputs.first_angles.copy()
 
 
-def _given(given: Mapping[str, Any], name: str, field: str) -> Any:
-    """The value of one input among the arguments of a step; None: not given."""
-    if field == "cut":
-        return 1.0 if name in (given.get("cuts") or ()) else None
-    if field == "deflection":
-        return (given.get("deflections") or {}).get(name)
-    if field in ("force", "torque"):
-        wrench = (given.get("forces") or {}).get(name)
-        return None if wrench is None else np.asarray(wrench, float)[_HALVES[field]]
-    wanted = (given.get("vessels") or {}).get(name)
-    return None if wanted is None else getattr(wanted, field)
-
-
-_GIVEN = (
-    ("position", at.GIVEN_POSITION),
-    ("attitude", at.GIVEN_ATTITUDE),
-    ("velocity", at.GIVEN_VELOCITY),
-    ("attitude_rate", at.GIVEN_RATE),
-)
-"""Fields of VesselInput in the order of a frame's input, and their bits."""
-
-_HALVES = {"force": slice(0, 3), "torque": slice(3, 6)}
+_LIMITS = {0: "free", 1: "drum empty", -1: "shortest length"}
 
 
 def _wrench(row: FloatArray) -> FloatArray:

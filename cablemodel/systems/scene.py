@@ -29,7 +29,7 @@ from cablemodel.scene.line import Cable, CableType, LineItem
 from cablemodel.scene.schema import Document, RunSettings, Solver
 from cablemodel.scene.tables import table_from_file
 from cablemodel.scene.units import Quantity, Vector, rejection, several
-from cablemodel.scene.vessel import Vessel
+from cablemodel.scene.vessel import RatePoint, RateTable, Vessel
 
 FloatArray = NDArray[np.float64]
 
@@ -361,6 +361,22 @@ class Cut(SceneModel):
     )
 
 
+class SystemWinch(SceneModel):
+    """A winch at a vessel's point, where a line begins or ends."""
+
+    line: Annotated[str, Field(strict=True)] = Field(description="name of the line")
+    at: Literal["start", "end"] = Field(default="start", description="which end of it")
+    rate: RateTable = Field(
+        default=(RatePoint(t=0.0, rate=0.0),),
+        description="speed at which it pays out, negative: reels in; one number, or a table over "
+        "time, linear between its rows, that holds its first and last value",
+        json_schema_extra=also(Quantity("m/s").json_schema()),
+    )
+    drum: Annotated[float, Quantity("m", at_least=0)] = Field(
+        default=0.0, description="length on the drum, of the cable at that end of the line"
+    )
+
+
 class SystemScene(Document):
     """A scene of several lines, vessels and bodies, in SI units, checked and unchangeable."""
 
@@ -374,6 +390,9 @@ class SystemScene(Document):
     lines: dict[str, SystemLine] = Field(min_length=1, description="lines by name")
     cuts: dict[str, Cut] = Field(
         default_factory=dict, description="places where lines are cut, let go or break, by name"
+    )
+    winches: dict[str, SystemWinch] = Field(
+        default_factory=dict, description="winches at vessels' points, by name"
     )
     solver: Solver = Field(default=Solver(), description="how the scene is computed")
     run: RunSettings = Field(default=RunSettings(), description="length of a run and its output")
@@ -414,7 +433,7 @@ class SystemScene(Document):
 
     def _problems(self) -> Iterator[SceneProblem]:
         named: dict[str, str] = {}
-        for kind in ("vessels", "bodies", "lines", "cuts"):
+        for kind in ("vessels", "bodies", "lines", "cuts", "winches"):
             for name in getattr(self, kind):
                 if name in named:
                     problem = f"one of {named[name]} has this name"
@@ -460,6 +479,7 @@ class SystemScene(Document):
                 yield SceneProblem(f"vessels.{name}.raos", len(vessel.raos), problem, "waves")
         yield from self._floor_problems()
         yield from self._cut_problems()
+        yield from self._winch_problems()
 
     def _cut_problems(self) -> Iterator[SceneProblem]:
         for name, cut in self.cuts.items():
@@ -480,6 +500,32 @@ class SystemScene(Document):
             if end is not None and end.clamped is not None:
                 problem = "a clamped end is not let go"
                 yield SceneProblem(f"{path}.at", cut.at, problem, "a place beside it, in metres")
+
+    def _winch_problems(self) -> Iterator[SceneProblem]:
+        taken: dict[tuple[str, str], str] = {}
+        for name, winch in self.winches.items():
+            path = f"winches.{name}"
+            line = self.lines.get(winch.line)
+            if line is None:
+                problem = f"{shown(winch.line)} is not one of the lines"
+                yield SceneProblem(f"{path}.line", winch.line, problem, ", ".join(self.lines))
+                continue
+            end = line.start if winch.at == "start" else line.end
+            owner = (end.point or "").partition(".")[0]
+            if owner not in self.vessels:
+                problem = f"{winch.line} is not held by a vessel at its {winch.at}"
+                yield SceneProblem(f"{path}.at", winch.at, problem, "an end at a vessel's point")
+            if end.clamped is not None:
+                problem = "cable that runs past a clamp is not computed in a system"
+                yield SceneProblem(f"{path}.at", winch.at, problem, "an end without clamped")
+            if winch.rate[0].rate != 0.0:
+                problem = "a system begins at rest, its winches too"
+                allowed = "0 m/s at the first time of the table"
+                yield SceneProblem(f"{path}.rate", winch.rate[0].rate, problem, allowed)
+            other = taken.setdefault((winch.line, winch.at), name)
+            if other != name:
+                problem = f"{other} is at this end of {winch.line}"
+                yield SceneProblem(f"{path}.at", winch.at, problem, "one winch at an end")
 
     def _floor_problems(self) -> Iterator[SceneProblem]:
         """Anchors and vessels' points below the floor at t = 0."""

@@ -14,6 +14,7 @@ from cablemodel.instance.line_tables import edge_row, fill_body
 from cablemodel.instance.refinement import SPARE
 from cablemodel.instance.scales import is_flexible
 from cablemodel.instance.tables import fill_current, fill_settings
+from cablemodel.instance.winch import SHORTEST_LINE, SPARE_NODES
 from cablemodel.kernels import layout as at
 from cablemodel.kernels.layout import Header, Scalars
 from cablemodel.scene.motion import jumps
@@ -45,7 +46,7 @@ def allocated(scene: SystemScene, tree: Tree) -> Built:
     ]
     nodes = len(tree.parent)
     spare = SPARE[0] + math.ceil(SPARE[1] * nodes) if mesh_may_change(scene) else 0
-    spare += at.NODES_OF_A_CUT * len(scene.cuts)
+    spare += at.NODES_OF_A_CUT * len(scene.cuts) + nodes_for_winches(scene, tree)
     pieces = sum(
         len(vessel.motion().pieces) + len(turning(vessel)) for vessel in scene.vessels.values()
     )
@@ -57,7 +58,8 @@ def allocated(scene: SystemScene, tree: Tree) -> Built:
         strain_words=sum(len(kind.strain_coefficients) for kind in types),
         bodies=len(tree.masses),
         constraints=len(tree.held),
-        rates=1,
+        rates=max(1, sum(len(winch.rate) for winch in scene.winches.values())),
+        winches=len(scene.winches),
         cables=len(tree.segments),
         floor_words=table_words(scene.environment.floor),
         waves=0 if water is None else len(water.amplitude),
@@ -78,7 +80,7 @@ def allocated(scene: SystemScene, tree: Tree) -> Built:
     block.header.dimension = 3
     block.integers(Header.parent, nodes)[:] = tree.parent
     block.integers(Header.joint, nodes)[:] = tree.joint
-    return Built(block, tree)
+    return Built(scene, block, tree)
 
 
 def fill_settings_of(scene: SystemScene, built: Built) -> None:
@@ -157,6 +159,48 @@ def fill_cables(scene: SystemScene, built: Built) -> None:
     bodies = block.array(Header.bodies, len(tree.masses), at.BODY_WORDS)
     for row, (node, body, _line, _item) in zip(bodies, tree.masses, strict=True):
         fill_body(row, node, body, rho)
+
+
+def nodes_for_winches(scene: SystemScene, tree: Tree) -> int:
+    """Nodes that what is on the drums needs, in elements as long as their line's at first."""
+    count = 0
+    for winch in scene.winches.values():
+        of_line = [e for e in tree.elements.values() if tree.segments[e.segment].line == winch.line]
+        mean = scene.lines[winch.line].length / len(of_line)
+        count += SPARE_NODES + math.ceil(winch.drum / mean)
+    return count
+
+
+def fill_winches(scene: SystemScene, built: Built) -> None:
+    """Where winches are, what their drums hold, and their rates."""
+    block, tree = built.block, built.tree
+    rates = [row for winch in scene.winches.values() for row in winch.rate]
+    table = block.array(Header.rates, max(1, len(rates)), at.RATE_WORDS)
+    for place, point in zip(table, rates, strict=False):
+        place[:] = point.t, point.rate
+    block.header.payout = int(any(row.rate != 0.0 for row in rates))
+    edges = block.array(Header.edges, len(tree.parent), at.EDGE_WORDS)
+    cables = block.array(Header.cables, len(tree.segments), at.CABLE_WORDS)
+    first = 0
+    for number, winch in enumerate(scene.winches.values()):
+        line = scene.lines[winch.line]
+        end = line.start if winch.at == "start" else line.end
+        held = next(h for h in tree.held if h.line == winch.line and h.end is end)
+        top = held.node + 1 if held.outward else held.node
+        segment = tree.elements[top].segment
+        own = [element for element in tree.elements.values() if element.segment == segment]
+        length = math.fsum(element.length for element in own)
+        cables[segment, at.Cable.nominal] = length / len(own)
+        row = built.winch(number)
+        row.node, row.way = held.node, 1.0 if held.outward else -1.0
+        row.start = edges[top, at.Edge.start]
+        row.top_length = edges[top, at.Edge.length]
+        row.cable = segment
+        row.travel_most = row.paid_most = winch.drum
+        cables[segment, at.Cable.shortest] = shortest = SHORTEST_LINE * line.length
+        row.travel_least = row.paid_least = min(0.0, shortest - length)
+        row.first_rate, row.rates = first, len(winch.rate)
+        first += len(winch.rate)
 
 
 def fill_frames(scene: SystemScene, block: Block) -> None:

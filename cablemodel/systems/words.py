@@ -19,7 +19,7 @@ def _place(end: LineEnd) -> str:
 
 
 def topology(scene: SystemScene) -> Iterator[str]:
-    """A line of text for every vessel, body and line."""
+    """A line of text for every vessel, body, line and winch."""
     for name, vessel in scene.vessels.items():
         points = ", ".join(vessel.points) or "none"
         moves = "moves" if vessel.path is not None or vessel.velocity is not None else "at rest"
@@ -41,6 +41,9 @@ def topology(scene: SystemScene) -> Iterator[str]:
             elif item.body is not None:
                 parts.append(f"body {item.body.name or ''}".strip())
         yield f"line {name}: from {_place(line.start)} to {_place(line.end)}: {', '.join(parts)}"
+    for name, winch in scene.winches.items():
+        place = "beginning" if winch.at == "start" else "end"
+        yield f"winch {name}: at the {place} of {winch.line}, {winch.drum:g} m on its drum"
 
 
 def at_start(model: SystemModel) -> Iterator[str]:

@@ -56,7 +56,7 @@ def choices(scene: SystemScene, by: int) -> list[Signal]:
 
 
 def inputs(scene: SystemScene) -> list[Signal]:
-    """Inputs of vessels, bodies, foils and cuts, at their values at the start."""
+    """Inputs of vessels, bodies, foils, winches and cuts, at their values at the start."""
     found: list[Signal] = []
     for part, row in inputs_of_system(scene):
         values = _starts(scene, part, row.python)
@@ -83,7 +83,7 @@ def inputs(scene: SystemScene) -> list[Signal]:
 
 def _starts(scene: SystemScene, part: str, field: str) -> list[float]:
     """An input's numbers at the start: those of the scene's own motion, no force, no cut."""
-    if field == "cut":
+    if field in ("cut", "rate"):
         return [0.0]
     if field == "deflection":
         body, _, foil = part.partition(".")
@@ -103,7 +103,7 @@ def _starts(scene: SystemScene, part: str, field: str) -> list[float]:
 
 
 def outputs(scene: SystemScene, stations: int) -> list[Signal]:
-    """Outputs of lines, bodies, vessels and cuts."""
+    """Outputs of lines, bodies, vessels, winches and cuts."""
     jump = {row.quantity for row in CUT_OUTPUTS}
     found: list[Signal] = []
     for row in outputs_of(scene):

@@ -320,16 +320,16 @@ class Commands(Desk):
 
 
 class PartCommands(Desk):
-    """Takes what acts on the parts of a system: wrenches on bodies, deflections of foils, and
-    orders to cut.
+    """Takes what acts on the parts of a system: wrenches on bodies, deflections of foils, rates of
+    winches, and orders to cut.
 
     Args:
         settings: the time-out.
         timebase: says when a message was made.
-        bodies, foils: topics by the names of bodies, and of ``BODY.FOIL``.
+        bodies, foils, winches: topics by the names of bodies, of ``BODY.FOIL``, and of winches.
 
-    Attributes: ``topics`` (of all), ``wrenches`` and ``deflections`` (the newest, by name),
-    ``cuts`` (that are ordered).
+    Attributes: ``topics`` (of all), ``wrenches``, ``deflections`` and ``rates`` (the newest, by
+    name), ``cuts`` (that are ordered).
     """
 
     def __init__(
@@ -338,9 +338,10 @@ class PartCommands(Desk):
         timebase: Timebase,
         bodies: Mapping[str, str],
         foils: Mapping[str, str],
+        winches: Mapping[str, str],
     ) -> None:
-        super().__init__(settings, timebase, (*bodies.values(), *foils.values()))
-        self.topics = {**bodies, **foils}
+        self.topics = {**bodies, **foils, **winches}
+        super().__init__(settings, timebase, self.topics.values())
         self.forget()
 
     def forget(self) -> None:
@@ -348,6 +349,7 @@ class PartCommands(Desk):
         with self._lock:
             self.wrenches: dict[str, Wrench] = {}
             self.deflections: dict[str, float] = {}
+            self.rates: dict[str, PayoutRate] = {}
             self.cuts: tuple[str, ...] = ()
 
     def take_wrench(
@@ -381,6 +383,16 @@ class PartCommands(Desk):
             return self._refuse(topic, f"not finite: {angle}")
         with self._lock:
             self.deflections[foil] = float(angle)
+            self.tallies[topic].received += 1
+        return ""
+
+    def take_rate(self, winch: str, rate: float) -> str:
+        """A pay-out rate of a winch [m/s], positive out."""
+        topic = self.topics[winch]
+        if not math.isfinite(rate):
+            return self._refuse(topic, f"not finite: {rate}")
+        with self._lock:
+            self.rates[winch] = PayoutRate(self._timebase.now(), float(rate))
             self.tallies[topic].received += 1
         return ""
 

@@ -140,8 +140,12 @@ PART_WRENCH = _input_of(
     "force [N] and torque [N.m] on the body about its origin, in map or its own axes",
 )
 FOIL_DEFLECTION = _input_of(variables.FOIL_INPUT, SINGLE, "deflection of the foil [rad]")
-PART_INPUTS = (PART_ODOM, PART_CMD_VEL, PART_WRENCH, FOIL_DEFLECTION)
-"""Of a system; NAME is that of a vessel or driven end, of a body, and of a foil: BODY/FOIL."""
+WINCH_RATE = _input_of(
+    variables.WINCH_INPUT, SINGLE, "pay-out rate of the winch, unstretched, positive out [m/s]"
+)
+PART_INPUTS = (PART_ODOM, PART_CMD_VEL, PART_WRENCH, FOIL_DEFLECTION, WINCH_RATE)
+"""Of a system; NAME is that of a vessel or driven end, of a body, of a foil: BODY/FOIL, and of a
+winch."""
 
 SERVICES: dict[str, str] = {
     "~/reset": "back to the initial state; commands are forgotten, a new log file begins",

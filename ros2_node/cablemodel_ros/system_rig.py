@@ -1,4 +1,4 @@
-"""A system: its vessels, driven ends, bodies, foils and cuts are commanded by their names."""
+"""A system: its vessels, driven ends, bodies, foils, winches and cuts are commanded by name."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from cablemodel_ros import interface
 from cablemodel_ros.commands import Commands, PartCommands, Seat, Tally
 from cablemodel_ros.frames import Floats
 from cablemodel_ros.helm import Freshness, VesselHelm
-from cablemodel_ros.limits import approached_number
+from cablemodel_ros.limits import approached_number, follow_rate
 from cablemodel_ros.rig import Frame, Order, Port, Strand, motion_ports, notes_of
 from cablemodel_ros.samples import Message
 from cablemodel_ros.settings import Settings, SettingsError
@@ -26,7 +26,6 @@ from cablemodel_ros.times import Moment, Simulated, Stamp
 
 OF_ONE_LINE = (
     "payout_input", "vessel_frame", "tow_point", "tow_point_frame", "initial_heading",
-    "limits.payout_rate", "limits.payout_acceleration", "limits.line_length_min",
 )  # fmt: skip
 """Parameters that mean nothing for a system."""
 
@@ -39,14 +38,18 @@ class SystemRig:
         self.scene, self._settings = scene, settings
         self.model = SystemModel(scene)
         self._sampler = SystemSampler(scene, settings)
-        odometry, twist, wrench, deflection = (
+        odometry, twist, wrench, deflection, rate = (
             partial(interface.topic_of_part, topic) for topic in interface.PART_INPUTS
         )
         bodies = {name: wrench(name) for name in scene.bodies}
         foils = {name: deflection(name) for name in self.model.deflections}
-        self._parts = PartCommands(settings, timebase, _labels(bodies), _labels(foils))
+        winches = {name: rate(name) for name in scene.winches}
+        self._parts = PartCommands(
+            settings, timebase, _labels(bodies), _labels(foils), _labels(winches)
+        )
         ports = [Port(bodies[name], partial(self._parts.take_wrench, name)) for name in bodies]
         ports += [Port(foils[name], partial(self._parts.take_deflection, name)) for name in foils]
+        ports += [Port(winches[name], partial(self._parts.take_rate, name)) for name in winches]
         tallies = dict(self._parts.tallies)
         self._commands: dict[str, Commands] = {}
         self._helms: dict[str, VesselHelm] = {}
@@ -120,6 +123,7 @@ class SystemRig:
             "vessels": vessels,
             "forces": self._forces(now, motions),
             "deflections": self._deflections(dt),
+            "rates": self._rates(now, dt),
             "cuts": [name for name in self._parts.cuts if self.model.cuts[name] is None],
         }
         self.model.step_to(target.seconds, **given)
@@ -145,6 +149,25 @@ class SystemRig:
             return {}
         present, change = self.model.deflections, self._settings.limits_deflection_rate * dt
         return {n: approached_number(present[n], angle, change) for n, angle in wanted.items()}
+
+    def _rates(self, now: Moment, dt: float) -> dict[str, float]:
+        """Rates of winches that were commanded; a command that is stale is one to stop."""
+        s, found = self._settings, {}
+        present = self.model.winches if self._parts.rates else {}
+        for name, command in self._parts.rates.items():
+            topic = self._parts.topics[name]
+            fresh = self._freshness.fresh(topic, now, command, s.command_timeout)
+            winch = present[name]
+            found[name] = follow_rate(
+                winch.payout_rate,
+                command.rate if fresh else 0.0,
+                dt,
+                s.limits_payout_rate,
+                s.limits_payout_acceleration,
+                winch.drum_length,
+                winch.line_length - s.limits_line_length_min,
+            )
+        return found
 
     def _order_cut(self, name: str) -> tuple[bool, str]:
         made = self.model.cuts[name]
@@ -227,6 +250,7 @@ class SystemRig:
             "vessels": {
                 name: motion.position.tolist() for name, motion in self.model.vessels.items()
             },
+            "winches": list(scene.winches),
             "cuts": list(scene.cuts),
         }
 

@@ -262,8 +262,11 @@ def test_scenes_to_copy_are_the_same_in_both(path: Path, tmp_path: Path) -> None
             for name, wrench in push.items():
                 slave.set(f"{name}.force_input", wrench[:3])
                 slave.set(f"{name}.torque_input", wrench[3:])
+            rates = dict.fromkeys(model.winches, 0.2 * k - 0.3)
+            for name, rate in rates.items():
+                slave.set(f"{name}.rate", rate)
             slave.step(0.5)
-            model.step(0.5, vessels=vessels, forces=push)
+            model.step(0.5, vessels=vessels, forces=push, rates=rates)
         assert_same_bits(slave, model)
         slave.close()
 

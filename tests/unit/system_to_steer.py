@@ -35,6 +35,7 @@ SCENE: dict[str, Any] = {
             "items": [{"cable": {"type": "tether", "length": 25.0}}],
         },
     },
+    "winches": {"hoist": {"line": "umbilical", "drum": 30.0}},
     "cuts": {"weak_link": {"line": "tether", "at": 20.0}},
     "run": {"duration": 60.0, "output_interval": 0.1},
 }  # fmt: skip

@@ -67,7 +67,7 @@ def test_matrix_is_the_derivative(planar: bool, lies: bool) -> None:
     assert dimension == (2 if planar else 3)
     size = 2 * dimension
     count = nodes * size
-    state.stage_rate = 0.0
+    memory.winch.stage_rate = 0.0
     state.laid = 2.0 if lies else 0.0
     if lies:
         state.floor_depth = 1e3

@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 from cablemodel.cli import app
 from cablemodel.errors import SceneError, StepError
 from cablemodel.systems import SystemModel
-from cablemodel.systems.model import VesselInput
+from cablemodel.systems.inputs import VesselInput
 from tests.verification.references.bodies import free_spin
 
 G = 9.81

@@ -2,7 +2,7 @@
 
 import math
 
-from cablemodel.kernels.access import scalars
+from cablemodel.kernels.access import winch_of
 from cablemodel.kernels.layout import STATION_WORDS
 
 from .access import material_row, own_header, own_scalars, rigid_body_of, section_of
@@ -196,7 +196,6 @@ def summarise(I, M, out):
     """The numbers of cablemodel/kernels/outputs.py, in the same order."""
     own = own_header(I)
     run = own_scalars(M)
-    state = scalars(M)
     fx, fy, fz = node_vector(I, M, 0, 1)
     out[0] = fx
     out[1] = fy
@@ -240,7 +239,8 @@ def summarise(I, M, out):
     out[20] = z
     out[21] = line_out(I, M) + laid
     out[22] = run.rate
-    out[23] = state.paid_most - state.paid
+    winch = winch_of(I, M, 0)
+    out[23] = winch.paid_most - winch.paid
     for k in range(24, 32):
         out[k] = 0.0
     for k in range(28, 31):

@@ -1,6 +1,6 @@
 """The mesh follows the cable: intervals are split and joined, joints leave the drum and return."""
 
-from cablemodel.kernels.access import header, scalars, word_of
+from cablemodel.kernels.access import header, winch_of, word_of
 from cablemodel.kernels.layout import NO_CAPACITY, OK
 
 from .access import drum_row_of, own_header, own_scalars, rigid_body_of, section_at, section_of
@@ -437,12 +437,11 @@ def regrid(I, M):
     """After a step: joints that pass the tow point, and intervals that have changed too much."""
     own = own_header(I)
     run = own_scalars(M)
-    state = scalars(M)
     used = own.drum_used
     spacing = run.spacing
     if used < own.drum_count:
         row = drum_row_of(I, M, used)
-        extra = state.paid - row.leaves
+        extra = winch_of(I, M, 0).paid - row.leaves
         if extra >= FIRST_PIECE * spacing:
             # The interval at the vessel must reach past the joint.
             while M[own.length + 1] - extra < 0.1 * spacing and section_of(I, M, 0).count > 2:
@@ -455,7 +454,7 @@ def regrid(I, M):
             own.drum_used += 1
     if used > 0 and used == own.drum_used:
         row = drum_row_of(I, M, used - 1)
-        extra = state.paid - row.leaves
+        extra = winch_of(I, M, 0).paid - row.leaves
         if extra < 0.5 * FIRST_PIECE * spacing:
             status = take_joint_back(I, M, row, extra)
             if status != OK:

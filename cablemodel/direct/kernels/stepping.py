@@ -6,7 +6,7 @@ are read by the same kernels.
 
 import math
 
-from cablemodel.kernels.access import header, motion_piece_of, scalars
+from cablemodel.kernels.access import header, motion_piece_of, scalars, winch_of
 from cablemodel.kernels.environment import current_profile, find_piece, surge_jump, vessel_motion
 from cablemodel.kernels.layout import (
     NOT_FINITE,
@@ -57,19 +57,18 @@ def set_vessel(I, M, t):
 def pay_out(I, M, t, dt):
     """Rate at the end of a step and cable paid out within it; clamped where the drum ends."""
     run = own_scalars(M)
-    head = header(I)
-    state = scalars(M)
-    rate, slope, _until = commanded_rate(I, M, t)
+    winch = winch_of(I, M, 0)
+    rate, slope, _until = commanded_rate(I, M, 0, t)
     paid = (rate + 0.5 * slope * dt) * dt
     rate += slope * dt
-    head.clamped = 0
-    if state.paid + paid > state.paid_most:
-        paid = state.paid_most - state.paid
-        head.clamped = 1
-    elif state.paid + paid < state.paid_least:
-        paid = state.paid_least - state.paid
-        head.clamped = -1
-    if head.clamped != 0:
+    winch.at_limit = 0.0
+    if winch.paid + paid > winch.paid_most:
+        paid = winch.paid_most - winch.paid
+        winch.at_limit = 1.0
+    elif winch.paid + paid < winch.paid_least:
+        paid = winch.paid_least - winch.paid
+        winch.at_limit = -1.0
+    if winch.at_limit != 0.0:
         rate = 0.0 if abs(paid) < 1e-12 else paid / dt
     run.rate = rate
     run.paid_in_step = paid
@@ -107,7 +106,7 @@ def one_step(I, M, dt):
         own.most_iterations = taken
     set_rates(I, M)
     own.restart = 0
-    state.paid += run.paid_in_step
+    winch_of(I, M, 0).paid += run.paid_in_step
     if own.end == END_TOUCHDOWN:
         run.laid += dt * run.flow_end
     run.paid_in_step = 0.0
@@ -137,7 +136,7 @@ def next_kink(I, M, t_end):
                 nearest = end
                 jump = 1
                 break
-    _rate, _slope, until = commanded_rate(I, M, t)
+    _rate, _slope, until = commanded_rate(I, M, 0, t)
     if until > least and until < nearest:
         nearest = until
         jump = 1

@@ -177,8 +177,8 @@ static double arc_of(const Cable *cable, int64_t node) {
     const double *edge = cable->M + header(cable->I)->edges + node * EDGE_WORDS;
     if (node <= 0) return 0.0;
     if (node == 1 && (header(cable->I)->rigid == 0 || header(cable->I)->nodes < 3)) return AS(Edge, edge)->length;
-    if (node == 1) return edge[EDGE_WORDS + WORD(Edge, start)] + scalars(cable->M)->paid;
-    return AS(Edge, edge)->start + AS(Edge, edge)->length + scalars(cable->M)->paid;
+    if (node == 1) return edge[EDGE_WORDS + WORD(Edge, start)] + winch_of(cable->I, 0)->paid;
+    return AS(Edge, edge)->start + AS(Edge, edge)->length + winch_of(cable->I, 0)->paid;
 }
 
 static void explain(const Cable *cable, int64_t status, char *message, size_t size) {

@@ -136,8 +136,8 @@ int64_t cablemodel_summary(void *block, int64_t words, double *out, int64_t n);
 int64_t cablemodel_measure(void *block, int64_t words, double *facts, int64_t n);
 int64_t cablemodel_to_three_dimensions(void *block, int64_t words);
 int64_t cablemodel_drive(void *block, int64_t words, double t_end, double *motion, int64_t n,
-                         double *forces, int64_t m, double *angles, int64_t k, double *orders,
-                         int64_t cuts);
+                         double *forces, int64_t m, double *angles, int64_t k, double *rates, int64_t r,
+                         double *orders, int64_t cuts);
 int64_t cablemodel_sample_elements(void *block, int64_t words, double *elements, int64_t n,
                                    double *fractions, int64_t k, double *out, int64_t m);
 int64_t cablemodel_parts(void *block, int64_t words, double *bodies, int64_t n, double *frames,
@@ -192,6 +192,7 @@ void explain_in_system(const Cable *cable, const char *problem, const char *advi
 const char *load_cable(Cable *cable, const char *resource_location, const char *guid);
 void free_cable(Cable *cable);
 const char *check_block(const int64_t *I, int64_t image_words, int64_t block_words);
+int check_winches(const int64_t *I, int64_t cables, int64_t nodes);
 uint32_t checksum(const void *data, size_t bytes);
 
 /* cable.c */

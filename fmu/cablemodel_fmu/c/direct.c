@@ -76,7 +76,7 @@ const char *check_direct_block(const int64_t *I, int64_t image_words, int64_t bl
         !within(header(I)->piece, 1, header(I)->piece_count - 1) || !within(header(I)->live, 0, 1) ||
         !within(header(I)->current_kind, 0, 2) || (header(I)->current_kind == 1 && header(I)->depth_count != 1) ||
         !within(header(I)->payout, 0, 1) ||
-        !within(header(I)->rate_live, 0, 1) || !within(header(I)->clamped, -1, 1) || header(I)->dimension != 3)
+        !check_winches(I, 1, 2) || header(I)->dimension != 3)
         return "a counter in the model is out of range";
     if (!(fabs(scalars(M)->time) < 1e300) || !(own_scalars(M)->time_step > 1e-9) ||
         !(own_scalars(M)->spacing > 1e-9) || !(own_scalars(M)->tolerance > 0.0) ||

@@ -218,10 +218,11 @@ static void arrange_winch(Cable *cable, double from, double to, double growth) {
         AS(CableRow, row)->edge.nominal = AS(CableRow, row)->nominal;
     }
     double *M = cable->M;
-    scalars(M)->top_length = AS(Edge, edge_of(cable, 1))->length;
-    scalars(M)->paid_most = most;
-    scalars(M)->travel_most = travel;
-    scalars(M)->travel_least = -above - (1.0 - SHORTEST_LINE) * scalars(M)->length;
+    Winch *winch = winch_of(cable->I, 0);
+    winch->top_length = AS(Edge, edge_of(cable, 1))->length;
+    winch->paid_most = most;
+    winch->travel_most = travel;
+    winch->travel_least = -above - (1.0 - SHORTEST_LINE) * scalars(M)->length;
 }
 
 /* What follows from the lengths of the line as a whole: facts_of of cablemodel/instance/tables.py. */

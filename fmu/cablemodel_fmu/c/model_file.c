@@ -118,6 +118,21 @@ static int check_edge(const int64_t *I, const double *edge) {
            whole(AS(Edge, edge)->segment, 0, header(I)->cable_count - 1);
 }
 
+int check_winches(const int64_t *I, int64_t cables, int64_t nodes) {
+    for (int64_t n = 0; n < header(I)->winch_count; n++) {
+        const Winch *row = winch_of(I, n);
+        if (!whole(row->node, is_system(I) ? -1 : 0, nodes - 1) || !(row->way == 1.0 || row->way == -1.0) ||
+            !whole(row->cable, 0, cables - 1) || !whole(row->at_limit, -1, 1) ||
+            !whole(row->live, LIVE_NOT, LIVE_RETURNS) || !whole(row->first_rate, 0, header(I)->rate_count) ||
+            !whole(row->rates, 0, header(I)->rate_count) ||
+            row->first_rate + row->rates > (double)header(I)->rate_count)
+            return 0;
+        const int64_t top = (int64_t)row->node + (row->way > 0.0);
+        if (row->node >= 0.0 && (top < 1 || top >= nodes)) return 0;
+    }
+    return is_system(I) || header(I)->winch_count == 1;
+}
+
 const char *check_block(const int64_t *I, int64_t image_words, int64_t block_words) {
     const double *M = (const double *)I;
     int64_t expected[HEADER_WORDS] = {0};
@@ -140,8 +155,7 @@ const char *check_block(const int64_t *I, int64_t image_words, int64_t block_wor
     if (!within(nodes, 2, header(I)->capacity) || !within(header(I)->dimension, 2, 3) ||
         !within(header(I)->piece, 1, header(I)->piece_count - 1) || !within(header(I)->live, 0, 1) ||
         !within(header(I)->current_kind, 0, 2) || !within(header(I)->order, 3, 4) ||
-        !within(header(I)->top_cable, 0, header(I)->cable_count - 1) || !within(header(I)->payout, 0, 1) ||
-        !within(header(I)->rate_live, 0, 1) || !within(header(I)->clamped, -1, 1) ||
+        !within(header(I)->payout, 0, 1) || !check_winches(I, header(I)->cable_count, nodes) ||
         !within(header(I)->maximum_steps, 1, 10000000) || !within(header(I)->sleep, 0, 1) ||
         !within(header(I)->asleep, 0, nodes - 2) || header(I)->left_out != 0)
         return "a counter in the model is out of range";
@@ -176,6 +190,7 @@ const char *check_block(const int64_t *I, int64_t image_words, int64_t block_wor
         if (!whole(M[header(I)->bodies + n * BODY_WORDS + WORD(Body, node)], -1, nodes - 1))
             return "a body is at no node";
     int64_t rigid = 0;
+    const double head_passing = header(I)->winch_count > 0 ? winch_of(I, 0)->passing : 0.0;
     for (int64_t n = 0; n < header(I)->body_count; n++) {
         const double *row = M + header(I)->bodies + n * BODY_WORDS;
         if (AS(Body, row)->length == 0.0) continue;
@@ -186,18 +201,18 @@ const char *check_block(const int64_t *I, int64_t image_words, int64_t block_wor
         if (node < 0) continue; /* on the drum */
         /* Its clamps read the elements on both sides, but where the line ends with it, or where it
            passes the tow point. */
-        const int passing = scalars(M)->body_passage == (double)(n + 1);
+        const int passing = head_passing == (double)(n + 1);
         if (node < (passing ? 1 : 2) || (passing && node > 1) || joint[node] != JOINT_BODY ||
             parent[node] != node - 1 || (AS(Body, row)->tie == 0.0 && node + 1 >= nodes))
             return "a body of finite length is out of range";
         if (!passing && (joint[node - 1] != JOINT_NONE || parent[node - 1] != node - 2))
             return "a body of finite length is out of range";
     }
-    if (header(I)->rigid != rigid || !whole(scalars(M)->body_passage, 0, header(I)->body_count))
+    if (header(I)->rigid != rigid || !whole(head_passing, 0, header(I)->body_count))
         return "a body of finite length is out of range";
-    if (scalars(M)->body_passage != 0.0 &&
-        !(M[header(I)->bodies + ((int64_t)scalars(M)->body_passage - 1) * BODY_WORDS + WORD(Body, length)] > 0.0 &&
-          M[header(I)->bodies + ((int64_t)scalars(M)->body_passage - 1) * BODY_WORDS + WORD(Body, node)] == 1.0))
+    if (head_passing != 0.0 &&
+        !(M[header(I)->bodies + ((int64_t)head_passing - 1) * BODY_WORDS + WORD(Body, length)] > 0.0 &&
+          M[header(I)->bodies + ((int64_t)head_passing - 1) * BODY_WORDS + WORD(Body, node)] == 1.0))
         return "a body of finite length is out of range";
     for (int64_t n = 0; n < header(I)->constraint_count; n++) {
         const double *row = M + header(I)->constraints + n * CONSTRAINT_WORDS;

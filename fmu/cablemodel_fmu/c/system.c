@@ -15,7 +15,7 @@ enum { OF_VESSEL = 12, OF_FREE_BODY = 6 };
 /* Groups of three among a vessel's inputs, and their bits. */
 enum { AT_POSITION = 0, AT_VELOCITY = 3, AT_ATTITUDE = 6, AT_RATE = 9 };
 /* Outputs of a line, but for those of its stations, and of each station; of a body, of a vessel. */
-enum { LINE_OUTPUTS = 4, STATION_OUTPUTS = 5, BODY_OUTPUTS = 12, VESSEL_OUTPUTS = 18 };
+enum { LINE_OUTPUTS = 4, STATION_OUTPUTS = 5, BODY_OUTPUTS = 12, VESSEL_OUTPUTS = 18, WINCH_OUTPUTS = 3 };
 
 /* Of an input: its start, and what is allowed. Of all: the name, ended by zeros. */
 typedef struct {
@@ -34,7 +34,7 @@ typedef struct {
 } Element;
 
 struct System {
-    int64_t lines, inputs, vessels, bodies, foils, cuts, outputs;
+    int64_t lines, inputs, vessels, bodies, foils, winches, cuts, outputs;
     const Row *rows;
     const int64_t *segments;
     char *told; /* of each input: that it is set and does nothing */
@@ -43,7 +43,7 @@ struct System {
     Element *elements;
     int64_t *counts; /* samples at the nodes of each line */
     double *nodes, *fractions, *samples, *parts;
-    double *motion, *forces, *angles, *orders, *kept; /* of a step */
+    double *motion, *forces, *angles, *rates, *orders, *kept; /* of a step */
 };
 
 static int within(int64_t value, int64_t low, int64_t high) {
@@ -67,7 +67,7 @@ const char *check_parts(const int64_t *I) {
     const double *M = (const double *)I;
     const int64_t last = header(I)->nodes - 1;
     const int64_t responses = RAO_HEADINGS * RAO_WORDS * header(I)->wave_count;
-    if (header(I)->dimension != 3 || header(I)->payout != 0 || header(I)->sleep != 0)
+    if (header(I)->dimension != 3 || header(I)->sleep != 0)
         return "a counter in the model is out of range";
     for (int64_t n = 0; n < header(I)->constraint_count; n++) {
         const double *row = M + header(I)->constraints + n * CONSTRAINT_WORDS;
@@ -139,8 +139,9 @@ const char *load_system(Cable *cable, const int64_t *section, int64_t words, con
     s->vessels = header(I)->frame_count;
     s->bodies = header(I)->free_count;
     s->foils = header(I)->foil_count;
+    s->winches = header(I)->winch_count;
     s->cuts = header(I)->cut_count;
-    s->inputs = OF_VESSEL * s->vessels + OF_FREE_BODY * s->bodies + s->foils + s->cuts;
+    s->inputs = OF_VESSEL * s->vessels + OF_FREE_BODY * s->bodies + s->foils + s->winches + s->cuts;
     s->rows = (const Row *)(section + 1);
     const int64_t named = s->inputs + s->vessels + s->lines + s->bodies;
     if (!within(s->lines, 1, header(I)->cable_count) || words != 1 + ROW_WORDS * named + header(I)->cable_count)
@@ -151,7 +152,8 @@ const char *load_system(Cable *cable, const int64_t *section, int64_t words, con
     cable->value_words = s->inputs * (int64_t)(sizeof(PartInput) / 8) +
                          s->vessels * (int64_t)(sizeof(Choice) / 8);
     s->outputs = s->lines * (LINE_OUTPUTS + STATION_OUTPUTS * cable->stations) +
-                 s->bodies * BODY_OUTPUTS + s->vessels * VESSEL_OUTPUTS + s->cuts;
+                 s->bodies * BODY_OUTPUTS + s->vessels * VESSEL_OUTPUTS +
+                 s->winches * WINCH_OUTPUTS + s->cuts;
     const size_t elements = (size_t)header(I)->capacity;
     const size_t samples = 2 * elements + (size_t)(s->lines * (1 + cable->stations));
     s->told = calloc((size_t)s->inputs + 1, 1);
@@ -165,10 +167,12 @@ const char *load_system(Cable *cable, const int64_t *section, int64_t words, con
     s->motion = calloc((size_t)(s->vessels * FRAME_INPUTS) + 1, sizeof(double));
     s->forces = calloc((size_t)(s->bodies * OF_FREE_BODY) + 1, sizeof(double));
     s->angles = calloc((size_t)s->foils + 1, sizeof(double));
+    s->rates = calloc((size_t)(2 * s->winches) + 1, sizeof(double));
     s->orders = calloc((size_t)s->cuts + 1, sizeof(double));
     s->kept = calloc((size_t)(header(I)->position - header(I)->frames) + 1, sizeof(double));
     if (s->told == NULL || s->values == NULL || s->elements == NULL || s->counts == NULL || s->nodes == NULL || s->fractions == NULL || s->samples == NULL || s->parts == NULL ||
-        s->motion == NULL || s->forces == NULL || s->angles == NULL || s->orders == NULL ||
+        s->motion == NULL || s->forces == NULL || s->angles == NULL || s->rates == NULL ||
+        s->orders == NULL ||
         s->kept == NULL)
         return "out of memory";
     return NULL;
@@ -177,7 +181,8 @@ const char *load_system(Cable *cable, const int64_t *section, int64_t words, con
 void free_system(System *s) {
     if (s == NULL) return;
     void *const all[] = {s->told, s->values, s->elements, s->counts, s->nodes, s->fractions,
-                         s->samples, s->parts, s->motion, s->forces, s->angles, s->orders, s->kept};
+                         s->samples, s->parts, s->motion, s->forces, s->angles, s->rates,
+                         s->orders, s->kept};
     for (size_t n = 0; n < sizeof all / sizeof all[0]; n++) free(all[n]);
     free(s);
 }
@@ -389,6 +394,12 @@ static int collect_parts(const Cable *cable, double dt) {
         s->angles[n] = at_end(cable, input, dt);
         any = 1;
     }
+    for (int64_t n = 0; n < s->winches; n++, input++) {
+        const int given = drives(cable, input);
+        s->rates[2 * n] = (double)given;
+        s->rates[2 * n + 1] = given ? at_end(cable, input, dt) : 0.0;
+        any |= given || winch_of(I, n)->live != (double)LIVE_NOT;
+    }
     for (int64_t n = 0; n < s->cuts; n++, input++) {
         const double *row = cable->M + header(I)->cuts + n * CUT_WORDS;
         const double value = inputs_in(s, cable->values, input)->value;
@@ -405,17 +416,19 @@ int64_t step_system(Cable *cable, double t_end, double dt) {
     double none[INPUT_WORDS] = {0};
     const int driven = collect_parts(cable, dt);
     double *driving = cable->M + header(cable->I)->frames;
+    const int64_t payout = header(cable->I)->payout;
     const size_t bytes = sizeof(double) * (size_t)(header(cable->I)->position - header(cable->I)->frames);
     if (driven) {
         memcpy(s->kept, driving, bytes);
         cablemodel_drive(cable->I, cable->block_words, t_end, s->motion, FRAME_INPUTS * s->vessels,
-                         s->forces, OF_FREE_BODY * s->bodies, s->angles, s->foils, s->orders,
-                         s->cuts);
+                         s->forces, OF_FREE_BODY * s->bodies, s->angles, s->foils, s->rates, 2 * s->winches,
+                         s->orders, s->cuts);
     }
     const int64_t status =
         cablemodel_step(cable->I, cable->block_words, t_end, none, INPUT_WORDS);
     if (status != OK) {
         if (driven) memcpy(driving, s->kept, bytes);
+        header(cable->I)->payout = payout;
         return status;
     }
     for (int64_t n = 0; n < s->inputs; n++) {
@@ -439,11 +452,25 @@ static int is_backward(const Cable *cable, int64_t node) {
     return (int)(cable->system->segments[segment_of(cable, node)] & 1);
 }
 
+/* What winches have paid out at the beginning and at the end of a line, as Built.paid. */
+static void paid_at(const Cable *cable, int64_t line, double paid[2]) {
+    paid[0] = paid[1] = 0.0;
+    for (int64_t n = 0; n < cable->system->winches; n++) {
+        const Winch *winch = winch_of(cable->I, n);
+        const int64_t segment = cable->system->segments[(int64_t)winch->cable];
+        const int at_end = (winch->way > 0.0) == (int)(segment & 1);
+        if (segment >> 1 == line) paid[at_end] += winch->paid;
+    }
+}
+
 /* The element of a node, as Built.elements of cablemodel/systems/built.py has it. */
 static Element element_of(const Cable *cable, int64_t node) {
-    const double start = cable->M[header(cable->I)->edges + node * EDGE_WORDS + WORD(Edge, start)];
-    return (Element){is_backward(cable, node) ? -start - length_of(cable, node) : start, node,
-                     cable->system->segments[segment_of(cable, node)] >> 1};
+    const double own = cable->M[header(cable->I)->edges + node * EDGE_WORDS + WORD(Edge, start)];
+    const double start = is_backward(cable, node) ? -own - length_of(cable, node) : own;
+    const int64_t line = cable->system->segments[segment_of(cable, node)] >> 1;
+    double paid[2];
+    paid_at(cable, line, paid);
+    return (Element){start + paid[0], node, line};
 }
 
 static int by_line_and_place(const void *one, const void *other) {
@@ -463,8 +490,13 @@ static int64_t gather_elements(Cable *cable) {
     return count;
 }
 
-static double line_length(const Cable *cable, const Element *first) {
-    return cable->M[header(cable->I)->cables + segment_of(cable, first->node) * CABLE_WORDS + WORD(CableRow, line)];
+/* Of the line of an element [m]; and what was paid out at its beginning. */
+static double line_length(const Cable *cable, const Element *first, double *before) {
+    double paid[2];
+    paid_at(cable, first->line, paid);
+    *before = paid[0];
+    return cable->M[header(cable->I)->cables + segment_of(cable, first->node) * CABLE_WORDS + WORD(CableRow, line)] +
+           paid[0] + paid[1];
 }
 
 /* Where along a line: the element and the fraction of it, as LineView.sample. */
@@ -501,12 +533,13 @@ static int64_t place_samples(const Cable *cable, int64_t elements) {
         next = first;
         while (next < elements && s->elements[next].line == own->line) next++;
         const int64_t count = next - first, begin = placed;
-        const double length = line_length(cable, own);
+        double before_it = 0.0;
+        const double length = line_length(cable, own, &before_it);
         int64_t which = 0;
         for (int64_t n = 0; n <= count; n++, placed++) {
             const double at = n < count ? own[n].start : length;
             int64_t before = n - 1;
-            if (n > 0 && n < count && is_cut_at(cable, own->line, at, length)) {
+            if (n > 0 && n < count && is_cut_at(cable, own->line, at - before_it, length)) {
                 place_sample(cable, own, n, &before, at, s->nodes + placed, s->fractions + placed);
                 placed++;
             }
@@ -574,6 +607,15 @@ static const double *outputs(Cable *cable) {
     for (int64_t n = 0; n < s->bodies; n++)
         out = part_outputs(s->parts + PART_WORDS * n, 0, out);
     for (int64_t n = 0; n < s->vessels; n++) out = part_outputs(vessels + PART_WORDS * n, 1, out);
+    for (int64_t n = 0; n < s->winches; n++) {
+        const Winch *winch = winch_of(cable->I, n);
+        const int64_t row = header(cable->I)->cables + (int64_t)winch->cable * CABLE_WORDS;
+        double paid[2];
+        paid_at(cable, s->segments[(int64_t)winch->cable] >> 1, paid);
+        *out++ = winch->rate;
+        *out++ = cable->M[row + WORD(CableRow, line)] + paid[0] + paid[1];
+        *out++ = winch->paid_most - winch->paid;
+    }
     for (int64_t n = 0; n < s->cuts; n++) {
         const double time = cable->M[header(cable->I)->cuts + n * CUT_WORDS + WORD(Cut, done)];
         *out++ = time < 1e300 ? time + cable->now.start_time : NAN;

@@ -105,6 +105,7 @@ def test_ports_outputs_and_services_have_the_users_names() -> None:
     bench = Bench(settings(vessel_inputs="vehicle=cmd_vel"))
     assert set(bench.ports) == {
         "~/ship/odom_in", "~/vehicle/cmd_vel", "~/cage/wrench_in", "~/cage/fin/deflection",
+        "~/hoist/payout_rate_cmd",
     }  # fmt: skip
     assert set(bench.session.rig.orders) == {"~/weak_link/cut"}
     stamp = bench.session.stamp()
@@ -259,6 +260,25 @@ def test_a_foil_goes_where_it_is_told_at_its_rate_and_stays_there() -> None:
     bench.session.close()
 
 
+def test_a_winch_follows_commands_and_stops_when_they_end() -> None:
+    bench = Bench(settings(vessel_input="scene", limits__payout_acceleration=0.5))
+    bench.steps(20)
+    assert bench.model.winches["hoist"].payout_rate == 0.0
+    command = bench.ports["~/hoist/payout_rate_cmd"]
+    bench.steps(100, lambda: command(0.3))
+    winch = bench.model.winches["hoist"]
+    assert winch.payout_rate == pytest.approx(0.3)
+    assert winch.drum_length == pytest.approx(30.0 - (winch.line_length - 40.0), abs=1e-9)
+    assert 40.0 < winch.line_length < 40.0 + 0.3 * 100 * DT
+    assert "hoist/payout_rate_cmd" not in bench.session.rig.stale
+    bench.steps(200)
+    assert "hoist/payout_rate_cmd" in bench.session.rig.stale
+    assert bench.model.winches["hoist"].payout_rate == 0.0
+    bench.steps(4000, lambda: command(9.0))  # to the end of the drum, and gently
+    assert bench.model.winches["hoist"].drum_length == pytest.approx(0.0, abs=0.05)
+    bench.session.close()
+
+
 def test_what_cannot_be_used_is_refused_by_name_and_counted() -> None:
     bench = Bench(settings(vessel_inputs="vehicle=cmd_vel"))
     refusals = [
@@ -270,6 +290,7 @@ def test_what_cannot_be_used_is_refused_by_name_and_counted() -> None:
         bench.ports["~/cage/wrench_in"](None, "ship", (1, 0, 0), (0, 0, 0)),
         bench.ports["~/cage/wrench_in"](bench.clocks.ros + -9.0, "", (1, 0, 0), (0, 0, 0)),
         bench.ports["~/cage/fin/deflection"](math.inf),
+        bench.ports["~/hoist/payout_rate_cmd"](math.nan),
     ]
     for refusal, words in zip(
         refusals,
@@ -279,7 +300,8 @@ def test_what_cannot_be_used_is_refused_by_name_and_counted() -> None:
          "vehicle/cmd_vel refused: frame 'ship'; allowed: map, vehicle",
          "cage/wrench_in refused: frame 'ship'; allowed: map, cage",
          "cage/wrench_in refused: its stamp is 9 s old",
-         "cage/fin/deflection refused: not finite"),
+         "cage/fin/deflection refused: not finite",
+         "hoist/payout_rate_cmd refused: not finite"),
         strict=True,
     ):  # fmt: skip
         assert refusal.startswith(words), refusal
@@ -380,6 +402,7 @@ def drive(bench: Bench, steps: int) -> None:
         bench.ports["~/vehicle/cmd_vel"](None, "map", (0.3, 0.1, 0.05), (0, 0, 0.1))
         bench.ports["~/cage/wrench_in"](None, "cage", (80.0 * math.sin(t), 20.0, 0), (0, 0, 4.0))
         bench.ports["~/cage/fin/deflection"](0.3 * math.sin(2.0 * t))
+        bench.ports["~/hoist/payout_rate_cmd"](0.4 * math.sin(t))
 
     bench.steps(steps, send)
 
