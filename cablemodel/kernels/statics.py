@@ -8,6 +8,7 @@ step starts from rest: slack cable settles where it would bounce otherwise.
 from .access import edge_of, header, scalars, winch_of
 from .backup import keep_matrix
 from .clamp_layer import settle_layer
+from .closures import follow_forces, give_back_forces, keep_forces
 from .compile import copy_words, kernel, view
 from .floor_memory import bear
 from .floor_state import leave_floor
@@ -110,6 +111,7 @@ def relax(I, M, frame, damped, strict):
     springs = head.rigid > 0 or head.payout != 0
     if springs:
         update_springs(I, M, 0.0)
+    keep_forces(I, M)
     dt = state.first_step
     calm = 0
     still = 0
@@ -152,6 +154,7 @@ def relax(I, M, frame, damped, strict):
             for n in range(count):
                 q[n] += x[n]
             tension_change = recover_tension(I, M, constraint, x, tension)
+            follow_forces(I, M)
             largest = 1e-30
             for n in range(1, nodes):
                 largest = max(largest, abs(tension[2 * n]))
@@ -161,10 +164,12 @@ def relax(I, M, frame, damped, strict):
                 converged = True
                 break
         if not converged or (strict and is_folded(I, M, q, tension)):
+            give_back_forces(I, M)
             dt *= 0.25
             if dt < 1e-9 * state.first_step:
                 break
             continue
+        keep_forces(I, M)
         for n in range(count):
             x[n] = q[n] - q0[n]
         moved, where = increment_norm(I, M, x)

@@ -15,7 +15,8 @@ it, and the tension that is solved for is that of the step: such a step is refus
 
 import math
 
-from .access import body_of, constraint_of, edge_of, header, scalars, winch_of
+from .access import body_of, cable_of, constraint_of, edge_of, header, scalars, winch_of
+from .closures import scale_gaps
 from .compile import copy_words, inlined, kernel, outlined, view
 from .consistency import vessel_jump
 from .environment import current_rate, surge_jump
@@ -67,37 +68,82 @@ def tension_tolerance(M):
     return PROMISED * promised_tension(M)
 
 
+@inlined
+def watched(I):
+    """Elements whose tension is looked at: 1 up to this one, without it. Of one line the top one
+    tells; in a system every line may do something of its own."""
+    head = header(I)
+    return head.nodes if head.parts != 0 else 2
+
+
 @kernel
-def stage_scatter(M, scheme):
-    """How far the top tensions of a step's implicit stages are off a smooth curve [tolerances]."""
-    state = scalars(M)
+def allowed_at(I, M, node):
+    """Error of a step's tension in an element that is allowed [N]: in a system by its own line."""
+    if header(I).parts == 0:
+        return tension_tolerance(M)
+    cable = cable_of(I, M, int(edge_of(I, M, node).segment))
+    return PROMISED * 10.0 * scalars(M).tolerance * cable.tension
+
+
+@kernel
+def remember_tensions(I, M):
+    """In a system: the largest tension of each cable, by which errors are measured."""
+    head = header(I)
+    for node in range(1, head.nodes):
+        if I[head.joint + node] == 0:
+            cable = cable_of(I, M, int(edge_of(I, M, node).segment))
+            cable.tension = max(cable.tension, abs(M[head.tension + 2 * node]))
+
+
+@kernel
+def keep_stage_tension(I, M, stage):
+    """Keep the tensions of a step's stage, by its number."""
+    head = header(I)
+    for node in range(1, watched(I)):
+        M[head.stage_tensions + 6 * node + stage] = M[head.trial_tension + 2 * node]
+
+
+@kernel
+def stage_scatter(I, M, scheme):
+    """How far the tensions of a step's implicit stages are off a smooth curve [tolerances]."""
+    head = header(I)
     stages = STAGES[scheme] - 1
     worst = 0.0
-    for i in range(stages):
-        missed = 0.0
-        for j in range(stages):
-            missed += TENSION_TEST[scheme, i, j] * state.stage_top_tension[j]
-        worst = max(worst, abs(missed))
-    return worst / tension_tolerance(M)
+    for node in range(1, watched(I)):
+        if I[head.joint + node] != 0:
+            continue
+        tension = view(M, head.stage_tensions + 6 * node, 6)
+        off = 0.0
+        for i in range(stages):
+            missed = 0.0
+            for j in range(stages):
+                missed += TENSION_TEST[scheme, i, j] * tension[j]
+            off = max(off, abs(missed))
+        worst = max(worst, off / allowed_at(I, M, node))
+    return worst
 
 
 @kernel
-def top_stretch_tension(I, M, x):
-    """What a motion x of the nodes changes of the top element's tension by stretching it [N]."""
+def stretch_tension(I, M, x):
+    """What a motion x of the nodes changes of the tension by stretching elements [tolerances]."""
     head = header(I)
     constraint = view(M, head.constraint_residual, 2 * head.nodes)
     change = view(M, head.stage_velocity, 2 * head.nodes)
     constraint[:] = 0.0
     change[:] = 0.0
     recover_tension(I, M, constraint, x, change)
-    return abs(change[2])
+    worst = 0.0
+    for node in range(1, watched(I)):
+        if I[head.joint + node] == 0:
+            worst = max(worst, abs(change[2 * node]) / allowed_at(I, M, node))
+    return worst
 
 
 @kernel
 def filter_motion(I, M, motion, gamma_dt):
     """Leave of a motion of the nodes, (nodes, 2, dimension), what the stages' matrix makes of its
     inertia: all where the step resolves it, 1 / (1 + (omega gamma dt)^2) of what swings. Returns
-    what is left in the tension at the top [N]."""
+    what is left in the tension [tolerances]."""
     head = header(I)
     count = 2 * head.dimension * head.nodes
     words = 2 * head.nodes
@@ -112,44 +158,57 @@ def filter_motion(I, M, motion, gamma_dt):
     v = view(M, head.trial_velocity, count)
     residual(I, M, q, v, a, view(M, head.trial_tension, words), forces, constraint)
     constraint[:] = 0.0
+    scale_gaps(I, M, 0.0)
     newton_increment(I, M, forces, constraint, x)
     for n in range(count):
         motion[n] = x[n]
-    return top_stretch_tension(I, M, x)
+    return stretch_tension(I, M, x)
 
 
 @outlined
 def embedded_error(I, M, error, gamma_dt, scatter):
-    """Error of the top tension by the embedded solution [tolerances], and its part that lasts.
+    """Error of the tension by the embedded solution [tolerances], and its part that lasts.
 
     error: of the positions, (nodes, 2, dimension) [m]; it is overwritten. scatter: beside which an
     error is none that is much smaller [tolerances].
     """
-    allowed = tension_tolerance(M)
-    left = filter_motion(I, M, error, gamma_dt) / allowed
-    again = filter_motion(I, M, error, gamma_dt) / allowed
+    left = filter_motion(I, M, error, gamma_dt)
+    again = filter_motion(I, M, error, gamma_dt)
     return left, min(1.0, again / max(left, NOTHING * scatter))
 
 
 @kernel
+def follows_for_sure(I, M, dt):
+    """Whether a step follows whatever rings along a line: of a system the slowest is known."""
+    return header(I).parts == 0 and dt * math.sqrt(scalars(M).axial) < FINEST
+
+
+@kernel
 def two_step_error(I, M, dt):
-    """Error of the top tension of a two-step step [tolerances], and what it does along the line.
+    """Error of the tension of a two-step step [tolerances], and what it does along the line.
 
     Where the line is too stiff for it to follow, dt^2 T'' at most, by which the prediction from
     the last step's rate is off; else half of what the predicted positions stretch it by more or
     less, which lasts.
     """
     head = header(I)
-    state = scalars(M)
-    if dt * math.sqrt(state.axial) < FINEST:
+    if follows_for_sure(I, M, dt):
         return 0.0, FOLLOWS
-    final = M[head.trial_tension + 2]
-    predicted = M[head.tension + 2] + dt * M[head.tension_rate + 2]
-    lasting = 0.5 * abs(final - state.stage_top_tension[0]) / SHARE_OF_LIMITED
-    passed_over = abs(final - predicted)
-    if passed_over < lasting:
-        return passed_over / tension_tolerance(M), PASSES_OVER
-    return lasting / tension_tolerance(M), FOLLOWS
+    worst = -1.0
+    along = PASSES_OVER
+    for node in range(1, watched(I)):
+        if I[head.joint + node] != 0:
+            continue
+        final = M[head.trial_tension + 2 * node]
+        predicted = M[head.tension + 2 * node] + dt * M[head.tension_rate + 2 * node]
+        first = M[head.stage_tensions + 6 * node]
+        lasting = 0.5 * abs(final - first) / SHARE_OF_LIMITED
+        passed_over = abs(final - predicted)
+        error = min(passed_over, lasting) / allowed_at(I, M, node)
+        if error > worst:
+            worst = error
+            along = PASSES_OVER if passed_over < lasting else FOLLOWS
+    return worst, along
 
 
 @kernel
@@ -168,10 +227,10 @@ def inertia(I, M):
 
 @kernel
 def may_be_solved_for(I, M):
-    """Whether tensions can be solved for: with Hooke's law, ends that are hinged, and no body of
-    finite length at the tow point."""
+    """Whether tensions can be solved for: of one line, with Hooke's law, ends that are hinged, and
+    no body of finite length at the tow point."""
     head = header(I)
-    if head.rigid > 0 and winch_of(I, M, 0).passing != 0.0:
+    if head.parts != 0 or (head.rigid > 0 and winch_of(I, M, 0).passing != 0.0):
         return False
     for n in range(head.constraint_count):
         if constraint_of(I, M, n).clamped != 0.0:
@@ -388,13 +447,18 @@ def take_solved(I, M):
 
 @kernel
 def bend_of_tension(I, M, dt):
-    """What the top tension changes by in a step of dt, or in the one before it, and twice what
-    that differs by: a bound of its second derivative times the square of dt [tolerances]."""
+    """What the tension changes by in a step of dt, or in the one before it, and twice what that
+    differs by: a bound of its second derivative times the square of dt [tolerances]."""
     head = header(I)
-    change = M[head.trial_tension + 2] - M[head.tension + 2]
-    before = dt * M[head.tension_rate + 2]
-    largest = max(0.25 * max(abs(change), abs(before)), 2.0 * abs(change - before))
-    return largest / tension_tolerance(M)
+    worst = 0.0
+    for node in range(1, watched(I)):
+        if I[head.joint + node] != 0:
+            continue
+        change = M[head.trial_tension + 2 * node] - M[head.tension + 2 * node]
+        before = dt * M[head.tension_rate + 2 * node]
+        largest = max(0.25 * max(abs(change), abs(before)), 2.0 * abs(change - before))
+        worst = max(worst, largest / allowed_at(I, M, node))
+    return worst
 
 
 @kernel
@@ -418,19 +482,21 @@ def solves(I, M, dt, scatter):
 
 @kernel
 def tension_error(I, M, dt, scheme, gamma_dt, error):
-    """Error of the top tension of a step from the state to the trial [tolerances], and what the
+    """Error of the tension of a step from the state to the trial [tolerances], and what the
     step does along the line: PASSES_OVER, FOLLOWS, or SOLVED, for which see `take_solved`.
 
     error: of the positions, (nodes, 2, dimension) [m].
     """
     head = header(I)
     state = scalars(M)
-    if dt * math.sqrt(state.axial) < FINEST:
+    if follows_for_sure(I, M, dt):
         return 0.0, FOLLOWS
-    scatter = stage_scatter(M, scheme)
+    scatter = stage_scatter(I, M, scheme)
     if scatter <= UNSEEN:
         return scatter, PASSES_OVER
     if dies_away(M):
+        if head.parts != 0:
+            return scatter, PASSES_OVER
         return 0.0, SOLVED if solves(I, M, dt, scatter) else PASSES_OVER
     left, share = embedded_error(I, M, error, gamma_dt, scatter)
     lasting = left * share * share / SHARE

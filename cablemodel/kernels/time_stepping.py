@@ -11,6 +11,7 @@ import math
 from .access import edge_of, header, scalars
 from .buckling import any_pressed, is_held, make_crooked
 from .clamp_layer import follow_layer
+from .closures import follow_forces, give_back_forces, keep_forces
 from .compile import copy_words, inlined, kernel, view
 from .consistency import (
     begin_after_a_blow,
@@ -63,7 +64,17 @@ from .system import (
     set_time,
 )
 from .tables import GAMMA, STAGE_A, STAGE_C, STAGE_ERROR, STAGES
-from .tension import FOLLOWS, PASSES_OVER, SHORT, SOLVED, take_solved, tension_error, two_step_error
+from .tension import (
+    FOLLOWS,
+    PASSES_OVER,
+    SHORT,
+    SOLVED,
+    keep_stage_tension,
+    remember_tensions,
+    take_solved,
+    tension_error,
+    two_step_error,
+)
 from .top_of_line import adapt_tops, anything_passes
 from .two_step import accept_two_step, remember, try_two_step, two_step_gamma
 from .vessel_clamp import update_springs
@@ -131,6 +142,7 @@ def solve_stage(I, M, t, gamma_dt, tolerance, to_output, ratio):
             v[n] += inverse * x[n]
             a[n] += inverse2 * x[n]
         tension_change = recover_tension(I, M, constraint, x, tension)
+        follow_forces(I, M)
         settled = True
         if to_output:
             largest = NO_TENSION * state.tension_scale
@@ -254,7 +266,7 @@ def try_step(I, M, dt, scheme, to_output):
             place_v, place_a = stage_words(I, i, stages)
             copy_words(I, place_v, head.trial_velocity, count)
             copy_words(I, place_a, head.trial_acceleration, count)
-        state.stage_top_tension[i - 1] = M[head.trial_tension + 2]
+        keep_stage_tension(I, M, i - 1)
         if i == stages - 2:
             for n in range(2 * nodes):
                 M[head.stage_tension + n] = M[head.trial_tension + n]
@@ -415,7 +427,9 @@ def advance_to(I, M, t_end):
         status = make_cuts(I, M)
         if status != OK:
             return status
+    keep_forces(I, M)
     while state.time < t_end:
+        give_back_forces(I, M)
         # The mesh changes before a step: what is read after it is a state that a step has made.
         rests = head.sleep != 0 and state.time >= state.sleep_after and may_sleep(I, M)
         if (
@@ -474,6 +488,7 @@ def advance_to(I, M, t_end):
             of_tension, along = two_step_error(I, M, dt)
             two_steps = of_tension <= 1.0
         if not two_steps:
+            give_back_forces(I, M)
             status, error, along = try_step(I, M, dt, scheme, to_output)
             if (
                 status == OK
@@ -525,11 +540,13 @@ def advance_to(I, M, t_end):
                 accept_two_step(I, M, dt)
             else:
                 accept_trial(I, M, dt, scheme)
+            keep_forces(I, M)
             if along == SOLVED:
                 take_solved(I, M)
             elif along == FOLLOWS:
                 head.settled = 0
             if head.parts != 0:
+                remember_tensions(I, M)
                 count = 6 * head.nodes
                 count_turns_anew(
                     I,

@@ -14,6 +14,7 @@ is refused here and taken by the one-step scheme, from the same state.
 """
 
 from .access import header, motion_piece_of, scalars
+from .closures import follow_forces
 from .compile import copy_words, inlined, kernel, view
 from .environment import surge_jump
 from .newton import NO_TENSION, increment_norm, refactor
@@ -24,6 +25,7 @@ from .system import (
     residual,
     set_time,
 )
+from .tension import watched
 
 LARGEST_GROWTH = 2.0  # of the step; variable-step BDF2 is stable up to 1 + sqrt(2)
 LARGEST_ERROR = 0.03  # of the local tolerance: what is left after a natural step is .03^(2/3) of it
@@ -130,8 +132,10 @@ def try_two_step(I, M, dt):
         head.iterations += 1
         size, _where = increment_norm(I, M, x)
         if iteration == 0:
-            s = view(M, head.compliance + 3, 3)
-            state.stage_top_tension[0] = tension[2] + s[0] * constraint[2] + s[1] * constraint[3]
+            for node in range(1, watched(I)):
+                s = view(M, head.compliance + 3 * node, 3)
+                first = tension[2 * node] + s[0] * constraint[2 * node]
+                M[head.stage_tensions + 6 * node] = first + s[1] * constraint[2 * node + 1]
         moved += size
         if not 0.5 * moved <= LARGEST_ERROR * tolerance:
             return refuse(I)
@@ -140,6 +144,7 @@ def try_two_step(I, M, dt):
             v[n] += b0 * x[n]
             a[n] += b0 * b0 * x[n]
         tension_change = recover_tension(I, M, constraint, x, tension)
+        follow_forces(I, M)
         largest = 0.0
         for n in range(1, nodes):
             largest = max(largest, abs(tension[2 * n]))
