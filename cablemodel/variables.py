@@ -539,6 +539,7 @@ def document() -> str:
         lines.append("|" + "|".join(entries) + "|")
     lines += [
         "",
+        *_systems(),
         "## Parameters of the FMU",
         "",
         "Fixed at the initialization, or tunable during a run. n counts the cables of the line, or",
@@ -572,6 +573,41 @@ def document() -> str:
         "",
     ]
     return "\n".join(lines)
+
+
+def _systems() -> list[str]:
+    """Outputs and inputs of a system's parts."""
+    lines = [
+        "## Of systems",
+        "",
+        "NAME is that of a line, body, vessel, winch or cut. Outputs are `run[...]` and those of",
+        "`SystemModel.outputs()`; inputs are arguments of `SystemModel.step`.",
+        "",
+        "|of a|quantity|unit|Python|FMU|ROS 2 and log|",
+        "|---|---|---|---|---|---|",
+    ]
+    outputs = (
+        ("line", LINE_OUTPUTS), ("body", BODY_OUTPUTS),
+        ("vessel", VESSEL_OUTPUTS[len(BODY_OUTPUTS) :]), ("winch", WINCH_OUTPUTS),
+        ("cut", CUT_OUTPUTS),
+    )  # fmt: skip
+    for part, rows in outputs:
+        name = "body, vessel" if rows is BODY_OUTPUTS else part
+        lines += [_cells(name, row, row.python, row.fmu) for row in rows]
+    lines += ["", "|input of a|quantity|unit|Python|FMU|ROS 2|", "|---|---|---|---|---|---|"]
+    inputs = (
+        ("vessel", "vessels", VESSEL_INPUTS), ("body", "forces", BODY_INPUTS),
+        ("foil", "deflections", (FOIL_INPUT,)), ("winch", "rates", (WINCH_INPUT,)),
+        ("cut", "cuts", (CUT_INPUT,)),
+    )  # fmt: skip
+    for part, argument, given in inputs:
+        lines += [_cells(part, row, f"{argument}, {row.python}", row.fmu) for row in given]
+    return [*lines, ""]
+
+
+def _cells(part: str, row: Variable | Input, python: str, fmu: str) -> str:
+    names = (f"`{python}`", f"`{fmu}`" if fmu else "-", f"`{row.topic}`")
+    return "|" + "|".join((part, row.quantity, row.unit or "-", *names)) + "|"
 
 
 def _python_text(name: str) -> str:
