@@ -63,7 +63,17 @@ from .system import (
     set_time,
 )
 from .tables import GAMMA, STAGE_A, STAGE_C, STAGE_ERROR, STAGES
-from .tension import FOLLOWS, PASSES_OVER, SHORT, SOLVED, take_solved, tension_error, two_step_error
+from .tension import (
+    FOLLOWS,
+    PASSES_OVER,
+    SHORT,
+    SOLVED,
+    begin_ring,
+    ring_needs_stages,
+    take_solved,
+    tension_error,
+    two_step_error,
+)
 from .top_of_line import adapt_top, next_change
 from .two_step import accept_two_step, remember, try_two_step, two_step_gamma
 from .vessel_clamp import update_springs
@@ -435,6 +445,7 @@ def advance_to(I, M, t_end):
             stop = begin_payout(I, M, stop)
             if state.payout_slope != slope:
                 head.settled = 0
+                begin_ring(I, M, state.payout_slope - slope)
             natural = longest_payout_step(I, M, natural)
         jump = abs(state.payout_rate - rate)  # a winch that stops dead at an end
         if jump * natural > state.time_tolerance:
@@ -471,7 +482,8 @@ def advance_to(I, M, t_end):
         status = OK
         error = 0.0
         along = PASSES_OVER
-        two_steps = to_output and dt <= 0.25 * natural and try_two_step(I, M, dt)
+        two_steps = to_output and dt <= 0.25 * natural and not ring_needs_stages(M, dt)
+        two_steps = two_steps and try_two_step(I, M, dt)
         if two_steps:
             of_tension, along = two_step_error(I, M, dt)
             two_steps = of_tension <= 1.0
