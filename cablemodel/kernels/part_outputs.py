@@ -1,13 +1,12 @@
 """Systems of parts: what the caller drives, and what is read of bodies, frames and lines' ends."""
 
-from .access import constraint_at, constraint_of, cut_of, edge_of, frame_of, header, scalars
+from .access import constraint_of, cut_of, edge_of, frame_of, free_body_of, header, scalars
 from .compile import kernel, view
 from .frames import drive_frame
 from .free_bodies import deflect_foils, push_bodies
 from .layout import (
     EXACTLY,
     FRAME_INPUTS,
-    FREE_WORDS,
     HELD_BY_FRAME,
     PART_WORDS,
     STATION_WORDS,
@@ -50,7 +49,7 @@ def parts_motion(I, M, bodies, frames):
     state = scalars(M)
     end_forces(I, M)
     for n in range(head.free_count):
-        row = constraint_at(M, head.free_bodies + n * FREE_WORDS)
+        row = free_body_of(I, M, n)
         m = row.motion
         origin = row.origin
         w = view(M, head.motion + 28, 15)
