@@ -185,6 +185,21 @@ TENSION_TEST = np.stack([_tension_test(_C3[1:4], 1, 2.5), _tension_test(_C4[1:],
 
 NUMERATOR = np.stack([_numerator(_A3, _G3, 4), _numerator(_A4, 0.25, 6)])
 
+
+def _window(wave, powers):
+    """Coefficients of wave(y) and of those powers of y whose sum, in Hann's window of two turns,
+    y from -2 pi to 2 pi, finds that wave's amplitude and nothing of the powers.
+    """
+    points, weights = np.polynomial.legendre.leggauss(64)
+    y = 2.0 * np.pi * points
+    parts = np.stack([wave(y), *(y**n for n in powers)])
+    products = (2.0 * np.pi * weights * 0.5 * (1.0 + np.cos(0.5 * y)) * parts) @ parts.T
+    return np.linalg.solve(products, np.eye(len(parts))[0])
+
+
+# Of what a cubic of time leaves of a tension: its cosine and its sine.
+WINDOW = np.stack([_window(np.cos, (0, 2)), _window(np.sin, (1, 3))])
+
 STAGES = np.array([4, 6])
 GAMMA = np.array([_G3, 0.25])
 STAGE_A = np.stack([_A3, _A4])

@@ -9,13 +9,16 @@ the other: it takes out of the embedded solution's error what the scheme damps.
 Where the second kind of error is too large, the tension is solved for from the positions and
 velocities at the step's end: the acceleration meets the second derivative of |r'| = 1 + strain(T)
 in time and the equations of motion, in which the tension is linear. That holds for a line that does
-not ring along itself.
+not ring along itself. One that rings leaves its stages apart, but by its end a long step has damped
+it, and the tension that is solved for is that of the step: such a step is refused.
 
-A ring is what a line's tension and velocity are off the ones that are solved for. A long step damps
-it, and the embedded solution with it, so that their difference tells nothing. But what a step makes
-of a ring is known: R(i angle) instead of exp(i angle), R its scheme's stability function. That much
-of the amplitude it misses, and such errors add up for as long as a ring lasts. One of less than is
-allowed may be damped away at once: no more than all of it can be missed.
+A load rings on its wire when the winch's acceleration jumps. A long step damps that, and the
+embedded solution with it, so that their difference tells nothing. But what a step makes of a ring
+is known: R(i angle) instead of exp(i angle), R its scheme's stability function. That much of the
+amplitude it misses, and such errors add up for as long as a ring lasts. The amplitude is what the
+jump makes, then what a window of two turns finds in the top tension beside a cubic of time: the
+motion that waves or a vessel force on the line is that, and is none of the ring. One of less than
+is allowed may be damped away at once: no more than all of it can be missed.
 """
 
 import math
@@ -35,7 +38,7 @@ from .system import (
     residual,
     set_time,
 )
-from .tables import GAMMA, NUMERATOR, STAGES, TENSION_TEST
+from .tables import GAMMA, NUMERATOR, STAGE_A, STAGE_C, STAGES, TENSION_TEST, WINDOW
 
 PROMISED = 0.5  # of the error of tension that is promised
 SHARE = 0.045  # of that: what a step may add to an error that lasts, as of positions
@@ -189,37 +192,6 @@ def may_be_solved_for(I, M):
     return True
 
 
-@kernel
-def tension_of_speed(I, M, speed):
-    """What a line that rings along itself at that speed has of tension, sqrt(k m) of it
-    [tolerances]."""
-    state = scalars(M)
-    return inertia(I, M) * math.sqrt(state.axial) * speed / tension_tolerance(M)
-
-
-@kernel
-def tension_of_motion(I, M, x):
-    """What a line that rings along itself with the energy of the velocities x has of tension
-    [tolerances]: the root of k times the sum of m x^2."""
-    head = header(I)
-    state = scalars(M)
-    size = 2 * head.dimension
-    twice = 0.0
-    for node in range(1, head.nodes):
-        if I[head.joint + node] == 0:
-            edge = edge_of(I, M, node)
-            half = 0.5 * edge.mass * edge.length
-            parent = size * I[head.parent + node]
-            for i in range(head.dimension):
-                twice += half * (x[size * node + i] ** 2 + x[parent + i] ** 2)
-    for body in range(head.body_count):
-        row = body_of(I, M, body)
-        at = size * int(row.node)
-        for i in range(head.dimension):
-            twice += row.mass * x[at + i] ** 2
-    return math.sqrt(state.axial * inertia(I, M) * twice) / tension_tolerance(M)
-
-
 @inlined
 def region(I, n):
     """Word of the n-th region of 6 words a node in the workspace of the stages, of eight."""
@@ -269,37 +241,6 @@ def soften(I, M):
         row.compliance = M[kept + head.nodes + body]
 
 
-@kernel
-def stretch_at_rate(I, M, q, a, tension):
-    """Give the velocities in SOLVED_V, by the matrix in use, what stretches the line at the rates
-    of the tensions that are in STRAINED; returns how fast that is [m/s]."""
-    head = header(I)
-    count = 2 * head.dimension * head.nodes
-    words = 2 * head.nodes
-    v = view(M, region(I, SOLVED_V), count)
-    curved = view(M, region(I, CURVED), words)
-    strained = view(M, region(I, STRAINED), words)
-    forces = view(M, head.residual, count)
-    constraint = view(M, head.constraint_residual, words)
-    x = view(M, head.increment, count)
-    for n in range(words):
-        strained[n] += tension[n]
-    residual(I, M, q, v, a, strained, forces, curved)
-    residual(I, M, q, v, a, tension, forces, constraint)
-    for n in range(words):
-        curved[n] -= constraint[n]
-    material_stretch_rate(I, M, v, constraint)
-    for n in range(words):
-        constraint[n] += curved[n]
-        curved[n] = 0.0
-    forces[:] = 0.0
-    newton_increment(I, M, forces, constraint, x)
-    speed, _where = increment_norm(I, M, x)
-    for n in range(count):
-        v[n] += x[n]
-    return speed
-
-
 @outlined
 def solve_for_tension(I, M, t, short, q, v, tension):
     """Tensions and accelerations of a line that does not ring, at time t, from positions and
@@ -321,6 +262,7 @@ def solve_for_tension(I, M, t, short, q, v, tension):
     a = view(M, region(I, SOLVED_A), count)
     solved = view(M, region(I, SOLVED_T), words)
     curved = view(M, region(I, CURVED), words)
+    strained = view(M, region(I, STRAINED), words)
     forces = view(M, head.residual, count)
     constraint = view(M, head.constraint_residual, words)
     x = view(M, head.increment, count)
@@ -333,6 +275,7 @@ def solve_for_tension(I, M, t, short, q, v, tension):
         solved_v[n] = v[n]
     for n in range(words):
         solved[n] = tension[n]
+        strained[n] += tension[n]
     impose_motion(I, M, t, solved_q, solved_v, a)
     stiffen(I, M, ca)
     failed = factorise(I, M, q, solved_v, a, tension, ca, 0.0)
@@ -340,7 +283,20 @@ def solve_for_tension(I, M, t, short, q, v, tension):
     head.factored = 0
     if failed != 0:
         return -1.0, -1.0
-    speed = stretch_at_rate(I, M, q, a, tension)
+    # Velocities that stretch the line at the rate at which the tensions change.
+    residual(I, M, q, solved_v, a, strained, forces, curved)
+    residual(I, M, q, solved_v, a, tension, forces, constraint)
+    for n in range(words):
+        curved[n] -= constraint[n]
+    material_stretch_rate(I, M, solved_v, constraint)
+    for n in range(words):
+        constraint[n] += curved[n]
+        curved[n] = 0.0
+    forces[:] = 0.0
+    newton_increment(I, M, forces, constraint, x)
+    speed, _where = increment_norm(I, M, x)
+    for n in range(count):
+        solved_v[n] += x[n]
     # The second derivative of |r'|, of a motion without a jerk.
     step = APART * state.period
     for k in range(3):
@@ -372,7 +328,8 @@ def solve_for_tension(I, M, t, short, q, v, tension):
     change = abs(solved[2] - tension[2])
     if not change < 1e300:
         return -1.0, -1.0
-    return change / tension_tolerance(M), tension_of_speed(I, M, speed)
+    allowed = tension_tolerance(M)
+    return change / allowed, inertia(I, M) * math.sqrt(state.axial) * speed / allowed
 
 
 @kernel
@@ -405,116 +362,138 @@ def begins_smoothly(I, M):
 
 
 @kernel
-def known_ring(M):
-    """Amplitude of the ring that is known of [tolerances]; 0: none that may not be damped away."""
-    state = scalars(M)
-    ring = state.ring / tension_tolerance(M)
-    return ring if ring > 1.0 else 0.0
-
-
-@kernel
-def ring_is_due(M):
-    """Whether the ring that is known of has turned once since it was measured."""
-    state = scalars(M)
-    turned = math.sqrt(state.axial) * (state.time - state.ring_found)
-    return known_ring(M) > 0.0 and turned > 2.0 * math.pi
-
-
-@kernel
-def begin_ring(I, M, jump):
-    """The acceleration along the line jumps [m/s2]: by its inertia times that the tension does."""
-    state = scalars(M)
-    made = inertia(I, M) * abs(jump)
-    if made > tension_tolerance(M) and not dies_away(M):
-        state.ring += made
-        state.ring_found = state.time
-
-
-@kernel
-def range_of_tension(I, M, scheme):
-    """Between what the top tension is in a step, at its ends and stages [tolerances]."""
-    head = header(I)
-    state = scalars(M)
-    least = M[head.tension + 2]
-    most = least
-    for n in range(STAGES[scheme] - 1):
-        least = min(least, state.stage_top_tension[n])
-        most = max(most, state.stage_top_tension[n])
-    return (most - least) / tension_tolerance(M)
-
-
-@kernel
-def left_by_last_step(M):
-    """What the last step's matrix leaves of a ring [-]: see `filter_motion`."""
-    state = scalars(M)
-    turn = GAMMA[1] * state.last_step
-    return 1.0 / (1.0 + state.axial * turn * turn)
-
-
-@kernel
-def may_ring(I, M, dt, most, matters):
-    """Whether a ring may be so large that it matters, of at most that amplitude [tolerances]: it
-    comes through the last step, or begins with this one.
-    """
-    state = scalars(M)
-    if most <= matters:
-        return False
-    if most * left_by_last_step(M) > matters or not begins_smoothly(I, M):
-        return True
-    set_time(I, M, state.time + dt)
-    return False
-
-
-@kernel
-def measure_ring(I, M, dt, scheme):
-    """Measure the tension with which the state rings along itself, as a step of dt begins, and keep
-    it where it is more than is allowed. Returns whether all goes on as what is solved for.
-
-    It is what the tension, and the velocity along the line, are off the ones that are solved for,
-    at the step's beginning and, for the rate at which what rings not changes, at its end. Of the
-    velocity no more counts than the last step's matrix leaves, the rest is that step's error; nor
-    more than the tensions in this step show: in a turn by some angle c (1 - cos) + v sin of them.
+def rings(I, M, dt):
+    """Whether the state rings along itself by more than is allowed, as a step of dt begins at
+    whose end tensions have been solved for: they tell the rate at which what rings not changes.
     """
     head = header(I)
     state = scalars(M)
-    state.ring = 0.0
-    if not may_be_solved_for(I, M) or solve_at_end(I, M, dt) < 0.0:
-        return False
     count = 2 * head.dimension * head.nodes
     words = 2 * head.nodes
     tension = view(M, head.tension, words)
     rate = view(M, region(I, STRAINED), words)
-    after = view(M, region(I, SOLVED_RATE), words)
-    solved = view(M, region(I, SOLVED_T), words)
     for n in range(words):
-        after[n] = solved[n]
-        rate[n] = (after[n] - tension[n]) / dt
+        rate[n] = (M[region(I, SOLVED_T) + n] - tension[n]) / dt
     copy_words(I, region(I, SOLVED_A), head.acceleration, count)
     q = view(M, head.position, count)
     v = view(M, head.velocity, count)
-    change, _moving = solve_for_tension(I, M, state.time, SHORT * dt, q, v, tension)
-    moving = ringing = change
-    if change >= 0.0:
-        for n in range(words):
-            rate[n] = (after[n] - solved[n]) / dt
-        solved_q = view(M, region(I, SOLVED_Q), count)
-        solved_v = view(M, region(I, SOLVED_V), count)
-        a = view(M, region(I, SOLVED_A), count)
-        copy_words(I, region(I, SOLVED_V), head.velocity, count)
-        impose_motion(I, M, state.time, solved_q, solved_v, a)
-        moving = tension_of_speed(I, M, stretch_at_rate(I, M, q, a, tension))
-        ringing = tension_of_motion(I, M, view(M, head.increment, count))
-    set_time(I, M, state.time + dt)
-    if change < 0.0:
-        return False
-    angle = min(math.sqrt(state.axial) * dt, 0.5 * math.pi)
-    seen = range_of_tension(I, M, scheme) + change * (1.0 - math.cos(angle))
-    ringing = min(ringing * left_by_last_step(M), seen / math.sin(angle))
-    amplitude = math.hypot(change, ringing)
-    if amplitude > 1.0:
-        state.ring = amplitude * tension_tolerance(M)
-        state.ring_found = state.time
-    return change <= 1.0 and moving <= 1.0
+    change, moving = solve_for_tension(I, M, state.time, SHORT * dt, q, v, tension)
+    return not (0.0 <= change and change <= 1.0 and moving <= 1.0)
+
+
+@kernel
+def ring_frequency(I, M):
+    """Of the line's first motion along itself, its end free [rad/s]: by Rayleigh's quotient, of
+    displacements as under a load at the end."""
+    head = header(I)
+    s = region(I, SOFTNESS)  # from the tow point to each node [m/N]
+    for node in range(head.nodes):
+        M[s + node] = 0.0
+    for body in range(head.body_count):
+        row = body_of(I, M, body)
+        if row.node > 0.0:
+            M[s + int(row.node)] = row.compliance
+    softest = 0.0
+    moved = 0.0
+    for node in range(1, head.nodes):
+        above = M[s + I[head.parent + node]]
+        below = above + M[s + node]
+        if I[head.joint + node] == 0:
+            edge = edge_of(I, M, node)
+            below += edge.compliance * edge.length
+            squares = above * above + above * below + below * below
+            moved += edge.mass * edge.length * squares / 3.0
+        M[s + node] = below
+        softest = max(softest, below)
+    for body in range(head.body_count):
+        row = body_of(I, M, body)
+        if row.node > 0.0:
+            moved += (row.mass + row.added_mass_axial) * M[s + int(row.node)] ** 2
+    return math.sqrt(softest / moved)
+
+
+@kernel
+def known_ring(M):
+    """Amplitude of the ring [tolerances]; 0: none that may not be damped away."""
+    ring = scalars(M).ring / tension_tolerance(M)
+    return ring if ring > 1.0 else 0.0
+
+
+@kernel
+def begin_window(M, t, tension):
+    """Begin to measure how the line rings, at time t and that top tension."""
+    state = scalars(M)
+    state.ring_since = t
+    state.ring_about = tension
+    state.ring_cosine = 0.0
+    state.ring_sine = 0.0
+
+
+@kernel
+def begin_ring(I, M, jump, dt):
+    """The acceleration along the line jumps [m/s2] as a step of dt begins: so does the tension with
+    which it would not ring, and it rings about that. Its velocities go on."""
+    head = header(I)
+    state = scalars(M)
+    made = inertia(I, M) * abs(jump)
+    if made <= tension_tolerance(M) or dies_away(M):
+        return
+    count = 2 * head.dimension * head.nodes
+    if may_be_solved_for(I, M):
+        copy_words(I, region(I, SOLVED_A), head.acceleration, count)
+        copy_words(I, region(I, STRAINED), head.tension_rate, 2 * head.nodes)
+        tension = view(M, head.tension, 2 * head.nodes)
+        q = view(M, head.position, count)
+        v = view(M, head.velocity, count)
+        change, _moving = solve_for_tension(I, M, state.time, SHORT * dt, q, v, tension)
+        if change >= 0.0:
+            made = change * tension_tolerance(M)
+    state.ring = math.hypot(state.ring, made)
+    begin_window(M, state.time, M[head.tension + 2])
+
+
+@kernel
+def add_to_window(M, y, weight, tension):
+    """A top tension at that place in the window, for a stretch of it of that weight [rad]."""
+    state = scalars(M)
+    seen = 0.5 * (1.0 + math.cos(0.5 * y)) if abs(y) < 2.0 * math.pi else 0.0
+    of_it = weight * seen * (tension - state.ring_about)
+    even = WINDOW[0, 0] * math.cos(y) + WINDOW[0, 1] + WINDOW[0, 2] * y * y
+    odd = WINDOW[1, 0] * math.sin(y) + WINDOW[1, 1] * y + WINDOW[1, 2] * y * y * y
+    state.ring_cosine += of_it * even
+    state.ring_sine += of_it * odd
+
+
+@kernel
+def follow_ring(I, M, dt, scheme):
+    """Measure the ring in a step from the state to the trial, by a scheme of STAGES; -1: two-step.
+
+    At the window's end there is no more of it than that finds.
+    """
+    head = header(I)
+    state = scalars(M)
+    if known_ring(M) == 0.0:
+        return
+    frequency = ring_frequency(I, M)
+    angle = frequency * dt
+    y = frequency * (state.time - state.ring_since) - 2.0 * math.pi
+    before = M[head.tension + 2]
+    after = M[head.trial_tension + 2]
+    if scheme < 0:
+        add_to_window(M, y, 0.5 * angle, before)
+        add_to_window(M, y + angle, 0.5 * angle, after)
+    else:
+        last = STAGES[scheme] - 1
+        add_to_window(M, y, STAGE_A[scheme, last, 0] * angle, before)
+        for i in range(1, last + 1):
+            at = y + STAGE_C[scheme, i] * angle
+            share = STAGE_A[scheme, last, i] * angle
+            add_to_window(M, at, share, state.stage_top_tension[i - 1])
+    if y + angle >= 2.0 * math.pi:
+        state.ring = min(state.ring, math.hypot(state.ring_cosine, state.ring_sine))
+        if known_ring(M) == 0.0:
+            state.ring = 0.0
+        begin_window(M, state.time + dt, after)
 
 
 @kernel
@@ -525,12 +504,14 @@ def ring_share(angle):
 
 
 @kernel
-def ring_needs_stages(M, dt):
-    """Whether the two-step scheme would miss the ring that is known of, by a third of the cube of
-    the angle by which it turns in a step, or cannot tell how much is left of it."""
-    state = scalars(M)
-    angle = dt * math.sqrt(state.axial)
-    return ring_is_due(M) or known_ring(M) * angle * angle * angle / 3.0 > ring_share(angle)
+def ring_needs_stages(I, M, dt):
+    """Whether the two-step scheme would miss the ring, by a third of the cube of the angle by which
+    it turns in a step."""
+    ring = known_ring(M)
+    if ring == 0.0:
+        return False
+    angle = dt * ring_frequency(I, M)
+    return ring * angle * angle * angle / 3.0 > ring_share(angle)
 
 
 @kernel
@@ -549,10 +530,19 @@ def error_of_ring(scheme, angle):
 
 
 @kernel
+def missed_of_ring(I, M, dt, scheme):
+    """What a step misses of the ring, over what it may add [-]."""
+    ring = known_ring(M)
+    if ring == 0.0:
+        return 0.0
+    angle = dt * ring_frequency(I, M)
+    return ring * error_of_ring(scheme, angle) / ring_share(angle)
+
+
+@kernel
 def take_solved(I, M):
     """Make what was solved for the state: it does not ring."""
     head = header(I)
-    state = scalars(M)
     count = 2 * head.dimension * head.nodes
     copy_words(I, head.position, region(I, SOLVED_Q), count)
     copy_words(I, head.velocity, region(I, SOLVED_V), count)
@@ -560,7 +550,6 @@ def take_solved(I, M):
     copy_words(I, head.tension, region(I, SOLVED_T), 2 * head.nodes)
     copy_words(I, head.tension_rate, region(I, SOLVED_RATE), 2 * head.nodes)
     head.settled = 1
-    state.ring = 0.0
     head.has_history = 0  # the two-step scheme would differentiate what was solved for
 
 
@@ -603,43 +592,25 @@ def tension_error(I, M, dt, scheme, gamma_dt, error):
     """
     head = header(I)
     state = scalars(M)
-    angle = dt * math.sqrt(state.axial)
-    ring = known_ring(M)
-    due = ring_is_due(M)
-    if angle < FINEST and not due:
-        return 0.0, FOLLOWS
+    missed = missed_of_ring(I, M, dt, scheme)
+    if missed > 1.0 or dt * math.sqrt(state.axial) < FINEST:
+        return missed, FOLLOWS
     scatter = stage_scatter(M, scheme)
-    if scatter <= UNSEEN and ring == 0.0:
-        return scatter, PASSES_OVER
+    if scatter <= UNSEEN:
+        return max(missed, scatter), PASSES_OVER
     if dies_away(M):
         return 0.0, SOLVED if solves(I, M, dt, scatter) else PASSES_OVER
-    missed = error_of_ring(scheme, angle) / ring_share(angle)
-    # Whatever its phase, so much of a ring the tensions in the step would show.
-    most = range_of_tension(I, M, scheme) / (1.0 - math.cos(0.5 * min(angle, math.pi)))
-    if ring > most:
-        ring = most
-        state.ring = most * tension_tolerance(M)
-    due = ring > 1.0 and (due or ring * missed > 1.0)
-    if scatter <= UNSEEN:
-        if due:
-            measure_ring(I, M, dt, scheme)
-        return max(scatter, known_ring(M) * missed), FOLLOWS
     left, share = embedded_error(I, M, error, gamma_dt, scatter)
-    lasting = left * share * share / SHARE
+    lasting = max(missed, left * share * share / SHARE)
     forgotten = (1.0 - share * share) * scatter
     unseen = bend_of_tension(I, M, dt) / (state.axial * dt * dt)
-    follows = share > STIFF or unseen > SOLVED_FROM
-    known = head.settled != 0 and begins_smoothly(I, M)
-    if not known and ring <= 1.0 and lasting <= 1.0:
-        if follows:
-            due = may_ring(I, M, dt, most, max(1.0, 1.0 / missed))
-        else:
-            due = forgotten > SOLVED_FROM
-    if due:
-        known = measure_ring(I, M, dt, scheme)
-    lasting = max(lasting, known_ring(M) * missed)
-    if follows:
+    if share > STIFF or unseen > SOLVED_FROM or missed > 0.0:
         return max(lasting, forgotten), FOLLOWS
-    if known and lasting <= 1.0 and solves(I, M, dt, scatter):
-        return lasting, SOLVED
+    settled = head.settled != 0 and begins_smoothly(I, M)
+    if (settled or forgotten > SOLVED_FROM) and lasting <= 1.0 and solves(I, M, dt, scatter):
+        if settled:
+            return lasting, SOLVED
+        if not rings(I, M, dt):
+            solve_at_end(I, M, dt)
+            return lasting, SOLVED
     return max(lasting, forgotten), PASSES_OVER

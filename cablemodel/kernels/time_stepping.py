@@ -69,6 +69,7 @@ from .tension import (
     SHORT,
     SOLVED,
     begin_ring,
+    follow_ring,
     ring_needs_stages,
     take_solved,
     tension_error,
@@ -445,8 +446,9 @@ def advance_to(I, M, t_end):
             stop = begin_payout(I, M, stop)
             if state.payout_slope != slope:
                 head.settled = 0
-                begin_ring(I, M, state.payout_slope - slope)
             natural = longest_payout_step(I, M, natural)
+            if state.payout_slope != slope:
+                begin_ring(I, M, state.payout_slope - slope, natural)
         jump = abs(state.payout_rate - rate)  # a winch that stops dead at an end
         if jump * natural > state.time_tolerance:
             natural = max(state.time_tolerance / jump, 10.0 * state.smallest_step)
@@ -482,7 +484,7 @@ def advance_to(I, M, t_end):
         status = OK
         error = 0.0
         along = PASSES_OVER
-        two_steps = to_output and dt <= 0.25 * natural and not ring_needs_stages(M, dt)
+        two_steps = to_output and dt <= 0.25 * natural and not ring_needs_stages(I, M, dt)
         two_steps = two_steps and try_two_step(I, M, dt)
         if two_steps:
             of_tension, along = two_step_error(I, M, dt)
@@ -535,6 +537,7 @@ def advance_to(I, M, t_end):
                 break
             status = OK
         else:
+            follow_ring(I, M, dt, -1 if two_steps else scheme)
             if two_steps:
                 accept_two_step(I, M, dt)
             else:

@@ -99,12 +99,12 @@ const char *check_parts(const int64_t *I) {
                    header(I)->foil_words - 2 * FOIL_ANGLES))
             return "a foil is out of range";
     for (int64_t n = 0; n < header(I)->foot_count; n++)
-        if (!whole(M[header(I)->feet + n * FOOT_WORDS + FOOT_BODY], 0, header(I)->free_count - 1))
+        if (!whole(AS(Foot, M + header(I)->feet + n * FOOT_WORDS)->body, 0, header(I)->free_count - 1))
             return "a body's foot is out of range";
     for (int64_t n = 0; n < header(I)->cut_count; n++) {
         const double *row = M + header(I)->cuts + n * CUT_WORDS;
-        if (!whole(row[CUT_SEGMENT], 0, header(I)->cable_count - 1) ||
-            !whole(row[CUT_SIDE], CUT_WITHIN, CUT_END))
+        if (!whole(AS(Cut, row)->segment, 0, header(I)->cable_count - 1) ||
+            !whole(AS(Cut, row)->side, CUT_WITHIN, CUT_END))
             return "a cut is out of range";
     }
     return NULL;
@@ -392,8 +392,8 @@ static int collect_parts(const Cable *cable, double dt) {
     for (int64_t n = 0; n < s->cuts; n++, input++) {
         const double *row = cable->M + header(I)->cuts + n * CUT_WORDS;
         const double value = inputs_in(s, cable->values, input)->value;
-        const int due = drives(cable, input) && value > 0.5 && !(row[CUT_DONE] < 1e300);
-        s->orders[n] = due && row[CUT_ORDERED] == 0.0 ? 1.0 : 0.0;
+        const int due = drives(cable, input) && value > 0.5 && !(AS(Cut, row)->done < 1e300);
+        s->orders[n] = due && AS(Cut, row)->ordered == 0.0 ? 1.0 : 0.0;
         any |= s->orders[n] != 0.0;
     }
     return any;
@@ -483,9 +483,9 @@ static int is_cut_at(const Cable *cable, int64_t line, double arc, double length
     const System *s = cable->system;
     for (int64_t n = 0; n < s->cuts; n++) {
         const double *row = cable->M + header(cable->I)->cuts + n * CUT_WORDS;
-        const int64_t segment = s->segments[(int64_t)row[CUT_SEGMENT]];
-        const double place = segment & 1 ? -row[CUT_ARC] : row[CUT_ARC];
-        if (row[CUT_SIDE] == (double)CUT_WITHIN && segment >> 1 == line &&
+        const int64_t segment = s->segments[(int64_t)AS(Cut, row)->segment];
+        const double place = segment & 1 ? -AS(Cut, row)->arc : AS(Cut, row)->arc;
+        if (AS(Cut, row)->side == (double)CUT_WITHIN && segment >> 1 == line &&
             fabs(arc - place) <= SAME_PLACE * length)
             return 1;
     }
@@ -575,7 +575,7 @@ static const double *outputs(Cable *cable) {
         out = part_outputs(s->parts + PART_WORDS * n, 0, out);
     for (int64_t n = 0; n < s->vessels; n++) out = part_outputs(vessels + PART_WORDS * n, 1, out);
     for (int64_t n = 0; n < s->cuts; n++) {
-        const double time = cable->M[header(cable->I)->cuts + n * CUT_WORDS + CUT_DONE];
+        const double time = AS(Cut, cable->M + header(cable->I)->cuts + n * CUT_WORDS)->done;
         *out++ = time < 1e300 ? time + cable->now.start_time : NAN;
     }
     s->current = 1;
