@@ -432,12 +432,16 @@ def begin_window(M, t, tension):
 @kernel
 def begin_ring(I, M, jump, dt):
     """The acceleration along the line jumps [m/s2] as a step of dt begins: so does the tension with
-    which it would not ring, and it rings about that. Its velocities go on."""
+    which it would not ring, by its inertia at most, and it rings about that. Velocities go on."""
     head = header(I)
     state = scalars(M)
-    made = inertia(I, M) * abs(jump)
+    moved = inertia(I, M)
+    for body in range(head.body_count):
+        moved += body_of(I, M, body).added_mass_axial
+    made = moved * abs(jump)
     if made <= tension_tolerance(M) or dies_away(M):
         return
+    made += state.ring
     count = 2 * head.dimension * head.nodes
     if may_be_solved_for(I, M):
         copy_words(I, region(I, SOLVED_A), head.acceleration, count)
@@ -447,8 +451,8 @@ def begin_ring(I, M, jump, dt):
         v = view(M, head.velocity, count)
         change, _moving = solve_for_tension(I, M, state.time, SHORT * dt, q, v, tension)
         if change >= 0.0:
-            made = change * tension_tolerance(M)
-    state.ring = math.hypot(state.ring, made)
+            made = min(made, math.hypot(state.ring, change * tension_tolerance(M)))
+    state.ring = made
     begin_window(M, state.time, M[head.tension + 2])
 
 
@@ -497,24 +501,6 @@ def follow_ring(I, M, dt, scheme):
 
 
 @kernel
-def ring_share(angle):
-    """What a step in which a ring turns by that angle [rad] may add to the error of what rings,
-    of what it may be in all: it lasts for 2 / LOSS_FACTOR radians."""
-    return 0.5 * LOSS_FACTOR * angle
-
-
-@kernel
-def ring_needs_stages(I, M, dt):
-    """Whether the two-step scheme would miss the ring, by a third of the cube of the angle by which
-    it turns in a step."""
-    ring = known_ring(M)
-    if ring == 0.0:
-        return False
-    angle = dt * ring_frequency(I, M)
-    return ring * angle * angle * angle / 3.0 > ring_share(angle)
-
-
-@kernel
 def error_of_ring(scheme, angle):
     """By how much a step in which a ring turns by that angle [rad] misses it, of its amplitude:
     by how much the scheme's stability function R(i angle) differs from exp(i angle)."""
@@ -530,13 +516,37 @@ def error_of_ring(scheme, angle):
 
 
 @kernel
-def missed_of_ring(I, M, dt, scheme):
-    """What a step misses of the ring, over what it may add [-]."""
-    ring = known_ring(M)
-    if ring == 0.0:
-        return 0.0
-    angle = dt * ring_frequency(I, M)
-    return ring * error_of_ring(scheme, angle) / ring_share(angle)
+def missed_of_ring(M, scheme, angle):
+    """What a step in which the ring turns by that angle misses of it, over what it may add [-].
+
+    That is a share of the tolerance: a ring lasts for 2 / LOSS_FACTOR radians. By the two-step
+    scheme, -1, it misses a third of the angle's cube.
+    """
+    missed = angle * angle * angle / 3.0 if scheme < 0 else error_of_ring(scheme, angle)
+    return known_ring(M) * missed / (0.5 * LOSS_FACTOR * angle)
+
+
+@kernel
+def may_miss_ring(I, M, dt, scheme):
+    """Whether a step of dt may miss what it does of the ring."""
+    if known_ring(M) == 0.0:
+        return True
+    return missed_of_ring(M, scheme, ring_frequency(I, M) * dt) <= 1.0
+
+
+@kernel
+def longest_ring_step(I, M, dt, scheme):
+    """A step of at most dt that follows the ring: what it misses goes with the angle to the power
+    of the scheme's order."""
+    if known_ring(M) == 0.0:
+        return dt
+    frequency = ring_frequency(I, M)
+    angle = frequency * dt
+    while True:
+        missed = missed_of_ring(M, scheme, angle)
+        if missed <= 1.0:
+            return angle / frequency
+        angle = min(angle, math.pi) * 0.9 * missed ** (-1.0 / (3 + scheme))
 
 
 @kernel
@@ -592,19 +602,18 @@ def tension_error(I, M, dt, scheme, gamma_dt, error):
     """
     head = header(I)
     state = scalars(M)
-    missed = missed_of_ring(I, M, dt, scheme)
-    if missed > 1.0 or dt * math.sqrt(state.axial) < FINEST:
-        return missed, FOLLOWS
+    if dt * math.sqrt(state.axial) < FINEST:
+        return 0.0, FOLLOWS
     scatter = stage_scatter(M, scheme)
     if scatter <= UNSEEN:
-        return max(missed, scatter), PASSES_OVER
+        return scatter, PASSES_OVER
     if dies_away(M):
         return 0.0, SOLVED if solves(I, M, dt, scatter) else PASSES_OVER
     left, share = embedded_error(I, M, error, gamma_dt, scatter)
-    lasting = max(missed, left * share * share / SHARE)
+    lasting = left * share * share / SHARE
     forgotten = (1.0 - share * share) * scatter
     unseen = bend_of_tension(I, M, dt) / (state.axial * dt * dt)
-    if share > STIFF or unseen > SOLVED_FROM or missed > 0.0:
+    if share > STIFF or unseen > SOLVED_FROM or known_ring(M) > 0.0:
         return max(lasting, forgotten), FOLLOWS
     settled = head.settled != 0 and begins_smoothly(I, M)
     if (settled or forgotten > SOLVED_FROM) and lasting <= 1.0 and solves(I, M, dt, scatter):

@@ -70,7 +70,8 @@ from .tension import (
     SOLVED,
     begin_ring,
     follow_ring,
-    ring_needs_stages,
+    longest_ring_step,
+    may_miss_ring,
     take_solved,
     tension_error,
     two_step_error,
@@ -455,7 +456,8 @@ def advance_to(I, M, t_end):
             state.step = natural
             jolted = state.time
         remaining = stop - state.time
-        dt = natural
+        highest = 1 if head.order == 4 and state.order_3 == 0.0 else 0
+        dt = longest_ring_step(I, M, natural, highest)
         landing = False
         if dt >= remaining * 0.999:
             dt = remaining
@@ -465,7 +467,7 @@ def advance_to(I, M, t_end):
         # Steps that the caller limits need no high order: three stages instead of five. But from
         # those three nobody can tell the error of the tension of a line that is too stiff for them.
         high = dt > 0.25 * natural or head.settled != 0
-        scheme = 1 if head.order == 4 and high and state.order_3 == 0.0 else 0
+        scheme = highest if high or not may_miss_ring(I, M, dt, 0) else 0
         before = head.iterations
         to_output = landing and stop == t_end
         if dt < 0.2 * state.last_step:
@@ -484,7 +486,7 @@ def advance_to(I, M, t_end):
         status = OK
         error = 0.0
         along = PASSES_OVER
-        two_steps = to_output and dt <= 0.25 * natural and not ring_needs_stages(I, M, dt)
+        two_steps = to_output and dt <= 0.25 * natural and may_miss_ring(I, M, dt, -1)
         two_steps = two_steps and try_two_step(I, M, dt)
         if two_steps:
             of_tension, along = two_step_error(I, M, dt)
