@@ -70,6 +70,7 @@ from .tension import (
     SOLVED,
     begin_ring,
     follow_ring,
+    known_ring,
     longest_ring_step,
     may_miss_ring,
     take_solved,
@@ -465,9 +466,13 @@ def advance_to(I, M, t_end):
         elif dt > 0.5 * remaining:
             dt = 0.5 * remaining
         # Steps that the caller limits need no high order: three stages instead of five. But from
-        # those three nobody can tell the error of the tension of a line that is too stiff for them.
-        high = dt > 0.25 * natural or head.settled != 0
-        scheme = highest if high or not may_miss_ring(I, M, dt, 0) else 0
+        # those three nobody can tell the error of the tension of a line that is too stiff for them:
+        # of one that is followed as it rings they can, and order 3 damps what is quicker.
+        if known_ring(M) > 0.0:
+            high = dt == natural or not may_miss_ring(I, M, dt, 0)
+        else:
+            high = dt > 0.25 * natural or head.settled != 0
+        scheme = highest if high else 0
         before = head.iterations
         to_output = landing and stop == t_end
         if dt < 0.2 * state.last_step:
