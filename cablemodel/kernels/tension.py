@@ -382,9 +382,13 @@ def rings(I, M, dt):
 
 
 @kernel
-def ring_frequency(I, M):
-    """Of the line's first motion along itself, its end free [rad/s]: by Rayleigh's quotient, of
-    displacements as under a load at the end."""
+def first_motion(I, M):
+    """Of the line's first motion along itself, its end free: frequency [rad/s], and the mass that
+    moves with it when the tow point accelerates [kg].
+
+    By Rayleigh's quotient, of displacements s as under a load at the end: the stiffness over the
+    sum of m s^2; of the mass the square of the sum of m s over that.
+    """
     head = header(I)
     s = region(I, SOFTNESS)  # from the tow point to each node [m/N]
     for node in range(head.nodes):
@@ -395,21 +399,26 @@ def ring_frequency(I, M):
             M[s + int(row.node)] = row.compliance
     softest = 0.0
     moved = 0.0
+    squares = 0.0
     for node in range(1, head.nodes):
         above = M[s + I[head.parent + node]]
         below = above + M[s + node]
         if I[head.joint + node] == 0:
             edge = edge_of(I, M, node)
             below += edge.compliance * edge.length
-            squares = above * above + above * below + below * below
-            moved += edge.mass * edge.length * squares / 3.0
+            mass = edge.mass * edge.length
+            moved += mass * 0.5 * (above + below)
+            squares += mass * (above * above + above * below + below * below) / 3.0
         M[s + node] = below
         softest = max(softest, below)
     for body in range(head.body_count):
         row = body_of(I, M, body)
         if row.node > 0.0:
-            moved += (row.mass + row.added_mass_axial) * M[s + int(row.node)] ** 2
-    return math.sqrt(softest / moved)
+            mass = row.mass + row.added_mass_axial
+            way = M[s + int(row.node)]
+            moved += mass * way
+            squares += mass * way * way
+    return math.sqrt(softest / squares), moved * moved / squares
 
 
 @kernel
@@ -432,12 +441,10 @@ def begin_window(M, t, tension):
 @kernel
 def begin_ring(I, M, jump, dt):
     """The acceleration along the line jumps [m/s2] as a step of dt begins: so does the tension with
-    which it would not ring, by its inertia at most, and it rings about that. Velocities go on."""
+    which it would not ring, and it rings about that. Velocities go on."""
     head = header(I)
     state = scalars(M)
-    moved = inertia(I, M)
-    for body in range(head.body_count):
-        moved += body_of(I, M, body).added_mass_axial
+    _frequency, moved = first_motion(I, M)
     made = moved * abs(jump)
     if made <= tension_tolerance(M) or dies_away(M):
         return
@@ -478,7 +485,7 @@ def follow_ring(I, M, dt, scheme):
     state = scalars(M)
     if known_ring(M) == 0.0:
         return
-    frequency = ring_frequency(I, M)
+    frequency, _moved = first_motion(I, M)
     angle = frequency * dt
     y = frequency * (state.time - state.ring_since) - 2.0 * math.pi
     before = M[head.tension + 2]
@@ -531,7 +538,8 @@ def may_miss_ring(I, M, dt, scheme):
     """Whether a step of dt may miss what it does of the ring."""
     if known_ring(M) == 0.0:
         return True
-    return missed_of_ring(M, scheme, ring_frequency(I, M) * dt) <= 1.0
+    frequency, _moved = first_motion(I, M)
+    return missed_of_ring(M, scheme, frequency * dt) <= 1.0
 
 
 @kernel
@@ -540,7 +548,7 @@ def longest_ring_step(I, M, dt, scheme):
     of the scheme's order."""
     if known_ring(M) == 0.0:
         return dt
-    frequency = ring_frequency(I, M)
+    frequency, _moved = first_motion(I, M)
     angle = frequency * dt
     while True:
         missed = missed_of_ring(M, scheme, angle)
