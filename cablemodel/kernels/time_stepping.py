@@ -52,6 +52,7 @@ from .step_size import (
     follow_iterations,
     natural_step,
     next_stop,
+    prefer_order_3,
     shorten,
 )
 from .strain import overstretched
@@ -367,9 +368,13 @@ def change_mesh(I, M, rests):
 
 @kernel
 def update_bending(I, M):
-    """Hybrid model: bending is kept where sqrt(EI/T) is long enough for the mesh to see it."""
+    """Hybrid model: bending is kept where sqrt(EI/T) is long enough for the mesh to see it.
+
+    What that makes ring beside the ring that is followed order 3 damps, and order 4 would not.
+    """
     head = header(I)
     state = scalars(M)
+    switched = False
     fine = min(1.0, state.tolerance / BENDING_SEEN) ** 2
     for node in range(1, head.nodes):
         e = edge_of(I, M, node)
@@ -381,12 +386,15 @@ def update_bending(I, M):
         if e.bending == 0.0:
             if stiffness > BENDING_ON * fine * pull:
                 e.bending = stiffness
-                head.factored = 0
-                head.has_history = 0
+                switched = True
         elif stiffness < BENDING_OFF * fine * pull:
             e.bending = 0.0
-            head.factored = 0
-            head.has_history = 0
+            switched = True
+    if switched:
+        head.factored = 0
+        head.has_history = 0
+        if known_ring(M) > 0.0:
+            prefer_order_3(M)
 
 
 @kernel
