@@ -99,7 +99,7 @@ const char *check_parts(const int64_t *I) {
                    header(I)->foil_words - 2 * FOIL_ANGLES))
             return "a foil is out of range";
     for (int64_t n = 0; n < header(I)->foot_count; n++)
-        if (!whole(AS(Foot, M + header(I)->feet + n * FOOT_WORDS)->body, 0, header(I)->free_count - 1))
+        if (!whole(M[header(I)->feet + n * FOOT_WORDS + WORD(Foot, body)], 0, header(I)->free_count - 1))
             return "a body's foot is out of range";
     for (int64_t n = 0; n < header(I)->cut_count; n++) {
         const double *row = M + header(I)->cuts + n * CUT_WORDS;
@@ -575,7 +575,7 @@ static const double *outputs(Cable *cable) {
         out = part_outputs(s->parts + PART_WORDS * n, 0, out);
     for (int64_t n = 0; n < s->vessels; n++) out = part_outputs(vessels + PART_WORDS * n, 1, out);
     for (int64_t n = 0; n < s->cuts; n++) {
-        const double time = AS(Cut, cable->M + header(cable->I)->cuts + n * CUT_WORDS)->done;
+        const double time = cable->M[header(cable->I)->cuts + n * CUT_WORDS + WORD(Cut, done)];
         *out++ = time < 1e300 ? time + cable->now.start_time : NAN;
     }
     s->current = 1;
