@@ -123,7 +123,7 @@ def test_a_change_of_speed_within_a_short_step_makes_its_wave_and_no_more(short,
                     }
                 },
                 "line": [
-                    {"cable": {"type": "armoured", "length": 300.0, "elements": 60}},
+                    {"cable": {"type": "armoured", "length": 300.0}},
                     {"body": {"mass": 50.0, "submerged_weight": 300.0, "drag_area": 0.3}},
                 ],
                 "vessel": {"velocity": [3.0, 0.0, 0.0]},
