@@ -234,11 +234,15 @@ class Scalars(Record, first=HEADER_WORDS):
     tractable = real("at a floor: longest step that Newton's method is expected to manage", "s")
     most_nodes = real("of what hangs: from there on no bend in the water gets one more")
     end_support = real("what the floor bears for long of the line's end, over its contact")
-    _spare = spare(4)
+    ring = real("tension with which the line rings since the winch's acceleration jumped", "N")
+    ring_since = real("when the window began in which that is measured", "s")
+    ring_cosine = real("the window's integral so far: of the ring's cosine", "N")
+    ring_sine = real("of its sine", "N")
     sleep_push = real("the water's acceleration whose force is the friction", "m/s2")
     current_slope = reals(3, "rate of the live current before t0", "m/s2")
     cell_stays = real("way within which a stage keeps the water of its first iteration", "m")
     stage_time = real("of the last set_time, in a system", "s")
+    ring_about = real("top tension when that window began", "N")
 
 
 SCALAR_WORDS = Scalars.WORDS
