@@ -132,7 +132,8 @@ clean:  ## remove environments, builds, caches and output
 $(READY_ROS): pyproject.toml ros2_node/setup.py
 	$(call environment,$(VENV_ROS))
 	$(VENV_ROS)/bin/python -m pip install --quiet --quiet --editable . \
-		--editable './ros2_node[wheels,colcon]' 'matplotlib>=3.8,<4' 'pytest>=8,<10'
+		--editable './ros2_node[wheels,colcon]' 'matplotlib>=3.8,<4' 'mujoco>=3.2,<5' \
+		'pytest>=8,<10'
 	@touch $@
 
 # CoFMPy wants versions of its own of what tests use. Without it its test is skipped.

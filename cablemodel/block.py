@@ -39,6 +39,7 @@ SIZES = {
     "winches": Header.winch_count.word,
     "rao_words": Header.rao_words.word,
     "feet": Header.foot_count.word,
+    "closures": Header.closure_count.word,
 }
 
 Arrays = list[tuple[int, Any]]
@@ -183,6 +184,7 @@ class Block(WordBlock):
         rao_words: Any = 0,
         feet: Any = 0,
         winches: Any = 1,
+        closures: Any = 0,
     ) -> tuple[Arrays, Arrays]:
         """Arrays of the image in order, then those of the workspace: (header word, length).
 
@@ -218,6 +220,7 @@ class Block(WordBlock):
             (Header.cuts.word, cuts * at.CUT_WORDS),
             (Header.feet.word, feet * at.FOOT_WORDS),
             (Header.winches.word, winches * at.WINCH_WORDS),
+            (Header.closures.word, closures * at.CLOSURE_WORDS),
             (Header.position.word, capacity * 6),
             (Header.velocity.word, capacity * 6),
             (Header.acceleration.word, capacity * 6),
@@ -246,6 +249,7 @@ class Block(WordBlock):
             (Header.trial_tension.word, capacity * 2),
             (Header.stage_tension.word, capacity * 2),
             (Header.stretch.word, capacity * 2),
+            (Header.stage_tensions.word, capacity * 6),
             (Header.residual.word, capacity * 6),
             (Header.constraint_residual.word, capacity * 2),
             (Header.increment.word, capacity * 6),
@@ -259,6 +263,7 @@ class Block(WordBlock):
             (Header.end_force.word, capacity * 6),
             (Header.failed.word, 1),
             (Header.parts_work.word, free_bodies * at.PARTS_WORDS),
+            (Header.closure_work.word, closures * capacity * 18 + closures * closures * 9),
         ]
         return image, workspace
 

@@ -22,6 +22,7 @@ POSES = "geometry_msgs/msg/PoseArray"
 POINT = "geometry_msgs/msg/PointStamped"
 CLOUD = "sensor_msgs/msg/PointCloud2"
 ARRAY = "std_msgs/msg/Float64MultiArray"
+TRIGGER = "std_srvs/srv/Trigger"
 
 NODE_NAME = "cable"
 """Name of the ROS 2 node: the ``~`` of a topic stands for ``/cable``."""
@@ -67,7 +68,7 @@ class Variable:
             quantity=f"{name}: {self.quantity}",
             python=named(self.python),
             fmu=named(self.fmu),
-            topic=named(self.topic),
+            topic=topic_of_part(self.topic, name),
         )
 
     def in_scene(self, scene: Any) -> bool:
@@ -254,14 +255,15 @@ BODY_INPUTS: tuple[Input, ...] = (
 
 FOIL_INPUT = Input("deflection", "rad", "deflection", "NAME.deflection", "~/NAME/deflection",
                    FLOAT64)  # fmt: skip
-"""Of each foil of a system, by the names of its body and its own."""
+"""Of each foil of a system, by the names of its body and its own: BODY.FOIL, in a topic
+BODY/FOIL."""
 
 WINCH_INPUT = Input("pay-out rate, unstretched, positive out", "m/s", "rate", "NAME.rate",
                     "~/NAME/payout_rate_cmd", FLOAT64)  # fmt: skip
 """Of each winch of a system."""
 
-CUT_INPUT = Input("above 0.5: make the cut now", "", "cut", "NAME.cut", "~/NAME/cut", FLOAT64)
-"""Of each cut of a system."""
+CUT_INPUT = Input("above 0.5: make the cut now", "", "cut", "NAME.cut", "~/NAME/cut", TRIGGER)
+"""Of each cut of a system: in ROS 2 a service."""
 
 
 @dataclass(frozen=True)
@@ -326,11 +328,16 @@ OUTPUTS_TOPIC = "~/outputs"
 """Of a system: all outputs over time, exact; the other topics are for viewers."""
 
 
+def topic_of_part(topic: str, name: str) -> str:
+    """A topic of the table with the name of a part, of which that of a foil is BODY.FOIL."""
+    return topic.replace("NAME", name.replace(".", "/"))
+
+
 def state_topics_of(scene: Any) -> dict[str, str]:
-    """Topics (resolved) of the exact states of each line; of a scene of one line that of ""."""
+    """Topics (``~/...``) of the exact states of each line; of a scene of one line that of ""."""
     if not is_system(scene):
-        return {"": resolved(STATE_TOPIC)}
-    return {name: resolved(LINE_STATE_TOPIC.replace("NAME", name)) for name in scene.lines}
+        return {"": STATE_TOPIC}
+    return {name: topic_of_part(LINE_STATE_TOPIC, name) for name in scene.lines}
 
 
 def output_labels(scene: Any) -> tuple[str, ...]:
@@ -532,6 +539,7 @@ def document() -> str:
         lines.append("|" + "|".join(entries) + "|")
     lines += [
         "",
+        *_systems(),
         "## Parameters of the FMU",
         "",
         "Fixed at the initialization, or tunable during a run. n counts the cables of the line, or",
@@ -565,6 +573,41 @@ def document() -> str:
         "",
     ]
     return "\n".join(lines)
+
+
+def _systems() -> list[str]:
+    """Outputs and inputs of a system's parts."""
+    lines = [
+        "## Of systems",
+        "",
+        "NAME is that of a line, body, vessel, winch or cut. Outputs are `run[...]` and those of",
+        "`SystemModel.outputs()`; inputs are arguments of `SystemModel.step`.",
+        "",
+        "|of a|quantity|unit|Python|FMU|ROS 2 and log|",
+        "|---|---|---|---|---|---|",
+    ]
+    outputs = (
+        ("line", LINE_OUTPUTS), ("body", BODY_OUTPUTS),
+        ("vessel", VESSEL_OUTPUTS[len(BODY_OUTPUTS) :]), ("winch", WINCH_OUTPUTS),
+        ("cut", CUT_OUTPUTS),
+    )  # fmt: skip
+    for part, rows in outputs:
+        name = "body, vessel" if rows is BODY_OUTPUTS else part
+        lines += [_cells(name, row, row.python, row.fmu) for row in rows]
+    lines += ["", "|input of a|quantity|unit|Python|FMU|ROS 2|", "|---|---|---|---|---|---|"]
+    inputs = (
+        ("vessel", "vessels", VESSEL_INPUTS), ("body", "forces", BODY_INPUTS),
+        ("foil", "deflections", (FOIL_INPUT,)), ("winch", "rates", (WINCH_INPUT,)),
+        ("cut", "cuts", (CUT_INPUT,)),
+    )  # fmt: skip
+    for part, argument, given in inputs:
+        lines += [_cells(part, row, f"{argument}, {row.python}", row.fmu) for row in given]
+    return [*lines, ""]
+
+
+def _cells(part: str, row: Variable | Input, python: str, fmu: str) -> str:
+    names = (f"`{python}`", f"`{fmu}`" if fmu else "-", f"`{row.topic}`")
+    return "|" + "|".join((part, row.quantity, row.unit or "-", *names)) + "|"
 
 
 def _python_text(name: str) -> str:

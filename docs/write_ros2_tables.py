@@ -16,7 +16,11 @@ def main() -> None:
     from cablemodel_ros import interface, settings
 
     text = PAGE.read_text(encoding="utf-8")
-    for mark, table in (("topics", interface.document()), ("parameters", settings.document())):
+    for mark, table in (
+        ("topics", interface.document()),
+        ("systems", interface.document_of_systems()),
+        ("parameters", settings.document()),
+    ):
         pattern = rf"(<!-- {mark}: generated -->\n).*?(<!-- end -->)"
         text = re.sub(pattern, lambda m, t=table: f"{m[1]}\n{t}\n{m[2]}", text, flags=re.DOTALL)
     PAGE.write_text(text, encoding="utf-8")

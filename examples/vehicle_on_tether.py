@@ -78,30 +78,63 @@ VEHICLE = f"""
 """Neutral in water; its mass holds the water's that it takes along."""
 
 
+def wanted_at(time: float) -> Floats:
+    """Where the vehicle should be at a time [s], (3,) [m]."""
+    return WAY[min(int(time / LEG), len(WAY) - 1)]
+
+
+class Vehicle:
+    """Hull, thrusters and controller; pose and velocities are MuJoCo's (quaternions begin with w,
+    angular velocities are in the hull's axes)."""
+
+    def __init__(self) -> None:
+        import mujoco
+
+        self._step = mujoco.mj_step
+        self._hull = mujoco.MjModel.from_xml_string(VEHICLE)
+        self._state = mujoco.MjData(self._hull)
+        self._body = self._hull.body("vehicle").id
+        self._thrust = np.zeros(3)
+        self._steps = 0
+
+    @property
+    def time(self) -> float:
+        """[s]"""
+        return self._steps * STEP
+
+    @property
+    def pose(self) -> Floats:
+        """Place [m] and attitude, (7,)."""
+        return np.array(self._state.qpos)
+
+    @property
+    def velocity(self) -> Floats:
+        """[m/s] and [rad/s], (6,)."""
+        return np.array(self._state.qvel)
+
+    def step(self, wrench: Floats) -> None:
+        """Go on by STEP under what the tether does: force and moment, earth frame (6,)."""
+        speed = self.velocity[:3]
+        off = wanted_at(self.time) - self.pose[:3]
+        demand = np.clip(STIFFNESS * off - DAMPING * speed, -THRUST, THRUST)
+        self._thrust += (demand - self._thrust) * STEP / LAG
+        drag = -DRAG * np.linalg.norm(speed) * speed
+        self._state.xfrc_applied[self._body, :3] = self._thrust + drag + wrench[:3]
+        self._state.xfrc_applied[self._body, 3:] = wrench[3:] - 200.0 * self.velocity[3:]
+        self._step(self._hull, self._state)
+        self._steps += 1
+
+
 def couple() -> dict[str, Floats]:
     """The way of the vehicle, where it should be, and the tether's tension at it, over time."""
-    import mujoco
-
-    hull = mujoco.MjModel.from_xml_string(VEHICLE)
-    state = mujoco.MjData(hull)
-    model = cm.SystemModel(SCENE)
-    body = hull.body("vehicle").id
-    rows, thrust = [], np.zeros(3)
-    for n in range(round(DURATION / STEP)):
-        wanted = WAY[min(int(n * STEP / LEG), len(WAY) - 1)]
-        place, speed = state.qpos[:3].copy(), state.qvel[:3].copy()
-        demand = np.clip(STIFFNESS * (wanted - place) - DAMPING * speed, -THRUST, THRUST)
-        thrust += (demand - thrust) * STEP / LAG
-        drag = -DRAG * np.linalg.norm(speed) * speed
-        wrench = model.wrenches["vehicle"]
-        state.xfrc_applied[body, :3] = thrust + drag + wrench[:3]
-        state.xfrc_applied[body, 3:] = wrench[3:] - 200.0 * state.qvel[3:]
-        mujoco.mj_step(hull, state)
-        model.step(
-            STEP,
-            vessels={"vehicle": cm.VesselInput(position=state.qpos[:3], velocity=state.qvel[:3])},
-        )
-        rows.append([model.time, *state.qpos[:3], *wanted, model.lines["tether"].end_tension])
+    vehicle, model = Vehicle(), cm.SystemModel(SCENE)
+    rows = []
+    while vehicle.time < DURATION - 0.5 * STEP:
+        wanted = wanted_at(vehicle.time)
+        vehicle.step(model.wrenches["vehicle"])
+        place, velocity = vehicle.pose[:3], vehicle.velocity[:3]
+        model.step(STEP, vessels={"vehicle": cm.VesselInput(position=place, velocity=velocity)})
+        rows.append([model.time, *place, *wanted, model.lines["tether"].end_tension])
     table = np.array(rows)
     return {
         "time": table[:, 0], "place": table[:, 1:4], "wanted": table[:, 4:7],

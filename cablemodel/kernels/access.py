@@ -9,6 +9,7 @@ from .layout import (
     Arm,
     Body,
     Cable,
+    Closure,
     Constraint,
     Cut,
     Edge,
@@ -42,6 +43,7 @@ motion_piece_of, motion_piece_at = row_of(Piece, Header.pieces), record_at(Piece
 frame_of, frame_at = row_of(Frame, Header.frames), record_at(Frame)
 free_body_of, free_body_at = row_of(FreeBody, Header.free_bodies), record_at(FreeBody)
 arm_of, arm_at = row_of(Arm, Header.arms), record_at(Arm)
+closure_of, closure_at = row_of(Closure, Header.closures), record_at(Closure)
 foil_of, foil_at = row_of(Foil, Header.foils), record_at(Foil)
 winch_of, winch_at = row_of(Winch, Header.winches), record_at(Winch)
 cut_of, cut_at = row_of(Cut, Header.cuts), record_at(Cut)

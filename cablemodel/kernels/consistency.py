@@ -7,6 +7,7 @@ motion or another mesh asks for more.
 import math
 
 from .access import constraint_of, header, scalars
+from .closures import follow_forces, scale_gaps
 from .compile import copy_words, kernel, view
 from .environment import current_rate, prescribed_motion, surge_jump, vessel_motion
 from .frames import frames_jump, move_frames
@@ -72,6 +73,7 @@ def project(I, M, array, share):
     if share != 1.0:
         for n in range(2 * head.nodes):
             constraint[n] *= share
+        scale_gaps(I, M, share)
     forces[:] = 0.0
     newton_increment(I, M, forces, constraint, x)
     for n in range(count):
@@ -150,6 +152,7 @@ def meet_constraints(I, M, gamma_dt, changed):
         project(I, M, head.position, 1.0)
         if not changed:
             follow_increment(I, M, head.tension)
+            follow_forces(I, M)
     after = constraint_size(I, M)
     for _iteration in range(2):
         if head.payout != 0:
@@ -297,8 +300,10 @@ def begin_after_a_blow(I, M, span):
         state_residual(I, M)
         constraint = view(M, head.constraint_residual, 2 * head.nodes)
         constraint[:] = 0.0
+        scale_gaps(I, M, 0.0)
         x = view(M, head.increment, count)
         newton_increment(I, M, view(M, head.residual, count), constraint, x)
+        follow_forces(I, M)
         inverse = 1.0 / (gamma_dt * gamma_dt)
         for n in range(count):
             a[n] += inverse * x[n]

@@ -9,7 +9,7 @@ p0 is the force at rest and e the way along the floor from the place where a nod
 
 import math
 
-from .access import body_of, constraint_of, edge_of, header, scalars
+from .access import body_of, closure_of, constraint_of, edge_of, header, scalars
 from .compile import inlined, kernel, view
 from .floor_surface import gap_at, gap_below
 from .layout import (
@@ -202,13 +202,17 @@ def contact_place(I, M, place):
 
 @kernel
 def ends_in_something(I, M, node):
-    """Whether a body or a prescribed end sits at a node."""
+    """Whether a body, a prescribed end or a closure is at a node."""
     head = header(I)
     for body in range(head.body_count):
         if body_of(I, M, body).node == node:
             return True
     for n in range(head.constraint_count):
         if constraint_of(I, M, n).node == node:
+            return True
+    for n in range(head.closure_count):
+        closure = closure_of(I, M, n)
+        if closure.node == node or closure.other == node:
             return True
     return False
 

@@ -17,6 +17,7 @@ from .access import (
     scalars,
     winch_of,
 )
+from .closures import open_closure
 from .compile import kernel
 from .consistency import begin_after_a_blow
 from .layout import (
@@ -196,6 +197,8 @@ def part_above(I, M, edge):
 def part_below(I, M, node):
     """Cut a line off from what it comes to at its last node."""
     head = header(I)
+    if open_closure(I, M, node):
+        return
     row = constraint_row_at(I, M, node)
     constraint = constraint_at(M, row)
     if row >= 0:

@@ -4,6 +4,7 @@ Both kernels use the block up: whoever asks works on a copy.
 """
 
 from .access import header, scalars
+from .closures import follow_forces
 from .compile import kernel, outlined, view
 from .layout import (
     JOINT_HINGE,
@@ -97,6 +98,7 @@ def rate_of_force(I, M, last_step, out):
             v[n] += cv * x[n]
             a[n] += ca * x[n]
         recover_tension(I, M, constraint, x, tension)
+        follow_forces(I, M)
     residual(I, M, q, v, a, tension, forces, constraint)
     for i in range(3):
         before[i] = out[i]

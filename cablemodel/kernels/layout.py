@@ -91,6 +91,7 @@ class Header(Record):
     tension_rate = integer("rates of the tensions (nodes, 2) [N/s]")
     stage_tension = integer("tensions of the stages of a step")
     stretch = integer("rates of stretch that the tensions ask for (nodes, 2)")
+    stage_tensions = integer("of a system, tensions in the stages of a step (nodes, 6) [N]")
 
     # Pay-out.
     payout = integer("1 where cable may pass a winch: the length of the element there varies")
@@ -155,6 +156,9 @@ class Header(Record):
     rao_words = integer("their words")
     foot_count = integer("places of free bodies that touch the floor")
     feet = integer("start of them (Foot)")
+    closure_count = integer("ends of lines that close a cycle")
+    closures = integer("start of them (Closure)")
+    closure_work = integer("start of their columns, and of a dense matrix")
     _spare_2 = spare(5)
 
 
@@ -230,11 +234,15 @@ class Scalars(Record, first=HEADER_WORDS):
     tractable = real("at a floor: longest step that Newton's method is expected to manage", "s")
     most_nodes = real("of what hangs: from there on no bend in the water gets one more")
     end_support = real("what the floor bears for long of the line's end, over its contact")
-    _spare = spare(4)
+    ring = real("tension with which the line rings since the winch's acceleration jumped", "N")
+    ring_since = real("when the window began in which that is measured", "s")
+    ring_cosine = real("the window's integral so far: of the ring's cosine", "N")
+    ring_sine = real("of its sine", "N")
     sleep_push = real("the water's acceleration whose force is the friction", "m/s2")
     current_slope = reals(3, "rate of the live current before t0", "m/s2")
     cell_stays = real("way within which a stage keeps the water of its first iteration", "m")
     stage_time = real("of the last set_time, in a system", "s")
+    ring_about = real("top tension when that window began", "N")
 
 
 SCALAR_WORDS = Scalars.WORDS
@@ -334,6 +342,7 @@ class Cable(Record):
     body = real("row of the body at its lower end, -1: none")
     displaced = real("mass of the water that it displaces", "kg/m")
     line = real("unstretched length of the line that it is a part of, in a system", "m")
+    tension = real("largest so far in it, in a system; at least that line's weight", "N")
     edge = part(Edge, "of its elements")
 
 
@@ -493,6 +502,23 @@ class Arm(Record):
 
 
 ARM_WORDS = Arm.WORDS
+
+
+class Closure(Record):
+    """An end of a line at a point of a free body, or at a node, that is in the tree before it."""
+
+    node = real("of the line; -1: it is cut off")
+    body = real("row of the body; -1: a node")
+    other = real("that node")
+    place = reals(3, "in the body's axes", "m")
+    force = reals(3, "that holds the line's end", "N")
+    kept = reals(3, "that of the last accepted state", "N")
+    change = reals(3, "by the last increment", "N")
+    gap = reals(3, "of both places, or rate of it", "m")
+    follows = reals(9, "how the place follows the body's rotation vector", "m")
+
+
+CLOSURE_WORDS = Closure.WORDS
 
 
 class Foil(Record):

@@ -17,6 +17,7 @@ from .access import (
     arm_of,
     body_of,
     cable_of,
+    closure_of,
     constraint_of,
     edge_of,
     free_body_of,
@@ -87,8 +88,11 @@ def pay_out(I, M, dt):
         winch.paid = cable_paid(I, M, n)
         winch.top_length += paid
         winch.rate += winch.slope * dt
-        if head.parts != 0 and winch.way > 0.0:
-            edge_of(I, M, top_edge(winch)).start = winch.start - winch.paid
+        if head.parts != 0:
+            edge = edge_of(I, M, top_edge(winch))
+            edge.length = winch.top_length
+            if winch.way > 0.0:
+                edge.start = winch.start - winch.paid
         for other in range(head.winch_count):
             at_other_end = winch_of(I, M, other)
             if other != n and at_other_end.cable == winch.cable:
@@ -139,8 +143,9 @@ def material_at(I, M, n, q, v, a):
         M[out + i] = v0 + rate * d0
         M[out + dimension + i] = way * (w0 + rate * second)
         M[out + 6 + i] = a[near + i] + 2.0 * rate * w0 + slope * d0 + rate * rate * second
-        M[out + 6 + dimension + i] = a[near + dimension + i] + way * (
-            2.0 * rate * second_rate + slope * second + rate * rate * third
+        turning = way * a[near + dimension + i]
+        M[out + 6 + dimension + i] = way * (
+            turning + 2.0 * rate * second_rate + slope * second + rate * rate * third
         )
 
 
@@ -283,6 +288,12 @@ def renumber(I, M, first, count):
         winch = winch_of(I, M, n)
         if winch.node >= first:
             winch.node += count
+    for n in range(head.closure_count):
+        closure = closure_of(I, M, n)
+        if closure.node >= first:
+            closure.node += count
+        if closure.other >= first:
+            closure.other += count
     head.nodes += count
     if head.parts != 0:
         renumber_tree(I, M, first, count)

@@ -8,6 +8,7 @@ step starts from rest: slack cable settles where it would bounce otherwise.
 from .access import edge_of, header, scalars, winch_of
 from .backup import keep_matrix
 from .clamp_layer import settle_layer
+from .closures import follow_forces, give_back_forces, keep_forces
 from .compile import copy_words, kernel, view
 from .floor_memory import bear
 from .floor_state import leave_floor
@@ -32,6 +33,7 @@ from .vessel_clamp import update_springs
 
 LARGEST_STEPS = 2000
 LONGEST_STEP = 1e7
+LONGEST_WITH_BODIES = 1e4  # first steps: longer ones let rounding turn a body that nothing holds
 NEWTON_LIMIT = 12
 FLOOR_ROUNDS = 12
 CALM = 1e-10  # of the length: what the last two steps may move
@@ -108,8 +110,12 @@ def relax(I, M, frame, damped, strict):
     w0[:] = 0.0
     a0[:] = 0.0
     springs = head.rigid > 0 or head.payout != 0
+    longest = LONGEST_STEP
+    if head.free_count != 0:
+        longest = min(longest, LONGEST_WITH_BODIES * state.first_step)
     if springs:
         update_springs(I, M, 0.0)
+    keep_forces(I, M)
     dt = state.first_step
     calm = 0
     still = 0
@@ -152,6 +158,7 @@ def relax(I, M, frame, damped, strict):
             for n in range(count):
                 q[n] += x[n]
             tension_change = recover_tension(I, M, constraint, x, tension)
+            follow_forces(I, M)
             largest = 1e-30
             for n in range(1, nodes):
                 largest = max(largest, abs(tension[2 * n]))
@@ -161,10 +168,12 @@ def relax(I, M, frame, damped, strict):
                 converged = True
                 break
         if not converged or (strict and is_folded(I, M, q, tension)):
+            give_back_forces(I, M)
             dt *= 0.25
             if dt < 1e-9 * state.first_step:
                 break
             continue
+        keep_forces(I, M)
         for n in range(count):
             x[n] = q[n] - q0[n]
         moved, where = increment_norm(I, M, x)
@@ -180,7 +189,7 @@ def relax(I, M, frame, damped, strict):
                 settle_layer(I, M, view(M, head.motion + 16, 9), q0)
             update_springs(I, M, 1.0)
         # Light cable may not come closer to its place than round-off lets it.
-        still = still + 1 if moved <= ROUND_OFF[0] * length and dt == LONGEST_STEP else 0
+        still = still + 1 if moved <= ROUND_OFF[0] * length and dt == longest else 0
         if still >= ROUND_OFF[1] or (moved <= CALM * length and dt > 1e3 * state.first_step):
             calm += 1
             if (
@@ -199,7 +208,7 @@ def relax(I, M, frame, damped, strict):
         else:
             calm = 0
         if moved < 0.2 * length and used <= 8:
-            dt = min(dt * (2.5 if used <= 5 else 1.3), LONGEST_STEP)
+            dt = min(dt * (2.5 if used <= 5 else 1.3), longest)
         elif moved > 0.5 * length:
             dt *= 0.5
     for node in range(nodes):

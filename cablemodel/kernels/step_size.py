@@ -128,6 +128,17 @@ def adapt_step(I, M, dt, scheme, error):
 
 
 @kernel
+def prefer_order_3(M):
+    """Order 3 for some steps, unless the tolerance is too fine for it."""
+    state = scalars(M)
+    if state.tolerance < ORDER_3_PAYS:
+        return
+    if state.order_3 == 0.0:
+        state.step *= ORDER_3_STEP
+    state.order_3 = STEPS_OF_ORDER_3
+
+
+@kernel
 def choose_order(I, M, scheme, iterations, to_output):
     """After a step: order 3 for those in which Newton's method has trouble.
 
@@ -143,9 +154,8 @@ def choose_order(I, M, scheme, iterations, to_output):
         iterations -= STAGES[scheme] - 1
     if scheme == 1:
         many = STRUGGLE[0] if head.floor_state == FLOOR_FAR else AT_FLOOR
-        if iterations > many and state.tolerance >= ORDER_3_PAYS:
-            state.order_3 = STEPS_OF_ORDER_3
-            state.step *= ORDER_3_STEP
+        if iterations > many:
+            prefer_order_3(M)
     elif state.order_3 > 0.0:
         if iterations > STRUGGLE[1]:
             state.order_3 = STEPS_OF_ORDER_3

@@ -3,7 +3,7 @@
 Everything that depends on the dimension (planar or three-dimensional) is chosen here, once a call.
 """
 
-from .access import constraint_of, frame_of, header, scalars, winch_of
+from .access import closure_of, constraint_of, frame_of, header, scalars, winch_of
 from .backup import keep_matrix
 from .block_solver import (
     factor_parts,
@@ -14,6 +14,15 @@ from .block_solver import (
     solve_spatial,
 )
 from .bodies import body_jacobian, body_residual
+from .closures import (
+    close,
+    close_increment,
+    close_jacobian,
+    column_word,
+    factor_small,
+    put_force,
+    take_gaps_of_motion,
+)
 from .compile import kernel, outlined, view
 from .element_planar import (
     condense_planar,
@@ -90,6 +99,8 @@ def residual(I, M, q, v, a, tension, out, out_constraint):
         floor_residual(I, M, q, v, out)
     if head.parts != 0:
         free_residual(I, M, state.stage_time, out)
+        if head.closure_count != 0:
+            close(I, M, q, out)
 
 
 @kernel
@@ -281,6 +292,8 @@ def jacobian(I, M, q, v, a, tension, ca, cv):
         floor_jacobian(I, M, q, v, cv)
     if head.parts != 0:
         free_jacobian(I, M, state.stage_time, q, v, a, ca, cv)
+        if head.closure_count != 0:
+            close_jacobian(I, M, q, v, a)
 
 
 @outlined
@@ -297,7 +310,10 @@ def factor_assembled(I, M):
     head = header(I)
     constrain_matrix(I, M)
     if head.parts != 0:
-        return factor_parts(I, M)
+        failed = factor_parts(I, M)
+        if failed != 0 or head.closure_count == 0:
+            return failed
+        return factor_closures(I, M)
     if head.rigid > 0:
         if head.dimension == 2:
             return factor_planar_lu(I, M)
@@ -305,6 +321,20 @@ def factor_assembled(I, M):
     if head.dimension == 2:
         return factor_planar(I, M)
     return factor_spatial(I, M)
+
+
+@kernel
+def factor_closures(I, M):
+    """Columns and small matrix of the closures, by the tree's factored matrix; returns as
+    `factorise`."""
+    head = header(I)
+    for k in range(3 * head.closure_count):
+        y = view(M, column_word(I, k), 6 * head.nodes)
+        y[:] = 0.0
+        put_force(I, M, closure_of(I, M, k // 3), k % 3, y)
+        constrain_vector(I, M, y)
+        solve_parts(I, M, y)
+    return factor_small(I, M)
 
 
 @kernel
@@ -326,6 +356,8 @@ def newton_increment(I, M, forces, constraint, x):
     constrain_vector(I, M, x)
     if head.parts != 0:
         solve_parts(I, M, x)
+        if head.closure_count != 0:
+            close_increment(I, M, x)
     elif head.rigid > 0:
         if head.dimension == 2:
             solve_planar_lu(I, M, x)
@@ -347,6 +379,8 @@ def stretch_rate(I, M, x, out):
         stretch_rate_spatial(I, M, x, out)
     if head.rigid > 0:
         stretch_rate_rigid(I, M, x, out)
+    if head.closure_count != 0:
+        take_gaps_of_motion(I, M, x)
 
 
 @kernel

@@ -151,6 +151,21 @@ _A4, _C4, _ERR4 = _tableau(
 )
 
 
+def _numerator(a, gamma, stages):
+    """Of the stability function R(z) = P(z) / (1 - gamma z)^(stages - 1), P from its highest power.
+
+    (6,), filled from its start. The last row is the solution: R = 1 + sum of z^(k + 1) b A^k 1.
+    """
+    series, stage = [1.0], np.ones(6)
+    for _power in range(stages - 1):
+        stage = a @ stage
+        series.append(stage[stages - 1])
+    poles = np.polynomial.polynomial.polypow([1.0, -gamma], stages - 1)
+    found = np.zeros(6)
+    found[:stages] = np.convolve(series, poles)[:stages][::-1]
+    return found
+
+
 def _tension_test(abscissae, degree, weight):
     """What the polynomial of that degree that fits values at the abscissae best misses, weighted.
 
@@ -167,6 +182,23 @@ def _tension_test(abscissae, degree, weight):
 # as much about a smooth curve: a parabola for order 4, a line for order 3. With these weights the
 # largest residual exceeds nine tenths of the errors of stiff lines in smooth heave.
 TENSION_TEST = np.stack([_tension_test(_C3[1:4], 1, 2.5), _tension_test(_C4[1:], 2, 1.5)])
+
+NUMERATOR = np.stack([_numerator(_A3, _G3, 4), _numerator(_A4, 0.25, 6)])
+
+
+def _window(wave, powers):
+    """Coefficients of wave(y) and of those powers of y whose sum, in Hann's window of two turns,
+    y from -2 pi to 2 pi, finds that wave's amplitude and nothing of the powers.
+    """
+    points, weights = np.polynomial.legendre.leggauss(64)
+    y = 2.0 * np.pi * points
+    parts = np.stack([wave(y), *(y**n for n in powers)])
+    products = (2.0 * np.pi * weights * 0.5 * (1.0 + np.cos(0.5 * y)) * parts) @ parts.T
+    return np.linalg.solve(products, np.eye(len(parts))[0])
+
+
+# Of what a cubic of time leaves of a tension: its cosine and its sine.
+WINDOW = np.stack([_window(np.cos, (0, 2)), _window(np.sin, (1, 3))])
 
 STAGES = np.array([4, 6])
 GAMMA = np.array([_G3, 0.25])

@@ -11,6 +11,7 @@ import math
 from .access import edge_of, header, scalars
 from .buckling import any_pressed, is_held, make_crooked
 from .clamp_layer import follow_layer
+from .closures import follow_forces, give_back_forces, keep_forces
 from .compile import copy_words, inlined, kernel, view
 from .consistency import (
     begin_after_a_blow,
@@ -52,6 +53,7 @@ from .step_size import (
     follow_iterations,
     natural_step,
     next_stop,
+    prefer_order_3,
     shorten,
 )
 from .strain import overstretched
@@ -63,7 +65,22 @@ from .system import (
     set_time,
 )
 from .tables import GAMMA, STAGE_A, STAGE_C, STAGE_ERROR, STAGES
-from .tension import FOLLOWS, PASSES_OVER, SHORT, SOLVED, take_solved, tension_error, two_step_error
+from .tension import (
+    FOLLOWS,
+    PASSES_OVER,
+    SHORT,
+    SOLVED,
+    begin_ring,
+    follow_ring,
+    keep_stage_tensions,
+    known_ring,
+    longest_ring_step,
+    may_miss_ring,
+    remember_tensions,
+    take_solved,
+    tension_error,
+    two_step_error,
+)
 from .top_of_line import adapt_tops, anything_passes
 from .two_step import accept_two_step, remember, try_two_step, two_step_gamma
 from .vessel_clamp import update_springs
@@ -131,6 +148,7 @@ def solve_stage(I, M, t, gamma_dt, tolerance, to_output, ratio):
             v[n] += inverse * x[n]
             a[n] += inverse2 * x[n]
         tension_change = recover_tension(I, M, constraint, x, tension)
+        follow_forces(I, M)
         settled = True
         if to_output:
             largest = NO_TENSION * state.tension_scale
@@ -255,6 +273,8 @@ def try_step(I, M, dt, scheme, to_output):
             copy_words(I, place_v, head.trial_velocity, count)
             copy_words(I, place_a, head.trial_acceleration, count)
         state.stage_top_tension[i - 1] = M[head.trial_tension + 2]
+        if head.parts != 0:
+            keep_stage_tensions(I, M, i - 1)
         if i == stages - 2:
             for n in range(2 * nodes):
                 M[head.stage_tension + n] = M[head.trial_tension + n]
@@ -354,9 +374,13 @@ def change_mesh(I, M, rests):
 
 @kernel
 def update_bending(I, M):
-    """Hybrid model: bending is kept where sqrt(EI/T) is long enough for the mesh to see it."""
+    """Hybrid model: bending is kept where sqrt(EI/T) is long enough for the mesh to see it.
+
+    What that makes ring beside the ring that is followed order 3 damps, and order 4 would not.
+    """
     head = header(I)
     state = scalars(M)
+    switched = False
     fine = min(1.0, state.tolerance / BENDING_SEEN) ** 2
     for node in range(1, head.nodes):
         e = edge_of(I, M, node)
@@ -368,12 +392,15 @@ def update_bending(I, M):
         if e.bending == 0.0:
             if stiffness > BENDING_ON * fine * pull:
                 e.bending = stiffness
-                head.factored = 0
-                head.has_history = 0
+                switched = True
         elif stiffness < BENDING_OFF * fine * pull:
             e.bending = 0.0
-            head.factored = 0
-            head.has_history = 0
+            switched = True
+    if switched:
+        head.factored = 0
+        head.has_history = 0
+        if known_ring(M) > 0.0:
+            prefer_order_3(M)
 
 
 @kernel
@@ -415,7 +442,9 @@ def advance_to(I, M, t_end):
         status = make_cuts(I, M)
         if status != OK:
             return status
+    keep_forces(I, M)
     while state.time < t_end:
+        give_back_forces(I, M)
         # The mesh changes before a step: what is read after it is a state that a step has made.
         rests = head.sleep != 0 and state.time >= state.sleep_after and may_sleep(I, M)
         if (
@@ -432,15 +461,18 @@ def advance_to(I, M, t_end):
         jump = 0.0
         if head.payout != 0:
             stop, jump, kink = begin_payout(I, M, stop)
-            if kink:
+            if kink != 0.0:
                 head.settled = 0
             natural = longest_payout_step(I, M, natural)
+            if kink != 0.0 and head.parts == 0:
+                begin_ring(I, M, kink, natural)
         if jump * natural > state.time_tolerance:
             natural = max(state.time_tolerance / jump, 10.0 * state.smallest_step)
             state.step = natural
             jolted = state.time
         remaining = stop - state.time
-        dt = natural
+        highest = 1 if head.order == 4 and state.order_3 == 0.0 else 0
+        dt = longest_ring_step(I, M, natural, highest)
         landing = False
         if dt >= remaining * 0.999:
             dt = remaining
@@ -448,9 +480,13 @@ def advance_to(I, M, t_end):
         elif dt > 0.5 * remaining:
             dt = 0.5 * remaining
         # Steps that the caller limits need no high order: three stages instead of five. But from
-        # those three nobody can tell the error of the tension of a line that is too stiff for them.
-        high = dt > 0.25 * natural or head.settled != 0
-        scheme = 1 if head.order == 4 and high and state.order_3 == 0.0 else 0
+        # those three nobody can tell the error of the tension of a line that is too stiff for them:
+        # of one that is followed as it rings they can, and order 3 damps what is quicker.
+        if known_ring(M) > 0.0:
+            high = dt == natural or not may_miss_ring(I, M, dt, 0)
+        else:
+            high = dt > 0.25 * natural or head.settled != 0
+        scheme = highest if high else 0
         before = head.iterations
         to_output = landing and stop == t_end
         if dt < 0.2 * state.last_step:
@@ -469,11 +505,13 @@ def advance_to(I, M, t_end):
         status = OK
         error = 0.0
         along = PASSES_OVER
-        two_steps = to_output and dt <= 0.25 * natural and try_two_step(I, M, dt)
+        two_steps = to_output and dt <= 0.25 * natural and may_miss_ring(I, M, dt, -1)
+        two_steps = two_steps and try_two_step(I, M, dt)
         if two_steps:
             of_tension, along = two_step_error(I, M, dt)
             two_steps = of_tension <= 1.0
         if not two_steps:
+            give_back_forces(I, M)
             status, error, along = try_step(I, M, dt, scheme, to_output)
             if (
                 status == OK
@@ -521,15 +559,18 @@ def advance_to(I, M, t_end):
                 break
             status = OK
         else:
+            follow_ring(I, M, dt, -1 if two_steps else scheme)
             if two_steps:
                 accept_two_step(I, M, dt)
             else:
                 accept_trial(I, M, dt, scheme)
+            keep_forces(I, M)
             if along == SOLVED:
                 take_solved(I, M)
             elif along == FOLLOWS:
                 head.settled = 0
             if head.parts != 0:
+                remember_tensions(I, M)
                 count = 6 * head.nodes
                 count_turns_anew(
                     I,

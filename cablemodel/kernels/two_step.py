@@ -14,6 +14,7 @@ is refused here and taken by the one-step scheme, from the same state.
 """
 
 from .access import header, motion_piece_of, scalars
+from .closures import follow_forces
 from .compile import copy_words, inlined, kernel, view
 from .environment import surge_jump
 from .newton import NO_TENSION, increment_norm, refactor
@@ -61,6 +62,16 @@ def refuse(I):
     head.two_step_rest = rest
     head.two_step_wait = rest
     return False
+
+
+@kernel
+def keep_first_tensions(I, M, tension, constraint):
+    """Tensions of all elements of a system by the positions that are predicted."""
+    head = header(I)
+    for node in range(1, head.nodes):
+        s = view(M, head.compliance + 3 * node, 3)
+        stretched = s[0] * constraint[2 * node] + s[1] * constraint[2 * node + 1]
+        M[head.stage_tensions + 6 * node] = tension[2 * node] + stretched
 
 
 @kernel
@@ -132,6 +143,8 @@ def try_two_step(I, M, dt):
         if iteration == 0:
             s = view(M, head.compliance + 3, 3)
             state.stage_top_tension[0] = tension[2] + s[0] * constraint[2] + s[1] * constraint[3]
+            if head.parts != 0:
+                keep_first_tensions(I, M, tension, constraint)
         moved += size
         if not 0.5 * moved <= LARGEST_ERROR * tolerance:
             return refuse(I)
@@ -140,6 +153,7 @@ def try_two_step(I, M, dt):
             v[n] += b0 * x[n]
             a[n] += b0 * b0 * x[n]
         tension_change = recover_tension(I, M, constraint, x, tension)
+        follow_forces(I, M)
         largest = 0.0
         for n in range(1, nodes):
             largest = max(largest, abs(tension[2 * n]))

@@ -74,11 +74,28 @@ def quaternion_onto(direction: Floats) -> tuple[float, float, float, float]:
     return 0.0, -0.5 * z / w, 0.5 * y / w, w
 
 
-def quaternion_of(axes: Floats) -> tuple[float, float, float, float]:
-    """The rotation (x, y, z, w) that turns the earth's axes onto those in the columns (3, 3)."""
-    from scipy.spatial.transform import Rotation
-
-    x, y, z, w = (float(value) for value in Rotation.from_matrix(axes).as_quat())
+def quaternion_of(matrix: Floats) -> tuple[float, float, float, float]:
+    """Quaternion (x, y, z, w), w not negative, of a rotation matrix (3, 3): turned axes are in its
+    columns."""
+    m = matrix
+    # The largest of the four squares is divided by: nothing is lost near half a turn.
+    squares = np.array(
+        [
+            1 + m[0, 0] - m[1, 1] - m[2, 2],
+            1 - m[0, 0] + m[1, 1] - m[2, 2],
+            1 - m[0, 0] - m[1, 1] + m[2, 2],
+            1 + m[0, 0] + m[1, 1] + m[2, 2],
+        ]
+    )
+    largest = int(np.argmax(squares))
+    rows = (
+        (squares[0], m[0, 1] + m[1, 0], m[0, 2] + m[2, 0], m[2, 1] - m[1, 2]),
+        (m[0, 1] + m[1, 0], squares[1], m[1, 2] + m[2, 1], m[0, 2] - m[2, 0]),
+        (m[0, 2] + m[2, 0], m[1, 2] + m[2, 1], squares[2], m[1, 0] - m[0, 1]),
+        (m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1], squares[3]),
+    )
+    q = np.array(rows[largest]) / (2.0 * math.sqrt(squares[largest]))
+    x, y, z, w = (q if q[3] >= 0.0 else -q).tolist()
     return x, y, z, w
 
 

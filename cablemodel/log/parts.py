@@ -23,27 +23,26 @@ def encode_parts(
     shapes: Mapping[str, CableState],
     labels: tuple[str, ...],
 ) -> list[tuple[str, bytes]]:
-    """Messages of output topics (resolved) at a stamp [ns], and of ``variables.OUTPUTS_TOPIC``.
+    """Messages of output topics (the table's or resolved names, with that of all outputs over
+    time, ``variables.OUTPUTS_TOPIC``) at a stamp [ns].
 
     shapes: of the model. labels: ``variables.output_labels`` of its scene.
     """
-    wanted = set(topics)
+    wanted = {variables.resolved(topic): topic for topic in topics}
+    everything = wanted.pop(variables.resolved(variables.OUTPUTS_TOPIC), None)
+    rows = [row for row in variables.outputs_of(model.scene) if row.message != variables.CLOUD]
+    over_time = everything or any(row.resolved_topic in wanted for row in rows)
+    outputs: dict[str, Any] = model.outputs(shapes) if over_time else {}
+    parts = model.motions if over_time else {}
     found: list[tuple[str, bytes]] = []
-    outputs: dict[str, Any] = {}
-    over_time = False
-    parts = model.motions
     for row in variables.outputs_of(model.scene):
-        topic = row.resolved_topic
-        if topic not in wanted:
+        topic = wanted.pop(row.resolved_topic, None)  # several rows may stand in one message
+        if topic is None:
             continue
-        wanted.discard(topic)  # several rows may stand in one message
         name = row.python.partition(".")[0]
         if row.message == variables.CLOUD:
-            found.append((topic, messages.cloud(stamp, shapes[name])))
-            continue
-        if not over_time:
-            outputs, over_time = model.outputs(shapes), True
-        if row.message == variables.FLOAT64:
+            data = messages.cloud(stamp, shapes[name])
+        elif row.message == variables.FLOAT64:
             data = messages.float64(float(outputs[row.python]))
         elif row.message == variables.ODOMETRY:
             data = messages.part_odometry(stamp, name, parts[name])
@@ -51,13 +50,7 @@ def encode_parts(
             wrench = np.concatenate([outputs[f"{name}.force"], outputs[f"{name}.moment"]])
             data = messages.part_wrench(stamp, name, parts[name].axes, wrench)
         found.append((topic, data))
-    if over_time:
-        values = [np.array([model.time])]
-        values += [
-            np.atleast_1d(outputs[row.python])
-            for row in variables.outputs_of(model.scene)
-            if row.message != variables.CLOUD
-        ]
-        topic = variables.resolved(variables.OUTPUTS_TOPIC)
-        found.append((topic, messages.row(labels, np.concatenate(values))))
+    if everything:
+        values = [np.array([model.time]), *(np.atleast_1d(outputs[row.python]) for row in rows)]
+        found.append((everything, messages.row(labels, np.concatenate(values))))
     return found

@@ -125,7 +125,8 @@ class SystemSource:
         return np.column_stack([self._outputs[f"{variable.python}.{axis}"] for axis in "xyz"])
 
     def shapes(self) -> dict[str, States]:
-        topics = variables.state_topics_of(self.scene)
+        named = variables.state_topics_of(self.scene)
+        topics = {name: variables.resolved(topic) for name, topic in named.items()}
         times = {name: self.log.first_floats(topic) for name, topic in topics.items()}
         # A log that was cut may have the last state of some of the lines only.
         count = min(map(len, times.values()))

@@ -106,9 +106,13 @@ class LogWriter:
             raise LogError(f"cannot write the log {self.path}: {error.strerror}") from error
         self._messages = Messages()
         self._topics = variables.topics_of(scene)
-        self._states = variables.state_topics_of(scene)
+        states = variables.state_topics_of(scene)
+        self._states = {line: variables.resolved(topic) for line, topic in states.items()}
         self._input_labels = variables.input_labels(scene)
-        self._output_labels = variables.output_labels(scene) if variables.is_system(scene) else ()
+        self._output_labels: tuple[str, ...] = ()
+        if variables.is_system(scene):
+            self._output_labels = variables.output_labels(scene)
+            self._topics[_OUTPUTS] = variables.ARRAY
         self._names = dict(topics or {})
         self._topics_over_time = [
             topic for topic, message in self._topics.items() if message != variables.CLOUD
@@ -156,8 +160,6 @@ class LogWriter:
         groups = dict.fromkeys(self._states.values(), STATES)
         groups |= {t: SHAPES for t, message in self._topics.items() if message == variables.CLOUD}
         every = {**self._topics, _INPUTS: variables.ARRAY}
-        if self._output_labels:
-            every[_OUTPUTS] = variables.ARRAY
         for topic, message in {
             **every,
             **dict.fromkeys(self._states.values(), variables.ARRAY),

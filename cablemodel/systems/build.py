@@ -27,6 +27,7 @@ from cablemodel.systems.tables import (
     allocated,
     fill_bodies,
     fill_cables,
+    fill_closures,
     fill_cuts,
     fill_feet,
     fill_frames,
@@ -46,7 +47,7 @@ def build(scene: SystemScene) -> Built:
     """A block at the system's initial state, t = 0: at rest in the frame of its vessels.
 
     Raises:
-        SceneError: vessels that move apart at t = 0, a cycle of free bodies.
+        SceneError: vessels that move apart at t = 0.
         StaticsError: no equilibrium was found.
     """
     velocity = steady_velocity(scene)
@@ -88,6 +89,7 @@ def _solved(
     fill_frames(scene, block)
     fill_held(scene, built)
     fill_bodies(scene, built, before)
+    fill_closures(scene, built)
     fill_cuts(scene, built)
     fill_winches(scene, built)
     fill_feet(scene, built)

@@ -227,6 +227,11 @@ class SystemModel:
             for name, time in zip(self.scene.cuts, done, strict=True)
         }
 
+    @property
+    def deflections(self) -> dict[str, float]:
+        """Of foils, by ``BODY.FOIL`` [rad]."""
+        return dict(zip(self._inputs.foils, self._angles.tolist(), strict=True))
+
     def _parts(self) -> tuple[FloatArray, FloatArray]:
         from cablemodel import library as entry
 

@@ -73,6 +73,7 @@ def allocated(scene: SystemScene, tree: Tree) -> Built:
         cuts=len(scene.cuts),
         rao_words=rao_words(scene, water),
         feet=len(feet_of(scene)),
+        closures=len(tree.closures),
     )
     block.header.parts = 1
     block.header.nodes = nodes
@@ -144,6 +145,7 @@ def fill_cables(scene: SystemScene, built: Built) -> None:
         used += len(kind.strain_coefficients)
         row[at.Cable.displaced] = rho * 0.25 * math.pi * kind.diameter**2
         row[at.Cable.line] = scene.lines[segment.line].length
+        row[at.Cable.tension] = weight_of(scene, segment.line)
         edge = row[at.Cable.edge :]
         edge[:] = edge_row(scene, cable, index, offset, scale)
         if edge[at.Edge.model] == at.MODEL_HYBRID and edge[at.Edge.bending_full] > 0.0:
@@ -159,6 +161,17 @@ def fill_cables(scene: SystemScene, built: Built) -> None:
     bodies = block.array(Header.bodies, len(tree.masses), at.BODY_WORDS)
     for row, (node, body, _line, _item) in zip(bodies, tree.masses, strict=True):
         fill_body(row, node, body, rho)
+
+
+def weight_of(scene: SystemScene, name: str) -> float:
+    """Weight of a line's cables in water, of what floats by a thousandth of that in air [N]."""
+    gravity, total = scene.environment.gravity, 0.0
+    for item in scene.lines[name].items:
+        if item.cable is not None:
+            kind = scene.cable_types[item.cable.type]
+            weight = max(abs(kind.submerged_weight), 1e-3 * kind.mass * max(gravity, 1.0))
+            total += weight * item.cable.length
+    return total
 
 
 def nodes_for_winches(scene: SystemScene, tree: Tree) -> int:
@@ -447,6 +460,23 @@ def rest_feet(scene: SystemScene, built: Built) -> None:
         row[at.Foot.rest.span] = (
             motion[at.BodyMotion.reference : at.BodyMotion.reference.word + 3] + place
         )
+
+
+def fill_closures(scene: SystemScene, built: Built) -> None:
+    """Where ends of lines come to what is in the tree before."""
+    tree, names = built.tree, list(scene.bodies)
+    rows = built.block.array(Header.closures, len(tree.closures), at.CLOSURE_WORDS)
+    for row, (node, owner, where) in zip(rows, tree.closures, strict=True):
+        row[at.Closure.node], row[at.Closure.body], row[at.Closure.other] = node, -1.0, -1.0
+        if isinstance(where, str):
+            own = tree.bodies[owner][1]
+            points = scene.bodies[owner].points
+            reference = np.array(points[own] if own else (0.0, 0.0, 0.0))
+            row[at.Closure.body] = names.index(owner)
+            row[at.Closure.place.span] = np.array(points[where]) - reference
+        else:
+            gaps = [abs(arc - where) if line == owner else math.inf for line, arc in tree.arcs]
+            row[at.Closure.other] = int(np.argmin(gaps))
 
 
 def fill_cuts(scene: SystemScene, built: Built) -> None:

@@ -2,7 +2,8 @@
 
 Elimination runs from the leaves to the roots (kernels/block_solver.py). A line's end that is held
 is a root or a leaf, so that lines between vessels and anchors close no cycle. A body takes its
-place where the first line comes to it; all others begin at it.
+place where the first line comes to it; all others begin at it. Where a line comes to what is in the
+tree before, a closure ties both (kernels/closures.py).
 """
 
 from __future__ import annotations
@@ -14,7 +15,6 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel.errors import SceneError
 from cablemodel.instance.line import hinged
 from cablemodel.kernels import layout as at
 from cablemodel.scene.line import Body, Cable
@@ -71,6 +71,8 @@ class Tree:
     """Free bodies: node, and the point that is the reference (empty: the body's origin)."""
     arms: list[tuple[int, str, str]] = field(default_factory=list)
     """Nodes at bodies' points: node, body, point."""
+    closures: list[tuple[int, str, str | float]] = field(default_factory=list)
+    """Nodes at what is in the tree before: node, body and its point, or line and arc length."""
     masses: list[tuple[int, Body, str, int]] = field(default_factory=list)
     """Point bodies in lines: node, body, line, item."""
 
@@ -188,26 +190,19 @@ class _Builder:
             assert end.point is not None
             body, _dot, point = end.point.partition(".")
             if body in self.tree.bodies:
-                raise self._cycle(name, body)
-            self._place_body(body, node, point)
+                self.tree.closures.append((node, body, point))
+            else:
+                self._place_body(body, node, point)
         elif kind == "branch":
             assert end.line is not None
             assert end.at is not None
             if end.line in self.placed:
-                raise self._cycle(name, end.line)
+                self.tree.closures.append((node, end.line, end.at))
+                return
             self.placed.add(end.line)
             for stop in (self.scene.lines[end.line].length, 0.0):
                 begin = self.tree.add(node, at.JOINT_HINGE, (end.line, end.at))
                 self._run(end.line, begin, end.at, stop)
-
-    def _cycle(self, name: str, other: str) -> SceneError:
-        return SceneError.at(
-            f"lines.{name}",
-            name,
-            f"it closes a cycle of lines and free bodies at {other!r}, which is not computed yet",
-            "free bodies and branches that are tied to each other by one way only; vessels and "
-            "anchors may be tied to any number of them",
-        )
 
     def _branches(self, name: str, arc: float) -> list[tuple[str, int]]:
         """Lines, each with the end of it, that begin or end on a line at an arc length."""
@@ -269,8 +264,5 @@ def tree_of(scene: SystemScene, nodes: dict[str, list[FloatArray]]) -> Tree:
 
     nodes: for every line the arc lengths of the nodes of each of its cables, from 0 to the cable's
     length [m]; branches are at nodes.
-
-    Raises:
-        SceneError: a cycle of lines and free bodies.
     """
     return _Builder(scene, nodes).build()

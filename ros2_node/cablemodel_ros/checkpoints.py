@@ -3,11 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from cablemodel import CableModel
-    from cablemodel.model import Snapshot
+from typing import Any
 
 EVERY = 1.0
 """Simulated seconds between two states that are kept."""
@@ -24,7 +20,7 @@ class Checkpoints:
     """
 
     def __init__(self) -> None:
-        self._kept: deque[tuple[float, Snapshot]] = deque(maxlen=TRIES + 1)
+        self._kept: deque[tuple[float, Any]] = deque(maxlen=TRIES + 1)
         self._failed_at = -1.0
         self._tries = 0
         self.retries = 0
@@ -35,14 +31,14 @@ class Checkpoints:
         self._kept.clear()
         self._failed_at, self._tries = -1.0, 0
 
-    def keep(self, model: CableModel) -> None:
+    def keep(self, model: Any) -> None:
         """Called after every step: keeps a state when it is time."""
         if not self._kept or model.time >= self._kept[-1][0] + EVERY:
             self._kept.append((model.time, model.snapshot()))
         if self._tries and model.time > self._failed_at + PASSED:
             self._tries = 0
 
-    def restore(self, model: CableModel) -> bool:
+    def restore(self, model: Any) -> bool:
         """Go back, each time farther; False when that was done as often as makes sense."""
         if self._tries >= TRIES:
             return False

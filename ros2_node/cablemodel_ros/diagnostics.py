@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from dataclasses import dataclass, field
 
@@ -85,13 +84,12 @@ class Diagnostics:
             status.add(WARN, f"{shed:g} publications left out to keep up")
         if self._new("resets", self._loop.resets):
             status.add(WARN, "the foreign clock jumped: reset")
-        if model.winch != "free":
-            status.add(WARN, f"the winch stands: {model.winch}")
-        if session.scene.solver.error_estimate:
-            self._errors(status)
+        for finding in session.rig.findings():
+            status.add(WARN, finding)
         if self._loop.running and not speed:
             status.add(WARN, "time stands still: waiting for /clock?")
         statistics = model.statistics
+        status.values |= session.rig.values()
         status.values |= {
             "simulated time [s]": f"{model.time:.3f}",
             "times real time": f"{speed:.3f}",
@@ -116,29 +114,16 @@ class Diagnostics:
             status.values[f"{name} times [ms]"] = ", ".join(counts)
         return status
 
-    def _errors(self, status: Status) -> None:
-        """What the model estimates to be wrong by. Tensions of slack lines are not promised."""
-        model, settings = self._session.model, self._session.scene.solver
-        error = model.position_error
-        status.values["estimated error of positions [m]"] = f"{error:.6g}"
-        status.values["estimated error of the top tension [N]"] = f"{model.tension_error:.6g}"
-        if math.isnan(error):
-            status.add(WARN, "errors are not known: the finer run could not go on")
-        elif error > settings.promised * model.line_length:
-            status.add(WARN, f"positions may be off by {error:.3g} m, more than "
-                             f"{settings.asked} allows")  # fmt: skip
-
     def _commands(self) -> Status:
         session = self._session
-        helm, status = session.helm, Status("commands")
-        for topic in sorted(helm.stale):
+        rig, status = session.rig, Status("commands")
+        for topic in sorted(rig.stale):
             status.add(WARN, f"{topic} is stale: ramping to zero")
-        if helm.idle_payout:
-            why = "the drum is empty" if session.has_drum else "the scene has no payout.drum"
-            status.add(WARN, f"payout_rate_cmd asks for cable, and {why}")
-        for topic in sorted(helm.waiting):
+        for finding in rig.command_findings():
+            status.add(WARN, finding)
+        for topic in sorted(rig.waiting):
             status.add(WARN, f"no {topic} yet")
-        for topic, tally in session.commands.tallies.items():
+        for topic, tally in rig.tallies.items():
             status.values[f"{topic} received"] = str(tally.received)
             status.values[f"{topic} refused"] = str(tally.refused)
             new = self._new(topic, tally.refused)
@@ -146,8 +131,8 @@ class Diagnostics:
                 status.add(WARN, f"{new:g} of {topic} refused, the last: {tally.reason}")
             if tally.reason:
                 status.values[f"{topic} last refusal"] = tally.reason
-        limited = self._new("limited", helm.limited)
-        status.values["steps with a limit at work"] = str(helm.limited)
+        limited = self._new("limited", rig.limited)
+        status.values["steps with a limit at work"] = str(rig.limited)
         status.values["limited now"] = str(bool(limited)).lower()
         return status
 

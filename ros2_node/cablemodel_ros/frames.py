@@ -7,6 +7,8 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cablemodel.log.messages import quaternion_of
+
 Floats = NDArray[np.float64]
 
 
@@ -54,25 +56,39 @@ def turned(matrix: Floats, spin: Floats, dt: float) -> Floats:
     return rotation(quaternion_of(turn @ matrix))  # round-off does not add up
 
 
-def quaternion_of(matrix: Floats) -> tuple[float, float, float, float]:
-    """Quaternion (x, y, z, w) of a rotation matrix (3, 3), w not negative."""
-    m = matrix
-    # The largest of the four squares is divided by: nothing is lost near half a turn.
-    squares = np.array(
+def axes_of(angles: Floats) -> Floats:
+    """Matrix (3, 3) of roll, pitch and yaw (3,) [rad]: Rz Ry Rx, as `SystemModel` has them."""
+    (a, b, c), (u, v, w) = np.cos(angles).tolist(), np.sin(angles).tolist()
+    return np.array(
         [
-            1 + m[0, 0] - m[1, 1] - m[2, 2],
-            1 - m[0, 0] + m[1, 1] - m[2, 2],
-            1 - m[0, 0] - m[1, 1] + m[2, 2],
-            1 + m[0, 0] + m[1, 1] + m[2, 2],
+            [c * b, c * v * u - w * a, c * v * a + w * u],
+            [w * b, w * v * u + c * a, w * v * a - c * u],
+            [-v, b * u, b * a],
         ]
     )
-    largest = int(np.argmax(squares))
-    rows = (
-        (squares[0], m[0, 1] + m[1, 0], m[0, 2] + m[2, 0], m[2, 1] - m[1, 2]),
-        (m[0, 1] + m[1, 0], squares[1], m[1, 2] + m[2, 1], m[0, 2] - m[2, 0]),
-        (m[0, 2] + m[2, 0], m[1, 2] + m[2, 1], squares[2], m[1, 0] - m[0, 1]),
-        (m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1], squares[3]),
+
+
+def angles_of(matrix: Floats) -> Floats:
+    """Roll, pitch and yaw (3,) [rad] of a rotation matrix (3, 3); pitch from -pi/2 to pi/2."""
+    m = matrix.tolist()
+    level = math.hypot(m[0][0], m[1][0])
+    return np.array(
+        [
+            math.atan2(m[2][1], m[2][2]),
+            math.atan2(-m[2][0], level),
+            math.atan2(m[1][0], m[0][0]),
+        ]
     )
-    q = np.array(rows[largest]) / (2.0 * math.sqrt(squares[largest]))
-    x, y, z, w = (q if q[3] >= 0.0 else -q).tolist()
-    return x, y, z, w
+
+
+def angle_rates(angles: Floats, spin: Floats) -> Floats:
+    """Rates (3,) of roll, pitch and yaw under a spin (3,) [rad/s] in map axes.
+
+    Beyond all limits where the x axis points straight up or down.
+    """
+    _, pitch, yaw = angles.tolist()
+    x, y, z = spin.tolist()
+    c, s = math.cos(yaw), math.sin(yaw)
+    ahead, level = c * x + s * y, math.cos(pitch)
+    roll = ahead / level  # no angle's cosine is zero to the last bit
+    return np.array([roll, c * y - s * x, z + roll * math.sin(pitch)])

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from typing import Any
 
 from cablemodel import variables
-from cablemodel_ros.samples import APPLIED_ODOMETRY, APPLIED_TWIST, NODES, TWIST, VESSEL_WRENCH
+from cablemodel_ros.samples import APPLIED_ODOMETRY, APPLIED_TWIST, TWIST, VESSEL_WRENCH
 
 
 @dataclass(frozen=True)
@@ -29,7 +30,7 @@ SHAPE = Quality(1)
 """Large and often: only the newest matters."""
 COMMAND = Quality(1, reliable=False)
 """The newest command only, from any publisher; a flood of them costs the flooder."""
-PAYOUT = Quality(1)
+SINGLE = Quality(1)
 """A single message counts, so it must not get lost."""
 CLOCK = Quality(1, reliable=False)
 LATCHED = Quality(1, keeps_last=True)
@@ -47,43 +48,51 @@ class Topic:
     rate: str = "every step"
 
 
-def _outputs() -> tuple[Topic, ...]:
+_WHEN = {
+    "bodies": " (scenes with bodies)",
+    "drum": " (with a drum)",
+    "floor": " (with a floor)",
+    "error_estimate": " (with `solver.error_estimate`)",
+}
+
+
+def _outputs(variables_: Iterable[variables.Variable]) -> tuple[Topic, ...]:
+    """Topics of rows of the table of variables, of which several may stand in one message."""
     found: dict[str, list[variables.Variable]] = {}
-    for variable in variables.OUTPUTS:
+    for variable in variables_:
         found.setdefault(variable.topic, []).append(variable)
-    when = {
-        "bodies": " (scenes with bodies)",
-        "drum": " (with a drum)",
-        "floor": " (with a floor)",
-        "error_estimate": " (with `solver.error_estimate`)",
-    }
     return tuple(
         Topic(
             name,
             rows[0].message,
-            SHAPE if name == NODES else OUTPUT,
+            SHAPE if rows[0].message == variables.CLOUD else OUTPUT,
             "; ".join(
                 f"{row.quantity} [{row.unit or '-'}]"
                 + (f" in `{row.member}`" if row.member else "")
                 for row in rows
             )
-            + when.get(rows[0].present, ""),
+            + _WHEN.get(rows[0].present, ""),
         )
         for name, rows in found.items()
     )
 
 
-OUTPUTS: tuple[Topic, ...] = _outputs()
+OUTPUTS: tuple[Topic, ...] = _outputs(variables.OUTPUTS)
 
+INPUTS_APPLIED = Topic(variables.APPLIED_INPUTS_TOPIC, variables.ARRAY, OUTPUT,
+                       "all inputs of the step in 64-bit floats, as logged")  # fmt: skip
 APPLIED: tuple[Topic, ...] = (
     Topic(APPLIED_ODOMETRY, variables.ODOMETRY, OUTPUT,
           "motion of the tow point as applied, in map axes"),
     Topic(APPLIED_TWIST, TWIST, OUTPUT, "velocity of the tow point as applied, in map axes"),
-    Topic(variables.APPLIED_INPUTS_TOPIC, variables.ARRAY, OUTPUT,
-          "all inputs of the step in 64-bit floats, as logged"),
+    INPUTS_APPLIED,
     Topic(VESSEL_WRENCH, variables.WRENCH, OUTPUT,
           "force and moment of the cable on the vessel about `vessel_frame`, in its axes"),
 )  # fmt: skip
+
+ALL_OUTPUTS = Topic(variables.OUTPUTS_TOPIC, variables.ARRAY, OUTPUT,
+                    "all outputs but shapes in 64-bit floats, as logged")  # fmt: skip
+"""Of a system."""
 
 OTHERS: tuple[Topic, ...] = (
     Topic("~/scene", "std_msgs/msg/String", LATCHED, "the scene, in short and in full (JSON)",
@@ -103,11 +112,40 @@ ODOM = Topic("~/odom", "nav_msgs/msg/Odometry", COMMAND,
 CMD_VEL = Topic("cmd_vel", TWIST, COMMAND,
                 "velocity of the vessel in map or vessel axes (`header.frame_id`), "
                 "rates of roll, pitch and turn")  # fmt: skip
-PAYOUT_RATE = Topic("~/payout_rate_cmd", variables.FLOAT64, PAYOUT,
+PAYOUT_RATE = Topic("~/payout_rate_cmd", variables.FLOAT64, SINGLE,
                     "pay-out rate, unstretched, positive out [m/s]")  # fmt: skip
 FOREIGN_CLOCK = Topic("/clock", "rosgraph_msgs/msg/Clock", CLOCK,
                       "time to follow, with `use_sim_time`")  # fmt: skip
 INPUTS: tuple[Topic, ...] = (ODOM, CMD_VEL, PAYOUT_RATE, FOREIGN_CLOCK)
+
+
+def _input_of(row: variables.Input, quality: Quality, meaning: str) -> Topic:
+    return Topic(row.topic, row.message, quality, meaning)
+
+
+PART_ODOM = _input_of(
+    variables.VESSEL_INPUTS[0],
+    COMMAND,
+    "motion of the vessel: pose in `odom_frame`, twist in its own axes",
+)
+PART_CMD_VEL = Topic(
+    "~/NAME/cmd_vel",
+    TWIST,
+    COMMAND,
+    "its velocity in map or its own axes, rates of roll, pitch and turn",
+)
+PART_WRENCH = _input_of(
+    variables.BODY_INPUTS[0],
+    COMMAND,
+    "force [N] and torque [N.m] on the body about its origin, in map or its own axes",
+)
+FOIL_DEFLECTION = _input_of(variables.FOIL_INPUT, SINGLE, "deflection of the foil [rad]")
+WINCH_RATE = _input_of(
+    variables.WINCH_INPUT, SINGLE, "pay-out rate of the winch, unstretched, positive out [m/s]"
+)
+PART_INPUTS = (PART_ODOM, PART_CMD_VEL, PART_WRENCH, FOIL_DEFLECTION, WINCH_RATE)
+"""Of a system; NAME is that of a vessel or driven end, of a body, of a foil: BODY/FOIL, and of a
+winch."""
 
 SERVICES: dict[str, str] = {
     "~/reset": "back to the initial state; commands are forgotten, a new log file begins",
@@ -117,21 +155,58 @@ SERVICES: dict[str, str] = {
 
 def topics_of(scene: Any) -> tuple[Topic, ...]:
     """Topics that a scene's model publishes at every step."""
-    names = {variable.topic for variable in variables.outputs_of(scene)}
-    return tuple(topic for topic in OUTPUTS if topic.name in names) + APPLIED
+    rows = _outputs(variables.outputs_of(scene))
+    return (*rows, *((INPUTS_APPLIED, ALL_OUTPUTS) if variables.is_system(scene) else APPLIED))
+
+
+def unstamped(topic: Topic) -> Topic:
+    """cmd_vel as a plain Twist."""
+    return replace(topic, message="geometry_msgs/msg/Twist")
+
+
+def topic_of_part(topic: Topic, name: str) -> Topic:
+    """An input of the part of a system."""
+    return replace(topic, name=variables.topic_of_part(topic.name, name))
+
+
+def cut_service(name: str) -> str:
+    """Of a cut of a system."""
+    return variables.topic_of_part(variables.CUT_INPUT.topic, name)
+
+
+def _published(topics: Iterable[Topic]) -> list[str]:
+    return [
+        f"|`{topic.name}`|{topic.message}|{topic.quality}|{topic.rate}|{topic.meaning}|"
+        for topic in topics
+    ]
+
+
+def _subscribed(topics: Iterable[Topic]) -> list[str]:
+    return [f"|`{topic.name}`|{topic.message}|{topic.quality}|{topic.meaning}|" for topic in topics]
+
+
+_PUBLISHED = ["|published|message|QoS|when||", "|---|---|---|---|---|"]
+_SUBSCRIBED = ["", "|subscribed|message|QoS||", "|---|---|---|---|"]
 
 
 def document() -> str:
     """Topics and services as Markdown tables."""
-    lines = ["|published|message|QoS|when||", "|---|---|---|---|---|"]
-    lines += [
-        f"|`{topic.name}`|{topic.message}|{topic.quality}|{topic.rate}|{topic.meaning}|"
-        for topic in (*OUTPUTS, *APPLIED, *OTHERS)
-    ]
-    lines += ["", "|subscribed|message|QoS||", "|---|---|---|---|"]
-    lines += [
-        f"|`{topic.name}`|{topic.message}|{topic.quality}|{topic.meaning}|" for topic in INPUTS
-    ]
+    lines = [*_PUBLISHED, *_published((*OUTPUTS, *APPLIED, *OTHERS))]
+    lines += [*_SUBSCRIBED, *_subscribed(INPUTS)]
     lines += ["", "|service|type||", "|---|---|---|"]
-    lines += [f"|`{name}`|std_srvs/srv/Trigger|{text}|" for name, text in SERVICES.items()]
+    lines += [f"|`{name}`|{variables.TRIGGER}|{text}|" for name, text in SERVICES.items()]
+    return "\n".join(lines) + "\n"
+
+
+def document_of_systems() -> str:
+    """Those that a system has by the names of its parts, as Markdown tables."""
+    lines = ["|of each|published|message|", "|---|---|---|"]
+    for part, rows in (
+        ("line", variables.LINE_OUTPUTS),
+        ("body", variables.BODY_OUTPUTS),
+        ("vessel", variables.VESSEL_OUTPUTS),
+        ("cut", variables.CUT_OUTPUTS),
+    ):
+        lines += [f"|{part}|`{topic.name}`|{topic.message}|" for topic in _outputs(rows)]
+    lines += [*_SUBSCRIBED, *_subscribed(PART_INPUTS)]
     return "\n".join(lines) + "\n"

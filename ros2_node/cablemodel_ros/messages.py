@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 import importlib
+from collections.abc import Callable
 from typing import Any
 
-import numpy as np
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from geometry_msgs.msg import TransformStamped, Twist
+from geometry_msgs.msg import TransformStamped, Twist, TwistStamped, WrenchStamped
 from nav_msgs.msg import Odometry
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Header
 
+from cablemodel.log.messages import quaternion_of
 from cablemodel_ros.diagnostics import Status
-from cablemodel_ros.frames import Floats, quaternion_of
 from cablemodel_ros.interface import Quality
+from cablemodel_ros.rig import Frame
 from cablemodel_ros.session import Cycle
-from cablemodel_ros.settings import Parameter, Settings
+from cablemodel_ros.settings import Parameter
 from cablemodel_ros.times import Stamp
 
 Vector = tuple[float, float, float]
@@ -96,8 +97,22 @@ def twist_vectors(twist: Twist) -> tuple[Vector, Vector]:
     return (linear.x, linear.y, linear.z), (angular.x, angular.y, angular.z)
 
 
-def odometry_arguments(message: Odometry) -> tuple[Any, ...]:
-    """Arguments of `Commands.take_odometry`."""
+def _stamped_twist(message: TwistStamped) -> tuple[Any, ...]:
+    header = message.header
+    return given_stamp(header), header.frame_id, *twist_vectors(message.twist)
+
+
+def _wrench(message: WrenchStamped) -> tuple[Any, ...]:
+    header, force, torque = message.header, message.wrench.force, message.wrench.torque
+    return (
+        given_stamp(header),
+        header.frame_id,
+        (force.x, force.y, force.z),
+        (torque.x, torque.y, torque.z),
+    )
+
+
+def _odometry(message: Odometry) -> tuple[Any, ...]:
     pose = message.pose.pose
     place, turn = pose.position, pose.orientation
     return (
@@ -108,6 +123,16 @@ def odometry_arguments(message: Odometry) -> tuple[Any, ...]:
         (turn.x, turn.y, turn.z, turn.w),
         *twist_vectors(message.twist.twist),
     )
+
+
+ARGUMENTS: dict[str, Callable[[Any], tuple[Any, ...]]] = {
+    "nav_msgs/msg/Odometry": _odometry,
+    "geometry_msgs/msg/TwistStamped": _stamped_twist,
+    "geometry_msgs/msg/Twist": twist_vectors,
+    "geometry_msgs/msg/WrenchStamped": _wrench,
+    "std_msgs/msg/Float64": lambda message: (message.data,),
+}
+"""What a port's ``take`` gets of a message, by its type."""
 
 
 def diagnostics(statuses: list[Status], node: str, stamp: Time) -> DiagnosticArray:
@@ -127,23 +152,17 @@ def diagnostics(statuses: list[Status], node: str, stamp: Time) -> DiagnosticArr
     return array
 
 
-def transforms(cycle: Cycle, settings: Settings) -> Any:
-    """A message of /tf: the tow point's frame in the map, and on request the vessel's."""
+def transforms(cycle: Cycle) -> Any:
+    """A message of /tf: the cycle's frames in the map."""
     kind = message_class("tf2_msgs/msg/TFMessage")
-    found = []
-    if settings.tf:
-        found.append(_transform(cycle, settings.tow_point_frame, np.zeros(3), np.eye(3)))
-    if settings.tf_vessel:
-        arm = cycle.rotation @ settings.tow_point
-        found.append(_transform(cycle, settings.vessel_frame, -arm, cycle.rotation))
-    return kind(transforms=found)
+    return kind(transforms=[_transform(cycle, frame) for frame in cycle.frames])
 
 
-def _transform(cycle: Cycle, frame: str, offset: Floats, turn: Floats) -> TransformStamped:
+def _transform(cycle: Cycle, frame: Frame) -> TransformStamped:
     made = TransformStamped()
     made.header.stamp, made.header.frame_id = message_time(cycle.stamp), "map"
-    made.child_frame_id = frame
+    made.child_frame_id = frame.name
     translation, rotation = made.transform.translation, made.transform.rotation
-    translation.x, translation.y, translation.z = (cycle.tow_point + offset).tolist()
-    rotation.x, rotation.y, rotation.z, rotation.w = quaternion_of(turn)
+    translation.x, translation.y, translation.z = frame.position.tolist()
+    rotation.x, rotation.y, rotation.z, rotation.w = quaternion_of(frame.axes)
     return made

@@ -35,6 +35,7 @@ from cablemodel_ros.diagnostics import ERROR, Diagnostics, Status
 from cablemodel_ros.inputs import Inputs
 from cablemodel_ros.markers import Picture, markers
 from cablemodel_ros.outputs import Outputs
+from cablemodel_ros.rig import Order
 from cablemodel_ros.session import Names, Session
 from cablemodel_ros.settings import BY_NAME, PARAMETERS, Settings, SettingsError
 from cablemodel_ros.timebase import Followed, Published, RealTime, Timebase
@@ -207,15 +208,16 @@ class CableNode(LifecycleNode):
             clock=self._foreign,
             listened=self._outputs.listened,
         )
-        if settings.tf_vessel and settings.vessel_input == "odom":
-            self.get_logger().warning(
-                f"tf_vessel broadcasts map -> {settings.vessel_frame}: what gives ~/odom must not"
-            )
+        for note in session.rig.notes:
+            self.get_logger().warning(note)
         self._diagnostics = Diagnostics(session, self._loop)
         self._failed = self.create_guard_condition(self._fail)
         self._entities.append(lambda: self.destroy_guard_condition(self._failed))
         self._entities.append(Inputs(self, session, self._foreign).destroy)
-        for name, call in (("~/reset", self._on_reset), ("~/save", self._on_save)):
+        services = {"~/reset": self._on_reset, "~/save": self._on_save}
+        for name, order in session.rig.orders.items():
+            services[name] = partial(self._on_order, order)
+        for name, call in services.items():
             service = self.create_service(Trigger, name, call)
             self._entities.append(partial(self.destroy_service, service))
         self._repeat(settings.diagnostics_rate, self._publish_diagnostics)
@@ -264,7 +266,7 @@ class CableNode(LifecycleNode):
         if not publisher.is_activated or not publisher.get_subscription_count():
             return
         with self._lock:
-            picture = Picture.of(self._session.model, self._session.settings.stations)
+            picture = Picture.of(self._session.rig)
             stamp = self._session.stamp()
         publisher.publish(markers(picture, messages.message_time(stamp)))
 
@@ -276,6 +278,14 @@ class CableNode(LifecycleNode):
             return response
         self._loop.reset()
         response.success, response.message = True, "back at the initial state"
+        return response
+
+    def _on_order(self, order: Order, request: Any, response: Any) -> Any:
+        if self._loop is None or not self._loop.running:
+            response.success, response.message = False, "not active: no step is made"
+            return response
+        with self._lock:
+            response.success, response.message = order()
         return response
 
     def _on_save(self, request: Any, response: Any) -> Any:

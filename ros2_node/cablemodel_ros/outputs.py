@@ -32,7 +32,7 @@ class Outputs:
     """
 
     def __init__(self, node: Any, session: Session) -> None:
-        self._node, self._settings = node, session.settings
+        self._node = node
         self.publishers: dict[str, Any] = {}
         self._listened: frozenset[str] = frozenset()
         self._looked = 0.0
@@ -82,4 +82,4 @@ class Outputs:
             if topic in listened:
                 publishers[topic].publish(data)
         if "/tf" in listened and not cycle.shed:
-            publishers["/tf"].publish(messages.transforms(cycle, self._settings))
+            publishers["/tf"].publish(messages.transforms(cycle))

@@ -23,7 +23,7 @@ from cablemodel_ros.samples import Message
 from cablemodel_ros.times import Stamp
 
 if TYPE_CHECKING:
-    from cablemodel import Scene
+    from cablemodel import Scene, SystemScene
     from cablemodel.log.writer import LogWriter
 
 SNAPSHOT_ATTACHMENT = "snapshot.bin"
@@ -77,7 +77,7 @@ class Recorder:
     def __init__(
         self,
         folder: Path,
-        scene: Scene,
+        scene: Scene | SystemScene,
         *,
         node: str = "/cable",
         topics: Mapping[str, str] | None = None,

@@ -22,7 +22,7 @@ from cablemodel_ros.settings import Settings
 from cablemodel_ros.times import Stamp
 
 if TYPE_CHECKING:
-    from cablemodel import CableModel, Scene
+    from cablemodel import CableModel, Scene, SystemScene
 
 Message = tuple[str, bytes]
 """Topic as the table writes it (``~/...``), and CDR bytes."""
@@ -117,7 +117,7 @@ class Sampler:
         return [*encode_outputs(self._messages, self.topics, stamp.ns, model, state), exact]
 
 
-def topics(scene: Scene) -> tuple[str, ...]:
+def topics(scene: Scene | SystemScene) -> tuple[str, ...]:
     """Output topics that a scene has, in the table's order."""
     return tuple(dict.fromkeys(variable.topic for variable in variables.outputs_of(scene)))
 

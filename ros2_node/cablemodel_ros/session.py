@@ -1,7 +1,7 @@
-"""A cable that commands steer: all that the node does, without ROS.
+"""A cable or a system that commands steer: all that the node does, without ROS.
 
 A session is made from settings, and stepped by whoever calls it. It is not thread-safe but for
-its `commands`; the control loop holds a lock around it.
+the ports of its `rig`; the control loop holds a lock around it.
 """
 
 from __future__ import annotations
@@ -11,18 +11,18 @@ import time
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 
-from cablemodel import CableModel, Scene, StepError, load_scene, variables
+from cablemodel import Scene, StepError, SystemScene, variables
 from cablemodel.errors import SceneError
+from cablemodel.states import shapes_of
+from cablemodel.systems import read_scene
 from cablemodel_ros.checkpoints import Checkpoints
-from cablemodel_ros.commands import Commands
-from cablemodel_ros.frames import Floats
-from cablemodel_ros.helm import Applied, Helm, Present
 from cablemodel_ros.recording import Recorder
-from cablemodel_ros.samples import Message, Sampler, topics
+from cablemodel_ros.rig import Frame, Rig, rig_of
+from cablemodel_ros.samples import Message, topics
 from cablemodel_ros.settings import Settings
 from cablemodel_ros.timebase import Published, RealTime, Timebase
 from cablemodel_ros.times import Moment, Monotonic, Simulated, Stamp
@@ -39,10 +39,8 @@ class Cycle:
     """What was applied; always published."""
     outputs: list[Message]
     """All outputs that were wanted."""
-    tow_point: Floats
-    """Its position in the map (3,) [m]."""
-    rotation: Floats
-    """Vessel axes to map axes (3, 3)."""
+    frames: list[Frame]
+    """Those that the settings ask for."""
     shed: bool = False
     """Whether outputs were left out to keep up."""
 
@@ -56,9 +54,12 @@ class Names:
     topic: Callable[[str], str] = variables.resolved
     """Name of a topic of the table (``~/nodes``), as it is on the wire."""
 
-    def of(self, scene: Scene) -> dict[str, str]:
+    def of(self, scene: Scene | SystemScene) -> dict[str, str]:
         """Topics of a scene's log that are not called as in the table."""
-        table = (*topics(scene), variables.APPLIED_INPUTS_TOPIC, variables.STATE_TOPIC)
+        states = variables.state_topics_of(scene).values()
+        table = [*topics(scene), variables.APPLIED_INPUTS_TOPIC, *states]
+        if variables.is_system(scene):
+            table.append(variables.OUTPUTS_TOPIC)
         found = {variables.resolved(topic): self.topic(topic) for topic in table}
         return {topic: name for topic, name in found.items() if name != topic}
 
@@ -68,7 +69,7 @@ class SessionError(Exception):
 
 
 class Session:
-    """One cable from configuration to clean-up.
+    """One cable or system from configuration to clean-up.
 
     Args:
         settings: see `settings.PARAMETERS`.
@@ -77,7 +78,8 @@ class Session:
 
     Raises:
         SceneError, StaticsError: the scene cannot be used; its own message says why.
-        SettingsError, OSError: the saved state cannot be read.
+        SettingsError: a parameter asks for what the scene does not have.
+        OSError: the saved state cannot be read.
     """
 
     def __init__(
@@ -89,24 +91,21 @@ class Session:
         self.settings = settings
         self.timebase = timebase or (Published() if settings.publishes_clock else RealTime())
         self.scene = scene_of(settings)
-        self.model = CableModel(self.scene)
-        self._warm_up()
+        self.rig: Rig = rig_of(self.scene, settings, self.timebase)
+        self.model = self.rig.model
+        self.rig.warm_up()
         self.started_at_scene = not settings.initial_state
         if settings.initial_state:
-            restore_saved(self.model, Path(settings.initial_state))
+            restore_saved(self.rig, Path(settings.initial_state))
         self._start = self.model.snapshot()
-        self.commands = Commands(settings, self.timebase, self.model.vessel_position)
-        self.helm = Helm(settings, self.commands)
-        self.sampler = Sampler(self.scene, settings)
         # Libraries load now, not in the first cycle.
-        self.sampler.outputs(self.model, Stamp(0), self.helm.rotation)
-        self.sampler.record(self.model, Stamp(0))
+        self.rig.outputs(Stamp(0))
+        self.rig.record(Stamp(0))
         self.recorder: Recorder | None = None
         self.step_times = Durations()
         self.cycle_times = Durations()
         self.cycles = 0
         self.shed = 0
-        self.payout_refusals = 0
         self.failure = ""
         self.last_failure = ""
         self.checkpoints = Checkpoints()
@@ -122,16 +121,6 @@ class Session:
                 max_files=settings.log_max_files,
                 wait=settings.real_time_factor == 0.0,
             )
-
-    def _warm_up(self) -> None:
-        """Compile or load every kernel now, in the plane and out of it, not in the first cycle."""
-        model = self.model
-        sideways = (0.0, 1e-6, 0.0) if abs(model.vessel_velocity[1]) < 0.5 else (1e-6, 0.0, 0.0)
-        for velocity in (model.vessel_velocity, model.vessel_velocity + sideways):
-            model.step(1e-3, vessel_velocity=velocity)
-            model.sample([0.0])
-            assert np.isfinite(model.top_tension)
-        model.reset()
 
     # -- running --------------------------------------------------------------------------------
 
@@ -161,14 +150,9 @@ class Session:
         if self.recorder is None:
             return
         initial = self.model.time == 0.0 and self.started_at_scene
-        snapshot = None if initial else self.model.snapshot().image
+        snapshot = None if initial else self.rig.image()
         self.recorder.begin(self.timebase.epoch, snapshot)
         self._log_outputs(self.stamp())
-
-    @property
-    def has_drum(self) -> bool:
-        """Whether the scene has cable on a drum."""
-        return "drum" in variables.features(self.scene)
 
     def stamp(self) -> Stamp:
         """Stamp of the model's time."""
@@ -201,10 +185,10 @@ class Session:
         applied = self._step(target, self.timebase.at(target, due))
         self.timebase.reached(self.time)
         stamp = self.stamp()
-        record, motion = self.sampler.step(self.model, target - begin, applied, stamp)
-        turn = self.helm.rotation
+        record, motion = self.rig.applied(applied, target - begin, stamp)
+        frames = self.rig.frames() if topics is None or "/tf" in topics else []
         shed = not publish()
-        outputs = [] if shed else self.sampler.outputs(self.model, stamp, turn, topics)
+        outputs = [] if shed else self.rig.outputs(stamp, topics)
         if self.settings.on_failure == "retry":
             self.checkpoints.keep(self.model)
         self.cycles += 1
@@ -213,51 +197,25 @@ class Session:
             self.recorder.step(stamp, [record])
             if self.model.time >= self._next_output - 1e-9:
                 self._log_outputs(stamp)
-        place = self.model.vessel_position
-        return Cycle(stamp, [record, *motion], outputs, place, turn, shed)
+        return Cycle(stamp, [record, *motion], outputs, frames, shed)
 
     def _log_outputs(self, stamp: Stamp) -> None:
         assert self.recorder is not None
         interval = self.scene.run.output_interval
         while self._next_output <= self.model.time + 1e-9:
             self._next_output += interval
-        self.recorder.outputs(stamp, self.sampler.record(self.model, stamp))
+        self.recorder.outputs(stamp, self.rig.record(stamp))
 
-    def _step(self, target: Simulated, now: Moment) -> Applied:
-        """One step of the model; pay-out that it refuses is given up, and the step made without."""
-        model = self.model
-        present = Present(
-            model.vessel_position,
-            model.vessel_velocity,
-            model.payout_rate,
-            model.line_length,
-            model.drum_length,
-        )
-        applied = self.helm.inputs(now, target - self.time, present)
+    def _step(self, target: Simulated, now: Moment) -> Any:
         begin = time.perf_counter()
         try:
-            self._advance(target, applied)
+            applied = self.rig.advance(target, now)
         except StepError as error:
-            if not applied.payout_rate and not present.payout_rate:
-                self._fail(error)
-            self.payout_refusals += 1
-            self.commands.refuse_payout(str(error))
-            applied = Applied(applied.velocity, 0.0)
-            try:
-                self._advance(target, applied)
-            except StepError as second:
-                self._fail(second)
+            self._fail(error)
         self.step_times.add(time.perf_counter() - begin)
         return applied
 
-    def _advance(self, target: Simulated, applied: Applied) -> None:
-        self.model.step_to(
-            target.seconds,
-            vessel_velocity=applied.velocity,
-            payout_rate=applied.payout_rate,
-        )
-
-    def _fail(self, error: StepError) -> None:
+    def _fail(self, error: StepError) -> NoReturn:
         self.failure = self.last_failure = str(error)
         if self.recorder is not None:
             self.recorder.end(self.failure)
@@ -276,41 +234,35 @@ class Session:
     def update(self, settings: Settings) -> None:
         """Take over parameters that may change at any time."""
         self.settings = settings
-        self.commands.update(settings)
-        self.helm.update(settings)
+        self.rig.update(settings)
 
     def reset(self) -> None:
         """Back to the initial state, which is now."""
         self.model.restore(self._start)
         self.checkpoints.clear()
-        self.commands.forget()
-        self.helm.reset()
+        self.rig.forget()
         self.start()
 
     def save(self) -> SavedState:
         """The present state, to be written."""
-        return SavedState(self.scene, self.model)
+        return SavedState(self.rig)
 
     def summary(self) -> dict[str, Any]:
         """What ``~/scene`` tells: the scene in short and in full."""
         model, scene = self.model, self.scene
         return {
             "title": scene.title or "",
-            "line_length": model.line_length,
-            "drum_length": model.drum_length,
-            "bodies": len(scene.bodies),
-            "end": scene.end.kind,
+            **self.rig.summary(),
             "tolerance": scene.solver.tolerance,
             "elements": model.statistics["elements"],
             "top_tension": model.top_tension,
-            "vessel_position": model.vessel_position.tolist(),
             "rate": self.settings.rate,
             "scene": scene.to_yaml(),
         }
 
 
-def scene_of(settings: Settings) -> Scene:
-    """The scene that the parameter names, or is.
+def scene_of(settings: Settings) -> Scene | SystemScene:
+    """The scene that the parameter names, or is: of one line, or a system.
 
     Raises:
         SceneError: there is none, or it is wrong.
@@ -318,19 +270,22 @@ def scene_of(settings: Settings) -> Scene:
     text = settings.scene
     if not text.strip():
         raise SceneError.at("scene", text, "the parameter is empty", "a path, or YAML text")
-    return load_scene(text)
+    return read_scene(text)
 
 
 class SavedState:
     """What ``~/save`` writes: the scene as YAML, and the state as ``.npz`` (NumPy).
 
-    The arrays are those of `CableState`, and ``snapshot``, which `restore_saved` takes up.
+    The arrays are those of `CableState`, of a system with the names of lines before them
+    (``tow.position``); and ``snapshot``, which `restore_saved` takes up.
     """
 
-    def __init__(self, scene: Scene, model: CableModel) -> None:
-        self._scene = scene.to_yaml()
-        self._state = model.state()
-        self._snapshot = model.snapshot()
+    def __init__(self, rig: Rig) -> None:
+        model = rig.model
+        self._scene = rig.scene.to_yaml()
+        self._shapes = shapes_of(model)
+        self._snapshot, self._hash = rig.image(), rig.scene_hash
+        self._time = model.time
         self._facts = {
             "time": model.time,
             "top_tension": model.top_tension,
@@ -345,37 +300,37 @@ class SavedState:
         """
         folder.mkdir(parents=True, exist_ok=True)
         day = time.strftime("%Y%m%dT%H%M%S", time.gmtime())
-        path = folder / f"cable_{day}_{self._state.time:.3f}s.npz"
+        path = folder / f"cable_{day}_{self._time:.3f}s.npz"
         path.with_suffix(".yaml").write_text(self._scene, encoding="utf-8")
+        arrays = {
+            f"{line}.{name}" if line else name: getattr(state, name)
+            for line, state in self._shapes.items()
+            for name, _ in variables.STATE_FIELDS
+        }
         with path.open("wb") as file:
             np.savez_compressed(
                 file,
-                **{
-                    name: getattr(self._state, name)
-                    for name in ("time", "s", "position", "tangent", "velocity", "tension",
-                                 "curvature", "bending_moment", "on_floor")
-                },
-                snapshot=np.frombuffer(self._snapshot.image, dtype=np.uint8),
-                scene=np.array(self._snapshot.scene),
+                time=self._time,
+                **arrays,
+                snapshot=np.frombuffer(self._snapshot, dtype=np.uint8),
+                scene=np.array(self._hash),
                 facts=np.array(json.dumps(self._facts)),
-            )  # fmt: skip
+            )
         return path
 
 
-def restore_saved(model: CableModel, path: Path) -> None:
+def restore_saved(rig: Rig, path: Path) -> None:
     """Take up a saved state.
 
     Raises:
         OSError: it cannot be read.
         SceneError: it is no saved state, or one of another scene.
     """
-    from cablemodel.model import Snapshot
-
     try:
         with np.load(path) as saved:
             # A state of before scenes were named in it is judged by its size alone.
             scene = str(saved["scene"]) if "scene" in saved else ""
-            snapshot = Snapshot(saved["snapshot"].tobytes(), scene)
+            image = saved["snapshot"].tobytes()
     except (KeyError, ValueError) as error:
         raise SceneError.at("initial_state", str(path), f"no saved state: {error}") from error
-    model.restore(snapshot)
+    rig.take_image(image, scene)

@@ -6,7 +6,7 @@ Descriptors of the node, checks, and the table in docs/ros2.md are generated fro
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -98,8 +98,12 @@ PARAMETERS: tuple[Parameter, ...] = (
     Parameter("lag_limit", 0.5, "How far simulated time may fall behind before it slips.", "s",
               0.01, 60.0, change="always"),
     Parameter("vessel_input", "odom",
-              "What moves the tow point: ~/odom, cmd_vel, or the scene's own schedule.",
+              "What moves the tow point, or a system's vessels: odometry, cmd_vel, or the scene's "
+              "own schedule.",
               choices=("odom", "cmd_vel", "scene")),
+    Parameter("vessel_inputs", "",
+              "Of a system: vessels and driven ends that something else moves, as "
+              "\"ship=scene vehicle=odom\"."),
     Parameter("payout_input", "command",
               "What sets the pay-out rate: ~/payout_rate_cmd or the scene's own schedule.",
               choices=("command", "scene")),
@@ -124,8 +128,13 @@ PARAMETERS: tuple[Parameter, ...] = (
               change="always"),
     Parameter("limits.acceleration", 2.0, "Highest acceleration of the tow point.", "m/s2",
               0.001, 1000.0, change="always"),
-    Parameter("limits.turn_rate", 1.0, "Highest rate of turn, for cmd_vel.", "rad/s", 0.0, 10.0,
-              change="always"),
+    Parameter("limits.turn_rate", 1.0,
+              "Highest rate of turn, for cmd_vel; of a system's vessels always.", "rad/s",
+              0.0, 10.0, change="always"),
+    Parameter("limits.turn_acceleration", 2.0, "Highest change of it, of a system's vessels.",
+              "rad/s2", 0.001, 1000.0, change="always"),
+    Parameter("limits.deflection_rate", 1.0, "Highest rate of a foil's deflection.", "rad/s",
+              0.001, 1000.0, change="always"),
     Parameter("limits.payout_rate", 2.0, "Highest pay-out and reel-in rate.", "m/s", 0.0, 100.0,
               change="always"),
     Parameter("limits.payout_acceleration", 1.0, "Highest change of the pay-out rate.", "m/s2",
@@ -169,6 +178,7 @@ class Settings:
     publish_clock: bool
     lag_limit: float
     vessel_input: str
+    vessel_inputs: str
     payout_input: str
     cmd_vel_stamped: bool
     vessel_frame: str
@@ -182,6 +192,8 @@ class Settings:
     limits_speed: float
     limits_acceleration: float
     limits_turn_rate: float
+    limits_turn_acceleration: float
+    limits_deflection_rate: float
     limits_payout_rate: float
     limits_payout_acceleration: float
     limits_line_length_min: float
@@ -215,6 +227,12 @@ class Settings:
     def publishes_clock(self) -> bool:
         """Whether simulated time goes out on /clock: when asked, and when it is not real time."""
         return self.publish_clock or self.real_time_factor != 1.0
+
+
+def those_set(names: Iterable[str], settings: Settings) -> tuple[str, ...]:
+    """Those of parameters that are not at their defaults."""
+    parameters = (BY_NAME[name] for name in names)
+    return tuple(p.name for p in parameters if getattr(settings, p.attribute) != p.default)
 
 
 def document() -> str:

@@ -35,8 +35,8 @@ def test_node_library_and_fmu_give_the_same_states(tmp_path: Path) -> None:
     for k in range(1, 501):
         t = k * DT
         velocity = (0.8 * math.cos(0.3 * t), 0.8 * math.sin(0.3 * t), 0.0)
-        session.commands.take_twist(None, "map", velocity, (0, 0, 0))
-        session.commands.take_payout_rate(0.4 * math.sin(t))
+        session.rig.commands.take_twist(None, "map", velocity, (0, 0, 0))
+        session.rig.commands.take_payout_rate(0.4 * math.sin(t))
         session.cycle(Simulated(t))
     session.close()
     (path,) = tmp_path.glob("cable_*.mcap")

@@ -1,8 +1,7 @@
 """Results that the engine does not reach yet: measured, written down, expected to fail.
 
 A test listed here runs like any other one. It is reported as an expected failure while it fails;
-when it passes, the run fails until its line is removed (``strict``), but for the one that draws
-its cases.
+when it passes, the run fails until its line is removed (``strict``).
 """
 
 import pytest
@@ -20,11 +19,7 @@ LIMITS = {
         "lays start at their own tolerance only: 0.066 of the length apart, 0.051 asked"
     ),
     "test_converges_to_the_table": _TIGHT,
-    "test_run_does_not_depend_on_the_speed_of_the_frame": (
-        "positions within the tolerance, not within a hundredth of it: time steps differ"
-    ),
 }
-_DRAWN = ("test_run_does_not_depend_on_the_speed_of_the_frame",)
 FAILING = frozenset(
     {
         "test_tension_of_a_lay",
@@ -39,5 +34,5 @@ def pytest_collection_modifyitems(items):
     """Mark what fails today; the parameters that pass are not marked."""
     for item in items:
         name = item.originalname if item.name not in LIMITS else item.name
-        if name in LIMITS and (item.name in FAILING or name in _DRAWN):
-            item.add_marker(pytest.mark.xfail(reason=LIMITS[name], strict=name not in _DRAWN))
+        if name in LIMITS and item.name in FAILING:
+            item.add_marker(pytest.mark.xfail(reason=LIMITS[name], strict=True))

@@ -111,15 +111,15 @@ def test_run_does_not_depend_on_the_origin(unturned, shift):
 def test_run_does_not_depend_on_the_speed_of_the_frame(speed, angle):
     """Vessel and water with a common velocity more: Galileo. The run starts from statics.
 
-    The stabilisation is scaled by a guess from absolute speeds, so that rounding is not all that
-    differs: a hundredth of what the tolerance allows in position, a tenth in tension.
+    The stabilisation is scaled by a guess from absolute speeds, so that time steps differ: both
+    are what is promised, tau L of positions and 10 tau of the tension.
     """
     plain = spatial_run(np.eye(3), boost=(0.0, 0.0, 0.0))
     boost = (speed * np.cos(angle), speed * np.sin(angle), 0.0)
     moving = spatial_run(np.eye(3), boost=boost)
-    assert moving[:, :6] == pytest.approx(plain[:, :6], abs=1e-5 * LENGTH)
+    assert moving[:, :6] == pytest.approx(plain[:, :6], abs=1e-3 * LENGTH)
     largest = np.abs(plain[:, 6:]).max()
-    assert moving[:, 6:] == pytest.approx(plain[:, 6:], abs=1e-3 * largest)
+    assert moving[:, 6:] == pytest.approx(plain[:, 6:], abs=1e-2 * largest)
 
 
 def planar_run(angle, *, planar=None):

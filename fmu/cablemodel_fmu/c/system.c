@@ -94,6 +94,13 @@ const char *check_parts(const int64_t *I) {
         if (!whole(AS(Arm, row)->node, 0, last) || !whole(AS(Arm, row)->body, -1, header(I)->free_count - 1))
             return "a body's point is out of range";
     }
+    for (int64_t n = 0; n < header(I)->closure_count; n++) {
+        const double *row = M + header(I)->closures + n * CLOSURE_WORDS;
+        if (!whole(AS(Closure, row)->node, -1, last) || !whole(AS(Closure, row)->other, -1, last) ||
+            !whole(AS(Closure, row)->body, -1, header(I)->free_count - 1) ||
+            (AS(Closure, row)->body < 0.0 && AS(Closure, row)->other < 0.0))
+            return "a cycle is closed at no node";
+    }
     for (int64_t n = 0; n < header(I)->foil_count; n++)
         if (!whole(M[header(I)->foils + n * FOIL_WORDS + WORD(Foil, table)], 0,
                    header(I)->foil_words - 2 * FOIL_ANGLES))

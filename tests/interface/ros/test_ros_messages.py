@@ -8,32 +8,42 @@ import sys
 import types
 from collections.abc import Callable
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 from cablemodel_ros import messages
 from cablemodel_ros.diagnostics import WARN, Status
 from cablemodel_ros.frames import heading_rotation
+from cablemodel_ros.line_rig import LineRig
 from cablemodel_ros.markers import Picture, markers
+from cablemodel_ros.rig import Strand
 from cablemodel_ros.session import Cycle
 from cablemodel_ros.settings import Settings
+from cablemodel_ros.timebase import RealTime
 from cablemodel_ros.times import Stamp
 from std_msgs.msg import Float64
 from visualization_msgs.msg import Marker, MarkerArray
 
-from .conftest import NodeProcess, Talker, wait_until
+import cablemodel as cm
+
+from .conftest import SCENE, NodeProcess, Talker, wait_until
 
 
 def test_markers_draw_cable_bodies_and_tension() -> None:
     position = np.array([[0.0, 0, 0], [10, 0, -10], [20, 0, -20]])
     tension = np.array([100.0, 50.0, -1.0])
-    picture = Picture(position, tension, [position[1]], 100.0, 0.02)
-    line, figures, body = markers(picture, messages.message_time(Stamp(1_500_000_000))).markers
+    strands = [Strand("", position, tension, 100.0), Strand("tow: ", position, tension, 7.0)]
+    picture = Picture(strands, [position[1]], 0.02)
+    found = markers(picture, messages.message_time(Stamp(1_500_000_000))).markers
+    line, figures, _, others, body = found
+    assert [marker.id for marker in found] == [0, 1, 2, 3, 4]
     assert line.type == Marker.LINE_STRIP
     assert [(p.x, p.z) for p in line.points] == [(0, 0), (10, -10), (20, -20)]
     assert (line.colors[0].r, line.colors[0].b) == (1.0, 0.0)
     assert (line.colors[2].r, line.colors[2].b) == (1.0, 1.0)  # pushed
     assert figures.text == "100 N"
+    assert others.text == "tow: 7 N"
     assert body.pose.position.x == 10
     assert line.header.frame_id == "map"
     assert (line.header.stamp.sec, line.header.stamp.nanosec) == (1, 500_000_000)
@@ -45,16 +55,21 @@ def test_the_vessel_frame_is_where_the_tow_point_says(monkeypatch: pytest.Monkey
         stand_in.TFMessage = SimpleNamespace  # type: ignore[attr-defined]
         monkeypatch.setitem(sys.modules, "tf2_msgs", types.ModuleType("tf2_msgs"))
         monkeypatch.setitem(sys.modules, "tf2_msgs.msg", stand_in)
-    cycle = Cycle(Stamp(2_000_000_000), [], [], np.array([10.0, 20.0, 0.5]),
-                  heading_rotation(math.pi / 2))  # fmt: skip
-    settings = Settings.of({"tow_point": [-2.0, 0.0, 0.5], "tf": True})
-    (own,) = messages.transforms(cycle, settings).transforms  # the vessel's frame is not ours
+
+    def transforms(**asked: bool) -> Any:
+        """Of a vessel that heads north, with its tow point at (10, 20, 0.5)."""
+        settings = Settings.of({"scene": str(SCENE), "tow_point": [-2.0, 0.0, 0.5], **asked})
+        rig = LineRig(cm.load_scene(SCENE), settings, RealTime())
+        rig.model = SimpleNamespace(vessel_position=np.array([10.0, 20.0, 0.5]))
+        rig.helm.rotation = heading_rotation(math.pi / 2)
+        return messages.transforms(Cycle(Stamp(2_000_000_000), [], [], rig.frames())).transforms
+
+    (own,) = transforms(tf=True)  # the vessel's frame is not ours
     assert (own.header.frame_id, own.child_frame_id) == ("map", "tow_point")
     place = own.transform.translation
     assert (place.x, place.y, place.z) == (10.0, 20.0, 0.5)
     assert own.transform.rotation.w == 1.0
-    settings = Settings.of({"tow_point": [-2.0, 0.0, 0.5], "tf_vessel": True})
-    (transform,) = messages.transforms(cycle, settings).transforms
+    (transform,) = transforms(tf_vessel=True)
     place, turn = transform.transform.translation, transform.transform.rotation
     assert (place.x, place.y, place.z) == pytest.approx((10.0, 22.0, 0.0))
     assert (turn.z, turn.w) == pytest.approx((math.sqrt(0.5), math.sqrt(0.5)))

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from cablemodel_ros.commands import Commands
-from cablemodel_ros.frames import heading_rotation, quaternion_of, rotation
+from cablemodel_ros.frames import heading_rotation, rotation
 from cablemodel_ros.helm import Helm, Present
 from cablemodel_ros.samples import Sampler
 from cablemodel_ros.settings import Settings
@@ -21,6 +21,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from cablemodel import load_scene
+from cablemodel.log.messages import quaternion_of
 
 SCENE = Path(__file__).parents[3] / "ros2_node/scenes/waypoint_tow.yaml"
 STAMP = Stamp(0) + 1000.0

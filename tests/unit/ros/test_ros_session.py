@@ -63,9 +63,9 @@ def drive(
     dt = 1.0 / session.settings.rate
     begin = round(session.model.time / dt)
     for k in range(begin + 1, begin + steps + 1):
-        session.commands.take_twist(None, "map", velocity, (0, 0, 0))
+        session.rig.commands.take_twist(None, "map", velocity, (0, 0, 0))
         if rate is not None:
-            session.commands.take_payout_rate(rate)
+            session.rig.commands.take_payout_rate(rate)
         session.cycle(Simulated(k * dt))
 
 
@@ -79,7 +79,7 @@ def test_a_session_is_the_library_fed_the_same_commands(session: Session) -> Non
         model.step_to(k * 0.01, vessel_velocity=velocity, payout_rate=0.0)
     assert np.abs(session.model.state().position - model.state().position).max() < 1e-9
     assert session.model.top_tension == pytest.approx(model.top_tension, rel=1e-7)
-    assert session.helm.limited == 39
+    assert session.rig.helm.limited == 39
 
 
 def test_a_scene_with_direct_integration_is_steered_saved_and_restored(tmp_path: Path) -> None:
@@ -129,7 +129,7 @@ def test_pay_out_that_the_model_refuses_is_given_up_and_told(session: Session) -
     drive(session, 20, rate=0.5)
     assert session.model.time == pytest.approx(0.2)
     assert session.model.line_length == 30.0
-    assert session.payout_refusals > 0
+    assert session.rig.tallies["payout_rate_cmd"].refused > 0
     loop = ControlLoop(session, threading.Lock(), lambda c: None, lambda reason: None)
     commands = Diagnostics(session, loop).statuses()[1]
     assert commands.level == WARN
@@ -165,7 +165,7 @@ def test_reset_brings_the_initial_state_back_and_forgets_commands() -> None:
     clocks.wait(5.0)
     session.reset()
     assert session.model.snapshot() == initial
-    assert session.commands.latest().twist is None
+    assert session.rig.commands.latest().twist is None
     assert session.stamp() == clocks.ros
     session.close()
 
@@ -207,6 +207,21 @@ def test_a_saved_state_goes_on_as_the_model_did(session: Session, tmp_path: Path
     assert cm.load_scene(path.with_suffix(".yaml")) == session.scene
     with np.load(path) as saved:
         assert saved["position"].shape == (len(saved["s"]), 3)
+
+
+def test_relative_odometry_counts_from_where_a_saved_state_is(
+    session: Session, tmp_path: Path
+) -> None:
+    drive(session, 300)
+    path = session.save().write(tmp_path)
+    made = settings(initial_state=str(path), vessel_input="odom", odom_relative=True)
+    other: Any = opened(made)
+    place = other.model.vessel_position
+    assert place[0] > 1.0
+    other.rig.commands.take_odometry(
+        None, "map", "map", (700.0, 0, 0), (0, 0, 0, 1), (0, 0, 0), (0, 0, 0)
+    )
+    assert other.rig.commands.latest().odometry.course.position == pytest.approx(place)
 
 
 def test_a_saved_state_of_another_scene_is_refused(session: Session, tmp_path: Path) -> None:
@@ -400,7 +415,7 @@ def test_what_a_cable_may_be_wrong_by_is_published_logged_and_told(tmp_path: Pat
     drive(session, 100)
     error = model.position_error
     assert error > 0.0
-    topics = [topic for topic, _ in session.sampler.outputs(model, session.stamp(), np.eye(3))]
+    topics = [topic for topic, _ in session.rig.outputs(session.stamp())]
     assert {"~/position_error", "~/tension_error"} < set(topics)
     diagnostics = Diagnostics(session, loop_of(session)[0])
     status = diagnostics.statuses()[0]
@@ -466,7 +481,7 @@ def test_diagnostics_say_what_is_stale_and_what_is_missing() -> None:
     status = diagnostics.statuses()[1]
     assert status.level == WARN
     assert "cmd_vel is stale" in status.message
-    session.commands.take_twist(None, "map", (float("nan"), 0, 0), (0, 0, 0))
+    session.rig.commands.take_twist(None, "map", (float("nan"), 0, 0), (0, 0, 0))
     assert "1 of cmd_vel refused" in diagnostics.statuses()[1].message
     assert "refused" not in diagnostics.statuses()[1].message  # told once
     session.close()

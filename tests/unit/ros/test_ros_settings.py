@@ -14,7 +14,7 @@ from cablemodel_ros.settings import PARAMETERS, Settings, SettingsError
 
 ROOT = Path(__file__).parents[3]
 PACKAGE = ROOT / "ros2_node/cablemodel_ros"
-WITH_ROS = {"inputs", "outputs", "node", "messages", "markers"}
+WITH_ROS = {"outputs", "node", "messages", "markers"}
 
 
 def test_every_parameter_is_a_setting_and_its_default_is_allowed() -> None:
@@ -76,6 +76,7 @@ def test_only_the_shell_imports_ros() -> None:
 def test_tables_of_the_docs_are_current() -> None:
     text = (ROOT / "docs/ros2.md").read_text(encoding="utf-8")
     assert interface.document() in text, "run python docs/write_ros2_tables.py"
+    assert interface.document_of_systems() in text, "run python docs/write_ros2_tables.py"
     assert settings.document() in text, "run python docs/write_ros2_tables.py"
 
 
