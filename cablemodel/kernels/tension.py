@@ -646,11 +646,12 @@ def longest_ring_step(I, M, dt, scheme):
         return dt
     frequency, _moved = first_motion(I, M)
     angle = frequency * dt
-    while True:
-        missed = missed_of_ring(M, scheme, angle)
-        if missed <= 1.0:
-            return angle / frequency
+    missed = missed_of_ring(M, scheme, angle)
+    while missed > 1.0:
         angle = min(angle, math.pi) * 0.9 * missed ** (-1.0 / (3 + scheme))
+        missed = missed_of_ring(M, scheme, angle)
+    longest = angle / frequency
+    return longest if 0.0 < longest and longest < dt else dt
 
 
 @kernel

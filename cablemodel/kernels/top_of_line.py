@@ -65,8 +65,10 @@ def next_along(I, winch, edge):
         if child >= head.nodes or I[head.parent + child] != edge:
             return 0
         return child if I[head.joint + child] < JOINT_ARM else 0
-    parent = I[head.parent + edge]
-    return parent if parent > 0 and I[head.joint + parent] < JOINT_ARM else 0
+    parent = edge - 1
+    if parent <= 0 or I[head.parent + edge] != parent:
+        return 0
+    return parent if I[head.joint + parent] < JOINT_ARM else 0
 
 
 @kernel
