@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 from cablemodel.scene import scene_json_schema
-from cablemodel.systems import SystemScene
 
 PAGE = Path(__file__).parent / "scene.md"
 
@@ -76,20 +75,6 @@ SECTIONS = {
 }
 
 
-OF_SYSTEMS = {
-    "VesselFrame": "`vessels.NAME`: also",
-    "RaoPoint": "Row of `vessels.NAME.raos`",
-    "FreeBody": "`bodies.NAME`",
-    "Hull": "`bodies.NAME.hull`",
-    "Foil": "`bodies.NAME.foils.NAME`",
-    "SystemLine": "`lines.NAME`",
-    "LineEnd": "`from` and `to` of `lines.NAME`",
-    "SystemWinch": "`winches.NAME`",
-    "Cut": "`cuts.NAME`",
-}
-"""Sections of what only systems have."""
-
-
 def scene_reference() -> str:
     """The page as text."""
     schema = scene_json_schema()
@@ -100,26 +85,7 @@ def scene_reference() -> str:
     parts = [INTRODUCTION]
     for name, title in SECTIONS.items():
         parts.append(_section(title, definitions[name]))
-    parts.append(
-        "# Systems\n\n[systems.md](systems.md) says what they are. Beside `environment`, "
-        "`cable_types`, `solver` and `run` a system has:\n"
-    )
-    whole = scene_json_schema(SystemScene)
-    of_systems: dict[str, Any] = whole["$defs"]
-    unknown = set(of_systems) - set(SECTIONS) ^ set(OF_SYSTEMS)
-    if unknown:
-        raise SystemExit(f"OF_SYSTEMS and the schema differ in {sorted(unknown)}")
-    for name, title in OF_SYSTEMS.items():
-        parts.append(_section(title, _without(of_systems[name], definitions["Vessel"])))
     return "\n".join(parts)
-
-
-def _without(schema: dict[str, Any], other: dict[str, Any]) -> dict[str, Any]:
-    """A vessel of a system without the keys of any vessel."""
-    if not schema["properties"].keys() >= other["properties"].keys():
-        return schema
-    own = {k: v for k, v in schema["properties"].items() if k not in other["properties"]}
-    return {**schema, "properties": own}
 
 
 def _section(title: str, schema: dict[str, Any]) -> str:
