@@ -651,7 +651,7 @@ def longest_ring_step(I, M, dt, scheme):
         angle = min(angle, math.pi) * 0.9 * missed ** (-1.0 / (3 + scheme))
         missed = missed_of_ring(M, scheme, angle)
     longest = angle / frequency
-    return longest if 0.0 < longest and longest < dt else dt
+    return longest if 0.0 < longest and longest < 1e300 else dt
 
 
 @kernel
