@@ -226,6 +226,7 @@ def test_the_ends_of_drum_and_line() -> None:
 def test_a_line_is_let_go_at_its_winch(way: str) -> None:
     scene = towed(way)
     end = "start" if way == "down" else "end"
+    scene["winches"]["main"]["rate"] = rates((0, 0), (5, 0), (8, 1.0))
     scene["cuts"] = {"brake": {"line": "tow", "at": end, "time": 12.0}}
     model = SystemModel(scene)
     model.step(11.0)
