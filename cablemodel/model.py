@@ -35,8 +35,10 @@ _INPUT_WORDS = 14
 """As kernels/stepping.py, which loads the compiler."""
 _NO_NUMBERS = frozenset((str, bytes, bool, np.bool_, np.str_, np.bytes_))
 """What Python would make a number of, and nobody means as one."""
-_NO_INPUTS: FloatArray = np.zeros(_INPUT_WORDS)
-_NO_INPUTS.flags.writeable = False
+NO_INPUTS: FloatArray = np.zeros(_INPUT_WORDS)
+NO_INPUTS.flags.writeable = False
+WINCH_LIMITS = {0: "free", 1: "drum empty", -1: "shortest length"}
+"""What clamps a winch's rate, by the words of its record."""
 
 
 @dataclass(frozen=True)
@@ -225,7 +227,7 @@ class CableModel:
                 time=self.time,
                 advice=f"give a step of at most {at.LONGEST_STEP:g} s",
             )
-        inputs = _NO_INPUTS
+        inputs = NO_INPUTS
         if not (
             vessel_velocity is None
             and vessel_position is None
@@ -431,9 +433,7 @@ class CableModel:
     @property
     def winch(self) -> str:
         """``free``, ``drum empty`` or ``shortest length``: what clamps the pay-out rate."""
-        return {0: "free", 1: "drum empty", -1: "shortest length"}[
-            int(self._solver.memory.winch.at_limit)
-        ]
+        return WINCH_LIMITS[int(self._solver.memory.winch.at_limit)]
 
     @property
     def floor_force(self) -> FloatArray:

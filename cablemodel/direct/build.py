@@ -123,7 +123,7 @@ def _tension_scale(scene: Scene) -> float:
     scale = sum(abs(body.submerged_weight) for body in scene.bodies)
     for cable in scene.cables:
         kind = scene.cable_types[cable.type]
-        weight = max(abs(kind.submerged_weight), 1e-3 * kind.mass * gravity)
+        weight = kind.typical_weight(gravity)
         drag = 0.05 * rho * kind.drag_normal * kind.diameter * speed**2
         scale += cable.length * (weight + drag)
     return scale

@@ -41,7 +41,7 @@ def tension_per_length(scene: Scene) -> list[float]:
         speed += water.speed
     found = []
     for kind in (scene.cable_types[cable.type] for cable in scene.cables):
-        weight = max(abs(kind.submerged_weight), 1e-3 * kind.mass * gravity)
+        weight = kind.typical_weight(gravity)
         found.append(weight + 0.5 * rho * kind.drag_normal * kind.diameter * speed**2 * 0.1)
     return found
 

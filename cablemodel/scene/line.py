@@ -110,6 +110,10 @@ class CableType(SceneModel):
         assert self.axial_stiffness is not None
         return (1.0 / self.axial_stiffness,)
 
+    def typical_weight(self, gravity: float) -> float:
+        """Size of its weight in water, of what floats a thousandth of that in air [N/m]."""
+        return max(abs(self.submerged_weight), 1e-3 * self.mass * gravity)
+
     def resolved(self, water_density: float, gravity: float) -> CableType:
         """The same type with its submerged weight as a number."""
         if not math.isnan(self.submerged_weight):

@@ -74,7 +74,7 @@ def tension_scale(scene: SystemScene) -> float:
         for item in line.items:
             if item.cable is not None:
                 kind = scene.cable_types[item.cable.type]
-                weight = max(abs(kind.submerged_weight), 1e-3 * kind.mass * gravity)
+                weight = kind.typical_weight(gravity)
                 total += weight * item.cable.length
             elif item.body is not None:
                 total += abs(item.body.submerged_weight)

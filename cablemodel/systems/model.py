@@ -16,7 +16,7 @@ from cablemodel.errors import SceneError, StepError
 from cablemodel.finite_element import MEANING
 from cablemodel.kernels import layout as at
 from cablemodel.kernels.layout import Header, Winch
-from cablemodel.model import CableState
+from cablemodel.model import NO_INPUTS, WINCH_LIMITS, CableState
 from cablemodel.scene import Scene
 from cablemodel.scene.load import SceneSource, is_system, loaded, read_content
 from cablemodel.systems.build import build
@@ -28,8 +28,6 @@ FloatArray = NDArray[np.float64]
 
 SAME_PLACE = 1e-9
 """Part of a line's length by which a node is at a cut."""
-_INPUT_WORDS = 14
-_NO_INPUTS: FloatArray = np.zeros(_INPUT_WORDS)
 
 
 @dataclass(frozen=True)
@@ -184,10 +182,10 @@ class SystemModel:
         if given or self._drives(block) or pushed or drive.orders.any():
             before = block.image.copy()
             entry.drive(block.ints, block.reals, end, *drive.arrays)
-        status = int(entry.step(block.ints, block.reals, end, _NO_INPUTS))
+        status = int(entry.step(block.ints, block.reals, end, NO_INPUTS))
         while status == at.NO_CAPACITY:
             block.grow()
-            status = int(entry.step(block.ints, block.reals, end, _NO_INPUTS))
+            status = int(entry.step(block.ints, block.reals, end, NO_INPUTS))
         if status != at.OK:
             part, arc = self.built.where(min(block.failed_node, self.built.nodes - 1))
             if before is not None:
@@ -212,7 +210,7 @@ class SystemModel:
                 payout_rate=float(row.rate),
                 line_length=self.lines[winch.line].length,
                 drum_length=float(row.paid_most - row.paid),
-                limit=_LIMITS[int(row.at_limit)],
+                limit=WINCH_LIMITS[int(row.at_limit)],
             )
             for (name, winch), row in zip(self.scene.winches.items(), self._winches(), strict=True)
         }
@@ -375,9 +373,6 @@ class SystemModel:
         self.built.block.take(self._initial)
         self._forces[:] = 0.0
         self._angles = self._inputs.first_angles.copy()
-
-
-_LIMITS = {0: "free", 1: "drum empty", -1: "shortest length"}
 
 
 def _wrench(row: FloatArray) -> FloatArray:

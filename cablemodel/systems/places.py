@@ -29,7 +29,7 @@ def place_nodes(scene: SystemScene, built: Built, guess: Guess, before: Built | 
         if node in bodies:
             body = scene.bodies[name]
             point = tree.bodies[name][1]
-            arm = axes_of(body.attitude) @ np.array(body.points[point] if point else (0.0,) * 3)
+            arm = axes_of(body.attitude) @ np.array(body.place(point))
             q[node, :3] = guess.bodies[name] + arm
             continue
         length = scene.lines[name].length

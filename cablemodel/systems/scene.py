@@ -262,6 +262,10 @@ class FreeBody(SceneModel):
             raise rejection("not exactly one of submerged_weight and hull", "one of them")
         return self
 
+    def place(self, point: str) -> tuple[float, float, float]:
+        """Of a point by its name, in the body's axes; without one, of the origin [m]."""
+        return self.points[point] if point else (0.0, 0.0, 0.0)
+
     def weight_in(self, environment: Environment) -> float:
         """Its weight in water, wholly submerged [N]."""
         if self.submerged_weight is not None:
@@ -343,6 +347,10 @@ class SystemLine(SceneModel):
     def ends(self) -> tuple[LineEnd, LineEnd]:
         """Both."""
         return self.start, self.end
+
+    def end_at(self, side: Literal["start", "end"]) -> LineEnd:
+        """One of them."""
+        return self.start if side == "start" else self.end
 
 
 class Cut(SceneModel):
@@ -493,7 +501,7 @@ class SystemScene(Document):
                 problem = f"{cut.line} is {line.length:g} m long"
                 allowed = f"above 0 and below {line.length:g} m, or start or end"
                 yield SceneProblem(f"{path}.at", cut.at, problem, allowed)
-            end = {"start": line.start, "end": line.end}.get(str(cut.at))
+            end = None if isinstance(cut.at, float) else line.end_at(cut.at)
             if end is not None and end.is_free:
                 problem = f"{cut.line} is free there"
                 yield SceneProblem(f"{path}.at", cut.at, problem, "an end that is held")
@@ -510,7 +518,7 @@ class SystemScene(Document):
                 problem = f"{shown(winch.line)} is not one of the lines"
                 yield SceneProblem(f"{path}.line", winch.line, problem, ", ".join(self.lines))
                 continue
-            end = line.start if winch.at == "start" else line.end
+            end = line.end_at(winch.at)
             owner = (end.point or "").partition(".")[0]
             if owner not in self.vessels:
                 problem = f"{winch.line} is not held by a vessel at its {winch.at}"

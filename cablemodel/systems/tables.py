@@ -169,8 +169,7 @@ def weight_of(scene: SystemScene, name: str) -> float:
     for item in scene.lines[name].items:
         if item.cable is not None:
             kind = scene.cable_types[item.cable.type]
-            weight = max(abs(kind.submerged_weight), 1e-3 * kind.mass * max(gravity, 1.0))
-            total += weight * item.cable.length
+            total += kind.typical_weight(max(gravity, 1.0)) * item.cable.length
     return total
 
 
@@ -197,7 +196,7 @@ def fill_winches(scene: SystemScene, built: Built) -> None:
     first = 0
     for number, winch in enumerate(scene.winches.values()):
         line = scene.lines[winch.line]
-        end = line.start if winch.at == "start" else line.end
+        end = line.end_at(winch.at)
         held = next(h for h in tree.held if h.line == winch.line and h.end is end)
         top = held.node + 1 if held.outward else held.node
         segment = tree.elements[top].segment
@@ -353,7 +352,7 @@ def fill_bodies(scene: SystemScene, built: Built, before: Built | None) -> None:
     edges = block.array(Header.edges, len(tree.parent), at.EDGE_WORDS)
     for index, (row, (name, body)) in enumerate(zip(rows, scene.bodies.items(), strict=True)):
         node, point = tree.bodies[name]
-        reference = np.array(body.points[point] if point else (0.0, 0.0, 0.0))
+        reference = np.array(body.place(point))
 
         def from_reference(place: Any, reference: FloatArray = reference) -> FloatArray:
             return np.array(place) - reference
@@ -403,7 +402,7 @@ def fill_bodies(scene: SystemScene, built: Built, before: Built | None) -> None:
     for row, (node, name, point) in zip(arms, tree.arms, strict=True):
         body = scene.bodies[name]
         own = tree.bodies[name][1]
-        origin: FloatArray = np.array(body.points[own] if own else (0.0, 0.0, 0.0))
+        origin: FloatArray = np.array(body.place(own))
         row[at.Arm.node], row[at.Arm.body] = node, names.index(name)
         row[at.Arm.place.span] = np.array(body.points[point]) - origin
 
@@ -441,7 +440,7 @@ def fill_feet(scene: SystemScene, built: Built) -> None:
     for row, (name, place) in zip(rows, feet, strict=True):
         body = scene.bodies[name]
         own = built.tree.bodies[name][1]
-        reference = np.array(body.points[own] if own else (0.0, 0.0, 0.0))
+        reference = np.array(body.place(own))
         least = 1e-3 * body.mass * scene.environment.gravity  # of what floats, as of cable
         count = sum(other == name for other, _place in feet)
         row[at.Foot.body] = names.index(name)
@@ -470,10 +469,9 @@ def fill_closures(scene: SystemScene, built: Built) -> None:
         row[at.Closure.node], row[at.Closure.body], row[at.Closure.other] = node, -1.0, -1.0
         if isinstance(where, str):
             own = tree.bodies[owner][1]
-            points = scene.bodies[owner].points
-            reference = np.array(points[own] if own else (0.0, 0.0, 0.0))
+            body = scene.bodies[owner]
             row[at.Closure.body] = names.index(owner)
-            row[at.Closure.place.span] = np.array(points[where]) - reference
+            row[at.Closure.place.span] = np.array(body.place(where)) - np.array(body.place(own))
         else:
             gaps = [abs(arc - where) if line == owner else math.inf for line, arc in tree.arcs]
             row[at.Closure.other] = int(np.argmin(gaps))
