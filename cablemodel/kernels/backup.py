@@ -4,12 +4,13 @@ The image is copied in parts, and of each as much as is in use, not its capacity
 the live piece of motion and the state of what is awake change in every step. The factorisation,
 two thirds of the image, is kept only when it is about to be replaced, which most of the steps of a
 caller at 100 Hz do not do, and cable that sleeps only when it is moved in memory or wakes. The
-tables between them change in no step.
+tables between them change in no step, but for the largest tensions of a system's cables.
 """
 
 from .access import header, header_at
 from .compile import copy_words, kernel
 from .layout import (
+    CABLE_WORDS,
     EDGE_WORDS,
     PIECE_WORDS,
 )
@@ -50,6 +51,8 @@ def copy_awake(I, to, source):
     copy_part(I, to, source, head.bodies, 1, 0, head.position - head.bodies)
     if head.has_history != 0:
         copy_part(I, to, source, head.history, 4 * head.dimension, 0, awake)
+    if head.parts != 0:
+        copy_part(I, to, source, head.cables, CABLE_WORDS, 0, head.cable_count)
 
 
 @kernel

@@ -6,11 +6,12 @@ motion or another mesh asks for more.
 
 import math
 
-from .access import constraint_of, header, scalars
+from .access import constraint_of, frame_of, header, scalars
 from .closures import follow_forces, scale_gaps
 from .compile import copy_words, kernel, view
 from .environment import current_rate, prescribed_motion, surge_jump, vessel_motion
-from .frames import frames_jump, move_frames
+from .frames import frames_jump, move_frames, point_motion
+from .layout import HELD_BY_FRAME
 from .newton import refactor
 from .system import (
     elongation_rate,
@@ -241,6 +242,30 @@ def vessel_jump(I, M):
     for i in range(dimension):
         changed += (out[2 * dimension + i] - M[at + i]) ** 2
     return math.sqrt(changed)
+
+
+@kernel
+def jump_along(I, M, row):
+    """By how much the acceleration of a held end along its line is now another one than the
+    state's [m/s2]; a vessel's. Of frames `move_frames` has been called."""
+    head = header(I)
+    time = scalars(M).time
+    dimension = head.dimension
+    out = view(M, head.motion + 16, 18)
+    if row.kind == HELD_BY_FRAME:
+        frame = frame_of(I, M, int(row.frame))
+        point_motion(M, row, frame, out[0:9], out[9:18])
+    else:
+        vessel_motion(I, M, time)
+        prescribed_motion(I, M, row, time, out)
+    at = 2 * dimension * int(row.node)
+    along = 0.0
+    square = 0.0
+    for i in range(dimension):
+        slope = M[head.position + at + dimension + i]
+        along += (out[2 * dimension + i] - M[head.acceleration + at + i]) * slope
+        square += slope * slope
+    return abs(along) / math.sqrt(square) if square > 0.0 else 0.0
 
 
 @kernel

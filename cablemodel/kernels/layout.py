@@ -91,7 +91,7 @@ class Header(Record):
     tension_rate = integer("rates of the tensions (nodes, 2) [N/s]")
     stage_tension = integer("tensions of the stages of a step")
     stretch = integer("rates of stretch that the tensions ask for (nodes, 2)")
-    stage_tensions = integer("of a system, tensions in the stages of a step (nodes, 6) [N]")
+    stage_tensions = integer("tensions in a step's stages, of what is watched (nodes, 6) [N]")
 
     # Pay-out.
     payout = integer("1 where cable may pass a winch: the length of the element there varies")
@@ -132,6 +132,7 @@ class Header(Record):
     cell_layers = integer("start of the layers of water that have cells (Layer)")
     cells = integer("start of the cells: three to an element, one to a body, of CELL_WORDS")
     surge = integer("1 while the current changes in time, as of the last set_time")
+    rings = integer("ends that are held behind which something rings that is followed")
     settled = integer("1 while the last step left a line that does not ring along itself")
     floor_state = integer("FLOOR_FAR, ...: how near the line is to the floor; 0 also without one")
 
@@ -210,7 +211,6 @@ class Scalars(Record, first=HEADER_WORDS):
     wave_crest = real("sum of the amplitudes", "m")
 
     clamp_tension = real("tension at a clamped tow point, smoothed over time", "N")
-    stage_top_tension = reals(6, "of the top element, in the stages of the last step", "N")
     largest_tension = real("so far, either way", "N")
     memory = real("how long an error of the velocity moves the line; 0: not looked at", "s")
     wave_x = real("x of the way that the waves go, a horizontal unit vector")
@@ -234,15 +234,10 @@ class Scalars(Record, first=HEADER_WORDS):
     tractable = real("at a floor: longest step that Newton's method is expected to manage", "s")
     most_nodes = real("of what hangs: from there on no bend in the water gets one more")
     end_support = real("what the floor bears for long of the line's end, over its contact")
-    ring = real("tension with which the line rings since the winch's acceleration jumped", "N")
-    ring_since = real("when the window began in which that is measured", "s")
-    ring_cosine = real("the window's integral so far: of the ring's cosine", "N")
-    ring_sine = real("of its sine", "N")
     sleep_push = real("the water's acceleration whose force is the friction", "m/s2")
     current_slope = reals(3, "rate of the live current before t0", "m/s2")
     cell_stays = real("way within which a stage keeps the water of its first iteration", "m")
     stage_time = real("of the last set_time, in a system", "s")
-    ring_about = real("top tension when that window began", "N")
 
 
 SCALAR_WORDS = Scalars.WORDS
@@ -306,6 +301,7 @@ class Winch(Record):
     paid_least = real("smallest `paid`: the line is at its shortest", "m")
     rate = real("of travel at `time`", "m/s")
     slope = real("rate of that", "m/s2")
+    kink = real("by how much that has jumped as the last step began", "m/s2")
     stage_rate = real("rate at the time of the last set_time", "m/s")
     stage_slope = real("rate of that", "m/s2")
     top_length = real("of the top element, or of what is out of a body, at `time`", "m")
@@ -395,6 +391,12 @@ class Constraint(Record):
     drift_rate = reals(3, "another rate (`add_layer_motion`)", "m/s")
     frame = real("row of the frame whose point it is")
     own_direction = reals(3, "a clamp's direction in the frame's axes")
+    ring = real("tension that rings there since an acceleration jumped, 0: none is followed", "N")
+    ring_frequency = real("of that", "rad/s")
+    ring_since = real("when the window began in which it is measured", "s")
+    ring_about = real("tension when that window began", "N")
+    ring_cosine = real("the window's integral so far: of the ring's cosine", "N")
+    ring_sine = real("of its sine", "N")
 
 
 CONSTRAINT_WORDS = Constraint.WORDS

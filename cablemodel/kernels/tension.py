@@ -11,19 +11,20 @@ velocities at the step's end: the acceleration meets the second derivative of |r
 in time and the equations of motion, in which the tension is linear. That holds for a line that does
 not ring along itself. One that rings leaves its stages apart, but by its end a long step has damped
 it, and the tension that is solved for is that of the step: such a step is refused.
-
-A load rings on its wire when the winch's acceleration jumps. A long step damps that, and the
-embedded solution with it, so that their difference tells nothing. But what a step makes of a ring
-is known: R(i angle) instead of exp(i angle), R its scheme's stability function. That much of the
-amplitude it misses, and such errors add up for as long as a ring lasts. The amplitude is what the
-jump makes, then what a window of two turns finds in the top tension beside a cubic of time: the
-motion that waves or a vessel force on the line is that, and is none of the ring. One of less than
-is allowed may be damped away at once: no more than all of it can be missed.
 """
 
 import math
 
-from .access import body_of, cable_of, constraint_of, edge_of, header, scalars, winch_of
+from .access import (
+    body_of,
+    cable_of,
+    constraint_of,
+    edge_of,
+    free_body_of,
+    header,
+    scalars,
+    winch_of,
+)
 from .closures import scale_gaps
 from .compile import copy_words, inlined, kernel, outlined, view
 from .consistency import vessel_jump
@@ -39,7 +40,10 @@ from .system import (
     residual,
     set_time,
 )
-from .tables import GAMMA, NUMERATOR, STAGE_A, STAGE_C, STAGES, TENSION_TEST, WINDOW
+from .tables import (
+    STAGES,
+    TENSION_TEST,
+)
 
 PROMISED = 0.5  # of the error of tension that is promised
 SHARE = 0.045  # of that: what a step may add to an error that lasts, as of positions
@@ -76,37 +80,71 @@ def tension_tolerance(M):
     return PROMISED * promised_tension(M)
 
 
+@inlined
+def watched(I):
+    """One beyond the last of the elements whose tension is controlled: of one line the top element,
+    1; of a system all."""
+    head = header(I)
+    return 2 if head.parts == 0 else head.nodes
+
+
+@inlined
+def is_watched(I, node):
+    """Whether the tension above that node, of those, is: joints of a system have none."""
+    head = header(I)
+    return head.parts == 0 or I[head.joint + node] == 0
+
+
 @kernel
-def stage_scatter(M, scheme):
-    """How far the top tensions of a step's implicit stages are off a smooth curve [tolerances]."""
-    state = scalars(M)
+def allowed_at(I, M, node):
+    """Error of a step's tension in a watched element that is allowed [N]: in a system by the
+    largest tension of its own line."""
+    if header(I).parts == 0:
+        return tension_tolerance(M)
+    cable = cable_of(I, M, int(edge_of(I, M, node).segment))
+    return PROMISED * 10.0 * scalars(M).tolerance * cable.tension
+
+
+@kernel
+def keep_stage_tensions(I, M, stage):
+    """Keep the tensions of a step's stage, by its number, of what is watched."""
+    head = header(I)
+    for node in range(1, watched(I)):
+        M[head.stage_tensions + 6 * node + stage] = M[head.trial_tension + 2 * node]
+
+
+@kernel
+def stage_scatter(I, M, node, scheme):
+    """How far the tensions of a step's implicit stages are off a smooth curve [tolerances]."""
+    head = header(I)
     stages = STAGES[scheme] - 1
+    tension = view(M, head.stage_tensions + 6 * node, 6)
     worst = 0.0
     for i in range(stages):
         missed = 0.0
         for j in range(stages):
-            missed += TENSION_TEST[scheme, i, j] * state.stage_top_tension[j]
+            missed += TENSION_TEST[scheme, i, j] * tension[j]
         worst = max(worst, abs(missed))
-    return worst / tension_tolerance(M)
+    return worst / allowed_at(I, M, node)
 
 
 @kernel
-def top_stretch_tension(I, M, x):
-    """What a motion x of the nodes changes of the top element's tension by stretching it [N]."""
+def stretch_tensions(I, M, x):
+    """What a motion x of the nodes changes of the elements' tensions by stretching them [N], into
+    the workspace of the stages' velocities."""
     head = header(I)
     constraint = view(M, head.constraint_residual, 2 * head.nodes)
     change = view(M, head.stage_velocity, 2 * head.nodes)
     constraint[:] = 0.0
     change[:] = 0.0
     recover_tension(I, M, constraint, x, change)
-    return abs(change[2])
 
 
 @kernel
 def filter_motion(I, M, motion, gamma_dt):
     """Leave of a motion of the nodes, (nodes, 2, dimension), what the stages' matrix makes of its
-    inertia: all where the step resolves it, 1 / (1 + (omega gamma dt)^2) of what swings. Returns
-    what is left in the tension at the top [N]."""
+    inertia: all where the step resolves it, 1 / (1 + (omega gamma dt)^2) of what swings. And by
+    `stretch_tensions` what is left in the tensions."""
     head = header(I)
     count = 2 * head.dimension * head.nodes
     words = 2 * head.nodes
@@ -125,27 +163,33 @@ def filter_motion(I, M, motion, gamma_dt):
     newton_increment(I, M, forces, constraint, x)
     for n in range(count):
         motion[n] = x[n]
-    return top_stretch_tension(I, M, x)
+    stretch_tensions(I, M, x)
 
 
 @outlined
-def embedded_error(I, M, error, gamma_dt, scatter):
-    """Error of the top tension by the embedded solution [tolerances], and its part that lasts.
+def find_embedded_errors(I, M, error, gamma_dt):
+    """Errors of the watched tensions by the embedded solution, for `embedded_error`.
 
-    error: of the positions, (nodes, 2, dimension) [m]; it is overwritten. scatter: beside which an
-    error is none that is much smaller [tolerances].
+    error: of the positions, (nodes, 2, dimension) [m]; it is overwritten.
     """
-    allowed = tension_tolerance(M)
-    left = filter_motion(I, M, error, gamma_dt) / allowed
-    again = filter_motion(I, M, error, gamma_dt) / allowed
-    return left, min(1.0, again / max(left, NOTHING * scatter))
+    head = header(I)
+    filter_motion(I, M, error, gamma_dt)
+    for node in range(1, watched(I)):
+        M[head.stage_tensions + 6 * node + 5] = M[head.stage_velocity + 2 * node]
+    filter_motion(I, M, error, gamma_dt)
 
 
 @kernel
-def allowed_at(I, M, node):
-    """Error of a step's tension in an element of a system that is allowed [N], by its own line."""
-    cable = cable_of(I, M, int(edge_of(I, M, node).segment))
-    return PROMISED * 10.0 * scalars(M).tolerance * cable.tension
+def embedded_error(I, M, node, scatter):
+    """Error of a watched tension by the embedded solution [tolerances], and its part that lasts.
+
+    scatter: beside which an error is none that is much smaller [tolerances].
+    """
+    head = header(I)
+    allowed = allowed_at(I, M, node)
+    left = abs(M[head.stage_tensions + 6 * node + 5]) / allowed
+    again = abs(M[head.stage_velocity + 2 * node]) / allowed
+    return left, min(1.0, again / max(left, NOTHING * scatter))
 
 
 @kernel
@@ -158,28 +202,6 @@ def remember_tensions(I, M):
             cable.tension = max(cable.tension, abs(M[head.tension + 2 * node]))
 
 
-@kernel
-def keep_stage_tensions(I, M, stage):
-    """Keep the tensions of a step's stage, by its number, of all elements of a system."""
-    head = header(I)
-    for node in range(1, head.nodes):
-        M[head.stage_tensions + 6 * node + stage] = M[head.trial_tension + 2 * node]
-
-
-@kernel
-def scatter_at(I, M, node, scheme):
-    """`stage_scatter` of an element of a system."""
-    stages = STAGES[scheme] - 1
-    tension = view(M, header(I).stage_tensions + 6 * node, 6)
-    worst = 0.0
-    for i in range(stages):
-        missed = 0.0
-        for j in range(stages):
-            missed += TENSION_TEST[scheme, i, j] * tension[j]
-        worst = max(worst, abs(missed))
-    return worst / allowed_at(I, M, node)
-
-
 @inlined
 def dies_within(M, dt):
     """Whether what a step of dt does not follow dies away by the material before a line has moved:
@@ -187,79 +209,46 @@ def dies_within(M, dt):
     return dt < FINEST * 0.5 * LOSS_FACTOR * scalars(M).period
 
 
-@kernel
-def error_in_parts(I, M, dt, scheme, gamma_dt, error):
-    """`tension_error` of a system, the largest of all elements. Nothing is solved for."""
-    head = header(I)
-    if dies_within(M, dt):
-        return 0.0, PASSES_OVER
-    scatter = 0.0
-    for node in range(1, head.nodes):
-        if I[head.joint + node] == 0:
-            scatter = max(scatter, scatter_at(I, M, node, scheme))
-    if scatter <= UNSEEN:
-        return scatter, PASSES_OVER
-    filter_motion(I, M, error, gamma_dt)
-    for node in range(1, head.nodes):
-        M[head.stage_tensions + 6 * node + 5] = M[head.stage_velocity + 2 * node]
-    filter_motion(I, M, error, gamma_dt)
-    worst = 0.0
-    for node in range(1, head.nodes):
-        if I[head.joint + node] != 0:
-            continue
-        allowed = allowed_at(I, M, node)
-        left = abs(M[head.stage_tensions + 6 * node + 5]) / allowed
-        again = abs(M[head.stage_velocity + 2 * node]) / allowed
-        scatter = scatter_at(I, M, node, scheme)
-        share = min(1.0, again / max(left, NOTHING * scatter, 1e-300))
-        worst = max(worst, left * share * share / SHARE, (1.0 - share * share) * scatter)
-    return worst, PASSES_OVER
-
-
-@kernel
-def two_step_error_in_parts(I, M, dt):
-    """`two_step_error` of a system, the largest of all elements."""
-    head = header(I)
-    if dies_within(M, dt):
-        return 0.0, PASSES_OVER
-    worst = 0.0
-    for node in range(1, head.nodes):
-        if I[head.joint + node] != 0:
-            continue
-        final = M[head.trial_tension + 2 * node]
-        predicted = M[head.tension + 2 * node] + dt * M[head.tension_rate + 2 * node]
-        first = M[head.stage_tensions + 6 * node]
-        lasting = 0.5 * abs(final - first) / SHARE_OF_LIMITED
-        worst = max(worst, min(abs(final - predicted), lasting) / allowed_at(I, M, node))
-    return worst, PASSES_OVER
+@inlined
+def is_over_at_once(I, M, dt):
+    """Whether a step of dt need not look at tensions: of one line as it follows all, of a system as
+    what it does not follow dies away."""
+    if header(I).parts != 0:
+        return dies_within(M, dt)
+    return dt * math.sqrt(scalars(M).axial) < FINEST
 
 
 @kernel
 def two_step_error(I, M, dt):
-    """Error of the top tension of a two-step step [tolerances], and what it does along the line.
+    """Error of the watched tensions of a two-step step [tolerances], and what it does along the
+    line.
 
     Where the line is too stiff for it to follow, dt^2 T'' at most, by which the prediction from
     the last step's rate is off; else half of what the predicted positions stretch it by more or
     less, which lasts.
     """
     head = header(I)
-    state = scalars(M)
-    if head.parts != 0:
-        return two_step_error_in_parts(I, M, dt)
-    if dt * math.sqrt(state.axial) < FINEST:
+    if is_over_at_once(I, M, dt):
         return 0.0, FOLLOWS
-    final = M[head.trial_tension + 2]
-    predicted = M[head.tension + 2] + dt * M[head.tension_rate + 2]
-    lasting = 0.5 * abs(final - state.stage_top_tension[0]) / SHARE_OF_LIMITED
-    passed_over = abs(final - predicted)
-    if passed_over < lasting:
-        return passed_over / tension_tolerance(M), PASSES_OVER
-    return lasting / tension_tolerance(M), FOLLOWS
+    worst = 0.0
+    along = PASSES_OVER
+    for node in range(1, watched(I)):
+        if not is_watched(I, node):
+            continue
+        final = M[head.trial_tension + 2 * node]
+        predicted = M[head.tension + 2 * node] + dt * M[head.tension_rate + 2 * node]
+        first = M[head.stage_tensions + 6 * node]
+        lasting = 0.5 * abs(final - first) / SHARE_OF_LIMITED
+        passed_over = abs(final - predicted)
+        if not passed_over < lasting:
+            along = FOLLOWS
+        worst = max(worst, min(passed_over, lasting) / allowed_at(I, M, node))
+    return worst, along
 
 
 @kernel
 def inertia(I, M):
-    """Mass of all that hangs on the tow point [kg]."""
+    """Mass of all lines and bodies [kg]."""
     head = header(I)
     mass = 0.0
     for node in range(1, head.nodes):
@@ -268,6 +257,8 @@ def inertia(I, M):
             mass += edge.mass * edge.length
     for body in range(head.body_count):
         mass += body_of(I, M, body).mass
+    for body in range(head.free_count):
+        mass += free_body_of(I, M, body).solid[0]
     return mass
 
 
@@ -478,183 +469,6 @@ def rings(I, M, dt):
 
 
 @kernel
-def first_motion(I, M):
-    """Of the line's first motion along itself, its end free: frequency [rad/s], and the mass that
-    moves with it when the tow point accelerates [kg].
-
-    By Rayleigh's quotient, of displacements s as under a load at the end: the stiffness over the
-    sum of m s^2; of the mass the square of the sum of m s over that.
-    """
-    head = header(I)
-    s = region(I, SOFTNESS)  # from the tow point to each node [m/N]
-    for node in range(head.nodes):
-        M[s + node] = 0.0
-    for body in range(head.body_count):
-        row = body_of(I, M, body)
-        if row.node > 0.0:
-            M[s + int(row.node)] = row.compliance
-    softest = 0.0
-    moved = 0.0
-    squares = 0.0
-    for node in range(1, head.nodes):
-        above = M[s + I[head.parent + node]]
-        below = above + M[s + node]
-        if I[head.joint + node] == 0:
-            edge = edge_of(I, M, node)
-            below += edge.compliance * edge.length
-            mass = edge.mass * edge.length
-            moved += mass * 0.5 * (above + below)
-            squares += mass * (above * above + above * below + below * below) / 3.0
-        M[s + node] = below
-        softest = max(softest, below)
-    for body in range(head.body_count):
-        row = body_of(I, M, body)
-        if row.node > 0.0:
-            mass = row.mass + row.added_mass_axial
-            way = M[s + int(row.node)]
-            moved += mass * way
-            squares += mass * way * way
-    return math.sqrt(softest / squares), moved * moved / squares
-
-
-@kernel
-def known_ring(M):
-    """Amplitude of the ring [tolerances]; 0: none that may not be damped away."""
-    ring = scalars(M).ring / tension_tolerance(M)
-    return ring if ring > 1.0 else 0.0
-
-
-@kernel
-def begin_window(M, t, tension):
-    """Begin to measure how the line rings, at time t and that top tension."""
-    state = scalars(M)
-    state.ring_since = t
-    state.ring_about = tension
-    state.ring_cosine = 0.0
-    state.ring_sine = 0.0
-
-
-@kernel
-def begin_ring(I, M, jump, dt):
-    """The acceleration along the line jumps [m/s2] as a step of dt begins: so does the tension with
-    which it would not ring, and it rings about that. Velocities go on."""
-    head = header(I)
-    state = scalars(M)
-    _frequency, moved = first_motion(I, M)
-    made = moved * abs(jump)
-    if made <= tension_tolerance(M) or dies_away(M):
-        return
-    made += state.ring
-    count = 2 * head.dimension * head.nodes
-    if may_be_solved_for(I, M):
-        copy_words(I, region(I, SOLVED_A), head.acceleration, count)
-        copy_words(I, region(I, STRAINED), head.tension_rate, 2 * head.nodes)
-        tension = view(M, head.tension, 2 * head.nodes)
-        q = view(M, head.position, count)
-        v = view(M, head.velocity, count)
-        change, _moving = solve_for_tension(I, M, state.time, SHORT * dt, q, v, tension)
-        if change >= 0.0:
-            made = min(made, math.hypot(state.ring, change * tension_tolerance(M)))
-    state.ring = made
-    begin_window(M, state.time, M[head.tension + 2])
-
-
-@kernel
-def add_to_window(M, y, weight, tension):
-    """A top tension at that place in the window, for a stretch of it of that weight [rad]."""
-    state = scalars(M)
-    seen = 0.5 * (1.0 + math.cos(0.5 * y)) if abs(y) < 2.0 * math.pi else 0.0
-    of_it = weight * seen * (tension - state.ring_about)
-    even = WINDOW[0, 0] * math.cos(y) + WINDOW[0, 1] + WINDOW[0, 2] * y * y
-    odd = WINDOW[1, 0] * math.sin(y) + WINDOW[1, 1] * y + WINDOW[1, 2] * y * y * y
-    state.ring_cosine += of_it * even
-    state.ring_sine += of_it * odd
-
-
-@kernel
-def follow_ring(I, M, dt, scheme):
-    """Measure the ring in a step from the state to the trial, by a scheme of STAGES; -1: two-step.
-
-    At the window's end there is no more of it than that finds.
-    """
-    head = header(I)
-    state = scalars(M)
-    if known_ring(M) == 0.0:
-        return
-    frequency, _moved = first_motion(I, M)
-    angle = frequency * dt
-    y = frequency * (state.time - state.ring_since) - 2.0 * math.pi
-    before = M[head.tension + 2]
-    after = M[head.trial_tension + 2]
-    if scheme < 0:
-        add_to_window(M, y, 0.5 * angle, before)
-        add_to_window(M, y + angle, 0.5 * angle, after)
-    else:
-        last = STAGES[scheme] - 1
-        add_to_window(M, y, STAGE_A[scheme, last, 0] * angle, before)
-        for i in range(1, last + 1):
-            at = y + STAGE_C[scheme, i] * angle
-            share = STAGE_A[scheme, last, i] * angle
-            add_to_window(M, at, share, state.stage_top_tension[i - 1])
-    if y + angle >= 2.0 * math.pi:
-        state.ring = min(state.ring, math.hypot(state.ring_cosine, state.ring_sine))
-        if known_ring(M) == 0.0:
-            state.ring = 0.0
-        begin_window(M, state.time + dt, after)
-
-
-@kernel
-def error_of_ring(scheme, angle):
-    """By how much a step in which a ring turns by that angle [rad] misses it, of its amplitude:
-    by how much the scheme's stability function R(i angle) differs from exp(i angle)."""
-    real, imaginary = 0.0, 0.0
-    for n in range(STAGES[scheme]):
-        # Horner's rule in i angle, from the highest power.
-        real, imaginary = NUMERATOR[scheme, n] - angle * imaginary, angle * real
-    turn = GAMMA[scheme] * angle
-    poles = STAGES[scheme] - 1
-    size = (1.0 + turn * turn) ** (-0.5 * poles)
-    behind = angle - poles * math.atan(turn)
-    return math.hypot(size * real - math.cos(behind), size * imaginary - math.sin(behind))
-
-
-@kernel
-def missed_of_ring(M, scheme, angle):
-    """What a step in which the ring turns by that angle misses of it, over what it may add [-].
-
-    That is a share of the tolerance: a ring lasts for 2 / LOSS_FACTOR radians. By the two-step
-    scheme, -1, it misses a third of the angle's cube.
-    """
-    missed = angle * angle * angle / 3.0 if scheme < 0 else error_of_ring(scheme, angle)
-    return known_ring(M) * missed / (0.5 * LOSS_FACTOR * angle)
-
-
-@kernel
-def may_miss_ring(I, M, dt, scheme):
-    """Whether a step of dt may miss what it does of the ring."""
-    if known_ring(M) == 0.0:
-        return True
-    frequency, _moved = first_motion(I, M)
-    return missed_of_ring(M, scheme, frequency * dt) <= 1.0
-
-
-@kernel
-def longest_ring_step(I, M, dt, scheme):
-    """A step of at most dt that follows the ring: what it misses goes with the angle to the power
-    of the scheme's order."""
-    if known_ring(M) == 0.0:
-        return dt
-    frequency, _moved = first_motion(I, M)
-    angle = frequency * dt
-    missed = missed_of_ring(M, scheme, angle)
-    while missed > 1.0:
-        angle = min(angle, math.pi) * 0.9 * missed ** (-1.0 / (3 + scheme))
-        missed = missed_of_ring(M, scheme, angle)
-    longest = angle / frequency
-    return longest if 0.0 < longest and longest < 1e300 else dt
-
-
-@kernel
 def take_solved(I, M):
     """Make what was solved for the state: it does not ring."""
     head = header(I)
@@ -700,27 +514,38 @@ def solves(I, M, dt, scatter):
 
 @kernel
 def tension_error(I, M, dt, scheme, gamma_dt, error):
-    """Error of the top tension of a step from the state to the trial [tolerances], and what the
-    step does along the line: PASSES_OVER, FOLLOWS, or SOLVED, for which see `take_solved`.
+    """Error of the watched tensions of a step from the state to the trial [tolerances], and what
+    the step does along the line: PASSES_OVER, FOLLOWS, or SOLVED, for which see `take_solved`.
+    Nothing is solved for in a system.
 
     error: of the positions, (nodes, 2, dimension) [m].
     """
     head = header(I)
     state = scalars(M)
-    if head.parts != 0:
-        return error_in_parts(I, M, dt, scheme, gamma_dt, error)
-    if dt * math.sqrt(state.axial) < FINEST:
+    if is_over_at_once(I, M, dt):
         return 0.0, FOLLOWS
-    scatter = stage_scatter(M, scheme)
+    scatter = 0.0
+    for node in range(1, watched(I)):
+        if is_watched(I, node):
+            scatter = max(scatter, stage_scatter(I, M, node, scheme))
     if scatter <= UNSEEN:
         return scatter, PASSES_OVER
-    if dies_away(M):
+    if head.parts == 0 and dies_away(M):
         return 0.0, SOLVED if solves(I, M, dt, scatter) else PASSES_OVER
-    left, share = embedded_error(I, M, error, gamma_dt, scatter)
-    lasting = left * share * share / SHARE
-    forgotten = (1.0 - share * share) * scatter
+    find_embedded_errors(I, M, error, gamma_dt)
+    share = 0.0
+    lasting = 0.0
+    forgotten = 0.0
+    for node in range(1, watched(I)):
+        if is_watched(I, node):
+            scatter = stage_scatter(I, M, node, scheme) if head.parts != 0 else scatter
+            left, share = embedded_error(I, M, node, scatter)
+            lasting = max(lasting, left * share * share / SHARE)
+            forgotten = max(forgotten, (1.0 - share * share) * scatter)
+    if head.parts != 0:
+        return max(lasting, forgotten), PASSES_OVER
     unseen = bend_of_tension(I, M, dt) / (state.axial * dt * dt)
-    if share > STIFF or unseen > SOLVED_FROM or known_ring(M) > 0.0:
+    if share > STIFF or unseen > SOLVED_FROM or head.rings != 0:
         return max(lasting, forgotten), FOLLOWS
     settled = head.settled != 0 and begins_smoothly(I, M)
     if (settled or forgotten > SOLVED_FROM) and lasting <= 1.0 and solves(I, M, dt, scatter):

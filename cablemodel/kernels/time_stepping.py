@@ -44,6 +44,7 @@ from .layout import (
 from .newton import NO_TENSION, increment_norm, is_folded, refactor
 from .payout import pay_out
 from .refine import follow_bending
+from .rings import begin_rings, follow_rings, longest_ring_step, may_miss_rings
 from .sea_cells import begin_stage, end_stage
 from .sleep import disturbance, fall_asleep, may_sleep, prepare_joining, wake, wake_as_many
 from .stabilisation import stiffen_third_mode
@@ -70,12 +71,7 @@ from .tension import (
     PASSES_OVER,
     SHORT,
     SOLVED,
-    begin_ring,
-    follow_ring,
     keep_stage_tensions,
-    known_ring,
-    longest_ring_step,
-    may_miss_ring,
     remember_tensions,
     take_solved,
     tension_error,
@@ -272,9 +268,7 @@ def try_step(I, M, dt, scheme, to_output):
             place_v, place_a = stage_words(I, i, stages)
             copy_words(I, place_v, head.trial_velocity, count)
             copy_words(I, place_a, head.trial_acceleration, count)
-        state.stage_top_tension[i - 1] = M[head.trial_tension + 2]
-        if head.parts != 0:
-            keep_stage_tensions(I, M, i - 1)
+        keep_stage_tensions(I, M, i - 1)
         if i == stages - 2:
             for n in range(2 * nodes):
                 M[head.stage_tension + n] = M[head.trial_tension + n]
@@ -399,7 +393,7 @@ def update_bending(I, M):
     if switched:
         head.factored = 0
         head.has_history = 0
-        if known_ring(M) > 0.0:
+        if head.rings != 0:
             prefer_order_3(M)
 
 
@@ -438,6 +432,7 @@ def advance_to(I, M, t_end):
     mark = state.time
     jolted = -1e300
     two_steps = False
+    landed = True  # on what may have a kink
     if head.cut_count != 0:
         status = make_cuts(I, M)
         if status != OK:
@@ -459,13 +454,15 @@ def advance_to(I, M, t_end):
         natural = natural_step(I, M)
         stop = next_stop(I, M, t_end, natural)
         jump = 0.0
+        kink = 0.0
         if head.payout != 0:
             stop, jump, kink = begin_payout(I, M, stop)
             if kink != 0.0:
                 head.settled = 0
             natural = longest_payout_step(I, M, natural)
-            if kink != 0.0 and head.parts == 0:
-                begin_ring(I, M, kink, natural)
+        if landed or kink != 0.0:
+            begin_rings(I, M, natural)
+            landed = False
         if jump * natural > state.time_tolerance:
             natural = max(state.time_tolerance / jump, 10.0 * state.smallest_step)
             state.step = natural
@@ -482,8 +479,8 @@ def advance_to(I, M, t_end):
         # Steps that the caller limits need no high order: three stages instead of five. But from
         # those three nobody can tell the error of the tension of a line that is too stiff for them:
         # of one that is followed as it rings they can, and order 3 damps what is quicker.
-        if known_ring(M) > 0.0:
-            high = dt == natural or not may_miss_ring(I, M, dt, 0)
+        if head.rings != 0:
+            high = dt == natural or not may_miss_rings(I, M, dt, 0)
         else:
             high = dt > 0.25 * natural or head.settled != 0
         scheme = highest if high else 0
@@ -505,7 +502,7 @@ def advance_to(I, M, t_end):
         status = OK
         error = 0.0
         along = PASSES_OVER
-        two_steps = to_output and dt <= 0.25 * natural and may_miss_ring(I, M, dt, -1)
+        two_steps = to_output and dt <= 0.25 * natural and may_miss_rings(I, M, dt, -1)
         two_steps = two_steps and try_two_step(I, M, dt)
         if two_steps:
             of_tension, along = two_step_error(I, M, dt)
@@ -559,7 +556,7 @@ def advance_to(I, M, t_end):
                 break
             status = OK
         else:
-            follow_ring(I, M, dt, -1 if two_steps else scheme)
+            follow_rings(I, M, dt, -1 if two_steps else scheme)
             if two_steps:
                 accept_two_step(I, M, dt)
             else:
@@ -584,6 +581,7 @@ def advance_to(I, M, t_end):
                 pay_out(I, M, dt)
             if landing:
                 state.time = stop
+                landed = True
             else:
                 state.time += dt
             unprojected = scheme == 1

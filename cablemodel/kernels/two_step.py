@@ -25,6 +25,7 @@ from .system import (
     residual,
     set_time,
 )
+from .tension import watched
 
 LARGEST_GROWTH = 2.0  # of the step; variable-step BDF2 is stable up to 1 + sqrt(2)
 LARGEST_ERROR = 0.03  # of the local tolerance: what is left after a natural step is .03^(2/3) of it
@@ -66,9 +67,9 @@ def refuse(I):
 
 @kernel
 def keep_first_tensions(I, M, tension, constraint):
-    """Tensions of all elements of a system by the positions that are predicted."""
+    """Tensions of what is watched by the positions that are predicted."""
     head = header(I)
-    for node in range(1, head.nodes):
+    for node in range(1, watched(I)):
         s = view(M, head.compliance + 3 * node, 3)
         stretched = s[0] * constraint[2 * node] + s[1] * constraint[2 * node + 1]
         M[head.stage_tensions + 6 * node] = tension[2 * node] + stretched
@@ -141,10 +142,7 @@ def try_two_step(I, M, dt):
         head.iterations += 1
         size, _where = increment_norm(I, M, x)
         if iteration == 0:
-            s = view(M, head.compliance + 3, 3)
-            state.stage_top_tension[0] = tension[2] + s[0] * constraint[2] + s[1] * constraint[3]
-            if head.parts != 0:
-                keep_first_tensions(I, M, tension, constraint)
+            keep_first_tensions(I, M, tension, constraint)
         moved += size
         if not 0.5 * moved <= LARGEST_ERROR * tolerance:
             return refuse(I)

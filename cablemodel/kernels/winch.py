@@ -126,7 +126,7 @@ def begin_payout(I, M, stop):
     """Set the rates of all winches for the next step: the time by which it must end, and the
     largest jumps of a rate [m/s] and of its slope [m/s2]."""
     jump = 0.0
-    kink = 0.0
+    largest = 0.0
     for n in range(header(I).winch_count):
         winch = winch_of(I, M, n)
         if winch.node < 0.0:
@@ -135,8 +135,9 @@ def begin_payout(I, M, stop):
         slope = winch.slope
         stop = begin_rate(I, M, n, stop)
         jump = max(jump, abs(winch.rate - rate))  # one stops dead at an end
-        kink = max(kink, abs(winch.slope - slope))
-    return stop, jump, kink
+        winch.kink = winch.slope - slope
+        largest = max(largest, abs(winch.kink))
+    return stop, jump, largest
 
 
 @kernel

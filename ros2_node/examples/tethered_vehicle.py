@@ -1,9 +1,10 @@
 """A vehicle that MuJoCo simulates on its tether, over ROS 2: examples/vehicle_on_tether.py again.
 
-The node `cable` has umbilical, cage and tether. This process is the vehicle: for every wrench of
-the tether it goes on by a step, and publishes its odometry.
+The node `cable` has umbilical, cage and tether. This process is the vehicle and the clock: for
+every wrench of the tether it goes on by a step, publishes its odometry, and then lets the time go
+on. So the two stay in step however fast or slow they are.
 
-    python tethered_vehicle.py --factor 10
+    python tethered_vehicle.py
 
 starts both, and needs the package mujoco. Ends with status 1 if the vehicle missed a place by more
 than 0.3 m.
@@ -26,6 +27,7 @@ from geometry_msgs.msg import WrenchStamped
 from nav_msgs.msg import Odometry
 from rclpy.node import Node
 from rclpy.time import Time
+from rosgraph_msgs.msg import Clock
 
 import cablemodel as cm
 
@@ -48,10 +50,26 @@ class TetheredVehicle(Node):
         self.vehicle = Vehicle()
         self.places: list[list[float]] = []
         self._begin: int | None = None
+        self._now = 0  # [ns]
+        self._answered = False
+        self._clock = self.create_publisher(Clock, "/clock", 10)
         self._odometry = self.create_publisher(Odometry, "cable/vehicle/odom_in", 10)
         self.create_subscription(WrenchStamped, "cable/vehicle/wrench", self._on_wrench, 10)
 
+    def go_on(self) -> None:
+        """Let the time go on by a step, and wait a little for a wrench.
+
+        A clock's message may be lost: until a wrench comes the same one is sent again. Only before
+        the first, while the node starts, the time goes on without.
+        """
+        if self._answered or self._begin is None:
+            self._now += round(1e9 * STEP)
+        self._answered = False
+        self._clock.publish(Clock(clock=Time(nanoseconds=self._now).to_msg()))
+        rclpy.spin_once(self, timeout_sec=0.1)
+
     def _on_wrench(self, message: WrenchStamped) -> None:
+        self._answered = True
         now = Time.from_msg(message.header.stamp).nanoseconds
         if self._begin is None:
             self._begin = now
@@ -79,13 +97,13 @@ class TetheredVehicle(Node):
         return made
 
 
-def simulate(folder: Path, factor: float) -> np.ndarray:
+def simulate(folder: Path) -> np.ndarray:
     """Run the node and the vehicle; gives the vehicle's places over time (n, 3) [m]."""
     scene = folder / "scene.yaml"
     scene.write_text(cm.load_system(SCENE).to_yaml(), encoding="utf-8")
     parameters = {
-        "scene": scene, "autostart": "true", "rate": 1.0 / STEP, "real_time_factor": factor,
-        "publish_clock": "true", "vessel_input": "scene", "vessel_inputs": "vehicle=odom",
+        "scene": scene, "autostart": "true", "rate": 1.0 / STEP,
+        "use_sim_time": "true", "vessel_input": "scene", "vessel_inputs": "vehicle=odom",
         "odom_smoothing": 0.0, "command_timeout": 5.0, "log.folder": folder,
     }  # fmt: skip
     command = [sys.executable, "-m", "cablemodel_ros.node", "--ros-args"]
@@ -97,7 +115,7 @@ def simulate(folder: Path, factor: float) -> np.ndarray:
         node = subprocess.Popen(command, stderr=output, stdout=output)
         try:
             while vehicle.vehicle.time < DURATION - 0.5 * STEP:
-                rclpy.spin_once(vehicle, timeout_sec=0.5)
+                vehicle.go_on()
                 if node.poll() is not None:
                     raise RuntimeError((folder / "node.txt").read_text())
         finally:
@@ -114,14 +132,13 @@ def simulate(folder: Path, factor: float) -> np.ndarray:
 def main() -> int:
     """Run, and say how far off it was at the end of each leg."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--factor", type=float, default=5.0, help="times real time")
     parser.add_argument("--folder", type=Path, help="where the log stays; else it is removed")
     arguments = parser.parse_args()
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")  # both are on this machine
     with tempfile.TemporaryDirectory() as temporary:
         folder = arguments.folder or Path(temporary)
         folder.mkdir(parents=True, exist_ok=True)
-        places = simulate(folder, arguments.factor)
+        places = simulate(folder)
         (log,) = folder.glob("cable_*.mcap")
         tension = cm.open_run(log)["tether.end_tension"]
     at = [places[int((k + 1) * LEG / STEP) - 1] for k in range(len(WAY))]
