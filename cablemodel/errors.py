@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -160,15 +161,33 @@ class UnstableStartWarning(UserWarning):
     """A static start is an equilibrium that the line leaves by itself, and no other was found.
 
     Attributes: ``rate`` at which it does [1/s]: the least motion grows by exp(rate t);
-    ``arc_length`` [m] of the place along the cable that moves most.
+    ``arc_length`` [m] of the place along the cable that moves most; in a system ``part``, the line
+    or body that does, and ``frequency`` [rad/s] at which it swings, 0: it falls.
     """
 
-    def __init__(self, rate: float, arc_length: float) -> None:
-        super().__init__(rate, arc_length)
+    def __init__(
+        self, rate: float, arc_length: float, part: str = "", frequency: float = 0.0
+    ) -> None:
+        super().__init__(rate, arc_length, part, frequency)
         self.rate = rate
         self.arc_length = arc_length
+        self.part = part
+        self.frequency = frequency
 
     def __str__(self) -> str:
+        if self.part:
+            place = f"{self.part} at {self.arc_length:.4g} m" if self.arc_length else self.part
+            swings = (
+                f"swings with a period of {2.0 * math.pi / self.frequency:.3g} s and "
+                if self.frequency
+                else ""
+            )
+            return (
+                f"the start is an unstable equilibrium: what leaves it {swings}grows by e in "
+                f"{1.0 / self.rate:.3g} s (growth rate {self.rate:.3g} 1/s), most of all {place}. "
+                "The run will leave it, at a time that depends on the tolerance: check the points "
+                "at which bodies are held, their centres and foils (a wing wants a tail)"
+            )
         return (
             f"the static start is an unstable equilibrium: what leaves it grows by e in "
             f"{1.0 / self.rate:.3g} s (growth rate {self.rate:.3g} 1/s) and moves most "

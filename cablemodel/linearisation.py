@@ -19,6 +19,12 @@ LOCKED = 0.1
 STIFFEST = 1e6
 """Of the stabilisation: what is stiffer drowns all else in rounding, at 1e8."""
 ROUNDING = 1e-12
+SLOW = 1e3
+"""Of damping: a free body's are differences, over 1e-6 of what it is, that stay small by that."""
+SHARES_PLACE = at.JOINT_HINGE, at.JOINT_ARM, at.JOINT_FREE
+"""Joints at which a node's place is its parent's, or follows it."""
+TIED = 0, at.JOINT_BODY
+"""Those with an element or a body between both."""
 
 
 def small_motions(block: Block) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -37,6 +43,8 @@ def matrices(block: Block) -> tuple[FloatArray, FloatArray, FloatArray]:
         guess = _newton_matrix(block, of_velocity, of_acceleration) - stiffness
         factor = float(np.abs(np.diag(stiffness)).max() / max(np.abs(np.diag(guess)).max(), 1e-30))
         factor = max(1.0, factor)
+        if of_velocity and block.header.free_count:
+            factor = min(factor, SLOW)
         whole = _newton_matrix(block, factor * of_velocity, factor * of_acceleration)
         return np.asarray((whole - stiffness) / factor)
 
@@ -75,7 +83,8 @@ def _stiffened(block: Block) -> FloatArray:
     nodes, dimension = int(block.header.nodes), int(block.header.dimension)
     edges = block.array(Header.edges, nodes, at.EDGE_WORDS)
     slopes = block.array(Header.position, nodes, 2, dimension)[:, 1]
-    slopes = slopes / np.linalg.norm(slopes, axis=1, keepdims=True)
+    sizes = np.linalg.norm(slopes, axis=1, keepdims=True)
+    slopes = slopes / np.where(sizes > 0.0, sizes, 1.0)  # a free body has none
     turn = np.linalg.norm(slopes - slopes[block.integers(Header.parent, nodes)], axis=1)
     tension = np.abs(block.array(Header.tension, nodes, 2)[:, 0])
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -118,7 +127,7 @@ def _newton_matrix(block: Block, of_velocity: float, of_acceleration: float) -> 
     for node in range(nodes):
         rows = slice(node * size, (node + 1) * size)
         matrix[rows, rows] += diagonal[node]
-        if node and joint[node] != at.JOINT_HINGE:
+        if node and joint[node] in TIED:
             above = slice(int(parent[node]) * size, (int(parent[node]) + 1) * size)
             matrix[above, rows] += upper[node]
             matrix[rows, above] += lower[node]
@@ -153,11 +162,50 @@ def free_motions(block: Block) -> tuple[FloatArray, tuple[str, ...]]:
             names[first + dimension] = f"nodes[{held}].slope.along"
             drop += range(first + dimension + 1, first + size)
     parent = block.integers(Header.parent, nodes)
-    hinged = block.integers(Header.joint, nodes) == at.JOINT_HINGE
-    for node in np.flatnonzero(hinged):
+    joint = block.integers(Header.joint, nodes)
+    arms, gaps = ties_to_bodies(block) if head.parts else ({}, [])
+    for node in np.flatnonzero(np.isin(joint, SHARES_PLACE)):
         own = slice(int(node) * size, int(node) * size + dimension)
         above = slice(int(parent[node]) * size, int(parent[node]) * size + dimension)
-        basis[own, above] = np.eye(dimension)
+        basis[own] = basis[above]
+        if joint[node] == at.JOINT_ARM:
+            turns = slice(above.stop, above.stop + dimension)
+            basis[own] += arms[int(node)] @ basis[turns]
         drop += range(own.start, own.stop)
     kept = np.setdiff1d(np.arange(nodes * size), drop)
-    return basis[:, kept], tuple(names[column] for column in kept)
+    basis = basis[:, kept]
+    found = tuple(names[column] for column in kept)
+    if gaps:
+        from scipy.linalg import null_space
+
+        closed = null_space(np.vstack(gaps) @ basis)
+        return basis @ closed, tuple(f"motion {k}" for k in range(closed.shape[1]))
+    return basis, found
+
+
+def ties_to_bodies(block: Block) -> tuple[dict[int, FloatArray], list[FloatArray]]:
+    """Of a system: how places at bodies' points follow the bodies' rotation vectors, (3, 3) by
+    node; and what motions of all nodes make of the gap of each end that closes a cycle, (3, n)."""
+    head = Header(block.ints)
+    kept = block.image.copy()
+    entry.assemble(block.ints, block.reals, 0.0, 0.0)
+    nodes = int(head.nodes)
+    beside = block.array(Header.lower, nodes, 36)[:, 18:27].copy()
+    rows = block.array(Header.closures, int(head.closure_count), at.CLOSURE_WORDS).copy()
+    block.image[:] = kept
+    joint = block.integers(Header.joint, nodes)
+    arms = {int(n): beside[n].reshape(3, 3) for n in np.flatnonzero(joint == at.JOINT_ARM)}
+    bodies = block.array(Header.free_bodies, int(head.free_count), at.FREE_WORDS)
+    gaps = []
+    for row in rows:
+        if row[at.Closure.node] < 0.0:
+            continue
+        gap = np.zeros((3, 6 * nodes))
+        own, body = 6 * int(row[at.Closure.node]), int(row[at.Closure.body])
+        gap[:, own : own + 3] = np.eye(3)
+        other = 6 * int(row[at.Closure.other] if body < 0 else bodies[body, at.FreeBody.node])
+        gap[:, other : other + 3] -= np.eye(3)
+        if body >= 0:
+            gap[:, other + 3 : other + 6] -= row[at.Closure.follows.span].reshape(3, 3)
+        gaps.append(gap)
+    return arms, gaps

@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import math
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
@@ -33,7 +34,7 @@ def check(
     as_json: JsonOption = False,
 ) -> None:
     """Say what a scene holds, what will be skipped, its first tensions, and what looks wrong."""
-    from cablemodel.errors import StaticsError, UnstableStartWarning
+    from cablemodel.errors import StaticsError
     from cablemodel.model import CableModel
     from cablemodel.run import end_of
     from cablemodel.scene import load_scene
@@ -45,8 +46,7 @@ def check(
     loaded = load_scene(scene, overrides or ())
     end_of(loaded)  # a run that is refused
     try:
-        with explained_start(quiet=as_json), warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always", UnstableStartWarning)
+        with explained_start(quiet=as_json), _unstable_starts() as caught:
             model = CableModel(loaded)
             report = _report(loaded, model)
         report["warnings"] += [str(warning.message) for warning in caught]
@@ -60,16 +60,26 @@ def check(
         _print_report(report)
 
 
+@contextmanager
+def _unstable_starts() -> Iterator[list[warnings.WarningMessage]]:
+    """Warnings of unstable starts, as they come."""
+    from cablemodel.errors import UnstableStartWarning
+
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", UnstableStartWarning)
+        yield caught
+
+
 def _check_system(source: Any, overrides: Iterable[str], *, as_json: bool) -> None:
     """Print what a system is made of, and its start."""
     from cablemodel.systems import SystemModel, load_system
     from cablemodel.systems.words import at_start, topology
 
     scene = load_system(source, overrides)
-    with explained_start(quiet=as_json):
+    with explained_start(quiet=as_json), _unstable_starts() as caught:
         model = SystemModel(scene)
     parts, start = list(topology(scene)), list(at_start(model))
-    looks_wrong = system_warnings(scene)
+    looks_wrong = [*system_warnings(scene), *(str(warning.message) for warning in caught)]
     if as_json:
         found = {
             "title": scene.title,

@@ -10,7 +10,7 @@ from .access import constraint_of, frame_of, header, scalars
 from .closures import follow_forces, scale_gaps
 from .compile import copy_words, kernel, view
 from .environment import current_rate, prescribed_motion, surge_jump, vessel_motion
-from .frames import frames_jump, move_frames, point_motion
+from .frames import frames_jump, move_frames_on, point_motion
 from .layout import HELD_BY_FRAME
 from .newton import refactor
 from .system import (
@@ -230,7 +230,7 @@ def vessel_jump(I, M):
     head = header(I)
     state = scalars(M)
     if head.parts != 0:
-        move_frames(I, M, state.time)
+        move_frames_on(I, M)
         return frames_jump(I, M, view(M, head.motion + 16, 18))
     dimension = head.dimension
     vessel_motion(I, M, state.time)
@@ -246,8 +246,8 @@ def vessel_jump(I, M):
 
 @kernel
 def jump_along(I, M, row):
-    """By how much the acceleration of a held end along its line is now another one than the
-    state's [m/s2]; a vessel's. Of frames `move_frames` has been called."""
+    """By how much velocity and acceleration of an end that a vessel holds are now others along its
+    line than the state's [m/s, m/s2]. Of frames `move_frames_on` has been called."""
     head = header(I)
     time = scalars(M).time
     dimension = head.dimension
@@ -259,13 +259,18 @@ def jump_along(I, M, row):
         vessel_motion(I, M, time)
         prescribed_motion(I, M, row, time, out)
     at = 2 * dimension * int(row.node)
+    faster = 0.0
     along = 0.0
     square = 0.0
     for i in range(dimension):
         slope = M[head.position + at + dimension + i]
+        faster += (out[dimension + i] - M[head.velocity + at + i]) * slope
         along += (out[2 * dimension + i] - M[head.acceleration + at + i]) * slope
         square += slope * slope
-    return abs(along) / math.sqrt(square) if square > 0.0 else 0.0
+    if not square > 0.0:
+        return 0.0, 0.0
+    length = math.sqrt(square)
+    return abs(faster) / length, abs(along) / length
 
 
 @kernel

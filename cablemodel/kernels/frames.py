@@ -80,6 +80,13 @@ def move_frames(I, M, t):
 
 
 @kernel
+def move_frames_on(I, M):
+    """The same as the next step begins, by the pieces that begin there."""
+    state = scalars(M)
+    move_frames(I, M, state.time + state.smallest_step)
+
+
+@kernel
 def move_in_waves(I, M, row, t):
     """The same of one that the waves move."""
     mean = row.mean
@@ -192,7 +199,7 @@ def next_frame_stop(I, M, stop, dt):
 @kernel
 def frames_jump(I, M, w):
     """The most by which the acceleration of a frame's point is another one than the state's
-    [m/s2]. w: 18 words; `move_frames` has been called."""
+    [m/s2]. w: 18 words; `move_frames_on` has been called."""
     head = header(I)
     largest = 0.0
     for n in range(head.constraint_count):

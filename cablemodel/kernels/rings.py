@@ -24,7 +24,7 @@ from .access import (
 )
 from .compile import copy_words, inlined, kernel, view
 from .consistency import jump_along
-from .frames import move_frames
+from .frames import move_frames_on
 from .layout import HELD_BY_ANCHOR, JOINT_ROOT
 from .tables import GAMMA, NUMERATOR, STAGE_A, STAGE_C, STAGES, WINDOW
 from .tension import (
@@ -35,7 +35,6 @@ from .tension import (
     STRAINED,
     allowed_at,
     dies_away,
-    inertia,
     may_be_solved_for,
     region,
     solve_for_tension,
@@ -137,44 +136,43 @@ def begin_window(I, M, row, t, tension):
 
 
 @kernel
-def jump_at(I, M, row):
-    """Jump of the acceleration along the line at an end that is held, as a step begins [m/s2]."""
-    jump = jump_along(I, M, row)
+def jumps_at(I, M, row):
+    """Jumps of velocity [m/s] and acceleration [m/s2] along the line at an end that is held, as a
+    step begins."""
+    faster, jump = jump_along(I, M, row)
     for n in range(header(I).winch_count):
         winch = winch_of(I, M, n)
         if winch.node == row.node:
             jump += abs(winch.kink)
-    return jump
+    return faster, jump
 
 
 @kernel
 def begin_rings(I, M, dt):
     """As a step of dt begins: the tension with which a line would not ring jumps with an
-    acceleration, and it rings about that. Velocities go on."""
+    acceleration, and it rings about that; and its velocity about one that jumps."""
     head = header(I)
     state = scalars(M)
     if dies_away(M):
         return
     if head.frame_count != 0:
-        move_frames(I, M, state.time)
+        move_frames_on(I, M)
     for n in range(head.constraint_count):
         row = constraint_of(I, M, n)
         if row.kind == HELD_BY_ANCHOR:
             continue
-        jump = jump_at(I, M, row)
-        if jump == 0.0:
+        faster, jump = jumps_at(I, M, row)
+        if jump == 0.0 and faster == 0.0:
             continue
         top = watched_element(I, row)
         allowed = allowed_at(I, M, top)
-        if inertia(I, M) * jump <= allowed:
-            continue
-        _frequency, moved = axial_mode(I, M, int(row.node))
-        made = moved * jump
+        frequency, moved = axial_mode(I, M, int(row.node))
+        made = moved * (jump + frequency * faster)
         if made <= allowed:
             continue
         made += row.ring
         count = 2 * head.dimension * head.nodes
-        if may_be_solved_for(I, M):
+        if faster == 0.0 and may_be_solved_for(I, M):
             copy_words(I, region(I, SOLVED_A), head.acceleration, count)
             copy_words(I, region(I, STRAINED), head.tension_rate, 2 * head.nodes)
             tension = view(M, head.tension, 2 * head.nodes)
@@ -281,8 +279,8 @@ def may_miss_rings(I, M, dt, scheme):
 
 @kernel
 def longest_ring_step(I, M, dt, scheme):
-    """A step of at most dt that follows what rings: what it misses goes with the angle to the power
-    of the scheme's order."""
+    """A step of at most dt that follows what rings: a whole part of a turn, so that it changes
+    seldom. What it misses goes with the angle to the power of the scheme's order."""
     head = header(I)
     if head.rings == 0:
         return dt
@@ -291,14 +289,14 @@ def longest_ring_step(I, M, dt, scheme):
         if row.ring == 0.0:
             continue
         amplitude = row.ring / allowed_at(I, M, watched_element(I, row))
-        angle = row.ring_frequency * dt
-        missed = missed_of_ring(amplitude, scheme, angle)
-        if not missed > 1.0:
+        if not missed_of_ring(amplitude, scheme, row.ring_frequency * dt) > 1.0:
             continue
+        parts = 2.0
+        missed = missed_of_ring(amplitude, scheme, math.pi)
         while missed > 1.0:
-            angle = min(angle, math.pi) * 0.9 * missed ** (-1.0 / (3 + scheme))
-            missed = missed_of_ring(amplitude, scheme, angle)
-        longest = angle / row.ring_frequency
+            parts = math.floor(parts * missed ** (1.0 / (3 + scheme))) + 1.0
+            missed = missed_of_ring(amplitude, scheme, 2.0 * math.pi / parts)
+        longest = 2.0 * math.pi / (parts * row.ring_frequency)
         if 0.0 < longest and longest < dt:
             dt = longest
     return dt

@@ -23,6 +23,7 @@ from cablemodel.systems.guess import Guess, first_guess
 from cablemodel.systems.lines import nodes_of, steady_velocity
 from cablemodel.systems.places import place_nodes, refined
 from cablemodel.systems.scene import SystemScene
+from cablemodel.systems.stability import warn_if_unstable
 from cablemodel.systems.tables import (
     allocated,
     fill_bodies,
@@ -49,6 +50,9 @@ def build(scene: SystemScene) -> Built:
     Raises:
         SceneError: vessels that move apart at t = 0.
         StaticsError: no equilibrium was found.
+
+    Warns:
+        UnstableStartWarning: the system leaves it by itself.
     """
     velocity = steady_velocity(scene)
     nodes = {name: nodes_of(scene, name) for name in scene.lines}
@@ -68,6 +72,7 @@ def build(scene: SystemScene) -> Built:
         built = _solved(scene, nodes, guess, built, velocity)
     if scene.environment.floor is not None:
         _refine_at_floor(scene, built, velocity)
+    warn_if_unstable(built)
     return built
 
 

@@ -264,6 +264,23 @@ class SystemModel:
         """The largest tension at the beginning of a line [N]."""
         return max(line.start_tension for line in self.lines.values())
 
+    def small_motions(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Mass, damping and stiffness of small motions about the present state, (n, n) each.
+
+        Over the free unknowns of all lines and bodies, as `CableModel.small_motions`; bodies turn
+        by rotation vectors [rad], and what closes a cycle is taken into account.
+        """
+        from cablemodel.linearisation import small_motions
+
+        return small_motions(self.built.block)
+
+    def natural_frequencies(self, count: int = 5) -> FloatArray:
+        """The lowest natural frequencies about the present state [rad/s], (count,); see
+        `CableModel.natural_frequencies`. A body that turns freely has a frequency of 0."""
+        from cablemodel.linearisation import natural_frequencies
+
+        return natural_frequencies(self.built.block, count)
+
     @property
     def statistics(self) -> dict[str, int]:
         """Counters since the start: steps, rejected, factorisations, iterations; elements."""

@@ -100,10 +100,6 @@ def test_a_line_scaled_as_a_whole_is_the_same_to_rounding(line, drum, tmp_path):
     assert_as_with_lengths(data, line, drum, tmp_path, winch, at_start=1e-9, in_run=1e-5)
 
 
-@pytest.mark.xfail(
-    strict=True,
-    reason="steps that follow tensions make more of what differs by rounding: 8e-4 at 0.75 s",
-)
 def test_what_cracks_in_air_gets_finer_elements_at_any_length(tmp_path):
     """As in water, but at a limit of its own: the mesh follows a line that is jerked to and fro."""
     data = still_scene().to_dict()

@@ -163,6 +163,8 @@ def test_a_body_stands_on_its_feet() -> None:
     assert abs(model.lines["wire"].end_tension) < 20.0
 
 
+# The wire is straight, and pressed between ship and floor: it bends aside as the run begins.
+@pytest.mark.filterwarnings("ignore::cablemodel.UnstableStartWarning")
 def test_friction_holds_a_body_up_to_its_limit() -> None:
     """Pushed along the floor by less than mu W it stays; by more it slides."""
     scene = lander()

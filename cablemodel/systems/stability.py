@@ -1,0 +1,133 @@
+"""Whether a system leaves its start by itself: it falls from it, or swings up as a wing may.
+
+An implicit step leads back to an equilibrium that is none to stay at, and a run would follow it for
+long. So small motions about the start are looked at: if stiffness holds them all and nothing feeds
+them, a factorisation says so. With foils they may take energy from the flow: the lowest modes of
+the undamped motion, coupled by drag and lift, tell how fast (modal flutter analysis: Bisplinghoff,
+Ashley and Halfman 1955, chapter 9).
+"""
+
+from __future__ import annotations
+
+import warnings
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cablemodel.errors import UnstableStartWarning
+from cablemodel.kernels import layout as at
+from cablemodel.kernels.layout import Header
+from cablemodel.linearisation import free_motions, matrices
+from cablemodel.stability import slowest_growth
+from cablemodel.systems.built import Built
+
+FloatArray = NDArray[np.float64]
+Matrix = Any
+"""(n, n), of scipy.sparse."""
+Motion = NDArray[np.complex128]
+
+MODES = 60
+"""What is coupled, of the undamped motion's lowest modes."""
+ITERATIONS = 10
+"""To a motion of the whole, at most; it takes five or none."""
+ACCURACY = 1e-6
+"""Of its growth."""
+STABILISED = 1e-6
+"""Of the stabilisation of slack elements: what is left presses nothing, and holds."""
+
+
+def warn_if_unstable(built: Built) -> None:
+    """Look at a system's start.
+
+    Warns:
+        UnstableStartWarning: it leaves that by itself.
+    """
+    # The packages are loaded by the static start before.
+    from scipy.linalg import LinAlgError, cholesky
+    from scipy.sparse import csc_matrix
+
+    block = built.block
+    basis = csc_matrix(free_motions(block)[0])
+    kept = block.image.copy()
+    lift_pressed(built)
+    mass, damping, stiffness = (basis.T @ csc_matrix(part) @ basis for part in matrices(block))
+    block.image[:] = kept
+    least = slowest_growth(block)
+    if block.header.foil_count == 0:
+        try:
+            held = (stiffness + least * damping + least * least * mass).toarray()
+            cholesky(0.5 * (held + held.T), overwrite_a=True)
+            return
+        except LinAlgError:
+            pass
+    found = fastest_growth(mass, damping, stiffness, least)
+    if found is None:
+        return
+    growth, motion = found
+    moves = np.abs(basis @ motion).reshape(-1, 2, 3)
+    bodies = block.array(Header.free_bodies, len(built.tree.bodies), at.FREE_WORDS)
+    turns = bodies[:, at.FreeBody.size, None] * moves[built.body_nodes(), 1]
+    moves = np.linalg.norm(moves[:, 0], axis=1)
+    moves[built.body_nodes()] += np.linalg.norm(turns, axis=1)
+    part, arc = built.where(int(np.argmax(moves)))
+    warnings.warn(
+        UnstableStartWarning(growth.real, arc, part=part, frequency=abs(growth.imag)), stacklevel=2
+    )
+
+
+def lift_pressed(built: Built) -> None:
+    """Leave out what presses elements by no more than tensions may be wrong by: means below zero,
+    slopes, and the stabilisation's part (`STABILISED`)."""
+    block = built.block
+    state = block.scalars
+    allowed = 10.0 * state.tolerance * max(state.largest_tension, state.tension_scale)
+    mean, slope = block.array(Header.tension, built.nodes, 2).T
+    slack = np.abs(mean) < allowed
+    mean[slack] = np.maximum(mean[slack], 0.0)
+    slope[slack] = np.clip(slope[slack], -mean[slack], mean[slack])
+    edges = block.array(Header.edges, built.nodes, at.EDGE_WORDS)
+    edges[slack, at.Edge.stabilisation] *= STABILISED
+
+
+def fastest_growth(
+    mass: Matrix, damping: Matrix, stiffness: Matrix, least: float
+) -> tuple[complex, Motion] | None:
+    """Of motions x exp(l t) the fastest that grows by more than a rate: l [1/s] and x (n,).
+
+    The modes leave out what the others give way by: from what they find a motion of the whole is
+    sought, by inverse iteration.
+    """
+    from scipy.linalg import eig, eigh
+
+    count = min(MODES, mass.shape[0])
+    symmetric = [0.5 * (part + part.T).toarray() for part in (stiffness, mass)]
+    _values, modes = eigh(*symmetric, subset_by_index=(0, count - 1))
+    state = np.zeros((2 * count, 2 * count))
+    state[:count, count:] = np.eye(count)
+    state[count:, :count] = -modes.T @ stiffness @ modes
+    state[count:, count:] = -modes.T @ damping @ modes
+    values, vectors = eig(state)
+    found: list[tuple[complex, Motion]] = []
+    for k in np.flatnonzero((values.real > least) & (values.imag >= 0.0)):
+        motion = _motion_near(mass, damping, stiffness, values[k], modes @ vectors[:count, k])
+        if motion is not None and motion[0].real > least:
+            found.append(motion)
+    return max(found, key=lambda pair: pair[0].real, default=None)
+
+
+def _motion_near(
+    mass: Matrix, damping: Matrix, stiffness: Matrix, rate: complex, motion: Motion
+) -> tuple[complex, Motion] | None:
+    """A motion of the whole near a growth and a shape; None: iterations lead to none."""
+    from scipy.sparse.linalg import splu
+
+    for _iteration in range(ITERATIONS):
+        x = motion / np.linalg.norm(motion)
+        slope = (2.0 * rate * mass + damping) @ x
+        motion = splu((rate**2 * mass + rate * damping + stiffness).tocsc()).solve(slope)
+        change = 1.0 / np.vdot(x, motion)
+        rate = complex(rate - change)
+        if abs(change) < ACCURACY * abs(rate):
+            return rate, motion
+    return None

@@ -1,0 +1,129 @@
+"""Small motions of systems about a state, and starts that do not last."""
+
+from __future__ import annotations
+
+import math
+import warnings
+
+import numpy as np
+import pytest
+from scipy.linalg import eigh
+from typer.testing import CliRunner
+
+from cablemodel.cli import app
+from cablemodel.errors import UnstableStartWarning
+from cablemodel.systems import SystemModel
+from tests.verification.test_systems import G, hung_bar, in_vacuum, string
+
+
+def test_frequencies_of_a_bar_on_two_strings() -> None:
+    """Swinging along and across as a pendulum, and turning; on strings without weight."""
+    found = SystemModel(hung_bar()).natural_frequencies(4)
+    turning = math.sqrt(20.0 * G * 0.6 * 0.6 / (3.0 * 5.0))
+    swinging = math.sqrt(G / 5.0)
+    # It rolls freely about its own axis, on which both strings are.
+    assert found == pytest.approx([0.0, swinging, swinging, turning], rel=2e-3, abs=1e-3)
+
+
+def body_on_a_string(height: float) -> dict:
+    """A body that a string holds at a point, its centre of gravity so far above that [m]."""
+    bar = {
+        "mass": 20.0, "submerged_weight": 20.0 * G, "inertia": 3.0,
+        "points": {"eye": [0, 0, -height]},
+    }  # fmt: skip
+    return in_vacuum(
+        bodies={"bar": bar},
+        lines={"one": {"from": {"anchor": [0, 0, 0]}, "to": "bar.eye", "items": string(5.0)}},
+    )
+
+
+def squares(height: float) -> np.ndarray:
+    """Squares of the growths [1/s2] of string and body in a plane, by Lagrange's equations."""
+    mass, length, inertia = 20.0, 5.0, 3.0
+    inertias = [
+        [mass * length**2, mass * length * height],
+        [mass * length * height, mass * height**2 + inertia],
+    ]
+    return -eigh(np.diag([mass * G * length, -mass * G * height]), inertias, eigvals_only=True)
+
+
+def test_a_body_that_stands_on_its_string_is_warned_of() -> None:
+    with pytest.warns(UnstableStartWarning, match="unstable equilibrium") as caught:
+        SystemModel(body_on_a_string(0.4))
+    (warning,) = (w.message for w in caught if isinstance(w.message, UnstableStartWarning))
+    assert warning.rate == pytest.approx(math.sqrt(squares(0.4).max()), rel=1e-3)
+    assert warning.frequency == 0.0
+    assert warning.part in ("bar", "one")
+
+
+def test_what_hangs_swings_as_two_pendulums() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", UnstableStartWarning)
+        model = SystemModel(body_on_a_string(-0.4))
+    found = model.natural_frequencies(6)
+    for square in squares(-0.4):
+        assert np.abs(found - math.sqrt(-square)).min() < 2e-3 * math.sqrt(-square)
+
+
+def towed_wing(tail: float) -> dict:
+    """A depressor below a ship; its wing is that far behind the centre of gravity [m]."""
+    wing = {"area": 0.5, "position": [-tail, 0, 0], "deflection": -0.15}
+    body = {
+        "mass": 150.0, "submerged_weight": 1250.0, "inertia": [3.0, 3.0, 3.0],
+        "added_mass": 25.0, "drag_area": [0.1, 0.2, 0.2], "drag_turning": 0.01,
+        "points": {"eye": [0.15, 0, 0.2]}, "foils": {"wing": wing},
+    }  # fmt: skip
+    return {
+        "environment": {"water_density": 1025.0},
+        "cable_types": {"wire": {"diameter": 0.01, "mass": 0.4, "axial_stiffness": 4e6}},
+        "vessels": {"ship": {"points": {"stern": [0, 0, 0]},
+                             "velocity": [{"t": 0, "velocity": [2.0, 0, 0]}]}},
+        "bodies": {"wing_body": body},
+        "lines": {"tow": {"from": "ship.stern", "to": "wing_body.eye",
+                          "items": [{"cable": {"type": "wire", "length": 60.0}}]}},
+    }  # fmt: skip
+
+
+def growth_in_the_run(scene: dict) -> float:
+    """How fast the pitch of the wing's body leaves its start after a push [1/s]."""
+    runs = []
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UnstableStartWarning)
+        for push in (0.0, 1e-3):
+            model = SystemModel(scene | {"solver": {"tolerance": 1e-6}})
+            seen = []
+            for k in range(84):
+                force = [0, 0, 0, 0, push, 0] if k < 4 else [0.0] * 6
+                model.step(0.05, forces={"wing_body": force})
+                seen.append(model.bodies["wing_body"].attitude[1])
+            runs.append(seen)
+    apart = np.abs(np.subtract(*runs))
+    early, late = apart[16:50].max(), apart[50:].max()  # a period of the one that grows
+    return float(np.log(late / early) / (34 * 0.05))
+
+
+@pytest.mark.parametrize("tail", [-0.05, 0.1])
+def test_a_wing_without_a_tail_swings_up(tail: float) -> None:
+    """What the start says of growth is what a fine run does."""
+    scene = towed_wing(tail)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", UnstableStartWarning)
+        SystemModel(scene)
+    grows = growth_in_the_run(scene)
+    if tail > 0.0:
+        assert not caught
+        assert grows < 0.0
+    else:
+        (warning,) = (w.message for w in caught)
+        assert isinstance(warning, UnstableStartWarning)
+        assert grows == pytest.approx(warning.rate, rel=0.1)
+
+
+def test_check_lists_it(tmp_path) -> None:
+    import yaml
+
+    path = tmp_path / "standing.yaml"
+    path.write_text(yaml.safe_dump(body_on_a_string(0.4)))
+    result = CliRunner().invoke(app, ["check", str(path)])
+    assert result.exit_code == 0, result.output
+    assert "unstable equilibrium" in result.output
