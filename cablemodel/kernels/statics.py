@@ -38,6 +38,7 @@ NEWTON_LIMIT = 12
 FLOOR_ROUNDS = 12
 CALM = 1e-10  # of the length: what the last two steps may move
 ROUND_OFF = 1e-8, 20  # of the length, where so many of the longest steps in a row move no more
+UNBALANCED = 1e-9  # of gravity: the same in a system, whose bodies may turn freely
 
 
 @kernel
@@ -189,7 +190,11 @@ def relax(I, M, frame, damped, strict):
                 settle_layer(I, M, view(M, head.motion + 16, 9), q0)
             update_springs(I, M, 1.0)
         # Light cable may not come closer to its place than round-off lets it.
-        still = still + 1 if moved <= ROUND_OFF[0] * length and dt == longest else 0
+        rounded = moved <= ROUND_OFF[0] * length
+        if head.free_count != 0:
+            # What nothing holds from turning turns by what Newton's method leaves.
+            rounded = rounded or moved <= UNBALANCED * state.gravity * dt * dt
+        still = still + 1 if rounded and dt == longest else 0
         if still >= ROUND_OFF[1] or (moved <= CALM * length and dt > 1e3 * state.first_step):
             calm += 1
             if (
