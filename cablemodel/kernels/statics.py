@@ -12,7 +12,7 @@ from .closures import follow_forces, give_back_forces, keep_forces
 from .compile import copy_words, kernel, view
 from .floor_memory import bear
 from .floor_state import leave_floor
-from .flow import flow_jacobian, flow_residual, is_laid
+from .flow import flow_jacobian, flow_residual, laid_share
 from .free_bodies import count_turns_anew
 from .layout import (
     FLOOR_NONE,
@@ -142,14 +142,14 @@ def relax(I, M, frame, damped, strict):
             keep_matrix(I)
             jacobian(I, M, q, v, a, tension, inverse * inverse, inverse)
             if flow != 0.0:
-                flow_jacobian(I, M, flow, frame, q0, q, v, a, inverse * inverse, inverse)
+                flow_jacobian(I, M, flow, frame, q, v, a, inverse * inverse, inverse)
             if factor_assembled(I, M) != 0:
                 break
             head.factorisations += 1
             head.iterations += 1
             residual(I, M, q, v, a, tension, forces, constraint)
             if flow != 0.0:
-                flow_residual(I, M, flow, frame, q0, q, v, a, tension, forces, constraint)
+                flow_residual(I, M, flow, frame, q, v, a, tension, forces, constraint)
             newton_increment(I, M, forces, constraint, x)
             change, where = increment_norm(I, M, x)
             I[head.failed] = where
@@ -240,10 +240,7 @@ def add_flow(I, M, flow, q, v, a):
     nodes = head.nodes
     w = view(M, head.motion + 28, 3)
     for node in range(1, nodes):
-        if is_laid(I, M, q, node, w):
-            for i in range(dimension):
-                v[size * node + i] = 0.0
-            continue
+        laid, _change = laid_share(I, M, q, node, w)
         for i in range(dimension):
             n = size * node + i
             second = 0.0
@@ -262,9 +259,9 @@ def add_flow(I, M, flow, q, v, a):
                     second += (6.0 * chord - 4.0 * q[p + dimension] - 2.0 * q[c + dimension]) / h
                 sides += 1.0
             second /= max(sides, 1.0)
-            v[n] += flow * q[n + dimension]
-            v[n + dimension] += flow * second
-            a[n] = flow * flow * second
+            v[n] = (1.0 - laid) * (v[n] + flow * q[n + dimension])
+            v[n + dimension] += (1.0 - laid) * flow * second
+            a[n] = (1.0 - laid) * flow * flow * second
 
 
 @kernel
