@@ -12,8 +12,8 @@ stands still that changes
 - the drag of bodies, which run with their cable;
 - what has been laid, where the frame does not say so (`laid` 2): it is at rest over the ground, and
   only a current pulls at it. On a slope its drag with the vessel's velocity would be more than its
-  weight. From running to rest all of that changes gradually through the contact layer: switched at
-  one gap, it lifted what was let go and pressed down what ran, to and fro without an end.
+  weight. From running to rest all of that changes gradually with the gap: switched at one of them,
+  it lifted what was let go and pressed down what ran, to and fro without an end.
 
 All of it is computed from r' at the Gauss points, and so are its derivatives, exactly: with
 velocities interpolated between nodes the flow had a part across the cable wherever an iterate
@@ -31,6 +31,7 @@ from .bodies import (
     wet_derivatives,
 )
 from .compile import kernel, view
+from .contact import LYING
 from .environment import current_at
 from .floor import block_of
 from .floor_surface import gap_at
@@ -119,7 +120,7 @@ def laid_share(I, M, q, node, w):
     """Share of the cable at a node that has been laid, at rest over the ground; its change [1/m].
 
     With the gap, along the normal that goes into w (dimension words). All of it rests where it lies
-    on the floor, none at the edge of the contact layer.
+    on the floor, none where even a taut cable would not have touched a rigid one.
     """
     head = header(I)
     state = scalars(M)
@@ -127,7 +128,7 @@ def laid_share(I, M, q, node, w):
         return 0.0, 0.0
     dimension = head.dimension
     gap = gap_at(I, M, view(q, 2 * dimension * node, 2 * dimension), w)
-    width = (1.0 - RESTS) * state.floor_depth
+    width = (LYING - RESTS) * state.floor_depth
     x = (gap - RESTS * state.floor_depth) / width
     if x <= 0.0:
         return 1.0, 0.0
@@ -365,9 +366,7 @@ def add_running(I, M, flow, q, v, node, part, cv, w):
                     for j in range(dimension):
                         across = w[3 + j] - still * w[j]
                         rate = turned * across / stretch + (slides - drag / stretch) * w[j]
-                        entry = -load * (
-                            rate * w[i] * slope - cv * turned * w[i] * w[j] * value
-                        )
+                        entry = -load * (rate * w[i] * slope - cv * turned * w[i] * w[j] * value)
                         if i == j:
                             entry += (turning - load * drag / stretch - bend) * slope
                         M[at + size * i + j] += entry

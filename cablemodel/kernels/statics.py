@@ -36,6 +36,7 @@ LONGEST_STEP = 1e7
 LONGEST_WITH_BODIES = 1e4  # first steps: longer ones let rounding turn a body that nothing holds
 NEWTON_LIMIT = 12
 FLOOR_ROUNDS = 12
+LOAD_HALVINGS = 8  # of a change of what the floor bears that is not followed, before shorter steps
 CALM = 1e-10  # of the length: what the last two steps may move
 ROUND_OFF = 1e-8, 20  # of the length, where so many of the longest steps in a row move no more
 
@@ -120,6 +121,10 @@ def relax(I, M, frame, damped, strict):
     calm = 0
     still = 0
     rounds = 0
+    bore = view(M, head.stage_acceleration + 2 * nodes, nodes)  # what the floor did, before
+    halvings = LOAD_HALVINGS  # of the last change of that, while no step has followed it
+    pressed = 0.0  # by how much more the floor was pressed than it bore
+    share = 1.0
     status = STATICS_FAILED
     for _step in range(min(LARGEST_STEPS, head.maximum_steps)):
         inverse = 1.0 / dt
@@ -169,10 +174,15 @@ def relax(I, M, frame, damped, strict):
                 break
         if not converged or (strict and is_folded(I, M, q, tension)):
             give_back_forces(I, M)
+            if halvings < LOAD_HALVINGS:
+                share_loads(I, M, bore)
+                halvings += 1
+                continue
             dt *= 0.25
             if dt < 1e-9 * state.first_step:
                 break
             continue
+        halvings = LOAD_HALVINGS
         keep_forces(I, M)
         for n in range(count):
             x[n] = q[n] - q0[n]
@@ -192,15 +202,19 @@ def relax(I, M, frame, damped, strict):
         still = still + 1 if moved <= ROUND_OFF[0] * length and dt == longest else 0
         if still >= ROUND_OFF[1] or (moved <= CALM * length and dt > 1e3 * state.first_step):
             calm += 1
-            if (
-                calm >= 2
-                and head.floor_kind != 0
-                and rounds < FLOOR_ROUNDS
-                and bear(I, M, 0.0) > 1e-3
-            ):
-                bear(I, M, 1.0)
-                rounds += 1
-                calm = 0
+            if calm >= 2 and head.floor_kind != 0 and rounds < FLOOR_ROUNDS:
+                more = bear(I, M, 0.0)
+                if abs(more) > 1e-3:
+                    # Whole steps may move the cable to and fro.
+                    if more * pressed < 0.0 and abs(more) > 0.5 * abs(pressed):
+                        share *= 0.5
+                    pressed = more
+                    for node in range(nodes):
+                        bore[node] = edge_of(I, M, node).support
+                    bear(I, M, share)
+                    halvings = 0
+                    rounds += 1
+                    calm = 0
             if calm >= 2:
                 if not is_folded(I, M, q0, t0):
                     status = OK
@@ -224,6 +238,15 @@ def relax(I, M, frame, damped, strict):
         add_flow(I, M, flow, q0, w0, a0)
     head.factored = 0
     return status
+
+
+@kernel
+def share_loads(I, M, bore):
+    """Take back half of what the floor bears more of the elements than it did, (nodes,)."""
+    head = header(I)
+    for node in range(head.nodes):
+        edge = edge_of(I, M, node)
+        edge.support = 0.5 * (edge.support + bore[node])
 
 
 @kernel
