@@ -442,13 +442,17 @@ class CableModel:
 
     @property
     def floor_length(self) -> float:
-        """Length of cable on the sea floor [m]."""
+        """Length of cable from the touchdown on that the sea floor bears [m].
+
+        As a rigid floor would bear it: within 0.05 touchdown layers (EI/w)^(1/3) at rest.
+        """
         return float(self._numbers()[27])
 
     @property
     def touchdown_position(self) -> FloatArray:
-        """Touchdown point nearest the vessel (3,) [m]; not a number where nothing touches.
+        """Touchdown point nearest the vessel (3,) [m]; not a number where no cable touches.
 
+        Where cable would meet a rigid floor: within 0.02 touchdown layers (EI/w)^(1/3) at rest.
         Nothing does where the scene has no floor: its force, length and reaction are then zero.
         """
         if self.scene.environment.floor is None:

@@ -8,12 +8,14 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from cablemodel.model import CableModel, CableState
     from cablemodel.scene import Scene
     from cablemodel.scene.common import CableScene
     from cablemodel.scene.line import CableType, LineItem
+    from cablemodel.scene.vessel import RatePoint
     from cablemodel.systems import SystemScene
 
 KNOT = 1852.0 / 3600.0
@@ -55,7 +57,9 @@ def scene_warnings(scene: Scene) -> list[str]:
             f"({settings.duration:g} s): only the start and the end are output"
         )
     found += _angles_without_unit(scene)
-    found += _too_fast(scene)
+    found += _fast_vessel("the tow point", scene.motion().typical_velocities())
+    found += _fast_water(scene)
+    found += _fast_winch("payout.rate", scene.payout.rate)
     density = scene.environment.water_density
     if _TONNES[0] <= density <= _TONNES[1]:
         found.append(
@@ -85,8 +89,10 @@ def system_warnings(scene: SystemScene) -> list[str]:
         weight = body.weight_in(scene.environment)
         found += _heavier_in_water(scene, f"bodies.{name}", weight, body.mass, "")
     for name, vessel in scene.vessels.items():
-        velocities = vessel.motion().typical_velocities()
-        found += _fast_vessel(f"vessels.{name}", float(np.linalg.norm(velocities, axis=1).max()))
+        found += _fast_vessel(f"vessels.{name}", vessel.motion().typical_velocities())
+    found += _fast_water(scene)
+    for name, winch in scene.winches.items():
+        found += _fast_winch(f"winches.{name}.rate", winch.rate)
     return found
 
 
@@ -134,7 +140,9 @@ def _item_warnings(scene: CableScene, items: Iterable[LineItem]) -> list[str]:
     return found
 
 
-def _fast_vessel(what: str, speed: float) -> list[str]:
+def _fast_vessel(what: str, velocities: NDArray[np.float64]) -> list[str]:
+    """A vessel that moves as none does: a unit left out, or the wrong one. velocities: (n, 3)."""
+    speed = float(np.linalg.norm(velocities, axis=1).max())
     if speed <= _FASTEST:
         return []
     return [
@@ -143,24 +151,26 @@ def _fast_vessel(what: str, speed: float) -> list[str]:
     ]
 
 
-def _too_fast(scene: Scene) -> list[str]:
-    """Speeds that no ship, water or winch has: units left out, or the wrong ones."""
-    velocities = scene.motion().typical_velocities()
-    found = _fast_vessel("the tow point", float(np.linalg.norm(velocities, axis=1).max()))
-    if scene.environment.current is not None:
-        flow = float(np.linalg.norm(scene.environment.current.velocity, axis=-1).max())
-        if flow > _FASTEST:
-            found.append(
-                f"environment.current reaches {flow:.3g} m/s ({flow / KNOT:.3g} knots): is it "
-                "right? kn need their unit"
-            )
-    rate = max((row.rate for row in scene.payout.rate), key=abs)
-    if abs(rate) > _FASTEST_WINCH:
-        found.append(
-            f"payout.rate reaches {rate:.3g} m/s: no winch is as fast; is it right? m/min need "
-            "their unit"
-        )
-    return found
+def _fast_water(scene: CableScene) -> list[str]:
+    """A current that flows as none does."""
+    current = scene.environment.current
+    flow = 0.0 if current is None else float(np.linalg.norm(current.velocity, axis=-1).max())
+    if flow <= _FASTEST:
+        return []
+    return [
+        f"environment.current reaches {flow:.3g} m/s ({flow / KNOT:.3g} knots): is it "
+        "right? kn need their unit"
+    ]
+
+
+def _fast_winch(what: str, table: Iterable[RatePoint]) -> list[str]:
+    """A winch that runs as none does."""
+    rate = max((row.rate for row in table), key=abs)
+    if abs(rate) <= _FASTEST_WINCH:
+        return []
+    return [
+        f"{what} reaches {rate:.3g} m/s: no winch is as fast; is it right? m/min need their unit"
+    ]
 
 
 def _angles_without_unit(scene: Scene) -> list[str]:

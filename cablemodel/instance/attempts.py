@@ -72,7 +72,8 @@ def attempts(scene: Scene) -> Iterator[Attempt]:
         return  # slack to an anchor has no single shape: it must not depend on where one begins
     swept = scene.environment.current is not None
     halved = any(cable.elements is None for cable in scene.cables)
-    if scene.environment.floor is not None or _is_clamped(scene):
+    lay = scene.rate_at_start > 0.0 and scene.end.kind == "free"  # its floor hardens in any attempt
+    if (scene.environment.floor is not None and not lay) or _is_clamped(scene):
         yield Attempt(patient=True)
     if swept:
         yield Attempt(patient=True, swept=True)

@@ -23,6 +23,8 @@ FLOORS = (1000.0, 100.0, 10.0, 1.0), (100.0, 10.0, 1.0), (30.0, 10.0, 3.0, 1.0)
 the first row for a line that sinks too deep into the first of them, and folds there."""
 LARGEST_SOFTENING, SMALLEST_SOFTENING, SOFTEST = 10.0, 1.05, 1e4
 """Factors between the depths of two contact layers on the way of a lay, and of the softest one."""
+GROWTH = 1.5
+"""Of a step on a way over easier equilibria, after one that was followed."""
 FEW_STEPS = 100
 """Of a relaxation on that way."""
 LARGEST_TURN = 0.25
@@ -39,6 +41,39 @@ def first_of(block: Block, ways: Sequence[Callable[[], int]]) -> int:
         block.image[:] = guess
         status = way()
         if status == at.OK:
+            break
+    return status
+
+
+def continued(
+    block: Block,
+    solve_at: Callable[[float], int],
+    *,
+    done: float = 0.0,
+    step: float,
+    smallest: float,
+    largest: float = 1.0,
+) -> int:
+    """Equilibria along a way to its end, 1, each from the shape of the one before; a status.
+
+    Steps grow where they can be followed, and are halved where they cannot.
+
+    Args:
+        solve_at: equilibrium at a share of the way, a status.
+        done: the share at which the block is in equilibrium.
+        step: the first one; smallest: that is not halved; largest: of all.
+    """
+    status: int = at.OK
+    while done < 1.0:
+        before = block.image.copy()
+        share = min(1.0, done + step)
+        status = solve_at(share)
+        if status == at.OK:
+            done, step = share, min(GROWTH * step, largest)
+        elif step > smallest:
+            block.image[:] = before
+            step *= 0.5
+        else:
             break
     return status
 
@@ -64,10 +99,10 @@ def on_hardening_floors(block: Block, solve: Callable[[], int], softer: Sequence
     return status
 
 
-def in_few_steps(block: Block, solve: Callable[[], int]) -> int:
+def in_few_steps(block: Block, solve: Callable[[], int], few: int = FEW_STEPS) -> int:
     """What ``solve`` finds in a relaxation of few steps; a status."""
     most = int(block.header.maximum_steps)
-    block.header.maximum_steps = min(most, FEW_STEPS)
+    block.header.maximum_steps = min(most, few)
     status = solve()
     block.header.maximum_steps = most
     return status
@@ -84,29 +119,24 @@ def on_a_floor_that_hardens(block: Block, solve: Callable[[], int]) -> int:
     """
     depth = float(block.scalars.floor_depth)
     guess = block.image.copy()
+    whole = math.log(SOFTEST)
 
-    def on(softness: float) -> int:
-        block.scalars.floor_depth = depth * softness
+    def on(share: float) -> int:
+        """As it is at 1, softest at 0."""
+        block.scalars.floor_depth = depth * SOFTEST ** (1.0 - share)
         status = in_few_steps(block, solve)
         block.scalars.floor_depth = depth
         return status
 
-    status = on(1.0)
-    softness, step = 1.0, LARGEST_SOFTENING
-    while status != at.OK and softness < SOFTEST:  # a floor soft enough to begin with
-        softness *= step
+    status, share, step = on(1.0), 1.0, math.log(LARGEST_SOFTENING) / whole
+    while status != at.OK and share > 0.5 * step:  # a floor soft enough to begin with
+        share -= step
         block.image[:] = guess
-        status = on(softness)
-    while status == at.OK and softness > 1.0:
-        before = block.image.copy()
-        harder = max(1.0, softness / step)
-        status = on(harder)
-        if status == at.OK:
-            softness, step = harder, min(step**1.5, LARGEST_SOFTENING)
-        elif step > SMALLEST_SOFTENING:
-            block.image[:] = before
-            status, step = at.OK, math.sqrt(step)
-    return status
+        status = on(share)
+    if status != at.OK:
+        return status
+    smallest = math.log(SMALLEST_SOFTENING) / whole
+    return continued(block, on, done=share, step=step, smallest=smallest, largest=step)
 
 
 def with_turned_clamps(
@@ -144,25 +174,19 @@ def with_turned_clamps(
             math.acos(min(1.0, max(-1.0, float(own @ wanted))))
             for own, wanted in zip(hinged, clamped[:, directions], strict=True)
         )
-        smallest = SMALLEST_TURN / max(angle, SMALLEST_TURN)
-        done, step = 0.0, min(1.0, LARGEST_TURN / max(angle, LARGEST_TURN))
-        while done < 1.0:
-            before = block.image.copy()
-            share = min(1.0, done + step)
+
+        def turned_by(share: float) -> int:
             for row, end, own, wanted in zip(
                 rows, ends, hinged, clamped[:, directions], strict=True
             ):
                 table[row, directions] = turned(own, wanted, share)
                 if table[row, at.Constraint.clamped] == at.EXACTLY:
                     slopes[end] = np.linalg.norm(slopes[end]) * table[row, directions]
-            status = solve_nearby()
-            if status == at.OK:
-                done, step = share, min(1.5 * step, 1.0)
-            elif step > smallest:
-                block.image[:] = before
-                step *= 0.5
-            else:
-                break
+            return solve_nearby()
+
+        smallest = SMALLEST_TURN / max(angle, SMALLEST_TURN)
+        step = min(1.0, LARGEST_TURN / max(angle, LARGEST_TURN))
+        status = continued(block, turned_by, step=step, smallest=smallest)
     table[rows, directions] = clamped[:, directions]
     return status
 

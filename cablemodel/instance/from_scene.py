@@ -69,13 +69,8 @@ def build(scene: Scene, *, planar: bool | None = None, room: float = 1.0) -> Blo
                     _say_if_drawn(found, sought)
                 return found
             except OutOfTimeError:
-                hard = what_is_hard(scene)
-                raise StaticsError(
-                    f"no static equilibrium was found within the {search.limit:g} s of "
-                    f"solver.start_time_limit. Tried: {'; '.join(search.tried)}. "
-                    f"{f'What makes it hard: {hard}. ' if hard else ''}"
-                    "Give it more time, or start from initial: {straight: ...} or {points: ...}"
-                ) from None
+                points = ", or start from initial: {straight: ...} or {points: ...}"
+                raise search.gives_up(what_is_hard(scene), points) from None
             except StaticsError as problem:
                 if not attempt.as_laid:  # without friction it may come to rest
                     first = first or problem

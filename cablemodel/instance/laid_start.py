@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from cablemodel import laid_loads
 from cablemodel.block import Block
+from cablemodel.instance import easier_ways
 from cablemodel.instance.frame import earth, local
 from cablemodel.kernels import layout as at
 from cablemodel.kernels.layout import Header, Scalars
@@ -46,8 +47,8 @@ PASSES = 12
 """In which friction is set anew to what each piece needs, at most."""
 CALM = 0.02
 """What the bristles may hold beyond that, in tau times the weight of the line."""
-STIFFER = 8
-"""Steps in which bristles get their own length, where at once finds no equilibrium."""
+SMALLEST_STEP = 1.0 / 32.0
+"""Of the way on which bristles get their own length, where at once finds no equilibrium."""
 GROWN = 0.01
 """Change of what the floor bears at a node from one pass to the next, at most."""
 COARSEST, FINER = 1e-2, 16.0
@@ -127,7 +128,8 @@ def lie_still(
     status: int = at.OK
     even = scene.environment.floor is not None and scene.environment.floor.z is not None
     if not even:
-        solve, hold = partial(_in_few_steps, block, solve), partial(_in_few_steps, block, hold)
+        few = easier_ways.in_few_steps
+        solve, hold = partial(few, block, solve, STEPS), partial(few, block, hold, STEPS)
     laid = _laid_line(block, scene, q) if coarser is None else _places_in(coarser, block)
     grown, _drags = _loads(block, scene)
     for _ in range(PASSES if coarser is None else 0):
@@ -151,27 +153,21 @@ def lie_still(
         calm = held <= CALM * scene.solver.tolerance * float(bears.sum())
         if calm and np.all(np.abs(grown - bears) <= GROWN * bears):
             break
-    slid = block.image.copy()
     if dragged:
         laid = q.copy()  # no line was laid: bristles are drawn from where the cable is
     elif coarser is None:
         _put_on(block, laid, which_lie(block, scene))
-    stiffer = [bristle]
-    for _attempt in range(2):
-        for length in stiffer:
-            bears, drags = _loads(block, scene)
-            state.bristle = length
-            rest[:] = laid - length * _shares(block, scene, bears, drags, dragged)
-            status = hold()
-            state.bristle = bristle
-            if status != at.OK:
-                break
-        if status == at.OK:
-            break
-        # Bristles that get shorter pull what slid aside back to its line.
-        block.image[:] = slid
-        stiffer = np.geomspace(0.1 * soft, bristle, STIFFER).tolist()
-    return status
+
+    def hold_with(share: float) -> int:
+        """Bristles of their own length at 1. As they get shorter they pull what slid aside back."""
+        bears, drags = _loads(block, scene)
+        state.bristle = soft * (bristle / soft) ** share
+        rest[:] = laid - state.bristle * _shares(block, scene, bears, drags, dragged)
+        status = hold()
+        state.bristle = bristle
+        return status
+
+    return easier_ways.continued(block, hold_with, step=1.0, smallest=SMALLEST_STEP)
 
 
 def _places_in(other: Block, block: Block) -> FloatArray:
@@ -191,15 +187,6 @@ def _places_in(other: Block, block: Block) -> FloatArray:
     for node in np.flatnonzero(joints):  # both ends of a body have the same arc length
         places[node] = places[parents[node]] + own[node] - own[parents[node]]
     return places
-
-
-def _in_few_steps(block: Block, solve: Callable[[], int]) -> int:
-    """What ``solve`` finds in relaxations of a few steps."""
-    most = int(block.header.maximum_steps)
-    block.header.maximum_steps = STEPS
-    status = solve()
-    block.header.maximum_steps = most
-    return status
 
 
 def _laid_line(block: Block, scene: Scene, q: FloatArray) -> FloatArray:

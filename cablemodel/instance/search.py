@@ -16,11 +16,13 @@ from numpy.typing import NDArray
 
 from cablemodel import laid_loads
 from cablemodel.block import Block
+from cablemodel.errors import StaticsError
 from cablemodel.instance.scales import is_flexible
 from cablemodel.sea_floor import contact_depth, touchdown_layer
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
+    from cablemodel.scene.common import CableScene
 
 FloatArray = NDArray[np.float64]
 
@@ -57,6 +59,17 @@ class Search:
         self.tried.append(what)
         logging.getLogger("cablemodel").info("start: %s", what)
 
+    def gives_up(self, hard: str = "", instead: str = "") -> StaticsError:
+        """What to raise when its time has passed.
+
+        hard: what makes the start hard to find; instead: what else one may do than wait.
+        """
+        return StaticsError(
+            f"no static equilibrium was found within the {self.limit:g} s of "
+            f"solver.start_time_limit. Tried: {'; '.join(self.tried)}. "
+            f"{f'What makes it hard: {hard}. ' if hard else ''}Give it more time{instead}"
+        )
+
 
 _running: ContextVar[Search | None] = ContextVar("search", default=None)
 _told: ContextVar[Callable[[], None] | None] = ContextVar("told", default=None)
@@ -74,7 +87,7 @@ def told(begins: Callable[[], None]) -> Iterator[None]:
 
 
 @contextmanager
-def searching(scene: Scene) -> Iterator[Search]:
+def searching(scene: CableScene) -> Iterator[Search]:
     """A search within the scene's `solver.start_time_limit`."""
     search = Search(scene.solver.start_time_limit)
     token = _running.set(search)

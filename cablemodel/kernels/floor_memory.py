@@ -82,7 +82,7 @@ def bear(I, M, share):
 
     Cable and bodies that press harder than by their weight for long, on the top of a hump, lie on
     the floor as others do; what strikes it finds it as soft as it is. Returns the largest
-    difference, relative to what was borne.
+    difference, relative to what was borne, with its sign.
     """
     head = header(I)
     state = scalars(M)
@@ -107,7 +107,8 @@ def bear(I, M, share):
                 load = max(load, law)
         difference = load_aimed_at(borne, load) - borne
         edge.support = borne + share * difference
-        largest = max(largest, abs(difference) / borne)
+        if abs(difference) > abs(largest) * borne:
+            largest = difference / borne
     for place in range(contact_places(I)):
         node, contact, preload = contact_place(I, M, place)
         if contact <= 0.0:
@@ -118,7 +119,8 @@ def bear(I, M, share):
         at_end = place == 2 * head.body_count
         borne = state.end_support if at_end else row.support[place % 2]
         difference = load_aimed_at(borne, law) - borne
-        largest = max(largest, abs(difference) / borne)
+        if abs(difference) > abs(largest) * borne:
+            largest = difference / borne
         if at_end:
             state.end_support += share * difference
         else:

@@ -12,7 +12,8 @@ stands still that changes
 - the drag of bodies, which run with their cable;
 - what has been laid, where the frame does not say so (`laid` 2): it is at rest over the ground, and
   only a current pulls at it. On a slope its drag with the vessel's velocity would be more than its
-  weight.
+  weight. From running to rest all of that changes gradually with the gap: switched at one of them,
+  it lifted what was let go and pressed down what ran, to and fro without an end.
 
 All of it is computed from r' at the Gauss points, and so are its derivatives, exactly: with
 velocities interpolated between nodes the flow had a part across the cable wherever an iterate
@@ -30,6 +31,7 @@ from .bodies import (
     wet_derivatives,
 )
 from .compile import kernel, view
+from .contact import LYING
 from .environment import current_at
 from .floor import block_of
 from .floor_surface import gap_at
@@ -40,8 +42,8 @@ from .rigid import rigid_residual
 from .tables import D0, D1, D2, D3, H0, H1, H2, H3, WD, WH
 from .waves import DRAG, element_water
 
-RESTS = 0.05  # of the contact layer: below that gap cable rests that has been laid
-SCRATCH = 720  # first word of ours in the elements' workspace, beyond theirs
+SCRATCH = 720  # first word of ours in the elements' workspace, beyond theirs: 27
+FORCES, NORMALS = SCRATCH + 27, SCRATCH + 39  # of an element; of the floor, at its ends
 
 
 @kernel
@@ -104,22 +106,34 @@ def at_point(I, M, flow, q, v, parent, node, h, g, w):
 
 
 @kernel
-def stays(I, M, q, node, w):
-    """`is_laid` where the frame's velocity and the flow say otherwise (`laid` 2)."""
+def resting_share(I, M, q, node, w):
+    """`laid_share` where the frame's velocity and the flow say otherwise (`laid` 2)."""
     state = scalars(M)
-    return state.laid == 2.0 and is_laid(I, M, q, node, w)
+    if state.laid != 2.0:
+        return 0.0, 0.0
+    return laid_share(I, M, q, node, w)
 
 
 @kernel
-def is_laid(I, M, q, node, w):
-    """Whether a node lies where it has been laid, at rest over the ground."""
+def laid_share(I, M, q, node, w):
+    """Share of the cable at a node that has been laid, at rest over the ground; its change [1/m].
+
+    With the gap, along the normal that goes into w (dimension words): all of it rests where there
+    is none, and none where even a taut cable would not have touched a rigid floor.
+    """
     head = header(I)
     state = scalars(M)
     if state.laid == 0.0 or head.floor_kind == 0:
-        return False
+        return 0.0, 0.0
     dimension = head.dimension
     gap = gap_at(I, M, view(q, 2 * dimension * node, 2 * dimension), w)
-    return gap < RESTS * state.floor_depth
+    width = LYING * state.floor_depth
+    x = gap / width
+    if x <= 0.0:
+        return 1.0, 0.0
+    if x >= 1.0:
+        return 0.0, 0.0
+    return (1.0 - x) * (1.0 - x) * (1.0 + 2.0 * x), -6.0 * x * (1.0 - x) / width
 
 
 @kernel
@@ -157,64 +171,87 @@ def drag_at(M, edge, stretch, dimension, w):
 
 
 @kernel
-def flow_residual(I, M, flow, frame, rest, q, v, a, tension, out, out_constraint):
-    """Add what the flow changes to forces that were found without it.
+def element_forces(I, M, flow, frame, q, v, node, lies, w, f):
+    """What the flow adds to the forces of an element, running or laid, into f (4 dimension words).
 
-    rest: positions and slopes that say what lies on the floor; of these only the drag changes.
+    By shape functions, in their order. w: 27 words of workspace.
     """
     head = header(I)
     dimension = head.dimension
     size = 2 * dimension
     W = view(M, head.gauss, GAUSS_WORDS)
-    w = view(W, SCRATCH, 30)
+    parent = I[head.parent + node]
+    e = edge_of(I, M, node)
+    h = e.length
+    f[: 2 * size] = 0.0
+    if lies and head.drag == 0:
+        return
+    momentum = e.mass * flow * flow
+    for g in range(3):
+        stretch, still, runs = at_point(I, M, flow, q, v, parent, node, h, g, w)
+        if lies:
+            for side in range(2):  # without the frame's velocity, less with it
+                for i in range(dimension):
+                    w[3 + i] += frame[i] if side == 0 else -frame[i]
+                drag_at(M, e, stretch, dimension, w)
+                for k in range(4):
+                    value = (2.0 * side - 1.0) * h * WH[g, k] * (h if k % 2 == 1 else 1.0)
+                    for i in range(dimension):
+                        f[dimension * k + i] += value * w[6 + i]
+            continue
+        drag = 0.0
+        if head.drag != 0:
+            drag = math.sqrt(stretch) * e.drag_tangential
+            drag *= abs(runs) * runs - abs(still) * still
+            if head.wave_count != 0:
+                drag *= W[DRAG + g]
+        for i in range(dimension):
+            w[6 + i] = 0.0
+            for l in range(4):
+                at = size * (parent if l < 2 else node) + dimension * (l % 2) + i
+                w[6 + i] += 2.0 * e.mass * flow * slope_function(l, g, h) * v[at]
+        for k in range(4):
+            scale = h if k % 2 == 1 else 1.0
+            value = scale * (h * WH[g, k] * drag + WD[g, k] * momentum * stretch)
+            load = scale * h * WH[g, k]
+            for i in range(dimension):
+                f[dimension * k + i] += load * w[6 + i] - value * w[i]
+    if lies:
+        return
+    for i in range(dimension):
+        f[i] -= momentum * q[size * parent + dimension + i]
+        f[size + i] += momentum * q[size * node + dimension + i]
+
+
+@kernel
+def flow_residual(I, M, flow, frame, q, v, a, tension, out, out_constraint):
+    """Add what the flow changes to forces that were found without it.
+
+    Of what has been laid only the drag changes.
+    """
+    head = header(I)
+    dimension = head.dimension
+    size = 2 * dimension
+    W = view(M, head.gauss, GAUSS_WORDS)
+    w = view(W, SCRATCH, 27)
+    f = view(W, FORCES, 12)
     for node in range(1, head.nodes):
         if I[head.joint + node] != 0:
             continue
         parent = I[head.parent + node]
-        e = edge_of(I, M, node)
-        h = e.length
-        lies = stays(I, M, rest, parent, w) and stays(I, M, rest, node, w)
-        if lies and head.drag == 0:
-            continue
-        momentum = e.mass * flow * flow
+        share = resting_share(I, M, q, parent, w)[0] * resting_share(I, M, q, node, w)[0]
         if head.wave_count != 0:
+            e = edge_of(I, M, node)
             element_water(I, M, W, e, view(q, size * parent, size), view(q, size * node, size))
-        for g in range(3):
-            stretch, still, runs = at_point(I, M, flow, q, v, parent, node, h, g, w)
-            if lies:
-                for side in range(2):  # without the frame's velocity, less with it
-                    for i in range(dimension):
-                        w[3 + i] += frame[i] if side == 0 else -frame[i]
-                    drag_at(M, e, stretch, dimension, w)
-                    for k in range(4):
-                        at = size * (parent if k < 2 else node) + dimension * (k % 2)
-                        value = (2.0 * side - 1.0) * h * WH[g, k] * (h if k % 2 == 1 else 1.0)
-                        for i in range(dimension):
-                            out[at + i] += value * w[6 + i]
+        for lies in range(2):
+            part = share if lies == 1 else 1.0 - share
+            if part == 0.0:
                 continue
-            drag = 0.0
-            if head.drag != 0:
-                drag = math.sqrt(stretch) * e.drag_tangential
-                drag *= abs(runs) * runs - abs(still) * still
-                if head.wave_count != 0:
-                    drag *= W[DRAG + g]
-            for i in range(dimension):
-                w[6 + i] = 0.0
-                for l in range(4):
-                    at = size * (parent if l < 2 else node) + dimension * (l % 2) + i
-                    w[6 + i] += 2.0 * e.mass * flow * slope_function(l, g, h) * v[at]
+            element_forces(I, M, flow, frame, q, v, node, lies == 1, w, f)
             for k in range(4):
                 at = size * (parent if k < 2 else node) + dimension * (k % 2)
-                scale = h if k % 2 == 1 else 1.0
-                value = scale * (h * WH[g, k] * drag + WD[g, k] * momentum * stretch)
-                load = scale * h * WH[g, k]
                 for i in range(dimension):
-                    out[at + i] += load * w[6 + i] - value * w[i]
-        if lies:
-            continue
-        for i in range(dimension):
-            out[size * parent + i] -= momentum * q[size * parent + dimension + i]
-            out[size * node + i] += momentum * q[size * node + dimension + i]
+                    out[at + i] += part * f[dimension * k + i]
     if head.body_count == 0:
         return
     # Forces of the bodies with the flow in place of those without it.
@@ -226,15 +263,15 @@ def flow_residual(I, M, flow, frame, rest, q, v, a, tension, out, out_constraint
         rigid_residual(I, M, q, v, a, tension, out, out_constraint)
     for n in range(count):
         out[n] = -out[n]
-    run_with_cable(I, M, flow, frame, rest, 1.0, q, v)
+    run_with_cable(I, M, flow, frame, 1.0, q, v)
     body_residual(I, M, q, v, a, out)
     if head.rigid > 0:
         rigid_residual(I, M, q, v, a, tension, out, out_constraint)
-    run_with_cable(I, M, flow, frame, rest, -1.0, q, v)
+    run_with_cable(I, M, flow, frame, -1.0, q, v)
 
 
 @kernel
-def run_with_cable(I, M, flow, frame, rest, sign, q, v):
+def run_with_cable(I, M, flow, frame, sign, q, v):
     """Add the flow to the velocities of the nodes of bodies (or take it off, sign -1).
 
     Of bodies that have been laid, minus the frame's velocity.
@@ -248,15 +285,15 @@ def run_with_cable(I, M, flow, frame, rest, sign, q, v):
         if node < 0:
             continue
         for _side in range(2 if row.length > 0.0 else 1):
-            lies = stays(I, M, rest, node, view(M, head.gauss + SCRATCH, 3))
+            share, _change = resting_share(I, M, q, node, view(M, head.gauss + SCRATCH, 3))
             for i in range(dimension):
-                own = -frame[i] if lies else flow * q[size * node + dimension + i]
+                own = (1.0 - share) * flow * q[size * node + dimension + i] - share * frame[i]
                 v[size * node + i] += sign * own
             node = I[head.parent + node]
 
 
 @kernel
-def flow_jacobian(I, M, flow, frame, rest, q, v, a, ca, cv):
+def flow_jacobian(I, M, flow, frame, q, v, a, ca, cv):
     """Add the derivatives of `flow_residual` to the blocks of the effective Jacobian.
 
     Of a body of finite length they are left out: its drag is little beside what holds it.
@@ -265,72 +302,122 @@ def flow_jacobian(I, M, flow, frame, rest, q, v, a, ca, cv):
     dimension = head.dimension
     size = 2 * dimension
     W = view(M, head.gauss, GAUSS_WORDS)
-    w = view(W, SCRATCH, 30)
+    w = view(W, SCRATCH, 27)
     for node in range(1, head.nodes):
         if I[head.joint + node] != 0:
             continue
         parent = I[head.parent + node]
-        e = edge_of(I, M, node)
-        h = e.length
-        lies = stays(I, M, rest, parent, w) and stays(I, M, rest, node, w)
-        if lies and head.drag == 0:
-            continue
-        momentum = e.mass * flow * flow
+        upper, upper_change = resting_share(I, M, q, parent, view(W, NORMALS, 3))
+        lower, lower_change = resting_share(I, M, q, node, view(W, NORMALS + 3, 3))
+        share = upper * lower
         if head.wave_count != 0:
+            e = edge_of(I, M, node)
             element_water(I, M, W, e, view(q, size * parent, size), view(q, size * node, size))
-        for g in range(3):
-            stretch, still, runs = at_point(I, M, flow, q, v, parent, node, h, g, w)
-            if lies:
-                for side in range(2):
-                    for i in range(dimension):
-                        w[3 + i] += frame[i] if side == 0 else -frame[i]
-                    drag_at(M, e, stretch, dimension, w)
-                    add_drag(I, M, node, h, g, (2.0 * side - 1.0) * h, cv, w)
-                continue
-            coefficient = 0.0
-            if head.drag != 0:
-                coefficient = math.sqrt(stretch) * e.drag_tangential
-                if head.wave_count != 0:
-                    coefficient *= W[DRAG + g]
-            drag = coefficient * (abs(runs) * runs - abs(still) * still)
-            turned = 2.0 * coefficient * (abs(runs) - abs(still))
-            slides = -2.0 * coefficient * abs(runs) * flow + 0.5 * drag / stretch
-            for k in range(4):
-                scale = h if k % 2 == 1 else 1.0
-                load = scale * h * WH[g, k]
-                bend = scale * WD[g, k] * momentum
-                turning = load * 2.0 * e.mass * flow * cv
-                for l in range(4):
-                    slope = slope_function(l, g, h)
-                    value = value_function(l, g, h)
-                    at = block_of(I, node, k, l, dimension)
-                    at += 2 * dimension * dimension * (k % 2) + dimension * (l % 2)
-                    for i in range(dimension):
-                        for j in range(dimension):
-                            across = w[3 + j] - still * w[j]
-                            rate = turned * across / stretch + (slides - drag / stretch) * w[j]
-                            entry = -load * (
-                                rate * w[i] * slope - cv * turned * w[i] * w[j] * value
-                            )
-                            if i == j:
-                                entry += (turning - load * drag / stretch - bend) * slope
-                            M[at + size * i + j] += entry
-        if lies:
-            continue
-        area = size * size
-        for i in range(dimension):
-            at = size * i + dimension + i
-            M[head.diagonal + area * parent + at] -= momentum
-            M[head.diagonal + area * node + at] += momentum
+        if share < 1.0:
+            add_running(I, M, flow, q, v, node, 1.0 - share, cv, w)
+        if share > 0.0 and head.drag != 0:
+            add_laid(I, M, flow, frame, q, v, node, share, cv, w)
+        if upper_change * lower != 0.0 or lower_change * upper != 0.0:
+            add_landing(I, M, flow, frame, q, v, node, upper_change * lower, lower_change * upper)
     for side in range(2 if head.body_count > 0 else 0):
         sign = 2.0 * side - 1.0
         for body in range(head.body_count):
             row = body_of(I, M, body)
             node = int(row.node)
             if node >= 0 and row.length == 0.0:
-                lies = stays(I, M, rest, node, w)
-                add_body(I, M, 0.0 if lies else flow, q, v, a, ca, cv, row, node, sign)
-        run_with_cable(I, M, flow, frame, rest, 1.0 if side == 0 else -1.0, q, v)
+                share, _change = resting_share(I, M, q, node, w)
+                add_body(I, M, (1.0 - share) * flow, q, v, a, ca, cv, row, node, sign)
+        run_with_cable(I, M, flow, frame, 1.0 if side == 0 else -1.0, q, v)
+
+
+@kernel
+def add_running(I, M, flow, q, v, node, part, cv, w):
+    """Add `part` of the derivatives of `element_forces` of cable that runs."""
+    head = header(I)
+    dimension = head.dimension
+    size = 2 * dimension
+    W = view(M, head.gauss, GAUSS_WORDS)
+    parent = I[head.parent + node]
+    e = edge_of(I, M, node)
+    h = e.length
+    momentum = part * e.mass * flow * flow
+    for g in range(3):
+        stretch, still, runs = at_point(I, M, flow, q, v, parent, node, h, g, w)
+        coefficient = 0.0
+        if head.drag != 0:
+            coefficient = part * math.sqrt(stretch) * e.drag_tangential
+            if head.wave_count != 0:
+                coefficient *= W[DRAG + g]
+        drag = coefficient * (abs(runs) * runs - abs(still) * still)
+        turned = 2.0 * coefficient * (abs(runs) - abs(still))
+        slides = -2.0 * coefficient * abs(runs) * flow + 0.5 * drag / stretch
+        for k in range(4):
+            scale = h if k % 2 == 1 else 1.0
+            load = scale * h * WH[g, k]
+            bend = scale * WD[g, k] * momentum
+            turning = load * 2.0 * part * e.mass * flow * cv
+            for l in range(4):
+                slope = slope_function(l, g, h)
+                value = value_function(l, g, h)
+                at = block_of(I, node, k, l, dimension)
+                at += 2 * dimension * dimension * (k % 2) + dimension * (l % 2)
+                for i in range(dimension):
+                    for j in range(dimension):
+                        across = w[3 + j] - still * w[j]
+                        rate = turned * across / stretch + (slides - drag / stretch) * w[j]
+                        entry = -load * (rate * w[i] * slope - cv * turned * w[i] * w[j] * value)
+                        if i == j:
+                            entry += (turning - load * drag / stretch - bend) * slope
+                        M[at + size * i + j] += entry
+    area = size * size
+    for i in range(dimension):
+        at = size * i + dimension + i
+        M[head.diagonal + area * parent + at] -= momentum
+        M[head.diagonal + area * node + at] += momentum
+
+
+@kernel
+def add_laid(I, M, flow, frame, q, v, node, part, cv, w):
+    """Add `part` of the derivatives of `element_forces` of cable that has been laid."""
+    head = header(I)
+    dimension = head.dimension
+    parent = I[head.parent + node]
+    e = edge_of(I, M, node)
+    h = e.length
+    for g in range(3):
+        stretch, _still, _runs = at_point(I, M, flow, q, v, parent, node, h, g, w)
+        for side in range(2):
+            for i in range(dimension):
+                w[3 + i] += frame[i] if side == 0 else -frame[i]
+            drag_at(M, e, stretch, dimension, w)
+            add_drag(I, M, node, h, g, (2.0 * side - 1.0) * part * h, cv, w)
+
+
+@kernel
+def add_landing(I, M, flow, frame, q, v, node, upper, lower):
+    """Add what an element's forces change by as it comes to rest.
+
+    upper, lower: change of its share that rests with the gaps of its ends [1/m]; their normals are
+    in the workspace.
+    """
+    head = header(I)
+    dimension = head.dimension
+    size = 2 * dimension
+    W = view(M, head.gauss, GAUSS_WORDS)
+    w = view(W, SCRATCH, 27)
+    f = view(W, FORCES, 12)
+    for lies in range(2):
+        sign = 2.0 * lies - 1.0
+        element_forces(I, M, flow, frame, q, v, node, lies == 1, w, f)
+        for k in range(4):
+            for end in range(2):
+                change = sign * (upper if end == 0 else lower)
+                at = block_of(I, node, k, 2 * end, dimension)
+                at += 2 * dimension * dimension * (k % 2)
+                for i in range(dimension):
+                    for j in range(dimension):
+                        normal = W[NORMALS + 3 * end + j]
+                        M[at + size * i + j] += change * f[dimension * k + i] * normal
 
 
 @kernel

@@ -12,7 +12,7 @@ from .closures import follow_forces, give_back_forces, keep_forces
 from .compile import copy_words, kernel, view
 from .floor_memory import bear
 from .floor_state import leave_floor
-from .flow import flow_jacobian, flow_residual, is_laid
+from .flow import flow_jacobian, flow_residual, laid_share
 from .free_bodies import count_turns_anew
 from .layout import (
     FLOOR_NONE,
@@ -36,6 +36,7 @@ LONGEST_STEP = 1e7
 LONGEST_WITH_BODIES = 1e4  # first steps: longer ones let rounding turn a body that nothing holds
 NEWTON_LIMIT = 12
 FLOOR_ROUNDS = 12
+LOAD_HALVINGS = 8  # of a change of what the floor bears that is not followed, before shorter steps
 CALM = 1e-10  # of the length: what the last two steps may move
 ROUND_OFF = 1e-8, 20  # of the length, where so many of the longest steps in a row move no more
 UNBALANCED = 1e-9  # of gravity: the same in a system, whose bodies may turn freely
@@ -121,6 +122,10 @@ def relax(I, M, frame, damped, strict):
     calm = 0
     still = 0
     rounds = 0
+    bore = view(M, head.stage_acceleration + 2 * nodes, nodes)  # what the floor did, before
+    halvings = LOAD_HALVINGS  # of the last change of that, while no step has followed it
+    pressed = 0.0  # by how much more the floor was pressed than it bore
+    share = 1.0
     status = STATICS_FAILED
     for _step in range(min(LARGEST_STEPS, head.maximum_steps)):
         inverse = 1.0 / dt
@@ -143,14 +148,14 @@ def relax(I, M, frame, damped, strict):
             keep_matrix(I)
             jacobian(I, M, q, v, a, tension, inverse * inverse, inverse)
             if flow != 0.0:
-                flow_jacobian(I, M, flow, frame, q0, q, v, a, inverse * inverse, inverse)
+                flow_jacobian(I, M, flow, frame, q, v, a, inverse * inverse, inverse)
             if factor_assembled(I, M) != 0:
                 break
             head.factorisations += 1
             head.iterations += 1
             residual(I, M, q, v, a, tension, forces, constraint)
             if flow != 0.0:
-                flow_residual(I, M, flow, frame, q0, q, v, a, tension, forces, constraint)
+                flow_residual(I, M, flow, frame, q, v, a, tension, forces, constraint)
             newton_increment(I, M, forces, constraint, x)
             change, where = increment_norm(I, M, x)
             I[head.failed] = where
@@ -170,10 +175,15 @@ def relax(I, M, frame, damped, strict):
                 break
         if not converged or (strict and is_folded(I, M, q, tension)):
             give_back_forces(I, M)
+            if halvings < LOAD_HALVINGS:
+                share_loads(I, M, bore)
+                halvings += 1
+                continue
             dt *= 0.25
             if dt < 1e-9 * state.first_step:
                 break
             continue
+        halvings = LOAD_HALVINGS
         keep_forces(I, M)
         for n in range(count):
             x[n] = q[n] - q0[n]
@@ -197,15 +207,19 @@ def relax(I, M, frame, damped, strict):
         still = still + 1 if rounded and dt == longest else 0
         if still >= ROUND_OFF[1] or (moved <= CALM * length and dt > 1e3 * state.first_step):
             calm += 1
-            if (
-                calm >= 2
-                and head.floor_kind != 0
-                and rounds < FLOOR_ROUNDS
-                and bear(I, M, 0.0) > 1e-3
-            ):
-                bear(I, M, 1.0)
-                rounds += 1
-                calm = 0
+            if calm >= 2 and head.floor_kind != 0 and rounds < FLOOR_ROUNDS:
+                more = bear(I, M, 0.0)
+                if abs(more) > 1e-3:
+                    # Whole steps may move the cable to and fro.
+                    if more * pressed < 0.0 and abs(more) > 0.5 * abs(pressed):
+                        share *= 0.5
+                    pressed = more
+                    for node in range(nodes):
+                        bore[node] = edge_of(I, M, node).support
+                    bear(I, M, share)
+                    halvings = 0
+                    rounds += 1
+                    calm = 0
             if calm >= 2:
                 if not is_folded(I, M, q0, t0):
                     status = OK
@@ -232,6 +246,15 @@ def relax(I, M, frame, damped, strict):
 
 
 @kernel
+def share_loads(I, M, bore):
+    """Take back half of what the floor bears more of the elements than it did, (nodes,)."""
+    head = header(I)
+    for node in range(head.nodes):
+        edge = edge_of(I, M, node)
+        edge.support = 0.5 * (edge.support + bore[node])
+
+
+@kernel
 def add_flow(I, M, flow, q, v, a):
     """Motion of cable that runs along its own shape at the rate `flow` (eq. 16, d/dt = 0).
 
@@ -245,10 +268,7 @@ def add_flow(I, M, flow, q, v, a):
     nodes = head.nodes
     w = view(M, head.motion + 28, 3)
     for node in range(1, nodes):
-        if is_laid(I, M, q, node, w):
-            for i in range(dimension):
-                v[size * node + i] = 0.0
-            continue
+        laid, _change = laid_share(I, M, q, node, w)
         for i in range(dimension):
             n = size * node + i
             second = 0.0
@@ -267,9 +287,9 @@ def add_flow(I, M, flow, q, v, a):
                     second += (6.0 * chord - 4.0 * q[p + dimension] - 2.0 * q[c + dimension]) / h
                 sides += 1.0
             second /= max(sides, 1.0)
-            v[n] += flow * q[n + dimension]
-            v[n + dimension] += flow * second
-            a[n] = flow * flow * second
+            v[n] = (1.0 - laid) * (v[n] + flow * q[n + dimension])
+            v[n + dimension] += (1.0 - laid) * flow * second
+            a[n] = (1.0 - laid) * flow * flow * second
 
 
 @kernel

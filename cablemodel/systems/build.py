@@ -49,11 +49,19 @@ def build(scene: SystemScene) -> Built:
 
     Raises:
         SceneError: vessels that move apart at t = 0.
-        StaticsError: no equilibrium was found.
+        StaticsError: no equilibrium was found, or not within `solver.start_time_limit`.
 
     Warns:
         UnstableStartWarning: the system leaves it by itself.
     """
+    with search.searching(scene) as sought:
+        try:
+            return _built(scene, sought)
+        except search.OutOfTimeError:
+            raise sought.gives_up() from None
+
+
+def _built(scene: SystemScene, sought: search.Search) -> Built:
     velocity = steady_velocity(scene)
     nodes = {name: nodes_of(scene, name) for name in scene.lines}
     guess = first_guess(scene, velocity)
@@ -63,14 +71,17 @@ def build(scene: SystemScene) -> Built:
             accuracy = scene.solver.tolerance * line.length
             cables = [item.cable for item in line.items if item.cable is not None]
             nodes[name] = refine_line(water, accuracy, cables, nodes[name], guess.lines[name])
+    sought.tries("without friction")
     built = _solved(scene, nodes, guess, None, velocity)
     for _round in range(ROUNDS):
         finer = refined(scene, nodes, built)
         if finer is None:
             break
         nodes = finer
+        sought.tries("the same on finer elements")
         built = _solved(scene, nodes, guess, built, velocity)
     if scene.environment.floor is not None:
+        sought.tries("the same on elements that are finer at the touchdown")
         _refine_at_floor(scene, built, velocity)
     warn_if_unstable(built)
     return built

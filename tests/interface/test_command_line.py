@@ -17,8 +17,9 @@ from typer.testing import CliRunner, Result
 import cablemodel as cm
 from cablemodel import library
 from cablemodel.cli import app
-from cablemodel.cli.plausibility import scene_warnings
+from cablemodel.cli.plausibility import scene_warnings, system_warnings
 from cablemodel.cli.run import explained_start
+from cablemodel.systems import load_system
 
 ROOT = Path(__file__).parents[2]
 SCENE = ROOT / "scenes" / "towed_cable.yaml"
@@ -733,3 +734,14 @@ def test_a_wait_for_tables_is_not_blamed_on_the_start(
     with explained_start(quiet=False):
         time.sleep(0.3)
     assert capsys.readouterr().err == ""
+
+
+def test_checks_see_a_system_that_goes_too_fast() -> None:
+    """A winch and a current, as of one line."""
+    path = ROOT / "scenes" / "systems" / "cage_on_its_winch.yaml"
+    assert not any("is it right?" in word for word in system_warnings(load_system(path)))
+    rate = "[{t: 0, rate: 0}, {t: 10, rate: -400}]"
+    fast = load_system(path, [f"winches.winch.rate={rate}", "environment.current=[30, 0, 0]"])
+    found = "\n".join(system_warnings(fast))
+    assert "winches.winch.rate reaches -400 m/s: no winch is as fast" in found
+    assert "environment.current reaches 30 m/s (58.3 knots)" in found

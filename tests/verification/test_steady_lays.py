@@ -51,6 +51,10 @@ def started(scene: cm.Scene) -> cm.CableModel:
         (LIGHT, 3.0, 100.0, 0.0, 0.0, 0.0),
         (ARMOURED, 8.0, 2000.0, 5000.0, 0.0, 0.0),
         (ARMOURED, 3.0, 8000.0, 1000.0, 0.0, 0.02),
+        # The next three alternated between two shapes where cable is let go to the floor.
+        (ARMOURED, 6.1, 607.0, 1.0, 0.0, 0.0),
+        (LIGHT, 6.5, 30.0, 1.0, 0.0, 0.0),
+        (ARMOURED, 4.1, 63.0, 1.0, 0.0, 0.02),
         (LIGHT, 1.0, 500.0, 1.0, 15.0, 0.0),
         (LIGHT, 2.0, 500.0, 20.0, 5.0, 0.0),
         pytest.param(
@@ -104,6 +108,19 @@ def test_a_taut_lay_starts_with_what_it_drags(
     assert touchdown == pytest.approx(0.5 * weight * lying, rel=0.1)
     top, _length = independent(kind, knots, rate, touchdown, depth, straight=False)
     assert model.top_tension == pytest.approx(top, rel=1e-2)
+
+
+@pytest.mark.parametrize("slack", [0.0, 0.1])
+def test_a_lay_that_the_floor_bears_in_part_touches_it(slack: float) -> None:
+    """Two degrees steeper than its floor the flow carries half of it, and it lay as near the floor
+    nowhere as cable lies: no touchdown and no length on it, under a force of 800 N."""
+    scene, _rate = lay(LIGHT, 7.3, 222.0, bending=20.0, slope=5.0, slack=slack)
+    model = started(scene)
+    weight, _ = lay_angle(LIGHT, 7.3 * KNOT)
+    assert model.floor_force[2] > 0.3 * weight * 282.0
+    assert model.floor_length == pytest.approx(282.0, rel=0.02)
+    hanging = model.line_length - model.floor_length
+    assert model.touchdown_position == pytest.approx(model.sample([hanging]).position[0], abs=1e-6)
 
 
 def test_a_lay_up_a_slope_is_not_a_drag() -> None:

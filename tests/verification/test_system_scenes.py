@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from cablemodel.errors import StaticsError
 from cablemodel.systems import SystemModel, load_system
 
 SCENES = sorted((Path(__file__).parents[2] / "scenes" / "systems").glob("*.yaml"))
@@ -28,6 +29,13 @@ def test_a_scene_to_copy_runs(path: Path) -> None:
     for name, body in model.bodies.items():
         assert np.isfinite(body.position).all(), name
         assert np.linalg.norm(body.velocity) < 10.0, name
+
+
+def test_a_start_that_takes_too_long_says_what_was_tried() -> None:
+    """A limit of no time at all is the shortest there is."""
+    scene = load_system(SCENES[0], ["solver.start_time_limit=1e-6"])
+    with pytest.raises(StaticsError, match=r"start_time_limit.*Tried: without friction"):
+        SystemModel(scene)
 
 
 def test_a_vehicle_that_mujoco_simulates_holds_its_place_on_its_tether() -> None:
