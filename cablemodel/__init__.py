@@ -23,7 +23,7 @@ if TYPE_CHECKING:
         UnstableStartWarning,
     )
     from cablemodel.model import CableModel, CableState
-    from cablemodel.parameter_sweep import sweep
+    from cablemodel.parameter_sweep import grid_of, sweep
     from cablemodel.recorder import Recorder
     from cablemodel.run import Run, open_run, simulate
     from cablemodel.scene import Scene, load_scene
@@ -44,6 +44,7 @@ _HOME = {
     "CableState": "cablemodel.model",
     "converge": "cablemodel.converged_run",
     "convergence": "cablemodel.accuracy.study",
+    "grid_of": "cablemodel.parameter_sweep",
     "sweep": "cablemodel.parameter_sweep",
     "Recorder": "cablemodel.recorder",
     "SystemRecorder": "cablemodel.recorder",
@@ -79,6 +80,7 @@ __all__ = [
     "__version__",
     "converge",
     "convergence",
+    "grid_of",
     "load_scene",
     "load_system",
     "open_run",

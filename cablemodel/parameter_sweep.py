@@ -28,6 +28,7 @@ from cablemodel.extras import require
 
 if TYPE_CHECKING:
     import pandas
+    import xarray
     from distributed import Client
 
     from cablemodel.run import Run
@@ -149,6 +150,7 @@ def sweep(
     scheduler: str | None = None,
     workers: int | None = None,
     converge: bool = False,
+    done: pandas.DataFrame | None = None,
     finished: Callable[[int, pandas.DataFrame], None] | None = None,
 ) -> pandas.DataFrame:
     """Simulate a scene for every combination of values.
@@ -163,6 +165,8 @@ def sweep(
             machine. Its workers need cablemodel, and the files that the scene names.
         workers: processes on this machine; by default one for each processor.
         converge: make every run by `converge`, at the tolerance that keeps what is asked of it.
+        done: the table of the same sweep, interrupted: its runs are not made again, but for those
+            that failed (`read_table`).
         finished: called with the number of finished runs and the table so far, about once a second
             and at the end, also when the sweep is interrupted.
 
@@ -172,7 +176,8 @@ def sweep(
         ``error``, empty where all went well.
 
     Raises:
-        SceneError: nothing to sweep over, no combination is a scene, or a system is to converge.
+        SceneError: nothing to sweep over, no combination is a scene, a system is to converge, or
+            what is done is of another sweep.
         CableModelError: dask or pandas is not installed, or the scheduler does not answer.
     """
     require("distributed", extra="sweep", what="a sweep")
@@ -197,16 +202,20 @@ def sweep(
         for point in points
     ]
     _refuse_if_none_loads(text, folder, changes)
-    rows: dict[int, dict[str, Any]] = {}
+    rows = {} if done is None else _rows_of(done, _table(axes, points, {}, results), axes, points)
 
     def report() -> None:
         if finished is not None:
             finished(len(rows), _table(axes, points, rows, results))
 
     simulate = partial(simulate_point, text, folder, until=until, converge=converge)
-    with _client(scheduler, workers, count) as client:
+    left = {index: change for index, change in enumerate(changes) if index not in rows}
+    if not left:
+        report()
+        return _table(axes, points, rows, results)
+    with _client(scheduler, workers, len(left)) as client:
         try:
-            _collect(client, simulate, changes, rows, report)
+            _collect(client, simulate, left, rows, report)
         finally:
             report()
     return _table(axes, points, rows, results)
@@ -403,7 +412,7 @@ def _on_interrupt(handler: Callable[[int, object], None] | signal.Handlers) -> I
 def _collect(
     client: Client,
     simulate: Callable[[Sequence[str]], dict[str, Any]],
-    changes: Sequence[Sequence[str]],
+    changes: Mapping[int, Sequence[str]],
     rows: dict[int, dict[str, Any]],
     report: Callable[[], None],
 ) -> None:
@@ -421,11 +430,12 @@ def _collect(
 
     with _on_interrupt(note):
         # Not pure: two sweeps on one cluster are two sweeps, whatever dask remembers.
-        futures = client.map(simulate, changes, pure=False, retries=0)
-        places = {future.key: index for index, future in enumerate(futures)}
+        futures = client.map(simulate, list(changes.values()), pure=False, retries=0)
+        places = {future.key: index for index, future in zip(changes, futures, strict=True)}
         ended = as_completed(futures, loop=client.loop)
         last = time.monotonic()
-        while len(rows) < len(futures):
+        wanted = len(rows) + len(futures)
+        while len(rows) < wanted:
             batch = ended.next_batch(block=False)
             for future in batch:
                 if future.status == "finished":
@@ -462,6 +472,41 @@ def _table(
     return pandas.DataFrame(columns, index=pandas.Index(order, name="run"))
 
 
+def _rows_of(
+    done: pandas.DataFrame,
+    empty: pandas.DataFrame,
+    axes: Sequence[Axis],
+    points: Sequence[Sequence[Any]],
+) -> dict[int, dict[str, Any]]:
+    """Rows of the runs of an earlier table that ended well, by their place among the points.
+
+    empty: a table of this sweep without runs.
+
+    Raises:
+        SceneError: the table is not of this sweep.
+    """
+    import pandas
+
+    if list(done.columns) != list(empty.columns):
+        other = [str(name) for name in done.columns if name not in empty.columns]
+        problem = f"the table has other columns: {', '.join(other) or 'fewer'}"
+        raise SceneError.at("", list(done.columns), problem, ", ".join(map(str, empty.columns)))
+    rows = {}
+    for index, row in zip(done.index, done.to_dict("records"), strict=True):
+        point = points[index] if 0 <= index < len(points) else ()
+        for axis, value in zip(axes, point, strict=True) if point else ():
+            if row[axis.column] != _cell(value):
+                problem = f"run {index} of the table has {shown(row[axis.column])}"
+                raise SceneError.at(axis.path, row[axis.column], problem, f"{shown(_cell(value))}")
+        if not point:
+            allowed = f"runs 0 to {len(points) - 1}"
+            raise SceneError.at("", index, f"the table has a run {index}", allowed)
+        if row["error"] == "":
+            kept = {name: None if pandas.isna(value) else value for name, value in row.items()}
+            rows[int(index)] = kept | {"error": ""}
+    return rows
+
+
 def _cell(value: Any) -> Any:
     """Lists and mappings as text: a cell holds one value."""
     return value if isinstance(value, (int, float, str)) else json.dumps(value)
@@ -470,6 +515,47 @@ def _cell(value: Any) -> Any:
 def swept_columns(table: pandas.DataFrame) -> list[str]:
     """Columns of the values swept over: those before the results."""
     return [str(name) for name in table.columns[: table.columns.get_loc("time")]]
+
+
+def grid_of(table: pandas.DataFrame) -> xarray.Dataset:
+    """The result of a sweep with the values swept over as dimensions; runs that are not finished
+    are NaN, and ``error`` says so.
+
+    Raises:
+        CableModelError: xarray is not installed.
+    """
+    require("xarray", extra="export", what="xarray")
+    grid: xarray.Dataset = (
+        table.astype({"error": object}).set_index(swept_columns(table)).to_xarray()
+    )
+    grid["error"] = grid["error"].fillna("not finished").astype(str)
+    return grid
+
+
+def read_table(path: str | os.PathLike[str]) -> pandas.DataFrame:
+    """The table of a sweep that `write_table` wrote as .csv or .parquet, for `sweep` to go on.
+
+    Raises:
+        CableModelError: it has another ending, or is none of a sweep; or a package is missing.
+        OSError: the file cannot be read.
+    """
+    import pandas
+
+    path = Path(path)
+    ending = path.suffix.lower()
+    if ending == ".csv":
+        table = pandas.read_csv(path, keep_default_na=False)
+        if not {"run", "time", "error"} <= set(table.columns):
+            raise CableModelError(f"{path} is not the table of a sweep")
+        table = table.set_index("run")
+        numbers = table.columns[table.columns.get_loc("time") : -1]
+        table[numbers] = table[numbers].apply(pandas.to_numeric)
+    elif ending == ".parquet":
+        require("pyarrow", extra="export", what="Parquet")
+        table = pandas.read_parquet(path)
+    else:
+        raise CableModelError(f"{path}: a sweep goes on from a .csv or .parquet file")
+    return table
 
 
 def write_table(table: pandas.DataFrame, path: str | os.PathLike[str]) -> None:
@@ -490,11 +576,8 @@ def write_table(table: pandas.DataFrame, path: str | os.PathLike[str]) -> None:
         require("pyarrow", extra="export", what="Parquet")
         table.to_parquet(partial_file)
     elif ending == ".nc":
-        for package in ("xarray", "h5netcdf"):
-            require(package, extra="export", what="NetCDF")
-        grid = table.astype({"error": object}).set_index(swept_columns(table)).to_xarray()
-        grid["error"] = grid["error"].fillna("not finished").astype(str)
-        grid.to_netcdf(partial_file, engine="h5netcdf")
+        require("h5netcdf", extra="export", what="NetCDF")
+        grid_of(table).to_netcdf(partial_file, engine="h5netcdf")
     else:
         raise CableModelError(f"{path} must end in .csv, .parquet or .nc")
     partial_file.replace(path)

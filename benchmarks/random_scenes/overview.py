@@ -51,9 +51,16 @@ PROMISE = "promise"
 def promise(stored: Path) -> str:
     """How often runs are wrong, by what a user asks for; all searches must be stored."""
     rows = []
-    for search, words in ((ALL, "a single run"), (AT_SEA, "a single run in waves")):
+    for search, words in (
+        (ALL, "a single run"),
+        (AT_SEA, "a single run in waves"),
+        (JOBS, "a single run of an ordinary job"),
+    ):
         found = Counter(row["outcome"] for row in _read(stored / search.file(".json")))
         rows.append((words, *_rate(found["wrong"], found.total() - sum(found[o] for o in NEVER))))
+    found = Counter(json.loads((stored / "random_systems.json").read_text())["outcomes"])
+    of_systems = _rate(found["missed"], found["kept"] + found["missed"])
+    rows.append(("a single run of a system, without a warning of its start", *of_systems))
     said = Counter(row["outcome"] for row in _read(stored / estimate.STORE.name))
     sure = said[estimate.KEPT] + said[estimate.SILENT]
     rows.append(

@@ -79,10 +79,18 @@ def sweep(
         ),
     ] = None,
     converge: ConvergeOption = False,
+    resume: Annotated[
+        bool,
+        typer.Option(
+            help="Go on with the table of an interrupted sweep of the same scene, .csv or "
+            ".parquet: only what is missing or failed is run.",
+            show_default=False,
+        ),
+    ] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress.")] = False,
 ) -> None:
     """Run a scene for every combination of some of its values, in parallel, into one table."""
-    from cablemodel.parameter_sweep import Axis, results_of, write_table
+    from cablemodel.parameter_sweep import Axis, read_table, results_of, write_table
     from cablemodel.parameter_sweep import sweep as run_all
     from cablemodel.systems import read_scene
 
@@ -103,6 +111,7 @@ def sweep(
     count = 1
     for axis in axes:
         count *= len(axis.values)
+    done = read_table(target) if resume and target.exists() else None
     kept: list[pandas.DataFrame] = []
     with _progress(count, quiet) as show:
 
@@ -116,7 +125,7 @@ def sweep(
         try:
             table = run_all(
                 scene, axes, overrides=overrides or (), until=end, scheduler=scheduler,
-                workers=workers, converge=converge, finished=finished,
+                workers=workers, converge=converge, done=done, finished=finished,
             )  # fmt: skip
         except KeyboardInterrupt:
             done = len(kept[0]) if kept else 0

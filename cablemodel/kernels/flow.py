@@ -296,7 +296,8 @@ def run_with_cable(I, M, flow, frame, sign, q, v):
 def flow_jacobian(I, M, flow, frame, q, v, a, ca, cv):
     """Add the derivatives of `flow_residual` to the blocks of the effective Jacobian.
 
-    Of a body of finite length they are left out: its drag is little beside what holds it.
+    Of a body of finite length they are left out: its drag is little beside what holds it. So is how
+    the share of a body that rests changes.
     """
     head = header(I)
     dimension = head.dimension

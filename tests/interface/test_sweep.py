@@ -17,7 +17,7 @@ from typer.testing import CliRunner, Result
 
 import cablemodel as cm
 from cablemodel.cli import app
-from cablemodel.parameter_sweep import RESULTS, Axis, write_table
+from cablemodel.parameter_sweep import RESULTS, Axis, read_table, swept_columns, write_table
 from cablemodel.sweep_plot import save_sweep_figure
 
 ROOT = Path(__file__).parents[2]
@@ -229,3 +229,47 @@ def test_what_is_no_list_of_values_is_said(over: Any, words: str) -> None:
 def test_a_wrong_end_of_a_sweep_is_said_before_it_begins() -> None:
     with pytest.raises(cm.SceneError, match="until: 'soon' is not a number with a unit"):
         cm.sweep(SCENE, {"line.0.cable.length": [20, 30]}, until="soon")
+
+
+def test_a_sweep_goes_on_where_it_was_interrupted(tmp_path: Path) -> None:
+    """What ended well is kept as it is; what failed or is missing is run."""
+    path = tmp_path / "sweep.csv"
+    arguments = (SCENE, "--over", f"{DIAMETER}=0.01:0.03:4", "--until", "2", "-o", path)
+    assert command(*arguments).exit_code == 0
+    whole = read_table(path)
+    partial = whole.drop(index=2)
+    partial.loc[1, "error"] = "no static equilibrium was found"
+    partial.loc[0, "wall_time"] = 1234.0
+    write_table(partial, path)
+    assert command(*arguments, "--resume").exit_code == 0
+    found = read_table(path)
+    assert list(found.index) == [0, 1, 2, 3]
+    assert (found["error"] == "").all()
+    assert found.loc[0, "wall_time"] == 1234.0
+    assert found.loc[3, "wall_time"] == whole.loc[3, "wall_time"]
+    same = [name for name in whole.columns if name != "wall_time"]
+    pandas.testing.assert_frame_equal(found[same], whole[same])
+    again = command(*arguments, "--resume")
+    assert again.exit_code == 0, again.output
+    pandas.testing.assert_frame_equal(read_table(path), found)
+
+
+def test_a_table_of_another_sweep_is_not_gone_on_with(tmp_path: Path) -> None:
+    path = tmp_path / "sweep.csv"
+    arguments = ("--until", "1", "-o", path)
+    assert command(SCENE, "--over", f"{DIAMETER}=0.01,0.02", *arguments).exit_code == 0
+    before = path.read_text()
+    result = command(SCENE, "--over", f"{DIAMETER}=0.02,0.03", *arguments, "--resume")
+    assert result.exit_code == 2, result.output
+    assert "run 0 of the table has 0.01" in result.output
+    result = command(SCENE, "--over", f"{LENGTH}=20,30", *arguments, "--resume")
+    assert f"the table has other columns: {DIAMETER}" in result.output
+    assert path.read_text() == before
+    path.write_text("a,b\n1,2\n")
+    result = command(SCENE, "--over", f"{LENGTH}=20,30", *arguments, "--resume")
+    assert "is not the table of a sweep" in result.output
+
+
+def test_a_table_is_a_grid(table: pandas.DataFrame) -> None:
+    grid = cm.grid_of(table)
+    assert set(grid.sizes) == set(swept_columns(table))
