@@ -11,6 +11,7 @@ from .access import (
     arm_of,
     cable_of,
     constraint_at,
+    constraint_of,
     cut_of,
     edge_of,
     header,
@@ -243,6 +244,15 @@ def cut(I, M, row):
 
 
 @kernel
+def end_rings(I, M):
+    """What rings is known no more: it hangs on something else."""
+    head = header(I)
+    for n in range(head.constraint_count):
+        constraint_of(I, M, n).ring = 0.0
+    head.rings = 0
+
+
+@kernel
 def make_cuts(I, M):
     """Make all cuts that are due at the state: a status."""
     head = header(I)
@@ -263,6 +273,7 @@ def make_cuts(I, M):
         cut(I, M, row)
         due = True
     if due:
+        end_rings(I, M)
         shorten_lines(I, M)
         head.factored = 0
         head.has_history = 0

@@ -25,7 +25,7 @@ from .access import (
 from .compile import copy_words, inlined, kernel, view
 from .consistency import jump_along
 from .frames import move_frames_on
-from .layout import HELD_BY_ANCHOR, JOINT_ROOT
+from .layout import ALONE, HELD_BY_ANCHOR, JOINT_ROOT
 from .tables import GAMMA, NUMERATOR, STAGE_A, STAGE_C, STAGES, WINDOW
 from .tension import (
     LOSS_FACTOR,
@@ -159,7 +159,7 @@ def begin_rings(I, M, dt):
         move_frames_on(I, M)
     for n in range(head.constraint_count):
         row = constraint_of(I, M, n)
-        if row.kind == HELD_BY_ANCHOR:
+        if row.kind == HELD_BY_ANCHOR or row.clamped == ALONE:
             continue
         faster, jump = jumps_at(I, M, row)
         if jump == 0.0 and faster == 0.0:
