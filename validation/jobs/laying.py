@@ -61,3 +61,31 @@ def drag_grapnel() -> Result:
     ]
     series = {"cablemodel": (times, tops), "independent": ([0, 3000], [top, top])}
     return answers, picture({"in the end": shape(ours)}, series, ("time [s]", "top tension [N]"))
+
+
+@job
+def pay_out_on_a_pile() -> Result:
+    """What hangs is weighed, less the drag along what runs down at a steady rate."""
+    given, ours = scene("pay_out_on_a_pile"), model("pay_out_on_a_pile")
+    rope, depth, rate = given.cable_types["rope"], 50.0, 0.5
+    weight = kinds(given)["rope"].weight
+    drag = 0.5 * 1025.0 * rope.drag_tangential * np.pi * rope.diameter * rate**2 * depth
+    times, tops, shapes = [], [], {}
+    for k in range(1, 151):
+        ours.step_to(2.0 * k)
+        times.append(ours.time)
+        tops.append(ours.top_tension)
+        if k in (20, 63, 150):
+            shapes[f"at {2 * k} s"] = shape(ours)
+    running, hangs = float(np.mean(tops[40:60])), weight * depth
+    down = weight * (ours.line_length - depth)
+    answers = [
+        Answer("tension while it pays out", running, hangs - drag, "N", 0.02 * hangs),
+        Answer("tension in the end", tops[-1], hangs, "N", 0.03 * hangs),
+        Answer("what the floor bears", float(ours.floor_force[2]), down, "N", 0.03 * hangs),
+    ]
+    series = {
+        "cablemodel": (times, tops),
+        "independent": ([20, 126, 128, 300], [hangs - drag, hangs - drag, hangs, hangs]),
+    }
+    return answers, picture(shapes, series, ("time [s]", "top tension [N]"))
