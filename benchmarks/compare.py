@@ -14,13 +14,40 @@ Point = tuple[float, float]
 """(tip error [-], CPU seconds per simulated second [-])."""
 
 
-def front(measurements: Iterable[Measurement]) -> list[Point]:
-    """Points that no other beats in both error and cost, from large to small error."""
-    points = sorted(
-        (m.tip_error, m.cost)
+def by_tolerance(measurement: Measurement) -> bool:
+    """Whether one tolerance is all that a contestant was given: it promises an error."""
+    return measurement.setting.startswith("tau=")
+
+
+def without_luck(measurements: Iterable[Measurement]) -> list[Point]:
+    """Points; what errs by less than at a finer tolerance does so by chance, and has the larger
+    error. Peers whose settings were searched keep their luck."""
+    valid = [
+        m
         for m in measurements
         if m.failure is None and m.tip_error > 0.0 and math.isfinite(m.tip_error)
-    )
+    ]
+    points = [(m.tip_error, m.cost) for m in valid if not by_tolerance(m)]
+    promised = [m for m in valid if by_tolerance(m)]
+    for one in promised:
+        tau = tolerance_of(one)
+        finer = (
+            m.tip_error
+            for m in promised
+            if m.contestant == one.contestant and tolerance_of(m) <= tau
+        )
+        points.append((max(finer), one.cost))
+    return points
+
+
+def tolerance_of(measurement: Measurement) -> float:
+    """Of a setting ``tau=1e-3``."""
+    return float(measurement.setting.removeprefix("tau="))
+
+
+def front(measurements: Iterable[Measurement]) -> list[Point]:
+    """Points that no other beats in both error and cost, from large to small error."""
+    points = sorted(without_luck(measurements))
     best: list[Point] = []
     cheapest = math.inf
     for error, cost in points:

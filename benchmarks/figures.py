@@ -7,7 +7,7 @@ from collections import defaultdict
 from collections.abc import Sequence
 from pathlib import Path
 
-from benchmarks.compare import front
+from benchmarks.compare import by_tolerance, front
 from benchmarks.measure import Measurement
 from benchmarks.scenes import BenchmarkScene
 
@@ -32,7 +32,8 @@ def work_precision_figure(
         best = front(points)
         # Of a peer whose settings were searched, the best at each error.
         searched = [m for m in points if (m.tip_error, m.cost) in best]
-        ordered = sorted(points if len(points) < 10 else searched, key=lambda m: m.cost)
+        shown = points if len(points) < 10 or by_tolerance(points[0]) else searched
+        ordered = sorted(shown, key=lambda m: m.cost)
         costs = [m.cost for m in ordered]
         style = "o-" if name.startswith("cablemodel") else "s--"
         style = "^:" if name.startswith("direct") else style

@@ -14,11 +14,13 @@ from benchmarks.scenes import SCENES, steady_tow
 from cablemodel.scene.sea import sea
 
 
-def measured(error: float, cost: float, failure: str | None = None) -> Measurement:
+def measured(
+    error: float, cost: float, failure: str | None = None, setting: str = ""
+) -> Measurement:
     return Measurement(
         scene="S1",
         contestant="someone",
-        setting="",
+        setting=setting,
         cost=cost,
         tip_error=error,
         tension_error=None,
@@ -33,6 +35,17 @@ def test_a_point_that_is_beaten_in_error_and_cost_is_not_on_the_front() -> None:
     points = front([measured(1e-2, 1.0), measured(1e-3, 5.0), measured(5e-3, 9.0)])
 
     assert points == [(1e-2, 1.0), (1e-3, 5.0)]
+
+
+def test_an_error_smaller_than_at_a_finer_tolerance_is_not_used() -> None:
+    """It is chance: asked for that error nobody would choose that tolerance."""
+    lucky = [
+        measured(1e-2, 1.0, setting="tau=1e-2"),
+        measured(1e-5, 2.0, setting="tau=1e-3"),
+        measured(1e-3, 5.0, setting="tau=1e-4"),
+        measured(1e-6, 9.0, setting="tau=1e-5"),
+    ]
+    assert front(lucky) == [(1e-2, 1.0), (1e-3, 2.0), (1e-6, 9.0)]
 
 
 def test_failures_are_not_on_the_front() -> None:
