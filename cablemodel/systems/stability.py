@@ -33,7 +33,7 @@ ITERATIONS = 10
 """To a motion of the whole, at most; it takes five or none."""
 ACCURACY = 1e-6
 """Of its growth."""
-STABILISED = 1e-6
+STABILISED = 1e-3
 """Of the stabilisation of slack elements: what is left presses nothing, and holds."""
 
 
