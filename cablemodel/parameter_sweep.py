@@ -38,6 +38,10 @@ if TYPE_CHECKING:
 
 MOST_POINTS = 1_000_000
 """Combinations at most: more are a slip in a count."""
+PROBES = 32
+"""Runs that are tasks of their own, and say how many go together after them."""
+TOGETHER, MOST_TOGETHER = 0.5, 32
+"""For how long a task may take [s], by those; and how many runs it may be."""
 PAUSE = 0.02
 """Between two looks for runs that have ended [s]."""
 RESULTS = {
@@ -220,6 +224,13 @@ def sweep(
         finally:
             report()
     return _table(axes, points, rows, results)
+
+
+def _simulate_points(
+    simulate: Callable[[Sequence[str]], dict[str, Any]], points: Sequence[Sequence[str]]
+) -> list[dict[str, Any]]:
+    """Several runs of a sweep, one after the other. Runs in a worker."""
+    return [simulate(overrides) for overrides in points]
 
 
 @lru_cache(maxsize=4)
@@ -429,7 +440,7 @@ def _collect(
     report: Callable[[], None],
 ) -> None:
     """Run everything, and put each row into ``rows`` when its run ends."""
-    from distributed import as_completed
+    from distributed import Future, as_completed
 
     pressed: list[int] = []
 
@@ -440,21 +451,42 @@ def _collect(
             raise KeyboardInterrupt
         pressed.append(number)
 
-    with _on_interrupt(note):
+    def submit(groups: Sequence[Sequence[int]]) -> list[Future]:
         # Not pure: two sweeps on one cluster are two sweeps, whatever dask remembers.
-        futures = client.map(simulate, list(changes.values()), pure=False, retries=0)
-        places = {future.key: index for index, future in zip(changes, futures, strict=True)}
-        ended = as_completed(futures, loop=client.loop)
-        last = time.monotonic()
-        wanted = len(rows) + len(futures)
+        runs = [[changes[index] for index in group] for group in groups]
+        futures: list[Future] = client.map(
+            partial(_simulate_points, simulate), runs, pure=False, retries=0
+        )
+        places.update((future.key, group) for group, future in zip(groups, futures, strict=True))
+        return futures
+
+    places: dict[str, Sequence[int]] = {}
+    left = list(changes)
+    first, left = left[:PROBES], left[PROBES:]
+    with _on_interrupt(note):
+        ended = as_completed(submit([[index] for index in first]), loop=client.loop)
+        begin = last = time.monotonic()
+        wanted = len(rows) + len(changes)
+        before = len(rows)
         while len(rows) < wanted:
             batch = ended.next_batch(block=False)
             for future in batch:
+                group = places[future.key]
                 if future.status == "finished":
-                    rows[places[future.key]] = future.result()
+                    rows.update(zip(group, future.result(), strict=True))
+                elif len(group) > 1:  # one of them is to blame
+                    ended.update(submit([[index] for index in group]))
                 else:  # an unexpected error, or a worker that died
                     error = future.exception()
-                    rows[places[future.key]] = {"error": f"{type(error).__name__}: {error}"}
+                    rows[group[0]] = {"error": f"{type(error).__name__}: {error}"}
+            if left and len(rows) - before >= len(first):
+                # Short runs go together: a task costs dask some milliseconds.
+                each = (time.monotonic() - begin) / len(first)
+                together = min(MOST_TOGETHER, max(1, int(TOGETHER / each)))
+                ended.update(
+                    submit([left[k : k + together] for k in range(0, len(left), together)])
+                )
+                left = []
             if pressed:
                 raise KeyboardInterrupt
             if time.monotonic() - last >= 1.0:

@@ -4,6 +4,7 @@ import math
 import subprocess
 import sys
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from signal import SIGINT
 from typing import Any
@@ -11,13 +12,20 @@ from typing import Any
 import pandas
 import pytest
 import xarray
-from distributed import LocalCluster
+from distributed import Client, LocalCluster
 from matplotlib.figure import Figure
 from typer.testing import CliRunner, Result
 
 import cablemodel as cm
 from cablemodel.cli import app
-from cablemodel.parameter_sweep import RESULTS, Axis, read_table, swept_columns, write_table
+from cablemodel.parameter_sweep import (
+    RESULTS,
+    Axis,
+    _collect,
+    read_table,
+    swept_columns,
+    write_table,
+)
 from cablemodel.sweep_plot import save_sweep_figure
 
 ROOT = Path(__file__).parents[2]
@@ -273,3 +281,24 @@ def test_a_table_of_another_sweep_is_not_gone_on_with(tmp_path: Path) -> None:
 def test_a_table_is_a_grid(table: pandas.DataFrame) -> None:
     grid = cm.grid_of(table)
     assert set(grid.sizes) == set(swept_columns(table))
+
+
+def test_short_runs_that_go_together_fail_by_themselves() -> None:
+    """One that raises what nobody expects is a row; those beside it are what they are."""
+
+    def simulate(overrides: Sequence[str]) -> dict[str, Any]:
+        number = int(overrides[0])
+        if number == 150:
+            raise RuntimeError("no good")
+        return {"top_tension": float(number), "error": ""}
+
+    rows: dict[int, dict[str, Any]] = {3: {"error": "", "top_tension": 3.0}}
+    changes = {index: [str(index)] for index in range(200) if index != 3}
+    reports: list[int] = []
+    with LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster:
+        client = Client(cluster, set_as_default=False)
+        _collect(client, simulate, changes, rows, lambda: reports.append(len(rows)))
+        client.close()
+    assert sorted(rows) == list(range(200))
+    assert rows.pop(150) == {"error": "RuntimeError: no good"}
+    assert all(row == {"top_tension": float(k), "error": ""} for k, row in rows.items())
