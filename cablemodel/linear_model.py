@@ -278,8 +278,9 @@ class Equations:
         self.nodes, self.time = int(head.nodes), float(block.scalars.time)
         self.length = model.line_length
         self._begin_inputs()
-        self.basis, self.names = free_motions(block)
-        self.mass, self.damping, self.stiffness = matrices(block)
+        basis, self.names = free_motions(block)
+        self.basis: FloatArray = basis.toarray()
+        self.mass, self.damping, self.stiffness = (part.toarray() for part in matrices(block))
         if self.winds:
             self._let_matter_pass()
         entry.assemble(block.ints, block.reals, 0.0, 0.0)  # gradients and compliances stay there

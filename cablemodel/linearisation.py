@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -19,6 +21,8 @@ LOCKED = 0.1
 STIFFEST = 1e6
 """Of the stabilisation: what is stiffer drowns all else in rounding, at 1e8."""
 ROUNDING = 1e-12
+Matrix = Any
+"""Of scipy.sparse."""
 SLOW = 1e3
 """Of damping: a free body's are differences, over 1e-6 of what it is, that stay small by that."""
 SHARES_PLACE = at.JOINT_HINGE, at.JOINT_ARM, at.JOINT_FREE
@@ -29,24 +33,24 @@ TIED = 0, at.JOINT_BODY
 
 def small_motions(block: Block) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Mass, damping, stiffness, (n, n) each; tension is condensed out. The block stays as it is."""
-    mass, damping, stiffness = matrices(block)
     basis, _names = free_motions(block)
-    return basis.T @ mass @ basis, basis.T @ damping @ basis, basis.T @ stiffness @ basis
+    mass, damping, stiffness = (basis.T @ part @ basis for part in matrices(block))
+    return mass.toarray(), damping.toarray(), stiffness.toarray()
 
 
-def matrices(block: Block) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """The same over all nodes' places and slopes, what holds them left out."""
+def matrices(block: Block) -> tuple[Matrix, Matrix, Matrix]:
+    """The same over all nodes' places and slopes, what holds them left out, sparse."""
     stiffness = _newton_matrix(block, 0.0, 0.0)
 
-    def part(of_velocity: float, of_acceleration: float) -> FloatArray:
+    def part(of_velocity: float, of_acceleration: float) -> Matrix:
         # A large factor keeps it from drowning in the axial stiffness.
         guess = _newton_matrix(block, of_velocity, of_acceleration) - stiffness
-        factor = float(np.abs(np.diag(stiffness)).max() / max(np.abs(np.diag(guess)).max(), 1e-30))
-        factor = max(1.0, factor)
+        largest = max(np.abs(guess.diagonal()).max(), 1e-30)
+        factor = max(1.0, float(np.abs(stiffness.diagonal()).max() / largest))
         if of_velocity and block.header.free_count:
             factor = min(factor, SLOW)
         whole = _newton_matrix(block, factor * of_velocity, factor * of_acceleration)
-        return np.asarray((whole - stiffness) / factor)
+        return (whole - stiffness) / factor
 
     return part(0.0, 1.0), part(1.0, 0.0), stiffness
 
@@ -117,31 +121,34 @@ def newton_blocks(
     return diagonal, upper, lower
 
 
-def _newton_matrix(block: Block, of_velocity: float, of_acceleration: float) -> FloatArray:
-    """Stiffness and these multiples of damping and mass, over all nodes' unknowns, dense."""
+def _newton_matrix(block: Block, of_velocity: float, of_acceleration: float) -> Matrix:
+    """Stiffness and these multiples of damping and mass, over all nodes' unknowns, sparse."""
+    from scipy.sparse import csc_matrix
+
     diagonal, upper, lower = newton_blocks(block, of_velocity, of_acceleration)
     nodes, size = diagonal.shape[:2]
-    parent = block.integers(Header.parent, nodes)
-    joint = block.integers(Header.joint, nodes)
-    matrix = np.zeros((nodes * size, nodes * size))
-    for node in range(nodes):
-        rows = slice(node * size, (node + 1) * size)
-        matrix[rows, rows] += diagonal[node]
-        if node and joint[node] in TIED:
-            above = slice(int(parent[node]) * size, (int(parent[node]) + 1) * size)
-            matrix[above, rows] += upper[node]
-            matrix[rows, above] += lower[node]
-    return matrix
+    node = np.arange(nodes)
+    tied = np.isin(block.integers(Header.joint, nodes), TIED) & (node > 0)
+    own, above = node[tied], block.integers(Header.parent, nodes)[tied]
+    word = np.arange(size)
+    rows, columns = np.concatenate([node, above, own]), np.concatenate([node, own, above])
+    at_rows = np.broadcast_to(size * rows[:, None, None] + word[:, None], (len(rows), size, size))
+    at_columns = np.broadcast_to(size * columns[:, None, None] + word, at_rows.shape)
+    values = np.concatenate([diagonal, upper[tied], lower[tied]])
+    shape = nodes * size, nodes * size
+    return csc_matrix((values.ravel(), (at_rows.ravel(), at_columns.ravel())), shape=shape)
 
 
-def free_motions(block: Block) -> tuple[FloatArray, tuple[str, ...]]:
-    """Columns that span the motions which supports and joints allow, orthogonal, and their names:
+def free_motions(block: Block) -> tuple[Matrix, tuple[str, ...]]:
+    """Columns that span the motions which supports and joints allow, sparse, and their names:
     ``nodes[2].position.x``, ``nodes[2].slope.x``; of a slope that is clamped ``.along``."""
+    from scipy.sparse import csc_matrix, eye
+
     ints = block.ints
     head = Header(ints)
     nodes, dimension = int(head.nodes), int(head.dimension)
     size = 2 * dimension
-    basis = np.eye(nodes * size)
+    basis = eye(nodes * size, format="lil")
     axes = "xyz" if dimension == 3 else "hz"
     names = [
         f"nodes[{node}].{kind}.{axis}"
@@ -157,8 +164,8 @@ def free_motions(block: Block) -> tuple[FloatArray, tuple[str, ...]]:
         if row[at.Constraint.clamped] == at.EXACTLY:
             direction = row[at.Constraint.direction : at.Constraint.direction.word + dimension]
             slopes = slice(first + dimension, first + size)
-            basis[slopes, slopes] = 0.0
-            basis[slopes, first + dimension] = direction
+            basis[slopes] = 0.0
+            basis[slopes, first + dimension] = direction[:, None]
             names[first + dimension] = f"nodes[{held}].slope.along"
             drop += range(first + dimension + 1, first + size)
     parent = block.integers(Header.parent, nodes)
@@ -167,20 +174,31 @@ def free_motions(block: Block) -> tuple[FloatArray, tuple[str, ...]]:
     for node in np.flatnonzero(np.isin(joint, SHARES_PLACE)):
         own = slice(int(node) * size, int(node) * size + dimension)
         above = slice(int(parent[node]) * size, int(parent[node]) * size + dimension)
-        basis[own] = basis[above]
+        motion = basis[above]
         if joint[node] == at.JOINT_ARM:
             turns = slice(above.stop, above.stop + dimension)
-            basis[own] += arms[int(node)] @ basis[turns]
+            motion = motion + csc_matrix(arms[int(node)]) @ basis[turns]
+        basis[own] = motion
         drop += range(own.start, own.stop)
     kept = np.setdiff1d(np.arange(nodes * size), drop)
-    basis = basis[:, kept]
+    basis = basis.tocsc()[:, kept]
     found = tuple(names[column] for column in kept)
     if gaps:
-        from scipy.linalg import null_space
-
-        closed = null_space(np.vstack(gaps) @ basis)
-        return basis @ closed, tuple(f"motion {k}" for k in range(closed.shape[1]))
+        basis = _closed(basis, np.vstack(gaps))
+        return basis, tuple(f"motion {k}" for k in range(basis.shape[1]))
     return basis, found
+
+
+def _closed(basis: Matrix, gaps: FloatArray) -> Matrix:
+    """Of these motions those that leave gaps (n, unknowns) closed."""
+    from scipy.linalg import null_space
+    from scipy.sparse import csc_matrix, hstack
+
+    opens = gaps @ basis
+    some = np.any(opens != 0.0, axis=0)
+    return hstack(
+        [basis[:, ~some], basis[:, some] @ csc_matrix(null_space(opens[:, some]))]
+    ).tocsc()
 
 
 def ties_to_bodies(block: Block) -> tuple[dict[int, FloatArray], list[FloatArray]]:
