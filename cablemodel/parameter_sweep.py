@@ -537,14 +537,13 @@ def _rows_of(
         raise SceneError.at("", list(done.columns), problem, ", ".join(map(str, empty.columns)))
     rows = {}
     for index, row in zip(done.index, done.to_dict("records"), strict=True):
-        point = points[index] if 0 <= index < len(points) else ()
-        for axis, value in zip(axes, point, strict=True) if point else ():
+        if not 0 <= index < len(points):
+            allowed = f"runs 0 to {len(points) - 1}"
+            raise SceneError.at("", index, f"the table has a run {index}", allowed)
+        for axis, value in zip(axes, points[index], strict=True):
             if row[axis.column] != _cell(value):
                 problem = f"run {index} of the table has {shown(row[axis.column])}"
                 raise SceneError.at(axis.path, row[axis.column], problem, f"{shown(_cell(value))}")
-        if not point:
-            allowed = f"runs 0 to {len(points) - 1}"
-            raise SceneError.at("", index, f"the table has a run {index}", allowed)
         if row["error"] == "":
             kept = {name: None if pandas.isna(value) else value for name, value in row.items()}
             rows[int(index)] = kept | {"error": ""}

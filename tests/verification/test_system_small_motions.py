@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 
 from cablemodel.cli import app
 from cablemodel.errors import UnstableStartWarning
+from cablemodel.linearisation import free_motions, matrices
 from cablemodel.systems import SystemModel
 from tests.verification.test_systems import G, hung_bar, in_vacuum, string
 
@@ -117,6 +118,24 @@ def test_a_wing_without_a_tail_swings_up(tail: float) -> None:
         (warning,) = (w.message for w in caught)
         assert isinstance(warning, UnstableStartWarning)
         assert grows == pytest.approx(warning.rate, rel=0.1)
+
+
+def side_by_side(count: int) -> SystemModel:
+    """Lines below a ship without a tie to each other."""
+    points = {f"p{k}": [0.0, float(k), 0.0] for k in range(count)}
+    lines = {
+        f"l{k}": {"from": f"ship.p{k}", "to": "free", "items": string(20.0)} for k in range(count)
+    }
+    return SystemModel(in_vacuum(vessels={"ship": {"points": points}}, lines=lines))
+
+
+def test_what_looks_at_a_start_grows_as_the_system() -> None:
+    """Not with its square: entries of the matrices are as many times more as there are lines."""
+    counts = []
+    for lines in (3, 12):
+        block = side_by_side(lines).built.block
+        counts.append([*(part.nnz for part in matrices(block)), free_motions(block)[0].nnz])
+    assert counts[1] == [4 * entries for entries in counts[0]]
 
 
 def test_check_lists_it(tmp_path) -> None:
