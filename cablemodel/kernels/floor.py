@@ -4,6 +4,8 @@ from .access import edge_of, header, scalars
 from .compile import inlined, kernel, view
 from .contact import (
     approach,
+    bristle,
+    bristle_at,
     contact_force,
     contact_law,
     contact_place,
@@ -17,7 +19,7 @@ from .floor_surface import gap_at, gap_below, lowest_gap
 from .layout import (
     FLOOR_TABLE,
 )
-from .tables import CONTACT_H, CONTACT_POINTS, CONTACT_WEIGHTS
+from .tables import CONTACT_H, CONTACT_WEIGHTS
 
 
 @inlined
@@ -147,26 +149,23 @@ def add_point(p, h, rub, w, sums, dimension):
     """Add the derivatives at contact point p of an element to its sums (d, d, 4, 4).
 
     For components i, j and shape functions k, l. rate (d, d) in w[12:21]: minus the force's
-    derivative to the place, rub: to the bristle, both times the point's weight; the bristle is
-    linear between the nodes. Normal in w[3:6]; with friction the direction in which the cable
-    slips, or zeros, in w[6:9].
+    derivative to the place, rub: to the bristle, both times the point's weight. Normal in w[3:6];
+    with friction the direction in which the cable slips, or zeros, in w[6:9].
     """
-    x = CONTACT_POINTS[p]
     for i in range(dimension):
         for j in range(dimension):
-            a = w[12 + 3 * i + j]
-            b = -rub * (w[3 + i] * w[3 + j] + w[6 + i] * w[6 + j])
+            a = w[12 + 3 * i + j] - rub * (w[3 + i] * w[3 + j] + w[6 + i] * w[6 + j])
             if i == j:
-                b += rub
+                a += rub
             at = 16 * (dimension * i + j)
             for k in range(4):
                 nk = CONTACT_H[p, k]
                 if k % 2 == 1:
                     nk *= h
                 ak = nk * a
-                sums[at + 4 * k] += ak * CONTACT_H[p, 0] + nk * b * (1.0 - x)
+                sums[at + 4 * k] += ak * CONTACT_H[p, 0]
                 sums[at + 4 * k + 1] += ak * (h * CONTACT_H[p, 1])
-                sums[at + 4 * k + 2] += ak * CONTACT_H[p, 2] + nk * b * x
+                sums[at + 4 * k + 2] += ak * CONTACT_H[p, 2]
                 sums[at + 4 * k + 3] += ak * (h * CONTACT_H[p, 3])
 
 
@@ -221,7 +220,6 @@ def elements_jacobian(I, M, q, v, cv, dimension):
             share, stiffness, _energy = contact_law(gap, depth)
             spring = contact * share
             stiff = contact * stiffness * free + cv * damping * spring
-            x = CONTACT_POINTS[p]
             weight = h * CONTACT_WEIGHTS[p]
             touched = True
             if bends:
@@ -233,9 +231,8 @@ def elements_jacobian(I, M, q, v, cv, dimension):
             rub = 0.0
             if rubs:
                 press = spring * free
-                sticks, length, rub = friction(
-                    I, M, q, parent, node, x, contact, press, w, dimension
-                )
+                bristle(I, M, parent, node, h, p, w, dimension)
+                sticks, length, rub = friction(M, contact, press, w, dimension)
                 for i in range(dimension):
                     w[6 + i] = 0.0 if sticks else w[6 + i] / length
                     push = weight * state.friction * stiff * w[6 + i]
@@ -280,7 +277,8 @@ def floor_jacobian(I, M, q, v, cv):
                 for j in range(dimension):
                     M[at + size * i + j] -= press * w[12 + 3 * i + j]
         if rubs:
-            sticks, length, rub = friction(I, M, q, node, node, 0.0, contact, press, w, dimension)
+            bristle_at(I, M, node, w, dimension)
+            sticks, length, rub = friction(M, contact, press, w, dimension)
             add_at_node(I, M, node, rub, 3, 3, w, True)
             if not sticks:
                 for i in range(dimension):

@@ -206,8 +206,7 @@ def move_node(I, M, node, to):
         M[head.position + size * to + k] = M[head.position + size * node + k]
         M[head.velocity + size * to + k] = M[head.velocity + size * node + k]
         M[head.acceleration + size * to + k] = M[head.acceleration + size * node + k]
-    for k in range(3):
-        M[head.rest + 3 * to + k] = M[head.rest + 3 * node + k]
+        M[head.rest + size * to + k] = M[head.rest + size * node + k]
     for k in range(2):
         M[head.tension + 2 * to + k] = M[head.tension + 2 * node + k]
         M[head.tension_rate + 2 * to + k] = M[head.tension_rate + 2 * node + k]
@@ -354,11 +353,7 @@ def split_edge(I, M, edge, x, hinge):
     )
     hermite(M, v0, v1, dimension, h, x, M[w + 6 : w + 6 + size])
     hermite(M, a0, a1, dimension, h, x, M[w + 12 : w + 12 + size])
-    # The bristle of friction is linear between the nodes: it stays as it was there too.
-    for i in range(dimension):
-        above = M[head.position + size * p + i] - M[head.rest + 3 * p + i]
-        below = M[head.position + size * edge + i] - M[head.rest + 3 * edge + i]
-        M[w + 18 + i] = M[w + i] - ((1.0 - x) * above + x * below)
+    hermite(M, head.rest + size * p, head.rest + size * edge, dimension, h, x, M[w + 18 : w + 24])
     open_gap(I, M, edge, count)
     lower = edge + count
     for node in range(edge, lower):
@@ -366,8 +361,7 @@ def split_edge(I, M, edge, x, hinge):
             M[head.position + size * node + k] = M[w + k]
             M[head.velocity + size * node + k] = M[w + 6 + k]
             M[head.acceleration + size * node + k] = M[w + 12 + k]
-        for k in range(dimension):
-            M[head.rest + 3 * node + k] = M[w + 18 + k]
+            M[head.rest + size * node + k] = M[w + 18 + k]
         for k in range(EDGE_WORDS):
             M[head.edges + EDGE_WORDS * node + k] = M[head.edges + EDGE_WORDS * lower + k]
         for k in range(2):
