@@ -5,6 +5,7 @@ import math
 from .access import body_of, edge_of, header, scalars
 from .compile import inlined, kernel
 from .contact import (
+    approach,
     contact_law,
     contact_place,
     contact_places,
@@ -15,6 +16,7 @@ from .contact import (
 from .feet import settle_feet
 from .floor_surface import gap_at, lowest_gap
 
+QUIET = 0.01  # of tau L in sqrt(L/g): cable that is slower is at rest
 FASTEST = 3.0  # growth of what is borne for long, at most, in one change of it
 
 
@@ -78,14 +80,14 @@ def settle(I, M):
         gap = gap_at(I, M, w, w[3:6])
         share, _stiffness, _energy = contact_law(gap, depth)
         limit = state.bristle * share
-        landing = 1.0
+        held = 1.0
         if gap < depth:
             for i in range(dimension):
                 w[9 + i] = M[rest + i]
             above = min(gap_at(I, M, w[9:12], w[12:15]), depth)
             sunk = above - max(gap, LANDED * depth)
             if sunk > 0.0:
-                landing = math.exp(-FORGETS * sunk / depth)
+                held = math.exp(-FORGETS * sunk / depth)
         for part in range(2):
             at = part * dimension
             for i in range(dimension):
@@ -93,10 +95,17 @@ def settle(I, M):
             most = limit
             if part == 1:
                 most = limit / max(1e-300, SLOPE_SHIFTS * longest_beside(I, M, node))
-            kept = landing * kept_of(w, most, dimension)
-            if kept < 1.0:
+            held *= kept_of(w, most, dimension)  # what slips has its slope's bristle drawn, too
+            if held < 1.0:
                 for i in range(dimension):
-                    M[rest + at + i] = q[size * node + at + i] - w[6 + i] * kept
+                    M[rest + at + i] = q[size * node + at + i] - w[6 + i] * held
+
+
+@kernel
+def rest_speed(M):
+    """The speed below which cable is at rest [m/s]."""
+    state = scalars(M)
+    return QUIET * state.tolerance * state.length / state.period
 
 
 @inlined
@@ -105,13 +114,22 @@ def load_aimed_at(borne, law):
     return max(1.0, borne * min(law, FASTEST))
 
 
+@inlined
+def share_at(M, share, difference, speed):
+    """The share of a difference by which what is borne follows at a speed along the normal."""
+    slow = rest_speed(M)
+    return share if difference <= 0.0 or abs(speed) <= slow else share * slow / abs(speed)
+
+
 @kernel
 def bear(I, M, share):
     """Let what the floor's springs bear at rest follow the load, by a share of the difference.
 
     Cable and bodies that press harder than by their weight for long, on the top of a hump, lie on
-    the floor as others do; what strikes it finds it as soft as it is. Returns the largest
-    difference, relative to what was borne, with its sign.
+    the floor as others do; what strikes it finds it as soft as it is. A spring that grows lifts
+    what it bears: under what goes up and down that would be a motor, loops of slack rolled along
+    the floor for ever. So it grows the slower the faster that moves. Returns the largest
+    difference, relative to what was borne.
     """
     head = header(I)
     state = scalars(M)
@@ -128,30 +146,33 @@ def bear(I, M, share):
         edge = edge_of(I, M, node)
         borne = edge.support
         load = 0.0
+        speed = 0.0
         if lowest_gap(I, M, q, node, w) < depth:
             parent = I[head.parent + node]
             for p in range(4):
                 interpolate(I, q, parent, node, edge.length, p, w, dimension)
                 law, _stiffness, _energy = contact_law(gap_at(I, M, w, w[3:6]), depth)
                 load = max(load, law)
+                if law > 0.0:
+                    along = approach(I, v, parent, node, edge.length, p, w, dimension)
+                    speed = max(speed, abs(along))
         difference = load_aimed_at(borne, load) - borne
-        edge.support = borne + share * difference
-        if abs(difference) > abs(largest) * borne:
-            largest = difference / borne
+        edge.support = borne + share_at(M, share, difference, speed) * difference
+        largest = max(largest, abs(difference) / borne)
     for place in range(contact_places(I)):
         node, contact, preload = contact_place(I, M, place)
         if contact <= 0.0:
             continue
-        _press, gap, _speed = place_force(I, M, contact, preload, node, q, v, w)
+        _press, gap, speed = place_force(I, M, contact, preload, node, q, v, w)
         law, _stiffness, _energy = place_law(preload, gap, depth)
         row = body_of(I, M, place // 2)
         at_end = place == 2 * head.body_count
         borne = state.end_support if at_end else row.support[place % 2]
         difference = load_aimed_at(borne, law) - borne
-        if abs(difference) > abs(largest) * borne:
-            largest = difference / borne
+        largest = max(largest, abs(difference) / borne)
+        change = share_at(M, share, difference, speed) * difference
         if at_end:
-            state.end_support += share * difference
+            state.end_support += change
         else:
-            row.support[place % 2] += share * difference
+            row.support[place % 2] += change
     return largest
