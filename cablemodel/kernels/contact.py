@@ -4,8 +4,8 @@ Contact is a spring with a preload: the force per length over what it is at rest
 g = 0, so that cable at rest lies exactly on the floor, fades to nothing at g = delta, and stiffens
 below. It grows with the speed of approach. At rest the floor bears the weight w, or what it has
 borne for long (`floor_memory`). Friction is a bristle: f = -mu p0 e / u, no longer than mu p, where
-p0 is the force at rest and e the way along the floor from where cable was last at rest. It is cubic,
-as the cable: what bends or swings between nodes is held, and the stiffness is symmetric.
+p0 is the force at rest and e the way along the floor from where cable was last at rest, cubic
+as the cable is, so that what bends or swings between nodes is held and the stiffness symmetric.
 """
 
 import math

@@ -117,8 +117,7 @@ def load_aimed_at(borne, law):
 @inlined
 def share_at(M, share, difference, speed):
     """The share of a difference by which what is borne follows at a speed along the normal."""
-    slow = rest_speed(M)
-    return share if difference <= 0.0 or abs(speed) <= slow else share * slow / abs(speed)
+    return share if difference <= 0.0 or abs(speed) <= rest_speed(M) else 0.0
 
 
 @kernel
@@ -128,7 +127,7 @@ def bear(I, M, share):
     Cable and bodies that press harder than by their weight for long, on the top of a hump, lie on
     the floor as others do; what strikes it finds it as soft as it is. A spring that grows lifts
     what it bears: under what goes up and down that would be a motor, loops of slack rolled along
-    the floor for ever. So it grows the slower the faster that moves. Returns the largest
+    the floor for ever. So it grows under what is at rest along the normal only. Returns the largest
     difference, relative to what was borne.
     """
     head = header(I)
@@ -153,9 +152,8 @@ def bear(I, M, share):
                 interpolate(I, q, parent, node, edge.length, p, w, dimension)
                 law, _stiffness, _energy = contact_law(gap_at(I, M, w, w[3:6]), depth)
                 load = max(load, law)
-                if law > 0.0:
-                    along = approach(I, v, parent, node, edge.length, p, w, dimension)
-                    speed = max(speed, abs(along))
+                rise = approach(I, v, parent, node, edge.length, p, w, dimension)
+                speed = max(speed, abs(rise))
         difference = load_aimed_at(borne, load) - borne
         edge.support = borne + share_at(M, share, difference, speed) * difference
         largest = max(largest, abs(difference) / borne)
