@@ -199,7 +199,7 @@ def place_of_rest(block: Block, scene: Scene) -> None:
     way[dimension - 1] = 0.0
     size = float(np.linalg.norm(way))
     if size > 0.0:
-        rest[1:, :dimension] = q[-1, :dimension] + np.outer(arcs[-1] - arcs[1:], way / size)
+        rest[:, :dimension] = q[-1, :dimension] + np.outer(arcs[-1] - arcs, way / size)
         rest[:, dimension:] = -way / size
 
 

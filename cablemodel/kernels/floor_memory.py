@@ -5,7 +5,6 @@ import math
 from .access import body_of, edge_of, header, scalars
 from .compile import inlined, kernel
 from .contact import (
-    approach,
     contact_law,
     contact_place,
     contact_places,
@@ -16,7 +15,6 @@ from .contact import (
 from .feet import settle_feet
 from .floor_surface import gap_at, lowest_gap
 
-QUIET = 0.01  # of tau L in sqrt(L/g): cable that is slower is at rest
 FASTEST = 3.0  # growth of what is borne for long, at most, in one change of it
 
 
@@ -101,23 +99,10 @@ def settle(I, M):
                     M[rest + at + i] = q[size * node + at + i] - w[6 + i] * held
 
 
-@kernel
-def rest_speed(M):
-    """The speed below which cable is at rest [m/s]."""
-    state = scalars(M)
-    return QUIET * state.tolerance * state.length / state.period
-
-
 @inlined
 def load_aimed_at(borne, law):
     """What is to be borne for long, where the law of contact gives `law` times that now."""
     return max(1.0, borne * min(law, FASTEST))
-
-
-@inlined
-def share_at(M, share, difference, speed):
-    """The share of a difference by which what is borne follows at a speed along the normal."""
-    return share if difference <= 0.0 or abs(speed) <= rest_speed(M) else 0.0
 
 
 @kernel
@@ -125,10 +110,8 @@ def bear(I, M, share):
     """Let what the floor's springs bear at rest follow the load, by a share of the difference.
 
     Cable and bodies that press harder than by their weight for long, on the top of a hump, lie on
-    the floor as others do; what strikes it finds it as soft as it is. A spring that grows lifts
-    what it bears: under what goes up and down that would be a motor, loops of slack rolled along
-    the floor for ever. So it grows under what is at rest along the normal only. Returns the largest
-    difference, relative to what was borne.
+    the floor as others do; what strikes it finds it as soft as it is. Returns the largest
+    difference, relative to what was borne, with its sign.
     """
     head = header(I)
     state = scalars(M)
@@ -145,32 +128,30 @@ def bear(I, M, share):
         edge = edge_of(I, M, node)
         borne = edge.support
         load = 0.0
-        speed = 0.0
         if lowest_gap(I, M, q, node, w) < depth:
             parent = I[head.parent + node]
             for p in range(4):
                 interpolate(I, q, parent, node, edge.length, p, w, dimension)
                 law, _stiffness, _energy = contact_law(gap_at(I, M, w, w[3:6]), depth)
                 load = max(load, law)
-                rise = approach(I, v, parent, node, edge.length, p, w, dimension)
-                speed = max(speed, abs(rise))
         difference = load_aimed_at(borne, load) - borne
-        edge.support = borne + share_at(M, share, difference, speed) * difference
-        largest = max(largest, abs(difference) / borne)
+        edge.support = borne + share * difference
+        if abs(difference) > abs(largest) * borne:
+            largest = difference / borne
     for place in range(contact_places(I)):
         node, contact, preload = contact_place(I, M, place)
         if contact <= 0.0:
             continue
-        _press, gap, speed = place_force(I, M, contact, preload, node, q, v, w)
+        _press, gap, _speed = place_force(I, M, contact, preload, node, q, v, w)
         law, _stiffness, _energy = place_law(preload, gap, depth)
         row = body_of(I, M, place // 2)
         at_end = place == 2 * head.body_count
         borne = state.end_support if at_end else row.support[place % 2]
         difference = load_aimed_at(borne, law) - borne
-        largest = max(largest, abs(difference) / borne)
-        change = share_at(M, share, difference, speed) * difference
+        if abs(difference) > abs(largest) * borne:
+            largest = difference / borne
         if at_end:
-            state.end_support += change
+            state.end_support += share * difference
         else:
-            row.support[place % 2] += change
+            row.support[place % 2] += share * difference
     return largest

@@ -19,7 +19,6 @@ from .access import body_of, constraint_of, edge_of, header, scalars, word_of
 from .backup import keep_sleepers
 from .compile import copy_words, kernel, view
 from .environment import over_depth
-from .floor_memory import QUIET, rest_speed
 from .floor_surface import gap_at, lowest_gap
 from .follow import finest_length, holds_something
 from .layout import (
@@ -33,6 +32,7 @@ from .layout import (
 from .strain import strain_and_slope
 from .waves import displaced
 
+QUIET = 0.01  # of tau L in sqrt(L/g): cable that is slower is at rest
 STIRRING = 4.0  # times that: the speed before A that wakes
 LAYERS, ELEMENTS = 16.0, 4.0  # touchdown layers, or finest elements, that lie awake before A
 NEAR = 0.5  # of that way: hanging cable closer than this wakes
@@ -99,6 +99,13 @@ def rejoin(I, M):
         end.node = head.nodes - 1
     else:
         head.constraint_count = 1
+
+
+@kernel
+def rest_speed(M):
+    """The speed below which cable is at rest [m/s]."""
+    state = scalars(M)
+    return QUIET * state.tolerance * state.length / state.period
 
 
 @kernel
