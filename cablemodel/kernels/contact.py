@@ -4,8 +4,8 @@ Contact is a spring with a preload: the force per length over what it is at rest
 g = 0, so that cable at rest lies exactly on the floor, fades to nothing at g = delta, and stiffens
 below. It grows with the speed of approach. At rest the floor bears the weight w, or what it has
 borne for long (`floor_memory`). Friction is a bristle: f = -mu p0 e / u, no longer than mu p, where
-p0 is the force at rest and e the way along the floor from where cable was last at rest, cubic
-as the cable is, so that what bends or swings between nodes is held and the stiffness symmetric.
+p0 is the force at rest and e the way along the floor from where cable was last at rest. Across the
+cable it is cubic as the cable is: what bends or swings between nodes is held, too.
 """
 
 import math
@@ -98,12 +98,50 @@ def interpolate(I, q, parent, node, h, p, w, dimension):
 
 
 @inlined
-def bristle(I, M, parent, node, h, p, w, dimension):
-    """The way from rest at contact point p of an element into w[6:9]."""
-    rest = view(M, header(I).rest, 2 * dimension * (node + 1))
+def linear_along(M, q, at, rest, x, e, chord, dimension):
+    """Make a bristle e linear between two nodes along their chord, whose direction is given back.
+
+    at, rest: where the places of both nodes begin, in q, and of what is at rest, in M. Across the
+    chord it is cubic as the cable is; slopes along the cable are strains, and what lies down turns
+    them.
+    """
+    square = 1e-300
+    more = 0.0
+    for i in range(dimension):
+        q0 = q[at[0] + i]
+        q1 = q[at[1] + i]
+        chord[i] = q1 - q0
+        linear = (1.0 - x) * (q0 - M[rest[0] + i]) + x * (q1 - M[rest[1] + i])
+        square += chord[i] * chord[i]
+        more += chord[i] * (linear - e[i])
+    length = math.sqrt(square)
+    for i in range(dimension):
+        chord[i] /= length
+        e[i] += more / length * chord[i]
+
+
+@inlined
+def bristle(I, M, q, parent, node, h, p, w, dimension):
+    """The way from rest at contact point p of an element into w[6:9], its chord's direction into
+    w[21:24]."""
+    size = 2 * dimension
+    start = header(I).rest
+    rest = view(M, start, size * (node + 1))
     interpolate(I, rest, parent, node, h, p, view(w, 9, 3), dimension)
     for i in range(dimension):
         w[6 + i] = w[i] - w[9 + i]
+    above = size * parent
+    below = size * node
+    linear_along(
+        M,
+        q,
+        (above, below),
+        (start + above, start + below),
+        CONTACT_POINTS[p],
+        view(w, 6, 3),
+        view(w, 21, 3),
+        dimension,
+    )
 
 
 @inlined
@@ -167,7 +205,7 @@ def contact_force(I, M, q, v, parent, node, h, p, contact, w, dimension):
     press = contact * share
     press *= max(0.0, 1.0 - state.floor_damping * speed)
     if state.friction > 0.0 and press > 0.0:
-        bristle(I, M, parent, node, h, p, w, dimension)
+        bristle(I, M, q, parent, node, h, p, w, dimension)
         friction(M, contact, press, w, dimension)
     w[9] += press * tipping(I, q, parent, node, p, w, dimension)
     return press, gap, speed

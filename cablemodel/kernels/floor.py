@@ -19,7 +19,7 @@ from .floor_surface import gap_at, gap_below, lowest_gap
 from .layout import (
     FLOOR_TABLE,
 )
-from .tables import CONTACT_H, CONTACT_WEIGHTS
+from .tables import CONTACT_H, CONTACT_POINTS, CONTACT_WEIGHTS
 
 
 @inlined
@@ -150,22 +150,35 @@ def add_point(p, h, rub, w, sums, dimension):
 
     For components i, j and shape functions k, l. rate (d, d) in w[12:21]: minus the force's
     derivative to the place, rub: to the bristle, both times the point's weight. Normal in w[3:6];
-    with friction the direction in which the cable slips, or zeros, in w[6:9].
+    with friction the direction in which the cable slips, or zeros, in w[6:9], and that of the
+    chord, along which the bristle is linear between the nodes, in w[21:24].
     """
+    x = CONTACT_POINTS[p]
+    across = 0.0
+    slips = 0.0
+    if rub != 0.0:
+        for i in range(dimension):
+            across += w[3 + i] * w[21 + i]
+            slips += w[6 + i] * w[21 + i]
     for i in range(dimension):
+        along = rub * (w[21 + i] - across * w[3 + i] - slips * w[6 + i]) if rub != 0.0 else 0.0
         for j in range(dimension):
             a = w[12 + 3 * i + j] - rub * (w[3 + i] * w[3 + j] + w[6 + i] * w[6 + j])
             if i == j:
                 a += rub
+            b = 0.0
+            if rub != 0.0:
+                b = along * w[21 + j]
+                a -= b
             at = 16 * (dimension * i + j)
             for k in range(4):
                 nk = CONTACT_H[p, k]
                 if k % 2 == 1:
                     nk *= h
                 ak = nk * a
-                sums[at + 4 * k] += ak * CONTACT_H[p, 0]
+                sums[at + 4 * k] += ak * CONTACT_H[p, 0] + nk * b * (1.0 - x)
                 sums[at + 4 * k + 1] += ak * (h * CONTACT_H[p, 1])
-                sums[at + 4 * k + 2] += ak * CONTACT_H[p, 2]
+                sums[at + 4 * k + 2] += ak * CONTACT_H[p, 2] + nk * b * x
                 sums[at + 4 * k + 3] += ak * (h * CONTACT_H[p, 3])
 
 
@@ -231,7 +244,7 @@ def elements_jacobian(I, M, q, v, cv, dimension):
             rub = 0.0
             if rubs:
                 press = spring * free
-                bristle(I, M, parent, node, h, p, w, dimension)
+                bristle(I, M, q, parent, node, h, p, w, dimension)
                 sticks, length, rub = friction(M, contact, press, w, dimension)
                 for i in range(dimension):
                     w[6 + i] = 0.0 if sticks else w[6 + i] / length

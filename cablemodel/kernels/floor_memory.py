@@ -92,8 +92,9 @@ def settle(I, M):
                 w[6 + i] = q[size * node + at + i] - M[rest + at + i]
             most = limit
             if part == 1:
+                # What slips has its slope's bristle drawn, too.
                 most = limit / max(1e-300, SLOPE_SHIFTS * longest_beside(I, M, node))
-            held *= kept_of(w, most, dimension)  # what slips has its slope's bristle drawn, too
+            held *= kept_of(w, most, dimension)
             if held < 1.0:
                 for i in range(dimension):
                     M[rest + at + i] = q[size * node + at + i] - w[6 + i] * held

@@ -426,11 +426,9 @@ def prepare_joining(I, M):
         square = 0.0
         for i in range(dimension):
             square += M[at + i] ** 2
-        more = (1.0 + strain) / math.sqrt(square) - 1.0
+        scale = (1.0 + strain) / math.sqrt(square)
         for i in range(dimension):
-            # What is at rest comes along: friction has not slipped.
-            M[at - head.position + head.rest + i] += more * M[at + i]
-            M[at + i] += more * M[at + i]
+            M[at + i] *= scale
 
 
 @kernel

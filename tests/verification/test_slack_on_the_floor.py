@@ -150,12 +150,12 @@ def test_a_lay_with_a_tenth_of_slack_leaves_it_all_along() -> None:
 
 
 def test_slack_in_space_falls_over_and_lies(tmp_path: Path) -> None:
-    """Over a floor given as a table a line lies in space, exactly in the plane of its ship's way.
+    """Along the bottom of a valley a line comes down in space, exactly in one plane.
 
     Loops do not stand up in it, as in a planar model: they fall over, and lie as meanders.
     """
     table = tmp_path / "floor.csv"
-    places = [f"{x},{y},{-DEPTH}" for x in (-500, 1500) for y in (-500, 500)]
+    places = [f"{x},{y},{1e-5 * abs(y) - DEPTH}" for x in (-500, 1500) for y in (-500, 0, 500)]
     table.write_text("\n".join(["x,y,z", *places]))
     speed, slack = 0.5, 0.02
     model = cm.CableModel(
