@@ -226,7 +226,7 @@ class Block(WordBlock):
             (Header.acceleration.word, capacity * 6),
             (Header.tension.word, capacity * 2),
             (Header.tension_rate.word, capacity * 2),
-            (Header.rest.word, capacity * 3),
+            (Header.rest.word, capacity * 6),
             (Header.history.word, capacity * 12),
             (Header.diagonal.word, capacity * 36),
             (Header.upper.word, capacity * 36),

@@ -189,7 +189,7 @@ def place_of_rest(block: Block, scene: Scene) -> None:
     """
     nodes, dimension = int(block.header.nodes), int(block.header.dimension)
     q = block.array(Header.position, nodes, 2 * dimension)
-    rest = block.array(Header.rest, nodes, 3)
+    rest = block.array(Header.rest, nodes, 2 * dimension)
     rest_where_it_is(block)
     if scene.end.kind != "anchor" or scene.initial.kind != "static":
         return
@@ -199,14 +199,15 @@ def place_of_rest(block: Block, scene: Scene) -> None:
     way[dimension - 1] = 0.0
     size = float(np.linalg.norm(way))
     if size > 0.0:
-        rest[1:, :dimension] = q[-1, :dimension] + np.outer(arcs[-1] - arcs[1:], way / size)
+        rest[:, :dimension] = q[-1, :dimension] + np.outer(arcs[-1] - arcs, way / size)
+        rest[:, dimension:] = -way / size
 
 
 def rest_where_it_is(block: Block) -> None:
-    """Make the present positions the places of rest: no friction yet."""
+    """Make the present positions and slopes those of rest: no friction yet."""
     nodes, dimension = int(block.header.nodes), int(block.header.dimension)
     q = block.array(Header.position, nodes, 2 * dimension)
-    block.array(Header.rest, nodes, 3)[:, :dimension] = q[:, :dimension]
+    block.array(Header.rest, nodes, 2 * dimension)[:] = q
 
 
 def check(scene: Scene, points: FloatArray) -> None:

@@ -119,8 +119,9 @@ def lie_still(
     reals = block.reals
     state = Scalars(reals)
     nodes, dimension = int(block.header.nodes), int(block.header.dimension)
-    q = block.array(Header.position, nodes, 2 * dimension)[:, :dimension]
-    rest = block.array(Header.rest, nodes, 3)[:, :dimension]
+    shape = block.array(Header.position, nodes, 2 * dimension)
+    drawn = block.array(Header.rest, nodes, 2 * dimension)
+    q, rest = shape[:, :dimension], drawn[:, :dimension]
     laying = _is_lay(scene)
     bristle = float(state.bristle)
     soft = (LAYING if laying else SOFT) * float(state.length)
@@ -135,6 +136,7 @@ def lie_still(
     for _ in range(PASSES if coarser is None else 0):
         bears = grown
         state.bristle = soft
+        drawn[:] = shape
         rest[:] = laid - soft * _shares(block, scene, bears, None, dragged)
         kept = None if dragged else _without_drag(block, scene)
         status = solve()
@@ -162,6 +164,7 @@ def lie_still(
         """Bristles of their own length at 1. As they get shorter they pull what slid aside back."""
         bears, drags = _loads(block, scene)
         state.bristle = soft * (bristle / soft) ** share
+        drawn[:] = shape
         rest[:] = laid - state.bristle * _shares(block, scene, bears, drags, dragged)
         status = hold()
         state.bristle = bristle

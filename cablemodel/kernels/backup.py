@@ -39,7 +39,7 @@ def copy_nodes(I, to, source, first, count):
     copy_part(I, to, source, head.acceleration, size, first, count)
     copy_part(I, to, source, head.tension, 2, first, count)
     copy_part(I, to, source, head.tension_rate, 2, first, count)
-    copy_part(I, to, source, head.rest, 3, first, count)
+    copy_part(I, to, source, head.rest, size, first, count)
 
 
 @kernel
@@ -124,7 +124,7 @@ def clear_unused(I):
     clear_part(I, head.acceleration, size * nodes, 6 * room)
     clear_part(I, head.tension, 2 * nodes, 2 * room)
     clear_part(I, head.tension_rate, 2 * nodes, 2 * room)
-    clear_part(I, head.rest, 3 * nodes, 3 * room)
+    clear_part(I, head.rest, size * nodes, 6 * room)
     clear_part(I, head.history, 2 * size * nodes, 12 * room)
     clear_part(I, head.diagonal, area * nodes, 36 * room)
     clear_part(I, head.upper, area * nodes, 36 * room)

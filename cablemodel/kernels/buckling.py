@@ -20,6 +20,7 @@ from .floor_surface import gap_at
 from .layout import (
     EXACTLY,
     FLOOR_FAR,
+    FLOOR_TOUCHED,
     JOINT_ARM,
     JOINT_FREE,
     JOINT_HINGE,
@@ -27,6 +28,7 @@ from .layout import (
 from .newton import refactor
 from .tension import promised_tension
 
+FLAT = 1e-3  # of what cable is made crooked by: what is so flat never was
 TURN = 2.399963229728653  # golden angle: its multiples hold all waves of the mesh [rad]
 
 
@@ -190,6 +192,54 @@ def make_crooked(I, M):
             slope = view(M, head.position + (2 * at + 1) * dimension, dimension)
             for i in range(dimension):
                 slope[i] += angle * math.cos(TURN * at) * w[i]
+
+
+@kernel
+def aside(I, M, node, w):
+    """By how much the slopes of the element above a node leave its vertical plane, at most [-].
+
+    The normal of that plane, a horizontal unit vector, into w.
+    """
+    h = edge_of(I, M, node).length
+    start = header(I).position
+    q0 = start + 6 * I[header(I).parent + node]
+    q1 = start + 6 * node
+    dx = (M[q1] - M[q0]) / h
+    dy = (M[q1 + 1] - M[q0 + 1]) / h
+    along = math.sqrt(dx * dx + dy * dy)
+    w[0] = -dy / along if along > 0.0 else 0.0
+    w[1] = dx / along if along > 0.0 else 1.0
+    w[2] = 0.0
+    above = M[q0 + 3] * w[0] + M[q0 + 4] * w[1]
+    below = M[q1 + 3] * w[0] + M[q1 + 4] * w[1]
+    return max(abs(above), abs(below))
+
+
+@kernel
+def fall_over(I, M):
+    """Turn the slopes of slack cable that lies in one vertical plane, where it touches the floor.
+
+    Loops of slack would stand in that plane, and roll along the floor for ever. Any real cable is
+    a little crooked, and they fall over. What friction holds is crooked, too.
+    """
+    head = header(I)
+    if head.dimension == 2 or head.floor_state != FLOOR_TOUCHED:
+        return
+    least = promised_tension(M)
+    w = view(M, head.motion + 16, 3)
+    q = view(M, head.position, 6 * head.nodes)
+    for node in range(1, head.nodes):
+        if I[head.joint + node] != 0 or M[head.tension + 2 * node] >= 0.0:
+            continue
+        if not near_floor(I, M, node, q, w) or is_prescribed(I, M, node):
+            continue
+        angle = crookedness(M, edge_of(I, M, node), least)
+        if aside(I, M, node, w) > FLAT * angle:
+            continue
+        angle *= math.cos(TURN * node)
+        for i in range(3):
+            M[head.position + 6 * node + 3 + i] += angle * w[i]
+            M[head.rest + 6 * node + 3 + i] += angle * w[i]
 
 
 @kernel

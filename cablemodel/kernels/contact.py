@@ -4,7 +4,8 @@ Contact is a spring with a preload: the force per length over what it is at rest
 g = 0, so that cable at rest lies exactly on the floor, fades to nothing at g = delta, and stiffens
 below. It grows with the speed of approach. At rest the floor bears the weight w, or what it has
 borne for long (`floor_memory`). Friction is a bristle: f = -mu p0 e / u, no longer than mu p, where
-p0 is the force at rest and e the way along the floor from the place where a node was last at rest.
+p0 is the force at rest and e the way along the floor from where cable was last at rest. Across the
+cable it is cubic as the cable is: what bends or swings between nodes is held, too.
 """
 
 import math
@@ -61,21 +62,15 @@ def place_law(preload, gap, depth):
 
 
 @inlined
-def friction(I, M, q, parent, node, x, contact, press, w, dimension):
-    """Friction per length into w[9:12], bristle e in w[6:9]; the normal is in w[3:6].
+def friction(M, contact, press, w, dimension):
+    """Friction per length into w[9:12]; w[6:9]: bristle e; the normal is in w[3:6].
 
-    e is linear between the nodes; its part along the normal has been removed. Returns whether it
-    sticks, the length of e and the stiffness: minus force over e.
+    The part of e along the normal is removed. Returns whether it sticks, the length of e and the
+    stiffness: minus force over e.
     """
-    head = header(I)
     state = scalars(M)
-    size = 2 * dimension
-    rest = head.rest
     along = 0.0
     for i in range(dimension):
-        e0 = q[size * parent + i] - M[rest + 3 * parent + i]
-        e1 = q[size * node + i] - M[rest + 3 * node + i]
-        w[6 + i] = (1.0 - x) * e0 + x * e1
         along += w[6 + i] * w[3 + i]
     length = 0.0
     for i in range(dimension):
@@ -100,6 +95,61 @@ def interpolate(I, q, parent, node, h, p, w, dimension):
     for i in range(dimension):
         w[i] = CONTACT_H[p, 0] * q[a + i] + h * CONTACT_H[p, 1] * q[a + dimension + i]
         w[i] += CONTACT_H[p, 2] * q[b + i] + h * CONTACT_H[p, 3] * q[b + dimension + i]
+
+
+@inlined
+def linear_along(M, q, at, rest, x, e, chord, dimension):
+    """Make a bristle e linear between two nodes along their chord, whose direction is given back.
+
+    at, rest: where the places of both nodes begin, in q, and of what is at rest, in M. Across the
+    chord it is cubic as the cable is; slopes along the cable are strains, and what lies down turns
+    them.
+    """
+    square = 1e-300
+    more = 0.0
+    for i in range(dimension):
+        q0 = q[at[0] + i]
+        q1 = q[at[1] + i]
+        chord[i] = q1 - q0
+        linear = (1.0 - x) * (q0 - M[rest[0] + i]) + x * (q1 - M[rest[1] + i])
+        square += chord[i] * chord[i]
+        more += chord[i] * (linear - e[i])
+    length = math.sqrt(square)
+    for i in range(dimension):
+        chord[i] /= length
+        e[i] += more / length * chord[i]
+
+
+@inlined
+def bristle(I, M, q, parent, node, h, p, w, dimension):
+    """The way from rest at contact point p of an element into w[6:9], its chord's direction into
+    w[21:24]."""
+    size = 2 * dimension
+    start = header(I).rest
+    rest = view(M, start, size * (node + 1))
+    interpolate(I, rest, parent, node, h, p, view(w, 9, 3), dimension)
+    for i in range(dimension):
+        w[6 + i] = w[i] - w[9 + i]
+    above = size * parent
+    below = size * node
+    linear_along(
+        M,
+        q,
+        (above, below),
+        (start + above, start + below),
+        CONTACT_POINTS[p],
+        view(w, 6, 3),
+        view(w, 21, 3),
+        dimension,
+    )
+
+
+@inlined
+def bristle_at(I, M, node, w, dimension):
+    """The way from rest of a node, whose place is in w[0:3], into w[6:9]."""
+    rest = header(I).rest + 2 * dimension * node
+    for i in range(dimension):
+        w[6 + i] = w[i] - M[rest + i]
 
 
 @inlined
@@ -155,7 +205,8 @@ def contact_force(I, M, q, v, parent, node, h, p, contact, w, dimension):
     press = contact * share
     press *= max(0.0, 1.0 - state.floor_damping * speed)
     if state.friction > 0.0 and press > 0.0:
-        friction(I, M, q, parent, node, CONTACT_POINTS[p], contact, press, w, dimension)
+        bristle(I, M, q, parent, node, h, p, w, dimension)
+        friction(M, contact, press, w, dimension)
     w[9] += press * tipping(I, q, parent, node, p, w, dimension)
     return press, gap, speed
 
@@ -242,6 +293,7 @@ def place_force(I, M, contact, preload, node, q, v, w):
     share, _stiffness, _energy = place_law(preload, gap, depth)
     press = contact * share * max(0.0, 1.0 - state.floor_damping * speed)
     if state.friction > 0.0 and press > 0.0:
-        friction(I, M, q, node, node, 0.0, contact, press, w, dimension)
+        bristle_at(I, M, node, w, dimension)
+        friction(M, contact, press, w, dimension)
     w[9] += press * tipping(I, q, node, node, 0, w, dimension)
     return press, gap, speed

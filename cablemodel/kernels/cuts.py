@@ -116,8 +116,7 @@ def new_node(I, M, like, node):
         M[head.position + size * node + k] = M[head.position + size * like + k]
         M[head.velocity + size * node + k] = M[head.velocity + size * like + k]
         M[head.acceleration + size * node + k] = M[head.acceleration + size * like + k]
-    for k in range(3):
-        M[head.rest + 3 * node + k] = M[head.rest + 3 * like + k]
+        M[head.rest + size * node + k] = M[head.rest + size * like + k]
     for k in range(2):
         M[head.tension + 2 * node + k] = 0.0
         M[head.tension_rate + 2 * node + k] = 0.0

@@ -4,6 +4,8 @@ from .access import edge_of, header, scalars
 from .compile import inlined, kernel, view
 from .contact import (
     approach,
+    bristle,
+    bristle_at,
     contact_force,
     contact_law,
     contact_place,
@@ -147,17 +149,27 @@ def add_point(p, h, rub, w, sums, dimension):
     """Add the derivatives at contact point p of an element to its sums (d, d, 4, 4).
 
     For components i, j and shape functions k, l. rate (d, d) in w[12:21]: minus the force's
-    derivative to the place, rub: to the bristle, both times the point's weight; the bristle is
-    linear between the nodes. Normal in w[3:6]; with friction the direction in which the cable
-    slips, or zeros, in w[6:9].
+    derivative to the place, rub: to the bristle, both times the point's weight. Normal in w[3:6];
+    with friction the direction in which the cable slips, or zeros, in w[6:9], and that of the
+    chord, along which the bristle is linear between the nodes, in w[21:24].
     """
     x = CONTACT_POINTS[p]
+    across = 0.0
+    slips = 0.0
+    if rub != 0.0:
+        for i in range(dimension):
+            across += w[3 + i] * w[21 + i]
+            slips += w[6 + i] * w[21 + i]
     for i in range(dimension):
+        along = rub * (w[21 + i] - across * w[3 + i] - slips * w[6 + i]) if rub != 0.0 else 0.0
         for j in range(dimension):
-            a = w[12 + 3 * i + j]
-            b = -rub * (w[3 + i] * w[3 + j] + w[6 + i] * w[6 + j])
+            a = w[12 + 3 * i + j] - rub * (w[3 + i] * w[3 + j] + w[6 + i] * w[6 + j])
             if i == j:
-                b += rub
+                a += rub
+            b = 0.0
+            if rub != 0.0:
+                b = along * w[21 + j]
+                a -= b
             at = 16 * (dimension * i + j)
             for k in range(4):
                 nk = CONTACT_H[p, k]
@@ -221,7 +233,6 @@ def elements_jacobian(I, M, q, v, cv, dimension):
             share, stiffness, _energy = contact_law(gap, depth)
             spring = contact * share
             stiff = contact * stiffness * free + cv * damping * spring
-            x = CONTACT_POINTS[p]
             weight = h * CONTACT_WEIGHTS[p]
             touched = True
             if bends:
@@ -233,9 +244,8 @@ def elements_jacobian(I, M, q, v, cv, dimension):
             rub = 0.0
             if rubs:
                 press = spring * free
-                sticks, length, rub = friction(
-                    I, M, q, parent, node, x, contact, press, w, dimension
-                )
+                bristle(I, M, q, parent, node, h, p, w, dimension)
+                sticks, length, rub = friction(M, contact, press, w, dimension)
                 for i in range(dimension):
                     w[6 + i] = 0.0 if sticks else w[6 + i] / length
                     push = weight * state.friction * stiff * w[6 + i]
@@ -280,7 +290,8 @@ def floor_jacobian(I, M, q, v, cv):
                 for j in range(dimension):
                     M[at + size * i + j] -= press * w[12 + 3 * i + j]
         if rubs:
-            sticks, length, rub = friction(I, M, q, node, node, 0.0, contact, press, w, dimension)
+            bristle_at(I, M, node, w, dimension)
+            sticks, length, rub = friction(M, contact, press, w, dimension)
             add_at_node(I, M, node, rub, 3, 3, w, True)
             if not sticks:
                 for i in range(dimension):

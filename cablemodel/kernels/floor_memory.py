@@ -19,13 +19,43 @@ FASTEST = 3.0  # growth of what is borne for long, at most, in one change of it
 
 
 LANDED = 0.05  # of the contact layer: cable that moves below this has landed
+SLOPE_SHIFTS = 4.0 / 27.0  # of its length: what a slope of 1 at one end moves a cubic by, at most
 FORGETS = 10.0  # times e, in what sinks by the contact layer's depth while it lands
 
 
 @kernel
+def longest_beside(I, M, node):
+    """The longer of a line's elements at a node [m]."""
+    head = header(I)
+    longest = 0.0
+    if node > 0 and I[head.joint + node] == 0:
+        longest = edge_of(I, M, node).length
+    child = node + 1
+    if child < head.nodes and I[head.parent + child] == node and I[head.joint + child] == 0:
+        longest = max(longest, edge_of(I, M, child).length)
+    return longest
+
+
+@inlined
+def kept_of(w, limit, dimension):
+    """Share of the vector in w[6:9] that is left of it, along the floor, where it is longer than a
+    limit; its part along the normal in w[3:6] is removed."""
+    along = 0.0
+    for i in range(dimension):
+        along += w[6 + i] * w[3 + i]
+    length = 0.0
+    for i in range(dimension):
+        w[6 + i] -= along * w[3 + i]
+        length += w[6 + i] ** 2
+    length = math.sqrt(length)
+    return 1.0 if length <= limit else limit / length
+
+
+@kernel
 def settle(I, M):
-    """Draw the places of rest after nodes that have slipped or left the floor (return mapping),
-    and after what lands.
+    """Draw what is at rest after nodes that have slipped or left the floor (return mapping), and
+    after what lands: places, and slopes, which alone move the cable between nodes by 4/27 of an
+    element's length.
 
     Cable that lies down on a rigid floor touches it flat and does not slide. Through a soft floor
     it comes at an angle a, and slides by what the cosine lacks on the way: with the friction of
@@ -42,32 +72,32 @@ def settle(I, M):
     depth = state.floor_depth
     q = M[head.position : head.position + size * head.nodes]
     for node in range(head.nodes):
-        rest = head.rest + 3 * node
+        rest = head.rest + size * node
         for i in range(dimension):
             w[i] = q[size * node + i]
         gap = gap_at(I, M, w, w[3:6])
         share, _stiffness, _energy = contact_law(gap, depth)
         limit = state.bristle * share
-        along = 0.0
-        for i in range(dimension):
-            w[6 + i] = w[i] - M[rest + i]
-            along += w[6 + i] * w[3 + i]
-        length = 0.0
-        for i in range(dimension):
-            w[6 + i] -= along * w[3 + i]
-            length += w[6 + i] ** 2
-        length = math.sqrt(length)
-        kept = 1.0 if length <= limit else limit / length
+        held = 1.0
         if gap < depth:
             for i in range(dimension):
                 w[9 + i] = M[rest + i]
             above = min(gap_at(I, M, w[9:12], w[12:15]), depth)
             sunk = above - max(gap, LANDED * depth)
             if sunk > 0.0:
-                kept *= math.exp(-FORGETS * sunk / depth)
-        if kept < 1.0:
+                held = math.exp(-FORGETS * sunk / depth)
+        for part in range(2):
+            at = part * dimension
             for i in range(dimension):
-                M[rest + i] = w[i] - w[6 + i] * kept
+                w[6 + i] = q[size * node + at + i] - M[rest + at + i]
+            most = limit
+            if part == 1:
+                # What slips has its slope's bristle drawn, too.
+                most = limit / max(1e-300, SLOPE_SHIFTS * longest_beside(I, M, node))
+            held *= kept_of(w, most, dimension)
+            if held < 1.0:
+                for i in range(dimension):
+                    M[rest + at + i] = q[size * node + at + i] - w[6 + i] * held
 
 
 @inlined

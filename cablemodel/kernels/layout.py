@@ -126,7 +126,7 @@ class Header(Record):
     )
 
     floor = integer("start of x (nx), y (ny), then z, z_x, z_y, z_xy of every place, x slowest")
-    rest = integer("start of the places of rest of the friction bristles (nodes, 3) [m]")
+    rest = integer("start of rest of the friction bristles: places, slopes (nodes, 2, d) [m, -]")
     cell_terms = integer("terms of the series in the sea's cells: CELL_TERMS, or 0: no cells")
     _spare_1 = spare(1)
     cell_layers = integer("start of the layers of water that have cells (Layer)")

@@ -28,6 +28,7 @@ from .access import (
 )
 from .backup import keep_sleepers
 from .compile import inlined, kernel, view
+from .contact import linear_along
 from .layout import (
     EDGE_WORDS,
     EXACTLY,
@@ -206,8 +207,7 @@ def move_node(I, M, node, to):
         M[head.position + size * to + k] = M[head.position + size * node + k]
         M[head.velocity + size * to + k] = M[head.velocity + size * node + k]
         M[head.acceleration + size * to + k] = M[head.acceleration + size * node + k]
-    for k in range(3):
-        M[head.rest + 3 * to + k] = M[head.rest + 3 * node + k]
+        M[head.rest + size * to + k] = M[head.rest + size * node + k]
     for k in range(2):
         M[head.tension + 2 * to + k] = M[head.tension + 2 * node + k]
         M[head.tension_rate + 2 * to + k] = M[head.tension_rate + 2 * node + k]
@@ -319,6 +319,23 @@ def hermite(M, p0, p1, dimension, h, x, out):
         out[dimension + i] += x * (3.0 * x - 2.0) * d
 
 
+@inlined
+def split_rest(I, M, above, below, h, x, w, free):
+    """What is at rest at a place between two nodes into w[18:24]; the place itself is in w[0:3].
+    The bristle stays as it was there. free: 6 words."""
+    head = header(I)
+    dimension = head.dimension
+    size = 2 * dimension
+    at = (head.position + size * above, head.position + size * below)
+    rest = (head.rest + size * above, head.rest + size * below)
+    hermite(M, rest[0], rest[1], dimension, h, x, w[18:24])
+    for i in range(dimension):
+        free[i] = w[i] - w[18 + i]
+    linear_along(M, M, at, rest, x, free[0:3], free[3:6], dimension)
+    for i in range(dimension):
+        w[18 + i] = w[i] - free[i]
+
+
 @kernel
 def split_edge(I, M, edge, x, hinge):
     """Split an element at a fraction x from its parent end by one node, or by a hinge (two).
@@ -354,11 +371,7 @@ def split_edge(I, M, edge, x, hinge):
     )
     hermite(M, v0, v1, dimension, h, x, M[w + 6 : w + 6 + size])
     hermite(M, a0, a1, dimension, h, x, M[w + 12 : w + 12 + size])
-    # The bristle of friction is linear between the nodes: it stays as it was there too.
-    for i in range(dimension):
-        above = M[head.position + size * p + i] - M[head.rest + 3 * p + i]
-        below = M[head.position + size * edge + i] - M[head.rest + 3 * edge + i]
-        M[w + 18 + i] = M[w + i] - ((1.0 - x) * above + x * below)
+    split_rest(I, M, p, edge, h, x, view(M, w, 24), view(M, head.motion + 52, 6))
     open_gap(I, M, edge, count)
     lower = edge + count
     for node in range(edge, lower):
@@ -366,8 +379,7 @@ def split_edge(I, M, edge, x, hinge):
             M[head.position + size * node + k] = M[w + k]
             M[head.velocity + size * node + k] = M[w + 6 + k]
             M[head.acceleration + size * node + k] = M[w + 12 + k]
-        for k in range(dimension):
-            M[head.rest + 3 * node + k] = M[w + 18 + k]
+            M[head.rest + size * node + k] = M[w + 18 + k]
         for k in range(EDGE_WORDS):
             M[head.edges + EDGE_WORDS * node + k] = M[head.edges + EDGE_WORDS * lower + k]
         for k in range(2):

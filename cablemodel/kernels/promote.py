@@ -2,7 +2,7 @@
 
 from .access import constraint_of, header, scalars
 from .backup import keep_sleepers
-from .compile import kernel, view
+from .compile import kernel
 
 
 @kernel
@@ -25,12 +25,14 @@ def promote(I, M):
     keep_sleepers(I)
     px = state.plane[0]
     py = state.plane[1]
-    for array in range(3):
+    for array in range(4):
         start = head.position
         if array == 1:
             start = head.velocity
         elif array == 2:
             start = head.acceleration
+        elif array == 3:
+            start = head.rest
         for node in range(head.nodes - 1, -1, -1):
             h = M[start + 4 * node]
             z = M[start + 4 * node + 1]
@@ -43,8 +45,6 @@ def promote(I, M):
             M[to + 3] = px * dh
             M[to + 4] = py * dh
             M[to + 5] = dz
-    for node in range(head.nodes):
-        unfold(view(M, head.rest + 3 * node, 3), px, py)
     for n in range(head.constraint_count):
         row = constraint_of(I, M, n)
         unfold(row.position, px, py)

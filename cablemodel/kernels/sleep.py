@@ -186,7 +186,7 @@ def spare_friction(I, M, node):
     gap = gap_at(I, M, w, w[3:6])
     along = 0.0
     for i in range(dimension):
-        w[6 + i] = w[i] - M[head.rest + 3 * node + i]
+        w[6 + i] = w[i] - M[head.rest + 2 * dimension * node + i]
         along += w[6 + i] * w[3 + i]
     square = 0.0
     for i in range(dimension):

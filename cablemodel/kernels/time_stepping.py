@@ -9,7 +9,7 @@ step, is estimated from those of the stages.
 import math
 
 from .access import edge_of, header, scalars
-from .buckling import any_pressed, is_held, make_crooked
+from .buckling import any_pressed, fall_over, is_held, make_crooked
 from .clamp_layer import follow_layer
 from .closures import follow_forces, give_back_forces, keep_forces
 from .compile import copy_words, inlined, kernel, view
@@ -577,6 +577,7 @@ def advance_to(I, M, t_end):
                     view(M, head.acceleration, count),
                 )
             make_crooked(I, M)
+            fall_over(I, M)
             if head.payout != 0:
                 pay_out(I, M, dt)
             if landing:

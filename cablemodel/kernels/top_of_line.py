@@ -336,8 +336,8 @@ def let_cable_follow(I, M):
         M[head.position + at + dimension] = w[i]
         M[head.velocity + at + dimension] = w[3 + i]
         M[head.acceleration + at + dimension] = w[6 + i]
-    for i in range(3):
-        M[head.rest + 3 + i] = M[head.rest + i]
+    for i in range(size):
+        M[head.rest + size + i] = M[head.rest + i]
     winch.top_length = length
     body_moved(I, M, row)
     winch.passing = 0.0

@@ -15,15 +15,11 @@ LIMITS = {
         "the start rings by 1.7 % at its first outputs, within 1 % from then on; steps damped it "
         "before they followed tensions"
     ),
-    "test_what_friction_holds_lies_alike_at_all_tolerances[71]": (
-        "lays start at their own tolerance only: 0.066 of the length apart, 0.051 asked"
-    ),
     "test_converges_to_the_table": _TIGHT,
 }
 FAILING = frozenset(
     {
         "test_tension_of_a_lay",
-        "test_what_friction_holds_lies_alike_at_all_tolerances[71]",
         "test_axial_mode_with_an_end_mass[0.0]",
         "test_converges_to_the_table[released in water-100-1e-08]",
     }

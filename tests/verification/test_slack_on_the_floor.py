@@ -8,6 +8,7 @@ slack leaves as much of it all along the floor.
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -31,12 +32,18 @@ AWAKE_AT_MOST = 1.5  # of the nodes that were awake in the first minutes
 SPACING = 0.02  # of the places that are looked at [m]
 
 
-def scene(line: float, drum: float, rate: list[Any], velocity: list[Any]) -> cm.Scene:
+def scene(
+    line: float,
+    drum: float,
+    rate: list[Any],
+    velocity: list[Any],
+    floor: dict[str, Any] | None = None,
+) -> cm.Scene:
     return cm.load_scene(
         {
             "cable_types": {"rope": ROPE},
             "line": [{"cable": {"type": "rope", "length": line}}],
-            "environment": {"floor": {"z": -DEPTH, "friction": 0.5}},
+            "environment": {"floor": {**(floor or {"z": -DEPTH}), "friction": 0.5}},
             "vessel": {"velocity": velocity},
             "payout": {"rate": rate, "drum": [{"cable": {"type": "rope", "length": drum}}]},
         }
@@ -140,3 +147,33 @@ def test_a_lay_with_a_tenth_of_slack_leaves_it_all_along() -> None:
     for start in np.arange(hangs, model.line_length - 180.0, 100.0):
         part = places[(arcs >= start) & (arcs <= start + 100.0)]
         assert 100.0 / (part[0, 0] - part[-1, 0]) == pytest.approx(1.0 + slack, rel=0.02)
+
+
+def test_slack_in_space_falls_over_and_lies(tmp_path: Path) -> None:
+    """Along the bottom of a valley a line comes down in space, exactly in one plane.
+
+    Loops do not stand up in it, as in a planar model: they fall over, and lie as meanders.
+    """
+    table = tmp_path / "floor.csv"
+    places = [f"{x},{y},{1e-5 * abs(y) - DEPTH}" for x in (-500, 1500) for y in (-500, 0, 500)]
+    table.write_text("\n".join(["x,y,z", *places]))
+    speed, slack = 0.5, 0.02
+    model = cm.CableModel(
+        scene(
+            80.0,
+            1000.0,
+            [{"t": 0.0, "rate": speed * (1.0 + slack)}],
+            [{"t": 0.0, "velocity": [speed, 0.0, 0.0]}],
+            {"depth_table": str(table)},
+        )
+    )
+    assert not model.planar
+    model.step_to(600.0)
+    arcs, places = shape(model)
+    assert_none_is_lost(arcs, places)
+    laid = (arcs > 2.0 * DEPTH) & (arcs < model.line_length - 80.0)
+    assert places[laid, 2].max() < 0.1 - DEPTH
+    assert np.ptp(places[laid, 1]) > 0.2
+    way = places[laid][0, 0] - places[laid][-1, 0]
+    assert np.ptp(arcs[laid]) / way == pytest.approx(1.0 + slack, rel=0.005)
+    assert awake(model) < 0.5 * model.statistics["elements"]

@@ -98,10 +98,14 @@ def test_a_strut_bows_till_it_bears_eulers_load():
 
 SEEDS = [
     pytest.param(145, id="buoy on a line that hangs below it"),
-    pytest.param(159, id="slack pressed together where friction holds it"),
     pytest.param(178, id="buoy at the end of a heavy line"),
     pytest.param(732, id="sinker at the end of a line that floats"),
     pytest.param(10088, id="clamp that turns a beam back to its anchor"),
+]
+
+HELD = [
+    pytest.param(159, id="slack pressed together where friction holds it"),
+    pytest.param(436, id="sinker on a line that floats"),
 ]
 
 
@@ -116,7 +120,7 @@ def test_what_grows_is_what_the_dense_matrices_say(seed):
     assert np.array_equal(block.image, image)
 
 
-@pytest.mark.parametrize("seed", [*SEEDS, pytest.param(436, id="sinker on a line that floats")])
+@pytest.mark.parametrize("seed", [*SEEDS, *HELD])
 def test_random_scenes_start_from_what_lasts(seed):
     loaded = cm.load_scene(draw(seed).scene)
     block = build(loaded)

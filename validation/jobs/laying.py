@@ -36,6 +36,51 @@ def lay_with_slack() -> Result:
     return answers, picture(shapes, series, ("time [s]", "top tension [N]"))
 
 
+def pressed_by_meanders(bending: float, rubs: float, slack: float) -> tuple[float, float]:
+    """What presses cable that is laid into meanders [N]: their bending alone, and with friction.
+
+    Waves of a length l that take a slack s up store 4 pi^2 EI s / l^2 per length; laying them
+    aside rubs over 2/pi of their height, by 2 rubs l sqrt(s) / pi^2. l is where the sum is least.
+    bending [N m2]; rubs: friction per length [N/m].
+    """
+    wave = np.cbrt(4.0 * np.pi**4 * bending * np.sqrt(slack) / rubs)
+    bends = 4.0 * np.pi**2 * bending / wave**2
+    return float(bends), float(bends + 2.0 * rubs * wave / (np.pi**2 * np.sqrt(slack)))
+
+
+@job
+def lay_speeding_up() -> Result:
+    """Zajac's differential equation at both speeds, and the work that meanders take."""
+    ours = model("lay_speeding_up")
+    slow, _ = independent(LIGHT, 1.0, 1.0 * KNOT, 0.0, 100.0, straight=True)
+    fast, length = independent(LIGHT, 5.0, 5.1 * KNOT, 0.0, 100.0, straight=True)
+    weight, _ = lay_angle(LIGHT, 5.0 * KNOT)
+    shapes, times, tops = {}, [], []
+    for k in range(1, 201):
+        ours.step_to(5.0 * k)
+        times.append(ours.time)
+        tops.append(ours.top_tension)
+        if k in (12, 60, 120, 200):
+            shapes[f"at {5 * k} s"] = shape(ours)
+    arcs = np.linspace(300.0, ours.line_length, 20_000)
+    places = ours.sample(arcs).position
+    laid = (places[:, 0] > 1200.0) & (places[:, 0] < 1550.0)
+    slack = np.ptp(arcs[laid]) / np.ptp(places[laid, 0]) - 1.0
+    least, most = pressed_by_meanders(20.0, 0.5 * weight, 0.02)
+    fast -= 0.5 * (least + most)
+    answers = [
+        Answer("tension at 1 knot", tops[11], slow, "N", 0.01 * slow),
+        Answer("tension at 5 knots", tops[-1], fast, "N", 0.5 * (most - least)),
+        Answer("cable in the water", ours.line_length - ours.floor_length, length, "m", 5.0),
+        Answer("slack on the floor", 100.0 * slack, 2.0, "%", 0.1),
+    ]
+    series = {
+        "cablemodel": (times, tops),
+        "independent": ([0, 60, 60, 850, 1000], [slow, slow, np.nan, fast, fast]),
+    }
+    return answers, picture(shapes, series, ("time [s]", "top tension [N]"))
+
+
 @job
 def drag_grapnel() -> Result:
     """A catenary that leaves the floor level, with the friction of what lies as its pull."""
