@@ -41,9 +41,9 @@ class Errors:
 
     position: float
     """The largest anywhere [m]; not a number where it is not known."""
-    tension: float
-    """At its ends, of one line below a vessel at the top [N]; not a number where it is not known,
-    and of a body."""
+    tension: float | None
+    """At its ends, of one line below a vessel at the top [N]; not a number where it is not known.
+    A body has none."""
     length: float
     """What a tolerance promises positions as a part of [m]."""
 

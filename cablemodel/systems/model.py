@@ -321,7 +321,7 @@ class SystemModel:
             if other is not None:
                 places = body.position[None], other.bodies[name].position[None]
                 off, _none = estimated(*places, none, none)
-            yield name, Errors(off, unknown, longest)
+            yield name, Errors(off, None, longest)
 
     @property
     def top_tension(self) -> float:
@@ -392,7 +392,8 @@ class SystemModel:
         if self.scene.solver.error_estimate:
             for name, errors in self.errors.items():
                 found[f"{name}.position_error"] = np.array(errors.position)
-                found[f"{name}.tension_error"] = np.array(errors.tension)
+                if errors.tension is not None:
+                    found[f"{name}.tension_error"] = np.array(errors.tension)
         return found
 
     def input_row(self, step: float, given: Mapping[str, Any]) -> FloatArray:
@@ -480,6 +481,7 @@ def _finer_model(scene: SystemScene) -> SystemModel | None:
         warnings.simplefilter("ignore", UnstableStartWarning)  # which the run itself gives
         model = SystemModel(finer(scene))
         step_in_halves(model.built.block)
+        model._initial = model.built.block.image.copy()
         return model
     return None
 
