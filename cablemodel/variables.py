@@ -207,15 +207,15 @@ WINCH_OUTPUTS: tuple[Variable, ...] = (
 """Of each winch of a system."""
 
 LINE_ERRORS: tuple[Variable, ...] = (
-    Variable("estimated error of positions, the largest along it", "m", "NAME.position_error", "",
+    Variable("estimated error of positions along it", "m", "NAME.position_error", "",
              "~/NAME/position_error", FLOAT64, present="error_estimate"),
-    Variable("estimated error of the tensions at its ends, the larger one", "N",
+    Variable("estimated error of its ends' tensions", "N",
              "NAME.tension_error", "", "~/NAME/tension_error", FLOAT64, present="error_estimate"),
 )  # fmt: skip
 """Of each line of a system."""
 
 BODY_ERRORS: tuple[Variable, ...] = (
-    Variable("estimated error of the position of its origin", "m", "NAME.position_error", "",
+    Variable("estimated error of its position", "m", "NAME.position_error", "",
              "~/NAME/position_error", FLOAT64, present="error_estimate"),
 )  # fmt: skip
 """Of each free body of a system."""
