@@ -32,7 +32,7 @@ from benchmarks.peers.moordyn_search import TRIED
 from benchmarks.references import Reference
 from benchmarks.report import MEASUREMENT_HEAD, measurement_rows, number
 from benchmarks.scenes import GRAVITY, HEAVE, HEAVE_PERIOD, Cable, heave_motion, heave_speed
-from benchmarks.sections import table, write_part, write_rows
+from benchmarks.sections import read_rows, table, write_part, write_rows
 
 FOLDER = Path("docs/benchmarks")
 PAGE = Path("docs/benchmarks.md")
@@ -51,8 +51,8 @@ STABLE = 1.2
 """Over the error with the finest time step: settings below it are stable, and compete."""
 KEPT = 3
 """Settings that go on from the search, the cheapest."""
-PEER_REPEATS = 5
-"""Of a timed run of MoorDyn: each takes its start again, which is long."""
+REPEATS = 7
+"""Of a timed run, at most."""
 ERRORS = (1e-3, 1e-4, 1e-5)
 """At which costs are compared, of the length [-]."""
 
@@ -319,6 +319,10 @@ FairTen1
 """
 
 
+_RELAXED: dict[tuple[str, int, str], bytes] = {}
+"""States after MoorDyn's relaxation, by case, segments and scheme: it takes most of a run."""
+
+
 class MoorDynSystemRunner:
     """One MoorDyn system, at rest as its own relaxation finds it."""
 
@@ -339,7 +343,14 @@ class MoorDynSystemRunner:
         with silence():
             self._system = moordyn.Create(str(path))
             moordyn.SetVerbosity(self._system, moordyn.LEVEL_NONE)
-            moordyn.Init(self._system, start, [0.0] * len(start))
+            kept = _RELAXED.get((case.name, settings.segments, settings.scheme))
+            begin = moordyn.Init if kept is None else moordyn.Init_NoIC
+            begin(self._system, start, [0.0] * len(start))
+            if kept is not None:
+                moordyn.Deserialize(self._system, kept)
+            else:
+                state = bytes(moordyn.Serialize(self._system))
+                _RELAXED[case.name, settings.segments, settings.scheme] = state
         self._line = moordyn.GetLine(self._system, 1)
         node = case.probe * settings.segments
         if node != round(node):
@@ -495,13 +506,13 @@ def compared(case: Any, tell: Callable[[str], None]) -> tuple[list[Measurement],
         f"{case.name}: limits {place:.1e} L and {pull:.1e} of tensions apart; own checks "
         f"{mine.tip_uncertainty:.1e} m, {limit.tip_uncertainty:.1e} m"
     )
-    runs = [measure(ours(tolerance), case, mine) for tolerance in TOLERANCES]
+    runs = [measure(ours(tolerance), case, mine, REPEATS) for tolerance in TOLERANCES]
     tried, kept = searched(case, limit)
     tell(f"{case.name}: kept {'; '.join(settings.words for settings in kept)}")
     rival = [
         measure(
             theirs(Settings(n, s.scheme, s.step_factor, s.damping, s.coupling_step)),
-            case, limit, PEER_REPEATS,
+            case, limit, REPEATS,
         )
         for s in kept
         for n in SEGMENTS
@@ -525,20 +536,24 @@ def compared(case: Any, tell: Callable[[str], None]) -> tuple[list[Measurement],
 def main() -> None:
     """Measure the cases; write their rows and the table of the page."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.systems", description=__doc__)
-    parser.add_argument("--only", help="one of the cases; keeps nothing")
+    parser.add_argument("--only", choices=CASES, help="one of them; rows of the others stay")
     chosen = parser.parse_args()
-    runs: list[Measurement] = []
-    rows: list[list[str]] = []
     for name, case in CASES.items():
         if chosen.only in (None, name):
-            of_case, its_rows = compared(case, lambda text: print(text, flush=True))
-            runs += of_case
-            rows += its_rows
-    print(table(HEAD, rows))
-    if chosen.only is None:
-        write_rows(FOLDER / "systems.csv", MEASUREMENT_HEAD, measurement_rows(runs))
-        write_rows(FOLDER / "systems_ratios.csv", HEAD, rows)
-        write_part(PAGE, "systems", table(HEAD, rows))
+            runs, rows = compared(case, lambda text: print(text, flush=True))
+            keep(FOLDER / "systems.csv", MEASUREMENT_HEAD, name, measurement_rows(runs))
+            keep(FOLDER / "systems_ratios.csv", HEAD, name, rows)
+    shown = [tuple(row.values()) for row in read_rows(FOLDER / "systems_ratios.csv")]
+    write_part(PAGE, "systems", table(HEAD, shown))
+
+
+def keep(path: Path, head: Sequence[str], name: str, rows: Sequence[Sequence[str]]) -> None:
+    """Replace the rows of a case in a data file."""
+    before = read_rows(path) if path.exists() else []
+    of_case = {case: [list(row.values()) for row in before if row["scene"] == case]
+               for case in CASES}  # fmt: skip
+    of_case[name] = [list(row) for row in rows]
+    write_rows(path, head, (row for case in CASES for row in of_case[case]))
 
 
 if __name__ == "__main__":

@@ -34,7 +34,7 @@ def place_nodes(scene: SystemScene, built: Built, guess: Guess, before: Built | 
             continue
         length = scene.lines[name].length
         near = np.clip(np.array([arc - 1e-3 * length, arc, arc + 1e-3 * length]), 0.0, length)
-        places = guess.at(name, near / length)
+        places = guess.at(name, near)
         slope = places[2] - places[0]
         q[node, :3] = places[1]
         q[node, 3:] = slope / max(float(np.linalg.norm(slope)), 1e-30)
