@@ -8,7 +8,7 @@ Each code is compared with its own limit, which knows nothing of the other: cabl
 a tolerance far finer than any that is measured, MoorDyn with what its two finest meshes tend to
 (its errors fall as the square of the segments). How far apart the limits are says what the models
 share. MoorDyn's settings are found by search: every scheme, time step, damping and coupling step of
-a list on one mesh, then all meshes with the cheapest ones that are stable.
+a list on one mesh, then all meshes and coupling steps with the cheapest schemes that are stable.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import copy
 import math
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -49,8 +49,8 @@ SEARCHED_ON = 10
 COUPLING_STEPS = (0.005, 0.02, 0.1)
 STABLE = 1.2
 """Over the error with the finest time step: settings below it are stable, and compete."""
-KEPT = 3
-"""Settings that go on from the search, the cheapest."""
+KEPT = 2
+"""Schemes that go on from the search, the cheapest."""
 REPEATS = 7
 """Of a timed run, at most."""
 ERRORS = (1e-3, 1e-4, 1e-5)
@@ -470,7 +470,8 @@ def their_limit(case: SystemCase) -> Reference:
 
 
 def searched(case: Any, limit: Reference) -> tuple[list[Measurement], list[Settings]]:
-    """All settings of the search on one mesh, and the cheapest of those that are stable there."""
+    """All settings of the search on one mesh, and those that go on: of the stable ones the cheapest
+    schemes, with all coupling steps, whose errors show on finer meshes only."""
     tried = [
         Settings(SEARCHED_ON, scheme, factor, damping, coupling)
         for scheme, factor, damping in TRIED
@@ -481,7 +482,9 @@ def searched(case: Any, limit: Reference) -> tuple[list[Measurement], list[Setti
     least = STABLE * found[finest].tip_error
     stable = [settings for settings, m in found.items() if m.tip_error <= least]
     stable.sort(key=lambda settings: found[settings].cost)
-    return list(found.values()), stable[:KEPT]
+    schemes = list(dict.fromkeys(replace(s, coupling_step=0.0) for s in stable))[:KEPT]
+    going = [replace(s, coupling_step=step) for s in schemes for step in COUPLING_STEPS]
+    return list(found.values()), going
 
 
 def apart(one: Reference, other: Reference, length: float) -> tuple[float, float]:
@@ -511,8 +514,7 @@ def compared(case: Any, tell: Callable[[str], None]) -> tuple[list[Measurement],
     tell(f"{case.name}: kept {'; '.join(settings.words for settings in kept)}")
     rival = [
         measure(
-            theirs(Settings(n, s.scheme, s.step_factor, s.damping, s.coupling_step)),
-            case, limit, REPEATS,
+            theirs(replace(s, segments=n)), case, limit, REPEATS,
         )
         for s in kept
         for n in SEGMENTS

@@ -301,26 +301,22 @@ class SystemModel:
         return self._errors
 
     def _estimates(self) -> Iterator[tuple[str, Errors]]:
-        from cablemodel.error_estimate import PLACES, estimated
+        from cablemodel.error_estimate import FACTOR, PLACES, estimated
 
-        other, unknown = self._beside, math.nan
+        other = self._beside
         for name, line in self.lines.items():
-            found = unknown, unknown
+            found = math.nan, math.nan
             if other is not None:
-                length = min(line.length, other.lines[name].length)
+                length, ends = min(line.length, other.lines[name].length), [0, -1]
                 one, two = (each.lines[name].sample(PLACES * length) for each in (self, other))
-                ends = [0, -1]
                 found = estimated(one.position, two.position, one.tension[ends], two.tension[ends])
             yield name, Errors(*found, line.length)
-        if not self.scene.bodies:
-            return
-        none = np.zeros(1)
+        finer = {} if other is None else other.bodies
         for name, body in self.bodies.items():
+            off = math.nan
+            if name in finer:
+                off = FACTOR * float(np.linalg.norm(body.position - finer[name].position))
             longest = max(self.lines[line].length for line in self.scene.lines_at(name))
-            off = unknown
-            if other is not None:
-                places = body.position[None], other.bodies[name].position[None]
-                off, _none = estimated(*places, none, none)
             yield name, Errors(off, None, longest)
 
     @property
