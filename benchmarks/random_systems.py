@@ -377,10 +377,9 @@ def main() -> None:
         verdicts.append(judge(number))
         print(json.dumps(verdicts[-1]), flush=True)
     counts = Counter(v["outcome"] for v in verdicts)
-    right = [v for v in verdicts if v.get("share", math.nan) <= 1.0]
-    said = {"right": len(right), "is not": sum(v["silent"] for v in right)}
-    print(dict(counts), said)
-    found = {"machine": describe(), "outcomes": dict(counts), "estimates": said}
+    silent = sum(verdict.get("silent", False) for verdict in verdicts)
+    print(dict(counts), f"{silent} misses were not told")
+    found = {"machine": describe(), "outcomes": dict(counts)}
     STORED.write_text(json.dumps({**found, "systems": verdicts}, indent=1) + "\n")
 
 
