@@ -49,6 +49,8 @@ SEARCHED_ON = 10
 COUPLING_STEPS = (0.005, 0.02, 0.1)
 STABLE = 1.2
 """Over the error with the finest time step: settings below it are stable, and compete."""
+ASKED = {"L": "200"}
+"""Ratios, at least."""
 REPEATS = 5
 """Of a timed run, at most."""
 ERRORS = (1e-3, 1e-4, 1e-5)
@@ -536,14 +538,16 @@ def main() -> None:
     """Measure the cases; write their rows and the table of the page."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.systems", description=__doc__)
     parser.add_argument("--only", choices=CASES, help="one of them; rows of the others stay")
+    parser.add_argument("--report", action="store_true", help="only write the table anew")
     chosen = parser.parse_args()
     for name, case in CASES.items():
-        if chosen.only in (None, name):
+        if chosen.only in (None, name) and not chosen.report:
             runs, rows = compared(case, lambda text: print(text, flush=True))
             keep(FOLDER / "systems.csv", MEASUREMENT_HEAD, name, measurement_rows(runs))
             keep(FOLDER / "systems_ratios.csv", HEAD, name, rows)
-    shown = [tuple(row.values()) for row in read_rows(FOLDER / "systems_ratios.csv")]
-    write_part(PAGE, "systems", table(HEAD, shown))
+    rows_kept = read_rows(FOLDER / "systems_ratios.csv")
+    shown = [(*row.values(), ASKED.get(row["scene"], "")) for row in rows_kept]
+    write_part(PAGE, "systems", table((*HEAD, "asked"), shown))
 
 
 def keep(path: Path, head: Sequence[str], name: str, rows: Sequence[Sequence[str]]) -> None:
