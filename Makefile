@@ -81,6 +81,7 @@ test-tools: browser
 
 bench: $(READY_BENCH) native valgrind  ## measure run time against error (long)
 	$(BIN)/python -m benchmarks
+	$(BIN)/python -m benchmarks.systems
 	$(BIN)/python -m benchmarks.skips
 	$(BIN)/python -m benchmarks.starts
 	$(BIN)/python -m benchmarks.profile

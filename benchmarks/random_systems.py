@@ -5,8 +5,10 @@ that n seeds. Each runs at the scene's tolerance (1e-3) and at a hundredth of it
 times as often; what differs by more than is promised, tau L of positions of each line and 10 tau of
 its largest tension, is a miss; warned, if the model said that its start is unstable: the tolerance
 decides when a run leaves it. A line that is cut is compared until then: what is left of it is
-slack, and rings. Verdicts are kept in ``docs/stress/random_systems.json``. Nothing in the engine
-was made from these systems: a set of numbers judges once.
+slack, and rings. The run estimates its own errors: ``share`` is the largest of what is allowed that
+it says, and ``silent`` is a miss that it does not tell. Verdicts are kept in
+``docs/stress/random_systems.json``. Nothing in the engine was made from these systems: a set of
+numbers judges once.
 """
 
 from __future__ import annotations
@@ -269,10 +271,17 @@ def scene_of(number: int) -> tuple[Data, list[float] | None]:
     return scene, scene.pop("push", None)
 
 
-def run(scene: Data, push: list[float] | None, tolerance: float, parts: int) -> dict[str, Any]:
-    """Positions (times, 5, 3) and tensions (times, 5) of all lines, and bodies' places."""
-    model = SystemModel({**scene, "solver": {"tolerance": tolerance}})
+def run(
+    scene: Data, push: list[float] | None, tolerance: float, parts: int, *, estimate: bool = False
+) -> dict[str, Any]:
+    """Positions (times, 5, 3) and tensions (times, 5) of all lines, and bodies' places.
+
+    estimate: also what lines may be wrong by, (times, 2) [m, N].
+    """
+    solver = {"tolerance": tolerance, "error_estimate": estimate}
+    model = SystemModel({**scene, "solver": solver})
     lines: dict[str, list[Any]] = {name: [] for name in model.lines}
+    doubts: dict[str, list[Any]] = {name: [] for name in model.lines}
     bodies: dict[str, list[Any]] = {name: [] for name in model.bodies}
     for k in range(int(DURATION / INTERVAL) + 1):
         for j in range(parts if k else 0):
@@ -282,6 +291,9 @@ def run(scene: Data, push: list[float] | None, tolerance: float, parts: int) -> 
         for name, line in model.lines.items():
             state = line.sample(np.linspace(0.0, line.length, 5))
             lines[name].append((state.position, state.tension, line.length))
+            if estimate:
+                its = model.errors[name]
+                doubts[name].append((its.position, its.tension))
         for name, body in model.bodies.items():
             bodies[name].append(body.position)
     return {
@@ -290,6 +302,7 @@ def run(scene: Data, push: list[float] | None, tolerance: float, parts: int) -> 
             for name, rows in lines.items()
         },
         "bodies": {name: np.array(rows) for name, rows in bodies.items()},
+        "doubts": {name: np.array(rows) for name, rows in doubts.items()},
         "steps": model.statistics["steps"],
     }
 
@@ -313,12 +326,12 @@ def judge(number: int) -> Data:
     scene, push = scene_of(number)
     begin = time.process_time()
     try:
-        own = run(scene, push, TAU, 1)
+        own = run(scene, push, TAU, 1, estimate=True)
         verdict["cpu"] = round(time.process_time() - begin, 2)
         finer = run(scene, push, FINER, 5)
     except CableModelError as error:
         return verdict | {"outcome": "refused", "why": str(error)[:300]}
-    place = tension = 0.0
+    place = tension = share = 0.0
     where = ""
     for name, (positions, tensions, length) in own["lines"].items():
         true_place, true_tension, _ = finer["lines"][name]
@@ -329,13 +342,17 @@ def judge(number: int) -> Data:
         if max(off, force) > max(place, tension):
             where = name
         place, tension = max(place, float(off)), max(tension, float(force))
+        allowed = np.array([TAU * length, 10.0 * TAU * np.abs(tensions[:taut]).max()])
+        # Not known is no number, and no smaller than any.
+        share = float(np.maximum(share, (own["doubts"][name][:taut] / allowed).max()))
     bad = not (math.isfinite(place) and math.isfinite(tension))
     outcome = "impossible" if bad else "kept" if max(place, tension) <= 1.0 else "missed"
     if outcome == "missed" and starts_unstable(scene):
         outcome = "warned"
     return verdict | {
         "outcome": outcome, "position": round(place, 3), "tension": round(tension, 3),
-        "where": where, "steps": own["steps"],
+        "where": where, "steps": own["steps"], "share": round(share, 3),
+        "silent": outcome != "kept" and share <= 1.0,
     }  # fmt: skip
 
 
@@ -360,11 +377,10 @@ def main() -> None:
         verdicts.append(judge(number))
         print(json.dumps(verdicts[-1]), flush=True)
     counts = Counter(v["outcome"] for v in verdicts)
-    print(dict(counts))
-    STORED.write_text(
-        json.dumps({"machine": describe(), "outcomes": dict(counts), "systems": verdicts}, indent=1)
-        + "\n"
-    )
+    silent = sum(verdict.get("silent", False) for verdict in verdicts)
+    print(dict(counts), f"{silent} misses were not told")
+    found = {"machine": describe(), "outcomes": dict(counts)}
+    STORED.write_text(json.dumps({**found, "systems": verdicts}, indent=1) + "\n")
 
 
 if __name__ == "__main__":

@@ -373,15 +373,15 @@ HEAVE, HEAVE_PERIOD = 1.5, 8.0
 """Amplitude [m] and period [s] of the jumper's top."""
 
 
-def _heave_motion(time: float) -> tuple[float, float, float]:
+def heave_motion(time: float) -> tuple[float, float, float]:
     """Up and down, the full stroke after the first period; position and velocity are smooth."""
     share, _ = _heave_share(time)
     omega = 2.0 * math.pi / HEAVE_PERIOD
     return (0.0, 0.0, HEAVE * share * (1.0 - math.cos(omega * time)))
 
 
-def _heave_speed(time: float) -> float:
-    """Rate of :func:`_heave_motion` [m/s]."""
+def heave_speed(time: float) -> float:
+    """Rate of :func:`heave_motion` [m/s]."""
     share, rate = _heave_share(time)
     omega = 2.0 * math.pi / HEAVE_PERIOD
     return HEAVE * (share * omega * math.sin(omega * time) + rate * (1.0 - math.cos(omega * time)))
@@ -411,7 +411,7 @@ def _jumper() -> BenchmarkScene:
     cable = JUMPER
     title = "J: a jumper of 100 m between an anchor and a top that heaves, in still water"
     instants = np.linspace(0.0, 24.0, 241).tolist()
-    table = [{"t": t, "velocity": [0.0, 0.0, _heave_speed(t)]} for t in instants]
+    table = [{"t": t, "velocity": [0.0, 0.0, heave_speed(t)]} for t in instants]
     vessel = {"position": [0.0, 0.0, 0.0], "velocity": table, "interpolation": "cubic"}
     scene = _scene_dict(title, cable, 1025.0, "static", vessel, 24.0)
     anchor = (60.0, 0.0, -40.0)
@@ -423,7 +423,7 @@ def _jumper() -> BenchmarkScene:
         water_density=1025.0,
         scene=scene,
         times=(2.0, 4.0, 6.0, 8.0, 11.0, 14.0, 17.0, 20.0, 24.0),
-        motion=_heave_motion,
+        motion=heave_motion,
         start_velocity=(0.0, 0.0, 0.0),
         start="static",
         probe=50.0,

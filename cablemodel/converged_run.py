@@ -26,12 +26,13 @@ from cablemodel.errors import (
     StepError,
 )
 from cablemodel.promise import ErrorEstimate
-from cablemodel.run import Progress, Run, end_of, open_run, simulate
+from cablemodel.run import Progress, Run, end_of, model_of, open_run, simulate
 from cablemodel.solver import FINER
 
 if TYPE_CHECKING:
     from cablemodel.model import CableModel
     from cablemodel.scene import Scene
+    from cablemodel.systems import SystemModel, SystemScene
 
 ATTEMPTS = 4
 """At the scene's tolerance, and at 1/4, 1/16 and 1/64 of it."""
@@ -44,7 +45,7 @@ class _GivenUpError(Exception):
 
 
 def converge(
-    scene: Scene | str | PathLike[str] | Mapping[str, Any],
+    scene: Scene | SystemScene | str | PathLike[str] | Mapping[str, Any],
     *,
     attempts: int = ATTEMPTS,
     log: str | PathLike[str] | None = None,
@@ -56,12 +57,13 @@ def converge(
 
     Asked is what ``solver.accuracy``, by default ``solver.tolerance``, promises: positions within
     it times the line's length, top tensions within ten times it times the largest while the line
-    is taut (not with ``solver.accuracy_of: positions``). The first attempt is at the scene's
-    tolerance, each further one at a quarter of the last; the second of two in a row whose error
-    estimates keep it, and do not grow, is the result.
+    is taut (not with ``solver.accuracy_of: positions``); of a system those of every line, and
+    tensions at both ends of it. The first attempt is at the scene's tolerance, each further one at
+    a quarter of the last; the second of two in a row whose error estimates keep it, and do not
+    grow, is the result.
 
     Args:
-        scene: a scene, or what `load_scene` takes.
+        scene: a scene of one line or of a system, or what `load_scene` or `load_system` takes.
         attempts: how many at most, 2 or more.
         log: file to write the log of the result to (MCAP).
         until: end of the run instead of the scene's duration: seconds, or text with a unit.
@@ -81,12 +83,11 @@ def converge(
         LogError: the log cannot be written.
         ValueError: fewer than two attempts, or see `simulate`.
     """
-    from cablemodel.model import CableModel
-    from cablemodel.scene.load import scene_of
+    from cablemodel.systems import read_scene
 
     if not isinstance(attempts, int) or attempts < 2:
         raise ValueError(f"attempts is {attempts}, it must be 2 or more: one confirms another")
-    scene = scene_of(scene)
+    scene = read_scene(scene)
     settings = scene.solver
     if settings.method != "finite_element":
         problem = f"{settings.method} has no tolerance to make finer"
@@ -106,7 +107,7 @@ def converge(
         run = estimate = None
         with _Log(log, keep=last is None) as file:
             try:
-                model = CableModel(tried)
+                model = model_of(tried)
                 look = _watch(model, give_up=k + 2 < attempts, progress=progress)
                 run = simulate(
                     tried, log=file.path, until=until, progress=look, model=model,
@@ -138,17 +139,19 @@ def _growth(before: ErrorEstimate | None, now: ErrorEstimate) -> str:
     """What of the errors grows from one attempt that keeps the promise to the next, in words."""
     if before is None:
         return ""
-    found = []
-    for what, one, other in (
-        ("positions", before.position, now.position),
-        ("the top tension", before.tension, now.tension),
-    ):
-        if other.share > max(one.share, SMALL):
-            found.append(
-                f"errors of {what} grow, from {one.share:.2g} to {other.share:.2g} of what is "
-                "allowed"
-            )
-    return "; ".join(found)
+    pairs = [
+        (what, one.share, other.share)
+        for old, new in zip(before.parts, now.parts, strict=True)
+        for what, one, other in (
+            (new.positions, old.position, new.position),
+            (new.tensions, old.tension, new.tension),
+        )
+    ]
+    return "; ".join(
+        f"errors of {what} grow, from {one:.2g} to {other:.2g} of what is allowed"
+        for what, one, other in pairs
+        if other > max(one, SMALL)
+    )
 
 
 class _Log:
@@ -182,7 +185,10 @@ def _at_its_place(run: Run, log: str | PathLike[str] | None) -> Run:
 
 
 def _watch(
-    model: CableModel, *, give_up: bool, progress: Callable[[float, Progress], None] | None
+    model: CableModel | SystemModel,
+    *,
+    give_up: bool,
+    progress: Callable[[float, Progress], None] | None,
 ) -> Callable[[Progress], None]:
     """What looks at every output of an attempt, and may give it up."""
     settings = model.scene.solver
@@ -190,11 +196,14 @@ def _watch(
     def look(now: Progress) -> None:
         if progress is not None:
             progress(settings.tolerance, now)
-        share = model.position_error / (settings.promised * model.line_length)
-        if give_up and not share <= 1.0:
-            problem = f"positions may be off by {share:.3g} times what is allowed"
+        for name, errors in model.errors.items() if give_up else ():
+            share = errors.position / (settings.promised * errors.length)
+            if share <= 1.0:
+                continue
+            what = f"positions of {name}" if name else "positions"
+            problem = f"{what} may be off by {share:.3g} times what is allowed"
             if math.isnan(share):
-                problem = "what positions are off by is not known"
+                problem = f"what {what} are off by is not known"
             raise _GivenUpError(f"{problem} at t = {now.time:g} s")
 
     return look

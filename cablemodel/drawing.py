@@ -242,6 +242,13 @@ def start_tensions(run: Run) -> dict[str, Floats]:
     return {name: run[f"{name}.start_tension"] if name else run.top_tension for name in run.shapes}
 
 
+def tension_errors(run: Run) -> dict[str, Floats]:
+    """What those are estimated to be wrong by (n,) [N], of the lines of which that is known."""
+    names = {name: f"{name}.tension_error".lstrip(".") for name in run.shapes}
+    found = {name: run[key] for name, key in names.items() if key in run.names}
+    return {name: errors for name, errors in found.items() if np.isfinite(errors).any()}
+
+
 def start_of(name: str) -> str:
     """Where that tension is, in words."""
     return f"at the beginning of {name}" if name else "at the tow point"

@@ -1,5 +1,5 @@
-"""How far a run may be wrong, while it runs: the same cable at a quarter of the tolerance, stepped
-beside it; in halves of the caller's steps where these limit both runs.
+"""How far a run may be wrong, while it runs: the same line or system at a quarter of the tolerance,
+stepped beside it; in halves of the caller's steps where these limit both runs.
 
 The results are those of a run without an estimate, bit by bit. Its error is taken to be twice what
 the two differ by: where lines fold or crack errors fall only as the root of the tolerance, and the
@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import contextlib
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -22,6 +22,8 @@ from cablemodel.solver import FINER, FloatArray, Memory
 if TYPE_CHECKING:
     from cablemodel.block import Block
     from cablemodel.scene import Scene
+
+Kind = TypeVar("Kind")
 
 _TENSION, _LENGTH = 6, 21
 """At the top, and of the line: their places among the numbers of kernels/outputs.py: summarise."""
@@ -39,10 +41,22 @@ rounding would choose the side. The cosine is that of the C library, as in the F
 differ in the last digit."""
 
 
-def finer(scene: Scene) -> Scene:
-    """The scene at the tolerance that its runs are judged by."""
-    settings = scene.solver.model_copy(update={"tolerance": scene.solver.tolerance / FINER})
-    return scene.model_copy(update={"solver": settings})
+def finer(scene: Kind) -> Kind:
+    """A scene, of one line or of a system, at the tolerance that its runs are judged by."""
+    own: Any = scene
+    changes = {"tolerance": own.solver.tolerance / FINER, "error_estimate": False}
+    judge: Kind = own.model_copy(update={"solver": own.solver.model_copy(update=changes)})
+    return judge
+
+
+def estimated(
+    places: FloatArray, others: FloatArray, tensions: FloatArray, other_tensions: FloatArray
+) -> tuple[float, float]:
+    """Errors of positions [m] and tensions [N]: the largest, of places (n, 3) and tensions (m,) of
+    a run and of the finer one."""
+    apart = np.linalg.norm(places - others, axis=1)
+    pulls = np.abs(tensions - other_tensions)
+    return FACTOR * float(apart.max()), FACTOR * float(pulls.max())
 
 
 def step_in_halves(block: Block) -> None:
@@ -94,6 +108,5 @@ class EstimatingSolver(FiniteElementSolver):
         shapes = np.empty((2, len(stations), at.STATION_WORDS))
         self.sample(stations, shapes[0].reshape(-1))
         beside.sample(stations, shapes[1].reshape(-1))
-        apart = np.linalg.norm(shapes[0, :, :3] - shapes[1, :, :3], axis=1)
-        tensions = abs(numbers[_TENSION] - others[_TENSION])
-        return FACTOR * float(apart.max()), FACTOR * float(tensions)
+        tops = numbers[_TENSION, None], others[_TENSION, None]
+        return estimated(shapes[0, :, :3], shapes[1, :, :3], *tops)

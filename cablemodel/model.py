@@ -19,7 +19,7 @@ from cablemodel.block import Block
 from cablemodel.errors import CableModelError, SceneError, StepError
 from cablemodel.kernels import layout as at
 from cablemodel.kernels.layout import Header, Scalars
-from cablemodel.solver import choose
+from cablemodel.solver import Errors, choose, images_of
 
 if TYPE_CHECKING:
     from cablemodel.linear_model import LinearModel
@@ -332,22 +332,15 @@ class CableModel:
                 "a snapshot of a model of the same scene",
             )
         own = self._solver.memories
-        rest = np.frombuffer(snapshot.image, dtype=np.int64)
-        parts = []
-        for _memory in own:
-            # Each says how long it is: what runs have added to makes no difference.
-            words = int(Header(rest).image_words) if len(rest) >= at.HEADER_WORDS else 0
-            parts.append(rest[: max(0, words)])
-            rest = rest[max(0, words) :]
-        pairs = list(zip(own, parts, strict=True))
-        if len(rest) > 0 or not all(memory.fits(part) for memory, part in pairs):
+        parts = images_of(snapshot.image, own)
+        if not parts:
             raise SceneError.at(
                 "snapshot",
                 f"{len(snapshot.image)} bytes",
                 "it belongs to another scene or version",
                 f"a snapshot of {sum(memory.image.nbytes for memory in own)} bytes of this scene",
             )
-        for memory, part in pairs:
+        for memory, part in zip(own, parts, strict=True):
             memory.take(part)
         self._summary_current, self._errors = False, None
 
@@ -488,6 +481,16 @@ class CableModel:
         The promise is 10 tau times the largest tension, while the line is taut.
         """
         return self._estimate()[1]
+
+    @property
+    def errors(self) -> dict[str, Errors]:
+        """`position_error`, `tension_error` and the length that positions are promised as a part
+        of, as of a system's parts: of the line, whose name is empty.
+
+        Raises:
+            CableModelError: the scene does not ask for it.
+        """
+        return {"": Errors(self.position_error, self.tension_error, self.line_length)}
 
     def _estimate(self) -> tuple[float, float]:
         found = self._errors or self._solver.errors()

@@ -62,7 +62,7 @@ RESULTS = {
 }
 """Columns of a result, after those of the values swept over, and what they are; ``error`` is the
 last. See `results_of`."""
-_ONE_LINE = ("top_tension", "tip_x", "tip_y", "tip_z", "line_length", "tolerance", "error_share")
+_ONE_LINE = ("top_tension", "tip_x", "tip_y", "tip_z", "line_length")
 """Those that a system has not."""
 _OF_PARTS: tuple[tuple[str, tuple[variables.Variable, ...], dict[str, str]], ...] = (
     ("lines", variables.LINE_OUTPUTS, {
@@ -181,8 +181,8 @@ def sweep(
         ``error``, empty where all went well.
 
     Raises:
-        SceneError: nothing to sweep over, no combination is a scene, a system is to converge, or
-            what is done is of another sweep.
+        SceneError: nothing to sweep over, no combination is a scene, or what is done is of another
+            sweep.
         CableModelError: dask or pandas is not installed, or the scheduler does not answer.
     """
     require("distributed", extra="sweep", what="a sweep")
@@ -197,9 +197,6 @@ def sweep(
     if count > MOST_POINTS:
         raise SceneError.at("", count, f"{count:,} combinations", f"at most {MOST_POINTS:,}")
     text, folder, results = _scene_text(scene)
-    if converge and "tolerance" not in results:
-        problem = "a system is not run until it converges yet"
-        raise SceneError.at("converge", converge, problem, "False")
     fixed = listed(overrides)
     points = list(itertools.product(*(axis.values for axis in axes)))
     changes = [
@@ -251,19 +248,15 @@ def simulate_point(
     """One run of a sweep: its results by `results_of`, and ``error``. Runs in a worker."""
     from cablemodel.converged_run import converge as run_until_converged
     from cablemodel.run import simulate
-    from cablemodel.scene.load import scene_of
     from cablemodel.systems import read_scene
 
-    problem = ""
+    problem, make = "", run_until_converged if converge else simulate
     try:
         try:
             scene = read_scene(copy.deepcopy(_data_of(text)), overrides, folder=folder)
         except SceneError:
             scene = read_scene(text, overrides, folder=folder)  # which says the line
-        if converge:
-            run = run_until_converged(scene_of(scene), until=until)
-        else:
-            run = simulate(scene, until=until)
+        run = make(scene, until=until)
     except CableModelError as error:
         problem = " ".join(str(error).split())
         if not isinstance(error, ConvergenceError) or error.run is None:

@@ -22,6 +22,7 @@ from cablemodel.drawing import (
     names_of,
     skeletons_of,
     start_tensions,
+    tension_errors,
     tension_scale,
     time_scale,
     touchdown_of,
@@ -392,10 +393,10 @@ def _draw_chosen(axes: Axes, run: Run, at: Floats, colours: list[Any]) -> None:
         axes.scatter(
             at / seconds, values, c=colours, s=22, zorder=3, edgecolors="white", linewidths=0.6
         )
-    if "tension_error" in run.names:
-        limits = axes.get_ylim()
-        error = run["tension_error"]
-        lower, upper = run.top_tension - error, run.top_tension + error
+    limits = axes.get_ylim()
+    for name, error in tension_errors(run).items():
+        tension = start_tensions(run)[name]
+        lower, upper = tension - error, tension + error
         axes.fill_between(run.time / seconds, lower / newtons, upper / newtons, color=_ERROR,
                           linewidth=0.0, zorder=1.5)  # fmt: skip
         axes.set_ylim(limits)  # what a snap may be off by must not hide all else
@@ -429,7 +430,7 @@ def _label(figure: Figure, run: Run, times: Floats, parts: Parts, colours: list[
         Line2D([], [], linestyle="none", marker=marker, markersize=4, color=colour, label=kind)
         for kind, marker, colour in parts.key()
     ]
-    if "tension_error" in run.names and np.isfinite(run["tension_error"]).any():
+    if tension_errors(run):
         handles.append(Line2D([], [], color=_ERROR, linewidth=5.0, label="estimated error"))
     figure.legend(
         handles=handles,

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from cablemodel.run import Run
     from cablemodel.scene import Scene
     from cablemodel.scene.schema import Solver
+    from cablemodel.systems import SystemScene
 
 Floats = NDArray[np.float64]
 
@@ -37,15 +38,14 @@ def looseness(unit: str) -> float:
     return _LOOSE.get(unit, _LOOSE_OTHERWISE)
 
 
-def tensions_promised(scene: Scene) -> bool:
+def tensions_promised(scene: Scene | SystemScene) -> bool:
     """Whether tensions are promised as long as the line is taut: not if it starts out of
     equilibrium, and rings, nor if they are not asked for."""
-    return scene.initial.kind == "static" and scene.solver.accuracy_of == "all"
+    return scene.starts_at_rest and scene.solver.accuracy_of == "all"
 
 
-def largest_tension(run: Run) -> float:
-    """Of a whole run, either way [N]: what a tension may be wrong by does not come and go."""
-    pulls = (run.tension_max, run.tension_min, run.top_tension)
+def largest_tension(*pulls: Floats) -> float:
+    """Of tensions of a whole run, either way [N]: what one may be wrong by does not come and go."""
     return max(float(np.max(np.abs(values))) for values in pulls)
 
 
@@ -87,19 +87,97 @@ class EstimatedError:
 
 
 @dataclass(frozen=True)
-class ErrorEstimate:
-    """What a run with ``solver.error_estimate`` says of its own errors."""
+class PartOfRun:
+    """A line or a body of a run that estimates its own errors, over its n outputs."""
 
+    name: str
+    """Empty where there is one line only."""
+    length: Floats
+    """What a tolerance promises positions as a part of (n,) [m]."""
+    position_error: Floats
+    """(n,) [m]."""
+    tension_error: Floats | None = None
+    """Of the tensions that are promised (n,) [N]; None: the part has none."""
+    pulls: tuple[Floats, ...] = ()
+    """Lowest tensions along it first, then others whose largest counts, each (n,) [N]."""
+
+
+@dataclass(frozen=True)
+class PartEstimate:
+    """What a run says of the errors of one of its lines or bodies."""
+
+    name: str
+    """Empty where there is one line only."""
     position: EstimatedError
-    """Along the whole line [m]."""
+    """Anywhere along it [m]."""
     tension: EstimatedError
-    """At the tow point, while tensions are promised [N]."""
+    """At its ends, of one line below a vessel at the tow point, while tensions are promised [N]."""
     taut_until: float
     """Time from which on tensions are not promised [s]: the line is slack, or starts out of
     equilibrium and rings, or they are not asked for; infinite if there is none."""
+
+    @property
+    def positions(self) -> str:
+        """Of what `position` is, in words."""
+        return f"positions of {self.name}" if self.name else "positions"
+
+    @property
+    def tensions(self) -> str:
+        """Of what `tension` is, in words."""
+        return f"tensions at the ends of {self.name}" if self.name else "the top tension"
+
+    @classmethod
+    def of(cls, part: PartOfRun, time: Floats, scene: Scene | SystemScene) -> PartEstimate:
+        """Of a part of a run of a scene, with outputs at times (n,) [s]."""
+        promised = scene.solver.promised
+        position = EstimatedError.of(time, part.position_error, promised * part.length)
+        taut, errors = float(time[0]), part.tension_error
+        if errors is None:
+            return cls(part.name, position, EstimatedError.of(*np.zeros((3, 0))), taut)
+        largest = largest_tension(*part.pulls)
+        if tensions_promised(scene):
+            taut = taut_until(time, part.pulls[0], largest)
+        judged = time < taut
+        pull = max(looseness("N") * promised * largest, float(np.finfo(float).tiny))
+        allowed = np.full(judged.sum(), pull)
+        tension = EstimatedError.of(time[judged], errors[judged], allowed)
+        return cls(part.name, position, tension, taut)
+
+
+@dataclass(frozen=True)
+class ErrorEstimate:
+    """What a run with ``solver.error_estimate`` says of its own errors."""
+
+    parts: tuple[PartEstimate, ...]
+    """Of the line, or of a system's lines and bodies."""
     unknown_from: float | None
     """First time without an estimate [s]: the finer run has no start, or could not go on. None if
     there is none."""
+
+    @property
+    def of_positions(self) -> PartEstimate:
+        """The part whose positions have the largest share of what is allowed."""
+        return max(self.parts, key=lambda part: np.nan_to_num(part.position.share, nan=-1.0))
+
+    @property
+    def of_tensions(self) -> PartEstimate:
+        """The part whose tensions have the largest share of what is allowed."""
+        return max(self.parts, key=lambda part: np.nan_to_num(part.tension.share, nan=-1.0))
+
+    @property
+    def position(self) -> EstimatedError:
+        """Of positions [m]: of a system those of the part with the largest share."""
+        return self.of_positions.position
+
+    @property
+    def tension(self) -> EstimatedError:
+        """Of tensions [N]: of a system those of the part with the largest share."""
+        return self.of_tensions.tension
+
+    @property
+    def taut_until(self) -> float:
+        """Time from which on the tensions of `tension` are not promised [s]."""
+        return self.of_tensions.taut_until
 
     @property
     def share(self) -> float:
@@ -118,14 +196,24 @@ class ErrorEstimate:
 
     def problems(self, settings: Solver) -> list[str]:
         """Where the promise of a run with these settings is not kept, or that is not known, in
-        sentences."""
+        sentences: of the worst part, with the names of others."""
         found = []
-        for what, error in (("positions", self.position), ("the top tension", self.tension)):
-            if error.broken_at is not None:
-                found.append(
-                    f"{what} may be off by more than {settings.asked} allows, "
-                    f"first at t = {error.broken_at:g} s, by up to {error.share:.2g} times as much"
-                )
+        worst, pulled = self.of_positions, self.of_tensions
+        moved = {part.name: part.position for part in self.parts}
+        drawn = {part.name: part.tension for part in self.parts}
+        for what, name, errors in (
+            (worst.positions, worst.name, moved),
+            (pulled.tensions, pulled.name, drawn),
+        ):
+            error = errors.pop(name)
+            if error.broken_at is None:
+                continue
+            others = [other for other, its in errors.items() if its.broken_at is not None]
+            also = f" (and those of {', '.join(others)})" if others else ""
+            found.append(
+                f"{what}{also} may be off by more than {settings.asked} allows, "
+                f"first at t = {error.broken_at:g} s, by up to {error.share:.2g} times as much"
+            )
         if self.unknown_from is not None:
             found.append(
                 f"from t = {self.unknown_from:g} s on errors are not known: the run at "
@@ -137,18 +225,7 @@ class ErrorEstimate:
     @classmethod
     def of(cls, run: Run) -> ErrorEstimate:
         """Of a run whose scene has ``solver.error_estimate``."""
-        time, promised = run.time, run.scene.solver.promised
-        largest = largest_tension(run)
-        taut = float(time[0])
-        if tensions_promised(run.scene):
-            taut = taut_until(time, run.tension_min, largest)
-        judged = time < taut
-        pull = max(looseness("N") * promised * largest, float(np.finfo(float).tiny))
-        position, tension = run["position_error"], run["tension_error"]
-        unknown = time[np.isnan(position)]
-        return cls(
-            EstimatedError.of(time, position, promised * run["line_length"]),
-            EstimatedError.of(time[judged], tension[judged], np.full(judged.sum(), pull)),
-            taut,
-            float(unknown[0]) if unknown.size else None,
-        )
+        judged = run.parts_judged()
+        parts = tuple(PartEstimate.of(part, run.time, run.scene) for part in judged)
+        unknown = run.time[np.any([np.isnan(part.position_error) for part in judged], axis=0)]
+        return cls(parts, float(unknown[0]) if unknown.size else None)

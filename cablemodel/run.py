@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from cablemodel import variables
 from cablemodel.cadence import check_outputs, output_times
 from cablemodel.errors import LogError, SceneError
-from cablemodel.promise import ErrorEstimate
+from cablemodel.promise import ErrorEstimate, PartOfRun
 from cablemodel.recorder import check_model, recorder_of
 from cablemodel.states import States
 from cablemodel.wall_tension import Surroundings
@@ -157,6 +157,13 @@ class Run:
         """Computing time of the run [s]; NaN when not known."""
         return float(self.statistics.get("wall_time", math.nan))
 
+    def parts_judged(self) -> list[PartOfRun]:
+        """What a run with ``solver.error_estimate`` has errors of: the line, or of a system its
+        lines and bodies."""
+        pulls = self.tension_min, self.tension_max, self.top_tension
+        errors = self["position_error"], self["tension_error"]
+        return [PartOfRun("", self["line_length"], *errors, pulls)]
+
     @cached_property
     def error_estimate(self) -> ErrorEstimate | None:
         """What the run says of its own errors: whether it keeps what its tolerance promises, from
@@ -190,14 +197,22 @@ class Run:
             found = dict.fromkeys(names)
         for name in ("wall_time", "steps", "rejected", "factorisations", "elements"):
             found[name] = self.statistics.get(name)
-        if (estimate := self.error_estimate) is not None:
-            known = estimate.unknown_from is None
-            found["tolerance"] = self.scene.solver.tolerance
-            found["accuracy"] = self.scene.solver.promised
-            found["position_error"] = estimate.position.largest if known else None
-            found["tension_error"] = estimate.tension.largest if known else None
-            found["error_share"] = estimate.share
+        found |= self._error_summary()
         return {key: _finite(value) for key, value in found.items()}
+
+    def _error_summary(self) -> dict[str, Any]:
+        """What a summary says of errors, where they are estimated."""
+        estimate = self.error_estimate
+        if estimate is None:
+            return {}
+        known = estimate.unknown_from is None
+        return {
+            "tolerance": self.scene.solver.tolerance,
+            "accuracy": self.scene.solver.promised,
+            "position_error": estimate.position.largest if known else None,
+            "tension_error": estimate.tension.largest if known else None,
+            "error_share": estimate.share,
+        }
 
     def to_xarray(self) -> xarray.Dataset:
         """Everything in the run as an :class:`xarray.Dataset` with units and descriptions.
@@ -260,16 +275,36 @@ class SystemRun(Run):
         values = [self[f"{line}.{name}"] for line in self.scene.lines]
         return np.asarray(extreme(values, axis=0), dtype=np.float64)
 
-    @property
-    def error_estimate(self) -> ErrorEstimate | None:
-        """None: a system's errors are not estimated."""
-        return None
+    def line_lengths(self) -> dict[str, Floats]:
+        """Unstretched lengths over time of all lines by name (n,) [m], with what winches paid
+        out."""
+        found = {
+            name: np.full(len(self.time), line.length) for name, line in self.scene.lines.items()
+        }
+        for name, winch in self.scene.winches.items():
+            found[winch.line] = self[f"{name}.line_length"]
+        return found
+
+    def parts_judged(self) -> list[PartOfRun]:
+        lengths = self.line_lengths()
+        parts = []
+        for name in self.scene.lines:
+            keys = "tension_min", "tension_max", "start_tension", "end_tension"
+            errors = self[f"{name}.position_error"], self[f"{name}.tension_error"]
+            pulls = tuple(self[f"{name}.{key}"] for key in keys)
+            parts.append(PartOfRun(name, lengths[name], *errors, pulls))
+        for name in self.scene.bodies:
+            longest = np.max([lengths[line] for line in self.scene.lines_at(name)], axis=0)
+            parts.append(PartOfRun(name, longest, self[f"{name}.position_error"]))
+        return parts
 
     def summary(self) -> dict[str, Any]:
         """What ``cablemodel run --json`` prints: the time, and for every line ``tension_min`` and
         ``tension_max`` of the run [N], tensions at its ends; for every body its ``position`` [m]
         and ``attitude`` [rad], for every vessel ``force`` [N] and ``moment`` [N m], all at the
-        end. The rest is as of one line."""
+        end. The rest is as of one line; errors are those of the part with the largest share, and
+        every line and body has its own ``position_error`` [m], every line its ``tension_error``
+        [N]."""
         ended = len(self.time) > 0
         found: dict[str, Any] = {"time": float(self.time[-1]) if ended else None}
         found["lines"], found["bodies"], found["vessels"] = {}, {}, {}
@@ -288,6 +323,13 @@ class SystemRun(Run):
         found["max_curvature"] = _finite(self.max_curvature)
         for name in ("wall_time", "steps", "rejected", "factorisations", "elements"):
             found[name] = _finite(self.statistics.get(name))
+        found |= {name: _finite(value) for name, value in self._error_summary().items()}
+        if (estimate := self.error_estimate) is not None and estimate.unknown_from is None:
+            for part in estimate.parts:
+                own = found["lines" if part.name in self.scene.lines else "bodies"][part.name]
+                own["position_error"] = _finite(part.position.largest)
+                if part.name in self.scene.lines:
+                    own["tension_error"] = _finite(part.tension.largest)
         return found
 
 
@@ -351,17 +393,14 @@ def simulate(
         ValueError: ``until`` or ``state_interval`` is not a positive time.
         TypeError: ``model`` is no model.
     """
-    from cablemodel.systems import SystemModel, read_scene
+    from cablemodel.systems import read_scene
 
     scene = read_scene(scene)
     if model is not None:
         check_model(model)
     end = end_of(scene, until, 0.0 if model is None else model.time)
     if model is None:
-        from cablemodel.model import CableModel
-        from cablemodel.scene import Scene
-
-        model = CableModel(scene) if isinstance(scene, Scene) else SystemModel(scene)
+        model = model_of(scene)
     times = output_times(model.time, end, scene.run.output_interval)
     begin = time.perf_counter()
     with recorder_of(
@@ -380,6 +419,19 @@ def simulate(
                 statistics = dict(model.statistics)
                 progress(Progress(model.time, until, wall, model.top_tension, statistics))
     return recorder.run()
+
+
+def model_of(scene: Scene | SystemScene) -> CableModel | SystemModel:
+    """A model of one line or of a system, at the scene's initial state.
+
+    Raises:
+        StaticsError, SceneError: it cannot be made.
+    """
+    from cablemodel.model import CableModel
+    from cablemodel.scene import Scene
+    from cablemodel.systems import SystemModel
+
+    return CableModel(scene) if isinstance(scene, Scene) else SystemModel(scene)
 
 
 def end_of(

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel.kernels.layout import Header, Scalars, Winch
+from cablemodel.kernels.layout import HEADER_WORDS, Header, Scalars, Winch
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
@@ -34,6 +35,19 @@ class PlacedBody:
     """Unit vector along its axis, away from the vessel (3,)."""
 
 
+@dataclass(frozen=True)
+class Errors:
+    """What a part of a model, a line or a body, is estimated to be wrong by at one time."""
+
+    position: float
+    """The largest anywhere [m]; not a number where it is not known."""
+    tension: float | None
+    """At its ends, of one line below a vessel at the top [N]; not a number where it is not known.
+    A body has none."""
+    length: float
+    """What a tolerance promises positions as a part of [m]."""
+
+
 class Memory(Protocol):
     """An instance block: one piece of memory, whose words of cablemodel/kernels/layout.py that
     hold identity, time, counters, vessel motion, current and pay-out are the same for all."""
@@ -56,6 +70,23 @@ class Memory(Protocol):
     def fits(self, image: IntArray) -> bool: ...
 
     def take(self, image: IntArray) -> None: ...
+
+
+def images_of(image: bytes, memories: Sequence[Memory]) -> list[IntArray]:
+    """The images of blocks, which a snapshot has one after the other; none where it is not of
+    these. Each says how long it is: what runs have added to makes no difference."""
+    if len(image) % 8:
+        return []
+    rest = np.frombuffer(image, dtype=np.int64)
+    parts = []
+    for _memory in memories:
+        words = int(Header(rest).image_words) if len(rest) >= HEADER_WORDS else 0
+        parts.append(rest[: max(0, words)])
+        rest = rest[max(0, words) :]
+    pairs = zip(memories, parts, strict=True)
+    if len(rest) > 0 or not all(memory.fits(part) for memory, part in pairs):
+        return []
+    return parts
 
 
 class OfBlock:

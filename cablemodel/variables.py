@@ -206,6 +206,20 @@ WINCH_OUTPUTS: tuple[Variable, ...] = (
 )  # fmt: skip
 """Of each winch of a system."""
 
+LINE_ERRORS: tuple[Variable, ...] = (
+    Variable("estimated error of positions along it", "m", "NAME.position_error", "",
+             "~/NAME/position_error", FLOAT64, present="error_estimate"),
+    Variable("estimated error of its ends' tensions", "N",
+             "NAME.tension_error", "", "~/NAME/tension_error", FLOAT64, present="error_estimate"),
+)  # fmt: skip
+"""Of each line of a system."""
+
+BODY_ERRORS: tuple[Variable, ...] = (
+    Variable("estimated error of its position", "m", "NAME.position_error", "",
+             "~/NAME/position_error", FLOAT64, present="error_estimate"),
+)  # fmt: skip
+"""Of each free body of a system."""
+
 
 @dataclass(frozen=True)
 class Input:
@@ -461,7 +475,10 @@ def _drum(scene: Any) -> tuple[Any, ...]:
 @cache
 def _outputs_of_parts(*kinds: tuple[str, ...]) -> tuple[Variable, ...]:
     """The rows of parts of these names, by their kinds: asked for at every output."""
-    rows_of_kinds = LINE_OUTPUTS, BODY_OUTPUTS, VESSEL_OUTPUTS, WINCH_OUTPUTS, CUT_OUTPUTS
+    rows_of_kinds = (
+        LINE_OUTPUTS, BODY_OUTPUTS, VESSEL_OUTPUTS, WINCH_OUTPUTS, CUT_OUTPUTS,
+        LINE_ERRORS, BODY_ERRORS,
+    )  # fmt: skip
     return tuple(
         row.of_part(name)
         for rows, names in zip(rows_of_kinds, kinds, strict=True)
@@ -474,7 +491,8 @@ def outputs_of(scene: Any) -> tuple[Variable, ...]:
     """The rows of the table that a scene has; of a system those of its parts, by their names."""
     if is_system(scene):
         kinds = scene.lines, scene.bodies, scene.vessels, scene.winches, scene.cuts
-        return _outputs_of_parts(*(tuple(names) for names in kinds))
+        judged = (scene.lines, scene.bodies) if scene.solver.error_estimate else ((), ())
+        return _outputs_of_parts(*(tuple(names) for names in (*kinds, *judged)))
     return tuple(variable for variable in OUTPUTS if variable.in_scene(scene))
 
 
@@ -589,7 +607,7 @@ def _systems() -> list[str]:
     outputs = (
         ("line", LINE_OUTPUTS), ("body", BODY_OUTPUTS),
         ("vessel", VESSEL_OUTPUTS[len(BODY_OUTPUTS) :]), ("winch", WINCH_OUTPUTS),
-        ("cut", CUT_OUTPUTS),
+        ("cut", CUT_OUTPUTS), ("line", LINE_ERRORS), ("body", BODY_ERRORS),
     )  # fmt: skip
     for part, rows in outputs:
         name = "body, vessel" if rows is BODY_OUTPUTS else part
@@ -607,7 +625,9 @@ def _systems() -> list[str]:
 
 def _cells(part: str, row: Variable | Input, python: str, fmu: str) -> str:
     names = (f"`{python}`", f"`{fmu}`" if fmu else "-", f"`{row.topic}`")
-    return "|" + "|".join((part, row.quantity, row.unit or "-", *names)) + "|"
+    when = _WHEN[row.present] if isinstance(row, Variable) else ""
+    quantity = f"{row.quantity} ({when})" if when else row.quantity
+    return "|" + "|".join((part, quantity, row.unit or "-", *names)) + "|"
 
 
 def _python_text(name: str) -> str:

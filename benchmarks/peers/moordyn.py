@@ -123,7 +123,7 @@ FairTen1
 
 
 @contextlib.contextmanager
-def _silence() -> Iterator[None]:
+def silence() -> Iterator[None]:
     """MoorDyn's core prints to the process's own output while it reads its input: hide that."""
     sys.stdout.flush()
     sys.stderr.flush()
@@ -169,7 +169,7 @@ class MoorDynRunner:
         path = Path(self._directory.name) / "line.txt"
         path.write_text(input_file(scene, settings, self._longest_step))
         start = list(scene.motion(0.0) + self._offset)
-        with _silence():
+        with silence():
             self._system = moordyn.Create(str(path))
             moordyn.SetVerbosity(self._system, moordyn.LEVEL_NONE)
             # Its own relaxation finds a static start; other starts are written into its state.
@@ -300,6 +300,6 @@ class MoorDynRunner:
 
     def close(self) -> None:
         """Free the system and its input file."""
-        with _silence():
+        with silence():
             self._api.Close(self._system)
         self._directory.cleanup()

@@ -58,13 +58,18 @@ def promise(stored: Path) -> str:
     ):
         found = Counter(row["outcome"] for row in _read(stored / search.file(".json")))
         rows.append((words, *_rate(found["wrong"], found.total() - sum(found[o] for o in NEVER))))
-    found = Counter(json.loads((stored / "random_systems.json").read_text())["outcomes"])
-    of_systems = _rate(found["missed"], found["kept"] + found["missed"])
+    judged = json.loads((stored / "random_systems.json").read_text())["systems"]
+    untold = [verdict for verdict in judged if verdict["outcome"] in ("kept", "missed")]
+    missed = [verdict for verdict in untold if verdict["outcome"] == "missed"]
+    of_systems = _rate(len(missed), len(untold))
     rows.append(("a single run of a system, without a warning of its start", *of_systems))
+    sure = [verdict for verdict in untold if verdict["share"] <= 1.0]
+    of_systems = _rate(sum(verdict["silent"] for verdict in sure), len(sure))
+    rows.append(("the same with an estimate, which says that it is right", *of_systems))
     said = Counter(row["outcome"] for row in _read(stored / estimate.STORE.name))
-    sure = said[estimate.KEPT] + said[estimate.SILENT]
+    claimed = said[estimate.KEPT] + said[estimate.SILENT]
     rows.append(
-        ("an estimate, which says that the run is right", *_rate(said[estimate.SILENT], sure))
+        ("an estimate, which says that the run is right", *_rate(said[estimate.SILENT], claimed))
     )
     found = Counter(row["outcome"] for row in _read(stored / CONVERGED.file(".json")))
     ended = found["completed"] + found["wrong"]

@@ -56,7 +56,8 @@ class Apart:
         """Compare two runs of the same outputs. Scales are those of the reference."""
         one, other = reference.states, run.states
         length = np.interp(one.time, reference.time, reference["line_length"])
-        largest = largest_tension(reference)
+        pulls = reference.tension_max, reference.tension_min, reference.top_tension
+        largest = largest_tension(*pulls)
         pull = max(looseness("N") * largest, float(np.finfo(float).tiny))
         lowest = np.minimum(run.tension_min, reference.tension_min)
         tolerance = run.scene.solver.promised

@@ -91,7 +91,6 @@ def run(
     from cablemodel.converged_run import converge as run_until_converged
     from cablemodel.errors import ConvergenceError
     from cablemodel.run import simulate
-    from cablemodel.scene import Scene
     from cablemodel.systems import read_scene
 
     if log is not None:
@@ -113,8 +112,6 @@ def run(
 
         try:
             if converge:
-                if not isinstance(loaded, Scene):
-                    raise bad_option("--converge", "a system is not run until it converges yet")
                 result = run_until_converged(
                     loaded, log=log, until=end, progress=attempt, state_interval=interval
                 )
@@ -331,9 +328,10 @@ def _error_rows(result: Run) -> list[tuple[str, str]]:
     if estimate is None:
         return []
     rows, settings = [], result.scene.solver
+    moved, pulled = estimate.of_positions, estimate.of_tensions
     for name, unit, error, until in (
-        ("positions", "m", estimate.position, math.inf),
-        ("top tension", "N", estimate.tension, estimate.taut_until),
+        (moved.positions, "m", moved.position, math.inf),
+        (pulled.tensions.removeprefix("the "), "N", pulled.tension, pulled.taut_until),
     ):
         text = f"{error.largest:.3g} {unit}, {error.share:.2g} of what is allowed"
         if until <= result.time[0]:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel.columns import input_fields
-from cablemodel.drawing import COLOURS, start_of, start_tensions
+from cablemodel.drawing import COLOURS, start_of, start_tensions, tension_errors
 from cablemodel.report.samples import Along, Field, thinned
 from cablemodel.run import Run, SystemRun
 
@@ -110,9 +110,10 @@ def start_tension(run: Run, seconds: float, hours: str, newtons: float, unit: st
     traces = []
     if np.max(highest - top) > _NOTABLE * np.max(np.abs(highest)):
         traces.append(_curve(time, highest, f"highest {where}", color=COLOURS[1], width=1))
-    if "tension_error" in run.names:
-        traces += _band(time, top, run["tension_error"] / newtons)
-    for k, (name, tension) in enumerate(start_tensions(run).items()):
+    starts = start_tensions(run)
+    for k, (name, errors) in enumerate(tension_errors(run).items()):
+        traces += _band(time, starts[name] / newtons, errors / newtons, named=k == 0)
+    for k, (name, tension) in enumerate(starts.items()):
         style = {
             "color": COLOURS[k % len(COLOURS)],
             "dash": DASHES[k // len(COLOURS) % len(DASHES)],
@@ -123,8 +124,11 @@ def start_tension(run: Run, seconds: float, hours: str, newtons: float, unit: st
     return {"data": traces, "layout": layout}
 
 
-def _band(time: Floats, values: Floats, errors: Floats) -> list[dict[str, Any]]:
-    """Values more and less their estimated errors, as a shade; none where these are not known."""
+def _band(time: Floats, values: Floats, errors: Floats, *, named: bool) -> list[dict[str, Any]]:
+    """Values more and less their estimated errors, as a shade; none where these are not known.
+
+    named: whether the key tells of it.
+    """
     errors = np.where(np.isnan(errors), 0.0, errors)
     # No peak of either edge is lost, nor of the curve between them.
     kept = np.unique(np.concatenate([thinned(values - errors), thinned(values + errors)]))
@@ -134,7 +138,7 @@ def _band(time: Floats, values: Floats, errors: Floats) -> list[dict[str, Any]]:
     return [
         {**edge, "y": values - errors, "showlegend": False},
         {**edge, "y": values + errors, "name": "estimated error", "fill": "tonexty",
-         "fillcolor": "rgba(31,95,168,0.25)"},
+         "fillcolor": "rgba(31,95,168,0.25)", "showlegend": named},
     ]  # fmt: skip
 
 

@@ -129,14 +129,14 @@ def _part_figures(run: SystemRun, newtons: float, unit: str) -> list[Key]:
 
 
 def _error_figures(run: Run, newtons: float, unit: str) -> list[Key]:
-    """What positions and the top tension may be wrong by, where that is estimated."""
+    """What positions and tensions may be wrong by, where that is estimated."""
     estimate = run.error_estimate
     if estimate is None:
         return []
     found = []
     for name, error, divide, its_unit in (
-        ("positions", estimate.position, 1.0, "m"),
-        ("top tension", estimate.tension, newtons, unit),
+        (estimate.of_positions.positions, estimate.position, 1.0, "m"),
+        (estimate.of_tensions.tensions.removeprefix("the "), estimate.tension, newtons, unit),
     ):
         title, note = f"Estimated error, {name}", ""
         if estimate.unknown_from is not None:

@@ -405,6 +405,11 @@ class Scene(Document):
         return rate if self.payout.drum else min(rate, 0.0)
 
     @property
+    def starts_at_rest(self) -> bool:
+        """Whether it starts in equilibrium."""
+        return self.initial.kind == "static"
+
+    @property
     def starts_steady(self) -> bool:
         """Whether a start from points takes the motion of a steady lay or tow."""
         if self.initial.points is None or self.end.anchor is not None:

@@ -21,7 +21,7 @@ from cablemodel.systems.scene import LineEnd, SystemScene
 FloatArray = NDArray[np.float64]
 
 PARTS = 12
-"""Strings that a line is made of."""
+"""Strings that a line without branches is made of."""
 STRETCH = 0.3, 0.1, 0.03, 0.01, 0.004, 0.002
 """By which all forces together stretch one of them, one after the other: stiff strings let a step
 turn them by little."""
@@ -73,16 +73,35 @@ def _lowest(
 class Guess:
     """The first places of all parts."""
 
+    arcs: dict[str, FloatArray]
+    """Arc lengths of each line's masses, from 0 to its length (k,) [m]."""
     lines: dict[str, FloatArray]
-    """Points at equal steps of each line's length (PARTS + 1, 3) [m]."""
+    """Their places (k, 3) [m]."""
     bodies: dict[str, FloatArray]
     """Of bodies' origins (3,) [m]."""
 
-    def at(self, line: str, share: FloatArray) -> FloatArray:
-        """Places (n, 3) at shares of a line's length (n,)."""
-        points = self.lines[line]
-        grid = np.linspace(0.0, 1.0, len(points))
-        return np.column_stack([np.interp(share, grid, points[:, i]) for i in range(3)])
+    def at(self, line: str, arcs: FloatArray) -> FloatArray:
+        """Places (n, 3) at arc lengths of a line (n,) [m]."""
+        points, own = self.lines[line], self.arcs[line]
+        return np.column_stack([np.interp(arcs, own, points[:, i]) for i in range(3)])
+
+
+def arcs_of(scene: SystemScene, name: str) -> FloatArray:
+    """Arc lengths of a line's masses (k,) [m]: at equal steps, with one where a branch is in the
+    place of those within half a step of it."""
+    length = scene.lines[name].length
+    ends = (end for line in scene.lines.values() for end in line.ends)
+    branches = np.unique([end.at for end in ends if end.line == name and end.at is not None])
+    equal = np.linspace(0.0, length, PARTS + 1)
+    near = np.abs(equal[:, None] - branches).min(axis=1, initial=np.inf)
+    alone = near >= 0.5 * length / PARTS
+    alone[[0, -1]] = True
+    return np.union1d(equal[alone], branches)
+
+
+def _nearest(arcs: FloatArray, arc: float) -> int:
+    """Which mass is nearest to an arc length."""
+    return int(np.argmin(np.abs(arcs - arc)))
 
 
 def held_place(scene: SystemScene, end: LineEnd) -> FloatArray | None:
@@ -113,10 +132,11 @@ def first_guess(scene: SystemScene, velocity: FloatArray) -> Guess:
     if current is not None:
         flow = flow + current.velocity.reshape(-1, 3).mean(axis=0)
     speed = float(np.linalg.norm(flow))
-    lines: dict[str, list[tuple[int, FloatArray]]] = {}
-    for name in scene.lines:
-        lines[name] = [(count + k, np.zeros(3)) for k in range(PARTS + 1)]
-        count += PARTS + 1
+    arcs = {name: arcs_of(scene, name) for name in scene.lines}
+    lines: dict[str, list[int]] = {}
+    for name, own_arcs in arcs.items():
+        lines[name] = list(range(count, count + len(own_arcs)))
+        count += len(own_arcs)
     pulls = np.zeros((count, 3))
     for name, body in scene.bodies.items():
         pulls[bodies[name], 2] -= body.weight_in(scene.environment)
@@ -125,28 +145,28 @@ def first_guess(scene: SystemScene, velocity: FloatArray) -> Guess:
         along = 0.0
         for item in line.items:
             if item.body is not None:
-                k = round(along / line.length * PARTS)
+                k = _nearest(arcs[name], along)
                 load = np.array([0.0, 0.0, -item.body.submerged_weight])
                 area = item.body.drag_coefficient * item.body.drag_area
-                pulls[lines[name][k][0]] += load + 0.5 * rho * speed * area * flow
+                pulls[lines[name][k]] += load + 0.5 * rho * speed * area * flow
                 continue
             assert item.cable is not None
             kind = scene.cable_types[item.cable.type]
             weight = kind.submerged_weight or 1e-6 * kind.mass * gravity
             load = np.array([0.0, 0.0, -weight])
             load += SHARE_OF_DRAG * 0.5 * rho * kind.drag_normal * kind.diameter * speed * flow
-            edges = np.linspace(0.0, line.length, PARTS + 1)
+            edges = arcs[name]
             low, high = along, along + item.cable.length
-            for k in range(PARTS):
+            for k in range(len(edges) - 1):
                 part = max(0.0, min(high, edges[k + 1]) - max(low, edges[k]))
                 for node in (k, k + 1):
-                    pulls[lines[name][node][0]] += 0.5 * part * load
+                    pulls[lines[name][node]] += 0.5 * part * load
             along = high
     fixed: dict[int, FloatArray] = {}
     ties: list[tuple[int, int, FloatArray]] = []  # place = that of another variable, and an offset
     for name, line in scene.lines.items():
         for side, end in enumerate(line.ends):
-            node = lines[name][-1 if side else 0][0]
+            node = lines[name][-1 if side else 0]
             place = held_place(scene, end)
             if place is not None:
                 fixed[node] = place
@@ -157,8 +177,7 @@ def first_guess(scene: SystemScene, velocity: FloatArray) -> Guess:
                 ties.append((node, bodies[owner], arm))
             elif end.line is not None:
                 assert end.at is not None
-                share = end.at / scene.lines[end.line].length * PARTS
-                ties.append((node, lines[end.line][round(share)][0], np.zeros(3)))
+                ties.append((node, lines[end.line][_nearest(arcs[end.line], end.at)], np.zeros(3)))
     owner_of = np.arange(count)
     offset = np.zeros((count, 3))
     for node, other, arm in ties:
@@ -174,9 +193,9 @@ def first_guess(scene: SystemScene, velocity: FloatArray) -> Guess:
     for node, place in fixed.items():
         base[node] = place
     where = column[owner_of]
-    left = np.array([lines[n][k][0] for n in lines for k in range(PARTS)])
-    right = np.array([lines[n][k + 1][0] for n in lines for k in range(PARTS)])
-    rest = np.array([scene.lines[n].length / PARTS for n in lines for _ in range(PARTS)])
+    left = np.concatenate([nodes[:-1] for nodes in lines.values()])
+    right = np.concatenate([nodes[1:] for nodes in lines.values()])
+    rest = np.concatenate([np.diff(own_arcs) for own_arcs in arcs.values()])
     total = float(np.abs(pulls).sum()) + 1e-9
     floor = scene.environment.floor
     hulls = [
@@ -257,6 +276,7 @@ def first_guess(scene: SystemScene, velocity: FloatArray) -> Guess:
         start = _lowest(partial(energy, stretch=stretch), start, total, least, float(rest.mean()))
     p = places(start) if len(free) else base
     return Guess(
-        {name: p[[k for k, _ in nodes]] for name, nodes in lines.items()},
+        arcs,
+        {name: p[nodes] for name, nodes in lines.items()},
         {name: p[index] for name, index in bodies.items()},
     )

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Iterable, Mapping
+import warnings
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from os import PathLike
 from typing import Any, Unpack
@@ -12,13 +14,20 @@ from typing import Any, Unpack
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cablemodel.errors import SceneError, StepError
+from cablemodel.errors import (
+    CableModelError,
+    SceneError,
+    StaticsError,
+    StepError,
+    UnstableStartWarning,
+)
 from cablemodel.finite_element import MEANING
 from cablemodel.kernels import layout as at
 from cablemodel.kernels.layout import Header, Winch
 from cablemodel.model import NO_INPUTS, WINCH_LIMITS, CableState
 from cablemodel.scene import Scene
 from cablemodel.scene.load import SceneSource, is_system, loaded, read_content
+from cablemodel.solver import Errors, images_of
 from cablemodel.systems.build import build
 from cablemodel.systems.inputs import InputNames, SystemInputs
 from cablemodel.systems.scene import SystemScene
@@ -149,6 +158,8 @@ class SystemModel:
         self._inputs = InputNames(self.scene)
         self._forces = np.zeros((len(self.scene.bodies), 6))
         self._angles = self._inputs.first_angles.copy()
+        self._finer = _finer_model(self.scene) if self.scene.solver.error_estimate else None
+        self._errors: dict[str, Errors] | None = None
 
     def __copy__(self) -> SystemModel:
         return copy.deepcopy(self)
@@ -174,7 +185,9 @@ class SystemModel:
             raise StepError(f"dt is {end - self.time!r}", time=self.time, advice=advice)
         from cablemodel import library as entry
 
-        block = self.built.block
+        if "cuts" in inputs:
+            inputs["cuts"] = list(inputs["cuts"] or ())  # whatever it is, it is asked for twice
+        block, beside = self.built.block, self._beside
         drive = self._inputs.drive(inputs, self._angles, self.time)
         before = None  # a step that fails gives the state back, but not what drives it
         pushed = drive.forces.any() or self._forces.any()
@@ -192,7 +205,10 @@ class SystemModel:
                 block.take(before)
             problem, advice = MEANING[status]
             raise StepError(f"{part}: {problem}", time=self.time, arc_length=arc, advice=advice)
-        self._forces, self._angles = drive.forces, drive.angles
+        self._forces, self._angles, self._errors = drive.forces, drive.angles, None
+        if beside is not None:
+            with suppress(StepError):  # it stays behind for good: there is no estimate then
+                beside.step_to(end, **inputs)
 
     def _drives(self, block: Any) -> bool:
         rows = block.array(Header.frames, len(self.scene.vessels), at.FRAME_WORDS)
@@ -260,6 +276,50 @@ class SystemModel:
         return {name: _motion(row) for name, row in zip(names, rows, strict=True)}
 
     @property
+    def _beside(self) -> SystemModel | None:
+        """The finer run, if it stands where this one does."""
+        other = self._finer
+        return None if other is None or other.time != self.time else other
+
+    @property
+    def errors(self) -> dict[str, Errors]:
+        """What lines and bodies are estimated to be wrong by, by name; see
+        `CableModel.position_error`.
+
+        Of a line the largest distance anywhere along it, and the larger one of the tensions at its
+        ends; of a body that of its origin. Not numbers once the finer run could not make a step.
+
+        Raises:
+            CableModelError: the scene does not ask for it.
+        """
+        if not self.scene.solver.error_estimate:
+            raise CableModelError(
+                "errors are not estimated: load the scene with solver.error_estimate: true"
+            )
+        if self._errors is None:
+            self._errors = dict(self._estimates())
+        return self._errors
+
+    def _estimates(self) -> Iterator[tuple[str, Errors]]:
+        from cablemodel.error_estimate import FACTOR, PLACES, estimated
+
+        other = self._beside
+        for name, line in self.lines.items():
+            found = math.nan, math.nan
+            if other is not None:
+                length, ends = min(line.length, other.lines[name].length), [0, -1]
+                one, two = (each.lines[name].sample(PLACES * length) for each in (self, other))
+                found = estimated(one.position, two.position, one.tension[ends], two.tension[ends])
+            yield name, Errors(*found, line.length)
+        finer = {} if other is None else other.bodies
+        for name, body in self.bodies.items():
+            off = math.nan
+            if name in finer:
+                off = FACTOR * float(np.linalg.norm(body.position - finer[name].position))
+            longest = max(self.lines[line].length for line in self.scene.lines_at(name))
+            yield name, Errors(off, None, longest)
+
+    @property
     def top_tension(self) -> float:
         """The largest tension at the beginning of a line [N]."""
         return max(line.start_tension for line in self.lines.values())
@@ -325,6 +385,11 @@ class SystemModel:
                 found[f"{name}.{key}"] = np.array(getattr(winch, key))
         for name, time in self.cuts.items():
             found[f"{name}.time"] = np.array(np.nan if time is None else time)
+        if self.scene.solver.error_estimate:
+            for name, errors in self.errors.items():
+                found[f"{name}.position_error"] = np.array(errors.position)
+                if errors.tension is not None:
+                    found[f"{name}.tension_error"] = np.array(errors.tension)
         return found
 
     def input_row(self, step: float, given: Mapping[str, Any]) -> FloatArray:
@@ -363,33 +428,58 @@ class SystemModel:
         )
         return out
 
+    @property
+    def _runs(self) -> list[SystemModel]:
+        """This one, and the finer one that its errors are estimated by."""
+        return [self] if self._finer is None else [self, self._finer]
+
     def snapshot(self) -> bytes:
         """The whole state: a model of the same scene that restores it goes on bit by bit."""
-        return self.built.block.image.tobytes() + self._forces.tobytes() + self._angles.tobytes()
+        runs = self._runs
+        images = [run.built.block.image.tobytes() for run in runs]
+        driven = [part.tobytes() for run in runs for part in (run._forces, run._angles)]
+        return b"".join(images + driven)
 
     def restore(self, snapshot: bytes) -> None:
         """Take over a snapshot of a model of the same scene.
 
         Raises:
-            SceneError: it belongs to another scene.
+            SceneError: it belongs to another scene; the model is as it was.
         """
-        block = self.built.block
-        words = np.frombuffer(snapshot, dtype=np.int64)
-        rest = self._forces.size + self._angles.size
-        image, more = words[: len(words) - rest], words[len(words) - rest :].view(np.float64)
-        if len(words) < rest or not block.fits(image):
+        runs = self._runs
+        split = len(snapshot) - 8 * len(runs) * (self._forces.size + self._angles.size)
+        images = images_of(snapshot[: max(split, 0)], [run.built.block for run in runs])
+        if not images:
             raise SceneError.at(
                 "snapshot", len(snapshot), "it belongs to another scene", "one of this scene"
             )
-        block.take(image)
-        self._forces = more[: self._forces.size].reshape(self._forces.shape).copy()
-        self._angles = more[self._forces.size :].copy()
+        driven = np.frombuffer(snapshot[split:], dtype=np.float64).reshape(len(runs), -1)
+        for run, image, words in zip(runs, images, driven, strict=True):
+            run.built.block.take(image)
+            forces, run._angles = np.split(words.copy(), [run._forces.size])
+            run._forces = forces.reshape(run._forces.shape)
+            run._errors = None
 
     def reset(self) -> None:
         """Back to the initial state, t = 0."""
-        self.built.block.take(self._initial)
-        self._forces[:] = 0.0
-        self._angles = self._inputs.first_angles.copy()
+        for run in self._runs:
+            run.built.block.take(run._initial)
+            run._forces[:] = 0.0
+            run._angles = run._inputs.first_angles.copy()
+            run._errors = None
+
+
+def _finer_model(scene: SystemScene) -> SystemModel | None:
+    """The system at a quarter of its tolerance, to estimate errors by; None: it has no start."""
+    from cablemodel.error_estimate import finer, step_in_halves
+
+    with suppress(StaticsError), warnings.catch_warnings():
+        warnings.simplefilter("ignore", UnstableStartWarning)  # which the run itself gives
+        model = SystemModel(finer(scene))
+        step_in_halves(model.built.block)
+        model._initial = model.built.block.image.copy()
+        return model
+    return None
 
 
 def _wrench(row: FloatArray) -> FloatArray:

@@ -34,7 +34,7 @@ def place_nodes(scene: SystemScene, built: Built, guess: Guess, before: Built | 
             continue
         length = scene.lines[name].length
         near = np.clip(np.array([arc - 1e-3 * length, arc, arc + 1e-3 * length]), 0.0, length)
-        places = guess.at(name, near / length)
+        places = guess.at(name, near)
         slope = places[2] - places[0]
         q[node, :3] = places[1]
         q[node, 3:] = slope / max(float(np.linalg.norm(slope)), 1e-30)
@@ -51,17 +51,20 @@ def place_nodes(scene: SystemScene, built: Built, guess: Guess, before: Built | 
             vessel = scene.vessels[held.end.point.partition(".")[0]]
             own = row[at.Constraint.own_direction.span]
             q[held.node, 3:] = axes_of(first_angles(vessel)) @ own
-    if before is None:
-        return
-    shape = Shape(before)
-    for node, (name, arc) in enumerate(tree.arcs):
-        if node in bodies:
-            q[node, :3] = shape.bodies[name]
-            continue
-        q[node] = shape.at(name, arc, forward=_forward(tree, node))
-    for node, element in tree.elements.items():
-        name = tree.segments[element.segment].line
-        tension[node, 0] = shape.tension(name, element.start + 0.5 * element.length)
+    if before is not None:
+        shape = Shape(before)
+        for node, (name, arc) in enumerate(tree.arcs):
+            if node in bodies:
+                q[node, :3] = shape.bodies[name]
+                continue
+            q[node] = shape.at(name, arc, forward=_forward(tree, node))
+        for node, element in tree.elements.items():
+            name = tree.segments[element.segment].line
+            tension[node, 0] = shape.tension(name, element.start + 0.5 * element.length)
+    # Steps move what shares a place alike, but do not bring it together.
+    for node, joint in enumerate(tree.joint):
+        if joint == at.JOINT_HINGE:
+            q[node, :3] = q[tree.parent[node], :3]
 
 
 def _forward(tree: Tree, node: int) -> bool:

@@ -417,6 +417,20 @@ class SystemScene(Document):
         return sorted({place for place in places if isinstance(place, float)})
 
     @property
+    def starts_at_rest(self) -> bool:
+        """Always: other starts are none of a system's."""
+        return True
+
+    def lines_at(self, body: str) -> list[str]:
+        """Names of the lines that are attached to a body."""
+        points = {f"{body}.{point}" for point in self.bodies[body].points}
+        return [
+            name
+            for name, line in self.lines.items()
+            if any(end.point in points for end in line.ends)
+        ]
+
+    @property
     def place(self) -> tuple[float, float, float]:
         """Where it is: the first vessel at t = 0, else the first anchor [m]."""
         for vessel in self.vessels.values():

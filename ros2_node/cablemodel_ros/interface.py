@@ -206,6 +206,8 @@ def document_of_systems() -> str:
         ("body", variables.BODY_OUTPUTS),
         ("vessel", variables.VESSEL_OUTPUTS),
         ("cut", variables.CUT_OUTPUTS),
+        ("line, with `solver.error_estimate`", variables.LINE_ERRORS),
+        ("body, with it", variables.BODY_ERRORS),
     ):
         lines += [f"|{part}|`{topic.name}`|{topic.message}|" for topic in _outputs(rows)]
     lines += [*_SUBSCRIBED, *_subscribed(PART_INPUTS)]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
@@ -14,7 +13,16 @@ from cablemodel_ros import interface
 from cablemodel_ros.commands import Commands, Tally
 from cablemodel_ros.frames import Floats
 from cablemodel_ros.helm import Applied, Helm, Present
-from cablemodel_ros.rig import Frame, Order, Port, Strand, motion_ports, notes_of
+from cablemodel_ros.rig import (
+    Frame,
+    Order,
+    Port,
+    Strand,
+    doubts,
+    error_values,
+    motion_ports,
+    notes_of,
+)
 from cablemodel_ros.samples import Message, Sampler
 from cablemodel_ros.settings import Settings
 from cablemodel_ros.timebase import Timebase
@@ -151,21 +159,13 @@ class LineRig:
         model, settings = self.model, self.scene.solver
         if model.winch != "free":
             yield f"the winch stands: {model.winch}"
-        if not settings.error_estimate:
-            return
-        error = model.position_error
-        if math.isnan(error):
-            yield "errors are not known: the finer run could not go on"
-        elif error > settings.promised * model.line_length:
-            yield f"positions may be off by {error:.3g} m, more than {settings.asked} allows"
+        if settings.error_estimate:
+            yield from doubts(model.errors, settings)
 
     def values(self) -> dict[str, str]:
         if not self.scene.solver.error_estimate:
             return {}
-        return {
-            "estimated error of positions [m]": f"{self.model.position_error:.6g}",
-            "estimated error of the top tension [N]": f"{self.model.tension_error:.6g}",
-        }
+        return error_values(self.model.errors, "top tension")
 
     def command_findings(self) -> Iterator[str]:
         if self.helm.idle_payout:

@@ -11,11 +11,14 @@ variables; nothing else in the node asks which of the two it has. A step is made
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
 from cablemodel import variables
+from cablemodel.scene.schema import Solver
+from cablemodel.solver import Errors
 from cablemodel_ros import interface
 from cablemodel_ros.commands import Commands, Tally
 from cablemodel_ros.frames import Floats
@@ -36,6 +39,29 @@ class Port:
 
 Order = Callable[[], tuple[bool, str]]
 """What a service beyond those of every session does; gives whether it was done, and a text."""
+
+
+def doubts(errors: Mapping[str, Errors], solver: Solver) -> Iterator[str]:
+    """Of which line or body the positions are not known to keep what is asked of them, in words."""
+    for name, its in errors.items():
+        of = f" of {name}" if name else ""
+        if math.isnan(its.position):
+            yield "errors are not known: the finer run could not go on"
+            return
+        if its.position > solver.promised * its.length:
+            allowed = f"more than {solver.asked} allows"
+            yield f"positions{of} may be off by {its.position:.3g} m, {allowed}"
+
+
+def error_values(errors: Mapping[str, Errors], tension: str) -> dict[str, str]:
+    """Errors of lines and bodies, for diagnostics. tension: which one that of a line is of."""
+    found = {}
+    for name, its in errors.items():
+        of = f"{name}: " if name else ""
+        found[f"{of}estimated error of positions [m]"] = f"{its.position:.6g}"
+        if its.tension is not None:
+            found[f"{of}estimated error of the {tension} [N]"] = f"{its.tension:.6g}"
+    return found
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,16 @@ from cablemodel_ros.commands import Commands, PartCommands, Seat, Tally
 from cablemodel_ros.frames import Floats
 from cablemodel_ros.helm import Freshness, VesselHelm
 from cablemodel_ros.limits import approached_number, follow_rate
-from cablemodel_ros.rig import Frame, Order, Port, Strand, motion_ports, notes_of
+from cablemodel_ros.rig import (
+    Frame,
+    Order,
+    Port,
+    Strand,
+    doubts,
+    error_values,
+    motion_ports,
+    notes_of,
+)
 from cablemodel_ros.samples import Message
 from cablemodel_ros.settings import Settings, SettingsError
 from cablemodel_ros.system_samples import SystemSampler
@@ -231,13 +240,17 @@ class SystemRig:
         return [motion.position for motion in self.model.bodies.values()]
 
     def findings(self) -> Iterator[str]:
-        return iter(())
+        if self.scene.solver.error_estimate:
+            yield from doubts(self.model.errors, self.scene.solver)
 
     def values(self) -> dict[str, str]:
-        return {
+        found = {
             f"{name} made [s]": "not yet" if time is None else f"{time:.3f}"
             for name, time in self.model.cuts.items()
         }
+        if self.scene.solver.error_estimate:
+            found |= error_values(self.model.errors, "tensions at its ends")
+        return found
 
     def command_findings(self) -> Iterator[str]:
         return iter(())

@@ -363,15 +363,10 @@ def test_what_a_system_has_not_is_refused_by_name(tmp_path: Path) -> None:
     sweep = ["sweep", SCENE, "--over", "run.duration=1,2", "-o", tmp_path / "sweep.csv"]
     for arguments, words in (
         ([*sweep, "--result", "tip_x"], "tip_x is none of time"),
-        ([*sweep, "--converge"], "until it converges yet"),
-        (["run", SCENE, "--converge"], "until it converges yet"),
         (["convergence", SCENE], "a system, not a scene of one line"),
     ):
         result = invoke(*arguments)
         assert result.exit_code == 2, result.output
         assert words in " ".join(result.stderr.replace("│", " ").split())
-    with pytest.raises(cm.SceneError, match="until it converges yet"):
-        cm.sweep(SCENE, {"run.duration": [1.0]}, converge=True)
-    for function in (cm.converge, cm.convergence):
-        with pytest.raises(cm.SceneError, match="a system, not a scene of one line"):
-            function(load_system(SCENE))
+    with pytest.raises(cm.SceneError, match="a system, not a scene of one line"):
+        cm.convergence(load_system(SCENE))

@@ -7,7 +7,17 @@ import pytest
 from validation import rows
 
 ROOT = Path(__file__).parents[2]
-QUICK = ("catenaries", "bending", "tows", "lays", "tank", "jumper", "lazywave", "chains")
+QUICK = (
+    "catenaries",
+    "bending",
+    "tows",
+    "lays",
+    "tank",
+    "jumper",
+    "lazywave",
+    "chains",
+    "junction",
+)
 
 
 @pytest.fixture(autouse=True)

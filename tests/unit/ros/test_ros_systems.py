@@ -5,7 +5,9 @@ from __future__ import annotations
 import copy
 import json
 import math
+import re
 import threading
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -476,3 +478,24 @@ def test_frames_of_bodies_and_vessels_are_those_of_the_model() -> None:
     assert np.array_equal(cycle.frames[0].position, bench.model.bodies["cage"].position)
     assert bench.session.cycle(Simulated(0.2), topics=()).frames == []
     bench.session.close()
+
+
+def test_what_a_system_may_be_wrong_by_is_published_and_told() -> None:
+    bench = Bench(settings(text(solver={"error_estimate": True})))
+    bench.steps(20)
+    errors = bench.model.errors
+    topics = {topic for topic, _ in bench.session.rig.outputs(bench.session.stamp())}
+    assert {f"~/{name}/position_error" for name in errors} < topics
+    rig: Any = bench.session.rig
+    assert list(rig.findings()) == []
+    for name, its in errors.items():
+        shown = rig.values()[f"{name}: estimated error of positions [m]"]
+        assert float(shown) == pytest.approx(its.position, rel=1e-5)
+    name = next(iter(bench.model.lines))
+    for wrong, words in (
+        (1e3, f"positions of {name} may be off by 1e\\+03 m, more than a tolerance of 0.001"),
+        (math.nan, "errors are not known"),
+    ):
+        bench.model._errors = {**errors, name: replace(errors[name], position=wrong)}
+        (finding,) = rig.findings()
+        assert re.match(words, finding)
