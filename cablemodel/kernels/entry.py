@@ -179,6 +179,13 @@ def force_response(I, M, motion, out):
     return interface.response_to_motion(I, M, motion, out)
 
 
+@entry_point(int64(INTEGERS, REALS, float64, float64, REALS))
+def wrenches_ahead(I, M, ahead, length, out):
+    """What the lines of a system will pull its frames with: interface.wrenches_ahead. Uses the
+    block up."""
+    return interface.wrenches_ahead(I, M, ahead, length, out)
+
+
 @entry_point(int64(INTEGERS, REALS, float64, REALS, REALS, REALS, REALS, REALS))
 def drive(I, M, t_end, motion, forces, angles, rates, orders):
     """Inputs of a system for a step to t_end [s], before `step`.
@@ -231,6 +238,7 @@ ENTRY_POINTS = {
     "residual": residual,
     "force_rate": force_rate,
     "force_response": force_response,
+    "wrenches_ahead": wrenches_ahead,
     "drive": drive,
     "sample_elements": sample_elements,
     "parts": parts,
