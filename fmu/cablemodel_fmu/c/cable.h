@@ -196,7 +196,7 @@ const char *ignored_part_input(Cable *cable, unsigned vr);
 int64_t step_system(Cable *cable, double t_end, double dt);
 int64_t vessels_of(const Cable *cable);
 int64_t wrench_of(const Cable *cable, unsigned vr);
-void read_wrenches(Cable *cable, double *to);
+void read_wrenches(Cable *cable, int64_t *block, double *to);
 int motion_of(const Cable *cable, unsigned vr, MotionInput *found);
 void explain_in_system(const Cable *cable, const char *problem, const char *advice, char *message,
                        size_t size);

@@ -34,20 +34,34 @@ static int output_change(Cable *cable, unsigned vr, const double force[3], doubl
     return 1;
 }
 
-/* Time derivatives of forces and moments on a system's vessels: what an implicit step ahead makes of
-   them, as in kernels/interface.py. */
+/* What is not cut stays whole: a derivative looks at what there is. */
+static void keep_whole(int64_t *block) {
+    double *row = (double *)(block + header(block)->cuts);
+    for (int64_t n = 0; n < header(block)->cut_count; n++, row += CUT_WORDS) {
+        AS(Cut, row)->time = AS(Cut, row)->tension = INFINITY;
+        AS(Cut, row)->ordered = 0.0;
+    }
+}
+
+/* Time derivatives of forces and moments on a system's vessels: their differences over a step that goes
+   on as the last one, over a part of its length. What cannot be stepped has none. */
 static const char *rate_in_system(Cable *cable, unsigned vr, double *value) {
     const int64_t place = wrench_of(cable, vr), words = WRENCH_WORDS * vessels_of(cable);
     if (place < 0) return "output derivatives are those of forces and moments on vessels";
     if (!cable->rate_current) {
-        double *rates = cable->wrenches, *now = rates + words;
+        double *rates = cable->wrenches, *now = rates + words, none[INPUT_WORDS] = {0};
         const double span = AHEAD * cable->now.last_step;
         memset(rates, 0, sizeof(double) * (size_t)words); /* at rest, before the first step */
-        read_wrenches(cable, now); /* it puts lines' ends where their bodies are, to the last bit */
+        read_wrenches(cable, cable->I, now); /* it puts lines' ends where their bodies are, to the last bit */
         int64_t *copy = copy_of(cable);
         if (copy == NULL) return "out of memory";
-        if (span > 0.0 && cablemodel_wrenches_ahead(copy, cable->block_words, span, span, rates, words) == 0)
+        keep_whole(copy);
+        header(copy)->factored = 0; /* the matrix is not all in the image */
+        if (span > 0.0 && cablemodel_step(copy, cable->block_words, scalars(cable->M)->time + span, none,
+                                          INPUT_WORDS) == OK) {
+            read_wrenches(cable, copy, rates);
             for (int64_t n = 0; n < words; n++) rates[n] = (rates[n] - now[n]) / span;
+        }
         cable->rate_current = 1;
     }
     *value = cable->wrenches[place];
@@ -143,7 +157,7 @@ static const char *response_in_system(Cable *cable, const unsigned unknown[], si
         size += fabs(end[0]) + length * fabs(end[1]);
     }
     const double share = size > 0.0 ? ASIDE / size : 0.0;
-    read_wrenches(cable, sides[0]); /* as above */
+    read_wrenches(cable, cable->I, sides[0]); /* as above */
     for (int side = 0; side < 2; side++) {
         int64_t *copy = copy_of(cable);
         if (copy == NULL) return "out of memory";

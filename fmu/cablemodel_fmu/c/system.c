@@ -689,11 +689,12 @@ int64_t wrench_of(const Cable *cable, unsigned vr) {
     return word < 0 ? -1 : n / VESSEL_OUTPUTS * WRENCH_WORDS + word;
 }
 
-/* The forces and moments of all vessels now. */
-void read_wrenches(Cable *cable, double *to) {
+/* The forces and moments of all vessels, of the block or a copy of it. */
+void read_wrenches(Cable *cable, int64_t *block, double *to) {
     System *s = cable->system;
-    outputs(cable);
-    const double *vessels = s->parts + PART_WORDS * s->bodies;
+    double *vessels = s->parts + PART_WORDS * s->bodies;
+    cablemodel_parts(block, cable->block_words, s->parts, PART_WORDS * s->bodies, vessels,
+                     PART_WORDS * s->vessels);
     for (int64_t n = 0; n < s->vessels; n++)
         memcpy(to + WRENCH_WORDS * n, vessels + PART_WORDS * n + PART_WORDS - WRENCH_WORDS,
                WRENCH_WORDS * sizeof(double));
