@@ -179,11 +179,11 @@ def force_response(I, M, motion, out):
     return interface.response_to_motion(I, M, motion, out)
 
 
-@entry_point(int64(INTEGERS, REALS, float64, float64, REALS))
-def wrenches_ahead(I, M, ahead, length, out):
-    """What the lines of a system will pull its frames with: interface.wrenches_ahead. Uses the
-    block up."""
-    return interface.wrenches_ahead(I, M, ahead, length, out)
+@entry_point(int64(INTEGERS, REALS, float64, REALS))
+def wrenches_when_moved(I, M, length, out):
+    """What lines pull frames with that were moved: interface.wrenches_when_moved. Uses the block
+    up."""
+    return interface.wrenches_when_moved(I, M, length, out)
 
 
 @entry_point(int64(INTEGERS, REALS, float64, REALS, REALS, REALS, REALS, REALS))
@@ -238,7 +238,7 @@ ENTRY_POINTS = {
     "residual": residual,
     "force_rate": force_rate,
     "force_response": force_response,
-    "wrenches_ahead": wrenches_ahead,
+    "wrenches_when_moved": wrenches_when_moved,
     "drive": drive,
     "sample_elements": sample_elements,
     "parts": parts,

@@ -126,11 +126,15 @@ def rate_of_force(I, M, last_step, out):
 
 
 @kernel
-def wrenches_ahead(I, M, ahead, length, out):
-    """Forces and moments of the lines of a system on its frames, about their origins, after
-    `implicit_step`: 6 words each [N, N m]. Returns as that."""
+def wrenches_when_moved(I, M, length, out):
+    """Forces and moments of the lines of a system on its frames, about their origins, where the
+    frames are not where they were: 6 words each [N, N m].
+
+    The nodes follow as in an implicit step of a length [s], without time going on. Returns 0, or
+    1 + the node whose pivot vanished.
+    """
     head = header(I)
-    failed = implicit_step(I, M, ahead, length)
+    failed = implicit_step(I, M, 0.0, length)
     out[:] = 0.0
     if failed == 0:
         add_wrenches(I, M, head.trial_position, out, 6, 0)

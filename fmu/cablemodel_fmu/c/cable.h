@@ -153,8 +153,8 @@ int64_t cablemodel_force_rate(void *block, int64_t words, double last_step, doub
                               int64_t n);
 int64_t cablemodel_force_response(void *block, int64_t words, double *motion, int64_t n, double *out,
                                   int64_t m);
-int64_t cablemodel_wrenches_ahead(void *block, int64_t words, double ahead, double length, double *out,
-                                  int64_t n);
+int64_t cablemodel_wrenches_when_moved(void *block, int64_t words, double length, double *out,
+                                       int64_t n);
 
 /* Those of the direct solver, whose block has another magic number. */
 int64_t cablemodel_direct_work(void *block, int64_t words, int64_t task, double number,

@@ -166,7 +166,7 @@ static const char *response_in_system(Cable *cable, const unsigned unknown[], si
             change_at_end(&cable->now, input.by, input.is_position, change[n], end);
             move_vessel(copy, &input, end, side == 0 ? -share : share);
         }
-        if (cablemodel_wrenches_ahead(copy, cable->block_words, 0.0, length, sides[side], words) != 0)
+        if (cablemodel_wrenches_when_moved(copy, cable->block_words, length, sides[side], words) != 0)
             return "the equations are singular here";
     }
     for (size_t n = 0; n < unknowns; n++) {
