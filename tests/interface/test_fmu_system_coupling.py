@@ -337,6 +337,59 @@ def test_what_has_no_derivatives(taut: Any) -> None:
     slave.close()
 
 
+def swing(slave: Slave, newton: bool) -> np.ndarray:
+    """Speeds of a ship of 5 t at the end of a taut line of 1e4 N/m, coupled as in
+    examples/taut_line.py: with the force of the step before, or solved for with that at its end."""
+    mass, dt = 5000.0, 0.1
+    known = [slave.references["ship.velocity_input[1]"].valueReference]
+    unknown = [slave.references["ship.force[1]"].valueReference]
+    force = slave.get("ship.force")[0]
+    thrust, speed, gain, speeds = -force, 0.01, 0.0, []
+    for _ in range(300):
+        state, begin = slave.fmu.getFMUstate(), slave.time
+        slave.set("ship.velocity_input", [speed + (gain if newton else 0.0), 0, 0])
+        slave.step(dt)
+        end = slave.get("ship.force")[0]
+        new = speed + dt * (thrust + force) / mass
+        if newton:
+            (slope,) = slave.fmu.getDirectionalDerivative(unknown, known, [1.0])
+            pull = thrust + 0.5 * (force + end - slope * (speed + gain))
+            new = (mass * speed / dt + pull) / (mass / dt - 0.5 * slope)
+            slave.fmu.setFMUstate(state)
+            slave.time = begin
+            slave.set("ship.velocity_input", [new, 0, 0])
+            slave.step(dt)
+            end = slave.get("ship.force")[0]
+        slave.fmu.freeFMUstate(state)
+        gain, speed, force = new - speed, new, end
+        speeds.append(speed)
+    return np.abs(speeds)
+
+
+def test_a_taut_line_does_not_drive_the_vessel(tmp_path: Path) -> None:
+    """It does where both hold what they got, by 1.5 k H / 2 m; not with Newton's method."""
+    rope = {"diameter": 0.02, "mass": 0.3, "axial_stiffness": 1e6, "bending_stiffness": 0.1}
+    line = {
+        "from": "ship.hook",
+        "to": {"anchor": [101, 0, 0]},
+        "items": [{"cable": {"type": "rope", "length": 100}}],
+    }
+    scene = moored(
+        cable_types={"rope": rope},
+        vessels={"ship": {"points": {"hook": [0, 0, 0]}}},
+        lines={"tow": line},
+    )
+    with unpacked(scene, tmp_path, stations=2) as found:
+        growth = []
+        for newton in (False, True):
+            slave = Slave(*found)
+            speeds = swing(slave, newton)
+            growth.append(np.log(speeds[-44:].max() / speeds[:44].max()) / 25.6)
+            slave.close()
+    assert growth[0] == pytest.approx(1.5 * 1e4 * 0.1 / (2 * 5000), rel=0.1)
+    assert growth[1] < 1e-4
+
+
 # -- a system of vessels, a log --------------------------------------------------------------------
 
 
