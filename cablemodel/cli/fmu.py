@@ -54,7 +54,7 @@ def fmu(
     author: Annotated[str, typer.Option(help="Named in the model description.")] = "",
     ssp: Annotated[
         Path | None,
-        typer.Option("--ssp", help="Write a system of a vessel and this cable, too (SSP 1.0).",
+        typer.Option("--ssp", help="Write a system of vessels and this cable, too (SSP 1.0).",
                      show_default=False),
     ] = None,
     overrides: SetOption = None,

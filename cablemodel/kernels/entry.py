@@ -179,6 +179,13 @@ def force_response(I, M, motion, out):
     return interface.response_to_motion(I, M, motion, out)
 
 
+@entry_point(int64(INTEGERS, REALS, float64, REALS))
+def wrenches_when_moved(I, M, length, out):
+    """What lines pull frames with that were moved: interface.wrenches_when_moved. Uses the block
+    up."""
+    return interface.wrenches_when_moved(I, M, length, out)
+
+
 @entry_point(int64(INTEGERS, REALS, float64, REALS, REALS, REALS, REALS, REALS))
 def drive(I, M, t_end, motion, forces, angles, rates, orders):
     """Inputs of a system for a step to t_end [s], before `step`.
@@ -231,6 +238,7 @@ ENTRY_POINTS = {
     "residual": residual,
     "force_rate": force_rate,
     "force_response": force_response,
+    "wrenches_when_moved": wrenches_when_moved,
     "drive": drive,
     "sample_elements": sample_elements,
     "parts": parts,

@@ -1,6 +1,6 @@
-"""How the force at the tow point follows time and motion there, for what is coupled to it.
+"""How forces on vessels, or at a tow point, follow time and motion, for what is coupled to them.
 
-Both kernels use the block up: whoever asks works on a copy.
+All kernels use the block up: whoever asks works on a copy.
 """
 
 from .access import header, scalars
@@ -10,6 +10,7 @@ from .layout import (
     JOINT_HINGE,
 )
 from .outputs import end_forces
+from .part_outputs import add_wrenches
 from .promote import promote
 from .system import (
     factorise,
@@ -48,20 +49,21 @@ def top_reaction(I, forces, out):
 
 @outlined
 def increment(I, M, forces, constraint, x):
-    """`newton_increment`, once for both kernels."""
+    """`newton_increment`, once for all kernels."""
     newton_increment(I, M, forces, constraint, x)
 
 
-@kernel
-def rate_of_force(I, M, last_step, out):
-    """Time derivative of the force of the cable on the vessel, earth frame, into out[0:3] [N/s].
+@outlined
+def implicit_step(I, M, ahead, length):
+    """Correct a prediction by an implicit step in which accelerations are constant; returns 0, or
+    1 + the node whose pivot vanished.
 
-    What a single implicit step ahead makes of it, a quarter of the caller's last step long, with
-    the vessel's acceleration of now: a state's own rates ring, with waves along the line.
+    ahead: the time over which the present motion goes on [s]; there prescribed motions are met.
+    length: of the step whose matrix the correction takes [s]. The result is the trial state, and
+    the forces in the residual are those of it.
     """
     head = header(I)
     state = scalars(M)
-    promote(I, M)
     count = 6 * head.nodes
     words = 2 * head.nodes
     q = view(M, head.trial_position, count)
@@ -71,25 +73,20 @@ def rate_of_force(I, M, last_step, out):
     forces = view(M, head.residual, count)
     constraint = view(M, head.constraint_residual, words)
     x = view(M, head.increment, count)
-    before = view(M, head.motion + 16, 3)
-    span = AHEAD * last_step
-    end_forces(I, M)
-    top_reaction(I, forces, out)
     for n in range(words):
         tension[n] = M[head.tension + n]
     for n in range(count):
         a[n] = M[head.acceleration + n]
-        v[n] = M[head.velocity + n] + span * a[n]
-        q[n] = M[head.position + n] + span * (M[head.velocity + n] + 0.5 * span * a[n])
-    time = state.time + span
+        v[n] = M[head.velocity + n] + ahead * a[n]
+        q[n] = M[head.position + n] + ahead * (M[head.velocity + n] + 0.5 * ahead * a[n])
+    time = state.time + ahead
     set_time(I, M, time)
     impose_motion(I, M, time, q, v, a)
-    cv = 2.0 / span
-    ca = 2.0 / (span * span)
-    if factorise(I, M, q, v, a, tension, ca, cv) != 0:
-        for i in range(3):
-            out[i] = 0.0
-        return
+    cv = 2.0 / length
+    ca = 2.0 / (length * length)
+    failed = factorise(I, M, q, v, a, tension, ca, cv)
+    if failed != 0:
+        return failed
     for _iteration in range(ITERATIONS):
         residual(I, M, q, v, a, tension, forces, constraint)
         increment(I, M, forces, constraint, x)
@@ -100,11 +97,48 @@ def rate_of_force(I, M, last_step, out):
         recover_tension(I, M, constraint, x, tension)
         follow_forces(I, M)
     residual(I, M, q, v, a, tension, forces, constraint)
+    return 0
+
+
+@kernel
+def rate_of_force(I, M, last_step, out):
+    """Time derivative of the force of the cable on the vessel, earth frame, into out[0:3] [N/s].
+
+    What a single implicit step ahead makes of it, a quarter of the caller's last step long, with
+    the vessel's acceleration of now: a state's own rates ring, with waves along the line.
+    """
+    head = header(I)
+    promote(I, M)
+    forces = view(M, head.residual, 6 * head.nodes)
+    before = view(M, head.motion + 16, 3)
+    span = AHEAD * last_step
+    end_forces(I, M)
+    top_reaction(I, forces, out)
+    if implicit_step(I, M, span, span) != 0:
+        for i in range(3):
+            out[i] = 0.0
+        return
     for i in range(3):
         before[i] = out[i]
     top_reaction(I, forces, out)
     for i in range(3):
         out[i] = (out[i] - before[i]) / span
+
+
+@kernel
+def wrenches_when_moved(I, M, length, out):
+    """Forces and moments of the lines of a system on its frames, about their origins, where the
+    frames are not where they were: 6 words each [N, N m].
+
+    The nodes follow as in an implicit step of a length [s], without time going on. Returns 0, or
+    1 + the node whose pivot vanished.
+    """
+    head = header(I)
+    failed = implicit_step(I, M, 0.0, length)
+    out[:] = 0.0
+    if failed == 0:
+        add_wrenches(I, M, head.trial_position, out, 6, 0)
+    return failed
 
 
 @kernel

@@ -85,22 +85,32 @@ def parts_motion(I, M, bodies, frames):
         angles_of(out[9:18], out[24:27])
         for i in range(27, PART_WORDS):
             out[i] = 0.0
+    add_wrenches(I, M, head.position, frames, PART_WORDS, 27)
+
+
+@kernel
+def add_wrenches(I, M, place, out, words, first):
+    """Add the lines' forces and moments on frames about their origins, earth frame: 6 words from
+    word `first` of a frame's row of `words`. place: word of the positions whose residual it is."""
+    head = header(I)
+    state = scalars(M)
     w = view(M, head.motion + 28, 9)
     for n in range(head.constraint_count):
         row = constraint_of(I, M, n)
         if row.kind != HELD_BY_FRAME:
             continue
         node = int(row.node)
-        at = PART_WORDS * int(row.frame)
+        origin = frame_of(I, M, int(row.frame)).motion
+        at = words * int(row.frame) + first
         force = view(M, head.residual + 6 * node, 3)
         for i in range(3):
-            w[i] = M[head.position + 6 * node + i] + state.origin[i] - frames[at + i]
+            w[i] = M[place + 6 * node + i] + state.origin[i] - origin[i]
         cross(w[0:3], force, w[3:6])
         for i in range(3):
             w[6 + i] = 0.0
         if row.clamped == EXACTLY:
             bend = view(M, head.residual + 6 * node + 3, 3)
-            cross(view(M, head.position + 6 * node + 3, 3), bend, w[6:9])
+            cross(view(M, place + 6 * node + 3, 3), bend, w[6:9])
         for i in range(3):
-            frames[at + 27 + i] -= force[i]
-            frames[at + 30 + i] -= w[3 + i] + w[6 + i]
+            out[at + i] -= force[i]
+            out[at + 3 + i] -= w[3 + i] + w[6 + i]

@@ -185,6 +185,15 @@ class _Table:
         return vector
 
 
+def motion_given(row: FloatArray) -> dict[str, FloatArray]:
+    """The fields of VesselInput that made a frame's words of `Drive.motion`."""
+    return {
+        key: row[start : start + 3].copy()
+        for start, (key, bit) in zip(range(1, at.FRAME_INPUTS, 3), _GIVEN, strict=True)
+        if int(row[0]) & bit
+    }
+
+
 def _value(given: Mapping[str, Any], name: str, field: str) -> Any:
     """The value of one input among the arguments of a step; None: not given."""
     if field == "cut":

@@ -71,8 +71,9 @@ def input_layout() -> dict[str, int]:
 
 def start_constants() -> dict[str, float]:
     """Numbers by which instance/ derives a block from the lengths of its cables, and by which what
-    is read of a system is placed."""
+    is read of a system is placed, and looks ahead."""
     from cablemodel.instance import line_tables, refinement, winch
+    from cablemodel.kernels import interface
     from cablemodel.systems import model
     from cablemodel_fmu import signals
 
@@ -88,6 +89,7 @@ def start_constants() -> dict[str, float]:
         "REFINEMENTS": refinement.ROUNDS,
         "DRUM_ROOM": signals.ROOM,
         "SAME_PLACE": model.SAME_PLACE,
+        "AHEAD": interface.AHEAD,
     }
 
 

@@ -35,7 +35,7 @@ from cablemodel_fmu.documentation import (
     picture,
 )
 from cablemodel_fmu.model_file import ModelFile
-from cablemodel_fmu.parts import fastest_vessel, ports_of, section, signals_of
+from cablemodel_fmu.parts import fastest_vessel, longest_arm, ports_of, section, signals_of
 from cablemodel_fmu.signals import (
     ROOM,
     VR_PARAMETER,
@@ -134,8 +134,7 @@ def export_fmu(
     Args:
         path: file to write, usually with the suffix .fmu.
         platforms: of linux64, win64, darwin64 (universal), or aarch64-linux alone.
-        ssp: where to write a system of a vessel and this cable (SSP 1.0), if it is wanted; of a
-            scene of one line.
+        ssp: where to write a system of its vessels and this cable (SSP 1.0), if it is wanted.
         options: see Options.
 
     Its date is now, or that of the environment's SOURCE_DATE_EPOCH: with that, the same scene gives
@@ -154,12 +153,8 @@ def export_fmu(
         raise ExportError(
             "linux64 and aarch64-linux share a folder in an FMU: export one for each of them"
         )
-    if ssp is not None and isinstance(scene, SystemScene):
-        raise ExportError(
-            "ssp: a system of parts (SSP) is written of a scene of one line alone, whose tow point "
-            f"a vessel drives; this one has {', '.join(scene.vessels) or 'no vessels'}: connect "
-            "their inputs in your own"
-        )
+    if ssp is not None and isinstance(scene, SystemScene) and not scene.vessels:
+        raise ExportError("ssp: the scene has no vessels to connect in a system of parts (SSP)")
     contents = contents_of(scene, Options(**options))
     libraries = _libraries(names, progress)
     target = Path(path)
@@ -177,7 +172,6 @@ def export_fmu(
     ports = ports_of(scene) if isinstance(scene, SystemScene) else TOW_POINT
     ports_file(scene, target).write_bytes(osp_description(contents.signals, ports))
     if ssp is not None:
-        assert isinstance(scene, Scene)
         export_system(scene, target, Path(ssp), _vessel_libraries(names))
     return target
 
@@ -260,7 +254,8 @@ def _of_system(scene: SystemScene, options: Options) -> Contents:
     values = options.first_values(scene)
     tension = float(block.scalars.tension_scale)
     speed = max(fastest_vessel(scene), _current_speed(scene))
-    signals = with_nominals(signals_of(scene, options.stations, values), scene, tension, speed)
+    signals = signals_of(scene, options.stations, values)
+    signals = with_nominals(signals, scene, tension, speed, longest_arm(scene))
     guid = _guid(scene, options)
     model = ModelFile(
         guid=guid,
@@ -280,7 +275,7 @@ def _of_system(scene: SystemScene, options: Options) -> Contents:
         system=section(scene, start.built, values[1]),
     )
     description = "Ocean cables between vessels and bodies"
-    xml = _description(scene, options, guid, signals, description, derivatives=False)
+    xml = _description(scene, options, guid, signals, description, derivatives=True)
     return Contents(_model_name(scene), guid, signals, model.to_bytes(), None, xml, start)
 
 

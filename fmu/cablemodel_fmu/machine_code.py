@@ -32,6 +32,7 @@ RARE_ENTRIES = (
     "parts",
     "sample",
     "sample_elements",
+    "wrenches_when_moved",
 )
 """The same for entry points."""
 

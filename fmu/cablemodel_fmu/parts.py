@@ -62,7 +62,7 @@ def inputs(scene: SystemScene) -> list[Signal]:
         values = _starts(scene, part, row.python)
         command = row.python == "cut"
         for i, value in enumerate(values, start=1):
-            most = LARGEST.get(row.unit)
+            most = _ALLOWED[row.unit]
             words = row.quantity + ("" if command else ", reached at the end of a step")
             found.append(
                 Signal(
@@ -74,7 +74,7 @@ def inputs(scene: SystemScene) -> list[Signal]:
                     row.unit,
                     f"{part}: {words}" + (f", {axes_of(row.unit)[i - 1]}" if row.shape else ""),
                     value,
-                    None if most is None else -most,
+                    -most,
                     most,
                 )
             )
@@ -158,6 +158,13 @@ def fastest_vessel(scene: SystemScene) -> float:
         ),
         default=0.0,
     )
+
+
+def longest_arm(scene: SystemScene) -> float:
+    """The largest distance of a point from the origin of its vessel or body [m]."""
+    places = [vessel.points for vessel in scene.vessels.values()]
+    places += [body.points for body in scene.bodies.values()]
+    return max((math.hypot(*place) for named in places for place in named.values()), default=0.0)
 
 
 def ports_of(scene: SystemScene) -> list[tuple[str, str, str]]:

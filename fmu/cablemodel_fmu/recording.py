@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import zipfile
+from collections.abc import Iterable
 from os import PathLike
 from types import TracebackType
 from typing import Any, Self
@@ -11,10 +12,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cablemodel.errors import CableModelError
+from cablemodel.kernels import layout as at
 from cablemodel.model import CableModel
-from cablemodel.recorder import Recorder
+from cablemodel.recorder import recorder_of
+from cablemodel.solver import Memory
+from cablemodel.systems import SystemModel, VesselInput
+from cablemodel.systems.inputs import motion_given
 from cablemodel.systems.model import read_scene
-from cablemodel.systems.scene import SystemScene
+from cablemodel.variables import is_system
 from cablemodel_fmu.c_layout import input_layout
 from cablemodel_fmu.export import block_of
 
@@ -38,16 +43,12 @@ class FmuLog:
         options: of `cablemodel.Recorder`: output_interval, state_interval, until.
 
     Raises:
-        CableModelError: its scene is a system, or estimates errors, whose states hold two runs.
+        CableModelError: its scene estimates errors, whose states hold two runs.
     """
 
     def __init__(self, fmu: str | PathLike[str], log: str | PathLike[str], **options: Any) -> None:
         with zipfile.ZipFile(fmu) as archive:
             scene = read_scene(archive.read("resources/scene.yaml").decode())
-        if isinstance(scene, SystemScene):
-            raise CableModelError(
-                "the FMU of a system cannot be logged: `cablemodel run` logs its scene"
-            )
         if scene.solver.error_estimate:
             raise CableModelError(
                 "an FMU that estimates its errors cannot be logged: export it without "
@@ -55,8 +56,8 @@ class FmuLog:
             )
         self._fmu = fmu
         self._parameters: list[tuple[str, int, float]] | None = None
-        self.model = _Follower(scene)
-        self.recorder = Recorder(self.model, log, **options)
+        self.model: Any = (_SystemFollower if is_system(scene) else _Follower)(scene)
+        self.recorder: Any = recorder_of(self.model, log, **options)
 
     def __call__(self, time: float, recorder: Any) -> bool:
         """Take over a step that was made; fmpy goes on.
@@ -134,11 +135,7 @@ class _Follower(CableModel):
             if words[at] != 0.0:
                 value = words[at + 1 : at + 1 + count].copy()
                 given[name] = value if count > 1 else float(value[0])
-        memory = self._solver.memory
-        now = memory.image.copy()
-        memory.image[:] = self._next
-        self.reached = self.time
-        memory.image[:] = now
+        self.reached = _time_of(self._solver.memory, self._next)
         return given
 
     def step_to(
@@ -152,3 +149,60 @@ class _Follower(CableModel):
         """Take over the state that the FMU has reached."""
         self._solver.memory.image[:] = self._next
         self._summary_current, self._errors = False, None
+
+
+class _SystemFollower(SystemModel):
+    """A system whose steps an FMU makes."""
+
+    def __init__(self, scene: Any) -> None:
+        super().__init__(scene)
+        self._next: NDArray[np.int64] = self.built.block.image.copy()
+        self._pushed, self._turned = self._forces, self._angles
+        self.reached = self.time
+
+    def take(self, state: NDArray[np.int64]) -> dict[str, Any]:
+        """A state of the FMU: the next step ends there. Returns the inputs that led to it."""
+        size = len(self.built.block.image)
+        self._next = state[-size:]
+        self.reached = _time_of(self.built.block, self._next)
+        scene = self.scene
+        vessels, bodies, foils = len(scene.vessels), len(scene.bodies), len(self._angles)
+        counts = (at.FRAME_INPUTS * vessels, 6 * bodies, foils, 2 * len(scene.winches))
+        applied = state[-size - sum(counts) - len(scene.cuts) : -size].view(np.float64)
+        motion, forces, angles, rates, orders = np.split(applied, np.cumsum(counts))
+        self._pushed = forces.reshape(bodies, 6).copy()
+        self._turned = np.where(np.isnan(angles), self._angles, angles)
+        return {
+            "vessels": {
+                name: VesselInput(**given)
+                for name, row in zip(scene.vessels, motion.reshape(vessels, -1), strict=True)
+                if (given := motion_given(row))
+            },
+            "forces": _by_name(scene.bodies, self._pushed, np.any(self._pushed != 0.0, axis=1)),
+            "deflections": _by_name(self.deflections, self._turned, ~np.isnan(angles)),
+            "rates": _by_name(scene.winches, rates[1::2], rates[::2] != 0.0),
+            "cuts": list(_by_name(scene.cuts, orders, orders != 0.0)),
+        }
+
+    def step_to(self, time: float, **inputs: Any) -> None:
+        """Take over the state that the FMU has reached."""
+        self.built.block.take(self._next)
+        self._forces, self._angles = self._pushed, self._turned
+
+
+def _time_of(memory: Memory, image: NDArray[np.int64]) -> float:
+    """Of an image of a block, or of what is its memory [s]."""
+    now = memory.image.copy()
+    memory.image[:] = image
+    time = float(memory.scalars.time)
+    memory.image[:] = now
+    return time
+
+
+def _by_name(
+    names: Iterable[str], values: NDArray[np.float64], given: NDArray[np.bool_]
+) -> dict[str, Any]:
+    """Those values that were given."""
+    return {
+        name: value for name, value, is_given in zip(names, values, given, strict=True) if is_given
+    }

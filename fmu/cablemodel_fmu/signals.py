@@ -170,21 +170,28 @@ def outputs(scene: Scene, block: AnyBlock, stations: int) -> list[Signal]:
 
 
 def with_nominals(
-    signals: list[Signal], scene: Scene | SystemScene, tension: float, speed: float
+    signals: list[Signal],
+    scene: Scene | SystemScene,
+    tension: float,
+    speed: float,
+    arm: float = 0.0,
 ) -> list[Signal]:
     """The signals with their usual sizes: of a length, a tension, a speed of the scene.
 
     tension: a typical one [N]. speed: of vessel, current or pay-out, the largest of the scene's
-    [m/s]; 0: nothing moves.
+    [m/s]; 0: nothing moves. arm: at which tensions act on parts of a system [m].
     """
     length = scene.line_length
     radius = min(10.0 * length, max(scene.cable_types[c.type].diameter for c in scene.cables) * 100)
     usual = {
         "N": tension,
-        "N.m": tension * 0.1 * radius,
+        "N.m": tension * max(0.1 * radius, arm),
         "m": length,
         "m/s": max(speed, 0.1),
         "1/m": 1.0 / radius,
+        "rad": 1.0,
+        "rad/s": 0.1,
+        "s": scene.run.duration,
     }
     found = []
     for signal in signals:

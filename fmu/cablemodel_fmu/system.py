@@ -1,20 +1,20 @@
-"""A vessel and a cable as a system of two FMUs (SSP 1.0): a start for one's own.
+"""Vessels and a scene's cables as a system of FMUs (SSP 1.0): a start for one's own.
 
-The vessel is c/vessel/vessel.c: a mass with thrust along x and quadratic resistance. Its velocity
-moves the tow point, the cable's force pulls at it.
+A vessel is c/vessel/vessel.c: a mass with thrust along x and quadratic resistance. Its velocity
+moves the tow point, or a vessel of the scene, the force of what hangs there pulls at it.
 """
 
 from __future__ import annotations
 
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from cablemodel.scene import Scene
+from cablemodel.scene.motion import VesselMotion
+from cablemodel.systems.scene import SystemScene
 from cablemodel_fmu.archive import write_archive
-
-if TYPE_CHECKING:
-    from cablemodel.scene import Scene
 
 VESSEL = "vessel"
 VESSEL_GUID = "{5b0a3c5e-6f0e-4e0e-9d0c-2c7c6f0f5a11}"
@@ -28,15 +28,47 @@ _AXES = ("x (east)", "y (north)", "z (up)")
 _SSD = "http://ssp-standard.org/SSP1/SystemStructureDescription"
 _SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"
 _SSV = "http://ssp-standard.org/SSP1/SystemStructureParameterValues"
-CONNECTIONS = tuple(
-    pair
-    for i in (1, 2, 3)
-    for pair in (
-        (("vessel", f"velocity[{i}]"), ("cable", f"vessel.velocity[{i}]")),
-        (("cable", f"force.top[{i}]"), ("vessel", f"force[{i}]")),
-    )
-)
+
+
+Connection = tuple[tuple[str, str], tuple[str, str]]
 """(component, output), (component, input)."""
+
+
+@dataclass(frozen=True)
+class Craft:
+    """A vessel of an exported system."""
+
+    name: str
+    """Of its component."""
+    force: str
+    """Output of the cable's FMU that pulls at it."""
+    velocity: str
+    """Input of the cable's FMU that it moves."""
+    motion: VesselMotion
+    """Of the scene: it starts with that."""
+
+
+def crafts(scene: Scene | SystemScene) -> list[Craft]:
+    """One for a tow point, or one for each vessel of a system."""
+    if isinstance(scene, Scene):
+        return [Craft(VESSEL, "force.top", "vessel.velocity", scene.motion())]
+    return [
+        Craft(f"{VESSEL}_{name}", f"{name}.force", f"{name}.velocity_input", vessel.motion())
+        for name, vessel in scene.vessels.items()
+    ]
+
+
+def connections(vessels: Sequence[Craft]) -> list[Connection]:
+    """What is connected of vessels and the cable."""
+    return [
+        pair
+        for craft in vessels
+        for i in (1, 2, 3)
+        for pair in (
+            ((craft.name, f"velocity[{i}]"), ("cable", f"{craft.velocity}[{i}]")),
+            (("cable", f"{craft.force}[{i}]"), (craft.name, f"force[{i}]")),
+        )
+    ]
 
 
 def vessel_fmu(target: Path, libraries: Mapping[str, bytes]) -> Path:
@@ -105,11 +137,13 @@ def vessel_description() -> bytes:
     return _text(root)
 
 
-def export_system(scene: Scene, cable: Path, target: Path, libraries: Mapping[str, bytes]) -> Path:
-    """Write a system of a vessel and the cable of an FMU.
+def export_system(
+    scene: Scene | SystemScene, cable: Path, target: Path, libraries: Mapping[str, bytes]
+) -> Path:
+    """Write a system of vessels and the cable of an FMU.
 
     Args:
-        scene: what the FMU was exported from: the vessel starts with its motion.
+        scene: what the FMU was exported from: vessels start with its motion.
         cable: the FMU.
         libraries: of the vessel, paths in its FMU to contents.
     """
@@ -126,8 +160,8 @@ def export_system(scene: Scene, cable: Path, target: Path, libraries: Mapping[st
     return write_archive(target, files)
 
 
-def structure(scene: Scene) -> bytes:
-    """SystemStructure.ssd: the two components, their connectors, what is connected."""
+def structure(scene: Scene | SystemScene) -> bytes:
+    """SystemStructure.ssd: the components, their connectors, what is connected."""
     for prefix, name in (("ssd", _SSD), ("ssc", _SSC), ("ssv", _SSV)):
         ElementTree.register_namespace(prefix, name)
     title = scene.title or "Cable"
@@ -135,16 +169,15 @@ def structure(scene: Scene) -> bytes:
                                {"version": "1.0", "name": title})  # fmt: skip
     system = ElementTree.SubElement(root, f"{{{_SSD}}}System", {"name": "tow"})
     elements = ElementTree.SubElement(system, f"{{{_SSD}}}Elements")
-    position, velocity, _ = scene.motion().evaluate(0.0)
-    values = {name: value for name, (value, _, _) in _PARAMETERS.items()}
-    for name, vector in (("velocity", velocity), ("position", position)):
-        values |= {f"start_{name}[{i}]": float(x) for i, x in enumerate(vector, start=1)}
-    _component(elements, "vessel", values)
-    _component(elements, "cable", {})
-    connections = ElementTree.SubElement(system, f"{{{_SSD}}}Connections")
-    for (start, output), (end, reached) in CONNECTIONS:
+    vessels = crafts(scene)
+    pairs = connections(vessels)
+    for craft in vessels:
+        _component(elements, craft.name, VESSEL, pairs, _values(craft))
+    _component(elements, "cable", "cable", pairs, {})
+    connected = ElementTree.SubElement(system, f"{{{_SSD}}}Connections")
+    for (start, output), (end, reached) in pairs:
         ElementTree.SubElement(
-            connections,
+            connected,
             f"{{{_SSD}}}Connection",
             {
                 "startElement": start,
@@ -158,17 +191,30 @@ def structure(scene: Scene) -> bytes:
     return _text(root)
 
 
-def _component(parent: ElementTree.Element, name: str, values: Mapping[str, float]) -> None:
+def _values(craft: Craft) -> dict[str, float]:
+    """Of a vessel's parameters."""
+    position, velocity, _ = craft.motion.evaluate(0.0)
+    values = {name: value for name, (value, _, _) in _PARAMETERS.items()}
+    for name, vector in (("velocity", velocity), ("position", position)):
+        values |= {f"start_{name}[{i}]": float(x) for i, x in enumerate(vector, start=1)}
+    return values
+
+
+def _component(
+    parent: ElementTree.Element,
+    name: str,
+    fmu: str,
+    pairs: Sequence[Connection],
+    values: Mapping[str, float],
+) -> None:
     component = ElementTree.SubElement(
         parent,
         f"{{{_SSD}}}Component",
         {"name": name, "type": "application/x-fmu-sharedlibrary",
-         "source": f"resources/{name}.fmu"},
+         "source": f"resources/{fmu}.fmu"},
     )  # fmt: skip
     connectors = ElementTree.SubElement(component, f"{{{_SSD}}}Connectors")
-    ends: Iterable[tuple[tuple[str, str], str]] = (
-        end for start, reached in CONNECTIONS for end in ((start, "output"), (reached, "input"))
-    )
+    ends = (end for start, reached in pairs for end in ((start, "output"), (reached, "input")))
     for (owner, connector), kind in ends:
         if owner == name:
             element = ElementTree.SubElement(

@@ -99,19 +99,19 @@ print("\\nresult", json.dumps(rows), flush=True)
 @pytest.mark.skipif(not MASTERS.exists(), reason="CoFMPy is not installed: make .venv-masters")
 def test_cofmupy_couples_them(folder):
     """It is in an environment of its own, for it wants other versions of what tests use."""
-    from cablemodel_fmu.system import CONNECTIONS
+    from cablemodel_fmu.system import connections, crafts
 
-    connections = [
+    connected = [
         {
             side: {"id": place, "variable": name, "unit": "", "type": "fmu"}
             for side, (place, name) in zip(("source", "target"), pair, strict=True)
         }
-        for pair in CONNECTIONS
+        for pair in connections(crafts(scene()))
     ]
     fmus = [{"id": name, "name": name, "path": str(folder / f"{name}.fmu")}
             for name in ("vessel", "cable")]  # fmt: skip
     configuration = {"cosim_method": "jacobi", "iterative": False, "fmus": fmus}
-    (folder / "system.json").write_text(json.dumps({**configuration, "connections": connections}))
+    (folder / "system.json").write_text(json.dumps({**configuration, "connections": connected}))
     command = [MASTERS, "-c", COFMUPY, folder / "system.json", str(DT), str(STEPS)]
     done = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stdout + done.stderr

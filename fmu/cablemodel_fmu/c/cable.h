@@ -76,6 +76,12 @@ typedef struct {
     int64_t set;
 } PartInput;
 typedef struct System System; /* system.c; NULL: a scene of one line */
+enum { WRENCH_WORDS = 6 };
+/* An input of a vessel's motion; by: what moved that in the last step, 0: the scene. */
+typedef struct {
+    int64_t vessel, axis, by;
+    int turning, is_position;
+} MotionInput;
 
 /* Everything of an instance that a saved state holds, apart from the block's image and `values`. */
 typedef struct {
@@ -112,6 +118,7 @@ typedef struct Cable {
     int64_t *copy; /* of the block, for what uses it up; NULL until it is needed */
     int rate_current;
     double rate[3]; /* of the force on the vessel */
+    double *wrenches; /* of a system: rates of forces and moments on vessels, and room for two of them */
     int coarse; /* the shape at the start bends more than the exported elements can follow */
     /* The run that the errors of this one are estimated by; NULL where that is not asked for. Its
        block counts: inputs, parameters and phase are those of this one. */
@@ -146,6 +153,8 @@ int64_t cablemodel_force_rate(void *block, int64_t words, double last_step, doub
                               int64_t n);
 int64_t cablemodel_force_response(void *block, int64_t words, double *motion, int64_t n, double *out,
                                   int64_t m);
+int64_t cablemodel_wrenches_when_moved(void *block, int64_t words, double length, double *out,
+                                       int64_t n);
 
 /* Those of the direct solver, whose block has another magic number. */
 int64_t cablemodel_direct_work(void *block, int64_t words, int64_t task, double number,
@@ -185,6 +194,10 @@ const char *check_part_value(const Cable *cable, unsigned vr, double value, doub
 void mark_part_set(Cable *cable, unsigned vr, int derivative);
 const char *ignored_part_input(Cable *cable, unsigned vr);
 int64_t step_system(Cable *cable, double t_end, double dt);
+int64_t vessels_of(const Cable *cable);
+int64_t wrench_of(const Cable *cable, unsigned vr);
+void read_wrenches(Cable *cable, int64_t *block, double *to);
+int motion_of(const Cable *cable, unsigned vr, MotionInput *found);
 void explain_in_system(const Cable *cable, const char *problem, const char *advice, char *message,
                        size_t size);
 

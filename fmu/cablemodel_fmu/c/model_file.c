@@ -359,5 +359,6 @@ void free_cable(Cable *cable) {
     free(cable->arcs);
     free(cable->rows);
     free(cable->copy);
+    free(cable->wrenches);
     free_system(cable->system);
 }

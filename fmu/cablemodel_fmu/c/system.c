@@ -14,6 +14,7 @@
 enum { OF_VESSEL = 12, OF_FREE_BODY = 6 };
 /* Groups of three among a vessel's inputs, and their bits. */
 enum { AT_POSITION = 0, AT_VELOCITY = 3, AT_ATTITUDE = 6, AT_RATE = 9 };
+enum { GIVEN_ALL = GIVEN_POSITION | GIVEN_VELOCITY | GIVEN_ATTITUDE | GIVEN_RATE };
 /* Outputs of a line, but for those of its stations, and of each station; of a body, of a vessel. */
 enum { LINE_OUTPUTS = 4, STATION_OUTPUTS = 5, BODY_OUTPUTS = 12, VESSEL_OUTPUTS = 18, WINCH_OUTPUTS = 3 };
 
@@ -44,6 +45,7 @@ struct System {
     int64_t *counts; /* samples at the nodes of each line */
     double *nodes, *fractions, *samples, *parts;
     double *motion, *forces, *angles, *rates, *orders, *kept; /* of a step */
+    int64_t applied;                                          /* words of `applied_in` */
 };
 
 static int within(int64_t value, int64_t low, int64_t high) {
@@ -156,8 +158,9 @@ const char *load_system(Cable *cable, const int64_t *section, int64_t words, con
     s->segments = section + 1 + ROW_WORDS * named;
     const char *problem = check_section(s, header(I)->cable_count);
     if (problem != NULL) return problem;
+    s->applied = s->vessels * FRAME_INPUTS + s->bodies * OF_FREE_BODY + s->foils + 2 * s->winches + s->cuts;
     cable->value_words = s->inputs * (int64_t)(sizeof(PartInput) / 8) +
-                         s->vessels * (int64_t)(sizeof(Choice) / 8);
+                         s->vessels * (int64_t)(sizeof(Choice) / 8) + s->applied;
     s->outputs = s->lines * (LINE_OUTPUTS + STATION_OUTPUTS * cable->stations) +
                  s->bodies * BODY_OUTPUTS + s->vessels * VESSEL_OUTPUTS +
                  s->winches * WINCH_OUTPUTS + s->cuts;
@@ -177,7 +180,8 @@ const char *load_system(Cable *cable, const int64_t *section, int64_t words, con
     s->rates = calloc((size_t)(2 * s->winches) + 1, sizeof(double));
     s->orders = calloc((size_t)s->cuts + 1, sizeof(double));
     s->kept = calloc((size_t)(header(I)->position - header(I)->frames) + 1, sizeof(double));
-    if (s->told == NULL || s->values == NULL || s->elements == NULL || s->counts == NULL || s->nodes == NULL || s->fractions == NULL || s->samples == NULL || s->parts == NULL ||
+    cable->wrenches = calloc((size_t)(3 * WRENCH_WORDS * s->vessels) + 1, sizeof(double));
+    if (cable->wrenches == NULL || s->told == NULL || s->values == NULL || s->elements == NULL || s->counts == NULL || s->nodes == NULL || s->fractions == NULL || s->samples == NULL || s->parts == NULL ||
         s->motion == NULL || s->forces == NULL || s->angles == NULL || s->rates == NULL ||
         s->orders == NULL ||
         s->kept == NULL)
@@ -202,6 +206,13 @@ static PartInput *inputs_in(const System *s, void *values, int64_t n) {
 
 static Choice *choices_in(const System *s, void *values) {
     return (Choice *)((PartInput *)values + s->inputs);
+}
+
+/* What the kernels were given in the last step: FRAME_INPUTS words of each vessel, force and torque on
+   each body, deflections (NaN: not given), of each winch whether its rate is given, and that, cuts
+   that were ordered. cablemodel_fmu/recording.py reads it. */
+static double *applied_in(const System *s, void *values) {
+    return (double *)(choices_in(s, values) + s->vessels);
 }
 
 /* By a value reference; NULL: it is none. */
@@ -260,8 +271,10 @@ const char *check_part_inputs(const Cable *cable, const void *values) {
             return "an input is out of range";
     }
     const Choice *choices = (const Choice *)((const PartInput *)values + s->inputs);
+    const double *applied = (const double *)(choices + s->vessels);
     for (int64_t n = 0; n < s->vessels; n++)
-        if (!within(choices[n].by, BY_VELOCITY, BY_BOTH) || !within(choices[n].given, 0, 1))
+        if (!within(choices[n].by, BY_VELOCITY, BY_BOTH) || !within(choices[n].given, 0, 1) ||
+            !whole(applied[FRAME_INPUTS * n], 0, GIVEN_ALL))
             return "a choice is out of range";
     return NULL;
 }
@@ -417,6 +430,22 @@ static int collect_parts(const Cable *cable, double dt) {
     return any;
 }
 
+/* What a step has applied, into the words of `applied_in`. */
+static void remember_applied(Cable *cable) {
+    const System *s = cable->system;
+    double *to = applied_in(s, cable->values);
+    const int64_t first_foil = OF_VESSEL * s->vessels + OF_FREE_BODY * s->bodies;
+    for (int64_t n = 0; n < s->foils; n++)
+        if (!drives(cable, first_foil + n)) s->angles[n] = NAN;
+    const struct {
+        const double *from;
+        int64_t words;
+    } parts[] = {{s->motion, s->vessels * FRAME_INPUTS}, {s->forces, s->bodies * OF_FREE_BODY},
+                 {s->angles, s->foils}, {s->rates, 2 * s->winches}, {s->orders, s->cuts}};
+    for (size_t n = 0; n < sizeof parts / sizeof parts[0]; to += parts[n++].words)
+        memcpy(to, parts[n].from, sizeof(double) * (size_t)parts[n].words);
+}
+
 /* On failure nothing has changed. */
 int64_t step_system(Cable *cable, double t_end, double dt) {
     System *s = cable->system;
@@ -442,6 +471,7 @@ int64_t step_system(Cable *cable, double t_end, double dt) {
         PartInput *input = inputs_in(s, cable->values, n);
         input->before = input->value;
     }
+    remember_applied(cable);
     return OK;
 }
 
@@ -644,6 +674,48 @@ const char *read_part(Cable *cable, unsigned vr, double *value) {
 }
 
 void system_changed(System *system) { system->current = 0; }
+
+/* -- for derivatives ----------------------------------------------------------------------------- */
+
+int64_t vessels_of(const Cable *cable) { return cable->system->vessels; }
+
+/* Where an output is among the forces and moments on vessels, WRENCH_WORDS of each; -1: elsewhere. */
+int64_t wrench_of(const Cable *cable, unsigned vr) {
+    const System *s = cable->system;
+    const int64_t first = s->lines * (LINE_OUTPUTS + STATION_OUTPUTS * cable->stations) + s->bodies * BODY_OUTPUTS;
+    const int64_t n = (int64_t)vr - VR_SYSTEM_OUTPUT - first;
+    if (!within(n, 0, s->vessels * VESSEL_OUTPUTS - 1)) return -1;
+    const int64_t word = n % VESSEL_OUTPUTS - (VESSEL_OUTPUTS - WRENCH_WORDS);
+    return word < 0 ? -1 : n / VESSEL_OUTPUTS * WRENCH_WORDS + word;
+}
+
+/* The forces and moments of all vessels, of the block or a copy of it. */
+void read_wrenches(Cable *cable, int64_t *block, double *to) {
+    System *s = cable->system;
+    double *vessels = s->parts + PART_WORDS * s->bodies;
+    cablemodel_parts(block, cable->block_words, s->parts, PART_WORDS * s->bodies, vessels,
+                     PART_WORDS * s->vessels);
+    for (int64_t n = 0; n < s->vessels; n++)
+        memcpy(to + WRENCH_WORDS * n, vessels + PART_WORDS * n + PART_WORDS - WRENCH_WORDS,
+               WRENCH_WORDS * sizeof(double));
+}
+
+/* Which component of a vessel's motion an input is, and by what the last step was given of it.
+   Returns 0 of another input. */
+int motion_of(const Cable *cable, unsigned vr, MotionInput *found) {
+    const System *s = cable->system;
+    const int64_t n = (int64_t)vr - VR_SYSTEM_INPUT;
+    if (!within(n, 0, OF_VESSEL * s->vessels - 1)) return 0;
+    const int64_t group = n % OF_VESSEL / 3 * 3;
+    found->vessel = n / OF_VESSEL;
+    found->axis = n % 3;
+    found->turning = group == AT_ATTITUDE || group == AT_RATE;
+    found->is_position = group == AT_POSITION || group == AT_ATTITUDE;
+    const int64_t given = (int64_t)applied_in(s, cable->values)[FRAME_INPUTS * found->vessel];
+    const int64_t own = given / (found->turning ? GIVEN_RATE : GIVEN_VELOCITY) & (GIVEN_VELOCITY | GIVEN_POSITION);
+    found->by = own == GIVEN_VELOCITY ? BY_VELOCITY : own == GIVEN_POSITION ? BY_POSITION : own == 0 ? 0 : BY_BOTH;
+    return 1;
+}
 
 /* Where a step failed: Built.where of cablemodel/systems/built.py. */
 void explain_in_system(const Cable *cable, const char *problem, const char *advice, char *message,
