@@ -330,7 +330,7 @@ def assert_same_tables(found, expected) -> None:
         (Header.acceleration.word, nodes, size, 1.0),
         (Header.tension.word, nodes, 2, tension),
         (Header.tension_rate.word, nodes, 2, tension),
-        (Header.rest.word, nodes, 3, length),
+        (Header.rest.word, nodes, size, length),
         (Header.history.word, nodes, 2 * size, length),
     ):
         name = next(n for n, word_of in Header.FIELDS.items() if word_of.word == place)

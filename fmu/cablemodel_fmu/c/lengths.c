@@ -303,11 +303,8 @@ static void forget_stabilisation(Cable *cable) {
 }
 
 static void rest_here(Cable *cable) {
-    const int64_t *I = cable->I, dimension = header(I)->dimension;
-    for (int64_t node = 0; node < header(I)->nodes; node++)
-        for (int64_t i = 0; i < dimension; i++)
-            cable->M[header(I)->rest + 3 * node + i] =
-                cable->M[header(I)->position + 2 * dimension * node + i];
+    const int64_t *I = cable->I, words = header(I)->nodes * 2 * header(I)->dimension;
+    memcpy(cable->M + header(I)->rest, cable->M + header(I)->position, sizeof(double) * (size_t)words);
 }
 
 /* The frame in which a static shape is at rest: its velocity in the block's coordinates. */

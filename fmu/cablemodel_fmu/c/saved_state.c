@@ -27,7 +27,7 @@ static void parts_of(const int64_t *I, Part parts[PARTS]) {
         int64_t array, words;
     } of_nodes[PARTS - TABLES] = {
         {WORD(Header, parent), 1}, {WORD(Header, joint), 1}, {WORD(Header, edges), EDGE_WORDS}, {WORD(Header, position), size}, {WORD(Header, velocity), size},
-        {WORD(Header, acceleration), size}, {WORD(Header, tension), 2}, {WORD(Header, tension_rate), 2}, {WORD(Header, rest), 3},
+        {WORD(Header, acceleration), size}, {WORD(Header, tension), 2}, {WORD(Header, tension_rate), 2}, {WORD(Header, rest), size},
         {WORD(Header, history), 2 * size}, {WORD(Header, diagonal), size * size}, {WORD(Header, upper), size * size},
         {WORD(Header, lower), size * size}, {WORD(Header, gradient), 4 * size}, {WORD(Header, compliance), 3}};
     parts[0] = (Part){0, header(I)->pieces + PIECE_WORDS};
