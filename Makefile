@@ -106,6 +106,7 @@ stress: $(READY_BENCH)  ## run the stress scenes (long)
 	$(BIN)/python -m benchmarks.robustness
 	$(BIN)/python -m benchmarks.stress_scenes
 	$(BIN)/python -m benchmarks.soak
+	$(BIN)/python -m benchmarks.slack
 	$(BIN)/python -m benchmarks.random_scenes.heave
 	$(BIN)/python -m benchmarks.random_scenes.estimate
 	for kind in --waves --ordinary --converge ""; do \
