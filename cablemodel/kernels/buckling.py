@@ -231,10 +231,10 @@ def fall_over(I, M):
     for node in range(1, head.nodes):
         if I[head.joint + node] != 0 or M[head.tension + 2 * node] >= 0.0:
             continue
-        if not near_floor(I, M, node, q, w) or is_prescribed(I, M, node):
+        if not near_floor(I, M, node, q, w):
             continue
         angle = crookedness(M, edge_of(I, M, node), least)
-        if aside(I, M, node, w) > FLAT * angle:
+        if aside(I, M, node, w) > FLAT * angle or is_prescribed(I, M, node):
             continue
         angle *= math.cos(TURN * node)
         for i in range(3):

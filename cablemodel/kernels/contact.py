@@ -62,13 +62,8 @@ def place_law(preload, gap, depth):
 
 
 @inlined
-def friction(M, contact, press, w, dimension):
-    """Friction per length into w[9:12]; w[6:9]: bristle e; the normal is in w[3:6].
-
-    The part of e along the normal is removed. Returns whether it sticks, the length of e and the
-    stiffness: minus force over e.
-    """
-    state = scalars(M)
+def along_floor(w, dimension):
+    """Remove the part along the normal in w[3:6] from the vector in w[6:9]; returns its length."""
     along = 0.0
     for i in range(dimension):
         along += w[6 + i] * w[3 + i]
@@ -76,7 +71,18 @@ def friction(M, contact, press, w, dimension):
     for i in range(dimension):
         w[6 + i] -= along * w[3 + i]
         length += w[6 + i] ** 2
-    length = math.sqrt(length)
+    return math.sqrt(length)
+
+
+@inlined
+def friction(M, contact, press, w, dimension):
+    """Friction per length into w[9:12]; w[6:9]: bristle e; the normal is in w[3:6].
+
+    The part of e along the normal is removed. Returns whether it sticks, the length of e and the
+    stiffness: minus force over e.
+    """
+    state = scalars(M)
+    length = along_floor(w, dimension)
     stiffness = state.friction * contact / state.bristle
     limit = state.friction * press
     sticks = stiffness * length <= limit

@@ -5,6 +5,7 @@ import math
 from .access import body_of, edge_of, header, scalars
 from .compile import inlined, kernel
 from .contact import (
+    along_floor,
     contact_law,
     contact_place,
     contact_places,
@@ -40,14 +41,7 @@ def longest_beside(I, M, node):
 def kept_of(w, limit, dimension):
     """Share of the vector in w[6:9] that is left of it, along the floor, where it is longer than a
     limit; its part along the normal in w[3:6] is removed."""
-    along = 0.0
-    for i in range(dimension):
-        along += w[6 + i] * w[3 + i]
-    length = 0.0
-    for i in range(dimension):
-        w[6 + i] -= along * w[3 + i]
-        length += w[6 + i] ** 2
-    length = math.sqrt(length)
+    length = along_floor(w, dimension)
     return 1.0 if length <= limit else limit / length
 
 

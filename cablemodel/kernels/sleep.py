@@ -18,6 +18,7 @@ import math
 from .access import body_of, constraint_of, edge_of, header, scalars, word_of
 from .backup import keep_sleepers
 from .compile import copy_words, kernel, view
+from .contact import along_floor, bristle_at
 from .environment import over_depth
 from .floor_surface import gap_at, lowest_gap
 from .follow import finest_length, holds_something
@@ -184,15 +185,9 @@ def spare_friction(I, M, node):
     for i in range(dimension):
         w[i] = M[at + i]
     gap = gap_at(I, M, w, w[3:6])
-    along = 0.0
-    for i in range(dimension):
-        w[6 + i] = w[i] - M[head.rest + 2 * dimension * node + i]
-        along += w[6 + i] * w[3 + i]
-    square = 0.0
-    for i in range(dimension):
-        square += (w[6 + i] - along * w[3 + i]) ** 2
+    bristle_at(I, M, node, w, dimension)
     share = min(1.0, 1.0 - gap / state.floor_depth)
-    return max(0.0, share - math.sqrt(square) / state.bristle)
+    return max(0.0, share - along_floor(w, dimension) / state.bristle)
 
 
 @kernel
