@@ -27,7 +27,8 @@ from numpy.typing import NDArray
 
 from benchmarks.compare import cost_at, front
 from benchmarks.measure import Contestant, Measurement, Runner, measure, run_once
-from benchmarks.peers.moordyn import silence
+from benchmarks.peers.moordyn import Settings as MoorDynSettings
+from benchmarks.peers.moordyn import deck, silence
 from benchmarks.peers.moordyn_search import TRIED
 from benchmarks.references import Reference
 from benchmarks.report import MEASUREMENT_HEAD, measurement_rows, number
@@ -37,8 +38,6 @@ from benchmarks.sections import read_rows, table, write_part, write_rows
 FOLDER = Path("docs/benchmarks")
 PAGE = Path("docs/benchmarks.md")
 DENSITY = 1025.0
-BED = 2000.0
-"""MoorDyn's water depth, far below all lines [m]."""
 TOLERANCES = (1e-1, 3e-2, 1e-2, 4e-3, 2e-3, 1e-3, 4e-4, 1e-4, 3e-5, 1e-5, 1e-6)
 FINEST, CHECK = 1e-7, 1e-6
 """Tolerance of our own limit, and of the run that it is checked by."""
@@ -258,14 +257,8 @@ class SystemRunner:
 
 
 @dataclass(frozen=True)
-class Settings:
-    """How MoorDyn integrates; as `benchmarks.peers.moordyn.Settings`."""
-
-    segments: int
-    scheme: str
-    step_factor: float
-    damping: float
-    coupling_step: float
+class Settings(MoorDynSettings):
+    """How MoorDyn integrates, in words, too."""
 
     @property
     def words(self) -> str:
@@ -288,36 +281,16 @@ def moordyn_input(case: SystemCase, settings: Settings, time_step: float) -> str
         f"{k} K {one + 1} {other + 1} {cable.length!r} {settings.segments} -"
         for k, (one, other) in enumerate(case.lines, 1)
     )
-    return f"""MoorDyn input file
----------------------- LINE TYPES ----------------------
-TypeName Diam Mass/m EA BA/-zeta EI Cd Ca CdAx CaAx
-(name) (m) (kg/m) (N) (N-s/-) (N-m^2) (-) (-) (-) (-)
-K {cable.diameter!r} {cable.mass!r} {cable.axial_stiffness!r} {-settings.damping!r} 0.0 \
-{cable.drag_normal!r} {cable.added_mass!r} {cable.drag_tangential!r} 0.0
----------------------- POINTS ----------------------
-ID Type X Y Z Mass Volume CdA Ca
-(#) (-) (m) (m) (m) (kg) (m^3) (m^2) (-)
-{points}
----------------------- LINES ----------------------
-ID LineType AttachA AttachB UnstrLen NumSegs LineOutputs
-(#) (name) (ID) (ID) (m) (-) (-)
-{lines}
----------------------- OPTIONS ----------------------
-0 writeLog
-1 disableOutput
-{settings.scheme} tScheme
-{GRAVITY!r} g
-{DENSITY!r} rho
-{BED!r} WtrDpth
-{time_step!r} dtM
-0 WaveKin
-0.5 dtIC
-600 TmaxIC
-1e-7 threshIC
----------------------- OUTPUTS ----------------------
-FairTen1
----------------------- need this line ----------------------
-"""
+    return deck(
+        cable,
+        settings,
+        time_step,
+        points=points,
+        lines=lines,
+        bending=0.0,
+        gravity=GRAVITY,
+        density=DENSITY,
+    )
 
 
 _RELAXED: dict[tuple[str, int, str], bytes] = {}

@@ -39,7 +39,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.scenes import BenchmarkScene, Wave
+from benchmarks.scenes import BenchmarkScene, Cable, Wave
 
 WAVES_HELD = 0.01
 """How long the water's motion at the nodes is held, about [s]."""
@@ -78,6 +78,53 @@ def highest_frequency(scene: BenchmarkScene, segments: int) -> float:
     return max(axial, bending)
 
 
+def deck(
+    cable: Cable,
+    settings: Settings,
+    time_step: float,
+    *,
+    points: str,
+    lines: str,
+    bending: float,
+    gravity: float,
+    density: float,
+    waves: bool = False,
+) -> str:
+    """MoorDyn's input file for lines of one cable: rows of points and lines, and the options."""
+    damping = -settings.damping if settings.damping else 0.0
+    return f"""MoorDyn input file
+---------------------- LINE TYPES ----------------------
+TypeName Diam Mass/m EA BA/-zeta EI Cd Ca CdAx CaAx
+(name) (m) (kg/m) (N) (N-s/-) (N-m^2) (-) (-) (-) (-)
+K {cable.diameter!r} {cable.mass!r} {cable.axial_stiffness!r} {damping!r} \
+{bending!r} {cable.drag_normal!r} {cable.added_mass!r} \
+{cable.drag_tangential!r} 0.0
+---------------------- POINTS ----------------------
+ID Type X Y Z Mass Volume CdA Ca
+(#) (-) (m) (m) (m) (kg) (m^3) (m^2) (-)
+{points}
+---------------------- LINES ----------------------
+ID LineType AttachA AttachB UnstrLen NumSegs LineOutputs
+(#) (name) (ID) (ID) (m) (-) (-)
+{lines}
+---------------------- OPTIONS ----------------------
+0 writeLog
+1 disableOutput
+{settings.scheme} tScheme
+{gravity!r} g
+{density!r} rho
+{BED!r} WtrDpth
+{time_step!r} dtM
+{int(waves)} WaveKin
+0.5 dtIC
+600 TmaxIC
+1e-7 threshIC
+---------------------- OUTPUTS ----------------------
+FairTen1
+---------------------- need this line ----------------------
+"""
+
+
 def input_file(scene: BenchmarkScene, settings: Settings, time_step: float) -> str:
     """MoorDyn's input file for a scene: one line from the vessel (point 1) to a free point."""
     cable = scene.cable
@@ -87,39 +134,20 @@ def input_file(scene: BenchmarkScene, settings: Settings, time_step: float) -> s
         kind, tip = "Free", [float(x) for x in scene.starting_points(settings.segments)[-1]]
     else:
         kind, tip = "Fixed", list(scene.anchor)
-    damping = -settings.damping if settings.damping else 0.0
-    return f"""MoorDyn input file
----------------------- LINE TYPES ----------------------
-TypeName Diam Mass/m EA BA/-zeta EI Cd Ca CdAx CaAx
-(name) (m) (kg/m) (N) (N-s/-) (N-m^2) (-) (-) (-) (-)
-K {cable.diameter!r} {cable.mass!r} {cable.axial_stiffness!r} {damping!r} \
-{cable.bending_stiffness!r} {cable.drag_normal!r} {cable.added_mass!r} \
-{cable.drag_tangential!r} 0.0
----------------------- POINTS ----------------------
-ID Type X Y Z Mass Volume CdA Ca
-(#) (-) (m) (m) (m) (kg) (m^3) (m^2) (-)
-1 Coupled 0 0 {-scene.depth!r} 0 0 0 0
-2 {kind} {tip[0]!r} {tip[1]!r} {tip[2] - scene.depth!r} 0 0 0 0
----------------------- LINES ----------------------
-ID LineType AttachA AttachB UnstrLen NumSegs LineOutputs
-(#) (name) (ID) (ID) (m) (-) (-)
-1 K 2 1 {cable.length!r} {settings.segments} -
----------------------- OPTIONS ----------------------
-0 writeLog
-1 disableOutput
-{settings.scheme} tScheme
-{gravity!r} g
-{scene.water_density!r} rho
-{BED!r} WtrDpth
-{time_step!r} dtM
-{int(scene.wave is not None)} WaveKin
-0.5 dtIC
-600 TmaxIC
-1e-7 threshIC
----------------------- OUTPUTS ----------------------
-FairTen1
----------------------- need this line ----------------------
-"""
+    return deck(
+        cable,
+        settings,
+        time_step,
+        points=(
+            f"1 Coupled 0 0 {-scene.depth!r} 0 0 0 0\n"
+            f"2 {kind} {tip[0]!r} {tip[1]!r} {tip[2] - scene.depth!r} 0 0 0 0"
+        ),
+        lines=f"1 K 2 1 {cable.length!r} {settings.segments} -",
+        bending=cable.bending_stiffness,
+        gravity=gravity,
+        density=scene.water_density,
+        waves=scene.wave is not None,
+    )
 
 
 @contextlib.contextmanager

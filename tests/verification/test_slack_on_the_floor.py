@@ -56,6 +56,13 @@ def at_rest(drum: float) -> cm.CableModel:
     return cm.CableModel(scene(45.0, drum, rate, [{"t": 0.0, "velocity": [0.0, 0.0, 0.0]}]))
 
 
+def lay(speed: float, slack: float, floor: dict[str, Any] | None = None) -> cm.CableModel:
+    """A ship that lays along x, with a share of slack."""
+    rate = [{"t": 0.0, "rate": speed * (1.0 + slack)}]
+    velocity = [{"t": 0.0, "velocity": [speed, 0.0, 0.0]}]
+    return cm.CableModel(scene(80.0, 1000.0, rate, velocity, floor))
+
+
 def awake(model: cm.CableModel) -> int:
     return int(model.statistics["elements"] - model.statistics["asleep"])
 
@@ -122,14 +129,7 @@ def test_a_ship_at_rest_pays_out_for_an_hour() -> None:
 
 def test_a_lay_with_a_tenth_of_slack_leaves_it_all_along() -> None:
     speed, slack = 0.5, 0.1
-    model = cm.CableModel(
-        scene(
-            80.0,
-            1000.0,
-            [{"t": 0.0, "rate": speed * (1.0 + slack)}],
-            [{"t": 0.0, "velocity": [speed, 0.0, 0.0]}],
-        )
-    )
+    model = lay(speed, slack)
     first = 0
     while model.time < 1200.0 - 1e-9:
         model.step(1.0)
@@ -158,15 +158,7 @@ def test_slack_in_space_falls_over_and_lies(tmp_path: Path) -> None:
     places = [f"{x},{y},{1e-5 * abs(y) - DEPTH}" for x in (-500, 1500) for y in (-500, 0, 500)]
     table.write_text("\n".join(["x,y,z", *places]))
     speed, slack = 0.5, 0.02
-    model = cm.CableModel(
-        scene(
-            80.0,
-            1000.0,
-            [{"t": 0.0, "rate": speed * (1.0 + slack)}],
-            [{"t": 0.0, "velocity": [speed, 0.0, 0.0]}],
-            {"depth_table": str(table)},
-        )
-    )
+    model = lay(speed, slack, {"depth_table": str(table)})
     assert not model.planar
     model.step_to(600.0)
     arcs, places = shape(model)
