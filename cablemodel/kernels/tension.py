@@ -196,7 +196,8 @@ def embedded_error(I, M, node, scatter):
 
 @kernel
 def share_of_ring(scheme, share):
-    """Of what is allowed, what a step's embedded error may be of a tension that rings, in a system.
+    """Of what is allowed, what a step's embedded error may be of a tension that rings, in a system
+    without winches: elements that pass one make rings of their own, which steps had better damp.
 
     share: what of that error lasts, 1 / (1 + (w gamma dt)^2), which tells the angle w dt. Errors
     of a ring add up for 2 / LOSS_FACTOR radians, and are larger than the embedded one by
@@ -555,7 +556,9 @@ def tension_error(I, M, dt, scheme, gamma_dt, error):
         if is_watched(I, node):
             scatter = stage_scatter(I, M, node, scheme) if head.parts != 0 else scatter
             left, share = embedded_error(I, M, node, scatter)
-            part = SHARE if head.parts == 0 else share_of_ring(scheme, share)
+            part = SHARE
+            if head.parts != 0 and head.payout == 0:
+                part = share_of_ring(scheme, share)
             lasting = max(lasting, left * share * share / part)
             forgotten = max(forgotten, (1.0 - share * share) * scatter)
     if head.parts != 0:
