@@ -38,7 +38,8 @@ STABILISED = 1e-3
 
 def warn_if_unstable(built: Built) -> bool:
     """Look at a system's start, or at its present motion; returns whether it is unstable. A motion
-    changes in the line's own time: what grows beside it has to swing within that.
+    changes in the line's own time: what grows beside it has to swing within that, and to be a body
+    that foils feed.
 
     Warns:
         UnstableStartWarning: it leaves that by itself.
@@ -64,6 +65,10 @@ def warn_if_unstable(built: Built) -> bool:
     moves = np.linalg.norm(moves[:, 0], axis=1)
     moves[built.body_nodes()] += np.linalg.norm(turns, axis=1)
     part, arc = built.where(int(np.argmax(moves)))
+    if block.scalars.time > 0.0:
+        body = built.scene.bodies.get(part)
+        if body is None or not body.foils:
+            return False
     warning = UnstableStartWarning(
         growth.real, arc, part=part, frequency=abs(growth.imag), time=float(block.scalars.time)
     )
