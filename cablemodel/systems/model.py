@@ -98,7 +98,8 @@ class LineView:
         elements = self._model.built.elements(self.name)
         length, before = self.length, self._model.built.paid(self.name)[0]
         if stations is None:
-            s = np.append(elements.start, length)
+            # Halves of elements that go back along a line begin at 0 to rounding.
+            s = np.clip(np.append(elements.start, length), 0.0, length)
         else:
             s = np.atleast_1d(np.asarray(stations, dtype=np.float64))
         if not np.all((s >= 0.0) & (s <= length * (1.0 + 1e-12))):
