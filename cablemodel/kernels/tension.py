@@ -195,15 +195,17 @@ def embedded_error(I, M, node, scatter):
 
 
 @kernel
-def share_of_ring(scheme, share):
+def share_of_ring(M, dt, scheme, share):
     """Of what is allowed, what a step's embedded error may be of a tension that rings, in a system
     without winches: elements that pass one make rings of their own, which steps had better damp.
 
     share: what of that error lasts, 1 / (1 + (w gamma dt)^2), which tells the angle w dt. Errors
     of a ring add up for 2 / LOSS_FACTOR radians, and are larger than the embedded one by
-    `UNDERRATED` times the angle.
+    `UNDERRATED` times the angle. What its material ends before a line has moved is left to steps.
     """
     angle = math.sqrt(max(0.0, 1.0 / max(share, 1e-6) - 1.0)) / GAMMA[scheme]
+    if 0.5 * LOSS_FACTOR * angle * scalars(M).period > dt:
+        return SHARE
     angle = max(angle, FINEST)
     return 0.5 * LOSS_FACTOR * angle / max(1.0, UNDERRATED[scheme] * angle)
 
@@ -558,7 +560,7 @@ def tension_error(I, M, dt, scheme, gamma_dt, error):
             left, share = embedded_error(I, M, node, scatter)
             part = SHARE
             if head.parts != 0 and head.payout == 0:
-                part = share_of_ring(scheme, share)
+                part = share_of_ring(M, dt, scheme, share)
             lasting = max(lasting, left * share * share / part)
             forgotten = max(forgotten, (1.0 - share * share) * scatter)
     if head.parts != 0:
