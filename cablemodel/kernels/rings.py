@@ -23,12 +23,10 @@ from .access import (
     winch_of,
 )
 from .compile import copy_words, inlined, kernel, view
-from .consistency import jump_along
-from .frames import move_frames_on
+from .consistency import jerk_jump, jump_along
 from .layout import ALONE, HELD_BY_ANCHOR, JOINT_ROOT
 from .tables import GAMMA, NUMERATOR, STAGE_A, STAGE_C, STAGES, WINDOW
 from .tension import (
-    LOSS_FACTOR,
     SHORT,
     SOFTNESS,
     SOLVED_A,
@@ -39,6 +37,10 @@ from .tension import (
     region,
     solve_for_tension,
 )
+
+MOST_LASTING = 2000.0  # rad: longest that a ring is taken to last
+SHARE_OF_RINGS = 0.4  # of the error of tension that a step may have: other errors add to it
+ROUNDED = 1e-9  # of the largest tension: what rounding may change
 
 
 @inlined
@@ -52,6 +54,13 @@ def watched_element(I, row):
     """The element next to a constraint, whose tension is looked at."""
     node = int(row.node)
     return node + 1 if is_root(I, node) else node
+
+
+@kernel
+def ring_allowed(I, M, node):
+    """What may be missed of a ring at a watched element [N]: all of one that is damped at once, or
+    for as long as one lasts that is followed."""
+    return SHARE_OF_RINGS * allowed_at(I, M, node)
 
 
 @kernel
@@ -137,38 +146,42 @@ def begin_window(I, M, row, t, tension):
 
 @kernel
 def jumps_at(I, M, row):
-    """Jumps of velocity [m/s] and acceleration [m/s2] along the line at an end that is held, as a
-    step begins."""
+    """Jumps of velocity [m/s], acceleration [m/s2] and jerk [m/s3] along the line at an end that is
+    held, as a step begins."""
     faster, jump = jump_along(I, M, row)
     for n in range(header(I).winch_count):
         winch = winch_of(I, M, n)
         if winch.node == row.node:
             jump += abs(winch.kink)
-    return faster, jump
+    return faster, jump, jerk_jump(I, M, row)
 
 
 @kernel
 def begin_rings(I, M, dt):
     """As a step of dt begins: the tension with which a line would not ring jumps with an
-    acceleration, and it rings about that; and its velocity about one that jumps."""
+    acceleration, and it rings about that; so its velocity about one that jumps, and the tension's
+    rate about that of a jerk."""
     head = header(I)
     state = scalars(M)
     if dies_away(M):
         return
-    if head.frame_count != 0:
-        move_frames_on(I, M)
+    state.heard = 0.0
     for n in range(head.constraint_count):
         row = constraint_of(I, M, n)
         if row.kind == HELD_BY_ANCHOR or row.clamped == ALONE:
             continue
-        faster, jump = jumps_at(I, M, row)
-        if jump == 0.0 and faster == 0.0:
-            continue
+        faster, jump, jerk = jumps_at(I, M, row)
         top = watched_element(I, row)
-        allowed = allowed_at(I, M, top)
+        allowed = ring_allowed(I, M, top)
         frequency, moved = axial_mode(I, M, int(row.node))
+        if moved == 0.0:
+            continue
+        if state.heard == 0.0 or allowed / moved < state.heard:
+            state.heard = allowed / moved
+            state.heard_frequency = frequency
+        of_jerk = moved * jerk / frequency
         made = moved * (jump + frequency * faster)
-        if made <= allowed:
+        if made + of_jerk <= allowed:
             continue
         made += row.ring
         count = 2 * head.dimension * head.nodes
@@ -178,12 +191,14 @@ def begin_rings(I, M, dt):
             tension = view(M, head.tension, 2 * head.nodes)
             q = view(M, head.position, count)
             v = view(M, head.velocity, count)
-            change, _moving = solve_for_tension(I, M, state.time, SHORT * dt, q, v, tension)
+            now = state.time + state.smallest_step  # of the pieces of motion that begin there
+            change, _moving = solve_for_tension(I, M, now, SHORT * dt, q, v, tension)
             if change >= 0.0:
-                made = min(made, math.hypot(row.ring, change * allowed))
+                made = min(made, math.hypot(row.ring, change * allowed_at(I, M, top)))
         if row.ring == 0.0:
             head.rings += 1
-        row.ring = made
+        row.ring_lasts = 0.0
+        row.ring = made + of_jerk
         begin_window(I, M, row, state.time, M[head.tension + 2 * top])
 
 
@@ -196,6 +211,17 @@ def add_to_window(row, y, weight, tension):
     odd = WINDOW[1, 0] * math.sin(y) + WINDOW[1, 1] * y + WINDOW[1, 2] * y * y * y
     row.ring_cosine += of_it * even
     row.ring_sine += of_it * odd
+
+
+@kernel
+def measure_ring(row, found):
+    """At a window's end: amplitude and how long the ring lasts, by what it has lost of that which
+    the window before has found. What a jump makes is no more than a bound."""
+    lasts = MOST_LASTING
+    if row.ring_lasts > 0.0 and found < row.ring:
+        lasts = min(lasts, 4.0 * math.pi / math.log(row.ring / found))
+    row.ring_lasts = lasts
+    row.ring = min(row.ring, found)
 
 
 @kernel
@@ -228,8 +254,8 @@ def follow_rings(I, M, dt, scheme):
                 share = STAGE_A[scheme, last, i] * angle
                 add_to_window(row, at, share, M[head.stage_tensions + 6 * top + i - 1])
         if y + angle >= 2.0 * math.pi:
-            row.ring = min(row.ring, math.hypot(row.ring_cosine, row.ring_sine))
-            if row.ring <= allowed_at(I, M, top):
+            measure_ring(row, math.hypot(row.ring_cosine, row.ring_sine))
+            if row.ring <= ring_allowed(I, M, top):
                 row.ring = 0.0
                 head.rings -= 1
             begin_window(I, M, row, state.time + dt, after)
@@ -251,15 +277,32 @@ def error_of_ring(scheme, angle):
 
 
 @kernel
-def missed_of_ring(amplitude, scheme, angle):
+def missed_of_ring(amplitude, lasts, scheme, angle):
     """What a step in which a ring of that amplitude [tolerances] turns by that angle misses of it,
     over what it may add [-].
 
-    That is a share of the tolerance: a ring lasts for 2 / LOSS_FACTOR radians. By the two-step
+    That is a share of the tolerance, as the ring lasts [rad, 0: not known yet]. By the two-step
     scheme, -1, it misses a third of the angle's cube.
     """
     missed = angle * angle * angle / 3.0 if scheme < 0 else error_of_ring(scheme, angle)
-    return amplitude * missed / (0.5 * LOSS_FACTOR * angle)
+    if lasts == 0.0:
+        lasts = MOST_LASTING
+    return amplitude * missed * max(lasts / angle, 1.0)
+
+
+@kernel
+def left_of_rings(I, M, dt):
+    """What Newton's method may leave in tensions in a step of dt, which rings keep [N]."""
+    head = header(I)
+    least = math.inf
+    if head.rings == 0:
+        return least
+    for n in range(head.constraint_count):
+        row = constraint_of(I, M, n)
+        if row.ring > 0.0:
+            allowed = ring_allowed(I, M, watched_element(I, row))
+            least = min(least, allowed * row.ring_frequency * dt / MOST_LASTING)
+    return max(least, ROUNDED * scalars(M).largest_tension)
 
 
 @kernel
@@ -271,8 +314,9 @@ def may_miss_rings(I, M, dt, scheme):
     for n in range(head.constraint_count):
         row = constraint_of(I, M, n)
         if row.ring > 0.0:
-            amplitude = row.ring / allowed_at(I, M, watched_element(I, row))
-            if missed_of_ring(amplitude, scheme, row.ring_frequency * dt) > 1.0:
+            amplitude = row.ring / ring_allowed(I, M, watched_element(I, row))
+            angle = row.ring_frequency * dt
+            if missed_of_ring(amplitude, row.ring_lasts, scheme, angle) > 1.0:
                 return False
     return True
 
@@ -288,14 +332,15 @@ def longest_ring_step(I, M, dt, scheme):
         row = constraint_of(I, M, n)
         if row.ring == 0.0:
             continue
-        amplitude = row.ring / allowed_at(I, M, watched_element(I, row))
-        if not missed_of_ring(amplitude, scheme, row.ring_frequency * dt) > 1.0:
+        amplitude = row.ring / ring_allowed(I, M, watched_element(I, row))
+        lasts = row.ring_lasts
+        if not missed_of_ring(amplitude, lasts, scheme, row.ring_frequency * dt) > 1.0:
             continue
         parts = 2.0
-        missed = missed_of_ring(amplitude, scheme, math.pi)
+        missed = missed_of_ring(amplitude, lasts, scheme, math.pi)
         while missed > 1.0:
             parts = math.floor(parts * missed ** (1.0 / (3 + scheme))) + 1.0
-            missed = missed_of_ring(amplitude, scheme, 2.0 * math.pi / parts)
+            missed = missed_of_ring(amplitude, lasts, scheme, 2.0 * math.pi / parts)
         longest = 2.0 * math.pi / (parts * row.ring_frequency)
         if 0.0 < longest and longest < dt:
             dt = longest
