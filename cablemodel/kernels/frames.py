@@ -197,7 +197,8 @@ def is_a_stop(M, piece, dt):
         return True
     if state.heard == 0.0:
         return False
-    return piece.acceleration_jump + piece.jerk_jump / state.heard_frequency > state.heard
+    jump = piece.acceleration_jump + piece.jerk_jump / state.heard_frequency
+    return state.heard < jump <= state.heard_most
 
 
 @kernel

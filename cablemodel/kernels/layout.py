@@ -241,9 +241,11 @@ class Scalars(Record, first=HEADER_WORDS):
 
     # The elements' third strain mode (stabilisation.py).
     third_mode = real("its least stiffness", "N")
+    stiffened = real("1: some element has more of it")
 
     # What makes a line ring along itself (rings.py).
     heard = real("jump of an end's acceleration from which on; 0: none is known", "m/s2")
+    heard_most = real("and up to which: more lets the line go slack", "m/s2")
     heard_frequency = real("of the ring", "rad/s")
 
 

@@ -25,8 +25,10 @@ from .access import (
 from .compile import copy_words, inlined, kernel, view
 from .consistency import jerk_jump, jump_along
 from .layout import ALONE, HELD_BY_ANCHOR, JOINT_ROOT
+from .stabilisation import follow_third_mode
 from .tables import GAMMA, NUMERATOR, STAGE_A, STAGE_C, STAGES, WINDOW
 from .tension import (
+    LOSS_FACTOR,
     SHORT,
     SOFTNESS,
     SOLVED_A,
@@ -40,7 +42,7 @@ from .tension import (
 
 MOST_LASTING = 2000.0  # rad: longest that a ring is taken to last
 SHARE_OF_RINGS = 0.4  # of the error of tension that a step may have: other errors add to it
-ROUNDED = 1e-9  # of the largest tension: what rounding may change
+ROUNDED = 1e-13  # strain that rounding may change
 
 
 @inlined
@@ -58,8 +60,8 @@ def watched_element(I, row):
 
 @kernel
 def ring_allowed(I, M, node):
-    """What may be missed of a ring at a watched element [N]: all of one that is damped at once, or
-    for as long as one lasts that is followed."""
+    """What may be missed of a ring that is followed, at a watched element, for as long as it lasts,
+    and then the rest [N]. What begins with no more than all that a step may miss is not."""
     return SHARE_OF_RINGS * allowed_at(I, M, node)
 
 
@@ -172,14 +174,18 @@ def begin_rings(I, M, dt):
             continue
         faster, jump, jerk = jumps_at(I, M, row)
         top = watched_element(I, row)
-        allowed = ring_allowed(I, M, top)
+        allowed = allowed_at(I, M, top)
         frequency, moved = axial_mode(I, M, int(row.node))
         if moved == 0.0:
             continue
+        taut = M[head.tension + 2 * top]  # what makes more than that lets it go slack
         if state.heard == 0.0 or allowed / moved < state.heard:
             state.heard = allowed / moved
+            state.heard_most = taut / moved
             state.heard_frequency = frequency
         of_jerk = moved * jerk / frequency
+        if of_jerk > taut:
+            of_jerk = 0.0
         made = moved * (jump + frequency * faster)
         if made + of_jerk <= allowed:
             continue
@@ -194,11 +200,14 @@ def begin_rings(I, M, dt):
             now = state.time + state.smallest_step  # of the pieces of motion that begin there
             change, _moving = solve_for_tension(I, M, now, SHORT * dt, q, v, tension)
             if change >= 0.0:
-                made = min(made, math.hypot(row.ring, change * allowed_at(I, M, top)))
+                made = min(made, math.hypot(row.ring, change * allowed))
         if row.ring == 0.0:
+            if made + of_jerk <= allowed:
+                continue
             head.rings += 1
         row.ring_lasts = 0.0
         row.ring = made + of_jerk
+        follow_third_mode(I, M, 1.0)
         begin_window(I, M, row, state.time, M[head.tension + 2 * top])
 
 
@@ -281,12 +290,12 @@ def missed_of_ring(amplitude, lasts, scheme, angle):
     """What a step in which a ring of that amplitude [tolerances] turns by that angle misses of it,
     over what it may add [-].
 
-    That is a share of the tolerance, as the ring lasts [rad, 0: not known yet]. By the two-step
-    scheme, -1, it misses a third of the angle's cube.
+    That is a share of the tolerance, as the ring lasts [rad]; 0: not known yet, then as a cable's
+    material has it. By the two-step scheme, -1, it misses a third of the angle's cube.
     """
     missed = angle * angle * angle / 3.0 if scheme < 0 else error_of_ring(scheme, angle)
     if lasts == 0.0:
-        lasts = MOST_LASTING
+        lasts = 2.0 / LOSS_FACTOR
     return amplitude * missed * max(lasts / angle, 1.0)
 
 
@@ -300,9 +309,11 @@ def left_of_rings(I, M, dt):
     for n in range(head.constraint_count):
         row = constraint_of(I, M, n)
         if row.ring > 0.0:
-            allowed = ring_allowed(I, M, watched_element(I, row))
-            least = min(least, allowed * row.ring_frequency * dt / MOST_LASTING)
-    return max(least, ROUNDED * scalars(M).largest_tension)
+            top = watched_element(I, row)
+            lasts = row.ring_lasts if row.ring_lasts > 0.0 else 2.0 / LOSS_FACTOR
+            share = ring_allowed(I, M, top) * row.ring_frequency * dt / lasts
+            least = min(least, max(share, ROUNDED / edge_of(I, M, top).compliance))
+    return least
 
 
 @kernel

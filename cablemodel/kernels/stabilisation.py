@@ -4,8 +4,8 @@ Full axial stiffness would lock an element that bends: its cubic cannot be run a
 speed, and what that misses would become tension. A few times a typical tension suffice to hold the
 mode. But then it has a frequency of its own, 6.5 sqrt(S / m) / h, and where elements are long that
 is one of the line's motions along itself: a load that rings on eight elements rings with it.
-So the mode is made as stiff as puts its frequency above the line's own, EA (h / L)^2, as long as
-what bending makes of it stays below tau of a typical tension.
+While something rings the mode is made as stiff as puts its frequency above the line's own,
+EA (h / L)^2, as long as what bending makes of it stays below tau of the element's tension.
 
 A line that is drawn taut after its start may carry thousands of times as much: what its tension
 differs by from one element to the next would stretch half of each element by tenths and shorten
@@ -92,15 +92,14 @@ def ringing_stiffness(I, M, edge):
 
 @kernel
 def unlocked_stiffness(I, M, node):
-    """That with which what bending leaves in the mode is tau of a typical tension [N]."""
-    state = scalars(M)
+    """That with which what bending leaves in the mode is tau of the element's tension [N]."""
     strain = max(abs(strain_of_bend(I, M, node)), 1e-20)
-    return state.tolerance * state.third_mode / (STABILISATION * strain)
+    return scalars(M).tolerance * abs(M[header(I).tension + 2 * node]) / strain
 
 
 @kernel
 def stabilise(I, M):
-    """By the tension and the shape of a start, in all elements; whether anything was changed."""
+    """By the tensions of a start, in all elements; whether anything was changed."""
     head = header(I)
     state = scalars(M)
     largest = 0.0
@@ -108,21 +107,11 @@ def stabilise(I, M):
         largest = max(largest, abs(M[head.tension + 2 * node]))
     state.third_mode = max(state.third_mode, STABILISATION * largest)
     changed = 0
-    for node in range(1, head.nodes):
-        edge = edge_of(I, M, node)
-        if I[head.joint + node] != 0 or edge.compliance == 0.0:
-            continue
-        wanted = least_stiffness(M, edge)
-        ringing = ringing_stiffness(I, M, edge)
-        if ringing > wanted:
-            wanted = max(wanted, min(ringing, unlocked_stiffness(I, M, node)))
-        if wanted != edge.stabilisation:
-            edge.stabilisation = wanted
+    for n in range(1, head.nodes + head.cable_count):
+        edge = edge_of(I, M, n) if n < head.nodes else cable_of(I, M, n - head.nodes).edge
+        if edge.compliance > 0.0 and least_stiffness(M, edge) != edge.stabilisation:
+            edge.stabilisation = least_stiffness(M, edge)
             changed = 1
-    for index in range(head.cable_count):
-        wound = cable_of(I, M, index).edge
-        if wound.compliance > 0.0:
-            wound.stabilisation = least_stiffness(M, wound)
     for index in range(head.body_count):
         body = body_of(I, M, index)
         if body.length > 0.0 and largest > 0.0:
@@ -131,8 +120,29 @@ def stabilise(I, M):
 
 
 @kernel
+def wanted_stiffness(I, M, node, edge, tension):
+    """What an element's mode should have [N], beside what it has; tension: its own, if that has
+    outgrown those of the start."""
+    head = header(I)
+    stiffness = edge.stabilisation
+    least = least_stiffness(M, edge)
+    wanted = max(stiffness, min(STABILISATION * tension, 1.0 / edge.compliance))
+    if head.rings == 0 and stiffness <= TWICE * least:
+        return wanted
+    ringing = ringing_stiffness(I, M, edge)
+    if ringing > least:
+        most = max(unlocked_stiffness(I, M, node), least)
+        if stiffness > TWICE * most and stiffness > STABILISATION * tension:
+            return most
+        if head.rings != 0 and min(ringing, most) > TWICE * stiffness:
+            wanted = max(wanted, min(ringing, most))
+    return wanted
+
+
+@kernel
 def follow_third_mode(I, M, share):
-    """After a step, of which the line's sqrt(L/g) is 1 / share: stiffness that does not fit.
+    """After a step, of which the line's sqrt(L/g) is 1 / share, or as a ring begins, share 1:
+    stiffness that does not fit.
 
     An element that bends is made soft at once. Stiffer it becomes by steps: what that adds to the
     energy that the mode holds is bounded by the tension over tau of the element's length in each
@@ -141,6 +151,9 @@ def follow_third_mode(I, M, share):
     head = header(I)
     state = scalars(M)
     taut = state.largest_tension > state.third_mode
+    if not taut and head.rings == 0 and state.stiffened == 0.0:
+        return  # all but the few lines that are drawn taut, or ring
+    state.stiffened = 0.0
     for node in range(1, head.nodes):
         if I[head.joint + node] != 0:
             continue
@@ -148,26 +161,17 @@ def follow_third_mode(I, M, share):
         if edge.compliance == 0.0:
             continue
         stiffness = edge.stabilisation
-        least = least_stiffness(M, edge)
         tension = M[head.tension + 2 * node] if taut else 0.0
-        wanted = stiffness
-        ringing = ringing_stiffness(I, M, edge)
-        if ringing > least:
-            most = max(unlocked_stiffness(I, M, node), least)
-            if stiffness > TWICE * most:
-                wanted = most
-            elif min(ringing, most) > TWICE * stiffness:
-                wanted = min(ringing, most)
-        if tension > wanted:
-            wanted = min(STABILISATION * tension, 1.0 / edge.compliance)
-        if wanted == stiffness:
-            continue
+        wanted = wanted_stiffness(I, M, node, edge, tension if tension > stiffness else 0.0)
         if wanted > stiffness:
             # A tenth of the square of the strain, by length and stiffness, is held.
             strain = third_strain(I, M, node)
             pull = max(tension, state.third_mode / STABILISATION)
             more = 10.0 * share * state.tolerance * pull / max(strain * strain, 1e-20)
             wanted = min(wanted, stiffness + more)
-        edge.stabilisation = wanted
-        head.factored = 0
-        head.has_history = 0
+        if wanted > least_stiffness(M, edge):
+            state.stiffened = 1.0
+        if wanted != stiffness:
+            edge.stabilisation = wanted
+            head.factored = 0
+            head.has_history = 0
