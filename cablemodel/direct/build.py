@@ -136,7 +136,7 @@ def _fill_motion(block: DirectBlock, pieces: FloatArray) -> None:
     table = block.array(Header.pieces, len(pieces) + 1, at.PIECE_WORDS)
     table[1:] = pieces
     table[1, at.Piece.acceleration_jump] = 0.0
-    jump = sum(jumps(pieces))
+    jump = sum(jumps(pieces)[:2])
     table[2:, at.Piece.acceleration_jump] = np.where(jump > 1e-12, jump, 0.0)
 
 

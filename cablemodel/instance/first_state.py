@@ -15,7 +15,6 @@ from cablemodel.errors import SceneError, StaticsError
 from cablemodel.instance import easier_ways, heading, laid_start, search
 from cablemodel.instance.attempts import Attempt
 from cablemodel.instance.frame import local
-from cablemodel.instance.line_tables import RIGID, STABILISATION
 from cablemodel.instance.scales import sinks
 from cablemodel.kernels import layout as at
 from cablemodel.kernels.layout import Header, Scalars
@@ -67,7 +66,7 @@ def find_initial_state(block: Block, scene: Scene, attempt: Attempt) -> None:
             raise StaticsError(
                 f"no static equilibrium was found: {reason}; give initial: {{points: ...}}"
             ) from None
-    if _stabilise(block) and scene.initial.kind == "static":
+    if entry.stabilise(ints, reals) and scene.initial.kind == "static":
         # The new stiffness changes the forces by a little: the state must meet them.
         solve_static(block, scene, frame, attempt)
     count_from_zero(block)
@@ -201,36 +200,6 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, attempt: Attempt
     acceleration = block.array(Header.acceleration, *words).copy()
     entry.place_supports(ints, reals)
     block.array(Header.acceleration, *words)[:] = acceleration
-
-
-def _stabilise(block: Block) -> bool:
-    """Stabilise the tangential modes by the tension found at the start, if that is larger.
-
-    The scale guessed from weights is too small where a line is taut without being heavy, or
-    weightless and held by its bending stiffness. Returns whether anything changed.
-    """
-    changed = False
-    nodes = int(block.header.nodes)
-    tension = float(np.max(np.abs(block.array(Header.tension, nodes, 2)[:, 0])))
-    for rows in (
-        block.array(Header.edges, nodes, at.EDGE_WORDS)[1:],
-        block.array(Header.cables, int(block.header.cable_count), at.CABLE_WORDS)[
-            :, at.Cable.edge :
-        ],
-    ):
-        for row in rows:
-            if row[at.Edge.compliance] > 0.0:
-                bending = 10.0 * row[at.Edge.bending_full] / block.scalars.length**2
-                wanted = max(row[at.Edge.stabilisation], STABILISATION * tension, bending)
-                wanted = min(wanted, 1.0 / row[at.Edge.compliance])
-                changed = changed or wanted != row[at.Edge.stabilisation]
-                row[at.Edge.stabilisation] = wanted
-    for row in block.array(Header.bodies, int(block.header.body_count), at.BODY_WORDS):
-        if row[at.Body.length] > 0.0 and tension > 0.0:
-            row[at.Body.compliance] = min(
-                row[at.Body.compliance], row[at.Body.length] / (RIGID * tension)
-            )
-    return changed
 
 
 def _start_flowing(block: Block, scene: Scene) -> None:

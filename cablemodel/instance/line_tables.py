@@ -14,6 +14,7 @@ from cablemodel.instance.line import Line
 from cablemodel.instance.winch import Winch
 from cablemodel.kernels import layout as at
 from cablemodel.kernels.layout import Header
+from cablemodel.kernels.stabilisation import RIGID, STABILISATION
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
@@ -22,10 +23,6 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-STABILISATION = 3.0
-"""Stiffness of the stabilised tangential mode, in units of a typical tension."""
-RIGID = 1e7
-"""Least axial stiffness of a body of finite length, in units of a typical tension."""
 SOFTEST = 3e-5
 """Its largest axial compliance, in units of that of the line."""
 _MODELS = {"elastica": 0.0, "cable": 1.0, "hybrid": 2.0}

@@ -68,12 +68,19 @@ def facts_of(scene: Scene, scale: float) -> FloatArray:
 
 def fill_motion(block: Block, pieces: FloatArray) -> None:
     """The scene's pieces from row 1 on (row 0 is the caller's live motion), and their kinks."""
-    from cablemodel.scene.motion import jumps
-
     table = block.array(Header.pieces, len(pieces) + 1, at.PIECE_WORDS)
     table[1:] = pieces
-    table[1, [at.Piece.velocity_jump.word, at.Piece.acceleration_jump.word]] = 0.0
-    table[2:, at.Piece.velocity_jump], table[2:, at.Piece.acceleration_jump] = jumps(pieces)
+    fill_jumps(table[1:])
+
+
+def fill_jumps(rows: FloatArray) -> None:
+    """How pieces begin, into their rows."""
+    from cablemodel.scene.motion import jumps
+
+    columns = [at.Piece.velocity_jump, at.Piece.acceleration_jump, at.Piece.jerk_jump]
+    for column, found in zip(columns, jumps(rows), strict=True):
+        rows[0, column] = 0.0
+        rows[1:, column] = found
 
 
 def fill_current(block: Block, scene: CableScene) -> None:

@@ -9,8 +9,8 @@ import math
 from .access import constraint_of, frame_of, header, scalars
 from .closures import follow_forces, scale_gaps
 from .compile import copy_words, kernel, view
-from .environment import current_rate, prescribed_motion, surge_jump, vessel_motion
-from .frames import frames_jump, move_frames_on, point_motion
+from .environment import current_rate, find_piece, prescribed_motion, surge_jump, vessel_motion
+from .frames import frame_breaks, frames_jump, move_frames, move_frames_on, point_motion
 from .layout import HELD_BY_FRAME
 from .newton import refactor
 from .system import (
@@ -28,6 +28,7 @@ NEGLIGIBLE = 1e-9  # of the length: what may be left of a constraint
 AXIAL_SLOW = 2.5  # gamma dt over the time that an axial wave takes along a joined element
 AFTER_A_BLOW = 4.0  # last steps: a step so much longer does not begin with that one's acceleration
 SEEN = 0.1  # of the local error: what that acceleration would move the line by
+JERK = 1e-3  # of sqrt(L/g): over which a jerk is a difference of accelerations
 AXIAL_RESOLVED = 5.0  # (axial frequency x gamma dt)^2 below which velocities are not projected
 
 
@@ -245,32 +246,85 @@ def vessel_jump(I, M):
 
 
 @kernel
+def end_motion(I, M, row, t, out):
+    """Position, velocity, acceleration of an end that a vessel holds, at time t, by the pieces of
+    motion that begin there: block's coordinates, 3 * dimension of 18 words."""
+    t += scalars(M).smallest_step
+    if row.kind == HELD_BY_FRAME:
+        move_frames(I, M, t)
+        point_motion(M, row, frame_of(I, M, int(row.frame)), out[0:9], out[9:18])
+    else:
+        vessel_motion(I, M, t)
+        prescribed_motion(I, M, row, t, out)
+
+
+@kernel
 def jump_along(I, M, row):
     """By how much velocity and acceleration of an end that a vessel holds are now others along its
-    line than the state's [m/s, m/s2]. Of frames `move_frames_on` has been called."""
-    head = header(I)
-    time = scalars(M).time
-    dimension = head.dimension
-    out = view(M, head.motion + 16, 18)
-    if row.kind == HELD_BY_FRAME:
-        frame = frame_of(I, M, int(row.frame))
-        point_motion(M, row, frame, out[0:9], out[9:18])
-    else:
-        vessel_motion(I, M, time)
-        prescribed_motion(I, M, row, time, out)
+    line than the state's [m/s, m/s2]."""
+    dimension = header(I).dimension
+    out = view(M, header(I).motion + 16, 18)
+    end_motion(I, M, row, scalars(M).time, out)
     at = 2 * dimension * int(row.node)
+    slope = view(M, header(I).position + at + dimension, dimension)
+    velocity = view(M, header(I).velocity + at, dimension)
+    acceleration = view(M, header(I).acceleration + at, dimension)
     faster = 0.0
     along = 0.0
     square = 0.0
     for i in range(dimension):
-        slope = M[head.position + at + dimension + i]
-        faster += (out[dimension + i] - M[head.velocity + at + i]) * slope
-        along += (out[2 * dimension + i] - M[head.acceleration + at + i]) * slope
-        square += slope * slope
+        faster += (out[dimension + i] - velocity[i]) * slope[i]
+        along += (out[2 * dimension + i] - acceleration[i]) * slope[i]
+        square += slope[i] * slope[i]
     if not square > 0.0:
         return 0.0, 0.0
     length = math.sqrt(square)
     return abs(faster) / length, abs(along) / length
+
+
+@kernel
+def jerk_along(I, M, row, t):
+    """Jerk along its line of an end that a vessel holds, from time t on [m/s3]."""
+    dimension = header(I).dimension
+    out = view(M, header(I).motion + 16, 18)
+    at = header(I).position + 2 * dimension * int(row.node) + dimension
+    slope = view(M, at, dimension)
+    step = JERK * scalars(M).period
+    changed = 0.0
+    square = 0.0
+    for n in range(2):
+        end_motion(I, M, row, t + n * step, out)
+        for i in range(dimension):
+            changed += (2 * n - 1) * out[2 * dimension + i] * slope[i]
+            square += slope[i] * slope[i]
+    return changed / (step * math.sqrt(0.5 * square)) if square > 0.0 else 0.0
+
+
+@kernel
+def motion_breaks(I, M, row):
+    """Whether another piece of motion of an end that a vessel holds begins now."""
+    time = scalars(M).time
+    after = time + scalars(M).smallest_step
+    if time == 0.0:
+        return True
+    if row.kind == HELD_BY_FRAME:
+        return frame_breaks(M, header(I), frame_of(I, M, int(row.frame)), time, after)
+    return header(I).live == 0 and find_piece(I, M, time) != find_piece(I, M, after)
+
+
+@kernel
+def jerk_jump(I, M, row):
+    """By how much the jerk along its line of an end that a vessel holds is now another [m/s3].
+
+    What stands at the start has had none. A caller's motion is as smooth as the caller makes it.
+    """
+    if not motion_breaks(I, M, row):
+        return 0.0
+    time = scalars(M).time
+    before = 0.0
+    if time > 0.0:
+        before = jerk_along(I, M, row, time - 1.1 * JERK * scalars(M).period)
+    return abs(jerk_along(I, M, row, time) - before)
 
 
 @kernel

@@ -14,6 +14,7 @@ from . import (
     part_outputs,
     promote,
     scales,
+    stabilisation,
     statics,
     stepping,
     system,
@@ -48,6 +49,12 @@ def tension_from_stretch(I, M):
     """Set the tensions that belong to the stretch of the block's positions."""
     statics.stretch_to_tension(I, M)
     return 0
+
+
+@entry_point(int64(INTEGERS, REALS))
+def stabilise(I, M):
+    """Stabilise what tensions do not hold, by those of a start: returns whether it was changed."""
+    return stabilisation.stabilise(I, M)
 
 
 @entry_point(int64(INTEGERS, REALS))
@@ -226,6 +233,7 @@ ENTRY_POINTS = {
     "step": step,
     "equilibrium": equilibrium,
     "tension_from_stretch": tension_from_stretch,
+    "stabilise": stabilise,
     "choose_bending": choose_bending,
     "refine_at_floor": refine_at_floor,
     "place_supports": place_supports,

@@ -58,6 +58,19 @@ def own_pieces(I, M, row, t, turning, out):
 
 
 @kernel
+def frame_breaks(M, head, row, before, after):
+    """Whether another piece of a frame's own motion begins between two times."""
+    for turning in range(2):
+        if (row.turn_live if turning else row.live) != LIVE_NOT:
+            continue
+        count = int(row.turn_count if turning else row.count)
+        first = head.frame_pieces + int(row.turn_first if turning else row.first) * PIECE_WORDS
+        if count > 1 and piece_at(M, first, count, before) != piece_at(M, first, count, after):
+            return True
+    return False
+
+
+@kernel
 def move_frames(I, M, t):
     """Place, attitude and their rates of all frames at time t into their rows."""
     head = header(I)
@@ -171,6 +184,24 @@ def turn_slope(M, row, frame, q, v, a, at, w):
 
 
 @kernel
+def is_a_stop(M, piece, dt):
+    """Whether the start of a piece of motion is worth to land on, instead of a step of dt over it.
+
+    A jump of the acceleration that a step smears over makes an error of about jump dt^2 / 8; below
+    a tenth of the tolerance it is not, unless that, or a jump of the jerk, makes the line ring.
+    """
+    state = scalars(M)
+    if piece.velocity_jump > 0.0:
+        return True
+    if piece.acceleration_jump * dt * dt > 0.8 * state.time_tolerance:
+        return True
+    if state.heard == 0.0:
+        return False
+    jump = piece.acceleration_jump + piece.jerk_jump / state.heard_frequency
+    return state.heard < jump <= state.heard_most
+
+
+@kernel
 def next_frame_stop(I, M, stop, dt):
     """A time to land on exactly before `stop`, as step_size.next_stop, of all frames' pieces."""
     head = header(I)
@@ -188,10 +219,7 @@ def next_frame_stop(I, M, stop, dt):
                 start = piece.start
                 if start <= time or start >= stop or start > time + dt:
                     continue
-                if (
-                    piece.velocity_jump > 0.0
-                    or piece.acceleration_jump * dt * dt > 0.8 * state.time_tolerance
-                ):
+                if is_a_stop(M, piece, dt):
                     stop = start
     return stop
 

@@ -239,6 +239,15 @@ class Scalars(Record, first=HEADER_WORDS):
     cell_stays = real("way within which a stage keeps the water of its first iteration", "m")
     stage_time = real("of the last set_time, in a system", "s")
 
+    # The elements' third strain mode (stabilisation.py).
+    third_mode = real("its least stiffness", "N")
+    stiffened = real("1: some element has more of it")
+
+    # What makes a line ring along itself (rings.py).
+    heard = real("jump of an end's acceleration from which on; 0: none is known", "m/s2")
+    heard_most = real("and up to which: more lets the line go slack", "m/s2")
+    heard_frequency = real("of the ring", "rad/s")
+
 
 SCALAR_WORDS = Scalars.WORDS
 
@@ -393,6 +402,7 @@ class Constraint(Record):
     own_direction = reals(3, "a clamp's direction in the frame's axes")
     ring = real("tension that rings there since an acceleration jumped, 0: none is followed", "N")
     ring_frequency = real("of that", "rad/s")
+    ring_lasts = real("until it has died away", "rad")
     ring_since = real("when the window began in which it is measured", "s")
     ring_about = real("tension when that window began", "N")
     ring_cosine = real("the window's integral so far: of the ring's cosine", "N")
@@ -413,7 +423,7 @@ class Piece(Record):
     end = real("until which time", "s")
     kind = real("of its law")
     data = reals(18, "numbers of that law")
-    _spare = spare(1)
+    jerk_jump = real("at its start", "m/s3")
     acceleration_jump = real("at its start", "m/s2")
     velocity_jump = real("at its start", "m/s")
 

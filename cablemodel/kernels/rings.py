@@ -25,9 +25,9 @@ from .access import (
     winch_of,
 )
 from .compile import copy_words, inlined, kernel, view
-from .consistency import jump_along
-from .frames import move_frames_on
+from .consistency import jerk_jump, jump_along
 from .layout import ALONE, HELD_BY_ANCHOR, JOINT_ROOT
+from .stabilisation import follow_third_mode
 from .tables import GAMMA, NUMERATOR, STAGE_A, STAGE_C, STAGES, WINDOW
 from .tension import (
     LOSS_FACTOR,
@@ -41,6 +41,10 @@ from .tension import (
     region,
     solve_for_tension,
 )
+
+MOST_LASTING = 2000.0  # rad: longest that a ring is taken to last
+SHARE_OF_RINGS = 0.4  # of the error of tension that a step may have: other errors add to it
+ROUNDED = 1e-13  # strain that rounding may change
 
 
 @inlined
@@ -60,6 +64,13 @@ def watched_element(I, row):
 def allowed_of(I, M, row):
     """What may be missed of the tension that rings at a constraint [N]."""
     return row.ring_share * allowed_at(I, M, watched_element(I, row))
+
+
+@kernel
+def ring_allowed(I, M, row):
+    """What may be missed of a ring that is followed, for as long as it lasts, and then the rest
+    [N]. What begins with no more than all that a step may miss is not."""
+    return SHARE_OF_RINGS * allowed_of(I, M, row)
 
 
 @kernel
@@ -184,38 +195,46 @@ def begin_window(I, M, row, t, tension):
 
 @kernel
 def jumps_at(I, M, row):
-    """Jumps of velocity [m/s] and acceleration [m/s2] along the line at an end that is held, as a
-    step begins."""
+    """Jumps of velocity [m/s], acceleration [m/s2] and jerk [m/s3] along the line at an end that is
+    held, as a step begins."""
     faster, jump = jump_along(I, M, row)
     for n in range(header(I).winch_count):
         winch = winch_of(I, M, n)
         if winch.node == row.node:
             jump += abs(winch.kink)
-    return faster, jump
+    return faster, jump, jerk_jump(I, M, row)
 
 
 @kernel
 def begin_rings(I, M, dt):
     """As a step of dt begins: the tension with which a line would not ring jumps with an
-    acceleration, and it rings about that; and its velocity about one that jumps."""
+    acceleration, and it rings about that; so its velocity about one that jumps, and the tension's
+    rate about that of a jerk."""
     head = header(I)
     state = scalars(M)
     if dies_away(M):
         return
-    if head.frame_count != 0:
-        move_frames_on(I, M)
+    state.heard = 0.0
     for n in range(head.constraint_count):
         row = constraint_of(I, M, n)
         if row.kind == HELD_BY_ANCHOR or row.clamped == ALONE:
             continue
-        faster, jump = jumps_at(I, M, row)
-        if jump == 0.0 and faster == 0.0:
-            continue
+        faster, jump, jerk = jumps_at(I, M, row)
         top = watched_element(I, row)
         frequency, moved, row.ring_share = axial_mode(I, M, int(row.node))
         allowed = allowed_of(I, M, row)
+        if moved == 0.0:
+            continue
+        taut = M[head.tension + 2 * top]  # what makes more than that lets it go slack
+        if state.heard == 0.0 or allowed / moved < state.heard:
+            state.heard = allowed / moved
+            state.heard_most = taut / moved
+            state.heard_frequency = frequency
+        of_jerk = moved * jerk / frequency
+        if of_jerk > taut:
+            of_jerk = 0.0
         made = moved * (jump + frequency * faster)
-        if made <= allowed:
+        if made + of_jerk <= allowed:
             continue
         made += row.ring
         count = 2 * head.dimension * head.nodes
@@ -225,12 +244,17 @@ def begin_rings(I, M, dt):
             tension = view(M, head.tension, 2 * head.nodes)
             q = view(M, head.position, count)
             v = view(M, head.velocity, count)
-            change, _moving = solve_for_tension(I, M, state.time, SHORT * dt, q, v, tension)
+            now = state.time + state.smallest_step  # of the pieces of motion that begin there
+            change, _moving = solve_for_tension(I, M, now, SHORT * dt, q, v, tension)
             if change >= 0.0:
                 made = min(made, math.hypot(row.ring, change * allowed))
         if row.ring == 0.0:
+            if made + of_jerk <= allowed:
+                continue
             head.rings += 1
-        row.ring = made
+        row.ring_lasts = 0.0
+        row.ring = made + of_jerk
+        follow_third_mode(I, M, 1.0)
         begin_window(I, M, row, state.time, M[head.tension + 2 * top])
 
 
@@ -243,6 +267,17 @@ def add_to_window(row, y, weight, tension):
     odd = WINDOW[1, 0] * math.sin(y) + WINDOW[1, 1] * y + WINDOW[1, 2] * y * y * y
     row.ring_cosine += of_it * even
     row.ring_sine += of_it * odd
+
+
+@kernel
+def measure_ring(row, found):
+    """At a window's end: amplitude and how long the ring lasts, by what it has lost of that which
+    the window before has found. What a jump makes is no more than a bound."""
+    lasts = MOST_LASTING
+    if row.ring_lasts > 0.0 and found < row.ring:
+        lasts = min(lasts, 4.0 * math.pi / math.log(row.ring / found))
+    row.ring_lasts = lasts
+    row.ring = min(row.ring, found)
 
 
 @kernel
@@ -275,8 +310,8 @@ def follow_rings(I, M, dt, scheme):
                 share = STAGE_A[scheme, last, i] * angle
                 add_to_window(row, at, share, M[head.stage_tensions + 6 * top + i - 1])
         if y + angle >= 2.0 * math.pi:
-            row.ring = min(row.ring, math.hypot(row.ring_cosine, row.ring_sine))
-            if row.ring <= allowed_of(I, M, row):
+            measure_ring(row, math.hypot(row.ring_cosine, row.ring_sine))
+            if row.ring <= ring_allowed(I, M, row):
                 row.ring = 0.0
                 head.rings -= 1
             begin_window(I, M, row, state.time + dt, after)
@@ -298,15 +333,34 @@ def error_of_ring(scheme, angle):
 
 
 @kernel
-def missed_of_ring(amplitude, scheme, angle):
+def missed_of_ring(amplitude, lasts, scheme, angle):
     """What a step in which a ring of that amplitude [tolerances] turns by that angle misses of it,
     over what it may add [-].
 
-    That is a share of the tolerance: a ring lasts for 2 / LOSS_FACTOR radians. By the two-step
-    scheme, -1, it misses a third of the angle's cube.
+    That is a share of the tolerance, as the ring lasts [rad]; 0: not known yet, then as a cable's
+    material has it. By the two-step scheme, -1, it misses a third of the angle's cube.
     """
     missed = angle * angle * angle / 3.0 if scheme < 0 else error_of_ring(scheme, angle)
-    return amplitude * missed / (0.5 * LOSS_FACTOR * angle)
+    if lasts == 0.0:
+        lasts = 2.0 / LOSS_FACTOR
+    return amplitude * missed * max(lasts / angle, 1.0)
+
+
+@kernel
+def left_of_rings(I, M, dt):
+    """What Newton's method may leave in tensions in a step of dt, which rings keep [N]."""
+    head = header(I)
+    least = math.inf
+    if head.rings == 0:
+        return least
+    for n in range(head.constraint_count):
+        row = constraint_of(I, M, n)
+        if row.ring > 0.0:
+            top = watched_element(I, row)
+            lasts = row.ring_lasts if row.ring_lasts > 0.0 else 2.0 / LOSS_FACTOR
+            share = ring_allowed(I, M, row) * row.ring_frequency * dt / lasts
+            least = min(least, max(share, ROUNDED / edge_of(I, M, top).compliance))
+    return least
 
 
 @kernel
@@ -318,8 +372,9 @@ def may_miss_rings(I, M, dt, scheme):
     for n in range(head.constraint_count):
         row = constraint_of(I, M, n)
         if row.ring > 0.0:
-            amplitude = row.ring / allowed_of(I, M, row)
-            if missed_of_ring(amplitude, scheme, row.ring_frequency * dt) > 1.0:
+            amplitude = row.ring / ring_allowed(I, M, row)
+            angle = row.ring_frequency * dt
+            if missed_of_ring(amplitude, row.ring_lasts, scheme, angle) > 1.0:
                 return False
     return True
 
@@ -335,14 +390,15 @@ def longest_ring_step(I, M, dt, scheme):
         row = constraint_of(I, M, n)
         if row.ring == 0.0:
             continue
-        amplitude = row.ring / allowed_of(I, M, row)
-        if not missed_of_ring(amplitude, scheme, row.ring_frequency * dt) > 1.0:
+        amplitude = row.ring / ring_allowed(I, M, row)
+        lasts = row.ring_lasts
+        if not missed_of_ring(amplitude, lasts, scheme, row.ring_frequency * dt) > 1.0:
             continue
         parts = 2.0
-        missed = missed_of_ring(amplitude, scheme, math.pi)
+        missed = missed_of_ring(amplitude, lasts, scheme, math.pi)
         while missed > 1.0:
             parts = math.floor(parts * missed ** (1.0 / (3 + scheme))) + 1.0
-            missed = missed_of_ring(amplitude, scheme, 2.0 * math.pi / parts)
+            missed = missed_of_ring(amplitude, lasts, scheme, 2.0 * math.pi / parts)
         longest = 2.0 * math.pi / (parts * row.ring_frequency)
         if 0.0 < longest and longest < dt:
             dt = longest

@@ -21,6 +21,7 @@ from .layout import (
     FACT_TENSION,
     LIGHT_DAMPING,
 )
+from .stabilisation import STABILISATION
 
 TIME_TOLERANCE = 0.045  # of tau L: local error allowed in a step; calibrated, docs/engine/time.md
 LIGHTLY_DAMPED = 0.35  # factor on it where drag hardly damps, in air above all: errors add up
@@ -108,6 +109,7 @@ def measure_line(I, M, facts):
             bent = FOLDS
         state.bent = bent * tolerance * length
     state.tension_scale = facts[FACT_TENSION]
+    state.third_mode = STABILISATION * state.tension_scale
     if slack:
         # What is let go slack snaps, and rings at peaks that no output meets: its tension is left
         # as the steps find it (tension.py reads none that is small against this).

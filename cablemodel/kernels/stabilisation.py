@@ -1,64 +1,177 @@
-"""The stiffness of each element's third strain mode follows the tension where that grows.
+"""How stiff each element's third strain mode is: a number, since tension has two modes only.
 
-Nothing but this stiffness holds that mode, and it is that of a typical tension at the start. A line
-that is drawn taut afterwards, by a winch or a vessel that leaves its anchor, may carry thousands of
-times as much: what its tension differs by from one element to the next then stretched half of each
-element by tenths and shortened the other.
+Full axial stiffness would lock an element that bends: its cubic cannot be run along at an even
+speed, and what that misses would become tension. A few times a typical tension suffice to hold the
+mode. But then it has a frequency of its own, 6.5 sqrt(S / m) / h, and where elements are long that
+is one of the line's motions along itself: a load that rings on eight elements rings with it.
+While something rings the mode is made as stiff as puts its frequency above the line's own,
+EA (h / L)^2, as long as what bending makes of it stays below tau of the element's tension.
+
+A line that is drawn taut after its start may carry thousands of times as much: what its tension
+differs by from one element to the next would stretch half of each element by tenths and shorten
+the other.
 """
 
 import math
 
-from .access import edge_of, header, scalars
-from .compile import kernel
-from .tables import D0, D1, D2, D3, WEIGHT_P2
+from .access import body_of, cable_of, edge_of, header, scalars
+from .compile import inlined, kernel
+from .tables import D0, D1, D2, D3, WEIGHT, WEIGHT_P2
 
-STABILISATION = 3.0  # of the tension, as at the start: see instance/line_tables.py
+STABILISATION = 3.0  # of a typical tension: the least stiffness of the mode
+FLEXURAL = 10.0  # of EI / L^2: the same of a line that its bending stiffness holds
+RIGID = 1e7  # least axial stiffness of a body of finite length, of a typical tension
+TWICE = 2.0  # what is wanted over what is there: no change for less
 
 
-@kernel
-def third_strain(I, M, node):
-    """Amplitude of the third strain mode in the element above a node [-]."""
+@inlined
+def strains(I, M, node, p0, p1):
+    """Mean strain and amplitude of the third strain mode in the element above a node, whose slopes
+    are p0 and p1 times what they are [-]."""
     head = header(I)
     dimension = head.dimension
     size = 2 * dimension
     h = edge_of(I, M, node).length
     q0 = head.position + size * I[head.parent + node]
     q1 = head.position + size * node
-    strain = 0.0
+    mean = 0.0
+    third = 0.0
     for p in range(3):
         square = 0.0
         for i in range(dimension):
             slope = (M[q0 + i] * D0[p] + M[q1 + i] * D2[p]) / h
-            slope += M[q0 + dimension + i] * D1[p] + M[q1 + dimension + i] * D3[p]
+            slope += p0 * M[q0 + dimension + i] * D1[p] + p1 * M[q1 + dimension + i] * D3[p]
             square += slope * slope
-        strain += WEIGHT_P2[p] * (math.sqrt(square) - 1.0)
-    return 5.0 * strain
+        strain = math.sqrt(square) - 1.0
+        mean += WEIGHT[p] * strain
+        third += WEIGHT_P2[p] * strain
+    return mean, 5.0 * third
 
 
 @kernel
-def stiffen_third_mode(I, M, share):
-    """After a step: make the mode stiffer in elements whose tension has outgrown its stiffness.
+def third_strain(I, M, node):
+    """Amplitude of the third strain mode in the element above a node [-]."""
+    return strains(I, M, node, 1.0, 1.0)[1]
 
-    What that adds to the energy that the mode holds is bounded by the tension over tau of the
-    element's length in each sqrt(L/g), of which the step is `share`. The mode stays as stiff as it
-    has become: elements that bend as much as they may hardly have any of it.
+
+@kernel
+def strain_of_bend(I, M, node):
+    """The same if its slopes were stretched as the element is: what bending alone makes."""
+    head = header(I)
+    dimension = head.dimension
+    mean, third = strains(I, M, node, 1.0, 1.0)
+    above = 0.0
+    below = 0.0
+    for i in range(dimension):
+        above += M[head.position + dimension * (2 * I[head.parent + node] + 1) + i] ** 2
+        below += M[head.position + dimension * (2 * node + 1) + i] ** 2
+    if above * below == 0.0:
+        return third
+    p0 = (1.0 + mean) / math.sqrt(above)
+    p1 = (1.0 + mean) / math.sqrt(below)
+    return strains(I, M, node, p0, p1)[1]
+
+
+@kernel
+def least_stiffness(M, edge):
+    """What any element's mode has at least [N]: no more than EA."""
+    state = scalars(M)
+    flexural = FLEXURAL * edge.bending_full / (state.length * state.length)
+    return min(max(state.third_mode, flexural), 1.0 / edge.compliance)
+
+
+@kernel
+def ringing_stiffness(I, M, edge):
+    """That with which an element's own frequency is above those of its line [N]."""
+    length = scalars(M).length
+    if header(I).parts != 0:
+        length = cable_of(I, M, int(edge.segment)).line
+    part = min(edge.length / length, 1.0)
+    return part * part / edge.compliance
+
+
+@kernel
+def unlocked_stiffness(I, M, node):
+    """That with which what bending leaves in the mode is tau of the element's tension [N]."""
+    strain = max(abs(strain_of_bend(I, M, node)), 1e-20)
+    return scalars(M).tolerance * abs(M[header(I).tension + 2 * node]) / strain
+
+
+@kernel
+def stabilise(I, M):
+    """By the tensions of a start, in all elements; whether anything was changed."""
+    head = header(I)
+    state = scalars(M)
+    largest = 0.0
+    for node in range(head.nodes):
+        largest = max(largest, abs(M[head.tension + 2 * node]))
+    state.third_mode = max(state.third_mode, STABILISATION * largest)
+    changed = 0
+    for n in range(1, head.nodes + head.cable_count):
+        edge = edge_of(I, M, n) if n < head.nodes else cable_of(I, M, n - head.nodes).edge
+        if edge.compliance > 0.0 and least_stiffness(M, edge) != edge.stabilisation:
+            edge.stabilisation = least_stiffness(M, edge)
+            changed = 1
+    for index in range(head.body_count):
+        body = body_of(I, M, index)
+        if body.length > 0.0 and largest > 0.0:
+            body.compliance = min(body.compliance, body.length / (RIGID * largest))
+    return changed
+
+
+@kernel
+def wanted_stiffness(I, M, node, edge, tension):
+    """What an element's mode should have [N], beside what it has; tension: its own, if that has
+    outgrown those of the start."""
+    head = header(I)
+    stiffness = edge.stabilisation
+    least = least_stiffness(M, edge)
+    wanted = max(stiffness, min(STABILISATION * tension, 1.0 / edge.compliance))
+    if head.rings == 0 and stiffness <= TWICE * least:
+        return wanted
+    ringing = ringing_stiffness(I, M, edge)
+    if ringing > least:
+        most = max(unlocked_stiffness(I, M, node), least)
+        if stiffness > TWICE * most and stiffness > STABILISATION * tension:
+            return most
+        if head.rings != 0 and min(ringing, most) > TWICE * stiffness:
+            wanted = max(wanted, min(ringing, most))
+    return wanted
+
+
+@kernel
+def follow_third_mode(I, M, share):
+    """After a step, of which the line's sqrt(L/g) is 1 / share, or as a ring begins, share 1:
+    stiffness that does not fit.
+
+    An element that bends is made soft at once. Stiffer it becomes by steps: what that adds to the
+    energy that the mode holds is bounded by the tension over tau of the element's length in each
+    sqrt(L/g).
     """
     head = header(I)
     state = scalars(M)
-    if state.largest_tension <= STABILISATION * state.tension_scale:
-        return  # all but the few lines that are drawn taut
+    taut = state.largest_tension > state.third_mode
+    if not taut and head.rings == 0 and state.stiffened == 0.0:
+        return  # all but the few lines that are drawn taut, or ring
+    state.stiffened = 0.0
     for node in range(1, head.nodes):
         if I[head.joint + node] != 0:
             continue
         edge = edge_of(I, M, node)
-        tension = M[head.tension + 2 * node]
-        stiffness = edge.stabilisation
-        if tension <= stiffness or stiffness * edge.compliance >= 1.0:
+        if edge.compliance == 0.0:
             continue
-        strain = third_strain(I, M, node)
-        # A tenth of the square of the strain, by the element's length and the stiffness, is held.
-        more = 10.0 * share * state.tolerance * tension / max(strain * strain, 1e-20)
-        wanted = min(STABILISATION * tension, stiffness + more)
-        edge.stabilisation = min(wanted, 1.0 / edge.compliance)
-        head.factored = 0
-        head.has_history = 0
+        stiffness = edge.stabilisation
+        tension = M[head.tension + 2 * node] if taut else 0.0
+        wanted = wanted_stiffness(I, M, node, edge, tension if tension > stiffness else 0.0)
+        if wanted > stiffness:
+            # A tenth of the square of the strain, by length and stiffness, is held.
+            strain = third_strain(I, M, node)
+            pull = max(tension, state.third_mode / STABILISATION)
+            more = 10.0 * share * state.tolerance * pull / max(strain * strain, 1e-20)
+            wanted = min(wanted, stiffness + more)
+        if wanted > least_stiffness(M, edge):
+            state.stiffened = 1.0
+        if wanted != stiffness:
+            edge.stabilisation = wanted
+            head.factored = 0
+            head.has_history = 0

@@ -7,7 +7,7 @@ that Newton's method is expected to manage (`tractable`).
 from .access import cut_of, header, motion_piece_of, scalars
 from .compile import inlined, kernel
 from .environment import find_piece
-from .frames import next_frame_stop
+from .frames import is_a_stop, next_frame_stop
 from .layout import (
     FLOOR_FAR,
     FLOOR_TOUCHED,
@@ -45,8 +45,7 @@ def natural_step(I, M):
 def next_stop(I, M, t_end, dt):
     """The time to land on exactly: t_end, or an input's kink before it that matters.
 
-    A jump of the vessel's acceleration that a step of dt smears over makes an error of about
-    jump dt^2 / 8; below a tenth of the tolerance it is not worth a step.
+    See `is_a_stop`; so are the times at which the current changes, and cuts.
     """
     head = header(I)
     state = scalars(M)
@@ -61,10 +60,7 @@ def next_stop(I, M, t_end, dt):
                 continue
             if start >= stop or start > time + dt:
                 break
-            if (
-                row.velocity_jump > 0.0
-                or row.acceleration_jump * dt * dt > 0.8 * state.time_tolerance
-            ):
+            if is_a_stop(M, row, dt):
                 stop = start
                 break
     times = head.time_count

@@ -373,7 +373,7 @@ def solve_for_tension(I, M, t, short, q, v, tension):
     x = view(M, head.increment, count)
     ca = 1.0 / (short * short)
     set_time(I, M, t)
-    if t == state.time:
+    if t <= state.time + state.smallest_step:
         current_rate(I, M, t, True)  # as the water goes on
     for n in range(count):
         solved_q[n] = q[n]

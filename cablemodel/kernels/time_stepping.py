@@ -44,10 +44,10 @@ from .layout import (
 from .newton import NO_TENSION, increment_norm, is_folded, refactor
 from .payout import pay_out
 from .refine import follow_bending
-from .rings import begin_rings, follow_rings, longest_ring_step, may_miss_rings
+from .rings import begin_rings, follow_rings, left_of_rings, longest_ring_step, may_miss_rings
 from .sea_cells import begin_stage, end_stage
 from .sleep import disturbance, fall_asleep, may_sleep, prepare_joining, wake, wake_as_many
-from .stabilisation import stiffen_third_mode
+from .stabilisation import follow_third_mode
 from .step_size import (
     adapt_step,
     choose_order,
@@ -98,11 +98,11 @@ BENDING_SEEN = 1e-5  # tau below which what leaving it out misplaces, EI/T times
 
 
 @kernel
-def solve_stage(I, M, t, gamma_dt, tolerance, to_output, ratio):
+def solve_stage(I, M, t, gamma_dt, tolerance, most_left, to_output, ratio):
     """Newton for one stage; on entry the trial holds what is predicted.
 
-    ratio: convergence of the matrix in the stages before, 1 where it is not known. Returns a
-    status, and the ratio for the next stage.
+    most_left: tension that may be left [N]. ratio: convergence of the matrix in the stages before,
+    1 where it is not known. Returns a status, and the ratio for the next stage.
     """
     head = header(I)
     state = scalars(M)
@@ -151,18 +151,21 @@ def solve_stage(I, M, t, gamma_dt, tolerance, to_output, ratio):
             for n in range(1, nodes):
                 largest = max(largest, abs(tension[2 * n]))
             settled = tension_change <= 1e-4 * largest
-        if settled and size <= 0.01 * tolerance:
+        if settled and size <= 0.01 * tolerance and tension_change <= most_left:
             if ratio == 1.0 and since > 0:
                 ratio = max(size / previous, UNSEEN_RATIO)
             return OK, ratio
         if iteration == 0:
-            if ratio < 1.0 and ratio / (1.0 - ratio) * size <= at_once * tolerance:
+            left = ratio / (1.0 - ratio) if ratio < 1.0 else math.inf
+            if left * size <= at_once * tolerance and left * tension_change <= most_left:
                 return OK, ratio
         else:
             shrunk = size / previous
             # After a new matrix it compares two of them.
             ratio = max(shrunk, BEST_RATIO) if since > 0 else 1.0
-            if settled and shrunk < 1.0 and shrunk / (1.0 - shrunk) * size <= good * tolerance:
+            left = shrunk / (1.0 - shrunk) if shrunk < 1.0 else math.inf
+            enough = left * size <= good * tolerance and left * tension_change <= most_left
+            if settled and enough:
                 return OK, ratio
             growing = growing + 1 if shrunk > 2.0 else 0
             if growing == 2 and size > tolerance:
@@ -230,6 +233,7 @@ def try_step(I, M, dt, scheme, to_output):
     trial_v = view(M, head.trial_velocity, count)
     trial_a = view(M, head.trial_acceleration, count)
     head.fresh = 0
+    most_left = left_of_rings(I, M, dt)
     ratio = 1.0
     for n in range(count):
         trial_a[n] = a[n]
@@ -257,7 +261,7 @@ def try_step(I, M, dt, scheme, to_output):
         stage_time = time + dt if last else time + STAGE_C[scheme, i] * dt
         begin_stage(I, M)
         status, ratio = solve_stage(
-            I, M, stage_time, gamma_dt, tolerance, to_output and last, ratio
+            I, M, stage_time, gamma_dt, tolerance, most_left, to_output and last, ratio
         )
         end_stage(I, M)
         if status != OK:
@@ -599,7 +603,7 @@ def advance_to(I, M, t_end):
                 if head.payout != 0:
                     follow_layer(I, M, dt, view(M, head.motion + 16, 15))
                 update_springs(I, M, dt / (dt + state.period))
-            stiffen_third_mode(I, M, dt / (dt + state.period))
+            follow_third_mode(I, M, dt / (dt + state.period))
             if head.live == 0:
                 head.piece = find_piece(I, M, state.time)
             head.steps += 1

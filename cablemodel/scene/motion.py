@@ -308,8 +308,8 @@ def evaluate_piece(piece: FloatArray, t: float) -> tuple[FloatArray, FloatArray,
     return _polynomial(piece[SHAPE : SHAPE + 15].reshape(DEGREE + 1, 3), tau)
 
 
-def jumps(pieces: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Jumps of velocity [m/s] and acceleration [m/s2] from piece to piece, (n - 1,) each.
+def jumps(pieces: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Jumps of velocity [m/s], acceleration [m/s2], jerk [m/s3] from piece to piece, (n - 1,) each.
 
     A jump of the velocity that is rounding is none.
     """
@@ -318,18 +318,27 @@ def jumps(pieces: FloatArray) -> tuple[FloatArray, FloatArray]:
     size = np.linalg.norm(begins[0], axis=1) + np.linalg.norm(ends[0], axis=1)
     velocity = np.linalg.norm(begins[0] - ends[0], axis=1)
     velocity[velocity <= 1e-9 * size] = 0.0
-    return velocity, np.linalg.norm(begins[1] - ends[1], axis=1)
+    acceleration, jerk = (np.linalg.norm(begins[k] - ends[k], axis=1) for k in (1, 2))
+    return velocity, acceleration, jerk
 
 
-def _rates(pieces: FloatArray, tau: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Velocities [m/s] and accelerations [m/s2], (n, 3), of pieces at times (n,) from their starts
-    [s]."""
+def _rates(pieces: FloatArray, tau: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Velocities [m/s], accelerations [m/s2] and jerks [m/s3], (n, 3), of pieces at times (n,) from
+    their starts [s]."""
     c = pieces[:, SHAPE : SHAPE + 3 * (DEGREE + 1)].reshape(-1, DEGREE + 1, 3).transpose(1, 0, 2)
     t = tau[:, None]
-    velocity, acceleration = _velocity(c, t), _acceleration(c, t)
+    velocity, acceleration, jerk = (
+        _velocity(c, t),
+        _acceleration(c, t),
+        6.0 * c[3] + 24.0 * t * c[4],
+    )
     for n in np.flatnonzero(pieces[:, KIND] == ARC):
         velocity[n], acceleration[n] = evaluate_piece(pieces[n], pieces[n, T_START] + tau[n])[1:]
-    return velocity, acceleration
+        spin = pieces[n, SHAPE + 6]
+        rate = pieces[n, SHAPE + 5] + spin * tau[n]
+        across = np.array([-velocity[n, 1], velocity[n, 0], 0.0])  # to the left
+        jerk[n] = 3.0 * spin * across - rate**2 * velocity[n]
+    return velocity, acceleration, jerk
 
 
 def _polynomial(c: FloatArray, tau: Any) -> tuple[FloatArray, FloatArray, FloatArray]:

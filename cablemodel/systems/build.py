@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from functools import partial
 
@@ -13,7 +12,6 @@ from cablemodel import sea_floor
 from cablemodel.errors import StaticsError
 from cablemodel.instance import easier_ways, search
 from cablemodel.instance.first_state import count_from_zero
-from cablemodel.instance.line_tables import STABILISATION
 from cablemodel.instance.refinement import ROUNDS
 from cablemodel.kernels import layout as at
 from cablemodel.kernels.layout import Header, Scalars
@@ -130,7 +128,6 @@ def _come_to_rest(scene: SystemScene, built: Built, velocity: FloatArray) -> Non
     ints, reals = block.ints, block.reals
     head = Header(ints)
     state = Scalars(reals)
-    scale = state.tension_scale
     solve = partial(search.equilibrium, block, velocity.copy())
     ways: list[Callable[[], int]] = [solve]
     if head.floor_kind:
@@ -138,7 +135,7 @@ def _come_to_rest(scene: SystemScene, built: Built, velocity: FloatArray) -> Non
         ways += [partial(harder, block, solve, floors) for floors in easier_ways.FLOORS]
     # What is free comes to rest without friction; it holds the lines from there.
     friction, state.friction = state.friction, 0.0
-    for _attempt in range(2):
+    for attempt in range(2):
         status = easier_ways.first_of(block, ways)
         if status != at.OK:
             line, arc = built.where(min(block.failed_node, built.nodes - 1))
@@ -146,15 +143,9 @@ def _come_to_rest(scene: SystemScene, built: Built, velocity: FloatArray) -> Non
                 f"no static equilibrium of the system was found; what moved last is {line!r} at "
                 f"{arc:g} m. Check weights, lengths and attachments"
             )
-        found = built.elements().node
-        largest = float(np.abs(block.array(Header.tension, built.nodes, 2)[found, 0]).max())
-        if largest <= scale:
+        # The new stiffness changes the forces by a little: the state must meet them.
+        if attempt or not entry.stabilise(ints, reals):
             break
-        edges = block.array(Header.edges, built.nodes, at.EDGE_WORDS)
-        wanted = np.maximum(edges[found, at.Edge.stabilisation], STABILISATION * largest)
-        stiffness = 1.0 / edges[found, at.Edge.compliance]
-        edges[found, at.Edge.stabilisation] = np.minimum(wanted, stiffness)
-        scale = math.inf
     state.friction = friction
     acceleration = block.array(Header.acceleration, built.nodes, 6).copy()
     entry.place_supports(ints, reals)

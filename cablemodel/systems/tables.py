@@ -13,11 +13,10 @@ from cablemodel.block import Block
 from cablemodel.instance.line_tables import edge_row, fill_body
 from cablemodel.instance.refinement import SPARE
 from cablemodel.instance.scales import is_flexible
-from cablemodel.instance.tables import fill_current, fill_settings
+from cablemodel.instance.tables import fill_current, fill_jumps, fill_settings
 from cablemodel.instance.winch import SHORTEST_LINE, SPARE_NODES
 from cablemodel.kernels import layout as at
 from cablemodel.kernels.layout import Header, Scalars
-from cablemodel.scene.motion import jumps
 from cablemodel.scene.sea import Sea, sea
 from cablemodel.sea_floor import table_words
 from cablemodel.systems.built import Built
@@ -232,8 +231,7 @@ def fill_frames(scene: SystemScene, block: Block) -> None:
             row[place], row[place + 1] = used, len(pieces)
             own = table[used : used + len(pieces)]
             own[:] = pieces
-            own[0, [at.Piece.velocity_jump.word, at.Piece.acceleration_jump.word]] = 0.0
-            own[1:, at.Piece.velocity_jump], own[1:, at.Piece.acceleration_jump] = jumps(pieces)
+            fill_jumps(own)
             used += len(pieces)
 
 

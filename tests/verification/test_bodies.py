@@ -396,7 +396,11 @@ HARSH = {
 @pytest.mark.parametrize("model", ["hybrid", "cable", "elastica"])
 @pytest.mark.parametrize("case", HARSH)
 def test_no_energy_comes_from_nowhere(case, model):
-    """Tension that vanishes, buckling, snaps: completed, the body as long as it is, no runaway."""
+    """Tension that vanishes, buckling, snaps: completed, the body as long as it is, no runaway.
+
+    Every second the vessel's acceleration jumps, and while it is taut the line rings at 76 rad/s:
+    four steps for each radian, if it were taut for all of the time.
+    """
     settings = HARSH[case]
     body = {**asdict(SWUNG[0]), "added_mass": 4.0, "drag_area": 0.05, "drag_area_axial": 0.01}
     piece = {"cable": {"type": "C", "length": 8.0, "model": model}}
@@ -408,7 +412,7 @@ def test_no_energy_comes_from_nowhere(case, model):
         energy.append(stored(simulated))
     if case in ("slack", "inverted", "anchored"):  # the vessel does no work
         assert np.diff(energy).max() < 0.01 * np.ptp(energy) + 1e-3
-    assert simulated.statistics["steps"] < 2000
+    assert simulated.statistics["steps"] < 4 * 76 * 20
     if "end" not in settings:
         end = simulated.sample(simulated.line_length).position[0]
         assert np.linalg.norm(simulated.tip_position - end) == pytest.approx(0.8, rel=1e-5)

@@ -90,10 +90,10 @@ def test_tension_at_an_instant_while_it_folds(folding, time, request):
 
 @pytest.mark.parametrize("time", TENSION)
 def test_floor_force_while_it_folds(folding, time):
-    """Mean within 0.5 % at 60 and 120 s, 0.9 % at 96 s (measured 0.66 to 0.83 %: see below); from
-    there it strays by 0.5 % of the top tension."""
+    """Mean within 0.5 % at 60 and 120 s, 1.1 % at 96 s (0.7 to 1.0 % at eleven tolerances from 1e-3
+    to 5e-5: folds fall by chance); from there it strays by 0.5 % of the top tension."""
     instant, mean = at_and_around(folding, time, 2)
-    assert mean == pytest.approx(ON_THE_FLOOR[time], rel=9e-3 if time == 96.0 else 5e-3)
+    assert mean == pytest.approx(ON_THE_FLOOR[time], rel=11e-3 if time == 96.0 else 5e-3)
     assert instant == pytest.approx(mean, abs=5e-3 * TENSION[time])
 
 

@@ -263,34 +263,6 @@ static void measure_line(Cable *cable, double share) {
     }
 }
 
-static void stabilise_row(Cable *cable, double *edge, double tension, int *changed) {
-    if (!(AS(Edge, edge)->compliance > 0.0)) return;
-    const double bending = 10.0 * AS(Edge, edge)->bending_full / (scalars(cable->M)->length * scalars(cable->M)->length);
-    double wanted = fmax(AS(Edge, edge)->stabilisation, fmax(STABILISATION * tension, bending));
-    wanted = fmin(wanted, 1.0 / AS(Edge, edge)->compliance);
-    if (wanted != AS(Edge, edge)->stabilisation) *changed = 1;
-    AS(Edge, edge)->stabilisation = wanted;
-}
-
-/* _stabilise of cablemodel/instance/first_state.py. */
-static int stabilise(Cable *cable) {
-    int changed = 0;
-    double tension = 0.0;
-    const int64_t *I = cable->I;
-    for (int64_t node = 0; node < header(I)->nodes; node++)
-        tension = fmax(tension, fabs(cable->M[header(I)->tension + 2 * node]));
-    for (int64_t node = 1; node < header(I)->nodes; node++)
-        stabilise_row(cable, edge_of(cable, node), tension, &changed);
-    for (int64_t index = 0; index < header(I)->cable_count; index++)
-        stabilise_row(cable, row_of(cable, index) + WORD(CableRow, edge), tension, &changed);
-    for (int64_t n = 0; n < header(I)->body_count; n++) {
-        double *row = cable->M + header(I)->bodies + n * BODY_WORDS;
-        if (AS(Body, row)->length > 0.0 && tension > 0.0)
-            AS(Body, row)->compliance = fmin(AS(Body, row)->compliance, AS(Body, row)->length / (RIGID * tension));
-    }
-    return changed;
-}
-
 /* Every element as it was before a tension was known. */
 static void forget_stabilisation(Cable *cable) {
     const int64_t nodes = header(cable->I)->nodes, rows = header(cable->I)->cable_count;
@@ -358,7 +330,7 @@ static int64_t find_initial_state(Cable *cable) {
     if (!is_static) rest_here(cable);
     if (is_static) status = solve_static(cable);
     else cablemodel_tension_from_stretch(cable->I, words);
-    if (status == OK && stabilise(cable) && is_static) status = solve_static(cable);
+    if (status == OK && cablemodel_stabilise(cable->I, words) && is_static) status = solve_static(cable);
     if (header(cable->I)->hybrid || header(cable->I)->rigid > 0 || header(cable->I)->payout)
         cablemodel_choose_bending(cable->I, words);
     for (int round = 0; round < REFINEMENTS && status == OK && is_static; round++) {
