@@ -15,20 +15,18 @@ PAGE = Path(__file__).parent / "scene.md"
 INTRODUCTION = """\
 # Scene file
 
-For those who write scenes. A scene is a YAML file that says everything about a simulation. This
-page lists every key; `cablemodel new` writes a first scene, `cablemodel import moordyn` takes one
-from a MoorDyn deck; ready ones are in [scenes](../scenes). It is written from the
-schema in the code (`make docs`), so it is complete; `cablemodel schema` prints the same as JSON
-schema, from which editors complete and check (README.md says how), and `cablemodel check SCENE`
-tells whether a file is right before anything is computed.
+For those who write scenes. This page lists every key of the YAML file, from the schema in the code.
+`cablemodel new` writes a first scene, `cablemodel import moordyn` takes one from a MoorDyn deck,
+ready ones are in [scenes](../scenes). `cablemodel check SCENE` tells whether a file is right before
+anything is computed.
 
 - **Units** are SI. Any number may also be text with a unit: `12000 ft`, `6 kn`, `180 deg`,
-  `1.2 t/m3`. It is converted when it is read; a unit of another dimension is an error.
+  `1.2 t/m3`.
 - **Axes**: x east, y north, z up; the still water surface is z = 0. Angles count from x
   counter-clockwise, in radians unless a unit says otherwise. Arc length is unstretched, from the
   vessel outwards.
-- **Errors** name the key by its path (`line.0.cable.length`), what stands there, and what may.
-  Unknown keys are errors. A key twice is an error. Problems of a file are listed together.
+- **Errors** name the key by its path (`line.0.cable.length`), what stands there, and what may;
+  unknown keys and units of another dimension are errors.
 - Numbers and booleans are those of YAML 1.2: `1e6` is a number, `010` is ten, `on` is text.
 - **Tables** over time hold their first value before and their last value after. Files that a scene
   names are looked for in the folder of the scene.
