@@ -13,6 +13,7 @@ import re
 from pathlib import Path
 from typing import Any
 
+import typst
 from mkdocs.structure.files import File
 
 DOCS = Path(__file__).parent
@@ -20,14 +21,19 @@ ROOT = DOCS.parent
 CONSTANTS = "engine/constants"
 """The data file that becomes a page."""
 
+METHOD = "method/method"
+"""The paper, whose source becomes a PDF."""
+
 _LINK = re.compile(r"(?<=\]\()(?![a-z]+:|#)([^)#\s]+)")
 
 
 def on_files(files: Any, config: Any, **_: Any) -> Any:
-    """The page of constants, made from its data file."""
+    """The page of constants, made from its data file, and the paper."""
     with (DOCS / f"{CONSTANTS}.csv").open(encoding="utf-8", newline="") as file:
         rows = list(csv.reader(file))
     files.append(File.generated(config, f"{CONSTANTS}.md", content=_constants(rows)))
+    paper = typst.compile(DOCS / f"{METHOD}.typ", root=ROOT, ignore_system_fonts=True)
+    files.append(File.generated(config, f"{METHOD}.pdf", content=paper))
     return files
 
 
@@ -39,6 +45,8 @@ def on_page_markdown(markdown: str, page: Any, config: Any, files: Any, **_: Any
         there = (DOCS / here / match[1]).resolve()
         if there == DOCS / f"{CONSTANTS}.csv":
             return match[1].replace(".csv", ".md")
+        if there == DOCS / f"{METHOD}.typ":
+            return match[1].replace(".typ", ".pdf")
         if there.is_relative_to(DOCS) or not there.exists() or not there.is_relative_to(ROOT):
             return match[1]
         name = f"repository/{there.relative_to(ROOT)}"
