@@ -8,7 +8,7 @@ fails the build.
 from __future__ import annotations
 
 import csv
-import html
+import html as escapes
 import re
 from pathlib import Path
 from typing import Any
@@ -65,6 +65,16 @@ def on_page_markdown(markdown: str, page: Any, config: Any, files: Any, **_: Any
     return _LINK.sub(target, _with_scene(markdown, DOCS / here))
 
 
+def on_page_content(html: str, page: Any, **_: Any) -> str:
+    """Links of notebooks to pages, which MkDocs does not see."""
+    if not page.file.src_uri.endswith(".ipynb"):
+        return html
+    for target in re.findall(r'href="(\w+\.md)"', html):
+        if not (DOCS / page.file.src_uri).with_name(target).exists():
+            raise ValueError(f"{page.file.src_uri} links to {target}, which is not there")
+    return re.sub(r'href="(\w+)\.md"', r'href="\1.html"', html)
+
+
 def _with_scene(markdown: str, folder: Path) -> str:
     """A page of the job book shows its scene, which is a file beside it."""
 
@@ -76,9 +86,9 @@ def _with_scene(markdown: str, folder: Path) -> str:
 
 
 def _listing(folder: Path) -> str:
-    names = [html.escape(path.name) for path in sorted(folder.glob("*.yaml"))]
+    names = [escapes.escape(path.name) for path in sorted(folder.glob("*.yaml"))]
     items = "\n".join(f'<li><a href="{name}">{name}</a></li>' for name in names)
-    return f"<!doctype html>\n<title>{html.escape(folder.name)}</title>\n<ul>\n{items}\n</ul>\n"
+    return f"<!doctype html>\n<title>{escapes.escape(folder.name)}</title>\n<ul>\n{items}\n</ul>\n"
 
 
 def _constants(rows: list[list[str]]) -> str:
