@@ -176,7 +176,7 @@ def environment(deck: Deck) -> dict[str, float]:
             found[key] = deck.number(row, (name,), name)
         elif key in _WATER:
             if value.strip('"') not in ("", "0"):
-                problem = f"{shown(value)} asks for {_WATER[key]} from a file"
+                problem = f"{shown(value)} asks for {_WATER[key]}, which is not in the deck itself"
                 deck.refuse(row, name, problem, "0; give it in the scene (docs/scene.md)")
         elif key in _FLOOR:
             floor.append(_FLOOR[key])

@@ -75,28 +75,49 @@ class Frame:
         """The end of a line there, as a scene writes it."""
         if self.kind == "fixed":
             return {"anchor": [float(x) for x in self.world(place)]}
-        self.points[point] = [float(x) for x in place]
-        return f"{self.name}.{point}"
+        return self.point(point, place)
+
+    def point(self, name: str, place: FloatArray) -> str:
+        """A point of it, as a scene writes that."""
+        self.points[name] = [float(x) for x in place]
+        return f"{self.name}.{name}"
 
     @property
     def motion(self) -> dict[str, list[float]]:
-        """Position and attitude of a vessel or body, as a scene writes them."""
-        from scipy.spatial.transform import Rotation
-
-        angles = Rotation.from_matrix(self.axes).as_euler("xyz")
+        """Position, and roll, pitch and yaw of a vessel or body, as a scene writes them."""
+        a = self.axes
+        level = math.hypot(a[0, 0], a[1, 0])
+        pitch = math.atan2(-a[2, 0], level)
+        # Upright, roll and yaw are one: all of it is roll.
+        turned = level > 1e-9
+        roll = math.atan2(a[2, 1], a[2, 2]) if turned else math.atan2(-a[1, 2], a[1, 1])
+        yaw = math.atan2(a[1, 0], a[0, 0]) if turned else 0.0
         return {
             "position": [float(x) for x in self.position],
-            "attitude": [float(x) for x in np.round(angles, 12) + 0.0],
+            "attitude": [round(x, 12) + 0.0 for x in (roll, pitch, yaw)],
         }
+
+
+@dataclass(frozen=True)
+class RodEnd:
+    """An end of a rod: a point of its frame, with the way out of the rod there, in its axes (3,).
+
+    Without a frame: both ends of a free rod without length, which joins lines so that they bend as
+    one. ``name`` is then that of the joint, and ``place`` where it is at first.
+    """
+
+    name: str
+    place: FloatArray
+    frame: Frame | None = None
+    way: FloatArray | None = None
 
 
 @dataclass
 class Solids:
-    """All frames by name, and the ends of rods."""
+    """All frames by name, and the ends of rods by theirs, as ``R1A``."""
 
     frames: dict[str, Frame]
-    rod_ends: dict[str, tuple[Frame, str, FloatArray]]
-    """By ``R1A``: frame, name of the point, and its place in the frame."""
+    rod_ends: dict[str, RodEnd]
 
     @property
     def ground(self) -> Frame:
@@ -119,7 +140,7 @@ def read_solids(deck: Deck, density: float) -> Solids:
         if wide(deck, row, _BODY, "BODIES") and deck.is_new("BODIES", row):
             frame = _body(deck, row, density)
             frames[frame.name] = frame
-    ends: dict[str, tuple[Frame, str, FloatArray]] = {}
+    ends: dict[str, RodEnd] = {}
     for row in deck.rows.get("rods", []):
         if wide(deck, row, _ROD, "RODS") and deck.is_new("RODS", row):
             _add_rod(deck, row, density, frames, ends)
@@ -164,7 +185,7 @@ def _add_rod(
     row: Row,
     density: float,
     frames: dict[str, Frame],
-    ends: dict[str, tuple[Frame, str, FloatArray]],
+    ends: dict[str, RodEnd],
 ) -> None:
     """A rod as points of what it is fixed to, and as a part of that where it is free."""
     number = row.entries[0]
@@ -172,7 +193,13 @@ def _add_rod(
     a, b = np.array(numbers[:3]), np.array(numbers[3:])
     length = float(np.linalg.norm(b - a))
     if length == 0.0 or row.entries[9] == "0":
-        deck.refuse(row, "RODS", f"rod {number} has no length", "two ends; a point has none")
+        if row.entries[2].upper() in KINDS["free"]:
+            ends[f"R{number}A"] = ends[f"R{number}B"] = RodEnd(f"R{number}", a)
+            deck.left.append(
+                f"rod {number}: without a length it is a joint, where lines bend as one"
+            )
+        else:
+            deck.refuse(row, "RODS", f"rod {number} has no length", "two ends, or Free")
         return
     kind = _rod_type(deck, row)
     owner = _owner(deck, row, frames, a, b)
@@ -183,7 +210,9 @@ def _add_rod(
         names = "a", "b"
     else:
         names = f"r{number}a", f"r{number}b"
-    ends[f"R{number}A"], ends[f"R{number}B"] = (owner, names[0], a), (owner, names[1], b)
+    along = (b - a) / length
+    ends[f"R{number}A"] = RodEnd(names[0], a, owner, -along)
+    ends[f"R{number}B"] = RodEnd(names[1], b, owner, along)
     if owner.kind == "free":
         owner.lumps.append(_cylinder(kind, a, b, density))
         owner.rods.append((row, a, b, kind["Diam"]))

@@ -21,7 +21,7 @@ from cablemodel.moordyn_deck.solids import Lump, Solids, body_of, read_solids
 from cablemodel.moordyn_deck.text import cable_of, type_of
 
 Joint = str
-"""ID of a free point."""
+"""ID of a free point, or R and that of a rod without length."""
 
 
 @dataclass(frozen=True)
@@ -31,6 +31,8 @@ class _End:
     joint: Joint | None = None
     held: Any = None
     place: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    way: tuple[float, float, float] | None = None
+    """In which a line that bends leaves what holds it clamped."""
 
 
 @dataclass(frozen=True)
@@ -109,10 +111,11 @@ def system(deck: Deck, environment: dict[str, float]) -> tuple[dict[str, Any], s
     vessels = {
         name: {**frame.motion, "points": frame.points}
         for name, frame in solids.frames.items()
-        if frame.kind == "coupled" and frame.points
+        if frame.kind != "free" and frame.points
     }
     if vessels:
         scene["vessels"] = vessels
+    if vessels.keys() - {"ground"}:
         what = "coupled points and rods" if "vessel" in vessels else "coupled bodies"
         deck.left.append(f"the motion of {what}, which no deck holds: vessels.NAME.velocity")
     if bodies:
@@ -153,14 +156,20 @@ def _line(
     if length <= 0.0:
         deck.refuse(row, "UnstrLen", f"{length:g} is not above 0", "a length in m")
     kind = line_type(deck, row)
-    ends = [_end(deck, row, name, solids, points) for name in ("AttachA", "AttachB")]
+    bends = bool(kind) and kind["bending_stiffness"] > 0.0
+    ends = [_end(deck, row, name, solids, points, bends) for name in ("AttachA", "AttachB")]
     if not kind or ends[0] is None or ends[1] is None:
         return None
     return _Line(row, kind, length, (ends[0], ends[1]))
 
 
 def _end(
-    deck: Deck, row: Row, column: str, solids: Solids, points: Mapping[str, dict[str, Any]]
+    deck: Deck,
+    row: Row,
+    column: str,
+    solids: Solids,
+    points: Mapping[str, dict[str, Any]],
+    bends: bool,
 ) -> _End | None:
     said = row.entries[LINE.index(column)]
     if re.fullmatch(r"[rR]([oO][dD])?\d+[aAbB]", said):
@@ -169,8 +178,18 @@ def _end(
             known = ", ".join(solids.rod_ends) or "no rod is there"
             deck.refuse(row, column, f"there is no end {said} of a rod", known)
             return None
-        frame, name, place = solids.rod_ends[key]
-        return _End(held=frame.end(name, place), place=_three(frame.world(place)))
+        rod = solids.rod_ends[key]
+        if rod.frame is None:
+            return _End(joint=rod.name, place=_three(rod.place))
+        there = _three(rod.frame.world(rod.place))
+        if bends and rod.frame.kind == "free":
+            deck.left.append(
+                f"the clamp of line {row.entries[0]} at {said}: it is free to turn there"
+            )
+        if not bends or rod.frame.kind == "free" or rod.way is None:
+            return _End(held=rod.frame.end(rod.name, rod.place), place=there)
+        held = rod.frame.point(rod.name, rod.place)
+        return _End(held=held, place=there, way=_three(rod.way))
     if said not in points:
         deck.refuse(row, column, f"{shown(said)} is no single point", "the ID of a point")
         return None
@@ -208,7 +227,7 @@ def _joined(deck: Deck, lines: list[_Line]) -> list[_Path]:
                 path.parts[0][0].row, "AttachA, AttachB",
                 f"{path.name} comes back to the free point {at}", "lines that make no ring",
             )  # fmt: skip
-    bent = sorted({j for path in paths for j in path.joints if _bends(path)})
+    bent = sorted({j for path in paths for j in path.joints if _bends(path) and j[0] != "R"})
     if bent:
         deck.left.append(f"hinges at points {', '.join(bent)}: lines that are joined bend as one")
     return paths
@@ -261,13 +280,6 @@ def _tell(deck: Deck, lines: list[_Line], solids: Solids) -> None:
         deck.left.append("the places of free points, from which MoorDyn seeks rest")
     if max(end.place[2] for line in lines for end in line.ends) > 0.0:
         deck.left.append("the dry part above z = 0: water is everywhere in a scene without waves")
-    stiff = any(
-        line.kind["bending_stiffness"] > 0.0 and line.row.entries[column][:1] in "rR"
-        for line in lines
-        for column in (2, 3)
-    )
-    if stiff:
-        deck.left.append("clamps of lines that bend at rods: here they are free to turn there")
 
 
 def _written(
@@ -280,9 +292,11 @@ def _written(
     """A line of the scene, with point bodies where joints have a mass."""
     items: list[dict[str, Any]] = []
     ends: list[Any] = []
-    for end in path.ends:
+    for end, sign in zip(path.ends, (1.0, -1.0), strict=True):
         through = next((other for other in paths if end.joint in other.joints), None)
-        if end.joint is None:
+        if end.way is not None:
+            ends.append({"point": end.held, "clamped": [sign * x + 0.0 for x in end.way]})
+        elif end.joint is None:
             ends.append(end.held)
         elif through is not None:
             ends.append({"line": through.name, "at": through.joints[end.joint]})
@@ -290,7 +304,7 @@ def _written(
             ends.append("free")
 
     def bodies(end: _End) -> Iterator[dict[str, Any]]:
-        if end.joint is not None:
+        if end.joint is not None and end.joint in points:
             yield from point_body(deck, points[end.joint], environment)
 
     if ends[0] == "free":

@@ -266,6 +266,35 @@ def test_bodies_and_rods_that_are_coupled_move_as_vessels() -> None:
     assert scene.lines["line2"].end.point == "vessel.r1a"
 
 
+def test_lines_that_bend_are_clamped_at_rods_and_joined_by_those_without_length() -> None:
+    """A cantilever of two lines: w L^4 / 8 EI at its end."""
+    solids = RODS + "1 float Fixed -5 0 -30 0 0 -30 4 -\n2 float Free 4 0 -30 4 0 -30 0 -\n"
+    text = deck("1 Free 10 0 -30 0 0 0 0", "1 rope R1B R2A 4\n2 rope R2B 1 6", 80.0, solids)
+    text = text.replace("rope 0.08 6 3e6 -0.5 0", "rope 0.08 60 3e8 -0.5 1e7")
+    scene, left = read_deck(text)
+    assert "rod 2: without a length it is a joint, where lines bend as one" in left
+    model = cm.SystemModel(scene)
+    (line,) = model.lines.values()
+    weight = 9.81 * (60.0 - 1025.0 * math.pi / 4.0 * 0.08**2)
+    ((_x, _y, z),) = line.sample([10.0]).position
+    assert z == pytest.approx(-30.0 - weight * 1e4 / 8e7, abs=1e-4)
+    start, end = line.sample([0.0, 10.0]).position
+    assert start == pytest.approx([0.0, 0.0, -30.0])
+    turned = cm.SystemModel(read_deck(text.replace("1 rope R1B R2A 4", "1 rope R2A R1B 4"))[0])
+    (line,) = turned.lines.values()
+    assert line.sample([10.0]).position[0] == pytest.approx(end, abs=1e-6)
+
+
+def test_a_line_between_two_clamps_leaves_one_and_arrives_at_the_other() -> None:
+    solids = RODS + "1 float Fixed -5 0 -30 0 0 -30 4 -\n2 float Coupled 10 0 -30 15 0 -30 4 -\n"
+    text = deck("1 Fixed 0 0 -40 0 0 0 0", "1 rope R1B R2A 10\n2 rope R2B 1 30", 80.0, solids)
+    scene = cm.load_system(read_deck(text.replace("3e6 -0.5 0", "3e8 -0.5 1e7"))[0])
+    first = scene.lines["line1"]
+    assert (first.start.point, first.start.clamped) == ("ground.r1b", (1.0, 0.0, 0.0))
+    assert (first.end.point, first.end.clamped) == ("vessel.r2a", (1.0, 0.0, 0.0))
+    assert scene.lines["line2"].start.clamped == (1.0, 0.0, 0.0)
+
+
 @pytest.mark.parametrize(
     ("text", "old", "new", "words"),
     [
@@ -285,7 +314,7 @@ def test_bodies_and_rods_that_are_coupled_move_as_vessels() -> None:
         (BUOY, "1 spar Body1", "1 spar Body1Pinned", "Attachment: 'Body1Pinned' is not"),
         (BUOY, "1 spar Body1", "1 spar Body4", "Attachment: there is no body 4"),
         (BUOY, "1 spar Body1", "1 tube Body1", "RodType: there is no single type 'tube'"),
-        (BUOY, "0 0 -20 0 0 6", "0 0 -20 0 0 -20", "RODS: rod 1 has no length"),
+        (BUOY, "0 0 -20 0 0 6", "0 0 -20 0 0 -20", "RODS: rod 1 has no length; allowed:"),
         (BUOY, "1 spar Body1 0 0", "1 spar Body1 0 1", "body1 leaves the water, and is no single"),
     ],
 )  # fmt: skip
