@@ -177,7 +177,7 @@ def environment(deck: Deck) -> dict[str, float]:
         elif key in _WATER:
             if value.strip('"') not in ("", "0"):
                 problem = f"{shown(value)} asks for {_WATER[key]}, which is not in the deck itself"
-                deck.refuse(row, name, problem, "0; give it in the scene (docs/scene.md)")
+                deck.refuse(row, name, problem, "0; see cablemodel keys environment")
         elif key in _FLOOR:
             floor.append(_FLOOR[key])
         elif _NUMERICS.fullmatch(key):
