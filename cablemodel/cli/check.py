@@ -115,7 +115,7 @@ def keys(
         str,
         typer.Argument(
             help="A part of the scene, as vessel or line.body.",
-            metavar="[PART]",
+            metavar="PART",
             show_default=False,
         ),
     ] = "",
