@@ -18,6 +18,14 @@ def written(
 
     from cablemodel.scene.text import SceneDumper
 
+    class Dumper(SceneDumper):
+        """Numbers of a place stand in a row."""
+
+    def row(dumper: yaml.SafeDumper, values: list[Any]) -> yaml.Node:
+        flow = all(isinstance(value, float) for value in values)
+        return dumper.represent_sequence("tag:yaml.org,2002:seq", values, flow_style=flow)
+
+    Dumper.add_representer(list, row)
     floor = {"z": -environment["wtrdpth"], "friction": environment["frictioncoefficient"]}
     data: dict[str, Any] = {"title": f"From {source or 'a MoorDyn deck'}"}
     data["environment"] = {
@@ -25,7 +33,7 @@ def written(
     }  # fmt: skip
     lines = [f"# {comment} Not as in the deck:"]
     lines += [f"# - {' '.join(item.split())}" for item in left] or ["# - nothing"]
-    body = yaml.dump({**data, **scene}, Dumper=SceneDumper, sort_keys=False, allow_unicode=True)
+    body = yaml.dump({**data, **scene}, Dumper=Dumper, sort_keys=False, allow_unicode=True)
     return "\n".join(lines) + "\n" + body
 
 
