@@ -212,6 +212,40 @@ def test_a_deck_hangs_in_both_programs_alike(
         assert ours.ends[key] == pytest.approx(theirs.ends[key], abs=0.1), key
 
 
+def test_three_legs_that_are_heaved_pull_in_both_programs_alike(tmp_path: Path) -> None:
+    """By a metre in 8 s: drag and added mass are those of the deck, too. Over the range of the
+    tension, as the validation of chains beside MoorDyn."""
+    step, rate = 0.05, 2.0 * math.pi / 8.0
+    times = step * np.arange(960)
+    heights = 0.5 * (1.0 - np.cos(rate * np.append(times, times[-1] + step)))
+    path = tmp_path / "deck.txt"
+    path.write_text(THREE_LEGS)
+    rows = [line.split() for line in THREE_LEGS.splitlines()]
+    held = np.array([[float(x) for x in row[2:5]] for row in rows if row[1:2] == ["Vessel"]])
+    theirs = []
+    with silence():
+        system = moordyn.Create(str(path))
+        moordyn.Init(system, list(held.ravel()), [0.0] * held.size)
+        lines = [moordyn.GetLine(system, k + 1) for k in range(3)]
+        for k, time in enumerate(times):
+            speed = np.tile([0.0, 0.0, (heights[k + 1] - heights[k]) / step], 3)
+            place = (held + np.array([0.0, 0.0, heights[k]])).ravel()
+            moordyn.Step(system, list(place), list(speed), float(time), step)
+            theirs.append([moordyn.GetLineFairTen(line) for line in lines])
+        moordyn.Close(system)
+    model = cm.SystemModel(read_deck(THREE_LEGS)[0])
+    ours = []
+    for height in heights[1:]:
+        model.step(step, vessels={"vessel": cm.VesselInput(position=[0.0, 0.0, height])})
+        last = [line.length * (1.0 - 0.5 / SEGMENTS["chain"]) for line in model.lines.values()]
+        at = zip(model.lines.values(), last, strict=True)
+        ours.append([line.sample([arc]).tension[0] for line, arc in at])
+    settled = slice(len(times) // 2, None)
+    range_ = np.ptp(np.array(theirs)[settled], axis=0)
+    apart = np.array(ours)[settled] - np.array(theirs)[settled]
+    assert np.all(np.sqrt(np.mean(apart**2, axis=0)) < 0.05 * range_)
+
+
 def test_what_is_only_like_the_deck_is_told() -> None:
     _text, left = read_deck(BODY.replace("9.81 g", "9.81 g\n3e5 cBot"))
     assert left == [
