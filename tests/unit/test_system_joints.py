@@ -54,3 +54,14 @@ def test_states_have_both_sides_of_every_joint() -> None:
         assert state.position[before] == pytest.approx(state.position[after], abs=1e-9)
         assert abs(state.tension[before] - state.tension[after]) > 1.0
     assert np.all(np.diff(state.s) >= 0.0)
+
+
+def test_a_line_that_is_drawn_has_its_kink_at_the_branch_and_no_other_bend() -> None:
+    """Stations between nodes: beside the branch the wire is as straight as where it hangs."""
+    run = cm.simulate(SCENE, until=1.0)
+    even = run.lines["up"].resampled(397)  # a station every 25 cm
+    place = even.position[0]
+    turn = np.linalg.norm(np.diff(place, 2, axis=0), axis=1)
+    kinks = np.flatnonzero(turn > 1e-3)
+    assert set(np.round(even.s[0][kinks + 1])) <= {20.0, 50.0}
+    assert 20.0 in np.round(even.s[0][kinks + 1])
