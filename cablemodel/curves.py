@@ -26,7 +26,8 @@ def hermite(
 
     Args:
         at: places (m,).
-        s: rising strictly, (n,), n > 1.
+        s: rising, (n,), n > 1. Where two are equal the first belongs to the cubic before them, the
+            second to the one after; the last two differ.
         values, slopes: at these, (k, n).
     """
     k = np.clip(np.searchsorted(s, at, side="right") - 1, 0, len(s) - 2)

@@ -278,11 +278,11 @@ def _resampled(matrix: Floats, at: Floats) -> Floats:
     """All rows at arc lengths (n,) within those of the nodes."""
     s = matrix[0]
     result = np.stack([np.interp(at, s, row) for row in matrix])
-    # A mesh may have two nodes at one s (either side of a body); the cubic needs s to increase.
-    keep = np.concatenate([[True], np.diff(s) > 0.0])
-    if np.count_nonzero(keep) > 1:
-        s, position, tangent = s[keep], matrix[_ROW["position"]], matrix[_ROW["tangent"]]
-        result[_ROW["position"]] = hermite(at, s, position[:, keep], tangent[:, keep])[0]
+    # A mesh may have two nodes at one s (either side of a body): at its end, too.
+    many = 1 + int(np.searchsorted(s, s[-1]))
+    if many > 1:
+        position, tangent = matrix[_ROW["position"], :many], matrix[_ROW["tangent"], :many]
+        result[_ROW["position"]] = hermite(at, s[:many], position, tangent)[0]
     length = np.linalg.norm(result[_ROW["tangent"]], axis=0)
     result[_ROW["tangent"]] /= np.where(length > 0.0, length, 1.0)
     result[_ROW["on_floor"]] = result[_ROW["on_floor"]] > 0.5

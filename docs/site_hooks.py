@@ -8,11 +8,12 @@ fails the build.
 from __future__ import annotations
 
 import csv
-import html
+import html as escapes
 import re
 from pathlib import Path
 from typing import Any
 
+import typst
 from mkdocs.structure.files import File
 
 DOCS = Path(__file__).parent
@@ -20,14 +21,19 @@ ROOT = DOCS.parent
 CONSTANTS = "engine/constants"
 """The data file that becomes a page."""
 
+METHOD = "method/method"
+"""The paper, whose source becomes a PDF."""
+
 _LINK = re.compile(r"(?<=\]\()(?![a-z]+:|#)([^)#\s]+)")
 
 
 def on_files(files: Any, config: Any, **_: Any) -> Any:
-    """The page of constants, made from its data file."""
+    """The page of constants, made from its data file, and the paper."""
     with (DOCS / f"{CONSTANTS}.csv").open(encoding="utf-8", newline="") as file:
         rows = list(csv.reader(file))
     files.append(File.generated(config, f"{CONSTANTS}.md", content=_constants(rows)))
+    paper = typst.compile(DOCS / f"{METHOD}.typ", root=ROOT, ignore_system_fonts=True)
+    files.append(File.generated(config, f"{METHOD}.pdf", content=paper))
     return files
 
 
@@ -39,6 +45,8 @@ def on_page_markdown(markdown: str, page: Any, config: Any, files: Any, **_: Any
         there = (DOCS / here / match[1]).resolve()
         if there == DOCS / f"{CONSTANTS}.csv":
             return match[1].replace(".csv", ".md")
+        if there == DOCS / f"{METHOD}.typ":
+            return match[1].replace(".typ", ".pdf")
         if there.is_relative_to(DOCS) or not there.exists() or not there.is_relative_to(ROOT):
             return match[1]
         name = f"repository/{there.relative_to(ROOT)}"
@@ -57,6 +65,16 @@ def on_page_markdown(markdown: str, page: Any, config: Any, files: Any, **_: Any
     return _LINK.sub(target, _with_scene(markdown, DOCS / here))
 
 
+def on_page_content(html: str, page: Any, **_: Any) -> str:
+    """Links of notebooks to pages, which MkDocs does not see."""
+    if not page.file.src_uri.endswith(".ipynb"):
+        return html
+    for target in re.findall(r'href="(\w+\.md)"', html):
+        if not (DOCS / page.file.src_uri).with_name(target).exists():
+            raise ValueError(f"{page.file.src_uri} links to {target}, which is not there")
+    return re.sub(r'href="(\w+)\.md"', r'href="\1.html"', html)
+
+
 def _with_scene(markdown: str, folder: Path) -> str:
     """A page of the job book shows its scene, which is a file beside it."""
 
@@ -68,9 +86,9 @@ def _with_scene(markdown: str, folder: Path) -> str:
 
 
 def _listing(folder: Path) -> str:
-    names = [html.escape(path.name) for path in sorted(folder.glob("*.yaml"))]
+    names = [escapes.escape(path.name) for path in sorted(folder.glob("*.yaml"))]
     items = "\n".join(f'<li><a href="{name}">{name}</a></li>' for name in names)
-    return f"<!doctype html>\n<title>{html.escape(folder.name)}</title>\n<ul>\n{items}\n</ul>\n"
+    return f"<!doctype html>\n<title>{escapes.escape(folder.name)}</title>\n<ul>\n{items}\n</ul>\n"
 
 
 def _constants(rows: list[list[str]]) -> str:

@@ -109,6 +109,40 @@ def schema(
     typer.echo(json.dumps(scene_json_schema(SystemScene if system else Scene), indent=2))
 
 
+@reported
+def keys(
+    path: Annotated[
+        str,
+        typer.Argument(
+            help="A part of the scene, as vessel or line.body.",
+            metavar="PART",
+            show_default=False,
+        ),
+    ] = "",
+    system: Annotated[
+        bool, typer.Option("--system", help="Of systems: scenes with lines.")
+    ] = False,
+) -> None:
+    """Say which keys a scene may have, or a part of it, with units, defaults and meanings."""
+    from rich.console import Console
+    from rich.table import Table
+
+    from cablemodel.scene import Scene, scene_json_schema
+    from cablemodel.scene.reference import definition, keys_of
+    from cablemodel.systems import SystemScene
+
+    found = definition(scene_json_schema(SystemScene if system else Scene), path)
+    rows = Table("key", "value", "default", "meaning", title=path or None, title_justify="left")
+    for key in keys_of(found):
+        default = "" if key.default == "as below" else key.default
+        texts = (key.name, key.kind, default, key.meaning)
+        rows.add_row(*(text.replace("`", "") for text in texts))
+    console = Console(markup=False, highlight=False)
+    for paragraph in found.get("description", "").split("\n\n"):
+        console.print(" ".join(paragraph.split()))
+    console.print(rows)
+
+
 def _report(scene: Scene, model: CableModel) -> dict[str, Any]:
     state = model.state()
     rates = [row.rate for row in scene.payout.rate]

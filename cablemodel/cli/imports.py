@@ -28,20 +28,20 @@ def moordyn(
     ] = None,
     line: Annotated[
         int | None,
-        typer.Option(help="ID of the line to take, where there are several.", show_default=False),
+        typer.Option(help="ID of a line to take alone; by default all.", show_default=False),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Overwrite the scene.")] = False,
 ) -> None:
-    """One line between fixed, coupled or free points; says what it cannot take."""
+    """Lines with their points, bodies and rods; says what it cannot take."""
     from cablemodel.moordyn_deck import read_deck
-    from cablemodel.scene import load_scene
+    from cablemodel.systems.model import read_scene
 
     target = new_file(output or deck.with_suffix(".yaml"), force, "--output")
     # Units in its headings may be in any encoding.
     text, left = read_deck(deck.read_text(encoding="utf-8", errors="replace"), deck.name, line)
-    load_scene(text)
+    read_scene(text)
     with writing(target), target.open("w" if force else "x", encoding="utf-8") as scene:
         scene.write(text)
     for item in left:
-        typer.echo(f"cablemodel: not taken: {item}", err=True)
+        typer.echo(f"cablemodel: not as in the deck: {item}", err=True)
     typer.echo(f"Scene: {target}")

@@ -70,7 +70,7 @@ def _translated(finding: dict[str, Any], root: type[BaseModel]) -> list[ScenePro
         return [SceneProblem(path, value, "the key is not text", "keys that are text")]
     if kind == "literal_error":
         allowed = context["expected"].replace("'", "")
-        near = _near(value, allowed.replace(" or ", ", ").split(", "))
+        near = suggestion(value, allowed.replace(" or ", ", ").split(", "))
         return [SceneProblem(path, value, f"{shown(value)} is unknown{near}", allowed)]
     if kind == "too_short":
         return [SceneProblem(path, value, "is empty", "at least one")]
@@ -79,11 +79,12 @@ def _translated(finding: dict[str, Any], root: type[BaseModel]) -> list[ScenePro
 
 def _unknown_key(root: type[BaseModel], location: Location, value: Any) -> SceneProblem:
     keys = _keys_at(root, location[:-1])
-    near = _near(location[-1], keys)
+    near = suggestion(location[-1], keys)
     return SceneProblem(dotted(location), value, f"unknown key{near}", ", ".join(keys))
 
 
-def _near(word: Any, words: list[str]) -> str:
+def suggestion(word: Any, words: list[str]) -> str:
+    """A question whether one of the words was meant, where one is like it; else nothing."""
     given = str(word)
     close = max(words, key=lambda known: _likeness(given, known), default="")
     return f", did you mean {close}?" if _likeness(given, close) >= _ALIKE else ""

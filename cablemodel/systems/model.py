@@ -80,7 +80,7 @@ class LineView:
     def __init__(self, model: SystemModel, name: str) -> None:
         self._model, self.name = model, name
         self._water = Surroundings.of_line(model.scene, name)
-        self._cuts = np.array(model.scene.cuts_along(name))
+        self._joints = np.array(model.scene.joints_along(name))
 
     @property
     def length(self) -> float:
@@ -90,7 +90,7 @@ class LineView:
 
     def sample(self, stations: ArrayLike | None = None) -> CableState:
         """The line at arc lengths from its beginning (n,) [m]; by default at its nodes, with both
-        sides of where it is cut.
+        sides of where it is cut, branches, bears a body or goes on as another cable.
 
         Raises:
             ValueError: a station is not on the line.
@@ -106,7 +106,7 @@ class LineView:
             raise ValueError(f"{self.name}: stations are 0 to {length:g} m")
         which = np.clip(np.searchsorted(elements.start, s, side="right") - 1, 0, None)
         if stations is None:
-            gaps = np.abs(elements.start[:, None] - before - self._cuts)
+            gaps = np.abs(elements.start[:, None] - before - self._joints)
             sides = np.flatnonzero(np.any(gaps <= SAME_PLACE * length, axis=1))
             s = np.insert(s, sides, s[sides])
             which = np.insert(which, sides, sides - 1)
@@ -127,6 +127,14 @@ class LineView:
             on_floor=rows[:, 12] != 0.0,
             water=(self._water, self._model.scene.lines[self.name].length + before),
         )
+
+    @property
+    def tension_range(self) -> tuple[float, float]:
+        """Lowest and highest tension at both ends of all its elements [N]."""
+        nodes = self._model.built.elements(self.name).node.astype(np.float64)
+        ends = np.repeat([0.0, 1.0], len(nodes))
+        tension = self._model.sample_elements(np.tile(nodes, 2), ends)[:, 9]
+        return float(tension.min()), float(tension.max())
 
     @property
     def start_tension(self) -> float:
@@ -387,10 +395,9 @@ class SystemModel:
         for name, state in (shapes or self.shapes()).items():
             tension = state.tension
             found[f"{name}.start_tension"], found[f"{name}.end_tension"] = tension[[0, -1]]
-            found[f"{name}.tension_min"], found[f"{name}.tension_max"] = (
-                tension.min(),
-                tension.max(),
-            )
+            lowest, highest = self.lines[name].tension_range
+            found[f"{name}.tension_min"] = np.array(lowest)
+            found[f"{name}.tension_max"] = np.array(highest)
         bodies, frames = self._parts()
         for names, rows in ((self.scene.bodies, bodies), (self.scene.vessels, frames)):
             for name, row in zip(names, rows, strict=True):

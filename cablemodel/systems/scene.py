@@ -416,6 +416,18 @@ class SystemScene(Document):
         places = (cut.at for cut in self.cuts.values() if cut.line == line)
         return sorted({place for place in places if isinstance(place, float)})
 
+    def joints_along(self, line: str) -> list[float]:
+        """Arc lengths between the ends of a line at which tension or slope may jump, in order [m]:
+        cuts, branches, bodies, and where another cable begins."""
+        places = {*self.cuts_along(line)}
+        ends = (end for other in self.lines.values() for end in other.ends)
+        places |= {end.at for end in ends if end.line == line and end.at is not None}
+        arc = 0.0
+        for item in self.lines[line].items:
+            arc += item.cable.length if item.cable is not None else 0.0
+            places.add(arc)
+        return sorted(places - {0.0, arc})
+
     @property
     def starts_at_rest(self) -> bool:
         """Always: other starts are none of a system's."""

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from cablemodel.systems.model import SystemModel
 from cablemodel.systems.scene import LineEnd, SystemScene
+
+
+def _numbers(place: Iterable[float]) -> str:
+    """A place to the millimetre."""
+    return ", ".join(f"{round(value, 3) + 0.0:.6g}" for value in place)
 
 
 def _place(end: LineEnd) -> str:
     if end.point is not None:
         return end.point + (" (clamped)" if end.clamped is not None else "")
     if end.anchor is not None:
-        return f"an anchor at {list(end.anchor)} m"
+        return f"an anchor at ({_numbers(end.anchor)}) m"
     if end.line is not None:
         return f"{end.line} at {end.at:g} m"
     return "a free end"
@@ -52,5 +57,4 @@ def at_start(model: SystemModel) -> Iterator[str]:
         ends = line.sample([0.0, line.length]).tension
         yield f"{name}: {ends[0]:.5g} N at its beginning, {ends[1]:.5g} N at its end"
     for name, motion in model.bodies.items():
-        place = ", ".join(f"{round(value, 3) + 0.0:.6g}" for value in motion.position)
-        yield f"{name}: at {place} m"
+        yield f"{name}: at {_numbers(motion.position)} m"

@@ -48,32 +48,15 @@ class Topic:
     rate: str = "every step"
 
 
-_WHEN = {
-    "bodies": " (scenes with bodies)",
-    "drum": " (with a drum)",
-    "floor": " (with a floor)",
-    "error_estimate": " (with `solver.error_estimate`)",
-}
-
-
 def _outputs(variables_: Iterable[variables.Variable]) -> tuple[Topic, ...]:
-    """Topics of rows of the table of variables, of which several may stand in one message."""
-    found: dict[str, list[variables.Variable]] = {}
-    for variable in variables_:
-        found.setdefault(variable.topic, []).append(variable)
+    """Topics of rows of the table of variables, of which several may stand in one message.
+
+    What they mean is said in docs/variables.md.
+    """
+    messages = {variable.topic: variable.message for variable in variables_}
     return tuple(
-        Topic(
-            name,
-            rows[0].message,
-            SHAPE if rows[0].message == variables.CLOUD else OUTPUT,
-            "; ".join(
-                f"{row.quantity} [{row.unit or '-'}]"
-                + (f" in `{row.member}`" if row.member else "")
-                for row in rows
-            )
-            + _WHEN.get(rows[0].present, ""),
-        )
-        for name, rows in found.items()
+        Topic(name, message, SHAPE if message == variables.CLOUD else OUTPUT, "")
+        for name, message in messages.items()
     )
 
 
@@ -190,8 +173,8 @@ _SUBSCRIBED = ["", "|subscribed|message|QoS||", "|---|---|---|---|"]
 
 
 def document() -> str:
-    """Topics and services as Markdown tables."""
-    lines = [*_PUBLISHED, *_published((*OUTPUTS, *APPLIED, *OTHERS))]
+    """Topics, but for outputs (docs/variables.md has them), and services as Markdown tables."""
+    lines = [*_PUBLISHED, *_published((*APPLIED, *OTHERS))]
     lines += [*_SUBSCRIBED, *_subscribed(INPUTS)]
     lines += ["", "|service|type||", "|---|---|---|"]
     lines += [f"|`{name}`|{variables.TRIGGER}|{text}|" for name, text in SERVICES.items()]

@@ -38,8 +38,3 @@ def test_commands_and_code_of_the_page(
     assert low <= mean <= high
     assert (low, high) == pytest.approx((late.min(), late.max()), abs=0.01)
     assert mean == pytest.approx(94.6, abs=0.1)  # the steady tow in closed form: 94.61 N
-
-
-def test_golden_logs_of_the_page_exist() -> None:
-    named = set(re.findall(r"^\|`(\w+)`\|", PAGE, flags=re.MULTILINE))
-    assert named == {path.stem for path in (ROOT / "tests" / "replay" / "golden").glob("*.mcap")}

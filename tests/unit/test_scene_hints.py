@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from cablemodel.scene import scene_json_schema
-from cablemodel.scene.problems import _near
+from cablemodel.scene.problems import suggestion
 
 
 def mappings() -> list[list[str]]:
@@ -48,7 +48,7 @@ CASES = sorted({(key, tuple(keys)) for keys in mappings() for key in keys if len
 
 @pytest.mark.parametrize(("key", "keys"), CASES, ids=[f"{key}-{len(keys)}" for key, keys in CASES])
 def test_a_slip_is_told_the_key(key: str, keys: tuple[str, ...]) -> None:
-    told = {slip: _near(slip, list(keys)) for slip in slips(key) - set(keys)}
+    told = {slip: suggestion(slip, list(keys)) for slip in slips(key) - set(keys)}
     wrong = {slip: hint for slip, hint in told.items() if hint != f", did you mean {key}?"}
     assert not wrong
 
@@ -80,5 +80,5 @@ OTHER_WORDS = [
 
 @pytest.mark.parametrize("word", OTHER_WORDS)
 def test_a_word_for_something_else_is_told_no_key(word: str) -> None:
-    told = {hint for keys in mappings() if (hint := _near(word, keys))}
+    told = {hint for keys in mappings() if (hint := suggestion(word, keys))}
     assert not told

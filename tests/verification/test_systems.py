@@ -516,7 +516,7 @@ def test_check_tells_what_is_tied_to_what(tmp_path: Path) -> None:
     result = CliRunner().invoke(app, ["check", str(path)])
     assert result.exit_code == 0, result.output
     assert "body bar, 20 kg: held by one, two" in result.output
-    assert "line two: from an anchor at [-0.6, 0.0, 0.0] m to bar.b: 5 m of string" in result.output
+    assert "line two: from an anchor at (-0.6, 0, 0) m to bar.b: 5 m of string" in result.output
     with pytest.raises(SceneError, match="a system, not a scene of one line"):
         cm.load_scene(path)
 

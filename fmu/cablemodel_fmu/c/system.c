@@ -42,7 +42,7 @@ struct System {
     int current; /* the numbers below are those of the state */
     double *values;
     Element *elements;
-    int64_t *counts; /* samples at the nodes of each line */
+    int64_t *counts; /* elements of each line */
     double *nodes, *fractions, *samples, *parts;
     double *motion, *forces, *angles, *rates, *orders, *kept; /* of a step */
     int64_t applied;                                          /* words of `applied_in` */
@@ -547,21 +547,8 @@ static void place_sample(const Cable *cable, const Element *elements, int64_t co
     *fraction = is_backward(cable, found->node) ? 1.0 - x : x;
 }
 
-/* Whether a line may be cut at an arc length: there both sides are looked at. */
-static int is_cut_at(const Cable *cable, int64_t line, double arc, double length) {
-    const System *s = cable->system;
-    for (int64_t n = 0; n < s->cuts; n++) {
-        const double *row = cable->M + header(cable->I)->cuts + n * CUT_WORDS;
-        const int64_t segment = s->segments[(int64_t)AS(Cut, row)->segment];
-        const double place = segment & 1 ? -AS(Cut, row)->arc : AS(Cut, row)->arc;
-        if (AS(Cut, row)->side == (double)CUT_WITHIN && segment >> 1 == line &&
-            fabs(arc - place) <= SAME_PLACE * length)
-            return 1;
-    }
-    return 0;
-}
-
-/* Places to sample of all lines: of each its nodes, both sides of a cut, then stations. */
+/* Places to sample of all lines: of each both ends of its elements, where tension may jump from one
+   to the next, its own end, then stations. */
 static int64_t place_samples(const Cable *cable, int64_t elements) {
     const System *s = cable->system;
     int64_t placed = 0;
@@ -569,20 +556,17 @@ static int64_t place_samples(const Cable *cable, int64_t elements) {
         const Element *own = s->elements + first;
         next = first;
         while (next < elements && s->elements[next].line == own->line) next++;
-        const int64_t count = next - first, begin = placed;
+        const int64_t count = next - first;
         double before_it = 0.0;
         const double length = line_length(cable, own, &before_it);
-        int64_t which = 0;
-        for (int64_t n = 0; n <= count; n++, placed++) {
-            const double at = n < count ? own[n].start : length;
-            int64_t before = n - 1;
-            if (n > 0 && n < count && is_cut_at(cable, own->line, at - before_it, length)) {
-                place_sample(cable, own, n, &before, at, s->nodes + placed, s->fractions + placed);
-                placed++;
-            }
-            place_sample(cable, own, count, &which, at, s->nodes + placed, s->fractions + placed);
+        for (int64_t n = 0; n < 2 * count; n++, placed++) {
+            s->nodes[placed] = (double)own[n / 2].node;
+            s->fractions[placed] = n % 2 == is_backward(cable, own[n / 2].node) ? 0.0 : 1.0;
         }
-        s->counts[own->line] = placed - begin;
+        int64_t which = 0;
+        place_sample(cable, own, count, &which, length, s->nodes + placed, s->fractions + placed);
+        placed++;
+        s->counts[own->line] = count;
         which = 0;
         for (int64_t k = 0; k < cable->stations; k++, placed++)
             place_sample(cable, own, count, &which,
@@ -592,20 +576,20 @@ static int64_t place_samples(const Cable *cable, int64_t elements) {
     return placed;
 }
 
-/* Outputs of a line from the rows of its samples: `count` at its nodes, then its stations. */
+/* Outputs of a line from the rows of its samples, which `place_samples` put in order. */
 static double *line_outputs(const double *rows, int64_t count, int64_t stations, double *out) {
     enum { TENSION = 9, CURVATURE = 10 };
     double low = rows[TENSION], high = rows[TENSION];
-    for (int64_t n = 1; n < count; n++) {
+    for (int64_t n = 1; n < 2 * count; n++) {
         const double tension = rows[n * STATION_WORDS + TENSION];
         if (!(tension >= low)) low = tension;
         if (!(tension <= high)) high = tension;
     }
     *out++ = rows[TENSION];
-    *out++ = rows[(count - 1) * STATION_WORDS + TENSION];
+    *out++ = rows[2 * count * STATION_WORDS + TENSION];
     *out++ = low;
     *out++ = high;
-    rows += count * STATION_WORDS;
+    rows += (2 * count + 1) * STATION_WORDS;
     for (int64_t k = 0; k < stations; k++, out += 3)
         memcpy(out, rows + k * STATION_WORDS, 3 * sizeof(double));
     for (int64_t k = 0; k < stations; k++) *out++ = rows[k * STATION_WORDS + TENSION];
@@ -637,7 +621,7 @@ static const double *outputs(Cable *cable) {
         while (next < elements && s->elements[next].line == s->elements[first].line) next++;
         const int64_t count = s->counts[s->elements[first].line];
         out = line_outputs(rows, count, cable->stations, out);
-        rows += STATION_WORDS * (count + cable->stations);
+        rows += STATION_WORDS * (2 * count + 1 + cable->stations);
     }
     cablemodel_parts(cable->I, cable->block_words, s->parts, PART_WORDS * s->bodies, vessels,
                      PART_WORDS * s->vessels);
