@@ -13,8 +13,7 @@ from cablemodel.block import Block
 from cablemodel.instance.line import Line
 from cablemodel.instance.winch import Winch
 from cablemodel.kernels import layout as at
-from cablemodel.kernels.layout import Header
-from cablemodel.kernels.stabilisation import RIGID, STABILISATION
+from cablemodel.kernels.layout import RIGID, STABILISATION, Header
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene

@@ -16,11 +16,11 @@ import math
 
 from .access import body_of, cable_of, edge_of, header, scalars
 from .compile import inlined, kernel
+from .layout import RIGID, STABILISATION
 from .tables import D0, D1, D2, D3, WEIGHT, WEIGHT_P2
+from .tension import allowed_at
 
-STABILISATION = 3.0  # of a typical tension: the least stiffness of the mode
 FLEXURAL = 10.0  # of EI / L^2: the same of a line that its bending stiffness holds
-RIGID = 1e7  # least axial stiffness of a body of finite length, of a typical tension
 TWICE = 2.0  # what is wanted over what is there: no change for less
 
 
@@ -146,7 +146,8 @@ def follow_third_mode(I, M, share):
 
     An element that bends is made soft at once. Stiffer it becomes by steps: what that adds to the
     energy that the mode holds is bounded by the tension over tau of the element's length in each
-    sqrt(L/g).
+    sqrt(L/g); while something rings, by a hundredth of the energy of a ring that a step may miss.
+    So what is strained in this mode for another reason stays soft.
     """
     head = header(I)
     state = scalars(M)
@@ -166,9 +167,13 @@ def follow_third_mode(I, M, share):
         if wanted > stiffness:
             # A tenth of the square of the strain, by length and stiffness, is held.
             strain = third_strain(I, M, node)
-            pull = max(tension, state.third_mode / STABILISATION)
-            more = 10.0 * share * state.tolerance * pull / max(strain * strain, 1e-20)
+            held = state.tolerance * tension
+            if head.rings != 0:  # a hundredth of what rings by all that a step may miss
+                held = max(held, (0.1 * allowed_at(I, M, node)) ** 2 * edge.compliance)
+            more = 10.0 * share * held / max(strain * strain, 1e-20)
             wanted = min(wanted, stiffness + more)
+            if tension <= stiffness and wanted < TWICE * stiffness:
+                wanted = stiffness
         if wanted > least_stiffness(M, edge):
             state.stiffened = 1.0
         if wanted != stiffness:

@@ -73,17 +73,17 @@ def start_constants() -> dict[str, float]:
     """Numbers by which instance/ derives a block from the lengths of its cables, and by which what
     is read of a system is placed, and looks ahead."""
     from cablemodel.instance import line_tables, refinement, winch
-    from cablemodel.kernels import interface, stabilisation
+    from cablemodel.kernels import interface
     from cablemodel.systems import model
     from cablemodel_fmu import signals
 
     return {
-        "STABILISATION": stabilisation.STABILISATION,
+        "STABILISATION": layout.STABILISATION,
         "SHORTEST_LINE": winch.SHORTEST_LINE,
         "SHORTEST_PIECE": winch.SHORTEST_PIECE,
         "FIRST_PIECE": winch.FIRST_PIECE,
         "LEAST_PIECE": winch.LEAST_PIECE,
-        "RIGID": stabilisation.RIGID,
+        "RIGID": layout.RIGID,
         "SOFTEST": line_tables.SOFTEST,
         "BENT": refinement.BENT,
         "REFINEMENTS": refinement.ROUNDS,
