@@ -162,17 +162,24 @@ class UnstableStartWarning(UserWarning):
 
     Attributes: ``rate`` at which it does [1/s]: the least motion grows by exp(rate t);
     ``arc_length`` [m] of the place along the cable that moves most; in a system ``part``, the line
-    or body that does, and ``frequency`` [rad/s] at which it swings, 0: it falls.
+    or body that does, ``frequency`` [rad/s] at which it swings, 0: it falls; and ``time`` [s]: a
+    system with foils may become so after its start.
     """
 
     def __init__(
-        self, rate: float, arc_length: float, part: str = "", frequency: float = 0.0
+        self,
+        rate: float,
+        arc_length: float,
+        part: str = "",
+        frequency: float = 0.0,
+        time: float = 0.0,
     ) -> None:
-        super().__init__(rate, arc_length, part, frequency)
+        super().__init__(rate, arc_length, part, frequency, time)
         self.rate = rate
         self.arc_length = arc_length
         self.part = part
         self.frequency = frequency
+        self.time = time
 
     def __str__(self) -> str:
         if self.part:
@@ -182,8 +189,11 @@ class UnstableStartWarning(UserWarning):
                 if self.frequency
                 else ""
             )
+            state = "the start is an unstable equilibrium"
+            if self.time > 0.0:
+                state = f"what it does at t = {self.time:.4g} s is unstable"
             return (
-                f"the start is an unstable equilibrium: what leaves it {swings}grows by e in "
+                f"{state}: what leaves it {swings}grows by e in "
                 f"{1.0 / self.rate:.3g} s (growth rate {self.rate:.3g} 1/s), most of all {place}. "
                 "The run will leave it, at a time that depends on the tolerance: check the points "
                 "at which bodies are held, their centres and foils (a wing wants a tail)"

@@ -10,7 +10,7 @@ the FMU's state and its serialisation are a copy of it.
 from .record import Record, integer, part, real, reals, spare
 
 MAGIC = 0x4C45444F4D454C42  # "BLEMODEL", little endian
-VERSION = 11
+VERSION = 12
 
 FLOOR_NONE, FLOOR_PLANE, FLOOR_TABLE = 0, 1, 2
 FLOOR_FAR, FLOOR_ABOVE, FLOOR_TOUCHED = 0, 1, 2  # nothing of it is felt; the mesh knows; forces
@@ -397,6 +397,7 @@ class Constraint(Record):
     ring_about = real("tension when that window began", "N")
     ring_cosine = real("the window's integral so far: of the ring's cosine", "N")
     ring_sine = real("of its sine", "N")
+    ring_share = real("what it may be missed by, over what the line next to it allows")
 
 
 CONSTRAINT_WORDS = Constraint.WORDS

@@ -8,13 +8,15 @@ the jump makes, then what a window of two turns finds in the tension beside a cu
 motion that waves or a vessel force on the line is that, and is none of the ring. One of less than
 is allowed may be damped away at once: no more than all of it can be missed.
 
-Every end that a vessel holds has a ring of its own, watched in the element next to it.
+Every end that a vessel holds has a ring of its own, watched in the element next to it. What rings
+shakes all that hangs there: the line that may least be wrong says what the ring may be.
 """
 
 import math
 
 from .access import (
     body_of,
+    closure_of,
     constraint_of,
     edge_of,
     free_body_of,
@@ -54,6 +56,12 @@ def watched_element(I, row):
     return node + 1 if is_root(I, node) else node
 
 
+@inlined
+def allowed_of(I, M, row):
+    """What may be missed of the tension that rings at a constraint [N]."""
+    return row.ring_share * allowed_at(I, M, watched_element(I, row))
+
+
 @kernel
 def own_masses(I, M, own):
     """What bodies have at their nodes, with the water that they take along [kg], into the words at
@@ -72,6 +80,39 @@ def own_masses(I, M, own):
 
 
 @kernel
+def least_allowed(I, M, root, end):
+    """The least that elements of a tree's nodes from `root` to `end` allow, over the sum of m s
+    that swings beyond them: with displacements s and masses in the words of `axial_mode`.
+
+    Where lines close a cycle, others bear a part of that, as they do of its weight.
+    """
+    head = header(I)
+    s = region(I, SOFTNESS)
+    own = s + head.nodes
+    beyond = own + head.nodes
+    closed = beyond + head.nodes
+    for node in range(root, end):
+        M[beyond + node] = M[own + node] * M[s + node]
+        M[closed + node] = 0.0
+    for n in range(head.closure_count):
+        node = int(closure_of(I, M, n).node)
+        if root <= node < end:
+            M[closed + node] = 1.0
+    least = 1e300
+    for node in range(end - 1, root, -1):
+        above = I[head.parent + node]
+        swings = M[beyond + node]
+        if I[head.joint + node] == 0:
+            edge = edge_of(I, M, node)
+            swings += edge.mass * edge.length * 0.5 * (M[s + above] + M[s + node])
+            if swings > 0.0 and M[closed + node] == 0.0:
+                least = min(least, allowed_at(I, M, node) / swings)
+        M[beyond + above] += swings
+        M[closed + above] += M[closed + node]
+    return least
+
+
+@kernel
 def axial_mode(I, M, held):
     """Of the first motion along itself of all that hangs on a node that is held: frequency [rad/s],
     and the mass that moves with it when that node accelerates [kg].
@@ -79,6 +120,8 @@ def axial_mode(I, M, held):
     By Rayleigh's quotient, of displacements s as under the parts' own weights: the sum of m s over
     that of m s^2; of the mass the square of the sum of m s over that. Other ends that are held
     count as free: cables between them sag.
+
+    And of what is allowed of its tension the part that the line has which it harms most.
     """
     head = header(I)
     nodes = head.nodes
@@ -121,8 +164,12 @@ def axial_mode(I, M, held):
         moved += M[own + node] * below
         squares += M[own + node] * below * below
     if not squares > 0.0:
-        return 0.0, 0.0
-    return math.sqrt(moved / squares), moved * moved / squares
+        return 0.0, 0.0, 1.0
+    share = 1.0
+    if head.parts != 0:
+        top = held + 1 if held == root else held
+        share = min(share, least_allowed(I, M, root, end) * moved / allowed_at(I, M, top))
+    return math.sqrt(moved / squares), moved * moved / squares, share
 
 
 @kernel
@@ -132,7 +179,7 @@ def begin_window(I, M, row, t, tension):
     row.ring_about = tension
     row.ring_cosine = 0.0
     row.ring_sine = 0.0
-    row.ring_frequency, _moved = axial_mode(I, M, int(row.node))
+    row.ring_frequency, _moved, row.ring_share = axial_mode(I, M, int(row.node))
 
 
 @kernel
@@ -165,8 +212,8 @@ def begin_rings(I, M, dt):
         if jump == 0.0 and faster == 0.0:
             continue
         top = watched_element(I, row)
-        allowed = allowed_at(I, M, top)
-        frequency, moved = axial_mode(I, M, int(row.node))
+        frequency, moved, row.ring_share = axial_mode(I, M, int(row.node))
+        allowed = allowed_of(I, M, row)
         made = moved * (jump + frequency * faster)
         if made <= allowed:
             continue
@@ -229,7 +276,7 @@ def follow_rings(I, M, dt, scheme):
                 add_to_window(row, at, share, M[head.stage_tensions + 6 * top + i - 1])
         if y + angle >= 2.0 * math.pi:
             row.ring = min(row.ring, math.hypot(row.ring_cosine, row.ring_sine))
-            if row.ring <= allowed_at(I, M, top):
+            if row.ring <= allowed_of(I, M, row):
                 row.ring = 0.0
                 head.rings -= 1
             begin_window(I, M, row, state.time + dt, after)
@@ -271,7 +318,7 @@ def may_miss_rings(I, M, dt, scheme):
     for n in range(head.constraint_count):
         row = constraint_of(I, M, n)
         if row.ring > 0.0:
-            amplitude = row.ring / allowed_at(I, M, watched_element(I, row))
+            amplitude = row.ring / allowed_of(I, M, row)
             if missed_of_ring(amplitude, scheme, row.ring_frequency * dt) > 1.0:
                 return False
     return True
@@ -288,7 +335,7 @@ def longest_ring_step(I, M, dt, scheme):
         row = constraint_of(I, M, n)
         if row.ring == 0.0:
             continue
-        amplitude = row.ring / allowed_at(I, M, watched_element(I, row))
+        amplitude = row.ring / allowed_of(I, M, row)
         if not missed_of_ring(amplitude, scheme, row.ring_frequency * dt) > 1.0:
             continue
         parts = 2.0

@@ -186,6 +186,18 @@ TENSION_TEST = np.stack([_tension_test(_C3[1:4], 1, 2.5), _tension_test(_C4[1:],
 NUMERATOR = np.stack([_numerator(_A3, _G3, 4), _numerator(_A4, 0.25, 6)])
 
 
+def _underrated(a, error, stages, angle=0.1):
+    """What a step misses of a ring over what its embedded solution says, for each radian that the
+    ring turns in it: the error of a step is of one order more than the embedded one."""
+    turn = 1j * angle
+    slopes = np.linalg.solve(np.eye(stages) - turn * a[:stages, :stages], np.full(stages, turn))
+    missed = 1.0 + a[stages - 1, :stages] @ slopes - np.exp(turn)
+    return abs(missed / (error[:stages] @ slopes)) / angle
+
+
+UNDERRATED = np.array([_underrated(_A3, _ERR3, 4), _underrated(_A4, _ERR4, 6)])
+
+
 def _window(wave, powers):
     """Coefficients of wave(y) and of those powers of y whose sum, in Hann's window of two turns,
     y from -2 pi to 2 pi, finds that wave's amplitude and nothing of the powers.

@@ -41,8 +41,10 @@ from .system import (
     set_time,
 )
 from .tables import (
+    GAMMA,
     STAGES,
     TENSION_TEST,
+    UNDERRATED,
 )
 
 PROMISED = 0.5  # of the error of tension that is promised
@@ -190,6 +192,22 @@ def embedded_error(I, M, node, scatter):
     left = abs(M[head.stage_tensions + 6 * node + 5]) / allowed
     again = abs(M[head.stage_velocity + 2 * node]) / allowed
     return left, min(1.0, again / max(left, NOTHING * scatter))
+
+
+@kernel
+def share_of_ring(M, dt, scheme, share):
+    """Of what is allowed, what a step's embedded error may be of a tension that rings, in a system
+    without winches: elements that pass one make rings of their own, which steps had better damp.
+
+    share: what of that error lasts, 1 / (1 + (w gamma dt)^2), which tells the angle w dt. Errors
+    of a ring add up for 2 / LOSS_FACTOR radians, and are larger than the embedded one by
+    `UNDERRATED` times the angle. What its material ends before a line has moved is left to steps.
+    """
+    angle = math.sqrt(max(0.0, 1.0 / max(share, 1e-6) - 1.0)) / GAMMA[scheme]
+    if 0.5 * LOSS_FACTOR * angle * scalars(M).period > dt:
+        return SHARE
+    angle = max(angle, FINEST)
+    return 0.5 * LOSS_FACTOR * angle / max(1.0, UNDERRATED[scheme] * angle)
 
 
 @kernel
@@ -540,7 +558,10 @@ def tension_error(I, M, dt, scheme, gamma_dt, error):
         if is_watched(I, node):
             scatter = stage_scatter(I, M, node, scheme) if head.parts != 0 else scatter
             left, share = embedded_error(I, M, node, scatter)
-            lasting = max(lasting, left * share * share / SHARE)
+            part = SHARE
+            if head.parts != 0 and head.payout == 0:
+                part = share_of_ring(M, dt, scheme, share)
+            lasting = max(lasting, left * share * share / part)
             forgotten = max(forgotten, (1.0 - share * share) * scatter)
     if head.parts != 0:
         return max(lasting, forgotten), PASSES_OVER

@@ -83,7 +83,7 @@ def _built(scene: SystemScene, sought: search.Search) -> Built:
     if scene.environment.floor is not None:
         sought.tries("the same on elements that are finer at the touchdown")
         _refine_at_floor(scene, built, velocity)
-    warn_if_unstable(built)
+    built.unstable = warn_if_unstable(built)
     return built
 
 

@@ -38,6 +38,8 @@ class Built:
     scene: SystemScene
     block: Block
     tree: Tree
+    unstable: bool = False
+    """Its start is, which has been warned of."""
 
     def __post_init__(self) -> None:
         segments = self.tree.segments

@@ -66,6 +66,25 @@ def start_of(scene: SystemScene, name: str) -> Start:
     return Start(slack=False, damping=drag * line.length / mass, free_end=free)
 
 
+def memory_of_bodies(scene: SystemScene) -> float:
+    """How many times as long as of a cable the motion of a body goes on, at least 1: by the drag
+    area over the mass, of the body that drag slows down least."""
+    cables = [scene.cable_types[cable.type] for cable in scene.cables]
+    bodies = [
+        float(np.mean(body.drag_area)) / (body.mass + float(np.mean(body.added_mass)))
+        for body in scene.bodies.values()
+    ]
+    points = [item.body for line in scene.lines.values() for item in line.items if item.body]
+    bodies += [
+        body.drag_coefficient * body.drag_area / (body.mass + body.added_mass) for body in points
+    ]
+    cable = min(kind.drag_normal * kind.diameter / kind.mass for kind in cables)
+    slowest = min(bodies, default=cable)
+    if cable <= slowest:
+        return 1.0
+    return cable / slowest if slowest > 0.0 else math.inf
+
+
 def tension_scale(scene: SystemScene) -> float:
     """A typical tension of the system [N]."""
     gravity = scene.environment.gravity

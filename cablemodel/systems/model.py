@@ -31,6 +31,7 @@ from cablemodel.solver import Errors, images_of
 from cablemodel.systems.build import build
 from cablemodel.systems.inputs import InputNames, SystemInputs
 from cablemodel.systems.scene import SystemScene
+from cablemodel.systems.stability import warn_if_unstable
 from cablemodel.wall_tension import Surroundings
 
 FloatArray = NDArray[np.float64]
@@ -97,7 +98,8 @@ class LineView:
         elements = self._model.built.elements(self.name)
         length, before = self.length, self._model.built.paid(self.name)[0]
         if stations is None:
-            s = np.append(elements.start, length)
+            # Halves of elements that go back along a line begin at 0 to rounding.
+            s = np.clip(np.append(elements.start, length), 0.0, length)
         else:
             s = np.atleast_1d(np.asarray(stations, dtype=np.float64))
         if not np.all((s >= 0.0) & (s <= length * (1.0 + 1e-12))):
@@ -166,6 +168,7 @@ class SystemModel:
         self._inputs = InputNames(self.scene)
         self._forces = np.zeros((len(self.scene.bodies), 6))
         self._angles = self._inputs.first_angles.copy()
+        self._moments = self._new_motions()
         self._finer = _finer_model(self.scene) if self.scene.solver.error_estimate else None
         self._errors: dict[str, Errors] | None = None
 
@@ -186,7 +189,12 @@ class SystemModel:
         self.step_to(self.time + float(dt), **inputs)
 
     def step_to(self, time: float, **inputs: Unpack[SystemInputs]) -> None:
-        """Advance to a time [s] exactly; otherwise like `step`."""
+        """Advance to a time [s] exactly; otherwise like `step`.
+
+        Warns:
+            UnstableStartWarning: where a vessel's motion has become another one, foils feed what
+                leaves it.
+        """
         end = float(time)
         if not self.time < end < math.inf or end - self.time > at.LONGEST_STEP:
             advice = f"give a positive step of at most {at.LONGEST_STEP:g} s"
@@ -214,9 +222,20 @@ class SystemModel:
             problem, advice = MEANING[status]
             raise StepError(f"{part}: {problem}", time=self.time, arc_length=arc, advice=advice)
         self._forces, self._angles, self._errors = drive.forces, drive.angles, None
+        if self._moments and self._moments[0] <= self.time:
+            unstable = warn_if_unstable(self.built)
+            self._moments = [t for t in self._moments if t > self.time and not unstable]
         if beside is not None:
             with suppress(StepError):  # it stays behind for good: there is no estimate then
                 beside.step_to(end, **inputs)
+
+    def _new_motions(self) -> list[float]:
+        """When a piece of a vessel's motion is over [s], in a system with foils, which may feed at
+        another speed what they damped; none after a start that has been warned of."""
+        if self.built.unstable or not any(body.foils for body in self.scene.bodies.values()):
+            return []
+        ends = [vessel.motion().pieces[:, at.Piece.end] for vessel in self.scene.vessels.values()]
+        return sorted({float(end) for each in ends for end in each if 0.0 < end < math.inf})
 
     def _drives(self, block: Any) -> bool:
         rows = block.array(Header.frames, len(self.scene.vessels), at.FRAME_WORDS)
@@ -472,6 +491,7 @@ class SystemModel:
         for run in self._runs:
             run.built.block.take(run._initial)
             run._forces[:] = 0.0
+            run._moments = [] if run is self._finer else run._new_motions()
             run._angles = run._inputs.first_angles.copy()
             run._errors = None
 
@@ -483,6 +503,7 @@ def _finer_model(scene: SystemScene) -> SystemModel | None:
     with suppress(StaticsError), warnings.catch_warnings():
         warnings.simplefilter("ignore", UnstableStartWarning)  # which the run itself gives
         model = SystemModel(finer(scene))
+        model._moments = []
         step_in_halves(model.built.block)
         model._initial = model.built.block.image.copy()
         return model

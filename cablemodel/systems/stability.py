@@ -9,6 +9,7 @@ Ashley and Halfman 1955, chapter 9).
 
 from __future__ import annotations
 
+import math
 import warnings
 
 import numpy as np
@@ -35,8 +36,10 @@ STABILISED = 1e-3
 1e-2 starts are told the same)."""
 
 
-def warn_if_unstable(built: Built) -> None:
-    """Look at a system's start.
+def warn_if_unstable(built: Built) -> bool:
+    """Look at a system's start, or at its present motion; returns whether it is unstable. A motion
+    changes in the line's own time: what grows beside it has to swing within that, and to be a body
+    that foils feed.
 
     Warns:
         UnstableStartWarning: it leaves that by itself.
@@ -50,10 +53,11 @@ def warn_if_unstable(built: Built) -> None:
     least = slowest_growth(block)
     held = stiffness + least * damping + least * least * mass
     if block.header.foil_count == 0 and is_positive(held + held.T):
-        return
-    found = fastest_growth(mass, damping, stiffness, least)
+        return False
+    quick = 2.0 * math.pi / block.scalars.period if block.scalars.time > 0.0 else 0.0
+    found = fastest_growth(mass, damping, stiffness, least, quick)
     if found is None:
-        return
+        return False
     growth, motion = found
     moves = np.abs(basis @ motion).reshape(-1, 2, 3)
     bodies = block.array(Header.free_bodies, len(built.tree.bodies), at.FREE_WORDS)
@@ -61,9 +65,15 @@ def warn_if_unstable(built: Built) -> None:
     moves = np.linalg.norm(moves[:, 0], axis=1)
     moves[built.body_nodes()] += np.linalg.norm(turns, axis=1)
     part, arc = built.where(int(np.argmax(moves)))
-    warnings.warn(
-        UnstableStartWarning(growth.real, arc, part=part, frequency=abs(growth.imag)), stacklevel=2
+    if block.scalars.time > 0.0:
+        body = built.scene.bodies.get(part)
+        if body is None or not body.foils:
+            return False
+    warning = UnstableStartWarning(
+        growth.real, arc, part=part, frequency=abs(growth.imag), time=float(block.scalars.time)
     )
+    warnings.warn(warning, stacklevel=2)
+    return True
 
 
 def is_positive(symmetric: Matrix) -> bool:
@@ -96,9 +106,10 @@ def lift_pressed(built: Built) -> None:
 
 
 def fastest_growth(
-    mass: Matrix, damping: Matrix, stiffness: Matrix, least: float
+    mass: Matrix, damping: Matrix, stiffness: Matrix, least: float, quick: float = 0.0
 ) -> tuple[complex, Motion] | None:
-    """Of motions x exp(l t) the fastest that grows by more than a rate: l [1/s] and x (n,).
+    """Of motions x exp(l t) the fastest that grows by more than a rate, and swings at a frequency
+    or above: l [1/s] and x (n,).
 
     The modes leave out what the others give way by: from what they find a motion of the whole is
     sought, by inverse iteration.
@@ -120,7 +131,7 @@ def fastest_growth(
     state[count:, count:] = -modes.T @ damping @ modes
     values, vectors = eig(state)
     found: list[tuple[complex, Motion]] = []
-    for k in np.flatnonzero((values.real > least) & (values.imag >= 0.0)):
+    for k in np.flatnonzero((values.real > least) & (values.imag >= quick)):
         motion = _motion_near(mass, damping, stiffness, values[k], modes @ vectors[:count, k])
         if motion is not None and motion[0].real > least:
             found.append(motion)

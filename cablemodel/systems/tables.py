@@ -25,6 +25,7 @@ from cablemodel.systems.guess import axes_of
 from cablemodel.systems.lines import (
     cable_of,
     flexible_at,
+    memory_of_bodies,
     mesh_may_change,
     start_of,
     tension_scale,
@@ -126,6 +127,9 @@ def fill_settings_of(scene: SystemScene, built: Built) -> None:
     entry.measure(ints, reals, facts)
     # Of every line tau times its own length is promised: the shortest one decides.
     state.time_tolerance *= shortest / longest
+    # A heavy body swings on where drag has long stopped a cable: what it misses adds up.
+    if state.memory > 0.0:
+        state.memory *= memory_of_bodies(scene)
     fill_current(block, scene)
 
 

@@ -93,3 +93,91 @@ def test_a_cut_ends_what_is_followed() -> None:
     assert model.built.block.header.rings == 1
     model.step_to(9.5)
     assert model.built.block.header.rings == 0
+
+
+def test_a_push_rings_on_for_as_long_as_a_wire_lets_it() -> None:
+    """No jump of a vessel tells of this ring. Long steps turn with it for six periods before they
+    are off by the promise; a wire's material takes sixteen to end it."""
+    push, begin, rise = 1500.0, 2.0, 0.1
+    load = {
+        "mass": MASS,
+        "submerged_weight": MASS * G,
+        "inertia": 500.0,
+        "points": {"eye": [0] * 3},
+    }
+    hoist = {
+        "from": {"anchor": [0, 0, 0]}, "to": "load.eye",
+        "items": [{"cable": {"type": "wire", "length": LENGTH}}],
+    }  # fmt: skip
+    model = SystemModel({
+        "environment": {"water_density": 0.0, "gravity": G}, "cable_types": {"wire": WIRE},
+        "bodies": {"load": load}, "lines": {"hoist": hoist}, "solver": {"tolerance": TAU},
+    })  # fmt: skip
+    model.step_to(begin)
+    force = {"load": [0.0, 0.0, -push, 0.0, 0.0, 0.0]}
+    model.step_to(begin + rise, forces=force)
+    w = np.sqrt(STIFFNESS / LENGTH / (MASS + WIRE["mass"] * LENGTH / 3.0))
+    for end in range(3, 51):
+        model.step_to(float(end), forces=force)
+        t = end - begin
+        swing = (np.sin(w * t) - np.sin(w * (t - rise))) / (w * rise)
+        expected = MASS * G + push * (1.0 - swing)
+        found = model.lines["hoist"].end_tension
+        assert found == pytest.approx(expected, abs=10.0 * TAU * MASS * G)
+
+
+TOW, HANGS = 400.0, 200.0
+"""Mass of what is tied below the load [kg], and its weight in water [N]."""
+
+
+def test_a_ring_that_a_hoist_may_miss_shakes_a_line_below_its_load() -> None:
+    """The ring is less than a per cent of the hoist's tension, and a tenth of that of the line
+    below, which carries what is all but buoyant: against two masses on springs."""
+    times, rates = [0.0, 2.0, 7.0, 30.0], [0.0, 0.0, 0.1, 0.1]
+    load = {"mass": MASS, "submerged_weight": MASS * G, "inertia": 500.0,
+            "points": {"eye": [0, 0, 0], "below": [0, 0, 0]}}  # fmt: skip
+    lower = [
+        {"cable": {"type": "wire", "length": 20.0}},
+        {"body": {"mass": TOW, "submerged_weight": HANGS, "drag_area": 0.0}},
+    ]
+    wire = {"diameter": 0.01, "mass": 0.005, "axial_stiffness": STIFFNESS}
+    model = SystemModel({
+        "environment": {"water_density": 0.0, "gravity": G}, "cable_types": {"wire": wire},
+        "vessels": {"ship": {
+            "points": {"sheave": [0, 0, 0]},
+            "velocity": [{"t": t, "velocity": [0, 0, -r]}
+                         for t, r in zip(times, rates, strict=True)],
+        }},
+        "bodies": {"load": load},
+        "lines": {
+            "hoist": {"from": "ship.sheave", "to": "load.eye",
+                      "items": [{"cable": {"type": "wire", "length": LENGTH}}]},
+            "lower": {"from": "load.below", "to": "free", "items": lower},
+        },
+        "solver": {"tolerance": TAU},
+    })  # fmt: skip
+    springs = STIFFNESS / LENGTH, STIFFNESS / 20.0
+
+    def pulls(t: float, x: np.ndarray) -> tuple[float, float]:
+        """Of both lines [N], by how far both masses and the ship are below their start [m]."""
+        ship = 0.01 * min(max(t - 2.0, 0.0), 5.0) ** 2 + 0.1 * max(t - 7.0, 0.0)
+        top = MASS * G + HANGS + springs[0] * (x[0] - ship)
+        return top, HANGS + springs[1] * (x[1] - x[0])
+
+    def motion(t: float, state: np.ndarray) -> list[float]:
+        top, low = pulls(t, state)
+        return [*state[2:], G + (low - top) / MASS, (HANGS - low) / TOW]
+
+    outputs = np.arange(1.0, 25.0)
+    run = solve_ivp(motion, (0.0, 25.0), np.zeros(4), t_eval=outputs, max_step=0.02,
+                    rtol=1e-9, atol=1e-9)  # fmt: skip
+    expected = np.array([pulls(t, x) for t, x in zip(run.t, run.y.T, strict=True)])
+    found = []
+    for end in outputs:
+        model.step_to(end)
+        found.append([model.lines["hoist"].start_tension, model.lines["lower"].start_tension])
+    hoisted, lower_pull = np.ptp(expected[-10:], axis=0)
+    assert hoisted < 10.0 * TAU * MASS * G
+    assert lower_pull > 100.0 * TAU * HANGS
+    allowed = 10.0 * TAU * expected.max(axis=0)
+    assert np.all(np.abs(np.array(found) - expected) < allowed)

@@ -120,6 +120,61 @@ def test_a_wing_without_a_tail_swings_up(tail: float) -> None:
         assert grows == pytest.approx(warning.rate, rel=0.1)
 
 
+def sped_up(speed: float) -> dict:
+    """A depressor with its wing ahead of its weight, from 1 m/s to a speed within 6 s."""
+    scene = towed_wing(0.0)
+    scene["bodies"]["wing_body"] |= {
+        "mass": 196.0, "submerged_weight": 1636.0, "inertia": 6.7, "added_mass": 29.0,
+        "added_inertia": 1.35, "drag_area": [0.17, 0.34, 0.34], "drag_turning": 0.02,
+        "centre_of_buoyancy": [0, 0, 0.1],
+        "foils": {"wing": {"area": 0.7, "position": [0.05, 0, 0], "deflection": -0.18}},
+    }  # fmt: skip
+    scene["cable_types"]["wire"] |= {"diameter": 0.016, "mass": 0.28, "axial_stiffness": 1e6}
+    rows = [(0.0, 1.0), (6.0, speed)]
+    scene["vessels"]["ship"]["velocity"] = [{"t": t, "velocity": [v, 0, 0]} for t, v in rows]
+    return scene
+
+
+@pytest.mark.parametrize("speed", [2.5, 3.5])
+def test_what_becomes_unstable_at_speed_is_warned_of(speed: float) -> None:
+    """What the state of a run says of growth is what a push does to a fine run, or does not."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", UnstableStartWarning)
+        model = SystemModel(sped_up(speed) | {"solver": {"error_estimate": True}})
+        model.step_to(5.0)
+        assert not caught
+        kept = model.snapshot()
+        for end in (6.0, 8.0):
+            model.step_to(end)
+    after = model.snapshot()
+    model.restore(kept)
+    for end in (6.0, 8.0):
+        model.step_to(end)
+    assert model.snapshot() == after  # looking changes nothing
+    runs = []
+    for push in (0.0, 1e-2):
+        fine = SystemModel(sped_up(speed) | {"solver": {"tolerance": 1e-6}})
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UnstableStartWarning)
+            fine.step_to(6.0)
+        seen = []
+        for k in range(60):
+            force = [0, 0, 0, 0, push if k < 4 else 0.0, 0]
+            fine.step(0.05, forces={"wing_body": force})
+            seen.append(fine.bodies["wing_body"].attitude[1])
+        runs.append(seen)
+    apart = np.abs(np.subtract(*runs))
+    grows = math.log(apart[40:].max() / apart[:20].max()) / (40 * 0.05)
+    if speed < 3.0:
+        assert not caught
+        assert grows < 0.0
+        return
+    (warning,) = (w.message for w in caught)
+    assert isinstance(warning, UnstableStartWarning)
+    assert "at t = 6 s is unstable" in str(warning)
+    assert grows == pytest.approx(warning.rate, rel=0.4)
+
+
 def side_by_side(count: int) -> SystemModel:
     """Lines below a ship without a tie to each other."""
     points = {f"p{k}": [0.0, float(k), 0.0] for k in range(count)}

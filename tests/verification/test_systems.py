@@ -14,6 +14,8 @@ from typer.testing import CliRunner
 
 from cablemodel.cli import app
 from cablemodel.errors import SceneError, StepError
+from cablemodel.kernels import layout as at
+from cablemodel.kernels.layout import Header
 from cablemodel.systems import SystemModel
 from cablemodel.systems.inputs import VesselInput
 from tests.verification.references.bodies import free_spin
@@ -529,3 +531,20 @@ def test_what_is_wrong_is_named() -> None:
     scene["bodies"]["lost"] = scene["bodies"]["bar"]
     with pytest.raises(SceneError, match=r"bodies\.lost.*no line is attached"):
         SystemModel(scene)
+
+
+def test_nodes_are_sampled_where_a_half_begins_at_zero_to_rounding() -> None:
+    """Arc lengths of a line that goes back in the tree count from its end: -(start) - length."""
+    wire = {"diameter": 0.02, "mass": 1.0, "axial_stiffness": 1e7}
+    model = SystemModel({
+        "cable_types": {"wire": wire}, "vessels": {"ship": {"points": {"stern": [0, 0, 0]}}},
+        "lines": {"tow": {"from": "free", "to": "ship.stern",
+                          "items": [{"cable": {"type": "wire", "length": 30.0}}]}},
+    })  # fmt: skip
+    elements = model.built.elements("tow")
+    assert elements.backward.all()
+    first = int(elements.node[np.argmin(elements.start)])
+    edges = model.built.block.array(Header.edges, model.built.nodes, at.EDGE_WORDS)
+    edges[first, at.Edge.start] = np.nextafter(-edges[first, at.Edge.length], 0.0)
+    assert model.built.elements("tow").start.min() < 0.0
+    assert model.lines["tow"].sample().s.min() == 0.0
