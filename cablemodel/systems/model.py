@@ -107,7 +107,7 @@ class LineView:
         which = np.clip(np.searchsorted(elements.start, s, side="right") - 1, 0, None)
         if stations is None:
             gaps = np.abs(elements.start[:, None] - before - self._joints)
-            sides = np.flatnonzero(np.any(gaps <= SAME_PLACE * length, axis=1))
+            sides = 1 + np.flatnonzero(np.any(gaps[1:] <= SAME_PLACE * length, axis=1))
             s = np.insert(s, sides, s[sides])
             which = np.insert(which, sides, sides - 1)
         x = np.clip((s - elements.start[which]) / elements.length[which], 0.0, 1.0)
