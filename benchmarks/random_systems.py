@@ -296,7 +296,7 @@ def run(
             share = min(1.0, max(0.0, (end - 5.0) / 5.0))  # at the step's end
             model.step_to(end, forces={"buoy": share * np.array(push)} if push else {})
             for name, line in model.lines.items():
-                lowest[name] = min(lowest[name], float(line.sample().tension.min()))
+                lowest[name] = min(lowest[name], line.tension_range[0])
         for name, line in model.lines.items():
             state = line.sample(np.linspace(0.0, line.length, 5))
             lines[name].append((state.position, state.tension, line.length))

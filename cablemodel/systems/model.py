@@ -107,7 +107,7 @@ class LineView:
         which = np.clip(np.searchsorted(elements.start, s, side="right") - 1, 0, None)
         if stations is None:
             gaps = np.abs(elements.start[:, None] - before - self._joints)
-            sides = np.flatnonzero(np.any(gaps <= SAME_PLACE * length, axis=1))
+            sides = 1 + np.flatnonzero(np.any(gaps[1:] <= SAME_PLACE * length, axis=1))
             s = np.insert(s, sides, s[sides])
             which = np.insert(which, sides, sides - 1)
         x = np.clip((s - elements.start[which]) / elements.length[which], 0.0, 1.0)
@@ -168,7 +168,8 @@ class SystemModel:
         self._inputs = InputNames(self.scene)
         self._forces = np.zeros((len(self.scene.bodies), 6))
         self._angles = self._inputs.first_angles.copy()
-        self._moments = self._new_motions()
+        self._motions = self._new_motions()
+        self._moments = self._motions
         self._finer = _finer_model(self.scene) if self.scene.solver.error_estimate else None
         self._errors: dict[str, Errors] | None = None
 
@@ -491,7 +492,7 @@ class SystemModel:
         for run in self._runs:
             run.built.block.take(run._initial)
             run._forces[:] = 0.0
-            run._moments = [] if run is self._finer else run._new_motions()
+            run._moments = run._motions
             run._angles = run._inputs.first_angles.copy()
             run._errors = None
 
@@ -503,7 +504,7 @@ def _finer_model(scene: SystemScene) -> SystemModel | None:
     with suppress(StaticsError), warnings.catch_warnings():
         warnings.simplefilter("ignore", UnstableStartWarning)  # which the run itself gives
         model = SystemModel(finer(scene))
-        model._moments = []
+        model._motions = model._moments = []
         step_in_halves(model.built.block)
         model._initial = model.built.block.image.copy()
         return model

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from decks import every_change
 from scipy.optimize import fsolve
 from typer.testing import CliRunner, Result
 
@@ -156,18 +157,11 @@ def test_what_a_scene_cannot_state_is_refused_by_its_place(old: str, new: str, w
 
 def test_whatever_stands_in_a_deck_is_read_or_refused() -> None:
     """Every line left out, and every word another, in turn."""
-    lines = FLOAT.splitlines()
-    changed = [[*lines[:k], *lines[k + 1 :]] for k in range(len(lines))]
-    changed += [
-        [*lines[:k], whole.replace(word, other), *lines[k + 1 :]]
-        for k, whole in enumerate(lines)
-        for word in set(whole.split())
-        for other in ("x", "-1", "0", "nan", "")
-    ]
+    changed = list(every_change(FLOAT, ("x", "-1", "0", "nan", "")))
     read = 0
     for deck in changed:
         with suppress(cm.SceneError):
-            read_deck("\n".join(deck), "float.txt", 1)
+            read_deck(deck, "float.txt", 1)
             read += 1
     assert 0 < read < len(changed)
 

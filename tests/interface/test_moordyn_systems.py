@@ -10,6 +10,7 @@ from pathlib import Path
 import moordyn
 import numpy as np
 import pytest
+from decks import every_change
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
@@ -373,17 +374,10 @@ def test_a_system_that_nothing_holds_is_refused() -> None:
 @pytest.mark.parametrize("text", [Y, BUOY, ROD], ids=["Y", "buoy", "rod"])
 def test_whatever_stands_in_a_deck_of_several_lines_is_read_or_refused(text: str) -> None:
     """Every line left out, and every word another, in turn."""
-    lines = text.splitlines()
-    changed = [[*lines[:k], *lines[k + 1 :]] for k in range(len(lines))]
-    changed += [
-        [*lines[:k], whole.replace(word, other), *lines[k + 1 :]]
-        for k, whole in enumerate(lines)
-        for word in set(whole.split())
-        for other in ("x", "-1", "0", "nan", "1|2")
-    ]
+    changed = list(every_change(text, ("x", "-1", "0", "nan", "1|2")))
     read = 0
     for one in changed:
         with suppress(cm.SceneError):
-            read_deck("\n".join(one), "deck.txt")
+            read_deck(one, "deck.txt")
             read += 1
     assert 0 < read < len(changed)
