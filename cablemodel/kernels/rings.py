@@ -225,7 +225,7 @@ def begin_rings(I, M, dt):
         allowed = allowed_of(I, M, row)
         if moved == 0.0:
             continue
-        taut = M[head.tension + 2 * top]  # what makes more than that lets it go slack
+        taut = M[head.tension + 2 * top]  # by more it does not ring: it goes slack
         if state.heard == 0.0 or allowed / moved < state.heard:
             state.heard = allowed / moved
             state.heard_most = taut / moved
@@ -233,10 +233,11 @@ def begin_rings(I, M, dt):
         of_jerk = moved * jerk / frequency
         if of_jerk > taut:
             of_jerk = 0.0
-        made = moved * (jump + frequency * faster)
+        most = max(taut, row.ring)
+        made = min(moved * (jump + frequency * faster), most)
         if made + of_jerk <= allowed:
             continue
-        made += row.ring
+        made = min(made + row.ring, most)
         count = 2 * head.dimension * head.nodes
         if faster == 0.0 and may_be_solved_for(I, M):
             copy_words(I, region(I, SOLVED_A), head.acceleration, count)
@@ -254,8 +255,8 @@ def begin_rings(I, M, dt):
             head.rings += 1
         row.ring_lasts = 0.0
         row.ring = made + of_jerk
-        follow_third_mode(I, M, 1.0)
         begin_window(I, M, row, state.time, M[head.tension + 2 * top])
+        follow_third_mode(I, M, 1.0)
 
 
 @kernel

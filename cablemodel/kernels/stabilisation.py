@@ -14,7 +14,7 @@ the other.
 
 import math
 
-from .access import body_of, cable_of, edge_of, header, scalars
+from .access import body_of, cable_of, constraint_of, edge_of, header, scalars
 from .compile import inlined, kernel
 from .layout import RIGID, STABILISATION
 from .tables import D0, D1, D2, D3, WEIGHT, WEIGHT_P2
@@ -120,21 +120,33 @@ def stabilise(I, M):
 
 
 @kernel
-def wanted_stiffness(I, M, node, edge, tension):
-    """What an element's mode should have [N], beside what it has; tension: its own, if that has
-    outgrown those of the start."""
+def rings_taut(I, M):
+    """Whether something rings, and leaves its line taut: by less than the tension there."""
     head = header(I)
+    if head.rings == 0:
+        return False
+    for n in range(head.constraint_count):
+        row = constraint_of(I, M, n)
+        if 0.0 < row.ring < row.ring_about:
+            return True
+    return False
+
+
+@kernel
+def wanted_stiffness(I, M, node, edge, tension, rings):
+    """What an element's mode should have [N], beside what it has; tension: its own, if that has
+    outgrown those of the start; rings: `rings_taut`."""
     stiffness = edge.stabilisation
     least = least_stiffness(M, edge)
     wanted = max(stiffness, min(STABILISATION * tension, 1.0 / edge.compliance))
-    if head.rings == 0 and stiffness <= TWICE * least:
+    if not rings and stiffness <= TWICE * least:
         return wanted
     ringing = ringing_stiffness(I, M, edge)
     if ringing > least:
         most = max(unlocked_stiffness(I, M, node), least)
         if stiffness > TWICE * most and stiffness > STABILISATION * tension:
             return most
-        if head.rings != 0 and min(ringing, most) > TWICE * stiffness:
+        if rings and min(ringing, most) > TWICE * stiffness:
             wanted = max(wanted, min(ringing, most))
     return wanted
 
@@ -152,7 +164,8 @@ def follow_third_mode(I, M, share):
     head = header(I)
     state = scalars(M)
     taut = state.largest_tension > state.third_mode
-    if not taut and head.rings == 0 and state.stiffened == 0.0:
+    rings = rings_taut(I, M)
+    if not taut and not rings and state.stiffened == 0.0:
         return  # all but the few lines that are drawn taut, or ring
     state.stiffened = 0.0
     for node in range(1, head.nodes):
@@ -163,12 +176,14 @@ def follow_third_mode(I, M, share):
             continue
         stiffness = edge.stabilisation
         tension = M[head.tension + 2 * node] if taut else 0.0
-        wanted = wanted_stiffness(I, M, node, edge, tension if tension > stiffness else 0.0)
+        wanted = wanted_stiffness(
+            I, M, node, edge, tension if tension > stiffness else 0.0, rings
+        )
         if wanted > stiffness:
             # A tenth of the square of the strain, by length and stiffness, is held.
             strain = third_strain(I, M, node)
             held = state.tolerance * tension
-            if head.rings != 0:  # a hundredth of what rings by all that a step may miss
+            if rings:  # a hundredth of what rings by all that a step may miss
                 held = max(held, (0.1 * allowed_at(I, M, node)) ** 2 * edge.compliance)
             more = 10.0 * share * held / max(strain * strain, 1e-20)
             wanted = min(wanted, stiffness + more)
