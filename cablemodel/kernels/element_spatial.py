@@ -114,12 +114,12 @@ def geometry(W, x0, x1, h):
 
 
 @inlined
-def axial_forces(W, t0, t1, stabilisation):
+def axial_forces(W, t0, t1, stabilisation, rest):
     """Forces T t at the Gauss points, with the stabilising mode along P2."""
     e2 = 0.0
     for g in range(3):
         e2 += WEIGHT_P2[g] * (W[G + g] - 1.0)
-    t2 = 5.0 * stabilisation * e2
+    t2 = 5.0 * stabilisation * e2 - rest
     for g in range(4):
         tension = t0 + t1 * P1[g] + t2 * P2[g]
         W[PX + g] = tension * W[TX + g]
@@ -252,7 +252,7 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
         geometry(W, x0, x1, h)
         t0 = tension[2 * node]
         t1 = tension[2 * node + 1]
-        axial_forces(W, t0, t1, edge.stabilisation)
+        axial_forces(W, t0, t1, edge.stabilisation, edge.third_rest)
 
         if edge.strain_terms == 1.0:
             r0 = 0.0

@@ -659,7 +659,7 @@ def energies(I, M, out):
                 turning = (turning - vt * stretching) / g
                 out[8] += weight * edge.added_mass * vt * turning
             e2 += WEIGHT_P2[p] * (g - 1.0)
-        e2 *= 5.0
+        e2 = 5.0 * e2 - edge.third_rest / edge.stabilisation
         out[1] += 0.1 * h * edge.stabilisation * e2 * e2
     q = M[head.position : head.position + size * nodes]
     v = M[head.velocity : head.velocity + size * nodes]

@@ -37,6 +37,7 @@ from .layout import (
     OK,
 )
 from .passing import cable_paid, material_end, overhang, set_first_bit, set_part
+from .stabilisation import least_stiffness
 from .winch import paid_since
 
 
@@ -401,6 +402,8 @@ def split_edge(I, M, edge, x, hinge):
     edge_of(I, M, edge).length = x * h
     edge_of(I, M, lower).length = h - x * h
     edge_of(I, M, lower).start += x * h
+    edge_of(I, M, edge).third_rest *= x * x
+    edge_of(I, M, lower).third_rest *= (1.0 - x) * (1.0 - x)
     if top >= 0:
         winch = winch_of(I, M, top)
         winch.top_length = edge_of(I, M, top_edge(winch)).length
@@ -456,6 +459,8 @@ def join_at(I, M, node, count):
         M[t + 2 * lower + 1] = 0.5 * (bottom - top)
     edge_of(I, M, lower).length = h
     edge_of(I, M, lower).start = start
+    edge_of(I, M, lower).stabilisation = least_stiffness(M, edge_of(I, M, lower))
+    edge_of(I, M, lower).third_rest = 0.0
     close_gap(I, M, node, count)
     if winch >= 0:
         winch_of(I, M, winch).top_length = h

@@ -27,6 +27,7 @@ from .access import (
 from .compile import copy_words, inlined, kernel, view
 from .consistency import jerk_jump, jump_along
 from .layout import ALONE, HELD_BY_ANCHOR, JOINT_ROOT
+from .stabilisation import follow_third_mode
 from .tables import GAMMA, NUMERATOR, STAGE_A, STAGE_C, STAGES, WINDOW
 from .tension import (
     LOSS_FACTOR,
@@ -255,6 +256,7 @@ def begin_rings(I, M, dt):
         row.ring_lasts = 0.0
         row.ring = made + of_jerk
         begin_window(I, M, row, state.time, M[head.tension + 2 * top])
+        follow_third_mode(I, M, 0.0)
 
 
 @kernel

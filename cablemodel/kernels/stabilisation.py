@@ -14,7 +14,7 @@ the other.
 
 import math
 
-from .access import body_of, cable_of, edge_of, header, scalars
+from .access import body_of, cable_of, constraint_of, edge_of, header, scalars
 from .compile import inlined, kernel
 from .layout import RIGID, STABILISATION
 from .tables import D0, D1, D2, D3, WEIGHT, WEIGHT_P2
@@ -22,6 +22,7 @@ from .tables import D0, D1, D2, D3, WEIGHT, WEIGHT_P2
 FLEXURAL = 10.0  # of EI / L^2: the same of a line that its bending stiffness holds
 TWICE = 2.0  # what is wanted over what is there: no change for less
 STRAIGHT = 1e-9  # strain that bending makes below which it makes none
+FORGOTTEN = 1e-14  # strain at rest below which there is none
 
 
 @inlined
@@ -109,16 +110,8 @@ def stabilise(I, M):
     changed = 0
     for n in range(1, head.nodes + head.cable_count):
         edge = edge_of(I, M, n) if n < head.nodes else cable_of(I, M, n - head.nodes).edge
-        if edge.compliance == 0.0:
-            continue
-        stiffness = least_stiffness(M, edge)
-        if n < head.nodes and I[head.joint + n] == 0:
-            most = min(ringing_stiffness(I, M, edge), unlocked_stiffness(I, M, n))
-            if most > TWICE * stiffness:
-                stiffness = most
-                state.stiffened = 1.0
-        if stiffness != edge.stabilisation:
-            edge.stabilisation = stiffness
+        if edge.compliance > 0.0 and least_stiffness(M, edge) != edge.stabilisation:
+            edge.stabilisation = least_stiffness(M, edge)
             changed = 1
     for index in range(head.body_count):
         body = body_of(I, M, index)
@@ -128,31 +121,51 @@ def stabilise(I, M):
 
 
 @kernel
-def wanted_stiffness(I, M, node, edge, tension):
+def rings_taut(I, M):
+    """Whether something rings, and leaves its line taut: by less than the tension there."""
+    head = header(I)
+    if head.rings == 0:
+        return False
+    for n in range(head.constraint_count):
+        row = constraint_of(I, M, n)
+        if 0.0 < row.ring < row.ring_about:
+            return True
+    return False
+
+
+@kernel
+def wanted_stiffness(I, M, node, edge, tension, rings):
     """What an element's mode should have [N], beside what it has; tension: its own, if that has
-    outgrown those of the start."""
+    outgrown those of the start; rings: `rings_taut`."""
     stiffness = edge.stabilisation
     least = least_stiffness(M, edge)
-    if stiffness > TWICE * least and stiffness > STABILISATION * tension:
+    wanted = max(stiffness, min(STABILISATION * tension, 1.0 / edge.compliance))
+    if not rings and stiffness <= TWICE * least:
+        return wanted
+    ringing = ringing_stiffness(I, M, edge)
+    if ringing > least:
         most = max(unlocked_stiffness(I, M, node), least)
-        if stiffness > TWICE * most:
+        if stiffness > TWICE * most and stiffness > STABILISATION * tension:
             return most
-    return max(stiffness, min(STABILISATION * tension, 1.0 / edge.compliance))
+        if rings and min(ringing, most) > TWICE * stiffness:
+            wanted = max(wanted, min(ringing, most))
+    return wanted
 
 
 @kernel
 def follow_third_mode(I, M, share):
-    """After a step, of which the line's sqrt(L/g) is 1 / share: stiffness that does not fit.
+    """After a step, of which the line's sqrt(L/g) is 1 / share, or as a ring begins, share 0:
+    stiffness that does not fit.
 
-    An element that bends is made soft at once. Stiffer it becomes by steps: what that adds to the
-    energy that the mode holds is bounded by the tension over tau of the element's length in each
-    sqrt(L/g). So what is strained in this mode for another reason stays soft.
+    The mode's tension goes on: what it is strained by becomes its strain at rest, of which `share`
+    is forgotten, more slowly than anything along the line moves.
     """
     head = header(I)
     state = scalars(M)
     taut = state.largest_tension > state.third_mode
-    if not taut and state.stiffened == 0.0:
-        return  # where nothing bends and nothing is drawn taut
+    rings = rings_taut(I, M)
+    if not taut and not rings and state.stiffened == 0.0:
+        return  # all but the few lines that are drawn taut, or ring
     state.stiffened = 0.0
     for node in range(1, head.nodes):
         if I[head.joint + node] != 0:
@@ -161,16 +174,17 @@ def follow_third_mode(I, M, share):
         if edge.compliance == 0.0:
             continue
         stiffness = edge.stabilisation
+        edge.third_rest *= 1.0 - share
+        if abs(edge.third_rest) < FORGOTTEN * stiffness:
+            edge.third_rest = 0.0
         tension = M[head.tension + 2 * node] if taut else 0.0
-        wanted = wanted_stiffness(I, M, node, edge, tension if tension > stiffness else 0.0)
-        if wanted > stiffness:
-            # A tenth of the square of the strain, by length and stiffness, is held.
-            strain = third_strain(I, M, node)
-            more = 10.0 * share * state.tolerance * tension / max(strain * strain, 1e-20)
-            wanted = min(wanted, stiffness + more)
-        if wanted > TWICE * least_stiffness(M, edge):
+        wanted = wanted_stiffness(
+            I, M, node, edge, tension if tension > stiffness else 0.0, rings
+        )
+        if wanted > least_stiffness(M, edge) or edge.third_rest != 0.0:
             state.stiffened = 1.0
         if wanted != stiffness:
+            edge.third_rest += (wanted - stiffness) * third_strain(I, M, node)
             edge.stabilisation = wanted
             head.factored = 0
             head.has_history = 0
