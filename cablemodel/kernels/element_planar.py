@@ -303,13 +303,31 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
 
 @inlined
 def tangent_matrices(
-    W, x0, x1, v0, v1, a0, a1, h, tension0, tension1, eas, bending, drag, cn, ct, added, ca, cv
+    W,
+    x0,
+    x1,
+    v0,
+    v1,
+    a0,
+    a1,
+    h,
+    tension0,
+    tension1,
+    eas,
+    rest,
+    bending,
+    drag,
+    cn,
+    ct,
+    added,
+    ca,
+    cv,
 ):
     """Jacobians of the forces at the Gauss points, components along (t, n)."""
     e2 = 0.0
     for g in range(3):
         e2 += WEIGHT_P2[g] * (W[G + g] - 1.0)
-    t2 = 5.0 * eas * e2
+    t2 = 5.0 * eas * e2 - rest
     ih = 1.0 / h
     ih2 = ih * ih
     ax = x0[0] * ih2
@@ -415,6 +433,7 @@ def jacobian_planar(I, M, q, v, a, tension, ca, cv):
             t0,
             t1,
             eas,
+            edge.third_rest,
             bending,
             drag,
             edge.drag_normal,

@@ -363,7 +363,25 @@ def rank_two(W, row, diagonal, t0, t1, t2, a0, a1, a2, k0, k1, k2, b0, b1, b2):
 
 @inlined
 def tangent_matrices(
-    W, x0, x1, v0, v1, a0, a1, h, tension0, tension1, eas, bending, drag, cn, ct, added, ca, cv
+    W,
+    x0,
+    x1,
+    v0,
+    v1,
+    a0,
+    a1,
+    h,
+    tension0,
+    tension1,
+    eas,
+    rest,
+    bending,
+    drag,
+    cn,
+    ct,
+    added,
+    ca,
+    cv,
 ):
     """Jacobians of the forces at the Gauss points into the rows A11, A12, A21, A22, A00, A01.
 
@@ -375,7 +393,7 @@ def tangent_matrices(
     e2 = 0.0
     for g in range(3):
         e2 += WEIGHT_P2[g] * (W[G + g] - 1.0)
-    stabilising = 5.0 * eas * e2
+    stabilising = 5.0 * eas * e2 - rest
     ih = 1.0 / h
     ih2 = ih * ih
     for g in range(3):
@@ -598,6 +616,7 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
             t0,
             t1,
             eas,
+            edge.third_rest,
             bending,
             drag,
             edge.drag_normal,

@@ -37,7 +37,7 @@ from .layout import (
     OK,
 )
 from .passing import cable_paid, material_end, overhang, set_first_bit, set_part
-from .stabilisation import least_stiffness
+from .scales import least_stiffness
 from .winch import paid_since
 
 

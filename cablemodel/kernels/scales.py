@@ -42,6 +42,7 @@ BENDS = 8.0  # of tau L: what h^2 times the jump of curvature may be in motion, 
 FOLDS = 25.0  # the same for a line that starts slack, and folds: it begins with smaller elements
 # The same where drag hardly damps: only what cracks like a whip, and its elements stay halves.
 WHIPS = 60.0
+FLEXURAL = 10.0  # of EI / L^2: third mode's least stiffness of a line that bending holds
 LET_GO = 1e-2  # of sqrt(tau L/g): a step in which whatever is let go hardly moves
 
 
@@ -128,3 +129,11 @@ def measure_line(I, M, facts):
     state.order_3 = 0.0
     if slack and tolerance >= finest:
         state.order_3 = ORDER_3_FIRST
+
+
+@kernel
+def least_stiffness(M, edge):
+    """What any element's mode has at least [N]: no more than EA."""
+    state = scalars(M)
+    flexural = FLEXURAL * edge.bending_full / (state.length * state.length)
+    return min(max(state.third_mode, flexural), 1.0 / edge.compliance)

@@ -5,7 +5,8 @@ speed, and what that misses would become tension. A few times a typical tension 
 mode. But then it has a frequency of its own, 6.5 sqrt(S / m) / h, and where elements are long that
 is one of the line's motions along itself: a load that rings on eight elements rings with it.
 While something rings the mode is made as stiff as puts its frequency above the line's own,
-EA (h / L)^2, as long as what bending makes of it stays below tau of the element's tension.
+EA (h / L)^2, as long as what bending makes of it stays below tau of the element's tension. As it
+changes, the mode's tension goes on: what it is strained by becomes its strain at rest.
 
 A line that is drawn taut after its start may carry thousands of times as much: what its tension
 differs by from one element to the next would stretch half of each element by tenths and shorten
@@ -17,9 +18,10 @@ import math
 from .access import body_of, cable_of, constraint_of, edge_of, header, scalars
 from .compile import inlined, kernel
 from .layout import RIGID, STABILISATION
+from .payout import set_top_length
+from .scales import least_stiffness
 from .tables import D0, D1, D2, D3, WEIGHT, WEIGHT_P2
 
-FLEXURAL = 10.0  # of EI / L^2: the same of a line that its bending stiffness holds
 TWICE = 2.0  # what is wanted over what is there: no change for less
 STRAIGHT = 1e-9  # strain that bending makes below which it makes none
 FORGOTTEN = 1e-14  # strain at rest below which there is none
@@ -71,14 +73,6 @@ def strain_of_bend(I, M, node):
     p0 = (1.0 + mean) / math.sqrt(above)
     p1 = (1.0 + mean) / math.sqrt(below)
     return strains(I, M, node, p0, p1)[1]
-
-
-@kernel
-def least_stiffness(M, edge):
-    """What any element's mode has at least [N]: no more than EA."""
-    state = scalars(M)
-    flexural = FLEXURAL * edge.bending_full / (state.length * state.length)
-    return min(max(state.third_mode, flexural), 1.0 / edge.compliance)
 
 
 @kernel
@@ -166,6 +160,8 @@ def follow_third_mode(I, M, share):
     rings = rings_taut(I, M)
     if not taut and not rings and state.stiffened == 0.0:
         return  # all but the few lines that are drawn taut, or ring
+    if head.payout != 0:
+        set_top_length(I, M, state.time)
     state.stiffened = 0.0
     for node in range(1, head.nodes):
         if I[head.joint + node] != 0:
@@ -178,9 +174,7 @@ def follow_third_mode(I, M, share):
         if abs(edge.third_rest) < FORGOTTEN * stiffness:
             edge.third_rest = 0.0
         tension = M[head.tension + 2 * node] if taut else 0.0
-        wanted = wanted_stiffness(
-            I, M, node, edge, tension if tension > stiffness else 0.0, rings
-        )
+        wanted = wanted_stiffness(I, M, node, edge, tension if tension > stiffness else 0.0, rings)
         if wanted > least_stiffness(M, edge) or edge.third_rest != 0.0:
             state.stiffened = 1.0
         if wanted != stiffness:
