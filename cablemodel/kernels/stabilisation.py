@@ -6,7 +6,7 @@ mode. But then it has a frequency of its own, 6.5 sqrt(S / m) / h, and where ele
 is one of the line's motions along itself: a load that rings on eight elements rings with it.
 While something rings the mode is made as stiff as puts its frequency above the line's own,
 EA (h / L)^2, as long as what bending makes of it stays below tau of the element's tension. As it
-changes, the mode's tension goes on: what it is strained by becomes its strain at rest.
+becomes so, the mode's tension goes on: what it is strained by becomes its strain at rest.
 
 A line that is drawn taut after its start may carry thousands of times as much: what its tension
 differs by from one element to the next would stretch half of each element by tenths and shorten
@@ -151,8 +151,9 @@ def follow_third_mode(I, M, share):
     """After a step, of which the line's sqrt(L/g) is 1 / share, or as a ring begins, share 0:
     stiffness that does not fit.
 
-    The mode's tension goes on: what it is strained by becomes its strain at rest, of which `share`
-    is forgotten, more slowly than anything along the line moves.
+    As it becomes stiffer the mode's tension goes on: what it is strained by becomes its strain at
+    rest, of which `share` is forgotten, more slowly than anything along the line moves. As it
+    becomes softer that strain stays, and no energy is made.
     """
     head = header(I)
     state = scalars(M)
@@ -175,10 +176,18 @@ def follow_third_mode(I, M, share):
             edge.third_rest = 0.0
         tension = M[head.tension + 2 * node] if taut else 0.0
         wanted = wanted_stiffness(I, M, node, edge, tension if tension > stiffness else 0.0, rings)
+        strain = third_strain(I, M, node)
+        if wanted > stiffness and not rings:
+            # What bends as it is drawn taut stays soft: by the tension over tau of the length.
+            more = 10.0 * share * state.tolerance * tension / max(strain * strain, 1e-20)
+            wanted = min(wanted, stiffness + more)
         if wanted > least_stiffness(M, edge) or edge.third_rest != 0.0:
             state.stiffened = 1.0
         if wanted != stiffness:
-            edge.third_rest += (wanted - stiffness) * third_strain(I, M, node)
+            if wanted > stiffness:
+                edge.third_rest += (wanted - stiffness) * strain
+            else:
+                edge.third_rest *= wanted / stiffness
             edge.stabilisation = wanted
             head.factored = 0
             head.has_history = 0
