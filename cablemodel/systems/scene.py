@@ -30,6 +30,7 @@ from cablemodel.scene.schema import Document, RunSettings, Solver
 from cablemodel.scene.tables import table_from_file
 from cablemodel.scene.units import Quantity, Vector, rejection, several
 from cablemodel.scene.vessel import RatePoint, RateTable, Vessel
+from cablemodel.systems.motion import first_turn
 
 FloatArray = NDArray[np.float64]
 
@@ -76,12 +77,18 @@ class VesselFrame(Vessel):
     """A vessel, or a driven end: a rigid frame that moves as prescribed, with named points.
 
     ``position``, ``velocity`` and ``path`` are those of its origin. Along a path its x axis keeps
-    to the track.
+    to the track, and its yaw rate changes over ``turn_time``.
     """
 
     attitude: Attitude = Field(
         default=(0.0, 0.0, 0.0),
         description="roll, pitch and yaw at t = 0, about its x, y and z axes: R = Rz Ry Rx",
+    )
+    turn_time: Duration | None = Field(
+        default=None,
+        description="in which its yaw rate changes along a path, half of it before a turn begins "
+        "or ends: the heading is that of the track, averaged over it; by default 4 s, or twice "
+        "the time before the first turn where that is less",
     )
     points: dict[str, Position] = Field(
         default_factory=dict, description="places of its fairleads, in its own axes"
@@ -92,6 +99,21 @@ class VesselFrame(Vessel):
         "the rows, or these; of headings from 0 to 180 the others are mirror images",
         json_schema_extra=also({"type": "string"}),
     )
+
+    @model_validator(mode="after")
+    def _turns_in_time(self) -> VesselFrame:
+        if self.turn_time is None:
+            return self
+        if self.path is None:
+            raise rejection(
+                "it does not follow a path", "turn_time with path", None, ("turn_time",)
+            )
+        first = first_turn(self)
+        if self.turn_time > 2.0 * first:
+            problem = f"the track turns at {first:g} s: it would begin to before the start"
+            allowed = f"at most {2.0 * first:g} s, or a longer first leg"
+            raise rejection(problem, allowed, self.turn_time, ("turn_time",))
+        return self
 
     @field_validator("raos")
     @classmethod
