@@ -406,6 +406,12 @@ class SystemWinch(SceneModel):
         default=0.0, description="length on the drum, of the cable at that end of the line"
     )
 
+    @property
+    def rate_at_start(self) -> float:
+        """At t = 0 [m/s]; an empty drum pays out nothing."""
+        rate = float(np.interp(0.0, [row.t for row in self.rate], [row.rate for row in self.rate]))
+        return rate if self.drum > 0.0 else min(rate, 0.0)
+
 
 class SystemScene(Document):
     """A scene of several lines, vessels and bodies, in SI units, checked and unchangeable."""
@@ -449,6 +455,29 @@ class SystemScene(Document):
             arc += item.cable.length if item.cable is not None else 0.0
             places.add(arc)
         return sorted(places - {0.0, arc})
+
+    def held_with(self, line: str) -> list[str]:
+        """Where vessels and anchors hold a line, and all that is tied to it: names of the ends."""
+        tied, todo = {line}, [line]
+        while todo:
+            name = todo.pop()
+            own = self._ties(name)
+            more = {other for other in self.lines if other not in tied and own & self._ties(other)}
+            todo += more
+            tied |= more
+        return [
+            f"{name}'s {word}"
+            for name in self.lines
+            if name in tied
+            for word, end in zip(("beginning", "end"), self.lines[name].ends, strict=True)
+            if end.anchor is not None or (end.point or "").partition(".")[0] in self.vessels
+        ]
+
+    def _ties(self, line: str) -> set[str]:
+        """Names of a line, and of the bodies and lines at its ends."""
+        ends = self.lines[line].ends
+        bodies = {(end.point or "").partition(".")[0] for end in ends} & set(self.bodies)
+        return {line, *bodies, *(end.line for end in ends if end.line is not None)}
 
     @property
     def starts_at_rest(self) -> bool:
@@ -574,10 +603,11 @@ class SystemScene(Document):
             if end.clamped is not None:
                 problem = "cable that runs past a clamp is not computed in a system"
                 yield SceneProblem(f"{path}.at", winch.at, problem, "an end without clamped")
-            if winch.rate[0].rate != 0.0:
-                problem = "a system begins at rest, its winches too"
-                allowed = "0 m/s at the first time of the table"
-                yield SceneProblem(f"{path}.rate", winch.rate[0].rate, problem, allowed)
+            held = self.held_with(winch.line)
+            if winch.rate_at_start != 0.0 and len(held) > 1:
+                problem = f"what hangs on it is held at {' and '.join(held)}: nothing moves along"
+                allowed = "0 m/s at t = 0"
+                yield SceneProblem(f"{path}.rate", winch.rate_at_start, problem, allowed)
             other = taken.setdefault((winch.line, winch.at), name)
             if other != name:
                 problem = f"{other} is at this end of {winch.line}"

@@ -285,6 +285,23 @@ def test_errors_of_scenes_to_copy_are_those_of_python(name: str, tmp_path: Path)
         slave.close()
 
 
+def test_a_winch_that_runs_from_the_start(tmp_path: Path) -> None:
+    """The scene's rate is what the input begins as."""
+    load = still().to_dict()["bodies"]["load"]
+    winch = {"line": "wire", "drum": 5.0, "rate": 0.2}
+    scene = still(cuts={}, bodies={"load": load}, winches={"hoist": winch})
+    with unpacked(scene, tmp_path, stations=STATIONS) as (place, description):
+        slave, model = Slave(place, description, use_scene_inputs=True), SystemModel(scene)
+        assert slave.get("hoist.rate") == 0.2
+        assert_same_bits(slave, model)
+        for _step in range(4):
+            slave.step(0.5)
+            model.step(0.5)
+            assert_same_bits(slave, model)
+        assert slave.get("load.velocity[3]") == pytest.approx(-0.2, abs=0.02)
+        slave.close()
+
+
 def test_all_inputs_drive_a_system_at_rest(hung: Any) -> None:
     """Nothing is scheduled: the inputs hold from the start."""
     start, place, description = hung
