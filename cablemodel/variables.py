@@ -207,16 +207,16 @@ WINCH_OUTPUTS: tuple[Variable, ...] = (
 """Of each winch of a system."""
 
 LINE_ERRORS: tuple[Variable, ...] = (
-    Variable("estimated error of positions along it", "m", "NAME.position_error", "",
-             "~/NAME/position_error", FLOAT64, present="error_estimate"),
-    Variable("estimated error of its ends' tensions", "N",
-             "NAME.tension_error", "", "~/NAME/tension_error", FLOAT64, present="error_estimate"),
+    Variable("estimated error of positions along it", "m", "NAME.position_error",
+             "NAME.error.position", "~/NAME/position_error", FLOAT64, present="error_estimate"),
+    Variable("estimated error of its ends' tensions", "N", "NAME.tension_error",
+             "NAME.error.tension", "~/NAME/tension_error", FLOAT64, present="error_estimate"),
 )  # fmt: skip
 """Of each line of a system."""
 
 BODY_ERRORS: tuple[Variable, ...] = (
-    Variable("estimated error of its position", "m", "NAME.position_error", "",
-             "~/NAME/position_error", FLOAT64, present="error_estimate"),
+    Variable("estimated error of its position", "m", "NAME.position_error",
+             "NAME.error.position", "~/NAME/position_error", FLOAT64, present="error_estimate"),
 )  # fmt: skip
 """Of each free body of a system."""
 

@@ -29,6 +29,7 @@ from .closures import scale_gaps
 from .compile import copy_words, inlined, kernel, outlined, view
 from .consistency import vessel_jump
 from .environment import current_rate, surge_jump
+from .follow import begins_anew
 from .newton import increment_norm
 from .payout import set_top_length
 from .system import (
@@ -59,11 +60,14 @@ STIFF = 0.2  # part of the embedded error that lasts, from which on a step follo
 LARGEST_CHANGE = 20.0  # of the scatter: what solving may change
 SHORT = 0.1  # of the step: that of the matrix with which the tension is solved for
 APART = 1e-3  # periods of the line over which the stretch's second derivative is a difference
+NEARLY = 0.5  # of the longest step whose tensions are not looked at: they say how long the next is
+STAYS = 0.5  # error of a step after which the next one is as long
 RIGID = 1e-3  # compliance of the line over what its inertia gives way by in that matrix's step
 
 
-# What a step does along the line.
-PASSES_OVER, FOLLOWS, SOLVED = 0, 1, 2
+# What a step does along the line; in a system, where it is refused: that no other one than its
+# tensions' error is too large.
+PASSES_OVER, FOLLOWS, SOLVED, MISSES = 0, 1, 2, 3
 
 
 @kernel
@@ -211,6 +215,31 @@ def share_of_ring(M, dt, scheme, share):
 
 
 @kernel
+def is_slack(I, M, first):
+    """Whether the line of a system that begins above a node is slack in a step: pressed somewhere
+    by more than its tensions may be wrong by, or nowhere carries more than that.
+
+    Cable bends aside where it is pressed, and waves along it end there: nothing rings on for as
+    long as a material lets it.
+    """
+    head = header(I)
+    least = 0.0
+    largest = 0.0
+    allowed = 0.0
+    for node in range(first, head.nodes):
+        if node > first and begins_anew(I, node):
+            break
+        if I[head.joint + node] != 0:
+            continue
+        allowed = allowed_at(I, M, node)
+        for n in range(2):
+            tension = M[(head.tension if n == 0 else head.trial_tension) + 2 * node]
+            least = min(least, tension)
+            largest = max(largest, tension)
+    return least < -allowed or largest < allowed
+
+
+@kernel
 def remember_tensions(I, M):
     """In a system: the largest tension of each cable, by which errors are measured."""
     head = header(I)
@@ -221,10 +250,16 @@ def remember_tensions(I, M):
 
 
 @inlined
+def longest_unwatched(M):
+    """Below this step what one does not follow dies away by the material before a line has moved
+    [s]: what turns by `FINEST` in the step and more."""
+    return FINEST * 0.5 * LOSS_FACTOR * scalars(M).period
+
+
+@inlined
 def dies_within(M, dt):
-    """Whether what a step of dt does not follow dies away by the material before a line has moved:
-    what turns by `FINEST` in the step and more."""
-    return dt < FINEST * 0.5 * LOSS_FACTOR * scalars(M).period
+    """Whether a step is so short."""
+    return dt < longest_unwatched(M)
 
 
 @inlined
@@ -540,7 +575,8 @@ def tension_error(I, M, dt, scheme, gamma_dt, error):
     """
     head = header(I)
     state = scalars(M)
-    if is_over_at_once(I, M, dt):
+    at_once = is_over_at_once(I, M, dt)
+    if at_once and (head.parts == 0 or dt < NEARLY * longest_unwatched(M)):
         return 0.0, FOLLOWS
     scatter = 0.0
     for node in range(1, watched(I)):
@@ -554,17 +590,21 @@ def tension_error(I, M, dt, scheme, gamma_dt, error):
     share = 0.0
     lasting = 0.0
     forgotten = 0.0
+    rings_on = False
     for node in range(1, watched(I)):
+        if head.parts != 0 and head.payout == 0 and (node == 1 or begins_anew(I, node)):
+            rings_on = not is_slack(I, M, node)
         if is_watched(I, node):
             scatter = stage_scatter(I, M, node, scheme) if head.parts != 0 else scatter
             left, share = embedded_error(I, M, node, scatter)
-            part = SHARE
-            if head.parts != 0 and head.payout == 0:
-                part = share_of_ring(M, dt, scheme, share)
+            part = share_of_ring(M, dt, scheme, share) if rings_on else SHARE
             lasting = max(lasting, left * share * share / part)
             forgotten = max(forgotten, (1.0 - share * share) * scatter)
     if head.parts != 0:
-        return max(lasting, forgotten), PASSES_OVER
+        missed = max(lasting, forgotten)
+        if at_once:
+            return min(STAYS, missed), FOLLOWS
+        return missed, MISSES if missed > 1.0 else PASSES_OVER
     unseen = bend_of_tension(I, M, dt) / (state.axial * dt * dt)
     if share > STIFF or unseen > SOLVED_FROM or head.rings != 0:
         return max(lasting, forgotten), FOLLOWS

@@ -68,10 +68,12 @@ from .system import (
 from .tables import GAMMA, STAGE_A, STAGE_C, STAGE_ERROR, STAGES
 from .tension import (
     FOLLOWS,
+    MISSES,
     PASSES_OVER,
     SHORT,
     SOLVED,
     keep_stage_tensions,
+    longest_unwatched,
     remember_tensions,
     take_solved,
     tension_error,
@@ -92,6 +94,7 @@ UNSEEN = 1e-4  # tau down to which what that leaves is not seen
 BEST_RATIO = 0.003  # that is believed for the next stage
 UNSEEN_RATIO = 0.03  # the same where increments were so small that it says little
 UNSTABLE = 30.0  # error of a step that is too long for what grows: the next has 0.4 of it
+LONGEST = 0.999  # of the longest step whose tensions are not looked at: one that is so short
 FOLDS_ITSELF = 1e-4  # sqrt(L/g): steps so short follow the motion into a fold, none is refused
 BENDING_ON, BENDING_OFF = 0.01, 0.005  # hybrid: (EI/T)/h^2 above which bending is kept
 BENDING_SEEN = 1e-5  # tau below which what leaving it out misplaces, EI/T times r'', would be seen
@@ -558,6 +561,9 @@ def advance_to(I, M, t_end):
             if not shorten(I, M, dt, scheme, status, error):
                 status = NOT_CONVERGED
                 break
+            if along == MISSES and status == OK:
+                # A shorter one than where tensions are not looked at is none the better for them.
+                state.step = max(state.step, min(0.9 * dt, LONGEST * longest_unwatched(M)))
             status = OK
         else:
             follow_rings(I, M, dt, -1 if two_steps else scheme)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel import sea_floor
-from cablemodel.errors import StaticsError
+from cablemodel.errors import SceneError, StaticsError
 from cablemodel.instance import easier_ways, search
 from cablemodel.instance.first_state import count_from_zero
 from cablemodel.instance.refinement import ROUNDS
@@ -46,7 +46,8 @@ def build(scene: SystemScene) -> Built:
     """A block at the system's initial state, t = 0: at rest in the frame of its vessels.
 
     Raises:
-        SceneError: vessels that move apart at t = 0.
+        SceneError: vessels that move apart at t = 0; a winch that runs while its line touches the
+            floor.
         StaticsError: no equilibrium was found, or not within `solver.start_time_limit`.
 
     Warns:
@@ -82,7 +83,37 @@ def _built(scene: SystemScene, sought: search.Search) -> Built:
         sought.tries("the same on elements that are finer at the touchdown")
         _refine_at_floor(scene, built, velocity)
     built.unstable = warn_if_unstable(built)
+    _start_flowing(scene, built)
     return built
+
+
+def _start_flowing(scene: SystemScene, built: Built) -> None:
+    """Velocities of what hangs on a winch that pays out from t = 0 on: cable runs along itself, and
+    what is tied to it moves as it does there. At rest it would answer with a shock of EA rate / c.
+    """
+    nodes, block = built.nodes, built.block
+    parents, joints = block.integers(Header.parent, nodes), block.integers(Header.joint, nodes)
+    q = block.array(Header.position, nodes, 6)
+    v = block.array(Header.velocity, nodes, 6)
+    for number, (name, winch) in enumerate(scene.winches.items()):
+        rate = winch.rate_at_start
+        if rate == 0.0:
+            continue
+        if block.header.floor_state == at.FLOOR_TOUCHED:
+            problem = "what touches the sea floor does not move along"
+            raise SceneError.at(f"winches.{name}.rate", rate, problem, "0 m/s at t = 0")
+        row = built.winch(number)
+        row.rate = rate
+        # Nothing else holds it: a tree begins at the winch.
+        top = int(row.node)
+        hangs, runs = {top}, set(built.elements(winch.line).node.tolist())
+        for node in range(top + 1, nodes):
+            if joints[node] >= at.JOINT_ROOT or parents[node] not in hangs:
+                continue
+            hangs.add(node)
+            v[node, :3] = v[parents[node], :3]
+            if node in runs:
+                v[node, :3] = v[top, :3] + rate * q[node, 3:]
 
 
 def _solved(

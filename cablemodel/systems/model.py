@@ -304,6 +304,11 @@ class SystemModel:
         return {name: _motion(row) for name, row in zip(names, rows, strict=True)}
 
     @property
+    def finer(self) -> SystemModel | None:
+        """The run that errors are estimated by; None where they are not, or it has no start."""
+        return self._finer
+
+    @property
     def _beside(self) -> SystemModel | None:
         """The finer run, if it stands where this one does."""
         other = self._finer
@@ -343,7 +348,9 @@ class SystemModel:
         for name, body in self.bodies.items():
             off = math.nan
             if name in finer:
-                off = FACTOR * float(np.linalg.norm(body.position - finer[name].position))
+                apart = body.position - finer[name].position
+                # Of one row, whose squares are added in order, as in the FMU.
+                off = FACTOR * float(np.linalg.norm(apart[None], axis=1)[0])
             longest = max(self.lines[line].length for line in self.scene.lines_at(name))
             yield name, Errors(off, None, longest)
 

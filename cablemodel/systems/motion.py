@@ -9,47 +9,148 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel.kernels import layout as at
+from cablemodel.scene.motion import DEGREE, POLYNOMIAL
 
 if TYPE_CHECKING:
     from cablemodel.systems.scene import VesselFrame
 
 FloatArray = NDArray[np.float64]
 
+_TRACK_WORDS = 2 + DEGREE + 1
+
+
+LONGEST_TURN_IN = 4.0
+"""Time in which a yaw rate changes where the scene does not say [s]."""
+_SAME = 1e-12
+"""Jump of a heading [rad] that is rounding."""
+
 
 def turning(vessel: VesselFrame) -> FloatArray:
     """Pieces of roll, pitch and yaw over time, (n, PIECE_WORDS).
 
-    Along a path the yaw is that of the track, and its rate that of the turns; the attitude of the
-    scene is added. Else it stays as it is.
+    Along a path the yaw is that of the track, averaged over `turn_time`; the attitude of the scene
+    is added. Else it stays as it is.
+    """
+    if vessel.path is None:
+        yaw = np.zeros((1, _TRACK_WORDS))
+        yaw[0, 1] = math.inf
+    else:
+        yaw = averaged(headings(vessel), turn_time(vessel))
+    found = np.zeros((len(yaw), at.PIECE_WORDS))
+    found[:, at.Piece.start], found[:, at.Piece.end] = yaw[:, 0], yaw[:, 1]
+    data = found[:, at.Piece.data :]
+    data[:, 0:2] = vessel.attitude[:2]
+    data[:, 2 : 3 * (DEGREE + 1) : 3] = yaw[:, 2:]
+    data[:, 2] += vessel.attitude[2]
+    return found
+
+
+def headings(vessel: VesselFrame) -> FloatArray:
+    """Heading of the track of a vessel that has a path, (n, 2 + DEGREE + 1): from when to when [s],
+    and the coefficients of the powers of the time since then [rad, rad/s, ...].
+
+    Where it stands still it has that of the leg before, at first 0.
     """
     pieces = vessel.motion().pieces
-    if vessel.path is None:
-        pieces = pieces[:1].copy()
-        pieces[0, at.Piece.end] = math.inf
-    found = np.zeros((len(pieces), at.PIECE_WORDS))
+    found = np.zeros((len(pieces), _TRACK_WORDS))
     heading = 0.0
     for row, piece in zip(found, pieces, strict=True):
-        row[at.Piece.start], row[at.Piece.end] = piece[at.Piece.start], piece[at.Piece.end]
-        data, own = row[at.Piece.data :], piece[at.Piece.data :]
-        data[0:2] = vessel.attitude[:2]
-        if vessel.path is None:
-            data[2] = vessel.attitude[2]
-            continue
-        if piece[at.Piece.kind] == 0.0:
+        row[:2] = piece[at.Piece.start], piece[at.Piece.end]
+        own = piece[at.Piece.data :]
+        if piece[at.Piece.kind] == POLYNOMIAL:
             way = own[3:5] if np.hypot(*own[3:5]) > 0.0 else own[6:8]
             if np.hypot(*way) > 0.0:
                 heading += math.remainder(math.atan2(way[1], way[0]) - heading, 2.0 * math.pi)
-            data[2] = heading + vessel.attitude[2]
+            row[2] = heading
             continue
         rate, spin = own[5], own[6]
         ahead = own[4] + math.copysign(0.5 * math.pi, rate or spin)
         heading += math.remainder(ahead - heading, 2.0 * math.pi)
-        data[2] = heading + vessel.attitude[2]
-        data[5], data[8] = rate, 0.5 * spin
-        span = piece[at.Piece.end] - piece[at.Piece.start]
+        row[2:5] = heading, rate, 0.5 * spin
+        span = row[1] - row[0]
         if math.isfinite(span):
             heading += rate * span + 0.5 * spin * span**2
     return found
+
+
+def first_turn(vessel: VesselFrame) -> float:
+    """When the heading of a path first does not go on as it begins [s]; infinite: never."""
+    track = headings(vessel)
+    jumps = _jumps(track, 1.0)
+    changes = np.flatnonzero(np.any(jumps != 0.0, axis=1))
+    return float(track[1 + changes[0], 0]) if changes.size else math.inf
+
+
+def turn_time(vessel: VesselFrame) -> float:
+    """Time over which the heading of a path is averaged [s]: where the scene does not say, 4 s, or
+    less where the track turns before half of that."""
+    if vessel.turn_time is not None:
+        return vessel.turn_time
+    return min(LONGEST_TURN_IN, 2.0 * first_turn(vessel))
+
+
+def averaged(track: FloatArray, span: float) -> FloatArray:
+    """A heading in pieces (n, 2 + DEGREE + 1), of powers up to 2, averaged twice over half of a
+    span of time around each instant [s]: so are its jumps ramps, and its kinks continuous.
+
+    Before its first piece it is what that continues to.
+    """
+    half = 0.5 * span
+    jumps = _jumps(track, span)
+    kept = 1 + np.flatnonzero(np.any(jumps != 0.0, axis=1))
+    turns, jumps = track[kept, 0], jumps[kept - 1]
+    edges = np.unique(np.concatenate([track[:1, 0], turns - half, turns, turns + half]))
+    edges = edges[edges >= track[0, 0]]
+    edges = edges[np.append(True, np.diff(edges) > _SAME * span)]
+    found = np.zeros((len(edges), _TRACK_WORDS))
+    found[:, 0], found[:, 1] = edges, np.append(edges[1:], math.inf)
+    for row in found:
+        start = row[0] + 0.5 * min(row[1] - row[0], _SAME * span)
+        past = int(np.searchsorted(turns + half, start))
+        piece = track[kept[past - 1] if past else 0]
+        row[2:] = _moved(piece[2:], row[0] - piece[0])
+        row[2] += piece[4] * half**2 / 6.0
+        for turn, jump in zip(turns[past:], jumps[past:], strict=True):
+            since = row[0] - turn
+            if start <= turn - half:
+                break
+            row[2:] += _moved(_ramps(jump, half), _exactly(since + half, span))
+            if start > turn:
+                row[2:] -= 2.0 * _moved(_ramps(jump, half), _exactly(since, span))
+    return found
+
+
+def _jumps(track: FloatArray, span: float) -> FloatArray:
+    """Of the coefficients from piece to piece, (n - 1, 3); what is rounding in a span of time [s]
+    is none."""
+    weights = span ** np.arange(3.0)
+    ends = [_moved(row[2:], row[1] - row[0])[:3] for row in track[:-1]]
+    found = track[1:, 2:5] - np.array(ends).reshape(-1, 3)
+    found[np.abs(found) * weights <= _SAME] = 0.0
+    return found
+
+
+def _ramps(jump: FloatArray, half: float) -> FloatArray:
+    """What jumps of coefficients become when they are averaged, by the powers of the time since the
+    average reached them: each two powers higher."""
+    found = np.zeros(DEGREE + 1)
+    for power, size in enumerate(jump):
+        found[power + 2] = size / (half**2 * (power + 1) * (power + 2))
+    return found
+
+
+def _moved(powers: FloatArray, tau: float) -> FloatArray:
+    """Coefficients about a time that is tau later."""
+    found = np.zeros(len(powers))
+    for k, factor in enumerate(powers):
+        for n in range(k + 1):
+            found[n] += math.comb(k, n) * tau ** (k - n) * factor
+    return found
+
+
+def _exactly(time: float, span: float) -> float:
+    """A time, or 0 where it is rounding."""
+    return 0.0 if abs(time) <= _SAME * span else time
 
 
 def first_angles(vessel: VesselFrame) -> tuple[float, float, float]:

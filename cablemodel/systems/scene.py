@@ -30,6 +30,7 @@ from cablemodel.scene.schema import Document, RunSettings, Solver
 from cablemodel.scene.tables import table_from_file
 from cablemodel.scene.units import Quantity, Vector, rejection, several
 from cablemodel.scene.vessel import RatePoint, RateTable, Vessel
+from cablemodel.systems.motion import first_turn
 
 FloatArray = NDArray[np.float64]
 
@@ -76,12 +77,18 @@ class VesselFrame(Vessel):
     """A vessel, or a driven end: a rigid frame that moves as prescribed, with named points.
 
     ``position``, ``velocity`` and ``path`` are those of its origin. Along a path its x axis keeps
-    to the track.
+    to the track, and its yaw rate changes over ``turn_time``.
     """
 
     attitude: Attitude = Field(
         default=(0.0, 0.0, 0.0),
         description="roll, pitch and yaw at t = 0, about its x, y and z axes: R = Rz Ry Rx",
+    )
+    turn_time: Duration | None = Field(
+        default=None,
+        description="in which its yaw rate changes along a path, half of it before a turn begins "
+        "or ends: the heading is that of the track, averaged over it; by default 4 s, or twice "
+        "the time before the first turn where that is less",
     )
     points: dict[str, Position] = Field(
         default_factory=dict, description="places of its fairleads, in its own axes"
@@ -92,6 +99,21 @@ class VesselFrame(Vessel):
         "the rows, or these; of headings from 0 to 180 the others are mirror images",
         json_schema_extra=also({"type": "string"}),
     )
+
+    @model_validator(mode="after")
+    def _turns_in_time(self) -> VesselFrame:
+        if self.turn_time is None:
+            return self
+        if self.path is None:
+            raise rejection(
+                "it does not follow a path", "turn_time with path", None, ("turn_time",)
+            )
+        first = first_turn(self)
+        if self.turn_time > 2.0 * first:
+            problem = f"the track turns at {first:g} s: it would begin to before the start"
+            allowed = f"at most {2.0 * first:g} s, or a longer first leg"
+            raise rejection(problem, allowed, self.turn_time, ("turn_time",))
+        return self
 
     @field_validator("raos")
     @classmethod
@@ -384,6 +406,12 @@ class SystemWinch(SceneModel):
         default=0.0, description="length on the drum, of the cable at that end of the line"
     )
 
+    @property
+    def rate_at_start(self) -> float:
+        """At t = 0 [m/s]; an empty drum pays out nothing."""
+        rate = float(np.interp(0.0, [row.t for row in self.rate], [row.rate for row in self.rate]))
+        return rate if self.drum > 0.0 else min(rate, 0.0)
+
 
 class SystemScene(Document):
     """A scene of several lines, vessels and bodies, in SI units, checked and unchangeable."""
@@ -427,6 +455,29 @@ class SystemScene(Document):
             arc += item.cable.length if item.cable is not None else 0.0
             places.add(arc)
         return sorted(places - {0.0, arc})
+
+    def held_with(self, line: str) -> list[str]:
+        """Where vessels and anchors hold a line, and all that is tied to it: names of the ends."""
+        tied, todo = {line}, [line]
+        while todo:
+            name = todo.pop()
+            own = self._ties(name)
+            more = {other for other in self.lines if other not in tied and own & self._ties(other)}
+            todo += more
+            tied |= more
+        return [
+            f"{name}'s {word}"
+            for name in self.lines
+            if name in tied
+            for word, end in zip(("beginning", "end"), self.lines[name].ends, strict=True)
+            if end.anchor is not None or (end.point or "").partition(".")[0] in self.vessels
+        ]
+
+    def _ties(self, line: str) -> set[str]:
+        """Names of a line, and of the bodies and lines at its ends."""
+        ends = self.lines[line].ends
+        bodies = {(end.point or "").partition(".")[0] for end in ends} & set(self.bodies)
+        return {line, *bodies, *(end.line for end in ends if end.line is not None)}
 
     @property
     def starts_at_rest(self) -> bool:
@@ -552,10 +603,11 @@ class SystemScene(Document):
             if end.clamped is not None:
                 problem = "cable that runs past a clamp is not computed in a system"
                 yield SceneProblem(f"{path}.at", winch.at, problem, "an end without clamped")
-            if winch.rate[0].rate != 0.0:
-                problem = "a system begins at rest, its winches too"
-                allowed = "0 m/s at the first time of the table"
-                yield SceneProblem(f"{path}.rate", winch.rate[0].rate, problem, allowed)
+            held = self.held_with(winch.line)
+            if winch.rate_at_start != 0.0 and len(held) > 1:
+                problem = f"what hangs on it is held at {' and '.join(held)}: nothing moves along"
+                allowed = "0 m/s at t = 0"
+                yield SceneProblem(f"{path}.rate", winch.rate_at_start, problem, allowed)
             other = taken.setdefault((winch.line, winch.at), name)
             if other != name:
                 problem = f"{other} is at this end of {winch.line}"

@@ -244,11 +244,6 @@ def _of_system(scene: SystemScene, options: Options) -> Contents:
         raise ExportError(
             f"solver.method is {scene.solver.method!r}: a system is computed by finite_element"
         )
-    if scene.solver.error_estimate:
-        raise ExportError(
-            "solver.error_estimate is true: errors of a system are not estimated in an FMU; export "
-            "it with solver.error_estimate=false"
-        )
     start = SystemModel(scene)
     block = start.built.block
     values = options.first_values(scene)
@@ -272,11 +267,13 @@ def _of_system(scene: SystemScene, options: Options) -> Contents:
         at_start=options.timing == "start",
         static=True,
         pinned=True,
+        estimate=scene.solver.error_estimate,
         system=section(scene, start.built, values[1]),
     )
+    beside = _beside_system(start, model, values[1]) if model.estimate else None
     description = "Ocean cables between vessels and bodies"
     xml = _description(scene, options, guid, signals, description, derivatives=True)
-    return Contents(_model_name(scene), guid, signals, model.to_bytes(), None, xml, start)
+    return Contents(_model_name(scene), guid, signals, model.to_bytes(), beside, xml, start)
 
 
 def _guid(scene: Scene | SystemScene, options: Options) -> str:
@@ -331,6 +328,20 @@ def _beside(scene: Scene, model: ModelFile) -> ModelFile:
         coefficients=_constants(judge, block),
         estimate=False,
     )
+
+
+def _beside_system(start: SystemModel, model: ModelFile, by: int) -> bytes:
+    """The same of a system. by: what `NAME.input` begins as."""
+    if start.finer is None:
+        raise ExportError(
+            "solver.error_estimate: the run at a quarter of the tolerance that errors are "
+            "estimated by has no start"
+        )
+    built = start.finer.built
+    beside = replace(
+        model, block=built.block, system=section(built.scene, built, by), estimate=False
+    )
+    return beside.to_bytes()
 
 
 def block_of(scene: Scene) -> Block | DirectBlock:

@@ -83,8 +83,10 @@ def inputs(scene: SystemScene) -> list[Signal]:
 
 def _starts(scene: SystemScene, part: str, field: str) -> list[float]:
     """An input's numbers at the start: those of the scene's own motion, no force, no cut."""
-    if field in ("cut", "rate"):
+    if field == "cut":
         return [0.0]
+    if field == "rate":
+        return [scene.winches[part].rate_at_start]
     if field == "deflection":
         body, _, foil = part.partition(".")
         return [scene.bodies[body].foils[foil].deflection]

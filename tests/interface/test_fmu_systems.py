@@ -270,6 +270,38 @@ def test_scenes_to_copy_are_the_same_in_both(path: Path, tmp_path: Path) -> None
         slave.close()
 
 
+@pytest.mark.parametrize("name", ["cage_on_its_winch", "weak_link", "otter_boards"])
+def test_errors_of_scenes_to_copy_are_those_of_python(name: str, tmp_path: Path) -> None:
+    """With a winch, a wire that breaks, foils and branches."""
+    path = next(scene for scene in SCENES if scene.stem == name)
+    model = SystemModel(cm.load_system(path, ["solver.error_estimate=true"]))
+    with unpacked(model.scene, tmp_path, stations=STATIONS) as (place, description):
+        slave = Slave(place, description, use_scene_inputs=True)
+        for dt in (0.5, 3.0, 0.1):
+            slave.step(dt)
+            model.step(dt)
+            assert_same_bits(slave, model)
+        assert max(errors.position for errors in model.errors.values()) > 0.0
+        slave.close()
+
+
+def test_a_winch_that_runs_from_the_start(tmp_path: Path) -> None:
+    """The scene's rate is what the input begins as."""
+    load = still().to_dict()["bodies"]["load"]
+    winch = {"line": "wire", "drum": 5.0, "rate": 0.2}
+    scene = still(cuts={}, bodies={"load": load}, winches={"hoist": winch})
+    with unpacked(scene, tmp_path, stations=STATIONS) as (place, description):
+        slave, model = Slave(place, description, use_scene_inputs=True), SystemModel(scene)
+        assert slave.get("hoist.rate") == 0.2
+        assert_same_bits(slave, model)
+        for _step in range(4):
+            slave.step(0.5)
+            model.step(0.5)
+            assert_same_bits(slave, model)
+        assert slave.get("load.velocity[3]") == pytest.approx(-0.2, abs=0.02)
+        slave.close()
+
+
 def test_all_inputs_drive_a_system_at_rest(hung: Any) -> None:
     """Nothing is scheduled: the inputs hold from the start."""
     start, place, description = hung
@@ -416,11 +448,97 @@ def test_a_step_that_fails_changes_nothing(tmp_path: Path, monkeypatch: pytest.M
         other.close()
 
 
-def test_what_cannot_be_exported_is_refused_by_name(tmp_path: Path) -> None:
+def test_what_cannot_be_exported_is_refused_by_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("cablemodel.systems.model._finer_model", lambda scene: None)
     estimated = still(solver={"error_estimate": True})
-    with pytest.raises(ExportError, match=r"solver\.error_estimate"):
+    with pytest.raises(ExportError, match=r"solver\.error_estimate.*no start"):
         export_fmu(estimated, tmp_path / "a.fmu")
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.fixture(scope="module")
+def estimated(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    scene = cm.load_system({**tow().to_dict(), "solver": {"error_estimate": True}})
+    place = tmp_path_factory.mktemp("estimated")
+    with unpacked(scene, place, stations=STATIONS) as (fmu, description):
+        yield SystemModel(scene), fmu, description
+
+
+def drive_both(slave: Slave, model: SystemModel, first: int, last: int) -> list[list[float]]:
+    """Steps by number, of lengths that limit both runs and that do not; all outputs."""
+    outputs = [v.name for v in slave.description.modelVariables if v.causality == "output"]
+    found = []
+    for k in range(first, last):
+        dt = (0.3, 0.02, 0.5, 0.1)[k % 4]
+        speed, wrench = [2.0, 0.2 * k % 0.5, 0.1], np.array([50.0 * k, -40, 20, 0, 3, 1])
+        slave.set("crane.velocity_input", speed)
+        slave.set("plate.force_input", wrench[:3])
+        slave.set("plate.torque_input", wrench[3:])
+        slave.set("plate.wing.deflection", 0.02 * k)
+        slave.set("knife.cut", float(k >= 5))
+        slave.step(dt)
+        model.step(
+            dt, vessels={"crane": cm.VesselInput(velocity=speed)}, forces={"plate": wrench},
+            deflections={"plate.wing": 0.02 * k}, cuts=["knife"] if k == 5 else [],
+        )  # fmt: skip
+        assert_same_bits(slave, model)
+        found.append(numbers_of(slave, outputs))
+    return found
+
+
+def test_errors_of_lines_and_bodies_are_those_of_python(estimated: Any) -> None:
+    """Driven, with a cut; a state that is taken back, or elsewhere, has the finer run with it."""
+    start, place, description = estimated
+    slave, model = Slave(place, description), copy.copy(start)
+    assert_same_bits(slave, model)
+    drive_both(slave, model, 0, 4)
+    kept, time = slave.fmu.getFMUstate(), slave.time
+    bytes_kept = slave.fmu.serializeFMUstate(kept)
+    before = copy.copy(model)
+    once = drive_both(slave, model, 4, 10)
+    assert slave.get("port.error.position") > 0.0
+    assert slave.get("port.error.tension") > 0.0
+    assert slave.get("plate.error.position") > 0.0
+    slave.fmu.setFMUstate(kept)
+    slave.time = time
+    np.testing.assert_array_equal(drive_both(slave, copy.copy(before), 4, 10), once)
+    other = Slave(place, description)
+    other.fmu.setFMUstate(other.fmu.deSerializeFMUstate(bytes_kept))
+    other.time = time
+    np.testing.assert_array_equal(drive_both(other, copy.copy(before), 4, 10), once)
+    other.close()
+    slave.fmu.freeFMUstate(kept)
+    slave.close()
+
+
+def test_results_are_those_without_an_estimate(estimated: Any, towed: Any) -> None:
+    one, other = Slave(*estimated[1:]), Slave(*towed[1:])
+    names = [v.name for v in towed[2].modelVariables if v.causality == "output"]
+    more = {v.name for v in estimated[2].modelVariables} - set(other.references)
+    parts = [*(f"{name}.error.tension" for name in estimated[0].lines)]
+    parts += [f"{name}.error.position" for name in (*estimated[0].lines, *estimated[0].bodies)]
+    assert more == set(parts)
+    for _step in range(4):
+        one.step(0.5)
+        other.step(0.5)
+    np.testing.assert_array_equal(numbers_of(one, names), numbers_of(other, names))
+    one.close()
+    other.close()
+
+
+def test_a_finer_run_of_other_parts_is_refused(estimated: Any, hung: Any, tmp_path: Path) -> None:
+    _start, place, description = estimated
+    other = tmp_path / "fmu"
+    shutil.copytree(place, other)
+    whole = np.frombuffer((place / "resources" / "finer.bin").read_bytes(), dtype="<i8")
+    strange = contents_of(hung[0].scene, ExportOptions(stations=STATIONS)).model
+    words = np.frombuffer(strange, dtype="<i8").copy()
+    words[5:10] = whole[5:10]  # its GUID
+    (other / "resources" / "finer.bin").write_bytes(sealed(bytearray(words.tobytes())))
+    with pytest.raises(Exception, match="instantiate"):
+        Slave(other, description)
 
 
 def test_a_model_file_that_is_altered_is_refused(hung: Any, tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ from scipy.integrate import trapezoid
 
 import cablemodel as cm
 from cablemodel.systems import SystemModel
+from tests.verification.test_system_moorings import buoy_on_three_legs
 
 MASS, STIFFNESS = 0.5, 1e6
 G = 9.81
@@ -88,6 +89,21 @@ def test_a_cut_sends_the_wave_of_its_tension(tmp_path: Path) -> None:
     ahead = model.lines["string"].sample(np.linspace(0.0, 50.0, 51))
     assert np.abs(ahead.velocity[:, 0]).max() < 0.05 * speed
     assert ahead.tension.mean() == pytest.approx(tension, rel=0.01)
+
+
+def test_steps_do_not_try_to_follow_what_a_material_ends() -> None:
+    """A buoy loses one of three legs: what is cut off is slack, and the others ring."""
+    scene = buoy_on_three_legs(0.3)
+    scene["cuts"] = {"breaks": {"line": "a", "at": "end", "time": 0.5}}
+    model = SystemModel(scene)
+    model.step_to(0.5)
+    before = model.statistics
+    model.step_to(2.5)
+    taken, refused = (model.statistics[word] - before[word] for word in ("steps", "rejected"))
+    assert model.lines["a"].tension_range[0] < -1e3
+    assert refused < 0.1 * taken
+    longest = 0.1 * 0.005 * math.sqrt(280.0 / G)  # tensions of longer steps are looked at
+    assert taken < 1.1 * 2.0 / longest
 
 
 def test_a_line_breaks_above_its_strength() -> None:

@@ -257,7 +257,6 @@ def test_snapshots_and_copies_have_winches() -> None:
     [
         ({"line": "two"}, "winches.main.line", "tow"),
         ({"at": "end"}, "winches.main.at", "an end at a vessel's point"),
-        ({"rate": 0.5}, "winches.main.rate", "0 m/s at the first time"),
         ({"drum": -1.0}, "winches.main.drum", "at least 0"),
     ],
 )
@@ -268,6 +267,78 @@ def test_wrong_winches_are_named(change: dict[str, Any], place: str, words: str)
         SystemModel(scene)
     assert place in str(caught.value)
     assert words in str(caught.value)
+
+
+def hoisting(way: str, rate: float) -> dict[str, Any]:
+    """A load with a weight on a wire below it, on a hoist that runs from the start, in a vacuum."""
+    wire = {"diameter": 0.01, "mass": 0.5, "axial_stiffness": 1e6}
+    eyes = {"top": [0, 0, 0.4], "below": [0, 0, -0.4]}
+    load = {"mass": 300.0, "submerged_weight": 300.0 * G, "inertia": 30.0, "points": eyes}
+    hoist = {"from": "ship.sheave", "to": "load.top"}
+    if way == "up":
+        hoist = {"from": "load.top", "to": "ship.sheave"}
+    weight = {"body": {"mass": 50.0, "submerged_weight": 50.0 * G, "drag_area": 0.0}}
+    cable = {"cable": {"type": "wire", "length": 40.0}}
+    return {
+        "environment": {"water_density": 0.0, "gravity": G},
+        "cable_types": {"wire": wire},
+        "vessels": {"ship": {"points": {"sheave": [0, 0, 0]}, "velocity": [0, 0, 0.2]}},
+        "bodies": {"load": load},
+        "lines": {
+            "hoist": {**hoist, "items": [cable]},
+            "sling": {"from": "load.below", "to": "free", "items": [cable, weight]},
+        },
+        "winches": {
+            "main": {"line": "hoist", "at": "start" if way == "down" else "end", "drum": 10.0,
+                     "rate": rate}
+        },
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("way", ["down", "up"])
+@pytest.mark.parametrize("rate", [0.3, -0.3])
+def test_what_hangs_on_a_winch_that_runs_moves_along(way: str, rate: float) -> None:
+    """Its weight is all that pulls; from rest, a jerk of rate sqrt(EA m), 212 N, would run down.
+    All of the load's way is the stretched cable that has passed, on the ship that rises."""
+    model = SystemModel(hoisting(way, rate))
+    place = model.bodies["load"].position[2]
+    assert model.winches["main"].payout_rate == rate
+    for k in range(1, 51):
+        t = 0.01 * k if k < 20 else 0.2 * (k - 18)
+        model.step_to(t)
+        line = model.lines["hoist"]
+        top = line.start_tension if way == "down" else line.end_tension
+        weight = (350.0 + 0.5 * (80.0 + rate * t)) * G
+        assert top == pytest.approx(weight, abs=15.0)
+        gone = rate * t * (1.0 + weight / 1e6)
+        assert model.bodies["load"].position[2] - place == pytest.approx(0.2 * t - gone, abs=5e-3)
+    tip = model.lines["sling"].sample([40.0]).velocity[0, 2]
+    assert tip == pytest.approx(0.2 - rate * 1.0038, abs=5e-3)
+
+
+def test_a_winch_does_not_run_from_the_start_where_what_hangs_is_held() -> None:
+    """Through a body, or at a branch; by an empty drum, or on the floor, neither."""
+    scene = hoisting("down", 0.3)
+    scene["lines"]["sling"]["to"] = {"anchor": [5, 0, -75]}
+    scene["lines"]["sling"]["items"] = scene["lines"]["sling"]["items"][:1]
+    with pytest.raises(SceneError, match=r"hoist's beginning and sling's end") as caught:
+        cm.load_system(scene)
+    assert "winches.main.rate" in str(caught.value)
+    branch = hoisting("down", 0.3)
+    branch["lines"]["stay"] = {
+        "from": {"line": "hoist", "at": 10}, "to": {"anchor": [20, 0, -20]},
+        "items": [{"cable": {"type": "wire", "length": 30.0}}],
+    }  # fmt: skip
+    with pytest.raises(SceneError, match=r"stay's end"):
+        cm.load_system(branch)
+    empty = hoisting("down", 0.3)
+    empty["winches"]["main"]["drum"] = 0.0
+    assert cm.load_system(empty).winches["main"].rate_at_start == 0.0
+    laid = towed("down")
+    laid["winches"]["main"]["rate"] = 0.3
+    laid["environment"] = {"floor": {"z": -40.0, "friction": 0.3}}
+    with pytest.raises(SceneError, match="touches the sea floor"):
+        SystemModel(laid)
 
 
 def test_two_winches_at_one_end() -> None:

@@ -226,7 +226,7 @@ static void explain(const Cable *cable, int64_t status, char *message, size_t si
 }
 
 /* A finer run that could not make a step stays behind for good: there is no estimate then. */
-static int is_beside(const Cable *cable) {
+int is_beside(const Cable *cable) {
     return cable->finer != NULL && scalars(cable->finer->M)->time == scalars(cable->M)->time;
 }
 
@@ -235,6 +235,10 @@ int64_t step_cable(Cable *cable, double t_end, double dt, char *message, size_t 
     double inputs[INPUT_WORDS] = {0};
     if (cable->system == NULL) collect_inputs(cable, dt, inputs);
     const int beside = is_beside(cable);
+    if (beside && cable->system != NULL) { /* what drives it, before the last step is forgotten */
+        cable->finer->now = cable->now;
+        memcpy(cable->finer->values, cable->values, 8 * (size_t)cable->value_words);
+    }
     const int64_t status =
         cable->system != NULL ? step_system(cable, t_end, dt)
         : is_direct(cable->I)
@@ -244,7 +248,9 @@ int64_t step_cable(Cable *cable, double t_end, double dt, char *message, size_t 
         explain(cable, status, message, size);
         return status;
     }
-    if (beside)
+    if (beside && cable->system != NULL)
+        step_system(cable->finer, t_end, dt);
+    else if (beside)
         cablemodel_step(cable->finer->I, cable->finer->block_words, t_end, inputs, INPUT_WORDS);
     remember_step(cable, dt, inputs);
     outputs_changed(cable);

@@ -195,6 +195,7 @@ const char *check_part_value(const Cable *cable, unsigned vr, double value, doub
 void mark_part_set(Cable *cable, unsigned vr, int derivative);
 const char *ignored_part_input(Cable *cable, unsigned vr);
 int64_t step_system(Cable *cable, double t_end, double dt);
+int same_parts(const Cable *cable, const Cable *finer);
 int64_t vessels_of(const Cable *cable);
 int64_t wrench_of(const Cable *cable, unsigned vr);
 void read_wrenches(Cable *cable, int64_t *block, double *to);
@@ -215,6 +216,7 @@ void outputs_changed(Cable *cable);
 void restart_cable(Cable *cable);
 void restore_exported(Cable *cable);
 double cable_time(const Cable *cable);
+int is_beside(const Cable *cable);
 int64_t step_cable(Cable *cable, double t_end, double dt, char *message, size_t size);
 const char *name_of(const Cable *cable, unsigned vr);
 const int64_t *choice_of(Cable *cable, unsigned vr);

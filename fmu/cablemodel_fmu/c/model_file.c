@@ -328,7 +328,8 @@ static const char *load_finer(Cable *cable, const char *resource_location, const
     if (problem != NULL) return problem;
     if (is_direct(initial_image(cable)) || is_direct(initial_image(finer)) ||
         cable->flags != (finer->flags | FLAG_ESTIMATE) || (finer->flags & FLAG_ESTIMATE) ||
-        cable->parameter_count != finer->parameter_count ||
+        cable->parameter_count != finer->parameter_count || !same_parts(cable, finer) ||
+        cable->value_words != finer->value_words ||
         memcmp(cable->parameters, finer->parameters,
                sizeof(Parameter) * (size_t)cable->parameter_count) != 0)
         return "resources/finer.bin: not of the scene of resources/model.bin";

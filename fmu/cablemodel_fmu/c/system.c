@@ -17,6 +17,7 @@ enum { AT_POSITION = 0, AT_VELOCITY = 3, AT_ATTITUDE = 6, AT_RATE = 9 };
 enum { GIVEN_ALL = GIVEN_POSITION | GIVEN_VELOCITY | GIVEN_ATTITUDE | GIVEN_RATE };
 /* Outputs of a line, but for those of its stations, and of each station; of a body, of a vessel. */
 enum { LINE_OUTPUTS = 4, STATION_OUTPUTS = 5, BODY_OUTPUTS = 12, VESSEL_OUTPUTS = 18, WINCH_OUTPUTS = 3 };
+enum { LINE_ERRORS = 2, BODY_ERRORS = 1 }; /* the last ones, where errors are estimated */
 
 /* Of an input: its start, and what is allowed. Of all: the name, ended by zeros. */
 typedef struct {
@@ -164,6 +165,7 @@ const char *load_system(Cable *cable, const int64_t *section, int64_t words, con
     s->outputs = s->lines * (LINE_OUTPUTS + STATION_OUTPUTS * cable->stations) +
                  s->bodies * BODY_OUTPUTS + s->vessels * VESSEL_OUTPUTS +
                  s->winches * WINCH_OUTPUTS + s->cuts;
+    if (cable->flags & FLAG_ESTIMATE) s->outputs += s->lines * LINE_ERRORS + s->bodies * BODY_ERRORS;
     const size_t elements = (size_t)header(I)->capacity;
     const size_t samples = 2 * elements + (size_t)(s->lines * (1 + cable->stations));
     s->told = calloc((size_t)s->inputs + 1, 1);
@@ -607,6 +609,78 @@ static double *part_outputs(const double *row, int with_wrench, double *out) {
     return out + 6;
 }
 
+/* The elements of a line among all, in order: how many from the first. */
+static int64_t elements_of(const System *s, int64_t elements, int64_t line, int64_t *first) {
+    int64_t next = 0;
+    while (next < elements && s->elements[next].line != line) next++;
+    *first = next;
+    while (next < elements && s->elements[next].line == line) next++;
+    return next - *first;
+}
+
+/* Rows of a line at the places where errors are looked for, of one that is as long [m]. */
+static void sample_errors(Cable *cable, int64_t first, int64_t count, double length, double *rows) {
+    const double pi = 3.14159265358979323846;
+    double nodes[ERROR_PLACES], fractions[ERROR_PLACES];
+    int64_t which = 0;
+    for (int k = 0; k < ERROR_PLACES; k++)
+        place_sample(cable, cable->system->elements + first, count, &which,
+                     (0.5 - 0.5 * cos(pi * k / (ERROR_PLACES - 1))) * length, nodes + k, fractions + k);
+    cablemodel_sample_elements(cable->I, cable->block_words, nodes, ERROR_PLACES, fractions,
+                               ERROR_PLACES, rows, STATION_WORDS * ERROR_PLACES);
+}
+
+static double apart(const double *one, const double *other) {
+    double square = 0.0;
+    for (int i = 0; i < 3; i++) square += (one[i] - other[i]) * (one[i] - other[i]);
+    return sqrt(square);
+}
+
+/* What lines and bodies may be wrong by: SystemModel.errors; bodies: rows of the parts of this run. */
+static void error_outputs(Cable *cable, int64_t elements, const double *bodies, double *out) {
+    enum { TENSION = 9, WORDS = STATION_WORDS * ERROR_PLACES };
+    System *s = cable->system;
+    for (int64_t n = 0; n < s->lines * LINE_ERRORS + s->bodies * BODY_ERRORS; n++) out[n] = NAN;
+    if (!is_beside(cable)) return;
+    Cable *finer = cable->finer;
+    System *other = finer->system;
+    const int64_t others = gather_elements(finer);
+    double shapes[2][WORDS], unused;
+    for (int64_t line = 0; line < s->lines; line++, out += LINE_ERRORS) {
+        int64_t first = 0, finest = 0;
+        const int64_t count = elements_of(s, elements, line, &first);
+        const int64_t more = elements_of(other, others, line, &finest);
+        const double length = fmin(line_length(cable, s->elements + first, &unused),
+                                   line_length(finer, other->elements + finest, &unused));
+        sample_errors(cable, first, count, length, shapes[0]);
+        sample_errors(finer, finest, more, length, shapes[1]);
+        double largest = 0.0, pull = 0.0;
+        for (int64_t at = 0; at < WORDS; at += STATION_WORDS) {
+            const double off = apart(shapes[0] + at, shapes[1] + at);
+            if (!(off <= largest)) largest = off; /* NaN, too */
+        }
+        for (int64_t at = TENSION; at < WORDS; at += WORDS - STATION_WORDS) {
+            const double off = fabs(shapes[0][at] - shapes[1][at]);
+            if (!(off <= pull)) pull = off;
+        }
+        out[0] = ERROR_FACTOR * largest;
+        out[1] = ERROR_FACTOR * pull;
+    }
+    double *vessels = other->parts + PART_WORDS * other->bodies;
+    cablemodel_parts(finer->I, finer->block_words, other->parts, PART_WORDS * other->bodies, vessels,
+                     PART_WORDS * other->vessels);
+    for (int64_t n = 0; n < s->bodies; n++)
+        out[n] = ERROR_FACTOR * apart(bodies + PART_WORDS * n, other->parts + PART_WORDS * n);
+}
+
+/* Whether the finer run is of a system with the same parts. */
+int same_parts(const Cable *cable, const Cable *finer) {
+    const System *one = cable->system, *other = finer->system;
+    if (one == NULL || other == NULL) return one == other;
+    return one->lines == other->lines && one->vessels == other->vessels && one->bodies == other->bodies &&
+           one->foils == other->foils && one->winches == other->winches && one->cuts == other->cuts;
+}
+
 /* All outputs in the order of the table of variables. */
 static const double *outputs(Cable *cable) {
     System *s = cable->system;
@@ -641,6 +715,7 @@ static const double *outputs(Cable *cable) {
         const double time = cable->M[header(cable->I)->cuts + n * CUT_WORDS + WORD(Cut, done)];
         *out++ = time < 1e300 ? time + cable->now.start_time : NAN;
     }
+    if (cable->flags & FLAG_ESTIMATE) error_outputs(cable, elements, s->parts, out);
     s->current = 1;
     return s->values;
 }
