@@ -25,10 +25,12 @@ DEPTH = 0.06
 """Gap below which the floor pushes, in units of tau L."""
 BRISTLE = 0.02
 """Way along the floor after which friction is mobilised, in units of tau L."""
-SHARPEST = 1.2, 0.003
+SHARPEST = 1.2, 0.0015
 """Length over which bending spreads a touchdown of cable that has no bending stiffness, in units of
-tau L, and of L: their sum. Shapes at two tolerances then differ by less than is promised; without
-the second part, folds of slack cable take five times the work, or more than there is time for."""
+tau times the height from which it hangs, and of that height: their sum. Folds of slack cable push
+back with some four times its weight. Without the second part they take more time than there is."""
+LOWEST = 0.01
+"""Of the line's length: least height that it is taken to hang from, where it ends at the floor."""
 SPARE = 40, 30
 """Nodes kept for refinement: a constant, and one for each halving down to the finest element."""
 
@@ -38,6 +40,15 @@ def contact_weight(kind: CableType, gravity: float) -> float:
     return max(kind.submerged_weight, 1e-3 * kind.mass * gravity, 1e-9)
 
 
+def hanging_height(scene: CableScene) -> float:
+    """Height over the floor from which a line hangs at the start, at most its length [m]."""
+    x, y, z = scene.place
+    length = scene.line_length
+    floor = scene.environment.floor
+    height = length if floor is None else z - floor.height(x, y)
+    return min(max(height, LOWEST * length), length)
+
+
 def least_bending(scene: CableScene, kind: CableType) -> float:
     """Bending stiffness that a perfectly flexible cable gets where it is slack [N m2].
 
@@ -45,7 +56,7 @@ def least_bending(scene: CableScene, kind: CableType) -> float:
     gives it, however small. What hangs straight down lies .83 l off that of no stiffness, by the
     layer l of `SHARPEST`; with a horizontal tension H it is l (w l / H)^2.
     """
-    layer = scene.line_length * (SHARPEST[0] * scene.solver.tolerance + SHARPEST[1])
+    layer = hanging_height(scene) * (SHARPEST[0] * scene.solver.tolerance + SHARPEST[1])
     return contact_weight(kind, scene.environment.gravity) * layer**3
 
 
