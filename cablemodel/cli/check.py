@@ -247,8 +247,10 @@ def _skipped(scene: Scene, model: CableModel) -> list[str]:
         scene.cable_types[cable.type].bending_stiffness > 0.0 and cable.model != "cable"
         for cable in scene.cables
     )
-    if not bending:
+    if not bending and scene.environment.floor is None:
         skipped.append("bending: no cable of this line has any")
+    elif not bending:
+        skipped.append("bending: no cable of this line has any, and gets some only on the floor")
     for given, words in (
         (scene.environment.current is not None, "current: none in the scene"),
         (scene.environment.waves is not None, "waves: none in the scene; water is everywhere"),
