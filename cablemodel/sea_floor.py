@@ -23,6 +23,8 @@ FloatArray = NDArray[np.float64]
 
 DEPTH = 0.06
 """Gap below which the floor pushes, in units of tau L."""
+LYING = 0.2277
+"""Of that: cable that is no higher lies (kernels/contact.py)."""
 BRISTLE = 0.02
 """Way along the floor after which friction is mobilised, in units of tau L."""
 SHARPEST = 1.2, 0.003
@@ -45,8 +47,12 @@ def least_bending(scene: CableScene, kind: CableType) -> float:
     gives it, however small. What hangs straight down lies .83 l off that of no stiffness, by the
     layer l of `SHARPEST`; with a horizontal tension H it is l (w l / H)^2.
     """
-    layer = scene.line_length * (SHARPEST[0] * scene.solver.tolerance + SHARPEST[1])
-    return contact_weight(kind, scene.environment.gravity) * layer**3
+    return contact_weight(kind, scene.environment.gravity) * flexible_layer(scene) ** 3
+
+
+def flexible_layer(scene: CableScene) -> float:
+    """Length over which bending spreads a touchdown of cable without bending stiffness [m]."""
+    return scene.line_length * (SHARPEST[0] * scene.solver.tolerance + SHARPEST[1])
 
 
 def touchdown_layer(scene: CableScene, cable: Cable) -> float:
