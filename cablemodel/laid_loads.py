@@ -24,7 +24,7 @@ DRAGGED = 5e-4
 over the floor, and bears the friction of that. Less is rounding of a speed in knots."""
 UNEVEN = 0.1
 """The same over a depth table, where that rate changes from place to place."""
-FLAT = 0.05
+FLAT = 0.04
 """Between a lay and the floor [rad]: below it the touchdown runs away from the vessel."""
 STEEP = 0.01
 """Of the vessel's speed: pay-out of a lay up a slope that is steeper than the line hangs."""
@@ -156,7 +156,8 @@ def lay_motion(scene: Scene) -> tuple[FloatArray, float]:
 
     The vessel's velocity and the pay-out; of a lay over a plane that rises by b along its way, the
     touchdown's, W = U sin a / sin(a - b) along the plane. In that frame what hangs is the same
-    (W t_floor - U t_level points along it), and what has been laid is at rest.
+    (W t_floor - U t_level points along it), and what has been laid is at rest or, where the lay is
+    taut, slides along the floor and not into it.
     """
     place, velocity = scene.motion().evaluate(0.0)[:2]
     velocity = np.asarray(velocity, dtype=np.float64)
@@ -165,7 +166,7 @@ def lay_motion(scene: Scene) -> tuple[FloatArray, float]:
     if rate <= 0.0 or speed == 0.0 or velocity[2] != 0.0 or floor is None or floor.z is None:
         return velocity, rate
     alike = len({cable.type for cable in scene.cables}) == 1
-    if scene.environment.current is not None or not alike or is_dragged(scene):
+    if scene.environment.current is not None or not alike:
         return velocity, rate
     up = _rise_ahead(scene, place, velocity)
     down = _angle_of(scene, speed)
@@ -178,12 +179,11 @@ def lay_motion(scene: Scene) -> tuple[FloatArray, float]:
 
 
 def laid(scene: Scene) -> float:
-    """0 where the vessel drags what lies; 1 where that is at rest in the frame of the start; 2
-    where the flow would have it run on (`laid`)."""
+    """What runs along itself in the frame of the start: 0 all cable, where the vessel drags what
+    lies; 2 what hangs. What has been laid is at rest, and the momentum of a flow does not push it.
+    """
     floor = scene.environment.floor
-    if floor is None or is_dragged(scene):
-        return 0.0
-    return 1.0 if lay_motion(scene)[0][2] != 0.0 else 2.0
+    return 0.0 if floor is None or is_dragged(scene) else 2.0
 
 
 def _rise_ahead(scene: Scene, place: FloatArray, velocity: FloatArray) -> float:

@@ -18,6 +18,7 @@ from cablemodel.curves import crossing
 from cablemodel.laid_loads import lay_angle
 from cablemodel.mesh import halved_where
 from cablemodel.sea_floor import (
+    LYING,
     contact_depth,
     contact_weight,
     finest_element,
@@ -57,6 +58,8 @@ class Guess:
     points: FloatArray
     arcs: FloatArray | None = None
     pull: FloatArray | None = None
+    at_rest: bool = False
+    """It is an equilibrium's: what lies is within the floor's contact layer, not exactly on it."""
 
 
 def on_floor(scene: Scene, points: FloatArray, *, drawn: bool = False) -> Guess:
@@ -166,6 +169,12 @@ def _stretched(points: FloatArray, bend: FloatArray, hung: free_hanging.Hanging)
     )
     if len(bend):
         arcs[: len(bend)] = place[: len(bend)]
+    # What a corner cut off lies at the far end: spread over the line it would stretch all of it.
+    last = points[-1] - points[-2]
+    size = float(np.linalg.norm(last))
+    missing = max(hung.line_length - float(arcs[-1]), -0.5 * size)
+    points = np.vstack([points[:-1], points[-1] + missing / size * last])
+    arcs[-1] += missing
     arcs *= hung.line_length / arcs[-1]
     end = [[hung.line_length * (1.0 + 1e-12), 0.0]]
     return Guess(points, arcs, np.vstack([np.column_stack([hung.arcs, hung.pull]), end]))
@@ -201,7 +210,7 @@ def refine_guess(scene: Scene, nodes: list[FloatArray], guess: Guess) -> list[Fl
         return nodes
     floor = scene.environment.floor
     arcs = _arcs(points) if guess.arcs is None else guess.arcs
-    near = 1e-3 * thinnest_layer(scene)
+    near = LYING * contact_depth(scene) if guess.at_rest else 1e-3 * thinnest_layer(scene)
     lies = [z < floor.height(float(x), float(y)) + near for x, y, z in points]
     if not any(lies):
         return nodes

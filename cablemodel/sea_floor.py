@@ -23,6 +23,8 @@ FloatArray = NDArray[np.float64]
 
 DEPTH = 0.06
 """Gap below which the floor pushes, in units of tau L."""
+LYING = 0.2277
+"""Of that: cable that is no higher lies (kernels/contact.py)."""
 BRISTLE = 0.02
 """Way along the floor after which friction is mobilised, in units of tau L."""
 SHARPEST = 1.2, 0.0015
@@ -31,6 +33,8 @@ tau times the height from which it hangs, and of that height: their sum. Folds o
 back with some four times its weight. Without the second part they take more time than there is."""
 LOWEST = 0.01
 """Of the line's length: least height that it is taken to hang from, where it ends at the floor."""
+UNFOLDING = 1.2, 0.003
+"""Layer from which on a lay does not fold on the way to its start, in units of tau L, and of L."""
 SPARE = 40, 30
 """Nodes kept for refinement: a constant, and one for each halving down to the finest element."""
 
@@ -58,6 +62,11 @@ def least_bending(scene: CableScene, kind: CableType) -> float:
     """
     layer = hanging_height(scene) * (SHARPEST[0] * scene.solver.tolerance + SHARPEST[1])
     return contact_weight(kind, scene.environment.gravity) * layer**3
+
+
+def unfolding_layer(scene: CableScene) -> float:
+    """Touchdown layer of cable that does not fold on the way to the start of a lay [m]."""
+    return scene.line_length * (UNFOLDING[0] * scene.solver.tolerance + UNFOLDING[1])
 
 
 def touchdown_layer(scene: CableScene, cable: Cable) -> float:

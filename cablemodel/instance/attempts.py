@@ -31,6 +31,10 @@ class Attempt:
     """Friction holds what lies on the floor, see laid_start; else what has a free end slides."""
     lies: Block | None = None
     """What lies is where it is in this one, at a coarser tolerance, and stays there."""
+    near: Block | None = None
+    """From the shape of this one, whose cable bends less; what lies finds its place anew."""
+    at_once: bool = False
+    """A lay on its own floor only, not on floors that harden."""
     points: FloatArray | None = None
     """From this polyline (n, 3) [m], instead of a first shape of the search's own."""
     passing: bool = False

@@ -163,7 +163,8 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, attempt: Attempt
         ),
     ]
     if rate > 0.0 and head.floor_kind and not held:
-        ways = [partial(easier_ways.on_a_floor_that_hardens, block, solve_at_once)]
+        harden = partial(easier_ways.on_a_floor_that_hardens, block, solve_at_once)
+        ways = [solve_in_few_steps if attempt.at_once else harden]
     solve = partial(easier_ways.first_of, block, ways)
     if attempt.patient:
         turning = partial(easier_ways.with_turned_clamps, block, solve, solve_at_once)
@@ -187,6 +188,8 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, attempt: Attempt
         arc = block.array(Header.edges, int(head.nodes), at.EDGE_WORDS)[node, at.Edge.start]
         advice = "Check weights, ends and current"
         if head.floor_kind and not held:
+            if rate > 0.0 and scene.environment.current is None:
+                advice = "Give the cable more bending stiffness"
             advice += ", let motion, pay-out and current come up from zero after the start"
         hard = search.what_is_hard(scene)
         why = f"What makes it hard: {hard}. " if hard else ""

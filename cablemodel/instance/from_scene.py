@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -111,12 +112,44 @@ def _built_as_laid(scene: Scene, planar: bool | None, room: float, attempt: Atte
     """What friction holds, from where it lies at coarser tolerances."""
     coarser = laid_start.coarser(scene)
     if coarser is None:
-        return _built(scene, planar, room, attempt)
+        return _built_as_lay(scene, planar, room, attempt)
     lies = _built_as_laid(coarser, planar, 1.0, replace(attempt, passing=True))
     try:
         return _built(scene, planar, room, replace(attempt, lies=lies))
     except StaticsError:
         return _built(scene, planar, room, attempt)  # anew, from the first shape
+
+
+def _built_as_lay(scene: Scene, planar: bool | None, room: float, attempt: Attempt) -> Block:
+    """What a lay has laid: at once, or from cable that bends less and less so.
+
+    Where the layer in which a cable bends on to the floor is thin beside the line, a first shape
+    is far from rest: what it lacks pushes what lies, and that folds. A stiffer one does not, and
+    where it lands is then known.
+    """
+    layers = laid_start.stiffer_layers(scene)
+    if not layers:
+        return _built(scene, planar, room, attempt)
+    at_once = replace(attempt, at_once=True)
+    try:
+        return _built(scene, planar, room, at_once)
+    except StaticsError:
+        pass
+    layer, own = layers
+    step = laid_start.STEP_OF_LAYER
+    stiff = partial(laid_start.stiffer, scene)
+    near = _built(stiff(layer), planar, 1.0, replace(attempt, passing=True))
+    while True:
+        thinner = max(own, layer / step)
+        try:
+            if thinner == own:
+                return _built(scene, planar, room, replace(at_once, near=near))
+            near = _built(stiff(thinner), planar, 1.0, replace(at_once, near=near, passing=True))
+            layer = thinner
+        except StaticsError:
+            step = math.sqrt(layer / thinner)
+            if step < laid_start.SMALLEST_STEP_OF_LAYER:
+                raise
 
 
 def _built(
@@ -127,8 +160,9 @@ def _built(
 ) -> Block:
     scale = tension_scale(scene)
     hangs = hung = None
-    if attempt.lies is not None:
-        guess = guess_of(attempt.lies, scene)
+    from_block = attempt.lies or attempt.near
+    if from_block is not None:
+        guess = guess_of(from_block, scene)
     elif attempt.points is not None:
         guess = laid_shape.Guess(attempt.points)
     else:

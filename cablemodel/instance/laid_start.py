@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel import laid_loads
+from cablemodel import laid_loads, sea_floor
 from cablemodel.block import Block
 from cablemodel.instance import easier_ways
 from cablemodel.instance.frame import earth, local
@@ -58,6 +58,9 @@ LEAST = 1.5
 STEPS = 200
 """Of a relaxation over a depth table, at most. What lies on ridges slides over them a crest at a
 time, or never gets there: the plainest start, in which valleys hold it, is next."""
+STEP_OF_LAYER, SMALLEST_STEP_OF_LAYER = 10.0, 1.7
+"""Of a lay whose cable bends less at first: by what its layer gets thinner at a time, and the least
+of such steps where longer ones fail."""
 SLIDES = 3.0
 """Of a bristle's length: well beyond where it slips."""
 
@@ -99,6 +102,29 @@ def _is_lay(scene: Scene) -> bool:
     return scene.rate_at_start > 0.0 and bool(np.any(velocity[:2]))
 
 
+def stiffer_layers(scene: Scene) -> tuple[float, float] | None:
+    """Touchdown layers of a lay's cables [m]: of one that does not fold, and the thinnest; None
+    where none is thinner than that."""
+    most, own = sea_floor.unfolding_layer(scene), sea_floor.thinnest_layer(scene)
+    return (most, own) if _is_lay(scene) and own < most else None
+
+
+def stiffer(scene: Scene, layer: float) -> Scene:
+    """The scene with cables that bend on to the floor over so long a layer [m] at least."""
+    gravity = scene.environment.gravity
+    types = {
+        name: kind.model_copy(
+            update={
+                "bending_stiffness": max(
+                    kind.bending_stiffness, sea_floor.contact_weight(kind, gravity) * layer**3
+                )
+            }
+        )
+        for name, kind in scene.cable_types.items()
+    }
+    return scene.model_copy(update={"cable_types": types})
+
+
 def lie_still(
     block: Block,
     scene: Scene,
@@ -126,6 +152,8 @@ def lie_still(
     bristle = float(state.bristle)
     soft = (LAYING if laying else SOFT) * float(state.length)
     dragged = laid_loads.is_dragged(scene)
+    # What a lay has laid is at rest over the ground: only a current pulls at it.
+    drifts = not dragged and not (laying and scene.environment.current is None)
     status: int = at.OK
     even = scene.environment.floor is not None and scene.environment.floor.z is not None
     if not even:
@@ -138,7 +166,7 @@ def lie_still(
         state.bristle = soft
         drawn[:] = shape
         rest[:] = laid - soft * _shares(block, scene, bears, None, dragged)
-        kept = None if dragged else _without_drag(block, scene)
+        kept = _without_drag(block, scene) if drifts else None
         status = solve()
         if kept is not None:
             kept()
@@ -158,7 +186,9 @@ def lie_still(
     if dragged:
         laid = q.copy()  # no line was laid: bristles are drawn from where the cable is
     elif coarser is None:
-        _put_on(block, laid, which_lie(block, scene))
+        down = which_bear(block, scene)
+        laid[~down] = q[~down]  # comes to lie where it is
+        _put_on(block, laid, down)
 
     def hold_with(share: float) -> int:
         """Bristles of their own length at 1. As they get shorter they pull what slid aside back."""
@@ -203,7 +233,9 @@ def _laid_line(block: Block, scene: Scene, q: FloatArray) -> FloatArray:
     if len(lies) < 2:
         return line
     foot, tail = int(lies[0]), int(lies[-1])
-    way = q[tail] - q[foot]
+    even = scene.environment.floor is not None and scene.environment.floor.z is not None
+    ends = _on_floor(block, scene, q[[foot, tail]]) if even else q[[foot, tail]]
+    way = ends[1] - ends[0]
     way /= max(float(np.linalg.norm(way)), 1e-12)
     edges = block.array(Header.edges, len(q), at.EDGE_WORDS)
     lengths = np.where(block.integers(Header.joint, len(q)) == 0, edges[:, at.Edge.length], 0.0)
@@ -212,11 +244,20 @@ def _laid_line(block: Block, scene: Scene, q: FloatArray) -> FloatArray:
             lengths[int(body[at.Body.node])] += body[at.Body.length]
     arcs = np.cumsum(lengths)
     straight = np.outer(arcs - arcs[foot], way)
-    line[:foot] = q[foot] + straight[:foot]
-    if scene.environment.floor is not None and scene.environment.floor.z is not None:
-        line = q[foot] + straight
+    line[:foot] = ends[0] + straight[:foot]
+    if even:
+        line = ends[0] + straight
         line += float(np.mean((q - line)[lies] @ way)) * way
     return line
+
+
+def _on_floor(block: Block, scene: Scene, places: FloatArray) -> FloatArray:
+    """Places (n, dimension) in the block, brought to an even floor across it."""
+    x, y, _z = earth(block, places)[0].tolist()
+    rise = laid_loads.slopes(scene, x, y)
+    up = local(block, np.array([-rise[0], -rise[1], 1.0]), point=False)
+    up /= np.linalg.norm(up)
+    return np.asarray(places - np.outer(_gaps(block, scene, places), up))
 
 
 def _put_on(block: Block, line: FloatArray, lies: NDArray[np.bool_]) -> None:
@@ -308,6 +349,12 @@ def which_lie(block: Block, scene: Scene) -> NDArray[np.bool_]:
     """Which nodes touch the floor, (nodes,)."""
     gaps = _gaps(block, scene, _positions(block))
     return np.asarray(gaps < float(block.scalars.floor_depth))
+
+
+def which_bear(block: Block, scene: Scene) -> NDArray[np.bool_]:
+    """Which nodes are down on the floor, not at the edge of its contact layer, (nodes,)."""
+    gaps = _gaps(block, scene, _positions(block))
+    return np.asarray(gaps < sea_floor.LYING * float(block.scalars.floor_depth))
 
 
 def _along(block: Block) -> FloatArray:

@@ -173,7 +173,7 @@ def guess_of(block: Block, scene: Scene) -> laid_shape.Guess:
     ends = np.stack([starts, starts + edges[:, at.Edge.length]], axis=-1)
     values = np.stack([tension[:, 0] - tension[:, 1], tension[:, 0] + tension[:, 1]], axis=-1)
     rows = np.column_stack([ends[cables].ravel(), values[cables].ravel()])
-    return laid_shape.Guess(points, arcs, rows)
+    return laid_shape.Guess(points, arcs, rows, at_rest=True)
 
 
 def _node_places(block: Block) -> FloatArray:

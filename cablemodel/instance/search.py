@@ -18,7 +18,7 @@ from cablemodel import laid_loads
 from cablemodel.block import Block
 from cablemodel.errors import StaticsError
 from cablemodel.instance.scales import is_flexible
-from cablemodel.sea_floor import contact_depth, touchdown_layer
+from cablemodel.sea_floor import contact_depth, unfolding_layer, touchdown_layer
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
@@ -34,7 +34,7 @@ STEP = 48
 FEWEST = 10
 """Steps that a relaxation gets at least, while there is time."""
 SHALLOW = math.radians(33.0)
-"""A lay at a smaller angle from the horizontal is named as hard."""
+"""A line that is towed or held at a smaller angle from the horizontal is named as hard."""
 
 
 class OutOfTimeError(Exception):
@@ -130,7 +130,8 @@ def what_is_hard(scene: Scene) -> str:
     line, floor = laid_loads.pieces(scene), scene.environment.floor
     weight = math.fsum(p.weight * (p.end - p.start) for p in line if p.end > p.start)
     drag = math.fsum(p.normal * (p.end - p.start) for p in line if p.end > p.start) * speed**2
-    if speed > 0.0 and weight > 0.0:
+    laying = rate > 0.0 and floor is not None and scene.end.kind == "free"
+    if speed > 0.0 and weight > 0.0 and not laying:  # lays start at any angle
         angle = laid_loads.lay_angle(weight, drag)
         if angle < SHALLOW:
             hard.append(f"the line hangs at {math.degrees(angle):.0f} degrees from the horizontal")
@@ -141,6 +142,11 @@ def what_is_hard(scene: Scene) -> str:
             hard.append(f"{name}.connection clamps a cable that bends")
     if floor is not None:
         layer, depth = touchdown_layer(scene, scene.cables[-1]), contact_depth(scene)
+        if laying and layer < unfolding_layer(scene):
+            hard.append(
+                f"its bending stiffness spreads the touchdown over {layer:.2g} m of a line of "
+                f"{scene.line_length:.4g} m only"
+            )
         if layer > 30.0 * depth:
             hard.append(
                 f"the floor's contact layer of {depth:.2g} m is thin against the {layer:.2g} m in "

@@ -52,6 +52,7 @@ def lay(
     bending: float,
     slope: float = 0.0,
     slack: float = 0.0,
+    tolerance: float = 1e-3,
 ) -> tuple[cm.Scene, float]:
     """A lay and its pay-out [m/s]; slope: of the floor along the vessel's way [degrees]."""
     speed, up = knots * KNOT, math.radians(slope)
@@ -67,6 +68,7 @@ def lay(
             "vessel": {"velocity": [speed, 0, 0]},
             "payout": {"rate": [{"t": 0, "rate": rate}], "drum": [{"cable": cable}]},
             "run": {"duration": 10, "output_interval": 1},
+            "solver": {"tolerance": tolerance},
         }
     ), rate
 
