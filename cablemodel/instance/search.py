@@ -18,7 +18,7 @@ from cablemodel import laid_loads
 from cablemodel.block import Block
 from cablemodel.errors import StaticsError
 from cablemodel.instance.scales import is_flexible
-from cablemodel.sea_floor import contact_depth, unfolding_layer, touchdown_layer
+from cablemodel.sea_floor import contact_depth, touchdown_layer, unfolding_layer
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
