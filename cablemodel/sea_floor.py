@@ -27,12 +27,14 @@ LYING = 0.2277
 """Of that: cable that is no higher lies (kernels/contact.py)."""
 BRISTLE = 0.02
 """Way along the floor after which friction is mobilised, in units of tau L."""
-SHARPEST = 1.2, 0.0015
+SHARPEST = 1.2, 0.003
 """Length over which bending spreads a touchdown of cable that has no bending stiffness, in units of
 tau times the height from which it hangs, and of that height: their sum. Folds of slack cable push
-back with some four times its weight. Without the second part they take more time than there is."""
-LOWEST = 0.01
-"""Of the line's length: least height that it is taken to hang from, where it ends at the floor."""
+back with some four times its weight. Without the second part they take more time than there is,
+and shallow lays do not start."""
+LOWEST = 0.2
+"""Of the line's length: least height that it is taken to hang from. Longer ones hang at less than
+12 degrees, or lie: with less their starts took up to 20 s."""
 UNFOLDING = 1.2, 0.003
 """Layer from which on a lay does not fold on the way to its start, in units of tau L, and of L."""
 SPARE = 40, 30
