@@ -45,6 +45,9 @@ STEEP = math.radians(60.0)
 GRADING = 0.5
 """Length of elements per distance from the touchdown of a first shape."""
 
+BEYOND = 2.0
+"""Touchdown layers behind that place in which a lay's elements are as short as above it."""
+
 
 @dataclass(frozen=True)
 class Guess:
@@ -217,11 +220,13 @@ def refine_guess(scene: Scene, nodes: list[FloatArray], guess: Guess) -> list[Fl
     touchdown = float(arcs[lies.index(True)] / arcs[-1] * scene.line_length)
     smallest = finest_element(scene)
     heights, longest = _bend_of_lay(scene)
+    beyond = BEYOND * thinnest_layer(scene)
 
     def is_too_long(arc: float, a: float, b: float) -> bool:
         near = distance(arc + a, arc + b, touchdown)
-        if arc + a < touchdown and near < heights[-1]:
-            return b - a > float(np.interp(near, heights, longest))
+        if arc + a < touchdown + beyond and near < heights[-1]:
+            above = near if arc + b <= touchdown else 0.0
+            return b - a > float(np.interp(above, heights, longest))
         return b - a > max(2.0 * smallest, GRADING * near)
 
     return halved_where(scene.cables, nodes, is_too_long)

@@ -86,7 +86,7 @@ def _say_if_drawn(block: Block, scene: Scene) -> None:
     hangs = np.flatnonzero(~laid_start.which_lie(block, scene))
     tension = block.array(Header.tension, int(block.header.nodes), 2)[:, 0]
     lands = min(int(hangs[-1]) + 2, len(tension) - 1)  # below the last place that is clear
-    if tension[lands] > DRAWN * tension.max():
+    if abs(tension[lands]) > DRAWN * tension.max():
         warnings.warn(DrawnStartWarning(float(tension[lands])), stacklevel=3)
 
 

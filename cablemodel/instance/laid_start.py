@@ -104,7 +104,10 @@ def _is_lay(scene: Scene) -> bool:
 
 def stiffer_layers(scene: Scene) -> tuple[float, float] | None:
     """Touchdown layers of a lay's cables [m]: of one that does not fold, and the thinnest; None
-    where none is thinner than that."""
+    where none is thinner than that, and over ridges, where cable lies as it came down."""
+    floor = scene.environment.floor
+    if floor is None or floor.z is None:
+        return None
     most, own = sea_floor.unfolding_layer(scene), sea_floor.thinnest_layer(scene)
     return (most, own) if _is_lay(scene) and own < most else None
 
