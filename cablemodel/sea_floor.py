@@ -47,11 +47,15 @@ def contact_weight(kind: CableType, gravity: float) -> float:
 
 
 def hanging_height(scene: CableScene) -> float:
-    """Height over the floor from which a line hangs at the start, at most its length [m]."""
+    """Height over the floor from which a line hangs at the start that a winch pays out to a free
+    end [m]; of others, which lay no slack, their length."""
     x, y, z = scene.place
     length = scene.line_length
     floor = scene.environment.floor
-    height = length if floor is None else z - floor.height(x, y)
+    payout, end = getattr(scene, "payout", None), getattr(scene, "end", None)
+    if floor is None or payout is None or not payout.drum or end is None or end.kind != "free":
+        return length
+    height = z - floor.height(x, y)
     return min(max(height, LOWEST * length), length)
 
 
