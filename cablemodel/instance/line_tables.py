@@ -13,7 +13,8 @@ from cablemodel.block import Block
 from cablemodel.instance.line import Line
 from cablemodel.instance.winch import Winch
 from cablemodel.kernels import layout as at
-from cablemodel.kernels.layout import RIGID, STABILISATION, Header
+from cablemodel.kernels.layout import Header
+from cablemodel.kernels.tables import RIGID, STABILISATION
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene

@@ -11,7 +11,17 @@ from .compile import inlined, kernel, matrix_vector, two_products, view
 from .layout import (
     ELEMENT_WORDS,
 )
-from .tables import P1, P2, WD
+from .tables import P1, P2, WD, WEIGHT_P2
+
+
+@inlined
+def third_tension(W, stretched, edge):
+    """Tension of an element's third strain mode [N]; |r'| at its Gauss points begins at that word
+    of W."""
+    e2 = 0.0
+    for g in range(3):
+        e2 += WEIGHT_P2[g] * (W[stretched + g] - 1.0)
+    return 5.0 * edge.stabilisation * e2 - edge.third_rest
 
 
 def pair_kernels(dimension: int, row: int, tangents: int, sums: int) -> tuple[Any, Any, Any, Any]:

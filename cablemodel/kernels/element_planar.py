@@ -9,7 +9,7 @@ import math
 
 from .access import edge_of, header
 from .compile import inlined, kernel, table_product, view
-from .element_pairs import constraint_kernels, pair_kernels
+from .element_pairs import constraint_kernels, pair_kernels, third_tension
 from .environment import current_at
 from .layout import (
     GAUSS_WORDS,
@@ -40,7 +40,6 @@ from .tables import (
     WE,
     WEIGHT,
     WEIGHT_P1,
-    WEIGHT_P2,
     WH,
 )
 from .waves import element_water, wave_loads, wet_rows
@@ -103,12 +102,8 @@ def geometry(W, x0, x1, h):
 
 
 @inlined
-def axial_forces(W, t0, t1, stabilisation, rest):
-    """Forces T t at the Gauss points, with the stabilising mode along P2."""
-    e2 = 0.0
-    for g in range(3):
-        e2 += WEIGHT_P2[g] * (W[G + g] - 1.0)
-    t2 = 5.0 * stabilisation * e2 - rest
+def axial_forces(W, t0, t1, t2):
+    """Forces T t at the Gauss points, with the third strain mode's tension along P2."""
     for g in range(4):
         tension = t0 + t1 * P1[g] + t2 * P2[g]
         W[PX + g] = tension * W[TX + g]
@@ -208,7 +203,7 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
         geometry(W, x0, x1, h)
         t0 = tension[2 * node]
         t1 = tension[2 * node + 1]
-        axial_forces(W, t0, t1, edge.stabilisation, edge.third_rest)
+        axial_forces(W, t0, t1, third_tension(W, G, edge))
 
         r0 = 0.0
         r1 = 0.0
@@ -303,31 +298,9 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
 
 @inlined
 def tangent_matrices(
-    W,
-    x0,
-    x1,
-    v0,
-    v1,
-    a0,
-    a1,
-    h,
-    tension0,
-    tension1,
-    eas,
-    rest,
-    bending,
-    drag,
-    cn,
-    ct,
-    added,
-    ca,
-    cv,
+    W, x0, x1, v0, v1, a0, a1, h, tension0, tension1, t2, bending, drag, cn, ct, added, ca, cv
 ):
     """Jacobians of the forces at the Gauss points, components along (t, n)."""
-    e2 = 0.0
-    for g in range(3):
-        e2 += WEIGHT_P2[g] * (W[G + g] - 1.0)
-    t2 = 5.0 * eas * e2 - rest
     ih = 1.0 / h
     ih2 = ih * ih
     ax = x0[0] * ih2
@@ -432,8 +405,7 @@ def jacobian_planar(I, M, q, v, a, tension, ca, cv):
             h,
             t0,
             t1,
-            eas,
-            edge.third_rest,
+            third_tension(W, G, edge),
             bending,
             drag,
             edge.drag_normal,

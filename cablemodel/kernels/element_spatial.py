@@ -13,7 +13,7 @@ import math
 
 from .access import edge_of, header
 from .compile import inlined, kernel, table_product, view
-from .element_pairs import constraint_kernels, pair_kernels
+from .element_pairs import constraint_kernels, pair_kernels, third_tension
 from .environment import current_at
 from .layout import (
     GAUSS_WORDS,
@@ -44,7 +44,6 @@ from .tables import (
     WE,
     WEIGHT,
     WEIGHT_P1,
-    WEIGHT_P2,
     WH,
 )
 from .waves import element_water, wave_loads, wet_rows
@@ -114,12 +113,8 @@ def geometry(W, x0, x1, h):
 
 
 @inlined
-def axial_forces(W, t0, t1, stabilisation, rest):
-    """Forces T t at the Gauss points, with the stabilising mode along P2."""
-    e2 = 0.0
-    for g in range(3):
-        e2 += WEIGHT_P2[g] * (W[G + g] - 1.0)
-    t2 = 5.0 * stabilisation * e2 - rest
+def axial_forces(W, t0, t1, t2):
+    """Forces T t at the Gauss points, with the third strain mode's tension along P2."""
     for g in range(4):
         tension = t0 + t1 * P1[g] + t2 * P2[g]
         W[PX + g] = tension * W[TX + g]
@@ -252,7 +247,7 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
         geometry(W, x0, x1, h)
         t0 = tension[2 * node]
         t1 = tension[2 * node + 1]
-        axial_forces(W, t0, t1, edge.stabilisation, edge.third_rest)
+        axial_forces(W, t0, t1, third_tension(W, G, edge))
 
         if edge.strain_terms == 1.0:
             r0 = 0.0
@@ -373,8 +368,7 @@ def tangent_matrices(
     h,
     tension0,
     tension1,
-    eas,
-    rest,
+    stabilising,
     bending,
     drag,
     cn,
@@ -390,10 +384,6 @@ def tangent_matrices(
       A11 = (T/g + c (beta^2 - k.k)) P + c (3 k.k t t^T + 3 beta (k t^T + t k^T) - k k^T).
     All are a multiple of 1 and two dyads. They are scaled for slopes d h and a length h.
     """
-    e2 = 0.0
-    for g in range(3):
-        e2 += WEIGHT_P2[g] * (W[G + g] - 1.0)
-    stabilising = 5.0 * eas * e2 - rest
     ih = 1.0 / h
     ih2 = ih * ih
     for g in range(3):
@@ -615,8 +605,7 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
             h,
             t0,
             t1,
-            eas,
-            edge.third_rest,
+            third_tension(W, G, edge),
             bending,
             drag,
             edge.drag_normal,

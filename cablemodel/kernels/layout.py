@@ -280,8 +280,6 @@ class Edge(Record):
 
 
 EDGE_WORDS = Edge.WORDS
-STABILISATION = 3.0  # of a typical tension: the least stiffness of an element's third strain mode
-RIGID = 1e7  # least axial stiffness of a body of finite length, of a typical tension
 MODEL_ELASTICA, MODEL_CABLE, MODEL_HYBRID = 0, 1, 2
 
 # What ties a node to its parent (`joint`).

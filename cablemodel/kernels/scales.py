@@ -20,8 +20,8 @@ from .layout import (
     FACT_SOFTNESS,
     FACT_TENSION,
     LIGHT_DAMPING,
-    STABILISATION,
 )
+from .tables import STABILISATION
 
 TIME_TOLERANCE = 0.045  # of tau L: local error allowed in a step; calibrated, docs/engine/time.md
 LIGHTLY_DAMPED = 0.35  # factor on it where drag hardly damps, in air above all: errors add up

@@ -17,10 +17,9 @@ import math
 
 from .access import body_of, cable_of, constraint_of, edge_of, header, scalars
 from .compile import inlined, kernel
-from .layout import RIGID, STABILISATION
 from .payout import set_top_length
 from .scales import least_stiffness
-from .tables import D0, D1, D2, D3, WEIGHT, WEIGHT_P2
+from .tables import D0, D1, D2, D3, RIGID, STABILISATION, WEIGHT, WEIGHT_P2
 
 TWICE = 2.0  # what is wanted over what is there: no change for less
 STRAIGHT = 1e-9  # strain that bending makes below which it makes none
@@ -176,18 +175,18 @@ def follow_third_mode(I, M, share):
             edge.third_rest = 0.0
         tension = M[head.tension + 2 * node] if taut else 0.0
         wanted = wanted_stiffness(I, M, node, edge, tension if tension > stiffness else 0.0, rings)
-        strain = third_strain(I, M, node)
-        if wanted > stiffness and not rings:
-            # What bends as it is drawn taut stays soft: by the tension over tau of the length.
-            more = 10.0 * share * state.tolerance * tension / max(strain * strain, 1e-20)
-            wanted = min(wanted, stiffness + more)
+        if wanted > stiffness:
+            strain = third_strain(I, M, node)
+            if not rings:
+                # What bends as it is drawn taut stays soft: by the tension over tau of the length.
+                more = 10.0 * share * state.tolerance * tension / max(strain * strain, 1e-20)
+                wanted = min(wanted, stiffness + more)
+            edge.third_rest += (wanted - stiffness) * strain
+        elif wanted < stiffness:
+            edge.third_rest *= wanted / stiffness
         if wanted > least_stiffness(M, edge) or edge.third_rest != 0.0:
             state.stiffened = 1.0
         if wanted != stiffness:
-            if wanted > stiffness:
-                edge.third_rest += (wanted - stiffness) * strain
-            else:
-                edge.third_rest *= wanted / stiffness
             edge.stabilisation = wanted
             head.factored = 0
             head.has_history = 0

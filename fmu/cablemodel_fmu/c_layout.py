@@ -15,7 +15,7 @@ from cablemodel import block, error_estimate
 from cablemodel.direct import block as direct_block
 from cablemodel.direct.failures import MEANING
 from cablemodel.direct.kernels import layout as direct_layout
-from cablemodel.kernels import layout
+from cablemodel.kernels import layout, tables
 from cablemodel.kernels.record import Record, c_struct, records
 
 ACCESS = (
@@ -78,12 +78,12 @@ def start_constants() -> dict[str, float]:
     from cablemodel_fmu import signals
 
     return {
-        "STABILISATION": layout.STABILISATION,
+        "STABILISATION": tables.STABILISATION,
         "SHORTEST_LINE": winch.SHORTEST_LINE,
         "SHORTEST_PIECE": winch.SHORTEST_PIECE,
         "FIRST_PIECE": winch.FIRST_PIECE,
         "LEAST_PIECE": winch.LEAST_PIECE,
-        "RIGID": layout.RIGID,
+        "RIGID": tables.RIGID,
         "SOFTEST": line_tables.SOFTEST,
         "BENT": refinement.BENT,
         "REFINEMENTS": refinement.ROUNDS,
