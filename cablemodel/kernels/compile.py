@@ -14,6 +14,7 @@ from typing import Any
 
 import numba
 from llvmlite import ir
+from llvmlite.binding import Linkage
 from numba import types
 from numba.core import cgutils
 from numba.core.codegen import JITCodeLibrary
@@ -71,19 +72,34 @@ def cache_folder() -> Path:
     return cache_root() / source_hash()
 
 
-class _InnerLibrary(JITCodeLibrary):
-    """Code of an inner kernel: IR for its callers, no machine code of its own.
+def modules_of(library: Any, seen: set[Any] | None = None) -> Iterator[Any]:
+    """Modules of all that a library calls, directly or not, each once; not its own."""
+    seen = set() if seen is None else seen
+    for called in library._linking_libraries:
+        if called not in seen:
+            seen.add(called)
+            yield called._get_module_for_linking()
+            if isinstance(called, _InnerLibrary):  # others hold what they call
+                yield from modules_of(called, seen)
 
-    Every kernel's module holds all that it calls. Numba would make machine code of each of them,
-    for calls from Python that nobody makes: a third of the time of the first start.
+
+class _InnerLibrary(JITCodeLibrary):
+    """Code of an inner kernel: its own IR, for the entry points that call it.
+
+    Numba would link all that it calls into it, and make machine code of that, for calls from
+    Python that nobody makes: gigabytes, and a third of the time of the first start.
     """
 
-    def _optimize_final_module(self) -> None:
-        """Nothing: the entry point that it ends up in optimises what it holds, once."""
-
-    def _finalize_final_module(self) -> None:
+    def finalize(self) -> None:
+        """Leave its module as it is: an entry point links it, and optimises what it holds, once."""
+        self._raise_if_finalized()
+        for library in self._linking_libraries:
+            self._reload_init.update(library._reload_init)
         self._finalize_dynamic_globals()
-        self._verify_declare_only_symbols()
+        for function in self._final_module.functions:
+            if not function.is_declaration and function.linkage == Linkage.external:
+                function.linkage = "linkonce_odr"  # each caller may bring it along
+        self._shared_module = self._final_module
         self._finalized = True
 
     def get_pointer_to_function(self, name: str) -> int:
@@ -101,12 +117,22 @@ class _InnerLibrary(JITCodeLibrary):
 class _OutlinedLibrary(_InnerLibrary):
     """The same for a kernel that stays one function, however many callers it has."""
 
-    def _finalize_final_module(self) -> None:
+    def finalize(self) -> None:
         mangled = f"{len(self.name)}{self.name}B"
         for function in self._final_module.functions:
             if mangled in function.name and not function.is_declaration:
                 function.add_function_attribute("noinline")
-        super()._finalize_final_module()
+        super().finalize()
+
+
+class _EntryLibrary(JITCodeLibrary):
+    """Code of an entry point: machine code of all that it calls, itself and through others."""
+
+    def finalize(self) -> None:
+        for module in modules_of(self):
+            self._final_module.link_in(module, preserve=True)
+        self._linking_libraries = []
+        super().finalize()
 
 
 class _NoEnvironment:
@@ -122,44 +148,34 @@ class _NoEnvironment:
         """Nothing: kernels raise nothing, so they never look at it."""
 
 
-@register_pass(mutates_CFG=False, analysis_only=True)
-class _ChooseInnerLibrary(AnalysisPass):
-    _name = "cablemodel_choose_inner_library"
+def _compiler(library: type[JITCodeLibrary]) -> type[CompilerBase]:
+    """Numba's compiler, which puts code into a library of this kind."""
 
-    def __init__(self) -> None:
-        super().__init__()
+    @register_pass(mutates_CFG=False, analysis_only=True)
+    class ChooseLibrary(AnalysisPass):
+        _name = f"cablemodel_{library.__name__}"
 
-    def run_pass(self, state: Any) -> bool:
-        state.library = _InnerLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
-        return False
+        def __init__(self) -> None:
+            super().__init__()
 
+        def run_pass(self, state: Any) -> bool:
+            state.library = library(state.targetctx.codegen(), state.func_id.func_qualname)
+            state.library.enable_object_caching()
+            return False
 
-class _InnerCompiler(CompilerBase):
-    def define_pipelines(self) -> list[Any]:
-        passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
-        passes.add_pass_after(_ChooseInnerLibrary, AnnotateTypes)
-        passes.finalize()
-        return [passes]
+    class Compiler(CompilerBase):
+        def define_pipelines(self) -> list[Any]:
+            passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
+            passes.add_pass_after(ChooseLibrary, AnnotateTypes)
+            passes.finalize()
+            return [passes]
 
-
-@register_pass(mutates_CFG=False, analysis_only=True)
-class _ChooseOutlinedLibrary(AnalysisPass):
-    _name = "cablemodel_choose_outlined_library"
-
-    def __init__(self) -> None:
-        super().__init__()
-
-    def run_pass(self, state: Any) -> bool:
-        state.library = _OutlinedLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
-        return False
+    return Compiler
 
 
-class _OutlinedCompiler(CompilerBase):
-    def define_pipelines(self) -> list[Any]:
-        passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
-        passes.add_pass_after(_ChooseOutlinedLibrary, AnnotateTypes)
-        passes.finalize()
-        return [passes]
+_inner = _compiler(_InnerLibrary)
+_outlined = _compiler(_OutlinedLibrary)
+entry_compiler = _compiler(_EntryLibrary)
 
 
 def _for_any_value(dispatcher: Any) -> Any:
@@ -176,12 +192,12 @@ def _for_any_value(dispatcher: Any) -> Any:
 
 def kernel(function: Callable[..., Any]) -> Any:
     """An inner kernel, compiled into the entry points that call it; not callable from Python."""
-    return _for_any_value(numba.jit(**INNER, pipeline_class=_InnerCompiler)(function))
+    return _for_any_value(numba.jit(**INNER, pipeline_class=_inner)(function))
 
 
 def outlined(function: Callable[..., Any]) -> Any:
     """A large inner kernel that is never inlined: its code exists once."""
-    return _for_any_value(numba.jit(**INNER, pipeline_class=_OutlinedCompiler)(function))
+    return _for_any_value(numba.jit(**INNER, pipeline_class=_outlined)(function))
 
 
 def inlined(function: Callable[..., Any]) -> Any:
@@ -190,7 +206,7 @@ def inlined(function: Callable[..., Any]) -> Any:
     So is all that it calls and that was not compiled before: numba passes the option on.
     """
     return _for_any_value(
-        numba.jit(**INNER, pipeline_class=_InnerCompiler, forceinline=True)(function)
+        numba.jit(**INNER, pipeline_class=_inner, forceinline=True)(function)
     )
 
 
@@ -240,7 +256,7 @@ def entry_point(
         previous = config.CACHE_DIR
         config.CACHE_DIR = str(folder())
         try:
-            dispatcher = numba.jit(**OPTIONS, cache=True)(function)
+            dispatcher = numba.jit(**OPTIONS, cache=True, pipeline_class=entry_compiler)(function)
         finally:
             config.CACHE_DIR = previous
         dispatcher.entry_signature = signature

@@ -45,27 +45,25 @@ def native_module(dispatchers: dict[str, Any]) -> tuple[str, dict[str, list[str]
     (pointer and words), ``array`` (pointer and length), ``float64``, ``int64``.
     """
     import llvmlite.binding as llvm
-    import numba
 
-    from cablemodel.kernels.compile import OPTIONS
+    from cablemodel.kernels.compile import kernel, modules_of
 
-    whole = None
     wrappers = []
     arguments = {}
+    entries = []
     for name, dispatcher in dispatchers.items():
-        # Compiled anew, never from numba's cache: that keeps object code, not IR.
-        function = numba.jit(**OPTIONS)(dispatcher.py_func)
+        function = kernel(dispatcher.py_func)
         function.compile(dispatcher.entry_signature)
         (compiled,) = function.overloads.values()
-        module = llvm.parse_assembly(compiled.library.get_llvm_str())
         arguments[name], text = _wrapper(name, compiled.fndesc.llvm_func_name, compiled.signature)
         wrappers.append(text)
-        if whole is None:
-            whole = module
-        else:
-            whole.link_in(module)
-    assert whole is not None
-    whole.link_in(llvm.parse_assembly("\n".join(wrappers)))
+        entries.append(compiled.library)
+    whole = llvm.parse_assembly("\n".join(wrappers))
+    seen: set[Any] = set()
+    for library in entries:
+        whole.link_in(library._final_module, preserve=True)
+        for module in modules_of(library, seen):
+            whole.link_in(module, preserve=True)
     for part in (*whole.functions, *whole.global_variables):
         if not part.is_declaration and not part.name.startswith(PREFIX):
             part.linkage = "internal"
@@ -161,25 +159,6 @@ def _cache(part: str) -> Path:
     return cache_folder() / f"ahead-{tool}"
 
 
-def _make_no_machine_code() -> None:
-    """Keep numba from making machine code, in a process that wants the IR alone.
-
-    Nothing that is compiled here can be called afterwards.
-    """
-    from numba.core import codegen
-
-    library: Any = codegen.JITCodeLibrary
-    library._finalize_specific = lambda self: None
-    library.get_pointer_to_function = _no_function
-    generator: Any = codegen.JITCPUCodegen
-    generator.set_env = lambda self, name, environment: None
-
-
-def _no_function(library: Any, name: str) -> int:
-    library._ensure_finalized()
-    return 0
-
-
 def entry_points(part: str) -> dict[str, Any]:
     """A solver's entry points by their names in the library, without PREFIX."""
     if part == "direct":
@@ -196,7 +175,6 @@ def main(part: str, folder: Path) -> None:
     """Compile here and now; run in a process with the environment PORTABLE."""
     from cablemodel.kernels.compile import calls_resolved_once
 
-    _make_no_machine_code()
     with calls_resolved_once():
         assembly, arguments = native_module(entry_points(part))
     for name, text in (
