@@ -78,9 +78,11 @@ def modules_of(library: Any, seen: set[Any] | None = None) -> Iterator[Any]:
     for called in library._linking_libraries:
         if called not in seen:
             seen.add(called)
-            yield called._get_module_for_linking()
-            if isinstance(called, _InnerLibrary):  # others hold what they call
+            if isinstance(called, _InnerLibrary):
+                yield called._final_module
                 yield from modules_of(called, seen)
+            else:
+                yield called._get_module_for_linking()  # it holds what it calls
 
 
 class _InnerLibrary(JITCodeLibrary):
@@ -99,8 +101,15 @@ class _InnerLibrary(JITCodeLibrary):
         for function in self._final_module.functions:
             if not function.is_declaration and function.linkage == Linkage.external:
                 function.linkage = "linkonce_odr"  # each caller may bring it along
-        self._shared_module = self._final_module
         self._finalized = True
+
+    def _get_module_for_linking(self) -> Any:
+        """With all that it calls, for a caller of numba's own kind, as tests make them."""
+        if self._shared_module is None:
+            self._shared_module = self._final_module.clone()
+            for module in modules_of(self):
+                self._shared_module.link_in(module, preserve=True)
+        return self._shared_module
 
     def get_pointer_to_function(self, name: str) -> int:
         """What a call from Python ends in: a TypeError."""
