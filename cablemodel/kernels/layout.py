@@ -242,6 +242,7 @@ class Scalars(Record, first=HEADER_WORDS):
     # The elements' third strain mode (stabilisation.py).
     third_mode = real("its least stiffness", "N")
     stiffened = real("1: some element has more of it")
+    rang = real("1 while something rings, fading within sqrt(L/g); 0: that is forgotten")
 
     # What makes a line ring along itself (rings.py).
     heard = real("jump of an end's acceleration from which on; 0: none is known", "m/s2")

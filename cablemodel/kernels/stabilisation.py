@@ -6,7 +6,9 @@ mode. But then it has a frequency of its own, 6.5 sqrt(S / m) / h, and where ele
 is one of the line's motions along itself: a load that rings on eight elements rings with it.
 While something rings the mode is made as stiff as puts its frequency above the line's own,
 EA (h / L)^2, as long as what bending makes of it stays below tau of the element's tension. As it
-becomes so, the mode's tension goes on: what it is strained by becomes its strain at rest.
+becomes so, the mode's tension goes on: what it is strained by becomes its strain at rest. When
+nothing rings any more that stiffness is forgotten, by halves; but where nothing damps a line: a
+split or a winch stirs a soft mode, and that would last.
 
 A line that is drawn taut after its start may carry thousands of times as much: what its tension
 differs by from one element to the next would stretch half of each element by tenths and shorten
@@ -22,6 +24,7 @@ from .scales import least_stiffness
 from .tables import D0, D1, D2, D3, RIGID, STABILISATION, WEIGHT, WEIGHT_P2
 
 TWICE = 2.0  # what is wanted over what is there: no change for less
+HALF = 0.5  # what is left of a ring's memory as its stiffness is halved
 STRAIGHT = 1e-9  # strain that bending makes below which it makes none
 FORGOTTEN = 1e-14  # strain at rest below which there is none
 
@@ -127,12 +130,15 @@ def rings_taut(I, M):
 
 
 @kernel
-def wanted_stiffness(I, M, node, edge, tension, rings):
+def wanted_stiffness(I, M, node, edge, tension, rings, over):
     """What an element's mode should have [N], beside what it has; tension: its own, if that has
-    outgrown those of the start; rings: `rings_taut`."""
+    outgrown those of the start; rings: `rings_taut`; over: nothing has for a while."""
     stiffness = edge.stabilisation
     least = least_stiffness(M, edge)
-    wanted = max(stiffness, min(STABILISATION * tension, 1.0 / edge.compliance))
+    carried = min(STABILISATION * tension, 1.0 / edge.compliance)
+    if over:
+        return max(least, carried, HALF * stiffness)
+    wanted = max(stiffness, carried)
     if not rings and stiffness <= TWICE * least:
         return wanted
     ringing = ringing_stiffness(I, M, edge)
@@ -162,6 +168,10 @@ def follow_third_mode(I, M, share):
         return  # all but the few lines that are drawn taut, or ring
     if head.payout != 0:
         set_top_length(I, M, state.time)
+    state.rang = 1.0 if rings else (1.0 - share) * state.rang
+    over = 0.0 < state.rang < HALF and state.undamped == 0.0
+    if over:
+        state.rang = 0.0
     state.stiffened = 0.0
     for node in range(1, head.nodes):
         if I[head.joint + node] != 0:
@@ -174,7 +184,8 @@ def follow_third_mode(I, M, share):
         if abs(edge.third_rest) < FORGOTTEN * stiffness:
             edge.third_rest = 0.0
         tension = M[head.tension + 2 * node] if taut else 0.0
-        wanted = wanted_stiffness(I, M, node, edge, tension if tension > stiffness else 0.0, rings)
+        outgrown = tension if tension > stiffness or over else 0.0
+        wanted = wanted_stiffness(I, M, node, edge, outgrown, rings, over)
         if wanted > stiffness:
             strain = third_strain(I, M, node)
             if not rings:
@@ -184,6 +195,8 @@ def follow_third_mode(I, M, share):
             edge.third_rest += (wanted - stiffness) * strain
         elif wanted < stiffness:
             edge.third_rest *= wanted / stiffness
+            if over and wanted == HALF * stiffness:
+                state.rang = 1.0  # there is more to forget
         if wanted > least_stiffness(M, edge) or edge.third_rest != 0.0:
             state.stiffened = 1.0
         if wanted != stiffness:
