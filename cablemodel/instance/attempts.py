@@ -31,6 +31,8 @@ class Attempt:
     """Friction holds what lies on the floor, see laid_start; else what has a free end slides."""
     lies: Block | None = None
     """What lies is where it is in this one, at a coarser tolerance, and stays there."""
+    lets_go: bool = False
+    """What lies stays, but for what pulls at what hangs, see laid_start.let_go."""
     near: Block | None = None
     """From the shape of this one, whose cable bends less; what lies finds its place anew."""
     at_once: bool = False

@@ -172,7 +172,11 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, attempt: Attempt
 
     if attempt.as_laid:
         hold = solve_in_few_steps if rate > 0.0 else solve
-        status = laid_start.lie_still(block, scene, solve, hold, attempt.lies)
+        if attempt.lets_go:
+            laid_start.let_go(block, scene, solve_at_once, hold)
+            status = int(at.OK)
+        else:
+            status = laid_start.lie_still(block, scene, solve, hold, attempt.lies)
     else:
         if not held:
             # A free end comes to rest without friction; it holds the line from there.

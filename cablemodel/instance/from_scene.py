@@ -18,7 +18,13 @@ from cablemodel.errors import DrawnStartWarning, StaticsError
 from cablemodel.instance import held_line, laid_start, line_tables, tables, unstable_start
 from cablemodel.instance.attempts import Attempt, attempts, described
 from cablemodel.instance.first_shape import bight, first_points, graded, place_nodes
-from cablemodel.instance.first_state import find_initial_state, stand_still
+from cablemodel.instance.first_state import (
+    count_from_zero,
+    find_initial_state,
+    solve_static,
+    stand_still,
+    steady_velocity,
+)
 from cablemodel.instance.frame import vertical_plane
 from cablemodel.instance.line import Line, lay_out, spans_of
 from cablemodel.instance.refinement import (
@@ -216,6 +222,10 @@ def _built(
                 break  # what has been laid is at rest on the mesh before it
             nodes = finer
         refine_touchdown(block, scene, attempt)
+        if stays and not attempt.passing:
+            frame = steady_velocity(block, scene)
+            solve_static(block, scene, frame, replace(attempt, lets_go=True))
+            count_from_zero(block)
         return block
 
     stand = partial(build_on, find=partial(stand_still, scene=scene))

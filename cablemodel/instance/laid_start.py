@@ -151,41 +151,18 @@ def lie_still(
     shape = block.array(Header.position, nodes, 2 * dimension)
     drawn = block.array(Header.rest, nodes, 2 * dimension)
     q, rest = shape[:, :dimension], drawn[:, :dimension]
-    laying = _is_lay(scene)
-    bristle = float(state.bristle)
-    soft = (LAYING if laying else SOFT) * float(state.length)
+    bristle, soft = float(state.bristle), _longest_bristle(block, scene)
     dragged = laid_loads.is_dragged(scene)
-    # What a lay has laid is at rest over the ground: only a current pulls at it.
-    drifts = not dragged and not (laying and scene.environment.current is None)
-    status: int = at.OK
-    even = scene.environment.floor is not None and scene.environment.floor.z is not None
-    if not even:
+    if not _is_even(scene):
         few = easier_ways.in_few_steps
         solve, hold = partial(few, block, solve, STEPS), partial(few, block, hold, STEPS)
-    laid = _laid_line(block, scene, q) if coarser is None else _places_in(coarser, block)
-    grown, _drags = _loads(block, scene)
-    for _ in range(PASSES if coarser is None else 0):
-        bears = grown
-        state.bristle = soft
-        drawn[:] = shape
-        rest[:] = laid - soft * _shares(block, scene, bears, None, dragged)
-        kept = _without_drag(block, scene) if drifts else None
-        status = solve()
-        if kept is not None:
-            kept()
-        state.bristle = bristle
-        if status != at.OK:
+    if coarser is not None:
+        laid = _places_in(coarser, block)
+    else:
+        laid = _laid_line(block, scene, q)
+        status = _lay_freely(block, scene, laid, solve)
+        if status != at.OK or not which_lie(block, scene).any():
             return status
-        lies = which_lie(block, scene)
-        if not lies.any():
-            return status
-        moved = _slide(laid, q, lies, bears, even=even)
-        held = state.friction * float(bears[lies] @ moved[lies]) / soft
-        # What the floor bears for long has grown meanwhile, and friction with it.
-        grown, _drags = _loads(block, scene)
-        calm = held <= CALM * scene.solver.tolerance * float(bears.sum())
-        if calm and np.all(np.abs(grown - bears) <= GROWN * bears):
-            break
     if dragged:
         laid = q.copy()  # no line was laid: bristles are drawn from where the cable is
     elif coarser is None:
@@ -204,6 +181,85 @@ def lie_still(
         return status
 
     return easier_ways.continued(block, hold_with, step=1.0, smallest=SMALLEST_STEP)
+
+
+def _is_even(scene: Scene) -> bool:
+    """Whether the floor is a plane."""
+    return scene.environment.floor is not None and scene.environment.floor.z is not None
+
+
+def _longest_bristle(block: Block, scene: Scene) -> float:
+    """With which what lies finds where no tension is left [m]."""
+    return (LAYING if _is_lay(scene) else SOFT) * float(block.scalars.length)
+
+
+def _lay_freely(block: Block, scene: Scene, laid: FloatArray, solve: Callable[[], int]) -> int:
+    """Let what lies slide on long bristles, and its line with it, to where they hold nothing; a
+    status.
+
+    laid: where the nodes lie, or would, (nodes, dimension) [m]; moved along.
+    """
+    state = block.scalars
+    nodes, dimension = int(block.header.nodes), int(block.header.dimension)
+    shape = block.array(Header.position, nodes, 2 * dimension)
+    drawn = block.array(Header.rest, nodes, 2 * dimension)
+    q, rest = shape[:, :dimension], drawn[:, :dimension]
+    bristle, soft = float(state.bristle), _longest_bristle(block, scene)
+    dragged = laid_loads.is_dragged(scene)
+    # What a lay has laid is at rest over the ground: only a current pulls at it.
+    drifts = not dragged and not (_is_lay(scene) and scene.environment.current is None)
+    grown, _drags = _loads(block, scene)
+    for _ in range(PASSES):
+        bears = grown
+        state.bristle = soft
+        drawn[:] = shape
+        rest[:] = laid - soft * _shares(block, scene, bears, None, dragged)
+        kept = _without_drag(block, scene) if drifts else None
+        status = solve()
+        if kept is not None:
+            kept()
+        state.bristle = bristle
+        lies = which_lie(block, scene)
+        if status != at.OK or not lies.any():
+            return status
+        moved = _slide(laid, q, lies, bears, even=_is_even(scene))
+        held = state.friction * float(bears[lies] @ moved[lies]) / soft
+        # What the floor bears for long has grown meanwhile, and friction with it.
+        grown, _drags = _loads(block, scene)
+        calm = held <= CALM * scene.solver.tolerance * float(bears.sum())
+        if calm and np.all(np.abs(grown - bears) <= GROWN * bears):
+            break
+    return int(at.OK)
+
+
+def let_go(block: Block, scene: Scene, solve: Callable[[], int], hold: Callable[[], int]) -> None:
+    """Take what a lay's line pulls with off what hangs; without an equilibrium nothing changes.
+
+    What bends on to the floor is shorter than the line it lies on by millimetres. Held where it was
+    put, that stretches the line: by a hundredth of its tension, and another one on every mesh. On
+    long bristles it pulls at nothing; short ones that are drawn by the same share hold the same.
+
+    Args:
+        solve, hold: as for `lie_still`.
+    """
+    if not _is_even(scene):
+        return
+    before = block.image.copy()
+    status = _lay_freely(block, scene, _laid_line(block, scene, _positions(block)), solve)
+    if status == at.OK:
+        nodes, dimension = int(block.header.nodes), int(block.header.dimension)
+        shape = block.array(Header.position, nodes, 2 * dimension)
+        drawn = block.array(Header.rest, nodes, 2 * dimension)
+        bristle = float(block.scalars.bristle)
+        drawn[:] = shape - bristle / _longest_bristle(block, scene) * (shape - drawn)
+        bears, drags = _loads(block, scene)  # without the drag on what lies, so far
+        drag = _shares(block, scene, bears, drags, False) - _shares(
+            block, scene, bears, None, False
+        )
+        drawn[:, :dimension] -= bristle * drag
+        status = hold()
+    if status != at.OK:
+        block.image[:] = before
 
 
 def _places_in(other: Block, block: Block) -> FloatArray:

@@ -71,6 +71,43 @@ def test_a_lay_starts_in_a_cross_current() -> None:
         assert np.linalg.norm(model.tip_position - end) < TOLERANCE * LENGTH
 
 
+@pytest.mark.parametrize("stiffness", [20.0, 200.0])
+@pytest.mark.parametrize("slope", [[0.0, 0.0], [0.01, -0.03]])
+def test_a_laid_line_pulls_at_nothing(slope: list[float], stiffness: float) -> None:
+    """A lay with a little slack starts with no tension in what lies, at every tolerance; held where
+    it was put it pulled with up to a fortieth of the tension at the vessel."""
+    scene = cm.load_scene(
+        {
+            "environment": {
+                "floor": {"z": -1000.0, "slope": slope, "friction": 0.7},
+                "current": {
+                    "table": [
+                        {"z": 0.0, "velocity": [-0.2, 0.4, 0.0]},
+                        {"z": -1000.0, "velocity": [0.0, 0.05, 0.0]},
+                    ]
+                },
+            },
+            "cable_types": {
+                "c": {
+                    "diameter": 0.02, "mass": 0.8, "submerged_weight": 4.0,
+                    "axial_stiffness": 2e6, "bending_stiffness": stiffness,
+                }
+            },
+            "line": [{"cable": {"type": "c", "length": 6000.0}}],
+            "vessel": {"velocity": [2.5, 0.0, 0.0]},
+            "payout": {"rate": 2.53, "drum": [{"cable": {"type": "c", "length": 1000.0}}]},
+        }
+    )  # fmt: skip
+    tensions = []
+    for tolerance in (1e-3, 2e-4, 5e-5):
+        settings = scene.solver.model_copy(update={"tolerance": tolerance})
+        model = cm.CableModel(scene.model_copy(update={"solver": settings}))
+        tensions.append(model.top_tension)
+        lies = model.line_length - model.floor_length + np.linspace(20.0, 1000.0, 50)
+        assert np.abs(model.sample(lies).tension).max() < 10.0 * tolerance * model.top_tension
+    assert max(tensions) - min(tensions) < TOLERANCE * min(tensions)
+
+
 def test_a_level_floor_in_still_water_starts_without_friction() -> None:
     one, other = cm.CableModel(lay()), cm.CableModel(lay(friction=0.0))
     assert np.array_equal(one.state().position, other.state().position)
