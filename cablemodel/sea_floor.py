@@ -196,7 +196,11 @@ def _sharpest(x: FloatArray, z: FloatArray, slope: FloatArray) -> float:
 
 
 def _damping(scene: CableScene) -> float:
-    """One over the speed at which the cable sinks: it rings little when it lands [s/m]."""
+    """By how much the floor's force grows per speed of approach [s/m]; by default one over the
+    speed at which the cable sinks: it rings little when it lands."""
+    floor = scene.environment.floor
+    if floor is not None and floor.damping is not None:
+        return floor.damping
     rho = scene.environment.water_density
     speeds = []
     for cable in scene.cables:

@@ -51,6 +51,13 @@ def _refuse_floor(scene: Scene, refuse: object) -> None:
             "direct integration knows a plane floor only",
             "z, with or without slope",
         )
+    if floor.damping is not None:
+        refuse(
+            "environment.floor.damping",
+            floor.damping,
+            "direct integration lays cable on a floor without damping",
+            "null",
+        )
     last = scene.line[-1]
     if last.cable is None:
         refuse(

@@ -214,9 +214,7 @@ def inlined(function: Callable[..., Any]) -> Any:
 
     So is all that it calls and that was not compiled before: numba passes the option on.
     """
-    return _for_any_value(
-        numba.jit(**INNER, pipeline_class=_inner, forceinline=True)(function)
-    )
+    return _for_any_value(numba.jit(**INNER, pipeline_class=_inner, forceinline=True)(function))
 
 
 @contextmanager

@@ -177,6 +177,11 @@ class Floor(SceneModel):
         json_schema_extra=also({"type": "string"}),
     )
     friction: Coefficient = Field(default=0.0, description="Coulomb friction coefficient")
+    damping: Annotated[float, Quantity("s/m", at_least=0)] | None = Field(
+        default=None,
+        description="growth of the floor's force per speed of approach: a body leaves it at "
+        "no more than 1 / damping; by default 1 over the speed at which the cable sinks",
+    )
 
     @model_validator(mode="after")
     def _plane_or_table(self) -> Floor:

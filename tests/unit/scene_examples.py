@@ -29,7 +29,7 @@ def full() -> dict[str, Any]:
                 ]
             },
             "waves": {"jonswap": {"hs": 2, "tp": 8, "direction": "30 deg", "seed": 4}},
-            "floor": {"z": -70, "slope": [0.01, 0], "at": [5, 0], "friction": 0.3},
+            "floor": {"z": -70, "slope": [0.01, 0], "at": [5, 0], "friction": 0.3, "damping": 2},
         },
         "cable_types": {
             "K": {

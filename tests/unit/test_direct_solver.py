@@ -261,6 +261,7 @@ REFUSED = [
     ({**FLOOR, "line": [scenes.cable(30, "cable")]}, "line.0.cable.model"),
     ({**FLOOR, **ANCHOR, "initial": {"points": [[0, 0, 0], [20, 0, -10]]}}, "end"),
     ({"environment": {"floor": {"depth_table": DEPTHS}}}, "environment.floor.depth_table"),
+    ({"environment": {"floor": {"z": -70.0, "damping": 1.0}}}, "environment.floor.damping"),
     ({**FLOOR, "line": [scenes.cable(30), {"body": scenes.POINT_BODY}]}, "line.1"),
     (
         {"payout": {"rate": [{"t": 0, "rate": 0.5}], "drum": [scenes.cable(9)]}},

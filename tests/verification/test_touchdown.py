@@ -1,7 +1,10 @@
 """Cable and bodies that move onto, along and over the sea floor."""
 
+import math
+
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import cablemodel as cm
 from tests.verification.scenes import CABLE_K
@@ -340,6 +343,38 @@ def test_energy_of_a_body_that_strikes(tolerance, friction, half_length):
     assert left[-1] < left[0]
     assert model.bodies[0].position[2] == pytest.approx(-12.0, abs=tolerance * 10.0 + 0.01)
     assert model.floor_force[2] > 20.0
+
+
+@pytest.mark.parametrize("damping", [4.0, 20.0])
+def test_a_load_leaves_the_floor_as_its_damping_lets_it(damping: float) -> None:
+    """Of a force f(z) (1 - c v) alone, m v dv = f (1 - c v) dz: c u - ln(1 + c u) is the same for
+    the speed u that it comes down with and, with the sign changed, that it leaves with."""
+    load = {"mass": 500.0, "submerged_weight": 1000.0, "drag_area": 0.2, "drag_coefficient": 1.0}
+    wire = {
+        "diameter": 0.01, "mass": 0.2, "submerged_weight": 1.2, "axial_stiffness": 1e6,
+        "bending_stiffness": 0.1,
+    }  # fmt: skip
+    model = cm.CableModel(
+        cm.load_scene(
+            {
+                "environment": {"floor": {"z": -20.0, "damping": damping}},
+                "cable_types": {"wire": wire},
+                "line": [{"cable": {"type": "wire", "length": 19.0}}, {"body": load}],
+                "payout": {
+                    "rate": [{"t": 0.0, "rate": 0.0}, {"t": 2.0, "rate": 0.5}],
+                    "drum": [{"cable": {"type": "wire", "length": 30.0}}],
+                },
+                "solver": {"tolerance": 1e-4},
+            }
+        )
+    )
+    speeds = []
+    while model.time < 6.0:
+        model.step(1e-3)
+        speeds.append(model.bodies[0].velocity[2])
+    down, up = -damping * min(speeds), damping * max(speeds)
+    left = brentq(lambda b: -b - math.log(1.0 - b) - (down - math.log(1.0 + down)), 1e-9, 1 - 1e-9)
+    assert up == pytest.approx(left, rel=0.03)
 
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-3])
