@@ -104,7 +104,7 @@ def entry_points() -> dict[str, Kernel]:
 
 COMPILING = (
     "No compiled library for this machine is installed: the solver is compiled now, once, which "
-    "takes one to three minutes and a gigabyte of memory. A wheel brings the library, and so does "
+    "takes one to two minutes and 0.7 GB of memory. A wheel brings the library, and so does "
     "`pip install .`, or `make native`, in the sources."
 )
 LONG = 3.0

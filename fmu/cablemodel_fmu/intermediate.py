@@ -139,7 +139,7 @@ def kernel_module(
     folder = _cache(part)
     assembly, arguments = folder / "kernels.ll", folder / "arguments.json"
     if not (assembly.exists() and arguments.exists()):
-        progress(f"compiling the kernels of {part} with numba (one to three minutes)")
+        progress(f"compiling the kernels of {part} with numba (about a minute)")
         folder.mkdir(parents=True, exist_ok=True)
         environment = {**os.environ, **PORTABLE, "PYTHONPATH": os.pathsep.join(sys.path)}
         command = [sys.executable, "-m", "cablemodel_fmu.intermediate", part, str(folder)]
