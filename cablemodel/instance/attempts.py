@@ -30,11 +30,9 @@ class Attempt:
     as_laid: bool = False
     """Friction holds what lies on the floor, see laid_start; else what has a free end slides."""
     lies: Block | None = None
-    """What lies is where it is in this one, at a coarser tolerance, and stays there."""
+    """What lies stays where it is in this one, at a coarser tolerance or of a stiffer cable."""
     lets_go: bool = False
     """What lies stays, but for what pulls at what hangs, see laid_start.let_go."""
-    near: Block | None = None
-    """From the shape of this one, whose cable bends less; what lies finds its place anew."""
     at_once: bool = False
     """A lay on its own floor only, not on floors that harden."""
     points: FloatArray | None = None

@@ -173,7 +173,7 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, attempt: Attempt
     if attempt.as_laid:
         hold = solve_in_few_steps if rate > 0.0 else solve
         if attempt.lets_go:
-            laid_start.let_go(block, scene, solve_at_once, hold)
+            laid_start.let_go(block, scene, solve if attempt.passing else solve_at_once, hold)
             status = int(at.OK)
         else:
             status = laid_start.lie_still(block, scene, solve, hold, attempt.lies)

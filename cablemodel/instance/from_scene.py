@@ -127,11 +127,26 @@ def _built_as_laid(scene: Scene, planar: bool | None, room: float, attempt: Atte
 
 
 def _built_as_lay(scene: Scene, planar: bool | None, room: float, attempt: Attempt) -> Block:
-    """What a lay has laid: at once, or from cable that bends less and less so.
+    """What a lay has laid: at once, or from cable that bends less and less so, or from where it
+    lies on a floor that is softer, at a coarser tolerance."""
+    softer = laid_start.on_softer_floor(scene)
+    try:
+        return _built_from_stiffer(
+            scene, planar, room, replace(attempt, at_once=softer is not None)
+        )
+    except StaticsError:
+        if softer is None:
+            raise
+        lies = _built_as_lay(softer, planar, 1.0, replace(attempt, passing=True))
+    return _built(scene, planar, room, replace(attempt, lies=lies, at_once=True))
+
+
+def _built_from_stiffer(scene: Scene, planar: bool | None, room: float, attempt: Attempt) -> Block:
+    """A lay at once, or from cable that bends less and less so.
 
     Where the layer in which a cable bends on to the floor is thin beside the line, a first shape
-    is far from rest: what it lacks pushes what lies, and that folds. A stiffer one does not, and
-    where it lands is then known.
+    is far from rest: what it lacks pushes what lies, and that folds. A stiffer one does not; where
+    it lies thinner ones stay.
     """
     layers = laid_start.stiffer_layers(scene)
     if not layers:
@@ -144,13 +159,13 @@ def _built_as_lay(scene: Scene, planar: bool | None, room: float, attempt: Attem
     layer, own = layers
     step = laid_start.STEP_OF_LAYER
     stiff = partial(laid_start.stiffer, scene)
-    near = _built(stiff(layer), planar, 1.0, replace(attempt, passing=True))
+    lies = _built(stiff(layer), planar, 1.0, replace(attempt, passing=True))
     while True:
         thinner = max(own, layer / step)
         try:
             if thinner == own:
-                return _built(scene, planar, room, replace(at_once, near=near))
-            near = _built(stiff(thinner), planar, 1.0, replace(at_once, near=near, passing=True))
+                return _built(scene, planar, room, replace(at_once, lies=lies))
+            lies = _built(stiff(thinner), planar, 1.0, replace(at_once, lies=lies, passing=True))
             layer = thinner
         except StaticsError:
             step = math.sqrt(layer / thinner)
@@ -166,9 +181,8 @@ def _built(
 ) -> Block:
     scale = tension_scale(scene)
     hangs = hung = None
-    from_block = attempt.lies or attempt.near
-    if from_block is not None:
-        guess = guess_of(from_block, scene)
+    if attempt.lies is not None:
+        guess = guess_of(attempt.lies, scene)
     elif attempt.points is not None:
         guess = laid_shape.Guess(attempt.points)
     else:
@@ -222,7 +236,7 @@ def _built(
                 break  # what has been laid is at rest on the mesh before it
             nodes = finer
         refine_touchdown(block, scene, attempt)
-        if stays and not attempt.passing:
+        if stays:
             frame = steady_velocity(block, scene)
             solve_static(block, scene, frame, replace(attempt, lets_go=True))
             count_from_zero(block)

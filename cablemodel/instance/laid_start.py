@@ -53,12 +53,14 @@ GROWN = 0.01
 """Change of what the floor bears at a node from one pass to the next, at most."""
 COARSEST, FINER = 1e-2, 16.0
 """Tolerances at which what lies is looked for in turn: this one, a quarter of it, and so on."""
+SOFTER = 4.0
+"""Of the tolerance of a lay that finds no start: at which the next one is sought."""
 LEAST = 1.5
 """Of the tolerance that is asked for: by what these are coarser at least."""
 STEPS = 200
 """Of a relaxation over a depth table, at most. What lies on ridges slides over them a crest at a
 time, or never gets there: the plainest start, in which valleys hold it, is next."""
-STEP_OF_LAYER, SMALLEST_STEP_OF_LAYER = 10.0, 1.7
+STEP_OF_LAYER, SMALLEST_STEP_OF_LAYER = 10.0, 1.2
 """Of a lay whose cable bends less at first: by what its layer gets thinner at a time, and the least
 of such steps where longer ones fail."""
 SLIDES = 3.0
@@ -110,6 +112,15 @@ def stiffer_layers(scene: Scene) -> tuple[float, float] | None:
         return None
     most, own = sea_floor.unfolding_layer(scene), sea_floor.thinnest_layer(scene)
     return (most, own) if _is_lay(scene) and own < most else None
+
+
+def on_softer_floor(scene: Scene) -> Scene | None:
+    """A lay at a coarser tolerance, whose floor is softer; None: no lay, or coarse as it is."""
+    tolerance = SOFTER * scene.solver.tolerance
+    if not _is_lay(scene) or laid_loads.is_dragged(scene) or tolerance > COARSEST:
+        return None
+    settings = scene.solver.model_copy(update={"tolerance": tolerance})
+    return scene.model_copy(update={"solver": settings})
 
 
 def stiffer(scene: Scene, layer: float) -> Scene:
@@ -180,6 +191,8 @@ def lie_still(
         state.bristle = bristle
         return status
 
+    if coarser is not None:
+        return hold_with(1.0)
     return easier_ways.continued(block, hold_with, step=1.0, smallest=SMALLEST_STEP)
 
 
@@ -242,12 +255,15 @@ def let_go(block: Block, scene: Scene, solve: Callable[[], int], hold: Callable[
     Args:
         solve, hold: as for `lie_still`.
     """
-    if not _is_even(scene):
+    nodes = int(block.header.nodes)
+    tension = np.abs(block.array(Header.tension, nodes, 2)[:, 0])
+    pulls = tension[_lying_elements(block, which_lie(block, scene))].max(initial=0.0)
+    if not _is_even(scene) or pulls <= scene.solver.tolerance * tension.max():
         return
     before = block.image.copy()
     status = _lay_freely(block, scene, _laid_line(block, scene, _positions(block)), solve)
     if status == at.OK:
-        nodes, dimension = int(block.header.nodes), int(block.header.dimension)
+        dimension = int(block.header.dimension)
         shape = block.array(Header.position, nodes, 2 * dimension)
         drawn = block.array(Header.rest, nodes, 2 * dimension)
         bristle = float(block.scalars.bristle)

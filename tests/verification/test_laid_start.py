@@ -71,7 +71,7 @@ def test_a_lay_starts_in_a_cross_current() -> None:
         assert np.linalg.norm(model.tip_position - end) < TOLERANCE * LENGTH
 
 
-@pytest.mark.parametrize("stiffness", [20.0, 200.0])
+@pytest.mark.parametrize("stiffness", [0.02, 20.0, 200.0])
 @pytest.mark.parametrize("slope", [[0.0, 0.0], [0.01, -0.03]])
 def test_a_laid_line_pulls_at_nothing(slope: list[float], stiffness: float) -> None:
     """A lay with a little slack starts with no tension in what lies, at every tolerance; held where
