@@ -389,6 +389,40 @@ class CableModel:
         return float(self._numbers()[8])
 
     @property
+    def slack_time(self) -> float:
+        """For how long some of the cable has been slack so far [s].
+
+        A spell begins as the lowest tension comes to 0, and is over as it comes to 2 % of the
+        largest one at the start, or of the cable's weight in water, or to half of the lowest one at
+        the start where that is less: what is folded pulls a little. A line with a free end is taut
+        again from 0 on. Cable that the floor bears does not count. Every step is counted, whatever
+        outputs are asked for.
+        """
+        return float(self._numbers()[32])
+
+    @property
+    def slack_longest(self) -> float:
+        """The longest spell so far for which some of the cable was slack [s]."""
+        return float(self._numbers()[33])
+
+    @property
+    def slack_since(self) -> float:
+        """When the last such spell began [s]; not a number: none has yet."""
+        return float(self._numbers()[34])
+
+    @property
+    def slack_start(self) -> float:
+        """Arc length where what has been without tension so far begins [m]; not a number: nothing
+        has."""
+        return float(self._numbers()[35])
+
+    @property
+    def slack_end(self) -> float:
+        """Arc length where what has been without tension so far ends [m]; not a number: nothing
+        has."""
+        return float(self._numbers()[36])
+
+    @property
     def tip_position(self) -> FloatArray:
         """Far end of the line (3,) [m]: the outer end of a body there, else the cable's."""
         return self._numbers()[9:12].copy()

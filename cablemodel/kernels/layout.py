@@ -10,7 +10,7 @@ the FMU's state and its serialisation are a copy of it.
 from .record import Record, integer, part, real, reals, spare
 
 MAGIC = 0x4C45444F4D454C42  # "BLEMODEL", little endian
-VERSION = 12
+VERSION = 13
 
 FLOOR_NONE, FLOOR_PLANE, FLOOR_TABLE = 0, 1, 2
 FLOOR_FAR, FLOOR_ABOVE, FLOOR_TOUCHED = 0, 1, 2  # nothing of it is felt; the mesh knows; forces
@@ -160,7 +160,12 @@ class Header(Record):
     closure_count = integer("ends of lines that close a cycle")
     closures = integer("start of them (Closure)")
     closure_work = integer("start of their columns, and of a dense matrix")
-    _spare_2 = spare(5)
+
+    # For how long lines have been slack (slack.py).
+    line_count = integer("lines: 1 where the scene is not a system's")
+    lines = integer("start of them (Line)")
+    slack = integer("SLACK_UNKNOWN before the first step, SLACK_NOWHERE, SLACK_SOMEWHERE")
+    _spare_2 = spare(2)
 
 
 HEADER_WORDS = Header.WORDS
@@ -350,10 +355,31 @@ class Cable(Record):
     displaced = real("mass of the water that it displaces", "kg/m")
     line = real("unstretched length of the line that it is a part of, in a system", "m")
     tension = real("largest so far in it, in a system; at least that line's weight", "N")
+    row = real("of that line in the table of lines")
+    backward = real("1: the tree goes along it from that line's end to its beginning")
     edge = part(Edge, "of its elements")
 
 
 CABLE_WORDS = Cable.WORDS
+
+
+class Line(Record):
+    """A line, and for how long and where some of it has been slack (slack.py)."""
+
+    threshold = real("lowest tension above which it is taut again", "N")
+    winch = real("row of the winch at its beginning, -1: none")
+    slack = real("1: a spell of that goes on")
+    total = real("how long all of them have lasted so far", "s")
+    longest = real("the longest one so far", "s")
+    since = real("when the last one began; not a number: none has", "s")
+    first = real("arc length where what has been without tension begins, or not a number", "m")
+    last = real("where it ends", "m")
+    before = real("lowest tension at the start of a step", "N")
+    after = real("at its end", "N")
+
+
+LINE_WORDS = Line.WORDS
+SLACK_UNKNOWN, SLACK_NOWHERE, SLACK_SOMEWHERE = 0, 1, 2
 
 
 class Body(Record):
@@ -631,7 +657,7 @@ FACT_WORDS = 10
 LIGHT_DAMPING = 10.0  # rho Cdn d L / m below which a line counts as hardly damped
 
 # What is read off a state, in words: the rows of outputs.sample_stations, outputs.summarise.
-STATION_WORDS, SUMMARY_WORDS, ENERGY_WORDS = 13, 32, 9
+STATION_WORDS, SUMMARY_WORDS, ENERGY_WORDS = 13, 37, 9
 FRAME_INPUTS = 13  # words of a frame's input: see entry.drive
 GIVEN_VELOCITY, GIVEN_POSITION, GIVEN_RATE, GIVEN_ATTITUDE = 1, 2, 4, 8  # bits of its first one
 # Of a body or frame: place, velocity, acceleration of its origin; axes; angular velocity, its rate;

@@ -14,11 +14,11 @@ from .layout import (
     ENERGY_WORDS,
     GAUSS_WORDS,
     STATION_WORDS,
-    SUMMARY_WORDS,
 )
 from .passing import exchange_rates, overhang
 from .payout import velocity_word
 from .rigid import axis_of, flow_energy, rigid_energy, rigid_row, wave_power
+from .slack import read_slack
 from .strain import strain_and_slope
 from .system import residual, set_time
 from .tables import (
@@ -481,7 +481,8 @@ def summarise(I, M, out):
     9-11 position of the line's far end (a last body's outer one), 12-14 its velocity, 15-17 vessel
     position, 18-20 vessel velocity, 21 line length, 22 applied pay-out rate, 23 cable on the drum,
     24-26 force of the floor on the cable, 27 length on the floor, 28-30 touchdown point (not a
-    number: none), 31 its reaction.
+    number: none), 31 its reaction, 32-34 for how long some of the line has been slack so far, the
+    longest spell of that, when the last one began, 35, 36 from where to where (not numbers: none).
     """
     head = header(I)
     dimension = head.dimension
@@ -518,8 +519,9 @@ def summarise(I, M, out):
     winch = winch_of(I, M, 0)
     out[22] = winch.stage_rate if head.payout != 0 else 0.0
     out[23] = winch.paid_most - winch.paid
-    for k in range(24, SUMMARY_WORDS):
+    for k in range(24, 32):
         out[k] = 0.0
+    read_slack(I, M, out, 32)
     if head.floor_kind != 0:
         w = M[head.motion + 16 : head.motion + 24]
         floor_summary(I, M, w)

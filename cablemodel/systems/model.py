@@ -7,7 +7,7 @@ import math
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from os import PathLike
 from typing import Any, Unpack
 
@@ -74,6 +74,23 @@ class WinchState:
     """``free``, ``drum empty`` or ``shortest length``."""
 
 
+@dataclass(frozen=True)
+class Slack:
+    """For how long some of a line has been slack so far, and where; see `CableModel.slack_time`."""
+
+    time: float
+    """[s]"""
+    longest: float
+    """The longest spell [s]."""
+    since: float
+    """When the last spell began [s]; not a number: none has yet."""
+    start: float
+    """Arc length from the line's beginning where what has been slack so far begins [m]; not a
+    number: nothing has."""
+    end: float
+    """Where that ends [m]."""
+
+
 class LineView:
     """One line of a model, by its name."""
 
@@ -135,6 +152,12 @@ class LineView:
         ends = np.repeat([0.0, 1.0], len(nodes))
         tension = self._model.sample_elements(np.tile(nodes, 2), ends)[:, 9]
         return float(tension.min()), float(tension.max())
+
+    @property
+    def slack(self) -> Slack:
+        """For how long some of it has been slack so far, and where."""
+        row = self._model.built.line_rows[self.name]
+        return Slack(*map(float, (row.total, row.longest, row.since, row.first, row.last)))
 
     @property
     def start_tension(self) -> float:
@@ -406,6 +429,8 @@ class SystemModel:
             lowest, highest = self.lines[name].tension_range
             found[f"{name}.tension_min"] = np.array(lowest)
             found[f"{name}.tension_max"] = np.array(highest)
+            for key, value in asdict(self.lines[name].slack).items():
+                found[f"{name}.slack_{key}"] = np.array(value)
         bodies, frames = self._parts()
         for names, rows in ((self.scene.bodies, bodies), (self.scene.vessels, frames)):
             for name, row in zip(names, rows, strict=True):

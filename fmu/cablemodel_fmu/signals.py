@@ -48,6 +48,11 @@ _SUMMARY = {
     "floor_length": 27,
     "touchdown_position": 28,
     "touchdown_reaction": 31,
+    "slack_time": 32,
+    "slack_longest": 33,
+    "slack_since": 34,
+    "slack_start": 35,
+    "slack_end": 36,
 }
 _ERROR = {"position_error": 0, "tension_error": 1}
 _AXES = ("x (east)", "y (north)", "z (up)")

@@ -4,6 +4,7 @@ import math
 
 from cablemodel.kernels.access import winch_of
 from cablemodel.kernels.layout import STATION_WORDS
+from cablemodel.kernels.slack import read_slack
 
 from .access import material_row, own_header, own_scalars, rigid_body_of, section_of
 from .compile import kernel
@@ -245,6 +246,7 @@ def summarise(I, M, out):
         out[k] = 0.0
     for k in range(28, 31):
         out[k] = math.nan
+    read_slack(I, M, out, 32)
     if own.end != END_CONTACT and own.end != END_TOUCHDOWN:
         return
     # The force at the end is the floor's; what lies beyond rests there with its weight.

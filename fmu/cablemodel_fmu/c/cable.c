@@ -265,6 +265,7 @@ static const double *summary(Cable *cable) {
             cablemodel_summary(cable->I, cable->block_words, cable->summary, SUMMARY_WORDS);
         if (cable->flags & FLAG_PINNED)
             for (int i = 3; i < 6; i++) cable->summary[i] = 0.0;
+        cable->summary[34] += cable->now.start_time; /* when the last slack spell began */
         cable->summary_current = 1;
     }
     return cable->summary;

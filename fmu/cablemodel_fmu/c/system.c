@@ -16,7 +16,7 @@ enum { OF_VESSEL = 12, OF_FREE_BODY = 6 };
 enum { AT_POSITION = 0, AT_VELOCITY = 3, AT_ATTITUDE = 6, AT_RATE = 9 };
 enum { GIVEN_ALL = GIVEN_POSITION | GIVEN_VELOCITY | GIVEN_ATTITUDE | GIVEN_RATE };
 /* Outputs of a line, but for those of its stations, and of each station; of a body, of a vessel. */
-enum { LINE_OUTPUTS = 4, STATION_OUTPUTS = 5, BODY_OUTPUTS = 12, VESSEL_OUTPUTS = 18, WINCH_OUTPUTS = 3 };
+enum { LINE_OUTPUTS = 9, STATION_OUTPUTS = 5, BODY_OUTPUTS = 12, VESSEL_OUTPUTS = 18, WINCH_OUTPUTS = 3 };
 enum { LINE_ERRORS = 2, BODY_ERRORS = 1 }; /* the last ones, where errors are estimated */
 
 /* Of an input: its start, and what is allowed. Of all: the name, ended by zeros. */
@@ -579,7 +579,8 @@ static int64_t place_samples(const Cable *cable, int64_t elements) {
 }
 
 /* Outputs of a line from the rows of its samples, which `place_samples` put in order. */
-static double *line_outputs(const double *rows, int64_t count, int64_t stations, double *out) {
+static double *line_outputs(const Cable *cable, int64_t number, const double *rows, int64_t count,
+                            double *out) {
     enum { TENSION = 9, CURVATURE = 10 };
     double low = rows[TENSION], high = rows[TENSION];
     for (int64_t n = 1; n < 2 * count; n++) {
@@ -591,6 +592,13 @@ static double *line_outputs(const double *rows, int64_t count, int64_t stations,
     *out++ = rows[2 * count * STATION_WORDS + TENSION];
     *out++ = low;
     *out++ = high;
+    const Line *line = line_of(cable->I, number);
+    *out++ = line->total;
+    *out++ = line->longest;
+    *out++ = line->since + cable->now.start_time;
+    *out++ = line->first;
+    *out++ = line->last;
+    const int64_t stations = cable->stations;
     rows += (2 * count + 1) * STATION_WORDS;
     for (int64_t k = 0; k < stations; k++, out += 3)
         memcpy(out, rows + k * STATION_WORDS, 3 * sizeof(double));
@@ -693,8 +701,8 @@ static const double *outputs(Cable *cable) {
     for (int64_t first = 0, next; first < elements; first = next) {
         next = first;
         while (next < elements && s->elements[next].line == s->elements[first].line) next++;
-        const int64_t count = s->counts[s->elements[first].line];
-        out = line_outputs(rows, count, cable->stations, out);
+        const int64_t line = s->elements[first].line, count = s->counts[line];
+        out = line_outputs(cable, line, rows, count, out);
         rows += STATION_WORDS * (2 * count + 1 + cable->stations);
     }
     cablemodel_parts(cable->I, cable->block_words, s->parts, PART_WORDS * s->bodies, vessels,
