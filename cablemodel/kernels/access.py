@@ -22,6 +22,7 @@ from .layout import (
     Line,
     Piece,
     Scalars,
+    Summary,
     Winch,
 )
 
@@ -51,3 +52,4 @@ line_of, line_at = row_of(Line, Header.lines), record_at(Line)
 cut_of, cut_at = row_of(Cut, Header.cuts), record_at(Cut)
 foot_of, foot_at = row_of(Foot, Header.feet), record_at(Foot)
 sea_layer_at = record_at(Layer)
+summary_at = record_at(Summary)

@@ -656,8 +656,36 @@ FACT_BENDS = 9  # 1: some of its cables pass a moment
 FACT_WORDS = 10
 LIGHT_DAMPING = 10.0  # rho Cdn d L / m below which a line counts as hardly damped
 
-# What is read off a state, in words: the rows of outputs.sample_stations, outputs.summarise.
-STATION_WORDS, SUMMARY_WORDS, ENERGY_WORDS = 13, 37, 9
+
+class Summary(Record):
+    """What is read off a state at every output (outputs.summarise); vectors in the earth frame."""
+
+    wrench = reals(6, "force [N] and moment [N m] of the cable on the vessel")
+    top_tension = real("size of that force, negative where the cable pushes", "N")
+    tension_min = real("lowest in the cable", "N")
+    tension_max = real("highest in it, and at the top", "N")
+    tip_position = reals(3, "the line's far end, the outer one of a body there", "m")
+    tip_velocity = reals(3, "its velocity", "m/s")
+    vessel_position = reals(3, "the tow point", "m")
+    vessel_velocity = reals(3, "its velocity", "m/s")
+    line_length = real("unstretched cable that is out", "m")
+    payout_rate = real("as it is applied", "m/s")
+    drum_length = real("cable on the drum", "m")
+    floor_force = reals(3, "of the floor on the cable", "N")
+    floor_length = real("on the floor", "m")
+    touchdown_position = reals(3, "touchdown point; not a number: none", "m")
+    touchdown_reaction = real("concentrated there", "N")
+    slack_time = real("for how long some of the line has been slack so far", "s")
+    slack_longest = real("the longest spell of that", "s")
+    slack_since = real("when the last one began; not a number: none has", "s")
+    slack_start = real("arc length where what has been slack so far begins, or not a number", "m")
+    slack_end = real("where it ends", "m")
+
+
+SUMMARY_WORDS = Summary.WORDS
+
+# What else is read off a state, in words: the rows of outputs.sample_stations, outputs.energies.
+STATION_WORDS, ENERGY_WORDS = 13, 9
 FRAME_INPUTS = 13  # words of a frame's input: see entry.drive
 GIVEN_VELOCITY, GIVEN_POSITION, GIVEN_RATE, GIVEN_ATTITUDE = 1, 2, 4, 8  # bits of its first one
 # Of a body or frame: place, velocity, acceleration of its origin; axes; angular velocity, its rate;

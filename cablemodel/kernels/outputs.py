@@ -2,7 +2,7 @@
 
 import math
 
-from .access import body_at, body_of, constraint_of, edge_of, header, scalars, winch_of
+from .access import body_at, body_of, constraint_of, edge_of, header, scalars, summary_at, winch_of
 from .bodies import add_waves, body_kinematics, surge_power
 from .clamp_layer import add_layer_shape
 from .compile import kernel, view
@@ -474,61 +474,66 @@ def body_stations(I, M, out):
 
 @kernel
 def summarise(I, M, out):
-    """Numbers of the present state that logs and co-simulation ask for at every step.
-
-    out: 0-5 force and moment of the cable on the vessel, 6 top tension (size of that force,
-    negative where the cable pushes), 7, 8 lowest and highest tension in the cable,
-    9-11 position of the line's far end (a last body's outer one), 12-14 its velocity, 15-17 vessel
-    position, 18-20 vessel velocity, 21 line length, 22 applied pay-out rate, 23 cable on the drum,
-    24-26 force of the floor on the cable, 27 length on the floor, 28-30 touchdown point (not a
-    number: none), 31 its reaction, 32-34 for how long some of the line has been slack so far, the
-    longest spell of that, when the last one began, 35, 36 from where to where (not numbers: none).
-    """
+    """Numbers of the present state that logs and co-simulation ask for at every step: a Summary."""
     head = header(I)
     dimension = head.dimension
     size = 2 * dimension
     nodes = head.nodes
+    found = summary_at(out, 0)
+    wrench = found.wrench
     end_forces(I, M)
-    support_force(I, M, 0, out)
+    support_force(I, M, 0, wrench)
     for i in range(6):
-        out[i] = -out[i]
+        wrench[i] = -wrench[i]
     top = pull_along(I, M, 0, -1.0)
-    out[6] = math.copysign(math.sqrt(out[0] ** 2 + out[1] ** 2 + out[2] ** 2), top)
+    found.top_tension = math.copysign(
+        math.sqrt(wrench[0] ** 2 + wrench[1] ** 2 + wrench[2] ** 2), top
+    )
     lowest = 1e300
-    highest = out[6]  # the force at the top has the shear, too
+    highest = found.top_tension  # the force at the top has the shear, too
     for node in range(1, nodes):
         if I[head.joint + node] == 0:
             for side in range(2):
                 value = end_tension(I, M, node, side)
                 lowest = min(lowest, value)
                 highest = max(highest, value)
-    out[7] = lowest
-    out[8] = highest
+    found.tension_min = lowest
+    found.tension_max = highest
     last = size * (nodes - 1)
     q = M[head.position : head.position + size * nodes]
     v = M[head.velocity : head.velocity + size * nodes]
-    to_earth(I, M, q, last, out, 9, 1)
-    to_earth(I, M, v, last, out, 12, 0)
-    to_earth(I, M, q, 0, out, 15, 1)
-    to_earth(I, M, v, 0, out, 18, 0)
+    to_earth(I, M, q, last, found.tip_position, 0, 1)
+    to_earth(I, M, v, last, found.tip_velocity, 0, 0)
+    to_earth(I, M, q, 0, found.vessel_position, 0, 1)
+    to_earth(I, M, v, 0, found.vessel_velocity, 0, 0)
     way = M[head.motion + 28 : head.motion + 43]
     way_from_tow_point(I, M, way)
-    for i in range(6):
-        out[15 + i] -= way[i]
-    out[21] = line_length(I, M)
+    for i in range(3):
+        found.vessel_position[i] -= way[i]
+        found.vessel_velocity[i] -= way[3 + i]
+    found.line_length = line_length(I, M)
     winch = winch_of(I, M, 0)
-    out[22] = winch.stage_rate if head.payout != 0 else 0.0
-    out[23] = winch.paid_most - winch.paid
-    for k in range(24, 32):
-        out[k] = 0.0
-    read_slack(I, M, out, 32)
+    found.payout_rate = winch.stage_rate if head.payout != 0 else 0.0
+    found.drum_length = winch.paid_most - winch.paid
+    clear_floor(found, 0.0)
     if head.floor_kind != 0:
         w = M[head.motion + 16 : head.motion + 24]
         floor_summary(I, M, w)
-        to_earth(I, M, w, 0, out, 24, 0)
-        to_earth(I, M, w, 4, out, 28, 1)
-        out[27] = w[3]
-        out[31] = w[7]
+        to_earth(I, M, w, 0, found.floor_force, 0, 0)
+        to_earth(I, M, w, 4, found.touchdown_position, 0, 1)
+        found.floor_length = w[3]
+        found.touchdown_reaction = w[7]
+    read_slack(I, M, found)
+
+
+@kernel
+def clear_floor(found, place):
+    """Nothing touches the floor; place: what stands for the touchdown point."""
+    for i in range(3):
+        found.floor_force[i] = 0.0
+        found.touchdown_position[i] = place
+    found.floor_length = 0.0
+    found.touchdown_reaction = 0.0
 
 
 @kernel

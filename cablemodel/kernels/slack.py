@@ -242,14 +242,14 @@ def follow_slack(I, M, dt):
 
 
 @kernel
-def read_slack(I, M, out, at):
-    """What outputs say of the one line: five words of `out` from `at` on."""
+def read_slack(I, M, found):
+    """What a Summary says of it."""
     line = line_of(I, M, 0)
-    out[at] = line.total
-    out[at + 1] = line.longest
-    out[at + 2] = line.since
-    out[at + 3] = line.first
-    out[at + 4] = line.last
+    found.slack_time = line.total
+    found.slack_longest = line.longest
+    found.slack_since = line.since
+    found.slack_start = line.first
+    found.slack_end = line.last
 
 
 @kernel

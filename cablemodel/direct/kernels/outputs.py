@@ -2,8 +2,9 @@
 
 import math
 
-from cablemodel.kernels.access import winch_of
+from cablemodel.kernels.access import summary_at, winch_of
 from cablemodel.kernels.layout import STATION_WORDS
+from cablemodel.kernels.outputs import clear_floor
 from cablemodel.kernels.slack import read_slack
 
 from .access import material_row, own_header, own_scalars, rigid_body_of, section_of
@@ -194,69 +195,69 @@ def body_station(I, M, body, node, out):
 
 @kernel
 def summarise(I, M, out):
-    """The numbers of cablemodel/kernels/outputs.py, in the same order."""
+    """The Summary of cablemodel/kernels/layout.py."""
     own = own_header(I)
     run = own_scalars(M)
+    found = summary_at(out, 0)
+    wrench = found.wrench
     fx, fy, fz = node_vector(I, M, 0, 1)
-    out[0] = fx
-    out[1] = fy
-    out[2] = fz
+    wrench[0] = fx
+    wrench[1] = fy
+    wrench[2] = fz
     mx, my, mz = node_vector(I, M, 0, 2)
     bending = bending_of(I, M, section_of(I, M, 0))
-    out[3] = bending * mx
-    out[4] = bending * my
-    out[5] = bending * mz
+    wrench[3] = bending * mx
+    wrench[4] = bending * my
+    wrench[5] = bending * mz
     size = math.sqrt(fx * fx + fy * fy + fz * fz)
-    out[6] = math.copysign(size, M[own.unknowns + F3])
+    found.top_tension = math.copysign(size, M[own.unknowns + F3])
     lowest = M[own.unknowns + F3]
-    highest = out[6]  # with the shear
+    highest = found.top_tension  # with the shear
     last = last_node(I)
     for node in range(last + 1):
         tension = M[own.unknowns + WIDTH * node + F3]
         lowest = min(lowest, tension)
         highest = max(highest, tension)
-    out[7] = lowest
-    out[8] = highest
+    found.tension_min = lowest
+    found.tension_max = highest
     laid = run.laid
     tx, ty, tz = laid_direction(I, M)
-    out[9] = M[own.place + 3 * last] + laid * tx
-    out[10] = M[own.place + 3 * last + 1] + laid * ty
-    out[11] = M[own.place + 3 * last + 2] + laid * tz
+    tip = found.tip_position
+    tip[0] = M[own.place + 3 * last] + laid * tx
+    tip[1] = M[own.place + 3 * last + 1] + laid * ty
+    tip[2] = M[own.place + 3 * last + 2] + laid * tz
     vx, vy, vz = node_vector(I, M, last, 0)
     if laid > 0.0:
         vx = 0.0
         vy = 0.0
         vz = 0.0
-    out[12] = vx
-    out[13] = vy
-    out[14] = vz
+    put(found.tip_velocity, vx, vy, vz)
     x, y, z = to_earth(M, run.vessel[0], run.vessel[1], run.vessel[2])
-    out[15] = x
-    out[16] = y
-    out[17] = z
+    put(found.vessel_position, x, y, z)
     x, y, z = to_earth(M, run.vessel[3], run.vessel[4], run.vessel[5])
-    out[18] = x
-    out[19] = y
-    out[20] = z
-    out[21] = line_out(I, M) + laid
-    out[22] = run.rate
+    put(found.vessel_velocity, x, y, z)
+    found.line_length = line_out(I, M) + laid
+    found.payout_rate = run.rate
     winch = winch_of(I, M, 0)
-    out[23] = winch.paid_most - winch.paid
-    for k in range(24, 32):
-        out[k] = 0.0
-    for k in range(28, 31):
-        out[k] = math.nan
-    read_slack(I, M, out, 32)
+    found.drum_length = winch.paid_most - winch.paid
+    clear_floor(found, math.nan)
+    read_slack(I, M, found)
     if own.end != END_CONTACT and own.end != END_TOUCHDOWN:
         return
     # The force at the end is the floor's; what lies beyond rests there with its weight.
     fx, fy, fz = node_vector(I, M, last, 1)
     section = section_of(I, M, own.section_count - 1)
-    out[24] = fx
-    out[25] = fy
-    out[26] = fz + material_row(I, M, section.material).weight * laid
-    out[27] = laid
+    put(found.floor_force, fx, fy, fz + material_row(I, M, section.material).weight * laid)
+    found.floor_length = laid
     for k in range(3):
-        out[28 + k] = M[own.place + 3 * last + k]
+        found.touchdown_position[k] = M[own.place + 3 * last + k]
     nx, ny, nz = to_earth(M, run.floor[0], run.floor[1], run.floor[2])
-    out[31] = fx * nx + fy * ny + fz * nz
+    found.touchdown_reaction = fx * nx + fy * ny + fz * nz
+
+
+@kernel
+def put(vector, x, y, z):
+    """Three numbers into a vector."""
+    vector[0] = x
+    vector[1] = y
+    vector[2] = z
