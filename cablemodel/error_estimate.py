@@ -107,4 +107,4 @@ class EstimatingSolver(FiniteElementSolver):
         self.sample(stations, shapes[0].reshape(-1))
         beside.sample(stations, shapes[1].reshape(-1))
         tops = words[:, at.Summary.top_tension, None]
-        return estimated(shapes[0, :, :3], shapes[1, :, :3], *tops)
+        return estimated(*shapes[:, :, at.Station.position.span], *tops)

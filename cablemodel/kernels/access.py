@@ -22,6 +22,7 @@ from .layout import (
     Line,
     Piece,
     Scalars,
+    Station,
     Summary,
     Winch,
 )
@@ -53,3 +54,4 @@ cut_of, cut_at = row_of(Cut, Header.cuts), record_at(Cut)
 foot_of, foot_at = row_of(Foot, Header.feet), record_at(Foot)
 sea_layer_at = record_at(Layer)
 summary_at = record_at(Summary)
+station_at = record_at(Station)

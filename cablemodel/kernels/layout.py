@@ -684,8 +684,21 @@ class Summary(Record):
 
 SUMMARY_WORDS = Summary.WORDS
 
-# What else is read off a state, in words: the rows of outputs.sample_stations, outputs.energies.
-STATION_WORDS, ENERGY_WORDS = 13, 9
+
+class Station(Record):
+    """The state at a place of a cable; of a body its centre's place, its axis and velocity."""
+
+    position = reals(3, "in the earth frame", "m")
+    tangent = reals(3, "along the cable, a unit vector")
+    velocity = reals(3, "of the material", "m/s")
+    tension = real("effective", "N")
+    curvature = real("of the centre line", "1/m")
+    bending_moment = real("there", "N m")
+    on_floor = real("1: the floor bears it")
+
+
+STATION_WORDS = Station.WORDS
+ENERGY_WORDS = 9  # of outputs.energies
 FRAME_INPUTS = 13  # words of a frame's input: see entry.drive
 GIVEN_VELOCITY, GIVEN_POSITION, GIVEN_RATE, GIVEN_ATTITUDE = 1, 2, 4, 8  # bits of its first one
 # Of a body or frame: place, velocity, acceleration of its origin; axes; angular velocity, its rate;

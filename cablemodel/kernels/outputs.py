@@ -2,7 +2,17 @@
 
 import math
 
-from .access import body_at, body_of, constraint_of, edge_of, header, scalars, summary_at, winch_of
+from .access import (
+    body_at,
+    body_of,
+    constraint_of,
+    edge_of,
+    header,
+    scalars,
+    station_at,
+    summary_at,
+    winch_of,
+)
 from .bodies import add_waves, body_kinematics, surge_power
 from .clamp_layer import add_layer_shape
 from .compile import kernel, view
@@ -306,8 +316,8 @@ def smooth_bend(I, M, node, x, out, w):
 
 
 @kernel
-def station_in_element(I, M, low, x, s, out, row):
-    """State at a fraction x of the element above node `low`, s from the vessel, into out[row:].
+def station_in_element(I, M, low, x, s, found):
+    """State at a fraction x of the element above node `low`, s from the vessel, into a Station.
 
     `end_forces` has been called.
     """
@@ -374,31 +384,29 @@ def station_in_element(I, M, low, x, s, out, row):
         moment = add_layer_shape(I, M, s, w, winch_of(I, M, 0).stage_rate)
     left = end_tension(I, M, low, 0)
     right = end_tension(I, M, low, 1)
-    out[row + 12] = 0.0
+    found.on_floor = 0.0
     if head.floor_kind != 0 and gap_at(I, M, w, w[12:15]) < lying_gap(I, M, low):
-        out[row + 12] = 1.0
-    to_earth(I, M, w, 0, out, row, 1)
-    to_earth(I, M, w, 3, out, row + 3, 0)
-    to_earth(I, M, w, 9, out, row + 6, 0)
+        found.on_floor = 1.0
+    to_earth(I, M, w, 0, found.position, 0, 1)
+    to_earth(I, M, w, 3, found.tangent, 0, 0)
+    to_earth(I, M, w, 9, found.velocity, 0, 0)
     mean = M[head.tension + 2 * low]
     # The parabola through both end tensions that has the element's mean.
     bow = 6.0 * mean - 3.0 * (left + right)
     if bending > 0.0:  # where it bends sharply, that mean is not that of the tension
         off = PRESSED * bending * sharpest_bend(I, M, low, bend[0:6])
         bow = math.copysign(max(0.0, abs(bow) - off), bow)
-    out[row + 9] = left + x * (right - left) + bow * x * y
-    out[row + 10] = curvature
-    out[row + 11] = edge.bending * curvature
+    found.tension = left + x * (right - left) + bow * x * y
+    found.curvature = curvature
+    found.bending_moment = edge.bending * curvature
     if moment > 0.0:
-        out[row + 10] += moment / edge.bending_full
-        out[row + 11] += moment
+        found.curvature += moment / edge.bending_full
+        found.bending_moment += moment
 
 
 @kernel
 def sample_stations(I, M, stations, out):
-    """State at arc lengths `stations` (ascending or not): rows of STATION_WORDS into out.
-
-    A row: position, tangent, velocity (3 each), tension, curvature, bending moment, 1 on the floor.
+    """State at arc lengths `stations` (ascending or not): rows of a Station each into out.
 
     Returns the index of the first station that lies outside the line (then nothing more is
     written), or the number of stations.
@@ -428,7 +436,7 @@ def sample_stations(I, M, stations, out):
         edge = edge_of(I, M, low)
         start = edge.start + paid if I[head.parent + low] > 0 else -above
         x = min(1.0, max(0.0, (s - start) / edge.length))
-        station_in_element(I, M, low, x, s, out, STATION_WORDS * n)
+        station_in_element(I, M, low, x, s, station_at(out, STATION_WORDS * n))
     return len(stations)
 
 
@@ -436,8 +444,8 @@ def sample_stations(I, M, stations, out):
 def body_stations(I, M, out):
     """Bodies of finite length that are out: position, axis and velocity of the centre of gravity.
 
-    out: the first 9 words of rows of STATION_WORDS, one for each body of the table; those of other
-    bodies stay as they are (they move with the cable: see sample_stations).
+    out: a row of a Station for each body of the table, of which the rest stays as it is; those of
+    other bodies, too (they move with the cable: see sample_stations).
     """
     head = header(I)
     dimension = head.dimension
@@ -465,9 +473,10 @@ def body_stations(I, M, out):
         for i in range(dimension):
             w[3 + i] = near * q[inner + i] + far * q[outer + i]
             w[6 + i] = near * v[inner + i] + far * v[outer + i]
-        to_earth(I, M, w, 3, out, STATION_WORDS * body, 1)
-        to_earth(I, M, w, 0, out, STATION_WORDS * body + 3, 0)
-        to_earth(I, M, w, 6, out, STATION_WORDS * body + 6, 0)
+        found = station_at(out, STATION_WORDS * body)
+        to_earth(I, M, w, 3, found.position, 0, 1)
+        to_earth(I, M, w, 0, found.tangent, 0, 0)
+        to_earth(I, M, w, 6, found.velocity, 0, 0)
     if passing:
         exchange_rates(I, M, v, a)
 

@@ -1,6 +1,15 @@
 """Systems of parts: what the caller drives, and what is read of bodies, frames and lines' ends."""
 
-from .access import constraint_of, cut_of, edge_of, frame_of, free_body_of, header, scalars
+from .access import (
+    constraint_of,
+    cut_of,
+    edge_of,
+    frame_of,
+    free_body_of,
+    header,
+    scalars,
+    station_at,
+)
 from .compile import kernel, view
 from .frames import drive_frame
 from .free_bodies import deflect_foils, push_bodies
@@ -36,12 +45,12 @@ def drive_parts(I, M, t_end, motion, forces, angles, rates, orders):
 
 @kernel
 def element_stations(I, M, elements, fractions, out):
-    """State at fractions of elements: rows of STATION_WORDS, as outputs.sample_stations."""
+    """State at fractions of elements: rows of a Station, as outputs.sample_stations."""
     end_forces(I, M)
     for n in range(len(elements)):
         node = int(elements[n])
         s = fractions[n] * edge_of(I, M, node).length
-        station_in_element(I, M, node, fractions[n], s, out, STATION_WORDS * n)
+        station_in_element(I, M, node, fractions[n], s, station_at(out, STATION_WORDS * n))
 
 
 @kernel

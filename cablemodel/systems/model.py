@@ -135,13 +135,13 @@ class LineView:
         return CableState(
             time=self._model.time,
             s=s,
-            position=rows[:, 0:3],
-            tangent=sign * rows[:, 3:6],
-            velocity=rows[:, 6:9],
-            tension=rows[:, 9],
-            curvature=rows[:, 10],
-            bending_moment=rows[:, 11],
-            on_floor=rows[:, 12] != 0.0,
+            position=rows[:, at.Station.position.span],
+            tangent=sign * rows[:, at.Station.tangent.span],
+            velocity=rows[:, at.Station.velocity.span],
+            tension=rows[:, at.Station.tension],
+            curvature=rows[:, at.Station.curvature],
+            bending_moment=rows[:, at.Station.bending_moment],
+            on_floor=rows[:, at.Station.on_floor] != 0.0,
             water=(self._water, self._model.scene.lines[self.name].length + before),
         )
 
@@ -150,7 +150,8 @@ class LineView:
         """Lowest and highest tension at both ends of all its elements [N]."""
         nodes = self._model.built.elements(self.name).node.astype(np.float64)
         ends = np.repeat([0.0, 1.0], len(nodes))
-        tension = self._model.sample_elements(np.tile(nodes, 2), ends)[:, 9]
+        rows = self._model.sample_elements(np.tile(nodes, 2), ends)
+        tension = rows[:, at.Station.tension]
         return float(tension.min()), float(tension.max())
 
     @property

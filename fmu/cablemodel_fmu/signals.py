@@ -40,8 +40,15 @@ _SUMMARY = {name: field.word for name, field in at.Summary.FIELDS.items()} | {
 _ERROR = {"position_error": 0, "tension_error": 1}
 _AXES = ("x (east)", "y (north)", "z (up)")
 _ANGLES = ("roll", "pitch", "yaw")
-_STATION = {"state.position": 0, "state.tension": 9, "state.curvature": 10}
-_BODY = {"bodies.position": 0, "bodies.direction": 3}
+_STATION = {
+    "state.position": at.Station.position.word,
+    "state.tension": at.Station.tension.word,
+    "state.curvature": at.Station.curvature.word,
+}
+_BODY = {
+    "bodies.position": at.Station.position.word,
+    "bodies.direction": at.Station.tangent.word,
+}
 
 # A coefficient of a cable type or of a body; the length of a cable of the line or on the drum.
 OF_CABLES, OF_BODY, OF_LINE, OF_DRUM = range(4)

@@ -310,15 +310,16 @@ static const double *errors(Cable *cable) {
     const Summary *numbers = summary(cable), *others = summary(finer);
     const double length = fmin(numbers->line_length, others->line_length), pi = 3.14159265358979323846;
     enum { WORDS = STATION_WORDS * ERROR_PLACES };
-    double arcs[ERROR_PLACES], shapes[2][WORDS], largest = 0.0;
+    Station shapes[2][ERROR_PLACES];
+    double arcs[ERROR_PLACES], largest = 0.0;
     for (int k = 0; k < ERROR_PLACES; k++)
         arcs[k] = (0.5 - 0.5 * cos(pi * k / (ERROR_PLACES - 1))) * length;
-    cablemodel_sample(cable->I, cable->block_words, arcs, ERROR_PLACES, shapes[0], WORDS);
-    cablemodel_sample(finer->I, finer->block_words, arcs, ERROR_PLACES, shapes[1], WORDS);
-    for (int place = 0; place < WORDS && largest == largest; place += STATION_WORDS) {
+    cablemodel_sample(cable->I, cable->block_words, arcs, ERROR_PLACES, (double *)shapes[0], WORDS);
+    cablemodel_sample(finer->I, finer->block_words, arcs, ERROR_PLACES, (double *)shapes[1], WORDS);
+    for (int k = 0; k < ERROR_PLACES && largest == largest; k++) {
+        const double *one = shapes[0][k].position, *other = shapes[1][k].position;
         double square = 0.0;
-        for (int i = place; i < place + 3; i++)
-            square += (shapes[0][i] - shapes[1][i]) * (shapes[0][i] - shapes[1][i]);
+        for (int i = 0; i < 3; i++) square += (one[i] - other[i]) * (one[i] - other[i]);
         if (!(sqrt(square) <= largest)) largest = sqrt(square); /* NaN, too */
     }
     cable->errors[0] = ERROR_FACTOR * largest;

@@ -44,7 +44,8 @@ struct System {
     double *values;
     Element *elements;
     int64_t *counts; /* elements of each line */
-    double *nodes, *fractions, *samples, *parts;
+    double *nodes, *fractions, *parts;
+    Station *samples;
     double *motion, *forces, *angles, *rates, *orders, *kept; /* of a step */
     int64_t applied;                                          /* words of `applied_in` */
 };
@@ -174,7 +175,7 @@ const char *load_system(Cable *cable, const int64_t *section, int64_t words, con
     s->counts = calloc((size_t)s->lines, sizeof(int64_t));
     s->nodes = calloc(samples, sizeof(double));
     s->fractions = calloc(samples, sizeof(double));
-    s->samples = calloc(samples * STATION_WORDS, sizeof(double));
+    s->samples = calloc(samples, sizeof(Station));
     s->parts = calloc((size_t)((s->bodies + s->vessels) * PART_WORDS) + 1, sizeof(double));
     s->motion = calloc((size_t)(s->vessels * FRAME_INPUTS) + 1, sizeof(double));
     s->forces = calloc((size_t)(s->bodies * OF_FREE_BODY) + 1, sizeof(double));
@@ -579,17 +580,16 @@ static int64_t place_samples(const Cable *cable, int64_t elements) {
 }
 
 /* Outputs of a line from the rows of its samples, which `place_samples` put in order. */
-static double *line_outputs(const Cable *cable, int64_t number, const double *rows, int64_t count,
+static double *line_outputs(const Cable *cable, int64_t number, const Station *rows, int64_t count,
                             double *out) {
-    enum { TENSION = 9, CURVATURE = 10 };
-    double low = rows[TENSION], high = rows[TENSION];
+    double low = rows[0].tension, high = rows[0].tension;
     for (int64_t n = 1; n < 2 * count; n++) {
-        const double tension = rows[n * STATION_WORDS + TENSION];
+        const double tension = rows[n].tension;
         if (!(tension >= low)) low = tension;
         if (!(tension <= high)) high = tension;
     }
-    *out++ = rows[TENSION];
-    *out++ = rows[2 * count * STATION_WORDS + TENSION];
+    *out++ = rows[0].tension;
+    *out++ = rows[2 * count].tension;
     *out++ = low;
     *out++ = high;
     const Line *line = line_of(cable->I, number);
@@ -599,11 +599,11 @@ static double *line_outputs(const Cable *cable, int64_t number, const double *ro
     *out++ = line->first;
     *out++ = line->last;
     const int64_t stations = cable->stations;
-    rows += (2 * count + 1) * STATION_WORDS;
+    rows += 2 * count + 1;
     for (int64_t k = 0; k < stations; k++, out += 3)
-        memcpy(out, rows + k * STATION_WORDS, 3 * sizeof(double));
-    for (int64_t k = 0; k < stations; k++) *out++ = rows[k * STATION_WORDS + TENSION];
-    for (int64_t k = 0; k < stations; k++) *out++ = rows[k * STATION_WORDS + CURVATURE];
+        memcpy(out, rows[k].position, sizeof rows[k].position);
+    for (int64_t k = 0; k < stations; k++) *out++ = rows[k].tension;
+    for (int64_t k = 0; k < stations; k++) *out++ = rows[k].curvature;
     return out;
 }
 
@@ -627,7 +627,7 @@ static int64_t elements_of(const System *s, int64_t elements, int64_t line, int6
 }
 
 /* Rows of a line at the places where errors are looked for, of one that is as long [m]. */
-static void sample_errors(Cable *cable, int64_t first, int64_t count, double length, double *rows) {
+static void sample_errors(Cable *cable, int64_t first, int64_t count, double length, Station *rows) {
     const double pi = 3.14159265358979323846;
     double nodes[ERROR_PLACES], fractions[ERROR_PLACES];
     int64_t which = 0;
@@ -635,7 +635,7 @@ static void sample_errors(Cable *cable, int64_t first, int64_t count, double len
         place_sample(cable, cable->system->elements + first, count, &which,
                      (0.5 - 0.5 * cos(pi * k / (ERROR_PLACES - 1))) * length, nodes + k, fractions + k);
     cablemodel_sample_elements(cable->I, cable->block_words, nodes, ERROR_PLACES, fractions,
-                               ERROR_PLACES, rows, STATION_WORDS * ERROR_PLACES);
+                               ERROR_PLACES, (double *)rows, STATION_WORDS * ERROR_PLACES);
 }
 
 static double apart(const double *one, const double *other) {
@@ -646,14 +646,14 @@ static double apart(const double *one, const double *other) {
 
 /* What lines and bodies may be wrong by: SystemModel.errors; bodies: rows of the parts of this run. */
 static void error_outputs(Cable *cable, int64_t elements, const double *bodies, double *out) {
-    enum { TENSION = 9, WORDS = STATION_WORDS * ERROR_PLACES };
     System *s = cable->system;
     for (int64_t n = 0; n < s->lines * LINE_ERRORS + s->bodies * BODY_ERRORS; n++) out[n] = NAN;
     if (!is_beside(cable)) return;
     Cable *finer = cable->finer;
     System *other = finer->system;
     const int64_t others = gather_elements(finer);
-    double shapes[2][WORDS], unused;
+    Station shapes[2][ERROR_PLACES];
+    double unused;
     for (int64_t line = 0; line < s->lines; line++, out += LINE_ERRORS) {
         int64_t first = 0, finest = 0;
         const int64_t count = elements_of(s, elements, line, &first);
@@ -663,12 +663,12 @@ static void error_outputs(Cable *cable, int64_t elements, const double *bodies, 
         sample_errors(cable, first, count, length, shapes[0]);
         sample_errors(finer, finest, more, length, shapes[1]);
         double largest = 0.0, pull = 0.0;
-        for (int64_t at = 0; at < WORDS; at += STATION_WORDS) {
-            const double off = apart(shapes[0] + at, shapes[1] + at);
+        for (int k = 0; k < ERROR_PLACES; k++) {
+            const double off = apart(shapes[0][k].position, shapes[1][k].position);
             if (!(off <= largest)) largest = off; /* NaN, too */
         }
-        for (int64_t at = TENSION; at < WORDS; at += WORDS - STATION_WORDS) {
-            const double off = fabs(shapes[0][at] - shapes[1][at]);
+        for (int k = 0; k < ERROR_PLACES; k += ERROR_PLACES - 1) {
+            const double off = fabs(shapes[0][k].tension - shapes[1][k].tension);
             if (!(off <= pull)) pull = off;
         }
         out[0] = ERROR_FACTOR * largest;
@@ -695,15 +695,15 @@ static const double *outputs(Cable *cable) {
     if (s->current) return s->values;
     const int64_t elements = gather_elements(cable), samples = place_samples(cable, elements);
     cablemodel_sample_elements(cable->I, cable->block_words, s->nodes, samples, s->fractions,
-                               samples, s->samples, STATION_WORDS * samples);
+                               samples, (double *)s->samples, STATION_WORDS * samples);
     double *out = s->values, *vessels = s->parts + PART_WORDS * s->bodies;
-    const double *rows = s->samples;
+    const Station *rows = s->samples;
     for (int64_t first = 0, next; first < elements; first = next) {
         next = first;
         while (next < elements && s->elements[next].line == s->elements[first].line) next++;
         const int64_t line = s->elements[first].line, count = s->counts[line];
         out = line_outputs(cable, line, rows, count, out);
-        rows += STATION_WORDS * (2 * count + 1 + cable->stations);
+        rows += 2 * count + 1 + cable->stations;
     }
     cablemodel_parts(cable->I, cable->block_words, s->parts, PART_WORDS * s->bodies, vessels,
                      PART_WORDS * s->vessels);
