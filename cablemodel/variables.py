@@ -569,7 +569,7 @@ def document() -> str:
         "",
         "A line is *slack* from when its lowest tension comes to 0 until that is 2 % of the",
         "largest at the start, or of its weight in water (with a free end 0): folds pull a little.",
-        "Cable that the floor bears does not count. Every step of the solver does.",
+        "Cable that the floor bears does not count.",
         "",
         "## Inputs",
         "",
