@@ -20,6 +20,7 @@ from .layout import (
     Header,
     Layer,
     Line,
+    PartMotion,
     Piece,
     Scalars,
     Station,
@@ -55,3 +56,4 @@ foot_of, foot_at = row_of(Foot, Header.feet), record_at(Foot)
 sea_layer_at = record_at(Layer)
 summary_at = record_at(Summary)
 station_at = record_at(Station)
+part_motion_at = record_at(PartMotion)

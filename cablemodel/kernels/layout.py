@@ -701,9 +701,22 @@ STATION_WORDS = Station.WORDS
 ENERGY_WORDS = 9  # of outputs.energies
 FRAME_INPUTS = 13  # words of a frame's input: see entry.drive
 GIVEN_VELOCITY, GIVEN_POSITION, GIVEN_RATE, GIVEN_ATTITUDE = 1, 2, 4, 8  # bits of its first one
-# Of a body or frame: place, velocity, acceleration of its origin; axes; angular velocity, its rate;
-# roll, pitch and yaw; force and moment of the lines about a frame's origin.
-PART_WORDS = 33
+
+
+class PartMotion(Record):
+    """How a body or frame moves, in the earth's frame, and what lines pull a frame with."""
+
+    position = reals(3, "of its origin", "m")
+    velocity = reals(3, "of its origin", "m/s")
+    acceleration = reals(3, "of its origin", "m/s2")
+    axes = reals(9, "by rows: its axes in the earth's, columns")
+    angular_velocity = reals(3, "of it", "rad/s")
+    angular_acceleration = reals(3, "of it", "rad/s2")
+    attitude = reals(3, "roll, pitch and yaw", "rad")
+    wrench = reals(6, "force [N] and moment [N m] of the lines about a frame's origin")
+
+
+PART_WORDS = PartMotion.WORDS
 
 # Elements at a touchdown.
 LAYER = 0.4  # smallest element in units of the touchdown layer (EI/w)^(1/3)

@@ -545,19 +545,20 @@ def _finer_model(scene: SystemScene) -> SystemModel | None:
 
 
 def _wrench(row: FloatArray) -> FloatArray:
-    """Force and moment in the words of a vessel (part_outputs.parts_motion)."""
-    return row[27:33].copy()
+    """Force and moment of a vessel, by the words of its PartMotion."""
+    return at.PartMotion(row).wrench.copy()
 
 
 def _motion(row: FloatArray) -> Motion:
+    found = at.PartMotion(row.copy())
     return Motion(
-        position=row[0:3].copy(),
-        velocity=row[3:6].copy(),
-        acceleration=row[6:9].copy(),
-        axes=row[9:18].reshape(3, 3).copy(),
-        angular_velocity=row[18:21].copy(),
-        angular_acceleration=row[21:24].copy(),
-        attitude=row[24:27].copy(),
+        position=found.position,
+        velocity=found.velocity,
+        acceleration=found.acceleration,
+        axes=found.axes.reshape(3, 3),
+        angular_velocity=found.angular_velocity,
+        angular_acceleration=found.angular_acceleration,
+        attitude=found.attitude,
     )
 
 

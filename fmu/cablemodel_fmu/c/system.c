@@ -44,7 +44,8 @@ struct System {
     double *values;
     Element *elements;
     int64_t *counts; /* elements of each line */
-    double *nodes, *fractions, *parts;
+    double *nodes, *fractions;
+    PartMotion *parts; /* of bodies, then of vessels */
     Station *samples;
     double *motion, *forces, *angles, *rates, *orders, *kept; /* of a step */
     int64_t applied;                                          /* words of `applied_in` */
@@ -176,7 +177,7 @@ const char *load_system(Cable *cable, const int64_t *section, int64_t words, con
     s->nodes = calloc(samples, sizeof(double));
     s->fractions = calloc(samples, sizeof(double));
     s->samples = calloc(samples, sizeof(Station));
-    s->parts = calloc((size_t)((s->bodies + s->vessels) * PART_WORDS) + 1, sizeof(double));
+    s->parts = calloc((size_t)(s->bodies + s->vessels) + 1, sizeof(PartMotion));
     s->motion = calloc((size_t)(s->vessels * FRAME_INPUTS) + 1, sizeof(double));
     s->forces = calloc((size_t)(s->bodies * OF_FREE_BODY) + 1, sizeof(double));
     s->angles = calloc((size_t)s->foils + 1, sizeof(double));
@@ -607,14 +608,21 @@ static double *line_outputs(const Cable *cable, int64_t number, const Station *r
     return out;
 }
 
+/* How all bodies and vessels move, of the block or a copy of it, into `parts`. */
+static void read_parts(Cable *cable, int64_t *block) {
+    System *s = cable->system;
+    cablemodel_parts(block, cable->block_words, (double *)s->parts, PART_WORDS * s->bodies,
+                     (double *)(s->parts + s->bodies), PART_WORDS * s->vessels);
+}
+
 /* Position, attitude, velocity, angular velocity; of a vessel also force and moment. */
-static double *part_outputs(const double *row, int with_wrench, double *out) {
-    enum { PLACE = 0, SPEED = 3, SPIN = 18, ANGLES = 24, WRENCH = 27 };
-    static const int64_t vectors[] = {PLACE, ANGLES, SPEED, SPIN};
-    for (int n = 0; n < 4; n++, out += 3) memcpy(out, row + vectors[n], 3 * sizeof(double));
+static double *part_outputs(const PartMotion *part, int with_wrench, double *out) {
+    const double *const vectors[] = {part->position, part->attitude, part->velocity,
+                                     part->angular_velocity};
+    for (int n = 0; n < 4; n++, out += 3) memcpy(out, vectors[n], 3 * sizeof(double));
     if (!with_wrench) return out;
-    memcpy(out, row + WRENCH, 6 * sizeof(double));
-    return out + 6;
+    memcpy(out, part->wrench, sizeof part->wrench);
+    return out + WRENCH_WORDS;
 }
 
 /* The elements of a line among all, in order: how many from the first. */
@@ -645,7 +653,7 @@ static double apart(const double *one, const double *other) {
 }
 
 /* What lines and bodies may be wrong by: SystemModel.errors; bodies: rows of the parts of this run. */
-static void error_outputs(Cable *cable, int64_t elements, const double *bodies, double *out) {
+static void error_outputs(Cable *cable, int64_t elements, const PartMotion *bodies, double *out) {
     System *s = cable->system;
     for (int64_t n = 0; n < s->lines * LINE_ERRORS + s->bodies * BODY_ERRORS; n++) out[n] = NAN;
     if (!is_beside(cable)) return;
@@ -674,11 +682,9 @@ static void error_outputs(Cable *cable, int64_t elements, const double *bodies, 
         out[0] = ERROR_FACTOR * largest;
         out[1] = ERROR_FACTOR * pull;
     }
-    double *vessels = other->parts + PART_WORDS * other->bodies;
-    cablemodel_parts(finer->I, finer->block_words, other->parts, PART_WORDS * other->bodies, vessels,
-                     PART_WORDS * other->vessels);
+    read_parts(finer, finer->I);
     for (int64_t n = 0; n < s->bodies; n++)
-        out[n] = ERROR_FACTOR * apart(bodies + PART_WORDS * n, other->parts + PART_WORDS * n);
+        out[n] = ERROR_FACTOR * apart(bodies[n].position, other->parts[n].position);
 }
 
 /* Whether the finer run is of a system with the same parts. */
@@ -696,7 +702,7 @@ static const double *outputs(Cable *cable) {
     const int64_t elements = gather_elements(cable), samples = place_samples(cable, elements);
     cablemodel_sample_elements(cable->I, cable->block_words, s->nodes, samples, s->fractions,
                                samples, (double *)s->samples, STATION_WORDS * samples);
-    double *out = s->values, *vessels = s->parts + PART_WORDS * s->bodies;
+    double *out = s->values;
     const Station *rows = s->samples;
     for (int64_t first = 0, next; first < elements; first = next) {
         next = first;
@@ -705,11 +711,9 @@ static const double *outputs(Cable *cable) {
         out = line_outputs(cable, line, rows, count, out);
         rows += 2 * count + 1 + cable->stations;
     }
-    cablemodel_parts(cable->I, cable->block_words, s->parts, PART_WORDS * s->bodies, vessels,
-                     PART_WORDS * s->vessels);
-    for (int64_t n = 0; n < s->bodies; n++)
-        out = part_outputs(s->parts + PART_WORDS * n, 0, out);
-    for (int64_t n = 0; n < s->vessels; n++) out = part_outputs(vessels + PART_WORDS * n, 1, out);
+    read_parts(cable, cable->I);
+    for (int64_t n = 0; n < s->bodies + s->vessels; n++)
+        out = part_outputs(s->parts + n, n >= s->bodies, out);
     for (int64_t n = 0; n < s->winches; n++) {
         const Winch *winch = winch_of(cable->I, n);
         const int64_t row = header(cable->I)->cables + (int64_t)winch->cable * CABLE_WORDS;
@@ -759,12 +763,9 @@ int64_t wrench_of(const Cable *cable, unsigned vr) {
 /* The forces and moments of all vessels, of the block or a copy of it. */
 void read_wrenches(Cable *cable, int64_t *block, double *to) {
     System *s = cable->system;
-    double *vessels = s->parts + PART_WORDS * s->bodies;
-    cablemodel_parts(block, cable->block_words, s->parts, PART_WORDS * s->bodies, vessels,
-                     PART_WORDS * s->vessels);
+    read_parts(cable, block);
     for (int64_t n = 0; n < s->vessels; n++)
-        memcpy(to + WRENCH_WORDS * n, vessels + PART_WORDS * n + PART_WORDS - WRENCH_WORDS,
-               WRENCH_WORDS * sizeof(double));
+        memcpy(to + WRENCH_WORDS * n, s->parts[s->bodies + n].wrench, WRENCH_WORDS * sizeof(double));
 }
 
 /* Which component of a vessel's motion an input is, and by what the last step was given of it.
