@@ -211,8 +211,9 @@ class Run:
         return {key: _finite(value) for key, value in found.items()}
 
     def _at_end(self, name: str) -> float | None:
-        """An output at the end; None where the log is of a version that did not have it."""
-        return float(self[name][-1]) if name in self.names else None
+        """An output at the end; None where it is not finite, or not in a log of before it was."""
+        found: float | None = _finite(float(self[name][-1])) if name in self.names else None
+        return found
 
     def _error_summary(self) -> dict[str, Any]:
         """What a summary says of errors, where they are estimated."""
