@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel.kernels import layout as at
-from cablemodel.kernels.layout import Header, Scalars, Winch
+from cablemodel.kernels.layout import Header, Line, Scalars, Winch
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -40,6 +40,7 @@ SIZES = {
     "rao_words": Header.rao_words.word,
     "feet": Header.foot_count.word,
     "closures": Header.closure_count.word,
+    "lines": Header.line_count.word,
 }
 
 Arrays = list[tuple[int, Any]]
@@ -70,6 +71,9 @@ class WordBlock:
         self.header.image_words = first + sum(length for _, length in image)
         for place, value in (header | offsets).items():
             self.ints[place] = value
+        for number in range(int(self.header.line_count)):
+            line = self.line(number)
+            line.since = line.first = line.last = math.nan
 
     def __getstate__(self) -> IntArray:
         # A copy of both views, as NumPy makes it, would be two pieces of memory.
@@ -103,6 +107,10 @@ class WordBlock:
     def winch(self) -> Winch:
         """The winch at the tow point of one line, by name."""
         return Winch(self.reals, int(self.header.winches))
+
+    def line(self, number: int = 0) -> Line:
+        """A line by its number: one line is the first."""
+        return Line(self.reals, int(self.header.lines) + number * at.LINE_WORDS)
 
     @property
     def failed_node(self) -> int:
@@ -185,6 +193,7 @@ class Block(WordBlock):
         feet: Any = 0,
         winches: Any = 1,
         closures: Any = 0,
+        lines: Any = 1,
     ) -> tuple[Arrays, Arrays]:
         """Arrays of the image in order, then those of the workspace: (header word, length).
 
@@ -221,6 +230,7 @@ class Block(WordBlock):
             (Header.feet.word, feet * at.FOOT_WORDS),
             (Header.winches.word, winches * at.WINCH_WORDS),
             (Header.closures.word, closures * at.CLOSURE_WORDS),
+            (Header.lines.word, lines * at.LINE_WORDS),
             (Header.position.word, capacity * 6),
             (Header.velocity.word, capacity * 6),
             (Header.acceleration.word, capacity * 6),

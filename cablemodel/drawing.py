@@ -249,6 +249,18 @@ def tension_errors(run: Run) -> dict[str, Floats]:
     return {name: errors for name, errors in found.items() if np.isfinite(errors).any()}
 
 
+def slack_spans(run: Run) -> list[tuple[float, float]]:
+    """From which output to which some of a line has been slack [s]."""
+    grew = np.zeros(max(0, len(run.time) - 1), dtype=bool)
+    for name in run.shapes:
+        key = f"{name}.slack_time".lstrip(".")
+        if key in run.names:
+            grew |= np.diff(run[key]) > 0.0
+    steps = np.diff(np.concatenate([[0], grew.astype(int), [0]]))
+    first, last = np.flatnonzero(steps > 0), np.flatnonzero(steps < 0)
+    return list(zip(run.time[first].tolist(), run.time[last].tolist(), strict=True))
+
+
 def start_of(name: str) -> str:
     """Where that tension is, in words."""
     return f"at the beginning of {name}" if name else "at the tow point"

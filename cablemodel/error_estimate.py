@@ -25,8 +25,6 @@ if TYPE_CHECKING:
 
 Kind = TypeVar("Kind")
 
-_TENSION, _LENGTH = 6, 21
-"""At the top, and of the line: their places among the numbers of kernels/outputs.py: summarise."""
 _ORDER = 0.5
 """The slowest convergence: errors as this power of the tolerance."""
 FACTOR = 1.0 / (1.0 - FINER**-_ORDER)
@@ -101,12 +99,12 @@ class EstimatingSolver(FiniteElementSolver):
         beside = self._beside
         if beside is None:
             return math.nan, math.nan
-        numbers, others = np.zeros((2, at.SUMMARY_WORDS))
-        self.summary(numbers)
-        beside.summary(others)
-        stations = PLACES * min(numbers[_LENGTH], others[_LENGTH])
+        words = np.zeros((2, at.SUMMARY_WORDS))
+        self.summary(words[0])
+        beside.summary(words[1])
+        stations = PLACES * np.min(words[:, at.Summary.line_length])
         shapes = np.empty((2, len(stations), at.STATION_WORDS))
         self.sample(stations, shapes[0].reshape(-1))
         beside.sample(stations, shapes[1].reshape(-1))
-        tops = numbers[_TENSION, None], others[_TENSION, None]
-        return estimated(shapes[0, :, :3], shapes[1, :, :3], *tops)
+        tops = words[:, at.Summary.top_tension, None]
+        return estimated(*shapes[:, :, at.Station.position.span], *tops)

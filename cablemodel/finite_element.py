@@ -111,12 +111,12 @@ class FiniteElementSolver(OfBlock):
             body = items[int(row[at.Body.item])].body
             assert body is not None
             if row[at.Body.length] > 0.0:
-                place = motion[index]
-                placed.append(PlacedBody(body.name, place[0:3], place[6:9], place[3:6]))
-                continue
-            out = np.empty(at.STATION_WORDS)
-            self.sample(arcs[node : node + 1].copy(), out)
-            placed.append(PlacedBody(body.name, out[0:3].copy(), out[6:9].copy(), out[3:6].copy()))
+                found = at.Station(motion[index])
+            else:
+                out = np.empty(at.STATION_WORDS)
+                self.sample(arcs[node : node + 1].copy(), out)
+                found = at.Station(out)
+            placed.append(PlacedBody(body.name, found.position, found.velocity, found.tangent))
         return placed
 
     @property

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from cablemodel.block import Block
 from cablemodel.errors import CableModelError, SceneError, StepError
 from cablemodel.kernels import layout as at
-from cablemodel.kernels.layout import Header, Scalars
+from cablemodel.kernels.layout import Header, Scalars, Summary
 from cablemodel.solver import Errors, choose, images_of
 
 if TYPE_CHECKING:
@@ -351,23 +351,23 @@ class CableModel:
         """Simulated time [s]."""
         return float(self._solver.memory.scalars.time)
 
-    def _numbers(self) -> FloatArray:
+    def _numbers(self) -> Summary:
         if not self._summary_current:
             self._solver.summary(self._summary)
             self._summary_current = True
-        return self._summary
+        return Summary(self._summary)
 
     @property
     def top_force(self) -> FloatArray:
         """Force of the cable on the vessel (3,) [N]."""
-        return self._numbers()[0:3].copy()
+        return self._numbers().wrench[:3].copy()
 
     @property
     def top_moment(self) -> FloatArray:
         """Moment of the cable on the vessel, where it is clamped (3,) [N m]."""
         if self.scene.vessel.connection.kind == "pinned":
             return np.zeros(3)
-        return self._numbers()[3:6].copy()
+        return self._numbers().wrench[3:].copy()
 
     @property
     def top_tension(self) -> float:
@@ -376,52 +376,86 @@ class CableModel:
         The size of `top_force`, negative where the cable pushes. It differs from the axial
         tension, `sample(0).tension`, by the shear force of a cable that bends there.
         """
-        return float(self._numbers()[6])
+        return float(self._numbers().top_tension)
 
     @property
     def tension_min(self) -> float:
         """Lowest tension in the cable [N]."""
-        return float(self._numbers()[7])
+        return float(self._numbers().tension_min)
 
     @property
     def tension_max(self) -> float:
         """Highest tension in the cable [N]."""
-        return float(self._numbers()[8])
+        return float(self._numbers().tension_max)
+
+    @property
+    def slack_time(self) -> float:
+        """For how long some of the cable has been slack so far [s].
+
+        A spell begins as the lowest tension comes to 0, and is over as it comes to 2 % of the
+        largest one at the start, or of the cable's weight in water, or to half of the lowest one at
+        the start where that is less: what is folded pulls a little. A line with a free end is taut
+        again from 0 on. Cable that the floor bears does not count. Every step is counted, whatever
+        outputs are asked for.
+        """
+        return float(self._numbers().slack_time)
+
+    @property
+    def slack_longest(self) -> float:
+        """The longest spell so far for which some of the cable was slack [s]."""
+        return float(self._numbers().slack_longest)
+
+    @property
+    def slack_since(self) -> float:
+        """When the last such spell began [s]; not a number: none has yet."""
+        return float(self._numbers().slack_since)
+
+    @property
+    def slack_start(self) -> float:
+        """Arc length where what has been without tension so far begins [m]; not a number: nothing
+        has."""
+        return float(self._numbers().slack_start)
+
+    @property
+    def slack_end(self) -> float:
+        """Arc length where what has been without tension so far ends [m]; not a number: nothing
+        has."""
+        return float(self._numbers().slack_end)
 
     @property
     def tip_position(self) -> FloatArray:
         """Far end of the line (3,) [m]: the outer end of a body there, else the cable's."""
-        return self._numbers()[9:12].copy()
+        return self._numbers().tip_position.copy()
 
     @property
     def tip_velocity(self) -> FloatArray:
         """Velocity of the far end (3,) [m/s]."""
-        return self._numbers()[12:15].copy()
+        return self._numbers().tip_velocity.copy()
 
     @property
     def vessel_position(self) -> FloatArray:
         """Tow point (3,) [m]."""
-        return self._numbers()[15:18].copy()
+        return self._numbers().vessel_position.copy()
 
     @property
     def vessel_velocity(self) -> FloatArray:
         """Velocity of the tow point (3,) [m/s]."""
-        return self._numbers()[18:21].copy()
+        return self._numbers().vessel_velocity.copy()
 
     @property
     def line_length(self) -> float:
         """Unstretched length of cable that is out [m]."""
-        return float(self._numbers()[21])
+        return float(self._numbers().line_length)
 
     @property
     def drum_length(self) -> float:
         """Unstretched length of cable on the drum [m]."""
-        return float(self._numbers()[23])
+        return float(self._numbers().drum_length)
 
     @property
     def payout_rate(self) -> float:
         """Applied pay-out rate, unstretched [m/s]; differs from the command when clamped."""
-        return float(self._numbers()[22])
+        return float(self._numbers().payout_rate)
 
     @property
     def winch(self) -> str:
@@ -431,7 +465,7 @@ class CableModel:
     @property
     def floor_force(self) -> FloatArray:
         """Total force of the sea floor on cable and bodies, friction included (3,) [N]."""
-        return self._numbers()[24:27].copy()
+        return self._numbers().floor_force.copy()
 
     @property
     def floor_length(self) -> float:
@@ -439,7 +473,7 @@ class CableModel:
 
         As a rigid floor would bear it: within 0.05 touchdown layers (EI/w)^(1/3) at rest.
         """
-        return float(self._numbers()[27])
+        return float(self._numbers().floor_length)
 
     @property
     def touchdown_position(self) -> FloatArray:
@@ -450,7 +484,7 @@ class CableModel:
         """
         if self.scene.environment.floor is None:
             return np.full(3, math.nan)
-        return self._numbers()[28:31].copy()
+        return self._numbers().touchdown_position.copy()
 
     @property
     def touchdown_reaction(self) -> float:
@@ -458,7 +492,7 @@ class CableModel:
 
         What the floor bears beyond the cable's weight within four lengths (EI/w)^(1/3) of it.
         """
-        return float(self._numbers()[31])
+        return float(self._numbers().touchdown_reaction)
 
     @property
     def position_error(self) -> float:
@@ -561,13 +595,13 @@ class CableModel:
         return CableState(
             time=self.time,
             s=stations,
-            position=rows[:, 0:3].copy(),
-            tangent=rows[:, 3:6].copy(),
-            velocity=rows[:, 6:9].copy(),
-            tension=rows[:, 9].copy(),
-            curvature=rows[:, 10].copy(),
-            bending_moment=rows[:, 11].copy(),
-            on_floor=rows[:, 12] > 0.5,
+            position=rows[:, at.Station.position.span].copy(),
+            tangent=rows[:, at.Station.tangent.span].copy(),
+            velocity=rows[:, at.Station.velocity.span].copy(),
+            tension=rows[:, at.Station.tension].copy(),
+            curvature=rows[:, at.Station.curvature].copy(),
+            bending_moment=rows[:, at.Station.bending_moment].copy(),
+            on_floor=rows[:, at.Station.on_floor] > 0.5,
             water=(
                 self._surroundings,
                 self._surroundings.length + float(self._solver.memory.winch.paid),

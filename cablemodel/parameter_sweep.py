@@ -49,6 +49,7 @@ RESULTS = {
     "top_tension": "top tension at the end [N]",
     "highest_tension": "highest tension of the run [N]",
     "lowest_tension": "lowest tension of the run [N]",
+    "slack_time": "time for which some of the cable was slack [s]",
     "max_curvature": "largest curvature of the run [1/m]",
     "tip_x": "x of the far end at the end [m]",
     "tip_y": "y of the far end at the end [m]",
@@ -62,12 +63,13 @@ RESULTS = {
 }
 """Columns of a result, after those of the values swept over, and what they are; ``error`` is the
 last. See `results_of`."""
-_ONE_LINE = ("top_tension", "tip_x", "tip_y", "tip_z", "line_length")
+_ONE_LINE = ("top_tension", "slack_time", "tip_x", "tip_y", "tip_z", "line_length")
 """Those that a system has not."""
 _OF_PARTS: tuple[tuple[str, tuple[variables.Variable, ...], dict[str, str]], ...] = (
     ("lines", variables.LINE_OUTPUTS, {
         "start_tension": "at the end", "end_tension": "at the end",
         "tension_min": "of the run", "tension_max": "of the run",
+        "slack_time": "at the end",
     }),
     ("bodies", variables.BODY_OUTPUTS, {"position": "at the end", "attitude": "at the end"}),
     ("vessels", variables.VESSEL_OUTPUTS, {"force": "at the end", "moment": "at the end"}),

@@ -21,6 +21,7 @@ from cablemodel.drawing import (
     held_of,
     names_of,
     skeletons_of,
+    slack_spans,
     start_tensions,
     tension_errors,
     tension_scale,
@@ -78,6 +79,7 @@ MARKS = {"body": "o", "touchdown": "^"}
 DASHES = ("-", "--", ":", "-.")
 """Of lines that have the same colour."""
 _ERROR = "0.7"
+_SLACK = "#f5d6b8"
 """Colour of the shade of estimated errors."""
 _IN_A_ROW = 3
 """Panels of lines in a row."""
@@ -378,6 +380,8 @@ def draw_start_tensions(axes: Axes, run: Run) -> None:
             run.time / seconds, tension / newtons, DASHES[k // len(COLOURS) % len(DASHES)],
             color=COLOURS[k % len(COLOURS)] if named else "0.25", linewidth=1.1, label=name,
         )  # fmt: skip
+    for begin, end in slack_spans(run):
+        axes.axvspan(begin / seconds, end / seconds, color=_SLACK, linewidth=0.0, zorder=0.5)
     axes.set_xlabel(f"time [{time_unit}]")
     axes.set_ylabel(f"{'start tension' if named else 'top tension'} [{unit}]")
     if named:
@@ -432,6 +436,8 @@ def _label(figure: Figure, run: Run, times: Floats, parts: Parts, colours: list[
     ]
     if tension_errors(run):
         handles.append(Line2D([], [], color=_ERROR, linewidth=5.0, label="estimated error"))
+    if slack_spans(run):
+        handles.append(Line2D([], [], color=_SLACK, linewidth=5.0, label="slack"))
     figure.legend(
         handles=handles,
         loc="outside lower center",

@@ -355,6 +355,9 @@ class Memory:
     def times(self) -> Floats:
         return np.array(self._times)
 
+    def holds(self, variable: variables.Variable) -> bool:
+        return True
+
     def column(self, variable: variables.Variable) -> Floats:
         values = self._values[variable.python]
         if variable.present == "bodies":

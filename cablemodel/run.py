@@ -35,6 +35,7 @@ class Source(Protocol):
     """Where a run's values come from: memory or a log."""
 
     def times(self) -> Floats: ...
+    def holds(self, variable: variables.Variable) -> bool: ...
     def column(self, variable: variables.Variable) -> Floats: ...
     def shapes(self) -> dict[str, States]: ...
     def applied_inputs(self) -> dict[str, Floats]: ...
@@ -66,7 +67,11 @@ class Run:
         self.metadata = metadata or {}
         self._source = source
         self._columns: dict[str, Floats] = {}
-        self._variables = {variable.python: variable for variable in variables.outputs_of(scene)}
+        self._variables = {
+            variable.python: variable
+            for variable in variables.outputs_of(scene)
+            if variable.message == variables.CLOUD or source.holds(variable)
+        }
 
     def __repr__(self) -> str:
         title = self.scene.title or "untitled"
@@ -178,11 +183,13 @@ class Run:
 
         ``time`` [s], ``top_tension`` [N] and ``tip_position`` [m] are those at the end;
         ``min_tension`` [N] and ``max_curvature`` [1/m] the extremes over the cable and all output
-        times; ``wall_time`` [s], ``steps``, ``rejected``, ``factorisations``, ``elements`` are of
-        the solver. With ``solver.error_estimate`` also the ``tolerance``, the ``accuracy`` that
-        is asked for, ``position_error`` [m], ``tension_error`` [N], the largest at any output while
-        they are promised, and ``error_share`` of what is allowed, the larger one's. None where a
-        value is not known or not finite.
+        times; ``slack_time``, ``slack_longest`` [s], ``slack_start`` and ``slack_end`` [m] say for
+        how long and where some of it was slack; ``wall_time`` [s], ``steps``, ``rejected``,
+        ``factorisations``, ``elements`` are of the solver. With ``solver.error_estimate`` also the
+        ``tolerance``, the ``accuracy`` that is asked for, ``position_error`` [m],
+        ``tension_error`` [N], the largest at any output while they are promised, and
+        ``error_share`` of what is allowed, the larger one's. None where a value is not known or not
+        finite.
         """
         if len(self.time):
             found: dict[str, Any] = {
@@ -190,15 +197,23 @@ class Run:
                 "top_tension": float(self.top_tension[-1]),
                 "tip_position": [_finite(value) for value in self.tip_position[-1]],
                 "min_tension": float(np.min(self.tension_min)),
+                **{key: self._at_end(key) for key in SLACK},
                 "max_curvature": self.max_curvature,
             }
         else:
-            names = ("time", "top_tension", "tip_position", "min_tension", "max_curvature")
+            names = (
+                "time", "top_tension", "tip_position", "min_tension", *SLACK, "max_curvature",
+            )  # fmt: skip
             found = dict.fromkeys(names)
         for name in ("wall_time", "steps", "rejected", "factorisations", "elements"):
             found[name] = self.statistics.get(name)
         found |= self._error_summary()
         return {key: _finite(value) for key, value in found.items()}
+
+    def _at_end(self, name: str) -> float | None:
+        """An output at the end; None where it is not finite, or not in a log of before it was."""
+        found: float | None = _finite(float(self[name][-1])) if name in self.names else None
+        return found
 
     def _error_summary(self) -> dict[str, Any]:
         """What a summary says of errors, where they are estimated."""
@@ -300,11 +315,11 @@ class SystemRun(Run):
 
     def summary(self) -> dict[str, Any]:
         """What ``cablemodel run --json`` prints: the time, and for every line ``tension_min`` and
-        ``tension_max`` of the run [N], tensions at its ends; for every body its ``position`` [m]
-        and ``attitude`` [rad], for every vessel ``force`` [N] and ``moment`` [N m], all at the
-        end. The rest is as of one line; errors are those of the part with the largest share, and
-        every line and body has its own ``position_error`` [m], every line its ``tension_error``
-        [N]."""
+        ``tension_max`` of the run [N], what one line says of being slack, tensions at its ends;
+        for every body its ``position`` [m] and ``attitude`` [rad], for every vessel ``force`` [N]
+        and ``moment`` [N m], all at the end. The rest is as of one line; errors are those of the
+        part with the largest share, and every line and body has its own ``position_error`` [m],
+        every line its ``tension_error`` [N]."""
         ended = len(self.time) > 0
         found: dict[str, Any] = {"time": float(self.time[-1]) if ended else None}
         found["lines"], found["bodies"], found["vessels"] = {}, {}, {}
@@ -315,6 +330,7 @@ class SystemRun(Run):
                     "end_tension": _finite(self[f"{name}.end_tension"][-1]),
                     "tension_min": _finite(np.min(self[f"{name}.tension_min"])),
                     "tension_max": _finite(np.max(self[f"{name}.tension_max"])),
+                    **{key: self._at_end(f"{name}.{key}") for key in SLACK},
                 }
             for kind, keys in (("bodies", ("position", "attitude")), ("vessels", _WRENCH)):
                 for name in getattr(self.scene, kind):
@@ -334,6 +350,7 @@ class SystemRun(Run):
 
 
 _WRENCH = ("force", "moment")
+SLACK = ("slack_time", "slack_longest", "slack_start", "slack_end")
 
 
 def run_of(scene: Scene | SystemScene, source: Source, **about: Any) -> Run:

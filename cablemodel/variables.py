@@ -99,6 +99,27 @@ def _with_index(name: str, letter: str, index: int) -> str:
     return name.replace(f",{letter}]", f",{index}]")
 
 
+SLACK_LABELS = ("time", "longest", "since", "start", "end")
+"""What a message of being slack holds, in its order: names are ``slack_time``, ..."""
+
+
+def _slack(name: str) -> tuple[Variable, ...]:
+    """For how long so far, and where, a line has carried no tension."""
+    rows = (
+        ("time spent slack", "s"),
+        ("longest slack spell", "s"),
+        ("start of the last slack spell (NaN: none)", "s"),
+        ("slack from this arc length (NaN: nowhere)", "m"),
+        ("slack to this arc length", "m"),
+    )
+    dotted, folder = (f"{name}.", f"{name}/") if name else ("", "")
+    return tuple(
+        Variable(words, unit, f"{dotted}slack_{key}", f"{dotted}slack.{key}",
+                 f"~/{folder}slack", ARRAY, member=f"data[{k}]")
+        for k, ((words, unit), key) in enumerate(zip(rows, SLACK_LABELS, strict=True))
+    )  # fmt: skip
+
+
 OUTPUTS: tuple[Variable, ...] = (
     Variable("tension at the tow point", "N", "top_tension", "tension.top",
              "~/tension_top", FLOAT64),
@@ -106,6 +127,7 @@ OUTPUTS: tuple[Variable, ...] = (
              "~/tension_min", FLOAT64),
     Variable("highest tension along the cable", "N", "tension_max", "tension.max",
              "~/tension_max", FLOAT64),
+    *_slack(""),
     Variable("force of the cable on the vessel", "N", "top_force", "force.top[i]",
              "~/top_wrench", WRENCH, (3,), member="wrench.force"),
     Variable("moment of the cable on the vessel, when clamped", "N.m", "top_moment",
@@ -156,6 +178,7 @@ LINE_OUTPUTS: tuple[Variable, ...] = (
              "~/NAME/tension_min", FLOAT64),
     Variable("highest tension along it", "N", "NAME.tension_max", "NAME.tension.max",
              "~/NAME/tension_max", FLOAT64),
+    *_slack("NAME"),
     Variable("position along it", "m", "NAME.state.position", "NAME.line.position[k,i]",
              "~/NAME/nodes", CLOUD, ("stations", 3), member="x y z"),
     Variable("effective tension along it", "N", "NAME.state.tension", "NAME.line.tension[k]",
@@ -543,6 +566,10 @@ def document() -> str:
         "OrcaFlex). Python has it as `state().wall_tension`, a run as `run.states.wall_tension`,",
         "an export of states as the column `wall_tension`; it is made of a state and the scene",
         "when it is asked for, from a log as well.",
+        "",
+        "A line is *slack* from when its lowest tension comes to 0 until that is 2 % of the",
+        "largest at the start, or of its weight in water (with a free end 0): folds pull a little.",
+        "Cable that the floor bears does not count.",
         "",
         "## Inputs",
         "",

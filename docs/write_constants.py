@@ -45,6 +45,7 @@ WORDS = {
         "ROWS_21 ROWS_22 SUM_D SUM_H SUM_HD"
     ),
     "kernels/flow.py": "SCRATCH",
+    "kernels/part_outputs.py": "WRENCH",
     "kernels/passing.py": "PART",
     "kernels/sea_cells.py": "OVER HELD RISING SURFACE MIRROR CELL_T CELL_X CELL_Z ALIVE CELL_LAYER"
     " STAGE WAY LEVEL WATER WITHIN",

@@ -291,6 +291,7 @@ def _rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
         ("top tension at the end", f"{fixed(summary['top_tension'])} N"),
         ("far end at the end (x, y, z)", _vector(summary["tip_position"])),
         ("lowest tension of the run", f"{fixed(summary['min_tension'])} N"),
+        *_slack_rows(summary, "slack"),
     ]  # fmt: skip
     rows.append(("largest curvature of the run", f"{summary['max_curvature']:.4g} 1/m"))
     if wall:
@@ -314,12 +315,21 @@ def _part_rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
         range_ = f"{fixed(line['tension_min'])} to {fixed(line['tension_max'])} N"
         rows.append((f"{name}: tension at its ends, at the end", ends))
         rows.append((f"{name}: tension of the run", range_))
+        rows += _slack_rows(line, f"{name}: slack")
     for name, body in summary["bodies"].items():
         rows.append((f"{name}: position at the end (x, y, z)", _vector(body["position"])))
     for name, vessel in summary["vessels"].items():
         force = ", ".join(map(fixed, vessel["force"]))
         rows.append((f"{name}: force of the lines at the end (x, y, z)", f"({force}) N"))
     return rows
+
+
+def _slack_rows(found: dict[str, Any], name: str) -> list[tuple[str, str]]:
+    """For how long, and where, a line has been slack; nothing where it has not."""
+    if not found["slack_time"]:
+        return []
+    times = f"{found['slack_time']:.3g} s, up to {found['slack_longest']:.3g} s at a time"
+    return [(name, f"{times}, s = {found['slack_start']:.4g} to {found['slack_end']:.4g} m")]
 
 
 def _error_rows(result: Run) -> list[tuple[str, str]]:

@@ -71,6 +71,7 @@ class DirectBlock(WordBlock):
             (own.OwnHeader.place.place, nodes * 3),
             (own.OwnHeader.strains.place, nodes * 2),
             (Header.winches.word, at.WINCH_WORDS),
+            (Header.lines.word, at.LINE_WORDS),
         ]
         image_words = own.FIRST_FREE + sum(length for _, length in image)
         slots = nodes + 1
@@ -129,4 +130,5 @@ class DirectBlock(WordBlock):
         # The shared kernels see the earth frame: the vertical plane is this solver's own.
         header[Header.dimension.word] = 3
         header[Header.winch_count.word] = 1
+        header[Header.line_count.word] = 1
         super().__init__(own.FIRST_FREE, image, workspace, header)

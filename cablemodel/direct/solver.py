@@ -76,8 +76,9 @@ class DirectSolver(OfBlock):
             if index < 0 and row[own.Section.count] and row[own.Section.kind] == own.RIGID:
                 index = int(row[own.Section.body])
             if index >= 0:
-                position, axis, velocity = (out[index, k : k + 3].copy() for k in (0, 3, 6))
-                placed.append(PlacedBody(self._bodies[index].name, position, velocity, axis))
+                found = at.Station(out[index])
+                name = self._bodies[index].name
+                placed.append(PlacedBody(name, found.position, found.velocity, found.tangent))
         return placed
 
     @property

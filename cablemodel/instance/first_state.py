@@ -99,7 +99,7 @@ def _is_crushed(block: Block, scene: Scene) -> bool:
     stations = np.interp(parts, np.arange(len(nodes)), nodes)
     rows = np.empty((len(stations), at.STATION_WORDS))
     entry.sample(block.ints, block.reals, stations, rows.reshape(-1))
-    chords = np.linalg.norm(np.diff(rows[:, :3], axis=0), axis=1)
+    chords = np.linalg.norm(np.diff(rows[:, at.Station.position.span], axis=0), axis=1)
     return length - float(chords.sum()) > max(0.5 * slack, _LEAST * length)
 
 

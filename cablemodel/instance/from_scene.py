@@ -312,6 +312,7 @@ def _allocate(scene: Scene, line: Line, winch: Winch, spare: int) -> Block:
         waves=0 if water is None else len(water.amplitude),
         cell_terms=waves.cell_terms(water),
         winches=1,
+        lines=1,
     )
 
 

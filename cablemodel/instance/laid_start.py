@@ -290,7 +290,8 @@ def _places_in(other: Block, block: Block) -> FloatArray:
     parents = block.integers(Header.parent, nodes)
     rows = np.empty(at.STATION_WORDS * nodes)
     entry.sample(other.ints, other.reals, arcs, rows)
-    places = np.array([local(block, row[:3], point=True) for row in rows.reshape(nodes, -1)])
+    found = rows.reshape(nodes, -1)[:, at.Station.position.span]
+    places = np.array([local(block, place, point=True) for place in found])
     own = _positions(block)
     for node in np.flatnonzero(joints):  # both ends of a body have the same arc length
         places[node] = places[parents[node]] + own[node] - own[parents[node]]

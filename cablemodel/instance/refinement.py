@@ -136,7 +136,7 @@ def shape_of(block: Block) -> tuple[FloatArray, FloatArray]:
     stations = np.unique(np.interp(np.arange(8 * count - 7) / 8.0, np.arange(count), ends))
     out = np.empty(at.STATION_WORDS * len(stations))
     entry.sample(block.ints, block.reals, stations, out)
-    points = out.reshape(-1, at.STATION_WORDS)[:, :3]
+    points = out.reshape(-1, at.STATION_WORDS)[:, at.Station.position.span]
     bodies = np.flatnonzero(block.integers(Header.joint, count) == at.JOINT_BODY)
     passed = _passed(block)
     arcs = stations

@@ -19,8 +19,12 @@ from .layout import (
     FreeBody,
     Header,
     Layer,
+    Line,
+    PartMotion,
     Piece,
     Scalars,
+    Station,
+    Summary,
     Winch,
 )
 
@@ -46,6 +50,10 @@ arm_of, arm_at = row_of(Arm, Header.arms), record_at(Arm)
 closure_of, closure_at = row_of(Closure, Header.closures), record_at(Closure)
 foil_of, foil_at = row_of(Foil, Header.foils), record_at(Foil)
 winch_of, winch_at = row_of(Winch, Header.winches), record_at(Winch)
+line_of, line_at = row_of(Line, Header.lines), record_at(Line)
 cut_of, cut_at = row_of(Cut, Header.cuts), record_at(Cut)
 foot_of, foot_at = row_of(Foot, Header.feet), record_at(Foot)
 sea_layer_at = record_at(Layer)
+summary_at = record_at(Summary)
+station_at = record_at(Station)
+part_motion_at = record_at(PartMotion)

@@ -38,6 +38,7 @@ from .layout import (
 )
 from .payout import open_gap, split_edge, top_edge
 from .scales import LET_GO
+from .slack import forget_threshold
 from .top_of_line import next_along
 
 AT_A_NODE = 1e-6  # of an element: a place so near its end is there
@@ -270,6 +271,7 @@ def make_cuts(I, M):
         if head.nodes + NODES_OF_A_CUT > head.capacity:
             return NO_CAPACITY
         cut(I, M, row)
+        forget_threshold(I, M, int(row.segment))
         due = True
     if due:
         end_rings(I, M)

@@ -10,7 +10,7 @@ the FMU's state and its serialisation are a copy of it.
 from .record import Record, integer, part, real, reals, spare
 
 MAGIC = 0x4C45444F4D454C42  # "BLEMODEL", little endian
-VERSION = 12
+VERSION = 13
 
 FLOOR_NONE, FLOOR_PLANE, FLOOR_TABLE = 0, 1, 2
 FLOOR_FAR, FLOOR_ABOVE, FLOOR_TOUCHED = 0, 1, 2  # nothing of it is felt; the mesh knows; forces
@@ -160,7 +160,12 @@ class Header(Record):
     closure_count = integer("ends of lines that close a cycle")
     closures = integer("start of them (Closure)")
     closure_work = integer("start of their columns, and of a dense matrix")
-    _spare_2 = spare(5)
+
+    # For how long lines have been slack (slack.py).
+    line_count = integer("lines: 1 where the scene is not a system's")
+    lines = integer("start of them (Line)")
+    slack = integer("SLACK_UNKNOWN before the first step, SLACK_NOWHERE, SLACK_SOMEWHERE")
+    _spare_2 = spare(2)
 
 
 HEADER_WORDS = Header.WORDS
@@ -350,10 +355,31 @@ class Cable(Record):
     displaced = real("mass of the water that it displaces", "kg/m")
     line = real("unstretched length of the line that it is a part of, in a system", "m")
     tension = real("largest so far in it, in a system; at least that line's weight", "N")
+    row = real("of that line in the table of lines")
+    backward = real("1: the tree goes along it from that line's end to its beginning")
     edge = part(Edge, "of its elements")
 
 
 CABLE_WORDS = Cable.WORDS
+
+
+class Line(Record):
+    """A line, and for how long and where some of it has been slack (slack.py)."""
+
+    threshold = real("lowest tension above which it is taut again", "N")
+    winch = real("row of the winch at its beginning, -1: none")
+    slack = real("1: a spell of that goes on")
+    total = real("how long all of them have lasted so far", "s")
+    longest = real("the longest one so far", "s")
+    since = real("when the last one began; not a number: none has", "s")
+    first = real("arc length where what has been without tension begins, or not a number", "m")
+    last = real("where it ends", "m")
+    before = real("lowest tension at the start of a step", "N")
+    after = real("at its end", "N")
+
+
+LINE_WORDS = Line.WORDS
+SLACK_UNKNOWN, SLACK_NOWHERE, SLACK_SOMEWHERE = 0, 1, 2
 
 
 class Body(Record):
@@ -630,13 +656,67 @@ FACT_BENDS = 9  # 1: some of its cables pass a moment
 FACT_WORDS = 10
 LIGHT_DAMPING = 10.0  # rho Cdn d L / m below which a line counts as hardly damped
 
-# What is read off a state, in words: the rows of outputs.sample_stations, outputs.summarise.
-STATION_WORDS, SUMMARY_WORDS, ENERGY_WORDS = 13, 32, 9
+
+class Summary(Record):
+    """What is read off a state at every output (outputs.summarise); vectors in the earth frame."""
+
+    wrench = reals(6, "force [N] and moment [N m] of the cable on the vessel")
+    top_tension = real("size of that force, negative where the cable pushes", "N")
+    tension_min = real("lowest in the cable", "N")
+    tension_max = real("highest in it, and at the top", "N")
+    tip_position = reals(3, "the line's far end, the outer one of a body there", "m")
+    tip_velocity = reals(3, "its velocity", "m/s")
+    vessel_position = reals(3, "the tow point", "m")
+    vessel_velocity = reals(3, "its velocity", "m/s")
+    line_length = real("unstretched cable that is out", "m")
+    payout_rate = real("as it is applied", "m/s")
+    drum_length = real("cable on the drum", "m")
+    floor_force = reals(3, "of the floor on the cable", "N")
+    floor_length = real("on the floor", "m")
+    touchdown_position = reals(3, "touchdown point; not a number: none", "m")
+    touchdown_reaction = real("concentrated there", "N")
+    slack_time = real("for how long some of the line has been slack so far", "s")
+    slack_longest = real("the longest spell of that", "s")
+    slack_since = real("when the last one began; not a number: none has", "s")
+    slack_start = real("arc length where what has been slack so far begins, or not a number", "m")
+    slack_end = real("where it ends", "m")
+
+
+SUMMARY_WORDS = Summary.WORDS
+
+
+class Station(Record):
+    """The state at a place of a cable; of a body its centre's place, its axis and velocity."""
+
+    position = reals(3, "in the earth frame", "m")
+    tangent = reals(3, "along the cable, a unit vector")
+    velocity = reals(3, "of the material", "m/s")
+    tension = real("effective", "N")
+    curvature = real("of the centre line", "1/m")
+    bending_moment = real("there", "N m")
+    on_floor = real("1: the floor bears it")
+
+
+STATION_WORDS = Station.WORDS
+ENERGY_WORDS = 9  # of outputs.energies
 FRAME_INPUTS = 13  # words of a frame's input: see entry.drive
 GIVEN_VELOCITY, GIVEN_POSITION, GIVEN_RATE, GIVEN_ATTITUDE = 1, 2, 4, 8  # bits of its first one
-# Of a body or frame: place, velocity, acceleration of its origin; axes; angular velocity, its rate;
-# roll, pitch and yaw; force and moment of the lines about a frame's origin.
-PART_WORDS = 33
+
+
+class PartMotion(Record):
+    """How a body or frame moves, in the earth's frame, and what lines pull a frame with."""
+
+    position = reals(3, "of its origin", "m")
+    velocity = reals(3, "of its origin", "m/s")
+    acceleration = reals(3, "of its origin", "m/s2")
+    axes = reals(9, "by rows: its axes in the earth's, columns")
+    angular_velocity = reals(3, "of it", "rad/s")
+    angular_acceleration = reals(3, "of it", "rad/s2")
+    attitude = reals(3, "roll, pitch and yaw", "rad")
+    wrench = reals(6, "force [N] and moment [N m] of the lines about a frame's origin")
+
+
+PART_WORDS = PartMotion.WORDS
 
 # Elements at a touchdown.
 LAYER = 0.4  # smallest element in units of the touchdown layer (EI/w)^(1/3)

@@ -2,7 +2,17 @@
 
 import math
 
-from .access import body_at, body_of, constraint_of, edge_of, header, scalars, winch_of
+from .access import (
+    body_at,
+    body_of,
+    constraint_of,
+    edge_of,
+    header,
+    scalars,
+    station_at,
+    summary_at,
+    winch_of,
+)
 from .bodies import add_waves, body_kinematics, surge_power
 from .clamp_layer import add_layer_shape
 from .compile import kernel, view
@@ -14,11 +24,11 @@ from .layout import (
     ENERGY_WORDS,
     GAUSS_WORDS,
     STATION_WORDS,
-    SUMMARY_WORDS,
 )
 from .passing import exchange_rates, overhang
 from .payout import velocity_word
 from .rigid import axis_of, flow_energy, rigid_energy, rigid_row, wave_power
+from .slack import read_slack
 from .strain import strain_and_slope
 from .system import residual, set_time
 from .tables import (
@@ -306,8 +316,8 @@ def smooth_bend(I, M, node, x, out, w):
 
 
 @kernel
-def station_in_element(I, M, low, x, s, out, row):
-    """State at a fraction x of the element above node `low`, s from the vessel, into out[row:].
+def station_in_element(I, M, low, x, s, found):
+    """State at a fraction x of the element above node `low`, s from the vessel, into a Station.
 
     `end_forces` has been called.
     """
@@ -374,31 +384,29 @@ def station_in_element(I, M, low, x, s, out, row):
         moment = add_layer_shape(I, M, s, w, winch_of(I, M, 0).stage_rate)
     left = end_tension(I, M, low, 0)
     right = end_tension(I, M, low, 1)
-    out[row + 12] = 0.0
+    found.on_floor = 0.0
     if head.floor_kind != 0 and gap_at(I, M, w, w[12:15]) < lying_gap(I, M, low):
-        out[row + 12] = 1.0
-    to_earth(I, M, w, 0, out, row, 1)
-    to_earth(I, M, w, 3, out, row + 3, 0)
-    to_earth(I, M, w, 9, out, row + 6, 0)
+        found.on_floor = 1.0
+    to_earth(I, M, w, 0, found.position, 0, 1)
+    to_earth(I, M, w, 3, found.tangent, 0, 0)
+    to_earth(I, M, w, 9, found.velocity, 0, 0)
     mean = M[head.tension + 2 * low]
     # The parabola through both end tensions that has the element's mean.
     bow = 6.0 * mean - 3.0 * (left + right)
     if bending > 0.0:  # where it bends sharply, that mean is not that of the tension
         off = PRESSED * bending * sharpest_bend(I, M, low, bend[0:6])
         bow = math.copysign(max(0.0, abs(bow) - off), bow)
-    out[row + 9] = left + x * (right - left) + bow * x * y
-    out[row + 10] = curvature
-    out[row + 11] = edge.bending * curvature
+    found.tension = left + x * (right - left) + bow * x * y
+    found.curvature = curvature
+    found.bending_moment = edge.bending * curvature
     if moment > 0.0:
-        out[row + 10] += moment / edge.bending_full
-        out[row + 11] += moment
+        found.curvature += moment / edge.bending_full
+        found.bending_moment += moment
 
 
 @kernel
 def sample_stations(I, M, stations, out):
-    """State at arc lengths `stations` (ascending or not): rows of STATION_WORDS into out.
-
-    A row: position, tangent, velocity (3 each), tension, curvature, bending moment, 1 on the floor.
+    """State at arc lengths `stations` (ascending or not): rows of a Station each into out.
 
     Returns the index of the first station that lies outside the line (then nothing more is
     written), or the number of stations.
@@ -428,7 +436,7 @@ def sample_stations(I, M, stations, out):
         edge = edge_of(I, M, low)
         start = edge.start + paid if I[head.parent + low] > 0 else -above
         x = min(1.0, max(0.0, (s - start) / edge.length))
-        station_in_element(I, M, low, x, s, out, STATION_WORDS * n)
+        station_in_element(I, M, low, x, s, station_at(out, STATION_WORDS * n))
     return len(stations)
 
 
@@ -436,8 +444,8 @@ def sample_stations(I, M, stations, out):
 def body_stations(I, M, out):
     """Bodies of finite length that are out: position, axis and velocity of the centre of gravity.
 
-    out: the first 9 words of rows of STATION_WORDS, one for each body of the table; those of other
-    bodies stay as they are (they move with the cable: see sample_stations).
+    out: a row of a Station for each body of the table, of which the rest stays as it is; those of
+    other bodies, too (they move with the cable: see sample_stations).
     """
     head = header(I)
     dimension = head.dimension
@@ -465,68 +473,76 @@ def body_stations(I, M, out):
         for i in range(dimension):
             w[3 + i] = near * q[inner + i] + far * q[outer + i]
             w[6 + i] = near * v[inner + i] + far * v[outer + i]
-        to_earth(I, M, w, 3, out, STATION_WORDS * body, 1)
-        to_earth(I, M, w, 0, out, STATION_WORDS * body + 3, 0)
-        to_earth(I, M, w, 6, out, STATION_WORDS * body + 6, 0)
+        found = station_at(out, STATION_WORDS * body)
+        to_earth(I, M, w, 3, found.position, 0, 1)
+        to_earth(I, M, w, 0, found.tangent, 0, 0)
+        to_earth(I, M, w, 6, found.velocity, 0, 0)
     if passing:
         exchange_rates(I, M, v, a)
 
 
 @kernel
 def summarise(I, M, out):
-    """Numbers of the present state that logs and co-simulation ask for at every step.
-
-    out: 0-5 force and moment of the cable on the vessel, 6 top tension (size of that force,
-    negative where the cable pushes), 7, 8 lowest and highest tension in the cable,
-    9-11 position of the line's far end (a last body's outer one), 12-14 its velocity, 15-17 vessel
-    position, 18-20 vessel velocity, 21 line length, 22 applied pay-out rate, 23 cable on the drum,
-    24-26 force of the floor on the cable, 27 length on the floor, 28-30 touchdown point (not a
-    number: none), 31 its reaction.
-    """
+    """Numbers of the present state that logs and co-simulation ask for at every step: a Summary."""
     head = header(I)
     dimension = head.dimension
     size = 2 * dimension
     nodes = head.nodes
+    found = summary_at(out, 0)
+    wrench = found.wrench
     end_forces(I, M)
-    support_force(I, M, 0, out)
+    support_force(I, M, 0, wrench)
     for i in range(6):
-        out[i] = -out[i]
+        wrench[i] = -wrench[i]
     top = pull_along(I, M, 0, -1.0)
-    out[6] = math.copysign(math.sqrt(out[0] ** 2 + out[1] ** 2 + out[2] ** 2), top)
+    found.top_tension = math.copysign(
+        math.sqrt(wrench[0] ** 2 + wrench[1] ** 2 + wrench[2] ** 2), top
+    )
     lowest = 1e300
-    highest = out[6]  # the force at the top has the shear, too
+    highest = found.top_tension  # the force at the top has the shear, too
     for node in range(1, nodes):
         if I[head.joint + node] == 0:
             for side in range(2):
                 value = end_tension(I, M, node, side)
                 lowest = min(lowest, value)
                 highest = max(highest, value)
-    out[7] = lowest
-    out[8] = highest
+    found.tension_min = lowest
+    found.tension_max = highest
     last = size * (nodes - 1)
     q = M[head.position : head.position + size * nodes]
     v = M[head.velocity : head.velocity + size * nodes]
-    to_earth(I, M, q, last, out, 9, 1)
-    to_earth(I, M, v, last, out, 12, 0)
-    to_earth(I, M, q, 0, out, 15, 1)
-    to_earth(I, M, v, 0, out, 18, 0)
+    to_earth(I, M, q, last, found.tip_position, 0, 1)
+    to_earth(I, M, v, last, found.tip_velocity, 0, 0)
+    to_earth(I, M, q, 0, found.vessel_position, 0, 1)
+    to_earth(I, M, v, 0, found.vessel_velocity, 0, 0)
     way = M[head.motion + 28 : head.motion + 43]
     way_from_tow_point(I, M, way)
-    for i in range(6):
-        out[15 + i] -= way[i]
-    out[21] = line_length(I, M)
+    for i in range(3):
+        found.vessel_position[i] -= way[i]
+        found.vessel_velocity[i] -= way[3 + i]
+    found.line_length = line_length(I, M)
     winch = winch_of(I, M, 0)
-    out[22] = winch.stage_rate if head.payout != 0 else 0.0
-    out[23] = winch.paid_most - winch.paid
-    for k in range(24, SUMMARY_WORDS):
-        out[k] = 0.0
+    found.payout_rate = winch.stage_rate if head.payout != 0 else 0.0
+    found.drum_length = winch.paid_most - winch.paid
+    clear_floor(found, 0.0)
     if head.floor_kind != 0:
         w = M[head.motion + 16 : head.motion + 24]
         floor_summary(I, M, w)
-        to_earth(I, M, w, 0, out, 24, 0)
-        to_earth(I, M, w, 4, out, 28, 1)
-        out[27] = w[3]
-        out[31] = w[7]
+        to_earth(I, M, w, 0, found.floor_force, 0, 0)
+        to_earth(I, M, w, 4, found.touchdown_position, 0, 1)
+        found.floor_length = w[3]
+        found.touchdown_reaction = w[7]
+    read_slack(I, M, found)
+
+
+@kernel
+def clear_floor(found, place):
+    """Nothing touches the floor; place: what stands for the touchdown point."""
+    for i in range(3):
+        found.floor_force[i] = 0.0
+        found.touchdown_position[i] = place
+    found.floor_length = 0.0
+    found.touchdown_reaction = 0.0
 
 
 @kernel

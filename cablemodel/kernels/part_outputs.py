@@ -1,6 +1,16 @@
 """Systems of parts: what the caller drives, and what is read of bodies, frames and lines' ends."""
 
-from .access import constraint_of, cut_of, edge_of, frame_of, free_body_of, header, scalars
+from .access import (
+    constraint_of,
+    cut_of,
+    edge_of,
+    frame_of,
+    free_body_of,
+    header,
+    part_motion_at,
+    scalars,
+    station_at,
+)
 from .compile import kernel, view
 from .frames import drive_frame
 from .free_bodies import deflect_foils, push_bodies
@@ -10,10 +20,13 @@ from .layout import (
     HELD_BY_FRAME,
     PART_WORDS,
     STATION_WORDS,
+    PartMotion,
 )
 from .outputs import end_forces, station_in_element
 from .rotation import angles_of, cross, to_earth_axes
 from .winch import drive_winch
+
+WRENCH = PartMotion.wrench.word
 
 
 @kernel
@@ -36,18 +49,18 @@ def drive_parts(I, M, t_end, motion, forces, angles, rates, orders):
 
 @kernel
 def element_stations(I, M, elements, fractions, out):
-    """State at fractions of elements: rows of STATION_WORDS, as outputs.sample_stations."""
+    """State at fractions of elements: rows of a Station, as outputs.sample_stations."""
     end_forces(I, M)
     for n in range(len(elements)):
         node = int(elements[n])
         s = fractions[n] * edge_of(I, M, node).length
-        station_in_element(I, M, node, fractions[n], s, out, STATION_WORDS * n)
+        station_in_element(I, M, node, fractions[n], s, station_at(out, STATION_WORDS * n))
 
 
 @kernel
 def parts_motion(I, M, bodies, frames):
     """Motion of all bodies and frames, and the lines' forces and moments on frames about their
-    origins, earth frame: PART_WORDS words each."""
+    origins: a PartMotion each."""
     head = header(I)
     state = scalars(M)
     end_forces(I, M)
@@ -56,7 +69,7 @@ def parts_motion(I, M, bodies, frames):
         m = row.motion
         origin = row.origin
         w = view(M, head.motion + 28, 15)
-        out = bodies[PART_WORDS * n : PART_WORDS * (n + 1)]
+        found = part_motion_at(bodies, PART_WORDS * n)
         turn = m.turn
         spin = m.spin
         to_earth_axes(turn, origin, w[0:3])
@@ -65,27 +78,32 @@ def parts_motion(I, M, bodies, frames):
         cross(spin, w[3:6], w[9:12])
         cross(m.spin_rate, origin, w[3:6])
         for i in range(3):
-            out[i] = m.reference[i] + w[i] + state.origin[i]
-            out[3 + i] = m.reference[3 + i] + w[6 + i]
+            found.position[i] = m.reference[i] + w[i] + state.origin[i]
+            found.velocity[i] = m.reference[3 + i] + w[6 + i]
             w[3 + i] += w[9 + i]
         to_earth_axes(turn, w[3:6], w[0:3])
         for i in range(3):
-            out[6 + i] = m.reference[6 + i] + w[i]
+            found.acceleration[i] = m.reference[6 + i] + w[i]
         for i in range(9):
-            out[9 + i] = turn[i]
-        to_earth_axes(turn, spin, out[18:21])
-        to_earth_axes(turn, m.spin_rate, out[21:24])
-        angles_of(turn, out[24:27])
-        for i in range(27, PART_WORDS):
-            out[i] = 0.0
+            found.axes[i] = turn[i]
+        to_earth_axes(turn, spin, found.angular_velocity)
+        to_earth_axes(turn, m.spin_rate, found.angular_acceleration)
+        angles_of(turn, found.attitude)
+        found.wrench[:] = 0.0
     for n in range(head.frame_count):
-        for i in range(24):
-            frames[PART_WORDS * n + i] = frame_of(I, M, n).motion[i]
-        out = frames[PART_WORDS * n : PART_WORDS * (n + 1)]
-        angles_of(out[9:18], out[24:27])
-        for i in range(27, PART_WORDS):
-            out[i] = 0.0
-    add_wrenches(I, M, head.position, frames, PART_WORDS, 27)
+        frame = frame_of(I, M, n)
+        found = part_motion_at(frames, PART_WORDS * n)
+        for i in range(3):
+            found.position[i] = frame.motion[i]
+            found.velocity[i] = frame.motion[3 + i]
+            found.acceleration[i] = frame.motion[6 + i]
+            found.angular_velocity[i] = frame.spin[i]
+            found.angular_acceleration[i] = frame.spin_rate[i]
+        for i in range(9):
+            found.axes[i] = frame.rotation[i]
+        angles_of(found.axes, found.attitude)
+        found.wrench[:] = 0.0
+    add_wrenches(I, M, head.position, frames, PART_WORDS, WRENCH)
 
 
 @kernel

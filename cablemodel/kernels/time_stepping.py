@@ -46,6 +46,7 @@ from .payout import pay_out
 from .refine import follow_bending
 from .rings import begin_rings, follow_rings, left_of_rings, longest_ring_step, may_miss_rings
 from .sea_cells import begin_stage, end_stage
+from .slack import follow_slack
 from .sleep import disturbance, fall_asleep, may_sleep, prepare_joining, wake, wake_as_many
 from .stabilisation import follow_third_mode
 from .step_size import (
@@ -567,6 +568,7 @@ def advance_to(I, M, t_end):
             status = OK
         else:
             follow_rings(I, M, dt, -1 if two_steps else scheme)
+            follow_slack(I, M, dt)
             if two_steps:
                 accept_two_step(I, M, dt)
             else:

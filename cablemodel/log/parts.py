@@ -44,6 +44,9 @@ def encode_parts(
             data = messages.cloud(stamp, shapes[name])
         elif row.message == variables.FLOAT64:
             data = messages.float64(float(outputs[row.python]))
+        elif row.message == variables.ARRAY:
+            slack = [float(outputs[f"{name}.slack_{key}"]) for key in variables.SLACK_LABELS]
+            data = messages.row(variables.SLACK_LABELS, np.array(slack))
         elif row.message == variables.ODOMETRY:
             data = messages.part_odometry(stamp, name, parts[name])
         else:

@@ -79,10 +79,22 @@ class LogSource:
         rows = len(variables.STATE_LABELS)
         return [values[1:].reshape(rows, -1) for values in self._state_values]
 
+    def holds(self, variable: variables.Variable) -> bool:
+        """Whether it was logged, which an earlier version may not have done."""
+        return not self._counts or self._counts.get(variable.resolved_topic, 0) > 0
+
+    @cached_property
+    def _counts(self) -> dict[str, int]:
+        return self.log.counts()
+
     def column(self, variable: variables.Variable) -> Floats:
         topic = variable.resolved_topic
         if variable.message == variables.FLOAT64:
             return self.log.trailing_floats(topic, 1)[:, 0]
+        if variable.message == variables.ARRAY:
+            key = variable.python.removeprefix("slack_")
+            labels = variables.SLACK_LABELS
+            return self.log.trailing_floats(topic, len(labels))[:, labels.index(key)]
         if variable.message == variables.POSES:
             return self._bodies(variable)
         count, first = _TAIL[variable.python]
@@ -113,11 +125,15 @@ class SystemSource:
 
     @cached_property
     def _outputs(self) -> dict[str, Floats]:
-        labels = variables.output_labels(self.scene)
-        return labelled_rows(self.log, variables.resolved(variables.OUTPUTS_TOPIC), labels)
+        labels, values = self.log.arrays(variables.resolved(variables.OUTPUTS_TOPIC))
+        return by_label(values, labels or variables.output_labels(self.scene))
 
     def times(self) -> Floats:
         return self._outputs["time"]
+
+    def holds(self, variable: variables.Variable) -> bool:
+        """Whether it was logged, which an earlier version may not have done."""
+        return any(label.startswith(variable.python) for label in self._outputs)
 
     def column(self, variable: variables.Variable) -> Floats:
         if not variable.shape:

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 import yaml
+from numpy.typing import NDArray
 
 from cablemodel import variables
 from cablemodel.errors import LogError
@@ -313,7 +314,8 @@ class LogWriter:
 
     def _put(self, topic: str, stamp: int, data: bytes) -> None:
         size = self._mcap.add_message(self._channels[topic], stamp, data)
-        self._pending_bytes = max(self._pending_bytes, size)
+        if size > self._pending_bytes:
+            self._pending_bytes = size
 
     def _end_sample(self) -> None:
         if self._pending_bytes >= CHUNK_BYTES:
@@ -383,14 +385,12 @@ def encode_outputs(
     messages: Messages, topics: Iterable[str], stamp: int, model: CableModel, state: CableState
 ) -> list[tuple[str, bytes]]:
     """Messages of output topics (the table's or resolved names) of a model at a stamp [ns]."""
-    return [
-        (topic, _ENCODE[variables.resolved(topic)](messages, stamp, model, state))
-        for topic in topics
-    ]
+    return [(topic, _ENCODE[topic](messages, stamp, model, state)) for topic in topics]
 
 
 def _encoders() -> dict[str, _Encode]:
-    """How the message of each output topic is made from a model and its state."""
+    """How the message of each output topic, by both of its names, is made from a model and its
+    state."""
     special: dict[str, _Encode] = {
         "~/top_wrench": lambda m, t, model, state: m.top_wrench(
             t, model.top_force, model.top_moment
@@ -403,15 +403,23 @@ def _encoders() -> dict[str, _Encode]:
         ),
         "~/nodes": lambda m, t, model, state: m.cloud(t, state),
         "~/touchdown": lambda m, t, model, state: m.point(t, model.touchdown_position),
+        "~/slack": lambda m, t, model, state: m.row(variables.SLACK_LABELS, _slack(model)),
         "~/floor_force": lambda m, t, model, state: m.wrench(t, model.floor_force),
     }
     return {
-        variable.resolved_topic: special.get(variable.topic) or _float64(variable.python)
+        topic: special.get(variable.topic) or _float64(variable.python)
         for variable in variables.OUTPUTS
+        for topic in (variable.topic, variable.resolved_topic)
     }
 
 
 _ENCODE = _encoders()
+
+
+def _slack(model: CableModel) -> NDArray[np.float64]:
+    """In the order of ``variables.SLACK_LABELS``."""
+    times = model.slack_time, model.slack_longest, model.slack_since
+    return np.array([*times, model.slack_start, model.slack_end])
 
 
 def _plain(value: Any) -> Any:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel.columns import input_fields
-from cablemodel.drawing import COLOURS, start_of, start_tensions, tension_errors
+from cablemodel.drawing import COLOURS, slack_spans, start_of, start_tensions, tension_errors
 from cablemodel.report.samples import Along, Field, thinned
 from cablemodel.run import Run, SystemRun
 
@@ -27,6 +27,9 @@ TENSION_SCALE = [
 """Plasma without its palest part, which is hard to see on white."""
 NOW = "now"
 """Name of the traces that the page moves with time."""
+
+SLACK_COLOUR = "rgba(230,120,40,0.22)"
+"""Of the times between two outputs in which some of a line was slack."""
 
 _SATURATED = 0.995
 _PEAKED = 2.0
@@ -120,7 +123,17 @@ def start_tension(run: Run, seconds: float, hours: str, newtons: float, unit: st
         }
         traces.append(_curve(time, tension / newtons, name or start_of(name), **style, width=2))
     traces.append(_curve(time, lowest, f"lowest {where}", color="#8a97a5", width=1))
-    layout = _over_time(time, hours, f"tension [{unit}]", **_legend())
+    shades = [
+        {"type": "rect", "x0": begin / seconds, "x1": end / seconds, "yref": "paper", "y0": 0,
+         "y1": 1, "fillcolor": SLACK_COLOUR, "line": {"width": 0}, "layer": "below"}
+        for begin, end in slack_spans(run)
+    ]  # fmt: skip
+    if shades:  # the key tells of them
+        traces.append(
+            {"type": "scatter", "mode": "markers", "x": [None], "y": [None], "name": "slack",
+             "marker": {"symbol": "square", "size": 11, "color": SLACK_COLOUR}}
+        )  # fmt: skip
+    layout = _over_time(time, hours, f"tension [{unit}]", shapes=shades, **_legend())
     return {"data": traces, "layout": layout}
 
 

@@ -79,6 +79,7 @@ def key_figures(run: Run, alongs: dict[str, Along], newtons: float, unit: str) -
     scale = max(abs(high.value), abs(low.value)) / newtons
     title = _of(name, "tension, lowest")
     found.append(Key(title, number(low.value / newtons, scale), unit, _where(low)))
+    found += [figure for name in alongs for figure in _slack_figure(run, name)]
     name = max(alongs, key=lambda name: alongs[name].curvature.highest.value)
     curvature = alongs[name].curvature.highest
     radius = f"radius {number(1.0 / curvature.value)} m; " if curvature.value > 0.0 else ""
@@ -88,6 +89,22 @@ def key_figures(run: Run, alongs: dict[str, Along], newtons: float, unit: str) -
     if isinstance(run, SystemRun):
         return found + _part_figures(run, newtons, unit)
     return [*found, _far_end(run)]
+
+
+def _slack_figure(run: Run, name: str) -> Iterator[Key]:
+    """For how long, and where, a line has been slack, if it has."""
+
+    def at_end(key: str) -> float:
+        return float(run[f"{name}.slack_{key}".lstrip(".")][-1])
+
+    known = f"{name}.slack_time".lstrip(".") in run.names
+    if known and (total := at_end("time")) > 0.0:
+        note = (
+            f"up to {number(at_end('longest'))} s at a time, the last time from t = "
+            f"{place(at_end('since'))} s on; s = {place(at_end('start'))} to "
+            f"{place(at_end('end'))} m"
+        )
+        yield Key(_of(name, "slack for"), number(total), "s", note)
 
 
 def _of(line: str, text: str) -> str:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from cablemodel.block import Block
 from cablemodel.kernels import layout as at
-from cablemodel.kernels.layout import Header, Winch
+from cablemodel.kernels.layout import Header, Line, Winch
 from cablemodel.systems.scene import SystemScene
 from cablemodel.systems.tree import Tree
 
@@ -52,6 +52,11 @@ class Built:
         """A winch by its number in the scene."""
         first = int(self.block.header.winches) + number * at.WINCH_WORDS
         return Winch(self.block.reals, first)
+
+    @property
+    def line_rows(self) -> dict[str, Line]:
+        """The lines' rows of the table of lines, by name."""
+        return {name: self.block.line(number) for number, name in enumerate(self.scene.lines)}
 
     def paid(self, line: str) -> tuple[float, float]:
         """What winches have paid out at the beginning and at the end of a line [m]."""

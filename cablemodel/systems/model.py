@@ -7,7 +7,7 @@ import math
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from os import PathLike
 from typing import Any, Unpack
 
@@ -74,6 +74,23 @@ class WinchState:
     """``free``, ``drum empty`` or ``shortest length``."""
 
 
+@dataclass(frozen=True)
+class Slack:
+    """For how long some of a line has been slack so far, and where; see `CableModel.slack_time`."""
+
+    time: float
+    """[s]"""
+    longest: float
+    """The longest spell [s]."""
+    since: float
+    """When the last spell began [s]; not a number: none has yet."""
+    start: float
+    """Arc length from the line's beginning where what has been slack so far begins [m]; not a
+    number: nothing has."""
+    end: float
+    """Where that ends [m]."""
+
+
 class LineView:
     """One line of a model, by its name."""
 
@@ -118,13 +135,13 @@ class LineView:
         return CableState(
             time=self._model.time,
             s=s,
-            position=rows[:, 0:3],
-            tangent=sign * rows[:, 3:6],
-            velocity=rows[:, 6:9],
-            tension=rows[:, 9],
-            curvature=rows[:, 10],
-            bending_moment=rows[:, 11],
-            on_floor=rows[:, 12] != 0.0,
+            position=rows[:, at.Station.position.span],
+            tangent=sign * rows[:, at.Station.tangent.span],
+            velocity=rows[:, at.Station.velocity.span],
+            tension=rows[:, at.Station.tension],
+            curvature=rows[:, at.Station.curvature],
+            bending_moment=rows[:, at.Station.bending_moment],
+            on_floor=rows[:, at.Station.on_floor] != 0.0,
             water=(self._water, self._model.scene.lines[self.name].length + before),
         )
 
@@ -133,8 +150,15 @@ class LineView:
         """Lowest and highest tension at both ends of all its elements [N]."""
         nodes = self._model.built.elements(self.name).node.astype(np.float64)
         ends = np.repeat([0.0, 1.0], len(nodes))
-        tension = self._model.sample_elements(np.tile(nodes, 2), ends)[:, 9]
+        rows = self._model.sample_elements(np.tile(nodes, 2), ends)
+        tension = rows[:, at.Station.tension]
         return float(tension.min()), float(tension.max())
+
+    @property
+    def slack(self) -> Slack:
+        """For how long some of it has been slack so far, and where."""
+        row = self._model.built.line_rows[self.name]
+        return Slack(*map(float, (row.total, row.longest, row.since, row.first, row.last)))
 
     @property
     def start_tension(self) -> float:
@@ -406,6 +430,8 @@ class SystemModel:
             lowest, highest = self.lines[name].tension_range
             found[f"{name}.tension_min"] = np.array(lowest)
             found[f"{name}.tension_max"] = np.array(highest)
+            for key, value in asdict(self.lines[name].slack).items():
+                found[f"{name}.slack_{key}"] = np.array(value)
         bodies, frames = self._parts()
         for names, rows in ((self.scene.bodies, bodies), (self.scene.vessels, frames)):
             for name, row in zip(names, rows, strict=True):
@@ -519,19 +545,20 @@ def _finer_model(scene: SystemScene) -> SystemModel | None:
 
 
 def _wrench(row: FloatArray) -> FloatArray:
-    """Force and moment in the words of a vessel (part_outputs.parts_motion)."""
-    return row[27:33].copy()
+    """Force and moment of a vessel, by the words of its PartMotion."""
+    return at.PartMotion(row).wrench.copy()
 
 
 def _motion(row: FloatArray) -> Motion:
+    found = at.PartMotion(row.copy())
     return Motion(
-        position=row[0:3].copy(),
-        velocity=row[3:6].copy(),
-        acceleration=row[6:9].copy(),
-        axes=row[9:18].reshape(3, 3).copy(),
-        angular_velocity=row[18:21].copy(),
-        angular_acceleration=row[21:24].copy(),
-        attitude=row[24:27].copy(),
+        position=found.position,
+        velocity=found.velocity,
+        acceleration=found.acceleration,
+        axes=found.axes.reshape(3, 3),
+        angular_velocity=found.angular_velocity,
+        angular_acceleration=found.angular_acceleration,
+        attitude=found.attitude,
     )
 
 

@@ -74,6 +74,7 @@ def allocated(scene: SystemScene, tree: Tree) -> Built:
         rao_words=rao_words(scene, water),
         feet=len(feet_of(scene)),
         closures=len(tree.closures),
+        lines=len(scene.lines),
     )
     block.header.parts = 1
     block.header.nodes = nodes
@@ -149,6 +150,8 @@ def fill_cables(scene: SystemScene, built: Built) -> None:
         row[at.Cable.displaced] = rho * 0.25 * math.pi * kind.diameter**2
         row[at.Cable.line] = scene.lines[segment.line].length
         row[at.Cable.tension] = weight_of(scene, segment.line)
+        row[at.Cable.row] = list(scene.lines).index(segment.line)
+        row[at.Cable.backward] = segment.backward
         edge = row[at.Cable.edge :]
         edge[:] = edge_row(scene, cable, index, offset, scale)
         if edge[at.Edge.model] == at.MODEL_HYBRID and edge[at.Edge.bending_full] > 0.0:
@@ -197,8 +200,12 @@ def fill_winches(scene: SystemScene, built: Built) -> None:
     edges = block.array(Header.edges, len(tree.parent), at.EDGE_WORDS)
     cables = block.array(Header.cables, len(tree.segments), at.CABLE_WORDS)
     first = 0
+    for line_row in built.line_rows.values():
+        line_row.winch = -1.0
     for number, winch in enumerate(scene.winches.values()):
         line = scene.lines[winch.line]
+        if winch.at == "start":
+            built.line_rows[winch.line].winch = number
         end = line.end_at(winch.at)
         held = next(h for h in tree.held if h.line == winch.line and h.end is end)
         top = held.node + 1 if held.outward else held.node

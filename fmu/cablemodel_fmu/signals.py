@@ -32,28 +32,23 @@ VR_SUMMARY = 1000
 VR_STATION = 10000
 VR_BODY = 20000000
 
-# First word of a quantity in kernels/outputs.py: of the summary, or of a row of the stations.
-_SUMMARY = {
-    "top_force": 0,
-    "top_moment": 3,
-    "top_tension": 6,
-    "tension_min": 7,
-    "tension_max": 8,
-    "tip_position": 9,
-    "tip_velocity": 12,
-    "line_length": 21,
-    "payout_rate": 22,
-    "drum_length": 23,
-    "floor_force": 24,
-    "floor_length": 27,
-    "touchdown_position": 28,
-    "touchdown_reaction": 31,
+# First word of a quantity: of the Summary of kernels/layout.py, or of a row of the stations.
+_SUMMARY = {name: field.word for name, field in at.Summary.FIELDS.items()} | {
+    "top_force": at.Summary.wrench.word,
+    "top_moment": at.Summary.wrench.word + 3,
 }
 _ERROR = {"position_error": 0, "tension_error": 1}
 _AXES = ("x (east)", "y (north)", "z (up)")
 _ANGLES = ("roll", "pitch", "yaw")
-_STATION = {"state.position": 0, "state.tension": 9, "state.curvature": 10}
-_BODY = {"bodies.position": 0, "bodies.direction": 3}
+_STATION = {
+    "state.position": at.Station.position.word,
+    "state.tension": at.Station.tension.word,
+    "state.curvature": at.Station.curvature.word,
+}
+_BODY = {
+    "bodies.position": at.Station.position.word,
+    "bodies.direction": at.Station.tangent.word,
+}
 
 # A coefficient of a cable type or of a body; the length of a cable of the line or on the drum.
 OF_CABLES, OF_BODY, OF_LINE, OF_DRUM = range(4)

@@ -163,9 +163,10 @@ class LineRig:
             yield from doubts(model.errors, settings)
 
     def values(self) -> dict[str, str]:
-        if not self.scene.solver.error_estimate:
-            return {}
-        return error_values(self.model.errors, "top tension")
+        found = {"slack so far [s]": f"{self.model.slack_time:.3f}"}
+        if self.scene.solver.error_estimate:
+            found |= error_values(self.model.errors, "top tension")
+        return found
 
     def command_findings(self) -> Iterator[str]:
         if self.helm.idle_payout:

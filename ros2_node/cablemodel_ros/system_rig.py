@@ -248,6 +248,8 @@ class SystemRig:
             f"{name} made [s]": "not yet" if time is None else f"{time:.3f}"
             for name, time in self.model.cuts.items()
         }
+        for name, line in self.model.lines.items():
+            found[f"{name}: slack so far [s]"] = f"{line.slack.time:.3f}"
         if self.scene.solver.error_estimate:
             found |= error_values(self.model.errors, "tensions at its ends")
         return found

@@ -142,6 +142,27 @@ class SwingingCable:
         return float(self.state().tension.max())
 
     @property
+    def slack_time(self) -> float:
+        """Of the second half of every second."""
+        return 0.5 * math.floor(self.time) + max(0.0, self.time % 1.0 - 0.5)
+
+    @property
+    def slack_longest(self) -> float:
+        return min(0.5, self.slack_time)
+
+    @property
+    def slack_since(self) -> float:
+        return math.floor(self.time - 0.5) + 0.5 if self.time >= 0.5 else math.nan
+
+    @property
+    def slack_start(self) -> float:
+        return math.pi if self.time >= 0.5 else math.nan
+
+    @property
+    def slack_end(self) -> float:
+        return 7.0 * math.pi if self.time >= 0.5 else math.nan
+
+    @property
     def top_force(self) -> np.ndarray:
         return self.top_tension * self.state().tangent[0]
 

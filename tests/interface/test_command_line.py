@@ -25,7 +25,8 @@ ROOT = Path(__file__).parents[2]
 SCENE = ROOT / "scenes" / "towed_cable.yaml"
 BREAKING = "environment.waves={regular: {height: 9, period: 5}}"
 SUMMARY = [
-    "time", "top_tension", "tip_position", "min_tension", "max_curvature",
+    "time", "top_tension", "tip_position", "min_tension",
+    "slack_time", "slack_longest", "slack_start", "slack_end", "max_curvature",
     "wall_time", "steps", "rejected", "factorisations", "elements",
 ]  # fmt: skip
 

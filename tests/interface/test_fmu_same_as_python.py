@@ -248,3 +248,22 @@ def test_a_coefficient_tuned_in_the_run_takes_effect_at_the_next_step(still):
     assert slave.get("end.position")[2] > other.get("end.position")[2] + 1.0
     slave.close()
     other.close()
+
+
+def test_how_long_a_line_has_been_slack(tmp_path):
+    """A load that snaps in heave: times of the last spell are those of the master."""
+    scene = cm.load_scene(Path(__file__).parents[2] / "docs" / "jobs" / "snap_in_heave.yaml")
+    with unpacked(scene, tmp_path, stations=STATIONS) as (place, description):
+        slave, later = Slave(place, description), Slave(place, description, start=100.0)
+        model = cm.CableModel(scene)
+        assert_same_bits(slave, model, STATIONS)
+        assert np.isnan(later.get("slack.since"))
+        for _ in range(50):
+            for each in (slave, later, model):
+                each.step(0.5)
+            assert_same_bits(slave, model, STATIONS)
+        assert model.slack_time > 1.0
+        assert later.get("slack.since") == 100.0 + model.slack_since
+        assert later.get("slack.time") == model.slack_time
+        slave.close()
+        later.close()

@@ -565,3 +565,36 @@ def test_a_model_file_that_is_altered_is_refused(hung: Any, tmp_path: Path) -> N
             Slave(other, description)
     model.write_bytes(whole)
     Slave(other, description).close()
+
+
+def test_how_long_lines_have_been_slack(tmp_path: Path) -> None:
+    """One line's load is left behind by a ship that heaves, the other one's is not."""
+    load = {"mass": 500, "inertia": [50, 50, 50], "points": {"top": [0, 0, 0]}}
+    rows = [{"t": t, "velocity": [0, 0, 2.0 if t % 4 == 1 else -2.0 * (t % 4 == 3)]}
+            for t in range(9)]  # fmt: skip
+    scene = cm.load_system(
+        {
+            "cable_types": {"W": {"diameter": 0.005, "mass": 0.1, "axial_stiffness": "300 kN",
+                                  "bending_stiffness": 1}},
+            "vessels": {"ship": {"points": {"port": [0, 0, 0], "starboard": [0, 30, 0]},
+                                 "velocity": rows}},
+            "bodies": {"plate": {**load, "submerged_weight": 1500, "drag_area": [2, 2, 2]},
+                       "ball": {**load, "submerged_weight": 4000}},
+            "lines": {
+                "down": {"from": "ship.port", "to": "plate.top",
+                         "items": [{"cable": {"type": "W", "length": 20}}]},
+                "up": {"from": "ball.top", "to": "ship.starboard",
+                       "items": [{"cable": {"type": "W", "length": 20}}]},
+            },
+        }
+    )  # fmt: skip
+    with unpacked(scene, tmp_path, stations=STATIONS) as (place, description):
+        slave, model = Slave(place, description), SystemModel(scene)
+        assert_same_bits(slave, model)
+        for _ in range(16):
+            slave.step(0.5)
+            model.step(0.5)
+            assert_same_bits(slave, model)
+        assert model.lines["down"].slack.time > 0.1
+        assert model.lines["up"].slack.time == 0.0
+        slave.close()

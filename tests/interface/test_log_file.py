@@ -122,6 +122,19 @@ def test_float_topics_are_exact(log: Path, full_scene: Scene, swinging_cable: An
             assert messages[1].data == getattr(model, row.python), row.python
 
 
+def test_what_is_said_of_being_slack_is_exact(
+    log: Path, full_scene: Scene, swinging_cable: Any
+) -> None:
+    model = swinging_cable(full_scene)
+    run, before, after = cm.open_run(log), *decoded(log, "/cable/slack")[1:3]
+    labels = before.layout.dim[0].label.split(",")
+    assert labels == ["time", "longest", "since", "start", "end"]
+    assert np.isnan(before.data[2:]).all()
+    model.step(0.6)
+    for label, value in zip(labels, after.data, strict=True):
+        assert value == getattr(model, f"slack_{label}") == run[f"slack_{label}"][2]
+
+
 def test_vectors_and_stamps_are_exact(log: Path, full_scene: Scene, swinging_cable: Any) -> None:
     model = swinging_cable(full_scene)
     model.step(0.3)

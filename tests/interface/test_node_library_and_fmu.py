@@ -53,9 +53,11 @@ def test_node_library_and_fmu_give_the_same_states(tmp_path: Path) -> None:
             slave.step(float(inputs["step"][k]))
         expected = python_outputs(session.model, STATIONS)
         for name, value in python_outputs(library, STATIONS).items():
-            scale = max(float(np.abs(expected[name]).max()), 1e-3)
-            assert np.abs(value - expected[name]).max() <= 1e-7 * scale, name
-            assert np.abs(slave.get(name) - expected[name]).max() <= 1e-7 * scale, name
+            scale = max(float(np.nan_to_num(np.abs(expected[name])).max()), 1e-3)
+            for found in (value, slave.get(name)):
+                np.testing.assert_allclose(
+                    found, expected[name], rtol=0.0, atol=1e-7 * scale, err_msg=name
+                )  # what is nowhere, as of a line that was never slack, is so in all three
         slave.close()
     assert session.model.time == pytest.approx(10.0)
     assert not session.model.planar

@@ -155,6 +155,18 @@ def test_extremes_are_those_of_all_outputs(towed: Path) -> None:
     assert "at t = 30 s, s = 0 m" in text
 
 
+def test_times_at_which_a_line_was_slack_are_told_and_shaded(everything: Path) -> None:
+    """Half of every second, of which there are outputs at the end of each tenth."""
+    run, page = cm.open_run(everything), made(everything)
+    text = page.read_text(encoding="utf-8").replace("\n", "")
+    assert f"<h3>Slack for</h3><p><b>{number(run['slack_time'][-1])}</b>" in text
+    tension = figures_of(data_of(page))["top-tension"]
+    shades = [(shade["x0"], shade["x1"]) for shade in tension["layout"]["shapes"]]
+    grew = np.flatnonzero(np.diff(run["slack_time"]) > 0.0)
+    assert shades[0][0] == run.time[grew[0]]
+    assert shades[-1][1] == run.time[grew[-1] + 1]
+
+
 def test_the_page_needs_no_network_and_is_small(towed: Path) -> None:
     page = made(towed)
     assert page.stat().st_size < 15e6

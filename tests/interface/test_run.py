@@ -19,7 +19,8 @@ from cablemodel.run import Progress, Run
 from cablemodel.scene import Scene, load_scene
 
 SUMMARY = [
-    "time", "top_tension", "tip_position", "min_tension", "max_curvature",
+    "time", "top_tension", "tip_position", "min_tension",
+    "slack_time", "slack_longest", "slack_start", "slack_end", "max_curvature",
     "wall_time", "steps", "rejected", "factorisations", "elements",
 ]  # fmt: skip
 

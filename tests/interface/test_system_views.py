@@ -118,7 +118,7 @@ def test_a_figure_shows_every_line_body_and_vessel(run: SystemRun) -> None:
     last, state = alongs[2].get_lines()[-1], run.lines["streamer"][-1]
     assert np.array_equal(last.get_xydata(), np.column_stack([state.s, state.tension]))
     key = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert key[-2:] == ["body", "point of a vessel"]
+    assert key[-3:-1] == ["body", "point of a vessel"]
 
 
 def test_the_commands_draw_and_film_a_system(log: Path, tmp_path: Path) -> None:

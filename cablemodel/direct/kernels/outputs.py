@@ -2,8 +2,10 @@
 
 import math
 
-from cablemodel.kernels.access import winch_of
+from cablemodel.kernels.access import station_at, summary_at, winch_of
 from cablemodel.kernels.layout import STATION_WORDS
+from cablemodel.kernels.outputs import clear_floor
+from cablemodel.kernels.slack import read_slack
 
 from .access import material_row, own_header, own_scalars, rigid_body_of, section_of
 from .compile import kernel
@@ -61,8 +63,8 @@ def laid_direction(I, M):
 
 
 @kernel
-def station(I, M, section, left, x, out, row):
-    """The state at a fraction x of the interval after node `left` into a row of `out`."""
+def station(I, M, section, left, x, found):
+    """The state at a fraction x of the interval after node `left` into a Station."""
     own = own_header(I)
     right = left + 1
     h = M[own.length + right]
@@ -76,15 +78,17 @@ def station(I, M, section, left, x, out, row):
     n2 = x * x * (3.0 - 2.0 * x)
     n3 = -x * x * y * e1
     p = own.place + 3 * left
-    out[row] = n0 * M[p] + n1 * tx0 + n2 * M[p + 3] + n3 * tx1
-    out[row + 1] = n0 * M[p + 1] + n1 * ty0 + n2 * M[p + 4] + n3 * ty1
-    out[row + 2] = n0 * M[p + 2] + n1 * tz0 + n2 * M[p + 5] + n3 * tz1
+    place = found.position
+    place[0] = n0 * M[p] + n1 * tx0 + n2 * M[p + 3] + n3 * tx1
+    place[1] = n0 * M[p + 1] + n1 * ty0 + n2 * M[p + 4] + n3 * ty1
+    place[2] = n0 * M[p + 2] + n1 * tz0 + n2 * M[p + 5] + n3 * tz1
     a = own.unknowns + WIDTH * left
     b = a + WIDTH
     phi = y * M[a + PHI] + x * M[b + PHI]
     theta = y * M[a + THETA] + x * M[b + THETA]
     g1, g2, g3 = to_fixed(phi, theta, 0.0, 0.0, 1.0)
-    out[row + 3], out[row + 4], out[row + 5] = to_earth(M, g1, g2, g3)
+    tx, ty, tz = to_earth(M, g1, g2, g3)
+    put(found.tangent, tx, ty, tz)
     g1, g2, g3 = to_fixed(
         phi,
         theta,
@@ -92,24 +96,25 @@ def station(I, M, section, left, x, out, row):
         y * M[a + V2] + x * M[b + V2],
         y * M[a + V3] + x * M[b + V3],
     )
-    out[row + 6], out[row + 7], out[row + 8] = to_earth(M, g1, g2, g3)
-    out[row + 9] = y * M[a + F3] + x * M[b + F3]
+    vx, vy, vz = to_earth(M, g1, g2, g3)
+    put(found.velocity, vx, vy, vz)
+    found.tension = y * M[a + F3] + x * M[b + F3]
     if section.kind == CABLE:
         k1 = (M[b + THETA] - M[a + THETA]) / h
         k2 = (M[b + PHI] - M[a + PHI]) / h * math.sin(theta)
-        out[row + 10] = math.sqrt(k1 * k1 + k2 * k2)
-        out[row + 11] = 0.0
+        found.curvature = math.sqrt(k1 * k1 + k2 * k2)
+        found.bending_moment = 0.0
     else:
         k1 = y * M[a + K1] + x * M[b + K1]
         k2 = y * M[a + K2] + x * M[b + K2]
-        out[row + 10] = math.sqrt(k1 * k1 + k2 * k2)
-        out[row + 11] = bending_of(I, M, section) * out[row + 10]
+        found.curvature = math.sqrt(k1 * k1 + k2 * k2)
+        found.bending_moment = bending_of(I, M, section) * found.curvature
 
 
 @kernel
 def sample_stations(I, M, stations, out):
-    """State at arc lengths `stations` [m]: rows of STATION_WORDS into out, as for the finite
-    elements. Returns the index of the first station that is not on the line, or their number."""
+    """State at arc lengths `stations` [m]: rows of a Station into out, as for the finite elements.
+    Returns the index of the first station that is not on the line, or their number."""
     own = own_header(I)
     run = own_scalars(M)
     mesh = line_out(I, M)
@@ -122,7 +127,7 @@ def sample_stations(I, M, stations, out):
         s = stations[n]
         if not (s >= -1e-9 * total and s <= total * (1.0 + 1e-9)):
             return n
-        row = STATION_WORDS * n
+        found = station_at(out, STATION_WORDS * n)
         arc = 0.0
         done = False
         for index in range(own.section_count):
@@ -135,26 +140,28 @@ def sample_stations(I, M, stations, out):
                 h = M[own.length + node]
                 if s <= arc + h or (index == outermost and node == last):
                     x = min(1.0, max(0.0, (s - arc) / h))
-                    station(I, M, section, node - 1, x, out, row)
+                    station(I, M, section, node - 1, x, found)
                     done = True
                     break
                 arc += h
         beyond = s - mesh
         if run.laid > 0.0 and beyond > 0.0:
             tx, ty, tz = laid_direction(I, M)
-            out[row] += beyond * tx
-            out[row + 1] += beyond * ty
-            out[row + 2] += beyond * tz
-            for k in range(6, 12):
-                out[row + k] = 0.0
-        out[row + 12] = 1.0 if run.laid > 0.0 and beyond >= 0.0 else 0.0
+            found.position[0] += beyond * tx
+            found.position[1] += beyond * ty
+            found.position[2] += beyond * tz
+            put(found.velocity, 0.0, 0.0, 0.0)
+            found.tension = 0.0
+            found.curvature = 0.0
+            found.bending_moment = 0.0
+        found.on_floor = 1.0 if run.laid > 0.0 and beyond >= 0.0 else 0.0
     return len(stations)
 
 
 @kernel
 def body_stations(I, M, out):
-    """Motion of every body of line and drum in rows of STATION_WORDS: place (3) of the centre of
-    gravity, axis (3), velocity (3); the rest is not touched. What is on the drum is at the tow
+    """Motion of every body of line and drum in rows of a Station: place of the centre of gravity,
+    axis, velocity; the rest is not touched. What is on the drum is at the tow
     point."""
     own = own_header(I)
     for body in range(own.body_count):
@@ -169,92 +176,96 @@ def body_stations(I, M, out):
             node = section.first
             row = rigid_body_of(I, M, body)
             body_station(I, M, body, node, out)
-            at = STATION_WORDS * body
+            found = station_at(out, STATION_WORDS * body)
             arm = (1.0 + row.offset) * row.half
             for k in range(3):
-                out[at + k] += arm * out[at + 3 + k]
+                found.position[k] += arm * found.tangent[k]
             y = own.unknowns + WIDTH * node
             g1, g2, g3 = to_fixed(
                 M[y + PHI], M[y + THETA], row.state[0], row.state[1], row.state[2]
             )
-            out[at + 6], out[at + 7], out[at + 8] = to_earth(M, g1, g2, g3)
+            vx, vy, vz = to_earth(M, g1, g2, g3)
+            put(found.velocity, vx, vy, vz)
 
 
 @kernel
 def body_station(I, M, body, node, out):
     """A body's row from the place, tangent and velocity of a node."""
     own = own_header(I)
-    at = STATION_WORDS * body
+    found = station_at(out, STATION_WORDS * body)
     for k in range(3):
-        out[at + k] = M[own.place + 3 * node + k]
-    out[at + 3], out[at + 4], out[at + 5] = node_vector(I, M, node, 3)
-    out[at + 6], out[at + 7], out[at + 8] = node_vector(I, M, node, 0)
+        found.position[k] = M[own.place + 3 * node + k]
+    tx, ty, tz = node_vector(I, M, node, 3)
+    put(found.tangent, tx, ty, tz)
+    vx, vy, vz = node_vector(I, M, node, 0)
+    put(found.velocity, vx, vy, vz)
 
 
 @kernel
 def summarise(I, M, out):
-    """The numbers of cablemodel/kernels/outputs.py, in the same order."""
+    """The Summary of cablemodel/kernels/layout.py."""
     own = own_header(I)
     run = own_scalars(M)
+    found = summary_at(out, 0)
+    wrench = found.wrench
     fx, fy, fz = node_vector(I, M, 0, 1)
-    out[0] = fx
-    out[1] = fy
-    out[2] = fz
+    wrench[0] = fx
+    wrench[1] = fy
+    wrench[2] = fz
     mx, my, mz = node_vector(I, M, 0, 2)
     bending = bending_of(I, M, section_of(I, M, 0))
-    out[3] = bending * mx
-    out[4] = bending * my
-    out[5] = bending * mz
+    wrench[3] = bending * mx
+    wrench[4] = bending * my
+    wrench[5] = bending * mz
     size = math.sqrt(fx * fx + fy * fy + fz * fz)
-    out[6] = math.copysign(size, M[own.unknowns + F3])
+    found.top_tension = math.copysign(size, M[own.unknowns + F3])
     lowest = M[own.unknowns + F3]
-    highest = out[6]  # with the shear
+    highest = found.top_tension  # with the shear
     last = last_node(I)
     for node in range(last + 1):
         tension = M[own.unknowns + WIDTH * node + F3]
         lowest = min(lowest, tension)
         highest = max(highest, tension)
-    out[7] = lowest
-    out[8] = highest
+    found.tension_min = lowest
+    found.tension_max = highest
     laid = run.laid
     tx, ty, tz = laid_direction(I, M)
-    out[9] = M[own.place + 3 * last] + laid * tx
-    out[10] = M[own.place + 3 * last + 1] + laid * ty
-    out[11] = M[own.place + 3 * last + 2] + laid * tz
+    tip = found.tip_position
+    tip[0] = M[own.place + 3 * last] + laid * tx
+    tip[1] = M[own.place + 3 * last + 1] + laid * ty
+    tip[2] = M[own.place + 3 * last + 2] + laid * tz
     vx, vy, vz = node_vector(I, M, last, 0)
     if laid > 0.0:
         vx = 0.0
         vy = 0.0
         vz = 0.0
-    out[12] = vx
-    out[13] = vy
-    out[14] = vz
+    put(found.tip_velocity, vx, vy, vz)
     x, y, z = to_earth(M, run.vessel[0], run.vessel[1], run.vessel[2])
-    out[15] = x
-    out[16] = y
-    out[17] = z
+    put(found.vessel_position, x, y, z)
     x, y, z = to_earth(M, run.vessel[3], run.vessel[4], run.vessel[5])
-    out[18] = x
-    out[19] = y
-    out[20] = z
-    out[21] = line_out(I, M) + laid
-    out[22] = run.rate
+    put(found.vessel_velocity, x, y, z)
+    found.line_length = line_out(I, M) + laid
+    found.payout_rate = run.rate
     winch = winch_of(I, M, 0)
-    out[23] = winch.paid_most - winch.paid
-    for k in range(24, 32):
-        out[k] = 0.0
-    for k in range(28, 31):
-        out[k] = math.nan
+    found.drum_length = winch.paid_most - winch.paid
+    clear_floor(found, math.nan)
+    read_slack(I, M, found)
     if own.end != END_CONTACT and own.end != END_TOUCHDOWN:
         return
     # The force at the end is the floor's; what lies beyond rests there with its weight.
     fx, fy, fz = node_vector(I, M, last, 1)
     section = section_of(I, M, own.section_count - 1)
-    out[24] = fx
-    out[25] = fy
-    out[26] = fz + material_row(I, M, section.material).weight * laid
-    out[27] = laid
+    put(found.floor_force, fx, fy, fz + material_row(I, M, section.material).weight * laid)
+    found.floor_length = laid
     for k in range(3):
-        out[28 + k] = M[own.place + 3 * last + k]
+        found.touchdown_position[k] = M[own.place + 3 * last + k]
     nx, ny, nz = to_earth(M, run.floor[0], run.floor[1], run.floor[2])
-    out[31] = fx * nx + fy * ny + fz * nz
+    found.touchdown_reaction = fx * nx + fy * ny + fz * nz
+
+
+@kernel
+def put(vector, x, y, z):
+    """Three numbers into a vector."""
+    vector[0] = x
+    vector[1] = y
+    vector[2] = z

@@ -27,6 +27,7 @@ from .layout import (
 from .limits import check_floor, check_state
 from .newton import solve_level
 from .regrid import make_room, regrid
+from .slack import follow_slack
 from .touchdown import change_end, time_to_landing
 
 SMALLEST_SHARE = 1.0 / 1024.0
@@ -168,6 +169,7 @@ def advance(I, M, t_end):
         make_room(I, M, dt)
         status = one_step(I, M, dt)
         if status == OK:
+            follow_slack(I, M, t, dt)
             change_end(I, M)
             turn_axes(I, M)
             status = regrid(I, M)

@@ -257,23 +257,26 @@ int64_t step_cable(Cable *cable, double t_end, double dt, char *message, size_t 
     return OK;
 }
 
-static const double *summary(Cable *cable) {
+static const Summary *summary(Cable *cable) {
+    Summary *found = &cable->summary;
     if (!cable->summary_current) {
+        double *words = (double *)found;
         if (is_direct(cable->I))
-            cablemodel_direct_summary(cable->I, cable->block_words, cable->summary, SUMMARY_WORDS);
+            cablemodel_direct_summary(cable->I, cable->block_words, words, SUMMARY_WORDS);
         else
-            cablemodel_summary(cable->I, cable->block_words, cable->summary, SUMMARY_WORDS);
+            cablemodel_summary(cable->I, cable->block_words, words, SUMMARY_WORDS);
         if (cable->flags & FLAG_PINNED)
-            for (int i = 3; i < 6; i++) cable->summary[i] = 0.0;
+            for (int i = 3; i < 6; i++) found->wrench[i] = 0.0;
+        found->slack_since += cable->now.start_time;
         cable->summary_current = 1;
     }
-    return cable->summary;
+    return found;
 }
 
 /* States at the stations, then at the bodies, in rows of STATION_WORDS. */
 static const double *rows(Cable *cable) {
     if (!cable->stations_current) {
-        const double length = summary(cable)[21];
+        const double length = summary(cable)->line_length;
         const int64_t n = cable->stations, last = n - 1;
         for (int64_t k = 0; k < n; k++) cable->arcs[k] = length * (double)k / (double)last;
         cable->stations_current = 1;
@@ -304,22 +307,23 @@ static const double *errors(Cable *cable) {
     cable->errors[0] = cable->errors[1] = NAN;
     if (!is_beside(cable)) return cable->errors;
     Cable *finer = cable->finer;
-    const double *numbers = summary(cable), *others = summary(finer);
-    const double length = fmin(numbers[21], others[21]), pi = 3.14159265358979323846;
+    const Summary *numbers = summary(cable), *others = summary(finer);
+    const double length = fmin(numbers->line_length, others->line_length), pi = 3.14159265358979323846;
     enum { WORDS = STATION_WORDS * ERROR_PLACES };
-    double arcs[ERROR_PLACES], shapes[2][WORDS], largest = 0.0;
+    Station shapes[2][ERROR_PLACES];
+    double arcs[ERROR_PLACES], largest = 0.0;
     for (int k = 0; k < ERROR_PLACES; k++)
         arcs[k] = (0.5 - 0.5 * cos(pi * k / (ERROR_PLACES - 1))) * length;
-    cablemodel_sample(cable->I, cable->block_words, arcs, ERROR_PLACES, shapes[0], WORDS);
-    cablemodel_sample(finer->I, finer->block_words, arcs, ERROR_PLACES, shapes[1], WORDS);
-    for (int place = 0; place < WORDS && largest == largest; place += STATION_WORDS) {
+    cablemodel_sample(cable->I, cable->block_words, arcs, ERROR_PLACES, (double *)shapes[0], WORDS);
+    cablemodel_sample(finer->I, finer->block_words, arcs, ERROR_PLACES, (double *)shapes[1], WORDS);
+    for (int k = 0; k < ERROR_PLACES && largest == largest; k++) {
+        const double *one = shapes[0][k].position, *other = shapes[1][k].position;
         double square = 0.0;
-        for (int i = place; i < place + 3; i++)
-            square += (shapes[0][i] - shapes[1][i]) * (shapes[0][i] - shapes[1][i]);
+        for (int i = 0; i < 3; i++) square += (one[i] - other[i]) * (one[i] - other[i]);
         if (!(sqrt(square) <= largest)) largest = sqrt(square); /* NaN, too */
     }
     cable->errors[0] = ERROR_FACTOR * largest;
-    cable->errors[1] = ERROR_FACTOR * fabs(numbers[6] - others[6]);
+    cable->errors[1] = ERROR_FACTOR * fabs(numbers->top_tension - others->top_tension);
     return cable->errors;
 }
 
@@ -363,7 +367,7 @@ const char *read_value(Cable *cable, unsigned vr, double *value) {
     const char *problem = settle_cable(cable);
     if (problem != NULL) return problem;
     if (vr >= VR_SUMMARY && vr < VR_SUMMARY + SUMMARY_WORDS)
-        *value = summary(cable)[vr - VR_SUMMARY];
+        *value = ((const double *)summary(cable))[vr - VR_SUMMARY];
     else if (vr >= VR_STATION && vr < VR_STATION + STATION_WORDS * (unsigned)cable->stations)
         *value = rows(cable)[vr - VR_STATION];
     else if (vr >= VR_BODY && vr < VR_BODY + STATION_WORDS * (unsigned)cable->bodies)

@@ -125,7 +125,7 @@ typedef struct Cable {
     struct Cable *finer;
     int errors_current;
     double errors[2];
-    double summary[SUMMARY_WORDS];
+    Summary summary;
     double *arcs, *rows;
     char message[200]; /* where a message has numbers in it */
 } Cable;

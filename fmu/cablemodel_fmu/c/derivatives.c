@@ -8,7 +8,7 @@
 #include "cable.h"
 
 #define ASIDE 1e-4 /* by which vessels are moved for differences [m], [rad] */
-enum { FORCE = VR_SUMMARY, TENSION = VR_SUMMARY + 6 };
+enum { FORCE = VR_SUMMARY, TENSION = VR_SUMMARY + (int)(offsetof(Summary, top_tension) / 8) };
 
 /* A copy of the block's image, with room for what kernels work in; NULL: out of memory. */
 static int64_t *copy_of(Cable *cable) {

@@ -142,7 +142,7 @@ const char *check_block(const int64_t *I, int64_t image_words, int64_t block_wor
     if (header(I)->magic != MAGIC || header(I)->version != VERSION) return "not a model of this version";
     if (!sizes_within(I, LARGEST_COUNT)) return "a size in the model is out of range";
     if (header(I)->capacity < 2 || header(I)->piece_count < 2 || header(I)->depth_count < 1 || header(I)->time_count < 1 ||
-        header(I)->cable_count < 1)
+        header(I)->cable_count < 1 || header(I)->line_count < 1)
         return "a size in the model is out of range";
     arrange(I, expected, &image, &words);
     if (image != image_words || words != block_words || header(I)->image_words != image ||
@@ -157,6 +157,7 @@ const char *check_block(const int64_t *I, int64_t image_words, int64_t block_wor
         !within(header(I)->current_kind, 0, 2) || !within(header(I)->order, 3, 4) ||
         !within(header(I)->payout, 0, 1) || !check_winches(I, header(I)->cable_count, nodes) ||
         !within(header(I)->maximum_steps, 1, 10000000) || !within(header(I)->sleep, 0, 1) ||
+        !within(header(I)->slack, SLACK_UNKNOWN, SLACK_SOMEWHERE) ||
         !within(header(I)->asleep, 0, nodes - 2) || header(I)->left_out != 0)
         return "a counter in the model is out of range";
     if (header(I)->current_kind == 1 && header(I)->depth_count != 1) return "a counter in the model is out of range";
@@ -183,9 +184,12 @@ const char *check_block(const int64_t *I, int64_t image_words, int64_t block_wor
         const double *row = M + header(I)->cables + n * CABLE_WORDS;
         const int runs = !is_system(I); /* of a system, cable does not pass a tow point */
         if ((runs && (!whole(AS(CableRow, row)->body, -1, header(I)->body_count - 1) || !(AS(CableRow, row)->nominal > 0.0))) ||
-            !check_edge(I, row + WORD(CableRow, edge)))
+            !whole(AS(CableRow, row)->row, 0, header(I)->line_count - 1) || !check_edge(I, row + WORD(CableRow, edge)))
             return "a cable is out of range";
     }
+    for (int64_t n = 0; n < header(I)->line_count; n++)
+        if (!whole(line_of(I, n)->winch, -1, header(I)->winch_count - 1))
+            return "a line is out of range";
     for (int64_t n = 0; n < header(I)->body_count; n++)
         if (!whole(M[header(I)->bodies + n * BODY_WORDS + WORD(Body, node)], -1, nodes - 1))
             return "a body is at no node";

@@ -16,7 +16,7 @@ enum { OF_VESSEL = 12, OF_FREE_BODY = 6 };
 enum { AT_POSITION = 0, AT_VELOCITY = 3, AT_ATTITUDE = 6, AT_RATE = 9 };
 enum { GIVEN_ALL = GIVEN_POSITION | GIVEN_VELOCITY | GIVEN_ATTITUDE | GIVEN_RATE };
 /* Outputs of a line, but for those of its stations, and of each station; of a body, of a vessel. */
-enum { LINE_OUTPUTS = 4, STATION_OUTPUTS = 5, BODY_OUTPUTS = 12, VESSEL_OUTPUTS = 18, WINCH_OUTPUTS = 3 };
+enum { LINE_OUTPUTS = 9, STATION_OUTPUTS = 5, BODY_OUTPUTS = 12, VESSEL_OUTPUTS = 18, WINCH_OUTPUTS = 3 };
 enum { LINE_ERRORS = 2, BODY_ERRORS = 1 }; /* the last ones, where errors are estimated */
 
 /* Of an input: its start, and what is allowed. Of all: the name, ended by zeros. */
@@ -44,7 +44,9 @@ struct System {
     double *values;
     Element *elements;
     int64_t *counts; /* elements of each line */
-    double *nodes, *fractions, *samples, *parts;
+    double *nodes, *fractions;
+    PartMotion *parts; /* of bodies, then of vessels */
+    Station *samples;
     double *motion, *forces, *angles, *rates, *orders, *kept; /* of a step */
     int64_t applied;                                          /* words of `applied_in` */
 };
@@ -174,8 +176,8 @@ const char *load_system(Cable *cable, const int64_t *section, int64_t words, con
     s->counts = calloc((size_t)s->lines, sizeof(int64_t));
     s->nodes = calloc(samples, sizeof(double));
     s->fractions = calloc(samples, sizeof(double));
-    s->samples = calloc(samples * STATION_WORDS, sizeof(double));
-    s->parts = calloc((size_t)((s->bodies + s->vessels) * PART_WORDS) + 1, sizeof(double));
+    s->samples = calloc(samples, sizeof(Station));
+    s->parts = calloc((size_t)(s->bodies + s->vessels) + 1, sizeof(PartMotion));
     s->motion = calloc((size_t)(s->vessels * FRAME_INPUTS) + 1, sizeof(double));
     s->forces = calloc((size_t)(s->bodies * OF_FREE_BODY) + 1, sizeof(double));
     s->angles = calloc((size_t)s->foils + 1, sizeof(double));
@@ -579,34 +581,48 @@ static int64_t place_samples(const Cable *cable, int64_t elements) {
 }
 
 /* Outputs of a line from the rows of its samples, which `place_samples` put in order. */
-static double *line_outputs(const double *rows, int64_t count, int64_t stations, double *out) {
-    enum { TENSION = 9, CURVATURE = 10 };
-    double low = rows[TENSION], high = rows[TENSION];
+static double *line_outputs(const Cable *cable, int64_t number, const Station *rows, int64_t count,
+                            double *out) {
+    double low = rows[0].tension, high = rows[0].tension;
     for (int64_t n = 1; n < 2 * count; n++) {
-        const double tension = rows[n * STATION_WORDS + TENSION];
+        const double tension = rows[n].tension;
         if (!(tension >= low)) low = tension;
         if (!(tension <= high)) high = tension;
     }
-    *out++ = rows[TENSION];
-    *out++ = rows[2 * count * STATION_WORDS + TENSION];
+    *out++ = rows[0].tension;
+    *out++ = rows[2 * count].tension;
     *out++ = low;
     *out++ = high;
-    rows += (2 * count + 1) * STATION_WORDS;
+    const Line *line = line_of(cable->I, number);
+    *out++ = line->total;
+    *out++ = line->longest;
+    *out++ = line->since + cable->now.start_time;
+    *out++ = line->first;
+    *out++ = line->last;
+    const int64_t stations = cable->stations;
+    rows += 2 * count + 1;
     for (int64_t k = 0; k < stations; k++, out += 3)
-        memcpy(out, rows + k * STATION_WORDS, 3 * sizeof(double));
-    for (int64_t k = 0; k < stations; k++) *out++ = rows[k * STATION_WORDS + TENSION];
-    for (int64_t k = 0; k < stations; k++) *out++ = rows[k * STATION_WORDS + CURVATURE];
+        memcpy(out, rows[k].position, sizeof rows[k].position);
+    for (int64_t k = 0; k < stations; k++) *out++ = rows[k].tension;
+    for (int64_t k = 0; k < stations; k++) *out++ = rows[k].curvature;
     return out;
 }
 
+/* How all bodies and vessels move, of the block or a copy of it, into `parts`. */
+static void read_parts(Cable *cable, int64_t *block) {
+    System *s = cable->system;
+    cablemodel_parts(block, cable->block_words, (double *)s->parts, PART_WORDS * s->bodies,
+                     (double *)(s->parts + s->bodies), PART_WORDS * s->vessels);
+}
+
 /* Position, attitude, velocity, angular velocity; of a vessel also force and moment. */
-static double *part_outputs(const double *row, int with_wrench, double *out) {
-    enum { PLACE = 0, SPEED = 3, SPIN = 18, ANGLES = 24, WRENCH = 27 };
-    static const int64_t vectors[] = {PLACE, ANGLES, SPEED, SPIN};
-    for (int n = 0; n < 4; n++, out += 3) memcpy(out, row + vectors[n], 3 * sizeof(double));
+static double *part_outputs(const PartMotion *part, int with_wrench, double *out) {
+    const double *const vectors[] = {part->position, part->attitude, part->velocity,
+                                     part->angular_velocity};
+    for (int n = 0; n < 4; n++, out += 3) memcpy(out, vectors[n], 3 * sizeof(double));
     if (!with_wrench) return out;
-    memcpy(out, row + WRENCH, 6 * sizeof(double));
-    return out + 6;
+    memcpy(out, part->wrench, sizeof part->wrench);
+    return out + WRENCH_WORDS;
 }
 
 /* The elements of a line among all, in order: how many from the first. */
@@ -619,7 +635,7 @@ static int64_t elements_of(const System *s, int64_t elements, int64_t line, int6
 }
 
 /* Rows of a line at the places where errors are looked for, of one that is as long [m]. */
-static void sample_errors(Cable *cable, int64_t first, int64_t count, double length, double *rows) {
+static void sample_errors(Cable *cable, int64_t first, int64_t count, double length, Station *rows) {
     const double pi = 3.14159265358979323846;
     double nodes[ERROR_PLACES], fractions[ERROR_PLACES];
     int64_t which = 0;
@@ -627,7 +643,7 @@ static void sample_errors(Cable *cable, int64_t first, int64_t count, double len
         place_sample(cable, cable->system->elements + first, count, &which,
                      (0.5 - 0.5 * cos(pi * k / (ERROR_PLACES - 1))) * length, nodes + k, fractions + k);
     cablemodel_sample_elements(cable->I, cable->block_words, nodes, ERROR_PLACES, fractions,
-                               ERROR_PLACES, rows, STATION_WORDS * ERROR_PLACES);
+                               ERROR_PLACES, (double *)rows, STATION_WORDS * ERROR_PLACES);
 }
 
 static double apart(const double *one, const double *other) {
@@ -637,15 +653,15 @@ static double apart(const double *one, const double *other) {
 }
 
 /* What lines and bodies may be wrong by: SystemModel.errors; bodies: rows of the parts of this run. */
-static void error_outputs(Cable *cable, int64_t elements, const double *bodies, double *out) {
-    enum { TENSION = 9, WORDS = STATION_WORDS * ERROR_PLACES };
+static void error_outputs(Cable *cable, int64_t elements, const PartMotion *bodies, double *out) {
     System *s = cable->system;
     for (int64_t n = 0; n < s->lines * LINE_ERRORS + s->bodies * BODY_ERRORS; n++) out[n] = NAN;
     if (!is_beside(cable)) return;
     Cable *finer = cable->finer;
     System *other = finer->system;
     const int64_t others = gather_elements(finer);
-    double shapes[2][WORDS], unused;
+    Station shapes[2][ERROR_PLACES];
+    double unused;
     for (int64_t line = 0; line < s->lines; line++, out += LINE_ERRORS) {
         int64_t first = 0, finest = 0;
         const int64_t count = elements_of(s, elements, line, &first);
@@ -655,22 +671,20 @@ static void error_outputs(Cable *cable, int64_t elements, const double *bodies, 
         sample_errors(cable, first, count, length, shapes[0]);
         sample_errors(finer, finest, more, length, shapes[1]);
         double largest = 0.0, pull = 0.0;
-        for (int64_t at = 0; at < WORDS; at += STATION_WORDS) {
-            const double off = apart(shapes[0] + at, shapes[1] + at);
+        for (int k = 0; k < ERROR_PLACES; k++) {
+            const double off = apart(shapes[0][k].position, shapes[1][k].position);
             if (!(off <= largest)) largest = off; /* NaN, too */
         }
-        for (int64_t at = TENSION; at < WORDS; at += WORDS - STATION_WORDS) {
-            const double off = fabs(shapes[0][at] - shapes[1][at]);
+        for (int k = 0; k < ERROR_PLACES; k += ERROR_PLACES - 1) {
+            const double off = fabs(shapes[0][k].tension - shapes[1][k].tension);
             if (!(off <= pull)) pull = off;
         }
         out[0] = ERROR_FACTOR * largest;
         out[1] = ERROR_FACTOR * pull;
     }
-    double *vessels = other->parts + PART_WORDS * other->bodies;
-    cablemodel_parts(finer->I, finer->block_words, other->parts, PART_WORDS * other->bodies, vessels,
-                     PART_WORDS * other->vessels);
+    read_parts(finer, finer->I);
     for (int64_t n = 0; n < s->bodies; n++)
-        out[n] = ERROR_FACTOR * apart(bodies + PART_WORDS * n, other->parts + PART_WORDS * n);
+        out[n] = ERROR_FACTOR * apart(bodies[n].position, other->parts[n].position);
 }
 
 /* Whether the finer run is of a system with the same parts. */
@@ -687,21 +701,19 @@ static const double *outputs(Cable *cable) {
     if (s->current) return s->values;
     const int64_t elements = gather_elements(cable), samples = place_samples(cable, elements);
     cablemodel_sample_elements(cable->I, cable->block_words, s->nodes, samples, s->fractions,
-                               samples, s->samples, STATION_WORDS * samples);
-    double *out = s->values, *vessels = s->parts + PART_WORDS * s->bodies;
-    const double *rows = s->samples;
+                               samples, (double *)s->samples, STATION_WORDS * samples);
+    double *out = s->values;
+    const Station *rows = s->samples;
     for (int64_t first = 0, next; first < elements; first = next) {
         next = first;
         while (next < elements && s->elements[next].line == s->elements[first].line) next++;
-        const int64_t count = s->counts[s->elements[first].line];
-        out = line_outputs(rows, count, cable->stations, out);
-        rows += STATION_WORDS * (2 * count + 1 + cable->stations);
+        const int64_t line = s->elements[first].line, count = s->counts[line];
+        out = line_outputs(cable, line, rows, count, out);
+        rows += 2 * count + 1 + cable->stations;
     }
-    cablemodel_parts(cable->I, cable->block_words, s->parts, PART_WORDS * s->bodies, vessels,
-                     PART_WORDS * s->vessels);
-    for (int64_t n = 0; n < s->bodies; n++)
-        out = part_outputs(s->parts + PART_WORDS * n, 0, out);
-    for (int64_t n = 0; n < s->vessels; n++) out = part_outputs(vessels + PART_WORDS * n, 1, out);
+    read_parts(cable, cable->I);
+    for (int64_t n = 0; n < s->bodies + s->vessels; n++)
+        out = part_outputs(s->parts + n, n >= s->bodies, out);
     for (int64_t n = 0; n < s->winches; n++) {
         const Winch *winch = winch_of(cable->I, n);
         const int64_t row = header(cable->I)->cables + (int64_t)winch->cable * CABLE_WORDS;
@@ -751,12 +763,9 @@ int64_t wrench_of(const Cable *cable, unsigned vr) {
 /* The forces and moments of all vessels, of the block or a copy of it. */
 void read_wrenches(Cable *cable, int64_t *block, double *to) {
     System *s = cable->system;
-    double *vessels = s->parts + PART_WORDS * s->bodies;
-    cablemodel_parts(block, cable->block_words, s->parts, PART_WORDS * s->bodies, vessels,
-                     PART_WORDS * s->vessels);
+    read_parts(cable, block);
     for (int64_t n = 0; n < s->vessels; n++)
-        memcpy(to + WRENCH_WORDS * n, vessels + PART_WORDS * n + PART_WORDS - WRENCH_WORDS,
-               WRENCH_WORDS * sizeof(double));
+        memcpy(to + WRENCH_WORDS * n, s->parts[s->bodies + n].wrench, WRENCH_WORDS * sizeof(double));
 }
 
 /* Which component of a vessel's motion an input is, and by what the last step was given of it.
