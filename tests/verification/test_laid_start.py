@@ -99,7 +99,7 @@ def test_a_laid_line_pulls_at_nothing(slope: list[float], stiffness: float) -> N
         }
     )  # fmt: skip
     tensions = []
-    for tolerance in (1e-3, 2e-4, 5e-5):
+    for tolerance in (1e-3, 2e-4, 5e-5)[: 3 if stiffness > 1.0 else 2]:
         settings = scene.solver.model_copy(update={"tolerance": tolerance})
         model = cm.CableModel(scene.model_copy(update={"solver": settings}))
         tensions.append(model.top_tension)
