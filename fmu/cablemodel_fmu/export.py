@@ -397,9 +397,10 @@ def _current_speed(scene: Scene | SystemScene) -> float:
 
 
 def scheduled(scene: Scene | SystemScene) -> bool:
-    """Whether the scene says how a vessel moves or the drum turns."""
+    """Whether the scene says how a vessel moves or a drum turns."""
     if isinstance(scene, SystemScene):
-        return fastest_vessel(scene) > 0.0
+        turns = any(row.rate != 0.0 for winch in scene.winches.values() for row in winch.rate)
+        return turns or fastest_vessel(scene) > 0.0
     moves = len(scene.motion().pieces) > 1 or bool(np.any(scene.motion().evaluate(0.0)[1] != 0.0))
     return moves or any(row.rate != 0.0 for row in scene.payout.rate)
 

@@ -291,7 +291,7 @@ def test_a_winch_that_runs_from_the_start(tmp_path: Path) -> None:
     winch = {"line": "wire", "drum": 5.0, "rate": 0.2}
     scene = still(cuts={}, bodies={"load": load}, winches={"hoist": winch})
     with unpacked(scene, tmp_path, stations=STATIONS) as (place, description):
-        slave, model = Slave(place, description, use_scene_inputs=True), SystemModel(scene)
+        slave, model = Slave(place, description), SystemModel(scene)
         assert slave.get("hoist.rate") == 0.2
         assert_same_bits(slave, model)
         for _step in range(4):
@@ -299,6 +299,46 @@ def test_a_winch_that_runs_from_the_start(tmp_path: Path) -> None:
             model.step(0.5)
             assert_same_bits(slave, model)
         assert slave.get("load.velocity[3]") == pytest.approx(-0.2, abs=0.02)
+        slave.close()
+
+
+HOISTED = [{"t": 0, "rate": 0.0}, {"t": 1, "rate": 0.3}, {"t": 3, "rate": -0.1}]
+
+
+@pytest.mark.parametrize(
+    ("changes", "scheduled"),
+    [
+        ({"cuts": {}, "winches": {"hoist": {"line": "wire", "drum": 5.0, "rate": HOISTED}}}, True),
+        ({"cuts": {"knife": {"line": "wire", "at": 7.0, "time": 1.0}}}, False),
+        (
+            {
+                "environment": {"waves": {"regular": {"height": 2.0, "period": 6.0}, "ramp": 1.0}},
+                "vessels": {
+                    "ship": {
+                        "points": {"hook": [1, 0, 0]},
+                        "raos": [{"heading_deg": 0, "period": 6, "heave": 0.8, "roll_deg": 2}],
+                    }
+                },
+            },
+            False,
+        ),
+    ],
+    ids=["winch", "cut", "waves"],
+)
+def test_what_is_scheduled_beside_a_ship_at_rest_happens_untouched(
+    changes: dict[str, Any], scheduled: bool, tmp_path: Path
+) -> None:
+    """As it is exported, with nothing set, it runs the scene."""
+    scene = still(**changes)
+    with unpacked(scene, tmp_path, stations=STATIONS) as (place, description):
+        slave, model = Slave(place, description), SystemModel(scene)
+        assert slave.fmu.getBoolean([10]) == [scheduled]
+        before = model.lines["wire"].start_tension
+        for _ in range(8):
+            slave.step(0.5)
+            model.step(0.5)
+            assert_same_bits(slave, model)
+        assert abs(model.lines["wire"].start_tension / before - 1.0) > 0.01  # something happened
         slave.close()
 
 
