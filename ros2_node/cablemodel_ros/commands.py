@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -395,6 +395,12 @@ class PartCommands(Desk):
             self.rates[winch] = PayoutRate(self._timebase.now(), float(rate))
             self.tallies[topic].received += 1
         return ""
+
+    def refuse_rate(self, winch: str, reason: str) -> str:
+        """Stop a winch, whose rate the model could not carry out, until a new one comes."""
+        with self._lock:
+            self.rates[winch] = replace(self.rates[winch], rate=0.0)
+        return self._refuse(self.topics[winch], reason)
 
     def order_cut(self, name: str) -> None:
         """Make a cut in the next step, and again if the model goes back to before it."""

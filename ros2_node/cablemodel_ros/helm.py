@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -230,21 +230,24 @@ class Helm(Steering):
     def _by_twist(self, now: Moment, dt: float, present: Present) -> Motion:
         s = self._settings
         twist = self._twist(now)
-        target = np.zeros(3)
+        target, slowed = np.zeros(3), False
         if twist is not None:
             spin = clipped(twist.angular, s.limits_turn_rate)
+            slowed = spin is not twist.angular
             spin = self.rotation @ spin if twist.in_vessel else spin
             self.rotation = turned(self.rotation, spin, dt)
             linear = self.rotation @ twist.linear if twist.in_vessel else twist.linear
             target = linear + cross(spin, self.rotation @ np.array(s.tow_point))
-        return self._towards(target, present.velocity, dt)
+        motion = self._towards(target, present.velocity, dt)
+        return replace(motion, limited=True) if slowed else motion
 
     def _by_odometry(self, now: Moment, dt: float, present: Present) -> Motion:
         sample = self._odometry(now)
         if sample is not None:
-            self.rotation = sample.rotation
-            course = sample.course.after(now - sample.measured - dt)
+            since = now - sample.measured
+            course = sample.course.after(since - dt)
             if self._within_reach(course, present.position):
+                self.rotation = _turned(sample, since)
                 return self._along(sample, course, present.position, present.velocity, dt)
         return self._towards(np.zeros(3), present.velocity, dt)
 
@@ -318,8 +321,12 @@ def _turning(sample: Odometry, span: float, dt: float, near: Floats) -> Course:
     return Course(near + away, begin, (end - begin) / dt)
 
 
+def _turned(sample: Odometry, span: float) -> Floats:
+    """Vessel axes to map axes a time [s] after a sample (3, 3)."""
+    return turned(sample.rotation, sample.spin + 0.5 * span * sample.spin_rate, span)
+
+
 def _turned_angles(sample: Odometry, span: float) -> tuple[Floats, Floats]:
     """Roll, pitch and yaw a time after a sample, and their rates."""
-    matrix = turned(sample.rotation, sample.spin + 0.5 * span * sample.spin_rate, span)
-    angles = angles_of(matrix)
+    angles = angles_of(_turned(sample, span))
     return angles, angle_rates(angles, sample.spin + span * sample.spin_rate)

@@ -113,7 +113,7 @@ class Rig(Protocol):
 
     @property
     def limited(self) -> int:
-        """Steps in which a limit was at work, counted by vessels."""
+        """Steps in which a limit was at work, counted by vessels, winches and foils."""
 
     def warm_up(self) -> None:
         """Compile or load now whatever a step and its outputs need."""

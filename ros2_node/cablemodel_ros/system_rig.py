@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from cablemodel import SystemModel, SystemScene, VesselInput
+from cablemodel import StepError, SystemModel, SystemScene, VesselInput
 from cablemodel.errors import SceneError
 from cablemodel_ros import interface
 from cablemodel_ros.commands import Commands, PartCommands, Seat, Tally
@@ -79,6 +79,8 @@ class SystemRig:
             interface.cut_service(name): partial(self._order_cut, name) for name in scene.cuts
         }
         self._freshness = Freshness()
+        self._limited = 0
+        self._idle: set[str] = set()
         frames = {odometry(name).name: name for name in scene.vessels}
         self.notes = notes_of(settings, OF_ONE_LINE, self.ports, frames)
 
@@ -93,7 +95,7 @@ class SystemRig:
 
     @property
     def limited(self) -> int:
-        return sum(helm.limited for helm in self._helms.values())
+        return self._limited + sum(helm.limited for helm in self._helms.values())
 
     def warm_up(self) -> None:
         """A step by itself, and one that is driven."""
@@ -114,6 +116,7 @@ class SystemRig:
     def forget(self) -> None:
         self._parts.forget()
         self._freshness = Freshness()
+        self._idle = set()
         for name, commands in self._commands.items():
             commands.forget()
             self._helms[name].reset()
@@ -121,6 +124,7 @@ class SystemRig:
     # -- a step ---------------------------------------------------------------------------------
 
     def advance(self, target: Simulated, now: Moment) -> dict[str, Any]:
+        """Rates of winches that the model refuses are given up, and the step made without."""
         dt = target.seconds - self.model.time
         motions = self.model.motions
         vessels = {}
@@ -135,7 +139,17 @@ class SystemRig:
             "rates": self._rates(now, dt),
             "cuts": [name for name in self._parts.cuts if self.model.cuts[name] is None],
         }
-        self.model.step_to(target.seconds, **given)
+        try:
+            self.model.step_to(target.seconds, **given)
+        except StepError as error:
+            present, rates = self.model.winches, given["rates"]
+            turning = [n for n, rate in rates.items() if rate or present[n].payout_rate]
+            if not turning:
+                raise
+            for name in turning:
+                self._parts.refuse_rate(name, str(error))
+            given["rates"] = {**rates, **dict.fromkeys(turning, 0.0)}
+            self.model.step_to(target.seconds, **given)
         return given
 
     def _forces(self, now: Moment, motions: Mapping[str, Any]) -> dict[str, Floats]:
@@ -157,7 +171,9 @@ class SystemRig:
         if not wanted:
             return {}
         present, change = self.model.deflections, self._settings.limits_deflection_rate * dt
-        return {n: approached_number(present[n], angle, change) for n, angle in wanted.items()}
+        found = {n: approached_number(present[n], angle, change) for n, angle in wanted.items()}
+        self._limited += found != wanted
+        return found
 
     def _rates(self, now: Moment, dt: float) -> dict[str, float]:
         """Rates of winches that were commanded; a command that is stale is one to stop."""
@@ -166,16 +182,22 @@ class SystemRig:
         for name, command in self._parts.rates.items():
             topic = self._parts.topics[name]
             fresh = self._freshness.fresh(topic, now, command, s.command_timeout)
+            wanted = command.rate if fresh else 0.0
             winch = present[name]
+            if wanted > 0.0 and winch.drum_length <= 0.0:
+                self._idle.add(name)
+            else:
+                self._idle.discard(name)
             found[name] = follow_rate(
                 winch.payout_rate,
-                command.rate if fresh else 0.0,
+                wanted,
                 dt,
                 s.limits_payout_rate,
                 s.limits_payout_acceleration,
                 winch.drum_length,
                 winch.line_length - s.limits_line_length_min,
             )
+            self._limited += found[name] != wanted
         return found
 
     def _order_cut(self, name: str) -> tuple[bool, str]:
@@ -240,6 +262,9 @@ class SystemRig:
         return [motion.position for motion in self.model.bodies.values()]
 
     def findings(self) -> Iterator[str]:
+        for name, winch in self.model.winches.items():
+            if winch.limit != "free":
+                yield f"the winch {name} stands: {winch.limit}"
         if self.scene.solver.error_estimate:
             yield from doubts(self.model.errors, self.scene.solver)
 
@@ -255,7 +280,10 @@ class SystemRig:
         return found
 
     def command_findings(self) -> Iterator[str]:
-        return iter(())
+        for name in sorted(self._idle):
+            has_drum = self.scene.winches[name].drum > 0.0
+            why = "the drum is empty" if has_drum else f"winches.{name} has no drum"
+            yield f"{self._parts.topics[name]} asks for cable, and {why}"
 
     def summary(self) -> dict[str, Any]:
         scene = self.scene

@@ -143,6 +143,29 @@ def test_roll_and_pitch_rates_move_the_tow_point_by_its_arm() -> None:
     assert sample.course.velocity == pytest.approx(ahead + np.cross(spin, arm))
 
 
+def test_between_samples_the_vessel_turns_on() -> None:
+    """What is given in its axes, and its frame on /tf, do not wait for the next sample."""
+    commands, helm = made(command_timeout=5.0, odom_frame="odom")
+    assert odometry(commands, frame="odom", angular=(0.0, 0.0, 0.1)) == ""
+    for after in (0.0, 0.4, 1.0):
+        helm.inputs(NOW + after, 0.01, at_rest())
+        assert helm.rotation == pytest.approx(heading_rotation(0.1 * after), abs=1e-12)
+    # Of a sample that is refused, nothing is taken.
+    assert odometry(commands, STAMP + 0.1, frame="odom", position=(900.0, 0.0, 0.0),
+                    orientation=EAST_TO_NORTH) == ""  # fmt: skip
+    helm.inputs(NOW + 1.0, 0.01, at_rest())
+    assert "m from the present one" in commands.tallies["odom"].reason
+    assert helm.rotation == pytest.approx(heading_rotation(0.1), abs=1e-12)
+
+
+def test_a_turn_above_its_limit_is_counted() -> None:
+    commands, helm = made(vessel_input="cmd_vel", payout_input="scene")
+    for rate, limited in ((0.9, 0), (1.5, 1)):
+        commands.take_twist(STAMP, "base_link", (0, 0, 0), (0, 0, rate))
+        helm.inputs(NOW, 0.01, at_rest())
+        assert helm.limited == limited
+
+
 def test_empty_frames_of_odometry_are_what_the_message_means() -> None:
     """A vessel that heads north: its own speed ahead is northward, one in the map is eastward."""
     for frame, child, velocity in (

@@ -283,6 +283,77 @@ def test_a_winch_follows_commands_and_stops_when_they_end() -> None:
     bench.session.close()
 
 
+def test_pay_out_without_cable_on_the_drum_is_told() -> None:
+    """Of a winch that has no drum, and of one whose drum is empty; not while it takes in."""
+    for drum, why in ((0.0, "winches.hoist has no drum"), (0.5, "the drum is empty")):
+        bench = Bench(settings(text(winches__hoist__drum=drum), vessel_input="scene"))
+        diagnostics, command = bench.diagnostics(), bench.ports["~/hoist/payout_rate_cmd"]
+        told = f"hoist/payout_rate_cmd asks for cable, and {why}"
+        bench.steps(150, lambda command=command: command(0.5))
+        assert bench.model.winches["hoist"].drum_length == 0.0
+        commands = diagnostics.statuses()[1]
+        assert commands.level == WARN
+        assert told in commands.message
+        bench.steps(20, lambda command=command: command(-0.5))
+        assert told not in diagnostics.statuses()[1].message
+        bench.session.close()
+
+
+def test_rates_that_the_model_refuses_are_given_up_and_told() -> None:
+    """The system goes on without; the winch stands, also where the scene's own would turn it."""
+    rate = [{"t": 0.0, "rate": 0.0}, {"t": 0.1, "rate": 0.2}]
+    bench = Bench(settings(text(winches__hoist__rate=rate), vessel_input="scene"))
+    whole = bench.model.step_to
+
+    def refusing(target: float, **inputs: Any) -> None:
+        if inputs["rates"].get("hoist"):
+            raise cm.StepError("the winch is stuck", time=bench.model.time)
+        whole(target, **inputs)
+
+    bench.model.step_to = refusing  # type: ignore[method-assign]
+    bench.ports["~/hoist/payout_rate_cmd"](0.5)
+    bench.steps(20)
+    assert bench.model.time == pytest.approx(20 * DT)
+    assert bench.model.winches["hoist"].payout_rate == 0.0
+    assert bench.session.rig.tallies["hoist/payout_rate_cmd"].refused == 1
+    commands = bench.diagnostics().statuses()[1]
+    assert commands.level == WARN
+    assert "the winch is stuck" in commands.message
+    bench.model.step_to = whole  # type: ignore[method-assign]
+    bench.steps(20, lambda: bench.ports["~/hoist/payout_rate_cmd"](0.3))
+    assert bench.model.winches["hoist"].payout_rate == pytest.approx(0.3)
+    bench.session.close()
+
+
+def test_a_step_that_fails_for_another_reason_than_a_winch_fails_the_session() -> None:
+    bench = Bench(settings(vessel_input="scene"))
+
+    def refusing(target: float, **inputs: Any) -> None:
+        raise cm.StepError("no convergence", time=bench.model.time)
+
+    bench.model.step_to = refusing  # type: ignore[method-assign]
+    with pytest.raises(SessionError, match="no convergence"):
+        bench.steps(1)
+    bench.ports["~/hoist/payout_rate_cmd"](0.5)
+    with pytest.raises(SessionError, match="no convergence"):  # not the winch's fault
+        bench.steps(1)
+    bench.session.close()
+
+
+def test_limits_of_winches_and_foils_are_counted() -> None:
+    bench = Bench(settings(vessel_input="scene", limits__payout_acceleration=0.5))
+    bench.steps(10)
+    assert bench.session.rig.limited == 0
+    bench.ports["~/cage/fin/deflection"](0.2)  # takes 0.2 s at 1 rad/s
+    bench.steps(20)
+    assert bench.session.rig.limited == pytest.approx(0.2 / DT, abs=1)
+    before = bench.session.rig.limited
+    command = bench.ports["~/hoist/payout_rate_cmd"]
+    bench.steps(60, lambda: command(0.3))  # takes 0.6 s
+    assert bench.session.rig.limited - before == pytest.approx(0.6 / DT, abs=1)
+    bench.session.close()
+
+
 def test_what_cannot_be_used_is_refused_by_name_and_counted() -> None:
     bench = Bench(settings(vessel_inputs="vehicle=cmd_vel"))
     refusals = [
