@@ -1,5 +1,5 @@
 """What a coupling may use of a system's FMU: sizes and limits, derivatives of forces and moments on
-vessels by time and by their motion, a system of its vessels, a log of its run."""
+vessels by time and by their motion, a log of its run. (Masters: test_fmu_system_masters.py.)"""
 
 from __future__ import annotations
 
@@ -10,10 +10,7 @@ import numpy as np
 import pytest
 from fmpy import simulate_fmu
 from fmpy.fmi1 import FMICallException
-from fmpy.ssp.simulation import simulate_ssp
-from fmpy.ssp.ssd import read_ssd
 from fmu_tools import Slave, unpacked
-from vessel_fmu import Vessel
 
 import cablemodel as cm
 from cablemodel.replay import replay
@@ -390,37 +387,7 @@ def test_a_taut_line_does_not_drive_the_vessel(tmp_path: Path) -> None:
     assert growth[1] < 1e-4
 
 
-# -- a system of vessels, a log --------------------------------------------------------------------
-
-
-def test_fmpy_runs_the_system_of_its_vessels(tmp_path: Path) -> None:
-    """Two vessels beside the cables, in steps of each other's last values: as in Python."""
-    dt, steps = 0.1, 40
-    scene = moored()
-    export_fmu(scene, tmp_path / "a.fmu", platforms=["linux64"], stations=2, ssp=tmp_path / "a.ssp")
-    system = read_ssd(str(tmp_path / "a.ssp"), validate=True).system
-    names = [component.name for component in system.elements]
-    assert names == ["vessel_ship", "vessel_barge", "cable"]
-    assert len(system.connections) == 12
-    result = simulate_ssp(str(tmp_path / "a.ssp"), stop_time=(steps - 0.5) * dt, step_size=dt)
-    model, vessels = SystemModel(scene), {name: Vessel() for name in scene.vessels}
-    forces = dict.fromkeys(vessels, np.zeros(3))  # fmpy gives no inputs before the first step
-    still = np.zeros(3)
-    rows = []
-    for _ in range(steps):
-        given = {
-            name: cm.VesselInput(velocity=vessel.velocity.copy(), attitude_rate=still)
-            for name, vessel in vessels.items()
-        }
-        model.step(dt, vessels=given)
-        for name, vessel in vessels.items():
-            vessel.step(dt, forces[name])
-            forces[name] = model.wrenches[name][:3]
-        rows.append([vessel.velocity[i] for vessel in vessels.values() for i in (0, 1)])
-    expected = np.array(rows)
-    assert np.abs(expected[-1]).min() > 1e-3
-    found = [result[f"cable.{name}.velocity_input[{i}]"] for name in vessels for i in (1, 2)]
-    np.testing.assert_allclose(np.array(found).T, expected, rtol=1e-7, atol=1e-12)
+# -- a log --------------------------------------------------------------------
 
 
 def test_a_system_without_vessels_has_none_to_connect(tmp_path: Path) -> None:
