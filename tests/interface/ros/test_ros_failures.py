@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import TwistStamped
+from system_to_steer import SCENE as SYSTEM
 
 import cablemodel as cm
 
@@ -34,6 +35,9 @@ def step_to(self, time, *arguments, **inputs):
 cm.CableModel.step_to = step_to
 sys.exit(node.main())
 """
+
+
+FAILING_SYSTEM = FAILING.replace("CableModel", "SystemModel").replace(", arc_length=3.0", "")
 
 
 def told(diagnostics: list[DiagnosticArray], words: str) -> bool:
@@ -110,6 +114,30 @@ def test_on_request_it_goes_back_to_the_last_good_state_and_on(
     again = cm.open_run(last)
     assert again.complete
     assert again.applied_inputs["time"][0] < 3.0
+
+
+def test_of_a_system_it_goes_back_and_on_and_in_the_end_says_why(
+    start_node: Start, talker: Talker, tmp_path: Path
+) -> None:
+    """A failure that passes is got over; one that does not ends the process with its status."""
+    path = tmp_path / "system.yaml"
+    path.write_text(cm.load_system(SYSTEM).to_yaml())
+    watch = Watch(talker)
+    free_run = {**FREE_RUN, "scene": path, "rate": 50, "diagnostics_rate": 10}
+    node = start_node(**free_run, program=FAILING_SYSTEM.format(after=2.01, times=2),
+                      on_failure="retry", log__folder=tmp_path / "log")  # fmt: skip
+    wait_until(lambda: told(watch.diagnostics, "gone back by"), 120)
+    wait_until(lambda: float(watch.value("simulation", "simulated time [s]")) > 3.0)
+    assert watch.value("simulation", "gone back after a failure") == "2"
+    assert node.stop() == 0
+    first, *_, last = sorted((tmp_path / "log").glob("cable_*.mcap"))
+    assert "no convergence" in cm.open_run(first).reason
+    assert cm.open_run(last).complete
+    watch.diagnostics.clear()
+    node = start_node(**free_run, program=FAILING_SYSTEM.format(after=2.01, times=10**6),
+                      on_failure="exit")  # fmt: skip
+    assert node.process.wait(120) == 3
+    assert told(watch.diagnostics, "the node ends (on_failure: exit)")
 
 
 def test_what_fails_again_and_again_is_given_up(start_node: Start, talker: Talker) -> None:

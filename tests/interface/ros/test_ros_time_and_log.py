@@ -6,16 +6,21 @@ import json
 import math
 import os
 import signal
+import struct
 import subprocess
 import sys
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TwistStamped
+from mcap.exceptions import EndOfFile
+from mcap.records import Channel, Message, Schema
+from mcap.stream_reader import StreamReader
 from rosbags.rosbag2 import Reader
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64
@@ -117,6 +122,20 @@ def test_a_kill_loses_at_most_the_last_second(
     epoch = 1e-9 * int(run.metadata["epoch_ns"])
     assert killed - (epoch + logged[-1]) < 1.0 + 0.1  # and the moment between kill and clock
     assert seconds(tensions[-1].header.stamp) - (epoch + logged[-1]) < 1.0
+    # Whatever reads records one after another, without an index, has them all, and can decode them.
+    with path.open("rb") as file:
+        found, channels, schemas = [], {}, {}
+        with suppress(EndOfFile, struct.error):
+            for record in StreamReader(file).records:
+                if isinstance(record, Schema):
+                    schemas[record.id] = record
+                elif isinstance(record, Channel):
+                    channels[record.id] = record
+                elif isinstance(record, Message):
+                    found.append((channels[record.channel_id], record))
+    assert all(schemas[channel.schema_id].data for channel, _ in found)
+    steps = [record for channel, record in found if channel.topic == "/cable/applied_inputs"]
+    assert len(steps) == len(logged)
     assert epoch + logged[0] <= begin + 1e-6  # seconds of the epoch as a float end at 2.4e-7
     assert len(run.states) >= 6
 
