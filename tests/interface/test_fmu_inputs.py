@@ -106,6 +106,52 @@ def test_a_position_beside_a_velocity_is_said_to_be_ignored(scheduled):
     slave.close()
 
 
+def test_what_moves_it_may_be_chosen_after_a_position_is_set(scheduled):
+    """A position that drives is not said to be ignored; one that does nothing in the run is."""
+    start = (5.0, 3.0, 0.1)
+    for later, said in (({"vessel_input": 2}, []), ({}, ["vessel.position"])):
+        slave = Slave(*scheduled, **{"vessel.position": start}, **later)
+        assert warnings(slave) == []
+        slave.step(0.5)
+        assert [text.split()[0] for text in warnings(slave)] == said
+        assert slave.get("line.position[1,3]") == pytest.approx(0.1 if later else 0.0, abs=1e-15)
+        slave.close()
+
+
+@pytest.mark.parametrize("before", [False, True])
+@pytest.mark.parametrize("choice", [{}, {"vessel_input": 2}, {"vessel_input": 3}])
+def test_a_first_step_to_another_start_is_warned_of(scheduled, choice, before):
+    """Of a master that hands out positions, and begins elsewhere than the cable: tensions jump."""
+    there = {"vessel.position": (8.0, 3.0, 0.0)}
+    slave = Slave(*scheduled, **choice, **(there if before else {}))
+    slave.set("vessel.position", there["vessel.position"])
+    slave.step(0.1)
+    slave.set("vessel.position", there["vessel.position"])
+    slave.step(0.1)
+    (said,) = warnings(slave)
+    assert "vessel.position draws the tow point by " in said
+    assert "of 0.1 s: the cable begins at (5, 3, 0); set vessel.start_position" in said
+    slave.close()
+    slave = Slave(*scheduled, **{"vessel.start_position": there["vessel.position"]}, **choice)
+    for _ in range(2):
+        slave.set("vessel.position", there["vessel.position"])
+        slave.step(0.1)
+    assert warnings(slave) == []
+    slave.close()
+
+
+def test_a_start_that_cannot_be_set_is_to_be_exported(tmp_path):
+    scene = still_scene(
+        environment={"floor": {"z": -60}}, vessel={"position": [0, 0, 0]}, payout={}
+    )
+    with unpacked(scene, tmp_path, stations=2) as found:
+        slave = Slave(*found, vessel_input=2)
+        slave.set("vessel.position", (3.0, 0.0, 0.0))
+        slave.step(0.1)
+        assert "export the scene with another start" in warnings(slave)[0]
+        slave.close()
+
+
 def test_ignored_inputs_are_said_once_each(scheduled):
     """The master says that the scene drives, and sets inputs all the same."""
     slave, model = Slave(*scheduled, use_scene_inputs=True), cm.CableModel(scheduled_scene())

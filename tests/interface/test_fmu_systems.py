@@ -247,6 +247,32 @@ def test_a_position_alone_moves_the_vessel(towed: Any) -> None:
     slave.close()
 
 
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"ship.position_input": (3, 0, 0)}, "ship.position_input[1] draws it by 3 m"),
+        ({"ship.attitude_input": (0, 0, 0.5)}, "ship.attitude_input[1] draws it by 0.5 rad"),
+        ({"ship.position_input": (0.5, 0, 0), "ship.attitude_input": (0, 0, 0.05)}, ""),
+    ],
+)
+@pytest.mark.parametrize("chosen", [False, True])
+def test_a_first_step_to_another_start_is_warned_of(
+    hung: Any, given: dict[str, Any], said: str, chosen: bool
+) -> None:
+    """And no input that moves the ship is said to be ignored."""
+    _, place, description = hung
+    slave = Slave(place, description, **given, **({"ship.input": 2} if chosen else {}))
+    for _ in range(2):
+        for name, value in given.items():
+            slave.set(name, value)
+        slave.step(0.1)
+    messages = [text for _, text in slave.messages]
+    assert [said in text and "it begins at (0, 0, 0)" in text for text in messages] == [True] * bool(
+        said
+    )
+    slave.close()
+
+
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
 def test_scenes_to_copy_are_the_same_in_both(path: Path, tmp_path: Path) -> None:
     """All parts that scenes of systems have, with what the scene schedules and forces on bodies."""

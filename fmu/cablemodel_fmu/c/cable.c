@@ -159,6 +159,34 @@ static void collect_inputs(const Cable *cable, double dt, double *inputs) {
     }
 }
 
+/* How far a position that is reached after dt is from where the start goes on to. */
+double distance_from(const double *start, const double *velocity, const double *reached, double dt) {
+    double square = 0.0;
+    for (int i = 0; i < 3; i++) {
+        const double off = reached[i] - start[i] - velocity[i] * dt;
+        square += off * off;
+    }
+    return sqrt(square);
+}
+
+/* Of the first step, by the inputs as they are set: NULL, or that it draws the tow point to another
+   start than the cable's. */
+const char *first_jump(Cable *cable, double dt) {
+    if (cable->system != NULL) return first_jump_of_parts(cable, dt);
+    double inputs[INPUT_WORDS];
+    collect_inputs(cable, dt, inputs);
+    if (inputs[IN_POSITION] == 0.0) return NULL;
+    const double *start = cable->now.start;
+    const double way = distance_from(start, start + 3, inputs + IN_POSITION + 1, dt);
+    if (!(way > JUMP_SPEED * dt)) return NULL;
+    snprintf(cable->message, sizeof cable->message,
+             "vessel.position draws the tow point by %g m in the first step, of %g s: the cable begins "
+             "at (%g, %g, %g); %s",
+             way, dt, start[0], start[1], start[2],
+             cable->flags & FLAG_MOVABLE ? "set vessel.start_position" : "export the scene with another start");
+    return cable->message;
+}
+
 /* What derivatives and the next step want to know of one that was made. */
 static void remember_step(Cable *cable, double dt, const double *inputs) {
     Controls *now = &cable->now;

@@ -54,6 +54,11 @@ enum {
 #define FILE_FORMAT 3
 #define FURTHEST 1e7 /* of positions [m] */
 #define FASTEST 1e3  /* of velocities and rates [m/s] */
+/* What a first step by position may change of a vessel's speed and of its rates of turn, on the
+   average, without a warning: more than that is a start elsewhere. As limits.speed and
+   limits.turn_rate of the ROS 2 node. */
+#define JUMP_SPEED 10.0 /* [m/s] */
+#define JUMP_RATE 1.0   /* [rad/s] */
 
 /* A tunable coefficient: word = factor * value in the edges of a cable type or in one body. Or a
    length that is fixed at the start, of a cable of the line or on the drum: from the vessel outwards,
@@ -127,7 +132,7 @@ typedef struct Cable {
     double errors[2];
     Summary summary;
     double *arcs, *rows;
-    char message[200]; /* where a message has numbers in it */
+    char message[300]; /* where a message has numbers in it */
 } Cable;
 
 /* The kernels, compiled ahead of time. */
@@ -194,6 +199,7 @@ const char *check_part_value(const Cable *cable, unsigned vr, double value, doub
                              double *maximum);
 void mark_part_set(Cable *cable, unsigned vr, int derivative);
 const char *ignored_part_input(Cable *cable, unsigned vr);
+const char *first_jump_of_parts(Cable *cable, double dt);
 int64_t step_system(Cable *cable, double t_end, double dt);
 int same_parts(const Cable *cable, const Cable *finer);
 int64_t vessels_of(const Cable *cable);
@@ -217,6 +223,7 @@ void restart_cable(Cable *cable);
 void restore_exported(Cable *cable);
 double cable_time(const Cable *cable);
 int is_beside(const Cable *cable);
+const char *first_jump(Cable *cable, double dt);
 int64_t step_cable(Cable *cable, double t_end, double dt, char *message, size_t size);
 const char *name_of(const Cable *cable, unsigned vr);
 const int64_t *choice_of(Cable *cable, unsigned vr);
@@ -224,6 +231,7 @@ void choose(Cable *cable, unsigned vr, int64_t value);
 double *slope_of(Cable *cable, unsigned vr);
 void clear_slopes(Cable *cable);
 double value_at_end(const Controls *now, const double *slope, double value, double before, double dt);
+double distance_from(const double *start, const double *velocity, const double *reached, double dt);
 double place_at_end(const Controls *now, const double *slope, double value, double rate,
                     double rate_before, double dt);
 const char *read_value(Cable *cable, unsigned vr, double *value);

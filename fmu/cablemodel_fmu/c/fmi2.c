@@ -22,6 +22,7 @@ static const struct {
                   {"logEvents", LOG_EVENTS},
                   {"logAll", LOG_ERROR | LOG_WARNING | LOG_DISCARD | LOG_EVENTS}};
 enum { CATEGORIES = sizeof categories / sizeof categories[0] };
+enum { JUMP_SAID = ALL_SET + 1 };
 enum { QUIET = LOG_ERROR | LOG_WARNING | LOG_DISCARD };
 
 typedef struct {
@@ -32,7 +33,7 @@ typedef struct {
     int logged;
     double stop_time;
     int has_stop_time;
-    int64_t warned; /* of which inputs that are set and do nothing */
+    int64_t warned; /* of which inputs that are set and do nothing, and JUMP_SAID */
 } Instance;
 
 static void say(fmi2CallbackLogger logger, fmi2ComponentEnvironment environment, const char *name,
@@ -272,7 +273,8 @@ fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t 
     return count == 0 ? fmi2OK : unknown(in, __func__, vr == NULL ? 0 : vr[0]);
 }
 
-/* Say once of a group of inputs that it is set and does nothing. */
+/* Say once of a group of inputs that it is set and does nothing. What moves a vessel may still be
+   chosen before the run: that is judged as the run begins. */
 static void warn_of_ignored(Instance *in, unsigned vr) {
     static const char *const names[] = {"vessel.velocity", "vessel.position", "payout.rate",
                                         "current.velocity"};
@@ -296,11 +298,26 @@ static void warn_of_ignored(Instance *in, unsigned vr) {
     if (moves && by != BY_POSITION) used |= VELOCITY_SET;
     if (moves && by != BY_VELOCITY) used |= POSITION_SET;
     if (group & used) return;
+    if (moves && (group & motion) && cable->now.phase != STEPPING) return;
     int n = 0;
     while (!(group >> n & 1)) n++;
     in->warned |= group;
     report(in, fmi2Warning, "%s is set but ignored: %s", names[n],
            moves && (group & motion) ? "vessel.input says what moves the tow point" : scene_drives);
+}
+
+/* Of the first step: what was set before it and does nothing, and whether it begins with a jump. */
+static void warn_at_first(Instance *in, double dt) {
+    Cable *cable = &in->cable;
+    if (cable->now.last_step > 0.0) return;
+    if (cable->system == NULL)
+        for (unsigned vr = 0; vr < VR_INPUTS; vr++) warn_of_ignored(in, vr);
+    else
+        for (unsigned vr = VR_SYSTEM_INPUT; part_input(cable, vr) != NULL; vr++) warn_of_ignored(in, vr);
+    const char *problem = in->warned & JUMP_SAID ? NULL : first_jump(cable, dt);
+    if (problem == NULL) return;
+    in->warned |= JUMP_SAID;
+    report(in, fmi2Warning, "fmi2DoStep: %s", problem);
 }
 
 /* All or nothing. */
@@ -422,6 +439,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real point, fmi2Real size, fmi2Boolea
     if (in->has_stop_time && point + size > in->stop_time + 1e-9 * fabs(in->stop_time) + 1e-6 * size)
         return report(in, fmi2Error, "fmi2DoStep: a step to %g s goes beyond the stop time %g s",
                       point + size, in->stop_time);
+    warn_at_first(in, size);
     char message[400];
     if (step_cable(cable, end, size, message, sizeof message) != OK)
         return report(in, fmi2Discard, "fmi2DoStep: %s", message);

@@ -351,7 +351,8 @@ const char *ignored_part_input(Cable *cable, unsigned vr) {
     if (s->told[first] || !inputs_in(s, cable->values, n)->set) return NULL;
     const char *why = NULL;
     if (!drives(cable, n)) why = "";
-    else if (n < OF_VESSEL * s->vessels && !chosen(cable, n / OF_VESSEL, first % OF_VESSEL))
+    else if (n < OF_VESSEL * s->vessels && cable->now.phase == STEPPING &&
+             !chosen(cable, n / OF_VESSEL, first % OF_VESSEL))
         why = s->rows[s->inputs + n / OF_VESSEL].name;
     s->told[first] = why != NULL;
     return why;
@@ -389,6 +390,36 @@ static int collect_motion(const Cable *cable, int64_t vessel, double dt, double 
     }
     motion[0] = (double)given;
     return given != 0;
+}
+
+/* As first_jump, of all vessels and driven ends, in place and attitude. */
+const char *first_jump_of_parts(Cable *cable, double dt) {
+    System *s = cable->system;
+    double *motion = s->motion;
+    for (int64_t n = 0; n < s->vessels; n++) {
+        const int64_t first = OF_VESSEL * n;
+        double start[OF_VESSEL];
+        for (int64_t i = 0; i < OF_VESSEL; i++) start[i] = s->rows[first + i].start;
+        memset(motion, 0, sizeof(double) * FRAME_INPUTS);
+        collect_motion(cable, n, dt, motion);
+        const int64_t given = (int64_t)motion[0];
+        const double way = given & GIVEN_POSITION
+                               ? distance_from(start + AT_POSITION, start + AT_VELOCITY, motion + 1, dt)
+                               : 0.0;
+        const double turn = given & GIVEN_ATTITUDE
+                                ? distance_from(start + AT_ATTITUDE, start + AT_RATE, motion + 4, dt)
+                                : 0.0;
+        const int far = way > JUMP_SPEED * dt;
+        if (!far && !(turn > JUMP_RATE * dt)) continue;
+        const double *from = start + (far ? AT_POSITION : AT_ATTITUDE);
+        snprintf(cable->message, sizeof cable->message,
+                 "%s draws it by %g %s in the first step, of %g s: it begins at (%g, %g, %g); export the "
+                 "scene with another start",
+                 s->rows[first + (far ? AT_POSITION : AT_ATTITUDE)].name, far ? way : turn,
+                 far ? "m" : "rad", dt, from[0], from[1], from[2]);
+        return cable->message;
+    }
+    return NULL;
 }
 
 /* What is given for a step, in the words of the kernel `drive`; returns whether anything drives, by
