@@ -49,7 +49,8 @@ initialization ends, say where the tow point starts and how fast.</li>
 3 both.</li>
 <li><code>current.velocity</code> is added to the scene's current at every depth.</li>
 <li><code>payout.rate</code> is clamped to zero where the drum is empty or the shortest length is
-reached; <code>payout.applied</code> is what the winch does.</li>
+reached; <code>payout.applied</code> is what the winch does. A warning tells of a drum that is
+empty.</li>
 </ul>
 <h2>Parameters</h2>
 <p>Coefficients are tunable: before the start they change the static equilibrium, later they take

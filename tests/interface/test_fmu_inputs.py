@@ -152,6 +152,19 @@ def test_a_start_that_cannot_be_set_is_to_be_exported(tmp_path):
         slave.close()
 
 
+@pytest.mark.parametrize(("drum", "after"), [([], 1.0), ([2.0], 8.0)])
+def test_pay_out_without_cable_on_the_drum_is_warned_of(tmp_path, drum, after):
+    cables = [{"cable": {"type": "K", "length": length}} for length in drum]
+    with unpacked(still_scene(payout={"drum": cables}), tmp_path, stations=2) as found:
+        slave = Slave(*found)
+        for _ in range(10):
+            slave.set("payout.rate", 0.3)
+            slave.step(1.0)
+            said = ["payout.rate asks for cable, and there is none on the drum"]
+            assert warnings(slave) == (said if slave.time >= after else [])
+        slave.close()
+
+
 def test_ignored_inputs_are_said_once_each(scheduled):
     """The master says that the scene drives, and sets inputs all the same."""
     slave, model = Slave(*scheduled, use_scene_inputs=True), cm.CableModel(scheduled_scene())

@@ -14,7 +14,6 @@ from fmu_tools import Slave, unpacked
 
 import cablemodel as cm
 from cablemodel.replay import replay
-from cablemodel.systems import SystemModel
 from cablemodel_fmu.export import ExportError, export_fmu
 from cablemodel_fmu.recording import FmuLog
 

@@ -1,5 +1,5 @@
 """A system of two vessels and the cables between them in other people's masters: fmpy, libcosim,
-Ecos, CoFMPy and the FMU Manipulation Toolbox. All give what Python gives with the same arithmetic."""
+Ecos, CoFMPy and the FMU Manipulation Toolbox. All give what the same arithmetic gives in Python."""
 
 from __future__ import annotations
 

@@ -267,9 +267,8 @@ def test_a_first_step_to_another_start_is_warned_of(
             slave.set(name, value)
         slave.step(0.1)
     messages = [text for _, text in slave.messages]
-    assert [said in text and "it begins at (0, 0, 0)" in text for text in messages] == [True] * bool(
-        said
-    )
+    assert len(messages) == bool(said)
+    assert all(said in text and "it begins at (0, 0, 0)" in text for text in messages)
     slave.close()
 
 
@@ -325,6 +324,25 @@ def test_a_winch_that_runs_from_the_start(tmp_path: Path) -> None:
             model.step(0.5)
             assert_same_bits(slave, model)
         assert slave.get("load.velocity[3]") == pytest.approx(-0.2, abs=0.02)
+        slave.close()
+
+
+def test_pay_out_without_cable_on_the_drum_is_warned_of(tmp_path: Path) -> None:
+    """Of each winch by itself, once."""
+    lines = still().to_dict()["lines"]
+    lines["other"] = {"from": "ship.hook", "to": "free", "items": [wire(10)]}
+    winches = {"hoist": {"line": "wire", "drum": 0.0}, "reel": {"line": "other", "drum": 1.0}}
+    with unpacked(still(lines=lines, cuts={}, winches=winches), tmp_path, stations=2) as found:
+        slave, said = Slave(*found), []
+        for _ in range(6):
+            slave.set("reel.rate", 0.3)
+            slave.set("hoist.rate", 0.3 if slave.time > 0.5 else -0.1)
+            slave.step(1.0)
+            said.append([text.split()[0] for _, text in slave.messages])
+        assert said[0] == []
+        assert said[1] == ["hoist.rate"]
+        assert said[5] == ["hoist.rate", "reel.rate"]
+        assert "asks for cable, and there is none on the drum" in slave.messages[1][1]
         slave.close()
 
 

@@ -199,6 +199,7 @@ const char *check_part_value(const Cable *cable, unsigned vr, double value, doub
                              double *maximum);
 void mark_part_set(Cable *cable, unsigned vr, int derivative);
 const char *ignored_part_input(Cable *cable, unsigned vr);
+const char *idle_winch(Cable *cable);
 const char *first_jump_of_parts(Cable *cable, double dt);
 int64_t step_system(Cable *cable, double t_end, double dt);
 int same_parts(const Cable *cable, const Cable *finer);
@@ -224,6 +225,7 @@ void restore_exported(Cable *cable);
 double cable_time(const Cable *cable);
 int is_beside(const Cable *cable);
 const char *first_jump(Cable *cable, double dt);
+int is_idle(Cable *cable);
 int64_t step_cable(Cable *cable, double t_end, double dt, char *message, size_t size);
 const char *name_of(const Cable *cable, unsigned vr);
 const int64_t *choice_of(Cable *cable, unsigned vr);

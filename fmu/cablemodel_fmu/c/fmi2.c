@@ -22,7 +22,7 @@ static const struct {
                   {"logEvents", LOG_EVENTS},
                   {"logAll", LOG_ERROR | LOG_WARNING | LOG_DISCARD | LOG_EVENTS}};
 enum { CATEGORIES = sizeof categories / sizeof categories[0] };
-enum { JUMP_SAID = ALL_SET + 1 };
+enum { JUMP_SAID = ALL_SET + 1, DRUM_SAID = 2 * JUMP_SAID };
 enum { QUIET = LOG_ERROR | LOG_WARNING | LOG_DISCARD };
 
 typedef struct {
@@ -33,7 +33,7 @@ typedef struct {
     int logged;
     double stop_time;
     int has_stop_time;
-    int64_t warned; /* of which inputs that are set and do nothing, and JUMP_SAID */
+    int64_t warned; /* of which inputs that are set and do nothing, and ..._SAID */
 } Instance;
 
 static void say(fmi2CallbackLogger logger, fmi2ComponentEnvironment environment, const char *name,
@@ -320,6 +320,20 @@ static void warn_at_first(Instance *in, double dt) {
     report(in, fmi2Warning, "fmi2DoStep: %s", problem);
 }
 
+/* Once of each winch that a step was asked to pay out by, and that had nothing to pay out. */
+static void warn_of_idle_winches(Instance *in) {
+    Cable *cable = &in->cable;
+    const char *name;
+    if (cable->system == NULL) {
+        if ((in->warned & DRUM_SAID) || !is_idle(cable)) return;
+        in->warned |= DRUM_SAID;
+        report(in, fmi2Warning, "payout.rate asks for cable, and there is none on the drum");
+    } else {
+        while ((name = idle_winch(cable)) != NULL)
+            report(in, fmi2Warning, "%s asks for cable, and there is none on the drum", name);
+    }
+}
+
 /* All or nothing. */
 fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t count,
                        const fmi2Real value[]) {
@@ -443,6 +457,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real point, fmi2Real size, fmi2Boolea
     char message[400];
     if (step_cable(cable, end, size, message, sizeof message) != OK)
         return report(in, fmi2Discard, "fmi2DoStep: %s", message);
+    warn_of_idle_winches(in);
     return fmi2OK;
 }
 

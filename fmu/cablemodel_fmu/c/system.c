@@ -24,6 +24,7 @@ typedef struct {
     double start, minimum, maximum;
     char name[96];
 } Row;
+enum { TOLD_IGNORED = 1, TOLD_IDLE = 2 };
 enum { ROW_WORDS = sizeof(Row) / 8 };
 
 typedef struct {
@@ -39,7 +40,7 @@ struct System {
     int64_t lines, inputs, vessels, bodies, foils, winches, cuts, outputs;
     const Row *rows;
     const int64_t *segments;
-    char *told; /* of each input: that it is set and does nothing */
+    char *told; /* of each input: TOLD_IGNORED: it is set and does nothing; TOLD_IDLE: its drum is empty */
     int current; /* the numbers below are those of the state */
     double *values;
     Element *elements;
@@ -348,13 +349,13 @@ const char *ignored_part_input(Cable *cable, unsigned vr) {
     if (part_input(cable, vr) == NULL) return NULL;
     const int64_t n = (int64_t)vr - VR_SYSTEM_INPUT;
     group_of(s, n, &first);
-    if (s->told[first] || !inputs_in(s, cable->values, n)->set) return NULL;
+    if ((s->told[first] & TOLD_IGNORED) || !inputs_in(s, cable->values, n)->set) return NULL;
     const char *why = NULL;
     if (!drives(cable, n)) why = "";
     else if (n < OF_VESSEL * s->vessels && cable->now.phase == STEPPING &&
              !chosen(cable, n / OF_VESSEL, first % OF_VESSEL))
         why = s->rows[s->inputs + n / OF_VESSEL].name;
-    s->told[first] = why != NULL;
+    if (why != NULL) s->told[first] |= TOLD_IGNORED;
     return why;
 }
 
@@ -463,6 +464,21 @@ static int collect_parts(const Cable *cable, double dt) {
         any |= s->orders[n] != 0.0;
     }
     return any;
+}
+
+/* Once of each winch: the name of its rate, where the last step was asked to pay out by it, and its
+   drum is empty. NULL: of no other one. */
+const char *idle_winch(Cable *cable) {
+    System *s = cable->system;
+    const int64_t first = s->inputs - s->cuts - s->winches;
+    for (int64_t n = 0; n < s->winches; n++) {
+        const Winch *winch = winch_of(cable->I, n);
+        const int asked = s->rates[2 * n] != 0.0 && s->rates[2 * n + 1] > 0.0;
+        if (!asked || winch->paid < winch->paid_most || (s->told[first + n] & TOLD_IDLE)) continue;
+        s->told[first + n] |= TOLD_IDLE;
+        return s->rows[first + n].name;
+    }
+    return NULL;
 }
 
 /* What a step has applied, into the words of `applied_in`. */
