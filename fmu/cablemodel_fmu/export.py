@@ -155,7 +155,12 @@ def export_fmu(
         )
     if ssp is not None and isinstance(scene, SystemScene) and not scene.vessels:
         raise ExportError("ssp: the scene has no vessels to connect in a system of parts (SSP)")
-    contents = contents_of(scene, Options(**options))
+    chosen = Options(**options)
+    if ssp is not None and chosen.inputs == "scene":
+        raise ExportError(
+            "ssp: with inputs 'scene' the cable ignores the vessels it is connected to"
+        )
+    contents = contents_of(scene, chosen)
     libraries = _libraries(names, progress)
     target = Path(path)
     files = {
@@ -172,7 +177,8 @@ def export_fmu(
     ports = ports_of(scene) if isinstance(scene, SystemScene) else TOW_POINT
     ports_file(scene, target).write_bytes(osp_description(contents.signals, ports))
     if ssp is not None:
-        export_system(scene, target, Path(ssp), _vessel_libraries(names))
+        libraries = _vessel_libraries(names)
+        export_system(scene, target, Path(ssp), libraries, chosen.vessel_input)
     return target
 
 

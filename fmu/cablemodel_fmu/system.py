@@ -1,7 +1,8 @@
 """Vessels and a scene's cables as a system of FMUs (SSP 1.0): a start for one's own.
 
-A vessel is c/vessel/vessel.c: a mass with thrust along x and quadratic resistance. Its velocity
-moves the tow point, or a vessel of the scene, the force of what hangs there pulls at it.
+A vessel is c/vessel/vessel.c: a mass with thrust along x and quadratic resistance. Its velocity or
+position (`vessel_input` of the export) moves the tow point, or a vessel of the scene; the force of
+what hangs there pulls at it.
 """
 
 from __future__ import annotations
@@ -18,6 +19,11 @@ from cablemodel_fmu.archive import write_archive
 
 VESSEL = "vessel"
 VESSEL_GUID = "{5b0a3c5e-6f0e-4e0e-9d0c-2c7c6f0f5a11}"
+MOVING = {
+    "velocity": ("velocity",), "position": ("position",),
+    "position and velocity": ("velocity", "position"),
+}  # fmt: skip
+"""Outputs of a vessel that are connected, by what `vessel.input` begins as."""
 _OUTPUTS = {"velocity": "m/s", "position": "m"}
 _PARAMETERS = {
     "mass": (5000.0, "kg", "mass"),
@@ -42,18 +48,25 @@ class Craft:
     """Of its component."""
     force: str
     """Output of the cable's FMU that pulls at it."""
-    velocity: str
-    """Input of the cable's FMU that it moves."""
+    inputs: tuple[tuple[str, str], ...]
+    """Its outputs (velocity, position), and the inputs of the cable's FMU that they move."""
     motion: VesselMotion
     """Of the scene: it starts with that."""
 
 
-def crafts(scene: Scene | SystemScene) -> list[Craft]:
-    """One for a tow point, or one for each vessel of a system."""
+def crafts(scene: Scene | SystemScene, vessel_input: str = "velocity") -> list[Craft]:
+    """One for a tow point, or one for each vessel of a system; vessel_input: what moves them."""
+    moving = MOVING[vessel_input]
     if isinstance(scene, Scene):
-        return [Craft(VESSEL, "force.top", "vessel.velocity", scene.motion())]
+        inputs = tuple((name, f"vessel.{name}") for name in moving)
+        return [Craft(VESSEL, "force.top", inputs, scene.motion())]
     return [
-        Craft(f"{VESSEL}_{name}", f"{name}.force", f"{name}.velocity_input", vessel.motion())
+        Craft(
+            f"{VESSEL}_{name}",
+            f"{name}.force",
+            tuple((output, f"{name}.{output}_input") for output in moving),
+            vessel.motion(),
+        )
         for name, vessel in scene.vessels.items()
     ]
 
@@ -65,7 +78,10 @@ def connections(vessels: Sequence[Craft]) -> list[Connection]:
         for craft in vessels
         for i in (1, 2, 3)
         for pair in (
-            ((craft.name, f"velocity[{i}]"), ("cable", f"{craft.velocity}[{i}]")),
+            *(
+                ((craft.name, f"{output}[{i}]"), ("cable", f"{moved}[{i}]"))
+                for output, moved in craft.inputs
+            ),
             (("cable", f"{craft.force}[{i}]"), (craft.name, f"force[{i}]")),
         )
     ]
@@ -138,7 +154,11 @@ def vessel_description() -> bytes:
 
 
 def export_system(
-    scene: Scene | SystemScene, cable: Path, target: Path, libraries: Mapping[str, bytes]
+    scene: Scene | SystemScene,
+    cable: Path,
+    target: Path,
+    libraries: Mapping[str, bytes],
+    vessel_input: str = "velocity",
 ) -> Path:
     """Write a system of vessels and the cable of an FMU.
 
@@ -146,12 +166,13 @@ def export_system(
         scene: what the FMU was exported from: vessels start with its motion.
         cable: the FMU.
         libraries: of the vessel, paths in its FMU to contents.
+        vessel_input: which inputs of the FMU move its vessels, as it was exported.
     """
     vessel = target.with_name(target.name + ".vessel")
     try:
         vessel_fmu(vessel, libraries)
         files = {
-            "SystemStructure.ssd": structure(scene),
+            "SystemStructure.ssd": structure(scene, vessel_input),
             "resources/cable.fmu": cable.read_bytes(),
             "resources/vessel.fmu": vessel.read_bytes(),
         }
@@ -160,7 +181,7 @@ def export_system(
     return write_archive(target, files)
 
 
-def structure(scene: Scene | SystemScene) -> bytes:
+def structure(scene: Scene | SystemScene, vessel_input: str = "velocity") -> bytes:
     """SystemStructure.ssd: the components, their connectors, what is connected."""
     for prefix, name in (("ssd", _SSD), ("ssc", _SSC), ("ssv", _SSV)):
         ElementTree.register_namespace(prefix, name)
@@ -169,7 +190,7 @@ def structure(scene: Scene | SystemScene) -> bytes:
                                {"version": "1.0", "name": title})  # fmt: skip
     system = ElementTree.SubElement(root, f"{{{_SSD}}}System", {"name": "tow"})
     elements = ElementTree.SubElement(system, f"{{{_SSD}}}Elements")
-    vessels = crafts(scene)
+    vessels = crafts(scene, vessel_input)
     pairs = connections(vessels)
     for craft in vessels:
         _component(elements, craft.name, VESSEL, pairs, _values(craft))

@@ -10,13 +10,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fmpy import simulate_fmu
+from fmpy import extract, read_model_description, simulate_fmu
 from fmpy.ssp.simulation import simulate_ssp
 from fmpy.ssp.ssd import read_ssd
-from fmu_tools import still_scene
+from fmu_tools import Slave, still_scene
 from vessel_fmu import coupled_in_python, export_vessel
 
-from cablemodel_fmu.export import export_fmu
+from cablemodel_fmu.export import ExportError, export_fmu
+from cablemodel_fmu.system import MOVING
 
 DT, STEPS = 0.1, 60
 ROOT = Path(__file__).parents[2]
@@ -58,6 +59,40 @@ def test_fmpy_runs_the_system(folder):
     rows = expected()
     assert rows[-1, 0] > 0.2
     np.testing.assert_allclose(result["cable.vessel.velocity[1]"], rows[:, 0], rtol=1e-9)
+
+
+@pytest.mark.parametrize("moved_by", ["position", "position and velocity"])
+def test_the_system_connects_what_the_fmu_is_exported_to_be_moved_by(tmp_path, moved_by):
+    """The vessel's last position is the tow point's next: nothing is ignored."""
+    ssp = tmp_path / "tow.ssp"
+    fmu = export_fmu(
+        scene(), tmp_path / "cable.fmu", platforms=["linux64"], vessel_input=moved_by, ssp=ssp
+    )
+    outputs = MOVING[moved_by]
+    connected = read_ssd(str(ssp), validate=True).system.connections
+    assert len(connected) == 3 + 3 * len(outputs)
+    result = simulate_ssp(str(ssp), stop_time=(STEPS - 0.5) * DT, step_size=DT)
+    assert result["vessel.position[1]"][-1] > 0.5
+    # The cable by itself, given the same, pulls as it did.
+    place = extract(str(fmu), str(tmp_path / "fmu"))
+    slave = Slave(Path(place), read_model_description(str(fmu)))
+    for k in range(len(result)):  # a row is what a step gave, and what the next one gets
+        for output in outputs:
+            names = [f"cable.vessel.{output}[{i}]" for i in (1, 2, 3)]
+            slave.set(f"vessel.{output}", [result[name][k - 1] if k else 0.0 for name in names])
+        slave.step(DT)
+    assert slave.messages == []
+    there = result["cable.vessel.position[1]"][-2]
+    assert slave.get("line.position[1,1]") == pytest.approx(there, rel=1e-12)
+    force = [result[f"cable.force.top[{i}]"][-1] for i in (1, 2, 3)]
+    np.testing.assert_array_equal(slave.get("force.top"), force)
+    slave.close()
+
+
+def test_a_cable_that_ignores_its_vessel_is_in_no_system(tmp_path):
+    with pytest.raises(ExportError, match="ignores the vessels"):
+        export_fmu(scene(), tmp_path / "cable.fmu", inputs="scene", ssp=tmp_path / "tow.ssp")
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("name", ["cable.fmu", "vessel.fmu"])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import json
 import math
 import os
@@ -211,6 +212,22 @@ def test_a_body_is_pushed_a_foil_turned_a_line_cut_and_what_is_wrong_is_told(
     refused = talker.call("/cable/weak_link/cut", Trigger)
     assert not refused.success
     assert "not active" in refused.message
+
+
+def test_pay_out_of_a_winch_without_a_drum_is_told(
+    start_node: Start, talker: Talker, tmp_path: Path
+) -> None:
+    path, data = tmp_path / "no_drum.yaml", copy.deepcopy(SYSTEM)
+    data["winches"]["hoist"]["drum"] = 0.0
+    path.write_text(cm.load_system(data).to_yaml())
+    start_node(scene=path, vessel_input="scene", autostart=True, rate=50, diagnostics_rate=10)
+    watch = Watch(talker)
+    wait_until(lambda: watch.known("simulation", "cycles"), 300)
+    winch = talker.node.create_publisher(Float64, "/cable/hoist/payout_rate_cmd", 1)
+    talker.repeat(20.0, lambda: winch.publish(Float64(data=0.3)))
+    told = "hoist/payout_rate_cmd asks for cable, and winches.hoist has no drum"
+    wait_until(lambda: watch.said("commands", told))
+    assert int(watch.value("commands", "steps with a limit at work")) > 0
 
 
 def test_library_and_node_agree_to_the_bit_and_the_log_replays(
