@@ -304,7 +304,7 @@ static const Summary *summary(Cable *cable) {
 /* Whether the last step was asked to pay out, and the drum is empty. */
 int is_idle(Cable *cable) {
     const double *applied = cable->now.applied;
-    return applied[IN_PAYOUT] != 0.0 && applied[IN_PAYOUT + 1] > 0.0 && !(summary(cable)[23] > 0.0);
+    return applied[IN_PAYOUT] != 0.0 && applied[IN_PAYOUT + 1] > 0.0 && !(summary(cable)->drum_length > 0.0);
 }
 
 /* States at the stations, then at the bodies, in rows of STATION_WORDS. */
