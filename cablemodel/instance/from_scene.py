@@ -131,9 +131,7 @@ def _built_as_lay(scene: Scene, planar: bool | None, room: float, attempt: Attem
     lies on a floor that is softer, at a coarser tolerance."""
     softer = laid_start.on_softer_floor(scene)
     try:
-        return _built_from_stiffer(
-            scene, planar, room, replace(attempt, at_once=softer is not None)
-        )
+        return _built_from_stiffer(scene, planar, room, attempt, patient=softer is None)
     except StaticsError:
         if softer is None:
             raise
@@ -141,8 +139,11 @@ def _built_as_lay(scene: Scene, planar: bool | None, room: float, attempt: Attem
     return _built(scene, planar, room, replace(attempt, lies=lies, at_once=True))
 
 
-def _built_from_stiffer(scene: Scene, planar: bool | None, room: float, attempt: Attempt) -> Block:
-    """A lay at once, or from cable that bends less and less so.
+def _built_from_stiffer(
+    scene: Scene, planar: bool | None, room: float, attempt: Attempt, *, patient: bool
+) -> Block:
+    """A lay at once, or from cable that bends less and less so; patient: the stiffest of them on
+    floors that harden.
 
     Where the layer in which a cable bends on to the floor is thin beside the line, a first shape
     is far from rest: what it lacks pushes what lies, and that folds. A stiffer one does not; where
@@ -159,7 +160,8 @@ def _built_from_stiffer(scene: Scene, planar: bool | None, room: float, attempt:
     layer, own = layers
     step = laid_start.STEP_OF_LAYER
     stiff = partial(laid_start.stiffer, scene)
-    lies = _built(stiff(layer), planar, 1.0, replace(attempt, passing=True))
+    stiffest = replace(attempt if patient else at_once, passing=True)
+    lies = _built(stiff(layer), planar, 1.0, stiffest)
     while True:
         thinner = max(own, layer / step)
         try:

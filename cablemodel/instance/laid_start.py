@@ -117,7 +117,8 @@ def stiffer_layers(scene: Scene) -> tuple[float, float] | None:
 def on_softer_floor(scene: Scene) -> Scene | None:
     """A lay at a coarser tolerance, whose floor is softer; None: no lay, or coarse as it is."""
     tolerance = SOFTER * scene.solver.tolerance
-    if not _is_lay(scene) or laid_loads.is_dragged(scene) or tolerance > COARSEST:
+    is_one = _is_lay(scene) and _is_even(scene) and not laid_loads.is_dragged(scene)
+    if not is_one or tolerance > COARSEST:
         return None
     settings = scene.solver.model_copy(update={"tolerance": tolerance})
     return scene.model_copy(update={"solver": settings})

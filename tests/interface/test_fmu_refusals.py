@@ -11,7 +11,7 @@ from fmu_tools import CABLE, Slave, image_start, sealed, still_scene, unpacked
 
 import cablemodel as cm
 from cablemodel.block import SIZES, Block
-from cablemodel.kernels.layout import Header
+from cablemodel.kernels.layout import Header, Summary
 from cablemodel_fmu.export import ExportError, export_fmu
 
 NAN = float("nan")
@@ -118,7 +118,7 @@ def test_a_step_beyond_the_stop_time(still):
 
 
 @pytest.mark.parametrize(
-    "reference", [13, 26, 99, 901, 950, 1032, 9999, 10039, 20000013, 2**32 - 1]
+    "reference", [13, 26, 99, 901, 950, 1000 + Summary.WORDS, 9999, 10039, 20000013, 2**32 - 1]
 )
 def test_unknown_value_references(slave, reference):
     words = "unknown value reference"
