@@ -1,8 +1,8 @@
 """Build backend: setuptools, after a look at whether the wheel brings this machine's library.
 
 Where the source tree holds no library that fits the kernels, `pip install .` builds it first, as
-`make native` does, with the tools that pip fetches for it: two to five minutes. Without it the
-wheel would install at once, and every first start would compile for as long, with a gigabyte of
+`make native` does, with the tools that pip fetches for it: one to three minutes. Without it the
+wheel would install at once, and every first start would compile for as long, with 0.7 GB of
 memory. Where the build fails, or numba is the only way, the wheel comes without a library, and
 cablemodel says so at its first start. An editable install builds none: `make native` does.
 """

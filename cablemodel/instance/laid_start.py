@@ -24,7 +24,7 @@ from cablemodel.block import Block
 from cablemodel.instance import easier_ways
 from cablemodel.instance.frame import earth, local
 from cablemodel.kernels import layout as at
-from cablemodel.kernels.layout import Header, Scalars
+from cablemodel.kernels.layout import Header
 from cablemodel.kernels.tables import (
     CONTACT_H,
     CONTACT_POINTS,
@@ -94,6 +94,10 @@ def coarser(scene: Scene) -> Scene | None:
         return None
     while scene.solver.tolerance * LEAST * FINER <= tolerance:
         tolerance /= FINER
+    return _at_tolerance(scene, tolerance)
+
+
+def _at_tolerance(scene: Scene, tolerance: float) -> Scene:
     settings = scene.solver.model_copy(update={"tolerance": tolerance})
     return scene.model_copy(update={"solver": settings})
 
@@ -107,8 +111,7 @@ def _is_lay(scene: Scene) -> bool:
 def stiffer_layers(scene: Scene) -> tuple[float, float] | None:
     """Touchdown layers of a lay's cables [m]: of one that does not fold, and the thinnest; None
     where none is thinner than that, and over ridges, where cable lies as it came down."""
-    floor = scene.environment.floor
-    if floor is None or floor.z is None:
+    if not _is_even(scene):
         return None
     most, own = sea_floor.unfolding_layer(scene), sea_floor.thinnest_layer(scene)
     return (most, own) if _is_lay(scene) and own < most else None
@@ -118,10 +121,7 @@ def on_softer_floor(scene: Scene) -> Scene | None:
     """A lay at a coarser tolerance, whose floor is softer; None: no lay, or coarse as it is."""
     tolerance = SOFTER * scene.solver.tolerance
     is_one = _is_lay(scene) and _is_even(scene) and not laid_loads.is_dragged(scene)
-    if not is_one or tolerance > COARSEST:
-        return None
-    settings = scene.solver.model_copy(update={"tolerance": tolerance})
-    return scene.model_copy(update={"solver": settings})
+    return _at_tolerance(scene, tolerance) if is_one and tolerance <= COARSEST else None
 
 
 def stiffer(scene: Scene, layer: float) -> Scene:
@@ -157,12 +157,9 @@ def lie_still(
         hold: the same, to where bristles have got shorter.
         coarser: leaves the first of them out; what lies is where it is in this block.
     """
-    reals = block.reals
-    state = Scalars(reals)
-    nodes, dimension = int(block.header.nodes), int(block.header.dimension)
-    shape = block.array(Header.position, nodes, 2 * dimension)
-    drawn = block.array(Header.rest, nodes, 2 * dimension)
-    q, rest = shape[:, :dimension], drawn[:, :dimension]
+    state = block.scalars
+    shape, drawn = _shape_and_roots(block)
+    q, rest = _positions(block), drawn[:, : int(block.header.dimension)]
     bristle, soft = float(state.bristle), _longest_bristle(block, scene)
     dragged = laid_loads.is_dragged(scene)
     if not _is_even(scene):
@@ -202,6 +199,12 @@ def _is_even(scene: Scene) -> bool:
     return scene.environment.floor is not None and scene.environment.floor.z is not None
 
 
+def _shape_and_roots(block: Block) -> tuple[FloatArray, FloatArray]:
+    """Places and slopes of the nodes, and those that their bristles are drawn from."""
+    words = int(block.header.nodes), 2 * int(block.header.dimension)
+    return block.array(Header.position, *words), block.array(Header.rest, *words)
+
+
 def _longest_bristle(block: Block, scene: Scene) -> float:
     """With which what lies finds where no tension is left [m]."""
     return (LAYING if _is_lay(scene) else SOFT) * float(block.scalars.length)
@@ -214,10 +217,8 @@ def _lay_freely(block: Block, scene: Scene, laid: FloatArray, solve: Callable[[]
     laid: where the nodes lie, or would, (nodes, dimension) [m]; moved along.
     """
     state = block.scalars
-    nodes, dimension = int(block.header.nodes), int(block.header.dimension)
-    shape = block.array(Header.position, nodes, 2 * dimension)
-    drawn = block.array(Header.rest, nodes, 2 * dimension)
-    q, rest = shape[:, :dimension], drawn[:, :dimension]
+    shape, drawn = _shape_and_roots(block)
+    q, rest = _positions(block), drawn[:, : int(block.header.dimension)]
     bristle, soft = float(state.bristle), _longest_bristle(block, scene)
     dragged = laid_loads.is_dragged(scene)
     # What a lay has laid is at rest over the ground: only a current pulls at it.
@@ -256,24 +257,23 @@ def let_go(block: Block, scene: Scene, solve: Callable[[], int], hold: Callable[
     Args:
         solve, hold: as for `lie_still`.
     """
-    nodes = int(block.header.nodes)
-    tension = np.abs(block.array(Header.tension, nodes, 2)[:, 0])
+    if not _is_even(scene):
+        return
+    tension = np.abs(block.array(Header.tension, int(block.header.nodes), 2)[:, 0])
     pulls = tension[_lying_elements(block, which_lie(block, scene))].max(initial=0.0)
-    if not _is_even(scene) or pulls <= scene.solver.tolerance * tension.max():
+    if pulls <= scene.solver.tolerance * tension.max():
         return
     before = block.image.copy()
     status = _lay_freely(block, scene, _laid_line(block, scene, _positions(block)), solve)
     if status == at.OK:
-        dimension = int(block.header.dimension)
-        shape = block.array(Header.position, nodes, 2 * dimension)
-        drawn = block.array(Header.rest, nodes, 2 * dimension)
+        shape, drawn = _shape_and_roots(block)
         bristle = float(block.scalars.bristle)
         drawn[:] = shape - bristle / _longest_bristle(block, scene) * (shape - drawn)
         bears, drags = _loads(block, scene)  # without the drag on what lies, so far
         drag = _shares(block, scene, bears, drags, False) - _shares(
             block, scene, bears, None, False
         )
-        drawn[:, :dimension] -= bristle * drag
+        drawn[:, : int(block.header.dimension)] -= bristle * drag
         status = hold()
     if status != at.OK:
         block.image[:] = before
@@ -310,7 +310,7 @@ def _laid_line(block: Block, scene: Scene, q: FloatArray) -> FloatArray:
     if len(lies) < 2:
         return line
     foot, tail = int(lies[0]), int(lies[-1])
-    even = scene.environment.floor is not None and scene.environment.floor.z is not None
+    even = _is_even(scene)
     ends = _on_floor(block, scene, q[[foot, tail]]) if even else q[[foot, tail]]
     way = ends[1] - ends[0]
     way /= max(float(np.linalg.norm(way)), 1e-12)

@@ -95,8 +95,6 @@ class _InnerLibrary(JITCodeLibrary):
     def finalize(self) -> None:
         """Leave its module as it is: an entry point links it, and optimises what it holds, once."""
         self._raise_if_finalized()
-        for library in self._linking_libraries:
-            self._reload_init.update(library._reload_init)
         self._finalize_dynamic_globals()
         for function in self._final_module.functions:
             if not function.is_declaration and function.linkage == Linkage.external:
