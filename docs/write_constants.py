@@ -44,11 +44,10 @@ WORDS = {
         "AX CX CY CZ G TX TY TZ FX FY FZ PX PY PZ QX QY QZ ROWS ROWS_00 ROWS_01 ROWS_12 "
         "ROWS_21 ROWS_22 SUM_D SUM_H SUM_HD"
     ),
-    "kernels/flow.py": "SCRATCH",
     "kernels/part_outputs.py": "WRENCH",
-    "kernels/passing.py": "PART",
-    "kernels/sea_cells.py": "OVER HELD RISING SURFACE MIRROR CELL_T CELL_X CELL_Z ALIVE CELL_LAYER"
-    " STAGE WAY LEVEL WATER WITHIN",
+    "kernels/payout.py": "VELOCITY ACCELERATION",
+    "kernels/raos.py": "UP YAW",
+    "kernels/sea_cells.py": "OVER",
     "kernels/time_stepping.py": "LANDED",
     "kernels/stepping.py": "INPUT_WORDS IN_VELOCITY IN_POSITION IN_CURRENT IN_PAYOUT",
     "kernels/tables.py": "PAIRS_D PAIRS_H PAIRS_HD _G3",
@@ -57,10 +56,7 @@ WORDS = {
         "CURVED STRAINED SOFTNESS"
     ),
     "kernels/top_of_line.py": "LEAVES RETURNS DIVIDES UNITES COMES FOLLOWS STOPS ENTERS",
-    "kernels/waves.py": (
-        "VELOCITY STRETCH TANGENT FORCE ACCELERATION DRAG POINT WET SLOPE P_VELOCITY "
-        "P_ACCELERATION P_WET P_SLOPE"
-    ),
+    "kernels/waves.py": "VELOCITY STRETCH TANGENT FORCE ACCELERATION DRAG WET SLOPE",
     "kernels/wetting.py": "OUTER NOWHERE",
     "direct/block.py": "_GAUSS_WORDS _MOTION_WORDS",
     "direct/kernels/assembly.py": (

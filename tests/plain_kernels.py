@@ -56,6 +56,16 @@ def row_of(record: Any, table: Any) -> Any:
     return lambda header, words, row: record(words, header[start] + width * row)
 
 
+def own_record(record: Any) -> Any:
+    """As the compiled one."""
+    return lambda: record(np.zeros(record.WORDS), 0)
+
+
+def own_numbers(count: int) -> Any:
+    """As the compiled one."""
+    return lambda: np.zeros(count)
+
+
 def word_of(words: Any, record: Any) -> int:
     """As the compiled one."""
     word: int = record._first
@@ -135,6 +145,8 @@ def install() -> None:
         record_in,
         record_at,
         row_of,
+        own_record,
+        own_numbers,
         word_of,
         copy_words,
         table_product,

@@ -4,22 +4,27 @@
 block; so for the others.
 """
 
-from .compile import record_at, record_in, row_of, word_of
+from .compile import own_numbers, own_record, record_at, record_in, row_of, word_of
 from .layout import (
     Arm,
     Body,
     Cable,
+    Cell,
     Closure,
     Constraint,
     Cut,
     Edge,
+    Energies,
     Foil,
     Foot,
     Frame,
+    FrameInput,
     FreeBody,
     Header,
     Layer,
     Line,
+    Matter,
+    Motion,
     PartMotion,
     Piece,
     Scalars,
@@ -50,10 +55,25 @@ arm_of, arm_at = row_of(Arm, Header.arms), record_at(Arm)
 closure_of, closure_at = row_of(Closure, Header.closures), record_at(Closure)
 foil_of, foil_at = row_of(Foil, Header.foils), record_at(Foil)
 winch_of, winch_at = row_of(Winch, Header.winches), record_at(Winch)
+matter_of = row_of(Matter, Header.matter)
 line_of, line_at = row_of(Line, Header.lines), record_at(Line)
 cut_of, cut_at = row_of(Cut, Header.cuts), record_at(Cut)
 foot_of, foot_at = row_of(Foot, Header.feet), record_at(Foot)
+cell_of = row_of(Cell, Header.cells)
 sea_layer_at = record_at(Layer)
+tow_point_of = row_of(Motion, Header.motion)
+"""tow_point_of(I, M, 0): its motion at the last set_time, earth frame."""
+
+motion_at = record_at(Motion)
+new_motion = own_record(Motion)
 summary_at = record_at(Summary)
+energies_at = record_at(Energies)
+frame_input_at = record_at(FrameInput)
 station_at = record_at(Station)
 part_motion_at = record_at(PartMotion)
+
+vector = own_numbers(3)
+"""vector(): three zeros of the caller's own; those of a planar model are the first two."""
+
+matrix = own_numbers(9)
+"""matrix(): nine zeros, (3, 3) by rows."""

@@ -36,12 +36,19 @@ E0, E1, E2, E3, E4, E5, E6, E7, E8, E9 = (
 )
 
 
+@inlined
+def column(I, which):
+    """First word of a column of the waves' table: W_AMPLITUDE, ..."""
+    head = header(I)
+    return head.waves + which * head.wave_count
+
+
 @kernel
 def living(I, M, level):
     """How many components, in the order of their numbers, have not died out at a level z [m]."""
     head = header(I)
     count = head.wave_count
-    k = view(M, head.waves + W_NUMBER * count, count)
+    k = view(M, column(I, W_NUMBER), count)
     while count > 0 and k[count - 1] * level < -STILL:
         count -= 1
     return count
@@ -78,14 +85,11 @@ def follow_components(I, M, count, way, level, t):
     Writes four columns: cosine and sine of their phase, amplitude of the velocity along their way
     and upwards.
     """
-    head = header(I)
-    every = head.wave_count
-    table = head.waves
-    frequency = view(M, table + W_FREQUENCY * every, count)
-    number = view(M, table + W_NUMBER * every, count)
-    phase = view(M, table + W_PHASE * every, count)
-    speed = view(M, table + W_SPEED * every, count)
-    mirror = view(M, table + W_MIRROR * every, count)
+    frequency = view(M, column(I, W_FREQUENCY), count)
+    number = view(M, column(I, W_NUMBER), count)
+    phase = view(M, column(I, W_PHASE), count)
+    speed = view(M, column(I, W_SPEED), count)
+    mirror = view(M, column(I, W_MIRROR), count)
     cosine, sine, along, upward = columns(I, M, count)
     for n in range(count):
         theta = number[n] * way - frequency[n] * t + phase[n]
@@ -121,12 +125,10 @@ def sum_components(I, M, count, way, level):
     Returns elevation of the surface, velocity of the water along their way and upwards, and its
     acceleration, as from waves that have come up.
     """
-    head = header(I)
     state = scalars(M)
     follow_components(I, M, count, way, level, state.wave_time)
-    every = head.wave_count
-    amplitude = view(M, head.waves + W_AMPLITUDE * every, count)
-    frequency = view(M, head.waves + W_FREQUENCY * every, count)
+    amplitude = view(M, column(I, W_AMPLITUDE), count)
+    frequency = view(M, column(I, W_FREQUENCY), count)
     cosine, sine, along, upward = columns(I, M, count)
     surface = 0.0
     u = 0.0

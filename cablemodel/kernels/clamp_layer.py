@@ -19,13 +19,20 @@ vessel's. With two of them its acceleration jumped at each step, and shook stiff
 
 import math
 
-from .access import body_of, constraint_of, edge_of, header, scalars, winch_of
+from .access import (
+    body_of,
+    constraint_of,
+    edge_of,
+    header,
+    new_motion,
+    scalars,
+    vector,
+    winch_of,
+)
 from .compile import kernel, view
 from .environment import add_layer_motion
 from .floor_surface import gap_at
-from .layout import (
-    BY_SPRING,
-)
+from .layout import BY_SPRING
 from .slopes import half_cosine, slope_direction
 
 FEW, MANY = 4.0, 8.0  # layers in the cable's length, up to which the spring has all of it, or none
@@ -120,27 +127,27 @@ def share_of_layer(I, M):
     room = min(free_length(I, M), bends)
     if head.floor_kind != 0:
         place = view(M, head.position, head.dimension)
-        room = min(room, gap_at(I, M, place, view(M, head.motion + 40, 3)))
+        room = min(room, gap_at(I, M, place, vector()))
     x = (room / layer - FEW) / (MANY - FEW)
     x = min(1.0, max(0.0, x))
     return x * x * (3.0 - 2.0 * x)
 
 
 @kernel
-def way_of_layer(dimension, thickness, cosine, w, out):
+def way_of_layer(dimension, thickness, cosine, clamp, cable, out):
     """The way from the tow point to where the cable seems to come from, into out.
 
-    w: the clamp's direction in w[0:3], the cable's in w[3:6]; cosine: of the angle between them.
+    clamp, cable: directions of both, unit vectors; cosine: of the angle between them.
     """
     half = half_cosine(cosine)
     for i in range(dimension):
-        across = (w[i] - cosine * w[3 + i]) / half
-        out[i] = thickness * (across - 2.0 * (1.0 - half) * w[3 + i])
+        across = (clamp[i] - cosine * cable[i]) / half
+        out[i] = thickness * (across - 2.0 * (1.0 - half) * cable[i])
 
 
 @kernel
-def layer_target(I, M, w, out):
-    """Where the elements should begin, from the tow point, into out [m]; w: 6 words."""
+def layer_target(I, M, out):
+    """Where the elements should begin, from the tow point, into out [m]."""
     head = header(I)
     dimension = head.dimension
     row = constraint_of(I, M, 0)
@@ -148,29 +155,26 @@ def layer_target(I, M, w, out):
     layer = layer_thickness(I, M)
     for i in range(dimension):
         out[i] = 0.0
-        w[i] = row.direction[i]
     if share == 0.0 or layer == 0.0:
         return
-    q = M[head.position : head.position + 2 * dimension]
-    _length, cosine = slope_direction(dimension, q, dimension, w)
-    way_of_layer(dimension, share * layer, cosine, w, out)
+    cable = vector()
+    q = view(M, head.position, 2 * dimension)
+    _length, cosine = slope_direction(dimension, q, dimension, row.direction, cable)
+    way_of_layer(dimension, share * layer, cosine, row.direction, cable, out)
 
 
 @kernel
-def follow_layer(I, M, dt, w):
+def follow_layer(I, M, dt):
     """After a step of dt: the place goes on from where and as fast as it is, to where it should be.
 
-    Followed at once, its jumps from one step to the next would shake the line. w: 15 words.
+    Followed at once, its jumps from one step to the next would shake the line.
     """
     head = header(I)
     state = scalars(M)
     row = constraint_of(I, M, 0)
     if row.clamped != BY_SPRING:
         return
-    dimension = head.dimension
-    for i in range(3 * dimension):
-        w[6 + i] = 0.0
-    now = w[6 : 6 + 3 * dimension]
+    now = new_motion()
     add_layer_motion(I, M, state.time, now)
     rate = FOLLOWS / state.period
     layer = layer_thickness(I, M)
@@ -182,23 +186,22 @@ def follow_layer(I, M, dt, w):
     follow_pull(I, M, dt / (dt + state.period))
     row.share = share_of_layer(I, M)
     target = row.place
-    layer_target(I, M, w, target)
-    for i in range(dimension):
-        away = now[i] - target[i]
+    layer_target(I, M, target)
+    for i in range(head.dimension):
+        away = now.position[i] - target[i]
         row.away[i] = away
-        drift = now[dimension + i] + rate * away
+        drift = now.velocity[i] + rate * away
         row.drift[i] = drift
-        turn = now[2 * dimension + i] + rate * (2.0 * drift - rate * away)
+        turn = now.acceleration[i] + rate * (2.0 * drift - rate * away)
         row.drift_rate[i] = 0.5 * turn
     row.layer_time = state.time
 
 
 @kernel
-def settle_layer(I, M, w, q):
+def settle_layer(I, M, q):
     """In a search for an equilibrium: the place is at once where it should be, and q with it.
 
     Differences that nobody sees are left: what is sought is at rest to many more digits.
-    w: 9 words.
     """
     head = header(I)
     state = scalars(M)
@@ -208,17 +211,17 @@ def settle_layer(I, M, w, q):
     dimension = head.dimension
     follow_pull(I, M, 1.0)
     row.share = share_of_layer(I, M)
-    target = w[6 : 6 + dimension]
-    layer_target(I, M, w, target)
+    change = vector()
+    layer_target(I, M, change)
     square = 0.0
     for i in range(dimension):
-        target[i] -= row.place[i] + row.away[i]
-        square += target[i] * target[i]
+        change[i] -= row.place[i] + row.away[i]
+        square += change[i] * change[i]
     if math.sqrt(square) <= UNSEEN * state.tolerance * state.length:
         return
     for i in range(dimension):
-        q[i] += target[i]
-        row.place[i] += target[i] + row.away[i]
+        q[i] += change[i]
+        row.place[i] += change[i] + row.away[i]
         row.away[i] = 0.0
         row.drift[i] = 0.0
         row.drift_rate[i] = 0.0
@@ -226,11 +229,11 @@ def settle_layer(I, M, w, q):
 
 
 @kernel
-def add_layer_shape(I, M, s, w, rate):
+def add_layer_shape(I, M, s, place, tangent, velocity, rate):
     """Add to a station of the elements what the layer itself adds; returns its bending moment.
 
-    s: arc length from the tow point [m]; rate: of the pay-out [m/s]. w: position, unit tangent,
-    -, velocity in w[0:12], all changed; w[12:27] are changed, too. The moment is in N m.
+    s: arc length from the tow point [m]; rate: of the pay-out [m/s]. Position, unit tangent and
+    velocity are changed. The moment is in N m.
     """
     head = header(I)
     state = scalars(M)
@@ -240,19 +243,19 @@ def add_layer_shape(I, M, s, w, rate):
     dimension = head.dimension
     share = row.share
     layer = layer_thickness(I, M)
-    now = w[18 : 18 + 3 * dimension]
-    for i in range(3 * dimension):
-        now[i] = 0.0
-    add_layer_motion(I, M, state.time, now)
-    for i in range(dimension):
-        w[12 + i] = row.direction[i]
+    off = new_motion()  # of where elements begin, from where they should
+    add_layer_motion(I, M, state.time, off)
     moment = 0.0
     if share > 0.0:
-        q = M[head.position : head.position + 2 * dimension]
-        _length, cosine = slope_direction(dimension, q, dimension, w[12:18])
-        way_of_layer(dimension, share * layer, cosine, w[12:18], w[24:27])
+        cable = vector()
+        here = vector()  # direction of the cable at s
+        way = vector()
+        q = view(M, head.position, 2 * dimension)
+        clamp = row.direction
+        _length, cosine = slope_direction(dimension, q, dimension, clamp, cable)
+        way_of_layer(dimension, share * layer, cosine, clamp, cable, way)
         for i in range(dimension):
-            now[i] -= w[24 + i]
+            off.position[i] -= way[i]
         # The angle psi that is left at s, from its quarter's tangent, and the direction there.
         half = math.sqrt(max(0.0, 0.5 * (1.0 + cosine)))
         quarter = math.sqrt((1.0 - half) / (1.0 + half)) * math.exp(-min(s / layer, GONE))
@@ -261,27 +264,26 @@ def add_layer_shape(I, M, s, w, rate):
         left = 2.0 * half * half - 1.0
         sine = max(math.sqrt(max(0.0, 1.0 - cosine * cosine)), 1e-12)
         for i in range(dimension):
-            across = (w[12 + i] - cosine * w[15 + i]) / sine
-            turned = left * w[15 + i] + 2.0 * half * half_sine * across
-            w[12 + i] = turned
-            w[3 + i] += share * (turned - w[15 + i])
-            w[9 + i] += rate * share * (turned - w[15 + i])
-        way_of_layer(dimension, share * layer, left, w[12:18], w[24:27])
+            across = (clamp[i] - cosine * cable[i]) / sine
+            here[i] = left * cable[i] + 2.0 * half * half_sine * across
+            tangent[i] += share * (here[i] - cable[i])
+            velocity[i] += rate * share * (here[i] - cable[i])
+        way_of_layer(dimension, share * layer, left, here, cable, way)
         for i in range(dimension):
-            w[i] -= w[24 + i]
+            place[i] -= way[i]
         size = 0.0
         for i in range(dimension):
-            size += w[3 + i] * w[3 + i]
+            size += tangent[i] * tangent[i]
         for i in range(dimension):
-            w[3 + i] /= math.sqrt(size)
-        moment = 2.0 * share * layer * constraint_of(I, M, 0).layer_tension * half_sine
+            tangent[i] /= math.sqrt(size)
+        moment = 2.0 * share * layer * row.layer_tension * half_sine
     apart = 0.0
     for i in range(dimension):
-        apart += now[i] * now[i]
+        apart += off.position[i] * off.position[i]
     apart = max(layer, SPREAD * math.sqrt(apart))
     if 0.0 < apart and s < GONE * apart:
         fade = math.exp(-s / apart)
         for i in range(dimension):
-            w[i] -= fade * now[i]
-            w[9 + i] -= fade * now[dimension + i]
+            place[i] -= fade * off.position[i]
+            velocity[i] -= fade * off.velocity[i]
     return moment

@@ -10,10 +10,10 @@ so that x = x0 + Y dF with Y = K^-1 G^T, and G Y dF = -gap - G x0: three columns
 and a small dense matrix.
 """
 
-from .access import closure_of, free_body_of, header
+from .access import closure_of, free_body_of, header, vector
 from .compile import inlined, kernel, view
-from .free_bodies import STEP, arm_moment, set_body_motion
-from .rotation import cross, to_earth_axes
+from .free_bodies import STEP, arm_moment, follow_turn, set_body_motion
+from .rotation import to_earth_axes
 
 
 @kernel
@@ -21,7 +21,8 @@ def close(I, M, q, out):
     """Add the closures' forces to those of the nodes, and measure their gaps. The bodies' motion
     is that of q."""
     head = header(I)
-    w = view(M, head.parts_work, 9)
+    arm = vector()
+    moment = vector()
     for n in range(head.closure_count):
         row = closure_of(I, M, n)
         if row.node < 0.0:
@@ -39,13 +40,13 @@ def close(I, M, q, out):
         body = free_body_of(I, M, int(row.body))
         to = 6 * int(body.node)
         m = body.motion
-        to_earth_axes(m.turn, row.place, w[0:3])
+        to_earth_axes(m.turn, row.place, arm)
         for i in range(3):
-            row.gap[i] = q[at + i] - m.reference[i] - w[i]
-        arm_moment(M, row, m, force, w[0:3], w[3:9])
+            row.gap[i] = q[at + i] - m.reference.position[i] - arm[i]
+        arm_moment(row, m, force, moment)
         for i in range(3):
             out[to + i] += force[i]
-            out[to + 3 + i] += w[i]
+            out[to + 3 + i] += moment[i]
 
 
 @kernel
@@ -53,7 +54,8 @@ def close_jacobian(I, M, q, v, a):
     """How places at bodies follow their rotation vectors, and how the moments of the closures'
     forces do: by central differences, into the diagonal blocks."""
     head = header(I)
-    w = view(M, head.parts_work + 16, 12)
+    moment = vector()
+    way = vector()
     for n in range(head.closure_count):
         row = closure_of(I, M, n)
         if row.node < 0.0 or row.body < 0.0:
@@ -68,19 +70,15 @@ def close_jacobian(I, M, q, v, a):
                 e = STEP if side == 0 else -STEP
                 q[at + 3 + j] = kept + e
                 set_body_motion(body, M, q, v, a, at)
-                arm_moment(M, row, body.motion, row.force, w[0:3], w[3:9])
+                arm_moment(row, body.motion, row.force, moment)
                 for i in range(3):
-                    D[6 * (3 + i) + 3 + j] += w[i] / (2.0 * e)
+                    D[6 * (3 + i) + 3 + j] += moment[i] / (2.0 * e)
             q[at + 3 + j] = kept
         set_body_motion(body, M, q, v, a, at)
-        m = body.motion
         for j in range(3):
+            follow_turn(row, body.motion, j, way)
             for i in range(3):
-                w[i] = m.rates[3 * i + j]  # a column of T
-            cross(w[0:3], row.place, w[3:6])
-            to_earth_axes(m.turn, w[3:6], w[0:3])
-            for i in range(3):
-                row.follows[3 * i + j] = w[i]
+                row.follows[3 * i + j] = way[i]
 
 
 @kernel

@@ -383,6 +383,46 @@ def record_at(record: type[Record]) -> Any:
     return named
 
 
+def _own_words(builder: Any, count: int) -> Any:
+    """Address of so many words, zeros, that last until the kernel returns."""
+    words = ir.ArrayType(ir.IntType(64), count)
+    place = cgutils.alloca_once(builder, words)
+    cgutils.memset(builder, place, ir.Constant(ir.IntType(64), 8 * count), 0)
+    return builder.bitcast(place, ir.IntType(64).as_pointer())
+
+
+def own_record(record: type[Record]) -> Any:
+    """Kernel f(): a record of the caller's own, zeros, which lasts until the caller returns.
+
+    On the stack, and where it can be in registers. One call has one record: in a loop it is the
+    same, cleared.
+    """
+
+    @_intrinsic
+    def own(typing_context: Any) -> Any:
+        def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+            return _own_words(builder, record.WORDS)
+
+        return RecordType(record)(), generate
+
+    return own
+
+
+def own_numbers(count: int) -> Any:
+    """Kernel f(): so many zeros of the caller's own; see `own_record`."""
+
+    @_intrinsic
+    def own(typing_context: Any) -> Any:
+        def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+            words = _own_words(builder, count)
+            place = builder.bitcast(words, ir.DoubleType().as_pointer())
+            return _array_at(context, builder, REALS, place, count)
+
+        return REALS(), generate
+
+    return own
+
+
 def row_of(record: type[Record], table: Field) -> Any:
     """Kernel f(I, M, n): row n of the table of records that starts at the header's word `table`."""
 

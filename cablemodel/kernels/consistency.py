@@ -6,7 +6,7 @@ motion or another mesh asks for more.
 
 import math
 
-from .access import constraint_of, frame_of, header, scalars
+from .access import constraint_of, frame_of, header, new_motion, scalars
 from .closures import follow_forces, scale_gaps
 from .compile import copy_words, kernel, view
 from .environment import current_rate, find_piece, prescribed_motion, surge_jump, vessel_motion
@@ -232,27 +232,27 @@ def vessel_jump(I, M):
     state = scalars(M)
     if head.parts != 0:
         move_frames_on(I, M)
-        return frames_jump(I, M, view(M, head.motion + 16, 18))
+        return frames_jump(I, M)
     dimension = head.dimension
     vessel_motion(I, M, state.time)
-    out = view(M, head.motion + 16, 9)
+    motion = new_motion()
     row = constraint_of(I, M, 0)
-    prescribed_motion(I, M, row, state.time, out)
+    prescribed_motion(I, M, row, state.time, motion)
     at = head.acceleration + 2 * dimension * int(row.node)
     changed = 0.0
     for i in range(dimension):
-        changed += (out[2 * dimension + i] - M[at + i]) ** 2
+        changed += (motion.acceleration[i] - M[at + i]) ** 2
     return math.sqrt(changed)
 
 
 @kernel
 def end_motion(I, M, row, t, out):
-    """Position, velocity, acceleration of an end that a vessel holds, at time t, by the pieces of
-    motion that begin there: block's coordinates, 3 * dimension of 18 words."""
+    """Motion of an end that a vessel holds, at time t, by the pieces of motion that begin there:
+    block's coordinates."""
     t += scalars(M).smallest_step
     if row.kind == HELD_BY_FRAME:
         move_frames(I, M, t)
-        point_motion(M, row, frame_of(I, M, int(row.frame)), out[0:9], out[9:18])
+        point_motion(M, row, frame_of(I, M, int(row.frame)), out)
     else:
         vessel_motion(I, M, t)
         prescribed_motion(I, M, row, t, out)
@@ -263,8 +263,8 @@ def jump_along(I, M, row):
     """By how much velocity and acceleration of an end that a vessel holds are now others along its
     line than the state's [m/s, m/s2]."""
     dimension = header(I).dimension
-    out = view(M, header(I).motion + 16, 18)
-    end_motion(I, M, row, scalars(M).time, out)
+    motion = new_motion()
+    end_motion(I, M, row, scalars(M).time, motion)
     at = 2 * dimension * int(row.node)
     slope = view(M, header(I).position + at + dimension, dimension)
     velocity = view(M, header(I).velocity + at, dimension)
@@ -273,8 +273,8 @@ def jump_along(I, M, row):
     along = 0.0
     square = 0.0
     for i in range(dimension):
-        faster += (out[dimension + i] - velocity[i]) * slope[i]
-        along += (out[2 * dimension + i] - acceleration[i]) * slope[i]
+        faster += (motion.velocity[i] - velocity[i]) * slope[i]
+        along += (motion.acceleration[i] - acceleration[i]) * slope[i]
         square += slope[i] * slope[i]
     if not square > 0.0:
         return 0.0, 0.0
@@ -286,16 +286,16 @@ def jump_along(I, M, row):
 def jerk_along(I, M, row, t):
     """Jerk along its line of an end that a vessel holds, from time t on [m/s3]."""
     dimension = header(I).dimension
-    out = view(M, header(I).motion + 16, 18)
+    motion = new_motion()
     at = header(I).position + 2 * dimension * int(row.node) + dimension
     slope = view(M, at, dimension)
     step = JERK * scalars(M).period
     changed = 0.0
     square = 0.0
     for n in range(2):
-        end_motion(I, M, row, t + n * step, out)
+        end_motion(I, M, row, t + n * step, motion)
         for i in range(dimension):
-            changed += (2 * n - 1) * out[2 * dimension + i] * slope[i]
+            changed += (2 * n - 1) * motion.acceleration[i] * slope[i]
             square += slope[i] * slope[i]
     return changed / (step * math.sqrt(0.5 * square)) if square > 0.0 else 0.0
 

@@ -10,16 +10,30 @@ cable it is cubic as the cable is: what bends or swings between nodes is held, t
 
 import math
 
-from .access import body_of, closure_of, constraint_of, edge_of, header, scalars
-from .compile import inlined, kernel, view
+from .access import body_of, closure_of, constraint_of, edge_of, header, scalars, vector
+from .compile import inlined, kernel, own_record, view
 from .floor_surface import gap_at, gap_below
-from .layout import (
-    JOINT_BODY,
-)
+from .layout import JOINT_BODY
+from .record import Record, reals
 from .tables import CONTACT_H, CONTACT_POINTS, STEEPEST, STIFFENING
 
 TIPPING = 1e-3  # of the normal force: what tips cable over that stands on its end
 LYING = 0.2277  # of delta: the gap where a taut cable would touch a rigid floor
+
+
+class Contact(Record):
+    """A place of cable or of a body at the floor: block's coordinates, in a plane two of three."""
+
+    place = reals(3, "where it is", "m")
+    normal = reals(3, "of the floor below it, a unit vector upwards")
+    bristle = reals(3, "way along the floor from where it was last at rest", "m")
+    along = reals(3, "force along the floor, per length of cable", "N")
+    slip = reals(3, "direction in which it slips, or zeros")
+    chord = reals(3, "direction of its element's chord, along which the bristle is linear")
+    stiffness = reals(9, "minus the derivative of the force by the place, by rows of three", "N/m")
+
+
+contact_of = own_record(Contact)
 
 
 @inlined
@@ -62,45 +76,45 @@ def place_law(preload, gap, depth):
 
 
 @inlined
-def along_floor(w, dimension):
-    """Remove the part along the normal in w[3:6] from the vector in w[6:9]; returns its length."""
+def along_floor(way, normal, dimension):
+    """Remove the part along the normal from a vector; returns its length."""
     along = 0.0
     for i in range(dimension):
-        along += w[6 + i] * w[3 + i]
+        along += way[i] * normal[i]
     length = 0.0
     for i in range(dimension):
-        w[6 + i] -= along * w[3 + i]
-        length += w[6 + i] ** 2
+        way[i] -= along * normal[i]
+        length += way[i] ** 2
     return math.sqrt(length)
 
 
 @inlined
-def friction(M, contact, press, w, dimension):
-    """Friction per length into w[9:12]; w[6:9]: bristle e; the normal is in w[3:6].
+def friction(M, load, press, contact, dimension):
+    """Friction into `along`, by the bristle, whose part along the normal is removed.
 
-    The part of e along the normal is removed. Returns whether it sticks, the length of e and the
-    stiffness: minus force over e.
+    load: what the floor bears at rest; press: now. Returns whether it sticks, the length of the
+    bristle and the stiffness: minus force over bristle.
     """
     state = scalars(M)
-    length = along_floor(w, dimension)
-    stiffness = state.friction * contact / state.bristle
+    length = along_floor(contact.bristle, contact.normal, dimension)
+    stiffness = state.friction * load / state.bristle
     limit = state.friction * press
     sticks = stiffness * length <= limit
     if not sticks:
         stiffness = limit / length
     for i in range(dimension):
-        w[9 + i] = -stiffness * w[6 + i]
+        contact.along[i] = -stiffness * contact.bristle[i]
     return sticks, length, stiffness
 
 
 @inlined
-def interpolate(I, q, parent, node, h, p, w, dimension):
-    """A vector field of an element at contact point p into w[0:3]."""
+def interpolate(q, parent, node, h, p, out, dimension):
+    """A vector field of an element at contact point p."""
     a = 2 * dimension * parent
     b = 2 * dimension * node
     for i in range(dimension):
-        w[i] = CONTACT_H[p, 0] * q[a + i] + h * CONTACT_H[p, 1] * q[a + dimension + i]
-        w[i] += CONTACT_H[p, 2] * q[b + i] + h * CONTACT_H[p, 3] * q[b + dimension + i]
+        out[i] = CONTACT_H[p, 0] * q[a + i] + h * CONTACT_H[p, 1] * q[a + dimension + i]
+        out[i] += CONTACT_H[p, 2] * q[b + i] + h * CONTACT_H[p, 3] * q[b + dimension + i]
 
 
 @inlined
@@ -127,15 +141,14 @@ def linear_along(M, q, at, rest, x, e, chord, dimension):
 
 
 @inlined
-def bristle(I, M, q, parent, node, h, p, w, dimension):
-    """The way from rest at contact point p of an element into w[6:9], its chord's direction into
-    w[21:24]."""
+def bristle(I, M, q, parent, node, h, p, contact, dimension):
+    """The way from rest at contact point p of an element, and its chord's direction."""
     size = 2 * dimension
     start = header(I).rest
-    rest = view(M, start, size * (node + 1))
-    interpolate(I, rest, parent, node, h, p, view(w, 9, 3), dimension)
+    rest = vector()
+    interpolate(view(M, start, size * (node + 1)), parent, node, h, p, rest, dimension)
     for i in range(dimension):
-        w[6 + i] = w[i] - w[9 + i]
+        contact.bristle[i] = contact.place[i] - rest[i]
     above = size * parent
     below = size * node
     linear_along(
@@ -144,35 +157,35 @@ def bristle(I, M, q, parent, node, h, p, w, dimension):
         (above, below),
         (start + above, start + below),
         CONTACT_POINTS[p],
-        view(w, 6, 3),
-        view(w, 21, 3),
+        contact.bristle,
+        contact.chord,
         dimension,
     )
 
 
 @inlined
-def bristle_at(I, M, node, w, dimension):
-    """The way from rest of a node, whose place is in w[0:3], into w[6:9]."""
+def bristle_at(I, M, node, contact, dimension):
+    """The way from rest of a node that is at the contact's place."""
     rest = header(I).rest + 2 * dimension * node
     for i in range(dimension):
-        w[6 + i] = w[i] - M[rest + i]
+        contact.bristle[i] = contact.place[i] - M[rest + i]
 
 
 @inlined
-def approach(I, v, parent, node, h, p, w, dimension):
-    """Speed of contact point p along the normal in w[3:6] [m/s]."""
+def approach(v, parent, node, h, p, normal, dimension):
+    """Speed of contact point p along the normal [m/s]."""
     a = 2 * dimension * parent
     b = 2 * dimension * node
     speed = 0.0
     for i in range(dimension):
         rate = CONTACT_H[p, 0] * v[a + i] + h * CONTACT_H[p, 1] * v[a + dimension + i]
         rate += CONTACT_H[p, 2] * v[b + i] + h * CONTACT_H[p, 3] * v[b + dimension + i]
-        speed += rate * w[3 + i]
+        speed += rate * normal[i]
     return speed
 
 
 @inlined
-def tipping(I, q, parent, node, p, w, dimension):
+def tipping(q, parent, node, p, normal, dimension):
     """Share of the normal force that pushes cable over that stands on its end, along x.
 
     Exactly vertical cable would stand on the floor as no column can. The share is nothing where
@@ -185,7 +198,7 @@ def tipping(I, q, parent, node, p, w, dimension):
     square = 1e-300
     for i in range(dimension):
         slope = (1.0 - x) * q[a + i] + x * q[b + i]
-        upright += slope * w[3 + i]
+        upright += slope * normal[i]
         square += slope * slope
     upright = upright * upright / square
     upright *= upright
@@ -193,27 +206,28 @@ def tipping(I, q, parent, node, p, w, dimension):
 
 
 @inlined
-def contact_force(I, M, q, v, parent, node, h, p, contact, w, dimension):
+def contact_force(I, M, q, v, parent, node, h, p, load, contact, dimension):
     """Normal force per length at contact point p of an element [N/m], 0 where it does not touch.
 
-    Position into w[0:3], normal into w[3:6], what acts along the floor [N/m] into w[9:12]. Returns
-    force, gap and speed of approach.
+    load: per length, what the floor bears at rest. Writes place, normal and force along the floor.
+    Returns force, gap and speed of approach.
     """
     state = scalars(M)
-    interpolate(I, q, parent, node, h, p, w, dimension)
-    gap = gap_below(I, M, w, view(w, 3, 3), dimension)
+    normal = contact.normal
+    interpolate(q, parent, node, h, p, contact.place, dimension)
+    gap = gap_below(I, M, contact.place, normal, dimension)
     for i in range(dimension):
-        w[9 + i] = 0.0
+        contact.along[i] = 0.0
     if gap >= state.floor_depth:
         return 0.0, gap, 0.0
-    speed = approach(I, v, parent, node, h, p, w, dimension)
+    speed = approach(v, parent, node, h, p, normal, dimension)
     share, _stiffness, _energy = contact_law(gap, state.floor_depth)
-    press = contact * share
+    press = load * share
     press *= max(0.0, 1.0 - state.floor_damping * speed)
     if state.friction > 0.0 and press > 0.0:
-        bristle(I, M, q, parent, node, h, p, w, dimension)
-        friction(M, contact, press, w, dimension)
-    w[9] += press * tipping(I, q, parent, node, p, w, dimension)
+        bristle(I, M, q, parent, node, h, p, contact, dimension)
+        friction(M, load, press, contact, dimension)
+    contact.along[0] += press * tipping(q, parent, node, p, normal, dimension)
     return press, gap, speed
 
 
@@ -275,31 +289,31 @@ def ends_in_something(I, M, node):
 
 
 @kernel
-def place_force(I, M, contact, preload, node, q, v, w):
+def place_force(I, M, load, preload, node, q, v, contact):
     """Normal force of the floor on a place of contact [N], the gap, the speed along the normal.
 
-    The normal goes into w[3:6], friction [N] into w[9:12].
+    load: what the floor bears there at rest [N]. Writes normal and force along the floor.
     """
     head = header(I)
     state = scalars(M)
     dimension = head.dimension
     size = 2 * dimension
     depth = state.floor_depth
+    normal = contact.normal
     for i in range(3):
-        w[i] = 0.0
-        w[9 + i] = 0.0
+        contact.along[i] = 0.0
     for i in range(dimension):
-        w[i] = q[size * node + i]
-    gap = gap_at(I, M, w, view(w, 3, 3))
+        contact.place[i] = q[size * node + i]
+    gap = gap_at(I, M, contact.place, normal)
     if gap >= depth:
         return 0.0, gap, 0.0
     speed = 0.0
     for i in range(dimension):
-        speed += v[size * node + i] * w[3 + i]
+        speed += v[size * node + i] * normal[i]
     share, _stiffness, _energy = place_law(preload, gap, depth)
-    press = contact * share * max(0.0, 1.0 - state.floor_damping * speed)
+    press = load * share * max(0.0, 1.0 - state.floor_damping * speed)
     if state.friction > 0.0 and press > 0.0:
-        bristle_at(I, M, node, w, dimension)
-        friction(M, contact, press, w, dimension)
-    w[9] += press * tipping(I, q, node, node, 0, w, dimension)
+        bristle_at(I, M, node, contact, dimension)
+        friction(M, load, press, contact, dimension)
+    contact.along[0] += press * tipping(q, node, node, 0, normal, dimension)
     return press, gap, speed

@@ -7,7 +7,7 @@ curvature k is a number and P = n n^T, which saves a root and most of the produc
 
 import math
 
-from .access import edge_of, header
+from .access import edge_of, header, vector
 from .compile import inlined, kernel, table_product, view
 from .element_pairs import constraint_kernels, pair_kernels, third_tension
 from .environment import current_at
@@ -71,14 +71,12 @@ condense_planar, stretch_rate_planar = constraint_kernels(2)
 @inlined
 def element_current(I, M, W, x0, x1, h):
     """Water velocity at the Gauss points of an element, when it varies over depth."""
-    head = header(I)
-    motion = head.motion + 9
-    z = view(M, motion, 3)
+    flow = vector()
     for g in range(3):
         height = x0[1] * H0[g] + h * x0[3] * H1[g] + x1[1] * H2[g] + h * x1[3] * H3[g]
-        current_at(I, M, height, z)
-        W[CX + g] = z[0]
-        W[CZ + g] = z[1]
+        current_at(I, M, height, flow)
+        W[CX + g] = flow[0]
+        W[CZ + g] = flow[1]
 
 
 @inlined

@@ -11,7 +11,7 @@ water relative to the cable. In comments g = |r'|, y = r'', P = I - t t^T, k = P
 
 import math
 
-from .access import edge_of, header
+from .access import edge_of, header, vector
 from .compile import inlined, kernel, table_product, view
 from .element_pairs import constraint_kernels, pair_kernels, third_tension
 from .environment import current_at
@@ -76,15 +76,13 @@ condense_spatial, stretch_rate_spatial = constraint_kernels(3)
 @inlined
 def element_current(I, M, W, x0, x1, h):
     """Water velocity at the Gauss points of an element whose heights are x0.., when it varies."""
-    head = header(I)
-    motion = head.motion + 9
-    z = view(M, motion, 3)
+    flow = vector()
     for g in range(3):
         height = x0[2] * H0[g] + h * x0[5] * H1[g] + x1[2] * H2[g] + h * x1[5] * H3[g]
-        current_at(I, M, height, z)
-        W[CX + g] = z[0]
-        W[CY + g] = z[1]
-        W[CZ + g] = z[2]
+        current_at(I, M, height, flow)
+        W[CX + g] = flow[0]
+        W[CY + g] = flow[1]
+        W[CZ + g] = flow[2]
 
 
 @inlined

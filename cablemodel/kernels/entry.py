@@ -7,6 +7,7 @@ a count; see layout.py for the codes.
 from numba import float64, int64
 
 from . import (
+    energies,
     environment,
     follow,
     interface,
@@ -16,6 +17,7 @@ from . import (
     scales,
     stabilisation,
     statics,
+    stations,
     stepping,
     system,
     time_stepping,
@@ -100,16 +102,16 @@ def measure(I, M, facts):
 
 
 @entry_point(int64(INTEGERS, REALS, REALS, REALS))
-def sample(I, M, stations, out):
+def sample(I, M, places, out):
     """State at arc lengths [m]; out: rows of STATION_WORDS. Returns how many are on it."""
-    return outputs.sample_stations(I, M, stations, out)
+    return stations.sample_stations(I, M, places, out)
 
 
 @entry_point(int64(INTEGERS, REALS, REALS))
 def bodies(I, M, out):
-    """Motion of bodies of finite length; out: rows of STATION_WORDS, see outputs.body_stations."""
+    """Motion of bodies of finite length; out: rows of STATION_WORDS, see stations.body_stations."""
     head = header(I)
-    outputs.body_stations(I, M, out)
+    stations.body_stations(I, M, out)
     return head.rigid
 
 
@@ -122,9 +124,9 @@ def summary(I, M, out):
 
 @entry_point(int64(INTEGERS, REALS, REALS))
 def energy(I, M, out):
-    """The numbers of outputs.energies (ENERGY_WORDS)."""
+    """Energies and powers of the state: see energies.energies (ENERGY_WORDS)."""
     head = header(I)
-    outputs.energies(I, M, out)
+    energies.energies(I, M, out)
     return head.body_count
 
 

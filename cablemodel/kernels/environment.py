@@ -2,7 +2,14 @@
 
 import math
 
-from .access import constraint_of, header, motion_piece_at, motion_piece_of, scalars
+from .access import (
+    constraint_of,
+    header,
+    motion_piece_at,
+    motion_piece_of,
+    scalars,
+    tow_point_of,
+)
 from .compile import inlined, kernel
 from .layout import (
     BY_SPRING,
@@ -15,7 +22,7 @@ ROUNDING = 4e-15  # times that differ by less of themselves are the same
 
 @kernel
 def evaluate_piece(M, row, t, out):
-    """Position, velocity, acceleration (out[0:9]) of one piece of vessel motion at time t."""
+    """The Motion by one piece of it at time t."""
     tau = t - row.start
     data = row.data
     if row.kind == 0.0:
@@ -24,9 +31,9 @@ def evaluate_piece(M, row, t, out):
             c2 = data[6 + i]
             c3 = data[9 + i]
             c4 = data[12 + i]
-            out[i] = data[i] + tau * (c1 + tau * (c2 + tau * (c3 + tau * c4)))
-            out[3 + i] = c1 + tau * (2.0 * c2 + tau * (3.0 * c3 + tau * 4.0 * c4))
-            out[6 + i] = 2.0 * c2 + tau * (6.0 * c3 + tau * 12.0 * c4)
+            out.position[i] = data[i] + tau * (c1 + tau * (c2 + tau * (c3 + tau * c4)))
+            out.velocity[i] = c1 + tau * (2.0 * c2 + tau * (3.0 * c3 + tau * 4.0 * c4))
+            out.acceleration[i] = 2.0 * c2 + tau * (6.0 * c3 + tau * 12.0 * c4)
     else:
         radius = data[3]
         rate0 = data[5]
@@ -35,15 +42,15 @@ def evaluate_piece(M, row, t, out):
         rate = rate0 + spin * tau
         cx = math.cos(angle)
         sx = math.sin(angle)
-        out[0] = data[0] + radius * cx
-        out[1] = data[1] + radius * sx
-        out[2] = data[2]
-        out[3] = -radius * rate * sx
-        out[4] = radius * rate * cx
-        out[5] = 0.0
-        out[6] = radius * (-rate * rate * cx - spin * sx)
-        out[7] = radius * (-rate * rate * sx + spin * cx)
-        out[8] = 0.0
+        out.position[0] = data[0] + radius * cx
+        out.position[1] = data[1] + radius * sx
+        out.position[2] = data[2]
+        out.velocity[0] = -radius * rate * sx
+        out.velocity[1] = radius * rate * cx
+        out.velocity[2] = 0.0
+        out.acceleration[0] = radius * (-rate * rate * cx - spin * sx)
+        out.acceleration[1] = radius * (-rate * rate * sx + spin * cx)
+        out.acceleration[2] = 0.0
 
 
 @kernel
@@ -65,14 +72,14 @@ def vessel_motion(I, M, t):
     """Tow point's position, velocity, acceleration at time t, earth frame, into the block."""
     head = header(I)
     state = scalars(M)
-    out = M[head.motion : head.motion + 9]
+    out = tow_point_of(I, M, 0)
     if head.live == 1:
         evaluate_piece(M, motion_piece_of(I, M, 0), t, out)
     else:
         k = find_piece(I, M, t)
         evaluate_piece(M, motion_piece_of(I, M, k), t, out)
         for i in range(3):
-            out[i] += state.shift[i]
+            out.position[i] += state.shift[i]
 
 
 @kernel
@@ -91,42 +98,43 @@ def add_layer_motion(I, M, t, out):
         second = 2.0 * row.drift_rate[i]
         first = row.drift[i] + second * tau
         away = row.away[i] + (first - 0.5 * second * tau) * tau
-        out[i] += row.place[i] + away * fade
-        out[dimension + i] += (first - rate * away) * fade
-        out[2 * dimension + i] += (second - rate * (2.0 * first - rate * away)) * fade
+        out.position[i] += row.place[i] + away * fade
+        out.velocity[i] += (first - rate * away) * fade
+        out.acceleration[i] += (second - rate * (2.0 * first - rate * away)) * fade
 
 
 @kernel
 def prescribed_motion(I, M, row, t, out):
-    """Position, velocity, acceleration of a constrained node in the block's own coordinates.
+    """Motion of a constrained node in the block's own coordinates.
 
-    out: 3 * dimension words. `row` is the constraint's row; for the vessel, `vessel_motion` has
-    been called for this time.
+    `row` is the constraint's row; for the vessel, `vessel_motion` has been called for this time.
     """
     head = header(I)
     state = scalars(M)
     dimension = head.dimension
     if row.kind == HELD_BY_ANCHOR:
-        for i in range(3 * dimension):
-            out[i] = 0.0
         for i in range(dimension):
-            out[i] = row.position[i]
+            out.position[i] = row.position[i]
+            out.velocity[i] = 0.0
+            out.acceleration[i] = 0.0
         return
-    motion = head.motion
+    tow = tow_point_of(I, M, 0)
     if dimension == 3:
         for i in range(3):
-            out[i] = M[motion + i] - state.origin[i]
-            out[3 + i] = M[motion + 3 + i]
-            out[6 + i] = M[motion + 6 + i]
+            out.position[i] = tow.position[i] - state.origin[i]
+            out.velocity[i] = tow.velocity[i]
+            out.acceleration[i] = tow.acceleration[i]
     else:
         px = state.plane[0]
         py = state.plane[1]
-        out[0] = px * (M[motion] - state.origin[0]) + py * (M[motion + 1] - state.origin[1])
-        out[1] = M[motion + 2] - state.origin[2]
-        out[2] = px * M[motion + 3] + py * M[motion + 4]
-        out[3] = M[motion + 5]
-        out[4] = px * M[motion + 6] + py * M[motion + 7]
-        out[5] = M[motion + 8]
+        x = tow.position[0] - state.origin[0]
+        y = tow.position[1] - state.origin[1]
+        out.position[0] = px * x + py * y
+        out.position[1] = tow.position[2] - state.origin[2]
+        out.velocity[0] = px * tow.velocity[0] + py * tow.velocity[1]
+        out.velocity[1] = tow.velocity[2]
+        out.acceleration[0] = px * tow.acceleration[0] + py * tow.acceleration[1]
+        out.acceleration[1] = tow.acceleration[2]
     if row.clamped == BY_SPRING:
         add_layer_motion(I, M, t, out)
 

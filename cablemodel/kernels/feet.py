@@ -4,99 +4,101 @@ The law is that of the cable's contact (contact.py): each foot bears its part of
 at rest where it just touches, and friction holds it by a bristle.
 """
 
-import math
-
-from .access import foot_of, free_body_of, header, scalars
-from .compile import kernel, view
-from .contact import contact_law
+from .access import foot_of, free_body_of, header, scalars, vector
+from .compile import kernel, own_record
+from .contact import along_floor, contact_law
 from .floor_surface import gap_at
-from .layout import (
-    FOOT_SCRATCH,
-)
+from .record import Record, reals
 from .rotation import cross, to_body_axes, to_earth_axes
 
 
+class FootOnFloor(Record):
+    """A foot at the motion in its body's row, in the block's coordinates."""
+
+    place = reals(3, "where it is", "m")
+    normal = reals(3, "of the floor below it")
+    velocity = reals(3, "of it", "m/s")
+
+
+foot_on_floor = own_record(FootOnFloor)
+
+
 @kernel
-def place_foot(I, M, foot, w):
-    """Place of a foot in the block's coordinates into w[0:3], the floor's normal into w[3:6], its
-    velocity into w[6:9], at the motion in its body's row; returns its gap [m]."""
-    row = free_body_of(I, M, int(foot.body))
-    m = row.motion
-    place = foot.place
-    turn = m.turn
-    cross(m.spin, place, w[9:12])
-    to_earth_axes(turn, w[9:12], w[6:9])
-    to_earth_axes(turn, place, w[0:3])
+def place_foot(I, M, foot, at):
+    """Place of a foot, the floor's normal and its velocity, at the motion in its body's row;
+    returns its gap [m]."""
+    m = free_body_of(I, M, int(foot.body)).motion
+    turning = vector()
+    cross(m.spin, foot.place, turning)
+    to_earth_axes(m.turn, turning, at.velocity)
+    to_earth_axes(m.turn, foot.place, at.place)
     for i in range(3):
-        w[i] += m.reference[i]
-        w[6 + i] += m.reference[3 + i]
-    return gap_at(I, M, w[0:3], w[3:6])
+        at.place[i] += m.reference.position[i]
+        at.velocity[i] += m.reference.velocity[i]
+    return gap_at(I, M, at.place, at.normal)
 
 
 @kernel
 def lowest_foot(I, M):
     """The least gap of all feet [m]; far above without any."""
-    head = header(I)
     lowest = 1e300
-    w = view(M, head.parts_work + FOOT_SCRATCH, 12)
-    for n in range(head.foot_count):
-        lowest = min(lowest, place_foot(I, M, foot_of(I, M, n), w))
+    at = foot_on_floor()
+    for n in range(header(I).foot_count):
+        lowest = min(lowest, place_foot(I, M, foot_of(I, M, n), at))
     return lowest
 
 
 @kernel
 def feet_are_near(I, M, depth, step, lengths):
     """Whether a foot is within so many sizes of its body of the floor, or comes there in a step."""
-    head = header(I)
-    w = view(M, head.parts_work + FOOT_SCRATCH, 12)
-    for n in range(head.foot_count):
+    at = foot_on_floor()
+    for n in range(header(I).foot_count):
         foot = foot_of(I, M, n)
-        gap = place_foot(I, M, foot, w)
+        gap = place_foot(I, M, foot, at)
         size = free_body_of(I, M, int(foot.body)).size
-        if gap < depth + lengths * size + step * max(0.0, -w[8]):
+        if gap < depth + lengths * size + step * max(0.0, -at.velocity[2]):
             return True
     return False
 
 
 @kernel
-def add_feet(I, M, body, f, w):
-    """Subtract the floor's forces on a body's feet from f (6), body's axes. w: 18 words."""
+def add_feet(I, M, body, f):
+    """Subtract the floor's forces on a body's feet from f (6), body's axes."""
     head = header(I)
     state = scalars(M)
     depth = state.floor_depth
     m = free_body_of(I, M, body).motion
-    turn = m.turn
+    at = foot_on_floor()
+    normal = at.normal
+    bristle = vector()
+    force = vector()
+    own = vector()  # that force in the body's axes
+    moment = vector()
     for n in range(head.foot_count):
         foot = foot_of(I, M, n)
         if int(foot.body) != body:
             continue
-        gap = place_foot(I, M, foot, w)
+        gap = place_foot(I, M, foot, at)
         if gap >= depth:
             continue
         load = foot.load
         share, _stiffness, _energy = contact_law(gap, depth)
         speed = 0.0
-        along = 0.0
         for i in range(3):
-            speed += w[6 + i] * w[3 + i]
-            w[9 + i] = w[i] - foot.rest[i]
-            along += w[9 + i] * w[3 + i]
+            speed += at.velocity[i] * normal[i]
+            bristle[i] = at.place[i] - foot.rest[i]
         press = load * share * max(0.0, 1.0 - state.floor_damping * speed)
-        length = 0.0
-        for i in range(3):
-            w[9 + i] -= along * w[3 + i]
-            length += w[9 + i] ** 2
-        length = math.sqrt(length)
+        length = along_floor(bristle, normal, 3)
         stiffness = state.friction * load / state.bristle
         if stiffness * length > state.friction * press:
             stiffness = state.friction * press / length
         for i in range(3):
-            w[12 + i] = press * w[3 + i] - stiffness * w[9 + i]
-        to_body_axes(turn, w[12:15], w[0:3])
-        cross(foot.place, w[0:3], w[15:18])
+            force[i] = press * normal[i] - stiffness * bristle[i]
+        to_body_axes(m.turn, force, own)
+        cross(foot.place, own, moment)
         for i in range(3):
-            f[i] -= w[i]
-            f[3 + i] -= w[15 + i]
+            f[i] -= own[i]
+            f[3 + i] -= moment[i]
 
 
 @kernel
@@ -104,21 +106,16 @@ def settle_feet(I, M):
     """Draw the places of rest after feet that have slipped or left the floor (return mapping)."""
     head = header(I)
     state = scalars(M)
-    w = view(M, head.parts_work + FOOT_SCRATCH, 12)
+    at = foot_on_floor()
+    way = vector()
     for n in range(head.foot_count):
         foot = foot_of(I, M, n)
-        gap = place_foot(I, M, foot, w)
+        gap = place_foot(I, M, foot, at)
         share, _stiffness, _energy = contact_law(gap, state.floor_depth)
-        along = 0.0
         for i in range(3):
-            w[6 + i] = w[i] - foot.rest[i]
-            along += w[6 + i] * w[3 + i]
-        length = 0.0
-        for i in range(3):
-            w[6 + i] -= along * w[3 + i]
-            length += w[6 + i] ** 2
-        length = math.sqrt(length)
+            way[i] = at.place[i] - foot.rest[i]
+        length = along_floor(way, at.normal, 3)
         limit = state.bristle * share
         kept = 1.0 if length <= limit else limit / length
         for i in range(3):
-            foot.rest[i] = w[i] - kept * w[6 + i]
+            foot.rest[i] = at.place[i] - kept * way[i]

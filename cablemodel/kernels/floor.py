@@ -1,13 +1,14 @@
 """The sea floor's forces on cable and bodies, and their derivatives."""
 
-from .access import edge_of, header, scalars
-from .compile import inlined, kernel, view
+from .access import edge_of, header, matrix, scalars, vector
+from .compile import inlined, kernel, own_numbers, view
 from .contact import (
     approach,
     bristle,
     bristle_at,
     contact_force,
     contact_law,
+    contact_of,
     contact_place,
     contact_places,
     friction,
@@ -16,10 +17,11 @@ from .contact import (
     place_law,
 )
 from .floor_surface import gap_at, gap_below, lowest_gap
-from .layout import (
-    FLOOR_TABLE,
-)
+from .layout import FLOOR_TABLE
 from .tables import CONTACT_H, CONTACT_POINTS, CONTACT_WEIGHTS
+
+element_sums = own_numbers(144)
+"""element_sums(): zeros (dimension, dimension, 4, 4), for components and shape functions."""
 
 
 @inlined
@@ -28,7 +30,7 @@ def elements_residual(I, M, q, v, out, dimension):
     head = header(I)
     state = scalars(M)
     size = 2 * dimension
-    w = view(M, head.motion + 28, 24)
+    contact = contact_of()
     ends = view(M, head.end_force, size * head.nodes)
     joints = view(I, head.joint, head.nodes)
     parents = view(I, head.parent, head.nodes)
@@ -36,18 +38,18 @@ def elements_residual(I, M, q, v, out, dimension):
     for node in range(1, head.nodes):
         if joints[node] != 0:
             continue
-        if lowest_gap(I, M, q, node, w) >= depth:
+        if lowest_gap(I, M, q, node) >= depth:
             continue
         parent = parents[node]
         edge = edge_of(I, M, node)
         h = edge.length
-        contact = edge.contact * edge.support
+        load = edge.contact * edge.support
         above = view(out, size * parent, size)
         below = view(out, size * node, size)
         end = view(ends, size * node, size)
         for p in range(4):
             press, gap, _speed = contact_force(
-                I, M, q, v, parent, node, h, p, contact, w, dimension
+                I, M, q, v, parent, node, h, p, load, contact, dimension
             )
             if gap >= depth:
                 continue
@@ -57,7 +59,7 @@ def elements_residual(I, M, q, v, out, dimension):
             n2 = CONTACT_H[p, 2]
             n3 = h * CONTACT_H[p, 3]
             for i in range(dimension):
-                force = weight * (press * w[3 + i] + w[9 + i])
+                force = weight * (press * contact.normal[i] + contact.along[i])
                 above[i] -= n0 * force
                 above[dimension + i] -= n1 * force
                 below[i] -= n2 * force
@@ -79,26 +81,26 @@ def floor_residual(I, M, q, v, out):
         elements_residual(I, M, q, v, out, 2)
     else:
         elements_residual(I, M, q, v, out, 3)
-    w = view(M, head.motion + 28, 24)
+    contact = contact_of()
     for place in range(contact_places(I)):
-        node, contact, preload = contact_place(I, M, place)
-        if contact <= 0.0:
+        node, load, preload = contact_place(I, M, place)
+        if load <= 0.0:
             continue
-        press, _gap, _speed = place_force(I, M, contact, preload, node, q, v, w)
+        press, _gap, _speed = place_force(I, M, load, preload, node, q, v, contact)
         for i in range(dimension):
-            out[size * node + i] -= press * w[3 + i] + w[9 + i]
+            out[size * node + i] -= press * contact.normal[i] + contact.along[i]
 
 
 @kernel
-def add_at_node(I, M, node, value, ni, nj, w, project):
-    """Add value (ni nj^T, or 1 - n n^T with project) to a node's block for its position."""
+def add_at_node(I, M, node, value, a, b, project):
+    """Add value times a b^T, or times 1 - a b^T with project, to a node's block for its place."""
     head = header(I)
     dimension = head.dimension
     size = 2 * dimension
     at = head.diagonal + size * size * node
     for i in range(dimension):
         for j in range(dimension):
-            entry = w[ni + i] * w[nj + j]
+            entry = a[i] * b[j]
             if project:
                 entry = -entry
                 if i == j:
@@ -107,8 +109,8 @@ def add_at_node(I, M, node, value, ni, nj, w, project):
 
 
 @kernel
-def turn_of_normal(I, M, w):
-    """Derivatives of a table's normal to the place in w[0:3] into w[12:21], row by row [1/m].
+def turn_of_normal(I, M, place, turn):
+    """Derivatives of a table's normal to the place, (3, 3) by rows [1/m].
 
     By differences over the contact layer: the table is C1, its second derivatives jump.
     """
@@ -116,17 +118,18 @@ def turn_of_normal(I, M, w):
     state = scalars(M)
     dimension = head.dimension
     step = state.floor_depth
+    normal = vector()
     for j in range(dimension):
-        r = w[j]
-        w[j] = r + step
-        gap_at(I, M, w, view(w, 21, 3))
+        r = place[j]
+        place[j] = r + step
+        gap_at(I, M, place, normal)
         for i in range(dimension):
-            w[12 + 3 * i + j] = 0.5 * w[21 + i] / step
-        w[j] = r - step
-        gap_at(I, M, w, view(w, 21, 3))
+            turn[3 * i + j] = 0.5 * normal[i] / step
+        place[j] = r - step
+        gap_at(I, M, place, normal)
         for i in range(dimension):
-            w[12 + 3 * i + j] -= 0.5 * w[21 + i] / step
-        w[j] = r
+            turn[3 * i + j] -= 0.5 * normal[i] / step
+        place[j] = r
 
 
 @inlined
@@ -145,30 +148,32 @@ def block_of(I, node, k, l, dimension):
 
 
 @inlined
-def add_point(p, h, rub, w, sums, dimension):
+def add_point(p, h, rub, contact, sums, dimension):
     """Add the derivatives at contact point p of an element to its sums (d, d, 4, 4).
 
-    For components i, j and shape functions k, l. rate (d, d) in w[12:21]: minus the force's
-    derivative to the place, rub: to the bristle, both times the point's weight. Normal in w[3:6];
-    with friction the direction in which the cable slips, or zeros, in w[6:9], and that of the
-    chord, along which the bristle is linear between the nodes, in w[21:24].
+    For components i, j and shape functions k, l. rub: minus the force's derivative to the bristle;
+    it and the contact's stiffness are times the point's weight.
     """
+    normal = contact.normal
+    slip = contact.slip
+    chord = contact.chord
     x = CONTACT_POINTS[p]
     across = 0.0
     slips = 0.0
     if rub != 0.0:
         for i in range(dimension):
-            across += w[3 + i] * w[21 + i]
-            slips += w[6 + i] * w[21 + i]
+            across += normal[i] * chord[i]
+            slips += slip[i] * chord[i]
     for i in range(dimension):
-        along = rub * (w[21 + i] - across * w[3 + i] - slips * w[6 + i]) if rub != 0.0 else 0.0
+        along = rub * (chord[i] - across * normal[i] - slips * slip[i]) if rub != 0.0 else 0.0
         for j in range(dimension):
-            a = w[12 + 3 * i + j] - rub * (w[3 + i] * w[3 + j] + w[6 + i] * w[6 + j])
+            a = contact.stiffness[3 * i + j]
+            a -= rub * (normal[i] * normal[j] + slip[i] * slip[j])
             if i == j:
                 a += rub
             b = 0.0
             if rub != 0.0:
-                b = along * w[21 + j]
+                b = along * chord[j]
                 a -= b
             at = 16 * (dimension * i + j)
             for k in range(4):
@@ -201,57 +206,56 @@ def elements_jacobian(I, M, q, v, cv, dimension):
     """Add the derivatives of the floor's forces on the elements; dimension as above."""
     head = header(I)
     state = scalars(M)
-    w = view(M, head.motion + 28, 24)
-    normal = view(w, 3, 3)
+    contact = contact_of()
+    normal = contact.normal
+    slip = contact.slip
+    turn = matrix()
     depth = state.floor_depth
     damping = state.floor_damping
     rubs = state.friction > 0.0
     bends = head.floor_kind == FLOOR_TABLE
-    # The elements' workspace, beyond what lasts there.
-    sums = view(M, head.gauss + 400, 16 * dimension * dimension)
-    for n in range(16 * dimension * dimension):
-        sums[n] = 0.0
+    sums = element_sums()
     for node in range(1, head.nodes):
         if I[head.joint + node] != 0:
             continue
-        if lowest_gap(I, M, q, node, w) >= depth:
+        if lowest_gap(I, M, q, node) >= depth:
             continue
         parent = I[head.parent + node]
         edge = edge_of(I, M, node)
         h = edge.length
-        contact = edge.contact * edge.support
+        load = edge.contact * edge.support
         touched = False
         for p in range(4):
-            interpolate(I, q, parent, node, h, p, w, dimension)
-            gap = gap_below(I, M, w, normal, dimension)
+            interpolate(q, parent, node, h, p, contact.place, dimension)
+            gap = gap_below(I, M, contact.place, normal, dimension)
             if gap >= depth:
                 continue
-            speed = approach(I, v, parent, node, h, p, w, dimension)
+            speed = approach(v, parent, node, h, p, normal, dimension)
             free = max(0.0, 1.0 - damping * speed)
             if free == 0.0:
                 continue
             share, stiffness, _energy = contact_law(gap, depth)
-            spring = contact * share
-            stiff = contact * stiffness * free + cv * damping * spring
+            spring = load * share
+            stiff = load * stiffness * free + cv * damping * spring
             weight = h * CONTACT_WEIGHTS[p]
             touched = True
             if bends:
-                turn_of_normal(I, M, w)
+                turn_of_normal(I, M, contact.place, turn)
             for i in range(dimension):
                 for j in range(dimension):
-                    turn = spring * free * w[12 + 3 * i + j] if bends else 0.0
-                    w[12 + 3 * i + j] = weight * (stiff * w[3 + i] * w[3 + j] - turn)
+                    turned = spring * free * turn[3 * i + j] if bends else 0.0
+                    contact.stiffness[3 * i + j] = weight * (stiff * normal[i] * normal[j] - turned)
             rub = 0.0
             if rubs:
                 press = spring * free
-                bristle(I, M, q, parent, node, h, p, w, dimension)
-                sticks, length, rub = friction(M, contact, press, w, dimension)
+                bristle(I, M, q, parent, node, h, p, contact, dimension)
+                sticks, length, rub = friction(M, load, press, contact, dimension)
                 for i in range(dimension):
-                    w[6 + i] = 0.0 if sticks else w[6 + i] / length
-                    push = weight * state.friction * stiff * w[6 + i]
+                    slip[i] = 0.0 if sticks else contact.bristle[i] / length
+                    push = weight * state.friction * stiff * slip[i]
                     for j in range(dimension):
-                        w[12 + 3 * i + j] -= push * w[3 + j]
-            add_point(p, h, weight * rub, w, sums, dimension)
+                        contact.stiffness[3 * i + j] -= push * normal[j]
+            add_point(p, h, weight * rub, contact, sums, dimension)
         if touched:
             add_sums(I, M, node, sums, dimension)
 
@@ -267,34 +271,37 @@ def floor_jacobian(I, M, q, v, cv):
         elements_jacobian(I, M, q, v, cv, 2)
     else:
         elements_jacobian(I, M, q, v, cv, 3)
-    w = view(M, head.motion + 28, 24)
+    contact = contact_of()
+    normal = contact.normal
+    slip = contact.slip
+    turn = matrix()
     depth = state.floor_depth
     damping = state.floor_damping
     rubs = state.friction > 0.0
     bends = head.floor_kind == FLOOR_TABLE
     for place in range(contact_places(I)):
-        node, contact, preload = contact_place(I, M, place)
-        if contact <= 0.0:
+        node, load, preload = contact_place(I, M, place)
+        if load <= 0.0:
             continue
-        press, gap, speed = place_force(I, M, contact, preload, node, q, v, w)
+        press, gap, speed = place_force(I, M, load, preload, node, q, v, contact)
         if press <= 0.0:
             continue
         _share, stiffness, _energy = place_law(preload, gap, depth)
         free = 1.0 - damping * speed
-        stiff = contact * stiffness * free + cv * damping * press / free
-        add_at_node(I, M, node, stiff, 3, 3, w, False)
+        stiff = load * stiffness * free + cv * damping * press / free
+        add_at_node(I, M, node, stiff, normal, normal, False)
         if bends:
-            turn_of_normal(I, M, w)
+            turn_of_normal(I, M, contact.place, turn)
             at = head.diagonal + size * size * node
             for i in range(dimension):
                 for j in range(dimension):
-                    M[at + size * i + j] -= press * w[12 + 3 * i + j]
+                    M[at + size * i + j] -= press * turn[3 * i + j]
         if rubs:
-            bristle_at(I, M, node, w, dimension)
-            sticks, length, rub = friction(M, contact, press, w, dimension)
-            add_at_node(I, M, node, rub, 3, 3, w, True)
+            bristle_at(I, M, node, contact, dimension)
+            sticks, length, rub = friction(M, load, press, contact, dimension)
+            add_at_node(I, M, node, rub, normal, normal, True)
             if not sticks:
                 for i in range(dimension):
-                    w[6 + i] /= length
-                add_at_node(I, M, node, -rub, 6, 6, w, False)
-                add_at_node(I, M, node, -state.friction * stiff, 6, 3, w, False)
+                    slip[i] = contact.bristle[i] / length
+                add_at_node(I, M, node, -rub, slip, slip, False)
+                add_at_node(I, M, node, -state.friction * stiff, slip, normal, False)

@@ -2,11 +2,12 @@
 
 import math
 
-from .access import body_of, edge_of, header, scalars
+from .access import body_of, edge_of, header, scalars, vector
 from .compile import inlined, kernel
 from .contact import (
     along_floor,
     contact_law,
+    contact_of,
     contact_place,
     contact_places,
     interpolate,
@@ -38,10 +39,10 @@ def longest_beside(I, M, node):
 
 
 @inlined
-def kept_of(w, limit, dimension):
-    """Share of the vector in w[6:9] that is left of it, along the floor, where it is longer than a
-    limit; its part along the normal in w[3:6] is removed."""
-    length = along_floor(w, dimension)
+def kept_of(way, normal, limit, dimension):
+    """Share of a vector that is left of it, along the floor, where it is longer than a limit; its
+    part along the normal is removed."""
+    length = along_floor(way, normal, dimension)
     return 1.0 if length <= limit else limit / length
 
 
@@ -62,36 +63,39 @@ def settle(I, M):
         settle_feet(I, M)
     dimension = head.dimension
     size = 2 * dimension
-    w = M[head.motion + 28 : head.motion + 52]
+    place = vector()
+    normal = vector()
+    was = vector()  # a place of rest
+    way = vector()
     depth = state.floor_depth
     q = M[head.position : head.position + size * head.nodes]
     for node in range(head.nodes):
         rest = head.rest + size * node
         for i in range(dimension):
-            w[i] = q[size * node + i]
-        gap = gap_at(I, M, w, w[3:6])
+            place[i] = q[size * node + i]
+        gap = gap_at(I, M, place, normal)
         share, _stiffness, _energy = contact_law(gap, depth)
         limit = state.bristle * share
         held = 1.0
         if gap < depth:
             for i in range(dimension):
-                w[9 + i] = M[rest + i]
-            above = min(gap_at(I, M, w[9:12], w[12:15]), depth)
+                was[i] = M[rest + i]
+            above = min(gap_at(I, M, was, vector()), depth)
             sunk = above - max(gap, LANDED * depth)
             if sunk > 0.0:
                 held = math.exp(-FORGETS * sunk / depth)
         for part in range(2):
             at = part * dimension
             for i in range(dimension):
-                w[6 + i] = q[size * node + at + i] - M[rest + at + i]
+                way[i] = q[size * node + at + i] - M[rest + at + i]
             most = limit
             if part == 1:
                 # What slips has its slope's bristle drawn, too.
                 most = limit / max(1e-300, SLOPE_SHIFTS * longest_beside(I, M, node))
-            held *= kept_of(w, most, dimension)
+            held *= kept_of(way, normal, most, dimension)
             if held < 1.0:
                 for i in range(dimension):
-                    M[rest + at + i] = q[size * node + at + i] - w[6 + i] * held
+                    M[rest + at + i] = q[size * node + at + i] - way[i] * held
 
 
 @inlined
@@ -112,7 +116,7 @@ def bear(I, M, share):
     state = scalars(M)
     dimension = head.dimension
     size = 2 * dimension
-    w = M[head.motion + 28 : head.motion + 52]
+    contact = contact_of()
     q = M[head.position : head.position + size * head.nodes]
     v = M[head.velocity : head.velocity + size * head.nodes]
     depth = state.floor_depth
@@ -122,22 +126,23 @@ def bear(I, M, share):
             continue
         edge = edge_of(I, M, node)
         borne = edge.support
-        load = 0.0
-        if lowest_gap(I, M, q, node, w) < depth:
+        pressed = 0.0
+        if lowest_gap(I, M, q, node) < depth:
             parent = I[head.parent + node]
             for p in range(4):
-                interpolate(I, q, parent, node, edge.length, p, w, dimension)
-                law, _stiffness, _energy = contact_law(gap_at(I, M, w, w[3:6]), depth)
-                load = max(load, law)
-        difference = load_aimed_at(borne, load) - borne
+                interpolate(q, parent, node, edge.length, p, contact.place, dimension)
+                gap = gap_at(I, M, contact.place, contact.normal)
+                law, _stiffness, _energy = contact_law(gap, depth)
+                pressed = max(pressed, law)
+        difference = load_aimed_at(borne, pressed) - borne
         edge.support = borne + share * difference
         if abs(difference) > abs(largest) * borne:
             largest = difference / borne
     for place in range(contact_places(I)):
-        node, contact, preload = contact_place(I, M, place)
-        if contact <= 0.0:
+        node, load, preload = contact_place(I, M, place)
+        if load <= 0.0:
             continue
-        _press, gap, _speed = place_force(I, M, contact, preload, node, q, v, w)
+        _press, gap, _speed = place_force(I, M, load, preload, node, q, v, contact)
         law, _stiffness, _energy = place_law(preload, gap, depth)
         row = body_of(I, M, place // 2)
         at_end = place == 2 * head.body_count

@@ -2,12 +2,13 @@
 
 import math
 
-from .access import edge_of, header, scalars
+from .access import edge_of, header, scalars, vector
 from .compile import kernel
 from .contact import (
     LYING,
     contact_force,
     contact_law,
+    contact_of,
     contact_place,
     contact_places,
     interpolate,
@@ -21,8 +22,8 @@ ZONE = 2.5, 6.0  # touchdown layers behind a touchdown: ends of the zone of its 
 
 
 @kernel
-def hermite_point(I, M, node, x, w):
-    """Position at a fraction x of an element into w[0:3]."""
+def hermite_point(I, M, node, x, place):
+    """Position at a fraction x of an element."""
     head = header(I)
     dimension = head.dimension
     size = 2 * dimension
@@ -32,8 +33,8 @@ def hermite_point(I, M, node, x, w):
     p = head.position + size * I[head.parent + node]
     q = head.position + size * node
     for i in range(dimension):
-        w[i] = n0 * M[p + i] + n1 * M[p + dimension + i]
-        w[i] += n2 * M[q + i] + n3 * M[q + dimension + i]
+        place[i] = n0 * M[p + i] + n1 * M[p + dimension + i]
+        place[i] += n2 * M[q + i] + n3 * M[q + dimension + i]
 
 
 @kernel
@@ -45,23 +46,27 @@ def lying_gap(I, M, node):
 
 
 @kernel
-def first_below(I, M, node, depth, w):
-    """Fraction of an element, from the vessel's side, where its gap first is below one; 2: nowhere.
+def gap_within(I, M, node, x, place, normal):
+    """The gap at a fraction x of an element [m], its place, and the floor's normal."""
+    hermite_point(I, M, node, x, place)
+    return gap_at(I, M, place, normal)
 
-    Position there into w[0:3], the floor's normal into w[3:6].
-    """
+
+@kernel
+def first_below(I, M, node, depth):
+    """Fraction of an element, from the vessel's side, where its gap first is less; 2: nowhere."""
+    place = vector()
+    normal = vector()
     before = 0.0
     for k in range(17):
         x = k / 16.0
-        hermite_point(I, M, node, x, w)
-        if gap_at(I, M, w, w[3:6]) < depth:
+        if gap_within(I, M, node, x, place, normal) < depth:
             if k == 0:
                 return 0.0
             after = x
             for _halving in range(30):
                 x = 0.5 * (before + after)
-                hermite_point(I, M, node, x, w)
-                if gap_at(I, M, w, w[3:6]) < depth:
+                if gap_within(I, M, node, x, place, normal) < depth:
                     after = x
                 else:
                     before = x
@@ -71,7 +76,7 @@ def first_below(I, M, node, depth, w):
 
 
 @kernel
-def find_touchdown(I, M, w):
+def find_touchdown(I, M):
     """Element nearest the vessel where cable comes to lie, and the fraction of it; 0: none touches.
 
     Cable that the floor bears nowhere by as much as what lies is touched where it begins to be
@@ -83,13 +88,13 @@ def find_touchdown(I, M, w):
     touches = 0
     there = 0.0
     for node in range(1, head.nodes):
-        if I[head.joint + node] != 0 or lowest_gap(I, M, q, node, w) >= depth:
+        if I[head.joint + node] != 0 or lowest_gap(I, M, q, node) >= depth:
             continue
-        begin = first_below(I, M, node, lying_gap(I, M, node), w)
+        begin = first_below(I, M, node, lying_gap(I, M, node))
         if begin <= 1.0:
             return node, begin
         if touches == 0:
-            begin = first_below(I, M, node, depth, w)
+            begin = first_below(I, M, node, depth)
             if begin <= 1.0:
                 touches = node
                 there = begin
@@ -97,19 +102,19 @@ def find_touchdown(I, M, w):
 
 
 @kernel
-def lying_share(I, M, node, begin, w):
+def lying_share(I, M, node, begin):
     """Share of an element beyond a fraction of it where the floor bears it.
 
     Cable that lies rises a little behind its touchdown, without leaving the floor.
     """
-    state = scalars(M)
-    depth = state.floor_depth
+    depth = scalars(M).floor_depth
+    place = vector()
+    normal = vector()
     share = 0.0
     before = 0.0
     for k in range(17):
         x = begin + (1.0 - begin) * k / 16.0
-        hermite_point(I, M, node, x, w)
-        clear = gap_at(I, M, w, w[3:6]) - depth
+        clear = gap_within(I, M, node, x, place, normal) - depth
         if k > 0:
             if clear < 0.0 and before < 0.0:
                 share += 1.0
@@ -120,12 +125,12 @@ def lying_share(I, M, node, begin, w):
 
 
 @kernel
-def floor_summary(I, M, out):
+def floor_summary(I, M, force_on_all, touchdown):
     """What the floor does, in the block's coordinates, at the present state.
 
-    out: 0-2 force on cable and bodies [N], 3 length of cable from the touchdown on that the floor
-    bears [m], 4-6 the touchdown point nearest the vessel (not a number where no cable touches), 7
-    the concentrated reaction there [N].
+    Writes its force on cable and bodies (3) [N] and the touchdown point nearest the vessel (3) [m],
+    not a number where no cable touches. Returns the length of cable from there on that the floor
+    bears [m] and the concentrated reaction there [N].
 
     On a rigid floor cable lies down with a reaction R at one point, at a distance a before the end
     of the zone looked at, and its weight w on the length a. A soft floor spreads R, and cable comes
@@ -142,14 +147,19 @@ def floor_summary(I, M, out):
     dimension = head.dimension
     size = 2 * dimension
     nodes = head.nodes
-    w = M[head.motion + 28 : head.motion + 52]
+    contact = contact_of()
+    normal = contact.normal
+    acceleration = vector()
     q = M[head.position : head.position + size * nodes]
     v = M[head.velocity : head.velocity + size * nodes]
     a = M[head.acceleration : head.acceleration + size * nodes]
     depth = state.floor_depth
-    for k in range(8):
-        out[k] = 0.0
-    touched, start = find_touchdown(I, M, w)
+    for i in range(3):
+        force_on_all[i] = 0.0
+        touchdown[i] = 0.0
+    lying = 0.0
+    reaction = 0.0
+    touched, start = find_touchdown(I, M)
     arc = 0.0  # of the element's beginning
     geometric = 0.0  # arc length where cable is as near the floor as it lies
     last = 1e300  # arc length in whose element the zone ends
@@ -165,11 +175,11 @@ def floor_summary(I, M, out):
             continue
         edge = edge_of(I, M, node)
         h = edge.length
-        if lowest_gap(I, M, q, node, w) >= depth:
+        if lowest_gap(I, M, q, node) >= depth:
             arc += h
             continue
         parent = I[head.parent + node]
-        contact = edge.contact * edge.support
+        load = edge.contact * edge.support
         inertia = edge.mass + edge.added_mass
         begin = 0.0
         reached = touched != 0 and node >= touched
@@ -181,33 +191,30 @@ def floor_summary(I, M, out):
             layer += math.sqrt(2.0 * depth * pull / edge.contact)
             first = geometric + ZONE[0] * layer
             last = geometric + ZONE[1] * layer
-            hermite_point(I, M, node, begin, w)
-            gap_at(I, M, w, w[3:6])
-            weight_there = edge.contact * w[2 + dimension]
-            for i in range(dimension):
-                out[4 + i] = w[i]
+            gap_within(I, M, node, begin, touchdown, normal)
+            weight_there = edge.contact * normal[dimension - 1]
         if reached:
-            out[3] += h * lying_share(I, M, node, begin, w)
+            lying += h * lying_share(I, M, node, begin)
         # Whole elements: forces of single points are not in balance.
         within = arc < last
         if reached and edge.segment != edge_of(I, M, touched).segment:
             within = False  # bodies and other cable weigh something else
         for p in range(4):
             press, gap, _speed = contact_force(
-                I, M, q, v, parent, node, h, p, contact, w, dimension
+                I, M, q, v, parent, node, h, p, load, contact, dimension
             )
             if gap >= depth:
                 continue
             weight = h * CONTACT_WEIGHTS[p]
             for i in range(dimension):
-                out[i] += weight * (press * w[3 + i] + w[9 + i])
-            place = arc + h * CONTACT_POINTS[p]
+                force_on_all[i] += weight * (press * normal[i] + contact.along[i])
+            there = arc + h * CONTACT_POINTS[p]
             if within:
-                interpolate(I, a, parent, node, h, p, w[12:15], dimension)
+                interpolate(a, parent, node, h, p, acceleration, dimension)
                 for i in range(dimension):
-                    press -= inertia * w[3 + i] * w[12 + i]
+                    press -= inertia * normal[i] * acceleration[i]
                 force += weight * press
-                moment += weight * press * place
+                moment += weight * press * there
         arc += h
         if reached and within and (arc > first or node + 1 == nodes):
             about_end = force * arc - moment
@@ -215,30 +222,28 @@ def floor_summary(I, M, out):
             before += arc - force / max(weight_there, 1e-300)
             ends += 1
     if touched == 0:
-        out[4] = math.nan
-        out[5] = math.nan
-        out[6] = math.nan
+        for i in range(3):
+            touchdown[i] = math.nan
     elif ends > 0:
-        out[7] = math.sqrt(max(0.0, square / ends))
-        where = before / ends + out[7] / max(weight_there, 1e-300)
+        reaction = math.sqrt(max(0.0, square / ends))
+        where = before / ends + reaction / max(weight_there, 1e-300)
         if abs(where - geometric) < last - geometric:
             # Forward or back from where the cable is as near the floor as it lies.
-            out[3] += geometric - where
-            go_along(I, M, touched, where, w)
-            for i in range(dimension):
-                out[4 + i] = w[i]
+            lying += geometric - where
+            go_along(I, M, touched, where, touchdown)
     for place in range(contact_places(I)):
-        node, contact, preload = contact_place(I, M, place)
-        if contact <= 0.0:
+        node, load, preload = contact_place(I, M, place)
+        if load <= 0.0:
             continue
-        press, _gap, _speed = place_force(I, M, contact, preload, node, q, v, w)
+        press, _gap, _speed = place_force(I, M, load, preload, node, q, v, contact)
         for i in range(dimension):
-            out[i] += press * w[3 + i] + w[9 + i]
+            force_on_all[i] += press * normal[i] + contact.along[i]
+    return lying, reaction
 
 
 @kernel
-def go_along(I, M, node, where, w):
-    """Position into w[0:3] at an arc length, as `floor_summary` counts it, from an element on."""
+def go_along(I, M, node, where, place):
+    """Position at an arc length, as `floor_summary` counts it, from an element on."""
     head = header(I)
     arc = 0.0
     for n in range(1, node):
@@ -252,45 +257,49 @@ def go_along(I, M, node, where, w):
         arc += h
         node += 1
         h = edge_of(I, M, node).length
-    hermite_point(I, M, node, min(1.0, max(0.0, (where - arc) / h)), w)
+    hermite_point(I, M, node, min(1.0, max(0.0, (where - arc) / h)), place)
 
 
 @kernel
 def floor_energy(I, M, out):
-    """Energy of the contact springs into out[6] [J], power lost on the floor into out[7] [W]."""
+    """Add the energy of the contact springs and the power lost on the floor to Energies."""
     head = header(I)
     state = scalars(M)
     dimension = head.dimension
     size = 2 * dimension
     nodes = head.nodes
-    w = M[head.motion + 28 : head.motion + 52]
+    contact = contact_of()
+    velocity = vector()
     q = M[head.position : head.position + size * nodes]
     v = M[head.velocity : head.velocity + size * nodes]
     depth = state.floor_depth
     for node in range(1, nodes):
-        if I[head.joint + node] != 0 or lowest_gap(I, M, q, node, w) >= depth:
+        if I[head.joint + node] != 0 or lowest_gap(I, M, q, node) >= depth:
             continue
         parent = I[head.parent + node]
-        h = edge_of(I, M, node).length
         edge = edge_of(I, M, node)
-        contact = edge.contact * edge.support
+        h = edge.length
+        load = edge.contact * edge.support
         for p in range(4):
-            press, gap, speed = contact_force(I, M, q, v, parent, node, h, p, contact, w, dimension)
+            press, gap, speed = contact_force(
+                I, M, q, v, parent, node, h, p, load, contact, dimension
+            )
             if gap >= depth:
                 continue
             share, _stiffness, energy = contact_law(gap, depth)
             weight = h * CONTACT_WEIGHTS[p]
-            out[6] += weight * contact * energy
-            out[7] -= weight * (press - contact * share) * speed
-            interpolate(I, v, parent, node, h, p, w, dimension)
+            out.floor += weight * load * energy
+            out.floor_power -= weight * (press - load * share) * speed
+            interpolate(v, parent, node, h, p, velocity, dimension)
             for i in range(dimension):
-                out[7] -= weight * w[9 + i] * w[i]
+                out.floor_power -= weight * contact.along[i] * velocity[i]
     for place in range(contact_places(I)):
-        node, contact, preload = contact_place(I, M, place)
-        if contact <= 0.0:
+        node, load, preload = contact_place(I, M, place)
+        if load <= 0.0:
             continue
-        press, gap, _speed = place_force(I, M, contact, preload, node, q, v, w)
+        press, gap, _speed = place_force(I, M, load, preload, node, q, v, contact)
         share, _stiffness, energy = place_law(preload, gap, depth)
-        out[6] += contact * energy
+        out.floor += load * energy
         for i in range(dimension):
-            out[7] -= ((press - contact * share) * w[3 + i] + w[9 + i]) * v[size * node + i]
+            force = (press - load * share) * contact.normal[i] + contact.along[i]
+            out.floor_power -= force * v[size * node + i]

@@ -4,7 +4,7 @@ FLOOR_FAR: nothing knows of the floor. FLOOR_ABOVE: the mesh does. FLOOR_TOUCHED
 A step without forces is refused if it ends in the contact layer, so none is ever missed.
 """
 
-from .access import edge_of, header, scalars
+from .access import edge_of, header, scalars, vector
 from .compile import kernel, view
 from .feet import feet_are_near, lowest_foot
 from .floor_memory import settle
@@ -22,13 +22,13 @@ SOON = 2.0  # steps for which what comes down is near before it is
 
 
 @kernel
-def gap_of(I, M, q, node, w):
-    """A gap that nothing between a node and its parent undercuts [m]; w: 9 words of workspace."""
+def gap_of(I, M, q, node):
+    """A gap that nothing between a node and its parent undercuts [m]."""
     head = header(I)
     if I[head.joint + node] == 0:
-        return lowest_gap(I, M, q, node, w)
+        return lowest_gap(I, M, q, node)
     dimension = head.dimension
-    normal = view(w, 3, 3)
+    normal = vector()
     parent = I[head.parent + node]
     above = gap_at(I, M, view(q, 2 * dimension * parent, dimension), normal)
     return min(above, gap_at(I, M, view(q, 2 * dimension * node, dimension), normal))
@@ -42,9 +42,8 @@ def touches(I, M, q, layers):
     """
     head = header(I)
     state = scalars(M)
-    w = view(M, head.motion + 28, 9)
     for node in range(head.nodes - 1, 0, -1):
-        if gap_of(I, M, q, node, w) < layers * state.floor_depth:
+        if gap_of(I, M, q, node) < layers * state.floor_depth:
             return True
     return head.foot_count != 0 and lowest_foot(I, M) < layers * state.floor_depth
 
@@ -58,11 +57,10 @@ def is_near(I, M, q, v, lengths):
     head = header(I)
     state = scalars(M)
     dimension = head.dimension
-    w = view(M, head.motion + 28, 9)
     for node in range(head.nodes - 1, 0, -1):
         h = edge_of(I, M, node).length
         way = SOON * state.step * max(0.0, -v[2 * dimension * node + dimension - 1])
-        if gap_of(I, M, q, node, w) < state.floor_depth + lengths * h + way:
+        if gap_of(I, M, q, node) < state.floor_depth + lengths * h + way:
             return True
     return head.foot_count != 0 and feet_are_near(
         I, M, state.floor_depth, SOON * state.step, lengths

@@ -2,8 +2,8 @@
 
 import math
 
-from .access import edge_of, header, scalars
-from .compile import inlined, kernel, view
+from .access import edge_of, header, scalars, vector
+from .compile import inlined, kernel
 from .environment import interval
 from .layout import (
     FLOOR_PLANE,
@@ -143,11 +143,10 @@ def bezier_third(k, h):
 
 
 @kernel
-def lowest_gap(I, M, q, node, w):
+def lowest_gap(I, M, q, node):
     """A gap that no point of an element undercuts, by the convex hull of its Bezier points [m].
 
     The element's gap itself where that is below some metres, something large far above the floor.
-    w: 9 words of workspace.
     """
     head = header(I)
     state = scalars(M)
@@ -164,22 +163,24 @@ def lowest_gap(I, M, q, node, w):
     clear = lowest + state.origin[2] - state.floor_top
     if clear > 4.0 * h + state.floor_depth or is_level(I, M):
         return clear
-    normal = view(w, 3, 3)
+    place = vector()
+    normal = vector()
+    begin = vector()
     lowest = 1e300
     first = 0.0
     for k in range(4):
         end = parent if k < 2 else node
         third = bezier_third(k, h)
         for i in range(dimension):
-            w[i] = q[size * end + i] + third * q[size * end + dimension + i]
+            place[i] = q[size * end + i] + third * q[size * end + dimension + i]
         if k == 0 or head.floor_kind != FLOOR_PLANE:
-            gap = gap_at(I, M, w, normal)
+            gap = gap_at(I, M, place, normal)
             first = gap
             for i in range(dimension):
-                w[6 + i] = w[i]
+                begin[i] = place[i]
         else:
             gap = first
             for i in range(dimension):
-                gap += w[3 + i] * (w[i] - w[6 + i])
+                gap += normal[i] * (place[i] - begin[i])
         lowest = min(lowest, gap)
     return lowest - state.floor_bend * h * h

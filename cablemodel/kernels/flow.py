@@ -22,28 +22,40 @@ bends, and Newton's method did not converge at shallow lay angles.
 
 import math
 
-from .access import body_of, edge_of, header, scalars
+from .access import body_of, edge_of, header, scalars, vector
 from .bodies import (
     add_waves,
+    body_in_water,
     body_kinematics,
     body_residual,
     flow_derivatives,
     wet_derivatives,
 )
-from .compile import kernel, view
+from .compile import kernel, own_numbers, own_record, view
 from .contact import LYING
 from .environment import current_at
 from .floor import block_of
 from .floor_surface import gap_at
-from .layout import (
-    GAUSS_WORDS,
-)
+from .layout import GAUSS_WORDS
+from .record import Record, reals
 from .rigid import rigid_residual
 from .tables import D0, D1, D2, D3, H0, H1, H2, H3, WD, WH
 from .waves import DRAG, element_water
 
-SCRATCH = 720  # first word of ours in the elements' workspace, beyond theirs: 27
-FORCES, NORMALS = SCRATCH + 27, SCRATCH + 39  # of an element; of the floor, at its ends
+
+class CableInFlow(Record):
+    """A Gauss point of the resting shape, in the block's coordinates (dimension of three)."""
+
+    tangent = reals(3, "unit vector")
+    flow = reals(3, "velocity of the water past it", "m/s")
+    force = reals(3, "drag, or what inertia adds", "N/m")
+    by_slope = reals(9, "derivative of the drag by r', (dimension, dimension) by rows", "N/m")
+    by_flow = reals(9, "the same by the flow", "N s/m2")
+
+
+cable_in_flow = own_record(CableInFlow)
+element_vector = own_numbers(12)
+"""element_vector(): zeros, `dimension` for each shape function of an element."""
 
 
 @kernel
@@ -71,12 +83,12 @@ def value_function(k, g, h):
 
 
 @kernel
-def at_point(I, M, flow, q, v, parent, node, h, g, w):
-    """Tangent into w[0:3], water past the resting shape into w[3:6]; the stretch.
-
-    And the water's speed along the cable, without and with the flow [m/s].
+def at_point(I, M, flow, q, v, parent, node, h, g, point):
+    """Tangent, and flow past the resting shape, at Gauss point g. Returns the stretch, and the
+    water's speed along the cable, without and with the flow [m/s].
     """
     head = header(I)
+    tangent = point.tangent
     dimension = head.dimension
     size = 2 * dimension
     height = 0.0
@@ -88,45 +100,45 @@ def at_point(I, M, flow, q, v, parent, node, h, g, w):
             at = size * (parent if k < 2 else node) + dimension * (k % 2) + i
             slope += slope_function(k, g, h) * q[at]
             place += value_function(k, g, h) * q[at]
-        w[i] = slope
+        tangent[i] = slope
         square += slope * slope
         height = place
     stretch = math.sqrt(square)
-    current_at(I, M, height, view(w, 3, 3))
+    current_at(I, M, height, point.flow)
     along = 0.0
     for i in range(dimension):
-        w[i] /= stretch
+        tangent[i] /= stretch
         speed = 0.0
         for k in range(4):
             at = size * (parent if k < 2 else node) + dimension * (k % 2) + i
             speed += value_function(k, g, h) * v[at]
-        w[3 + i] -= speed
-        along += w[3 + i] * w[i]
+        point.flow[i] -= speed
+        along += point.flow[i] * tangent[i]
     return stretch, along, along - flow * stretch
 
 
 @kernel
-def resting_share(I, M, q, node, w):
+def resting_share(I, M, q, node, normal):
     """`laid_share` where the frame's velocity and the flow say otherwise (`laid` 2)."""
     state = scalars(M)
     if state.laid != 2.0:
         return 0.0, 0.0
-    return laid_share(I, M, q, node, w)
+    return laid_share(I, M, q, node, normal)
 
 
 @kernel
-def laid_share(I, M, q, node, w):
+def laid_share(I, M, q, node, normal):
     """Share of the cable at a node that has been laid, at rest over the ground; its change [1/m].
 
-    With the gap, along the normal that goes into w (dimension words): all of it rests where there
-    is none, and none where even a taut cable would not have touched a rigid floor.
+    With the gap, along the floor's normal, which is written (dimension words): all of it rests
+    where there is none, and none where even a taut cable would not have touched a rigid floor.
     """
     head = header(I)
     state = scalars(M)
     if state.laid == 0.0 or head.floor_kind == 0:
         return 0.0, 0.0
     dimension = head.dimension
-    gap = gap_at(I, M, view(q, 2 * dimension * node, 2 * dimension), w)
+    gap = gap_at(I, M, view(q, 2 * dimension * node, 2 * dimension), normal)
     width = LYING * state.floor_depth
     x = gap / width
     if x <= 0.0:
@@ -137,49 +149,49 @@ def laid_share(I, M, q, node, w):
 
 
 @kernel
-def drag_at(M, edge, stretch, dimension, w):
-    """Drag per length on cable with the tangent in w[0:3] in the flow w[3:6] [N/m] into w[6:9].
-
-    Its derivatives to r' into w[9:18], by the flow into w[18:27], (dimension, dimension) each.
-    """
+def drag_at(edge, stretch, dimension, point):
+    """Drag per length on cable with this tangent in this flow, and its derivatives."""
+    tangent = point.tangent
+    flow = point.flow
     cn = math.sqrt(stretch) * edge.drag_normal
     ct = math.sqrt(stretch) * edge.drag_tangential
     along = 0.0
     for i in range(dimension):
-        along += w[3 + i] * w[i]
+        along += flow[i] * tangent[i]
     speed = 0.0
     for i in range(dimension):
-        speed += (w[3 + i] - along * w[i]) ** 2
+        speed += (flow[i] - along * tangent[i]) ** 2
     speed = math.sqrt(speed)
     inverse = 1.0 / max(speed, 1e-30)
     for i in range(dimension):
-        across = w[3 + i] - along * w[i]
-        w[6 + i] = cn * speed * across + ct * abs(along) * along * w[i]
+        across = flow[i] - along * tangent[i]
+        point.force[i] = cn * speed * across + ct * abs(along) * along * tangent[i]
     for i in range(dimension):
-        ni = w[3 + i] - along * w[i]
+        ni = flow[i] - along * tangent[i]
         for j in range(dimension):
-            nj = w[3 + j] - along * w[j]
-            p = -w[i] * w[j]
+            nj = flow[j] - along * tangent[j]
+            p = -tangent[i] * tangent[j]
             if i == j:
                 p += 1.0
-            turned = cn * (-along * inverse * nj * ni - speed * (w[i] * nj + along * p))
-            turned += ct * (2.0 * abs(along) * nj * w[i] + abs(along) * along * p)
+            turned = cn * (-along * inverse * nj * ni - speed * (tangent[i] * nj + along * p))
+            turned += ct * (2.0 * abs(along) * nj * tangent[i] + abs(along) * along * p)
             at = dimension * i + j
-            w[9 + at] = (turned + 0.5 * w[6 + i] * w[j]) / stretch
-            w[18 + at] = cn * (speed * p + inverse * ni * nj)
-            w[18 + at] += 2.0 * ct * abs(along) * w[i] * w[j]
+            point.by_slope[at] = (turned + 0.5 * point.force[i] * tangent[j]) / stretch
+            point.by_flow[at] = cn * (speed * p + inverse * ni * nj)
+            point.by_flow[at] += 2.0 * ct * abs(along) * tangent[i] * tangent[j]
 
 
 @kernel
-def element_forces(I, M, flow, frame, q, v, node, lies, w, f):
+def element_forces(I, M, flow, frame, q, v, node, lies, f):
     """What the flow adds to the forces of an element, running or laid, into f (4 dimension words).
 
-    By shape functions, in their order. w: 27 words of workspace.
+    By shape functions, in their order.
     """
     head = header(I)
     dimension = head.dimension
     size = 2 * dimension
     W = view(M, head.gauss, GAUSS_WORDS)
+    point = cable_in_flow()
     parent = I[head.parent + node]
     e = edge_of(I, M, node)
     h = e.length
@@ -188,16 +200,16 @@ def element_forces(I, M, flow, frame, q, v, node, lies, w, f):
         return
     momentum = e.mass * flow * flow
     for g in range(3):
-        stretch, still, runs = at_point(I, M, flow, q, v, parent, node, h, g, w)
+        stretch, still, runs = at_point(I, M, flow, q, v, parent, node, h, g, point)
         if lies:
             for side in range(2):  # without the frame's velocity, less with it
                 for i in range(dimension):
-                    w[3 + i] += frame[i] if side == 0 else -frame[i]
-                drag_at(M, e, stretch, dimension, w)
+                    point.flow[i] += frame[i] if side == 0 else -frame[i]
+                drag_at(e, stretch, dimension, point)
                 for k in range(4):
                     value = (2.0 * side - 1.0) * h * WH[g, k] * (h if k % 2 == 1 else 1.0)
                     for i in range(dimension):
-                        f[dimension * k + i] += value * w[6 + i]
+                        f[dimension * k + i] += value * point.force[i]
             continue
         drag = 0.0
         if head.drag != 0:
@@ -206,16 +218,16 @@ def element_forces(I, M, flow, frame, q, v, node, lies, w, f):
             if head.wave_count != 0:
                 drag *= W[DRAG + g]
         for i in range(dimension):
-            w[6 + i] = 0.0
+            point.force[i] = 0.0
             for l in range(4):
                 at = size * (parent if l < 2 else node) + dimension * (l % 2) + i
-                w[6 + i] += 2.0 * e.mass * flow * slope_function(l, g, h) * v[at]
+                point.force[i] += 2.0 * e.mass * flow * slope_function(l, g, h) * v[at]
         for k in range(4):
             scale = h if k % 2 == 1 else 1.0
             value = scale * (h * WH[g, k] * drag + WD[g, k] * momentum * stretch)
             load = scale * h * WH[g, k]
             for i in range(dimension):
-                f[dimension * k + i] += load * w[6 + i] - value * w[i]
+                f[dimension * k + i] += load * point.force[i] - value * point.tangent[i]
     if lies:
         return
     for i in range(dimension):
@@ -233,13 +245,14 @@ def flow_residual(I, M, flow, frame, q, v, a, tension, out, out_constraint):
     dimension = head.dimension
     size = 2 * dimension
     W = view(M, head.gauss, GAUSS_WORDS)
-    w = view(W, SCRATCH, 27)
-    f = view(W, FORCES, 12)
+    normal = vector()
+    f = element_vector()
     for node in range(1, head.nodes):
         if I[head.joint + node] != 0:
             continue
         parent = I[head.parent + node]
-        share = resting_share(I, M, q, parent, w)[0] * resting_share(I, M, q, node, w)[0]
+        share, _change = resting_share(I, M, q, parent, normal)
+        share *= resting_share(I, M, q, node, normal)[0]
         if head.wave_count != 0:
             e = edge_of(I, M, node)
             element_water(I, M, W, e, view(q, size * parent, size), view(q, size * node, size))
@@ -247,7 +260,7 @@ def flow_residual(I, M, flow, frame, q, v, a, tension, out, out_constraint):
             part = share if lies == 1 else 1.0 - share
             if part == 0.0:
                 continue
-            element_forces(I, M, flow, frame, q, v, node, lies == 1, w, f)
+            element_forces(I, M, flow, frame, q, v, node, lies == 1, f)
             for k in range(4):
                 at = size * (parent if k < 2 else node) + dimension * (k % 2)
                 for i in range(dimension):
@@ -279,13 +292,14 @@ def run_with_cable(I, M, flow, frame, sign, q, v):
     head = header(I)
     dimension = head.dimension
     size = 2 * dimension
+    normal = vector()
     for body in range(head.body_count):
         row = body_of(I, M, body)
         node = int(row.node)
         if node < 0:
             continue
         for _side in range(2 if row.length > 0.0 else 1):
-            share, _change = resting_share(I, M, q, node, view(M, head.gauss + SCRATCH, 3))
+            share, _change = resting_share(I, M, q, node, normal)
             for i in range(dimension):
                 own = (1.0 - share) * flow * q[size * node + dimension + i] - share * frame[i]
                 v[size * node + i] += sign * own
@@ -303,47 +317,51 @@ def flow_jacobian(I, M, flow, frame, q, v, a, ca, cv):
     dimension = head.dimension
     size = 2 * dimension
     W = view(M, head.gauss, GAUSS_WORDS)
-    w = view(W, SCRATCH, 27)
+    above = vector()
+    below = vector()
     for node in range(1, head.nodes):
         if I[head.joint + node] != 0:
             continue
         parent = I[head.parent + node]
-        upper, upper_change = resting_share(I, M, q, parent, view(W, NORMALS, 3))
-        lower, lower_change = resting_share(I, M, q, node, view(W, NORMALS + 3, 3))
+        upper, upper_change = resting_share(I, M, q, parent, above)
+        lower, lower_change = resting_share(I, M, q, node, below)
         share = upper * lower
         if head.wave_count != 0:
             e = edge_of(I, M, node)
             element_water(I, M, W, e, view(q, size * parent, size), view(q, size * node, size))
         if share < 1.0:
-            add_running(I, M, flow, q, v, node, 1.0 - share, cv, w)
+            add_running(I, M, flow, q, v, node, 1.0 - share, cv)
         if share > 0.0 and head.drag != 0:
-            add_laid(I, M, flow, frame, q, v, node, share, cv, w)
-        if upper_change * lower != 0.0 or lower_change * upper != 0.0:
-            add_landing(I, M, flow, frame, q, v, node, upper_change * lower, lower_change * upper)
+            add_laid(I, M, flow, frame, q, v, node, share, cv)
+        changes = (upper_change * lower, lower_change * upper)
+        if changes[0] != 0.0 or changes[1] != 0.0:
+            add_landing(I, M, flow, frame, q, v, node, changes, above, below)
     for side in range(2 if head.body_count > 0 else 0):
         sign = 2.0 * side - 1.0
         for body in range(head.body_count):
             row = body_of(I, M, body)
             node = int(row.node)
             if node >= 0 and row.length == 0.0:
-                share, _change = resting_share(I, M, q, node, w)
+                share, _change = resting_share(I, M, q, node, below)
                 add_body(I, M, (1.0 - share) * flow, q, v, a, ca, cv, row, node, sign)
         run_with_cable(I, M, flow, frame, 1.0 if side == 0 else -1.0, q, v)
 
 
 @kernel
-def add_running(I, M, flow, q, v, node, part, cv, w):
+def add_running(I, M, flow, q, v, node, part, cv):
     """Add `part` of the derivatives of `element_forces` of cable that runs."""
     head = header(I)
     dimension = head.dimension
     size = 2 * dimension
     W = view(M, head.gauss, GAUSS_WORDS)
+    point = cable_in_flow()
+    tangent = point.tangent
     parent = I[head.parent + node]
     e = edge_of(I, M, node)
     h = e.length
     momentum = part * e.mass * flow * flow
     for g in range(3):
-        stretch, still, runs = at_point(I, M, flow, q, v, parent, node, h, g, w)
+        stretch, still, runs = at_point(I, M, flow, q, v, parent, node, h, g, point)
         coefficient = 0.0
         if head.drag != 0:
             coefficient = part * math.sqrt(stretch) * e.drag_tangential
@@ -364,9 +382,12 @@ def add_running(I, M, flow, q, v, node, part, cv, w):
                 at += 2 * dimension * dimension * (k % 2) + dimension * (l % 2)
                 for i in range(dimension):
                     for j in range(dimension):
-                        across = w[3 + j] - still * w[j]
-                        rate = turned * across / stretch + (slides - drag / stretch) * w[j]
-                        entry = -load * (rate * w[i] * slope - cv * turned * w[i] * w[j] * value)
+                        across = point.flow[j] - still * tangent[j]
+                        rate = turned * across / stretch + (slides - drag / stretch) * tangent[j]
+                        entry = -load * (
+                            rate * tangent[i] * slope
+                            - cv * turned * tangent[i] * tangent[j] * value
+                        )
                         if i == j:
                             entry += (turning - load * drag / stretch - bend) * slope
                         M[at + size * i + j] += entry
@@ -378,51 +399,50 @@ def add_running(I, M, flow, q, v, node, part, cv, w):
 
 
 @kernel
-def add_laid(I, M, flow, frame, q, v, node, part, cv, w):
+def add_laid(I, M, flow, frame, q, v, node, part, cv):
     """Add `part` of the derivatives of `element_forces` of cable that has been laid."""
     head = header(I)
     dimension = head.dimension
+    point = cable_in_flow()
     parent = I[head.parent + node]
     e = edge_of(I, M, node)
     h = e.length
     for g in range(3):
-        stretch, _still, _runs = at_point(I, M, flow, q, v, parent, node, h, g, w)
+        stretch, _still, _runs = at_point(I, M, flow, q, v, parent, node, h, g, point)
         for side in range(2):
             for i in range(dimension):
-                w[3 + i] += frame[i] if side == 0 else -frame[i]
-            drag_at(M, e, stretch, dimension, w)
-            add_drag(I, M, node, h, g, (2.0 * side - 1.0) * part * h, cv, w)
+                point.flow[i] += frame[i] if side == 0 else -frame[i]
+            drag_at(e, stretch, dimension, point)
+            add_drag(I, M, node, h, g, (2.0 * side - 1.0) * part * h, cv, point)
 
 
 @kernel
-def add_landing(I, M, flow, frame, q, v, node, upper, lower):
+def add_landing(I, M, flow, frame, q, v, node, changes, above, below):
     """Add what an element's forces change by as it comes to rest.
 
-    upper, lower: change of its share that rests with the gaps of its ends [1/m]; their normals are
-    in the workspace.
+    changes: of its share that rests, with the gaps of both ends [1/m]; above, below: the floor's
+    normals there.
     """
     head = header(I)
     dimension = head.dimension
     size = 2 * dimension
-    W = view(M, head.gauss, GAUSS_WORDS)
-    w = view(W, SCRATCH, 27)
-    f = view(W, FORCES, 12)
+    f = element_vector()
     for lies in range(2):
         sign = 2.0 * lies - 1.0
-        element_forces(I, M, flow, frame, q, v, node, lies == 1, w, f)
+        element_forces(I, M, flow, frame, q, v, node, lies == 1, f)
         for k in range(4):
             for end in range(2):
-                change = sign * (upper if end == 0 else lower)
+                change = sign * (changes[0] if end == 0 else changes[1])
+                normal = above if end == 0 else below
                 at = block_of(I, node, k, 2 * end, dimension)
                 at += 2 * dimension * dimension * (k % 2)
                 for i in range(dimension):
                     for j in range(dimension):
-                        normal = W[NORMALS + 3 * end + j]
-                        M[at + size * i + j] += change * f[dimension * k + i] * normal
+                        M[at + size * i + j] += change * f[dimension * k + i] * normal[j]
 
 
 @kernel
-def add_drag(I, M, node, h, g, sign, cv, w):
+def add_drag(I, M, node, h, g, sign, cv, point):
     """Add `sign` times the derivatives of `drag_at` at a Gauss point to an element's blocks."""
     head = header(I)
     dimension = head.dimension
@@ -436,7 +456,7 @@ def add_drag(I, M, node, h, g, sign, cv, w):
             for i in range(dimension):
                 for j in range(dimension):
                     n = dimension * i + j
-                    entry = slope * w[9 + n] - value * w[18 + n]
+                    entry = slope * point.by_slope[n] - value * point.by_flow[n]
                     M[at + 2 * dimension * i + j] += entry
 
 
@@ -446,7 +466,7 @@ def add_body(I, M, flow, q, v, a, ca, cv, row, node, sign):
     head = header(I)
     dimension = head.dimension
     size = 2 * dimension
-    w = M[head.motion + 16 : head.motion + 46]
+    body = body_in_water()
     at = size * node
     D = head.diagonal + size * at
     for part in range(2):
@@ -455,18 +475,18 @@ def add_body(I, M, flow, q, v, a, ca, cv, row, node, sign):
             break
         rate = cv if part == 0 else flow
         second = ca if part == 0 else 0.0
-        ig = body_kinematics(I, M, node, q, v, a, w)
+        ig = body_kinematics(I, M, node, q, v, a, body)
         if head.wave_count != 0:
-            add_waves(I, M, row, q[at], q[at + 1], q[at + dimension - 1], 0.0, w)
-            wet_derivatives(I, M, row, ig, second, rate, w)
+            add_waves(I, M, row, q[at], q[at + 1], q[at + dimension - 1], 0.0, body)
+            wet_derivatives(I, M, row, ig, second, rate, body)
         else:
             mass = row.mass + row.added_mass
-            flow_derivatives(M, row, dimension, mass, ig, second, rate, w)
+            flow_derivatives(row, dimension, mass, ig, second, rate, body)
         for i in range(dimension):
             for j in range(dimension):
-                motion = sign * w[12 + dimension * i + j]
+                motion = sign * body.by_motion[dimension * i + j]
                 if part == 0:
                     M[D + size * i + j] += motion
-                    M[D + size * i + dimension + j] += sign * w[21 + dimension * i + j]
+                    M[D + size * i + dimension + j] += sign * body.by_axis[dimension * i + j]
                 else:
                     M[D + size * i + dimension + j] += motion

@@ -9,7 +9,7 @@ docs/engine.md, "Sea floor".
 
 import math
 
-from .access import cable_of, edge_at, edge_of, header, scalars, winch_of, word_of
+from .access import cable_of, edge_at, edge_of, header, scalars, vector, winch_of, word_of
 from .compile import inlined, kernel
 from .contact import ends_in_something, touchdown_layer
 from .floor_memory import bear
@@ -71,20 +71,19 @@ def jump_at(I, M, node, across):
     if I[head.joint + node] != 0:
         return 0.0
     dimension = head.dimension
-    w = M[head.motion + 28 : head.motion + 34]
-    second_derivative(I, M, node, 1, w[0:3])
-    for i in range(3):
-        w[3 + i] = 0.0
+    before = vector()
+    after = vector()
+    second_derivative(I, M, node, 1, before)
     if node + 1 < head.nodes + head.left_out:
         if I[head.joint + node + 1] != 0:
             return 0.0
-        second_derivative(I, M, node + 1, 0, w[3:6])
+        second_derivative(I, M, node + 1, 0, after)
     slope = head.position + 2 * dimension * node + dimension
     square = 0.0
     along = 0.0
     size = 1e-300
     for i in range(dimension):
-        jump = w[3 + i] - w[i]
+        jump = after[i] - before[i]
         square += jump * jump
         along += jump * M[slope + i]
         size += M[slope + i] ** 2
@@ -130,7 +129,6 @@ def measure(I, M, gaps, behind, jumps):
     nodes = head.nodes
     dimension = head.dimension
     depth = state.floor_depth
-    w = M[head.motion + 28 : head.motion + 52]
     q = M[head.position : head.position + 2 * dimension * nodes]
     way = 1e300
     jumps[0] = 0.0
@@ -142,7 +140,7 @@ def measure(I, M, gaps, behind, jumps):
         jumps[node] = 0.0
         if I[head.joint + node] != 0:
             continue
-        gaps[node] = lowest_gap(I, M, q, node, w)
+        gaps[node] = lowest_gap(I, M, q, node)
         if gaps[node] >= depth:
             way = 0.0
             behind[node] = 0.0
@@ -289,13 +287,15 @@ def arc_length(I, M, p0, p1, h, start, share):
     """
     head = header(I)
     dimension = head.dimension
-    w = M[head.motion + 34 : head.motion + 40]
+    place = vector()
+    slope = vector()
     length = 0.0
     for p in range(4):
-        hermite(M, p0, p1, dimension, h, start + share * CONTACT_POINTS[p], w)
+        x = start + share * CONTACT_POINTS[p]
+        hermite(M, p0, p1, dimension, h, x, place, slope)
         square = 0.0
         for i in range(dimension):
-            square += w[dimension + i] ** 2
+            square += slope[i] ** 2
         length += share * h * CONTACT_WEIGHTS[p] * math.sqrt(square)
     return length
 
@@ -337,14 +337,15 @@ def one_cubic_does(I, M, node):
     size = 2 * dimension
     h1 = edge_of(I, M, node).length
     h = h1 + edge_of(I, M, node + 1).length
-    w = M[head.motion + 28 : head.motion + 34]
+    place = vector()
+    slope = vector()
     at = head.position + size * node
-    hermite(M, at - size, at + size, dimension, h, h1 / h, w)
+    hermite(M, at - size, at + size, dimension, h, h1 / h, place, slope)
     off = 0.0
     turn = 0.0
     for i in range(dimension):
-        off += (w[i] - M[at + i]) ** 2
-        turn += (w[dimension + i] - M[at + dimension + i]) ** 2
+        off += (place[i] - M[at + i]) ** 2
+        turn += (slope[i] - M[at + dimension + i]) ** 2
     if off > (0.02 * accuracy) ** 2 or turn > 1e-4:
         return False
     both = arc_length(I, M, at - size, at, h1, 0.0, 1.0)

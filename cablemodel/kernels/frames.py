@@ -6,7 +6,15 @@ one line does (`environment.evaluate_piece`), or what the caller gives for a ste
 
 import math
 
-from .access import constraint_of, frame_of, header, motion_piece_at, scalars
+from .access import (
+    constraint_of,
+    frame_of,
+    header,
+    motion_piece_at,
+    new_motion,
+    scalars,
+    vector,
+)
 from .compile import kernel
 from .environment import evaluate_piece
 from .layout import (
@@ -35,13 +43,13 @@ def piece_at(M, first, count, t):
 
 @kernel
 def evaluate_frame(I, M, row, t, turning, out):
-    """Position of a frame's origin, or its angles, with two derivatives at time t: 9 words."""
+    """Motion of a frame's origin, or that of its angles, at time t."""
     if (row.turn_live if turning else row.live) != LIVE_NOT:
         evaluate_piece(M, row.turn_piece if turning else row.piece, t, out)
         return
     own_pieces(I, M, row, t, turning, out)
     for i in range(3):
-        out[i] += row.shift[(3 if turning else 0) + i]
+        out.position[i] += row.shift[(3 if turning else 0) + i]
 
 
 @kernel
@@ -50,8 +58,10 @@ def own_pieces(I, M, row, t, turning, out):
     head = header(I)
     count = int(row.turn_count if turning else row.count)
     if count == 0:
-        for i in range(9):
-            out[i] = 0.0
+        for i in range(3):
+            out.position[i] = 0.0
+            out.velocity[i] = 0.0
+            out.acceleration[i] = 0.0
         return
     first = head.frame_pieces + int(row.turn_first if turning else row.first) * PIECE_WORDS
     evaluate_piece(M, motion_piece_at(M, piece_at(M, first, count, t)), t, out)
@@ -79,17 +89,23 @@ def move_frames(I, M, t):
         if row.raos != 0.0:
             move_in_waves(I, M, row, t)
             continue
-        evaluate_frame(I, M, row, t, True, row.motion)
-        angles = row.motion
-        attitude(
-            angles[0:3],
-            angles[3:6],
-            angles[6:9],
-            row.rotation,
-            row.spin,
-            row.spin_rate,
-        )
-        evaluate_frame(I, M, row, t, False, angles)
+        angles = new_motion()
+        evaluate_frame(I, M, row, t, True, angles)
+        turn_frame(row, angles)
+        evaluate_frame(I, M, row, t, False, row.motion)
+
+
+@kernel
+def turn_frame(row, angles):
+    """Axes and turning of a frame by the motion of its angles."""
+    attitude(
+        angles.position,
+        angles.velocity,
+        angles.acceleration,
+        row.rotation,
+        row.spin,
+        row.spin_rate,
+    )
 
 
 @kernel
@@ -100,46 +116,44 @@ def move_frames_on(I, M):
 
 
 @kernel
-def move_in_waves(I, M, row, t):
-    """The same of one that the waves move."""
-    mean = row.mean
-    evaluate_frame(I, M, row, t, False, mean[0:9])
-    evaluate_frame(I, M, row, t, True, mean[9:18])
-    out = row.moved
-    for i in range(18):
-        out[i] = mean[i]
-    add_response(I, M, row, t, out)
-    attitude(
-        out[9:12],
-        out[12:15],
-        out[15:18],
-        row.rotation,
-        row.spin,
-        row.spin_rate,
-    )
-    for i in range(9):
-        row.motion[i] = out[i]
+def take_motion(motion, other):
+    """Make a Motion the same as another."""
+    for i in range(3):
+        motion.position[i] = other.position[i]
+        motion.velocity[i] = other.velocity[i]
+        motion.acceleration[i] = other.acceleration[i]
 
 
 @kernel
-def point_motion(M, constraint, frame, out, w):
-    """Position (block's coordinates), velocity and acceleration of a frame's point, 9 words.
+def move_in_waves(I, M, row, t):
+    """The same of one that the waves move."""
+    evaluate_frame(I, M, row, t, False, row.mean)
+    evaluate_frame(I, M, row, t, True, row.mean_angles)
+    take_motion(row.moved, row.mean)
+    take_motion(row.moved_angles, row.mean_angles)
+    add_response(I, M, row, t)
+    turn_frame(row, row.moved_angles)
+    take_motion(row.motion, row.moved)
 
-    constraint, frame: words of their rows. w: 9 words.
-    """
+
+@kernel
+def point_motion(M, constraint, frame, out):
+    """Motion of a frame's point, its place in the block's coordinates."""
     state = scalars(M)
-    arm = w[0:3]
+    motion = frame.motion
+    arm = vector()
+    turning = vector()  # what the frame's spin adds to the velocity
+    inward = vector()  # and to the acceleration
     to_earth_axes(frame.rotation, constraint.position, arm)
-    spin = frame.spin
-    cross(spin, arm, w[3:6])
-    cross(spin, w[3:6], w[6:9])
+    cross(frame.spin, arm, turning)
+    cross(frame.spin, turning, inward)
     for i in range(3):
-        out[i] = frame.motion[i] + arm[i] - state.origin[i]
-        out[3 + i] = frame.motion[3 + i] + w[3 + i]
-        out[6 + i] = frame.motion[6 + i] + w[6 + i]
-    cross(frame.spin_rate, arm, w[6:9])
+        out.position[i] = motion.position[i] + arm[i] - state.origin[i]
+        out.velocity[i] = motion.velocity[i] + turning[i]
+        out.acceleration[i] = motion.acceleration[i] + inward[i]
+    cross(frame.spin_rate, arm, turning)
     for i in range(3):
-        out[6 + i] += w[6 + i]
+        out.acceleration[i] += turning[i]
 
 
 @kernel
@@ -155,32 +169,33 @@ def turn_clamps(I, M):
 
 
 @kernel
-def turn_slope(M, row, frame, q, v, a, at, w):
+def turn_slope(row, frame, q, v, a, at):
     """Slope at a clamp that turns, and its rates: along the direction u, d = g u with a free g.
 
     q, v, a: from word `at` on the slope; of each what lies along u tells g, dg/dt and its rate.
-    w: 9 words.
     """
     u = row.direction
-    spin = frame.spin
-    cross(spin, u, w[0:3])  # du/dt
-    cross(spin, w[0:3], w[3:6])
-    cross(frame.spin_rate, u, w[6:9])
+    turn = vector()  # du/dt
+    turn_rate = vector()
+    faster = vector()
+    cross(frame.spin, u, turn)
+    cross(frame.spin, turn, turn_rate)
+    cross(frame.spin_rate, u, faster)
     g = 0.0
     rate = 0.0
     second = 0.0
     bent = 0.0
     for i in range(3):
-        w[3 + i] += w[6 + i]  # its second derivative
+        turn_rate[i] += faster[i]
         g += u[i] * q[at + i]
         rate += u[i] * v[at + i]
         second += u[i] * a[at + i]
-        bent += u[i] * w[3 + i]
+        bent += u[i] * turn_rate[i]
     second -= g * bent
     for i in range(3):
         q[at + i] = g * u[i]
-        v[at + i] = rate * u[i] + g * w[i]
-        a[at + i] = second * u[i] + 2.0 * rate * w[i] + g * w[3 + i]
+        v[at + i] = rate * u[i] + g * turn[i]
+        a[at + i] = second * u[i] + 2.0 * rate * turn[i] + g * turn_rate[i]
 
 
 @kernel
@@ -225,34 +240,37 @@ def next_frame_stop(I, M, stop, dt):
 
 
 @kernel
-def frames_jump(I, M, w):
+def frames_jump(I, M):
     """The most by which the acceleration of a frame's point is another one than the state's
-    [m/s2]. w: 18 words; `move_frames_on` has been called."""
+    [m/s2]; `move_frames_on` has been called."""
     head = header(I)
+    motion = new_motion()
     largest = 0.0
     for n in range(head.constraint_count):
         row = constraint_of(I, M, n)
         if row.kind != HELD_BY_FRAME:
             continue
         frame = frame_of(I, M, int(row.frame))
-        point_motion(M, row, frame, w[0:9], w[9:18])
+        point_motion(M, row, frame, motion)
         at = head.acceleration + 6 * int(row.node)
         changed = 0.0
         for i in range(3):
-            changed += (w[6 + i] - M[at + i]) ** 2
+            changed += (motion.acceleration[i] - M[at + i]) ** 2
         largest = max(largest, changed)
     return largest**0.5
 
 
 @kernel
-def drive_frame(I, M, row, t_end, given, target, w):
-    """Make a frame's live pieces what the caller asks for at the end of a step.
+def drive_frame(I, M, row, t_end, wanted):
+    """Make a frame's live pieces what the caller asks for at the end of a step, a FrameInput.
 
-    given: bits of what the caller gives (GIVEN_...); of place and attitude, what has none follows
-    its own pieces, back to which it comes within a step. target: position, angles, velocity and
-    rates of the angles at t_end (3 words each). Angles are reached by the shorter way. w: 18 words.
+    Of place and attitude, what is not given follows its own pieces, back to which it comes within
+    a step. Angles are reached by the shorter way.
     """
     state = scalars(M)
+    now = new_motion()
+    own = new_motion()
+    given = int(wanted.given)
     time = state.time
     dt = t_end - time
     for turning in range(2):
@@ -263,18 +281,20 @@ def drive_frame(I, M, row, t_end, given, target, w):
             else:
                 row.live = LIVE_NOT
             continue
-        evaluate_frame(I, M, row, time, turning == 1, w[0:9])
+        evaluate_frame(I, M, row, time, turning == 1, now)
         if kind == 0:
-            own_pieces(I, M, row, t_end, turning == 1, w[9:18])
+            own_pieces(I, M, row, t_end, turning == 1, own)
         piece = row.turn_piece if turning == 1 else row.piece
+        place = wanted.attitude if turning == 1 else wanted.position
+        velocity = wanted.attitude_rate if turning == 1 else wanted.velocity
         for i in range(3):
-            p0 = w[i]
-            v0 = w[3 + i]
-            v1 = target[6 + 3 * turning + i]
+            p0 = now.position[i]
+            v0 = now.velocity[i]
+            v1 = velocity[i]
             c2 = 0.0
             c3 = 0.0
             if kind >= 2:
-                p1 = target[3 * turning + i]
+                p1 = place[i]
                 if turning == 1:
                     p1 += 2.0 * math.pi * math.floor((p0 - p1) / (2.0 * math.pi) + 0.5)
                 mean = (p1 - p0) / dt
@@ -285,9 +305,9 @@ def drive_frame(I, M, row, t_end, given, target, w):
             elif kind == 1:
                 c2 = 0.5 * (v1 - v0) / dt
             else:
-                v1 = w[12 + i]
+                v1 = own.velocity[i]
                 c2 = 0.5 * (v1 - v0) / dt
-                row.shift[3 * turning + i] = p0 + 0.5 * (v0 + v1) * dt - w[9 + i]
+                row.shift[3 * turning + i] = p0 + 0.5 * (v0 + v1) * dt - own.position[i]
             piece.data[i] = p0
             piece.data[3 + i] = v0
             piece.data[6 + i] = c2

@@ -19,22 +19,24 @@ axis's area. A foil has lift and drag by its angle of attack, from a table.
 
 import math
 
-from .access import arm_of, foil_of, free_body_of, header, scalars
-from .compile import kernel, view
+from .access import arm_of, foil_of, free_body_of, header, new_motion, scalars, vector
+from .compile import kernel, own_numbers, view
 from .environment import current_at, surge_at
 from .feet import add_feet
 from .hulls import wet_hull
 from .layout import (
     FLOOR_TOUCHED,
     FOIL_ANGLES,
-    FOOT_SCRATCH,
     HULL_NONE,
 )
 from .rotation import convective_spin, cross, to_body_axes, to_earth_axes, turn_and_rates
-from .waves import P_ACCELERATION, P_VELOCITY, P_WET, wave_at, wet_at
+from .waves import water_at, wave_at, wet_at
 
 FAR = 0.5  # rotation vector from which on it counts from the present attitude [rad]
 STEP = 1e-6  # of the differences for a body's derivatives, in radians and in its size
+
+wrench = own_numbers(6)
+"""wrench(): zeros, a force and a moment or what is conjugate to a rotation vector."""
 
 
 @kernel
@@ -47,15 +49,37 @@ def set_body_motion(row, M, x, v, a, at):
     second = view(a, at + 3, 3)
     turn_and_rates(row.rotation, theta, out.turn, out.rates)
     to_earth_axes(out.rates, rate, out.spin)
-    w = out.reference
-    convective_spin(theta, rate, out.spin_rate, w)
-    to_earth_axes(out.rates, second, w)
+    convective_spin(theta, rate, out.spin_rate)
+    of_second = vector()
+    to_earth_axes(out.rates, second, of_second)
     for i in range(3):
-        out.spin_rate[i] += w[i]
+        out.spin_rate[i] += of_second[i]
+        out.reference.position[i] = x[at + i]
+        out.reference.velocity[i] = v[at + i]
+        out.reference.acceleration[i] = a[at + i]
+
+
+@kernel
+def point_of_body(m, place, out):
+    """Motion of a point of a body, from its reference point in its axes, at the BodyMotion m."""
+    reference = m.reference
+    earth = vector()
+    turning = vector()  # Omega x place
+    inward = vector()
+    to_earth_axes(m.turn, place, earth)
     for i in range(3):
-        out.reference[i] = x[at + i]
-        out.reference[3 + i] = v[at + i]
-        out.reference[6 + i] = a[at + i]
+        out.position[i] = reference.position[i] + earth[i]
+    cross(m.spin, place, turning)
+    to_earth_axes(m.turn, turning, earth)
+    for i in range(3):
+        out.velocity[i] = reference.velocity[i] + earth[i]
+    cross(m.spin, turning, inward)
+    cross(m.spin_rate, place, turning)
+    for i in range(3):
+        inward[i] += turning[i]
+    to_earth_axes(m.turn, inward, earth)
+    for i in range(3):
+        out.acceleration[i] = reference.acceleration[i] + earth[i]
 
 
 @kernel
@@ -65,31 +89,18 @@ def follow_bodies(I, M, q, v, a):
     for body in range(head.free_count):
         row = free_body_of(I, M, body)
         set_body_motion(row, M, q, v, a, 6 * int(row.node))
+    end = new_motion()
     for n in range(head.arm_count):
         arm = arm_of(I, M, n)
         if arm.body < 0.0:
             continue  # its line is cut off
         row = free_body_of(I, M, int(arm.body))
-        w = view(M, head.parts_work, 9)
-        m = row.motion
-        place = arm.place
-        turn = m.turn
-        spin = m.spin
         at = 6 * int(arm.node)
-        to_earth_axes(turn, place, w[0:3])
+        point_of_body(row.motion, arm.place, end)
         for i in range(3):
-            q[at + i] = m.reference[i] + w[i]
-        cross(spin, place, w[3:6])
-        to_earth_axes(turn, w[3:6], w[0:3])
-        for i in range(3):
-            v[at + i] = m.reference[3 + i] + w[i]
-        cross(spin, w[3:6], w[6:9])
-        cross(m.spin_rate, place, w[3:6])
-        for i in range(3):
-            w[6 + i] += w[3 + i]
-        to_earth_axes(turn, w[6:9], w[0:3])
-        for i in range(3):
-            a[at + i] = m.reference[6 + i] + w[i]
+            q[at + i] = end.position[i]
+            v[at + i] = end.velocity[i]
+            a[at + i] = end.acceleration[i]
 
 
 @kernel
@@ -105,8 +116,12 @@ def ramp(given, words, i, t):
 
 
 @kernel
-def add_inertia(matrix, v, spin, gain, spin_rate, share, out, w):
-    """Add share of dp/dt + Omega x p and dL/dt + Omega x L + v x p to out (6). w: 15 words."""
+def add_inertia(matrix, v, spin, gain, spin_rate, share, out):
+    """Add share of dp/dt + Omega x p and dL/dt + Omega x L + v x p to out (6)."""
+    momentum = vector()
+    angular = vector()
+    turned = vector()
+    carried = vector()
     for i in range(6):
         value = 0.0
         rate = 0.0
@@ -115,23 +130,28 @@ def add_inertia(matrix, v, spin, gain, spin_rate, share, out, w):
             second = matrix[6 * i + 3 + j]
             value += first * v[j] + second * spin[j]
             rate += first * gain[j] + second * spin_rate[j]
-        w[i] = value
+        if i < 3:
+            momentum[i] = value
+        else:
+            angular[i - 3] = value
         out[i] += share * rate
-    cross(spin, w[0:3], w[6:9])
-    cross(spin, w[3:6], w[9:12])
-    cross(v, w[0:3], w[12:15])
+    cross(spin, momentum, turned)
     for i in range(3):
-        out[i] += share * w[6 + i]
-        out[3 + i] += share * (w[9 + i] + w[12 + i])
+        out[i] += share * turned[i]
+    cross(spin, angular, turned)
+    cross(v, momentum, carried)
+    for i in range(3):
+        out[3 + i] += share * (turned[i] + carried[i])
 
 
 @kernel
-def add_force(force, place, sign, out, w):
-    """Add sign times a force at a place, and its moment, to out (6): body's axes. w: 3 words."""
-    cross(place, force, w)
+def add_force(force, place, sign, out):
+    """Add sign times a force at a place, and its moment, to out (6): body's axes."""
+    moment = vector()
+    cross(place, force, moment)
     for i in range(3):
         out[i] += sign * force[i]
-        out[3 + i] += sign * w[i]
+        out[3 + i] += sign * moment[i]
 
 
 @kernel
@@ -156,24 +176,26 @@ def foil_coefficients(M, table, angle):
 
 
 @kernel
-def add_foil(M, foil, table, t, flow, spin, out, w):
+def add_foil(M, foil, table, t, flow, spin, out):
     """Subtract a foil's lift and drag from out. flow: velocity of the water past the reference
-    point, body's axes. w: 15 words."""
+    point, body's axes."""
     place = foil.place
-    cross(place, spin, w[0:3])  # what the turning adds to the flow: -Omega x place
+    turning = vector()  # what it adds to the flow: -Omega x place
+    cross(place, spin, turning)
     angle = ramp(foil.deflection, 1, 0, t)
     c = math.cos(angle)
     s = math.sin(angle)
     chord = foil.chord
     span = foil.span
-    cross(chord, span, w[3:6])
+    above = vector()
+    cross(chord, span, above)
     against = 0.0
     up = 0.0
     for i in range(3):
-        u = flow[i] + w[i]
+        u = flow[i] + turning[i]
         # Leading edge up: chord and normal turn about the span.
-        against -= u * (c * chord[i] + s * w[3 + i])
-        up += u * (c * w[3 + i] - s * chord[i])
+        against -= u * (c * chord[i] + s * above[i])
+        up += u * (c * above[i] - s * chord[i])
     speed = math.sqrt(against * against + up * up)
     if speed == 0.0:
         return
@@ -182,10 +204,22 @@ def add_foil(M, foil, table, t, flow, spin, out, w):
     force = foil.area * speed
     forward = force * (lift * up - drag * against)
     normal = force * (lift * against + drag * up)
+    load = vector()
     for i in range(3):
-        w[6 + i] = forward * (c * chord[i] + s * w[3 + i])
-        w[6 + i] += normal * (c * w[3 + i] - s * chord[i])
-    add_force(w[6:9], place, -1.0, out, w[9:12])
+        load[i] = forward * (c * chord[i] + s * above[i])
+        load[i] += normal * (c * above[i] - s * chord[i])
+    add_force(load, place, -1.0, out)
+
+
+@kernel
+def gain_of(m, velocity, acceleration, v, gain):
+    """Velocity in the body's axes, and its rate there, from both in the earth's."""
+    turned = vector()
+    to_body_axes(m.turn, velocity, v)
+    to_body_axes(m.turn, acceleration, gain)
+    cross(m.spin, v, turned)
+    for i in range(3):
+        gain[i] -= turned[i]
 
 
 @kernel
@@ -196,127 +230,131 @@ def body_forces(I, M, body, t, out):
     state = scalars(M)
     row = free_body_of(I, M, body)
     m = row.motion
-    w = view(M, head.parts_work + 40, 60)
     turn = m.turn
     spin = m.spin
     spin_rate = m.spin_rate
-    v = w[0:3]
-    gain = w[3:6]
-    water = w[6:9]
-    pull = w[9:12]  # acceleration of the water
-    f = w[12:18]
-    s = w[18:33]
-    place = w[33:36]
-    for i in range(6):
-        f[i] = 0.0
-    for i in range(3):
-        pull[i] = 0.0
+    reference = m.reference
+    f = wrench()  # all of it, body's axes
+    place = vector()
+    flow = vector()  # velocity of the water
+    pull = vector()  # acceleration of the water
     to_earth_axes(turn, row.buoyancy_centre, place)
     for i in range(3):
-        place[i] += m.reference[i]
-    current_at(I, M, place[2], water)
+        place[i] += reference.position[i]
+    current_at(I, M, place[2], flow)
     if head.surge != 0:
         surge_at(I, M, place[2], pull)
     wet = 1.0
     hull = row.hull != HULL_NONE
-    buoyancy_centre = row.buoyancy_centre
+    buoyancy_centre = vector()
+    for i in range(3):
+        buoyancy_centre[i] = row.buoyancy_centre[i]
     if hull:
-        to_earth_axes(turn, row.hull_centre, s[0:3])
+        centre = vector()
+        to_earth_axes(turn, row.hull_centre, centre)
         for i in range(3):
-            s[i] += m.reference[i]
-        wet = wet_hull(I, M, body, s[0:3])
-        buoyancy_centre = view(M, head.parts_work + 100, 3)
+            centre[i] += reference.position[i]
+        wet = wet_hull(I, M, body, centre, buoyancy_centre)
     if head.wave_count != 0:
         slot = 3 * head.capacity + head.body_count + body
         reach = row.radius
-        depth = wave_at(I, M, place[0], place[1], place[2], reach, slot)
-        at = head.motion
+        water = water_at()
+        depth = wave_at(I, M, place[0], place[1], place[2], reach, slot, water)
         if not hull:
-            wet_at(I, M, depth, reach)
-            wet = M[at + P_WET]
+            wet_at(depth, reach, water)
+            wet = water.wet
         for i in range(3):
-            water[i] += M[at + P_VELOCITY + i]
-            pull[i] += M[at + P_ACCELERATION + i]
+            flow[i] += water.velocity[i]
+            pull[i] += water.acceleration[i]
     # Its own inertia.
-    to_body_axes(turn, m.reference[3:6], v)
-    to_body_axes(turn, m.reference[6:], gain)
-    cross(spin, v, s[0:3])
-    for i in range(3):
-        gain[i] -= s[i]
-    add_inertia(row.solid, v, spin, gain, spin_rate, 1.0, f, s)
+    v = vector()
+    gain = vector()
+    gain_of(m, reference.velocity, reference.acceleration, v, gain)
+    add_inertia(row.solid, v, spin, gain, spin_rate, 1.0, f)
     # That of the water, by what moves through it.
+    through = vector()
+    faster = vector()
     for i in range(3):
-        place[i] = m.reference[3 + i] - water[i]
-        water[i] = m.reference[6 + i] - pull[i]
-    to_body_axes(turn, place, v)
-    to_body_axes(turn, water, gain)
-    cross(spin, v, s[0:3])
-    for i in range(3):
-        gain[i] -= s[i]
-    add_inertia(row.added, v, spin, gain, spin_rate, wet, f, s)
+        through[i] = reference.velocity[i] - flow[i]
+        faster[i] = reference.acceleration[i] - pull[i]
+    gain_of(m, through, faster, v, gain)
+    add_inertia(row.added, v, spin, gain, spin_rate, wet, f)
     # Weight, buoyancy with the acceleration of the water (Froude and Krylov).
-    for i in range(3):
-        place[i] = 0.0
-    place[2] = -row.weight
-    to_body_axes(turn, place, water)
-    add_force(water, row.centre, -1.0, f, s)
+    force = vector()  # earth frame
+    own = vector()  # body's axes
+    force[2] = -row.weight
+    to_body_axes(turn, force, own)
+    add_force(own, row.centre, -1.0, f)
     lift = wet * row.buoyancy
     for i in range(3):
-        place[i] = lift * pull[i] / state.gravity if state.gravity > 0.0 else 0.0
-    place[2] += lift
-    to_body_axes(turn, place, water)
-    add_force(water, buoyancy_centre, -1.0, f, s)
+        force[i] = lift * pull[i] / state.gravity if state.gravity > 0.0 else 0.0
+    force[2] += lift
+    to_body_axes(turn, force, own)
+    add_force(own, buoyancy_centre, -1.0, f)
     # Drag.
-    centre = row.drag_centre
-    cross(spin, centre, s[0:3])
-    speed = 0.0
-    turning = 0.0
+    turning = vector()
+    past = vector()  # velocity of the water past the centre of drag, then past the reference point
+    cross(spin, row.drag_centre, turning)
+    square = 0.0
+    square_of_spin = 0.0
     for i in range(3):
-        s[3 + i] = -v[i] - s[i]
-        speed += s[3 + i] * s[3 + i]
-        turning += spin[i] * spin[i]
-    speed = wet * math.sqrt(speed)
-    turning = wet * math.sqrt(turning)
+        past[i] = -v[i] - turning[i]
+        square += past[i] * past[i]
+        square_of_spin += spin[i] * spin[i]
+    speed = wet * math.sqrt(square)
+    spins = wet * math.sqrt(square_of_spin)
     for i in range(3):
-        water[i] = row.drag[i] * speed * s[3 + i]
-        f[3 + i] += row.turn_drag[i] * turning * spin[i]
-    add_force(water, centre, -1.0, f, s)
+        own[i] = row.drag[i] * speed * past[i]
+        f[3 + i] += row.turn_drag[i] * spins * spin[i]
+    add_force(own, row.drag_centre, -1.0, f)
     for i in range(3):
-        place[i] = -v[i]
+        past[i] = -v[i]
     for n in range(int(row.foil_count)):
         foil = foil_of(I, M, int(row.first_foil) + n)
-        add_foil(M, foil, head.foil_table, t, place, spin, f, s)
+        add_foil(M, foil, head.foil_table, t, past, spin, f)
     if head.foot_count != 0 and head.floor_state == FLOOR_TOUCHED:
-        add_feet(I, M, body, f, view(M, head.parts_work + FOOT_SCRATCH, 18))
+        add_feet(I, M, body, f)
     # What the caller pushes with, at the body's own origin.
+    torque = vector()
     for i in range(3):
-        place[i] = ramp(row.force, 6, i, t)
-        s[6 + i] = ramp(row.force, 6, 3 + i, t)
-    to_body_axes(turn, place, water)
-    add_force(water, row.origin, -1.0, f, s)
-    to_body_axes(turn, s[6:9], water)
+        force[i] = ramp(row.force, 6, i, t)
+        torque[i] = ramp(row.force, 6, 3 + i, t)
+    to_body_axes(turn, force, own)
+    add_force(own, row.origin, -1.0, f)
+    to_body_axes(turn, torque, own)
     for i in range(3):
-        f[3 + i] -= water[i]
-    to_earth_axes(turn, f[0:3], out)
-    to_body_axes(m.rates, f[3:6], water)  # T^T
-    for i in range(3):
-        out[3 + i] = water[i]
+        f[3 + i] -= own[i]
+    to_earth_axes(turn, view(f, 0, 3), view(out, 0, 3))
+    to_body_axes(m.rates, view(f, 3, 3), view(out, 3, 3))  # T^T
 
 
 @kernel
-def arm_moment(M, arm, m, force, out, w):
-    """What a force at an arm is, conjugate to theta: T^T (place x R^T force). w: 6 words."""
-    to_body_axes(m.turn, force, w[0:3])
-    cross(arm.place, w[0:3], w[3:6])
-    to_body_axes(m.rates, w[3:6], out)
+def arm_moment(arm, m, force, out):
+    """What a force at an arm is, conjugate to theta: T^T (place x R^T force)."""
+    own = vector()
+    moment = vector()
+    to_body_axes(m.turn, force, own)
+    cross(arm.place, own, moment)
+    to_body_axes(m.rates, moment, out)
+
+
+@kernel
+def follow_turn(arm, m, j, out):
+    """How an arm's place follows component j of its body's rotation vector, (3,) [m]."""
+    turn = vector()
+    way = vector()
+    for i in range(3):
+        turn[i] = m.rates[3 * i + j]  # a column of T
+    cross(turn, arm.place, way)
+    to_earth_axes(m.turn, way, out)
 
 
 @kernel
 def free_residual(I, M, t, out):
     """Add the bodies' inertia and loads to the forces, and take over those at their arms."""
     head = header(I)
-    f = view(M, head.parts_work + 16, 6)
-    w = view(M, head.parts_work + 22, 12)
+    f = wrench()
+    moment = vector()
     for body in range(head.free_count):
         at = 6 * int(free_body_of(I, M, body).node)
         body_forces(I, M, body, t, f)
@@ -330,10 +368,10 @@ def free_residual(I, M, t, out):
         end = 6 * int(arm.node)
         at = 6 * int(row.node)
         force = view(out, end, 3)
-        arm_moment(M, arm, row.motion, force, w[0:3], w[3:9])
+        arm_moment(arm, row.motion, force, moment)
         for i in range(3):
             out[at + i] += force[i]
-            out[at + 3 + i] += w[i]
+            out[at + 3 + i] += moment[i]
             arm.force[i] = force[i]
             force[i] = 0.0
 
@@ -346,8 +384,9 @@ def free_jacobian(I, M, t, q, v, a, ca, cv):
     The state is as in the last residual; forces at arms are those of that.
     """
     head = header(I)
-    f = view(M, head.parts_work + 16, 6)
-    w = view(M, head.parts_work + 22, 12)
+    f = wrench()
+    moment = vector()
+    way = vector()
     for body in range(head.free_count):
         row = free_body_of(I, M, body)
         node = int(row.node)
@@ -369,10 +408,9 @@ def free_jacobian(I, M, t, q, v, a, ca, cv):
                     arm = arm_of(I, M, n)
                     if j >= 3 and int(arm.body) == body:
                         # Of a line that goes on pulling so at the arm.
-                        m = row.motion
-                        arm_moment(M, arm, m, arm.force, w[0:3], w[3:9])
+                        arm_moment(arm, row.motion, arm.force, moment)
                         for i in range(3):
-                            f[3 + i] += w[i]
+                            f[3 + i] += moment[i]
                 for i in range(6):
                     D[6 * i + j] += f[i] / (2.0 * e)
             q[at + j] = x0
@@ -384,15 +422,11 @@ def free_jacobian(I, M, t, q, v, a, ca, cv):
         if arm.body < 0.0:
             continue  # its line is cut off
         row = free_body_of(I, M, int(arm.body))
-        m = row.motion
         to = head.lower + 36 * int(arm.node) + 18  # beside Z
         for j in range(3):
+            follow_turn(arm, row.motion, j, way)
             for i in range(3):
-                w[i] = m.rates[3 * i + j]  # a column of T
-            cross(w[0:3], arm.place, w[3:6])
-            to_earth_axes(m.turn, w[3:6], w[0:3])
-            for i in range(3):
-                M[to + 3 * i + j] = w[i]
+                M[to + 3 * i + j] = way[i]
 
 
 @kernel

@@ -2,13 +2,11 @@
 
 import math
 
-from .access import free_body_of, header, scalars
-from .compile import kernel, view
-from .layout import (
-    HULL_SPHERE,
-)
+from .access import free_body_of, header, scalars, vector
+from .compile import kernel
+from .layout import HULL_SPHERE
 from .rotation import to_earth_axes
-from .waves import wave_at
+from .waves import water_at, wave_at
 
 COLUMNS = 6  # of equal area, that a cylinder is made of: their ring has its moments of inertia
 RING = math.sqrt(0.5)  # of its radius
@@ -21,13 +19,13 @@ def depth_below(I, M, x, y, z):
     state = scalars(M)
     if head.wave_count == 0:
         return -(z + state.origin[2])
-    return wave_at(I, M, x, y, z, 1e300, -1)
+    return wave_at(I, M, x, y, z, 1e300, -1, water_at())
 
 
 @kernel
-def wet_hull(I, M, body, centre):
-    """Share of a hull that is wet, and the place of the wet part's middle (3, body's axes, from the
-    reference point) into the words of `parts_work` from 100 on.
+def wet_hull(I, M, body, centre, middle):
+    """Share of a hull that is wet; the place of the wet part's middle (3, body's axes, from the
+    reference point) goes into `middle`.
 
     centre: of the hull, block's coordinates (3). A ball exactly; a cylinder by columns, under a
     surface that is plane over it.
@@ -36,7 +34,6 @@ def wet_hull(I, M, body, centre):
     row = free_body_of(I, M, body)
     radius = row.hull_radius
     own = row.hull_centre
-    middle = view(M, head.parts_work + 100, 3)
     for i in range(3):
         middle[i] = own[i]
     depth = depth_below(I, M, centre[0], centre[1], centre[2])
@@ -55,7 +52,8 @@ def wet_hull(I, M, body, centre):
     if head.wave_count != 0:
         slope_x = (depth_below(I, M, centre[0] + radius, centre[1], centre[2]) - depth) / radius
         slope_y = (depth_below(I, M, centre[0], centre[1] + radius, centre[2]) - depth) / radius
-    w = view(M, head.parts_work + 103, 6)
+    column = vector()  # its middle, then that of its wet part, body's axes
+    way = vector()
     # A column has a width: lying down, it is not wet at once.
     half = 0.5 * height * abs(rise) + tilt * radius / math.sqrt(COLUMNS)
     wet = 0.0
@@ -63,16 +61,16 @@ def wet_hull(I, M, body, centre):
         middle[i] = 0.0
     for n in range(COLUMNS):
         angle = 2.0 * math.pi * n / COLUMNS
-        w[0] = RING * radius * math.cos(angle)
-        w[1] = RING * radius * math.sin(angle)
-        w[2] = 0.0
-        to_earth_axes(turn, w[0:3], w[3:6])
-        below = depth + slope_x * w[3] + slope_y * w[4] - w[5]
+        column[0] = RING * radius * math.cos(angle)
+        column[1] = RING * radius * math.sin(angle)
+        column[2] = 0.0
+        to_earth_axes(turn, column, way)
+        below = depth + slope_x * way[0] + slope_y * way[1] - way[2]
         share = min(1.0, max(0.0, 0.5 * (below / half + 1.0)))
-        w[2] = 0.5 * height * (share - 1.0) * (1.0 if rise > 0.0 else -1.0)
+        column[2] = 0.5 * height * (share - 1.0) * (1.0 if rise > 0.0 else -1.0)
         wet += share
         for i in range(3):
-            middle[i] += share * w[i]
+            middle[i] += share * column[i]
     if wet == 0.0:
         for i in range(3):
             middle[i] = own[i]

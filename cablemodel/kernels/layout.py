@@ -87,7 +87,7 @@ class Header(Record):
     increment = integer("of Newton's method (nodes, 2, dimension)")
     profile = integer("current at each depth, now: velocities, then their rates")
     gauss = integer("workspace of an element: GAUSS_WORDS")
-    motion = integer("workspace of motions: MOTION_WORDS, then columns for the waves' components")
+    motion = integer("of the tow point (Motion), then columns for the waves' components")
     tension_rate = integer("rates of the tensions (nodes, 2) [N/s]")
     stage_tension = integer("tensions of the stages of a step")
     stretch = integer("rates of stretch that the tensions ask for (nodes, 2)")
@@ -101,7 +101,7 @@ class Header(Record):
     winches = integer("start of their table (Winch)")
     rates = integer("start of the rate tables (Rate)")
     cables = integer("start of the cable table (Cable)")
-    matter = integer("motion of the matter at winches: MATTER_WORDS for each, then what passes")
+    matter = integer("matter at winches (Matter), then what is out of a body that passes (Body)")
     end_force = integer("start of internal forces at the ends of each element: parent's, child's")
 
     rigid = integer("how many of the bodies have a length: 0 skips all that they need")
@@ -331,7 +331,16 @@ class Winch(Record):
 
 
 WINCH_WORDS = Winch.WORDS
-MATTER_WORDS = 24  # velocity, acceleration of (r, d) at its node; twelve words more
+
+
+class Matter(Record):
+    """The cable at a winch's node: what the nodes' rates would be if nodes moved with it."""
+
+    velocity = reals(6, "of place and slope, (2, dimension)", "m/s")
+    acceleration = reals(6, "of both, (2, dimension)", "m/s2")
+
+
+MATTER_WORDS = Matter.WORDS
 
 
 class Rate(Record):
@@ -407,6 +416,15 @@ class Body(Record):
 BODY_WORDS = Body.WORDS
 
 
+class Motion(Record):
+    """Of a point, or of roll, pitch and yaw [rad]. In the block's coordinates of a planar model two
+    of three count."""
+
+    position = reals(3, "where it is", "m")
+    velocity = reals(3, "its rate", "m/s")
+    acceleration = reals(3, "the rate of that", "m/s2")
+
+
 class Constraint(Record):
     """A node with a prescribed position or tangent; the vessel's is the first."""
 
@@ -462,7 +480,7 @@ PIECE_WORDS = Piece.WORDS
 class Frame(Record):
     """A rigid frame that moves as prescribed, a vessel or a driven end, at the last set_time."""
 
-    motion = reals(9, "position [m], velocity, acceleration of its origin, earth frame")
+    motion = part(Motion, "of its origin, earth frame")
     rotation = reals(9, "by rows: its axes in the earth's, columns")
     spin = reals(3, "angular velocity, earth frame", "rad/s")
     spin_rate = reals(3, "its rate", "rad/s2")
@@ -476,8 +494,10 @@ class Frame(Record):
     piece = part(Piece, "live piece of the origin")
     turn_piece = part(Piece, "live piece of the angles")
     raos = real("1: the waves move it on top of that, by its rows of the header's `raos`")
-    mean = reals(18, "place and angles without the waves' part, with two derivatives each")
-    moved = reals(18, "the same with it")
+    mean = part(Motion, "of its origin without the waves' part")
+    mean_angles = part(Motion, "of its angles without it")
+    moved = part(Motion, "of its origin with it")
+    moved_angles = part(Motion, "of its angles with it")
     _spare = spare(1)
 
 
@@ -498,7 +518,7 @@ class BodyMotion(Record):
     rates = reals(9, "T by rows, where Omega = T d(theta)/dt")
     spin = reals(3, "angular velocity, body's axes", "rad/s")
     spin_rate = reals(3, "its rate, body's axes", "rad/s2")
-    reference = reals(9, "place [m], velocity, acceleration of the reference point, earth frame")
+    reference = part(Motion, "of the reference point, earth frame")
 
 
 class FreeBody(Record):
@@ -614,14 +634,42 @@ W_PHASE = 3  # at the origin at t = 0
 W_SPEED = 4  # amplitude times frequency / (1 - e^-2kh) [m/s]
 W_MIRROR = 5  # e^-2kh: the bottom's image
 
-# Series in the cells of a sea, of products of two powers up to a degree. A cell has three, of
-# complex numbers, and says what it holds.
+# Series in the cells of a sea, of products of two powers up to a degree.
 CELL_DEGREE = 4
 CELL_TERMS = 15
 MIRROR_DEGREE = 3  # of the bottom's mirror, which long waves alone feel
 MIRROR_TERMS = 10
-CELL_WORDS = 8 * CELL_TERMS
 CELL_LAYERS = 4  # of water
+
+
+class Cell(Record):
+    """The last cell of a sea that a Gauss point or a body asked for (sea_cells.py).
+
+    Terms x^q t^p of a series, each a real and an imaginary part, are in the order of q + p, then of
+    q: a lower degree is what comes first.
+    """
+
+    rising = reals(2 * CELL_TERMS, "series of the waves", "m/s")
+    surface = reals(2 * CELL_TERMS, "series of the elevation", "m")
+    mirror = reals(2 * CELL_TERMS, "series of the bottom's mirror", "m/s")
+    held = real("which of them: HOLDS_NOTHING, HOLDS_WATER or HOLDS_ALL")
+    t = real("which cell it is: its number in time")
+    x = real("along the waves' way")
+    z = real("and upwards")
+    alive = real("components that have not died out there")
+    layer = real("first word of its layer of water")
+    stage = real("that has found what follows; of the first slot, which has no point: the last one")
+    way = real("where: along the waves' way", "m")
+    level = real("and upwards", "m")
+    elevation = real("of the surface there", "m")
+    velocity = reals(3, "of the water there", "m/s")
+    acceleration = reals(3, "of the water there", "m/s2")
+    within = real("of the first slot, 1: a stage is under way")
+    _spare = spare(2 * CELL_TERMS - 17)
+
+
+CELL_WORDS = Cell.WORDS  # a multiple of CELL_TERMS
+HOLDS_NOTHING, HOLDS_WATER, HOLDS_ALL = 0, 1, 2  # without the surface; with it
 
 
 class Layer(Record):
@@ -698,9 +746,37 @@ class Station(Record):
 
 
 STATION_WORDS = Station.WORDS
-ENERGY_WORDS = 9  # of outputs.energies
-FRAME_INPUTS = 13  # words of a frame's input: see entry.drive
-GIVEN_VELOCITY, GIVEN_POSITION, GIVEN_RATE, GIVEN_ATTITUDE = 1, 2, 4, 8  # bits of its first one
+
+
+class Energies(Record):
+    """Energies and powers of a state: see outputs.energies."""
+
+    kinetic = real("with added mass; in waves without", "J")
+    axial = real("of the axial strain", "J")
+    bending = real("of the curvature and of clamps", "J")
+    potential = real("of the submerged weight, zero at z = 0; in waves of the weight in air", "J")
+    vessel_power = real("of the supports on the cable", "W")
+    drag_power = real("lost to drag; in waves what the water takes by all its forces", "W")
+    floor = real("what the floor's springs hold", "J")
+    floor_power = real("lost to friction and damping on the floor", "W")
+    added_mass_power = real("that added mass takes beyond its share of the kinetic energy", "W")
+
+
+ENERGY_WORDS = Energies.WORDS
+
+
+class FrameInput(Record):
+    """What a caller gives of a frame for the end of a step."""
+
+    given = real("which of these, a sum of GIVEN_...; 0: its own motion")
+    position = reals(3, "of its origin", "m")
+    attitude = reals(3, "roll, pitch and yaw", "rad")
+    velocity = reals(3, "of its origin", "m/s")
+    attitude_rate = reals(3, "rates of roll, pitch and yaw", "rad/s")
+
+
+FRAME_INPUTS = FrameInput.WORDS
+GIVEN_VELOCITY, GIVEN_POSITION, GIVEN_RATE, GIVEN_ATTITUDE = 1, 2, 4, 8
 
 
 class PartMotion(Record):

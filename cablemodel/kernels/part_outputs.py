@@ -4,16 +4,19 @@ from .access import (
     constraint_of,
     cut_of,
     edge_of,
+    frame_input_at,
     frame_of,
     free_body_of,
     header,
+    new_motion,
     part_motion_at,
     scalars,
     station_at,
+    vector,
 )
 from .compile import kernel, view
 from .frames import drive_frame
-from .free_bodies import deflect_foils, push_bodies
+from .free_bodies import deflect_foils, point_of_body, push_bodies
 from .layout import (
     EXACTLY,
     FRAME_INPUTS,
@@ -22,8 +25,9 @@ from .layout import (
     STATION_WORDS,
     PartMotion,
 )
-from .outputs import end_forces, station_in_element
+from .outputs import end_forces
 from .rotation import angles_of, cross, to_earth_axes
+from .stations import station_in_element
 from .winch import drive_winch
 
 WRENCH = PartMotion.wrench.word
@@ -34,10 +38,7 @@ def drive_parts(I, M, t_end, motion, forces, angles, rates, orders):
     """Inputs of a step to t_end: see entry.drive."""
     head = header(I)
     for n in range(head.frame_count):
-        row = frame_of(I, M, n)
-        given = int(motion[FRAME_INPUTS * n])
-        target = motion[FRAME_INPUTS * n + 1 : FRAME_INPUTS * (n + 1)]
-        drive_frame(I, M, row, t_end, given, target, view(M, head.motion + 28, 18))
+        drive_frame(I, M, frame_of(I, M, n), t_end, frame_input_at(motion, FRAME_INPUTS * n))
     push_bodies(I, M, t_end, forces)
     deflect_foils(I, M, t_end, angles, head.foil_count)
     for n in range(head.winch_count):
@@ -64,39 +65,29 @@ def parts_motion(I, M, bodies, frames):
     head = header(I)
     state = scalars(M)
     end_forces(I, M)
+    motion = new_motion()
     for n in range(head.free_count):
         row = free_body_of(I, M, n)
         m = row.motion
-        origin = row.origin
-        w = view(M, head.motion + 28, 15)
         found = part_motion_at(bodies, PART_WORDS * n)
-        turn = m.turn
-        spin = m.spin
-        to_earth_axes(turn, origin, w[0:3])
-        cross(spin, origin, w[3:6])
-        to_earth_axes(turn, w[3:6], w[6:9])
-        cross(spin, w[3:6], w[9:12])
-        cross(m.spin_rate, origin, w[3:6])
+        point_of_body(m, row.origin, motion)
         for i in range(3):
-            found.position[i] = m.reference[i] + w[i] + state.origin[i]
-            found.velocity[i] = m.reference[3 + i] + w[6 + i]
-            w[3 + i] += w[9 + i]
-        to_earth_axes(turn, w[3:6], w[0:3])
-        for i in range(3):
-            found.acceleration[i] = m.reference[6 + i] + w[i]
+            found.position[i] = motion.position[i] + state.origin[i]
+            found.velocity[i] = motion.velocity[i]
+            found.acceleration[i] = motion.acceleration[i]
         for i in range(9):
-            found.axes[i] = turn[i]
-        to_earth_axes(turn, spin, found.angular_velocity)
-        to_earth_axes(turn, m.spin_rate, found.angular_acceleration)
-        angles_of(turn, found.attitude)
+            found.axes[i] = m.turn[i]
+        to_earth_axes(m.turn, m.spin, found.angular_velocity)
+        to_earth_axes(m.turn, m.spin_rate, found.angular_acceleration)
+        angles_of(found.axes, found.attitude)
         found.wrench[:] = 0.0
     for n in range(head.frame_count):
         frame = frame_of(I, M, n)
         found = part_motion_at(frames, PART_WORDS * n)
         for i in range(3):
-            found.position[i] = frame.motion[i]
-            found.velocity[i] = frame.motion[3 + i]
-            found.acceleration[i] = frame.motion[6 + i]
+            found.position[i] = frame.motion.position[i]
+            found.velocity[i] = frame.motion.velocity[i]
+            found.acceleration[i] = frame.motion.acceleration[i]
             found.angular_velocity[i] = frame.spin[i]
             found.angular_acceleration[i] = frame.spin_rate[i]
         for i in range(9):
@@ -112,23 +103,23 @@ def add_wrenches(I, M, place, out, words, first):
     word `first` of a frame's row of `words`. place: word of the positions whose residual it is."""
     head = header(I)
     state = scalars(M)
-    w = view(M, head.motion + 28, 9)
+    arm = vector()
+    of_force = vector()
+    of_clamp = vector()
     for n in range(head.constraint_count):
         row = constraint_of(I, M, n)
         if row.kind != HELD_BY_FRAME:
             continue
-        node = int(row.node)
-        origin = frame_of(I, M, int(row.frame)).motion
-        at = words * int(row.frame) + first
-        force = view(M, head.residual + 6 * node, 3)
+        at = 6 * int(row.node)
+        origin = frame_of(I, M, int(row.frame)).motion.position
+        to = words * int(row.frame) + first
+        force = view(M, head.residual + at, 3)
         for i in range(3):
-            w[i] = M[place + 6 * node + i] + state.origin[i] - origin[i]
-        cross(w[0:3], force, w[3:6])
-        for i in range(3):
-            w[6 + i] = 0.0
+            arm[i] = M[place + at + i] + state.origin[i] - origin[i]
+            of_clamp[i] = 0.0
+        cross(arm, force, of_force)
         if row.clamped == EXACTLY:
-            bend = view(M, head.residual + 6 * node + 3, 3)
-            cross(view(M, place + 6 * node + 3, 3), bend, w[6:9])
+            cross(view(M, place + at + 3, 3), view(M, head.residual + at + 3, 3), of_clamp)
         for i in range(3):
-            out[at + i] -= force[i]
-            out[at + 3 + i] -= w[3 + i] + w[6 + i]
+            out[to + i] -= force[i]
+            out[to + 3 + i] -= of_force[i] + of_clamp[i]

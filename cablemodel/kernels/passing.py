@@ -15,12 +15,33 @@ that is paid out at v_p (payout.py), with
 With these in place of the vessel's motion the body is computed like any other one (rigid.py).
 """
 
-from .access import body_at, body_of, cable_of, header, scalars, winch_of, word_of
-from .compile import kernel, view
+from .access import (
+    body_at,
+    body_of,
+    cable_of,
+    header,
+    matter_of,
+    scalars,
+    winch_of,
+    word_of,
+)
+from .compile import kernel, own_record, view
 from .layout import BODY_WORDS, MATTER_WORDS
+from .record import Record, reals
 
 BARE = 0.05  # of its length: what is out of a body before it takes the top element's place,
 LARGEST_BARE = 0.25  # or this where it is short against elements
+
+
+class Axis(Record):
+    """That of the body at the tow point: block's coordinates, in a plane the first two of three."""
+
+    direction = reals(3, "unit vector along it")
+    turn = reals(3, "rate of that", "1/s")
+    turn_rate = reals(3, "rate of that", "1/s2")
+
+
+new_axis = own_record(Axis)
 
 
 @kernel
@@ -186,67 +207,77 @@ def add_first_bit(I, M, out):
         return
     dimension = head.dimension
     for i in range(dimension):
-        out[i] += part.mass * M[head.matter + 6 + i]
+        out[i] += part.mass * matter_of(I, M, 0).acceleration[i]
     out[dimension - 1] += part.weight
 
 
 @kernel
-def axis_motion(I, M, q, v, a, length, rate, slope, w):
-    """Axis of the body at the tow point, its rate and second rate, into w[0:9].
+def axis_motion(I, M, q, v, a, length, rate, slope, axis):
+    """Motion of the axis of the body at the tow point.
 
     length: what is out of it [m], which grows with `rate` and `slope`.
     """
     head = header(I)
     dimension = head.dimension
     size = 2 * dimension
+    direction = axis.direction
+    turn = axis.turn
     square = 0.0
     for i in range(dimension):
-        w[i] = q[size + i] - q[i]
-        square += w[i] ** 2
+        direction[i] = q[size + i] - q[i]
+        square += direction[i] ** 2
     reach = square**0.5
     for i in range(dimension):
-        w[i] /= reach
-        w[3 + i] = (v[size + i] - v[i] - rate * w[i]) / length
-        w[6 + i] = (a[size + i] - a[i] - slope * w[i] - 2.0 * rate * w[3 + i]) / length
+        direction[i] /= reach
+        turn[i] = (v[size + i] - v[i] - rate * direction[i]) / length
+        second = a[size + i] - a[i] - slope * direction[i] - 2.0 * rate * turn[i]
+        axis.turn_rate[i] = second / length
 
 
 @kernel
 def material_end(I, M, q, v, a):
-    """Motion of the passing body's matter at the tow point into the words at `matter` (12)."""
+    """Motion of the passing body's matter at the tow point into the winch's Matter."""
     head = header(I)
     winch = winch_of(I, M, 0)
     dimension = head.dimension
-    out = head.matter
-    w = M[out + 12 : out + 21]
+    matter = matter_of(I, M, 0)
+    axis = new_axis()
     rate = winch.stage_rate
     slope = winch.stage_slope
-    axis_motion(I, M, q, v, a, body_at(M, part_row(I)).length, rate, slope, w)
+    axis_motion(I, M, q, v, a, body_at(M, part_row(I)).length, rate, slope, axis)
     for i in range(dimension):
-        M[out + i] = v[i] + rate * w[i]
-        M[out + dimension + i] = v[dimension + i]
-        M[out + 6 + i] = a[i] + slope * w[i] + 2.0 * rate * w[3 + i]
-        M[out + 6 + dimension + i] = a[dimension + i]
+        along = axis.direction[i]
+        matter.velocity[i] = v[i] + rate * along
+        matter.velocity[dimension + i] = v[dimension + i]
+        matter.acceleration[i] = a[i] + slope * along + 2.0 * rate * axis.turn[i]
+        matter.acceleration[dimension + i] = a[dimension + i]
 
 
 @kernel
-def exchange_rate(I, M, n, word, x):
-    """The same for a winch's node, of velocities (word 0) or accelerations (word 6)."""
-    head = header(I)
+def exchange(I, M, n, of_matter, x):
+    """Put the rates of the matter at a winch in place of those of its node in x, and back."""
     node = int(winch_of(I, M, n).node)
     if node < 0:
         return
-    size = 2 * head.dimension
-    matter = view(M, head.matter + MATTER_WORDS * n + word, size)
+    size = 2 * header(I).dimension
     own = view(x, size * node, size)
     for k in range(size):
         kept = own[k]
-        own[k] = matter[k]
-        matter[k] = kept
+        own[k] = of_matter[k]
+        of_matter[k] = kept
+
+
+@kernel
+def exchange_velocities(I, M, v):
+    """Put the matter's velocities in place of those of winches' nodes; a second call, back."""
+    for n in range(header(I).winch_count):
+        exchange(I, M, n, matter_of(I, M, n).velocity, v)
 
 
 @kernel
 def exchange_rates(I, M, v, a):
-    """Put the matter's motion in place of that of the nodes at winches; a second call, back."""
+    """The same of velocities and accelerations."""
     for n in range(header(I).winch_count):
-        exchange_rate(I, M, n, 0, v)
-        exchange_rate(I, M, n, 6, a)
+        matter = matter_of(I, M, n)
+        exchange(I, M, n, matter.velocity, v)
+        exchange(I, M, n, matter.acceleration, a)

@@ -22,23 +22,30 @@ from .access import (
     edge_of,
     free_body_of,
     header,
+    matter_of,
     scalars,
+    vector,
     winch_of,
     word_of,
 )
 from .backup import keep_sleepers
-from .compile import inlined, kernel, view
+from .compile import inlined, kernel, own_numbers, view
 from .contact import linear_along
 from .layout import (
     EDGE_WORDS,
     EXACTLY,
-    MATTER_WORDS,
     NO_CAPACITY,
     OK,
+    Matter,
 )
 from .passing import cable_paid, material_end, overhang, set_first_bit, set_part
 from .scales import least_stiffness
 from .winch import paid_since
+
+VELOCITY, ACCELERATION = Matter.velocity.word, Matter.acceleration.word
+
+place_and_slope = own_numbers(6)
+"""place_and_slope(): zeros, r and d of a node, or their rates, (2, dimension)."""
 
 
 @inlined
@@ -103,7 +110,7 @@ def pay_out(I, M, dt):
 
 @kernel
 def material_top(I, M, q, v, a):
-    """Velocity and acceleration of the matter at winches' nodes into the words at `matter`."""
+    """Velocity and acceleration of the matter at winches' nodes into Matter."""
     for n in range(header(I).winch_count):
         winch = winch_of(I, M, n)
         if winch.passing != 0.0:
@@ -119,7 +126,7 @@ def material_at(I, M, n, q, v, a):
     winch = winch_of(I, M, n)
     dimension = head.dimension
     size = 2 * dimension
-    out = head.matter + MATTER_WORDS * n
+    matter = matter_of(I, M, n)
     rate = winch.stage_rate
     slope = winch.stage_slope
     edge = top_edge(winch)
@@ -142,11 +149,12 @@ def material_at(I, M, n, q, v, a):
         # Time derivative of r''(0): h grows at the rate, which acts on the difference of r only.
         second_rate = (6.0 * (v1 - v0) * ih - 4.0 * w0 - 2.0 * w1) * ih
         second_rate -= rate * ih * (12.0 * (r1 - r0) * ih - 4.0 * d0 - 2.0 * d1) * ih
-        M[out + i] = v0 + rate * d0
-        M[out + dimension + i] = way * (w0 + rate * second)
-        M[out + 6 + i] = a[near + i] + 2.0 * rate * w0 + slope * d0 + rate * rate * second
+        matter.velocity[i] = v0 + rate * d0
+        matter.velocity[dimension + i] = way * (w0 + rate * second)
+        acceleration = a[near + i] + 2.0 * rate * w0 + slope * d0 + rate * rate * second
+        matter.acceleration[i] = acceleration
         turning = way * a[near + dimension + i]
-        M[out + 6 + dimension + i] = way * (
+        matter.acceleration[dimension + i] = way * (
             turning + 2.0 * rate * second_rate + slope * second + rate * rate * third
         )
 
@@ -167,13 +175,20 @@ def material_motion(I, M):
 
 
 @kernel
+def matter_words(I, M, n):
+    """Words of velocity and acceleration of the matter at a winch."""
+    first = word_of(M, matter_of(I, M, n))
+    return first + VELOCITY, first + ACCELERATION
+
+
+@kernel
 def velocity_word(I, M, node):
     """Word of the velocity of the cable at a node: at a winch of the matter, which
     `material_top` has written, its acceleration six words on."""
     head = header(I)
     for n in range(head.winch_count):
         if winch_of(I, M, n).node == node:
-            return head.matter + MATTER_WORDS * n
+            return word_of(M, matter_of(I, M, n))
     return head.velocity + 2 * head.dimension * node
 
 
@@ -187,15 +202,16 @@ def turn_with_matter(I, M, n, rate, second):
     """
     head = header(I)
     dimension = head.dimension
-    matter = head.matter + MATTER_WORDS * n + dimension
+    matter = matter_of(I, M, n)
     slope = 2 * dimension * int(winch_of(I, M, n).node) + dimension
     for array in range(2):
         # The accelerations need the velocities.
         material_motion(I, M)
         to = (head.velocity if array == 0 else head.acceleration) + slope
         wanted = rate if array == 0 else second
+        present = matter.velocity if array == 0 else matter.acceleration
         for i in range(dimension):
-            off = wanted[i] - M[matter + 6 * array + i]
+            off = wanted[i] - present[dimension + i]
             M[to + i] += off
 
 
@@ -306,7 +322,7 @@ def renumber(I, M, first, count):
 
 
 @kernel
-def hermite(M, p0, p1, dimension, h, x, out):
+def hermite(M, p0, p1, dimension, h, x, value, slope):
     """Value and derivative at x of the cubic with data (r, d) at words p0 and p1."""
     y = 1.0 - x
     for i in range(dimension):
@@ -314,27 +330,34 @@ def hermite(M, p0, p1, dimension, h, x, out):
         b = M[p0 + dimension + i]
         c = M[p1 + i]
         d = M[p1 + dimension + i]
-        out[i] = y * y * (1.0 + 2.0 * x) * a + h * x * y * y * b
-        out[i] += x * x * (3.0 - 2.0 * x) * c - h * x * x * y * d
-        out[dimension + i] = -6.0 * x * y / h * (a - c) + y * (1.0 - 3.0 * x) * b
-        out[dimension + i] += x * (3.0 * x - 2.0) * d
+        value[i] = y * y * (1.0 + 2.0 * x) * a + h * x * y * y * b
+        value[i] += x * x * (3.0 - 2.0 * x) * c - h * x * x * y * d
+        slope[i] = -6.0 * x * y / h * (a - c) + y * (1.0 - 3.0 * x) * b
+        slope[i] += x * (3.0 * x - 2.0) * d
+
+
+@kernel
+def at_fraction(M, p0, p1, dimension, h, x, out):
+    """The same, as the data (r, d) of a node there."""
+    hermite(M, p0, p1, dimension, h, x, view(out, 0, dimension), view(out, dimension, dimension))
 
 
 @inlined
-def split_rest(I, M, above, below, h, x, w, free):
-    """What is at rest at a place between two nodes into w[18:24]; the place itself is in w[0:3].
-    The bristle stays as it was there. free: 6 words."""
+def split_rest(I, M, above, below, h, x, place, rest):
+    """What is at rest at a place between two nodes, and its slope, into `rest`. The bristle stays
+    as it was there."""
     head = header(I)
     dimension = head.dimension
     size = 2 * dimension
     at = (head.position + size * above, head.position + size * below)
-    rest = (head.rest + size * above, head.rest + size * below)
-    hermite(M, rest[0], rest[1], dimension, h, x, w[18:24])
+    ends = (head.rest + size * above, head.rest + size * below)
+    at_fraction(M, ends[0], ends[1], dimension, h, x, rest)
+    bristle = vector()
     for i in range(dimension):
-        free[i] = w[i] - w[18 + i]
-    linear_along(M, M, at, rest, x, free[0:3], free[3:6], dimension)
+        bristle[i] = place[i] - rest[i]
+    linear_along(M, M, at, ends, x, bristle, vector(), dimension)
     for i in range(dimension):
-        w[18 + i] = w[i] - free[i]
+        rest[i] = place[i] - bristle[i]
 
 
 @kernel
@@ -349,7 +372,6 @@ def split_edge(I, M, edge, x, hinge):
         return NO_CAPACITY
     dimension = head.dimension
     size = 2 * dimension
-    w = head.motion + 28
     row = edge_of(I, M, edge)
     h = row.length
     p = I[head.parent + edge]
@@ -360,27 +382,26 @@ def split_edge(I, M, edge, x, hinge):
     top = winch_of_edge(I, M, edge)
     if top >= 0:
         material_motion(I, M)
-        matter = head.matter + MATTER_WORDS * top
         if winch_of(I, M, top).way > 0.0:
-            v0 = matter
-            a0 = matter + 6
+            v0, a0 = matter_words(I, M, top)
         else:
-            v1 = matter
-            a1 = matter + 6
-    hermite(
-        M, head.position + size * p, head.position + size * edge, dimension, h, x, M[w : w + size]
-    )
-    hermite(M, v0, v1, dimension, h, x, M[w + 6 : w + 6 + size])
-    hermite(M, a0, a1, dimension, h, x, M[w + 12 : w + 12 + size])
-    split_rest(I, M, p, edge, h, x, view(M, w, 24), view(M, head.motion + 52, 6))
+            v1, a1 = matter_words(I, M, top)
+    q = place_and_slope()
+    v = place_and_slope()
+    a = place_and_slope()
+    rest = place_and_slope()
+    at_fraction(M, head.position + size * p, head.position + size * edge, dimension, h, x, q)
+    at_fraction(M, v0, v1, dimension, h, x, v)
+    at_fraction(M, a0, a1, dimension, h, x, a)
+    split_rest(I, M, p, edge, h, x, q, rest)
     open_gap(I, M, edge, count)
     lower = edge + count
     for node in range(edge, lower):
         for k in range(size):
-            M[head.position + size * node + k] = M[w + k]
-            M[head.velocity + size * node + k] = M[w + 6 + k]
-            M[head.acceleration + size * node + k] = M[w + 12 + k]
-            M[head.rest + size * node + k] = M[w + 18 + k]
+            M[head.position + size * node + k] = q[k]
+            M[head.velocity + size * node + k] = v[k]
+            M[head.acceleration + size * node + k] = a[k]
+            M[head.rest + size * node + k] = rest[k]
         for k in range(EDGE_WORDS):
             M[head.edges + EDGE_WORDS * node + k] = M[head.edges + EDGE_WORDS * lower + k]
         for k in range(2):
@@ -443,13 +464,14 @@ def join_at(I, M, node, count):
     winch = winch_of_edge(I, M, upper)
     if winch < 0:
         winch = winch_of_edge(I, M, lower)
-    matter = head.matter + MATTER_WORDS * max(0, winch)
-    turn = view(M, matter + 12, 2 * dimension)
+    turn = vector()
+    turn_rate = vector()
     if winch >= 0:
         material_motion(I, M)
+        matter = matter_of(I, M, winch)
         for i in range(dimension):
-            turn[i] = M[matter + dimension + i]
-            turn[dimension + i] = M[matter + 6 + dimension + i]
+            turn[i] = matter.velocity[dimension + i]
+            turn_rate[i] = matter.acceleration[dimension + i]
     start = edge_of(I, M, upper).start
     for array in range(2):
         t = head.tension if array == 0 else head.tension_rate
@@ -465,9 +487,7 @@ def join_at(I, M, node, count):
     if winch >= 0:
         winch_of(I, M, winch).top_length = h
         if not slope_is_held(I, M, int(winch_of(I, M, winch).node)):
-            turn_with_matter(
-                I, M, winch, view(turn, 0, dimension), view(turn, dimension, dimension)
-            )
+            turn_with_matter(I, M, winch, turn, turn_rate)
     state.joined = max(state.joined, h)
 
 

@@ -9,7 +9,8 @@ the heading changes slowly against the waves.
 import math
 
 from .access import header, scalars
-from .compile import kernel
+from .airy import column
+from .compile import kernel, view
 from .layout import (
     RAO_HEADINGS,
     RAO_WORDS,
@@ -18,6 +19,8 @@ from .layout import (
     W_NUMBER,
     W_PHASE,
 )
+
+UP, YAW = 2, 2  # of a place, and of roll, pitch and yaw
 
 
 @kernel
@@ -36,38 +39,42 @@ def ramp_of_waves(M, t):
 
 
 @kernel
-def add_response(I, M, row, t, out):
-    """Add what the waves do to a frame's place and angles (18 words: each with two derivatives).
-
-    `Frame.mean` holds these without it. row: the frame's.
-    """
+def add_response(I, M, row, t):
+    """Add what the waves do to the motions `moved` and `moved_angles` of a frame's row."""
     head = header(I)
     state = scalars(M)
     mean = row.mean
+    turning = row.mean_angles
+    moved = row.moved
+    angles = row.moved_angles
     count = head.wave_count
     share, rise, bend = ramp_of_waves(M, t)
     if share == 0.0:
         return
-    yaw = mean[11]
+    yaw = turning.position[YAW]
     x = (math.atan2(state.wave_y, state.wave_x) - yaw) * RAO_HEADINGS / (2.0 * math.pi)
     low = math.floor(x)
     part = x - low
     first = head.raos + (int(row.raos) - 1) * RAO_HEADINGS * count * RAO_WORDS
     near = first + int(low) % RAO_HEADINGS * count * RAO_WORDS
     far = first + (int(low) + 1) % RAO_HEADINGS * count * RAO_WORDS
-    way = state.wave_x * mean[0] + state.wave_y * mean[1]
-    speed = state.wave_x * mean[3] + state.wave_y * mean[4]
-    gain = state.wave_x * mean[6] + state.wave_y * mean[7]
+    way = state.wave_x * mean.position[0] + state.wave_y * mean.position[1]
+    speed = state.wave_x * mean.velocity[0] + state.wave_y * mean.velocity[1]
+    gain = state.wave_x * mean.acceleration[0] + state.wave_y * mean.acceleration[1]
     c = math.cos(yaw)
     s = math.sin(yaw)
+    numbers = view(M, column(I, W_NUMBER), count)
+    frequencies = view(M, column(I, W_FREQUENCY), count)
+    amplitudes = view(M, column(I, W_AMPLITUDE), count)
+    phases = view(M, column(I, W_PHASE), count)
     surge, surge_rate, surge_gain = 0.0, 0.0, 0.0
     for freedom in range(6):
         u, du, ddu = 0.0, 0.0, 0.0
         for n in range(count):
-            number = M[head.waves + W_NUMBER * count + n]
-            frequency = M[head.waves + W_FREQUENCY * count + n]
-            a = M[head.waves + W_AMPLITUDE * count + n]
-            phase = number * way - frequency * t + M[head.waves + W_PHASE * count + n]
+            number = numbers[n]
+            frequency = frequencies[n]
+            a = amplitudes[n]
+            phase = number * way - frequency * t + phases[n]
             rate = number * speed - frequency
             at = n * RAO_WORDS + 2 * freedom
             even = (1.0 - part) * M[near + at] + part * M[far + at]
@@ -86,7 +93,7 @@ def add_response(I, M, row, t, out):
             surge, surge_rate, surge_gain = u, du, ddu
         elif freedom == 1:
             # Surge and sway turn with the vessel's heading.
-            turn, twist = mean[14], mean[17]
+            turn, twist = turning.velocity[YAW], turning.acceleration[YAW]
             for axis in range(2):
                 along = c if axis == 0 else s
                 across = -s if axis == 0 else c
@@ -94,15 +101,15 @@ def add_response(I, M, row, t, out):
                 v = along * surge_rate + across * du
                 side = (-s if axis == 0 else c) * surge + (-c if axis == 0 else -s) * u
                 drift = (-s if axis == 0 else c) * surge_rate + (-c if axis == 0 else -s) * du
-                out[axis] += r
-                out[3 + axis] += v + turn * side
-                out[6 + axis] += along * surge_gain + across * ddu + 2.0 * turn * drift
-                out[6 + axis] += twist * side - turn * turn * r
+                moved.position[axis] += r
+                moved.velocity[axis] += v + turn * side
+                moved.acceleration[axis] += along * surge_gain + across * ddu + 2.0 * turn * drift
+                moved.acceleration[axis] += twist * side - turn * turn * r
         elif freedom == 2:
-            out[2] += u
-            out[5] += du
-            out[8] += ddu
+            moved.position[UP] += u
+            moved.velocity[UP] += du
+            moved.acceleration[UP] += ddu
         else:
-            out[9 + freedom - 3] += u
-            out[12 + freedom - 3] += du
-            out[15 + freedom - 3] += ddu
+            angles.position[freedom - 3] += u
+            angles.velocity[freedom - 3] += du
+            angles.acceleration[freedom - 3] += ddu

@@ -20,9 +20,10 @@ where it does not (a hybrid under tension). A flexible cable is hinged: k = 0.
 
 import math
 
-from .access import body_at, body_of, edge_of, header, scalars, winch_of
+from .access import body_at, body_of, edge_of, header, scalars, vector, winch_of
 from .bodies import (
     add_waves,
+    body_in_water,
     flow_derivatives,
     flow_force,
     lift_of,
@@ -40,7 +41,6 @@ from .layout import (
 )
 from .passing import part_row
 from .slopes import slope_direction
-from .waves import P_WET
 
 CLAMP = 1e4  # stiffness of a clamp, in units of EI over the shorter of element and body
 SOFT_CLAMP = 1e3  # the same for a hybrid, whose tension decides from time to time
@@ -72,17 +72,15 @@ def attachments(I, M, row):
 
 
 @kernel
-def axis_of(dimension, q, inner, outer, w):
-    """Unit vector from word `inner` of q to `outer` into w[0:3]; returns their distance [m]."""
+def axis_of(dimension, q, inner, outer, axis):
+    """Unit vector from word `inner` of q to `outer` into `axis`; returns their distance [m]."""
     square = 0.0
-    for i in range(3):
-        w[i] = 0.0
     for i in range(dimension):
-        w[i] = q[outer + i] - q[inner + i]
-        square += w[i] * w[i]
+        axis[i] = q[outer + i] - q[inner + i]
+        square += axis[i] * axis[i]
     length = math.sqrt(square)
     for i in range(dimension):
-        w[i] /= length
+        axis[i] /= length
     return length
 
 
@@ -93,21 +91,18 @@ def middle_height(dimension, q, inner, outer):
 
 
 @kernel
-def middle_flow(I, M, q, v, a, inner, outer, w):
-    """Water relative to the body's middle into w[3:6], the middle's acceleration into w[6:9]."""
+def middle_flow(I, M, q, v, a, inner, outer, body):
+    """Flow and acceleration of the body's middle."""
     head = header(I)
     dimension = head.dimension
-    current_at(I, M, middle_height(dimension, q, inner, outer), w[3:6])
+    current_at(I, M, middle_height(dimension, q, inner, outer), body.flow)
     for i in range(dimension):
-        w[3 + i] -= 0.5 * (v[inner + i] + v[outer + i])
-        w[6 + i] = 0.5 * (a[inner + i] + a[outer + i])
-    if dimension == 2:
-        w[5] = 0.0
-        w[8] = 0.0
+        body.flow[i] -= 0.5 * (v[inner + i] + v[outer + i])
+        body.acceleration[i] = 0.5 * (a[inner + i] + a[outer + i])
 
 
 @kernel
-def middle_waves(I, M, row, q, inner, outer, w):
+def middle_waves(I, M, row, q, inner, outer, body):
     """Add the waves at the body's middle to what `middle_flow` wrote."""
     head = header(I)
     up = head.dimension - 1
@@ -119,7 +114,7 @@ def middle_waves(I, M, row, q, inner, outer, w):
         0.5 * (q[inner + 1] + q[outer + 1]),
         middle_height(up + 1, q, inner, outer),
         q[outer + up] - q[inner + up],
-        w,
+        body,
     )
 
 
@@ -182,7 +177,8 @@ def update_clamps(I, M, share):
     """
     head = header(I)
     dimension = head.dimension
-    w = M[head.motion + 16 : head.motion + 22]
+    axis = vector()
+    along = vector()
     tension = head.tension
     for body in range(head.body_count):
         if rigid_row(I, M, body) < 0:
@@ -205,9 +201,9 @@ def update_clamps(I, M, share):
                 inner = 2 * dimension * I[head.parent + node]
                 outer = 2 * dimension * node
                 q = M[head.position : head.position + 2 * dimension * head.nodes]
-                axis_of(dimension, q, inner, outer, w)
+                axis_of(dimension, q, inner, outer, axis)
                 at = dimension + (inner if side == 0 else outer)
-                _length, cosine = slope_direction(dimension, q, at, w)
+                _length, cosine = slope_direction(dimension, q, at, axis, along)
                 bend = 1.0 - cosine
                 target = stiffen_gently(
                     M, row.clamp[side], target, row.clamp_tension[side], before, bend, share
@@ -216,15 +212,16 @@ def update_clamps(I, M, share):
 
 
 @kernel
-def clamp_forces(dimension, k, q, at, inner, outer, reach, w, out):
+def clamp_forces(dimension, k, q, at, inner, outer, reach, axis, out):
     """Add the forces of a clamp of stiffness k [N m] between the slope at word `at` and the axis.
 
     reach: distance of the attachments [m].
     """
-    length, cosine = slope_direction(dimension, q, at, w)
+    along = vector()
+    length, cosine = slope_direction(dimension, q, at, axis, along)
     for i in range(dimension):
-        out[at + i] -= k / length * (w[i] - cosine * w[3 + i])
-        pull = k / reach * (w[3 + i] - cosine * w[i])
+        out[at + i] -= k / length * (axis[i] - cosine * along[i])
+        pull = k / reach * (along[i] - cosine * axis[i])
         out[outer + i] -= pull
         out[inner + i] += pull
 
@@ -274,15 +271,17 @@ def rigid_residual(I, M, q, v, a, tension, out, out_constraint):
     """Add the bodies' forces to those of their nodes, and set their constraint residuals."""
     head = header(I)
     dimension = head.dimension
-    w = M[head.motion + 16 : head.motion + 46]
-    for body in range(head.body_count):
-        row = rigid_row(I, M, body)
+    body = body_in_water()
+    axis = body.axis
+    force = body.force
+    for n in range(head.body_count):
+        row = rigid_row(I, M, n)
         of_body = body_at(M, row)
         if row < 0:
             continue
         node, outer, inner = attachments(I, M, of_body)
         length = of_body.length
-        reach = axis_of(dimension, q, inner, outer, w)
+        reach = axis_of(dimension, q, inner, outer, axis)
         bar = tension[2 * node]
         out_constraint[2 * node] = reach - length - of_body.compliance * bar
         out_constraint[2 * node + 1] = 0.0
@@ -290,28 +289,28 @@ def rigid_residual(I, M, q, v, a, tension, out, out_constraint):
             k = of_body.clamp[side]
             if k != 0.0 and (side == 1 or inner > 0):
                 at = dimension + (inner if side == 0 else outer)
-                clamp_forces(dimension, k, q, at, inner, outer, reach, w, out)
+                clamp_forces(dimension, k, q, at, inner, outer, reach, axis, out)
         near = 0.5 * (1.0 - of_body.offset)
         far = 0.5 * (1.0 + of_body.offset)
         turning = of_body.inertia / (length * length)
-        middle_flow(I, M, q, v, a, inner, outer, w)
+        middle_flow(I, M, q, v, a, inner, outer, body)
         wet = 1.0
         if head.wave_count != 0:
-            middle_waves(I, M, of_body, q, inner, outer, w)
-            wet_force(I, M, of_body, w)
-            wet = M[head.motion + P_WET]
+            middle_waves(I, M, of_body, q, inner, outer, body)
+            wet_force(I, M, of_body, body)
+            wet = body.water.wet
         elif head.surge != 0:
-            surge_force(I, M, of_body, middle_height(dimension, q, inner, outer), w)
+            surge_force(I, M, of_body, middle_height(dimension, q, inner, outer), body)
         else:
-            flow_force(M, of_body, dimension, of_body.added_mass, w)
-        w[12 + dimension - 1] -= wet * (of_body.dry_weight - of_body.weight)  # buoyancy
+            flow_force(of_body, dimension, of_body.added_mass, body)
+        force[dimension - 1] -= wet * (of_body.dry_weight - of_body.weight)  # buoyancy
         for i in range(dimension):
             centre = of_body.mass * (near * a[inner + i] + far * a[outer + i])
             if i == dimension - 1:
                 centre += of_body.dry_weight
-            pair = bar * w[i] + turning * (a[outer + i] - a[inner + i])
-            out[inner + i] += near * centre + 0.5 * w[12 + i] - pair
-            out[outer + i] += far * centre + 0.5 * w[12 + i] + pair
+            pair = bar * axis[i] + turning * (a[outer + i] - a[inner + i])
+            out[inner + i] += near * centre + 0.5 * force[i] - pair
+            out[outer + i] += far * centre + 0.5 * force[i] + pair
         if inner == 0:
             tie_forces(M, of_body, dimension, of_body.clamp[0], q, a, 0, inner, outer, out)
         if of_body.tie != 0.0:
@@ -328,20 +327,21 @@ def add_pair(D_inner, D_outer, U, L, size, i, j, value):
 
 
 @kernel
-def add_clamp(dimension, k, q, at, inner_side, reach, w, D_inner, D_outer, U, L):
+def add_clamp(dimension, k, q, at, inner_side, reach, axis, D_inner, D_outer, U, L):
     """Second derivatives of k (1 - cos(angle)) for the slope d at word `at` of q and the axis."""
     size = 2 * dimension
-    length, cosine = slope_direction(dimension, q, at, w)
+    along = vector()
+    length, cosine = slope_direction(dimension, q, at, axis, along)
     d_d = k / (length * length)
     d_g = k / (length * reach)
     g_g = k / (reach * reach)
     for i in range(dimension):
         for j in range(dimension):
             unit = 1.0 if i == j else 0.0
-            ti = w[3 + i]
-            tj = w[3 + j]
-            bi = w[i]
-            bj = w[j]
+            ti = along[i]
+            tj = along[j]
+            bi = axis[i]
+            bj = axis[j]
             cross = ti * bj + bi * tj
             dd = d_d * (cross + cosine * (unit - 3.0 * ti * tj))
             gg = g_g * (cross + cosine * (unit - 3.0 * bi * bj))
@@ -376,9 +376,10 @@ def rigid_jacobian(I, M, q, v, a, tension, ca, cv):
     dimension = head.dimension
     size = 2 * dimension
     area = size * size
-    w = M[head.motion + 16 : head.motion + 46]
-    for body in range(head.body_count):
-        row = rigid_row(I, M, body)
+    body = body_in_water()
+    axis = body.axis
+    for n in range(head.body_count):
+        row = rigid_row(I, M, n)
         of_body = body_at(M, row)
         if row < 0:
             continue
@@ -391,13 +392,15 @@ def rigid_jacobian(I, M, q, v, a, tension, ca, cv):
         U[:] = 0.0
         L[:] = 0.0
         length = of_body.length
-        reach = axis_of(dimension, q, inner, outer, w)
+        reach = axis_of(dimension, q, inner, outer, axis)
         k = of_body.clamp[0]
         if k != 0.0 and inner > 0:
-            add_clamp(dimension, k, q, inner + dimension, True, reach, w, D_inner, D_outer, U, L)
+            add_clamp(dimension, k, q, inner + dimension, True, reach, axis, D_inner, D_outer, U, L)
         k = of_body.clamp[1]
         if k != 0.0:
-            add_clamp(dimension, k, q, outer + dimension, False, reach, w, D_inner, D_outer, U, L)
+            add_clamp(
+                dimension, k, q, outer + dimension, False, reach, axis, D_inner, D_outer, U, L
+            )
         stiffness = 1.0 / of_body.compliance
         M[head.compliance + 3 * node] = stiffness
         M[head.compliance + 3 * node + 1] = 0.0
@@ -408,30 +411,30 @@ def rigid_jacobian(I, M, q, v, a, tension, ca, cv):
         far = 0.5 * (1.0 + of_body.offset)
         mass = ca * of_body.mass
         turning = ca * of_body.inertia / (length * length)
-        middle_flow(I, M, q, v, a, inner, outer, w)
+        middle_flow(I, M, q, v, a, inner, outer, body)
         if head.wave_count != 0:
-            middle_waves(I, M, of_body, q, inner, outer, w)
-            wet_derivatives(I, M, of_body, 1.0 / reach, ca, cv, w)
+            middle_waves(I, M, of_body, q, inner, outer, body)
+            wet_derivatives(I, M, of_body, 1.0 / reach, ca, cv, body)
         else:
-            flow_derivatives(M, of_body, dimension, of_body.added_mass, 1.0 / reach, ca, cv, w)
+            flow_derivatives(of_body, dimension, of_body.added_mass, 1.0 / reach, ca, cv, body)
         if inner == 0:
             k = of_body.clamp[0]
             add_tie(M, of_body, dimension, k, ca, True, D_inner, D_outer, U, L)
         if of_body.tie != 0.0:
             add_tie(M, of_body, dimension, of_body.tie, ca, False, D_inner, D_outer, U, L)
         for i in range(dimension):
-            B[i] = w[i]
+            B[i] = axis[i]
             for j in range(dimension):
-                value = (stiffness - geometric) * w[i] * w[j]
+                value = (stiffness - geometric) * axis[i] * axis[j]
                 if i == j:
                     value += geometric + turning
                 add_pair(D_inner, D_outer, U, L, size, i, j, value)
-                flow = 0.25 * w[12 + dimension * i + j]
-                axis = 0.5 * w[21 + dimension * i + j]
-                D_inner[size * i + j] += flow - axis
-                U[size * i + j] += flow + axis
-                L[size * i + j] += flow - axis
-                D_outer[size * i + j] += flow + axis
+                flow = 0.25 * body.by_motion[dimension * i + j]
+                turn = 0.5 * body.by_axis[dimension * i + j]
+                D_inner[size * i + j] += flow - turn
+                U[size * i + j] += flow + turn
+                L[size * i + j] += flow - turn
+                D_outer[size * i + j] += flow + turn
             D_inner[size * i + i] += mass * near * near
             U[size * i + i] += mass * near * far
             L[size * i + i] += mass * near * far
@@ -477,87 +480,87 @@ def stretch_rate_rigid(I, M, x, out):
 
 @kernel
 def rigid_energy(I, M, row, q, v, a, tension, out):
-    """Add a body's energies and its loss to drag to those of outputs.energies."""
+    """Add a body's energies and what the water takes from it to Energies."""
     head = header(I)
     state = scalars(M)
     dimension = head.dimension
-    w = M[head.motion + 16 : head.motion + 46]
+    body = body_in_water()
+    axis = body.axis
+    along = vector()
     node, outer, inner = attachments(I, M, row)
-    reach = axis_of(dimension, q, inner, outer, w)
+    reach = axis_of(dimension, q, inner, outer, axis)
     bar = tension[2 * node]
-    out[1] += 0.5 * row.compliance * bar * bar
+    out.axial += 0.5 * row.compliance * bar * bar
     k = row.clamp[0]
     if k != 0.0 and inner > 0:
-        _length, cosine = slope_direction(dimension, q, inner + dimension, w)
-        out[2] += k * (1.0 - cosine)
+        _length, cosine = slope_direction(dimension, q, inner + dimension, axis, along)
+        out.bending += k * (1.0 - cosine)
     k = row.clamp[1]
     if k != 0.0:
-        _length, cosine = slope_direction(dimension, q, outer + dimension, w)
-        out[2] += k * (1.0 - cosine)
+        _length, cosine = slope_direction(dimension, q, outer + dimension, axis, along)
+        out.bending += k * (1.0 - cosine)
     near = 0.5 * (1.0 - row.offset)
     far = 0.5 * (1.0 + row.offset)
     up = dimension - 1
     low = q[inner + up] + state.origin[2]
     high = q[outer + up] + state.origin[2]
     weight = row.dry_weight
-    out[3] += weight * (near * low + far * high)
+    out.potential += weight * (near * low + far * high)
     if head.wave_count == 0:
-        out[3] -= 0.5 * (weight - row.weight) * (low + high)
+        out.potential -= 0.5 * (weight - row.weight) * (low + high)
     speed = 0.0
     turn = 0.0
     for i in range(dimension):
         speed += (near * v[inner + i] + far * v[outer + i]) ** 2
         turn += ((v[outer + i] - v[inner + i]) / reach) ** 2
-    out[0] += 0.5 * (row.mass * speed + row.inertia * turn)
-    middle_flow(I, M, q, v, a, inner, outer, w)
+    out.kinetic += 0.5 * (row.mass * speed + row.inertia * turn)
+    middle_flow(I, M, q, v, a, inner, outer, body)
     for i in range(dimension):
-        w[12 + i] = 0.5 * (v[inner + i] + v[outer + i])
+        body.velocity[i] = 0.5 * (v[inner + i] + v[outer + i])
     if head.wave_count != 0:
-        middle_waves(I, M, row, q, inner, outer, w)
-        wave_power(I, M, row, w, out)
+        middle_waves(I, M, row, q, inner, outer, body)
+        wave_power(I, M, row, body, out)
         return
     for i in range(dimension):
-        w[15 + i] = (v[outer + i] - v[inner + i]) / reach
-    flow_energy(M, row, dimension, w, out)
+        body.turn[i] = (v[outer + i] - v[inner + i]) / reach
+    flow_energy(row, dimension, body, out)
     if head.surge != 0:
-        out[5] -= surge_power(I, M, row, middle_height(dimension, q, inner, outer), w)
+        height = middle_height(dimension, q, inner, outer)
+        out.drag_power -= surge_power(I, M, row, height, body)
 
 
 @kernel
-def wave_power(I, M, row, w, out):
-    """What the water of a scene with waves takes from a body that moves at w[12:15] [W]."""
+def wave_power(I, M, row, body, out):
+    """Add what the water of a scene with waves takes from a body, by its velocity."""
     head = header(I)
     up = head.dimension - 1
+    wet_force(I, M, row, body)
     for i in range(up + 1):
-        w[21 + i] = w[12 + i]
-    wet_force(I, M, row, w)
-    for i in range(up + 1):
-        out[5] += w[12 + i] * w[21 + i]
-    out[5] -= M[head.motion + P_WET] * lift_of(M, row) * w[21 + up]
+        out.drag_power += body.force[i] * body.velocity[i]
+    out.drag_power -= body.water.wet * lift_of(M, row) * body.velocity[up]
 
 
 @kernel
-def flow_energy(M, row, dimension, w, out):
-    """Energy of the added mass and losses to the water of a body that moves at w[12:15].
-
-    w[0:6]: axis and relative water velocity; w[15:18]: what a vector of length one that is fixed
-    to the axis changes by [1/s], with or without its part along the axis.
-    """
-    ut, _along, sn, st = speeds(M, row, dimension, w)
+def flow_energy(row, dimension, body, out):
+    """Add energy of the added mass and losses to the water, by a body's axis, flow, velocity and
+    turn, with or without the part of this along the axis."""
+    ut, _along, sn, st = speeds(row, dimension, body)
+    axis = body.axis
+    velocity = body.velocity
     along = 0.0
     square = 0.0
     turning = 0.0
     stretching = 0.0
     for i in range(dimension):
-        along += w[12 + i] * w[i]
-        square += w[12 + i] ** 2
-        turning += w[12 + i] * w[15 + i]
-        stretching += w[i] * w[15 + i]
+        along += velocity[i] * axis[i]
+        square += velocity[i] ** 2
+        turning += velocity[i] * body.turn[i]
+        stretching += axis[i] * body.turn[i]
     turning -= along * stretching
-    out[8] += (row.added_mass - row.added_mass_axial) * along * turning
-    out[0] += 0.5 * row.added_mass * (square - along * along)
-    out[0] += 0.5 * row.added_mass_axial * along * along
+    out.added_mass_power += (row.added_mass - row.added_mass_axial) * along * turning
+    out.kinetic += 0.5 * row.added_mass * (square - along * along)
+    out.kinetic += 0.5 * row.added_mass_axial * along * along
     fn = row.drag * sn
     ft = row.drag_axial * st * ut
     for i in range(dimension):
-        out[5] -= (fn * w[9 + i] + ft * w[i]) * w[12 + i]
+        out.drag_power -= (fn * body.across[i] + ft * axis[i]) * velocity[i]

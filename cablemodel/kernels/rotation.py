@@ -12,6 +12,7 @@ rounding up to p = 3, smooth at zero.
 
 import math
 
+from .access import vector
 from .compile import kernel
 
 TERMS = 14  # of the series: up to p = 3 the next one is below 1e-18
@@ -110,19 +111,21 @@ def turn_and_rates(R0, x, turn, rates):
 
 
 @kernel
-def convective_spin(x, v, out, w):
-    """(dT/dt) v, what the angular acceleration has beside T dv/dt, v = dx/dt. w: 6 words."""
+def convective_spin(x, v, out):
+    """(dT/dt) v, what the angular acceleration has beside T dv/dt, v = dx/dt."""
     square = x[0] * x[0] + x[1] * x[1] + x[2] * x[2]
     _s, _c, d = series(square)
     dc, dd = slopes_of_series(square)
     along = 2.0 * (x[0] * v[0] + x[1] * v[1] + x[2] * v[2])
-    cross(x, v, w[0:3])
-    cross(x, w[0:3], w[3:6])
+    once = vector()
+    twice = vector()
+    cross(x, v, once)
+    cross(x, once, twice)
     for i in range(3):
-        out[i] = -dc * along * w[i] + dd * along * w[3 + i]
-    cross(v, w[0:3], w[3:6])
+        out[i] = -dc * along * once[i] + dd * along * twice[i]
+    cross(v, once, twice)
     for i in range(3):
-        out[i] += d * w[3 + i]
+        out[i] += d * twice[i]
 
 
 @kernel

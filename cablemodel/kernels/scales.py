@@ -5,7 +5,7 @@ Of a scene as it is built, and of an FMU whose lengths and coefficients are set 
 
 import math
 
-from .access import header, motion_piece_of, scalars
+from .access import motion_piece_of, new_motion, scalars
 from .compile import kernel
 from .environment import evaluate_piece, find_piece
 from .layout import (
@@ -53,7 +53,6 @@ def first_step(I, M, period, calm):
     As a rule one in which whatever is let go hardly moves. What is calm, hanging at rest in water
     with a free end, is moved by the vessel only and need not begin so: three steps are saved.
     """
-    head = header(I)
     state = scalars(M)
     scale = math.sqrt(max(state.tolerance, 1e-12)) * period
     shortest = LET_GO * scale
@@ -61,16 +60,17 @@ def first_step(I, M, period, calm):
         return shortest
     step = CALM_FIRST[0] * scale
     way = CALM_FIRST[1] * state.tolerance * state.length
-    begin = M[head.motion + 16 : head.motion + 25]
-    there = M[head.motion + 25 : head.motion + 34]
+    begin = new_motion()
+    there = new_motion()
     evaluate_piece(M, motion_piece_of(I, M, find_piece(I, M, 0.0)), 0.0, begin)
     while step > shortest:
         evaluate_piece(M, motion_piece_of(I, M, find_piece(I, M, step)), step, there)
         moved = 0.0
         faster = 0.0
         for i in range(3):
-            moved += (there[i] - begin[i] - step * begin[3 + i]) ** 2
-            faster += (there[3 + i] - begin[3 + i]) ** 2
+            gone = there.position[i] - begin.position[i]
+            moved += (gone - step * begin.velocity[i]) ** 2
+            faster += (there.velocity[i] - begin.velocity[i]) ** 2
         if max(math.sqrt(moved), 0.5 * step * math.sqrt(faster)) <= way:
             break
         step *= 0.5

@@ -17,14 +17,15 @@ memory holds the last cell that was asked for by one Gauss point or body. How la
 cablemodel/waves.py.
 """
 
-from .access import header, scalars, sea_layer_at, word_of
-from .airy import ROUND, columns, follow_components, living, sine_and_cosine
+from .access import cell_of, header, scalars, sea_layer_at, word_of
+from .airy import ROUND, column, columns, follow_components, living, sine_and_cosine
 from .compile import inlined, kernel, outlined, view
 from .layout import (
     CELL_DEGREE,
     CELL_LAYERS,
     CELL_TERMS,
-    CELL_WORDS,
+    HOLDS_ALL,
+    HOLDS_WATER,
     MIRROR_DEGREE,
     MIRROR_TERMS,
     MOTION_WORDS,
@@ -32,17 +33,6 @@ from .layout import (
 )
 
 OVER = tuple(1.0 / max(n, 1) for n in range(10))
-
-# A slot: the series of waves, surface and mirror, and its cell. Terms x^q t^p, each a real and an
-# imaginary part, are in the order of q + p, then of q: a lower degree is what comes first.
-RISING, SURFACE, MIRROR = 0, 2 * CELL_TERMS, 4 * CELL_TERMS
-HELD = 6 * CELL_TERMS  # 0 nothing, 1 no surface, 2 all
-CELL_T, CELL_X, CELL_Z, ALIVE = HELD + 1, HELD + 2, HELD + 3, HELD + 4
-CELL_LAYER = HELD + 5
-# The water that a stage keeps for this slot: which stage, where; elevation, velocity, acceleration.
-STAGE, WAY, LEVEL, WATER = HELD + 6, HELD + 7, HELD + 8, HELD + 9
-# The first slot has no Gauss point: there a stage's number is kept, and whether one is under way.
-WITHIN = STAGE + 1
 
 
 @inlined
@@ -57,7 +47,7 @@ def amplitudes(I, M, count):
 def sum_terms(I, M, layer, series, count, terms, turn):
     """Write a series of the first `count` components from their parts, in `amplitudes`.
 
-    They are complex numbers, times (-i)^(p + turn q) in the term x^q t^p.
+    layer: its first word. They are complex numbers, times (-i)^(p + turn q) in the term x^q t^p.
     """
     a, b = amplitudes(I, M, count)
     # Five terms at a time: sums that do not wait for one another, and stay in registers.
@@ -79,33 +69,31 @@ def sum_terms(I, M, layer, series, count, terms, turn):
             i3 += powers[p + 3] * y
             r4 += powers[p + 4] * x
             i4 += powers[p + 4] * y
-        at = view(M, series + 2 * first, 10)
+        at = view(series, 2 * first, 10)
         at[0], at[2], at[4], at[6], at[8] = r0, r1, r2, r3, r4
         at[1], at[3], at[5], at[7], at[9] = i0, i1, i2, i3, i4
-    at = view(M, series, 2 * terms)
     j = 0
     degree = 0
     while j < 2 * terms:
         for q in range(degree + 1):
             quarter = (degree - q + turn * q) % 4
-            re = at[j]
-            im = at[j + 1]
+            re = series[j]
+            im = series[j + 1]
             if quarter == 1:
                 re, im = im, -re
             elif quarter == 2:
                 re, im = -re, -im
             elif quarter == 3:
                 re, im = -im, re
-            at[j] = re
-            at[j + 1] = im
+            series[j] = re
+            series[j + 1] = im
             j += 2
         degree += 1
 
 
 @inlined
-def series_at(M, series, degree, x, y, t):
+def series_at(terms, degree, x, y, t):
     """A series at x + i y and t: its real and imaginary part, and those of its rate in t."""
-    terms = view(M, series, 2 * CELL_TERMS)
     re = 0.0
     im = 0.0
     re_rate = 0.0
@@ -130,34 +118,34 @@ def series_at(M, series, degree, x, y, t):
 
 
 @outlined
-def fill_cell(I, M, layer, row, t, way, level, surface):
+def fill_cell(I, M, layer, cell, t, way, level, surface):
     """Write the series of the cell whose middle is here, that of the surface if it is asked for."""
     head = header(I)
     every = head.wave_count
     # The waves' own series are the same with the surface and without.
     alive = living(I, M, level)
-    M[row + ALIVE] = alive
+    cell.alive = alive
     count = every if surface else alive
     follow_components(I, M, count, way, level, t)
     cosine, sine, along, upward = columns(I, M, count)
     a, b = amplitudes(I, M, count)
     if surface:
-        amplitude = view(M, head.waves + W_AMPLITUDE * every, count)
+        amplitude = view(M, column(I, W_AMPLITUDE), count)
         for n in range(count):
             a[n] = amplitude[n] * cosine[n]
             b[n] = amplitude[n] * sine[n]
-        sum_terms(I, M, word_of(M, layer), row + SURFACE, count, CELL_TERMS, 3)
+        sum_terms(I, M, word_of(M, layer), cell.surface, count, CELL_TERMS, 3)
     for n in range(alive):
         speed = 0.5 * (along[n] + upward[n])
         a[n] = speed * cosine[n]
         b[n] = speed * sine[n]
-    sum_terms(I, M, word_of(M, layer), row + RISING, alive, CELL_TERMS, 0)
+    sum_terms(I, M, word_of(M, layer), cell.rising, alive, CELL_TERMS, 0)
     if layer.mirror != 0.0:
         for n in range(alive):
             speed = 0.5 * (along[n] - upward[n])
             a[n] = speed * cosine[n]
             b[n] = speed * sine[n]
-        sum_terms(I, M, word_of(M, layer), row + MIRROR, alive, MIRROR_TERMS, 0)
+        sum_terms(I, M, word_of(M, layer), cell.mirror, alive, MIRROR_TERMS, 0)
 
 
 @inlined
@@ -166,44 +154,40 @@ def begin_stage(I, M):
 
     Within a stage only, so that the water's motion does not depend on what was asked before.
     """
-    head = header(I)
-    if head.cell_terms != 0:
-        M[head.cells + STAGE] += 1.0
-        M[head.cells + WITHIN] = 1.0
+    if header(I).cell_terms != 0:
+        first = cell_of(I, M, 0)
+        first.stage += 1.0
+        first.within = 1.0
 
 
 @inlined
 def end_stage(I, M):
     """Water is that of its place again."""
-    head = header(I)
-    if head.cell_terms != 0:
-        M[head.cells + WITHIN] = 0.0
+    if header(I).cell_terms != 0:
+        cell_of(I, M, 0).within = 0.0
 
 
 @inlined
 def is_kept(I, M, cell, way, level, surface):
     """Whether a slot holds what this stage has found a little way off (`cell_stays`)."""
-    head = header(I)
-    state = scalars(M)
-    first = head.cells
+    first = cell_of(I, M, 0)
     # A stage with the surface has a number and a half.
-    number = M[first + STAGE] + (0.5 if surface else 0.0)
+    number = first.stage + (0.5 if surface else 0.0)
     return (
-        cell[STAGE] == number
-        and M[first + WITHIN] != 0.0
-        and abs(way - cell[WAY]) + abs(level - cell[LEVEL]) < state.cell_stays
+        cell.stage == number
+        and first.within != 0.0
+        and abs(way - cell.way) + abs(level - cell.level) < scalars(M).cell_stays
     )
 
 
 @inlined
 def keep(I, M, cell, way, level, surface):
-    """Say that a slot's WATER is that of this place and stage, if one is under way."""
-    head = header(I)
-    first = head.cells
-    if M[first + WITHIN] != 0.0:
-        cell[STAGE] = M[first + STAGE] + (0.5 if surface else 0.0)
-        cell[WAY] = way
-        cell[LEVEL] = level
+    """Say that a slot's water is that of this place and stage, if one is under way."""
+    first = cell_of(I, M, 0)
+    if first.within != 0.0:
+        cell.stage = first.stage + (0.5 if surface else 0.0)
+        cell.way = way
+        cell.level = level
 
 
 @inlined
@@ -226,8 +210,7 @@ def sum_in_cell(I, M, slot, way, level, surface):
     """
     head = header(I)
     state = scalars(M)
-    row = head.cells + slot * CELL_WORDS
-    cell = view(M, row, CELL_WORDS)
+    cell = cell_of(I, M, slot)
     layer = head.cell_layers if surface else layer_at(I, M, level)
     sea_layer = sea_layer_at(M, layer)
     span = sea_layer.time
@@ -235,15 +218,16 @@ def sum_in_cell(I, M, slot, way, level, surface):
     cell_t = (state.wave_time / span + ROUND) - ROUND
     cell_x = (way / width + ROUND) - ROUND
     cell_z = (level / width + ROUND) - ROUND
-    same = cell_t == cell[CELL_T] and cell_x == cell[CELL_X] and cell_z == cell[CELL_Z]
-    if not (same and cell[CELL_LAYER] == layer) or cell[HELD] < (2.0 if surface else 1.0):
-        fill_cell(I, M, sea_layer, row, cell_t * span, cell_x * width, cell_z * width, surface)
-        cell[HELD] = 2.0 if surface else 1.0
-        cell[CELL_T] = cell_t
-        cell[CELL_X] = cell_x
-        cell[CELL_Z] = cell_z
-        cell[CELL_LAYER] = layer
-    if cell[ALIVE] == 0.0 and not surface:
+    same = cell_t == cell.t and cell_x == cell.x and cell_z == cell.z
+    enough = cell.held == HOLDS_ALL or (cell.held == HOLDS_WATER and not surface)
+    if not (same and cell.layer == layer and enough):
+        fill_cell(I, M, sea_layer, cell, cell_t * span, cell_x * width, cell_z * width, surface)
+        cell.held = HOLDS_ALL if surface else HOLDS_WATER
+        cell.t = cell_t
+        cell.x = cell_x
+        cell.z = cell_z
+        cell.layer = layer
+    if cell.alive == 0.0 and not surface:
         return 0.0, 0.0, 0.0, 0.0, 0.0
     t = state.wave_time - cell_t * span
     x = way - cell_x * width
@@ -256,7 +240,7 @@ def sum_in_cell(I, M, slot, way, level, surface):
     up = 1.0
     for n in range(9, 0, -1):
         up = 1.0 + number * z * up * OVER[n]
-    re, im, re_rate, im_rate = series_at(M, row + RISING, CELL_DEGREE, z, x, t)
+    re, im, re_rate, im_rate = series_at(cell.rising, CELL_DEGREE, z, x, t)
     # In time the carrier turns by -i w_c.
     re_rate += frequency * im
     im_rate -= frequency * re
@@ -265,7 +249,7 @@ def sum_in_cell(I, M, slot, way, level, surface):
     du = up * (cosine * re_rate - sine * im_rate)
     dw = up * (sine * re_rate + cosine * im_rate)
     if sea_layer.mirror != 0.0:
-        re, im, re_rate, im_rate = series_at(M, row + MIRROR, MIRROR_DEGREE, -z, x, t)
+        re, im, re_rate, im_rate = series_at(cell.mirror, MIRROR_DEGREE, -z, x, t)
         re_rate += frequency * im
         im_rate -= frequency * re
         u += (cosine * re - sine * im) / up
@@ -274,6 +258,6 @@ def sum_in_cell(I, M, slot, way, level, surface):
         dw -= (sine * re_rate + cosine * im_rate) / up
     height = 0.0
     if surface:
-        re, im, _re_rate, _im_rate = series_at(M, row + SURFACE, CELL_DEGREE, x, 0.0, t)
+        re, im, _re_rate, _im_rate = series_at(cell.surface, CELL_DEGREE, x, 0.0, t)
         height = cosine * re - sine * im
     return height, u, w, du, dw

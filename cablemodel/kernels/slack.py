@@ -19,6 +19,7 @@ from .access import (
     header,
     line_of,
     scalars,
+    vector,
     winch_of,
 )
 from .compile import kernel, view
@@ -47,11 +48,11 @@ def lies(I, M, node, position):
     p = position + 2 * dimension * I[head.parent + node]
     q = position + 2 * dimension * node
     eighth = 0.125 * edge_of(I, M, node).length
-    w = view(M, head.motion + 16, 6)
+    middle = vector()
     for i in range(dimension):
         bow = eighth * (M[p + dimension + i] - M[q + dimension + i])
-        w[i] = 0.5 * (M[p + i] + M[q + i]) + bow
-    return gap_at(I, M, w, w[3:6]) < lying_gap(I, M, node)
+        middle[i] = 0.5 * (M[p + i] + M[q + i]) + bow
+    return gap_at(I, M, middle, vector()) < lying_gap(I, M, node)
 
 
 @kernel

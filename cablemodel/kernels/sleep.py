@@ -15,10 +15,11 @@ water that drags at what sleeps: such a step is made again with more of the cabl
 
 import math
 
-from .access import body_of, constraint_of, edge_of, header, scalars, word_of
+from .access import body_of, constraint_of, edge_of, header, scalars, vector, word_of
+from .airy import column
 from .backup import keep_sleepers
 from .compile import copy_words, kernel, view
-from .contact import along_floor, bristle_at
+from .contact import along_floor, bristle_at, contact_of
 from .environment import over_depth
 from .floor_surface import gap_at, lowest_gap
 from .follow import finest_length, holds_something
@@ -137,20 +138,18 @@ def is_quiet(I, M, node, arc):
 
 
 @kernel
-def lies(I, M, q, node, w):
-    """Whether an element touches the floor; w: workspace."""
-    head = header(I)
-    state = scalars(M)
-    return I[head.joint + node] == 0 and lowest_gap(I, M, q, node, w) < state.floor_depth
+def lies(I, M, q, node):
+    """Whether an element touches the floor."""
+    return I[header(I).joint + node] == 0 and lowest_gap(I, M, q, node) < scalars(M).floor_depth
 
 
 @kernel
-def hanging_before(I, M, q, node, w):
-    """Length of cable before a node that does not touch the floor [m]; w: workspace."""
+def hanging_before(I, M, q, node):
+    """Length of cable before a node that does not touch the floor [m]."""
     head = header(I)
     way = 0.0
     for n in range(node, 0, -1):
-        if lies(I, M, q, n, w):
+        if lies(I, M, q, n):
             break
         if I[head.joint + n] == 0:
             way += edge_of(I, M, n).length
@@ -163,13 +162,11 @@ def lying_before(I, M, q, node, enough):
 
     Arcs between, as of slack that has come down in a pile, do not count and do not end it.
     """
-    head = header(I)
-    w = M[head.motion + 28 : head.motion + 52]
     way = 0.0
     for n in range(node, 0, -1):
         if way >= enough:
             break
-        if lies(I, M, q, n, w):
+        if lies(I, M, q, n):
             way += edge_of(I, M, n).length
     return way
 
@@ -180,14 +177,15 @@ def spare_friction(I, M, node):
     head = header(I)
     state = scalars(M)
     dimension = head.dimension
-    w = M[head.motion + 28 : head.motion + 52]
+    contact = contact_of()
     at = head.position + 2 * dimension * node
     for i in range(dimension):
-        w[i] = M[at + i]
-    gap = gap_at(I, M, w, w[3:6])
-    bristle_at(I, M, node, w, dimension)
+        contact.place[i] = M[at + i]
+    gap = gap_at(I, M, contact.place, contact.normal)
+    bristle_at(I, M, node, contact, dimension)
     share = min(1.0, 1.0 - gap / state.floor_depth)
-    return max(0.0, share - along_floor(w, dimension) / state.bristle)
+    stretched = along_floor(contact.bristle, contact.normal, dimension) / state.bristle
+    return max(0.0, share - stretched)
 
 
 @kernel
@@ -225,11 +223,11 @@ def flow_squared(I, M, profile):
     its acceleration, by the first word of the profile."""
     head = header(I)
     state = scalars(M)
-    w = M[head.motion + 28 : head.motion + 52]
+    flow = vector()
     largest = 0.0
     for end in range(2):
-        over_depth(I, M, profile, state.sleep_low if end == 0 else state.sleep_high, w)
-        largest = max(largest, w[0] ** 2 + w[1] ** 2 + w[2] ** 2)
+        over_depth(I, M, profile, state.sleep_low if end == 0 else state.sleep_high, flow)
+        largest = max(largest, flow[0] ** 2 + flow[1] ** 2 + flow[2] ** 2)
     for k in range(head.depth_count):
         z = M[head.depths + k] - state.origin[2]
         if state.sleep_low < z and z < state.sleep_high:
@@ -248,10 +246,10 @@ def water_leaves_alone(I, M, first):
     head = header(I)
     state = scalars(M)
     dimension = head.dimension
-    w = M[head.motion + 28 : head.motion + 52]
     q = view(M, head.position, 2 * dimension * head.nodes)
     state.sleep_low = 1e300
     state.sleep_high = -1e300
+    moves = head.current_kind != 0 or head.wave_count != 0
     flow = 1e300  # square of the speed whose drag is the friction
     push = 1e300  # acceleration of the water whose force is the friction
     for n in range(first, head.nodes):
@@ -260,9 +258,7 @@ def water_leaves_alone(I, M, first):
         state.sleep_high = max(state.sleep_high, z)
         if n == first or I[head.joint + n] != 0:
             continue
-        if (head.current_kind != 0 or head.wave_count != 0) and lowest_gap(
-            I, M, q, n, w
-        ) >= state.floor_depth:
+        if moves and lowest_gap(I, M, q, n) >= state.floor_depth:
             return False
         edge = edge_of(I, M, n)
         friction = state.friction * edge.contact
@@ -281,11 +277,15 @@ def water_leaves_alone(I, M, first):
         speed = 0.0
         rate = 0.0
         count = head.wave_count
-        for n in range(head.waves, head.waves + count):
-            up = math.exp(M[n + W_NUMBER * count] * min(0.0, z))
-            orbital = M[n + W_SPEED * count] * (up + M[n + W_MIRROR * count] / up)
+        number = view(M, column(I, W_NUMBER), count)
+        mirror = view(M, column(I, W_MIRROR), count)
+        orbit = view(M, column(I, W_SPEED), count)
+        frequency = view(M, column(I, W_FREQUENCY), count)
+        for n in range(count):
+            up = math.exp(number[n] * min(0.0, z))
+            orbital = orbit[n] * (up + mirror[n] / up)
             speed += orbital
-            rate += orbital * M[n + W_FREQUENCY * count]
+            rate += orbital * frequency[n]
         if speed * speed > 0.1 * flow or rate > 0.1 * push:
             return False
     state.sleep_push = push
@@ -305,15 +305,14 @@ def place_to_sleep(I, M):
     """
     head = header(I)
     state = scalars(M)
-    w = M[head.motion + 28 : head.motion + 52]
     q = view(M, head.position, 2 * head.dimension * head.nodes)
     last = head.nodes - 1
     first = last
     arc = 0.0
     while first > FEWEST_AWAKE:
-        hangs = not lies(I, M, q, first, w)
+        hangs = not lies(I, M, q, first)
         if hangs and arc == 0.0:
-            arc = hanging_before(I, M, q, first, w)
+            arc = hanging_before(I, M, q, first)
         if not is_quiet(I, M, first, arc if arc > 0.0 else state.length):
             break
         if not hangs:
@@ -321,12 +320,12 @@ def place_to_sleep(I, M):
         first -= 1
     way = 0.0
     for node in range(first + 1, last):
-        if not lies(I, M, q, node, w):
+        if not lies(I, M, q, node):
             continue
         way += edge_of(I, M, node).length
         layer, finest = finest_length(I, M, node, 0.0)
         needed = max(LAYERS * layer, ELEMENTS * finest)
-        if way < needed or holds_something(I, M, node) or not lies(I, M, q, node + 1, w):
+        if way < needed or holds_something(I, M, node) or not lies(I, M, q, node + 1):
             continue
         friction = state.friction * edge_of(I, M, node).contact
         if holding_tension(I, M, node) >= SPARE * friction * needed:

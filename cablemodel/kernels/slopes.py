@@ -14,10 +14,10 @@ def half_cosine(cosine):
 
 
 @kernel
-def slope_direction(dimension, q, at, w):
-    """Unit vector along the slope at word `at` of q into w[3:6], its cosine with the axis w[0:3].
+def slope_direction(dimension, q, at, axis, along):
+    """Unit vector along the slope at word `at` of q into `along`.
 
-    Returns (length of the slope, cosine).
+    Returns (length of the slope, cosine of its angle with the unit vector `axis`).
     """
     square = 0.0
     for i in range(dimension):
@@ -25,6 +25,6 @@ def slope_direction(dimension, q, at, w):
     length = math.sqrt(square)
     cosine = 0.0
     for i in range(dimension):
-        w[3 + i] = q[at + i] / length
-        cosine += w[3 + i] * w[i]
+        along[i] = q[at + i] / length
+        cosine += along[i] * axis[i]
     return length, cosine

@@ -5,7 +5,7 @@ limit is Newton's method on the static equations, reached from any guess. With k
 step starts from rest: slack cable settles where it would bounce otherwise.
 """
 
-from .access import edge_of, header, scalars, winch_of
+from .access import edge_of, header, scalars, vector, winch_of
 from .backup import keep_matrix
 from .clamp_layer import settle_layer
 from .closures import follow_forces, give_back_forces, keep_forces
@@ -197,7 +197,7 @@ def relax(I, M, frame, damped, strict):
             count_turns_anew(I, M, q0, w0, a0)
         if springs and dt > 1e3 * state.first_step:
             if head.payout != 0:
-                settle_layer(I, M, view(M, head.motion + 16, 9), q0)
+                settle_layer(I, M, q0)
             update_springs(I, M, 1.0)
         # Light cable may not come closer to its place than round-off lets it.
         rounded = moved <= ROUND_OFF[0] * length
@@ -266,9 +266,9 @@ def add_flow(I, M, flow, q, v, a):
     dimension = head.dimension
     size = 2 * dimension
     nodes = head.nodes
-    w = view(M, head.motion + 28, 3)
+    normal = vector()
     for node in range(1, nodes):
-        laid, _change = laid_share(I, M, q, node, w)
+        laid, _change = laid_share(I, M, q, node, normal)
         for i in range(dimension):
             n = size * node + i
             second = 0.0

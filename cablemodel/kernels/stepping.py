@@ -7,7 +7,7 @@ the mean velocity of the step as the final one. Inputs that are not given follow
 
 import math
 
-from .access import header, motion_piece_of, scalars
+from .access import header, motion_piece_of, new_motion, scalars, tow_point_of
 from .backup import give_back, keep_state
 from .compile import kernel
 from .consistency import state_residual
@@ -32,21 +32,20 @@ INPUT_WORDS = 14
 @kernel
 def set_live_motion(I, M, t_end, inputs):
     """Make row 0 of the motion table the polynomial that the inputs ask for."""
-    head = header(I)
     state = scalars(M)
     time = state.time
     dt = t_end - time
-    motion = head.motion
-    target = M[motion + 32 : motion + 41]
+    target = new_motion()
     if inputs[IN_VELOCITY] == 0.0 and inputs[IN_POSITION] == 0.0:
         # Back to the scene's motion: its velocity at the step's end, then its own course, shifted.
         k = find_piece(I, M, t_end)
         evaluate_piece(M, motion_piece_of(I, M, k), t_end, target)
     vessel_motion(I, M, time)
+    now = tow_point_of(I, M, 0)
     row = motion_piece_of(I, M, 0)
     for i in range(3):
-        p0 = M[motion + i]
-        v0 = M[motion + 3 + i]
+        p0 = now.position[i]
+        v0 = now.velocity[i]
         c2 = 0.0
         c3 = 0.0
         if inputs[IN_POSITION] != 0.0:
@@ -59,8 +58,9 @@ def set_live_motion(I, M, t_end, inputs):
         elif inputs[IN_VELOCITY] != 0.0:
             c2 = 0.5 * (inputs[IN_VELOCITY + 1 + i] - v0) / dt
         else:
-            c2 = 0.5 * (target[3 + i] - v0) / dt
-            state.shift[i] = p0 + 0.5 * (v0 + target[3 + i]) * dt - target[i]
+            v1 = target.velocity[i]
+            c2 = 0.5 * (v1 - v0) / dt
+            state.shift[i] = p0 + 0.5 * (v0 + v1) * dt - target.position[i]
         row.data[i] = p0
         row.data[3 + i] = v0
         row.data[6 + i] = c2

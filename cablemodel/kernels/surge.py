@@ -10,8 +10,8 @@ while there is such water; with waves waves.py has it among theirs. The Newton m
 how it turns with the cable.
 """
 
-from .access import edge_of, header
-from .compile import outlined, view
+from .access import edge_of, header, vector
+from .compile import outlined
 from .environment import surge_at
 from .tables import D0, D1, D2, D3, H0, H1, H2, H3, WH
 from .waves import displaced
@@ -23,7 +23,8 @@ def push_elements(I, M, q, out):
     head = header(I)
     dimension = head.dimension
     size = 2 * dimension
-    w = view(M, head.motion + 16, 9)  # r' and then the force, the water's acceleration
+    slope = vector()
+    push = vector()  # the water's acceleration
     for node in range(1, head.nodes):
         if I[head.joint + node] != 0:
             continue
@@ -44,15 +45,15 @@ def push_elements(I, M, q, out):
                 c = q[below + i]
                 d = h * q[below + dimension + i]
                 height = a * H0[g] + b * H1[g] + c * H2[g] + d * H3[g]
-                w[i] = a * D0[g] + b * D1[g] + c * D2[g] + d * D3[g]
-                square += w[i] * w[i]
-            surge_at(I, M, height, w[3:6])
+                slope[i] = a * D0[g] + b * D1[g] + c * D2[g] + d * D3[g]
+                square += slope[i] * slope[i]
+            surge_at(I, M, height, push)
             along = 0.0
             for i in range(dimension):
-                along += w[i] * w[3 + i]
+                along += slope[i] * push[i]
             along /= square
             for i in range(dimension):
-                force = h * ((mass + added) * w[3 + i] - added * along * w[i])
+                force = h * ((mass + added) * push[i] - added * along * slope[i])
                 r0 = force * WH[g, 0]
                 r2 = force * WH[g, 2]
                 out[above + i] -= r0

@@ -3,7 +3,7 @@
 Everything that depends on the dimension (planar or three-dimensional) is chosen here, once a call.
 """
 
-from .access import closure_of, constraint_of, frame_of, header, scalars, winch_of
+from .access import closure_of, constraint_of, frame_of, header, new_motion, scalars, winch_of
 from .backup import keep_matrix
 from .block_solver import (
     factor_parts,
@@ -47,7 +47,7 @@ from .layout import (
     HELD_BY_FRAME,
     JOINT_HINGE,
 )
-from .passing import add_first_bit, exchange_rate, exchange_rates
+from .passing import add_first_bit, exchange_rates, exchange_velocities
 from .payout import material_top, set_top_length
 from .rigid import condense_rigid, rigid_jacobian, rigid_residual, stretch_rate_rigid
 from .surge import push_elements
@@ -140,26 +140,25 @@ def impose_motion(I, M, t, q, v, a):
     head = header(I)
     dimension = head.dimension
     size = 2 * dimension
-    out = view(M, head.motion + 16, 9)
+    motion = new_motion()
     for n in range(head.constraint_count):
         row = constraint_of(I, M, n)
         at = size * int(row.node)
         if row.kind == HELD_BY_FRAME:
             frame = frame_of(I, M, int(row.frame))
-            w = view(M, head.motion + 28, 9)
-            point_motion(M, row, frame, out, w)
+            point_motion(M, row, frame, motion)
             for i in range(3):
-                q[at + i] = out[i]
-                v[at + i] = out[3 + i]
-                a[at + i] = out[6 + i]
+                q[at + i] = motion.position[i]
+                v[at + i] = motion.velocity[i]
+                a[at + i] = motion.acceleration[i]
             if row.clamped == EXACTLY:
-                turn_slope(M, row, frame, q, v, a, at + 3, w)
+                turn_slope(row, frame, q, v, a, at + 3)
             continue
-        prescribed_motion(I, M, row, t, out)
+        prescribed_motion(I, M, row, t, motion)
         for i in range(dimension):
-            q[at + i] = out[i]
-            v[at + i] = out[dimension + i]
-            a[at + i] = out[2 * dimension + i]
+            q[at + i] = motion.position[i]
+            v[at + i] = motion.velocity[i]
+            a[at + i] = motion.acceleration[i]
         if row.clamped == EXACTLY:
             keep_along(row.direction, dimension, q, at + dimension)
             keep_along(row.direction, dimension, v, at + dimension)
@@ -416,11 +415,9 @@ def material_stretch_rate(I, M, v, out):
     if head.payout == 0:
         stretch_rate(I, M, v, out)
         return
-    for n in range(head.winch_count):
-        exchange_rate(I, M, n, 0, v)
+    exchange_velocities(I, M, v)
     stretch_rate(I, M, v, out)
-    for n in range(head.winch_count):
-        exchange_rate(I, M, n, 0, v)
+    exchange_velocities(I, M, v)
 
 
 @kernel

@@ -609,7 +609,7 @@ def advance_to(I, M, t_end):
                 update_bending(I, M)
             if head.rigid > 0 or head.payout != 0:
                 if head.payout != 0:
-                    follow_layer(I, M, dt, view(M, head.motion + 16, 15))
+                    follow_layer(I, M, dt)
                 update_springs(I, M, dt / (dt + state.period))
             follow_third_mode(I, M, dt / (dt + state.period))
             if head.live == 0:

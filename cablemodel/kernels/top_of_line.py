@@ -17,6 +17,7 @@ from .access import (
     edge_of,
     header,
     scalars,
+    vector,
     winch_of,
     word_of,
 )
@@ -31,7 +32,7 @@ from .layout import (
     NO_CAPACITY,
     OK,
 )
-from .passing import axis_motion, bare_length, body_above
+from .passing import axis_motion, bare_length, body_above, new_axis
 from .payout import (
     close_gap,
     give_properties,
@@ -138,11 +139,11 @@ def moved_by_joining(I, M, winch, below):
     middle = middle_of(winch)
     start = head.position + size * I[head.parent + middle]
     end = head.position + size * (middle + 1)
-    w = M[head.motion + 28 : head.motion + 34]
-    hermite(M, start, end, dimension, length, first / length, w)
+    place = vector()
+    hermite(M, start, end, dimension, length, first / length, place, vector())
     square = 0.0
     for i in range(dimension):
-        square += (w[i] - M[head.position + size * middle + i]) ** 2
+        square += (place[i] - M[head.position + size * middle + i]) ** 2
     return math.sqrt(square)
 
 
@@ -223,11 +224,8 @@ def anything_passes(I, M):
 
 
 @kernel
-def along_the_body(I, M):
-    """Let the vessel node's slope point along the body that passes, and turn with it.
-
-    Leaves axis, its rate and second rate in w[0:9], the words of `motion` from 28 on.
-    """
+def along_the_body(I, M, axis):
+    """Let the vessel node's slope point along the body that passes, and turn with it: `axis`."""
     head = header(I)
     winch = winch_of(I, M, 0)
     dimension = head.dimension
@@ -235,7 +233,6 @@ def along_the_body(I, M):
     q = head.position
     v = head.velocity
     a = head.acceleration
-    w = M[head.motion + 28 : head.motion + 37]
     axis_motion(
         I,
         M,
@@ -245,12 +242,12 @@ def along_the_body(I, M):
         winch.top_length,
         winch.rate,
         winch.slope,
-        w,
+        axis,
     )
     for i in range(dimension):
-        M[q + dimension + i] = w[i]
-        M[v + dimension + i] = w[3 + i]
-        M[a + dimension + i] = w[6 + i]
+        M[q + dimension + i] = axis.direction[i]
+        M[v + dimension + i] = axis.turn[i]
+        M[a + dimension + i] = axis.turn_rate[i]
 
 
 @kernel
@@ -292,7 +289,7 @@ def let_body_come(I, M):
     row.clamp_tension[0] = M[head.tension + 2]
     row.clamp_tension[1] = M[head.tension + 2]
     winch.passing = 1.0 + (word_of(M, row) - head.bodies) // BODY_WORDS
-    along_the_body(I, M)
+    along_the_body(I, M, new_axis())
     body_moved(I, M, row)
     update_springs(I, M, 0.0)
     return OK
@@ -310,8 +307,8 @@ def let_cable_follow(I, M):
     cable = int(winch.cable)
     row = body_at(M, body_above(I, M, cable))
     length = winch.top_length - row.length
-    along_the_body(I, M)
-    w = M[head.motion + 28 : head.motion + 37]
+    axis = new_axis()
+    along_the_body(I, M, axis)
     pull = M[head.tension + 2]
     rate = M[head.tension_rate + 2]
     open_gap(I, M, 1, 1)
@@ -329,13 +326,16 @@ def let_cable_follow(I, M):
     speed = winch.rate
     for i in range(dimension):
         at = size + i
-        M[head.position + at] = M[head.position + i] + length * w[i]
-        M[head.velocity + at] = M[head.velocity + i] + speed * w[i] + length * w[3 + i]
-        M[head.acceleration + at] = M[head.acceleration + i] + winch.slope * w[i]
-        M[head.acceleration + at] += 2.0 * speed * w[3 + i] + length * w[6 + i]
-        M[head.position + at + dimension] = w[i]
-        M[head.velocity + at + dimension] = w[3 + i]
-        M[head.acceleration + at + dimension] = w[6 + i]
+        direction = axis.direction[i]
+        turn = axis.turn[i]
+        turn_rate = axis.turn_rate[i]
+        M[head.position + at] = M[head.position + i] + length * direction
+        M[head.velocity + at] = M[head.velocity + i] + speed * direction + length * turn
+        M[head.acceleration + at] = M[head.acceleration + i] + winch.slope * direction
+        M[head.acceleration + at] += 2.0 * speed * turn + length * turn_rate
+        M[head.position + at + dimension] = direction
+        M[head.velocity + at + dimension] = turn
+        M[head.acceleration + at + dimension] = turn_rate
     for i in range(size):
         M[head.rest + size + i] = M[head.rest + i]
     winch.top_length = length
@@ -361,7 +361,7 @@ def let_body_stop(I, M):
     winch.top_length = winch.travel - cable_of(I, M, cable).leaves
     winch.passing = 1.0 + (word_of(M, row) - head.bodies) // BODY_WORDS
     winch.cable = cable
-    along_the_body(I, M)
+    along_the_body(I, M, new_axis())
     update_springs(I, M, 0.0)
 
 
@@ -377,18 +377,18 @@ def let_body_enter(I, M):
     row = body_at(M, body_above(I, M, cable))
     row.node = -1.0
     winch.passing = 0.0
-    w = M[head.motion + 28 : head.motion + 37]
+    axis = new_axis()
     for i in range(dimension):
-        w[i] = M[head.position + size + dimension + i]
-        w[3 + i] = M[head.velocity + size + dimension + i]
-        w[6 + i] = M[head.acceleration + size + dimension + i]
+        axis.direction[i] = M[head.position + size + dimension + i]
+        axis.turn[i] = M[head.velocity + size + dimension + i]
+        axis.turn_rate[i] = M[head.acceleration + size + dimension + i]
     close_gap(I, M, 1, 1)
     winch.top_length += edge_of(I, M, 1).length
     edge_of(I, M, 1).length = winch.top_length
     state.joined = max(state.joined, winch.top_length)
     for i in range(dimension):
-        M[head.position + dimension + i] = w[i]
-    turn_with_matter(I, M, 0, w[3 : 3 + dimension], w[6 : 6 + dimension])
+        M[head.position + dimension + i] = axis.direction[i]
+    turn_with_matter(I, M, 0, axis.turn, axis.turn_rate)
 
 
 @kernel

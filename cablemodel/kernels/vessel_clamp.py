@@ -10,7 +10,7 @@ flexible cable passes no moment: k = 0. Nor does a clamp hold a body of finite l
 
 import math
 
-from .access import constraint_of, edge_of, header, scalars, winch_of
+from .access import constraint_of, edge_of, header, scalars, vector, winch_of
 from .clamp_layer import share_of_layer
 from .compile import kernel
 from .layout import (
@@ -31,13 +31,10 @@ def clamp_spring(I, M):
 
 
 @kernel
-def slope_at_vessel(I, M, q, w):
-    """Clamp's direction into w[0:3], the slope's into w[3:6]; (its length, their cosine)."""
-    head = header(I)
-    dimension = head.dimension
-    for i in range(dimension):
-        w[i] = constraint_of(I, M, 0).direction[i]
-    return slope_direction(dimension, q, dimension, w)
+def slope_at_vessel(I, M, q, cable):
+    """Direction of the slope into `cable`; (its length, cosine of its angle with the clamp's)."""
+    dimension = header(I).dimension
+    return slope_direction(dimension, q, dimension, constraint_of(I, M, 0).direction, cable)
 
 
 @kernel
@@ -48,11 +45,12 @@ def add_clamp_moment(I, M, q, out):
     if k == 0.0:
         return
     dimension = head.dimension
-    w = M[head.motion + 16 : head.motion + 22]
-    length, cosine = slope_at_vessel(I, M, q, w)
+    clamp = constraint_of(I, M, 0).direction
+    cable = vector()
+    length, cosine = slope_at_vessel(I, M, q, cable)
     force = k / (length * half_cosine(cosine))
     for i in range(dimension):
-        out[dimension + i] -= force * (w[i] - cosine * w[3 + i])
+        out[dimension + i] -= force * (clamp[i] - cosine * cable[i])
 
 
 @kernel
@@ -64,29 +62,29 @@ def add_clamp_tangent(I, M, q):
         return
     dimension = head.dimension
     size = 2 * dimension
-    w = M[head.motion + 16 : head.motion + 22]
-    length, cosine = slope_at_vessel(I, M, q, w)
+    clamp = constraint_of(I, M, 0).direction
+    cable = vector()
+    length, cosine = slope_at_vessel(I, M, q, cable)
     half = half_cosine(cosine)
     first = k / (length * length * half)
     second = 0.25 * first / (half * half)
     for i in range(dimension):
         for j in range(dimension):
             unit = 1.0 if i == j else 0.0
-            value = w[3 + i] * w[j] + w[i] * w[3 + j]
-            value += cosine * (unit - 3.0 * w[3 + i] * w[3 + j])
+            value = cable[i] * clamp[j] + clamp[i] * cable[j]
+            value += cosine * (unit - 3.0 * cable[i] * cable[j])
             at = head.diagonal + size * (dimension + i) + dimension + j
-            across = (w[i] - cosine * w[3 + i]) * (w[j] - cosine * w[3 + j])
+            across = (clamp[i] - cosine * cable[i]) * (clamp[j] - cosine * cable[j])
             M[at] += first * value + second * across
 
 
 @kernel
 def clamp_energy(I, M, q):
     """What the spring holds [J]."""
-    head = header(I)
     k = clamp_spring(I, M)
     if k == 0.0:
         return 0.0
-    _length, cosine = slope_at_vessel(I, M, q, M[head.motion + 16 : head.motion + 22])
+    _length, cosine = slope_at_vessel(I, M, q, vector())
     return 4.0 * k * (1.0 - half_cosine(cosine))
 
 
@@ -119,7 +117,7 @@ def update_springs(I, M, share):
     k = row.spring
     if target > k:
         q = M[head.position : head.position + 2 * head.dimension]
-        _length, cosine = slope_at_vessel(I, M, q, M[head.motion + 16 : head.motion + 22])
+        _length, cosine = slope_at_vessel(I, M, q, vector())
         bend = 4.0 * (1.0 - half_cosine(cosine))
         target = stiffen_gently(M, k, target, state.clamp_tension, before, bend, share)
     row.spring = target

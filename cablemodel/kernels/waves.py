@@ -22,16 +22,13 @@ tension is the effective one, whose weight is that in water.
 
 import math
 
-from .access import cable_of, header, scalars, word_of
+from .access import cable_of, cell_of, header, scalars, vector, word_of
 from .airy import living, sum_components
-from .compile import kernel, outlined, view
+from .compile import kernel, outlined, own_record
 from .environment import current_at, surge_at
-from .layout import (
-    CELL_WORDS,
-    EDGE_WORDS,
-    ELEMENT_WORDS,
-)
-from .sea_cells import WATER, is_kept, keep, sum_in_cell
+from .layout import EDGE_WORDS, ELEMENT_WORDS
+from .record import Record, real, reals
+from .sea_cells import is_kept, keep, sum_in_cell
 from .tables import H0, H1, H2, H3
 from .wetting import drag_shares, share_at, wet_shares
 
@@ -46,9 +43,17 @@ ACCELERATION = ELEMENT_WORDS  # of the water: three slots
 WET, SLOPE = ELEMENT_WORDS + 12, ELEMENT_WORDS + 16  # share s, ds/dz
 DRAG = ELEMENT_WORDS + 20  # share by which drag counts
 
-# What `wave_at` writes at `motion` + POINT.
-POINT = 64
-P_VELOCITY, P_ACCELERATION, P_WET, P_SLOPE = POINT, POINT + 3, POINT + 6, POINT + 7
+
+class Water(Record):
+    """The water at a place: block's coordinates, in a plane the first two of three."""
+
+    velocity = reals(3, "by the waves", "m/s")
+    acceleration = reals(3, "by the waves, and by a current that changes in time", "m/s2")
+    wet = real("share of what is there that is wet")
+    slope = real("what that share changes by upwards", "1/m")
+
+
+water_at = own_record(Water)
 
 
 @kernel
@@ -65,17 +70,18 @@ def set_wave_time(M, t):
 
 
 @outlined
-def wave_at(I, M, x, y, z, reach, slot):
+def wave_at(I, M, x, y, z, reach, slot, water):
     """Waves at a place of the block's coordinates (planar: x along the plane, y is not read).
 
-    Writes velocity and acceleration of the water in the block's coordinates. Returns how deep the
-    place lies below the surface [m], or, where no trough comes within the reach [m] of it, below
-    still water: on the same element a crest's height less or more. slot: where the sea's cell about
-    the place may be kept (sea_cells.py); -1: its components are summed for this place alone.
+    Writes velocity and acceleration of the water. Returns how deep the place lies below the surface
+    [m], or, where no trough comes within the reach [m] of it, below still water: on the same
+    element a crest's height less or more. slot: where the sea's cell about the place may be kept
+    (sea_cells.py); -1: its components are summed for this place alone.
     """
     head = header(I)
     state = scalars(M)
-    at = head.motion
+    velocity = water.velocity
+    acceleration = water.acceleration
     planar = head.dimension == 2
     if planar:
         y = state.origin[1] + state.plane[1] * x
@@ -91,12 +97,13 @@ def wave_at(I, M, x, y, z, reach, slot):
     way = state.wave_x * x + state.wave_y * y
     calm = share == 0.0 and rise == 0.0  # as in static starts
     in_cell = slot >= 0 and head.cell_terms != 0 and not calm
-    cell = view(M, head.cells + max(0, slot) * CELL_WORDS, CELL_WORDS)
+    cell = cell_of(I, M, max(0, slot))
     if in_cell:
         if is_kept(I, M, cell, way, level, near):
-            for n in range(6):
-                M[at + POINT + n] = cell[WATER + 1 + n]
-            return cell[WATER] - height if near else -height
+            for i in range(3):
+                velocity[i] = cell.velocity[i]
+                acceleration[i] = cell.acceleration[i]
+            return cell.elevation - height if near else -height
         surface, u, uz, du, az = sum_in_cell(I, M, slot, way, level, near)
     else:
         count = head.wave_count if near else living(I, M, level)
@@ -109,29 +116,28 @@ def wave_at(I, M, x, y, z, reach, slot):
     if planar:
         ahead = ahead * state.plane[0] + state.wave_y * state.plane[1]
     else:
-        M[at + P_VELOCITY + 1] = u * state.wave_y
-        M[at + P_ACCELERATION + 1] = a * state.wave_y
+        velocity[1] = u * state.wave_y
+        acceleration[1] = a * state.wave_y
     up = head.dimension - 1
-    M[at + P_VELOCITY] = u * ahead
-    M[at + P_VELOCITY + up] = uz
-    M[at + P_ACCELERATION] = a * ahead
-    M[at + P_ACCELERATION + up] = az
+    velocity[0] = u * ahead
+    velocity[up] = uz
+    acceleration[0] = a * ahead
+    acceleration[up] = az
     if in_cell:
         keep(I, M, cell, way, level, near)
-        cell[WATER] = share * surface
-        for n in range(6):
-            cell[WATER + 1 + n] = M[at + POINT + n]
+        cell.elevation = share * surface
+        for i in range(3):
+            cell.velocity[i] = velocity[i]
+            cell.acceleration[i] = acceleration[i]
     return share * surface - height if near else -height
 
 
 @kernel
-def wet_at(I, M, depth, half):
+def wet_at(depth, half, water):
     """Write the share that is wet at a depth with a band of +- half [m], and its slope upwards."""
-    head = header(I)
-    at = head.motion
     share, rate = share_at(depth, half)
-    M[at + P_WET] = share
-    M[at + P_SLOPE] = -rate
+    water.wet = share
+    water.slope = -rate
 
 
 @kernel
@@ -161,26 +167,26 @@ def element_water(I, M, W, edge, x0, x1):
     head = header(I)
     dimension = head.dimension
     up = dimension - 1
-    at = head.motion
     h = edge.length
-    flow = view(M, at + 9, 3)
-    w = view(M, at + 16, 3)
+    water = water_at()
+    flow = vector()
+    place = vector()
     first = (word_of(M, edge) - head.edges) // EDGE_WORDS * 3
     for g in range(3):
         for i in range(dimension):
-            w[i] = x0[i] * H0[g] + h * x0[dimension + i] * H1[g]
-            w[i] += x1[i] * H2[g] + h * x1[dimension + i] * H3[g]
+            place[i] = x0[i] * H0[g] + h * x0[dimension + i] * H1[g]
+            place[i] += x1[i] * H2[g] + h * x1[dimension + i] * H3[g]
         # No point is further than h from the rest of its element.
-        W[WET + g] = wave_at(I, M, w[0], w[1], w[up], h, first + g)
+        W[WET + g] = wave_at(I, M, place[0], place[1], place[up], h, first + g, water)
         for i in range(dimension):
-            W[VELOCITY + 4 * i + g] = M[at + P_VELOCITY + i]
-            W[ACCELERATION + 4 * i + g] = M[at + P_ACCELERATION + i]
+            W[VELOCITY + 4 * i + g] = water.velocity[i]
+            W[ACCELERATION + 4 * i + g] = water.acceleration[i]
         if head.current_kind != 0:
-            current_at(I, M, w[up], flow)
+            current_at(I, M, place[up], flow)
             for i in range(dimension):
                 W[VELOCITY + 4 * i + g] += flow[i]
         if head.surge != 0:
-            surge_at(I, M, w[up], flow)
+            surge_at(I, M, place[up], flow)
             for i in range(dimension):
                 W[ACCELERATION + 4 * i + g] += flow[i]
     wet_shares(W, WET, SLOPE, band(I, M, edge))

@@ -9,9 +9,8 @@ import pytest
 import cablemodel as cm
 from cablemodel import waves
 from cablemodel.kernels.compile import OPTIONS
-from cablemodel.kernels.layout import Header
 from cablemodel.kernels.system import set_time
-from cablemodel.kernels.waves import P_ACCELERATION, P_VELOCITY, wave_at
+from cablemodel.kernels.waves import water_at, wave_at
 from cablemodel.scene.sea import sea
 
 CABLE = {"diameter": 0.03, "mass": 1.5, "axial_stiffness": 1e6, "bending_stiffness": 5.0}
@@ -34,18 +33,20 @@ def scene(tolerance=1e-3, depth=35.0, tp=8.0, **jonswap):
 
 
 @numba.jit(**OPTIONS)
-def water(ints, reals, t, x, y, z, reach, slot):
+def water(ints, reals, t, x, y, z, reach, slot, velocity, acceleration):
     set_time(ints, reals, t)
-    return z + wave_at(ints, reals, x, y, z, reach, slot)
+    found = water_at()
+    depth = wave_at(ints, reals, x, y, z, reach, slot, found)
+    for i in range(3):
+        velocity[i] = found.velocity[i]
+        acceleration[i] = found.acceleration[i]
+    return z + depth
 
 
 def motion(model, place, slot, reach=1e3):
     """Velocity, acceleration and height of the surface at a place of (t, x, y, z)."""
-    ints, reals = model._ints, model._reals
-    head = Header(ints)
-    surface = water(ints, reals, *place, reach, slot)
-    point = reals[head.motion :]
-    velocity, acceleration = point[P_VELOCITY:][:3].copy(), point[P_ACCELERATION:][:3].copy()
+    velocity, acceleration = np.zeros((2, 3))
+    surface = water(model._ints, model._reals, *place, reach, slot, velocity, acceleration)
     return velocity, acceleration, surface
 
 

@@ -15,7 +15,7 @@ from cablemodel.kernels.bodies import body_jacobian, body_residual
 from cablemodel.kernels.compile import OPTIONS
 from cablemodel.kernels.layout import Header
 from cablemodel.kernels.system import set_time
-from cablemodel.kernels.waves import P_ACCELERATION, P_SLOPE, P_VELOCITY, P_WET, wave_at, wet_at
+from cablemodel.kernels.waves import Water, water_at, wave_at, wet_at
 from cablemodel.scene.sea import sea, wave_number
 
 GRAVITY = 9.80665
@@ -91,11 +91,24 @@ def test_a_regular_wave_is_the_closed_form():
 
 
 @numba.jit(**OPTIONS)
-def water(ints, reals, t, x, y, z, half):
+def look(ints, reals, t, x, y, z, half, out):
     set_time(ints, reals, t)
-    depth = wave_at(ints, reals, x, y, z, 1e3, -1)
-    wet_at(ints, reals, depth, half)
+    water = water_at()
+    depth = wave_at(ints, reals, x, y, z, 1e3, -1, water)
+    wet_at(depth, half, water)
+    for i in range(3):
+        out[i] = water.velocity[i]
+        out[3 + i] = water.acceleration[i]
+    out[6] = water.wet
+    out[7] = water.slope
     return depth
+
+
+def water(model, t, x, y, z, half):
+    """The water at a place of the block's coordinates, and how deep below the surface it is."""
+    out = np.zeros(8)
+    depth = look(model._ints, model._reals, t, x, y, z, half, out)
+    return Water(out, 0), depth
 
 
 @pytest.mark.parametrize("planar", [None, False])
@@ -105,8 +118,6 @@ def test_kernel_sums_the_same_components(waves, planar):
     given = scene(waves, depth=30.0)
     field = sea(given)
     model = cm.CableModel(given, planar=planar)
-    ints, reals = model._ints, model._reals
-    head = Header(ints)
     assert model.planar == (planar is None)
     local = np.eye(3)
     if planar is None:
@@ -119,23 +130,20 @@ def test_kernel_sums_the_same_components(waves, planar):
         inner = local @ place
         x, z, y = inner[0], inner[-1], inner[1]
         half = 3.0
-        surface = place[2] + water(ints, reals, t, x, y, z, half)
-        point = reals[head.motion :][:80]
+        here, depth = water(model, t, x, y, z, half)
+        surface = place[2] + depth
         size = len(inner)
-        velocity = point[P_VELOCITY : P_VELOCITY + size].copy()
-        acceleration = point[P_ACCELERATION : P_ACCELERATION + size].copy()
+        velocity, acceleration = here.velocity[:size], here.acceleration[:size]
         assert surface == pytest.approx(float(field.elevation(t, *place[:2])), abs=1e-12)
         np.testing.assert_allclose(velocity, local @ field.velocity(t, [place])[0], atol=1e-12)
         step = 1e-4
         change = field.velocity(t + step, [place]) - field.velocity(t - step, [place])
         np.testing.assert_allclose(acceleration, local @ change[0] / (2 * step), atol=1e-6)
-        share, slope = point[P_WET], point[P_SLOPE]
+        share, slope = here.wet, here.slope
         assert share == {True: 1.0, False: share}[place[2] < surface - half]
         assert 0.0 <= share <= 1.0
-        water(ints, reals, t, x, y, z + step, half)
-        above = point[P_WET]
-        water(ints, reals, t, x, y, z - step, half)
-        assert slope == pytest.approx((above - point[P_WET]) / (2 * step), abs=1e-6)
+        above, below = (water(model, t, x, y, z + way, half)[0].wet for way in (step, -step))
+        assert slope == pytest.approx((above - below) / (2 * step), abs=1e-6)
 
 
 @pytest.mark.parametrize("depth", [30.0, 4000.0])
@@ -144,15 +152,12 @@ def test_sums_are_right_at_any_time_and_place(depth):
     given = scene(JONSWAP, depth=depth)
     field = sea(given)
     model = cm.CableModel(given, planar=False)
-    ints, reals = model._ints, model._reals
-    head = Header(ints)
     speed = float((field.amplitude * field.frequency).sum())
     rng = np.random.default_rng(6)
     for _ in range(200):
         t = 10.0 ** rng.uniform(0.0, 5.0)
         place = rng.uniform([-4000, -4000, -1], [4000, 4000, 0]) * [1, 1, min(depth, 400.0)]
-        water(ints, reals, t, *place, 1.0)
-        point = reals[head.motion :][P_VELOCITY : P_VELOCITY + 3]
+        point = water(model, t, *place, 1.0)[0].velocity
         gone = speed * math.exp(-STILL)
         # The phase itself, of this size, is known to some bits of 2^-52.
         known = 1e-12 + 4.0 * 2.0**-52 * (field.frequency[-1] * t + 6000.0 * field.number[-1])
