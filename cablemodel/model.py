@@ -31,12 +31,15 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
-_INPUT_WORDS = 14
-"""As kernels/stepping.py, which loads the compiler."""
 _NO_NUMBERS = frozenset((str, bytes, bool, np.bool_, np.str_, np.bytes_))
 """What Python would make a number of, and nobody means as one."""
-NO_INPUTS: FloatArray = np.zeros(_INPUT_WORDS)
+NO_INPUTS: FloatArray = np.zeros(at.INPUT_WORDS)
 NO_INPUTS.flags.writeable = False
+_VELOCITY = at.StepInputs.velocity_given.word
+_POSITION = at.StepInputs.position_given.word
+_CURRENT = at.StepInputs.current_given.word
+_PAYOUT = at.StepInputs.payout_given.word
+"""Words that say whether what follows them is given."""
 WINCH_LIMITS = {0: "free", 1: "drum empty", -1: "shortest length"}
 """What clamps a winch's rate, by the words of its record."""
 
@@ -139,7 +142,7 @@ class CableModel:
         self.scene = scene = scene_of(scene)
         self._solver = choose(scene, planar=planar, sleep=sleep)
         self._initial = [memory.image.copy() for memory in self._solver.memories]
-        self._inputs: FloatArray = np.zeros(_INPUT_WORDS)
+        self._inputs: FloatArray = np.zeros(at.INPUT_WORDS)
         self._summary: FloatArray = np.zeros(at.SUMMARY_WORDS)
         self._summary_current = False
         self._errors: tuple[float, float] | None = None
@@ -236,12 +239,12 @@ class CableModel:
         ):
             inputs = self._inputs
             inputs[:] = 0.0
-            self._take_vector(0, "vessel_velocity", vessel_velocity)
-            self._take_vector(4, "vessel_position", vessel_position)
-            self._take_vector(8, "current", current)
+            self._take_vector(_VELOCITY, "vessel_velocity", vessel_velocity)
+            self._take_vector(_POSITION, "vessel_position", vessel_position)
+            self._take_vector(_CURRENT, "current", current)
             if payout_rate is not None:
-                inputs[13] = self._number("payout_rate", payout_rate)
-                inputs[12] = 1.0
+                inputs[_PAYOUT + 1] = self._number("payout_rate", payout_rate)
+                inputs[_PAYOUT] = 1.0
         solver = self._solver
         status = solver.step(end, inputs)
         self._summary_current, self._errors = False, None
@@ -569,7 +572,7 @@ class CableModel:
             "vessel_position": self.vessel_position,
             "vessel_velocity": self.vessel_velocity,
             "payout_rate": self.payout_rate,
-            "current": live[5:8].copy(),
+            "current": live.last.copy(),
         }
 
     def state(self) -> CableState:
@@ -629,9 +632,7 @@ class CableModel:
         self._finite_elements("energy")
         out = np.zeros(at.ENERGY_WORDS)
         entry.energy(self._ints, self._reals, out)
-        names = ["kinetic", "axial", "bending", "potential", "vessel_power", "drag_power"]
-        names += ["floor", "floor_power", "added_mass_power"]
-        return dict(zip(names, out.tolist(), strict=True))
+        return dict(zip(at.Energies.FIELDS, out.tolist(), strict=True))
 
     def linearise(self) -> LinearModel:
         """A linear model about the present state, with named states, inputs and outputs.

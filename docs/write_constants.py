@@ -49,7 +49,6 @@ WORDS = {
     "kernels/raos.py": "UP YAW",
     "kernels/sea_cells.py": "OVER",
     "kernels/time_stepping.py": "LANDED",
-    "kernels/stepping.py": "INPUT_WORDS IN_VELOCITY IN_POSITION IN_CURRENT IN_PAYOUT",
     "kernels/tables.py": "PAIRS_D PAIRS_H PAIRS_HD _G3",
     "kernels/tension.py": (
         "PASSES_OVER FOLLOWS SOLVED MISSES SOLVED_Q SOLVED_V SOLVED_A SOLVED_T SOLVED_RATE "

@@ -6,6 +6,7 @@ block; so for the others.
 
 from .compile import own_numbers, own_record, record_at, record_in, row_of, word_of
 from .layout import (
+    Arc,
     Arm,
     Body,
     Cable,
@@ -25,10 +26,14 @@ from .layout import (
     Line,
     Matter,
     Motion,
+    MotionChange,
     PartMotion,
     Piece,
+    Polynomial,
+    Rate,
     Scalars,
     Station,
+    StepInputs,
     Summary,
     Winch,
 )
@@ -49,11 +54,13 @@ cable_of, cable_at = row_of(Cable, Header.cables), record_at(Cable)
 body_of, body_at = row_of(Body, Header.bodies), record_at(Body)
 constraint_of, constraint_at = row_of(Constraint, Header.constraints), record_at(Constraint)
 motion_piece_of, motion_piece_at = row_of(Piece, Header.pieces), record_at(Piece)
+polynomial_at, arc_at = record_at(Polynomial), record_at(Arc)
 frame_of, frame_at = row_of(Frame, Header.frames), record_at(Frame)
 free_body_of, free_body_at = row_of(FreeBody, Header.free_bodies), record_at(FreeBody)
 arm_of, arm_at = row_of(Arm, Header.arms), record_at(Arm)
 closure_of, closure_at = row_of(Closure, Header.closures), record_at(Closure)
 foil_of, foil_at = row_of(Foil, Header.foils), record_at(Foil)
+rate_of = row_of(Rate, Header.rates)
 winch_of, winch_at = row_of(Winch, Header.winches), record_at(Winch)
 matter_of = row_of(Matter, Header.matter)
 line_of, line_at = row_of(Line, Header.lines), record_at(Line)
@@ -68,6 +75,8 @@ motion_at = record_at(Motion)
 new_motion = own_record(Motion)
 summary_at = record_at(Summary)
 energies_at = record_at(Energies)
+motion_change_at = record_at(MotionChange)
+step_inputs_at = record_at(StepInputs)
 frame_input_at = record_at(FrameInput)
 station_at = record_at(Station)
 part_motion_at = record_at(PartMotion)

@@ -33,7 +33,7 @@ from .layout import (
 
 @entry_point(int64(INTEGERS, REALS, float64, REALS))
 def step(I, M, t_end, inputs):
-    """Step to t_end [s] with the inputs of stepping.take_step (INPUT_WORDS). Returns the status.
+    """Step to t_end [s] with the inputs of stepping.take_step (StepInputs). Returns the status.
 
     On failure the block's image is as it was.
     """
@@ -199,11 +199,10 @@ def wrenches_when_moved(I, M, length, out):
 def drive(I, M, t_end, motion, forces, angles, rates, orders):
     """Inputs of a system for a step to t_end [s], before `step`.
 
-    motion: FRAME_INPUTS words for each frame: what is given (GIVEN_..., 0: its own motion); then
-    position [m], roll, pitch and yaw [rad], and their rates: see frames.drive_frame. forces:
-    outside force [N] and torque [N m] on each free body, earth frame. angles: deflection of each
-    foil [rad]. rates: of each winch whether its rate is given, and that [m/s]. orders: of each
-    cut, whether it is to be made now.
+    motion: a FrameInput for each frame, see frames.drive_frame. forces: outside force [N] and
+    torque [N m] on each free body, earth frame. angles: deflection of each foil [rad]. rates: of
+    each winch whether its rate is given, and that [m/s]. orders: of each cut, whether it is to be
+    made now.
     """
     part_outputs.drive_parts(I, M, t_end, motion, forces, angles, rates, orders)
     return 0

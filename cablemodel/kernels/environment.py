@@ -3,10 +3,12 @@
 import math
 
 from .access import (
+    arc_at,
     constraint_of,
     header,
     motion_piece_at,
     motion_piece_of,
+    polynomial_at,
     scalars,
     tow_point_of,
 )
@@ -15,6 +17,7 @@ from .layout import (
     BY_SPRING,
     HELD_BY_ANCHOR,
     PIECE_WORDS,
+    POLYNOMIAL,
 )
 
 ROUNDING = 4e-15  # times that differ by less of themselves are the same
@@ -24,33 +27,45 @@ ROUNDING = 4e-15  # times that differ by less of themselves are the same
 def evaluate_piece(M, row, t, out):
     """The Motion by one piece of it at time t."""
     tau = t - row.start
-    data = row.data
-    if row.kind == 0.0:
+    if row.kind == POLYNOMIAL:
+        law = polynomial_at(row.data, 0)
         for i in range(3):
-            c1 = data[3 + i]
-            c2 = data[6 + i]
-            c3 = data[9 + i]
-            c4 = data[12 + i]
-            out.position[i] = data[i] + tau * (c1 + tau * (c2 + tau * (c3 + tau * c4)))
+            c1 = law.velocity[i]
+            c2 = law.second[i]
+            c3 = law.third[i]
+            c4 = law.fourth[i]
+            out.position[i] = law.position[i] + tau * (c1 + tau * (c2 + tau * (c3 + tau * c4)))
             out.velocity[i] = c1 + tau * (2.0 * c2 + tau * (3.0 * c3 + tau * 4.0 * c4))
             out.acceleration[i] = 2.0 * c2 + tau * (6.0 * c3 + tau * 12.0 * c4)
-    else:
-        radius = data[3]
-        rate0 = data[5]
-        spin = data[6]
-        angle = data[4] + tau * (rate0 + 0.5 * spin * tau)
-        rate = rate0 + spin * tau
-        cx = math.cos(angle)
-        sx = math.sin(angle)
-        out.position[0] = data[0] + radius * cx
-        out.position[1] = data[1] + radius * sx
-        out.position[2] = data[2]
-        out.velocity[0] = -radius * rate * sx
-        out.velocity[1] = radius * rate * cx
-        out.velocity[2] = 0.0
-        out.acceleration[0] = radius * (-rate * rate * cx - spin * sx)
-        out.acceleration[1] = radius * (-rate * rate * sx + spin * cx)
-        out.acceleration[2] = 0.0
+        return
+    arc = arc_at(row.data, 0)
+    radius = arc.radius
+    spin = arc.spin
+    angle = arc.angle + tau * (arc.rate + 0.5 * spin * tau)
+    rate = arc.rate + spin * tau
+    cx = math.cos(angle)
+    sx = math.sin(angle)
+    out.position[0] = arc.centre[0] + radius * cx
+    out.position[1] = arc.centre[1] + radius * sx
+    out.position[2] = arc.centre[2]
+    out.velocity[0] = -radius * rate * sx
+    out.velocity[1] = radius * rate * cx
+    out.velocity[2] = 0.0
+    out.acceleration[0] = radius * (-rate * rate * cx - spin * sx)
+    out.acceleration[1] = radius * (-rate * rate * sx + spin * cx)
+    out.acceleration[2] = 0.0
+
+
+@kernel
+def begin_cubic(piece, time, t_end):
+    """Make a piece a motion by a cubic between two times; returns its law, still to be filled."""
+    piece.start = time
+    piece.end = t_end
+    piece.kind = POLYNOMIAL
+    law = polynomial_at(piece.data, 0)
+    for i in range(3):
+        law.fourth[i] = 0.0
+    return law
 
 
 @kernel
@@ -168,11 +183,10 @@ def current_profile(I, M, t):
             while t > M[grid + k + 1]:
                 k += 1
             fraction = (t - M[grid + k]) / (M[grid + k + 1] - M[grid + k])
-    t0 = state.live_current[0]
-    t1 = state.live_current[1]
+    given = state.live_current
     live = 1.0
-    if t < t1:
-        live = max(0.0, (t - t0) / (t1 - t0))
+    if t < given.end:
+        live = max(0.0, (t - given.begin) / (given.end - given.begin))
     planar = head.dimension == 2
     for j in range(depths):
         out = head.profile + 3 * j
@@ -181,8 +195,8 @@ def current_profile(I, M, t):
             value = M[at]
             if fraction > 0.0:
                 value += fraction * (M[at + 3 * depths] - value)
-            start = state.live_current[2 + i]
-            M[out + i] = value + start + live * (state.live_current[5 + i] - start)
+            start = given.first[i]
+            M[out + i] = value + start + live * (given.last[i] - start)
         if planar:
             M[out] = state.plane[0] * M[out] + state.plane[1] * M[out + 1]
             M[out + 1] = M[out + 2]
@@ -222,9 +236,10 @@ def changing(I, M, t, ahead):
             if holds(M[grid + k], M[grid + k + 1], t, ahead):
                 piece = k
                 slope = 1.0 / (M[grid + k + 1] - M[grid + k])
-        if holds(state.live_current[0], state.live_current[1], t, ahead):
-            live = 1.0 / (state.live_current[1] - state.live_current[0])
-        elif not ahead and abs(t - state.live_current[0]) <= ROUNDING * t:
+        given = state.live_current
+        if holds(given.begin, given.end, t, ahead):
+            live = 1.0 / (given.end - given.begin)
+        elif not ahead and abs(t - given.begin) <= ROUNDING * t:
             live = -1.0
     return piece, slope, live
 
@@ -237,7 +252,7 @@ def rate_at(I, M, j, i, piece, slope, live):
     if live < 0.0:
         rate = state.current_slope[i]
     else:
-        rate = live * (state.live_current[5 + i] - state.live_current[2 + i])
+        rate = live * (state.live_current.last[i] - state.live_current.first[i])
     if slope != 0.0:
         depths = head.depth_count
         at = head.current + (piece * depths + j) * 3 + i

@@ -16,7 +16,7 @@ from .access import (
     vector,
 )
 from .compile import kernel
-from .environment import evaluate_piece
+from .environment import begin_cubic, evaluate_piece
 from .layout import (
     EXACTLY,
     GIVEN_POSITION,
@@ -284,7 +284,7 @@ def drive_frame(I, M, row, t_end, wanted):
         evaluate_frame(I, M, row, time, turning == 1, now)
         if kind == 0:
             own_pieces(I, M, row, t_end, turning == 1, own)
-        piece = row.turn_piece if turning == 1 else row.piece
+        law = begin_cubic(row.turn_piece if turning == 1 else row.piece, time, t_end)
         place = wanted.attitude if turning == 1 else wanted.position
         velocity = wanted.attitude_rate if turning == 1 else wanted.velocity
         for i in range(3):
@@ -308,14 +308,10 @@ def drive_frame(I, M, row, t_end, wanted):
                 v1 = own.velocity[i]
                 c2 = 0.5 * (v1 - v0) / dt
                 row.shift[3 * turning + i] = p0 + 0.5 * (v0 + v1) * dt - own.position[i]
-            piece.data[i] = p0
-            piece.data[3 + i] = v0
-            piece.data[6 + i] = c2
-            piece.data[9 + i] = c3
-            piece.data[12 + i] = 0.0
-        piece.start = time
-        piece.end = t_end
-        piece.kind = 0.0
+            law.position[i] = p0
+            law.velocity[i] = v0
+            law.second[i] = c2
+            law.third[i] = c3
         if turning == 1:
             row.turn_live = LIVE if kind != 0 else LIVE_RETURNS
         else:

@@ -104,15 +104,11 @@ def follow_bodies(I, M, q, v, a):
 
 
 @kernel
-def ramp(given, words, i, t):
-    """Component i of an input that goes linearly from one value to the next: t0, t1, both."""
-    t0 = given[0]
-    t1 = given[1]
-    start = given[2 + i]
-    end = given[2 + words + i]
-    if t >= t1:
-        return end
-    return start + (end - start) * max(0.0, (t - t0) / (t1 - t0))
+def on_the_way(begin, end, first, last, t):
+    """An input at time t that goes linearly from one value to the next, between two times."""
+    if t >= end:
+        return last
+    return first + (last - first) * max(0.0, (t - begin) / (end - begin))
 
 
 @kernel
@@ -182,7 +178,8 @@ def add_foil(M, foil, table, t, flow, spin, out):
     place = foil.place
     turning = vector()  # what it adds to the flow: -Omega x place
     cross(place, spin, turning)
-    angle = ramp(foil.deflection, 1, 0, t)
+    given = foil.deflection
+    angle = on_the_way(given.begin, given.end, given.first, given.last, t)
     c = math.cos(angle)
     s = math.sin(angle)
     chord = foil.chord
@@ -315,13 +312,13 @@ def body_forces(I, M, body, t, out):
     if head.foot_count != 0 and head.floor_state == FLOOR_TOUCHED:
         add_feet(I, M, body, f)
     # What the caller pushes with, at the body's own origin.
-    torque = vector()
-    for i in range(3):
-        force[i] = ramp(row.force, 6, i, t)
-        torque[i] = ramp(row.force, 6, 3 + i, t)
-    to_body_axes(turn, force, own)
+    given = row.force
+    pushed = wrench()
+    for i in range(6):
+        pushed[i] = on_the_way(given.begin, given.end, given.first[i], given.last[i], t)
+    to_body_axes(turn, view(pushed, 0, 3), own)
     add_force(own, row.origin, -1.0, f)
-    to_body_axes(turn, torque, own)
+    to_body_axes(turn, view(pushed, 3, 3), own)
     for i in range(3):
         f[3 + i] -= own[i]
     to_earth_axes(turn, view(f, 0, 3), view(out, 0, 3))
@@ -457,28 +454,24 @@ def count_turns_anew(I, M, q, v, a):
 @kernel
 def push_bodies(I, M, t_end, forces):
     """Let the outside forces and torques (bodies, 6) be reached linearly at the end of a step."""
-    head = header(I)
-    state = scalars(M)
-    for body in range(head.free_count):
-        force = free_body_of(I, M, body).force
-        follow_ramp(force, 6, state.time, t_end, forces, 6 * body)
+    time = scalars(M).time
+    for body in range(header(I).free_count):
+        given = free_body_of(I, M, body).force
+        for i in range(6):
+            first = on_the_way(given.begin, given.end, given.first[i], given.last[i], time)
+            given.first[i] = first
+            given.last[i] = forces[6 * body + i]
+        given.begin = time
+        given.end = t_end
 
 
 @kernel
 def deflect_foils(I, M, t_end, angles, foils):
     """Let the deflections of the foils be reached linearly at the end of a step."""
-    state = scalars(M)
+    time = scalars(M).time
     for n in range(foils):
-        deflection = foil_of(I, M, n).deflection
-        follow_ramp(deflection, 1, state.time, t_end, angles, n)
-
-
-@kernel
-def follow_ramp(given, words, time, t_end, values, first):
-    """An input of so many words goes on from its present value to another one at t_end."""
-    for i in range(words):
-        given[2 + i] = ramp(given, words, i, time)
-    for i in range(words):
-        given[2 + words + i] = values[first + i]
-    given[0] = time
-    given[1] = t_end
+        given = foil_of(I, M, n).deflection
+        given.first = on_the_way(given.begin, given.end, given.first, given.last, time)
+        given.last = angles[n]
+        given.begin = time
+        given.end = t_end

@@ -3,7 +3,7 @@
 All kernels use the block up: whoever asks works on a copy.
 """
 
-from .access import header, scalars, vector
+from .access import header, motion_change_at, scalars, vector
 from .closures import follow_forces
 from .compile import kernel, outlined, view
 from .layout import (
@@ -181,20 +181,21 @@ def add_product(I, M, x, y):
 
 
 @kernel
-def response_to_motion(I, M, motion, out):
-    """What a small change of the tow point's motion does to the force on the vessel [N].
+def response_to_motion(I, M, words, out):
+    """What a small change of the tow point's motion, a MotionChange, does to the force on the
+    vessel [N].
 
-    The change began a time ago, motion[9] [s], and is now motion[0:3] in position, [3:6] in
-    velocity, [6:9] in acceleration (earth frame). Other nodes follow with the Newton matrix of one
-    step of that length in which accelerations are constant: M, C and K act on a change x of
-    position as (2/T^2 M + 2/T C + K) x. out: the change of the force (3). Returns 0, or 1 + the
-    node whose pivot vanished.
+    Other nodes follow with the Newton matrix of one step of the time that it has lasted, in which
+    accelerations are constant: M, C and K act on a change x of position as
+    (2/T^2 M + 2/T C + K) x. out: the change of the force (3). Returns 0, or 1 + the node whose
+    pivot vanished.
     """
     head = header(I)
+    change = motion_change_at(words, 0)
     promote(I, M)
     count = 6 * head.nodes
-    cv = 2.0 / motion[9]
-    ca = 2.0 / (motion[9] * motion[9])
+    cv = 2.0 / change.lasted
+    ca = 2.0 / (change.lasted * change.lasted)
     x = view(M, head.trial_position, count)
     y = view(M, head.trial_velocity, count)
     solution = view(M, head.trial_acceleration, count)
@@ -202,10 +203,10 @@ def response_to_motion(I, M, motion, out):
     for part in range(3):
         x[:] = 0.0
         for i in range(3):
-            of_damping = motion[3 + i] / cv
-            of_mass = motion[6 + i] / ca
+            of_damping = change.velocity[i] / cv
+            of_mass = change.acceleration[i] / ca
             if part == 0:
-                x[i] = motion[i] - of_damping - of_mass
+                x[i] = change.position[i] - of_damping - of_mass
             else:
                 x[i] = of_damping if part == 1 else of_mass
         assemble_here(I, M, cv if part == 1 else 0.0, ca if part == 2 else 0.0)

@@ -171,6 +171,15 @@ class Header(Record):
 HEADER_WORDS = Header.WORDS
 
 
+class VectorRamp(Record):
+    """A vector that goes linearly from one value to the next."""
+
+    begin = real("when it begins to", "s")
+    end = real("and ends", "s")
+    first = reals(3, "until then")
+    last = reals(3, "from then on")
+
+
 class Scalars(Record, first=HEADER_WORDS):
     """Numbers of a block that there is one of."""
 
@@ -185,7 +194,7 @@ class Scalars(Record, first=HEADER_WORDS):
     origin = reals(3, "origin of the coordinates in the block, earth frame", "m")
     plane = reals(2, "horizontal direction of the plane of a planar model")
     shift = reals(3, "vessel position minus that of the scene's own motion", "m")
-    live_current = reals(8, "t0, t1 [s], velocity at t0 (3), at t1 (3)", "m/s")
+    live_current = part(VectorRamp, "velocity of the caller's current [m/s]")
     gravity = real("gravity", "m/s2")
     water_density = real("density of the water", "kg/m3")
     first_step = real("of a motion that starts", "s")
@@ -298,6 +307,15 @@ JOINT_ROOT = 5  # nothing: a tree of its own
 JOINT_ROOT_FREE = 6  # nothing: a free body that is a root
 
 
+class Ramp(Record):
+    """A number that goes linearly from one value to the next."""
+
+    begin = real("when it begins to", "s")
+    end = real("and ends", "s")
+    first = real("until then")
+    last = real("from then on")
+
+
 class Winch(Record):
     """What pays a line out and takes it in, at a node that is held.
 
@@ -325,7 +343,7 @@ class Winch(Record):
     cable = real("row of the cable that passes")
     at_limit = real("+1: the drum is empty, -1: the shortest length is reached, 0: neither")
     live = real("LIVE_NOT, LIVE or LIVE_RETURNS: what drives it")
-    live_rate = reals(4, "t0, t1 [s], rate at t0, at t1", "m/s")
+    live_rate = part(Ramp, "the caller's rate [m/s]")
     first_rate = real("its rows of the rate table: the first one")
     rates = real("how many")
 
@@ -462,19 +480,40 @@ EXACTLY, BY_SPRING = 1, 2  # how the tangent is held
 ALONE = 3  # no line is left at the node
 
 
+class Polynomial(Record):
+    """The law of a piece of motion: a polynomial of the time since its piece began."""
+
+    position = reals(3, "at the beginning", "m")
+    velocity = reals(3, "there", "m/s")
+    second = reals(3, "coefficients of the second power", "m/s2")
+    third = reals(3, "of the third", "m/s3")
+    fourth = reals(3, "of the fourth", "m/s4")
+
+
+class Arc(Record):
+    """The law of a piece of motion along a level circle."""
+
+    centre = reals(3, "of it", "m")
+    radius = real("of it", "m")
+    angle = real("from the x axis where the piece begins", "rad")
+    rate = real("of that angle there", "rad/s")
+    spin = real("rate of that", "rad/s2")
+
+
 class Piece(Record):
     """A piece of the vessel's motion: see cablemodel/scene/motion.py."""
 
     start = real("from which time on it holds", "s")
     end = real("until which time", "s")
-    kind = real("of its law")
-    data = reals(18, "numbers of that law")
+    kind = real("of its law: POLYNOMIAL or ARC")
+    data = reals(18, "that law: a Polynomial or an Arc")
     jerk_jump = real("at its start", "m/s3")
     acceleration_jump = real("at its start", "m/s2")
     velocity_jump = real("at its start", "m/s")
 
 
 PIECE_WORDS = Piece.WORDS
+POLYNOMIAL, ARC = 0, 1
 
 
 class Frame(Record):
@@ -511,6 +550,15 @@ RAO_WORDS = 12
 RAO_HEADINGS = 36  # every 10 degrees from 0
 
 
+class WrenchRamp(Record):
+    """A force and a moment that go linearly from one value to the next."""
+
+    begin = real("when they begin to", "s")
+    end = real("and end", "s")
+    first = reals(6, "until then")
+    last = reals(6, "from then on")
+
+
 class BodyMotion(Record):
     """Motion of a free body at the last residual."""
 
@@ -537,7 +585,7 @@ class FreeBody(Record):
     solid = reals(36, "(6, 6) matrix of inertia of the body")
     added = reals(36, "(6, 6) matrix of inertia of the water")
     rotation = reals(9, "by rows: from which the state's rotation vector turns")
-    force = reals(14, "t0, t1, force and torque about the origin then, earth frame")
+    force = part(WrenchRamp, "of the caller, about the origin, earth frame [N, N m]")
     motion = part(BodyMotion, "at the last residual")
     first_foil = real("row of its first foil")
     foil_count = real("how many foils it has")
@@ -590,7 +638,7 @@ class Foil(Record):
     span = reals(3, "along it; lift along chord x span")
     area = real("times half of the water's density", "kg/m")
     table = real("word of its table: lift and drag coefficients at FOIL_ANGLES angles")
-    deflection = reals(4, "t0, t1, angle then", "rad")
+    deflection = part(Ramp, "as the caller turns it [rad]")
     _spare = spare(5)
 
 
@@ -763,6 +811,34 @@ class Energies(Record):
 
 
 ENERGY_WORDS = Energies.WORDS
+
+
+class StepInputs(Record):
+    """What a caller gives of a line for the end of a step; what is not given follows the scene."""
+
+    velocity_given = real("1: the tow point's velocity is given")
+    velocity = reals(3, "of it", "m/s")
+    position_given = real("1: its position is given")
+    position = reals(3, "of it", "m")
+    current_given = real("1: a current is given, besides the scene's")
+    current = reals(3, "velocity of that", "m/s")
+    payout_given = real("1: the rate of pay-out is given")
+    payout_rate = real("that rate", "m/s")
+
+
+INPUT_WORDS = StepInputs.WORDS
+
+
+class MotionChange(Record):
+    """What a small change of the tow point's motion is now, and when it began; earth frame."""
+
+    position = reals(3, "by how much the place is another one", "m")
+    velocity = reals(3, "and its rate", "m/s")
+    acceleration = reals(3, "and the rate of that", "m/s2")
+    lasted = real("for how long so far", "s")
+
+
+MOTION_CHANGE_WORDS = MotionChange.WORDS
 
 
 class FrameInput(Record):

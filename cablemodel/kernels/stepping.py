@@ -7,12 +7,21 @@ the mean velocity of the step as the final one. Inputs that are not given follow
 
 import math
 
-from .access import header, motion_piece_of, new_motion, scalars, tow_point_of
+from .access import (
+    header,
+    motion_piece_of,
+    new_motion,
+    polynomial_at,
+    scalars,
+    step_inputs_at,
+    tow_point_of,
+)
 from .backup import give_back, keep_state
 from .compile import kernel
 from .consistency import state_residual
-from .environment import ROUNDING, evaluate_piece, find_piece, vessel_motion
+from .environment import ROUNDING, begin_cubic, evaluate_piece, find_piece, vessel_motion
 from .layout import (
+    INPUT_WORDS,
     NOT_FINITE,
     OK,
 )
@@ -24,10 +33,6 @@ from .time_stepping import advance_to
 from .vessel_clamp import release_slope
 from .winch import drive_winch
 
-# Words of the input vector: a flag (0: not given) before each group.
-IN_VELOCITY, IN_POSITION, IN_CURRENT, IN_PAYOUT = 0, 4, 8, 12
-INPUT_WORDS = 14
-
 
 @kernel
 def set_live_motion(I, M, t_end, inputs):
@@ -36,39 +41,35 @@ def set_live_motion(I, M, t_end, inputs):
     time = state.time
     dt = t_end - time
     target = new_motion()
-    if inputs[IN_VELOCITY] == 0.0 and inputs[IN_POSITION] == 0.0:
+    if inputs.velocity_given == 0.0 and inputs.position_given == 0.0:
         # Back to the scene's motion: its velocity at the step's end, then its own course, shifted.
         k = find_piece(I, M, t_end)
         evaluate_piece(M, motion_piece_of(I, M, k), t_end, target)
     vessel_motion(I, M, time)
     now = tow_point_of(I, M, 0)
-    row = motion_piece_of(I, M, 0)
+    law = begin_cubic(motion_piece_of(I, M, 0), time, t_end)
     for i in range(3):
         p0 = now.position[i]
         v0 = now.velocity[i]
         c2 = 0.0
         c3 = 0.0
-        if inputs[IN_POSITION] != 0.0:
-            mean = (inputs[IN_POSITION + 1 + i] - p0) / dt
+        if inputs.position_given != 0.0:
+            mean = (inputs.position[i] - p0) / dt
             v1 = mean
-            if inputs[IN_VELOCITY] != 0.0:
-                v1 = inputs[IN_VELOCITY + 1 + i]
+            if inputs.velocity_given != 0.0:
+                v1 = inputs.velocity[i]
             c2 = (3.0 * mean - 2.0 * v0 - v1) / dt
             c3 = (v0 + v1 - 2.0 * mean) / (dt * dt)
-        elif inputs[IN_VELOCITY] != 0.0:
-            c2 = 0.5 * (inputs[IN_VELOCITY + 1 + i] - v0) / dt
+        elif inputs.velocity_given != 0.0:
+            c2 = 0.5 * (inputs.velocity[i] - v0) / dt
         else:
             v1 = target.velocity[i]
             c2 = 0.5 * (v1 - v0) / dt
             state.shift[i] = p0 + 0.5 * (v0 + v1) * dt - target.position[i]
-        row.data[i] = p0
-        row.data[3 + i] = v0
-        row.data[6 + i] = c2
-        row.data[9 + i] = c3
-        row.data[12 + i] = 0.0
-    row.start = time
-    row.end = t_end
-    row.kind = 0.0
+        law.position[i] = p0
+        law.velocity[i] = v0
+        law.second[i] = c2
+        law.third[i] = c3
 
 
 @kernel
@@ -78,23 +79,23 @@ def set_live_current(I, M, t_end, inputs):
     state = scalars(M)
     live = state.live_current
     time = state.time
-    span = live[1] - live[0]
+    span = live.end - live.begin
     fraction = 1.0
     if span > 0.0:
-        fraction = min(1.0, max(0.0, (time - live[0]) / span))
+        fraction = min(1.0, max(0.0, (time - live.begin) / span))
     flows = False
-    goes_on = span > 0.0 and time <= live[1] + ROUNDING * time
+    goes_on = span > 0.0 and time <= live.end + ROUNDING * time
     for i in range(3):
-        change = live[5 + i] - live[2 + i]
+        change = live.last[i] - live.first[i]
         state.current_slope[i] = change / span if goes_on else 0.0
-        start = live[2 + i] + fraction * (live[5 + i] - live[2 + i])
-        end = inputs[IN_CURRENT + 1 + i] if inputs[IN_CURRENT] != 0.0 else 0.0
-        live[2 + i] = start
-        live[5 + i] = end
+        start = live.first[i] + fraction * change
+        end = inputs.current[i] if inputs.current_given != 0.0 else 0.0
+        live.first[i] = start
+        live.last[i] = end
         if start != 0.0 or end != 0.0:
             flows = True
-    live[0] = time
-    live[1] = t_end
+    live.begin = time
+    live.end = t_end
     if flows and head.current_kind == 0:
         head.current_kind = 1
 
@@ -139,29 +140,22 @@ def keep_plane(I, M):
     if head.dimension == 3:
         return
     live = state.live_current
-    if head.live == 1:
-        data = motion_piece_of(I, M, 0).data
-        for k in range(1, 4):
-            at = 3 * k
-            if head.dimension == 2 and out_of_plane(I, M, data[at], data[at + 1]):
-                leave_plane(I, M, data[at], data[at + 1])
-    for k in range(2):
-        at = 2 + 3 * k
-        if head.dimension == 2 and out_of_plane(I, M, live[at], live[at + 1]):
-            leave_plane(I, M, live[at], live[at + 1])
-    if head.dimension == 2:
-        # A plane that was turned for one input must hold for all of them.
-        data = motion_piece_of(I, M, 0).data
-        for k in range(1, 4):
-            at = 3 * k
-            if head.live == 1 and out_of_plane(I, M, data[at], data[at + 1]):
-                promote(I, M)
-                return
-        for k in range(2):
-            at = 2 + 3 * k
-            if out_of_plane(I, M, live[at], live[at + 1]):
-                promote(I, M)
-                return
+    law = polynomial_at(motion_piece_of(I, M, 0).data, 0)
+    # A plane that was turned for one input must hold for all of them: a second time.
+    for again in range(2):
+        if head.live == 1:
+            for rate in (law.velocity, law.second, law.third):
+                if head.dimension == 2 and out_of_plane(I, M, rate[0], rate[1]):
+                    if again == 0:
+                        leave_plane(I, M, rate[0], rate[1])
+                    else:
+                        promote(I, M)
+        for flow in (live.first, live.last):
+            if head.dimension == 2 and out_of_plane(I, M, flow[0], flow[1]):
+                if again == 0:
+                    leave_plane(I, M, flow[0], flow[1])
+                else:
+                    promote(I, M)
 
 
 @kernel
@@ -177,21 +171,22 @@ def possible(M, t_end, inputs):
 
 
 @kernel
-def take_inputs(I, M, t_end, inputs):
-    """Make the inputs of a step to t_end what drives the block. Returns whether the vessel goes
-    back to the scene's own motion by it, for `release_inputs`."""
+def take_inputs(I, M, t_end, words):
+    """Make the inputs of a step to t_end, StepInputs, what drives the block. Returns whether the
+    vessel goes back to the scene's own motion by it, for `release_inputs`."""
     head = header(I)
+    inputs = step_inputs_at(words, 0)
     returning = False
-    given = inputs[IN_VELOCITY] != 0.0 or inputs[IN_POSITION] != 0.0
+    given = inputs.velocity_given != 0.0 or inputs.position_given != 0.0
     if given or head.live == 1:
         set_live_motion(I, M, t_end, inputs)
         head.live = 1
         if not given:
             returning = True
-    if inputs[IN_CURRENT] != 0.0 or head.current_kind != 0:
+    if inputs.current_given != 0.0 or head.current_kind != 0:
         set_live_current(I, M, t_end, inputs)
     if head.parts == 0 and drive_winch(
-        I, M, 0, t_end, inputs[IN_PAYOUT] != 0.0, inputs[IN_PAYOUT + 1]
+        I, M, 0, t_end, inputs.payout_given != 0.0, inputs.payout_rate
     ):
         release_slope(I, M)
     return returning

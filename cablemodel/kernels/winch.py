@@ -1,8 +1,8 @@
 """Winches: at what rate lines pass them, until when, and how far a step may go."""
 
-from .access import cable_of, header, scalars, winch_of
+from .access import cable_of, header, rate_of, scalars, winch_of
 from .compile import kernel
-from .layout import LIVE, LIVE_NOT, LIVE_RETURNS, RATE_WORDS
+from .layout import LIVE, LIVE_NOT, LIVE_RETURNS
 from .passing import next_mark
 
 FASTEST_GROWTH = 20.0  # in a step, of the top element or of what is out of a body, by its length
@@ -11,29 +11,27 @@ FASTEST_GROWTH = 20.0  # in a step, of the top element or of what is out of a bo
 @kernel
 def commanded_rate(I, M, n, t):
     """Commanded rate of a winch just after t, its slope, and the time until which they hold."""
-    head = header(I)
     winch = winch_of(I, M, n)
     if winch.live != LIVE_NOT:
-        t0 = winch.live_rate[0]
-        t1 = winch.live_rate[1]
-        if t < t1:
-            slope = (winch.live_rate[3] - winch.live_rate[2]) / (t1 - t0)
-            return winch.live_rate[2] + slope * (t - t0), slope, t1
-        return winch.live_rate[3], 0.0, 1e300
-    table = head.rates + RATE_WORDS * int(winch.first_rate)
+        live = winch.live_rate
+        if t < live.end:
+            slope = (live.last - live.first) / (live.end - live.begin)
+            return live.first + slope * (t - live.begin), slope, live.end
+        return live.last, 0.0, 1e300
+    first = int(winch.first_rate)
     count = int(winch.rates)
     if count == 0:
         return 0.0, 0.0, 1e300
-    if t < M[table]:
-        return M[table + 1], 0.0, M[table]
-    for k in range(count - 1):
-        t1 = M[table + 2 * k + 2]
-        if t < t1:
-            t0 = M[table + 2 * k]
-            r0 = M[table + 2 * k + 1]
-            slope = (M[table + 2 * k + 3] - r0) / (t1 - t0)
-            return r0 + slope * (t - t0), slope, t1
-    return M[table + 2 * count - 1], 0.0, 1e300
+    now = rate_of(I, M, first)
+    if t < now.time:
+        return now.rate, 0.0, now.time
+    for k in range(first, first + count - 1):
+        now = rate_of(I, M, k)
+        then = rate_of(I, M, k + 1)
+        if t < then.time:
+            slope = (then.rate - now.rate) / (then.time - now.time)
+            return now.rate + slope * (t - now.time), slope, then.time
+    return rate_of(I, M, first + count - 1).rate, 0.0, 1e300
 
 
 @kernel
@@ -50,10 +48,11 @@ def drive_winch(I, M, n, t_end, given, target):
         winch.live = LIVE_NOT
         target, _slope, _until = commanded_rate(I, M, n, t_end)
     winch.live = LIVE if given else LIVE_RETURNS
-    winch.live_rate[0] = time
-    winch.live_rate[1] = t_end
-    winch.live_rate[2] = present
-    winch.live_rate[3] = target
+    live = winch.live_rate
+    live.begin = time
+    live.end = t_end
+    live.first = present
+    live.last = target
     if present == 0.0 and target == 0.0:
         return False
     header(I).payout = 1

@@ -92,11 +92,11 @@ class InputNames:
         motion = np.zeros((len(scene.vessels), at.FRAME_INPUTS))
         for number, name, wanted in table.rows("vessels", given.get("vessels"), scene.vessels):
             row = motion[number]
-            for start, (key, bit) in zip(range(1, at.FRAME_INPUTS, 3), _GIVEN, strict=True):
+            for key, bit in _GIVEN:
                 value = getattr(wanted, key)
                 if value is not None:
-                    row[0] += bit
-                    row[start : start + 3] = table.vector(f"{name}.{key}", value, 3)
+                    row[at.FrameInput.given] += bit
+                    row[at.FrameInput.FIELDS[key].span] = table.vector(f"{name}.{key}", value, 3)
         forces = np.zeros((len(scene.bodies), 6))
         for number, name, value in table.rows("forces", given.get("forces"), scene.bodies):
             forces[number] = table.vector(f"forces.{name}", value, 6)
@@ -188,9 +188,9 @@ class _Table:
 def motion_given(row: FloatArray) -> dict[str, FloatArray]:
     """The fields of VesselInput that made a frame's words of `Drive.motion`."""
     return {
-        key: row[start : start + 3].copy()
-        for start, (key, bit) in zip(range(1, at.FRAME_INPUTS, 3), _GIVEN, strict=True)
-        if int(row[0]) & bit
+        key: row[at.FrameInput.FIELDS[key].span].copy()
+        for key, bit in _GIVEN
+        if int(row[at.FrameInput.given]) & bit
     }
 
 
@@ -213,7 +213,7 @@ _GIVEN = (
     ("velocity", at.GIVEN_VELOCITY),
     ("attitude_rate", at.GIVEN_RATE),
 )
-"""Fields of VesselInput in the order of a frame's input, and their bits."""
+"""Fields of VesselInput and of FrameInput, and their bits."""
 
 _HALVES = {"force": slice(0, 3), "torque": slice(3, 6)}
 _NAMED = {"deflection": "deflections", "rate": "rates"}

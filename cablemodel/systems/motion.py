@@ -155,5 +155,5 @@ def _exactly(time: float, span: float) -> float:
 
 def first_angles(vessel: VesselFrame) -> tuple[float, float, float]:
     """Roll, pitch and yaw at t = 0 [rad]."""
-    yaw = turning(vessel)[0, at.Piece.data.word + 2]
+    yaw = at.Polynomial(turning(vessel)[0], at.Piece.data.word).position[2]
     return vessel.attitude[0], vessel.attitude[1], float(yaw)

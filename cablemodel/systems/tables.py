@@ -393,7 +393,7 @@ def fill_bodies(scene: SystemScene, built: Built, before: Built | None) -> None:
         row[at.FreeBody.rotation.span] = axes_of(body.attitude).ravel()
         if before is not None:
             old = before.block.array(Header.free_bodies, len(scene.bodies), at.FREE_WORDS)[index]
-            row[at.FreeBody.rotation.span] = old[at.FreeBody.motion : at.FreeBody.motion.word + 9]
+            row[at.FreeBody.rotation.span] = at.FreeBody(old, 0).motion.turn
         row[at.FreeBody.first_foil], row[at.FreeBody.foil_count] = used, len(body.foils)
         for foil in body.foils.values():
             wing = foils[used]
@@ -403,7 +403,8 @@ def fill_bodies(scene: SystemScene, built: Built, before: Built | None) -> None:
             wing[at.Foil.span.span] = span / np.linalg.norm(span)
             wing[at.Foil.area] = 0.5 * rho * foil.area
             wing[at.Foil.table] = 2 * at.FOIL_ANGLES * used
-            wing[at.Foil.deflection.word + 2] = wing[at.Foil.deflection.word + 3] = foil.deflection
+            turned = at.Foil(wing, 0).deflection
+            turned.first = turned.last = foil.deflection
             angles = np.linspace(-math.pi, math.pi, at.FOIL_ANGLES)
             tables[used] = foil.coefficients(angles)
             used += 1
@@ -462,12 +463,9 @@ def rest_feet(scene: SystemScene, built: Built) -> None:
     block, count = built.block, len(scene.bodies)
     bodies = block.array(Header.free_bodies, count, at.FREE_WORDS)
     for row in block.array(Header.feet, len(feet_of(scene)), at.FOOT_WORDS):
-        motion = bodies[int(row[at.Foot.body])][at.FreeBody.motion :]
-        axes = motion[at.BodyMotion.turn.span].reshape(3, 3)
-        place = axes @ row[at.Foot.place.span]
-        row[at.Foot.rest.span] = (
-            motion[at.BodyMotion.reference : at.BodyMotion.reference.word + 3] + place
-        )
+        motion = at.FreeBody(bodies[int(row[at.Foot.body])], 0).motion
+        place = motion.turn.reshape(3, 3) @ row[at.Foot.place.span]
+        row[at.Foot.rest.span] = motion.reference.position + place
 
 
 def fill_closures(scene: SystemScene, built: Built) -> None:

@@ -65,13 +65,6 @@ def _text(value: object) -> str:
     return value.text if isinstance(value, Symbol) else str(value)
 
 
-def input_layout() -> dict[str, int]:
-    """Places in the input vector of a step (constants of kernels/stepping.py)."""
-    from cablemodel.kernels import stepping
-
-    return constants(stepping, ("IN_", "INPUT_WORDS"))
-
-
 def start_constants() -> dict[str, float]:
     """Numbers by which instance/ derives a block from the lengths of its cables, and by which what
     is read of a system is placed, and looks ahead."""
@@ -123,7 +116,7 @@ def header(kernel_hash: str) -> str:
     """Text of layout.h: constants of both layouts, the rules of their blocks, and what the direct
     solver says of a step that fails."""
     lines = ["/* Written by cablemodel_fmu/c_layout.py; do not edit. */"]
-    for name, value in {**constants(layout), **input_layout()}.items():
+    for name, value in constants(layout).items():
         if not name.startswith("_"):
             lines.append(f"#define {name} INT64_C({value})")
     for record in [*records(layout), *records(direct_layout)]:

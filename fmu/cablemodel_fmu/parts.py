@@ -94,7 +94,7 @@ def _starts(scene: SystemScene, part: str, field: str) -> list[float]:
         return [0.0, 0.0, 0.0]
     vessel = scene.vessels[part]
     position, velocity, _ = vessel.motion().evaluate(0.0)
-    rates = turning(vessel)[0, at.Piece.data.word + 3 : at.Piece.data.word + 6]
+    rates = at.Polynomial(turning(vessel)[0], at.Piece.data.word).velocity
     found = {
         "position": position,
         "velocity": velocity,

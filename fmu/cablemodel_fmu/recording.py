@@ -20,7 +20,6 @@ from cablemodel.systems import SystemModel, VesselInput
 from cablemodel.systems.inputs import motion_given
 from cablemodel.systems.model import read_scene
 from cablemodel.variables import is_system
-from cablemodel_fmu.c_layout import input_layout
 from cablemodel_fmu.export import block_of
 
 _APPLIED = 10
@@ -122,19 +121,17 @@ class _Follower(CableModel):
         """A state of the FMU: the next step ends there. Returns the inputs that led to it."""
         image = self._solver.memory.image
         self._next = state[-len(image) :]
-        layout = input_layout()
-        words = state[_APPLIED : _APPLIED + layout["INPUT_WORDS"]].view(np.float64)
+        applied = state[_APPLIED : _APPLIED + at.INPUT_WORDS].view(np.float64)
+        inputs = at.StepInputs(applied, 0)
         given: dict[str, Any] = {}
-        for name, key, count in (
-            ("vessel_velocity", "IN_VELOCITY", 3),
-            ("vessel_position", "IN_POSITION", 3),
-            ("current", "IN_CURRENT", 3),
-            ("payout_rate", "IN_PAYOUT", 1),
-        ):
-            at = layout[key]
-            if words[at] != 0.0:
-                value = words[at + 1 : at + 1 + count].copy()
-                given[name] = value if count > 1 else float(value[0])
+        if inputs.velocity_given != 0.0:
+            given["vessel_velocity"] = inputs.velocity.copy()
+        if inputs.position_given != 0.0:
+            given["vessel_position"] = inputs.position.copy()
+        if inputs.current_given != 0.0:
+            given["current"] = inputs.current.copy()
+        if inputs.payout_given != 0.0:
+            given["payout_rate"] = float(inputs.payout_rate)
         self.reached = _time_of(self._solver.memory, self._next)
         return given
 

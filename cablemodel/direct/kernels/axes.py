@@ -2,7 +2,7 @@
 
 import math
 
-from cablemodel.kernels.access import header, motion_piece_of, scalars
+from cablemodel.kernels.access import header, motion_piece_of, polynomial_at, scalars
 
 from .access import own_header, own_scalars, rigid_body_of, section_of
 from .compile import kernel
@@ -39,16 +39,16 @@ def leave_plane(I, M):
     px = state.plane[0]
     py = state.plane[1]
     if head.live == 1:
-        data = motion_piece_of(I, M, 0).data
-        for k in range(1, 4):
-            x = data[3 * k]
-            y = data[3 * k + 1]
+        law = polynomial_at(motion_piece_of(I, M, 0).data, 0)
+        for rate in (law.velocity, law.second, law.third):
+            x = rate[0]
+            y = rate[1]
             if abs(px * y - py * x) > _ALIGNED * (abs(x) + abs(y)):
                 own.planar = 0
     if head.current_kind != 0:
-        for k in range(2):
-            x = state.live_current[2 + 3 * k]
-            y = state.live_current[3 + 3 * k]
+        for flow in (state.live_current.first, state.live_current.last):
+            x = flow[0]
+            y = flow[1]
             if abs(px * y - py * x) > _ALIGNED * (abs(x) + abs(y)):
                 own.planar = 0
 

@@ -6,7 +6,7 @@ are read by the same kernels.
 
 import math
 
-from cablemodel.kernels.access import header, motion_piece_of, scalars, winch_of
+from cablemodel.kernels.access import header, motion_piece_of, scalars, tow_point_of, winch_of
 from cablemodel.kernels.environment import current_profile, find_piece, surge_jump, vessel_motion
 from cablemodel.kernels.layout import (
     NOT_FINITE,
@@ -41,17 +41,13 @@ RESTART = 0.5
 def set_vessel(I, M, t):
     """Tow point and its velocity at time t in the paper's axes."""
     run = own_scalars(M)
-    head = header(I)
     vessel_motion(I, M, t)
-    at = head.motion
-    g1, g2, g3 = from_earth(M, M[at], M[at + 1], M[at + 2])
-    run.vessel[0] = g1
-    run.vessel[1] = g2
-    run.vessel[2] = g3
-    g1, g2, g3 = from_earth(M, M[at + 3], M[at + 4], M[at + 5])
-    run.vessel[3] = g1
-    run.vessel[4] = g2
-    run.vessel[5] = g3
+    tow = tow_point_of(I, M, 0)
+    p = tow.position
+    v = tow.velocity
+    vessel = run.vessel
+    vessel[0], vessel[1], vessel[2] = from_earth(M, p[0], p[1], p[2])
+    vessel[3], vessel[4], vessel[5] = from_earth(M, v[0], v[1], v[2])
 
 
 @kernel

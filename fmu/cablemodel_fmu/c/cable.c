@@ -134,29 +134,21 @@ void clear_slopes(Cable *cable) {
         memset(input->slope, 0, sizeof input->slope);
 }
 
-static void collect_inputs(const Cable *cable, double dt, double *inputs) {
-    memset(inputs, 0, INPUT_WORDS * sizeof(double));
+static void collect_inputs(const Cable *cable, double dt, StepInputs *inputs) {
+    memset(inputs, 0, sizeof *inputs);
     const int64_t by = vessel_input(cable), drives = driven(cable);
     if (drives & (VELOCITY_SET | POSITION_SET)) {
-        if (by != BY_POSITION) {
-            inputs[IN_VELOCITY] = 1.0;
-            for (int i = 0; i < 3; i++)
-                inputs[IN_VELOCITY + 1 + i] = at_end(cable, VR_VELOCITY + i, dt);
-        }
-        if (by != BY_VELOCITY) {
-            inputs[IN_POSITION] = 1.0;
-            for (int i = 0; i < 3; i++)
-                inputs[IN_POSITION + 1 + i] = at_end(cable, VR_POSITION + i, dt);
-        }
+        inputs->velocity_given = by != BY_POSITION;
+        inputs->position_given = by != BY_VELOCITY;
     }
-    if (drives & CURRENT_SET) {
-        inputs[IN_CURRENT] = 1.0;
-        for (int i = 0; i < 3; i++) inputs[IN_CURRENT + 1 + i] = at_end(cable, VR_CURRENT + i, dt);
+    inputs->current_given = (drives & CURRENT_SET) != 0;
+    inputs->payout_given = (drives & PAYOUT_SET) != 0;
+    for (int i = 0; i < 3; i++) {
+        if (inputs->velocity_given != 0.0) inputs->velocity[i] = at_end(cable, VR_VELOCITY + i, dt);
+        if (inputs->position_given != 0.0) inputs->position[i] = at_end(cable, VR_POSITION + i, dt);
+        if (inputs->current_given != 0.0) inputs->current[i] = at_end(cable, VR_CURRENT + i, dt);
     }
-    if (drives & PAYOUT_SET) {
-        inputs[IN_PAYOUT] = 1.0;
-        inputs[IN_PAYOUT + 1] = at_end(cable, VR_PAYOUT, dt);
-    }
+    if (inputs->payout_given != 0.0) inputs->payout_rate = at_end(cable, VR_PAYOUT, dt);
 }
 
 /* How far a position that is reached after dt is from where the start goes on to. */
@@ -173,11 +165,11 @@ double distance_from(const double *start, const double *velocity, const double *
    start than the cable's. */
 const char *first_jump(Cable *cable, double dt) {
     if (cable->system != NULL) return first_jump_of_parts(cable, dt);
-    double inputs[INPUT_WORDS];
-    collect_inputs(cable, dt, inputs);
-    if (inputs[IN_POSITION] == 0.0) return NULL;
+    StepInputs inputs;
+    collect_inputs(cable, dt, &inputs);
+    if (inputs.position_given == 0.0) return NULL;
     const double *start = cable->now.start;
-    const double way = distance_from(start, start + 3, inputs + IN_POSITION + 1, dt);
+    const double way = distance_from(start, start + 3, inputs.position, dt);
     if (!(way > JUMP_SPEED * dt)) return NULL;
     snprintf(cable->message, sizeof cable->message,
              "vessel.position draws the tow point by %g m in the first step, of %g s: the cable begins "
@@ -188,9 +180,9 @@ const char *first_jump(Cable *cable, double dt) {
 }
 
 /* What derivatives and the next step want to know of one that was made. */
-static void remember_step(Cable *cable, double dt, const double *inputs) {
+static void remember_step(Cable *cable, double dt, const StepInputs *inputs) {
     Controls *now = &cable->now;
-    memcpy(now->applied, inputs, sizeof now->applied);
+    now->applied = *inputs;
     now->growth = now->last_step > 0.0 ? dt / now->last_step : 0.0;
     now->last_step = dt;
     now->last_mode = vessel_input(cable);
@@ -260,8 +252,9 @@ int is_beside(const Cable *cable) {
 
 /* To the instance's own time t_end; on failure the message says why and nothing has changed. */
 int64_t step_cable(Cable *cable, double t_end, double dt, char *message, size_t size) {
-    double inputs[INPUT_WORDS] = {0};
-    if (cable->system == NULL) collect_inputs(cable, dt, inputs);
+    StepInputs inputs = {0};
+    double *words = (double *)&inputs;
+    if (cable->system == NULL) collect_inputs(cable, dt, &inputs);
     const int beside = is_beside(cable);
     if (beside && cable->system != NULL) { /* what drives it, before the last step is forgotten */
         cable->finer->now = cable->now;
@@ -270,8 +263,8 @@ int64_t step_cable(Cable *cable, double t_end, double dt, char *message, size_t 
     const int64_t status =
         cable->system != NULL ? step_system(cable, t_end, dt)
         : is_direct(cable->I)
-            ? direct_step(cable, t_end, inputs)
-            : cablemodel_step(cable->I, cable->block_words, t_end, inputs, INPUT_WORDS);
+            ? direct_step(cable, t_end, words)
+            : cablemodel_step(cable->I, cable->block_words, t_end, words, INPUT_WORDS);
     if (status != OK) {
         explain(cable, status, message, size);
         return status;
@@ -279,8 +272,8 @@ int64_t step_cable(Cable *cable, double t_end, double dt, char *message, size_t 
     if (beside && cable->system != NULL)
         step_system(cable->finer, t_end, dt);
     else if (beside)
-        cablemodel_step(cable->finer->I, cable->finer->block_words, t_end, inputs, INPUT_WORDS);
-    remember_step(cable, dt, inputs);
+        cablemodel_step(cable->finer->I, cable->finer->block_words, t_end, words, INPUT_WORDS);
+    remember_step(cable, dt, &inputs);
     outputs_changed(cable);
     return OK;
 }
@@ -303,8 +296,8 @@ static const Summary *summary(Cable *cable) {
 
 /* Whether the last step was asked to pay out, and the drum is empty. */
 int is_idle(Cable *cable) {
-    const double *applied = cable->now.applied;
-    return applied[IN_PAYOUT] != 0.0 && applied[IN_PAYOUT + 1] > 0.0 && !(summary(cable)->drum_length > 0.0);
+    const StepInputs *applied = &cable->now.applied;
+    return applied->payout_given != 0.0 && applied->payout_rate > 0.0 && !(summary(cable)->drum_length > 0.0);
 }
 
 /* States at the stations, then at the bodies, in rows of STATION_WORDS. */

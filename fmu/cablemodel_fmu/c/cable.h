@@ -93,7 +93,7 @@ typedef struct {
     int64_t magic, words, checksum, kernels;
     char guid[40];
     int64_t phase;
-    double applied[INPUT_WORDS]; /* what the kernels were given in the last step; recording.py */
+    StepInputs applied; /* what the kernels were given in the last step; recording.py */
     int64_t use_scene_inputs, scene_inputs_given, vessel_input, vessel_input_given;
     int64_t input_timing, unsettled;
     int64_t set, position_set_in_run; /* which inputs the master has set: ..._SET */

@@ -116,23 +116,25 @@ static void change_at_end(const Controls *now, int64_t by, int is_position, doub
     end[2] = 4.0 * velocity / h - 6.0 * (position + (by == BY_POSITION) * h * velocity) / (h * h);
 }
 
-static void add_motion(const Cable *cable, unsigned vr, double change, double motion[9]) {
+static void add_motion(const Cable *cable, unsigned vr, double change, MotionChange *motion) {
     const int axis = (int)vr % 3;
     double end[3];
     if (!(cable->now.last_driven & (VELOCITY_SET | POSITION_SET))) return;
     change_at_end(&cable->now, cable->now.last_mode, inputs_of(vr) == POSITION_SET, change, end);
-    for (int k = 0; k < 3; k++) motion[3 * k + axis] += end[k];
+    motion->position[axis] += end[0];
+    motion->velocity[axis] += end[1];
+    motion->acceleration[axis] += end[2];
 }
 
 /* Change the motion of a vessel, of which the last step was given some, at the present time. */
 static void move_vessel(int64_t *block, const MotionInput *input, const double end[3], double share) {
     double *row = (double *)(block + header(block)->frames + input->vessel * FRAME_WORDS);
     Piece *piece = input->turning ? &AS(Frame, row)->turn_piece : &AS(Frame, row)->piece;
-    double *data = piece->data + input->axis;
+    Polynomial *law = AS(Polynomial, piece->data);
     const double passed = scalars((double *)block)->time - piece->start;
-    data[0] += share * (end[0] - passed * (end[1] - 0.5 * passed * end[2]));
-    data[3] += share * (end[1] - passed * end[2]);
-    data[6] += share * 0.5 * end[2];
+    law->position[input->axis] += share * (end[0] - passed * (end[1] - 0.5 * passed * end[2]));
+    law->velocity[input->axis] += share * (end[1] - passed * end[2]);
+    law->second[input->axis] += share * 0.5 * end[2];
 }
 
 /* Of a system: differences of what an implicit step makes of the present state, with vessels a little
@@ -181,7 +183,8 @@ static const char *response_in_system(Cable *cable, const unsigned unknown[], si
 const char *response_of(Cable *cable, const unsigned unknown[], size_t unknowns,
                         const unsigned known[], size_t knowns, const double change[],
                         double response[]) {
-    double motion[10] = {0}, force[3] = {0};
+    MotionChange motion = {0};
+    double force[3] = {0};
     if (is_direct(cable->I)) return "not provided by the direct solver";
     if (cable->system != NULL)
         return response_in_system(cable, unknown, unknowns, known, knowns, change, response);
@@ -190,11 +193,12 @@ const char *response_of(Cable *cable, const unsigned unknown[], size_t unknowns,
             return "derivatives are those by vessel.velocity and vessel.position";
     if (!(cable->now.last_step > 0.0))
         return "there are none before the first step: they depend on its length";
-    motion[9] = cable->now.last_step;
-    for (size_t n = 0; n < knowns; n++) add_motion(cable, known[n], change[n], motion);
+    motion.lasted = cable->now.last_step;
+    for (size_t n = 0; n < knowns; n++) add_motion(cable, known[n], change[n], &motion);
     int64_t *copy = copy_of(cable);
     if (copy == NULL) return "out of memory";
-    if (cablemodel_force_response(copy, cable->block_words, motion, 10, force, 3) != 0)
+    double *words = (double *)&motion;
+    if (cablemodel_force_response(copy, cable->block_words, words, MOTION_CHANGE_WORDS, force, 3) != 0)
         return "the equations are singular here";
     for (size_t n = 0; n < unknowns; n++)
         if (!output_change(cable, unknown[n], force, &response[n]))

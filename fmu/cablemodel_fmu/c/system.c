@@ -279,7 +279,7 @@ const char *check_part_inputs(const Cable *cable, const void *values) {
     const double *applied = (const double *)(choices + s->vessels);
     for (int64_t n = 0; n < s->vessels; n++)
         if (!within(choices[n].by, BY_VELOCITY, BY_BOTH) || !within(choices[n].given, 0, 1) ||
-            !whole(applied[FRAME_INPUTS * n], 0, GIVEN_ALL))
+            !whole((AS(const FrameInput, applied) + n)->given, 0, GIVEN_ALL))
             return "a choice is out of range";
     return NULL;
 }
@@ -367,7 +367,7 @@ static double at_end(const Cable *cable, int64_t n, double dt) {
 }
 
 /* A vessel's motion for a step, and whether any is given. */
-static int collect_motion(const Cable *cable, int64_t vessel, double dt, double *motion) {
+static int collect_motion(const Cable *cable, int64_t vessel, double dt, FrameInput *motion) {
     static const struct {
         int64_t group, given, rate;
     } groups[] = {{AT_POSITION, GIVEN_POSITION, AT_VELOCITY},
@@ -376,6 +376,7 @@ static int collect_motion(const Cable *cable, int64_t vessel, double dt, double 
                   {AT_RATE, GIVEN_RATE, 0}};
     const int64_t first = OF_VESSEL * vessel;
     const PartInput *own = inputs_in(cable->system, cable->values, first);
+    double *const ends[] = {motion->position, motion->attitude, motion->velocity, motion->attitude_rate};
     int64_t given = 0;
     for (int k = 0; k < 4; k++) {
         const int64_t group = groups[k].group, rate = groups[k].rate;
@@ -384,31 +385,31 @@ static int collect_motion(const Cable *cable, int64_t vessel, double dt, double 
         const int beside = rate != 0 && chosen(cable, vessel, rate) && drives(cable, first + rate);
         for (int64_t i = 0; i < 3; i++) {
             const PartInput *x = own + group + i, *v = own + rate + i;
-            motion[1 + 3 * k + i] =
+            ends[k][i] =
                 beside ? place_at_end(&cable->now, x->slope, x->value, v->value, v->before, dt)
                        : at_end(cable, first + group + i, dt);
         }
     }
-    motion[0] = (double)given;
+    motion->given = (double)given;
     return given != 0;
 }
 
 /* As first_jump, of all vessels and driven ends, in place and attitude. */
 const char *first_jump_of_parts(Cable *cable, double dt) {
     System *s = cable->system;
-    double *motion = s->motion;
+    FrameInput *motion = AS(FrameInput, s->motion);
     for (int64_t n = 0; n < s->vessels; n++) {
         const int64_t first = OF_VESSEL * n;
         double start[OF_VESSEL];
         for (int64_t i = 0; i < OF_VESSEL; i++) start[i] = s->rows[first + i].start;
-        memset(motion, 0, sizeof(double) * FRAME_INPUTS);
+        memset(motion, 0, sizeof *motion);
         collect_motion(cable, n, dt, motion);
-        const int64_t given = (int64_t)motion[0];
+        const int64_t given = (int64_t)motion->given;
         const double way = given & GIVEN_POSITION
-                               ? distance_from(start + AT_POSITION, start + AT_VELOCITY, motion + 1, dt)
+                               ? distance_from(start + AT_POSITION, start + AT_VELOCITY, motion->position, dt)
                                : 0.0;
         const double turn = given & GIVEN_ATTITUDE
-                                ? distance_from(start + AT_ATTITUDE, start + AT_RATE, motion + 4, dt)
+                                ? distance_from(start + AT_ATTITUDE, start + AT_RATE, motion->attitude, dt)
                                 : 0.0;
         const int far = way > JUMP_SPEED * dt;
         if (!far && !(turn > JUMP_RATE * dt)) continue;
@@ -431,7 +432,7 @@ static int collect_parts(const Cable *cable, double dt) {
     int any = 0;
     memset(s->motion, 0, sizeof(double) * (size_t)(s->vessels * FRAME_INPUTS));
     for (int64_t n = 0; n < s->vessels; n++) {
-        any |= collect_motion(cable, n, dt, s->motion + FRAME_INPUTS * n);
+        any |= collect_motion(cable, n, dt, AS(FrameInput, s->motion) + n);
         const double *row = cable->M + header(I)->frames + n * FRAME_WORDS;
         any |= AS(Frame, row)->live != (double)LIVE_NOT || AS(Frame, row)->turn_live != (double)LIVE_NOT;
     }
@@ -441,11 +442,11 @@ static int collect_parts(const Cable *cable, double dt) {
             double *force = s->forces + OF_FREE_BODY * n + i;
             *force = drives(cable, input) ? at_end(cable, input, dt) : 0.0;
             /* One that acts still is let go. */
-            const double *last = cable->M + header(I)->free_bodies + n * FREE_WORDS + WORD(FreeBody, force) + 8;
-            any |= *force != 0.0 || last[i] != 0.0;
+            const double *row = cable->M + header(I)->free_bodies + n * FREE_WORDS;
+            any |= *force != 0.0 || AS(FreeBody, row)->force.last[i] != 0.0;
         }
     for (int64_t n = 0; n < s->foils; n++, input++) {
-        s->angles[n] = cable->M[header(I)->foils + n * FOIL_WORDS + WORD(Foil, deflection) + 3];
+        s->angles[n] = AS(Foil, cable->M + header(I)->foils + n * FOIL_WORDS)->deflection.last;
         if (!drives(cable, input)) continue;
         s->angles[n] = at_end(cable, input, dt);
         any = 1;
