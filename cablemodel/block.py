@@ -272,7 +272,6 @@ class Block(WordBlock):
             (Header.matter.word, winches * at.MATTER_WORDS + at.BODY_WORDS),
             (Header.end_force.word, capacity * 6),
             (Header.failed.word, 1),
-            (Header.parts_work.word, free_bodies * at.PARTS_WORDS),
             (Header.closure_work.word, closures * capacity * 18 + closures * closures * 9),
         ]
         return image, workspace

@@ -57,7 +57,7 @@ WORDS = {
     "kernels/top_of_line.py": "LEAVES RETURNS DIVIDES UNITES COMES FOLLOWS STOPS ENTERS",
     "kernels/waves.py": "VELOCITY STRETCH TANGENT FORCE ACCELERATION DRAG WET SLOPE",
     "kernels/wetting.py": "OUTER NOWHERE",
-    "direct/block.py": "_GAUSS_WORDS _MOTION_WORDS",
+    "direct/block.py": "_GAUSS_WORDS",
     "direct/kernels/assembly.py": (
         "_FULL _FLEXIBLE _PLANAR _VELOCITIES _FORCES _ANGLES _CURVATURES"
     ),

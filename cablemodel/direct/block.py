@@ -10,7 +10,6 @@ from cablemodel.kernels import layout as at
 from cablemodel.kernels.layout import Header
 
 _GAUSS_WORDS = 512
-_MOTION_WORDS = 64
 
 
 # Sizes of a block, each with the header word that holds it.
@@ -80,7 +79,7 @@ class DirectBlock(WordBlock):
             # Velocities, then their rates.
             (Header.profile.word, depths * 6),
             (Header.gauss.word, _GAUSS_WORDS),
-            (Header.motion.word, _MOTION_WORDS),
+            (Header.motion.word, at.MOTION_WORDS),
             (own.OwnHeader.past.place, nodes * own.RATES),
             (own.OwnHeader.start.place, nodes * own.WIDTH),
             (own.OwnHeader.old_length.place, nodes),

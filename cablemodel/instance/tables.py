@@ -43,27 +43,28 @@ def fill_settings(block: Block, scene: CableScene) -> None:
 
 
 def facts_of(scene: Scene, scale: float) -> FloatArray:
-    """What `kernels/scales.py` wants to know of the line, (FACT_WORDS,). scale: a typical
-    tension [N]."""
+    """What `kernels/scales.py` wants to know of the line, the words of LineFacts. scale: a
+    typical tension [N]."""
     start = start_conditions(scene)
     softness = masses = 0.0
     for cable in scene.cables:
         kind = scene.cable_types[cable.type]
         softness += kind.strain_coefficients[0] * cable.length
         masses += kind.mass * cable.length
-    facts = np.zeros(at.FACT_WORDS)
-    facts[at.FACT_LENGTH] = scene.line_length
-    facts[at.FACT_DAMPING] = start.damping
-    facts[at.FACT_SOFTNESS] = softness
-    facts[at.FACT_MASS] = masses + math.fsum(body.mass for body in scene.bodies)
-    facts[at.FACT_TENSION] = scale
-    facts[at.FACT_SLACK] = start.slack
+    words = np.zeros(at.FACT_WORDS)
+    facts = at.LineFacts(words, 0)
+    facts.length = scene.line_length
+    facts.damping = start.damping
+    facts.softness = softness
+    facts.mass = masses + math.fsum(body.mass for body in scene.bodies)
+    facts.tension = scale
+    facts.slack = start.slack
     above_floor = scene.environment.floor is not None
-    facts[at.FACT_CALM] = start.free_end and not above_floor and not pays_out(scene)
-    facts[at.FACT_FOLLOWS] = mesh_is_free(scene)
-    facts[at.FACT_ABOVE_FLOOR] = above_floor
-    facts[at.FACT_BENDS] = not all(is_flexible(scene, cable) for cable in scene.cables)
-    return facts
+    facts.calm = start.free_end and not above_floor and not pays_out(scene)
+    facts.follows = mesh_is_free(scene)
+    facts.above_floor = above_floor
+    facts.bends = not all(is_flexible(scene, cable) for cable in scene.cables)
+    return words
 
 
 def fill_motion(block: Block, pieces: FloatArray) -> None:

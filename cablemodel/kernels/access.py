@@ -24,6 +24,7 @@ from .layout import (
     Header,
     Layer,
     Line,
+    LineFacts,
     Matter,
     Motion,
     MotionChange,
@@ -67,6 +68,7 @@ line_of, line_at = row_of(Line, Header.lines), record_at(Line)
 cut_of, cut_at = row_of(Cut, Header.cuts), record_at(Cut)
 foot_of, foot_at = row_of(Foot, Header.feet), record_at(Foot)
 cell_of = row_of(Cell, Header.cells)
+line_facts_at = record_at(LineFacts)
 sea_layer_at = record_at(Layer)
 tow_point_of = row_of(Motion, Header.motion)
 """tow_point_of(I, M, 0): its motion at the last set_time, earth frame."""

@@ -14,9 +14,10 @@ pivot is reported and the caller takes a smaller step.
 from typing import Any
 
 from .access import header
-from .compile import block_kernels, copy_words, kernel, matrix_vector, view
+from .compile import block_kernels, copy_words, kernel, matrix_vector, own_numbers, view
 from .elimination import hinge_kernels
 from .layout import (
+    ELIMINATION,
     JOINT_ARM,
     JOINT_FREE,
     JOINT_HINGE,
@@ -36,6 +37,7 @@ def make_block_solver(size: int, parts: bool = False) -> tuple[Any, Any]:
     subtract_product = matrix_vector(size, -1.0, add=True)
     transpose, invert = block_kernels(size)
     factor_hinge, condense_hinge, reduce_hinge, substitute_hinge = hinge_kernels(size)
+    own_block, own_unknowns = own_numbers(area), own_numbers(size)
 
     @kernel
     def take_arm(S, Z, A):
@@ -84,16 +86,14 @@ def make_block_solver(size: int, parts: bool = False) -> tuple[Any, Any]:
             Z = view(M, head.lower + area * node, area)
             U = view(M, head.upper + area * node, area)
             if parts and joint == JOINT_ARM:
-                S = view(M, head.gauss + 80, area)
-                for k in range(area):
-                    S[k] = 0.0
+                S = own_block()
                 condense_hinge(D, Z, S)
                 take_arm(S, Z, A)
             elif hinge:
                 condense_hinge(D, Z, A)
             else:
                 # Columns of Z = D^-1 L and of W = U D^-1, then the parent's rows: A -= W L.
-                work = head.gauss + 80
+                work = head.gauss + ELIMINATION
                 columns = work + area
                 copy_words(M, work, head.lower + area * node, area)
                 transpose(M, head.upper + area * node, columns)
@@ -119,9 +119,7 @@ def make_block_solver(size: int, parts: bool = False) -> tuple[Any, Any]:
             if parts and joints[node] >= JOINT_ROOT:
                 continue
             if parts and joints[node] == JOINT_ARM:
-                w = view(M, head.gauss + 80, size)
-                for k in range(size):
-                    w[k] = 0.0
+                w = own_unknowns()  # of a node at the arm's place
                 reduce_hinge(D, y, w)
                 Z = view(M, head.lower + area * node, area)
                 for i in range(half):
@@ -142,7 +140,7 @@ def make_block_solver(size: int, parts: bool = False) -> tuple[Any, Any]:
             if parts and joints[node] >= JOINT_ROOT:
                 set_product(M, head.diagonal + area * node, y, 0, 1, y, 0)
             elif parts and joints[node] == JOINT_ARM:
-                w = view(M, head.gauss + 80, size)
+                w = own_unknowns()
                 for i in range(half):
                     w[i] = p[i]
                     for k in range(half):

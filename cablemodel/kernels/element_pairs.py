@@ -7,7 +7,7 @@ their slopes, with a word for every pair of components (see tables.py for the pa
 from typing import Any
 
 from .access import header
-from .compile import inlined, kernel, matrix_vector, two_products, view
+from .compile import inlined, kernel, matrix_vector, own_numbers, two_products, view
 from .layout import (
     ELEMENT_WORDS,
 )
@@ -149,6 +149,7 @@ def constraint_kernels(dimension: int) -> tuple[Any, Any]:
     words = 4 * size
     add_columns = matrix_vector(size, 1.0, add=True, columns=2)
     set_products = two_products(size)
+    two_numbers = own_numbers(2)
 
     @kernel
     def condense(I, M, out_constraint, out):
@@ -158,7 +159,7 @@ def constraint_kernels(dimension: int) -> tuple[Any, Any]:
         joints = view(I, head.joint, nodes)
         parents = view(I, head.parent, nodes)
         gradients = view(M, head.gradient, words * nodes)
-        z = view(M, head.gauss + 64, 2)  # where residuals keep an element vector
+        z = two_numbers()
         for node in range(1, nodes):
             if joints[node] != 0:
                 continue

@@ -10,7 +10,7 @@ the FMU's state and its serialisation are a copy of it.
 from .record import Record, integer, part, real, reals, spare
 
 MAGIC = 0x4C45444F4D454C42  # "BLEMODEL", little endian
-VERSION = 13
+VERSION = 14
 
 FLOOR_NONE, FLOOR_PLANE, FLOOR_TABLE = 0, 1, 2
 FLOOR_FAR, FLOOR_ABOVE, FLOOR_TOUCHED = 0, 1, 2  # nothing of it is felt; the mesh knows; forces
@@ -150,7 +150,7 @@ class Header(Record):
     arms = integer("start of the arms (Arm)")
     foils = integer("start of the foils (Foil)")
     foil_table = integer("start of their coefficients")
-    parts_work = integer("start of a workspace, PARTS_WORDS for each free body")
+    _spare_3 = spare(1)
     cut_count = integer("places where lines are cut, let go or break")
     cuts = integer("start of them (Cut)")
     raos = integer("start of the responses of each frame that has them: RAO_HEADINGS sets of rows")
@@ -735,21 +735,22 @@ class Layer(Record):
     _spare = spare(9)
 
 
-PARTS_WORDS = 160  # of the workspace
-FOOT_SCRATCH = 110  # of these: 18 words
+class LineFacts(Record):
+    """What a line is like as a whole, for scales.measure_line."""
 
-# What a line is like as a whole, for scales.measure_line.
-FACT_LENGTH = 0  # of its cables [m]
-FACT_DAMPING = 1  # rho Cdn d L / m, dimensionless
-FACT_SOFTNESS = 2  # of the whole line [m/N]
-FACT_MASS = 3  # of cables and bodies, in air [kg]
-FACT_TENSION = 4  # a typical one [N]
-FACT_SLACK = 5  # 1: it starts without tension
-FACT_CALM = 6  # 1: its end is free, there is no floor, no cable runs
-FACT_FOLLOWS = 7  # 1: its mesh may change: the scene gives no numbers of elements
-FACT_ABOVE_FLOOR = 8
-FACT_BENDS = 9  # 1: some of its cables pass a moment
-FACT_WORDS = 10
+    length = real("of its cables", "m")
+    damping = real("rho Cdn d L / m")
+    softness = real("of the whole line", "m/N")
+    mass = real("of cables and bodies, in air", "kg")
+    tension = real("a typical one", "N")
+    slack = real("1: it starts without tension")
+    calm = real("1: its end is free, there is no floor, no cable runs")
+    follows = real("1: its mesh may change: the scene gives no numbers of elements")
+    above_floor = real("1: there is a floor")
+    bends = real("1: some of its cables pass a moment")
+
+
+FACT_WORDS = LineFacts.WORDS
 LIGHT_DAMPING = 10.0  # rho Cdn d L / m below which a line counts as hardly damped
 
 
@@ -875,11 +876,12 @@ LAYER = 0.4  # smallest element in units of the touchdown layer (EI/w)^(1/3)
 
 # Words of the workspace at `gauss`: those of an element, then the water that it moves through.
 ELEMENT_WORDS = 768
+ELIMINATION = 80  # first of those that the elimination of a node uses: two blocks
 GAUSS_WORDS = ELEMENT_WORDS + 24
 
 # Words of the workspace at `motion`; then columns for the components of the waves: four in
 # airy.py, and two more in sea_cells.py.
-MOTION_WORDS = 80
+MOTION_WORDS = Motion.WORDS
 WATER_COLUMNS = 6
 
 LONGEST_STEP = 1e9  # that a caller may ask for [s]: 30 years; more is a mistake

@@ -5,22 +5,10 @@ Of a scene as it is built, and of an FMU whose lengths and coefficients are set 
 
 import math
 
-from .access import motion_piece_of, new_motion, scalars
+from .access import line_facts_at, motion_piece_of, new_motion, scalars
 from .compile import kernel
 from .environment import evaluate_piece, find_piece
-from .layout import (
-    FACT_ABOVE_FLOOR,
-    FACT_BENDS,
-    FACT_CALM,
-    FACT_DAMPING,
-    FACT_FOLLOWS,
-    FACT_LENGTH,
-    FACT_MASS,
-    FACT_SLACK,
-    FACT_SOFTNESS,
-    FACT_TENSION,
-    LIGHT_DAMPING,
-)
+from .layout import LIGHT_DAMPING
 from .tables import STABILISATION
 
 TIME_TOLERANCE = 0.045  # of tau L: local error allowed in a step; calibrated, docs/engine/time.md
@@ -78,17 +66,18 @@ def first_step(I, M, period, calm):
 
 
 @kernel
-def measure_line(I, M, facts):
-    """Write all scalars that follow from the line's lengths and from what it is like.
+def measure_line(I, M, words):
+    """Write all scalars that follow from the line's lengths and from what it is like, LineFacts.
 
-    facts: FACT_WORDS, see layout.py. Tolerance, gravity, water and motion are in the block.
+    Tolerance, gravity, water and motion are in the block.
     """
     state = scalars(M)
+    facts = line_facts_at(words, 0)
     tolerance = state.tolerance
-    length = facts[FACT_LENGTH]
+    length = facts.length
     rho = state.water_density
-    slack = facts[FACT_SLACK] != 0.0
-    undamped = facts[FACT_DAMPING] < LIGHT_DAMPING
+    slack = facts.slack != 0.0
+    undamped = facts.damping < LIGHT_DAMPING
     allowed = TIME_TOLERANCE * tolerance * length
     if rho == 0.0:
         # Nothing forgets an error, and a stiff line takes an order from the scheme.
@@ -101,15 +90,15 @@ def measure_line(I, M, facts):
     # halves that are not joined again: that would feed a whip that hardly stretches; above a floor
     # what follows the touchdown joins elements, too.
     state.bent = 0.0
-    stays = undamped and (slack or facts[FACT_ABOVE_FLOOR] != 0.0)
-    if facts[FACT_FOLLOWS] != 0.0 and not stays:
+    stays = undamped and (slack or facts.above_floor != 0.0)
+    if facts.follows != 0.0 and not stays:
         bent = BENDS
         if undamped:
             bent = WHIPS
         elif slack:
             bent = FOLDS
         state.bent = bent * tolerance * length
-    state.tension_scale = facts[FACT_TENSION]
+    state.tension_scale = facts.tension
     state.third_mode = STABILISATION * state.tension_scale
     if slack:
         # What is let go slack snaps, and rings at peaks that no output meets: its tension is left
@@ -118,12 +107,12 @@ def measure_line(I, M, facts):
     period = math.sqrt(length / max(state.gravity, 1e-3))
     state.period = period
     state.memory = 0.0
-    if rho > 0.0 and not (facts[FACT_BENDS] != 0.0 and slack and undamped):
+    if rho > 0.0 and not (facts.bends != 0.0 and slack and undamped):
         state.memory = MEMORY * period
     state.first_step = 0.02 * period
-    state.step = first_step(I, M, period, facts[FACT_CALM] != 0.0 and not slack and not undamped)
+    state.step = first_step(I, M, period, facts.calm != 0.0 and not slack and not undamped)
     state.smallest_step = 1e-10 * period
-    state.axial = 1.0 / (facts[FACT_SOFTNESS] * facts[FACT_MASS])
+    state.axial = 1.0 / (facts.softness * facts.mass)
     state.undamped = 1.0 if undamped else 0.0
     finest = FINEST_IN_AIR if undamped else FINEST_IN_WATER
     state.order_3 = 0.0

@@ -109,22 +109,23 @@ def fill_settings_of(scene: SystemScene, built: Built) -> None:
             elif item.body is not None:
                 mass += item.body.mass
         softest = max(softest, softness)
-    facts = np.zeros(at.FACT_WORDS)
-    facts[at.FACT_LENGTH] = longest
-    facts[at.FACT_DAMPING] = min(start_of(scene, name).damping for name in scene.lines)
-    facts[at.FACT_SOFTNESS] = softest
-    facts[at.FACT_MASS] = mass
-    facts[at.FACT_TENSION] = tension_scale(scene)
-    facts[at.FACT_FOLLOWS] = mesh_may_change(scene)
-    facts[at.FACT_ABOVE_FLOOR] = scene.environment.floor is not None
+    words = np.zeros(at.FACT_WORDS)
+    facts = at.LineFacts(words, 0)
+    facts.length = longest
+    facts.damping = min(start_of(scene, name).damping for name in scene.lines)
+    facts.softness = softest
+    facts.mass = mass
+    facts.tension = tension_scale(scene)
+    facts.follows = mesh_may_change(scene)
+    facts.above_floor = scene.environment.floor is not None
     flexible = (
         is_flexible(scene, item.cable)
         for line in scene.lines.values()
         for item in line.items
         if item.cable is not None
     )
-    facts[at.FACT_BENDS] = not all(flexible)
-    entry.measure(ints, reals, facts)
+    facts.bends = not all(flexible)
+    entry.measure(ints, reals, words)
     # Of every line tau times its own length is promised: the shortest one decides.
     state.time_tolerance *= shortest / longest
     # A heavy body swings on where drag has long stopped a cable: what it misses adds up.

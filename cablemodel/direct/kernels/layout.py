@@ -12,7 +12,7 @@ from cablemodel.kernels.layout import HEADER_WORDS, SCALAR_WORDS
 from cablemodel.kernels.record import Record, integer, real, reals, spare
 
 MAGIC = 0x5443455249444243  # "CBDIRECT", little endian
-VERSION = 4
+VERSION = 5
 
 
 class OwnHeader(Record, first=HEADER_WORDS + SCALAR_WORDS):

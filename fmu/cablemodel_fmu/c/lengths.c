@@ -227,25 +227,26 @@ static void arrange_winch(Cable *cable, double from, double to, double growth) {
 
 /* What follows from the lengths of the line as a whole: facts_of of cablemodel/instance/tables.py. */
 static void measure_line(Cable *cable, double share) {
-    double facts[FACT_WORDS], drag = 0.0, mass = 0.0;
+    LineFacts facts;
+    double drag = 0.0, mass = 0.0;
     const int64_t *I = cable->I;
     double *M = cable->M;
-    memcpy(facts, cable->file + F_FACTS, sizeof facts);
+    memcpy(&facts, cable->file + F_FACTS, sizeof facts);
     for (int64_t n = 0; n < cable->parameter_count; n++) {
         const Parameter *p = &cable->parameters[n];
         if (p->kind != OF_LINE) continue;
         const double length = length_of(cable, n, share), longer = length - p->start;
         const double *edge = row_of(cable, p->index) + WORD(CableRow, edge);
         const double dry = AS(Edge, edge)->mass - AS(Edge, edge)->added_mass;
-        facts[FACT_LENGTH] += longer;
-        facts[FACT_SOFTNESS] += AS(Edge, edge)->compliance * longer;
-        facts[FACT_MASS] += dry * longer;
-        facts[FACT_TENSION] += p->factor * longer;
+        facts.length += longer;
+        facts.softness += AS(Edge, edge)->compliance * longer;
+        facts.mass += dry * longer;
+        facts.tension += p->factor * longer;
         mass += dry * length;
         drag += 2.0 * AS(Edge, edge)->drag_normal * length;
     }
-    facts[FACT_DAMPING] = drag * facts[FACT_LENGTH] / mass;
-    cablemodel_measure(cable->I, cable->block_words, facts, FACT_WORDS);
+    facts.damping = drag * facts.length / mass;
+    cablemodel_measure(cable->I, cable->block_words, (double *)&facts, FACT_WORDS);
     for (int64_t n = 0; n < header(I)->body_count; n++) {
         double *row = M + header(I)->bodies + n * BODY_WORDS;
         if (AS(Body, row)->length == 0.0) continue;
@@ -253,7 +254,7 @@ static void measure_line(Cable *cable, double share) {
         AS(Body, row)->clamp[0] = AS(Body, row)->clamp[1] = 0.0;
         if (AS(Body, row)->tie != 0.0) AS(Body, row)->tie = scalars(M)->tension_scale * AS(Body, row)->length;
         AS(Body, row)->compliance =
-            fmin(AS(Body, row)->length / (RIGID * scalars(M)->tension_scale), SOFTEST * facts[FACT_SOFTNESS]);
+            fmin(AS(Body, row)->length / (RIGID * scalars(M)->tension_scale), SOFTEST * facts.softness);
     }
     scalars(M)->clamp_tension = scalars(M)->tension_scale;
     for (int64_t n = 0; n < header(I)->constraint_count; n++) { /* a clamp past which cable runs */
