@@ -19,7 +19,7 @@ from .floor_outputs import floor_energy
 from .layout import GAUSS_WORDS
 from .outputs import end_forces
 from .passing import exchange_rates
-from .payout import velocity_word
+from .payout import rate_words
 from .record import Record, reals
 from .rigid import flow_energy, rigid_energy, rigid_row, wave_power
 from .strain import strain_and_slope
@@ -127,15 +127,8 @@ def cable_energy(I, M, node, found):
     h = edge.length
     q0 = head.position + size * parent
     q1 = head.position + size * node
-    v0 = head.velocity + size * parent
-    v1 = head.velocity + size * node
-    a0 = head.acceleration + size * parent
-    a1 = head.acceleration + size * node
-    if head.payout != 0:
-        v0 = velocity_word(I, M, parent)
-        v1 = velocity_word(I, M, node)
-        a0 = v0 + 6
-        a1 = v1 + 6
+    v0, a0 = rate_words(I, M, parent)
+    v1, a1 = rate_words(I, M, node)
     mean = M[head.tension + 2 * node]
     slope = M[head.tension + 2 * node + 1]
     dry = edge.added_mass if head.wave_count != 0 else 0.0

@@ -182,14 +182,16 @@ def matter_words(I, M, n):
 
 
 @kernel
-def velocity_word(I, M, node):
-    """Word of the velocity of the cable at a node: at a winch of the matter, which
-    `material_top` has written, its acceleration six words on."""
+def rate_words(I, M, node):
+    """Words of velocity and acceleration of the cable at a node: at a winch past which cable may
+    run those of the matter, which `material_top` has written."""
     head = header(I)
-    for n in range(head.winch_count):
-        if winch_of(I, M, n).node == node:
-            return word_of(M, matter_of(I, M, n))
-    return head.velocity + 2 * head.dimension * node
+    if head.payout != 0:
+        for n in range(head.winch_count):
+            if winch_of(I, M, n).node == node:
+                return matter_words(I, M, n)
+    at = 2 * head.dimension * node
+    return head.velocity + at, head.acceleration + at
 
 
 @kernel

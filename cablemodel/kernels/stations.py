@@ -10,7 +10,7 @@ from .floor_surface import gap_at
 from .layout import STATION_WORDS
 from .outputs import end_forces, end_tension, line_length, place_on_earth, to_earth
 from .passing import exchange_rates, overhang
-from .payout import velocity_word
+from .payout import rate_words
 from .rigid import axis_of, rigid_row
 
 GAUSS = 0.5 - 0.5 / math.sqrt(3.0)  # where the second derivative of a cubic is most accurate
@@ -176,11 +176,8 @@ def station_in_element(I, M, low, x, s, found):
     e3 = (6.0 * x - 2.0) / h
     q0 = head.position + size * parent
     q1 = head.position + size * low
-    v0 = head.velocity + size * parent
-    v1 = head.velocity + size * low
-    if head.payout != 0:
-        v0 = velocity_word(I, M, parent)
-        v1 = velocity_word(I, M, low)
+    v0, _a0 = rate_words(I, M, parent)
+    v1, _a1 = rate_words(I, M, low)
     for i in range(dimension):
         a = M[q0 + i]
         b = M[q0 + dimension + i]
