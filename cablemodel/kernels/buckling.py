@@ -14,8 +14,8 @@ A strut that is stiff enough, as a riser below its Euler load, has no negative p
 
 import math
 
-from .access import constraint_of, edge_of, header, scalars
-from .compile import kernel, view
+from .access import constraint_of, edge_of, header, scalars, vector
+from .compile import kernel, own_numbers, view
 from .floor_surface import gap_at
 from .layout import (
     EXACTLY,
@@ -31,17 +31,20 @@ from .tension import promised_tension
 FLAT = 1e-3  # of what cable is made crooked by: what is so flat never was
 TURN = 2.399963229728653  # golden angle: its multiples hold all waves of the mesh [rad]
 
-
-@kernel
-def near_floor(I, M, node, q, w):
-    """Whether a node is so near to the floor that it may bear on it. w: 3 words."""
-    head = header(I)
-    state = scalars(M)
-    return gap_at(I, M, view(q, 2 * head.dimension * node, head.dimension), w) < state.floor_depth
+own_block = own_numbers(36)
+"""own_block(): zeros, a block of the matrix of nodes."""
 
 
 @kernel
-def is_pressed(I, M, node, q, tension, least, w):
+def near_floor(I, M, node, q):
+    """Whether a node is so near to the floor that it may bear on it."""
+    dimension = header(I).dimension
+    place = view(q, 2 * dimension * node, dimension)
+    return gap_at(I, M, place, vector()) < scalars(M).floor_depth
+
+
+@kernel
+def is_pressed(I, M, node, q, tension, least):
     """Whether the element above a node is pressed by more than `least` [N], and hangs free.
 
     q: (nodes, 2, dimension), tension: (nodes, 2). What lies on the floor is held by it.
@@ -52,7 +55,7 @@ def is_pressed(I, M, node, q, tension, least, w):
     if head.floor_state == FLOOR_FAR:
         return True
     parent = I[head.parent + node]
-    return not (near_floor(I, M, node, q, w) or near_floor(I, M, parent, q, w))
+    return not (near_floor(I, M, node, q) or near_floor(I, M, parent, q))
 
 
 @kernel
@@ -60,9 +63,8 @@ def any_pressed(I, M, q, tension):
     """Whether `is_pressed` by more than tensions may be wrong by."""
     head = header(I)
     least = promised_tension(M)
-    w = view(M, head.motion + 16, 3)
     for node in range(1, head.nodes):
-        if is_pressed(I, M, node, q, tension, least, w):
+        if is_pressed(I, M, node, q, tension, least):
             return True
     return False
 
@@ -72,7 +74,7 @@ def is_held(I, M):
     """Whether the matrix that is factored has no negative pivot."""
     head = header(I)
     size = 2 * head.dimension
-    work = view(M, head.gauss + 80, size * size)
+    work = own_block()
     for node in range(head.nodes):
         D = view(M, head.diagonal + size * size * node, size * size)
         joint = I[head.joint + node]
@@ -98,8 +100,8 @@ def is_held(I, M):
 
 
 @kernel
-def across(I, M, node, w):
-    """A horizontal unit vector across the line at a node, or the one nearest to it, into w."""
+def across(I, M, node, out):
+    """A horizontal unit vector across the line at a node, or the one nearest to it, into out."""
     head = header(I)
     dimension = head.dimension
     slope = view(M, head.position + (2 * node + 1) * dimension, dimension)
@@ -107,18 +109,18 @@ def across(I, M, node, w):
     for i in range(dimension):
         square += slope[i] * slope[i]
     if dimension == 2:
-        w[0] = -slope[1] / math.sqrt(square)
-        w[1] = slope[0] / math.sqrt(square)
+        out[0] = -slope[1] / math.sqrt(square)
+        out[1] = slope[0] / math.sqrt(square)
         return
     # The first axis without its part along the line, or the second one where that is short.
     first = 0 if slope[0] * slope[0] < 0.5 * square else 1
     along = slope[first] / square
     length = 0.0
     for i in range(3):
-        w[i] = (1.0 if i == first else 0.0) - along * slope[i]
-        length += w[i] * w[i]
+        out[i] = (1.0 if i == first else 0.0) - along * slope[i]
+        length += out[i] * out[i]
     for i in range(3):
-        w[i] /= math.sqrt(length)
+        out[i] /= math.sqrt(length)
 
 
 @kernel
@@ -148,9 +150,9 @@ def turned(I, M, node):
 
 
 @kernel
-def is_strut(I, M, node, q, tension, least, w):
+def is_strut(I, M, node, q, tension, least):
     """Whether the element above a node `is_pressed` and straight."""
-    if not is_pressed(I, M, node, q, tension, least, w):
+    if not is_pressed(I, M, node, q, tension, least):
         return False
     return turned(I, M, node) < crookedness(M, edge_of(I, M, node), least)
 
@@ -164,12 +166,12 @@ def make_crooked(I, M):
     dimension = head.dimension
     count = 2 * dimension * head.nodes
     least = promised_tension(M)
-    w = view(M, head.motion + 16, 3)
+    aside = vector()
     q = view(M, head.position, count)
     tension = view(M, head.tension, 2 * head.nodes)
     first = 0
     for node in range(1, head.nodes):
-        if is_strut(I, M, node, q, tension, least, w):
+        if is_strut(I, M, node, q, tension, least):
             first = node
             break
     if first == 0:
@@ -181,24 +183,24 @@ def make_crooked(I, M):
     if stays:
         return
     for node in range(first, head.nodes):
-        if not is_strut(I, M, node, q, tension, least, w):
+        if not is_strut(I, M, node, q, tension, least):
             continue
         angle = crookedness(M, edge_of(I, M, node), least)
-        across(I, M, node, w)
+        across(I, M, node, aside)
         for end in range(2):
             at = node if end == 1 else I[head.parent + node]
             if is_prescribed(I, M, at):
                 continue
             slope = view(M, head.position + (2 * at + 1) * dimension, dimension)
             for i in range(dimension):
-                slope[i] += angle * math.cos(TURN * at) * w[i]
+                slope[i] += angle * math.cos(TURN * at) * aside[i]
 
 
 @kernel
-def aside(I, M, node, w):
+def off_plane(I, M, node, normal):
     """By how much the slopes of the element above a node leave its vertical plane, at most [-].
 
-    The normal of that plane, a horizontal unit vector, into w.
+    The normal of that plane, a horizontal unit vector, is written.
     """
     h = edge_of(I, M, node).length
     start = header(I).position
@@ -207,11 +209,11 @@ def aside(I, M, node, w):
     dx = (M[q1] - M[q0]) / h
     dy = (M[q1 + 1] - M[q0 + 1]) / h
     along = math.sqrt(dx * dx + dy * dy)
-    w[0] = -dy / along if along > 0.0 else 0.0
-    w[1] = dx / along if along > 0.0 else 1.0
-    w[2] = 0.0
-    above = M[q0 + 3] * w[0] + M[q0 + 4] * w[1]
-    below = M[q1 + 3] * w[0] + M[q1 + 4] * w[1]
+    normal[0] = -dy / along if along > 0.0 else 0.0
+    normal[1] = dx / along if along > 0.0 else 1.0
+    normal[2] = 0.0
+    above = M[q0 + 3] * normal[0] + M[q0 + 4] * normal[1]
+    below = M[q1 + 3] * normal[0] + M[q1 + 4] * normal[1]
     return max(abs(above), abs(below))
 
 
@@ -226,20 +228,20 @@ def fall_over(I, M):
     if head.dimension == 2 or head.floor_state != FLOOR_TOUCHED:
         return
     least = promised_tension(M)
-    w = view(M, head.motion + 16, 3)
+    normal = vector()
     q = view(M, head.position, 6 * head.nodes)
     for node in range(1, head.nodes):
         if I[head.joint + node] != 0 or M[head.tension + 2 * node] >= 0.0:
             continue
-        if not near_floor(I, M, node, q, w):
+        if not near_floor(I, M, node, q):
             continue
         angle = crookedness(M, edge_of(I, M, node), least)
-        if aside(I, M, node, w) > FLAT * angle or is_prescribed(I, M, node):
+        if off_plane(I, M, node, normal) > FLAT * angle or is_prescribed(I, M, node):
             continue
         angle *= math.cos(TURN * node)
         for i in range(3):
-            M[head.position + 6 * node + 3 + i] += angle * w[i]
-            M[head.rest + 6 * node + 3 + i] += angle * w[i]
+            M[head.position + 6 * node + 3 + i] += angle * normal[i]
+            M[head.rest + 6 * node + 3 + i] += angle * normal[i]
 
 
 @kernel

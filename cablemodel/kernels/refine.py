@@ -8,7 +8,7 @@ they were at the start, once one cubic does for both.
 
 import math
 
-from .access import edge_at, edge_of, header, scalars, vector, word_of
+from .access import edge_at, edge_of, header, scalars, word_of
 from .buckling import is_pressed
 from .compile import kernel, view
 from .follow import (
@@ -57,7 +57,7 @@ def is_pressed_aside(I, M, node):
     count = 2 * head.dimension * head.nodes
     q = view(M, head.position, count)
     tension = view(M, head.tension, 2 * head.nodes)
-    if not is_pressed(I, M, node, q, tension, promised_tension(M), vector()):
+    if not is_pressed(I, M, node, q, tension, promised_tension(M)):
         return False
     edge = edge_of(I, M, node)
     bend = 2.0 / math.pi * math.sqrt(-tension[2 * node] * edge.compliance)

@@ -279,3 +279,15 @@ def test_waves_that_cannot_be(waves, changes, path, words):
     text = str(caught.value)
     assert path in text
     assert words in text
+
+
+def test_the_waters_power_is_the_same_where_a_winch_hardly_turns():
+    """While cable may pass the tow point the matter's motion at its node is another array."""
+    still, turning = (cm.CableModel(scene(JONSWAP, depth=30.0)) for _ in range(2))
+    for _ in range(20):
+        still.step(0.2)
+        turning.step(0.2, payout_rate=-1e-9)
+    assert turning.payout_rate != 0.0
+    expected = still.energy()["drag_power"]
+    assert abs(expected) > 1e-3
+    assert turning.energy()["drag_power"] == pytest.approx(expected, rel=1e-4)
