@@ -135,10 +135,11 @@ def block_kernels(size: int) -> tuple[Any, Any]:
 
 
 def install() -> None:
-    """Put these in the place of cablemodel.kernels.compile."""
+    """Put these in the place of cablemodel.kernels.compile and .products."""
     import cablemodel.kernels
 
-    plain = ModuleType("cablemodel.kernels.compile")
+    compiling = ModuleType("cablemodel.kernels.compile")
+    products = ModuleType("cablemodel.kernels.products")
     for function in (
         entry_point,
         view,
@@ -149,18 +150,17 @@ def install() -> None:
         own_numbers,
         word_of,
         copy_words,
-        table_product,
-        matrix_vector,
-        two_products,
-        block_kernels,
     ):
-        setattr(plain, function.__name__, function)
+        setattr(compiling, function.__name__, function)
+    for function in (table_product, matrix_vector, two_products, block_kernels):
+        setattr(products, function.__name__, function)
     for name in ("kernel", "inlined", "outlined"):
-        setattr(plain, name, as_it_is)
+        setattr(compiling, name, as_it_is)
     for name in ("INTEGERS", "REALS"):
-        setattr(plain, name, name)
-    sys.modules["cablemodel.kernels.compile"] = plain
-    vars(cablemodel.kernels)["compile"] = plain
+        setattr(compiling, name, name)
+    for module in (compiling, products):
+        sys.modules[module.__name__] = module
+        vars(cablemodel.kernels)[module.__name__.rpartition(".")[2]] = module
 
 
 install()

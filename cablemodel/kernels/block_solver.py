@@ -14,7 +14,7 @@ pivot is reported and the caller takes a smaller step.
 from typing import Any
 
 from .access import header
-from .compile import block_kernels, copy_words, kernel, matrix_vector, own_numbers, view
+from .compile import copy_words, kernel, own_numbers, view
 from .elimination import hinge_kernels
 from .layout import (
     ELIMINATION,
@@ -23,6 +23,7 @@ from .layout import (
     JOINT_HINGE,
     JOINT_ROOT,
 )
+from .products import block_kernels, matrix_vector
 
 
 def make_block_solver(size: int, parts: bool = False) -> tuple[Any, Any]:

@@ -7,10 +7,11 @@ their slopes, with a word for every pair of components (see tables.py for the pa
 from typing import Any
 
 from .access import header
-from .compile import inlined, kernel, matrix_vector, own_numbers, two_products, view
+from .compile import inlined, kernel, own_numbers, view
 from .layout import (
     ELEMENT_WORDS,
 )
+from .products import matrix_vector, two_products
 from .tables import P1, P2, WD, WEIGHT_P2
 
 

@@ -8,12 +8,13 @@ curvature k is a number and P = n n^T, which saves a root and most of the produc
 import math
 
 from .access import edge_of, header, vector
-from .compile import inlined, kernel, table_product, view
+from .compile import inlined, kernel, view
 from .element_pairs import constraint_kernels, pair_kernels, third_tension
 from .environment import current_at
 from .layout import (
     GAUSS_WORDS,
 )
+from .products import table_product
 from .strain import strain_and_slope
 from .tables import (
     D1,

@@ -12,12 +12,13 @@ water relative to the cable. In comments g = |r'|, y = r'', P = I - t t^T, k = P
 import math
 
 from .access import edge_of, header, vector
-from .compile import inlined, kernel, table_product, view
+from .compile import inlined, kernel, view
 from .element_pairs import constraint_kernels, pair_kernels, third_tension
 from .environment import current_at
 from .layout import (
     GAUSS_WORDS,
 )
+from .products import table_product
 from .strain import strain_and_slope
 from .tables import (
     D1,

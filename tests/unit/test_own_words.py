@@ -1,4 +1,4 @@
-"""Records and vectors of a kernel's own: zeros at each call, apart from each other and the block."""
+"""Records and vectors of a kernel's own: zeros at each call, apart from all others."""
 
 import numba
 import numpy as np
