@@ -6,7 +6,7 @@ block; so for the others.
 
 from .compile import own_numbers, own_record, record_at, record_in, row_of, word_of
 from .layout import (
-    Arc,
+    ArcLaw,
     Arm,
     Body,
     Cable,
@@ -55,7 +55,7 @@ cable_of, cable_at = row_of(Cable, Header.cables), record_at(Cable)
 body_of, body_at = row_of(Body, Header.bodies), record_at(Body)
 constraint_of, constraint_at = row_of(Constraint, Header.constraints), record_at(Constraint)
 motion_piece_of, motion_piece_at = row_of(Piece, Header.pieces), record_at(Piece)
-polynomial_at, arc_at = record_at(Polynomial), record_at(Arc)
+polynomial_at, arc_at = record_at(Polynomial), record_at(ArcLaw)
 frame_of, frame_at = row_of(Frame, Header.frames), record_at(Frame)
 free_body_of, free_body_at = row_of(FreeBody, Header.free_bodies), record_at(FreeBody)
 arm_of, arm_at = row_of(Arm, Header.arms), record_at(Arm)

@@ -490,7 +490,7 @@ class Polynomial(Record):
     fourth = reals(3, "of the fourth", "m/s4")
 
 
-class Arc(Record):
+class ArcLaw(Record):
     """The law of a piece of motion along a level circle."""
 
     centre = reals(3, "of it", "m")
@@ -506,7 +506,7 @@ class Piece(Record):
     start = real("from which time on it holds", "s")
     end = real("until which time", "s")
     kind = real("of its law: POLYNOMIAL or ARC")
-    data = reals(18, "that law: a Polynomial or an Arc")
+    data = reals(18, "that law: a Polynomial or an ArcLaw")
     jerk_jump = real("at its start", "m/s3")
     acceleration_jump = real("at its start", "m/s2")
     velocity_jump = real("at its start", "m/s")
