@@ -77,6 +77,7 @@ def edge_row(
     row[at.Edge.stabilisation] = min(STABILISATION * scale, 1.0 / kind.strain_coefficients[0])
     row[at.Edge.bending_full] = 0.0 if cable.model == "cable" else kind.bending_stiffness
     row[at.Edge.model] = _MODELS[cable.model]
+    row[at.Edge.flexible] = float(row[at.Edge.bending_full] == 0.0)
     if row[at.Edge.bending_full] == 0.0 and scene.environment.floor is not None:
         row[at.Edge.bending_full] = sea_floor.least_bending(scene, kind)
         row[at.Edge.model] = at.MODEL_HYBRID

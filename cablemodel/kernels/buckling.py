@@ -26,7 +26,8 @@ from .layout import (
     JOINT_HINGE,
 )
 from .newton import refactor
-from .tension import promised_tension
+from .strain import pressed_stiffness, promised_tension
+from .tension import gives_way
 
 FLAT = 1e-3  # of what cable is made crooked by: what is so flat never was
 TURN = 2.399963229728653  # golden angle: its multiples hold all waves of the mesh [rad]
@@ -97,6 +98,22 @@ def is_held(I, M):
                 for j in range(k + 1, size):
                     work[size * i + j] -= factor * work[size * k + j]
     return True
+
+
+@kernel
+def follow_pressure(I, M):
+    """Choose whether cable bends aside within elements (`strain_aside`): not where a line touches
+    the floor, which holds what lies.
+
+    The law changes while no element is pressed by so much: no energy is made.
+    """
+    head = header(I)
+    state = scalars(M)
+    pressed = 1.0 if head.floor_state == FLOOR_TOUCHED else pressed_stiffness(M)
+    if pressed == state.pressed:
+        return
+    if not gives_way(I, M, view(M, head.tension, 2 * head.nodes)):
+        state.pressed = pressed
 
 
 @kernel

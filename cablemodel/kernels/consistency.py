@@ -99,7 +99,7 @@ def follow_increment(I, M, array):
     words = 2 * head.nodes
     constraint = view(M, head.constraint_residual, words)
     x = view(M, head.increment, 2 * head.dimension * head.nodes)
-    recover_tension(I, M, constraint, x, view(M, array, words))
+    recover_tension(I, M, constraint, x, view(M, array, words), False)
 
 
 @kernel

@@ -15,7 +15,7 @@ from .layout import (
     GAUSS_WORDS,
 )
 from .products import table_product
-from .strain import strain_and_slope
+from .strain import moments_aside, strain_and_slope
 from .tables import (
     D1,
     D2,
@@ -225,6 +225,10 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
                 )
                 r0 += WEIGHT[g] * (W[G + g] - 1.0 - strain)
                 r1 += WEIGHT_P1[g] * (W[G + g] - 1.0 - strain)
+        if t0 < abs(t1) and edge.flexible != 0.0:
+            aside0, aside1, _c00, _c01, _c11 = moments_aside(M, edge, t0, t1)
+            r0 -= aside0
+            r1 -= aside1
         out_constraint[2 * node] = h * r0
         out_constraint[2 * node + 1] = h * r1
 
@@ -434,6 +438,11 @@ def jacobian_planar(I, M, q, v, a, tension, ca, cv):
                 c00 += h * WEIGHT[g] * slope
                 c01 += h * WEIGHT_P1[g] * slope
                 c11 += h * WEIGHT_P1[g] * P1[g] * slope
+        if t0 < abs(t1) and edge.flexible != 0.0:
+            _r0, _r1, d00, d01, d11 = moments_aside(M, edge, t0, t1)
+            c00 += h * d00
+            c01 += h * d01
+            c11 += h * d11
         determinant = 1.0 / (c00 * c11 - c01 * c01)
         s00 = c11 * determinant
         s01 = -c01 * determinant

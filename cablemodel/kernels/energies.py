@@ -22,7 +22,7 @@ from .passing import exchange_rates
 from .payout import rate_words
 from .record import Record, reals
 from .rigid import flow_energy, rigid_energy, rigid_row, wave_power
-from .strain import strain_and_slope
+from .strain import energy_aside, strain_and_slope
 from .tables import (
     D0,
     D1,
@@ -179,7 +179,10 @@ def cable_energy(I, M, node, found):
             found.kinetic -= 0.5 * weight * edge.added_mass * vt * vt
             found.potential += weight * edge.weight * (height + state.origin[2])
         # Complementary energy subtracted from T strain: exact for a curved law too.
-        found.axial += weight * strain_energy(M, edge, mean + slope * P1[p])
+        tension = mean + slope * P1[p]
+        found.axial += weight * strain_energy(M, edge, tension)
+        if edge.flexible != 0.0:
+            found.axial += weight * energy_aside(M, edge, tension)
         found.bending += 0.5 * weight * edge.bending * curvature
         if head.wave_count != 0:
             cable_in_waves(I, M, W, p, edge, weight, g, un, ut, height, point, found)

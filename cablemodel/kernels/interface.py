@@ -94,7 +94,7 @@ def implicit_step(I, M, ahead, length):
             q[n] += x[n]
             v[n] += cv * x[n]
             a[n] += ca * x[n]
-        recover_tension(I, M, constraint, x, tension)
+        recover_tension(I, M, constraint, x, tension, False)
         follow_forces(I, M)
     residual(I, M, q, v, a, tension, forces, constraint)
     return 0

@@ -134,6 +134,7 @@ class Header(Record):
     surge = integer("1 while the current changes in time, as of the last set_time")
     rings = integer("ends that are held behind which something rings that is followed")
     settled = integer("1 while the last step left a line that does not ring along itself")
+    bent_aside = integer("1: some element began or ceased to bend aside in an iteration")
     floor_state = integer("FLOOR_FAR, ...: how near the line is to the floor; 0 also without one")
 
     # Systems: frames that are driven, free bodies, lines between them. 0 in a scene of one line.
@@ -203,6 +204,7 @@ class Scalars(Record, first=HEADER_WORDS):
     period = real("sqrt(L/g)", "s")
     axial = real("stiffness of the whole line over its mass", "1/s2")
     undamped = real("1: drag does not damp the line's motion")
+    pressed = real("part of its axial stiffness that flexible cable keeps where it is pressed")
     joined = real("longest element that a change of the mesh has joined", "m")
 
     # Sea floor.
@@ -284,6 +286,7 @@ class Edge(Record):
     tension_high = real("above which it is", "N")
     stabilisation = real("stiffness of the third strain mode (stabilisation.py)", "N")
     third_rest = real("what that takes off the mode's tension: its strain at rest", "N")
+    flexible = real("1: cable without bending stiffness, which bears no pressure")
     bending_full = real("bending stiffness of the cable", "N m2")
     model = real("MODEL_ELASTICA, MODEL_CABLE or MODEL_HYBRID")
     type = real("of the cable: row of the scene's types")

@@ -29,7 +29,7 @@ from .layout import (
     OK,
 )
 from .payout import join_at, split_edge
-from .tension import promised_tension
+from .strain import promised_tension
 
 PAUSE = 0.02  # of sqrt(L/g): how often the mesh is looked at
 STRAIGHT = 0.02  # of what is allowed: the same for two elements that are joined

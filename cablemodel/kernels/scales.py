@@ -9,6 +9,7 @@ from .access import line_facts_at, motion_piece_of, new_motion, scalars
 from .compile import kernel
 from .environment import evaluate_piece, find_piece
 from .layout import LIGHT_DAMPING
+from .strain import pressed_stiffness
 from .tables import STABILISATION
 
 TIME_TOLERANCE = 0.045  # of tau L: local error allowed in a step; calibrated, docs/engine/time.md
@@ -114,6 +115,7 @@ def measure_line(I, M, words):
     state.smallest_step = 1e-10 * period
     state.axial = 1.0 / (facts.softness * facts.mass)
     state.undamped = 1.0 if undamped else 0.0
+    state.pressed = pressed_stiffness(M)
     finest = FINEST_IN_AIR if undamped else FINEST_IN_WATER
     state.order_3 = 0.0
     if slack and tolerance >= finest:

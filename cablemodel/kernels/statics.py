@@ -7,6 +7,7 @@ step starts from rest: slack cable settles where it would bounce otherwise.
 
 from .access import edge_of, header, scalars, vector, winch_of
 from .backup import keep_matrix
+from .buckling import follow_pressure
 from .clamp_layer import settle_layer
 from .closures import follow_forces, give_back_forces, keep_forces
 from .compile import copy_words, kernel, view
@@ -60,6 +61,8 @@ def find_equilibrium(I, M, frame):
     if head.floor_kind != FLOOR_NONE:
         head.floor_state = FLOOR_TOUCHED  # on its way it may be anywhere
     few = head.maximum_steps < LARGEST_STEPS and flow_of(I, M) != 0.0
+    pressed = scalars(M).pressed
+    scalars(M).pressed = 1.0  # what a search passes through is not what bends aside
     for attempt in range(1 if few else 4):
         if attempt > 0:
             copy_words(I, head.position, head.stage_velocity, count)
@@ -67,8 +70,10 @@ def find_equilibrium(I, M, frame):
         status = relax(I, M, frame, attempt < 2, attempt % 2 == 1)
         if status == OK:
             break
+    scalars(M).pressed = pressed
     if head.floor_kind != FLOOR_NONE:
         leave_floor(I, M)
+        follow_pressure(I, M)
     return status
 
 
@@ -163,7 +168,7 @@ def relax(I, M, frame, damped, strict):
                 break
             for n in range(count):
                 q[n] += x[n]
-            tension_change = recover_tension(I, M, constraint, x, tension)
+            tension_change = recover_tension(I, M, constraint, x, tension, True)
             follow_forces(I, M)
             largest = 1e-30
             for n in range(1, nodes):

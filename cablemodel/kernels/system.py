@@ -3,7 +3,16 @@
 Everything that depends on the dimension (planar or three-dimensional) is chosen here, once a call.
 """
 
-from .access import closure_of, constraint_of, frame_of, header, new_motion, scalars, winch_of
+from .access import (
+    closure_of,
+    constraint_of,
+    edge_of,
+    frame_of,
+    header,
+    new_motion,
+    scalars,
+    winch_of,
+)
 from .backup import keep_matrix
 from .block_solver import (
     factor_parts,
@@ -50,6 +59,7 @@ from .layout import (
 from .passing import add_first_bit, exchange_rates, exchange_velocities
 from .payout import material_top, set_top_length
 from .rigid import condense_rigid, rigid_jacobian, rigid_residual, stretch_rate_rigid
+from .strain import tensions_after
 from .surge import push_elements
 from .triangular_solver import (
     factor_planar_lu,
@@ -383,13 +393,19 @@ def stretch_rate(I, M, x, out):
 
 
 @kernel
-def recover_tension(I, M, constraint, x, tension):
-    """Add the tension increments S (constraint + B x) that belong to x; returns the largest [N]."""
+def recover_tension(I, M, constraint, x, tension, iterates):
+    """Add the tension increments S (constraint + B x) that belong to x; returns the largest [N].
+
+    iterates: these are the tensions that Newton's method is at, and elements that are pressed get
+    what their strain asks for, of whatever state the matrix is.
+    """
     head = header(I)
     nodes = head.nodes
     joints = view(I, head.joint, nodes)
     work = view(M, head.stretch, 2 * nodes)
     stretch_rate(I, M, x, work)
+    gives_way = iterates and scalars(M).pressed < 1.0
+    head.bent_aside = 0
     largest = 0.0
     for node in range(1, nodes):
         if joints[node] == JOINT_HINGE:
@@ -399,6 +415,16 @@ def recover_tension(I, M, constraint, x, tension):
         r1 = constraint[2 * node + 1] + work[2 * node + 1]
         d0 = s[0] * r0 + s[1] * r1
         d1 = s[1] * r0 + s[2] * r1
+        if gives_way and joints[node] == 0:
+            t0 = tension[2 * node]
+            t1 = tension[2 * node + 1]
+            if t0 < abs(t1) or t0 + d0 < abs(t1 + d1):
+                edge = edge_of(I, M, node)
+                if edge.flexible != 0.0:
+                    h = edge.length
+                    d0, d1, others = tensions_after(M, edge, t0, t1, r0 / h, r1 / h)
+                    if others:
+                        head.bent_aside = 1
         tension[2 * node] += d0
         tension[2 * node + 1] += d1
         largest = max(largest, abs(d0), abs(d1))

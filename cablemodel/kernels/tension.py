@@ -32,6 +32,7 @@ from .environment import current_rate, surge_jump
 from .follow import begins_anew
 from .newton import increment_norm
 from .payout import set_top_length
+from .strain import promised_tension
 from .system import (
     factorise,
     impose_motion,
@@ -68,16 +69,6 @@ RIGID = 1e-3  # compliance of the line over what its inertia gives way by in tha
 # What a step does along the line; in a system, where it is refused: that no other one than its
 # tensions' error is too large.
 PASSES_OVER, FOLLOWS, SOLVED, MISSES = 0, 1, 2, 3
-
-
-@kernel
-def promised_tension(M):
-    """What tensions may be wrong by [N], by the largest tension so far.
-
-    A typical one stands for it at first.
-    """
-    state = scalars(M)
-    return 10.0 * state.tolerance * max(state.largest_tension, state.tension_scale)
 
 
 @kernel
@@ -143,7 +134,7 @@ def stretch_tensions(I, M, x):
     change = view(M, head.stage_velocity, 2 * head.nodes)
     constraint[:] = 0.0
     change[:] = 0.0
-    recover_tension(I, M, constraint, x, change)
+    recover_tension(I, M, constraint, x, change, False)
 
 
 @kernel
@@ -456,7 +447,7 @@ def solve_for_tension(I, M, t, short, q, v, tension):
     for n in range(words):
         constraint[n] = scale * curved[n]
     newton_increment(I, M, forces, constraint, x)
-    recover_tension(I, M, constraint, x, solved)
+    recover_tension(I, M, constraint, x, solved, False)
     for n in range(count):
         a[n] += ca * x[n]
     # Positions whose stretch has these tensions.
@@ -536,6 +527,19 @@ def take_solved(I, M):
 
 
 @kernel
+def gives_way(I, M, tension):
+    """Whether flexible cable bends aside within an element under these tensions: waves along it
+    end there, and nothing rings on."""
+    head = header(I)
+    borne = promised_tension(M)
+    for node in range(1, head.nodes):
+        if I[head.joint + node] == 0 and edge_of(I, M, node).flexible != 0.0:
+            if tension[2 * node] - abs(tension[2 * node + 1]) < -borne:
+                return True
+    return False
+
+
+@kernel
 def bend_of_tension(I, M, dt):
     """What the top tension changes by in a step of dt, or in the one before it, and twice what
     that differs by: a bound of its second derivative times the square of dt [tolerances]."""
@@ -584,6 +588,9 @@ def tension_error(I, M, dt, scheme, gamma_dt, error):
             scatter = max(scatter, stage_scatter(I, M, node, scheme))
     if scatter <= UNSEEN:
         return scatter, PASSES_OVER
+    if head.parts == 0 and state.pressed < 1.0:
+        if gives_way(I, M, view(M, head.trial_tension, 2 * head.nodes)):
+            return 0.0, FOLLOWS
     if head.parts == 0 and dies_away(M):
         return 0.0, SOLVED if solves(I, M, dt, scatter) else PASSES_OVER
     find_embedded_errors(I, M, error, gamma_dt)

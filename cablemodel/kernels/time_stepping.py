@@ -9,7 +9,7 @@ step, is estimated from those of the stages.
 import math
 
 from .access import edge_of, header, scalars
-from .buckling import any_pressed, fall_over, is_held, make_crooked
+from .buckling import any_pressed, fall_over, follow_pressure, is_held, make_crooked
 from .clamp_layer import follow_layer
 from .closures import follow_forces, give_back_forces, keep_forces
 from .compile import copy_words, inlined, kernel, view
@@ -86,12 +86,14 @@ from .vessel_clamp import update_springs
 from .winch import begin_payout, longest_payout_step
 
 LARGEST_ITERATIONS = 10
+MORE_ITERATIONS = 16  # the same while points of elements begin or cease to bend aside
 STALL = 5000, 1e-5  # internal steps in a row, and their mean length in sqrt(L/g), that end a call
 LANDED = -1  # status of a step without the floor's forces that comes to where they act
 MOST_REFUSALS = 4  # of a step that ends folded
 LEAST_SHARE = 0.1  # of the local error allowed: what a step however short has
 AT_ONCE = 0.02  # of the tolerance: what a stage's first iteration may leave, by the last ratio
 UNSEEN = 1e-4  # tau down to which what that leaves is not seen
+NO_NEARER = 0.9  # of the last increment: from there on what bends aside to and fro is halved
 BEST_RATIO = 0.003  # that is believed for the next stage
 UNSEEN_RATIO = 0.03  # the same where increments were so small that it says little
 UNSTABLE = 30.0  # error of a step that is too long for what grows: the next has 0.4 of it
@@ -129,12 +131,13 @@ def solve_stage(I, M, t, gamma_dt, tolerance, most_left, to_output, ratio):
     previous = 0.0
     since = 0  # iterations with a factorisation made in this stage
     growing = 0
+    head.bent_aside = 0
     good = 0.02 if to_output else 0.1
     at_once = 0.0 if to_output or state.tolerance < UNSEEN else AT_ONCE
     # What is left of a stage leaves that over gamma dt in the velocity, which an undamped motion
     # keeps: it must be small against the tolerance over a period, however short the steps are.
     tolerance *= min(1.0, gamma_dt / (0.1 * state.period))
-    for iteration in range(LARGEST_ITERATIONS):
+    for iteration in range(MORE_ITERATIONS):
         residual(I, M, q, v, a, tension, forces, constraint)
         newton_increment(I, M, forces, constraint, x)
         head.iterations += 1
@@ -143,11 +146,15 @@ def solve_stage(I, M, t, gamma_dt, tolerance, most_left, to_output, ratio):
             I[head.failed] = where
             head.factored = 0
             return NOT_CONVERGED, ratio
+        if head.bent_aside != 0 and not size < NO_NEARER * previous:
+            # Points of elements change sides to and fro: between the two is what is looked for.
+            for n in range(count):
+                x[n] *= 0.5
         for n in range(count):
             q[n] += x[n]
             v[n] += inverse * x[n]
             a[n] += inverse2 * x[n]
-        tension_change = recover_tension(I, M, constraint, x, tension)
+        tension_change = recover_tension(I, M, constraint, x, tension, True)
         follow_forces(I, M)
         settled = True
         if to_output:
@@ -175,13 +182,16 @@ def solve_stage(I, M, t, gamma_dt, tolerance, most_left, to_output, ratio):
             if growing == 2 and size > tolerance:
                 I[head.failed] = where
                 return NOT_CONVERGED, ratio
-            if shrunk > (0.2 if head.fresh == 0 else 0.4) and since > 0:
+            slow = shrunk > (0.2 if head.fresh == 0 else 0.4) and since > 0
+            if slow or head.bent_aside != 0:
                 if refactor(I, M, q, v, a, tension, gamma_dt) != 0:
                     return NOT_CONVERGED, ratio
                 since = -1
         since += 1
         previous = size
         I[head.failed] = where
+        if iteration + 1 >= LARGEST_ITERATIONS and head.bent_aside == 0:
+            break
     return NOT_CONVERGED, ratio
 
 
@@ -605,6 +615,7 @@ def advance_to(I, M, t_end):
                     settle(I, M)
                 if head.floor_state != FLOOR_FAR:
                     leave_floor(I, M)
+                follow_pressure(I, M)
             if head.hybrid == 1:
                 update_bending(I, M)
             if head.rigid > 0 or head.payout != 0:

@@ -150,7 +150,7 @@ def try_two_step(I, M, dt):
             q[n] += x[n]
             v[n] += b0 * x[n]
             a[n] += b0 * b0 * x[n]
-        tension_change = recover_tension(I, M, constraint, x, tension)
+        tension_change = recover_tension(I, M, constraint, x, tension, True)
         follow_forces(I, M)
         largest = 0.0
         for n in range(1, nodes):
