@@ -53,8 +53,14 @@ def wet_hull(I, M, body, centre):
     slope_x = 0.0
     slope_y = 0.0
     if head.wave_count != 0:
-        slope_x = (depth_below(I, M, centre[0] + radius, centre[1], centre[2]) - depth) / radius
-        slope_y = (depth_below(I, M, centre[0], centre[1] + radius, centre[2]) - depth) / radius
+        # Of both sides: with one of them the plane would be that of a place half a radius ahead.
+        x = centre[0]
+        y = centre[1]
+        z = centre[2]
+        ahead = depth_below(I, M, x + radius, y, z) - depth_below(I, M, x - radius, y, z)
+        abeam = depth_below(I, M, x, y + radius, z) - depth_below(I, M, x, y - radius, z)
+        slope_x = 0.5 * ahead / radius
+        slope_y = 0.5 * abeam / radius
     w = view(M, head.parts_work + 103, 6)
     # A column has a width: lying down, it is not wet at once.
     half = 0.5 * height * abs(rise) + tilt * radius / math.sqrt(COLUMNS)

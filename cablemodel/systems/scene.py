@@ -220,7 +220,9 @@ class FreeBody(SceneModel):
         "and of the water that the whole hull displaces",
     )
     hull: Hull | None = Field(
-        default=None, description="what displaces water: a shape that may leave it"
+        default=None,
+        description="what displaces water: a shape that may leave it; added mass and inertia, and "
+        "drag, are given for all of it under water: at the surface they have its wet share",
     )
     inertia: Annotated[tuple[float, float, float], Vector("kg*m**2"), BeforeValidator(_three)] = (
         Field(

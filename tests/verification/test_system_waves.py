@@ -81,6 +81,25 @@ def test_heave_and_pitch_have_their_periods(cylinder: SystemModel) -> None:
     assert period(np.array(times), np.array(pitch)) == pytest.approx(pitches, rel=0.02)
 
 
+def test_added_mass_has_the_share_of_the_hull_that_is_wet(cylinder: SystemModel) -> None:
+    """So does the heave's period: 2 pi sqrt((m + s a) / (rho g A)), s the share."""
+    added = 20e3
+    given = cylinder.scene.to_dict()
+    given["bodies"]["buoy"]["added_mass"] = [0.0, 0.0, added]
+    model = SystemModel(given)
+    rest = model.bodies["buoy"].position[2]
+    model.step(1.0, forces={"buoy": [0, 0, 2e3, 0, 0, 0]})
+    times = model.time + 0.05 * np.arange(1, 401)
+    heave = []
+    for t in times:
+        model.step_to(float(t))
+        heave.append(model.bodies["buoy"].position[2] - rest)
+    area = math.pi * 4.0
+    share = 15e3 / (RHO * area * 3.0)
+    heaves = 2.0 * math.pi * math.sqrt((15e3 + share * added) / (RHO * G * area))
+    assert period(times, np.array(heave)) == pytest.approx(heaves, rel=0.01)
+
+
 def test_a_buoy_follows_a_long_wave() -> None:
     """A wave far longer than the buoy carries it up and down with the surface."""
     wave = {"regular": {"height": 1.0, "period": 20.0}, "ramp": 20.0}
@@ -98,6 +117,41 @@ def test_a_buoy_follows_a_long_wave() -> None:
             surface.append(float(water.elevation(model.time, place[0], place[1])))
     assert np.ptp(surface) == pytest.approx(1.0, rel=0.02)
     assert np.abs(np.array(heave) - surface).max() < 0.03
+
+
+@pytest.mark.parametrize("direction", [0.0, 3.9])
+def test_a_raft_pitches_with_the_slope_of_the_wave_below_it(direction: float) -> None:
+    """A flat raft, whose own pitching is four times as fast as the wave of 7 of its diameters: at
+    the amplitude of an oscillator and in phase with the slope, wherever waves go to."""
+    height, time, draught, radius = 0.6, 6.0, 0.5, 4.0
+    mass = RHO * math.pi * radius**2 * draught
+    raft = {
+        "mass": mass, "hull": {"diameter": 2.0 * radius, "height": 2.0 * draught},
+        "inertia": [mass * radius**2 / 4.0] * 2 + [mass * radius**2 / 2.0],
+        "drag_area": 2.0, "drag_turning": 400.0,
+    }  # fmt: skip
+    wave = {"regular": {"height": height, "period": time, "direction": direction}, "ramp": 12.0}
+    model = SystemModel(floating(raft, waves=wave))
+    water = sea(model.scene)
+    assert water is not None
+    way = np.array([math.cos(direction), math.sin(direction), 0.0])
+    rows = []
+    for t in np.arange(48.0, 72.0, 0.1):
+        model.step_to(float(t))
+        body = model.bodies["buoy"]
+        ends = [body.position + sign * way for sign in (-1.0, 1.0)]
+        low, high = (float(water.elevation(t, *end[:2])) for end in ends)
+        pitch = math.atan2(float(body.axes[:, 2] @ way), float(body.axes[2, 2]))
+        phase = 2.0 * math.pi * t / time
+        rows.append([pitch, -0.5 * (high - low), math.cos(phase), math.sin(phase)])
+    pitch, slope, c, s = np.array(rows).T
+    answer = complex(pitch @ c, pitch @ s) / complex(slope @ c, slope @ s)
+    # Of buoyancy about its centre of gravity, in the middle of the raft, and of its own inertia.
+    metacentre = radius**2 / (4.0 * draught) - 0.5 * draught
+    natural = math.sqrt(G * metacentre / (radius**2 / 4.0))
+    frequency = 2.0 * math.pi / time
+    assert abs(answer) == pytest.approx(1.0 / (1.0 - (frequency / natural) ** 2), rel=0.05)
+    assert np.angle(answer) == pytest.approx(0.0, abs=0.05)
 
 
 RAOS = [
