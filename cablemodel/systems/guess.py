@@ -30,6 +30,10 @@ BALANCED = 0.01
 """Of the least of all forces: what may be left of them at any place."""
 SHARE_OF_DRAG = 0.3
 """Of a line's drag across, that it has on the average as it hangs."""
+ASIDE = 0.5
+"""Load that draws lines aside, in units of their weight in water."""
+AFLOAT = 0.02
+"""Of a line's weight in air: what that is at least."""
 
 
 def axes_of(attitude: tuple[float, float, float]) -> FloatArray:
@@ -118,8 +122,26 @@ def held_place(scene: SystemScene, end: LineEnd) -> FloatArray | None:
     return np.asarray(np.array(vessel.position) + arm, dtype=np.float64)
 
 
-def first_guess(scene: SystemScene, velocity: FloatArray) -> Guess:
-    """The first places. velocity: of the frame in which the start is at rest (3,) [m/s]."""
+def ways_aside(guess: Guess) -> dict[str, FloatArray]:
+    """Horizontal ways (3,) across each line, from its beginning to its end; of an upright one x."""
+    found = {}
+    for name, points in guess.lines.items():
+        chord = points[-1] - points[0]
+        across = np.array([-chord[1], chord[0], 0.0])
+        size = float(np.linalg.norm(across))
+        upright = size <= 0.1 * float(np.abs(guess.arcs[name][-1]))
+        found[name] = np.array([1.0, 0.0, 0.0]) if upright else across / size
+    return found
+
+
+def first_guess(
+    scene: SystemScene, velocity: FloatArray, aside: dict[str, FloatArray] | None = None
+) -> Guess:
+    """The first places.
+
+    velocity: of the frame in which the start is at rest (3,) [m/s]; aside: by line, a way in which
+    it is drawn (3,): slack that would hang doubled below itself opens into a bight.
+    """
     count = 0
     bodies: dict[str, int] = {}
     for name in scene.bodies:
@@ -155,6 +177,8 @@ def first_guess(scene: SystemScene, velocity: FloatArray) -> Guess:
             weight = kind.submerged_weight or 1e-6 * kind.mass * gravity
             load = np.array([0.0, 0.0, -weight])
             load += SHARE_OF_DRAG * 0.5 * rho * kind.drag_normal * kind.diameter * speed * flow
+            if aside is not None:
+                load += ASIDE * max(abs(weight), AFLOAT * kind.mass * gravity) * aside[name]
             edges = arcs[name]
             low, high = along, along + item.cable.length
             for k in range(len(edges) - 1):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import warnings
 from typing import Any
 
 import numpy as np
@@ -181,3 +183,77 @@ def test_friction_holds_a_body_up_to_its_limit() -> None:
     for _ in range(4):
         model.step(0.5, forces={"lander": [0.8 * weight, 0, 0, 0, 0, 0]})
     assert model.bodies["lander"].position[0] - start[0] > 0.2
+
+
+SLACK, GRAVITY, WATER = 100.0, 9.80665, 1025.0
+HANGING = {
+    "rope": {"diameter": 0.016, "mass": 0.16, "axial_stiffness": 4e5, "bending_stiffness": 0.3},
+    "umbilical": {"diameter": 0.03, "mass": 1.1, "axial_stiffness": 4e6, "bending_stiffness": 27.0},
+    "chain": {"diameter": 0.03, "mass": 18.0, "axial_stiffness": 6e7},
+}
+
+
+def weight_of(kind: str) -> float:
+    """Of a metre in water [N]."""
+    own = HANGING[kind]
+    return (own["mass"] - WATER * math.pi / 4.0 * own["diameter"] ** 2) * GRAVITY
+
+
+@pytest.mark.parametrize("kind", list(HANGING))
+@pytest.mark.parametrize("height", [99.5, 95.0, 90.0, 40.0])
+def test_slack_below_its_upper_end_hangs_doubled(kind: str, height: float) -> None:
+    """Each end bears the weight of what hangs below it, (L + h) / 2 and (L - h) / 2 of a line that
+    sinks; upright between its ends the line would be a strut, at -EA (L - h) / L."""
+    weight = weight_of(kind)
+    scene = {
+        "cable_types": {"line": HANGING[kind]},
+        "vessels": {"ship": {"points": {"eye": [0, 0, 0]}}},
+        "lines": {
+            "line": {
+                "from": {"anchor": [0, 0, -height]},
+                "to": "ship.eye",
+                "items": [{"cable": {"type": "line", "length": SLACK}}],
+            }
+        },
+    }
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        model = cm.SystemModel(scene)
+    line = model.lines["line"]
+    # A rope floats. What bends takes the room of its bend, some (EI / w)^(1/3), from the parts.
+    most, least = 0.5 * (SLACK + height) * weight, 0.5 * (SLACK - height) * weight
+    ends = (most, least) if weight > 0.0 else (-least, -most)
+    stiffness = HANGING[kind].get("bending_stiffness", 0.0)
+    bend = 2.0 * abs(weight) * (stiffness / abs(weight)) ** (1.0 / 3.0)
+    allowed = 0.002 * max(map(abs, ends)) + bend
+    assert (line.end_tension, line.start_tension) == pytest.approx(ends, abs=allowed)
+    assert line.tension_range[0] > -bend - 0.002 * max(map(abs, ends))
+
+
+@pytest.mark.parametrize("depth", [90.0, 70.0])
+def test_a_buoy_above_its_anchor_floats_on_slack_chain(depth: float) -> None:
+    """By Archimedes: what it displaces, less the chain that hangs below it."""
+    weight, radius, mass = weight_of("chain"), 1.5, 20e3
+    buoy = {
+        "mass": mass, "hull": {"diameter": 2.0 * radius, "height": 6.0}, "inertia": 60e3,
+        "centre_of_gravity": [0, 0, -1.5], "points": {"keel": [0, 0, -3.0]},
+    }  # fmt: skip
+    scene = {
+        "cable_types": {"line": HANGING["chain"]},
+        "bodies": {"buoy": buoy},
+        "lines": {
+            "leg": {
+                "from": {"anchor": [0, 0, -depth]},
+                "to": "buoy.keel",
+                "items": [{"cable": {"type": "line", "length": SLACK}}],
+            }
+        },
+    }
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        model = cm.SystemModel(scene)
+    keel = model.bodies["buoy"].position[2] - 3.0
+    hangs = 0.5 * (SLACK + depth + keel)
+    floats = -WATER * math.pi * radius**2 * keel * GRAVITY
+    assert floats == pytest.approx(mass * GRAVITY + weight * hangs, rel=2e-4)
+    assert model.lines["leg"].end_tension == pytest.approx(weight * hangs, rel=2e-3)

@@ -126,7 +126,7 @@ def test_a_vessel_that_waits_lies_on_the_heading_of_its_first_leg() -> None:
     for t in (0.0, 4.0, 5.0, 7.0, 12.0):
         for model in models if t > 0.0 else ():
             model.step_to(t)
-        ahead, turned = models
+        _ahead, turned = models
         assert turned.vessels["tug"].attitude[2] == pytest.approx(turn, abs=1e-12)
         ends = [model.lines["tow"].sample([0.0, LENGTH]).position for model in models]
         assert ends[1] == pytest.approx(ends[0] @ way.T, abs=1e-5)
