@@ -10,13 +10,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from cablemodel.sea_floor import bristle_length
+
 if TYPE_CHECKING:
     from cablemodel.model import CableModel, CableState
     from cablemodel.scene import Scene
     from cablemodel.scene.common import CableScene
     from cablemodel.scene.line import CableType, LineItem
     from cablemodel.scene.vessel import RatePoint
-    from cablemodel.systems import SystemScene
+    from cablemodel.systems import SystemModel, SystemScene
 
 KNOT = 1852.0 / 3600.0
 """A knot [m/s]."""
@@ -354,3 +356,60 @@ def start_warnings(scene: Scene, model: CableModel, state: CableState) -> list[s
     if model.tension_min < -slack:
         found.append(f"the cable is compressed at the start: {model.tension_min:.3g} N")
     return found
+
+
+def system_start_warnings(model: SystemModel) -> list[str]:
+    """What is seen at the start of a system: of friction that takes hold too softly, the line that
+    this matters to most."""
+    scene = model.scene
+    accuracy = scene.solver.accuracy or scene.solver.tolerance
+    worst, reach, wrong, more = "", 0.0, 0.0, 1.0
+    others = []
+    for name, line in model.lines.items():
+        its_reach, its_wrong = held_by_springs(model, name)
+        times = its_wrong / (10.0 * accuracy * max(max(map(abs, line.tension_range)), 1e-300))
+        if times > 1.0:
+            others.append(name)
+        if times > more:
+            worst, reach, wrong, more = name, its_reach, its_wrong, times
+    if not worst:
+        return []
+    others.remove(worst)
+    also = f" (and {', '.join(others)})" if others else ""
+    return [
+        f"lines.{worst}{also}: friction takes hold over {1e3 * bristle_length(scene):.2g} mm, so a "
+        f"change of tension reaches some {reach:.2g} m further along the floor than Coulomb's "
+        f"friction lets it: what lies, and its anchor, may feel up to {wrong:.4g} N too much or "
+        f"too little, {more:.2g} times what is promised; less at a finer tolerance, as its root"
+    ]
+
+
+def held_by_springs(model: SystemModel, name: str) -> tuple[float, float]:
+    """How far tension gets along what lies of a line at the start by the springs that friction is
+    made of [m], and by how much it may be wrong there [N]; zeros where nothing lies.
+
+    A change dT dies out over sqrt(EA u / (mu w)), where springs of a length u bear mu w; Coulomb's
+    friction ends it at once where its front has come to.
+    """
+    scene = model.scene
+    floor = scene.environment.floor
+    if floor is None or floor.friction == 0.0:
+        return 0.0, 0.0
+    state = model.lines[name].sample()
+    lying = state.on_floor[1:] & state.on_floor[:-1]
+    middles, lengths = 0.5 * (state.s[1:] + state.s[:-1]), np.diff(state.s)
+    farthest = most = along = 0.0
+    for item in scene.lines[name].items:
+        if item.cable is None:
+            continue
+        within = (middles > along) & (middles < along + item.cable.length)
+        along += item.cable.length
+        lies = float(lengths[within & lying].sum())
+        kind = scene.cable_types[item.cable.type]
+        holds = floor.friction * max(0.0, kind.submerged_weight)
+        if lies == 0.0 or holds == 0.0:
+            continue
+        reach = math.sqrt(bristle_length(scene) / (kind.strain_coefficients[0] * holds))
+        if holds * min(reach, lies) > most:
+            farthest, most = reach, holds * min(reach, lies)
+    return farthest, most

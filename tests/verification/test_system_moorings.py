@@ -11,6 +11,7 @@ import pytest
 from scipy.optimize import fsolve
 
 import cablemodel as cm
+from cablemodel.cli.plausibility import held_by_springs, system_start_warnings
 
 LENGTH, WEIGHT, STIFFNESS, DEPTH = 280.0, 850.0, 300e6, 100.0
 ANGLES = np.radians([0.0, 120.0, 240.0])
@@ -257,3 +258,54 @@ def test_a_buoy_above_its_anchor_floats_on_slack_chain(depth: float) -> None:
     floats = -WATER * math.pi * radius**2 * keel * GRAVITY
     assert floats == pytest.approx(mass * GRAVITY + weight * hangs, rel=2e-4)
     assert model.lines["leg"].end_tension == pytest.approx(weight * hangs, rel=2e-3)
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-4])
+def test_check_tells_by_how_much_soft_friction_misses_the_tension_of_an_anchor(
+    tolerance: float,
+) -> None:
+    """Coulomb's friction takes mu w a metre from a tension that rises at the touchdown, and lets
+    none of it come to an anchor far behind: springs do, by no more than `check` says."""
+    friction, weight, lies = 0.6, 222.0, 30.0
+    chain = {"diameter": 0.036, "mass": 26.0, "submerged_weight": weight, "axial_stiffness": 1e8}
+    hauls = [(0.0, 0.0), (2.0, 0.0), (4.0, 0.25), (12.0, 0.25), (14.0, 0.0)]
+    model = cm.SystemModel(
+        {
+            "environment": {"floor": {"z": -45.0, "friction": friction}},
+            "cable_types": {"chain": chain},
+            "vessels": {
+                "ship": {
+                    "position": [108.0, 0, 0],
+                    "points": {"eye": [0, 0, 0]},
+                    "velocity": [{"t": t, "velocity": [v, 0, 0]} for t, v in hauls],
+                }
+            },
+            "lines": {
+                "leg": {
+                    "from": {"anchor": [0, 0, -45.0]},
+                    "to": "ship.eye",
+                    "items": [{"cable": {"type": "chain", "length": 130.0}}],
+                }
+            },
+            "solver": {"tolerance": tolerance},
+        }
+    )
+    line = model.lines["leg"]
+    first, largest = line.start_tension, line.end_tension
+    (warning,) = system_start_warnings(model)
+    reach, most = held_by_springs(model, "leg")
+    assert f"up to {most:.4g} N" in warning
+    assert reach * friction * weight == pytest.approx(most)
+    model.step_to(14.0)
+    behind = line.sample([lies])
+    assert behind.on_floor[0]
+    assert behind.tension[0] - first < 0.5 * friction * weight * lies  # which holds all of that
+    assert 10.0 * tolerance * largest < line.start_tension - first < most
+
+
+def test_check_says_nothing_of_friction_that_takes_hold_soon_enough() -> None:
+    """As on rope, which stretches, or where nothing lies."""
+    for friction in (0.0, 0.3):
+        scene = buoy_on_three_legs(friction)
+        scene["cable_types"]["chain"]["axial_stiffness"] = 3e5
+        assert system_start_warnings(cm.SystemModel(scene)) == []
