@@ -226,6 +226,10 @@ def body_forces(I, M, body, t, out):
             s[i] += m.reference[i]
         wet = wet_hull(I, M, body, s[0:3])
         buoyancy_centre = view(M, head.parts_work + 100, 3)
+        # Waves carry what is wet of it: their pressure falls with its depth, not the hull's.
+        to_earth_axes(turn, buoyancy_centre, place)
+        for i in range(3):
+            place[i] += m.reference[i]
     if head.wave_count != 0:
         slot = 3 * head.capacity + head.body_count + body
         reach = row.radius

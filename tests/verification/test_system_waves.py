@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import cablemodel as cm
 from cablemodel.scene.sea import sea
@@ -117,6 +118,46 @@ def test_a_buoy_follows_a_long_wave() -> None:
             surface.append(float(water.elevation(model.time, place[0], place[1])))
     assert np.ptp(surface) == pytest.approx(1.0, rel=0.02)
     assert np.abs(np.array(heave) - surface).max() < 0.03
+
+
+@pytest.mark.parametrize("time", [4.0, 6.0])
+def test_a_buoy_heaves_by_the_pressure_of_the_wave_at_its_keel(time: float) -> None:
+    """Froude and Krylov's force on an upright cylinder, rho g A eta e^(-k d), with the inertia and
+    drag of water that moves as at the middle of what is wet: an equation of one unknown."""
+    radius, height, draught, added, area, rise = 1.5, 4.0, 2.2, 6e3, 30.0, 10.0
+    plane = math.pi * radius**2
+    mass = RHO * plane * draught
+    buoy = {
+        "mass": mass, "hull": {"diameter": 2.0 * radius, "height": height},
+        "inertia": 2.0 * mass, "centre_of_gravity": [0, 0, -0.8], "added_mass": [0, 0, added],
+        "drag_area": [0, 0, area], "drag_turning": 400.0,
+    }  # fmt: skip
+    amplitude, frequency = 0.1, 2.0 * math.pi / time
+    wave = {"regular": {"height": 2.0 * amplitude, "period": time}, "ramp": rise}
+    model = SystemModel(floating(buoy, waves=wave))
+    rest = model.bodies["buoy"].position[2]
+    times = np.arange(40.0, 40.0 + 5.0 * time, 0.05)
+    heave = []
+    for t in times:
+        model.step_to(float(t))
+        heave.append(model.bodies["buoy"].position[2] - rest)
+    number, wet = frequency**2 / G, draught / height
+    deep, middle = math.exp(-number * draught), math.exp(-0.5 * number * draught)
+
+    def rates(t: float, state: np.ndarray) -> list[float]:
+        a = amplitude * min(1.0, t / rise)
+        way, phase = a * math.cos(frequency * t), -a * frequency * math.sin(frequency * t)
+        past = phase * middle - state[1]
+        force = RHO * G * plane * (way * deep - state[0])
+        force += wet * (0.5 * RHO * area * past * abs(past) - added * frequency**2 * way * middle)
+        return [state[1], force / (mass + wet * added)]
+
+    expected = solve_ivp(rates, (0.0, times[-1]), [0.0, 0.0], t_eval=times, rtol=1e-8).y[0]
+
+    def size(values: np.ndarray) -> float:
+        return abs(complex(2.0 * np.mean(values * np.exp(1j * frequency * times))))
+
+    assert size(np.array(heave)) == pytest.approx(size(expected), rel=0.02)
 
 
 @pytest.mark.parametrize("direction", [0.0, 3.9])
