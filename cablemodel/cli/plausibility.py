@@ -339,28 +339,52 @@ def start_warnings(scene: Scene, model: CableModel, state: CableState) -> list[s
     found = []
     said = _stretched_by_weight(scene)
     for name in sorted({cable.type for cable in scene.cables} - said.keys()):
-        strain = _strain(scene.cable_types[name], model.tension_max)
-        if strain > _LARGE_STRAIN:
-            found.append(
-                f"cable type {name} would stretch by {100 * strain:.1f} % under the highest "
-                f"tension at the start; is its axial stiffness right?"
-            )
-    above = float(state.position[:, 2].max())
-    wet = scene.environment.water_density > _AIR and scene.environment.waves is None
-    if wet and above > _ABOVE_WATER:
-        found.append(
-            f"the cable reaches {above:.3g} m above z = 0; without waves there is water "
-            "everywhere, also there"
-        )
+        found += _stretched_at_start(scene, name, model.tension_max)
+    found += _in_water_above(scene, "the cable", float(state.position[:, 2].max()))
     slack = 10.0 * scene.solver.tolerance * max(abs(model.tension_max), abs(model.tension_min))
     if model.tension_min < -slack:
         found.append(f"the cable is compressed at the start: {model.tension_min:.3g} N")
     return found
 
 
+def _stretched_at_start(scene: CableScene, name: str, tension: float, line: str = "") -> list[str]:
+    strain = _strain(scene.cable_types[name], tension)
+    if strain <= _LARGE_STRAIN:
+        return []
+    where = f" of lines.{line}" if line else ""
+    asked = "are its axial stiffness and that length" if line else "is its axial stiffness"
+    return [
+        f"cable type {name} would stretch by {100 * strain:.1f} % under the highest tension"
+        f"{where} at the start; {asked} right?"
+    ]
+
+
+def _in_water_above(scene: CableScene, what: str, above: float) -> list[str]:
+    wet = scene.environment.water_density > _AIR and scene.environment.waves is None
+    if not wet or above <= _ABOVE_WATER:
+        return []
+    return [
+        f"{what} reaches {above:.3g} m above z = 0; without waves there is water everywhere, also "
+        "there"
+    ]
+
+
 def system_start_warnings(model: SystemModel) -> list[str]:
-    """What is seen at the start of a system: of friction that takes hold too softly, the line that
-    this matters to most."""
+    """What is seen at the start of a system."""
+    scene = model.scene
+    found = []
+    highest = {name: line.sample().position[:, 2].max() for name, line in model.lines.items()}
+    for name, line in model.lines.items():
+        items = scene.lines[name].items
+        for kind in sorted({item.cable.type for item in items if item.cable is not None}):
+            found += _stretched_at_start(scene, kind, line.tension_range[1], name)
+    name = max(highest, key=lambda line: highest[line])
+    found += _in_water_above(scene, f"lines.{name}", float(highest[name]))
+    return found + _held_too_softly(model)
+
+
+def _held_too_softly(model: SystemModel) -> list[str]:
+    """Of friction that takes hold too softly, the line that this matters to most."""
     scene = model.scene
     accuracy = scene.solver.accuracy or scene.solver.tolerance
     worst, reach, wrong, more = "", 0.0, 0.0, 1.0

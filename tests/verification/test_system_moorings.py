@@ -308,4 +308,4 @@ def test_check_says_nothing_of_friction_that_takes_hold_soon_enough() -> None:
     for friction in (0.0, 0.3):
         scene = buoy_on_three_legs(friction)
         scene["cable_types"]["chain"]["axial_stiffness"] = 3e5
-        assert system_start_warnings(cm.SystemModel(scene)) == []
+        assert "friction" not in "".join(system_start_warnings(cm.SystemModel(scene)))
