@@ -87,9 +87,9 @@ def add_feet(I, M, body, f, w):
             w[9 + i] -= along * w[3 + i]
             length += w[9 + i] ** 2
         length = math.sqrt(length)
-        stiffness = state.friction * load / state.bristle
-        if stiffness * length > state.friction * press:
-            stiffness = state.friction * press / length
+        stiffness = foot.friction * load / state.bristle
+        if stiffness * length > foot.friction * press:
+            stiffness = foot.friction * press / length
         for i in range(3):
             w[12 + i] = press * w[3 + i] - stiffness * w[9 + i]
         to_body_axes(turn, w[12:15], w[0:3])

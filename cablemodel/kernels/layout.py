@@ -10,7 +10,7 @@ the FMU's state and its serialisation are a copy of it.
 from .record import Record, integer, part, real, reals, spare
 
 MAGIC = 0x4C45444F4D454C42  # "BLEMODEL", little endian
-VERSION = 13
+VERSION = 14
 
 FLOOR_NONE, FLOOR_PLANE, FLOOR_TABLE = 0, 1, 2
 FLOOR_FAR, FLOOR_ABOVE, FLOOR_TOUCHED = 0, 1, 2  # nothing of it is felt; the mesh knows; forces
@@ -603,6 +603,7 @@ class Foot(Record):
     place = reals(3, "from its reference point, in its axes", "m")
     load = real("its part of the body's weight", "N")
     rest = reals(3, "where friction holds it, block's coordinates", "m")
+    friction = real("Coulomb coefficient: the floor's, once the start is found")
 
 
 FOOT_WORDS = Foot.WORDS

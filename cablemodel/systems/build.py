@@ -36,6 +36,7 @@ from cablemodel.systems.tables import (
     fill_settings_of,
     fill_waves,
     fill_winches,
+    hold_feet,
     rest_feet,
 )
 from cablemodel.systems.tree import tree_of
@@ -43,7 +44,7 @@ from cablemodel.waves import refine_line
 
 FloatArray = NDArray[np.float64]
 
-PARTS_ASIDE = 1, 2, 4, 8
+PARTS_ASIDE = 1, 2, 4, 8, 16, 32
 """Of each element, in turn, where lines are drawn aside: some need a sharp bend to hang in."""
 
 
@@ -207,6 +208,7 @@ def _come_to_rest(scene: SystemScene, built: Built, velocity: FloatArray) -> Non
         ways += [partial(harder, block, solve, floors) for floors in easier_ways.FLOORS]
     # What is free comes to rest without friction; it holds the lines from there.
     friction, state.friction = state.friction, 0.0
+    hold_feet(scene, built)
     for attempt in range(2):
         status = easier_ways.first_of(block, ways)
         if status != at.OK:

@@ -34,6 +34,9 @@ ASIDE = 0.5
 """Load that draws lines aside, in units of their weight in water."""
 AFLOAT = 0.02
 """Of a line's weight in air: what that is at least."""
+STANDS = 0.05
+"""Of the way from a body's origin to its farthest foot: gap below the lowest one, or depth of it in
+the floor, with which the body is meant to stand there."""
 
 
 def axes_of(attitude: tuple[float, float, float]) -> FloatArray:
@@ -106,6 +109,23 @@ def arcs_of(scene: SystemScene, name: str) -> FloatArray:
 def _nearest(arcs: FloatArray, arc: float) -> int:
     """Which mass is nearest to an arc length."""
     return int(np.argmin(np.abs(arcs - arc)))
+
+
+def standing(scene: SystemScene) -> dict[str, FloatArray]:
+    """Where bodies stand at first that the scene puts on the floor, and friction holds (3,) [m]."""
+    floor = scene.environment.floor
+    found: dict[str, FloatArray] = {}
+    if floor is None or floor.friction == 0.0:
+        return found
+    for name, body in scene.bodies.items():
+        feet = np.array(list(body.points.values()) if body.feet is None else body.feet)
+        if body.position is None or body.weight_in(scene.environment) <= 0.0 or not len(feet):
+            continue
+        places = np.array(body.position) + feet @ axes_of(body.attitude).T
+        gap = min(z - floor.height(float(x), float(y)) for x, y, z in places)
+        if abs(gap) <= STANDS * float(np.linalg.norm(feet, axis=1).max()):
+            found[name] = np.array(body.position) - [0.0, 0.0, gap]
+    return found
 
 
 def held_place(scene: SystemScene, end: LineEnd) -> FloatArray | None:
@@ -186,7 +206,7 @@ def first_guess(
                 for node in (k, k + 1):
                     pulls[lines[name][node]] += 0.5 * part * load
             along = high
-    fixed: dict[int, FloatArray] = {}
+    fixed: dict[int, FloatArray] = {bodies[name]: at for name, at in standing(scene).items()}
     ties: list[tuple[int, int, FloatArray]] = []  # place = that of another variable, and an offset
     for name, line in scene.lines.items():
         for side, end in enumerate(line.ends):
@@ -215,7 +235,7 @@ def first_guess(
     column[free] = np.arange(len(free))
     base = offset.copy()
     for node, place in fixed.items():
-        base[node] = place
+        base[owner_of == node] += place
     where = column[owner_of]
     left = np.concatenate([nodes[:-1] for nodes in lines.values()])
     right = np.concatenate([nodes[1:] for nodes in lines.values()])

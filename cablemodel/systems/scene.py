@@ -274,7 +274,9 @@ class FreeBody(SceneModel):
         default=None, description="places that touch the sea floor; by default its points"
     )
     position: Position | None = Field(
-        default=None, description="at t = 0, where the start is not static or is sought from"
+        default=None,
+        description="at t = 0, where the start is sought from; on the sea floor, where friction "
+        "holds it",
     )
     attitude: Attitude = Field(
         default=(0.0, 0.0, 0.0), description="roll, pitch and yaw from which a start is sought"

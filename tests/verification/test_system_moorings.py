@@ -166,8 +166,6 @@ def test_a_body_stands_on_its_feet() -> None:
     assert abs(model.lines["wire"].end_tension) < 20.0
 
 
-# The wire is straight, and pressed between ship and floor: it bends aside as the run begins.
-@pytest.mark.filterwarnings("ignore::cablemodel.UnstableStartWarning")
 def test_friction_holds_a_body_up_to_its_limit() -> None:
     """Pushed along the floor by less than mu W it stays; by more it slides."""
     scene = lander()
@@ -309,3 +307,73 @@ def test_check_says_nothing_of_friction_that_takes_hold_soon_enough() -> None:
         scene = buoy_on_three_legs(friction)
         scene["cable_types"]["chain"]["axial_stiffness"] = 3e5
         assert "friction" not in "".join(system_start_warnings(cm.SystemModel(scene)))
+
+
+MU, SLEDGE, HEIGHT = 0.5, 5e3, 0.4
+CDA, TOWED = 0.01, 0.4
+
+
+def sledge(away: float) -> dict[str, Any]:
+    """A sledge on the floor, on 90 m of wire from a ship that gets under way at 3 s."""
+    feet = [[x, y, -HEIGHT] for x in (-1.0, 1.0) for y in (-0.6, 0.6)]
+    speeds = [(0.0, 0.0), (3.0, 0.0), (10.0, TOWED)]
+    return {
+        "environment": {"floor": {"z": -40.0, "friction": MU}},
+        "cable_types": {
+            "wire": {
+                "diameter": 0.024, "mass": 2.25, "axial_stiffness": 26e6, "bending_stiffness": 60.0,
+                "drag_normal": 1.2, "added_mass": 1.0,
+            }
+        },
+        "vessels": {
+            "ship": {
+                "points": {"stern": [0, 0, 0]},
+                "velocity": [{"t": t, "velocity": [v, 0, 0]} for t, v in speeds],
+            }
+        },
+        "bodies": {
+            "sledge": {
+                "mass": 700.0, "submerged_weight": SLEDGE, "inertia": [150, 300, 350],
+                "drag_area": CDA, "drag_turning": 1.0, "feet": feet,
+                "points": {"eye": [1.2, 0, 0]}, "position": [-away, 0, HEIGHT - 40.0],
+            }
+        },
+        "lines": {
+            "wire": {
+                "from": "ship.stern", "to": "sledge.eye",
+                "items": [{"cable": {"type": "wire", "length": 90.0}}],
+            }
+        },
+    }  # fmt: skip
+
+
+def along_and_held(model: cm.SystemModel) -> tuple[float, float]:
+    """Of the wire on the sledge: along the floor, and friction's largest then [N]."""
+    line = model.lines["wire"]
+    end = line.sample([line.length])
+    pull = -float(end.tension[0]) * end.tangent[0]
+    return float(pull[0]), MU * (SLEDGE - float(pull[2]))
+
+
+def test_a_sledge_stands_where_it_is_put_and_is_towed_against_its_friction() -> None:
+    model = cm.SystemModel(sledge(75.0))
+    moved = model.bodies["sledge"].position - [-75.0, 0.0, HEIGHT - 40.0]
+    assert np.abs(moved).max() < 0.02 * 1e-3 * 90.0
+    along, most = along_and_held(model)
+    assert 0.1 * most < along < 0.5 * most
+    model.step_to(2.5)
+    assert model.bodies["sledge"].position[0] == pytest.approx(-75.0 + moved[0], abs=1e-4)
+    model.step_to(90.0)
+    assert model.bodies["sledge"].velocity[0] == pytest.approx(TOWED, rel=1e-4)
+    along, most = along_and_held(model)
+    assert along == pytest.approx(most + 0.5 * WATER * CDA * TOWED**2, rel=1e-3)
+
+
+def test_a_sledge_that_is_put_out_of_reach_comes_to_where_friction_holds_it() -> None:
+    model = cm.SystemModel(sledge(86.0))
+    start = model.bodies["sledge"].position
+    assert -84.0 < start[0] < -79.0
+    along, most = along_and_held(model)
+    assert along == pytest.approx(most, rel=1e-3)
+    model.step_to(2.5)
+    assert model.bodies["sledge"].position == pytest.approx(start, abs=2e-3)
