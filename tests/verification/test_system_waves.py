@@ -52,6 +52,22 @@ def test_a_ball_floats_by_archimedes() -> None:
     assert RHO * cap == pytest.approx(2000.0 + hangs, rel=1e-6)
 
 
+def test_what_nothing_holds_starts_adrift() -> None:
+    """With the water, and floats there as at rest; a drogue that deeper water holds back does not
+    start by itself."""
+    model = SystemModel(floating(CYLINDER, current=[0.4, -0.3, 0.0]))
+    still = SystemModel(floating(CYLINDER))
+    start = model.bodies["buoy"].position
+    assert start == pytest.approx(still.bodies["buoy"].position, abs=1e-5)
+    assert model.bodies["buoy"].velocity == pytest.approx([0.4, -0.3, 0.0], abs=1e-9)
+    model.step(20.0)
+    moved = model.bodies["buoy"].position - start
+    assert moved == pytest.approx([8.0, -6.0, 0.0], abs=1e-4)
+    rows = [{"z": z, "velocity": [v, 0, 0]} for z, v in ((0, 0.8), (-3, 0.1))]
+    with pytest.raises(cm.SceneError, match="differs over depth, and nothing holds the system"):
+        SystemModel(floating({**CYLINDER, "drag_area": 3.0}, current={"table": rows}))
+
+
 def period(times: np.ndarray, values: np.ndarray) -> float:
     """Between upward zeros."""
     up = np.flatnonzero((values[:-1] < 0.0) & (values[1:] >= 0.0))
