@@ -53,14 +53,15 @@ def wet_hull(I, M, body, centre):
     slope_x = 0.0
     slope_y = 0.0
     if head.wave_count != 0:
-        # Of both sides: with one of them the plane would be that of a place half a radius ahead.
-        x = centre[0]
-        y = centre[1]
-        z = centre[2]
-        ahead = depth_below(I, M, x + radius, y, z) - depth_below(I, M, x - radius, y, z)
-        abeam = depth_below(I, M, x, y + radius, z) - depth_below(I, M, x, y - radius, z)
-        slope_x = 0.5 * ahead / radius
-        slope_y = 0.5 * abeam / radius
+        # Along the way of the waves, over the columns' ring on both sides: the moment of a plane
+        # with that slope is that of the wave on a disc, but for (k radius)^4.
+        state = scalars(M)
+        x = RING * radius * state.wave_x
+        y = RING * radius * state.wave_y
+        ahead = depth_below(I, M, centre[0] + x, centre[1] + y, centre[2])
+        ahead -= depth_below(I, M, centre[0] - x, centre[1] - y, centre[2])
+        slope_x = 0.5 * ahead / (RING * radius) * state.wave_x
+        slope_y = 0.5 * ahead / (RING * radius) * state.wave_y
     w = view(M, head.parts_work + 103, 6)
     # A column has a width: lying down, it is not wet at once.
     half = 0.5 * height * abs(rise) + tilt * radius / math.sqrt(COLUMNS)

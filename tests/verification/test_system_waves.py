@@ -211,6 +211,30 @@ def test_a_raft_pitches_with_the_slope_of_the_wave_below_it(direction: float) ->
     assert np.angle(answer) == pytest.approx(0.0, abs=0.05)
 
 
+def test_a_raft_in_waves_is_the_same_whichever_way_they_go() -> None:
+    """Turned about z by an angle, with the waves, it moves alike to rounding."""
+    motions = []
+    for turn in (0.0, 0.6, 2.9):
+        raft = {
+            "mass": 12e3, "hull": {"diameter": 6.0, "height": 1.2}, "inertia": [30e3, 30e3, 50e3],
+            "centre_of_gravity": [0.3, 0.1, 0.0], "drag_area": [3.0, 4.0, 10.0],
+            "drag_turning": 100.0, "attitude": [0.0, 0.0, turn],
+        }  # fmt: skip
+        wave = {"regular": {"height": 0.8, "period": 4.5, "direction": turn + 0.4}, "ramp": 4.5}
+        model = SystemModel(floating(raft, waves=wave))
+        c, s = math.cos(turn), math.sin(turn)
+        way = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+        motions.append([])
+        for t in np.arange(1.0, 16.0):
+            model.step_to(float(t))
+            body = model.bodies["buoy"]
+            motions[-1].append([*(way @ body.position), *(way @ body.axes[:, 2])])
+    first, *others = (np.array(rows) for rows in motions)
+    assert np.ptp(first[:, 3]) > 0.1
+    for turned in others:
+        assert turned == pytest.approx(first, abs=1e-4)
+
+
 RAOS = [
     {"heading_deg": heading, "period": period, "surge": 0.3, "surge_phase_deg": -90.0,
      "sway": 0.1, "heave": 0.8, "heave_phase_deg": 10.0, "roll_deg": 1.0, "pitch_deg": 2.0,
