@@ -196,7 +196,8 @@ class UnstableStartWarning(UserWarning):
                 f"{state}: what leaves it {swings}grows by e in "
                 f"{1.0 / self.rate:.3g} s (growth rate {self.rate:.3g} 1/s), most of all {place}. "
                 "The run will leave it, at a time that depends on the tolerance: check the points "
-                "at which bodies are held, their centres and foils (a wing wants a tail)"
+                "at which bodies are held, their centres and foils (a wing wants a tail), and "
+                "lines whose slack would hang doubled below one end (move the other one aside)"
             )
         return (
             f"the static start is an unstable equilibrium: what leaves it grows by e in "

@@ -133,6 +133,11 @@ def contact_depth(scene: CableScene) -> float:
     return DEPTH * scene.solver.tolerance * scene.line_length
 
 
+def bristle_length(scene: CableScene) -> float:
+    """Way along the floor after which friction is mobilised [m]."""
+    return BRISTLE * (scene.solver.tolerance * scene.line_length)
+
+
 def table_words(floor: Floor | None) -> int:
     """Words of the floor's table in a block."""
     if floor is None or floor.z is not None:
@@ -149,10 +154,9 @@ def fill(block: Block, scene: CableScene) -> None:
     ints, reals = block.ints, block.reals
     head = Header(ints)
     state = Scalars(reals)
-    accuracy = scene.solver.tolerance * scene.line_length
     state.floor_depth = contact_depth(scene)
     state.end_support = 1.0
-    state.bristle = BRISTLE * accuracy
+    state.bristle = bristle_length(scene)
     state.friction = floor.friction
     head.sleep = int(floor.friction > 0.0)
     head.floor_state = at.FLOOR_TOUCHED  # until it is known where the line is

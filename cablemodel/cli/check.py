@@ -14,7 +14,12 @@ import typer
 
 from cablemodel.cli.errors import reported
 from cablemodel.cli.numbers import readable
-from cablemodel.cli.plausibility import scene_warnings, start_warnings, system_warnings
+from cablemodel.cli.plausibility import (
+    scene_warnings,
+    start_warnings,
+    system_start_warnings,
+    system_warnings,
+)
 from cablemodel.cli.run import JsonOption, SceneArgument, SetOption, explained_start, fixed
 from cablemodel.solver import FINER
 
@@ -79,7 +84,8 @@ def _check_system(source: Any, overrides: Iterable[str], *, as_json: bool) -> No
     with explained_start(quiet=as_json), _unstable_starts() as caught:
         model = SystemModel(scene)
     parts, start = list(topology(scene)), list(at_start(model))
-    looks_wrong = [*system_warnings(scene), *(str(warning.message) for warning in caught)]
+    looks_wrong = [*system_warnings(scene), *system_start_warnings(model)]
+    looks_wrong += [str(warning.message) for warning in caught]
     if as_json:
         found = {
             "title": scene.title,

@@ -10,13 +10,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from cablemodel.sea_floor import bristle_length
+
 if TYPE_CHECKING:
     from cablemodel.model import CableModel, CableState
     from cablemodel.scene import Scene
     from cablemodel.scene.common import CableScene
     from cablemodel.scene.line import CableType, LineItem
     from cablemodel.scene.vessel import RatePoint
-    from cablemodel.systems import SystemScene
+    from cablemodel.systems import SystemModel, SystemScene
 
 KNOT = 1852.0 / 3600.0
 """A knot [m/s]."""
@@ -337,20 +339,101 @@ def start_warnings(scene: Scene, model: CableModel, state: CableState) -> list[s
     found = []
     said = _stretched_by_weight(scene)
     for name in sorted({cable.type for cable in scene.cables} - said.keys()):
-        strain = _strain(scene.cable_types[name], model.tension_max)
-        if strain > _LARGE_STRAIN:
-            found.append(
-                f"cable type {name} would stretch by {100 * strain:.1f} % under the highest "
-                f"tension at the start; is its axial stiffness right?"
-            )
-    above = float(state.position[:, 2].max())
-    wet = scene.environment.water_density > _AIR and scene.environment.waves is None
-    if wet and above > _ABOVE_WATER:
-        found.append(
-            f"the cable reaches {above:.3g} m above z = 0; without waves there is water "
-            "everywhere, also there"
-        )
+        found += _stretched_at_start(scene, name, model.tension_max)
+    found += _in_water_above(scene, "the cable", float(state.position[:, 2].max()))
     slack = 10.0 * scene.solver.tolerance * max(abs(model.tension_max), abs(model.tension_min))
     if model.tension_min < -slack:
         found.append(f"the cable is compressed at the start: {model.tension_min:.3g} N")
     return found
+
+
+def _stretched_at_start(scene: CableScene, name: str, tension: float, line: str = "") -> list[str]:
+    strain = _strain(scene.cable_types[name], tension)
+    if strain <= _LARGE_STRAIN:
+        return []
+    where = f" of lines.{line}" if line else ""
+    asked = "are its axial stiffness and that length" if line else "is its axial stiffness"
+    return [
+        f"cable type {name} would stretch by {100 * strain:.1f} % under the highest tension"
+        f"{where} at the start; {asked} right?"
+    ]
+
+
+def _in_water_above(scene: CableScene, what: str, above: float) -> list[str]:
+    wet = scene.environment.water_density > _AIR and scene.environment.waves is None
+    if not wet or above <= _ABOVE_WATER:
+        return []
+    return [
+        f"{what} reaches {above:.3g} m above z = 0; without waves there is water everywhere, also "
+        "there"
+    ]
+
+
+def system_start_warnings(model: SystemModel) -> list[str]:
+    """What is seen at the start of a system."""
+    scene = model.scene
+    found = []
+    highest = {name: line.sample().position[:, 2].max() for name, line in model.lines.items()}
+    for name, line in model.lines.items():
+        items = scene.lines[name].items
+        for kind in sorted({item.cable.type for item in items if item.cable is not None}):
+            found += _stretched_at_start(scene, kind, line.tension_range[1], name)
+    name = max(highest, key=lambda line: highest[line])
+    found += _in_water_above(scene, f"lines.{name}", float(highest[name]))
+    return found + _held_too_softly(model)
+
+
+def _held_too_softly(model: SystemModel) -> list[str]:
+    """Of friction that takes hold too softly, the line that this matters to most."""
+    scene = model.scene
+    accuracy = scene.solver.accuracy or scene.solver.tolerance
+    worst, reach, wrong, more = "", 0.0, 0.0, 1.0
+    others = []
+    for name, line in model.lines.items():
+        its_reach, its_wrong = held_by_springs(model, name)
+        times = its_wrong / (10.0 * accuracy * max(max(map(abs, line.tension_range)), 1e-300))
+        if times > 1.0:
+            others.append(name)
+        if times > more:
+            worst, reach, wrong, more = name, its_reach, its_wrong, times
+    if not worst:
+        return []
+    others.remove(worst)
+    also = f" (and {', '.join(others)})" if others else ""
+    return [
+        f"lines.{worst}{also}: friction takes hold over {1e3 * bristle_length(scene):.2g} mm, so a "
+        f"change of tension reaches some {reach:.2g} m further along the floor than Coulomb's "
+        f"friction lets it: what lies, and its anchor, may feel up to {wrong:.4g} N too much or "
+        f"too little, {more:.2g} times what is promised; less at a finer tolerance, as its root"
+    ]
+
+
+def held_by_springs(model: SystemModel, name: str) -> tuple[float, float]:
+    """How far tension gets along what lies of a line at the start by the springs that friction is
+    made of [m], and by how much it may be wrong there [N]; zeros where nothing lies.
+
+    A change dT dies out over sqrt(EA u / (mu w)), where springs of a length u bear mu w; Coulomb's
+    friction ends it at once where its front has come to.
+    """
+    scene = model.scene
+    floor = scene.environment.floor
+    if floor is None or floor.friction == 0.0:
+        return 0.0, 0.0
+    state = model.lines[name].sample()
+    lying = state.on_floor[1:] & state.on_floor[:-1]
+    middles, lengths = 0.5 * (state.s[1:] + state.s[:-1]), np.diff(state.s)
+    farthest = most = along = 0.0
+    for item in scene.lines[name].items:
+        if item.cable is None:
+            continue
+        within = (middles > along) & (middles < along + item.cable.length)
+        along += item.cable.length
+        lies = float(lengths[within & lying].sum())
+        kind = scene.cable_types[item.cable.type]
+        holds = floor.friction * max(0.0, kind.submerged_weight)
+        if lies == 0.0 or holds == 0.0:
+            continue
+        reach = math.sqrt(bristle_length(scene) / (kind.strain_coefficients[0] * holds))
+        if holds * min(reach, lies) > most:
+            farthest, most = reach, holds * min(reach, lies)
+    return farthest, most

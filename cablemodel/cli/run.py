@@ -193,7 +193,10 @@ def explained_start(quiet: bool, console: Console | None = None) -> Iterator[Cal
         else:
             typer.echo(text, err=True)
 
-    hard = "Looking for a static start: hard for this line; initial: {points: ...} gives it one."
+    hard = (
+        "Looking for a static start: hard for this scene; initial: {points: ...} gives one to a "
+        "line, and positions of bodies help a system."
+    )
     timer = threading.Timer(_LONG_START, say, [hard])
     timer.daemon = True
 

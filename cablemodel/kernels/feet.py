@@ -89,9 +89,9 @@ def add_feet(I, M, body, f):
             bristle[i] = at.place[i] - foot.rest[i]
         press = load * share * max(0.0, 1.0 - state.floor_damping * speed)
         length = along_floor(bristle, normal, 3)
-        stiffness = state.friction * load / state.bristle
-        if stiffness * length > state.friction * press:
-            stiffness = state.friction * press / length
+        stiffness = foot.friction * load / state.bristle
+        if stiffness * length > foot.friction * press:
+            stiffness = foot.friction * press / length
         for i in range(3):
             force[i] = press * normal[i] - stiffness * bristle[i]
         to_body_axes(m.turn, force, own)

@@ -252,6 +252,10 @@ def body_forces(I, M, body, t, out):
         for i in range(3):
             centre[i] += reference.position[i]
         wet = wet_hull(I, M, body, centre, buoyancy_centre)
+        # Waves carry what is wet of it: their pressure falls with its depth, not the hull's.
+        to_earth_axes(turn, buoyancy_centre, place)
+        for i in range(3):
+            place[i] += reference.position[i]
     if head.wave_count != 0:
         slot = 3 * head.capacity + head.body_count + body
         reach = row.radius

@@ -50,8 +50,15 @@ def wet_hull(I, M, body, centre, middle):
     slope_x = 0.0
     slope_y = 0.0
     if head.wave_count != 0:
-        slope_x = (depth_below(I, M, centre[0] + radius, centre[1], centre[2]) - depth) / radius
-        slope_y = (depth_below(I, M, centre[0], centre[1] + radius, centre[2]) - depth) / radius
+        # Along the way of the waves, over the columns' ring on both sides: the moment of a plane
+        # with that slope is that of the wave on a disc, but for (k radius)^4.
+        state = scalars(M)
+        x = RING * radius * state.wave_x
+        y = RING * radius * state.wave_y
+        ahead = depth_below(I, M, centre[0] + x, centre[1] + y, centre[2])
+        ahead -= depth_below(I, M, centre[0] - x, centre[1] - y, centre[2])
+        slope_x = 0.5 * ahead / (RING * radius) * state.wave_x
+        slope_y = 0.5 * ahead / (RING * radius) * state.wave_y
     column = vector()  # its middle, then that of its wet part, body's axes
     way = vector()
     # A column has a width: lying down, it is not wet at once.

@@ -674,6 +674,7 @@ class Foot(Record):
     place = reals(3, "from its reference point, in its axes", "m")
     load = real("its part of the body's weight", "N")
     rest = reals(3, "where friction holds it, block's coordinates", "m")
+    friction = real("Coulomb coefficient: the floor's, once the start is found")
 
 
 FOOT_WORDS = Foot.WORDS

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel import sea_floor
-from cablemodel.errors import SceneError, StaticsError
+from cablemodel.errors import SceneError, StaticsError, UnstableStartWarning
 from cablemodel.instance import easier_ways, search
 from cablemodel.instance.first_state import count_from_zero
 from cablemodel.instance.refinement import ROUNDS
@@ -17,11 +19,11 @@ from cablemodel.kernels import layout as at
 from cablemodel.kernels.layout import Header, Scalars
 from cablemodel.scene.sea import sea
 from cablemodel.systems.built import Built
-from cablemodel.systems.guess import Guess, first_guess
+from cablemodel.systems.guess import Guess, first_guess, ways_aside
 from cablemodel.systems.lines import nodes_of, steady_velocity
-from cablemodel.systems.places import place_nodes, refined
+from cablemodel.systems.places import divided, place_nodes, refined
 from cablemodel.systems.scene import SystemScene
-from cablemodel.systems.stability import warn_if_unstable
+from cablemodel.systems.stability import instability, is_pressed
 from cablemodel.systems.tables import (
     allocated,
     fill_bodies,
@@ -34,12 +36,16 @@ from cablemodel.systems.tables import (
     fill_settings_of,
     fill_waves,
     fill_winches,
+    hold_feet,
     rest_feet,
 )
 from cablemodel.systems.tree import tree_of
 from cablemodel.waves import refine_line
 
 FloatArray = NDArray[np.float64]
+
+PARTS_ASIDE = 1, 2, 4, 8, 16, 32
+"""Of each element, in turn, where lines are drawn aside: some need a sharp bend to hang in."""
 
 
 def build(scene: SystemScene) -> Built:
@@ -62,15 +68,53 @@ def build(scene: SystemScene) -> Built:
 
 def _built(scene: SystemScene, sought: search.Search) -> Built:
     velocity = steady_velocity(scene)
-    nodes = {name: nodes_of(scene, name) for name in scene.lines}
     guess = first_guess(scene, velocity)
+    sought.tries("without friction")
+    built: Built | None = None
+    leaves: UnstableStartWarning | None = None
+    try:
+        built = _at_rest(scene, sought, guess, velocity)
+        leaves = instability(built)
+    except StaticsError as error:
+        failure = error
+    if built is None or (leaves is not None and is_pressed(built)):
+        # Slack between two places one above the other is a strut, or hangs doubled in a sharp bend.
+        aside = first_guess(scene, velocity, ways_aside(guess))
+        sought.tries("the same from lines that were drawn aside")
+        for parts in PARTS_ASIDE:
+            with suppress(StaticsError, *(() if built is None else (search.OutOfTimeError,))):
+                other = _at_rest(scene, sought, aside, velocity, parts)
+                its = instability(other)
+                if built is None or its is None:
+                    built, leaves = other, its
+                if its is None:
+                    break
+    if built is None:
+        raise failure
+    if leaves is not None:
+        warnings.warn(leaves, stacklevel=2)
+    built.unstable = leaves is not None
+    _start_flowing(scene, built)
+    return built
+
+
+def _at_rest(
+    scene: SystemScene, sought: search.Search, guess: Guess, velocity: FloatArray, parts: int = 1
+) -> Built:
+    """A block in equilibrium, on elements that are fine enough for it.
+
+    parts: into which elements are divided from the first.
+
+    Raises:
+        StaticsError: none was found.
+    """
+    nodes = {name: [divided(own, parts) for own in nodes_of(scene, name)] for name in scene.lines}
     water = sea(scene)
     if water is not None:
         for name, line in scene.lines.items():
             accuracy = scene.solver.tolerance * line.length
             cables = [item.cable for item in line.items if item.cable is not None]
             nodes[name] = refine_line(water, accuracy, cables, nodes[name], guess.lines[name])
-    sought.tries("without friction")
     built = _solved(scene, nodes, guess, None, velocity)
     for _round in range(ROUNDS):
         finer = refined(scene, nodes, built)
@@ -82,8 +126,6 @@ def _built(scene: SystemScene, sought: search.Search) -> Built:
     if scene.environment.floor is not None:
         sought.tries("the same on elements that are finer at the touchdown")
         _refine_at_floor(scene, built, velocity)
-    built.unstable = warn_if_unstable(built)
-    _start_flowing(scene, built)
     return built
 
 
@@ -166,6 +208,7 @@ def _come_to_rest(scene: SystemScene, built: Built, velocity: FloatArray) -> Non
         ways += [partial(harder, block, solve, floors) for floors in easier_ways.FLOORS]
     # What is free comes to rest without friction; it holds the lines from there.
     friction, state.friction = state.friction, 0.0
+    hold_feet(scene, built)
     for attempt in range(2):
         status = easier_ways.first_of(block, ways)
         if status != at.OK:

@@ -30,6 +30,13 @@ BALANCED = 0.01
 """Of the least of all forces: what may be left of them at any place."""
 SHARE_OF_DRAG = 0.3
 """Of a line's drag across, that it has on the average as it hangs."""
+ASIDE = 0.5
+"""Load that draws lines aside, in units of their weight in water."""
+AFLOAT = 0.02
+"""Of a line's weight in air: what that is at least."""
+STANDS = 0.05
+"""Of the way from a body's origin to its farthest foot: gap below the lowest one, or depth of it in
+the floor, with which the body is meant to stand there."""
 
 
 def axes_of(attitude: tuple[float, float, float]) -> FloatArray:
@@ -104,6 +111,23 @@ def _nearest(arcs: FloatArray, arc: float) -> int:
     return int(np.argmin(np.abs(arcs - arc)))
 
 
+def standing(scene: SystemScene) -> dict[str, FloatArray]:
+    """Where bodies stand at first that the scene puts on the floor, and friction holds (3,) [m]."""
+    floor = scene.environment.floor
+    found: dict[str, FloatArray] = {}
+    if floor is None or floor.friction == 0.0:
+        return found
+    for name, body in scene.bodies.items():
+        feet = np.array(list(body.points.values()) if body.feet is None else body.feet)
+        if body.position is None or body.weight_in(scene.environment) <= 0.0 or not len(feet):
+            continue
+        places = np.array(body.position) + feet @ axes_of(body.attitude).T
+        gap = min(z - floor.height(float(x), float(y)) for x, y, z in places)
+        if abs(gap) <= STANDS * float(np.linalg.norm(feet, axis=1).max()):
+            found[name] = np.array(body.position) - [0.0, 0.0, gap]
+    return found
+
+
 def held_place(scene: SystemScene, end: LineEnd) -> FloatArray | None:
     """Where an end is held at t = 0 (3,) [m]; None where it is not."""
     if end.anchor is not None:
@@ -118,8 +142,26 @@ def held_place(scene: SystemScene, end: LineEnd) -> FloatArray | None:
     return np.asarray(np.array(vessel.position) + arm, dtype=np.float64)
 
 
-def first_guess(scene: SystemScene, velocity: FloatArray) -> Guess:
-    """The first places. velocity: of the frame in which the start is at rest (3,) [m/s]."""
+def ways_aside(guess: Guess) -> dict[str, FloatArray]:
+    """Horizontal ways (3,) across each line, from its beginning to its end; of an upright one x."""
+    found = {}
+    for name, points in guess.lines.items():
+        chord = points[-1] - points[0]
+        across = np.array([-chord[1], chord[0], 0.0])
+        size = float(np.linalg.norm(across))
+        upright = size <= 0.1 * float(np.abs(guess.arcs[name][-1]))
+        found[name] = np.array([1.0, 0.0, 0.0]) if upright else across / size
+    return found
+
+
+def first_guess(
+    scene: SystemScene, velocity: FloatArray, aside: dict[str, FloatArray] | None = None
+) -> Guess:
+    """The first places.
+
+    velocity: of the frame in which the start is at rest (3,) [m/s]; aside: by line, a way in which
+    it is drawn (3,): slack that would hang doubled below itself opens into a bight.
+    """
     count = 0
     bodies: dict[str, int] = {}
     for name in scene.bodies:
@@ -155,6 +197,8 @@ def first_guess(scene: SystemScene, velocity: FloatArray) -> Guess:
             weight = kind.submerged_weight or 1e-6 * kind.mass * gravity
             load = np.array([0.0, 0.0, -weight])
             load += SHARE_OF_DRAG * 0.5 * rho * kind.drag_normal * kind.diameter * speed * flow
+            if aside is not None:
+                load += ASIDE * max(abs(weight), AFLOAT * kind.mass * gravity) * aside[name]
             edges = arcs[name]
             low, high = along, along + item.cable.length
             for k in range(len(edges) - 1):
@@ -162,7 +206,7 @@ def first_guess(scene: SystemScene, velocity: FloatArray) -> Guess:
                 for node in (k, k + 1):
                     pulls[lines[name][node]] += 0.5 * part * load
             along = high
-    fixed: dict[int, FloatArray] = {}
+    fixed: dict[int, FloatArray] = {bodies[name]: at for name, at in standing(scene).items()}
     ties: list[tuple[int, int, FloatArray]] = []  # place = that of another variable, and an offset
     for name, line in scene.lines.items():
         for side, end in enumerate(line.ends):
@@ -191,7 +235,7 @@ def first_guess(scene: SystemScene, velocity: FloatArray) -> Guess:
     column[free] = np.arange(len(free))
     base = offset.copy()
     for node, place in fixed.items():
-        base[node] = place
+        base[owner_of == node] += place
     where = column[owner_of]
     left = np.concatenate([nodes[:-1] for nodes in lines.values()])
     right = np.concatenate([nodes[1:] for nodes in lines.values()])

@@ -11,6 +11,7 @@ from cablemodel.errors import SceneError
 from cablemodel.instance.scales import is_flexible
 from cablemodel.mesh import Span, Start, line_nodes
 from cablemodel.scene.line import Cable
+from cablemodel.systems.guess import standing
 from cablemodel.systems.scene import SystemLine, SystemScene
 
 FloatArray = NDArray[np.float64]
@@ -105,8 +106,26 @@ def tension_scale(scene: SystemScene) -> float:
     return max(total, 1e-6)
 
 
+def is_adrift(scene: SystemScene) -> bool:
+    """Whether nothing holds it: no vessel, anchor, or body that stands on the floor."""
+    ends = [end for line in scene.lines.values() for end in line.ends]
+    owners = {end.point.partition(".")[0] for end in ends if end.point is not None}
+    anchored = any(end.anchor is not None for end in ends)
+    return not (anchored or owners & scene.vessels.keys() or standing(scene))
+
+
+def flows_at_start(scene: SystemScene) -> FloatArray:
+    """Velocities of the water at t = 0 at the depths of the current's table (n, 3) [m/s]."""
+    current = scene.environment.current
+    if current is None:
+        return np.zeros((1, 3))
+    by_depth = current.velocity.transpose(1, 2, 0)
+    return np.array([[np.interp(0.0, current.t, own) for own in rows] for rows in by_depth])
+
+
 def steady_velocity(scene: SystemScene) -> FloatArray:
-    """Velocity of the frame in which the system is at rest at t = 0, (3,) [m/s].
+    """Velocity of the frame in which the system is at rest at t = 0, (3,) [m/s]: that of its
+    vessels, or of the water where nothing holds it.
 
     Raises:
         SceneError: there is none.
@@ -132,7 +151,16 @@ def steady_velocity(scene: SystemScene) -> FloatArray:
         found, first = own, name
     anchored = any(end.anchor is not None for line in scene.lines.values() for end in line.ends)
     if found is None:
-        return np.zeros(3)
+        rows = flows_at_start(scene) if is_adrift(scene) else np.zeros((1, 3))
+        if np.ptp(rows, axis=0).max() > 0.0:
+            raise SceneError.at(
+                "environment.current",
+                rows.tolist(),
+                "it differs over depth, and nothing holds the system: how fast it drifts at t = 0 "
+                "is not computed",
+                "a vessel to which a line of it is tied (cut it there to let the system drift)",
+            )
+        return np.asarray(rows[0])
     if anchored and np.any(found != 0.0):
         raise SceneError.at(
             f"vessels.{first}",

@@ -49,18 +49,22 @@ def headings(vessel: VesselFrame) -> FloatArray:
     """Heading of the track of a vessel that has a path, (n, 2 + DEGREE + 1): from when to when [s],
     and the coefficients of the powers of the time since then [rad, rad/s, ...].
 
-    Where it stands still it has that of the leg before, at first 0.
+    Where it stands still it has the leg's own, or else that of the leg before, at first 0.
     """
+    assert vessel.path is not None
     pieces = vessel.motion().pieces
     found = np.zeros((len(pieces), _TRACK_WORDS))
+    legs = [leg.straight or leg.turn for leg in vessel.path]
+    given = [None if leg is None else leg.heading for leg in legs]
     heading = 0.0
-    for row, piece in zip(found, pieces, strict=True):
+    for row, piece, own_heading in zip(found, pieces, [*given, None], strict=True):
         row[:2] = piece[at.Piece.start], piece[at.Piece.end]
         own = piece[at.Piece.data :]
         if piece[at.Piece.kind] == POLYNOMIAL:
             way = own[3:5] if np.hypot(*own[3:5]) > 0.0 else own[6:8]
-            if np.hypot(*way) > 0.0:
-                heading += math.remainder(math.atan2(way[1], way[0]) - heading, 2.0 * math.pi)
+            to = math.atan2(way[1], way[0]) if np.hypot(*way) > 0.0 else own_heading
+            if to is not None:
+                heading += math.remainder(to - heading, 2.0 * math.pi)
             row[2] = heading
             continue
         rate, spin = own[5], own[6]

@@ -76,6 +76,12 @@ def _forward(tree: Tree, node: int) -> bool:
     return not tree.segments[element.segment].backward
 
 
+def divided(nodes: FloatArray, parts: int) -> FloatArray:
+    """Arc lengths of nodes (n,) [m], with each element divided into equal parts."""
+    count = parts * (len(nodes) - 1) + 1
+    return np.asarray(np.interp(np.arange(count) / parts, np.arange(len(nodes)), nodes))
+
+
 def refined(
     scene: SystemScene, nodes: dict[str, list[FloatArray]], built: Built
 ) -> dict[str, list[FloatArray]] | None:

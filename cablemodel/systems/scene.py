@@ -220,7 +220,9 @@ class FreeBody(SceneModel):
         "and of the water that the whole hull displaces",
     )
     hull: Hull | None = Field(
-        default=None, description="what displaces water: a shape that may leave it"
+        default=None,
+        description="what displaces water: a shape that may leave it; added mass and inertia, and "
+        "drag, are given for all of it under water: at the surface they have its wet share",
     )
     inertia: Annotated[tuple[float, float, float], Vector("kg*m**2"), BeforeValidator(_three)] = (
         Field(
@@ -272,7 +274,9 @@ class FreeBody(SceneModel):
         default=None, description="places that touch the sea floor; by default its points"
     )
     position: Position | None = Field(
-        default=None, description="at t = 0, where the start is not static or is sought from"
+        default=None,
+        description="at t = 0, where the start is sought from; on the sea floor, where friction "
+        "holds it",
     )
     attitude: Attitude = Field(
         default=(0.0, 0.0, 0.0), description="roll, pitch and yaw from which a start is sought"

@@ -37,12 +37,21 @@ STABILISED = 1e-3
 
 
 def warn_if_unstable(built: Built) -> bool:
-    """Look at a system's start, or at its present motion; returns whether it is unstable. A motion
-    changes in the line's own time: what grows beside it has to swing within that, and to be a body
-    that foils feed.
+    """Look at a system's start, or at its present motion; returns whether it is unstable.
 
     Warns:
         UnstableStartWarning: it leaves that by itself.
+    """
+    warning = instability(built)
+    if warning is not None:
+        warnings.warn(warning, stacklevel=2)
+    return warning is not None
+
+
+def instability(built: Built) -> UnstableStartWarning | None:
+    """How a system leaves its start, or its present motion, by itself; None: it does not. A motion
+    changes in the line's own time: what grows beside it has to swing within that, and to be a body
+    that foils feed.
     """
     block = built.block
     basis, _names = free_motions(block)
@@ -53,11 +62,11 @@ def warn_if_unstable(built: Built) -> bool:
     least = slowest_growth(block)
     held = stiffness + least * damping + least * least * mass
     if block.header.foil_count == 0 and is_positive(held + held.T):
-        return False
+        return None
     quick = 2.0 * math.pi / block.scalars.period if block.scalars.time > 0.0 else 0.0
     found = fastest_growth(mass, damping, stiffness, least, quick)
     if found is None:
-        return False
+        return None
     growth, motion = found
     moves = np.abs(basis @ motion).reshape(-1, 2, 3)
     bodies = block.array(Header.free_bodies, len(built.tree.bodies), at.FREE_WORDS)
@@ -68,12 +77,22 @@ def warn_if_unstable(built: Built) -> bool:
     if block.scalars.time > 0.0:
         body = built.scene.bodies.get(part)
         if body is None or not body.foils:
-            return False
-    warning = UnstableStartWarning(
+            return None
+    return UnstableStartWarning(
         growth.real, arc, part=part, frequency=abs(growth.imag), time=float(block.scalars.time)
     )
-    warnings.warn(warning, stacklevel=2)
-    return True
+
+
+def allowed_tension(built: Built) -> float:
+    """What tensions may be wrong by [N]."""
+    state = built.block.scalars
+    return 10.0 * state.tolerance * max(state.largest_tension, state.tension_scale)
+
+
+def is_pressed(built: Built) -> bool:
+    """Whether some of a line is pressed by more than tensions may be wrong by."""
+    means = built.block.array(Header.tension, built.nodes, 2)[:, 0]
+    return bool(means.min() < -allowed_tension(built))
 
 
 def is_positive(symmetric: Matrix) -> bool:
@@ -95,8 +114,7 @@ def lift_pressed(built: Built) -> None:
     """Leave out what presses elements by no more than tensions may be wrong by: means below zero,
     slopes, and the stabilisation's part (`STABILISED`)."""
     block = built.block
-    state = block.scalars
-    allowed = 10.0 * state.tolerance * max(state.largest_tension, state.tension_scale)
+    allowed = allowed_tension(built)
     mean, slope = block.array(Header.tension, built.nodes, 2).T
     slack = np.abs(mean) < allowed
     mean[slack] = np.maximum(mean[slack], 0.0)

@@ -5,6 +5,7 @@ import json
 import math
 import os
 import pty
+import re
 import subprocess
 import sys
 import time
@@ -746,3 +747,44 @@ def test_checks_see_a_system_that_goes_too_fast() -> None:
     found = "\n".join(system_warnings(fast))
     assert "winches.winch.rate reaches -400 m/s: no winch is as fast" in found
     assert "environment.current reaches 30 m/s (58.3 knots)" in found
+
+
+def test_checks_see_lines_of_a_system_that_are_too_short_or_in_the_air(tmp_path: Path) -> None:
+    """A tie to the ground that lacks 80 m, from a fairlead 5 m above the water."""
+    scene: dict[str, Any] = {
+        "cable_types": {"wire": {"diameter": 0.02, "mass": 1.56, "axial_stiffness": 18e6}},
+        "vessels": {"ship": {"points": {"eye": [0, 0, 5]}}},
+        "bodies": {
+            "load": {
+                "mass": 600,
+                "submerged_weight": 4e3,
+                "inertia": 100,
+                "points": {"eye": [0] * 3},
+            }
+        },
+        "lines": {
+            "hoist": {
+                "from": "ship.eye",
+                "to": "load.eye",
+                "items": [{"cable": {"type": "wire", "length": 60}}],
+            },
+            "tie": {
+                "from": {"anchor": [0, 0, -195]},
+                "to": "load.eye",
+                "items": [{"cable": {"type": "wire", "length": 60}}],
+            },
+        },
+    }
+    path = tmp_path / "tied.yaml"
+    path.write_text(json.dumps(scene))
+    words = invoke("check", path).output
+    for line in ("hoist", "tie"):
+        found = re.search(rf"stretch by (\S+) % under the highest tension of lines.{line} ", words)
+        assert found
+        assert float(found[1]) == pytest.approx(100 * (200 / 120 - 1), rel=0.01)
+    assert "lines.hoist reaches 5 m above z = 0" in words
+    scene["lines"]["tie"]["items"][0]["cable"]["length"] = 145
+    scene["vessels"]["ship"]["points"]["eye"] = [0, 0, 0]
+    path.write_text(json.dumps(scene))
+    words = invoke("check", path).output
+    assert "warning" not in words

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import warnings
 from typing import Any
 
 import numpy as np
@@ -9,6 +11,7 @@ import pytest
 from scipy.optimize import fsolve
 
 import cablemodel as cm
+from cablemodel.cli.plausibility import held_by_springs, system_start_warnings
 
 LENGTH, WEIGHT, STIFFNESS, DEPTH = 280.0, 850.0, 300e6, 100.0
 ANGLES = np.radians([0.0, 120.0, 240.0])
@@ -163,8 +166,6 @@ def test_a_body_stands_on_its_feet() -> None:
     assert abs(model.lines["wire"].end_tension) < 20.0
 
 
-# The wire is straight, and pressed between ship and floor: it bends aside as the run begins.
-@pytest.mark.filterwarnings("ignore::cablemodel.UnstableStartWarning")
 def test_friction_holds_a_body_up_to_its_limit() -> None:
     """Pushed along the floor by less than mu W it stays; by more it slides."""
     scene = lander()
@@ -181,3 +182,198 @@ def test_friction_holds_a_body_up_to_its_limit() -> None:
     for _ in range(4):
         model.step(0.5, forces={"lander": [0.8 * weight, 0, 0, 0, 0, 0]})
     assert model.bodies["lander"].position[0] - start[0] > 0.2
+
+
+SLACK, GRAVITY, WATER = 100.0, 9.80665, 1025.0
+HANGING = {
+    "rope": {"diameter": 0.016, "mass": 0.16, "axial_stiffness": 4e5, "bending_stiffness": 0.3},
+    "umbilical": {"diameter": 0.03, "mass": 1.1, "axial_stiffness": 4e6, "bending_stiffness": 27.0},
+    "chain": {"diameter": 0.03, "mass": 18.0, "axial_stiffness": 6e7},
+}
+
+
+def weight_of(kind: str) -> float:
+    """Of a metre in water [N]."""
+    own = HANGING[kind]
+    return (own["mass"] - WATER * math.pi / 4.0 * own["diameter"] ** 2) * GRAVITY
+
+
+@pytest.mark.parametrize("kind", list(HANGING))
+@pytest.mark.parametrize("height", [99.5, 95.0, 90.0, 40.0])
+def test_slack_below_its_upper_end_hangs_doubled(kind: str, height: float) -> None:
+    """Each end bears the weight of what hangs below it, (L + h) / 2 and (L - h) / 2 of a line that
+    sinks; upright between its ends the line would be a strut, at -EA (L - h) / L."""
+    weight = weight_of(kind)
+    scene = {
+        "cable_types": {"line": HANGING[kind]},
+        "vessels": {"ship": {"points": {"eye": [0, 0, 0]}}},
+        "lines": {
+            "line": {
+                "from": {"anchor": [0, 0, -height]},
+                "to": "ship.eye",
+                "items": [{"cable": {"type": "line", "length": SLACK}}],
+            }
+        },
+    }
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        model = cm.SystemModel(scene)
+    line = model.lines["line"]
+    # A rope floats. What bends takes the room of its bend, some (EI / w)^(1/3), from the parts.
+    most, least = 0.5 * (SLACK + height) * weight, 0.5 * (SLACK - height) * weight
+    ends = (most, least) if weight > 0.0 else (-least, -most)
+    stiffness = HANGING[kind].get("bending_stiffness", 0.0)
+    bend = 2.0 * abs(weight) * (stiffness / abs(weight)) ** (1.0 / 3.0)
+    allowed = 0.002 * max(map(abs, ends)) + bend
+    assert (line.end_tension, line.start_tension) == pytest.approx(ends, abs=allowed)
+    assert line.tension_range[0] > -bend - 0.002 * max(map(abs, ends))
+
+
+@pytest.mark.parametrize("depth", [90.0, 70.0])
+def test_a_buoy_above_its_anchor_floats_on_slack_chain(depth: float) -> None:
+    """By Archimedes: what it displaces, less the chain that hangs below it."""
+    weight, radius, mass = weight_of("chain"), 1.5, 20e3
+    buoy = {
+        "mass": mass, "hull": {"diameter": 2.0 * radius, "height": 6.0}, "inertia": 60e3,
+        "centre_of_gravity": [0, 0, -1.5], "points": {"keel": [0, 0, -3.0]},
+    }  # fmt: skip
+    scene = {
+        "cable_types": {"line": HANGING["chain"]},
+        "bodies": {"buoy": buoy},
+        "lines": {
+            "leg": {
+                "from": {"anchor": [0, 0, -depth]},
+                "to": "buoy.keel",
+                "items": [{"cable": {"type": "line", "length": SLACK}}],
+            }
+        },
+    }
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        model = cm.SystemModel(scene)
+    keel = model.bodies["buoy"].position[2] - 3.0
+    hangs = 0.5 * (SLACK + depth + keel)
+    floats = -WATER * math.pi * radius**2 * keel * GRAVITY
+    assert floats == pytest.approx(mass * GRAVITY + weight * hangs, rel=2e-4)
+    assert model.lines["leg"].end_tension == pytest.approx(weight * hangs, rel=2e-3)
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-4])
+def test_check_tells_by_how_much_soft_friction_misses_the_tension_of_an_anchor(
+    tolerance: float,
+) -> None:
+    """Coulomb's friction takes mu w a metre from a tension that rises at the touchdown, and lets
+    none of it come to an anchor far behind: springs do, by no more than `check` says."""
+    friction, weight, lies = 0.6, 222.0, 30.0
+    chain = {"diameter": 0.036, "mass": 26.0, "submerged_weight": weight, "axial_stiffness": 1e8}
+    hauls = [(0.0, 0.0), (2.0, 0.0), (4.0, 0.25), (12.0, 0.25), (14.0, 0.0)]
+    model = cm.SystemModel(
+        {
+            "environment": {"floor": {"z": -45.0, "friction": friction}},
+            "cable_types": {"chain": chain},
+            "vessels": {
+                "ship": {
+                    "position": [108.0, 0, 0],
+                    "points": {"eye": [0, 0, 0]},
+                    "velocity": [{"t": t, "velocity": [v, 0, 0]} for t, v in hauls],
+                }
+            },
+            "lines": {
+                "leg": {
+                    "from": {"anchor": [0, 0, -45.0]},
+                    "to": "ship.eye",
+                    "items": [{"cable": {"type": "chain", "length": 130.0}}],
+                }
+            },
+            "solver": {"tolerance": tolerance},
+        }
+    )
+    line = model.lines["leg"]
+    first, largest = line.start_tension, line.end_tension
+    (warning,) = system_start_warnings(model)
+    reach, most = held_by_springs(model, "leg")
+    assert f"up to {most:.4g} N" in warning
+    assert reach * friction * weight == pytest.approx(most)
+    model.step_to(14.0)
+    behind = line.sample([lies])
+    assert behind.on_floor[0]
+    assert behind.tension[0] - first < 0.5 * friction * weight * lies  # which holds all of that
+    assert 10.0 * tolerance * largest < line.start_tension - first < most
+
+
+def test_check_says_nothing_of_friction_that_takes_hold_soon_enough() -> None:
+    """As on rope, which stretches, or where nothing lies."""
+    for friction in (0.0, 0.3):
+        scene = buoy_on_three_legs(friction)
+        scene["cable_types"]["chain"]["axial_stiffness"] = 3e5
+        assert "friction" not in "".join(system_start_warnings(cm.SystemModel(scene)))
+
+
+MU, SLEDGE, HEIGHT = 0.5, 5e3, 0.4
+CDA, TOWED = 0.01, 0.4
+
+
+def sledge(away: float) -> dict[str, Any]:
+    """A sledge on the floor, on 90 m of wire from a ship that gets under way at 3 s."""
+    feet = [[x, y, -HEIGHT] for x in (-1.0, 1.0) for y in (-0.6, 0.6)]
+    speeds = [(0.0, 0.0), (3.0, 0.0), (10.0, TOWED)]
+    return {
+        "environment": {"floor": {"z": -40.0, "friction": MU}},
+        "cable_types": {
+            "wire": {
+                "diameter": 0.024, "mass": 2.25, "axial_stiffness": 26e6, "bending_stiffness": 60.0,
+                "drag_normal": 1.2, "added_mass": 1.0,
+            }
+        },
+        "vessels": {
+            "ship": {
+                "points": {"stern": [0, 0, 0]},
+                "velocity": [{"t": t, "velocity": [v, 0, 0]} for t, v in speeds],
+            }
+        },
+        "bodies": {
+            "sledge": {
+                "mass": 700.0, "submerged_weight": SLEDGE, "inertia": [150, 300, 350],
+                "drag_area": CDA, "drag_turning": 1.0, "feet": feet,
+                "points": {"eye": [1.2, 0, 0]}, "position": [-away, 0, HEIGHT - 40.0],
+            }
+        },
+        "lines": {
+            "wire": {
+                "from": "ship.stern", "to": "sledge.eye",
+                "items": [{"cable": {"type": "wire", "length": 90.0}}],
+            }
+        },
+    }  # fmt: skip
+
+
+def along_and_held(model: cm.SystemModel) -> tuple[float, float]:
+    """Of the wire on the sledge: along the floor, and friction's largest then [N]."""
+    line = model.lines["wire"]
+    end = line.sample([line.length])
+    pull = -float(end.tension[0]) * end.tangent[0]
+    return float(pull[0]), MU * (SLEDGE - float(pull[2]))
+
+
+def test_a_sledge_stands_where_it_is_put_and_is_towed_against_its_friction() -> None:
+    model = cm.SystemModel(sledge(75.0))
+    moved = model.bodies["sledge"].position - [-75.0, 0.0, HEIGHT - 40.0]
+    assert np.abs(moved).max() < 0.02 * 1e-3 * 90.0
+    along, most = along_and_held(model)
+    assert 0.1 * most < along < 0.5 * most
+    model.step_to(2.5)
+    assert model.bodies["sledge"].position[0] == pytest.approx(-75.0 + moved[0], abs=1e-4)
+    model.step_to(90.0)
+    assert model.bodies["sledge"].velocity[0] == pytest.approx(TOWED, rel=1e-4)
+    along, most = along_and_held(model)
+    assert along == pytest.approx(most + 0.5 * WATER * CDA * TOWED**2, rel=1e-3)
+
+
+def test_a_sledge_that_is_put_out_of_reach_comes_to_where_friction_holds_it() -> None:
+    model = cm.SystemModel(sledge(86.0))
+    start = model.bodies["sledge"].position
+    assert -84.0 < start[0] < -79.0
+    along, most = along_and_held(model)
+    assert along == pytest.approx(most, rel=1e-3)
+    model.step_to(2.5)
+    assert model.bodies["sledge"].position == pytest.approx(start, abs=2e-3)

@@ -110,6 +110,28 @@ def test_a_load_below_a_fairlead_swings_as_its_equation_says() -> None:
         assert found == pytest.approx(place, abs=1e-3 * LENGTH)
 
 
+def test_a_vessel_that_waits_lies_on_the_heading_of_its_first_leg() -> None:
+    """It gets under way without a turn, and so does what it tows: turned by as much, a scene is
+    the same."""
+    turn = 0.9
+    models = []
+    for heading in (0.0, turn):
+        legs = [
+            {"straight": {"duration": 5.0, "speed": 0.0, "heading": heading}},
+            {"straight": {"duration": 10.0, "speed": 1.0}},
+        ]
+        models.append(cm.SystemModel(towed(path=legs)))
+    c, s = math.cos(turn), math.sin(turn)
+    way = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    for t in (0.0, 4.0, 5.0, 7.0, 12.0):
+        for model in models if t > 0.0 else ():
+            model.step_to(t)
+        _ahead, turned = models
+        assert turned.vessels["tug"].attitude[2] == pytest.approx(turn, abs=1e-12)
+        ends = [model.lines["tow"].sample([0.0, LENGTH]).position for model in models]
+        assert ends[1] == pytest.approx(ends[0] @ way.T, abs=1e-5)
+
+
 @pytest.mark.parametrize(
     ("vessel", "message"),
     [

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import cablemodel as cm
 from cablemodel.scene.sea import sea
@@ -51,6 +52,22 @@ def test_a_ball_floats_by_archimedes() -> None:
     assert RHO * cap == pytest.approx(2000.0 + hangs, rel=1e-6)
 
 
+def test_what_nothing_holds_starts_adrift() -> None:
+    """With the water, and floats there as at rest; a drogue that deeper water holds back does not
+    start by itself."""
+    model = SystemModel(floating(CYLINDER, current=[0.4, -0.3, 0.0]))
+    still = SystemModel(floating(CYLINDER))
+    start = model.bodies["buoy"].position
+    assert start == pytest.approx(still.bodies["buoy"].position, abs=1e-5)
+    assert model.bodies["buoy"].velocity == pytest.approx([0.4, -0.3, 0.0], abs=1e-9)
+    model.step(20.0)
+    moved = model.bodies["buoy"].position - start
+    assert moved == pytest.approx([8.0, -6.0, 0.0], abs=1e-4)
+    rows = [{"z": z, "velocity": [v, 0, 0]} for z, v in ((0, 0.8), (-3, 0.1))]
+    with pytest.raises(cm.SceneError, match="differs over depth, and nothing holds the system"):
+        SystemModel(floating({**CYLINDER, "drag_area": 3.0}, current={"table": rows}))
+
+
 def period(times: np.ndarray, values: np.ndarray) -> float:
     """Between upward zeros."""
     up = np.flatnonzero((values[:-1] < 0.0) & (values[1:] >= 0.0))
@@ -81,6 +98,25 @@ def test_heave_and_pitch_have_their_periods(cylinder: SystemModel) -> None:
     assert period(np.array(times), np.array(pitch)) == pytest.approx(pitches, rel=0.02)
 
 
+def test_added_mass_has_the_share_of_the_hull_that_is_wet(cylinder: SystemModel) -> None:
+    """So does the heave's period: 2 pi sqrt((m + s a) / (rho g A)), s the share."""
+    added = 20e3
+    given = cylinder.scene.to_dict()
+    given["bodies"]["buoy"]["added_mass"] = [0.0, 0.0, added]
+    model = SystemModel(given)
+    rest = model.bodies["buoy"].position[2]
+    model.step(1.0, forces={"buoy": [0, 0, 2e3, 0, 0, 0]})
+    times = model.time + 0.05 * np.arange(1, 401)
+    heave = []
+    for t in times:
+        model.step_to(float(t))
+        heave.append(model.bodies["buoy"].position[2] - rest)
+    area = math.pi * 4.0
+    share = 15e3 / (RHO * area * 3.0)
+    heaves = 2.0 * math.pi * math.sqrt((15e3 + share * added) / (RHO * G * area))
+    assert period(times, np.array(heave)) == pytest.approx(heaves, rel=0.01)
+
+
 def test_a_buoy_follows_a_long_wave() -> None:
     """A wave far longer than the buoy carries it up and down with the surface."""
     wave = {"regular": {"height": 1.0, "period": 20.0}, "ramp": 20.0}
@@ -98,6 +134,105 @@ def test_a_buoy_follows_a_long_wave() -> None:
             surface.append(float(water.elevation(model.time, place[0], place[1])))
     assert np.ptp(surface) == pytest.approx(1.0, rel=0.02)
     assert np.abs(np.array(heave) - surface).max() < 0.03
+
+
+@pytest.mark.parametrize("time", [4.0, 6.0])
+def test_a_buoy_heaves_by_the_pressure_of_the_wave_at_its_keel(time: float) -> None:
+    """Froude and Krylov's force on an upright cylinder, rho g A eta e^(-k d), with the inertia and
+    drag of water that moves as at the middle of what is wet: an equation of one unknown."""
+    radius, height, draught, added, area, rise = 1.5, 4.0, 2.2, 6e3, 30.0, 10.0
+    plane = math.pi * radius**2
+    mass = RHO * plane * draught
+    buoy = {
+        "mass": mass, "hull": {"diameter": 2.0 * radius, "height": height},
+        "inertia": 2.0 * mass, "centre_of_gravity": [0, 0, -0.8], "added_mass": [0, 0, added],
+        "drag_area": [0, 0, area], "drag_turning": 400.0,
+    }  # fmt: skip
+    amplitude, frequency = 0.1, 2.0 * math.pi / time
+    wave = {"regular": {"height": 2.0 * amplitude, "period": time}, "ramp": rise}
+    model = SystemModel(floating(buoy, waves=wave))
+    rest = model.bodies["buoy"].position[2]
+    times = np.arange(40.0, 40.0 + 5.0 * time, 0.05)
+    heave = []
+    for t in times:
+        model.step_to(float(t))
+        heave.append(model.bodies["buoy"].position[2] - rest)
+    number, wet = frequency**2 / G, draught / height
+    deep, middle = math.exp(-number * draught), math.exp(-0.5 * number * draught)
+
+    def rates(t: float, state: np.ndarray) -> list[float]:
+        a = amplitude * min(1.0, t / rise)
+        way, phase = a * math.cos(frequency * t), -a * frequency * math.sin(frequency * t)
+        past = phase * middle - state[1]
+        force = RHO * G * plane * (way * deep - state[0])
+        force += wet * (0.5 * RHO * area * past * abs(past) - added * frequency**2 * way * middle)
+        return [state[1], force / (mass + wet * added)]
+
+    expected = solve_ivp(rates, (0.0, times[-1]), [0.0, 0.0], t_eval=times, rtol=1e-8).y[0]
+
+    def size(values: np.ndarray) -> float:
+        return abs(complex(2.0 * np.mean(values * np.exp(1j * frequency * times))))
+
+    assert size(np.array(heave)) == pytest.approx(size(expected), rel=0.02)
+
+
+@pytest.mark.parametrize("direction", [0.0, 3.9])
+def test_a_raft_pitches_with_the_slope_of_the_wave_below_it(direction: float) -> None:
+    """A flat raft, whose own pitching is four times as fast as the wave of 7 of its diameters: at
+    the amplitude of an oscillator and in phase with the slope, wherever waves go to."""
+    height, time, draught, radius = 0.6, 6.0, 0.5, 4.0
+    mass = RHO * math.pi * radius**2 * draught
+    raft = {
+        "mass": mass, "hull": {"diameter": 2.0 * radius, "height": 2.0 * draught},
+        "inertia": [mass * radius**2 / 4.0] * 2 + [mass * radius**2 / 2.0],
+        "drag_area": 2.0, "drag_turning": 400.0,
+    }  # fmt: skip
+    wave = {"regular": {"height": height, "period": time, "direction": direction}, "ramp": 12.0}
+    model = SystemModel(floating(raft, waves=wave))
+    water = sea(model.scene)
+    assert water is not None
+    way = np.array([math.cos(direction), math.sin(direction), 0.0])
+    rows = []
+    for t in np.arange(48.0, 72.0, 0.1):
+        model.step_to(float(t))
+        body = model.bodies["buoy"]
+        ends = [body.position + sign * way for sign in (-1.0, 1.0)]
+        low, high = (float(water.elevation(t, *end[:2])) for end in ends)
+        pitch = math.atan2(float(body.axes[:, 2] @ way), float(body.axes[2, 2]))
+        phase = 2.0 * math.pi * t / time
+        rows.append([pitch, -0.5 * (high - low), math.cos(phase), math.sin(phase)])
+    pitch, slope, c, s = np.array(rows).T
+    answer = complex(pitch @ c, pitch @ s) / complex(slope @ c, slope @ s)
+    # Of buoyancy about its centre of gravity, in the middle of the raft, and of its own inertia.
+    metacentre = radius**2 / (4.0 * draught) - 0.5 * draught
+    natural = math.sqrt(G * metacentre / (radius**2 / 4.0))
+    frequency = 2.0 * math.pi / time
+    assert abs(answer) == pytest.approx(1.0 / (1.0 - (frequency / natural) ** 2), rel=0.05)
+    assert np.angle(answer) == pytest.approx(0.0, abs=0.05)
+
+
+def test_a_raft_in_waves_is_the_same_whichever_way_they_go() -> None:
+    """Turned about z by an angle, with the waves, it moves alike to rounding."""
+    motions = []
+    for turn in (0.0, 0.6, 2.9):
+        raft = {
+            "mass": 12e3, "hull": {"diameter": 6.0, "height": 1.2}, "inertia": [30e3, 30e3, 50e3],
+            "centre_of_gravity": [0.3, 0.1, 0.0], "drag_area": [3.0, 4.0, 10.0],
+            "drag_turning": 100.0, "attitude": [0.0, 0.0, turn],
+        }  # fmt: skip
+        wave = {"regular": {"height": 0.8, "period": 4.5, "direction": turn + 0.4}, "ramp": 4.5}
+        model = SystemModel(floating(raft, waves=wave))
+        c, s = math.cos(turn), math.sin(turn)
+        way = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+        motions.append([])
+        for t in np.arange(1.0, 16.0):
+            model.step_to(float(t))
+            body = model.bodies["buoy"]
+            motions[-1].append([*(way @ body.position), *(way @ body.axes[:, 2])])
+    first, *others = (np.array(rows) for rows in motions)
+    assert np.ptp(first[:, 3]) > 0.1
+    for turned in others:
+        assert turned == pytest.approx(first, abs=1e-4)
 
 
 RAOS = [
