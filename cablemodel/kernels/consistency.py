@@ -200,6 +200,7 @@ def make_consistent(I, M, changed):
         copy_words(I, head.velocity, head.base_velocity, count)
         copy_words(I, head.tension, head.trial_tension, words)
         copy_words(I, head.tension_rate, head.stage_tension, words)
+        state_residual(I, M)  # the next matrix takes the forces at arms from the last one
         gamma_dt *= 0.1
     head.factored = 0
     head.has_history = 0
