@@ -294,13 +294,13 @@ class Equations:
         """Inputs that rest at their present levels; what they are the levels of."""
         block, head, state = self.block, self.block.header, self.block.scalars
         live = state.live_current
-        span = live[1] - live[0]
-        part = min(1.0, max(0.0, (self.time - live[0]) / span)) if span > 0.0 else 1.0
-        self.current = np.array(live[2:5]) + part * (np.array(live[5:8]) - np.array(live[2:5]))
+        span = live.end - live.begin
+        part = min(1.0, max(0.0, (self.time - live.begin) / span)) if span > 0.0 else 1.0
+        self.current = (1.0 - part) * np.array(live.first) + part * np.array(live.last)
         if head.current_kind == 0:
             head.current_kind = 1
-        live[0:2] = self.time, self.time + 1.0
-        live[2:5] = live[5:8] = self.current
+        live.begin, live.end = self.time, self.time + 1.0
+        live.first[:] = live.last[:] = self.current
         first = block.array(Header.constraints, int(head.constraint_count), at.CONSTRAINT_WORDS)[0]
         # One that the winch may turn both ways; a clamp gives way to a spring when it first does.
         winch = block.winch
@@ -438,11 +438,11 @@ class Equations:
 
             def flow(of: Block, by: float, axis: int = axis) -> None:
                 live = of.scalars.live_current
-                live[2 + axis] += by
-                live[5 + axis] += by
+                live.first[axis] += by
+                live.last[axis] += by
 
             def surge(of: Block, by: float, axis: int = axis) -> None:
-                of.scalars.live_current[5 + axis] += by
+                of.scalars.live_current.last[axis] += by
 
             levels.append(self.by(flow, RATE_STEP)[:, None])
             inputs.append(self.by(surge, RATE_STEP)[:, None])
