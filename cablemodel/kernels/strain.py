@@ -7,7 +7,7 @@ from .layout import (
 )
 from .tables import P1, WEIGHT, WEIGHT_P1
 
-PRESSED = 0.01  # of its axial stiffness, what resists where cable bends aside within an element
+PRESSED_EA = 0.01  # of its axial stiffness, what resists where cable bends aside within an element
 FOLDS_WITHIN = 1e-4  # tau down to which it does: finer meshes resolve its folds
 PIECES = 8  # in which the tensions at three points of an element may lie, each on either branch
 EXACT = 1e-12  # of a change of strain
@@ -49,7 +49,7 @@ def pressed_stiffness(M):
     state = scalars(M)
     if state.undamped != 0.0 or state.tolerance < FOLDS_WITHIN:
         return 1.0
-    return PRESSED
+    return PRESSED_EA
 
 
 @inlined
