@@ -259,9 +259,12 @@ def let_go(block: Block, scene: Scene, solve: Callable[[], int], hold: Callable[
     """
     if not _is_even(scene):
         return
-    tension = np.abs(block.array(Header.tension, int(block.header.nodes), 2)[:, 0])
+    nodes = int(block.header.nodes)
+    tension = np.abs(block.array(Header.tension, nodes, 2)[:, 0])
     pulls = tension[_lying_elements(block, which_lie(block, scene))].max(initial=0.0)
-    if pulls <= scene.solver.tolerance * tension.max():
+    edges = block.array(Header.edges, nodes, at.EDGE_WORDS)
+    weight = float(edges[1:, at.Edge.weight] @ edges[1:, at.Edge.length])
+    if pulls <= CALM * scene.solver.tolerance * abs(weight):
         return
     before = block.image.copy()
     status = _lay_freely(block, scene, _laid_line(block, scene, _positions(block)), solve)

@@ -160,23 +160,76 @@ def measure(I, M, gaps, behind, jumps):
             way += edge_of(I, M, node).length
 
 
+@inlined
+def largest_tension_of(I, M, node):
+    """The largest tension that steps have found in an element's line [N]; infinite: no tension is
+    promised there."""
+    if header(I).parts == 0:
+        return scalars(M).largest_tension
+    return cable_of(I, M, int(edge_of(I, M, node).segment)).tension
+
+
+@kernel
+def measure_spare(I, M, gaps, spare):
+    """How far along itself what lands may be misplaced, by elements [m].
+
+    More would stretch what hangs of its line by more than its tension may be wrong by.
+    """
+    head = header(I)
+    state = scalars(M)
+    first = 1
+    give = 0.0
+    largest = 0.0
+    for node in range(1, head.nodes + 1):
+        if node == head.nodes or begins_anew(I, node):
+            for of_line in range(first, node):
+                spare[of_line] = 10.0 * state.tolerance * largest * give
+            first = node
+            give = 0.0
+            largest = 0.0
+        if node == head.nodes or I[head.joint + node] != 0:
+            continue
+        tension = abs(M[head.tension + 2 * node])
+        largest = max(largest, tension, largest_tension_of(I, M, node))
+        if gaps[node] >= state.floor_depth:
+            edge = edge_of(I, M, node)
+            give += edge.compliance * edge.length
+
+
+@kernel
+def landing_radius(I, M, node, gap, layer):
+    """Radius to which an element bends where it lands [m]; gap: its height at present [m]."""
+    # T - w z hardly changes along a hanging cable: the tension that it will land with.
+    at = header(I).tension + 2 * node
+    tension = M[at] - abs(M[at + 1])
+    return layer + max(0.0, tension / edge_of(I, M, node).contact - max(0.0, gap))
+
+
 @kernel
 def finest_length(I, M, node, gap):
     """Lengths of the touchdown layer, and of the elements where cable of this kind lands [m].
 
     gap: height of the element at present [m].
     """
-    head = header(I)
-    edge = edge_of(I, M, node)
     accuracy = position_accuracy(I, M, node)
-    layer = touchdown_layer(M, edge)
-    # T - w z hardly changes along a hanging cable: the tension that it will land with.
-    at = head.tension + 2 * node
-    radius = (M[at] - abs(M[at + 1])) / edge.contact - max(0.0, gap)
-    radius = layer + max(0.0, radius)
+    layer = touchdown_layer(M, edge_of(I, M, node))
+    radius = landing_radius(I, M, node, gap, layer)
     # By the place of the cable, and by the angle that an element turns: what it misses of its
     # length when it lands strains the laid cable.
     return layer, max(LAYER * layer, min(math.sqrt(2.0 * accuracy * radius), TURN * radius))
+
+
+@kernel
+def length_by_tension(I, M, node, gap, layer, spare):
+    """The longest element with which a touchdown goes on without a jolt of the tension [m].
+
+    The touchdown passes from element to element. In each, the line's length is wrong by up to what
+    its arc is longer than the chord, h^3/(24 R^2), and right again in the next.
+    """
+    if spare == 0.0:
+        return 1e300
+    radius = landing_radius(I, M, node, gap, layer)
+    return (24.0 * spare * radius * radius) ** (1.0 / 3.0) / SPLIT_ABOVE
 
 
 @inlined
@@ -247,13 +300,15 @@ def length_by_bend(I, M, node, layer, jumps):
 
 
 @kernel
-def wanted_length(I, M, node, gaps, behind, jumps):
+def wanted_length(I, M, node, gaps, behind, jumps, spare):
     """The length that an element should have where it is [m]."""
     state = scalars(M)
     accuracy = position_accuracy(I, M, node)
     depth = state.floor_depth
     layer, finest = finest_length(I, M, node, gaps[node])
     shortest = LAYER * layer
+    steady = length_by_tension(I, M, node, gaps[node], layer, spare[node])
+    finest = max(shortest, min(finest, steady))
     if gaps[node] >= depth:
         wanted = finest + AHEAD * (gaps[node] - depth)
         near = gaps[node] < 4.0 * finest
@@ -408,13 +463,15 @@ def follow_floor(I, M, change):
     behind = M[work + capacity : work + 2 * capacity]
     jumps = M[work + 2 * capacity : work + 3 * capacity]
     wanted = M[work + 3 * capacity : work + 4 * capacity]
+    spare = M[work + 4 * capacity : work + 5 * capacity]
     measure(I, M, gaps, behind, jumps)
+    measure_spare(I, M, gaps, spare)
     if change:
         lower(I, M, gaps)
     for node in range(1, head.nodes):
         if I[head.joint + node] == 0:
             if moved_by_winch(I, M, node) < 0:
-                wanted[node] = wanted_length(I, M, node, gaps, behind, jumps)
+                wanted[node] = wanted_length(I, M, node, gaps, behind, jumps, spare)
             else:
                 # The element that the winch changes follows its bend alone.
                 layer = touchdown_layer(M, edge_of(I, M, node))
