@@ -9,7 +9,17 @@ docs/engine.md, "Sea floor".
 
 import math
 
-from .access import cable_of, edge_at, edge_of, header, scalars, vector, winch_of, word_of
+from .access import (
+    cable_of,
+    constraint_of,
+    edge_at,
+    edge_of,
+    header,
+    scalars,
+    vector,
+    winch_of,
+    word_of,
+)
 from .compile import inlined, kernel
 from .contact import ends_in_something, touchdown_layer
 from .floor_memory import bear
@@ -170,11 +180,9 @@ def largest_tension_of(I, M, node):
 
 
 @kernel
-def measure_spare(I, M, gaps, spare):
-    """How far along itself what lands may be misplaced, by elements [m].
-
-    More would stretch what hangs of its line by more than its tension may be wrong by.
-    """
+def measure_promise(I, M, gaps, promised, spare):
+    """What the tension of elements may be wrong by [N], by the largest in their lines, and how far
+    along itself what lands of them may be misplaced [m]: more would stretch what hangs by more."""
     head = header(I)
     state = scalars(M)
     first = 1
@@ -183,7 +191,8 @@ def measure_spare(I, M, gaps, spare):
     for node in range(1, head.nodes + 1):
         if node == head.nodes or begins_anew(I, node):
             for of_line in range(first, node):
-                spare[of_line] = 10.0 * state.tolerance * largest * give
+                promised[of_line] = 10.0 * state.tolerance * largest
+                spare[of_line] = promised[of_line] * give
             first = node
             give = 0.0
             largest = 0.0
@@ -194,6 +203,39 @@ def measure_spare(I, M, gaps, spare):
         if gaps[node] >= state.floor_depth:
             edge = edge_of(I, M, node)
             give += edge.compliance * edge.length
+
+
+@kernel
+def measure_ways(I, M, gaps, ways):
+    """How far elements that lie are from an anchor, along what lies [m]; 1e300: there is none."""
+    head = header(I)
+    depth = scalars(M).floor_depth
+    ways[: head.nodes] = 1e300
+    for n in range(head.constraint_count):
+        node = int(constraint_of(I, M, n).node)
+        if I[head.joint + node] == 0 and gaps[node] < depth:
+            ways[node] = 0.0
+        if node + 1 < head.nodes and not begins_anew(I, node + 1) and gaps[node + 1] < depth:
+            ways[node + 1] = 0.0
+    for node in range(2, head.nodes):
+        if gaps[node] < depth and not begins_anew(I, node):
+            ways[node] = min(ways[node], ways[node - 1] + edge_of(I, M, node - 1).length)
+    for node in range(head.nodes - 2, 0, -1):
+        if gaps[node] < depth and not begins_anew(I, node + 1):
+            ways[node] = min(ways[node], ways[node + 1] + edge_of(I, M, node + 1).length)
+
+
+@kernel
+def length_by_grip(I, M, node, promised, way):
+    """The longest element that finds what friction holds next to an anchor [m].
+
+    There friction grows from none to all. An element, whose bristles are linear between its nodes,
+    that begins at the anchor has half of its friction.
+    """
+    if way == 1e300:
+        return 1e300
+    grip = scalars(M).friction * edge_of(I, M, node).contact
+    return promised / grip / SPLIT_ABOVE + AHEAD * way
 
 
 @kernel
@@ -224,12 +266,13 @@ def length_by_tension(I, M, node, gap, layer, spare):
     """The longest element with which a touchdown goes on without a jolt of the tension [m].
 
     The touchdown passes from element to element. In each, the line's length is wrong by up to what
-    its arc is longer than the chord, h^3/(24 R^2), and right again in the next.
+    its arc is longer than the chord, h^3/(24 R^2), and right again in the next. Elements as short
+    as the layer over which the cable bends on to the floor follow it there.
     """
     if spare == 0.0:
         return 1e300
     radius = landing_radius(I, M, node, gap, layer)
-    return (24.0 * spare * radius * radius) ** (1.0 / 3.0) / SPLIT_ABOVE
+    return max(layer, (24.0 * spare * radius * radius) ** (1.0 / 3.0) / SPLIT_ABOVE)
 
 
 @inlined
@@ -463,15 +506,23 @@ def follow_floor(I, M, change):
     behind = M[work + capacity : work + 2 * capacity]
     jumps = M[work + 2 * capacity : work + 3 * capacity]
     wanted = M[work + 3 * capacity : work + 4 * capacity]
-    spare = M[work + 4 * capacity : work + 5 * capacity]
+    promised = M[work + 4 * capacity : work + 5 * capacity]
+    spare = M[work + 5 * capacity : work + 6 * capacity]
+    ways = M[work + 6 * capacity : work + 7 * capacity]
     measure(I, M, gaps, behind, jumps)
-    measure_spare(I, M, gaps, spare)
+    measure_promise(I, M, gaps, promised, spare)
+    grips = state.friction > 0.0 and head.constraint_count > 1
+    if grips:
+        measure_ways(I, M, gaps, ways)
     if change:
         lower(I, M, gaps)
     for node in range(1, head.nodes):
         if I[head.joint + node] == 0:
             if moved_by_winch(I, M, node) < 0:
                 wanted[node] = wanted_length(I, M, node, gaps, behind, jumps, spare)
+                if grips:
+                    by_grip = length_by_grip(I, M, node, promised[node], ways[node])
+                    wanted[node] = min(wanted[node], by_grip)
             else:
                 # The element that the winch changes follows its bend alone.
                 layer = touchdown_layer(M, edge_of(I, M, node))

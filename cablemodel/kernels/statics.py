@@ -11,7 +11,7 @@ from .buckling import follow_pressure
 from .clamp_layer import settle_layer
 from .closures import follow_forces, give_back_forces, keep_forces
 from .compile import copy_words, kernel, view
-from .floor_memory import bear, settle
+from .floor_memory import bear
 from .floor_state import leave_floor
 from .flow import flow_jacobian, flow_residual, laid_share
 from .free_bodies import count_turns_anew
@@ -40,7 +40,6 @@ FLOOR_ROUNDS = 12
 LOAD_HALVINGS = 8  # of a change of what the floor bears that is not followed, before shorter steps
 CALM = 1e-10  # of the length: what the last two steps may move
 ROUND_OFF = 1e-8, 20  # of the length, where so many of the longest steps in a row move no more
-SLIPS = 0.1  # of tau times the largest tension: what slipping may still change at an anchored start
 UNBALANCED = 1e-9  # of gravity: the same in a system, whose bodies may turn freely
 
 
@@ -70,64 +69,12 @@ def find_equilibrium(I, M, frame):
             copy_words(I, head.tension, head.stage_acceleration, words)
         status = relax(I, M, frame, attempt < 2, attempt % 2 == 1)
         if status == OK:
-            rest_on_friction(I, M, frame, attempt % 2 == 1)
             break
     scalars(M).pressed = pressed
     if head.floor_kind != FLOOR_NONE:
         leave_floor(I, M)
         follow_pressure(I, M)
     return status
-
-
-@kernel
-def rest_on_friction(I, M, frame, strict):
-    """Bring what is held at both ends to rest on the bristles that its first step will find.
-
-    A step draws those that have slipped after their nodes. Next to an anchor that changes what they
-    hold, and a start that does not know of it rings. Where no equilibrium is found the one in the
-    block stays.
-    """
-    head = header(I)
-    state = scalars(M)
-    if head.floor_kind == FLOOR_NONE or state.friction == 0.0 or head.constraint_count < 2:
-        return
-    for i in range(head.dimension):
-        if frame[i] != 0.0:
-            return
-    count = 2 * head.dimension * head.nodes
-    drawn = view(M, head.stage_velocity, count)
-    rest = view(M, head.rest, count)
-    at_rest = head.stage_velocity + count
-    pulled = at_rest + count
-    changed = 0.0
-    ratio = 0.0
-    for _ in range(FLOOR_ROUNDS):
-        copy_words(I, head.stage_velocity, head.rest, count)
-        copy_words(I, at_rest, head.position, count)
-        copy_words(I, pulled, head.tension, 2 * head.nodes)
-        settle(I, M)
-        slipped = False
-        for n in range(count):
-            slipped = slipped or rest[n] != drawn[n]
-            rest[n] += ratio / (1.0 - ratio) * (rest[n] - drawn[n])
-        if not slipped:
-            return
-        if relax(I, M, frame, True, strict) != OK:
-            copy_words(I, head.rest, head.stage_velocity, count)
-            copy_words(I, head.position, at_rest, count)
-            copy_words(I, head.tension, pulled, 2 * head.nodes)
-            return
-        before = changed if ratio == 0.0 else 0.0
-        changed = 0.0
-        largest = 0.0
-        for node in range(1, head.nodes):
-            tension = M[head.tension + 2 * node]
-            changed = max(changed, abs(tension - M[pulled + 2 * node]))
-            largest = max(largest, abs(tension))
-        if changed <= SLIPS * state.tolerance * largest:
-            return
-        # Each round leaves the same part of what was left: two tell how much that is.
-        ratio = changed / before if changed < before else 0.0
 
 
 @kernel

@@ -486,7 +486,9 @@ def advance_to(I, M, t_end):
             state.step = natural
             jolted = state.time
         remaining = stop - state.time
-        highest = 1 if head.order == 4 and state.order_3 == 0.0 else 0
+        # Friction that slips has a kink: across it the stages of order 4 make rings.
+        rubs = head.floor_state == FLOOR_TOUCHED and (state.friction > 0.0 or head.foot_count != 0)
+        highest = 1 if head.order == 4 and state.order_3 == 0.0 and not rubs else 0
         dt = longest_ring_step(I, M, natural, highest)
         landing = False
         if dt >= remaining * 0.999:

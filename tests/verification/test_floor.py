@@ -393,10 +393,11 @@ def to_anchor(across, above, model):
 @pytest.mark.parametrize("above", [0.0, 1e-3, 10.0])
 def test_a_taut_line_from_the_floor_to_an_anchor_as_high_or_higher(above):
     model = to_anchor(50.1, above, "hybrid")
-    strain = np.hypot(50.1, above) / 50.0 - 1.0
-    assert model.top_tension == pytest.approx(strain * CABLE_K["axial_stiffness"], rel=1e-2)
+    stretched = (np.hypot(50.1, above) / 50.0 - 1.0) * CABLE_K["axial_stiffness"]
+    assert model.top_tension == pytest.approx(stretched, rel=1e-2)
     model.step(1.0)
-    assert model.statistics["rejected"] == 0
+    assert model.statistics["rejected"] <= 1  # friction lets go of what leaves the floor
+    assert model.top_tension == pytest.approx(stretched, rel=1e-2)
 
 
 @pytest.mark.filterwarnings("error")

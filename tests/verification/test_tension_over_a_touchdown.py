@@ -45,7 +45,7 @@ def test_a_moored_line_at_rest_pulls_evenly(length: float, tolerance: float) -> 
     model = cm.CableModel(cm.load_scene(scene))
     at_rest = model.top_tension
     tensions = tensions_of(model, np.arange(1.0, 31.0))
-    assert off(tensions, np.full(len(tensions), at_rest), tolerance) < 0.1
+    assert off(tensions, np.full(len(tensions), at_rest), tolerance) < 0.3
 
 
 @pytest.mark.parametrize("tolerance", [4e-4, 1e-4])
