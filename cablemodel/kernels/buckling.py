@@ -188,7 +188,7 @@ def make_crooked(I, M):
     tension = view(M, head.tension, 2 * head.nodes)
     first = 0
     for node in range(1, head.nodes):
-        if is_strut(I, M, node, q, tension, least):
+        if tension[2 * node] < -least and is_strut(I, M, node, q, tension, least):
             first = node
             break
     if first == 0:

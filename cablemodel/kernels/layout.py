@@ -10,7 +10,7 @@ the FMU's state and its serialisation are a copy of it.
 from .record import Record, integer, part, real, reals, spare
 
 MAGIC = 0x4C45444F4D454C42  # "BLEMODEL", little endian
-VERSION = 14
+VERSION = 15
 
 FLOOR_NONE, FLOOR_PLANE, FLOOR_TABLE = 0, 1, 2
 FLOOR_FAR, FLOOR_ABOVE, FLOOR_TOUCHED = 0, 1, 2  # nothing of it is felt; the mesh knows; forces
@@ -264,6 +264,7 @@ class Scalars(Record, first=HEADER_WORDS):
     heard = real("jump of an end's acceleration from which on; 0: none is known", "m/s2")
     heard_most = real("and up to which: more lets the line go slack", "m/s2")
     heard_frequency = real("of the ring", "rad/s")
+    modes_known = real("1: ends' first modes, in their rows, are those of the present mesh")
 
 
 SCALAR_WORDS = Scalars.WORDS
@@ -475,6 +476,8 @@ class Constraint(Record):
     ring_cosine = real("the window's integral so far: of the ring's cosine", "N")
     ring_sine = real("of its sine", "N")
     ring_share = real("what it may be missed by, over what the line next to it allows")
+    mode_frequency = real("of the first motion along itself of what hangs there", "rad/s")
+    mode_mass = real("that moves with it when the node accelerates", "kg")
 
 
 CONSTRAINT_WORDS = Constraint.WORDS

@@ -105,8 +105,8 @@ def follow_bending(I, M, change):
     node = nodes - 1
     while node >= 1:
         if I[head.joint + node] == 0:
-            if bends_too_much(I, M, node, max(jumps[node - 1], jumps[node])) or is_pressed_aside(
-                I, M, node
+            if bends_too_much(I, M, node, max(jumps[node - 1], jumps[node])) or (
+                M[head.tension + 2 * node] < 0.0 and is_pressed_aside(I, M, node)
             ):
                 if (
                     head.nodes + head.left_out < state.most_nodes

@@ -214,6 +214,9 @@ def begin_rings(I, M, dt):
     state = scalars(M)
     if dies_away(M):
         return
+    # In a system the share of what is allowed goes with the tensions.
+    anew = state.modes_known == 0.0 or head.payout != 0 or head.parts != 0
+    state.modes_known = 1.0
     state.heard = 0.0
     for n in range(head.constraint_count):
         row = constraint_of(I, M, n)
@@ -221,7 +224,11 @@ def begin_rings(I, M, dt):
             continue
         faster, jump, jerk = jumps_at(I, M, row)
         top = watched_element(I, row)
-        frequency, moved, row.ring_share = axial_mode(I, M, int(row.node))
+        if anew:
+            mode = axial_mode(I, M, int(row.node))
+            row.mode_frequency, row.mode_mass, row.ring_share = mode
+        frequency = row.mode_frequency
+        moved = row.mode_mass
         allowed = allowed_of(I, M, row)
         if moved == 0.0:
             continue

@@ -358,6 +358,7 @@ def change_mesh(I, M, rests):
         state.last_step = state.step
     take_rates_from_velocity(I, M)
     state.joined = 0.0
+    state.modes_known = 0.0
     if rests:
         wake_as_many(I, M)
     if head.payout != 0:
