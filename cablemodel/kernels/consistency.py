@@ -315,12 +315,11 @@ def motion_breaks(I, M, row):
 
 @kernel
 def jerk_jump(I, M, row):
-    """By how much the jerk along its line of an end that a vessel holds is now another [m/s3].
+    """By how much the jerk along its line of an end that a vessel holds is now another [m/s3],
+    where its motion breaks.
 
     What stands at the start has had none. A caller's motion is as smooth as the caller makes it.
     """
-    if not motion_breaks(I, M, row):
-        return 0.0
     time = scalars(M).time
     before = 0.0
     if time > 0.0:

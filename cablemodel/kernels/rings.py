@@ -25,8 +25,8 @@ from .access import (
     winch_of,
 )
 from .compile import copy_words, inlined, kernel, view
-from .consistency import jerk_jump, jump_along
-from .layout import ALONE, HELD_BY_ANCHOR, JOINT_ROOT
+from .consistency import jerk_jump, jump_along, motion_breaks
+from .layout import ALONE, HELD_BY_ANCHOR, HELD_BY_FRAME, JOINT_ROOT
 from .stabilisation import follow_third_mode
 from .tables import GAMMA, NUMERATOR, STAGE_A, STAGE_C, STAGES, WINDOW
 from .tension import (
@@ -197,12 +197,19 @@ def begin_window(I, M, row, t, tension):
 def jumps_at(I, M, row):
     """Jumps of velocity [m/s], acceleration [m/s2] and jerk [m/s3] along the line at an end that is
     held, as a step begins."""
-    faster, jump = jump_along(I, M, row)
+    faster = 0.0
+    jump = 0.0
+    jerk = 0.0
+    breaks = motion_breaks(I, M, row)
+    if breaks or header(I).live != 0 or row.kind == HELD_BY_FRAME:
+        faster, jump = jump_along(I, M, row)
+    if breaks:
+        jerk = jerk_jump(I, M, row)
     for n in range(header(I).winch_count):
         winch = winch_of(I, M, n)
         if winch.node == row.node:
             jump += abs(winch.kink)
-    return faster, jump, jerk_jump(I, M, row)
+    return faster, jump, jerk
 
 
 @kernel
