@@ -26,7 +26,7 @@ PARTS = {
     # part: words in the symbols' names, first match counts
     "residuals": ("system8residual",),
     "Jacobian": ("system8jacobian",),
-    "factorisation": ("system9factorise", "newton8refactor"),
+    "factorisation": ("factor_assembled", "system9factorise", "newton8refactor"),
     "solution": ("newton_increment",),
     "tensions and norms": ("recover_tension", "increment_norm"),
     "motion of the tow point": ("impose_motion", "vessel_motion", "evaluate_piece", "set_time"),
@@ -48,6 +48,7 @@ class Profile:
 
 def linked(folder: Path) -> Path:
     """The kernels as a shared library with their symbols."""
+    import cablemodel_fmu
     from cablemodel.library import platform_name
     from cablemodel_fmu.build import PLATFORMS
     from cablemodel_fmu.intermediate import kernel_module
@@ -60,7 +61,10 @@ def linked(folder: Path) -> Path:
     assembly, _ = kernel_module(part, print)
     compile_kernels(PLATFORMS[name].machines[0], part, assembly, folder / "kernels.o")
     path = folder / "kernels.so"
-    subprocess.run([compiler(), "-shared", "-o", path, folder / "kernels.o", "-lm"], check=True)
+    (folder / "kernels.h").write_text("#define KERNELS(K) K(step)\n")
+    names = Path(cablemodel_fmu.__file__).with_name("c") / "kernels.c"
+    parts = [names, folder / "kernels.o", f"-I{folder}"]
+    subprocess.run([compiler(), "-shared", "-fPIC", "-o", path, *parts, "-lm"], check=True)
     subprocess.run([compiler(), "-O1", "-o", folder / "steps", DRIVER, "-ldl"], check=True)
     return path
 
