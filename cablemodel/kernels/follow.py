@@ -213,6 +213,8 @@ def measure_ways(I, M, gaps, ways):
     ways[: head.nodes] = 1e300
     for n in range(head.constraint_count):
         node = int(constraint_of(I, M, n).node)
+        if head.left_out != 0 and node == head.nodes - 1:
+            continue  # beyond it cable sleeps, and friction goes on
         if I[head.joint + node] == 0 and gaps[node] < depth:
             ways[node] = 0.0
         if node + 1 < head.nodes and not begins_anew(I, node + 1) and gaps[node + 1] < depth:
