@@ -207,3 +207,35 @@ def test_a_line_without_bending_stiffness_kinks_at_a_body(model: str) -> None:
         line = cm.CableModel(cm.load_scene({**scene, "solver": {"tolerance": tolerance}}))
         tensions.append(line.top_tension)
     assert tensions[0] == pytest.approx(tensions[1], rel=1e-3)
+
+
+@pytest.mark.parametrize("stiffness", [400.0, 40.0])
+def test_a_heavy_laid_line_starts_at_its_place_at_every_tolerance(stiffness: float) -> None:
+    """Almost straight down, what pulls at the foot moves it by ten times the pull over the weight
+    per length: 2 N of 19 kN, which the tension may be wrong by, moved it by 2 tau L."""
+    places = []
+    tolerance, length = 1.2e-4, 187.0
+    for finer in (1, 16):
+        scene = {
+            "environment": {
+                "floor": {"z": -124.0, "friction": 0.45},
+                "current": {
+                    "table": [
+                        {"z": 0.0, "velocity": [-0.048, 0.059, 0.0]},
+                        {"z": -124.0, "velocity": [-0.007, 0.003, 0.0]},
+                    ]
+                },
+            },
+            "cable_types": {"c": {
+                "diameter": 0.09, "mass": 22.0, "submerged_weight": 152.0, "axial_stiffness": 2e8,
+                "bending_stiffness": stiffness, "drag_normal": 1.56,
+            }},
+            "line": [{"cable": {"type": "c", "length": length}}],
+            "vessel": {"velocity": [-0.33, -0.40, 0.0]},
+            "payout": {"rate": 0.5186, "drum": [{"cable": {"type": "c", "length": 30.0}}]},
+            "solver": {"tolerance": tolerance / finer},
+        }  # fmt: skip
+        model = cm.CableModel(cm.load_scene(scene))
+        places.append(model.sample(length * PLACES).position)
+    apart = np.linalg.norm(places[0] - places[1], axis=1).max()
+    assert apart < 0.5 * tolerance * length
