@@ -184,13 +184,26 @@ def axial_mode(I, M, held):
 
 
 @kernel
+def find_mode(I, M, row):
+    """Write `axial_mode` of what hangs at an end into its row, where the mesh is another one.
+
+    With a winch it always is; in a system the share of what is allowed goes with the tensions.
+    """
+    head = header(I)
+    if scalars(M).modes_known == 0.0 or head.payout != 0 or head.parts != 0:
+        mode = axial_mode(I, M, int(row.node))
+        row.mode_frequency, row.mode_mass, row.ring_share = mode
+
+
+@kernel
 def begin_window(I, M, row, t, tension):
     """Begin to measure a ring, at time t and that tension."""
+    find_mode(I, M, row)
     row.ring_since = t
     row.ring_about = tension
     row.ring_cosine = 0.0
     row.ring_sine = 0.0
-    row.ring_frequency, _moved, row.ring_share = axial_mode(I, M, int(row.node))
+    row.ring_frequency = row.mode_frequency
 
 
 @kernel
@@ -221,9 +234,6 @@ def begin_rings(I, M, dt):
     state = scalars(M)
     if dies_away(M):
         return
-    # In a system the share of what is allowed goes with the tensions.
-    anew = state.modes_known == 0.0 or head.payout != 0 or head.parts != 0
-    state.modes_known = 1.0
     state.heard = 0.0
     for n in range(head.constraint_count):
         row = constraint_of(I, M, n)
@@ -231,9 +241,7 @@ def begin_rings(I, M, dt):
             continue
         faster, jump, jerk = jumps_at(I, M, row)
         top = watched_element(I, row)
-        if anew:
-            mode = axial_mode(I, M, int(row.node))
-            row.mode_frequency, row.mode_mass, row.ring_share = mode
+        find_mode(I, M, row)
         frequency = row.mode_frequency
         moved = row.mode_mass
         allowed = allowed_of(I, M, row)
@@ -271,6 +279,7 @@ def begin_rings(I, M, dt):
         row.ring = made + of_jerk
         begin_window(I, M, row, state.time, M[head.tension + 2 * top])
         follow_third_mode(I, M, 0.0)
+    state.modes_known = 1.0
 
 
 @kernel
