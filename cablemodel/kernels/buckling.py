@@ -24,6 +24,7 @@ from .layout import (
     JOINT_ARM,
     JOINT_FREE,
     JOINT_HINGE,
+    WHOLLY,
 )
 from .newton import refactor
 from .strain import pressed_stiffness, promised_tension
@@ -267,6 +268,6 @@ def is_prescribed(I, M, node):
     head = header(I)
     for n in range(head.constraint_count):
         row = constraint_of(I, M, n)
-        if int(row.node) == node and row.clamped == EXACTLY:
+        if int(row.node) == node and row.clamped in (EXACTLY, WHOLLY):
             return True
     return False

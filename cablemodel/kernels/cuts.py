@@ -22,7 +22,6 @@ from .closures import open_closure
 from .compile import kernel
 from .consistency import begin_after_a_blow
 from .layout import (
-    ALONE,
     CONSTRAINT_WORDS,
     CUT_END,
     CUT_START,
@@ -35,6 +34,7 @@ from .layout import (
     NO_CAPACITY,
     NODES_OF_A_CUT,
     OK,
+    WHOLLY,
 )
 from .payout import open_gap, split_edge, top_edge
 from .scales import LET_GO
@@ -191,7 +191,7 @@ def part_above(I, M, edge):
     row = constraint_row_at(I, M, parent)
     constraint = constraint_at(M, row)
     if row >= 0:
-        constraint.clamped = ALONE
+        constraint.clamped = WHOLLY
 
 
 @kernel
@@ -206,7 +206,7 @@ def part_below(I, M, node):
         new_node(I, M, node, node + 1)
         let_go_of_winch(I, M, node)
         constraint.node = node + 1
-        constraint.clamped = ALONE
+        constraint.clamped = WHOLLY
         return
     first = 0
     for child in range(node + 1, head.nodes):

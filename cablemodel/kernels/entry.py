@@ -73,7 +73,7 @@ def refine_at_floor(I, M):
     head = header(I)
     if head.floor_state == FLOOR_FAR:
         return NOTHING
-    return follow.follow_floor(I, M, True)
+    return follow.follow_floor(I, M, True, 0)
 
 
 @entry_point(int64(INTEGERS, REALS))

@@ -490,9 +490,10 @@ def lower(I, M, gaps):
 
 
 @kernel
-def follow_floor(I, M, change):
+def follow_floor(I, M, change, first):
     """Whether the floor asks for another mesh; with `change`, halve and join elements for it.
 
+    first: the node beyond which it may change, and the element after it stays; 0: everywhere.
     NOTHING, CHANGED (or to be changed), or NO_CAPACITY: the block must grow first.
     """
     head = header(I)
@@ -536,7 +537,8 @@ def follow_floor(I, M, change):
     changed = NOTHING
     waiting = 0
     node = head.nodes - 1
-    while node >= 1:
+    last = first + 2 if first > 0 else 1
+    while node >= last:
         if I[head.joint + node] == 0:
             h = edge_of(I, M, node).length
             if h > SPLIT_ABOVE * wanted[node] and halves_are_even(I, M, node):

@@ -10,7 +10,7 @@ the FMU's state and its serialisation are a copy of it.
 from .record import Record, integer, part, real, reals, spare
 
 MAGIC = 0x4C45444F4D454C42  # "BLEMODEL", little endian
-VERSION = 15
+VERSION = 16
 
 FLOOR_NONE, FLOOR_PLANE, FLOOR_TABLE = 0, 1, 2
 FLOOR_FAR, FLOOR_ABOVE, FLOOR_TOUCHED = 0, 1, 2  # nothing of it is felt; the mesh knows; forces
@@ -239,6 +239,8 @@ class Scalars(Record, first=HEADER_WORDS):
     sleep_tension = real("at its end", "N")
     sleep_spare = real("what that tension may change by", "N")
     sleep_awake = real("length of cable that lies awake before it", "m")
+    sleep_way = real("length of the element before it, as it fell asleep", "m")
+    sleep_place = reals(3, "where that began", "m")
     sleep_low = real("least height at which it lies", "m")
     sleep_high = real("largest height at which it lies", "m")
     sleep_flow = real("square of the water's speed whose drag is the friction", "m2/s2")
@@ -453,7 +455,7 @@ class Constraint(Record):
     node = real("that is held")
     kind = real("HELD_BY_VESSEL, HELD_BY_ANCHOR or HELD_BY_FRAME")
     position = reals(3, "of the anchor; of a frame's point: in the frame's axes", "m")
-    clamped = real("EXACTLY, BY_SPRING, or 0: the tangent is free")
+    clamped = real("EXACTLY, BY_SPRING, WHOLLY, or 0: the tangent is free")
     direction = reals(3, "of the clamp")
     spring = real("stiffness of a clamp that is a spring", "N m")
     share = real("part of it that is no spring but the way of the hinge (clamp_layer.py)")
@@ -483,7 +485,7 @@ class Constraint(Record):
 CONSTRAINT_WORDS = Constraint.WORDS
 HELD_BY_VESSEL, HELD_BY_ANCHOR, HELD_BY_FRAME = 1, 2, 3
 EXACTLY, BY_SPRING = 1, 2  # how the tangent is held
-ALONE = 3  # no line is left at the node
+WHOLLY = 3  # its length too: cable beyond sleeps, or no line is left at the node
 
 
 class Polynomial(Record):

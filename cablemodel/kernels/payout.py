@@ -36,6 +36,7 @@ from .layout import (
     EXACTLY,
     NO_CAPACITY,
     OK,
+    WHOLLY,
     Matter,
 )
 from .passing import cable_paid, material_end, overhang, set_first_bit, set_part
@@ -444,7 +445,7 @@ def slope_is_held(I, M, node):
     """Whether the slope at a node is prescribed."""
     for n in range(header(I).constraint_count):
         row = constraint_of(I, M, n)
-        if row.node == node and row.clamped == EXACTLY:
+        if row.node == node and row.clamped in (EXACTLY, WHOLLY):
             return True
     return False
 

@@ -26,7 +26,7 @@ from .access import (
 )
 from .compile import copy_words, inlined, kernel, view
 from .consistency import jerk_jump, jump_along, motion_breaks
-from .layout import ALONE, HELD_BY_ANCHOR, HELD_BY_FRAME, JOINT_ROOT
+from .layout import HELD_BY_ANCHOR, HELD_BY_FRAME, JOINT_ROOT, WHOLLY
 from .stabilisation import follow_third_mode
 from .tables import GAMMA, NUMERATOR, STAGE_A, STAGE_C, STAGES, WINDOW
 from .tension import (
@@ -237,7 +237,7 @@ def begin_rings(I, M, dt):
     state.heard = 0.0
     for n in range(head.constraint_count):
         row = constraint_of(I, M, n)
-        if row.kind == HELD_BY_ANCHOR or row.clamped == ALONE:
+        if row.kind == HELD_BY_ANCHOR or row.clamped == WHOLLY:
             continue
         faster, jump, jerk = jumps_at(I, M, row)
         top = watched_element(I, row)

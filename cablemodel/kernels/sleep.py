@@ -1,16 +1,17 @@
 """Cable at rest on the sea floor sleeps: it leaves the system until something moves it.
 
 What sleeps is the end of the line beyond a node A that lies far behind the touchdown. While a step
-is made the line ends at A, whose place and direction are held; nothing beyond is assembled,
-eliminated or copied (`leave_out`, `rejoin`). Between steps the line is whole again, so that what
-reads a state knows nothing of it.
+is made the line ends at A, whose place and tangent are held, the tangent's length too: there the
+tensions of both sides balance. Nothing beyond is assembled, eliminated or copied (`leave_out`,
+`rejoin`). Between steps the line is whole again, so that what reads a state knows nothing of it.
 
 It may sleep while it is at rest and friction holds it: a change of the tension at A by dT pulls
 cable along over the way on which friction can take it up. `holding_tension` is the change that
 moves A by MISSED tau L, or half of what friction has to spare; a change is left out up to that,
-and up to MISSED_TENSION tau times a typical tension, since what sleeps keeps its own. No step is
-accepted that changes the tension by more, moves the cable before A, lifts it nearby, or brings
-water that drags at what sleeps: such a step is made again with more of the cable awake.
+and up to MISSED_TENSION tau times the largest tension, since what sleeps keeps its own. No step is
+accepted that changes the tension by more, takes the cable before A further than MISSED tau L from
+where it was, lifts it nearby, or brings water that drags at what sleeps: such a step is made again
+with more of the cable awake.
 """
 
 import math
@@ -30,16 +31,16 @@ from .layout import (
     W_MIRROR,
     W_NUMBER,
     W_SPEED,
+    WHOLLY,
 )
 from .strain import strain_and_slope
 from .waves import displaced
 
 QUIET = 0.01  # of tau L in sqrt(L/g): cable that is slower is at rest
-STIRRING = 4.0  # times that: the speed before A that wakes
 LAYERS, ELEMENTS = 16.0, 4.0  # touchdown layers, or finest elements, that lie awake before A
 NEAR = 0.5  # of that way: hanging cable closer than this wakes
 MISSED = 0.02  # of tau L: motion of A that may be left out
-MISSED_TENSION = 10.0  # of tau times a typical tension: what is promised
+MISSED_TENSION = 10.0  # of tau times the largest tension: what is promised
 SPARE = 0.1  # of the friction over the way before A: least change of tension that must be held
 CALM, ROUGH = (
     0.25,
@@ -72,15 +73,11 @@ def leave_out(I, M):
         head.anchor_kept = 1
     head.constraint_count = 2
     at = head.position + 2 * dimension * last
-    square = 0.0
-    for i in range(dimension):
-        square += M[at + dimension + i] ** 2
     end.node = last
     end.kind = HELD_BY_ANCHOR
-    end.clamped = 1.0
+    end.clamped = WHOLLY
     for i in range(dimension):
         end.position[i] = M[at + i]
-        end.direction[i] = M[at + dimension + i] / math.sqrt(square)
 
 
 @kernel
@@ -101,13 +98,6 @@ def rejoin(I, M):
         end.node = head.nodes - 1
     else:
         head.constraint_count = 1
-
-
-@kernel
-def rest_speed(M):
-    """The speed below which cable is at rest [m/s]."""
-    state = scalars(M)
-    return QUIET * state.tolerance * state.length / state.period
 
 
 @kernel
@@ -169,6 +159,25 @@ def lying_before(I, M, q, node, enough):
         if lies(I, M, q, n):
             way += edge_of(I, M, n).length
     return way
+
+
+@kernel
+def place_before(I, M, q, node, way, out):
+    """The place of the line at an arc length before a node; elements may have changed since."""
+    head = header(I)
+    dimension = head.dimension
+    size = 2 * dimension
+    while node > 1 and I[head.joint + node] == 0 and way > edge_of(I, M, node).length:
+        way -= edge_of(I, M, node).length
+        node -= 1
+    h = edge_of(I, M, node).length
+    x = min(1.0, way / h)
+    y = 1.0 - x
+    below = size * node
+    above = size * I[head.parent + node]
+    for i in range(dimension):
+        out[i] = y * y * (1.0 + 2.0 * x) * q[below + i] - h * x * y * y * q[below + dimension + i]
+        out[i] += x * x * (3.0 - 2.0 * x) * q[above + i] + h * x * x * y * q[above + dimension + i]
 
 
 @kernel
@@ -370,10 +379,9 @@ def wake_as_many(I, M):
 
 
 @kernel
-def fall_asleep(I, M):
-    """Let all sleep that may."""
+def fall_asleep(I, M, node):
+    """Let all beyond a node sleep, if there is one and water leaves that alone."""
     head = header(I)
-    node = place_to_sleep(I, M)
     if node == 0:
         return
     rejoin(I, M)
@@ -393,15 +401,14 @@ def fall_asleep(I, M):
 
 
 @kernel
-def prepare_joining(I, M):
-    """Give r' the length that the tension gives it where cable may sleep.
+def prepare_joining(I, M, first):
+    """Give r' the length that the tension gives it beyond a node, where cable may sleep.
 
     The elements' third strain mode, which only a numerical stiffness holds, moves slowly; where it
     stood still with the cable, elements that lie straight could not be joined.
     """
     head = header(I)
     dimension = head.dimension
-    first = place_to_sleep(I, M)
     if first == 0:
         return
     for node in range(first + 1, head.nodes):
@@ -427,7 +434,7 @@ def prepare_joining(I, M):
 
 @kernel
 def hold(I, M, node):
-    """Note the tension before the last node awake, and what it may change by.
+    """Note tension and place before the last node awake, and what the tension may change by.
 
     The mean of its element: in cable that lies bent, that at its end changes with the stretch of
     r' there, which is no longer that of the elements beyond.
@@ -435,7 +442,10 @@ def hold(I, M, node):
     head = header(I)
     state = scalars(M)
     state.sleep_tension = M[head.tension + 2 * node]
-    most = MISSED_TENSION * state.tolerance * state.tension_scale
+    state.sleep_way = edge_of(I, M, node).length
+    q = view(M, head.position, 2 * head.dimension * (node + 1))
+    place_before(I, M, q, node, state.sleep_way, state.sleep_place)
+    most = MISSED_TENSION * state.tolerance * state.largest_tension
     state.sleep_spare = min(most, holding_tension(I, M, node))
 
 
@@ -448,13 +458,16 @@ def disturbance(I, M):
     size = 2 * head.dimension
     if not abs(M[head.trial_tension + 2 * node] - state.sleep_tension) <= state.sleep_spare:
         return 1
-    speed = 0.0
+    q = view(M, head.trial_position, size * (node + 1))
+    place = vector()
+    place_before(I, M, q, node, state.sleep_way, place)
+    square = 0.0
     for i in range(head.dimension):
-        speed += M[head.trial_velocity + size * (node - 1) + i] ** 2
-    if not speed <= (STIRRING * rest_speed(M)) ** 2:
+        square += (place[i] - state.sleep_place[i]) ** 2
+    if not square <= (MISSED * state.tolerance * state.length) ** 2:
         return 1
     near = NEAR * state.sleep_awake
-    if lying_before(I, M, view(M, head.trial_position, size * (node + 1)), node, near) < near:
+    if lying_before(I, M, q, node, near) < near:
         return 1
     if head.current_kind != 0 and flow_squared(I, M, head.profile) > ROUGH * state.sleep_flow:
         return 2

@@ -50,11 +50,11 @@ from .floor import floor_jacobian, floor_residual
 from .frames import move_frames, point_motion, turn_clamps, turn_slope
 from .free_bodies import follow_bodies, free_jacobian, free_residual
 from .layout import (
-    ALONE,
     EXACTLY,
     FLOOR_TOUCHED,
     HELD_BY_FRAME,
     JOINT_HINGE,
+    WHOLLY,
 )
 from .passing import add_first_bit, exchange_rates, exchange_velocities
 from .payout import material_top, set_top_length
@@ -173,6 +173,10 @@ def impose_motion(I, M, t, q, v, a):
             keep_along(row.direction, dimension, q, at + dimension)
             keep_along(row.direction, dimension, v, at + dimension)
             keep_along(row.direction, dimension, a, at + dimension)
+        elif row.clamped == WHOLLY:
+            for i in range(dimension, size):
+                v[at + i] = 0.0
+                a[at + i] = 0.0
 
 
 @kernel
@@ -181,8 +185,9 @@ def project_rows(I, M, row, at):
     head = header(I)
     dimension = head.dimension
     size = 2 * dimension
+    held = size if row.clamped == WHOLLY else dimension
     for j in range(size):
-        for i in range(dimension):
+        for i in range(held):
             M[at + size * i + j] = 0.0
         if row.clamped == EXACTLY:
             value = 0.0
@@ -198,8 +203,9 @@ def project_columns(I, M, row, at):
     head = header(I)
     dimension = head.dimension
     size = 2 * dimension
+    held = size if row.clamped == WHOLLY else dimension
     for i in range(size):
-        for j in range(dimension):
+        for j in range(held):
             M[at + size * i + j] = 0.0
         if row.clamped == EXACTLY:
             value = 0.0
@@ -226,11 +232,8 @@ def constrain_matrix(I, M):
         at = head.diagonal + area * node
         project_rows(I, M, row, at)
         project_columns(I, M, row, at)
-        for i in range(dimension):
+        for i in range(size if row.clamped == WHOLLY else dimension):
             M[at + size * i + i] += 1.0
-        if row.clamped == ALONE:
-            for i in range(dimension, size):
-                M[at + size * i + i] += 1.0
         if row.clamped == EXACTLY:
             along = 0.0
             for i in range(dimension):
@@ -257,10 +260,11 @@ def constrain_vector(I, M, x):
     """Remove the prescribed components of a right-hand side."""
     head = header(I)
     dimension = head.dimension
+    size = 2 * dimension
     for n in range(head.constraint_count):
         row = constraint_of(I, M, n)
-        at = 2 * dimension * int(row.node)
-        for i in range(dimension):
+        at = size * int(row.node)
+        for i in range(size if row.clamped == WHOLLY else dimension):
             x[at + i] = 0.0
         if row.clamped == EXACTLY:
             value = 0.0

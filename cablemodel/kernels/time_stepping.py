@@ -47,7 +47,15 @@ from .refine import follow_bending
 from .rings import begin_rings, follow_rings, left_of_rings, longest_ring_step, may_miss_rings
 from .sea_cells import begin_stage, end_stage
 from .slack import follow_slack
-from .sleep import disturbance, fall_asleep, may_sleep, prepare_joining, wake, wake_as_many
+from .sleep import (
+    disturbance,
+    fall_asleep,
+    may_sleep,
+    place_to_sleep,
+    prepare_joining,
+    wake,
+    wake_as_many,
+)
 from .stabilisation import follow_third_mode
 from .step_size import (
     adapt_step,
@@ -348,7 +356,8 @@ def accept_trial(I, M, dt, scheme):
 def change_mesh(I, M, rests):
     """Let joints pass the tow point, split and join elements; then make the state consistent.
 
-    rests: whether cable may fall asleep, which is joined with as much that sleeps.
+    rests: whether cable may fall asleep, which is joined with as much that sleeps: nothing else is,
+    since what stays awake beside it would stir.
 
     Splitting is exact. A joined element has the strain and the elongation's rate of its parts.
     """
@@ -365,21 +374,19 @@ def change_mesh(I, M, rests):
         status = adapt_tops(I, M)
         if status != OK:
             return status
+    first = 0
     if rests:
-        prepare_joining(I, M)
+        first = place_to_sleep(I, M)
+        prepare_joining(I, M, first)
     found = NOTHING
     if head.floor_state != FLOOR_FAR:
-        found = follow_floor(I, M, True)
+        found = follow_floor(I, M, True, first)
     elif state.bent > 0.0:
         found = follow_bending(I, M, True)
     if found == NO_CAPACITY:
         return NO_CAPACITY
     if rests:
-        # What is joined is made consistent while it is awake.
-        last = state.last_step
-        make_consistent(I, M, True)
-        state.last_step = last
-        fall_asleep(I, M)
+        fall_asleep(I, M, first)  # what was joined is made consistent when it wakes
     make_consistent(I, M, True)
     state.joined = 0.0
     return OK
@@ -464,7 +471,7 @@ def advance_to(I, M, t_end):
         if (
             rests
             or (head.payout != 0 and anything_passes(I, M))
-            or (head.floor_state != FLOOR_FAR and follow_floor(I, M, False) != NOTHING)
+            or (head.floor_state != FLOOR_FAR and follow_floor(I, M, False, 0) != NOTHING)
             or (mesh_is_due(I, M) and follow_bending(I, M, False) != NOTHING)
         ):
             status = change_mesh(I, M, rests)

@@ -153,3 +153,35 @@ def test_nothing_sleeps_without_friction() -> None:
     lay(model, 300.0)
     assert model.floor_length > 30.0
     assert model.statistics["asleep"] == 0
+
+
+def test_what_is_laid_with_slack_sleeps_as_the_ship_goes_on() -> None:
+    """Cable that lies in bends falls asleep without a jolt: what is awake is what has just been
+    laid, and not all that has been (290 elements, once)."""
+    speed, duration = 2.0, 100.0
+    light = {"diameter": 0.014, "mass": 0.5, "submerged_weight": 3.3, "axial_stiffness": 2.6e6}
+    light = {**CABLE, **light, "bending_stiffness": 0.29}
+    current = [(0.0, -60.0, (-0.02, 0.03, 0.0)), (0.0, 0.0, (0.0, 0.2, 0.0))]
+    model = cm.CableModel(
+        {
+            "environment": {
+                "floor": {"z": -60.0, "friction": 0.7, "slope": [0.0, 0.03]},
+                "current": {
+                    "table": [{"t": t, "z": z, "velocity": list(v)} for t, z, v in current]
+                },
+            },
+            "cable_types": {"C": light},
+            "line": [{"cable": {"type": "C", "length": 257.0, "model": "hybrid"}}],
+            "vessel": {"velocity": [{"t": 0.0, "velocity": [0.0, speed, 0.0]}]},
+            "payout": {
+                "rate": [{"t": 0.0, "rate": 1.006 * speed}],
+                "drum": [{"cable": {"type": "C", "length": 300.0, "model": "hybrid"}}],
+            },
+            "solver": {"tolerance": TOLERANCE},
+        }
+    )
+    awake = []
+    while model.time < duration:
+        model.step(1.0)
+        awake.append(model.statistics["elements"] - model.statistics["asleep"])
+    assert max(awake[25:]) < 120  # of 570
