@@ -20,6 +20,7 @@ if TYPE_CHECKING:
         SceneError,
         StaticsError,
         StepError,
+        TautLayWarning,
         UnstableStartWarning,
     )
     from cablemodel.model import CableModel, CableState
@@ -39,6 +40,7 @@ _HOME = {
     "StaticsError": "cablemodel.errors",
     "StepError": "cablemodel.errors",
     "DrawnStartWarning": "cablemodel.errors",
+    "TautLayWarning": "cablemodel.errors",
     "UnstableStartWarning": "cablemodel.errors",
     "CableModel": "cablemodel.model",
     "CableState": "cablemodel.model",
@@ -75,6 +77,7 @@ __all__ = [
     "SystemModel",
     "SystemRecorder",
     "SystemScene",
+    "TautLayWarning",
     "UnstableStartWarning",
     "VesselInput",
     "__version__",

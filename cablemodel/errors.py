@@ -157,6 +157,24 @@ class DrawnStartWarning(UserWarning):
         )
 
 
+class TautLayWarning(UserWarning):
+    """A lay down a slope starts without tension where it lands, and pays out less than it takes.
+
+    Attributes: ``rate`` of the pay-out, ``needed`` by a lay without tension there [m/s].
+    """
+
+    def __init__(self, rate: float, needed: float) -> None:
+        super().__init__(rate, needed)
+        self.rate = rate
+        self.needed = needed
+
+    def __str__(self) -> str:
+        return (
+            f"a lay down this slope takes {self.needed:.5g} m/s and gets {self.rate:.5g}: it "
+            "starts without tension where it lands, and becomes taut as it goes"
+        )
+
+
 class UnstableStartWarning(UserWarning):
     """A static start is an equilibrium that the line leaves by itself, and no other was found.
 

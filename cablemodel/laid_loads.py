@@ -132,8 +132,8 @@ def lay_rate(scene: Scene) -> float:
 
     Over a floor that rises by b along the vessel's way, at the lay angle a, the touchdown moves
     along the floor faster than the vessel does, and the suspended cable gets shorter:
-    U (sin a - sin b) / sin(a - b) (Zajac 1957). Uphill that is less than the speed; downhill it is
-    more, and what is asked of a lay there is its speed at least.
+    U (sin a - sin b) / sin(a - b) (Zajac 1957). Uphill that is less than the speed, downhill it is
+    more.
     """
     velocity = scene.motion().evaluate(0.0)[1]
     speed = float(np.hypot(velocity[0], velocity[1]))
@@ -143,8 +143,6 @@ def lay_rate(scene: Scene) -> float:
     up = _rise_ahead(scene, scene.motion().evaluate(0.0)[0], velocity)
     down = _angle_of(scene, speed)
     if down is None:
-        return speed
-    if up <= 0.0:
         return speed
     if up >= down:
         return STEEP * speed  # the line does not come down to the floor behind it
@@ -201,8 +199,18 @@ def _angle_of(scene: Scene, speed: float) -> float | None:
 
 
 def is_dragged(scene: Scene) -> bool:
-    """Whether the vessel drags what lies over the floor: it pays out less than a lay takes."""
-    rate = lay_rate(scene)
+    """Whether the vessel drags what lies over the floor: it pays out less than a lay takes and,
+    down a slope, than its speed."""
+    velocity = scene.motion().evaluate(0.0)[1]
+    rate = min(lay_rate(scene), float(np.hypot(velocity[0], velocity[1])))
     floor = scene.environment.floor
     uneven = floor is not None and floor.z is None
     return rate - scene.rate_at_start > (UNEVEN if uneven else DRAGGED) * rate
+
+
+def becomes_taut(scene: Scene) -> bool:
+    """Whether a lay down a slope keeps up with its vessel's speed, and not with its touchdown."""
+    rate = scene.rate_at_start
+    if rate <= 0.0 or scene.environment.current is not None or is_dragged(scene):
+        return False
+    return rate < (1.0 - DRAGGED) * lay_rate(scene)

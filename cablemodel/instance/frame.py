@@ -19,13 +19,21 @@ FloatArray = NDArray[np.float64]
 _OUT_OF_PLANE = 1e-12
 
 
-def vertical_plane(scene: Scene, directions: list[FloatArray]) -> FloatArray | None:
-    """Horizontal direction of the vertical plane that holds all of the scene, or None."""
+def vertical_plane(
+    scene: Scene, directions: list[FloatArray], *, start: bool = False
+) -> FloatArray | None:
+    """Horizontal direction of the vertical plane that holds all of the scene, or None.
+
+    start: all that acts on a static start.
+    """
     motion = scene.motion()
-    if not motion.is_planar():
+    if start:
+        candidates = [motion.evaluate(0.0)[1][:2]]
+    elif not motion.is_planar():
         return None
-    moving = motion.horizontal_direction()
-    candidates = [] if moving is None else [np.asarray(moving, dtype=float)]
+    else:
+        moving = motion.horizontal_direction()
+        candidates = [] if moving is None else [np.asarray(moving, dtype=float)]
     candidates += [np.asarray(d[:2], dtype=float) for d in directions]
     floor = scene.environment.floor
     if floor is not None and floor.z is not None:
@@ -34,9 +42,14 @@ def vertical_plane(scene: Scene, directions: list[FloatArray]) -> FloatArray | N
         candidates.append(np.array([1.0, 0.0]))
         if np.ptp(floor.grid_z, axis=1).any():
             return None
-    if scene.environment.current is not None:
-        candidates += list(scene.environment.current.velocity.reshape(-1, 3)[:, :2])
-    water = sea(scene)
+    current = scene.environment.current
+    if current is not None:
+        flows = current.velocity
+        if start:
+            begins = max(0, int(np.searchsorted(current.t, 0.0, "right")) - 1)
+            flows = flows[begins : begins + 2]
+        candidates += list(flows.reshape(-1, 3)[:, :2])
+    water = None if start else sea(scene)
     if water is not None:
         candidates.append(np.array([math.cos(water.direction), math.sin(water.direction)]))
     plane, shared = shared_direction(candidates)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from cablemodel import laid_loads, laid_shape, sea_floor, waves
 from cablemodel.block import Block
-from cablemodel.errors import DrawnStartWarning, StaticsError
+from cablemodel.errors import DrawnStartWarning, StaticsError, TautLayWarning
 from cablemodel.instance import held_line, laid_start, line_tables, tables, unstable_start
 from cablemodel.instance.attempts import Attempt, attempts, described
 from cablemodel.instance.first_shape import bight, first_points, graded, place_nodes
@@ -68,12 +68,16 @@ def build(scene: Scene, *, planar: bool | None = None, room: float = 1.0) -> Blo
     with searching(scene) as search:
         for attempt in _attempts(scene):
             sought = scene if attempt.points is None and not scene.starts_steady else _steady(scene)
-            built = _built_as_laid if attempt.as_laid else _built
+            built = _built_as_laid if attempt.as_laid else _built_as_lay
             search.tries(described(attempt))
             try:
                 found = built(sought, planar, room, attempt)
                 if not attempt.as_laid and laid_start.applies(sought):
                     _say_if_drawn(found, sought)
+                if laid_loads.becomes_taut(sought):
+                    needed = laid_loads.lay_rate(sought)
+                    warnings.warn(TautLayWarning(sought.rate_at_start, needed), stacklevel=2)
+                _unfold(found, scene, planar)
                 return found
             except OutOfTimeError:
                 points = ", or start from initial: {straight: ...} or {points: ...}"
@@ -294,6 +298,25 @@ def _build_on(
     return block
 
 
+def _clamps(scene: Scene) -> list[FloatArray]:
+    """Directions of the clamps (3,)."""
+    ends = scene.vessel.connection, scene.end.connection
+    return [np.asarray(end.direction, dtype=float) for end in ends if end.kind == "clamped"]
+
+
+def _unfold(block: Block, scene: Scene, planar: bool | None) -> None:
+    """Into space, where a start was sought in its plane and the scene leaves that. In space a lay
+    that hangs in a plane folds out of it on its way to where it lies."""
+    from cablemodel import library as entry
+
+    if block.header.dimension == 3:
+        return
+    plane = np.array([*block.scalars.plane, 0.0])
+    if planar is False or vertical_plane(scene, [plane, *_clamps(scene)]) is None:
+        entry.to_three_dimensions(block.ints, block.reals)
+        entry.place_supports(block.ints, block.reals)
+
+
 def _allocate(scene: Scene, line: Line, winch: Winch, spare: int) -> Block:
     """A block of zeros with room for the line, and for the nodes that a run may add to it."""
     current = scene.environment.current
@@ -321,13 +344,10 @@ def _allocate(scene: Scene, line: Line, winch: Winch, spare: int) -> Block:
 def _choose_frame(block: Block, scene: Scene, points: FloatArray, planar: bool | None) -> None:
     """The block's coordinates: in the scene's vertical plane or in space, from the tow point."""
     position = scene.motion().evaluate(0.0)[0]
-    directions = [p - position for p in points]
-    directions += [
-        np.asarray(connection.direction, dtype=float)
-        for connection in (scene.vessel.connection, scene.end.connection)
-        if connection.kind == "clamped"
-    ]
+    directions = [p - position for p in points] + _clamps(scene)
     plane = None if planar is False else vertical_plane(scene, directions)
+    if plane is None and laid_start.is_lay(scene):
+        plane = vertical_plane(scene, directions, start=True)
     block.header.dimension = 3 if plane is None else 2
     block.scalars.origin = position
     block.scalars.plane = (1.0, 0.0) if plane is None else plane

@@ -87,7 +87,7 @@ def coarser(scene: Scene) -> Scene | None:
     Where cable lies that friction holds depends on how it came there. Found anew at each tolerance,
     a finer one lay metres from the coarser one; from coarser to finer all agree.
     """
-    if _is_lay(scene):
+    if is_lay(scene):
         return None  # its first shape says where it lies, at every tolerance
     tolerance = COARSEST
     if scene.solver.tolerance * LEAST > tolerance or laid_loads.is_dragged(scene):
@@ -102,7 +102,7 @@ def _at_tolerance(scene: Scene, tolerance: float) -> Scene:
     return scene.model_copy(update={"solver": settings})
 
 
-def _is_lay(scene: Scene) -> bool:
+def is_lay(scene: Scene) -> bool:
     """Whether a vessel under way pays out."""
     velocity = scene.motion().evaluate(0.0)[1]
     return scene.rate_at_start > 0.0 and bool(np.any(velocity[:2]))
@@ -114,13 +114,13 @@ def stiffer_layers(scene: Scene) -> tuple[float, float] | None:
     if not _is_even(scene):
         return None
     most, own = sea_floor.unfolding_layer(scene), sea_floor.thinnest_layer(scene)
-    return (most, own) if _is_lay(scene) and own < most else None
+    return (most, own) if is_lay(scene) and own < most else None
 
 
 def on_softer_floor(scene: Scene) -> Scene | None:
     """A lay at a coarser tolerance, whose floor is softer; None: no lay, or coarse as it is."""
     tolerance = SOFTER * scene.solver.tolerance
-    is_one = _is_lay(scene) and _is_even(scene) and not laid_loads.is_dragged(scene)
+    is_one = is_lay(scene) and _is_even(scene) and not laid_loads.is_dragged(scene)
     return _at_tolerance(scene, tolerance) if is_one and tolerance <= COARSEST else None
 
 
@@ -207,7 +207,7 @@ def _shape_and_roots(block: Block) -> tuple[FloatArray, FloatArray]:
 
 def _longest_bristle(block: Block, scene: Scene) -> float:
     """With which what lies finds where no tension is left [m]."""
-    return (LAYING if _is_lay(scene) else SOFT) * float(block.scalars.length)
+    return (LAYING if is_lay(scene) else SOFT) * float(block.scalars.length)
 
 
 def _lay_freely(block: Block, scene: Scene, laid: FloatArray, solve: Callable[[], int]) -> int:
@@ -222,7 +222,7 @@ def _lay_freely(block: Block, scene: Scene, laid: FloatArray, solve: Callable[[]
     bristle, soft = float(state.bristle), _longest_bristle(block, scene)
     dragged = laid_loads.is_dragged(scene)
     # What a lay has laid is at rest over the ground: only a current pulls at it.
-    drifts = not dragged and not (_is_lay(scene) and scene.environment.current is None)
+    drifts = not dragged and not (is_lay(scene) and scene.environment.current is None)
     grown, _drags = _loads(block, scene)
     for _ in range(PASSES):
         bears = grown

@@ -215,6 +215,29 @@ def make_crooked(I, M):
 
 
 @kernel
+def arch_stands(I, M):
+    """Whether slack that is paid out stands on the floor, pressed and clear of it between places
+    that touch, in the plane of a planar model.
+
+    More and more arches would sway there, and none sleep; in space they fall over. Without
+    friction nothing sleeps anyway.
+    """
+    head = header(I)
+    if head.dimension == 3 or head.payout == 0:
+        return False
+    if head.floor_state != FLOOR_TOUCHED or scalars(M).friction == 0.0:
+        return False
+    q = view(M, head.position, 4 * head.nodes)
+    tension = view(M, head.tension, 2 * head.nodes)
+    touches = False
+    for node in range(1, head.nodes):
+        if touches and is_pressed(I, M, node, q, tension, 0.0):
+            return True
+        touches = touches or near_floor(I, M, node, q)
+    return False
+
+
+@kernel
 def off_plane(I, M, node, normal):
     """By how much the slopes of the element above a node leave its vertical plane, at most [-].
 
@@ -239,8 +262,8 @@ def off_plane(I, M, node, normal):
 def fall_over(I, M):
     """Turn the slopes of slack cable that lies in one vertical plane, where it touches the floor.
 
-    Loops of slack would stand in that plane, and roll along the floor for ever. Any real cable is
-    a little crooked, and they fall over. What friction holds is crooked, too.
+    Loops of slack would stand in that plane, and roll or sway for ever. Any real cable is a little
+    crooked, and they fall over. What friction holds is crooked, too.
     """
     head = header(I)
     if head.dimension == 2 or head.floor_state != FLOOR_TOUCHED:

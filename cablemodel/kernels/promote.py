@@ -54,6 +54,7 @@ def promote(I, M):
             unfold(row.away, px, py)
             unfold(row.drift, px, py)
             unfold(row.drift_rate, px, py)
+    unfold(state.sleep_place, px, py)
     head.dimension = 3
     head.factored = 0
     head.has_history = 0

@@ -9,7 +9,7 @@ step, is estimated from those of the stages.
 import math
 
 from .access import edge_of, header, scalars
-from .buckling import any_pressed, fall_over, follow_pressure, is_held, make_crooked
+from .buckling import any_pressed, arch_stands, fall_over, follow_pressure, is_held, make_crooked
 from .clamp_layer import follow_layer
 from .closures import follow_forces, give_back_forces, keep_forces
 from .compile import copy_words, inlined, kernel, view
@@ -43,6 +43,7 @@ from .layout import (
 )
 from .newton import NO_TENSION, increment_norm, is_folded, refactor
 from .payout import pay_out
+from .promote import promote
 from .refine import follow_bending
 from .rings import begin_rings, follow_rings, left_of_rings, longest_ring_step, may_miss_rings
 from .sea_cells import begin_stage, end_stage
@@ -50,9 +51,11 @@ from .slack import follow_slack
 from .sleep import (
     disturbance,
     fall_asleep,
+    leave_out,
     may_sleep,
     place_to_sleep,
     prepare_joining,
+    rejoin,
     wake,
     wake_as_many,
 )
@@ -447,6 +450,16 @@ def mesh_is_due(I, M):
 
 
 @kernel
+def leave_plane(I, M):
+    """A planar model goes on in space; what sleeps, too."""
+    asleep = header(I).left_out
+    rejoin(I, M)
+    promote(I, M)
+    if asleep != 0:
+        leave_out(I, M)
+
+
+@kernel
 def advance_to(I, M, t_end):
     """Integrate to t_end exactly; on failure the status says why and the state is of no use."""
     head = header(I)
@@ -609,6 +622,8 @@ def advance_to(I, M, t_end):
                     view(M, head.acceleration, count),
                 )
             make_crooked(I, M)
+            if arch_stands(I, M):
+                leave_plane(I, M)
             fall_over(I, M)
             if head.payout != 0:
                 pay_out(I, M, dt)

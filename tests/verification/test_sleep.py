@@ -185,3 +185,29 @@ def test_what_is_laid_with_slack_sleeps_as_the_ship_goes_on() -> None:
         model.step(1.0)
         awake.append(model.statistics["elements"] - model.statistics["asleep"])
     assert max(awake[25:]) < 120  # of 570
+
+
+def test_slack_that_is_laid_straight_ahead_falls_over_and_sleeps() -> None:
+    """A ship that lays 15 % too much straight ahead: in the plane every arch stood and swayed, and
+    all that had been laid stayed awake (300 elements after a minute)."""
+    speed = 2.0
+    model = cm.CableModel(
+        {
+            "environment": {"floor": {"z": -100.0, "friction": 0.5}},
+            "cable_types": {"C": {**CABLE, "bending_stiffness": 5.0, "mass": 0.64}},
+            "line": [{"cable": {"type": "C", "length": 470.0}}],
+            "vessel": {"velocity": [{"t": 0.0, "velocity": [speed, 0.0, 0.0]}]},
+            "payout": {
+                "rate": [{"t": 0.0, "rate": 1.15 * speed}],
+                "drum": [{"cable": {"type": "C", "length": 400.0}}],
+            },
+            "solver": {"tolerance": TOLERANCE},
+        }
+    )
+    assert model.planar
+    model.step_to(60.0)
+    statistics = model.statistics
+    assert not model.planar
+    assert model.line_length == pytest.approx(470.0 + 60.0 * 1.15 * speed)
+    assert statistics["elements"] > 200
+    assert statistics["elements"] - statistics["asleep"] < 100

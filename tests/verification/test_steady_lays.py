@@ -55,6 +55,9 @@ def started(scene: cm.Scene) -> cm.CableModel:
         (ARMOURED, 6.1, 607.0, 1.0, 0.0, 0.0),
         (LIGHT, 6.5, 30.0, 1.0, 0.0, 0.0),
         (ARMOURED, 4.1, 63.0, 1.0, 0.0, 0.02),
+        # Level, and deep beside the layer in which the cable bends on to the floor.
+        (LIGHT, 8.0, 6000.0, 5.0, 0.0, 0.0),
+        (ARMOURED, 8.0, 6000.0, 2.0, 0.0, 0.02),
         (LIGHT, 1.0, 500.0, 1.0, 15.0, 0.0),
         (LIGHT, 2.0, 500.0, 20.0, 5.0, 0.0),
         (LIGHT, 5.0, 2000.0, 20.0, 5.0, 0.0),
@@ -85,6 +88,29 @@ def test_a_steady_lay_starts_with_the_tension_of_its_lay(
         tops.append(model.top_tension)
     # Their mean: each element that lands lets tensions jump by less than is promised.
     assert np.mean(tops) == pytest.approx(before, rel=2e-2)
+
+
+@pytest.mark.parametrize("degrees", [0.0, 30.0, 211.0])
+def test_a_lay_that_turns_later_starts_on_any_heading(degrees: float) -> None:
+    """In space it is sought in the plane in which it hangs: off the axes rounding folded it."""
+    scene, _rate = lay(LIGHT, 5.0, 1500.0, bending=1.0)
+    plain = started(scene)
+    heading = math.radians(degrees)
+    way = np.array([math.cos(heading), math.sin(heading), 0.0])
+    turned = np.array([-way[1], way[0], 0.0])
+    speed = 5.0 * KNOT
+    rows = [
+        {"t": t, "velocity": (speed * w).tolist()}
+        for t, w in ((0.0, way), (60.0, way), (120.0, turned))
+    ]
+    data = scene.model_dump(mode="json", exclude_unset=True)
+    model = started(cm.load_scene({**data, "vessel": {"velocity": rows}}))
+    assert plain.planar
+    assert not model.planar
+    assert model.top_tension == pytest.approx(plain.top_tension, rel=1e-9)
+    assert model.touchdown_position[:2] == pytest.approx(
+        plain.touchdown_position[0] * way[:2], abs=1e-6
+    )
 
 
 @pytest.mark.parametrize(
@@ -320,3 +346,18 @@ def test_slack_without_bending_stiffness_takes_little_off_the_top_tension(
         tops.append(model.top_tension)
     top, _length = independent(kind, knots, rate, 0.0, depth, straight=True)
     assert 0.97 * top < np.mean(tops[50:]) < 1.002 * top
+
+
+def test_a_lay_down_a_slope_that_gets_too_little_cable_is_told() -> None:
+    """It keeps up with the ship and not with the touchdown: 1.0 and 1.008 times the speed here."""
+    exact, rate = lay(LIGHT, 2.0, 200.0, bending=1.0, slope=-5.0)
+    data = exact.model_dump(mode="json", exclude_unset=True)
+    data["payout"]["rate"] = 2.0 * KNOT
+    with pytest.warns(cm.TautLayWarning) as told:
+        model = cm.CableModel(cm.load_scene(data))
+    warning = told[0].message
+    assert isinstance(warning, cm.TautLayWarning)
+    assert warning.needed == pytest.approx(rate, rel=1e-12)
+    before = model.top_tension
+    model.step_to(30.0)
+    assert model.top_tension > 1.02 * before
