@@ -85,7 +85,7 @@ def measure(path: Path) -> list[str]:
 
 LAYS = tuple(
     (kind, knots, depth, slope)
-    for kind in ("light", "armoured")
+    for kind in ("light", "armoured", "thin")
     for knots in (1.0, 5.0, 8.0)
     for depth in (20.0, 500.0, 8000.0)
     for slope in (-15.0, 0.0, 5.0)
@@ -95,6 +95,8 @@ CABLES: dict[str, dict[str, float]] = {
               "drag_normal": 1.5, "drag_tangential": 0.005},
     "armoured": {"diameter": 0.04, "mass": 4.3, "axial_stiffness": 50e6,
                  "bending_stiffness": 1000.0, "drag_normal": 1.2, "drag_tangential": 0.01},
+    "thin": {"diameter": 0.025, "mass": 1.2, "axial_stiffness": 8e6, "bending_stiffness": 1.0,
+             "drag_normal": 1.3, "drag_tangential": 0.01},
 }  # fmt: skip
 
 
