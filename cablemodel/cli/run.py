@@ -197,20 +197,35 @@ def explained_start(quiet: bool, console: Console | None = None) -> Iterator[Cal
         "Looking for a static start: hard for this scene; initial: {points: ...} gives one to a "
         "line, and positions of bodies help a system."
     )
-    timer = threading.Timer(_LONG_START, say, [hard])
-    timer.daemon = True
+    waiting: list[threading.Timer] = []
+    over = threading.Event()  # it has been said, or is not to be any more
+
+    def tell() -> None:
+        over.set()
+        say(hard)
 
     def begin() -> None:
         if library_path() is None:
             return  # compiling may be what takes long
-        if not quiet and timer.ident is None and not timer.finished.is_set():
+        if not quiet and not waiting and not over.is_set():
+            timer = threading.Timer(_LONG_START, tell)
+            timer.daemon = True
+            waiting.append(timer)
             timer.start()
 
+    def end() -> None:
+        while waiting:
+            waiting.pop().cancel()
+
+    def finish() -> None:
+        over.set()
+        end()
+
     try:
-        with search.told(begin), compiling_told(say):
-            yield timer.cancel
+        with search.told(begin, end), compiling_told(say):
+            yield finish
     finally:
-        timer.cancel()
+        finish()
 
 
 @contextmanager

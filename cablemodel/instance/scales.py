@@ -23,6 +23,9 @@ def tension_scale(scene: Scene) -> float:
         scale += cable.length * tension
     for body in scene.bodies:
         scale += abs(body.submerged_weight)
+    if scale == 0.0:  # nothing pulls: what a bend as long as the line takes
+        stiffness = max(scene.cable_types[c.type].bending_stiffness for c in scene.cables)
+        scale = stiffness / scene.line_length**2
     return scale
 
 

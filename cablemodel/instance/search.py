@@ -72,14 +72,16 @@ class Search:
 
 
 _running: ContextVar[Search | None] = ContextVar("search", default=None)
-_told: ContextVar[Callable[[], None] | None] = ContextVar("told", default=None)
+_told: ContextVar[tuple[Callable[[], None], Callable[[], None]] | None] = ContextVar(
+    "told", default=None
+)
 
 
 @contextmanager
-def told(begins: Callable[[], None]) -> Iterator[None]:
+def told(begins: Callable[[], None], ends: Callable[[], None]) -> Iterator[None]:
     """Call a function whenever an equilibrium is sought: tables have been read and filled by then,
-    and what takes long from there on is the search."""
-    token = _told.set(begins)
+    and what takes long from there on is the search; and another one when the search is over."""
+    token = _told.set((begins, ends))
     try:
         yield
     finally:
@@ -95,6 +97,9 @@ def searching(scene: CableScene) -> Iterator[Search]:
         yield search
     finally:
         _running.reset(token)
+        listens = _told.get()
+        if listens is not None:
+            listens[1]()
 
 
 def equilibrium(block: Block, frame: FloatArray) -> int:
@@ -105,9 +110,9 @@ def equilibrium(block: Block, frame: FloatArray) -> int:
     """
     from cablemodel import library as entry
 
-    begins = _told.get()
-    if begins is not None:
-        begins()
+    listens = _told.get()
+    if listens is not None:
+        listens[0]()
     search = _running.get()
     if search is None:
         return int(entry.equilibrium(block.ints, block.reals, frame))

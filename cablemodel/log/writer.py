@@ -144,7 +144,9 @@ class LogWriter:
         self._attach(SCENE_ATTACHMENT, scene.to_yaml())
         if scene.source_text is not None:
             self._attach(SOURCE_ATTACHMENT, scene.source_text)
-        solver = scene.to_dict().get("solver", {})
+        solver = scene.model_dump(
+            mode="json", by_alias=True, exclude_none=True, include={"solver"}
+        ).get("solver", {})
         self._mcap.add_metadata(
             METADATA_START,
             {

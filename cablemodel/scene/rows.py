@@ -5,6 +5,7 @@ from __future__ import annotations
 import types
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
+from operator import itemgetter
 from typing import Any, Generic, TypeVar, get_args, overload
 
 import numpy as np
@@ -94,5 +95,29 @@ class Rows(Sequence[Row], Generic[Row]):
 
 
 def _validated(kind: type[Row], value: Any, validate: Callable[[Any], Any]) -> Rows[Row]:
-    """A table that was read as one, or rows that are checked one by one."""
-    return value if isinstance(value, Rows) else Rows.of(kind, validate(value))
+    """A table that was read as one; rows of plain numbers, checked all at once; or others, and what
+    is wrong, one by one."""
+    if isinstance(value, Rows):
+        return value
+    columns = _columns_of(kind, value)
+    return Rows.of(kind, validate(value)) if columns is None else Rows(kind, columns)
+
+
+def _columns_of(kind: type[BaseModel], rows: Any) -> dict[str, FloatArray] | None:
+    """Columns of rows of plain numbers; None where not all are, or one is not allowed."""
+    if type(rows) is not list or set(map(type, rows)) != {dict}:
+        return None
+    if set(map(len, rows)) != {len(kind.model_fields)}:
+        return None
+    columns = {}
+    for name, field in kind.model_fields.items():
+        (rule,) = field.metadata
+        try:
+            values = list(map(itemgetter(name), rows))
+        except KeyError:
+            return None
+        column = rule.column(values)
+        if column is None:
+            return None
+        columns[name] = column
+    return columns

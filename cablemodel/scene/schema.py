@@ -7,7 +7,6 @@ from collections.abc import Iterator, Sequence
 from typing import Annotated, Any, Literal
 
 import numpy as np
-import yaml
 from pydantic import (
     Field,
     PrivateAttr,
@@ -23,7 +22,7 @@ from cablemodel.scene.base import Duration, Length, SceneModel, Vector3
 from cablemodel.scene.environment import Environment
 from cablemodel.scene.line import Body, Cable, CableType, End, Initial, LineItem
 from cablemodel.scene.motion import VesselMotion
-from cablemodel.scene.text import SceneDumper
+from cablemodel.scene.text import dump_yaml, uncollected
 from cablemodel.scene.units import Quantity, rejection, several
 from cablemodel.scene.vessel import Payout, Vessel
 
@@ -191,13 +190,13 @@ class Document(SceneModel):
 
     def to_dict(self) -> dict[str, Any]:
         """The scene in SI as plain data, files resolved; it loads again to an equal scene."""
-        return self.model_dump(mode="json", by_alias=True, exclude_none=True)
+        with uncollected():
+            return self.model_dump(mode="json", by_alias=True, exclude_none=True)
 
     def to_yaml(self) -> str:
-        """The scene in SI as YAML text, files resolved; it loads again to an equal scene."""
-        return yaml.dump(
-            self.to_dict(), Dumper=SceneDumper, sort_keys=False, default_flow_style=None
-        )
+        """The scene in SI as YAML text, files resolved; it loads again to an equal scene. With a
+        table of more than 1000 rows it is JSON, which is YAML too."""
+        return dump_yaml(self.to_dict())
 
     def __eq__(self, other: object) -> bool:
         """Equal content, wherever it was read from."""

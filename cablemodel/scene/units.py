@@ -12,15 +12,18 @@ import math
 import platform
 import re
 import shutil
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
+from itertools import chain
 from numbers import Integral, Real
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from cablemodel.cache import cache_root
@@ -28,6 +31,8 @@ from cablemodel.errors import SceneError, SceneProblem, shown
 
 if TYPE_CHECKING:
     from pint import UnitRegistry
+
+FloatArray = NDArray[np.float64]
 
 _NUMBER = r"[-+]?(?:\d[\d_]*\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _FACTOR = r"(?:[A-Za-z_µμΩ°%]+)(?:\s*(?:\*\*|\^)?\s*-?[1-9])?"
@@ -89,6 +94,27 @@ class Quantity:
         ):
             raise rejection(f"{shown(value)} is out of range", self.allowed, value)
         return number
+
+    def column(self, values: Sequence[Any]) -> FloatArray | None:
+        """Many values at once, (n,): None where one is no plain number, or not allowed."""
+        if not set(map(type, values)) <= {float, int}:
+            return None
+        try:
+            numbers = np.array(values, dtype=np.float64)
+        except OverflowError:
+            return None
+        wrong = ~(np.abs(numbers) <= _LARGEST)  # NaN, too
+        if self.above is not None:
+            wrong |= ~(numbers > self.above)
+        if self.above == 0:
+            wrong |= numbers < _SMALLEST
+        if self.at_least is not None:
+            wrong |= ~(numbers >= self.at_least)
+        if self.below is not None:
+            wrong |= ~(numbers < self.below)
+        if self.at_most is not None:
+            wrong |= ~(numbers <= self.at_most)
+        return None if wrong.any() else numbers
 
     @property
     def allowed(self) -> str:
@@ -241,6 +267,14 @@ class Vector:
                 raise rejection(problem, allowed, number, (index,)) from None
         return tuple(vector)
 
+    def column(self, values: Sequence[Any]) -> FloatArray | None:
+        """Many vectors at once, (n, k): None where one has no plain numbers, or is not allowed."""
+        size = len(self.components)
+        if not set(map(type, values)) <= {list, tuple} or not set(map(len, values)) <= {size}:
+            return None
+        numbers = Quantity(self.unit).column(list(chain.from_iterable(values)))
+        return None if numbers is None else numbers.reshape(-1, size)
+
     @property
     def allowed(self) -> str:
         """What may stand here, in words."""
@@ -285,6 +319,10 @@ class Direction(Vector):
         scaled = [component / largest for component in vector]
         length = math.hypot(*scaled)
         return tuple(component / length for component in scaled)
+
+    def column(self, values: Sequence[Any]) -> FloatArray | None:
+        """None: they are scaled one by one."""
+        return None
 
     @property
     def allowed(self) -> str:

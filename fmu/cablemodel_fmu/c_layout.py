@@ -133,6 +133,9 @@ def header(kernel_hash: str) -> str:
     for name, value in constants(direct_layout).items():
         if not name.startswith("_"):
             lines.append(f"#define DIRECT_{name} INT64_C({value})")
+    lines.append(f"#define SIZE_WORDS {', '.join(map(str, block.SIZES.values()))}")
+    image, _ = block.Block.arrays(**dict.fromkeys(block.SIZES, 0))
+    lines.append(f"#define IMAGE_ARRAYS {', '.join(str(place) for place, _ in image)}")
     lines += _rule("", block.SIZES, block.Block.arrays, "HEADER_WORDS + SCALAR_WORDS")
     lines += _rule(
         "direct_", direct_block.SIZES, direct_block.DirectBlock.arrays, "DIRECT_FIRST_FREE"

@@ -119,8 +119,7 @@ class _Follower(CableModel):
 
     def take(self, state: NDArray[np.int64]) -> dict[str, Any]:
         """A state of the FMU: the next step ends there. Returns the inputs that led to it."""
-        image = self._solver.memory.image
-        self._next = state[-len(image) :]
+        self._next = state[-_image_words(self._solver.memory, state) :]
         applied = state[_APPLIED : _APPLIED + at.INPUT_WORDS].view(np.float64)
         inputs = at.StepInputs(applied, 0)
         given: dict[str, Any] = {}
@@ -144,7 +143,7 @@ class _Follower(CableModel):
         current: ArrayLike | None = None,
     ) -> None:
         """Take over the state that the FMU has reached."""
-        self._solver.memory.image[:] = self._next
+        self._solver.memory.take(self._next)
         self._summary_current, self._errors = False, None
 
 
@@ -159,7 +158,7 @@ class _SystemFollower(SystemModel):
 
     def take(self, state: NDArray[np.int64]) -> dict[str, Any]:
         """A state of the FMU: the next step ends there. Returns the inputs that led to it."""
-        size = len(self.built.block.image)
+        size = _image_words(self.built.block, state)
         self._next = state[-size:]
         self.reached = _time_of(self.built.block, self._next)
         scene = self.scene
@@ -187,12 +186,21 @@ class _SystemFollower(SystemModel):
         self._forces, self._angles = self._pushed, self._turned
 
 
+def _image_words(memory: Memory, state: NDArray[np.int64]) -> int:
+    """Of the image at the end of a state of the FMU, whose memory may have grown."""
+    for start in np.flatnonzero(state == memory.ints[at.Header.magic.word]):
+        image = state[start - at.Header.magic.word :]
+        if memory.fits(image):
+            return len(image)
+    raise CableModelError("a state of the FMU is of another scene")
+
+
 def _time_of(memory: Memory, image: NDArray[np.int64]) -> float:
     """Of an image of a block, or of what is its memory [s]."""
     now = memory.image.copy()
-    memory.image[:] = image
+    memory.take(image)
     time = float(memory.scalars.time)
-    memory.image[:] = now
+    memory.take(now)
     return time
 
 

@@ -9,6 +9,7 @@ import re
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -736,6 +737,51 @@ def test_a_wait_for_tables_is_not_blamed_on_the_start(
     with explained_start(quiet=False):
         time.sleep(0.3)
     assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize("system", [False, True])
+def test_a_wait_after_the_start_is_not_blamed_on_it(
+    system: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As for a log that begins with a long table: the clock runs while a start is sought."""
+
+    class Clock:
+        daemon = False
+
+        def __init__(self, _after: float, tell: Callable[[], None]) -> None:
+            self.tell, self.runs = tell, False
+            clocks.append(self)
+
+        def start(self) -> None:
+            self.runs = True
+
+        def cancel(self) -> None:
+            self.runs = False
+
+    clocks: list[Clock] = []
+    monkeypatch.setattr("cablemodel.library.library_path", lambda: Path("library"))
+    monkeypatch.setattr("cablemodel.cli.run.threading.Timer", Clock)
+    at_work = []
+    sought = library.equilibrium
+
+    def seek(*given: Any) -> Any:
+        at_work.append([clock.runs for clock in clocks])
+        return sought(*given)
+
+    monkeypatch.setattr("cablemodel.library.equilibrium", seek)
+    path = ROOT / "scenes" / "systems" / "cage_on_its_winch.yaml"
+    with explained_start(quiet=False) as started:
+        for times in (1, 2):  # one more run, as of an estimate of errors, has a start of its own
+            if system:
+                cm.SystemModel(load_system(path))
+            else:
+                cm.CableModel(cm.load_scene(SCENE))
+            assert [clock.runs for clock in clocks] == [False] * times
+        started()
+        assert all(running[-1] and not any(running[:-1]) for running in at_work)
+        before = len(clocks)
+        cm.CableModel(cm.load_scene(SCENE))
+        assert len(clocks) == before
 
 
 def test_checks_see_a_system_that_goes_too_fast() -> None:

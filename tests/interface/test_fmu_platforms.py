@@ -46,7 +46,7 @@ ARM = Path("/usr/aarch64-linux-gnu")
 ALLOWED = {
     *("sin", "cos", "sincos", "pow", "hypot", "sqrt", "floor", "fabs", "atan2", "exp", "log"),
     *("acos", "atan", "ceil"),
-    *("malloc", "calloc", "free", "memcpy", "memmove", "memset", "memcmp", "bcmp"),
+    *("malloc", "calloc", "realloc", "free", "memcpy", "memmove", "memset", "memcmp", "bcmp"),
     *("strlen", "strcmp", "strncmp", "strcpy", "snprintf", "vsnprintf", "qsort"),
     *("fopen", "fclose", "fread", "fseek", "ftell"),
 }

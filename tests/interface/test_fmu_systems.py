@@ -509,27 +509,46 @@ def test_what_is_wrong_is_named(towed: Any) -> None:
     slave.close()
 
 
-def test_a_step_that_fails_changes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """There is no room for a cut's node: it is said, and the run goes on without the cut."""
+def test_a_step_that_fails_changes_nothing(hung: Any) -> None:
+    """What draws the hook away is given back, and the cut that was ordered with it."""
+    _, place, description = hung
+    slave, other = (Slave(place, description, **{"ship.input": 2}) for _ in range(2))
+    slave.step(0.5)
+    other.step(0.5)
+    slave.set("ship.position_input", [1e6, 0.0, 0.0])
+    slave.set("knife.cut", 1.0)
+    with pytest.raises(Exception, match="DoStep"):
+        slave.step(0.5)
+    slave.time = 0.5
+    text = slave.messages[-1][1]
+    assert "at t = 0.5 s" in text
+    slave.set("ship.position_input", [0.0, 0.0, 0.0])
+    slave.set("knife.cut", 0.0)
+    slave.step(0.5)
+    other.step(0.5)
+    names = [v.name for v in description.modelVariables if v.causality == "output"]
+    np.testing.assert_array_equal(numbers_of(slave, names), numbers_of(other, names))
+    slave.close()
+    other.close()
+
+
+def test_a_cut_makes_room_for_its_node(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, hung: Any
+) -> None:
     monkeypatch.setattr(at, "NODES_OF_A_CUT", 0)
-    with unpacked(still(), tmp_path, stations=STATIONS) as (place, description):
-        slave, other = Slave(place, description), Slave(place, description)
-        slave.step(0.5)
-        other.step(0.5)
-        slave.set("knife.cut", 1.0)
-        with pytest.raises(Exception, match="DoStep"):
+    with unpacked(still(), tmp_path, stations=STATIONS) as bare:
+        seen = []
+        for fmu in (bare, hung[1:]):
+            slave = Slave(*fmu)
+            names = [v.name for v in slave.description.modelVariables if v.causality == "output"]
             slave.step(0.5)
-        slave.time = 0.5
-        text = slave.messages[-1][1]
-        assert "at t = 0.5 s" in text
-        assert "room" in text
-        slave.set("knife.cut", 0.0)
-        slave.step(0.5)
-        other.step(0.5)
-        names = [v.name for v in description.modelVariables if v.causality == "output"]
-        np.testing.assert_array_equal(numbers_of(slave, names), numbers_of(other, names))
-        slave.close()
-        other.close()
+            slave.set("knife.cut", 1.0)
+            slave.step(0.5)
+            size = len(slave.fmu.serializeFMUstate(slave.fmu.getFMUstate()))
+            seen.append((numbers_of(slave, names), size))
+            slave.close()
+    np.testing.assert_array_equal(seen[0][0], seen[1][0])
+    assert seen[0][1] != seen[1][1], "there was no room at first"
 
 
 def test_what_cannot_be_exported_is_refused_by_name(

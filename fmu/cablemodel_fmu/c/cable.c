@@ -22,7 +22,7 @@ double cable_time(const Cable *cable) { return scalars(cable->M)->time + cable->
 
 /* Start values everywhere, the block at the scene's initial state. */
 void restart_cable(Cable *cable) {
-    memcpy(cable->I, initial_image(cable), 8 * (size_t)cable->image_words);
+    take_exported(cable);
     for (int64_t n = 0; n < cable->parameter_count; n++)
         cable->values[n] = cable->parameters[n].start;
     const size_t identity = offsetof(Controls, phase);
@@ -218,8 +218,8 @@ static void explain(const Cable *cable, int64_t status, char *message, size_t si
         problem = "the equations are singular";
         advice = "give the cable bending stiffness";
     } else if (status == NO_CAPACITY) {
-        problem = "more elements are needed than the FMU has room for";
-        advice = "where slack piles up on a floor, use Python, whose memory grows";
+        problem = "more elements are needed than there is memory for";
+        advice = "ask for a looser tolerance";
     } else if (status == OVERSTRETCHED) {
         problem = "the cable would be stretched to more than 6 times its length";
         advice = "look for a jump in the inputs";
@@ -264,7 +264,7 @@ int64_t step_cable(Cable *cable, double t_end, double dt, char *message, size_t 
         cable->system != NULL ? step_system(cable, t_end, dt)
         : is_direct(cable->I)
             ? direct_step(cable, t_end, words)
-            : cablemodel_step(cable->I, cable->block_words, t_end, words, INPUT_WORDS);
+            : step_block(cable, t_end, words);
     if (status != OK) {
         explain(cable, status, message, size);
         return status;
@@ -272,7 +272,7 @@ int64_t step_cable(Cable *cable, double t_end, double dt, char *message, size_t 
     if (beside && cable->system != NULL)
         step_system(cable->finer, t_end, dt);
     else if (beside)
-        cablemodel_step(cable->finer->I, cable->finer->block_words, t_end, words, INPUT_WORDS);
+        step_block(cable->finer, t_end, words);
     remember_step(cable, dt, &inputs);
     outputs_changed(cable);
     return OK;
@@ -434,7 +434,7 @@ static void tune(Cable *cable, const Parameter *p, double value) {
 
 /* The exported state with the coefficients that are set. */
 void restore_exported(Cable *cable) {
-    memcpy(cable->I, initial_image(cable), 8 * (size_t)cable->image_words);
+    take_exported(cable);
     for (int64_t n = 0; n < cable->parameter_count; n++)
         if (cable->values[n] != cable->parameters[n].start)
             tune(cable, &cable->parameters[n], cable->values[n]);

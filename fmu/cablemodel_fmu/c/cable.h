@@ -52,6 +52,8 @@ enum {
 #define FILE_MAGIC INT64_C(0x554d46454c424143) /* "CABLEFMU" */
 #define STATE_MAGIC INT64_C(0x5441545346434243)
 #define FILE_FORMAT 3
+#define LARGEST_COUNT (INT64_C(1) << 22) /* of anything in a block */
+#define LARGEST_FILE (INT64_C(1) << 33)  /* and of a block [bytes] */
 #define FURTHEST 1e7 /* of positions [m] */
 #define FASTEST 1e3  /* of velocities and rates [m/s] */
 /* What a first step by position may change of a vessel's speed and of its rates of turn, on the
@@ -118,6 +120,7 @@ typedef struct Cable {
     int64_t value_words;
     System *system;
     int64_t stations, bodies, parameter_count, image_words, block_words, flags;
+    int64_t room; /* words of memory behind the block, which grows: see room.c */
     Controls now;
     int summary_current, stations_current;
     int64_t *copy; /* of the block, for what uses it up; NULL until it is needed */
@@ -186,6 +189,7 @@ static inline int is_system(const int64_t *I) { return !is_direct(I) && header(I
 const char *check_parts(const int64_t *I);
 const char *load_system(Cable *cable, const int64_t *section, int64_t words, const int64_t *image);
 void free_system(System *system);
+int reserve_elements(Cable *cable, int64_t capacity);
 void restart_system(Cable *cable);
 void system_changed(System *system);
 const char *check_part_inputs(const Cable *cable, const void *values);
@@ -216,6 +220,14 @@ void free_cable(Cable *cable);
 const char *check_block(const int64_t *I, int64_t image_words, int64_t block_words);
 int check_winches(const int64_t *I, int64_t cables, int64_t nodes);
 uint32_t checksum(const void *data, size_t bytes);
+
+/* room.c */
+int reserve(Cable *cable, int64_t words, int64_t capacity);
+int make_room(Cable *cable, int64_t capacity);
+int grow(Cable *cable);
+void lay_out_as(Cable *cable, const int64_t *image);
+void take_exported(Cable *cable);
+int64_t step_block(Cable *cable, double t_end, double *inputs);
 
 /* cable.c */
 const int64_t *initial_image(const Cable *cable);
@@ -256,6 +268,7 @@ const char *settle_cable(Cable *cable);
 
 /* saved_state.c */
 size_t state_bytes(const Cable *cable);
+size_t bytes_of_state(const void *state);
 void save_state(const Cable *cable, void *to);
 void write_state(const Cable *cable, const void *state, char *bytes);
 const char *check_state(const Cable *cable, const void *from, size_t bytes);

@@ -53,12 +53,17 @@ static const char *rate_in_system(Cable *cable, unsigned vr, double *value) {
         const double span = AHEAD * cable->now.last_step;
         memset(rates, 0, sizeof(double) * (size_t)words); /* at rest, before the first step */
         read_wrenches(cable, cable->I, now); /* it puts lines' ends where their bodies are, to the last bit */
-        int64_t *copy = copy_of(cable);
-        if (copy == NULL) return "out of memory";
-        keep_whole(copy);
-        header(copy)->factored = 0; /* the matrix is not all in the image */
-        if (span > 0.0 && cablemodel_step(copy, cable->block_words, scalars(cable->M)->time + span, none,
-                                          INPUT_WORDS) == OK) {
+        int64_t *copy, status;
+        do {
+            copy = copy_of(cable);
+            if (copy == NULL) return "out of memory";
+            keep_whole(copy);
+            header(copy)->factored = 0; /* the matrix is not all in the image */
+            status = !(span > 0.0) ? NOT_CONVERGED
+                                   : cablemodel_step(copy, cable->block_words,
+                                                     scalars(cable->M)->time + span, none, INPUT_WORDS);
+        } while (status == NO_CAPACITY && grow(cable));
+        if (status == OK) {
             read_wrenches(cable, copy, rates);
             for (int64_t n = 0; n < words; n++) rates[n] = (rates[n] - now[n]) / span;
         }

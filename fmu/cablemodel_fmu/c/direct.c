@@ -4,8 +4,6 @@
 
 #include "cable.h"
 
-#define LARGEST_COUNT (INT64_C(1) << 22)
-
 static int within(int64_t value, int64_t low, int64_t high) {
     return value >= low && value <= high;
 }

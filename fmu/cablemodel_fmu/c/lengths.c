@@ -322,7 +322,7 @@ static int64_t solve_static(Cable *cable) {
 
 /* The calls of find_initial_state and refine_touchdown in cablemodel/instance. */
 static int64_t find_initial_state(Cable *cable) {
-    const int64_t words = cable->block_words;
+    const int64_t words = cable->block_words; /* on NO_CAPACITY it must grow, and all begin anew */
     const int is_static = (cable->flags & FLAG_STATIC) != 0;
     int64_t status = OK;
     for (int64_t node = 1; node < header(cable->I)->nodes; node++)
@@ -400,14 +400,26 @@ static int64_t stretch_line(Cable *cable, double from, double to) {
     return find_initial_state(cable);
 }
 
-/* From the exported state, so that it does not matter in which order values were set; in one leap or,
-   where that fails, in steps. */
 static int moves_at_its_anchor(const Cable *cable) {
     const double *velocity = cable->now.start + 3;
     return (cable->flags & FLAG_STATIC) && header(cable->I)->constraint_count > 1 &&
            (velocity[0] != 0.0 || velocity[1] != 0.0 || velocity[2] != 0.0);
 }
 
+/* To the values set in so many leaps from the exported state; memory grows where it must. */
+static int64_t leap(Cable *cable, int leaps) {
+    for (int64_t room = 0;; room = 2 * header(cable->I)->capacity) {
+        int64_t status = OK;
+        restore_exported(cable);
+        if (room > 0 && !make_room(cable, room)) return NO_CAPACITY;
+        for (int n = 0; n < leaps && status == OK; n++)
+            status = stretch_line(cable, (double)n / leaps, (n + 1.0) / leaps);
+        if (status != NO_CAPACITY) return status;
+    }
+}
+
+/* From the exported state, so that it does not matter in which order values were set; in one leap or,
+   where that fails, in steps. */
 static const char *settle(Cable *cable) {
     int64_t status = STATICS_FAILED;
     const int resized = lengths_changed(cable);
@@ -421,17 +433,14 @@ static const char *settle(Cable *cable) {
         return "an anchored line has no steady state while the vessel moves: vessel.start_velocity "
                "must be 0";
     } else {
-        for (int leaps = 1; leaps <= 16 && status != OK; leaps *= 4) {
-            restore_exported(cable);
-            status = OK;
-            for (int n = 0; n < leaps && status == OK; n++)
-                status = stretch_line(cable, (double)n / leaps, (n + 1.0) / leaps);
-        }
+        for (int leaps = 1; leaps <= 16 && status != OK && status != NO_CAPACITY; leaps *= 4)
+            status = leap(cable, leaps);
     }
     if (status == OK) {
         cable->coarse = resized && (cable->flags & FLAG_STATIC) != 0 && bends_too_much(cable);
         return NULL;
     }
+    if (status == NO_CAPACITY) return "more elements are needed than there is memory for";
     return "no static equilibrium was found for these lengths, coefficients and start";
 }
 

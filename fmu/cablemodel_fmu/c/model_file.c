@@ -12,9 +12,6 @@
 #include <windows.h>
 #endif
 
-#define LARGEST_COUNT (INT64_C(1) << 22)
-#define LARGEST_FILE (INT64_C(1) << 33)
-
 /* CRC-32 of IEEE 802.3, as zlib computes it. */
 uint32_t checksum(const void *data, size_t bytes) {
     static const uint32_t table[16] = {
@@ -316,6 +313,7 @@ static const char *load_block(Cable *cable, const char *resource_location, const
     const size_t samples = (size_t)(cable->stations + cable->bodies);
     cable->I = calloc((size_t)cable->block_words, 8);
     cable->M = (double *)cable->I;
+    cable->room = cable->block_words;
     cable->values = calloc((size_t)cable->value_words + 1, sizeof(double));
     cable->arcs = calloc(samples, sizeof(double));
     cable->rows = calloc(samples * STATION_WORDS, sizeof(double));
@@ -348,7 +346,6 @@ const char *load_cable(Cable *cable, const char *resource_location, const char *
         problem = load_finer(cable, resource_location, guid);
     if (problem != NULL) return problem;
     cable->now.magic = STATE_MAGIC;
-    cable->now.words = (int64_t)(state_bytes(cable) / 8);
     cable->now.kernels = KERNEL_HASH;
     memcpy(cable->now.guid, cable->file + F_GUID, sizeof cable->now.guid);
     restart_cable(cable);

@@ -1,6 +1,9 @@
 /* The state of an instance as one piece of memory: controls, parameters, image of the block, and of
    the finer run's where errors are estimated.
 
+   A state has the room for nodes that its instance had, which may be less or more than another has, or
+   has later: the block's memory grows (room.c). Whatever takes a state takes its room.
+
    In memory only what is in use of an image is copied, into its own place: a master that rolls back
    does so at every step. What is written for elsewhere is whole, with a checksum, and is checked
    when it is read. */
@@ -13,6 +16,11 @@ size_t state_bytes(const Cable *cable) {
     const int64_t finer = cable->finer == NULL ? 0 : cable->finer->image_words;
     return sizeof(Controls) + 8 * (size_t)(cable->value_words + cable->image_words + finer);
 }
+
+/* Of a state that was saved, or checked. */
+size_t bytes_of_state(const void *state) { return 8 * (size_t)((const Controls *)state)->words; }
+
+static int64_t words_of(const int64_t *image) { return header(image)->image_words; }
 
 typedef struct {
     int64_t at, words;
@@ -37,10 +45,10 @@ static void parts_of(const int64_t *I, Part parts[PARTS]) {
         parts[n] = (Part){I[of_nodes[n - TABLES].array], nodes * of_nodes[n - TABLES].words};
 }
 
-/* What is in use of an image, into the place of another one of the same model. */
-static void copy_used(const Cable *cable, void *to, const int64_t *from) {
+/* What is in use of an image, into the place of another one of the same model and room. */
+static void copy_used(void *to, const int64_t *from) {
     if (is_direct(from)) {
-        memcpy(to, from, 8 * (size_t)cable->image_words);
+        memcpy(to, from, 8 * (size_t)words_of(from));
         return;
     }
     Part parts[PARTS];
@@ -56,10 +64,11 @@ static const int64_t *images_in(const Cable *cable, const void *state) {
 
 void save_state(const Cable *cable, void *to) {
     memcpy(to, &cable->now, sizeof(Controls));
+    ((Controls *)to)->words = (int64_t)(state_bytes(cable) / 8);
     memcpy((char *)to + sizeof(Controls), cable->values, 8 * (size_t)cable->value_words);
     int64_t *image = (int64_t *)images_in(cable, to);
     for (; cable != NULL; image += cable->image_words, cable = cable->finer)
-        copy_used(cable, image, cable->I);
+        copy_used(image, cable->I);
 }
 
 static uint32_t state_checksum(const void *state, size_t bytes) {
@@ -76,23 +85,42 @@ void write_state(const Cable *cable, const void *state, char *bytes) {
     for (const Cable *one = cable; one != NULL; one = one->finer) {
         const int64_t first = is_direct(image) ? 0 : header(image)->parent;
         memcpy(at, initial_image(one), 8 * (size_t)first);
-        memset(at + 8 * first, 0, 8 * (size_t)(one->image_words - first));
-        copy_used(one, at, image);
-        image += one->image_words;
-        at += 8 * one->image_words;
+        memset(at + 8 * first, 0, 8 * (size_t)(words_of(image) - first));
+        copy_used(at, image);
+        at += 8 * words_of(image);
+        image += words_of(image);
     }
-    const int64_t sum = state_checksum(bytes, state_bytes(cable));
+    const int64_t sum = state_checksum(bytes, bytes_of_state(state));
     memcpy(bytes + offsetof(Controls, checksum), &sum, sizeof sum);
+}
+
+/* NULL if an image that so many words are left for is one of this block, of whatever room. */
+static const char *check_image(const Cable *cable, const int64_t *image, int64_t left) {
+    static const int64_t sizes[] = {SIZE_WORDS};
+    const int64_t *own = initial_image(cable);
+    if (left < HEADER_WORDS + SCALAR_WORDS || header(image)->magic != header(own)->magic)
+        return "the state is corrupted";
+    if (is_direct(own))
+        return left < cable->image_words || words_of(image) != cable->image_words
+                   ? "the state is corrupted"
+                   : check_block(image, cable->image_words, cable->block_words);
+    for (size_t n = 0; n < sizeof sizes / sizeof sizes[0]; n++)
+        if (sizes[n] != WORD(Header, capacity) && image[sizes[n]] != own[sizes[n]])
+            return "the state is corrupted";
+    if (words_of(image) > left || is_system(image) != is_system(own)) return "the state is corrupted";
+    return check_block(image, words_of(image), header(image)->byte_count / 8);
 }
 
 /* NULL if a state that was written is whole and of this FMU. */
 const char *check_state(const Cable *cable, const void *from, size_t bytes) {
     Controls then;
-    if (bytes != state_bytes(cable)) return "the state has a wrong size";
+    const size_t before = sizeof then + 8 * (size_t)cable->value_words;
+    if (bytes < before || bytes % 8 != 0) return "the state has a wrong size";
     memcpy(&then, from, sizeof then);
-    if (then.magic != STATE_MAGIC || then.words != cable->now.words) return "not a state of this FMU";
+    if (then.magic != STATE_MAGIC) return "not a state of this FMU";
     if (then.kernels != cable->now.kernels || memcmp(then.guid, cable->now.guid, sizeof then.guid))
         return "the state belongs to another FMU";
+    if (then.words != (int64_t)(bytes / 8)) return "the state has a wrong size";
     if (then.checksum != (int64_t)state_checksum(from, bytes)) return "the state is corrupted";
     const int64_t flags = then.use_scene_inputs | then.scene_inputs_given | then.unsettled |
                           then.vessel_input_given | then.has_slope;
@@ -116,18 +144,22 @@ const char *check_state(const Cable *cable, const void *from, size_t bytes) {
     if (cable->system != NULL && check_part_inputs(cable, values) != NULL)
         return "the state is corrupted";
     const int64_t *image = images_in(cable, from);
-    for (; cable != NULL; image += cable->image_words, cable = cable->finer) {
-        if (header(image)->magic != header(cable->I)->magic) return "the state is corrupted";
-        const char *problem = check_block(image, cable->image_words, cable->block_words);
+    int64_t left = (int64_t)((bytes - before) / 8);
+    for (; cable != NULL; cable = cable->finer) {
+        const char *problem = check_image(cable, image, left);
         if (problem != NULL) return problem;
+        left -= words_of(image);
+        image += words_of(image);
     }
-    return NULL;
+    return left == 0 ? NULL : "the state is corrupted";
 }
 
 /* The image as it was; of nodes that there were not, nothing is left. */
-static void restore_image(const Cable *cable, const int64_t *from) {
+static void restore_image(Cable *cable, const int64_t *from) {
     Part now[PARTS], then[PARTS];
-    if (!is_direct(from)) {
+    if (!is_direct(from) && header(from)->capacity != header(cable->I)->capacity) {
+        lay_out_as(cable, from);
+    } else if (!is_direct(from)) {
         parts_of(cable->I, now);
         parts_of(from, then);
         for (int n = TABLES; n < PARTS; n++)
@@ -135,22 +167,25 @@ static void restore_image(const Cable *cable, const int64_t *from) {
                 memset(cable->I + now[n].at + then[n].words, 0,
                        8 * (size_t)(now[n].words - then[n].words));
     }
-    copy_used(cable, cable->I, from);
+    copy_used(cable->I, from);
 }
 
 /* Take over a state that was saved, or checked, here; another one's is refused, and nothing
    changes. */
 const char *restore_state(Cable *cable, const void *from) {
     const Controls *then = from;
-    if (then->magic != STATE_MAGIC || then->words != cable->now.words)
-        return "not a state of this FMU";
+    if (then->magic != STATE_MAGIC) return "not a state of this FMU";
     if (then->kernels != cable->now.kernels ||
         memcmp(then->guid, cable->now.guid, sizeof then->guid))
         return "the state belongs to another FMU";
+    const int64_t *image = images_in(cable, from);
+    for (Cable *one = cable; one != NULL; image += words_of(image), one = one->finer)
+        if (!reserve(one, header(image)->byte_count / 8, header(image)->capacity))
+            return "out of memory";
     memcpy(&cable->now, from, sizeof(Controls));
     memcpy(cable->values, then + 1, 8 * (size_t)cable->value_words);
-    const int64_t *image = images_in(cable, from);
-    for (Cable *one = cable; one != NULL; image += one->image_words, one = one->finer)
+    image = images_in(cable, from);
+    for (Cable *one = cable; one != NULL; image += words_of(image), one = one->finer)
         restore_image(one, image);
     outputs_changed(cable);
     return NULL;

@@ -169,15 +169,9 @@ const char *load_system(Cable *cable, const int64_t *section, int64_t words, con
                  s->bodies * BODY_OUTPUTS + s->vessels * VESSEL_OUTPUTS +
                  s->winches * WINCH_OUTPUTS + s->cuts;
     if (cable->flags & FLAG_ESTIMATE) s->outputs += s->lines * LINE_ERRORS + s->bodies * BODY_ERRORS;
-    const size_t elements = (size_t)header(I)->capacity;
-    const size_t samples = 2 * elements + (size_t)(s->lines * (1 + cable->stations));
     s->told = calloc((size_t)s->inputs + 1, 1);
     s->values = calloc((size_t)s->outputs, sizeof(double));
-    s->elements = calloc(elements, sizeof(Element));
     s->counts = calloc((size_t)s->lines, sizeof(int64_t));
-    s->nodes = calloc(samples, sizeof(double));
-    s->fractions = calloc(samples, sizeof(double));
-    s->samples = calloc(samples, sizeof(Station));
     s->parts = calloc((size_t)(s->bodies + s->vessels) + 1, sizeof(PartMotion));
     s->motion = calloc((size_t)(s->vessels * FRAME_INPUTS) + 1, sizeof(double));
     s->forces = calloc((size_t)(s->bodies * OF_FREE_BODY) + 1, sizeof(double));
@@ -186,12 +180,28 @@ const char *load_system(Cable *cable, const int64_t *section, int64_t words, con
     s->orders = calloc((size_t)s->cuts + 1, sizeof(double));
     s->kept = calloc((size_t)(header(I)->position - header(I)->frames) + 1, sizeof(double));
     cable->wrenches = calloc((size_t)(3 * WRENCH_WORDS * s->vessels) + 1, sizeof(double));
-    if (cable->wrenches == NULL || s->told == NULL || s->values == NULL || s->elements == NULL || s->counts == NULL || s->nodes == NULL || s->fractions == NULL || s->samples == NULL || s->parts == NULL ||
+    if (cable->wrenches == NULL || s->told == NULL || s->values == NULL || s->counts == NULL || s->parts == NULL ||
         s->motion == NULL || s->forces == NULL || s->angles == NULL || s->rates == NULL ||
         s->orders == NULL ||
-        s->kept == NULL)
+        s->kept == NULL || !reserve_elements(cable, header(I)->capacity))
         return "out of memory";
     return NULL;
+}
+
+/* Memory for what is read of so many nodes' elements; 0: there is none. */
+int reserve_elements(Cable *cable, int64_t capacity) {
+    System *s = cable->system;
+    const size_t elements = (size_t)capacity;
+    const size_t samples = 2 * elements + (size_t)(s->lines * (1 + cable->stations));
+    Element *own = realloc(s->elements, elements * sizeof(Element));
+    if (own != NULL) s->elements = own;
+    double *nodes = realloc(s->nodes, samples * sizeof(double));
+    if (nodes != NULL) s->nodes = nodes;
+    double *fractions = realloc(s->fractions, samples * sizeof(double));
+    if (fractions != NULL) s->fractions = fractions;
+    Station *stations = realloc(s->samples, samples * sizeof(Station));
+    if (stations != NULL) s->samples = stations;
+    return own != NULL && nodes != NULL && fractions != NULL && stations != NULL;
 }
 
 void free_system(System *s) {
@@ -503,19 +513,17 @@ int64_t step_system(Cable *cable, double t_end, double dt) {
     System *s = cable->system;
     double none[INPUT_WORDS] = {0};
     const int driven = collect_parts(cable, dt);
-    double *driving = cable->M + header(cable->I)->frames;
     const int64_t payout = header(cable->I)->payout;
     const size_t bytes = sizeof(double) * (size_t)(header(cable->I)->position - header(cable->I)->frames);
     if (driven) {
-        memcpy(s->kept, driving, bytes);
+        memcpy(s->kept, cable->M + header(cable->I)->frames, bytes);
         cablemodel_drive(cable->I, cable->block_words, t_end, s->motion, FRAME_INPUTS * s->vessels,
                          s->forces, OF_FREE_BODY * s->bodies, s->angles, s->foils, s->rates, 2 * s->winches,
                          s->orders, s->cuts);
     }
-    const int64_t status =
-        cablemodel_step(cable->I, cable->block_words, t_end, none, INPUT_WORDS);
+    const int64_t status = step_block(cable, t_end, none);
     if (status != OK) {
-        if (driven) memcpy(driving, s->kept, bytes);
+        if (driven) memcpy(cable->M + header(cable->I)->frames, s->kept, bytes);
         header(cable->I)->payout = payout;
         return status;
     }
