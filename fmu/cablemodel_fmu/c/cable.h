@@ -74,18 +74,20 @@ typedef struct {
 } Parameter;
 
 /* One input of a part of a system: its value, that of the last step, derivatives for the next one,
-   and whether the master has set it: SET_EVER, SET_IN_RUN. */
-enum { SET_EVER = 1, SET_IN_RUN = 2 };
+   whether the master has set it: SET_EVER, SET_IN_RUN; and whether it drove in the last step, and in
+   the one before that, too: DROVE, WENT_ON. */
+enum { SET_EVER = 1, SET_IN_RUN = 2, DROVE = 1, WENT_ON = 2 };
 typedef struct {
     double value, before, slope[3];
-    int64_t set;
+    int64_t set, driving;
 } PartInput;
 typedef struct System System; /* system.c; NULL: a scene of one line */
 enum { WRENCH_WORDS = 6 };
-/* An input of a vessel's motion; by: what moved that in the last step, 0: the scene. */
+/* An input of a vessel's motion; by: what moved that in the last step, 0: the scene; went_on: it drove
+   the step before that, too. */
 typedef struct {
     int64_t vessel, axis, by;
-    int turning, is_position;
+    int turning, is_position, went_on;
 } MotionInput;
 
 /* Everything of an instance that a saved state holds, apart from the block's image and `values`. */
@@ -107,6 +109,7 @@ typedef struct {
        inputs set for it. */
     double last_step, growth, before[VR_INPUTS];
     int64_t last_mode, last_driven, last_sloped; /* and what drove it */
+    int64_t went_on; /* of a line: which inputs drove the step before it, too: ..._SET */
 } Controls;
 
 typedef struct Cable {
@@ -153,6 +156,7 @@ int64_t cablemodel_drive(void *block, int64_t words, double t_end, double *motio
                          double *orders, int64_t cuts);
 int64_t cablemodel_sample_elements(void *block, int64_t words, double *elements, int64_t n,
                                    double *fractions, int64_t k, double *out, int64_t m);
+int64_t cablemodel_frame_motion(void *block, int64_t words, double *motion, int64_t n);
 int64_t cablemodel_parts(void *block, int64_t words, double *bodies, int64_t n, double *frames,
                          int64_t m);
 int64_t cablemodel_force_rate(void *block, int64_t words, double last_step, double *out,
@@ -232,10 +236,11 @@ const int64_t *choice_of(Cable *cable, unsigned vr);
 void choose(Cable *cable, unsigned vr, int64_t value);
 double *slope_of(Cable *cable, unsigned vr);
 void clear_slopes(Cable *cable);
-double value_at_end(const Controls *now, const double *slope, double value, double before, double dt);
+double value_at_end(const Controls *now, const double *slope, double value, const double *before,
+                    double dt);
 double distance_from(const double *start, const double *velocity, const double *reached, double dt);
 double place_at_end(const Controls *now, const double *slope, double value, double rate,
-                    double rate_before, double dt);
+                    const double *rate_before, double dt);
 const char *read_value(Cable *cable, unsigned vr, double *value);
 int64_t driven(const Cable *cable);
 int64_t vessel_input(const Cable *cable);

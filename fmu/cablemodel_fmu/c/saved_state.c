@@ -98,7 +98,7 @@ const char *check_state(const Cable *cable, const void *from, size_t bytes) {
                           then.vessel_input_given | then.has_slope;
     if (then.vessel_input < BY_VELOCITY || then.vessel_input > BY_BOTH ||
         then.input_timing < AT_END || then.input_timing > AT_START || (flags | 1) != 1 ||
-        (then.set | ALL_SET) != ALL_SET || !(then.last_step >= 0.0 && then.last_step < 1e300) ||
+        (then.set | ALL_SET) != ALL_SET || (then.went_on | ALL_SET) != ALL_SET || !(then.last_step >= 0.0 && then.last_step < 1e300) ||
         !(fabs(then.growth) < 1e300) || then.phase < INSTANTIATED || then.phase > TERMINATED ||
         !(fabs(then.start_time) < 1e300))
         return "the state is corrupted";

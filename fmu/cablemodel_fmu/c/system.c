@@ -49,6 +49,7 @@ struct System {
     PartMotion *parts; /* of bodies, then of vessels */
     Station *samples;
     double *motion, *forces, *angles, *rates, *orders, *kept; /* of a step */
+    double *own; /* how vessels move as it begins: FRAME_INPUTS of each */
     int64_t applied;                                          /* words of `applied_in` */
 };
 
@@ -180,6 +181,7 @@ const char *load_system(Cable *cable, const int64_t *section, int64_t words, con
     s->samples = calloc(samples, sizeof(Station));
     s->parts = calloc((size_t)(s->bodies + s->vessels) + 1, sizeof(PartMotion));
     s->motion = calloc((size_t)(s->vessels * FRAME_INPUTS) + 1, sizeof(double));
+    s->own = calloc((size_t)(s->vessels * FRAME_INPUTS) + 1, sizeof(double));
     s->forces = calloc((size_t)(s->bodies * OF_FREE_BODY) + 1, sizeof(double));
     s->angles = calloc((size_t)s->foils + 1, sizeof(double));
     s->rates = calloc((size_t)(2 * s->winches) + 1, sizeof(double));
@@ -188,7 +190,7 @@ const char *load_system(Cable *cable, const int64_t *section, int64_t words, con
     cable->wrenches = calloc((size_t)(3 * WRENCH_WORDS * s->vessels) + 1, sizeof(double));
     if (cable->wrenches == NULL || s->told == NULL || s->values == NULL || s->elements == NULL || s->counts == NULL || s->nodes == NULL || s->fractions == NULL || s->samples == NULL || s->parts == NULL ||
         s->motion == NULL || s->forces == NULL || s->angles == NULL || s->rates == NULL ||
-        s->orders == NULL ||
+        s->orders == NULL || s->own == NULL ||
         s->kept == NULL)
         return "out of memory";
     return NULL;
@@ -198,7 +200,7 @@ void free_system(System *s) {
     if (s == NULL) return;
     void *const all[] = {s->told, s->values, s->elements, s->counts, s->nodes, s->fractions,
                          s->samples, s->parts, s->motion, s->forces, s->angles, s->rates,
-                         s->orders, s->kept};
+                         s->orders, s->kept, s->own};
     for (size_t n = 0; n < sizeof all / sizeof all[0]; n++) free(all[n]);
     free(s);
 }
@@ -272,7 +274,7 @@ const char *check_part_inputs(const Cable *cable, const void *values) {
         if (!(input->value >= row->minimum && input->value <= row->maximum) ||
             !(fabs(input->before) < 1e100) || !(fabs(input->slope[0]) < 1e100) ||
             !(fabs(input->slope[1]) < 1e100) || !(fabs(input->slope[2]) < 1e100) ||
-            !within(input->set, 0, SET_EVER | SET_IN_RUN))
+            !within(input->set, 0, SET_EVER | SET_IN_RUN) || !within(input->driving, 0, DROVE | WENT_ON))
             return "an input is out of range";
     }
     const Choice *choices = (const Choice *)((const PartInput *)values + s->inputs);
@@ -335,10 +337,13 @@ static int64_t moved_by(const Cable *cable, int64_t vessel) {
     return alone && !choice->given ? BY_POSITION : choice->by;
 }
 
+/* Of both, one that alone is connected moves place or attitude alone. */
 static int chosen(const Cable *cable, int64_t vessel, int64_t group) {
+    const PartInput *own = inputs_in(cable->system, cable->values, OF_VESSEL * vessel);
     const int64_t by = moved_by(cable, vessel);
     const int is_place = group == AT_POSITION || group == AT_ATTITUDE;
-    return by == BY_BOTH || (by == BY_POSITION) == is_place;
+    if (by != BY_BOTH) return (by == BY_POSITION) == is_place;
+    return own[group].set || !own[is_place ? group + AT_VELOCITY : group - AT_VELOCITY].set;
 }
 
 /* Once of a group of inputs that is set and does nothing: what says so, the name of what moves its
@@ -361,9 +366,28 @@ const char *ignored_part_input(Cable *cable, unsigned vr) {
 
 /* -- steps --------------------------------------------------------------------------------------- */
 
+static const double *before(const PartInput *input) {
+    return input->driving & DROVE ? &input->before : NULL;
+}
+
 static double at_end(const Cable *cable, int64_t n, double dt) {
     const PartInput *input = inputs_in(cable->system, cable->values, n);
-    return value_at_end(&cable->now, input->slope, input->value, input->before, dt);
+    return value_at_end(&cable->now, input->slope, input->value, before(input), dt);
+}
+
+/* The same of a place or an angle that moves a vessel without its rate, at the speed that it has.
+   Angles go the shorter way. */
+static double moved_at_end(const Controls *now, const PartInput *x, int turning, double speed, double dt) {
+    if (before(x) == NULL) return place_at_end(now, x->slope, x->value, speed, NULL, dt);
+    const double way = x->value - x->before, turn = 2.0 * 3.14159265358979323846;
+    const double from = turning ? x->value - remainder(way, turn) : x->before;
+    return value_at_end(now, x->slope, x->value, &from, dt);
+}
+
+/* How vessels move as a step begins, for those whose place goes on so. */
+static void look_at_frames(Cable *cable) {
+    cablemodel_frame_motion(cable->I, cable->block_words, cable->system->own,
+                            FRAME_INPUTS * cable->system->vessels);
 }
 
 /* A vessel's motion for a step, and whether any is given. */
@@ -377,6 +401,7 @@ static int collect_motion(const Cable *cable, int64_t vessel, double dt, FrameIn
     const int64_t first = OF_VESSEL * vessel;
     const PartInput *own = inputs_in(cable->system, cable->values, first);
     double *const ends[] = {motion->position, motion->attitude, motion->velocity, motion->attitude_rate};
+    const FrameInput *moves = AS(const FrameInput, cable->system->own) + vessel;
     int64_t given = 0;
     for (int k = 0; k < 4; k++) {
         const int64_t group = groups[k].group, rate = groups[k].rate;
@@ -385,9 +410,12 @@ static int collect_motion(const Cable *cable, int64_t vessel, double dt, FrameIn
         const int beside = rate != 0 && chosen(cable, vessel, rate) && drives(cable, first + rate);
         for (int64_t i = 0; i < 3; i++) {
             const PartInput *x = own + group + i, *v = own + rate + i;
+            const int turning = group == AT_ATTITUDE;
+            const double speed = turning ? moves->attitude_rate[i] : moves->velocity[i];
             ends[k][i] =
-                beside ? place_at_end(&cable->now, x->slope, x->value, v->value, v->before, dt)
-                       : at_end(cable, first + group + i, dt);
+                beside      ? place_at_end(&cable->now, x->slope, x->value, v->value, before(v), dt)
+                : rate != 0 ? moved_at_end(&cable->now, x, turning, speed, dt)
+                            : at_end(cable, first + group + i, dt);
         }
     }
     motion->given = (double)given;
@@ -398,6 +426,7 @@ static int collect_motion(const Cable *cable, int64_t vessel, double dt, FrameIn
 const char *first_jump_of_parts(Cable *cable, double dt) {
     System *s = cable->system;
     FrameInput *motion = AS(FrameInput, s->motion);
+    look_at_frames(cable);
     for (int64_t n = 0; n < s->vessels; n++) {
         const int64_t first = OF_VESSEL * n;
         double start[OF_VESSEL];
@@ -422,6 +451,12 @@ const char *first_jump_of_parts(Cable *cable, double dt) {
         return cable->message;
     }
     return NULL;
+}
+
+/* Whether an input drives in a step that begins now. */
+static int in_use(const Cable *cable, int64_t n) {
+    const int64_t vessel = n / OF_VESSEL, group = n % OF_VESSEL / 3 * 3;
+    return drives(cable, n) && (vessel >= cable->system->vessels || chosen(cable, vessel, group));
 }
 
 /* What is given for a step, in the words of the kernel `drive`; returns whether anything drives, by
@@ -502,6 +537,7 @@ static void remember_applied(Cable *cable) {
 int64_t step_system(Cable *cable, double t_end, double dt) {
     System *s = cable->system;
     double none[INPUT_WORDS] = {0};
+    look_at_frames(cable);
     const int driven = collect_parts(cable, dt);
     double *driving = cable->M + header(cable->I)->frames;
     const int64_t payout = header(cable->I)->payout;
@@ -522,6 +558,7 @@ int64_t step_system(Cable *cable, double t_end, double dt) {
     for (int64_t n = 0; n < s->inputs; n++) {
         PartInput *input = inputs_in(s, cable->values, n);
         input->before = input->value;
+        input->driving = (input->driving & DROVE ? WENT_ON : 0) | (in_use(cable, n) ? DROVE : 0);
     }
     remember_applied(cable);
     return OK;
@@ -827,6 +864,7 @@ int motion_of(const Cable *cable, unsigned vr, MotionInput *found) {
     found->axis = n % 3;
     found->turning = group == AT_ATTITUDE || group == AT_RATE;
     found->is_position = group == AT_POSITION || group == AT_ATTITUDE;
+    found->went_on = (inputs_in(s, cable->values, n)->driving & WENT_ON) != 0;
     const int64_t given = (int64_t)applied_in(s, cable->values)[FRAME_INPUTS * found->vessel];
     const int64_t own = given / (found->turning ? GIVEN_RATE : GIVEN_VELOCITY) & (GIVEN_VELOCITY | GIVEN_POSITION);
     found->by = own == GIVEN_VELOCITY ? BY_VELOCITY : own == GIVEN_POSITION ? BY_POSITION : own == 0 ? 0 : BY_BOTH;
