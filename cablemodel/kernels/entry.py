@@ -224,6 +224,13 @@ def sample_elements(I, M, elements, fractions, out):
 
 
 @entry_point(int64(INTEGERS, REALS, REALS, REALS))
+def tension_ranges(I, M, elements, out):
+    """Lowest and highest tension of elements, by their numbers; out: both of each."""
+    part_outputs.tension_ranges(I, M, elements, out)
+    return len(elements)
+
+
+@entry_point(int64(INTEGERS, REALS, REALS, REALS))
 def parts(I, M, bodies, frames):
     """Motion of bodies and frames, and what lines pull frames with: part_outputs.parts_motion."""
     head = header(I)
@@ -259,6 +266,7 @@ ENTRY_POINTS = {
     "drive": drive,
     "frame_motion": frame_motion,
     "sample_elements": sample_elements,
+    "tension_ranges": tension_ranges,
     "parts": parts,
     "to_three_dimensions": to_three_dimensions,
 }

@@ -180,6 +180,20 @@ def test_pay_out_without_cable_on_the_drum_is_warned_of(tmp_path, drum, after):
         slave.close()
 
 
+def test_a_line_that_is_as_short_as_it_gets_is_warned_of(tmp_path):
+    with unpacked(still_scene(), tmp_path, stations=2) as found:
+        slave = Slave(*found)
+        for _ in range(8):
+            slave.set("payout.rate", -4.0)
+            slave.step(1.0)
+            stands = slave.get("line.length") < 0.4
+            assert ["payout.rate asks for less line" in text for text in warnings(slave)] == (
+                [True] if stands else []
+            )  # fmt: skip
+        assert stands
+        slave.close()
+
+
 def test_ignored_inputs_are_said_once_each(scheduled):
     """The master says that the scene drives, and sets inputs all the same."""
     slave, model = Slave(*scheduled, use_scene_inputs=True), cm.CableModel(scheduled_scene())

@@ -343,6 +343,11 @@ def test_pay_out_without_cable_on_the_drum_is_warned_of(tmp_path: Path) -> None:
         assert said[1] == ["hoist.rate"]
         assert said[5] == ["hoist.rate", "reel.rate"]
         assert "asks for cable, and there is none on the drum" in slave.messages[1][1]
+        for _ in range(5):  # and of one that has taken in all that it can
+            slave.set("reel.rate", -3.0)
+            slave.step(1.0)
+        assert "reel.rate asks for less line" in slave.messages[2][1]
+        assert len(slave.messages) == 3
         slave.close()
 
 

@@ -219,13 +219,16 @@ def summarise(I, M, out):
     wrench[5] = bending * mz
     size = math.sqrt(fx * fx + fy * fy + fz * fz)
     found.top_tension = math.copysign(size, M[own.unknowns + F3])
-    lowest = M[own.unknowns + F3]
-    highest = found.top_tension  # with the shear
+    lowest = found.top_tension  # with the shear
+    highest = found.top_tension
     last = last_node(I)
     for node in range(last + 1):
         tension = M[own.unknowns + WIDTH * node + F3]
         lowest = min(lowest, tension)
         highest = max(highest, tension)
+    if run.laid > 0.0:  # cable that has been laid bears none
+        lowest = min(lowest, 0.0)
+        highest = max(highest, 0.0)
     found.tension_min = lowest
     found.tension_max = highest
     laid = run.laid

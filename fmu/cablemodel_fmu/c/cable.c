@@ -34,13 +34,12 @@ void restart_cable(Cable *cable) {
     cable->now.use_scene_inputs = (cable->flags & FLAG_SCENE_INPUTS) != 0;
     cable->now.vessel_input = (cable->flags & FLAG_VESSEL_INPUT) / FLAG_VESSEL_INPUT_UNIT;
     cable->now.input_timing = (cable->flags & FLAG_AT_START) ? AT_START : AT_END;
-    cable->coarse = 0;
+    cable->bent = 0.0;
+    cable->pressed = 0.0;
     if (cable->finer != NULL) restart_cable(cable->finer);
     if (cable->system != NULL) restart_system(cable);
     outputs_changed(cable);
 }
-
-static const Summary *summary(Cable *cable);
 
 /* -- inputs ------------------------------------------------------------------------------------ */
 
@@ -304,7 +303,7 @@ int64_t step_cable(Cable *cable, double t_end, double dt, char *message, size_t 
     return OK;
 }
 
-static const Summary *summary(Cable *cable) {
+const Summary *summary(Cable *cable) {
     Summary *found = &cable->summary;
     if (!cable->summary_current) {
         double *words = (double *)found;
@@ -324,6 +323,12 @@ static const Summary *summary(Cable *cable) {
 int is_idle(Cable *cable) {
     const StepInputs *applied = &cable->now.applied;
     return applied->payout_given != 0.0 && applied->payout_rate > 0.0 && !(summary(cable)->drum_length > 0.0);
+}
+
+/* Whether it was asked to reel in, and the line is as short as it gets. */
+int is_shortest(const Cable *cable) {
+    const StepInputs *applied = &cable->now.applied;
+    return applied->payout_given != 0.0 && applied->payout_rate < 0.0 && winch_of(cable->I, 0)->at_limit < 0.0;
 }
 
 /* States at the stations, then at the bodies, in rows of STATION_WORDS. */

@@ -127,7 +127,8 @@ typedef struct Cable {
     int rate_current;
     double rate[3]; /* of the force on the vessel */
     double *wrenches; /* of a system: rates of forces and moments on vessels, and room for two of them */
-    int coarse; /* the shape at the start bends more than the exported elements can follow */
+    double bent; /* times as much as the exported elements can follow, of the shape at the start; or 0 */
+    double pressed; /* lowest tension of a start that was found anew, where it presses the line; or 0 */
     /* The run that the errors of this one are estimated by; NULL where that is not asked for. Its
        block counts: inputs, parameters and phase are those of this one. */
     struct Cable *finer;
@@ -157,6 +158,8 @@ int64_t cablemodel_drive(void *block, int64_t words, double t_end, double *motio
 int64_t cablemodel_sample_elements(void *block, int64_t words, double *elements, int64_t n,
                                    double *fractions, int64_t k, double *out, int64_t m);
 int64_t cablemodel_frame_motion(void *block, int64_t words, double *motion, int64_t n);
+int64_t cablemodel_tension_ranges(void *block, int64_t words, double *elements, int64_t n, double *out,
+                                  int64_t m);
 int64_t cablemodel_parts(void *block, int64_t words, double *bodies, int64_t n, double *frames,
                          int64_t m);
 int64_t cablemodel_force_rate(void *block, int64_t words, double last_step, double *out,
@@ -203,7 +206,7 @@ const char *check_part_value(const Cable *cable, unsigned vr, double value, doub
                              double *maximum);
 void mark_part_set(Cable *cable, unsigned vr, int derivative);
 const char *ignored_part_input(Cable *cable, unsigned vr);
-const char *idle_winch(Cable *cable);
+const char *idle_winch(Cable *cable, int *inward);
 const char *first_jump_of_parts(Cable *cable, double dt);
 int64_t step_system(Cable *cable, double t_end, double dt);
 int same_parts(const Cable *cable, const Cable *finer);
@@ -230,6 +233,8 @@ double cable_time(const Cable *cable);
 int is_beside(const Cable *cable);
 const char *first_jump(Cable *cable, double dt);
 int is_idle(Cable *cable);
+int is_shortest(const Cable *cable);
+const Summary *summary(Cable *cable);
 int64_t step_cable(Cable *cable, double t_end, double dt, char *message, size_t size);
 const char *name_of(const Cable *cable, unsigned vr);
 const int64_t *choice_of(Cable *cable, unsigned vr);

@@ -24,7 +24,7 @@ typedef struct {
     double start, minimum, maximum;
     char name[96];
 } Row;
-enum { TOLD_IGNORED = 1, TOLD_IDLE = 2 };
+enum { TOLD_IGNORED = 1, TOLD_IDLE = 2, TOLD_SHORTEST = 4 };
 enum { ROW_WORDS = sizeof(Row) / 8 };
 
 typedef struct {
@@ -40,7 +40,7 @@ struct System {
     int64_t lines, inputs, vessels, bodies, foils, winches, cuts, outputs;
     const Row *rows;
     const int64_t *segments;
-    char *told; /* of each input: TOLD_IGNORED: it is set and does nothing; TOLD_IDLE: its drum is empty */
+    char *told; /* of each input: TOLD_IGNORED: it is set and does nothing; TOLD_IDLE: its drum is empty, ... */
     int current; /* the numbers below are those of the state */
     double *values;
     Element *elements;
@@ -49,6 +49,7 @@ struct System {
     PartMotion *parts; /* of bodies, then of vessels */
     Station *samples;
     double *motion, *forces, *angles, *rates, *orders, *kept; /* of a step */
+    double *ranges; /* of elements in order: their nodes, then lowest and highest tension of each */
     double *own; /* how vessels move as it begins: FRAME_INPUTS of each */
     int64_t applied;                                          /* words of `applied_in` */
 };
@@ -171,7 +172,8 @@ const char *load_system(Cable *cable, const int64_t *section, int64_t words, con
                  s->winches * WINCH_OUTPUTS + s->cuts;
     if (cable->flags & FLAG_ESTIMATE) s->outputs += s->lines * LINE_ERRORS + s->bodies * BODY_ERRORS;
     const size_t elements = (size_t)header(I)->capacity;
-    const size_t samples = 2 * elements + (size_t)(s->lines * (1 + cable->stations));
+    const size_t samples = (size_t)(s->lines * (2 + cable->stations));
+    s->ranges = calloc(3 * elements, sizeof(double));
     s->told = calloc((size_t)s->inputs + 1, 1);
     s->values = calloc((size_t)s->outputs, sizeof(double));
     s->elements = calloc(elements, sizeof(Element));
@@ -190,7 +192,7 @@ const char *load_system(Cable *cable, const int64_t *section, int64_t words, con
     cable->wrenches = calloc((size_t)(3 * WRENCH_WORDS * s->vessels) + 1, sizeof(double));
     if (cable->wrenches == NULL || s->told == NULL || s->values == NULL || s->elements == NULL || s->counts == NULL || s->nodes == NULL || s->fractions == NULL || s->samples == NULL || s->parts == NULL ||
         s->motion == NULL || s->forces == NULL || s->angles == NULL || s->rates == NULL ||
-        s->orders == NULL || s->own == NULL ||
+        s->orders == NULL || s->own == NULL || s->ranges == NULL ||
         s->kept == NULL)
         return "out of memory";
     return NULL;
@@ -200,7 +202,7 @@ void free_system(System *s) {
     if (s == NULL) return;
     void *const all[] = {s->told, s->values, s->elements, s->counts, s->nodes, s->fractions,
                          s->samples, s->parts, s->motion, s->forces, s->angles, s->rates,
-                         s->orders, s->kept, s->own};
+                         s->orders, s->kept, s->own, s->ranges};
     for (size_t n = 0; n < sizeof all / sizeof all[0]; n++) free(all[n]);
     free(s);
 }
@@ -502,16 +504,19 @@ static int collect_parts(const Cable *cable, double dt) {
     return any;
 }
 
-/* Once of each winch: the name of its rate, where the last step was asked to pay out by it, and its
-   drum is empty. NULL: of no other one. */
-const char *idle_winch(Cable *cable) {
+/* Once of each winch and way: the name of its rate, where the last step was asked to pay out by it, and
+   its drum is empty; or to reel in, and its line is as short as it gets. NULL: of no other one. */
+const char *idle_winch(Cable *cable, int *inward) {
     System *s = cable->system;
     const int64_t first = s->inputs - s->cuts - s->winches;
     for (int64_t n = 0; n < s->winches; n++) {
         const Winch *winch = winch_of(cable->I, n);
-        const int asked = s->rates[2 * n] != 0.0 && s->rates[2 * n + 1] > 0.0;
-        if (!asked || winch->paid < winch->paid_most || (s->told[first + n] & TOLD_IDLE)) continue;
-        s->told[first + n] |= TOLD_IDLE;
+        const double rate = s->rates[2 * n] != 0.0 ? s->rates[2 * n + 1] : 0.0;
+        const int told = rate < 0.0 ? TOLD_SHORTEST : TOLD_IDLE;
+        const int stands = rate < 0.0 ? winch->at_limit < 0.0 : winch->paid >= winch->paid_most;
+        if (rate == 0.0 || !stands || (s->told[first + n] & told)) continue;
+        s->told[first + n] |= (char)told;
+        *inward = rate < 0.0;
         return s->rows[first + n].name;
     }
     return NULL;
@@ -636,8 +641,7 @@ static void place_sample(const Cable *cable, const Element *elements, int64_t co
     *fraction = is_backward(cable, found->node) ? 1.0 - x : x;
 }
 
-/* Places to sample of all lines: of each both ends of its elements, where tension may jump from one
-   to the next, its own end, then stations. */
+/* Places to sample of all lines: of each its beginning, its end, then stations. */
 static int64_t place_samples(const Cable *cable, int64_t elements) {
     const System *s = cable->system;
     int64_t placed = 0;
@@ -648,10 +652,8 @@ static int64_t place_samples(const Cable *cable, int64_t elements) {
         const int64_t count = next - first;
         double before_it = 0.0;
         const double length = line_length(cable, own, &before_it);
-        for (int64_t n = 0; n < 2 * count; n++, placed++) {
-            s->nodes[placed] = (double)own[n / 2].node;
-            s->fractions[placed] = n % 2 == is_backward(cable, own[n / 2].node) ? 0.0 : 1.0;
-        }
+        s->nodes[placed] = (double)own->node;
+        s->fractions[placed++] = is_backward(cable, own->node) ? 1.0 : 0.0;
         int64_t which = 0;
         place_sample(cable, own, count, &which, length, s->nodes + placed, s->fractions + placed);
         placed++;
@@ -665,17 +667,17 @@ static int64_t place_samples(const Cable *cable, int64_t elements) {
     return placed;
 }
 
-/* Outputs of a line from the rows of its samples, which `place_samples` put in order. */
-static double *line_outputs(const Cable *cable, int64_t number, const Station *rows, int64_t count,
-                            double *out) {
-    double low = rows[0].tension, high = rows[0].tension;
-    for (int64_t n = 1; n < 2 * count; n++) {
-        const double tension = rows[n].tension;
-        if (!(tension >= low)) low = tension;
-        if (!(tension <= high)) high = tension;
+/* Outputs of a line from the rows of its samples, which `place_samples` put in order, and from the
+   lowest and highest tensions of its elements. */
+static double *line_outputs(const Cable *cable, int64_t number, const Station *rows, const double *ranges,
+                            int64_t count, double *out) {
+    double low = ranges[0], high = ranges[1];
+    for (int64_t n = 1; n < count; n++) {
+        if (!(ranges[2 * n] >= low)) low = ranges[2 * n];
+        if (!(ranges[2 * n + 1] <= high)) high = ranges[2 * n + 1];
     }
     *out++ = rows[0].tension;
-    *out++ = rows[2 * count].tension;
+    *out++ = rows[1].tension;
     *out++ = low;
     *out++ = high;
     const Line *line = line_of(cable->I, number);
@@ -685,7 +687,7 @@ static double *line_outputs(const Cable *cable, int64_t number, const Station *r
     *out++ = line->first;
     *out++ = line->last;
     const int64_t stations = cable->stations;
-    rows += 2 * count + 1;
+    rows += 2;
     for (int64_t k = 0; k < stations; k++, out += 3)
         memcpy(out, rows[k].position, sizeof rows[k].position);
     for (int64_t k = 0; k < stations; k++) *out++ = rows[k].tension;
@@ -787,14 +789,16 @@ static const double *outputs(Cable *cable) {
     const int64_t elements = gather_elements(cable), samples = place_samples(cable, elements);
     cablemodel_sample_elements(cable->I, cable->block_words, s->nodes, samples, s->fractions,
                                samples, (double *)s->samples, STATION_WORDS * samples);
-    double *out = s->values;
+    double *out = s->values, *ranges = s->ranges + elements;
+    for (int64_t n = 0; n < elements; n++) s->ranges[n] = (double)s->elements[n].node;
+    cablemodel_tension_ranges(cable->I, cable->block_words, s->ranges, elements, ranges, 2 * elements);
     const Station *rows = s->samples;
     for (int64_t first = 0, next; first < elements; first = next) {
         next = first;
         while (next < elements && s->elements[next].line == s->elements[first].line) next++;
         const int64_t line = s->elements[first].line, count = s->counts[line];
-        out = line_outputs(cable, line, rows, count, out);
-        rows += 2 * count + 1 + cable->stations;
+        out = line_outputs(cable, line, rows, ranges + 2 * first, count, out);
+        rows += 2 + cable->stations;
     }
     read_parts(cable, cable->I);
     for (int64_t n = 0; n < s->bodies + s->vessels; n++)
