@@ -768,7 +768,7 @@ class Summary(Record):
 
     wrench = reals(6, "force [N] and moment [N m] of the cable on the vessel")
     top_tension = real("size of that force, negative where the cable pushes", "N")
-    tension_min = real("lowest in the cable, and at its top", "N")
+    tension_min = real("lowest in the cable", "N")
     tension_max = real("highest in it, and at the top", "N")
     tip_position = reals(3, "the line's far end, the outer one of a body there", "m")
     tip_velocity = reals(3, "its velocity", "m/s")

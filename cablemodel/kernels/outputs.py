@@ -164,7 +164,7 @@ def summarise(I, M, out):
     found.top_tension = math.copysign(
         math.sqrt(wrench[0] ** 2 + wrench[1] ** 2 + wrench[2] ** 2), top
     )
-    lowest = found.top_tension  # the force at the top has the shear, too
+    lowest = 1e300  # of tension alone: the force at the top has the shear, too, with that sign
     highest = found.top_tension
     for node in range(1, nodes):
         if I[head.joint + node] == 0:

@@ -219,8 +219,8 @@ def summarise(I, M, out):
     wrench[5] = bending * mz
     size = math.sqrt(fx * fx + fy * fy + fz * fz)
     found.top_tension = math.copysign(size, M[own.unknowns + F3])
-    lowest = found.top_tension  # with the shear
-    highest = found.top_tension
+    lowest = M[own.unknowns + F3]
+    highest = found.top_tension  # with the shear
     last = last_node(I)
     for node in range(last + 1):
         tension = M[own.unknowns + WIDTH * node + F3]
