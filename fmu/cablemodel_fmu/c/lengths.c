@@ -431,7 +431,7 @@ static const char *refuse_on_floor(Cable *cable) {
 
 /* What the exported start is like. */
 typedef struct {
-    double bent, lowest;
+    double bent;
     int on_floor;
 } Exported;
 
@@ -440,19 +440,19 @@ static Exported exported(Cable *cable) {
     memcpy(cable->I, initial_image(cable), 8 * (size_t)cable->image_words);
     outputs_changed(cable);
     found.bent = most_bent(cable);
-    found.lowest = summary(cable)->tension_min;
     found.on_floor = touches_floor(cable);
     outputs_changed(cable);
     return found;
 }
 
-/* What is to be told of a static start that was found anew, where the exported one is not such. */
+/* What is to be told of a static start that was found anew: that it presses the line; that it bends too
+   much, where the exported one does not. */
 static void judge(Cable *cable, const Exported *before) {
     const Summary *found = summary(cable);
     const double wrong = 10.0 * scalars(cable->M)->tolerance * fmax(fabs(found->tension_min), fabs(found->tension_max));
     cable->bent = most_bent(cable);
     if (!(cable->bent > fmax(FAR_TOO_BENT, before->bent))) cable->bent = 0.0;
-    cable->pressed = found->tension_min < fmin(before->lowest, 0.0) - wrong ? found->tension_min : 0.0;
+    cable->pressed = found->tension_min < -wrong ? found->tension_min : 0.0;
     outputs_changed(cable);
 }
 
