@@ -29,6 +29,9 @@ ROUNDS = 14
 """Times that a mesh is refined at most."""
 BENT = 2.5
 """Of tau L: what h^2 times the jump of curvature may be in a static shape."""
+FAR_TOO_BENT = 4.0
+"""Times that, from where on halving elements once would not do: an FMU, whose elements are as they
+are, warns of a start that it found anew."""
 LARGEST_STATIC_MESH = 4000
 SPARE = 24, 2.0
 """Nodes for shapes that bend more later on: so many, and times those at the start."""

@@ -10,6 +10,7 @@ from . import (
     energies,
     environment,
     follow,
+    frames,
     interface,
     outputs,
     part_outputs,
@@ -208,10 +209,24 @@ def drive(I, M, t_end, motion, forces, angles, rates, orders):
     return 0
 
 
+@entry_point(int64(INTEGERS, REALS, REALS))
+def frame_motion(I, M, motion):
+    """How a system's frames move now: frames.read_frames, a FrameInput of each."""
+    frames.read_frames(I, M, motion)
+    return 0
+
+
 @entry_point(int64(INTEGERS, REALS, REALS, REALS, REALS))
 def sample_elements(I, M, elements, fractions, out):
     """State at places within elements, by their numbers; out: rows of STATION_WORDS."""
     part_outputs.element_stations(I, M, elements, fractions, out)
+    return len(elements)
+
+
+@entry_point(int64(INTEGERS, REALS, REALS, REALS))
+def tension_ranges(I, M, elements, out):
+    """Lowest and highest tension of elements, by their numbers; out: both of each."""
+    part_outputs.tension_ranges(I, M, elements, out)
     return len(elements)
 
 
@@ -249,7 +264,9 @@ ENTRY_POINTS = {
     "force_response": force_response,
     "wrenches_when_moved": wrenches_when_moved,
     "drive": drive,
+    "frame_motion": frame_motion,
     "sample_elements": sample_elements,
+    "tension_ranges": tension_ranges,
     "parts": parts,
     "to_three_dimensions": to_three_dimensions,
 }

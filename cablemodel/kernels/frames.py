@@ -8,6 +8,7 @@ import math
 
 from .access import (
     constraint_of,
+    frame_input_at,
     frame_of,
     header,
     motion_piece_at,
@@ -19,6 +20,7 @@ from .compile import kernel
 from .environment import begin_cubic, evaluate_piece
 from .layout import (
     EXACTLY,
+    FRAME_INPUTS,
     GIVEN_POSITION,
     GIVEN_RATE,
     GIVEN_VELOCITY,
@@ -258,6 +260,23 @@ def frames_jump(I, M):
             changed += (motion.acceleration[i] - M[at + i]) ** 2
         largest = max(largest, changed)
     return largest**0.5
+
+
+@kernel
+def read_frames(I, M, out):
+    """How all frames move at the present time, without what waves add: a FrameInput of each."""
+    now = new_motion()
+    for n in range(header(I).frame_count):
+        row = frame_of(I, M, n)
+        found = frame_input_at(out, FRAME_INPUTS * n)
+        evaluate_frame(I, M, row, scalars(M).time, False, now)
+        for i in range(3):
+            found.position[i] = now.position[i]
+            found.velocity[i] = now.velocity[i]
+        evaluate_frame(I, M, row, scalars(M).time, True, now)
+        for i in range(3):
+            found.attitude[i] = now.position[i]
+            found.attitude_rate[i] = now.velocity[i]
 
 
 @kernel

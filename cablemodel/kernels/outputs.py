@@ -22,6 +22,7 @@ from .passing import overhang
 from .rotation import cross
 from .slack import read_slack
 from .system import residual, set_time
+from .tension_along import tension_range
 from .vessel_clamp import add_clamp_moment
 
 node_forces = own_numbers(6)
@@ -136,27 +137,6 @@ def pull_along(I, M, node, sign):
 
 
 @kernel
-def end_tension(I, M, element, side):
-    """Tension at the parent (side 0) or child (1) end of an element: its end force along r'.
-
-    The end forces are the weak form's own reactions, inertia and loads included: they are as
-    accurate inside the line as the force at its top, where the element's T is only its mean.
-    """
-    head = header(I)
-    dimension = head.dimension
-    size = 2 * dimension
-    node = element if side == 1 else I[head.parent + element]
-    q = head.position + size * node + dimension
-    f = head.end_force + size * element + dimension * side
-    norm = 0.0
-    along = 0.0
-    for i in range(dimension):
-        norm += M[q + i] * M[q + i]
-        along += M[q + i] * M[f + i]
-    return along / math.sqrt(norm)
-
-
-@kernel
 def line_length(I, M):
     """Unstretched length of the cable that is out [m]."""
     head = header(I)
@@ -184,14 +164,13 @@ def summarise(I, M, out):
     found.top_tension = math.copysign(
         math.sqrt(wrench[0] ** 2 + wrench[1] ** 2 + wrench[2] ** 2), top
     )
-    lowest = 1e300
-    highest = found.top_tension  # the force at the top has the shear, too
+    lowest = 1e300  # of tension alone: the force at the top has the shear, too, with that sign
+    highest = found.top_tension
     for node in range(1, nodes):
         if I[head.joint + node] == 0:
-            for side in range(2):
-                value = end_tension(I, M, node, side)
-                lowest = min(lowest, value)
-                highest = max(highest, value)
+            low, high = tension_range(I, M, node)
+            lowest = min(lowest, low)
+            highest = max(highest, high)
     found.tension_min = lowest
     found.tension_max = highest
     last = size * (nodes - 1)

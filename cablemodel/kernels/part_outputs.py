@@ -28,6 +28,7 @@ from .layout import (
 from .outputs import end_forces
 from .rotation import angles_of, cross, to_earth_axes
 from .stations import station_in_element
+from .tension_along import tension_range
 from .winch import drive_winch
 
 WRENCH = PartMotion.wrench.word
@@ -56,6 +57,14 @@ def element_stations(I, M, elements, fractions, out):
         node = int(elements[n])
         s = fractions[n] * edge_of(I, M, node).length
         station_in_element(I, M, node, fractions[n], s, station_at(out, STATION_WORDS * n))
+
+
+@kernel
+def tension_ranges(I, M, elements, out):
+    """Lowest and highest tension of elements, as stations have it: 2 words of each."""
+    end_forces(I, M)
+    for n in range(len(elements)):
+        out[2 * n], out[2 * n + 1] = tension_range(I, M, int(elements[n]))
 
 
 @kernel

@@ -8,10 +8,11 @@ from .compile import kernel
 from .floor_outputs import lying_gap
 from .floor_surface import gap_at
 from .layout import STATION_WORDS
-from .outputs import end_forces, end_tension, line_length, place_on_earth, to_earth
+from .outputs import end_forces, line_length, place_on_earth, to_earth
 from .passing import exchange_rates, overhang
 from .payout import rate_words
 from .rigid import axis_of, rigid_row
+from .tension_along import bend_at, bow_of_tension, end_tension
 
 GAUSS = 0.5 - 0.5 / math.sqrt(3.0)  # where the second derivative of a cubic is most accurate
 # A parabola k'' s^2 / 2 exceeds its mean of Gauss points in an element's middle by -h^2 k'' / 24,
@@ -20,46 +21,6 @@ GAUSS = 0.5 - 0.5 / math.sqrt(3.0)  # where the second derivative of a cubic is 
 BOW = 1.0 / 12.0 + 0.5 * GAUSS * GAUSS
 IN_MIDDLE = 1.0 / 24.0 / BOW  # share of the bow in an element's middle
 AT_NODE = 0.5 * GAUSS * GAUSS / BOW  # the same at a node
-PRESSED = 24.0  # of EI k^2: by how much the mean of T is off in an element that bends
-
-
-@kernel
-def bend_at(I, M, node, x, out):
-    """dt/ds, the curvature as a vector, at a fraction of an element, (dimension,) [1/m]."""
-    head = header(I)
-    dimension = head.dimension
-    size = 2 * dimension
-    h = edge_of(I, M, node).length
-    p = head.position + size * I[head.parent + node]
-    q = head.position + size * node
-    y = 1.0 - x
-    slope = vector()
-    square = 0.0
-    along = 0.0
-    for i in range(dimension):
-        chord = (M[q + i] - M[p + i]) / h
-        a = M[p + dimension + i]
-        b = M[q + dimension + i]
-        slope[i] = 6.0 * x * y * chord + y * (1.0 - 3.0 * x) * a + x * (3.0 * x - 2.0) * b
-        out[i] = ((6.0 - 12.0 * x) * chord + (6.0 * x - 4.0) * a + (6.0 * x - 2.0) * b) / h
-        square += slope[i] * slope[i]
-        along += out[i] * slope[i]
-    for i in range(dimension):
-        out[i] = (out[i] - along / square * slope[i]) / math.sqrt(square)
-
-
-@kernel
-def sharpest_bend(I, M, node):
-    """Square of the larger curvature at an element's ends [1/m2]."""
-    bend = vector()
-    largest = 0.0
-    for side in range(2):
-        bend_at(I, M, node, float(side), bend)
-        square = 0.0
-        for i in range(header(I).dimension):
-            square += bend[i] * bend[i]
-        largest = max(largest, square)
-    return largest
 
 
 @kernel
@@ -214,12 +175,7 @@ def station_in_element(I, M, low, x, s, found):
     place_on_earth(I, M, place, found.position)
     to_earth(I, M, tangent, found.tangent)
     to_earth(I, M, velocity, found.velocity)
-    mean = M[head.tension + 2 * low]
-    # The parabola through both end tensions that has the element's mean.
-    bow = 6.0 * mean - 3.0 * (left + right)
-    if bending > 0.0:  # where it bends sharply, that mean is not that of the tension
-        off = PRESSED * bending * sharpest_bend(I, M, low)
-        bow = math.copysign(max(0.0, abs(bow) - off), bow)
+    bow = bow_of_tension(I, M, low, left, right)
     found.tension = left + x * (right - left) + bow * x * y
     found.curvature = curvature
     found.bending_moment = edge.bending * curvature

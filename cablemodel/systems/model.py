@@ -147,12 +147,14 @@ class LineView:
 
     @property
     def tension_range(self) -> tuple[float, float]:
-        """Lowest and highest tension at both ends of all its elements [N]."""
+        """Lowest and highest tension anywhere in it [N]."""
+        from cablemodel import library as entry
+
         nodes = self._model.built.elements(self.name).node.astype(np.float64)
-        ends = np.repeat([0.0, 1.0], len(nodes))
-        rows = self._model.sample_elements(np.tile(nodes, 2), ends)
-        tension = rows[:, at.Station.tension]
-        return float(tension.min()), float(tension.max())
+        ranges = np.zeros(2 * len(nodes))
+        block = self._model.built.block
+        entry.tension_ranges(block.ints, block.reals, nodes, ranges)
+        return float(ranges[::2].min()), float(ranges[1::2].max())
 
     @property
     def slack(self) -> Slack:

@@ -82,6 +82,7 @@ def start_constants() -> dict[str, float]:
         "RIGID": tables.RIGID,
         "SOFTEST": line_tables.SOFTEST,
         "BENT": refinement.BENT,
+        "FAR_TOO_BENT": refinement.FAR_TOO_BENT,
         "REFINEMENTS": refinement.ROUNDS,
         "DRUM_ROOM": signals.ROOM,
         "SAME_PLACE": model.SAME_PLACE,

@@ -26,12 +26,14 @@ RARE_ENTRIES = (
     "drive",
     "energy",
     "equilibrium",
+    "frame_motion",
     "force_rate",
     "force_response",
     "measure",
     "parts",
     "sample",
     "sample_elements",
+    "tension_ranges",
     "wrenches_when_moved",
 )
 """The same for entry points."""

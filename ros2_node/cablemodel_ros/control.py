@@ -194,6 +194,7 @@ class ControlLoop:
                 self._restart_pacer()
             if plan.target is None:
                 return plan.wait
+            session.timebase.slip(plan.slip)
             cycle = session.cycle(
                 plan.target, plan.due, publish=self._has_time, topics=self._listened()
             )

@@ -118,7 +118,8 @@ class Diagnostics:
         session = self._session
         rig, status = session.rig, Status("commands")
         for topic in sorted(rig.stale):
-            status.add(WARN, f"{topic} is stale: ramping to zero")
+            ends = "it acts no more" if topic in rig.abrupt else "ramping to zero"
+            status.add(WARN, f"{topic} is stale: {ends}")
         for finding in rig.command_findings():
             status.add(WARN, finding)
         for topic in sorted(rig.waiting):

@@ -53,6 +53,10 @@ class LineRig:
         return self.helm.stale
 
     @property
+    def abrupt(self) -> Collection[str]:
+        return ()
+
+    @property
     def waiting(self) -> Collection[str]:
         return self.helm.waiting
 

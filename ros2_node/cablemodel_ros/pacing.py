@@ -27,6 +27,8 @@ class Plan:
     target: Simulated | None = None
     due: Monotonic | None = None
     """When the target was due, where the monotonic clock decides that."""
+    slip: float = 0.0
+    """By how much more simulated time now lags real time for good [s]."""
 
 
 class Pacer(Protocol):
@@ -113,11 +115,13 @@ class WallPacer(_Grid):
         self.missed += late
         target = self._advance(periods)
         self.behind = now - self._deadline(self._step)
+        slip = 0.0
         if self.behind > self.lag_limit:
-            self.slipped += self.behind
-            self._zero += self.behind
+            slip = self.behind
+            self.slipped += slip
+            self._zero += slip
             self.behind = 0.0
-        return Plan(target=target, due=self._deadline(self._step))
+        return Plan(target=target, due=self._deadline(self._step), slip=slip)
 
     def late(self) -> bool:
         return self._clock() > self._deadline(self._step + 1)

@@ -108,6 +108,10 @@ class Rig(Protocol):
         """Topics whose command has timed out."""
 
     @property
+    def abrupt(self) -> Collection[str]:
+        """Topics whose command ends at once when it has timed out, not over a ramp."""
+
+    @property
     def waiting(self) -> Collection[str]:
         """Sources of motion that have given nothing yet."""
 

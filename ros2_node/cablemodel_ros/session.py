@@ -110,6 +110,7 @@ class Session:
         self.last_failure = ""
         self.checkpoints = Checkpoints()
         self._next_output = 0.0
+        self._log_epoch = Stamp(0)
         if settings.log_folder:
             names = names or Names()
             self.recorder = Recorder(
@@ -151,7 +152,8 @@ class Session:
             return
         initial = self.model.time == 0.0 and self.started_at_scene
         snapshot = None if initial else self.rig.image()
-        self.recorder.begin(self.timebase.epoch, snapshot)
+        self._log_epoch = self.timebase.epoch
+        self.recorder.begin(self._log_epoch, snapshot)
         self._log_outputs(self.stamp())
 
     def stamp(self) -> Stamp:
@@ -194,17 +196,21 @@ class Session:
         self.cycles += 1
         self.shed += shed
         if self.recorder is not None:
-            self.recorder.step(stamp, [record])
+            self.recorder.step(self._logged_at(), [record])
             if self.model.time >= self._next_output - 1e-9:
                 self._log_outputs(stamp)
         return Cycle(stamp, [record, *motion], outputs, frames, shed)
+
+    def _logged_at(self) -> Stamp:
+        """Where the model's time is in the log's file: there it goes on where real time slipped."""
+        return self._log_epoch + self.time.seconds
 
     def _log_outputs(self, stamp: Stamp) -> None:
         assert self.recorder is not None
         interval = self.scene.run.output_interval
         while self._next_output <= self.model.time + 1e-9:
             self._next_output += interval
-        self.recorder.outputs(stamp, self.rig.record(stamp))
+        self.recorder.outputs(self._logged_at(), self.rig.record(stamp))
 
     def _step(self, target: Simulated, now: Moment) -> Any:
         begin = time.perf_counter()

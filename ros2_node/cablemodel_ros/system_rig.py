@@ -56,6 +56,7 @@ class SystemRig:
         self._parts = PartCommands(
             settings, timebase, _labels(bodies), _labels(foils), _labels(winches)
         )
+        self._wrenches = frozenset(_labels(bodies).values())
         ports = [Port(bodies[name], partial(self._parts.take_wrench, name)) for name in bodies]
         ports += [Port(foils[name], partial(self._parts.take_deflection, name)) for name in foils]
         ports += [Port(winches[name], partial(self._parts.take_rate, name)) for name in winches]
@@ -87,6 +88,10 @@ class SystemRig:
     @property
     def stale(self) -> Collection[str]:
         return self._freshness.stale.union(*(helm.stale for helm in self._helms.values()))
+
+    @property
+    def abrupt(self) -> Collection[str]:
+        return self._wrenches
 
     @property
     def waiting(self) -> Collection[str]:

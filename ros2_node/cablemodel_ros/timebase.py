@@ -62,6 +62,9 @@ class Timebase:
     def reached(self, time: Simulated) -> None:
         """The model stands at `time`."""
 
+    def slip(self, seconds: float) -> None:
+        """The model's time has fallen behind real time by so much [s], for good."""
+
     def ros_now(self) -> Stamp:
         """The present on the clock that messages are stamped by."""
         raise NotImplementedError
@@ -106,6 +109,9 @@ class RealTime(Timebase):
     def begin(self, time: Simulated) -> None:
         super().begin(time)
         self._anchor = (self._ros(), self._monotonic())
+
+    def slip(self, seconds: float) -> None:
+        self.epoch += seconds
 
     def ros_now(self) -> Stamp:
         return self._ros()

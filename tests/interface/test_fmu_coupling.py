@@ -98,6 +98,69 @@ def test_a_motion_at_the_start_goes_on_by_its_own_velocity(still):
     slave.close()
 
 
+@pytest.fixture(scope="module")
+def under_way(tmp_path_factory):
+    data = still_scene().to_dict()
+    data["vessel"] = {"position": [5, 3, 0], "velocity": [{"t": 0, "velocity": [1, 0, 0]}]}
+    data["payout"]["rate"] = 0.1
+    scene = cm.load_scene(data)
+    folder = tmp_path_factory.mktemp("fmu")
+    with unpacked(scene, folder, stations=STATIONS, timing="start") as found:
+        yield scene, found
+
+
+@pytest.mark.parametrize("first", [0, 3])
+@pytest.mark.parametrize("how", [2, 3])
+def test_a_position_that_takes_over_goes_on_as_fast_as_the_vessel_is(under_way, first, how):
+    """From the start, or from the scene later: a steady tow goes on, also from a state taken back;
+    what may be position and velocity is the position, where that alone is given."""
+    scene, found = under_way
+    slave, model = Slave(*found, vessel_input=how), cm.CableModel(scene)
+    for n, dt in enumerate([0.5, 0.25, 0.5, 0.5, 0.25, 0.5]):
+        time = slave.time
+        if n == first:
+            kept = slave.fmu.serializeFMUstate(slave.fmu.getFMUstate())
+            slave.step(dt)  # not as it goes on
+            slave.close()
+            slave = Slave(*found, vessel_input=how)
+            slave.fmu.setFMUstate(slave.fmu.deSerializeFMUstate(kept))
+            slave.time = time
+        if n >= first:
+            slave.set("vessel.position", (5 + time, 3.0, 0.0))
+        slave.step(dt)
+        model.step(dt)
+        np.testing.assert_allclose(
+            slave.get("line.position")[:3], [5 + slave.time, 3, 0], atol=1e-12
+        )  # fmt: skip
+        assert slave.get("tension.top") == pytest.approx(model.top_tension, rel=1e-6)
+    assert slave.messages == []
+    slave.close()
+
+
+def test_what_takes_over_from_the_scene_has_no_step_before(under_way):
+    """It holds in its first step, not going on from what it was at t = 0; derivatives know that."""
+    scene, found = under_way
+    slaves, model = [Slave(*found, **{"input.timing": n}) for n in (2, 1)], cm.CableModel(scene)
+    given = {"vessel.velocity": (1.2, 0, 0), "payout.rate": 0.2, "current.velocity": (0.3, 0, 0)}
+    for n in range(4):
+        for slave in slaves:
+            for name, value in given.items() if n == 3 else ():
+                slave.set(name, value)
+            slave.step(0.5)
+        last = given if n == 3 else {}
+        model.step(
+            0.5,
+            vessel_velocity=last.get("vessel.velocity"),
+            payout_rate=last.get("payout.rate"),
+            current=last.get("current.velocity"),
+        )
+    assert_same_bits(slaves[0], model, STATIONS)
+    first, second = (by_motion(slave, "vessel.velocity").tobytes() for slave in slaves)
+    assert first == second
+    for slave in slaves:
+        slave.close()
+
+
 def test_derivatives_of_the_master_go_before(still):
     """With input.timing 2 as with 1: the master knows where its value goes."""
     slaves = [Slave(*still, **{"input.timing": timing}) for timing in (1, 2)]

@@ -48,6 +48,21 @@ def still(tmp_path_factory):
         yield found
 
 
+def test_a_start_that_is_set_is_that_of_both_runs(still):
+    """Else the estimate would be how far the start was moved."""
+    start = {"position": [9.0, 3.0, -2.0], "velocity": [{"t": 0, "velocity": [0.4, 0, 0]}]}
+    slave = Slave(
+        *still,
+        **{"vessel.start_position": (9.0, 3.0, -2.0), "vessel.start_velocity": (0.4, 0, 0)},
+    )
+    model = cm.CableModel(estimating(vessel=start))
+    for _ in range(3):
+        assert slave.get("error.position") == pytest.approx(model.position_error, rel=0.02)
+        slave.step(0.5)
+        model.step(0.5, (0.4, 0, 0), payout_rate=0.0, current=(0, 0, 0))
+    slave.close()
+
+
 def drive(slave, first: int, last: int, names=("tension.top", "end.position", *ERRORS)) -> bytes:
     """Steps number first to last; outputs after each one."""
     seen = b""

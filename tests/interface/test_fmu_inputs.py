@@ -106,6 +106,21 @@ def test_a_position_beside_a_velocity_is_said_to_be_ignored(scheduled):
     slave.close()
 
 
+@pytest.mark.parametrize("who", [{}, {"use_scene_inputs": False}])
+@pytest.mark.parametrize("name", ["vessel.velocity", "vessel.position"])
+def test_of_position_and_velocity_one_that_is_set_alone_drives_alone(scheduled, who, name):
+    slave, model = Slave(*scheduled, vessel_input=3, **who), cm.CableModel(scheduled_scene())
+    others = {"payout_rate": 0.0, "current": (0, 0, 0)} if who else {}
+    for n in range(1, 5):
+        value = (0.1, 0.02, 0.0) if name == "vessel.velocity" else (5.0 + 0.05 * n, 3.0, 0.0)
+        slave.set(name, value)
+        slave.step(0.5)
+        model.step(0.5, **{name.replace(".", "_"): value}, **others)
+        assert_same_bits(slave, model, STATIONS)
+    assert warnings(slave) == []
+    slave.close()
+
+
 def test_what_moves_it_may_be_chosen_after_a_position_is_set(scheduled):
     """A position that drives is not said to be ignored; one that does nothing in the run is."""
     start = (5.0, 3.0, 0.1)
@@ -162,6 +177,20 @@ def test_pay_out_without_cable_on_the_drum_is_warned_of(tmp_path, drum, after):
             slave.step(1.0)
             said = ["payout.rate asks for cable, and there is none on the drum"]
             assert warnings(slave) == (said if slave.time >= after else [])
+        slave.close()
+
+
+def test_a_line_that_is_as_short_as_it_gets_is_warned_of(tmp_path):
+    with unpacked(still_scene(), tmp_path, stations=2) as found:
+        slave = Slave(*found)
+        for _ in range(8):
+            slave.set("payout.rate", -4.0)
+            slave.step(1.0)
+            stands = slave.get("line.length") < 0.4
+            assert ["payout.rate asks for less line" in text for text in warnings(slave)] == (
+                [True] if stands else []
+            )  # fmt: skip
+        assert stands
         slave.close()
 
 

@@ -275,10 +275,85 @@ def test_an_anchor_out_of_reach(tmp_path):
         slave.close()
 
 
-def test_a_shape_that_bends_more_than_the_elements_follow_is_warned_of(tmp_path):
-    with unpacked(cm.load_scene(ANCHORED), tmp_path, stations=3) as (place, description):
-        slave = Slave(place, description, **parameters([60.0, 120.0], []))
-        assert ["export the scene with these lengths" in text for _, text in slave.messages] == [1]
+SLACK = {
+    "cable_types": {"K": {**CABLE, "bending_stiffness": 0.5}},
+    "line": [cable(85.0)],
+    "end": {"anchor": [80, 0, -20]},
+}
+CLAMPED = {
+    "cable_types": {"K": {**CABLE, "bending_stiffness": 50.0, "submerged_weight": 0.5}},
+    "line": [cable(60.0)],
+    "vessel": {"connection": {"clamped": [1, 0, -0.2]}},
+}
+
+
+@pytest.mark.parametrize(
+    ("data", "values", "said"),
+    [
+        (SLACK, {"line.cable[1].length": 100.0}, []),
+        (SLACK, {"line.cable[1].length": 160.0}, ["bends"]),
+        (SLACK, {"vessel.start_position[1]": 30.0}, ["bends"]),
+        (CLAMPED, {"cable_types.K.submerged_weight": 50.0}, ["bends"]),
+        ({**SLACK, "end": "free"}, {"cable_types.K.submerged_weight": -2.0}, ["presses"]),
+        ({**SLACK, "end": "free"}, {"cable_types.K.submerged_weight": 2.0}, []),
+    ],
+)
+def test_a_start_that_is_not_one_to_go_by_is_warned_of(data, values, said, tmp_path):
+    """It bends more than the elements follow, or presses a line that would fall out of it."""
+    with unpacked(cm.load_scene(data), tmp_path, stations=3) as (place, description):
+        slave = Slave(place, description, **values)
+        assert [status for status, _ in slave.messages] == [1] * len(said)
+        for word, (_, text) in zip(said, slave.messages, strict=True):
+            assert word in text
+            assert "export the scene with these values" in text
+        if said == ["presses"]:
+            assert f"lowest tension {slave.get('tension.top'):g} N" in slave.messages[0][1]
+            assert slave.get("tension.top") < -100.0
+        slave.close()
+
+
+def test_a_start_on_a_sea_floor_is_not_found_anew(tmp_path):
+    """What lies rests as it came there; values set back leave the start as it was exported."""
+    scene = still_scene(environment={"floor": {"z": -22}}, payout={})
+    name = "cable_types.K.added_mass"
+    with unpacked(scene, tmp_path, stations=STATIONS) as (place, description):
+        slave, plain = Slave(place, description, begin=False), Slave(place, description)
+        slave.fmu.setupExperiment()
+        slave.fmu.enterInitializationMode()
+        slave.set(name, 1.0 + 1e-7)
+        with pytest.raises(FMICallException):
+            slave.fmu.exitInitializationMode()
+        said = slave.messages[-1][1]
+        assert f"{name} is not the scene's 1: of a line on a sea floor" in said
+        assert "export the scene with this value" in said
+        slave.set(name, 1.0)
+        slave.fmu.exitInitializationMode()
+        for one in (slave, plain):
+            one.step(0.5)
+        assert slave.get("line.position").tobytes() == plain.get("line.position").tobytes()
+        assert slave.get("tension.top") == plain.get("tension.top")
+        slave.set(name, 1.5)  # it may be, in the run
+        slave.step(0.5)
+        assert slave.get(name) == 1.5
+        slave.close()
+        plain.close()
+
+
+@pytest.mark.parametrize(("weight", "refused"), [(3.0, False), (300.0, True)])
+def test_above_a_sea_floor_it_is_but_not_down_to_it(weight, refused, tmp_path):
+    data = still_scene(environment={"floor": {"z": -31}}, payout={}).to_dict()
+    data["line"] = [cable(30.0)]
+    data["cable_types"]["K"]["axial_stiffness"] = 1e4
+    changed = copy.deepcopy(data)
+    changed["cable_types"]["K"]["submerged_weight"] = weight
+    with unpacked(cm.load_scene(data), tmp_path, stations=STATIONS) as (place, description):
+        values = {"cable_types.K.submerged_weight": weight}
+        if refused:
+            with pytest.raises(FMICallException):
+                Slave(place, description, **values)
+            return
+        slave = Slave(place, description, **values)
+        assert max(difference(slave, cm.CableModel(cm.load_scene(changed)))) < 0.1
         slave.close()
 
 

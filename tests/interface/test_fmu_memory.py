@@ -261,32 +261,6 @@ def test_states_of_before_and_after_go_both_ways(
     slave.close()
 
 
-def test_a_start_with_other_coefficients_grows(tmp_path: Path) -> None:
-    """Its elements follow the floor where the line comes down with them."""
-    scene = cm.load_scene(
-        {
-            "cable_types": {"K": CABLE},
-            "environment": {"floor": {"z": -20.0}, "current": [0.3, 0.0, 0.0]},
-            "line": [cable(60.0)],
-            "end": {"anchor": [45.0, 0.0, -20.0]},
-        }
-    )
-    given = {"cable_types.K.drag_normal": 3.0}
-    seen = []
-    with exported(scene, tmp_path) as few, unpacked(scene, tmp_path, stations=STATIONS) as many:
-        for fmu in (few, many):
-            slave = Slave(*fmu, **given)
-            at_rest = outputs_of(slave)
-            seen.append((at_rest, drive(slave, 0, 4), rooms(state_of(slave))))
-            if fmu is few:
-                plain = Slave(*fmu)
-                assert rooms(state_of(plain))[0] < seen[0][2][0], "it had to grow"
-                plain.close()
-            slave.close()
-    assert seen[0][:2] == seen[1][:2]
-    assert seen[0][2] != seen[1][2]
-
-
 def test_a_log_of_a_run_that_grows_replays(tmp_path: Path) -> None:
     for scene in (cm.load_scene(SLACK), cm.load_system(SYSTEM)):
         path = tmp_path / f"{type(scene).__name__}.fmu"

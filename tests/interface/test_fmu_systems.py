@@ -343,6 +343,11 @@ def test_pay_out_without_cable_on_the_drum_is_warned_of(tmp_path: Path) -> None:
         assert said[1] == ["hoist.rate"]
         assert said[5] == ["hoist.rate", "reel.rate"]
         assert "asks for cable, and there is none on the drum" in slave.messages[1][1]
+        for _ in range(5):  # and of one that has taken in all that it can
+            slave.set("reel.rate", -3.0)
+            slave.step(1.0)
+        assert "reel.rate asks for less line" in slave.messages[2][1]
+        assert len(slave.messages) == 3
         slave.close()
 
 
@@ -470,6 +475,60 @@ def test_timing_and_derivatives(hung: Any) -> None:
     assert "knife.cut" in slopes.messages[-1][1]
     for slave in (ends, begins, slopes):
         slave.close()
+
+
+@pytest.mark.parametrize("first", [0, 4])
+def test_a_place_that_takes_over_goes_on_as_fast_as_the_vessel_is(towed: Any, first: int) -> None:
+    """A crane that goes straight on; a tug in a turn, whose course goes on, too."""
+    start, place, description = towed
+    begin = {"input.timing": 2, "crane.input": 2, "tug.input": 2}
+    slave, model = Slave(place, description, **begin), copy.copy(start)
+    model.step(0.5 * first) if first else None
+    for n in range(first + 2):
+        if n >= first:
+            slave.set("crane.position_input", [2.0 * slave.time, 60.0, 3.0])
+        if n == first and first:
+            x, y, _ = slave.get("tug.position")
+            yaw = slave.get("tug.attitude[3]")
+            slave.set("tug.position_input", [x, y, 0.0])
+            slave.set("tug.attitude_input", [0.0, 0.0, yaw])
+            speed = slave.get("tug.velocity")
+        slave.step(0.5)
+        np.testing.assert_allclose(slave.get("crane.position"), [2.0 * slave.time, 60, 3])
+        if n == first and first:
+            went = slave.get("tug.position") - [x, y, 0.0]
+            np.testing.assert_allclose(went[:2], 0.5 * speed[:2], atol=1e-6)
+            assert slave.get("tug.attitude[3]") - yaw == pytest.approx(0.5 * 2.0 / 30.0)
+    assert slave.messages == []
+    slave.close()
+
+
+def test_angles_go_on_the_shorter_way(hung: Any) -> None:
+    """Told with a turn more or less, in steps that vary."""
+    _, place, description = hung
+    slave = Slave(place, description, **{"input.timing": 2, "ship.input": 2})
+    for n, dt in enumerate([0.2, 0.4, 0.1, 0.3]):
+        slave.set("ship.attitude_input[3]", 0.1 * slave.time + 2 * math.pi * (n % 2))
+        slave.step(dt)
+        if n > 0:
+            assert slave.get("ship.attitude[3]") == pytest.approx(0.1 * slave.time)
+    slave.close()
+
+
+@pytest.mark.parametrize("given", ["position", "velocity", "attitude", "attitude_rate"])
+def test_of_place_and_rate_one_that_is_set_alone_drives_alone(hung: Any, given: str) -> None:
+    start, place, description = hung
+    slave, model = Slave(place, description, **{"ship.input": 3}), copy.copy(start)
+    pairs = [("position", "velocity"), ("attitude", "attitude_rate")]
+    others = {name: [0.0, 0.0, 0.0] for pair in pairs if given not in pair for name in pair}
+    for n in range(1, 4):
+        value = [0.0, 0.0, 0.02 * n]
+        slave.set(f"ship.{given}_input", value)
+        slave.step(0.5)
+        model.step(0.5, vessels={"ship": cm.VesselInput(**others, **{given: value})})
+        assert_same_bits(slave, model)
+    assert slave.messages == []
+    slave.close()
 
 
 def test_time_begins_where_the_master_says(hung: Any) -> None:

@@ -226,7 +226,10 @@ def test_slack_below_its_upper_end_hangs_doubled(kind: str, height: float) -> No
     bend = 2.0 * abs(weight) * (stiffness / abs(weight)) ** (1.0 / 3.0)
     allowed = 0.002 * max(map(abs, ends)) + bend
     assert (line.end_tension, line.start_tension) == pytest.approx(ends, abs=allowed)
-    assert line.tension_range[0] > -bend - 0.002 * max(map(abs, ends))
+    largest = max(map(abs, ends))
+    assert line.sample().tension.min() > -bend - 0.002 * largest
+    # Within the element that turns, as far as tensions are promised.
+    assert line.tension_range[0] > -bend - 10.0 * model.scene.solver.tolerance * largest
 
 
 @pytest.mark.parametrize("depth", [90.0, 70.0])

@@ -226,6 +226,9 @@ def summarise(I, M, out):
         tension = M[own.unknowns + WIDTH * node + F3]
         lowest = min(lowest, tension)
         highest = max(highest, tension)
+    if run.laid > 0.0:  # cable that has been laid bears none
+        lowest = min(lowest, 0.0)
+        highest = max(highest, 0.0)
     found.tension_min = lowest
     found.tension_max = highest
     laid = run.laid

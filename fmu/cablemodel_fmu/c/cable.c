@@ -34,7 +34,8 @@ void restart_cable(Cable *cable) {
     cable->now.use_scene_inputs = (cable->flags & FLAG_SCENE_INPUTS) != 0;
     cable->now.vessel_input = (cable->flags & FLAG_VESSEL_INPUT) / FLAG_VESSEL_INPUT_UNIT;
     cable->now.input_timing = (cable->flags & FLAG_AT_START) ? AT_START : AT_END;
-    cable->coarse = 0;
+    cable->bent = 0.0;
+    cable->pressed = 0.0;
     if (cable->finer != NULL) restart_cable(cable->finer);
     if (cable->system != NULL) restart_system(cable);
     outputs_changed(cable);
@@ -69,37 +70,60 @@ int64_t driven(const Cable *cable) {
 }
 
 /* Which inputs move the tow point. A master that cannot set it, and connects the position alone,
-   means the position. */
+   means the position; of both, one that alone is connected moves it alone. */
 int64_t vessel_input(const Cable *cable) {
+    const int64_t set = cable->now.set & (VELOCITY_SET | POSITION_SET);
+    if (cable->now.vessel_input == BY_BOTH && set == VELOCITY_SET) return BY_VELOCITY;
+    if (cable->now.vessel_input == BY_BOTH && set == POSITION_SET) return BY_POSITION;
     const int alone = cable->now.position_set_in_run && !(cable->now.set & VELOCITY_SET);
     return alone && !cable->now.vessel_input_given ? BY_POSITION : cable->now.vessel_input;
 }
 
 /* What an input reaches at the end of a step: as it was set; by the derivatives that the master has
-   set; or as it went on in the last step. */
-double value_at_end(const Controls *now, const double *slope, double value, double before,
+   set; or as it went on in the last step from `before`. NULL: it did not drive then, and holds. */
+double value_at_end(const Controls *now, const double *slope, double value, const double *before,
                     double dt) {
     if (now->has_slope)
         return value + dt * (slope[0] + dt * (slope[1] / 2.0 + dt * slope[2] / 6.0));
-    if (now->input_timing == AT_END || !(now->last_step > 0.0)) return value;
-    return value + dt / now->last_step * (value - before);
+    if (now->input_timing == AT_END || before == NULL) return value;
+    return value + dt / now->last_step * (value - *before);
 }
 
-/* The same of a position that is given beside its rate, whose last value was `rate_before`. */
+/* The same of a position that goes on by a rate, which was `rate_before`. NULL: it is constant. */
 double place_at_end(const Controls *now, const double *slope, double value, double rate,
-                    double rate_before, double dt) {
+                    const double *rate_before, double dt) {
     if (now->has_slope || now->input_timing == AT_END)
-        return value_at_end(now, slope, value, value, dt);
-    const double gain = now->last_step > 0.0 ? (rate - rate_before) / now->last_step : 0.0;
+        return value_at_end(now, slope, value, NULL, dt);
+    const double gain = rate_before != NULL ? (rate - *rate_before) / now->last_step : 0.0;
     return value + dt * (rate + 0.5 * dt * gain);
 }
 
-static double at_end(const Cable *cable, int n, double dt) {
+/* Which inputs drove in the last step. */
+static int64_t drove(const Controls *now) {
+    const StepInputs *applied = &now->applied;
+    return (applied->velocity_given != 0.0 ? VELOCITY_SET : 0) |
+           (applied->position_given != 0.0 ? POSITION_SET : 0) |
+           (applied->payout_given != 0.0 ? PAYOUT_SET : 0) |
+           (applied->current_given != 0.0 ? CURRENT_SET : 0);
+}
+
+/* What an input was in the last step; NULL: it did not drive then. */
+static const double *before(const Controls *now, int n) {
+    return drove(now) & inputs_of((unsigned)n) ? &now->before[n] : NULL;
+}
+
+static double at_end(Cable *cable, int n, double dt) {
     const Controls *now = &cable->now;
     const int v = n - VR_POSITION + VR_VELOCITY;
-    if (inputs_of((unsigned)n) == POSITION_SET && vessel_input(cable) == BY_BOTH)
-        return place_at_end(now, now->slope[n], now->input[n], now->input[v], now->before[v], dt);
-    return value_at_end(now, now->slope[n], now->input[n], now->before[n], dt);
+    if (inputs_of((unsigned)n) == POSITION_SET) {
+        if (vessel_input(cable) == BY_BOTH)
+            return place_at_end(now, now->slope[n], now->input[n], now->input[v], before(now, v), dt);
+        if (before(now, n) == NULL) { /* it goes on as fast as the tow point is */
+            const double speed = summary(cable)->vessel_velocity[n - VR_POSITION];
+            return place_at_end(now, now->slope[n], now->input[n], speed, NULL, dt);
+        }
+    }
+    return value_at_end(now, now->slope[n], now->input[n], before(now, n), dt);
 }
 
 /* What is chosen by an enumeration; NULL: it is none. */
@@ -134,7 +158,7 @@ void clear_slopes(Cable *cable) {
         memset(input->slope, 0, sizeof input->slope);
 }
 
-static void collect_inputs(const Cable *cable, double dt, StepInputs *inputs) {
+static void collect_inputs(Cable *cable, double dt, StepInputs *inputs) {
     memset(inputs, 0, sizeof *inputs);
     const int64_t by = vessel_input(cable), drives = driven(cable);
     if (drives & (VELOCITY_SET | POSITION_SET)) {
@@ -182,6 +206,7 @@ const char *first_jump(Cable *cable, double dt) {
 /* What derivatives and the next step want to know of one that was made. */
 static void remember_step(Cable *cable, double dt, const StepInputs *inputs) {
     Controls *now = &cable->now;
+    now->went_on = drove(now);
     now->applied = *inputs;
     now->growth = now->last_step > 0.0 ? dt / now->last_step : 0.0;
     now->last_step = dt;
@@ -278,7 +303,7 @@ int64_t step_cable(Cable *cable, double t_end, double dt, char *message, size_t 
     return OK;
 }
 
-static const Summary *summary(Cable *cable) {
+const Summary *summary(Cable *cable) {
     Summary *found = &cable->summary;
     if (!cable->summary_current) {
         double *words = (double *)found;
@@ -298,6 +323,12 @@ static const Summary *summary(Cable *cable) {
 int is_idle(Cable *cable) {
     const StepInputs *applied = &cable->now.applied;
     return applied->payout_given != 0.0 && applied->payout_rate > 0.0 && !(summary(cable)->drum_length > 0.0);
+}
+
+/* Whether it was asked to reel in, and the line is as short as it gets. */
+int is_shortest(const Cable *cable) {
+    const StepInputs *applied = &cable->now.applied;
+    return applied->payout_given != 0.0 && applied->payout_rate < 0.0 && winch_of(cable->I, 0)->at_limit < 0.0;
 }
 
 /* States at the stations, then at the bodies, in rows of STATION_WORDS. */

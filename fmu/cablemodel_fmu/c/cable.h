@@ -76,18 +76,20 @@ typedef struct {
 } Parameter;
 
 /* One input of a part of a system: its value, that of the last step, derivatives for the next one,
-   and whether the master has set it: SET_EVER, SET_IN_RUN. */
-enum { SET_EVER = 1, SET_IN_RUN = 2 };
+   whether the master has set it: SET_EVER, SET_IN_RUN; and whether it drove in the last step, and in
+   the one before that, too: DROVE, WENT_ON. */
+enum { SET_EVER = 1, SET_IN_RUN = 2, DROVE = 1, WENT_ON = 2 };
 typedef struct {
     double value, before, slope[3];
-    int64_t set;
+    int64_t set, driving;
 } PartInput;
 typedef struct System System; /* system.c; NULL: a scene of one line */
 enum { WRENCH_WORDS = 6 };
-/* An input of a vessel's motion; by: what moved that in the last step, 0: the scene. */
+/* An input of a vessel's motion; by: what moved that in the last step, 0: the scene; went_on: it drove
+   the step before that, too. */
 typedef struct {
     int64_t vessel, axis, by;
-    int turning, is_position;
+    int turning, is_position, went_on;
 } MotionInput;
 
 /* Everything of an instance that a saved state holds, apart from the block's image and `values`. */
@@ -109,6 +111,7 @@ typedef struct {
        inputs set for it. */
     double last_step, growth, before[VR_INPUTS];
     int64_t last_mode, last_driven, last_sloped; /* and what drove it */
+    int64_t went_on; /* of a line: which inputs drove the step before it, too: ..._SET */
 } Controls;
 
 typedef struct Cable {
@@ -127,7 +130,8 @@ typedef struct Cable {
     int rate_current;
     double rate[3]; /* of the force on the vessel */
     double *wrenches; /* of a system: rates of forces and moments on vessels, and room for two of them */
-    int coarse; /* the shape at the start bends more than the exported elements can follow */
+    double bent; /* times as much as the exported elements can follow, of the shape at the start; or 0 */
+    double pressed; /* lowest tension of a start that was found anew, where it presses the line; or 0 */
     /* The run that the errors of this one are estimated by; NULL where that is not asked for. Its
        block counts: inputs, parameters and phase are those of this one. */
     struct Cable *finer;
@@ -156,6 +160,9 @@ int64_t cablemodel_drive(void *block, int64_t words, double t_end, double *motio
                          double *orders, int64_t cuts);
 int64_t cablemodel_sample_elements(void *block, int64_t words, double *elements, int64_t n,
                                    double *fractions, int64_t k, double *out, int64_t m);
+int64_t cablemodel_frame_motion(void *block, int64_t words, double *motion, int64_t n);
+int64_t cablemodel_tension_ranges(void *block, int64_t words, double *elements, int64_t n, double *out,
+                                  int64_t m);
 int64_t cablemodel_parts(void *block, int64_t words, double *bodies, int64_t n, double *frames,
                          int64_t m);
 int64_t cablemodel_force_rate(void *block, int64_t words, double last_step, double *out,
@@ -203,7 +210,7 @@ const char *check_part_value(const Cable *cable, unsigned vr, double value, doub
                              double *maximum);
 void mark_part_set(Cable *cable, unsigned vr, int derivative);
 const char *ignored_part_input(Cable *cable, unsigned vr);
-const char *idle_winch(Cable *cable);
+const char *idle_winch(Cable *cable, int *inward);
 const char *first_jump_of_parts(Cable *cable, double dt);
 int64_t step_system(Cable *cable, double t_end, double dt);
 int same_parts(const Cable *cable, const Cable *finer);
@@ -238,16 +245,19 @@ double cable_time(const Cable *cable);
 int is_beside(const Cable *cable);
 const char *first_jump(Cable *cable, double dt);
 int is_idle(Cable *cable);
+int is_shortest(const Cable *cable);
+const Summary *summary(Cable *cable);
 int64_t step_cable(Cable *cable, double t_end, double dt, char *message, size_t size);
 const char *name_of(const Cable *cable, unsigned vr);
 const int64_t *choice_of(Cable *cable, unsigned vr);
 void choose(Cable *cable, unsigned vr, int64_t value);
 double *slope_of(Cable *cable, unsigned vr);
 void clear_slopes(Cable *cable);
-double value_at_end(const Controls *now, const double *slope, double value, double before, double dt);
+double value_at_end(const Controls *now, const double *slope, double value, const double *before,
+                    double dt);
 double distance_from(const double *start, const double *velocity, const double *reached, double dt);
 double place_at_end(const Controls *now, const double *slope, double value, double rate,
-                    double rate_before, double dt);
+                    const double *rate_before, double dt);
 const char *read_value(Cable *cable, unsigned vr, double *value);
 int64_t driven(const Cable *cable);
 int64_t vessel_input(const Cable *cable);

@@ -91,12 +91,15 @@ const char *rate_of(Cable *cable, unsigned vr, double *value) {
 }
 
 /* What a change of an input that was set for the last step makes of a place that it drives at its end:
-   of position, velocity and acceleration, in powers of its length. by: what drove the place. */
-static void change_at_end(const Controls *now, int64_t by, int is_position, double change, double end[3]) {
+   of position, velocity and acceleration, in powers of its length. by: what drove the place; went_on:
+   the input drove the step before, too. */
+static void change_at_end(const Controls *now, int64_t by, int is_position, int went_on, double change,
+                          double end[3]) {
     const double h = now->last_step;
     const int extrapolated = now->input_timing == AT_START && !now->last_sloped;
     /* What a value that holds at the start changes at the end: the last value was another one. */
-    const double further = extrapolated ? 1.0 + now->growth : 1.0;
+    const double growth = went_on ? now->growth : 0.0;
+    const double further = extrapolated ? 1.0 + growth : 1.0;
     double velocity = 0.0, position = 0.0;
     end[0] = end[1] = end[2] = 0.0;
     if (by == BY_VELOCITY) {
@@ -114,7 +117,7 @@ static void change_at_end(const Controls *now, int64_t by, int is_position, doub
         /* The cubic: a velocity at the end alone leaves the position there as it is. */
         position = is_position ? change : 0.0;
         if (!is_position) velocity = further * change;
-        if (!is_position && extrapolated) position = change * h * (1.0 + 0.5 * now->growth);
+        if (!is_position && extrapolated) position = change * h * (1.0 + 0.5 * growth);
         end[0] = position;
     }
     end[1] = velocity;
@@ -125,7 +128,9 @@ static void add_motion(const Cable *cable, unsigned vr, double change, MotionCha
     const int axis = (int)vr % 3;
     double end[3];
     if (!(cable->now.last_driven & (VELOCITY_SET | POSITION_SET))) return;
-    change_at_end(&cable->now, cable->now.last_mode, inputs_of(vr) == POSITION_SET, change, end);
+    const int64_t group = inputs_of(vr);
+    change_at_end(&cable->now, cable->now.last_mode, group == POSITION_SET, (cable->now.went_on & group) != 0,
+                  change, end);
     motion->position[axis] += end[0];
     motion->velocity[axis] += end[1];
     motion->acceleration[axis] += end[2];
@@ -160,7 +165,7 @@ static const char *response_in_system(Cable *cable, const unsigned unknown[], si
     if (!(length > 0.0)) return "there are none before the first step: they depend on its length";
     for (size_t n = 0; n < knowns; n++) {
         if (!motion_of(cable, known[n], &input) || input.by == 0) continue;
-        change_at_end(&cable->now, input.by, input.is_position, change[n], end);
+        change_at_end(&cable->now, input.by, input.is_position, input.went_on, change[n], end);
         size += fabs(end[0]) + length * fabs(end[1]);
     }
     const double share = size > 0.0 ? ASIDE / size : 0.0;
@@ -170,7 +175,7 @@ static const char *response_in_system(Cable *cable, const unsigned unknown[], si
         if (copy == NULL) return "out of memory";
         for (size_t n = 0; n < knowns; n++) {
             if (!motion_of(cable, known[n], &input) || input.by == 0) continue;
-            change_at_end(&cable->now, input.by, input.is_position, change[n], end);
+            change_at_end(&cable->now, input.by, input.is_position, input.went_on, change[n], end);
             move_vessel(copy, &input, end, side == 0 ? -share : share);
         }
         if (cablemodel_wrenches_when_moved(copy, cable->block_words, length, sides[side], words) != 0)

@@ -22,7 +22,7 @@ static const struct {
                   {"logEvents", LOG_EVENTS},
                   {"logAll", LOG_ERROR | LOG_WARNING | LOG_DISCARD | LOG_EVENTS}};
 enum { CATEGORIES = sizeof categories / sizeof categories[0] };
-enum { JUMP_SAID = ALL_SET + 1, DRUM_SAID = 2 * JUMP_SAID };
+enum { JUMP_SAID = ALL_SET + 1, DRUM_SAID = 2 * JUMP_SAID, SHORTEST_SAID = 2 * DRUM_SAID };
 enum { QUIET = LOG_ERROR | LOG_WARNING | LOG_DISCARD };
 
 typedef struct {
@@ -187,10 +187,14 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
     ALLOW(c, P2);
     const char *problem = settle_cable(&in->cable);
     if (problem != NULL) return report(in, fmi2Error, "fmi2ExitInitializationMode: %s", problem);
-    if (in->cable.coarse)
-        report(in, fmi2Warning, "fmi2ExitInitializationMode: with these lengths the line bends more "
-               "than the exported elements can follow at the scene's tolerance: export the scene "
-               "with these lengths");
+    if (in->cable.bent > 0.0)
+        report(in, fmi2Warning, "fmi2ExitInitializationMode: at this start the line bends %.3g times as "
+               "much as the exported elements can follow at the scene's tolerance: export the scene with "
+               "these values", in->cable.bent);
+    if (in->cable.pressed < 0.0)
+        report(in, fmi2Warning, "fmi2ExitInitializationMode: this start presses the line (lowest tension "
+               "%g N): it may not be the one that the line stays in; export the scene with these values",
+               in->cable.pressed);
     in->cable.now.phase = STEPPING;
     return report(in, fmi2OK, "initialized at t = %g s", cable_time(&in->cable));
 }
@@ -320,17 +324,27 @@ static void warn_at_first(Instance *in, double dt) {
     report(in, fmi2Warning, "fmi2DoStep: %s", problem);
 }
 
-/* Once of each winch that a step was asked to pay out by, and that had nothing to pay out. */
+static void warn_of_idle_winch(Instance *in, const char *name, int inward) {
+    report(in, fmi2Warning, "%s asks for %s", name,
+           inward ? "less line, and it is as short as it gets: the winch stands"
+                  : "cable, and there is none on the drum");
+}
+
+/* Once of each winch that a step was asked to pay out by, and that had nothing to pay out; and of one
+   that was asked to reel in, and could not. */
 static void warn_of_idle_winches(Instance *in) {
     Cable *cable = &in->cable;
     const char *name;
-    if (cable->system == NULL) {
-        if ((in->warned & DRUM_SAID) || !is_idle(cable)) return;
-        in->warned |= DRUM_SAID;
-        report(in, fmi2Warning, "payout.rate asks for cable, and there is none on the drum");
-    } else {
-        while ((name = idle_winch(cable)) != NULL)
-            report(in, fmi2Warning, "%s asks for cable, and there is none on the drum", name);
+    int inward = 0;
+    if (cable->system != NULL) {
+        while ((name = idle_winch(cable, &inward)) != NULL) warn_of_idle_winch(in, name, inward);
+        return;
+    }
+    for (inward = 0; inward < 2; inward++) {
+        const int64_t said = inward ? SHORTEST_SAID : DRUM_SAID;
+        if ((in->warned & said) || !(inward ? is_shortest(cable) : is_idle(cable))) continue;
+        in->warned |= said;
+        warn_of_idle_winch(in, "payout.rate", inward);
     }
 }
 

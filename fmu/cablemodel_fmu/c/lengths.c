@@ -355,10 +355,11 @@ static double second(const Cable *cable, int64_t node, int64_t i, int end) {
                : (6.0 * chord - 4.0 * before - 2.0 * after) / h;
 }
 
-/* Whether a static shape bends more than its elements can follow: by the rule by which
+/* By how much a static shape bends, in what its elements can follow: by the rule by which
    refined of cablemodel/instance/refinement.py would halve some of them. */
-static int bends_too_much(const Cable *cable) {
+static double most_bent(const Cable *cable) {
     const int64_t *I = cable->I, *joint = I + header(I)->joint, nodes = header(I)->nodes;
+    double most = 0.0;
     const double allowed = BENT * scalars(cable->M)->tolerance * scalars(cable->M)->length;
     int64_t last = nodes - 1;
     while (last > 1 && joint[last] != JOINT_NONE) last--;
@@ -376,9 +377,9 @@ static int bends_too_much(const Cable *cable) {
         }
         double jump = fmax(sqrt(before), sqrt(after));
         if (node == 1 || node == last) jump = fmax(jump, 0.25 * sqrt(inside));
-        if (h * h * jump > allowed) return 1;
+        most = fmax(most, h * h * jump / allowed);
     }
-    return 0;
+    return most;
 }
 
 /* The lengths at `to` from those at `from`, in shares of the way from the scene's to those set; and
@@ -406,23 +407,68 @@ static int moves_at_its_anchor(const Cable *cable) {
            (velocity[0] != 0.0 || velocity[1] != 0.0 || velocity[2] != 0.0);
 }
 
-/* To the values set in so many leaps from the exported state; memory grows where it must. */
-static int64_t leap(Cable *cable, int leaps) {
-    for (int64_t room = 0;; room = 2 * header(cable->I)->capacity) {
-        int64_t status = OK;
-        restore_exported(cable);
-        if (room > 0 && !make_room(cable, room)) return NO_CAPACITY;
-        for (int n = 0; n < leaps && status == OK; n++)
-            status = stretch_line(cable, (double)n / leaps, (n + 1.0) / leaps);
-        if (status != NO_CAPACITY) return status;
-    }
+static const Parameter *first_changed(const Cable *cable) {
+    for (int64_t n = 0; n < cable->parameter_count; n++)
+        if (cable->values[n] != cable->parameters[n].start) return &cable->parameters[n];
+    return NULL;
+}
+
+static int touches_floor(Cable *cable) {
+    const Summary *found = summary(cable);
+    const double none[3] = {0};
+    return found->floor_length != 0.0 || differs(found->floor_force, none);
+}
+
+/* What lies on a floor rests as it came there: such a start is not found anew. */
+static const char *refuse_on_floor(Cable *cable) {
+    const Parameter *changed = first_changed(cable);
+    snprintf(cable->message, sizeof cable->message,
+             "%s is not the scene's %g: of a line on a sea floor no start is found anew; export the scene "
+             "with this value, or set it after the initialization",
+             changed->name, changed->start);
+    return cable->message;
+}
+
+/* What the exported start is like. */
+typedef struct {
+    double bent;
+    int on_floor;
+} Exported;
+
+static Exported exported(Cable *cable) {
+    Exported found = {0};
+    take_exported(cable);
+    outputs_changed(cable);
+    found.bent = most_bent(cable);
+    found.on_floor = touches_floor(cable);
+    outputs_changed(cable);
+    return found;
+}
+
+/* What is to be told of a static start that was found anew: that it presses the line; that it bends too
+   much, where the exported one does not. */
+static void judge(Cable *cable, const Exported *before) {
+    const Summary *found = summary(cable);
+    const double wrong = 10.0 * scalars(cable->M)->tolerance * fmax(fabs(found->tension_min), fabs(found->tension_max));
+    cable->bent = most_bent(cable);
+    if (!(cable->bent > fmax(FAR_TOO_BENT, before->bent))) cable->bent = 0.0;
+    cable->pressed = found->tension_min < -wrong ? found->tension_min : 0.0;
+    outputs_changed(cable);
 }
 
 /* From the exported state, so that it does not matter in which order values were set; in one leap or,
    where that fails, in steps. */
 static const char *settle(Cable *cable) {
     int64_t status = STATICS_FAILED;
-    const int resized = lengths_changed(cable);
+    Exported before = {0};
+    cable->bent = cable->pressed = 0.0;
+    if (first_changed(cable) == NULL && !position_changed(cable) && !velocity_changed(cable)) {
+        restore_exported(cable);
+        return NULL;
+    }
+    const int judged = !is_direct(cable->I) && (cable->flags & FLAG_STATIC);
+    if (judged) before = exported(cable);
+    if (before.on_floor) return refuse_on_floor(cable);
     restore_exported(cable);
     if (is_direct(cable->I)) {
         if (cable->flags & FLAG_STATIC) status = direct_settle(cable);
@@ -433,14 +479,21 @@ static const char *settle(Cable *cable) {
         return "an anchored line has no steady state while the vessel moves: vessel.start_velocity "
                "must be 0";
     } else {
-        for (int leaps = 1; leaps <= 16 && status != OK && status != NO_CAPACITY; leaps *= 4)
-            status = leap(cable, leaps);
+        for (int leaps = 1; leaps <= 16 && status != OK && status != NO_CAPACITY; leaps *= 4) {
+            restore_exported(cable);
+            status = OK;
+            for (int n = 0; n < leaps && status == OK; n++)
+                status = stretch_line(cable, (double)n / leaps, (n + 1.0) / leaps);
+        }
     }
     if (status == OK) {
-        cable->coarse = resized && (cable->flags & FLAG_STATIC) != 0 && bends_too_much(cable);
+        if (!judged) return NULL;
+        outputs_changed(cable);
+        if (touches_floor(cable)) return refuse_on_floor(cable);
+        judge(cable, &before);
         return NULL;
     }
-    if (status == NO_CAPACITY) return "more elements are needed than there is memory for";
+    if (status == NO_CAPACITY) return refuse_on_floor(cable); /* elements follow a line down to it */
     return "no static equilibrium was found for these lengths, coefficients and start";
 }
 
@@ -448,6 +501,7 @@ static const char *settle(Cable *cable) {
 static void settle_finer(Cable *cable) {
     Cable *finer = cable->finer;
     memcpy(finer->values, cable->values, sizeof(double) * (size_t)cable->parameter_count);
+    memcpy(finer->now.start, cable->now.start, sizeof finer->now.start);
     if (settle(finer) == NULL) return;
     restore_exported(finer);
     scalars(finer->M)->time = scalars(cable->M)->time - 1.0;

@@ -25,12 +25,14 @@ static int64_t words_of(const int64_t *image) { return header(image)->image_word
 typedef struct {
     int64_t at, words;
 } Part;
-enum { TABLES = 3, PARTS = TABLES + 15 };
+enum { TABLES = 3, OF_ALL = 9, PARTS = TABLES + 15 };
 
 /* What of an image is in use, as in kernels/backup.py: what may change but for the nodes, then the
-   arrays of the nodes. Tables of the scene never change. */
+   arrays of the nodes; history and matrix are of those that are awake. Tables of the scene never
+   change. */
 static void parts_of(const int64_t *I, Part parts[PARTS]) {
     const int64_t size = 2 * header(I)->dimension, nodes = header(I)->nodes;
+    const int64_t awake = nodes - header(I)->asleep;
     const struct {
         int64_t array, words;
     } of_nodes[PARTS - TABLES] = {
@@ -41,8 +43,10 @@ static void parts_of(const int64_t *I, Part parts[PARTS]) {
     parts[0] = (Part){0, header(I)->pieces + PIECE_WORDS};
     parts[1] = (Part){header(I)->cables, header(I)->cable_count * CABLE_WORDS};
     parts[2] = (Part){header(I)->bodies, header(I)->position - header(I)->bodies};
-    for (int n = TABLES; n < PARTS; n++)
-        parts[n] = (Part){I[of_nodes[n - TABLES].array], nodes * of_nodes[n - TABLES].words};
+    for (int n = 0; n < PARTS - TABLES; n++) {
+        const int64_t rows = n < OF_ALL ? nodes : awake;
+        parts[TABLES + n] = (Part){I[of_nodes[n].array], rows * of_nodes[n].words};
+    }
 }
 
 /* What is in use of an image, into the place of another one of the same model and room. */
@@ -126,7 +130,7 @@ const char *check_state(const Cable *cable, const void *from, size_t bytes) {
                           then.vessel_input_given | then.has_slope;
     if (then.vessel_input < BY_VELOCITY || then.vessel_input > BY_BOTH ||
         then.input_timing < AT_END || then.input_timing > AT_START || (flags | 1) != 1 ||
-        (then.set | ALL_SET) != ALL_SET || !(then.last_step >= 0.0 && then.last_step < 1e300) ||
+        (then.set | ALL_SET) != ALL_SET || (then.went_on | ALL_SET) != ALL_SET || !(then.last_step >= 0.0 && then.last_step < 1e300) ||
         !(fabs(then.growth) < 1e300) || then.phase < INSTANTIATED || then.phase > TERMINATED ||
         !(fabs(then.start_time) < 1e300))
         return "the state is corrupted";

@@ -24,7 +24,7 @@ typedef struct {
     double start, minimum, maximum;
     char name[96];
 } Row;
-enum { TOLD_IGNORED = 1, TOLD_IDLE = 2 };
+enum { TOLD_IGNORED = 1, TOLD_IDLE = 2, TOLD_SHORTEST = 4 };
 enum { ROW_WORDS = sizeof(Row) / 8 };
 
 typedef struct {
@@ -40,7 +40,7 @@ struct System {
     int64_t lines, inputs, vessels, bodies, foils, winches, cuts, outputs;
     const Row *rows;
     const int64_t *segments;
-    char *told; /* of each input: TOLD_IGNORED: it is set and does nothing; TOLD_IDLE: its drum is empty */
+    char *told; /* of each input: TOLD_IGNORED: it is set and does nothing; TOLD_IDLE: its drum is empty, ... */
     int current; /* the numbers below are those of the state */
     double *values;
     Element *elements;
@@ -49,6 +49,8 @@ struct System {
     PartMotion *parts; /* of bodies, then of vessels */
     Station *samples;
     double *motion, *forces, *angles, *rates, *orders, *kept; /* of a step */
+    double *ranges; /* of elements in order: their nodes, then lowest and highest tension of each */
+    double *own; /* how vessels move as it begins: FRAME_INPUTS of each */
     int64_t applied;                                          /* words of `applied_in` */
 };
 
@@ -169,21 +171,27 @@ const char *load_system(Cable *cable, const int64_t *section, int64_t words, con
                  s->bodies * BODY_OUTPUTS + s->vessels * VESSEL_OUTPUTS +
                  s->winches * WINCH_OUTPUTS + s->cuts;
     if (cable->flags & FLAG_ESTIMATE) s->outputs += s->lines * LINE_ERRORS + s->bodies * BODY_ERRORS;
+    const size_t samples = (size_t)(s->lines * (2 + cable->stations));
     s->told = calloc((size_t)s->inputs + 1, 1);
     s->values = calloc((size_t)s->outputs, sizeof(double));
     s->counts = calloc((size_t)s->lines, sizeof(int64_t));
+    s->nodes = calloc(samples, sizeof(double));
+    s->fractions = calloc(samples, sizeof(double));
+    s->samples = calloc(samples, sizeof(Station));
     s->parts = calloc((size_t)(s->bodies + s->vessels) + 1, sizeof(PartMotion));
     s->motion = calloc((size_t)(s->vessels * FRAME_INPUTS) + 1, sizeof(double));
+    s->own = calloc((size_t)(s->vessels * FRAME_INPUTS) + 1, sizeof(double));
     s->forces = calloc((size_t)(s->bodies * OF_FREE_BODY) + 1, sizeof(double));
     s->angles = calloc((size_t)s->foils + 1, sizeof(double));
     s->rates = calloc((size_t)(2 * s->winches) + 1, sizeof(double));
     s->orders = calloc((size_t)s->cuts + 1, sizeof(double));
     s->kept = calloc((size_t)(header(I)->position - header(I)->frames) + 1, sizeof(double));
     cable->wrenches = calloc((size_t)(3 * WRENCH_WORDS * s->vessels) + 1, sizeof(double));
-    if (cable->wrenches == NULL || s->told == NULL || s->values == NULL || s->counts == NULL || s->parts == NULL ||
+    if (cable->wrenches == NULL || s->told == NULL || s->values == NULL || s->counts == NULL ||
+        s->nodes == NULL || s->fractions == NULL || s->samples == NULL || s->parts == NULL ||
         s->motion == NULL || s->forces == NULL || s->angles == NULL || s->rates == NULL ||
-        s->orders == NULL ||
-        s->kept == NULL || !reserve_elements(cable, header(I)->capacity))
+        s->orders == NULL || s->own == NULL || s->kept == NULL ||
+        !reserve_elements(cable, header(I)->capacity))
         return "out of memory";
     return NULL;
 }
@@ -192,23 +200,18 @@ const char *load_system(Cable *cable, const int64_t *section, int64_t words, con
 int reserve_elements(Cable *cable, int64_t capacity) {
     System *s = cable->system;
     const size_t elements = (size_t)capacity;
-    const size_t samples = 2 * elements + (size_t)(s->lines * (1 + cable->stations));
     Element *own = realloc(s->elements, elements * sizeof(Element));
     if (own != NULL) s->elements = own;
-    double *nodes = realloc(s->nodes, samples * sizeof(double));
-    if (nodes != NULL) s->nodes = nodes;
-    double *fractions = realloc(s->fractions, samples * sizeof(double));
-    if (fractions != NULL) s->fractions = fractions;
-    Station *stations = realloc(s->samples, samples * sizeof(Station));
-    if (stations != NULL) s->samples = stations;
-    return own != NULL && nodes != NULL && fractions != NULL && stations != NULL;
+    double *ranges = realloc(s->ranges, 3 * elements * sizeof(double));
+    if (ranges != NULL) s->ranges = ranges;
+    return own != NULL && ranges != NULL;
 }
 
 void free_system(System *s) {
     if (s == NULL) return;
     void *const all[] = {s->told, s->values, s->elements, s->counts, s->nodes, s->fractions,
                          s->samples, s->parts, s->motion, s->forces, s->angles, s->rates,
-                         s->orders, s->kept};
+                         s->orders, s->kept, s->own, s->ranges};
     for (size_t n = 0; n < sizeof all / sizeof all[0]; n++) free(all[n]);
     free(s);
 }
@@ -282,7 +285,7 @@ const char *check_part_inputs(const Cable *cable, const void *values) {
         if (!(input->value >= row->minimum && input->value <= row->maximum) ||
             !(fabs(input->before) < 1e100) || !(fabs(input->slope[0]) < 1e100) ||
             !(fabs(input->slope[1]) < 1e100) || !(fabs(input->slope[2]) < 1e100) ||
-            !within(input->set, 0, SET_EVER | SET_IN_RUN))
+            !within(input->set, 0, SET_EVER | SET_IN_RUN) || !within(input->driving, 0, DROVE | WENT_ON))
             return "an input is out of range";
     }
     const Choice *choices = (const Choice *)((const PartInput *)values + s->inputs);
@@ -345,10 +348,13 @@ static int64_t moved_by(const Cable *cable, int64_t vessel) {
     return alone && !choice->given ? BY_POSITION : choice->by;
 }
 
+/* Of both, one that alone is connected moves place or attitude alone. */
 static int chosen(const Cable *cable, int64_t vessel, int64_t group) {
+    const PartInput *own = inputs_in(cable->system, cable->values, OF_VESSEL * vessel);
     const int64_t by = moved_by(cable, vessel);
     const int is_place = group == AT_POSITION || group == AT_ATTITUDE;
-    return by == BY_BOTH || (by == BY_POSITION) == is_place;
+    if (by != BY_BOTH) return (by == BY_POSITION) == is_place;
+    return own[group].set || !own[is_place ? group + AT_VELOCITY : group - AT_VELOCITY].set;
 }
 
 /* Once of a group of inputs that is set and does nothing: what says so, the name of what moves its
@@ -371,9 +377,28 @@ const char *ignored_part_input(Cable *cable, unsigned vr) {
 
 /* -- steps --------------------------------------------------------------------------------------- */
 
+static const double *before(const PartInput *input) {
+    return input->driving & DROVE ? &input->before : NULL;
+}
+
 static double at_end(const Cable *cable, int64_t n, double dt) {
     const PartInput *input = inputs_in(cable->system, cable->values, n);
-    return value_at_end(&cable->now, input->slope, input->value, input->before, dt);
+    return value_at_end(&cable->now, input->slope, input->value, before(input), dt);
+}
+
+/* The same of a place or an angle that moves a vessel without its rate, at the speed that it has.
+   Angles go the shorter way. */
+static double moved_at_end(const Controls *now, const PartInput *x, int turning, double speed, double dt) {
+    if (before(x) == NULL) return place_at_end(now, x->slope, x->value, speed, NULL, dt);
+    const double way = x->value - x->before, turn = 2.0 * 3.14159265358979323846;
+    const double from = turning ? x->value - remainder(way, turn) : x->before;
+    return value_at_end(now, x->slope, x->value, &from, dt);
+}
+
+/* How vessels move as a step begins, for those whose place goes on so. */
+static void look_at_frames(Cable *cable) {
+    cablemodel_frame_motion(cable->I, cable->block_words, cable->system->own,
+                            FRAME_INPUTS * cable->system->vessels);
 }
 
 /* A vessel's motion for a step, and whether any is given. */
@@ -387,6 +412,7 @@ static int collect_motion(const Cable *cable, int64_t vessel, double dt, FrameIn
     const int64_t first = OF_VESSEL * vessel;
     const PartInput *own = inputs_in(cable->system, cable->values, first);
     double *const ends[] = {motion->position, motion->attitude, motion->velocity, motion->attitude_rate};
+    const FrameInput *moves = AS(const FrameInput, cable->system->own) + vessel;
     int64_t given = 0;
     for (int k = 0; k < 4; k++) {
         const int64_t group = groups[k].group, rate = groups[k].rate;
@@ -395,9 +421,12 @@ static int collect_motion(const Cable *cable, int64_t vessel, double dt, FrameIn
         const int beside = rate != 0 && chosen(cable, vessel, rate) && drives(cable, first + rate);
         for (int64_t i = 0; i < 3; i++) {
             const PartInput *x = own + group + i, *v = own + rate + i;
+            const int turning = group == AT_ATTITUDE;
+            const double speed = turning ? moves->attitude_rate[i] : moves->velocity[i];
             ends[k][i] =
-                beside ? place_at_end(&cable->now, x->slope, x->value, v->value, v->before, dt)
-                       : at_end(cable, first + group + i, dt);
+                beside      ? place_at_end(&cable->now, x->slope, x->value, v->value, before(v), dt)
+                : rate != 0 ? moved_at_end(&cable->now, x, turning, speed, dt)
+                            : at_end(cable, first + group + i, dt);
         }
     }
     motion->given = (double)given;
@@ -408,6 +437,7 @@ static int collect_motion(const Cable *cable, int64_t vessel, double dt, FrameIn
 const char *first_jump_of_parts(Cable *cable, double dt) {
     System *s = cable->system;
     FrameInput *motion = AS(FrameInput, s->motion);
+    look_at_frames(cable);
     for (int64_t n = 0; n < s->vessels; n++) {
         const int64_t first = OF_VESSEL * n;
         double start[OF_VESSEL];
@@ -432,6 +462,12 @@ const char *first_jump_of_parts(Cable *cable, double dt) {
         return cable->message;
     }
     return NULL;
+}
+
+/* Whether an input drives in a step that begins now. */
+static int in_use(const Cable *cable, int64_t n) {
+    const int64_t vessel = n / OF_VESSEL, group = n % OF_VESSEL / 3 * 3;
+    return drives(cable, n) && (vessel >= cable->system->vessels || chosen(cable, vessel, group));
 }
 
 /* What is given for a step, in the words of the kernel `drive`; returns whether anything drives, by
@@ -477,16 +513,19 @@ static int collect_parts(const Cable *cable, double dt) {
     return any;
 }
 
-/* Once of each winch: the name of its rate, where the last step was asked to pay out by it, and its
-   drum is empty. NULL: of no other one. */
-const char *idle_winch(Cable *cable) {
+/* Once of each winch and way: the name of its rate, where the last step was asked to pay out by it, and
+   its drum is empty; or to reel in, and its line is as short as it gets. NULL: of no other one. */
+const char *idle_winch(Cable *cable, int *inward) {
     System *s = cable->system;
     const int64_t first = s->inputs - s->cuts - s->winches;
     for (int64_t n = 0; n < s->winches; n++) {
         const Winch *winch = winch_of(cable->I, n);
-        const int asked = s->rates[2 * n] != 0.0 && s->rates[2 * n + 1] > 0.0;
-        if (!asked || winch->paid < winch->paid_most || (s->told[first + n] & TOLD_IDLE)) continue;
-        s->told[first + n] |= TOLD_IDLE;
+        const double rate = s->rates[2 * n] != 0.0 ? s->rates[2 * n + 1] : 0.0;
+        const int told = rate < 0.0 ? TOLD_SHORTEST : TOLD_IDLE;
+        const int stands = rate < 0.0 ? winch->at_limit < 0.0 : winch->paid >= winch->paid_most;
+        if (rate == 0.0 || !stands || (s->told[first + n] & told)) continue;
+        s->told[first + n] |= (char)told;
+        *inward = rate < 0.0;
         return s->rows[first + n].name;
     }
     return NULL;
@@ -512,6 +551,7 @@ static void remember_applied(Cable *cable) {
 int64_t step_system(Cable *cable, double t_end, double dt) {
     System *s = cable->system;
     double none[INPUT_WORDS] = {0};
+    look_at_frames(cable);
     const int driven = collect_parts(cable, dt);
     const int64_t payout = header(cable->I)->payout;
     const size_t bytes = sizeof(double) * (size_t)(header(cable->I)->position - header(cable->I)->frames);
@@ -530,6 +570,7 @@ int64_t step_system(Cable *cable, double t_end, double dt) {
     for (int64_t n = 0; n < s->inputs; n++) {
         PartInput *input = inputs_in(s, cable->values, n);
         input->before = input->value;
+        input->driving = (input->driving & DROVE ? WENT_ON : 0) | (in_use(cable, n) ? DROVE : 0);
     }
     remember_applied(cable);
     return OK;
@@ -607,8 +648,7 @@ static void place_sample(const Cable *cable, const Element *elements, int64_t co
     *fraction = is_backward(cable, found->node) ? 1.0 - x : x;
 }
 
-/* Places to sample of all lines: of each both ends of its elements, where tension may jump from one
-   to the next, its own end, then stations. */
+/* Places to sample of all lines: of each its beginning, its end, then stations. */
 static int64_t place_samples(const Cable *cable, int64_t elements) {
     const System *s = cable->system;
     int64_t placed = 0;
@@ -619,10 +659,8 @@ static int64_t place_samples(const Cable *cable, int64_t elements) {
         const int64_t count = next - first;
         double before_it = 0.0;
         const double length = line_length(cable, own, &before_it);
-        for (int64_t n = 0; n < 2 * count; n++, placed++) {
-            s->nodes[placed] = (double)own[n / 2].node;
-            s->fractions[placed] = n % 2 == is_backward(cable, own[n / 2].node) ? 0.0 : 1.0;
-        }
+        s->nodes[placed] = (double)own->node;
+        s->fractions[placed++] = is_backward(cable, own->node) ? 1.0 : 0.0;
         int64_t which = 0;
         place_sample(cable, own, count, &which, length, s->nodes + placed, s->fractions + placed);
         placed++;
@@ -636,17 +674,17 @@ static int64_t place_samples(const Cable *cable, int64_t elements) {
     return placed;
 }
 
-/* Outputs of a line from the rows of its samples, which `place_samples` put in order. */
-static double *line_outputs(const Cable *cable, int64_t number, const Station *rows, int64_t count,
-                            double *out) {
-    double low = rows[0].tension, high = rows[0].tension;
-    for (int64_t n = 1; n < 2 * count; n++) {
-        const double tension = rows[n].tension;
-        if (!(tension >= low)) low = tension;
-        if (!(tension <= high)) high = tension;
+/* Outputs of a line from the rows of its samples, which `place_samples` put in order, and from the
+   lowest and highest tensions of its elements. */
+static double *line_outputs(const Cable *cable, int64_t number, const Station *rows, const double *ranges,
+                            int64_t count, double *out) {
+    double low = ranges[0], high = ranges[1];
+    for (int64_t n = 1; n < count; n++) {
+        if (!(ranges[2 * n] >= low)) low = ranges[2 * n];
+        if (!(ranges[2 * n + 1] <= high)) high = ranges[2 * n + 1];
     }
     *out++ = rows[0].tension;
-    *out++ = rows[2 * count].tension;
+    *out++ = rows[1].tension;
     *out++ = low;
     *out++ = high;
     const Line *line = line_of(cable->I, number);
@@ -656,7 +694,7 @@ static double *line_outputs(const Cable *cable, int64_t number, const Station *r
     *out++ = line->first;
     *out++ = line->last;
     const int64_t stations = cable->stations;
-    rows += 2 * count + 1;
+    rows += 2;
     for (int64_t k = 0; k < stations; k++, out += 3)
         memcpy(out, rows[k].position, sizeof rows[k].position);
     for (int64_t k = 0; k < stations; k++) *out++ = rows[k].tension;
@@ -758,14 +796,16 @@ static const double *outputs(Cable *cable) {
     const int64_t elements = gather_elements(cable), samples = place_samples(cable, elements);
     cablemodel_sample_elements(cable->I, cable->block_words, s->nodes, samples, s->fractions,
                                samples, (double *)s->samples, STATION_WORDS * samples);
-    double *out = s->values;
+    double *out = s->values, *ranges = s->ranges + elements;
+    for (int64_t n = 0; n < elements; n++) s->ranges[n] = (double)s->elements[n].node;
+    cablemodel_tension_ranges(cable->I, cable->block_words, s->ranges, elements, ranges, 2 * elements);
     const Station *rows = s->samples;
     for (int64_t first = 0, next; first < elements; first = next) {
         next = first;
         while (next < elements && s->elements[next].line == s->elements[first].line) next++;
         const int64_t line = s->elements[first].line, count = s->counts[line];
-        out = line_outputs(cable, line, rows, count, out);
-        rows += 2 * count + 1 + cable->stations;
+        out = line_outputs(cable, line, rows, ranges + 2 * first, count, out);
+        rows += 2 + cable->stations;
     }
     read_parts(cable, cable->I);
     for (int64_t n = 0; n < s->bodies + s->vessels; n++)
@@ -835,6 +875,7 @@ int motion_of(const Cable *cable, unsigned vr, MotionInput *found) {
     found->axis = n % 3;
     found->turning = group == AT_ATTITUDE || group == AT_RATE;
     found->is_position = group == AT_POSITION || group == AT_ATTITUDE;
+    found->went_on = (inputs_in(s, cable->values, n)->driving & WENT_ON) != 0;
     const int64_t given = (int64_t)applied_in(s, cable->values)[FRAME_INPUTS * found->vessel];
     const int64_t own = given / (found->turning ? GIVEN_RATE : GIVEN_VELOCITY) & (GIVEN_VELOCITY | GIVEN_POSITION);
     found->by = own == GIVEN_VELOCITY ? BY_VELOCITY : own == GIVEN_POSITION ? BY_POSITION : own == 0 ? 0 : BY_BOTH;

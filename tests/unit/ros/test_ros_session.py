@@ -23,6 +23,7 @@ from mcap.reader import make_reader
 
 import cablemodel as cm
 from cablemodel.model import Snapshot
+from cablemodel.replay import replay
 
 CABLE = {
     "diameter": 0.01666, "mass": 0.4613, "submerged_weight": 2.33333, "axial_stiffness": 1.0e6,
@@ -193,6 +194,27 @@ def test_stamps_follow_a_system_clock_that_is_set_in_a_file_of_its_own(
     first, second = sorted(tmp_path.glob(PATTERN))
     assert cm.open_run(first).applied_inputs["time"][-1] == pytest.approx(0.5, abs=0.11)
     assert cm.open_run(second).applied_inputs["time"][-1] == pytest.approx(1.0)
+
+
+def test_time_that_slips_moves_stamps_and_not_the_log(tmp_path: Path) -> None:
+    """The node was held up: its stamps are the ROS clock's again, the log's times the model's."""
+    clocks = Clocks()
+    session = opened(settings(log__folder=str(tmp_path)), clocks)
+    session.start()
+    for _ in range(2):
+        for _ in range(50):
+            clocks.wait(0.01)
+            drive(session, 1)
+        clocks.wait(3.0)
+        session.timebase.slip(3.0)
+        assert session.stamp() == clocks.ros
+    drive(session, 1)
+    session.close()
+    (path,) = tmp_path.glob(PATTERN)
+    run = cm.open_run(path)
+    assert run.time == pytest.approx(np.arange(0.0, 1.05, 0.1))
+    assert run.applied_inputs["time"][-1] == pytest.approx(1.01)
+    assert replay(run).exact
 
 
 def test_a_saved_state_goes_on_as_the_model_did(session: Session, tmp_path: Path) -> None:
