@@ -45,7 +45,7 @@ ARM = Path("/usr/aarch64-linux-gnu")
 # C library functions that the libraries may use. Kernels: tests/unit/test_kernel_symbols.py.
 ALLOWED = {
     *("sin", "cos", "sincos", "pow", "hypot", "sqrt", "floor", "fabs", "atan2", "exp", "log"),
-    *("acos", "atan", "ceil"),
+    *("acos", "atan", "ceil", "remainder"),
     *("malloc", "calloc", "realloc", "free", "memcpy", "memmove", "memset", "memcmp", "bcmp"),
     *("strlen", "strcmp", "strncmp", "strcpy", "snprintf", "vsnprintf", "qsort"),
     *("fopen", "fclose", "fread", "fseek", "ftell"),
