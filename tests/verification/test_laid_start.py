@@ -35,6 +35,7 @@ def lay(slope: float = 0.0, current: object = "none", friction: float = 0.4) -> 
     )  # fmt: skip
 
 
+@pytest.mark.filterwarnings("ignore::cablemodel.TautLayWarning")
 @pytest.mark.parametrize("slope", [-0.04, 0.04])
 def test_cable_on_a_slope_stays_where_it_was_laid(slope: float) -> None:
     """Friction of 0.4 holds cable on a slope of 0.04; it slid to a heap of folds without."""
