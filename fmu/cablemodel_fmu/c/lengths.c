@@ -322,7 +322,7 @@ static int64_t solve_static(Cable *cable) {
 
 /* The calls of find_initial_state and refine_touchdown in cablemodel/instance. */
 static int64_t find_initial_state(Cable *cable) {
-    const int64_t words = cable->block_words; /* on NO_CAPACITY it must grow, and all begin anew */
+    const int64_t words = cable->block_words;
     const int is_static = (cable->flags & FLAG_STATIC) != 0;
     int64_t status = OK;
     for (int64_t node = 1; node < header(cable->I)->nodes; node++)
