@@ -45,6 +45,7 @@ from cablemodel_fmu.signals import (
     coefficients,
     controls,
     inputs,
+    is_level,
     is_settable,
     lengths,
     outputs,
@@ -206,7 +207,7 @@ def _of_line(scene: Scene, options: Options) -> Contents:
     first = [*map(float, velocity), *map(float, position), rate, 0.0, 0.0, 0.0]
     stations, values = options.stations, options.first_values(scene)
     in_elements = isinstance(block, Block)
-    movable = in_elements and is_settable(scene)
+    movable, level = in_elements and is_settable(scene), in_elements and is_level(scene)
     constants = _constants(scene, block)
     if len(constants) > VR_ZERO - VR_PARAMETER:
         raise ExportError(
@@ -216,7 +217,7 @@ def _of_line(scene: Scene, options: Options) -> Contents:
     signals = [
         *controls(*values),
         *inputs(first),
-        *(starts(first, movable=movable) if in_elements else []),
+        *(starts(first, movable=movable, level=level) if in_elements else []),
         *(item.signal for item in constants),
         *outputs(scene, block, stations),
     ]
@@ -233,6 +234,7 @@ def _of_line(scene: Scene, options: Options) -> Contents:
         scene_inputs=values[0],
         ignore=options.inputs == "scene",
         movable=movable,
+        level=level,
         vessel_input=values[1],
         at_start=options.timing == "start",
         static=scene.initial.kind == "static",
@@ -269,6 +271,7 @@ def _of_system(scene: SystemScene, options: Options) -> Contents:
         scene_inputs=values[0],
         ignore=options.inputs == "scene",
         movable=False,
+        level=False,
         vessel_input=values[1],
         at_start=options.timing == "start",
         static=True,

@@ -271,7 +271,7 @@ def controls(scene_inputs: bool, vessel_input: int, timing: int) -> list[Signal]
     ]  # fmt: skip
 
 
-def starts(inputs_at_start: list[float], *, movable: bool) -> list[Signal]:
+def starts(inputs_at_start: list[float], *, movable: bool, level: bool = False) -> list[Signal]:
     """vessel.start_position, vessel.start_velocity: references from VR_START on.
 
     inputs_at_start: start values of the ten inputs. Where they may not be set they are bounded by
@@ -283,6 +283,7 @@ def starts(inputs_at_start: list[float], *, movable: bool) -> list[Signal]:
         for i, axis in enumerate(_AXES):
             value = inputs_at_start[first + i]
             most = LARGEST[row.unit]
+            settable = movable or (level and first == 3 and i < 2)
             found.append(
                 Signal(
                     name.replace("[i]", f"[{i + 1}]"),
@@ -293,8 +294,8 @@ def starts(inputs_at_start: list[float], *, movable: bool) -> list[Signal]:
                     row.unit,
                     f"{row.quantity}, {axis}",
                     value,
-                    -most if movable else value,
-                    most if movable else value,
+                    -most if settable else value,
+                    most if settable else value,
                 )
             )
     return found
@@ -419,6 +420,14 @@ def is_settable(scene: Scene) -> bool:
     return scene.initial.kind == "static" or (
         scene.initial.kind == "straight" and scene.end.kind == "free"
     )
+
+
+def is_level(scene: Scene) -> bool:
+    """Whether the tow point's start may be moved along a level floor, and what lies with it."""
+    floor = scene.environment.floor
+    if floor is None or floor.z is None or any(floor.slope):
+        return False
+    return scene.initial.kind == "static" and scene.end.kind == "free"
 
 
 def body_rows(scene: Scene, block: AnyBlock) -> list[int]:

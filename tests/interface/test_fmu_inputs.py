@@ -1,6 +1,7 @@
 """Who drives: what is connected does, what is ignored is said, starts may be set."""
 
 import copy
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,6 +10,8 @@ from fmu_tools import CABLE, Slave, assert_same_bits, python_outputs, still_scen
 
 import cablemodel as cm
 from cablemodel_fmu.export import ExportError, export_fmu
+
+ROOT = Path(__file__).parents[2]
 
 STATIONS = 3
 UNDER_WAY = {
@@ -157,7 +160,9 @@ def test_a_first_step_to_another_start_is_warned_of(scheduled, choice, before):
 
 def test_a_start_that_cannot_be_set_is_to_be_exported(tmp_path):
     scene = still_scene(
-        environment={"floor": {"z": -60}}, vessel={"position": [0, 0, 0]}, payout={}
+        environment={"floor": {"z": -60, "slope": [0.1, 0.0]}},
+        vessel={"position": [0, 0, 0]},
+        payout={},
     )
     with unpacked(scene, tmp_path, stations=2) as found:
         slave = Slave(*found, vessel_input=2)
@@ -315,7 +320,10 @@ def test_a_start_that_is_set_and_nothing_else_goes_on(tmp_path):
     ("changes", "words"),
     [
         ({"initial": {"points": [[5, 3, 0], [5, 3, -30]]}}, "export the scene with another"),
-        ({"environment": {"floor": {"z": -50}}}, "export the scene with another"),
+        (
+            {"environment": {"floor": {"z": -50, "slope": [0.1, 0.0]}}},
+            "export the scene with another",
+        ),
     ],
 )
 def test_starts_that_are_given_otherwise(changes, words, tmp_path):
@@ -325,6 +333,30 @@ def test_starts_that_are_given_otherwise(changes, words, tmp_path):
             slave.set("vessel.start_position[1]", 6.0)
         assert words in slave.messages[0][1]
         slave.set("vessel.start_position[1]", 5.0)
+        slave.close()
+
+
+def test_a_start_is_moved_along_a_level_floor_with_what_lies(tmp_path):
+    """A lay elsewhere is that lay; depth and speed are the scene's."""
+    scene = cm.load_scene(ROOT / "scenes/cable_lay.yaml")
+    there = {"vessel.start_position[1]": 250.0, "vessel.start_position[2]": -80.0}
+    with unpacked(scene, tmp_path, stations=STATIONS) as found:
+        slave, plain = Slave(*found, **there), Slave(*found)
+        for _ in range(5):
+            way = slave.get("line.position").reshape(-1, 3)
+            way -= plain.get("line.position").reshape(-1, 3)
+            np.testing.assert_allclose(way, np.tile([250.0, -80.0, 0.0], (STATIONS, 1)), atol=1e-9)
+            np.testing.assert_allclose(
+                slave.get("line.tension"), plain.get("line.tension"), rtol=1e-9, atol=1e-3
+            )
+            slave.step(2.0)
+            plain.step(2.0)
+        slave.close()
+        plain.close()
+        slave = Slave(*found, begin=False)
+        for name in ("vessel.start_position[3]", "vessel.start_velocity[1]"):
+            with pytest.raises(FMICallException):
+                slave.set(name, 0.5)
         slave.close()
 
 

@@ -199,7 +199,8 @@ const char *first_jump(Cable *cable, double dt) {
              "vessel.position draws the tow point by %g m in the first step, of %g s: the cable begins "
              "at (%g, %g, %g); %s",
              way, dt, start[0], start[1], start[2],
-             cable->flags & FLAG_MOVABLE ? "set vessel.start_position" : "export the scene with another start");
+             cable->flags & (FLAG_MOVABLE | FLAG_LEVEL) ? "set vessel.start_position"
+                                                        : "export the scene with another start");
     return cable->message;
 }
 
@@ -491,7 +492,8 @@ static const char *check_start(Cable *cable, unsigned vr, double value) {
     const int is_position = vr < VR_START_VELOCITY;
     const double own =
         is_position ? scene[VR_POSITION + vr - VR_START] : scene[vr - VR_START_VELOCITY];
-    if (!(cable->flags & FLAG_MOVABLE) && value != own)
+    const int along = (cable->flags & FLAG_LEVEL) && vr < VR_START + 2;
+    if (!(cable->flags & FLAG_MOVABLE) && !along && value != own)
         return "this line's start is that of its given shape or floor: export the scene with "
                "another";
     return check_motion(cable, is_position, value);

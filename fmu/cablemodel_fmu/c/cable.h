@@ -47,7 +47,8 @@ enum {
     FLAG_IGNORE = 16, /* inputs, while use_scene_inputs is true */
     FLAG_MOVABLE = 32, /* the tow point's start may be set */
     FLAG_AT_START = 64, /* input.timing begins as 2 */
-    FLAG_VESSEL_INPUT_UNIT = 128, FLAG_VESSEL_INPUT = 3 * 128 /* what vessel.input begins as */
+    FLAG_VESSEL_INPUT_UNIT = 128, FLAG_VESSEL_INPUT = 3 * 128, /* what vessel.input begins as */
+    FLAG_LEVEL = 512 /* the tow point's start may be moved along a level floor, and all that lies with it */
 };
 #define FILE_MAGIC INT64_C(0x554d46454c424143) /* "CABLEFMU" */
 #define STATE_MAGIC INT64_C(0x5441545346434243)

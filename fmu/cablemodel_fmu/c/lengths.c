@@ -466,6 +466,11 @@ static const char *settle(Cable *cable) {
         restore_exported(cable);
         return NULL;
     }
+    if ((cable->flags & FLAG_LEVEL) && first_changed(cable) == NULL) {
+        restore_exported(cable);
+        move_start(cable);
+        return NULL;
+    }
     const int judged = !is_direct(cable->I) && (cable->flags & FLAG_STATIC);
     if (judged) before = exported(cable);
     if (before.on_floor) return refuse_on_floor(cable);
