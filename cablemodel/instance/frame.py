@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel.block import Block
+from cablemodel.laid_loads import water_velocity
 from cablemodel.scene.sea import sea
 
 if TYPE_CHECKING:
@@ -44,10 +45,7 @@ def vertical_plane(
             return None
     current = scene.environment.current
     if current is not None:
-        flows = current.velocity
-        if start:
-            begins = max(0, int(np.searchsorted(current.t, 0.0, "right")) - 1)
-            flows = flows[begins : begins + 2]
+        flows = water_velocity(scene, current.z) if start else current.velocity
         candidates += list(flows.reshape(-1, 3)[:, :2])
     water = None if start else sea(scene)
     if water is not None:

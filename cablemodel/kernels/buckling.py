@@ -14,19 +14,18 @@ A strut that is stiff enough, as a riser below its Euler load, has no negative p
 
 import math
 
-from .access import constraint_of, edge_of, header, scalars, vector
+from .access import edge_of, header, scalars, vector
 from .compile import kernel, own_numbers, view
 from .floor_surface import gap_at
 from .layout import (
-    EXACTLY,
     FLOOR_FAR,
     FLOOR_TOUCHED,
     JOINT_ARM,
     JOINT_FREE,
     JOINT_HINGE,
-    WHOLLY,
 )
 from .newton import refactor
+from .payout import slope_is_held
 from .strain import pressed_stiffness, promised_tension
 from .tension import gives_way
 
@@ -207,7 +206,7 @@ def make_crooked(I, M):
         across(I, M, node, aside)
         for end in range(2):
             at = node if end == 1 else I[head.parent + node]
-            if is_prescribed(I, M, at):
+            if slope_is_held(I, M, at):
                 continue
             slope = view(M, head.position + (2 * at + 1) * dimension, dimension)
             for i in range(dimension):
@@ -277,20 +276,9 @@ def fall_over(I, M):
         if not near_floor(I, M, node, q):
             continue
         angle = crookedness(M, edge_of(I, M, node), least)
-        if off_plane(I, M, node, normal) > FLAT * angle or is_prescribed(I, M, node):
+        if off_plane(I, M, node, normal) > FLAT * angle or slope_is_held(I, M, node):
             continue
         angle *= math.cos(TURN * node)
         for i in range(3):
             M[head.position + 6 * node + 3 + i] += angle * normal[i]
             M[head.rest + 6 * node + 3 + i] += angle * normal[i]
-
-
-@kernel
-def is_prescribed(I, M, node):
-    """Whether a node's place is given, and its slope with it."""
-    head = header(I)
-    for n in range(head.constraint_count):
-        row = constraint_of(I, M, n)
-        if int(row.node) == node and row.clamped in (EXACTLY, WHOLLY):
-            return True
-    return False

@@ -33,6 +33,7 @@ from .layout import (
     W_SPEED,
     WHOLLY,
 )
+from .payout import hermite
 from .strain import strain_and_slope
 from .waves import displaced
 
@@ -171,13 +172,8 @@ def place_before(I, M, q, node, way, out):
         way -= edge_of(I, M, node).length
         node -= 1
     h = edge_of(I, M, node).length
-    x = min(1.0, way / h)
-    y = 1.0 - x
-    below = size * node
-    above = size * I[head.parent + node]
-    for i in range(dimension):
-        out[i] = y * y * (1.0 + 2.0 * x) * q[below + i] - h * x * y * y * q[below + dimension + i]
-        out[i] += x * x * (3.0 - 2.0 * x) * q[above + i] + h * x * x * y * q[above + dimension + i]
+    x = max(0.0, 1.0 - way / h)
+    hermite(q, size * I[head.parent + node], size * node, dimension, h, x, out, vector())
 
 
 @kernel
