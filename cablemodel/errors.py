@@ -140,7 +140,11 @@ class ConvergenceError(CableModelError):
         )
 
 
-class DrawnStartWarning(UserWarning):
+class StartWarning(UserWarning):
+    """What a user should know of a start: told by the command line without the place in code."""
+
+
+class DrawnStartWarning(StartWarning):
     """A lay starts with tension in what lies, which friction was to hold: no such start was found.
 
     Attributes: ``tension`` at the touchdown [N].
@@ -157,7 +161,7 @@ class DrawnStartWarning(UserWarning):
         )
 
 
-class TautLayWarning(UserWarning):
+class TautLayWarning(StartWarning):
     """A lay down a slope starts without tension where it lands, and pays out less than it takes.
 
     Attributes: ``rate`` of the pay-out, ``needed`` by a lay without tension there [m/s].
@@ -175,7 +179,7 @@ class TautLayWarning(UserWarning):
         )
 
 
-class UnstableStartWarning(UserWarning):
+class UnstableStartWarning(StartWarning):
     """A static start is an equilibrium that the line leaves by itself, and no other was found.
 
     Attributes: ``rate`` at which it does [1/s]: the least motion grows by exp(rate t);

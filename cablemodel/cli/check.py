@@ -51,7 +51,7 @@ def check(
     loaded = load_scene(scene, overrides or ())
     end_of(loaded)  # a run that is refused
     try:
-        with explained_start(quiet=as_json), _unstable_starts() as caught:
+        with explained_start(quiet=as_json), _start_warnings() as caught:
             model = CableModel(loaded)
             report = _report(loaded, model)
         report["warnings"] += [str(warning.message) for warning in caught]
@@ -66,12 +66,12 @@ def check(
 
 
 @contextmanager
-def _unstable_starts() -> Iterator[list[warnings.WarningMessage]]:
-    """Warnings of unstable starts, as they come."""
-    from cablemodel.errors import UnstableStartWarning
+def _start_warnings() -> Iterator[list[warnings.WarningMessage]]:
+    """Warnings of starts, as they come."""
+    from cablemodel.errors import StartWarning
 
     with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always", UnstableStartWarning)
+        warnings.simplefilter("always", StartWarning)
         yield caught
 
 
@@ -81,7 +81,7 @@ def _check_system(source: Any, overrides: Iterable[str], *, as_json: bool) -> No
     from cablemodel.systems.words import at_start, topology
 
     scene = load_system(source, overrides)
-    with explained_start(quiet=as_json), _unstable_starts() as caught:
+    with explained_start(quiet=as_json), _start_warnings() as caught:
         model = SystemModel(scene)
     parts, start = list(topology(scene)), list(at_start(model))
     looks_wrong = [*system_warnings(scene), *system_start_warnings(model)]

@@ -12,7 +12,7 @@ from typing import Any, ParamSpec
 
 import typer
 
-from cablemodel.errors import CableModelError, LogError, SceneError, UnstableStartWarning
+from cablemodel.errors import CableModelError, LogError, SceneError, StartWarning
 
 BAD_INPUT = 2
 FAILED = 1
@@ -93,12 +93,12 @@ def _warnings_in_words() -> Iterator[None]:
         usual = warnings.showwarning
 
         def show(message: Any, category: type[Warning], *where: Any, **more: Any) -> None:
-            if issubclass(category, UnstableStartWarning):
+            if issubclass(category, StartWarning):
                 typer.echo(f"cablemodel: warning: {message}", err=True)
             else:
                 usual(message, category, *where, **more)
 
-        warnings.simplefilter("always", UnstableStartWarning)
+        warnings.simplefilter("always", StartWarning)
         warnings.showwarning = show
         yield
 

@@ -535,6 +535,25 @@ def test_an_unstable_start_is_told_in_words(tmp_path: Path) -> None:
     assert "cablemodel: warning: the static start is an unstable equilibrium" in result.stderr
 
 
+def test_a_lay_that_becomes_taut_is_told_in_words(tmp_path: Path) -> None:
+    scene = tmp_path / "lay.yaml"
+    scene.write_text(
+        "environment: {floor: {z: -100, friction: 0.5, slope: [-0.09, 0]}}\n"
+        "cable_types: {K: {diameter: 0.02, mass: 0.8, axial_stiffness: 8 MN,\n"
+        "  bending_stiffness: 5}}\n"
+        "line: [{cable: {type: K, length: 400}}]\n"
+        "vessel: {velocity: [1, 0, 0]}\n"
+        "payout: {rate: 1, drum: [{cable: {type: K, length: 200}}]}\n"
+        "run: {duration: 0.01, output_interval: 0.01}\n"
+    )
+    report = json.loads(invoke("check", scene, "--json").stdout)
+    assert any("a lay down this slope takes 1.03" in warning for warning in report["warnings"])
+    result = invoke("run", scene)
+    assert result.exit_code == 0, result.output
+    assert "cablemodel: warning: a lay down this slope takes 1.03" in result.stderr
+    assert "finite_element" not in result.stderr
+
+
 def test_check_says_what_looks_wrong_where_there_is_no_start(tmp_path: Path) -> None:
     scene = tmp_path / "lay.yaml"
     scene.write_text(
