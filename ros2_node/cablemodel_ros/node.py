@@ -213,7 +213,7 @@ class CableNode(LifecycleNode):
         self._diagnostics = Diagnostics(session, self._loop)
         self._failed = self.create_guard_condition(self._fail)
         self._entities.append(lambda: self.destroy_guard_condition(self._failed))
-        self._entities.append(Inputs(self, session, self._foreign).destroy)
+        self._entities.append(Inputs(self, session, self._foreign, self._on_failure).destroy)
         services = {"~/reset": self._on_reset, "~/save": self._on_save}
         for name, order in session.rig.orders.items():
             services[name] = partial(self._on_order, order)

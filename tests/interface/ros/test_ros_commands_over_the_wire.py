@@ -286,3 +286,16 @@ def test_the_wrench_is_given_where_it_acts_and_about_the_vessel(
     assert moment.x == pytest.approx(-1.0 * weight, abs=1e-6)
     assert moment.y == pytest.approx(-2.0 * weight, abs=1e-6)
     assert moment.z == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_publisher_whose_quality_does_not_fit_is_told_of(
+    running: tuple[NodeProcess, Watch], talker: Talker
+) -> None:
+    """A pay-out rate must not get lost: from a best-effort publisher none comes, and the log says
+    so."""
+    from rclpy.qos import QoSProfile, ReliabilityPolicy
+
+    node, _ = running
+    quality = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+    talker.node.create_publisher(Float64, "/cable/payout_rate_cmd", quality)
+    wait_until(lambda: "payout_rate_cmd', offering incompatible QoS" in node.text)
