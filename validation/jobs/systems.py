@@ -136,16 +136,20 @@ def cut_loose() -> Result:
     start = ours.bodies["load"].position[2]
     shapes = {"before": shape(ours.lines["wire"], 40)}
     times, found = [0.0], [0.0]
-    for k in range(1, 41):
-        ours.step(1.0)
-        times.append(float(k))
+    tensions = []  # a wire that has snapped back rings on: no damping of its material is stated
+    for k in range(1, 241):
+        ours.step(1.0 if k <= 30 else 0.05)
+        times.append(ours.time)
         found.append(start - float(ours.bodies["load"].position[2]))
+        if k > 40:
+            tensions.append(ours.lines["wire"].start_tension)
+    mean = float(np.mean(tensions))
     since = np.maximum(np.array(times) - 5.0, 0.0)
     other = fastest * rise * np.log(np.cosh(since / rise))
     shapes["after 40 s"] = shape(ours.lines["wire"], 40)
     answers = [
         Answer("tension before", before, weight + wire, "N", 0.01 * (weight + wire)),
-        Answer("tension 35 s after", ours.lines["wire"].start_tension, wire, "N", 0.03 * wire),
+        Answer("mean tension from 25 s after on", mean, wire, "N", 0.03 * wire),
         Answer("fallen in 10 s", found[15], float(other[15]), "m", 0.2),
         Answer("speed in the end", -float(ours.bodies["load"].velocity[2]), fastest, "m/s", 0.02),
     ]
