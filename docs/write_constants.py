@@ -48,7 +48,8 @@ WORDS = {
     "kernels/payout.py": "VELOCITY ACCELERATION",
     "kernels/raos.py": "UP YAW",
     "kernels/sea_cells.py": "OVER",
-    "kernels/time_stepping.py": "LANDED",
+    "kernels/esdirk.py": "LANDED",
+    "kernels/time_stepping.py": "MADE TOO_LONG TOUCHES STIRS BREAKS",
     "kernels/tables.py": "PAIRS_D PAIRS_H PAIRS_HD _G3",
     "kernels/tension.py": (
         "PASSES_OVER FOLLOWS SOLVED MISSES SOLVED_Q SOLVED_V SOLVED_A SOLVED_T SOLVED_RATE "

@@ -57,8 +57,10 @@ def row_of(record: Any, table: Any) -> Any:
 
 
 def own_record(record: Any) -> Any:
-    """As the compiled one."""
-    return lambda: record(np.zeros(record.WORDS), 0)
+    """As the compiled one; whole numbers and others beside each other stay what they are."""
+    kinds = {field.kind for field in record.FIELDS.values()}
+    numbers = kinds.pop() if len(kinds) == 1 else object
+    return lambda: record(np.zeros(record.WORDS, numbers), 0)
 
 
 def own_numbers(count: int) -> Any:

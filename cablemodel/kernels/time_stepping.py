@@ -1,18 +1,14 @@
-"""Adaptive time integration: ESDIRK of order 3 or 4 with a simplified Newton method.
+"""Adaptive time integration to a given time.
 
-Unknown of a stage is the acceleration a_i, through q_i = q^ + (gamma dt)^2 a_i and
-v_i = v^ + gamma dt a_i; prescribed nodes are imposed exactly in every stage. Tension is algebraic:
-Newton's test looks at it in the last stage before an output only, and its error, of order 2 in the
-step, is estimated from those of the stages.
+`advance_to` is the whole of it: what is due before a step, its plan, an attempt. That says what
+happened; `take` follows where a step was made, else `try_again`, by what stood in its way.
 """
-
-import math
 
 from .access import edge_of, header, scalars
 from .buckling import any_pressed, arch_stands, fall_over, follow_pressure, is_held, make_crooked
 from .clamp_layer import follow_layer
-from .closures import follow_forces, give_back_forces, keep_forces
-from .compile import copy_words, inlined, kernel, view
+from .closures import give_back_forces, keep_forces
+from .compile import inlined, kernel, own_record, view
 from .consistency import (
     begin_after_a_blow,
     begins_a_surge,
@@ -23,12 +19,12 @@ from .consistency import (
 )
 from .cuts import let_go_step, make_cuts, share_before_a_break
 from .environment import find_piece
+from .esdirk import LANDED, accept_trial, try_step
 from .floor_memory import settle
 from .floor_state import lands, leave_floor
 from .follow import follow_floor
 from .free_bodies import count_turns_anew
 from .layout import (
-    FLOOR_ABOVE,
     FLOOR_FAR,
     FLOOR_NONE,
     FLOOR_TOUCHED,
@@ -41,12 +37,12 @@ from .layout import (
     STALLED,
     TOO_MANY_STEPS,
 )
-from .newton import NO_TENSION, increment_norm, is_folded, refactor
+from .newton import is_folded, refactor
 from .payout import pay_out
 from .promote import promote
+from .record import Record, integer, real
 from .refine import follow_bending
-from .rings import begin_rings, follow_rings, left_of_rings, longest_ring_step, may_miss_rings
-from .sea_cells import begin_stage, end_stage
+from .rings import begin_rings, follow_rings, longest_ring_step, may_miss_rings
 from .slack import follow_slack
 from .sleep import (
     disturbance,
@@ -70,252 +66,62 @@ from .step_size import (
     shorten,
 )
 from .strain import overstretched
-from .system import (
-    impose_motion,
-    newton_increment,
-    recover_tension,
-    residual,
-    set_time,
-)
-from .tables import GAMMA, STAGE_A, STAGE_C, STAGE_ERROR, STAGES
+from .tables import GAMMA, STAGES
 from .tension import (
     FOLLOWS,
     MISSES,
     PASSES_OVER,
     SHORT,
     SOLVED,
-    keep_stage_tensions,
     longest_unwatched,
     remember_tensions,
     take_solved,
-    tension_error,
     two_step_error,
 )
 from .top_of_line import adapt_tops, anything_passes
-from .two_step import accept_two_step, remember, try_two_step, two_step_gamma
+from .two_step import accept_two_step, try_two_step, two_step_gamma
 from .vessel_clamp import update_springs
 from .winch import begin_payout, longest_payout_step
 
-LARGEST_ITERATIONS = 10
-MORE_ITERATIONS = 16  # the same while points of elements begin or cease to bend aside
 STALL = 5000, 1e-5  # internal steps in a row, and their mean length in sqrt(L/g), that end a call
-LANDED = -1  # status of a step without the floor's forces that comes to where they act
 MOST_REFUSALS = 4  # of a step that ends folded
-LEAST_SHARE = 0.1  # of the local error allowed: what a step however short has
-AT_ONCE = 0.02  # of the tolerance: what a stage's first iteration may leave, by the last ratio
-UNSEEN = 1e-4  # tau down to which what that leaves is not seen
-NO_NEARER = 0.9  # of the last increment: from there on what bends aside to and fro is halved
-BEST_RATIO = 0.003  # that is believed for the next stage
-UNSEEN_RATIO = 0.03  # the same where increments were so small that it says little
 UNSTABLE = 30.0  # error of a step that is too long for what grows: the next has 0.4 of it
 LONGEST = 0.999  # of the longest step whose tensions are not looked at: one that is so short
 FOLDS_ITSELF = 1e-4  # sqrt(L/g): steps so short follow the motion into a fold, none is refused
 BENDING_ON, BENDING_OFF = 0.01, 0.005  # hybrid: (EI/T)/h^2 above which bending is kept
 BENDING_SEEN = 1e-5  # tau below which what leaving it out misplaces, EI/T times r'', would be seen
 
-
-@kernel
-def solve_stage(I, M, t, gamma_dt, tolerance, most_left, to_output, ratio):
-    """Newton for one stage; on entry the trial holds what is predicted.
-
-    most_left: tension that may be left [N]. ratio: convergence of the matrix in the stages before,
-    1 where it is not known. Returns a status, and the ratio for the next stage.
-    """
-    head = header(I)
-    state = scalars(M)
-    count = 2 * head.dimension * head.nodes
-    nodes = head.nodes
-    q = view(M, head.trial_position, count)
-    v = view(M, head.trial_velocity, count)
-    a = view(M, head.trial_acceleration, count)
-    tension = view(M, head.trial_tension, 2 * nodes)
-    forces = view(M, head.residual, count)
-    constraint = view(M, head.constraint_residual, 2 * nodes)
-    x = view(M, head.increment, count)
-    inverse = 1.0 / gamma_dt
-    inverse2 = inverse * inverse
-    set_time(I, M, t)
-    impose_motion(I, M, t, q, v, a)
-    if head.factored == 0 or abs(state.factored_step - gamma_dt) > 1e-6 * gamma_dt:
-        if refactor(I, M, q, v, a, tension, gamma_dt) != 0:
-            return NOT_CONVERGED, ratio
-    previous = 0.0
-    since = 0  # iterations with a factorisation made in this stage
-    growing = 0
-    head.bent_aside = 0
-    good = 0.02 if to_output else 0.1
-    at_once = 0.0 if to_output or state.tolerance < UNSEEN else AT_ONCE
-    # What is left of a stage leaves that over gamma dt in the velocity, which an undamped motion
-    # keeps: it must be small against the tolerance over a period, however short the steps are.
-    tolerance *= min(1.0, gamma_dt / (0.1 * state.period))
-    for iteration in range(MORE_ITERATIONS):
-        residual(I, M, q, v, a, tension, forces, constraint)
-        newton_increment(I, M, forces, constraint, x)
-        head.iterations += 1
-        size, where = increment_norm(I, M, x)
-        if not size < 1e30:
-            I[head.failed] = where
-            head.factored = 0
-            return NOT_CONVERGED, ratio
-        if head.bent_aside != 0 and not size < NO_NEARER * previous:
-            # Points of elements change sides to and fro: between the two is what is looked for.
-            for n in range(count):
-                x[n] *= 0.5
-        for n in range(count):
-            q[n] += x[n]
-            v[n] += inverse * x[n]
-            a[n] += inverse2 * x[n]
-        tension_change = recover_tension(I, M, constraint, x, tension, True)
-        follow_forces(I, M)
-        settled = True
-        if to_output:
-            largest = NO_TENSION * state.tension_scale
-            for n in range(1, nodes):
-                largest = max(largest, abs(tension[2 * n]))
-            settled = tension_change <= 1e-4 * largest
-        if settled and size <= 0.01 * tolerance and tension_change <= most_left:
-            if ratio == 1.0 and since > 0:
-                ratio = max(size / previous, UNSEEN_RATIO)
-            return OK, ratio
-        if iteration == 0:
-            left = ratio / (1.0 - ratio) if ratio < 1.0 else math.inf
-            if left * size <= at_once * tolerance and left * tension_change <= most_left:
-                return OK, ratio
-        else:
-            shrunk = size / previous
-            # After a new matrix it compares two of them.
-            ratio = max(shrunk, BEST_RATIO) if since > 0 else 1.0
-            left = shrunk / (1.0 - shrunk) if shrunk < 1.0 else math.inf
-            enough = left * size <= good * tolerance and left * tension_change <= most_left
-            if settled and enough:
-                return OK, ratio
-            growing = growing + 1 if shrunk > 2.0 else 0
-            if growing == 2 and size > tolerance:
-                I[head.failed] = where
-                return NOT_CONVERGED, ratio
-            slow = shrunk > (0.2 if head.fresh == 0 else 0.4) and since > 0
-            if slow or head.bent_aside != 0:
-                if refactor(I, M, q, v, a, tension, gamma_dt) != 0:
-                    return NOT_CONVERGED, ratio
-                since = -1
-        since += 1
-        previous = size
-        I[head.failed] = where
-        if iteration + 1 >= LARGEST_ITERATIONS and head.bent_aside == 0:
-            break
-    return NOT_CONVERGED, ratio
+MADE = 0  # what happened in an attempt: the trial is the next state
+TOO_LONG = 1  # its error is too large, Newton's method failed, or something grows unseen
+TOUCHES = 2  # the line comes to the floor, whose forces were left out
+STIRS = 3  # what was left out, asleep, feels it
+BREAKS = 4  # a link breaks within it
 
 
-@inlined
-def stage_words(I, i, stages):
-    """Words where velocity and acceleration of a stage are: state, stages between, trial."""
-    head = header(I)
-    if i == 0:
-        return head.velocity, head.acceleration
-    if i == stages - 1:
-        return head.trial_velocity, head.trial_acceleration
-    between = 2 * head.dimension * head.nodes * (i - 1)
-    return head.stage_velocity + between, head.stage_acceleration + between
+class Plan(Record):
+    """The next step on the way to the end of a call, and what came of it."""
+
+    end = real("of the call", "s")
+    dt = real("length of the step", "s")
+    natural = real("the step that nothing but the line itself limits", "s")
+    scheme = integer("row of the tables of ESDIRK: 0 of order 3, 1 of order 4")
+    lands = integer("1: it ends at a stop")
+    stop = real("the time to land on", "s")
+    to_output = integer("1: it ends the call")
+    after_a_stop = integer("1: what drives the line may have a kink where it begins")
+    unprojected = integer("1: a step of order 4 came before, which leaves velocities as they are")
+    jolted = real("when a velocity last jumped", "s")
+    iterations = integer("Newton's, before it")
+    status = integer("of the attempt")
+    error = real("of the attempt: local error over what is allowed")
+    along = integer("what the step does along the line (tension_error)")
+    two_steps = integer("1: made by the two-step scheme")
+    folded = integer("attempts in a row that ended folded")
+    stirred = integer("which disturbance wakes what sleeps")
+    share = real("of the step, after which a link breaks")
 
 
-@kernel
-def share_of_error(M, dt):
-    """Of the local error that is allowed, what a step has that is short against the line's memory.
-
-    An error e of the position goes with one of e / dt of the velocity, which moves the line on for
-    as long as drag and gravity take to forget it, and shorter steps are more. In proportion to dt
-    steps would become ever shorter where stiff axial motion decides the estimate; the root of it
-    does for what was wrong, and has a floor.
-    """
-    state = scalars(M)
-    memory = state.memory
-    if dt >= memory:
-        return 1.0
-    return max(LEAST_SHARE, math.sqrt(dt / memory))
-
-
-@kernel
-def try_step(I, M, dt, scheme, to_output):
-    """One ESDIRK step from the state to the trial.
-
-    Returns the status, the error of position or top tension over what is allowed, and what the
-    step does along the line (`tension_error`).
-    """
-    head = header(I)
-    state = scalars(M)
-    count = 2 * head.dimension * head.nodes
-    nodes = head.nodes
-    stages = STAGES[scheme]
-    gamma_dt = GAMMA[scheme] * dt
-    time = state.time
-    tolerance = state.time_tolerance
-    q = view(M, head.position, count)
-    v = view(M, head.velocity, count)
-    a = view(M, head.acceleration, count)
-    base_q = view(M, head.base_position, count)
-    base_v = view(M, head.base_velocity, count)
-    trial_q = view(M, head.trial_position, count)
-    trial_v = view(M, head.trial_velocity, count)
-    trial_a = view(M, head.trial_acceleration, count)
-    head.fresh = 0
-    most_left = left_of_rings(I, M, dt)
-    ratio = 1.0
-    for n in range(count):
-        trial_a[n] = a[n]
-    for n in range(2 * nodes):
-        M[head.trial_tension + n] = M[head.tension + n]
-    for i in range(1, stages):
-        weight = dt * STAGE_A[scheme, i, 0]
-        for n in range(count):
-            base_v[n] = v[n] + weight * a[n]
-            base_q[n] = q[n] + weight * v[n]
-        for j in range(1, i):
-            weight = dt * STAGE_A[scheme, i, j]
-            if weight != 0.0:
-                place_v, place_a = stage_words(I, j, stages)
-                stage_v = view(M, place_v, count)
-                stage_a = view(M, place_a, count)
-                for n in range(count):
-                    base_v[n] += weight * stage_a[n]
-                    base_q[n] += weight * stage_v[n]
-        for n in range(count):
-            motion = gamma_dt * trial_a[n]
-            trial_v[n] = base_v[n] + motion
-            trial_q[n] = base_q[n] + gamma_dt * (base_v[n] + motion)
-        last = i == stages - 1
-        stage_time = time + dt if last else time + STAGE_C[scheme, i] * dt
-        begin_stage(I, M)
-        status, ratio = solve_stage(
-            I, M, stage_time, gamma_dt, tolerance, most_left, to_output and last, ratio
-        )
-        end_stage(I, M)
-        if status != OK:
-            return status, 0.0, PASSES_OVER
-        if head.floor_state == FLOOR_ABOVE and lands(I, M):
-            return LANDED, 0.0, PASSES_OVER
-        if not last:
-            place_v, place_a = stage_words(I, i, stages)
-            copy_words(I, place_v, head.trial_velocity, count)
-            copy_words(I, place_a, head.trial_acceleration, count)
-        keep_stage_tensions(I, M, i - 1)
-        if i == stages - 2:
-            for n in range(2 * nodes):
-                M[head.stage_tension + n] = M[head.trial_tension + n]
-    for n in range(count):
-        base_q[n] = 0.0
-    for i in range(stages):
-        weight = dt * STAGE_ERROR[scheme, i]
-        place_v, _place_a = stage_words(I, i, stages)
-        stage_v = view(M, place_v, count)
-        for n in range(count):
-            base_q[n] += weight * stage_v[n]
-    error, where = increment_norm(I, M, base_q)
-    I[head.failed] = where
-    error /= tolerance * share_of_error(M, dt)
-    if not error <= 1.0:
-        return OK, error, PASSES_OVER
-    of_tension, along = tension_error(I, M, dt, scheme, gamma_dt, base_q)
-    return OK, max(error, of_tension), along
+new_plan = own_record(Plan)
 
 
 @kernel
@@ -327,32 +133,6 @@ def folds(I, M):
     return is_folded(
         I, M, view(M, head.trial_position, count), view(M, head.trial_tension, words)
     ) and not (is_folded(I, M, view(M, head.position, count), view(M, head.tension, words)))
-
-
-@kernel
-def accept_trial(I, M, dt, scheme):
-    """The trial becomes the state; the tension's rate is that of a parabola through the step."""
-    head = header(I)
-    state = scalars(M)
-    count = 2 * head.dimension * head.nodes
-    c = STAGE_C[scheme, STAGES[scheme] - 2]
-    remember(I, M)
-    w0 = (1.0 - c) / (c * dt)
-    wc = -1.0 / (c * (1.0 - c) * dt)
-    w1 = (2.0 - c) / ((1.0 - c) * dt)
-    tension = view(M, head.tension, 2 * head.nodes)
-    inner = view(M, head.stage_tension, 2 * head.nodes)
-    final = view(M, head.trial_tension, 2 * head.nodes)
-    rate = view(M, head.tension_rate, 2 * head.nodes)
-    for n in range(2 * head.nodes):
-        rate[n] = w0 * tension[n] + wc * inner[n] + w1 * final[n]
-    for node in range(1, head.nodes):
-        state.largest_tension = max(state.largest_tension, abs(final[2 * node]))
-    state.last_step = dt
-    copy_words(I, head.position, head.trial_position, count)
-    copy_words(I, head.velocity, head.trial_velocity, count)
-    copy_words(I, head.acceleration, head.trial_acceleration, count)
-    copy_words(I, head.tension, head.trial_tension, 2 * head.nodes)
 
 
 @kernel
@@ -460,218 +240,268 @@ def leave_plane(I, M):
 
 
 @kernel
+def change_what_is_due(I, M):
+    """Before a step the mesh changes, where it is due: what is read after the step is then a state
+    that a step has made."""
+    head = header(I)
+    state = scalars(M)
+    rests = head.sleep != 0 and state.time >= state.sleep_after and may_sleep(I, M)
+    if (
+        rests
+        or (head.payout != 0 and anything_passes(I, M))
+        or (head.floor_state != FLOOR_FAR and follow_floor(I, M, False, 0) != NOTHING)
+        or (mesh_is_due(I, M) and follow_bending(I, M, False) != NOTHING)
+    ):
+        return change_mesh(I, M, rests)
+    return OK
+
+
+@kernel
+def plan_step(I, M, plan):
+    """Where the next step ends, how long it is, and of which order."""
+    head = header(I)
+    state = scalars(M)
+    natural = natural_step(I, M)
+    stop = next_stop(I, M, plan.end, natural)
+    jump = 0.0
+    kink = 0.0
+    if head.payout != 0:
+        stop, jump, kink = begin_payout(I, M, stop)
+        if kink != 0.0:
+            head.settled = 0
+        natural = longest_payout_step(I, M, natural)
+    if plan.after_a_stop != 0 or kink != 0.0:
+        begin_rings(I, M, natural)
+        plan.after_a_stop = 0
+    if jump * natural > state.time_tolerance:
+        natural = max(state.time_tolerance / jump, 10.0 * state.smallest_step)
+        state.step = natural
+        plan.jolted = state.time
+    remaining = stop - state.time
+    # Friction that slips has a kink: across it the stages of order 4 make rings.
+    rubs = head.floor_state == FLOOR_TOUCHED and (state.friction > 0.0 or head.foot_count != 0)
+    highest = 1 if head.order == 4 and state.order_3 == 0.0 and not rubs else 0
+    dt = longest_ring_step(I, M, natural, highest)
+    plan.lands = 0
+    if dt >= remaining * 0.999:
+        dt = remaining
+        plan.lands = 1
+    elif dt > 0.5 * remaining:
+        dt = 0.5 * remaining
+    # Steps that the caller limits need no high order: three stages instead of five. But from
+    # those three nobody can tell the error of the tension of a line that is too stiff for them:
+    # of one that is followed as it rings they can, and order 3 damps what is quicker.
+    if head.rings != 0:
+        high = dt == natural or not may_miss_rings(I, M, dt, 0)
+    else:
+        high = dt > 0.25 * natural or head.settled != 0
+    plan.scheme = highest if high else 0
+    plan.to_output = 1 if plan.lands != 0 and stop == plan.end else 0
+    plan.stop = stop
+    plan.natural = natural
+    plan.dt = dt
+
+
+@kernel
+def make_ready(I, M, plan):
+    """What the state has to meet before a step of another kind than the last one."""
+    head = header(I)
+    state = scalars(M)
+    dt = plan.dt
+    if dt < 0.2 * state.last_step:
+        # Velocities do not meet what a jolt asks for: they run into it, and make its wave.
+        if state.time != plan.jolted:
+            make_consistent(I, M, False)
+    elif (head.live != 0 or head.current_kind != 0 or head.parts != 0) and follows_a_blow(I, M, dt):
+        begin_after_a_blow(I, M, state.last_step)
+    elif plan.unprojected != 0:
+        project_velocity(I, M, GAMMA[plan.scheme] * dt)
+    if head.current_kind != 0 and begins_a_surge(I, M, dt):
+        begin_after_a_blow(I, M, SHORT * SHORT * dt)
+    plan.unprojected = 0
+
+
+@kernel
+def attempt(I, M, plan):
+    """Try the planned step: MADE, or what happened instead."""
+    head = header(I)
+    state = scalars(M)
+    dt = plan.dt
+    plan.iterations = head.iterations
+    make_ready(I, M, plan)
+    plan.status = OK
+    plan.error = 0.0
+    plan.along = PASSES_OVER
+    plan.two_steps = 0
+    if (
+        plan.to_output != 0
+        and dt <= 0.25 * plan.natural
+        and may_miss_rings(I, M, dt, -1)
+        and try_two_step(I, M, dt)
+    ):
+        of_tension, plan.along = two_step_error(I, M, dt)
+        plan.two_steps = 1 if of_tension <= 1.0 else 0
+    if plan.two_steps == 0:
+        give_back_forces(I, M)
+        plan.status, plan.error, plan.along = try_step(I, M, dt, plan.scheme, plan.to_output != 0)
+        if (
+            plan.status == OK
+            and head.floor_state != FLOOR_FAR
+            and plan.folded < MOST_REFUSALS
+            and dt > FOLDS_ITSELF * state.period
+            and folds(I, M)
+        ):
+            # Where the mesh follows folds; a whip on a coarse one may end so for a while.
+            plan.folded += 1
+            plan.status = NOT_CONVERGED
+    if plan.status == LANDED:
+        return TOUCHES
+    if plan.status != OK or not plan.error <= 1.0:
+        return TOO_LONG
+    if head.floor_kind != FLOOR_NONE and head.floor_state != FLOOR_TOUCHED and lands(I, M):
+        return TOUCHES
+    if head.left_out != 0:
+        plan.stirred = disturbance(I, M)
+        if plan.stirred != 0:
+            return STIRS
+    if grows_unseen(I, M, two_step_gamma(M, dt) if plan.two_steps else GAMMA[plan.scheme] * dt):
+        plan.along = PASSES_OVER
+        plan.error = UNSTABLE
+        state.bent_after = state.time  # it bends where the mesh lets it
+        return TOO_LONG
+    if head.cut_count != 0:
+        plan.share = share_before_a_break(I, M)
+        if plan.share < 1.0 and plan.share * dt > let_go_step(M):
+            return BREAKS
+    return MADE
+
+
+@kernel
+def try_again(I, M, plan, happened):
+    """What lets the next attempt do what this one did not; a status."""
+    head = header(I)
+    state = scalars(M)
+    if happened == TOO_LONG:
+        if not shorten(I, M, plan.dt, plan.scheme, plan.status, plan.error):
+            return NOT_CONVERGED
+        if plan.along == MISSES and plan.status == OK:
+            # A shorter one than where tensions are not looked at is none the better for them.
+            least = min(0.9 * plan.dt, LONGEST * longest_unwatched(M))
+            state.step = max(state.step, least)
+        return OK
+    head.rejected += 1
+    if happened == STIRS:
+        wake(I, M, plan.stirred == 2)
+        return change_mesh(I, M, False)
+    if happened == BREAKS:
+        state.step = plan.share * plan.dt
+    return OK
+
+
+@kernel
+def take(I, M, plan):
+    """The trial becomes the state, and what goes with a state follows; a status."""
+    head = header(I)
+    state = scalars(M)
+    dt = plan.dt
+    scheme = plan.scheme
+    two_steps = plan.two_steps != 0
+    follow_rings(I, M, dt, -1 if two_steps else scheme)
+    follow_slack(I, M, dt)
+    if two_steps:
+        accept_two_step(I, M, dt)
+    else:
+        accept_trial(I, M, dt, scheme)
+    keep_forces(I, M)
+    if plan.along == SOLVED:
+        take_solved(I, M)
+    elif plan.along == FOLLOWS:
+        head.settled = 0
+    if head.parts != 0:
+        remember_tensions(I, M)
+        count = 6 * head.nodes
+        count_turns_anew(
+            I,
+            M,
+            view(M, head.position, count),
+            view(M, head.velocity, count),
+            view(M, head.acceleration, count),
+        )
+    make_crooked(I, M)
+    if arch_stands(I, M):
+        leave_plane(I, M)
+    fall_over(I, M)
+    if head.payout != 0:
+        pay_out(I, M, dt)
+    if plan.lands != 0:
+        state.time = plan.stop
+        plan.after_a_stop = 1
+    else:
+        state.time += dt
+    plan.unprojected = 1 if scheme == 1 else 0
+    plan.folded = 0
+    if head.floor_kind != FLOOR_NONE:
+        state.floor_wait += dt
+        if head.floor_state == FLOOR_TOUCHED:
+            settle(I, M)
+        if head.floor_state != FLOOR_FAR:
+            leave_floor(I, M)
+        follow_pressure(I, M)
+    if head.hybrid == 1:
+        update_bending(I, M)
+    if head.rigid > 0 or head.payout != 0:
+        if head.payout != 0:
+            follow_layer(I, M, dt)
+        update_springs(I, M, dt / (dt + state.period))
+    follow_third_mode(I, M, dt / (dt + state.period))
+    if head.live == 0:
+        head.piece = find_piece(I, M, state.time)
+    head.steps += 1
+    iterations = head.iterations - plan.iterations
+    adapt_step(I, M, dt, scheme, plan.error)
+    if not two_steps:
+        if head.floor_state == FLOOR_TOUCHED:
+            follow_iterations(M, dt, iterations / (STAGES[scheme] - 1))
+        choose_order(I, M, scheme, iterations, plan.to_output != 0)
+    if head.cut_count != 0:
+        return make_cuts(I, M)
+    return OK
+
+
+@kernel
 def advance_to(I, M, t_end):
     """Integrate to t_end exactly; on failure the status says why and the state is of no use."""
     head = header(I)
     state = scalars(M)
-    status = OK
-    taken = 0
-    unprojected = False
-    refused = 0
-    mark = state.time
-    jolted = -1e300
-    two_steps = False
-    landed = True  # on what may have a kink
-    if head.cut_count != 0:
-        status = make_cuts(I, M)
-        if status != OK:
-            return status
+    plan = new_plan()
+    plan.end = t_end
+    plan.after_a_stop = 1
+    plan.jolted = -1e300
+    status = make_cuts(I, M) if head.cut_count != 0 else OK
     keep_forces(I, M)
-    while state.time < t_end:
+    taken = 0
+    mark = state.time
+    while status == OK and state.time < t_end:
         give_back_forces(I, M)
-        # The mesh changes before a step: what is read after it is a state that a step has made.
-        rests = head.sleep != 0 and state.time >= state.sleep_after and may_sleep(I, M)
-        if (
-            rests
-            or (head.payout != 0 and anything_passes(I, M))
-            or (head.floor_state != FLOOR_FAR and follow_floor(I, M, False, 0) != NOTHING)
-            or (mesh_is_due(I, M) and follow_bending(I, M, False) != NOTHING)
-        ):
-            status = change_mesh(I, M, rests)
-            if status != OK:
-                break
-        natural = natural_step(I, M)
-        stop = next_stop(I, M, t_end, natural)
-        jump = 0.0
-        kink = 0.0
-        if head.payout != 0:
-            stop, jump, kink = begin_payout(I, M, stop)
-            if kink != 0.0:
-                head.settled = 0
-            natural = longest_payout_step(I, M, natural)
-        if landed or kink != 0.0:
-            begin_rings(I, M, natural)
-            landed = False
-        if jump * natural > state.time_tolerance:
-            natural = max(state.time_tolerance / jump, 10.0 * state.smallest_step)
-            state.step = natural
-            jolted = state.time
-        remaining = stop - state.time
-        # Friction that slips has a kink: across it the stages of order 4 make rings.
-        rubs = head.floor_state == FLOOR_TOUCHED and (state.friction > 0.0 or head.foot_count != 0)
-        highest = 1 if head.order == 4 and state.order_3 == 0.0 and not rubs else 0
-        dt = longest_ring_step(I, M, natural, highest)
-        landing = False
-        if dt >= remaining * 0.999:
-            dt = remaining
-            landing = True
-        elif dt > 0.5 * remaining:
-            dt = 0.5 * remaining
-        # Steps that the caller limits need no high order: three stages instead of five. But from
-        # those three nobody can tell the error of the tension of a line that is too stiff for them:
-        # of one that is followed as it rings they can, and order 3 damps what is quicker.
-        if head.rings != 0:
-            high = dt == natural or not may_miss_rings(I, M, dt, 0)
-        else:
-            high = dt > 0.25 * natural or head.settled != 0
-        scheme = highest if high else 0
-        before = head.iterations
-        to_output = landing and stop == t_end
-        if dt < 0.2 * state.last_step:
-            # Velocities do not meet what a jolt asks for: they run into it, and make its wave.
-            if state.time != jolted:
-                make_consistent(I, M, False)
-        elif (head.live != 0 or head.current_kind != 0 or head.parts != 0) and follows_a_blow(
-            I, M, dt
-        ):
-            begin_after_a_blow(I, M, state.last_step)
-        elif unprojected:
-            project_velocity(I, M, GAMMA[scheme] * dt)
-        if head.current_kind != 0 and begins_a_surge(I, M, dt):
-            begin_after_a_blow(I, M, SHORT * SHORT * dt)
-        unprojected = False
-        status = OK
-        error = 0.0
-        along = PASSES_OVER
-        two_steps = to_output and dt <= 0.25 * natural and may_miss_rings(I, M, dt, -1)
-        two_steps = two_steps and try_two_step(I, M, dt)
-        if two_steps:
-            of_tension, along = two_step_error(I, M, dt)
-            two_steps = of_tension <= 1.0
-        if not two_steps:
-            give_back_forces(I, M)
-            status, error, along = try_step(I, M, dt, scheme, to_output)
-            if (
-                status == OK
-                and head.floor_state != FLOOR_FAR
-                and refused < MOST_REFUSALS
-                and dt > FOLDS_ITSELF * state.period
-                and folds(I, M)
-            ):
-                # Where the mesh follows folds; a whip on a coarse one may end so for a while.
-                refused += 1
-                status = NOT_CONVERGED
-        if status == LANDED or (
-            head.floor_kind != FLOOR_NONE
-            and head.floor_state != FLOOR_TOUCHED
-            and status == OK
-            and error <= 1.0
-            and lands(I, M)
-        ):
-            head.rejected += 1
-            continue
-        if head.left_out != 0 and status == OK and error <= 1.0:
-            disturbed = disturbance(I, M)
-            if disturbed != 0:
-                head.rejected += 1
-                wake(I, M, disturbed == 2)
-                status = change_mesh(I, M, False)
-                if status != OK:
-                    break
-                continue
-        if status == OK and error <= 1.0:
-            gamma_dt = two_step_gamma(M, dt) if two_steps else GAMMA[scheme] * dt
-            if grows_unseen(I, M, gamma_dt):
-                along = PASSES_OVER
-                error = UNSTABLE
-                state.bent_after = state.time  # it bends where the mesh lets it
-        if head.cut_count != 0 and status == OK and error <= 1.0:
-            share = share_before_a_break(I, M)
-            if share < 1.0 and share * dt > let_go_step(M):
-                head.rejected += 1
-                state.step = share * dt
-                continue
-        if status != OK or not error <= 1.0:
-            if not shorten(I, M, dt, scheme, status, error):
-                status = NOT_CONVERGED
-                break
-            if along == MISSES and status == OK:
-                # A shorter one than where tensions are not looked at is none the better for them.
-                state.step = max(state.step, min(0.9 * dt, LONGEST * longest_unwatched(M)))
-            status = OK
-        else:
-            follow_rings(I, M, dt, -1 if two_steps else scheme)
-            follow_slack(I, M, dt)
-            if two_steps:
-                accept_two_step(I, M, dt)
-            else:
-                accept_trial(I, M, dt, scheme)
-            keep_forces(I, M)
-            if along == SOLVED:
-                take_solved(I, M)
-            elif along == FOLLOWS:
-                head.settled = 0
-            if head.parts != 0:
-                remember_tensions(I, M)
-                count = 6 * head.nodes
-                count_turns_anew(
-                    I,
-                    M,
-                    view(M, head.position, count),
-                    view(M, head.velocity, count),
-                    view(M, head.acceleration, count),
-                )
-            make_crooked(I, M)
-            if arch_stands(I, M):
-                leave_plane(I, M)
-            fall_over(I, M)
-            if head.payout != 0:
-                pay_out(I, M, dt)
-            if landing:
-                state.time = stop
-                landed = True
-            else:
-                state.time += dt
-            unprojected = scheme == 1
-            refused = 0
-            if head.floor_kind != FLOOR_NONE:
-                state.floor_wait += dt
-                if head.floor_state == FLOOR_TOUCHED:
-                    settle(I, M)
-                if head.floor_state != FLOOR_FAR:
-                    leave_floor(I, M)
-                follow_pressure(I, M)
-            if head.hybrid == 1:
-                update_bending(I, M)
-            if head.rigid > 0 or head.payout != 0:
-                if head.payout != 0:
-                    follow_layer(I, M, dt)
-                update_springs(I, M, dt / (dt + state.period))
-            follow_third_mode(I, M, dt / (dt + state.period))
-            if head.live == 0:
-                head.piece = find_piece(I, M, state.time)
-            head.steps += 1
-            adapt_step(I, M, dt, scheme, error)
-            if head.floor_state == FLOOR_TOUCHED and not two_steps:
-                follow_iterations(M, dt, (head.iterations - before) / (STAGES[scheme] - 1))
-            if not two_steps:
-                choose_order(I, M, scheme, head.iterations - before, to_output)
-            if head.cut_count != 0:
-                status = make_cuts(I, M)
-                if status != OK:
-                    break
-        taken += 1
-        if taken > head.maximum_steps:
-            status = TOO_MANY_STEPS
+        status = change_what_is_due(I, M)
+        if status != OK:
             break
-        if taken % STALL[0] == 0:
+        plan_step(I, M, plan)
+        happened = attempt(I, M, plan)
+        if happened == MADE:
+            status = take(I, M, plan)
+        else:
+            status = try_again(I, M, plan, happened)
+        taken += 1
+        if status == OK and taken > head.maximum_steps:
+            status = TOO_MANY_STEPS
+        if status == OK and taken % STALL[0] == 0:
             if state.time - mark < STALL[0] * STALL[1] * state.period:
                 status = STALLED
-                break
             mark = state.time
-    if status == OK and not two_steps:
+    if status == OK and plan.two_steps == 0:
         node = overstretched(I, M)
         if node != 0:
             I[head.failed] = node
-            status = OVERSTRETCHED
+            return OVERSTRETCHED
     return status
