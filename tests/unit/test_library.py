@@ -8,32 +8,40 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+import cablemodel as cm
 from cablemodel import library
 
 ROOT = Path(__file__).parents[2]
 
-# One run through turns, pay-out and current: its bits, and what compiled it.
+# A run of direct integration, and Newton matrices of finite elements: in space, with waves, at a
+# floor. Their bits, and what compiled them. All of the finite elements' kernels take numba minutes.
 RUN = """
 import sys, hashlib
+from pathlib import Path
+import numpy as np
 import cablemodel as cm
 from cablemodel import library
 digest = hashlib.sha256()
-for name in ("turn", "whip", "example_2_tow"):
-    model = cm.CableModel(cm.load_scene(f"{root}/scenes/{{name}}.yaml"))
-    for n in range(15):
-        model.step(0.07 + 0.1 * (n % 3), payout_rate=-0.1 * (n > 5), current=(0, 0.1, 0))
-        state = model.state()
-        for array in (state.position, state.velocity, state.tension, model.top_force):
-            digest.update(array.tobytes())
+model = cm.CableModel(cm.load_scene("{root}/scenes/example_2_tow.yaml"))
+for n in range(15):
+    model.step(0.07 + 0.1 * (n % 3), payout_rate=-0.1 * (n > 5), current=(0, 0.1, 0))
+    state = model.state()
+    for array in (state.position, state.velocity, state.tension, model.top_force):
+        digest.update(array.tobytes())
+for path in sorted(Path(sys.argv[1]).glob("*.npy")):
+    block = np.load(path)
+    library.assemble(block, block.view(np.float64), 30.0, 900.0)
+    digest.update(block.tobytes())
 print(library.library_path() is not None, "numba" in sys.modules, digest.hexdigest())
 """
 
 
-def run(code: str, **environment) -> str:
+def run(code: str, *arguments: Path, **environment) -> str:
     done = subprocess.run(
-        [sys.executable, "-c", code],
+        [sys.executable, "-c", code, *map(str, arguments)],
         env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), **environment},
         capture_output=True,
         text=True,
@@ -53,11 +61,15 @@ needs_library = pytest.mark.skipif(
 
 @needs_library
 @pytest.mark.slow
-def test_library_and_numba_give_the_same_bits():
+def test_library_and_numba_give_the_same_bits(tmp_path):
+    for name in ("turn", "whip", "jumper_in_waves", "cable_lay"):
+        model = cm.CableModel(cm.load_scene(ROOT / f"scenes/{name}.yaml"))
+        model.step(0.5)
+        np.save(tmp_path / f"{name}.npy", model._solver.memory.ints)
     code = RUN.format(root=ROOT)
-    used, numba_loaded, bits = run(code).split()
+    used, numba_loaded, bits = run(code, tmp_path).split()
     assert (used, numba_loaded) == ("True", "False")
-    used, numba_loaded, numba_bits = run(code, CABLEMODEL_KERNELS="numba").split()
+    used, numba_loaded, numba_bits = run(code, tmp_path, CABLEMODEL_KERNELS="numba").split()
     assert (used, numba_loaded) == ("False", "True")
     assert bits == numba_bits
 
