@@ -32,8 +32,9 @@ demo: $(READY) native  ## simulate a towed cable: log, picture, report, and comp
 	$(BIN)/python examples/towed_cable.py
 
 # What the tests need is made at the same time.
-test: $(READY_DEV)  ## check style and types, then run all tests
-	@$(MAKE) --no-print-directory -j 4 lint types libraries test-tools $(READY_ROS) $(READY_MASTERS)
+test:  ## check style and types, then run all tests
+	@$(MAKE) --no-print-directory -j 4 $(READY_DEV) $(READY_MASTERS) test-tools
+	@$(MAKE) --no-print-directory -j 4 lint types libraries $(READY_ROS)
 	$(BIN)/python -m pytest $(TOGETHER)
 	$(VENV_ROS)/bin/python -m pytest $(TOGETHER) tests/interface/ros
 
@@ -150,9 +151,9 @@ $(READY): pyproject.toml | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --quiet --editable '.[plot,analysis,export,fmu]'
 	@touch $@
 
-$(READY_DEV): pyproject.toml $(READY)
+$(READY_DEV): pyproject.toml | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --quiet --editable '.[plot,analysis,export,fmu,dev]'
-	@touch $@
+	@touch $(READY) $@
 
 $(READY_BENCH): pyproject.toml $(READY_DEV)
 	$(BIN)/python -m pip install --quiet --quiet --editable '.[bench]'
