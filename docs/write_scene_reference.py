@@ -53,6 +53,8 @@ SECTIONS = {
     "Waves": "`environment.waves`",
     "RegularWave": "`environment.waves.regular`",
     "JonswapWaves": "`environment.waves.jonswap`",
+    "WaveComponents": "`environment.waves.components`",
+    "WaveComponent": "Row of `environment.waves.components`",
     "Floor": "`environment.floor`",
     "FloorPoint": "Row of `environment.floor.depth_table`",
     "CableType": "`cable_types.NAME`",

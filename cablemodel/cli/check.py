@@ -190,6 +190,11 @@ def _waves(scene: Scene) -> str | None:
     assert waves is not None
     if waves.regular is not None:
         kind = f"regular, {waves.regular.height:g} m high, {field.period:g} s"
+    elif waves.components is not None:
+        kind = (
+            f"{len(field.amplitude)} components, significant height {field.significant_height:.3g} "
+            f"m, the largest of {field.period:.3g} s"
+        )
     else:
         assert waves.jonswap is not None
         kind = (

@@ -38,7 +38,9 @@ def moordyn(
 
     target = new_file(output or deck.with_suffix(".yaml"), force, "--output")
     # Units in its headings may be in any encoding.
-    text, left = read_deck(deck.read_text(encoding="utf-8", errors="replace"), deck.name, line)
+    text, left = read_deck(
+        deck.read_text(encoding="utf-8", errors="replace"), deck.name, line, deck.parent
+    )
     read_scene(text)
     with writing(target), target.open("w" if force else "x", encoding="utf-8") as scene:
         scene.write(text)

@@ -234,6 +234,8 @@ def _angles_without_unit(scene: Scene) -> list[str]:
             angles.append(("environment.waves.regular.phase", waves.regular.phase))
         if waves.jonswap is not None:
             angles.append(("environment.waves.jonswap.direction", waves.jonswap.direction))
+        if waves.components is not None:
+            angles.append(("environment.waves.components.direction", waves.components.direction))
     found = []
     for place, angle in angles:
         if angle is None or abs(angle) <= 2.0 * math.pi:

@@ -57,9 +57,10 @@ _GRAVITY, _DENSITY = 9.80665, 1025.0
 """What MoorDyn takes where the deck says nothing [m/s2], [kg/m3]."""
 _MEANT = {"gravity": "g", "wtrdnsty": "rho", "kb": "kbot", "cb": "cbot", "mc": "statdynfricscale"}
 """Options by their other names."""
-_WATER = {"wavekin": "waves", "currents": "a current", "waterkin": "waves or a current",
-          "seafloorfile": "a table of depths"}  # fmt: skip
+_FILES = {"waterkin": "waves or a current", "seafloorfile": "a table of depths"}
 """Options that name files with loads, or a floor, and what they give."""
+_WATER = ("wavekin", "currents")
+"""Options that water.py reads."""
 _FLOOR = {"kbot": "kBot", "cbot": "cBot", "statdynfricscale": "StatDynFricScale"}
 _NUMERICS = re.compile(
     "dtm|dt|cfl|tscheme|dtic|icdt|tmaxic|ictmax|cdscaleic|icdfac|threshic|icthresh|gendynamicic|"
@@ -175,8 +176,10 @@ def environment(deck: Deck) -> dict[str, float]:
         if key in found or key in ("mu_kt", "mu_ka"):
             found[key] = deck.number(row, (name,), name)
         elif key in _WATER:
+            continue
+        elif key in _FILES:
             if value.strip('"') not in ("", "0"):
-                problem = f"{shown(value)} asks for {_WATER[key]}, which is not in the deck itself"
+                problem = f"{shown(value)} asks for {_FILES[key]}, which is not in the deck itself"
                 deck.refuse(row, name, problem, "0; see cablemodel keys environment")
         elif key in _FLOOR:
             floor.append(_FLOOR[key])

@@ -9,11 +9,13 @@ from typing import Any
 def written(
     scene: Mapping[str, Any],
     environment: Mapping[str, float],
+    moving: Mapping[str, Any],
     comment: str,
     left: Sequence[str],
     source: str,
 ) -> str:
-    """The scene in YAML; environment: gravity [m/s2], density [kg/m3], depth [m] and friction."""
+    """The scene in YAML; environment: gravity [m/s2], density [kg/m3], depth [m] and friction;
+    moving: its current and waves, by their keys."""
     import yaml
 
     from cablemodel.scene.text import SceneDumper
@@ -29,7 +31,7 @@ def written(
     floor = {"z": -environment["wtrdpth"], "friction": environment["frictioncoefficient"]}
     data: dict[str, Any] = {"title": f"From {source or 'a MoorDyn deck'}"}
     data["environment"] = {
-        "gravity": environment["g"], "water_density": environment["rho"], "floor": floor,
+        "gravity": environment["g"], "water_density": environment["rho"], "floor": floor, **moving,
     }  # fmt: skip
     lines = [f"# {comment} Not as in the deck:"]
     lines += [f"# - {' '.join(item.split())}" for item in left] or ["# - nothing"]

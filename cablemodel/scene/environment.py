@@ -125,11 +125,51 @@ class JonswapWaves(SceneModel):
     )
 
 
+class WaveComponent(SceneModel):
+    """One of a sea: a regular wave."""
+
+    amplitude: Annotated[float, Quantity("m", at_least=0)] = Field(description="half its height")
+    period: Duration = Field(description="wave period")
+    phase: Angle = Field(default=0.0, description="phase at the origin at t = 0 (0: a crest)")
+
+
+def _component_rows(value: Any, info: ValidationInfo) -> Any:
+    if isinstance(value, str):
+        columns = table_from_file(
+            value, info.context, columns=("amplitude", "period"), optional=("phase",)
+        )
+        return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+    return value
+
+
+class WaveComponents(SceneModel):
+    """A long-crested sea by its components."""
+
+    rows: Annotated[tuple[WaveComponent, ...], BeforeValidator(_component_rows)] = Field(
+        min_length=1,
+        max_length=1000,
+        description="components, or a CSV file with the columns amplitude, period and, if not 0, "
+        "phase",
+        json_schema_extra=also({"type": "string"}),
+    )
+    direction: Angle = Field(
+        default=0.0, description="direction of travel, from x counter-clockwise"
+    )
+
+    @field_validator("rows")
+    @classmethod
+    def _some_wave(cls, rows: tuple[WaveComponent, ...]) -> tuple[WaveComponent, ...]:
+        if all(row.amplitude == 0.0 for row in rows):
+            raise rejection("all amplitudes are 0", "one above 0, or waves: null", 0.0)
+        return rows
+
+
 class Waves(SceneModel):
-    """Surface waves: one of the two kinds."""
+    """Surface waves: one of the three kinds."""
 
     regular: RegularWave | None = Field(default=None, description="a single Airy wave")
     jonswap: JonswapWaves | None = Field(default=None, description="an irregular sea")
+    components: WaveComponents | None = Field(default=None, description="a sea by its components")
     ramp: Annotated[float | None, Quantity("s", at_least=0)] = Field(
         default=None,
         description="time in which the waves come up from calm water; by default one (peak) period",
@@ -137,8 +177,9 @@ class Waves(SceneModel):
 
     @model_validator(mode="after")
     def _one_kind(self) -> Waves:
-        if (self.regular is None) == (self.jonswap is None):
-            raise rejection("not exactly one kind of waves", "either regular or jonswap")
+        kinds = (self.regular, self.jonswap, self.components)
+        if sum(kind is not None for kind in kinds) != 1:
+            raise rejection("not exactly one kind of waves", "regular, jonswap or components")
         return self
 
 

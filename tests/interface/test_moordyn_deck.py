@@ -18,6 +18,7 @@ from benchmarks.peers.moordyn import Settings, input_file
 from benchmarks.scenes import SCENES
 from cablemodel.cli import app
 from cablemodel.moordyn_deck import read_deck
+from cablemodel.scene.sea import sea
 
 FLOAT = """\
 ---------------------- MoorDyn Input File ----------------------
@@ -138,8 +139,10 @@ def test_the_decks_of_the_benchmarks_are_read_as_they_were_meant(name: str) -> N
         ("rope 1 2 60 60", "rope 1 9 60 60", "line 18, AttachB: '9' is no single point"),
         ("rope 1 2 60 60", "rope 1 2 -6 60", "line 18, UnstrLen: -6 is not above 0"),
         ("2 chain 4 3", "2 chain 4 2", "the free point 2 joins it to line 2"),
-        ("7 fancy", "3 WaveKin", "line 27, WaveKin: '3' asks for waves, which"),
-        ("7 fancy", "1 Currents", "line 27, Currents: '1' asks for a current, which"),
+        ("7 fancy", "3 WaveKin", "line 27, WaveKin: '3' asks for waves that are no sum of comp"),
+        ("7 fancy", "7 WaveKin", "WaveKin, wave_frequencies.txt: there is no such file beside"),
+        ("7 fancy", "2 Currents", "line 27, Currents: '2' asks for a current that is no steady"),
+        ("7 fancy", "1 Currents", "Currents, current_profile.txt: there is no such file beside"),
         ("7 fancy", "sea.txt SeafloorFile", "SeafloorFile: 'sea.txt' asks for a table"),
         ("120 WtrDpth", "sea.txt WtrDpth", "line 24, WtrDpth: 'sea.txt' is not a number"),
         ("7 fancy", "0.3 MU_KA", "MU_KT, MU_KA: 0 and 0.3 differ; allowed: one friction"),
@@ -176,6 +179,70 @@ def test_options_that_ask_for_nothing_are_no_loads() -> None:
     scene = cm.load_scene(read_deck(calm, line=1)[0])
     assert scene.environment.floor is not None
     assert scene.environment.floor.friction == 0.3
+
+
+PROFILE = """\
+--------------------- MoorDyn steady currents File ----------------------------------
+Tabulated file with the water currents components
+z (m), ux (m/s), uy (m/s), uz (m/s)
+-130 0.1 0 0
+-60 0.3 0.1
+0 0.8 0.2 0
+"""
+SPECTRUM = "0.0 0.0 0.0 0.4\n0.5 0.3 -0.2 0.4\n0.9 -0.5 0.6 0.4\n1.1 0 0 0.4\n1.3 0.1 0.2 0.4\n"
+
+
+def test_its_current_and_waves_are_those_of_the_files_beside_it(tmp_path: Path) -> None:
+    """The surface is that which MoorDyn makes of the same files."""
+    import moordyn
+
+    text = FLOAT.replace("7 fancy", "7 WaveKin\n0.0005 dtM\n0.2 TmaxIC")
+    (tmp_path / "wave_frequencies.txt").write_text(SPECTRUM)
+    (tmp_path / "float.txt").write_text(text.replace("2 writeLog", "0 writeLog"))
+    scene = cm.load_scene(read_deck(text, "float.txt", 1, tmp_path)[0])
+    field = sea(scene)
+    assert field is not None
+    assert len(field.amplitude) == 3
+    other = moordyn.Create(str(tmp_path / "float.txt"))
+    try:
+        place, still = np.array([100.0, 0.0, 0.0]), np.zeros(3)
+        moordyn.Init(other, place, still)
+        for k in range(3):
+            moordyn.Step(other, place, still, 0.4 * k, 0.4)
+            found = moordyn.GetWavesKin(moordyn.GetWaves(other), 30.0, 20.0, -20.0)[2]
+            elevation = field.elevation(time := 0.4 * (k + 1), 30.0, 20.0) / field.share(time)
+            assert elevation == pytest.approx(found, abs=1e-6)
+    finally:
+        moordyn.Close(other)
+
+
+def test_a_steady_current_is_read(tmp_path: Path) -> None:
+    (tmp_path / "current_profile.txt").write_text(PROFILE)
+    scene = cm.load_scene(read_deck(FLOAT.replace("7 fancy", "3 Currents"), "", 1, tmp_path)[0])
+    current = scene.environment.current
+    assert current is not None
+    assert [(point.z, point.velocity) for point in current.table] == [
+        (-130.0, (0.1, 0.0, 0.0)), (-60.0, (0.3, 0.1, 0.0)), (0.0, (0.8, 0.2, 0.0)),
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("option", "name", "text", "words"),
+    [
+        ("1 Currents", "current_profile.txt", "z u\n\n", "it has no rows; allowed: rows of 2"),
+        ("1 Currents", "current_profile.txt", "0 1\n-5 x\n", "line 2, '-5 x', is no row"),
+        ("7 WaveKin", "wave_frequencies.txt", "0 1 1\n1 0 0\n", "it has no waves"),
+        ("7 WaveKin", "wave_frequencies.txt", "1 1 1 0\n2 1 1 0.1\n", "2 directions of waves"),
+    ],
+)
+def test_a_file_that_is_none_is_refused_by_its_place(
+    option: str, name: str, text: str, words: str, tmp_path: Path
+) -> None:
+    (tmp_path / name).write_text(text)
+    with pytest.raises(cm.SceneError) as caught:
+        read_deck(FLOAT.replace("7 fancy", option), "float.txt", 1, tmp_path)
+    assert words in str(caught.value)
+    assert name in str(caught.value)
 
 
 def test_a_deck_becomes_a_scene_on_the_command_line(tmp_path: Path) -> None:

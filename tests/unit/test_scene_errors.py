@@ -131,7 +131,7 @@ def refusal(data: Any, *overrides: str) -> cm.SceneError:
             "z = 1 m is missing at t = 0 s",
         ),
         # environment
-        ("environment.waves={}", "environment.waves", "either regular or jonswap"),
+        ("environment.waves={}", "environment.waves", "regular, jonswap or components"),
         ("environment.waves={jonswap: {hs: -1, tp: 8}}", "environment.waves.jonswap.hs", "above"),
         ("environment.floor={}", "environment.floor", "either z or depth_table"),
         ("environment.floor={z: 5}", "vessel.position", "5 m below the sea floor"),

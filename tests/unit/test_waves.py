@@ -1,6 +1,7 @@
 """Airy waves and JONSWAP seas: closed forms, spectra, and the kernels against NumPy."""
 
 import itertools
+import json
 import math
 
 import numba
@@ -271,6 +272,9 @@ def test_derivative_of_a_body_at_the_surface(planar, height):
         (REGULAR, {"water_density": 0}, "waves", "water_density"),
         (REGULAR, {"floor": {"z": 0}}, "waves", "deep"),
         ({"jonswap": {"hs": 9, "tp": 5}}, {}, "waves.jonswap.hs", "break"),
+        ({"components": {"rows": [{"amplitude": 4.5, "period": 5}]}}, {}, "components.rows", "bre"),
+        ({"components": {"rows": [{"amplitude": 0, "period": 5}]}}, {}, "components.rows", "are 0"),
+        ({"components": {"rows": []}}, {}, "components.rows", "is empty"),
     ],
 )
 def test_waves_that_cannot_be(waves, changes, path, words):
@@ -279,6 +283,30 @@ def test_waves_that_cannot_be(waves, changes, path, words):
     text = str(caught.value)
     assert path in text
     assert words in text
+
+
+def test_a_sea_by_its_components_is_the_same_sea(tmp_path):
+    """A regular wave, and a JONSWAP sea from a file, given by what they are made of."""
+    one = {"rows": [{"amplitude": 1.0, "period": 7.0, "phase": 0.3}], "direction": 0.5}
+    runs = [cm.CableModel(scene(waves, 30.0)) for waves in (REGULAR, {"components": one})]
+    for run in runs:
+        run.step(3.0)
+    assert runs[0].top_tension == runs[1].top_tension
+    field = sea(scene(JONSWAP, 30.0))
+    columns = (field.amplitude, 2.0 * np.pi / field.frequency, field.phase)
+    rows = [
+        "amplitude,period,phase",
+        *(",".join(map(repr, row)) for row in np.array(columns).T.tolist()),
+    ]
+    (tmp_path / "sea.csv").write_text("\n".join(rows))
+    data = scene({"components": one, "ramp": field.ramp}, 30.0).to_dict()
+    data["environment"]["waves"]["components"] = {"rows": "sea.csv", "direction": 0.5}
+    (tmp_path / "scene.yaml").write_text(json.dumps(data))
+    again = sea(cm.load_scene(tmp_path / "scene.yaml"))
+    place = np.array([[3.0, -4.0, -5.0]])
+    for t in (2.0, 50.0):
+        np.testing.assert_allclose(again.velocity(t, place), field.velocity(t, place), rtol=1e-9)
+    assert field.significant_height == pytest.approx(2.5, rel=1e-9)
 
 
 def test_the_waters_power_is_the_same_where_a_winch_hardly_turns():
