@@ -51,6 +51,8 @@ def place_nodes(scene: SystemScene, built: Built, guess: Guess, before: Built | 
             vessel = scene.vessels[held.end.point.partition(".")[0]]
             own = row[at.Constraint.own_direction.span]
             q[held.node, 3:] = axes_of(first_angles(vessel)) @ own
+    for node, name, direction in tree.clamps:
+        q[node, 3:] = axes_of(scene.bodies[name].attitude) @ direction
     if before is not None:
         shape = Shape(before)
         for node, (name, arc) in enumerate(tree.arcs):

@@ -74,7 +74,7 @@ def allocated(scene: SystemScene, tree: Tree) -> Built:
         cuts=len(scene.cuts),
         rao_words=rao_words(scene, water),
         feet=len(feet_of(scene)),
-        closures=len(tree.closures),
+        closures=len(tree.closures) + len(tree.clamps),
         lines=len(scene.lines),
     )
     block.header.parts = 1
@@ -511,10 +511,16 @@ def rest_feet(scene: SystemScene, built: Built) -> None:
 
 
 def fill_closures(scene: SystemScene, built: Built) -> None:
-    """Where ends of lines come to what is in the tree before."""
+    """Where ends of lines come to what is in the tree before, and what clamps them at bodies."""
     tree, names = built.tree, list(scene.bodies)
-    rows = built.block.array(Header.closures, len(tree.closures), at.CLOSURE_WORDS)
-    for row, (node, owner, where) in zip(rows, tree.closures, strict=True):
+    count = len(tree.closures)
+    rows = built.block.array(Header.closures, count + len(tree.clamps), at.CLOSURE_WORDS)
+    for row, (node, name, direction) in zip(rows[count:], tree.clamps, strict=True):
+        row[at.Closure.node], row[at.Closure.other] = node, -1.0
+        row[at.Closure.body], row[at.Closure.clamp] = names.index(name), 1.0
+        row[at.Closure.place.span] = direction
+        row[at.Closure.tension] = built.block.scalars.tension_scale  # until it is known
+    for row, (node, owner, where) in zip(rows[:count], tree.closures, strict=True):
         row[at.Closure.node], row[at.Closure.body], row[at.Closure.other] = node, -1.0, -1.0
         if isinstance(where, str):
             own = tree.bodies[owner][1]
