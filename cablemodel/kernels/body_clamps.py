@@ -119,6 +119,20 @@ def put_clamp(I, M, row, i, x):
 
 
 @kernel
+def turned_back(I, M, q):
+    """The node of a line that is turned back at its clamp; -1: none is."""
+    axis = vector()
+    along = vector()
+    for n in range(header(I).closure_count):
+        row = closure_of(I, M, n)
+        if row.clamp != 0.0 and row.node >= 0.0:
+            _length, cosine = clamp_axes(I, M, row, q, axis, along)
+            if cosine < 0.0:
+                return int(row.node)
+    return -1
+
+
+@kernel
 def body_clamp_energy(I, M, q):
     """What all these clamps hold [J]."""
     axis = vector()

@@ -175,7 +175,7 @@ def _solved(
     fill_cables(scene, built)
     fill_frames(scene, block)
     fill_held(scene, built)
-    fill_bodies(scene, built, before)
+    fill_bodies(scene, built, guess, before)
     fill_closures(scene, built)
     fill_cuts(scene, built)
     fill_winches(scene, built)

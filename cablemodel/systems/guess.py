@@ -1,7 +1,8 @@
 """Where the parts of a system are at first: strings of masses, with weight and steady drag.
 
 Strings pull and do not push, so the energy is convex and has one lowest place, whatever the start.
-Bodies keep the attitude that the scene gives them.
+Bodies keep the attitude that the scene gives them, but for those to which lines are clamped: they
+are turned so that the lines are straight there, for a body turns sooner than a line bends back.
 """
 
 from __future__ import annotations
@@ -34,6 +35,9 @@ ASIDE = 0.5
 """Load that draws lines aside, in units of their weight in water."""
 AFLOAT = 0.02
 """Of a line's weight in air: what that is at least."""
+GIVEN = 1e-3
+"""What the scene's attitude of a body weighs beside the direction of a line that is clamped to it:
+it decides what those leave open."""
 STANDS = 0.05
 """Of the way from a body's origin to its farthest foot: gap below the lowest one, or depth of it in
 the floor, with which the body is meant to stand there."""
@@ -86,6 +90,8 @@ class Guess:
     """Their places (k, 3) [m]."""
     bodies: dict[str, FloatArray]
     """Of bodies' origins (3,) [m]."""
+    axes: dict[str, FloatArray]
+    """Of bodies, in columns (3, 3)."""
 
     def at(self, line: str, arcs: FloatArray) -> FloatArray:
         """Places (n, 3) at arc lengths of a line (n,) [m]."""
@@ -140,6 +146,28 @@ def held_place(scene: SystemScene, end: LineEnd) -> FloatArray | None:
         return None
     arm = axes_of(first_angles(vessel)) @ np.array(vessel.points[point])
     return np.asarray(np.array(vessel.position) + arm, dtype=np.float64)
+
+
+def turn_along_clamps(scene: SystemScene, guess: Guess) -> None:
+    """Turn bodies by the least angles with which the lines that are clamped to them fit best, about
+    the middle of the places where they are (G. Wahba, SIAM Review 7 (1965) 409)."""
+    fits = {name: GIVEN * axes for name, axes in guess.axes.items() if name not in standing(scene)}
+    places: dict[str, list[tuple[float, float, float]]] = {name: [] for name in fits}
+    for line_name, line in scene.lines.items():
+        points = guess.lines[line_name]
+        for end, way in ((line.start, points[1] - points[0]), (line.end, points[-1] - points[-2])):
+            owner, _dot, point = (end.point or "").partition(".")
+            if end.clamped is not None and owner in fits:
+                along = way / max(float(np.linalg.norm(way)), 1e-30)
+                fits[owner] += np.outer(along, end.clamped)
+                places[owner].append(scene.bodies[owner].points[point])
+    for name, held in places.items():
+        if held:
+            left, _sizes, right = np.linalg.svd(fits[name])
+            sign = np.linalg.det(left) * np.linalg.det(right)
+            axes = left @ np.diag([1.0, 1.0, sign]) @ right
+            guess.bodies[name] = guess.bodies[name] + (guess.axes[name] - axes) @ np.mean(held, 0)
+            guess.axes[name] = axes
 
 
 def ways_aside(guess: Guess) -> dict[str, FloatArray]:
@@ -319,8 +347,11 @@ def first_guess(
     for stretch in STRETCH if len(free) else ():
         start = _lowest(partial(energy, stretch=stretch), start, total, least, float(rest.mean()))
     p = places(start) if len(free) else base
-    return Guess(
+    guess = Guess(
         arcs,
         {name: p[nodes] for name, nodes in lines.items()},
         {name: p[index] for name, index in bodies.items()},
+        {name: axes_of(body.attitude) for name, body in scene.bodies.items()},
     )
+    turn_along_clamps(scene, guess)
+    return guess

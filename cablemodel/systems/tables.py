@@ -21,7 +21,7 @@ from cablemodel.scene.environment import Floor
 from cablemodel.scene.sea import Sea, sea
 from cablemodel.sea_floor import table_words
 from cablemodel.systems.built import Built
-from cablemodel.systems.guess import axes_of, standing
+from cablemodel.systems.guess import Guess, axes_of, standing
 from cablemodel.systems.lines import (
     cable_of,
     flexible_at,
@@ -351,7 +351,7 @@ def _inertia(mass: tuple[float, ...], turning: tuple[float, ...], place: FloatAr
     return np.block([[m, -m @ c], [c @ m, np.diag(turning) - c @ m @ c]])
 
 
-def fill_bodies(scene: SystemScene, built: Built, before: Built | None) -> None:
+def fill_bodies(scene: SystemScene, built: Built, guess: Guess, before: Built | None) -> None:
     """Rows of the free bodies, their arms and foils."""
     block, tree = built.block, built.tree
     rho, gravity = scene.environment.water_density, scene.environment.gravity
@@ -392,7 +392,7 @@ def fill_bodies(scene: SystemScene, built: Built, before: Built | None) -> None:
         row[at.FreeBody.solid.span] = _inertia(mass, body.inertia, centre).ravel()
         added = _inertia(body.added_mass, body.added_inertia, water)
         row[at.FreeBody.added.span] = added.ravel()
-        row[at.FreeBody.rotation.span] = axes_of(body.attitude).ravel()
+        row[at.FreeBody.rotation.span] = guess.axes[name].ravel()
         if before is not None:
             old = before.block.array(Header.free_bodies, len(scene.bodies), at.FREE_WORDS)[index]
             row[at.FreeBody.rotation.span] = at.FreeBody(old, 0).motion.turn
