@@ -19,7 +19,7 @@ from cablemodel.kernels import layout as at
 from cablemodel.kernels.layout import Header, Scalars
 from cablemodel.scene.sea import sea
 from cablemodel.systems.built import Built
-from cablemodel.systems.guess import Guess, first_guess, ways_aside
+from cablemodel.systems.guess import Guess, first_guess, turned_along_clamps, ways_aside
 from cablemodel.systems.lines import nodes_of, steady_velocity
 from cablemodel.systems.places import divided, place_nodes, refined
 from cablemodel.systems.scene import SystemScene
@@ -77,6 +77,12 @@ def _built(scene: SystemScene, sought: search.Search) -> Built:
         leaves = instability(built)
     except StaticsError as error:
         failure = error
+    turned = turned_along_clamps(scene, guess)
+    if turned is not None and (built is None or leaves is not None):
+        sought.tries("the same from bodies that were turned along the lines clamped to them")
+        with suppress(StaticsError, *(() if built is None else (search.OutOfTimeError,))):
+            built = _at_rest(scene, sought, turned, velocity)
+            leaves = instability(built)
     if built is None or (leaves is not None and is_pressed(built)):
         # Slack between two places one above the other is a strut, or hangs doubled in a sharp bend.
         aside = first_guess(scene, velocity, ways_aside(guess))

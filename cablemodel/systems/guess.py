@@ -1,14 +1,14 @@
 """Where the parts of a system are at first: strings of masses, with weight and steady drag.
 
 Strings pull and do not push, so the energy is convex and has one lowest place, whatever the start.
-Bodies keep the attitude that the scene gives them, but for those to which lines are clamped: they
-are turned so that the lines are straight there, for a body turns sooner than a line bends back.
+Bodies keep the attitude that the scene gives them. From another one is sought, where lines are
+clamped to them, if that leads to no start (`turned_along_clamps`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -148,26 +148,32 @@ def held_place(scene: SystemScene, end: LineEnd) -> FloatArray | None:
     return np.asarray(np.array(vessel.position) + arm, dtype=np.float64)
 
 
-def turn_along_clamps(scene: SystemScene, guess: Guess) -> None:
-    """Turn bodies by the least angles with which the lines that are clamped to them fit best, about
-    the middle of the places where they are (G. Wahba, SIAM Review 7 (1965) 409)."""
-    fits = {name: GIVEN * axes for name, axes in guess.axes.items() if name not in standing(scene)}
-    places: dict[str, list[tuple[float, float, float]]] = {name: [] for name in fits}
+def turned_along_clamps(scene: SystemScene, guess: Guess) -> Guess | None:
+    """Bodies turned by the least angles with which the lines that are clamped to them fit best,
+    about the middle of the places where they are (G. Wahba, SIAM Review 7 (1965) 409); None: no
+    line is."""
+    stands = standing(scene)
+    fits: dict[str, FloatArray] = {}
+    places: dict[str, list[tuple[float, float, float]]] = {}
     for line_name, line in scene.lines.items():
         points = guess.lines[line_name]
         for end, way in ((line.start, points[1] - points[0]), (line.end, points[-1] - points[-2])):
             owner, _dot, point = (end.point or "").partition(".")
-            if end.clamped is not None and owner in fits:
+            if end.clamped is not None and owner in scene.bodies and owner not in stands:
                 along = way / max(float(np.linalg.norm(way)), 1e-30)
-                fits[owner] += np.outer(along, end.clamped)
-                places[owner].append(scene.bodies[owner].points[point])
-    for name, held in places.items():
-        if held:
-            left, _sizes, right = np.linalg.svd(fits[name])
-            sign = np.linalg.det(left) * np.linalg.det(right)
-            axes = left @ np.diag([1.0, 1.0, sign]) @ right
-            guess.bodies[name] = guess.bodies[name] + (guess.axes[name] - axes) @ np.mean(held, 0)
-            guess.axes[name] = axes
+                fit = fits.setdefault(owner, GIVEN * guess.axes[owner])
+                fit += np.outer(along, end.clamped)
+                places.setdefault(owner, []).append(scene.bodies[owner].points[point])
+    if not fits:
+        return None
+    bodies, turned = dict(guess.bodies), dict(guess.axes)
+    for name, fit in fits.items():
+        left, _sizes, right = np.linalg.svd(fit)
+        sign = np.linalg.det(left) * np.linalg.det(right)
+        turned[name] = left @ np.diag([1.0, 1.0, sign]) @ right
+        middle = np.mean(places[name], axis=0)
+        bodies[name] = bodies[name] + (guess.axes[name] - turned[name]) @ middle
+    return replace(guess, bodies=bodies, axes=turned)
 
 
 def ways_aside(guess: Guess) -> dict[str, FloatArray]:
@@ -347,11 +353,9 @@ def first_guess(
     for stretch in STRETCH if len(free) else ():
         start = _lowest(partial(energy, stretch=stretch), start, total, least, float(rest.mean()))
     p = places(start) if len(free) else base
-    guess = Guess(
+    return Guess(
         arcs,
         {name: p[nodes] for name, nodes in lines.items()},
         {name: p[index] for name, index in bodies.items()},
         {name: axes_of(body.attitude) for name, body in scene.bodies.items()},
     )
-    turn_along_clamps(scene, guess)
-    return guess
