@@ -130,6 +130,17 @@ def test_two_beams_that_close_a_cycle_are_one_of_twice_the_stiffness() -> None:
             assert found == pytest.approx(expected, abs=2e-5)
 
 
+def test_beams_in_a_row_stand_out_from_what_clamps_them() -> None:
+    """Far from the strings that a start is sought from: w = sum of P a^2 (3 x - a) / 6 EI."""
+    data = cantilever("elastica", backward=False)
+    data["bodies"]["second"] = body(MASS, INERTIA, place=[0, 0, 0], eye=[0, 0, 0])
+    ends = {"from": clamped("load.eye", -1, 0, 0), "to": clamped("second.eye", -1, 0, 0)}
+    data["lines"]["more"] = {**ends, "items": of("beam", LENGTH)}
+    load = MASS * G * LENGTH**3 / (6 * EI)
+    sag = -cm.SystemModel(data).bodies["second"].position[2]
+    assert sag == pytest.approx(load * (1 * (6 - 1) + 4 * (6 - 2)), rel=1e-3)
+
+
 def in_two(model: str, divided: bool) -> dict[str, Any]:
     """A line in a current, or the same in two pieces that a hardly visible body joins."""
     line = {"diameter": 0.05, "mass": 3.0, "axial_stiffness": 1e7, "bending_stiffness": 2e3}
