@@ -19,13 +19,8 @@ from cablemodel.kernels import layout as at
 from cablemodel.kernels.layout import Header, Scalars
 from cablemodel.scene.sea import sea
 from cablemodel.systems.built import Built
-from cablemodel.systems.guess import (
-    Guess,
-    first_guess,
-    straight_from_clamps,
-    turned_along_clamps,
-    ways_aside,
-)
+from cablemodel.systems.clamped_guess import straight_from_clamps, turned_along_clamps
+from cablemodel.systems.guess import Guess, first_guess, ways_aside
 from cablemodel.systems.lines import nodes_of, steady_velocity
 from cablemodel.systems.places import divided, place_nodes, refined
 from cablemodel.systems.scene import SystemScene

@@ -2,13 +2,13 @@
 
 Strings pull and do not push, so the energy is convex and has one lowest place, whatever the start.
 Bodies keep the attitude that the scene gives them. From another one is sought, where lines are
-clamped to them, if that leads to no start (`turned_along_clamps`, `straight_from_clamps`).
+clamped to them, if that leads to no start (clamped_guess.py).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -35,9 +35,6 @@ ASIDE = 0.5
 """Load that draws lines aside, in units of their weight in water."""
 AFLOAT = 0.02
 """Of a line's weight in air: what that is at least."""
-GIVEN = 1e-3
-"""What the scene's attitude of a body weighs beside the direction of a line that is clamped to it:
-it decides what those leave open."""
 STANDS = 0.05
 """Of the way from a body's origin to its farthest foot: gap below the lowest one, or depth of it in
 the floor, with which the body is meant to stand there."""
@@ -146,93 +143,6 @@ def held_place(scene: SystemScene, end: LineEnd) -> FloatArray | None:
         return None
     arm = axes_of(first_angles(vessel)) @ np.array(vessel.points[point])
     return np.asarray(np.array(vessel.position) + arm, dtype=np.float64)
-
-
-def turned_along_clamps(scene: SystemScene, guess: Guess) -> Guess | None:
-    """Bodies turned by the least angles with which the lines that are clamped to them fit best,
-    about the middle of the places where they are; None: no line is."""
-    stands = standing(scene)
-    fits: dict[str, list[tuple[FloatArray, FloatArray]]] = {}
-    places: dict[str, list[FloatArray]] = {}
-    for line_name, line in scene.lines.items():
-        points = guess.lines[line_name]
-        for end, way in ((line.start, points[1] - points[0]), (line.end, points[-1] - points[-2])):
-            owner, _dot, point = (end.point or "").partition(".")
-            if end.clamped is not None and owner in scene.bodies and owner not in stands:
-                along = way / max(float(np.linalg.norm(way)), 1e-30)
-                fits.setdefault(owner, []).append((np.array(end.clamped), along))
-                places.setdefault(owner, []).append(np.array(scene.bodies[owner].points[point]))
-    if not fits:
-        return None
-    bodies, turned = dict(guess.bodies), dict(guess.axes)
-    for name, pairs in fits.items():
-        turned[name] = turned_to(guess.axes[name], pairs)
-        middle = np.mean(places[name], axis=0)
-        bodies[name] = bodies[name] + (guess.axes[name] - turned[name]) @ middle
-    return replace(guess, bodies=bodies, axes=turned)
-
-
-def turned_to(axes: FloatArray, pairs: list[tuple[FloatArray, FloatArray]]) -> FloatArray:
-    """Axes (3, 3) turned by the least angle with which directions in them (3,) come as near as may
-    be to directions in the earth's (G. Wahba, SIAM Review 7 (1965) 409)."""
-    fit = GIVEN * axes + sum(np.outer(along, own) for own, along in pairs)
-    left, _sizes, right = np.linalg.svd(fit)
-    sign = np.linalg.det(left) * np.linalg.det(right)
-    return np.asarray(left @ np.diag([1.0, 1.0, sign]) @ right)
-
-
-def straight_from_clamps(scene: SystemScene, guess: Guess) -> Guess | None:
-    """Lines straight out of what clamps them, from vessels on, with bodies at their ends and what
-    is clamped to those: beams, where a hanging string is far from what they are like; None: a
-    vessel clamps no line that goes to a body."""
-    lines, bodies, axes = dict(guess.lines), dict(guess.bodies), dict(guess.axes)
-    stands = standing(scene)
-    todo = [
-        (name, side)
-        for name, line in scene.lines.items()
-        for side, end in enumerate(line.ends)
-        if end.clamped is not None and held_place(scene, end) is not None
-    ]
-    laid: set[str] = set()
-    moved: set[str] = set()
-    for name, side in todo:  # which becomes longer
-        line = scene.lines[name]
-        end, other = line.ends[side], line.ends[1 - side]
-        owner, _dot, point = (end.point or "").partition(".")
-        body, _dot, far = (other.point or "").partition(".")
-        if name in laid or body not in scene.bodies or body in moved | stands.keys():
-            continue
-        vessel = scene.vessels.get(owner)
-        frame = axes[owner] if vessel is None else axes_of(first_angles(vessel))
-        place = held_place(scene, end)
-        if place is None:
-            place = bodies[owner] + frame @ np.array(scene.bodies[owner].points[point])
-        along = frame @ np.array(end.clamped)
-        from_here = guess.arcs[name] - (line.length if side else 0.0)
-        lines[name] = place + from_here[:, None] * along
-        laid.add(name)
-        moved.add(body)
-        if other.clamped is not None:
-            axes[body] = turned_to(axes[body], [(np.array(other.clamped), along)])
-        there = lines[name][0 if side else -1]
-        bodies[body] = there - axes[body] @ np.array(scene.bodies[body].points[far])
-        todo += [
-            (more, k)
-            for more, its in scene.lines.items()
-            for k, one in enumerate(its.ends)
-            if one.clamped is not None and (one.point or "").partition(".")[0] == body
-        ]
-    if not moved:
-        return None
-    for name, line in scene.lines.items():  # the others go along with their ends
-        for side, end in enumerate(line.ends):
-            body, _dot, point = (end.point or "").partition(".")
-            if name not in laid and body in moved:
-                place = bodies[body] + axes[body] @ np.array(scene.bodies[body].points[point])
-                share = np.abs(guess.arcs[name] / line.length - (1.0 - side))
-                off = place - lines[name][-1 if side else 0]
-                lines[name] = lines[name] + share[:, None] * off
-    return replace(guess, lines=lines, bodies=bodies, axes=axes)
 
 
 def ways_aside(guess: Guess) -> dict[str, FloatArray]:

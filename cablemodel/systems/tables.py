@@ -23,8 +23,8 @@ from cablemodel.sea_floor import table_words
 from cablemodel.systems.built import Built
 from cablemodel.systems.guess import Guess, axes_of, standing
 from cablemodel.systems.lines import (
+    bends_at,
     cable_of,
-    flexible_at,
     memory_of_bodies,
     mesh_may_change,
     start_of,
@@ -332,8 +332,7 @@ def fill_held(scene: SystemScene, built: Built) -> None:
         row[at.Constraint.position.span] = scene.vessels[owner].points[point]
         line = scene.lines[held.line]
         at_end = held.end is line.end
-        cable = max(k for k, i in enumerate(line.items) if i.cable) if at_end else 0
-        if held.end.clamped is not None and not flexible_at(scene, line, cable):
+        if bends_at(scene, line, held.end):
             row[at.Constraint.clamped] = at.EXACTLY
             sign = 1.0 if held.outward is not at_end else -1.0  # along the way of the tree
             row[at.Constraint.own_direction.span] = sign * np.array(held.end.clamped)

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from cablemodel.instance.line import hinged
 from cablemodel.kernels import layout as at
 from cablemodel.scene.line import Body, Cable
-from cablemodel.systems.lines import flexible_at
+from cablemodel.systems.lines import bends_at
 from cablemodel.systems.scene import LineEnd, SystemScene
 
 FloatArray = NDArray[np.float64]
@@ -188,11 +188,10 @@ class _Builder:
     def _clamp(self, name: str, side: int, node: int, body: str, *, outward: bool) -> None:
         """The clamp of a line's end at a body, unless its cable passes no moment."""
         line = self.scene.lines[name]
-        direction = line.ends[side].clamped
-        cables = [k for k, item in enumerate(line.items) if item.cable is not None]
-        if direction is not None and not flexible_at(self.scene, line, cables[-side]):
+        end = line.ends[side]
+        if bends_at(self.scene, line, end):
             sign = 1.0 if outward is (side == 0) else -1.0
-            self.tree.clamps.append((node, body, sign * np.array(direction)))
+            self.tree.clamps.append((node, body, sign * np.array(end.clamped)))
 
     def _finish(self, name: str, side: int, node: int) -> None:
         """What a line comes to."""
