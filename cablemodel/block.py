@@ -243,6 +243,7 @@ class Block(WordBlock):
             (Header.lower.word, capacity * 36),
             (Header.gradient.word, capacity * 24),
             (Header.compliance.word, capacity * 3),
+            (Header.closure_work.word, closures * capacity * 18 + closures * closures * 9),
         ]
         image_words = at.HEADER_WORDS + at.SCALAR_WORDS + sum(length for _, length in image)
         cell = cell_terms * (at.CELL_WORDS // at.CELL_TERMS)  # words of one; 0: there are none
@@ -272,7 +273,6 @@ class Block(WordBlock):
             (Header.matter.word, winches * at.MATTER_WORDS + at.BODY_WORDS),
             (Header.end_force.word, capacity * 6),
             (Header.failed.word, 1),
-            (Header.closure_work.word, closures * capacity * 18 + closures * closures * 9),
         ]
         return image, workspace
 

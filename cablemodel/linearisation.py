@@ -136,7 +136,11 @@ def _newton_matrix(block: Block, of_velocity: float, of_acceleration: float) -> 
     at_columns = np.broadcast_to(size * columns[:, None, None] + word, at_rows.shape)
     values = np.concatenate([diagonal, upper[tied], lower[tied]])
     shape = nodes * size, nodes * size
-    return csc_matrix((values.ravel(), (at_rows.ravel(), at_columns.ravel())), shape=shape)
+    found = csc_matrix((values.ravel(), (at_rows.ravel(), at_columns.ravel())), shape=shape)
+    if block.header.closure_count:
+        for columns in clamps_at_bodies(block):
+            found -= csc_matrix(columns) @ csc_matrix(columns).T
+    return found
 
 
 def free_motions(block: Block) -> tuple[Matrix, tuple[str, ...]]:
@@ -201,6 +205,26 @@ def _closed(basis: Matrix, gaps: FloatArray) -> Matrix:
     ).tocsc()
 
 
+def clamps_at_bodies(block: Block) -> list[FloatArray]:
+    """What is to be taken from the nodes' own blocks for each clamp of an end at a body, times its
+    transpose: sqrt(k) P of kernels/body_clamps.py, (unknowns, 3)."""
+    head = Header(block.ints)
+    kept = block.image.copy()
+    entry.assemble(block.ints, block.reals, 0.0, 0.0)
+    rows = block.array(Header.closures, int(head.closure_count), at.CLOSURE_WORDS).copy()
+    block.image[:] = kept
+    bodies = block.array(Header.free_bodies, int(head.free_count), at.FREE_WORDS)
+    found = []
+    for row in rows[(rows[:, at.Closure.clamp] != 0.0) & (rows[:, at.Closure.node] >= 0.0)]:
+        columns = np.zeros((6 * int(head.nodes), 3))
+        own = 6 * int(row[at.Closure.node]) + 3
+        body = 6 * int(bodies[int(row[at.Closure.body]), at.FreeBody.node]) + 3
+        columns[own : own + 3] = row[at.Closure.slopes.span].reshape(3, 3).T
+        columns[body : body + 3] = row[at.Closure.follows.span].reshape(3, 3).T
+        found.append(np.sqrt(row[at.Closure.stiffness]) * columns)
+    return found
+
+
 def ties_to_bodies(block: Block) -> tuple[dict[int, FloatArray], list[FloatArray]]:
     """Of a system: how places at bodies' points follow the bodies' rotation vectors, (3, 3) by
     node; and what motions of all nodes make of the gap of each end that closes a cycle, (3, n)."""
@@ -216,7 +240,7 @@ def ties_to_bodies(block: Block) -> tuple[dict[int, FloatArray], list[FloatArray
     bodies = block.array(Header.free_bodies, int(head.free_count), at.FREE_WORDS)
     gaps = []
     for row in rows:
-        if row[at.Closure.node] < 0.0:
+        if row[at.Closure.node] < 0.0 or row[at.Closure.clamp] != 0.0:
             continue
         gap = np.zeros((3, 6 * nodes))
         own, body = 6 * int(row[at.Closure.node]), int(row[at.Closure.body])

@@ -91,6 +91,8 @@ def scene_warnings(scene: Scene) -> list[str]:
 
 def system_warnings(scene: SystemScene) -> list[str]:
     """What looks wrong in the scene of a system."""
+    from cablemodel.systems.lines import bends_at
+
     items = [item for line in scene.lines.values() for item in line.items]
     found = _type_warnings(scene, items, "any line") + _item_warnings(scene, items)
     for name, body in scene.bodies.items():
@@ -101,6 +103,11 @@ def system_warnings(scene: SystemScene) -> list[str]:
     found += _fast_water(scene)
     for name, winch in scene.winches.items():
         found += _fast_winch(f"winches.{name}.rate", winch.rate)
+    for name, line in scene.lines.items():
+        for word, end in (("from", line.start), ("to", line.end)):
+            if end.clamped is not None and not bends_at(scene, line, end):
+                problem = "is clamped, but the cable there has no bending: no effect"
+                found.append(f"lines.{name}.{word} {problem}")
     return found
 
 

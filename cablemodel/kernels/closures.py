@@ -7,10 +7,18 @@ of the gap between both places,
     K x - G^T dF = -R,   G x = -gap,
 
 so that x = x0 + Y dF with Y = K^-1 G^T, and G Y dF = -gap - G x0: three columns for each closure,
-and a small dense matrix.
+and a small dense matrix. Of a clamp at a body, which has a row here too (body_clamps.py), dF is
+k P^T x, and -1 / k is added to its part of that matrix.
 """
 
 from .access import closure_of, free_body_of, header, vector
+from .body_clamps import (
+    add_body_clamp,
+    add_clamp_derivatives,
+    clamp_of_motion,
+    open_clamp,
+    put_clamp,
+)
 from .compile import inlined, kernel, view
 from .free_bodies import STEP, arm_moment, follow_turn, set_body_motion
 from .rotation import to_earth_axes
@@ -26,6 +34,9 @@ def close(I, M, q, out):
     for n in range(head.closure_count):
         row = closure_of(I, M, n)
         if row.node < 0.0:
+            continue
+        if row.clamp != 0.0:
+            add_body_clamp(I, M, row, q, out)
             continue
         at = 6 * int(row.node)
         force = row.force
@@ -60,6 +71,9 @@ def close_jacobian(I, M, q, v, a):
         row = closure_of(I, M, n)
         if row.node < 0.0 or row.body < 0.0:
             continue
+        if row.clamp != 0.0:
+            add_clamp_derivatives(I, M, row, q, v, a)
+            continue
         body = free_body_of(I, M, int(row.body))
         node = int(body.node)
         at = 6 * node
@@ -86,6 +100,8 @@ def gap_of_motion(I, M, row, i, x):
     """What a motion x of the nodes changes of component i of a closure's gap."""
     if row.node < 0.0:
         return 0.0
+    if row.clamp != 0.0:
+        return clamp_of_motion(I, M, row, i, x)
     value = x[6 * int(row.node) + i]
     if row.body < 0.0:
         return value - x[6 * int(row.other) + i]
@@ -98,9 +114,11 @@ def gap_of_motion(I, M, row, i, x):
 
 @kernel
 def take_gaps_of_motion(I, M, x):
-    """Make the gaps those of a motion x of the nodes, such as a velocity."""
+    """Make the gaps those of a motion x of the nodes, such as a velocity; a clamp has none."""
     for n in range(header(I).closure_count):
         row = closure_of(I, M, n)
+        if row.clamp != 0.0:
+            continue
         for i in range(3):
             row.gap[i] = gap_of_motion(I, M, row, i, x)
 
@@ -119,6 +137,9 @@ def put_force(I, M, row, i, x):
     """A unit of component i of a closure's force, into the right-hand side x."""
     if row.node < 0.0:
         return
+    if row.clamp != 0.0:
+        put_clamp(I, M, row, i, x)
+        return
     x[6 * int(row.node) + i] = 1.0
     if row.body < 0.0:
         x[6 * int(row.other) + i] = -1.0
@@ -133,13 +154,14 @@ def put_force(I, M, row, i, x):
 def column_word(I, k):
     """Word of column k of Y; behind the last one is G Y, which is factored."""
     head = header(I)
-    return head.closure_work + 6 * head.capacity * k
+    return head.closure_work + 6 * head.nodes * k
 
 
 @kernel
 def factor_small(I, M):
-    """Fill the small matrix from the columns, and factor it (L U, no pivots: it is symmetric and
-    of one sign). Returns 0, or 1 + a node where no force closes the gap."""
+    """Fill the small matrix from the columns, and factor it (L U, no pivots: it is symmetric, of
+    one sign for closures and of the other for clamps). Returns 0, or 1 + a node where no force
+    closes the gap."""
     head = header(I)
     count = 3 * head.closure_count
     S = view(M, column_word(I, count), count * count)
@@ -151,6 +173,8 @@ def factor_small(I, M):
             )
         if row.node < 0.0:
             S[count * r + r] = 1.0
+        elif row.clamp != 0.0:
+            S[count * r + r] -= 1.0 / row.stiffness
     for k in range(count):
         pivot = S[count * k + k]
         if pivot == 0.0 or pivot != pivot:
@@ -189,9 +213,11 @@ def close_increment(I, M, x):
 
 @kernel
 def follow_forces(I, M):
-    """The forces follow the last increment."""
+    """The forces follow the last increment; a clamp's follow from the state."""
     for n in range(header(I).closure_count):
         row = closure_of(I, M, n)
+        if row.clamp != 0.0:
+            continue
         for i in range(3):
             row.force[i] += row.change[i]
 
@@ -217,6 +243,7 @@ def give_back_forces(I, M):
 @kernel
 def open_closure(I, M, node):
     """The end of a line at a node is let go; returns whether it was held by a closure."""
+    open_clamp(I, M, node)
     for n in range(header(I).closure_count):
         row = closure_of(I, M, n)
         if row.node == node:

@@ -283,7 +283,7 @@ def ends_in_something(I, M, node):
             return True
     for n in range(head.closure_count):
         closure = closure_of(I, M, n)
-        if closure.node == node or closure.other == node:
+        if closure.clamp == 0.0 and (closure.node == node or closure.other == node):
             return True
     return False
 

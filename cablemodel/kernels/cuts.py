@@ -18,6 +18,7 @@ from .access import (
     scalars,
     winch_of,
 )
+from .body_clamps import open_clamp
 from .closures import open_closure
 from .compile import kernel
 from .consistency import begin_after_a_blow
@@ -183,6 +184,7 @@ def part_above(I, M, edge):
             arm = arm_of(I, M, n)
             if arm.node == parent:
                 arm.body = -1.0
+        open_clamp(I, M, parent)
         return
     if joint == JOINT_ROOT and constraint_row_at(I, M, parent) < 0:
         return  # it was cut off there before

@@ -13,6 +13,7 @@ from .access import (
     winch_of,
 )
 from .bodies import add_waves, body_in_water, body_kinematics, surge_power
+from .body_clamps import body_clamp_energy
 from .compile import kernel, own_record, view
 from .environment import current_at, surge_at
 from .floor_outputs import floor_energy
@@ -105,6 +106,8 @@ def energies(I, M, out):
             exchange_rates(I, M, v, a)
     if head.payout != 0:
         found.bending += clamp_energy(I, M, q)
+    if head.closure_count != 0:
+        found.bending += body_clamp_energy(I, M, q)
     for i in range(head.dimension):
         found.vessel_power += M[head.residual + i] * M[head.velocity + i]
 

@@ -10,7 +10,7 @@ the FMU's state and its serialisation are a copy of it.
 from .record import Record, integer, part, real, reals, spare
 
 MAGIC = 0x4C45444F4D454C42  # "BLEMODEL", little endian
-VERSION = 16
+VERSION = 17
 
 FLOOR_NONE, FLOOR_PLANE, FLOOR_TABLE = 0, 1, 2
 FLOOR_FAR, FLOOR_ABOVE, FLOOR_TOUCHED = 0, 1, 2  # nothing of it is felt; the mesh knows; forces
@@ -622,7 +622,8 @@ ARM_WORDS = Arm.WORDS
 
 
 class Closure(Record):
-    """An end of a line at a point of a free body, or at a node, that is in the tree before it."""
+    """An end of a line at a point of a free body, or at a node, that is in the tree before it; or
+    the clamp of an end at a free body (body_clamps.py), which has a direction for a place."""
 
     node = real("of the line; -1: it is cut off")
     body = real("row of the body; -1: a node")
@@ -633,6 +634,10 @@ class Closure(Record):
     change = reals(3, "by the last increment", "N")
     gap = reals(3, "of both places, or rate of it", "m")
     follows = reals(9, "how the place follows the body's rotation vector", "m")
+    clamp = real("1: it is a clamp")
+    stiffness = real("of that", "N m")
+    tension = real("of its line there, smoothed over time", "N")
+    slopes = reals(9, "how the slope's direction follows the slope")
 
 
 CLOSURE_WORDS = Closure.WORDS

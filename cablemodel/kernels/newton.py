@@ -3,6 +3,7 @@
 import math
 
 from .access import edge_of, header, scalars
+from .body_clamps import turned_back
 from .compile import inlined, kernel, outlined, view
 from .layout import (
     JOINT_FREE,
@@ -65,9 +66,15 @@ def is_folded(I, M, q, tension):
     """Whether an element lies folded in line: a root of the discrete equations, of no cable.
 
     Its slope passes through zero and back along itself; the two means of |r'| that are held to
-    1 + strain are met with slopes of length 2 at its ends. It costs no bending energy.
+    1 + strain are met with slopes of length 2 at its ends. It costs no bending energy. Or whether a
+    line is turned back at a body that clamps it, where that has no moment either.
     """
     head = header(I)
+    if head.closure_count != 0:
+        turned = turned_back(I, M, q)
+        if turned >= 0:
+            I[head.failed] = turned
+            return True
     dimension = head.dimension
     longest = SLOPE_RANGE[1]
     for node in range(1, head.nodes):

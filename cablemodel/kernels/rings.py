@@ -106,8 +106,9 @@ def least_allowed(I, M, root, end):
         M[beyond + node] = M[own + node] * M[s + node]
         M[closed + node] = 0.0
     for n in range(head.closure_count):
-        node = int(closure_of(I, M, n).node)
-        if root <= node < end:
+        closure = closure_of(I, M, n)
+        node = int(closure.node)
+        if root <= node < end and closure.clamp == 0.0:
             M[closed + node] = 1.0
     least = 1e300
     for node in range(end - 1, root, -1):

@@ -75,7 +75,7 @@ def count_ties(I, M, ties):
         ties[int(free_body_of(I, M, n).node)] += 1.0
     for n in range(head.closure_count):
         row = closure_of(I, M, n)
-        if row.node >= 0.0:
+        if row.node >= 0.0 and row.clamp == 0.0:
             ties[int(row.node)] += 1.0
             if row.other >= 0.0:
                 ties[int(row.other)] += 1.0

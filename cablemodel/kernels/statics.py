@@ -116,7 +116,7 @@ def relax(I, M, frame, damped, strict):
         state.floor_damping = 0.0  # down a slope the frame moves towards the floor, no cable does
     w0[:] = 0.0
     a0[:] = 0.0
-    springs = head.rigid > 0 or head.payout != 0
+    springs = head.rigid > 0 or head.payout != 0 or head.closure_count != 0
     longest = LONGEST_STEP
     if head.free_count != 0:
         longest = min(longest, LONGEST_WITH_BODIES * state.first_step)

@@ -449,7 +449,7 @@ def take(I, M, plan):
         follow_pressure(I, M)
     if head.hybrid == 1:
         update_bending(I, M)
-    if head.rigid > 0 or head.payout != 0:
+    if head.rigid > 0 or head.payout != 0 or head.closure_count != 0:
         if head.payout != 0:
             follow_layer(I, M, dt)
         update_springs(I, M, dt / (dt + state.period))

@@ -11,6 +11,7 @@ flexible cable passes no moment: k = 0. Nor does a clamp hold a body of finite l
 import math
 
 from .access import constraint_of, edge_of, header, scalars, vector, winch_of
+from .body_clamps import update_body_clamps
 from .clamp_layer import share_of_layer
 from .compile import kernel
 from .layout import (
@@ -95,6 +96,8 @@ def update_springs(I, M, share):
     state = scalars(M)
     if head.rigid > 0:
         update_clamps(I, M, share)
+    if head.closure_count != 0:
+        update_body_clamps(I, M, share)
     row = constraint_of(I, M, 0)
     if row.clamped != BY_SPRING:
         return

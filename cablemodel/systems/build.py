@@ -19,6 +19,7 @@ from cablemodel.kernels import layout as at
 from cablemodel.kernels.layout import Header, Scalars
 from cablemodel.scene.sea import sea
 from cablemodel.systems.built import Built
+from cablemodel.systems.clamped_guess import straight_from_clamps, turned_along_clamps
 from cablemodel.systems.guess import Guess, first_guess, ways_aside
 from cablemodel.systems.lines import nodes_of, steady_velocity
 from cablemodel.systems.places import divided, place_nodes, refined
@@ -77,9 +78,24 @@ def _built(scene: SystemScene, sought: search.Search) -> Built:
         leaves = instability(built)
     except StaticsError as error:
         failure = error
+    for fits, words in (
+        (
+            turned_along_clamps,
+            "the same from bodies turned along what is clamped to them",
+        ),
+        (straight_from_clamps, "the same from lines straight out of what clamps them"),
+    ):
+        other_guess = fits(scene, guess)
+        if other_guess is None or (built is not None and leaves is None):
+            continue
+        sought.tries(words)
+        with suppress(StaticsError, *(() if built is None else (search.OutOfTimeError,))):
+            built = _at_rest(scene, sought, other_guess, velocity)
+            leaves = instability(built)
     if built is None or (leaves is not None and is_pressed(built)):
         # Slack between two places one above the other is a strut, or hangs doubled in a sharp bend.
         aside = first_guess(scene, velocity, ways_aside(guess))
+        aside = turned_along_clamps(scene, aside) or aside
         sought.tries("the same from lines that were drawn aside")
         for parts in PARTS_ASIDE:
             with suppress(StaticsError, *(() if built is None else (search.OutOfTimeError,))):
@@ -175,7 +191,7 @@ def _solved(
     fill_cables(scene, built)
     fill_frames(scene, block)
     fill_held(scene, built)
-    fill_bodies(scene, built, before)
+    fill_bodies(scene, built, guess, before)
     fill_closures(scene, built)
     fill_cuts(scene, built)
     fill_winches(scene, built)

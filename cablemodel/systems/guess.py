@@ -1,7 +1,8 @@
 """Where the parts of a system are at first: strings of masses, with weight and steady drag.
 
 Strings pull and do not push, so the energy is convex and has one lowest place, whatever the start.
-Bodies keep the attitude that the scene gives them.
+Bodies keep the attitude that the scene gives them. From another one is sought, where lines are
+clamped to them, if that leads to no start (clamped_guess.py).
 """
 
 from __future__ import annotations
@@ -86,6 +87,8 @@ class Guess:
     """Their places (k, 3) [m]."""
     bodies: dict[str, FloatArray]
     """Of bodies' origins (3,) [m]."""
+    axes: dict[str, FloatArray]
+    """Of bodies, in columns (3, 3)."""
 
     def at(self, line: str, arcs: FloatArray) -> FloatArray:
         """Places (n, 3) at arc lengths of a line (n,) [m]."""
@@ -323,4 +326,5 @@ def first_guess(
         arcs,
         {name: p[nodes] for name, nodes in lines.items()},
         {name: p[index] for name, index in bodies.items()},
+        {name: axes_of(body.attitude) for name, body in scene.bodies.items()},
     )

@@ -12,7 +12,7 @@ from cablemodel.instance.scales import is_flexible
 from cablemodel.mesh import Span, Start, line_nodes
 from cablemodel.scene.line import Cable
 from cablemodel.systems.guess import standing
-from cablemodel.systems.scene import SystemLine, SystemScene
+from cablemodel.systems.scene import LineEnd, SystemLine, SystemScene
 
 FloatArray = NDArray[np.float64]
 
@@ -22,6 +22,13 @@ def flexible_at(scene: SystemScene, line: SystemLine, index: int) -> bool:
     cable = line.items[index].cable
     assert cable is not None
     return is_flexible(scene, cable)
+
+
+def bends_at(scene: SystemScene, line: SystemLine, end: LineEnd) -> bool:
+    """Whether an end of a line is clamped, and its cable there passes a moment."""
+    cables = [index for index, item in enumerate(line.items) if item.cable is not None]
+    last = cables[0 if end is line.start else -1]
+    return end.clamped is not None and not flexible_at(scene, line, last)
 
 
 def nodes_of(scene: SystemScene, name: str) -> list[FloatArray]:
@@ -34,7 +41,7 @@ def nodes_of(scene: SystemScene, name: str) -> list[FloatArray]:
         assert cable is not None
         layers = []
         for end, here in ((line.start, index == places[0]), (line.end, index == places[-1])):
-            clamped = end.clamped is not None and here and not flexible_at(scene, line, index)
+            clamped = here and bends_at(scene, line, end)
             stiffness = scene.cable_types[cable.type].bending_stiffness
             layers.append(math.sqrt(stiffness / tension_scale(scene)) if clamped else math.inf)
         spans.append(Span(cable.length, cable.elements, layers[0], layers[1]))

@@ -29,7 +29,7 @@ def place_nodes(scene: SystemScene, built: Built, guess: Guess, before: Built | 
         if node in bodies:
             body = scene.bodies[name]
             point = tree.bodies[name][1]
-            arm = axes_of(body.attitude) @ np.array(body.place(point))
+            arm = guess.axes[name] @ np.array(body.place(point))
             q[node, :3] = guess.bodies[name] + arm
             continue
         length = scene.lines[name].length
@@ -51,6 +51,8 @@ def place_nodes(scene: SystemScene, built: Built, guess: Guess, before: Built | 
             vessel = scene.vessels[held.end.point.partition(".")[0]]
             own = row[at.Constraint.own_direction.span]
             q[held.node, 3:] = axes_of(first_angles(vessel)) @ own
+    for node, name, direction in tree.clamps:
+        q[node, 3:] = guess.axes[name] @ direction
     if before is not None:
         shape = Shape(before)
         for node, (name, arc) in enumerate(tree.arcs):

@@ -322,8 +322,8 @@ class LineEnd(SceneModel):
     at: Length | None = Field(default=None, description="arc length of the branch on that line")
     clamped: UnitVector | None = Field(
         default=None,
-        description="at a vessel's point: direction of the line there, from its beginning to its "
-        "end, in the vessel's axes",
+        description="at a point: direction of the line there, from its beginning to its end, in "
+        "the axes of the vessel or body",
     )
 
     @property
@@ -339,7 +339,7 @@ class LineEnd(SceneModel):
         if (self.line is None) != (self.at is None):
             raise rejection("line and at belong together", "both or none")
         if self.clamped is not None and self.point is None:
-            raise rejection("only a vessel's point holds a clamp", "point with clamped")
+            raise rejection("only a point holds a clamp", "point with clamped")
         return self
 
 
@@ -586,8 +586,9 @@ class SystemScene(Document):
             if end is not None and end.is_free:
                 problem = f"{cut.line} is free there"
                 yield SceneProblem(f"{path}.at", cut.at, problem, "an end that is held")
-            if end is not None and end.clamped is not None:
-                problem = "a clamped end is not let go"
+            owner = "" if end is None else (end.point or "").partition(".")[0]
+            if end is not None and end.clamped is not None and owner in self.vessels:
+                problem = "a vessel does not let go of a clamped end"
                 yield SceneProblem(f"{path}.at", cut.at, problem, "a place beside it, in metres")
 
     def _winch_problems(self) -> Iterator[SceneProblem]:
@@ -649,9 +650,6 @@ class SystemScene(Document):
                 yield SceneProblem(path, end.point, problem, ", ".join(points) or "a point")
                 return
             used.add(owner)
-            if end.clamped is not None and owner in self.bodies:
-                problem = "a clamp at a body is not computed yet"
-                yield SceneProblem(f"{path}.clamped", end.clamped, problem, "a vessel's point")
         if end.line is not None:
             other = self.lines.get(end.line)
             if other is None or end.line == name:

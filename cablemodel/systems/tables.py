@@ -21,10 +21,10 @@ from cablemodel.scene.environment import Floor
 from cablemodel.scene.sea import Sea, sea
 from cablemodel.sea_floor import table_words
 from cablemodel.systems.built import Built
-from cablemodel.systems.guess import axes_of, standing
+from cablemodel.systems.guess import Guess, axes_of, standing
 from cablemodel.systems.lines import (
+    bends_at,
     cable_of,
-    flexible_at,
     memory_of_bodies,
     mesh_may_change,
     start_of,
@@ -74,7 +74,7 @@ def allocated(scene: SystemScene, tree: Tree) -> Built:
         cuts=len(scene.cuts),
         rao_words=rao_words(scene, water),
         feet=len(feet_of(scene)),
-        closures=len(tree.closures),
+        closures=len(tree.closures) + len(tree.clamps),
         lines=len(scene.lines),
     )
     block.header.parts = 1
@@ -332,8 +332,7 @@ def fill_held(scene: SystemScene, built: Built) -> None:
         row[at.Constraint.position.span] = scene.vessels[owner].points[point]
         line = scene.lines[held.line]
         at_end = held.end is line.end
-        cable = max(k for k, i in enumerate(line.items) if i.cable) if at_end else 0
-        if held.end.clamped is not None and not flexible_at(scene, line, cable):
+        if bends_at(scene, line, held.end):
             row[at.Constraint.clamped] = at.EXACTLY
             sign = 1.0 if held.outward is not at_end else -1.0  # along the way of the tree
             row[at.Constraint.own_direction.span] = sign * np.array(held.end.clamped)
@@ -351,7 +350,7 @@ def _inertia(mass: tuple[float, ...], turning: tuple[float, ...], place: FloatAr
     return np.block([[m, -m @ c], [c @ m, np.diag(turning) - c @ m @ c]])
 
 
-def fill_bodies(scene: SystemScene, built: Built, before: Built | None) -> None:
+def fill_bodies(scene: SystemScene, built: Built, guess: Guess, before: Built | None) -> None:
     """Rows of the free bodies, their arms and foils."""
     block, tree = built.block, built.tree
     rho, gravity = scene.environment.water_density, scene.environment.gravity
@@ -392,7 +391,7 @@ def fill_bodies(scene: SystemScene, built: Built, before: Built | None) -> None:
         row[at.FreeBody.solid.span] = _inertia(mass, body.inertia, centre).ravel()
         added = _inertia(body.added_mass, body.added_inertia, water)
         row[at.FreeBody.added.span] = added.ravel()
-        row[at.FreeBody.rotation.span] = axes_of(body.attitude).ravel()
+        row[at.FreeBody.rotation.span] = guess.axes[name].ravel()
         if before is not None:
             old = before.block.array(Header.free_bodies, len(scene.bodies), at.FREE_WORDS)[index]
             row[at.FreeBody.rotation.span] = at.FreeBody(old, 0).motion.turn
@@ -511,10 +510,16 @@ def rest_feet(scene: SystemScene, built: Built) -> None:
 
 
 def fill_closures(scene: SystemScene, built: Built) -> None:
-    """Where ends of lines come to what is in the tree before."""
+    """Where ends of lines come to what is in the tree before, and what clamps them at bodies."""
     tree, names = built.tree, list(scene.bodies)
-    rows = built.block.array(Header.closures, len(tree.closures), at.CLOSURE_WORDS)
-    for row, (node, owner, where) in zip(rows, tree.closures, strict=True):
+    count = len(tree.closures)
+    rows = built.block.array(Header.closures, count + len(tree.clamps), at.CLOSURE_WORDS)
+    for row, (node, name, direction) in zip(rows[count:], tree.clamps, strict=True):
+        row[at.Closure.node], row[at.Closure.other] = node, -1.0
+        row[at.Closure.body], row[at.Closure.clamp] = names.index(name), 1.0
+        row[at.Closure.place.span] = direction
+        row[at.Closure.tension] = built.block.scalars.tension_scale  # until it is known
+    for row, (node, owner, where) in zip(rows[:count], tree.closures, strict=True):
         row[at.Closure.node], row[at.Closure.body], row[at.Closure.other] = node, -1.0, -1.0
         if isinstance(where, str):
             own = tree.bodies[owner][1]

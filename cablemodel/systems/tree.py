@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from cablemodel.instance.line import hinged
 from cablemodel.kernels import layout as at
 from cablemodel.scene.line import Body, Cable
+from cablemodel.systems.lines import bends_at
 from cablemodel.systems.scene import LineEnd, SystemScene
 
 FloatArray = NDArray[np.float64]
@@ -73,6 +74,8 @@ class Tree:
     """Nodes at bodies' points: node, body, point."""
     closures: list[tuple[int, str, str | float]] = field(default_factory=list)
     """Nodes at what is in the tree before: node, body and its point, or line and arc length."""
+    clamps: list[tuple[int, str, FloatArray]] = field(default_factory=list)
+    """Nodes whose slope a body turns: node, body, direction along the tree in its axes (3,)."""
     masses: list[tuple[int, Body, str, int]] = field(default_factory=list)
     """Point bodies in lines: node, body, line, item."""
 
@@ -143,6 +146,7 @@ class _Builder:
                     arc = line.length if side else 0.0
                     arm = tree.add(node, at.JOINT_ARM, (name, arc))
                     tree.arms.append((arm, body, place))
+                    self._clamp(name, side, arm, body, outward=True)
                     self.placed.add(name)
                     self._run(name, arm, arc, 0.0 if side else line.length)
 
@@ -172,7 +176,7 @@ class _Builder:
         if last.body is not None:
             index = 0 if backward else len(line.items) - 1
             tree.masses.append((node, last.body, name, index))
-        self._finish(name, line.ends[side], node)
+        self._finish(name, side, node)
         for junction, other, other_side in branches:
             if other in self.placed:
                 continue
@@ -181,14 +185,24 @@ class _Builder:
             branch = tree.add(junction, at.JOINT_HINGE, (other, arc))
             self._run(other, branch, arc, 0.0 if other_side else self.scene.lines[other].length)
 
-    def _finish(self, name: str, end: LineEnd, node: int) -> None:
+    def _clamp(self, name: str, side: int, node: int, body: str, *, outward: bool) -> None:
+        """The clamp of a line's end at a body, unless its cable passes no moment."""
+        line = self.scene.lines[name]
+        end = line.ends[side]
+        if bends_at(self.scene, line, end):
+            sign = 1.0 if outward is (side == 0) else -1.0
+            self.tree.clamps.append((node, body, sign * np.array(end.clamped)))
+
+    def _finish(self, name: str, side: int, node: int) -> None:
         """What a line comes to."""
+        end = self.scene.lines[name].ends[side]
         kind = self._kind(end)
         if kind == "held":
             self.tree.held.append(Held(node, name, end, outward=False))
         elif kind == "body":
             assert end.point is not None
             body, _dot, point = end.point.partition(".")
+            self._clamp(name, side, node, body, outward=False)
             if body in self.tree.bodies:
                 self.tree.closures.append((node, body, point))
             else:

@@ -15,10 +15,11 @@ from typing import Any
 from cablemodel.library import PREFIX
 
 RARE_KERNELS = (
-    "buckling", "clamp_layer", "closures", "consistency", "cuts", "feet", "floor_memory",
-    "floor_outputs", "floor_state", "flow", "follow", "frames", "free_bodies", "hulls",
-    "interface", "part_outputs", "passing", "payout", "promote", "raos", "refine", "rigid",
-    "rotation", "scales", "sleep", "statics", "tension", "top_of_line", "vessel_clamp", "winch",
+    "body_clamps", "buckling", "clamp_layer", "closures", "consistency", "cuts", "feet",
+    "floor_memory", "floor_outputs", "floor_state", "flow", "follow", "frames", "free_bodies",
+    "hulls", "interface", "part_outputs", "passing", "payout", "promote", "raos", "refine",
+    "rigid", "rotation", "scales", "sleep", "statics", "tension", "top_of_line", "vessel_clamp",
+    "winch",
 )  # fmt: skip
 """Modules of kernels that are little of the work: built for size."""
 RARE_ENTRIES = (

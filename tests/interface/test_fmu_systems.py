@@ -35,8 +35,8 @@ def wire(length: float, **more: Any) -> dict[str, Any]:
 
 def tow() -> cm.SystemScene:
     """A plate with a foil and a tail behind a tug on a turning path, which the waves move, and a
-    load on a crane's line, which is clamped and told from its lower end; what can be cut, and what
-    comes off at its time."""
+    load on a crane's line, which is clamped to both and told from its lower end; what can be cut,
+    and what comes off at its time."""
     data: dict[str, Any] = {
         "title": "Bridle",
         "cable_types": {
@@ -74,7 +74,8 @@ def tow() -> cm.SystemScene:
             "port": {"from": "tug.port", "to": "plate.left", "items": [wire(40)]},
             "tail": {"from": "plate.stern", "to": "free", "items": [wire(15, elements=3)]},
             "hoist": {
-                "from": "buoy.eye", "to": {"point": "crane.tip", "clamped": [0, 0, 1]},
+                "from": {"point": "buoy.eye", "clamped": [0, 0, 1]},
+                "to": {"point": "crane.tip", "clamped": [0, 0, 1]},
                 "items": [wire(20)],
             },
         },

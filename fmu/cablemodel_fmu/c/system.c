@@ -106,7 +106,7 @@ const char *check_parts(const int64_t *I) {
         const double *row = M + header(I)->closures + n * CLOSURE_WORDS;
         if (!whole(AS(Closure, row)->node, -1, last) || !whole(AS(Closure, row)->other, -1, last) ||
             !whole(AS(Closure, row)->body, -1, header(I)->free_count - 1) ||
-            (AS(Closure, row)->body < 0.0 && AS(Closure, row)->other < 0.0))
+            (AS(Closure, row)->body < 0.0 && (AS(Closure, row)->other < 0.0 || AS(Closure, row)->clamp != 0.0)))
             return "a cycle is closed at no node";
     }
     for (int64_t n = 0; n < header(I)->foil_count; n++)
