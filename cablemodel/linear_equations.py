@@ -34,6 +34,9 @@ SIZE = 6
 LENGTH_STEP, RATE_STEP = 1e-5, 1e-4
 """Of central differences of the residual: of an element's length [1], of rates and speeds [SI]."""
 
+TOLD = 1e-2
+"""Of a stiffness: rounded by more than that, it tells nothing of what it holds."""
+
 
 def of_axes(name: str) -> Names:
     """Names of three components."""
@@ -143,6 +146,8 @@ class Response:
     """That force at the state while the inputs are zero, (unknowns,)."""
     change: FloatArray
     """How much of that is because the state's own inputs are not, (unknowns,)."""
+    answer: FloatArray
+    """Second rates of the free motions, (motions, columns)."""
     first_level: int
     """Column of the first level."""
 
@@ -202,9 +207,7 @@ class Equations(ABC):
         self._begin()
         basis, self.names = free_motions(block)
         self.basis: FloatArray = basis.toarray()
-        self.mass, self.damping, self.stiffness = (part.toarray() for part in matrices(block))
-        for winding in self.windings:
-            self._let_matter_pass(winding)
+        self._make_matrices()
         entry.assemble(block.ints, block.reals, 0.0, 0.0)  # gradients and compliances stay there
         # One unit of each unknown of the basis: what of places and slopes it is, but for places
         # that follow others.
@@ -212,8 +215,14 @@ class Equations(ABC):
         own.reshape(self.nodes, SIZE, -1)[self._follows(), :3] = 0.0
         self.dual = solved(own.T @ own, own.T)
 
+    def _make_matrices(self) -> None:
+        self.mass, self.damping, self.stiffness = (part.toarray() for part in matrices(self.block))
+        for winding in self.windings:
+            self._let_matter_pass(winding)
+
+    @abstractmethod
     def _begin(self) -> None:
-        """Make inputs rest at their present levels."""
+        """Look at the state before the matrices are made."""
 
     @abstractmethod
     def drives(self) -> Drives:
@@ -367,11 +376,31 @@ class Equations(ABC):
             drives.level(name, value, residual=self.by(flow, RATE_STEP))
             drives.input(of_axes("current_rate")[axis], name, residual=self.by(surge, RATE_STEP))
 
-    def linear_model(self, others: Mapping[str, FloatArray] | None = None) -> LinearModel:
-        """About the state. others: more inputs, each with what the residual changes by."""
-        z, drives = self.basis, self.drives()
+    def _all_drives(self) -> Drives:
+        drives = self.drives()
         self._add_winches(drives)
         self._add_current(drives)
+        return drives
+
+    def _by_all(self, drives: Drives, turning: Turning | None) -> tuple[FloatArray, ...]:
+        """The residual by places, rates, levels and inputs, while no free motion gets faster."""
+        z = self.basis
+        by_place, by_rate = self.stiffness @ z, self.damping @ z
+        if turning is not None:
+            by_place += self.damping @ turning.velocity + self.mass @ turning.acceleration
+            by_rate += self.mass @ turning.by_rate
+        moved, sped, pushed, beside = drives.by_levels()
+        pushed_by_input, beside_input = drives.by_inputs()
+        return (
+            by_place,
+            by_rate,
+            self.stiffness @ moved + self.damping @ sped + self.mass @ pushed + beside,
+            self.mass @ pushed_by_input + beside_input,
+        )
+
+    def linear_model(self, others: Mapping[str, FloatArray] | None = None) -> LinearModel:
+        """About the state. others: more inputs, each with what the residual changes by."""
+        z, drives, turning = self.basis, self._all_drives(), self.turning()
         present = self.residual(condensed=False)
         # What the motion leaves when all that drives it goes on evenly.
         even = present - self.mass @ self.own_acceleration()
@@ -380,16 +409,8 @@ class Equations(ABC):
             even -= drives.of_inputs[column][1] * winding.slope
         for name, column_of_other in (others or {}).items():
             drives.input(name, "", residual=column_of_other)
-        moved, sped, pushed, beside = drives.by_levels()
-        pushed_by_input, beside_input = drives.by_inputs()
-        by_place, by_rate = self.stiffness @ z, self.damping @ z
-        turning = self.turning()
-        if turning is not None:
-            by_place += self.damping @ turning.velocity + self.mass @ turning.acceleration
-            by_rate += self.mass @ turning.by_rate
-        by_level = self.stiffness @ moved + self.damping @ sped + self.mass @ pushed + beside
-        by_input = self.mass @ pushed_by_input + beside_input
-        whole = np.column_stack([by_place, by_rate, by_level, by_input, even])
+        by_place, *others_of_all = self._by_all(drives, turning)
+        whole = np.column_stack([by_place, *others_of_all, even])
         # Accelerations by place, velocity, levels, inputs; then those that the state has itself.
         answer = -solved(z.T @ self.mass @ z, z.T @ whole)
         now = self.block.array(Header.acceleration, self.nodes * SIZE).copy()
@@ -408,6 +429,7 @@ class Equations(ABC):
         left = answer[:, -1]
         drift = np.concatenate([self.dual @ speed, self.dual @ now + left, chain @ operating])
         borne = whole + self.mass @ z @ answer
+        moved, sped = drives.by_levels()[:2]
         none = np.zeros((len(z), m))
         response = Response(
             place=np.column_stack([z, np.zeros_like(z), moved, none]),
@@ -417,6 +439,7 @@ class Equations(ABC):
             force=borne[:, :-1],
             rest=borne[:, -1],
             change=borne[:, -1] - present,
+            answer=answer[:, :-1],
             first_level=2 * n,
         )
         found = self.outputs(response, drives)
@@ -434,7 +457,23 @@ class Equations(ABC):
             tuple(found.names),
             operating,
             self.time,
+            self._free(z.T @ by_place),
         )
+
+    def _free(self, stiffness: FloatArray) -> Names:
+        """States that nothing holds, the freest first: what the stiffness is rounded by would move
+        them by a share of `TOLD` of what it holds them by."""
+        try:
+            compliance = np.abs(np.diag(np.linalg.inv(stiffness)))
+        except np.linalg.LinAlgError:
+            return ()  # whatever needs the inverse says so
+        moved = compliance * self.rounding(stiffness)
+        order = np.argsort(-moved)
+        return tuple(self.names[k] for k in order[moved[order] > TOLD])
+
+    def rounding(self, stiffness: FloatArray) -> FloatArray:
+        """What each free motion's own stiffness is wrong by, (motions,) [SI]."""
+        return np.asarray(np.finfo(float).eps * np.abs(np.diag(stiffness)))
 
 
 def rate_of(name: str) -> str:

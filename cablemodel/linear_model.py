@@ -67,6 +67,8 @@ class LinearModel:
     """Levels at the state, for the last states in their order: their names are `levels`."""
     time: float
     """Of the state [s]."""
+    free: Names = ()
+    """States that nothing holds, as the turn of a body about the one line on which it hangs."""
 
     @property
     def levels(self) -> Names:
@@ -100,10 +102,21 @@ class LinearModel:
         Of a velocity the steady tow's: all places but ``vessel_position`` then go on with the tow
         point, and their own gains are from there. Of a pay-out rate what it does beside the
         length, which grows meanwhile.
+
+        Raises:
+            CableModelError: something moves freely, so that it does not end.
         """
+        self._ends("gains")
         line = len(self.states) - len(self.operating)
         steady = self._steady(solved(self.A[:line, :line], np.eye(line)))
         return np.asarray(self.C[:, line:] + self.C[:, :line] @ steady)
+
+    def _ends(self, what: str) -> None:
+        if self.free:
+            raise CableModelError(
+                f"{what}: nothing holds {self.free[0]}, so motions of it have no end: give it a "
+                "line, weight or flow that does"
+            )
 
     def _steady(self, inverse: FloatArray) -> FloatArray:
         """Of the line's own states by levels: X of A X + A_levels = X chain, where levels go on."""
@@ -116,7 +129,11 @@ class LinearModel:
         truncation; the others follow at once, so that `gains` stay as they are.
 
         States are modal coordinates, ``mode 0`` and so on (of a pair real and imaginary part).
+
+        Raises:
+            CableModelError: a number that is not allowed, or something moves freely.
         """
+        self._ends("reduced")
         line = len(self.states) - len(self.operating)
         if not 0 < count <= line:
             raise CableModelError(f"reduced: {count} modes; allowed: 1 to {line}")

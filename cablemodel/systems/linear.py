@@ -1,0 +1,572 @@
+"""The linear model of a system: lines, bodies and vessels by the user's names.
+
+Vessels are driven by place and attitude, which all nodes at their points follow. What only one
+vessel and no anchor holds is counted from that vessel, so that a steady tow is an equilibrium.
+Bodies turn from their present attitude, about their own axes.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cablemodel import library as entry
+from cablemodel.block import Block
+from cablemodel.kernels import layout as at
+from cablemodel.kernels.free_bodies import STEP
+from cablemodel.kernels.layout import Header
+from cablemodel.linear_equations import (
+    RATE_STEP,
+    SIZE,
+    Drives,
+    Equations,
+    Outputs,
+    Response,
+    Turning,
+    Winding,
+    not_linear,
+    of_axes,
+    refuse,
+    winch_of,
+)
+
+if TYPE_CHECKING:
+    from cablemodel.linear_model import LinearModel
+    from cablemodel.systems.model import SystemModel
+
+FloatArray = NDArray[np.float64]
+
+TURN_STEP = 1e-4
+"""Of central differences of what turns [rad]."""
+FORCE_STEP = 1.0
+"""Of those by outside forces and torques, which the residual is linear in [N, N m]."""
+SPEED_STEP = 1e-6
+"""Of those by bodies' velocities: drag on a body at rest is not smooth [m/s, rad/s]."""
+_ROOTS = at.JOINT_ROOT, at.JOINT_ROOT_FREE
+_MOTION = ("position", "attitude", "velocity", "angular_velocity")
+
+
+def linear_model(model: SystemModel) -> LinearModel:
+    """The linear model of a system about its present state; see `SystemModel.linearise`."""
+    return SystemEquations(model).linear_model()
+
+
+class SystemEquations(Equations):
+    """Derivatives of a system's equations of motion at a model's state; the model stays."""
+
+    def __init__(self, model: SystemModel) -> None:
+        self._built = built = copy.deepcopy(model.built)
+        self._scene = model.scene
+        for name, time in model.cuts.items():
+            if time is not None:
+                raise not_linear(f"the cut {name} has been made, at {time:g} s: what it left falls")
+
+        def slack_at(node: int) -> str:
+            line, arc = built.where(node)
+            return f"{line} is slack, {arc:.6g} m from its beginning"
+
+        refuse(built.block, "the system", slack_at)
+        windings = []
+        for number, (name, winch) in enumerate(model.scene.winches.items()):
+            row = winch_of(built.block, number)
+            if row.travel_least < row.travel < row.travel_most:
+                length = model.lines[winch.line].length
+                windings.append(
+                    Winding(number, f"{name}.", length, float(row.rate), float(row.slope))
+                )
+        super().__init__(built.block, windings)
+        self.names = self._own_names()
+
+    def _begin(self) -> None:
+        """Inputs rest, rotation vectors begin anew, and what nodes follow is looked up."""
+        block, count = self.block, SIZE * self.nodes
+        head = block.header
+        self._q, self._v, self._a = (
+            block.array(word, count)
+            for word in (Header.position, Header.velocity, Header.acceleration)
+        )
+        self._frames = [
+            at.Frame(block.reals, int(head.frames) + at.FRAME_WORDS * n)
+            for n in range(int(head.frame_count))
+        ]
+        self._bodies = [
+            at.FreeBody(block.reals, int(head.free_bodies) + at.FREE_WORDS * n)
+            for n in range(int(head.free_count))
+        ]
+        self._foils = [
+            at.Foil(block.reals, int(head.foils) + at.FOIL_WORDS * n)
+            for n in range(int(head.foil_count))
+        ]
+        self._arms = [
+            at.Arm(block.reals, int(head.arms) + at.ARM_WORDS * n)
+            for n in range(int(head.arm_count))
+        ]
+        self._held = [
+            at.Constraint(block.reals, int(head.constraints) + at.CONSTRAINT_WORDS * n)
+            for n in range(int(head.constraint_count))
+        ]
+        for ramp in (*(b.force for b in self._bodies), *(f.deflection for f in self._foils)):
+            self._let_rest(ramp)
+        self._let_frames_go_on()
+        super().residual(condensed=False)
+        for body in self._bodies:
+            first = SIZE * int(body.node) + 3
+            motion = body.motion
+            body.rotation[:] = motion.turn
+            self._q[first : first + 3] = 0.0
+            self._v[first : first + 3] = motion.spin
+            self._a[first : first + 3] = motion.spin_rate
+        before = self._a.copy()
+        kept = self.block.image.copy()
+        entry.place_supports(block.ints, block.reals)
+        self._unwanted = before - self._a
+        self.block.image[:] = kept
+        self._shifts = self._shifts_of_frames()
+
+    def _make_matrices(self) -> None:
+        super()._make_matrices()
+        for body in self._bodies:
+            first = SIZE * int(body.node)
+            own = slice(first, first + SIZE)
+            for word in range(first, first + SIZE):
+
+                def move(_block: Block, by: float, word: int = word) -> None:
+                    self._v[word] += by
+
+                self.damping[own, word] = self.by(move, SPEED_STEP)[own]
+
+    def _let_rest(self, ramp: at.WrenchRamp | at.Ramp) -> None:
+        """Stay at the present value."""
+        span = ramp.end - ramp.begin
+        part = min(1.0, max(0.0, (self.time - ramp.begin) / span)) if span > 0.0 else 1.0
+        if isinstance(ramp, at.Ramp):
+            ramp.first = ramp.last = ramp.first + part * (ramp.last - ramp.first)
+        else:
+            now = (1.0 - part) * np.array(ramp.first) + part * np.array(ramp.last)
+            ramp.first[:] = ramp.last[:] = now
+        ramp.begin, ramp.end = self.time, self.time + 1.0
+
+    def _let_frames_go_on(self) -> None:
+        """Evenly: place and angles by the present rates."""
+        words = np.zeros((len(self._frames), at.FRAME_INPUTS))
+        entry.frame_motion(self.block.ints, self.block.reals, words.reshape(-1))
+        self._levels = [
+            {
+                "position": now.position.copy(),
+                "velocity": now.velocity.copy(),
+                "attitude": now.attitude.copy(),
+                "attitude_rate": now.attitude_rate.copy(),
+            }
+            for now in (at.FrameInput(row) for row in words)
+        ]
+        for frame, now in zip(self._frames, self._levels, strict=True):
+            frame.live = frame.turn_live = at.LIVE
+            for piece, place, rate in (
+                (frame.piece, "position", "velocity"),
+                (frame.turn_piece, "attitude", "attitude_rate"),
+            ):
+                piece.start, piece.end, piece.kind = self.time, self.time + 1.0, at.POLYNOMIAL
+                piece.data[:] = 0.0
+                law = _law(piece)
+                law.position[:], law.velocity[:] = now[place], now[rate]
+
+    def _shifts_of_frames(self) -> list[NDArray[np.intp]]:
+        """Nodes that are counted from each frame: those at its points, and what only it holds."""
+        block, nodes = self.block, self.nodes
+        parent, joint = (block.integers(w, nodes) for w in (Header.parent, Header.joint))
+        tree = np.arange(nodes)
+        for node in range(1, nodes):
+            if joint[node] not in _ROOTS:
+                tree[node] = tree[parent[node]]
+        closures = block.array(
+            Header.closures, int(block.header.closure_count), at.CLOSURE_WORDS
+        ).astype(float)
+        for row in closures:
+            if row[at.Closure.node] < 0.0:
+                continue
+            body = int(row[at.Closure.body])
+            other = row[at.Closure.other] if body < 0 else self._bodies[body].node
+            tree[tree == tree[int(row[at.Closure.node])]] = tree[int(other)]
+        owner = np.full(nodes, -1)
+        held = {int(row.node): row for row in self._held}
+        for part in np.unique(tree):
+            rows = [row for node, row in held.items() if tree[node] == part]
+            if rows and all(row.kind == at.HELD_BY_FRAME for row in rows):
+                owner[tree == part] = min(int(row.frame) for row in rows)
+        for node, row in held.items():
+            owner[node] = int(row.frame) if row.kind == at.HELD_BY_FRAME else -1
+        return [np.flatnonzero(owner == n) for n in range(len(self._frames))]
+
+    def _shift(self, frame: int, axis: int) -> FloatArray:
+        column = np.zeros(SIZE * self.nodes)
+        column[SIZE * self._shifts[frame] + axis] = 1.0
+        return column
+
+    def own_acceleration(self) -> FloatArray:
+        """That of vessels beside what their present turning gives."""
+        return self._unwanted
+
+    def carried(self) -> FloatArray:
+        """By the vessels that places are counted from."""
+        found = np.zeros(SIZE * self.nodes)
+        for n, now in enumerate(self._levels):
+            for axis in range(3):
+                found += self._shift(n, axis) * now["velocity"][axis]
+        return found
+
+    def residual(self, *, condensed: bool = True) -> FloatArray:
+        """As of a line; forces at bodies' arms stay in the rows of their nodes."""
+        found = super().residual(condensed=condensed)
+        for arm in self._arms:
+            if arm.body < 0.0:
+                continue
+            body = self._bodies[int(arm.body)]
+            force, end, to = np.array(arm.force), SIZE * int(arm.node), SIZE * int(body.node)
+            turn = np.array(body.motion.turn).reshape(3, 3)
+            rates = np.array(body.motion.rates).reshape(3, 3)
+            found[end : end + 3] += force
+            found[to : to + 3] -= force
+            found[to + 3 : to + 6] -= rates.T @ np.cross(arm.place, turn.T @ force)
+        return found
+
+    def rounding(self, stiffness: FloatArray) -> FloatArray:
+        """That of bodies is a difference of forces over a step of `STEP` (free_bodies.py)."""
+        found = super().rounding(stiffness)
+        part = np.finfo(float).eps / STEP
+        for body in self._bodies:
+            node, size = int(body.node), float(body.size)
+            pull = float(body.weight + body.buoyancy)
+            pull += sum(
+                float(np.linalg.norm(arm.force))
+                for arm in self._arms
+                if arm.body >= 0.0 and int(self._bodies[int(arm.body)].node) == node
+            )
+            moves = self.basis[SIZE * node : SIZE * node + SIZE] ** 2
+            scale = np.repeat([pull / size, pull * size], 3)
+            found += part * (scale @ moves)
+        return found
+
+    def _differences(
+        self, change: Callable[[float], None], step: float, read: Callable[[], FloatArray]
+    ) -> FloatArray:
+        """Derivative of what is read by a change; the block stays."""
+        kept = self.block.image.copy()
+        found = []
+        for sign in (1.0, -1.0):
+            change(sign * step)
+            found.append(read())
+            self.block.image[:] = kept
+        return np.asarray((found[0] - found[1]) / (2.0 * step))
+
+    def _motion_when_placed(self) -> FloatArray:
+        entry.place_supports(self.block.ints, self.block.reals)
+        return np.array([self._q, self._v, self._a])
+
+    def turning(self) -> Turning | None:
+        """At the arms of bodies, and of clamps."""
+
+        def read() -> FloatArray:
+            super(SystemEquations, self).residual(condensed=False)
+            return np.array([self._v, self._a])
+
+        size = SIZE * self.nodes
+        by_place, by_rate = np.zeros((2, size, size)), np.zeros((2, size, size))
+        ends = np.zeros(self.nodes, dtype=bool)
+        ends[[int(arm.node) for arm in self._arms if arm.body >= 0.0]] = True
+        arms = np.repeat(ends, SIZE) & np.tile([True, True, True, False, False, False], self.nodes)
+        for body in self._bodies:
+            for j in range(3, 6):
+                word = SIZE * int(body.node) + j
+
+                def turn(by: float, word: int = word) -> None:
+                    self._q[word] += by
+
+                def spin(by: float, word: int = word) -> None:
+                    self._v[word] += by
+
+                by_place[:, :, word] = self._differences(turn, TURN_STEP, read) * arms
+                by_rate[:, :, word] = self._differences(spin, TURN_STEP, read) * arms
+        for row in self._held:
+            if row.kind != at.HELD_BY_FRAME or row.clamped != at.EXACTLY:
+                continue
+            frame, along = self._frames[int(row.frame)], np.array(row.direction)
+            turned = np.cross(frame.spin, along)
+            faster = np.cross(frame.spin, turned) + np.cross(frame.spin_rate, along)
+            words = slice(SIZE * int(row.node) + 3, SIZE * int(row.node) + 6)
+            by_place[0, words, words] = np.outer(turned, along)
+            by_place[1, words, words] = np.outer(faster, along)
+            by_rate[1, words, words] = 2.0 * np.outer(turned, along)
+        return Turning(by_place[0] @ self.basis, by_place[1] @ self.basis, by_rate[1] @ self.basis)
+
+    def drives(self) -> Drives:
+        """Vessels, what pushes bodies, foils."""
+        found = Drives(SIZE * self.nodes)
+        for n, name in enumerate(self._scene.vessels):
+            self._add_frame(found, n, name)
+        for name, body in zip(self._scene.bodies, self._bodies, strict=True):
+            self._add_pushes(found, name, body)
+        names = [f"{name}.{foil}" for name, b in self._scene.bodies.items() for foil in b.foils]
+        for name, foil in zip(names, self._foils, strict=True):
+
+            def deflect(_block: Block, by: float, ramp: at.Ramp = foil.deflection) -> None:
+                ramp.first += by
+                ramp.last += by
+
+            level = f"{name}.deflection"
+            found.level(level, foil.deflection.last, residual=self.by(deflect, RATE_STEP))
+            found.input(f"{level}_rate", level)
+        return found
+
+    def _add_frame(self, found: Drives, n: int, name: str) -> None:
+        frame, now = self._frames[n], self._levels[n]
+        laws = {"position": _law(frame.piece), "attitude": _law(frame.turn_piece)}
+
+        def followed(kind: str, field: str, axis: int, step: float, share: float) -> FloatArray:
+            """Motion of held nodes by a component of a law."""
+
+            def change(by: float) -> None:
+                getattr(laws[kind], field)[axis] += share * by
+
+            return self._differences(change, step, self._motion_when_placed)
+
+        for kind, rate, prefix in (
+            ("position", "velocity", ""),
+            ("attitude", "attitude_rate", "attitude_"),
+        ):
+            step = 1.0 if kind == "position" else TURN_STEP
+            for field, level in (("position", kind), ("velocity", rate)):
+                for axis, label in enumerate(of_axes(f"{name}.{level}")):
+                    q, v, a = followed(kind, field, axis, step, 1.0)
+                    if kind == "position":
+                        shift = self._shift(n, axis)
+                        q, v = (shift, v) if field == "position" else (q, shift)
+                    found.level(
+                        label,
+                        now[level][axis],
+                        place=q,
+                        velocity=v,
+                        acceleration=a,
+                        grows_by=of_axes(f"{name}.{rate}")[axis] if level == kind else None,
+                    )
+            for axis, label in enumerate(of_axes(f"{name}.{prefix}acceleration")):
+                # The second power's coefficient is half of the acceleration.
+                pushed = followed(kind, "second", axis, step, 0.5)[2]
+                if kind == "position":
+                    pushed = self._shift(n, axis)
+                found.input(label, of_axes(f"{name}.{rate}")[axis], acceleration=pushed)
+
+    def _add_pushes(self, found: Drives, name: str, body: at.FreeBody) -> None:
+        for i in range(6):
+            kind = "torque" if i >= 3 else "force"
+
+            def push(_block: Block, by: float, i: int = i) -> None:
+                body.force.first[i] += by
+                body.force.last[i] += by
+
+            level = of_axes(f"{name}.{kind}")[i % 3]
+            found.level(level, body.force.last[i], residual=self.by(push, FORCE_STEP))
+            found.input(of_axes(f"{name}.{kind}_rate")[i % 3], level)
+
+    def outputs(self, response: Response, drives: Drives) -> Outputs:
+        """Those of a run that are smooth, by the names of `SystemModel.outputs`."""
+        found, forces = Outputs(), self._of_elements(response)
+        self.residual(condensed=False)  # which leaves forces at the ends of elements
+        for name in self._scene.lines:
+            for side, kind in enumerate(("start_tension", "end_tension")):
+                row, value = self._end_tension(response, forces, name, side)
+                found.add(f"{name}.{kind}", row, value)
+        self._add_motions(found, response, drives)
+        for n, name in enumerate(self._scene.vessels):
+            self._add_wrench(found, response, drives, n, name)
+        for winding in self.windings:
+            self._add_winch(found, response, drives, winding)
+        return found
+
+    def _end_tension(
+        self, response: Response, forces: FloatArray, line: str, side: int
+    ) -> tuple[FloatArray, np.float64]:
+        """Of a line's end: row and value."""
+        block, nodes = self.block, self.nodes
+        elements = self._built.elements(line)
+        place = -1 if side else 0
+        element = int(elements.node[place])
+        # Which end of the element it is, by the tree.
+        child = bool(side) is not bool(elements.backward[place])
+        node = element if child else int(block.integers(Header.parent, nodes)[element])
+        sign = 1.0 if child else -1.0
+        words = slice(SIZE * node, SIZE * node + 3)
+        own = slice(SIZE * node + 3, SIZE * node + 6)
+        borne = block.array(Header.end_force, nodes, 2, 3)[element, int(child)]
+        force = borne + sign * response.change[words]
+        by = sign * forces[words]
+        slope = self._q[own]
+        along, size = slope / np.linalg.norm(slope), np.linalg.norm(slope)
+        across = (force - along * (along @ force)) / size
+        return along @ by + across @ response.place[own], along @ force
+
+    def _of_elements(self, response: Response) -> FloatArray:
+        """Force rows without what point bodies add to their nodes."""
+        head = self.block.header
+        kept, count = (self.mass, self.damping, self.stiffness), int(head.body_count)
+        if count == 0:
+            return response.force
+        head.body_count = 0
+        self._make_matrices()
+        found = np.column_stack(self._by_all(self._all_drives(), self.turning()))
+        found += self.mass @ self.basis @ response.answer
+        head.body_count = count
+        self.mass, self.damping, self.stiffness = kept
+        return found
+
+    def _parts(self) -> FloatArray:
+        """Outputs of bodies, then of vessels: place, attitude, velocity, angular velocity."""
+        bodies = np.zeros((len(self._bodies), at.PART_WORDS))
+        frames = np.zeros((len(self._frames), at.PART_WORDS))
+        entry.parts(self.block.ints, self.block.reals, bodies.reshape(-1), frames.reshape(-1))
+        rows = np.vstack([bodies, frames])
+        return np.array([[getattr(at.PartMotion(row), key) for key in _MOTION] for row in rows])
+
+    def _add_motions(self, found: Outputs, response: Response, drives: Drives) -> None:
+        values = self._parts()
+
+        def by(change: Callable[[float], None], number: int) -> FloatArray:
+            def read() -> FloatArray:
+                apart = self._parts()[number] - values[number]
+                apart[1] = np.remainder(apart[1] + np.pi, 2.0 * np.pi) - np.pi
+                return apart
+
+            return self._differences(change, TURN_STEP, read)
+
+        for number, (name, body) in enumerate(zip(self._scene.bodies, self._bodies, strict=True)):
+            rows = np.zeros((4, 3, response.place.shape[1]))
+            for j in range(SIZE):
+                word = SIZE * int(body.node) + j
+                for state, moves in ((self._q, response.place), (self._v, response.velocity)):
+
+                    def change(by: float, word: int = word, state: FloatArray = state) -> None:
+                        state[word] += by
+
+                    rows += by(change, number)[:, :, None] * moves[word]
+            _add_motion(found, name, rows, values[number])
+        for n, name in enumerate(self._scene.vessels):
+            number = len(self._bodies) + n
+            rows = np.zeros((4, 3, response.place.shape[1]))
+            for piece, place, rate in (
+                (self._frames[n].piece, "position", "velocity"),
+                (self._frames[n].turn_piece, "attitude", "attitude_rate"),
+            ):
+                for axis in range(3):
+                    for field, level in (("position", place), ("velocity", rate)):
+
+                        def move(
+                            by: float,
+                            words: FloatArray = getattr(_law(piece), field),
+                            axis: int = axis,
+                        ) -> None:
+                            words[axis] += by
+
+                        column = drives.levels.index(of_axes(f"{name}.{level}")[axis])
+                        rows += by(move, number)[:, :, None] * response.level(column)
+            _add_motion(found, name, rows, values[number])
+
+    def _add_wrench(
+        self, found: Outputs, response: Response, drives: Drives, n: int, name: str
+    ) -> None:
+        """Force and moment of the lines on a vessel, as kernels/part_outputs.py adds them up."""
+        columns = response.place.shape[1]
+        rows, values = np.zeros((2, 3, columns)), np.zeros((2, 3))
+        origin = np.array([*self.block.scalars.origin]) - self._levels[n]["position"]
+        first = drives.levels.index(of_axes(f"{name}.position")[0])
+        own = np.array([response.level(first + axis) for axis in range(3)])
+        for row in self._held:
+            if row.kind != at.HELD_BY_FRAME or int(row.frame) != n:
+                continue
+            words = slice(SIZE * int(row.node), SIZE * int(row.node) + 3)
+            force, arm = response.rest[words], self._q[words] + origin
+            rows[0] -= response.force[words]
+            values[0] -= force
+            rows[1] -= _cross(arm, response.force[words])
+            rows[1] += _cross(force, response.place[words] - own)
+            values[1] -= np.cross(arm, force)
+            if row.clamped == at.EXACTLY:
+                words = slice(words.stop, words.stop + 3)
+                force, slope = response.rest[words], self._q[words]
+                rows[1] -= _cross(slope, response.force[words])
+                rows[1] += _cross(force, response.place[words])
+                values[1] -= np.cross(slope, force)
+        for kind, row_of_kind, value in zip(("force", "moment"), rows, values, strict=True):
+            found.add(of_axes(f"{name}.{kind}"), row_of_kind, value)
+
+    def _add_winch(
+        self, found: Outputs, response: Response, drives: Drives, winding: Winding
+    ) -> None:
+        """Rate and lengths; a line that winches hold at both ends has both lengths."""
+        scene, prefix = self._scene, winding.prefix
+        line = list(scene.winches.values())[winding.number].line
+        lengths = [
+            response.level(drives.levels.index(f"{other.prefix}line_length"))
+            for other in self.windings
+            if list(scene.winches.values())[other.number].line == line
+        ]
+        rate = drives.levels.index(f"{prefix}payout_rate")
+        row = winch_of(self.block, winding.number)
+        found.add(f"{prefix}payout_rate", response.level(rate), winding.rate)
+        found.add(f"{prefix}line_length", np.sum(lengths, axis=0), winding.length)
+        own = response.level(drives.levels.index(f"{prefix}line_length"))
+        found.add(f"{prefix}drum_length", -own, float(row.paid_most - row.paid))
+
+    def _own_names(self) -> tuple[str, ...]:
+        """Of the states: nodes by their lines, from each one's beginning, and bodies."""
+        labels = dict(self._labels())
+        found = []
+        for name in self.names:
+            if not name.startswith("nodes["):
+                found.append(name)
+                continue
+            number, _, rest = name.removeprefix("nodes[").partition("].")
+            label, is_body = labels[int(number)]
+            found.append(f"{label}.{rest.replace('slope', 'rotation') if is_body else rest}")
+        return tuple(found)
+
+    def _labels(self) -> Iterator[tuple[int, tuple[str, bool]]]:
+        """Node, and its name and whether it is that of a body."""
+        bodies = {
+            int(node): name
+            for node, name in zip(self._built.body_nodes(), self._scene.bodies, strict=True)
+        }
+        parent = self.block.integers(Header.parent, self.nodes)
+        joint = self.block.integers(Header.joint, self.nodes)
+        arcs: dict[str, list[tuple[float, int]]] = {}
+        for line in self._scene.lines:
+            elements = self._built.elements(line)
+            for node, start, length, backward in zip(
+                elements.node, elements.start, elements.length, elements.backward, strict=True
+            ):
+                near, far = (start + length, start) if backward else (start, start + length)
+                arcs.setdefault(line, []).append((float(far), int(node)))
+                above = int(parent[node])
+                if joint[above] != at.JOINT_NONE or above == 0:
+                    arcs[line].append((float(near), above))
+        for node, name in bodies.items():
+            yield node, (name, True)
+        for line, places in arcs.items():
+            for number, (_arc, node) in enumerate(sorted(places)):
+                yield node, (f"{line}.nodes[{number}]", False)
+
+
+def _law(piece: at.Piece) -> at.Polynomial:
+    return at.Polynomial(piece.data, 0)
+
+
+def _cross(vector: FloatArray, columns: FloatArray) -> FloatArray:
+    """Cross products of a vector and columns, (3, n)."""
+    return np.cross(vector, columns.T).T
+
+
+def _add_motion(found: Outputs, name: str, rows: FloatArray, values: FloatArray) -> None:
+    for key, row, value in zip(_MOTION, rows, values, strict=True):
+        found.add(of_axes(f"{name}.{key}"), row, value)
