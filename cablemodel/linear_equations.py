@@ -6,7 +6,8 @@ drives the nodes, and the inputs u, which are rates of levels:
     q = Z z + Q l,  v = Z z' + Z_v z + Q_v l,  a = Z z'' + Z_a z + Z_b z' + Q_a l + U u.
 
 Z_v and so on are there where bodies or clamps turn. With that, what the residual changes by is
-K q + C v + M a and what levels and inputs do beside; what is left over Z gives z''.
+K q + C v + M a and what levels and inputs do beside; what is left over Z gives z''. As in Newton's
+matrix, cables feel the same current at another depth.
 """
 
 from __future__ import annotations

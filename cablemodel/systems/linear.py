@@ -437,7 +437,7 @@ class SystemEquations(Equations):
             def read() -> FloatArray:
                 apart = self._parts()[number] - values[number]
                 apart[1] = np.remainder(apart[1] + np.pi, 2.0 * np.pi) - np.pi
-                return apart
+                return np.asarray(apart)
 
             return self._differences(change, TURN_STEP, read)
 
@@ -455,22 +455,20 @@ class SystemEquations(Equations):
         for n, name in enumerate(self._scene.vessels):
             number = len(self._bodies) + n
             rows = np.zeros((4, 3, response.place.shape[1]))
-            for piece, place, rate in (
-                (self._frames[n].piece, "position", "velocity"),
-                (self._frames[n].turn_piece, "attitude", "attitude_rate"),
+            place, turn = _law(self._frames[n].piece), _law(self._frames[n].turn_piece)
+            for level, words in (
+                ("position", place.position),
+                ("velocity", place.velocity),
+                ("attitude", turn.position),
+                ("attitude_rate", turn.velocity),
             ):
                 for axis in range(3):
-                    for field, level in (("position", place), ("velocity", rate)):
 
-                        def move(
-                            by: float,
-                            words: FloatArray = getattr(_law(piece), field),
-                            axis: int = axis,
-                        ) -> None:
-                            words[axis] += by
+                    def move(by: float, words: FloatArray = words, axis: int = axis) -> None:
+                        words[axis] += by
 
-                        column = drives.levels.index(of_axes(f"{name}.{level}")[axis])
-                        rows += by(move, number)[:, :, None] * response.level(column)
+                    column = drives.levels.index(of_axes(f"{name}.{level}")[axis])
+                    rows += by(move, number)[:, :, None] * response.level(column)
             _add_motion(found, name, rows, values[number])
 
     def _add_wrench(
