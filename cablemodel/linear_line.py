@@ -11,17 +11,8 @@ from numpy.typing import NDArray
 from cablemodel import library as entry
 from cablemodel.kernels import layout as at
 from cablemodel.kernels.layout import Header
-from cablemodel.linear_equations import (
-    SIZE,
-    Drives,
-    Equations,
-    Outputs,
-    Response,
-    Winding,
-    not_linear,
-    of_axes,
-    refuse,
-)
+from cablemodel.linear_equations import SIZE, Equations, not_linear, refuse
+from cablemodel.linear_parts import Drives, Outputs, Response, Winding, of_axes
 
 if TYPE_CHECKING:
     from cablemodel.linear_model import LinearModel

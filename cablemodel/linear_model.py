@@ -10,9 +10,9 @@ the line. |r'| = 1 + strain(T) makes this a descriptor system; tensions are elim
 elements' compliances, which the Newton matrix does already: K has the axial stiffness, and the
 model the line's axial waves. `LinearModel.reduced` takes these out, quasi-statically.
 
-What `CableModel.step` takes as inputs (velocity of the tow point, pay-out rate, current) are states
-here, since steps vary them linearly; the inputs are their rates. All places are counted from the
-tow point, so that a steady tow is an equilibrium. A line that moves otherwise is linearised at one
+What steps take as inputs (velocity of the tow point, pay-out rate, current) are states here, since
+steps vary them linearly; the inputs are their rates. All places are counted from the tow point, so
+that a steady tow is an equilibrium. A line that moves otherwise is linearised at one
 instant: `drift` and `offset` say how it goes on by itself.
 """
 
@@ -186,7 +186,7 @@ class LinearModel:
         )
 
     def discrete(self, dt: float) -> DiscreteModel:
-        """Of steps of dt [s] as `CableModel.step` makes them, exactly by the matrix exponential."""
+        """Of steps of dt [s] as a model makes them, exactly by the matrix exponential."""
         linalg = require("scipy.linalg", extra="analysis", what="a discrete linear model")
         if not 0.0 < dt < np.inf:
             raise CableModelError(f"discrete: a step of {dt!r} s; give a positive one")
@@ -220,7 +220,7 @@ class LinearModel:
 class DiscreteModel:
     """x[k+1] = drift + A x[k] + B u[k]; y[k] = offset + C x[k] + D u[k] is read after that step.
 
-    u are the inputs of `CableModel.step`, values reached at the end of the step, less `operating`,
+    u are the inputs of `step`, values reached at the end of the step, less `operating`,
     those at the state; x as in `LinearModel`, y the outputs themselves.
     """
 

@@ -2,7 +2,8 @@
 
 Vessels are driven by place and attitude, which all nodes at their points follow. What only one
 vessel and no anchor holds is counted from that vessel, so that a steady tow is an equilibrium.
-Bodies turn from their present attitude, about their own axes.
+Bodies turn from their present attitude, about their own axes. Where lines close a cycle, their
+ends follow bodies as those stand, however fast they turn.
 """
 
 from __future__ import annotations
@@ -17,22 +18,17 @@ from numpy.typing import NDArray
 from cablemodel import library as entry
 from cablemodel.block import Block
 from cablemodel.kernels import layout as at
-from cablemodel.kernels.free_bodies import STEP
 from cablemodel.kernels.layout import Header
 from cablemodel.linear_equations import (
     RATE_STEP,
     SIZE,
-    Drives,
     Equations,
-    Outputs,
-    Response,
-    Turning,
-    Winding,
     not_linear,
-    of_axes,
     refuse,
     winch_of,
 )
+from cablemodel.linear_parts import Drives, Outputs, Response, Turning, Winding, of_axes
+from cablemodel.systems.linear_outputs import TURN_STEP, SystemOutputs, law_of
 
 if TYPE_CHECKING:
     from cablemodel.linear_model import LinearModel
@@ -40,14 +36,13 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-TURN_STEP = 1e-4
-"""Of central differences of what turns [rad]."""
+STEP = 1e-6
+"""Of the kernels' differences for a body's derivatives (free_bodies.py)."""
 FORCE_STEP = 1.0
 """Of those by outside forces and torques, which the residual is linear in [N, N m]."""
 SPEED_STEP = 1e-6
 """Of those by bodies' velocities: drag on a body at rest is not smooth [m/s, rad/s]."""
 _ROOTS = at.JOINT_ROOT, at.JOINT_ROOT_FREE
-_MOTION = ("position", "attitude", "velocity", "angular_velocity")
 
 
 def linear_model(model: SystemModel) -> LinearModel:
@@ -59,8 +54,8 @@ class SystemEquations(Equations):
     """Derivatives of a system's equations of motion at a model's state; the model stays."""
 
     def __init__(self, model: SystemModel) -> None:
-        self._built = built = copy.deepcopy(model.built)
-        self._scene = model.scene
+        self.built = built = copy.deepcopy(model.built)
+        self.scene = model.scene
         for name, time in model.cuts.items():
             if time is not None:
                 raise not_linear(f"the cut {name} has been made, at {time:g} s: what it left falls")
@@ -85,57 +80,57 @@ class SystemEquations(Equations):
         """Inputs rest, rotation vectors begin anew, and what nodes follow is looked up."""
         block, count = self.block, SIZE * self.nodes
         head = block.header
-        self._q, self._v, self._a = (
+        self.q, self.v, self.a = (
             block.array(word, count)
             for word in (Header.position, Header.velocity, Header.acceleration)
         )
-        self._frames = [
+        self.frames = [
             at.Frame(block.reals, int(head.frames) + at.FRAME_WORDS * n)
             for n in range(int(head.frame_count))
         ]
-        self._bodies = [
+        self.bodies = [
             at.FreeBody(block.reals, int(head.free_bodies) + at.FREE_WORDS * n)
             for n in range(int(head.free_count))
         ]
-        self._foils = [
+        self.foils = [
             at.Foil(block.reals, int(head.foils) + at.FOIL_WORDS * n)
             for n in range(int(head.foil_count))
         ]
-        self._arms = [
+        self.arms = [
             at.Arm(block.reals, int(head.arms) + at.ARM_WORDS * n)
             for n in range(int(head.arm_count))
         ]
-        self._held = [
+        self.held = [
             at.Constraint(block.reals, int(head.constraints) + at.CONSTRAINT_WORDS * n)
             for n in range(int(head.constraint_count))
         ]
-        for ramp in (*(b.force for b in self._bodies), *(f.deflection for f in self._foils)):
+        for ramp in (*(b.force for b in self.bodies), *(f.deflection for f in self.foils)):
             self._let_rest(ramp)
         self._let_frames_go_on()
         super().residual(condensed=False)
-        for body in self._bodies:
+        for body in self.bodies:
             first = SIZE * int(body.node) + 3
             motion = body.motion
             body.rotation[:] = motion.turn
-            self._q[first : first + 3] = 0.0
-            self._v[first : first + 3] = motion.spin
-            self._a[first : first + 3] = motion.spin_rate
-        before = self._a.copy()
+            self.q[first : first + 3] = 0.0
+            self.v[first : first + 3] = motion.spin
+            self.a[first : first + 3] = motion.spin_rate
+        before = self.a.copy()
         kept = self.block.image.copy()
         entry.place_supports(block.ints, block.reals)
-        self._unwanted = before - self._a
+        self._unwanted = before - self.a
         self.block.image[:] = kept
-        self._shifts = self._shifts_of_frames()
+        self.shifts = self._shifts_of_frames()
 
     def _make_matrices(self) -> None:
         super()._make_matrices()
-        for body in self._bodies:
+        for body in self.bodies:
             first = SIZE * int(body.node)
             own = slice(first, first + SIZE)
             for word in range(first, first + SIZE):
 
                 def move(_block: Block, by: float, word: int = word) -> None:
-                    self._v[word] += by
+                    self.v[word] += by
 
                 self.damping[own, word] = self.by(move, SPEED_STEP)[own]
 
@@ -152,9 +147,9 @@ class SystemEquations(Equations):
 
     def _let_frames_go_on(self) -> None:
         """Evenly: place and angles by the present rates."""
-        words = np.zeros((len(self._frames), at.FRAME_INPUTS))
+        words = np.zeros((len(self.frames), at.FRAME_INPUTS))
         entry.frame_motion(self.block.ints, self.block.reals, words.reshape(-1))
-        self._levels = [
+        self.levels = [
             {
                 "position": now.position.copy(),
                 "velocity": now.velocity.copy(),
@@ -163,7 +158,7 @@ class SystemEquations(Equations):
             }
             for now in (at.FrameInput(row) for row in words)
         ]
-        for frame, now in zip(self._frames, self._levels, strict=True):
+        for frame, now in zip(self.frames, self.levels, strict=True):
             frame.live = frame.turn_live = at.LIVE
             for piece, place, rate in (
                 (frame.piece, "position", "velocity"),
@@ -171,7 +166,7 @@ class SystemEquations(Equations):
             ):
                 piece.start, piece.end, piece.kind = self.time, self.time + 1.0, at.POLYNOMIAL
                 piece.data[:] = 0.0
-                law = _law(piece)
+                law = law_of(piece)
                 law.position[:], law.velocity[:] = now[place], now[rate]
 
     def _shifts_of_frames(self) -> list[NDArray[np.intp]]:
@@ -189,21 +184,21 @@ class SystemEquations(Equations):
             if row[at.Closure.node] < 0.0:
                 continue
             body = int(row[at.Closure.body])
-            other = row[at.Closure.other] if body < 0 else self._bodies[body].node
+            other = row[at.Closure.other] if body < 0 else self.bodies[body].node
             tree[tree == tree[int(row[at.Closure.node])]] = tree[int(other)]
         owner = np.full(nodes, -1)
-        held = {int(row.node): row for row in self._held}
+        held = {int(row.node): row for row in self.held}
         for part in np.unique(tree):
             rows = [row for node, row in held.items() if tree[node] == part]
             if rows and all(row.kind == at.HELD_BY_FRAME for row in rows):
                 owner[tree == part] = min(int(row.frame) for row in rows)
         for node, row in held.items():
             owner[node] = int(row.frame) if row.kind == at.HELD_BY_FRAME else -1
-        return [np.flatnonzero(owner == n) for n in range(len(self._frames))]
+        return [np.flatnonzero(owner == n) for n in range(len(self.frames))]
 
     def _shift(self, frame: int, axis: int) -> FloatArray:
         column = np.zeros(SIZE * self.nodes)
-        column[SIZE * self._shifts[frame] + axis] = 1.0
+        column[SIZE * self.shifts[frame] + axis] = 1.0
         return column
 
     def own_acceleration(self) -> FloatArray:
@@ -213,7 +208,7 @@ class SystemEquations(Equations):
     def carried(self) -> FloatArray:
         """By the vessels that places are counted from."""
         found = np.zeros(SIZE * self.nodes)
-        for n, now in enumerate(self._levels):
+        for n, now in enumerate(self.levels):
             for axis in range(3):
                 found += self._shift(n, axis) * now["velocity"][axis]
         return found
@@ -221,10 +216,10 @@ class SystemEquations(Equations):
     def residual(self, *, condensed: bool = True) -> FloatArray:
         """As of a line; forces at bodies' arms stay in the rows of their nodes."""
         found = super().residual(condensed=condensed)
-        for arm in self._arms:
+        for arm in self.arms:
             if arm.body < 0.0:
                 continue
-            body = self._bodies[int(arm.body)]
+            body = self.bodies[int(arm.body)]
             force, end, to = np.array(arm.force), SIZE * int(arm.node), SIZE * int(body.node)
             turn = np.array(body.motion.turn).reshape(3, 3)
             rates = np.array(body.motion.rates).reshape(3, 3)
@@ -237,20 +232,20 @@ class SystemEquations(Equations):
         """That of bodies is a difference of forces over a step of `STEP` (free_bodies.py)."""
         found = super().rounding(stiffness)
         part = np.finfo(float).eps / STEP
-        for body in self._bodies:
+        for body in self.bodies:
             node, size = int(body.node), float(body.size)
             pull = float(body.weight + body.buoyancy)
             pull += sum(
                 float(np.linalg.norm(arm.force))
-                for arm in self._arms
-                if arm.body >= 0.0 and int(self._bodies[int(arm.body)].node) == node
+                for arm in self.arms
+                if arm.body >= 0.0 and int(self.bodies[int(arm.body)].node) == node
             )
             moves = self.basis[SIZE * node : SIZE * node + SIZE] ** 2
             scale = np.repeat([pull / size, pull * size], 3)
             found += part * (scale @ moves)
         return found
 
-    def _differences(
+    def differences(
         self, change: Callable[[float], None], step: float, read: Callable[[], FloatArray]
     ) -> FloatArray:
         """Derivative of what is read by a change; the block stays."""
@@ -264,36 +259,36 @@ class SystemEquations(Equations):
 
     def _motion_when_placed(self) -> FloatArray:
         entry.place_supports(self.block.ints, self.block.reals)
-        return np.array([self._q, self._v, self._a])
+        return np.array([self.q, self.v, self.a])
 
     def turning(self) -> Turning | None:
         """At the arms of bodies, and of clamps."""
 
         def read() -> FloatArray:
             super(SystemEquations, self).residual(condensed=False)
-            return np.array([self._v, self._a])
+            return np.array([self.v, self.a])
 
         size = SIZE * self.nodes
         by_place, by_rate = np.zeros((2, size, size)), np.zeros((2, size, size))
         ends = np.zeros(self.nodes, dtype=bool)
-        ends[[int(arm.node) for arm in self._arms if arm.body >= 0.0]] = True
+        ends[[int(arm.node) for arm in self.arms if arm.body >= 0.0]] = True
         arms = np.repeat(ends, SIZE) & np.tile([True, True, True, False, False, False], self.nodes)
-        for body in self._bodies:
+        for body in self.bodies:
             for j in range(3, 6):
                 word = SIZE * int(body.node) + j
 
                 def turn(by: float, word: int = word) -> None:
-                    self._q[word] += by
+                    self.q[word] += by
 
                 def spin(by: float, word: int = word) -> None:
-                    self._v[word] += by
+                    self.v[word] += by
 
-                by_place[:, :, word] = self._differences(turn, TURN_STEP, read) * arms
-                by_rate[:, :, word] = self._differences(spin, TURN_STEP, read) * arms
-        for row in self._held:
+                by_place[:, :, word] = self.differences(turn, TURN_STEP, read) * arms
+                by_rate[:, :, word] = self.differences(spin, TURN_STEP, read) * arms
+        for row in self.held:
             if row.kind != at.HELD_BY_FRAME or row.clamped != at.EXACTLY:
                 continue
-            frame, along = self._frames[int(row.frame)], np.array(row.direction)
+            frame, along = self.frames[int(row.frame)], np.array(row.direction)
             turned = np.cross(frame.spin, along)
             faster = np.cross(frame.spin, turned) + np.cross(frame.spin_rate, along)
             words = slice(SIZE * int(row.node) + 3, SIZE * int(row.node) + 6)
@@ -305,12 +300,12 @@ class SystemEquations(Equations):
     def drives(self) -> Drives:
         """Vessels, what pushes bodies, foils."""
         found = Drives(SIZE * self.nodes)
-        for n, name in enumerate(self._scene.vessels):
+        for n, name in enumerate(self.scene.vessels):
             self._add_frame(found, n, name)
-        for name, body in zip(self._scene.bodies, self._bodies, strict=True):
+        for name, body in zip(self.scene.bodies, self.bodies, strict=True):
             self._add_pushes(found, name, body)
-        names = [f"{name}.{foil}" for name, b in self._scene.bodies.items() for foil in b.foils]
-        for name, foil in zip(names, self._foils, strict=True):
+        names = [f"{name}.{foil}" for name, b in self.scene.bodies.items() for foil in b.foils]
+        for name, foil in zip(names, self.foils, strict=True):
 
             def deflect(_block: Block, by: float, ramp: at.Ramp = foil.deflection) -> None:
                 ramp.first += by
@@ -322,8 +317,8 @@ class SystemEquations(Equations):
         return found
 
     def _add_frame(self, found: Drives, n: int, name: str) -> None:
-        frame, now = self._frames[n], self._levels[n]
-        laws = {"position": _law(frame.piece), "attitude": _law(frame.turn_piece)}
+        frame, now = self.frames[n], self.levels[n]
+        laws = {"position": law_of(frame.piece), "attitude": law_of(frame.turn_piece)}
 
         def followed(kind: str, field: str, axis: int, step: float, share: float) -> FloatArray:
             """Motion of held nodes by a component of a law."""
@@ -331,7 +326,7 @@ class SystemEquations(Equations):
             def change(by: float) -> None:
                 getattr(laws[kind], field)[axis] += share * by
 
-            return self._differences(change, step, self._motion_when_placed)
+            return self.differences(change, step, self._motion_when_placed)
 
         for kind, rate, prefix in (
             ("position", "velocity", ""),
@@ -373,42 +368,9 @@ class SystemEquations(Equations):
 
     def outputs(self, response: Response, drives: Drives) -> Outputs:
         """Those of a run that are smooth, by the names of `SystemModel.outputs`."""
-        found, forces = Outputs(), self._of_elements(response)
-        self.residual(condensed=False)  # which leaves forces at the ends of elements
-        for name in self._scene.lines:
-            for side, kind in enumerate(("start_tension", "end_tension")):
-                row, value = self._end_tension(response, forces, name, side)
-                found.add(f"{name}.{kind}", row, value)
-        self._add_motions(found, response, drives)
-        for n, name in enumerate(self._scene.vessels):
-            self._add_wrench(found, response, drives, n, name)
-        for winding in self.windings:
-            self._add_winch(found, response, drives, winding)
-        return found
+        return SystemOutputs(self, response, drives).found
 
-    def _end_tension(
-        self, response: Response, forces: FloatArray, line: str, side: int
-    ) -> tuple[FloatArray, np.float64]:
-        """Of a line's end: row and value."""
-        block, nodes = self.block, self.nodes
-        elements = self._built.elements(line)
-        place = -1 if side else 0
-        element = int(elements.node[place])
-        # Which end of the element it is, by the tree.
-        child = bool(side) is not bool(elements.backward[place])
-        node = element if child else int(block.integers(Header.parent, nodes)[element])
-        sign = 1.0 if child else -1.0
-        words = slice(SIZE * node, SIZE * node + 3)
-        own = slice(SIZE * node + 3, SIZE * node + 6)
-        borne = block.array(Header.end_force, nodes, 2, 3)[element, int(child)]
-        force = borne + sign * response.change[words]
-        by = sign * forces[words]
-        slope = self._q[own]
-        along, size = slope / np.linalg.norm(slope), np.linalg.norm(slope)
-        across = (force - along * (along @ force)) / size
-        return along @ by + across @ response.place[own], along @ force
-
-    def _of_elements(self, response: Response) -> FloatArray:
+    def forces_of_elements(self, response: Response) -> FloatArray:
         """Force rows without what point bodies add to their nodes."""
         head = self.block.header
         kept, count = (self.mass, self.damping, self.stiffness), int(head.body_count)
@@ -421,101 +383,6 @@ class SystemEquations(Equations):
         head.body_count = count
         self.mass, self.damping, self.stiffness = kept
         return found
-
-    def _parts(self) -> FloatArray:
-        """Outputs of bodies, then of vessels: place, attitude, velocity, angular velocity."""
-        bodies = np.zeros((len(self._bodies), at.PART_WORDS))
-        frames = np.zeros((len(self._frames), at.PART_WORDS))
-        entry.parts(self.block.ints, self.block.reals, bodies.reshape(-1), frames.reshape(-1))
-        rows = np.vstack([bodies, frames])
-        return np.array([[getattr(at.PartMotion(row), key) for key in _MOTION] for row in rows])
-
-    def _add_motions(self, found: Outputs, response: Response, drives: Drives) -> None:
-        values = self._parts()
-
-        def by(change: Callable[[float], None], number: int) -> FloatArray:
-            def read() -> FloatArray:
-                apart = self._parts()[number] - values[number]
-                apart[1] = np.remainder(apart[1] + np.pi, 2.0 * np.pi) - np.pi
-                return np.asarray(apart)
-
-            return self._differences(change, TURN_STEP, read)
-
-        for number, (name, body) in enumerate(zip(self._scene.bodies, self._bodies, strict=True)):
-            rows = np.zeros((4, 3, response.place.shape[1]))
-            for j in range(SIZE):
-                word = SIZE * int(body.node) + j
-                for state, moves in ((self._q, response.place), (self._v, response.velocity)):
-
-                    def change(by: float, word: int = word, state: FloatArray = state) -> None:
-                        state[word] += by
-
-                    rows += by(change, number)[:, :, None] * moves[word]
-            _add_motion(found, name, rows, values[number])
-        for n, name in enumerate(self._scene.vessels):
-            number = len(self._bodies) + n
-            rows = np.zeros((4, 3, response.place.shape[1]))
-            place, turn = _law(self._frames[n].piece), _law(self._frames[n].turn_piece)
-            for level, words in (
-                ("position", place.position),
-                ("velocity", place.velocity),
-                ("attitude", turn.position),
-                ("attitude_rate", turn.velocity),
-            ):
-                for axis in range(3):
-
-                    def move(by: float, words: FloatArray = words, axis: int = axis) -> None:
-                        words[axis] += by
-
-                    column = drives.levels.index(of_axes(f"{name}.{level}")[axis])
-                    rows += by(move, number)[:, :, None] * response.level(column)
-            _add_motion(found, name, rows, values[number])
-
-    def _add_wrench(
-        self, found: Outputs, response: Response, drives: Drives, n: int, name: str
-    ) -> None:
-        """Force and moment of the lines on a vessel, as kernels/part_outputs.py adds them up."""
-        columns = response.place.shape[1]
-        rows, values = np.zeros((2, 3, columns)), np.zeros((2, 3))
-        origin = np.array([*self.block.scalars.origin]) - self._levels[n]["position"]
-        first = drives.levels.index(of_axes(f"{name}.position")[0])
-        own = np.array([response.level(first + axis) for axis in range(3)])
-        for row in self._held:
-            if row.kind != at.HELD_BY_FRAME or int(row.frame) != n:
-                continue
-            words = slice(SIZE * int(row.node), SIZE * int(row.node) + 3)
-            force, arm = response.rest[words], self._q[words] + origin
-            rows[0] -= response.force[words]
-            values[0] -= force
-            rows[1] -= _cross(arm, response.force[words])
-            rows[1] += _cross(force, response.place[words] - own)
-            values[1] -= np.cross(arm, force)
-            if row.clamped == at.EXACTLY:
-                words = slice(words.stop, words.stop + 3)
-                force, slope = response.rest[words], self._q[words]
-                rows[1] -= _cross(slope, response.force[words])
-                rows[1] += _cross(force, response.place[words])
-                values[1] -= np.cross(slope, force)
-        for kind, row_of_kind, value in zip(("force", "moment"), rows, values, strict=True):
-            found.add(of_axes(f"{name}.{kind}"), row_of_kind, value)
-
-    def _add_winch(
-        self, found: Outputs, response: Response, drives: Drives, winding: Winding
-    ) -> None:
-        """Rate and lengths; a line that winches hold at both ends has both lengths."""
-        scene, prefix = self._scene, winding.prefix
-        line = list(scene.winches.values())[winding.number].line
-        lengths = [
-            response.level(drives.levels.index(f"{other.prefix}line_length"))
-            for other in self.windings
-            if list(scene.winches.values())[other.number].line == line
-        ]
-        rate = drives.levels.index(f"{prefix}payout_rate")
-        row = winch_of(self.block, winding.number)
-        found.add(f"{prefix}payout_rate", response.level(rate), winding.rate)
-        found.add(f"{prefix}line_length", np.sum(lengths, axis=0), winding.length)
-        own = response.level(drives.levels.index(f"{prefix}line_length"))
-        found.add(f"{prefix}drum_length", -own, float(row.paid_most - row.paid))
 
     def _own_names(self) -> tuple[str, ...]:
         """Of the states: nodes by their lines, from each one's beginning, and bodies."""
@@ -534,13 +401,13 @@ class SystemEquations(Equations):
         """Node, and its name and whether it is that of a body."""
         bodies = {
             int(node): name
-            for node, name in zip(self._built.body_nodes(), self._scene.bodies, strict=True)
+            for node, name in zip(self.built.body_nodes(), self.scene.bodies, strict=True)
         }
         parent = self.block.integers(Header.parent, self.nodes)
         joint = self.block.integers(Header.joint, self.nodes)
         arcs: dict[str, list[tuple[float, int]]] = {}
-        for line in self._scene.lines:
-            elements = self._built.elements(line)
+        for line in self.scene.lines:
+            elements = self.built.elements(line)
             for node, start, length, backward in zip(
                 elements.node, elements.start, elements.length, elements.backward, strict=True
             ):
@@ -554,17 +421,3 @@ class SystemEquations(Equations):
         for line, places in arcs.items():
             for number, (_arc, node) in enumerate(sorted(places)):
                 yield node, (f"{line}.nodes[{number}]", False)
-
-
-def _law(piece: at.Piece) -> at.Polynomial:
-    return at.Polynomial(piece.data, 0)
-
-
-def _cross(vector: FloatArray, columns: FloatArray) -> FloatArray:
-    """Cross products of a vector and columns, (3, n)."""
-    return np.cross(vector, columns.T).T
-
-
-def _add_motion(found: Outputs, name: str, rows: FloatArray, values: FloatArray) -> None:
-    for key, row, value in zip(_MOTION, rows, values, strict=True):
-        found.add(of_axes(f"{name}.{key}"), row, value)

@@ -58,6 +58,7 @@ LAYERS = (
         "cablemodel.linear_equations",
         "cablemodel.linear_line",
         "cablemodel.linear_model",
+        "cablemodel.linear_parts",
         "cablemodel.step_sensitivity",
     ),
     ("cablemodel.systems",),

@@ -186,9 +186,9 @@ def test_matrices_are_the_derivatives_of_the_residual(make: Any) -> None:
         return np.asarray(z.T @ (found[0] - found[1]) / (2.0 * step))
 
     for words, matrix, step in (
-        (equations._q, by_place, 1e-6),
-        (equations._v, by_rate, 1e-5),
-        (equations._a, equations.mass @ z, 1e-3),
+        (equations.q, by_place, 1e-6),
+        (equations.v, by_rate, 1e-5),
+        (equations.a, equations.mass @ z, 1e-3),
     ):
 
         def move(size: float, way: np.ndarray, words: np.ndarray = words) -> None:
@@ -199,10 +199,10 @@ def test_matrices_are_the_derivatives_of_the_residual(make: Any) -> None:
         largest = np.abs(wanted).max(axis=1)[:, None]
         # Drag by turning is not smooth where a body is at rest.
         assert np.all(np.abs(found - wanted) <= 1e-6 * np.abs(wanted) + 1e-6 * largest + 1e-3)
-    held = {int(row.node) for row in equations._held}
-    for n, name in enumerate(equations._scene.vessels):
-        frame = equations._frames[n]
-        goes_on = [node for node in equations._shifts[n] if int(node) not in held]
+    held = {int(row.node) for row in equations.held}
+    for n, name in enumerate(equations.scene.vessels):
+        frame = equations.frames[n]
+        goes_on = [node for node in equations.shifts[n] if int(node) not in held]
         for piece, kinds in (
             (frame.piece, ("position", "velocity", "acceleration")),
             (frame.turn_piece, ("attitude", "attitude_rate", "attitude_acceleration")),
@@ -211,7 +211,7 @@ def test_matrices_are_the_derivatives_of_the_residual(make: Any) -> None:
             for kind, field, words, step in zip(
                 kinds,
                 ("position", "velocity", "second"),
-                (equations._q, equations._v, equations._a),
+                (equations.q, equations.v, equations.a),
                 (1e-6, 1e-5, 1e-5),
                 strict=True,
             ):
@@ -475,6 +475,13 @@ def test_a_line_written_as_a_system_has_the_same_transfer_functions() -> None:
         wanted = response(of_line, 1j * frequency)
         found = response(of_system, 1j * frequency)
         assert np.abs(found - wanted).max() < 1e-5 * np.abs(wanted).max()
+
+
+def test_steps_of_differences_are_the_kernels() -> None:
+    from cablemodel.kernels import free_bodies
+    from cablemodel.systems import linear
+
+    assert linear.STEP == free_bodies.STEP
 
 
 def test_names_say_what_is_what() -> None:
