@@ -2,8 +2,7 @@
 
 Vessels are driven by place and attitude, which all nodes at their points follow. What only one
 vessel and no anchor holds is counted from that vessel, so that a steady tow is an equilibrium.
-Bodies turn from their present attitude, about their own axes. Where lines close a cycle, their
-ends follow bodies as those stand, however fast they turn.
+Bodies turn from their present attitude, about their own axes.
 """
 
 from __future__ import annotations
@@ -100,6 +99,10 @@ class SystemEquations(Equations):
             at.Arm(block.reals, int(head.arms) + at.ARM_WORDS * n)
             for n in range(int(head.arm_count))
         ]
+        self.closures = [
+            at.Closure(block.reals, int(head.closures) + at.CLOSURE_WORDS * n)
+            for n in range(int(head.closure_count))
+        ]
         self.held = [
             at.Constraint(block.reals, int(head.constraints) + at.CONSTRAINT_WORDS * n)
             for n in range(int(head.constraint_count))
@@ -177,15 +180,10 @@ class SystemEquations(Equations):
         for node in range(1, nodes):
             if joint[node] not in _ROOTS:
                 tree[node] = tree[parent[node]]
-        closures = block.array(
-            Header.closures, int(block.header.closure_count), at.CLOSURE_WORDS
-        ).astype(float)
-        for row in closures:
-            if row[at.Closure.node] < 0.0:
-                continue
-            body = int(row[at.Closure.body])
-            other = row[at.Closure.other] if body < 0 else self.bodies[body].node
-            tree[tree == tree[int(row[at.Closure.node])]] = tree[int(other)]
+        for row in self.closures:
+            if row.node >= 0.0:
+                other = row.other if row.body < 0.0 else self.bodies[int(row.body)].node
+                tree[tree == tree[int(row.node)]] = tree[int(other)]
         owner = np.full(nodes, -1)
         held = {int(row.node): row for row in self.held}
         for part in np.unique(tree):
@@ -262,29 +260,19 @@ class SystemEquations(Equations):
         return np.array([self.q, self.v, self.a])
 
     def turning(self) -> Turning | None:
-        """At the arms of bodies, and of clamps."""
-
-        def read() -> FloatArray:
-            super(SystemEquations, self).residual(condensed=False)
-            return np.array([self.v, self.a])
-
-        size = SIZE * self.nodes
-        by_place, by_rate = np.zeros((2, size, size)), np.zeros((2, size, size))
-        ends = np.zeros(self.nodes, dtype=bool)
-        ends[[int(arm.node) for arm in self.arms if arm.body >= 0.0]] = True
-        arms = np.repeat(ends, SIZE) & np.tile([True, True, True, False, False, False], self.nodes)
-        for body in self.bodies:
-            for j in range(3, 6):
-                word = SIZE * int(body.node) + j
-
-                def turn(by: float, word: int = word) -> None:
-                    self.q[word] += by
-
-                def spin(by: float, word: int = word) -> None:
-                    self.v[word] += by
-
-                by_place[:, :, word] = self.differences(turn, TURN_STEP, read) * arms
-                by_rate[:, :, word] = self.differences(spin, TURN_STEP, read) * arms
+        """At the ends of lines at bodies, and at clamps."""
+        shape = SIZE * self.nodes, self.basis.shape[1]
+        found = Turning(*(np.zeros(shape) for _ in range(3)))
+        for end in (*self.arms, *self.closures):
+            if end.node >= 0.0 and end.body >= 0.0:
+                body = self.bodies[int(end.body)]
+                first = SIZE * int(body.node)
+                turns = self.basis[first + 3 : first + SIZE]
+                words = slice(SIZE * int(end.node), SIZE * int(end.node) + 3)
+                parts = _turned_with(np.array(end.place), body.motion)
+                found.velocity[words] = parts[0] @ turns
+                found.acceleration[words] = parts[1] @ turns
+                found.by_rate[words] = parts[2] @ turns
         for row in self.held:
             if row.kind != at.HELD_BY_FRAME or row.clamped != at.EXACTLY:
                 continue
@@ -292,10 +280,11 @@ class SystemEquations(Equations):
             turned = np.cross(frame.spin, along)
             faster = np.cross(frame.spin, turned) + np.cross(frame.spin_rate, along)
             words = slice(SIZE * int(row.node) + 3, SIZE * int(row.node) + 6)
-            by_place[0, words, words] = np.outer(turned, along)
-            by_place[1, words, words] = np.outer(faster, along)
-            by_rate[1, words, words] = 2.0 * np.outer(turned, along)
-        return Turning(by_place[0] @ self.basis, by_place[1] @ self.basis, by_rate[1] @ self.basis)
+            longer = along @ self.basis[words]
+            found.velocity[words] = np.outer(turned, longer)
+            found.acceleration[words] = np.outer(faster, longer)
+            found.by_rate[words] = 2.0 * np.outer(turned, longer)
+        return found
 
     def drives(self) -> Drives:
         """Vessels, what pushes bodies, foils."""
@@ -421,3 +410,26 @@ class SystemEquations(Equations):
         for line, places in arcs.items():
             for number, (_arc, node) in enumerate(sorted(places)):
                 yield node, (f"{line}.nodes[{number}]", False)
+
+
+def _turned_with(place: FloatArray, motion: at.BodyMotion) -> tuple[FloatArray, ...]:
+    """How velocity and acceleration of a body's place follow its rotation vector, and the latter
+    its rate, (3, 3) each, where that vector is zero: Omega = (1 - [theta]/2) d(theta)/dt there, and
+    its rate has a part of the second order as well (kernels/rotation.py)."""
+    turn = np.array(motion.turn).reshape(3, 3)
+    spin, faster = np.array(motion.spin), np.array(motion.spin_rate)
+    moved = np.cross(spin, place)
+    pushed = np.cross(faster, place) + np.cross(spin, moved)
+    columns: list[list[FloatArray]] = [[], [], []]
+    for axis in np.eye(3):
+        of_spin = -0.5 * np.cross(axis, spin)
+        of_rate = -0.5 * np.cross(axis, faster) + np.cross(spin, np.cross(axis, spin)) / 6.0
+        columns[0].append(np.cross(axis, moved) + np.cross(of_spin, place))
+        columns[1].append(
+            np.cross(axis, pushed)
+            + np.cross(of_rate, place)
+            + np.cross(of_spin, moved)
+            + np.cross(spin, np.cross(of_spin, place))
+        )
+        columns[2].append(np.cross(axis, moved) + np.cross(spin, np.cross(axis, place)))
+    return tuple(turn @ np.array(found).T for found in columns)

@@ -360,6 +360,14 @@ def test_step_responses_are_those_of_small_steps(
     assert free[-1] == pytest.approx(values_of(still, linear.outputs), rel=1e-4, abs=1e-2)
 
 
+def spinning_cycle() -> SystemModel:
+    """Bodies in a cycle of lines that turn."""
+    model = SystemModel(load_system(cycle(), ["solver.tolerance=1e-6"]))
+    for _ in range(4):
+        model.step(0.25, forces={"cage": [0, 0, 0, 40, 20, 60], "fish": [0, 0, 0, 30, 0, -60]})
+    return model
+
+
 def test_a_motion_goes_on_as_its_linear_model_says() -> None:
     """About a tow that turns: errors grow with the square of the time."""
     model = turning()
@@ -374,6 +382,46 @@ def test_a_motion_goes_on_as_its_linear_model_says() -> None:
     moved = np.linalg.norm(wanted - values_of(model, linear.outputs)[rows])
     assert errors[1] < 5e-3 * moved
     assert errors[0] < 0.5 * errors[1]
+
+
+def test_ends_that_close_a_cycle_go_with_bodies_that_turn() -> None:
+    """Places, velocities and accelerations of both sides are the same for every free motion."""
+    equations = SystemEquations(spinning_cycle())
+    turning = equations.turning()
+    assert turning is not None
+    (closure,) = equations.closures
+    body = equations.bodies[int(closure.body)]
+    words = slice(SIZE * int(closure.node), SIZE * int(closure.node) + 3)
+
+    def apart() -> np.ndarray:
+        Equations.residual(equations)
+        motion, place = body.motion, np.array(closure.place)
+        turn, spin = np.array(motion.turn).reshape(3, 3), np.array(motion.spin)
+        moved = np.cross(spin, place)
+        pushed = np.cross(motion.spin_rate, place) + np.cross(spin, moved)
+        reference = motion.reference
+        return np.array(
+            [
+                equations.q[words] - reference.position - turn @ place,
+                equations.v[words] - reference.velocity - turn @ moved,
+                equations.a[words] - reference.acceleration - turn @ pushed,
+            ]
+        )
+
+    z, step = equations.basis, 1e-4
+    for k in np.flatnonzero(np.any(z[SIZE * int(body.node) + 3 :][:3] != 0.0, axis=0)):
+        for of_place, of_speed, of_push in (
+            (z[:, k], turning.velocity[:, k], turning.acceleration[:, k]),
+            (np.zeros(len(z)), z[:, k], turning.by_rate[:, k]),
+        ):
+            kept, found = equations.block.image.copy(), []
+            for sign in (step, -step):
+                equations.q[:] += sign * of_place
+                equations.v[:] += sign * of_speed
+                equations.a[:] += sign * of_push
+                found.append(apart())
+                equations.block.image[:] = kept
+            assert np.abs(found[0] - found[1]).max() / (2.0 * step) < 1e-6
 
 
 def buoy(overrides: list[str]) -> SystemModel:
