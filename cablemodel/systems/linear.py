@@ -180,10 +180,10 @@ class SystemEquations(Equations):
         for node in range(1, nodes):
             if joint[node] not in _ROOTS:
                 tree[node] = tree[parent[node]]
-        for row in self.closures:
-            if row.node >= 0.0:
-                other = row.other if row.body < 0.0 else self.bodies[int(row.body)].node
-                tree[tree == tree[int(row.node)]] = tree[int(other)]
+        for end in self.closures:
+            if end.node >= 0.0:
+                other = end.other if end.body < 0.0 else self.bodies[int(end.body)].node
+                tree[tree == tree[int(end.node)]] = tree[int(other)]
         owner = np.full(nodes, -1)
         held = {int(row.node): row for row in self.held}
         for part in np.unique(tree):
@@ -263,7 +263,8 @@ class SystemEquations(Equations):
         """At the ends of lines at bodies, and at clamps."""
         shape = SIZE * self.nodes, self.basis.shape[1]
         found = Turning(*(np.zeros(shape) for _ in range(3)))
-        for end in (*self.arms, *self.closures):
+        ends: list[at.Arm | at.Closure] = [*self.arms, *self.closures]
+        for end in ends:
             if end.node >= 0.0 and end.body >= 0.0:
                 body = self.bodies[int(end.body)]
                 first = SIZE * int(body.node)
