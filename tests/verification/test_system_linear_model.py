@@ -234,9 +234,7 @@ def test_matrices_are_the_derivatives_of_the_residual(make: Any) -> None:
                     assert np.abs(found - wanted).max() <= 1e-6 * np.abs(wanted).max() + 0.05
 
 
-@pytest.mark.parametrize(
-    "parts", [hung_bar(), cycle(), branched()], ids=["bar", "cycle", "tee"]
-)
+@pytest.mark.parametrize("parts", [hung_bar(), cycle(), branched()], ids=["bar", "cycle", "tee"])
 def test_poles_are_the_natural_frequencies(parts: dict[str, Any]) -> None:
     """Without water; cycles and branches too."""
     parts = {**parts, "environment": {"water_density": 0.0, "gravity": G}}
