@@ -646,7 +646,7 @@ class CableModel:
                 not linear, by name: contact with the floor, waves, a slack line without bending
                 stiffness, a body that passes the tow point, a line without a force at the top.
         """
-        from cablemodel.linear_model import linear_model
+        from cablemodel.linear_line import linear_model
 
         return linear_model(self)
 

@@ -26,7 +26,9 @@ from cablemodel.errors import CableModelError
 from cablemodel.instance.line_tables import edge_row, fill_body
 from cablemodel.kernels import layout as at
 from cablemodel.kernels.layout import Header
-from cablemodel.linear_model import RATES, Equations, Names
+from cablemodel.linear_equations import Equations
+from cablemodel.linear_line import LineEquations
+from cablemodel.linear_model import Names
 
 if TYPE_CHECKING:
     from cablemodel.model import CableModel
@@ -119,7 +121,7 @@ def step_sensitivity(
     whole, ahead = (_with_its_mesh(model) for _ in range(2))
     whole.step(dt, **inputs(1.0))
     pieces = whole.statistics["steps"] - model.statistics["steps"]
-    first = Equations(ahead)
+    first = LineEquations(ahead)
     last = first.linear_model({c.path: c.residual(first) for c in changes})
     paths = tuple(parameters)
     rates, count = len(last.inputs) - len(paths), len(last.states)
@@ -133,7 +135,7 @@ def step_sensitivity(
         for j, time in enumerate(TIMES):
             part = (piece + time) / pieces
             ahead.step_to(begin + part * dt, **inputs(part))
-            equations = Equations(ahead)
+            equations = LineEquations(ahead)
             if equations.names != first.names:
                 raise CableModelError(
                     f"sensitivities: the mesh changed between {begin:g} and {ahead.time:g} s; give "
@@ -147,7 +149,7 @@ def step_sensitivity(
         x = np.asarray(np.linalg.solve(matrix, right)[2 * count :])
     y = last.C @ x + last.D * scale
     return StepSensitivity(
-        inputs=tuple(RATES[name] for name in last.inputs[:rates]),
+        inputs=last.driven[:rates],
         parameters=paths,
         states=last.states,
         outputs=last.outputs,

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from os import PathLike
-from typing import Any, Unpack
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -33,6 +33,9 @@ from cablemodel.systems.inputs import InputNames, SystemInputs
 from cablemodel.systems.scene import SystemScene
 from cablemodel.systems.stability import warn_if_unstable
 from cablemodel.wall_tension import Surroundings
+
+if TYPE_CHECKING:
+    from cablemodel.linear_model import LinearModel
 
 FloatArray = NDArray[np.float64]
 
@@ -384,6 +387,21 @@ class SystemModel:
     def top_tension(self) -> float:
         """The largest tension at the beginning of a line [N]."""
         return max(line.start_tension for line in self.lines.values())
+
+    def linearise(self) -> LinearModel:
+        """A linear model about the present state, with named states, inputs and outputs; see
+        `CableModel.linearise`.
+
+        Inputs are the rates of what `step` takes, and of the current; what only one vessel holds is
+        counted from there. Bodies turn about their own axes.
+
+        Raises:
+            CableModelError: something is not linear, by name: contact with the floor, waves, a
+                slack line without bending stiffness, a cut that has been made.
+        """
+        from cablemodel.systems.linear import linear_model
+
+        return linear_model(self)
 
     def small_motions(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Mass, damping and stiffness of small motions about the present state, (n, n) each.

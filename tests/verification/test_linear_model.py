@@ -7,7 +7,8 @@ import pytest
 
 import cablemodel as cm
 from cablemodel.kernels.layout import Header
-from cablemodel.linear_model import SIZE, Equations
+from cablemodel.linear_equations import SIZE
+from cablemodel.linear_line import LineEquations
 from tests.verification.scenes import CABLE_K, IDEAL, scene
 
 GRAVITY = 9.80665
@@ -67,7 +68,7 @@ def clamped_and_reeled_in():
 )
 def test_matrices_are_the_derivatives_of_the_residual(make):
     """A body of finite length and a running winch too."""
-    equations = Equations(make())
+    equations = LineEquations(make())
     count = SIZE * equations.nodes
     free = np.column_stack([equations.basis, equations._top()])
     for word, matrix, step in (
