@@ -35,6 +35,8 @@ class Attempt:
     """What lies stays, but for what pulls at what hangs, see laid_start.let_go."""
     at_once: bool = False
     """A lay on its own floor only, not on floors that harden."""
+    comes_up: bool = False
+    """Where a lay is not found at once, its cable gets its momentum bit by bit."""
     points: FloatArray | None = None
     """From this polyline (n, 3) [m], instead of a first shape of the search's own."""
     passing: bool = False

@@ -27,6 +27,9 @@ GROWTH = 1.5
 """Of a step on a way over easier equilibria, after one that was followed."""
 FEW_STEPS = 100
 """Of a relaxation on that way."""
+LEAST_MOMENTUM, MORE_MOMENTUM, SMALLEST_SHARE = 0.1, 0.3, 0.02
+"""Of the mass of a lay's cable: what it has at first, by how much more it gets, and the smallest
+step of that where longer ones fail."""
 LARGEST_TURN = 0.25
 """Of a clamp, from one equilibrium to the next [rad]."""
 SMALLEST_TURN = 0.01
@@ -137,6 +140,34 @@ def on_a_floor_that_hardens(block: Block, solve: Callable[[], int]) -> int:
         return status
     smallest = math.log(SMALLEST_SOFTENING) / whole
     return continued(block, on, done=share, step=step, smallest=smallest, largest=step)
+
+
+def as_momentum_comes_up(block: Block, solve: Callable[[], int]) -> int:
+    """Equilibrium of cable that runs out from light to heavy, its weight as it is; a status.
+
+    At rest mass counts by the momentum alone that the cable takes along. Above the foot of a lay
+    the tension is less than that, m V^2: there a bend makes itself sharper on the way to a shape at
+    rest, over more of the line the heavier it is.
+
+    Args:
+        solve: equilibrium of the block as it is, a status.
+    """
+    edges = block.array(Header.edges, int(block.header.nodes), at.EDGE_WORDS)
+    columns = [at.Edge.mass.word, at.Edge.added_mass.word]
+    whole = edges[:, columns].copy()
+
+    def with_share(share: float) -> int:
+        edges[:, columns] = share * whole
+        status = solve()
+        edges[:, columns] = whole
+        return status
+
+    status = with_share(LEAST_MOMENTUM)
+    if status != at.OK:
+        return status
+    return continued(
+        block, with_share, done=LEAST_MOMENTUM, step=MORE_MOMENTUM, smallest=SMALLEST_SHARE
+    )
 
 
 def with_turned_clamps(

@@ -165,6 +165,8 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, attempt: Attempt
     if rate > 0.0 and head.floor_kind and not held:
         harden = partial(easier_ways.on_a_floor_that_hardens, block, solve_at_once)
         ways = [solve_in_few_steps if attempt.at_once else harden]
+        if attempt.comes_up:
+            ways.append(partial(easier_ways.as_momentum_comes_up, block, solve_in_few_steps))
     solve = partial(easier_ways.first_of, block, ways)
     if attempt.patient:
         turning = partial(easier_ways.with_turned_clamps, block, solve, solve_at_once)

@@ -78,7 +78,7 @@ def test_a_load_snaps_as_on_springs_that_cannot_push(
     truth: float, tolerance: float, off: float, aside: float
 ) -> None:
     """Under pressure the wire took a part of the load's energy, and gave it to folds: 14 to 22 %
-    off. What is left is that of its own waves, which longer steps damp."""
+    off. What is left moves folds aside, and straightens them: these masses stay on one vertical."""
     model = cm.CableModel(hoisted(tolerance, aside))
     pulls = []
     for time in np.arange(STOPS, END, 0.002):
