@@ -132,16 +132,16 @@ def _built_as_laid(scene: Scene, planar: bool | None, room: float, attempt: Atte
 
 
 def _built_as_lay(scene: Scene, planar: bool | None, room: float, attempt: Attempt) -> Block:
-    """What a lay has laid: at once, or from cable that bends less and less so, or of cable that
-    gets its momentum bit by bit, or from where it lies on a floor that is softer, at a coarser
-    tolerance."""
+    """What a lay has laid: at once; or of cable that gets its momentum bit by bit, where that is
+    large; or from cable that bends less and less so; or from where it lies on a floor that is
+    softer, at a coarser tolerance."""
+    if laid_start.outruns_its_foot(scene):
+        with contextlib.suppress(StaticsError):
+            return _built(scene, planar, room, replace(attempt, at_once=True, comes_up=True))
     softer = laid_start.on_softer_floor(scene)
     try:
         return _built_from_stiffer(scene, planar, room, attempt, patient=softer is None)
     except StaticsError:
-        if laid_start.is_lay(scene) and not laid_loads.is_dragged(scene):
-            with contextlib.suppress(StaticsError):
-                return _built(scene, planar, room, replace(attempt, at_once=True, comes_up=True))
         if softer is None:
             raise
         lies = _built_as_lay(softer, planar, 1.0, replace(attempt, passing=True))

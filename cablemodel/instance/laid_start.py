@@ -117,6 +117,18 @@ def stiffer_layers(scene: Scene) -> tuple[float, float] | None:
     return (most, own) if is_lay(scene) and own < most else None
 
 
+def outruns_its_foot(scene: Scene) -> bool:
+    """Whether a lay's cable takes more momentum along than its tension, (m + m_a) V^2 > T, up to
+    where it is higher above the floor than a layer in which what lies does not fold."""
+    if not is_lay(scene) or laid_loads.is_dragged(scene):
+        return False
+    environment, kind = scene.environment, scene.cable_types[scene.cables[-1].type]
+    added = kind.added_mass * environment.water_density * math.pi / 4.0 * kind.diameter**2
+    momentum = (kind.mass + added) * scene.rate_at_start**2
+    height = momentum / sea_floor.contact_weight(kind, environment.gravity)
+    return height > sea_floor.unfolding_layer(scene)
+
+
 def on_softer_floor(scene: Scene) -> Scene | None:
     """A lay at a coarser tolerance, whose floor is softer; None: no lay, or coarse as it is."""
     tolerance = SOFTER * scene.solver.tolerance

@@ -90,6 +90,20 @@ def test_a_steady_lay_starts_with_the_tension_of_its_lay(
     assert np.mean(tops) == pytest.approx(before, rel=2e-2)
 
 
+def test_a_power_cable_that_does_not_bend_starts_in_shallow_water() -> None:
+    """Up to a meter above the floor its tension is less than the momentum that it takes along,
+    (m + m_a) V^2: from rest there is no way to a shape that bends the other way there."""
+    power = {
+        "diameter": 0.1, "mass": 23.0, "axial_stiffness": 14e6, "drag_normal": 1.3,
+        "drag_tangential": 0.006,
+    }  # fmt: skip
+    scene, rate = lay(power, 4.0, 15.0, bending=0.0)
+    model = cm.CableModel(scene)
+    rise = -float(model.touchdown_position[2])
+    top, _length = independent(power, 4.0, rate, bottom_tension(model), rise, straight=True)
+    assert model.top_tension == pytest.approx(top, rel=5e-3)
+
+
 @pytest.mark.parametrize("degrees", [0.0, 30.0, 211.0])
 def test_a_lay_that_turns_later_starts_on_any_heading(degrees: float) -> None:
     """In space it is sought in the plane in which it hangs: off the axes rounding folded it."""
