@@ -15,7 +15,7 @@ Rows are those of closures, with the direction for the place at the body.
 
 from .access import closure_of, edge_of, free_body_of, header, vector
 from .compile import kernel, view
-from .free_bodies import STEP, arm_moment, follow_turn, set_body_motion
+from .free_bodies import arm_moment, follow_at_body
 from .layout import JOINT_ARM, MODEL_HYBRID
 from .rigid import clamp_stiffness, stiffen_gently
 from .rotation import to_earth_axes
@@ -50,13 +50,10 @@ def add_body_clamp(I, M, row, q, out):
 
 @kernel
 def add_clamp_derivatives(I, M, row, q, v, a):
-    """Add a clamp's second derivatives to the blocks of both nodes, and leave A and B in its row;
-    how the moment of f follows theta is a central difference."""
+    """Add a clamp's second derivatives to the blocks of both nodes; leave A and B in its row."""
     head = header(I)
     axis = vector()
     along = vector()
-    way = vector()
-    moment = vector()
     force = vector()
     k = row.stiffness
     length, cosine = clamp_axes(I, M, row, q, axis, along)
@@ -73,28 +70,14 @@ def add_clamp_derivatives(I, M, row, q, v, a):
             value += cosine * (unit - 3.0 * along[i] * along[j])
             D[6 * (3 + i) + 3 + j] += square * (value + across)
     body = free_body_of(I, M, int(row.body))
-    at = 6 * int(body.node)
-    for j in range(3):
-        follow_turn(row, body.motion, j, way)
-        for i in range(3):
-            row.follows[3 * i + j] = way[i]
+    follow_at_body(I, M, row, body, force, q, v, a)
     D = view(M, head.diagonal + 36 * int(body.node), 36)
-    for j in range(3):
-        kept = q[at + 3 + j]
-        for side in range(2):
-            e = STEP if side == 0 else -STEP
-            q[at + 3 + j] = kept + e
-            set_body_motion(body, M, q, v, a, at)
-            arm_moment(row, body.motion, force, moment)
-            for i in range(3):
-                D[6 * (3 + i) + 3 + j] += moment[i] / (2.0 * e)
-        q[at + 3 + j] = kept
-        for i in range(3):
+    for i in range(3):
+        for j in range(3):
             value = 0.0
             for n in range(3):
                 value += row.follows[3 * n + i] * row.follows[3 * n + j]
             D[6 * (3 + i) + 3 + j] += 2.0 * k * value
-    set_body_motion(body, M, q, v, a, at)
 
 
 @kernel

@@ -20,7 +20,7 @@ from .body_clamps import (
     put_clamp,
 )
 from .compile import inlined, kernel, view
-from .free_bodies import STEP, arm_moment, follow_turn, set_body_motion
+from .free_bodies import arm_moment, follow_at_body
 from .rotation import to_earth_axes
 
 
@@ -62,37 +62,15 @@ def close(I, M, q, out):
 
 @kernel
 def close_jacobian(I, M, q, v, a):
-    """How places at bodies follow their rotation vectors, and how the moments of the closures'
-    forces do: by central differences, into the diagonal blocks."""
-    head = header(I)
-    moment = vector()
-    way = vector()
-    for n in range(head.closure_count):
+    """How places at bodies follow their rotation vectors, and moments of the closures' forces."""
+    for n in range(header(I).closure_count):
         row = closure_of(I, M, n)
         if row.node < 0.0 or row.body < 0.0:
             continue
         if row.clamp != 0.0:
             add_clamp_derivatives(I, M, row, q, v, a)
             continue
-        body = free_body_of(I, M, int(row.body))
-        node = int(body.node)
-        at = 6 * node
-        D = view(M, head.diagonal + 36 * node, 36)
-        for j in range(3):
-            kept = q[at + 3 + j]
-            for side in range(2):
-                e = STEP if side == 0 else -STEP
-                q[at + 3 + j] = kept + e
-                set_body_motion(body, M, q, v, a, at)
-                arm_moment(row, body.motion, row.force, moment)
-                for i in range(3):
-                    D[6 * (3 + i) + 3 + j] += moment[i] / (2.0 * e)
-            q[at + 3 + j] = kept
-        set_body_motion(body, M, q, v, a, at)
-        for j in range(3):
-            follow_turn(row, body.motion, j, way)
-            for i in range(3):
-                row.follows[3 * i + j] = way[i]
+        follow_at_body(I, M, row, free_body_of(I, M, int(row.body)), row.force, q, v, a)
 
 
 @kernel

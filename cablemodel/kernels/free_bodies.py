@@ -351,6 +351,33 @@ def follow_turn(arm, m, j, out):
 
 
 @kernel
+def follow_at_body(I, M, row, body, force, q, v, a):
+    """How what a closure or a clamp has at a body, in its row `place`, follows the body's rotation
+    vector, into `follows`; and how the moment of a constant force does, by central differences,
+    into the body's diagonal block."""
+    way = vector()
+    moment = vector()
+    node = int(body.node)
+    at = 6 * node
+    D = view(M, header(I).diagonal + 36 * node, 36)
+    for j in range(3):
+        kept = q[at + 3 + j]
+        for side in range(2):
+            e = STEP if side == 0 else -STEP
+            q[at + 3 + j] = kept + e
+            set_body_motion(body, M, q, v, a, at)
+            arm_moment(row, body.motion, force, moment)
+            for i in range(3):
+                D[6 * (3 + i) + 3 + j] += moment[i] / (2.0 * e)
+        q[at + 3 + j] = kept
+    set_body_motion(body, M, q, v, a, at)
+    for j in range(3):
+        follow_turn(row, body.motion, j, way)
+        for i in range(3):
+            row.follows[3 * i + j] = way[i]
+
+
+@kernel
 def free_residual(I, M, t, out):
     """Add the bodies' inertia and loads to the forces, and take over those at their arms."""
     head = header(I)
