@@ -137,11 +137,11 @@ def cut_loose() -> Result:
     shapes = {"before": shape(ours.lines["wire"], 40)}
     times, found = [0.0], [0.0]
     tensions = []  # a wire that has snapped back rings on: no damping of its material is stated
-    for k in range(1, 241):
+    for k in range(1, 231):
         ours.step(1.0 if k <= 30 else 0.05)
         times.append(ours.time)
         found.append(start - float(ours.bodies["load"].position[2]))
-        if k > 40:
+        if k > 30:
             tensions.append(ours.lines["wire"].start_tension)
     mean = float(np.mean(tensions))
     since = np.maximum(np.array(times) - 5.0, 0.0)
