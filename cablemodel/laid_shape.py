@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from cablemodel import free_hanging, laid_loads
 from cablemodel.curves import crossing
-from cablemodel.laid_loads import lay_angle
+from cablemodel.laid_loads import lay_angle, momentum_of
 from cablemodel.mesh import halved_where
 from cablemodel.sea_floor import (
     LYING,
@@ -254,8 +254,7 @@ def _bend_of_lay(scene: Scene) -> tuple[FloatArray, FloatArray]:
         return np.zeros(1), np.zeros(1)
     layer = touchdown_layer(scene, cable)
     stiffness = contact_weight(kind, scene.environment.gravity) * layer**3
-    added = kind.added_mass * density * 0.25 * math.pi * kind.diameter**2
-    momentum = (kind.mass + added) * rate**2
+    momentum = momentum_of(kind, density, rate)
     turns_back = weight * (math.sin(angle) + 2.0 * math.cos(angle) ** 2 / math.sin(angle))
     heights: list[float] = [0.0]
     longest: list[float] = []

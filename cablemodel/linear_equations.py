@@ -101,17 +101,25 @@ class Equations(ABC):
         joint = self.block.integers(Header.joint, self.nodes)
         return np.asarray((joint == at.JOINT_HINGE) | (joint == at.JOINT_ARM))
 
+    def _let_rest(self, ramp: at.VectorRamp | at.WrenchRamp | at.Ramp) -> None:
+        """Stay at the present value."""
+        span = ramp.end - ramp.begin
+        part = min(1.0, max(0.0, (self.time - ramp.begin) / span)) if span > 0.0 else 1.0
+        if isinstance(ramp, at.Ramp):
+            ramp.first = ramp.last = ramp.first + part * (ramp.last - ramp.first)
+        else:
+            now = (1.0 - part) * np.array(ramp.first) + part * np.array(ramp.last)
+            ramp.first[:] = ramp.last[:] = now
+        ramp.begin, ramp.end = self.time, self.time + 1.0
+
     def _let_current_rest(self) -> None:
-        block, head, live = self.block, self.block.header, self.block.scalars.live_current
-        span = live.end - live.begin
-        part = min(1.0, max(0.0, (self.time - live.begin) / span)) if span > 0.0 else 1.0
-        self.current = (1.0 - part) * np.array(live.first) + part * np.array(live.last)
+        head, live = self.block.header, self.block.scalars.live_current
+        self._let_rest(live)
+        self.current = np.array(live.first)
         if head.current_kind == 0:
             head.current_kind = 1
-        live.begin, live.end = self.time, self.time + 1.0
-        live.first[:] = live.last[:] = self.current
         if self.windings:
-            block.header.payout = 1
+            head.payout = 1
 
     def _let_matter_pass(self, winding: Winding) -> None:
         """Matrices by the nodes' velocities and accelerations at the winch, not by the matter's.

@@ -123,8 +123,7 @@ def outruns_its_foot(scene: Scene) -> bool:
     if not is_lay(scene) or laid_loads.is_dragged(scene):
         return False
     environment, kind = scene.environment, scene.cable_types[scene.cables[-1].type]
-    added = kind.added_mass * environment.water_density * math.pi / 4.0 * kind.diameter**2
-    momentum = (kind.mass + added) * scene.rate_at_start**2
+    momentum = laid_loads.momentum_of(kind, environment.water_density, scene.rate_at_start)
     height = momentum / sea_floor.contact_weight(kind, environment.gravity)
     return height > sea_floor.unfolding_layer(scene)
 

@@ -67,7 +67,7 @@ def copy_matrix(I, to, source, nodes, dimension):
     copy_part(I, to, source, head.compliance, 3, 0, nodes)
     if head.closure_count != 0:
         count = 3 * head.closure_count
-        copy_part(I, to, source, head.closure_work, 1, 0, count * (6 * head.capacity + count))
+        copy_part(I, to, source, head.closure_work, 1, 0, count * (6 * nodes + count))
 
 
 @kernel

@@ -25,7 +25,7 @@ from cablemodel.scene.base import (
 )
 from cablemodel.scene.depth_table import DepthSurface
 from cablemodel.scene.rows import Rows
-from cablemodel.scene.tables import table_from_file
+from cablemodel.scene.tables import rows_from_file, table_from_file
 from cablemodel.scene.units import Count, Quantity, Vector, rejection
 
 FloatArray = NDArray[np.float64]
@@ -135,10 +135,7 @@ class WaveComponent(SceneModel):
 
 def _component_rows(value: Any, info: ValidationInfo) -> Any:
     if isinstance(value, str):
-        columns = table_from_file(
-            value, info.context, columns=("amplitude", "period"), optional=("phase",)
-        )
-        return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+        return rows_from_file(value, info.context, ("amplitude", "period"), ("phase",))
     return value
 
 

@@ -64,6 +64,14 @@ def table_from_file(
     return _columns_from_csv(_found(name, context, ()), columns, optional, ())
 
 
+def rows_from_file(
+    name: str, context: Any, columns: Sequence[str], optional: Sequence[str] = ()
+) -> list[dict[str, float]]:
+    """The same by rows."""
+    table = table_from_file(name, context, columns, optional)
+    return [dict(zip(table, row, strict=True)) for row in zip(*table.values(), strict=True)]
+
+
 def _found(name: str, context: Any, at: tuple[str, ...]) -> Path:
     folder = Path((context or {}).get("folder", "."))
     path = folder / name

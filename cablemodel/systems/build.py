@@ -79,14 +79,13 @@ def _built(scene: SystemScene, sought: search.Search) -> Built:
     except StaticsError as error:
         failure = error
     for fits, words in (
-        (
-            turned_along_clamps,
-            "the same from bodies turned along what is clamped to them",
-        ),
+        (turned_along_clamps, "the same from bodies turned along what is clamped to them"),
         (straight_from_clamps, "the same from lines straight out of what clamps them"),
     ):
+        if built is not None and leaves is None:
+            break
         other_guess = fits(scene, guess)
-        if other_guess is None or (built is not None and leaves is None):
+        if other_guess is None:
             continue
         sought.tries(words)
         with suppress(StaticsError, *(() if built is None else (search.OutOfTimeError,))):

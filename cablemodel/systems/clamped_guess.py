@@ -28,7 +28,7 @@ def turned_along_clamps(scene: SystemScene, guess: Guess) -> Guess | None:
     for line_name, line in scene.lines.items():
         points = guess.lines[line_name]
         for end, way in ((line.start, points[1] - points[0]), (line.end, points[-1] - points[-2])):
-            owner, _dot, point = (end.point or "").partition(".")
+            owner, point = end.owner, end.of_owner
             if bends_at(scene, line, end) and owner in scene.bodies and owner not in stands:
                 along = way / max(float(np.linalg.norm(way)), 1e-30)
                 fits.setdefault(owner, []).append((np.array(end.clamped), along))
@@ -69,15 +69,14 @@ def straight_from_clamps(scene: SystemScene, guess: Guess) -> Guess | None:
     for name, side in todo:  # which becomes longer
         line = scene.lines[name]
         end, other = line.ends[side], line.ends[1 - side]
-        owner, _dot, point = (end.point or "").partition(".")
-        body, _dot, far = (other.point or "").partition(".")
+        owner, body = end.owner, other.owner
         if name in laid or body not in scene.bodies or body in moved | stands.keys():
             continue
         vessel = scene.vessels.get(owner)
         frame = axes[owner] if vessel is None else axes_of(first_angles(vessel))
         place = held_place(scene, end)
         if place is None:
-            place = bodies[owner] + frame @ np.array(scene.bodies[owner].points[point])
+            place = bodies[owner] + frame @ np.array(scene.bodies[owner].points[end.of_owner])
         along = frame @ np.array(end.clamped)
         from_here = guess.arcs[name] - (line.length if side else 0.0)
         lines[name] = place + from_here[:, None] * along
@@ -86,20 +85,22 @@ def straight_from_clamps(scene: SystemScene, guess: Guess) -> Guess | None:
         if bends_at(scene, line, other):
             axes[body] = turned_to(axes[body], [(np.array(other.clamped), along)])
         there = lines[name][0 if side else -1]
-        bodies[body] = there - axes[body] @ np.array(scene.bodies[body].points[far])
+        bodies[body] = there - axes[body] @ np.array(scene.bodies[body].points[other.of_owner])
         todo += [
             (more, k)
             for more, its in scene.lines.items()
             for k, one in enumerate(its.ends)
-            if bends_at(scene, its, one) and (one.point or "").partition(".")[0] == body
+            if bends_at(scene, its, one) and one.owner == body
         ]
     if not moved:
         return None
     for name, line in scene.lines.items():  # the others go along with their ends
         for side, end in enumerate(line.ends):
-            body, _dot, point = (end.point or "").partition(".")
+            body = end.owner
             if name not in laid and body in moved:
-                place = bodies[body] + axes[body] @ np.array(scene.bodies[body].points[point])
+                place = bodies[body] + axes[body] @ np.array(
+                    scene.bodies[body].points[end.of_owner]
+                )
                 share = np.abs(guess.arcs[name] / line.length - (1.0 - side))
                 off = place - lines[name][-1 if side else 0]
                 lines[name] = lines[name] + share[:, None] * off

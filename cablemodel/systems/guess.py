@@ -137,11 +137,10 @@ def held_place(scene: SystemScene, end: LineEnd) -> FloatArray | None:
         return np.array(end.anchor)
     if end.point is None:
         return None
-    owner, _dot, point = end.point.partition(".")
-    vessel = scene.vessels.get(owner)
+    vessel = scene.vessels.get(end.owner)
     if vessel is None:
         return None
-    arm = axes_of(first_angles(vessel)) @ np.array(vessel.points[point])
+    arm = axes_of(first_angles(vessel)) @ np.array(vessel.points[end.of_owner])
     return np.asarray(np.array(vessel.position) + arm, dtype=np.float64)
 
 
@@ -218,10 +217,9 @@ def first_guess(
             if place is not None:
                 fixed[node] = place
             elif end.point is not None:
-                owner, _dot, point = end.point.partition(".")
-                body = scene.bodies[owner]
-                arm = axes_of(body.attitude) @ np.array(body.points[point])
-                ties.append((node, bodies[owner], arm))
+                body = scene.bodies[end.owner]
+                arm = axes_of(body.attitude) @ np.array(body.points[end.of_owner])
+                ties.append((node, bodies[end.owner], arm))
             elif end.line is not None:
                 assert end.at is not None
                 ties.append((node, lines[end.line][_nearest(arcs[end.line], end.at)], np.zeros(3)))

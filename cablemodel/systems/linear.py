@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from cablemodel import library as entry
 from cablemodel.block import Block
 from cablemodel.kernels import layout as at
 from cablemodel.kernels.layout import Header
+from cablemodel.kernels.record import Record
 from cablemodel.linear_equations import (
     RATE_STEP,
     SIZE,
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
     from cablemodel.systems.model import SystemModel
 
 FloatArray = NDArray[np.float64]
+Row = TypeVar("Row", bound=Record)
 
 STEP = 1e-6
 """Of the kernels' differences for a body's derivatives (free_bodies.py)."""
@@ -83,30 +85,12 @@ class SystemEquations(Equations):
             block.array(word, count)
             for word in (Header.position, Header.velocity, Header.acceleration)
         )
-        self.frames = [
-            at.Frame(block.reals, int(head.frames) + at.FRAME_WORDS * n)
-            for n in range(int(head.frame_count))
-        ]
-        self.bodies = [
-            at.FreeBody(block.reals, int(head.free_bodies) + at.FREE_WORDS * n)
-            for n in range(int(head.free_count))
-        ]
-        self.foils = [
-            at.Foil(block.reals, int(head.foils) + at.FOIL_WORDS * n)
-            for n in range(int(head.foil_count))
-        ]
-        self.arms = [
-            at.Arm(block.reals, int(head.arms) + at.ARM_WORDS * n)
-            for n in range(int(head.arm_count))
-        ]
-        self.closures = [
-            at.Closure(block.reals, int(head.closures) + at.CLOSURE_WORDS * n)
-            for n in range(int(head.closure_count))
-        ]
-        self.held = [
-            at.Constraint(block.reals, int(head.constraints) + at.CONSTRAINT_WORDS * n)
-            for n in range(int(head.constraint_count))
-        ]
+        self.frames = _rows(block, at.Frame, head.frames, head.frame_count)
+        self.bodies = _rows(block, at.FreeBody, head.free_bodies, head.free_count)
+        self.foils = _rows(block, at.Foil, head.foils, head.foil_count)
+        self.arms = _rows(block, at.Arm, head.arms, head.arm_count)
+        self.closures = _rows(block, at.Closure, head.closures, head.closure_count)
+        self.held = _rows(block, at.Constraint, head.constraints, head.constraint_count)
         for ramp in (*(b.force for b in self.bodies), *(f.deflection for f in self.foils)):
             self._let_rest(ramp)
         self._let_frames_go_on()
@@ -136,17 +120,6 @@ class SystemEquations(Equations):
                     self.v[word] += by
 
                 self.damping[own, word] = self.by(move, SPEED_STEP)[own]
-
-    def _let_rest(self, ramp: at.WrenchRamp | at.Ramp) -> None:
-        """Stay at the present value."""
-        span = ramp.end - ramp.begin
-        part = min(1.0, max(0.0, (self.time - ramp.begin) / span)) if span > 0.0 else 1.0
-        if isinstance(ramp, at.Ramp):
-            ramp.first = ramp.last = ramp.first + part * (ramp.last - ramp.first)
-        else:
-            now = (1.0 - part) * np.array(ramp.first) + part * np.array(ramp.last)
-            ramp.first[:] = ramp.last[:] = now
-        ramp.begin, ramp.end = self.time, self.time + 1.0
 
     def _let_frames_go_on(self) -> None:
         """Evenly: place and angles by the present rates."""
@@ -411,6 +384,11 @@ class SystemEquations(Equations):
         for line, places in arcs.items():
             for number, (_arc, node) in enumerate(sorted(places)):
                 yield node, (f"{line}.nodes[{number}]", False)
+
+
+def _rows(block: Block, kind: type[Row], first: int, count: int) -> list[Row]:
+    """The rows of a table of a block, by its first word."""
+    return [kind(block.reals, int(first) + kind.WORDS * n) for n in range(int(count))]
 
 
 def _turned_with(place: FloatArray, motion: at.BodyMotion) -> tuple[FloatArray, ...]:

@@ -116,7 +116,7 @@ def tension_scale(scene: SystemScene) -> float:
 def is_adrift(scene: SystemScene) -> bool:
     """Whether nothing holds it: no vessel, anchor, or body that stands on the floor."""
     ends = [end for line in scene.lines.values() for end in line.ends]
-    owners = {end.point.partition(".")[0] for end in ends if end.point is not None}
+    owners = {end.owner for end in ends}
     anchored = any(end.anchor is not None for end in ends)
     return not (anchored or owners & scene.vessels.keys() or standing(scene))
 
@@ -140,11 +140,7 @@ def steady_velocity(scene: SystemScene) -> FloatArray:
     found: FloatArray | None = None
     first = ""
     for name, vessel in scene.vessels.items():
-        used = any(
-            end.point is not None and end.point.partition(".")[0] == name
-            for line in scene.lines.values()
-            for end in line.ends
-        )
+        used = any(end.owner == name for line in scene.lines.values() for end in line.ends)
         if not used:
             continue
         own = vessel.motion().evaluate(0.0)[1]

@@ -47,8 +47,7 @@ def place_nodes(scene: SystemScene, built: Built, guess: Guess, before: Built | 
     rows = built.block.array(Header.constraints, len(tree.held), at.CONSTRAINT_WORDS)
     for row, held in zip(rows, tree.held, strict=True):
         if row[at.Constraint.clamped]:
-            assert held.end.point is not None
-            vessel = scene.vessels[held.end.point.partition(".")[0]]
+            vessel = scene.vessels[held.end.owner]
             own = row[at.Constraint.own_direction.span]
             q[held.node, 3:] = axes_of(first_angles(vessel)) @ own
     for node, name, direction in tree.clamps:

@@ -27,7 +27,7 @@ from cablemodel.scene.base import (
 from cablemodel.scene.environment import Environment
 from cablemodel.scene.line import Cable, CableType, LineItem
 from cablemodel.scene.schema import Document, RunSettings, Solver
-from cablemodel.scene.tables import table_from_file
+from cablemodel.scene.tables import rows_from_file
 from cablemodel.scene.units import Quantity, Vector, rejection, several
 from cablemodel.scene.vessel import RatePoint, RateTable, Vessel
 from cablemodel.systems.motion import first_turn
@@ -68,8 +68,7 @@ def _rao_rows(value: Any, info: ValidationInfo) -> Any:
     if isinstance(value, str):
         given = ("heading_deg", "period")
         more = tuple(key for key in RaoPoint.model_fields if key not in given)
-        columns = table_from_file(value, info.context, columns=given, optional=more)
-        return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+        return rows_from_file(value, info.context, given, more)
     return value
 
 
@@ -331,6 +330,16 @@ class LineEnd(SceneModel):
         """Nothing holds it."""
         return self.point is None and self.anchor is None and self.line is None
 
+    @property
+    def owner(self) -> str:
+        """The vessel or body at whose point it is; empty: at none."""
+        return (self.point or "").partition(".")[0]
+
+    @property
+    def of_owner(self) -> str:
+        """The point's name there."""
+        return (self.point or "").partition(".")[2]
+
     @model_validator(mode="after")
     def _one_of_them(self) -> LineEnd:
         given = [key for key in ("point", "anchor", "line") if getattr(self, key) is not None]
@@ -474,13 +483,13 @@ class SystemScene(Document):
             for name in self.lines
             if name in tied
             for word, end in zip(("beginning", "end"), self.lines[name].ends, strict=True)
-            if end.anchor is not None or (end.point or "").partition(".")[0] in self.vessels
+            if end.anchor is not None or end.owner in self.vessels
         ]
 
     def _ties(self, line: str) -> set[str]:
         """Names of a line, and of the bodies and lines at its ends."""
         ends = self.lines[line].ends
-        bodies = {(end.point or "").partition(".")[0] for end in ends} & set(self.bodies)
+        bodies = {end.owner for end in ends} & set(self.bodies)
         return {line, *bodies, *(end.line for end in ends if end.line is not None)}
 
     @property
@@ -586,7 +595,7 @@ class SystemScene(Document):
             if end is not None and end.is_free:
                 problem = f"{cut.line} is free there"
                 yield SceneProblem(f"{path}.at", cut.at, problem, "an end that is held")
-            owner = "" if end is None else (end.point or "").partition(".")[0]
+            owner = "" if end is None else end.owner
             if end is not None and end.clamped is not None and owner in self.vessels:
                 problem = "a vessel does not let go of a clamped end"
                 yield SceneProblem(f"{path}.at", cut.at, problem, "a place beside it, in metres")
@@ -601,7 +610,7 @@ class SystemScene(Document):
                 yield SceneProblem(f"{path}.line", winch.line, problem, ", ".join(self.lines))
                 continue
             end = line.end_at(winch.at)
-            owner = (end.point or "").partition(".")[0]
+            owner = end.owner
             if owner not in self.vessels:
                 problem = f"{winch.line} is not held by a vessel at its {winch.at}"
                 yield SceneProblem(f"{path}.at", winch.at, problem, "an end at a vessel's point")
@@ -637,7 +646,7 @@ class SystemScene(Document):
         self, name: str, path: str, end: LineEnd, used: set[str]
     ) -> Iterator[SceneProblem]:
         if end.point is not None:
-            owner, _dot, point = end.point.partition(".")
+            owner, point = end.owner, end.of_owner
             places = self.vessels.get(owner) or self.bodies.get(owner)
             if places is None or point not in places.points:
                 points = [

@@ -325,11 +325,10 @@ def fill_held(scene: SystemScene, built: Built) -> None:
             row[at.Constraint.kind] = at.HELD_BY_ANCHOR
             row[at.Constraint.position.span] = held.end.anchor
             continue
-        assert held.end.point is not None
-        owner, _dot, point = held.end.point.partition(".")
+        owner = held.end.owner
         row[at.Constraint.kind] = at.HELD_BY_FRAME
         row[at.Constraint.frame] = names.index(owner)
-        row[at.Constraint.position.span] = scene.vessels[owner].points[point]
+        row[at.Constraint.position.span] = scene.vessels[owner].points[held.end.of_owner]
         line = scene.lines[held.line]
         at_end = held.end is line.end
         if bends_at(scene, line, held.end):

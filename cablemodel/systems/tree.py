@@ -103,9 +103,7 @@ class _Builder:
                     if name in self.placed or self._kind(end) != wanted:
                         continue
                     if wanted == "body":
-                        assert end.point is not None
-                        body, _dot, _point = end.point.partition(".")
-                        self._place_body(body, -1, "")
+                        self._place_body(end.owner, -1, "")
                     else:
                         self._begin(name, side)
         return self.tree
@@ -117,7 +115,7 @@ class _Builder:
             return "branch"
         if end.point is None:
             return "free"
-        return "held" if end.point.partition(".")[0] in self.scene.vessels else "body"
+        return "held" if end.owner in self.scene.vessels else "body"
 
     def _begin(self, name: str, side: int) -> None:
         """A root at an end of a line."""
@@ -141,8 +139,8 @@ class _Builder:
             for side, end in enumerate(line.ends):
                 if name in self.placed or end.point is None:
                     continue
-                owner, _dot, place = end.point.partition(".")
-                if owner == body:
+                place = end.of_owner
+                if end.owner == body:
                     arc = line.length if side else 0.0
                     arm = tree.add(node, at.JOINT_ARM, (name, arc))
                     tree.arms.append((arm, body, place))
@@ -200,8 +198,7 @@ class _Builder:
         if kind == "held":
             self.tree.held.append(Held(node, name, end, outward=False))
         elif kind == "body":
-            assert end.point is not None
-            body, _dot, point = end.point.partition(".")
+            body, point = end.owner, end.of_owner
             self._clamp(name, side, node, body, outward=False)
             if body in self.tree.bodies:
                 self.tree.closures.append((node, body, point))

@@ -34,7 +34,7 @@ def topology(scene: SystemScene) -> Iterator[str]:
             f"{line_name}"
             for line_name, line in scene.lines.items()
             for end in line.ends
-            if end.point is not None and end.point.partition(".")[0] == name
+            if end.owner == name
         ]
         wings = f", foils {', '.join(body.foils)}" if body.foils else ""
         yield f"body {name}, {body.mass:g} kg: held by {', '.join(tied)}{wings}"

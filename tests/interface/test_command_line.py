@@ -517,6 +517,15 @@ def test_a_stretch_is_told_once() -> None:
     assert len([w for w in report["warnings"] if "stretch" in w]) == 1, report["warnings"]
 
 
+def told_of_a_start(scene: Path, words: str) -> str:
+    """What `run` writes on standard error; `check` warns of the same start, in these words."""
+    report = json.loads(invoke("check", scene, "--json").stdout)
+    assert any(words in warning for warning in report["warnings"])
+    result = invoke("run", scene)
+    assert result.exit_code == 0, result.output
+    return result.stderr
+
+
 def test_an_unstable_start_is_told_in_words(tmp_path: Path) -> None:
     """By `check` with its other findings, by a run on standard error, without the place in code."""
     scene = tmp_path / "sinker.yaml"
@@ -528,11 +537,8 @@ def test_an_unstable_start_is_told_in_words(tmp_path: Path) -> None:
         "run: {duration: 0.01, output_interval: 0.01}\n"
         "solver: {tolerance: 1e-2}\n"
     )
-    report = json.loads(invoke("check", scene, "--json").stdout)
-    assert any("200 m along the cable" in warning for warning in report["warnings"])
-    result = invoke("run", scene)
-    assert result.exit_code == 0, result.output
-    assert "cablemodel: warning: the static start is an unstable equilibrium" in result.stderr
+    told = told_of_a_start(scene, "200 m along the cable")
+    assert "cablemodel: warning: the static start is an unstable equilibrium" in told
 
 
 def test_a_lay_that_becomes_taut_is_told_in_words(tmp_path: Path) -> None:
@@ -546,12 +552,9 @@ def test_a_lay_that_becomes_taut_is_told_in_words(tmp_path: Path) -> None:
         "payout: {rate: 1, drum: [{cable: {type: K, length: 200}}]}\n"
         "run: {duration: 0.01, output_interval: 0.01}\n"
     )
-    report = json.loads(invoke("check", scene, "--json").stdout)
-    assert any("a lay down this slope takes 1.03" in warning for warning in report["warnings"])
-    result = invoke("run", scene)
-    assert result.exit_code == 0, result.output
-    assert "cablemodel: warning: a lay down this slope takes 1.03" in result.stderr
-    assert "finite_element" not in result.stderr
+    told = told_of_a_start(scene, "a lay down this slope takes 1.03")
+    assert "cablemodel: warning: a lay down this slope takes 1.03" in told
+    assert "finite_element" not in told
 
 
 def test_check_says_what_looks_wrong_where_there_is_no_start(tmp_path: Path) -> None:
