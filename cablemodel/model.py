@@ -622,11 +622,11 @@ class CableModel:
     def energy(self) -> dict[str, float]:
         """Energies [J]: kinetic (with added mass), axial, bending, potential (of the submerged
         weight, zero at z = 0), floor (its contact springs); powers [W]: of the vessel on the
-        cable, lost to drag (less what a current that changes gives), lost to friction and damping
-        on the floor, and what added mass takes from cable that turns while it slides (negative:
-        gives), beside its kinetic energy. In a
-        scene with waves the kinetic energy is without added mass, the potential that of the weight
-        in air, and drag_power what the water takes by all its forces (negative: gives)."""
+        cable, lost in its material, lost to drag (less what a current that changes gives), lost to
+        friction and damping on the floor, and what added mass takes from cable that turns while it
+        slides (negative: gives), beside its kinetic energy. In a scene with waves the kinetic
+        energy is without added mass, the potential that of the weight in air, and drag_power what
+        the water takes by all its forces (negative: gives)."""
         from cablemodel import library as entry
 
         self._finite_elements("energy")

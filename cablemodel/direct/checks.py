@@ -33,6 +33,11 @@ def refuse_unsupported(scene: Scene) -> None:
                     "direct integration has nodes, not elements",
                     "solver.node_spacing",
                 )
+    for name in {cable.type: None for cable in scene.cables}:
+        damping = scene.cable_types[name].axial_damping
+        if damping != 0.0:
+            path = f"cable_types.{name}.axial_damping"
+            refuse(path, damping, "direct integration has no damping of the material", "0")
     _refuse_floor(scene, refuse)
     _refuse_ends(scene, refuse)
     if problems:

@@ -47,10 +47,16 @@ def fill_cables(block: Block, scene: Scene, winch: Winch, scale: float) -> None:
         row[at.Cable.displaced] = scene.environment.water_density * 0.25 * math.pi * diameter**2
         row[at.Cable.edge :] = edge_row(scene, cable, index, offset, scale)
         row[at.Cable.edge.word + at.Edge.nominal.word] = winch.nominal[index]
-        edge = row[at.Cable.edge :]
-        if edge[at.Edge.model] == at.MODEL_HYBRID and edge[at.Edge.bending_full] > 0.0:
-            block.header.hybrid = 1
+        note_choices(block, row[at.Cable.edge :])
     block.winch.cable = len(scene.cables) - 1
+
+
+def note_choices(block: Block, edge: FloatArray) -> None:
+    """What elements of this kind, a row of the edge table, choose by their tension as they go."""
+    if edge[at.Edge.model] == at.MODEL_HYBRID and edge[at.Edge.bending_full] > 0.0:
+        block.header.hybrid = 1
+    if edge[at.Edge.flexible] and edge[at.Edge.damping] > 0.0:
+        block.header.damped = 1
 
 
 def edge_row(
@@ -69,6 +75,7 @@ def edge_row(
     row[at.Edge.drag_normal] = 0.5 * rho * kind.drag_normal * kind.diameter
     row[at.Edge.drag_tangential] = 0.5 * rho * kind.drag_tangential * math.pi * kind.diameter
     row[at.Edge.compliance] = kind.strain_coefficients[0]
+    row[at.Edge.damping] = row[at.Edge.damping_full] = kind.axial_damping
     row[at.Edge.strain_terms] = len(kind.strain_coefficients)
     row[at.Edge.strain_offset] = strain_offset
     row[at.Edge.tension_low : at.Edge.tension_high.word + 1] = strain_range(

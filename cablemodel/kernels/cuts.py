@@ -22,6 +22,7 @@ from .body_clamps import open_clamp
 from .closures import open_closure
 from .compile import kernel
 from .consistency import begin_after_a_blow
+from .damping import damping_in
 from .layout import (
     CONSTRAINT_WORDS,
     CUT_END,
@@ -88,6 +89,13 @@ def tension_there(M, tension, node, x):
 
 
 @kernel
+def damping_there(I, M, node, x):
+    """What the material's damping adds to that at the state [N]."""
+    d0, d1, _lost = damping_in(I, M, node)
+    return d0 + (2.0 * x - 1.0) * d1
+
+
+@kernel
 def share_before_a_break(I, M):
     """The part of the trial step after which a tension reaches where its line breaks; 1: none does,
     or by no more than tau of it."""
@@ -96,10 +104,10 @@ def share_before_a_break(I, M):
     share = 1.0
     for n in range(head.cut_count):
         row = cut_of(I, M, n)
-        limit = row.tension
-        if row.done < 1e300 or not limit < 1e300:
+        if row.done < 1e300 or not row.tension < 1e300:
             continue
         node, x = element_of_cut(I, M, row)
+        limit = row.tension - damping_there(I, M, node, x)
         before = tension_there(M, head.tension, node, x)
         after = tension_there(M, head.trial_tension, node, x)
         if before < limit and after > limit * (1.0 + state.tolerance):
@@ -267,7 +275,8 @@ def make_cuts(I, M):
         over = row.ordered != 0.0 or row.time <= state.time
         if not over and row.tension < 1e300:
             node, x = element_of_cut(I, M, row)
-            over = tension_there(M, head.tension, node, x) >= row.tension
+            carries = tension_there(M, head.tension, node, x) + damping_there(I, M, node, x)
+            over = carries >= row.tension
         if not over:
             continue
         if head.nodes + NODES_OF_A_CUT > head.capacity:

@@ -9,6 +9,7 @@ import math
 
 from .access import edge_of, header, vector
 from .compile import inlined, kernel, view
+from .damping import damping_kernel
 from .element_pairs import constraint_kernels, pair_kernels, third_tension
 from .environment import current_at
 from .layout import (
@@ -66,6 +67,7 @@ _product_de = table_product(LINES_DE)
 _product_h = table_product(LINES_H)
 _product_hd = table_product(LINES_HD)
 constraint_gradient, add_tension, combine, scatter = pair_kernels(2, 4, TX, SUM_D)
+with_damping = damping_kernel(2, TX)
 condense_planar, stretch_rate_planar = constraint_kernels(2)
 
 
@@ -202,7 +204,8 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
         geometry(W, x0, x1, h)
         t0 = tension[2 * node]
         t1 = tension[2 * node + 1]
-        axial_forces(W, t0, t1, third_tension(W, G, edge))
+        pull0, pull1 = with_damping(W, edge, t0, t1, v0, v1)
+        axial_forces(W, pull0, pull1, third_tension(W, G, edge))
 
         r0 = 0.0
         r1 = 0.0
@@ -397,6 +400,7 @@ def jacobian_planar(I, M, q, v, a, tension, ca, cv):
         t0 = tension[2 * node]
         t1 = tension[2 * node + 1]
         eas = edge.stabilisation
+        pull0, pull1 = with_damping(W, edge, t0, t1, v0, v1)
         tangent_matrices(
             W,
             x0,
@@ -406,8 +410,8 @@ def jacobian_planar(I, M, q, v, a, tension, ca, cv):
             a0,
             a1,
             h,
-            t0,
-            t1,
+            pull0,
+            pull1,
             third_tension(W, G, edge),
             bending,
             drag,
@@ -452,6 +456,8 @@ def jacobian_planar(I, M, q, v, a, tension, ca, cv):
         stiffness[1] = s01
         stiffness[2] = s11
         s22 = 5.0 * eas / h
+        s00 += cv * edge.damping / h
+        s11 += 3.0 * cv * edge.damping / h
 
         spread_components(W, bending != 0.0, drag != 0)
         if waves != 0:

@@ -13,6 +13,7 @@ import math
 
 from .access import edge_of, header, vector
 from .compile import inlined, kernel, view
+from .damping import damping_kernel
 from .element_pairs import constraint_kernels, pair_kernels, third_tension
 from .environment import current_at
 from .layout import (
@@ -71,6 +72,7 @@ _product_de = table_product(LINES_DE)
 _product_h = table_product(LINES_H)
 _product_hd = table_product(LINES_HD)
 constraint_gradient, add_tension, combine, scatter = pair_kernels(3, 10, TX, SUM_D)
+with_damping = damping_kernel(3, TX)
 condense_spatial, stretch_rate_spatial = constraint_kernels(3)
 
 
@@ -246,7 +248,8 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
         geometry(W, x0, x1, h)
         t0 = tension[2 * node]
         t1 = tension[2 * node + 1]
-        axial_forces(W, t0, t1, third_tension(W, G, edge))
+        pull0, pull1 = with_damping(W, edge, t0, t1, v0, v1)
+        axial_forces(W, pull0, pull1, third_tension(W, G, edge))
 
         r0 = 0.0
         r1 = 0.0
@@ -595,6 +598,7 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
         t0 = tension[2 * node]
         t1 = tension[2 * node + 1]
         eas = edge.stabilisation
+        pull0, pull1 = with_damping(W, edge, t0, t1, v0, v1)
         tangent_matrices(
             W,
             x0,
@@ -604,8 +608,8 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
             a0,
             a1,
             h,
-            t0,
-            t1,
+            pull0,
+            pull1,
             third_tension(W, G, edge),
             bending,
             drag,
@@ -651,6 +655,8 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
         stiffness[1] = s01
         stiffness[2] = s11
         s22 = 5.0 * eas / h
+        s00 += cv * edge.damping / h
+        s11 += 3.0 * cv * edge.damping / h
 
         if waves != 0:
             wet_rows(I, M, W, e, ROWS_00, ROWS_01, 10, ca)

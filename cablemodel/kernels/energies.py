@@ -15,6 +15,7 @@ from .access import (
 from .bodies import add_waves, body_in_water, body_kinematics, surge_power
 from .body_clamps import body_clamp_energy
 from .compile import kernel, own_record, view
+from .damping import damping_in
 from .environment import current_at, surge_at
 from .floor_outputs import floor_energy
 from .layout import GAUSS_WORDS
@@ -216,6 +217,8 @@ def cable_energy(I, M, node, found):
             turning = (turning - vt * stretching) / g
             found.added_mass_power += weight * edge.added_mass * vt * turning
         e2 += WEIGHT_P2[p] * (g - 1.0)
+    _d0, _d1, lost = damping_in(I, M, node)
+    found.damping_power += h * lost
     e2 = 5.0 * e2 - edge.third_rest / edge.stabilisation
     found.axial += 0.1 * h * edge.stabilisation * e2 * e2
 

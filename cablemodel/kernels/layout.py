@@ -10,7 +10,7 @@ the FMU's state and its serialisation are a copy of it.
 from .record import Record, integer, part, real, reals, spare
 
 MAGIC = 0x4C45444F4D454C42  # "BLEMODEL", little endian
-VERSION = 17
+VERSION = 18
 
 FLOOR_NONE, FLOOR_PLANE, FLOOR_TABLE = 0, 1, 2
 FLOOR_FAR, FLOOR_ABOVE, FLOOR_TOUCHED = 0, 1, 2  # nothing of it is felt; the mesh knows; forces
@@ -47,6 +47,7 @@ class Header(Record):
     maximum_steps = integer("that a call may take, or a relaxation of a static start")
     drag = integer("0 in vacuum: no water terms")
     hybrid = integer("1: elements choose between elastica and cable by their tension")
+    damped = integer("1: some flexible cable has damping, in use as it is taut")
     floor_kind = integer("FLOOR_NONE, FLOOR_PLANE or FLOOR_TABLE")
     floor_columns = integer("columns of the floor's table, along x")
     floor_rows = integer("rows of the floor's table, along y")
@@ -283,6 +284,8 @@ class Edge(Record):
     drag_normal = real("1/2 rho Cdn d", "kg/m2")
     drag_tangential = real("1/2 rho Cdt pi d", "kg/m2")
     compliance = real("c_1 of the strain curve", "1/N")
+    damping = real("in use: force over the rate of strain", "N s")
+    damping_full = real("of the cable; less is in use where flexible cable goes slack", "N s")
     strain_terms = real("number of coefficients of the strain curve")
     strain_offset = real("their place in the table of strain curves")
     tension_low = real("below which the curve is continued by its tangent", "N")
@@ -819,6 +822,7 @@ class Energies(Record):
     bending = real("of the curvature and of clamps", "J")
     potential = real("of the submerged weight, zero at z = 0; in waves of the weight in air", "J")
     vessel_power = real("of the supports on the cable", "W")
+    damping_power = real("lost in the cable's material", "W")
     drag_power = real("lost to drag; in waves what the water takes by all its forces", "W")
     floor = real("what the floor's springs hold", "J")
     floor_power = real("lost to friction and damping on the floor", "W")

@@ -308,8 +308,8 @@ def inertia(I, M):
 
 @kernel
 def may_be_solved_for(I, M):
-    """Whether tensions can be solved for: of one line, with Hooke's law, ends that are hinged, and
-    no body of finite length at the tow point."""
+    """Whether tensions can be solved for: of one line, with Hooke's law and no damping, ends that
+    are hinged, and no body of finite length at the tow point."""
     head = header(I)
     if head.parts != 0 or (head.rigid > 0 and winch_of(I, M, 0).passing != 0.0):
         return False
@@ -318,7 +318,8 @@ def may_be_solved_for(I, M):
             return False
     for node in range(1, head.nodes):
         if I[head.joint + node] == 0:
-            if edge_of(I, M, node).strain_terms != 1.0:
+            edge = edge_of(I, M, node)
+            if edge.strain_terms != 1.0 or edge.damping != 0.0:
                 return False
     return True
 

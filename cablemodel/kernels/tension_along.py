@@ -4,6 +4,7 @@ import math
 
 from .access import edge_of, header, vector
 from .compile import kernel
+from .damping import carried
 
 PRESSED = 24.0  # of EI k^2: by how much the mean of T is off in an element that bends
 
@@ -76,7 +77,7 @@ def bow_of_tension(I, M, element, left, right):
     is not that of the tension.
     """
     bending = edge_of(I, M, element).bending
-    bow = 6.0 * M[header(I).tension + 2 * element] - 3.0 * (left + right)
+    bow = 6.0 * carried(I, M, element) - 3.0 * (left + right)
     if bending > 0.0:
         off = PRESSED * bending * sharpest_bend(I, M, element)
         bow = math.copysign(max(0.0, abs(bow) - off), bow)
@@ -94,7 +95,7 @@ def tension_range(I, M, element):
     lowest = min(left, right)
     highest = max(left, right)
     change = right - left
-    if abs(6.0 * M[header(I).tension + 2 * element] - 3.0 * (left + right)) > abs(change):
+    if abs(6.0 * carried(I, M, element) - 3.0 * (left + right)) > abs(change):
         bow = bow_of_tension(I, M, element, left, right)
         if abs(bow) > abs(change):
             x = 0.5 + 0.5 * change / bow

@@ -18,6 +18,7 @@ from .consistency import (
     take_rates_from_velocity,
 )
 from .cuts import let_go_step, make_cuts, share_before_a_break
+from .damping import update_damping
 from .environment import find_piece
 from .esdirk import LANDED, accept_trial, try_step
 from .floor_memory import settle
@@ -308,6 +309,8 @@ def make_ready(I, M, plan):
     head = header(I)
     state = scalars(M)
     dt = plan.dt
+    if head.damped == 1:
+        update_damping(I, M)
     if dt < 0.2 * state.last_step:
         # Velocities do not meet what a jolt asks for: they run into it, and make its wave.
         if state.time != plan.jolted:

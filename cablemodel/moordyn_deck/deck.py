@@ -236,8 +236,13 @@ def line_type(deck: Deck, line: Row) -> dict[str, Any]:
             deck.refuse(row, column, f"{value(column):g} is not above 0", "a number above 0")
     if len(row.entries) > len(LINE_TYPE) - 1 and value("Cl") != 0.0:
         deck.refuse(row, "Cl", "vortices that shake a line are not computed", "0")
-    if row.entries[4] not in ("0", "0.0"):
-        deck.left.append(f"BA/-zeta ({row.entries[4]}): a cable has no internal damping")
+    damping = value("BA/-zeta")
+    if damping > 0.0:
+        kind["axial_damping"] = damping
+    elif damping < 0.0:
+        deck.left.append(
+            f"BA/-zeta ({row.entries[4]}): damping of MoorDyn's segments, by their size"
+        )
     if value("CaAx") != 0.0:
         deck.left.append(f"CaAx ({row.entries[9]}): no added mass along a cable")
     return {"name": name, **kind}

@@ -60,6 +60,9 @@ class CableType(SceneModel):
             ]
         ),
     )
+    axial_damping: Annotated[float, Quantity("N*s", at_least=0)] = Field(
+        default=0.0, description="BA, force over the rate of strain"
+    )
     bending_stiffness: Annotated[float, Quantity("N*m**2", at_least=0)] = Field(
         default=0.0, description="EI"
     )

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cablemodel import waves
 from cablemodel.block import Block
-from cablemodel.instance.line_tables import edge_row, fill_body
+from cablemodel.instance.line_tables import edge_row, fill_body, note_choices
 from cablemodel.instance.refinement import SPARE
 from cablemodel.instance.scales import is_flexible
 from cablemodel.instance.tables import fill_current, fill_jumps, fill_settings
@@ -156,8 +156,7 @@ def fill_cables(scene: SystemScene, built: Built) -> None:
         row[at.Cable.backward] = segment.backward
         edge = row[at.Cable.edge :]
         edge[:] = edge_row(scene, cable, index, offset, scale)
-        if edge[at.Edge.model] == at.MODEL_HYBRID and edge[at.Edge.bending_full] > 0.0:
-            block.header.hybrid = 1
+        note_choices(block, edge)
     edges = block.array(Header.edges, len(tree.parent), at.EDGE_WORDS)
     for node, element in tree.elements.items():
         edges[node] = table[element.segment, at.Cable.edge :]

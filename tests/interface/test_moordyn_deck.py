@@ -79,7 +79,7 @@ def test_a_float_pulls_as_its_buoyancy_says() -> None:
         "kBot: the floor is rigid, its friction that of Coulomb",
         "numerics and output of MoorDyn: writeLog, cfl",
         "the other lines: 2",
-        "BA/-zeta (-0.8): a cable has no internal damping",
+        "BA/-zeta (-0.8): damping of MoorDyn's segments, by their size",
         "the free point's place, from which MoorDyn seeks rest",
     ]
     assert all(f"# - {words}\n" in text for words in left)

@@ -254,7 +254,7 @@ def test_what_is_only_like_the_deck_is_told() -> None:
         "numerics and output of MoorDyn: dtM, tScheme, TmaxIC, threshIC",
         "body 1: its buoyancy acts at CG, as in MoorDyn, and its added mass there too; its drag "
         "goes by the whole relative speed",
-        "BA/-zeta (-0.5): a cable has no internal damping",
+        "BA/-zeta (-0.5): damping of MoorDyn's segments, by their size",
     ]
     text, left = read_deck(Y.replace("2e7 -0.5 0", "2e7 -0.5 10").replace("2 Connect", "2 Con"))
     assert "hinges at points 2, 3: lines that are joined bend as one" in left

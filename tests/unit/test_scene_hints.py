@@ -59,7 +59,6 @@ OTHER_WORDS = [
     "torsional_stiffness",
     "structural_damping",
     "damping_ratio",
-    "axial_damping",
     "contents_density",
     "poisson_ratio",
     "fairlead_position",
