@@ -10,8 +10,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import cablemodel as cm
+from cablemodel.cli.plausibility import system_warnings
 from cablemodel.scene.sea import sea
-from cablemodel.systems import SystemModel, VesselInput
+from cablemodel.systems import SystemModel, VesselInput, load_system
 
 RHO, G = 1025.0, 9.80665
 TAIL = {"cable": {"type": "thread", "length": 4.0}}
@@ -427,6 +428,27 @@ def test_a_line_in_waves_is_that_of_a_scene_of_one_line() -> None:
 def test_wrong_hulls_are_named(change: dict[str, Any], message: str) -> None:
     with pytest.raises(cm.SceneError, match=message):
         cm.load_system(floating({**CYLINDER, **change}))
+
+
+def test_check_tells_of_waves_beyond_the_rows_of_responses() -> None:
+    """They are taken as at the last row: of beam seas for waves from astern."""
+    rows = [{"heading_deg": h, "period": t, "heave": 0.5} for h in (60, 90) for t in (6, 9)]
+    given: dict[str, Any] = {
+        "environment": {"waves": {"regular": {"height": 1.0, "period": 8.0, "direction": -1.2}}},
+        "cable_types": {"wire": {"diameter": 0.01, "mass": 0.4, "axial_stiffness": 1e6}},
+        "vessels": {"ship": {"points": {"hook": [0, 0, 0]}, "raos": rows}},
+        "lines": {
+            "wire": {
+                "from": "ship.hook", "to": "free",
+                "items": [{"cable": {"type": "wire", "length": 20}}],
+            }
+        },
+    }  # fmt: skip
+    assert not [text for text in system_warnings(load_system(given)) if "raos" in text]
+    given["environment"]["waves"]["regular"] |= {"period": 12.0, "direction": 0.0}
+    heading, period = [text for text in system_warnings(load_system(given)) if "raos" in text]
+    assert "ship.raos: waves go 0 deg from its bow at the start, rows are for 60 to 90" in heading
+    assert "waves have a period of 12 s, rows are for 6 to 9" in period
 
 
 def test_responses_without_waves_or_rows_are_named() -> None:

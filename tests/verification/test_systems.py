@@ -524,6 +524,10 @@ def test_check_tells_what_is_tied_to_what(tmp_path: Path) -> None:
 def test_what_is_wrong_is_named() -> None:
     """Wrong references name the place, the value and what is allowed."""
     scene = hung_bar()
+    scene["bodies"]["bar"]["foils"] = {"wing": {"area": 1.0, "chord": [0, 2, 0]}}
+    with pytest.raises(SceneError, match=r"wing\.span.*along the chord.*across the chord"):
+        SystemModel(scene)
+    scene = hung_bar()
     scene["lines"]["one"]["to"] = "bar.c"
     with pytest.raises(SceneError, match=r"lines\.one\.to.*bar\.a, bar\.b"):
         SystemModel(scene)
