@@ -269,7 +269,7 @@ class Block(WordBlock):
             (Header.gauss.word, at.GAUSS_WORDS),
             (Header.motion.word, waves * at.WATER_COLUMNS + at.MOTION_WORDS),
             # Of three Gauss points to an element, and of every body.
-            (Header.cells.word, capacity * cell * 3 + bodies * cell + free_bodies * cell),
+            (Header.cells.word, (capacity * 3 + bodies + at.BODY_CELLS * free_bodies) * cell),
             (Header.matter.word, winches * at.MATTER_WORDS + at.BODY_WORDS),
             (Header.end_force.word, capacity * 6),
             (Header.failed.word, 1),

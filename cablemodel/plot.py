@@ -438,10 +438,14 @@ def _label(figure: Figure, run: Run, times: Floats, parts: Parts, colours: list[
         handles.append(Line2D([], [], color=_ERROR, linewidth=5.0, label="estimated error"))
     if slack_spans(run):
         handles.append(Line2D([], [], color=_SLACK, linewidth=5.0, label="slack"))
-    figure.legend(
-        handles=handles,
-        loc="outside lower center",
-        ncols=len(handles),
-        columnspacing=1.4,
-        handlelength=1.6,
-    )
+    for rows in range(1, len(handles) + 1):  # as many as it takes to stay within the picture
+        legend = figure.legend(
+            handles=handles,
+            loc="outside lower center",
+            ncols=math.ceil(len(handles) / rows),
+            columnspacing=1.4,
+            handlelength=1.6,
+        )
+        if legend.get_window_extent().width <= figure.bbox.width:
+            return
+        legend.remove()

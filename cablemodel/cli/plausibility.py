@@ -100,6 +100,7 @@ def system_warnings(scene: SystemScene) -> list[str]:
         found += _heavier_in_water(scene, f"bodies.{name}", weight, body.mass, "")
     for name, vessel in scene.vessels.items():
         found += _fast_vessel(f"vessels.{name}", vessel.motion().typical_velocities())
+        found += _waves_beyond_responses(scene, name)
     found += _fast_water(scene)
     for name, winch in scene.winches.items():
         found += _fast_winch(f"winches.{name}.rate", winch.rate)
@@ -108,6 +109,32 @@ def system_warnings(scene: SystemScene) -> list[str]:
             if end.clamped is not None and not bends_at(scene, line, end):
                 problem = "is clamped, but the cable there has no bending: no effect"
                 found.append(f"lines.{name}.{word} {problem}")
+    return found
+
+
+def _waves_beyond_responses(scene: SystemScene, name: str) -> list[str]:
+    """Of a vessel whose responses are not given for the waves that it meets at the start."""
+    from cablemodel.scene.sea import sea
+    from cablemodel.systems.motion import first_angles
+
+    vessel, water = scene.vessels[name], sea(scene)
+    if not vessel.raos or water is None:
+        return []
+    headings = [row.heading_deg for row in vessel.raos]
+    periods = [row.period for row in vessel.raos]
+    heading = math.degrees(water.direction - first_angles(vessel)[2])
+    heading = abs(math.remainder(heading, 360.0))  # of mirror images, as rows are
+    found = []
+    one_side = min(headings) >= 0.0 and max(headings) <= 180.0
+    for words, met, given in (
+        (f"go {heading:.3g} deg from its bow at the start", heading, headings if one_side else ()),
+        (f"have a period of {water.period:.3g} s", water.period, periods),
+    ):
+        if given and not min(given) - 1e-6 <= met <= max(given) + 1e-6:
+            found.append(
+                f"vessels.{name}.raos: waves {words}, rows are for {min(given):g} to "
+                f"{max(given):g}: beyond them the response is as at the last"
+            )
     return found
 
 

@@ -89,7 +89,7 @@ def add_feet(I, M, body, f):
             bristle[i] = at.place[i] - foot.rest[i]
         press = load * share * max(0.0, 1.0 - state.floor_damping * speed)
         length = along_floor(bristle, normal, 3)
-        stiffness = foot.friction * load / state.bristle
+        stiffness = foot.friction * load * foot.pressed / state.bristle
         if stiffness * length > foot.friction * press:
             stiffness = foot.friction * press / length
         for i in range(3):
@@ -103,7 +103,11 @@ def add_feet(I, M, body, f):
 
 @kernel
 def settle_feet(I, M):
-    """Draw the places of rest after feet that have slipped or left the floor (return mapping)."""
+    """Draw the places of rest after feet that have slipped or left the floor (return mapping).
+
+    A bristle is as stiff as the foot presses, at least as at rest: a blow would be over before one
+    for the weight alone had been bent far enough. As it stiffens it keeps its force.
+    """
     head = header(I)
     state = scalars(M)
     at = foot_on_floor()
@@ -112,10 +116,16 @@ def settle_feet(I, M):
         foot = foot_of(I, M, n)
         gap = place_foot(I, M, foot, at)
         share, _stiffness, _energy = contact_law(gap, state.floor_depth)
+        speed = 0.0
         for i in range(3):
+            speed += at.velocity[i] * at.normal[i]
             way[i] = at.place[i] - foot.rest[i]
+        press = share * max(0.0, 1.0 - state.floor_damping * speed)
         length = along_floor(way, at.normal, 3)
-        limit = state.bristle * share
-        kept = 1.0 if length <= limit else limit / length
+        pressed = max(1.0, press)
+        # Over friction and load, as a length times what presses.
+        force = min(foot.pressed * length, press * state.bristle)
+        kept = force / (pressed * length) if length > 0.0 else 0.0
+        foot.pressed = pressed
         for i in range(3):
             foot.rest[i] = at.place[i] - kept * way[i]

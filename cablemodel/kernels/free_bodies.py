@@ -14,7 +14,7 @@ axes, momentum p = M11 v + M12 Omega and angular momentum L = M21 v + M22 Omega 
 (Kirchhoff's equations: Lamb, Hydrodynamics, section 124). They hold for the body's own inertia with
 its velocity, and for that of the water with its velocity through the water. Conjugate to theta is
 T^T N. Drag goes by the whole speed of the water at the centre of drag, along each axis with that
-axis's area. A foil has lift and drag by its angle of attack, from a table.
+axis's area. A foil has lift and drag by its angle of attack, from a table, as far as it is wet.
 """
 
 import math
@@ -23,14 +23,18 @@ from .access import arm_of, foil_of, free_body_of, header, new_motion, scalars, 
 from .compile import kernel, own_numbers, view
 from .environment import current_at, surge_at
 from .feet import add_feet
-from .hulls import wet_hull
+from .hulls import depth_below, wet_hull
 from .layout import (
+    BODY_CELLS,
     FLOOR_TOUCHED,
     FOIL_ANGLES,
+    HULL_CYLINDER,
     HULL_NONE,
 )
 from .rotation import convective_spin, cross, to_body_axes, to_earth_axes, turn_and_rates
+from .tables import WEIGHT
 from .waves import water_at, wave_at, wet_at
+from .wetting import OUTER, share_at
 
 FAR = 0.5  # rotation vector from which on it counts from the present attitude [rad]
 STEP = 1e-6  # of the differences for a body's derivatives, in radians and in its size
@@ -172,9 +176,9 @@ def foil_coefficients(M, table, angle):
 
 
 @kernel
-def add_foil(M, foil, table, t, flow, spin, out):
+def add_foil(M, foil, table, t, flow, spin, wet, out):
     """Subtract a foil's lift and drag from out. flow: velocity of the water past the reference
-    point, body's axes."""
+    point, body's axes; wet: share of the foil."""
     place = foil.place
     turning = vector()  # what it adds to the flow: -Omega x place
     cross(place, spin, turning)
@@ -198,7 +202,7 @@ def add_foil(M, foil, table, t, flow, spin, out):
         return
     lift, drag = foil_coefficients(M, table + int(foil.table), math.atan2(up, against))
     # Drag along the flow in the plane across the span, lift at right angles to it.
-    force = foil.area * speed
+    force = wet * foil.area * speed
     forward = force * (lift * up - drag * against)
     normal = force * (lift * against + drag * up)
     load = vector()
@@ -206,6 +210,54 @@ def add_foil(M, foil, table, t, flow, spin, out):
         load[i] = forward * (c * chord[i] + s * above[i])
         load[i] += normal * (c * above[i] - s * chord[i])
     add_force(load, place, -1.0, out)
+
+
+@kernel
+def foil_wet(foil, m, place, depth):
+    """Share of a foil that is wet, by its own depth, as of an upright square of its area.
+
+    m: motion of its body, of which a place (3, block's coordinates) is so deep [m].
+    """
+    earth = vector()
+    to_earth_axes(m.turn, foil.place, earth)
+    share, _rate = share_at(depth + place[2] - m.reference.position[2] - earth[2], foil.reach)
+    return share
+
+
+@kernel
+def add_pressure_of_waves(I, M, body, wet, displaced, at_middle, middle, f):
+    """Subtract from f (6, body's axes) what Froude and Krylov's force on a cylinder, by Gauss
+    at three places of its wet length, is more than by the water's acceleration at its middle.
+
+    Of an upright one the force upwards is then the wave's pressure at the keel, though that falls
+    much over the draught. wet: share of it; displaced: mass of the water in whose place that is
+    [kg]; at_middle: the acceleration there, earth frame; middle: the place, body's axes.
+    """
+    head = header(I)
+    row = free_body_of(I, M, body)
+    m = row.motion
+    slot = 3 * head.capacity + head.body_count + BODY_CELLS * body
+    away = 0.5 * wet * row.hull_height * OUTER
+    force = vector()
+    own = vector()
+    place = vector()
+    water = water_at()
+    for side in range(2):
+        for i in range(3):
+            place[i] = middle[i]
+        place[2] += away if side == 0 else -away
+        to_earth_axes(m.turn, place, own)
+        for i in range(3):
+            own[i] += m.reference.position[i]
+        wave_at(I, M, own[0], own[1], own[2], row.radius, slot + 1 + side, water)
+        for i in range(3):
+            force[i] = displaced * WEIGHT[0] * water.acceleration[i]
+        to_body_axes(m.turn, force, own)
+        add_force(own, place, -1.0, f)
+        for i in range(3):
+            force[i] = displaced * WEIGHT[0] * at_middle[i]
+        to_body_axes(m.turn, force, own)
+        add_force(own, middle, 1.0, f)
 
 
 @kernel
@@ -256,17 +308,23 @@ def body_forces(I, M, body, t, out):
         to_earth_axes(turn, buoyancy_centre, place)
         for i in range(3):
             place[i] += reference.position[i]
+    foils = int(row.foil_count)
+    depth = 1e300
+    water = water_at()
     if head.wave_count != 0:
-        slot = 3 * head.capacity + head.body_count + body
+        slot = 3 * head.capacity + head.body_count + BODY_CELLS * body
         reach = row.radius
-        water = water_at()
+        if foils != 0:
+            reach += row.size
         depth = wave_at(I, M, place[0], place[1], place[2], reach, slot, water)
         if not hull:
-            wet_at(depth, reach, water)
+            wet_at(depth, row.radius, water)
             wet = water.wet
         for i in range(3):
             flow[i] += water.velocity[i]
             pull[i] += water.acceleration[i]
+    elif hull and foils != 0:
+        depth = depth_below(I, M, place[0], place[1], place[2])
     # Its own inertia.
     v = vector()
     gain = vector()
@@ -292,6 +350,9 @@ def body_forces(I, M, body, t, out):
     force[2] += lift
     to_body_axes(turn, force, own)
     add_force(own, buoyancy_centre, -1.0, f)
+    if row.hull == HULL_CYLINDER and head.wave_count != 0 and lift > 0.0:
+        displaced = lift / state.gravity
+        add_pressure_of_waves(I, M, body, wet, displaced, water.acceleration, buoyancy_centre, f)
     # Drag.
     turning = vector()
     past = vector()  # velocity of the water past the centre of drag, then past the reference point
@@ -310,9 +371,11 @@ def body_forces(I, M, body, t, out):
     add_force(own, row.drag_centre, -1.0, f)
     for i in range(3):
         past[i] = -v[i]
-    for n in range(int(row.foil_count)):
+    for n in range(foils):
         foil = foil_of(I, M, int(row.first_foil) + n)
-        add_foil(M, foil, head.foil_table, t, past, spin, f)
+        share = foil_wet(foil, m, place, depth)
+        if share > 0.0:
+            add_foil(M, foil, head.foil_table, t, past, spin, share, f)
     if head.foot_count != 0 and head.floor_state == FLOOR_TOUCHED:
         add_feet(I, M, body, f)
     # What the caller pushes with, at the body's own origin.

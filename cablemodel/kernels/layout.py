@@ -131,7 +131,7 @@ class Header(Record):
     cell_terms = integer("terms of the series in the sea's cells: CELL_TERMS, or 0: no cells")
     _spare_1 = spare(1)
     cell_layers = integer("start of the layers of water that have cells (Layer)")
-    cells = integer("start of the cells: three to an element, one to a body, of CELL_WORDS")
+    cells = integer("start of the cells of Gauss points and bodies, of CELL_WORDS")
     surge = integer("1 while the current changes in time, as of the last set_time")
     rings = integer("ends that are held behind which something rings that is followed")
     settled = integer("1 while the last step left a line that does not ring along itself")
@@ -609,6 +609,7 @@ class FreeBody(Record):
 
 
 FREE_WORDS = FreeBody.WORDS
+BODY_CELLS = 3  # of a sea, that a free body keeps: of its middle, and towards both ends
 HULL_NONE, HULL_SPHERE, HULL_CYLINDER = 0, 1, 2  # a cylinder about the body's z axis
 
 
@@ -655,7 +656,8 @@ class Foil(Record):
     area = real("times half of the water's density", "kg/m")
     table = real("word of its table: lift and drag coefficients at FOIL_ANGLES angles")
     deflection = part(Ramp, "as the caller turns it [rad]")
-    _spare = spare(5)
+    reach = real("half of the side of a square of its area: the band in which it becomes wet", "m")
+    _spare = spare(4)
 
 
 FOIL_WORDS = Foil.WORDS
@@ -688,6 +690,7 @@ class Foot(Record):
     load = real("its part of the body's weight", "N")
     rest = reals(3, "where friction holds it, block's coordinates", "m")
     friction = real("Coulomb coefficient: the floor's, once the start is found")
+    pressed = real("what it bore at the last step over its load, at least 1: so stiff is friction")
 
 
 FOOT_WORDS = Foot.WORDS

@@ -230,7 +230,7 @@ def _come_to_rest(scene: SystemScene, built: Built, velocity: FloatArray) -> Non
             line, arc = built.where(min(block.failed_node, built.nodes - 1))
             raise StaticsError(
                 f"no static equilibrium of the system was found; what moved last is {line!r} at "
-                f"{arc:g} m. Check weights, lengths and attachments"
+                f"{arc:g} m. Check weights, lengths and attachments{without_shape(scene)}"
             )
         # The new stiffness changes the forces by a little: the state must meet them.
         if attempt or not entry.stabilise(ints, reals):
@@ -244,6 +244,26 @@ def _come_to_rest(scene: SystemScene, built: Built, velocity: FloatArray) -> Non
     count_from_zero(block)
     if head.hybrid:
         entry.choose_bending(ints, reals)
+
+
+def without_shape(scene: SystemScene) -> str:
+    """Advice about lines that nothing gives a shape while they are slack."""
+    limp = {
+        name
+        for name, kind in scene.cable_types.items()
+        if kind.submerged_weight == 0.0 and kind.bending_stiffness == 0.0
+    }
+    found = [
+        name
+        for name, line in scene.lines.items()
+        if any(item.cable is not None and item.cable.type in limp for item in line.items)
+    ]
+    if not found:
+        return ""
+    return (
+        f"; cable of {' and '.join(found)} has neither weight in water nor bending stiffness, and "
+        "no shape where it is slack: give it some of either"
+    )
 
 
 def _refine_at_floor(scene: SystemScene, built: Built, velocity: FloatArray) -> None:

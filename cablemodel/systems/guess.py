@@ -14,6 +14,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix, identity
+from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import spsolve
 
 from cablemodel.systems.motion import first_angles
@@ -53,16 +54,21 @@ def _lowest(
     force: float,
     least: float,
     length: float,
+    adrift: list[FloatArray],
 ) -> FloatArray:
     """The lowest place (n, 3) of a convex energy, by Newton's method with Levenberg's damping.
 
-    force, least: all together, and the least of them at a place [N]; length: a typical one [m].
+    force, least: all together, and the least of them at a place [N]; length: a typical one [m];
+    adrift: rows of what only moves together, which nothing holds from moving sideways: rounding
+    divided by the damping would.
     """
     damping = force / length
     value, slope, matrix = energy(x)
     unit = identity(x.size, format="csc")
     for _iteration in range(ITERATIONS):
         step = spsolve(matrix + damping * unit, -slope.reshape(-1)).reshape(x.shape)
+        for rows in adrift:
+            step[rows, :2] -= step[rows, :2].mean(axis=0)
         trial = energy(x + step)
         if trial[0] < value:
             x = x + step
@@ -309,17 +315,38 @@ def first_guess(
 
     middle = np.mean(list(fixed.values()), axis=0) if fixed else np.zeros(3)
     start = np.tile(middle, (len(free), 1))
-    for own, index in bodies.items():
-        near = scene.bodies[own].position
-        if near is not None and column[index] >= 0:
-            start[column[index]] = near
+    given = {
+        bodies[name]: np.array(body.position)
+        for name, body in scene.bodies.items()
+        if body.position is not None and column[bodies[name]] >= 0
+    }
+    # What nothing holds is where the scene puts its bodies, on the average; else at the middle.
+    ones = np.ones(len(left) + count)
+    tied = np.concatenate([left, np.arange(count)]), np.concatenate([right, owner_of])
+    group = connected_components(csc_matrix((ones, tied), shape=(count, count)), False)[1]
+    groups = [group == k for k in set(group.tolist()) - {group[k] for k in fixed}]
+    put = [
+        {k: near for k, near in given.items() if members[k]}
+        or {k: middle for k in bodies.values() if members[k]}
+        for members in groups
+    ]
+    for members, wanted in zip(groups, put, strict=True):
+        if wanted:
+            start[where[members]] = np.mean(list(wanted.values()), axis=0)
+    for index, near in given.items():
+        start[column[index]] = near
     rng = np.random.default_rng(0)  # no string may have length 0
     start += 1e-3 * float(rest.min()) * rng.standard_normal(start.shape)
     sizes = np.linalg.norm(pulls, axis=1)
     least = float(sizes[sizes > 0.0].min(initial=total))
+    adrift = [np.unique(where[members]) for members in groups]
     for stretch in STRETCH if len(free) else ():
-        start = _lowest(partial(energy, stretch=stretch), start, total, least, float(rest.mean()))
+        mean = float(rest.mean())
+        start = _lowest(partial(energy, stretch=stretch), start, total, least, mean, adrift)
     p = places(start) if len(free) else base
+    for members, wanted in zip(groups, put, strict=True):
+        if wanted:
+            p[members, :2] += np.mean([at - p[k] for k, at in wanted.items()], axis=0)[:2]
     return Guess(
         arcs,
         {name: p[nodes] for name, nodes in lines.items()},

@@ -152,6 +152,13 @@ class Foil(SceneModel):
     )
 
     @model_validator(mode="after")
+    def _span_across(self) -> Foil:
+        if np.linalg.norm(np.cross(self.chord, self.span)) < 1e-6:
+            allowed = "a span across the chord"
+            raise rejection("along the chord: it lifts nowhere", allowed, self.span, ("span",))
+        return self
+
+    @model_validator(mode="after")
     def _table_in_order(self) -> Foil:
         if self.table is not None:
             angles = [row[0] for row in self.table]

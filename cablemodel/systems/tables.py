@@ -401,6 +401,7 @@ def fill_bodies(scene: SystemScene, built: Built, guess: Guess, before: Built | 
             wing[at.Foil.chord.span] = foil.chord
             wing[at.Foil.span.span] = span / np.linalg.norm(span)
             wing[at.Foil.area] = 0.5 * rho * foil.area
+            wing[at.Foil.reach] = 0.5 * math.sqrt(foil.area)
             wing[at.Foil.table] = 2 * at.FOIL_ANGLES * used
             turned = at.Foil(wing, 0).deflection
             turned.first = turned.last = foil.deflection
@@ -454,6 +455,7 @@ def fill_feet(scene: SystemScene, built: Built) -> None:
         count = sum(other == name for other, _place in feet)
         row[at.Foot.body] = names.index(name)
         row[at.Foot.place.span] = place - reference
+        row[at.Foot.pressed] = 1.0
         row[at.Foot.load] = max(body.weight_in(scene.environment), least) / count
 
 

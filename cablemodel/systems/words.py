@@ -27,7 +27,9 @@ def topology(scene: SystemScene) -> Iterator[str]:
     """A line of text for every vessel, body, line and winch."""
     for name, vessel in scene.vessels.items():
         points = ", ".join(vessel.points) or "none"
-        moves = "moves" if vessel.path is not None or vessel.velocity is not None else "at rest"
+        moves = "moved by the waves" if vessel.raos else "at rest"
+        if vessel.path is not None or vessel.velocity is not None:
+            moves = "moves"
         yield f"vessel {name}, {moves}: points {points}"
     for name, body in scene.bodies.items():
         tied = [

@@ -167,3 +167,27 @@ def test_without_matplotlib_the_error_says_what_to_install() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert "cablemodel[plot]" in done.stdout
+
+
+def test_a_long_key_stays_within_the_picture(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Six times, bodies, vessels' points and slack take two rows."""
+    monkeypatch.setattr("cablemodel.plot.slack_spans", lambda run: [(0.0, 1.0)])
+    scene = {
+        "cable_types": {"wire": {"diameter": 0.01, "mass": 0.4, "axial_stiffness": 1e6}},
+        "vessels": {"ship": {"points": {"hook": [0, 0, 0]}, "velocity": [1, 0, 0]}},
+        "bodies": {
+            "load": {
+                "mass": 100, "submerged_weight": 800, "inertia": 10, "points": {"eye": [0, 0, 1]}
+            }
+        },
+        "lines": {
+            "wire": {
+                "from": "ship.hook", "to": "load.eye",
+                "items": [{"cable": {"type": "wire", "length": 20}}],
+            }
+        },
+    }  # fmt: skip
+    figure = draw(cm.simulate(scene, until=20.0))
+    (key,) = figure.legends
+    assert len(key.get_texts()) >= 9
+    assert key.get_window_extent().width <= figure.bbox.width

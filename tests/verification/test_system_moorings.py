@@ -380,3 +380,52 @@ def test_a_sledge_that_is_put_out_of_reach_comes_to_where_friction_holds_it() ->
     assert along == pytest.approx(most, rel=1e-3)
     model.step_to(2.5)
     assert model.bodies["sledge"].position == pytest.approx(start, abs=2e-3)
+
+
+@pytest.mark.parametrize("friction", [0.6, 0.2])
+def test_a_body_that_lands_on_a_slope_is_slowed_by_the_friction_of_the_blow(
+    friction: float,
+) -> None:
+    """It falls 0.332 m without water, on four feet at once. The blow's friction takes mu v_n from
+    its speed along the slope, if there is as much: then g (sin a - mu cos a) speeds it up."""
+    slope = math.radians(20.0)
+    s, c = math.sin(slope), math.cos(slope)
+    given = {
+        "environment": {
+            "water_density": 0.0,
+            "floor": {"z": -20.0, "slope": [s / c, 0], "friction": friction, "damping": 5.0},
+        },
+        "cable_types": {"wire": {"diameter": 0.01, "mass": 0.05, "axial_stiffness": 1e5}},
+        "bodies": {
+            "load": {
+                "mass": 500.0, "submerged_weight": 500.0 * GRAVITY, "inertia": 100.0,
+                "points": {"top": [0.5 * s, 0, 0.5 * c]}, "attitude": [0, -slope, 0],
+                "feet": [[x, y, -0.4] for x in (0.6, -0.6) for y in (0.6, -0.6)],
+                "position": [0, 0, -19.3],
+            }
+        },
+        "lines": {
+            "wire": {
+                "from": {"anchor": [0, 0, -10]}, "to": "load.top",
+                "items": [{"cable": {"type": "wire", "length": 8.33}}],
+            }
+        },
+        "cuts": {"slip": {"line": "wire", "at": "end", "time": 1.0}},
+        "solver": {"tolerance": 3e-4},
+    }  # fmt: skip
+    model = cm.SystemModel(given)
+    normal, down = np.array([-s, 0, c]), np.array([-c, 0, -s])
+    origin = np.array([0.0, 0.0, 20.0])
+    place = model.bodies["load"].position + origin
+    way = (place @ normal - 0.4) / c
+    landed = 1.0 + math.sqrt(2.0 * way / GRAVITY)
+    model.step_to(landed + 1.0)
+    load = model.bodies["load"]
+    if friction * c > s:
+        where = (load.position + origin - place) @ down
+        assert where == pytest.approx(way * s, abs=0.01)
+        assert np.abs(load.velocity).max() < 1e-3
+        return
+    speed = math.sqrt(2.0 * GRAVITY * way)
+    after = speed * (s - friction * c) + GRAVITY * (s - friction * c)
+    assert load.velocity @ down == pytest.approx(after, abs=0.05)

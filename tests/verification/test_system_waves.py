@@ -10,8 +10,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import cablemodel as cm
+from cablemodel.cli.plausibility import system_warnings
 from cablemodel.scene.sea import sea
-from cablemodel.systems import SystemModel, VesselInput
+from cablemodel.systems import SystemModel, VesselInput, load_system
 
 RHO, G = 1025.0, 9.80665
 TAIL = {"cable": {"type": "thread", "length": 4.0}}
@@ -136,17 +137,22 @@ def test_a_buoy_follows_a_long_wave() -> None:
     assert np.abs(np.array(heave) - surface).max() < 0.03
 
 
-@pytest.mark.parametrize("time", [4.0, 6.0])
-def test_a_buoy_heaves_by_the_pressure_of_the_wave_at_its_keel(time: float) -> None:
+@pytest.mark.parametrize(
+    ("time", "height", "draught"), [(4.0, 4.0, 2.2), (6.0, 4.0, 2.2), (6.0, 20.0, 14.0)]
+)
+def test_a_buoy_heaves_by_the_pressure_of_the_wave_at_its_keel(
+    time: float, height: float, draught: float
+) -> None:
     """Froude and Krylov's force on an upright cylinder, rho g A eta e^(-k d), with the inertia and
-    drag of water that moves as at the middle of what is wet: an equation of one unknown."""
-    radius, height, draught, added, area, rise = 1.5, 4.0, 2.2, 6e3, 30.0, 10.0
+    drag of water that moves as at the middle of what is wet: an equation of one unknown. Of a spar
+    the pressure at the keel is a fifth of that at the surface."""
+    radius, added, area, rise = 1.5, 6e3, 30.0, 10.0
     plane = math.pi * radius**2
     mass = RHO * plane * draught
     buoy = {
         "mass": mass, "hull": {"diameter": 2.0 * radius, "height": height},
-        "inertia": 2.0 * mass, "centre_of_gravity": [0, 0, -0.8], "added_mass": [0, 0, added],
-        "drag_area": [0, 0, area], "drag_turning": 400.0,
+        "inertia": mass * height**2 / 8.0, "centre_of_gravity": [0, 0, -0.2 * height],
+        "added_mass": [0, 0, added], "drag_area": [0, 0, area], "drag_turning": 400.0,
     }  # fmt: skip
     amplitude, frequency = 0.1, 2.0 * math.pi / time
     wave = {"regular": {"height": 2.0 * amplitude, "period": time}, "ramp": rise}
@@ -161,7 +167,8 @@ def test_a_buoy_heaves_by_the_pressure_of_the_wave_at_its_keel(time: float) -> N
     deep, middle = math.exp(-number * draught), math.exp(-0.5 * number * draught)
 
     def rates(t: float, state: np.ndarray) -> list[float]:
-        a = amplitude * min(1.0, t / rise)
+        x = min(1.0, t / rise)
+        a = amplitude * x**3 * (10.0 - 15.0 * x + 6.0 * x**2)
         way, phase = a * math.cos(frequency * t), -a * frequency * math.sin(frequency * t)
         past = phase * middle - state[1]
         force = RHO * G * plane * (way * deep - state[0])
@@ -170,10 +177,59 @@ def test_a_buoy_heaves_by_the_pressure_of_the_wave_at_its_keel(time: float) -> N
 
     expected = solve_ivp(rates, (0.0, times[-1]), [0.0, 0.0], t_eval=times, rtol=1e-8).y[0]
 
+    own = math.sqrt(RHO * G * plane / (mass + wet * added))  # which the ramp leaves in it
+    waves = [part(f * times) for f in (frequency, own) for part in (np.cos, np.sin)]
+    modes = np.column_stack([*waves, np.ones_like(times)])
+
     def size(values: np.ndarray) -> float:
-        return abs(complex(2.0 * np.mean(values * np.exp(1j * frequency * times))))
+        return math.hypot(*np.linalg.lstsq(modes, values)[0][:2])
 
     assert size(np.array(heave)) == pytest.approx(size(expected), rel=0.02)
+
+
+@pytest.mark.parametrize("place", [[100.0, -50.0, -1.0], [-4e3, 3e3, 1.0]])
+def test_what_nothing_holds_starts_where_the_scene_puts_it(place: list[float]) -> None:
+    model = SystemModel(floating({**CYLINDER, "position": place}))
+    assert model.bodies["buoy"].position[:2] == pytest.approx(place[:2], abs=1e-4)
+
+
+def test_a_deep_spar_that_nothing_holds_starts_in_the_middle() -> None:
+    """Its tail weighs so little beside it that rounding moved it by 20,000 km."""
+    spar = {
+        "mass": RHO * math.pi * 1.5**2 * 50.0, "hull": {"diameter": 3.0, "height": 60.0},
+        "inertia": 1.6e8, "centre_of_gravity": [0, 0, -12.0],
+    }  # fmt: skip
+    body = SystemModel(floating(spar)).bodies["buoy"]
+    assert body.position[:2] == pytest.approx([0.0, 0.0], abs=1e-3)
+
+
+@pytest.mark.parametrize("hull", [False, True])
+def test_a_wing_in_the_air_does_not_lift(hull: bool) -> None:
+    """A body with a wing that hangs above the waves hangs as heavy as one without, and still."""
+    body: dict[str, Any] = {
+        "mass": 200.0, "inertia": 20.0, "points": {"eye": [0, 0, 0.5]},
+        "foils": {"wing": {"area": 1.0, "deflection": 0.1}},
+    }  # fmt: skip
+    body |= {"hull": {"diameter": 0.8}} if hull else {"submerged_weight": 1500.0}
+    model = SystemModel(
+        {
+            "environment": {
+                "water_density": RHO, "gravity": G, "current": [1.0, 0, 0],
+                **({} if hull else {"waves": {"regular": {"height": 0.5, "period": 8.0}}}),
+            },
+            "cable_types": {"wire": {"diameter": 0.01, "mass": 0.4, "axial_stiffness": 5e6}},
+            "vessels": {"crane": {"position": [0, 0, 20.0], "points": {"hook": [0, 0, 0]}}},
+            "bodies": {"load": body},
+            "lines": {
+                "wire": {
+                    "from": "crane.hook", "to": "load.eye",
+                    "items": [{"cable": {"type": "wire", "length": 10.0}}],
+                }
+            },
+        }
+    )  # fmt: skip
+    assert model.lines["wire"].end_tension == pytest.approx(200.0 * G, rel=1e-6)
+    assert model.bodies["load"].attitude == pytest.approx([0.0, 0.0, 0.0], abs=1e-6)
 
 
 @pytest.mark.parametrize("direction", [0.0, 3.9])
@@ -372,6 +428,27 @@ def test_a_line_in_waves_is_that_of_a_scene_of_one_line() -> None:
 def test_wrong_hulls_are_named(change: dict[str, Any], message: str) -> None:
     with pytest.raises(cm.SceneError, match=message):
         cm.load_system(floating({**CYLINDER, **change}))
+
+
+def test_check_tells_of_waves_beyond_the_rows_of_responses() -> None:
+    """They are taken as at the last row: of beam seas for waves from astern."""
+    rows = [{"heading_deg": h, "period": t, "heave": 0.5} for h in (60, 90) for t in (6, 9)]
+    given: dict[str, Any] = {
+        "environment": {"waves": {"regular": {"height": 1.0, "period": 8.0, "direction": -1.2}}},
+        "cable_types": {"wire": {"diameter": 0.01, "mass": 0.4, "axial_stiffness": 1e6}},
+        "vessels": {"ship": {"points": {"hook": [0, 0, 0]}, "raos": rows}},
+        "lines": {
+            "wire": {
+                "from": "ship.hook", "to": "free",
+                "items": [{"cable": {"type": "wire", "length": 20}}],
+            }
+        },
+    }  # fmt: skip
+    assert not [text for text in system_warnings(load_system(given)) if "raos" in text]
+    given["environment"]["waves"]["regular"] |= {"period": 12.0, "direction": 0.0}
+    heading, period = [text for text in system_warnings(load_system(given)) if "raos" in text]
+    assert "ship.raos: waves go 0 deg from its bow at the start, rows are for 60 to 90" in heading
+    assert "waves have a period of 12 s, rows are for 6 to 9" in period
 
 
 def test_responses_without_waves_or_rows_are_named() -> None:

@@ -16,7 +16,8 @@ from cablemodel.cli import app
 from cablemodel.errors import SceneError, StepError
 from cablemodel.kernels import layout as at
 from cablemodel.kernels.layout import Header
-from cablemodel.systems import SystemModel
+from cablemodel.systems import SystemModel, load_system
+from cablemodel.systems.build import without_shape
 from cablemodel.systems.inputs import VesselInput
 from tests.verification.references.bodies import free_spin
 
@@ -524,6 +525,10 @@ def test_check_tells_what_is_tied_to_what(tmp_path: Path) -> None:
 def test_what_is_wrong_is_named() -> None:
     """Wrong references name the place, the value and what is allowed."""
     scene = hung_bar()
+    scene["bodies"]["bar"]["foils"] = {"wing": {"area": 1.0, "chord": [0, 2, 0]}}
+    with pytest.raises(SceneError, match=r"wing\.span.*along the chord.*across the chord"):
+        SystemModel(scene)
+    scene = hung_bar()
     scene["lines"]["one"]["to"] = "bar.c"
     with pytest.raises(SceneError, match=r"lines\.one\.to.*bar\.a, bar\.b"):
         SystemModel(scene)
@@ -548,3 +553,12 @@ def test_nodes_are_sampled_where_a_half_begins_at_zero_to_rounding() -> None:
     edges[first, at.Edge.start] = np.nextafter(-edges[first, at.Edge.length], 0.0)
     assert model.built.elements("tow").start.min() < 0.0
     assert model.lines["tow"].sample().s.min() == 0.0
+
+
+def test_a_line_that_nothing_gives_a_shape_is_named_where_no_start_is_found() -> None:
+    """A neutral tether without bending, slack in still water: by its name, and what would help."""
+    scene = hung_bar()
+    assert without_shape(load_system(scene)) == ""
+    limp = {"submerged_weight": 0.0, "bending_stiffness": 0.0}
+    scene["cable_types"] = {"string": {**STRING, **limp}}
+    assert "cable of one and two has neither weight" in without_shape(load_system(scene))
