@@ -23,6 +23,7 @@ from cablemodel.instance import build as build_block
 from cablemodel.instance import facts_of, local, tension_scale
 from cablemodel.library import BINARIES, description, kernel_hash
 from cablemodel.scene import Scene
+from cablemodel.systems.lines import steady_velocity
 from cablemodel.systems.model import SystemModel
 from cablemodel.systems.scene import SystemScene
 from cablemodel_fmu.archive import write_archive
@@ -35,7 +36,14 @@ from cablemodel_fmu.documentation import (
     picture,
 )
 from cablemodel_fmu.model_file import ModelFile
-from cablemodel_fmu.parts import fastest_vessel, longest_arm, ports_of, section, signals_of
+from cablemodel_fmu.parts import (
+    fastest_vessel,
+    is_movable,
+    longest_arm,
+    ports_of,
+    section,
+    signals_of,
+)
 from cablemodel_fmu.signals import (
     ROOM,
     VR_PARAMETER,
@@ -265,12 +273,12 @@ def _of_system(scene: SystemScene, options: Options) -> Contents:
         block=block,
         stations=options.stations,
         starts=[0.0] * 10,
-        frame=np.zeros(3),
+        frame=steady_velocity(scene),
         facts=np.zeros(0),
         coefficients=[],
         scene_inputs=values[0],
         ignore=options.inputs == "scene",
-        movable=False,
+        movable=is_movable(scene),
         level=False,
         vessel_input=values[1],
         at_start=options.timing == "start",

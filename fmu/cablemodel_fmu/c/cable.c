@@ -526,6 +526,10 @@ const char *check_value(Cable *cable, unsigned vr, double value) {
 void write_value(Cable *cable, unsigned vr, double value) {
     if (cable->system != NULL) {
         PartInput *input = part_input(cable, vr);
+        if (input == NULL) {
+            cable->now.unsettled |= set_system_start(cable, vr, value);
+            return;
+        }
         if (cable->now.phase == STEPPING || value != input->value) mark_set(cable, vr, 0);
         input->value = value;
         return;
