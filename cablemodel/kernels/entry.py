@@ -15,6 +15,7 @@ from . import (
     outputs,
     part_outputs,
     promote,
+    refine,
     scales,
     stabilisation,
     statics,
@@ -75,6 +76,12 @@ def refine_at_floor(I, M):
     if head.floor_state == FLOOR_FAR:
         return NOTHING
     return follow.follow_floor(I, M, True, 0)
+
+
+@entry_point(int64(INTEGERS, REALS, float64))
+def refine_static(I, M, most):
+    """Adapt a system's mesh to the bends of a static shape once: refine.refine_static."""
+    return refine.refine_static(I, M, most)
 
 
 @entry_point(int64(INTEGERS, REALS))
@@ -252,6 +259,7 @@ ENTRY_POINTS = {
     "stabilise": stabilise,
     "choose_bending": choose_bending,
     "refine_at_floor": refine_at_floor,
+    "refine_static": refine_static,
     "place_supports": place_supports,
     "measure": measure,
     "sample": sample,

@@ -69,7 +69,7 @@ def moored() -> cm.SystemScene:
 def bridle(start: dict[str, list[float]]) -> cm.SystemScene:
     """The tug's pontoon behind it, on its new course."""
     data = cm.load_system(SCENES / "bridle_tow.yaml").to_dict()
-    yaw = start["attitude"][2]
+    yaw = math.atan2(start["velocity"][1], start["velocity"][0])
     data["vessels"]["tug"].pop("path")
     data["vessels"]["tug"].update(start)
     x, y, _ = start["position"]
@@ -116,13 +116,17 @@ def promised(slave: Slave, model: SystemModel) -> tuple[float, float]:
 HEADING = math.radians(90)
 COURSE = {"position": [30.0, -10.0, 0.0], "attitude": [0.0, 0.0, HEADING],
           "velocity": [1.5 * math.cos(HEADING), 1.5 * math.sin(HEADING), 0.0]}  # fmt: skip
+BACK = {"position": [0.0, 0.0, 0.0], "attitude": [0.0, 0.0, math.pi], "velocity": [-1.0, 0, 0]}
 FASTER = {"a": {"velocity": [1.1, 0.1, 0]},
           "b": {"position": [3, 55, 0], "velocity": [1.1, 0.1, 0]}}  # fmt: skip
 ASIDE = {"ship": {"position": [8, 3, 0], "attitude": [0, 0, 0.2]}}
+CRAB = {"position": [0.0, 0, 0], "attitude": [0.0, 0, 0.35], "velocity": [2.0, 0, 0]}
 CASES: dict[str, Any] = {
     "a ship 20 m farther": (two_ships, {"b": {"position": [0, 80, 0]}}, None),
     "both faster": (two_ships, FASTER, None),
     "a tug on another course": ("bridle_tow", {"tug": COURSE}, bridle(COURSE)),
+    "a tug that goes back slowly": ("bridle_tow", {"tug": BACK}, bridle(BACK)),
+    "a tug that crabs": ("bridle_tow", {"tug": {"attitude": [0, 0, 0.35]}}, bridle(CRAB)),
     "a ship aside of its cage": ("cage_and_vehicle", {"ship": {"position": [10, 20, 0]}}, None),
     "a vehicle farther out": ("cage_and_vehicle", {"vehicle": {"position": [30, 10, -290]}}, None),
     "a cage under a ship that turns": (
@@ -288,9 +292,11 @@ def test_where_friction_holds_a_body_the_start_is_the_scenes(tmp_path: Path) -> 
 
 
 def test_a_start_that_bends_more_than_elements_follow_is_warned_of(tmp_path: Path) -> None:
-    """A tug that crabs by 20 degrees hangs on one leg of its bridle; the other one is slack."""
-    scene = cm.load_system(SCENES / "bridle_tow.yaml")
-    with unpacked(scene, tmp_path, stations=STATIONS) as found:
+    """A tug that crabs by 20 degrees hangs on one leg of its bridle; the other one is slack. Where
+    the scene counts elements they stay."""
+    data = cm.load_system(SCENES / "bridle_tow.yaml").to_dict()
+    data["lines"]["tow"]["items"][0]["cable"]["elements"] = 8
+    with unpacked(cm.load_system(data), tmp_path, stations=STATIONS) as found:
         slave = Slave(*found, **{"tug.start_attitude": (0, 0, 0.35)})
         assert [status for status, _ in slave.messages] == [1]
         assert "the line bends" in slave.messages[0][1]

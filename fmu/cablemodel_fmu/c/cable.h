@@ -154,6 +154,7 @@ int64_t cablemodel_step(void *block, int64_t words, double t_end, double *inputs
 int64_t cablemodel_equilibrium(void *block, int64_t words, double *frame, int64_t n);
 int64_t cablemodel_tension_from_stretch(void *block, int64_t words);
 int64_t cablemodel_refine_at_floor(void *block, int64_t words);
+int64_t cablemodel_refine_static(void *block, int64_t words, double most);
 int64_t cablemodel_stabilise(void *block, int64_t words);
 int64_t cablemodel_choose_bending(void *block, int64_t words);
 int64_t cablemodel_place_supports(void *block, int64_t words);

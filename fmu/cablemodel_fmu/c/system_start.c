@@ -404,16 +404,19 @@ static void give_back(Cable *cable, const int64_t *image) {
     memcpy(cable->I, image, 8 * (size_t)cable->image_words);
 }
 
-/* Finer where lines meet the floor: _refine_at_floor. What fails leaves the mesh to the run. */
-static int64_t refine_at_floor(Cable *cable, double velocity[3]) {
+/* Finer where lines bend too much, or where they meet the floor: _at_rest of cablemodel/systems/build.py.
+   What fails leaves the mesh to the run. */
+static int64_t refine(Cable *cable, double velocity[3], int at_floor) {
     for (int round = 0; round < REFINEMENTS; round++) {
         int64_t found, *at_rest = copy_of_image(cable);
         if (at_rest == NULL) return NO_CAPACITY;
-        while ((found = cablemodel_refine_at_floor(cable->I, cable->block_words)) == NO_CAPACITY) {
+        while ((found = at_floor ? cablemodel_refine_at_floor(cable->I, cable->block_words)
+                                 : cablemodel_refine_static(cable->I, cable->block_words, BENT)) == NO_CAPACITY) {
             give_back(cable, at_rest);
             free(at_rest);
             if (!grow(cable) || (at_rest = copy_of_image(cable)) == NULL) return NO_CAPACITY;
         }
+        if (found != NOTHING && !at_floor) restore_bending(cable);
         if (found != NOTHING && come_to_rest(cable, velocity) != OK) {
             give_back(cable, at_rest);
             found = NOTHING;
@@ -482,6 +485,7 @@ static void judge(Cable *cable, double exported) {
 static const char *search(Cable *cable) {
     const Way way = way_of(cable);
     const double bent = most_bent(cable);
+    double velocity[3];
     int64_t status = OK, *kept = copy_of_image(cable);
     if (kept == NULL) return "out of memory";
     run_winches(cable, 0);
@@ -504,11 +508,9 @@ static const char *search(Cable *cable) {
         if (status == NO_CAPACITY || part < SMALLEST_PART) break;
     }
     free(kept);
-    if (status == OK && header(cable->I)->floor_kind != FLOOR_NONE) {
-        double velocity[3];
-        velocity_at(&way, 1.0, velocity);
-        status = refine_at_floor(cable, velocity);
-    }
+    velocity_at(&way, 1.0, velocity);
+    if (status == OK) status = refine(cable, velocity, 0);
+    if (status == OK && header(cable->I)->floor_kind != FLOOR_NONE) status = refine(cable, velocity, 1);
     if (status == NO_CAPACITY) return "out of memory";
     if (status != OK) return "no static equilibrium was found at this start: export the scene with it";
     run_winches(cable, 1);
