@@ -362,6 +362,13 @@ VESSEL_STARTS: tuple[Parameter, ...] = (
 )  # fmt: skip
 """The same, in the order of VesselStart in the FMU's c/cable.h."""
 
+FREE_BODY_PARAMETERS: tuple[Parameter, ...] = (
+    Parameter("drag area", "m2", "NAME.drag_area[i]", "bodies.NAME.drag_area", True),
+    Parameter("weight in water", "N", "NAME.submerged_weight", "bodies.NAME.submerged_weight",
+              True),
+)  # fmt: skip
+"""Of each free body of a system."""
+
 
 def parameter(fmu: str) -> Parameter:
     """The row of :data:`PARAMETERS` with this name."""
@@ -604,7 +611,7 @@ def document() -> str:
         "|quantity|unit|FMU|scene||",
         "|---|---|---|---|---|",
     ]
-    for entry in (*PARAMETERS, *VESSEL_STARTS):
+    for entry in (*PARAMETERS, *VESSEL_STARTS, *FREE_BODY_PARAMETERS):
         texts = (
             entry.quantity, entry.unit or "-", f"`{entry.fmu}`",
             f"`{entry.scene}`" if entry.scene else "-", "tunable" if entry.tunable else "fixed",

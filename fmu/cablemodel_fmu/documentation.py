@@ -84,6 +84,9 @@ how fast; with another velocity than the scene's it goes straight on until it is
 <li>A <code>NAME.cut</code> above 0.5 makes the cut as the next step begins, once;
 <code>NAME.time</code> says when it was made, and is not a number before.</li>
 </ul>
+<h2>Parameters</h2>
+<p>Coefficients are tunable: before the start they change the static equilibrium, later they take
+effect at the next communication step. Bodies in a line are counted from its beginning.</p>
 <h2>Outputs</h2>
 <p>Forces and moments of the lines on a vessel are about its origin, all in the earth's axes.</p>
 """

@@ -36,6 +36,7 @@ from cablemodel_fmu.documentation import (
     picture,
 )
 from cablemodel_fmu.model_file import ModelFile
+from cablemodel_fmu.parts import coefficients as system_coefficients
 from cablemodel_fmu.parts import (
     fastest_vessel,
     is_movable,
@@ -217,11 +218,7 @@ def _of_line(scene: Scene, options: Options) -> Contents:
     in_elements = isinstance(block, Block)
     movable, level = in_elements and is_settable(scene), in_elements and is_level(scene)
     constants = _constants(scene, block)
-    if len(constants) > VR_ZERO - VR_PARAMETER:
-        raise ExportError(
-            f"the scene has {len(constants)} coefficients and lengths: an FMU has "
-            f"{VR_ZERO - VR_PARAMETER} at most"
-        )
+    _check_room(constants)
     signals = [
         *controls(*values),
         *inputs(first),
@@ -265,7 +262,9 @@ def _of_system(scene: SystemScene, options: Options) -> Contents:
     values = options.first_values(scene)
     tension = float(block.scalars.tension_scale)
     speed = max(fastest_vessel(scene), _current_speed(scene))
-    signals = signals_of(scene, options.stations, values)
+    constants = system_coefficients(scene, start.built)
+    _check_room(constants)
+    signals = signals_of(scene, options.stations, values, constants)
     signals = with_nominals(signals, scene, tension, speed, longest_arm(scene))
     guid = _guid(scene, options)
     model = ModelFile(
@@ -275,7 +274,7 @@ def _of_system(scene: SystemScene, options: Options) -> Contents:
         starts=[0.0] * 10,
         frame=steady_velocity(scene),
         facts=np.zeros(0),
-        coefficients=[],
+        coefficients=constants,
         scene_inputs=values[0],
         ignore=options.inputs == "scene",
         movable=is_movable(scene),
@@ -291,6 +290,14 @@ def _of_system(scene: SystemScene, options: Options) -> Contents:
     description = "Ocean cables between vessels and bodies"
     xml = _description(scene, options, guid, signals, description, derivatives=True)
     return Contents(_model_name(scene), guid, signals, model.to_bytes(), beside, xml, start)
+
+
+def _check_room(constants: list[Coefficient]) -> None:
+    if len(constants) > VR_ZERO - VR_PARAMETER:
+        raise ExportError(
+            f"the scene has {len(constants)} coefficients and lengths: an FMU has "
+            f"{VR_ZERO - VR_PARAMETER} at most"
+        )
 
 
 def _guid(scene: Scene | SystemScene, options: Options) -> str:

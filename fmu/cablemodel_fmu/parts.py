@@ -19,6 +19,7 @@ from cablemodel.systems.motion import first_angles, turning
 from cablemodel.systems.scene import SystemScene
 from cablemodel.variables import (
     CUT_OUTPUTS,
+    FREE_BODY_PARAMETERS,
     VESSEL_CHOICE,
     VESSEL_STARTS,
     Variable,
@@ -26,7 +27,15 @@ from cablemodel.variables import (
     outputs_of,
 )
 from cablemodel_fmu.model_file import name_words
-from cablemodel_fmu.signals import LARGEST, Signal, axes_of, controls
+from cablemodel_fmu.signals import (
+    LARGEST,
+    OF_FREE,
+    Coefficient,
+    Coefficients,
+    Signal,
+    axes_of,
+    controls,
+)
 
 VR_INPUT = 100000000
 VR_CHOICE = 200000000
@@ -38,7 +47,9 @@ _ALLOWED = {**LARGEST, "rad": 1e4, "rad/s": 1e3, "N": _FORCE, "N.m": _FORCE, "":
 """What an input may be, by its unit, either way: what is larger is a mistake."""
 
 
-def signals_of(scene: SystemScene, stations: int, values: tuple[bool, int, int]) -> list[Signal]:
+def signals_of(
+    scene: SystemScene, stations: int, values: tuple[bool, int, int], constants: list[Coefficient]
+) -> list[Signal]:
     """All variables of a system.
 
     values: start values of use_scene_inputs, of what moves each vessel, and of input.timing.
@@ -49,6 +60,7 @@ def signals_of(scene: SystemScene, stations: int, values: tuple[bool, int, int])
         timing,
         *choices(scene, values[1]),
         *starts(scene),
+        *(item.signal for item in constants),
         *inputs(scene),
         *outputs(scene, stations),
     ]
@@ -95,6 +107,27 @@ def starts(scene: SystemScene) -> list[Signal]:
                     )
                 )
     return found
+
+
+def coefficients(scene: SystemScene, built: Built) -> list[Coefficient]:
+    """Of cable types; of bodies in lines, counted from each line's beginning; of free bodies, but
+    for the weights of those that stand on the floor or displace water by their hulls."""
+    found = Coefficients(scene)
+    found.add_types(scene, {cable.type for cable in scene.cables})
+    for row, (_node, body, line, item) in enumerate(built.tree.masses):
+        before = sum(other.body is not None for other in scene.lines[line].items[:item])
+        found.add_body(f"{line}.body[{before + 1}].", body, row)
+    drag, weight = FREE_BODY_PARAMETERS
+    rho, floor = scene.environment.water_density, scene.environment.floor
+    for index, (name, free) in enumerate(scene.bodies.items()):
+        for i, area in enumerate(free.drag_area if rho > 0.0 else ()):
+            word = at.FreeBody.drag.word + i
+            signal = drag.fmu.replace("NAME", name).replace("[i]", f"[{i + 1}]")
+            found.add(drag, signal, area, OF_FREE, word, index, 0.5 * rho)
+        if free.submerged_weight is not None and (floor is None or free.feet == ()):
+            signal, word = weight.fmu.replace("NAME", name), at.FreeBody.buoyancy.word
+            found.add(weight, signal, free.submerged_weight, OF_FREE, word, index, -1.0, None)
+    return found.rows
 
 
 def inputs(scene: SystemScene) -> list[Signal]:

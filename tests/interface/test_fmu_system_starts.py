@@ -1,4 +1,5 @@
-"""Vessels of a system that begin elsewhere: as if the scene had been exported so, or refused."""
+"""Vessels of a system that begin elsewhere, and other coefficients: as in a scene that has them, or
+refused."""
 
 from __future__ import annotations
 
@@ -276,11 +277,16 @@ def test_an_anchored_system_starts_at_rest(tmp_path: Path) -> None:
         slave.close()
 
 
-def test_where_friction_holds_a_body_the_start_is_the_scenes(tmp_path: Path) -> None:
+def standing() -> cm.SystemScene:
+    """A load on the sea floor, on a wire of a ship."""
     data = still(cuts={}).to_dict()
     data["environment"]["floor"] = {"z": -15.0, "friction": 0.5}
     data["bodies"]["load"].update(position=[5, 0, -15], feet=[[0, 0, 0]])
-    with unpacked(cm.load_system(data), tmp_path, stations=STATIONS) as (place, about):
+    return cm.load_system(data)
+
+
+def test_where_friction_holds_a_body_the_start_is_the_scenes(tmp_path: Path) -> None:
+    with unpacked(standing(), tmp_path, stations=STATIONS) as (place, about):
         variable = next(v for v in about.modelVariables if v.name == "ship.start_position[1]")
         assert float(variable.min) == float(variable.max) == 0.0
         slave = Slave(place, about, begin=False)
@@ -409,4 +415,125 @@ def test_a_log_holds_the_scenes_own_start(tmp_path: Path) -> None:
             recorder = type("Recorder", (), {"fmu": slave.fmu})
             with pytest.raises(cm.CableModelError, match=r"b\.start_position\[2\] is 70"):
                 log(0.0, recorder)
+        slave.close()
+
+
+# -- coefficients ----------------------------------------------------------------------------------
+
+
+def weighted() -> cm.SystemScene:
+    """A load on a wire below a ship, with a weight and another body in the wire."""
+    data = still(cuts={}).to_dict()
+    bodies = [{"mass": mass, "submerged_weight": 0.8 * 9.81 * mass, "drag_area": 0.1,
+               "drag_coefficient": 1.0} for mass in (20.0, 30.0)]  # fmt: skip
+    data["environment"] = {"current": {"table": [{"z": 0, "velocity": [0.5, 0.1, 0]}]}}
+    data["lines"]["wire"]["items"] = [
+        {"cable": {"type": "wire", "length": 10}},
+        {"body": bodies[0]},
+        {"cable": {"type": "wire", "length": 10}},
+        {"body": bodies[1]},
+        {"cable": {"type": "wire", "length": 5}},
+    ]
+    return cm.load_system(data)
+
+
+WEIGHTED = {
+    "cable_types.wire.drag_normal": 1.9, "cable_types.wire.submerged_weight": 6.0,
+    "wire.body[1].submerged_weight": 90.0, "wire.body[2].drag_coefficient": 2.5,
+    "load.submerged_weight": 1100.0, "load.drag_area": (1.5, 1.5, 1.0),
+}  # fmt: skip
+
+
+def reweighted() -> cm.SystemScene:
+    data = weighted().to_dict()
+    data["cable_types"]["wire"].update(drag_normal=1.9, submerged_weight=6.0)
+    data["lines"]["wire"]["items"][1]["body"]["submerged_weight"] = 90.0
+    data["lines"]["wire"]["items"][3]["body"]["drag_coefficient"] = 2.5
+    data["bodies"]["load"].update(submerged_weight=1100.0, drag_area=[1.5, 1.5, 1.0])
+    return cm.load_system(data)
+
+
+def legs(**chain: float) -> cm.SystemScene:
+    """A buoy on chains: no vessel."""
+    data = cm.load_system(SCENES / "buoy_on_three_legs.yaml").to_dict()
+    data["cable_types"]["chain"].update(chain)
+    return cm.load_system(data)
+
+
+@pytest.mark.parametrize(
+    ("scene", "wanted", "values"),
+    [
+        (weighted, reweighted, WEIGHTED),
+        (
+            weighted,
+            lambda: begun(reweighted(), {"ship": {"position": [5, 0, 0], "velocity": [1, 0, 0]}}),
+            {**WEIGHTED, "ship.start_position": (5, 0, 0), "ship.start_velocity": (1, 0, 0)},
+        ),
+        (
+            legs,
+            lambda: legs(submerged_weight=250.0, drag_normal=1.5),
+            {"cable_types.chain.submerged_weight": 250.0, "cable_types.chain.drag_normal": 1.5},
+        ),
+    ],
+    ids=["bodies", "and a start", "chains on the floor"],
+)
+def test_coefficients_before_the_start_are_as_in_the_scene(
+    scene: Any, wanted: Any, values: dict[str, Any], tmp_path: Path
+) -> None:
+    model = SystemModel(wanted())
+    with unpacked(scene(), tmp_path, stations=STATIONS) as found:
+        slave, plain = Slave(*found, use_scene_inputs=True, **values), Slave(*found)
+        assert max(promised(plain, model)) > 1.0
+        for _ in range(6):
+            assert max(promised(slave, model)) < 1.0
+            slave.step(0.5)
+            model.step(0.5)
+        for name, value in values.items():
+            np.testing.assert_array_equal(slave.get(name), value)
+        slave.fmu.reset()
+        line = next(iter(model.lines))
+        assert slave.get(f"{line}.tension.start") == plain.get(f"{line}.tension.start")
+        slave.close()
+        plain.close()
+
+
+def test_a_coefficient_may_change_in_a_run(tmp_path: Path) -> None:
+    """It comes to where it would have begun; a state has the value, and a finer run."""
+    with unpacked(two_ships(solver={"error_estimate": True}), tmp_path, stations=2) as found:
+        slave, begun_so = Slave(*found), Slave(*found, **{"net.drag_area": (3, 3, 3)})
+        slave.step(0.5)
+        first = slave.get("net.position")
+        slave.set("net.drag_area", (3, 3, 3))
+        state = slave.fmu.serializeFMUstate(slave.fmu.getFMUstate())
+        other = Slave(*found)
+        other.fmu.setFMUstate(other.fmu.deSerializeFMUstate(state))
+        other.time = 0.5
+        np.testing.assert_array_equal(other.get("net.drag_area"), 3.0)
+        for one in (slave, other):
+            one.step(299.5)
+        wanted = begun_so.get("net.position") + np.array([300.0, 0, 0])
+        assert np.linalg.norm(first + np.array([299.5, 0, 0]) - wanted) > 1.0
+        assert np.linalg.norm(slave.get("net.position") - wanted) < 1e-3 * 60
+        assert slave.get("net.error.position") < 1e-3 * 60
+        np.testing.assert_array_equal(other.get("net.position"), slave.get("net.position"))
+        with pytest.raises(FMICallException):
+            slave.set("net.drag_area[1]", -1.0)
+        assert "net.drag_area[1]" in slave.messages[-1][1]
+        for one in (slave, other, begun_so):
+            one.close()
+
+
+def test_where_friction_holds_a_body_coefficients_change_after_the_start(tmp_path: Path) -> None:
+    with unpacked(standing(), tmp_path, stations=STATIONS) as found:
+        assert "load.submerged_weight" not in [v.name for v in found[1].modelVariables]
+        slave = Slave(*found, begin=False)
+        slave.fmu.setupExperiment()
+        own = slave.get("cable_types.wire.drag_normal")
+        slave.set("cable_types.wire.drag_normal", 2.0)
+        slave.fmu.enterInitializationMode()
+        refused(slave, "cable_types.wire.drag_normal is not the scene's")
+        slave.set("cable_types.wire.drag_normal", own)
+        slave.fmu.exitInitializationMode()
+        slave.set("cable_types.wire.drag_normal", 2.0)
+        slave.step(0.5)
         slave.close()

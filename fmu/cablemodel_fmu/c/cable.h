@@ -64,13 +64,14 @@ enum {
 #define JUMP_SPEED 10.0 /* [m/s] */
 #define JUMP_RATE 1.0   /* [rad/s] */
 
-/* A tunable coefficient: word = factor * value in the edges of a cable type or in one body. Or a
+/* A tunable coefficient: word = factor * value in the edges of a cable type, in a body of a line or in a
+   free body, whose buoyancy is its weight in air and that. Or a
    length that is fixed at the start, of a cable of the line or on the drum: from the vessel outwards,
    and in the order in which they leave the drum. */
-enum { OF_CABLES, OF_BODY, OF_LINE, OF_DRUM };
+enum { OF_CABLES, OF_BODY, OF_FREE, OF_LINE, OF_DRUM };
 typedef struct {
     int64_t kind, word;
-    int64_t index; /* of the cable type, row of the body table, row of the cable table */
+    int64_t index; /* of the cable type, row of the table of bodies, free bodies or cables */
     double factor; /* of a length of the line: its part in the typical tension [N/m] */
     double start, minimum, maximum;
     double reach; /* of a length of the line: how far it can reach when stretched, in lengths */
@@ -126,7 +127,7 @@ typedef struct Cable {
     int64_t *I;    /* the block, as integers and as reals */
     double *M;
     const Parameter *parameters;
-    double *values; /* of the parameters, or what a system's inputs are */
+    double *values; /* of the parameters, then what a system's inputs and starts are */
     int64_t value_words;
     System *system;
     int64_t stations, bodies, parameter_count, image_words, block_words, flags;
@@ -207,7 +208,7 @@ void free_system(System *system);
 int reserve_elements(Cable *cable, int64_t capacity);
 void restart_system(Cable *cable);
 void system_changed(System *system);
-const char *check_part_inputs(const Cable *cable, const void *values);
+const char *check_part_inputs(const Cable *cable, void *values);
 PartInput *part_input(const Cable *cable, unsigned vr);
 double *part_slope(const Cable *cable, unsigned vr);
 int64_t *part_choice(const Cable *cable, unsigned vr);
@@ -287,6 +288,7 @@ const char *response_of(Cable *cable, const unsigned unknown[], size_t unknowns,
 
 /* lengths.c */
 int lengths_changed(const Cable *cable);
+const Parameter *first_changed(const Cable *cable);
 int differs(const double *a, const double *b);
 void forget_stabilisation(Cable *cable);
 void restore_bending(Cable *cable);

@@ -422,7 +422,7 @@ static int moves_at_its_anchor(const Cable *cable) {
            (velocity[0] != 0.0 || velocity[1] != 0.0 || velocity[2] != 0.0);
 }
 
-static const Parameter *first_changed(const Cable *cable) {
+const Parameter *first_changed(const Cable *cable) {
     for (int64_t n = 0; n < cable->parameter_count; n++)
         if (cable->values[n] != cable->parameters[n].start) return &cable->parameters[n];
     return NULL;

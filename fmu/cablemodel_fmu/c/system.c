@@ -38,6 +38,7 @@ typedef struct {
 } Element;
 
 struct System {
+    int64_t parameters; /* of the model: their values come first */
     int64_t lines, inputs, vessels, bodies, foils, winches, cuts, outputs;
     const Row *rows;
     const int64_t *segments;
@@ -156,6 +157,7 @@ static const char *check_section(const System *s, int64_t segments) {
 const char *load_system(Cable *cable, const int64_t *section, int64_t words, const int64_t *I) {
     System *s = cable->system = calloc(1, sizeof *s);
     if (s == NULL) return "out of memory";
+    s->parameters = cable->parameter_count;
     s->lines = section[0];
     s->vessels = header(I)->frame_count;
     s->bodies = header(I)->free_count;
@@ -171,7 +173,7 @@ const char *load_system(Cable *cable, const int64_t *section, int64_t words, con
     const char *problem = check_section(s, header(I)->cable_count);
     if (problem != NULL) return problem;
     s->applied = s->vessels * FRAME_INPUTS + s->bodies * OF_FREE_BODY + s->foils + 2 * s->winches + s->cuts;
-    cable->value_words = s->inputs * (int64_t)(sizeof(PartInput) / 8) +
+    cable->value_words = s->parameters + s->inputs * (int64_t)(sizeof(PartInput) / 8) +
                          s->vessels * (int64_t)(sizeof(Choice) / 8) + START_WORDS * s->vessels + s->applied;
     s->outputs = s->lines * (LINE_OUTPUTS + STATION_OUTPUTS * cable->stations) +
                  s->bodies * BODY_OUTPUTS + s->vessels * VESSEL_OUTPUTS +
@@ -225,11 +227,11 @@ void free_system(System *s) {
 /* -- inputs -------------------------------------------------------------------------------------- */
 
 static PartInput *inputs_in(const System *s, void *values, int64_t n) {
-    return within(n, 0, s->inputs - 1) ? (PartInput *)values + n : NULL;
+    return within(n, 0, s->inputs - 1) ? (PartInput *)((double *)values + s->parameters) + n : NULL;
 }
 
 static Choice *choices_in(const System *s, void *values) {
-    return (Choice *)((PartInput *)values + s->inputs);
+    return (Choice *)((PartInput *)((double *)values + s->parameters) + s->inputs);
 }
 
 static VesselStart *starts_in(const System *s, void *values) {
@@ -322,7 +324,7 @@ int set_system_start(Cable *cable, unsigned vr, double value) {
 
 void restart_system(Cable *cable) {
     System *s = cable->system;
-    memset(cable->values, 0, 8 * (size_t)cable->value_words);
+    memset(cable->values + s->parameters, 0, 8 * (size_t)(cable->value_words - s->parameters));
     memset(s->told, 0, (size_t)s->inputs);
     for (int64_t n = 0; n < s->inputs; n++)
         inputs_in(s, cable->values, n)->value = s->rows[n].start;
@@ -333,10 +335,10 @@ void restart_system(Cable *cable) {
 }
 
 /* Of a state that comes from elsewhere. */
-const char *check_part_inputs(const Cable *cable, const void *values) {
+const char *check_part_inputs(const Cable *cable, void *values) {
     const System *s = cable->system;
     for (int64_t n = 0; n < s->inputs; n++) {
-        const PartInput *input = (const PartInput *)values + n;
+        const PartInput *input = inputs_in(s, values, n);
         const Row *row = s->rows + n;
         if (!(input->value >= row->minimum && input->value <= row->maximum) ||
             !(fabs(input->before) < 1e100) || !(fabs(input->slope[0]) < 1e100) ||
@@ -344,9 +346,8 @@ const char *check_part_inputs(const Cable *cable, const void *values) {
             !within(input->set, 0, SET_EVER | SET_IN_RUN) || !within(input->driving, 0, DROVE | WENT_ON))
             return "an input is out of range";
     }
-    const Choice *choices = (const Choice *)((const PartInput *)values + s->inputs);
-    const double *starts = (const double *)(choices + s->vessels);
-    const double *applied = starts + START_WORDS * s->vessels;
+    const Choice *choices = choices_in(s, values);
+    const double *starts = (const double *)starts_in(s, values), *applied = applied_in(s, values);
     for (int64_t n = 0; n < START_WORDS * s->vessels; n++) {
         const Row *row = s->rows + first_start(s) + n;
         if (!(starts[n] >= row->minimum && starts[n] <= row->maximum)) return "a start is out of range";

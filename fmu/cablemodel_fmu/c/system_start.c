@@ -1,4 +1,5 @@
-/* Starts of a system's vessels, set before the run, and the state that belongs to them.
+/* Starts of a system's vessels, and coefficients, set before the run, and the state that belongs to
+   them.
 
    What cablemodel/systems/build.py makes of a scene's vessels is made of other ones here, on the
    exported elements: vessels go from where the scene has them to where they are wanted, in one part or
@@ -132,6 +133,11 @@ typedef struct {
 static Way way_of(const Cable *cable) {
     Way way = {0};
     const int64_t first = first_used(cable);
+    if (first < 0) { /* only coefficients are other ones */
+        memcpy(way.from, cable->file + F_FRAME, sizeof way.from);
+        memcpy(way.to, way.from, sizeof way.to);
+        return way;
+    }
     const VesselStart scene = scene_start(cable, first), *start = vessel_starts(cable) + first;
     mean_current(cable, way.current);
     memcpy(way.from, scene.velocity, sizeof way.from);
@@ -535,15 +541,22 @@ const char *settle_system(Cable *cable) {
     int changed = 0, moved = 0;
     double way[3] = {0};
     cable->bent = cable->pressed = 0.0;
-    take_exported(cable);
+    const Parameter *tuned = first_changed(cable);
+    restore_exported(cable);
     for (int64_t n = 0; n < header(cable->I)->frame_count; n++) {
         changed |= is_changed(cable, n);
         moved |= is_changed(cable, n) && is_used(cable, n);
     }
-    if (!changed) return NULL;
+    if (!changed && tuned == NULL) return NULL;
     const char *problem = unsteady(cable);
     if (problem != NULL) return problem;
-    if (!moved || moves_as_a_whole(cable, way)) {
+    if (tuned != NULL && !(cable->flags & FLAG_MOVABLE)) {
+        snprintf(cable->message, sizeof cable->message,
+                 "%s is not the scene's %g: friction holds bodies on the sea floor at this start; export the "
+                 "scene with this value, or set it after the initialization", tuned->name, tuned->start);
+        return cable->message;
+    }
+    if (tuned == NULL && (!moved || moves_as_a_whole(cable, way))) {
         move_origin(cable, way);
         return NULL;
     }
