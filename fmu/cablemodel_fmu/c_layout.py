@@ -83,6 +83,7 @@ def start_constants() -> dict[str, float]:
         "SOFTEST": line_tables.SOFTEST,
         "BENT": refinement.BENT,
         "FAR_TOO_BENT": refinement.FAR_TOO_BENT,
+        "LARGEST_STATIC_MESH": refinement.LARGEST_STATIC_MESH,
         "REFINEMENTS": refinement.ROUNDS,
         "FEW_STEPS": easier_ways.FEW_STEPS,
         "DRUM_ROOM": signals.ROOM,

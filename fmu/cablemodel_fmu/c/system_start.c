@@ -12,6 +12,7 @@
 #include "cable.h"
 
 #define SMALLEST_PART (1.0 / 64.0) /* of the way, where larger ones fail */
+#define ROUNDING 4e-16             /* of the numbers of a difference that is made twice */
 #define SAME_VELOCITY 1e-9         /* as steady_velocity of cablemodel/systems/lines.py */
 
 static double *node_of(const Cable *cable, int64_t array, int64_t node) {
@@ -27,7 +28,7 @@ static Constraint *constraint_of(const Cable *cable, int64_t n) {
     return AS(Constraint, cable->M + header(cable->I)->constraints + n * CONSTRAINT_WORDS);
 }
 
-static double largest(const double *vector) {
+static double norm(const double *vector) {
     return sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2]);
 }
 
@@ -71,14 +72,14 @@ static const char *unsteady(Cable *cable) {
         if (!is_used(cable, n)) continue;
         double off[3];
         for (int i = 0; i < 3; i++) off[i] = starts[n].velocity[i] - starts[first].velocity[i];
-        if (!(largest(off) > SAME_VELOCITY * (1.0 + largest(starts[n].velocity)))) continue;
+        if (!(norm(off) > SAME_VELOCITY * (1.0 + norm(starts[n].velocity)))) continue;
         name_vessel(cable, n, other, sizeof other);
         snprintf(cable->message, sizeof cable->message,
                  "%s.start_velocity is not that of %s: there is no steady state; give vessels one velocity, "
                  "and drive them from there", other, name);
         return cable->message;
     }
-    if (is_anchored(cable) && largest(starts[first].velocity) != 0.0) {
+    if (is_anchored(cable) && norm(starts[first].velocity) != 0.0) {
         snprintf(cable->message, sizeof cable->message,
                  "a system that is anchored has no steady state while a vessel moves: %s.start_velocity must "
                  "be 0", name);
@@ -97,10 +98,13 @@ static int moves_as_a_whole(const Cable *cable, double way[3]) {
     for (int64_t n = first; n < header(I)->frame_count; n++) {
         if (!is_used(cable, n)) continue;
         const VesselStart scene = scene_start(cable, n), *start = vessel_starts(cable) + n;
-        double own[3];
-        for (int i = 0; i < 3; i++) own[i] = start->position[i] - scene.position[i];
-        if (n == first) memcpy(way, own, sizeof own);
-        if (own[2] != 0.0 || differs(own, way) || differs(start->velocity, scene.velocity) ||
+        if (n == first)
+            for (int i = 0; i < 3; i++) way[i] = start->position[i] - scene.position[i];
+        for (int i = 0; i < 3; i++) {
+            const double off = start->position[i] - scene.position[i] - way[i];
+            if (fabs(off) > ROUNDING * (fabs(start->position[i]) + fabs(scene.position[i]) + fabs(way[i]))) return 0;
+        }
+        if (way[2] != 0.0 || differs(start->velocity, scene.velocity) ||
             differs(start->attitude, scene.attitude))
             return 0;
     }
@@ -414,6 +418,7 @@ static void give_back(Cable *cable, const int64_t *image) {
    What fails leaves the mesh to the run. */
 static int64_t refine(Cable *cable, double velocity[3], int at_floor) {
     for (int round = 0; round < REFINEMENTS; round++) {
+        if (!at_floor && header(cable->I)->nodes > LARGEST_STATIC_MESH) break;
         int64_t found, *at_rest = copy_of_image(cable);
         if (at_rest == NULL) return NO_CAPACITY;
         while ((found = at_floor ? cablemodel_refine_at_floor(cable->I, cable->block_words)
@@ -444,6 +449,7 @@ static int64_t go_on(Cable *cable, const Way *way, double from, double to) {
     cablemodel_place_supports(cable->I, cable->block_words);
     const int followed = follow_ends(cable, before);
     free(before);
+    restore_bending(cable);
     return followed ? come_to_rest(cable, velocity) : NO_CAPACITY;
 }
 
@@ -453,12 +459,18 @@ static void run_winches(Cable *cable, int runs) {
         winch_of(cable->I, n)->rate = runs ? winch_of(initial_image(cable), n)->rate : 0.0;
 }
 
+/* Number of the line of a row of the cable table. */
+static double line_row(const Cable *cable, double segment) {
+    return AS(CableRow, cable->M + header(cable->I)->cables + (int64_t)segment * CABLE_WORDS)->row;
+}
+
 /* Velocities of what hangs on a winch that pays out from t = 0 on: _start_flowing. */
 static const char *start_flowing(Cable *cable) {
     const int64_t *I = cable->I, *joint = I + header(I)->joint, *parent = I + header(I)->parent;
     for (int64_t n = 0; n < header(I)->winch_count; n++) {
         const Winch *row = winch_of(I, n);
         const int64_t top = (int64_t)row->node;
+        const double line = line_row(cable, row->cable);
         if (row->rate == 0.0) continue;
         if (header(I)->floor_state == FLOOR_TOUCHED)
             return "a winch runs at the start, and what touches the sea floor does not move along: "
@@ -468,7 +480,7 @@ static const char *start_flowing(Cable *cable) {
             double *v = node_of(cable, WORD(Header, velocity), node);
             const double *q = POSITION_OF(cable, node);
             const double *edge = cable->M + header(I)->edges + node * EDGE_WORDS;
-            const int runs = joint[node] == JOINT_NONE && AS(Edge, edge)->segment == row->cable;
+            const int runs = joint[node] == JOINT_NONE && line_row(cable, AS(Edge, edge)->segment) == line;
             const double *from = node_of(cable, WORD(Header, velocity), runs ? top : parent[node]);
             for (int i = 0; i < 3; i++) v[i] = from[i] + (runs ? row->rate * q[3 + i] : 0.0);
         }
@@ -497,7 +509,6 @@ static const char *search(Cable *cable) {
     run_winches(cable, 0);
     scalars(cable->M)->third_mode = STABILISATION * scalars(cable->M)->tension_scale;
     forget_stabilisation(cable);
-    restore_bending(cable);
     double done = 0.0, part = 1.0;
     while (done < 1.0) {
         const double next = fmin(1.0, done + part);
