@@ -178,6 +178,35 @@ def test_all_vessels_moved_alike_move_what_hangs_there_to_the_bit(tmp_path: Path
         plain.close()
 
 
+def test_alike_is_to_rounding(tmp_path: Path) -> None:
+    """60.1 - 60 is not 0.1; what hangs there still keeps its last bit."""
+    starts = {"a.start_position": (0.1, 0.1, 0), "b.start_position": (0.1, 60.1, 0)}
+    with unpacked(two_ships(), tmp_path, stations=STATIONS) as found:
+        slave, plain = Slave(*found, **starts), Slave(*found)
+        for name in ("port.line.tension", "star.line.tension", "net.attitude"):
+            np.testing.assert_array_equal(slave.get(name), plain.get(name))
+        slave.close()
+        plain.close()
+
+
+@pytest.mark.parametrize("drives", [True, False])
+def test_at_another_velocity_a_vessel_leaves_its_path(drives: bool, tmp_path: Path) -> None:
+    """It goes straight on, and does not turn, whether the scene drives it or inputs do."""
+    ship = {"points": {"hook": [1, 0, 0]},
+            "path": [{"turn": {"angle": "90 deg", "radius": 30, "speed": 1}}]}  # fmt: skip
+    with unpacked(still(vessels={"ship": ship}), tmp_path, stations=STATIONS) as found:
+        start = {"ship.start_velocity": (1.2, 0.3, 0.0)}
+        slave = Slave(*found, use_scene_inputs=drives, **start)
+        heading = slave.get("ship.attitude")
+        np.testing.assert_array_equal(slave.get("ship.angular_velocity"), 0.0)
+        np.testing.assert_array_equal(slave.get("ship.attitude_rate_input"), 0.0)
+        for _ in range(4):
+            slave.step(1.0)
+        np.testing.assert_allclose(slave.get("ship.position"), [4.8, 1.2, 0.0], atol=1e-12)
+        np.testing.assert_allclose(slave.get("ship.attitude"), heading, atol=1e-12)
+        slave.close()
+
+
 def test_the_scenes_own_start_changes_nothing(tmp_path: Path) -> None:
     """Set, or set to another one and back after that was looked at."""
     with unpacked(two_ships(), tmp_path, stations=STATIONS) as found:

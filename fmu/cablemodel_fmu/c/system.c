@@ -319,6 +319,11 @@ int set_system_start(Cable *cable, unsigned vr, double value) {
     const int64_t place = OF_VESSEL * (n / START_WORDS) + groups[of_vessel / 3] + of_vessel % 3;
     PartInput *input = inputs_in(cable->system, cable->values, place);
     if (!input->set) input->value = value;
+    const int64_t first_rate = OF_VESSEL * (n / START_WORDS) + AT_RATE;
+    for (int64_t rate = first_rate; rate < first_rate + 3; rate++) {
+        input = inputs_in(cable->system, cable->values, rate);
+        if (!input->set) input->value = velocity_set(cable, n / START_WORDS) ? 0.0 : cable->system->rows[rate].start;
+    }
     return 1;
 }
 
