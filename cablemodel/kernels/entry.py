@@ -78,10 +78,10 @@ def refine_at_floor(I, M):
     return follow.follow_floor(I, M, True, 0)
 
 
-@entry_point(int64(INTEGERS, REALS, float64))
-def refine_static(I, M, most):
-    """Adapt a system's mesh to the bends of a static shape once: refine.refine_static."""
-    return refine.refine_static(I, M, most)
+@entry_point(int64(INTEGERS, REALS, int64))
+def halve_at_rest(I, M, node):
+    """Halve an element of a static shape: refine.halve_at_rest."""
+    return refine.halve_at_rest(I, M, node)
 
 
 @entry_point(int64(INTEGERS, REALS))
@@ -259,7 +259,7 @@ ENTRY_POINTS = {
     "stabilise": stabilise,
     "choose_bending": choose_bending,
     "refine_at_floor": refine_at_floor,
-    "refine_static": refine_static,
+    "halve_at_rest": halve_at_rest,
     "place_supports": place_supports,
     "measure": measure,
     "sample": sample,

@@ -8,7 +8,7 @@ they were at the start, once one cubic does for both.
 
 import math
 
-from .access import edge_at, edge_of, header, scalars, vector, word_of
+from .access import edge_at, edge_of, header, scalars, word_of
 from .buckling import is_pressed
 from .compile import kernel, view
 from .follow import (
@@ -20,7 +20,6 @@ from .follow import (
     may_be_halved,
     one_cubic_does,
     position_accuracy,
-    second_derivative,
 )
 from .layout import (
     CHANGED,
@@ -89,54 +88,18 @@ def may_unite(I, M, node):
 
 
 @kernel
-def bend_within(I, M, node):
-    """By how much r'' changes in an element [1/m]."""
-    first = vector()
-    last = vector()
-    second_derivative(I, M, node, 0, first)
-    second_derivative(I, M, node, 1, last)
-    square = 0.0
-    for i in range(header(I).dimension):
-        square += (last[i] - first[i]) ** 2
-    return math.sqrt(square)
-
-
-@kernel
-def refine_static(I, M, most):
-    """Halve what bends too much in a system's static shape, by the rule of systems/places.py; most:
-    what h^2 times the jump of r'' may be, of what positions may be wrong by.
-
-    NOTHING, CHANGED, or NO_CAPACITY: the block, which is changed in part, must grow first.
-    """
-    head = header(I)
+def halve_at_rest(I, M, node):
+    """Halve an element of a static shape, where the mesh may change: halves are elements from then
+    on. NOTHING, CHANGED, or NO_CAPACITY: the block must grow first."""
     state = scalars(M)
-    if state.bent == 0.0:
-        return NOTHING  # the mesh stays as it is
-    nodes = head.nodes
-    jumps = M[head.stage_velocity : head.stage_velocity + nodes + 1]
-    for node in range(nodes):
-        tied = 0 < node < nodes - 1 and I[head.joint + node + 1] == 0
-        jumps[node] = jump_at(I, M, node, False) if tied else 0.0
-    changed = NOTHING
-    for node in range(nodes - 1, 0, -1):
-        if I[head.joint + node] != 0:
-            continue
-        jump = max(jumps[node - 1], jumps[node])
-        above = node > 1 and I[head.joint + node - 1] == 0
-        below = node + 1 < head.nodes and I[head.joint + node + 1] == 0
-        if not (above and below):
-            # Ends have no neighbour to compare with: half of the change inside stands for it.
-            jump = max(jump, 0.25 * bend_within(I, M, node))
-        h = edge_of(I, M, node).length
-        if h * h * jump <= most * position_accuracy(I, M, node) or not may_be_halved(I, M, node):
-            continue
-        if split_edge(I, M, node, 0.5, False) != OK:
-            return NO_CAPACITY
-        for half in range(node, node + 2):
-            edge_of(I, M, half).nominal = edge_of(I, M, half).length
-        state.most_nodes += 1.0
-        changed = CHANGED
-    return changed
+    if state.bent == 0.0 or not may_be_halved(I, M, node):
+        return NOTHING
+    if split_edge(I, M, node, 0.5, False) != OK:
+        return NO_CAPACITY
+    for half in range(node, node + 2):
+        edge_of(I, M, half).nominal = edge_of(I, M, half).length
+    state.most_nodes += 1.0
+    return CHANGED
 
 
 @kernel

@@ -421,9 +421,14 @@ def test_errors_are_estimated_from_the_same_start(tmp_path: Path) -> None:
 
 
 def test_a_winch_runs_from_such_a_start(tmp_path: Path) -> None:
-    load = still().to_dict()["bodies"]["load"]
-    winch = {"line": "wire", "drum": 5.0, "rate": 0.2}
-    scene = still(cuts={}, bodies={"load": load}, winches={"hoist": winch})
+    """All cable of its line runs, of whatever type."""
+    data = still(cuts={}).to_dict()
+    data["cable_types"]["rope"] = {"diameter": 0.02, "mass": 0.4, "axial_stiffness": 2e5}
+    data["lines"]["wire"]["items"] = [
+        {"cable": {"type": name, "length": 10, "elements": 4}} for name in ("wire", "rope")
+    ]
+    data["winches"] = {"hoist": {"line": "wire", "drum": 5.0, "rate": 0.2}}
+    scene = cm.load_system(data)
     starts = {"ship": {"attitude": [0.0, 0.1, 0.3]}}
     model = SystemModel(begun(scene, starts))
     with unpacked(scene, tmp_path, stations=STATIONS) as found:

@@ -155,7 +155,7 @@ int64_t cablemodel_step(void *block, int64_t words, double t_end, double *inputs
 int64_t cablemodel_equilibrium(void *block, int64_t words, double *frame, int64_t n);
 int64_t cablemodel_tension_from_stretch(void *block, int64_t words);
 int64_t cablemodel_refine_at_floor(void *block, int64_t words);
-int64_t cablemodel_refine_static(void *block, int64_t words, double most);
+int64_t cablemodel_halve_at_rest(void *block, int64_t words, int64_t node);
 int64_t cablemodel_stabilise(void *block, int64_t words);
 int64_t cablemodel_choose_bending(void *block, int64_t words);
 int64_t cablemodel_place_supports(void *block, int64_t words);
@@ -294,6 +294,7 @@ void forget_stabilisation(Cable *cable);
 void restore_bending(Cable *cable);
 void rest_here(Cable *cable);
 void count_from_zero(Cable *cable);
+double bend_at(const Cable *cable, int64_t node);
 double most_bent(const Cable *cable);
 const char *settle_cable(Cable *cable);
 

@@ -365,35 +365,39 @@ static double second(const Cable *cable, int64_t node, int64_t i, int end) {
                : (6.0 * chord - 4.0 * before - 2.0 * after) / h;
 }
 
-/* By how much a static shape bends, in what its elements can follow: by the rule by which
-   refined of cablemodel/instance/refinement.py, or of cablemodel/systems/places.py, would halve some
-   of them. */
-double most_bent(const Cable *cable) {
+/* By how much a static shape bends at an element, in what that can follow: by the rule by which refined
+   of cablemodel/instance/refinement.py, or of cablemodel/systems/places.py, would halve it. */
+double bend_at(const Cable *cable, int64_t node) {
     const int64_t *I = cable->I, *joint = I + header(I)->joint, nodes = header(I)->nodes;
-    double most = 0.0;
-    int64_t last = nodes - 1;
-    while (last > 1 && joint[last] != JOINT_NONE) last--;
-    for (int64_t node = 1; node < nodes; node++) {
-        if (joint[node] != JOINT_NONE) continue;
-        const double h = AS(Edge, edge_of(cable, node))->length;
-        const int above = node > 1 && joint[node - 1] == JOINT_NONE;
-        const int below = node + 1 < nodes && joint[node + 1] == JOINT_NONE;
-        double inside = 0.0, before = 0.0, after = 0.0;
-        for (int64_t i = 0; i < header(I)->dimension; i++) {
-            const double start = second(cable, node, i, 0), end = second(cable, node, i, 1);
-            inside += (end - start) * (end - start);
-            if (above)
-                before += pow(start - second(cable, node - 1, i, 1), 2.0);
-            if (below)
-                after += pow(second(cable, node + 1, i, 0) - end, 2.0);
-        }
-        double jump = fmax(sqrt(before), sqrt(after));
-        const int at_end = is_system(I) ? !above || !below : node == 1 || node == last;
-        if (at_end) jump = fmax(jump, 0.25 * sqrt(inside));
-        const int64_t cable_row = (int64_t)AS(Edge, edge_of(cable, node))->segment;
-        const double length = is_system(I) ? AS(CableRow, row_of(cable, cable_row))->line : scalars(cable->M)->length;
-        most = fmax(most, h * h * jump / (BENT * scalars(cable->M)->tolerance * length));
+    const double *edge = edge_of(cable, node), h = AS(Edge, edge)->length;
+    const int above = node > 1 && joint[node - 1] == JOINT_NONE;
+    const int below = node + 1 < nodes && joint[node + 1] == JOINT_NONE;
+    double inside = 0.0, before = 0.0, after = 0.0, length = scalars(cable->M)->length;
+    int at_end = !above || !below;
+    for (int64_t i = 0; i < header(I)->dimension; i++) {
+        const double start = second(cable, node, i, 0), end = second(cable, node, i, 1);
+        inside += (end - start) * (end - start);
+        if (above) before += pow(start - second(cable, node - 1, i, 1), 2.0);
+        if (below) after += pow(second(cable, node + 1, i, 0) - end, 2.0);
     }
+    if (is_system(I)) {
+        length = AS(CableRow, row_of(cable, (int64_t)AS(Edge, edge)->segment))->line;
+    } else {
+        int64_t last = nodes - 1;
+        while (last > 1 && joint[last] != JOINT_NONE) last--;
+        at_end = node == 1 || node == last;
+    }
+    double jump = fmax(sqrt(before), sqrt(after));
+    if (at_end) jump = fmax(jump, 0.25 * sqrt(inside));
+    return h * h * jump / (BENT * scalars(cable->M)->tolerance * length);
+}
+
+/* The most of that. */
+double most_bent(const Cable *cable) {
+    const int64_t *joint = cable->I + header(cable->I)->joint;
+    double most = 0.0;
+    for (int64_t node = 1; node < header(cable->I)->nodes; node++)
+        if (joint[node] == JOINT_NONE) most = fmax(most, bend_at(cable, node));
     return most;
 }
 

@@ -304,8 +304,9 @@ int velocity_set(const Cable *cable, int64_t vessel) {
 
 void name_vessel(const Cable *cable, int64_t vessel, char *name, size_t size) {
     const char *variable = cable->system->rows[cable->system->inputs + vessel].name; /* NAME.input */
-    const char *end = strrchr(variable, '.');
-    snprintf(name, size, "%.*s", (int)(end == NULL ? (ptrdiff_t)strlen(variable) : end - variable), variable);
+    size_t length = strlen(variable);
+    while (length > 0 && variable[length] != '.') length--;
+    snprintf(name, size, "%.*s", (int)length, variable);
 }
 
 /* Of a value that is allowed; whether it is another one than before. Until an input of the vessel is set,

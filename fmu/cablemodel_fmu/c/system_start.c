@@ -75,14 +75,12 @@ static const char *unsteady(Cable *cable) {
         if (!(norm(off) > SAME_VELOCITY * (1.0 + norm(starts[n].velocity)))) continue;
         name_vessel(cable, n, other, sizeof other);
         snprintf(cable->message, sizeof cable->message,
-                 "%s.start_velocity is not that of %s: there is no steady state; give vessels one velocity, "
-                 "and drive them from there", other, name);
+                 "%s.start_velocity is not that of %s: there is no steady state", other, name);
         return cable->message;
     }
     if (is_anchored(cable) && norm(starts[first].velocity) != 0.0) {
         snprintf(cable->message, sizeof cable->message,
-                 "a system that is anchored has no steady state while a vessel moves: %s.start_velocity must "
-                 "be 0", name);
+                 "anchored, there is no steady state: %s.start_velocity must be 0", name);
         return cable->message;
     }
     return NULL;
@@ -178,7 +176,7 @@ static void go_straight_on(Piece *piece, const double position[3], const double 
     memset(piece, 0, sizeof *piece);
     piece->end = INFINITY;
     memcpy(piece->data, position, 3 * sizeof *position);
-    if (velocity != NULL) memcpy(piece->data + 3, velocity, 3 * sizeof *velocity);
+    memcpy(piece->data + 3, velocity, 3 * sizeof *velocity);
 }
 
 /* Vessels to a share of the way, where they move at a velocity. */
@@ -188,21 +186,20 @@ static void place_vessels(Cable *cable, double share, const double velocity[3]) 
         if (!is_changed(cable, n)) continue;
         const VesselStart scene = scene_start(cable, n), *wanted = vessel_starts(cable) + n;
         Frame *row = frame_of(cable, n);
-        double place[3], angles[3], way[3], turn[3];
+        double place[3], angles[3];
         for (int i = 0; i < 3; i++) {
-            way[i] = share * (wanted->position[i] - scene.position[i]);
-            turn[i] = share * turn_to(wanted->attitude[i], scene.attitude[i]);
-            place[i] = share == 1.0 ? wanted->position[i] : scene.position[i] + way[i];
-            angles[i] = share == 1.0 ? wanted->attitude[i] : scene.attitude[i] + turn[i];
+            const double way = wanted->position[i] - scene.position[i];
+            const double turn = turn_to(wanted->attitude[i], scene.attitude[i]);
+            place[i] = wanted->position[i] - (1.0 - share) * way;
+            angles[i] = wanted->attitude[i] - (1.0 - share) * turn;
+            if (velocity_set(cable, n)) continue;
+            row->shift[i] = share * way;
+            row->shift[3 + i] = share * turn;
         }
-        if (velocity_set(cable, n)) {
-            go_straight_on(&row->piece, place, is_used(cable, n) ? velocity : wanted->velocity);
-            go_straight_on(&row->turn_piece, angles, none);
-            row->live = row->turn_live = (double)LIVE;
-        } else {
-            memcpy(row->shift, way, sizeof way);
-            memcpy(row->shift + 3, turn, sizeof turn);
-        }
+        if (!velocity_set(cable, n)) continue;
+        go_straight_on(&row->piece, place, is_used(cable, n) ? velocity : wanted->velocity);
+        go_straight_on(&row->turn_piece, angles, none);
+        row->live = row->turn_live = (double)LIVE;
     }
 }
 
@@ -237,11 +234,6 @@ static void turn_system(Cable *cable, double angle) {
             r[j] = column[0];
             r[3 + j] = column[1];
         }
-    }
-    for (int64_t n = 0; n < header(I)->closure_count; n++) {
-        Closure *row = AS(Closure, cable->M + header(I)->closures + n * CLOSURE_WORDS);
-        turn_vector(c, s, row->force);
-        turn_vector(c, s, row->kept);
     }
 }
 
@@ -414,6 +406,18 @@ static void give_back(Cable *cable, const int64_t *image) {
     memcpy(cable->I, image, 8 * (size_t)cable->image_words);
 }
 
+/* Halve what bends too much, from the last element on: halves go where the whole one went. */
+static int64_t halve_bent(Cable *cable) {
+    int64_t found = NOTHING;
+    for (int64_t node = header(cable->I)->nodes - 1; node >= 1; node--) {
+        if (cable->I[header(cable->I)->joint + node] != JOINT_NONE || !(bend_at(cable, node) > 1.0)) continue;
+        const int64_t status = cablemodel_halve_at_rest(cable->I, cable->block_words, node);
+        if (status == NO_CAPACITY) return NO_CAPACITY;
+        if (status == CHANGED) found = CHANGED;
+    }
+    return found;
+}
+
 /* Finer where lines bend too much, or where they meet the floor: _at_rest of cablemodel/systems/build.py.
    What fails leaves the mesh to the run. */
 static int64_t refine(Cable *cable, double velocity[3], int at_floor) {
@@ -422,7 +426,7 @@ static int64_t refine(Cable *cable, double velocity[3], int at_floor) {
         int64_t found, *at_rest = copy_of_image(cable);
         if (at_rest == NULL) return NO_CAPACITY;
         while ((found = at_floor ? cablemodel_refine_at_floor(cable->I, cable->block_words)
-                                 : cablemodel_refine_static(cable->I, cable->block_words, BENT)) == NO_CAPACITY) {
+                                 : halve_bent(cable)) == NO_CAPACITY) {
             give_back(cable, at_rest);
             free(at_rest);
             if (!grow(cable) || (at_rest = copy_of_image(cable)) == NULL) return NO_CAPACITY;
@@ -473,8 +477,7 @@ static const char *start_flowing(Cable *cable) {
         const double line = line_row(cable, row->cable);
         if (row->rate == 0.0) continue;
         if (header(I)->floor_state == FLOOR_TOUCHED)
-            return "a winch runs at the start, and what touches the sea floor does not move along: "
-                   "export the scene with its rate 0 at t = 0";
+            return "a winch runs at the start, and what touches the sea floor does not move along";
         /* Nothing else holds it: its tree begins at the winch, and ends where another one begins. */
         for (int64_t node = top + 1; node < header(I)->nodes && joint[node] < JOINT_ROOT; node++) {
             double *v = node_of(cable, WORD(Header, velocity), node);
@@ -563,8 +566,8 @@ const char *settle_system(Cable *cable) {
     if (problem != NULL) return problem;
     if (tuned != NULL && !(cable->flags & FLAG_MOVABLE)) {
         snprintf(cable->message, sizeof cable->message,
-                 "%s is not the scene's %g: friction holds bodies on the sea floor at this start; export the "
-                 "scene with this value, or set it after the initialization", tuned->name, tuned->start);
+                 "%s is not the scene's %g: friction holds bodies at this start; export the scene with it, or "
+                 "set it after the initialization", tuned->name, tuned->start);
         return cable->message;
     }
     if (tuned == NULL && (!moved || moves_as_a_whole(cable, way))) {
