@@ -352,6 +352,23 @@ PARAMETERS: tuple[Parameter, ...] = (
 VESSEL_CHOICE = Parameter("which inputs move it", "", "NAME.input", "", False)
 """Of each vessel or driven end of a system."""
 
+VESSEL_STARTS: tuple[Parameter, ...] = (
+    Parameter("position at the start", "m", "NAME.start_position[i]",
+              "vessels.NAME.position", False),
+    Parameter("velocity at the start", "m/s", "NAME.start_velocity[i]",
+              "vessels.NAME.velocity", False),
+    Parameter("attitude at the start", "rad", "NAME.start_attitude[i]",
+              "vessels.NAME.attitude", False),
+)  # fmt: skip
+"""The same, in the order of VesselStart in the FMU's c/cable.h."""
+
+FREE_BODY_PARAMETERS: tuple[Parameter, ...] = (
+    Parameter("drag area", "m2", "NAME.drag_area[i]", "bodies.NAME.drag_area", True),
+    Parameter("weight in water", "N", "NAME.submerged_weight", "bodies.NAME.submerged_weight",
+              True),
+)  # fmt: skip
+"""Of each free body of a system."""
+
 
 def parameter(fmu: str) -> Parameter:
     """The row of :data:`PARAMETERS` with this name."""
@@ -594,7 +611,7 @@ def document() -> str:
         "|quantity|unit|FMU|scene||",
         "|---|---|---|---|---|",
     ]
-    for entry in PARAMETERS:
+    for entry in (*PARAMETERS, *VESSEL_STARTS, *FREE_BODY_PARAMETERS):
         texts = (
             entry.quantity, entry.unit or "-", f"`{entry.fmu}`",
             f"`{entry.scene}`" if entry.scene else "-", "tunable" if entry.tunable else "fixed",

@@ -15,6 +15,7 @@ from . import (
     outputs,
     part_outputs,
     promote,
+    refine,
     scales,
     stabilisation,
     statics,
@@ -75,6 +76,12 @@ def refine_at_floor(I, M):
     if head.floor_state == FLOOR_FAR:
         return NOTHING
     return follow.follow_floor(I, M, True, 0)
+
+
+@entry_point(int64(INTEGERS, REALS, int64))
+def halve_at_rest(I, M, node):
+    """Halve an element of a static shape: refine.halve_at_rest."""
+    return refine.halve_at_rest(I, M, node)
 
 
 @entry_point(int64(INTEGERS, REALS))
@@ -252,6 +259,7 @@ ENTRY_POINTS = {
     "stabilise": stabilise,
     "choose_bending": choose_bending,
     "refine_at_floor": refine_at_floor,
+    "halve_at_rest": halve_at_rest,
     "place_supports": place_supports,
     "measure": measure,
     "sample": sample,

@@ -88,6 +88,21 @@ def may_unite(I, M, node):
 
 
 @kernel
+def halve_at_rest(I, M, node):
+    """Halve an element of a static shape, where the mesh may change: halves are elements from then
+    on. NOTHING, CHANGED, or NO_CAPACITY: the block must grow first."""
+    state = scalars(M)
+    if state.bent == 0.0 or not may_be_halved(I, M, node):
+        return NOTHING
+    if split_edge(I, M, node, 0.5, False) != OK:
+        return NO_CAPACITY
+    for half in range(node, node + 2):
+        edge_of(I, M, half).nominal = edge_of(I, M, half).length
+    state.most_nodes += 1.0
+    return CHANGED
+
+
+@kernel
 def follow_bending(I, M, change):
     """Whether the shape asks for another mesh; with `change`, halve and join elements for it.
 

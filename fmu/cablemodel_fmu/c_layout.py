@@ -68,7 +68,7 @@ def _text(value: object) -> str:
 def start_constants() -> dict[str, float]:
     """Numbers by which instance/ derives a block from the lengths of its cables, and by which what
     is read of a system is placed, and looks ahead."""
-    from cablemodel.instance import line_tables, refinement, winch
+    from cablemodel.instance import easier_ways, line_tables, refinement, winch
     from cablemodel.kernels import interface
     from cablemodel.systems import model
     from cablemodel_fmu import signals
@@ -83,7 +83,9 @@ def start_constants() -> dict[str, float]:
         "SOFTEST": line_tables.SOFTEST,
         "BENT": refinement.BENT,
         "FAR_TOO_BENT": refinement.FAR_TOO_BENT,
+        "LARGEST_STATIC_MESH": refinement.LARGEST_STATIC_MESH,
         "REFINEMENTS": refinement.ROUNDS,
+        "FEW_STEPS": easier_ways.FEW_STEPS,
         "DRUM_ROOM": signals.ROOM,
         "SAME_PLACE": model.SAME_PLACE,
         "AHEAD": interface.AHEAD,

@@ -16,6 +16,7 @@ UNITS = {
     "N.m": (1, 2, -2, 0),
     "N/m": (1, 0, -2, 0),
     "m": (0, 1, 0, 0),
+    "m2": (0, 2, 0, 0),
     "m/s": (0, 1, -1, 0),
     "1/m": (0, -1, 0, 0),
     "s": (0, 0, 1, 0),
@@ -201,8 +202,9 @@ def _variable(parent: ElementTree.Element, signal: Signal) -> None:
 def display_unit(signal: Signal) -> str:
     """What tools show a variable in, where that is not its unit: knots for what moves the vessel
     and the water, kilonewtons for large forces."""
-    motion = ("vessel.velocity", "vessel.start_velocity", "current.velocity")
-    if signal.name.startswith(motion) or ".velocity_input[" in signal.name:
+    motion = ("vessel.velocity", "current.velocity")
+    of_parts = (".velocity_input[", ".start_velocity[")
+    if signal.name.startswith(motion) or any(word in signal.name for word in of_parts):
         return "kn"
     if signal.unit in ("rad", "rad/s"):
         return "deg" + signal.unit.removeprefix("rad")

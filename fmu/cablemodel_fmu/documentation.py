@@ -77,10 +77,16 @@ they hold for one step.</li>
 <li><code>NAME.input</code> of each vessel or driven end: 1 velocity and rates of roll, pitch and
 yaw, 2 position and attitude, 3 all of them. Of place and attitude, what is not connected follows
 the scene.</li>
+<li><code>NAME.start_position</code>, <code>NAME.start_velocity</code> and
+<code>NAME.start_attitude</code>, set before the initialization ends, say where a vessel starts and
+how fast; with another velocity than the scene's it goes straight on until it is driven.</li>
 <li>Outside forces and torques act on bodies at their origins; axes are the earth's.</li>
 <li>A <code>NAME.cut</code> above 0.5 makes the cut as the next step begins, once;
 <code>NAME.time</code> says when it was made, and is not a number before.</li>
 </ul>
+<h2>Parameters</h2>
+<p>Coefficients are tunable: before the start they change the static equilibrium, later they take
+effect at the next communication step. Bodies in a line are counted from its beginning.</p>
 <h2>Outputs</h2>
 <p>Forces and moments of the lines on a vessel are about its origin, all in the earth's axes.</p>
 """

@@ -23,6 +23,7 @@ from cablemodel.instance import build as build_block
 from cablemodel.instance import facts_of, local, tension_scale
 from cablemodel.library import BINARIES, description, kernel_hash
 from cablemodel.scene import Scene
+from cablemodel.systems.lines import steady_velocity
 from cablemodel.systems.model import SystemModel
 from cablemodel.systems.scene import SystemScene
 from cablemodel_fmu.archive import write_archive
@@ -35,7 +36,15 @@ from cablemodel_fmu.documentation import (
     picture,
 )
 from cablemodel_fmu.model_file import ModelFile
-from cablemodel_fmu.parts import fastest_vessel, longest_arm, ports_of, section, signals_of
+from cablemodel_fmu.parts import coefficients as system_coefficients
+from cablemodel_fmu.parts import (
+    fastest_vessel,
+    is_movable,
+    longest_arm,
+    ports_of,
+    section,
+    signals_of,
+)
 from cablemodel_fmu.signals import (
     ROOM,
     VR_PARAMETER,
@@ -209,11 +218,7 @@ def _of_line(scene: Scene, options: Options) -> Contents:
     in_elements = isinstance(block, Block)
     movable, level = in_elements and is_settable(scene), in_elements and is_level(scene)
     constants = _constants(scene, block)
-    if len(constants) > VR_ZERO - VR_PARAMETER:
-        raise ExportError(
-            f"the scene has {len(constants)} coefficients and lengths: an FMU has "
-            f"{VR_ZERO - VR_PARAMETER} at most"
-        )
+    _check_room(constants)
     signals = [
         *controls(*values),
         *inputs(first),
@@ -257,7 +262,9 @@ def _of_system(scene: SystemScene, options: Options) -> Contents:
     values = options.first_values(scene)
     tension = float(block.scalars.tension_scale)
     speed = max(fastest_vessel(scene), _current_speed(scene))
-    signals = signals_of(scene, options.stations, values)
+    constants = system_coefficients(scene, start.built)
+    _check_room(constants)
+    signals = signals_of(scene, options.stations, values, constants)
     signals = with_nominals(signals, scene, tension, speed, longest_arm(scene))
     guid = _guid(scene, options)
     model = ModelFile(
@@ -265,12 +272,12 @@ def _of_system(scene: SystemScene, options: Options) -> Contents:
         block=block,
         stations=options.stations,
         starts=[0.0] * 10,
-        frame=np.zeros(3),
+        frame=steady_velocity(scene),
         facts=np.zeros(0),
-        coefficients=[],
+        coefficients=constants,
         scene_inputs=values[0],
         ignore=options.inputs == "scene",
-        movable=False,
+        movable=is_movable(scene),
         level=False,
         vessel_input=values[1],
         at_start=options.timing == "start",
@@ -283,6 +290,14 @@ def _of_system(scene: SystemScene, options: Options) -> Contents:
     description = "Ocean cables between vessels and bodies"
     xml = _description(scene, options, guid, signals, description, derivatives=True)
     return Contents(_model_name(scene), guid, signals, model.to_bytes(), beside, xml, start)
+
+
+def _check_room(constants: list[Coefficient]) -> None:
+    if len(constants) > VR_ZERO - VR_PARAMETER:
+        raise ExportError(
+            f"the scene has {len(constants)} coefficients and lengths: an FMU has "
+            f"{VR_ZERO - VR_PARAMETER} at most"
+        )
 
 
 def _guid(scene: Scene | SystemScene, options: Options) -> str:

@@ -18,7 +18,7 @@ from cablemodel_fmu.c_layout import hash_number
 from cablemodel_fmu.signals import Coefficient
 
 MAGIC = 0x554D46454C424143  # "CABLEFMU"
-FORMAT = 3
+FORMAT = 4
 HEADER_WORDS = 48
 NAME_WORDS = 12
 """Of a coefficient's row: its variable's name, for messages."""
@@ -50,7 +50,7 @@ class ModelFile:
     ignore: bool
     """Whether inputs are ignored while it is true."""
     movable: bool
-    """Whether the tow point's start may be set."""
+    """Whether the start of the tow point, or of a system's vessels, may be set."""
     level: bool
     """Whether it may be moved along a level floor."""
     at_start: bool

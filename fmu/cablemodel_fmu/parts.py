@@ -14,22 +14,42 @@ from numpy.typing import NDArray
 
 from cablemodel.kernels import layout as at
 from cablemodel.systems.built import Built
+from cablemodel.systems.guess import standing
 from cablemodel.systems.motion import first_angles, turning
 from cablemodel.systems.scene import SystemScene
-from cablemodel.variables import CUT_OUTPUTS, VESSEL_CHOICE, Variable, inputs_of_system, outputs_of
+from cablemodel.variables import (
+    CUT_OUTPUTS,
+    FREE_BODY_PARAMETERS,
+    VESSEL_CHOICE,
+    VESSEL_STARTS,
+    Variable,
+    inputs_of_system,
+    outputs_of,
+)
 from cablemodel_fmu.model_file import name_words
-from cablemodel_fmu.signals import LARGEST, Signal, axes_of, controls
+from cablemodel_fmu.signals import (
+    LARGEST,
+    OF_FREE,
+    Coefficient,
+    Coefficients,
+    Signal,
+    axes_of,
+    controls,
+)
 
 VR_INPUT = 100000000
 VR_CHOICE = 200000000
 VR_OUTPUT = 300000000
+VR_START = 400000000
 
 _FORCE = 1e15
 _ALLOWED = {**LARGEST, "rad": 1e4, "rad/s": 1e3, "N": _FORCE, "N.m": _FORCE, "": 1e9}
 """What an input may be, by its unit, either way: what is larger is a mistake."""
 
 
-def signals_of(scene: SystemScene, stations: int, values: tuple[bool, int, int]) -> list[Signal]:
+def signals_of(
+    scene: SystemScene, stations: int, values: tuple[bool, int, int], constants: list[Coefficient]
+) -> list[Signal]:
     """All variables of a system.
 
     values: start values of use_scene_inputs, of what moves each vessel, and of input.timing.
@@ -39,6 +59,8 @@ def signals_of(scene: SystemScene, stations: int, values: tuple[bool, int, int])
         scene_inputs,
         timing,
         *choices(scene, values[1]),
+        *starts(scene),
+        *(item.signal for item in constants),
         *inputs(scene),
         *outputs(scene, stations),
     ]
@@ -53,6 +75,59 @@ def choices(scene: SystemScene, by: int) -> list[Signal]:
         )
         for n, name in enumerate(scene.vessels)
     ]  # fmt: skip
+
+
+def is_movable(scene: SystemScene) -> bool:
+    """Whether vessels' starts may be set: friction holds bodies that stand on the sea floor where
+    the scene puts them, which the block does not know."""
+    return not standing(scene)
+
+
+def starts(scene: SystemScene) -> list[Signal]:
+    """Of each vessel or driven end: place, velocity and attitude at the start, bounded by
+    themselves where they may not be set."""
+    found: list[Signal] = []
+    for name in scene.vessels:
+        for row in VESSEL_STARTS:
+            field = row.fmu.removeprefix("NAME.start_").removesuffix("[i]")
+            for i, value in enumerate(_starts(scene, name, field), start=1):
+                most = _ALLOWED[row.unit]
+                found.append(
+                    Signal(
+                        row.fmu.replace("NAME", name).replace("[i]", f"[{i}]"),
+                        VR_START + len(found),
+                        "Real",
+                        "parameter",
+                        "fixed",
+                        row.unit,
+                        f"{name}: {row.quantity}, {axes_of(row.unit)[i - 1]}",
+                        value,
+                        -most if is_movable(scene) else value,
+                        most if is_movable(scene) else value,
+                    )
+                )
+    return found
+
+
+def coefficients(scene: SystemScene, built: Built) -> list[Coefficient]:
+    """Of cable types; of bodies in lines, counted from each line's beginning; of free bodies, but
+    for the weights of those that stand on the floor or displace water by their hulls."""
+    found = Coefficients(scene)
+    found.add_types(scene, {cable.type for cable in scene.cables})
+    for row, (_node, body, line, item) in enumerate(built.tree.masses):
+        before = sum(other.body is not None for other in scene.lines[line].items[:item])
+        found.add_body(f"{line}.body[{before + 1}].", body, row)
+    drag, weight = FREE_BODY_PARAMETERS
+    rho, floor = scene.environment.water_density, scene.environment.floor
+    for index, (name, free) in enumerate(scene.bodies.items()):
+        for i, area in enumerate(free.drag_area if rho > 0.0 else ()):
+            word = at.FreeBody.drag.word + i
+            signal = drag.fmu.replace("NAME", name).replace("[i]", f"[{i + 1}]")
+            found.add(drag, signal, area, OF_FREE, word, index, 0.5 * rho)
+        if free.submerged_weight is not None and (floor is None or free.feet == ()):
+            signal, word = weight.fmu.replace("NAME", name), at.FreeBody.buoyancy.word
+            found.add(weight, signal, free.submerged_weight, OF_FREE, word, index, -1.0, None)
+    return found.rows
 
 
 def inputs(scene: SystemScene) -> list[Signal]:
@@ -134,7 +209,7 @@ def _descriptions(row: Variable, stations: int, count: int) -> Iterator[str]:
 def section(scene: SystemScene, built: Built, by: int) -> NDArray[np.int64]:
     """What the shared library needs to know of the parts, in the order of c/system.c."""
     names = list(scene.lines)
-    rows = [_row(signal) for signal in (*inputs(scene), *choices(scene, by))]
+    rows = [_row(signal) for signal in (*inputs(scene), *choices(scene, by), *starts(scene))]
     rows += [_row(Signal(name, 0, "", "", "", "", "", 0.0)) for name in (*names, *scene.bodies)]
     segments = [2 * names.index(part.line) + part.backward for part in built.tree.segments]
     return np.concatenate(
@@ -145,8 +220,9 @@ def section(scene: SystemScene, built: Built, by: int) -> NDArray[np.int64]:
 def _row(signal: Signal) -> NDArray[np.int64]:
     """Start, least, most, name."""
     assert signal.start is not None
-    most = _ALLOWED[signal.unit]
-    numbers = np.array([signal.start, -most, most], dtype="<f8")
+    most = _ALLOWED[signal.unit] if signal.maximum is None else signal.maximum
+    least = -most if signal.minimum is None else signal.minimum
+    numbers = np.array([signal.start, least, most], dtype="<f8")
     return np.concatenate([numbers.view("<i8"), np.frombuffer(name_words(signal.name), "<i8")])
 
 

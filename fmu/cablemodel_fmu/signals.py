@@ -13,11 +13,13 @@ from cablemodel.instance import tension_per_length
 from cablemodel.kernels import layout as at
 from cablemodel.kernels.layout import Header
 from cablemodel.scene.schema import longest_stretch
-from cablemodel.variables import INPUTS, Variable, outputs_of, parameter
+from cablemodel.variables import INPUTS, Parameter, Variable, outputs_of, parameter
 
 if TYPE_CHECKING:
     from cablemodel.block import Block
     from cablemodel.scene import Scene
+    from cablemodel.scene.common import CableScene
+    from cablemodel.scene.line import Body
     from cablemodel.systems.scene import SystemScene
 
     AnyBlock = Block | DirectBlock
@@ -50,8 +52,9 @@ _BODY = {
     "bodies.direction": at.Station.tangent.word,
 }
 
-# A coefficient of a cable type or of a body; the length of a cable of the line or on the drum.
-OF_CABLES, OF_BODY, OF_LINE, OF_DRUM = range(4)
+# A coefficient of a cable type, of a body in a line or of a free body; the length of a cable of the
+# line or on the drum.
+OF_CABLES, OF_BODY, OF_FREE, OF_LINE, OF_DRUM = range(5)
 
 LARGEST = {"m": 1e7, "m/s": 1e3}
 """Of inputs, by their unit, either way: FURTHEST and FASTEST in c/cable.h."""
@@ -303,18 +306,34 @@ def starts(inputs_at_start: list[float], *, movable: bool, level: bool = False) 
 
 def coefficients(scene: Scene, block: AnyBlock) -> list[Coefficient]:
     """Tunable coefficients of cable types and bodies."""
-    found: list[Coefficient] = []
-    word_of = _DIRECT_WORDS if isinstance(block, DirectBlock) else _WORDS
-    rho = scene.environment.water_density
+    found = Coefficients(scene, _DIRECT_WORDS if isinstance(block, DirectBlock) else _WORDS)
+    used = {cable.type for cable in scene.cables}
+    used |= {item.cable.type for item in scene.payout.drum if item.cable is not None}
+    found.add_types(scene, used)
+    items = [*scene.line, *scene.payout.drum]
+    for number, row in enumerate(body_rows(scene, block), start=1):
+        body = items[_items(block)[row]].body
+        assert body is not None
+        found.add_body(f"body[{number}].", body, row)
+    return found.rows
+
+
+class Coefficients:
+    """Tunable coefficients, with value references from VR_PARAMETER on."""
+
+    def __init__(self, scene: CableScene, words: dict[str, int] = _WORDS) -> None:
+        self.rows: list[Coefficient] = []
+        self._words = words
+        self._rho = scene.environment.water_density
 
     def add(
-        name: str, index_of: str, value: float, kind: int, word: int, index: int,
+        self, row: Parameter, name: str, value: float, kind: int, word: int, index: int,
         factor: float, least: float | None = 0.0,
     ) -> None:  # fmt: skip
-        row = parameter(name)
+        """One by its name."""
         signal = Signal(
-            index_of + name.split(".", 2 if kind == OF_CABLES else 1)[-1],
-            VR_PARAMETER + len(found),
+            name,
+            VR_PARAMETER + len(self.rows),
             "Real",
             "parameter",
             "tunable",
@@ -323,41 +342,52 @@ def coefficients(scene: Scene, block: AnyBlock) -> list[Coefficient]:
             value,
             least,
         )
-        found.append(Coefficient(signal, kind, word, index, factor))
+        self.rows.append(Coefficient(signal, kind, word, index, factor))
 
-    used = {cable.type for cable in scene.cables}
-    used |= {item.cable.type for item in scene.payout.drum if item.cable is not None}
-    for index, (name, kind) in enumerate(scene.cable_types.items()):
-        if name not in used:
-            continue
-        prefix = f"cable_types.{_identifier(name)}."
-        half = 0.5 * rho * kind.diameter
-        area = 0.25 * math.pi * kind.diameter**2
-        if rho > 0.0:
-            add("cable_types.K.drag_normal", prefix, kind.drag_normal,
-                OF_CABLES, word_of["drag_normal"], index, half)  # fmt: skip
-            add("cable_types.K.drag_tangential", prefix, kind.drag_tangential,
-                OF_CABLES, word_of["drag_tangential"], index, half * math.pi)  # fmt: skip
-            add("cable_types.K.added_mass", prefix, kind.added_mass,
-                OF_CABLES, word_of["added_mass"], index, rho * area)  # fmt: skip
-        add("cable_types.K.submerged_weight", prefix, kind.submerged_weight,
-            OF_CABLES, word_of["submerged_weight"], index, 1.0, None)  # fmt: skip
-    items = [*scene.line, *scene.payout.drum]
-    for number, row in enumerate(body_rows(scene, block), start=1):
-        prefix = f"body[{number}]."
-        body = items[_items(block)[row]].body
-        assert body is not None
-        if rho > 0.0 and body.drag_area > 0.0:
-            add("body[j].drag_coefficient", prefix, body.drag_coefficient,
-                OF_BODY, word_of["body.drag_coefficient"], row,
-                0.5 * rho * body.drag_area)  # fmt: skip
-        if rho > 0.0 and body.drag_area_axial > 0.0:
-            add("body[j].drag_coefficient_axial", prefix, body.drag_coefficient_axial,
-                OF_BODY, word_of["body.drag_coefficient_axial"], row,
-                0.5 * rho * body.drag_area_axial)  # fmt: skip
-        add("body[j].submerged_weight", prefix, body.submerged_weight,
-            OF_BODY, word_of["body.submerged_weight"], row, 1.0, None)  # fmt: skip
-    return found
+    def add_types(self, scene: CableScene, used: set[str]) -> None:
+        """Those of the cable types that are used."""
+        rho = self._rho
+        for index, (name, kind) in enumerate(scene.cable_types.items()):
+            if name not in used:
+                continue
+            half = 0.5 * rho * kind.diameter
+            factors = {
+                "drag_normal": half,
+                "drag_tangential": half * math.pi,
+                "added_mass": 0.25 * rho * math.pi * kind.diameter**2,
+            }
+            factors = {**(factors if rho > 0.0 else {}), "submerged_weight": 1.0}
+            for field, factor in factors.items():
+                self.add(
+                    parameter(f"cable_types.K.{field}"),
+                    f"cable_types.{_identifier(name)}.{field}",
+                    getattr(kind, field),
+                    OF_CABLES,
+                    self._words[field],
+                    index,
+                    factor,
+                    None if field == "submerged_weight" else 0.0,
+                )
+
+    def add_body(self, prefix: str, body: Body, index: int) -> None:
+        """Those of a body in a line, by its row of the body table."""
+        rho = self._rho
+        factors = {
+            "drag_coefficient": 0.5 * rho * body.drag_area,
+            "drag_coefficient_axial": 0.5 * rho * body.drag_area_axial,
+        }
+        factors = {**{k: x for k, x in factors.items() if x > 0.0}, "submerged_weight": 1.0}
+        for field, factor in factors.items():
+            self.add(
+                parameter(f"body[j].{field}"),
+                prefix + field,
+                getattr(body, field),
+                OF_BODY,
+                self._words[f"body.{field}"],
+                index,
+                factor,
+                None if field == "submerged_weight" else 0.0,
+            )
 
 
 def lengths(scene: Scene, first: int) -> list[Coefficient]:

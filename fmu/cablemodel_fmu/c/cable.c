@@ -41,6 +41,10 @@ void restart_cable(Cable *cable) {
     outputs_changed(cable);
 }
 
+static int is_parameter(const Cable *cable, unsigned vr) {
+    return vr >= VR_PARAMETER && vr < VR_PARAMETER + (unsigned)cable->parameter_count;
+}
+
 /* -- inputs ------------------------------------------------------------------------------------ */
 
 /* Which group a real variable's reference belongs to; 0: it is no input. */
@@ -386,10 +390,6 @@ static const double *errors(Cable *cable) {
     return cable->errors;
 }
 
-static int is_parameter(const Cable *cable, unsigned vr) {
-    return vr >= VR_PARAMETER && vr < VR_PARAMETER + (unsigned)cable->parameter_count;
-}
-
 static int is_start(const Cable *cable, unsigned vr) {
     return vr >= VR_START && vr < VR_START + VR_STARTS && !is_direct(initial_image(cable));
 }
@@ -398,21 +398,21 @@ static int is_start(const Cable *cable, unsigned vr) {
 const char *name_of(const Cable *cable, unsigned vr) {
     static const char *const inputs[VR_INPUTS] = INPUT_NAMES, *const starts[] = START_NAMES;
     if (vr == VR_INPUT_TIMING) return "input.timing";
+    if (is_parameter(cable, vr)) return cable->parameters[vr - VR_PARAMETER].name;
     if (cable->system != NULL) return name_in_system(cable, vr);
     if (vr == VR_VESSEL_INPUT) return "vessel.input";
     if (vr < VR_INPUTS) return inputs[vr];
-    if (is_start(cable, vr)) return starts[vr - VR_START];
-    return is_parameter(cable, vr) ? cable->parameters[vr - VR_PARAMETER].name : NULL;
+    return is_start(cable, vr) ? starts[vr - VR_START] : NULL;
 }
 
 const char *read_value(Cable *cable, unsigned vr, double *value) {
+    if (is_parameter(cable, vr)) {
+        *value = cable->values[vr - VR_PARAMETER];
+        return NULL;
+    }
     if (cable->system != NULL) return read_part(cable, vr, value);
     if (vr < VR_INPUTS) {
         *value = cable->now.input[vr];
-        return NULL;
-    }
-    if (is_parameter(cable, vr)) {
-        *value = cable->values[vr - VR_PARAMETER];
         return NULL;
     }
     if (is_start(cable, vr)) {
@@ -445,12 +445,26 @@ static void tune_edge(double *edge, const Parameter *p, double value) {
     if (p->word == WORD(Edge, added_mass)) AS(Edge, edge)->mass += edge[p->word] - before; /* in `mass` too */
 }
 
+static void tune_free_body(Cable *cable, const Parameter *p, double value) {
+    double *row = cable->M + header(cable->I)->free_bodies + p->index * FREE_WORDS;
+    const double weight = scalars(cable->M)->water_density * scalars(cable->M)->gravity;
+    row[p->word] = p->factor * value;
+    if (p->word != WORD(FreeBody, buoyancy)) return;
+    AS(FreeBody, row)->buoyancy += AS(FreeBody, row)->weight;
+    if (!(weight > 0.0)) return;
+    /* A ball that displaces as much: fill_bodies of cablemodel/systems/tables.py. */
+    const double volume = fmax(0.0, AS(FreeBody, row)->buoyancy) / weight;
+    AS(FreeBody, row)->radius = fmax(1e-3, pow(0.75 * volume / 3.14159265358979323846, 1.0 / 3.0));
+}
+
 /* Write a coefficient into the block. */
 static void tune(Cable *cable, const Parameter *p, double value) {
     double *M = cable->M;
     const int64_t *I = cable->I;
     if (is_direct(I)) {
         M[direct_word(I, p)] = p->factor * value;
+    } else if (p->kind == OF_FREE) {
+        tune_free_body(cable, p, value);
     } else if (p->kind == OF_BODY) {
         M[header(I)->bodies + p->index * BODY_WORDS + p->word] = p->factor * value;
     } else if (p->kind == OF_CABLES) {
@@ -499,7 +513,18 @@ static const char *check_start(Cable *cable, unsigned vr, double value) {
     return check_motion(cable, is_position, value);
 }
 
+static const char *check_parameter(Cable *cable, const Parameter *p, double value) {
+    if (p->kind >= OF_LINE && cable->now.phase == STEPPING)
+        return "a length is fixed: set it before the end of the initialization";
+    if (value >= p->minimum && value <= p->maximum) return NULL;
+    if (p->minimum == p->maximum)
+        return "this line's lengths are those of its given shape or floor: export the scene "
+               "with others";
+    return check_range(cable, value, p->minimum, p->maximum);
+}
+
 const char *check_value(Cable *cable, unsigned vr, double value) {
+    if (is_parameter(cable, vr)) return check_parameter(cable, &cable->parameters[vr - VR_PARAMETER], value);
     if (cable->system != NULL) {
         double minimum = 0.0, maximum = 0.0;
         const char *problem = check_part_value(cable, vr, value, &minimum, &maximum);
@@ -507,16 +532,6 @@ const char *check_value(Cable *cable, unsigned vr, double value) {
     }
     if (vr < VR_INPUTS) return check_motion(cable, inputs_of(vr) == POSITION_SET, value);
     if (is_start(cable, vr)) return check_start(cable, vr, value);
-    if (is_parameter(cable, vr)) {
-        const Parameter *p = &cable->parameters[vr - VR_PARAMETER];
-        if (p->kind >= OF_LINE && cable->now.phase == STEPPING)
-            return "a length is fixed: set it before the end of the initialization";
-        if (value >= p->minimum && value <= p->maximum) return NULL;
-        if (p->minimum == p->maximum)
-            return "this line's lengths are those of its given shape or floor: export the scene "
-                   "with others";
-        return check_range(cable, value, p->minimum, p->maximum);
-    }
     double ignored;
     return read_value(cable, vr, &ignored) == NULL ? "an output cannot be set"
                                                    : "unknown value reference";
@@ -524,8 +539,12 @@ const char *check_value(Cable *cable, unsigned vr, double value) {
 
 /* Of a value that check_value has passed. */
 void write_value(Cable *cable, unsigned vr, double value) {
-    if (cable->system != NULL) {
+    if (cable->system != NULL && !is_parameter(cable, vr)) {
         PartInput *input = part_input(cable, vr);
+        if (input == NULL) {
+            cable->now.unsettled |= set_system_start(cable, vr, value);
+            return;
+        }
         if (cable->now.phase == STEPPING || value != input->value) mark_set(cable, vr, 0);
         input->value = value;
         return;

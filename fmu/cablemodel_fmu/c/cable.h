@@ -21,8 +21,9 @@ enum {
     VR_SUMMARY = 1000,
     VR_STATION = 10000,
     VR_BODY = 20000000,
-    /* Of a system: inputs of its parts, what moves each vessel (Integers), outputs. */
-    VR_SYSTEM_INPUT = 100000000, VR_SYSTEM_CHOICE = 200000000, VR_SYSTEM_OUTPUT = 300000000
+    /* Of a system: inputs of its parts, what moves each vessel (Integers), outputs, starts. */
+    VR_SYSTEM_INPUT = 100000000, VR_SYSTEM_CHOICE = 200000000, VR_SYSTEM_OUTPUT = 300000000,
+    VR_SYSTEM_START = 400000000 /* VesselStart of each vessel */
 };
 enum { BY_VELOCITY = 1, BY_POSITION = 2, BY_BOTH = 3 };
 enum { AT_END = 1, AT_START = 2 }; /* of a step: when a value that is set holds */
@@ -45,14 +46,14 @@ enum {
 enum {
     FLAG_SCENE_INPUTS = 1, FLAG_STATIC = 2, FLAG_PINNED = 4, FLAG_ESTIMATE = 8,
     FLAG_IGNORE = 16, /* inputs, while use_scene_inputs is true */
-    FLAG_MOVABLE = 32, /* the tow point's start may be set */
+    FLAG_MOVABLE = 32, /* the start of the tow point, or of vessels, may be set */
     FLAG_AT_START = 64, /* input.timing begins as 2 */
     FLAG_VESSEL_INPUT_UNIT = 128, FLAG_VESSEL_INPUT = 3 * 128, /* what vessel.input begins as */
     FLAG_LEVEL = 512 /* the tow point's start may be moved along a level floor, and all that lies with it */
 };
 #define FILE_MAGIC INT64_C(0x554d46454c424143) /* "CABLEFMU" */
-#define STATE_MAGIC INT64_C(0x5441545346434243)
-#define FILE_FORMAT 3
+#define STATE_MAGIC INT64_C(0x5441545346434244)
+#define FILE_FORMAT 4
 #define LARGEST_COUNT (INT64_C(1) << 22) /* of anything in a block */
 #define LARGEST_FILE (INT64_C(1) << 33)  /* and of a block [bytes] */
 #define FURTHEST 1e7 /* of positions [m] */
@@ -63,13 +64,14 @@ enum {
 #define JUMP_SPEED 10.0 /* [m/s] */
 #define JUMP_RATE 1.0   /* [rad/s] */
 
-/* A tunable coefficient: word = factor * value in the edges of a cable type or in one body. Or a
+/* A tunable coefficient: word = factor * value in the edges of a cable type, in a body of a line or in a
+   free body, whose buoyancy is its weight in air and that. Or a
    length that is fixed at the start, of a cable of the line or on the drum: from the vessel outwards,
    and in the order in which they leave the drum. */
-enum { OF_CABLES, OF_BODY, OF_LINE, OF_DRUM };
+enum { OF_CABLES, OF_BODY, OF_FREE, OF_LINE, OF_DRUM };
 typedef struct {
     int64_t kind, word;
-    int64_t index; /* of the cable type, row of the body table, row of the cable table */
+    int64_t index; /* of the cable type, row of the table of bodies, free bodies or cables */
     double factor; /* of a length of the line: its part in the typical tension [N/m] */
     double start, minimum, maximum;
     double reach; /* of a length of the line: how far it can reach when stretched, in lengths */
@@ -84,6 +86,11 @@ typedef struct {
     double value, before, slope[3];
     int64_t set, driving;
 } PartInput;
+/* Where a vessel of a system begins, and how fast; its inputs begin with the same. */
+typedef struct {
+    double position[3], velocity[3], attitude[3];
+} VesselStart;
+enum { START_WORDS = sizeof(VesselStart) / 8 };
 typedef struct System System; /* system.c; NULL: a scene of one line */
 enum { WRENCH_WORDS = 6 };
 /* An input of a vessel's motion; by: what moved that in the last step, 0: the scene; went_on: it drove
@@ -120,7 +127,7 @@ typedef struct Cable {
     int64_t *I;    /* the block, as integers and as reals */
     double *M;
     const Parameter *parameters;
-    double *values; /* of the parameters, or what a system's inputs are */
+    double *values; /* of the parameters, then what a system's inputs and starts are */
     int64_t value_words;
     System *system;
     int64_t stations, bodies, parameter_count, image_words, block_words, flags;
@@ -148,6 +155,7 @@ int64_t cablemodel_step(void *block, int64_t words, double t_end, double *inputs
 int64_t cablemodel_equilibrium(void *block, int64_t words, double *frame, int64_t n);
 int64_t cablemodel_tension_from_stretch(void *block, int64_t words);
 int64_t cablemodel_refine_at_floor(void *block, int64_t words);
+int64_t cablemodel_halve_at_rest(void *block, int64_t words, int64_t node);
 int64_t cablemodel_stabilise(void *block, int64_t words);
 int64_t cablemodel_choose_bending(void *block, int64_t words);
 int64_t cablemodel_place_supports(void *block, int64_t words);
@@ -200,7 +208,7 @@ void free_system(System *system);
 int reserve_elements(Cable *cable, int64_t capacity);
 void restart_system(Cable *cable);
 void system_changed(System *system);
-const char *check_part_inputs(const Cable *cable, const void *values);
+const char *check_part_inputs(const Cable *cable, void *values);
 PartInput *part_input(const Cable *cable, unsigned vr);
 double *part_slope(const Cable *cable, unsigned vr);
 int64_t *part_choice(const Cable *cable, unsigned vr);
@@ -210,6 +218,11 @@ const char *read_part(Cable *cable, unsigned vr, double *value);
 const char *check_part_value(const Cable *cable, unsigned vr, double value, double *minimum,
                              double *maximum);
 void mark_part_set(Cable *cable, unsigned vr, int derivative);
+VesselStart *vessel_starts(const Cable *cable);
+VesselStart scene_start(const Cable *cable, int64_t vessel);
+int set_system_start(Cable *cable, unsigned vr, double value);
+void name_vessel(const Cable *cable, int64_t vessel, char *name, size_t size);
+int velocity_set(const Cable *cable, int64_t vessel);
 const char *ignored_part_input(Cable *cable, unsigned vr);
 const char *idle_winch(Cable *cable, int *inward);
 const char *first_jump_of_parts(Cable *cable, double dt);
@@ -275,7 +288,18 @@ const char *response_of(Cable *cable, const unsigned unknown[], size_t unknowns,
 
 /* lengths.c */
 int lengths_changed(const Cable *cable);
+const Parameter *first_changed(const Cable *cable);
+int differs(const double *a, const double *b);
+void forget_stabilisation(Cable *cable);
+void restore_bending(Cable *cable);
+void rest_here(Cable *cable);
+void count_from_zero(Cable *cable);
+double bend_at(const Cable *cable, int64_t node);
+double most_bent(const Cable *cable);
 const char *settle_cable(Cable *cable);
+
+/* system_start.c */
+const char *settle_system(Cable *cable);
 
 /* saved_state.c */
 size_t state_bytes(const Cable *cable);

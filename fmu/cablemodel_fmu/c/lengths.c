@@ -29,7 +29,7 @@ int lengths_changed(const Cable *cable) {
     return 0;
 }
 
-static int differs(const double *a, const double *b) {
+int differs(const double *a, const double *b) {
     return a[0] != b[0] || a[1] != b[1] || a[2] != b[2];
 }
 
@@ -265,7 +265,7 @@ static void measure_line(Cable *cable, double share) {
 }
 
 /* Every element as it was before a tension was known. */
-static void forget_stabilisation(Cable *cable) {
+void forget_stabilisation(Cable *cable) {
     const int64_t nodes = header(cable->I)->nodes, rows = header(cable->I)->cable_count;
     for (int64_t n = 1; n < nodes + rows; n++) {
         double *edge = n < nodes ? edge_of(cable, n) : row_of(cable, n - nodes) + WORD(CableRow, edge);
@@ -275,7 +275,7 @@ static void forget_stabilisation(Cable *cable) {
     }
 }
 
-static void rest_here(Cable *cable) {
+void rest_here(Cable *cable) {
     const int64_t *I = cable->I, words = header(I)->nodes * 2 * header(I)->dimension;
     memcpy(cable->M + header(I)->rest, cable->M + header(I)->position, sizeof(double) * (size_t)words);
 }
@@ -320,13 +320,25 @@ static int64_t solve_static(Cable *cable) {
     return status;
 }
 
+/* Every element as stiff in bending as it may be: it is chosen anew. */
+void restore_bending(Cable *cable) {
+    for (int64_t node = 1; node < header(cable->I)->nodes; node++)
+        AS(Edge, edge_of(cable, node))->bending = AS(Edge, edge_of(cable, node))->bending_full;
+}
+
+/* Counters, factorisation and history begin with a run. */
+void count_from_zero(Cable *cable) {
+    header(cable->I)->steps = header(cable->I)->rejected = 0;
+    header(cable->I)->factorisations = header(cable->I)->iterations = 0;
+    header(cable->I)->factored = header(cable->I)->has_history = 0;
+}
+
 /* The calls of find_initial_state and refine_touchdown in cablemodel/instance. */
 static int64_t find_initial_state(Cable *cable) {
     const int64_t words = cable->block_words;
     const int is_static = (cable->flags & FLAG_STATIC) != 0;
     int64_t status = OK;
-    for (int64_t node = 1; node < header(cable->I)->nodes; node++)
-        AS(Edge, edge_of(cable, node))->bending = AS(Edge, edge_of(cable, node))->bending_full;
+    restore_bending(cable);
     cablemodel_place_supports(cable->I, words);
     if (!is_static) rest_here(cable);
     if (is_static) status = solve_static(cable);
@@ -339,9 +351,7 @@ static int64_t find_initial_state(Cable *cable) {
         if (found == NOTHING) break;
         status = found == CHANGED ? solve_static(cable) : found;
     }
-    header(cable->I)->steps = header(cable->I)->rejected = 0;
-    header(cable->I)->factorisations = header(cable->I)->iterations = 0;
-    header(cable->I)->factored = header(cable->I)->has_history = 0;
+    count_from_zero(cable);
     return status;
 }
 
@@ -355,30 +365,39 @@ static double second(const Cable *cable, int64_t node, int64_t i, int end) {
                : (6.0 * chord - 4.0 * before - 2.0 * after) / h;
 }
 
-/* By how much a static shape bends, in what its elements can follow: by the rule by which
-   refined of cablemodel/instance/refinement.py would halve some of them. */
-static double most_bent(const Cable *cable) {
+/* By how much a static shape bends at an element, in what that can follow: by the rule by which refined
+   of cablemodel/instance/refinement.py, or of cablemodel/systems/places.py, would halve it. */
+double bend_at(const Cable *cable, int64_t node) {
     const int64_t *I = cable->I, *joint = I + header(I)->joint, nodes = header(I)->nodes;
-    double most = 0.0;
-    const double allowed = BENT * scalars(cable->M)->tolerance * scalars(cable->M)->length;
-    int64_t last = nodes - 1;
-    while (last > 1 && joint[last] != JOINT_NONE) last--;
-    for (int64_t node = 1; node < nodes; node++) {
-        if (joint[node] != JOINT_NONE) continue;
-        const double h = AS(Edge, edge_of(cable, node))->length;
-        double inside = 0.0, before = 0.0, after = 0.0;
-        for (int64_t i = 0; i < header(I)->dimension; i++) {
-            const double start = second(cable, node, i, 0), end = second(cable, node, i, 1);
-            inside += (end - start) * (end - start);
-            if (node > 1 && joint[node - 1] == JOINT_NONE)
-                before += pow(start - second(cable, node - 1, i, 1), 2.0);
-            if (node + 1 < nodes && joint[node + 1] == JOINT_NONE)
-                after += pow(second(cable, node + 1, i, 0) - end, 2.0);
-        }
-        double jump = fmax(sqrt(before), sqrt(after));
-        if (node == 1 || node == last) jump = fmax(jump, 0.25 * sqrt(inside));
-        most = fmax(most, h * h * jump / allowed);
+    const double *edge = edge_of(cable, node), h = AS(Edge, edge)->length;
+    const int above = node > 1 && joint[node - 1] == JOINT_NONE;
+    const int below = node + 1 < nodes && joint[node + 1] == JOINT_NONE;
+    double inside = 0.0, before = 0.0, after = 0.0, length = scalars(cable->M)->length;
+    int at_end = !above || !below;
+    for (int64_t i = 0; i < header(I)->dimension; i++) {
+        const double start = second(cable, node, i, 0), end = second(cable, node, i, 1);
+        inside += (end - start) * (end - start);
+        if (above) before += pow(start - second(cable, node - 1, i, 1), 2.0);
+        if (below) after += pow(second(cable, node + 1, i, 0) - end, 2.0);
     }
+    if (is_system(I)) {
+        length = AS(CableRow, row_of(cable, (int64_t)AS(Edge, edge)->segment))->line;
+    } else {
+        int64_t last = nodes - 1;
+        while (last > 1 && joint[last] != JOINT_NONE) last--;
+        at_end = node == 1 || node == last;
+    }
+    double jump = fmax(sqrt(before), sqrt(after));
+    if (at_end) jump = fmax(jump, 0.25 * sqrt(inside));
+    return h * h * jump / (BENT * scalars(cable->M)->tolerance * length);
+}
+
+/* The most of that. */
+double most_bent(const Cable *cable) {
+    const int64_t *joint = cable->I + header(cable->I)->joint;
+    double most = 0.0;
+    for (int64_t node = 1; node < header(cable->I)->nodes; node++)
+        if (joint[node] == JOINT_NONE) most = fmax(most, bend_at(cable, node));
     return most;
 }
 
@@ -407,7 +426,7 @@ static int moves_at_its_anchor(const Cable *cable) {
            (velocity[0] != 0.0 || velocity[1] != 0.0 || velocity[2] != 0.0);
 }
 
-static const Parameter *first_changed(const Cable *cable) {
+const Parameter *first_changed(const Cable *cable) {
     for (int64_t n = 0; n < cable->parameter_count; n++)
         if (cable->values[n] != cable->parameters[n].start) return &cable->parameters[n];
     return NULL;
@@ -502,12 +521,16 @@ static const char *settle(Cable *cable) {
     return "no static equilibrium was found for these lengths, coefficients and start";
 }
 
+static const char *find_start(Cable *cable) {
+    return cable->system != NULL ? settle_system(cable) : settle(cable);
+}
+
 /* The finer run at the same values; one that has no start there is left behind. */
 static void settle_finer(Cable *cable) {
     Cable *finer = cable->finer;
-    memcpy(finer->values, cable->values, sizeof(double) * (size_t)cable->parameter_count);
+    memcpy(finer->values, cable->values, 8 * (size_t)cable->value_words);
     memcpy(finer->now.start, cable->now.start, sizeof finer->now.start);
-    if (settle(finer) == NULL) return;
+    if (find_start(finer) == NULL) return;
     restore_exported(finer);
     scalars(finer->M)->time = scalars(cable->M)->time - 1.0;
 }
@@ -516,7 +539,7 @@ static void settle_finer(Cable *cable) {
 const char *settle_cable(Cable *cable) {
     if (!cable->now.unsettled) return NULL;
     outputs_changed(cable);
-    const char *problem = settle(cable);
+    const char *problem = find_start(cable);
     cable->now.unsettled = problem != NULL;
     if (problem == NULL && cable->finer != NULL) settle_finer(cable);
     return problem;

@@ -232,7 +232,7 @@ static const char *check_parameters(const Cable *cable, const int64_t *I) {
             p->minimum <= p->start && p->start <= p->maximum)
             continue;
         if (is_direct(I)) return "a parameter is out of range";
-        const int64_t rows[] = {INT64_MAX, header(I)->body_count, header(I)->cable_count, header(I)->cable_count};
+        const int64_t rows[] = {INT64_MAX, header(I)->body_count, header(I)->free_count, header(I)->cable_count, header(I)->cable_count};
         if (!within(p->kind, OF_CABLES, OF_DRUM) || !(fabs(p->factor) < 1e300) ||
             !within(p->index, 0, rows[p->kind] - 1) || !(fabs(p->reach) < 1e300) ||
             !(p->minimum <= p->start && p->start <= p->maximum))
@@ -244,7 +244,9 @@ static const char *check_parameters(const Cable *cable, const int64_t *I) {
         }
         /* What is no coefficient, such as a length or an index, must stay out of reach. */
         const int coefficient =
-            p->kind == OF_BODY
+            p->kind == OF_FREE
+                ? p->word == WORD(FreeBody, buoyancy) || within(p->word, WORD(FreeBody, drag), WORD(FreeBody, drag) + 2)
+            : p->kind == OF_BODY
                 ? p->word == WORD(Body, drag) || p->word == WORD(Body, drag_axial) || p->word == WORD(Body, weight)
                 : p->word == WORD(Edge, drag_normal) || p->word == WORD(Edge, drag_tangential) || p->word == WORD(Edge, weight) ||
                       p->word == WORD(Edge, added_mass);
@@ -291,11 +293,13 @@ static const char *check_file(Cable *cable, int64_t count, const char *guid) {
     const char *problem = check_block(image, cable->image_words, cable->block_words);
     if (problem != NULL) return problem;
     cable->value_words = cable->parameter_count;
+    problem = check_parameters(cable, image);
+    if (problem != NULL) return problem;
     if (is_system(image) != (file[F_SYSTEM_WORDS] > 0)) return "the sizes do not agree";
     if (is_system(image))
         return load_system(cable, image - file[F_SYSTEM_WORDS], file[F_SYSTEM_WORDS], image);
     cable->bodies = is_direct(image) ? own_header(image)->body_count : header(image)->body_count;
-    return check_parameters(cable, image);
+    return NULL;
 }
 
 static const char *load_block(Cable *cable, const char *resource_location, const char *name,

@@ -145,7 +145,7 @@ const char *check_state(const Cable *cable, const void *from, size_t bytes) {
     for (int64_t n = 0; n < cable->parameter_count; n++)
         if (!(values[n] >= cable->parameters[n].minimum && values[n] <= cable->parameters[n].maximum))
             return "the state is corrupted";
-    if (cable->system != NULL && check_part_inputs(cable, values) != NULL)
+    if (cable->system != NULL && check_part_inputs(cable, (void *)values) != NULL)
         return "the state is corrupted";
     const int64_t *image = images_in(cable, from);
     int64_t left = (int64_t)((bytes - before) / 8);

@@ -1,7 +1,7 @@
 /* A system behind the FMI functions: inputs and outputs of its lines, bodies, vessels and cuts.
 
    A model file has a section of it: how many lines there are; a row of each input, of what moves each
-   vessel, of each line and of each body; and of each row of the cable table, 2 times its line, and 1
+   vessel, of each number of a vessel's start, of each line and of each body; and of each row of the cable table, 2 times its line, and 1
    where the tree goes backward along it (cablemodel/systems/built.py). Inputs are in the order of
    the block's tables: 12 words of each vessel, 6 of each body, 1 of each foil and of each cut. */
 #include <math.h>
@@ -19,7 +19,8 @@ enum { GIVEN_ALL = GIVEN_POSITION | GIVEN_VELOCITY | GIVEN_ATTITUDE | GIVEN_RATE
 enum { LINE_OUTPUTS = 9, STATION_OUTPUTS = 5, BODY_OUTPUTS = 12, VESSEL_OUTPUTS = 18, WINCH_OUTPUTS = 3 };
 enum { LINE_ERRORS = 2, BODY_ERRORS = 1 }; /* the last ones, where errors are estimated */
 
-/* Of an input: its start, and what is allowed. Of all: the name, ended by zeros. */
+/* Of an input, or of a vessel's start: its start, and what is allowed. Of all: the name, ended by
+   zeros. */
 typedef struct {
     double start, minimum, maximum;
     char name[96];
@@ -37,6 +38,7 @@ typedef struct {
 } Element;
 
 struct System {
+    int64_t parameters; /* of the model: their values come first */
     int64_t lines, inputs, vessels, bodies, foils, winches, cuts, outputs;
     const Row *rows;
     const int64_t *segments;
@@ -125,8 +127,13 @@ const char *check_parts(const int64_t *I) {
     return NULL;
 }
 
+/* Rows of what moves vessels, of their starts, of lines, of bodies. */
+static int64_t first_start(const System *s) { return s->inputs + s->vessels; }
+static int64_t first_line(const System *s) { return first_start(s) + START_WORDS * s->vessels; }
+static int64_t named_rows(const System *s) { return first_line(s) + s->lines + s->bodies; }
+
 static const char *check_section(const System *s, int64_t segments) {
-    const int64_t named = s->inputs + s->vessels + s->lines + s->bodies;
+    const int64_t named = named_rows(s);
     for (int64_t n = 0; n < named; n++) {
         const Row *row = s->rows + n;
         if (row->name[sizeof row->name - 1] != 0) return "a part's name is too long";
@@ -150,6 +157,7 @@ static const char *check_section(const System *s, int64_t segments) {
 const char *load_system(Cable *cable, const int64_t *section, int64_t words, const int64_t *I) {
     System *s = cable->system = calloc(1, sizeof *s);
     if (s == NULL) return "out of memory";
+    s->parameters = cable->parameter_count;
     s->lines = section[0];
     s->vessels = header(I)->frame_count;
     s->bodies = header(I)->free_count;
@@ -158,15 +166,15 @@ const char *load_system(Cable *cable, const int64_t *section, int64_t words, con
     s->cuts = header(I)->cut_count;
     s->inputs = OF_VESSEL * s->vessels + OF_FREE_BODY * s->bodies + s->foils + s->winches + s->cuts;
     s->rows = (const Row *)(section + 1);
-    const int64_t named = s->inputs + s->vessels + s->lines + s->bodies;
+    const int64_t named = named_rows(s);
     if (!within(s->lines, 1, header(I)->cable_count) || words != 1 + ROW_WORDS * named + header(I)->cable_count)
         return "the sizes do not agree";
     s->segments = section + 1 + ROW_WORDS * named;
     const char *problem = check_section(s, header(I)->cable_count);
     if (problem != NULL) return problem;
     s->applied = s->vessels * FRAME_INPUTS + s->bodies * OF_FREE_BODY + s->foils + 2 * s->winches + s->cuts;
-    cable->value_words = s->inputs * (int64_t)(sizeof(PartInput) / 8) +
-                         s->vessels * (int64_t)(sizeof(Choice) / 8) + s->applied;
+    cable->value_words = s->parameters + s->inputs * (int64_t)(sizeof(PartInput) / 8) +
+                         s->vessels * (int64_t)(sizeof(Choice) / 8) + START_WORDS * s->vessels + s->applied;
     s->outputs = s->lines * (LINE_OUTPUTS + STATION_OUTPUTS * cable->stations) +
                  s->bodies * BODY_OUTPUTS + s->vessels * VESSEL_OUTPUTS +
                  s->winches * WINCH_OUTPUTS + s->cuts;
@@ -219,18 +227,22 @@ void free_system(System *s) {
 /* -- inputs -------------------------------------------------------------------------------------- */
 
 static PartInput *inputs_in(const System *s, void *values, int64_t n) {
-    return within(n, 0, s->inputs - 1) ? (PartInput *)values + n : NULL;
+    return within(n, 0, s->inputs - 1) ? (PartInput *)((double *)values + s->parameters) + n : NULL;
 }
 
 static Choice *choices_in(const System *s, void *values) {
-    return (Choice *)((PartInput *)values + s->inputs);
+    return (Choice *)((PartInput *)((double *)values + s->parameters) + s->inputs);
+}
+
+static VesselStart *starts_in(const System *s, void *values) {
+    return (VesselStart *)(choices_in(s, values) + s->vessels);
 }
 
 /* What the kernels were given in the last step: FRAME_INPUTS words of each vessel, force and torque on
    each body, deflections (NaN: not given), of each winch whether its rate is given, and that, cuts
    that were ordered. cablemodel_fmu/recording.py reads it. */
 static double *applied_in(const System *s, void *values) {
-    return (double *)(choices_in(s, values) + s->vessels);
+    return (double *)(starts_in(s, values) + s->vessels);
 }
 
 /* By a value reference; NULL: it is none. */
@@ -265,22 +277,74 @@ void choose_for_part(Cable *cable, unsigned vr, int64_t value) {
     found->by = value;
 }
 
+/* -- starts of vessels --------------------------------------------------------------------------- */
+
+VesselStart *vessel_starts(const Cable *cable) { return starts_in(cable->system, cable->values); }
+
+/* One number of them, by its value reference; NULL: it is none. */
+static double *start_number(const Cable *cable, unsigned vr) {
+    const int64_t n = (int64_t)vr - VR_SYSTEM_START;
+    if (!within(n, 0, START_WORDS * cable->system->vessels - 1)) return NULL;
+    return (double *)vessel_starts(cable) + n;
+}
+
+VesselStart scene_start(const Cable *cable, int64_t vessel) {
+    VesselStart found;
+    const Row *rows = cable->system->rows + first_start(cable->system) + START_WORDS * vessel;
+    for (int64_t n = 0; n < START_WORDS; n++) ((double *)&found)[n] = rows[n].start;
+    return found;
+}
+
+/* Whether a vessel begins at another velocity than the scene's: then it leaves the scene's schedule,
+   and goes straight on until something drives it. */
+int velocity_set(const Cable *cable, int64_t vessel) {
+    const VesselStart scene = scene_start(cable, vessel);
+    return differs(vessel_starts(cable)[vessel].velocity, scene.velocity);
+}
+
+void name_vessel(const Cable *cable, int64_t vessel, char *name, size_t size) {
+    const char *variable = cable->system->rows[cable->system->inputs + vessel].name; /* NAME.input */
+    size_t length = strlen(variable);
+    while (length > 0 && variable[length] != '.') length--;
+    snprintf(name, size, "%.*s", (int)length, variable);
+}
+
+/* Of a value that is allowed; whether it is another one than before. Until an input of the vessel is set,
+   it is what it is at the start. */
+int set_system_start(Cable *cable, unsigned vr, double value) {
+    static const int64_t groups[] = {AT_POSITION, AT_VELOCITY, AT_ATTITUDE};
+    double *number = start_number(cable, vr);
+    const int64_t n = (int64_t)vr - VR_SYSTEM_START, of_vessel = n % START_WORDS;
+    if (*number == value) return 0;
+    *number = value;
+    const int64_t place = OF_VESSEL * (n / START_WORDS) + groups[of_vessel / 3] + of_vessel % 3;
+    PartInput *input = inputs_in(cable->system, cable->values, place);
+    if (!input->set) input->value = value;
+    const int64_t first_rate = OF_VESSEL * (n / START_WORDS) + AT_RATE;
+    for (int64_t rate = first_rate; rate < first_rate + 3; rate++) {
+        input = inputs_in(cable->system, cable->values, rate);
+        if (!input->set) input->value = velocity_set(cable, n / START_WORDS) ? 0.0 : cable->system->rows[rate].start;
+    }
+    return 1;
+}
+
 void restart_system(Cable *cable) {
     System *s = cable->system;
-    memset(cable->values, 0, 8 * (size_t)cable->value_words);
+    memset(cable->values + s->parameters, 0, 8 * (size_t)(cable->value_words - s->parameters));
     memset(s->told, 0, (size_t)s->inputs);
     for (int64_t n = 0; n < s->inputs; n++)
         inputs_in(s, cable->values, n)->value = s->rows[n].start;
     for (int64_t n = 0; n < s->vessels; n++)
         choices_in(s, cable->values)[n].by = (int64_t)s->rows[s->inputs + n].start;
+    for (int64_t n = 0; n < s->vessels; n++) starts_in(s, cable->values)[n] = scene_start(cable, n);
     s->current = 0;
 }
 
 /* Of a state that comes from elsewhere. */
-const char *check_part_inputs(const Cable *cable, const void *values) {
+const char *check_part_inputs(const Cable *cable, void *values) {
     const System *s = cable->system;
     for (int64_t n = 0; n < s->inputs; n++) {
-        const PartInput *input = (const PartInput *)values + n;
+        const PartInput *input = inputs_in(s, values, n);
         const Row *row = s->rows + n;
         if (!(input->value >= row->minimum && input->value <= row->maximum) ||
             !(fabs(input->before) < 1e100) || !(fabs(input->slope[0]) < 1e100) ||
@@ -288,8 +352,12 @@ const char *check_part_inputs(const Cable *cable, const void *values) {
             !within(input->set, 0, SET_EVER | SET_IN_RUN) || !within(input->driving, 0, DROVE | WENT_ON))
             return "an input is out of range";
     }
-    const Choice *choices = (const Choice *)((const PartInput *)values + s->inputs);
-    const double *applied = (const double *)(choices + s->vessels);
+    const Choice *choices = choices_in(s, values);
+    const double *starts = (const double *)starts_in(s, values), *applied = applied_in(s, values);
+    for (int64_t n = 0; n < START_WORDS * s->vessels; n++) {
+        const Row *row = s->rows + first_start(s) + n;
+        if (!(starts[n] >= row->minimum && starts[n] <= row->maximum)) return "a start is out of range";
+    }
     for (int64_t n = 0; n < s->vessels; n++)
         if (!within(choices[n].by, BY_VELOCITY, BY_BOTH) || !within(choices[n].given, 0, 1) ||
             !whole((AS(const FrameInput, applied) + n)->given, 0, GIVEN_ALL))
@@ -297,22 +365,31 @@ const char *check_part_inputs(const Cable *cable, const void *values) {
     return NULL;
 }
 
-/* Of an input, or of what moves a vessel; NULL of what else there is, or is not. */
+/* Of an input, of what moves a vessel, or of its start; NULL of what else there is, or is not. */
 const char *name_in_system(const Cable *cable, unsigned vr) {
     const System *s = cable->system;
+    if (start_number(cable, vr) != NULL) return s->rows[first_start(s) + (vr - VR_SYSTEM_START)].name;
     if (part_input(cable, vr) != NULL) return s->rows[vr - VR_SYSTEM_INPUT].name;
     return choice(cable, vr) != NULL ? s->rows[s->inputs + (vr - VR_SYSTEM_CHOICE)].name : NULL;
 }
 
 const char *check_part_value(const Cable *cable, unsigned vr, double value, double *minimum,
                              double *maximum) {
-    if (part_input(cable, vr) == NULL) {
+    const Row *row = cable->system->rows;
+    if (start_number(cable, vr) != NULL) {
+        row += first_start(cable->system) + (vr - VR_SYSTEM_START);
+        if (cable->now.phase == STEPPING)
+            return "a start is fixed: set it before the end of the initialization";
+        if (!(cable->flags & FLAG_MOVABLE) && value != row->start)
+            return "friction holds bodies on the sea floor at this start: export the scene with another";
+    } else if (part_input(cable, vr) == NULL) {
         const int known = vr >= VR_SYSTEM_OUTPUT && vr - VR_SYSTEM_OUTPUT < cable->system->outputs;
         return known ? "an output cannot be set" : "unknown value reference";
     }
+    if (part_input(cable, vr) != NULL) row += vr - VR_SYSTEM_INPUT;
     if (!(fabs(value) < 1e100)) return "the value is not finite";
-    *minimum = cable->system->rows[vr - VR_SYSTEM_INPUT].minimum;
-    *maximum = cable->system->rows[vr - VR_SYSTEM_INPUT].maximum;
+    *minimum = row->minimum;
+    *maximum = row->maximum;
     return NULL;
 }
 
@@ -429,6 +506,13 @@ static int collect_motion(const Cable *cable, int64_t vessel, double dt, FrameIn
                             : at_end(cable, first + group + i, dt);
         }
     }
+    if (velocity_set(cable, vessel)) { /* nothing else drives it: it goes straight on */
+        if (!(given & (GIVEN_POSITION | GIVEN_VELOCITY))) {
+            given |= GIVEN_VELOCITY;
+            memcpy(motion->velocity, vessel_starts(cable)[vessel].velocity, sizeof motion->velocity);
+        }
+        if (!(given & (GIVEN_ATTITUDE | GIVEN_RATE))) given |= GIVEN_RATE;
+    }
     motion->given = (double)given;
     return given != 0;
 }
@@ -440,25 +524,28 @@ const char *first_jump_of_parts(Cable *cable, double dt) {
     look_at_frames(cable);
     for (int64_t n = 0; n < s->vessels; n++) {
         const int64_t first = OF_VESSEL * n;
-        double start[OF_VESSEL];
-        for (int64_t i = 0; i < OF_VESSEL; i++) start[i] = s->rows[first + i].start;
+        const VesselStart *start = vessel_starts(cable) + n;
+        double rate[3] = {0};
+        for (int64_t i = 0; i < 3 && !velocity_set(cable, n); i++) rate[i] = s->rows[first + AT_RATE + i].start;
         memset(motion, 0, sizeof *motion);
         collect_motion(cable, n, dt, motion);
         const int64_t given = (int64_t)motion->given;
         const double way = given & GIVEN_POSITION
-                               ? distance_from(start + AT_POSITION, start + AT_VELOCITY, motion->position, dt)
+                               ? distance_from(start->position, start->velocity, motion->position, dt)
                                : 0.0;
         const double turn = given & GIVEN_ATTITUDE
-                                ? distance_from(start + AT_ATTITUDE, start + AT_RATE, motion->attitude, dt)
+                                ? distance_from(start->attitude, rate, motion->attitude, dt)
                                 : 0.0;
         const int far = way > JUMP_SPEED * dt;
         if (!far && !(turn > JUMP_RATE * dt)) continue;
-        const double *from = start + (far ? AT_POSITION : AT_ATTITUDE);
+        const double *from = far ? start->position : start->attitude;
+        char name[96];
+        name_vessel(cable, n, name, sizeof name);
         snprintf(cable->message, sizeof cable->message,
-                 "%s draws it by %g %s in the first step, of %g s: it begins at (%g, %g, %g); export the "
-                 "scene with another start",
+                 "%s draws it by %g %s in the first step, of %g s: it begins at (%g, %g, %g); set "
+                 "%s.start_%s",
                  s->rows[first + (far ? AT_POSITION : AT_ATTITUDE)].name, far ? way : turn,
-                 far ? "m" : "rad", dt, from[0], from[1], from[2]);
+                 far ? "m" : "rad", dt, from[0], from[1], from[2], name, far ? "position" : "attitude");
         return cable->message;
     }
     return NULL;
@@ -834,8 +921,15 @@ const char *read_part(Cable *cable, unsigned vr, double *value) {
         *value = input->value;
         return NULL;
     }
+    const double *start = start_number(cable, vr);
+    if (start != NULL) {
+        *value = *start;
+        return NULL;
+    }
     if (vr < VR_SYSTEM_OUTPUT || vr - VR_SYSTEM_OUTPUT >= cable->system->outputs)
         return "unknown value reference";
+    const char *problem = settle_cable(cable);
+    if (problem != NULL) return problem;
     *value = outputs(cable)[vr - VR_SYSTEM_OUTPUT];
     return NULL;
 }
@@ -876,9 +970,10 @@ int motion_of(const Cable *cable, unsigned vr, MotionInput *found) {
     found->turning = group == AT_ATTITUDE || group == AT_RATE;
     found->is_position = group == AT_POSITION || group == AT_ATTITUDE;
     found->went_on = (inputs_in(s, cable->values, n)->driving & WENT_ON) != 0;
-    const int64_t given = (int64_t)applied_in(s, cable->values)[FRAME_INPUTS * found->vessel];
-    const int64_t own = given / (found->turning ? GIVEN_RATE : GIVEN_VELOCITY) & (GIVEN_VELOCITY | GIVEN_POSITION);
-    found->by = own == GIVEN_VELOCITY ? BY_VELOCITY : own == GIVEN_POSITION ? BY_POSITION : own == 0 ? 0 : BY_BOTH;
+    const PartInput *own = inputs_in(s, cable->values, OF_VESSEL * found->vessel);
+    const int by_place = own[found->turning ? AT_ATTITUDE : AT_POSITION].driving & DROVE;
+    const int by_rate = own[found->turning ? AT_RATE : AT_VELOCITY].driving & DROVE;
+    found->by = by_place && by_rate ? BY_BOTH : by_place ? BY_POSITION : by_rate ? BY_VELOCITY : 0;
     return 1;
 }
 
@@ -889,7 +984,7 @@ void explain_in_system(const Cable *cable, const char *problem, const char *advi
     const int64_t *I = cable->I, *joint = I + header(I)->joint;
     const int64_t last = header(I)->nodes - 1, failed = I[header(I)->failed];
     const int64_t node = failed < last ? failed : last;
-    const Row *lines = s->rows + s->inputs + s->vessels, *bodies = lines + s->lines;
+    const Row *lines = s->rows + first_line(s), *bodies = lines + s->lines;
     for (int64_t n = 0; n < s->bodies; n++)
         if (cable->M[header(I)->free_bodies + n * FREE_WORDS + WORD(FreeBody, node)] == (double)node) {
             snprintf(message, size, "at t = %g s, %s: %s; %s", cable_time(cable), bodies[n].name,

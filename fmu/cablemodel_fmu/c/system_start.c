@@ -1,0 +1,580 @@
+/* Starts of a system's vessels, and coefficients, set before the run, and the state that belongs to
+   them.
+
+   What cablemodel/systems/build.py makes of a scene's vessels is made of other ones here, on the
+   exported elements: vessels go from where the scene has them to where they are wanted, in one part or
+   in several, lines and bodies follow, and each time the kernels find the equilibrium. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cable.h"
+
+#define SMALLEST_PART (1.0 / 64.0) /* of the way, where larger ones fail */
+#define ROUNDING 4e-16             /* of the numbers of a difference that is made twice */
+#define SAME_VELOCITY 1e-9         /* as steady_velocity of cablemodel/systems/lines.py */
+
+static double *node_of(const Cable *cable, int64_t array, int64_t node) {
+    return cable->M + cable->I[array] + 6 * node;
+}
+#define POSITION_OF(cable, node) node_of(cable, WORD(Header, position), node)
+
+static Frame *frame_of(const Cable *cable, int64_t n) {
+    return AS(Frame, cable->M + header(cable->I)->frames + n * FRAME_WORDS);
+}
+
+static Constraint *constraint_of(const Cable *cable, int64_t n) {
+    return AS(Constraint, cable->M + header(cable->I)->constraints + n * CONSTRAINT_WORDS);
+}
+
+static double norm(const double *vector) {
+    return sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2]);
+}
+
+/* -- what is asked for ---------------------------------------------------------------------------- */
+
+/* Whether a line ends at a vessel. */
+static int is_used(const Cable *cable, int64_t vessel) {
+    for (int64_t n = 0; n < header(cable->I)->constraint_count; n++) {
+        const Constraint *row = constraint_of(cable, n);
+        if (row->kind == (double)HELD_BY_FRAME && row->frame == (double)vessel) return 1;
+    }
+    return 0;
+}
+
+static int is_anchored(const Cable *cable) {
+    for (int64_t n = 0; n < header(cable->I)->constraint_count; n++)
+        if (constraint_of(cable, n)->kind == (double)HELD_BY_ANCHOR) return 1;
+    return 0;
+}
+
+static int is_changed(const Cable *cable, int64_t vessel) {
+    const VesselStart scene = scene_start(cable, vessel);
+    return memcmp(&scene, vessel_starts(cable) + vessel, sizeof scene) != 0;
+}
+
+/* The first vessel at which a line ends, or -1. */
+static int64_t first_used(const Cable *cable) {
+    for (int64_t n = 0; n < header(cable->I)->frame_count; n++)
+        if (is_used(cable, n)) return n;
+    return -1;
+}
+
+/* Why there is no steady state at these starts, as the scene would say; NULL: there may be one. */
+static const char *unsteady(Cable *cable) {
+    const int64_t first = first_used(cable);
+    const VesselStart *starts = vessel_starts(cable);
+    char name[96], other[96];
+    if (first < 0) return NULL;
+    name_vessel(cable, first, name, sizeof name);
+    for (int64_t n = first + 1; n < header(cable->I)->frame_count; n++) {
+        if (!is_used(cable, n)) continue;
+        double off[3];
+        for (int i = 0; i < 3; i++) off[i] = starts[n].velocity[i] - starts[first].velocity[i];
+        if (!(norm(off) > SAME_VELOCITY * (1.0 + norm(starts[n].velocity)))) continue;
+        name_vessel(cable, n, other, sizeof other);
+        snprintf(cable->message, sizeof cable->message,
+                 "%s.start_velocity is not that of %s: there is no steady state", other, name);
+        return cable->message;
+    }
+    if (is_anchored(cable) && norm(starts[first].velocity) != 0.0) {
+        snprintf(cable->message, sizeof cable->message,
+                 "anchored, there is no steady state: %s.start_velocity must be 0", name);
+        return cable->message;
+    }
+    return NULL;
+}
+
+/* Whether all vessels at which lines end are moved alike along level water that is the same
+   everywhere, and what hangs there moves along as it is. */
+static int moves_as_a_whole(const Cable *cable, double way[3]) {
+    const int64_t *I = cable->I, first = first_used(cable);
+    const double *plane = scalars(cable->M)->floor_plane;
+    if (is_anchored(cable) || header(I)->wave_count != 0 || header(I)->floor_kind == FLOOR_TABLE) return 0;
+    if (header(I)->floor_kind == FLOOR_PLANE && (plane[1] != 0.0 || plane[2] != 0.0)) return 0;
+    for (int64_t n = first; n < header(I)->frame_count; n++) {
+        if (!is_used(cable, n)) continue;
+        const VesselStart scene = scene_start(cable, n), *start = vessel_starts(cable) + n;
+        if (n == first)
+            for (int i = 0; i < 3; i++) way[i] = start->position[i] - scene.position[i];
+        for (int i = 0; i < 3; i++) {
+            const double off = start->position[i] - scene.position[i] - way[i];
+            if (fabs(off) > ROUNDING * (fabs(start->position[i]) + fabs(scene.position[i]) + fabs(way[i]))) return 0;
+        }
+        if (way[2] != 0.0 || differs(start->velocity, scene.velocity) ||
+            differs(start->attitude, scene.attitude))
+            return 0;
+    }
+    return 1;
+}
+
+/* -- on the way ------------------------------------------------------------------------------------ */
+
+/* Angles go the shorter way. */
+static double turn_to(double to, double from) {
+    return remainder(to - from, 2.0 * 3.14159265358979323846);
+}
+
+/* How the water flows at the start, the mean over the depths of the current's table. */
+static void mean_current(const Cable *cable, double out[3]) {
+    const int64_t *I = cable->I, depths = header(I)->depth_count;
+    memset(out, 0, 3 * sizeof *out);
+    if (header(I)->current_kind == 0) return;
+    for (int64_t k = 0; k < depths; k++)
+        for (int i = 0; i < 3; i++) out[i] += cable->M[header(I)->current + 3 * k + i] / (double)depths;
+}
+
+/* What a way from the scene's start to the one that was set is like. */
+typedef struct {
+    double current[3], from[3], to[3]; /* velocities of the water and of the vessels */
+    double turn; /* by which the system turns about the vertical, as a first guess [rad] */
+    int by_angle; /* the vessels' velocity through the water turns with it */
+} Way;
+
+static Way way_of(const Cable *cable) {
+    Way way = {0};
+    const int64_t first = first_used(cable);
+    if (first < 0) { /* only coefficients are other ones */
+        memcpy(way.from, cable->file + F_FRAME, sizeof way.from);
+        memcpy(way.to, way.from, sizeof way.to);
+        return way;
+    }
+    const VesselStart scene = scene_start(cable, first), *start = vessel_starts(cable) + first;
+    mean_current(cable, way.current);
+    memcpy(way.from, scene.velocity, sizeof way.from);
+    memcpy(way.to, start->velocity, sizeof way.to);
+    const double *w = way.current;
+    const double before[2] = {way.from[0] - w[0], way.from[1] - w[1]}, after[2] = {way.to[0] - w[0], way.to[1] - w[1]};
+    way.by_angle = hypot(before[0], before[1]) > 0.0 && hypot(after[0], after[1]) > 0.0;
+    if (way.by_angle) {
+        way.turn = atan2(before[0] * after[1] - before[1] * after[0], before[0] * after[0] + before[1] * after[1]);
+    } else {
+        int alone = !is_anchored(cable);
+        for (int64_t n = first + 1; n < header(cable->I)->frame_count; n++) alone &= !is_used(cable, n);
+        if (alone) way.turn = turn_to(start->attitude[2], scene.attitude[2]);
+    }
+    if (is_anchored(cable)) way.turn = 0.0;
+    return way;
+}
+
+/* The vessels' velocity at a share of the way. */
+static void velocity_at(const Way *way, double share, double out[3]) {
+    for (int i = 0; i < 3; i++) out[i] = way->from[i] + share * (way->to[i] - way->from[i]);
+    if (share == 1.0) memcpy(out, way->to, sizeof way->to);
+    if (!way->by_angle || share == 1.0) return;
+    const double x = way->from[0] - way->current[0], y = way->from[1] - way->current[1];
+    const double last = hypot(way->to[0] - way->current[0], way->to[1] - way->current[1]), first = hypot(x, y);
+    const double longer = (first + share * (last - first)) / first;
+    const double c = longer * cos(share * way->turn), s = longer * sin(share * way->turn);
+    out[0] = way->current[0] + c * x - s * y;
+    out[1] = way->current[1] + s * x + c * y;
+}
+
+/* A piece of motion that goes on from its start. */
+static void go_straight_on(Piece *piece, const double position[3], const double velocity[3]) {
+    memset(piece, 0, sizeof *piece);
+    piece->end = INFINITY;
+    memcpy(piece->data, position, 3 * sizeof *position);
+    memcpy(piece->data + 3, velocity, 3 * sizeof *velocity);
+}
+
+/* Vessels to a share of the way, where they move at a velocity. */
+static void place_vessels(Cable *cable, double share, const double velocity[3]) {
+    const double none[3] = {0};
+    for (int64_t n = 0; n < header(cable->I)->frame_count; n++) {
+        if (!is_changed(cable, n)) continue;
+        const VesselStart scene = scene_start(cable, n), *wanted = vessel_starts(cable) + n;
+        Frame *row = frame_of(cable, n);
+        double place[3], angles[3];
+        for (int i = 0; i < 3; i++) {
+            const double way = wanted->position[i] - scene.position[i];
+            const double turn = turn_to(wanted->attitude[i], scene.attitude[i]);
+            place[i] = wanted->position[i] - (1.0 - share) * way;
+            angles[i] = wanted->attitude[i] - (1.0 - share) * turn;
+            if (velocity_set(cable, n)) continue;
+            row->shift[i] = share * way;
+            row->shift[3 + i] = share * turn;
+        }
+        if (!velocity_set(cable, n)) continue;
+        go_straight_on(&row->piece, place, is_used(cable, n) ? velocity : wanted->velocity);
+        go_straight_on(&row->turn_piece, angles, none);
+        row->live = row->turn_live = (double)LIVE;
+    }
+}
+
+/* -- what hangs on vessels follows them ------------------------------------------------------------- */
+
+static void turn_vector(double c, double s, double *vector) {
+    const double x = vector[0];
+    vector[0] = c * x - s * vector[1];
+    vector[1] = s * x + c * vector[1];
+}
+
+/* The whole system about the vertical through the first vessel. */
+static void turn_system(Cable *cable, double angle) {
+    const int64_t *I = cable->I, *joint = I + header(I)->joint;
+    const double c = cos(angle), s = sin(angle);
+    if (angle == 0.0) return;
+    double axis[2];
+    for (int i = 0; i < 2; i++)
+        axis[i] = frame_of(cable, first_used(cable))->motion.position[i] - scalars(cable->M)->origin[i];
+    for (int64_t node = 0; node < header(I)->nodes; node++) {
+        double *q = POSITION_OF(cable, node);
+        for (int i = 0; i < 2; i++) q[i] -= axis[i];
+        turn_vector(c, s, q);
+        for (int i = 0; i < 2; i++) q[i] += axis[i];
+        if (joint[node] != JOINT_FREE && joint[node] != JOINT_ROOT_FREE) turn_vector(c, s, q + 3);
+    }
+    for (int64_t n = 0; n < header(I)->free_count; n++) {
+        double *r = AS(FreeBody, cable->M + header(I)->free_bodies + n * FREE_WORDS)->rotation;
+        for (int j = 0; j < 3; j++) { /* by rows: its columns are the body's axes */
+            double column[2] = {r[j], r[3 + j]};
+            turn_vector(c, s, column);
+            r[j] = column[0];
+            r[3 + j] = column[1];
+        }
+    }
+}
+
+/* Of each node, the first one that shares its place, or is of the same body. */
+static void find_groups(const Cable *cable, int64_t *group) {
+    const int64_t *I = cable->I, *joint = I + header(I)->joint, *parent = I + header(I)->parent;
+    const int64_t nodes = header(I)->nodes;
+    for (int64_t node = 0; node < nodes; node++) {
+        const int apart = node == 0 || joint[node] == JOINT_NONE || joint[node] >= JOINT_ROOT;
+        group[node] = apart ? node : group[parent[node]];
+    }
+    for (int64_t n = 0; n < header(I)->closure_count; n++) {
+        const Closure *row = AS(Closure, cable->M + header(I)->closures + n * CLOSURE_WORDS);
+        if (row->node < 0.0 || row->clamp != 0.0) continue;
+        const double *body = cable->M + header(I)->free_bodies + (int64_t)row->body * FREE_WORDS;
+        const int64_t other = (int64_t)(row->body < 0.0 ? row->other : AS(FreeBody, body)->node);
+        const int64_t one = group[(int64_t)row->node], to = group[other];
+        for (int64_t node = 0; node < nodes; node++)
+            if (group[node] == one) group[node] = to;
+    }
+}
+
+/* Out of what ways of groups are unbalanced by, as if elements were springs: what is held stays. */
+static void unbalanced(const Cable *cable, const int64_t *group, const double *held, const double *way, double *out) {
+    const int64_t *I = cable->I, *joint = I + header(I)->joint, *parent = I + header(I)->parent;
+    const int64_t nodes = header(I)->nodes;
+    memset(out, 0, sizeof(double) * (size_t)(3 * nodes));
+    for (int64_t node = 1; node < nodes; node++) {
+        if (joint[node] != JOINT_NONE) continue;
+        const double h = AS(Edge, cable->M + header(I)->edges + node * EDGE_WORDS)->length;
+        const int64_t p = 3 * group[parent[node]], c = 3 * group[node];
+        for (int i = 0; i < 3; i++) {
+            const double pull = (way[c + i] - way[p + i]) / h;
+            out[c + i] += pull;
+            out[p + i] -= pull;
+        }
+    }
+    for (int64_t n = 0; n < 3 * nodes; n++)
+        if (held[n / 3] != 0.0) out[n] = 0.0;
+}
+
+static double product(const double *a, const double *b, int64_t count) {
+    double sum = 0.0;
+    for (int64_t n = 0; n < count; n++) sum += a[n] * b[n];
+    return sum;
+}
+
+/* Ways of all groups from those of what is held, shared out along the lines: conjugate gradients. work:
+   3 times as many words. */
+static void share_out(const Cable *cable, const int64_t *group, const double *held, double *way, double *work) {
+    const int64_t nodes = header(cable->I)->nodes, count = 3 * nodes;
+    double *rest = work, *along = work + count, *image = work + 2 * count;
+    unbalanced(cable, group, held, way, rest);
+    for (int64_t n = 0; n < count; n++) along[n] = rest[n] = -rest[n];
+    double size = product(rest, rest, count);
+    const double first = size;
+    for (int64_t round = 0; round < nodes && size > 1e-12 * first; round++) {
+        unbalanced(cable, group, held, along, image);
+        const double step = size / product(along, image, count);
+        for (int64_t n = 0; n < count; n++) {
+            way[n] += step * along[n];
+            rest[n] -= step * image[n];
+        }
+        const double next = product(rest, rest, count);
+        for (int64_t n = 0; n < count; n++) along[n] = rest[n] + next / size * along[n];
+        size = next;
+    }
+}
+
+/* Lines and bodies after the ends that are held, which have moved since `before`: 6 words of each node.
+   Returns 0 if there is no memory. */
+static int follow_ends(Cable *cable, const double *before) {
+    const int64_t *I = cable->I, *joint = I + header(I)->joint, *parent = I + header(I)->parent;
+    const int64_t nodes = header(I)->nodes;
+    int64_t *group = malloc(8 * (size_t)nodes);
+    double *held = calloc((size_t)(13 * nodes), sizeof(double));
+    if (group == NULL || held == NULL) {
+        free(group);
+        free(held);
+        return 0;
+    }
+    double *way = held + nodes;
+    find_groups(cable, group);
+    for (int64_t n = 0; n < header(I)->constraint_count; n++) {
+        const int64_t node = (int64_t)constraint_of(cable, n)->node;
+        held[group[node]] = 1.0;
+        for (int i = 0; i < 3; i++)
+            way[3 * group[node] + i] = POSITION_OF(cable, node)[i] - before[6 * node + i];
+    }
+    share_out(cable, group, held, way, way + 3 * nodes);
+    for (int64_t node = 0; node < nodes; node++)
+        for (int i = 0; i < 3; i++) POSITION_OF(cable, node)[i] = before[6 * node + i] + way[3 * group[node] + i];
+    for (int64_t node = 1; node < nodes; node++) { /* slopes: half of what each side turns by */
+        if (joint[node] != JOINT_NONE) continue;
+        const int64_t ends[] = {parent[node], node};
+        const double h = AS(Edge, cable->M + header(I)->edges + node * EDGE_WORDS)->length;
+        for (int end = 0; end < 2; end++) {
+            const int body = joint[ends[end]] == JOINT_FREE || joint[ends[end]] == JOINT_ROOT_FREE;
+            for (int i = 0; i < 3 && !body; i++)
+                POSITION_OF(cable, ends[end])[3 + i] += 0.5 * (way[3 * group[node] + i] - way[3 * group[ends[0]] + i]) / h;
+        }
+    }
+    free(group);
+    free(held);
+    return 1;
+}
+
+/* -- equilibrium ------------------------------------------------------------------------------------ */
+
+/* What holds the ends, at the start of a motion, but for accelerations: they begin after t = 0. */
+static void hold_ends(Cable *cable) {
+    const int64_t *I = cable->I;
+    double *kept = cable->M + header(I)->increment; /* workspace that is not used here */
+    const size_t bytes = sizeof(double) * (size_t)(6 * header(I)->nodes);
+    memcpy(kept, cable->M + header(I)->acceleration, bytes);
+    cablemodel_place_supports(cable->I, cable->block_words);
+    memcpy(cable->M + header(I)->acceleration, kept, bytes);
+}
+
+/* Make the present places of feet those of rest: none of them is held where the scene puts it. */
+static void rest_feet(Cable *cable) {
+    const int64_t *I = cable->I;
+    for (int64_t n = 0; n < header(I)->foot_count; n++) {
+        Foot *foot = AS(Foot, cable->M + header(I)->feet + n * FOOT_WORDS);
+        const BodyMotion *motion =
+            &AS(FreeBody, cable->M + header(I)->free_bodies + (int64_t)foot->body * FREE_WORDS)->motion;
+        for (int i = 0; i < 3; i++) {
+            foot->rest[i] = motion->reference.position[i];
+            for (int j = 0; j < 3; j++) foot->rest[i] += motion->turn[3 * i + j] * foot->place[j];
+        }
+    }
+}
+
+/* Friction of the floor on lines and feet: 0, or that of the exported state. */
+static void set_friction(Cable *cable, int holds) {
+    const int64_t *I = cable->I, *image = initial_image(cable);
+    scalars(cable->M)->friction = holds ? scalars((const double *)image)->friction : 0.0;
+    for (int64_t n = 0; n < header(I)->foot_count; n++) {
+        const int64_t word = header(I)->feet + n * FOOT_WORDS + WORD(Foot, friction);
+        const int64_t exported = header(image)->feet + n * FOOT_WORDS + WORD(Foot, friction);
+        cable->M[word] = holds ? ((const double *)image)[exported] : 0.0;
+    }
+}
+
+/* The calls of _come_to_rest in cablemodel/systems/build.py. */
+static int64_t come_to_rest(Cable *cable, double velocity[3]) {
+    int64_t status = STATICS_FAILED;
+    set_friction(cable, 0);
+    for (int attempt = 0; attempt < 2; attempt++) {
+        status = cablemodel_equilibrium(cable->I, cable->block_words, velocity, 3);
+        if (status != OK || attempt || !cablemodel_stabilise(cable->I, cable->block_words)) break;
+    }
+    set_friction(cable, 1);
+    if (status != OK) return status;
+    hold_ends(cable);
+    rest_here(cable);
+    rest_feet(cable);
+    count_from_zero(cable);
+    if (header(cable->I)->hybrid) cablemodel_choose_bending(cable->I, cable->block_words);
+    return OK;
+}
+
+static int64_t *copy_of_image(const Cable *cable) {
+    int64_t *copy = malloc(8 * (size_t)cable->image_words);
+    if (copy != NULL) memcpy(copy, cable->I, 8 * (size_t)cable->image_words);
+    return copy;
+}
+
+static void give_back(Cable *cable, const int64_t *image) {
+    memcpy(cable->I, image, 8 * (size_t)cable->image_words);
+}
+
+/* Halve what bends too much, from the last element on: halves go where the whole one went. */
+static int64_t halve_bent(Cable *cable) {
+    int64_t found = NOTHING;
+    for (int64_t node = header(cable->I)->nodes - 1; node >= 1; node--) {
+        if (cable->I[header(cable->I)->joint + node] != JOINT_NONE || !(bend_at(cable, node) > 1.0)) continue;
+        const int64_t status = cablemodel_halve_at_rest(cable->I, cable->block_words, node);
+        if (status == NO_CAPACITY) return NO_CAPACITY;
+        if (status == CHANGED) found = CHANGED;
+    }
+    return found;
+}
+
+/* Finer where lines bend too much, or where they meet the floor: _at_rest of cablemodel/systems/build.py.
+   What fails leaves the mesh to the run. */
+static int64_t refine(Cable *cable, double velocity[3], int at_floor) {
+    for (int round = 0; round < REFINEMENTS; round++) {
+        if (!at_floor && header(cable->I)->nodes > LARGEST_STATIC_MESH) break;
+        int64_t found, *at_rest = copy_of_image(cable);
+        if (at_rest == NULL) return NO_CAPACITY;
+        while ((found = at_floor ? cablemodel_refine_at_floor(cable->I, cable->block_words)
+                                 : halve_bent(cable)) == NO_CAPACITY) {
+            give_back(cable, at_rest);
+            free(at_rest);
+            if (!grow(cable) || (at_rest = copy_of_image(cable)) == NULL) return NO_CAPACITY;
+        }
+        if (found != NOTHING && !at_floor) restore_bending(cable);
+        if (found != NOTHING && come_to_rest(cable, velocity) != OK) {
+            give_back(cable, at_rest);
+            found = NOTHING;
+        }
+        free(at_rest);
+        if (found == NOTHING) break;
+    }
+    return OK;
+}
+
+/* From a share of the way to another one. */
+static int64_t go_on(Cable *cable, const Way *way, double from, double to) {
+    double velocity[3], *before = malloc(sizeof(double) * (size_t)(6 * header(cable->I)->nodes));
+    if (before == NULL) return NO_CAPACITY;
+    velocity_at(way, to, velocity);
+    turn_system(cable, (to - from) * way->turn);
+    memcpy(before, POSITION_OF(cable, 0), sizeof(double) * (size_t)(6 * header(cable->I)->nodes));
+    place_vessels(cable, to, velocity);
+    cablemodel_place_supports(cable->I, cable->block_words);
+    const int followed = follow_ends(cable, before);
+    free(before);
+    restore_bending(cable);
+    return followed ? come_to_rest(cable, velocity) : NO_CAPACITY;
+}
+
+/* Rates of winches: 0, as a start is sought, or those of the exported state. */
+static void run_winches(Cable *cable, int runs) {
+    for (int64_t n = 0; n < header(cable->I)->winch_count; n++)
+        winch_of(cable->I, n)->rate = runs ? winch_of(initial_image(cable), n)->rate : 0.0;
+}
+
+/* Number of the line of a row of the cable table. */
+static double line_row(const Cable *cable, double segment) {
+    return AS(CableRow, cable->M + header(cable->I)->cables + (int64_t)segment * CABLE_WORDS)->row;
+}
+
+/* Velocities of what hangs on a winch that pays out from t = 0 on: _start_flowing. */
+static const char *start_flowing(Cable *cable) {
+    const int64_t *I = cable->I, *joint = I + header(I)->joint, *parent = I + header(I)->parent;
+    for (int64_t n = 0; n < header(I)->winch_count; n++) {
+        const Winch *row = winch_of(I, n);
+        const int64_t top = (int64_t)row->node;
+        const double line = line_row(cable, row->cable);
+        if (row->rate == 0.0) continue;
+        if (header(I)->floor_state == FLOOR_TOUCHED)
+            return "a winch runs at the start, and what touches the sea floor does not move along";
+        /* Nothing else holds it: its tree begins at the winch, and ends where another one begins. */
+        for (int64_t node = top + 1; node < header(I)->nodes && joint[node] < JOINT_ROOT; node++) {
+            double *v = node_of(cable, WORD(Header, velocity), node);
+            const double *q = POSITION_OF(cable, node);
+            const double *edge = cable->M + header(I)->edges + node * EDGE_WORDS;
+            const int runs = joint[node] == JOINT_NONE && line_row(cable, AS(Edge, edge)->segment) == line;
+            const double *from = node_of(cable, WORD(Header, velocity), runs ? top : parent[node]);
+            for (int i = 0; i < 3; i++) v[i] = from[i] + (runs ? row->rate * q[3 + i] : 0.0);
+        }
+    }
+    return NULL;
+}
+
+/* What is to be told of such a start: as `judge` of lengths.c. */
+static void judge(Cable *cable, double exported) {
+    const Scalars *state = scalars(cable->M);
+    const double allowed = 10.0 * state->tolerance * fmax(state->largest_tension, state->tension_scale);
+    double lowest = 0.0;
+    for (int64_t node = 0; node < header(cable->I)->nodes; node++)
+        lowest = fmin(lowest, cable->M[header(cable->I)->tension + 2 * node]);
+    cable->bent = most_bent(cable);
+    if (!(cable->bent > fmax(FAR_TOO_BENT, exported))) cable->bent = 0.0;
+    cable->pressed = lowest < -allowed ? lowest : 0.0;
+}
+
+static const char *search(Cable *cable) {
+    const Way way = way_of(cable);
+    const double bent = most_bent(cable);
+    double velocity[3];
+    int64_t status = OK, *kept = copy_of_image(cable);
+    if (kept == NULL) return "out of memory";
+    run_winches(cable, 0);
+    scalars(cable->M)->third_mode = STABILISATION * scalars(cable->M)->tension_scale;
+    forget_stabilisation(cable);
+    double done = 0.0, part = 1.0;
+    while (done < 1.0) {
+        const double next = fmin(1.0, done + part);
+        memcpy(kept, cable->I, 8 * (size_t)cable->image_words);
+        if (part < 1.0) header(cable->I)->maximum_steps = FEW_STEPS; /* what is near is soon found */
+        status = go_on(cable, &way, done, next);
+        header(cable->I)->maximum_steps = header(initial_image(cable))->maximum_steps;
+        if (status == OK) {
+            done = next;
+            continue;
+        }
+        give_back(cable, kept);
+        part *= 0.5;
+        if (status == NO_CAPACITY || part < SMALLEST_PART) break;
+    }
+    free(kept);
+    velocity_at(&way, 1.0, velocity);
+    if (status == OK) status = refine(cable, velocity, 0);
+    if (status == OK && header(cable->I)->floor_kind != FLOOR_NONE) status = refine(cable, velocity, 1);
+    if (status == NO_CAPACITY) return "out of memory";
+    if (status != OK) return "no static equilibrium was found at this start: export the scene with it";
+    run_winches(cable, 1);
+    judge(cable, bent);
+    return start_flowing(cable);
+}
+
+/* Vessels to their starts, and the origin of the block's coordinates, in which nothing moves, with
+   them: not even by rounding. */
+static void move_origin(Cable *cable, const double way[3]) {
+    double *kept = cable->M + header(cable->I)->trial_position; /* workspace */
+    const size_t bytes = sizeof(double) * (size_t)(6 * header(cable->I)->nodes);
+    memcpy(kept, POSITION_OF(cable, 0), bytes);
+    place_vessels(cable, 1.0, NULL);
+    for (int i = 0; i < 3; i++) scalars(cable->M)->origin[i] += way[i];
+    hold_ends(cable);
+    memcpy(POSITION_OF(cable, 0), kept, bytes);
+}
+
+/* From the exported state, so that it does not matter in which order values were set. */
+const char *settle_system(Cable *cable) {
+    int changed = 0, moved = 0;
+    double way[3] = {0};
+    cable->bent = cable->pressed = 0.0;
+    const Parameter *tuned = first_changed(cable);
+    restore_exported(cable);
+    for (int64_t n = 0; n < header(cable->I)->frame_count; n++) {
+        changed |= is_changed(cable, n);
+        moved |= is_changed(cable, n) && is_used(cable, n);
+    }
+    if (!changed && tuned == NULL) return NULL;
+    const char *problem = unsteady(cable);
+    if (problem != NULL) return problem;
+    if (tuned != NULL && !(cable->flags & FLAG_MOVABLE)) {
+        snprintf(cable->message, sizeof cable->message,
+                 "%s is not the scene's %g: friction holds bodies at this start; export the scene with it, or "
+                 "set it after the initialization", tuned->name, tuned->start);
+        return cable->message;
+    }
+    if (tuned == NULL && (!moved || moves_as_a_whole(cable, way))) {
+        move_origin(cable, way);
+        return NULL;
+    }
+    problem = search(cable);
+    if (problem != NULL) take_exported(cable);
+    return problem;
+}
