@@ -214,6 +214,15 @@ def test_a_line_breaks_at_what_it_carries_with_its_damping():
     assert run["link.time"][-1] == pytest.approx(first, abs=2e-3)
 
 
+def test_direct_integration_refuses_damping_on_the_drum_too():
+    scene = load_on_a_wire(wire(0.0, bending_stiffness=1.0), MASS, 1e-3)
+    scene["cable_types"]["damped"] = wire(1e3, bending_stiffness=1.0)
+    scene["payout"] = {"drum": [{"cable": {"type": "damped", "length": 10.0}}]}
+    scene["solver"] = {"method": "direct_integration"}
+    with pytest.raises(cm.SceneError, match=r"damped.axial_damping: .*no damping of the material"):
+        cm.CableModel(scene)
+
+
 def test_bad_damping_is_told():
     with pytest.raises(cm.SceneError, match=r"cable_types.wire.axial_damping: .*at least 0"):
         cm.load_scene(load_on_a_wire(wire(-1.0), MASS, 1e-3))
